@@ -1,0 +1,101 @@
+#include "program.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <new>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/provenance.h"
+
+namespace lake {
+namespace {
+
+enum ExitCode { kDone = 0, kFailed = 1, kWrongUsage = 2, kNoSolution = 3, kSignalBase = 128 };
+
+// One line, whatever the text holds.
+int Complain(const std::string& program, std::string text, ExitCode code) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  fmt::print(stderr, "{}: {}\n", program, text);
+  return code;
+}
+
+std::string CommandLine(int argc, char** argv) {
+  std::string line;
+  for (int i = 0; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = !word.empty() && word.find_first_of(" \t\n\"'\\$&;|<>()*?#") == std::string::npos;
+    line += (i ? " " : "") + (plain ? word : fmt::format("'{}'", word));
+  }
+  return line;
+}
+
+}  // namespace
+
+Program::Program(std::string name, std::string what, std::string example) : name_(std::move(name)), cli_(std::move(what), name_) {
+  cli_.footer("Example:\n  " + example);
+  cli_.option_defaults()->always_capture_default();
+  cli_.add_option("-o,--out", out_, "Folder for the results; made if absent (default: ./lake-out/NAME)");
+  cli_.add_flag("--quiet", quiet_, "No progress");
+  cli_.add_flag("--json", json_, "Print the summary to stdout as JSON");
+  cli_.set_version_flag("--version", fmt::format("{} {}", name_, Version()));
+  cli_.set_config("--config", "", "Take options from this file; each run writes its own as options.toml");
+}
+
+Json Program::EffectiveOptions() const {
+  Json options = Json::object();
+  for (const CLI::Option* option : cli_.get_options()) {
+    const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
+    if (name == "help" || name == "version" || name == "config") continue;
+    if (option->count() == 0)
+      options[name] = option->get_default_str();
+    else if (option->results().size() == 1)
+      options[name] = option->results().front();
+    else
+      options[name] = option->results();
+  }
+  return options;
+}
+
+int Program::Main(int argc, char** argv, const std::function<std::string()>& result_name,
+                  const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report) {
+  try {
+    cli_.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return cli_.exit(error);  // --help, --version
+    return Complain(name_, fmt::format("{}; see {} --help", error.what(), name_), kWrongUsage);
+  }
+  CatchInterrupts();
+  try {
+    return Work(CommandLine(argc, argv), result_name(), work, report);
+  } catch (const UsageError& error) {
+    return Complain(name_, error.what(), kWrongUsage);
+  } catch (const SolverError& error) {
+    return Complain(name_, error.what(), kNoSolution);
+  } catch (const Interrupted& interrupted) {
+    fmt::print(stderr, "{}: interrupted\n", name_);
+    return kSignalBase + interrupted.Signal();
+  } catch (const std::bad_alloc&) {
+    return Complain(name_, "not enough memory for this input", kFailed);
+  } catch (const std::exception& error) {
+    return Complain(name_, error.what(), kFailed);
+  }
+}
+
+int Program::Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work,
+                  const std::function<std::string(const Json&)>& report) {
+  if (out_.empty()) out_ = "lake-out/" + result_name;
+  Run run({name_, command, EffectiveOptions(), out_, quiet_});
+  const Json summary = run.WriteSummary(work(run));
+  WriteTextFile(run.Result("options.toml"), cli_.config_to_str(true));
+  if (json_)
+    fmt::print("{}\n", summary.dump(2));
+  else if (report)
+    fmt::print("{}", report(summary));
+  return kDone;
+}
+
+}  // namespace lake

@@ -1,0 +1,77 @@
+// The front door: `lake track …` runs `lake-track …`, found beside this program.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lake/core/provenance.h"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Step {
+  std::string_view name, what;
+};
+constexpr std::array kSteps = {
+    Step{"run", "a whole study, from two videos to a better exoskeleton"},
+    Step{"calibrate", "camera and sagittal plane from pictures of a board"},
+    Step{"track", "markers, leg vectors and knee angle from a video"},
+    Step{"gait", "the leg fit on tracks made before, or by another program"},
+    Step{"compare", "misalignment between a human trial and an exoskeleton trial"},
+    Step{"optimize", "the links that give the largest range of rotation"},
+    Step{"simulate", "poses, angle against stroke and animation of a design"},
+    Step{"stroke", "stroke program and firmware for the actuator"},
+    Step{"convert", "a trial file in another format"},
+    Step{"info", "what is inside a trial file"},
+    Step{"synth", "a rendered recording with its ground truth"},
+};
+
+bool IsInstalled(const fs::path& folder, std::string_view step) {
+  return access((folder / fmt::format("lake-{}", step)).c_str(), X_OK) == 0;
+}
+
+void PrintHelp(const fs::path& folder) {
+  fmt::print("lake: from two videos of a sit-to-stand to a better knee exoskeleton\n\nUsage: lake STEP [OPTIONS]\n\n");
+  for (const Step& step : kSteps)
+    if (IsInstalled(folder, step.name)) fmt::print("  {:<10} {}\n", step.name, step.what);
+  fmt::print("\n`lake STEP --help` tells of a step; each is also a program of its own, lake-STEP.\n");
+}
+
+int Complain(const std::string& text) {
+  fmt::print(stderr, "lake: {}; see lake --help\n", text);
+  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
+  if (argc < 2) return Complain("which step?");
+  const std::string_view step = argv[1];
+  if (step == "--help" || step == "-h" || step == "help") {
+    PrintHelp(folder);
+    return 0;
+  }
+  if (step == "--version") {
+    fmt::print("lake {}\n", lake::Version());
+    return 0;
+  }
+  if (step.starts_with("-")) return Complain(fmt::format("no option '{}'", step));
+  if (step.find('/') != std::string_view::npos || !IsInstalled(folder, step))
+    return Complain(fmt::format("no step '{}'", step));
+
+  std::string program = (folder / fmt::format("lake-{}", step)).string();
+  std::vector<char*> arguments(argv + 1, argv + argc);
+  arguments.front() = program.data();
+  arguments.push_back(nullptr);
+  execv(program.c_str(), arguments.data());
+  fmt::print(stderr, "lake: {} cannot be started: {}\n", program, std::strerror(errno));
+  return 1;
+}

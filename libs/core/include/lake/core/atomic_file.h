@@ -1,0 +1,36 @@
+// Files that appear under their final name only when they are whole.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace lake {
+
+// A file that is written under a temporary name beside its final one. Commit() moves it there; without it the destructor removes
+// it. Other libraries (video writers, gnuplot) write to TemporaryPath() themselves.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path final_path);
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile();
+
+  // Has the extension of the final path, so that libraries which choose a format by it choose rightly.
+  const std::filesystem::path& TemporaryPath() const { return temporary_path_; }
+
+  // Throws Error if the temporary file does not exist or cannot be moved.
+  void Commit();
+
+ private:
+  std::filesystem::path final_path_;
+  std::filesystem::path temporary_path_;
+  bool committed_ = false;
+};
+
+// Writes the whole text, atomically. Throws Error (a full disk, a folder that cannot be written).
+void WriteTextFile(const std::filesystem::path& path, std::string_view text);
+
+// Reads the whole file. Throws Error if it is absent, a folder, or larger than `max_bytes`.
+std::string ReadTextFile(const std::filesystem::path& path, std::size_t max_bytes = std::size_t{1} << 30);
+
+}  // namespace lake

@@ -1,0 +1,83 @@
+// Tables as the project's files have them: comma, one header line, '.' decimal point in every locale, an empty cell for a missing
+// value, numbers that read back as the same double.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lake {
+
+// A table read from a file; cells stay text until asked for.
+class CsvTable {
+ public:
+  // Quoted cells are understood. Throws Error naming file and line: no header, a row of another width, a duplicate column.
+  static CsvTable Read(const std::filesystem::path& path, char delimiter = ',');
+
+  const std::vector<std::string>& Header() const { return header_; }
+  std::size_t Rows() const { return rows_.size(); }
+  bool Has(std::string_view column) const;
+
+  // Throws Error if there is no such column.
+  std::size_t Column(std::string_view column) const;
+  const std::string& Text(std::size_t row, std::size_t column) const { return rows_.at(row).at(column); }
+
+  // The cell as a number, nullopt if it is empty. Throws Error naming file, line and column if it is neither, or not finite.
+  std::optional<double> Number(std::size_t row, std::size_t column) const;
+
+  // As Number, but an empty cell is an error too.
+  double RequiredNumber(std::size_t row, std::size_t column) const;
+
+  // "file:line" of a row, for messages.
+  std::string Where(std::size_t row) const;
+
+ private:
+  std::filesystem::path path_;
+  std::vector<std::string> header_;
+  std::vector<std::vector<std::string>> rows_;
+  std::vector<std::size_t> lines_;
+};
+
+// Collects rows, then writes the file whole and atomically.
+class CsvWriter {
+ public:
+  explicit CsvWriter(std::vector<std::string> header);
+
+  CsvWriter& Add(double value);  // NaN writes an empty cell
+  CsvWriter& Add(std::optional<double> value);
+  CsvWriter& Add(std::int64_t value);
+  CsvWriter& Add(int value) { return Add(std::int64_t{value}); }
+  CsvWriter& Add(std::string_view text);  // quoted if it must be
+  CsvWriter& Add(const char* text) { return Add(std::string_view(text)); }
+  CsvWriter& AddEmpty();
+
+  // Ends a row; it must be as wide as the header (asserted).
+  void EndRow();
+
+  // Throws Error if the file cannot be written.
+  void Write(const std::filesystem::path& path) const;
+
+ private:
+  void StartCell();
+
+  std::size_t columns_;
+  std::size_t cells_in_row_ = 0;
+  std::string text_;
+};
+
+// The shortest text that reads back as the same double, in every locale.
+std::string FormatNumber(double value);
+
+// The whole text as a finite number in the C locale; nullopt otherwise.
+std::optional<double> ParseNumber(std::string_view text);
+
+// "1,2.5,3" as `count` numbers. Throws UsageError that names `what` and the text.
+std::vector<double> ParseNumbers(std::string_view text, std::size_t count, std::string_view what);
+
+// The parts between separators, trimmed of blanks; an empty text has no parts.
+std::vector<std::string> SplitText(std::string_view text, char separator);
+
+}  // namespace lake

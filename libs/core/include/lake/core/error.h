@@ -1,0 +1,38 @@
+// How the project says that something went wrong. A caller's mistake or a bad input throws one of these with a message of one
+// line: what, where (file, line, frame), what to do. A solver that ends badly returns a status; only a program turns that into
+// SolverError. A bug of our own is an assert.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace lake {
+
+// An input or a run failed. Programs exit with 1.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// A program was called wrongly. Programs exit with 2.
+class UsageError : public Error {
+ public:
+  using Error::Error;
+};
+
+// A solver ended without a usable solution; its best point and the reason have been written. Programs exit with 3.
+class SolverError : public Error {
+ public:
+  using Error::Error;
+};
+
+// throw Fail("{}: no such marker '{}'", file, name);
+template <typename... Args>
+Error Fail(fmt::format_string<Args...> format, Args&&... args) {
+  return Error(fmt::format(format, std::forward<Args>(args)...));
+}
+
+}  // namespace lake

@@ -1,0 +1,25 @@
+// Statistics of residuals. All take values in any order; an empty input gives NaN.
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace lake {
+
+double Mean(std::span<const double> values);
+
+// The sample standard deviation, divisor n − 1.
+double StandardDeviation(std::span<const double> values);
+
+// sqrt(mean(v²)).
+double RootMeanSquare(std::span<const double> values);
+
+// Linear interpolation between order statistics (type 7 of Hyndman & Fan 1996); `fraction` in 0..1.
+double Quantile(std::vector<double> values, double fraction);
+
+double Median(std::vector<double> values);
+
+// 1.4826 × median |v − median|: for normal values an estimate of their standard deviation that half of them cannot spoil.
+double RobustDeviation(const std::vector<double>& values);
+
+}  // namespace lake

@@ -1,0 +1,61 @@
+// Reading YAML strictly: every error names file and line, and a key that nobody asked for is an error.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace lake {
+
+// A node of a YAML file. Take what is known from it, then call Finish(): it throws for keys that were not taken.
+class YamlNode {
+ public:
+  // Throws Error if the file cannot be read or is not YAML.
+  static YamlNode ReadFile(const std::filesystem::path& path);
+
+  ~YamlNode();
+  YamlNode(YamlNode&&) noexcept;
+  YamlNode& operator=(YamlNode&&) noexcept;
+
+  bool Has(std::string_view key) const;
+
+  // A child of a map; nullopt when the key is absent.
+  std::optional<YamlNode> Child(std::string_view key);
+
+  // A scalar child; nullopt when the key is absent. Throws Error if it has another type or is not finite.
+  std::optional<double> Number(std::string_view key);
+  std::optional<int> Integer(std::string_view key);
+  std::optional<bool> Boolean(std::string_view key);
+  std::optional<std::string> Text(std::string_view key);
+
+  // A list of numbers, of exactly `count` if given.
+  std::optional<std::vector<double>> Numbers(std::string_view key, std::optional<std::size_t> count = {});
+
+  // The elements of a list, this node being one; the pairs of a map, this node being one. Throws Error if it is not.
+  std::vector<YamlNode> Elements() const;
+  std::vector<std::pair<std::string, YamlNode>> Pairs();
+
+  bool IsMap() const;
+  bool IsList() const;
+
+  // This node itself as a scalar.
+  double AsNumber() const;
+  std::string AsText() const;
+
+  // Throws Error naming the first key that was not taken, its line, and the keys that are known here.
+  void Finish() const;
+
+  // "file:line", for messages.
+  std::string Where() const;
+
+ private:
+  struct Impl;
+  explicit YamlNode(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lake

@@ -1,0 +1,191 @@
+#include "lake/core/csv.h"
+
+#include <csv.h>
+
+#include <algorithm>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+std::string_view Trim(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+// Fields and records as libcsv hands them over, with the line on which each record ended.
+struct Records {
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::size_t> lines;
+  std::vector<std::string> current;
+  std::size_t line = 0;
+
+  static void OnField(void* field, std::size_t length, void* self) {
+    static_cast<Records*>(self)->current.emplace_back(field ? static_cast<const char*>(field) : "", length);
+  }
+  static void OnRecord(int /*terminator*/, void* self) {
+    auto* records = static_cast<Records*>(self);
+    records->rows.push_back(std::move(records->current));
+    records->lines.push_back(records->line);
+    records->current.clear();
+  }
+};
+
+Records ParseRecords(const std::string& text, char delimiter, const std::filesystem::path& path) {
+  Records records;
+  csv_parser parser;
+  if (csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI) != 0) throw Fail("{}: cannot set up the CSV parser", path.string());
+  csv_set_delim(&parser, static_cast<unsigned char>(delimiter));
+  bool parsed = true;
+  for (std::size_t begin = 0; parsed && begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
+    ++records.line;
+    parsed = csv_parse(&parser, text.data() + begin, end - begin, Records::OnField, Records::OnRecord, &records) == end - begin;
+    begin = end;
+  }
+  parsed = parsed && csv_fini(&parser, Records::OnField, Records::OnRecord, &records) == 0;
+  const std::string reason = parsed ? "" : csv_strerror(csv_error(&parser));
+  csv_free(&parser);
+  if (!parsed) throw Fail("{}:{}: not a CSV table: {}", path.string(), records.line, reason);
+  return records;
+}
+
+}  // namespace
+
+CsvTable CsvTable::Read(const std::filesystem::path& path, char delimiter) {
+  std::string text = ReadTextFile(path);
+  if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  Records records = ParseRecords(text, delimiter, path);
+  if (records.rows.empty()) throw Fail("{}: empty, a header line was expected", path.string());
+
+  CsvTable table;
+  table.path_ = path;
+  for (const std::string& name : records.rows.front()) {
+    table.header_.emplace_back(Trim(name));
+    if (std::count(table.header_.begin(), table.header_.end(), table.header_.back()) > 1)
+      throw Fail("{}:1: column '{}' stands twice", path.string(), table.header_.back());
+  }
+  for (std::size_t i = 1; i < records.rows.size(); ++i) {
+    if (records.rows[i].size() != table.header_.size())
+      throw Fail("{}:{}: {} cells, but the header has {}", path.string(), records.lines[i], records.rows[i].size(),
+                 table.header_.size());
+    table.rows_.push_back(std::move(records.rows[i]));
+    table.lines_.push_back(records.lines[i]);
+  }
+  return table;
+}
+
+bool CsvTable::Has(std::string_view column) const {
+  return std::find(header_.begin(), header_.end(), column) != header_.end();
+}
+
+std::size_t CsvTable::Column(std::string_view column) const {
+  const auto found = std::find(header_.begin(), header_.end(), column);
+  if (found == header_.end()) throw Fail("{}: no column '{}'", path_.string(), column);
+  return static_cast<std::size_t>(found - header_.begin());
+}
+
+std::optional<double> CsvTable::Number(std::size_t row, std::size_t column) const {
+  const std::string_view text = Trim(Text(row, column));
+  if (text.empty()) return std::nullopt;
+  const std::optional<double> value = ParseNumber(text);
+  if (!value) throw Fail("{}: column '{}': '{}' is not a finite number", Where(row), header_.at(column), text);
+  return value;
+}
+
+double CsvTable::RequiredNumber(std::size_t row, std::size_t column) const {
+  const std::optional<double> value = Number(row, column);
+  if (!value) throw Fail("{}: column '{}' is empty, a number is needed", Where(row), header_.at(column));
+  return *value;
+}
+
+std::string CsvTable::Where(std::size_t row) const { return fmt::format("{}:{}", path_.string(), lines_.at(row)); }
+
+CsvWriter::CsvWriter(std::vector<std::string> header) : columns_(header.size()) {
+  for (const std::string& name : header) Add(std::string_view(name));
+  EndRow();
+}
+
+void CsvWriter::StartCell() {
+  if (cells_in_row_++ > 0) text_ += ',';
+}
+
+CsvWriter& CsvWriter::Add(double value) {
+  StartCell();
+  if (std::isfinite(value)) text_ += FormatNumber(value);
+  return *this;
+}
+
+CsvWriter& CsvWriter::Add(std::optional<double> value) { return value ? Add(*value) : AddEmpty(); }
+
+CsvWriter& CsvWriter::Add(std::int64_t value) {
+  StartCell();
+  text_ += fmt::to_string(value);
+  return *this;
+}
+
+CsvWriter& CsvWriter::Add(std::string_view text) {
+  StartCell();
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
+    text_ += text;
+    return *this;
+  }
+  text_ += '"';
+  for (const char c : text) text_.append(c == '"' ? 2 : 1, c);
+  text_ += '"';
+  return *this;
+}
+
+CsvWriter& CsvWriter::AddEmpty() {
+  StartCell();
+  return *this;
+}
+
+void CsvWriter::EndRow() {
+  assert(cells_in_row_ == columns_);
+  cells_in_row_ = 0;
+  text_ += '\n';
+}
+
+void CsvWriter::Write(const std::filesystem::path& path) const { WriteTextFile(path, text_); }
+
+std::string FormatNumber(double value) { return fmt::format("{}", value); }
+
+std::optional<double> ParseNumber(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::vector<double> ParseNumbers(std::string_view text, std::size_t count, std::string_view what) {
+  std::vector<double> numbers;
+  for (const std::string& part : SplitText(text, ',')) {
+    const std::optional<double> number = ParseNumber(part);
+    if (!number) throw UsageError(fmt::format("{} '{}': '{}' is not a number", what, text, part));
+    numbers.push_back(*number);
+  }
+  if (numbers.size() != count)
+    throw UsageError(fmt::format("{} '{}': {} numbers separated by commas are needed, not {}", what, text, count, numbers.size()));
+  return numbers;
+}
+
+std::vector<std::string> SplitText(std::string_view text, char separator) {
+  std::vector<std::string> parts;
+  if (Trim(text).empty()) return parts;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, begin), text.size());
+    parts.emplace_back(Trim(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+}  // namespace lake

@@ -1,0 +1,68 @@
+#include "lake/core/provenance.h"
+
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#include "lake/core/error.h"
+
+namespace lake {
+namespace fs = std::filesystem;
+namespace {
+
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
+    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) throw Fail("SHA-256 is not available");
+  }
+  void Update(std::string_view bytes) {
+    if (EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) != 1) throw Fail("SHA-256 failed");
+  }
+  std::string Hex() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
+    unsigned size = 0;
+    if (EVP_DigestFinal_ex(context_.get(), digest.data(), &size) != 1) throw Fail("SHA-256 failed");
+    return fmt::format("{:02x}", fmt::join(digest.begin(), digest.begin() + size, ""));
+  }
+
+ private:
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
+std::string Sha256OfFolder(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  Sha256 hash;
+  for (const fs::path& file : files) hash.Update(fmt::format("{} {}\n", file.filename().string(), Sha256OfFile(file)));
+  return hash.Hex();
+}
+
+}  // namespace
+
+std::string_view Version() { return LAKE_VERSION; }
+
+std::string Sha256OfFile(const fs::path& path) {
+  if (fs::is_directory(path)) return Sha256OfFolder(path);
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw Fail("{}: cannot be read", path.string());
+  Sha256 hash;
+  std::vector<char> buffer(1 << 20);
+  while (stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || stream.gcount() > 0)
+    hash.Update({buffer.data(), static_cast<std::size_t>(stream.gcount())});
+  if (stream.bad()) throw Fail("{}: cannot be read", path.string());
+  return hash.Hex();
+}
+
+std::string Sha256OfText(std::string_view text) {
+  Sha256 hash;
+  hash.Update(text);
+  return hash.Hex();
+}
+
+}  // namespace lake

@@ -1,0 +1,52 @@
+#include "lake/core/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace lake {
+namespace {
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+}
+
+double Mean(std::span<const double> values) {
+  if (values.empty()) return kNaN;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double StandardDeviation(std::span<const double> values) {
+  if (values.size() < 2) return kNaN;
+  const double mean = Mean(values);
+  double sum = 0;
+  for (const double value : values) sum += (value - mean) * (value - mean);
+  return std::sqrt(sum / static_cast<double>(values.size() - 1));
+}
+
+double RootMeanSquare(std::span<const double> values) {
+  if (values.empty()) return kNaN;
+  return std::sqrt(std::inner_product(values.begin(), values.end(), values.begin(), 0.0) /
+                   static_cast<double>(values.size()));
+}
+
+double Quantile(std::vector<double> values, double fraction) {
+  if (values.empty()) return kNaN;
+  const double place = std::clamp(fraction, 0.0, 1.0) * static_cast<double>(values.size() - 1);
+  const auto below = values.begin() + static_cast<std::ptrdiff_t>(place);
+  std::nth_element(values.begin(), below, values.end());
+  const double low = *below;
+  if (below + 1 == values.end()) return low;
+  const double high = *std::min_element(below + 1, values.end());
+  return std::lerp(low, high, place - std::floor(place));
+}
+
+double Median(std::vector<double> values) { return Quantile(std::move(values), 0.5); }
+
+double RobustDeviation(const std::vector<double>& values) {
+  const double median = Median(values);
+  std::vector<double> distances(values.size());
+  std::transform(values.begin(), values.end(), distances.begin(), [&](double v) { return std::abs(v - median); });
+  return 1.4826 * Median(std::move(distances));
+}
+
+}  // namespace lake

@@ -1,0 +1,136 @@
+#include "lake/core/yaml.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+
+namespace lake {
+
+struct YamlNode::Impl {
+  YAML::Node node;
+  std::string file;
+  std::vector<std::string> taken;
+};
+
+namespace {
+
+std::string Place(const std::string& file, const YAML::Mark& mark) {
+  return mark.is_null() ? file : fmt::format("{}:{}", file, mark.line + 1);
+}
+
+}  // namespace
+
+YamlNode::YamlNode(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+YamlNode::~YamlNode() = default;
+YamlNode::YamlNode(YamlNode&&) noexcept = default;
+YamlNode& YamlNode::operator=(YamlNode&&) noexcept = default;
+
+YamlNode YamlNode::ReadFile(const std::filesystem::path& path) {
+  const std::string text = ReadTextFile(path);
+  try {
+    return YamlNode(std::unique_ptr<Impl>(new Impl{YAML::Load(text), path.string(), {}}));
+  } catch (const YAML::Exception& error) {
+    throw Fail("{}: not YAML: {}", Place(path.string(), error.mark), error.msg);
+  }
+}
+
+bool YamlNode::IsMap() const { return impl_->node.IsMap(); }
+bool YamlNode::IsList() const { return impl_->node.IsSequence(); }
+
+bool YamlNode::Has(std::string_view key) const {
+  return IsMap() && std::as_const(impl_->node)[std::string(key)].IsDefined();
+}
+
+std::optional<YamlNode> YamlNode::Child(std::string_view key) {
+  if (!impl_->node.IsNull() && !IsMap()) throw Fail("{}: a map with '{}' was expected", Where(), key);
+  impl_->taken.emplace_back(key);
+  if (!Has(key)) return std::nullopt;
+  return YamlNode(std::unique_ptr<Impl>(new Impl{std::as_const(impl_->node)[std::string(key)], impl_->file, {}}));
+}
+
+std::optional<double> YamlNode::Number(std::string_view key) {
+  const auto child = Child(key);
+  return child ? std::optional(child->AsNumber()) : std::nullopt;
+}
+
+std::optional<int> YamlNode::Integer(std::string_view key) {
+  const auto child = Child(key);
+  if (!child) return std::nullopt;
+  const double value = child->AsNumber();
+  if (value != std::round(value) || std::abs(value) > 1e9)
+    throw Fail("{}: '{}' must be a whole number, not {}", child->Where(), key, child->AsText());
+  return static_cast<int>(value);
+}
+
+std::optional<bool> YamlNode::Boolean(std::string_view key) {
+  const auto child = Child(key);
+  if (!child) return std::nullopt;
+  bool value = false;
+  if (!YAML::convert<bool>::decode(child->impl_->node, value))
+    throw Fail("{}: '{}' must be true or false", child->Where(), key);
+  return value;
+}
+
+std::optional<std::string> YamlNode::Text(std::string_view key) {
+  const auto child = Child(key);
+  return child ? std::optional(child->AsText()) : std::nullopt;
+}
+
+std::optional<std::vector<double>> YamlNode::Numbers(std::string_view key, std::optional<std::size_t> count) {
+  const auto child = Child(key);
+  if (!child) return std::nullopt;
+  std::vector<double> numbers;
+  for (const YamlNode& element : child->Elements()) numbers.push_back(element.AsNumber());
+  if (count && numbers.size() != *count)
+    throw Fail("{}: '{}' must have {} numbers, not {}", child->Where(), key, *count, numbers.size());
+  return numbers;
+}
+
+std::vector<YamlNode> YamlNode::Elements() const {
+  if (!IsList()) throw Fail("{}: a list was expected", Where());
+  std::vector<YamlNode> elements;
+  for (const YAML::Node& element : impl_->node)
+    elements.push_back(YamlNode(std::unique_ptr<Impl>(new Impl{element, impl_->file, {}})));
+  return elements;
+}
+
+std::vector<std::pair<std::string, YamlNode>> YamlNode::Pairs() {
+  if (!IsMap()) throw Fail("{}: a map was expected", Where());
+  std::vector<std::pair<std::string, YamlNode>> pairs;
+  for (const auto& pair : impl_->node) {
+    const std::string key = pair.first.as<std::string>();
+    impl_->taken.push_back(key);
+    pairs.emplace_back(key, YamlNode(std::unique_ptr<Impl>(new Impl{pair.second, impl_->file, {}})));
+  }
+  return pairs;
+}
+
+double YamlNode::AsNumber() const {
+  const std::optional<double> value = ParseNumber(AsText());
+  if (!value) throw Fail("{}: '{}' is not a finite number", Where(), AsText());
+  return *value;
+}
+
+std::string YamlNode::AsText() const {
+  if (!impl_->node.IsScalar()) throw Fail("{}: a single value was expected", Where());
+  return impl_->node.Scalar();
+}
+
+void YamlNode::Finish() const {
+  if (!IsMap()) return;
+  for (const auto& pair : impl_->node) {
+    const std::string key = pair.first.as<std::string>();
+    if (std::find(impl_->taken.begin(), impl_->taken.end(), key) == impl_->taken.end())
+      throw Fail("{}: unknown key '{}'; known here: {}", Place(impl_->file, pair.first.Mark()), key,
+                 fmt::join(impl_->taken, ", "));
+  }
+}
+
+std::string YamlNode::Where() const { return Place(impl_->file, impl_->node.Mark()); }
+
+}  // namespace lake

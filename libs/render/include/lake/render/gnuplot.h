@@ -1,0 +1,47 @@
+// Figures by gnuplot: a script is collected, then drawn to PNG or SVG by the file's extension.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lake {
+
+class GnuplotFigure {
+ public:
+  // Size of the PNG in px; an SVG gets the same proportions.
+  GnuplotFigure(int width_px, int height_px) : width_px_(width_px), height_px_(height_px) {}
+
+  // Appends a line of script. Text from outside must go through QuoteForGnuplot.
+  GnuplotFigure& Line(std::string_view script);
+
+  // A table to plot, columns of equal length; NaN interrupts a line. Returns its name in the script, e.g. "$data0".
+  std::string Data(const std::vector<std::vector<double>>& columns);
+
+  // Draws, atomically. Throws Error with gnuplot's own words if it fails or is not installed.
+  void Write(const std::filesystem::path& path) const;
+
+ private:
+  int width_px_, height_px_;
+  int tables_ = 0;
+  std::string script_;
+};
+
+// A gnuplot string literal that shows the text as it is.
+std::string QuoteForGnuplot(std::string_view text);
+
+// Colours that the colour-blind can tell apart (Okabe & Ito 2008), the same for the same thing in all figures.
+namespace colour {
+inline constexpr const char* kHuman = "#E69F00";       // yellow-orange, as in the paper
+inline constexpr const char* kExoskeleton = "#D55E00";  // orange-red
+inline constexpr const char* kAnkle = "#0072B2";
+inline constexpr const char* kKnee = "#E69F00";
+inline constexpr const char* kHip = "#009E73";
+inline constexpr const char* kWaist = "#CC79A7";
+inline constexpr const char* kOther = "#56B4E9";
+inline constexpr const char* kGap = "#DDDDDD";
+inline constexpr const char* kText = "#222222";
+}  // namespace colour
+
+}  // namespace lake

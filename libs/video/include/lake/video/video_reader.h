@@ -1,0 +1,52 @@
+// Frames of a video or an image sequence, in order, each with its own presentation time stamp.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+
+namespace lake {
+
+struct VideoInfo {
+  int width = 0;   // px, as a player shows it (after the stream's rotation)
+  int height = 0;  // px
+  double frame_rate_hz = 0;            // the stream's average rate; never used to make time stamps of a video
+  std::optional<std::int64_t> frames;  // as the container says, if it does; for progress only
+  std::string codec;
+  int rotation_deg = 0;                // clockwise, applied by the reader
+};
+
+struct VideoFrame {
+  std::int64_t index = 0;  // from 0, counting all frames of the file
+  double time_s = 0;       // presentation time stamp
+  cv::Mat luma;            // CV_8UC1; may share memory with the decoder: valid as long as this object, never written to
+  cv::Mat bgr;             // CV_8UC3; empty unless asked for
+  std::shared_ptr<const void> keep_alive;
+};
+
+struct VideoReaderOptions {
+  bool colour = false;              // also give bgr
+  double capture_rate_hz = 0;       // if set: time = (first time) + index / rate, for slow-motion files
+  double sequence_rate_hz = 30;     // time stamps of an image sequence
+  std::int64_t first = 0;           // first frame to hand out
+  std::optional<std::int64_t> last; // last frame to hand out
+};
+
+class VideoReader {
+ public:
+  virtual ~VideoReader() = default;
+
+  // A file, or an image sequence given as a printf pattern (frames/%05d.png). Throws Error: absent, a folder, not a video, no
+  // video stream, a size beyond 16384 px, an unknown pixel format.
+  static std::unique_ptr<VideoReader> Open(const std::filesystem::path& path, const VideoReaderOptions& options = {});
+
+  virtual const VideoInfo& Info() const = 0;
+
+  // False after the last frame. Throws Error naming the frame when the stream is damaged or ends before the container says.
+  virtual bool Read(VideoFrame& frame) = 0;
+};
+
+}  // namespace lake
