@@ -1,0 +1,139 @@
+#include "lake/tracking/tracklet.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/tracking/assignment.h"
+
+namespace lake {
+namespace {
+
+// A leg's markers accelerate by at most about 1 g while it stands up; in radii of a marker (some 8 mm) that is 1200 radii / s².
+constexpr double kMaxAccelerationRadii = 1200;
+
+// Position by the parabola, velocity by the slope, of the last samples.
+struct Motion {
+  Eigen::Vector2d position, velocity;  // px, px/s
+};
+
+Motion Extrapolate(const std::vector<TrackletSample>& samples, double time_s) {
+  const TrackletSample& last = samples.back();
+  if (samples.size() < 2) return {last.position, Eigen::Vector2d::Zero()};
+  const TrackletSample& before = samples[samples.size() - 2];
+  const Eigen::Vector2d slope = (last.position - before.position) / (last.time_s - before.time_s);
+  const double ahead = time_s - last.time_s;
+  if (samples.size() < 4 || ahead > 2 * (last.time_s - before.time_s)) return {last.position + ahead * slope, slope};
+  const TrackletSample& first = samples[samples.size() - 3];
+  const Eigen::Vector2d first_slope = (before.position - first.position) / (before.time_s - first.time_s);
+  const Eigen::Vector2d acceleration = (slope - first_slope) / (0.5 * (last.time_s - first.time_s));
+  const Eigen::Vector2d velocity = slope + acceleration * 0.5 * (last.time_s - before.time_s);
+  return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration};
+}
+
+// Grows with the distance in gates and with unlikeness; 1 or more is impossible.
+double PairCost(const MarkerPrediction& prediction, const MarkerDetection& detection) {
+  if (prediction.identity && detection.identity && *prediction.identity != *detection.identity) return 2;
+  const double distance = (detection.position - prediction.position).norm() / prediction.gate_px;
+  if (distance > 1) return 2;
+  const double size = std::log(detection.appearance.RadiusPx() / prediction.appearance.RadiusPx()) / 0.5;
+  const double brightness = std::log(std::max(detection.appearance.amplitude, 1.0) / std::max(prediction.appearance.amplitude, 1.0));
+  return std::min(0.999, 0.5 * (distance * distance + size * size + brightness * brightness));
+}
+
+}  // namespace
+
+const TrackletSample* Tracklet::At(std::int64_t frame) const {
+  const auto found = std::lower_bound(samples.begin(), samples.end(), frame,
+                                      [](const TrackletSample& sample, std::int64_t f) { return sample.frame < f; });
+  return found != samples.end() && found->frame == frame ? &*found : nullptr;
+}
+
+double Tracklet::ExtentPx() const {
+  Eigen::AlignedBox2d box;
+  for (const TrackletSample& sample : samples) box.extend(sample.position);
+  return box.diagonal().norm();
+}
+
+MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, double frame_s) const {
+  const Motion motion = Extrapolate(live.tracklet.samples, time_s);
+  const double radius = live.appearance.RadiusPx(), ahead = time_s - live.seen_s;
+  MarkerPrediction prediction;
+  prediction.position = motion.position;
+  prediction.velocity_px = motion.velocity * frame_s;
+  // A marker of unknown velocity may have any; then the acceleration within the time that has passed.
+  const bool young = live.tracklet.samples.size() < 3;
+  prediction.gate_px = std::max(2.0, radius) + 0.5 * kMaxAccelerationRadii * radius * ahead * ahead + (young ? 3 * radius : 0);
+  prediction.gate_px = std::min(prediction.gate_px, 8 * radius);
+  prediction.appearance = live.appearance;
+  prediction.identity = live.tracklet.identity;
+  return prediction;
+}
+
+bool TrackletBuilder::SearchEverywhere() const {
+  if (frames_seen_ % options_.search_interval == 0) return true;
+  return std::any_of(live_.begin(), live_.end(), [&](const Live& live) { return live.seen_s < previous_time_s_; });
+}
+
+void TrackletBuilder::Extend(Live& live, const VideoFrame& frame, const MarkerDetection& detection) {
+  live.tracklet.samples.push_back({frame.index, frame.time_s, detection.position, detection.sigma_px, detection.appearance.RadiusPx(),
+                                   detection.appearance.amplitude});
+  live.seen_s = frame.time_s;
+  if (!live.tracklet.identity) live.tracklet.identity = detection.identity;
+  // The running mean over the last ten or so looks; all of them while there are fewer.
+  const double weight = std::max(0.1, 1.0 / static_cast<double>(live.tracklet.samples.size()));
+  const Blob& now = detection.appearance;
+  live.appearance.unit_circle_from_px += weight * (now.unit_circle_from_px - live.appearance.unit_circle_from_px);
+  live.appearance.edge_px += weight * (now.edge_px - live.appearance.edge_px);
+  live.appearance.amplitude += weight * (now.amplitude - live.appearance.amplitude);
+}
+
+void TrackletBuilder::Associate(const VideoFrame& frame, std::span<const MarkerPrediction> predictions,
+                                std::vector<MarkerDetection> detections) {
+  Eigen::MatrixXd cost(live_.size(), detections.size());
+  for (std::size_t i = 0; i < live_.size(); ++i)
+    for (std::size_t j = 0; j < detections.size(); ++j)
+      cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = PairCost(predictions[i], detections[j]);
+  const std::vector<int> assigned = AssignRows(cost, 1.0);
+  std::vector<bool> taken(detections.size(), false);
+  for (std::size_t i = 0; i < assigned.size(); ++i) {
+    if (assigned[i] < 0) continue;
+    taken[static_cast<std::size_t>(assigned[i])] = true;
+    Extend(live_[i], frame, detections[static_cast<std::size_t>(assigned[i])]);
+  }
+  for (std::size_t j = 0; j < detections.size() && live_.size() < options_.max_live; ++j) {
+    if (taken[j]) continue;
+    live_.push_back({{}, detections[j].appearance, frame.time_s});
+    Extend(live_.back(), frame, detections[j]);
+  }
+}
+
+void TrackletBuilder::RetireLost(double time_s) {
+  std::erase_if(live_, [&](Live& live) {
+    const bool young = static_cast<int>(live.tracklet.samples.size()) < options_.min_samples;
+    if (live.seen_s >= time_s || (!young && time_s - live.seen_s <= options_.max_coast_s)) return false;
+    if (!young) finished_.push_back(std::move(live.tracklet));
+    return true;
+  });
+}
+
+void TrackletBuilder::Add(const VideoFrame& frame) {
+  frame_s_ = frames_seen_ > 0 ? frame.time_s - previous_time_s_ : 0;
+  std::vector<MarkerPrediction> predictions;
+  for (const Live& live : live_) predictions.push_back(Predict(live, frame.time_s, frame_s_));
+  Associate(frame, predictions, detector_.Detect(frame, predictions, SearchEverywhere()));
+  RetireLost(frame.time_s);
+  previous_time_s_ = frame.time_s;
+  ++frames_seen_;
+}
+
+std::vector<Tracklet> TrackletBuilder::Finish() {
+  for (Live& live : live_)
+    if (static_cast<int>(live.tracklet.samples.size()) >= options_.min_samples) finished_.push_back(std::move(live.tracklet));
+  live_.clear();
+  std::sort(finished_.begin(), finished_.end(), [](const Tracklet& a, const Tracklet& b) { return a.FirstFrame() < b.FirstFrame(); });
+  return std::move(finished_);
+}
+
+}  // namespace lake

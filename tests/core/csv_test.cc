@@ -1,0 +1,82 @@
+#include "lake/core/csv.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <clocale>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(Csv, NumbersReadBackAsTheSameDoubleInEveryLocale) {
+  const char* before = std::setlocale(LC_ALL, nullptr);
+  std::setlocale(LC_ALL, "de_DE.UTF-8");
+  std::mt19937_64 generator(1);
+  for (int i = 0; i < 10000; ++i) {
+    double value = 0;
+    const std::uint64_t bits = generator();
+    std::memcpy(&value, &bits, sizeof(value));
+    if (!std::isfinite(value)) continue;
+    EXPECT_EQ(ParseNumber(FormatNumber(value)), value);
+  }
+  std::setlocale(LC_ALL, before);
+  EXPECT_EQ(FormatNumber(0.1), "0.1");
+}
+
+TEST(Csv, OnlyWholeFiniteNumbersAreNumbers) {
+  EXPECT_EQ(ParseNumber("+1.5"), 1.5);
+  for (const char* text : {"", "1,5", "1.5x", "nan", "inf", "0x10", " 1", "1e999"}) EXPECT_FALSE(ParseNumber(text)) << text;
+}
+
+TEST(Csv, WritesAndReadsBack) {
+  const TemporaryFolder folder;
+  CsvWriter writer({"a", "b,c", "d"});
+  writer.Add(1.25).Add("say \"so\", then").Add(3).EndRow();
+  writer.Add(std::numeric_limits<double>::quiet_NaN()).AddEmpty().Add(std::int64_t{-4}).EndRow();
+  writer.Write(folder / "t.csv");
+  EXPECT_EQ(ReadTextFile(folder / "t.csv"), "a,\"b,c\",d\n1.25,\"say \"\"so\"\", then\",3\n,,-4\n");
+
+  const CsvTable table = CsvTable::Read(folder / "t.csv");
+  ASSERT_EQ(table.Rows(), 2u);
+  EXPECT_EQ(table.Number(0, table.Column("a")), 1.25);
+  EXPECT_EQ(table.Text(0, table.Column("b,c")), "say \"so\", then");
+  EXPECT_EQ(table.Number(1, 0), std::nullopt);
+  EXPECT_THAT([&] { table.RequiredNumber(1, 0); }, ThrowsMessage<Error>(HasSubstr("t.csv:3: column 'a' is empty")));
+  EXPECT_THAT([&] { table.Column("e"); }, ThrowsMessage<Error>(HasSubstr("no column 'e'")));
+}
+
+TEST(Csv, NamesTheLineOfABadTable) {
+  const TemporaryFolder folder;
+  const auto read = [&](const char* text) {
+    WriteTextFile(folder / "t.csv", text);
+    const CsvTable table = CsvTable::Read(folder / "t.csv");
+    return table.RequiredNumber(0, 0);
+  };
+  EXPECT_THAT([&] { read(""); }, ThrowsMessage<Error>(HasSubstr("a header line was expected")));
+  EXPECT_THAT([&] { read("a,b\n1,2\n3\n"); }, ThrowsMessage<Error>(HasSubstr("t.csv:3: 1 cells, but the header has 2")));
+  EXPECT_THAT([&] { read("a,a\n1,2\n"); }, ThrowsMessage<Error>(HasSubstr("'a' stands twice")));
+  EXPECT_THAT([&] { read("a\nnan\n"); }, ThrowsMessage<Error>(HasSubstr("t.csv:2: column 'a': 'nan'")));
+  EXPECT_THAT([&] { read("a\n\"1\n"); }, ThrowsMessage<Error>(HasSubstr("not a CSV table")));
+  EXPECT_THAT([&] { CsvTable::Read(folder / "none.csv"); }, ThrowsMessage<Error>(HasSubstr("no such file")));
+  EXPECT_THAT([&] { CsvTable::Read(folder.Path()); }, ThrowsMessage<Error>(HasSubstr("is a folder")));
+}
+
+TEST(Csv, ParsesListsOfNumbers) {
+  EXPECT_EQ(ParseNumbers("1, 2.5,-3", 3, "--crop"), (std::vector<double>{1, 2.5, -3}));
+  EXPECT_THAT([] { ParseNumbers("1,2", 3, "--crop"); }, ThrowsMessage<UsageError>(HasSubstr("3 numbers separated by commas")));
+  EXPECT_THAT([] { ParseNumbers("1,x,3", 3, "--crop"); }, ThrowsMessage<UsageError>(HasSubstr("'x' is not a number")));
+}
+
+}  // namespace
+}  // namespace lake

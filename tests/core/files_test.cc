@@ -1,0 +1,112 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <csignal>
+#include <fstream>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/provenance.h"
+#include "lake/core/run.h"
+#include "lake/core/statistics.h"
+#include "lake/core/yaml.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(AtomicFile, AppearsOnlyWhenCommitted) {
+  const TemporaryFolder folder;
+  {
+    const AtomicFile file(folder / "a.txt");
+    std::ofstream(file.TemporaryPath()) << "half";
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path()));
+  AtomicFile file(folder / "a.txt");
+  std::ofstream(file.TemporaryPath()) << "whole";
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.txt"));
+  file.Commit();
+  EXPECT_EQ(ReadTextFile(folder / "a.txt"), "whole");
+}
+
+TEST(AtomicFile, SaysWhenItCannotBeWritten) {
+  const TemporaryFolder folder;
+  EXPECT_THAT([&] { WriteTextFile(folder / "none" / "a.txt", "x"); }, ThrowsMessage<Error>(HasSubstr("cannot be written")));
+}
+
+TEST(Run, SummaryHoldsWhatMadeTheResult) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "in.txt", "abc");
+  lake::Run run({"lake-x", "lake-x in.txt", {{"a", "1"}}, folder / "out", true});
+  run.AddInput(folder / "in.txt");
+  run.Warn("dim");
+  run.WriteSummary({{"answer", 42}});
+  const Json summary = ReadJsonFile(folder / "out" / "summary.json");
+  EXPECT_EQ(summary["program"], "lake-x");
+  EXPECT_EQ(summary["version"], Version());
+  EXPECT_EQ(summary["warnings"][0], "dim");
+  EXPECT_EQ(summary["answer"], 42);
+  // FIPS 180-2, appendix B.1.
+  EXPECT_EQ(summary["inputs"][0]["sha256"], "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Run, RefusesAFileAsItsFolder) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "out", "abc");
+  lake::Run run({"lake-x", "", {}, folder / "out", true});
+  EXPECT_THAT([&] { run.Result("a.csv"); }, ThrowsMessage<Error>(HasSubstr("output folder")));
+}
+
+TEST(Yaml, NamesFileLineAndKey) {
+  const TemporaryFolder folder;
+  const auto root = [&](const char* text) {
+    WriteTextFile(folder / "p.yaml", text);
+    return YamlNode::ReadFile(folder / "p.yaml");
+  };
+  YamlNode node = root("d_min_mm: 242\nmargins:\n  grashof_mm: 1\n  typo_mm: 2\nlist: [1, 2]\n");
+  EXPECT_EQ(node.Number("d_min_mm"), 242);
+  EXPECT_EQ(node.Number("absent"), std::nullopt);
+  EXPECT_THAT([&] { node.Numbers("list", 3); }, ThrowsMessage<Error>(HasSubstr("p.yaml:5: 'list' must have 3 numbers, not 2")));
+  auto margins = node.Child("margins");
+  margins->Number("grashof_mm");
+  EXPECT_THAT([&] { margins->Finish(); }, ThrowsMessage<Error>(HasSubstr("p.yaml:4: unknown key 'typo_mm'; known here: grashof_mm")));
+  node.Finish();
+  EXPECT_THAT([&] { root("a: .nan\n").Number("a"); }, ThrowsMessage<Error>(HasSubstr("p.yaml:1: '.nan' is not a finite number")));
+  EXPECT_THAT([&] { root("a: [1\n"); }, ThrowsMessage<Error>(HasSubstr("not YAML")));
+  EXPECT_THAT([&] { root("a: 1.5\n").Integer("a"); }, ThrowsMessage<Error>(HasSubstr("whole number")));
+  EXPECT_THAT([&] { root("- 1\n").Number("a"); }, ThrowsMessage<Error>(HasSubstr("a map with 'a' was expected")));
+}
+
+TEST(Statistics, KnownValues) {
+  const std::vector<double> values = {1, 2, 3, 4, 100};
+  EXPECT_EQ(Median(values), 3);
+  EXPECT_EQ(Quantile(values, 0.25), 2);
+  EXPECT_DOUBLE_EQ(Quantile(values, 0.9), 4 + 0.6 * 96);
+  EXPECT_DOUBLE_EQ(RobustDeviation(values), 1.4826);
+  EXPECT_DOUBLE_EQ(RootMeanSquare(std::vector<double>{3, -4}), std::sqrt(12.5));
+  EXPECT_DOUBLE_EQ(StandardDeviation(std::vector<double>{1, 3}), std::sqrt(2.0));
+  EXPECT_TRUE(std::isnan(Median({})));
+}
+
+TEST(Interrupt, ThrowsOnceASignalHasArrived) {
+  CatchInterrupts();
+  EXPECT_NO_THROW(ThrowIfInterrupted());
+  EXPECT_EXIT(
+      {
+        std::raise(SIGTERM);
+        try {
+          ThrowIfInterrupted();
+        } catch (const Interrupted& interrupted) {
+          std::exit(interrupted.Signal());
+        }
+      },
+      testing::ExitedWithCode(SIGTERM), "");
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,80 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "lake/motion/leg_motion.h"
+#include "lake/motion/marker_recording.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(MarkerCsv, ReadsBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  MarkerRecording recording;
+  recording.frame = {0, 1};
+  recording.time_s = {0.25, 0.25 + 1.0 / 60};
+  recording.markers = {{"knee", {{{1.0 / 3, -2}, 0.02, SampleStatus::kDetected}, {}}},
+                       {"hip_2", {{{5, 6}, 1.5, SampleStatus::kFilled}, {{7, 8}, 0, SampleStatus::kDetected}}}};
+  WriteMarkerCsv(folder / "tracks.csv", recording);
+  EXPECT_THAT(ReadTextFile(folder / "tracks.csv"),
+              HasSubstr("frame,time_s,knee_x_px,knee_y_px,knee_sigma_px,knee_status,hip_2_x_px"));
+  const MarkerRecording read = ReadMarkerCsv(folder / "tracks.csv");
+  EXPECT_EQ(read.unit, LengthUnit::kPx);
+  EXPECT_EQ(read.time_s, recording.time_s);
+  ASSERT_TRUE(read.Find("hip_2"));
+  EXPECT_EQ(read.Find("knee")->samples[0].position, recording.markers[0].samples[0].position);
+  EXPECT_EQ(read.Find("knee")->samples[1].status, SampleStatus::kMissing);
+  EXPECT_EQ(read.Find("hip_2")->samples[0].status, SampleStatus::kFilled);
+  EXPECT_EQ(read.Find("ankle"), nullptr);
+}
+
+TEST(MarkerCsv, RefusesBadTables) {
+  const TemporaryFolder folder;
+  const auto read = [&](const char* text) {
+    WriteTextFile(folder / "t.csv", text);
+    ReadMarkerCsv(folder / "t.csv");
+  };
+  const std::string head = "frame,time_s,k_x_px,k_y_px,k_sigma_px,k_status\n";
+  EXPECT_THAT([&] { read("frame,time_s\n0,0\n"); }, ThrowsMessage<Error>(HasSubstr("no column of a marker")));
+  EXPECT_THAT([&] { read((head + "0,0,1,2,0.1,seen\n").c_str()); }, ThrowsMessage<Error>(HasSubstr("'seen' is not detected")));
+  EXPECT_THAT([&] { read((head + "0,0,,2,0.1,detected\n").c_str()); }, ThrowsMessage<Error>(HasSubstr("'k_x_px' is empty")));
+  EXPECT_THAT([&] { read((head + "0,1,1,2,0.1,detected\n1,1,1,2,0.1,detected\n").c_str()); },
+              ThrowsMessage<Error>(HasSubstr("t.csv:3: time_s does not increase")));
+  EXPECT_THAT([&] { read((head + "0,0,1,2,-1,detected\n").c_str()); }, ThrowsMessage<Error>(HasSubstr("negative")));
+}
+
+TEST(KinematicsCsv, ReadsBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  LegMotion motion;
+  motion.unit = LengthUnit::kMm;
+  motion.frame = {3, 4};
+  motion.time_s = {0.1, 0.2};
+  motion.samples.resize(2);
+  motion.samples[0].ak = {10, 400};
+  motion.samples[0].knee_deg = 88.5;
+  motion.samples[0].repetition = 2;
+  motion.samples[0].percent = 12.5;
+  WriteKinematicsCsv(folder / "kinematics.csv", motion);
+  const LegMotion read = ReadKinematicsCsv(folder / "kinematics.csv");
+  EXPECT_EQ(read.unit, LengthUnit::kMm);
+  EXPECT_EQ(read.samples[0].ak, motion.samples[0].ak);
+  EXPECT_EQ(read.samples[0].knee_deg, 88.5);
+  EXPECT_EQ(read.samples[0].repetition, 2);
+  EXPECT_FALSE(read.samples[1].repetition);
+  EXPECT_TRUE(std::isnan(read.samples[1].knee_deg));
+}
+
+TEST(EventsCsv, ReadsBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  WriteEventsCsv(folder / "events.csv", {{1, StsEventKind::kSeatOff, 42, 0.7}});
+  EXPECT_EQ(ReadTextFile(folder / "events.csv"), "repetition,event,frame,time_s\n1,seat_off,42,0.7\n");
+  EXPECT_EQ(ReadEventsCsv(folder / "events.csv")[0].kind, StsEventKind::kSeatOff);
+}
+
+}  // namespace
+}  // namespace lake

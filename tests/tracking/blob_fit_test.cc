@@ -1,0 +1,127 @@
+#include "lake/tracking/blob_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "tracking/marker_scene.h"
+
+namespace lake {
+namespace {
+
+constexpr double kPsf = 0.7;
+constexpr double kBackground = 40;
+const cv::Size kSize(48, 40);
+
+BlobFitOptions Options(const SceneNoise& noise) {
+  BlobFitOptions options;
+  options.noise = {noise.read_sd * noise.read_sd, noise.gain};
+  return options;
+}
+
+// The standard deviation per axis that no unbiased estimate can beat, rounding to whole grey levels (1/12) included: inverse
+// Fisher information of the noise-free image's derivative by position.
+double CramerRaoBound(const SceneMarker& marker, const SceneNoise& noise) {
+  constexpr double kStep = 0.05;
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  const cv::Mat image = DrawMarkers(kSize, {marker}, kPsf, kBackground);
+  std::vector<cv::Mat> slope;
+  for (const Eigen::Vector2d& axis : {Eigen::Vector2d(kStep, 0), Eigen::Vector2d(0, kStep)}) {
+    SceneMarker ahead = marker, behind = marker;
+    ahead.center += axis, behind.center -= axis;
+    slope.push_back((DrawMarkers(kSize, {ahead}, kPsf, kBackground) - DrawMarkers(kSize, {behind}, kPsf, kBackground)) / (2 * kStep));
+  }
+  for (int y = 0; y < kSize.height; ++y)
+    for (int x = 0; x < kSize.width; ++x) {
+      if (image.at<double>(y, x) >= 255) continue;  // a saturated pixel tells nothing
+      const Eigen::Vector2d g(slope[0].at<double>(y, x), slope[1].at<double>(y, x));
+      information += g * g.transpose() / (noise.read_sd * noise.read_sd + noise.gain * image.at<double>(y, x) + 1.0 / 12);
+    }
+  return std::sqrt(information.inverse().trace() / 2);
+}
+
+struct Case {
+  const char* name;
+  SceneMarker marker;
+  double allowed = 1.10;  // error over the bound; 800 errors estimate their deviation to 2.5 %, and the issue asks for 1.15
+  double sigma_tolerance = 0.12;
+};
+
+std::ostream& operator<<(std::ostream& stream, const Case& c) { return stream << c.name; }
+
+class BlobFitTest : public testing::TestWithParam<Case> {};
+
+TEST_P(BlobFitTest, ReachesTheCramerRaoBoundWithAnHonestSigma) {
+  const SceneNoise noise;
+  std::mt19937 generator(20240 + testing::UnitTest::GetInstance()->random_seed());
+  std::uniform_real_distribution<double> fraction(-0.5, 0.5);
+  const int trials = 400;
+  double square_sum = 0, z_square_sum = 0, bound_square_sum = 0;
+  Eigen::Vector2d error_sum(0, 0);
+  for (int i = 0; i < trials; ++i) {
+    SceneMarker marker = GetParam().marker;
+    marker.center = Eigen::Vector2d(23, 20) + Eigen::Vector2d(fraction(generator), fraction(generator));
+    const cv::Mat grey = AddNoise(DrawMarkers(kSize, {marker}, kPsf, kBackground), noise, generator);
+    Blob start = DiscBlob(marker.center + Eigen::Vector2d(0.6, -0.7), marker.radius_px * 1.1);
+    start.blur_px = marker.blur_px;
+    const auto fits = FitBlobs(grey, std::span(&start, 1), Options(noise));
+    ASSERT_TRUE(fits) << "trial " << i;
+    const Eigen::Vector2d error = fits->front().blob.center - marker.center;
+    square_sum += error.squaredNorm() / 2;
+    z_square_sum += error.squaredNorm() / 2 / std::pow(fits->front().SigmaPx(), 2);
+    error_sum += error;
+    if (i % 40 == 0) bound_square_sum += std::pow(CramerRaoBound(marker, noise), 2) / (trials / 40);
+  }
+  const double rms = std::sqrt(square_sum / trials), bound = std::sqrt(bound_square_sum);
+  EXPECT_LE(rms, GetParam().allowed * bound) << "rms " << rms << " px, bound " << bound << " px";
+  EXPECT_NEAR(std::sqrt(z_square_sum / trials), 1, GetParam().sigma_tolerance);
+  EXPECT_LE((error_sum / trials).norm(), 4 * rms / std::sqrt(trials)) << "bias";
+}
+
+SceneMarker Disc(double radius, double amplitude, Eigen::Vector2d blur = {0, 0}, double aspect = 1) {
+  SceneMarker marker;
+  marker.radius_px = radius, marker.amplitude = amplitude, marker.blur_px = blur, marker.aspect = aspect;
+  return marker;
+}
+
+INSTANTIATE_TEST_SUITE_P(Markers, BlobFitTest,
+                         testing::Values(Case{"small", Disc(2, 150)}, Case{"usual", Disc(4, 150)}, Case{"large", Disc(8, 150)},
+                                         Case{"dim", Disc(5, 30)}, Case{"oblique", Disc(6, 150, {0, 0}, 0.85)},
+                                         Case{"saturated", Disc(5, 240)},
+                                         // Only the point-spread's outer tail is not saturated; there the model's edge is an
+                                         // approximation, and the error is still under 0.005 px.
+                                         Case{"overexposed", Disc(5, 400), 1.6, 0.3}, Case{"streaked", Disc(6, 150, {6, -3})},
+                                         Case{"streaked_small", Disc(4, 150, {2, 2})}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST(BlobFit, NeighboursWithinADiameterDoNotPullEachOther) {
+  const SceneNoise noise;
+  std::mt19937 generator(7);
+  double square_sum = 0;
+  const int trials = 200;
+  for (int i = 0; i < trials; ++i) {
+    const SceneMarker a{{20.3, 20.1}, 4, 150}, b{{26.9, 21.4}, 4, 150};  // 6.7 px apart: they overlap
+    const cv::Mat grey = AddNoise(DrawMarkers(kSize, {a, b}, kPsf, kBackground), noise, generator);
+    const std::vector<Blob> starts = {DiscBlob(a.center + Eigen::Vector2d(0.4, 0.3), 4.1), DiscBlob(b.center, 4.1)};
+    const auto fits = FitBlobs(grey, starts, Options(noise));
+    ASSERT_TRUE(fits) << "trial " << i;
+    square_sum += ((*fits)[0].blob.center - a.center).squaredNorm() / 2;
+  }
+  // Overlapping light adds up in this scene, so both edges stay visible: half as much again as a lone marker's bound.
+  EXPECT_LE(std::sqrt(square_sum / trials), 1.5 * CramerRaoBound(Disc(4, 150), noise) + 0.002);
+}
+
+TEST(BlobFit, RefusesWhatIsNoBlob) {
+  std::mt19937 generator(3);
+  const cv::Mat flat = AddNoise(cv::Mat(kSize, CV_64F, cv::Scalar(60)), SceneNoise{}, generator);
+  cv::Mat step(kSize, CV_64F, cv::Scalar(60));
+  step.colRange(24, 48) = 180;
+  const Blob start = DiscBlob({22, 20}, 4);
+  const auto on_flat = FitBlobs(flat, std::span(&start, 1), BlobFitOptions{});
+  EXPECT_TRUE(!on_flat || on_flat->front().blob.amplitude < 10);
+  const auto on_step = FitBlobs(AddNoise(step, SceneNoise{}, generator), std::span(&start, 1), BlobFitOptions{});
+  EXPECT_TRUE(!on_step || on_step->front().relative_residual > 0.1);
+}
+
+}  // namespace
+}  // namespace lake
