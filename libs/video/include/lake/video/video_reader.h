@@ -11,12 +11,22 @@
 namespace lake {
 
 struct VideoInfo {
-  int width = 0;   // px, as a player shows it (after the stream's rotation)
-  int height = 0;  // px
+  int width = 0;                       // px, as a player shows it (after the stream's rotation)
+  int height = 0;                      // px
   double frame_rate_hz = 0;            // the stream's average rate; never used to make time stamps of a video
   std::optional<std::int64_t> frames;  // as the container says, if it does; for progress only
   std::string codec;
-  int rotation_deg = 0;                // clockwise, applied by the reader
+  std::string pixel_format;  // as stored, in libav's name, e.g. "yuv420p"
+  int rotation_deg = 0;      // clockwise, applied by the reader
+  bool mirrored = false;     // left and right exchanged after the rotation, applied by the reader
+  double pixel_aspect = 1;   // width / height of a pixel as shown; frames are handed out unstretched
+  bool interlaced = false;   // the first frame consists of two fields taken at different times
+
+  // Of the frames decoded so far; whole when Read() has returned false.
+  double shortest_interval_s = 0;  // between neighbouring frames
+  double longest_interval_s = 0;
+  bool irregular_stamps =
+      false;  // the two differ by more than a tenth of the mean interval (and the stamps' own rounding)
 };
 
 struct VideoFrame {
@@ -28,24 +38,27 @@ struct VideoFrame {
 };
 
 struct VideoReaderOptions {
-  bool colour = false;              // also give bgr
-  double capture_rate_hz = 0;       // if set: time = (first time) + index / rate, for slow-motion files
-  double sequence_rate_hz = 30;     // time stamps of an image sequence
-  std::int64_t first = 0;           // first frame to hand out
-  std::optional<std::int64_t> last; // last frame to hand out
+  bool colour = false;                    // also give bgr
+  double capture_rate_hz = 0;             // if set: time = (first time) + index / rate, for slow-motion files
+  double sequence_rate_hz = 30;           // time stamps of an image sequence
+  std::int64_t first = 0;                 // first frame to hand out
+  std::optional<std::int64_t> last = {};  // last frame to hand out
 };
 
 class VideoReader {
  public:
   virtual ~VideoReader() = default;
 
-  // A file, or an image sequence given as a printf pattern (frames/%05d.png). Throws Error: absent, a folder, not a video, no
-  // video stream, a size beyond 16384 px, an unknown pixel format.
+  // A video, one picture, or an image sequence given as a printf pattern (frames/%05d.png), which begins at its lowest
+  // number. Throws Error: absent, a folder, not a video, no video stream, no frame, larger than 16384 px a side or 200
+  // Mpx, turned by an angle that is no multiple of 90°, a gap in the numbers of a sequence.
   static std::unique_ptr<VideoReader> Open(const std::filesystem::path& path, const VideoReaderOptions& options = {});
 
   virtual const VideoInfo& Info() const = 0;
 
-  // False after the last frame. Throws Error naming the frame when the stream is damaged or ends before the container says.
+  // False after the last frame. Throws Error naming the frame: the stream is damaged or ends before the container says,
+  // the picture's size changes, a time stamp is missing or does not increase (not with capture_rate_hz), `first` is
+  // behind the end.
   virtual bool Read(VideoFrame& frame) = 0;
 };
 

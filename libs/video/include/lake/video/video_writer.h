@@ -8,14 +8,14 @@
 namespace lake {
 
 struct VideoWriterOptions {
-  int width = 0;   // px, even
-  int height = 0;  // px, even
-  double frame_rate_hz = 30;  // nominal; the time stamps of frames decide
-  int crf = 20;               // H.264 quality, 17 (fine) … 28 (coarse)
-  bool lossless = false;      // H.264 with QP 0, luma kept to the bit (full-range 8 bit)
-  bool grey = false;          // frames are CV_8UC1 luma
+  int width = 0;                    // px, even
+  int height = 0;                   // px, even
+  double frame_rate_hz = 30;        // nominal; the time stamps of frames decide
+  int crf = 20;                     // H.264 quality, 17 (fine) … 28 (coarse)
+  bool lossless = false;            // H.264 with QP 0, luma kept to the bit (full-range 8 bit)
+  bool grey = false;                // frames are CV_8UC1 luma
   const char* preset = "veryfast";  // x264's speed
-  int threads = 0;            // 0: the encoder's own choice
+  int threads = 0;                  // 0: the encoder's own choice
 };
 
 class VideoWriter {

@@ -1,0 +1,129 @@
+#include "picture.h"
+
+extern "C" {
+#include <libavutil/pixdesc.h>
+}
+
+#include <cassert>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+bool IsFullRange(const AVFrame& frame) {
+  switch (frame.format) {
+    case AV_PIX_FMT_YUVJ411P:
+    case AV_PIX_FMT_YUVJ420P:
+    case AV_PIX_FMT_YUVJ422P:
+    case AV_PIX_FMT_YUVJ440P:
+    case AV_PIX_FMT_YUVJ444P:
+      return true;
+  }
+  if (frame.color_range != AVCOL_RANGE_UNSPECIFIED) return frame.color_range == AVCOL_RANGE_JPEG;
+  return av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format))->nb_components < 3;  // grey pictures
+}
+
+// What players assume when the stream does not say.
+const int* YuvMatrix(const AVFrame& frame) {
+  switch (frame.colorspace) {
+    case AVCOL_SPC_BT709:
+    case AVCOL_SPC_FCC:
+    case AVCOL_SPC_BT470BG:
+    case AVCOL_SPC_SMPTE170M:
+    case AVCOL_SPC_SMPTE240M:
+    case AVCOL_SPC_BT2020_NCL:
+      return sws_getCoefficients(frame.colorspace);
+    default: {
+      const bool high_definition = frame.width >= 1280 || frame.height > 576;
+      return sws_getCoefficients(high_definition && !IsFullRange(frame) ? SWS_CS_ITU709 : SWS_CS_ITU601);
+    }
+  }
+}
+
+const AVPixFmtDescriptor& Describe(const AVFrame& frame) {
+  return *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+}
+
+cv::Mat Plane(const AVFrame& frame, int type) {
+  return cv::Mat(frame.height, frame.width, type, frame.data[0], static_cast<std::size_t>(frame.linesize[0]));
+}
+
+cv::Mat ShrinkDepth(const AVFrame& frame) {
+  const AVComponentDescriptor& luma = Describe(frame).comp[0];
+  const double bits_to_8 =
+      IsFullRange(frame) ? 255.0 / (std::ldexp(1.0, luma.depth) - 1) : std::ldexp(1.0, 8 - luma.depth);
+  cv::Mat shrunk;
+  Plane(frame, CV_16UC1).convertTo(shrunk, CV_8U, std::ldexp(bits_to_8, -luma.shift));
+  return shrunk;
+}
+
+libav::Scaler MakeBgrScaler(const AVFrame& like) {
+  const auto format = static_cast<AVPixelFormat>(like.format);
+  libav::Scaler scaler(sws_getContext(like.width, like.height, format, like.width, like.height, AV_PIX_FMT_BGR24,
+                                      SWS_BILINEAR, nullptr, nullptr, nullptr));
+  if (!scaler) throw Fail("pixel format {} cannot be converted to BGR", av_get_pix_fmt_name(format));
+  sws_setColorspaceDetails(scaler.get(), YuvMatrix(like), IsFullRange(like), sws_getCoefficients(SWS_CS_DEFAULT), 1, 0,
+                           1 << 16, 1 << 16);
+  return scaler;
+}
+
+}  // namespace
+
+LumaAccess LumaAccessOf(AVPixelFormat format) {
+  const AVPixFmtDescriptor* description = av_pix_fmt_desc_get(format);
+  if (!description || (description->flags & AV_PIX_FMT_FLAG_HWACCEL))
+    throw Fail("unknown pixel format {}", description ? description->name : "(none)");
+  constexpr unsigned kNoPlainLuma = AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM |
+                                    AV_PIX_FMT_FLAG_BE | AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_FLOAT;
+  const AVComponentDescriptor& luma = description->comp[0];
+  if ((description->flags & kNoPlainLuma) || luma.plane != 0) return LumaAccess::kFromRgb;
+  if (luma.depth == 8 && luma.shift == 0) {
+    if (luma.step == 1 && luma.offset == 0) return LumaAccess::kPlane;
+    if (luma.step <= 4) return LumaAccess::kInterleaved;
+  }
+  if (luma.depth > 8 && luma.step == 2 && luma.offset == 0) return LumaAccess::kDeepPlane;
+  return LumaAccess::kFromRgb;
+}
+
+PictureConverter::PictureConverter(const AVFrame& like)
+    : access_(LumaAccessOf(static_cast<AVPixelFormat>(like.format))) {}
+
+cv::Mat PictureConverter::Luma(const AVFrame& frame) {
+  switch (access_) {
+    case LumaAccess::kPlane:
+      return Plane(frame, CV_8UC1);
+    case LumaAccess::kInterleaved: {
+      const AVComponentDescriptor& luma = Describe(frame).comp[0];
+      cv::Mat extracted;
+      cv::extractChannel(Plane(frame, CV_8UC(luma.step)), extracted, luma.offset);
+      return extracted;
+    }
+    case LumaAccess::kDeepPlane:
+      return ShrinkDepth(frame);
+    case LumaAccess::kFromRgb: {
+      cv::Mat grey;
+      cv::transform(Bgr(frame), grey, cv::Matx13f(0.114f, 0.587f, 0.299f));
+      return grey;
+    }
+  }
+  assert(false);
+  return {};
+}
+
+cv::Mat PictureConverter::Bgr(const AVFrame& frame) {
+  if (!to_bgr_) to_bgr_ = MakeBgrScaler(frame);
+  // swscale's vector code writes whole registers, past the end of a row: spare rows keep that inside the matrix.
+  constexpr int kSpareBytes = 128;
+  const int spare_rows = 1 + kSpareBytes / (3 * frame.width);
+  cv::Mat bgr = cv::Mat(frame.height + spare_rows, frame.width, CV_8UC3).rowRange(0, frame.height);
+  std::uint8_t* const planes[] = {bgr.data};
+  const int strides[] = {static_cast<int>(bgr.step)};
+  if (sws_scale(to_bgr_.get(), frame.data, frame.linesize, 0, frame.height, planes, strides) != frame.height)
+    throw Fail("a picture of {}×{} px cannot be converted to BGR", frame.width, frame.height);
+  return bgr;
+}
+
+}  // namespace lake
