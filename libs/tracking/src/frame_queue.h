@@ -1,0 +1,73 @@
+// Frames decoded ahead by a thread of their own, a few at a time, so that decoding and detection overlap.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "lake/video/video_reader.h"
+
+namespace lake {
+
+class FrameQueue {
+ public:
+  explicit FrameQueue(VideoReader& reader) : reader_(reader), thread_([this] { Fill(); }) {}
+  FrameQueue(const FrameQueue&) = delete;
+  FrameQueue& operator=(const FrameQueue&) = delete;
+  ~FrameQueue() {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+
+  // False after the last frame; throws what the reader threw.
+  bool Pop(VideoFrame& frame) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !frames_.empty() || done_; });
+    if (frames_.empty()) {
+      if (error_) std::rethrow_exception(error_);
+      return false;
+    }
+    frame = std::move(frames_.front());
+    frames_.pop_front();
+    changed_.notify_all();
+    return true;
+  }
+
+ private:
+  static constexpr std::size_t kCapacity = 4;
+
+  void Fill() {
+    try {
+      for (VideoFrame frame; reader_.Read(frame);) {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [this] { return frames_.size() < kCapacity || stop_; });
+        if (stop_) return;
+        frames_.push_back(std::move(frame));
+        frame = {};
+        changed_.notify_all();
+      }
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      error_ = std::current_exception();
+    }
+    const std::lock_guard lock(mutex_);
+    done_ = true;
+    changed_.notify_all();
+  }
+
+  VideoReader& reader_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<VideoFrame> frames_;
+  std::exception_ptr error_;
+  bool done_ = false, stop_ = false;
+  std::thread thread_;
+};
+
+}  // namespace lake
