@@ -244,17 +244,21 @@ class JointFit {
     std::array<int, kMaxJointBlobs> nodes = {};
     for (std::size_t i = 0; i < blobs_.size(); ++i) nodes[i] = ExposureNodes(blobs_[i]);
     for (const Pixel& pixel : pixels_) {
-      double level = background_[0] + background_.tail<2>().dot(pixel.place - origin_);
+      const Eigen::Vector2d off = pixel.place - origin_;
+      const double slope = background_.tail<2>().dot(off);
+      double level = background_[0], seen = 1;  // `seen`: how much of the background is not hidden by a blob
       for (std::size_t i = 0; i < blobs_.size(); ++i) {
         const Light light = LightAt(blobs_[i], nodes[i], pixel.place - blobs_[i].center);
         const int at = static_cast<int>(i) * kBlobParameters;
         level += blobs_[i].amplitude * light.value;
-        row.segment<kAmplitude>(at) = blobs_[i].amplitude * light.gradient;
+        seen -= light.value;
+        row.segment<kAmplitude>(at) = (blobs_[i].amplitude - slope) * light.gradient;
         row[at + kAmplitude] = light.value;
       }
+      level += slope * seen;
       if (level >= options_.saturation_level && pixel.level >= options_.saturation_level) continue;
       row[n - 3] = 1;
-      row.tail<2>() = pixel.place - origin_;
+      row.tail<2>() = seen * off;
       const double residual = pixel.level - level;
       double weight = 1 / options_.noise.Variance(level);
       const double z = std::abs(residual) * std::sqrt(weight);

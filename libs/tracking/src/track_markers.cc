@@ -19,12 +19,24 @@ bool IsName(const std::string& name) {
   });
 }
 
-std::unique_ptr<MarkerDetector> MakeDetector(const TrackOptions& options) {
+// The luma of one frame of a video.
+cv::Mat ReadLuma(const std::filesystem::path& video, std::int64_t frame, VideoReaderOptions options) {
+  options.first = frame, options.last = frame;
+  VideoFrame read;
+  if (!VideoReader::Open(video, options)->Read(read)) throw Fail("{}: has no frame {}", video.string(), frame);
+  return read.luma.clone();
+}
+
+std::unique_ptr<MarkerDetector> MakeDetector(const std::filesystem::path& video, const TrackOptions& options) {
   const DetectorRegion region{options.crop};
   switch (options.detector) {
     case DetectorKind::kReflective: return MakeReflectiveDetector(options.polarity, region);
     case DetectorKind::kColor: return MakeColorDetector(options.colors, region);
-    case DetectorKind::kTemplate: return MakeTemplateDetector(options.seeds, region);
+    case DetectorKind::kTemplate: {
+      std::vector<cv::Mat> pictures;
+      for (const MarkerSeed& seed : options.seeds) pictures.push_back(ReadLuma(video, seed.frame, options.reader));
+      return MakeTemplateDetector(options.seeds, pictures, region);
+    }
     case DetectorKind::kAruco: return MakeArucoDetector(options.dictionary, region);
   }
   throw UsageError("no such detector");
@@ -96,7 +108,7 @@ void TrackOptions::Check() const {
 
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options) {
   options.Check();
-  const std::unique_ptr<MarkerDetector> detector = MakeDetector(options);
+  const std::unique_ptr<MarkerDetector> detector = MakeDetector(video, options);
   VideoReaderOptions reader_options = options.reader;
   reader_options.colour = detector->NeedsColour();
   const std::unique_ptr<VideoReader> reader = VideoReader::Open(video, reader_options);

@@ -2,9 +2,10 @@
 //
 // Model of a pixel's grey level, u = offset of the pixel from the blob's centre:
 //
-//   I(u) = b0 + b1 u.x + b2 u.y + A * mean over the exposure of Phi(d(u - tau * blur) / edge),   tau in [-1/2, 1/2]
+//   I(u) = b0 + (b1 u.x + b2 u.y) (1 - L(u)) + A L(u),
+//   L(u) = mean over the exposure of Phi(d(u - tau * blur) / edge),   tau in [-1/2, 1/2]
 //
-// with Phi the normal distribution function and d the signed distance (positive inside) to the ellipse |M u| = 1, to first order
+// (the marker hides what is behind it) with Phi the normal distribution function and d the signed distance (positive inside) to the ellipse |M u| = 1, to first order
 // (Sampson 1982): d(u) = (1 - |M u|) |M u| / |M^T M u|. This is a disc, seen obliquely, through a Gaussian point-spread and the
 // pixel's area, streaked by its motion. Its parameters apart from the centre are symmetric about the centre, so fitting them
 // costs the position no precision, and the position reaches the Cramér–Rao bound of the image noise.
@@ -55,8 +56,8 @@ struct BlobFit {
 struct BlobFitOptions {
   NoiseModel noise;
   double shape_freedom = 1;     // relative standard deviation of the given axes and edge as prior knowledge
-  double slope_freedom = 0.01;  // the background's slope per px over the amplitude: its standard deviation as prior knowledge
-  double margin_px = 2.5;       // background beyond 2.5 edge widths that takes part in the fit
+  double slope_freedom = 0.003; // the background's slope per px over the amplitude: its standard deviation as prior knowledge
+  double margin_px = 2;         // background beyond 2.5 edge widths that takes part in the fit
   double saturation_level = 255;  // a pixel of this level may have been any brighter
   double huber = 3;             // residuals beyond this many noise sd count linearly
   int max_iterations = 20;

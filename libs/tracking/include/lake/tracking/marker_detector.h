@@ -65,8 +65,10 @@ struct MarkerSeed {
   std::int64_t frame = 0;
 };
 
-// The patches at the given places, cut with sub-pixel precision in the seeds' frames; identity = index of the seed.
-std::unique_ptr<MarkerDetector> MakeTemplateDetector(const std::vector<MarkerSeed>& seeds, const DetectorRegion& region);
+// The patches at the given places; identity = index of the seed. `pictures` holds the luma of each seed's frame. Throws Error if
+// the picture has no structure there.
+std::unique_ptr<MarkerDetector> MakeTemplateDetector(const std::vector<MarkerSeed>& seeds, const std::vector<cv::Mat>& pictures,
+                                                     const DetectorRegion& region);
 
 // ArUco markers of a dictionary ("DICT_4X4_50"); identity = the marker's id. Throws UsageError for an unknown dictionary.
 std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region);
