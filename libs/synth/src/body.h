@@ -1,0 +1,30 @@
+// The clothed person and the exoskeleton, as layers around the markers.
+#pragma once
+
+#include <optional>
+
+#include "layer.h"
+
+namespace lake {
+
+// Where the body is at one instant, mm in the plane frame; what is not marked is not drawn.
+struct BodyPose {
+  std::optional<Eigen::Vector2d> ankle, knee, hip, waist, exo_knee;
+};
+
+struct Wardrobe {
+  Texture denim, knit;  // trousers and shirt
+  explicit Wardrobe(std::uint64_t seed);
+};
+
+// From back to front. `forward` is +1 when the subject faces right, −1 left. The wardrobe must outlive the layers.
+std::vector<Layer> BodyLayers(const std::vector<BodyPose>& instants, const Wardrobe& wardrobe, double forward,
+                              bool bright_clothes);
+
+// Links, joint, straps and actuator; nothing without exo_knee, ankle and hip.
+std::vector<Layer> ExoskeletonLayers(const std::vector<BodyPose>& instants, double forward);
+
+inline constexpr double kSoleBelowAnkle = 85;  // mm
+inline constexpr double kThighRadiusAtHip = 90;
+
+}  // namespace lake

@@ -1,0 +1,95 @@
+#include "marker_sprite.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <opencv2/aruco.hpp>
+
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+using Eigen::Vector2d;
+
+// Black cells of a marker whose black square has the side `side_mm`, centred, y up.
+std::vector<Polygon> BlackCells(int id, double side_mm) {
+  constexpr int kDots = 6;  // 4 × 4 with its border
+  const cv::Ptr<cv::aruco::Dictionary> dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50);
+  cv::Mat bits;
+  cv::aruco::drawMarker(dictionary, id, kDots, bits);
+  const double dot = side_mm / kDots;
+  std::vector<Polygon> cells;
+  for (int row = 0; row < kDots; ++row)
+    for (int column = 0; column < kDots; ++column)
+      if (bits.at<std::uint8_t>(row, column) == 0)
+        cells.push_back(Box(column * dot - side_mm / 2, side_mm / 2 - (row + 1) * dot, (column + 1) * dot - side_mm / 2,
+                            side_mm / 2 - row * dot));
+  return cells;
+}
+
+}  // namespace
+
+MarkerSprites::MarkerSprites(const SceneOptions& options, const View& view, const MarkerMotion& motion)
+    : options_(options), view_(view) {
+  const auto& names = motion.Names();
+  for (std::size_t m = 0; m < names.size(); ++m) {
+    const auto depth = options.marker_depth_mm.find(names[m]);
+    depth_mm_.push_back(depth == options.marker_depth_mm.end() ? 0 : depth->second);
+    const auto colour = options.marker_bgr.find(names[m]);
+    bgr_.push_back(colour == options.marker_bgr.end() ? cv::Vec3f::all(static_cast<float>(options.marker_level))
+                                                      : colour->second);
+    const char* const partner = names[m] == "ankle" || names[m] == "exo_knee" ? "knee"
+                                : names[m] == "knee"                          ? "ankle"
+                                : names[m] == "hip"                           ? "knee"
+                                : names[m] == "waist"                         ? "hip"
+                                                                              : "";
+    partner_.push_back(IndexOfMarker(motion, partner));
+    partner_sign_.push_back(names[m] == "ankle" ? 1 : -1);
+    if (options.marker_kind == MarkerKind::kAruco) dark_.push_back(BlackCells(static_cast<int>(m), options.aruco_mm));
+  }
+  const double radius_mm =
+      options.marker_kind == MarkerKind::kAruco ? 0.85 * options.aruco_mm : options.marker_radius_mm;
+  const Vector2d middle = view.Plane({0.5 * view.Size().width, 0.5 * view.Size().height});
+  radius_px_ = radius_mm * std::sqrt(std::abs(view.Jacobian(middle).determinant()));
+}
+
+std::vector<Vector2d> MarkerSprites::Centres(const std::vector<Vector2d>& mm) const {
+  std::vector<Vector2d> px;
+  for (std::size_t m = 0; m < mm.size(); ++m) px.push_back(view_.Pixel(mm[m], depth_mm_[m]));
+  return px;
+}
+
+SpriteInstant MarkerSprites::DiscAt(std::size_t marker, const Vector2d& mm) const {
+  constexpr int kCorners = 96;
+  SpriteInstant instant;
+  for (const Vector2d& corner : EllipseOutline(mm, options_.marker_radius_mm, options_.marker_radius_mm, 0, kCorners))
+    instant.outline.push_back(view_.Pixel(corner, depth_mm_[marker]));
+  return instant;
+}
+
+SpriteInstant MarkerSprites::ArucoAt(std::size_t marker, const std::vector<Vector2d>& mm) const {
+  constexpr double kWhiteBorder = 1.0 / 6;  // of the side, all around: one cell
+  Vector2d up = Vector2d::UnitY();
+  if (partner_[marker] >= 0) up = (partner_sign_[marker] * (mm[partner_[marker]] - mm[marker])).normalized();
+  const Vector2d right(up.y(), -up.x());
+  const auto project = [&](const Polygon& polygon) {
+    Polygon px;
+    for (const Vector2d& p : polygon)
+      px.push_back(view_.Pixel(mm[marker] + p.x() * right + p.y() * up, depth_mm_[marker]));
+    return px;
+  };
+  const double half = options_.aruco_mm * (0.5 + kWhiteBorder);
+  SpriteInstant instant{project(Box(-half, -half, half, half)), {}};
+  for (const Polygon& cell : dark_[marker]) instant.dark.push_back(project(cell));
+  return instant;
+}
+
+Sprite MarkerSprites::At(std::size_t marker, const std::vector<std::vector<Vector2d>>& positions) const {
+  Sprite sprite{bgr_[marker], cv::Vec3f::all(12), {}};
+  for (const auto& mm : positions)
+    sprite.instants.push_back(options_.marker_kind == MarkerKind::kAruco ? ArucoAt(marker, mm)
+                                                                         : DiscAt(marker, mm[marker]));
+  return sprite;
+}
+
+}  // namespace lake

@@ -1,0 +1,36 @@
+// The markers as the camera sees them.
+#pragma once
+
+#include "sprite.h"
+
+namespace lake {
+
+class MarkerSprites {
+ public:
+  // Holds references to the options and the view, which must outlive it.
+  MarkerSprites(const SceneOptions& options, const View& view, const MarkerMotion& motion);
+
+  // Projected centres of all markers.
+  std::vector<Eigen::Vector2d> Centres(const std::vector<Eigen::Vector2d>& mm) const;
+
+  // The sprite of one marker; positions[instant][marker] in mm.
+  Sprite At(std::size_t marker, const std::vector<std::vector<Eigen::Vector2d>>& positions) const;
+
+  // Radius of a disc in the picture's middle, or of a circle as large as an ArUco marker.
+  double RadiusPx() const { return radius_px_; }
+
+ private:
+  SpriteInstant DiscAt(std::size_t marker, const Eigen::Vector2d& mm) const;
+  SpriteInstant ArucoAt(std::size_t marker, const std::vector<Eigen::Vector2d>& mm) const;
+
+  const SceneOptions& options_;
+  const View& view_;
+  std::vector<double> depth_mm_;
+  std::vector<cv::Vec3f> bgr_;
+  std::vector<int> partner_;  // the marker that an ArUco marker's upper edge turns with, or −1
+  std::vector<double> partner_sign_;
+  std::vector<std::vector<Polygon>> dark_;  // black cells of the ArUco marker, in its own frame, mm
+  double radius_px_;
+};
+
+}  // namespace lake

@@ -1,0 +1,332 @@
+#include "lake/synth/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "body.h"
+#include "extras.h"
+#include "lake/core/error.h"
+#include "marker_sprite.h"
+#include "random.h"
+#include "room.h"
+
+namespace lake {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kTicksPerSecond = 90000;  // time stamps are whole ticks, so that a video keeps them exactly
+
+std::shared_ptr<const MarkerMotion> MakeMotion(const SceneOptions& options) {
+  if (options.motion_table.empty()) return std::make_shared<StsMotion>(options.motion);
+  return MakeTableMotion(ReadMotionTable(options.motion_table), options.mirror_table);
+}
+
+// The middle of the box around all markers' paths, with more room above than below; that is where the camera looks.
+Vector2d MiddleOf(const MarkerMotion& motion) {
+  Vector2d low = motion.At(0).front(), high = low;
+  for (double t = 0; t <= motion.DurationS(); t += 0.05)
+    for (const Vector2d& marker : motion.At(t)) low = low.cwiseMin(marker), high = high.cwiseMax(marker);
+  return 0.5 * (low + high) + Vector2d(0, 20);
+}
+
+CameraProfile ProfileFor(const SceneOptions& options, const MarkerMotion& motion) {
+  if (!options.camera) return MakeCameraProfile(options, MiddleOf(motion));
+  if (!options.camera->camera_from_plane) throw UsageError("the camera has no sagittal plane; a scene needs one");
+  return *options.camera;
+}
+
+// Middles of `count` equal parts of the shutter, in the motion's time.
+std::vector<double> Instants(double middle_s, double open_s, int count) {
+  std::vector<double> times;
+  for (int i = 0; i < count; ++i) times.push_back(middle_s + open_s * ((i + 0.5) / count - 0.5));
+  return times;
+}
+
+cv::Mat Spread(const cv::Mat& image, double psf_sigma_px) {
+  const cv::Mat kernel = PixelKernel(psf_sigma_px);
+  cv::Mat out;
+  cv::sepFilter2D(image, out, CV_32F, kernel, kernel, cv::Point(-1, -1), 0, cv::BORDER_REPLICATE);
+  return out;
+}
+
+}  // namespace
+
+// Everything about a frame that its picture and its truth are made of.
+struct FrameState {
+  double time_s = 0;                           // of the motion
+  std::vector<double> fine_s;                  // instants of the shutter for markers
+  std::vector<std::vector<Vector2d>> fine_mm;  // [instant][marker]
+  std::vector<std::vector<Layer>> hands;       // per occlusion that is near: its layers, at the fine instants
+};
+
+struct Scene::Impl {
+  SceneOptions options;
+  std::shared_ptr<const MarkerMotion> motion;
+  CameraProfile profile;
+  View view;
+  Wardrobe wardrobe;
+  MarkerSprites sprites;
+  Sensor sensor;
+  double forward;
+  int frames = 0;
+  Canvas room;          // sharp, with reflections
+  cv::Mat room_spread;  // the same after the point-spread
+  std::unique_ptr<Glint> glint;
+
+  Impl(const SceneOptions& o, std::shared_ptr<const MarkerMotion> m)
+      : options(o),
+        motion(std::move(m)),
+        profile(ProfileFor(o, *motion)),
+        view(profile),
+        wardrobe(o.seed),
+        sprites(options, view, *motion),
+        sensor(o.noise, o.seed),
+        forward(motion->FacingInImage() == Facing::kRight ? 1 : -1) {
+    const double duration = o.duration_s > 0 ? o.duration_s : motion->DurationS();
+    frames = std::max(1, static_cast<int>(std::floor(duration * o.frame_rate_hz + 1e-9)));
+    for (const Occlusion& occlusion : o.occlusions)
+      if (IndexOfMarker(*motion, occlusion.marker) < 0)
+        throw UsageError(fmt::format("no marker '{}' to hide", occlusion.marker));
+    PaintBackground();
+  }
+
+  void PaintBackground() {
+    room = PaintRoom(options, view, *motion);
+    room.image *= options.brightness;
+    room_spread = Spread(room.image, options.psf_sigma_px);
+    const MarkerPaths paths = Paths();
+    for (const Sprite& sprite : Reflections(options, view.Size(), paths, sprites.RadiusPx())) {
+      const SpriteCoverage coverage = CoverageOf(sprite, view.Size(), options.psf_sigma_px, {});
+      room_spread(coverage.region) += LightOf(sprite, coverage, room, options.psf_sigma_px);
+      PaintUnder(sprite, coverage, room);
+    }
+    if (options.glint) glint = std::make_unique<Glint>(options, view.Size(), paths, sprites.RadiusPx());
+  }
+
+  MarkerPaths Paths() const {
+    MarkerPaths paths;
+    for (double t = 0; t <= frames / options.frame_rate_hz; t += 0.04) paths.push_back(sprites.Centres(motion->At(t)));
+    return paths;
+  }
+
+  double TimeS(int frame) const {
+    Random random(options.seed, "time stamp", static_cast<std::uint64_t>(frame));
+    const double jitter = frame > 0 ? options.time_jitter * random.Uniform(-1, 1) : 0;
+    const double exact = options.start_s + (frame + jitter) / options.frame_rate_hz;
+    return std::round(exact * kTicksPerSecond) / kTicksPerSecond;
+  }
+
+  double OpenS() const { return options.shutter / options.frame_rate_hz; }
+
+  // The longest way that a marker goes while the shutter is open.
+  double LongestBlurPx(double time_s) const {
+    const auto from = sprites.Centres(motion->At(time_s - 0.5 * OpenS())),
+               to = sprites.Centres(motion->At(time_s + 0.5 * OpenS()));
+    double longest = 0;
+    for (std::size_t i = 0; i < from.size(); ++i) longest = std::max(longest, (to[i] - from[i]).norm());
+    return longest;
+  }
+
+  FrameState StateOf(int frame) const {
+    FrameState state;
+    state.time_s = TimeS(frame) - options.start_s;
+    const double blur = LongestBlurPx(state.time_s);
+    const int count = OpenS() == 0 ? 1 : std::min(64, 4 + static_cast<int>(std::ceil(3 * blur)));
+    state.fine_s = Instants(state.time_s, OpenS(), count);
+    for (const double t : state.fine_s) state.fine_mm.push_back(motion->At(t));
+    for (std::size_t i = 0; i < options.occlusions.size(); ++i) {
+      std::vector<Layer> layers = Hand(static_cast<int>(i), state);
+      if (!layers.empty()) state.hands.push_back(std::move(layers));
+    }
+    return state;
+  }
+
+  std::vector<Layer> Hand(int index, const FrameState& state) const {
+    const Occlusion& occlusion = options.occlusions[index];
+    const int marker = IndexOfMarker(*motion, occlusion.marker);
+    std::vector<Vector2d> hidden_mm;
+    for (const auto& markers : state.fine_mm) hidden_mm.push_back(markers[marker]);
+    return HandLayers(occlusion, options.seed, index, forward, options.marker_radius_mm, options.bright_room,
+                      0.4 * sprites.RadiusPx(), state.fine_s, hidden_mm);
+  }
+
+  Cover CoverOf(const FrameState& state) const {
+    if (state.hands.empty()) return {};
+    return [this, &state](const cv::Rect& region, std::size_t instant) {
+      cv::Mat covered;
+      for (const auto& layers : state.hands)
+        for (const Layer& layer : layers) {
+          if ((LayerRegion(view, layer) & region).empty()) continue;
+          const cv::Mat one = LayerCoverage(view, layer, region, instant, instant);
+          covered = covered.empty() ? one.clone() : cv::Mat(covered + one - covered.mul(one));
+        }
+      return covered;
+    };
+  }
+
+  std::vector<Layer> MovingLayers(const FrameState& state) const {
+    if (!options.body && !options.exoskeleton) return {};
+    const int count = std::clamp(static_cast<int>(std::ceil(LongestBlurPx(state.time_s))), 1, 12);
+    std::vector<BodyPose> poses;
+    for (const double t : Instants(state.time_s, OpenS(), count)) poses.push_back(PoseAt(t));
+    std::vector<Layer> layers;
+    if (options.body) layers = BodyLayers(poses, wardrobe, forward, options.bright_room);
+    if (options.exoskeleton)
+      for (Layer& layer : ExoskeletonLayers(poses, forward)) layers.push_back(std::move(layer));
+    return layers;
+  }
+
+  BodyPose PoseAt(double time_s) const {
+    const std::vector<Vector2d> markers = motion->At(time_s);
+    const auto get = [&](std::string_view name) -> std::optional<Vector2d> {
+      const int index = IndexOfMarker(*motion, name);
+      return index < 0 ? std::nullopt : std::optional(markers[index]);
+    };
+    return {get("ankle"), get("knee"), get("hip"), get("waist"), get("exo_knee")};
+  }
+
+  double Brightness(int frame) const {
+    Random constant(options.seed, "flicker"), lot(options.seed, "flicker", static_cast<std::uint64_t>(frame) + 1);
+    const double hz = constant.Uniform(3, 9), phase = constant.Uniform(0, 2 * std::numbers::pi);
+    const double wave = std::sin(2 * std::numbers::pi * hz * (TimeS(frame) - options.start_s) + phase);
+    return options.exposure * (1 + options.flicker * (wave + 0.25 * lot.Normal()));
+  }
+
+  struct Composition {
+    Canvas under;     // sharp, everything but hands and small bright things
+    cv::Mat picture;  // whole, after the point-spread, before exposure and flicker
+  };
+
+  // All but the sprites.
+  Composition Compose(const FrameState& state, const std::vector<Sprite>& sprites_of_frame) const {
+    std::vector<Layer> layers = MovingLayers(state);
+    for (Layer& layer : layers) layer.surface.bgr *= options.brightness;
+    cv::Rect region;
+    for (const Layer& layer : layers) region |= LayerRegion(view, layer);
+    for (const auto& hand : state.hands)
+      for (const Layer& layer : hand) region |= LayerRegion(view, layer);
+    for (const Sprite& sprite : sprites_of_frame)
+      region |= CoverageOf(sprite, view.Size(), options.psf_sigma_px, {}).region;
+    Composition out;
+    out.picture = room_spread.clone();
+    if (region.empty()) return out;
+    const int reach = PixelKernel(options.psf_sigma_px).cols / 2;
+    const cv::Rect all({}, view.Size());
+    const cv::Rect touched = Grown(region, reach) & all, needed = Grown(touched, reach) & all;
+    out.under = {room.image(needed).clone(), needed.tl()};
+    for (const Layer& layer : layers) Paint(view, layer, out.under);
+    Canvas with_hands{state.hands.empty() ? out.under.image : out.under.image.clone(), out.under.corner};
+    for (const auto& hand : state.hands)
+      for (Layer layer : hand) {
+        layer.surface.bgr *= options.brightness;
+        Paint(view, layer, with_hands);
+      }
+    Spread(with_hands.image, options.psf_sigma_px)(touched - needed.tl()).copyTo(out.picture(touched));
+    return out;
+  }
+
+  static cv::Rect Grown(const cv::Rect& r, int by) { return {r.x - by, r.y - by, r.width + 2 * by, r.height + 2 * by}; }
+
+  std::vector<Sprite> SpritesOf(const FrameState& state) const {
+    std::vector<Sprite> all;
+    if (glint) all.push_back(glint->At(state.fine_s));
+    for (std::size_t m = 0; m < motion->Names().size(); ++m) all.push_back(sprites.At(m, state.fine_mm));
+    return all;
+  }
+
+  cv::Mat RenderIdeal(int frame) const {
+    const FrameState state = StateOf(frame);
+    const std::vector<Sprite> all = SpritesOf(state);
+    const Cover cover = CoverOf(state);
+    Composition composition = Compose(state, all);
+    for (const Sprite& sprite : all) {
+      const SpriteCoverage coverage = CoverageOf(sprite, view.Size(), options.psf_sigma_px, cover);
+      if (coverage.region.empty()) continue;
+      composition.picture(coverage.region) += LightOf(sprite, coverage, composition.under, options.psf_sigma_px);
+      PaintUnder(sprite, coverage, composition.under);
+    }
+    composition.picture *= Brightness(frame);
+    return composition.picture;
+  }
+
+  FrameTruth Truth(int frame) const {
+    const FrameState state = StateOf(frame);
+    const std::vector<Vector2d> mm = motion->At(state.time_s), px = sprites.Centres(mm);
+    const Cover cover = CoverOf(state);
+    FrameTruth truth;
+    truth.time_s = TimeS(frame);
+    for (std::size_t m = 0; m < mm.size(); ++m) {
+      const double covered = CoverageOf(sprites.At(m, state.fine_mm), view.Size(), options.psf_sigma_px, cover).covered;
+      truth.markers.push_back({px[m], mm[m], covered, covered < kVisibleLimit});
+    }
+    const int ankle = IndexOfMarker(*motion, "ankle"), knee = IndexOfMarker(*motion, "knee"),
+              hip = IndexOfMarker(*motion, "hip");
+    truth.knee_deg = ankle < 0 || knee < 0 || hip < 0
+                         ? std::numeric_limits<double>::quiet_NaN()
+                         : KneeAngleDeg(mm[ankle], mm[knee], mm[hip], motion->FacingInImage());
+    return truth;
+  }
+
+  ImagePatch RenderMarker(int frame, const std::string& name, const Vector2d& shift_px) const {
+    const int wanted = IndexOfMarker(*motion, name);
+    if (wanted < 0) throw UsageError(fmt::format("no marker '{}'", name));
+    const FrameState state = StateOf(frame);
+    const Cover cover = CoverOf(state);
+    Composition composition = Compose(state, SpritesOf(state));
+    Sprite sprite = sprites.At(static_cast<std::size_t>(wanted), state.fine_mm);
+    for (SpriteInstant& instant : sprite.instants) {
+      for (Vector2d& corner : instant.outline) corner += shift_px;
+      for (Polygon& polygon : instant.dark)
+        for (Vector2d& corner : polygon) corner += shift_px;
+    }
+    const SpriteCoverage coverage = CoverageOf(sprite, view.Size(), options.psf_sigma_px, cover);
+    if (coverage.region.empty()) throw Fail("frame {}: marker '{}' is outside the picture", frame, name);
+    const cv::Mat light = LightOf(sprite, coverage, composition.under, options.psf_sigma_px);
+    return {coverage.region.tl(), light * Brightness(frame)};
+  }
+};
+
+Scene::Scene(const SceneOptions& options) {
+  options.Check();
+  impl_ = std::make_unique<Impl>(options, MakeMotion(options));
+}
+Scene::Scene(const SceneOptions& options, std::shared_ptr<const MarkerMotion> motion) {
+  options.Check();
+  impl_ = std::make_unique<Impl>(options, std::move(motion));
+}
+Scene::Scene(Scene&&) noexcept = default;
+Scene::~Scene() = default;
+
+const SceneOptions& Scene::Options() const {
+  return impl_->options;
+}
+const MarkerMotion& Scene::Motion() const {
+  return *impl_->motion;
+}
+const CameraProfile& Scene::Profile() const {
+  return impl_->profile;
+}
+int Scene::Frames() const {
+  return impl_->frames;
+}
+double Scene::TimeS(int frame) const {
+  return impl_->TimeS(frame);
+}
+FrameTruth Scene::Truth(int frame) const {
+  return impl_->Truth(frame);
+}
+cv::Mat Scene::RenderIdeal(int frame) const {
+  return impl_->RenderIdeal(frame);
+}
+cv::Mat Scene::Render(int frame) const {
+  return impl_->sensor.Record(impl_->RenderIdeal(frame), frame);
+}
+ImagePatch Scene::RenderMarker(int frame, const std::string& marker, const Vector2d& shift_px) const {
+  return impl_->RenderMarker(frame, marker, shift_px);
+}
+
+}  // namespace lake
