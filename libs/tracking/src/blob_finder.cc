@@ -101,7 +101,7 @@ bool BlobFinder::LooksLike(const BlobFit& fit, const MarkerPrediction& predictio
   if (std::abs(now.RadiusPx() / radius - 1) > size_tolerance) return false;
   const double brightness = now.amplitude / before.amplitude;
   if (brightness < 0.6 || brightness > 1.6) return false;
-  return fit.relative_residual < 0.12;
+  return fit.relative_residual < std::min(0.12, 2.5 * prediction.quality + 0.01);
 }
 
 // A new thing worth following: compact, with an edge, on a background that the model explains.
@@ -170,8 +170,17 @@ void BlobFinder::LearnFromFits(const cv::Mat& grey, std::span<const MarkerPredic
   }
 }
 
+bool BlobFinder::WasRefused(const BlobCandidate& candidate) const {
+  return std::any_of(refusals_.begin(), refusals_.end(), [&](const Refusal& refusal) {
+    return (refusal.candidate.position - candidate.position).norm() < 0.5 * candidate.radius_px &&
+           std::abs(refusal.candidate.contrast - candidate.contrast) < 0.15 * candidate.contrast;
+  });
+}
+
 void BlobFinder::FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
-                         std::vector<MarkerDetection>& found) const {
+                         std::vector<MarkerDetection>& found) {
+  constexpr int kRefusedFor = 30;  // searches
+  std::erase_if(refusals_, [](Refusal& refusal) { return --refusal.searches_left < 0; });
   BlobSearchOptions search;
   if (!predictions.empty()) {
     // Once markers are followed, only their like is of interest.
@@ -190,9 +199,13 @@ void BlobFinder::FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> 
     };
     const auto end = found.begin() + static_cast<std::ptrdiff_t>(known);
     if (std::any_of(found.begin(), end, [&](const auto& d) { return touches(d.position, d.appearance.RadiusPx()); })) continue;
+    if (WasRefused(candidate)) continue;
     const Blob start = DiscBlob(candidate.position, candidate.radius_px);
     const auto fit = FitBlobs(grey, std::span(&start, 1), fit_options_);
-    if (fit && IsMarkerLike(fit->front())) found.push_back(MakeDetection(fit->front()));
+    if (fit && IsMarkerLike(fit->front()))
+      found.push_back(MakeDetection(fit->front()));
+    else
+      refusals_.push_back({candidate, kRefusedFor});
   }
 }
 

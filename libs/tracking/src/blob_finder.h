@@ -47,7 +47,8 @@ class BlobFinder {
   void FitTogether(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, const std::vector<std::size_t>& members,
                    std::vector<std::optional<BlobFit>>& fits) const;
   std::optional<BlobFit> SearchAndFit(const cv::Mat& grey, const MarkerPrediction& prediction) const;
-  void FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, std::vector<MarkerDetection>& found) const;
+  void FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, std::vector<MarkerDetection>& found);
+  bool WasRefused(const BlobCandidate& candidate) const;
 
   cv::Rect crop_;
   BlobFitOptions fit_options_;
@@ -55,6 +56,13 @@ class BlobFinder {
   ShutterEstimator shutter_;
   double chi_square_ = 1;  // running typical value, by which the noise model is scaled
   double contrast_ = 0;    // running contrast of the blobs followed
+
+  // Candidates that turned out to be no markers. Furniture stays where it is: they are not tried again for a while.
+  struct Refusal {
+    BlobCandidate candidate;
+    int searches_left;
+  };
+  std::vector<Refusal> refusals_;
 };
 
 }  // namespace lake

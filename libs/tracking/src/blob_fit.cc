@@ -13,9 +13,6 @@ namespace {
 // Order of a blob's parameters in the fit; the three of the background follow after the last blob.
 enum BlobParameter { kX, kY, kM11, kM12, kM22, kEdge, kAmplitude, kBlobParameters };
 constexpr int kBackgroundParameters = 3;
-constexpr int kMaxParameters = kMaxJointBlobs * kBlobParameters + kBackgroundParameters;
-using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxParameters, 1>;
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxParameters, kMaxParameters>;
 
 constexpr double kMinRadiusPx = 0.5;
 constexpr double kMinEdgePx = 0.3;  // the pixel's own area: sqrt(1/12)
@@ -82,10 +79,10 @@ void AddStillLight(const Blob& blob, const Eigen::Vector2d& u, double weight, Li
   light.gradient[kEdge] -= weight * density * z / blob.edge_px;
 }
 
-// Exposure: the midpoint rule with a node per pixel of the path.
+// Exposure: the midpoint rule; nodes 1.5 edge widths apart leave ripples of 2e-4 of the light.
 int ExposureNodes(const Blob& blob) {
   constexpr int kMaxNodes = 24;
-  return std::clamp(static_cast<int>(std::ceil(blob.blur_px.norm() / 0.8)), 1, kMaxNodes);
+  return std::clamp(static_cast<int>(std::ceil(blob.blur_px.norm() / (1.5 * blob.edge_px))), 1, kMaxNodes);
 }
 
 Light LightAt(const Blob& blob, int nodes, const Eigen::Vector2d& u) {
@@ -113,19 +110,22 @@ bool IsSane(const Blob& blob, const Blob& start, const cv::Size& size) {
          blob.center.x() <= size.width - 1 && blob.center.y() <= size.height - 1;
 }
 
-// The least-squares problem at hand: the pixels of the blobs' surroundings, the blobs and one sloping background.
+// The least-squares problem at hand: the pixels of the blobs' surroundings, the blobs and one sloping background. Sizes are known
+// when compiling, as most of the time of tracking goes into its sums.
+template <int kBlobs>
 class JointFit {
  public:
-  JointFit(const cv::Mat& grey, std::span<const Blob> starts, const BlobFitOptions& options)
-      : grey_(grey), options_(options), starts_(starts.begin(), starts.end()), blobs_(starts_) {
+  JointFit(const cv::Mat& grey, std::span<const Blob> starts, const BlobFitOptions& options) : grey_(grey), options_(options) {
+    std::copy_n(starts.begin(), kBlobs, starts_.begin());
+    blobs_ = starts_;
     origin_.setZero();
-    for (const Blob& blob : blobs_) origin_ += blob.center / static_cast<double>(blobs_.size());
+    for (const Blob& blob : blobs_) origin_ += blob.center / kBlobs;
     ChoosePixels();
-    if (pixels_.size() > 2u * static_cast<unsigned>(Parameters())) StartBackground();
+    if (HasEnoughPixels()) StartBackground();
   }
 
   bool Solve() {
-    if (pixels_.size() <= 2u * static_cast<unsigned>(Parameters())) return false;
+    if (!HasEnoughPixels()) return false;
     double damping = 1e-3;
     double cost = Accumulate();
     for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
@@ -151,17 +151,17 @@ class JointFit {
   }
 
   std::vector<BlobFit> Result() const {
-    const Matrix covariance = normal_.ldlt().solve(Matrix::Identity(Parameters(), Parameters()));
-    const double freedom = static_cast<double>(pixels_.size()) - Parameters();
+    const Matrix covariance = normal_.ldlt().solve(Matrix::Identity());
+    const double freedom = static_cast<double>(pixels_.size()) - kParameters;
     const double chi_square = weighted_square_sum_ / freedom;
     const double residual = std::sqrt(square_sum_ / freedom);
     std::vector<BlobFit> fits;
-    for (std::size_t i = 0; i < blobs_.size(); ++i) {
+    for (std::size_t i = 0; i < kBlobs; ++i) {
       const int at = static_cast<int>(i) * kBlobParameters;
       BlobFit fit;
       fit.blob = blobs_[i];
-      fit.covariance = covariance.block<2, 2>(at, at) * chi_square;
-      fit.background = background_[0] + background_.tail<2>().dot(blobs_[i].center - origin_);
+      fit.covariance = covariance.template block<2, 2>(at, at) * chi_square;
+      fit.background = background_[0] + background_.template tail<2>().dot(blobs_[i].center - origin_);
       fit.chi_square = chi_square;
       fit.relative_residual = residual / blobs_[i].amplitude;
       fits.push_back(fit);
@@ -170,13 +170,17 @@ class JointFit {
   }
 
  private:
+  static constexpr int kParameters = kBlobs * kBlobParameters + kBackgroundParameters;
+  using Vector = Eigen::Matrix<double, kParameters, 1>;
+  using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
+
   struct State {
-    std::vector<Blob> blobs;
+    std::array<Blob, kBlobs> blobs;
     Eigen::Vector3d background;
   };
   State Save() const { return {blobs_, background_}; }
   void Restore(const State& state) { blobs_ = state.blobs, background_ = state.background; }
-  int Parameters() const { return static_cast<int>(blobs_.size()) * kBlobParameters + kBackgroundParameters; }
+  bool HasEnoughPixels() const { return pixels_.size() > 2 * kParameters; }
 
   struct Pixel {
     Eigen::Vector2d place;
@@ -218,47 +222,45 @@ class JointFit {
 
   // Amplitudes and background are linear: solve for them with the starts' geometry. The slope starts level.
   void StartBackground() {
-    const int columns = static_cast<int>(blobs_.size()) + 1;
-    Matrix normal = Matrix::Zero(columns, columns);
-    Vector right = Vector::Zero(columns), row = Vector::Zero(columns);
+    Eigen::Matrix<double, kBlobs + 1, kBlobs + 1> normal = decltype(normal)::Zero();
+    Eigen::Matrix<double, kBlobs + 1, 1> right = decltype(right)::Zero(), row;
     for (const Pixel& pixel : pixels_) {
-      for (std::size_t i = 0; i < blobs_.size(); ++i)
-        row[static_cast<int>(i)] = LightAt(blobs_[i], ExposureNodes(blobs_[i]), pixel.place - blobs_[i].center).value;
-      row[columns - 1] = 1;
+      for (int i = 0; i < kBlobs; ++i)
+        row[i] = LightAt(blobs_[i], ExposureNodes(blobs_[i]), pixel.place - blobs_[i].center).value;
+      row[kBlobs] = 1;
       normal += row * row.transpose();
       right += row * pixel.level;
     }
-    const Vector solution = normal.ldlt().solve(right);
-    for (std::size_t i = 0; i < blobs_.size(); ++i) starts_[i].amplitude = blobs_[i].amplitude = std::max(solution[static_cast<int>(i)], 1.0);
-    background_ = {solution[columns - 1], 0, 0};
+    const auto solution = normal.ldlt().solve(right).eval();
+    for (int i = 0; i < kBlobs; ++i) starts_[i].amplitude = blobs_[i].amplitude = std::max(solution[i], 1.0);
+    background_ = {solution[kBlobs], 0, 0};
   }
 
   // Normal equations at the current parameters; returns the robust cost.
   double Accumulate() {
-    const int n = Parameters();
-    normal_ = Matrix::Zero(n, n);
-    gradient_ = Vector::Zero(n);
+    normal_.setZero();
+    gradient_.setZero();
     square_sum_ = weighted_square_sum_ = 0;
     double cost = 0;
-    Vector row(n);
-    std::array<int, kMaxJointBlobs> nodes = {};
-    for (std::size_t i = 0; i < blobs_.size(); ++i) nodes[i] = ExposureNodes(blobs_[i]);
+    Vector row;
+    std::array<int, kBlobs> nodes;
+    for (int i = 0; i < kBlobs; ++i) nodes[i] = ExposureNodes(blobs_[i]);
     for (const Pixel& pixel : pixels_) {
       const Eigen::Vector2d off = pixel.place - origin_;
-      const double slope = background_.tail<2>().dot(off);
+      const double slope = background_.template tail<2>().dot(off);
       double level = background_[0], seen = 1;  // `seen`: how much of the background is not hidden by a blob
-      for (std::size_t i = 0; i < blobs_.size(); ++i) {
+      for (int i = 0; i < kBlobs; ++i) {
         const Light light = LightAt(blobs_[i], nodes[i], pixel.place - blobs_[i].center);
-        const int at = static_cast<int>(i) * kBlobParameters;
+        const int at = i * kBlobParameters;
         level += blobs_[i].amplitude * light.value;
         seen -= light.value;
-        row.segment<kAmplitude>(at) = (blobs_[i].amplitude - slope) * light.gradient;
+        row.template segment<kAmplitude>(at) = (blobs_[i].amplitude - slope) * light.gradient;
         row[at + kAmplitude] = light.value;
       }
       level += slope * seen;
       if (level >= options_.saturation_level && pixel.level >= options_.saturation_level) continue;
-      row[n - 3] = 1;
-      row.tail<2>() = seen * off;
+      row[kParameters - 3] = 1;
+      row.template tail<2>() = seen * off;
       const double residual = pixel.level - level;
       double weight = 1 / options_.noise.Variance(level);
       const double z = std::abs(residual) * std::sqrt(weight);
@@ -267,10 +269,10 @@ class JointFit {
       square_sum_ += residual * residual;
       if (z > huber) weight *= huber / z;
       weighted_square_sum_ += weight * residual * residual;
-      normal_.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
-      gradient_ += weight * residual * row;
+      const Vector weighted = weight * row;
+      normal_.noalias() += weighted * row.transpose();
+      gradient_ += residual * weighted;
     }
-    normal_ = Matrix(normal_.selfadjointView<Eigen::Lower>());
     return cost + AddPrior();
   }
 
@@ -282,18 +284,18 @@ class JointFit {
       gradient_[parameter] -= difference / (sd * sd);
       cost += difference * difference / (sd * sd);
     };
-    for (std::size_t i = 0; i < blobs_.size(); ++i) {
+    for (int i = 0; i < kBlobs; ++i) {
       const Blob &blob = blobs_[i], &start = starts_[i];
       const double axis_sd = options_.shape_freedom / start.RadiusPx(), edge_sd = options_.shape_freedom * start.edge_px;
       const Eigen::Matrix2d off = blob.unit_circle_from_px - start.unit_circle_from_px;
-      const int at = static_cast<int>(i) * kBlobParameters;
+      const int at = i * kBlobParameters;
       pull(at + kM11, off(0, 0), axis_sd);
       pull(at + kM12, off(0, 1), axis_sd);
       pull(at + kM22, off(1, 1), axis_sd);
       pull(at + kEdge, blob.edge_px - start.edge_px, edge_sd);
     }
     const double slope_sd = options_.slope_freedom * starts_.front().amplitude;
-    for (int axis = 1; axis <= 2; ++axis) pull(Parameters() - kBackgroundParameters + axis, background_[axis], slope_sd);
+    for (int axis = 1; axis <= 2; ++axis) pull(kParameters - kBackgroundParameters + axis, background_[axis], slope_sd);
     return cost;
   }
 
@@ -304,10 +306,10 @@ class JointFit {
   }
 
   void Apply(const Vector& step) {
-    for (std::size_t i = 0; i < blobs_.size(); ++i) {
-      const auto s = step.segment<kBlobParameters>(static_cast<int>(i) * kBlobParameters);
+    for (int i = 0; i < kBlobs; ++i) {
+      const auto s = step.template segment<kBlobParameters>(i * kBlobParameters);
       Blob& blob = blobs_[i];
-      blob.center += s.segment<2>(kX);
+      blob.center += s.template segment<2>(kX);
       blob.unit_circle_from_px(0, 0) += s[kM11];
       blob.unit_circle_from_px(0, 1) += s[kM12];
       blob.unit_circle_from_px(1, 0) += s[kM12];
@@ -315,25 +317,24 @@ class JointFit {
       blob.edge_px = std::max(blob.edge_px + s[kEdge], kMinEdgePx);
       blob.amplitude += s[kAmplitude];
     }
-    background_ += step.tail<3>();
+    background_ += step.template tail<3>();
   }
 
   bool AllSane() const {
-    for (std::size_t i = 0; i < blobs_.size(); ++i)
+    for (int i = 0; i < kBlobs; ++i)
       if (!IsSane(blobs_[i], starts_[i], grey_.size())) return false;
     return true;
   }
 
   double CenterStep(const Vector& step) const {
     double largest = 0;
-    for (std::size_t i = 0; i < blobs_.size(); ++i)
-      largest = std::max(largest, step.segment<2>(static_cast<int>(i) * kBlobParameters).norm());
+    for (int i = 0; i < kBlobs; ++i) largest = std::max(largest, step.template segment<2>(i * kBlobParameters).norm());
     return largest;
   }
 
   const cv::Mat& grey_;
   const BlobFitOptions& options_;
-  std::vector<Blob> starts_, blobs_;
+  std::array<Blob, kBlobs> starts_, blobs_;
   Eigen::Vector2d origin_;
   Eigen::Vector3d background_ = Eigen::Vector3d::Zero();
   std::vector<Pixel> pixels_;
@@ -341,6 +342,13 @@ class JointFit {
   Vector gradient_;
   double square_sum_ = 0, weighted_square_sum_ = 0;
 };
+
+template <int kBlobs>
+std::optional<std::vector<BlobFit>> Fit(const cv::Mat& grey, std::span<const Blob> starts, const BlobFitOptions& options) {
+  JointFit<kBlobs> fit(grey, starts, options);
+  if (!fit.Solve()) return std::nullopt;
+  return fit.Result();
+}
 
 }  // namespace
 
@@ -361,9 +369,14 @@ Blob DiscBlob(const Eigen::Vector2d& center, double radius_px) {
 double BlobFit::SigmaPx() const { return std::sqrt(0.5 * covariance.trace()); }
 
 std::optional<std::vector<BlobFit>> FitBlobs(const cv::Mat& grey, std::span<const Blob> starts, const BlobFitOptions& options) {
-  JointFit fit(grey, starts, options);
-  if (!fit.Solve()) return std::nullopt;
-  return fit.Result();
+  static_assert(kMaxJointBlobs == 4);
+  switch (starts.size()) {
+    case 1: return Fit<1>(grey, starts, options);
+    case 2: return Fit<2>(grey, starts, options);
+    case 3: return Fit<3>(grey, starts, options);
+    case 4: return Fit<4>(grey, starts, options);
+    default: return std::nullopt;
+  }
 }
 
 }  // namespace lake

@@ -139,6 +139,7 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
   } catch (const Error& error) {
     throw Fail("{}: {}", video.string(), error.what());
   }
+  result.sigma = CalibrateSigmas(result.recording);
   return result;
 }
 

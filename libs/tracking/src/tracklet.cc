@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/core/statistics.h"
 #include "lake/tracking/assignment.h"
 
 namespace lake {
@@ -30,6 +31,27 @@ Motion Extrapolate(const std::vector<TrackletSample>& samples, double time_s) {
   const Eigen::Vector2d acceleration = (slope - first_slope) / (0.5 * (last.time_s - first.time_s));
   const Eigen::Vector2d velocity = slope + acceleration * 0.5 * (last.time_s - before.time_s);
   return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration};
+}
+
+// Removes samples that do not look like their neighbours in time: a marker that is half behind a hand is measured in a wrong place.
+// A tracklet that begins so would pass for the marker's look, so this waits until all of it is known.
+void RemoveUnlike(std::vector<TrackletSample>& samples) {
+  constexpr std::ptrdiff_t kNeighbours = 15;
+  constexpr double kSizeTolerance = 0.06, kQualityFactor = 2.5, kQualitySlack = 0.01;
+  std::vector<bool> unlike(samples.size());
+  const auto count = static_cast<std::ptrdiff_t>(samples.size());
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    std::vector<double> radii, qualities;
+    for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, i - kNeighbours); j < std::min(count, i + kNeighbours + 1); ++j) {
+      radii.push_back(samples[static_cast<std::size_t>(j)].radius_px);
+      qualities.push_back(samples[static_cast<std::size_t>(j)].quality);
+    }
+    const TrackletSample& sample = samples[static_cast<std::size_t>(i)];
+    const double radius = Median(std::move(radii)), quality = Median(std::move(qualities));
+    unlike[static_cast<std::size_t>(i)] = std::abs(sample.radius_px / radius - 1) > kSizeTolerance + 0.1 / radius ||
+                                          sample.quality > kQualityFactor * quality + kQualitySlack;
+  }
+  std::erase_if(samples, [&, i = std::size_t{0}](const TrackletSample&) mutable { return unlike[i++]; });
 }
 
 // Grows with the distance in gates and with unlikeness; 1 or more is impossible.
@@ -67,18 +89,18 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
   prediction.gate_px = std::max(2.0, radius) + 0.5 * kMaxAccelerationRadii * radius * ahead * ahead + (young ? 3 * radius : 0);
   prediction.gate_px = std::min(prediction.gate_px, 8 * radius);
   prediction.appearance = live.appearance;
+  prediction.quality = live.quality;
   prediction.identity = live.tracklet.identity;
   return prediction;
 }
 
-bool TrackletBuilder::SearchEverywhere() const {
-  if (frames_seen_ % options_.search_interval == 0) return true;
-  return std::any_of(live_.begin(), live_.end(), [&](const Live& live) { return live.seen_s < previous_time_s_; });
+bool TrackletBuilder::SearchEverywhere(double time_s) const {
+  return frames_seen_ % options_.search_interval == 0 || (last_loss_s_ && time_s - *last_loss_s_ < options_.search_after_loss_s);
 }
 
 void TrackletBuilder::Extend(Live& live, const VideoFrame& frame, const MarkerDetection& detection) {
   live.tracklet.samples.push_back({frame.index, frame.time_s, detection.position, detection.sigma_px, detection.appearance.RadiusPx(),
-                                   detection.appearance.amplitude});
+                                   detection.appearance.amplitude, detection.quality});
   live.seen_s = frame.time_s;
   if (!live.tracklet.identity) live.tracklet.identity = detection.identity;
   // The running mean over the last ten or so looks; all of them while there are fewer.
@@ -87,6 +109,7 @@ void TrackletBuilder::Extend(Live& live, const VideoFrame& frame, const MarkerDe
   live.appearance.unit_circle_from_px += weight * (now.unit_circle_from_px - live.appearance.unit_circle_from_px);
   live.appearance.edge_px += weight * (now.edge_px - live.appearance.edge_px);
   live.appearance.amplitude += weight * (now.amplitude - live.appearance.amplitude);
+  live.quality += weight * (detection.quality - live.quality);
 }
 
 void TrackletBuilder::Associate(const VideoFrame& frame, std::span<const MarkerPrediction> predictions,
@@ -104,7 +127,7 @@ void TrackletBuilder::Associate(const VideoFrame& frame, std::span<const MarkerP
   }
   for (std::size_t j = 0; j < detections.size() && live_.size() < options_.max_live; ++j) {
     if (taken[j]) continue;
-    live_.push_back({{}, detections[j].appearance, frame.time_s});
+    live_.push_back({{}, detections[j].appearance, detections[j].quality, frame.time_s});
     Extend(live_.back(), frame, detections[j]);
   }
 }
@@ -112,25 +135,31 @@ void TrackletBuilder::Associate(const VideoFrame& frame, std::span<const MarkerP
 void TrackletBuilder::RetireLost(double time_s) {
   std::erase_if(live_, [&](Live& live) {
     const bool young = static_cast<int>(live.tracklet.samples.size()) < options_.min_samples;
+    const bool established = static_cast<int>(live.tracklet.samples.size()) >= options_.established;
+    if (established && live.seen_s < time_s) last_loss_s_ = time_s;
     if (live.seen_s >= time_s || (!young && time_s - live.seen_s <= options_.max_coast_s)) return false;
-    if (!young) finished_.push_back(std::move(live.tracklet));
+    Keep(std::move(live.tracklet));
     return true;
   });
+}
+
+void TrackletBuilder::Keep(Tracklet tracklet) {
+  RemoveUnlike(tracklet.samples);
+  if (static_cast<int>(tracklet.samples.size()) >= options_.min_samples) finished_.push_back(std::move(tracklet));
 }
 
 void TrackletBuilder::Add(const VideoFrame& frame) {
   frame_s_ = frames_seen_ > 0 ? frame.time_s - previous_time_s_ : 0;
   std::vector<MarkerPrediction> predictions;
   for (const Live& live : live_) predictions.push_back(Predict(live, frame.time_s, frame_s_));
-  Associate(frame, predictions, detector_.Detect(frame, predictions, SearchEverywhere()));
+  Associate(frame, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame.time_s)));
   RetireLost(frame.time_s);
   previous_time_s_ = frame.time_s;
   ++frames_seen_;
 }
 
 std::vector<Tracklet> TrackletBuilder::Finish() {
-  for (Live& live : live_)
-    if (static_cast<int>(live.tracklet.samples.size()) >= options_.min_samples) finished_.push_back(std::move(live.tracklet));
+  for (Live& live : live_) Keep(std::move(live.tracklet));
   live_.clear();
   std::sort(finished_.begin(), finished_.end(), [](const Tracklet& a, const Tracklet& b) { return a.FirstFrame() < b.FirstFrame(); });
   return std::move(finished_);

@@ -28,6 +28,7 @@ struct MarkerPrediction {
   Eigen::Vector2d velocity_px = Eigen::Vector2d::Zero();  // px per frame
   double gate_px = 0;          // look no further than this
   Blob appearance;             // running mean of its looks
+  double quality = 1;          // running mean of its detections' quality
   std::optional<int> identity;
 };
 

@@ -9,6 +9,7 @@
 #include "lake/motion/marker_recording.h"
 #include "lake/tracking/marker_detector.h"
 #include "lake/tracking/naming.h"
+#include "lake/tracking/sigma_calibration.h"
 #include "lake/video/video_reader.h"
 
 namespace lake {
@@ -36,7 +37,8 @@ struct TrackResult {
   MarkerRecording recording;  // px; detected or missing
   VideoInfo video;
   std::size_t tracklets = 0;  // things followed, named or not
-  double radius_px = 0;       // median of the named markers
+  double radius_px = 0;       // median over what was followed
+  SigmaCalibration sigma;
 };
 
 // Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, of fewer than two frames, with fewer markers

@@ -16,6 +16,7 @@ struct TrackletSample {
   double sigma_px = 0;
   double radius_px = 0;
   double amplitude = 0;
+  double quality = 0;  // as in MarkerDetection
 };
 
 struct Tracklet {
@@ -32,7 +33,9 @@ struct TrackletOptions {
   double max_coast_s = 0.1;         // lost for longer: the tracklet ends
   int min_samples = 4;              // shorter ones are chance
   std::size_t max_live = 40;        // things followed at once; the most contrasted come first
-  int search_interval = 4;          // frames between searches of the whole picture while nothing followed is lost
+  int search_interval = 4;          // frames between searches of the whole picture …
+  double search_after_loss_s = 0.6;  // … but every frame for this long after something well established was lost
+  int established = 15;             // samples
 };
 
 // Follows everything that the detector sees. Feed frames in order; memory grows with what is found, not with the pictures.
@@ -49,12 +52,14 @@ class TrackletBuilder {
   struct Live {
     Tracklet tracklet;
     Blob appearance;
+    double quality = 0;
     double seen_s = 0;  // time of the last detection
   };
   MarkerPrediction Predict(const Live& live, double time_s, double frame_s) const;
-  bool SearchEverywhere() const;
+  bool SearchEverywhere(double time_s) const;
   void Associate(const VideoFrame& frame, std::span<const MarkerPrediction> predictions, std::vector<MarkerDetection> detections);
   void RetireLost(double time_s);
+  void Keep(Tracklet tracklet);
   static void Extend(Live& live, const VideoFrame& frame, const MarkerDetection& detection);
 
   MarkerDetector& detector_;
@@ -63,6 +68,7 @@ class TrackletBuilder {
   std::vector<Tracklet> finished_;
   std::int64_t frames_seen_ = 0;
   double previous_time_s_ = 0, frame_s_ = 0;
+  std::optional<double> last_loss_s_;
 };
 
 }  // namespace lake
