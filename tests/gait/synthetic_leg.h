@@ -83,4 +83,94 @@ inline SyntheticLeg MakeSyntheticLeg(const SyntheticLegOptions& o, unsigned seed
   return leg;
 }
 
+enum class NoiseKind {
+  kWhite,
+  kAutoregressive,  // correlation 0.9 from frame to frame
+  kFrozen,          // as video coding makes it: kept while the marker rests, renewed once a second
+};
+
+struct TrackNoise {
+  double sigma_px = 0.03;
+  NoiseKind kind = NoiseKind::kWhite;
+  double stated_sigma_px = 0;  // 0: the true one
+};
+
+// The markers as seen under a view, with noise. Names ankle, knee, hip, waist.
+inline MarkerRecording MakeTracks(const std::vector<double>& time_s, const std::vector<LegPoints>& points_mm, const LegView& view,
+                                  const TrackNoise& noise, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, noise.sigma_px);
+  MarkerRecording recording;
+  recording.unit = view.recorded_in_plane ? LengthUnit::kMm : LengthUnit::kPx;
+  recording.time_s = time_s;
+  for (std::size_t i = 0; i < time_s.size(); ++i) recording.frame.push_back(static_cast<std::int64_t>(i));
+  const std::pair<const char*, std::optional<Eigen::Vector2d> LegPoints::*> markers[] = {
+      {"ankle", &LegPoints::ankle}, {"knee", &LegPoints::knee}, {"hip", &LegPoints::hip}, {"waist", &LegPoints::waist}};
+  for (const auto& [name, point] : markers) {
+    MarkerTrack track{name, {}};
+    Eigen::Vector2d error(normal(random), normal(random)), last = Eigen::Vector2d::Zero();
+    for (std::size_t i = 0; i < time_s.size(); ++i) {
+      const Eigen::Vector2d seen = RecordedFromPlane<double>(view, Eigen::Vector2d(*(points_mm[i].*point)), view.Depth(name));
+      const Eigen::Vector2d fresh(normal(random), normal(random));
+      const bool resting = i > 0 && (seen - last).norm() < 0.1 && i % 60 != 0;
+      if (noise.kind == NoiseKind::kWhite || (noise.kind == NoiseKind::kFrozen && !resting)) error = fresh;
+      if (noise.kind == NoiseKind::kAutoregressive) error = 0.9 * error + std::sqrt(1 - 0.81) * fresh;
+      last = seen;
+      const double sigma = noise.stated_sigma_px > 0 ? noise.stated_sigma_px : noise.sigma_px;
+      track.samples.push_back({seen + error, sigma, SampleStatus::kDetected});
+    }
+    recording.markers.push_back(track);
+  }
+  return recording;
+}
+
+// A 1280 × 720 camera square to the plane at 2 mm per px, without a lens: a scale bar is enough.
+inline LegView ScaledView() {
+  LegView view;
+  view.mm_per_px = 2;
+  return view;
+}
+
+// A camera with a lens, 3 m away, turned by 12° and tilted by 4°.
+inline LegView CalibratedView() {
+  LegView view;
+  view.camera = Camera{1280, 720, 1100, 1104, 645, 352, {-0.18, 0.06, 4e-4, -3e-4, 0}};
+  PlanePose pose = PlanePose::Identity();
+  pose.linear() = (Eigen::AngleAxisd(RadiansFromDegrees(180 - 4), Eigen::Vector3d::UnitX()) *
+                   Eigen::AngleAxisd(RadiansFromDegrees(12), Eigen::Vector3d::UnitY()))
+                      .toRotationMatrix();
+  pose.translation() = Eigen::Vector3d(-100, 650, 3000);
+  view.camera_from_plane = pose;
+  return view;
+}
+
+// How the fitted knee angle compares with the truth.
+struct KneeErrors {
+  double rms_deg = 0, raw_rms_deg = 0, worst_deg = 0;
+  double cover = 0;       // share inside ± 2 sd
+  double normalized = 0;  // rms of error / sd
+  double peak_deg = 0;    // of the largest and the smallest angle, the worse
+};
+
+inline KneeErrors CompareKnee(const LegMotion& motion, const std::vector<LegSample>& truth) {
+  KneeErrors errors;
+  double squares = 0, raw_squares = 0, normalized = 0, most = -1e9, least = 1e9, true_most = -1e9, true_least = 1e9;
+  int count = 0, raw_count = 0, covered = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const LegSample& sample = motion.samples[i];
+    if (std::isfinite(sample.knee_raw_deg)) ++raw_count, raw_squares += std::pow(sample.knee_raw_deg - truth[i].knee_deg, 2);
+    if (!std::isfinite(sample.knee_deg)) continue;
+    const double error = sample.knee_deg - truth[i].knee_deg;
+    ++count, squares += error * error, normalized += std::pow(error / sample.knee_sigma_deg, 2);
+    covered += std::abs(error) <= 2 * sample.knee_sigma_deg;
+    errors.worst_deg = std::max(errors.worst_deg, std::abs(error));
+    most = std::max(most, sample.knee_deg), true_most = std::max(true_most, truth[i].knee_deg);
+    least = std::min(least, sample.knee_deg), true_least = std::min(true_least, truth[i].knee_deg);
+  }
+  errors.rms_deg = std::sqrt(squares / count), errors.raw_rms_deg = std::sqrt(raw_squares / raw_count);
+  errors.cover = static_cast<double>(covered) / count, errors.normalized = std::sqrt(normalized / count);
+  errors.peak_deg = std::max(std::abs(most - true_most), std::abs(least - true_least));
+  return errors;
+}
+
 }  // namespace lake
