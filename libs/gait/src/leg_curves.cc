@@ -47,10 +47,10 @@ SlowNoises FindSlowNoises(const MarkerRecording& recording, const LegModel& mode
   std::array<double, kLegMarkers> variance = {};
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
-    const double sigma2 = o.sigma * o.sigma, weight = RobustWeight(model, residual.value, o.sigma);
-    if (weight < 0.3) continue;
+    const double sigma2 = o.sigma * o.sigma;
+    if (!IsOrdinary(model, residual.value, o.sigma)) continue;
     const double used = (residual.by_state * covariances[o.frame] * residual.by_state.transpose()).trace() / sigma2;
-    samples[o.marker].push_back({o.frame, 1 - weight * used / 2, weight * residual.value.squaredNorm() / sigma2 / 2});
+    samples[o.marker].push_back({o.frame, 1 - used / 2, residual.value.squaredNorm() / sigma2 / 2});
     variance[o.marker] += sigma2;
   }
   SlowNoises slow;

@@ -79,18 +79,18 @@ std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMa
   return observations;
 }
 
-// How much larger than stated the noise of each marker is: rms of the ordinary residuals, for the degrees of freedom that the fit
+// How much larger than stated the noise of each marker is: rms of the residuals, for the degrees of freedom that the fit
 // used up. Never below 1: what a sigma states beyond the residuals may be slow noise, which AddSlowNoise accounts for.
 std::array<double, kLegMarkers> NoiseScales(const LegModel& model, const std::vector<double>& coefficients,
                                             const BandedMatrix& covariance) {
   std::array<double, kLegMarkers> square = {}, free = {};
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
-    const double weight = RobustWeight(model, residual.value, o.sigma);
+    if (!IsOrdinary(model, residual.value, o.sigma)) continue;
     const StateMatrix state = StateCovariance(model, covariance, o.place);
     const double used = (residual.by_state * state * residual.by_state.transpose()).trace() / (o.sigma * o.sigma);
-    square[o.marker] += weight * residual.value.squaredNorm() / (o.sigma * o.sigma);
-    free[o.marker] += weight * std::max(2 - weight * used, 0.0);
+    square[o.marker] += residual.value.squaredNorm() / (o.sigma * o.sigma);
+    free[o.marker] += std::max(2 - used, 0.0);
   }
   std::array<double, kLegMarkers> scales;
   for (std::size_t m = 0; m < kLegMarkers; ++m) scales[m] = free[m] > 20 ? std::max(1.0, std::sqrt(square[m] / free[m])) : 1.0;
@@ -134,14 +134,15 @@ LegFitSummary Summarize(const Solution& solution, const LegStart& start, double 
   summary.message = solution.solve.message;
   summary.knot_step_s = start.grid.step_s;
   summary.cutoff_hz = start.knee_cutoff_hz;
-  double square = 0, weight = 0;
+  double square = 0;
+  int count = 0;
   for (const LegObservation& o : solution.model.observations) {
     const LegResidual residual = EvaluateObservation(solution.model, o, solution.coefficients);
-    const double w = RobustWeight(solution.model, residual.value, o.sigma);
-    square += w * residual.value.squaredNorm() / (o.sigma * o.sigma);
-    weight += 2 * w;
+    if (!IsOrdinary(solution.model, residual.value, o.sigma)) continue;
+    square += residual.value.squaredNorm() / (o.sigma * o.sigma);
+    count += 2;
   }
-  summary.residual_rms = std::sqrt(square / weight);
+  summary.residual_rms = std::sqrt(square / count);
   summary.seconds = seconds;
   return summary;
 }

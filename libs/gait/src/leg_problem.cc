@@ -174,6 +174,10 @@ double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, doub
   return u < 1 ? (1 - u) * (1 - u) : 0;
 }
 
+bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma) {
+  return residual.squaredNorm() < std::pow(0.7 * sigma * model.outlier_deviations, 2);
+}
+
 BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coefficients) {
   const auto states = static_cast<std::size_t>(model.states);
   BandedMatrix normal(model.grid.count * states, 4 * states - 1);

@@ -84,6 +84,10 @@ LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coef
 // ρ'(|r|²/σ²) of an observation: 1 for an ordinary one, 0 for an outlier.
 double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
 
+// Whether an observation is no outlier by 0.7 of the distance at which it loses all weight: statistics of the noise count these, with
+// equal weights, as ρ' would make the noise look smaller than it is.
+bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
+
 // The coefficients' covariance within the band of a spline's own coefficients: the inverse of the Gauss–Newton matrix.
 // Throws SolverError if the data and the prior do not determine the coefficients.
 BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coefficients);
