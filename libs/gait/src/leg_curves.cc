@@ -126,7 +126,6 @@ MarkerCurve SmoothMarker(const MarkerRecording& recording, const Detections& d, 
   const SplineGrid grid = MakeSplineGrid(recording.time_s, (recording.time_s.back() - recording.time_s.front()) /
                                                                static_cast<double>(n - 1));
   SmoothingOptions smoothing;
-  smoothing.outlier_deviations = options.outlier_deviations;
   if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
   MarkerCurve curve;
   curve.in_plane.assign(n, Eigen::Vector2d::Zero());

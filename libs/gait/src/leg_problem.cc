@@ -64,11 +64,11 @@ struct PriorTerm {
   std::array<double, 4> row;  // of a least-squares residual
 };
 
-std::vector<PriorTerm> PriorTerms(const LegModel& model) {
+std::vector<PriorTerm> PriorTerms(const LegModel& model, std::size_t k) {
   std::vector<PriorTerm> terms;
   for (int s = 0; s < model.states; ++s) {
     const LegPrior& prior = model.priors[static_cast<std::size_t>(s)];
-    const double rough = 1 / std::sqrt(prior.roughness);
+    const double rough = 1 / std::sqrt(prior.roughness[k]);
     terms.push_back({s, {-rough, 3 * rough, -3 * rough, rough}});
     if (prior.slope_variance <= 0) continue;
     const double slope = 1 / std::sqrt(prior.slope_variance);
@@ -80,9 +80,9 @@ std::vector<PriorTerm> PriorTerms(const LegModel& model) {
 // r_j = row_j · (c_k, …, c_k+3) for all terms of the prior.
 class PriorCost : public ceres::CostFunction {
  public:
-  PriorCost(const std::vector<PriorTerm>& terms, int states) : terms_(terms), states_(states) {
-    set_num_residuals(static_cast<int>(terms.size()));
-    mutable_parameter_block_sizes()->assign(4, states);
+  PriorCost(const LegModel& model, std::size_t k) : terms_(PriorTerms(model, k)), states_(model.states) {
+    set_num_residuals(static_cast<int>(terms_.size()));
+    mutable_parameter_block_sizes()->assign(4, model.states);
   }
 
   bool Evaluate(const double* const* coefficients, double* residuals, double** jacobians) const override {
@@ -102,7 +102,7 @@ class PriorCost : public ceres::CostFunction {
   }
 
  private:
-  const std::vector<PriorTerm>& terms_;
+  std::vector<PriorTerm> terms_;
   int states_;
 };
 
@@ -118,11 +118,12 @@ class InterruptCallback : public ceres::IterationCallback {
   }
 };
 
-ceres::Solver::Options SolverOptions() {
+ceres::Solver::Options SolverOptions(std::size_t observations) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.max_num_iterations = 50;
-  options.function_tolerance = 1e-9;
+  // The sum is about one per observation: stop at steps worth a hundredth of one.
+  options.function_tolerance = 0.01 / static_cast<double>(std::max<std::size_t>(observations, 1));
   options.initial_trust_region_radius = 1e8;  // the start is good and the problem nearly linear: full steps
   options.num_threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   options.logging_type = ceres::SILENT;
@@ -136,9 +137,7 @@ LegResidual EvaluateObservation(const LegModel& model, const LegObservation& obs
 }
 
 LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients) {
-  const std::vector<PriorTerm> terms = PriorTerms(model);
   ceres::TukeyLoss loss(model.outlier_deviations);
-  PriorCost prior(terms, model.states);
   ceres::Problem::Options ownership;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -152,10 +151,13 @@ LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coef
     costs.emplace_back(model, observation);
     problem.AddResidualBlock(&costs.back(), &loss, block(k), block(k + 1), block(k + 2), block(k + 3));
   }
-  for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
-    problem.AddResidualBlock(&prior, nullptr, block(k), block(k + 1), block(k + 2), block(k + 3));
+  std::deque<PriorCost> priors;
+  for (std::size_t k = 0; k + 3 < model.grid.count; ++k) {
+    priors.emplace_back(model, k);
+    problem.AddResidualBlock(&priors.back(), nullptr, block(k), block(k + 1), block(k + 2), block(k + 3));
+  }
 
-  ceres::Solver::Options options = SolverOptions();
+  ceres::Solver::Options options = SolverOptions(model.observations.size());
   InterruptCallback interrupt;
   options.callbacks.push_back(&interrupt);
   ceres::Solver::Summary summary;
@@ -193,8 +195,8 @@ BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coe
                 observation.place.value[a] * observation.place.value[b] *
                 square(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
   }
-  for (const PriorTerm& term : PriorTerms(model))
-    for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
+  for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
+    for (const PriorTerm& term : PriorTerms(model, k))
       for (std::size_t a = 0; a < 4; ++a)
         for (std::size_t b = 0; b <= a; ++b)
           normal.Lower((k + a) * states + static_cast<std::size_t>(term.state),

@@ -2,9 +2,9 @@
 //
 //   state s(t) = (A_x, A_y, θ_shank, θ_thigh, |AK|, |KH|, θ_trunk, |HW|) = Σ_k B_k(t) c_k     cubic B-splines, c_k all at once
 //   markers      K = A + |AK| (sin θ_shank, cos θ_shank),  H = K + |KH| (sin θ_thigh, cos θ_thigh),  W likewise
-//   minimise     Σ ρ( |π(marker(t_i)) − seen_i|² / σ_i² )  +  Σ_k (Δ³c_k)² / q  +  Σ_k (Δ¹|·|_k)² / p
+//   minimise     Σ ρ( |π(marker(t_i)) − seen_i|² / σ_i² )  +  Σ_k (Δ³c_k)² / q_k  +  Σ_k (Δ¹|·|_k)² / p
 //
-// π is the view (camera, plane, depth), ρ Tukey's biweight, Δ differences of neighbouring coefficients, q and p variances per
+// π is the view (camera, plane, depth), ρ Tukey's biweight, Δ differences of neighbouring coefficients, q_k and p variances per
 // component of the state. Positions in the leg frame's axes, angles in rad, from the vertical. Not part of the library's interface.
 #pragma once
 
@@ -36,8 +36,8 @@ struct LegObservation {
 };
 
 struct LegPrior {
-  double roughness = 0;       // q
-  double slope_variance = 0;  // p; 0: no such term
+  std::vector<double> roughness;  // q, per third difference
+  double slope_variance = 0;      // p; 0: no such term
 };
 
 struct LegModel {

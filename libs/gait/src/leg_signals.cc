@@ -27,19 +27,29 @@ double NoiseFromDifferences(const MarkerTrack& track, const std::vector<char>& s
   return differences.empty() ? 0 : RobustDeviation(differences) / kGain;
 }
 
-// A sample is mistrusted if it lies far from the median of its neighbours, for how much these move themselves (Hampel 1974).
-void MistrustOutliers(Detections& d) {
-  constexpr std::size_t kReach = 3;  // frames on each side
-  const std::size_t n = d.seen.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!d.seen[i]) continue;
-    std::array<std::vector<double>, 2> near;
-    for (std::size_t k = i > kReach ? i - kReach : 0; k < std::min(n, i + kReach + 1); ++k)
-      for (std::size_t axis = 0; d.seen[k] && axis < 2; ++axis) near[axis].push_back(d.in_plane[k][static_cast<int>(axis)]);
-    if (near[0].size() < 5) continue;
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      const double distance = std::abs(d.in_plane[i][static_cast<int>(axis)] - Median(near[axis]));
-      if (distance > 10 * d.plane_sigma[i] + 4 * RobustDeviation(near[axis])) d.trusted[i] = 0;
+// Samples are mistrusted from a jump away to the jump back: steps far longer than those around them, with the marker where it would
+// have been without them. Longer than half a second away is not an outlier but a question of naming.
+void MistrustExcursions(Detections& d, const std::vector<double>& time_s) {
+  constexpr double kLongest_s = 0.5;
+  constexpr std::size_t kReach = 10;  // frames on each side that say how long steps are
+  std::vector<std::size_t> frames;
+  for (std::size_t i = 0; i < d.seen.size(); ++i)
+    if (d.seen[i]) frames.push_back(i);
+  std::vector<double> steps(frames.size(), 0.0);
+  for (std::size_t k = 1; k < frames.size(); ++k) steps[k] = (d.in_plane[frames[k]] - d.in_plane[frames[k - 1]]).norm();
+  const auto usual = [&](std::size_t k) {
+    const auto begin = steps.begin() + static_cast<std::ptrdiff_t>(k > kReach ? k - kReach : 1);
+    return Median({begin, steps.begin() + static_cast<std::ptrdiff_t>(std::min(steps.size(), k + kReach + 1))});
+  };
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    const double noise = 12 * d.plane_sigma[frames[k]], step = usual(k);
+    if (steps[k] < 6 * step + noise) continue;
+    for (std::size_t back = k + 1; back < frames.size() && time_s[frames[back]] - time_s[frames[k]] <= kLongest_s; ++back) {
+      const double distance = (d.in_plane[frames[back]] - d.in_plane[frames[k - 1]]).norm();
+      if (distance > 3 * step * static_cast<double>(frames[back] - frames[k - 1]) + noise || distance > steps[k] / 2) continue;
+      for (std::size_t j = k; j < back; ++j) d.trusted[frames[j]] = 0;
+      k = back;
+      break;
     }
   }
 }
@@ -74,7 +84,6 @@ SmoothedSignals SmoothOn(double step_s, const LegSignals& signals, const std::ve
   smoothed.grid = MakeSplineGrid(time_s, step_s);
   SmoothingOptions smoothing;
   if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
-  smoothing.outlier_deviations = options.outlier_deviations;
   for (std::size_t s = 0; s < static_cast<std::size_t>(states); ++s) {
     smoothed.signals.push_back(FitSmoothingSpline(smoothed.grid, time_s, signals.value[s], signals.sigma[s], smoothing));
     smoothed.risk += smoothed.signals.back().risk;
@@ -109,7 +118,7 @@ Detections CollectDetections(const MarkerRecording& recording, const MarkerTrack
     d.plane_sigma[i] = d.sigma[i] * PlaneUnitsPerRecorded(view, d.in_plane[i], d.depth_mm);
   }
   d.trusted = d.seen;
-  MistrustOutliers(d);
+  MistrustExcursions(d, recording.time_s);
   return d;
 }
 

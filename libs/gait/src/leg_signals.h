@@ -16,7 +16,7 @@ struct Detections {
   const MarkerTrack* track = nullptr;  // nullptr: the recording has no such marker
   double depth_mm = 0;
   std::vector<char> seen;              // 0 or 1 per frame
-  std::vector<char> trusted;           // seen, and not far from its neighbours
+  std::vector<char> trusted;           // seen, and not on an excursion of a few frames
   std::vector<double> sigma;           // recorded unit; where it was given as 0, the estimate
   std::vector<Eigen::Vector2d> in_plane;
   std::vector<double> plane_sigma;     // unit of the plane

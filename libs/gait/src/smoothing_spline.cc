@@ -22,11 +22,10 @@ struct Sample {
 struct Round {
   std::vector<double> coefficients;
   BandedMatrix covariance{0, 3};
-  double jerk_square = 0;       // Σ (Δ³c)²
-  double jerk_variance = 0;     // Σ of its posterior variances
-  double slope_square = 0;      // mean f′² + its variance, at the samples
-  double residual_square = 0;   // Σ weight (r/σ)²
-  double weight = 0;            // Σ of the robust weights
+  std::vector<double> jerk_square;     // (Δ³c)²
+  std::vector<double> jerk_variance;   // their posterior variances
+  double slope_square = 0;             // mean f′² + variance
+  double residual_square = 0;          // Σ (r/σ)²
   double effective_parameters = 0;
 };
 
@@ -56,45 +55,66 @@ double Variance(const BandedMatrix& covariance, std::size_t first, const std::ar
   return sum;
 }
 
-double TukeyWeight(double residual, double limit) {
-  const double u = residual / limit;
-  return std::abs(u) < 1 ? (1 - u * u) * (1 - u * u) : 0;
-}
-
-Round RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, const std::vector<double>& weights,
-               double noise_scale, double roughness) {
+Round RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, double noise_scale, const std::vector<double>& roughness) {
   BandedMatrix normal(grid.count, 3);
   Round round;
   round.coefficients.assign(grid.count, 0.0);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double weight = weights[i] * samples[i].precision / (noise_scale * noise_scale);
-    AddSquare(normal, samples[i].place.first, samples[i].place.value, weight);
-    for (std::size_t a = 0; a < 4; ++a)
-      round.coefficients[samples[i].place.first + a] += weight * samples[i].value * samples[i].place.value[a];
+  for (const Sample& sample : samples) {
+    const double weight = sample.precision / (noise_scale * noise_scale);
+    AddSquare(normal, sample.place.first, sample.place.value, weight);
+    for (std::size_t a = 0; a < 4; ++a) round.coefficients[sample.place.first + a] += weight * sample.value * sample.place.value[a];
   }
-  for (std::size_t k = 0; k + 3 < grid.count; ++k) AddSquare(normal, k, kThirdDifference, 1 / roughness);
+  for (std::size_t k = 0; k + 3 < grid.count; ++k) AddSquare(normal, k, kThirdDifference, 1 / roughness[k]);
   if (!Factorize(normal)) throw Fail("smoothing: the samples do not determine a curve (too few, or all at one time)");
   Solve(normal, round.coefficients);
 
   round.covariance = SelectedInverse(normal);
-  const BandedMatrix& covariance = round.covariance;
   for (std::size_t k = 0; k + 3 < grid.count; ++k) {
     double jerk = 0;
     for (std::size_t a = 0; a < 4; ++a) jerk += kThirdDifference[a] * round.coefficients[k + a];
-    round.jerk_square += jerk * jerk;
-    round.jerk_variance += Variance(covariance, k, kThirdDifference);
+    round.jerk_square.push_back(jerk * jerk);
+    round.jerk_variance.push_back(Variance(round.covariance, k, kThirdDifference));
   }
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double residual = samples[i].value - ValueAt(samples[i].place, round.coefficients);
-    round.residual_square += weights[i] * samples[i].precision * residual * residual;
-    round.weight += weights[i];
-    const double slope = SlopeAt(samples[i].place, round.coefficients);
-    round.slope_square += slope * slope + Variance(covariance, samples[i].place.first, samples[i].place.slope);
-    round.effective_parameters += weights[i] * samples[i].precision / (noise_scale * noise_scale) *
-                                  Variance(covariance, samples[i].place.first, samples[i].place.value);
+  for (const Sample& sample : samples) {
+    const double residual = sample.value - ValueAt(sample.place, round.coefficients);
+    round.residual_square += sample.precision * residual * residual;
+    const double slope = SlopeAt(sample.place, round.coefficients);
+    round.slope_square += slope * slope + Variance(round.covariance, sample.place.first, sample.place.slope);
+    round.effective_parameters += sample.precision / (noise_scale * noise_scale) * VarianceAt(sample.place, round.covariance);
   }
   round.slope_square /= static_cast<double>(samples.size());
   return round;
+}
+
+// Of n differences, n − Σ V/q are determined by the data: their squares add up to that many times the variance q. In a window around
+// each, with a share of the whole.
+std::vector<double> NextRoughness(const Round& round, const std::vector<double>& roughness, std::size_t reach, double common) {
+  const std::size_t n = roughness.size();
+  std::vector<double> squares(n + 1, 0.0), determined(n + 1, 0.0);  // running sums
+  for (std::size_t k = 0; k < n; ++k) {
+    squares[k + 1] = squares[k] + round.jerk_square[k];
+    determined[k + 1] = determined[k] + std::clamp(1 - round.jerk_variance[k] / roughness[k], 1e-6, 1.0);
+  }
+  const double whole = squares[n] / determined[n];
+  std::vector<double> next(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t begin = k > reach ? k - reach : 0, end = std::min(n, k + reach + 1);
+    next[k] = (squares[end] - squares[begin] + common * whole) / (determined[end] - determined[begin] + common);
+  }
+  return next;
+}
+
+double GeometricMean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += std::log(value);
+  return std::exp(sum / static_cast<double>(values.size()));
+}
+
+// The largest relative change, as a logarithm.
+double LargestChange(const std::vector<double>& from, const std::vector<double>& to) {
+  double change = 0;
+  for (std::size_t k = 0; k < from.size(); ++k) change = std::max(change, std::abs(std::log(to[k] / from[k])));
+  return change;
 }
 
 double RootMeanSigma(const std::vector<Sample>& samples) {
@@ -143,41 +163,35 @@ double SlopeAt(const SplineGrid::Place& place, std::span<const double> coefficie
 SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> time_s, std::span<const double> values,
                                 std::span<const double> sigmas, const SmoothingOptions& options) {
   const std::vector<Sample> samples = CollectSamples(grid, time_s, values, sigmas);
-  std::vector<double> weights(samples.size(), 1.0);
   const double sigma = RootMeanSigma(samples);
   const double sample_step_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
   const auto roughness_of = [&](double cutoff_hz, double scale) {
     return RoughnessOfCutoff(cutoff_hz, scale * sigma, sample_step_s, grid.step_s);
   };
   constexpr double kFirstCutoffHz = 8;  // where the search starts; a few Hz above human motion
+  constexpr double kConverged = 0.05;   // of logarithms; a window's own error is ten times larger
+  const auto reach = static_cast<std::size_t>(std::lround(options.window_s / grid.step_s));
   SmoothSignal signal;
-  signal.roughness = roughness_of(options.cutoff_hz.value_or(kFirstCutoffHz), 1);
-  const auto differences = static_cast<double>(grid.count - 3);
-  constexpr double kConverged = 0.01;  // of logarithms; the roughness's own error is ten times larger
+  signal.roughness.assign(grid.count - 3, roughness_of(options.cutoff_hz.value_or(kFirstCutoffHz), 1));
   Round round;
   for (; signal.iterations < options.max_iterations && !signal.converged; ++signal.iterations) {
     ThrowIfInterrupted();
-    round = RunRound(grid, samples, weights, signal.noise_scale, signal.roughness);
-    const double scale = std::max(1.0, std::sqrt(round.residual_square / std::max(round.weight - round.effective_parameters, 1.0)));
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const double residual = samples[i].value - ValueAt(samples[i].place, round.coefficients);
-      weights[i] = TukeyWeight(residual * std::sqrt(samples[i].precision) / scale, options.outlier_deviations);
-    }
-    // Of n differences, n − Σ V/q are determined by the data: their squares add up to that many times the variance q.
-    const double determined = std::max(differences - round.jerk_variance / signal.roughness, 1e-3 * differences);
-    const double next = options.cutoff_hz ? roughness_of(*options.cutoff_hz, scale)
-                                          : std::max(round.jerk_square / determined, roughness_of(options.least_cutoff_hz, scale));
-    signal.converged = std::abs(std::log(next / signal.roughness)) < kConverged &&
-                       std::abs(std::log(scale / signal.noise_scale)) < kConverged;
+    round = RunRound(grid, samples, signal.noise_scale, signal.roughness);
+    const double free = std::max(static_cast<double>(samples.size()) - round.effective_parameters, 1.0);
+    const double scale = std::max(1.0, std::sqrt(round.residual_square / free));
+    std::vector<double> next = NextRoughness(round, signal.roughness, reach, options.common);
+    const double least = roughness_of(options.least_cutoff_hz, scale);
+    for (double& q : next) q = options.cutoff_hz ? roughness_of(*options.cutoff_hz, scale) : std::max(q, least);
+    signal.converged = LargestChange(signal.roughness, next) < kConverged && scale / signal.noise_scale - 1 < kConverged;
     signal.noise_scale = scale;
-    signal.roughness = next;
+    signal.roughness = std::move(next);
   }
   signal.coefficients = std::move(round.coefficients);
   signal.covariance = std::move(round.covariance);
   signal.slope_square = round.slope_square;
   signal.effective_parameters = round.effective_parameters;
   signal.risk = round.residual_square + 2 * round.effective_parameters;
-  signal.cutoff_hz = CutoffOfRoughness(signal.roughness, signal.noise_scale * sigma, sample_step_s, grid.step_s);
+  signal.cutoff_hz = CutoffOfRoughness(GeometricMean(signal.roughness), signal.noise_scale * sigma, sample_step_s, grid.step_s);
   return signal;
 }
 

@@ -1,5 +1,5 @@
 // A smooth function of time from noisy samples of known noise: a cubic B-spline with a penalty on its jerk, whose weight is found
-// from the data.
+// from the data, moment by moment.
 #pragma once
 
 #include <array>
@@ -35,21 +35,23 @@ double SlopeAt(const SplineGrid::Place& place, std::span<const double> coefficie
 struct SmoothingOptions {
   std::optional<double> cutoff_hz;  // fixed instead of found
   double least_cutoff_hz = 0.5;     // a limb's motion is never slower; below it the normal equations lose their digits
-  double outlier_deviations = 7;    // residuals beyond this do not count (Tukey's biweight)
+  double window_s = 0.2;            // the roughness is alike over about this time to each side
+  double common = 0.2;              // how many differences' worth of the whole recording's roughness each window takes in
   int max_iterations = 60;
 };
 
-// The prior is that the third differences of the coefficients are independent with variance `roughness`, an integrated random
-// jerk; its posterior mean is the penalised spline  min Σ (y − f)²/σ² + μ ∫ f‴²  with μ = step⁵ / roughness.
+// The prior is that the third differences of the coefficients are independent with variances `roughness`, an integrated random
+// jerk; its posterior mean is the penalised spline  min Σ (y − f)²/σ² + ∫ μ f‴²  with μ = step⁵ / roughness. A limb rests and
+// moves, so the roughness follows the signal: one value would be too rough for the one and too smooth for the other.
 struct SmoothSignal {
   std::vector<double> coefficients;
   BandedMatrix covariance{0, 3};      // of the coefficients, within three of the diagonal
-  double roughness = 0;               // variance of Δ³ of the coefficients
+  std::vector<double> roughness;      // variance of Δ³ of the coefficients, count − 3
   double slope_square = 0;            // mean square of f′ at the samples, its uncertainty included
   double noise_scale = 1;             // ≥ 1: by how much the samples' sigmas were too small
   double effective_parameters = 0;
   double risk = 0;                    // Mallows' C_p: Σ (r/σ)² + 2 effective parameters; compares grids
-  double cutoff_hz = 0;               // of the equivalent low-pass (−3 dB)
+  double cutoff_hz = 0;               // of the equivalent low-pass (−3 dB), for the geometric mean of the roughness
   int iterations = 0;
   bool converged = false;
 };
