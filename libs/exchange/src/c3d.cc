@@ -1,0 +1,191 @@
+#include "lake/exchange/c3d.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "c3d_bytes.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+// What the header and the parameters say about the points.
+struct C3dLayout {
+  std::size_t points = 0, frames = 0, first_frame = 0;
+  std::size_t analog_per_frame = 0;  // samples of all channels
+  std::size_t data_offset = 0;       // bytes
+  double scale = -1;                 // < 0: floats
+  double rate_hz = 0;
+  double mm_per_unit = 1;
+  char up_axis = 'z';
+  std::vector<std::string> labels;
+
+  bool IsFloat() const { return scale < 0; }
+  std::size_t WordBytes() const { return IsFloat() ? 4 : 2; }
+  std::size_t FrameBytes() const { return WordBytes() * (4 * points + analog_per_frame); }
+};
+
+double MmPerUnit(std::string unit, const std::string& path) {
+  std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (unit.empty() || unit == "mm") return 1;
+  if (unit == "cm") return 10;
+  if (unit == "m") return 1000;
+  throw Fail("{}: POINT:UNITS '{}' is not mm, cm or m", path, unit);
+}
+
+std::vector<std::string> ReadLabels(const C3dParameters& parameters, std::size_t points) {
+  std::vector<std::string> labels = parameters.Texts("POINT:LABELS");
+  for (int i = 2; parameters.Has(fmt::format("POINT:LABELS{}", i)); ++i) {
+    const std::vector<std::string> more = parameters.Texts(fmt::format("POINT:LABELS{}", i));
+    labels.insert(labels.end(), more.begin(), more.end());
+  }
+  for (std::size_t i = labels.size(); i < points; ++i) labels.push_back(fmt::format("point{}", i + 1));
+  labels.resize(points);
+  return labels;
+}
+
+// The header's 16-bit frame numbers, or what longer files say instead.
+void ReadFrameCount(const C3dBytes& bytes, const C3dParameters& parameters, C3dLayout& layout) {
+  const std::size_t first = bytes.Unsigned16(6), last = bytes.Unsigned16(8);
+  layout.first_frame = first;
+  layout.frames = last >= first ? last - first + 1 : 0;
+  const auto field = [&](const char* name) {
+    const std::vector<double> words = parameters.Numbers(name);  // two 16-bit words, low first
+    return words.size() < 2 ? 0.0 : std::fmod(words[0] + 65536, 65536) + 65536 * std::fmod(words[1] + 65536, 65536);
+  };
+  if (parameters.Has("TRIAL:ACTUAL_START_FIELD") && parameters.Has("TRIAL:ACTUAL_END_FIELD")) {
+    const double start = field("TRIAL:ACTUAL_START_FIELD"), end = field("TRIAL:ACTUAL_END_FIELD");
+    if (end >= start && start >= 1) layout.first_frame = static_cast<std::size_t>(start), layout.frames = static_cast<std::size_t>(end - start) + 1;
+  } else if (parameters.Has("POINT:LONG_FRAMES")) {
+    layout.frames = static_cast<std::size_t>(std::max(0.0, parameters.Number("POINT:LONG_FRAMES")));
+  } else if (parameters.Has("POINT:FRAMES") && last == 65535) {
+    const double frames = parameters.Number("POINT:FRAMES");
+    if (frames > static_cast<double>(layout.frames)) layout.frames = static_cast<std::size_t>(frames);
+  }
+}
+
+C3dLayout ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters, const std::string& path) {
+  C3dLayout layout;
+  layout.points = static_cast<std::size_t>(std::max(0.0, parameters.Number("POINT:USED")));
+  layout.analog_per_frame = bytes.Unsigned16(4);
+  layout.scale = parameters.Number("POINT:SCALE");
+  layout.rate_hz = parameters.Has("POINT:RATE") ? parameters.Number("POINT:RATE") : bytes.Float(20);
+  if (!(layout.rate_hz > 0) || !std::isfinite(layout.rate_hz)) throw Fail("{}: POINT:RATE is {}, not a frame rate", path, layout.rate_hz);
+  if (!std::isfinite(layout.scale) || layout.scale == 0) throw Fail("{}: POINT:SCALE is {}", path, layout.scale);
+  const double block = parameters.Has("POINT:DATA_START") ? parameters.Number("POINT:DATA_START") : bytes.Unsigned16(16);
+  if (!(block >= 2 && block <= 65535)) throw Fail("{}: POINT:DATA_START is {}, not a block of the file", path, block);
+  layout.data_offset = 512 * (static_cast<std::size_t>(block) - 1);
+  const std::vector<std::string> units = parameters.Has("POINT:UNITS") ? parameters.Texts("POINT:UNITS") : std::vector<std::string>{};
+  layout.mm_per_unit = MmPerUnit(units.empty() ? "" : units[0], path);
+  if (parameters.Has("POINT:Y_SCREEN")) {
+    const std::vector<std::string> screen = parameters.Texts("POINT:Y_SCREEN");
+    const char axis = screen.empty() || screen[0].empty() ? 'z' : static_cast<char>(std::tolower(static_cast<unsigned char>(screen[0].back())));
+    if (axis == 'x' || axis == 'y' || axis == 'z') layout.up_axis = axis;
+  }
+  ReadFrameCount(bytes, parameters, layout);
+  if (layout.FrameBytes() > 0 && layout.frames > (bytes.Size() - std::min(bytes.Size(), layout.data_offset)) / layout.FrameBytes())
+    throw Fail("{}: too short for {} frames of {} points: is the file cut off?", path, layout.frames, layout.points);
+  layout.labels = ReadLabels(parameters, layout.points);
+  return layout;
+}
+
+Eigen::Vector3d ReadPoint(const C3dBytes& bytes, std::size_t offset, const C3dLayout& layout) {
+  Eigen::Vector3d position;
+  double residual = 0;
+  if (layout.IsFloat()) {
+    for (std::size_t axis = 0; axis < 3; ++axis) position[static_cast<int>(axis)] = bytes.Float(offset + 4 * axis);
+    residual = bytes.Float(offset + 12);
+  } else {
+    for (std::size_t axis = 0; axis < 3; ++axis) position[static_cast<int>(axis)] = layout.scale * bytes.Signed16(offset + 2 * axis);
+    residual = bytes.Signed16(offset + 6);
+  }
+  // Some writers mark a missing point by zeros alone.
+  if (residual < 0 || !position.allFinite() || position.isZero(0)) return PointTrack::Missing();
+  return position * layout.mm_per_unit;
+}
+
+}  // namespace
+
+PointRecording ReadC3d(const std::filesystem::path& path) {
+  const C3dBytes bytes(ReadTextFile(path), path.string());
+  const C3dParameters parameters(bytes);
+  const C3dLayout layout = ReadLayout(bytes, parameters, path.string());
+  PointRecording recording;
+  recording.up_axis = layout.up_axis;
+  for (const std::string& label : layout.labels) {
+    std::string name = label;
+    for (int copy = 2; recording.Find(name); ++copy) name = fmt::format("{}_{}", label, copy);
+    recording.points.push_back({name, {}});
+  }
+  for (std::size_t i = 0; i < layout.frames; ++i) {
+    recording.frame.push_back(static_cast<std::int64_t>(i));
+    recording.time_s.push_back(static_cast<double>(i) / layout.rate_hz);
+    for (std::size_t p = 0; p < layout.points; ++p)
+      recording.points[p].positions.push_back(
+          ReadPoint(bytes, layout.data_offset + i * layout.FrameBytes() + 4 * p * layout.WordBytes(), layout));
+  }
+  return recording;
+}
+
+namespace {
+
+void CheckWritable(const std::filesystem::path& path, const PointRecording& points) {
+  if (points.space == PointSpace::kImage) throw Fail("{}: C3D is in mm; px need a scale or a calibrated plane first", path.string());
+  if (points.time_s.size() < 2) throw Fail("{}: C3D needs at least two frames for its rate", path.string());
+  const double step_s = 1 / FrameRate(points.time_s);
+  for (std::size_t i = 1; i < points.time_s.size(); ++i)
+    if (std::abs(points.time_s[i] - points.time_s[i - 1] - step_s) > 0.05 * step_s)
+      throw Fail("{}: C3D has one frame rate, but the time stamps are uneven (frame {}: {:.4g} s after the one before, on average "
+                 "{:.4g} s); export trc instead",
+                 path.string(), points.frame[i], points.time_s[i] - points.time_s[i - 1], step_s);
+}
+
+C3dParameterWriter MakeParameters(const PointRecording& points) {
+  const std::size_t count = points.points.size(), frames = points.time_s.size();
+  C3dParameterWriter writer;
+  writer.Group(1, "POINT");
+  writer.Word(1, "USED", count);
+  writer.Word(1, "FRAMES", std::min<std::size_t>(frames, 65535));
+  writer.Float(1, "SCALE", -1);
+  writer.Float(1, "RATE", static_cast<float>(FrameRate(points.time_s)));
+  writer.Texts(1, "UNITS", {"mm"});
+  writer.Texts(1, "X_SCREEN", {"+X"});
+  writer.Texts(1, "Y_SCREEN", {std::string("+") + static_cast<char>(std::toupper(static_cast<unsigned char>(points.up_axis)))});
+  constexpr std::size_t kMostLabels = 255;  // of one parameter
+  for (std::size_t begin = 0, part = 1; begin < count; begin += kMostLabels, ++part) {
+    std::vector<std::string> labels;
+    for (std::size_t i = begin; i < std::min(count, begin + kMostLabels); ++i) labels.push_back(points.points[i].name);
+    writer.Texts(1, part == 1 ? "LABELS" : fmt::format("LABELS{}", part), labels);
+  }
+  writer.Group(2, "ANALOG");
+  writer.Word(2, "USED", 0);
+  writer.Group(3, "TRIAL");
+  writer.Words(3, "ACTUAL_START_FIELD", {1, 0});
+  writer.Words(3, "ACTUAL_END_FIELD", {frames & 0xFFFF, frames >> 16});
+  return writer;
+}
+
+}  // namespace
+
+void WriteC3d(const std::filesystem::path& path, const PointRecording& points) {
+  CheckWritable(path, points);
+  C3dParameterWriter parameters = MakeParameters(points);
+  const std::string section = parameters.Finish(1, "DATA_START");
+  const std::size_t data_block = 2 + section.size() / 512, frames = points.time_s.size();
+  C3dBuffer file;
+  file.Byte(2).Byte(0x50).Word(points.points.size()).Word(0).Word(1).Word(std::min<std::size_t>(frames, 65535)).Word(10);
+  file.Float(-1).Word(data_block).Word(0).Float(static_cast<float>(FrameRate(points.time_s))).PadTo(512);
+  file.Append(section);
+  for (std::size_t i = 0; i < frames; ++i)
+    for (const PointTrack& point : points.points) {
+      const bool known = point.positions[i].allFinite();
+      for (int axis = 0; axis < 3; ++axis) file.Float(known ? static_cast<float>(point.positions[i][axis]) : 0);
+      file.Float(known ? 0 : -1);
+    }
+  file.PadTo((file.Size() + 511) / 512 * 512);
+  WriteTextFile(path, file.Bytes());
+}
+
+}  // namespace lake

@@ -1,0 +1,168 @@
+#include "lake/gait/sts_events.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "synthetic_leg.h"
+
+namespace lake {
+namespace {
+
+std::vector<double> Derivative(const std::vector<double>& values, const std::vector<double>& time_s) {
+  std::vector<double> result(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t a = i == 0 ? 0 : i - 1, b = std::min(i + 1, values.size() - 1);
+    result[i] = (values[b] - values[a]) / (time_s[b] - time_s[a]);
+  }
+  return result;
+}
+
+StsSignals SignalsOf(const SyntheticLeg& leg) {
+  StsSignals signals;
+  signals.time_s = leg.time_s;
+  std::vector<double> x, knee_deg, trunk_deg;
+  for (std::size_t i = 0; i < leg.time_s.size(); ++i) {
+    signals.frame.push_back(static_cast<std::int64_t>(i));
+    signals.hip_height.push_back(leg.points_mm[i].hip->y());
+    x.push_back(leg.points_mm[i].hip->x());
+    knee_deg.push_back(leg.truth[i].knee_deg);
+    trunk_deg.push_back(leg.truth[i].trunk_deg);
+  }
+  signals.hip_up_speed = Derivative(signals.hip_height, leg.time_s);
+  const std::vector<double> forward = Derivative(x, leg.time_s);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    signals.hip_speed.push_back(std::hypot(forward[i], signals.hip_up_speed[i]));
+  signals.knee_deg_s = Derivative(knee_deg, leg.time_s);
+  signals.trunk_deg_s = Derivative(trunk_deg, leg.time_s);
+  signals.leg_length = 840;
+  return signals;
+}
+
+std::vector<double> TimesOf(const std::vector<StsEvent>& events, StsEventKind kind) {
+  std::vector<double> times;
+  for (const StsEvent& event : events)
+    if (event.kind == kind) times.push_back(event.time_s);
+  return times;
+}
+
+TEST(StsEvents, EachRepetitionHasItsFiveEventsInOrder) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 120, .repetitions = 3});
+  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg));
+  ASSERT_EQ(events.size(), 15u);
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(events[i].repetition, static_cast<int>(i / 5) + 1);
+    EXPECT_EQ(static_cast<std::size_t>(events[i].kind), i % 5);
+    EXPECT_TRUE(i == 0 || events[i].time_s > events[i - 1].time_s);
+  }
+}
+
+TEST(StsEvents, OnsetIsWhenTheTrunkLeavesRest) {
+  for (const double rate_hz : {30.0, 60.0, 240.0}) {
+    const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = rate_hz, .repetitions = 2});
+    const std::vector<double> onsets = TimesOf(FindStsEvents(SignalsOf(leg)), StsEventKind::kOnset);
+    ASSERT_EQ(onsets.size(), leg.onset_s.size());
+    // The trunk turns by 35° in 0.9 s with minimum jerk: 30 τ² · 35°/0.9 s = 2°/s at τ = 0.042, 0.038 s after it
+    // starts.
+    for (std::size_t i = 0; i < onsets.size(); ++i)
+      EXPECT_NEAR(onsets[i], leg.onset_s[i] + 0.038, 1.01 / rate_hz + 0.005);
+  }
+}
+
+TEST(StsEvents, SeatOffAndStandingAreTheStatedFractionsOfTheirPeaks) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 500, .repetitions = 1});
+  const StsSignals signals = SignalsOf(leg);
+  const std::vector<StsEvent> events = FindStsEvents(signals);
+  ASSERT_GE(events.size(), 3u);
+  double peak_up = 0, peak_extension = 0;
+  for (std::size_t i = 0; i < signals.frame.size() / 2; ++i) {
+    peak_up = std::max(peak_up, signals.hip_up_speed[i]);
+    peak_extension = std::max(peak_extension, -signals.knee_deg_s[i]);
+  }
+  const auto seat_off = static_cast<std::size_t>(events[1].frame), standing = static_cast<std::size_t>(events[2].frame);
+  EXPECT_GT(signals.hip_up_speed[seat_off], 0.1 * peak_up);
+  EXPECT_LE(signals.hip_up_speed[seat_off - 1], 0.1 * peak_up);
+  EXPECT_LT(-signals.knee_deg_s[standing], 0.05 * peak_extension);
+  EXPECT_GE(-signals.knee_deg_s[standing - 1], 0.05 * peak_extension);
+}
+
+TEST(StsEvents, WithoutRestBetweenThemRepetitionsAreStillFound) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 5, .rest_s = 0.02, .move_s = 0.8});
+  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg));
+  const std::vector<double> onsets = TimesOf(events, StsEventKind::kOnset);
+  EXPECT_EQ(TimesOf(events, StsEventKind::kStanding).size(), 5u);
+  ASSERT_EQ(onsets.size(), 5u);
+  // The trunk never rests here, so the SD that its speed must leave is large.
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(onsets[i], leg.onset_s[i], 0.12);
+}
+
+TEST(StsEvents, ARecordingThatBeginsStandingCountsItsRisesOnly) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 2, .starts_standing = true});
+  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg));
+  ASSERT_FALSE(events.empty());
+  EXPECT_EQ(events.front().kind, StsEventKind::kOnset);
+  EXPECT_EQ(TimesOf(events, StsEventKind::kOnset).size(), 2u);
+}
+
+TEST(StsEvents, FidgetingOnTheSeatIsNotAnOnset) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 1, .rest_s = 3});
+  StsSignals signals = SignalsOf(leg);
+  for (std::size_t i = 60; i < 110; ++i) signals.trunk_deg_s[i] += 15;  // a nod 2 s before
+  const std::vector<double> onsets = TimesOf(FindStsEvents(signals), StsEventKind::kOnset);
+  ASSERT_EQ(onsets.size(), 1u);
+  EXPECT_NEAR(onsets[0], 3.04, 0.02);
+}
+
+TEST(StsEvents, WalkingHasNone) {
+  StsSignals signals;
+  signals.leg_length = 840;
+  for (int i = 0; i < 600; ++i) {
+    const double t = i / 100.0, phase = 2 * std::numbers::pi * t;
+    signals.frame.push_back(i), signals.time_s.push_back(t);
+    signals.hip_height.push_back(900 + 25 * std::sin(2 * phase)),
+        signals.hip_up_speed.push_back(314 * std::cos(2 * phase));
+    signals.hip_speed.push_back(1300), signals.knee_deg_s.push_back(200 * std::cos(phase));
+    signals.trunk_deg_s.push_back(10 * std::cos(2 * phase));
+  }
+  EXPECT_TRUE(FindStsEvents(signals).empty());
+}
+
+TEST(StsEvents, GapsAndAMissingTrunkDoNotHideARise) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 1});
+  StsSignals signals = SignalsOf(leg);
+  for (std::size_t i = 20; i < 40; ++i) signals.hip_height[i] = std::nan("");
+  signals.trunk_deg_s.clear();
+  const std::vector<StsEvent> events = FindStsEvents(signals);
+  ASSERT_EQ(events.size(), 5u);
+  // Without a trunk the hip must rise by 2 mm, which it does before it has 10 % of its peak speed.
+  EXPECT_LE(events[0].time_s, events[1].time_s);
+  EXPECT_GT(events[0].time_s, leg.onset_s[0] + 0.25);
+}
+
+TEST(StsEvents, EmptyAndStillRecordingsHaveNone) {
+  EXPECT_TRUE(FindStsEvents({}).empty());
+  SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 1});
+  StsSignals signals = SignalsOf(leg);
+  std::fill(signals.hip_height.begin(), signals.hip_height.end(), 500.0);
+  EXPECT_TRUE(FindStsEvents(signals).empty());
+}
+
+TEST(StsEvents, PercentRunsFromOnsetToStanding) {
+  LegMotion motion;
+  for (int i = 0; i < 100; ++i) {
+    motion.frame.push_back(i), motion.time_s.push_back(0.1 * i);
+    motion.samples.emplace_back();
+    motion.samples.back().percent = 7;  // to be cleared
+  }
+  SetRepetitions(
+      {{1, StsEventKind::kOnset, 20, 2.0}, {1, StsEventKind::kStanding, 40, 4.0}, {2, StsEventKind::kOnset, 90, 9.0}},
+      motion);
+  EXPECT_TRUE(std::isnan(motion.samples[19].percent));
+  EXPECT_NEAR(motion.samples[20].percent, 0, 1e-9);
+  EXPECT_NEAR(motion.samples[30].percent, 50, 1e-9);
+  EXPECT_NEAR(motion.samples[40].percent, 100, 1e-9);
+  EXPECT_EQ(motion.samples[30].repetition, 1);
+  EXPECT_FALSE(motion.samples[41].repetition || motion.samples[95].repetition);  // the second was cut off
+}
+
+}  // namespace
+}  // namespace lake
