@@ -70,7 +70,7 @@ SigmaCalibration CalibrateSigmas(MarkerRecording& recording) {
   calibration.fit_px = RootMeanSquare(scatter.sigmas);
   calibration.scatter_px = TrimmedDeviation(scatter.residuals);
   calibration.compression_px =
-      std::sqrt(2 * std::max(0.0, std::pow(calibration.scatter_px, 2) - std::pow(calibration.fit_px, 2)));
+      std::sqrt(std::max(0.0, std::pow(calibration.scatter_px, 2) - std::pow(calibration.fit_px, 2)));
   for (MarkerTrack& marker : recording.markers)
     for (MarkerSample& sample : marker.samples)
       if (sample.IsKnown()) sample.sigma = std::hypot(sample.sigma, calibration.compression_px);

@@ -13,10 +13,9 @@ struct SigmaCalibration {
 
 // A fit's sigma knows the noise of its own pixels. A compressed frame is made by shifting blocks of earlier ones by quarter pixels,
 // which displaces a marker without leaving a trace in its picture. Of a marker that moves, it shows in the scatter of positions
-// about a smooth path (the residual of a local fourth-degree polynomial over nine frames, Savitzky & Golay 1964). About as much
-// again is handed on from frame to frame and does not scatter, and while a marker rests all of it is frozen; so the variance of the
-// scatter of fast samples beyond the fits' own is counted twice, for slow samples too. On rendered recordings of known truth, H.264
-// at CRF 17 to 28, error over sigma then has a standard deviation of 0.8 to 1.2; without compression nothing is added.
+// about a smooth path (the residual of a local fourth-degree polynomial over nine frames, Savitzky & Golay 1964); while it rests the
+// displacement is frozen and does not show, though it is there. So what fast samples scatter beyond the fits' own sigma is added
+// to all. Without compression nothing is.
 // Detected samples' sigmas become sqrt(fit² + compression²).
 SigmaCalibration CalibrateSigmas(MarkerRecording& recording);
 
