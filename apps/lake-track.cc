@@ -1,4 +1,6 @@
 // lake-track: markers, leg vectors and knee angle from a video.
+#include <algorithm>
+
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/pipeline/track.h"
@@ -6,23 +8,119 @@
 
 namespace {
 
+// What the command line says, as text where it needs to be parsed further.
+struct Arguments {
+  std::string video, markers = "ankle,knee,hip,waist", detector = "reflective", polarity = "bright", dictionary = "DICT_4X4_50";
+  std::string camera, scale, crop, vertical, filter = "spline", corrections, exports;
+  std::vector<std::string> seeds, colors, depths;
+  long long start = 0, end = -1;
+  double capture_rate_hz = 0, cutoff_hz = 0;
+  bool overlay = true;
+};
+
+void Declare(CLI::App& cli, Arguments& a) {
+  cli.add_option("video", a.video, "Video, or image sequence as frames/%05d.png")->required();
+  cli.add_option("--markers", a.markers, "Names of the markers to find; ankle, knee, hip, waist are understood as the leg");
+  cli.add_option("--seed", a.seeds, "NAME=X,Y[@FRAME]: where a marker is, in px of a frame (may be repeated)");
+  cli.add_option("--detector", a.detector, "What the markers are")->check(CLI::IsMember({"reflective", "color", "template", "aruco"}));
+  cli.add_option("--color", a.colors, "\"#RRGGBB\", one for all markers or one for each, for --detector color");
+  cli.add_option("--dictionary", a.dictionary, "For --detector aruco; ids 0, 1, … are the markers in order");
+  cli.add_option("--polarity", a.polarity, "Markers brighter or darker than what is round them")->check(CLI::IsMember({"bright", "dark"}));
+  cli.add_option("--camera", a.camera, "camera.yaml: intrinsics and, if it has one, the sagittal plane");
+  cli.add_option("--scale", a.scale, "X1,Y1,X2,Y2,LENGTH_MM: a scale bar in px, without a calibrated plane");
+  cli.add_option("--crop", a.crop, "X,Y,W,H: look only there");
+  cli.add_option("--start", a.start, "First frame to look at")->check(CLI::NonNegativeNumber);
+  cli.add_option("--end", a.end, "Last frame to look at (default: the last of the file)")->check(CLI::NonNegativeNumber);
+  cli.add_option("--capture-rate", a.capture_rate_hz, "Hz at which a slow-motion file was recorded")->check(CLI::PositiveNumber);
+  cli.add_option("--vertical", a.vertical, "X1,Y1,X2,Y2: a plumb line in the picture, in px");
+  cli.add_option("--depth", a.depths, "NAME=MM: how far a marker stands proud of the calibrated plane (may be repeated)");
+  cli.add_option("--filter", a.filter, "How positions and angles are smoothed")->check(CLI::IsMember({"spline", "butterworth", "none"}));
+  cli.add_option("--cutoff", a.cutoff_hz, "Hz; default: found from the data (spline), 6 (butterworth)")->check(CLI::PositiveNumber);
+  cli.add_option("--corrections", a.corrections, "frame,marker,x_px,y_px rows that overrule the detector; empty: not visible");
+  cli.add_flag("--overlay,!--no-overlay", a.overlay, "Write overlay.mp4");
+  cli.add_option("--export", a.exports, "Also write trc,mot,c3d,tracker,kinovea");
+}
+
+// "NAME=REST"
+std::pair<std::string, std::string> SplitAtEquals(const std::string& option, const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) throw lake::UsageError(fmt::format("{} '{}': NAME=… is needed", option, text));
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
 // NAME=X,Y[@FRAME]
 lake::MarkerSeed ParseSeed(const std::string& text) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos) throw lake::UsageError(fmt::format("--seed '{}': write it as NAME=X,Y or NAME=X,Y@FRAME", text));
-  lake::MarkerSeed seed;
-  seed.name = text.substr(0, equals);
-  std::string place = text.substr(equals + 1);
+  auto [name, place] = SplitAtEquals("--seed", text);
+  lake::MarkerSeed seed{name};
   if (const auto at = place.find('@'); at != std::string::npos) {
-    const std::vector<double> frame = lake::ParseNumbers(place.substr(at + 1), 1, "--seed " + seed.name + ": frame");
-    if (frame[0] < 0 || frame[0] != static_cast<double>(static_cast<std::int64_t>(frame[0])))
-      throw lake::UsageError(fmt::format("--seed '{}': the frame is a whole number from 0", text));
-    seed.frame = static_cast<std::int64_t>(frame[0]);
+    const double frame = lake::ParseNumbers(place.substr(at + 1), 1, "--seed " + name + ": frame").front();
+    seed.frame = static_cast<std::int64_t>(frame);
+    if (frame < 0 || frame != static_cast<double>(seed.frame))
+      throw lake::UsageError(fmt::format("--seed '{}': a frame is a whole number from 0", text));
     place.resize(at);
   }
-  const std::vector<double> xy = lake::ParseNumbers(place, 2, "--seed " + seed.name);
+  const std::vector<double> xy = lake::ParseNumbers(place, 2, "--seed " + name);
   seed.position = {xy[0], xy[1]};
   return seed;
+}
+
+template <std::size_t kCount>
+std::optional<std::array<double, kCount>> ParseOptional(const std::string& option, const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  std::array<double, kCount> values;
+  std::ranges::copy(lake::ParseNumbers(text, kCount, option), values.begin());
+  return values;
+}
+
+cv::Rect ParseCrop(const std::string& text) {
+  const auto crop = ParseOptional<4>("--crop", text);
+  if (!crop) return {};
+  for (const double value : *crop)
+    if (value != std::floor(value) || std::abs(value) > 1e5) throw lake::UsageError(fmt::format("--crop '{}': whole px are needed", text));
+  const cv::Rect rect(static_cast<int>((*crop)[0]), static_cast<int>((*crop)[1]), static_cast<int>((*crop)[2]), static_cast<int>((*crop)[3]));
+  if (rect.width <= 0 || rect.height <= 0) throw lake::UsageError(fmt::format("--crop '{}': width and height must be positive", text));
+  return rect;
+}
+
+lake::DetectorKind ParseDetector(const std::string& text) {
+  if (text == "color") return lake::DetectorKind::kColor;
+  if (text == "template") return lake::DetectorKind::kTemplate;
+  return text == "aruco" ? lake::DetectorKind::kAruco : lake::DetectorKind::kReflective;
+}
+
+lake::TrackOptions MakeTrackOptions(const Arguments& a) {
+  lake::TrackOptions options;
+  options.names = lake::SplitText(a.markers, ',');
+  for (const std::string& seed : a.seeds) options.seeds.push_back(ParseSeed(seed));
+  options.detector = ParseDetector(a.detector);
+  options.polarity = a.polarity == "dark" ? lake::Polarity::kDark : lake::Polarity::kBright;
+  options.colors = a.colors;
+  options.dictionary = a.dictionary;
+  options.crop = ParseCrop(a.crop);
+  options.reader.first = a.start;
+  if (a.end >= 0) options.reader.last = a.end;
+  if (a.end >= 0 && a.end < a.start) throw lake::UsageError(fmt::format("--end {} is before --start {}", a.end, a.start));
+  options.reader.capture_rate_hz = a.capture_rate_hz;
+  return options;
+}
+
+lake::TrackRunOptions MakeRunOptions(const Arguments& a) {
+  lake::TrackRunOptions options;
+  options.video = a.video;
+  options.track = MakeTrackOptions(a);
+  options.fit.filter = lake::ParseLegFilter(a.filter);
+  if (a.cutoff_hz > 0) options.fit.cutoff_hz = a.cutoff_hz;
+  if (!a.camera.empty()) options.camera = a.camera;
+  if (!a.corrections.empty()) options.corrections = a.corrections;
+  options.scale = ParseOptional<5>("--scale", a.scale);
+  options.vertical = ParseOptional<4>("--vertical", a.vertical);
+  for (const std::string& depth : a.depths) {
+    const auto [name, mm] = SplitAtEquals("--depth", depth);
+    options.depth_mm[name] = lake::ParseNumbers(mm, 1, "--depth " + name).front();
+  }
+  options.overlay = a.overlay;
+  options.exports = lake::SplitText(a.exports, ',');
+  return options;
 }
 
 }  // namespace
@@ -30,20 +128,9 @@ lake::MarkerSeed ParseSeed(const std::string& text) {
 int main(int argc, char** argv) {
   lake::Program program("lake-track", "Markers, leg vectors and knee angle from a video",
                         "lake-track sit-to-stand.mp4 --camera camera.yaml -o trial");
-  lake::TrackRunOptions options;
-  std::string video, markers = "ankle,knee,hip,waist";
-  std::vector<std::string> seeds;
-  CLI::App& cli = program.Cli();
-  cli.add_option("video", video, "Video, or image sequence as frames/%05d.png")->required();
-  cli.add_option("--markers", markers, "Names of the markers to find");
-  cli.add_option("--seed", seeds, "NAME=X,Y[@FRAME]: where a marker is, in px");
+  Arguments arguments;
+  Declare(program.Cli(), arguments);
   return program.Main(
-      argc, argv, [&] { return std::filesystem::path(video).stem().string(); },
-      [&](lake::Run& run) {
-        options.video = video;
-        options.track.names = lake::SplitText(markers, ',');
-        for (const std::string& seed : seeds) options.track.seeds.push_back(ParseSeed(seed));
-        options.track.quiet = run.Quiet();
-        return lake::RunTrack(options, run);
-      });
+      argc, argv, [&] { return std::filesystem::path(arguments.video).stem().string(); },
+      [&](lake::Run& run) { return lake::RunTrack(MakeRunOptions(arguments), run); });
 }

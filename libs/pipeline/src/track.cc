@@ -1,12 +1,176 @@
 #include "lake/pipeline/track.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "corrections.h"
+#include "lake/core/error.h"
+#include "lake/exchange/trial.h"
+#include "lake/render/leg_figure.h"
+#include "lake/render/tracks_figure.h"
+
 namespace lake {
+namespace {
+
+std::optional<CameraProfile> ReadCamera(const TrackRunOptions& options, const VideoInfo& video) {
+  if (!options.camera) return std::nullopt;
+  CameraProfile profile = ReadCameraProfile(*options.camera);
+  if (profile.camera.image_width != video.width || profile.camera.image_height != video.height)
+    throw Fail("{}: calibrated at {}x{} px, but {} is {}x{} px; calibrate at the resolution that is recorded", options.camera->string(),
+               profile.camera.image_width, profile.camera.image_height, options.video.string(), video.width, video.height);
+  return profile;
+}
+
+// mm per px of the scale bar, its ends freed from the lens's distortion if that is known.
+std::optional<double> MmPerPx(const TrackRunOptions& options, const std::optional<CameraProfile>& profile, Run& run) {
+  if (!options.scale) return std::nullopt;
+  if (profile && profile->camera_from_plane) {
+    run.Warn("--scale is not used: the camera file has a calibrated plane");
+    return std::nullopt;
+  }
+  const auto [x1, y1, x2, y2, length_mm] = *options.scale;
+  const LegView unscaled = MakeLegView(LengthUnit::kPx, profile);
+  const double length_px = (PlaneFromRecorded(unscaled, {x1, y1}, 0) - PlaneFromRecorded(unscaled, {x2, y2}, 0)).norm();
+  if (!(length_px >= 1) || !(length_mm > 0)) throw UsageError("--scale: the bar must be at least 1 px and more than 0 mm long");
+  return length_mm / length_px;
+}
+
+LegView MakeView(const TrackRunOptions& options, const VideoInfo& video, Run& run) {
+  const std::optional<CameraProfile> profile = ReadCamera(options, video);
+  const LegView view = MakeLegView(LengthUnit::kPx, profile, MmPerPx(options, profile, run), options.depth_mm);
+  if (PlaneUnit(view) == LengthUnit::kPx)
+    run.Warn(profile ? "the camera file has no sagittal plane and no --scale is given: lengths stay in px"
+                     : "neither --camera with a plane nor --scale is given: lengths stay in px");
+  return view;
+}
+
+bool HasLeg(const std::vector<std::string>& names) {
+  return std::all_of(kLegMarkers.begin(), kLegMarkers.begin() + 3,
+                     [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); });
+}
+
+// Puts the fit's positions in the places of the detections. Half the variance of what compression does to positions is common to
+// neighbouring frames, so no smoothing removes it (see CalibrateSigmas).
+void TakeFittedPositions(const LegFitResult& fit, const LegView& view, double compression_px, MarkerRecording& tracks) {
+  for (std::size_t m = 0; m < tracks.markers.size(); ++m) {
+    const double depth = view.Depth(tracks.markers[m].name);
+    for (std::size_t i = 0; i < tracks.Frames(); ++i) {
+      MarkerSample& sample = tracks.markers[m].samples[i];
+      const MarkerSample& fitted = fit.trajectory.markers[m].samples[i];
+      if (sample.status != SampleStatus::kDetected || !fitted.IsKnown()) continue;
+      const double sigma_px = fitted.sigma / PlaneUnitsPerRecorded(view, fitted.position, depth);
+      sample.position = RecordedFromPlane<double>(view, fitted.position, depth);
+      sample.sigma = std::min(sample.sigma, std::hypot(sigma_px, std::sqrt(0.5) * compression_px));
+    }
+  }
+}
+
+// Of a recording without a leg: the plane positions of what was seen.
+MarkerRecording InPlane(const MarkerRecording& tracks, const LegView& view) {
+  MarkerRecording trajectory = tracks;
+  trajectory.unit = PlaneUnit(view);
+  for (MarkerTrack& marker : trajectory.markers)
+    for (MarkerSample& sample : marker.samples) {
+      if (!sample.IsKnown()) continue;
+      const double depth = view.Depth(marker.name);
+      sample.position = PlaneFromRecorded(view, sample.position, depth);
+      sample.sigma *= PlaneUnitsPerRecorded(view, sample.position, depth);
+    }
+  return trajectory;
+}
+
+Json VideoJson(const TrackResult& tracked) {
+  const VideoInfo& video = tracked.video;
+  return {{"width", video.width},
+          {"height", video.height},
+          {"frames", tracked.recording.Frames()},
+          {"frame_rate_hz", video.frame_rate_hz},
+          {"codec", video.codec},
+          {"rotation_deg", video.rotation_deg},
+          {"irregular_time_stamps", video.irregular_stamps},
+          {"start_s", tracked.recording.time_s.front()},
+          {"end_s", tracked.recording.time_s.back()}};
+}
+
+Json TrackingJson(const TrackResult& tracked) {
+  return {{"things_followed", tracked.tracklets},
+          {"median_radius_px", tracked.radius_px},
+          {"sigma_of_fits_px", tracked.sigma.fit_px},
+          {"scatter_px", tracked.sigma.scatter_px},
+          {"compression_px", tracked.sigma.compression_px}};
+}
+
+void WarnOfVideo(const VideoInfo& video, Run& run) {
+  if (video.irregular_stamps)
+    run.Warn(fmt::format("the frames' time stamps are irregular ({:.4g} to {:.4g} s apart); each frame's own stamp is used",
+                         video.shortest_interval_s, video.longest_interval_s));
+  if (video.interlaced) run.Warn("the video is interlaced: its two fields were taken at different times; record progressively");
+}
+
+void Export(const TrackRunOptions& options, const MarkerRecording& tracks, const MarkerRecording& trajectory, const LegMotion* motion,
+            Run& run) {
+  if (options.exports.empty()) return;
+  run.Result("tracks.csv");
+  const MarkerRecording& points = trajectory.unit == LengthUnit::kMm ? trajectory : tracks;
+  ExportTrial(options.exports, run.Folder(), options.video.stem().string(), PointsFromMarkers(points), motion);
+}
+
+Json RunLeg(const TrackRunOptions& options, const TrackResult& tracked, const LegView& view, Run& run) {
+  LegFitOptions fit_options = options.fit;
+  fit_options.quiet = run.Quiet();
+  if (options.vertical) {
+    const auto [x1, y1, x2, y2] = *options.vertical;
+    fit_options.up = UpFromPlumbLine(view, {x1, y1}, {x2, y2});
+  }
+  LegFitResult fit = FitLeg(tracked.recording, view, fit_options);
+  for (const std::string& warning : fit.warnings) run.Warn(warning);
+  MarkerRecording tracks = fit.tracks;
+  if (fit_options.filter == LegFilter::kSpline) TakeFittedPositions(fit, view, tracked.sigma.compression_px, tracks);
+
+  WriteMarkerCsv(run.Result("tracks.csv"), tracks);
+  if (fit.trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), fit.trajectory);
+  WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
+  WriteEventsCsv(run.Result("events.csv"), fit.events);
+  Export(options, tracks, fit.trajectory, &fit.motion, run);
+  DrawLegFigure(run.Result("track.png"), fit, options.video.filename().string());
+  return LegFitJson(fit);
+}
+
+// Markers that are no leg: where they were, and nothing more.
+Json RunPoints(const TrackRunOptions& options, const TrackResult& tracked, const LegView& view, Run& run) {
+  run.Warn("ankle, knee and hip are not all among the markers: no leg is fitted, gaps are not filled");
+  const MarkerRecording trajectory = InPlane(tracked.recording, view);
+  WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
+  if (trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), trajectory);
+  Export(options, tracked.recording, trajectory, nullptr, run);
+  DrawTracksFigure(run.Result("track.png"), trajectory, options.video.filename().string());
+  return Json::object();
+}
+
+}  // namespace
 
 Json RunTrack(const TrackRunOptions& options, Run& run) {
+  options.track.Check();
   run.AddInput(options.video);
-  TrackResult tracked = TrackMarkers(options.video, options.track);
-  WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
-  return {{"frames", tracked.recording.Frames()}, {"tracklets", tracked.tracklets}};
+  if (options.camera) run.AddInput(*options.camera);
+  if (options.corrections) run.AddInput(*options.corrections);
+  const VideoInfo video = VideoReader::Open(options.video, options.track.reader)->Info();
+  const LegView view = MakeView(options, video, run);
+
+  TrackOptions track_options = options.track;
+  track_options.quiet = run.Quiet();
+  track_options.metric_from_px = [&view](const Eigen::Vector2d& px) { return PlaneFromRecorded(view, px, 0); };
+  if (options.vertical) {
+    const auto [x1, y1, x2, y2] = *options.vertical;
+    track_options.up_px = Eigen::Vector2d(x1 - x2, y1 - y2) * (y1 < y2 ? 1 : -1);
+  }
+  TrackResult tracked = TrackMarkers(options.video, track_options);
+  WarnOfVideo(tracked.video, run);
+  if (options.corrections) ApplyCorrections(*options.corrections, video.width, video.height, tracked.recording);
+
+  Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}};
+  results.update(HasLeg(options.track.names) ? RunLeg(options, tracked, view, run) : RunPoints(options, tracked, view, run));
+  return results;
 }
 
 }  // namespace lake
