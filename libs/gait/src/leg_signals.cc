@@ -27,26 +27,57 @@ double NoiseFromDifferences(const MarkerTrack& track, const std::vector<char>& s
   return differences.empty() ? 0 : RobustDeviation(differences) / kGain;
 }
 
-// Samples are mistrusted from a jump away to the jump back: steps far longer than those around them, with the marker where it would
-// have been without them. Longer than half a second away is not an outlier but a question of naming.
+// The steps of a marker between the frames in which it is seen.
+struct Steps {
+  std::vector<std::size_t> frames;
+  std::vector<Eigen::Vector2d> step;  // from the frame before, per frame; of the first: 0
+};
+
+Steps FindSteps(const Detections& d) {
+  Steps steps;
+  for (std::size_t i = 0; i < d.seen.size(); ++i)
+    if (d.seen[i]) steps.frames.push_back(i);
+  steps.step.assign(steps.frames.size(), Eigen::Vector2d::Zero());
+  for (std::size_t k = 1; k < steps.frames.size(); ++k)
+    steps.step[k] = (d.in_plane[steps.frames[k]] - d.in_plane[steps.frames[k - 1]]) /
+                    static_cast<double>(steps.frames[k] - steps.frames[k - 1]);
+  return steps;
+}
+
+// The median step around one, and how far steps there lie from it.
+struct UsualStep {
+  Eigen::Vector2d median;
+  double spread = 0;
+};
+
+UsualStep UsualStepAround(const Steps& steps, std::size_t k) {
+  constexpr std::size_t kReach = 5;  // frames on each side
+  const std::size_t begin = k > kReach ? k - kReach : 1, end = std::min(steps.step.size(), k + kReach + 1);
+  std::vector<double> x, y, distances;
+  for (std::size_t j = begin; j < end; ++j) x.push_back(steps.step[j].x()), y.push_back(steps.step[j].y());
+  UsualStep usual{{Median(x), Median(y)}, 0};
+  for (std::size_t j = begin; j < end; ++j) distances.push_back((steps.step[j] - usual.median).norm());
+  usual.spread = 1.4826 * Median(distances);
+  return usual;
+}
+
+// Samples are mistrusted from a jump away to the jump back: steps far from those around them, with the marker then where it would
+// have been without them. More than half a second away is not an outlier but a question of naming.
 void MistrustExcursions(Detections& d, const std::vector<double>& time_s) {
   constexpr double kLongest_s = 0.5;
-  constexpr std::size_t kReach = 10;  // frames on each side that say how long steps are
-  std::vector<std::size_t> frames;
-  for (std::size_t i = 0; i < d.seen.size(); ++i)
-    if (d.seen[i]) frames.push_back(i);
-  std::vector<double> steps(frames.size(), 0.0);
-  for (std::size_t k = 1; k < frames.size(); ++k) steps[k] = (d.in_plane[frames[k]] - d.in_plane[frames[k - 1]]).norm();
-  const auto usual = [&](std::size_t k) {
-    const auto begin = steps.begin() + static_cast<std::ptrdiff_t>(k > kReach ? k - kReach : 1);
-    return Median({begin, steps.begin() + static_cast<std::ptrdiff_t>(std::min(steps.size(), k + kReach + 1))});
+  const Steps steps = FindSteps(d);
+  const std::vector<std::size_t>& frames = steps.frames;
+  const auto is_jump = [&](std::size_t k, const UsualStep& usual) {
+    return (steps.step[k] - usual.median).norm() > 5 * usual.spread + 12 * d.plane_sigma[frames[k]];
   };
   for (std::size_t k = 1; k < frames.size(); ++k) {
-    const double noise = 12 * d.plane_sigma[frames[k]], step = usual(k);
-    if (steps[k] < 6 * step + noise) continue;
+    const UsualStep usual = UsualStepAround(steps, k);
+    if (!is_jump(k, usual)) continue;
+    const double jump = (steps.step[k] - usual.median).norm(), noise = 12 * d.plane_sigma[frames[k]];
     for (std::size_t back = k + 1; back < frames.size() && time_s[frames[back]] - time_s[frames[k]] <= kLongest_s; ++back) {
-      const double distance = (d.in_plane[frames[back]] - d.in_plane[frames[k - 1]]).norm();
-      if (distance > 3 * step * static_cast<double>(frames[back] - frames[k - 1]) + noise || distance > steps[k] / 2) continue;
+      const auto gap = static_cast<double>(frames[back] - frames[k - 1]);
+      const double away = (d.in_plane[frames[back]] - d.in_plane[frames[k - 1]] - gap * usual.median).norm();
+      if (away > std::min(3 * usual.spread * gap + noise, jump / 2) || !is_jump(back, UsualStepAround(steps, back))) continue;
       for (std::size_t j = k; j < back; ++j) d.trusted[frames[j]] = 0;
       k = back;
       break;
@@ -165,9 +196,9 @@ void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarker
                  leg[below + 1].name, Known(values), kLeastFrames);
     const double range = Range(values);
     if (range > options.most_length_range)
-      throw Fail("leg fit: the distance from '{}' to '{}' changes by {:.0f} % of itself, which no limb does ({} %  at most): are the "
-                 "markers' names right, or swapped on the way?",
-                 leg[below].name, leg[below + 1].name, 100 * range, std::lround(100 * options.most_length_range));
+      throw Fail("leg fit: the distance from '{}' to '{}' changes by {:.0f} % of itself, which no limb does (at most {:.0f} %): are the "
+                 "markers' names right, not swapped on the way, and is the vertical (--up)?",
+                 leg[below].name, leg[below + 1].name, 100 * range, 100 * options.most_length_range);
   }
   std::vector<double> rises;
   for (std::size_t i = 0; i < leg[kAnkle].seen.size(); ++i)

@@ -34,8 +34,8 @@ struct LegFitOptions {
   std::optional<Facing> facing;       // found from the data
   Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // the vertical, in the plane frame
   double outlier_deviations = 7;      // a residual of so many sigmas has no weight at all
-  double most_length_range = 0.30;    // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5
-  double most_filled_sigma = 0.10;    // of |AK|: a hidden marker less certain than this is missing
+  double most_length_range = 0.30;    // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5 and more
+  double most_filled_sigma = 0.04;    // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
   bool quiet = true;                  // no progress
 };
 

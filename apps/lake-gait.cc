@@ -1,0 +1,69 @@
+// lake-gait: leg vectors, knee angle and sit-to-stand events from an existing trial.
+#include <map>
+
+#include "lake/core/error.h"
+#include "lake/pipeline/gait.h"
+#include "program.h"
+
+namespace {
+
+double MmPerUnit(const std::string& unit) {
+  static const std::map<std::string, double> kUnits = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
+  const auto found = kUnits.find(unit);
+  if (found == kUnits.end()) throw lake::UsageError(fmt::format("--unit '{}': mm, cm or m", unit));
+  return found->second;
+}
+
+lake::Facing ParseFacing(const std::string& text) {
+  if (text != "left" && text != "right") throw lake::UsageError(fmt::format("--facing '{}': left or right", text));
+  return text == "left" ? lake::Facing::kLeft : lake::Facing::kRight;
+}
+
+std::string Report(const lake::Json& summary) {
+  std::string text;
+  for (const lake::Json& segment : summary["segments"]) {
+    const std::string unit = segment.contains("length_mm") ? "mm" : "px";
+    text += fmt::format("{}  {:.1f} {}, varies by {:.1f} (SD)\n", segment["name"].get<std::string>(),
+                        segment["length_" + unit].get<double>(), unit, segment["variation_" + unit].get<double>());
+  }
+  const lake::Json& knee = summary["knee"];
+  if (!knee["largest"].is_null())
+    text += fmt::format("knee {:.2f}° to {:.2f}°, ± {:.3f}° (1 SD)\n", knee["smallest"]["deg"].get<double>(),
+                        knee["largest"]["deg"].get<double>(), knee["rms_sigma_deg"].get<double>());
+  return text + fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  lake::Program program("lake-gait", "Leg vectors, knee angle and sit-to-stand events from an existing trial",
+                        "lake-gait trial.trc --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shoulder -o gait");
+  std::string trial, map, up, forward, filter = "spline", unit = "mm", facing;
+  double cutoff_hz = 0;
+  CLI::App& cli = program.Cli();
+  cli.add_option("trial", trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")->required();
+  cli.add_option("--map", map, "ankle=NAME,knee=NAME,hip=NAME,waist=NAME; A+B is the middle of two markers");
+  cli.add_option("--up", up, "x, y or z: vertical axis of a 3-D file (default: TRC y, C3D its own or z)");
+  cli.add_option("--forward", forward, "+x, -x, …: where the subject faces (default: found from the movement)");
+  cli.add_option("--facing", facing, "left or right, in the plane (default: found from the movement)");
+  cli.add_option("--filter", filter, "spline, butterworth or none");
+  CLI::Option* cutoff = cli.add_option("--cutoff", cutoff_hz, "Hz (default: spline found from the data, Butterworth 6)");
+  cli.add_option("--unit", unit, "mm, cm or m: of files that do not say (Tracker text, Kinovea)");
+  return program.Main(
+      argc, argv, [&] { return std::filesystem::path(trial).stem().string(); },
+      [&](lake::Run& run) {
+        lake::GaitRunOptions options;
+        options.trial = trial;
+        options.reading.names = lake::ParseNameMap(map);
+        if (up.size() > 1) throw lake::UsageError(fmt::format("--up '{}': x, y or z", up));
+        if (!up.empty()) options.reading.up = up[0];
+        options.reading.forward = forward;
+        options.reading.mm_per_unit = MmPerUnit(unit);
+        options.fit.filter = lake::ParseLegFilter(filter);
+        if (cutoff->count() > 0 && !(cutoff_hz > 0)) throw lake::UsageError(fmt::format("--cutoff {}: not positive", cutoff_hz));
+        if (cutoff->count() > 0) options.fit.cutoff_hz = cutoff_hz;
+        if (!facing.empty()) options.fit.facing = ParseFacing(facing);
+        return lake::RunGait(options, run);
+      },
+      Report);
+}

@@ -1,0 +1,25 @@
+// The work of lake-gait: from an existing trial, without its video, to leg motion, events and a figure.
+#pragma once
+
+#include <filesystem>
+
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+#include "lake/exchange/trial.h"
+#include "lake/gait/leg_fit.h"
+
+namespace lake {
+
+struct GaitRunOptions {
+  std::filesystem::path trial;  // a lake-track folder or a file that ReadTrial knows
+  TrialOptions reading;
+  LegFitOptions fit;
+};
+
+// A trial that has been read, fitted: for callers that go on with it. Its warnings are said through `run`.
+LegFitResult FitTrial(const GaitRunOptions& options, Run& run);
+
+// Writes kinematics.csv, events.csv, trajectory.csv (tracks.csv for a trial in px), gait.png; returns the results for the summary.
+Json RunGait(const GaitRunOptions& options, Run& run);
+
+}  // namespace lake
