@@ -49,18 +49,18 @@ bool HasLeg(const std::vector<std::string>& names) {
                      [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); });
 }
 
-// Puts the fit's positions in the places of the detections. Half the variance of what compression does to positions is common to
-// neighbouring frames, so no smoothing removes it (see CalibrateSigmas).
-void TakeFittedPositions(const LegFitResult& fit, const LegView& view, double compression_px, MarkerRecording& tracks) {
+// Puts the fit's positions in the places of the detections. What lies behind a marker's edge displaces it by some thousandths of a
+// pixel that are the same in every frame, so no smoothing makes a position better than that.
+void TakeFittedPositions(const LegFitResult& fit, const LegView& view, MarkerRecording& tracks) {
+  constexpr double kSystematicPx = 0.006;
   for (std::size_t m = 0; m < tracks.markers.size(); ++m) {
     const double depth = view.Depth(tracks.markers[m].name);
     for (std::size_t i = 0; i < tracks.Frames(); ++i) {
       MarkerSample& sample = tracks.markers[m].samples[i];
       const MarkerSample& fitted = fit.trajectory.markers[m].samples[i];
       if (sample.status != SampleStatus::kDetected || !fitted.IsKnown()) continue;
-      const double sigma_px = fitted.sigma / PlaneUnitsPerRecorded(view, fitted.position, depth);
       sample.position = RecordedFromPlane<double>(view, fitted.position, depth);
-      sample.sigma = std::min(sample.sigma, std::hypot(sigma_px, std::sqrt(0.5) * compression_px));
+      sample.sigma = std::hypot(fitted.sigma / PlaneUnitsPerRecorded(view, fitted.position, depth), kSystematicPx);
     }
   }
 }
@@ -125,7 +125,7 @@ Json RunLeg(const TrackRunOptions& options, const TrackResult& tracked, const Le
   LegFitResult fit = FitLeg(tracked.recording, view, fit_options);
   for (const std::string& warning : fit.warnings) run.Warn(warning);
   MarkerRecording tracks = fit.tracks;
-  if (fit_options.filter == LegFilter::kSpline) TakeFittedPositions(fit, view, tracked.sigma.compression_px, tracks);
+  if (fit_options.filter == LegFilter::kSpline) TakeFittedPositions(fit, view, tracks);
 
   WriteMarkerCsv(run.Result("tracks.csv"), tracks);
   if (fit.trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), fit.trajectory);
