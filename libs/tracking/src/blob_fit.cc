@@ -18,65 +18,38 @@ constexpr double kMinRadiusPx = 0.5;
 constexpr double kMinEdgePx = 0.3;  // the pixel's own area: sqrt(1/12)
 constexpr double kEdgeReach = 2.5;  // in edge widths: where the disc's light has ended
 
-// Phi and its density by linear interpolation in a table; the error, under 1e-5, is far below a grey level.
-class NormalTable {
- public:
-  NormalTable() {
-    for (int i = 0; i < kSize; ++i) {
-      const double z = (i - kSize / 2) / kStepsPerUnit;
-      cumulative_[i] = 0.5 * std::erfc(-z * M_SQRT1_2);
-      density_[i] = std::exp(-0.5 * z * z) * (0.5 * M_2_SQRTPI * M_SQRT1_2);
-    }
-  }
-  struct Value {
-    double cumulative, density;
-  };
-  Value operator()(double z) const {
-    const double place = z * kStepsPerUnit + kSize / 2;
-    if (place <= 0) return {0, 0};
-    if (place >= kSize - 1) return {1, 0};
-    const int i = static_cast<int>(place);
-    const double t = place - i;
-    return {cumulative_[i] + t * (cumulative_[i + 1] - cumulative_[i]), density_[i] + t * (density_[i + 1] - density_[i])};
-  }
+using Pixels = Eigen::ArrayXf;  // one value per pixel of a fit
 
- private:
-  static constexpr double kStepsPerUnit = 128;
-  static constexpr int kSize = 2 * 5 * 128 + 1;  // -5 .. 5
-  std::array<double, kSize> cumulative_, density_;
-};
-const NormalTable kNormal;
-
-// Light of one blob of unit amplitude at an offset from its centre, and its derivatives by x, y, m11, m12, m22, edge.
-using LightGradient = Eigen::Matrix<double, kAmplitude, 1>;
+// Light of blobs of unit amplitude in each pixel, and its derivatives by x, y, m11, m12, m22, edge.
 struct Light {
-  double value = 0;
-  LightGradient gradient = LightGradient::Zero();
+  Pixels value;
+  std::array<Pixels, kAmplitude> gradient;
+
+  explicit Light(Eigen::Index pixels) : value(Pixels::Zero(pixels)) { gradient.fill(Pixels::Zero(pixels)); }
 };
 
-void AddStillLight(const Blob& blob, const Eigen::Vector2d& u, double weight, Light& light) {
-  const Eigen::Matrix2d& m = blob.unit_circle_from_px;
-  const Eigen::Vector2d mu = m * u;
-  const double rho = mu.norm();
-  if (rho < 1e-9) {
-    light.value += weight * kNormal(blob.RadiusPx() / blob.edge_px).cumulative;
-    return;
-  }
-  const Eigen::Vector2d slope = m * mu / rho;  // gradient of |M u|
-  const double steepness = slope.norm();
-  const double distance = (1 - rho) / steepness;
-  const double z = distance / blob.edge_px;
-  if (z < -5) return;
-  const auto [cumulative, density] = kNormal(z);
-  light.value += weight * cumulative;
-  if (density < 1e-9) return;
-  const double by_rho = -weight * density / (blob.edge_px * steepness);  // exact on the edge, where the light changes
-  light.gradient[kX] -= by_rho * slope.x();
-  light.gradient[kY] -= by_rho * slope.y();
-  light.gradient[kM11] += by_rho * mu.x() * u.x() / rho;
-  light.gradient[kM12] += by_rho * (mu.x() * u.y() + mu.y() * u.x()) / rho;
-  light.gradient[kM22] += by_rho * mu.y() * u.y() / rho;
-  light.gradient[kEdge] -= weight * density * z / blob.edge_px;
+// Adds a still blob's light. The edge's profile is the integrated triweight kernel of the same standard deviation: within 2 % of
+// the normal distribution function, and a polynomial, so that whole vectors of pixels are evaluated at once.
+void AddStillLight(const Blob& blob, const Pixels& x, const Pixels& y, float weight, Light& light) {
+  constexpr float kReach = 3;  // of the triweight kernel in its standard deviations
+  constexpr float kPeak = 35.F / 32, kTiny = 1e-6F;
+  const Eigen::Matrix2f m = blob.unit_circle_from_px.cast<float>();
+  const float edge = static_cast<float>(blob.edge_px);
+  const Pixels mx = m(0, 0) * x + m(0, 1) * y, my = m(0, 1) * x + m(1, 1) * y;
+  const Pixels rho = (mx * mx + my * my).sqrt().max(kTiny);
+  const Pixels slope_x = (m(0, 0) * mx + m(0, 1) * my) / rho, slope_y = (m(0, 1) * mx + m(1, 1) * my) / rho;  // of |M u|
+  const Pixels steepness = (slope_x * slope_x + slope_y * slope_y).sqrt().max(kTiny);
+  const Pixels t = ((1 - rho) / (kReach * edge * steepness)).max(-1.F).min(1.F);
+  const Pixels t2 = t * t;
+  light.value += weight * (0.5F + kPeak * t * (1 + t2 * (-1 + t2 * (0.6F - t2 / 7))));
+  const Pixels by_t = weight * kPeak * (1 - t2).cube();
+  const Pixels by_rho = -by_t / (kReach * edge * steepness);  // exact on the edge, where the light changes
+  light.gradient[kX] -= by_rho * slope_x;
+  light.gradient[kY] -= by_rho * slope_y;
+  light.gradient[kM11] += by_rho * mx * x / rho;
+  light.gradient[kM12] += by_rho * (mx * y + my * x) / rho;
+  light.gradient[kM22] += by_rho * my * y / rho;
+  light.gradient[kEdge] -= by_t * t / edge;
 }
 
 // Exposure: the midpoint rule; nodes 1.5 edge widths apart leave ripples of 2e-4 of the light.
@@ -85,10 +58,14 @@ int ExposureNodes(const Blob& blob) {
   return std::clamp(static_cast<int>(std::ceil(blob.blur_px.norm() / (1.5 * blob.edge_px))), 1, kMaxNodes);
 }
 
-Light LightAt(const Blob& blob, int nodes, const Eigen::Vector2d& u) {
-  Light light;
-  for (int i = 0; i < nodes; ++i)
-    AddStillLight(blob, u - ((i + 0.5) / nodes - 0.5) * blob.blur_px, 1.0 / nodes, light);
+// At pixels given relative to `origin`.
+Light LightOf(const Blob& blob, const Eigen::Vector2d& origin, const Pixels& x, const Pixels& y) {
+  Light light(x.size());
+  const int nodes = ExposureNodes(blob);
+  for (int i = 0; i < nodes; ++i) {
+    const Eigen::Vector2f center = (blob.center - origin + ((i + 0.5) / nodes - 0.5) * blob.blur_px).cast<float>();
+    AddStillLight(blob, x - center.x(), y - center.y(), 1.F / static_cast<float>(nodes), light);
+  }
   return light;
 }
 
@@ -126,6 +103,7 @@ class JointFit {
 
   bool Solve() {
     if (!HasEnoughPixels()) return false;
+    constexpr double kCostRounding = 1e-5;  // sums are in single precision
     double damping = 1e-3;
     double cost = Accumulate();
     for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
@@ -135,7 +113,7 @@ class JointFit {
       const Matrix normal_before = normal_;
       const Vector gradient_before = gradient_;
       const double new_cost = AllSane() ? Accumulate() : INFINITY;
-      if (new_cost <= cost * (1 + 1e-9)) {
+      if (new_cost <= cost * (1 + kCostRounding)) {
         cost = new_cost;
         damping = std::max(damping * 0.1, 1e-9);
         if (CenterStep(step) < options_.converged_px) return true;
@@ -152,7 +130,7 @@ class JointFit {
 
   std::vector<BlobFit> Result() const {
     const Matrix covariance = normal_.ldlt().solve(Matrix::Identity());
-    const double freedom = static_cast<double>(pixels_.size()) - kParameters;
+    const double freedom = static_cast<double>(level_.size()) - kParameters;
     const double chi_square = weighted_square_sum_ / freedom;
     const double residual = std::sqrt(square_sum_ / freedom);
     std::vector<BlobFit> fits;
@@ -180,14 +158,10 @@ class JointFit {
   };
   State Save() const { return {blobs_, background_}; }
   void Restore(const State& state) { blobs_ = state.blobs, background_ = state.background; }
-  bool HasEnoughPixels() const { return pixels_.size() > 2 * kParameters; }
-
-  struct Pixel {
-    Eigen::Vector2d place;
-    double level;
-  };
+  bool HasEnoughPixels() const { return level_.size() > 2 * kParameters; }
 
   void ChoosePixels() {
+    std::vector<float> xs, ys, levels;
     const cv::Rect picture(0, 0, grey_.cols, grey_.rows);
     for (std::size_t i = 0; i < blobs_.size(); ++i) {
       const Eigen::Vector2d half = HalfExtent(blobs_[i], options_.margin_px);
@@ -198,9 +172,16 @@ class JointFit {
       for (int y = box.y; y < box.y + box.height; ++y)
         for (int x = box.x; x < box.x + box.width; ++x) {
           const Eigen::Vector2d place(x, y);
-          if (Surrounds(blobs_[i], place) && !SeenBefore(i, place)) pixels_.push_back({place, double(grey_.at<uchar>(y, x))});
+          if (!Surrounds(blobs_[i], place) || SeenBefore(i, place)) continue;
+          xs.push_back(static_cast<float>(x - origin_.x()));
+          ys.push_back(static_cast<float>(y - origin_.y()));
+          levels.push_back(grey_.at<uchar>(y, x));
         }
     }
+    const auto count = static_cast<Eigen::Index>(xs.size());
+    x_ = Eigen::Map<const Pixels>(xs.data(), count);
+    y_ = Eigen::Map<const Pixels>(ys.data(), count);
+    level_ = Eigen::Map<const Pixels>(levels.data(), count);
   }
 
   // Within reach of the streak's light plus the margin.
@@ -222,58 +203,54 @@ class JointFit {
 
   // Amplitudes and background are linear: solve for them with the starts' geometry. The slope starts level.
   void StartBackground() {
-    Eigen::Matrix<double, kBlobs + 1, kBlobs + 1> normal = decltype(normal)::Zero();
-    Eigen::Matrix<double, kBlobs + 1, 1> right = decltype(right)::Zero(), row;
-    for (const Pixel& pixel : pixels_) {
-      for (int i = 0; i < kBlobs; ++i)
-        row[i] = LightAt(blobs_[i], ExposureNodes(blobs_[i]), pixel.place - blobs_[i].center).value;
-      row[kBlobs] = 1;
-      normal += row * row.transpose();
-      right += row * pixel.level;
-    }
-    const auto solution = normal.ldlt().solve(right).eval();
+    Eigen::Matrix<float, Eigen::Dynamic, kBlobs + 1> columns(level_.size(), kBlobs + 1);
+    for (int i = 0; i < kBlobs; ++i) columns.col(i) = LightOf(blobs_[i], origin_, x_, y_).value;
+    columns.col(kBlobs).setOnes();
+    const Eigen::Matrix<double, kBlobs + 1, kBlobs + 1> normal = (columns.transpose() * columns).template cast<double>();
+    const Eigen::Matrix<double, kBlobs + 1, 1> right = (columns.transpose() * level_.matrix()).template cast<double>();
+    const Eigen::Matrix<double, kBlobs + 1, 1> solution = normal.ldlt().solve(right);
     for (int i = 0; i < kBlobs; ++i) starts_[i].amplitude = blobs_[i].amplitude = std::max(solution[i], 1.0);
     background_ = {solution[kBlobs], 0, 0};
   }
 
   // Normal equations at the current parameters; returns the robust cost.
   double Accumulate() {
-    normal_.setZero();
-    gradient_.setZero();
-    square_sum_ = weighted_square_sum_ = 0;
-    double cost = 0;
-    Vector row;
-    std::array<int, kBlobs> nodes;
-    for (int i = 0; i < kBlobs; ++i) nodes[i] = ExposureNodes(blobs_[i]);
-    for (const Pixel& pixel : pixels_) {
-      const Eigen::Vector2d off = pixel.place - origin_;
-      const double slope = background_.template tail<2>().dot(off);
-      double level = background_[0], seen = 1;  // `seen`: how much of the background is not hidden by a blob
-      for (int i = 0; i < kBlobs; ++i) {
-        const Light light = LightAt(blobs_[i], nodes[i], pixel.place - blobs_[i].center);
-        const int at = i * kBlobParameters;
-        level += blobs_[i].amplitude * light.value;
-        seen -= light.value;
-        row.template segment<kAmplitude>(at) = (blobs_[i].amplitude - slope) * light.gradient;
-        row[at + kAmplitude] = light.value;
-      }
-      level += slope * seen;
-      if (level >= options_.saturation_level && pixel.level >= options_.saturation_level) continue;
-      row[kParameters - 3] = 1;
-      row.template tail<2>() = seen * off;
-      const double residual = pixel.level - level;
-      double weight = 1 / options_.noise.Variance(level);
-      const double z = std::abs(residual) * std::sqrt(weight);
-      const double huber = options_.huber;
-      cost += z <= huber ? z * z : 2 * huber * z - huber * huber;
-      square_sum_ += residual * residual;
-      if (z > huber) weight *= huber / z;
-      weighted_square_sum_ += weight * residual * residual;
-      const Vector weighted = weight * row;
-      normal_.noalias() += weighted * row.transpose();
-      gradient_ += residual * weighted;
+    Eigen::Matrix<float, Eigen::Dynamic, kParameters> rows(level_.size(), kParameters);
+    const Eigen::Vector3f background = background_.cast<float>();
+    const Pixels slope = background[1] * x_ + background[2] * y_;
+    Pixels level = Pixels::Constant(level_.size(), background[0]);
+    Pixels seen = Pixels::Ones(level_.size());  // how much of the background is not hidden by a blob
+    for (int i = 0; i < kBlobs; ++i) {
+      const Light light = LightOf(blobs_[i], origin_, x_, y_);
+      const float amplitude = static_cast<float>(blobs_[i].amplitude);
+      level += amplitude * light.value;
+      seen -= light.value;
+      for (int p = 0; p < kAmplitude; ++p) rows.col(i * kBlobParameters + p) = (amplitude - slope) * light.gradient[p];
+      rows.col(i * kBlobParameters + kAmplitude) = light.value;
     }
+    level += slope * seen;
+    rows.col(kParameters - 3).setOnes();
+    rows.col(kParameters - 2) = seen * x_;
+    rows.col(kParameters - 1) = seen * y_;
+    const double cost = Weigh(level);
+    const Eigen::Matrix<float, Eigen::Dynamic, kParameters> weighted = weight_.matrix().asDiagonal() * rows;
+    normal_ = (weighted.transpose() * rows).template cast<double>();
+    gradient_ = (weighted.transpose() * (level_ - level).matrix()).template cast<double>();
     return cost + AddPrior();
+  }
+
+  // Residuals of the model's levels: their weights (Huber), sums of squares and robust cost.
+  double Weigh(const Pixels& level) {
+    const float saturation = static_cast<float>(options_.saturation_level), huber = static_cast<float>(options_.huber);
+    const Pixels residual = level_ - level;
+    const Pixels counts = (level >= saturation && level_ >= saturation).select(Pixels::Zero(level.size()), Pixels::Ones(level.size()));
+    weight_ = counts / (static_cast<float>(options_.noise.read_variance) + static_cast<float>(options_.noise.gain) * level.max(0.F));
+    const Pixels z = residual.abs() * weight_.sqrt();
+    const double cost = (z <= huber).select(z * z, 2 * huber * z - huber * huber).sum();
+    weight_ *= (z > huber).select(huber / z.max(1e-6F), Pixels::Ones(level.size()));
+    square_sum_ = (counts * residual * residual).sum();
+    weighted_square_sum_ = (weight_ * residual * residual).sum();
+    return cost;
   }
 
   // What is known of the shapes, as further residuals. Their noise is in units of the data's: variance 1.
@@ -337,7 +314,7 @@ class JointFit {
   std::array<Blob, kBlobs> starts_, blobs_;
   Eigen::Vector2d origin_;
   Eigen::Vector3d background_ = Eigen::Vector3d::Zero();
-  std::vector<Pixel> pixels_;
+  Pixels x_, y_, level_, weight_;  // of the pixels; places relative to the origin
   Matrix normal_;
   Vector gradient_;
   double square_sum_ = 0, weighted_square_sum_ = 0;

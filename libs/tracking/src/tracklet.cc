@@ -37,7 +37,7 @@ Motion Extrapolate(const std::vector<TrackletSample>& samples, double time_s) {
 // A tracklet that begins so would pass for the marker's look, so this waits until all of it is known.
 void RemoveUnlike(std::vector<TrackletSample>& samples) {
   constexpr std::ptrdiff_t kNeighbours = 15;
-  constexpr double kSizeTolerance = 0.06, kQualityFactor = 2.5, kQualitySlack = 0.01;
+  constexpr double kSizeTolerance = 0.035, kQualityFactor = 2.5, kQualitySlack = 0.01;
   std::vector<bool> unlike(samples.size());
   const auto count = static_cast<std::ptrdiff_t>(samples.size());
   for (std::ptrdiff_t i = 0; i < count; ++i) {

@@ -61,7 +61,7 @@ struct BlobFitOptions {
   double saturation_level = 255;  // a pixel of this level may have been any brighter
   double huber = 3;             // residuals beyond this many noise sd count linearly
   int max_iterations = 20;
-  double converged_px = 5e-3;   // last step of a centre; the error left is a tenth of it
+  double converged_px = 0.02;   // last step of a centre; the error left is a tenth of it
 };
 
 // Fits all starts together (at most kMaxJointBlobs). nullopt if it does not converge, a blob leaves the picture, loses its contrast
