@@ -41,8 +41,9 @@ TEST_P(DiscOnTheGrid, HoldsItsAreaTimesItsLevel) {
 }
 
 TEST_P(DiscOnTheGrid, HasItsCentroidAtTheTruth) {
-  // The moment of box-shaped cells is not that of the disc: up to 0.007 px for whole pixels without point-spread at these radii,
-  // falling with the power 2.5 of the cells' number (the disc's spectrum by 1.5, the moment by 1): 4 cells leave 0.007 / 32.
+  // The moment of box-shaped cells is not that of the disc: up to 0.007 px for whole pixels without point-spread at
+  // these radii, falling with the power 2.5 of the cells' number (the disc's spectrum by 1.5, the moment by 1): 4 cells
+  // leave 0.007 / 32.
   for (const double psf : {0.7, 1.6}) EXPECT_LT((Render(psf).centroid - truth_).norm(), 2.5e-4);
 }
 

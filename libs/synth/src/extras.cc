@@ -18,35 +18,35 @@ constexpr double kTurn = 2 * std::numbers::pi;
 
 double Clearance(const Vector2d& place, const MarkerPaths& paths) {
   double nearest = 1e9;
-  for (const auto& markers : paths)
+  for (const auto& markers : paths.px)
     for (const Vector2d& marker : markers) nearest = std::min(nearest, (marker - place).norm());
   return nearest;
 }
 
-// A place by lot that is at least `clear_px` from all paths and `inset` from the border.
-Vector2d FreePlace(Random& random, const cv::Size& picture, const MarkerPaths& paths, double clear_px, double inset) {
+// A place by lot that is clear of all paths by `extra_px` more, and `inset` from the border.
+Vector2d FreePlace(Random& random, const cv::Size& picture, const MarkerPaths& paths, double extra_px, double inset) {
   constexpr int kTries = 10000;
+  const double clear_px = paths.clear_px + extra_px;
   for (int i = 0; i < kTries; ++i) {
     const Vector2d place(random.Uniform(inset, picture.width - 1 - inset),
                          random.Uniform(inset, picture.height - 1 - inset));
     if (Clearance(place, paths) > clear_px) return place;
   }
-  throw Fail(
-      "no room for reflections {:.0f} px away from the markers; show more of the room (a smaller marker radius in px)",
-      clear_px);
+  throw Fail("no room for bright spots {:.0f} px away from the markers; show more of the room (smaller markers in px)",
+             clear_px);
 }
 
 }  // namespace
 
-std::vector<Sprite> Reflections(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths,
-                                double radius_px) {
+std::vector<Sprite> Reflections(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths) {
   Random random(options.seed, "reflections");
+  const double radius_px = paths.radius_px;
   std::vector<Sprite> sprites;
   for (int i = 0; i < options.reflections; ++i) {
     const bool streak = i % 2 == 1;
     const double width = radius_px * (streak ? random.Uniform(0.3, 0.5) : random.Uniform(0.7, 1.25));
     const double length = streak ? width * random.Uniform(4, 8) : width;
-    const Vector2d place = FreePlace(random, picture, paths, 6 * radius_px + length, 8 * radius_px);
+    const Vector2d place = FreePlace(random, picture, paths, length, 8 * radius_px);
     const double level = options.marker_level * random.Uniform(0.7, 1.3);
     Sprite sprite{cv::Vec3f::all(static_cast<float>(level)), {}, {}};
     sprite.instants.push_back({EllipseOutline(place, length, width, random.Uniform(0, kTurn), 96), {}});
@@ -55,11 +55,11 @@ std::vector<Sprite> Reflections(const SceneOptions& options, const cv::Size& pic
   return sprites;
 }
 
-Glint::Glint(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths, double radius_px)
-    : radius_px_(radius_px), level_(options.marker_level) {
+Glint::Glint(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths)
+    : radius_px_(paths.radius_px), level_(options.marker_level) {
   Random random(options.seed, "glint");
-  swing_ = radius_px * Vector2d(random.Uniform(8, 14), random.Uniform(4, 8));
-  centre_ = FreePlace(random, picture, paths, 6 * radius_px + swing_.norm(), 8 * radius_px + swing_.norm());
+  swing_ = radius_px_ * Vector2d(random.Uniform(8, 14), random.Uniform(4, 8));
+  centre_ = FreePlace(random, picture, paths, swing_.norm(), 8 * radius_px_ + swing_.norm());
   for (int i = 0; i < 3; ++i) hz_[i] = random.Uniform(0.2, 0.6), phase_rad_[i] = random.Uniform(0, kTurn);
 }
 

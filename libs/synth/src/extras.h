@@ -7,17 +7,20 @@
 
 namespace lake {
 
-// Positions in px of all markers over the whole motion, for keeping clear of them.
-using MarkerPaths = std::vector<std::vector<Eigen::Vector2d>>;  // [time][marker]
+// Where the markers go in the picture, for keeping clear of them.
+struct MarkerPaths {
+  std::vector<std::vector<Eigen::Vector2d>> px;  // [time][marker]
+  double radius_px = 0;                          // of a disc; the size of reflections goes by it
+  double clear_px = 0;                           // how far everything bright must stay off
+};
 
-// Discs and streaks in turn, of 0.7–1.3 times the markers' level, at least six marker radii off every path.
-std::vector<Sprite> Reflections(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths,
-                                double radius_px);
+// Discs and streaks in turn, of 0.7–1.3 times the markers' level.
+std::vector<Sprite> Reflections(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths);
 
-// Swings about a place that keeps six marker radii from every marker's path.
+// Swings about a place that is clear of every marker's path.
 class Glint {
  public:
-  Glint(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths, double radius_px);
+  Glint(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths);
   Sprite At(const std::vector<double>& times_s) const;
 
  private:

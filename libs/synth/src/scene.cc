@@ -99,17 +99,18 @@ struct Scene::Impl {
     room.image *= options.brightness;
     room_spread = Spread(room.image, options.psf_sigma_px);
     const MarkerPaths paths = Paths();
-    for (const Sprite& sprite : Reflections(options, view.Size(), paths, sprites.RadiusPx())) {
+    for (const Sprite& sprite : Reflections(options, view.Size(), paths)) {
       const SpriteCoverage coverage = CoverageOf(sprite, view.Size(), options.psf_sigma_px, {});
       room_spread(coverage.region) += LightOf(sprite, coverage, room, options.psf_sigma_px);
       PaintUnder(sprite, coverage, room);
     }
-    if (options.glint) glint = std::make_unique<Glint>(options, view.Size(), paths, sprites.RadiusPx());
+    if (options.glint) glint = std::make_unique<Glint>(options, view.Size(), paths);
   }
 
   MarkerPaths Paths() const {
-    MarkerPaths paths;
-    for (double t = 0; t <= frames / options.frame_rate_hz; t += 0.04) paths.push_back(sprites.Centres(motion->At(t)));
+    MarkerPaths paths{{}, sprites.RadiusPx(), 6 * sprites.RadiusPx() + sprites.ArucoReachPx()};
+    for (double t = 0; t <= frames / options.frame_rate_hz; t += 0.04)
+      paths.px.push_back(sprites.Centres(motion->At(t)));
     return paths;
   }
 

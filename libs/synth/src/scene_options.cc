@@ -29,6 +29,9 @@ void SceneOptions::Check() const {
           "the marker radius must be positive, below 200 px");
   Require(distance_mm > 100, "the camera must be more than 100 mm away");
   Require(std::abs(yaw_deg) <= 60 && std::abs(pitch_deg) <= 60, "yaw and pitch must be within ±60°");
+  Require(std::isfinite(roll_deg) && std::ranges::all_of(distortion, [](double k) { return std::isfinite(k); }),
+          "roll and distortion must be finite");
+  Require(frame_rate_hz * duration_s <= 1e7, "more than 1e7 frames; choose a shorter duration or a lower frame rate");
   Require(psf_sigma_px >= 0 && psf_sigma_px <= 10, "the point-spread must be 0 to 10 px");
   Require(exposure > 0 && brightness >= 0 && marker_level >= 0,
           "exposure must be positive, brightness and levels not negative");
