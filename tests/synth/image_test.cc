@@ -284,6 +284,9 @@ TEST(Scene, SaysWhichOptionIsWrong) {
   options.occlusions.push_back({"elbow", 1, 0.2});
   EXPECT_THROW(Scene{options}, UsageError);
   options = CleanScene(1);
+  options.marker_depth_mm["elbow"] = 30;
+  EXPECT_THROW(Scene{options}, UsageError);
+  options = CleanScene(1);
   options.camera = CameraProfile{};
   EXPECT_THROW(Scene{options}, UsageError);
 }
