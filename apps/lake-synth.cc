@@ -1,7 +1,7 @@
 // lake-synth: a rendered sit-to-stand recording with its ground truth.
 #include <fmt/format.h>
 
-#include <map>
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,11 +20,11 @@ struct Arguments {
   std::string scene = "clean", facing = "right", markers = "disc";
   std::uint64_t seed = 1;
   std::optional<std::uint64_t> motion_seed;
-  std::string motion_table, exo, camera;
+  std::string motion_table, exo, camera, distortion;
   std::vector<std::string> hide, depth;
   std::optional<int> repetitions, width, height, crf, reflections;
   std::optional<double> duration, rate, radius_px, shutter, flicker, psf, read_noise, shot_gain, level, brightness,
-      exposure, pace, rest, distance, yaw;
+      exposure, pace, rest, distance, yaw, pitch, roll;
   double warp = 0, skin = 0, start = 0, jitter = 0;
   bool standing = false, exoskeleton = false, colour = false, bright_room = false, glint = false, still = false,
        lossless = false, pictures = false;
@@ -64,7 +64,9 @@ void TakePicture(const Arguments& a, SceneOptions& scene) {
       Take(a.psf, scene.psf_sigma_px);
   Take(a.read_noise, scene.noise.read_sd), Take(a.shot_gain, scene.noise.gain), Take(a.level, scene.marker_level);
   Take(a.brightness, scene.brightness), Take(a.exposure, scene.exposure), Take(a.reflections, scene.reflections);
-  Take(a.distance, scene.distance_mm), Take(a.yaw, scene.yaw_deg);
+  Take(a.distance, scene.distance_mm), Take(a.yaw, scene.yaw_deg), Take(a.pitch, scene.pitch_deg),
+      Take(a.roll, scene.roll_deg);
+  if (!a.distortion.empty()) std::ranges::copy(ParseNumbers(a.distortion, 5, "--distortion"), scene.distortion.begin());
   scene.start_s = a.start, scene.time_jitter = a.jitter;
   scene.glint = scene.glint || a.glint;
   scene.exoskeleton = a.exoskeleton;
@@ -132,6 +134,9 @@ void AddPictureOptions(CLI::App& cli, Arguments& a) {
   cli.add_option("--radius-px", a.radius_px, "Marker radius in the picture");
   cli.add_option("--distance", a.distance, "Camera to plane, mm");
   cli.add_option("--yaw", a.yaw, "How far the camera looks askance, degrees");
+  cli.add_option("--pitch", a.pitch, "How far it looks up or down, degrees");
+  cli.add_option("--roll", a.roll, "How far it is tilted, degrees");
+  cli.add_option("--distortion", a.distortion, "K1,K2,P1,P2,K3 of the lens");
   cli.add_option("--depth", a.depth, "NAME=MM: a marker stands proud of the plane (may be repeated)");
   cli.add_option("--markers", a.markers, "disc, led (colours, colour video) or aruco")
       ->check(CLI::IsMember({"disc", "led", "aruco"}));

@@ -7,17 +7,20 @@
 
 namespace lake {
 
-// Positions in px of all markers over the whole motion, for keeping clear of them.
-using MarkerPaths = std::vector<std::vector<Eigen::Vector2d>>;  // [time][marker]
+// Where the markers go in the picture, for keeping clear of them.
+struct MarkerPaths {
+  std::vector<std::vector<Eigen::Vector2d>> px;  // [time][marker]
+  double radius_px = 0;                          // of a disc; the size of reflections goes by it
+  double clear_px = 0;                           // how far everything bright must stay off
+};
 
-// Discs and streaks in turn, of 0.7–1.3 times the markers' level, at least six marker radii off every path.
-std::vector<Sprite> Reflections(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths,
-                                double radius_px);
+// Discs and streaks in turn, of 0.7–1.3 times the markers' level.
+std::vector<Sprite> Reflections(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths);
 
-// Swings about a place that keeps six marker radii from every marker's path.
+// Swings about a place that is clear of every marker's path.
 class Glint {
  public:
-  Glint(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths, double radius_px);
+  Glint(const SceneOptions& options, const cv::Size& picture, const MarkerPaths& paths);
   Sprite At(const std::vector<double>& times_s) const;
 
  private:
@@ -25,11 +28,29 @@ class Glint {
   double radius_px_, level_, hz_[3], phase_rad_[3];
 };
 
-// The hand's layers (sleeve, hand) at the given times; nothing while it is away. `marker_mm` is where the hidden marker
-// is then. It sweeps over the marker along its own width at the speed at which its width passes in the time the marker
-// is to be hidden.
-std::vector<Layer> HandLayers(const Occlusion& occlusion, std::uint64_t seed, int index, double forward,
-                              double marker_radius_mm, bool bright, double soft_px, const std::vector<double>& times_s,
-                              const std::vector<Eigen::Vector2d>& marker_mm);
+// A hand that reaches over one marker: it sweeps across along its own width, at the speed at which that width passes in
+// the time for which the marker is to be hidden, and comes and goes along its arm. From where it comes is drawn by lot
+// so that it hides no other marker, if that is possible.
+class Hand {
+ public:
+  Hand(const SceneOptions& options, std::size_t occlusion, const MarkerMotion& motion, double soft_px);
+
+  // Its layers (sleeve, hand) at these times of the motion; nothing while it is away.
+  std::vector<Layer> At(const std::vector<double>& times_s) const;
+
+ private:
+  // Where it comes from.
+  struct Approach {
+    Eigen::Vector2d point, sweep;  // to the fingertips; the way it goes over the marker
+  };
+  Eigen::Vector2d Palm(const Approach& approach, double time_s) const;
+  int OthersHidden(const Approach& approach) const;
+
+  const MarkerMotion& motion_;
+  std::size_t marker_;
+  double middle_s_, mm_per_s_, soft_px_;
+  bool bright_;
+  Approach approach_;
+};
 
 }  // namespace lake

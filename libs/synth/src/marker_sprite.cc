@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <numbers>
 #include <opencv2/aruco.hpp>
 
 #include "lake/core/error.h"
@@ -10,6 +11,8 @@ namespace lake {
 namespace {
 
 using Eigen::Vector2d;
+
+constexpr double kWhiteBorder = 1.0 / 6;  // of an ArUco marker's side, all around: one cell
 
 // Black cells of a marker whose black square has the side `side_mm`, centred, y up.
 std::vector<Polygon> BlackCells(int id, double side_mm) {
@@ -32,6 +35,9 @@ std::vector<Polygon> BlackCells(int id, double side_mm) {
 MarkerSprites::MarkerSprites(const SceneOptions& options, const View& view, const MarkerMotion& motion)
     : options_(options), view_(view) {
   const auto& names = motion.Names();
+  for (const auto& [name, depth] : options.marker_depth_mm)
+    if (IndexOfMarker(motion, name) < 0)
+      throw UsageError(fmt::format("no marker '{}' to stand proud of the plane", name));
   for (std::size_t m = 0; m < names.size(); ++m) {
     const auto depth = options.marker_depth_mm.find(names[m]);
     depth_mm_.push_back(depth == options.marker_depth_mm.end() ? 0 : depth->second);
@@ -47,10 +53,11 @@ MarkerSprites::MarkerSprites(const SceneOptions& options, const View& view, cons
     partner_sign_.push_back(names[m] == "ankle" ? 1 : -1);
     if (options.marker_kind == MarkerKind::kAruco) dark_.push_back(BlackCells(static_cast<int>(m), options.aruco_mm));
   }
-  const double radius_mm =
-      options.marker_kind == MarkerKind::kAruco ? 0.85 * options.aruco_mm : options.marker_radius_mm;
   const Vector2d middle = view.Plane({0.5 * view.Size().width, 0.5 * view.Size().height});
-  radius_px_ = radius_mm * std::sqrt(std::abs(view.Jacobian(middle).determinant()));
+  const double px_per_mm = std::sqrt(std::abs(view.Jacobian(middle).determinant()));
+  radius_px_ = options.marker_radius_mm * px_per_mm;
+  if (options.marker_kind == MarkerKind::kAruco)
+    aruco_reach_px_ = std::numbers::sqrt2 * (0.5 + kWhiteBorder) * options.aruco_mm * px_per_mm;
 }
 
 std::vector<Vector2d> MarkerSprites::Centres(const std::vector<Vector2d>& mm) const {
@@ -68,7 +75,6 @@ SpriteInstant MarkerSprites::DiscAt(std::size_t marker, const Vector2d& mm) cons
 }
 
 SpriteInstant MarkerSprites::ArucoAt(std::size_t marker, const std::vector<Vector2d>& mm) const {
-  constexpr double kWhiteBorder = 1.0 / 6;  // of the side, all around: one cell
   Vector2d up = Vector2d::UnitY();
   if (partner_[marker] >= 0) up = (partner_sign_[marker] * (mm[partner_[marker]] - mm[marker])).normalized();
   const Vector2d right(up.y(), -up.x());

@@ -16,8 +16,11 @@ class MarkerSprites {
   // The sprite of one marker; positions[instant][marker] in mm.
   Sprite At(std::size_t marker, const std::vector<std::vector<Eigen::Vector2d>>& positions) const;
 
-  // Radius of a disc in the picture's middle, or of a circle as large as an ArUco marker.
+  // Of a disc in the picture's middle.
   double RadiusPx() const { return radius_px_; }
+
+  // From an ArUco marker's centre to its corners; 0 for discs.
+  double ArucoReachPx() const { return aruco_reach_px_; }
 
  private:
   SpriteInstant DiscAt(std::size_t marker, const Eigen::Vector2d& mm) const;
@@ -30,7 +33,7 @@ class MarkerSprites {
   std::vector<int> partner_;  // the marker that an ArUco marker's upper edge turns with, or −1
   std::vector<double> partner_sign_;
   std::vector<std::vector<Polygon>> dark_;  // black cells of the ArUco marker, in its own frame, mm
-  double radius_px_;
+  double radius_px_ = 0, aruco_reach_px_ = 0;
 };
 
 }  // namespace lake

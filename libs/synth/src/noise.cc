@@ -15,7 +15,6 @@ constexpr int kTile = 2048;
 cv::Mat NormalTile(std::uint64_t seed) {
   Random random(seed, "noise tile");
   cv::Mat tile(kTile, kTile, CV_32FC1);
-  tile.forEach<float>([](float& value, const int*) { value = 0; });
   for (int row = 0; row < kTile; ++row)
     for (int column = 0; column < kTile; ++column) tile.at<float>(row, column) = static_cast<float>(random.Normal());
   return tile;
@@ -38,9 +37,10 @@ double NoiseVariance(const NoiseModel& noise, double level) {
   return noise.read_sd * noise.read_sd + noise.gain * std::max(level, 0.0) + 1.0 / 12;
 }
 
-Sensor::Sensor(const NoiseModel& noise, std::uint64_t seed) : noise_(noise), seed_(seed), tile_(NormalTile(seed)) {}
+Sensor::Sensor(const NoiseModel& noise, std::uint64_t seed) : noise_(noise), seed_(seed) {}
 
 cv::Mat Sensor::Record(const cv::Mat& image, int frame) const {
+  std::call_once(tile_made_, [this] { tile_ = NormalTile(seed_); });
   const int channels = image.channels();
   cv::Mat out(image.rows, image.cols, CV_8UC(channels));
   Random random(seed_, "noise place", static_cast<std::uint64_t>(frame));

@@ -39,6 +39,7 @@ class RoomPainter {
  public:
   RoomPainter(const SceneOptions& options, const View& view, const MarkerMotion& motion)
       : view_(view),
+        bright_(options.bright_room),
         colours_(PaletteOf(options.bright_room)),
         plaster_(options.seed, "plaster", 1.0, 60, 0.8),
         grain_(options.seed, "grain", 0.8, 30, 0.5),
@@ -52,7 +53,7 @@ class RoomPainter {
     canvas_ = &canvas;
     const double ground = ankle_.y() - kSoleBelowAnkle;
     Wall();
-    Fill(colours_.floor, Box(-3500, ground - 900, 3500, ground + 150), &grain_, 0.08f, 3.0f);
+    Fill(colours_.floor, Box(-3500, ground - 900, 3500, ground + 150), &grain_, bright_ ? 0.03f : 0.08f, 3.0f);
     for (int board = 0; board < 4; ++board)  // seams of the floor, closer together towards the wall
       Fill(0.8f * colours_.floor, Box(-3500, ground + 112 - 60 * board - 8 * board * board, 3500,
                                       ground + 115 - 60 * board - 8 * board * board));
@@ -124,6 +125,7 @@ class RoomPainter {
   }
 
   const View& view_;
+  bool bright_;
   Palette colours_;
   Texture plaster_, grain_;
   double forward_;

@@ -68,7 +68,7 @@ struct Scene::Impl {
   std::shared_ptr<const MarkerMotion> motion;
   CameraProfile profile;
   View view;
-  Wardrobe wardrobe;
+  std::unique_ptr<Wardrobe> wardrobe;  // with a body only
   MarkerSprites sprites;
   Sensor sensor;
   double forward;
@@ -76,21 +76,21 @@ struct Scene::Impl {
   Canvas room;          // sharp, with reflections
   cv::Mat room_spread;  // the same after the point-spread
   std::unique_ptr<Glint> glint;
+  std::vector<Hand> hands;
 
   Impl(const SceneOptions& o, std::shared_ptr<const MarkerMotion> m)
       : options(o),
         motion(std::move(m)),
         profile(ProfileFor(o, *motion)),
         view(profile),
-        wardrobe(o.seed),
+        wardrobe(o.body ? std::make_unique<Wardrobe>(o.seed) : nullptr),
         sprites(options, view, *motion),
         sensor(o.noise, o.seed),
         forward(motion->FacingInImage() == Facing::kRight ? 1 : -1) {
     const double duration = o.duration_s > 0 ? o.duration_s : motion->DurationS();
     frames = std::max(1, static_cast<int>(std::floor(duration * o.frame_rate_hz + 1e-9)));
-    for (const Occlusion& occlusion : o.occlusions)
-      if (IndexOfMarker(*motion, occlusion.marker) < 0)
-        throw UsageError(fmt::format("no marker '{}' to hide", occlusion.marker));
+    for (std::size_t i = 0; i < o.occlusions.size(); ++i)
+      hands.emplace_back(options, i, *motion, 0.4 * sprites.RadiusPx());
     PaintBackground();
   }
 
@@ -99,17 +99,18 @@ struct Scene::Impl {
     room.image *= options.brightness;
     room_spread = Spread(room.image, options.psf_sigma_px);
     const MarkerPaths paths = Paths();
-    for (const Sprite& sprite : Reflections(options, view.Size(), paths, sprites.RadiusPx())) {
+    for (const Sprite& sprite : Reflections(options, view.Size(), paths)) {
       const SpriteCoverage coverage = CoverageOf(sprite, view.Size(), options.psf_sigma_px, {});
       room_spread(coverage.region) += LightOf(sprite, coverage, room, options.psf_sigma_px);
       PaintUnder(sprite, coverage, room);
     }
-    if (options.glint) glint = std::make_unique<Glint>(options, view.Size(), paths, sprites.RadiusPx());
+    if (options.glint) glint = std::make_unique<Glint>(options, view.Size(), paths);
   }
 
   MarkerPaths Paths() const {
-    MarkerPaths paths;
-    for (double t = 0; t <= frames / options.frame_rate_hz; t += 0.04) paths.push_back(sprites.Centres(motion->At(t)));
+    MarkerPaths paths{{}, sprites.RadiusPx(), 6 * sprites.RadiusPx() + sprites.ArucoReachPx()};
+    for (double t = 0; t <= frames / options.frame_rate_hz; t += 0.04)
+      paths.px.push_back(sprites.Centres(motion->At(t)));
     return paths;
   }
 
@@ -138,20 +139,11 @@ struct Scene::Impl {
     const int count = OpenS() == 0 ? 1 : std::min(64, 4 + static_cast<int>(std::ceil(3 * blur)));
     state.fine_s = Instants(state.time_s, OpenS(), count);
     for (const double t : state.fine_s) state.fine_mm.push_back(motion->At(t));
-    for (std::size_t i = 0; i < options.occlusions.size(); ++i) {
-      std::vector<Layer> layers = Hand(static_cast<int>(i), state);
+    for (const Hand& hand : hands) {
+      std::vector<Layer> layers = hand.At(state.fine_s);
       if (!layers.empty()) state.hands.push_back(std::move(layers));
     }
     return state;
-  }
-
-  std::vector<Layer> Hand(int index, const FrameState& state) const {
-    const Occlusion& occlusion = options.occlusions[index];
-    const int marker = IndexOfMarker(*motion, occlusion.marker);
-    std::vector<Vector2d> hidden_mm;
-    for (const auto& markers : state.fine_mm) hidden_mm.push_back(markers[marker]);
-    return HandLayers(occlusion, options.seed, index, forward, options.marker_radius_mm, options.bright_room,
-                      0.4 * sprites.RadiusPx(), state.fine_s, hidden_mm);
   }
 
   Cover CoverOf(const FrameState& state) const {
@@ -174,7 +166,7 @@ struct Scene::Impl {
     std::vector<BodyPose> poses;
     for (const double t : Instants(state.time_s, OpenS(), count)) poses.push_back(PoseAt(t));
     std::vector<Layer> layers;
-    if (options.body) layers = BodyLayers(poses, wardrobe, forward, options.bright_room);
+    if (options.body) layers = BodyLayers(poses, *wardrobe, forward, options.bright_room);
     if (options.exoskeleton)
       for (Layer& layer : ExoskeletonLayers(poses, forward)) layers.push_back(std::move(layer));
     return layers;
@@ -209,8 +201,7 @@ struct Scene::Impl {
     for (const Layer& layer : layers) region |= LayerRegion(view, layer);
     for (const auto& hand : state.hands)
       for (const Layer& layer : hand) region |= LayerRegion(view, layer);
-    for (const Sprite& sprite : sprites_of_frame)
-      region |= CoverageOf(sprite, view.Size(), options.psf_sigma_px, {}).region;
+    for (const Sprite& sprite : sprites_of_frame) region |= SpriteRegion(sprite, view.Size(), options.psf_sigma_px);
     Composition out;
     out.picture = room_spread.clone();
     if (region.empty()) return out;

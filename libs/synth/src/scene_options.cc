@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lake/core/error.h"
@@ -19,7 +20,7 @@ void Require(bool good, const char* what) {
 void SceneOptions::Check() const {
   Require(width_px >= 16 && height_px >= 16 && width_px <= 8192 && height_px <= 8192,
           "the picture's sides must be 16 to 8192 px");
-  Require(frame_rate_hz > 0 && frame_rate_hz <= 10000, "the frame rate must be positive, at most 10000 Hz");
+  Require(frame_rate_hz > 0 && frame_rate_hz <= 1e5, "the frame rate must be positive, at most 1e5 Hz");
   Require(duration_s >= 0 && duration_s <= 36000, "the duration must be 0 (as long as the motion) to 36000 s");
   Require(std::isfinite(start_s) && start_s >= 0, "the first time stamp must not be negative");
   Require(time_jitter >= 0 && time_jitter < 0.5, "the jitter of time stamps must be 0 to 0.5 of the frame time");
@@ -28,6 +29,9 @@ void SceneOptions::Check() const {
           "the marker radius must be positive, below 200 px");
   Require(distance_mm > 100, "the camera must be more than 100 mm away");
   Require(std::abs(yaw_deg) <= 60 && std::abs(pitch_deg) <= 60, "yaw and pitch must be within ±60°");
+  Require(std::isfinite(roll_deg) && std::ranges::all_of(distortion, [](double k) { return std::isfinite(k); }),
+          "roll and distortion must be finite");
+  Require(frame_rate_hz * duration_s <= 1e7, "more than 1e7 frames; choose a shorter duration or a lower frame rate");
   Require(psf_sigma_px >= 0 && psf_sigma_px <= 10, "the point-spread must be 0 to 10 px");
   Require(exposure > 0 && brightness >= 0 && marker_level >= 0,
           "exposure must be positive, brightness and levels not negative");
@@ -61,11 +65,11 @@ SceneOptions HardScene(std::uint64_t seed) {
   scene.pitch_deg = random.Uniform(-6, 6), scene.roll_deg = random.Uniform(-2, 2);
   scene.distortion = {random.Uniform(-0.20, -0.12), random.Uniform(0.02, 0.06), random.Uniform(-1e-3, 1e-3),
                       random.Uniform(-1e-3, 1e-3), 0};
-  const char* const markers[] = {"ankle", "knee", "hip", "waist"};
+  std::array<const char*, 4> markers = {"ankle", "knee", "hip", "waist"};
   for (int i = 0; i < 3; ++i) {
+    std::swap(markers[i], markers[random.Integer(i, 3)]);
     const int frames = random.Integer(9, 25);  // the truth may be a frame longer or shorter
-    scene.occlusions.push_back(
-        {markers[random.Integer(0, 3)], 1.6 + 2.8 * i + random.Uniform(0, 1.5), frames / scene.frame_rate_hz});
+    scene.occlusions.push_back({markers[i], 1.6 + 2.8 * i + random.Uniform(0, 1.5), frames / scene.frame_rate_hz});
   }
   return scene;
 }

@@ -17,13 +17,6 @@ cv::Mat CellKernel(double psf_sigma_px) {
   return kernel / cv::sum(kernel)[0];
 }
 
-cv::Rect RegionOf(const Sprite& sprite, const cv::Size& picture, double psf_sigma_px) {
-  cv::Rect region;
-  const int margin = 1 + static_cast<int>(std::ceil(5 * psf_sigma_px));
-  for (const SpriteInstant& instant : sprite.instants) region |= PixelsOf(instant.outline, margin, picture);
-  return region;
-}
-
 struct FineCoverage {
   cv::Mat area, dark;
 };
@@ -71,9 +64,16 @@ cv::Mat ChannelUnder(const SpriteCoverage& coverage, const Canvas& under, int ch
 
 }  // namespace
 
+cv::Rect SpriteRegion(const Sprite& sprite, const cv::Size& picture, double psf_sigma_px) {
+  cv::Rect region;
+  const int margin = 1 + static_cast<int>(std::ceil(5 * psf_sigma_px));
+  for (const SpriteInstant& instant : sprite.instants) region |= PixelsOf(instant.outline, margin, picture);
+  return region;
+}
+
 SpriteCoverage CoverageOf(const Sprite& sprite, const cv::Size& picture, double psf_sigma_px, const Cover& cover) {
   SpriteCoverage out;
-  out.region = RegionOf(sprite, picture, psf_sigma_px);
+  out.region = SpriteRegion(sprite, picture, psf_sigma_px);
   if (out.region.empty()) {
     out.covered = 1;
     return out;

@@ -33,6 +33,9 @@ struct SpriteCoverage {
   double covered = 0;  // the part that `cover` or the picture's border takes away
 };
 
+// The pixels that a sprite's light reaches; empty outside the picture.
+cv::Rect SpriteRegion(const Sprite& sprite, const cv::Size& picture, double psf_sigma_px);
+
 SpriteCoverage CoverageOf(const Sprite& sprite, const cv::Size& picture, double psf_sigma_px, const Cover& cover);
 
 // What the sprite adds to a picture: point-spread of coverage × (its level − what lies under it).

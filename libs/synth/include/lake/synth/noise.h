@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <mutex>
 #include <opencv2/core/mat.hpp>
 
 namespace lake {
@@ -29,7 +30,8 @@ class Sensor {
  private:
   NoiseModel noise_;
   std::uint64_t seed_;
-  cv::Mat tile_;
+  mutable std::once_flag tile_made_;
+  mutable cv::Mat tile_;  // made when the first picture is recorded
 };
 
 }  // namespace lake

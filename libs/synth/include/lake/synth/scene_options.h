@@ -22,7 +22,7 @@ enum class MarkerKind { kDisc, kAruco };
 // A hand that reaches over one marker and withdraws.
 struct Occlusion {
   std::string marker;
-  double start_s = 0;  // first time at which the marker counts as hidden (about; truth says exactly)
+  double start_s = 0;  // after the first frame: when the marker begins to count as hidden (about; truth says exactly)
   double hidden_s = 0.3;
 };
 

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# Makes the sample study data/sts-study again: both recordings are rendered by lake-synth with fixed seeds.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+cmake --preset release
+cmake --build --preset release --target lake-synth
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+common=(--repetitions 3 --rest 0.9 --crf 18 --quiet)
+build/release/bin/lake-synth "${common[@]}" --seed-number 2024 --yaw 9 --pitch 3 --roll 0.6 \
+  --distortion -0.13,0.03,0.0004,-0.0003,0 -o "$work/human"
+# The same person, before the same camera, with an exoskeleton: slower, with another pace within a rise, and with the
+# exoskeleton's joint 18 mm in front of the knee and 32 mm above it.
+build/release/bin/lake-synth "${common[@]}" --seed-number 2025 --motion-seed 2024 --camera "$work/human/camera.yaml" \
+  --pace 1.25 --warp 0.04 --exo 18,32 --exoskeleton -o "$work/exo"
+
+mkdir -p data/sts-study
+cp "$work/human/camera.yaml" data/sts-study/
+for trial in human exo; do
+  cp "$work/$trial/video.mp4" "data/sts-study/$trial.mp4"
+  cp "$work/$trial/truth.csv" "data/sts-study/$trial-truth.csv"
+  cp "$work/$trial/scene.json" "data/sts-study/$trial-scene.json"
+done
+ls -l data/sts-study
