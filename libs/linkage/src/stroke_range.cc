@@ -127,7 +127,8 @@ UsedRange FindUsedRange(const Links& links, double d_min_mm, std::optional<doubl
   for (const double stroke : TurningStrokes(links)) end_at(stroke, UsedRange::End::kTurning);
   for (const double stroke : StrokesForAngle(links, least_theta_rad)) end_at(stroke, UsedRange::End::kStanding);
   if (d_max_mm) end_at(*d_max_mm, UsedRange::End::kDMax);
-  used.theta_at_upper_rad = RequirePose(links, used.stroke.upper_mm).theta_rad;
+  used.theta_at_upper_rad =
+      used.end == UsedRange::End::kStanding ? least_theta_rad : RequirePose(links, used.stroke.upper_mm).theta_rad;
   return used;
 }
 
