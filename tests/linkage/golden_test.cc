@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lake/core/angles.h"
+#include "lake/core/csv.h"
 #include "lake/linkage/linkage.h"
 
 namespace lake {
@@ -33,6 +34,31 @@ double PaperAngleDeg(const Links& l, double d) {
   const double beta1 = std::acos((l8 * l8 + l.l3 * l.l3 - l.l2 * l.l2) / (2 * l8 * l.l3));
   const double beta2 = std::acos((l8 * l8 + l.l4 * l.l4 - l.l1 * l.l1) / (2 * l8 * l.l4));
   return 180 - DegreesFromRadians(beta1 + beta2);
+}
+
+TEST(PaperTables, HoldTheLinksUsedHere) {
+  const CsvTable table = CsvTable::Read(std::string(LAKE_SOURCE_DIR) + "/data/paper/table1.csv");
+  ASSERT_EQ(table.Rows(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(table.RequiredNumber(i, table.Column("initial_mm")), kInitial.Values()[i]);
+    EXPECT_EQ(table.RequiredNumber(i, table.Column("optimum_mm")), kOptimum.Values()[i]);
+  }
+}
+
+// A parallelogram on a square: every quantity can be seen without a calculator (libs/linkage/README.md).
+TEST(CheckPose, ParallelogramAtARightAngle) {
+  const Links links{60, 72, 60, 72, 72, 240};
+  const Pose pose = RequirePose(links, 240);
+  const Transmission transmission = TransmissionOf(links, pose);
+  constexpr double kRounding = 1e-12;
+  EXPECT_NEAR(DegreesFromRadians(pose.theta_rad), 90, kRounding * 90);
+  EXPECT_NEAR(DegreesFromRadians(pose.phi_rad), 90, kRounding * 90);
+  EXPECT_NEAR((pose.tip - Eigen::Vector2d(72, 60)).norm(), 0, kRounding * 72);
+  EXPECT_NEAR((pose.shank_pin - Eigen::Vector2d(72, 0)).norm(), 0, kRounding * 72);
+  EXPECT_NEAR(transmission.moment_arm_mm, 72, kRounding * 72);
+  EXPECT_NEAR(DegreesFromRadians(transmission.transmission_rad), 90, kRounding * 90);
+  EXPECT_NEAR(DegreesFromRadians(transmission.actuator_rad), 90, kRounding * 90);
+  EXPECT_NEAR(ActuatorForce(transmission, 72), 1000, 1e-9);
 }
 
 // Half a unit of the last printed digit.

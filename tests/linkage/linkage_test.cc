@@ -79,16 +79,21 @@ TEST(ClosedForm, AgreesWithNewtonOnRandomLinkages) {
   EXPECT_GT(compared, kDesigns * 9 / 10);
 }
 
-// Continuation: each solution starts the next, from d_min through the fold of the arccos form to deep hyperextension.
+// Continuation: each solution starts the next, from deep hyperextension back through the fold of the arccos form to
+// d_min, two thousandths of a millimetre before the dead point.
 TEST(ClosedForm, AgreesWithNewtonContinuationAlongThePublishedDesign) {
-  const Pose first = RequirePose(kOptimum, 242.5);
+  constexpr double kLongest_mm = 378, kShortest_mm = 242;
+  constexpr int kSteps = 2720;
+  const Pose first = RequirePose(kOptimum, kLongest_mm);
   double phi = first.phi_rad, theta = first.theta_rad;
-  for (double stroke = 242.5; stroke < 378; stroke += 0.05) {
+  for (int step = 0; step <= kSteps; ++step) {
+    const double stroke = kLongest_mm + (kShortest_mm - kLongest_mm) * step / kSteps;
     const NewtonPose newton = SolvePoseNewton(kOptimum, stroke, phi, theta);
     const Pose pose = RequirePose(kOptimum, stroke);
     ASSERT_TRUE(newton.converged) << stroke;
     ASSERT_NEAR(newton.phi_rad, pose.phi_rad, 1e-9) << stroke;
     ASSERT_NEAR(newton.theta_rad, pose.theta_rad, 1e-9) << stroke;
+    ExpectLoopsClose(kOptimum, pose);
     phi = newton.phi_rad, theta = newton.theta_rad;
   }
 }

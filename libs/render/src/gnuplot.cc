@@ -57,6 +57,15 @@ std::string PngTerminal(int width_px, int height_px) {
                      height_px);
 }
 
+// gnuplot switches smoothing off for filled shapes in SVG, which leaves slanted edges jagged on screens.
+void SmoothEdges(const std::filesystem::path& svg) {
+  constexpr std::string_view kJagged = "crispEdges", kSmooth = "geometricPrecision";
+  std::string text = ReadTextFile(svg);
+  for (std::size_t at = 0; (at = text.find(kJagged, at)) != std::string::npos; at += kSmooth.size())
+    text.replace(at, kJagged.size(), kSmooth);
+  WriteTextFile(svg, text);
+}
+
 std::string SetOutput(const std::filesystem::path& path) {
   return fmt::format("set output {}\n", QuoteForGnuplot(path.string()));
 }
@@ -87,14 +96,15 @@ GnuplotFigure& GnuplotFigure::NextPage() {
 
 void GnuplotFigure::Write(const std::filesystem::path& path) const {
   AtomicFile picture(path);
+  const bool svg = path.extension() == ".svg";
   const std::string terminal =
-      path.extension() == ".svg"
-          ? fmt::format("set terminal svg size {},{} font 'DejaVu Sans,12' enhanced background '#ffffff'\n", width_px_,
+      svg ? fmt::format("set terminal svg size {},{} font 'DejaVu Sans,12' enhanced background '#ffffff'\n", width_px_,
                         height_px_)
           : PngTerminal(width_px_, height_px_);
   std::string script = terminal + SetOutput(picture.TemporaryPath());
   for (const std::string& page : pages_) script += page;
   Scratch(path).Draw(path, script);
+  if (svg) SmoothEdges(picture.TemporaryPath());
   picture.Commit();
 }
 

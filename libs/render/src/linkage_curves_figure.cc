@@ -27,6 +27,14 @@ std::vector<std::vector<double>> Table(const LinkageLook& look, const std::vecto
   return columns;
 }
 
+// Of strokes so close that their labels would cover each other, the first.
+std::vector<double> LabelledOf(const std::vector<double>& ascending_mm, double apart_mm) {
+  std::vector<double> labelled;
+  for (const double stroke : ascending_mm)
+    if (labelled.empty() || stroke - labelled.back() > apart_mm) labelled.push_back(stroke);
+  return labelled;
+}
+
 std::vector<double> FineGrid(const StrokeRange& range) {
   constexpr int kSteps = 800;
   std::vector<double> strokes;
@@ -51,6 +59,7 @@ void DrawAngleVsStroke(const std::filesystem::path& path, const LinkageLook& loo
   const double lower = std::min(look.range.stroke.lower_mm, marked_mm.empty() ? HUGE_VAL : *shortest);
   const double upper = std::max(look.range.stroke.upper_mm, marked_mm.empty() ? -HUGE_VAL : *longest);
   const double pad = 0.02 * (upper - lower);
+  const std::string labels = figure.Data(Table(look, LabelledOf(marked_mm, 0.03 * (upper - lower))));
   figure.Line(fmt::format("set xrange [{}:{}]", lower - pad, upper + 2.5 * pad));
   figure.Line(
       "set lmargin at screen 0.09\nset rmargin at screen 0.91\nset grid lc rgb '#e6e6e6' lt 1\nset key opaque box lc "
@@ -65,7 +74,7 @@ void DrawAngleVsStroke(const std::filesystem::path& path, const LinkageLook& loo
       "plot {} using 1:2 with lines lw 3 lc rgb '{}' title 'knee angle', {} using 1:2 with points pt 7 ps 1.2 lc rgb "
       "'#222222' "
       "title 'poses shown', {} using 1:2:(sprintf('%.1f°', $2)) with labels left offset 0.9,0.5 font ',11' notitle",
-      curve, colour::kExoskeleton, marks, marks));
+      curve, colour::kExoskeleton, marks, labels));
   PlaceRow(figure, 0.31, 0.52, false);
   // Near the singular ends the force grows without bound; the axis shows ten times its least.
   const double least_force = *std::min_element(fine[3].begin(), fine[3].end());
