@@ -35,6 +35,15 @@ TEST(StrokesForAngle, FindTheStrokeThatMadeTheAngle) {
   }
 }
 
+// In a rhombus the circles of l1 and l2 always meet in the knee pivot too, where the shank would be free: no solution.
+TEST(StrokesForAngle, LeavesOutTheFreeShankOfARhombus) {
+  for (const double angle_deg : {10.0, 89.0, 110.0, 130.0}) {
+    const auto strokes = StrokesForAngle({70, 70, 70, 70, 70, 70}, RadiansFromDegrees(angle_deg));
+    ASSERT_EQ(strokes.size(), 1u) << angle_deg;
+    EXPECT_NEAR(RequirePose({70, 70, 70, 70, 70, 70}, strokes[0]).theta_rad, RadiansFromDegrees(angle_deg), 1e-9);
+  }
+}
+
 TEST(StrokesForAngle, NoneBeyondTheReach) {
   EXPECT_TRUE(StrokesForAngle(kOptimum, RadiansFromDegrees(175)).empty());
   EXPECT_TRUE(StrokesForAngle(kOptimum, RadiansFromDegrees(-400)).empty());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "lake/core/error.h"
 #include "lake/linkage/loop_equations.h"
@@ -22,12 +23,14 @@ double TriangleGap(double a, double b, double c) {
   return std::max({a, b, c}) * 2 - (a + b + c);
 }
 
-// The angle between sides a and b, opposite c, by half its tangent: keeps its digits where the arccos form loses them
-// (flat triangles, Kahan 2014). A gap within rounding gives 0 or pi.
+// The angle between sides a and b, opposite c, by half its tangent in Kahan's order of operations ("Miscalculating Area
+// and Angles of a Needle-like Triangle", 2014): keeps its digits for flat and for needle-like triangles, where the
+// arccos form loses them. A gap within rounding gives 0 or pi.
 double TriangleAngle(double a, double b, double c) {
-  const double sine2 = std::max(0.0, (c - (a - b)) * (c + (a - b)));
-  const double cosine2 = std::max(0.0, ((a + b) - c) * ((a + b) + c));
-  return 2 * std::atan2(std::sqrt(sine2), std::sqrt(cosine2));
+  if (a < b) std::swap(a, b);
+  const double sine2 = ((a - b) + c) * (b >= c ? c - (a - b) : b - (a - c));
+  const double cosine2 = (a + (b + c)) * ((a - c) + b);
+  return 2 * std::atan2(std::sqrt(std::max(0.0, sine2)), std::sqrt(std::max(0.0, cosine2)));
 }
 
 // KR for a bar angle.
@@ -42,8 +45,10 @@ double SignOfBeta2(Branch branch) {
   return branch == Branch::kAssembled || branch == Branch::kBarFlipped ? 1 : -1;
 }
 
+// P + l2 (sin phi, cos phi), written without cancellation where the tip passes the knee pivot.
 Vector2d TipOf(const Links& l, double phi) {
-  return {l.l2 * std::sin(phi), l.l3 + l.l2 * std::cos(phi)};
+  const double sine = std::sin(phi / 2), cosine = std::cos(phi / 2);
+  return {2 * l.l2 * sine * cosine, (l.l3 - l.l2) + 2 * l.l2 * cosine * cosine};
 }
 Vector2d ShankPinOf(const Links& l, double theta) {
   return {l.l4 * std::sin(theta), -l.l4 * std::cos(theta)};

@@ -12,6 +12,7 @@ namespace {
 using Eigen::Vector2d;
 constexpr double kPi = std::numbers::pi;
 constexpr double kAngleRounding_rad = 1e-9;
+constexpr double kPointRounding = 1e-12;  // relative to a link
 
 double StrokeForBar(const Links& l, double phi) {
   const double l7 = l.L7(), alpha2 = phi - std::atan2(l.l5, l.l6);
@@ -32,8 +33,9 @@ struct TipState {
   double stroke_mm, theta_rad;
 };
 
-// nullopt if the tip, with the shank pin at S, is on another branch.
+// nullopt if the tip, with the shank pin at S, is on another branch, or on the knee pivot, where the shank is free.
 std::optional<TipState> StateOfTip(const Links& l, const Vector2d& tip, const Vector2d& shank_pin) {
+  if (tip.norm() <= kPointRounding * l.l2) return std::nullopt;
   const double alpha1 = std::atan2(l.l5, l.l6);
   const double phi = WrapFrom(std::atan2(tip.x(), tip.y() - l.l3), alpha1 - kAngleRounding_rad);
   if (!IsWithinHalfTurn(phi - alpha1)) return std::nullopt;

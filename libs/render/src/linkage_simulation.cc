@@ -30,19 +30,20 @@ std::optional<double> Finite(double value) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-std::vector<double> DefaultAngles(const UsedRange& range) {
-  const double least = DegreesFromRadians(std::min(range.theta_at_lower_rad, range.theta_at_upper_rad));
+// The paper's poses as far as this design has them, and its own largest whole degree.
+std::vector<double> DefaultAngles(const Links& links, const UsedRange& range) {
   const double most = DegreesFromRadians(std::max(range.theta_at_lower_rad, range.theta_at_upper_rad));
   std::vector<double> angles;
   for (const double angle : {2.0, 70.0, 110.0, std::floor(most)})
-    if (angle >= least && angle <= most && (angles.empty() || angle > angles.back())) angles.push_back(angle);
+    if ((angles.empty() || angle > angles.back()) && StrokeForAngle(links, range, RadiansFromDegrees(angle)))
+      angles.push_back(angle);
   return angles;
 }
 
 double RequireStroke(const Links& links, const UsedRange& range, double angle_deg) {
   const auto stroke = StrokeForAngle(links, range, RadiansFromDegrees(angle_deg));
   if (stroke) return *stroke;
-  throw Fail("the knee angle {}° is outside the range of this design, {:.4g}°..{:.4g}° (strokes {:.6g}..{:.6g} mm)",
+  throw Fail("the knee angle {}° is outside the range of this design, {:.1f}°..{:.1f}° (strokes {:.6g}..{:.6g} mm)",
              angle_deg, DegreesFromRadians(std::min(range.theta_at_lower_rad, range.theta_at_upper_rad)),
              DegreesFromRadians(std::max(range.theta_at_lower_rad, range.theta_at_upper_rad)), range.stroke.lower_mm,
              range.stroke.upper_mm);
@@ -61,7 +62,7 @@ Request Resolve(const Design& design, const SimulationOptions& options) {
   for (const double angle : options.angles_deg) least_deg = std::min(least_deg, angle);
   Request request;
   request.range = FindUsedRange(design.links, design.d_min_mm, design.d_max_mm, RadiansFromDegrees(least_deg));
-  request.angles_deg = options.angles_deg.empty() ? DefaultAngles(request.range) : options.angles_deg;
+  request.angles_deg = options.angles_deg.empty() ? DefaultAngles(design.links, request.range) : options.angles_deg;
   request.shown_mm = options.strokes_mm;
   for (const double angle : request.angles_deg) {
     request.angle_strokes_mm.push_back(RequireStroke(design.links, request.range, angle));
@@ -109,7 +110,8 @@ Json RowJson(const Row& row) {
 }
 
 Json RangeJson(const Design& design, const UsedRange& range) {
-  const char* const kEnds[] = {"d_max", "standing", "knee angle turns back", "end of assembly"};
+  const char* const kEnds[] = {"d_max", range.theta_at_upper_rad == 0 ? "standing" : "least angle asked for",
+                               "knee angle turns back", "end of assembly"};
   Json assembly = Json::array();
   for (const StrokeRange& part : AssemblyRanges(design.links)) assembly.push_back({part.lower_mm, part.upper_mm});
   return {{"range_deg", DegreesFromRadians(range.theta_at_lower_rad)},
