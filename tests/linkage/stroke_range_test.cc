@@ -112,6 +112,14 @@ TEST(UsedRange, ThetaIsOneToOneAndEndsForTheRightReason) {
   for (const int count : ends) EXPECT_GT(count, 20);
 }
 
+TEST(UsedRange, EndsWhereTheShankOfARhombusIsFree) {
+  const Links rhombus{70, 70, 70, 70, 70, 70};
+  const UsedRange range = FindUsedRange(rhombus, 70, {});
+  EXPECT_NEAR(range.stroke.upper_mm, 70 * std::sqrt(5), 1e-6);
+  EXPECT_NEAR(range.theta_at_upper_rad, 0, 1e-8);
+  EXPECT_EQ(AssemblyRanges(rhombus).size(), 2u);
+}
+
 TEST(UsedRange, RefusesWhatCannotBe) {
   EXPECT_THAT([] { FindUsedRange(kOptimum, 241, {}); },
               ThrowsMessage<Error>(HasSubstr("cannot be assembled at a stroke of 241 mm")));

@@ -75,7 +75,10 @@ std::vector<StrokeRange> AssemblyRanges(const Links& links) {
     from = std::max(from, alpha1), to = std::min(to, alpha1 + kPi);
     if (from <= to) ranges.push_back({StrokeForBar(links, from), StrokeForBar(links, to)});
   };
-  if (last == kPi) {
+  if (last == kPi && links.l2 == links.l3) {  // the tip would meet the knee pivot, where the shank is free
+    add(first, kPi - kAngleRounding_rad);
+    add(kPi + kAngleRounding_rad, 2 * kPi - first);
+  } else if (last == kPi) {
     add(first, 2 * kPi - first);
   } else {
     add(first, last);
