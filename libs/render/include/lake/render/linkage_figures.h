@@ -23,7 +23,8 @@ struct LinkageLook {
 // behind; beside it the four-bar enlarged.
 void DrawLinkagePose(const std::filesystem::path& path, const LinkageLook& look, const Pose& pose);
 
-// Knee angle, moment arm with force, and transmission angles over the used range; `marked` strokes, ascending, are marked.
+// Knee angle, moment arm with force, and transmission angles over the used range; `marked` strokes, ascending, are
+// marked.
 void DrawAngleVsStroke(const std::filesystem::path& path, const LinkageLook& look,
                        const std::vector<double>& marked_mm);
 
