@@ -34,39 +34,97 @@ int RunGnuplot(const std::filesystem::path& script, const std::filesystem::path&
   return status;
 }
 
+// Scratch files of one drawing, named after the result; never committed, so they vanish with the scope.
+class Scratch {
+ public:
+  explicit Scratch(const std::filesystem::path& result)
+      : script_(With(result, ".gnuplot")), log_(With(result, ".log")) {}
+
+  // Throws Error with gnuplot's own words.
+  void Draw(const std::filesystem::path& result, const std::string& script) const {
+    WriteTextFile(script_.TemporaryPath(), "set encoding utf8\n" + script + "\nunset output\n");
+    if (RunGnuplot(script_.TemporaryPath(), log_.TemporaryPath()) != 0)
+      throw Fail("{}: gnuplot could not draw it: {}", result.string(), ReadTextFile(log_.TemporaryPath()));
+  }
+
+ private:
+  static std::filesystem::path With(std::filesystem::path path, const char* ending) { return path += ending; }
+  AtomicFile script_, log_;
+};
+
+std::string PngTerminal(int width_px, int height_px) {
+  return fmt::format("set terminal pngcairo size {},{} font 'DejaVu Sans,12' enhanced background '#ffffff'\n", width_px,
+                     height_px);
+}
+
+// gnuplot switches smoothing off for filled shapes in SVG, which leaves slanted edges jagged on screens.
+void SmoothEdges(const std::filesystem::path& svg) {
+  constexpr std::string_view kJagged = "crispEdges", kSmooth = "geometricPrecision";
+  std::string text = ReadTextFile(svg);
+  for (std::size_t at = 0; (at = text.find(kJagged, at)) != std::string::npos; at += kSmooth.size())
+    text.replace(at, kJagged.size(), kSmooth);
+  WriteTextFile(svg, text);
+}
+
+std::string SetOutput(const std::filesystem::path& path) {
+  return fmt::format("set output {}\n", QuoteForGnuplot(path.string()));
+}
+
 }  // namespace
 
 GnuplotFigure& GnuplotFigure::Line(std::string_view script) {
-  script_.append(script).append("\n");
+  pages_.back().append(script).append("\n");
   return *this;
 }
 
 std::string GnuplotFigure::Data(const std::vector<std::vector<double>>& columns) {
   const std::string name = fmt::format("$data{}", tables_++);
-  script_ += name + " << EOD\n";
+  std::string& script = pages_.back();
+  script += name + " << EOD\n";
   for (std::size_t row = 0; !columns.empty() && row < columns.front().size(); ++row) {
-    for (const auto& column : columns) script_ += (std::isfinite(column[row]) ? FormatNumber(column[row]) : "NaN") + " ";
-    script_ += "\n";
+    for (const auto& column : columns) script += (std::isfinite(column[row]) ? FormatNumber(column[row]) : "NaN") + " ";
+    script += "\n";
   }
-  script_ += "EOD\n";
+  script += "EOD\n";
   return name;
+}
+
+GnuplotFigure& GnuplotFigure::NextPage() {
+  pages_.emplace_back("reset\n");
+  return *this;
 }
 
 void GnuplotFigure::Write(const std::filesystem::path& path) const {
   AtomicFile picture(path);
-  auto script_path = path, log_path = path;
-  script_path += ".gnuplot", log_path += ".log";
-  // Scratch files beside the picture; never committed, so they vanish with the scope.
-  const AtomicFile script(script_path), log(log_path);
   const bool svg = path.extension() == ".svg";
   const std::string terminal =
-      svg ? fmt::format("svg size {},{} font 'DejaVu Sans,12' enhanced background '#ffffff'", width_px_, height_px_)
-          : fmt::format("pngcairo size {},{} font 'DejaVu Sans,{}' enhanced background '#ffffff'", width_px_, height_px_, 12);
-  WriteTextFile(script.TemporaryPath(), fmt::format("set encoding utf8\nset terminal {}\nset output {}\n{}\nunset output\n", terminal,
-                                                    QuoteForGnuplot(picture.TemporaryPath().string()), script_));
-  const int status = RunGnuplot(script.TemporaryPath(), log.TemporaryPath());
-  if (status != 0) throw Fail("{}: gnuplot could not draw it: {}", path.string(), ReadTextFile(log.TemporaryPath()));
+      svg ? fmt::format("set terminal svg size {},{} font 'DejaVu Sans,12' enhanced background '#ffffff'\n", width_px_,
+                        height_px_)
+          : PngTerminal(width_px_, height_px_);
+  std::string script = terminal + SetOutput(picture.TemporaryPath());
+  for (const std::string& page : pages_) script += page;
+  Scratch(path).Draw(path, script);
+  if (svg) SmoothEdges(picture.TemporaryPath());
   picture.Commit();
+}
+
+void GnuplotFigure::WriteGif(const std::filesystem::path& path, double pages_per_s) const {
+  AtomicFile picture(path);
+  std::string script = fmt::format(
+      "set terminal gif animate delay {} loop 0 optimize size {},{} font 'DejaVu Sans,12' enhanced background "
+      "'#ffffff'\n",
+      std::lround(100 / pages_per_s), width_px_, height_px_);  // the format counts hundredths of a second
+  script += SetOutput(picture.TemporaryPath());
+  for (const std::string& page : pages_) script += page;
+  Scratch(path).Draw(path, script);
+  picture.Commit();
+}
+
+void GnuplotFigure::WritePages(const std::filesystem::path& folder) const {
+  std::string script = PngTerminal(width_px_, height_px_);
+  for (std::size_t page = 0; page < pages_.size(); ++page)
+    script += SetOutput(folder / fmt::format("{:05}.png", page)) + pages_[page];
+  Scratch(folder / "pages").Draw(folder, script);
 }
 
 std::string QuoteForGnuplot(std::string_view text) {

@@ -1,4 +1,5 @@
-// Figures by gnuplot: a script is collected, then drawn to PNG or SVG by the file's extension.
+// Figures by gnuplot: a script is collected, then drawn to PNG, SVG or (several pages) animated GIF by the file's
+// extension.
 #pragma once
 
 #include <filesystem>
@@ -19,13 +20,22 @@ class GnuplotFigure {
   // A table to plot, columns of equal length; NaN interrupts a line. Returns its name in the script, e.g. "$data0".
   std::string Data(const std::vector<std::vector<double>>& columns);
 
+  // Starts a new page, with gnuplot's settings as at the start; tables stay known.
+  GnuplotFigure& NextPage();
+
   // Draws, atomically. Throws Error with gnuplot's own words if it fails or is not installed.
   void Write(const std::filesystem::path& path) const;
+
+  // Draws the pages as an endless animation.
+  void WriteGif(const std::filesystem::path& path, double pages_per_s) const;
+
+  // Draws every page to a PNG of its own, folder/00000.png and so on; the folder must exist.
+  void WritePages(const std::filesystem::path& folder) const;
 
  private:
   int width_px_, height_px_;
   int tables_ = 0;
-  std::string script_;
+  std::vector<std::string> pages_{1};
 };
 
 // A gnuplot string literal that shows the text as it is.
@@ -33,7 +43,7 @@ std::string QuoteForGnuplot(std::string_view text);
 
 // Colours that the colour-blind can tell apart (Okabe & Ito 2008), the same for the same thing in all figures.
 namespace colour {
-inline constexpr const char* kHuman = "#E69F00";       // yellow-orange, as in the paper
+inline constexpr const char* kHuman = "#E69F00";        // yellow-orange, as in the paper
 inline constexpr const char* kExoskeleton = "#D55E00";  // orange-red
 inline constexpr const char* kAnkle = "#0072B2";
 inline constexpr const char* kKnee = "#E69F00";

@@ -1,0 +1,104 @@
+#include "lake/linkage/body.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+constexpr Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
+
+// Volume and centre of mass of a frustum, integrated in slices.
+struct Solid {
+  double volume_mm3 = 0, centre_from_proximal_mm = 0;
+};
+Solid Integrate(const LimbSegment& limb) {
+  constexpr int kSlices = 20000;
+  Solid solid;
+  for (int i = 0; i < kSlices; ++i) {
+    const double from_distal = limb.length_mm * (i + 0.5) / kSlices;
+    const double slice = std::numbers::pi * std::pow(limb.RadiusAt(from_distal), 2) * limb.length_mm / kSlices;
+    solid.volume_mm3 += slice, solid.centre_from_proximal_mm += slice * (limb.length_mm - from_distal);
+  }
+  solid.centre_from_proximal_mm /= solid.volume_mm3;
+  return solid;
+}
+
+TEST(Body, SegmentsHaveThePublishedLengthMassAndCentre) {
+  for (const auto& [height, mass] : {std::pair(1800.0, 80.0), std::pair(1500.0, 45.0), std::pair(2000.0, 130.0)}) {
+    const Body body = BodyOf(height, mass);
+    EXPECT_DOUBLE_EQ(body.thigh.length_mm, 0.245 * height);
+    EXPECT_DOUBLE_EQ(body.shank.length_mm, 0.246 * height);
+    const Solid thigh = Integrate(body.thigh), shank = Integrate(body.shank);
+    // kg; the sum over 20000 slices is exact to 1e-8.
+    EXPECT_NEAR(thigh.volume_mm3 * 1.05e-6, 0.100 * mass, 1e-6);
+    EXPECT_NEAR(shank.volume_mm3 * 1.09e-6, 0.0465 * mass, 1e-6);
+    EXPECT_NEAR(thigh.centre_from_proximal_mm / body.thigh.length_mm, 0.433, 1e-6);
+    EXPECT_NEAR(shank.centre_from_proximal_mm / body.shank.length_mm, 0.433, 1e-6);
+    // The two meet at the knee with nearly one girth, though each comes from its own mass.
+    EXPECT_NEAR(body.thigh.distal_radius_mm / body.shank.proximal_radius_mm, 1, 0.02);
+  }
+}
+
+TEST(Body, RefusesWhatIsNoBody) {
+  EXPECT_THAT([] { BodyOf(180, 80); }, ThrowsMessage<Error>(HasSubstr("a body of 180 mm")));
+  EXPECT_THAT([] { BodyOf(1800, 0); }, ThrowsMessage<Error>(HasSubstr("a body of 0 kg")));
+  EXPECT_THAT([] { BodyOf(std::nan(""), 80); }, ThrowsMessage<Error>(HasSubstr("a body of nan mm")));
+}
+
+// The same distances by hand: seated, the thigh is level and the mount is the lowest part.
+TEST(CheckWear, PublishedDesignOnThePapersBody) {
+  const Body body = BodyOf(1800, 80);
+  const WearOptions options;
+  const WearCheck check = CheckWear(kOptimum, FindUsedRange(kOptimum, 242, {}), body, options);
+  EXPECT_NEAR(check.seated_deg, 90, 1e-9);
+  EXPECT_NEAR(check.standing_deg, 0, 1e-9);
+  const double mount_y = kOptimum.l3 + kOptimum.l6;
+  EXPECT_NEAR(check.mount_below_hip_mm, 441 - mount_y - 12, 1e-9);
+  EXPECT_NEAR(check.mount_behind_thigh_mm, 118.63 - body.thigh.RadiusAt(mount_y), 1e-9);
+  // The actuator's round end lies this much below the seat's surface, far behind the seat's front edge at 220.5 mm.
+  EXPECT_NEAR(check.seat_clearance_mm, body.thigh.proximal_radius_mm - (118.63 + 20), 1e-9);
+  EXPECT_NEAR(check.seat_edge_needed_mm, mount_y + 20, 1e-9);
+  EXPECT_TRUE(check.FitsAlongThigh());
+  EXPECT_FALSE(check.ClearsSeat());
+  EXPECT_FALSE(check.ClearsLimb());
+}
+
+TEST(CheckWear, ASeatThatEndsEarlierIsCleared) {
+  const UsedRange range = FindUsedRange(kOptimum, 242, {});
+  const Body body = BodyOf(1800, 80);
+  WearOptions options;
+  const double needed = CheckWear(kOptimum, range, body, options).seat_edge_needed_mm;
+  options.seat_edge_mm = needed + 1;
+  EXPECT_NEAR(CheckWear(kOptimum, range, body, options).seat_clearance_mm, 1, 0.05);  // sampled: 3 mm steps along a bar
+  options.seat_edge_mm = needed - 1;
+  EXPECT_LT(CheckWear(kOptimum, range, body, options).seat_clearance_mm, 0);
+}
+
+TEST(CheckWear, AShortBodyHasNoRoomForTheMount) {
+  const WearCheck check = CheckWear(kOptimum, FindUsedRange(kOptimum, 242, {}), BodyOf(1350, 40), {});
+  EXPECT_FALSE(check.FitsAlongThigh());
+}
+
+// A mount far behind a thin leg: the actuator clears the thigh all the way.
+TEST(CheckWear, AMountFarBehindClearsTheThigh) {
+  const Links far{80, 160, 60, 150, 220, 220};
+  const auto ranges = AssemblyRanges(far);
+  ASSERT_FALSE(ranges.empty());
+  const auto seated = StrokesForAngle(far, std::numbers::pi / 2), standing = StrokesForAngle(far, 1.2);
+  ASSERT_FALSE(seated.empty());
+  ASSERT_FALSE(standing.empty());
+  const UsedRange range = FindUsedRange(far, seated.front(), standing.front());
+  const WearCheck check = CheckWear(far, range, BodyOf(1800, 50), {});
+  EXPECT_GT(check.thigh_clearance_mm, 0);
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,155 @@
+// lake-simulate as a user runs it: files, columns, exit codes, messages.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "lake/core/angles.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
+#include "lake/core/json.h"
+#include "lake/linkage/linkage.h"
+#include "lake/video/video_reader.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+constexpr Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
+constexpr const char* kLinks = "--links 59.081,68.840,55.964,71.849,118.630,287.310";
+
+struct Outcome {
+  int exit_code;
+  std::string out, err;
+};
+
+class Simulate : public ::testing::Test {
+ protected:
+  Outcome RunIt(const std::string& arguments) {
+    const auto out = folder_ / "stdout", err = folder_ / "stderr";
+    const std::string command = fmt::format("'{}/lake-simulate' {} -o '{}' >'{}' 2>'{}'", LAKE_BIN_DIR, arguments,
+                                            Out().string(), out.string(), err.string());
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadTextFile(out), ReadTextFile(err)};
+  }
+  std::filesystem::path Out() const { return folder_ / "out"; }
+
+  // One line on stderr, this exit code, and nothing left behind.
+  void ExpectRefusal(const std::string& arguments, int exit_code, const std::string& message) {
+    const Outcome outcome = RunIt(arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code) << arguments << "\n" << outcome.err;
+    EXPECT_THAT(outcome.err, AllOf(StartsWith("lake-simulate: "), HasSubstr(message))) << arguments;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(Out() / "summary.json"));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Simulate, WritesTheTableOnTheAssembledBranch) {
+  const Outcome outcome =
+      RunIt(fmt::format("{} --stroke 242 377 --angles 2,70,110,148 --rows 51 --knee-torque 40 --no-animation", kLinks));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const CsvTable table = CsvTable::Read(Out() / "angle_vs_stroke.csv");
+  EXPECT_THAT(table.Header(), ::testing::ElementsAre("stroke_mm", "knee_deg", "deg_per_mm", "moment_arm_mm", "force_n",
+                                                     "transmission_deg", "actuator_angle_deg", "branch"));
+  ASSERT_EQ(table.Rows(), 51 + 1 + 4u);  // 242 is the grid's first row
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const double stroke = table.RequiredNumber(row, 0);
+    const Pose pose = RequirePose(kOptimum, stroke);
+    const Transmission transmission = TransmissionOf(kOptimum, pose);
+    EXPECT_EQ(table.RequiredNumber(row, 1), DegreesFromRadians(pose.theta_rad));
+    EXPECT_EQ(table.RequiredNumber(row, 4), ActuatorForce(transmission, 40));
+    EXPECT_NEAR(table.RequiredNumber(row, 4) * table.RequiredNumber(row, 3), 40000, 1e-6);
+    EXPECT_EQ(table.RequiredNumber(row, 7), 0);
+    if (row > 0) {
+      EXPECT_GT(stroke, table.RequiredNumber(row - 1, 0));
+    }
+  }
+  EXPECT_NEAR(table.RequiredNumber(table.Rows() - 1, 1), -44.84, 5e-3);
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("148.5715"), HasSubstr("374.5205"), HasSubstr("crank-rocker")));
+  const Json summary = ReadJsonFile(Out() / "summary.json");
+  EXPECT_NEAR(summary["range_deg"].get<double>(), 148.5715, 5e-5);
+  EXPECT_NEAR(summary["mannequin"]["mount_below_hip_mm"].get<double>(), 85.726, 1e-9);
+  EXPECT_EQ(summary["poses"].size(), 6u);
+  EXPECT_THAT(summary["warnings"].dump(), HasSubstr("0.00224 mm from the actuator's dead point"));
+}
+
+TEST_F(Simulate, DrawsEverything) {
+  ASSERT_EQ(RunIt(fmt::format("{} --angles 2,70,12.5 --quiet", kLinks)).exit_code, 0);
+  for (const char* name : {"angle_vs_stroke.png", "pose_2.png", "pose_70.png", "pose_12.5.png", "mannequin.png"})
+    EXPECT_THAT(ReadTextFile(Out() / name), StartsWith("\x89PNG")) << name;
+  EXPECT_THAT(ReadTextFile(Out() / "pose_70.svg"),
+              AllOf(HasSubstr("<svg"), HasSubstr("59.08"), HasSubstr("287.31"), HasSubstr("313.36")));
+  EXPECT_THAT(ReadTextFile(Out() / "schematic.svg"), HasSubstr("<svg"));
+  EXPECT_THAT(ReadTextFile(Out() / "angle_vs_stroke.svg"), HasSubstr("<svg"));
+  EXPECT_THAT(ReadTextFile(Out() / "design.dxf"), HasSubstr("OUTLINE"));
+  EXPECT_THAT(ReadTextFile(Out() / "animation.gif"), StartsWith("GIF89a"));
+  const auto video = VideoReader::Open(Out() / "animation.mp4");
+  EXPECT_EQ(video->Info().width, 1280);
+  int frames = 0;
+  double time_s = -1;
+  for (VideoFrame frame; video->Read(frame); ++frames) {
+    EXPECT_GT(frame.time_s, time_s);
+    time_s = frame.time_s;
+  }
+  EXPECT_EQ(frames, 78);  // 40 poses out, 38 back
+  int others = 0;         // scratch files must be gone
+  for (const auto& entry : std::filesystem::directory_iterator(Out()))
+    others += entry.path().extension() == ".gnuplot" || entry.path().extension() == ".frames" || entry.is_directory();
+  EXPECT_EQ(others, 0);
+}
+
+TEST_F(Simulate, TakesADesignFileAndDefaultAngles) {
+  const auto design = folder_ / "design.yaml";
+  WriteTextFile(
+      design,
+      "links: {l1: 60, l2: 70, l3: 55, l4: 72, l5: 70, l6: 240}\nd_min_mm: 205\nd_max_mm: 300\nrange_deg: 100\n");
+  const Outcome outcome = RunIt(fmt::format("'{}' --no-animation --json", design.string()));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json summary = Json::parse(outcome.out);
+  EXPECT_EQ(summary["used_range_ends_at"], "d_max");
+  EXPECT_EQ(summary["inputs"].size(), 1u);
+  EXPECT_THAT(summary["warnings"].dump(), HasSubstr("range_deg = 100, but its links give 114.98"));
+  EXPECT_TRUE(std::filesystem::exists(Out() / "pose_114.png"));
+  EXPECT_FALSE(std::filesystem::exists(Out() / "pose_2.png"));  // d_max ends at 28 degrees
+}
+
+TEST_F(Simulate, RefusesWhatCannotBeAssembled) {
+  ExpectRefusal("--links 1,1,1,1,1,1 --stroke 242", 1, "cannot be assembled at a stroke of 242 mm");
+  ExpectRefusal(fmt::format("{} --stroke 241.9", kLinks), 1, "miss a triangle by 0.09776 mm");
+  ExpectRefusal(fmt::format("{} --stroke 300,390", kLinks), 1, "cannot be assembled at a stroke of 390 mm");
+  ExpectRefusal(fmt::format("{} --angles 70,149", kLinks), 1, "149° is outside the range of this design, 0.0°..148.6°");
+  ExpectRefusal(fmt::format("{} --d-min 240", kLinks), 1, "at a stroke of 240 mm");
+  ExpectRefusal(fmt::format("{} --d-max 200", kLinks), 1, "d_max = 200 mm must exceed d_min = 242 mm");
+  ExpectRefusal("--links 59,68,55,71,118,-287", 1, "--links: link l6 is -287 mm");
+  ExpectRefusal("--links 59,68,55,0,118,287", 1, "--links: link l4 is 0 mm");
+}
+
+TEST_F(Simulate, RefusesWrongUsage) {
+  ExpectRefusal("", 2, "give either a design file or --links");
+  ExpectRefusal("--links 59,68,55,71,118", 2, "--links");
+  ExpectRefusal("--links 59,68,55,71,118,nan", 2, "--links");
+  ExpectRefusal(fmt::format("{} --stroke nan", kLinks), 2, "--stroke nan");
+  ExpectRefusal(fmt::format("{} --rows 1", kLinks), 2, "--rows 1");
+  ExpectRefusal(fmt::format("{} --knee-torque 0", kLinks), 2, "--knee-torque 0");
+  ExpectRefusal(fmt::format("{} --height 18", kLinks), 1, "a body of 180 mm");
+  ExpectRefusal(fmt::format("{} --pin-diameter 30", kLinks), 1, "a pin of 30 mm does not fit");
+  ExpectRefusal("--no-such-option", 2, "--no-such-option");
+}
+
+TEST_F(Simulate, RefusesABrokenDesignFile) {
+  ExpectRefusal("/no/such/design.yaml", 1, "/no/such/design.yaml");
+  const auto design = folder_ / "design.yaml";
+  WriteTextFile(design, "links: {l1: 60, l2: 70, l3: 55, l4: 72, l5: 70, l6: 240}\nd_min_mm: 205\ncolour: red\n");
+  ExpectRefusal(fmt::format("'{}'", design.string()), 1, "design.yaml:3: unknown key 'colour'");
+}
+
+}  // namespace
+}  // namespace lake
