@@ -48,7 +48,13 @@ const AVPixFmtDescriptor& Describe(const AVFrame& frame) {
 }
 
 cv::Mat Plane(const AVFrame& frame, int type) {
-  return cv::Mat(frame.height, frame.width, type, frame.data[0], static_cast<std::size_t>(frame.linesize[0]));
+  const int stride = frame.linesize[0];
+  if (stride >= 0) return cv::Mat(frame.height, frame.width, type, frame.data[0], static_cast<std::size_t>(stride));
+  // Stored bottom up (raw AVI).
+  std::uint8_t* lowest_address = frame.data[0] + std::ptrdiff_t{frame.height - 1} * stride;
+  cv::Mat upright;
+  cv::flip(cv::Mat(frame.height, frame.width, type, lowest_address, static_cast<std::size_t>(-stride)), upright, 0);
+  return upright;
 }
 
 cv::Mat ShrinkDepth(const AVFrame& frame) {

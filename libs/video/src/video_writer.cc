@@ -5,6 +5,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "damage_log.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "libav.h"
@@ -52,7 +53,7 @@ struct VideoWriter::Impl {
 VideoWriter::Impl::Impl(const std::filesystem::path& path, const VideoWriterOptions& options)
     : path(path), options(options), file(path) {
   CheckOptions();
-  libav::Quieten();
+  DamageLog::TakeLibavLog();
   OpenEncoder();
   OpenFile();
 }
