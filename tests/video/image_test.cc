@@ -1,5 +1,7 @@
 #include "lake/video/image.h"
 
+#include <boost/crc.hpp>
+
 #include "video_files.h"
 
 namespace lake::test {
@@ -139,15 +141,22 @@ TEST(Image, RefusesHugePicturesBeforeReadingThem) {
   const TemporaryFolder folder;
   WriteImage(folder / "small.png", Random({20, 10}, CV_8UC1, 3));
   const std::string bytes = ReadTextFile(folder / "small.png");
-  for (const auto& [width, height] : {std::pair{20000, 10}, {10, 20000}, {16000, 16000}, {1 << 30, 1 << 30}}) {
+  const auto message = [&](unsigned width, unsigned height) {
     std::string huge = bytes;
-    for (int i = 0; i < 4; ++i) {
+    for (unsigned i = 0; i < 4; ++i) {
       huge[16 + i] = static_cast<char>(width >> (24 - 8 * i));
       huge[20 + i] = static_cast<char>(height >> (24 - 8 * i));
     }
+    boost::crc_32_type crc;
+    crc.process_bytes(huge.data() + 12, 17);  // the header chunk without its length
+    for (unsigned i = 0; i < 4; ++i) huge[29 + i] = static_cast<char>(crc.checksum() >> (24 - 8 * i));
     WriteTextFile(folder / "huge.png", huge);
-    EXPECT_THAT([&] { ReadImage(folder / "huge.png", false); }, ThrowsMessage<Error>(HasSubstr("huge.png")));
-  }
+    return ErrorOf(folder / "huge.png");
+  };
+  EXPECT_THAT(message(20000, 10), HasSubstr("huge.png: 20000×10 px is too large; at most 16384 px a side and 200 Mpx"));
+  EXPECT_THAT(message(10, 20000), HasSubstr("huge.png: 10×20000 px is too large"));
+  EXPECT_THAT(message(16000, 16000), HasSubstr("larger than 200 Mpx"));
+  EXPECT_THAT(message(1u << 30, 1u << 30), HasSubstr("larger than 200 Mpx"));
 }
 
 TEST(Image, RefusesToWriteOtherMatrices) {

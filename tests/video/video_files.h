@@ -92,6 +92,13 @@ inline std::vector<double> ProbeStamps(const std::filesystem::path& video) {
   return stamps;
 }
 
+// The stamps of frames at a constant rate.
+inline std::vector<double> Regular(double start_s, double rate_hz, std::size_t frames) {
+  std::vector<double> stamps(frames);
+  for (std::size_t i = 0; i < frames; ++i) stamps[i] = start_s + static_cast<double>(i) / rate_hz;
+  return stamps;
+}
+
 struct Recording {
   VideoInfo info;
   std::vector<VideoFrame> frames;

@@ -6,6 +6,9 @@ namespace lake {
 
 Decoder::Decoder(const std::filesystem::path& path, double sequence_rate_hz) : demuxer_(path, sequence_rate_hz, log_) {
   const AVCodecParameters& stored = *demuxer_.Stream().codecpar;
+  if (stored.width <= 0 || stored.height <= 0)
+    throw Fail("{}: its picture size cannot be found; it is damaged, or larger than {} Mpx", path.string(),
+               libav::kMaxPixels / 1'000'000);
   CheckSize(stored.width, stored.height);
   Open();
 }
