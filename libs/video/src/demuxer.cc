@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <new>
 #include <string_view>
 #include <vector>
 
@@ -49,10 +50,9 @@ std::int64_t CountIndex(const AVStream& stream, bool shown_only) {
 
 }  // namespace
 
-Demuxer::Demuxer(fs::path path, double sequence_rate_hz)
-    : path_(std::move(path)), sequence_(ImageSequence::Find(path_)) {
+Demuxer::Demuxer(fs::path path, double sequence_rate_hz, DamageLog& log)
+    : path_(std::move(path)), log_(log), sequence_(ImageSequence::Find(path_)) {
   if (!sequence_) CheckIsFile(path_);
-  libav::Quieten();
   Open(sequence_rate_hz);
   ChooseStream();
   packets_promised_ = PacketsPromised();
@@ -72,7 +72,9 @@ void Demuxer::Open(double sequence_rate_hz) {
     options.Set("framerate", fmt::format("{:.6f}", sequence_rate_hz));
   }
   const std::string url = sequence_ ? sequence_->Url() : libav::FileUrl(path_);
-  AVFormatContext* opened = nullptr;
+  AVFormatContext* opened = avformat_alloc_context();
+  if (!opened) throw std::bad_alloc();
+  log_.Attach(*opened);
   const int result = avformat_open_input(&opened, url.c_str(), format, options.Get());
   if (result < 0)
     throw Fail("{}: not a video that can be read, or damaged at its beginning or index ({})", path_.string(),
@@ -132,6 +134,8 @@ bool Demuxer::Read(AVPacket& packet) {
 void Demuxer::NoteEnd(int result) {
   if (result != AVERROR_EOF)
     damage_ = fmt::format("cannot be read ({})", libav::ErrorText(result));
+  else if (log_.IsFileCut())
+    damage_ = "is not in the file: it is cut off";
   else if (packets_promised_ && packets_ < *packets_promised_)
     damage_ = fmt::format("is not in the file: it ends after {} of {} packets", packets_, *packets_promised_);
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "damage_log.h"
 #include "image_sequence.h"
 #include "libav.h"
 
@@ -12,8 +13,8 @@ namespace lake {
 
 class Demuxer {
  public:
-  // Throws Error naming the path: absent, a folder, empty, not a video, no video stream.
-  Demuxer(std::filesystem::path path, double sequence_rate_hz);
+  // Throws Error naming the path: absent, a folder, empty, not a video, no video stream. The log must outlive this.
+  Demuxer(std::filesystem::path path, double sequence_rate_hz, DamageLog& log);
 
   const AVStream& Stream() const { return *stream_; }
   bool IsSequence() const { return sequence_.has_value(); }
@@ -27,8 +28,11 @@ class Demuxer {
   // Empty if all packets were whole.
   const std::string& Damage() const { return damage_; }
 
-  // No frame that is missing because of the damage can have an earlier stamp than this (ticks of the stream).
-  std::int64_t FirstDamagedTicks() const { return last_dts_; }
+  // Of the last packet, in ticks of the stream: no frame that is missing because of the damage can have an earlier
+  // stamp.
+  std::int64_t LastDecodingTicks() const { return last_dts_; }
+
+  const std::filesystem::path& Path() const { return path_; }
 
   // "file: frame 12" or, of a sequence, the picture's own file.
   std::string Where(std::int64_t frame) const;
@@ -40,6 +44,7 @@ class Demuxer {
   void NoteEnd(int result);
 
   std::filesystem::path path_;
+  DamageLog& log_;
   std::optional<ImageSequence> sequence_;
   libav::Input input_;
   AVStream* stream_ = nullptr;  // of input_

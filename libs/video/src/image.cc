@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <opencv2/core.hpp>
 
+#include "damage_log.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/video/video_reader.h"
@@ -56,7 +57,7 @@ void WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
   if (image.empty() || (image.type() != CV_8UC1 && image.type() != CV_8UC3))
     throw Fail("{}: a picture of {}×{} px, {}, cannot be written; 8-bit grey or BGR can", path.string(), image.cols,
                image.rows, cv::typeToString(image.type()));
-  libav::Quieten();
+  DamageLog::TakeLibavLog();
   const libav::Packet png = EncodePng(*MakeFrame(image), path.string());
   WriteTextFile(path, {reinterpret_cast<const char*>(png->data), static_cast<std::size_t>(png->size)});
 }

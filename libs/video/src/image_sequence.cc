@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <regex>
 #include <vector>
 
 #include "lake/core/error.h"
@@ -12,7 +11,9 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string DoublePercent(const std::string& text) {
-  return std::regex_replace(text, std::regex("%"), "%%");
+  std::string doubled;
+  for (const char c : text) doubled.append(c == '%' ? 2 : 1, c);
+  return doubled;
 }
 
 }  // namespace
@@ -42,12 +43,16 @@ std::optional<ImageSequence> ImageSequence::Find(const fs::path& path) {
 }
 
 void ImageSequence::ParsePattern(const std::string& pattern, const std::string& path) {
-  static const std::regex kShape("([^%]*)%(?:0([1-9]))?d([^%]*)");
-  std::smatch parts;
-  if (!std::regex_match(pattern, parts, kShape))
+  const std::size_t percent = pattern.find('%'), d = pattern.find('d', percent);
+  if (d == std::string::npos || pattern.find('%', percent + 1) != std::string::npos)
     throw Fail("{}: neither a file nor a pattern with one %d or %05d for the number", path);
-  before_ = parts[1], after_ = parts[3];
-  digits_ = parts[2].matched ? parts[2].str()[0] - '0' : 1;
+  const std::string width = pattern.substr(percent + 1, d - percent - 1);
+  const bool padded = width.size() == 2 && width[0] == '0' && width[1] >= '1' && width[1] <= '9';
+  if (!padded && !width.empty())
+    throw Fail("{}: neither a file nor a pattern with one %d or %05d for the number", path);
+  digits_ = padded ? width[1] - '0' : 1;
+  before_ = pattern.substr(0, percent);
+  after_ = pattern.substr(d + 1);
 }
 
 std::string ImageSequence::Name(std::int64_t number) const {

@@ -29,10 +29,6 @@ std::string FileUrl(const std::filesystem::path& path) {
   return "file:" + path.string();
 }
 
-void Quieten() {
-  av_log_set_level(AV_LOG_QUIET);
-}
-
 double Seconds(std::int64_t ticks, AVRational time_base) {
   return static_cast<double>(ticks) * time_base.num / time_base.den;
 }

@@ -55,9 +55,6 @@ std::string ErrorText(int error);
 // A path as libav's protocols understand it: never a URL, whatever its name looks like.
 std::string FileUrl(const std::filesystem::path& path);
 
-// libav's own messages do not reach stderr.
-void Quieten();
-
 // The nearest double to ticks * time_base.
 double Seconds(std::int64_t ticks, AVRational time_base);
 

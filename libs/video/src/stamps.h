@@ -1,25 +1,30 @@
-// Time stamps of a recording: checked, and their regularity.
+// Time stamps of a recording: checked, repaired where that is safe, and their regularity.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "lake/video/video_reader.h"
 #include "libav.h"
 
 namespace lake {
 
-// Of the stamps in the container; frames in the order of showing.
-class StampCheck {
+// Of frames in the order of showing, in ticks of the stream.
+class Stamps {
  public:
-  // `time_base`: of the stream's ticks.
-  explicit StampCheck(AVRational time_base) : time_base_(time_base) {}
+  // `usual_ticks`: how long a frame usually lasts; 0 if unknown.
+  Stamps(AVRational time_base, std::int64_t usual_ticks) : time_base_(time_base), usual_ticks_(usual_ticks) {}
 
-  // Whether `ticks` is there and greater than all before. The statistics take in only such stamps.
-  bool Add(std::int64_t ticks);
+  // Takes the next frame's stamp, AV_NOPTS_VALUE if it has none, and its duration, 0 if unknown. A frame without a
+  // stamp comes a duration after the one before it (AVI and MPEG-PS keep none for the last frames). False if the stamp
+  // is of no use: it does not increase, or there is none and nothing to repair it from; Problem() then says which.
+  bool Add(std::int64_t ticks, std::int64_t duration);
 
-  std::optional<double> FirstTime_s() const { return Time_s(first_); }
-  std::optional<double> LastTime_s() const { return Time_s(last_); }
+  const std::string& Problem() const { return problem_; }
+
+  std::optional<double> First_s() const { return Time_s(first_); }
+  double Last_s() const { return libav::Seconds(last_, time_base_); }
 
   void Describe(VideoInfo& info) const;
 
@@ -27,11 +32,14 @@ class StampCheck {
   std::optional<double> Time_s(std::int64_t ticks) const;
 
   AVRational time_base_;
+  std::int64_t usual_ticks_;
   std::int64_t first_ = AV_NOPTS_VALUE;
   std::int64_t last_ = AV_NOPTS_VALUE;
   std::int64_t intervals_ = 0;
   std::int64_t shortest_ = 0;
   std::int64_t longest_ = 0;
+  std::int64_t repaired_ = 0;
+  std::string problem_;
 };
 
 }  // namespace lake

@@ -1,10 +1,17 @@
 #include "lake/video/video_writer.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <opencv2/core.hpp>
+#include <string_view>
 
+#include "damage_log.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "libav.h"
@@ -13,6 +20,10 @@ namespace lake {
 namespace {
 
 constexpr AVRational kTimeBase = {1, 90000};  // holds the intervals of all usual frame rates exactly
+
+// Checked here, since x264 complains about another one on stderr by itself.
+constexpr std::array<std::string_view, 10> kPresets = {"ultrafast", "superfast", "veryfast", "faster",   "fast",
+                                                       "medium",    "slow",      "slower",   "veryslow", "placebo"};
 
 // Closes the file as well, which avformat_free_context does not.
 struct DeleteOutput {
@@ -52,7 +63,7 @@ struct VideoWriter::Impl {
 VideoWriter::Impl::Impl(const std::filesystem::path& path, const VideoWriterOptions& options)
     : path(path), options(options), file(path) {
   CheckOptions();
-  libav::Quieten();
+  DamageLog::TakeLibavLog();
   OpenEncoder();
   OpenFile();
 }
@@ -66,6 +77,8 @@ void VideoWriter::Impl::CheckOptions() const {
     throw Fail("{}: a video of {}×{} px is too large to be written", path.string(), o.width, o.height);
   if (!(o.frame_rate_hz > 0 && o.frame_rate_hz <= 10000))
     throw Fail("{}: {} frames/s is no frame rate for a video", path.string(), o.frame_rate_hz);
+  const bool known = std::find(kPresets.begin(), kPresets.end(), std::string_view(o.preset)) != kPresets.end();
+  if (!known) throw Fail("{}: x264 has no preset '{}'; it has {}", path.string(), o.preset, fmt::join(kPresets, ", "));
   if (o.crf < 0 || o.crf > 51) throw Fail("{}: CRF {} is not in 0..51", path.string(), o.crf);
 }
 
@@ -144,7 +157,7 @@ void VideoWriter::Impl::FillFrame(const cv::Mat& image) {
   }
   if (!from_bgr) {
     from_bgr.reset(sws_getContext(image.cols, image.rows, AV_PIX_FMT_BGR24, image.cols, image.rows, codec->pix_fmt,
-                                  SWS_BILINEAR, nullptr, nullptr, nullptr));
+                                  SWS_BILINEAR | SWS_ACCURATE_RND, nullptr, nullptr, nullptr));
     if (!from_bgr) throw std::bad_alloc();
     sws_setColorspaceDetails(from_bgr.get(), sws_getCoefficients(SWS_CS_DEFAULT), 1,
                              sws_getCoefficients(codec->colorspace), 0, 0, 1 << 16, 1 << 16);

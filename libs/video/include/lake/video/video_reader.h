@@ -27,6 +27,7 @@ struct VideoInfo {
   double longest_interval_s = 0;
   bool irregular_stamps =
       false;  // the two differ by more than a tenth of the mean interval (and the stamps' own rounding)
+  std::int64_t repaired_stamps = 0;  // frames without a stamp: put one frame's duration after the frame before
 };
 
 struct VideoFrame {
