@@ -1,0 +1,137 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "aruco_board.h"
+#include "lake/camera/board.h"
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+
+namespace lake {
+namespace {
+
+struct FoundCorners {
+  std::vector<int> corner;
+  std::vector<cv::Point2f> pixel;
+};
+
+// OpenCV's rows may run downwards; the board's own run upwards, seen from the front.
+void OrderRowsUpwards(const Board& board, std::vector<cv::Point2f>& grid) {
+  const int columns = board.CornerColumns(), rows = board.CornerRows();
+  const cv::Point2f origin = grid.front(), along = grid[static_cast<std::size_t>(columns - 1)] - origin;
+  const cv::Point2f up = grid[static_cast<std::size_t>(columns * (rows - 1))] - origin;
+  if (along.cross(up) < 0) return;  // image y is down
+  for (int low = 0, high = rows - 1; low < high; ++low, --high)
+    std::swap_ranges(grid.begin() + low * columns, grid.begin() + (low + 1) * columns, grid.begin() + high * columns);
+}
+
+FoundCorners FindChessboard(const cv::Mat& grey, const Board& board) {
+  FoundCorners found;
+  const cv::Size size(board.CornerColumns(), board.CornerRows());
+  if (!cv::findChessboardCorners(grey, size, found.pixel, cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) &&
+      !cv::findChessboardCornersSB(grey, size, found.pixel, cv::CALIB_CB_NORMALIZE_IMAGE))
+    return {};
+  OrderRowsUpwards(board, found.pixel);
+  for (int i = 0; i < size.area(); ++i) found.corner.push_back(i);
+  return found;
+}
+
+FoundCorners FindCharuco(const cv::Mat& grey, const Board& board) {
+  const auto charuco = CharucoOf(board);
+  std::vector<std::vector<cv::Point2f>> markers;
+  std::vector<int> ids;
+  cv::aruco::detectMarkers(grey, charuco->dictionary, markers, ids);
+  if (ids.empty()) return {};
+  std::vector<int> corner;
+  std::vector<cv::Point2f> pixel;
+  cv::aruco::interpolateCornersCharuco(markers, ids, grey, charuco, pixel, corner);
+  std::vector<std::size_t> order(corner.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return corner[a] < corner[b]; });
+  FoundCorners found;
+  for (const std::size_t i : order) found.corner.push_back(corner[i]), found.pixel.push_back(pixel[i]);
+  return found;
+}
+
+bool SpanThePlane(const Board& board, const std::vector<int>& corners) {
+  const auto differ = [&](auto line) {
+    return std::any_of(corners.begin(), corners.end(), [&](int c) { return line(c) != line(corners.front()); });
+  };
+  const int columns = board.CornerColumns();
+  return differ([&](int c) { return c % columns; }) && differ([&](int c) { return c / columns; }) &&
+         differ([&](int c) { return c % columns - c / columns; }) && differ([&](int c) { return c % columns + c / columns; });
+}
+
+double NearestNeighbour(const std::vector<cv::Point2f>& pixels, std::size_t of) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    if (i != of) nearest = std::min(nearest, cv::norm(pixels[i] - pixels[of]));
+  return nearest;
+}
+
+// A window for each corner by its own distance to its neighbours, as perspective makes them differ. In a ChArUco board the
+// markers are nearer than the corners.
+int HalfWindow(const Board& board, double spacing_px, int fixed_px) {
+  if (fixed_px > 0) return fixed_px;
+  constexpr double kOfSpacing = 0.35, kOfGap = 0.8;
+  constexpr int kLeast = 2, kMost = 15;
+  double reach = kOfSpacing * spacing_px;
+  if (board.kind == BoardKind::kCharuco)
+    reach = std::min(reach, kOfGap * spacing_px * (1 - board.marker_mm / board.square_mm) / 2);
+  return std::clamp(static_cast<int>(reach), kLeast, kMost);
+}
+
+void RefineCorners(const cv::Mat& grey, const Board& board, int fixed_px, std::vector<cv::Point2f>& pixels) {
+  const std::vector<cv::Point2f> start = pixels;
+  const cv::TermCriteria criteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 50, 1e-3);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const int half = HalfWindow(board, NearestNeighbour(start, i), fixed_px);
+    std::vector<cv::Point2f> one = {start[i]};
+    cv::cornerSubPix(grey, one, {half, half}, {-1, -1}, criteria);
+    pixels[i] = one.front();
+  }
+}
+
+// Contrast over steepest slope around a corner.
+double EdgeWidth(const cv::Mat& grey, const cv::Point2f& pixel, int half) {
+  const cv::Rect all(0, 0, grey.cols, grey.rows);
+  const cv::Rect window =
+      cv::Rect(cvRound(pixel.x) - half - 1, cvRound(pixel.y) - half - 1, 2 * half + 3, 2 * half + 3) & all;
+  if (window.width < 5 || window.height < 5) return std::numeric_limits<double>::quiet_NaN();
+  cv::Mat dx, dy, slope;
+  cv::Sobel(grey(window), dx, CV_32F, 1, 0, 3, 1.0 / 8);
+  cv::Sobel(grey(window), dy, CV_32F, 0, 1, 3, 1.0 / 8);
+  cv::magnitude(dx, dy, slope);
+  double darkest = 0, lightest = 0, steepest = 0;
+  cv::minMaxLoc(grey(window), &darkest, &lightest);
+  cv::minMaxLoc(slope, nullptr, &steepest);
+  return steepest > 0 ? (lightest - darkest) / steepest : std::numeric_limits<double>::quiet_NaN();
+}
+
+double MedianEdgeWidth(const cv::Mat& grey, const Board& board, const std::vector<cv::Point2f>& pixels) {
+  std::vector<double> widths;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const double width = EdgeWidth(grey, pixels[i], HalfWindow(board, NearestNeighbour(pixels, i), 0));
+    if (std::isfinite(width)) widths.push_back(width);
+  }
+  return widths.empty() ? std::numeric_limits<double>::infinity() : Median(widths);
+}
+
+}  // namespace
+
+std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board, const BoardDetectionOptions& options) {
+  if (grey.type() != CV_8UC1 || grey.empty()) throw Fail("a board is looked for in a grey picture of 8 bits");
+  FoundCorners found = board.kind == BoardKind::kChessboard ? FindChessboard(grey, board) : FindCharuco(grey, board);
+  if (static_cast<int>(found.corner.size()) < options.least_corners || !SpanThePlane(board, found.corner))
+    return std::nullopt;
+  RefineCorners(grey, board, options.half_window_px, found.pixel);
+  BoardView view;
+  view.corner = found.corner;
+  for (const cv::Point2f& p : found.pixel) view.pixel.emplace_back(p.x, p.y);
+  view.edge_width_px = MedianEdgeWidth(grey, board, found.pixel);
+  return view;
+}
+
+}  // namespace lake
