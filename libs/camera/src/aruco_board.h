@@ -9,7 +9,7 @@ namespace lake {
 
 cv::Ptr<cv::aruco::Dictionary> PredefinedDictionary(const Board& board);
 
-// Origin at the lower left corner of the whole board, one square left of and below the Board's own.
+// Its frame has x right and y down from the top left corner of the whole board; its corners are numbered from the top.
 cv::Ptr<cv::aruco::CharucoBoard> CharucoOf(const Board& board);
 
 }  // namespace lake

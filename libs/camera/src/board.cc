@@ -43,15 +43,15 @@ constexpr std::array kDictionaries = {
 };
 
 UsageError Wrong(std::string_view text, const std::string& why) {
-  return UsageError(fmt::format("board '{}': {}; write chessboard:COLSxROWS:SQUARE_MM or "
-                                "charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT, e.g. chessboard:9x6:25",
-                                text, why));
+  return UsageError(
+      fmt::format("board '{}': {}; write chessboard:COLSxROWS:SQUARE_MM or "
+                  "charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT, e.g. chessboard:9x6:25",
+                  text, why));
 }
 
 bool SameLetters(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
-    return std::toupper(x) == std::toupper(y);
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::toupper(x) == std::toupper(y); });
 }
 
 const NamedDictionary* FindDictionary(std::string_view name) {
@@ -79,7 +79,8 @@ double ParseLength(std::string_view text, std::string_view whole, const char* wh
 void ParseCharuco(const std::vector<std::string>& parts, std::string_view text, Board& board) {
   board.marker_mm = ParseLength(parts[3], text, "marker");
   if (board.marker_mm >= board.square_mm)
-    throw Wrong(text, fmt::format("a marker of {} mm does not fit into a square of {} mm", board.marker_mm, board.square_mm));
+    throw Wrong(text,
+                fmt::format("a marker of {} mm does not fit into a square of {} mm", board.marker_mm, board.square_mm));
   const NamedDictionary* dictionary = FindDictionary(parts[4]);
   if (!dictionary) {
     std::string known;
@@ -92,18 +93,19 @@ void ParseCharuco(const std::vector<std::string>& parts, std::string_view text, 
 }
 
 // The black cells of a marker, its border included.
-void AppendMarker(const cv::aruco::CharucoBoard& board, std::size_t index, const Eigen::Vector2d& origin,
+void AppendMarker(const Board& board, const cv::aruco::CharucoBoard& charuco, std::size_t index,
                   std::vector<BoardRectangle>& ink) {
-  const int cells = board.dictionary->markerSize + 2;  // with the black border
-  cv::Mat picture;                                     // one pixel per cell
-  board.dictionary->drawMarker(board.ids[index], cells, picture, 1);
-  const auto& corners = board.objPoints[index];  // clockwise from the marker's own top left
-  const Eigen::Vector2d top_left(corners[0].x, corners[0].y);
-  const double side = static_cast<double>(corners[1].x) - static_cast<double>(corners[0].x), cell = side / cells;
+  const int cells = charuco.dictionary->markerSize + 2;  // with the black border
+  cv::Mat picture;                                       // one pixel per cell
+  charuco.dictionary->drawMarker(charuco.ids[index], cells, picture, 1);
+  const cv::Point3f corner =
+      charuco.objPoints[index].front();  // the marker's own top left; y is down from the sheet's top
+  const double cell = board.marker_mm / cells;
+  const double left = corner.x - board.square_mm, top = (board.rows - 1) * board.square_mm - corner.y;
   for (int row = 0; row < cells; ++row)
     for (int column = 0; column < cells; ++column)
       if (picture.at<uchar>(row, column) == 0)
-        ink.push_back({top_left.x() + column * cell - origin.x(), top_left.y() - (row + 1) * cell - origin.y(), cell, cell});
+        ink.push_back({left + column * cell, top - (row + 1) * cell, cell, cell});
 }
 
 }  // namespace
@@ -153,12 +155,12 @@ std::vector<Eigen::Vector2d> BoardCorners(const Board& board) {
 std::vector<BoardRectangle> BoardInk(const Board& board) {
   std::vector<BoardRectangle> ink;
   const double s = board.square_mm;
-  for (int row = 0; row < board.SquareRows(); ++row)
+  for (int from_top = 0; from_top < board.SquareRows(); ++from_top)
     for (int column = 0; column < board.SquareColumns(); ++column)
-      if (row % 2 == column % 2) ink.push_back({(column - 1) * s, (row - 1) * s, s, s});
+      if (from_top % 2 == column % 2) ink.push_back({(column - 1) * s, (board.SquareRows() - 2 - from_top) * s, s, s});
   if (board.kind == BoardKind::kCharuco) {
     const auto charuco = CharucoOf(board);
-    for (std::size_t i = 0; i < charuco->ids.size(); ++i) AppendMarker(*charuco, i, {s, s}, ink);
+    for (std::size_t i = 0; i < charuco->ids.size(); ++i) AppendMarker(board, *charuco, i, ink);
   }
   return ink;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -11,6 +12,8 @@
 
 namespace lake {
 namespace {
+
+constexpr int kLeastSidePx = 32;  // smaller pictures hold no board, and OpenCV's windows do not fit them
 
 struct FoundCorners {
   std::vector<int> corner;
@@ -30,7 +33,8 @@ void OrderRowsUpwards(const Board& board, std::vector<cv::Point2f>& grid) {
 FoundCorners FindChessboard(const cv::Mat& grey, const Board& board) {
   FoundCorners found;
   const cv::Size size(board.CornerColumns(), board.CornerRows());
-  if (!cv::findChessboardCorners(grey, size, found.pixel, cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) &&
+  if (!cv::findChessboardCorners(grey, size, found.pixel,
+                                 cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) &&
       !cv::findChessboardCornersSB(grey, size, found.pixel, cv::CALIB_CB_NORMALIZE_IMAGE))
     return {};
   OrderRowsUpwards(board, found.pixel);
@@ -47,11 +51,13 @@ FoundCorners FindCharuco(const cv::Mat& grey, const Board& board) {
   std::vector<int> corner;
   std::vector<cv::Point2f> pixel;
   cv::aruco::interpolateCornersCharuco(markers, ids, grey, charuco, pixel, corner);
-  std::vector<std::size_t> order(corner.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return corner[a] < corner[b]; });
+  // OpenCV numbers the corners from the top, the Board from below.
+  const int columns = board.CornerColumns(), rows = board.CornerRows();
+  std::map<int, cv::Point2f> ordered;
+  for (std::size_t i = 0; i < corner.size(); ++i)
+    ordered[(rows - 1 - corner[i] / columns) * columns + corner[i] % columns] = pixel[i];
   FoundCorners found;
-  for (const std::size_t i : order) found.corner.push_back(corner[i]), found.pixel.push_back(pixel[i]);
+  for (const auto& [index, at] : ordered) found.corner.push_back(index), found.pixel.push_back(at);
   return found;
 }
 
@@ -61,7 +67,8 @@ bool SpanThePlane(const Board& board, const std::vector<int>& corners) {
   };
   const int columns = board.CornerColumns();
   return differ([&](int c) { return c % columns; }) && differ([&](int c) { return c / columns; }) &&
-         differ([&](int c) { return c % columns - c / columns; }) && differ([&](int c) { return c % columns + c / columns; });
+         differ([&](int c) { return c % columns - c / columns; }) &&
+         differ([&](int c) { return c % columns + c / columns; });
 }
 
 double NearestNeighbour(const std::vector<cv::Point2f>& pixels, std::size_t of) {
@@ -71,8 +78,8 @@ double NearestNeighbour(const std::vector<cv::Point2f>& pixels, std::size_t of) 
   return nearest;
 }
 
-// A window for each corner by its own distance to its neighbours, as perspective makes them differ. In a ChArUco board the
-// markers are nearer than the corners.
+// A window for each corner by its own distance to its neighbours, as perspective makes them differ. In a ChArUco board
+// the markers are nearer than the corners.
 int HalfWindow(const Board& board, double spacing_px, int fixed_px) {
   if (fixed_px > 0) return fixed_px;
   constexpr double kOfSpacing = 0.35, kOfGap = 0.8;
@@ -123,7 +130,12 @@ double MedianEdgeWidth(const cv::Mat& grey, const Board& board, const std::vecto
 
 std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board, const BoardDetectionOptions& options) {
   if (grey.type() != CV_8UC1 || grey.empty()) throw Fail("a board is looked for in a grey picture of 8 bits");
-  FoundCorners found = board.kind == BoardKind::kChessboard ? FindChessboard(grey, board) : FindCharuco(grey, board);
+  FoundCorners found;
+  try {
+    found = board.kind == BoardKind::kChessboard ? FindChessboard(grey, board) : FindCharuco(grey, board);
+  } catch (const cv::Exception&) {
+    return std::nullopt;  // OpenCV's searches assert on some pictures without a board, e.g. noise
+  }
   if (static_cast<int>(found.corner.size()) < options.least_corners || !SpanThePlane(board, found.corner))
     return std::nullopt;
   RefineCorners(grey, board, options.half_window_px, found.pixel);

@@ -1,7 +1,7 @@
 #include "lake/camera/board_pictures.h"
 
-#include <algorithm>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -30,11 +30,12 @@ bool IsVideo(const fs::path& path) {
 void CheckSize(BoardPictures& pictures, int width, int height, const std::string& name, const fs::path& first) {
   if (pictures.width_px == 0) pictures.width_px = width, pictures.height_px = height;
   if (pictures.width_px != width || pictures.height_px != height)
-    throw Fail("{}: it has {}x{} px, but {} has {}x{}; all pictures must come from one camera in one mode", name, width, height,
-               first.string(), pictures.width_px, pictures.height_px);
+    throw Fail("{}: it has {}x{} px, but {} has {}x{}; all pictures must come from one camera in one mode", name, width,
+               height, first.string(), pictures.width_px, pictures.height_px);
 }
 
-BoardPictures FindInImages(const std::vector<fs::path>& files, const Board& board, const BoardPicturesOptions& options) {
+BoardPictures FindInImages(const std::vector<fs::path>& files, const Board& board,
+                           const BoardPicturesOptions& options) {
   Progress progress("looking for the board", "images", static_cast<std::int64_t>(files.size()), options.quiet);
   BoardPictures pictures;
   for (const fs::path& file : files) {
@@ -62,8 +63,10 @@ BoardPictures FindInVideo(const fs::path& file, const Board& board, const BoardP
   for (VideoFrame frame; reader->Read(frame); progress.Advance()) {
     ThrowIfInterrupted();
     if (frame.time_s < next_attempt_s) continue;
-    next_attempt_s = frame.time_s + 1 / options.attempts_per_s - 1e-6;  // rounding of stamps must not lose every second one
-    CheckSize(pictures, frame.luma.cols, frame.luma.rows, fmt::format("{}: frame {}", file.string(), frame.index), file);
+    next_attempt_s =
+        frame.time_s + 1 / options.attempts_per_s - 1e-6;  // rounding of stamps must not lose every second one
+    CheckSize(pictures, frame.luma.cols, frame.luma.rows, fmt::format("{}: frame {}", file.string(), frame.index),
+              file);
     ++pictures.attempts;
     if (std::optional<BoardView> view = DetectBoard(frame.luma, board)) {
       view->name = fmt::format("frame {}", frame.index);
@@ -85,7 +88,8 @@ FourCorners OuterCorners(const Board& board, const BoardView& view) {
     swapped.push_back({corners[static_cast<std::size_t>(view.corner[i])], view.pixel[i]});
   const Eigen::Matrix3d image_from_board = PlaneHomography(swapped).plane_from_image;
   const double right = (board.CornerColumns() - 1) * board.square_mm, top = (board.CornerRows() - 1) * board.square_mm;
-  FourCorners outer = {Eigen::Vector2d(0, 0), Eigen::Vector2d(right, 0), Eigen::Vector2d(right, top), Eigen::Vector2d(0, top)};
+  FourCorners outer = {Eigen::Vector2d(0, 0), Eigen::Vector2d(right, 0), Eigen::Vector2d(right, top),
+                       Eigen::Vector2d(0, top)};
   for (Eigen::Vector2d& p : outer) p = (image_from_board * p.homogeneous()).hnormalized().eval();
   return outer;
 }
@@ -108,8 +112,9 @@ std::vector<BoardView> ChooseSpreadViews(const Board& board, std::vector<BoardVi
 
   std::vector<FourCorners> outer;
   for (const BoardView& view : views) outer.push_back(OuterCorners(board, view));
-  const auto sharpest = std::min_element(
-      views.begin(), views.end(), [](const BoardView& a, const BoardView& b) { return a.edge_width_px < b.edge_width_px; });
+  const auto sharpest = std::min_element(views.begin(), views.end(), [](const BoardView& a, const BoardView& b) {
+    return a.edge_width_px < b.edge_width_px;
+  });
   std::vector<double> farness(views.size(), std::numeric_limits<double>::infinity());  // 0 once chosen
   std::vector<std::size_t> chosen;
   auto next = static_cast<std::size_t>(sharpest - views.begin());
@@ -128,13 +133,15 @@ BoardPictures FindBoards(const std::vector<fs::path>& files, const Board& board,
   const bool video = files.size() == 1 && IsVideo(files.front());
   BoardPictures pictures = video ? FindInVideo(files.front(), board, options) : FindInImages(files, board, options);
   if (pictures.views.empty())
-    throw Fail("{}: the board {} was seen in none of {} {}; is it the board that was printed, whole in the picture and lit "
-               "evenly?",
-               files.front().string(), ToString(board), pictures.attempts, video ? "frames" : "images");
+    throw Fail(
+        "{}: the board {} was seen in none of {} {}; is it the board that was printed, whole in the picture and lit "
+        "evenly?",
+        files.front().string(), ToString(board), pictures.attempts, video ? "frames" : "images");
   const double missing = static_cast<double>(pictures.without_board.size()) / pictures.attempts;
   if (missing > options.most_missing)
     throw Fail("the board {} was not seen in {} of {} images: {}; take them anew or name only those that show it",
-               ToString(board), pictures.without_board.size(), pictures.attempts, fmt::join(pictures.without_board, ", "));
+               ToString(board), pictures.without_board.size(), pictures.attempts,
+               fmt::join(pictures.without_board, ", "));
   return pictures;
 }
 

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t kLeastViews = 3;  // two are enough for five intrinsics only in theory
 constexpr double kOutlierSigmas = 5;
-constexpr double kMedianOfRayleigh = 1.17741002251547469;  // sqrt(2 ln 2): median |r| of a 2-D normal error of unit sigma
+constexpr double kMedianOfRayleigh =
+    1.17741002251547469;  // sqrt(2 ln 2): median |r| of a 2-D normal error of unit sigma
 
 // The unknowns as Ceres sees them.
 struct Unknowns {
@@ -35,7 +36,8 @@ struct CornerError {
   Eigen::Vector2d seen, point_in_board;
 
   template <typename T>
-  bool operator()(const T* intrinsics, const T* distortion, const T* rotation, const T* translation, T* residual) const {
+  bool operator()(const T* intrinsics, const T* distortion, const T* rotation, const T* translation,
+                  T* residual) const {
     const T point[3] = {T(point_in_board.x()), T(point_in_board.y()), T(0)};
     Eigen::Matrix<T, 3, 1> in_camera;
     ceres::AngleAxisRotatePoint(rotation, point, in_camera.data());
@@ -85,7 +87,8 @@ std::vector<std::vector<cv::Point3f>> PointsInBoard(const Board& board, const st
   return points;
 }
 
-Seed SeedOfOpenCv(const Board& board, const std::vector<BoardView>& views, cv::Size size, const CalibrationOptions& options) {
+Seed SeedOfOpenCv(const Board& board, const std::vector<BoardView>& views, cv::Size size,
+                  const CalibrationOptions& options) {
   std::vector<std::vector<cv::Point2f>> pixels;
   for (const BoardView& view : views) {
     auto& list = pixels.emplace_back();
@@ -101,7 +104,8 @@ Seed SeedOfOpenCv(const Board& board, const std::vector<BoardView>& views, cv::S
     seed.rms_px = std::nan("");
   }
   if (!std::isfinite(seed.rms_px) || !cv::checkRange(k) || !cv::checkRange(d))
-    throw Fail("no camera explains these {} views: are they of one rigid board, tilted in different ways?", views.size());
+    throw Fail("no camera explains these {} views: are they of one rigid board, tilted in different ways?",
+               views.size());
   seed.unknowns.intrinsics = {k.at<double>(0, 0), k.at<double>(1, 1), k.at<double>(0, 2), k.at<double>(1, 2)};
   std::copy_n(d.ptr<double>(), 5, seed.unknowns.distortion.begin());
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -124,8 +128,7 @@ std::unique_ptr<ceres::Problem> MakeProblem(const Board& board, const std::vecto
       problem->AddResidualBlock(
           CornerError::Create(views[v].pixel[i], corners[static_cast<std::size_t>(views[v].corner[i])]), loss,
           u.intrinsics.data(), u.distortion.data(), u.poses[v].rotation.data(), u.poses[v].translation.data());
-  if (options.square_pixels)
-    problem->SetManifold(u.intrinsics.data(), new ceres::AutoDiffManifold<SquarePixels, 4, 3>);
+  if (options.square_pixels) problem->SetManifold(u.intrinsics.data(), new ceres::AutoDiffManifold<SquarePixels, 4, 3>);
   if (options.fix_k3) problem->SetManifold(u.distortion.data(), new ceres::SubsetManifold(5, {4}));
   return problem;
 }
@@ -140,8 +143,8 @@ SolveSummary Solve(ceres::Problem& problem) {
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  return {summary.IsSolutionUsable(), static_cast<int>(summary.iterations.size()), summary.initial_cost, summary.final_cost,
-          summary.message};
+  return {summary.IsSolutionUsable(), static_cast<int>(summary.iterations.size()), summary.initial_cost,
+          summary.final_cost, summary.message};
 }
 
 // Every corner's residual at the unknowns, view after view.
@@ -161,10 +164,11 @@ double SigmaFromMedian(const std::vector<Eigen::Vector2d>& residuals) {
   return Median(std::move(norms)) / kMedianOfRayleigh;
 }
 
-// Solves with a Cauchy loss whose scale follows the residuals until it settles. The loss must outlive later uses of the problem.
+// Solves with a Cauchy loss whose scale follows the residuals until it settles. The loss must outlive later uses of the
+// problem.
 SolveSummary SolveRobustly(ceres::Problem& problem, ceres::LossFunctionWrapper& loss) {
-  constexpr double kScale = 3;        // of sigma; 95 % as precise as least squares if the noise is normal
-  constexpr double kLeastPx = 1e-4;   // exact data have no scale
+  constexpr double kScale = 3;       // of sigma; 95 % as precise as least squares if the noise is normal
+  constexpr double kLeastPx = 1e-4;  // exact data have no scale
   constexpr int kMostRounds = 10;
   SolveSummary summary = Solve(problem);
   double sigma = 0;
@@ -182,7 +186,8 @@ SolveSummary SolveRobustly(ceres::Problem& problem, ceres::LossFunctionWrapper& 
 }
 
 // Huber's variance of one coordinate: sum |psi|² / (2n − p) / mean(psi')². For the squared loss the residual variance.
-double EffectiveVariance(const std::vector<Eigen::Vector2d>& residuals, const ceres::LossFunction& loss, int parameters) {
+double EffectiveVariance(const std::vector<Eigen::Vector2d>& residuals, const ceres::LossFunction& loss,
+                         int parameters) {
   const double n = 2 * static_cast<double>(residuals.size());
   double psi_squared = 0, slope = 0;
   for (const auto& r : residuals) {
@@ -201,7 +206,8 @@ IntrinsicCovariance Covariance(ceres::Problem& problem, const Unknowns& u, doubl
   ceres::Covariance covariance(options);
   const std::vector<const double*> blocks = {u.intrinsics.data(), u.distortion.data()};
   Eigen::Matrix<double, 9, 9, Eigen::RowMajor> values;
-  if (!covariance.Compute(blocks, &problem) || !covariance.GetCovarianceMatrix(blocks, values.data()) || !values.allFinite())
+  if (!covariance.Compute(blocks, &problem) || !covariance.GetCovarianceMatrix(blocks, values.data()) ||
+      !values.allFinite())
     throw Fail("the views do not fix the camera: tilt the board by 30 to 45 degrees in different directions");
   return variance * values;
 }
@@ -244,7 +250,8 @@ void FillResiduals(const std::vector<BoardView>& views, const std::vector<Eigen:
 CalibrationResult CalibrateCamera(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
                                   const CalibrationOptions& options) {
   if (views.size() < kLeastViews)
-    throw Fail("{} views of the board were given; at least {} are needed, 12 to 25 are good", views.size(), kLeastViews);
+    throw Fail("{} views of the board were given; at least {} are needed, 12 to 25 are good", views.size(),
+               kLeastViews);
   Seed seed = SeedOfOpenCv(board, views, {width_px, height_px}, options);
   ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);
   const auto problem = MakeProblem(board, views, options, &loss, seed.unknowns);

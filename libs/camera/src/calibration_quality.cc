@@ -13,8 +13,8 @@
 namespace lake {
 namespace {
 
-constexpr double kHighRmsPx = 0.5;        // the field's custom: under 0.3 px good, over 0.5 px warn
-constexpr double kLeastCoverage = 0.5;    // of cells
+constexpr double kHighRmsPx = 0.5;         // the field's custom: under 0.3 px good, over 0.5 px warn
+constexpr double kLeastCoverage = 0.5;     // of cells
 constexpr double kWidestEmptyStrip = 0.2;  // of the picture's width or height
 constexpr double kLeastTiltDeg = 15;
 constexpr std::size_t kFewViews = 8;
@@ -42,7 +42,9 @@ struct RotatedRayError {
   }
 };
 
-int CellsAlong(int length, int longer) { return std::max(1, static_cast<int>(std::lround(10.0 * length / longer))); }
+int CellsAlong(int length, int longer) {
+  return std::max(1, static_cast<int>(std::lround(10.0 * length / longer)));
+}
 
 std::optional<Eigen::Vector3d> RayIfAny(const Camera& camera, const Eigen::Vector2d& pixel) {
   try {
@@ -65,24 +67,27 @@ Halves Split(const std::vector<BoardView>& views) {
 void WarnOfFit(const std::vector<BoardView>& views, const CalibrationResult& result, std::size_t worst,
                std::vector<std::string>& warnings) {
   if (result.rms_px <= kHighRmsPx) return;
-  const char* cause = result.inlier_rms_px < kHighRmsPx ? "a few corners are far off (blur, a hidden corner, a reflection)"
-                                                        : "the board is not flat, the picture is blurred, or its lens is "
-                                                          "beyond this model";
-  warnings.push_back(fmt::format("RMS {:.2f} px is above {} px: {}; the worst view is {} ({:.2f} px)", result.rms_px, kHighRmsPx,
-                                 cause, views[worst].name, result.view_rms_px[worst]));
+  const char* cause = result.inlier_rms_px < kHighRmsPx
+                          ? "a few corners are far off (blur, a hidden corner, a reflection)"
+                          : "the board is not flat, the picture is blurred, or its lens is "
+                            "beyond this model";
+  warnings.push_back(fmt::format("RMS {:.2f} px is above {} px: {}; the worst view is {} ({:.2f} px)", result.rms_px,
+                                 kHighRmsPx, cause, views[worst].name, result.view_rms_px[worst]));
 }
 
 void WarnOfCoverage(const Coverage& coverage, std::vector<std::string>& warnings) {
   std::string sides;
   const auto add = [&](double strip, const char* side) {
-    if (strip > kWidestEmptyStrip) sides += fmt::format("{}{:.0f} % at the {}", sides.empty() ? "" : ", ", 100 * strip, side);
+    if (strip > kWidestEmptyStrip)
+      sides += fmt::format("{}{:.0f} % at the {}", sides.empty() ? "" : ", ", 100 * strip, side);
   };
   add(coverage.empty_left, "left"), add(coverage.empty_right, "right");
   add(coverage.empty_top, "top"), add(coverage.empty_bottom, "bottom");
   if (coverage.fraction >= kLeastCoverage && sides.empty()) return;
-  warnings.push_back(fmt::format("the board covered {:.0f} % of the picture{}: the distortion there is a guess; move the board "
-                                 "into every corner of the picture",
-                                 100 * coverage.fraction, sides.empty() ? "" : ", nothing in " + sides));
+  warnings.push_back(
+      fmt::format("the board covered {:.0f} % of the picture{}: the distortion there is a guess; move the board "
+                  "into every corner of the picture",
+                  100 * coverage.fraction, sides.empty() ? "" : ", nothing in " + sides));
 }
 
 void WarnOfGeometry(const std::vector<BoardView>& views, const CalibrationResult& result, double tilt_deg,
@@ -90,14 +95,16 @@ void WarnOfGeometry(const std::vector<BoardView>& views, const CalibrationResult
   if (views.size() < kFewViews)
     warnings.push_back(fmt::format("only {} views of the board: 12 to 25 are good", views.size()));
   if (tilt_deg < kLeastTiltDeg)
-    warnings.push_back(fmt::format("the views are nearly parallel (the largest angle between two is {:.0f} degrees): focal "
-                                   "length and distance cannot be told apart; tilt the board by 30 to 45 degrees",
-                                   tilt_deg));
+    warnings.push_back(
+        fmt::format("the views are nearly parallel (the largest angle between two is {:.0f} degrees): focal "
+                    "length and distance cannot be told apart; tilt the board by 30 to 45 degrees",
+                    tilt_deg));
   const double sd = std::sqrt(std::max(result.covariance(0, 0), 0.0)) / result.camera.fx;
   if (sd > kLargestFocalSd)
-    warnings.push_back(fmt::format("the focal length is known to {:.1f} % only (one standard deviation): take more views, "
-                                   "nearer and more tilted",
-                                   100 * sd));
+    warnings.push_back(
+        fmt::format("the focal length is known to {:.1f} % only (one standard deviation): take more views, "
+                    "nearer and more tilted",
+                    100 * sd));
 }
 
 }  // namespace
@@ -188,8 +195,8 @@ double LargestTiltDeg(const CalibrationResult& result) {
   return DegreesFromRadians(std::acos(std::clamp(smallest_cosine, -1.0, 1.0)));
 }
 
-CalibrationQuality AssessCalibration(const Board& board, const std::vector<BoardView>& views, const CalibrationResult& result,
-                                     const CalibrationOptions& options) {
+CalibrationQuality AssessCalibration(const Board& board, const std::vector<BoardView>& views,
+                                     const CalibrationResult& result, const CalibrationOptions& options) {
   const auto [width, height] = std::pair(result.camera.image_width, result.camera.image_height);
   CalibrationQuality quality;
   quality.coverage = CoverageOf(views, width, height);
@@ -201,9 +208,10 @@ CalibrationQuality AssessCalibration(const Board& board, const std::vector<Board
   WarnOfCoverage(quality.coverage, quality.warnings);
   WarnOfGeometry(views, result, quality.largest_tilt_deg, quality.warnings);
   if (quality.cross_validation && quality.cross_validation->rms_px > kHalvesDifferPx)
-    quality.warnings.push_back(fmt::format("odd and even views give cameras that differ by {:.1f} px RMS over the picture: more "
-                                           "views, more coverage, or fewer parameters (--fix-k3) are needed",
-                                           quality.cross_validation->rms_px));
+    quality.warnings.push_back(
+        fmt::format("odd and even views give cameras that differ by {:.1f} px RMS over the picture: more "
+                    "views, more coverage, or fewer parameters (--fix-k3) are needed",
+                    quality.cross_validation->rms_px));
   return quality;
 }
 

@@ -23,9 +23,9 @@ Cubic RadialSlope(const std::array<double, 5>& k) {
   return {1, 3 * k[0], 5 * k[1], 7 * k[4]};
 }
 
-double Bisect(const auto& function, double low, double high) {
-  constexpr int kHalvings = 60;  // to the last bit of a double
-  for (int i = 0; i < kHalvings; ++i) {
+// Where a falling function crosses zero, from below.
+double Bisect(const auto& function, double low, double high, int halvings) {
+  for (int i = 0; i < halvings; ++i) {
     const double middle = (low + high) / 2;
     (function(middle) > 0 ? low : high) = middle;
   }
@@ -45,12 +45,13 @@ std::vector<double> TurningPoints(const Cubic& c) {
 
 // The smallest positive root of a cubic that is 1 at t = 0; infinite if there is none below kFarthest.
 double FirstRoot(const Cubic& c) {
+  constexpr int kToTheLastBit = 60;
   constexpr double kFarthest = 1e4;  // r = 100: 89.4 degrees from the axis
   std::vector<double> ends = TurningPoints(c);
   ends.push_back(kFarthest);
   double low = 0;
   for (const double end : ends) {
-    if (Value(c, end) <= 0) return Bisect([&](double t) { return Value(c, t); }, low, end);
+    if (Value(c, end) <= 0) return Bisect([&](double t) { return Value(c, t); }, low, end, kToTheLastBit);
     low = end;
   }
   return std::numeric_limits<double>::infinity();
@@ -75,12 +76,13 @@ Distorted Distort(const std::array<double, 5>& k, const Eigen::Vector2d& p) {
   return d;
 }
 
-// The radius inside the fold that the radial part alone moves to `distorted`; the fold itself if none does.
+// About the radius inside the fold that the radial part alone moves to `distorted`; the fold itself if none does.
 double UndistortRadius(const std::array<double, 5>& k, double distorted, double fold) {
+  constexpr int kHalvings = 8;  // a start for Newton's method
   const auto missing = [&](double r) { return distorted - r * Value({1, k[0], k[1], k[4]}, r * r); };
   double high = std::isfinite(fold) ? fold : std::max(distorted, 1e-3);
   while (!std::isfinite(fold) && missing(high) > 0) high *= 2;
-  return missing(high) >= 0 ? high : Bisect(missing, 0, high);
+  return missing(high) >= 0 ? high : Bisect(missing, 0, high, kHalvings);
 }
 
 // Newton's method with the step halved while it does not help; nullopt if it ends on no solution inside the fold.

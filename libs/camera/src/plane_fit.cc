@@ -76,7 +76,8 @@ Refined RefineOnce(const Camera& camera, std::span<const PlaneCorrespondence> po
   const std::vector<const double*> blocks = {turn.data(), translation.data()};
   Eigen::Matrix<double, 6, 6, Eigen::RowMajor> inverse;
   refined.inverse.setConstant(std::nan(""));
-  if (covariance.Compute(blocks, &problem) && covariance.GetCovarianceMatrix(blocks, inverse.data())) refined.inverse = inverse;
+  if (covariance.Compute(blocks, &problem) && covariance.GetCovarianceMatrix(blocks, inverse.data()))
+    refined.inverse = inverse;
   for (const auto& p : points)
     refined.residual_px.push_back(p.pixel - PixelFromPlane(camera, refined.pose, p.point_in_plane));
   return refined;
@@ -127,17 +128,20 @@ double ApartDeg(const PlanePose& a, const PlanePose& b) {
 
 void AddWarnings(PlaneFit& fit) {
   if (fit.other && fit.other->as_likely)
-    fit.warnings.push_back(fmt::format("the plane's tilt is ambiguous: another pose, {:.1f} degrees away, fits as well ({:.3f} px "
-                                       "against {:.3f} px RMS); use a larger board or points farther apart, or a closer camera",
-                                       fit.other->apart_deg, fit.other->rms_px, fit.uncertainty.rms_px));
+    fit.warnings.push_back(
+        fmt::format("the plane's tilt is ambiguous: another pose, {:.1f} degrees away, fits as well ({:.3f} px "
+                    "against {:.3f} px RMS); use a larger board or points farther apart, or a closer camera",
+                    fit.other->apart_deg, fit.other->rms_px, fit.uncertainty.rms_px));
   if (fit.uncertainty.rms_px > kHighRmsPx)
-    fit.warnings.push_back(fmt::format("the known points miss the plane by {:.1f} px RMS: a point is wrong, or the camera file is "
-                                       "not this camera's",
-                                       fit.uncertainty.rms_px));
+    fit.warnings.push_back(
+        fmt::format("the known points miss the plane by {:.1f} px RMS: a point is wrong, or the camera file is "
+                    "not this camera's",
+                    fit.uncertainty.rms_px));
   if (std::abs(fit.roll_deg) > kLargestRollDeg)
-    fit.warnings.push_back(fmt::format("the plane's x axis is turned by {:.0f} degrees in the picture: y is not up; set the board "
-                                       "level, or say where up is with --vertical when tracking",
-                                       fit.roll_deg));
+    fit.warnings.push_back(
+        fmt::format("the plane's x axis is turned by {:.0f} degrees in the picture: y is not up; set the board "
+                    "level, or say where up is with --vertical when tracking",
+                    fit.roll_deg));
 }
 
 // The points' coordinates after counter-clockwise quarter turns of the frame.
@@ -154,7 +158,8 @@ PlaneFit FitPlane(const Camera& camera, std::span<const PlaneCorrespondence> poi
   const std::vector<Refined> poses = RefinedPoses(camera, points);
   const Refined& best = poses.front();
   if (!(best.pose.inverse().translation().z() > 0))
-    throw Fail("the millimetres of the known points are mirrored: seen from the camera, y must point up where x points right");
+    throw Fail(
+        "the millimetres of the known points are mirrored: seen from the camera, y must point up where x points right");
   if (!best.inverse.allFinite()) throw Fail("the known points do not fix the plane's pose");
 
   const double n = static_cast<double>(points.size());
@@ -172,7 +177,8 @@ PlaneFit FitPlane(const Camera& camera, std::span<const PlaneCorrespondence> poi
   return fit;
 }
 
-PlaneFit FitPlaneToBoard(const Camera& camera, const Board& board, const BoardView& view, const PlaneFitOptions& options) {
+PlaneFit FitPlaneToBoard(const Camera& camera, const Board& board, const BoardView& view,
+                         const PlaneFitOptions& options) {
   const auto correspondences = [&](const std::vector<Eigen::Vector2d>& corners) {
     std::vector<PlaneCorrespondence> points;
     for (std::size_t i = 0; i < view.corner.size(); ++i)

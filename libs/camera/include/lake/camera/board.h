@@ -13,8 +13,8 @@ namespace lake {
 
 enum class BoardKind { kChessboard, kCharuco };
 
-// A board lies in z = 0 of its own frame: x right, y up on the sheet, z towards who looks at it; the origin is the lower left inner
-// corner.
+// A board lies in z = 0 of its own frame: x right, y up on the sheet, z towards who looks at it; the origin is the
+// lower left inner corner.
 struct Board {
   BoardKind kind = BoardKind::kChessboard;
   int columns = 0;  // inner corners of a chessboard, squares of a ChArUco board
@@ -29,8 +29,8 @@ struct Board {
   int CornerRows() const { return SquareRows() - 1; }
 };
 
-// chessboard:COLSxROWS:SQUARE_MM or charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT. Throws UsageError that quotes the text and says
-// what is wrong with it.
+// chessboard:COLSxROWS:SQUARE_MM or charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT. Throws UsageError that quotes the text
+// and says what is wrong with it.
 Board ParseBoard(std::string_view text);
 
 // The text that ParseBoard understands.
@@ -44,8 +44,8 @@ struct BoardRectangle {
   double left, bottom, width, height;
 };
 
-// What is black on the sheet: squares, and the black cells of markers. OpenCV's layout up to 4.6 (setLegacyPattern(true) of later
-// versions, which differs only for an even number of rows).
+// What is black on the sheet: squares, and the black cells of markers. OpenCV's layout up to 4.6
+// (setLegacyPattern(true) of later versions, which differs only for an even number of rows).
 std::vector<BoardRectangle> BoardInk(const Board& board);
 
 // The corners of a board that were found in one picture.
@@ -57,14 +57,15 @@ struct BoardView {
 };
 
 struct BoardDetectionOptions {
-  // Half the window of the sub-pixel corner search, px; 0 takes 0.35 of the distance to the nearest neighbour, 2..15 px: a window
-  // that reaches the next corner spoils the result.
+  // Half the window of the sub-pixel corner search, px; 0 takes 0.35 of the distance to the nearest neighbour, 2..15
+  // px: a window that reaches the next corner spoils the result.
   int half_window_px = 0;
   int least_corners = 8;  // fewer seen corners of a ChArUco board are no use
 };
 
-// nullopt if the board is not seen. `grey` is CV_8UC1. A chessboard must be seen whole, a ChArUco board may be cut off or covered.
-// A chessboard looks the same after half a turn: which of the two was meant cannot be known.
-std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board, const BoardDetectionOptions& options = {});
+// nullopt if the board is not seen. `grey` is CV_8UC1. A chessboard must be seen whole, a ChArUco board may be cut off
+// or covered. A chessboard looks the same after half a turn: which of the two was meant cannot be known.
+std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board,
+                                     const BoardDetectionOptions& options = {});
 
 }  // namespace lake

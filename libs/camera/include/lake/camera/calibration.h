@@ -47,10 +47,11 @@ struct CalibrationResult {
   SolveSummary summary;
 };
 
-// Zhang's method as OpenCV has it (Z. Zhang, A flexible new technique for camera calibration, 2000) gives the seed. The bundle
-// adjustment minimises sum rho(|seen − predicted|²) over intrinsics, distortion and all poses. The covariance is that of an
-// M-estimate, (J'J)^-1 · sum |psi|² / (2n − p) / mean(psi')² (Huber & Ronchetti, Robust Statistics, 2009, sec. 7.6), which for
-// least squares is the residual variance times (J'J)^-1; it stays 0 if the summary is not usable. Throws Error: fewer than 3 views, views that do not fix the parameters.
+// Zhang's method as OpenCV has it (Z. Zhang, A flexible new technique for camera calibration, 2000) gives the seed. The
+// bundle adjustment minimises sum rho(|seen − predicted|²) over intrinsics, distortion and all poses. The covariance is
+// that of an M-estimate, (J'J)^-1 · sum |psi|² / (2n − p) / mean(psi')² (Huber & Ronchetti, Robust Statistics, 2009,
+// sec. 7.6), which for least squares is the residual variance times (J'J)^-1; it stays 0 if the summary is not usable.
+// Throws Error: fewer than 3 views, views that do not fix the parameters.
 CalibrationResult CalibrateCamera(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
                                   const CalibrationOptions& options = {});
 
