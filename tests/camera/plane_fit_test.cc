@@ -125,7 +125,7 @@ TEST(FitPlane, SaysWhenTheTwoPosesCannotBeToldApart) {
   EXPECT_THAT(far.warnings, Contains(HasSubstr("ambiguous")));
   const PlaneFit near = FitPlane(camera, Points(camera, TiltedPlane(25, 0, 600), BoardCorners(kBoard), 0.1));
   EXPECT_THAT(near.warnings, Not(Contains(HasSubstr("ambiguous"))));
-  if (near.other) EXPECT_FALSE(near.other->as_likely);
+  EXPECT_FALSE(near.other && near.other->as_likely);
 }
 
 // Where the better solution is taken although the first guess may be the other: many seeds at a size that just tells.

@@ -87,7 +87,7 @@ void WriteResidualFigure(const std::filesystem::path& path, const std::vector<Bo
                         1.1 * *std::max_element(rms.begin(), rms.end()), static_cast<double>(views.size()) - 0.3));
   std::string tics;
   for (std::size_t v = 0; v < views.size(); ++v)
-    tics += (v ? "," : "") + QuoteForGnuplot(views[v].name) + " " + std::to_string(v);
+    tics += fmt::format("{}{} {}", v ? "," : "", QuoteForGnuplot(views[v].name), v);
   figure.Line(fmt::format("set ytics ({}) font ',{}' noenhanced", tics, views.size() > 30 ? 7 : 10))
       .Line(fmt::format(
           "set style fill solid 0.8 noborder\nset arrow 1 from {0},graph 0 to {0},graph 1 nohead dt 2 lc '{1}'",
