@@ -146,7 +146,7 @@ TEST_F(BoardSheetTest, ABoardThatIsTooLargeIsAnErrorWithTheWayOut) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("does not fit on a4"));
-    EXPECT_THAT(error.what(), testing::HasSubstr("can be 24."));
+    EXPECT_THAT(error.what(), testing::HasSubstr("can be 25.5 mm"));
   }
   EXPECT_FALSE(fs::exists(folder_ / "board.pdf"));
   EXPECT_THROW(ParsePaper("b5"), UsageError);

@@ -14,8 +14,9 @@ namespace lake {
 namespace {
 
 constexpr double kPointsPerMm = 72 / 25.4;
+constexpr double kRim = 0.3;      // of a square, white around the board
 constexpr double kMarginMm = 5;   // printers leave a rim
-constexpr double kFooterMm = 15;  // ruler and text
+constexpr double kFooterMm = 16;  // ruler and text
 constexpr double kTickMm = 4;     // of the ruler, at every 10 mm
 constexpr double kLineMm = 0.2;
 
@@ -30,17 +31,17 @@ struct Layout {
 
 Layout LayOut(const Board& board, const Paper& paper) {
   const double s = board.square_mm, width = board.SquareColumns() * s, height = board.SquareRows() * s;
-  const double room_x = paper.width_mm - 2 * kMarginMm, room_y = paper.height_mm - 2 * kMarginMm - kFooterMm;
-  if (width + s > room_x || height + s / 2 > room_y) {
-    const double largest = std::min(room_x / (board.SquareColumns() + 1), room_y / (board.SquareRows() + 0.5));
-    throw Fail(
-        "the board {} does not fit on {} ({} x {} mm) with a white rim of half a square; its squares can be {:.1f} mm",
-        ToString(board), paper.name, paper.width_mm, paper.height_mm, std::floor(largest * 10) / 10);
+  const double room_x = paper.width_mm, room_y = paper.height_mm - kFooterMm;
+  if (width + 2 * kRim * s > room_x || height + 2 * kRim * s > room_y) {
+    const double largest =
+        std::min(room_x / (board.SquareColumns() + 2 * kRim), room_y / (board.SquareRows() + 2 * kRim));
+    throw Fail("the board {} does not fit on {} ({} x {} mm) with a white rim; its squares can be {:.1f} mm",
+               ToString(board), paper.name, paper.width_mm, paper.height_mm, std::floor(largest * 10) / 10);
   }
   Layout layout;
   layout.left = (paper.width_mm - width) / 2;
-  layout.top = kMarginMm + (room_y - height) / 2;
-  layout.ruler_mm = std::min(200.0, 50 * std::floor((room_x - 100) / 50));
+  layout.top = (room_y - height) / 2;
+  layout.ruler_mm = std::min(200.0, 50 * std::floor((room_x - 110) / 50));
   layout.ruler_left = kMarginMm + 5;
   layout.ruler_y = paper.height_mm - kMarginMm - 6;
   return layout;

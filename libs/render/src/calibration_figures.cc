@@ -47,6 +47,18 @@ void PictureAxes(GnuplotFigure& figure, int width_px, int height_px) {
       .Line("set xlabel 'x [px]'\nset ylabel 'y [px]' offset 1,0\nset tics out nomirror\nset border lw 1");
 }
 
+// Grey where no corner was seen.
+void ShadeEmptyCells(GnuplotFigure& figure, const Coverage& coverage, int width_px, int height_px) {
+  const double width = static_cast<double>(width_px) / coverage.columns,
+               height = static_cast<double>(height_px) / coverage.rows;
+  for (int row = 0; row < coverage.rows; ++row)
+    for (int column = 0; column < coverage.columns; ++column)
+      if (coverage.corners[static_cast<std::size_t>(row * coverage.columns + column)] == 0)
+        figure.Line(fmt::format("set object rectangle from {},{} to {},{} fc rgb '{}' fs solid noborder behind",
+                                column * width - 0.5, row * height - 0.5, (column + 1) * width - 0.5,
+                                (row + 1) * height - 0.5, colour::kGap));
+}
+
 }  // namespace
 
 void WriteResidualFigure(const std::filesystem::path& path, const std::vector<BoardView>& views,
@@ -61,8 +73,11 @@ void WriteResidualFigure(const std::filesystem::path& path, const std::vector<Bo
           "set lmargin at screen 0.06\nset rmargin at screen 0.62\nset tmargin at screen 0.90\nset bmargin at screen "
           "0.12");
   PictureAxes(figure, camera.image_width, camera.image_height);
-  figure.Line(fmt::format("set title 'Corners and residuals, {}× magnified: RMS {:.3f} px, inliers {:.3f} px'",
-                          magnification, result.rms_px, result.inlier_rms_px));
+  ShadeEmptyCells(figure, CoverageOf(views, camera.image_width, camera.image_height), camera.image_width,
+                  camera.image_height);
+  figure.Line(fmt::format(
+      "set title 'Corners and residuals, {}× magnified: RMS {:.3f} px, inliers {:.3f} px; grey: no corner seen'",
+      magnification, result.rms_px, result.inlier_rms_px));
   const std::string in = figure.Data(inliers.Columns()), out = figure.Data(outliers.Columns());
   std::string plot = fmt::format(
       "plot {} using 1:2:3:4 with vectors nohead lc '{}' lw 1 notitle, '' using 1:2 with points pt 7 ps 0.25 "
@@ -81,7 +96,8 @@ void WriteResidualFigure(const std::filesystem::path& path, const std::vector<Bo
     number.push_back(static_cast<double>(v)), rms.push_back(result.view_rms_px[v]);
   figure
       .Line(
-          "unset key\nset size noratio\nset lmargin at screen 0.79\nset rmargin at screen 0.98\nset xlabel 'RMS "
+          "unset key\nunset object\nset size noratio\nset lmargin at screen 0.79\nset rmargin at screen 0.98\nset "
+          "xlabel 'RMS "
           "[px]'\nset ylabel ''")
       .Line(fmt::format("set title 'Views'\nset xrange [0:{}]\nset yrange [{}:-0.7]",
                         1.1 * *std::max_element(rms.begin(), rms.end()), static_cast<double>(views.size()) - 0.3));
@@ -111,9 +127,10 @@ void WriteCrossValidationFigure(const std::filesystem::path& path, const CameraD
                                         difference.rms_px, difference.largest_px);
   figure.Line("set title " + QuoteForGnuplot(title))
       .Line(
-          "set cblabel 'difference [px]' offset 1,0\nset cbrange [0:*]\nset key off\nset palette defined (0 '#440154', "
+          "set cblabel 'difference [px]' offset 1,0\nset logscale cb\nset cbrange [0.01:10]\nset key off\nset palette "
+          "defined (0 '#440154', "
           "1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#fde725')\nset view map")
-      .Line(fmt::format("plot {} using 1:2:3 with image pixels", figure.Data({x, y, size})))
+      .Line(fmt::format("plot {} using 1:2:3 with image", figure.Data({x, y, size})))
       .Write(path);
 }
 

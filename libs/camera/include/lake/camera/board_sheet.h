@@ -18,7 +18,7 @@ struct Paper {
 Paper ParsePaper(std::string_view name);
 
 // A PDF of one landscape page: the board in the middle, below it a ruler to check the print with, and how to print.
-// Throws Error if the board with its white rim (half a square) does not fit, naming the largest square that does.
+// Throws Error if the board with its white rim (a third of a square) does not fit, naming the largest square that does.
 void WriteBoardSheet(const std::filesystem::path& path, const Board& board, const Paper& paper);
 
 }  // namespace lake
