@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "lake/core/error.h"
 #include "lake/video/image.h"
 #include "lake/video/video_writer.h"
+#include "temporary_folder.h"
 
 namespace lake {
 namespace {
@@ -23,13 +23,7 @@ const Camera kCamera{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}
 
 class BoardPicturesTest : public testing::Test {
  protected:
-  BoardPicturesTest() {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() / fmt::format("lake_{}_{}", info->name(), getpid());
-    fs::create_directories(folder_);
-    options_.quiet = true;
-  }
-  ~BoardPicturesTest() override { fs::remove_all(folder_); }
+  BoardPicturesTest() { options_.quiet = true; }
 
   cv::Mat1b Board(double x, double tilt_deg) {
     return scene::Render(kCamera, kBoard, scene::PoseAt(kCamera, kBoard, {x, 240}, 260, tilt_deg, 40, 5), random_,
@@ -48,7 +42,7 @@ class BoardPicturesTest : public testing::Test {
     return "none";
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
   BoardPicturesOptions options_;
   std::mt19937_64 random_{5};
 };
@@ -125,8 +119,8 @@ TEST_F(BoardSheetTest, PdfIsOneToOneAndItsBoardIsFound) {
     const lake::Board board = ParseBoard(text);
     const Paper paper = ParsePaper(paper_name);
     WriteBoardSheet(folder_ / "board.pdf", board, paper);
-    const std::string command =
-        fmt::format("pdftoppm -r {} -gray -png {}/board.pdf {}/page", kDpi, folder_.string(), folder_.string());
+    const std::string command = fmt::format("pdftoppm -r {} -gray -png {}/board.pdf {}/page", kDpi,
+                                            folder_.Path().string(), folder_.Path().string());
     ASSERT_EQ(std::system(command.c_str()), 0);
     const cv::Mat page = ReadImage(folder_ / "page-1.png", false);
     EXPECT_NEAR(page.cols, paper.width_mm * 10, 1.5) << text;

@@ -153,7 +153,7 @@ TEST(CalibrateCamera, TooFewOrUselessViewsAreErrors) {
     CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
     FAIL();
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("2 views of the board were given; at least 3"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("the board was given in 2 views; at least 3"));
   }
 }
 

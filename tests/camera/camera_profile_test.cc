@@ -7,21 +7,14 @@
 #include "lake/camera/camera.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "temporary_folder.h"
 
 namespace lake {
 namespace {
 namespace fs = std::filesystem;
 
-// A folder of this test's own, removed with it.
 class CameraProfileTest : public testing::Test {
  protected:
-  CameraProfileTest() {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() / fmt::format("lake_{}_{}_{}", info->test_suite_name(), info->name(), getpid());
-    fs::create_directories(folder_);
-  }
-  ~CameraProfileTest() override { fs::remove_all(folder_); }
-
   fs::path File(const std::string& text) {
     WriteTextFile(folder_ / "camera.yaml", text);
     return folder_ / "camera.yaml";
@@ -37,7 +30,7 @@ class CameraProfileTest : public testing::Test {
     return "no error";
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 std::string Matrix(const std::string& key, int rows, int columns, const std::string& data) {

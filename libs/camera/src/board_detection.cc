@@ -71,34 +71,55 @@ bool SpanThePlane(const Board& board, const std::vector<int>& corners) {
          differ([&](int c) { return c % columns + c / columns; });
 }
 
-double NearestNeighbour(const std::vector<cv::Point2f>& pixels, std::size_t of) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < pixels.size(); ++i)
-    if (i != of) nearest = std::min(nearest, cv::norm(pixels[i] - pixels[of]));
-  return nearest;
+// How far the nearest other line of the grid runs past each corner: of a strongly tilted board that is less than the
+// distance to the next corner.
+std::vector<double> LineDistances(const Board& board, const FoundCorners& found) {
+  std::map<int, cv::Point2f> at;
+  for (std::size_t i = 0; i < found.corner.size(); ++i) at[found.corner[i]] = found.pixel[i];
+  const int columns = board.CornerColumns();
+  std::vector<double> distances;
+  for (const int c : found.corner) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const int along : {-1, 1}) {
+      for (const int across : {-columns, columns}) {
+        const bool same_row = (c + along >= 0) && (c + along) / columns == c / columns;
+        if (!same_row || !at.count(c + along) || !at.count(c + across)) continue;
+        const cv::Point2f a = at[c + along] - at[c], b = at[c + across] - at[c];
+        nearest = std::min(nearest, std::abs(a.cross(b)) / std::max(cv::norm(a), cv::norm(b)));
+      }
+    }
+    distances.push_back(nearest);
+  }
+  // A ChArUco corner without neighbours takes the least of the others.
+  const double least = *std::min_element(distances.begin(), distances.end());
+  for (double& d : distances) d = std::isfinite(d) ? d : least;
+  return distances;
 }
 
 // A window for each corner by its own distance to its neighbours, as perspective makes them differ. In a ChArUco board
 // the markers are nearer than the corners.
-int HalfWindow(const Board& board, double spacing_px, int fixed_px) {
+int HalfWindow(const Board& board, double line_distance_px, int fixed_px) {
   if (fixed_px > 0) return fixed_px;
-  constexpr double kOfSpacing = 0.35, kOfGap = 0.8;
+  constexpr double kOfDistance = 0.35, kOfGap = 0.8;
   constexpr int kLeast = 2, kMost = 15;
-  double reach = kOfSpacing * spacing_px;
+  double reach = kOfDistance * line_distance_px;
   if (board.kind == BoardKind::kCharuco)
-    reach = std::min(reach, kOfGap * spacing_px * (1 - board.marker_mm / board.square_mm) / 2);
+    reach = std::min(reach, kOfGap * line_distance_px * (1 - board.marker_mm / board.square_mm) / 2);
   return std::clamp(static_cast<int>(reach), kLeast, kMost);
 }
 
-void RefineCorners(const cv::Mat& grey, const Board& board, int fixed_px, std::vector<cv::Point2f>& pixels) {
-  const std::vector<cv::Point2f> start = pixels;
+cv::Point2f RefineCorner(const cv::Mat& grey, const cv::Point2f& start, int half) {
   const cv::TermCriteria criteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 50, 1e-3);
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const int half = HalfWindow(board, NearestNeighbour(start, i), fixed_px);
-    std::vector<cv::Point2f> one = {start[i]};
-    cv::cornerSubPix(grey, one, {half, half}, {-1, -1}, criteria);
-    pixels[i] = one.front();
-  }
+  std::vector<cv::Point2f> corner = {start};
+  const auto search = [&](int half_window) {
+    cv::cornerSubPix(grey, corner, {half_window, half_window}, {-1, -1}, criteria);
+  };
+  search(half);
+  if (corner.front() != start) return corner.front();
+  // OpenCV gives a corner that left its window back unmoved: come nearer with a wider one first.
+  search(2 * half);
+  search(half);
+  return corner.front();
 }
 
 // Contrast over steepest slope around a corner.
@@ -117,12 +138,11 @@ double EdgeWidth(const cv::Mat& grey, const cv::Point2f& pixel, int half) {
   return steepest > 0 ? (lightest - darkest) / steepest : std::numeric_limits<double>::quiet_NaN();
 }
 
-double MedianEdgeWidth(const cv::Mat& grey, const Board& board, const std::vector<cv::Point2f>& pixels) {
+double MedianEdgeWidth(const cv::Mat& grey, const std::vector<cv::Point2f>& pixels,
+                       const std::vector<int>& half_windows) {
   std::vector<double> widths;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const double width = EdgeWidth(grey, pixels[i], HalfWindow(board, NearestNeighbour(pixels, i), 0));
-    if (std::isfinite(width)) widths.push_back(width);
-  }
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    if (const double width = EdgeWidth(grey, pixels[i], half_windows[i]); std::isfinite(width)) widths.push_back(width);
   return widths.empty() ? std::numeric_limits<double>::infinity() : Median(widths);
 }
 
@@ -138,11 +158,15 @@ std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board, co
   }
   if (static_cast<int>(found.corner.size()) < options.least_corners || !SpanThePlane(board, found.corner))
     return std::nullopt;
-  RefineCorners(grey, board, options.half_window_px, found.pixel);
+  std::vector<int> half_windows;
+  for (const double distance : LineDistances(board, found))
+    half_windows.push_back(HalfWindow(board, distance, options.half_window_px));
+  for (std::size_t i = 0; i < found.pixel.size(); ++i)
+    found.pixel[i] = RefineCorner(grey, found.pixel[i], half_windows[i]);
   BoardView view;
   view.corner = found.corner;
   for (const cv::Point2f& p : found.pixel) view.pixel.emplace_back(p.x, p.y);
-  view.edge_width_px = MedianEdgeWidth(grey, board, found.pixel);
+  view.edge_width_px = MedianEdgeWidth(grey, found.pixel, half_windows);
   return view;
 }
 

@@ -250,8 +250,8 @@ void FillResiduals(const std::vector<BoardView>& views, const std::vector<Eigen:
 CalibrationResult CalibrateCamera(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
                                   const CalibrationOptions& options) {
   if (views.size() < kLeastViews)
-    throw Fail("{} views of the board were given; at least {} are needed, 12 to 25 are good", views.size(),
-               kLeastViews);
+    throw Fail("the board was given in {} view{}; at least {} are needed, 12 to 25 are good", views.size(),
+               views.size() == 1 ? "" : "s", kLeastViews);
   Seed seed = SeedOfOpenCv(board, views, {width_px, height_px}, options);
   ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);
   const auto problem = MakeProblem(board, views, options, &loss, seed.unknowns);

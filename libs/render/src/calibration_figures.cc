@@ -18,11 +18,15 @@ struct Arrows {
   std::vector<std::vector<double>> Columns() const { return {x, y, dx, dy}; }
 };
 
-// A round factor that makes a typical residual about a fiftieth of the picture.
+// The largest of 1, 2, 5 times a power of ten that is not above the value.
+double RoundBelow(double value) {
+  const double power = std::pow(10, std::floor(std::log10(value)));
+  return value >= 5 * power ? 5 * power : value >= 2 * power ? 2 * power : power;
+}
+
+// Makes a typical residual about a fiftieth of the picture.
 double Magnification(const CalibrationResult& result) {
-  const double wanted = result.camera.image_width / 50.0 / std::max(result.sigma_px, 1e-6);
-  const double power = std::pow(10, std::floor(std::log10(wanted)));
-  return wanted >= 5 * power ? 5 * power : wanted >= 2 * power ? 2 * power : power;
+  return RoundBelow(result.camera.image_width / 50.0 / std::max(result.sigma_px, 1e-6));
 }
 
 void Split(const std::vector<BoardView>& views, const CalibrationResult& result, double magnification, Arrows& inliers,
@@ -59,6 +63,29 @@ void ShadeEmptyCells(GnuplotFigure& figure, const Coverage& coverage, int width_
                                 (row + 1) * height - 0.5, colour::kGap));
 }
 
+// The RMS of each view as a bar, that of all as a line.
+void DrawViews(GnuplotFigure& figure, const std::vector<BoardView>& views, const CalibrationResult& result) {
+  std::vector<double> number, rms;
+  for (std::size_t v = 0; v < views.size(); ++v)
+    number.push_back(static_cast<double>(v)), rms.push_back(result.view_rms_px[v]);
+  const double worst = *std::max_element(rms.begin(), rms.end());
+  figure
+      .Line(
+          "unset key\nunset object\nset size noratio\nset lmargin at screen 0.79\nset rmargin at screen 0.98\nset "
+          "xlabel 'RMS [px]'\nset ylabel ''")
+      .Line(fmt::format("set title 'Views'\nset xrange [0:{}]\nset xtics {}\nset yrange [{}:-0.7]", 1.1 * worst,
+                        RoundBelow(std::max(worst, 1e-9) / 3), static_cast<double>(views.size()) - 0.3));
+  std::string tics;
+  for (std::size_t v = 0; v < views.size(); ++v)
+    tics += fmt::format("{}{} {}", v ? "," : "", QuoteForGnuplot(views[v].name), v);
+  figure.Line(fmt::format("set ytics ({}) font ',{}' noenhanced", tics, views.size() > 30 ? 7 : 10))
+      .Line(fmt::format(
+          "set style fill solid 0.8 noborder\nset arrow 1 from {0},graph 0 to {0},graph 1 nohead dt 2 lc '{1}'",
+          result.rms_px, colour::kText))
+      .Line(fmt::format("plot {} using ($2/2):1:($2/2):(0.35) with boxxyerror lc '{}'", figure.Data({number, rms}),
+                        colour::kOther));
+}
+
 }  // namespace
 
 void WriteResidualFigure(const std::filesystem::path& path, const std::vector<BoardView>& views,
@@ -87,31 +114,12 @@ void WriteResidualFigure(const std::filesystem::path& path, const std::vector<Bo
     plot += fmt::format(
         ", {0} using 1:2:3:4 with vectors nohead lc '{1}' lw 1.5 notitle, '' using 1:2 with points pt 6 ps 1.2 lc "
         "'{1}' "
-        "title '{2} outliers'",
+        "title 'outliers: {2}'",
         out, colour::kExoskeleton, outliers.x.size());
   figure.Line("set key top right opaque").Line(plot);
 
-  std::vector<double> number, rms;
-  for (std::size_t v = 0; v < views.size(); ++v)
-    number.push_back(static_cast<double>(v)), rms.push_back(result.view_rms_px[v]);
-  figure
-      .Line(
-          "unset key\nunset object\nset size noratio\nset lmargin at screen 0.79\nset rmargin at screen 0.98\nset "
-          "xlabel 'RMS "
-          "[px]'\nset ylabel ''")
-      .Line(fmt::format("set title 'Views'\nset xrange [0:{}]\nset yrange [{}:-0.7]",
-                        1.1 * *std::max_element(rms.begin(), rms.end()), static_cast<double>(views.size()) - 0.3));
-  std::string tics;
-  for (std::size_t v = 0; v < views.size(); ++v)
-    tics += fmt::format("{}{} {}", v ? "," : "", QuoteForGnuplot(views[v].name), v);
-  figure.Line(fmt::format("set ytics ({}) font ',{}' noenhanced", tics, views.size() > 30 ? 7 : 10))
-      .Line(fmt::format(
-          "set style fill solid 0.8 noborder\nset arrow 1 from {0},graph 0 to {0},graph 1 nohead dt 2 lc '{1}'",
-          result.rms_px, colour::kText))
-      .Line(fmt::format("plot {} using ($2/2):1:($2/2):(0.35) with boxxyerror lc '{}'", figure.Data({number, rms}),
-                        colour::kOther))
-      .Line("unset multiplot");
-  figure.Write(path);
+  DrawViews(figure, views, result);
+  figure.Line("unset multiplot").Write(path);
 }
 
 void WriteCrossValidationFigure(const std::filesystem::path& path, const CameraDifference& difference, int width_px,

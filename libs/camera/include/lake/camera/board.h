@@ -57,8 +57,8 @@ struct BoardView {
 };
 
 struct BoardDetectionOptions {
-  // Half the window of the sub-pixel corner search, px; 0 takes 0.35 of the distance to the nearest neighbour, 2..15
-  // px: a window that reaches the next corner spoils the result.
+  // Half the window of the sub-pixel corner search, px; 0 takes 0.35 of the distance to the next line of the
+  // grid, 2..15 px: a window that reaches other edges spoils the result.
   int half_window_px = 0;
   int least_corners = 8;  // fewer seen corners of a ChArUco board are no use
 };
