@@ -12,7 +12,7 @@ MAY_USE = {
     "video": ["core"],
     "linkage": ["core"],
     "nlp": ["core"],
-    "camera": ["motion"],
+    "camera": ["motion", "video"],
     "tracking": ["motion", "video"],
     "gait": ["motion", "camera"],
     "exchange": ["motion"],

@@ -33,6 +33,17 @@ std::string CommandLine(int argc, char** argv) {
   return line;
 }
 
+void AddOption(const CLI::Option& option, Json& options) {
+  const std::string name = option.get_lnames().empty() ? option.get_name() : option.get_lnames().front();
+  if (name == "help" || name == "version" || name == "config") return;
+  if (option.count() == 0)
+    options[name] = option.get_default_str();
+  else if (option.results().size() == 1)
+    options[name] = option.results().front();
+  else
+    options[name] = option.results();
+}
+
 }  // namespace
 
 Program::Program(std::string name, std::string what, std::string example) : name_(std::move(name)), cli_(std::move(what), name_) {
@@ -47,16 +58,13 @@ Program::Program(std::string name, std::string what, std::string example) : name
 
 Json Program::EffectiveOptions() const {
   Json options = Json::object();
-  for (const CLI::Option* option : cli_.get_options()) {
-    const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
-    if (name == "help" || name == "version" || name == "config") continue;
-    if (option->count() == 0)
-      options[name] = option->get_default_str();
-    else if (option->results().size() == 1)
-      options[name] = option->results().front();
-    else
-      options[name] = option->results();
+  std::vector<const CLI::App*> levels = {&cli_};
+  for (const CLI::App* command : cli_.get_subcommands()) {
+    options["command"] = command->get_name();
+    levels.push_back(command);
   }
+  for (const CLI::App* level : levels)
+    for (const CLI::Option* option : level->get_options()) AddOption(*option, options);
   return options;
 }
 

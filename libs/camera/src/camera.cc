@@ -1,15 +1,61 @@
 #include "lake/camera/camera.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/core.hpp>
+#include <limits>
+#include <vector>
 
-#include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 
 namespace lake {
 namespace {
+
+// A polynomial in t = r², lowest power first.
+using Cubic = std::array<double, 4>;
+
+double Value(const Cubic& c, double t) {
+  return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+}
+
+// d (r radial(r²)) / dr, the polynomial whose first positive root is the fold.
+Cubic RadialSlope(const std::array<double, 5>& k) {
+  return {1, 3 * k[0], 5 * k[1], 7 * k[4]};
+}
+
+// Where a falling function crosses zero, from below.
+double Bisect(const auto& function, double low, double high, int halvings) {
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = (low + high) / 2;
+    (function(middle) > 0 ? low : high) = middle;
+  }
+  return low;
+}
+
+// The positive places where the cubic's slope vanishes, in order: between them it is monotonic.
+std::vector<double> TurningPoints(const Cubic& c) {
+  const double a = 3 * c[3], b = 2 * c[2], d = b * b - 4 * a * c[1];
+  std::vector<double> t;
+  if (a == 0 && b != 0) t = {-c[1] / b};
+  if (a != 0 && d > 0) t = {(-b - std::sqrt(d)) / (2 * a), (-b + std::sqrt(d)) / (2 * a)};
+  std::erase_if(t, [](double x) { return !(x > 0); });
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+// The smallest positive root of a cubic that is 1 at t = 0; infinite if there is none below kFarthest.
+double FirstRoot(const Cubic& c) {
+  constexpr int kToTheLastBit = 60;
+  constexpr double kFarthest = 1e4;  // r = 100: 89.4 degrees from the axis
+  std::vector<double> ends = TurningPoints(c);
+  ends.push_back(kFarthest);
+  double low = 0;
+  for (const double end : ends) {
+    if (Value(c, end) <= 0) return Bisect([&](double t) { return Value(c, t); }, low, end, kToTheLastBit);
+    low = end;
+  }
+  return std::numeric_limits<double>::infinity();
+}
 
 // The distorted normalised point of a normalised point, and its Jacobian.
 struct Distorted {
@@ -25,91 +71,100 @@ Distorted Distort(const std::array<double, 5>& k, const Eigen::Vector2d& p) {
   Distorted d;
   d.point = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
   d.jacobian(0, 0) = radial + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x;
-  d.jacobian(0, 1) = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;
-  d.jacobian(1, 0) = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;
+  d.jacobian(0, 1) = d.jacobian(1, 0) = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;
   d.jacobian(1, 1) = radial + 2 * y * y * slope + 6 * p1 * y + 2 * p2 * x;
   return d;
 }
 
-cv::Mat ReadMatrix(const cv::FileStorage& file, const std::string& key, const std::filesystem::path& path) {
-  cv::Mat matrix;
-  if (file[key].empty()) throw Fail("{}: no key '{}'", path.string(), key);
-  try {
-    file[key] >> matrix;
-    matrix.convertTo(matrix, CV_64F);
-  } catch (const cv::Exception&) {
-    throw Fail("{}: '{}' is not a matrix of numbers", path.string(), key);
+// About the radius inside the fold that the radial part alone moves to `distorted`; the fold itself if none does.
+double UndistortRadius(const std::array<double, 5>& k, double distorted, double fold) {
+  constexpr int kHalvings = 8;  // a start for Newton's method
+  const auto missing = [&](double r) { return distorted - r * Value({1, k[0], k[1], k[4]}, r * r); };
+  double high = std::isfinite(fold) ? fold : std::max(distorted, 1e-3);
+  while (!std::isfinite(fold) && missing(high) > 0) high *= 2;
+  return missing(high) >= 0 ? high : Bisect(missing, 0, high, kHalvings);
+}
+
+// Newton's method with the step halved while it does not help; nullopt if it ends on no solution inside the fold.
+std::optional<Eigen::Vector2d> UndistortNewton(const std::array<double, 5>& k, const Eigen::Vector2d& target,
+                                               Eigen::Vector2d point) {
+  constexpr int kMaxIterations = 50, kMaxHalvings = 20;
+  constexpr double kTolerance = 1e-14;  // of a normalised coordinate; 1e-11 px at fx = 1000
+  Distorted now = Distort(k, point);
+  for (int i = 0; i < kMaxIterations && now.jacobian.determinant() > 0; ++i) {
+    Eigen::Vector2d step = now.jacobian.inverse() * (target - now.point);
+    if (step.norm() <= kTolerance * (1 + point.norm())) return point;
+    Distorted next = Distort(k, point + step);
+    int halvings = 0;
+    const auto worse = [&] {
+      return next.jacobian.determinant() <= 0 || (next.point - target).norm() > (now.point - target).norm();
+    };
+    for (; worse() && halvings < kMaxHalvings; ++halvings) next = Distort(k, point + (step /= 2));
+    if (halvings == kMaxHalvings) {  // rounding keeps the residual from falling further, or there is no solution
+      const double noise = 1e-13 * (1 + target.norm());
+      return (now.point - target).norm() < noise ? std::optional(point) : std::nullopt;
+    }
+    point += step, now = next;
   }
-  if (!cv::checkRange(matrix)) throw Fail("{}: '{}' holds a value that is not finite", path.string(), key);
-  return matrix.reshape(1, 1);
-}
-
-int ReadSize(const cv::FileStorage& file, const std::string& key, const std::filesystem::path& path) {
-  if (!file[key].isInt()) throw Fail("{}: no whole number '{}'", path.string(), key);
-  const int size = static_cast<int>(file[key]);
-  if (size <= 0 || size > 1 << 16) throw Fail("{}: '{}' is {}, not the size of a picture", path.string(), key, size);
-  return size;
-}
-
-Camera ReadCamera(const cv::FileStorage& file, const std::filesystem::path& path) {
-  Camera camera;
-  camera.image_width = ReadSize(file, "image_width", path);
-  camera.image_height = ReadSize(file, "image_height", path);
-  const cv::Mat k = ReadMatrix(file, "camera_matrix", path);
-  if (k.total() != 9) throw Fail("{}: 'camera_matrix' has {} values, not 9", path.string(), k.total());
-  camera.fx = k.at<double>(0), camera.fy = k.at<double>(4), camera.cx = k.at<double>(2), camera.cy = k.at<double>(5);
-  if (camera.fx <= 0 || camera.fy <= 0) throw Fail("{}: a focal length in 'camera_matrix' is not positive", path.string());
-  const cv::Mat d = ReadMatrix(file, "distortion_coefficients", path);
-  if (d.total() != 4 && d.total() != 5)
-    throw Fail("{}: 'distortion_coefficients' has {} values; 4 or 5 (k1 k2 p1 p2 k3) are understood", path.string(), d.total());
-  for (std::size_t i = 0; i < d.total(); ++i) camera.distortion[i] = d.at<double>(static_cast<int>(i));
-  return camera;
-}
-
-std::optional<PlanePose> ReadPlane(const cv::FileStorage& file, const std::filesystem::path& path) {
-  if (file["plane_rvec"].empty() && file["plane_tvec"].empty()) return std::nullopt;
-  const cv::Mat r = ReadMatrix(file, "plane_rvec", path), t = ReadMatrix(file, "plane_tvec", path);
-  if (r.total() != 3 || t.total() != 3) throw Fail("{}: 'plane_rvec' and 'plane_tvec' must have 3 values each", path.string());
-  const Eigen::Vector3d rotation(r.at<double>(0), r.at<double>(1), r.at<double>(2));
-  PlanePose pose = PlanePose::Identity();
-  if (rotation.norm() > 0) pose.linear() = Eigen::AngleAxisd(rotation.norm(), rotation.normalized()).toRotationMatrix();
-  pose.translation() = Eigen::Vector3d(t.at<double>(0), t.at<double>(1), t.at<double>(2));
-  if (pose.translation().z() <= 0) throw Fail("{}: 'plane_tvec' puts the plane's origin behind the camera", path.string());
-  return pose;
+  return std::nullopt;
 }
 
 }  // namespace
 
 Eigen::Vector2d Project(const Camera& camera, const Eigen::Vector3d& point_in_camera) {
+  if (!(point_in_camera.z() > 0))
+    throw Fail("a point at z = {:.1f} mm is not in front of the camera", point_in_camera.z());
   const double intrinsics[] = {camera.fx, camera.fy, camera.cx, camera.cy};
   return ProjectBrownConrady<double>(intrinsics, camera.distortion.data(), point_in_camera);
 }
 
+double FoldRadius(const Camera& camera) {
+  return std::sqrt(FirstRoot(RadialSlope(camera.distortion)));
+}
+
 Eigen::Vector3d RayFromPixel(const Camera& camera, const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d target((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
-  constexpr int kMaxIterations = 50;
-  constexpr double kTolerance = 1e-13;  // of a normalised coordinate; 1e-10 px at fx = 1000
-  Eigen::Vector2d point = target;
-  for (int i = 0; i < kMaxIterations; ++i) {
-    const Distorted d = Distort(camera.distortion, point);
-    if (d.jacobian.determinant() <= 0) break;  // beyond the fold of the distortion
-    const Eigen::Vector2d step = d.jacobian.inverse() * (d.point - target);
-    point -= step;
-    if (step.norm() < kTolerance * (1 + point.norm())) return {point.x(), point.y(), 1};
+  const double distance = target.norm(), fold = FoldRadius(camera);
+  if (distance == 0 && camera.distortion[2] == 0 && camera.distortion[3] == 0) return {0, 0, 1};
+  if (std::isfinite(distance)) {
+    // A little inside the fold, so that the first Jacobian is regular.
+    const double radius = std::min(UndistortRadius(camera.distortion, distance, fold), fold * (1 - 1e-3));
+    const Eigen::Vector2d start = distance > 0 ? Eigen::Vector2d(target * (radius / distance)) : target;
+    const std::optional<Eigen::Vector2d> point = UndistortNewton(camera.distortion, target, start);
+    if (point && point->norm() <= fold) return {point->x(), point->y(), 1};
   }
-  throw Fail("pixel ({:.1f}, {:.1f}): the lens distortion cannot be undone there; is the camera file the right one?", pixel.x(),
-             pixel.y());
+  throw Fail("pixel ({:.1f}, {:.1f}): the lens distortion cannot be undone there; is the camera file the right one?",
+             pixel.x(), pixel.y());
+}
+
+PlanePoint PlanePointFromPixel(const Camera& camera, const PlanePose& camera_from_plane, const Eigen::Vector2d& pixel,
+                               double depth_mm) {
+  const PlanePose plane_from_camera = camera_from_plane.inverse();
+  const Eigen::Vector3d ray = RayFromPixel(camera, pixel);
+  const Eigen::Vector3d origin = plane_from_camera.translation(), direction = plane_from_camera.linear() * ray;
+  const double scale = (depth_mm - origin.z()) / direction.z();
+  if (!(scale > 0) || !std::isfinite(scale))
+    throw Fail("pixel ({:.1f}, {:.1f}): its ray does not meet the sagittal plane in front of the camera", pixel.x(),
+               pixel.y());
+  PlanePoint point;
+  point.position_mm = (origin + scale * direction).head<2>();
+  point.mm_per_depth_mm = direction.head<2>() / direction.z();
+  // A turn of the ray moves the point by scale (d direction), then along the ray back into the plane.
+  Eigen::Matrix<double, 2, 3> position_by_direction;
+  position_by_direction << scale, 0, -scale * point.mm_per_depth_mm.x(), 0, scale, -scale * point.mm_per_depth_mm.y();
+  const Eigen::Matrix2d ray_by_pixel = Distort(camera.distortion, ray.head<2>()).jacobian.inverse() *
+                                       Eigen::Vector2d(1 / camera.fx, 1 / camera.fy).asDiagonal();
+  point.mm_per_px = position_by_direction * plane_from_camera.linear().leftCols<2>() * ray_by_pixel;
+  return point;
+}
+
+double SigmaInPlane(const PlanePoint& point, double sigma_px) {
+  return sigma_px * point.mm_per_px.norm() / std::sqrt(2.0);
 }
 
 Eigen::Vector2d PlaneFromPixel(const Camera& camera, const PlanePose& camera_from_plane, const Eigen::Vector2d& pixel,
                                double depth_mm) {
-  const PlanePose plane_from_camera = camera_from_plane.inverse();
-  const Eigen::Vector3d origin = plane_from_camera.translation();
-  const Eigen::Vector3d direction = plane_from_camera.linear() * RayFromPixel(camera, pixel);
-  const double scale = (depth_mm - origin.z()) / direction.z();
-  if (!(scale > 0) || !std::isfinite(scale))
-    throw Fail("pixel ({:.1f}, {:.1f}): its ray does not meet the sagittal plane in front of the camera", pixel.x(), pixel.y());
-  return (origin + scale * direction).head<2>();
+  return PlanePointFromPixel(camera, camera_from_plane, pixel, depth_mm).position_mm;
 }
 
 Eigen::Vector2d PixelFromPlane(const Camera& camera, const PlanePose& camera_from_plane,
@@ -117,29 +172,13 @@ Eigen::Vector2d PixelFromPlane(const Camera& camera, const PlanePose& camera_fro
   return Project(camera, camera_from_plane * Eigen::Vector3d(point_in_plane_mm.x(), point_in_plane_mm.y(), depth_mm));
 }
 
-CameraProfile ReadCameraProfile(const std::filesystem::path& path) {
-  const std::string text = ReadTextFile(path, 1 << 24);
-  try {
-    const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
-    if (!file.isOpened()) throw Fail("{}: not an OpenCV FileStorage file", path.string());
-    return {ReadCamera(file, path), ReadPlane(file, path)};
-  } catch (const cv::Exception& error) {
-    throw Fail("{}: not an OpenCV FileStorage file: {}", path.string(), error.err);
-  }
-}
-
-void WriteCameraProfile(const std::filesystem::path& path, const CameraProfile& profile) {
-  const Camera& camera = profile.camera;
-  cv::FileStorage file(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
-  file << "image_width" << camera.image_width << "image_height" << camera.image_height;
-  file << "camera_matrix" << cv::Mat(cv::Matx33d(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1));
-  file << "distortion_coefficients" << cv::Mat(1, 5, CV_64F, const_cast<double*>(camera.distortion.data()));
-  if (profile.camera_from_plane) {
-    const Eigen::AngleAxisd rotation(profile.camera_from_plane->linear());
-    const Eigen::Vector3d r = rotation.angle() * rotation.axis(), t = profile.camera_from_plane->translation();
-    file << "plane_rvec" << cv::Mat(cv::Vec3d(r.x(), r.y(), r.z())) << "plane_tvec" << cv::Mat(cv::Vec3d(t.x(), t.y(), t.z()));
-  }
-  WriteTextFile(path, file.releaseAndGetString());
+void CheckResolution(const Camera& camera, const std::filesystem::path& camera_file, int width_px, int height_px,
+                     const std::filesystem::path& picture) {
+  if (camera.image_width == width_px && camera.image_height == height_px) return;
+  const bool turned = camera.image_width == height_px && camera.image_height == width_px;
+  throw Fail("{}: the camera was calibrated at {}x{} px, but {} has {}x{}; {}", camera_file.string(),
+             camera.image_width, camera.image_height, picture.string(), width_px, height_px,
+             turned ? "calibrate with the camera turned the same way" : "calibrate in the same video mode");
 }
 
 }  // namespace lake

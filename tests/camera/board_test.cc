@@ -1,0 +1,165 @@
+#include "lake/camera/board.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "board_scene.h"
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+TEST(Board, TextAndBoardAreTheSameThing) {
+  for (const char* text :
+       {"chessboard:9x6:25", "chessboard:9x6:24.5", "charuco:9x7:25:18:4X4_50", "charuco:11x8:35:26:APRILTAG_36h11"})
+    EXPECT_EQ(ToString(ParseBoard(text)), text);
+  EXPECT_EQ(ToString(ParseBoard("charuco:9x7:25:18:dict_4x4_50")), "charuco:9x7:25:18:4X4_50");
+}
+
+TEST(Board, WrongTextsAreUsageErrorsThatSayWhatIsWrong) {
+  const auto complaint = [](const char* text) {
+    try {
+      ParseBoard(text);
+    } catch (const UsageError& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(complaint(""), HasSubstr("must begin with"));
+  EXPECT_THAT(complaint("circles:9x6:25"), HasSubstr("must begin with"));
+  EXPECT_THAT(complaint("chessboard:9x6"), HasSubstr("2 parts, not 3"));
+  EXPECT_THAT(complaint("chessboard:9:25"), HasSubstr("'9' is not COLSxROWS"));
+  EXPECT_THAT(complaint("chessboard:9x2:25"), HasSubstr("3 to 100 rows"));
+  EXPECT_THAT(complaint("chessboard:9.5x6:25"), HasSubstr("'9.5' is no number of columns"));
+  EXPECT_THAT(complaint("chessboard:1e300x6:25"), HasSubstr("no number of columns"));
+  EXPECT_THAT(complaint("chessboard:9x6:0"), HasSubstr("'0' is no size"));
+  EXPECT_THAT(complaint("chessboard:9x6:nan"), HasSubstr("'nan' is no size"));
+  EXPECT_THAT(complaint("charuco:9x7:25:26:4X4_50"), HasSubstr("does not fit"));
+  EXPECT_THAT(complaint("charuco:9x7:25:18:4X4_51"), HasSubstr("no dictionary '4X4_51'; known: 4X4_50"));
+  EXPECT_THAT(complaint("charuco:20x20:25:18:4X4_50"), HasSubstr("needs 200 markers, 4X4_50 has 50"));
+}
+
+TEST(Board, CornersGoFromTheLowerLeftAlongRows) {
+  const Board board = ParseBoard("chessboard:9x6:25");
+  const auto corners = BoardCorners(board);
+  ASSERT_EQ(corners.size(), 54u);
+  EXPECT_EQ(corners[0], Eigen::Vector2d(0, 0));
+  EXPECT_EQ(corners[8], Eigen::Vector2d(200, 0));
+  EXPECT_EQ(corners[9], Eigen::Vector2d(0, 25));
+  EXPECT_EQ(BoardCorners(ParseBoard("charuco:9x7:25:18:4X4_50")).size(), 48u);
+}
+
+// 70 squares, half of them black.
+TEST(Board, InkOfAChessboardIsHalfOfIt) {
+  double area = 0;
+  for (const auto& r : BoardInk(ParseBoard("chessboard:9x6:25"))) area += r.width * r.height;
+  EXPECT_DOUBLE_EQ(area, 35 * 625.0);
+}
+
+class DetectBoardTest : public testing::TestWithParam<const char*> {};
+
+// What the detector finds in rendered pictures against the projected corners: no bias, and an error well under 0.1 px.
+TEST_P(DetectBoardTest, FindsEveryCornerOfRenderedBoardsWhereItIs) {
+  const Board board = ParseBoard(GetParam());
+  const Camera camera = scene::Lens();
+  std::mt19937_64 random(17);
+  std::vector<double> errors;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Isometry3d pose = scene::RandomPose(camera, board, random, 40);
+    const auto truth = scene::CornerPixels(camera, board, pose);
+    if (!scene::InsidePicture(camera, truth, 60)) {
+      --i;
+      continue;
+    }  // the detector needs the outer squares
+    const auto view = DetectBoard(scene::Render(camera, board, pose, random), board);
+    ASSERT_TRUE(view) << "picture " << i;
+    ASSERT_EQ(view->corner.size(), truth.size()) << "picture " << i;
+    // Half a turn of a chessboard cannot be seen.
+    const bool turned = (view->pixel.front() - truth.front()).norm() > (view->pixel.front() - truth.back()).norm();
+    for (std::size_t c = 0; c < truth.size(); ++c) {
+      const Eigen::Vector2d error = view->pixel[c] - truth[turned ? truth.size() - 1 - c : c];
+      sum += error, errors.push_back(error.norm());
+    }
+    EXPECT_GT(view->edge_width_px, 1);
+    EXPECT_LT(view->edge_width_px, 4);  // pixel and blur of 0.6 px: 1.7 px across an edge, more on a slanted one
+  }
+  double square = 0;
+  for (const double e : errors) square += e * e / static_cast<double>(errors.size());
+  RecordProperty("rms_px", std::to_string(std::sqrt(square)));
+  EXPECT_LT(std::sqrt(square), 0.08);
+  EXPECT_LT(*std::max_element(errors.begin(), errors.end()), 0.4);
+  EXPECT_LT((sum / static_cast<double>(errors.size())).norm(), 0.015);
+}
+
+INSTANTIATE_TEST_SUITE_P(Boards, DetectBoardTest, testing::Values("chessboard:9x6:25", "charuco:9x7:25:18:4X4_50"));
+
+TEST(DetectBoard, SeesNothingWhereThereIsNothing) {
+  std::mt19937_64 random(1);
+  cv::Mat1b noise(240, 320);
+  for (uchar& v : noise) v = static_cast<uchar>(random() % 256);
+  for (const char* text : {"chessboard:9x6:25", "charuco:9x7:25:18:4X4_50"}) {
+    EXPECT_FALSE(DetectBoard(noise, ParseBoard(text)));
+    EXPECT_FALSE(DetectBoard(cv::Mat1b(480, 640, uchar{0}), ParseBoard(text)));
+    EXPECT_FALSE(DetectBoard(cv::Mat1b(1, 1, uchar{0}), ParseBoard(text)));
+  }
+  EXPECT_THROW(DetectBoard(cv::Mat(), ParseBoard("chessboard:9x6:25")), Error);
+}
+
+// Rows run upwards on the sheet whichever way it hangs.
+TEST(DetectBoard, GridIsNeverMirrored) {
+  const Board board = ParseBoard("chessboard:9x6:25");
+  const Camera camera = scene::Lens();
+  std::mt19937_64 random(2);
+  for (const double roll : {0.0, 90.0, 215.0}) {
+    const auto pose = scene::PoseAt(camera, board, {640, 360}, 450, 20, 70, roll);
+    const auto view = DetectBoard(scene::Render(camera, board, pose, random, {0.6, 1.5, 2}), board);
+    ASSERT_TRUE(view) << roll;
+    const Eigen::Vector2d along = view->pixel[8] - view->pixel[0], up = view->pixel[45] - view->pixel[0];
+    EXPECT_LT(along.x() * up.y() - along.y() * up.x(), 0) << roll;
+  }
+}
+
+TEST(DetectBoard, ACharucoBoardMayBePartlyHidden) {
+  const Board board = ParseBoard("charuco:9x7:25:18:4X4_50");
+  const Camera camera = scene::Lens();
+  std::mt19937_64 random(3);
+  const auto pose = scene::PoseAt(camera, board, {640, 360}, 700, 25, 30, 10);
+  const auto truth = scene::CornerPixels(camera, board, pose);
+  cv::Mat1b picture = scene::Render(camera, board, pose, random);
+  picture(cv::Rect(0, 0, 600, 720)) = uchar{120};
+  const auto view = DetectBoard(picture, board);
+  ASSERT_TRUE(view);
+  EXPECT_LT(view->corner.size(), truth.size());
+  EXPECT_GE(view->corner.size(), 12u);
+  for (std::size_t i = 0; i < view->corner.size(); ++i)
+    EXPECT_LT((view->pixel[i] - truth[static_cast<std::size_t>(view->corner[i])]).norm(), 0.5) << view->corner[i];
+}
+
+// A window that reaches the next corner spoils the result: the reason for choosing it by the spacing.
+TEST(DetectBoard, WindowFollowsTheSpacing) {
+  const Board board = ParseBoard("chessboard:9x6:25");
+  const Camera camera = scene::Lens();
+  std::mt19937_64 random(4);
+  const auto pose = scene::PoseAt(camera, board, {640, 360}, 110, 30, 20, 0);  // 12 px between corners
+  const auto truth = scene::CornerPixels(camera, board, pose);
+  const cv::Mat1b picture = scene::Render(camera, board, pose, random);
+  const auto rms = [&](int half_window) {
+    BoardDetectionOptions options;
+    options.half_window_px = half_window;
+    const auto view = DetectBoard(picture, board, options);
+    if (!view) return std::nan("");
+    const bool turned = (view->pixel.front() - truth.front()).norm() > (view->pixel.front() - truth.back()).norm();
+    double sum = 0;
+    for (std::size_t c = 0; c < truth.size(); ++c)
+      sum += (view->pixel[c] - truth[turned ? truth.size() - 1 - c : c]).squaredNorm();
+    return std::sqrt(sum / static_cast<double>(truth.size()));
+  };
+  EXPECT_LT(rms(0), 0.15);
+  EXPECT_GT(rms(11), 3 * rms(0));
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,117 @@
+// lake-calibrate as a user runs it.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "board_scene.h"
+#include "lake/camera/camera.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/json.h"
+#include "lake/video/image.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const Board kBoard = ParseBoard("chessboard:9x6:25");
+const Camera kCamera{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
+
+struct Outcome {
+  int exit_code;
+  std::string out, err;
+};
+
+class CalibrateProgram : public testing::Test {
+ protected:
+  Outcome Run(const std::string& arguments) {
+    const std::string command =
+        fmt::format("cd '{}' && '{}/lake-calibrate' {} >out 2>err", folder_.Path().string(), LAKE_BIN_DIR, arguments);
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), ReadTextFile(folder_ / "out"), ReadTextFile(folder_ / "err")};
+  }
+
+  // Pictures of the board in many poses, named 00.png …
+  void Photograph(int count) {
+    std::mt19937_64 random(9);
+    for (int i = 0; i < count;) {
+      const auto pose = scene::RandomPose(kCamera, kBoard, random, 40);
+      if (!scene::InsidePicture(kCamera, scene::CornerPixels(kCamera, kBoard, pose), 25)) continue;
+      WriteImage(folder_ / fmt::format("{:02}.png", i++), scene::Render(kCamera, kBoard, pose, random, {0.6, 1.5, 3}));
+    }
+  }
+
+  static void ExpectOneLine(const Outcome& outcome, int exit_code, const std::string& text) {
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(text));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(CalibrateProgram, FromPicturesToThePlane) {
+  Photograph(12);
+  WriteImage(folder_ / "99.png", cv::Mat1b(480, 640, uchar{90}));
+  const Outcome run = Run("*.png --board chessboard:9x6:25 --fix-k3 --json --quiet -o camera");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("no board seen in 1 of 13 images, left out: 99.png"));
+  const Json summary = Json::parse(run.out);
+  for (const char* key :
+       {"program", "version", "command", "options", "inputs", "warnings", "rms_px", "inlier_rms_px", "worst_view",
+        "worst_corner", "outliers", "coverage", "cross_validation", "standard_deviations", "without_board"})
+    EXPECT_TRUE(summary.contains(key)) << key;
+  EXPECT_EQ(summary["inputs"].size(), 13u);
+  for (const char* file : {"camera.yaml", "summary.json", "residuals.csv", "residuals.png", "cross_validation.png"})
+    EXPECT_TRUE(fs::exists(folder_ / "camera" / file)) << file;
+  const CameraProfile profile = ReadCameraProfile(folder_ / "camera/camera.yaml");
+  ASSERT_TRUE(profile.uncertainty);
+  EXPECT_LT(std::abs(profile.camera.fx - kCamera.fx), 5 * profile.uncertainty->intrinsics_sd[0]);
+  EXPECT_EQ(profile.uncertainty->rms_px, summary["rms_px"].get<double>());
+
+  const Outcome plane = Run("plane 03.png --camera camera/camera.yaml --board chessboard:9x6:25 -o camera --json");
+  ASSERT_EQ(plane.exit_code, 0) << plane.err;
+  EXPECT_EQ(Json::parse(plane.out)["options"]["board"], "chessboard:9x6:25");
+  const CameraProfile with_plane = ReadCameraProfile(folder_ / "camera/camera.yaml");
+  EXPECT_TRUE(with_plane.camera_from_plane && with_plane.plane_uncertainty && with_plane.uncertainty);
+  EXPECT_EQ(with_plane.camera.fx, profile.camera.fx);
+}
+
+TEST_F(CalibrateProgram, BadInputIsOneLineAndTheRightExitCode) {
+  Photograph(3);
+  WriteImage(folder_ / "small.png", cv::Mat1b(240, 320, uchar{90}));
+  WriteCameraProfile(folder_ / "camera.yaml", {kCamera, {}, {}, {}});
+  Camera other = kCamera;
+  other.image_width = 1280;
+  WriteCameraProfile(folder_ / "other.yaml", {other, {}, {}, {}});
+  ExpectOneLine(Run(""), 2, "which pictures?");
+  ExpectOneLine(Run("00.png"), 2, "which board?");
+  ExpectOneLine(Run("00.png --board chess:9x6:25"), 2, "board 'chess:9x6:25'");
+  ExpectOneLine(Run("00.png --board chessboard:9x6:25 --loss huber"), 2, "huber");
+  ExpectOneLine(Run("--no-such-option"), 2, "--no-such-option");
+  ExpectOneLine(Run("none.png 00.png --board chessboard:9x6:25"), 1, "none.png");
+  ExpectOneLine(Run("00.png 01.png --board chessboard:9x6:25 --quiet"), 1,
+                "the board was given in 2 views; at least 3");
+  ExpectOneLine(Run("00.png small.png --board chessboard:9x6:25 --quiet"), 1, "small.png: it has 320x240");
+  ExpectOneLine(Run("00.png 01.png --board chessboard:11x8:25 --quiet"), 1, "seen in none of 2 images");
+  ExpectOneLine(Run("plane 00.png --camera camera.yaml"), 2, "either --board or --points");
+  ExpectOneLine(Run("plane 00.png --camera other.yaml --board chessboard:9x6:25"), 1,
+                "calibrated at 1280x480 px, but 00.png has 640x480");
+  ExpectOneLine(Run("plane 00.png --camera camera.yaml --points '1,2=3,4'"), 2, "at least 4 points");
+  ExpectOneLine(Run("plane 00.png --camera camera.yaml --points '10,10=0,0;9000,10=9,0;90,90=9,9;10,90=0,9'"), 2,
+                "outside the picture");
+  ExpectOneLine(Run("plane 00.png --camera camera.yaml --points '10,10=0,0;90,10=9,0;90,90=9,9;10,90=0,9'"), 1,
+                "mirrored");
+  ExpectOneLine(Run("plane 00.png --camera none.yaml --board chessboard:9x6:25"), 1, "none.yaml");
+  ExpectOneLine(Run("board --board chessboard:9x6:90 --paper a4"), 1, "does not fit on a4");
+  ExpectOneLine(Run("board --board chessboard:9x6:25 --paper b5"), 2, "--paper 'b5'");
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,153 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "lake/camera/camera.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+namespace fs = std::filesystem;
+
+class CameraProfileTest : public testing::Test {
+ protected:
+  fs::path File(const std::string& text) {
+    WriteTextFile(folder_ / "camera.yaml", text);
+    return folder_ / "camera.yaml";
+  }
+
+  // What ReadCameraProfile says of a text.
+  std::string Complaint(const std::string& text) {
+    try {
+      ReadCameraProfile(File(text));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  TemporaryFolder folder_;
+};
+
+std::string Matrix(const std::string& key, int rows, int columns, const std::string& data) {
+  return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: [ {} ]\n", key, rows, columns,
+                     data);
+}
+
+const std::string kHead = "%YAML:1.0\n---\n";
+const std::string kSize = "image_width: 1280\nimage_height: 720\n";
+const std::string kMatrix = Matrix("camera_matrix", 3, 3, "1100., 0., 640., 0., 1090., 352., 0., 0., 1.");
+const std::string kDistortion = Matrix("distortion_coefficients", 1, 5, "-0.28, 0.09, 6e-4, -4e-4, -0.012");
+
+TEST_F(CameraProfileTest, EveryValueComesBackToTheLastBit) {
+  CameraProfile profile;
+  profile.camera = {
+      1920, 1080, 1234.5678901234567, 1.0 / 3 * 1e4, 959.5, 539.25, {-0.1, 1.0 / 7, 1e-17, -3e-4, 2e5 / 3}};
+  profile.camera_from_plane = PlanePose::Identity();
+  profile.camera_from_plane->linear() =
+      Eigen::AngleAxisd(3.1, Eigen::Vector3d(0.9, 0.3, -0.2).normalized()).toRotationMatrix();
+  profile.camera_from_plane->translation() = Eigen::Vector3d(-12.345678901234567, 800, 3210.1);
+  profile.uncertainty = {0.1234, {1, 2, 3, 4}, {5, 6, 7, 8, 9}};
+  profile.plane_uncertainty = {0.2, {1e-3, 2e-3, 3e-3}, {0.1, 0.2, 3}};
+  WriteCameraProfile(folder_ / "camera.yaml", profile);
+  const CameraProfile read = ReadCameraProfile(folder_ / "camera.yaml");
+  EXPECT_EQ(read.camera.image_width, 1920);
+  EXPECT_EQ(read.camera.image_height, 1080);
+  EXPECT_EQ(read.camera.fx, profile.camera.fx);
+  EXPECT_EQ(read.camera.fy, profile.camera.fy);
+  EXPECT_EQ(read.camera.cx, profile.camera.cx);
+  EXPECT_EQ(read.camera.cy, profile.camera.cy);
+  EXPECT_EQ(read.camera.distortion, profile.camera.distortion);
+  ASSERT_TRUE(read.camera_from_plane && read.uncertainty && read.plane_uncertainty);
+  EXPECT_EQ(read.camera_from_plane->translation(), profile.camera_from_plane->translation());
+  EXPECT_LT((read.camera_from_plane->linear() - profile.camera_from_plane->linear()).norm(),
+            1e-14);  // through an angle-axis
+  EXPECT_EQ(read.uncertainty->rms_px, 0.1234);
+  EXPECT_EQ(read.uncertainty->intrinsics_sd, profile.uncertainty->intrinsics_sd);
+  EXPECT_EQ(read.uncertainty->distortion_sd, profile.uncertainty->distortion_sd);
+  EXPECT_EQ(read.plane_uncertainty->rotation_sd_rad, profile.plane_uncertainty->rotation_sd_rad);
+  EXPECT_EQ(read.plane_uncertainty->translation_sd_mm, profile.plane_uncertainty->translation_sd_mm);
+}
+
+TEST_F(CameraProfileTest, OnlyTheFirstFourKeysAreNeeded) {
+  const CameraProfile profile = ReadCameraProfile(File(kHead + kSize + kMatrix + kDistortion));
+  EXPECT_EQ(profile.camera.fy, 1090);
+  EXPECT_EQ(profile.camera.distortion[4], -0.012);
+  EXPECT_FALSE(profile.camera_from_plane || profile.uncertainty || profile.plane_uncertainty);
+}
+
+TEST_F(CameraProfileTest, FourCoefficientsAndTrailingZerosOfLargerModelsLoad) {
+  EXPECT_EQ(ReadCameraProfile(File(kHead + kSize + kMatrix + Matrix("distortion_coefficients", 4, 1, "1., 2., 3., 4.")))
+                .camera.distortion,
+            (std::array<double, 5>{1, 2, 3, 4, 0}));
+  EXPECT_NO_THROW(ReadCameraProfile(
+      File(kHead + kSize + kMatrix + Matrix("distortion_coefficients", 8, 1, "1., 2., 3., 4., 5., 0., 0., 0."))));
+}
+
+TEST_F(CameraProfileTest, SaysWhichKeyIsWrong) {
+  using testing::HasSubstr;
+  EXPECT_THAT(Complaint(kHead + kMatrix + kDistortion), HasSubstr("no whole number 'image_width'"));
+  EXPECT_THAT(Complaint(kHead + "image_width: -3\nimage_height: 720\n" + kMatrix + kDistortion),
+              HasSubstr("'image_width' is -3"));
+  EXPECT_THAT(Complaint(kHead + kSize + kDistortion), HasSubstr("no key 'camera_matrix'"));
+  EXPECT_THAT(Complaint(kHead + kSize + "camera_matrix: hello\n" + kDistortion),
+              HasSubstr("'camera_matrix' is not a matrix"));
+  EXPECT_THAT(
+      Complaint(kHead + kSize + Matrix("camera_matrix", 1, 9, "1., 0., 3., 0., 5., 6., 0., 0., 1.") + kDistortion),
+      HasSubstr("'camera_matrix' is 1x9"));
+  EXPECT_THAT(
+      Complaint(kHead + kSize + Matrix("camera_matrix", 3, 3, ".Nan, 0., 3., 0., 5., 6., 0., 0., 1.") + kDistortion),
+      HasSubstr("'camera_matrix' holds a value that is not finite"));
+  EXPECT_THAT(
+      Complaint(kHead + kSize + Matrix("camera_matrix", 3, 3, "-5., 0., 3., 0., 5., 6., 0., 0., 1.") + kDistortion),
+      HasSubstr("not positive"));
+  EXPECT_THAT(
+      Complaint(kHead + kSize + Matrix("camera_matrix", 3, 3, "5., 1., 3., 0., 5., 6., 0., 0., 1.") + kDistortion),
+      HasSubstr("skew"));
+  EXPECT_THAT(Complaint(kHead + kSize + kMatrix), HasSubstr("no key 'distortion_coefficients'"));
+  EXPECT_THAT(Complaint(kHead + kSize + kMatrix + Matrix("distortion_coefficients", 1, 3, "1., 2., 3.")),
+              HasSubstr("1x3"));
+  EXPECT_THAT(
+      Complaint(kHead + kSize + kMatrix + Matrix("distortion_coefficients", 1, 8, "1., 2., 3., 4., 5., 6., 7., 8.")),
+      HasSubstr("beyond k1 k2 p1 p2 k3"));
+  const std::string good = kHead + kSize + kMatrix + kDistortion;
+  EXPECT_THAT(Complaint(good + Matrix("plane_rvec", 3, 1, "0., 0., 0.")), HasSubstr("no key 'plane_tvec'"));
+  EXPECT_THAT(Complaint(good + Matrix("plane_rvec", 1, 3, "0., 0., 0.") + Matrix("plane_tvec", 1, 3, "0., 0., 900.")),
+              HasSubstr("behind the plane"));
+  EXPECT_THAT(Complaint(good + "rms_px: .Inf\n"), HasSubstr("'rms_px' is not finite"));
+}
+
+TEST_F(CameraProfileTest, HostileFilesAreErrorsNotCrashes) {
+  for (const std::string& text :
+       {std::string(), std::string("\0\0\0", 3), std::string("%YAML:1.0\n---\n"), std::string("hello"),
+        std::string("{"), std::string("<?xml"),
+        kHead + kSize +
+            "camera_matrix: !!opencv-matrix\n   rows: 1000000000\n   cols: 1000000000\n   dt: d\n   data: [ 1. ]\n",
+        kHead + kSize + "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: zz\n   data: [ 1. ]\n",
+        kHead + kSize + Matrix("camera_matrix", 3, 3, "1., 2.")})
+    EXPECT_NE(Complaint(text), "no error") << text;
+  const std::string good = kHead + kSize + kMatrix + kDistortion;
+  for (std::size_t length = 0; length + 30 < good.size(); ++length)
+    EXPECT_NE(Complaint(good.substr(0, length)), "no error") << length;
+  EXPECT_THROW(ReadCameraProfile(folder_ / "none.yaml"), Error);
+}
+
+TEST(CameraProfile, LoadsTheFilesOfOpenCvsOwnSamples) {
+  const fs::path folder = fs::path(LAKE_SHARED_DATA) / "opencv_leftright";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is absent";
+  const Camera left = ReadCameraProfile(folder / "left_intrinsics.yml").camera;
+  EXPECT_EQ(left.image_width, 640);
+  EXPECT_EQ(left.fx, 535.91573396163199);
+  EXPECT_EQ(left.distortion[1], -3.8588898922304653e-02);
+  const CameraProfile charuco = ReadCameraProfile(folder / "tutorial_camera_charuco.yml");
+  EXPECT_EQ(charuco.camera.cy, 277.75155919135995);
+  EXPECT_EQ(charuco.camera.distortion[4], 2.9542589406810080);
+  EXPECT_FALSE(charuco.camera_from_plane);
+}
+
+}  // namespace
+}  // namespace lake
