@@ -57,11 +57,6 @@ double GoldenSection(const std::function<double(double)>& slack, double low, dou
   return (low + high) / 2;
 }
 
-double Slack(const Requirement& requirement, double value) {
-  const double slack = requirement.is_lower_limit ? value - requirement.limit : requirement.limit - value;
-  return std::isnan(slack) ? -kInfinity : slack;
-}
-
 RequirementCheck CheckOf(const Links& links, const SynthesisProblem& problem, const Requirement& requirement,
                          const DesignEvaluation& evaluation) {
   RequirementCheck check{requirement, kNaN, 0, 1};
@@ -86,7 +81,7 @@ RequirementCheck CheckOf(const Links& links, const SynthesisProblem& problem, co
       if (const auto worst = WorstPoints(links, problem, requirement); !worst.empty())
         check.value = worst.front().value, check.fraction = worst.front().fraction;
   }
-  check.slack = Slack(requirement, check.value);
+  check.slack = requirement.Slack(check.value);
   return check;
 }
 
@@ -97,7 +92,7 @@ std::vector<WorstPoint> WorstPoints(const Links& links, const SynthesisProblem& 
   const std::optional<UsedRange> range = StandingRange(links, problem);
   if (!range) return {};
   const auto value = [&](double fraction) { return FamilyValue(links, problem, *range, requirement.kind, fraction); };
-  const auto slack = [&](double fraction) { return Slack(requirement, value(fraction)); };
+  const auto slack = [&](double fraction) { return requirement.Slack(value(fraction)); };
   std::vector<double> grid(kGridPoints);
   for (int i = 0; i < kGridPoints; ++i) grid[i] = slack(i / (kGridPoints - 1.0));
 
@@ -114,7 +109,7 @@ std::vector<WorstPoint> WorstPoints(const Links& links, const SynthesisProblem& 
     worst.push_back({fraction, value(fraction)});
   }
   std::stable_sort(worst.begin(), worst.end(), [&](const WorstPoint& a, const WorstPoint& b) {
-    return Slack(requirement, a.value) < Slack(requirement, b.value);
+    return requirement.Slack(a.value) < requirement.Slack(b.value);
   });
   return worst;
 }

@@ -11,34 +11,12 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/progress.h"
+#include "exchange.h"
 
 namespace lake {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-const std::vector<double> kFirstFractions{0.25, 0.5, 0.75};
-
-// Adds the poses at which a family is violated; false if there are none. Called "feasible" if each holds within the tolerance.
-bool AddViolatedPoses(const SynthesisProblem& problem, const Links& links, double tolerance,
-                      std::vector<double>& fractions) {
-  bool added = false;
-  for (const Requirement& requirement : RequirementsOf(problem)) {
-    if (!requirement.IsFamily()) continue;
-    for (const WorstPoint& point : WorstPoints(links, problem, requirement)) {
-      const double slack =
-          requirement.is_lower_limit ? point.value - requirement.limit : requirement.limit - point.value;
-      constexpr double kSamePose = 1e-6;
-      const bool known = std::any_of(fractions.begin(), fractions.end(),
-                                     [&](double f) { return std::abs(f - point.fraction) < kSamePose; });
-      if (slack >= -tolerance * requirement.limit || known || point.fraction < kSamePose ||
-          point.fraction > 1 - kSamePose)
-        continue;
-      fractions.push_back(point.fraction);
-      added = true;
-    }
-  }
-  return added;
-}
 
 // Gradients of the rows and bounds that hold with equality, in columns scaled to length one.
 class ActiveGradients {
@@ -104,7 +82,7 @@ LocalSolve SolveFrom(const SynthesisProblem& problem, const Links& start, const 
   const auto begin = Clock::now();
   LocalSolve result;
   result.start = start;
-  result.fractions = kFirstFractions;
+  result.fractions = FirstFractions();
   NlpOptions nlp = options.nlp;
   Links from = start;
   while (true) {
@@ -191,8 +169,9 @@ SynthesisResult Optimize(const SynthesisProblem& problem, const OptimizeOptions&
     ThrowIfInterrupted();
     result.starts.push_back(SolveFrom(problem, start, options));
     const LocalSolve& solve = result.starts.back();
+    constexpr double kBetter_deg = 1e-5;  // of equals the first is kept
     if (solve.IsUsable() &&
-        (result.best < 0 || solve.evaluation.range_deg > result.Best().evaluation.range_deg))
+        (result.best < 0 || solve.evaluation.range_deg > result.Best().evaluation.range_deg + kBetter_deg))
       result.best = static_cast<int>(result.starts.size()) - 1;
     progress.Advance();
   }

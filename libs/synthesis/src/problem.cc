@@ -1,6 +1,7 @@
 #include "lake/synthesis/problem.h"
 
 #include <cmath>
+#include <limits>
 
 #include "lake/core/error.h"
 
@@ -57,6 +58,11 @@ void SynthesisProblem::Check() const {
     throw Fail("standing_deg = {} must lie between -30 and 90", standing_deg);
   if (max_angle_deg && !(*max_angle_deg > standing_deg && *max_angle_deg <= 180))
     throw Fail("max_angle_deg = {} must lie above standing_deg = {} and not beyond 180", *max_angle_deg, standing_deg);
+}
+
+double Requirement::Slack(double value) const {
+  if (std::isnan(value)) return -std::numeric_limits<double>::infinity();
+  return is_lower_limit ? value - limit : limit - value;
 }
 
 std::string Requirement::Text() const {

@@ -64,6 +64,8 @@ struct Requirement {
   bool IsFamily() const { return kind == Kind::kMomentArm || kind == Kind::kForce || kind == Kind::kTransmission; }
   // Concerns poses other than the one at d_min, so the linkage must be able to stand.
   bool NeedsStanding() const { return IsFamily() || kind == Kind::kMaxStroke; }
+  // Distance of a value to the limit, positive if satisfied; -infinity for NaN, a value that could not be had.
+  double Slack(double value) const;
   // "grashof >= 2 mm"
   std::string Text() const;
 };
