@@ -117,7 +117,7 @@ void DrawConvergence(const Study& study, const std::filesystem::path& path) {
   GnuplotFigure figure(1000, 720);
   const std::string data = figure.Data({number, range, violation, dual});
   figure.Line("set multiplot layout 2,1 margins 0.1,0.97,0.1,0.93 spacing 0.1,0.09");
-  figure.Line("set grid lc rgb '#E8E8E8'").Line("set title 'Ipopt from the best start' font ',15'");
+  figure.Line("set grid lc rgb '#E8E8E8'").Line("set title 'Convergence from the start that gave the optimum' font ',15'");
   figure.Line("set ylabel 'range of rotation, deg'").Line("set format x ''");
   figure.Line(fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.8 lc rgb '{}' notitle", data, colour::kAnkle));
   figure.Line("unset title").Line("set format x '%g'").Line("set xlabel 'iteration'");

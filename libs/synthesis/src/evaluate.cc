@@ -15,21 +15,25 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kGridPoints = 721;  // a quarter of a degree or finer over any range of a knee
 
-// The used range of a design that can stand; nullopt otherwise.
+// The used range of a design that can stand; nullopt otherwise. An optimum may stand exactly where the actuator is stretched out, the
+// end of its assembly range, where an angle is known to the square root of rounding.
 std::optional<UsedRange> StandingRange(const Links& links, const SynthesisProblem& problem) {
   if (!SolvePose(links, problem.d_min_mm)) return std::nullopt;
   const UsedRange range =
       FindUsedRange(links, problem.d_min_mm, std::nullopt, RadiansFromDegrees(problem.standing_deg));
-  if (range.end != UsedRange::End::kStanding) return std::nullopt;
-  return range;
+  constexpr double kRounding_rad = 1e-5;
+  const bool stands = range.end == UsedRange::End::kStanding ||
+                      range.theta_at_upper_rad <= RadiansFromDegrees(problem.standing_deg) + kRounding_rad;
+  return stands ? std::optional(range) : std::nullopt;
 }
 
 // The family's value at a fraction of the used range; NaN where there is no pose.
 double FamilyValue(const Links& links, const SynthesisProblem& problem, const UsedRange& range, Kind kind,
                    double fraction) {
-  const double theta = std::lerp(RadiansFromDegrees(problem.standing_deg), range.theta_at_lower_rad, fraction);
-  const std::optional<double> stroke =
-      fraction >= 1 ? range.stroke.lower_mm : StrokeForAngle(links, range, theta);
+  const double theta = std::lerp(range.theta_at_upper_rad, range.theta_at_lower_rad, fraction);
+  const std::optional<double> stroke = fraction <= 0   ? range.stroke.upper_mm
+                                       : fraction >= 1 ? range.stroke.lower_mm
+                                                       : StrokeForAngle(links, range, theta);
   const std::optional<Pose> pose = stroke ? SolvePose(links, *stroke) : std::nullopt;
   if (!pose) return kNaN;
   const Transmission transmission = TransmissionOf(links, *pose);
@@ -123,7 +127,7 @@ DesignEvaluation Evaluate(const Links& links, const SynthesisProblem& problem) {
   evaluation.violation = evaluation.pose ? 0 : kInfinity;
   for (const Requirement& requirement : RequirementsOf(problem)) {
     evaluation.checks.push_back(CheckOf(links, problem, requirement, evaluation));
-    evaluation.violation = std::max(evaluation.violation, -evaluation.checks.back().slack);
+    evaluation.violation = std::max(evaluation.violation, -evaluation.checks.back().slack / std::max(1.0, requirement.limit));
   }
   const auto l = links.Values();
   for (std::size_t i = 0; i < l.size(); ++i)

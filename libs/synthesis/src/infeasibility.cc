@@ -16,9 +16,9 @@ constexpr double kNoSlack = 1e-5;  // mm, deg or 1 % of a force: what an interio
 struct ElasticSolve {
   NlpSolution solution;
   SynthesisProgram program;
+  bool holds = false;  // solved, and the moved limits hold over the used range by the closed form
   bool IsBetterThan(const ElasticSolve& other) const {
-    if (solution.IsUsable() != other.solution.IsUsable()) return solution.IsUsable();
-    return solution.cost < other.solution.cost;
+    return holds != other.holds ? holds : solution.cost < other.solution.cost;
   }
 };
 
@@ -35,6 +35,17 @@ SynthesisProblem Relaxed(SynthesisProblem problem, const ElasticSolve& solve) {
   return problem;
 }
 
+bool FamiliesHold(const SynthesisProblem& problem, const Links& links) {
+  constexpr double kTolerance = 1e-4;  // of the limit; the moved limits themselves are known no better
+  for (const Requirement& requirement : RequirementsOf(problem)) {
+    if (!requirement.IsFamily()) continue;
+    const auto worst = WorstPoints(links, problem, requirement);
+    if (worst.empty() || requirement.Slack(worst.front().value) < -kTolerance * std::max(1.0, requirement.limit))
+      return false;
+  }
+  return true;
+}
+
 ElasticSolve SolveElastic(const SynthesisProblem& problem, const Links& start, Elasticity elasticity,
                           const OptimizeOptions& options) {
   ElasticSolve solve;
@@ -48,11 +59,12 @@ ElasticSolve SolveElastic(const SynthesisProblem& problem, const Links& start, E
         !AddViolatedPoses(Relaxed(problem, solve), from, options.family_tolerance, fractions))
       break;
   }
+  solve.holds = solve.solution.IsUsable() && FamiliesHold(Relaxed(problem, solve), from);
   return solve;
 }
 
 ElasticSolve BestElastic(const SynthesisProblem& problem, Elasticity elasticity, const OptimizeOptions& options) {
-  constexpr int kStarts = 5;
+  constexpr int kStarts = 10;
   ElasticSolve best;
   best.solution.cost = std::numeric_limits<double>::infinity();
   std::vector<Links> starts = RandomStarts(problem, kStarts - 1, options.seed);
@@ -101,10 +113,13 @@ void CollectFighting(const ElasticSolve& solve, InfeasibilityReport& report) {
 std::string Sentence(const InfeasibilityReport& report) {
   if (!report.solved) return "no design was found that satisfies the problem, and none that nearly does";
   if (report.relaxations.empty()) return "the problem can be satisfied, but the solver did not reach an optimum";
-  std::string text = fmt::format("no design satisfies all limits: {} cannot hold together; smallest change that would do:",
+  std::string text = fmt::format("no design satisfies all limits: {} cannot hold together; the smallest change found that would do:",
                                  fmt::join(report.fighting, ", "));
-  for (std::size_t i = 0; i < report.relaxations.size(); ++i)
-    text += fmt::format("{} {} moved to {:.6g}", i ? "," : "", report.relaxations[i].text, report.relaxations[i].relaxed);
+  for (std::size_t i = 0; i < report.relaxations.size(); ++i) {
+    const Relaxation& relaxation = report.relaxations[i];
+    text += fmt::format("{} {} relaxed by {:.4g} {} to {:.6g}", i ? "," : "", relaxation.text,
+                        std::abs(relaxation.relaxed - relaxation.limit), relaxation.unit, relaxation.relaxed);
+  }
   return text;
 }
 
@@ -114,9 +129,9 @@ InfeasibilityReport AnalyseInfeasibility(const SynthesisProblem& problem, const 
   problem.Check();
   options.Check();
   ElasticSolve solve = BestElastic(problem, Elasticity::kRequirements, options);
-  if (!solve.solution.IsUsable()) solve = BestElastic(problem, Elasticity::kEverything, options);
+  if (!solve.holds) solve = BestElastic(problem, Elasticity::kEverything, options);
   InfeasibilityReport report;
-  report.solved = solve.solution.IsUsable();
+  report.solved = solve.holds;
   report.links = solve.program.LinksAt(solve.solution.x);
   if (report.solved) {
     CollectRelaxations(solve, report);

@@ -139,7 +139,7 @@ ActiveSet FindActiveSet(const LocalSolve& solve) {
                                 -solve.solution.variable_prices[j], "mm"});
   }
   active.smallest_singular_value = gradients.SmallestSingularValue();
-  constexpr double kIndependent = 1e-3;
+  constexpr double kIndependent = 1e-6;
   active.multipliers_unique = active.smallest_singular_value > kIndependent;
   return active;
 }

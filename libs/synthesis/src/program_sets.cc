@@ -43,11 +43,13 @@ struct BranchTerm : AtPose {
   }
 };
 
+// The least sine that counts as not turning keeps the multiplied-out families away from 0 >= 0 where P, R and S are in line.
 struct NoTurningTerm : AtPose {
   template <typename T>
   T operator()(const T* v) const {
+    constexpr double kLeastSine = 5e-3;
     const auto vectors = Vectors(v);
-    return Dot(vectors.coupler, vectors.tip_motion) / kAreaScale_mm2;
+    return (Dot(vectors.coupler, vectors.tip_motion) - v[0] * v[1] * kLeastSine) / kAreaScale_mm2;
   }
 };
 
@@ -133,6 +135,11 @@ PoseVariables AddPose(NonlinearProgram& program, const std::string& name, const 
   return pose;
 }
 
+void AddNoTurningRow(NonlinearProgram& program, const PoseVariables& pose) {
+  const AtPose at{pose.fraction, pose.standing_rad};
+  program.AddConstraint(fmt::format("no turning at {:.4g}", pose.fraction), 0, kUnbounded, pose.All(), NoTurningTerm{at});
+}
+
 void AddFamilyRow(NonlinearProgram& program, const Requirement& requirement, const PoseVariables& pose, int limit,
                   double knee_torque_nm) {
   constexpr double kMillimetresPerMetre = 1000;
@@ -146,7 +153,6 @@ void AddFamilyRow(NonlinearProgram& program, const Requirement& requirement, con
     program.AddConstraint(name, 0, kUnbounded, variables, TransmissionTerm{at});
     return;
   }
-  program.AddConstraint(name + ": no turning", 0, kUnbounded, pose_variables, NoTurningTerm{at});
   if (requirement.kind == Requirement::Kind::kMomentArm)
     program.AddConstraint(name, 0, kUnbounded, variables, MomentArmTerm{at});
   else

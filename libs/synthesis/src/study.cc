@@ -79,6 +79,16 @@ std::vector<MarginPoint> SweepMargins(const Study& study) {
   return points;
 }
 
+// No start found a way, but the elastic program did, without moving a limit: one more start from there.
+void StartFromElastic(Study& study) {
+  LocalSolve solve = SolveFrom(study.problem, study.infeasible->links, study.options.optimize);
+  if (!solve.IsUsable()) return;
+  study.result.best = static_cast<int>(study.result.starts.size());
+  study.result.starts.push_back(std::move(solve));
+  study.result.basin.push_back(0);
+  study.infeasible.reset();
+}
+
 }  // namespace
 
 void StudyOptions::Check() const {
@@ -120,10 +130,9 @@ Study RunStudy(const SynthesisProblem& problem, const StudyOptions& options) {
   };
   if (options.yield_tolerance_mm) study.start_yield = yield_of(problem.start);
   study.result = Optimize(problem, options.optimize);
-  if (!study.IsSolved()) {
-    study.infeasible = AnalyseInfeasibility(problem, options.optimize);
-    return study;
-  }
+  if (!study.IsSolved()) study.infeasible = AnalyseInfeasibility(problem, options.optimize);
+  if (study.infeasible && study.infeasible->relaxations.empty()) StartFromElastic(study);
+  if (!study.IsSolved()) return study;
   const LocalSolve& best = study.result.Best();
   study.active = FindActiveSet(best);
   study.certificate_ignores_used_range = NeedsStanding(problem);

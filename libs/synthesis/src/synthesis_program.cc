@@ -133,6 +133,7 @@ class Builder {
       result_.poses.push_back(AddPose(nlp(), name, result_.links, stroke, range_, fraction,
                                       RadiansFromDegrees(problem_.standing_deg), start.phi_rad));
     }
+    for (const PoseVariables& pose : result_.poses) AddNoTurningRow(nlp(), pose);
     std::size_t family = 0;
     for (const LimitRow& entry : result_.limits) {
       if (entry.requirement.kind == Kind::kMaxStroke) AddScaledTerm(nlp(), entry.row, result_.poses[1].stroke, 1);

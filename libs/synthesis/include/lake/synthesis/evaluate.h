@@ -33,7 +33,7 @@ struct DesignEvaluation {
   std::optional<double> stands_mm;  // the stroke at standing_deg, if the used range reaches it
   std::vector<RequirementCheck> checks;
   double bound_violation_mm = 0;  // the worst link outside its bounds
-  // Worst violation over requirements and bounds, each in its own unit; infinite if it cannot be assembled.
+  // Worst violation over requirements and bounds, in units of the limit where that exceeds one; infinite if it cannot be assembled.
   double violation = 0;
 
   bool IsFeasible(double tolerance = 1e-6) const { return violation <= tolerance; }

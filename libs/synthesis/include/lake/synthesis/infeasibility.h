@@ -19,7 +19,7 @@ struct Relaxation {
 };
 
 struct InfeasibilityReport {
-  bool solved = false;                   // false: not even the elastic program was solved
+  bool solved = false;                   // false: not even the elastic program has a solution that holds
   Links links;                           // the design nearest to feasible
   std::vector<Relaxation> relaxations;   // the smallest change; empty: the problem is feasible after all
   std::vector<std::string> fighting;     // limits that cannot hold together

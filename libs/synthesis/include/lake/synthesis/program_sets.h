@@ -33,8 +33,11 @@ struct PoseVariables {
 PoseVariables AddPose(NonlinearProgram& program, const std::string& name, const LinkVariables& links, int stroke,
                       int range, double fraction, double standing_rad, double phi_start_rad);
 
+// u.R' > 0: bar and coupler are not in line, where the knee angle turns back and poses of two branches meet.
+void AddNoTurningRow(NonlinearProgram& program, const PoseVariables& pose);
+
 // The requirement at one pose, against the variable `limit`: kMomentArm, kForce or kTransmission.
-//   moment arm  (u.S')(w.R') / d >= limit (u.R')       with u.R' >= 0: the knee angle does not turn back
+//   moment arm  (u.S')(w.R') / d >= limit (u.R')
 //   force       limit (u.S')(w.R') / d >= torque (u.R')
 //   sine of the transmission angle >= sin(limit)
 // w = R - M, u = S - R; R' and S' by phi and kappa. Multiplied out, so smooth also where the moment arm is infinite.

@@ -7,6 +7,7 @@
 //         coefficients . X >= limit                               Grashof, order
 //         l2 + d_min - l7 >= m                                    singularity; left out at m = 0, where the loop implies it
 //         family(X, pose_k) >= limit          k = 1..K            at fractions of the used range, each with its own loops
+//         no turning between coupler and bar at these poses
 //         lower <= X <= upper
 //   x = (l1..l6, theta, d, phi; d_k, phi_k)
 //
