@@ -1,0 +1,151 @@
+#include "lake/synthesis/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "lake/core/angles.h"
+
+namespace lake {
+namespace {
+
+using Kind = Requirement::Kind;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kGridPoints = 721;  // a quarter of a degree or finer over any range of a knee
+
+// The used range of a design that can stand; nullopt otherwise. An optimum may stand exactly where the actuator is stretched out, the
+// end of its assembly range, where an angle is known to the square root of rounding.
+std::optional<UsedRange> StandingRange(const Links& links, const SynthesisProblem& problem) {
+  if (!SolvePose(links, problem.d_min_mm)) return std::nullopt;
+  const UsedRange range =
+      FindUsedRange(links, problem.d_min_mm, std::nullopt, RadiansFromDegrees(problem.standing_deg));
+  constexpr double kRounding_rad = 1e-5;
+  const bool stands = range.end == UsedRange::End::kStanding ||
+                      range.theta_at_upper_rad <= RadiansFromDegrees(problem.standing_deg) + kRounding_rad;
+  return stands ? std::optional(range) : std::nullopt;
+}
+
+// The family's value at a fraction of the used range; NaN where there is no pose.
+double FamilyValue(const Links& links, const SynthesisProblem& problem, const UsedRange& range, Kind kind,
+                   double fraction) {
+  const double theta = std::lerp(range.theta_at_upper_rad, range.theta_at_lower_rad, fraction);
+  const std::optional<double> stroke = fraction <= 0   ? range.stroke.upper_mm
+                                       : fraction >= 1 ? range.stroke.lower_mm
+                                                       : StrokeForAngle(links, range, theta);
+  const std::optional<Pose> pose = stroke ? SolvePose(links, *stroke) : std::nullopt;
+  if (!pose) return kNaN;
+  const Transmission transmission = TransmissionOf(links, *pose);
+  switch (kind) {
+    case Kind::kMomentArm:
+      return transmission.moment_arm_mm;
+    case Kind::kForce:
+      return std::abs(ActuatorForce(transmission, problem.knee_torque_nm));
+    default:
+      return DegreesFromRadians(
+          std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
+  }
+}
+
+// The place of the smallest badness between two fractions (golden-section search).
+double GoldenSection(const std::function<double(double)>& slack, double low, double high) {
+  const double ratio = (std::sqrt(5.0) - 1) / 2;
+  double a = high - ratio * (high - low), b = low + ratio * (high - low), slack_a = slack(a), slack_b = slack(b);
+  while (high - low > 1e-10) {
+    if (slack_a < slack_b)
+      high = b, b = a, slack_b = slack_a, a = high - ratio * (high - low), slack_a = slack(a);
+    else
+      low = a, a = b, slack_a = slack_b, b = low + ratio * (high - low), slack_b = slack(b);
+  }
+  return (low + high) / 2;
+}
+
+RequirementCheck CheckOf(const Links& links, const SynthesisProblem& problem, const Requirement& requirement,
+                         const DesignEvaluation& evaluation) {
+  RequirementCheck check{requirement, kNaN, 0, 1};
+  switch (requirement.kind) {
+    case Kind::kLinear: {
+      const auto l = links.Values();
+      check.value = 0;
+      for (std::size_t i = 0; i < l.size(); ++i) check.value += requirement.coefficients[i] * l[i];
+      break;
+    }
+    case Kind::kSingularity:
+      check.value = links.l2 + problem.d_min_mm - links.L7();
+      break;
+    case Kind::kMaxAngle:
+      check.value = evaluation.range_deg;
+      break;
+    case Kind::kMaxStroke:
+      check.value = evaluation.stands_mm.value_or(kNaN);
+      check.fraction = 0;
+      break;
+    default:
+      if (const auto worst = WorstPoints(links, problem, requirement); !worst.empty())
+        check.value = worst.front().value, check.fraction = worst.front().fraction;
+  }
+  check.slack = requirement.Slack(check.value);
+  return check;
+}
+
+}  // namespace
+
+std::vector<WorstPoint> WorstPoints(const Links& links, const SynthesisProblem& problem,
+                                    const Requirement& requirement) {
+  const std::optional<UsedRange> range = StandingRange(links, problem);
+  if (!range) return {};
+  const auto value = [&](double fraction) { return FamilyValue(links, problem, *range, requirement.kind, fraction); };
+  const auto slack = [&](double fraction) { return requirement.Slack(value(fraction)); };
+  std::vector<double> grid(kGridPoints);
+  for (int i = 0; i < kGridPoints; ++i) grid[i] = slack(i / (kGridPoints - 1.0));
+
+  std::vector<WorstPoint> worst;
+  for (int i = 0; i < kGridPoints; ++i) {
+    const bool below_left = i == 0 || grid[i] <= grid[i - 1], below_right = i == kGridPoints - 1 || grid[i] < grid[i + 1];
+    if (!below_left || !below_right) continue;
+    double fraction = i / (kGridPoints - 1.0);
+    if (std::isfinite(grid[i])) {
+      const double refined = GoldenSection(slack, std::max(0, i - 1) / (kGridPoints - 1.0),
+                                           std::min(kGridPoints - 1, i + 1) / (kGridPoints - 1.0));
+      if (slack(refined) < grid[i]) fraction = refined;
+    }
+    worst.push_back({fraction, value(fraction)});
+  }
+  std::stable_sort(worst.begin(), worst.end(), [&](const WorstPoint& a, const WorstPoint& b) {
+    return requirement.Slack(a.value) < requirement.Slack(b.value);
+  });
+  return worst;
+}
+
+DesignEvaluation Evaluate(const Links& links, const SynthesisProblem& problem) {
+  DesignEvaluation evaluation;
+  evaluation.pose = SolvePose(links, problem.d_min_mm);
+  evaluation.range_deg = evaluation.pose ? DegreesFromRadians(evaluation.pose->theta_rad) : kNaN;
+  if (const auto gap = FindAssemblyGap(links, problem.d_min_mm)) evaluation.gap = gap->text;
+  if (const auto range = StandingRange(links, problem)) evaluation.stands_mm = range->stroke.upper_mm;
+  evaluation.violation = evaluation.pose ? 0 : kInfinity;
+  for (const Requirement& requirement : RequirementsOf(problem)) {
+    evaluation.checks.push_back(CheckOf(links, problem, requirement, evaluation));
+    evaluation.violation = std::max(evaluation.violation, -evaluation.checks.back().slack / std::max(1.0, requirement.limit));
+  }
+  const auto l = links.Values();
+  for (std::size_t i = 0; i < l.size(); ++i)
+    evaluation.bound_violation_mm = std::max(
+        {evaluation.bound_violation_mm, problem.bounds[i].lower - l[i], l[i] - problem.bounds[i].upper});
+  evaluation.violation = std::max(evaluation.violation, evaluation.bound_violation_mm);
+  return evaluation;
+}
+
+bool MeetsLinkRequirements(const Links& links, const SynthesisProblem& problem,
+                           const std::vector<Requirement>& requirements, double tolerance_mm) {
+  DesignEvaluation evaluation;
+  const std::optional<Pose> pose = SolvePose(links, problem.d_min_mm);
+  if (!pose) return false;
+  evaluation.range_deg = DegreesFromRadians(pose->theta_rad);
+  return std::all_of(requirements.begin(), requirements.end(), [&](const Requirement& requirement) {
+    return requirement.NeedsStanding() || CheckOf(links, problem, requirement, evaluation).slack >= -tolerance_mm;
+  });
+}
+
+}  // namespace lake

@@ -1,0 +1,182 @@
+#include "lake/synthesis/optimize.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/progress.h"
+#include "exchange.h"
+
+namespace lake {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Gradients of the rows and bounds that hold with equality, in columns scaled to length one.
+class ActiveGradients {
+ public:
+  explicit ActiveGradients(const LocalSolve& solve) : program_(solve.program.program), x_(solve.solution.x) {
+    for (const NlpTerm& term : program_.Terms()) {
+      if (term.row == NlpTerm::kCost) continue;
+      Eigen::VectorXd& gradient = rows_.try_emplace(term.row, Eigen::VectorXd::Zero(x_.size())).first->second;
+      std::vector<double> local(term.term->Variables().size());
+      term.term->Gradient(x_.data(), local.data());
+      for (std::size_t k = 0; k < local.size(); ++k) gradient[term.term->Variables()[k]] += local[k];
+    }
+  }
+
+  void AddRow(int row) { columns_.push_back(rows_.at(row)); }
+  void AddBound(int variable) { columns_.push_back(Eigen::VectorXd::Unit(x_.size(), variable)); }
+
+  double SmallestSingularValue() const {
+    if (columns_.empty()) return 1;
+    if (columns_.size() > x_.size()) return 0;
+    Eigen::MatrixXd matrix(x_.size(), columns_.size());
+    for (std::size_t i = 0; i < columns_.size(); ++i) matrix.col(i) = columns_[i].normalized();
+    return Eigen::JacobiSVD<Eigen::MatrixXd>(matrix).singularValues().tail(1)[0];
+  }
+
+ private:
+  const NonlinearProgram& program_;
+  const std::vector<double>& x_;
+  std::map<int, Eigen::VectorXd> rows_;
+  std::vector<Eigen::VectorXd> columns_;
+};
+
+bool IsActive(double value, double limit) {
+  constexpr double kTouching = 1e-5;  // far above the interior point's distance to an active limit, mu / price
+  return std::isfinite(limit) && std::abs(value - limit) <= kTouching * std::max(1.0, std::abs(limit));
+}
+
+std::vector<int> Basins(const std::vector<LocalSolve>& starts) {
+  constexpr double kSameRange_deg = 0.01;
+  std::vector<int> basin(starts.size(), -1);
+  std::vector<double> ranges;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    if (!starts[i].IsUsable()) continue;
+    const double range = starts[i].evaluation.range_deg;
+    const auto known = std::find_if(ranges.begin(), ranges.end(),
+                                    [&](double other) { return std::abs(other - range) < kSameRange_deg; });
+    basin[i] = static_cast<int>(known - ranges.begin());
+    if (known == ranges.end()) ranges.push_back(range);
+  }
+  return basin;
+}
+
+}  // namespace
+
+void OptimizeOptions::Check() const {
+  if (starts < 1 || starts > 100000) throw Fail("the number of starts must lie between 1 and 100000, not {}", starts);
+  if (max_exchanges < 1) throw Fail("at least one exchange is needed, not {}", max_exchanges);
+  if (!(family_tolerance > 0)) throw Fail("family_tolerance must be above 0, not {}", family_tolerance);
+  nlp.Check();
+}
+
+LocalSolve SolveFrom(const SynthesisProblem& problem, const Links& start, const OptimizeOptions& options) {
+  const auto begin = Clock::now();
+  LocalSolve result;
+  result.start = start;
+  result.fractions = FirstFractions();
+  NlpOptions nlp = options.nlp;
+  Links from = start;
+  while (true) {
+    ++result.exchanges;
+    result.program = BuildProgram(problem, from, result.fractions);
+    result.solution = SolveNlp(result.program.program, nlp);
+    result.iterations += static_cast<int>(result.solution.iterations.size());
+    result.history.insert(result.history.end(), result.solution.iterations.begin(), result.solution.iterations.end());
+    result.end = result.program.LinksAt(result.solution.x);
+    if (!result.solution.IsUsable() || result.exchanges >= options.max_exchanges ||
+        !AddViolatedPoses(problem, result.end, options.family_tolerance, result.fractions))
+      break;
+    from = result.end;
+    nlp.start_push = 1e-6, nlp.start_barrier = 1e-4;  // warm
+  }
+  result.evaluation = Evaluate(result.end, problem);
+  result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  return result;
+}
+
+ActiveSet FindActiveSet(const LocalSolve& solve) {
+  const NonlinearProgram& nlp = solve.program.program;
+  const std::vector<double>& x = solve.solution.x;
+  const std::vector<double> rows = nlp.RowValues(x);
+  ActiveSet active;
+  ActiveGradients gradients(solve);
+  // The cost is minus the range.
+  std::map<int, const Requirement*> requirement_of_row;
+  for (const LimitRow& limit : solve.program.limits)
+    if (limit.row >= 0) requirement_of_row[limit.row] = &limit.requirement;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const NlpRow& row = nlp.Rows()[i];
+    const int index = static_cast<int>(i);
+    const auto requirement = requirement_of_row.find(index);
+    const double price = -solve.solution.row_prices[i];
+    const bool touches = row.lower == row.upper || IsActive(rows[i], row.lower) || IsActive(rows[i], row.upper);
+    if (!touches) continue;
+    gradients.AddRow(index);
+    constexpr double kNoPrice = 1e-7;
+    const bool slack_family = requirement != requirement_of_row.end() && requirement->second->IsFamily() && std::abs(price) < kNoPrice;
+    if (requirement != requirement_of_row.end() && !slack_family)
+      active.entries.push_back({requirement->second->Text(), price, requirement->second->unit});
+  }
+  for (std::size_t j = 0; j < x.size(); ++j) {
+    const NlpVariable& variable = nlp.Variables()[j];
+    const bool lower = IsActive(x[j], variable.lower), upper = IsActive(x[j], variable.upper);
+    if (!lower && !upper) continue;
+    gradients.AddBound(static_cast<int>(j));
+    const bool is_link = std::find(solve.program.links.begin(), solve.program.links.end(), static_cast<int>(j)) !=
+                         solve.program.links.end();
+    if (is_link || variable.name == "d_min")
+      active.entries.push_back({fmt::format("{} {} {:.6g} mm", variable.name, lower && upper ? "=" : lower ? ">=" : "<=",
+                                            lower ? variable.lower : variable.upper),
+                                -solve.solution.variable_prices[j], "mm"});
+  }
+  active.smallest_singular_value = gradients.SmallestSingularValue();
+  constexpr double kIndependent = 1e-6;
+  active.multipliers_unique = active.smallest_singular_value > kIndependent;
+  return active;
+}
+
+std::vector<Links> RandomStarts(const SynthesisProblem& problem, int count, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::vector<Links> starts;
+  for (int i = 0; i < count; ++i) {
+    std::array<double, 6> values{};
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double unit = static_cast<double>(random() >> 11) * 0x1p-53;  // the same on every platform
+      values[k] = std::lerp(problem.bounds[k].lower, problem.bounds[k].upper, unit);
+    }
+    starts.push_back(Links::FromValues(values));
+  }
+  return starts;
+}
+
+SynthesisResult Optimize(const SynthesisProblem& problem, const OptimizeOptions& options) {
+  problem.Check();
+  options.Check();
+  std::vector<Links> starts = RandomStarts(problem, options.starts - 1, options.seed);
+  starts.insert(starts.begin(), problem.start);
+  SynthesisResult result;
+  Progress progress("optimise", "starts", options.starts, options.quiet);
+  for (const Links& start : starts) {
+    ThrowIfInterrupted();
+    result.starts.push_back(SolveFrom(problem, start, options));
+    const LocalSolve& solve = result.starts.back();
+    constexpr double kBetter_deg = 1e-5;  // of equals the first is kept
+    if (solve.IsUsable() &&
+        (result.best < 0 || solve.evaluation.range_deg > result.Best().evaluation.range_deg + kBetter_deg))
+      result.best = static_cast<int>(result.starts.size()) - 1;
+    progress.Advance();
+  }
+  result.basin = Basins(result.starts);
+  return result;
+}
+
+}  // namespace lake

@@ -1,0 +1,307 @@
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/angles.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/provenance.h"
+#include "lake/linkage/design_file.h"
+#include "lake/synthesis/study.h"
+
+namespace lake {
+namespace {
+
+constexpr const char* kPoseAtRange[] = {"phi", "theta"};
+
+Json LinksJson(const Links& links) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < 6; ++i) json[LinkName(i)] = links.Values()[i];
+  return json;
+}
+
+Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+std::string_view ActiveSide(double value, double lower, double upper) {
+  constexpr double kTouching = 1e-5;  // as for the active set
+  const auto touches = [&](double limit) {
+    return std::isfinite(limit) && std::abs(value - limit) <= kTouching * std::max(1.0, std::abs(limit));
+  };
+  return touches(lower) && touches(upper) ? "fixed" : touches(lower) ? "lower" : touches(upper) ? "upper" : "";
+}
+
+Json EvaluationJson(const DesignEvaluation& evaluation) {
+  Json requirements = Json::array();
+  for (const RequirementCheck& check : evaluation.checks)
+    requirements.push_back({{"name", check.requirement.name},
+                            {"limit", check.requirement.limit},
+                            {"kind", check.requirement.is_lower_limit ? "at least" : "at most"},
+                            {"value", NumberOrNull(check.value)},
+                            {"slack", NumberOrNull(check.slack)},
+                            {"unit", check.requirement.unit}});
+  return {{"range_deg", NumberOrNull(evaluation.range_deg)},
+          {"assembled", evaluation.pose.has_value()},
+          {"feasible", evaluation.IsFeasible()},
+          {"violation", NumberOrNull(evaluation.violation)},
+          {"stroke_when_standing_mm", evaluation.stands_mm ? Json(*evaluation.stands_mm) : Json()},
+          {"requirements", requirements}};
+}
+
+Json YieldJson(const Yield& yield) {
+  const auto fraction = [](const Fraction& f) { return Json{{"value", f.value}, {"interval_95", {f.lower, f.upper}}}; };
+  return {{"tolerance_mm", yield.options.tolerance_mm},
+          {"samples", yield.options.samples},
+          {"assembled", fraction(yield.assembled)},
+          {"assembled_and_grashof", fraction(yield.assembled_and_grashof)},
+          {"range_p5_deg", NumberOrNull(yield.range_p5_deg)},
+          {"range_median_deg", NumberOrNull(yield.range_median_deg)},
+          {"range_p95_deg", NumberOrNull(yield.range_p95_deg)},
+          {"safe_singularity_margin_mm", yield.safe_singularity_margin_mm},
+          {"safe_grashof_margin_mm", yield.safe_grashof_margin_mm}};
+}
+
+void WriteDesignFile(const Study& study, Run& run) {
+  Design design;
+  design.links = study.BestLinks();
+  design.d_min_mm = study.problem.d_min_mm;
+  design.made_by = fmt::format("lake-optimize {}", Version());
+  const DesignEvaluation evaluation = Evaluate(design.links, study.problem);
+  if (evaluation.pose) design.range_deg = evaluation.range_deg;
+  if (evaluation.stands_mm && *evaluation.stands_mm > design.d_min_mm) design.d_max_mm = evaluation.stands_mm;
+  if (!study.IsSolved()) design.made_by += fmt::format(": NOT A SOLUTION: {}", study.infeasible->sentence);
+  WriteDesign(run.Result("design.yaml"), design);
+}
+
+// The variables of the pose at d_min as a table; empty optimum columns without a solution.
+void WriteOptimum(const Study& study, Run& run) {
+  CsvWriter table({"variable", "initial", "optimum", "lower", "upper", "active", "multiplier"});
+  const auto initial = study.problem.start.Values(), best = study.BestLinks().Values();
+  const bool priced = study.IsSolved() && study.active.multipliers_unique;
+  for (std::size_t i = 0; i < best.size(); ++i) {
+    const Bounds& bounds = study.problem.bounds[i];
+    table.Add(LinkName(i)).Add(initial[i]).Add(best[i]).Add(bounds.lower).Add(bounds.upper);
+    table.Add(ActiveSide(best[i], bounds.lower, bounds.upper));
+    priced ? table.Add(-study.result.Best().solution.variable_prices[study.result.Best().program.links[i]])
+           : table.AddEmpty();
+    table.EndRow();
+  }
+  const std::optional<Pose> start = study.start.pose, end = SolvePose(study.BestLinks(), study.problem.d_min_mm);
+  for (const char* name : kPoseAtRange) {
+    const auto angle = [&](const std::optional<Pose>& pose) -> std::optional<double> {
+      if (!pose) return std::nullopt;
+      return DegreesFromRadians(name == kPoseAtRange[0] ? pose->phi_rad : pose->theta_rad);
+    };
+    table.Add(fmt::format("{}_deg", name)).Add(angle(start)).Add(angle(end));
+    table.AddEmpty().AddEmpty().AddEmpty().AddEmpty().EndRow();
+  }
+  table.Write(run.Result("optimum.csv"));
+}
+
+void WriteConstraints(const Study& study, Run& run) {
+  CsvWriter table({"constraint", "initial", "optimum", "lower", "upper", "active", "multiplier", "unit"});
+  const DesignEvaluation best = Evaluate(study.BestLinks(), study.problem);
+  const bool priced = study.IsSolved() && study.active.multipliers_unique;
+  for (std::size_t i = 0; i < best.checks.size(); ++i) {
+    const RequirementCheck& check = best.checks[i];
+    const double lower = check.requirement.is_lower_limit ? check.requirement.limit : NAN;
+    const double upper = check.requirement.is_lower_limit ? NAN : check.requirement.limit;
+    const int row = study.IsSolved() ? study.result.Best().program.limits[i].row : -1;
+    table.Add(check.requirement.name).Add(study.start.checks[i].value).Add(check.value).Add(lower).Add(upper);
+    table.Add(ActiveSide(check.value, lower, upper));
+    priced && row >= 0 ? table.Add(-study.result.Best().solution.row_prices[row]) : table.AddEmpty();
+    table.Add(check.requirement.unit).EndRow();
+  }
+  table.Write(run.Result("constraints.csv"));
+}
+
+std::vector<std::string> LinkColumns(std::string_view prefix) {
+  std::vector<std::string> columns;
+  for (std::size_t i = 0; i < 6; ++i) columns.push_back(fmt::format("{}{}_mm", prefix, LinkName(i)));
+  return columns;
+}
+
+void AddLinkCells(CsvWriter& table, const Links& links) {
+  for (const double value : links.Values()) table.Add(value);
+}
+
+void WriteStarts(const Study& study, Run& run) {
+  std::vector<std::string> header{"start"};
+  std::ranges::copy(LinkColumns("start_"), std::back_inserter(header));
+  for (const char* column : {"basin", "status", "range_deg", "constraint_violation", "kkt_error", "iterations", "time_s"})
+    header.emplace_back(column);
+  std::ranges::copy(LinkColumns("end_"), std::back_inserter(header));
+  CsvWriter table(header);
+  for (std::size_t i = 0; i < study.result.starts.size(); ++i) {
+    const LocalSolve& solve = study.result.starts[i];
+    table.Add(static_cast<int>(i));
+    AddLinkCells(table, solve.start);
+    study.result.basin[i] < 0 ? table.AddEmpty() : table.Add(study.result.basin[i]);
+    table.Add(NameOf(solve.solution.status)).Add(solve.evaluation.range_deg).Add(solve.evaluation.violation);
+    table.Add(solve.solution.kkt_error).Add(solve.iterations).Add(solve.seconds);
+    AddLinkCells(table, solve.end);
+    table.EndRow();
+  }
+  table.Write(run.Result("starts.csv"));
+}
+
+void WriteConvergence(const Study& study, Run& run) {
+  CsvWriter table({"iteration", "range_deg", "constraint_violation", "dual_infeasibility", "barrier", "step"});
+  const LocalSolve& solve = study.result.starts[std::max(0, study.result.best)];
+  for (std::size_t i = 0; i < solve.history.size(); ++i) {
+    const NlpIteration& step = solve.history[i];
+    table.Add(static_cast<int>(i)).Add(-step.cost).Add(step.violation).Add(step.dual_infeasibility).Add(step.barrier);
+    table.Add(step.step).EndRow();
+  }
+  table.Write(run.Result("convergence.csv"));
+}
+
+void WriteSensitivity(const Study& study, Run& run) {
+  CsvWriter table({"link", "delta_mm", "range_deg", "assembled", "feasible"});
+  for (const SensitivityPoint& point : study.sensitivity) {
+    table.Add(LinkName(point.link)).Add(point.delta_mm).Add(point.range_deg);
+    table.Add(std::isnan(point.range_deg) ? 0 : 1).Add(point.feasible ? 1 : 0).EndRow();
+  }
+  table.Write(run.Result("sensitivity.csv"));
+}
+
+void WriteMargins(const Study& study, Run& run) {
+  std::vector<std::string> header{"margin_mm", "status", "range_deg", "certified_upper_bound_deg", "yield"};
+  std::ranges::copy(LinkColumns(""), std::back_inserter(header));
+  CsvWriter table(header);
+  for (const MarginPoint& point : study.margins) {
+    table.Add(point.margin_mm).Add(point.solved ? "solved" : "no solution").Add(point.range_deg);
+    table.Add(point.upper_bound_deg).Add(point.yield);
+    for (const double value : point.links.Values()) point.solved ? table.Add(value) : table.AddEmpty();
+    table.EndRow();
+  }
+  table.Write(run.Result("margin.csv"));
+}
+
+void WriteRounded(const RoundedDesign& rounded, const SynthesisProblem& problem, Run& run) {
+  Design design;
+  design.links = rounded.links;
+  design.d_min_mm = problem.d_min_mm;
+  design.range_deg = rounded.evaluation.range_deg;
+  if (rounded.evaluation.stands_mm) design.d_max_mm = rounded.evaluation.stands_mm;
+  design.made_by = fmt::format("lake-optimize {}, rounded to multiples of {} mm", Version(), rounded.step_mm);
+  WriteDesign(run.Result("rounded.yaml"), design);
+}
+
+Json ActiveJson(const ActiveSet& active) {
+  Json entries = Json::array();
+  for (const ActiveSet::Entry& entry : active.entries)
+    entries.push_back({{"limit", entry.name},
+                       {"multiplier", active.multipliers_unique ? Json(entry.price) : Json()},
+                       {"unit", fmt::format("deg per {}", entry.unit)}});
+  return entries;
+}
+
+Json StartsJson(const SynthesisResult& result) {
+  Json starts = Json::array();
+  for (std::size_t i = 0; i < result.starts.size(); ++i) {
+    const LocalSolve& solve = result.starts[i];
+    starts.push_back({{"start", i},
+                      {"status", NameOf(solve.solution.status)},
+                      {"basin", result.basin[i] < 0 ? Json() : Json(result.basin[i])},
+                      {"range_deg", NumberOrNull(solve.evaluation.range_deg)},
+                      {"iterations", solve.iterations}});
+  }
+  return starts;
+}
+
+Json CertificateJson(const Certificate& certificate, bool ignores_used_range) {
+  return {{"upper_bound_deg", NumberOrNull(certificate.upper_bound_deg)},
+          {"gap_deg", NumberOrNull(certificate.gap_deg)},
+          {"reached", certificate.reached},
+          {"boxes", certificate.boxes},
+          {"time_s", certificate.seconds},
+          {"leaves_out_requirements_over_used_range", ignores_used_range}};
+}
+
+void Warn(const Study& study, Run& run) {
+  if (!study.active.multipliers_unique)
+    run.Warn("multipliers are not published: at this optimum the gradients of the active limits are linearly dependent, so "
+             "multipliers are not unique; ask for margins to have sensitivities");
+  if (const auto& pose = study.result.Best().evaluation.pose) {
+    const Transmission transmission = TransmissionOf(study.BestLinks(), *pose);
+    constexpr double kUseless_mm = 1;
+    if (!(transmission.moment_arm_mm > kUseless_mm))
+      run.Warn(fmt::format("at d_min the moment arm is {:.2g} mm: the actuator holds no load there; ask for "
+                           "--min-moment-arm or --max-force", transmission.moment_arm_mm));
+  }
+  if (study.certificate && !study.certificate->reached)
+    run.Warn(fmt::format("the gap of the certificate is {:.3g} deg, more than asked for{}", study.certificate->gap_deg,
+                         study.certificate_ignores_used_range
+                             ? ": the bound leaves out the requirements over the used range"
+                             : ""));
+  if (study.options.round_mm && !study.rounded)
+    run.Warn(fmt::format("no design with links that are multiples of {} mm near the optimum satisfies the problem",
+                         *study.options.round_mm));
+}
+
+Json SolvedJson(const Study& study) {
+  const LocalSolve& best = study.result.Best();
+  const Certificate* certificate = study.certificate ? &*study.certificate : nullptr;
+  Json json = {{"range_deg", best.evaluation.range_deg},
+               {"status", NameOf(best.solution.status)},
+               {"constraint_violation", std::max(best.solution.violation, best.evaluation.violation)},
+               {"kkt_error", best.solution.kkt_error},
+               {"certified_upper_bound_deg", certificate ? NumberOrNull(certificate->upper_bound_deg) : Json()},
+               {"links", LinksJson(best.end)},
+               {"iterations", best.iterations},
+               {"exchanges", best.exchanges},
+               {"time_s", best.seconds},
+               {"multipliers_unique", study.active.multipliers_unique},
+               {"active", ActiveJson(study.active)},
+               {"optimum", EvaluationJson(best.evaluation)}};
+  if (certificate) json["certificate"] = CertificateJson(*certificate, study.certificate_ignores_used_range);
+  if (study.yield) json["yield"] = YieldJson(*study.yield);
+  if (study.rounded)
+    json["rounded"] = {{"step_mm", study.rounded->step_mm},
+                       {"links", LinksJson(study.rounded->links)},
+                       {"evaluation", EvaluationJson(study.rounded->evaluation)}};
+  return json;
+}
+
+Json InfeasibleJson(const Study& study) {
+  const InfeasibilityReport& report = *study.infeasible;
+  const DesignEvaluation nearest = Evaluate(report.links, study.problem);
+  Json relaxations = Json::array();
+  for (const Relaxation& relaxation : report.relaxations)
+    relaxations.push_back({{"limit", relaxation.text},
+                           {"value", relaxation.limit},
+                           {"relaxed", relaxation.relaxed},
+                           {"unit", relaxation.unit}});
+  return {{"range_deg", NumberOrNull(nearest.range_deg)},
+          {"status", "infeasible"},
+          {"constraint_violation", NumberOrNull(nearest.violation)},
+          {"kkt_error", Json()},
+          {"certified_upper_bound_deg", Json()},
+          {"links", LinksJson(report.links)},
+          {"reason", report.sentence},
+          {"fighting", report.fighting},
+          {"smallest_relaxation", relaxations},
+          {"optimum", EvaluationJson(nearest)}};
+}
+
+}  // namespace
+
+Json WriteStudy(const Study& study, Run& run) {
+  WriteDesignFile(study, run);
+  WriteOptimum(study, run);
+  WriteConstraints(study, run);
+  WriteStarts(study, run);
+  WriteConvergence(study, run);
+  Json summary = study.IsSolved() ? SolvedJson(study) : InfeasibleJson(study);
+  if (study.IsSolved()) {
+    Warn(study, run);
+    WriteSensitivity(study, run);
+    WriteMargins(study, run);
+    if (study.rounded) WriteRounded(*study.rounded, study.problem, run);
+  }
+  summary["start"] = EvaluationJson(study.start);
+  if (study.start_yield) summary["start"]["yield"] = YieldJson(*study.start_yield);
+  summary["starts"] = StartsJson(study.result);
+  return summary;
+}
+
+}  // namespace lake

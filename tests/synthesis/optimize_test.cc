@@ -1,0 +1,231 @@
+#include "lake/synthesis/optimize.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "paper.h"
+
+namespace lake {
+namespace {
+
+TEST(Optimize, PapersStartAloneReachesTheSupremum) {
+  const LocalSolve solve = SolveFrom(SynthesisProblem{}, SynthesisProblem{}.start);
+  ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
+  EXPECT_GE(solve.evaluation.range_deg, 170.52);
+  EXPECT_LE(solve.evaluation.range_deg, 170.537678);
+  EXPECT_LE(solve.evaluation.violation, 1e-6);
+  EXPECT_LE(solve.solution.violation, 1e-6);
+  EXPECT_LE(solve.solution.kkt_error, 1e-6);
+  EXPECT_LE(solve.iterations, 60);  // 14..51 known
+  EXPECT_LT(solve.seconds, 1);
+  // The face of change-point parallelograms: l1 = l3, l2 = l4 = 62.138, l5 = 50, l6 = 300.
+  EXPECT_NEAR(solve.end.l1, solve.end.l3, 1e-5);
+  EXPECT_NEAR(solve.end.l2, 62.138, 5e-4);
+  EXPECT_NEAR(solve.end.l4, 62.138, 5e-4);
+  EXPECT_NEAR(solve.end.l5, 50, 1e-6);
+  EXPECT_NEAR(solve.end.l6, 300, 1e-6);
+}
+
+TEST(Optimize, EveryStartOfThePapersProblemEndsThere) {
+  OptimizeOptions options;
+  options.starts = 15;
+  options.seed = 20260303;
+  const SynthesisResult result = Optimize(SynthesisProblem{}, options);
+  for (std::size_t i = 0; i < result.starts.size(); ++i) EXPECT_EQ(result.basin[i], 0) << "start " << i;
+  EXPECT_EQ(result.best, 0);  // of equals the first
+}
+
+TEST(Optimize, SeedDecidesTheStarts) {
+  const auto first = RandomStarts(SynthesisProblem{}, 3, 7), again = RandomStarts(SynthesisProblem{}, 3, 7),
+             other = RandomStarts(SynthesisProblem{}, 3, 8);
+  EXPECT_EQ(first[2].Values(), again[2].Values());
+  EXPECT_NE(first[2].Values(), other[2].Values());
+}
+
+TEST(Optimize, PublishedPointIsFeasibleButNotOptimal) {
+  const DesignEvaluation published = Evaluate(kPublished, SynthesisProblem{});
+  EXPECT_TRUE(published.IsFeasible(0));
+  EXPECT_NEAR(published.range_deg, 148.5715, 5e-5);
+  for (const RequirementCheck& check : published.checks) {
+    if (check.requirement.name == "grashof") EXPECT_NEAR(check.slack, 0.108, 5e-4);
+    if (check.requirement.name == "singularity") EXPECT_NEAR(check.slack, 0.00224, 5e-6);
+  }
+  Links better = kPublished;
+  better.l4 -= 1;
+  const DesignEvaluation shorter = Evaluate(better, SynthesisProblem{});
+  EXPECT_TRUE(shorter.IsFeasible(0));
+  EXPECT_NEAR(shorter.range_deg, 149.51, 5e-3);
+}
+
+TEST(Optimize, InitialPointOfThePaperViolatesThreeConstraintsByFive) {
+  const DesignEvaluation initial = Evaluate(SynthesisProblem{}.start, SynthesisProblem{});
+  EXPECT_NEAR(initial.range_deg, 85.119, 5e-4);
+  EXPECT_NEAR(initial.violation, 5, 1e-9);
+  EXPECT_EQ(std::ranges::count_if(initial.checks, [](const auto& check) { return check.slack == -5; }), 3);
+}
+
+TEST(Optimize, NoRandomDesignIsBetter) {
+  std::mt19937_64 random(20260404);
+  for (const double margin : {1.0, 5.0, 20.0}) {
+    const SynthesisProblem problem = WithMargins(margin);
+    const LocalSolve best = SolveFrom(problem, problem.start);
+    for (int sample = 0; sample < 3000; ++sample) {
+      const bool near = sample % 2;
+      const Links links = RandomFeasible(problem, random, near ? &best.end : nullptr);
+      ASSERT_LE(DegreesFromRadians(SolvePose(links, problem.d_min_mm)->theta_rad), best.evaluation.range_deg + 1e-6);
+    }
+  }
+}
+
+TEST(Optimize, PricesAreDerivativesOfTheRange) {
+  const double step = 1e-3;
+  const auto range = [](double grashof, double singularity, double lowest_l5) {
+    SynthesisProblem problem;
+    problem.grashof_margin_mm = grashof, problem.singularity_margin_mm = singularity, problem.bounds[4].lower = lowest_l5;
+    return SolveFrom(problem, problem.start).evaluation.range_deg;
+  };
+  const LocalSolve solve = SolveFrom(WithMargins(2), SynthesisProblem{}.start);
+  const ActiveSet active = FindActiveSet(solve);
+  ASSERT_TRUE(active.multipliers_unique);
+  const auto price = [&](const std::string& name) {
+    for (const auto& entry : active.entries)
+      if (entry.name == name) return entry.price;
+    ADD_FAILURE() << name << " is not active";
+    return 0.0;
+  };
+  // Central differences: second-order error step^2 f''' / 6 below 1e-5 deg / mm.
+  EXPECT_NEAR(price("grashof >= 2 mm"), (range(2 + step, 2, 50) - range(2 - step, 2, 50)) / (2 * step), 1e-5);
+  EXPECT_NEAR(price("singularity >= 2 mm"), (range(2, 2 + step, 50) - range(2, 2 - step, 50)) / (2 * step), 1e-5);
+  EXPECT_NEAR(price("l5 >= 50 mm"), (range(2, 2, 50 + step) - range(2, 2, 50 - step)) / (2 * step), 1e-5);
+}
+
+TEST(Optimize, MultipliersAreNotUniqueAtZeroMargins) {
+  EXPECT_FALSE(FindActiveSet(SolveFrom(SynthesisProblem{}, SynthesisProblem{}.start)).multipliers_unique);
+}
+
+SynthesisProblem EverythingOn() {
+  SynthesisProblem problem = WithMargins(1);
+  problem.standing_deg = 5;
+  problem.max_force_n = 1800;
+  problem.min_moment_arm_mm = 20;
+  problem.min_transmission_deg = 12;
+  problem.d_max_mm = 365;
+  problem.max_angle_deg = 140;
+  return problem;
+}
+
+TEST(SynthesisProgram, DerivativesPassIpoptsTest) {
+  for (const SynthesisProblem& problem : {SynthesisProblem{}, WithMargins(2), EverythingOn()})
+    for (const Elasticity elasticity : {Elasticity::kNone, Elasticity::kRequirements, Elasticity::kEverything})
+      for (const Links& start : {Links{60, 70, 55, 75, 90, 260}, Links{66, 72, 61, 80, 70, 280}}) {
+        const SynthesisProgram program = BuildProgram(problem, start, {0.3, 0.7}, elasticity);
+        const DerivativeReport report = CheckDerivatives(program.program);
+        EXPECT_EQ(report.first_order_errors + report.second_order_errors, 0) << report.text;
+      }
+}
+
+TEST(SynthesisProgram, HoldsAtAnAssembledDesign) {
+  const SynthesisProgram program = BuildProgram(EverythingOn(), {60, 70, 55, 75, 90, 260}, {0.3, 0.7});
+  std::vector<double> x;
+  for (const NlpVariable& variable : program.program.Variables()) x.push_back(variable.start);
+  const std::vector<double> rows = program.program.RowValues(x);
+  int loops = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (program.program.Rows()[i].name.find("loop") != std::string::npos) {
+      EXPECT_NEAR(rows[i], 0, 1e-9) << program.program.Rows()[i].name;
+      ++loops;
+    }
+  EXPECT_EQ(loops, 8);  // two loops at d_min, standing and two fractions
+}
+
+// Independent of Evaluate(): poses by stroke, not by angle.
+void ExpectHoldsOnAFineGrid(const SynthesisProblem& problem, const Links& links) {
+  const UsedRange range =
+      FindUsedRange(links, problem.d_min_mm, std::nullopt, RadiansFromDegrees(problem.standing_deg));
+  ASSERT_NEAR(DegreesFromRadians(range.theta_at_upper_rad), problem.standing_deg, 1e-5);
+  constexpr int kPoints = 5000;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double stroke = std::lerp(range.stroke.lower_mm, range.stroke.upper_mm, i / double{kPoints});
+    const auto pose = SolvePose(links, stroke);
+    ASSERT_TRUE(pose) << stroke;
+    const Transmission transmission = TransmissionOf(links, *pose);
+    const double angle = DegreesFromRadians(
+        std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
+    // Relative to the limit, as the solver's tolerance is.
+    if (problem.min_transmission_deg) EXPECT_GE(angle, *problem.min_transmission_deg * (1 - 1e-6)) << stroke;
+    if (problem.min_moment_arm_mm)
+      EXPECT_GE(transmission.moment_arm_mm, *problem.min_moment_arm_mm * (1 - 1e-6)) << stroke;
+    if (problem.max_force_n)
+      EXPECT_LE(std::abs(ActuatorForce(transmission, problem.knee_torque_nm)), *problem.max_force_n * (1 + 1e-6))
+          << stroke;
+    if (problem.d_max_mm) EXPECT_LE(stroke, *problem.d_max_mm + 1e-6);
+  }
+}
+
+TEST(Optimize, FamiliesHoldEverywhereOnTheUsedRange) {
+  SynthesisProblem arm = WithMargins(0), force = WithMargins(1), transmission = WithMargins(1), all = EverythingOn();
+  arm.min_moment_arm_mm = 10;
+  force.max_force_n = 2000;
+  transmission.min_transmission_deg = 45;
+  transmission.standing_deg = 20;
+  for (const SynthesisProblem& problem : {arm, force, transmission, all}) {
+    OptimizeOptions options;
+    options.starts = 4;
+    const SynthesisResult result = Optimize(problem, options);
+    ASSERT_GE(result.best, 0);
+    ExpectHoldsOnAFineGrid(problem, result.Best().end);
+  }
+}
+
+// Hyperextended standing in wide bounds: the transmission angle passes 90 degrees there, and its supplement is worst between poses.
+TEST(Optimize, ExchangeFindsTheWorstPoseBetweenCollocationPoints) {
+  SynthesisProblem problem = WithMargins(2);
+  for (std::size_t i = 0; i < 4; ++i) problem.bounds[i] = {30, 200};
+  problem.bounds[4] = {20, 150};
+  problem.bounds[5] = {200, 400};
+  problem.standing_deg = -8;
+  problem.min_transmission_deg = 30;
+  const LocalSolve solve = SolveFrom(problem, problem.start);
+  ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
+  EXPECT_GT(solve.exchanges, 1);
+  EXPECT_GT(solve.fractions.size(), 3u);
+  ExpectHoldsOnAFineGrid(problem, solve.end);
+}
+
+TEST(Optimize, CapIsAnUpperLimit) {
+  SynthesisProblem problem = WithMargins(1);
+  problem.max_angle_deg = 130;
+  EXPECT_NEAR(SolveFrom(problem, problem.start).evaluation.range_deg, 130, 1e-6);
+}
+
+TEST(Optimize, EachRequirementCostsRange) {
+  const auto range = [](const SynthesisProblem& problem) {
+    return SolveFrom(problem, problem.start).evaluation.range_deg;
+  };
+  double last = range(WithMargins(0));
+  for (const double margin : {0.5, 1.0, 5.0, 20.0}) {
+    const double next = range(WithMargins(margin));
+    EXPECT_LT(next, last);
+    last = next;
+  }
+  SynthesisProblem problem = WithMargins(1);
+  problem.d_max_mm = 350;
+  EXPECT_LT(range(problem), range(WithMargins(1)));
+}
+
+TEST(Optimize, RefusesSenselessOptions) {
+  OptimizeOptions options;
+  options.starts = 0;
+  EXPECT_THROW(Optimize(SynthesisProblem{}, options), Error);
+  SynthesisProblem problem;
+  problem.bounds[2] = {60, 50};
+  EXPECT_THROW(Optimize(problem, {}), Error);
+}
+
+}  // namespace
+}  // namespace lake

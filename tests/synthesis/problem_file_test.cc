@@ -1,0 +1,95 @@
+#include "lake/synthesis/problem_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+class ProblemFile : public ::testing::Test {
+ protected:
+  std::filesystem::path Write(const std::string& text) {
+    std::ofstream(path_) << text;
+    return path_;
+  }
+  std::string ErrorOf(const std::string& text) {
+    try {
+      ReadProblem(Write(text));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  ~ProblemFile() override { std::filesystem::remove(path_); }
+  const std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() /
+      (std::string("lake_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml");
+};
+
+TEST_F(ProblemFile, PapersFileIsTheDefaultProblem) {
+  const SynthesisProblem read = ReadProblem(std::filesystem::path(LAKE_SOURCE_DIR "/calibration/problems/paper.yaml"));
+  const SynthesisProblem paper;
+  EXPECT_EQ(read.d_min_mm, paper.d_min_mm);
+  EXPECT_EQ(read.start.Values(), paper.start.Values());
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(read.bounds[i].lower, paper.bounds[i].lower);
+    EXPECT_EQ(read.bounds[i].upper, paper.bounds[i].upper);
+  }
+  EXPECT_EQ(RequirementsOf(read).size(), RequirementsOf(paper).size());
+}
+
+TEST_F(ProblemFile, AllKeysArrive) {
+  const SynthesisProblem problem = ReadProblem(Write(
+      "d_min_mm: 240\nd_max_mm: 360\nbounds: {l5: [40, 60]}\nstart: {l1: 70}\nmargins: {grashof_mm: 1, singularity_mm: 2}\n"
+      "load: {knee_torque_nm: 30, max_force_n: 1500}\nmin_moment_arm_mm: 12\nmin_transmission_deg: 9\nmax_angle_deg: 150\n"
+      "standing_deg: 3\n"));
+  EXPECT_EQ(problem.d_min_mm, 240);
+  EXPECT_EQ(problem.d_max_mm, 360);
+  EXPECT_EQ(problem.bounds[4].upper, 60);
+  EXPECT_EQ(problem.bounds[0].upper, 100);
+  EXPECT_EQ(problem.start.l1, 70);
+  EXPECT_EQ(problem.start.l2, 85);
+  EXPECT_EQ(problem.grashof_margin_mm, 1);
+  EXPECT_EQ(problem.singularity_margin_mm, 2);
+  EXPECT_EQ(problem.knee_torque_nm, 30);
+  EXPECT_EQ(problem.max_force_n, 1500);
+  EXPECT_EQ(problem.min_moment_arm_mm, 12);
+  EXPECT_EQ(problem.min_transmission_deg, 9);
+  EXPECT_EQ(problem.max_angle_deg, 150);
+  EXPECT_EQ(problem.standing_deg, 3);
+}
+
+TEST_F(ProblemFile, ErrorsNameFileLineAndReason) {
+  const struct {
+    const char *text, *line, *reason;
+  } cases[] = {
+      {"d_min_mm: 242\nmargin: {grashof_mm: 1}\n", ":2:", "unknown key 'margin'"},
+      {"bounds:\n  l1: [90, 80]\n", ":2:", "contradict"},
+      {"bounds:\n  l1: [90]\n", ":2:", "2 numbers"},
+      {"bounds:\n  l9: [1, 2]\n", ":2:", "unknown key 'l9'"},
+      {"bounds:\n  l1: [0, 80]\n", ":2:", "above 0"},
+      {"bounds:\n  l1: [50, .nan]\n", ":2:", "not a finite number"},
+      {"start:\n  l1: -3\n", ":2:", "l1 is -3 mm"},
+      {"d_min_mm: 242\nd_max_mm: 200\n", ":2:", "must exceed"},
+      {"margins:\n  grashof_mm: -1\n", ":2:", "0 or above"},
+      {"load:\n  max_force_n: 0\n", ":2:", "above 0"},
+      {"min_transmission_deg: 95\n", ":1:", "between 0 and 90"},
+      {"max_angle_deg: 200\n", ":1:", "not beyond 180"},
+      {"d_min_mm: many\n", ":1:", "not a finite number"},
+      {"- 1\n- 2\n", ":1:", "a map"},
+      {"d_min_mm: [\n", ".yaml", "not YAML"},
+  };
+  for (const auto& item : cases) {
+    const std::string error = ErrorOf(item.text);
+    EXPECT_THAT(error, ::testing::AllOf(::testing::HasSubstr(item.line), ::testing::HasSubstr(item.reason))) << item.text;
+    EXPECT_THAT(error, ::testing::Not(::testing::HasSubstr("\n")));
+  }
+}
+
+}  // namespace
+}  // namespace lake

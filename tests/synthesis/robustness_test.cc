@@ -1,0 +1,158 @@
+#include "lake/synthesis/robustness.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lake/core/error.h"
+#include "lake/synthesis/infeasibility.h"
+#include "lake/synthesis/optimize.h"
+#include "paper.h"
+
+namespace lake {
+namespace {
+
+TEST(Yield, HalfOfThePublishedDesignsBuildsCannotBeAssembled) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    YieldOptions options;
+    options.seed = seed;
+    const Yield yield = EstimateYield(kPublished, SynthesisProblem{}, options);
+    EXPECT_NEAR(yield.assembled.value, 0.510, 0.02);
+    EXPECT_NEAR(yield.assembled_and_grashof.value, 0.457, 0.02);
+    EXPECT_LT(yield.assembled.lower, yield.assembled.value);
+    EXPECT_NEAR(yield.assembled.upper - yield.assembled.lower, 2 * 1.96 * std::sqrt(0.25 / options.samples), 2e-4);
+  }
+}
+
+TEST(Yield, MarginsMakeARobustDesign) {
+  const SynthesisProblem problem = WithMargins(0.5);
+  const LocalSolve solve = SolveFrom(problem, problem.start);
+  const Yield yield = EstimateYield(solve.end, problem);
+  EXPECT_GE(yield.assembled_and_grashof.value, 0.99);
+  // Margins beyond what the tolerance can use up leave no doubt.
+  EXPECT_LT(yield.safe_singularity_margin_mm, 0.5);
+  EXPECT_LT(yield.safe_grashof_margin_mm, 0.5);
+  EXPECT_EQ(yield.assembled_and_grashof.value, 1);
+}
+
+TEST(Yield, SafeMarginsAreJustEnough) {
+  YieldOptions options;
+  options.tolerance_mm = 0.2;
+  const Yield probe = EstimateYield(kPublished, SynthesisProblem{}, options);
+  SynthesisProblem problem;
+  problem.grashof_margin_mm = probe.safe_grashof_margin_mm;
+  problem.singularity_margin_mm = 0.5 * probe.safe_singularity_margin_mm;
+  const LocalSolve half = SolveFrom(problem, problem.start);
+  EXPECT_LT(EstimateYield(half.end, problem, options).assembled.value, 1);
+  problem.singularity_margin_mm = 1.01 * probe.safe_singularity_margin_mm;  // l5, l6 differ a little from the probe's
+  const LocalSolve full = SolveFrom(problem, problem.start);
+  EXPECT_EQ(EstimateYield(full.end, problem, options).assembled_and_grashof.value, 1);
+}
+
+TEST(Yield, RefusesSenselessTolerances) {
+  YieldOptions options;
+  options.tolerance_mm = NAN;
+  EXPECT_THROW(EstimateYield(kPublished, SynthesisProblem{}, options), Error);
+}
+
+TEST(Sensitivity, IsTwoSidedAndMarksWhatCannotBeAssembled) {
+  const auto points = Sensitivity(kPublished, SynthesisProblem{}, 2, 50);
+  ASSERT_EQ(points.size(), 6u * 101u);
+  int unassembled = 0;
+  for (const SensitivityPoint& point : points) {
+    auto values = kPublished.Values();
+    values[point.link] += point.delta_mm;
+    const auto pose = SolvePose(Links::FromValues(values), 242);
+    EXPECT_EQ(pose.has_value(), !std::isnan(point.range_deg));
+    unassembled += !pose;
+    if (point.delta_mm == 0) EXPECT_NEAR(point.range_deg, 148.5715, 5e-5);
+    if (std::isnan(point.range_deg)) EXPECT_FALSE(point.feasible);
+  }
+  EXPECT_GT(unassembled, 100);  // l2 shorter, l5 or l6 longer: the actuator triangle does not close
+  // The published point is no local optimum: l4 - 1 mm is feasible and better.
+  const auto& shorter = points[3 * 101 + 25];
+  EXPECT_EQ(shorter.delta_mm, -1);
+  EXPECT_TRUE(shorter.feasible);
+  EXPECT_NEAR(shorter.range_deg, 149.51, 5e-3);
+}
+
+TEST(RoundLinks, GivesTheBestFeasibleGridPoint) {
+  const SynthesisProblem problem = WithMargins(2);
+  const LocalSolve solve = SolveFrom(problem, problem.start);
+  for (const double step : {0.1, 0.5, 1.0}) {
+    const auto rounded = RoundLinks(solve.end, problem, step);
+    ASSERT_TRUE(rounded);
+    for (const double value : rounded->links.Values())
+      EXPECT_NEAR(value / step, std::round(value / step), 1e-9);
+    EXPECT_TRUE(rounded->evaluation.IsFeasible());
+    EXPECT_LE(rounded->evaluation.range_deg, solve.evaluation.range_deg + 1e-6);
+    EXPECT_GT(rounded->evaluation.range_deg, solve.evaluation.range_deg - 4 * step);
+  }
+}
+
+TEST(RoundLinks, ReEvaluatesTheUsedRange) {
+  SynthesisProblem problem = WithMargins(1);
+  problem.max_force_n = 2000;
+  const LocalSolve solve = SolveFrom(problem, problem.start);
+  const auto rounded = RoundLinks(solve.end, problem, 0.5);
+  ASSERT_TRUE(rounded);
+  for (const RequirementCheck& check : rounded->evaluation.checks)
+    if (check.requirement.name == "force") {
+      EXPECT_LE(check.value, 2000);
+      EXPECT_GT(check.value, 1000);
+    }
+}
+
+TEST(RoundLinks, RefusesStepsThatMissTheBounds) {
+  EXPECT_THROW(RoundLinks(kPublished, SynthesisProblem{}, 70), Error);
+  EXPECT_THROW(RoundLinks(kPublished, SynthesisProblem{}, 0), Error);
+}
+
+TEST(Infeasibility, NamesTheFightersAndTheSmallestRelaxation) {
+  SynthesisProblem problem;
+  problem.bounds[0] = {90, 100};
+  problem.bounds[3] = {50, 60};
+  const InfeasibilityReport report = AnalyseInfeasibility(problem);
+  ASSERT_TRUE(report.solved) << report.sentence;
+  // l1 >= 90 and l4 <= 60 against l1 <= l4: nothing less than 30 mm will do.
+  ASSERT_EQ(report.relaxations.size(), 1u) << report.sentence;
+  EXPECT_EQ(report.relaxations[0].text, "l1 <= l4");
+  EXPECT_NEAR(report.relaxations[0].relaxed, -30, 1e-4);
+  EXPECT_THAT(report.fighting, ::testing::IsSupersetOf({"l1 <= l4", "l1 >= 90 mm", "l4 <= 60 mm"}));
+  EXPECT_THAT(report.sentence, ::testing::HasSubstr("cannot hold together"));
+}
+
+TEST(Infeasibility, ForceAndMomentArmAgreeOnTheLimit) {
+  SynthesisProblem arm, force;
+  arm.min_moment_arm_mm = 60;
+  force.max_force_n = 700;
+  const InfeasibilityReport of_arm = AnalyseInfeasibility(arm), of_force = AnalyseInfeasibility(force);
+  ASSERT_EQ(of_arm.relaxations.size(), 1u) << of_arm.sentence;
+  ASSERT_EQ(of_force.relaxations.size(), 1u) << of_force.sentence;
+  // 40 N m over the largest least moment arm is the smallest largest force.
+  EXPECT_NEAR(of_force.relaxations[0].relaxed, 40000 / of_arm.relaxations[0].relaxed, 0.1);
+  // The relaxed problem has a solution, a slightly harder one has none.
+  arm.min_moment_arm_mm = of_arm.relaxations[0].relaxed - 0.01;
+  OptimizeOptions options;
+  options.starts = 6;
+  EXPECT_GE(Optimize(arm, options).best, 0);
+  arm.min_moment_arm_mm = of_arm.relaxations[0].relaxed + 0.05;
+  EXPECT_EQ(Optimize(arm, options).best, -1);
+}
+
+TEST(Infeasibility, MovesDMinWhenRequirementsAreNotEnough) {
+  SynthesisProblem problem;
+  problem.bounds[5] = {400, 450};
+  const InfeasibilityReport report = AnalyseInfeasibility(problem);
+  ASSERT_EQ(report.relaxations.size(), 1u) << report.sentence;
+  // The mount is at least hypot(50, 400) away, the bar at most 100 mm long.
+  EXPECT_NEAR(report.relaxations[0].relaxed, std::hypot(50, 400) - 100, 1e-3);
+}
+
+TEST(Infeasibility, FeasibleProblemNeedsNoRelaxation) {
+  EXPECT_TRUE(AnalyseInfeasibility(WithMargins(1)).relaxations.empty());
+}
+
+}  // namespace
+}  // namespace lake
