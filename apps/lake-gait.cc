@@ -30,7 +30,8 @@ std::string Report(const lake::Json& summary) {
   if (!knee["largest"].is_null())
     text += fmt::format("knee {:.2f}° to {:.2f}°, ± {:.3f}° (1 SD)\n", knee["smallest"]["deg"].get<double>(),
                         knee["largest"]["deg"].get<double>(), knee["rms_sigma_deg"].get<double>());
-  return text + fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size());
+  return text +
+         fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size());
 }
 
 }  // namespace
@@ -41,13 +42,15 @@ int main(int argc, char** argv) {
   std::string trial, map, up, forward, filter = "spline", unit = "mm", facing;
   double cutoff_hz = 0;
   CLI::App& cli = program.Cli();
-  cli.add_option("trial", trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")->required();
+  cli.add_option("trial", trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
+      ->required();
   cli.add_option("--map", map, "ankle=NAME,knee=NAME,hip=NAME,waist=NAME; A+B is the middle of two markers");
   cli.add_option("--up", up, "x, y or z: vertical axis of a 3-D file (default: TRC y, C3D its own or z)");
   cli.add_option("--forward", forward, "+x, -x, …: where the subject faces (default: found from the movement)");
   cli.add_option("--facing", facing, "left or right, in the plane (default: found from the movement)");
   cli.add_option("--filter", filter, "spline, butterworth or none");
-  CLI::Option* cutoff = cli.add_option("--cutoff", cutoff_hz, "Hz (default: spline found from the data, Butterworth 6)");
+  CLI::Option* cutoff =
+      cli.add_option("--cutoff", cutoff_hz, "Hz (default: spline found from the data, Butterworth 6)");
   cli.add_option("--unit", unit, "mm, cm or m: of files that do not say (Tracker text, Kinovea)");
   return program.Main(
       argc, argv, [&] { return std::filesystem::path(trial).stem().string(); },
@@ -60,7 +63,8 @@ int main(int argc, char** argv) {
         options.reading.forward = forward;
         options.reading.mm_per_unit = MmPerUnit(unit);
         options.fit.filter = lake::ParseLegFilter(filter);
-        if (cutoff->count() > 0 && !(cutoff_hz > 0)) throw lake::UsageError(fmt::format("--cutoff {}: not positive", cutoff_hz));
+        if (cutoff->count() > 0 && !(cutoff_hz > 0))
+          throw lake::UsageError(fmt::format("--cutoff {}: not positive", cutoff_hz));
         if (cutoff->count() > 0) options.fit.cutoff_hz = cutoff_hz;
         if (!facing.empty()) options.fit.facing = ParseFacing(facing);
         return lake::RunGait(options, run);

@@ -96,8 +96,8 @@ struct TrackNoise {
 };
 
 // The markers as seen under a view, with noise. Names ankle, knee, hip, waist.
-inline MarkerRecording MakeTracks(const std::vector<double>& time_s, const std::vector<LegPoints>& points_mm, const LegView& view,
-                                  const TrackNoise& noise, unsigned seed) {
+inline MarkerRecording MakeTracks(const std::vector<double>& time_s, const std::vector<LegPoints>& points_mm,
+                                  const LegView& view, const TrackNoise& noise, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, noise.sigma_px);
   MarkerRecording recording;
@@ -110,7 +110,8 @@ inline MarkerRecording MakeTracks(const std::vector<double>& time_s, const std::
     MarkerTrack track{name, {}};
     Eigen::Vector2d error(normal(random), normal(random)), last = Eigen::Vector2d::Zero();
     for (std::size_t i = 0; i < time_s.size(); ++i) {
-      const Eigen::Vector2d seen = RecordedFromPlane<double>(view, Eigen::Vector2d(*(points_mm[i].*point)), view.Depth(name));
+      const Eigen::Vector2d seen =
+          RecordedFromPlane<double>(view, Eigen::Vector2d(*(points_mm[i].*point)), view.Depth(name));
       const Eigen::Vector2d fresh(normal(random), normal(random));
       const bool resting = i > 0 && (seen - last).norm() < 0.1 && i % 60 != 0;
       if (noise.kind == NoiseKind::kWhite || (noise.kind == NoiseKind::kFrozen && !resting)) error = fresh;
@@ -158,7 +159,8 @@ inline KneeErrors CompareKnee(const LegMotion& motion, const std::vector<LegSamp
   int count = 0, raw_count = 0, covered = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const LegSample& sample = motion.samples[i];
-    if (std::isfinite(sample.knee_raw_deg)) ++raw_count, raw_squares += std::pow(sample.knee_raw_deg - truth[i].knee_deg, 2);
+    if (std::isfinite(sample.knee_raw_deg))
+      ++raw_count, raw_squares += std::pow(sample.knee_raw_deg - truth[i].knee_deg, 2);
     if (!std::isfinite(sample.knee_deg)) continue;
     const double error = sample.knee_deg - truth[i].knee_deg;
     ++count, squares += error * error, normalized += std::pow(error / sample.knee_sigma_deg, 2);

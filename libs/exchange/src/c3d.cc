@@ -28,7 +28,8 @@ struct C3dLayout {
 };
 
 double MmPerUnit(std::string unit, const std::string& path) {
-  std::transform(unit.begin(), unit.end(), unit.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(unit.begin(), unit.end(), unit.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (unit.empty() || unit == "mm") return 1;
   if (unit == "cm") return 10;
   if (unit == "m") return 1000;
@@ -57,7 +58,8 @@ void ReadFrameCount(const C3dBytes& bytes, const C3dParameters& parameters, C3dL
   };
   if (parameters.Has("TRIAL:ACTUAL_START_FIELD") && parameters.Has("TRIAL:ACTUAL_END_FIELD")) {
     const double start = field("TRIAL:ACTUAL_START_FIELD"), end = field("TRIAL:ACTUAL_END_FIELD");
-    if (end >= start && start >= 1) layout.first_frame = static_cast<std::size_t>(start), layout.frames = static_cast<std::size_t>(end - start) + 1;
+    if (end >= start && start >= 1)
+      layout.first_frame = static_cast<std::size_t>(start), layout.frames = static_cast<std::size_t>(end - start) + 1;
   } else if (parameters.Has("POINT:LONG_FRAMES")) {
     layout.frames = static_cast<std::size_t>(std::max(0.0, parameters.Number("POINT:LONG_FRAMES")));
   } else if (parameters.Has("POINT:FRAMES") && last == 65535) {
@@ -72,20 +74,26 @@ C3dLayout ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters, con
   layout.analog_per_frame = bytes.Unsigned16(4);
   layout.scale = parameters.Number("POINT:SCALE");
   layout.rate_hz = parameters.Has("POINT:RATE") ? parameters.Number("POINT:RATE") : bytes.Float(20);
-  if (!(layout.rate_hz > 0) || !std::isfinite(layout.rate_hz)) throw Fail("{}: POINT:RATE is {}, not a frame rate", path, layout.rate_hz);
+  if (!(layout.rate_hz > 0) || !std::isfinite(layout.rate_hz))
+    throw Fail("{}: POINT:RATE is {}, not a frame rate", path, layout.rate_hz);
   if (!std::isfinite(layout.scale) || layout.scale == 0) throw Fail("{}: POINT:SCALE is {}", path, layout.scale);
-  const double block = parameters.Has("POINT:DATA_START") ? parameters.Number("POINT:DATA_START") : bytes.Unsigned16(16);
+  const double block =
+      parameters.Has("POINT:DATA_START") ? parameters.Number("POINT:DATA_START") : bytes.Unsigned16(16);
   if (!(block >= 2 && block <= 65535)) throw Fail("{}: POINT:DATA_START is {}, not a block of the file", path, block);
   layout.data_offset = 512 * (static_cast<std::size_t>(block) - 1);
-  const std::vector<std::string> units = parameters.Has("POINT:UNITS") ? parameters.Texts("POINT:UNITS") : std::vector<std::string>{};
+  const std::vector<std::string> units =
+      parameters.Has("POINT:UNITS") ? parameters.Texts("POINT:UNITS") : std::vector<std::string>{};
   layout.mm_per_unit = MmPerUnit(units.empty() ? "" : units[0], path);
   if (parameters.Has("POINT:Y_SCREEN")) {
     const std::vector<std::string> screen = parameters.Texts("POINT:Y_SCREEN");
-    const char axis = screen.empty() || screen[0].empty() ? 'z' : static_cast<char>(std::tolower(static_cast<unsigned char>(screen[0].back())));
+    const char axis = screen.empty() || screen[0].empty()
+                          ? 'z'
+                          : static_cast<char>(std::tolower(static_cast<unsigned char>(screen[0].back())));
     if (axis == 'x' || axis == 'y' || axis == 'z') layout.up_axis = axis;
   }
   ReadFrameCount(bytes, parameters, layout);
-  if (layout.FrameBytes() > 0 && layout.frames > (bytes.Size() - std::min(bytes.Size(), layout.data_offset)) / layout.FrameBytes())
+  if (layout.FrameBytes() > 0 &&
+      layout.frames > (bytes.Size() - std::min(bytes.Size(), layout.data_offset)) / layout.FrameBytes())
     throw Fail("{}: too short for {} frames of {} points: is the file cut off?", path, layout.frames, layout.points);
   layout.labels = ReadLabels(parameters, layout.points);
   return layout;
@@ -98,7 +106,8 @@ Eigen::Vector3d ReadPoint(const C3dBytes& bytes, std::size_t offset, const C3dLa
     for (std::size_t axis = 0; axis < 3; ++axis) position[static_cast<int>(axis)] = bytes.Float(offset + 4 * axis);
     residual = bytes.Float(offset + 12);
   } else {
-    for (std::size_t axis = 0; axis < 3; ++axis) position[static_cast<int>(axis)] = layout.scale * bytes.Signed16(offset + 2 * axis);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      position[static_cast<int>(axis)] = layout.scale * bytes.Signed16(offset + 2 * axis);
     residual = bytes.Signed16(offset + 6);
   }
   // Some writers mark a missing point by zeros alone.
@@ -132,14 +141,17 @@ PointRecording ReadC3d(const std::filesystem::path& path) {
 namespace {
 
 void CheckWritable(const std::filesystem::path& path, const PointRecording& points) {
-  if (points.space == PointSpace::kImage) throw Fail("{}: C3D is in mm; px need a scale or a calibrated plane first", path.string());
+  if (points.space == PointSpace::kImage)
+    throw Fail("{}: C3D is in mm; px need a scale or a calibrated plane first", path.string());
   if (points.time_s.size() < 2) throw Fail("{}: C3D needs at least two frames for its rate", path.string());
   const double step_s = 1 / FrameRate(points.time_s);
   for (std::size_t i = 1; i < points.time_s.size(); ++i)
     if (std::abs(points.time_s[i] - points.time_s[i - 1] - step_s) > 0.05 * step_s)
-      throw Fail("{}: C3D has one frame rate, but the time stamps are uneven (frame {}: {:.4g} s after the one before, on average "
-                 "{:.4g} s); export trc instead",
-                 path.string(), points.frame[i], points.time_s[i] - points.time_s[i - 1], step_s);
+      throw Fail(
+          "{}: C3D has one frame rate, but the time stamps are uneven (frame {}: {:.4g} s after the one before, on "
+          "average "
+          "{:.4g} s); export trc instead",
+          path.string(), points.frame[i], points.time_s[i] - points.time_s[i - 1], step_s);
 }
 
 C3dParameterWriter MakeParameters(const PointRecording& points) {
@@ -152,7 +164,8 @@ C3dParameterWriter MakeParameters(const PointRecording& points) {
   writer.Float(1, "RATE", static_cast<float>(FrameRate(points.time_s)));
   writer.Texts(1, "UNITS", {"mm"});
   writer.Texts(1, "X_SCREEN", {"+X"});
-  writer.Texts(1, "Y_SCREEN", {std::string("+") + static_cast<char>(std::toupper(static_cast<unsigned char>(points.up_axis)))});
+  writer.Texts(1, "Y_SCREEN",
+               {std::string("+") + static_cast<char>(std::toupper(static_cast<unsigned char>(points.up_axis)))});
   constexpr std::size_t kMostLabels = 255;  // of one parameter
   for (std::size_t begin = 0, part = 1; begin < count; begin += kMostLabels, ++part) {
     std::vector<std::string> labels;
@@ -175,7 +188,13 @@ void WriteC3d(const std::filesystem::path& path, const PointRecording& points) {
   const std::string section = parameters.Finish(1, "DATA_START");
   const std::size_t data_block = 2 + section.size() / 512, frames = points.time_s.size();
   C3dBuffer file;
-  file.Byte(2).Byte(0x50).Word(points.points.size()).Word(0).Word(1).Word(std::min<std::size_t>(frames, 65535)).Word(10);
+  file.Byte(2)
+      .Byte(0x50)
+      .Word(points.points.size())
+      .Word(0)
+      .Word(1)
+      .Word(std::min<std::size_t>(frames, 65535))
+      .Word(10);
   file.Float(-1).Word(data_block).Word(0).Float(static_cast<float>(FrameRate(points.time_s))).PadTo(512);
   file.Append(section);
   for (std::size_t i = 0; i < frames; ++i)

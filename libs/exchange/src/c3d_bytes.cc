@@ -12,7 +12,8 @@ namespace lake {
 namespace {
 
 std::string Upper(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   return text;
 }
 
@@ -28,7 +29,8 @@ C3dBytes::C3dBytes(std::string bytes, std::string path) : bytes_(std::move(bytes
   if (bytes_.size() < 1024 || Unsigned8(1) != 0x50) throw Fail("{}: not a C3D file", path_);
   parameter_offset_ = 512 * (std::max<std::size_t>(Unsigned8(0), 1) - 1);
   const int processor = Unsigned8(parameter_offset_ + 3);
-  if (processor < kIntel || processor > kMips) throw Fail("{}: the processor type {} is not 84, 85 or 86; is it a C3D file?", path_, processor);
+  if (processor < kIntel || processor > kMips)
+    throw Fail("{}: the processor type {} is not 84, 85 or 86; is it a C3D file?", path_, processor);
   processor_ = static_cast<Processor>(processor);
 }
 
@@ -52,9 +54,12 @@ double C3dBytes::Float(std::size_t offset) const {
   Require(offset, 4);
   const std::uint32_t first = Unsigned16(offset), second = Unsigned16(offset + 2);
   switch (processor_) {
-    case kIntel: return std::bit_cast<float>(second << 16 | first);
-    case kMips: return std::bit_cast<float>(first << 16 | second);
-    case kDec: return std::bit_cast<float>(first << 16 | second) / 4;  // words swapped, exponent larger by two
+    case kIntel:
+      return std::bit_cast<float>(second << 16 | first);
+    case kMips:
+      return std::bit_cast<float>(first << 16 | second);
+    case kDec:
+      return std::bit_cast<float>(first << 16 | second) / 4;  // words swapped, exponent larger by two
   }
   return 0;
 }
@@ -64,8 +69,8 @@ std::string C3dBytes::Text(std::size_t offset, std::size_t length) const {
   return bytes_.substr(offset, length);
 }
 
-// Each entry: length of the name (negative: locked), id of the group (negative: this is a group), name, offset to the next entry;
-// then for a parameter type, dimensions and values.
+// Each entry: length of the name (negative: locked), id of the group (negative: this is a group), name, offset to the
+// next entry; then for a parameter type, dimensions and values.
 C3dParameters::C3dParameters(const C3dBytes& bytes) : bytes_(bytes) {
   std::map<int, std::string> groups;
   std::vector<std::pair<int, std::pair<std::string, Value>>> parameters;
@@ -100,14 +105,17 @@ const C3dParameters::Value& C3dParameters::Find(const std::string& name) const {
 
 std::vector<double> C3dParameters::Numbers(const std::string& name) const {
   const Value& value = Find(name);
-  if (value.type != 1 && value.type != 2 && value.type != 4) throw Fail("{}: parameter {} is not a number", bytes_.Path(), name);
+  if (value.type != 1 && value.type != 2 && value.type != 4)
+    throw Fail("{}: parameter {} is not a number", bytes_.Path(), name);
   const std::size_t count =
       std::accumulate(value.dimensions.begin(), value.dimensions.end(), std::size_t{1}, std::multiplies<>());
   bytes_.Text(value.offset, count * static_cast<std::size_t>(value.type));  // before anything is allocated for it
   std::vector<double> numbers;
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = value.offset + i * static_cast<std::size_t>(value.type);
-    numbers.push_back(value.type == 1 ? bytes_.Unsigned8(at) : value.type == 2 ? bytes_.Signed16(at) : bytes_.Float(at));
+    numbers.push_back(value.type == 1   ? bytes_.Unsigned8(at)
+                      : value.type == 2 ? bytes_.Signed16(at)
+                                        : bytes_.Float(at));
   }
   return numbers;
 }
@@ -136,7 +144,9 @@ C3dBuffer& C3dBuffer::Byte(int value) {
   return *this;
 }
 
-C3dBuffer& C3dBuffer::Word(std::size_t value) { return Byte(static_cast<int>(value & 0xFF)).Byte(static_cast<int>(value >> 8 & 0xFF)); }
+C3dBuffer& C3dBuffer::Word(std::size_t value) {
+  return Byte(static_cast<int>(value & 0xFF)).Byte(static_cast<int>(value >> 8 & 0xFF));
+}
 
 C3dBuffer& C3dBuffer::Float(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
@@ -153,13 +163,17 @@ C3dBuffer& C3dBuffer::PadTo(std::size_t size) {
   return *this;
 }
 
-C3dParameterWriter::C3dParameterWriter() { section_.Byte(1).Byte(0x50).Byte(0).Byte(84); }
+C3dParameterWriter::C3dParameterWriter() {
+  section_.Byte(1).Byte(0x50).Byte(0).Byte(84);
+}
 
 void C3dParameterWriter::Entry(int id, const std::string& name, const std::string& content) {
   section_.Byte(static_cast<int>(name.size())).Byte(id).Append(name).Word(2 + content.size()).Append(content);
 }
 
-void C3dParameterWriter::Group(int id, const std::string& name) { Entry(-id, name, std::string(1, '\0')); }
+void C3dParameterWriter::Group(int id, const std::string& name) {
+  Entry(-id, name, std::string(1, '\0'));
+}
 
 void C3dParameterWriter::Words(int group, const std::string& name, const std::vector<std::size_t>& values) {
   C3dBuffer content;

@@ -82,7 +82,8 @@ class C3dParameterWriter {
   void Float(int group, const std::string& name, float value);
   void Texts(int group, const std::string& name, const std::vector<std::string>& texts);
 
-  // Ends the section with the parameter that says in which block the data begin, behind the section itself. Whole blocks.
+  // Ends the section with the parameter that says in which block the data begin, behind the section itself. Whole
+  // blocks.
   std::string Finish(int group, const std::string& data_start_name);
 
  private:

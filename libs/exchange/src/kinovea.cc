@@ -95,15 +95,19 @@ PointRecording ReadKinovea(const std::filesystem::path& path, double mm_per_unit
   for (std::size_t i = 1; i < lines.Count(); ++i) {
     if (lines[i].empty()) continue;
     const std::vector<std::string> cells = SplitQuoted(lines[i], dialect.separator, lines.Where(i));
-    if (cells.size() != header.size()) throw Fail("{}: {} cells, but the header has {}", lines.Where(i), cells.size(), header.size());
+    if (cells.size() != header.size())
+      throw Fail("{}: {} cells, but the header has {}", lines.Where(i), cells.size(), header.size());
     const auto time = CellNumber(cells[0], dialect, lines.Where(i));
     if (!time) throw Fail("{}: the time is missing", lines.Where(i));
-    if (!recording.time_s.empty() && *time <= recording.time_s.back()) throw Fail("{}: the time does not increase", lines.Where(i));
+    if (!recording.time_s.empty() && *time <= recording.time_s.back())
+      throw Fail("{}: the time does not increase", lines.Where(i));
     recording.frame.push_back(static_cast<std::int64_t>(recording.frame.size()));
     recording.time_s.push_back(*time);
     for (std::size_t k = 0; k < columns.size(); ++k) {
-      const auto x = CellNumber(cells[columns[k].x], dialect, lines.Where(i)), y = CellNumber(cells[columns[k].y], dialect, lines.Where(i));
-      recording.points[k].positions.push_back(x && y ? Eigen::Vector3d(*x * mm_per_unit, *y * mm_per_unit, 0) : PointTrack::Missing());
+      const auto x = CellNumber(cells[columns[k].x], dialect, lines.Where(i)),
+                 y = CellNumber(cells[columns[k].y], dialect, lines.Where(i));
+      recording.points[k].positions.push_back(x && y ? Eigen::Vector3d(*x * mm_per_unit, *y * mm_per_unit, 0)
+                                                     : PointTrack::Missing());
     }
   }
   const double seconds = SecondsPerUnit(recording.time_s);

@@ -23,7 +23,8 @@ std::vector<std::string> RowCells(const std::string& line) {
 }
 
 std::string Lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
@@ -44,7 +45,8 @@ MotHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path, 
       return header;
     }
     const auto value = [&] { return line.substr(line.find_first_of("= ") + 1); };
-    if (lower.starts_with("nrows=") || lower.starts_with("datarows ")) header.rows = ParseCount(value(), "rows", lines.Where(i), kMostRows);
+    if (lower.starts_with("nrows=") || lower.starts_with("datarows "))
+      header.rows = ParseCount(value(), "rows", lines.Where(i), kMostRows);
     if (lower.starts_with("ncolumns=") || lower.starts_with("datacolumns "))
       header.columns = ParseCount(value(), "columns", lines.Where(i), kMostColumns);
     if (lower.starts_with("indegrees=")) table.in_degrees = Lower(value()) == "yes";
@@ -68,9 +70,11 @@ MotTable ReadMot(const std::filesystem::path& path) {
   while (line < lines.Count() && RowCells(lines[line]).empty()) ++line;
   if (line == lines.Count()) throw Fail("{}: no row of labels after endheader", path.string());
   table.columns = RowCells(lines[line]);
-  if (Lower(table.columns.front()) != "time") throw Fail("{}: the first column is '{}', not time", lines.Where(line), table.columns.front());
+  if (Lower(table.columns.front()) != "time")
+    throw Fail("{}: the first column is '{}', not time", lines.Where(line), table.columns.front());
   if (header.columns && *header.columns != table.columns.size())
-    throw Fail("{}: {} labels, but the header says {} columns", lines.Where(line), table.columns.size(), *header.columns);
+    throw Fail("{}: {} labels, but the header says {} columns", lines.Where(line), table.columns.size(),
+               *header.columns);
   table.columns.erase(table.columns.begin());
   for (++line; line < lines.Count(); ++line) {
     const std::vector<std::string> cells = RowCells(lines[line]);
@@ -84,18 +88,20 @@ MotTable ReadMot(const std::filesystem::path& path) {
     table.rows.push_back(std::move(row));
   }
   if (header.rows && *header.rows != table.rows.size())
-    throw Fail("{}: {} rows, but the header says {}: is the file cut off?", path.string(), table.rows.size(), *header.rows);
+    throw Fail("{}: {} rows, but the header says {}: is the file cut off?", path.string(), table.rows.size(),
+               *header.rows);
   return table;
 }
 
 void WriteMot(const std::filesystem::path& path, const MotTable& table) {
-  std::string text = fmt::format("{}\nversion=1\nnRows={}\nnColumns={}\ninDegrees={}\nendheader\ntime", table.name, table.rows.size(),
-                                 table.columns.size() + 1, table.in_degrees ? "yes" : "no");
+  std::string text = fmt::format("{}\nversion=1\nnRows={}\nnColumns={}\ninDegrees={}\nendheader\ntime", table.name,
+                                 table.rows.size(), table.columns.size() + 1, table.in_degrees ? "yes" : "no");
   for (const std::string& column : table.columns) text.append("\t").append(column);
   text += "\n";
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     text += FormatNumber(table.time_s[i]);
-    for (const double value : table.rows[i]) text.append("\t").append(std::isfinite(value) ? FormatNumber(value) : "NaN");
+    for (const double value : table.rows[i])
+      text.append("\t").append(std::isfinite(value) ? FormatNumber(value) : "NaN");
     text += "\n";
   }
   WriteTextFile(path, text);
@@ -109,7 +115,8 @@ MotTable MotFromLegMotion(const LegMotion& motion, bool flexion_negative) {
     const LegSample& sample = motion.samples[i];
     if (!std::isfinite(sample.knee_deg)) continue;
     table.time_s.push_back(motion.time_s[i]);
-    table.rows.push_back({flexion_negative ? -sample.knee_deg : sample.knee_deg, sample.shank_deg, sample.thigh_deg, sample.trunk_deg});
+    table.rows.push_back(
+        {flexion_negative ? -sample.knee_deg : sample.knee_deg, sample.shank_deg, sample.thigh_deg, sample.trunk_deg});
   }
   return table;
 }

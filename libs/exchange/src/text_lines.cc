@@ -32,7 +32,9 @@ TextLines::TextLines(const std::filesystem::path& path) : path_(path) {
   }
 }
 
-std::string TextLines::Where(std::size_t i) const { return fmt::format("{}:{}", path_.string(), i + 1); }
+std::string TextLines::Where(std::size_t i) const {
+  return fmt::format("{}:{}", path_.string(), i + 1);
+}
 
 std::vector<std::string> SplitCells(std::string_view line, char separator) {
   std::vector<std::string> cells;
@@ -48,7 +50,8 @@ std::optional<double> NumberOrMissing(std::string_view cell, const std::string& 
   const std::string_view text = Trim(cell);
   if (text.empty()) return std::nullopt;
   std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (lower == "nan" || lower == "-nan" || lower == "-1.#ind" || lower == "1.#qnan") return std::nullopt;
   const std::optional<double> value = ParseNumber(text);
   if (!value) throw Fail("{}: '{}' is not a finite number", where, text);

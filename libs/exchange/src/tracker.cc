@@ -27,7 +27,8 @@ struct TrackColumns {
   std::size_t x, y;
 };
 
-// Names stand above their columns; a writer that leaves out empty cells is understood if there are as many names as tracks.
+// Names stand above their columns; a writer that leaves out empty cells is understood if there are as many names as
+// tracks.
 std::vector<TrackColumns> FindColumns(const std::vector<std::string>& labels, const std::vector<std::string>& names) {
   std::vector<TrackColumns> columns;
   for (std::size_t i = 1; i + 1 < labels.size(); ++i)
@@ -52,7 +53,6 @@ std::string FormatForTracker(double value) {
   return text.substr(0, exponent + 1) + std::to_string(std::stoi(text.substr(exponent + 1)));
 }
 
-
 pugi::xml_node Property(const pugi::xml_node& object, const char* name) {
   for (const pugi::xml_node property : object.children("property"))
     if (std::string_view(property.attribute("name").value()) == name) return property;
@@ -70,7 +70,8 @@ std::optional<double> PropertyNumber(const pugi::xml_node& object, const char* n
 std::optional<double> ReadScale(const pugi::xml_node& panel, const std::string& path) {
   static const std::map<std::string, double> kUnits = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
   const auto unit = kUnits.find(Property(panel, "length_unit").text().as_string());
-  const pugi::xml_node first = Property(Property(panel, "coords").child("object"), "framedata").child("property").child("object");
+  const pugi::xml_node first =
+      Property(Property(panel, "coords").child("object"), "framedata").child("property").child("object");
   const std::optional<double> px_per_unit = PropertyNumber(first, "xscale", path);
   if (unit == kUnits.end() || !px_per_unit || !(*px_per_unit > 0)) return std::nullopt;
   return unit->second / *px_per_unit;
@@ -107,8 +108,9 @@ PointRecording ReadTrackerText(const std::filesystem::path& path, double mm_per_
   };
   while (label_line < lines.Count() && !is_label_row(label_line)) ++label_line;
   if (label_line == lines.Count()) throw Fail("{}: not a table of Tracker: no row of labels 't, x, y'", path.string());
-  const std::vector<TrackColumns> columns = FindColumns(
-      SplitCells(lines[label_line], '\t'), label_line > 0 ? SplitCells(lines[label_line - 1], '\t') : std::vector<std::string>{});
+  const std::vector<TrackColumns> columns =
+      FindColumns(SplitCells(lines[label_line], '\t'),
+                  label_line > 0 ? SplitCells(lines[label_line - 1], '\t') : std::vector<std::string>{});
   if (columns.empty()) throw Fail("{}: no column 'x' followed by 'y'", lines.Where(label_line));
 
   PointRecording recording;
@@ -120,22 +122,27 @@ PointRecording ReadTrackerText(const std::filesystem::path& path, double mm_per_
   for (std::size_t i = label_line + 1; i < lines.Count(); ++i) {
     const std::vector<std::string> cells = SplitCells(lines[i], '\t');
     if (cells.size() == 1 && cells[0].empty()) continue;
-    const auto cell = [&](std::size_t c) { return c < cells.size() ? TrackerNumber(cells[c], lines.Where(i)) : std::nullopt; };
+    const auto cell = [&](std::size_t c) {
+      return c < cells.size() ? TrackerNumber(cells[c], lines.Where(i)) : std::nullopt;
+    };
     const auto time_s = cell(0);
     if (!time_s) throw Fail("{}: the time is missing", lines.Where(i));
-    if (!recording.time_s.empty() && *time_s <= recording.time_s.back()) throw Fail("{}: the time does not increase", lines.Where(i));
+    if (!recording.time_s.empty() && *time_s <= recording.time_s.back())
+      throw Fail("{}: the time does not increase", lines.Where(i));
     recording.frame.push_back(static_cast<std::int64_t>(recording.frame.size()));
     recording.time_s.push_back(*time_s);
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const auto x = cell(columns[k].x), y = cell(columns[k].y);
-      recording.points[k].positions.push_back(x && y ? Eigen::Vector3d(*x * mm_per_unit, *y * mm_per_unit, 0) : PointTrack::Missing());
+      recording.points[k].positions.push_back(x && y ? Eigen::Vector3d(*x * mm_per_unit, *y * mm_per_unit, 0)
+                                                     : PointTrack::Missing());
     }
   }
   return recording;
 }
 
 void WriteTrackerText(const std::filesystem::path& path, const PointRecording& points) {
-  if (points.space == PointSpace::kSpace) throw Fail("{}: a table of Tracker holds points of a plane only", path.string());
+  if (points.space == PointSpace::kSpace)
+    throw Fail("{}: a table of Tracker holds points of a plane only", path.string());
   const double offset = points.space == PointSpace::kImage ? kPixelCentre : 0;
   std::string text = points.points.size() > 1 ? "#multi:\n" : "", labels = "t";
   for (const PointTrack& point : points.points) text.append("\t").append(point.name).append("\t"), labels += "\tx\ty";
@@ -144,7 +151,8 @@ void WriteTrackerText(const std::filesystem::path& path, const PointRecording& p
     text += FormatForTracker(points.time_s[i]);
     for (const PointTrack& point : points.points)
       for (int axis = 0; axis < 2; ++axis)
-        text.append("\t").append(point.positions[i].allFinite() ? FormatForTracker(point.positions[i][axis] + offset) : "");
+        text.append("\t").append(point.positions[i].allFinite() ? FormatForTracker(point.positions[i][axis] + offset)
+                                                                : "");
     text += "\n";
   }
   WriteTextFile(path, text);
@@ -164,7 +172,8 @@ PointRecording ReadTrk(const std::filesystem::path& path) {
 
   std::vector<std::pair<std::string, FramePositions>> masses;
   std::int64_t last = -1;
-  for (const pugi::xpath_node found : document.select_nodes("//object[contains(@class, 'PointMass') and property[@name='framedata']]")) {
+  for (const pugi::xpath_node found :
+       document.select_nodes("//object[contains(@class, 'PointMass') and property[@name='framedata']]")) {
     const FramePositions positions = ReadPointMass(found.node(), path.string());
     if (positions.empty()) continue;
     masses.emplace_back(Property(found.node(), "name").text().as_string(), positions);
@@ -178,7 +187,8 @@ PointRecording ReadTrk(const std::filesystem::path& path) {
     recording.frame.push_back(frame), recording.time_s.push_back(static_cast<double>(frame) * step_ms / 1000);
   for (const auto& [name, positions] : masses) {
     recording.points.push_back({name, std::vector<Eigen::Vector3d>(recording.frame.size(), PointTrack::Missing())});
-    for (const auto& [frame, position] : positions) recording.points.back().positions[static_cast<std::size_t>(frame)] = position;
+    for (const auto& [frame, position] : positions)
+      recording.points.back().positions[static_cast<std::size_t>(frame)] = position;
   }
   return recording;
 }

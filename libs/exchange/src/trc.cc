@@ -12,8 +12,8 @@
 namespace lake {
 namespace {
 
-constexpr std::array kKeys = {"DataRate", "CameraRate", "NumFrames", "NumMarkers", "Units", "OrigDataRate", "OrigDataStartFrame",
-                              "OrigNumFrames"};
+constexpr std::array kKeys = {"DataRate", "CameraRate",   "NumFrames",          "NumMarkers",
+                              "Units",    "OrigDataRate", "OrigDataStartFrame", "OrigNumFrames"};
 constexpr std::size_t kMostMarkers = 10000, kMostFrames = 10'000'000;
 
 struct TrcHeader {
@@ -52,14 +52,17 @@ TrcHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path) 
   return trc;
 }
 
-bool IsBlank(const std::string& line) { return line.find_first_not_of(" \t") == std::string::npos; }
+bool IsBlank(const std::string& line) {
+  return line.find_first_not_of(" \t") == std::string::npos;
+}
 
 void ReadRow(const TextLines& lines, std::size_t line, const TrcHeader& header, PointRecording& recording) {
   const std::string where = lines.Where(line);
   const std::vector<std::string> cells = SplitCells(lines[line], '\t');
   const std::size_t width = 2 + 3 * header.markers;
   for (std::size_t i = width; i < cells.size(); ++i)
-    if (!cells[i].empty()) throw Fail("{}: {} cells, but {} markers need {}", where, cells.size(), header.markers, width);
+    if (!cells[i].empty())
+      throw Fail("{}: {} cells, but {} markers need {}", where, cells.size(), header.markers, width);
   if (cells.size() < 2) throw Fail("{}: a frame number and a time are needed", where);
   recording.frame.push_back(std::llround(RequiredNumber(cells[0], where)) - 1);
   recording.time_s.push_back(RequiredNumber(cells[1], where));
@@ -69,8 +72,10 @@ void ReadRow(const TextLines& lines, std::size_t line, const TrcHeader& header, 
     Eigen::Vector3d position = PointTrack::Missing();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t cell = 2 + 3 * m + axis;
-      if (cell >= cells.size()) continue;  // OpenSim leaves out the cells of markers that are missing at the end of a row
-      if (const auto value = NumberOrMissing(cells[cell], where)) position[static_cast<int>(axis)] = *value * header.mm_per_unit;
+      if (cell >= cells.size())
+        continue;  // OpenSim leaves out the cells of markers that are missing at the end of a row
+      if (const auto value = NumberOrMissing(cells[cell], where))
+        position[static_cast<int>(axis)] = *value * header.mm_per_unit;
     }
     recording.points[m].positions.push_back(position.allFinite() ? position : PointTrack::Missing());
   }
@@ -89,12 +94,14 @@ PointRecording ReadTrc(const std::filesystem::path& path) {
   for (std::size_t line = header.first_row; line < lines.Count(); ++line)
     if (!IsBlank(lines[line])) ReadRow(lines, line, header, recording);
   if (recording.time_s.size() != header.frames)
-    throw Fail("{}: {} rows, but the header says {} frames: is the file cut off?", path.string(), recording.time_s.size(), header.frames);
+    throw Fail("{}: {} rows, but the header says {} frames: is the file cut off?", path.string(),
+               recording.time_s.size(), header.frames);
   return recording;
 }
 
 void WriteTrc(const std::filesystem::path& path, const PointRecording& points) {
-  if (points.space == PointSpace::kImage) throw Fail("{}: TRC is in mm; px need a scale or a calibrated plane first", path.string());
+  if (points.space == PointSpace::kImage)
+    throw Fail("{}: TRC is in mm; px need a scale or a calibrated plane first", path.string());
   const std::string rate = FormatNumber(FrameRate(points.time_s));
   const std::size_t frames = points.time_s.size();
   std::string text = fmt::format("PathFileType\t4\t(X/Y/Z)\t{}\n", path.filename().string());
@@ -110,7 +117,8 @@ void WriteTrc(const std::filesystem::path& path, const PointRecording& points) {
     bool last_missing = false;
     for (const PointTrack& point : points.points) {
       last_missing = !point.positions[i].allFinite();
-      for (int axis = 0; axis < 3; ++axis) text.append("\t").append(last_missing ? "" : FormatNumber(point.positions[i][axis]));
+      for (int axis = 0; axis < 3; ++axis)
+        text.append("\t").append(last_missing ? "" : FormatNumber(point.positions[i][axis]));
     }
     text += last_missing ? "\t\n" : "\n";  // OpenSim counts the last missing cell only when a tab follows it
   }

@@ -32,14 +32,16 @@ std::vector<std::string> NamesOf(const PointRecording& points) {
 }
 
 // "A" or the middle of "A+B".
-PointTrack TakePoint(const PointRecording& points, const std::string& expression, const std::string& name, const fs::path& path) {
+PointTrack TakePoint(const PointRecording& points, const std::string& expression, const std::string& name,
+                     const fs::path& path) {
   PointTrack result{name, {}};
   const std::vector<std::string> parts = SplitText(expression, '+');
   // A name that holds a plus sign itself is taken as it is.
   const std::vector<std::string> wanted = points.Find(expression) ? std::vector<std::string>{expression} : parts;
   for (const std::string& part : wanted) {
     const PointTrack* track = points.Find(part);
-    if (!track) throw Fail("{}: no marker '{}' (for {}); it has: {}", path.string(), part, name, Names(NamesOf(points)));
+    if (!track)
+      throw Fail("{}: no marker '{}' (for {}); it has: {}", path.string(), part, name, Names(NamesOf(points)));
     if (result.positions.empty()) result.positions.assign(track->positions.size(), Eigen::Vector3d::Zero());
     for (std::size_t i = 0; i < track->positions.size(); ++i)
       result.positions[i] += track->positions[i] / static_cast<double>(wanted.size());
@@ -47,7 +49,8 @@ PointTrack TakePoint(const PointRecording& points, const std::string& expression
   return result;
 }
 
-PointRecording Rename(const PointRecording& points, const std::map<std::string, std::string>& names, const fs::path& path) {
+PointRecording Rename(const PointRecording& points, const std::map<std::string, std::string>& names,
+                      const fs::path& path) {
   if (names.empty()) return points;
   PointRecording renamed = points;
   renamed.points.clear();
@@ -58,8 +61,8 @@ PointRecording Rename(const PointRecording& points, const std::map<std::string, 
 // Lake's own tables keep sigmas and statuses.
 MarkerRecording Rename(MarkerRecording markers, const std::map<std::string, std::string>& names, const fs::path& path) {
   for (const auto& [name, wanted] : names) {
-    const auto found =
-        std::find_if(markers.markers.begin(), markers.markers.end(), [&](const MarkerTrack& m) { return m.name == wanted; });
+    const auto found = std::find_if(markers.markers.begin(), markers.markers.end(),
+                                    [&](const MarkerTrack& m) { return m.name == wanted; });
     if (found == markers.markers.end()) {
       std::vector<std::string> known;
       for (const MarkerTrack& marker : markers.markers) known.push_back(marker.name);
@@ -83,14 +86,17 @@ Eigen::Vector3d ParseDirection(const std::string& text) {
   return (negative ? -1.0 : 1.0) * Eigen::Vector3d::Unit(AxisIndex(axis[0]));
 }
 
-// The horizontal direction in which the segments between the leg's markers move most: their changes lie in the sagittal plane.
+// The horizontal direction in which the segments between the leg's markers move most: their changes lie in the sagittal
+// plane.
 Eigen::Vector3d FitForward(const PointRecording& points, const Eigen::Vector3d& up, const fs::path& path) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const auto& [lower, upper] : {std::pair{"ankle", "knee"}, {"knee", "hip"}}) {
     const PointTrack *a = points.Find(lower), *b = points.Find(upper);
     if (!a || !b)
-      throw Fail("{}: the sagittal plane is fitted to ankle, knee and hip: name them with --map, or give --forward; it has: {}",
-                 path.string(), Names(NamesOf(points)));
+      throw Fail(
+          "{}: the sagittal plane is fitted to ankle, knee and hip: name them with --map, or give --forward; it has: "
+          "{}",
+          path.string(), Names(NamesOf(points)));
     std::vector<Eigen::Vector3d> vectors;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < a->positions.size(); ++i) {
@@ -104,7 +110,8 @@ Eigen::Vector3d FitForward(const PointRecording& points, const Eigen::Vector3d& 
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
   Eigen::Vector3d forward = solver.eigenvectors().col(2);
   forward = (forward - up * up.dot(forward)).normalized();
-  if (!forward.allFinite()) throw Fail("{}: the leg does not move; give the sagittal plane with --forward", path.string());
+  if (!forward.allFinite())
+    throw Fail("{}: the leg does not move; give the sagittal plane with --forward", path.string());
   Eigen::Index axis = 0;
   forward.cwiseAbs().maxCoeff(&axis);
   return forward[axis] < 0 ? Eigen::Vector3d(-forward) : forward;
@@ -133,7 +140,8 @@ MarkerRecording ProjectOntoPlane(const PointRecording& points, const TrialOption
     forward = FitForward(points, up, trial.file);
   } else {
     forward = ParseDirection(options.forward);
-    if (std::abs(forward.dot(up)) > 0.5) throw UsageError(fmt::format("--forward '{}' is the vertical; give --up too", options.forward));
+    if (std::abs(forward.dot(up)) > 0.5)
+      throw UsageError(fmt::format("--forward '{}' is the vertical; give --up too", options.forward));
     trial.faces_right = true;
   }
   trial.out_of_plane_mm = OutOfPlane(points, forward.cross(up));
@@ -152,10 +160,13 @@ void ReadTable(const fs::path& path, const TrialOptions& options, Trial& trial) 
 fs::path FileOfFolder(const fs::path& folder) {
   for (const char* name : {"trajectory.csv", "tracks.csv"})
     if (fs::is_regular_file(folder / name)) return folder / name;
-  throw Fail("{}: the folder has neither trajectory.csv nor tracks.csv; is it one that lake-track wrote?", folder.string());
+  throw Fail("{}: the folder has neither trajectory.csv nor tracks.csv; is it one that lake-track wrote?",
+             folder.string());
 }
 
-bool IsOwnTable(const fs::path& path) { return path.extension() == ".csv" && !IsKinovea(path); }
+bool IsOwnTable(const fs::path& path) {
+  return path.extension() == ".csv" && !IsKinovea(path);
+}
 
 }  // namespace
 
@@ -179,8 +190,10 @@ PointRecording ReadPoints(const fs::path& path, double mm_per_unit) {
   if (extension == ".c3d") return ReadC3d(path);
   if (extension == ".trk") return ReadTrk(path);
   if (extension == ".txt") return ReadTrackerText(path, mm_per_unit);
-  if (extension == ".csv") return IsKinovea(path) ? ReadKinovea(path, mm_per_unit) : PointsFromMarkers(ReadMarkerCsv(path));
-  throw Fail("{}: unknown kind of file; .trc, .c3d, .trk, .txt (Tracker), .csv (lake, Kinovea) are known", path.string());
+  if (extension == ".csv")
+    return IsKinovea(path) ? ReadKinovea(path, mm_per_unit) : PointsFromMarkers(ReadMarkerCsv(path));
+  throw Fail("{}: unknown kind of file; .trc, .c3d, .trk, .txt (Tracker), .csv (lake, Kinovea) are known",
+             path.string());
 }
 
 Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
@@ -191,7 +204,8 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
   } else {
     const PointRecording points = Rename(ReadPoints(trial.file, options.mm_per_unit), options.names, trial.file);
     trial.mm_per_px = points.mm_per_px;
-    trial.recording = points.space == PointSpace::kSpace ? ProjectOntoPlane(points, options, trial) : MarkersFromPoints(points);
+    trial.recording =
+        points.space == PointSpace::kSpace ? ProjectOntoPlane(points, options, trial) : MarkersFromPoints(points);
   }
   if (!options.forward.empty() && !trial.faces_right) {
     const Eigen::Vector3d forward = ParseDirection(options.forward);
@@ -208,16 +222,18 @@ void WritePoints(const fs::path& path, const PointRecording& points) {
   if (extension == ".txt") return WriteTrackerText(path, points);
   if (path.filename().string().ends_with("_kinovea.csv")) return WriteKinovea(path, points);
   if (extension == ".csv") return WriteMarkerCsv(path, MarkersFromPoints(points));
-  throw UsageError(fmt::format("{}: .trc, .c3d, .txt (Tracker), .csv (lake) or _kinovea.csv can be written", path.string()));
+  throw UsageError(
+      fmt::format("{}: .trc, .c3d, .txt (Tracker), .csv (lake) or _kinovea.csv can be written", path.string()));
 }
 
-std::vector<fs::path> ExportTrial(const std::vector<std::string>& formats, const fs::path& folder, const std::string& name,
-                                  const PointRecording& points, const LegMotion* motion) {
+std::vector<fs::path> ExportTrial(const std::vector<std::string>& formats, const fs::path& folder,
+                                  const std::string& name, const PointRecording& points, const LegMotion* motion) {
   static constexpr std::array<std::pair<const char*, const char*>, 4> kFiles = {
       {{"trc", ".trc"}, {"c3d", ".c3d"}, {"tracker", "_tracker.txt"}, {"kinovea", "_kinovea.csv"}}};
   std::vector<fs::path> written;
   for (const std::string& format : formats) {
-    const auto found = std::find_if(kFiles.begin(), kFiles.end(), [&](const auto& file) { return format == file.first; });
+    const auto found =
+        std::find_if(kFiles.begin(), kFiles.end(), [&](const auto& file) { return format == file.first; });
     if (found != kFiles.end()) {
       written.push_back(folder / (name + found->second));
       WritePoints(written.back(), points);

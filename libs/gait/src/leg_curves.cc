@@ -29,20 +29,22 @@ PointInLeg PointOf(LegMarker marker, const StateVector& state) {
 
 // Variance of θ_shank − θ_thigh.
 double KneeVariance(const StateMatrix& covariance) {
-  return covariance(kShankAngle, kShankAngle) + covariance(kThighAngle, kThighAngle) - 2 * covariance(kShankAngle, kThighAngle);
+  return covariance(kShankAngle, kShankAngle) + covariance(kThighAngle, kThighAngle) -
+         2 * covariance(kShankAngle, kThighAngle);
 }
 
 // What variances of the marker positions across the segments add to the knee angle's.
 double KneeVarianceOfMarkers(const StateVector& state, double ankle, double knee, double hip) {
-  const double shank = state[kShankLength], thigh = state[kThighLength], knee_rad = state[kShankAngle] - state[kThighAngle];
+  const double shank = state[kShankLength], thigh = state[kThighLength],
+               knee_rad = state[kShankAngle] - state[kThighAngle];
   return ankle / (shank * shank) + hip / (thigh * thigh) +
          knee * (1 / (shank * shank) + 1 / (thigh * thigh) + 2 * std::cos(knee_rad) / (shank * thigh));
 }
 
 using SlowNoises = std::array<std::vector<double>, kLegMarkers>;  // variances, recorded unit, per frame
 
-SlowNoises FindSlowNoises(const MarkerRecording& recording, const LegModel& model, const std::vector<double>& coefficients,
-                          const std::vector<StateMatrix>& covariances) {
+SlowNoises FindSlowNoises(const MarkerRecording& recording, const LegModel& model,
+                          const std::vector<double>& coefficients, const std::vector<StateMatrix>& covariances) {
   std::array<std::vector<NoiseSample>, kLegMarkers> samples;
   std::array<double, kLegMarkers> variance = {};
   for (const LegObservation& o : model.observations) {
@@ -56,7 +58,8 @@ SlowNoises FindSlowNoises(const MarkerRecording& recording, const LegModel& mode
   SlowNoises slow;
   for (std::size_t m = 0; m < kLegMarkers; ++m) {
     slow[m] = SlowNoise(samples[m], recording.time_s);
-    for (double& value : slow[m]) value *= samples[m].empty() ? 0 : variance[m] / static_cast<double>(samples[m].size());
+    for (double& value : slow[m])
+      value *= samples[m].empty() ? 0 : variance[m] / static_cast<double>(samples[m].size());
   }
   return slow;
 }
@@ -84,7 +87,8 @@ std::vector<double> SlowNoise(const std::vector<NoiseSample>& samples, const std
   return slow;
 }
 
-LegCurves MakeLegCurves(const MarkerRecording& recording, const LegModel& model, const std::vector<double>& coefficients) {
+LegCurves MakeLegCurves(const MarkerRecording& recording, const LegModel& model,
+                        const std::vector<double>& coefficients) {
   const std::size_t n = recording.Frames();
   const BandedMatrix covariance = LegCovariance(model, coefficients);
   LegCurves curves;
@@ -110,21 +114,24 @@ LegCurves MakeLegCurves(const MarkerRecording& recording, const LegModel& model,
       curve.recorded.push_back(RecordedFromPlane<double>(model.view, curve.in_plane[i], depth[index]));
       const double scale = PlaneUnitsPerRecorded(model.view, curve.in_plane[i], depth[index]);
       slow_in_plane[index] = slow[index][i] * scale * scale;
-      const double variance = (point.by_state * covariances[i] * point.by_state.transpose()).trace() / 2 + slow_in_plane[index];
+      const double variance =
+          (point.by_state * covariances[i] * point.by_state.transpose()).trace() / 2 + slow_in_plane[index];
       curve.plane_sigma.push_back(std::sqrt(variance));
       curve.recorded_sigma.push_back(curve.plane_sigma[i] / scale);
     }
-    const double knee_variance = KneeVariance(covariances[i]) + KneeVarianceOfMarkers(curves.state[i], slow_in_plane[kAnkle],
-                                                                                      slow_in_plane[kKnee], slow_in_plane[kHip]);
+    const double knee_variance =
+        KneeVariance(covariances[i]) +
+        KneeVarianceOfMarkers(curves.state[i], slow_in_plane[kAnkle], slow_in_plane[kKnee], slow_in_plane[kHip]);
     curves.knee_sigma_deg.push_back(DegreesFromRadians(std::sqrt(knee_variance)));
   }
   return curves;
 }
 
-MarkerCurve SmoothMarker(const MarkerRecording& recording, const Detections& d, const LegView& view, const LegFitOptions& options) {
+MarkerCurve SmoothMarker(const MarkerRecording& recording, const Detections& d, const LegView& view,
+                         const LegFitOptions& options) {
   const std::size_t n = recording.Frames();
-  const SplineGrid grid = MakeSplineGrid(recording.time_s, (recording.time_s.back() - recording.time_s.front()) /
-                                                               static_cast<double>(n - 1));
+  const SplineGrid grid = MakeSplineGrid(
+      recording.time_s, (recording.time_s.back() - recording.time_s.front()) / static_cast<double>(n - 1));
   SmoothingOptions smoothing;
   if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
   MarkerCurve curve;

@@ -23,18 +23,20 @@ struct LegCurves {
   std::vector<Eigen::Vector2d> hip_speed_in_leg;  // per s
 };
 
-LegCurves MakeLegCurves(const MarkerRecording& recording, const LegModel& model, const std::vector<double>& coefficients);
+LegCurves MakeLegCurves(const MarkerRecording& recording, const LegModel& model,
+                        const std::vector<double>& coefficients);
 
 // A marker that is not the leg's, smoothed and bridged by itself.
 MarkerCurve SmoothMarker(const MarkerRecording& recording, const Detections& detections, const LegView& view,
                          const LegFitOptions& options);
 
 // Tracks, trajectory, motion, events, reports.
-void FillResult(const MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg, const LegCurves& curves,
-                const LegModel& model, Facing facing, const LegFitOptions& options, LegFitResult& result);
+void FillResult(const MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
+                const LegCurves& curves, const LegModel& model, Facing facing, const LegFitOptions& options,
+                LegFitResult& result);
 
-// Noise that a sigma states but the residuals do not show is too slow to be told from motion: it is in the curve, and must be in
-// the curve's variance. In variances of the detections (1 = all of it), per frame.
+// Noise that a sigma states but the residuals do not show is too slow to be told from motion: it is in the curve, and
+// must be in the curve's variance. In variances of the detections (1 = all of it), per frame.
 struct NoiseSample {
   std::size_t frame = 0;
   double expected = 0;  // of (r/σ)² per axis: 1 − leverage

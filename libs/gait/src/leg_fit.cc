@@ -18,9 +18,11 @@ void CheckRecording(const MarkerRecording& recording, const LegFitOptions& optio
   if (recording.Frames() < 8) throw Fail("leg fit: a recording of {} frames is too short", recording.Frames());
   for (std::size_t i = 0; i < recording.Frames(); ++i)
     if (!std::isfinite(recording.time_s[i]) || (i > 0 && recording.time_s[i] <= recording.time_s[i - 1]))
-      throw Fail("leg fit: frame {}: time stamp {} does not follow the one before", recording.frame[i], recording.time_s[i]);
+      throw Fail("leg fit: frame {}: time stamp {} does not follow the one before", recording.frame[i],
+                 recording.time_s[i]);
   if (std::abs(options.up.norm() - 1) > 1e-6) throw Fail("leg fit: the vertical must be a unit vector");
-  if (options.cutoff_hz && !(*options.cutoff_hz > 0)) throw Fail("leg fit: a cutoff of {} Hz is not positive", *options.cutoff_hz);
+  if (options.cutoff_hz && !(*options.cutoff_hz > 0))
+    throw Fail("leg fit: a cutoff of {} Hz is not positive", *options.cutoff_hz);
 }
 
 std::string Names(const MarkerRecording& recording) {
@@ -29,7 +31,8 @@ std::string Names(const MarkerRecording& recording) {
   return names.empty() ? "none" : names;
 }
 
-std::array<Detections, kLegMarkers> CollectLeg(const MarkerRecording& recording, const LegView& view, const LegMarkers& names) {
+std::array<Detections, kLegMarkers> CollectLeg(const MarkerRecording& recording, const LegView& view,
+                                               const LegMarkers& names) {
   std::array<Detections, kLegMarkers> leg;
   const std::array<const std::string*, kLegMarkers> wanted = {&names.ankle, &names.knee, &names.hip, &names.waist};
   for (std::size_t m = 0; m < kLegMarkers; ++m) {
@@ -67,33 +70,45 @@ Eigen::Matrix2d PlaneFromLegAxes(Facing facing, const Eigen::Vector2d& up) {
   return axes;
 }
 
-std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMarkers>& leg, const std::vector<double>& time_s,
-                                             const SplineGrid& grid, int markers) {
+std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMarkers>& leg,
+                                             const std::vector<double>& time_s, const SplineGrid& grid, int markers) {
   std::vector<LegObservation> observations;
   for (std::size_t i = 0; i < time_s.size(); ++i)
     for (int m = 0; m < markers; ++m) {
       const Detections& d = leg[static_cast<std::size_t>(m)];
       if (!d.seen[i]) continue;
-      observations.push_back({static_cast<LegMarker>(m), i, grid.At(time_s[i]), d.track->samples[i].position, d.sigma[i], d.depth_mm});
+      observations.push_back(
+          {static_cast<LegMarker>(m), i, grid.At(time_s[i]), d.track->samples[i].position, d.sigma[i], d.depth_mm});
     }
   return observations;
 }
 
-// How much larger than stated the noise of each marker is: rms of the residuals, for the degrees of freedom that the fit
-// used up. Never below 1: what a sigma states beyond the residuals may be slow noise, which AddSlowNoise accounts for.
+// How much larger than stated the noise of each marker is: rms of the residuals, for the degrees of freedom that the
+// fit used up. Never below 1: what a sigma states beyond the residuals may be slow noise, which is in the curves'
+// variance (SlowNoise).
 std::array<double, kLegMarkers> NoiseScales(const LegModel& model, const std::vector<double>& coefficients,
                                             const BandedMatrix& covariance) {
-  std::array<double, kLegMarkers> square = {}, free = {};
+  struct Residual {
+    double square, free;  // (r/σ)² and the degrees of freedom left to it, of two
+  };
+  std::array<std::vector<Residual>, kLegMarkers> residuals;
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
-    if (!IsOrdinary(model, residual.value, o.sigma)) continue;
     const StateMatrix state = StateCovariance(model, covariance, o.place);
-    const double used = (residual.by_state * state * residual.by_state.transpose()).trace() / (o.sigma * o.sigma);
-    square[o.marker] += residual.value.squaredNorm() / (o.sigma * o.sigma);
-    free[o.marker] += std::max(2 - used, 0.0);
+    const double variance = o.sigma * o.sigma;
+    const double used = (residual.by_state * state * residual.by_state.transpose()).trace() / variance;
+    residuals[o.marker].push_back({residual.value.squaredNorm() / variance, std::max(2 - used, 0.0)});
   }
   std::array<double, kLegMarkers> scales;
-  for (std::size_t m = 0; m < kLegMarkers; ++m) scales[m] = free[m] > 20 ? std::max(1.0, std::sqrt(square[m] / free[m])) : 1.0;
+  scales.fill(1);
+  for (std::size_t m = 0; m < kLegMarkers; ++m)
+    for (int round = 0; round < 5; ++round) {  // a larger scale lets more residuals count
+      double square = 0, free = 0;
+      for (const Residual& residual : residuals[m])
+        if (residual.square < std::pow(scales[m] * OrdinaryLimit(model), 2))
+          square += residual.square, free += residual.free;
+      if (free > 20) scales[m] = std::max(1.0, std::sqrt(square / free));
+    }
   return scales;
 }
 
@@ -165,8 +180,9 @@ LegFitResult FitLeg(const MarkerRecording& recording, const LegView& view, const
   const FacingFound found = FindFacingOf(leg);
   const Facing facing = options.facing.value_or(found.facing);
   if (!options.facing && !found.IsCertain())
-    result.warnings.push_back(fmt::format("the knee bends by {:.0f}° at most: which way the subject faces is a guess; give it with --facing",
-                                          found.largest_flexion_deg));
+    result.warnings.push_back(
+        fmt::format("the knee bends by {:.0f}° at most: which way the subject faces is a guess; give it with --facing",
+                    found.largest_flexion_deg));
 
   LegModel model;
   model.view = view;

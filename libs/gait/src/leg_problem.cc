@@ -21,7 +21,8 @@ LegResidual EvaluateAt(const LegModel& model, const LegObservation& observation,
   Eigen::Matrix<StateJet, 2, 1> in_plane;
   for (int i = 0; i < 2; ++i)
     in_plane[i] = in_leg[0] * model.plane_from_leg(i, 0) + in_leg[1] * model.plane_from_leg(i, 1);
-  const Eigen::Matrix<StateJet, 2, 1> predicted = RecordedFromPlane<StateJet>(model.view, in_plane, observation.depth_mm);
+  const Eigen::Matrix<StateJet, 2, 1> predicted =
+      RecordedFromPlane<StateJet>(model.view, in_plane, observation.depth_mm);
   LegResidual residual;
   for (int i = 0; i < 2; ++i) {
     residual.value[i] = predicted[i].a - observation.seen[i];
@@ -30,8 +31,8 @@ LegResidual EvaluateAt(const LegModel& model, const LegObservation& observation,
   return residual;
 }
 
-// r = (π(marker(Σ B_k c_k)) − seen) / σ over the four coefficient vectors c_k that reach the observation's time. The derivative by
-// the state is automatic (Jets), that by the coefficients its product with the basis.
+// r = (π(marker(Σ B_k c_k)) − seen) / σ over the four coefficient vectors c_k that reach the observation's time. The
+// derivative by the state is automatic (Jets), that by the coefficients its product with the basis.
 class MarkerCost : public ceres::CostFunction {
  public:
   MarkerCost(const LegModel& model, const LegObservation& observation) : model_(model), observation_(observation) {
@@ -49,7 +50,8 @@ class MarkerCost : public ceres::CostFunction {
     for (std::size_t k = 0; k < 4; ++k)
       for (int i = 0; jacobians[k] && i < 2; ++i)
         for (int s = 0; s < model_.states; ++s)
-          jacobians[k][i * model_.states + s] = observation_.place.value[k] / observation_.sigma * residual.by_state(i, s);
+          jacobians[k][i * model_.states + s] =
+              observation_.place.value[k] / observation_.sigma * residual.by_state(i, s);
     return true;
   }
 
@@ -132,7 +134,8 @@ ceres::Solver::Options SolverOptions(std::size_t observations) {
 
 }  // namespace
 
-LegResidual EvaluateObservation(const LegModel& model, const LegObservation& observation, const std::vector<double>& coefficients) {
+LegResidual EvaluateObservation(const LegModel& model, const LegObservation& observation,
+                                const std::vector<double>& coefficients) {
   return EvaluateAt(model, observation, StateAt(model, coefficients, observation.place.value, observation.place.first));
 }
 
@@ -163,12 +166,9 @@ LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coef
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   ThrowIfInterrupted();
-  return {summary.IsSolutionUsable(),
-          static_cast<int>(summary.iterations.size()),
-          summary.initial_cost,
-          summary.final_cost,
-          summary.total_time_in_seconds,
-          summary.message};
+  return {summary.IsSolutionUsable(),    static_cast<int>(summary.iterations.size()),
+          summary.initial_cost,          summary.final_cost,
+          summary.total_time_in_seconds, summary.message};
 }
 
 double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, double sigma) {
@@ -176,8 +176,12 @@ double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, doub
   return u < 1 ? (1 - u) * (1 - u) : 0;
 }
 
+double OrdinaryLimit(const LegModel& model) {
+  return 0.7 * model.outlier_deviations;
+}
+
 bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma) {
-  return residual.squaredNorm() < std::pow(0.7 * sigma * model.outlier_deviations, 2);
+  return residual.norm() < OrdinaryLimit(model) * sigma;
 }
 
 BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coefficients) {
@@ -185,7 +189,8 @@ BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coe
   BandedMatrix normal(model.grid.count * states, 4 * states - 1);
   for (const LegObservation& observation : model.observations) {
     const LegResidual residual = EvaluateObservation(model, observation, coefficients);
-    const double weight = RobustWeight(model, residual.value, observation.sigma) / (observation.sigma * observation.sigma);
+    const double weight =
+        RobustWeight(model, residual.value, observation.sigma) / (observation.sigma * observation.sigma);
     const StateMatrix square = weight * residual.by_state.transpose() * residual.by_state;
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = 0; b <= a; ++b)
@@ -203,13 +208,14 @@ BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coe
                        (k + b) * states + static_cast<std::size_t>(term.state)) += term.row[a] * term.row[b];
   ThrowIfInterrupted();
   if (!Factorize(normal))
-    throw SolverError("leg fit: the markers do not determine the leg; is one of ankle, knee, hip missing in most frames?");
+    throw SolverError(
+        "leg fit: the markers do not determine the leg; is one of ankle, knee, hip missing in most frames?");
   ThrowIfInterrupted();
   return SelectedInverse(normal);
 }
 
-StateVector StateAt(const LegModel& model, const std::vector<double>& coefficients, const std::array<double, 4>& weights,
-                    std::size_t first) {
+StateVector StateAt(const LegModel& model, const std::vector<double>& coefficients,
+                    const std::array<double, 4>& weights, std::size_t first) {
   const auto states = static_cast<std::size_t>(model.states);
   StateVector state = StateVector::Zero();
   for (std::size_t k = 0; k < 4; ++k)
@@ -226,7 +232,8 @@ StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covarianc
       for (std::size_t i = 0; i < states; ++i)
         for (std::size_t j = 0; j < states; ++j)
           result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) +=
-              place.value[a] * place.value[b] * covariance.At((place.first + a) * states + i, (place.first + b) * states + j);
+              place.value[a] * place.value[b] *
+              covariance.At((place.first + a) * states + i, (place.first + b) * states + j);
   return result;
 }
 

@@ -1,11 +1,12 @@
 // The leg as functions of time, and the one least-squares problem that determines them.
 //
-//   state s(t) = (A_x, A_y, θ_shank, θ_thigh, |AK|, |KH|, θ_trunk, |HW|) = Σ_k B_k(t) c_k     cubic B-splines, c_k all at once
-//   markers      K = A + |AK| (sin θ_shank, cos θ_shank),  H = K + |KH| (sin θ_thigh, cos θ_thigh),  W likewise
+//   state s(t) = (A_x, A_y, θ_shank, θ_thigh, |AK|, |KH|, θ_trunk, |HW|) = Σ_k B_k(t) c_k     cubic B-splines, c_k all
+//   at once markers      K = A + |AK| (sin θ_shank, cos θ_shank),  H = K + |KH| (sin θ_thigh, cos θ_thigh),  W likewise
 //   minimise     Σ ρ( |π(marker(t_i)) − seen_i|² / σ_i² )  +  Σ_k (Δ³c_k)² / q_k  +  Σ_k (Δ¹|·|_k)² / p
 //
-// π is the view (camera, plane, depth), ρ Tukey's biweight, Δ differences of neighbouring coefficients, q_k and p variances per
-// component of the state. Positions in the leg frame's axes, angles in rad, from the vertical. Not part of the library's interface.
+// π is the view (camera, plane, depth), ρ Tukey's biweight, Δ differences of neighbouring coefficients, q_k and p
+// variances per component of the state. Positions in the leg frame's axes, angles in rad, from the vertical. Not part
+// of the library's interface.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,10 +29,10 @@ inline constexpr int kLegMarkers = 4;
 
 struct LegObservation {
   LegMarker marker = kAnkle;
-  std::size_t frame = 0;      // index into the recording
+  std::size_t frame = 0;  // index into the recording
   SplineGrid::Place place;
-  Eigen::Vector2d seen;       // as recorded
-  double sigma = 1;           // per axis
+  Eigen::Vector2d seen;  // as recorded
+  double sigma = 1;      // per axis
   double depth_mm = 0;
 };
 
@@ -47,7 +48,7 @@ struct LegModel {
   int states = kLegStates;
   std::array<LegPrior, kLegStates> priors;
   std::vector<LegObservation> observations;
-  double outlier_deviations = 7;   // where the biweight reaches zero
+  double outlier_deviations = 7;  // where the biweight reaches zero
 };
 
 // A marker's position in the leg's axes from a state, for T = double or a Jet.
@@ -55,7 +56,8 @@ template <typename T>
 Eigen::Matrix<T, 2, 1> MarkerInLeg(LegMarker marker, const T* state) {
   using std::cos, std::sin;
   Eigen::Matrix<T, 2, 1> point(state[kAnkleX], state[kAnkleY]);
-  constexpr int kAngles[] = {kShankAngle, kThighAngle, kTrunkAngle}, kLengths[] = {kShankLength, kThighLength, kTrunkLength};
+  constexpr int kAngles[] = {kShankAngle, kThighAngle, kTrunkAngle},
+                kLengths[] = {kShankLength, kThighLength, kTrunkLength};
   for (int segment = 0; segment < marker; ++segment) {
     const T &angle = state[kAngles[segment]], &length = state[kLengths[segment]];
     point += length * Eigen::Matrix<T, 2, 1>(sin(angle), cos(angle));
@@ -63,12 +65,14 @@ Eigen::Matrix<T, 2, 1> MarkerInLeg(LegMarker marker, const T* state) {
   return point;
 }
 
-// Residual (predicted − seen, recorded unit) of an observation at the coefficients, and its derivative by the state there.
+// Residual (predicted − seen, recorded unit) of an observation at the coefficients, and its derivative by the state
+// there.
 struct LegResidual {
   Eigen::Vector2d value;
   Eigen::Matrix<double, 2, kLegStates> by_state;
 };
-LegResidual EvaluateObservation(const LegModel& model, const LegObservation& observation, const std::vector<double>& coefficients);
+LegResidual EvaluateObservation(const LegModel& model, const LegObservation& observation,
+                                const std::vector<double>& coefficients);
 
 struct LegSolveSummary {
   bool usable = false;
@@ -84,8 +88,9 @@ LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coef
 // ρ'(|r|²/σ²) of an observation: 1 for an ordinary one, 0 for an outlier.
 double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
 
-// Whether an observation is no outlier by 0.7 of the distance at which it loses all weight: statistics of the noise count these, with
-// equal weights, as ρ' would make the noise look smaller than it is.
+// Observations whose residual is smaller than so many sigmas are no outliers: statistics of the noise count these, with
+// equal weights (with the weights ρ' the noise would look smaller than it is).
+double OrdinaryLimit(const LegModel& model);
 bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
 
 // The coefficients' covariance within the band of a spline's own coefficients: the inverse of the Gauss–Newton matrix.
@@ -95,8 +100,8 @@ BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coe
 // State, its derivative by time, and its covariance at a place.
 using StateVector = Eigen::Matrix<double, kLegStates, 1>;
 using StateMatrix = Eigen::Matrix<double, kLegStates, kLegStates>;
-StateVector StateAt(const LegModel& model, const std::vector<double>& coefficients, const std::array<double, 4>& weights,
-                    std::size_t first);
+StateVector StateAt(const LegModel& model, const std::vector<double>& coefficients,
+                    const std::array<double, 4>& weights, std::size_t first);
 StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covariance, const SplineGrid::Place& place);
 
 }  // namespace lake

@@ -52,8 +52,8 @@ Json MarkersJson(const LegFitResult& result) {
   const std::string unit(ToString(result.tracks.unit));
   Json list = Json::array();
   for (const MarkerReport& m : result.markers) {
-    Json marker = {{"name", m.name},           {"detected", m.detected},     {"filled", m.filled},
-                   {"missing", m.missing},     {"outliers", m.outliers},     {"residual_rms_" + unit, m.rms},
+    Json marker = {{"name", m.name},           {"detected", m.detected},       {"filled", m.filled},
+                   {"missing", m.missing},     {"outliers", m.outliers},       {"residual_rms_" + unit, m.rms},
                    {"worst_" + unit, m.worst}, {"worst_frame", m.worst_frame}, {"noise_scale", m.noise_scale}};
     if (m.parallax_per_depth > 0) marker["error_mm_per_mm_depth"] = m.parallax_per_depth;
     list.push_back(marker);

@@ -88,7 +88,8 @@ MarkerTrack TrajectoryOf(const MarkerOutput& output) {
 
 LegPoints PointsAt(const std::vector<MarkerOutput>& leg, std::size_t frame, bool raw) {
   LegPoints points;
-  const std::array<std::optional<Eigen::Vector2d>*, kLegMarkers> places = {&points.ankle, &points.knee, &points.hip, &points.waist};
+  const std::array<std::optional<Eigen::Vector2d>*, kLegMarkers> places = {&points.ankle, &points.knee, &points.hip,
+                                                                           &points.waist};
   for (std::size_t m = 0; m < leg.size(); ++m) {
     if (raw && leg[m].detections->seen[frame]) *places[m] = leg[m].detections->in_plane[frame];
     if (!raw && leg[m].status[frame] != SampleStatus::kMissing) *places[m] = leg[m].shown[frame];
@@ -99,17 +100,18 @@ LegPoints PointsAt(const std::vector<MarkerOutput>& leg, std::size_t frame, bool
 // From the markers' own sigmas, where the fit's covariance does not apply.
 double KneeSigmaDeg(const std::vector<MarkerOutput>& leg, const LegSample& sample, std::size_t i) {
   const double shank = sample.ak.norm(), thigh = sample.kh.norm();
-  const double at_knee = 1 / (shank * shank) + 1 / (thigh * thigh) +
-                         2 * std::cos(RadiansFromDegrees(sample.knee_deg)) / (shank * thigh);
+  const double at_knee =
+      1 / (shank * shank) + 1 / (thigh * thigh) + 2 * std::cos(RadiansFromDegrees(sample.knee_deg)) / (shank * thigh);
   const auto variance = [&](LegMarker m) { return leg[m].shown_sigma[i] * leg[m].shown_sigma[i]; };
-  return DegreesFromRadians(std::sqrt(variance(kAnkle) / (shank * shank) + variance(kHip) / (thigh * thigh) + variance(kKnee) * at_knee));
+  return DegreesFromRadians(
+      std::sqrt(variance(kAnkle) / (shank * shank) + variance(kHip) / (thigh * thigh) + variance(kKnee) * at_knee));
 }
 
 void SetSpeedByDifferences(LegMotion& motion) {
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, motion.samples.size() - 1);
-    motion.samples[i].knee_deg_s =
-        (motion.samples[after].knee_deg - motion.samples[before].knee_deg) / (motion.time_s[after] - motion.time_s[before]);
+    motion.samples[i].knee_deg_s = (motion.samples[after].knee_deg - motion.samples[before].knee_deg) /
+                                   (motion.time_s[after] - motion.time_s[before]);
   }
 }
 
@@ -123,7 +125,8 @@ LegMotion MakeMotion(const MarkerRecording& recording, const std::vector<MarkerO
     LegSample sample = MakeLegSample(PointsAt(leg, i, false), facing, options.up);
     sample.knee_raw_deg = MakeLegSample(PointsAt(leg, i, true), facing, options.up).knee_deg;
     if (std::isfinite(sample.knee_deg)) {
-      sample.knee_sigma_deg = options.filter == LegFilter::kSpline ? curves.knee_sigma_deg[i] : KneeSigmaDeg(leg, sample, i);
+      sample.knee_sigma_deg =
+          options.filter == LegFilter::kSpline ? curves.knee_sigma_deg[i] : KneeSigmaDeg(leg, sample, i);
       sample.knee_deg_s = DegreesFromRadians(curves.rate[i][kShankAngle] - curves.rate[i][kThighAngle]);
     }
     motion.samples.push_back(sample);
@@ -133,8 +136,8 @@ LegMotion MakeMotion(const MarkerRecording& recording, const std::vector<MarkerO
 }
 
 // Events are read from the fit's own curves, whatever filter the tables get.
-StsSignals MakeStsSignals(const LegMotion& motion, const std::vector<MarkerOutput>& leg, const LegCurves& curves, double leg_length,
-                          const Eigen::Vector2d& up) {
+StsSignals MakeStsSignals(const LegMotion& motion, const std::vector<MarkerOutput>& leg, const LegCurves& curves,
+                          double leg_length, const Eigen::Vector2d& up) {
   constexpr double kAdultLegMm = 850;  // ankle to hip; stands in for a scale where there is none
   StsSignals signals;
   signals.frame = motion.frame, signals.time_s = motion.time_s;
@@ -147,13 +150,15 @@ StsSignals MakeStsSignals(const LegMotion& motion, const std::vector<MarkerOutpu
     signals.hip_height.push_back(value(known, curves.marker[kHip].in_plane[i].dot(up)));
     signals.hip_speed.push_back(value(known, curves.hip_speed_in_leg[i].norm()));
     signals.hip_up_speed.push_back(value(known, curves.hip_speed_in_leg[i].y()));
-    signals.knee_deg_s.push_back(value(known, DegreesFromRadians(curves.rate[i][kShankAngle] - curves.rate[i][kThighAngle])));
+    signals.knee_deg_s.push_back(
+        value(known, DegreesFromRadians(curves.rate[i][kShankAngle] - curves.rate[i][kThighAngle])));
     signals.trunk_deg_s.push_back(value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle])));
   }
   return signals;
 }
 
-SegmentReport ReportSegment(const char* name, const Detections& below, const Detections& above, const LegCurves& curves, int state) {
+SegmentReport ReportSegment(const char* name, const Detections& below, const Detections& above, const LegCurves& curves,
+                            int state) {
   std::vector<double> lengths, variances;
   std::vector<double> fitted;
   for (std::size_t i = 0; i < below.seen.size(); ++i) {
@@ -170,8 +175,8 @@ SegmentReport ReportSegment(const char* name, const Detections& below, const Det
   return report;
 }
 
-MarkerReport ReportMarker(const MarkerOutput& output, const MarkerRecording& recording, const LegView& view, double outlier_deviations,
-                          std::vector<OutlierReport>& outliers) {
+MarkerReport ReportMarker(const MarkerOutput& output, const MarkerRecording& recording, const LegView& view,
+                          double outlier_deviations, std::vector<OutlierReport>& outliers) {
   const Detections& d = *output.detections;
   MarkerReport report;
   report.name = d.name;
@@ -181,7 +186,8 @@ MarkerReport ReportMarker(const MarkerOutput& output, const MarkerRecording& rec
     report.filled += output.status[i] == SampleStatus::kFilled;
     report.missing += output.status[i] == SampleStatus::kMissing;
     if (!d.seen[i]) continue;
-    const double distance = (d.track->samples[i].position - output.curve.recorded[i]).norm(), deviations = distance / d.sigma[i];
+    const double distance = (d.track->samples[i].position - output.curve.recorded[i]).norm(),
+                 deviations = distance / d.sigma[i];
     if (distance > report.worst) report.worst = distance, report.worst_frame = recording.frame[i];
     if (deviations > outlier_deviations) {
       ++report.outliers;
@@ -190,7 +196,8 @@ MarkerReport ReportMarker(const MarkerOutput& output, const MarkerRecording& rec
       squares.push_back(distance * distance / 2);
     }
     if (view.camera_from_plane && !view.recorded_in_plane)
-      parallax.push_back((PlaneFromRecorded(view, d.track->samples[i].position, d.depth_mm + 1) - d.in_plane[i]).norm());
+      parallax.push_back(
+          (PlaneFromRecorded(view, d.track->samples[i].position, d.depth_mm + 1) - d.in_plane[i]).norm());
   }
   report.rms = std::sqrt(Mean(squares));
   if (!parallax.empty()) report.parallax_per_depth = Median(parallax);
@@ -199,10 +206,12 @@ MarkerReport ReportMarker(const MarkerOutput& output, const MarkerRecording& rec
 
 }  // namespace
 
-void FillResult(const MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg_detections, const LegCurves& curves,
-                const LegModel& model, Facing facing, const LegFitOptions& options, LegFitResult& result) {
+void FillResult(const MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg_detections,
+                const LegCurves& curves, const LegModel& model, Facing facing, const LegFitOptions& options,
+                LegFitResult& result) {
   std::vector<double> shanks, thighs;
-  for (const StateVector& state : curves.state) shanks.push_back(state[kShankLength]), thighs.push_back(state[kThighLength]);
+  for (const StateVector& state : curves.state)
+    shanks.push_back(state[kShankLength]), thighs.push_back(state[kThighLength]);
   const double shank = Median(shanks), most_sigma = options.most_filled_sigma * shank;
   std::vector<MarkerOutput> leg;
   for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
@@ -215,18 +224,21 @@ void FillResult(const MarkerRecording& recording, const std::array<Detections, k
     const Detections detections = own == leg.end() ? CollectDetections(recording, track, model.view) : *own->detections;
     constexpr std::ptrdiff_t kLeastDetections = 8;
     if (own == leg.end() && std::count(detections.trusted.begin(), detections.trusted.end(), 1) < kLeastDetections) {
-      result.warnings.push_back(fmt::format("marker '{}' is seen in fewer than {} frames and left as it is", track.name, kLeastDetections));
+      result.warnings.push_back(
+          fmt::format("marker '{}' is seen in fewer than {} frames and left as it is", track.name, kLeastDetections));
       result.tracks.markers.push_back(track);
       continue;
     }
-    const MarkerOutput output =
-        own == leg.end() ? MakeOutput(detections, SmoothMarker(recording, detections, model.view, options), recording.time_s, most_sigma, options)
-                         : *own;
+    const MarkerOutput output = own == leg.end()
+                                    ? MakeOutput(detections, SmoothMarker(recording, detections, model.view, options),
+                                                 recording.time_s, most_sigma, options)
+                                    : *own;
     result.tracks.markers.push_back(TrackOf(output));
     result.trajectory.markers.push_back(TrajectoryOf(output));
     result.markers.push_back(ReportMarker(output, recording, model.view, options.outlier_deviations, result.outliers));
   }
-  std::stable_sort(result.outliers.begin(), result.outliers.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  std::stable_sort(result.outliers.begin(), result.outliers.end(),
+                   [](const auto& a, const auto& b) { return a.frame < b.frame; });
   result.segments.push_back(ReportSegment("ak", leg_detections[kAnkle], leg_detections[kKnee], curves, kShankLength));
   result.segments.push_back(ReportSegment("kh", leg_detections[kKnee], leg_detections[kHip], curves, kThighLength));
   if (curves.markers == kLegMarkers)

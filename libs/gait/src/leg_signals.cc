@@ -61,8 +61,8 @@ UsualStep UsualStepAround(const Steps& steps, std::size_t k) {
   return usual;
 }
 
-// Samples are mistrusted from a jump away to the jump back: steps far from those around them, with the marker then where it would
-// have been without them. More than half a second away is not an outlier but a question of naming.
+// Samples are mistrusted from a jump away to the jump back: steps far from those around them, with the marker then
+// where it would have been without them. More than half a second away is not an outlier but a question of naming.
 void MistrustExcursions(Detections& d, const std::vector<double>& time_s) {
   constexpr double kLongest_s = 0.5;
   const Steps steps = FindSteps(d);
@@ -74,10 +74,12 @@ void MistrustExcursions(Detections& d, const std::vector<double>& time_s) {
     const UsualStep usual = UsualStepAround(steps, k);
     if (!is_jump(k, usual)) continue;
     const double jump = (steps.step[k] - usual.median).norm(), noise = 12 * d.plane_sigma[frames[k]];
-    for (std::size_t back = k + 1; back < frames.size() && time_s[frames[back]] - time_s[frames[k]] <= kLongest_s; ++back) {
+    for (std::size_t back = k + 1; back < frames.size() && time_s[frames[back]] - time_s[frames[k]] <= kLongest_s;
+         ++back) {
       const auto gap = static_cast<double>(frames[back] - frames[k - 1]);
       const double away = (d.in_plane[frames[back]] - d.in_plane[frames[k - 1]] - gap * usual.median).norm();
-      if (away > std::min(3 * usual.spread * gap + noise, jump / 2) || !is_jump(back, UsualStepAround(steps, back))) continue;
+      if (away > std::min(3 * usual.spread * gap + noise, jump / 2) || !is_jump(back, UsualStepAround(steps, back)))
+        continue;
       for (std::size_t j = k; j < back; ++j) d.trusted[frames[j]] = 0;
       k = back;
       break;
@@ -98,10 +100,13 @@ double Range(std::vector<double> values) {
 }
 
 std::size_t Known(const std::vector<double>& values) {
-  return static_cast<std::size_t>(std::count_if(values.begin(), values.end(), [](double v) { return std::isfinite(v); }));
+  return static_cast<std::size_t>(
+      std::count_if(values.begin(), values.end(), [](double v) { return std::isfinite(v); }));
 }
 
-bool IsLength(int state) { return state == kShankLength || state == kThighLength || state == kTrunkLength; }
+bool IsLength(int state) {
+  return state == kShankLength || state == kThighLength || state == kTrunkLength;
+}
 
 struct SmoothedSignals {
   SplineGrid grid;
@@ -116,7 +121,8 @@ SmoothedSignals SmoothOn(double step_s, const LegSignals& signals, const std::ve
   SmoothingOptions smoothing;
   if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
   for (std::size_t s = 0; s < static_cast<std::size_t>(states); ++s) {
-    smoothed.signals.push_back(FitSmoothingSpline(smoothed.grid, time_s, signals.value[s], signals.sigma[s], smoothing));
+    smoothed.signals.push_back(
+        FitSmoothingSpline(smoothed.grid, time_s, signals.value[s], signals.sigma[s], smoothing));
     smoothed.risk += smoothed.signals.back().risk;
   }
   return smoothed;
@@ -126,8 +132,14 @@ SmoothedSignals SmoothOn(double step_s, const LegSignals& signals, const std::ve
 
 Detections CollectDetections(const MarkerRecording& recording, const MarkerTrack& track, const LegView& view) {
   const std::size_t n = recording.Frames();
-  Detections d{track.name, &track, view.Depth(track.name), std::vector<char>(n), {}, std::vector<double>(n),
-               std::vector<Eigen::Vector2d>(n), std::vector<double>(n)};
+  Detections d{track.name,
+               &track,
+               view.Depth(track.name),
+               std::vector<char>(n),
+               {},
+               std::vector<double>(n),
+               std::vector<Eigen::Vector2d>(n),
+               std::vector<double>(n)};
   for (std::size_t i = 0; i < n; ++i) d.seen[i] = track.samples[i].status == SampleStatus::kDetected;
   for (std::size_t i = 0; i < n; ++i) {
     const MarkerSample& sample = track.samples[i];
@@ -153,8 +165,10 @@ Detections CollectDetections(const MarkerRecording& recording, const MarkerTrack
   return d;
 }
 
-LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane, int states) {
-  constexpr int kAngles[] = {kShankAngle, kThighAngle, kTrunkAngle}, kLengths[] = {kShankLength, kThighLength, kTrunkLength};
+LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane,
+                          int states) {
+  constexpr int kAngles[] = {kShankAngle, kThighAngle, kTrunkAngle},
+                kLengths[] = {kShankLength, kThighLength, kTrunkLength};
   const std::size_t n = leg[kAnkle].seen.size();
   const double unknown = LegSample::kUnknown;
   LegSignals signals;
@@ -168,7 +182,8 @@ LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const 
   }
   const int segments = states == kLegStates ? 3 : 2;
   for (int segment = 0; segment < segments; ++segment) {
-    const Detections &below = leg[static_cast<std::size_t>(segment)], &above = leg[static_cast<std::size_t>(segment) + 1];
+    const Detections &below = leg[static_cast<std::size_t>(segment)],
+                     &above = leg[static_cast<std::size_t>(segment) + 1];
     std::vector<Eigen::Vector2d> vectors(n, Eigen::Vector2d::Constant(unknown));
     for (std::size_t i = 0; i < n; ++i)
       if (below.trusted[i] && above.trusted[i]) vectors[i] = leg_from_plane * (above.in_plane[i] - below.in_plane[i]);
@@ -177,7 +192,8 @@ LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const 
     for (std::size_t i = 0; i < n; ++i) {
       if (!(vectors[i].norm() > 0)) continue;
       const double sigma = std::hypot(below.plane_sigma[i], above.plane_sigma[i]);
-      signals.value[angle][i] = mean_rad + std::remainder(std::atan2(vectors[i].x(), vectors[i].y()) - mean_rad, 2 * std::numbers::pi);
+      signals.value[angle][i] =
+          mean_rad + std::remainder(std::atan2(vectors[i].x(), vectors[i].y()) - mean_rad, 2 * std::numbers::pi);
       signals.sigma[angle][i] = sigma / vectors[i].norm();
       signals.value[length][i] = vectors[i].norm();
       signals.sigma[length][i] = sigma;
@@ -196,20 +212,23 @@ void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarker
                  leg[below + 1].name, Known(values), kLeastFrames);
     const double range = Range(values);
     if (range > options.most_length_range)
-      throw Fail("leg fit: the distance from '{}' to '{}' changes by {:.0f} % of itself, which no limb does (at most {:.0f} %): are the "
-                 "markers' names right, not swapped on the way, and is the vertical (--up)?",
-                 leg[below].name, leg[below + 1].name, 100 * range, 100 * options.most_length_range);
+      throw Fail(
+          "leg fit: the distance from '{}' to '{}' changes by {:.0f} % of itself, which no limb does (at most {:.0f} "
+          "%): are the "
+          "markers' names right, not swapped on the way, and is the vertical (--up)?",
+          leg[below].name, leg[below + 1].name, 100 * range, 100 * options.most_length_range);
   }
   std::vector<double> rises;
   for (std::size_t i = 0; i < leg[kAnkle].seen.size(); ++i)
     if (leg[kAnkle].trusted[i] && leg[kHip].trusted[i])
       rises.push_back((leg[kHip].in_plane[i] - leg[kAnkle].in_plane[i]).dot(options.up));
   if (!rises.empty() && Median(rises) < 0)
-    throw Fail("leg fit: '{}' lies below '{}' in most frames: are the names swapped, or the vertical wrong?", leg[kHip].name,
-               leg[kAnkle].name);
+    throw Fail("leg fit: '{}' lies below '{}' in most frames: are the names swapped, or the vertical wrong?",
+               leg[kHip].name, leg[kAnkle].name);
 }
 
-LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states, const LegFitOptions& options) {
+LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
+                       const LegFitOptions& options) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
   const double frame_step_s = Median(steps);
@@ -232,7 +251,8 @@ LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& tim
     start.priors[s].roughness = best.signals[s].roughness;
     if (IsLength(static_cast<int>(s)))
       // A walk whose steps per knot, alike over the memory, have this variance.
-      start.priors[s].slope_variance = best.signals[s].slope_square * best.grid.step_s * std::max(kLengthMemory_s, best.grid.step_s);
+      start.priors[s].slope_variance =
+          best.signals[s].slope_square * best.grid.step_s * std::max(kLengthMemory_s, best.grid.step_s);
     for (std::size_t k = 0; k < best.grid.count; ++k)
       start.coefficients[k * static_cast<std::size_t>(states) + s] = best.signals[s].coefficients[k];
   }

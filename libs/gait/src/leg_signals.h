@@ -1,4 +1,5 @@
-// What the fit starts from: the leg's components frame by frame, and how smooth each of them is. Not part of the interface.
+// What the fit starts from: the leg's components frame by frame, and how smooth each of them is. Not part of the
+// interface.
 #pragma once
 
 #include <array>
@@ -15,11 +16,11 @@ struct Detections {
   std::string name;
   const MarkerTrack* track = nullptr;  // nullptr: the recording has no such marker
   double depth_mm = 0;
-  std::vector<char> seen;              // 0 or 1 per frame
-  std::vector<char> trusted;           // seen, and not on an excursion of a few frames
-  std::vector<double> sigma;           // recorded unit; where it was given as 0, the estimate
+  std::vector<char> seen;     // 0 or 1 per frame
+  std::vector<char> trusted;  // seen, and not on an excursion of a few frames
+  std::vector<double> sigma;  // recorded unit; where it was given as 0, the estimate
   std::vector<Eigen::Vector2d> in_plane;
-  std::vector<double> plane_sigma;     // unit of the plane
+  std::vector<double> plane_sigma;  // unit of the plane
 };
 
 // Throws Error for a sample that is not finite or lies where the camera cannot see it, naming marker and frame.
@@ -29,7 +30,8 @@ Detections CollectDetections(const MarkerRecording& recording, const MarkerTrack
 struct LegSignals {
   std::array<std::vector<double>, kLegStates> value, sigma;
 };
-LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane, int states);
+LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane,
+                          int states);
 
 // Throws Error if a leg cannot look like this.
 void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarkers>& leg, const LegFitOptions& options);
@@ -41,6 +43,7 @@ struct LegStart {
   std::vector<double> coefficients;  // grid.count × states
   double knee_cutoff_hz = 0;         // the geometric mean of shank and thigh
 };
-LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states, const LegFitOptions& options);
+LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
+                       const LegFitOptions& options);
 
 }  // namespace lake

@@ -22,15 +22,15 @@ struct Sample {
 struct Round {
   std::vector<double> coefficients;
   BandedMatrix covariance{0, 3};
-  std::vector<double> jerk_square;     // (Δ³c)²
-  std::vector<double> jerk_variance;   // their posterior variances
-  double slope_square = 0;             // mean f′² + variance
-  double residual_square = 0;          // Σ (r/σ)²
+  std::vector<double> jerk_square;    // (Δ³c)²
+  std::vector<double> jerk_variance;  // their posterior variances
+  double slope_square = 0;            // mean f′² + variance
+  double residual_square = 0;         // Σ (r/σ)²
   double effective_parameters = 0;
 };
 
-std::vector<Sample> CollectSamples(const SplineGrid& grid, std::span<const double> time_s, std::span<const double> values,
-                                   std::span<const double> sigmas) {
+std::vector<Sample> CollectSamples(const SplineGrid& grid, std::span<const double> time_s,
+                                   std::span<const double> values, std::span<const double> sigmas) {
   std::vector<Sample> samples;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i])) continue;
@@ -55,14 +55,16 @@ double Variance(const BandedMatrix& covariance, std::size_t first, const std::ar
   return sum;
 }
 
-Round RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, double noise_scale, const std::vector<double>& roughness) {
+Round RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, double noise_scale,
+               const std::vector<double>& roughness) {
   BandedMatrix normal(grid.count, 3);
   Round round;
   round.coefficients.assign(grid.count, 0.0);
   for (const Sample& sample : samples) {
     const double weight = sample.precision / (noise_scale * noise_scale);
     AddSquare(normal, sample.place.first, sample.place.value, weight);
-    for (std::size_t a = 0; a < 4; ++a) round.coefficients[sample.place.first + a] += weight * sample.value * sample.place.value[a];
+    for (std::size_t a = 0; a < 4; ++a)
+      round.coefficients[sample.place.first + a] += weight * sample.value * sample.place.value[a];
   }
   for (std::size_t k = 0; k + 3 < grid.count; ++k) AddSquare(normal, k, kThirdDifference, 1 / roughness[k]);
   if (!Factorize(normal)) throw Fail("smoothing: the samples do not determine a curve (too few, or all at one time)");
@@ -80,15 +82,17 @@ Round RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, doubl
     round.residual_square += sample.precision * residual * residual;
     const double slope = SlopeAt(sample.place, round.coefficients);
     round.slope_square += slope * slope + Variance(round.covariance, sample.place.first, sample.place.slope);
-    round.effective_parameters += sample.precision / (noise_scale * noise_scale) * VarianceAt(sample.place, round.covariance);
+    round.effective_parameters +=
+        sample.precision / (noise_scale * noise_scale) * VarianceAt(sample.place, round.covariance);
   }
   round.slope_square /= static_cast<double>(samples.size());
   return round;
 }
 
-// Of n differences, n − Σ V/q are determined by the data: their squares add up to that many times the variance q. In a window around
-// each, with a share of the whole.
-std::vector<double> NextRoughness(const Round& round, const std::vector<double>& roughness, std::size_t reach, double common) {
+// Of n differences, n − Σ V/q are determined by the data: their squares add up to that many times the variance q. In a
+// window around each, with a share of the whole.
+std::vector<double> NextRoughness(const Round& round, const std::vector<double>& roughness, std::size_t reach,
+                                  double common) {
   const std::size_t n = roughness.size();
   std::vector<double> squares(n + 1, 0.0), determined(n + 1, 0.0);  // running sums
   for (std::size_t k = 0; k < n; ++k) {
@@ -130,7 +134,8 @@ SplineGrid::Place SplineGrid::At(double time_s) const {
   Place place;
   place.first = static_cast<std::size_t>(std::clamp(std::floor(position), 0.0, static_cast<double>(count - 4)));
   const double u = position - static_cast<double>(place.first), v = 1 - u;
-  place.value = {v * v * v / 6, (3 * u * u * u - 6 * u * u + 4) / 6, (-3 * u * u * u + 3 * u * u + 3 * u + 1) / 6, u * u * u / 6};
+  place.value = {v * v * v / 6, (3 * u * u * u - 6 * u * u + 4) / 6, (-3 * u * u * u + 3 * u * u + 3 * u + 1) / 6,
+                 u * u * u / 6};
   place.slope = {-v * v / 2 / step_s, (3 * u * u - 4 * u) / 2 / step_s, (-3 * u * u + 2 * u + 1) / 2 / step_s,
                  u * u / 2 / step_s};
   return place;
@@ -139,8 +144,9 @@ SplineGrid::Place SplineGrid::At(double time_s) const {
 SplineGrid MakeSplineGrid(std::span<const double> time_s, double step_s) {
   const double length = time_s.back() - time_s.front(), pieces = std::max(1.0, std::ceil(length / step_s * (1 - 1e-9)));
   if (!(step_s > 0) || pieces > 50 * static_cast<double>(time_s.size()) + 50)
-    throw Fail("smoothing: the time stamps run over {:.4g} s, but a step is {:.4g} s: they have holes too large to bridge", length,
-               step_s);
+    throw Fail(
+        "smoothing: the time stamps run over {:.4g} s, but a step is {:.4g} s: they have holes too large to bridge",
+        length, step_s);
   return {time_s.front(), step_s, static_cast<std::size_t>(pieces) + 3};
 }
 
@@ -182,7 +188,8 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
     std::vector<double> next = NextRoughness(round, signal.roughness, reach, options.common);
     const double least = roughness_of(options.least_cutoff_hz, scale);
     for (double& q : next) q = options.cutoff_hz ? roughness_of(*options.cutoff_hz, scale) : std::max(q, least);
-    signal.converged = LargestChange(signal.roughness, next) < kConverged && scale / signal.noise_scale - 1 < kConverged;
+    signal.converged =
+        LargestChange(signal.roughness, next) < kConverged && scale / signal.noise_scale - 1 < kConverged;
     signal.noise_scale = scale;
     signal.roughness = std::move(next);
   }
@@ -191,7 +198,8 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
   signal.slope_square = round.slope_square;
   signal.effective_parameters = round.effective_parameters;
   signal.risk = round.residual_square + 2 * round.effective_parameters;
-  signal.cutoff_hz = CutoffOfRoughness(GeometricMean(signal.roughness), signal.noise_scale * sigma, sample_step_s, grid.step_s);
+  signal.cutoff_hz =
+      CutoffOfRoughness(GeometricMean(signal.roughness), signal.noise_scale * sigma, sample_step_s, grid.step_s);
   return signal;
 }
 

@@ -38,7 +38,8 @@ class LegAxes {
     const MarkerTrack* ankle = result.trajectory.Find("ankle");
     std::vector<double> x, y;
     for (std::size_t i = 0; ankle && i < ankle->samples.size(); ++i)
-      if (ankle->samples[i].IsKnown()) x.push_back(ankle->samples[i].position.x()), y.push_back(ankle->samples[i].position.y());
+      if (ankle->samples[i].IsKnown())
+        x.push_back(ankle->samples[i].position.x()), y.push_back(ankle->samples[i].position.y());
     if (!x.empty()) origin_ = {Median(x), Median(y)};
   }
   Eigen::Vector2d Of(const Eigen::Vector2d& in_plane) const {
@@ -50,16 +51,16 @@ class LegAxes {
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
 };
 
-
 void AddPaths(GnuplotFigure& figure, const LegFitResult& result, const LegAxes& axes, std::vector<std::string>& parts) {
   for (const MarkerTrack& marker : result.trajectory.markers) {
     std::vector<double> x, y;
     for (const MarkerSample& sample : marker.samples) {
       const Eigen::Vector2d p = axes.Of(sample.position);
-      x.push_back(sample.IsKnown() ? p.x() : LegSample::kUnknown), y.push_back(sample.IsKnown() ? p.y() : LegSample::kUnknown);
+      x.push_back(sample.IsKnown() ? p.x() : LegSample::kUnknown),
+          y.push_back(sample.IsKnown() ? p.y() : LegSample::kUnknown);
     }
-    parts.push_back(fmt::format("{} using 1:2 with lines lw 2 lc rgb '{}' title {}", figure.Data({x, y}), ColourOf(marker.name),
-                                QuoteForGnuplot(marker.name)));
+    parts.push_back(fmt::format("{} using 1:2 with lines lw 2 lc rgb '{}' title {}", figure.Data({x, y}),
+                                ColourOf(marker.name), QuoteForGnuplot(marker.name)));
   }
 }
 
@@ -68,7 +69,8 @@ std::vector<std::size_t> PoseFrames(const LegMotion& motion) {
   std::vector<std::size_t> frames;
   double next_percent = 0;
   for (std::size_t i = 0; i < motion.samples.size() && next_percent <= 100; ++i)
-    if (motion.samples[i].repetition == 1 && motion.samples[i].percent >= next_percent - 1e-9) frames.push_back(i), next_percent += 25;
+    if (motion.samples[i].repetition == 1 && motion.samples[i].percent >= next_percent - 1e-9)
+      frames.push_back(i), next_percent += 25;
   return frames;
 }
 
@@ -84,7 +86,8 @@ void AddPoses(GnuplotFigure& figure, const LegFitResult& result, const LegAxes& 
     x.push_back(LegSample::kUnknown), y.push_back(LegSample::kUnknown);
   }
   if (!x.empty())
-    parts.push_back(fmt::format("{} using 1:2 with linespoints lw 1 pt 7 ps 0.5 lc rgb '#999999' notitle", figure.Data({x, y})));
+    parts.push_back(
+        fmt::format("{} using 1:2 with linespoints lw 1 pt 7 ps 0.5 lc rgb '#999999' notitle", figure.Data({x, y})));
 }
 
 std::string Join(const std::vector<std::string>& parts) {
@@ -100,9 +103,10 @@ void ShadeGaps(GnuplotFigure& figure, const LegMotion& motion) {
     if (!unseen(begin)) continue;
     std::size_t end = begin;
     while (end + 1 < n && unseen(end + 1)) ++end;
-    figure.Line(fmt::format("set object rectangle from first {}, graph 0 to first {}, graph 1 behind fillcolor rgb '{}' fillstyle "
-                            "solid noborder",
-                            motion.time_s[begin == 0 ? 0 : begin - 1], motion.time_s[std::min(end + 1, n - 1)], colour::kGap));
+    figure.Line(fmt::format(
+        "set object rectangle from first {}, graph 0 to first {}, graph 1 behind fillcolor rgb '{}' fillstyle "
+        "solid noborder",
+        motion.time_s[begin == 0 ? 0 : begin - 1], motion.time_s[std::min(end + 1, n - 1)], colour::kGap));
     begin = end;
   }
 }
@@ -111,7 +115,8 @@ void MarkEvents(GnuplotFigure& figure, const std::vector<StsEvent>& events) {
   for (const StsEvent& event : events)
     for (const EventStyle& style : kEvents)
       if (style.kind == event.kind)
-        figure.Line(fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead lw 1 {1} back", event.time_s, style.style));
+        figure.Line(fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead lw 1 {1} back",
+                                event.time_s, style.style));
 }
 
 struct KneeColumns {
@@ -157,12 +162,15 @@ void DrawPaths(GnuplotFigure& figure, const LegFitResult& result) {
   std::vector<std::string> parts;
   AddPoses(figure, result, axes, parts);
   AddPaths(figure, result, axes, parts);
-  figure.Line("set lmargin at screen 0.065; set rmargin at screen 0.355; set tmargin at screen 0.88; set bmargin at screen 0.10");
+  figure.Line(
+      "set lmargin at screen 0.065; set rmargin at screen 0.355; set tmargin at screen 0.88; set bmargin at screen "
+      "0.10");
   figure.Line("set size ratio -1; set key at screen 0.375, screen 0.86 right top samplen 1.5 spacing 1.1 noautotitle");
   figure.Line(fmt::format("set xtics {}", TicStep(result.trajectory)));
-  figure.Line(fmt::format("set xlabel 'anterior ({0})'; set ylabel 'up ({0})' offset 1,0; set offsets graph 0.05, graph 0.05, "
-                          "graph 0.05, graph 0.05",
-                          ToString(result.motion.unit)));
+  figure.Line(
+      fmt::format("set xlabel 'anterior ({0})'; set ylabel 'up ({0})' offset 1,0; set offsets graph 0.05, graph 0.05, "
+                  "graph 0.05, graph 0.05",
+                  ToString(result.motion.unit)));
   figure.Line(Join(parts));
   figure.Line("set size noratio; unset offsets; set xtics autofreq");
 }
@@ -170,12 +178,17 @@ void DrawPaths(GnuplotFigure& figure, const LegFitResult& result) {
 void DrawAngle(GnuplotFigure& figure, const LegFitResult& result, const KneeColumns& columns) {
   const std::vector<double>& time_s = result.motion.time_s;
   std::vector<std::string> parts = {
-      fmt::format("{} using 1:2 with points pt 7 ps 0.35 lc rgb '#56B4E9' title 'single frames'", figure.Data({time_s, columns.raw})),
-      fmt::format("{} using 1:2 with lines lw 2 lc rgb '{}' title 'fit'", figure.Data({time_s, columns.fit}), colour::kText)};
+      fmt::format("{} using 1:2 with points pt 7 ps 0.35 lc rgb '#56B4E9' title 'single frames'",
+                  figure.Data({time_s, columns.raw})),
+      fmt::format("{} using 1:2 with lines lw 2 lc rgb '{}' title 'fit'", figure.Data({time_s, columns.fit}),
+                  colour::kText)};
   for (const EventStyle& style : kEvents)
-    if (std::any_of(result.events.begin(), result.events.end(), [&](const StsEvent& e) { return e.kind == style.kind; }))
+    if (std::any_of(result.events.begin(), result.events.end(),
+                    [&](const StsEvent& e) { return e.kind == style.kind; }))
       parts.push_back(fmt::format("NaN with lines lw 1 {} title '{}'", style.style, style.name));
-  figure.Line("set lmargin at screen 0.435; set rmargin at screen 0.985; set tmargin at screen 0.87; set bmargin at screen 0.43");
+  figure.Line(
+      "set lmargin at screen 0.435; set rmargin at screen 0.985; set tmargin at screen 0.87; set bmargin at screen "
+      "0.43");
   figure.Line("set xlabel ''; set format x ''; set ylabel 'knee flexion (°)' offset 1,0");
   figure.Line("set key at graph 1, graph 1.02 right bottom horizontal samplen 1.5 width -1 noautotitle");
   figure.Line(Join(parts));
@@ -186,9 +199,12 @@ void DrawDifference(GnuplotFigure& figure, const LegFitResult& result, const Kne
   const double range_deg = DifferenceRange(columns);
   figure.Line("set tmargin at screen 0.37; set bmargin at screen 0.10; set format x '%g'; set xlabel 'time (s)'");
   figure.Line(fmt::format("set ylabel 'single frame − fit (°)' offset 1,0; set yrange [{}:{}]", -range_deg, range_deg));
-  figure.Line(Join({fmt::format("{} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.45 noborder title '± 2 SD of the fit'",
-                                figure.Data({time_s, columns.lower, columns.upper}), colour::kHuman),
-                    fmt::format("{} using 1:2 with points pt 7 ps 0.3 lc rgb '#0072B2' notitle", figure.Data({time_s, columns.difference}))}));
+  figure.Line(Join(
+      {fmt::format(
+           "{} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.45 noborder title '± 2 SD of the fit'",
+           figure.Data({time_s, columns.lower, columns.upper}), colour::kHuman),
+       fmt::format("{} using 1:2 with points pt 7 ps 0.3 lc rgb '#0072B2' notitle",
+                   figure.Data({time_s, columns.difference}))}));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace lake {
 struct MotTable {
   std::string name;
   bool in_degrees = true;
-  std::vector<std::string> columns;       // without time
+  std::vector<std::string> columns;  // without time
   std::vector<double> time_s;
   std::vector<std::vector<double>> rows;  // as wide as `columns`; NaN where missing
 
@@ -24,8 +24,8 @@ struct MotTable {
 MotTable ReadMot(const std::filesystem::path& path);
 void WriteMot(const std::filesystem::path& path, const MotTable& table);
 
-// time, knee_angle_r, and the tilt of shank, thigh and trunk. OpenSim's older models (gait2392) count flexion negative: then the
-// knee's sign is turned. Frames without a knee angle are left out.
+// time, knee_angle_r, and the tilt of shank, thigh and trunk. OpenSim's older models (gait2392) count flexion negative:
+// then the knee's sign is turned. Frames without a knee angle are left out.
 MotTable MotFromLegMotion(const LegMotion& motion, bool flexion_negative = false);
 
 }  // namespace lake

@@ -28,11 +28,11 @@ struct PointTrack {
 
 struct PointRecording {
   PointSpace space = PointSpace::kSpace;
-  char up_axis = 'y';                // of kSpace: x, y or z
-  std::vector<std::int64_t> frame;   // from 0
-  std::vector<double> time_s;        // increasing
+  char up_axis = 'y';               // of kSpace: x, y or z
+  std::vector<std::int64_t> frame;  // from 0
+  std::vector<double> time_s;       // increasing
   std::vector<PointTrack> points;
-  std::optional<double> mm_per_px;   // of kImage, if the file has a scale
+  std::optional<double> mm_per_px;  // of kImage, if the file has a scale
 
   const PointTrack* Find(std::string_view name) const;
 };

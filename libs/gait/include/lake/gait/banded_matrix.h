@@ -21,7 +21,9 @@ class BandedMatrix {
   double Lower(std::size_t row, std::size_t column) const { return values_[row * band_ + column + band_]; }
 
   // Either triangle.
-  double At(std::size_t row, std::size_t column) const { return row >= column ? Lower(row, column) : Lower(column, row); }
+  double At(std::size_t row, std::size_t column) const {
+    return row >= column ? Lower(row, column) : Lower(column, row);
+  }
 
  private:
   std::size_t size_, band_;

@@ -1,8 +1,10 @@
-// The leg fit: from marker positions with gaps, noise and outliers to the leg's vectors and angles with standard deviations.
+// The leg fit: from marker positions with gaps, noise and outliers to the leg's vectors and angles with standard
+// deviations.
 //
-// One robust least-squares problem over all frames (method.md, section 3; the equations are in this module's README): smooth segment
-// angles, ankle and segment lengths, residuals in recorded units through the camera, each weighted by its detection's sigma. How
-// smooth each component is, and how much the segments' lengths vary, is estimated from the recording.
+// One robust least-squares problem over all frames (method.md, section 3; the equations are in this module's README):
+// smooth segment angles, ankle and segment lengths, residuals in recorded units through the camera, each weighted by
+// its detection's sigma. How smooth each component is, and how much the segments' lengths vary, is estimated from the
+// recording.
 #pragma once
 
 #include <optional>
@@ -29,25 +31,27 @@ LegFilter ParseLegFilter(std::string_view text);
 
 struct LegFitOptions {
   LegFilter filter = LegFilter::kSpline;
-  std::optional<double> cutoff_hz;    // spline: found from the data; Butterworth: 6 Hz
+  std::optional<double> cutoff_hz;  // spline: found from the data; Butterworth: 6 Hz
   LegMarkers markers;
-  std::optional<Facing> facing;       // found from the data
+  std::optional<Facing> facing;                   // found from the data
   Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // the vertical, in the plane frame
-  double outlier_deviations = 7;      // a residual of so many sigmas has no weight at all
-  double most_length_range = 0.30;    // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5 and more
-  double most_filled_sigma = 0.04;    // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
-  bool quiet = true;                  // no progress
+  double outlier_deviations = 7;                  // a residual of so many sigmas has no weight at all
+  double most_length_range =
+      0.30;  // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5 and more
+  double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
+  bool quiet = true;                // no progress
 };
 
 // A marker's record in the fit. Lengths in the recorded unit.
 struct MarkerReport {
   std::string name;
   int detected = 0, filled = 0, missing = 0, outliers = 0;
-  double rms = 0;                 // per axis, of the detections that are no outliers
-  double worst = 0;               // 2-D, among all detections
+  double rms = 0;    // per axis, of the detections that are no outliers
+  double worst = 0;  // 2-D, among all detections
   std::int64_t worst_frame = 0;
-  double noise_scale = 1;         // ≥ 1: how much larger the noise is than the detections' sigmas
-  double parallax_per_depth = 0;  // mm of error per mm that the marker stands off the calibrated plane (median); 0 without one
+  double noise_scale = 1;  // ≥ 1: how much larger the noise is than the detections' sigmas
+  double parallax_per_depth =
+      0;  // mm of error per mm that the marker stands off the calibrated plane (median); 0 without one
 };
 
 struct SegmentReport {
@@ -68,10 +72,10 @@ struct LegFitSummary {
   bool usable = false;
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;
-  double seconds = 0;          // of everything
+  double seconds = 0;  // of everything
   double knot_step_s = 0;
-  double cutoff_hz = 0;        // of the low-pass that the knee's smoothing amounts to
-  double residual_rms = 0;     // in sigmas, outliers apart
+  double cutoff_hz = 0;     // of the low-pass that the knee's smoothing amounts to
+  double residual_rms = 0;  // in sigmas, outliers apart
   std::string message;
 };
 
@@ -87,13 +91,14 @@ struct LegFitResult {
   LegFitSummary summary;
 };
 
-// Markers other than the leg's are smoothed and bridged each by itself. A sigma of 0 means that it is not known: it is then
-// estimated from the marker's own fine structure. Throws Error: a marker of the leg is absent or hardly seen, a position is not
-// finite, the names contradict a leg (a segment's length varies too much, the hip lies below the ankle); SolverError: no solution.
+// Markers other than the leg's are smoothed and bridged each by itself. A sigma of 0 means that it is not known: it is
+// then estimated from the marker's own fine structure. Throws Error: a marker of the leg is absent or hardly seen, a
+// position is not finite, the names contradict a leg (a segment's length varies too much, the hip lies below the
+// ankle); SolverError: no solution.
 LegFitResult FitLeg(const MarkerRecording& recording, const LegView& view, const LegFitOptions& options = {});
 
-// What the recording says of the knee: smallest and largest angle, peak speeds, each with its time. For summary.json, with the
-// reports above, under the keys markers, segments, outliers, knee, sit_to_stands, fit.
+// What the recording says of the knee: smallest and largest angle, peak speeds, each with its time. For summary.json,
+// with the reports above, under the keys markers, segments, outliers, knee, sit_to_stands, fit.
 Json LegFitJson(const LegFitResult& result);
 
 }  // namespace lake

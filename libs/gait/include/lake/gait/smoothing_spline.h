@@ -1,5 +1,5 @@
-// A smooth function of time from noisy samples of known noise: a cubic B-spline with a penalty on its jerk, whose weight is found
-// from the data, moment by moment.
+// A smooth function of time from noisy samples of known noise: a cubic B-spline with a penalty on its jerk, whose
+// weight is found from the data, moment by moment.
 #pragma once
 
 #include <array>
@@ -36,28 +36,29 @@ struct SmoothingOptions {
   std::optional<double> cutoff_hz;  // fixed instead of found
   double least_cutoff_hz = 0.5;     // a limb's motion is never slower; below it the normal equations lose their digits
   double window_s = 0.2;            // the roughness is alike over about this time to each side
-  double common = 0.2;              // how many differences' worth of the whole recording's roughness each window takes in
+  double common = 0.2;  // how many differences' worth of the whole recording's roughness each window takes in
   int max_iterations = 60;
 };
 
-// The prior is that the third differences of the coefficients are independent with variances `roughness`, an integrated random
-// jerk; its posterior mean is the penalised spline  min Σ (y − f)²/σ² + ∫ μ f‴²  with μ = step⁵ / roughness. A limb rests and
-// moves, so the roughness follows the signal: one value would be too rough for the one and too smooth for the other.
+// The prior is that the third differences of the coefficients are independent with variances `roughness`, an integrated
+// random jerk; its posterior mean is the penalised spline  min Σ (y − f)²/σ² + ∫ μ f‴²  with μ = step⁵ / roughness. A
+// limb rests and moves, so the roughness follows the signal: one value would be too rough for the one and too smooth
+// for the other.
 struct SmoothSignal {
   std::vector<double> coefficients;
-  BandedMatrix covariance{0, 3};      // of the coefficients, within three of the diagonal
-  std::vector<double> roughness;      // variance of Δ³ of the coefficients, count − 3
-  double slope_square = 0;            // mean square of f′ at the samples, its uncertainty included
-  double noise_scale = 1;             // ≥ 1: by how much the samples' sigmas were too small
+  BandedMatrix covariance{0, 3};  // of the coefficients, within three of the diagonal
+  std::vector<double> roughness;  // variance of Δ³ of the coefficients, count − 3
+  double slope_square = 0;        // mean square of f′ at the samples, its uncertainty included
+  double noise_scale = 1;         // ≥ 1: by how much the samples' sigmas were too small
   double effective_parameters = 0;
-  double risk = 0;                    // Mallows' C_p: Σ (r/σ)² + 2 effective parameters; compares grids
-  double cutoff_hz = 0;               // of the equivalent low-pass (−3 dB), for the geometric mean of the roughness
+  double risk = 0;       // Mallows' C_p: Σ (r/σ)² + 2 effective parameters; compares grids
+  double cutoff_hz = 0;  // of the equivalent low-pass (−3 dB), for the geometric mean of the roughness
   int iterations = 0;
   bool converged = false;
 };
 
-// Samples that are NaN are gaps. The roughness maximises the restricted likelihood (Fellner–Schall step: S. N. Wood & M. Fasiolo,
-// Biometrics 73, 2017). Throws Error with fewer than four samples or a sigma that is not positive.
+// Samples that are NaN are gaps. The roughness maximises the restricted likelihood (Fellner–Schall step: S. N. Wood &
+// M. Fasiolo, Biometrics 73, 2017). Throws Error with fewer than four samples or a sigma that is not positive.
 SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> time_s, std::span<const double> values,
                                 std::span<const double> sigmas, const SmoothingOptions& options = {});
 

@@ -19,7 +19,8 @@ struct GaitRunOptions {
 // A trial that has been read, fitted: for callers that go on with it. Its warnings are said through `run`.
 LegFitResult FitTrial(const GaitRunOptions& options, Run& run);
 
-// Writes kinematics.csv, events.csv, trajectory.csv (tracks.csv for a trial in px), gait.png; returns the results for the summary.
+// Writes kinematics.csv, events.csv, trajectory.csv (tracks.csv for a trial in px), gait.png; returns the results for
+// the summary.
 Json RunGait(const GaitRunOptions& options, Run& run);
 
 }  // namespace lake
