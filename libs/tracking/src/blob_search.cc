@@ -30,20 +30,23 @@ bool IsDarkAllRound(const cv::Mat& smooth, const cv::Point& place) {
 void SearchLevel(const cv::Mat& grey, double scale, const cv::Rect& region, double min_contrast,
                  std::vector<BlobCandidate>& candidates) {
   if (grey.cols <= 2 * kBorder || grey.rows <= 2 * kBorder) return;
-  cv::Mat smooth, surround, contrast, highest;
+  cv::Mat smooth, surround, contrast, highest, bright;
   cv::boxFilter(grey, smooth, CV_8U, {kCenterBox, kCenterBox});
   cv::boxFilter(grey, surround, CV_8U, {kSurroundBox, kSurroundBox});
   cv::subtract(smooth, surround, contrast);
-  // D of a blob of the level's radius is about 0.8 of its contrast.
-  const int threshold = std::max(2, static_cast<int>(0.6 * min_contrast));
+  // The centre minus surroundings of a blob of the level's radius is about 0.8 of its contrast.
+  constexpr double kResponse = 0.8;
+  cv::compare(contrast, std::max(2.0, 0.75 * kResponse * min_contrast), bright, cv::CMP_GE);
+  std::vector<cv::Point> places;
+  cv::findNonZero(bright, places);
+  if (places.empty()) return;
   cv::dilate(contrast, highest, cv::Mat());
-  for (int y = kBorder; y < grey.rows - kBorder; ++y) {
-    const uchar *here = contrast.ptr(y), *top = highest.ptr(y);
-    for (int x = kBorder; x < grey.cols - kBorder; ++x) {
-      if (here[x] < threshold || here[x] != top[x] || !IsDarkAllRound(smooth, {x, y})) continue;
-      const Eigen::Vector2d position((x + 0.5) * scale - 0.5 + region.x, (y + 0.5) * scale - 0.5 + region.y);
-      candidates.push_back({position, kLevelRadius * scale, here[x] / 0.8});
-    }
+  for (const cv::Point& place : places) {
+    const bool inside = place.x >= kBorder && place.y >= kBorder && place.x < grey.cols - kBorder && place.y < grey.rows - kBorder;
+    const uchar here = contrast.at<uchar>(place);
+    if (!inside || here != highest.at<uchar>(place) || !IsDarkAllRound(smooth, place)) continue;
+    const Eigen::Vector2d position((place.x + 0.5) * scale - 0.5 + region.x, (place.y + 0.5) * scale - 0.5 + region.y);
+    candidates.push_back({position, kLevelRadius * scale, here / kResponse});
   }
 }
 

@@ -35,7 +35,7 @@ struct TrackletOptions {
   std::size_t max_live = 40;        // things followed at once; the most contrasted come first
   int search_interval = 4;          // frames between searches of the whole picture …
   double search_after_loss_s = 0.6;  // … but every frame for this long after something well established was lost
-  int established = 15;             // samples
+  int established = 30;             // samples
 };
 
 // Follows everything that the detector sees. Feed frames in order; memory grows with what is found, not with the pictures.
