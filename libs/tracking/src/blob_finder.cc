@@ -5,6 +5,8 @@
 #include <numeric>
 #include <opencv2/core.hpp>
 
+#include "lake/core/statistics.h"
+
 namespace lake {
 namespace {
 
@@ -170,6 +172,17 @@ void BlobFinder::LearnFromFits(const cv::Mat& grey, std::span<const MarkerPredic
   }
 }
 
+// The size of a candidate is a guess within a factor of two. A soft edge at first lets the fit feel its way to the real one.
+std::optional<BlobFit> BlobFinder::FitNew(const cv::Mat& grey, const BlobCandidate& candidate) const {
+  for (const double factor : {1.0, 1.6, 0.65}) {
+    Blob start = DiscBlob(candidate.position, factor * candidate.radius_px);
+    start.edge_px = std::max(start.edge_px, 0.4 * candidate.radius_px);
+    const auto fit = FitBlobs(grey, std::span(&start, 1), fit_options_);
+    if (fit && IsMarkerLike(fit->front())) return fit->front();
+  }
+  return std::nullopt;
+}
+
 bool BlobFinder::WasRefused(const BlobCandidate& candidate) const {
   return std::any_of(refusals_.begin(), refusals_.end(), [&](const Refusal& refusal) {
     return (refusal.candidate.position - candidate.position).norm() < 0.5 * candidate.radius_px &&
@@ -183,12 +196,11 @@ void BlobFinder::FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> 
   std::erase_if(refusals_, [](Refusal& refusal) { return --refusal.searches_left < 0; });
   BlobSearchOptions search;
   if (!predictions.empty()) {
-    // Once markers are followed, only their like is of interest.
+    // Once markers are followed, only what is about as large as most of them is of interest.
     std::vector<double> radii;
     for (const auto& prediction : predictions) radii.push_back(prediction.appearance.RadiusPx());
-    const auto [smallest, largest] = std::minmax_element(radii.begin(), radii.end());
-    search.min_radius_px = std::max(search.min_radius_px, 0.6 * *smallest);
-    search.max_radius_px = 1.6 * *largest;
+    search.min_radius_px = std::max(search.min_radius_px, 0.55 * Quantile(radii, 0.25));
+    search.max_radius_px = 1.8 * Quantile(radii, 0.75);
   }
   const double noise = std::sqrt(fit_options_.noise.Variance(128));
   search.min_contrast = std::max({search.min_contrast, 5 * noise, 0.15 * contrast_});
@@ -200,10 +212,8 @@ void BlobFinder::FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> 
     const auto end = found.begin() + static_cast<std::ptrdiff_t>(known);
     if (std::any_of(found.begin(), end, [&](const auto& d) { return touches(d.position, d.appearance.RadiusPx()); })) continue;
     if (WasRefused(candidate)) continue;
-    const Blob start = DiscBlob(candidate.position, candidate.radius_px);
-    const auto fit = FitBlobs(grey, std::span(&start, 1), fit_options_);
-    if (fit && IsMarkerLike(fit->front()))
-      found.push_back(MakeDetection(fit->front()));
+    if (const auto fit = FitNew(grey, candidate))
+      found.push_back(MakeDetection(*fit));
     else
       refusals_.push_back({candidate, kRefusedFor});
   }

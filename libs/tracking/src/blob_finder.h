@@ -48,6 +48,7 @@ class BlobFinder {
                    std::vector<std::optional<BlobFit>>& fits) const;
   std::optional<BlobFit> SearchAndFit(const cv::Mat& grey, const MarkerPrediction& prediction) const;
   void FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, std::vector<MarkerDetection>& found);
+  std::optional<BlobFit> FitNew(const cv::Mat& grey, const BlobCandidate& candidate) const;
   bool WasRefused(const BlobCandidate& candidate) const;
 
   cv::Rect crop_;

@@ -95,7 +95,8 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
 }
 
 bool TrackletBuilder::SearchEverywhere(double time_s) const {
-  return frames_seen_ % options_.search_interval == 0 || (last_loss_s_ && time_s - *last_loss_s_ < options_.search_after_loss_s);
+  const bool urgent = last_loss_s_ && time_s - *last_loss_s_ < options_.urgent_s;
+  return frames_seen_ % (urgent ? options_.urgent_interval : options_.search_interval) == 0;
 }
 
 void TrackletBuilder::Extend(Live& live, const VideoFrame& frame, const MarkerDetection& detection) {

@@ -33,8 +33,9 @@ struct TrackletOptions {
   double max_coast_s = 0.1;         // lost for longer: the tracklet ends
   int min_samples = 4;              // shorter ones are chance
   std::size_t max_live = 40;        // things followed at once; the most contrasted come first
-  int search_interval = 4;          // frames between searches of the whole picture …
-  double search_after_loss_s = 0.6;  // … but every frame for this long after something well established was lost
+  int search_interval = 6;          // frames between searches of the whole picture …
+  int urgent_interval = 2;          // … and after something well established was lost, …
+  double urgent_s = 0.6;            // … for this long
   int established = 30;             // samples
 };
 
