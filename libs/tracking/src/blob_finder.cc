@@ -172,15 +172,21 @@ void BlobFinder::LearnFromFits(const cv::Mat& grey, std::span<const MarkerPredic
   }
 }
 
-// The size of a candidate is a guess within a factor of two. A soft edge at first lets the fit feel its way to the real one.
+// The size of a candidate is a guess within a factor of two, and a fit can settle on a wrong size: several are tried, and the one
+// that leaves least is believed. A last step this small lets the shape settle too, not only the place.
 std::optional<BlobFit> BlobFinder::FitNew(const cv::Mat& grey, const BlobCandidate& candidate) const {
-  for (const double factor : {1.0, 1.6, 0.65}) {
-    Blob start = DiscBlob(candidate.position, factor * candidate.radius_px);
-    start.edge_px = std::max(start.edge_px, 0.4 * candidate.radius_px);
-    const auto fit = FitBlobs(grey, std::span(&start, 1), fit_options_);
-    if (fit && IsMarkerLike(fit->front())) return fit->front();
+  constexpr double kGoodResidual = 0.03;
+  BlobFitOptions options = fit_options_;
+  options.converged_px = 1e-3;
+  std::optional<BlobFit> best;
+  for (const double factor : {1.0, 0.65, 1.6}) {
+    const Blob start = DiscBlob(candidate.position, factor * candidate.radius_px);
+    const auto fit = FitBlobs(grey, std::span(&start, 1), options);
+    if (!fit || !IsMarkerLike(fit->front())) continue;
+    if (!best || fit->front().relative_residual < best->relative_residual) best = fit->front();
+    if (best->relative_residual < kGoodResidual) break;
   }
-  return std::nullopt;
+  return best;
 }
 
 bool BlobFinder::WasRefused(const BlobCandidate& candidate) const {
