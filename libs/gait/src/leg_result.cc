@@ -204,47 +204,72 @@ MarkerReport ReportMarker(const MarkerOutput& output, const MarkerRecording& rec
   return report;
 }
 
-}  // namespace
+// A marker seen too rarely for a curve: its detections as they are.
+MarkerOutput Unsmoothed(const Detections& d) {
+  MarkerOutput output{&d, {d.in_plane, {}, d.plane_sigma, d.sigma}, {}, d.in_plane, d.plane_sigma};
+  for (std::size_t i = 0; i < d.seen.size(); ++i) {
+    output.curve.recorded.push_back(d.track->samples[i].position);
+    output.status.push_back(d.seen[i] ? SampleStatus::kDetected : SampleStatus::kMissing);
+  }
+  return output;
+}
 
-void FillResult(const MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg_detections,
-                const LegCurves& curves, const LegModel& model, Facing facing, const LegFitOptions& options,
-                LegFitResult& result) {
-  std::vector<double> shanks, thighs;
-  for (const StateVector& state : curves.state)
-    shanks.push_back(state[kShankLength]), thighs.push_back(state[kThighLength]);
-  const double shank = Median(shanks), most_sigma = options.most_filled_sigma * shank;
-  std::vector<MarkerOutput> leg;
-  for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
-    leg.push_back(MakeOutput(leg_detections[m], curves.marker[m], recording.time_s, most_sigma, options));
+// A marker that is not the leg's.
+MarkerOutput MakeExtra(const MarkerRecording& recording, const Detections& d, const LegView& view, double most_sigma,
+                       const LegFitOptions& options, std::vector<std::string>& warnings) {
+  constexpr std::ptrdiff_t kLeastDetections = 8;
+  if (std::count(d.trusted.begin(), d.trusted.end(), 1) >= kLeastDetections)
+    return MakeOutput(d, SmoothMarker(recording, d, view, options), recording.time_s, most_sigma, options);
+  warnings.push_back(
+      fmt::format("marker '{}' is seen in fewer than {} frames and left as it is", d.name, kLeastDetections));
+  return Unsmoothed(d);
+}
 
+void AddMarkers(const MarkerRecording& recording, const std::vector<MarkerOutput>& leg, const LegView& view,
+                double most_sigma, const LegFitOptions& options, LegFitResult& result) {
   result.tracks = {recording.unit, recording.frame, recording.time_s, {}};
-  result.trajectory = {PlaneUnit(model.view), recording.frame, recording.time_s, {}};
-  for (const MarkerTrack& track : recording.markers) {
-    const auto own = std::find_if(leg.begin(), leg.end(), [&](const auto& o) { return o.detections->track == &track; });
-    const Detections detections = own == leg.end() ? CollectDetections(recording, track, model.view) : *own->detections;
-    constexpr std::ptrdiff_t kLeastDetections = 8;
-    if (own == leg.end() && std::count(detections.trusted.begin(), detections.trusted.end(), 1) < kLeastDetections) {
-      result.warnings.push_back(
-          fmt::format("marker '{}' is seen in fewer than {} frames and left as it is", track.name, kLeastDetections));
-      result.tracks.markers.push_back(track);
-      continue;
-    }
-    const MarkerOutput output = own == leg.end()
-                                    ? MakeOutput(detections, SmoothMarker(recording, detections, model.view, options),
-                                                 recording.time_s, most_sigma, options)
-                                    : *own;
+  result.trajectory = {PlaneUnit(view), recording.frame, recording.time_s, {}};
+  const auto add = [&](const MarkerOutput& output) {
     result.tracks.markers.push_back(TrackOf(output));
     result.trajectory.markers.push_back(TrajectoryOf(output));
-    result.markers.push_back(ReportMarker(output, recording, model.view, options.outlier_deviations, result.outliers));
+    result.markers.push_back(ReportMarker(output, recording, view, options.outlier_deviations, result.outliers));
+  };
+  for (const MarkerTrack& track : recording.markers) {
+    const auto own = std::find_if(leg.begin(), leg.end(), [&](const auto& o) { return o.detections->track == &track; });
+    if (own != leg.end()) {
+      add(*own);
+    } else {
+      const Detections detections = CollectDetections(recording, track, view);
+      add(MakeExtra(recording, detections, view, most_sigma, options, result.warnings));
+    }
   }
   std::stable_sort(result.outliers.begin(), result.outliers.end(),
                    [](const auto& a, const auto& b) { return a.frame < b.frame; });
-  result.segments.push_back(ReportSegment("ak", leg_detections[kAnkle], leg_detections[kKnee], curves, kShankLength));
-  result.segments.push_back(ReportSegment("kh", leg_detections[kKnee], leg_detections[kHip], curves, kThighLength));
+}
+
+double MedianLength(const LegCurves& curves, LegState length) {
+  std::vector<double> lengths;
+  for (const StateVector& state : curves.state) lengths.push_back(state[length]);
+  return Median(std::move(lengths));
+}
+
+}  // namespace
+
+void FillResult(const MarkerRecording& recording, const std::array<Detections, kLegMarkers>& detections,
+                const LegCurves& curves, const LegModel& model, Facing facing, const LegFitOptions& options,
+                LegFitResult& result) {
+  const double shank = MedianLength(curves, kShankLength), thigh = MedianLength(curves, kThighLength);
+  const double most_sigma = options.most_filled_sigma * shank;
+  std::vector<MarkerOutput> leg;
+  for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
+    leg.push_back(MakeOutput(detections[m], curves.marker[m], recording.time_s, most_sigma, options));
+  AddMarkers(recording, leg, model.view, most_sigma, options, result);
+  result.segments.push_back(ReportSegment("ak", detections[kAnkle], detections[kKnee], curves, kShankLength));
+  result.segments.push_back(ReportSegment("kh", detections[kKnee], detections[kHip], curves, kThighLength));
   if (curves.markers == kLegMarkers)
-    result.segments.push_back(ReportSegment("hw", leg_detections[kHip], leg_detections[kWaist], curves, kTrunkLength));
+    result.segments.push_back(ReportSegment("hw", detections[kHip], detections[kWaist], curves, kTrunkLength));
   result.motion = MakeMotion(recording, leg, curves, model, facing, options);
-  result.events = FindStsEvents(MakeStsSignals(result.motion, leg, curves, shank + Median(thighs), options.up));
+  result.events = FindStsEvents(MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up));
   SetRepetitions(result.events, result.motion);
 }
 

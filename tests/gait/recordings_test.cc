@@ -1,0 +1,255 @@
+// The leg fit and the readers on recordings that nobody of this project made.
+#include <Eigen/Geometry>
+#include <cmath>
+#include <filesystem>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "lake/exchange/c3d.h"
+#include "lake/exchange/mot.h"
+#include "lake/exchange/trc.h"
+#include "lake/exchange/trial.h"
+#include "lake/gait/leg_fit.h"
+#include "synthetic_leg.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path SharedData(const std::string& name) {
+  return fs::path(LAKE_SHARED_DATA) / name;
+}
+
+#define REQUIRE_RECORDING(path) \
+  if (!fs::exists(path)) GTEST_SKIP() << (path).string() << " is not here"
+
+const char* LegNames(char side) {
+  return side == 'r' ? "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shoulder"
+                     : "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L_Shoulder";
+}
+
+// Where a curve falls through a level.
+std::vector<double> Falls(const std::vector<double>& time_s, const std::vector<double>& values, double level) {
+  std::vector<double> times;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i - 1] >= level && values[i] < level)
+      times.push_back(std::lerp(time_s[i - 1], time_s[i], (values[i - 1] - level) / (values[i - 1] - values[i])));
+  return times;
+}
+
+std::vector<double> KneeOf(const LegMotion& motion) {
+  std::vector<double> knee_deg;
+  for (const LegSample& sample : motion.samples) knee_deg.push_back(sample.knee_deg);
+  return knee_deg;
+}
+
+double Angle3d(const PointRecording& points, std::size_t i, const char* ankle, const char* knee, const char* hip) {
+  const Eigen::Vector3d ak = points.Find(knee)->positions[i] - points.Find(ankle)->positions[i];
+  const Eigen::Vector3d kh = points.Find(hip)->positions[i] - points.Find(knee)->positions[i];
+  return DegreesFromRadians(std::atan2(ak.cross(kh).norm(), ak.dot(kh)));
+}
+
+// A leg of the optical sit-to-stand recording in its x–y plane.
+struct OpticalLeg {
+  Trial trial;
+  std::vector<LegPoints> points_mm;
+  std::vector<LegSample> truth;
+};
+
+OpticalLeg ReadOpticalLeg(const fs::path& file, char side, bool mirrored) {
+  OpticalLeg leg;
+  leg.trial = ReadTrial(file, {ParseNameMap(LegNames(side)), 'y', mirrored ? "-x" : "+x"});
+  for (std::size_t i = 0; i < leg.trial.recording.Frames(); ++i) {
+    const auto at = [&](const char* name) { return leg.trial.recording.Find(name)->samples[i].position; };
+    leg.points_mm.push_back({at("ankle"), at("knee"), at("hip"), at("waist")});
+    leg.truth.push_back(
+        MakeLegSample(leg.points_mm.back(), mirrored ? Facing::kLeft : Facing::kRight, Eigen::Vector2d::UnitY()));
+  }
+  return leg;
+}
+
+// Given by ../shared/data/README.md for the 3-D flexion; the x–y plane's differs by less than the tolerance.
+void ExpectFiveStandUps(const LegFitResult& result) {
+  const double listed_s[] = {0.76, 2.44, 4.09, 5.61, 7.24};
+  const std::vector<double> falls_s = Falls(result.motion.time_s, KneeOf(result.motion), 35);
+  ASSERT_EQ(falls_s.size(), 5u);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(falls_s[i], listed_s[i], 0.05);
+  std::array<int, 5> kinds = {};
+  for (const StsEvent& event : result.events) {
+    ++kinds[static_cast<std::size_t>(event.kind)];
+    const double fall_s = falls_s.at(static_cast<std::size_t>(event.repetition) - 1);
+    EXPECT_EQ(event.kind < StsEventKind::kStanding, event.time_s < fall_s)
+        << ToString(event.kind) << " at " << event.time_s;
+  }
+  EXPECT_THAT(kinds, testing::Each(5));
+}
+
+class OpticalSitToStand : public testing::TestWithParam<std::tuple<char, bool>> {
+ protected:
+  const fs::path file_ = SharedData("opencap_sts/sts_default_markers.trc");
+};
+
+TEST_P(OpticalSitToStand, SeenWithNoiseTheMarkersOwnAngleComesOut) {
+  REQUIRE_RECORDING(file_);
+  const auto [side, mirrored] = GetParam();
+  const OpticalLeg leg = ReadOpticalLeg(file_, side, mirrored);
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const LegFitResult result =
+        FitLeg(MakeTracks(leg.trial.recording.time_s, leg.points_mm, ScaledView(), {0.03}, seed), ScaledView());
+    const KneeErrors errors = CompareKnee(result.motion, leg.truth);
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", rms " << errors.rms_deg);
+    EXPECT_LE(errors.rms_deg, 0.06);
+    EXPECT_LE(errors.rms_deg, errors.raw_rms_deg);
+    EXPECT_GE(errors.cover, 0.90);
+    EXPECT_GE(errors.normalized, 0.6);
+    EXPECT_LE(errors.normalized, 1.5);
+    EXPECT_LE(errors.peak_deg, 0.1);
+    EXPECT_EQ(result.motion.facing, mirrored ? Facing::kLeft : Facing::kRight);
+    ExpectFiveStandUps(result);
+  }
+}
+
+TEST_P(OpticalSitToStand, TheFileItselfAgrees) {
+  REQUIRE_RECORDING(file_);
+  const auto [side, mirrored] = GetParam();
+  const OpticalLeg leg = ReadOpticalLeg(file_, side, mirrored);
+  const LegFitResult result = FitLeg(leg.trial.recording, MakeLegView(LengthUnit::kMm, {}));
+  EXPECT_LE(CompareKnee(result.motion, leg.truth).rms_deg, 0.06);
+  ExpectFiveStandUps(result);
+  const auto [least, most] = std::minmax_element(leg.truth.begin(), leg.truth.end(),
+                                                 [](const auto& a, const auto& b) { return a.knee_deg < b.knee_deg; });
+  if (side == 'r') {  // 4.2..95.7° in the x–y plane
+    EXPECT_NEAR(least->knee_deg, 4.2, 0.1);
+    EXPECT_NEAR(most->knee_deg, 95.7, 0.1);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, OpticalSitToStand, testing::Combine(testing::Values('r', 'l'), testing::Bool()),
+                         [](const auto& info) {
+                           return std::string(std::get<0>(info.param) == 'r' ? "RightLeg" : "LeftLeg") +
+                                  (std::get<1>(info.param) ? "FacingLeft" : "FacingRight");
+                         });
+
+TEST(OpticalSitToStandFile, ThreeDimensionalFlexionHasTheListedRange) {
+  const fs::path file = SharedData("opencap_sts/sts_default_markers.trc");
+  REQUIRE_RECORDING(file);
+  const PointRecording points = ReadTrc(file);
+  EXPECT_EQ(points.time_s.size(), 861u);
+  EXPECT_EQ(points.points.size(), 51u);
+  const std::tuple<const char*, const char*, const char*, double, double> legs[] = {
+      {"r_ankle", "r_knee", "R_HJC", 9.61, 93.41}, {"L_ankle", "L_knee", "L_HJC", 11.37, 96.14}};
+  for (const auto& [ankle, knee, hip, least_deg, most_deg] : legs) {
+    double least = 180, most = 0;
+    for (std::size_t i = 0; i < points.time_s.size(); ++i) {
+      least = std::min(least, Angle3d(points, i, ankle, knee, hip));
+      most = std::max(most, Angle3d(points, i, ankle, knee, hip));
+    }
+    EXPECT_NEAR(least, least_deg, 0.1);
+    EXPECT_NEAR(most, most_deg, 0.1);
+  }
+}
+
+// The subject faces along x; the plane fitted to the leg's movement must find that, and the leg's lengths vary as
+// listed for 3-D.
+TEST(OpticalSitToStandFile, TheSagittalPlaneIsFound) {
+  const fs::path file = SharedData("opencap_sts/sts_default_markers.trc");
+  REQUIRE_RECORDING(file);
+  for (const char side : {'r', 'l'}) {
+    const Trial fitted = ReadTrial(file, {ParseNameMap(LegNames(side)), {}, ""});
+    const Trial along_x = ReadTrial(file, {ParseNameMap(LegNames(side)), {}, "x"});
+    const auto& a = fitted.recording.Find("hip")->samples;
+    const auto& b = along_x.recording.Find("hip")->samples;
+    const double turned = (a.back().position.x() - a[90].position.x()) / (b.back().position.x() - b[90].position.x());
+    EXPECT_GT(turned, std::cos(RadiansFromDegrees(15)));
+    EXPECT_LT(fitted.out_of_plane_mm, 15);
+    EXPECT_FALSE(fitted.faces_right);
+    EXPECT_EQ(FitLeg(fitted.recording, MakeLegView(LengthUnit::kMm, {})).motion.facing, Facing::kRight);
+  }
+}
+
+TEST(OpticalSitToStandFile, SkinMovementIsReportedAndNoError) {
+  const fs::path file = SharedData("opencap_sts/sts_default_markers.trc");
+  REQUIRE_RECORDING(file);
+  const LegFitResult result =
+      FitLeg(ReadOpticalLeg(file, 'r', false).trial.recording, MakeLegView(LengthUnit::kMm, {}));
+  EXPECT_NEAR(result.segments[0].variation, 11, 1.5);  // 11.2 mm in 3-D
+  EXPECT_NEAR(result.segments[1].variation, 20, 2.5);  // 19.2 mm in 3-D
+}
+
+struct Walk {
+  const char *trc, *c3d;
+  double least_deg, most_deg;
+};
+
+class OpticalWalk : public testing::TestWithParam<Walk> {};
+
+// The TRC files hold every tenth frame of the C3D files.
+TEST_P(OpticalWalk, TrcAndC3dHoldTheSameAngles) {
+  const fs::path trc_file = SharedData(std::string("opensim_walk/") + GetParam().trc);
+  REQUIRE_RECORDING(trc_file);
+  const PointRecording trc = ReadTrc(trc_file),
+                       c3d = ReadC3d(SharedData(std::string("opensim_walk/") + GetParam().c3d));
+  EXPECT_EQ(c3d.up_axis, 'z');
+  double least = 180, most = 0;
+  int compared = 0;
+  for (std::size_t i = 0; i < trc.time_s.size(); ++i) {
+    const double knee_deg = Angle3d(trc, i, "RAJC", "RKJC", "RHJC");
+    if (!std::isfinite(knee_deg)) continue;
+    least = std::min(least, knee_deg), most = std::max(most, knee_deg);
+    for (std::size_t j = 0; j < c3d.time_s.size(); ++j)
+      if (std::abs(c3d.time_s[j] - trc.time_s[i]) < 1e-6) {
+        ++compared;
+        EXPECT_NEAR(Angle3d(c3d, j, "RAJC", "RKJC", "RHJC"), knee_deg, 0.02);
+      }
+  }
+  EXPECT_GT(compared, 20);
+  EXPECT_NEAR(least, GetParam().least_deg, 0.02);
+  EXPECT_NEAR(most, GetParam().most_deg, 0.02);
+}
+
+// Both through the readers, the fitted plane and the fit: walking has no sit-to-stand and no error.
+TEST_P(OpticalWalk, IsFittedWithoutStandUps) {
+  const fs::path file = SharedData(std::string("opensim_walk/") + GetParam().c3d);
+  REQUIRE_RECORDING(file);
+  const Trial trial = ReadTrial(file, {ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
+  const LegFitResult result = FitLeg(trial.recording, MakeLegView(LengthUnit::kMm, {}));
+  EXPECT_TRUE(result.events.empty());
+  for (const LegSample& sample : result.motion.samples) EXPECT_FALSE(sample.repetition);
+  const Json knee = LegFitJson(result)["knee"];
+  EXPECT_NEAR(knee["largest"]["deg"].get<double>(), GetParam().most_deg,
+              4);  // a plane's angle, and frames between the tenth ones
+}
+
+INSTANTIATE_TEST_SUITE_P(, OpticalWalk,
+                         testing::Values(Walk{"std_walking2_markers.trc", "walking2.c3d", 2.35, 72.29},
+                                         Walk{"std_walking5_markers.trc", "walking5.c3d", 1.28, 75.37}),
+                         [](const auto& info) { return std::string(info.param.c3d, 8); });
+
+TEST(OpticalWalkFiles, AWrongVerticalIsAnErrorThatSaysSo) {
+  const fs::path file = SharedData("opensim_walk/std_walking2_markers.trc");  // z up, though TRC is y up by custom
+  REQUIRE_RECORDING(file);
+  const Trial wrong = ReadTrial(file, {ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
+  try {
+    FitLeg(wrong.recording, MakeLegView(LengthUnit::kMm, {}));
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("--up"));
+  }
+  const Trial right = ReadTrial(file, {ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), 'z', ""});
+  EXPECT_NO_THROW(FitLeg(right.recording, MakeLegView(LengthUnit::kMm, {})));
+}
+
+TEST(OpticalWalkFiles, InverseKinematicsTablesAreRead) {
+  const fs::path file = SharedData("opensim_walk/subject01_walk1_ik.mot");
+  REQUIRE_RECORDING(file);
+  const MotTable table = ReadMot(file);
+  const std::size_t knee = table.Column("knee_angle_r");
+  double least = 1e9, most = -1e9;
+  for (const auto& row : table.rows) least = std::min(least, row[knee]), most = std::max(most, row[knee]);
+  EXPECT_NEAR(least, -69.7, 0.05);  // flexion negative
+  EXPECT_NEAR(most, 1.05, 0.05);
+}
+
+}  // namespace
+}  // namespace lake
