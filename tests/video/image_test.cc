@@ -33,7 +33,7 @@ TEST(Image, PngComesBackToTheBit) {
     EXPECT_EQ(LargestDifference(ReadImage(folder / "grey.png", false), grey), 0);
     EXPECT_EQ(LargestDifference(ReadImage(folder / "bgr.png", true), bgr), 0);
   }
-  EXPECT_EQ(folder.Files(), 2u);
+  EXPECT_EQ(FilesIn(folder), 2);
 }
 
 TEST(Image, GreyIsTheSameThroughEveryPixelFormat) {
@@ -166,7 +166,7 @@ TEST(Image, RefusesToWriteOtherMatrices) {
   EXPECT_THAT([&] { WriteImage(folder / "x.png", cv::Mat()); }, ThrowsMessage<Error>(HasSubstr("0×0 px")));
   EXPECT_THAT([&] { WriteImage("/dev/null/x.png", cv::Mat(3, 3, CV_8UC1)); },
               ThrowsMessage<Error>(HasSubstr("cannot be written")));
-  EXPECT_EQ(folder.Files(), 0u);
+  EXPECT_EQ(FilesIn(folder), 0);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cstdint>
 #include <cstdlib>
@@ -16,30 +15,13 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/video/video_reader.h"
+#include "temporary_folder.h"
 
 namespace lake::test {
 
-// A folder that vanishes with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "lake_video_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw Fail("{}: cannot be made", name);
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  std::size_t Files() const {
-    return static_cast<std::size_t>(
-        std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator()));
-  }
-
- private:
-  std::filesystem::path path_;
-};
+inline std::ptrdiff_t FilesIn(const TemporaryFolder& folder) {
+  return std::distance(std::filesystem::directory_iterator(folder.Path()), std::filesystem::directory_iterator());
+}
 
 inline void Shell(const std::string& command) {
   const int status = std::system(command.c_str());

@@ -56,7 +56,7 @@ TEST(VideoWriter, LosslessGreyComesBackToTheBit) {
       EXPECT_EQ(LargestDifference(recording.frames[i].luma, pictures[i]), 0);
       EXPECT_NEAR(recording.frames[i].time_s, stamps[i], 0.5 / 90000 + 1e-12);
     }
-    EXPECT_EQ(folder.Files(), 1u);
+    EXPECT_EQ(FilesIn(folder), 1);
   }
 }
 
@@ -170,9 +170,9 @@ TEST(VideoWriter, LeavesNothingWhenNotFinished) {
       writer.Write(picture, time_s += 0.1);
     }
     EXPECT_FALSE(std::filesystem::exists(folder / "v.mp4"));
-    EXPECT_EQ(folder.Files(), 1u);
+    EXPECT_EQ(FilesIn(folder), 1);
   }
-  EXPECT_EQ(folder.Files(), 0u);
+  EXPECT_EQ(FilesIn(folder), 0);
 }
 
 TEST(VideoWriter, RefusesWhatItCannotWrite) {
@@ -231,7 +231,7 @@ TEST(VideoWriter, FullDiskIsAnErrorAndLeavesNothing) {
     const FileSizeLimit limit(bytes);
     EXPECT_THAT([&] { WriteVideo(folder / "v.mp4", {.width = 320, .height = 240, .grey = true}, pictures, stamps); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("v.mp4: cannot be written"), HasSubstr("File too large"))));
-    EXPECT_EQ(folder.Files(), 0u);
+    EXPECT_EQ(FilesIn(folder), 0);
   }
 }
 

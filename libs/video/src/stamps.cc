@@ -23,7 +23,7 @@ bool Stamps::Add(std::int64_t ticks, std::int64_t duration) {
   }
   if (ticks <= last_) {
     problem_ = fmt::format("has time stamp {:.6f} s, not after the frame before it ({:.6f} s)",
-                           libav::Seconds(ticks, time_base_), Last_s());
+                           libav::Seconds(ticks, time_base_), Last());
     return false;
   }
   const std::int64_t interval = ticks - last_;
@@ -44,8 +44,9 @@ void Stamps::Describe(VideoInfo& info) const {
   info.irregular_stamps = static_cast<double>(longest_ - shortest_) > 0.1 * mean + 2;
 }
 
-std::optional<double> Stamps::Time_s(std::int64_t ticks) const {
-  return ticks == AV_NOPTS_VALUE ? std::nullopt : std::optional(libav::Seconds(ticks, time_base_));
+std::optional<double> Stamps::First() const {
+  if (first_ == AV_NOPTS_VALUE) return std::nullopt;
+  return libav::Seconds(first_, time_base_);
 }
 
 }  // namespace lake

@@ -23,14 +23,13 @@ class Stamps {
 
   const std::string& Problem() const { return problem_; }
 
-  std::optional<double> First_s() const { return Time_s(first_); }
-  double Last_s() const { return libav::Seconds(last_, time_base_); }
+  // In seconds; Last() only once a stamp was taken.
+  std::optional<double> First() const;
+  double Last() const { return libav::Seconds(last_, time_base_); }
 
   void Describe(VideoInfo& info) const;
 
  private:
-  std::optional<double> Time_s(std::int64_t ticks) const;
-
   AVRational time_base_;
   std::int64_t usual_ticks_;
   std::int64_t first_ = AV_NOPTS_VALUE;

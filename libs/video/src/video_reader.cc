@@ -144,11 +144,11 @@ double LibavReader::Time(const AVFrame& frame) {
   const double rate_hz = options_.capture_rate_hz > 0 ? options_.capture_rate_hz
                          : is_sequence                ? options_.sequence_rate_hz
                                                       : 0;
-  if (rate_hz > 0) return stamps_.First_s().value_or(0) + static_cast<double>(next_index_) / rate_hz;
+  if (rate_hz > 0) return stamps_.First().value_or(0) + static_cast<double>(next_index_) / rate_hz;
   if (!good)
     FailAtFrame(stamps_.Problem() +
                 "; encode the recording anew, or give its capture rate if frames are equally spaced");
-  return stamps_.Last_s();
+  return stamps_.Last();
 }
 
 void LibavReader::HandOut(const SharedFrame& decoded, double time_s, VideoFrame& frame) {

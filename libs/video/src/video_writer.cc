@@ -149,8 +149,8 @@ void VideoWriter::Impl::FillFrame(const cv::Mat& image) {
                image.rows, cv::typeToString(image.type()), options.width, options.height, cv::typeToString(type));
   Check(av_frame_make_writable(frame.get()), "no memory for a frame");
   if (options.grey) {
-    for (int y = 0; y < image.rows; ++y)
-      std::memcpy(frame->data[0] + y * frame->linesize[0], image.ptr(y), static_cast<std::size_t>(image.cols));
+    image.copyTo(
+        cv::Mat(image.rows, image.cols, CV_8UC1, frame->data[0], static_cast<std::size_t>(frame->linesize[0])));
     for (const int plane : {1, 2})
       std::memset(frame->data[plane], 128, static_cast<std::size_t>(frame->linesize[plane]) * (image.rows / 2));
     return;
