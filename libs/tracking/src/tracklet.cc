@@ -33,11 +33,19 @@ Motion Extrapolate(const std::vector<TrackletSample>& samples, double time_s) {
   return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration};
 }
 
+// Whether a sample is among the three before or after a gap or an end, where something comes before the marker or leaves it.
+bool IsNearGap(const std::vector<TrackletSample>& samples, std::ptrdiff_t i) {
+  constexpr std::ptrdiff_t kNear = 3;
+  const auto frame = [&](std::ptrdiff_t k) { return samples[static_cast<std::size_t>(k)].frame; };
+  if (i < kNear || i + kNear >= static_cast<std::ptrdiff_t>(samples.size())) return true;
+  return frame(i) - frame(i - kNear) > kNear || frame(i + kNear) - frame(i) > kNear;
+}
+
 // Removes samples that do not look like their neighbours in time: a marker that is half behind a hand is measured in a wrong place.
 // A tracklet that begins so would pass for the marker's look, so this waits until all of it is known.
 void RemoveUnlike(std::vector<TrackletSample>& samples) {
   constexpr std::ptrdiff_t kNeighbours = 15;
-  constexpr double kSizeTolerance = 0.035, kQualityFactor = 2.5, kQualitySlack = 0.01;
+  constexpr double kSizeTolerance = 0.035, kEndSizeTolerance = 0.015, kQualityFactor = 2.5, kQualitySlack = 0.01;
   std::vector<bool> unlike(samples.size());
   const auto count = static_cast<std::ptrdiff_t>(samples.size());
   for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -48,7 +56,8 @@ void RemoveUnlike(std::vector<TrackletSample>& samples) {
     }
     const TrackletSample& sample = samples[static_cast<std::size_t>(i)];
     const double radius = Median(std::move(radii)), quality = Median(std::move(qualities));
-    unlike[static_cast<std::size_t>(i)] = std::abs(sample.radius_px / radius - 1) > kSizeTolerance + 0.1 / radius ||
+    const double tolerance = (IsNearGap(samples, i) ? kEndSizeTolerance : kSizeTolerance) + 0.1 / radius;
+    unlike[static_cast<std::size_t>(i)] = std::abs(sample.radius_px / radius - 1) > tolerance ||
                                           sample.quality > kQualityFactor * quality + kQualitySlack;
   }
   std::erase_if(samples, [&, i = std::size_t{0}](const TrackletSample&) mutable { return unlike[i++]; });
