@@ -11,6 +11,7 @@ namespace lake {
 namespace {
 
 constexpr int kNoiseFrames = 6;  // from which the image noise is estimated
+constexpr double kMaxRelativeResidual = 0.12;  // of anything that is taken for a marker
 
 // A patch that a fit touches must not be much larger than the blob, or the next blob comes in.
 double Reach(const Blob& blob) { return blob.RadiusPx() + 2.5 * blob.edge_px + 0.5 * blob.blur_px.norm(); }
@@ -29,6 +30,15 @@ std::vector<std::vector<std::size_t>> TouchingGroups(const std::vector<Blob>& bl
   return groups;
 }
 
+}  // namespace
+
+bool IsMarkerLike(const BlobFit& fit) {
+  constexpr double kMaxAspect = 2.0;
+  const double radius = fit.blob.RadiusPx();
+  return fit.blob.AspectRatio() < kMaxAspect && fit.relative_residual < kMaxRelativeResidual && radius >= 0.8 &&
+         fit.blob.edge_px < std::max(1.5, 0.8 * radius) && fit.SigmaPx() < 0.25 * radius;
+}
+
 MarkerDetection MakeDetection(const BlobFit& fit) {
   MarkerDetection detection;
   detection.position = fit.blob.center;
@@ -37,8 +47,6 @@ MarkerDetection MakeDetection(const BlobFit& fit) {
   detection.quality = fit.relative_residual;
   return detection;
 }
-
-}  // namespace
 
 bool ShutterEstimator::Wants(const Eigen::Vector2d& velocity_px) const {
   constexpr double kFastPx = 3;  // per frame; slower streaks tell little
@@ -103,15 +111,7 @@ bool BlobFinder::LooksLike(const BlobFit& fit, const MarkerPrediction& predictio
   if (std::abs(now.RadiusPx() / radius - 1) > size_tolerance) return false;
   const double brightness = now.amplitude / before.amplitude;
   if (brightness < 0.6 || brightness > 1.6) return false;
-  return fit.relative_residual < std::min(0.12, 2.5 * prediction.quality + 0.01);
-}
-
-// A new thing worth following: compact, with an edge, on a background that the model explains.
-bool BlobFinder::IsMarkerLike(const BlobFit& fit) const {
-  constexpr double kMaxAspect = 2.0, kMaxRelativeResidual = 0.12;
-  const double radius = fit.blob.RadiusPx();
-  return fit.blob.AspectRatio() < kMaxAspect && fit.relative_residual < kMaxRelativeResidual && radius >= 0.8 &&
-         fit.blob.edge_px < std::max(1.5, 0.8 * radius) && fit.SigmaPx() < 0.25 * radius;
+  return fit.relative_residual < std::min(kMaxRelativeResidual, 2.5 * prediction.quality + 0.01);
 }
 
 void BlobFinder::FitTogether(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,

@@ -30,6 +30,11 @@ class ShutterEstimator {
   std::array<double, kCandidates.size()> cost_ = {};
 };
 
+// Whether a fit is something worth following: compact, with an edge, on a background that the model explains.
+bool IsMarkerLike(const BlobFit& fit);
+
+MarkerDetection MakeDetection(const BlobFit& fit);
+
 class BlobFinder {
  public:
   explicit BlobFinder(const cv::Rect& crop) : crop_(crop) {}
@@ -43,7 +48,6 @@ class BlobFinder {
   void LearnFromFits(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, const std::vector<std::optional<BlobFit>>& fits);
   Blob Start(const MarkerPrediction& prediction) const;
   bool LooksLike(const BlobFit& fit, const MarkerPrediction& prediction) const;
-  bool IsMarkerLike(const BlobFit& fit) const;
   void FitTogether(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, const std::vector<std::size_t>& members,
                    std::vector<std::optional<BlobFit>>& fits) const;
   std::optional<BlobFit> SearchAndFit(const cv::Mat& grey, const MarkerPrediction& prediction) const;

@@ -96,7 +96,8 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
   // A marker of unknown velocity may have any; then the acceleration within the time that has passed.
   const bool young = live.tracklet.samples.size() < 3;
   prediction.gate_px = std::max(2.0, radius) + 0.5 * kMaxAccelerationRadii * radius * ahead * ahead + (young ? 3 * radius : 0);
-  prediction.gate_px = std::min(prediction.gate_px, 8 * radius);
+  // Where identities are certain, association needs no caution.
+  prediction.gate_px = detector_.KnowsIdentities() ? 8 * radius : std::min(prediction.gate_px, 8 * radius);
   prediction.appearance = live.appearance;
   prediction.quality = live.quality;
   prediction.identity = live.tracklet.identity;
@@ -154,7 +155,7 @@ void TrackletBuilder::RetireLost(double time_s) {
 }
 
 void TrackletBuilder::Keep(Tracklet tracklet) {
-  RemoveUnlike(tracklet.samples);
+  if (!detector_.KnowsIdentities()) RemoveUnlike(tracklet.samples);
   if (static_cast<int>(tracklet.samples.size()) >= options_.min_samples) finished_.push_back(std::move(tracklet));
 }
 
