@@ -4,6 +4,7 @@ extern "C" {
 #include <libavutil/pixdesc.h>
 }
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <opencv2/core.hpp>
@@ -83,6 +84,19 @@ libav::Scaler MakeBgrScaler(const AVFrame& like) {
   return scaler;
 }
 
+// Without SWS_ACCURATE_RND: errors of a level, half the time.
+libav::Scaler MakePreviewScaler(const AVFrame& like, int width, int height, bool high_definition) {
+  const auto format = static_cast<AVPixelFormat>(like.format);
+  libav::Scaler scaler(sws_getContext(like.width, like.height, format, width, height, AV_PIX_FMT_YUV420P, SWS_BILINEAR,
+                                      nullptr, nullptr, nullptr));
+  if (!scaler) throw Fail("pixel format {} cannot be converted to YUV 4:2:0", av_get_pix_fmt_name(format));
+  const bool is_rgb = Describe(like).flags & (AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL);
+  sws_setColorspaceDetails(
+      scaler.get(), is_rgb ? sws_getCoefficients(SWS_CS_DEFAULT) : YuvMatrix(like), is_rgb || IsFullRange(like),
+      sws_getCoefficients(high_definition ? SWS_CS_ITU709 : SWS_CS_ITU601), 0, 0, 1 << 16, 1 << 16);
+  return scaler;
+}
+
 }  // namespace
 
 LumaAccess LumaAccessOf(AVPixelFormat format) {
@@ -124,6 +138,39 @@ cv::Mat PictureConverter::Luma(const AVFrame& frame) {
   }
   assert(false);
   return {};
+}
+
+cv::Mat I420Plane(const cv::Mat& i420, int plane) {
+  const int width = i420.cols, height = i420.rows / 3 * 2;
+  if (plane == 0) return i420.rowRange(0, height);
+  const std::size_t offset = static_cast<std::size_t>(width) * height * (plane == 1 ? 4 : 5) / 4;
+  return cv::Mat(height / 2, width / 2, CV_8UC1, i420.data + offset);
+}
+
+bool IsHighDefinition(int width, int height) {
+  return width >= 1280 || height > 576;
+}
+
+cv::Mat PictureConverter::Preview(const AVFrame& frame, int max_width_px, const Orientation& orientation) {
+  const int shown_width = orientation.transpose ? frame.height : frame.width;
+  const double scale = std::min(1.0, static_cast<double>(max_width_px) / shown_width);
+  const auto even = [&](int side) { return std::max(2, static_cast<int>(side * scale / 2 + 0.5) * 2); };
+  const int width = even(frame.width), height = even(frame.height);  // as stored
+  const bool high_definition =
+      orientation.transpose ? IsHighDefinition(height, width) : IsHighDefinition(width, height);
+  if (!to_preview_) to_preview_ = MakePreviewScaler(frame, width, height, high_definition);
+
+  // swscale's vector code writes whole registers, past the end of a row.
+  constexpr int kSpareBytes = 128;
+  const cv::Mat i420 = cv::Mat(height / 2 * 3 + 1 + kSpareBytes / width, width, CV_8UC1).rowRange(0, height / 2 * 3);
+  std::uint8_t* const planes[] = {I420Plane(i420, 0).data, I420Plane(i420, 1).data, I420Plane(i420, 2).data};
+  const int strides[] = {width, width / 2, width / 2};
+  if (sws_scale(to_preview_.get(), frame.data, frame.linesize, 0, frame.height, planes, strides) != height)
+    throw Fail("a picture of {}×{} px cannot be scaled", frame.width, frame.height);
+  if (orientation.IsIdentity()) return i420;
+  cv::Mat turned = orientation.transpose ? cv::Mat(width / 2 * 3, height, CV_8UC1) : cv::Mat(i420.size(), CV_8UC1);
+  for (const int plane : {0, 1, 2}) orientation.Apply(I420Plane(i420, plane)).copyTo(I420Plane(turned, plane));
+  return turned;
 }
 
 cv::Mat PictureConverter::Bgr(const AVFrame& frame) {

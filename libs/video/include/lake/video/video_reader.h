@@ -35,14 +35,21 @@ struct VideoFrame {
   double time_s = 0;       // presentation time stamp
   cv::Mat luma;            // CV_8UC1; may share memory with the decoder: valid as long as this object, never written to
   cv::Mat bgr;             // CV_8UC3; empty unless asked for
+
+  // Empty unless asked for: CV_8UC1 in OpenCV's I420 layout (h rows of Y, then h/2 of U and V), even sides, 16..235,
+  // with the matrix that VideoWriter uses for this size.
+  cv::Mat preview;
   std::shared_ptr<const void> keep_alive;
 };
 
 struct VideoReaderOptions {
-  bool colour = false;                    // also give bgr
-  double capture_rate_hz = 0;             // if set: time = (first time) + index / rate, for slow-motion files
-  double sequence_rate_hz = 30;           // time stamps of an image sequence
-  std::int64_t first = 0;                 // first frame to hand out
+  bool colour = false;           // also give bgr
+  int preview_max_width_px = 0;  // if set: give `preview`, at most this wide, and neither luma nor bgr
+  bool skip_deblocking = false;  // leave out the decoder's loop filter for frames on which no other one builds:
+                                 // quicker, block edges may show. For looking at, never for measuring
+  double capture_rate_hz = 0;    // if set: time = (first time) + index / rate, for slow-motion files
+  double sequence_rate_hz = 30;  // time stamps of an image sequence
+  std::int64_t first = 0;        // first frame to hand out
   std::optional<std::int64_t> last = {};  // last frame to hand out
 };
 

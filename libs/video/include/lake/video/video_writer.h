@@ -14,6 +14,7 @@ struct VideoWriterOptions {
   int crf = 20;                     // H.264 quality, 17 (fine) … 28 (coarse)
   bool lossless = false;            // H.264 with QP 0, luma kept to the bit (full-range 8 bit)
   bool grey = false;                // frames are CV_8UC1, written as full-range luma: the reader gives the same levels
+  bool i420 = false;                // frames are YUV 4:2:0 as VideoFrame::preview, written without conversion
   const char* preset = "veryfast";  // x264's speed, "ultrafast" … "placebo"
   int threads = 0;                  // 0: the encoder's own choice
 };
@@ -26,8 +27,8 @@ class VideoWriter {
   VideoWriter(VideoWriter&&) noexcept;
   ~VideoWriter();  // without Finish(): removes the unfinished file
 
-  // CV_8UC3 BGR or, for grey, CV_8UC1. Time stamps are kept to 1/90000 s; they start at 0 or later and must increase.
-  // Throws Error (a full disk).
+  // CV_8UC3 BGR; CV_8UC1 for grey; CV_8UC1 of 3/2 height for i420. Time stamps are kept to 1/90000 s; they start at 0
+  // or later and must increase. Throws Error (a full disk).
   void Write(const cv::Mat& image, double time_s);
 
   // Completes the file and gives it its final name. Throws Error if there is no frame, or as Write.
