@@ -32,7 +32,7 @@ double OverlayLabels::Cost(const cv::Rect2d& label) const {
   const cv::Rect2d picture({}, cv::Size2d(picture_));
   double cost = 10 * (label.area() - (label & picture).area());
   for (const cv::Rect2d& area : taken_) cost += 4 * (label & area).area();
-  for (const auto& [from, to] : lines_) cost += label.height * LengthInside(label, from, to);
+  for (const auto& [from, to] : lines_) cost += 3 * label.height * LengthInside(label, from, to);
   return cost / label.area();
 }
 

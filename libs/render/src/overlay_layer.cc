@@ -1,6 +1,8 @@
 #include "overlay_layer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <new>
 
 namespace lake {
@@ -25,9 +27,16 @@ std::uint8_t Mix(int under, int offset, int alpha, int full, int colour) {
   return cv::saturate_cast<std::uint8_t>(static_cast<int>(sum >> 16));
 }
 
+// Two neighbours at once: most of a tile is empty.
+bool IsClear(const cv::Mat& argb, int x, int y) {
+  std::uint64_t pair;
+  std::memcpy(&pair, argb.ptr(y, x), sizeof pair);
+  return pair == 0;
+}
+
 }  // namespace
 
-OverlayLayer::OverlayLayer(cv::Size size)
+OverlayLayer::OverlayLayer(cv::Size size, bool bt709)
     : size_(size),
       tiles_((size.width + kTile_px - 1) / kTile_px, (size.height + kTile_px - 1) / kTile_px),
       argb_(size, CV_8UC4, cv::Scalar::all(0)),
@@ -36,8 +45,7 @@ OverlayLayer::OverlayLayer(cv::Size size)
       context_(cairo_create(surface_.get())),
       touched_(static_cast<std::size_t>(tiles_.area())) {
   if (cairo_status(context_.get()) != CAIRO_STATUS_SUCCESS) throw std::bad_alloc();
-  const bool high_definition = size.width >= 1280 || size.height > 576;  // as VideoWriter
-  const double kr = high_definition ? 0.2126 : 0.299, kb = high_definition ? 0.0722 : 0.114, kg = 1 - kr - kb;
+  const double kr = bt709 ? 0.2126 : 0.299, kb = bt709 ? 0.0722 : 0.114, kg = 1 - kr - kb;
   matrix_.y = Weights(kb, kg, kr, 219);
   matrix_.u = Weights(0.5, -kg / (2 * (1 - kb)), -kr / (2 * (1 - kb)), 224);
   matrix_.v = Weights(-kb / (2 * (1 - kr)), -kg / (2 * (1 - kr)), 0.5, 224);
@@ -75,16 +83,15 @@ void OverlayLayer::BlendTile(const cv::Rect& tile, cv::Mat& i420) const {
   std::uint8_t* const v_plane = u_plane + static_cast<std::size_t>(size_.area()) / 4;
   for (int y = tile.y; y < tile.y + tile.height; y += 2)
     for (int x = tile.x; x < tile.x + tile.width; x += 2) {
+      if (IsClear(argb_, x, y) && IsClear(argb_, x, y + 1)) continue;
       int sum[4] = {};
       for (const int dy : {0, 1})
         for (const int dx : {0, 1}) {
           const cv::Vec4b& p = argb_.at<cv::Vec4b>(y + dy, x + dx);
-          if (p[3] == 0) continue;
           std::uint8_t& luma = i420.at<std::uint8_t>(y + dy, x + dx);
           luma = Mix(luma, 16, p[3], 255, Dot(matrix_.y, p[0], p[1], p[2]));
           for (int c = 0; c < 4; ++c) sum[c] += p[c];
         }
-      if (sum[3] == 0) continue;
       const std::size_t at = static_cast<std::size_t>(y / 2) * chroma_width + static_cast<std::size_t>(x / 2);
       u_plane[at] = Mix(u_plane[at], 128, sum[3], 4 * 255, Dot(matrix_.u, sum[0], sum[1], sum[2]) / 4);
       v_plane[at] = Mix(v_plane[at], 128, sum[3], 4 * 255, Dot(matrix_.v, sum[0], sum[1], sum[2]) / 4);

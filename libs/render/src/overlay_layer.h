@@ -12,8 +12,8 @@ namespace lake {
 
 class OverlayLayer {
  public:
-  // Even sides, px.
-  explicit OverlayLayer(cv::Size size);
+  // Even sides, px; the matrix of the pictures, BT.709 or BT.601.
+  OverlayLayer(cv::Size size, bool bt709);
 
   cairo_t* Context() const { return context_.get(); }
   cv::Size Size() const { return size_; }

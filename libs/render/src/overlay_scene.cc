@@ -31,12 +31,12 @@ std::string ShownName(StsEventKind kind) {
 
 }  // namespace
 
-OverlayScene::OverlayScene(const OverlayContent& content, const OverlayOptions& options, cv::Size recorded,
+OverlayScene::OverlayScene(const OverlayContent& content, const OverlayOptions& options, const VideoInfo& recorded,
                            cv::Size shown)
     : content_(content),
       options_(options),
       scale_(static_cast<double>(shown.width) / recorded.width, static_cast<double>(shown.height) / recorded.height),
-      layer_(shown),
+      layer_(shown, recorded.bt709),
       draw_(layer_.Context()),
       labels_(shown),
       unit_px_(std::max(0.55, std::min(shown.width, shown.height) / 720.0)),

@@ -15,8 +15,8 @@ namespace lake {
 
 class OverlayScene {
  public:
-  // `recorded`: the size that the tracks' pixels refer to; `shown`: that of the overlay.
-  OverlayScene(const OverlayContent& content, const OverlayOptions& options, cv::Size recorded, cv::Size shown);
+  // `shown`: the size of the overlay; the tracks' pixels refer to the video as it was recorded.
+  OverlayScene(const OverlayContent& content, const OverlayOptions& options, const VideoInfo& recorded, cv::Size shown);
 
   // Lays the drawing for this frame of the file over its picture (VideoFrame::preview).
   void DrawOnto(cv::Mat& i420, std::int64_t frame, double time_s);

@@ -27,6 +27,7 @@ VideoWriter MakeWriter(const std::filesystem::path& out, cv::Size size, const Vi
                            .frame_rate_hz = video.frame_rate_hz > 0 ? std::min(video.frame_rate_hz, 1000.0) : 30,
                            .crf = 23,
                            .i420 = true,
+                           .bt709 = video.bt709,
                            .preset = "ultrafast"});
 }
 
@@ -37,7 +38,6 @@ void WriteOverlayVideo(const std::filesystem::path& video, const OverlayContent&
   if (content.tracks.unit != LengthUnit::kPx) throw Fail("{}: an overlay needs tracks in px", out.string());
   const auto reader = VideoReader::Open(video, PreviewOptions(options));
   const VideoInfo& info = reader->Info();
-  const cv::Size recorded(info.width, info.height);
   std::optional<std::int64_t> total;
   if (!content.tracks.frame.empty()) total = static_cast<std::int64_t>(content.tracks.Frames());
   FrameQueue queue(*reader);
@@ -48,7 +48,7 @@ void WriteOverlayVideo(const std::filesystem::path& video, const OverlayContent&
     ThrowIfInterrupted();
     if (!scene) {
       const cv::Size shown(frame.preview.cols, frame.preview.rows / 3 * 2);
-      scene.emplace(content, options, recorded, shown);
+      scene.emplace(content, options, info, shown);
       writer.emplace(MakeWriter(out, shown, info));
     }
     scene->DrawOnto(frame.preview, frame.index, frame.time_s);

@@ -25,7 +25,7 @@ void Decoder::Open(bool skip_deblocking) {
   codec_->pkt_timebase = stream.time_base;
   codec_->thread_count = 0;  // as many as there are cores
   codec_->thread_type = FF_THREAD_FRAME | FF_THREAD_SLICE;
-  if (skip_deblocking) codec_->skip_loop_filter = AVDISCARD_NONREF;
+  if (skip_deblocking) codec_->skip_loop_filter = AVDISCARD_ALL;
   codec_->flags |= AV_CODEC_FLAG_UNALIGNED;  // crop to the pixel
   codec_->max_pixels = libav::kMaxPixels;
   const int result = avcodec_open2(codec_.get(), decoder, nullptr);

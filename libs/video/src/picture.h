@@ -25,6 +25,9 @@ cv::Mat I420Plane(const cv::Mat& i420, int plane);
 // The matrix of written video by its size: BT.709 from 1280 px width or 577 px height on, else BT.601.
 bool IsHighDefinition(int width, int height);
 
+// VideoInfo::bt709.
+bool IsBt709(const AVFrame& frame);
+
 // All frames must be of one size and format.
 class PictureConverter {
  public:
@@ -41,6 +44,8 @@ class PictureConverter {
   cv::Mat Preview(const AVFrame& frame, int max_width_px, const Orientation& orientation);
 
  private:
+  void ScalePreview(const AVFrame& frame, const cv::Mat& i420);
+
   LumaAccess access_;
   libav::Scaler to_bgr_;
   libav::Scaler to_preview_;

@@ -101,6 +101,7 @@ void LibavReader::FillInfo() {
   info_.pixel_format = FormatName(format_);
   const AVRational aspect = av_guess_sample_aspect_ratio(nullptr, const_cast<AVStream*>(&stream), &first);
   if (aspect.num > 0 && aspect.den > 0) info_.pixel_aspect = av_q2d(orientation_.transpose ? av_inv_q(aspect) : aspect);
+  info_.bt709 = IsBt709(first);
   info_.interlaced = first.interlaced_frame;
 }
 

@@ -92,10 +92,10 @@ void VideoWriter::Impl::OpenEncoder() {
   codec->height = options.height;
   codec->pix_fmt = options.grey ? AV_PIX_FMT_YUVJ420P : AV_PIX_FMT_YUV420P;
   codec->color_range = options.grey ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
-  const bool high_definition = IsHighDefinition(options.width, options.height);
-  codec->colorspace = high_definition ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
-  codec->color_primaries = high_definition ? AVCOL_PRI_BT709 : AVCOL_PRI_SMPTE170M;
-  codec->color_trc = high_definition ? AVCOL_TRC_BT709 : AVCOL_TRC_SMPTE170M;
+  const bool bt709 = options.bt709.value_or(IsHighDefinition(options.width, options.height));
+  codec->colorspace = bt709 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
+  codec->color_primaries = bt709 ? AVCOL_PRI_BT709 : AVCOL_PRI_SMPTE170M;
+  codec->color_trc = bt709 ? AVCOL_TRC_BT709 : AVCOL_TRC_SMPTE170M;
   codec->time_base = kTimeBase;
   codec->framerate = av_d2q(options.frame_rate_hz, 100000);
   codec->thread_count = options.threads;

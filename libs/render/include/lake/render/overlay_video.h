@@ -18,10 +18,10 @@ struct OverlayContent {
 };
 
 struct OverlayOptions {
-  double trail_s = 1;       // how long the path of a marker stays visible
-  int max_width_px = 1280;  // wider videos are scaled down; sides become even
+  double trail_s = 1;      // how long the path of a marker stays visible
+  int max_width_px = 960;  // wider videos are scaled down, 1080p quickest to its half; sides become even
   bool quiet = false;
-  VideoReaderOptions reader;  // which frames, and their time; as for tracking
+  VideoReaderOptions reader = {};  // which frames, and their time; as for tracking
 };
 
 // Decodes the video again and writes H.264 in MP4 with the video's own time stamps. Marker: solid ring = detected,
