@@ -4,11 +4,11 @@
 #include <numeric>
 #include <set>
 
-#include "frame_queue.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
 #include "lake/tracking/tracklet.h"
+#include "lake/video/frame_queue.h"
 
 namespace lake {
 namespace {

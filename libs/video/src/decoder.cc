@@ -4,16 +4,17 @@
 
 namespace lake {
 
-Decoder::Decoder(const std::filesystem::path& path, double sequence_rate_hz) : demuxer_(path, sequence_rate_hz, log_) {
+Decoder::Decoder(const std::filesystem::path& path, double sequence_rate_hz, bool skip_deblocking)
+    : demuxer_(path, sequence_rate_hz, log_) {
   const AVCodecParameters& stored = *demuxer_.Stream().codecpar;
   if (stored.width <= 0 || stored.height <= 0)
     throw Fail("{}: its picture size cannot be found; it is damaged, or larger than {} Mpx", path.string(),
                libav::kMaxPixels / 1'000'000);
   CheckSize(stored.width, stored.height);
-  Open();
+  Open(skip_deblocking);
 }
 
-void Decoder::Open() {
+void Decoder::Open(bool skip_deblocking) {
   const AVStream& stream = demuxer_.Stream();
   const AVCodec* decoder = avcodec_find_decoder(stream.codecpar->codec_id);
   if (!decoder)
@@ -24,6 +25,7 @@ void Decoder::Open() {
   codec_->pkt_timebase = stream.time_base;
   codec_->thread_count = 0;  // as many as there are cores
   codec_->thread_type = FF_THREAD_FRAME | FF_THREAD_SLICE;
+  if (skip_deblocking) codec_->skip_loop_filter = AVDISCARD_ALL;
   codec_->flags |= AV_CODEC_FLAG_UNALIGNED;  // crop to the pixel
   codec_->max_pixels = libav::kMaxPixels;
   const int result = avcodec_open2(codec_.get(), decoder, nullptr);

@@ -12,7 +12,7 @@ namespace lake {
 class Decoder {
  public:
   // Throws Error as Demuxer does, and when there is no decoder or the picture is too large.
-  Decoder(const std::filesystem::path& path, double sequence_rate_hz);
+  Decoder(const std::filesystem::path& path, double sequence_rate_hz, bool skip_deblocking = false);
 
   const Demuxer& Source() const { return demuxer_; }
 
@@ -21,7 +21,7 @@ class Decoder {
   std::shared_ptr<AVFrame> Next();
 
  private:
-  void Open();
+  void Open(bool skip_deblocking);
   void CheckSize(int width, int height) const;
   bool Receive(AVFrame& frame);
   void Feed();

@@ -4,6 +4,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "libav.h"
+#include "orientation.h"
 
 namespace lake {
 
@@ -18,6 +19,15 @@ enum class LumaAccess {
 // Throws Error for formats that cannot be decoded to a picture in memory (hardware frames).
 LumaAccess LumaAccessOf(AVPixelFormat format);
 
+// Cb, Cr or Y of a picture in OpenCV's I420 layout, sharing its memory; `plane` 0 is Y.
+cv::Mat I420Plane(const cv::Mat& i420, int plane);
+
+// The matrix of written video by its size: BT.709 from 1280 px width or 577 px height on, else BT.601.
+bool IsHighDefinition(int width, int height);
+
+// VideoInfo::bt709.
+bool IsBt709(const AVFrame& frame);
+
 // All frames must be of one size and format.
 class PictureConverter {
  public:
@@ -30,9 +40,15 @@ class PictureConverter {
   // 576, else BT.601.
   cv::Mat Bgr(const AVFrame& frame);
 
+  // VideoFrame::preview of the turned picture.
+  cv::Mat Preview(const AVFrame& frame, int max_width_px, const Orientation& orientation);
+
  private:
+  void ScalePreview(const AVFrame& frame, const cv::Mat& i420);
+
   LumaAccess access_;
   libav::Scaler to_bgr_;
+  libav::Scaler to_preview_;
 };
 
 }  // namespace lake

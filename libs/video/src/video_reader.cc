@@ -71,7 +71,7 @@ class LibavReader : public VideoReader {
 
 LibavReader::LibavReader(const std::filesystem::path& path, const VideoReaderOptions& options)
     : options_(options),
-      decoder_(path, options.sequence_rate_hz),
+      decoder_(path, options.sequence_rate_hz, options.skip_deblocking),
       first_frame_(decoder_.Next()),
       stamps_(decoder_.Source().Stream().time_base, UsualTicks(decoder_.Source().Stream())) {
   if (!first_frame_) throw Fail("{}: holds no frame", path.string());
@@ -101,6 +101,7 @@ void LibavReader::FillInfo() {
   info_.pixel_format = FormatName(format_);
   const AVRational aspect = av_guess_sample_aspect_ratio(nullptr, const_cast<AVStream*>(&stream), &first);
   if (aspect.num > 0 && aspect.den > 0) info_.pixel_aspect = av_q2d(orientation_.transpose ? av_inv_q(aspect) : aspect);
+  info_.bt709 = IsBt709(first);
   info_.interlaced = first.interlaced_frame;
 }
 
@@ -154,6 +155,10 @@ double LibavReader::Time(const AVFrame& frame) {
 void LibavReader::HandOut(const SharedFrame& decoded, double time_s, VideoFrame& frame) {
   frame.index = next_index_;
   frame.time_s = time_s;
+  if (options_.preview_max_width_px > 0) {
+    frame.preview = converter_->Preview(*decoded, options_.preview_max_width_px, orientation_);
+    return;
+  }
   frame.luma = orientation_.Apply(converter_->Luma(*decoded));
   frame.bgr = options_.colour ? orientation_.Apply(converter_->Bgr(*decoded)) : cv::Mat();
   frame.keep_alive = decoded;

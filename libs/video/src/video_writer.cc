@@ -15,6 +15,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "libav.h"
+#include "picture.h"
 
 namespace lake {
 namespace {
@@ -79,6 +80,7 @@ void VideoWriter::Impl::CheckOptions() const {
     throw Fail("{}: {} frames/s is no frame rate for a video", path.string(), o.frame_rate_hz);
   const bool known = std::find(kPresets.begin(), kPresets.end(), std::string_view(o.preset)) != kPresets.end();
   if (!known) throw Fail("{}: x264 has no preset '{}'; it has {}", path.string(), o.preset, fmt::join(kPresets, ", "));
+  if (o.grey && o.i420) throw Fail("{}: a video is written from grey or from I420 frames, not both", path.string());
   if (o.crf < 0 || o.crf > 51) throw Fail("{}: CRF {} is not in 0..51", path.string(), o.crf);
 }
 
@@ -90,10 +92,10 @@ void VideoWriter::Impl::OpenEncoder() {
   codec->height = options.height;
   codec->pix_fmt = options.grey ? AV_PIX_FMT_YUVJ420P : AV_PIX_FMT_YUV420P;
   codec->color_range = options.grey ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
-  const bool high_definition = options.width >= 1280 || options.height > 576;
-  codec->colorspace = high_definition ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
-  codec->color_primaries = high_definition ? AVCOL_PRI_BT709 : AVCOL_PRI_SMPTE170M;
-  codec->color_trc = high_definition ? AVCOL_TRC_BT709 : AVCOL_TRC_SMPTE170M;
+  const bool bt709 = options.bt709.value_or(IsHighDefinition(options.width, options.height));
+  codec->colorspace = bt709 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
+  codec->color_primaries = bt709 ? AVCOL_PRI_BT709 : AVCOL_PRI_SMPTE170M;
+  codec->color_trc = bt709 ? AVCOL_TRC_BT709 : AVCOL_TRC_SMPTE170M;
   codec->time_base = kTimeBase;
   codec->framerate = av_d2q(options.frame_rate_hz, 100000);
   codec->thread_count = options.threads;
@@ -143,8 +145,9 @@ std::int64_t VideoWriter::Impl::Ticks(double time_s) {
 }
 
 void VideoWriter::Impl::FillFrame(const cv::Mat& image) {
-  const int type = options.grey ? CV_8UC1 : CV_8UC3;
-  if (image.type() != type || image.cols != options.width || image.rows != options.height)
+  const int type = options.grey || options.i420 ? CV_8UC1 : CV_8UC3;
+  const int rows = options.i420 ? options.height / 2 * 3 : options.height;
+  if (image.type() != type || image.cols != options.width || image.rows != rows)
     throw Fail("{}: an image of {}×{} px, {}, does not fit a video of {}×{} px, {}", path.string(), image.cols,
                image.rows, cv::typeToString(image.type()), options.width, options.height, cv::typeToString(type));
   Check(av_frame_make_writable(frame.get()), "no memory for a frame");
@@ -153,6 +156,14 @@ void VideoWriter::Impl::FillFrame(const cv::Mat& image) {
         cv::Mat(image.rows, image.cols, CV_8UC1, frame->data[0], static_cast<std::size_t>(frame->linesize[0])));
     for (const int plane : {1, 2})
       std::memset(frame->data[plane], 128, static_cast<std::size_t>(frame->linesize[plane]) * (image.rows / 2));
+    return;
+  }
+  if (options.i420) {
+    for (const int plane : {0, 1, 2}) {
+      const cv::Mat source = I420Plane(image, plane);
+      source.copyTo(
+          cv::Mat(source.size(), CV_8UC1, frame->data[plane], static_cast<std::size_t>(frame->linesize[plane])));
+    }
     return;
   }
   if (!from_bgr) {

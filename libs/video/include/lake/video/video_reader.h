@@ -20,6 +20,7 @@ struct VideoInfo {
   int rotation_deg = 0;      // clockwise, applied by the reader
   bool mirrored = false;     // left and right exchanged after the rotation, applied by the reader
   double pixel_aspect = 1;   // width / height of a pixel as shown; frames are handed out unstretched
+  bool bt709 = false;        // colours of previews: BT.709, else BT.601; the stream's own if it is one of them
   bool interlaced = false;   // the first frame consists of two fields taken at different times
 
   // Of the frames decoded so far; whole when Read() has returned false.
@@ -35,14 +36,21 @@ struct VideoFrame {
   double time_s = 0;       // presentation time stamp
   cv::Mat luma;            // CV_8UC1; may share memory with the decoder: valid as long as this object, never written to
   cv::Mat bgr;             // CV_8UC3; empty unless asked for
+
+  // Empty unless asked for: CV_8UC1 in OpenCV's I420 layout (h rows of Y, then h/2 of U and V), even sides, 16..235,
+  // the matrix as VideoInfo::bt709 says.
+  cv::Mat preview;
   std::shared_ptr<const void> keep_alive;
 };
 
 struct VideoReaderOptions {
-  bool colour = false;                    // also give bgr
-  double capture_rate_hz = 0;             // if set: time = (first time) + index / rate, for slow-motion files
-  double sequence_rate_hz = 30;           // time stamps of an image sequence
-  std::int64_t first = 0;                 // first frame to hand out
+  bool colour = false;           // also give bgr
+  int preview_max_width_px = 0;  // if set: give `preview`, at most this wide, and neither luma nor bgr
+  bool skip_deblocking = false;  // leave out the decoder's loop filter: quicker, but block edges show and errors
+                                 // grow until the next key frame. For looking at, never for measuring
+  double capture_rate_hz = 0;    // if set: time = (first time) + index / rate, for slow-motion files
+  double sequence_rate_hz = 30;  // time stamps of an image sequence
+  std::int64_t first = 0;        // first frame to hand out
   std::optional<std::int64_t> last = {};  // last frame to hand out
 };
 

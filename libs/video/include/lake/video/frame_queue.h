@@ -1,4 +1,4 @@
-// Frames decoded ahead by a thread of their own, a few at a time, so that decoding and detection overlap.
+// Frames decoded ahead by a thread of their own, a few at a time, so that decoding overlaps with what is done to them.
 #pragma once
 
 #include <condition_variable>
