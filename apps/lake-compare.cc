@@ -8,19 +8,24 @@ namespace {
 std::string Report(const lake::Json& summary) {
   const lake::Json& metrics = summary["metrics"];
   const lake::Json& parts = summary["decomposition"];
-  const auto number = [](const lake::Json& value) { return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN(); };
+  const auto number = [](const lake::Json& value) {
+    return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+  };
   const auto part = [&](const char* name) { return 100 * number(parts[name]["fraction"]); };
-  std::string text = fmt::format("misalignment {:.2f} mm RMS, {:.2f} mm at most; relative error {:.2f} % RMS, {:.2f} % at most\n",
-                                 number(metrics["rms_mm"]), number(metrics["max_mm"]), 100 * number(metrics["relative_rms"]),
-                                 100 * number(metrics["relative_max"]));
+  std::string text =
+      fmt::format("misalignment {:.2f} mm RMS, {:.2f} mm at most; relative error {:.2f} % RMS, {:.2f} % at most\n",
+                  number(metrics["rms_mm"]), number(metrics["max_mm"]), 100 * number(metrics["relative_rms"]),
+                  100 * number(metrics["relative_max"]));
   if (summary.contains("intervals")) {
     const lake::Json& interval = summary["intervals"]["relative_rms"];
-    text += fmt::format("95 % interval of the relative error {:.2f} to {:.2f} % RMS; noise alone shows {:.2f} %\n", 100 * number(interval[0]),
-                        100 * number(interval[1]), 100 * number(summary["noise_floor_relative"]));
+    text += fmt::format("95 % interval of the relative error {:.2f} to {:.2f} % RMS; noise alone shows {:.2f} %\n",
+                        100 * number(interval[0]), 100 * number(interval[1]),
+                        100 * number(summary["noise_floor_relative"]));
   }
-  text += fmt::format("placement {:.1f} %, timing {:.1f} %, shape {:.1f} %\n", part("placement"), part("timing"), part("shape"));
-  return text + fmt::format("the exoskeleton's joint sits {:+.2f} mm anterior, {:+.2f} mm up the shank\n", number(parts["offset_mm"][0]),
-                            number(parts["offset_mm"][1]));
+  text += fmt::format("placement {:.1f} %, timing {:.1f} %, shape {:.1f} %\n", part("placement"), part("timing"),
+                      part("shape"));
+  return text + fmt::format("the exoskeleton's joint sits {:+.2f} mm anterior, {:+.2f} mm up the shank\n",
+                            number(parts["offset_mm"][0]), number(parts["offset_mm"][1]));
 }
 
 }  // namespace
@@ -31,13 +36,16 @@ int main(int argc, char** argv) {
   lake::CompareRunOptions options;
   std::string human, exo, map, exo_map, up, forward, exo_knee;
   CLI::App& cli = program.Cli();
-  cli.add_option("human", human, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")->required();
+  cli.add_option("human", human, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
+      ->required();
   cli.add_option("exo", exo, "The trial with the exoskeleton, likewise")->required();
   cli.add_option("--human-knee", options.human_knee, "The compared marker of the human trial");
   cli.add_option("--exo-knee", exo_knee, "The compared marker of the exoskeleton trial (default: exo_knee, else knee)");
-  cli.add_option("--replacement-sd", options.misalignment.replacement_sd_mm,
-                 "mm per axis: how well a marker is put back on the same spot between trials; 0 when both are in one recording");
-  cli.add_option("--map", map, "ankle=NAME,knee=NAME,hip=NAME,waist=NAME: the markers of files; A+B is the middle of two");
+  cli.add_option(
+      "--replacement-sd", options.misalignment.replacement_sd_mm,
+      "mm per axis: how well a marker is put back on the same spot between trials; 0 when both are in one recording");
+  cli.add_option("--map", map,
+                 "ankle=NAME,knee=NAME,hip=NAME,waist=NAME: the markers of files; A+B is the middle of two");
   cli.add_option("--exo-map", exo_map, "The same for the exoskeleton trial (default: as --map)");
   cli.add_option("--up", up, "x, y or z: vertical axis of 3-D files (default: TRC y, C3D its own or z)");
   cli.add_option("--forward", forward, "+x, -x, …: where the subject faces (default: found from the movement)");

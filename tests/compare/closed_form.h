@@ -1,6 +1,7 @@
 // Sit-to-stand curves in closed form: what the comparison must take apart again.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -26,9 +27,11 @@ inline double SmoothStep(double u) {
 inline void AppendPose(const ClosedFormLeg& leg, double u, StsCurve& curve) {
   const double shank_deg = leg.seated_shank_deg + (leg.peak_shank_deg - leg.seated_shank_deg) * SmoothStep(u / 0.55) +
                            (leg.standing_shank_deg - leg.peak_shank_deg) * SmoothStep((u - 0.35) / 0.65);
-  const double knee_deg = leg.seated_knee_deg + (leg.standing_knee_deg - leg.seated_knee_deg) * SmoothStep((u - 0.1) / 0.9);
+  const double knee_deg =
+      leg.seated_knee_deg + (leg.standing_knee_deg - leg.seated_knee_deg) * SmoothStep((u - 0.1) / 0.9);
   const auto along = [](double length, double lean_deg) {
-    return Eigen::Vector2d(length * std::sin(RadiansFromDegrees(lean_deg)), length * std::cos(RadiansFromDegrees(lean_deg)));
+    return Eigen::Vector2d(length * std::sin(RadiansFromDegrees(lean_deg)),
+                           length * std::cos(RadiansFromDegrees(lean_deg)));
   };
   curve.ankle.emplace_back(0, 0);
   curve.knee.push_back(along(leg.shank_mm, shank_deg));
@@ -38,8 +41,9 @@ inline void AppendPose(const ClosedFormLeg& leg, double u, StsCurve& curve) {
 }
 
 // `registration` maps a fraction of the motion to another; `offset_mm` is in the shank frame.
-inline StsCurve MakeCurve(const ClosedFormLeg& leg, const std::function<double(double)>& registration = [](double u) { return u; },
-                          const Eigen::Vector2d& offset_mm = Eigen::Vector2d::Zero()) {
+inline StsCurve MakeCurve(
+    const ClosedFormLeg& leg, const std::function<double(double)>& registration = [](double u) { return u; },
+    const Eigen::Vector2d& offset_mm = Eigen::Vector2d::Zero()) {
   StsCurve curve;
   curve.repetition = 1, curve.duration_s = 2;
   for (int i = 0; i < kPercentSamples; ++i) AppendPose(leg, registration(i / 100.0), curve);
@@ -48,7 +52,9 @@ inline StsCurve MakeCurve(const ClosedFormLeg& leg, const std::function<double(d
   return curve;
 }
 
-inline double IssueWarp(double s) { return s + 0.05 * std::sin(std::numbers::pi * s); }
+inline double IssueWarp(double s) {
+  return s + 0.05 * std::sin(std::numbers::pi * s);
+}
 
 inline void AddNoise(StsCurve& curve, double sigma_mm, std::mt19937& random) {
   std::normal_distribution<double> normal(0, sigma_mm);

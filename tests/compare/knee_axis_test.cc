@@ -23,12 +23,14 @@ TEST(KneeAxis, BestFixedHingeLeavesThePublishedGap) {
 
 TEST(KneeAxis, AnyOtherPivotIsWorse) {
   const FixedPivot best = BestFixedPivot(0, 90);
-  for (const Eigen::Vector2d& shift : {Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, 1), Eigen::Vector2d(0, -1)}) {
+  for (const Eigen::Vector2d& shift :
+       {Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, 1), Eigen::Vector2d(0, -1)}) {
     double square = 0;
     for (int deg = 0; deg <= 90; ++deg) {
       const double c = std::cos(deg * M_PI / 180), s = std::sin(deg * M_PI / 180);
       const Eigen::Vector2d p = best.in_tibia_mm + shift;
-      const Eigen::Vector2d in_femur = TibiaOriginInFemur(deg) + Eigen::Vector2d(c * p.x() + s * p.y(), -s * p.x() + c * p.y());
+      const Eigen::Vector2d in_femur =
+          TibiaOriginInFemur(deg) + Eigen::Vector2d(c * p.x() + s * p.y(), -s * p.x() + c * p.y());
       square += (in_femur - best.in_femur_mm).squaredNorm() / 91;
     }
     EXPECT_GT(std::sqrt(square), best.gap_rms_mm);
@@ -41,7 +43,9 @@ TEST(KneeAxis, OffsetGap) {
   EXPECT_NEAR(OffsetGap(10, 90), 14.142136, 1e-6);
 }
 
-TEST(KneeAxis, RefusesOtherAngles) { EXPECT_THROW(TibiaOriginInFemur(121.0), UsageError); }
+TEST(KneeAxis, RefusesOtherAngles) {
+  EXPECT_THROW(TibiaOriginInFemur(121.0), UsageError);
+}
 
 }  // namespace
 }  // namespace lake

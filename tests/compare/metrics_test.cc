@@ -65,7 +65,8 @@ TEST(Metrics, PathDistancesOfKnownPaths) {
 TEST(Metrics, CoefficientOfMultipleCorrelation) {
   const std::vector<double> a = {0, 1, 2, 3};
   EXPECT_DOUBLE_EQ(CoefficientOfMultipleCorrelation({a, a}), 1);
-  // By hand, for 0 1 2 3 and 1 2 3 4: about the frame means 4 × 0.5 = 2 over 4; about the grand mean 2 (from 0..4): 12 over 7.
+  // By hand, for 0 1 2 3 and 1 2 3 4: about the frame means 4 × 0.5 = 2 over 4; about the grand mean 2 (from 0..4): 12
+  // over 7.
   EXPECT_NEAR(CoefficientOfMultipleCorrelation({a, {1, 2, 3, 4}}), std::sqrt(1 - (2.0 / 4) / (12.0 / 7)), 1e-12);
   EXPECT_TRUE(std::isnan(CoefficientOfMultipleCorrelation({a, {3, 2, 1, 0}})));
 }
@@ -93,7 +94,8 @@ TEST(Spikes, FoundWhereTheyAreAndNowhereElse) {
     EXPECT_LE(std::count(found.begin(), found.end(), true), 5) << seed;
     std::vector<bool> quiet = found;
     quiet.flip();
-    EXPECT_NEAR(ComputeMetrics(human, exo, quiet).max_mm, ComputeMetrics(human, MakeCurve({}, IssueWarp, {5, 2}), quiet).max_mm, 1.0);
+    EXPECT_NEAR(ComputeMetrics(human, exo, quiet).max_mm,
+                ComputeMetrics(human, MakeCurve({}, IssueWarp, {5, 2}), quiet).max_mm, 1.0);
   }
 }
 

@@ -37,9 +37,12 @@ void AddMetrics(const MisalignmentMetrics& metrics, const std::string& suffix, J
   json["linear_fit_r2" + suffix] = metrics.linear_fit.r2;
 }
 
-Json IntervalJson(const Interval& interval) { return {interval.low, interval.high}; }
+Json IntervalJson(const Interval& interval) {
+  return {interval.low, interval.high};
+}
 
-Json PartJson(double fraction, const std::optional<MisalignmentIntervals>& intervals, Interval MisalignmentIntervals::*interval) {
+Json PartJson(double fraction, const std::optional<MisalignmentIntervals>& intervals,
+              Interval MisalignmentIntervals::*interval) {
   Json part = {{"fraction", fraction}};
   part["interval"] = intervals ? IntervalJson(*intervals.*interval) : Json(nullptr);
   return part;
@@ -55,7 +58,8 @@ Json DecompositionJson(const Misalignment& m) {
     json["offset_interval_mm"] = {IntervalJson(m.intervals->offset_x_mm), IntervalJson(m.intervals->offset_y_mm)};
   json["timing_knots_percent"] = d.knots_percent;
   json["timing_rms_percent"] = RootMeanSquare(d.timing_percent);
-  json["converged"] = d.converged, json["iterations"] = d.iterations, json["cost_mm2"] = d.cost, json["start"] = d.start;
+  json["converged"] = d.converged, json["iterations"] = d.iterations, json["cost_mm2"] = d.cost,
+  json["start"] = d.start;
   return json;
 }
 
@@ -72,7 +76,8 @@ Json CurvesJson(const Misalignment& m) {
   Json curves = {{"percent", percent}};
   AddVectors("human_ankle", m.human.ankle, curves), AddVectors("human_knee", m.human.knee, curves);
   AddVectors("human_hip", m.human.hip, curves);
-  AddVectors("exo_ankle", m.exo.ankle, curves), AddVectors("exo_knee", m.exo.knee, curves), AddVectors("exo_hip", m.exo.hip, curves);
+  AddVectors("exo_ankle", m.exo.ankle, curves), AddVectors("exo_knee", m.exo.knee, curves),
+      AddVectors("exo_hip", m.exo.hip, curves);
   curves["shank_mm"] = m.shank_mm, curves["thigh_mm"] = thigh_mm;
   curves["human_knee_deg"] = m.human.knee_deg, curves["exo_knee_deg"] = m.exo.knee_deg;
   curves["human_knee_sigma_mm"] = m.human.knee_sigma_mm, curves["exo_knee_sigma_mm"] = m.exo.knee_sigma_mm;
@@ -80,7 +85,8 @@ Json CurvesJson(const Misalignment& m) {
   curves["relative_error_paper"] = m.relative_error_paper;
   curves["relative_error_sd"] = m.relative_error_sd, curves["spike"] = m.spike;
   curves["timing_percent"] = m.decomposition.timing_percent;
-  AddVectors("placement", m.decomposition.placement_mm, curves), AddVectors("timing", m.decomposition.timing_mm, curves);
+  AddVectors("placement", m.decomposition.placement_mm, curves),
+      AddVectors("timing", m.decomposition.timing_mm, curves);
   AddVectors("shape", m.decomposition.shape_mm, curves);
   return curves;
 }
@@ -117,8 +123,8 @@ Json ComparisonJson(const Misalignment& m) {
 }
 
 void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment& m) {
-  CsvWriter csv({"percent", "human_x_mm", "human_y_mm", "exo_x_mm", "exo_y_mm", "dx_mm", "dy_mm", "distance_mm", "relative_error",
-                 "relative_error_paper", "human_knee_deg", "exo_knee_deg", "spike"});
+  CsvWriter csv({"percent", "human_x_mm", "human_y_mm", "exo_x_mm", "exo_y_mm", "dx_mm", "dy_mm", "distance_mm",
+                 "relative_error", "relative_error_paper", "human_knee_deg", "exo_knee_deg", "spike"});
   for (std::size_t i = 0; i < kPercentSamples; ++i) {
     const Vector2d& h = m.human.knee[i];
     const Vector2d& e = m.exo.knee[i];

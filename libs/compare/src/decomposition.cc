@@ -37,8 +37,12 @@ T ClampPercent(const T& w) {
 class HumanCurve {
  public:
   explicit HumanCurve(const StsCurve& human)
-      : knee_values_(Knees(human)), angle_values_(Angles(human)), knee_grid_(knee_values_.data(), 0, kPercentSamples),
-        angle_grid_(angle_values_.data(), 0, kPercentSamples), knee_(knee_grid_), angle_(angle_grid_) {}
+      : knee_values_(Knees(human)),
+        angle_values_(Angles(human)),
+        knee_grid_(knee_values_.data(), 0, kPercentSamples),
+        angle_grid_(angle_values_.data(), 0, kPercentSamples),
+        knee_(knee_grid_),
+        angle_(angle_grid_) {}
   HumanCurve(const HumanCurve&) = delete;
   HumanCurve& operator=(const HumanCurve&) = delete;
 
@@ -82,7 +86,8 @@ class HumanCurve {
   ceres::CubicInterpolator<ceres::Grid1D<double, 1>> angle_;
 };
 
-// r(s) = e(s) - h(w(s)) - F(w(s)) p over all samples, then sqrt(lambda) (w_{k-1} - 2 w_k + w_{k+1}) over the inner knots
+// r(s) = e(s) - h(w(s)) - F(w(s)) p over all samples, then sqrt(lambda) (w_{k-1} - 2 w_k + w_{k+1}) over the inner
+// knots
 struct Residuals {
   static constexpr int kCount = 2 * kPercentSamples + kKnots - 2;
 
@@ -98,7 +103,8 @@ struct Residuals {
       const Vector2d& knee = exo.knee[static_cast<std::size_t>(i)];
       residual[2 * i] = knee.x() - model.x(), residual[2 * i + 1] = knee.y() - model.y();
     }
-    for (int k = 1; k + 1 < kKnots; ++k) residual[2 * kPercentSamples + k - 1] = roughness_root * (timing[k + 1] - timing[k]);
+    for (int k = 1; k + 1 < kKnots; ++k)
+      residual[2 * kPercentSamples + k - 1] = roughness_root * (timing[k + 1] - timing[k]);
     return true;
   }
 };
@@ -162,21 +168,24 @@ class Decomposer {
     result.offset_mm = fit.variables.offset;
     result.converged = fit.converged, result.iterations = fit.iterations, result.cost = fit.cost, result.start = start;
     for (int k = 0; k < kKnots; ++k)
-      result.knots_percent[static_cast<std::size_t>(k)] = ClampPercent(WarpAt(fit.variables.timing.data(), k * kKnotStep));
+      result.knots_percent[static_cast<std::size_t>(k)] =
+          ClampPercent(WarpAt(fit.variables.timing.data(), k * kKnotStep));
     double total = 0;
     Eigen::Vector3d parts = Eigen::Vector3d::Zero();
     for (int i = 0; i < kPercentSamples; ++i) {
       const double w = ClampPercent(WarpAt(fit.variables.timing.data(), i));
       const auto sample = static_cast<std::size_t>(i);
       const Vector2d difference = exo_.knee[sample] - human_.knee[sample];
-      const Vector2d placement = curve_.FromShank(w, fit.variables.offset.data()), timing = curve_.Knee(w) - human_.knee[sample];
+      const Vector2d placement = curve_.FromShank(w, fit.variables.offset.data()),
+                     timing = curve_.Knee(w) - human_.knee[sample];
       const Vector2d shape = difference - placement - timing;
       result.timing_percent.push_back(w - i);
       result.placement_mm.push_back(placement), result.timing_mm.push_back(timing), result.shape_mm.push_back(shape);
       parts += Eigen::Vector3d(placement.dot(difference), timing.dot(difference), shape.dot(difference));
       total += difference.squaredNorm();
     }
-    parts = total > 0 ? Eigen::Vector3d(parts / total) : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    parts = total > 0 ? Eigen::Vector3d(parts / total)
+                      : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
     result.placement = parts[0], result.timing = parts[1], result.shape = parts[2];
     return result;
   }
@@ -204,13 +213,15 @@ Decomposition Decompose(const StsCurve& human, const StsCurve& exo, const Decomp
   return decomposer.MakeResult(best, best_start);
 }
 
-Decomposition DecomposeFrom(const Decomposition& start, const StsCurve& human, const StsCurve& exo, const DecompositionOptions& options) {
+Decomposition DecomposeFrom(const Decomposition& start, const StsCurve& human, const StsCurve& exo,
+                            const DecompositionOptions& options) {
   const Decomposer decomposer(human, exo, options);
   Variables variables;
   variables.offset = start.offset_mm;
   variables.timing[0] = start.knots_percent[0];
   for (std::size_t k = 1; k < kKnots; ++k)
-    variables.timing[k] = std::max(start.knots_percent[k] - start.knots_percent[k - 1], options.least_slope * kKnotStep);
+    variables.timing[k] =
+        std::max(start.knots_percent[k] - start.knots_percent[k - 1], options.least_slope * kKnotStep);
   return decomposer.MakeResult(decomposer.Solve(variables), start.start);
 }
 

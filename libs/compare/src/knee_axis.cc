@@ -19,11 +19,25 @@ struct Node {
   double knee_rad, value_m;  // flexion negative
 };
 
-constexpr std::array<Node, 12> kX = {{{-2.0944, -.0032}, {-1.74533, .00179}, {-1.39626, .00411}, {-1.0472, .0041},
-                                      {-.698132, .00212}, {-.349066, -.001}, {-.174533, -.0031}, {.197344, -.005227},
-                                      {.337395, -.005435}, {.490178, -.005574}, {1.52146, -.005435}, {2.0944, -.00525}}};
-constexpr std::array<Node, 7> kY = {{{-2.0944, -.4226}, {-1.22173, -.4082}, {-.523599, -.399}, {-.349066, -.3976},
-                                     {-.174533, -.3966}, {.159149, -.395264}, {2.0944, -.396}}};
+constexpr std::array<Node, 12> kX = {{{-2.0944, -.0032},
+                                      {-1.74533, .00179},
+                                      {-1.39626, .00411},
+                                      {-1.0472, .0041},
+                                      {-.698132, .00212},
+                                      {-.349066, -.001},
+                                      {-.174533, -.0031},
+                                      {.197344, -.005227},
+                                      {.337395, -.005435},
+                                      {.490178, -.005574},
+                                      {1.52146, -.005435},
+                                      {2.0944, -.00525}}};
+constexpr std::array<Node, 7> kY = {{{-2.0944, -.4226},
+                                     {-1.22173, -.4082},
+                                     {-.523599, -.399},
+                                     {-.349066, -.3976},
+                                     {-.174533, -.3966},
+                                     {.159149, -.395264},
+                                     {2.0944, -.396}}};
 
 // A natural cubic spline through a table.
 template <std::size_t N>
@@ -37,7 +51,8 @@ class NaturalSpline {
       const auto row = static_cast<Eigen::Index>(i);
       const double before = Step(i - 1), after = Step(i);
       system(row, row - 1) = before, system(row, row) = 2 * (before + after), system(row, row + 1) = after;
-      right[row] = 6 * ((nodes[i + 1].value_m - nodes[i].value_m) / after - (nodes[i].value_m - nodes[i - 1].value_m) / before);
+      right[row] =
+          6 * ((nodes[i + 1].value_m - nodes[i].value_m) / after - (nodes[i].value_m - nodes[i - 1].value_m) / before);
     }
     bend_ = system.partialPivLu().solve(right);
   }
@@ -47,7 +62,8 @@ class NaturalSpline {
     while (i + 2 < N && knee_rad > nodes_[i + 1].knee_rad) ++i;
     const double h = Step(i), a = (nodes_[i + 1].knee_rad - knee_rad) / h, b = 1 - a;
     const auto k = static_cast<Eigen::Index>(i);
-    return a * nodes_[i].value_m + b * nodes_[i + 1].value_m + ((a * a * a - a) * bend_[k] + (b * b * b - b) * bend_[k + 1]) * h * h / 6;
+    return a * nodes_[i].value_m + b * nodes_[i + 1].value_m +
+           ((a * a * a - a) * bend_[k] + (b * b * b - b) * bend_[k + 1]) * h * h / 6;
   }
 
  private:
@@ -58,12 +74,15 @@ class NaturalSpline {
 };
 
 // femur_from_tibia's rotation; flexion turns the tibia backward.
-Eigen::Matrix2d TibiaInFemur(double knee_deg) { return Eigen::Rotation2D<double>(-RadiansFromDegrees(knee_deg)).toRotationMatrix(); }
+Eigen::Matrix2d TibiaInFemur(double knee_deg) {
+  return Eigen::Rotation2D<double>(-RadiansFromDegrees(knee_deg)).toRotationMatrix();
+}
 
 }  // namespace
 
 Eigen::Vector2d TibiaOriginInFemur(double knee_deg) {
-  if (!(knee_deg >= -90 && knee_deg <= 120)) throw UsageError(fmt::format("knee model: {:.3g}° is outside −90..120°", knee_deg));
+  if (!(knee_deg >= -90 && knee_deg <= 120))
+    throw UsageError(fmt::format("knee model: {:.3g}° is outside −90..120°", knee_deg));
   static const NaturalSpline<kX.size()> x(kX);
   static const NaturalSpline<kY.size()> y(kY);
   const double knee_rad = -RadiansFromDegrees(knee_deg);
@@ -92,6 +111,8 @@ FixedPivot BestFixedPivot(double from_deg, double to_deg) {
   return pivot;
 }
 
-double OffsetGap(double offset_mm, double knee_deg) { return 2 * offset_mm * std::sin(0.5 * RadiansFromDegrees(knee_deg)); }
+double OffsetGap(double offset_mm, double knee_deg) {
+  return 2 * offset_mm * std::sin(0.5 * RadiansFromDegrees(knee_deg));
+}
 
 }  // namespace lake

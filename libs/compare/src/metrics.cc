@@ -22,7 +22,9 @@ std::vector<T> Select(const std::vector<T>& values, const std::vector<bool>& use
   return selected;
 }
 
-double Largest(const std::vector<double>& values) { return values.empty() ? kNaN : *std::max_element(values.begin(), values.end()); }
+double Largest(const std::vector<double>& values) {
+  return values.empty() ? kNaN : *std::max_element(values.begin(), values.end());
+}
 
 double DirectedHausdorff(const std::vector<Vector2d>& a, const std::vector<Vector2d>& b) {
   double largest = 0;
@@ -30,7 +32,8 @@ double DirectedHausdorff(const std::vector<Vector2d>& a, const std::vector<Vecto
   return largest;
 }
 
-void ComputeAngleMetrics(const std::vector<double>& human_deg, const std::vector<double>& exo_deg, MisalignmentMetrics& metrics) {
+void ComputeAngleMetrics(const std::vector<double>& human_deg, const std::vector<double>& exo_deg,
+                         MisalignmentMetrics& metrics) {
   std::vector<double> difference;
   for (std::size_t i = 0; i < human_deg.size(); ++i) difference.push_back(exo_deg[i] - human_deg[i]);
   metrics.knee_rmse_deg = RootMeanSquare(difference);
@@ -110,7 +113,8 @@ double CoefficientOfMultipleCorrelation(const std::vector<std::vector<double>>& 
   for (std::size_t i = 0; i < curves.front().size(); ++i) {
     double mean = 0;
     for (const auto& curve : curves) mean += curve[i] / count;
-    for (const auto& curve : curves) about_frame += std::pow(curve[i] - mean, 2), about_grand += std::pow(curve[i] - grand, 2);
+    for (const auto& curve : curves)
+      about_frame += std::pow(curve[i] - mean, 2), about_grand += std::pow(curve[i] - grand, 2);
   }
   const double square = 1 - (about_frame / (samples * (count - 1))) / (about_grand / (samples * count - 1));
   return square >= 0 ? std::sqrt(square) : kNaN;

@@ -44,7 +44,9 @@ std::vector<double> ErrorDeviations(const RegisteredTrial& human, const Register
   return deviations;
 }
 
-Interval PercentileInterval(const std::vector<double>& draws) { return {Quantile(draws, 0.025), Quantile(draws, 0.975)}; }
+Interval PercentileInterval(const std::vector<double>& draws) {
+  return {Quantile(draws, 0.025), Quantile(draws, 0.975)};
+}
 
 class Bootstrap {
  public:
@@ -61,7 +63,8 @@ class Bootstrap {
       square_relative += MeanSquaredRelativeError(draws.back(), zero, m.shank_mm) / options_.resamples;
     }
     m.noise_floor_mm = std::sqrt(square_mm), m.noise_floor_relative = std::sqrt(square_relative);
-    // Noise adds to a mean square, so what is measured holds it once already; drawing on top of it would count it twice.
+    // Noise adds to a mean square, so what is measured holds it once already; drawing on top of it would count it
+    // twice.
     const double measured = m.metrics.relative_rms * m.metrics.relative_rms;
     const double shrink = measured > 0 ? std::sqrt(std::max(0.0, 1 - square_relative / measured)) : 0;
     for (const std::vector<Vector2d>& noise : draws) {
@@ -80,7 +83,8 @@ class Bootstrap {
       relative.push_back(distance.back() / m.shank_mm[i]);
     }
     rms_.push_back(RootMeanSquare(distance)), max_.push_back(*std::max_element(distance.begin(), distance.end()));
-    relative_rms_.push_back(RootMeanSquare(relative)), relative_max_.push_back(*std::max_element(relative.begin(), relative.end()));
+    relative_rms_.push_back(RootMeanSquare(relative)),
+        relative_max_.push_back(*std::max_element(relative.begin(), relative.end()));
   }
 
   void AddDecomposition(const Misalignment& m, const std::vector<Vector2d>& noise) {
@@ -94,7 +98,8 @@ class Bootstrap {
   MisalignmentIntervals Intervals() const {
     MisalignmentIntervals intervals;
     intervals.rms_mm = PercentileInterval(rms_), intervals.max_mm = PercentileInterval(max_);
-    intervals.relative_rms = PercentileInterval(relative_rms_), intervals.relative_max = PercentileInterval(relative_max_);
+    intervals.relative_rms = PercentileInterval(relative_rms_),
+    intervals.relative_max = PercentileInterval(relative_max_);
     intervals.placement = PercentileInterval(placement_), intervals.timing = PercentileInterval(timing_);
     intervals.shape = PercentileInterval(shape_);
     intervals.offset_x_mm = PercentileInterval(offset_x_), intervals.offset_y_mm = PercentileInterval(offset_y_);
@@ -113,23 +118,30 @@ void AddWarnings(const RegisteredTrial& human, const RegisteredTrial& exo, Misal
   const double human_mm = Mean(m.shank_mm), exo_mm = Mean(ShankLengths(m.exo));
   constexpr double kMostDifference = 0.05;
   if (std::abs(exo_mm / human_mm - 1) > kMostDifference)
-    m.warnings.push_back(fmt::format("ankle to knee is {:.0f} mm in the human trial and {:.0f} mm in the exoskeleton trial: another subject, "
-                                     "another marker placement, or a wrong scale?", human_mm, exo_mm));
-  if (!m.decomposition.converged) m.warnings.push_back("the decomposition did not converge: its fractions are approximate");
+    m.warnings.push_back(fmt::format(
+        "ankle to knee is {:.0f} mm in the human trial and {:.0f} mm in the exoskeleton trial: another subject, "
+        "another marker placement, or a wrong scale?",
+        human_mm, exo_mm));
+  if (!m.decomposition.converged)
+    m.warnings.push_back("the decomposition did not converge: its fractions are approximate");
   if (m.metrics.rms_mm < 2 * m.noise_floor_mm)
-    m.warnings.push_back(fmt::format("the misalignment ({:.2g} mm RMS) is less than twice the noise floor ({:.2g} mm): its parts mean little",
-                                     m.metrics.rms_mm, m.noise_floor_mm));
+    m.warnings.push_back(fmt::format(
+        "the misalignment ({:.2g} mm RMS) is less than twice the noise floor ({:.2g} mm): its parts mean little",
+        m.metrics.rms_mm, m.noise_floor_mm));
   const auto spikes = std::count(m.spike.begin(), m.spike.end(), true);
-  if (spikes > 0) m.warnings.push_back(fmt::format("{} of 101 samples are spikes; figures without them are given beside", spikes));
+  if (spikes > 0)
+    m.warnings.push_back(fmt::format("{} of 101 samples are spikes; figures without them are given beside", spikes));
 }
 
 }  // namespace
 
-Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& exo, const MisalignmentOptions& options) {
+Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& exo,
+                           const MisalignmentOptions& options) {
   Check(options);
   Misalignment m;
   m.human = MeanCurve(human.repetitions), m.exo = MeanCurve(exo.repetitions);
-  m.human_repetitions = static_cast<int>(human.repetitions.size()), m.exo_repetitions = static_cast<int>(exo.repetitions.size());
+  m.human_repetitions = static_cast<int>(human.repetitions.size()),
+  m.exo_repetitions = static_cast<int>(exo.repetitions.size());
   FillErrors(m);
   m.relative_error_sd = ErrorDeviations(human, exo);
   m.spike = FindSpikes(m.human, m.exo, options.spikes);

@@ -7,7 +7,11 @@ namespace lake {
 using Eigen::Vector2d;
 
 NoiseModel::NoiseModel(const RegisteredTrial& human, const RegisteredTrial& exo, const MisalignmentOptions& options)
-    : human_(human), exo_(exo), options_(options), human_mean_(MeanCurve(human.repetitions)), exo_mean_(MeanCurve(exo.repetitions)) {}
+    : human_(human),
+      exo_(exo),
+      options_(options),
+      human_mean_(MeanCurve(human.repetitions)),
+      exo_mean_(MeanCurve(exo.repetitions)) {}
 
 std::vector<Vector2d> NoiseModel::Draw(std::mt19937_64& random) const {
   std::normal_distribution<double> normal;
@@ -19,7 +23,8 @@ std::vector<Vector2d> NoiseModel::Draw(std::mt19937_64& random) const {
   return noise;
 }
 
-std::vector<Vector2d> NoiseModel::DrawTrial(const RegisteredTrial& trial, const StsCurve& mean, std::mt19937_64& random) const {
+std::vector<Vector2d> NoiseModel::DrawTrial(const RegisteredTrial& trial, const StsCurve& mean,
+                                            std::mt19937_64& random) const {
   const std::size_t n = trial.repetitions.size();
   if (n == 1) return DrawMarkerNoise(mean, random);
   std::uniform_int_distribution<std::size_t> pick(0, n - 1);
@@ -47,7 +52,8 @@ std::vector<Vector2d> NoiseModel::DrawMarkerNoise(const StsCurve& curve, std::mt
   for (int k = -reach; k <= reach; ++k) {
     const double weight = std::exp(-0.5 * std::pow(k / width, 2));
     power += weight * weight;
-    for (int i = 0; i < kPercentSamples; ++i) noise[static_cast<std::size_t>(i)] += weight * white[static_cast<std::size_t>(i + k + reach)];
+    for (int i = 0; i < kPercentSamples; ++i)
+      noise[static_cast<std::size_t>(i)] += weight * white[static_cast<std::size_t>(i + k + reach)];
   }
   for (std::size_t i = 0; i < noise.size(); ++i) noise[i] *= curve.knee_sigma_mm[i] / std::sqrt(power);
   return noise;

@@ -24,8 +24,8 @@ Path TakeMarker(const TrialTables& trial, const std::string& name) {
   if (!track) {
     std::string known;
     for (const MarkerTrack& marker : trial.trajectory.markers) known += (known.empty() ? "" : ", ") + marker.name;
-    throw Fail("{}: no marker '{}'; it has: {}; name the compared markers with --human-knee and --exo-knee, or --map", trial.name, name,
-               known);
+    throw Fail("{}: no marker '{}'; it has: {}; name the compared markers with --human-knee and --exo-knee, or --map",
+               trial.name, name, known);
   }
   Path path;
   for (const MarkerSample& sample : track->samples) {
@@ -36,8 +36,8 @@ Path TakeMarker(const TrialTables& trial, const std::string& name) {
   return path;
 }
 
-// leg_from_plane: the rotation, with a reflection where the subject faces left, that turns ankle-to-hip of the trajectory into that
-// of the kinematics. It carries the facing and the vertical that the leg fit used.
+// leg_from_plane: the rotation, with a reflection where the subject faces left, that turns ankle-to-hip of the
+// trajectory into that of the kinematics. It carries the facing and the vertical that the leg fit used.
 Eigen::Matrix2d FindLegFromPlane(const TrialTables& trial, const Path& ankle, const Path& hip) {
   Eigen::Matrix2d moment = Eigen::Matrix2d::Zero();
   const std::size_t frames = trial.motion.samples.size();
@@ -56,14 +56,19 @@ Eigen::Matrix2d FindLegFromPlane(const TrialTables& trial, const Path& ankle, co
     leg_from_plane << c.x(), -c.y(), c.y(), c.x();
   std::vector<double> misfit, length;
   for (std::size_t i = 0; i < frames; ++i)
-    if (known(i)) misfit.push_back((in_leg(i) - leg_from_plane * in_plane(i)).norm()), length.push_back(in_plane(i).norm());
+    if (known(i))
+      misfit.push_back((in_leg(i) - leg_from_plane * in_plane(i)).norm()), length.push_back(in_plane(i).norm());
   constexpr double kMostMisfit = 0.02;  // of the leg's length; filtering differently makes thousandths
   if (misfit.empty() || !(Median(misfit) < kMostMisfit * Median(length)))
-    throw Fail("{}: the leg's vectors (kinematics.csv) and the markers (trajectory.csv) do not belong together; track it again", trial.name);
+    throw Fail(
+        "{}: the leg's vectors (kinematics.csv) and the markers (trajectory.csv) do not belong together; track it "
+        "again",
+        trial.name);
   return leg_from_plane;
 }
 
-// The frames just before each onset in which the knee keeps its angle: the seated rest. The onset's own frame where there are none.
+// The frames just before each onset in which the knee keeps its angle: the seated rest. The onset's own frame where
+// there are none.
 std::vector<std::size_t> SeatedFrames(const TrialTables& trial, const std::vector<StsInterval>& intervals) {
   constexpr double kSameDeg = 5;
   std::vector<std::size_t> frames;
@@ -89,7 +94,10 @@ Vector2d MedianPosition(const Path& path, const std::vector<std::size_t>& frames
 class Registrar {
  public:
   Registrar(const TrialTables& trial, const RegistrationOptions& options)
-      : trial_(trial), options_(options), ankle_(TakeMarker(trial, options.ankle)), knee_(TakeMarker(trial, options.knee)),
+      : trial_(trial),
+        options_(options),
+        ankle_(TakeMarker(trial, options.ankle)),
+        knee_(TakeMarker(trial, options.knee)),
         hip_(TakeMarker(trial, options.hip)) {}
 
   RegisteredTrial Register() {
@@ -104,20 +112,20 @@ class Registrar {
       else
         registered.warnings.push_back(gap);
     }
-    if (registered.repetitions.empty())
-      throw Fail("{}; no repetition is left to compare", registered.warnings.front());
+    if (registered.repetitions.empty()) throw Fail("{}; no repetition is left to compare", registered.warnings.front());
     return registered;
   }
 
  private:
   // Empty, or why the repetition cannot be used.
   std::string FindGap(const StsInterval& interval) const {
-    const std::pair<const std::string*, const Path*> markers[] = {{&options_.ankle, &ankle_}, {&options_.knee, &knee_}, {&options_.hip, &hip_}};
+    const std::pair<const std::string*, const Path*> markers[] = {
+        {&options_.ankle, &ankle_}, {&options_.knee, &knee_}, {&options_.hip, &hip_}};
     for (const auto& [name, path] : markers) {
       const double gap_s = LongestGap(trial_.trajectory.time_s, path->x, interval.onset_s, interval.standing_s);
       if (gap_s > options_.max_gap_s)
-        return fmt::format("{}: repetition {} is left out: marker '{}' is missing for {:.2g} s of it", trial_.name, interval.repetition,
-                           *name, gap_s);
+        return fmt::format("{}: repetition {} is left out: marker '{}' is missing for {:.2g} s of it", trial_.name,
+                           interval.repetition, *name, gap_s);
     }
     return {};
   }
@@ -161,7 +169,8 @@ std::vector<T> MeanOf(const std::vector<StsCurve>& curves, std::vector<T> StsCur
 
 RegisteredTrial RegisterTrial(const TrialTables& trial, const RegistrationOptions& options) {
   if (trial.trajectory.unit != LengthUnit::kMm || trial.motion.unit != LengthUnit::kMm)
-    throw Fail("{}: its lengths are in px; a comparison needs mm: track it with --camera (with a plane) or --scale", trial.name);
+    throw Fail("{}: its lengths are in px; a comparison needs mm: track it with --camera (with a plane) or --scale",
+               trial.name);
   if (trial.trajectory.time_s != trial.motion.time_s)
     throw Fail("{}: trajectory.csv has {} frames and kinematics.csv {}, or other times; track it again", trial.name,
                trial.trajectory.Frames(), trial.motion.samples.size());
@@ -171,7 +180,8 @@ RegisteredTrial RegisterTrial(const TrialTables& trial, const RegistrationOption
 StsCurve MeanCurve(const std::vector<StsCurve>& curves) {
   if (curves.size() == 1) return curves.front();
   StsCurve mean;
-  mean.ankle = MeanOf(curves, &StsCurve::ankle), mean.knee = MeanOf(curves, &StsCurve::knee), mean.hip = MeanOf(curves, &StsCurve::hip);
+  mean.ankle = MeanOf(curves, &StsCurve::ankle), mean.knee = MeanOf(curves, &StsCurve::knee),
+  mean.hip = MeanOf(curves, &StsCurve::hip);
   mean.knee_deg = MeanOf(curves, &StsCurve::knee_deg);
   mean.knee_sigma_mm = MeanOf(curves, &StsCurve::knee_sigma_mm);
   for (double& sigma : mean.knee_sigma_mm) sigma /= std::sqrt(static_cast<double>(curves.size()));

@@ -9,7 +9,8 @@ namespace lake {
 namespace {
 
 // The frames of the nearest known samples, up to `each_side` before or at t, and as many after.
-std::vector<std::size_t> KnownAround(const std::vector<double>& time_s, const std::vector<double>& values, double t, std::size_t each_side) {
+std::vector<std::size_t> KnownAround(const std::vector<double>& time_s, const std::vector<double>& values, double t,
+                                     std::size_t each_side) {
   const auto after = static_cast<std::size_t>(std::upper_bound(time_s.begin(), time_s.end(), t) - time_s.begin());
   std::vector<std::size_t> frames;
   for (std::size_t i = after; i-- > 0 && frames.size() < each_side;)
@@ -20,7 +21,8 @@ std::vector<std::size_t> KnownAround(const std::vector<double>& time_s, const st
   return frames;
 }
 
-double Interpolate(const std::vector<double>& time_s, const std::vector<double>& values, double t, std::size_t each_side) {
+double Interpolate(const std::vector<double>& time_s, const std::vector<double>& values, double t,
+                   std::size_t each_side) {
   const std::vector<std::size_t> frames = KnownAround(time_s, values, t, each_side);
   double value = frames.empty() ? std::numeric_limits<double>::quiet_NaN() : 0;
   for (const std::size_t j : frames) {
@@ -73,7 +75,8 @@ double LongestGap(const std::vector<double>& time_s, const std::vector<double>& 
     if (!std::isfinite(values[i])) continue;
     const bool starts_inside = last == time_s.size() && time_s[i] > from_s + kTouch;
     if (starts_inside) return std::numeric_limits<double>::infinity();
-    if (last < time_s.size() && i > last + 1 && time_s[i] > from_s && time_s[last] < to_s) longest = std::max(longest, time_s[i] - time_s[last]);
+    if (last < time_s.size() && i > last + 1 && time_s[i] > from_s && time_s[last] < to_s)
+      longest = std::max(longest, time_s[i] - time_s[last]);
     last = i;
     enclosed = time_s[i] >= to_s - kTouch;
     if (enclosed) break;

@@ -8,10 +8,14 @@
 namespace lake {
 namespace {
 
-double Square(double value) { return value * value; }
+double Square(double value) {
+  return value * value;
+}
 
 // (1 − u²)² inside −1..1
-double Bisquare(double u) { return std::abs(u) < 1 ? Square(1 - u * u) : 0; }
+double Bisquare(double u) {
+  return std::abs(u) < 1 ? Square(1 - u * u) : 0;
+}
 
 // The value at `at` of the parabola that fits its neighbours, weighted by nearness and trust.
 double LocalQuadratic(const std::vector<double>& values, const std::vector<double>& trust, int at, int half_window) {

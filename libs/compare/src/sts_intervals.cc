@@ -1,5 +1,6 @@
-// Onset and standing between frames. The events are found frame by frame (lake/gait/sts_events.h); at 30 frames/s half a frame is
-// 1 % of a sit-to-stand, and at full speed 3 mm of the knee's path, so the crossing itself is interpolated here.
+// Onset and standing between frames. The events are found frame by frame (lake/gait/sts_events.h); at 30 frames/s half
+// a frame is 1 % of a sit-to-stand, and at full speed 3 mm of the knee's path, so the crossing itself is interpolated
+// here.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -23,7 +24,9 @@ std::optional<double> Crossing(const std::vector<double>& time_s, std::size_t i,
 }
 
 // An event that no crossing places is somewhere in the step before its frame.
-double MiddleOfStep(const std::vector<double>& time_s, std::size_t i) { return 0.5 * (time_s[i - 1] + time_s[i]); }
+double MiddleOfStep(const std::vector<double>& time_s, std::size_t i) {
+  return 0.5 * (time_s[i - 1] + time_s[i]);
+}
 
 std::vector<double> Section(const std::vector<double>& values, std::size_t begin, std::size_t end) {
   std::vector<double> section;
@@ -52,7 +55,8 @@ class IntervalFinder {
       const std::vector<double> quiet = Section(signal, rest, i);
       const double middle = Median(quiet), limit = std::max(kOnsetDeviations * RobustDeviation(quiet), least);
       const auto excess = [&](std::size_t frame) { return std::abs(signal[frame] - middle) - limit; };
-      if (const auto time = Crossing(motion_.time_s, i, excess(i - 1), excess(i))) onset = std::min(onset.value_or(*time), *time);
+      if (const auto time = Crossing(motion_.time_s, i, excess(i - 1), excess(i)))
+        onset = std::min(onset.value_or(*time), *time);
     };
     consider(hip_height_, kOnsetHeightMm);
     consider(trunk_deg_s_, kOnsetTrunkDegPerS);
@@ -86,15 +90,19 @@ std::vector<StsInterval> FindStsIntervals(const TrialTables& trial) {
     if (!events.contains(StsEventKind::kOnset) || !events.contains(StsEventKind::kStanding)) continue;
     const double onset_s = events.at(StsEventKind::kOnset), standing_s = events.at(StsEventKind::kStanding);
     if (standing_s > time_s.back() || onset_s < time_s.front())
-      throw Fail("{}: repetition {} lasts from {:.3f} to {:.3f} s, but the recording from {:.3f} to {:.3f} s: it is shorter than the motion",
-                 trial.name, repetition, onset_s, standing_s, time_s.front(), time_s.back());
+      throw Fail(
+          "{}: repetition {} lasts from {:.3f} to {:.3f} s, but the recording from {:.3f} to {:.3f} s: it is shorter "
+          "than the motion",
+          trial.name, repetition, onset_s, standing_s, time_s.front(), time_s.back());
     const std::size_t first = FrameAfter(time_s, onset_s), last = FrameAfter(time_s, standing_s);
     if (last < first + 3) throw Fail("{}: repetition {} has only {} frames", trial.name, repetition, last - first + 1);
     intervals.push_back({repetition, finder.Onset(first), finder.Standing(first, last)});
   }
   if (intervals.empty())
-    throw Fail("{}: the recording is shorter than the motion: it ends at {:.3f} s, before the first sit-to-stand reaches standing",
-               trial.name, time_s.back());
+    throw Fail(
+        "{}: the recording is shorter than the motion: it ends at {:.3f} s, before the first sit-to-stand reaches "
+        "standing",
+        trial.name, time_s.back());
   return intervals;
 }
 

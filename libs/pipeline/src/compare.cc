@@ -12,7 +12,9 @@ namespace fs = std::filesystem;
 constexpr const char* kKnee = "knee";
 constexpr const char* kExoKnee = "exo_knee";
 
-bool IsTracked(const fs::path& path) { return fs::is_regular_file(path / "kinematics.csv") && fs::is_regular_file(path / "events.csv"); }
+bool IsTracked(const fs::path& path) {
+  return fs::is_regular_file(path / "kinematics.csv") && fs::is_regular_file(path / "events.csv");
+}
 
 TrialTables ReadTracked(const fs::path& folder, Run& run) {
   TrialTables tables;
@@ -34,7 +36,8 @@ TrialTables FitTables(const fs::path& path, const TrialOptions& reading, const s
   fit.quiet = run.Quiet();
   if (trial.faces_right) fit.facing = *trial.faces_right ? Facing::kRight : Facing::kLeft;
   if (!trial.recording.Find(kKnee)) fit.markers.knee = knee;
-  const LegFitResult result = FitLeg(trial.recording, MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px), fit);
+  const LegFitResult result =
+      FitLeg(trial.recording, MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px), fit);
   for (const std::string& warning : result.warnings) run.Warn(warning);
   return {path.string(), result.trajectory, result.motion, result.events};
 }
@@ -53,8 +56,8 @@ std::string ExoKneeOf(const CompareRunOptions& options) {
 
 void CheckUnits(const TrialTables& human, const TrialTables& exo) {
   if (human.trajectory.unit != exo.trajectory.unit)
-    throw Fail("{} is in {} and {} in {}: give the one in px a scale (lake-track --camera with a plane, or --scale)", human.name,
-               ToString(human.trajectory.unit), exo.name, ToString(exo.trajectory.unit));
+    throw Fail("{} is in {} and {} in {}: give the one in px a scale (lake-track --camera with a plane, or --scale)",
+               human.name, ToString(human.trajectory.unit), exo.name, ToString(exo.trajectory.unit));
 }
 
 RegisteredTrial Register(const TrialTables& tables, const std::string& knee) {

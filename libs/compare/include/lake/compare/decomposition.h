@@ -13,7 +13,8 @@
 namespace lake {
 
 struct DecompositionOptions {
-  // mm² per percent²: a bend of 1 % between knots costs as much as a residual of 0.3 mm, about what a good recording leaves.
+  // mm² per percent²: a bend of 1 % between knots costs as much as a residual of 0.3 mm, about what a good recording
+  // leaves.
   double roughness_weight = 0.1;
   double least_slope = 0.05;
   int max_iterations = 100;

@@ -8,8 +8,8 @@
 
 namespace lake {
 
-// y = slope x + intercept by least squares; the linear-fit method (Iosa et al., BioMed Res. Int. 2014, 214156): for equal
-// curves slope 1, intercept 0, r2 1.
+// y = slope x + intercept by least squares; the linear-fit method (Iosa et al., BioMed Res. Int. 2014, 214156): for
+// equal curves slope 1, intercept 0, r2 1.
 struct LinearFit {
   double slope = 0, intercept = 0, r2 = 0;
 };
@@ -23,13 +23,13 @@ struct MisalignmentMetrics {
   double hausdorff_mm = 0;
   double frechet_mm = 0;  // discrete (Eiter & Mannila 1994)
   double knee_rmse_deg = 0;
-  double cmc = 0;  // of the knee angles (Kadaba et al., J. Orthop. Res. 7, 1989)
+  double cmc = 0;        // of the knee angles (Kadaba et al., J. Orthop. Res. 7, 1989)
   LinearFit linear_fit;  // of the exoskeleton's knee angle on the human's
   int samples = 0;
 };
 
-// |e.y − h.y| / |h.y| in the leg frame: probably what the paper plots. It depends on the origin and grows without bound near
-// y = 0.
+// |e.y − h.y| / |h.y| in the leg frame: probably what the paper plots. It depends on the origin and grows without bound
+// near y = 0.
 double RelativeErrorPaper(const Eigen::Vector2d& exo_knee, const Eigen::Vector2d& human_knee);
 
 // Over the samples that `use` marks.
@@ -49,13 +49,13 @@ double CoefficientOfMultipleCorrelation(const std::vector<std::vector<double>>& 
 LinearFit FitLine(const std::vector<double>& x, const std::vector<double>& y);
 
 struct SpikeOptions {
-  int half_window = 10;           // of the smoothing, in samples
-  double deviations = 5;          // in MAD of the residual
-  double least_mm = 1.0;          // a smaller residual is none: on clean curves the MAD is nearly 0
+  int half_window = 10;   // of the smoothing, in samples
+  double deviations = 5;  // in MAD of the residual
+  double least_mm = 1.0;  // a smaller residual is none: on clean curves the MAD is nearly 0
 };
 
-// Samples at which e − h leaves its own smooth course: the residual after robust local quadratic smoothing (Cleveland 1979) of dx or
-// dy lies outside median ± 5 MAD.
+// Samples at which e − h leaves its own smooth course: the residual after robust local quadratic smoothing (Cleveland
+// 1979) of dx or dy lies outside median ± 5 MAD.
 std::vector<bool> FindSpikes(const StsCurve& human, const StsCurve& exo, const SpikeOptions& options = {});
 
 }  // namespace lake

@@ -16,10 +16,12 @@
 namespace lake {
 
 struct MisalignmentOptions {
-  double replacement_sd_mm = 3;  // per axis: how well a marker is put back on the same spot between trials; 0: one recording
-  int resamples = 300;           // of the intervals; 0: none
+  double replacement_sd_mm =
+      3;                // per axis: how well a marker is put back on the same spot between trials; 0: one recording
+  int resamples = 300;  // of the intervals; 0: none
   std::uint64_t seed = 1;
-  double noise_width_percent = 2;  // correlation width of a filtered marker's noise, about 6 Hz in a natural sit-to-stand
+  double noise_width_percent =
+      2;  // correlation width of a filtered marker's noise, about 6 Hz in a natural sit-to-stand
   SpikeOptions spikes;
   DecompositionOptions decomposition;
 };
@@ -36,7 +38,7 @@ struct MisalignmentIntervals {
 };
 
 struct Misalignment {
-  StsCurve human, exo;  // means over the repetitions
+  StsCurve human, exo;           // means over the repetitions
   std::vector<double> shank_mm;  // human, per percent
   std::vector<double> distance_mm, relative_error, relative_error_paper;
   std::vector<double> relative_error_sd;  // over all pairs of repetitions; empty for a single pair
@@ -52,7 +54,8 @@ struct Misalignment {
 };
 
 // The means over the repetitions are compared. Throws UsageError for an option out of range.
-Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& exo, const MisalignmentOptions& options = {});
+Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& exo,
+                           const MisalignmentOptions& options = {});
 
 // misalignment.csv, 101 rows.
 void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment& misalignment);

@@ -1,5 +1,5 @@
-// Registration: every sit-to-stand of a trial at 0, 1, … 100 % of its motion, in the leg frame. Trials of other frame rates, lengths,
-// facings and cameras become comparable by it.
+// Registration: every sit-to-stand of a trial at 0, 1, … 100 % of its motion, in the leg frame. Trials of other frame
+// rates, lengths, facings and cameras become comparable by it.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,11 +13,11 @@ namespace lake {
 
 inline constexpr int kPercentSamples = 101;
 
-// One sit-to-stand, or the mean of several; one value per percent. Positions in mm in the leg frame: origin at the ankle's median
-// over the seated rests, x anterior, y up.
+// One sit-to-stand, or the mean of several; one value per percent. Positions in mm in the leg frame: origin at the
+// ankle's median over the seated rests, x anterior, y up.
 struct StsCurve {
-  int repetition = 0;              // from 1; 0: a mean
-  double duration_s = 0;           // onset to standing
+  int repetition = 0;                             // from 1; 0: a mean
+  double duration_s = 0;                          // onset to standing
   std::vector<Eigen::Vector2d> ankle, knee, hip;  // knee: the compared marker
   std::vector<double> knee_deg;
   std::vector<double> knee_sigma_mm;  // one standard deviation per axis of the knee relative to the origin's ankle
@@ -33,8 +33,8 @@ struct TrialTables {
 
 struct RegistrationOptions {
   std::string ankle = "ankle", hip = "hip";
-  std::string knee = "knee";    // the compared marker
-  double max_gap_s = 0.2;       // a longer gap in a repetition makes it useless
+  std::string knee = "knee";  // the compared marker
+  double max_gap_s = 0.2;     // a longer gap in a repetition makes it useless
 };
 
 struct RegisteredTrial {
@@ -42,16 +42,16 @@ struct RegisteredTrial {
   std::vector<std::string> warnings;  // repetitions left out, and why
 };
 
-// Onset and standing with the fraction of a frame: where the very quantities that define the events (method.md, section 3) cross
-// their limits between two frames.
+// Onset and standing with the fraction of a frame: where the very quantities that define the events (method.md, section
+// 3) cross their limits between two frames.
 struct StsInterval {
   int repetition = 0;
   double onset_s = 0, standing_s = 0;
 };
 std::vector<StsInterval> FindStsIntervals(const TrialTables& trial);
 
-// Throws Error: lengths in px, a marker that is absent, no repetition found, or none that is whole, tables that contradict each
-// other.
+// Throws Error: lengths in px, a marker that is absent, no repetition found, or none that is whole, tables that
+// contradict each other.
 RegisteredTrial RegisterTrial(const TrialTables& trial, const RegistrationOptions& options = {});
 
 // Sample by sample. `curves` must not be empty.

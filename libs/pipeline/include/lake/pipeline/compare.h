@@ -20,12 +20,13 @@ struct CompareRunOptions {
   MisalignmentOptions misalignment;
 };
 
-// Of a lake-track folder its tables, of another trial those of a leg fit. `knee` is the compared marker; where the trial has no
-// marker `knee`, it is the leg's knee as well.
-TrialTables ReadTrialTables(const std::filesystem::path& path, const TrialOptions& reading, const std::string& knee, Run& run);
+// Of a lake-track folder its tables, of another trial those of a leg fit. `knee` is the compared marker; where the
+// trial has no marker `knee`, it is the leg's knee as well.
+TrialTables ReadTrialTables(const std::filesystem::path& path, const TrialOptions& reading, const std::string& knee,
+                            Run& run);
 
-// Writes misalignment.csv, overlay.png, misalignment.png, comparison.json; returns the results for the summary. Throws Error in one
-// line for trials that cannot be compared.
+// Writes misalignment.csv, overlay.png, misalignment.png, comparison.json; returns the results for the summary. Throws
+// Error in one line for trials that cannot be compared.
 Json RunCompare(const CompareRunOptions& options, Run& run);
 
 }  // namespace lake
