@@ -1,0 +1,159 @@
+#include "lake/compare/misalignment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/compare/pointwise_error.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/statistics.h"
+#include "noise.h"
+
+namespace lake {
+namespace {
+
+using Eigen::Vector2d;
+
+void Check(const MisalignmentOptions& options) {
+  if (!(options.replacement_sd_mm >= 0 && options.replacement_sd_mm <= 100))
+    throw UsageError(fmt::format("--replacement-sd {}: 0 to 100 mm", options.replacement_sd_mm));
+  if (options.resamples != 0 && (options.resamples < 50 || options.resamples > 100000))
+    throw UsageError(fmt::format("resamples {}: 0 or 50 to 100000", options.resamples));
+}
+
+void FillErrors(Misalignment& m) {
+  m.shank_mm = ShankLengths(m.human);
+  for (std::size_t i = 0; i < kPercentSamples; ++i) {
+    m.distance_mm.push_back(std::sqrt(SquaredDistance(m.exo.knee[i], m.human.knee[i])));
+    m.relative_error.push_back(std::sqrt(SquaredRelativeError(m.exo.knee[i], m.human.knee[i], m.shank_mm[i])));
+    m.relative_error_paper.push_back(RelativeErrorPaper(m.exo.knee[i], m.human.knee[i]));
+  }
+}
+
+// Over all pairs of a human's and an exoskeleton's repetition.
+std::vector<double> ErrorDeviations(const RegisteredTrial& human, const RegisteredTrial& exo) {
+  std::vector<double> deviations;
+  if (human.repetitions.size() * exo.repetitions.size() < 2) return deviations;
+  for (std::size_t i = 0; i < kPercentSamples; ++i) {
+    std::vector<double> errors;
+    for (const StsCurve& h : human.repetitions)
+      for (const StsCurve& e : exo.repetitions)
+        errors.push_back(std::sqrt(SquaredRelativeError(e.knee[i], h.knee[i], (h.knee[i] - h.ankle[i]).norm())));
+    deviations.push_back(StandardDeviation(errors));
+  }
+  return deviations;
+}
+
+Interval PercentileInterval(const std::vector<double>& draws) {
+  return {Quantile(draws, 0.025), Quantile(draws, 0.975)};
+}
+
+class Bootstrap {
+ public:
+  Bootstrap(const RegisteredTrial& human, const RegisteredTrial& exo, const MisalignmentOptions& options)
+      : options_(options), noise_(human, exo, options), random_(options.seed) {}
+
+  void Run(Misalignment& m) {
+    std::vector<std::vector<Vector2d>> draws;
+    double square_mm = 0, square_relative = 0;
+    const std::vector<Vector2d> zero(kPercentSamples, Vector2d::Zero());
+    for (int k = 0; k < options_.resamples; ++k) {
+      draws.push_back(noise_.Draw(random_));
+      square_mm += MeanSquaredDistance(draws.back(), zero) / options_.resamples;
+      square_relative += MeanSquaredRelativeError(draws.back(), zero, m.shank_mm) / options_.resamples;
+    }
+    m.noise_floor_mm = std::sqrt(square_mm), m.noise_floor_relative = std::sqrt(square_relative);
+    // Noise adds to a mean square, so what is measured holds it once already; drawing on top of it would count it
+    // twice.
+    const double measured = m.metrics.relative_rms * m.metrics.relative_rms;
+    const double shrink = measured > 0 ? std::sqrt(std::max(0.0, 1 - square_relative / measured)) : 0;
+    for (const std::vector<Vector2d>& noise : draws) {
+      ThrowIfInterrupted();
+      AddDistances(m, shrink, noise);
+      AddDecomposition(m, noise);
+    }
+    m.intervals = Intervals();
+  }
+
+ private:
+  void AddDistances(const Misalignment& m, double shrink, const std::vector<Vector2d>& noise) {
+    std::vector<double> distance, relative;
+    for (std::size_t i = 0; i < kPercentSamples; ++i) {
+      distance.push_back((shrink * (m.exo.knee[i] - m.human.knee[i]) + noise[i]).norm());
+      relative.push_back(distance.back() / m.shank_mm[i]);
+    }
+    rms_.push_back(RootMeanSquare(distance)), max_.push_back(*std::max_element(distance.begin(), distance.end()));
+    relative_rms_.push_back(RootMeanSquare(relative)),
+        relative_max_.push_back(*std::max_element(relative.begin(), relative.end()));
+  }
+
+  void AddDecomposition(const Misalignment& m, const std::vector<Vector2d>& noise) {
+    StsCurve exo = m.exo;
+    for (std::size_t i = 0; i < kPercentSamples; ++i) exo.knee[i] += noise[i];
+    const Decomposition d = DecomposeFrom(m.decomposition, m.human, exo, options_.decomposition);
+    placement_.push_back(d.placement), timing_.push_back(d.timing), shape_.push_back(d.shape);
+    offset_x_.push_back(d.offset_mm.x()), offset_y_.push_back(d.offset_mm.y());
+  }
+
+  MisalignmentIntervals Intervals() const {
+    MisalignmentIntervals intervals;
+    intervals.rms_mm = PercentileInterval(rms_), intervals.max_mm = PercentileInterval(max_);
+    intervals.relative_rms = PercentileInterval(relative_rms_),
+    intervals.relative_max = PercentileInterval(relative_max_);
+    intervals.placement = PercentileInterval(placement_), intervals.timing = PercentileInterval(timing_);
+    intervals.shape = PercentileInterval(shape_);
+    intervals.offset_x_mm = PercentileInterval(offset_x_), intervals.offset_y_mm = PercentileInterval(offset_y_);
+    return intervals;
+  }
+
+  const MisalignmentOptions& options_;
+  NoiseModel noise_;
+  std::mt19937_64 random_;
+  std::vector<double> rms_, max_, relative_rms_, relative_max_, placement_, timing_, shape_, offset_x_, offset_y_;
+};
+
+void AddWarnings(const RegisteredTrial& human, const RegisteredTrial& exo, Misalignment& m) {
+  for (const RegisteredTrial* trial : {&human, &exo})
+    m.warnings.insert(m.warnings.end(), trial->warnings.begin(), trial->warnings.end());
+  const double human_mm = Mean(m.shank_mm), exo_mm = Mean(ShankLengths(m.exo));
+  constexpr double kMostDifference = 0.05;
+  if (std::abs(exo_mm / human_mm - 1) > kMostDifference)
+    m.warnings.push_back(fmt::format(
+        "ankle to knee is {:.0f} mm in the human trial and {:.0f} mm in the exoskeleton trial: another subject, "
+        "another marker placement, or a wrong scale?",
+        human_mm, exo_mm));
+  if (!m.decomposition.converged)
+    m.warnings.push_back("the decomposition did not converge: its fractions are approximate");
+  if (m.metrics.rms_mm < 2 * m.noise_floor_mm)
+    m.warnings.push_back(fmt::format(
+        "the misalignment ({:.2g} mm RMS) is less than twice the noise floor ({:.2g} mm): its parts mean little",
+        m.metrics.rms_mm, m.noise_floor_mm));
+  const auto spikes = std::count(m.spike.begin(), m.spike.end(), true);
+  if (spikes > 0)
+    m.warnings.push_back(fmt::format("{} of 101 samples are spikes; figures without them are given beside", spikes));
+}
+
+}  // namespace
+
+Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& exo,
+                           const MisalignmentOptions& options) {
+  Check(options);
+  Misalignment m;
+  m.human = MeanCurve(human.repetitions), m.exo = MeanCurve(exo.repetitions);
+  m.human_repetitions = static_cast<int>(human.repetitions.size()),
+  m.exo_repetitions = static_cast<int>(exo.repetitions.size());
+  FillErrors(m);
+  m.relative_error_sd = ErrorDeviations(human, exo);
+  m.spike = FindSpikes(m.human, m.exo, options.spikes);
+  std::vector<bool> all(kPercentSamples, true), quiet = m.spike;
+  quiet.flip();
+  m.metrics = ComputeMetrics(m.human, m.exo, all), m.metrics_without_spikes = ComputeMetrics(m.human, m.exo, quiet);
+  m.decomposition = Decompose(m.human, m.exo, options.decomposition);
+  if (options.resamples > 0) Bootstrap(human, exo, options).Run(m);
+  const auto [least, most] = std::minmax_element(m.human.knee_deg.begin(), m.human.knee_deg.end());
+  m.best_pivot = BestFixedPivot(std::clamp(*least, 0.0, 119.0), std::clamp(*most, 1.0, 120.0));
+  AddWarnings(human, exo, m);
+  return m;
+}
+
+}  // namespace lake

@@ -1,0 +1,32 @@
+// The work of lake-compare: from a human and an exoskeleton trial to the misalignment between their knees.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "lake/compare/misalignment.h"
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+#include "lake/exchange/trial.h"
+
+namespace lake {
+
+struct CompareRunOptions {
+  std::filesystem::path human, exo;  // lake-track folders or files that ReadTrial knows
+  std::string human_knee = "knee";
+  std::optional<std::string> exo_knee;      // default: exo_knee, or knee where there is none
+  TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already
+  MisalignmentOptions misalignment;
+};
+
+// Of a lake-track folder its tables, of another trial those of a leg fit. `knee` is the compared marker; where the
+// trial has no marker `knee`, it is the leg's knee as well.
+TrialTables ReadTrialTables(const std::filesystem::path& path, const TrialOptions& reading, const std::string& knee,
+                            Run& run);
+
+// Writes misalignment.csv, overlay.png, misalignment.png, comparison.json; returns the results for the summary. Throws
+// Error in one line for trials that cannot be compared.
+Json RunCompare(const CompareRunOptions& options, Run& run);
+
+}  // namespace lake

@@ -1,0 +1,95 @@
+#include "lake/pipeline/compare.h"
+
+#include "lake/core/error.h"
+#include "lake/gait/leg_fit.h"
+#include "lake/render/misalignment_figures.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kKnee = "knee";
+constexpr const char* kExoKnee = "exo_knee";
+
+bool IsTracked(const fs::path& path) {
+  return fs::is_regular_file(path / "kinematics.csv") && fs::is_regular_file(path / "events.csv");
+}
+
+TrialTables ReadTracked(const fs::path& folder, Run& run) {
+  TrialTables tables;
+  tables.name = folder.string();
+  const bool scaled = fs::is_regular_file(folder / "trajectory.csv");
+  const fs::path markers = folder / (scaled ? "trajectory.csv" : "tracks.csv");
+  tables.trajectory = ReadMarkerCsv(markers);
+  tables.motion = ReadKinematicsCsv(folder / "kinematics.csv");
+  tables.events = ReadEventsCsv(folder / "events.csv");
+  for (const fs::path& file : {markers, folder / "kinematics.csv", folder / "events.csv"}) run.AddInput(file);
+  return tables;
+}
+
+TrialTables FitTables(const fs::path& path, const TrialOptions& reading, const std::string& knee, Run& run) {
+  const Trial trial = ReadTrial(path, fs::is_directory(path) ? TrialOptions{} : reading);
+  run.AddInput(trial.file);
+  for (const std::string& warning : trial.warnings) run.Warn(warning);
+  LegFitOptions fit;
+  fit.quiet = run.Quiet();
+  if (trial.faces_right) fit.facing = *trial.faces_right ? Facing::kRight : Facing::kLeft;
+  if (!trial.recording.Find(kKnee)) fit.markers.knee = knee;
+  const LegFitResult result =
+      FitLeg(trial.recording, MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px), fit);
+  for (const std::string& warning : result.warnings) run.Warn(warning);
+  return {path.string(), result.trajectory, result.motion, result.events};
+}
+
+// The marker of the exoskeleton's knee, known only once the trial's markers are.
+std::string FindExoKnee(const MarkerRecording& recording, const CompareRunOptions& options) {
+  if (options.exo_knee) return *options.exo_knee;
+  return recording.Find(kExoKnee) ? kExoKnee : kKnee;
+}
+
+std::string ExoKneeOf(const CompareRunOptions& options) {
+  if (options.exo_knee || IsTracked(options.exo)) return options.exo_knee.value_or(kExoKnee);
+  const TrialOptions reading = fs::is_directory(options.exo) ? TrialOptions{} : options.exo_reading;
+  return FindExoKnee(ReadTrial(options.exo, reading).recording, options);
+}
+
+void CheckUnits(const TrialTables& human, const TrialTables& exo) {
+  if (human.trajectory.unit != exo.trajectory.unit)
+    throw Fail("{} is in {} and {} in {}: give the one in px a scale (lake-track --camera with a plane, or --scale)",
+               human.name, ToString(human.trajectory.unit), exo.name, ToString(exo.trajectory.unit));
+}
+
+RegisteredTrial Register(const TrialTables& tables, const std::string& knee) {
+  RegistrationOptions options;
+  options.knee = knee;
+  return RegisterTrial(tables, options);
+}
+
+}  // namespace
+
+TrialTables ReadTrialTables(const fs::path& path, const TrialOptions& reading, const std::string& knee, Run& run) {
+  return IsTracked(path) ? ReadTracked(path, run) : FitTables(path, reading, knee, run);
+}
+
+Json RunCompare(const CompareRunOptions& options, Run& run) {
+  const TrialTables human = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
+  const TrialTables exo = ReadTrialTables(options.exo, options.exo_reading, ExoKneeOf(options), run);
+  CheckUnits(human, exo);
+  const std::string exo_knee = FindExoKnee(exo.trajectory, options);
+  const Misalignment misalignment =
+      CompareTrials(Register(human, options.human_knee), Register(exo, exo_knee), options.misalignment);
+  for (const std::string& warning : misalignment.warnings) run.Warn(warning);
+  WriteMisalignmentCsv(run.Result("misalignment.csv"), misalignment);
+  const std::string title = fmt::format("{} ({}) against {} ({})", options.exo.filename().string(), exo_knee,
+                                        options.human.filename().string(), options.human_knee);
+  DrawOverlayFigure(run.Result("overlay.png"), misalignment, title);
+  DrawMisalignmentFigure(run.Result("misalignment.png"), misalignment, title);
+  Json comparison = ComparisonJson(misalignment);
+  comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
+  WriteJsonFile(run.Result("comparison.json"), comparison);
+  comparison.erase("curves");
+  return comparison;
+}
+
+}  // namespace lake
