@@ -7,6 +7,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/trial.h"
 #include "lake/render/leg_figure.h"
+#include "lake/render/overlay_video.h"
 #include "lake/render/tracks_figure.h"
 
 namespace lake {
@@ -115,6 +116,14 @@ void Export(const TrackRunOptions& options, const MarkerRecording& tracks, const
   ExportTrial(options.exports, run.Folder(), options.video.stem().string(), PointsFromMarkers(points), motion);
 }
 
+void WriteOverlay(const TrackRunOptions& options, const OverlayContent& content, Run& run) {
+  if (!options.overlay) return;
+  OverlayOptions overlay;
+  overlay.quiet = run.Quiet();
+  overlay.reader = options.track.reader;
+  WriteOverlayVideo(options.video, content, overlay, run.Result("overlay.mp4"));
+}
+
 Json RunLeg(const TrackRunOptions& options, const TrackResult& tracked, const LegView& view, Run& run) {
   LegFitOptions fit_options = options.fit;
   fit_options.quiet = run.Quiet();
@@ -133,6 +142,7 @@ Json RunLeg(const TrackRunOptions& options, const TrackResult& tracked, const Le
   WriteEventsCsv(run.Result("events.csv"), fit.events);
   Export(options, tracks, fit.trajectory, &fit.motion, run);
   DrawLegFigure(run.Result("track.png"), fit, options.video.filename().string());
+  WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
   return LegFitJson(fit);
 }
 
@@ -144,6 +154,7 @@ Json RunPoints(const TrackRunOptions& options, const TrackResult& tracked, const
   if (trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), trajectory);
   Export(options, tracked.recording, trajectory, nullptr, run);
   DrawTracksFigure(run.Result("track.png"), trajectory, options.video.filename().string());
+  WriteOverlay(options, {tracked.recording}, run);
   return Json::object();
 }
 
