@@ -2,7 +2,6 @@
 #include "lake/tracking/naming.h"
 
 #include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -97,7 +96,8 @@ void AddReflectionsAndGlint(Seen& seen) {
 
 MarkerRecording EmptyRecording() {
   MarkerRecording recording;
-  for (int frame = 0; frame < kFrames; ++frame) recording.frame.push_back(frame), recording.time_s.push_back(frame / kFrameRateHz);
+  for (int frame = 0; frame < kFrames; ++frame)
+    recording.frame.push_back(frame), recording.time_s.push_back(frame / kFrameRateHz);
   return recording;
 }
 
@@ -167,7 +167,8 @@ TEST_P(NamingOfLegs, PiecesAreJoinedOverHalfASecond) {
   EXPECT_DOUBLE_EQ(ShareNamed(Name(seen, LegOptions()), scene_), 1 - 60.0 / (4 * kFrames));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, NamingOfLegs, testing::Combine(testing::Values(-1, 1), testing::Bool(), testing::Values(11u, 12u, 13u)));
+INSTANTIATE_TEST_SUITE_P(All, NamingOfLegs,
+                         testing::Combine(testing::Values(-1, 1), testing::Bool(), testing::Values(11u, 12u, 13u)));
 
 TEST(Naming, TheAnkleIsTheEndThatRestsEvenIfTheLegIsUpsideDownInTheList) {
   LegScene scene;
@@ -196,7 +197,8 @@ TEST(Naming, ASecondKneeIsAmbiguousAndTheErrorSaysWhereAndHow) {
     const LegScene scene{1, false, 0.5, seed};
     const std::string error = ErrorOf(WithSecondKnee(scene, {1, 11}), LegOptions());
     const Vector2d knee = Leg(scene, 0)[1];
-    EXPECT_THAT(error, AllOf(HasSubstr("certainty"), HasSubstr("the knee is at"), HasSubstr("--seed knee="))) << "seed " << seed;
+    EXPECT_THAT(error, AllOf(HasSubstr("certainty"), HasSubstr("the knee is at"), HasSubstr("--seed knee=")))
+        << "seed " << seed;
     for (const Vector2d& place : {knee, Vector2d(knee + Vector2d(1, 11))}) {
       // Noise moves the places in the message by a pixel or two, so only the tens are looked for: "(66".
       EXPECT_THAT(error, HasSubstr(fmt::format("({:.0f}", std::floor(place.x() / 10)))) << "seed " << seed;
@@ -226,8 +228,8 @@ TEST(Naming, ASeedDecidesWhichKneeItIs) {
   }
 }
 
-// Knee and exo_knee are both lost and both come back: the pieces lie as near to one as to the other, and only their distances to the
-// hip and ankle tell them apart.
+// Knee and exo_knee are both lost and both come back: the pieces lie as near to one as to the other, and only their
+// distances to the hip and ankle tell them apart.
 TEST(Naming, LostPairsAreNeverSwapped) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const LegScene scene{1, false, 0.05, seed};
@@ -253,7 +255,8 @@ TEST(Naming, ASeedWithNoMarkerNearItIsAnErrorThatNamesTheNearest) {
   const LegScene scene;
   NamingOptions options = LegOptions();
   options.seeds = {{"knee", Leg(scene, 0)[1] + Vector2d(60, 0), 0}};
-  EXPECT_THAT(ErrorOf(SeenLeg(scene), options), AllOf(HasSubstr("--seed knee="), HasSubstr("no marker is seen there"), HasSubstr("nearest")));
+  EXPECT_THAT(ErrorOf(SeenLeg(scene), options),
+              AllOf(HasSubstr("--seed knee="), HasSubstr("no marker is seen there"), HasSubstr("nearest")));
 }
 
 TEST(Naming, TwoSeedsOnOneMarkerAreAnError) {
@@ -289,7 +292,8 @@ TEST(Naming, AnotherNameNeedsASeedAndTheErrorListsWhatIsLeft) {
   seen.Add([](int) { return Vector2d(1001, 302); });
   NamingOptions options = LegOptions();
   options.names.push_back("toe");
-  EXPECT_THAT(ErrorOf(seen, options), AllOf(HasSubstr("'toe'"), HasSubstr("--seed toe=X,Y"), testing::ContainsRegex("100[01]\\.[0-9], 30[12]\\.")));
+  EXPECT_THAT(ErrorOf(seen, options), AllOf(HasSubstr("'toe'"), HasSubstr("--seed toe=X,Y"),
+                                            testing::ContainsRegex("100[01]\\.[0-9], 30[12]\\.")));
 }
 
 }  // namespace
