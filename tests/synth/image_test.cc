@@ -177,7 +177,7 @@ TEST(MotionBlur, PictureIsThatOfADenseReference) {
 }
 
 TEST(Sensor, NoiseHasTheVarianceThatTheModelStates) {
-  const NoiseModel noise{1.4, 0.03};
+  const SensorNoise noise{1.4, 0.03};
   const Sensor sensor(noise, 7);
   for (const double level : {12.3, 60.0, 200.7}) {
     const cv::Mat even(400, 500, CV_32FC1, cv::Scalar(level));

@@ -38,11 +38,13 @@ std::optional<double> MmPerPx(const TrackRunOptions& options, const std::optiona
 
 LegView MakeView(const TrackRunOptions& options, const VideoInfo& video, Run& run) {
   const std::optional<CameraProfile> profile = ReadCamera(options, video);
-  const LegView view = MakeLegView(LengthUnit::kPx, profile, MmPerPx(options, profile, run), options.depth_mm);
+  return MakeLegView(LengthUnit::kPx, profile, MmPerPx(options, profile, run), options.depth_mm);
+}
+
+void WarnOfUnit(const LegView& view, bool has_camera, Run& run) {
   if (PlaneUnit(view) == LengthUnit::kPx)
-    run.Warn(profile ? "the camera file has no sagittal plane and no --scale is given: lengths stay in px"
-                     : "neither --camera with a plane nor --scale is given: lengths stay in px");
-  return view;
+    run.Warn(has_camera ? "the camera file has no sagittal plane and no --scale is given: lengths stay in px"
+                        : "neither --camera with a plane nor --scale is given: lengths stay in px");
 }
 
 bool HasLeg(const std::vector<std::string>& names) {
@@ -176,6 +178,8 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
     track_options.up_px = Eigen::Vector2d(x1 - x2, y1 - y2) * (y1 < y2 ? 1 : -1);
   }
   TrackResult tracked = TrackMarkers(options.video, track_options);
+  // Only now, as a video that cannot be tracked is told of in one line.
+  WarnOfUnit(view, options.camera.has_value(), run);
   WarnOfVideo(tracked.video, run);
   if (options.corrections) ApplyCorrections(*options.corrections, video.width, video.height, tracked.recording);
 

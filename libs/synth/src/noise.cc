@@ -33,11 +33,11 @@ void RecordRun(const float* light, const float* normal, std::uint8_t* out, int c
 
 }  // namespace
 
-double NoiseVariance(const NoiseModel& noise, double level) {
+double NoiseVariance(const SensorNoise& noise, double level) {
   return noise.read_sd * noise.read_sd + noise.gain * std::max(level, 0.0) + 1.0 / 12;
 }
 
-Sensor::Sensor(const NoiseModel& noise, std::uint64_t seed) : noise_(noise), seed_(seed) {}
+Sensor::Sensor(const SensorNoise& noise, std::uint64_t seed) : noise_(noise), seed_(seed) {}
 
 cv::Mat Sensor::Record(const cv::Mat& image, int frame) const {
   std::call_once(tile_made_, [this] { tile_ = NormalTile(seed_); });

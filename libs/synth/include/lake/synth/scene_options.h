@@ -80,7 +80,7 @@ struct SceneOptions {
   double psf_sigma_px = 0.7;  // Gaussian point-spread
   double exposure = 1;        // factor on everything
   double flicker = 0;         // amplitude of a sinusoid in brightness; a quarter of it more is drawn for every frame
-  NoiseModel noise;
+  SensorNoise noise;
 
   // Throws UsageError naming the option.
   void Check() const;

@@ -1,0 +1,38 @@
+// The built programs, run as a user runs them.
+#pragma once
+
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "lake/core/atomic_file.h"
+#include "temporary_folder.h"
+
+namespace lake {
+
+struct Outcome {
+  int exit_code = 0;
+  std::string out, err;
+
+  std::ptrdiff_t ErrorLines() const { return std::count(err.begin(), err.end(), '\n'); }
+};
+
+// What the shell makes of a command line in this folder.
+inline Outcome Shell(const TemporaryFolder& folder, const std::string& command) {
+  const std::string line = fmt::format("cd '{}' && export PATH='{}':$PATH && ({}) >out.txt 2>err.txt",
+                                       folder.Path().string(), LAKE_BIN_DIR, command);
+  const int status = std::system(line.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), ReadTextFile(folder / "out.txt"),
+          ReadTextFile(folder / "err.txt")};
+}
+
+inline std::size_t FilesIn(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_directory(folder)) return 0;
+  return static_cast<std::size_t>(std::distance(std::filesystem::recursive_directory_iterator(folder), {}));
+}
+
+}  // namespace lake

@@ -1,0 +1,184 @@
+// lake-track and its fellows on bad input, on a full disk, interrupted: one line, the right exit code, nothing
+// half-written.
+#include "cli/program_run.h"
+#include "lake/core/json.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+// A short recording that can be tracked, and files that cannot.
+class TrackProgram : public testing::Test {
+ protected:
+  void Render() {
+    const Outcome made =
+        Shell(folder_, "lake-synth -o good --duration 3 --rate 30 --quiet && cp good/video.mp4 good.mp4");
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+
+  void Ffmpeg(const std::string& arguments) {
+    const Outcome made = Shell(folder_, "ffmpeg -y -v error -nostdin " + arguments);
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+
+  Outcome Track(const std::string& arguments) {
+    return Shell(folder_, "lake-track --no-overlay --quiet -o results " + arguments);
+  }
+
+  void ExpectRefused(const std::string& arguments, int exit_code, const std::string& text) {
+    const Outcome outcome = Track(arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code) << arguments << ": " << outcome.err;
+    EXPECT_THAT(outcome.err, testing::StartsWith("lake-track: "));
+    EXPECT_THAT(outcome.err, HasSubstr(text)) << arguments;
+    EXPECT_EQ(outcome.ErrorLines(), 1) << arguments << ": " << outcome.err;
+    EXPECT_EQ(outcome.out, "") << arguments;
+    EXPECT_EQ(FilesIn(folder_ / "results"), 0u) << arguments;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(TrackProgram, RefusesWhatIsNoVideo) {
+  WriteTextFile(folder_ / "text.mp4", "This is not a video.\n");
+  WriteTextFile(folder_ / "empty.mp4", "");
+  fs::create_directory(folder_ / "folder.mp4");
+  Ffmpeg("-f lavfi -i sine=duration=1 audio.mp4");
+  Ffmpeg("-f lavfi -i testsrc2=size=320x240:rate=30:duration=0.02 -frames:v 1 one.mp4");
+  Ffmpeg("-f lavfi -i color=black:size=320x240:rate=30:duration=1 black.mp4");
+  ExpectRefused("absent.mp4", 1, "absent.mp4");
+  ExpectRefused("folder.mp4", 1, "folder.mp4");
+  ExpectRefused("text.mp4", 1, "text.mp4");
+  ExpectRefused("empty.mp4", 1, "empty.mp4");
+  ExpectRefused("audio.mp4", 1, "audio.mp4");
+  ExpectRefused("one.mp4", 1, "1 frame");
+  ExpectRefused("black.mp4", 1, "only 0 were seen");
+  ExpectRefused("absent/%05d.png", 1, "absent");
+}
+
+TEST_F(TrackProgram, RefusesATruncatedVideo) {
+  Render();
+  for (const int share : {10, 50, 90}) {
+    // The index stands at the front, so the file opens; its frames end too soon.
+    Ffmpeg("-i good.mp4 -c copy -movflags +faststart front.mp4");
+    fs::resize_file(folder_ / "front.mp4", fs::file_size(folder_ / "front.mp4") * static_cast<unsigned>(share) / 100);
+    ExpectRefused("front.mp4", 1, "front.mp4");
+    fs::copy_file(folder_ / "good.mp4", folder_ / "back.mp4", fs::copy_options::overwrite_existing);
+    fs::resize_file(folder_ / "back.mp4", fs::file_size(folder_ / "back.mp4") * static_cast<unsigned>(share) / 100);
+    ExpectRefused("back.mp4", 1, "back.mp4");
+  }
+}
+
+TEST_F(TrackProgram, RefusesOptionsThatDoNotFitTheVideo) {
+  Render();
+  ExpectRefused("good.mp4 --markers a,b,c,d,e,f,g,h,i,j,k,l,m,n,o,p,q,r,s,t", 1, "20 markers are wanted");
+  ExpectRefused("good.mp4 --markers ankle,knee,hip,waist,toe", 1, "toe");
+  ExpectRefused("good.mp4 --seed knee=5000,10", 1, "outside the picture");
+  ExpectRefused("good.mp4 --seed knee=-1,10", 1, "outside the picture");
+  ExpectRefused("good.mp4 --seed knee=640,360@99999", 1, "99999");
+  ExpectRefused("good.mp4 --crop 1000,0,1000,100", 1, "--crop");
+  ExpectRefused("good.mp4 --camera absent.yaml", 1, "absent.yaml");
+  const Outcome other = Shell(folder_, "lake-synth -o other --duration 0.2 --width 640 --height 480 --quiet");
+  ASSERT_EQ(other.exit_code, 0) << other.err;
+  ExpectRefused("good.mp4 --camera other/camera.yaml", 1, "640x480");
+  WriteTextFile(folder_ / "broken.yaml", "%YAML:1.0\nimage_width: [\n");
+  ExpectRefused("good.mp4 --camera broken.yaml", 1, "broken.yaml");
+}
+
+TEST_F(TrackProgram, RefusesWrongUsage) {
+  WriteTextFile(folder_ / "video.mp4", "not looked at");
+  ExpectRefused("video.mp4 --markers 'ankle,kn/ee,hip'", 2, "kn/ee");
+  ExpectRefused("video.mp4 --markers ankle,knee,knee", 2, "twice");
+  ExpectRefused("video.mp4 --markers ankle,,hip", 2, "--markers");
+  ExpectRefused("video.mp4 --seed elbow=1,2", 2, "elbow");
+  ExpectRefused("video.mp4 --seed knee", 2, "--seed");
+  ExpectRefused("video.mp4 --seed knee=1", 2, "--seed");
+  ExpectRefused("video.mp4 --seed knee=nan,2", 2, "--seed");
+  ExpectRefused("video.mp4 --seed knee=1,2@1.5", 2, "whole number");
+  ExpectRefused("video.mp4 --crop 0,0,0,10", 2, "--crop");
+  ExpectRefused("video.mp4 --detector magic", 2, "magic");
+  ExpectRefused("video.mp4 --color '#ff0000'", 2, "--color");
+  ExpectRefused("video.mp4 --start 10 --end 5", 2, "--end");
+  ExpectRefused("video.mp4 --no-such-option", 2, "--no-such-option");
+  ExpectRefused("", 2, "video");
+}
+
+TEST_F(TrackProgram, SaysThatItsFolderCannotBeWritten) {
+  Render();
+  WriteTextFile(folder_ / "file", "in the way\n");
+  const Outcome outcome = Shell(folder_, "lake-track good.mp4 --no-overlay --quiet -o file/results");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("file/results"));
+  EXPECT_EQ(ReadTextFile(folder_ / "file"), "in the way\n");
+}
+
+// Files may not grow beyond a kilobyte, as on a disk with no more room.
+TEST_F(TrackProgram, LeavesNothingHalfWrittenOnAFullDisk) {
+  Render();
+  const Outcome outcome =
+      Shell(folder_, "ulimit -f 1; trap '' XFSZ; lake-track good.mp4 --no-overlay --quiet -o results");
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("results"));
+  EXPECT_FALSE(fs::exists(folder_ / "results" / "tracks.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "results" / "summary.json"));
+}
+
+TEST_F(TrackProgram, EndsCleanlyWhenInterrupted) {
+  // A long video, so that the signal comes in the middle of it.
+  Ffmpeg("-f lavfi -i testsrc2=size=1280x720:rate=60:duration=40 -c:v libx264 -preset ultrafast long.mp4");
+  for (const auto& [signal, code] : {std::pair("INT", 130), std::pair("TERM", 143)}) {
+    const Outcome outcome = Shell(
+        folder_,
+        fmt::format("timeout --preserve-status -s {} 1 lake-track long.mp4 --no-overlay --quiet -o results", signal));
+    EXPECT_EQ(outcome.exit_code, code) << outcome.err;
+    EXPECT_EQ(outcome.err, "lake-track: interrupted\n");
+    EXPECT_EQ(FilesIn(folder_ / "results"), 0u);
+  }
+}
+
+TEST_F(TrackProgram, SummaryIsOneJsonValueAndTheFrontDoorDoesTheSame) {
+  Render();
+  const Outcome direct = Shell(folder_, "lake-track good.mp4 --no-overlay --quiet --json -o direct");
+  ASSERT_EQ(direct.exit_code, 0) << direct.err;
+  const Json summary = Json::parse(direct.out);  // throws on anything before or after the value
+  EXPECT_EQ(summary["program"], "lake-track");
+  for (const char* key : {"version", "command", "options", "inputs", "warnings", "video", "tracking"})
+    EXPECT_TRUE(summary.contains(key)) << key;
+  EXPECT_EQ(summary, Json::parse(ReadTextFile(folder_ / "direct" / "summary.json")));
+
+  const Outcome front = Shell(folder_, "lake track good.mp4 --no-overlay --quiet -o front");
+  ASSERT_EQ(front.exit_code, 0) << front.err;
+  for (const char* name : {"tracks.csv", "kinematics.csv", "events.csv"})
+    EXPECT_EQ(ReadTextFile(folder_ / "front" / name), ReadTextFile(folder_ / "direct" / name)) << name;
+}
+
+class Programs : public testing::TestWithParam<const char*> {};
+
+TEST_P(Programs, AnswerHelpVersionAndUnknownOptions) {
+  const TemporaryFolder folder;
+  const std::string program = GetParam();
+  const Outcome help = Shell(folder, program + " --help");
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_EQ(help.err, "");
+  EXPECT_THAT(help.out, HasSubstr("lake"));
+  const Outcome version = Shell(folder, program + " --version");
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_THAT(version.out, testing::StartsWith(program + " "));
+  const Outcome unknown = Shell(folder, program + " --no-such-option");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_EQ(unknown.ErrorLines(), 1) << unknown.err;
+  EXPECT_EQ(unknown.out, "");
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Programs,
+                         testing::Values("lake", "lake-track", "lake-gait", "lake-convert", "lake-info",
+                                         "lake-simulate", "lake-calibrate", "lake-optimize", "lake-synth"),
+                         [](const auto& info) {
+                           std::string name = info.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace lake

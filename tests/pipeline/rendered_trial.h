@@ -1,0 +1,137 @@
+// A rendered recording, tracked, held against its own truth.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "lake/core/csv.h"
+#include "lake/core/statistics.h"
+#include "lake/motion/marker_recording.h"
+#include "lake/pipeline/track.h"
+#include "lake/synth/recording.h"
+#include "temporary_folder.h"
+
+namespace lake {
+
+// Drawn from the test's own name, so that nothing was developed on it.
+inline std::uint64_t SeedOfThisTest() {
+  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+  std::uint64_t hash = 1469598103934665603u;  // FNV-1a
+  for (const char c : std::string(info->test_suite_name()) + "." + info->name())
+    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  return hash % 100000;
+}
+
+// A hand that covers 10 to 15 % of a marker makes the truth call it hidden, though most of its rim is to be seen:
+// detecting it there is no false detection, but its error does not count either.
+inline constexpr double kBorderCovered = 0.15;
+
+struct TrackErrors {
+  double rms_px = 0;       // 2-D, of what was detected while visible
+  double axis_px = 0;      // the same per axis
+  double worst_px = 0;     // 2-D
+  double recall = 0;       // detected of what is visible
+  int false_samples = 0;   // detected though covered by more than kBorderCovered
+  int border_samples = 0;  // detected though covered by 10 to 15 %
+  double z_deviation = 0;  // of error / sigma
+  double filled_px = 0;    // rms 2-D, of what was filled while hidden; 0 without any
+  int filled = 0;
+};
+
+inline double RootMean(double sum, int count) {
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+inline TrackErrors CompareTracks(const MarkerRecording& tracks, const Scene& scene) {
+  TrackErrors errors;
+  int visible = 0, detected = 0;
+  double square_sum = 0, z_sum = 0, filled_sum = 0;
+  for (std::size_t i = 0; i < tracks.Frames(); ++i) {
+    const FrameTruth truth = scene.Truth(static_cast<int>(tracks.frame[i]));
+    for (const MarkerTrack& marker : tracks.markers) {
+      const MarkerTruth& true_marker =
+          truth.markers[static_cast<std::size_t>(IndexOfMarker(scene.Motion(), marker.name))];
+      const MarkerSample& sample = marker.samples[i];
+      const double error = (sample.position - true_marker.px).norm();
+      visible += true_marker.visible;
+      if (sample.status == SampleStatus::kDetected && true_marker.visible) {
+        ++detected;
+        square_sum += error * error;
+        z_sum += error * error / (sample.sigma * sample.sigma) / 2;
+        errors.worst_px = std::max(errors.worst_px, error);
+      } else if (sample.status == SampleStatus::kDetected) {
+        ++(true_marker.covered > kBorderCovered ? errors.false_samples : errors.border_samples);
+      } else if (sample.status == SampleStatus::kFilled && !true_marker.visible) {
+        ++errors.filled;
+        filled_sum += error * error;
+      }
+    }
+  }
+  errors.rms_px = RootMean(square_sum, detected), errors.axis_px = errors.rms_px / std::sqrt(2);
+  errors.z_deviation = RootMean(z_sum, detected);
+  errors.filled_px = RootMean(filled_sum, errors.filled);
+  errors.recall = visible > 0 ? static_cast<double>(detected) / visible : 0;
+  return errors;
+}
+
+struct KneeErrors {
+  double fitted_deg = 0, raw_deg = 0;  // rms
+  int frames = 0, raw_frames = 0;
+};
+
+inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const Scene& scene) {
+  const CsvTable table = CsvTable::Read(kinematics_csv);
+  const std::size_t frame = table.Column("frame"), fitted = table.Column("knee_deg"),
+                    raw = table.Column("knee_raw_deg");
+  KneeErrors errors;
+  double fitted_sum = 0, raw_sum = 0;
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const double truth = scene.Truth(static_cast<int>(table.RequiredNumber(row, frame))).knee_deg;
+    if (const auto angle = table.Number(row, fitted)) fitted_sum += std::pow(*angle - truth, 2), ++errors.frames;
+    if (const auto angle = table.Number(row, raw)) raw_sum += std::pow(*angle - truth, 2), ++errors.raw_frames;
+  }
+  errors.fitted_deg = RootMean(fitted_sum, errors.frames), errors.raw_deg = RootMean(raw_sum, errors.raw_frames);
+  return errors;
+}
+
+// A scene, its recording and a run on it, in a folder that vanishes with it.
+struct RenderedTrial {
+  RenderedTrial(const SceneOptions& options, const RecordingOptions& recording) : scene(options) {
+    WriteRecording(scene, folder.Path(), recording);
+  }
+
+  // Tracks the video with the recording's own camera, without an overlay, into a folder of this name.
+  Json Track(const std::string& name = "trial", const std::function<void(TrackRunOptions&)>& change = {}) {
+    TrackRunOptions options;
+    options.video = folder / "video.mp4";
+    options.camera = folder / "camera.yaml";
+    options.overlay = false;
+    options.track.quiet = true;
+    if (change) change(options);
+    Run run({"lake-track", "test", Json::object(), folder / name, true});
+    return run.WriteSummary(RunTrack(options, run));
+  }
+
+  MarkerRecording Tracks(const std::string& name = "trial") const {
+    return ReadMarkerCsv(folder / name / "tracks.csv");
+  }
+
+  TemporaryFolder folder;
+  Scene scene;
+};
+
+// Says the numbers in the test's report too.
+inline void Print(const char* what, std::uint64_t seed, const TrackErrors& e, const KneeErrors& k) {
+  std::printf(
+      "%s, seed %llu: rms %.4f px, worst %.3f, recall %.2f %%, false %d, border %d, z %.2f, filled %.2f px (%d), knee "
+      "%.4f deg, raw %.4f\n",
+      what, static_cast<unsigned long long>(seed), e.rms_px, e.worst_px, 100 * e.recall, e.false_samples,
+      e.border_samples, e.z_deviation, e.filled_px, e.filled, k.fitted_deg, k.raw_deg);
+}
+
+}  // namespace lake

@@ -1,0 +1,197 @@
+// lake-track's work from the video to its tables, on rendered recordings with known truth: the limits are those that
+// the program promises.
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "lake/pipeline/track.h"
+#include "lake/synth/cramer_rao.h"
+#include "pipeline/rendered_trial.h"
+
+namespace lake {
+namespace {
+
+struct Limits {
+  double rms_px, knee_deg, raw_deg;
+};
+
+void ExpectWithin(RenderedTrial& trial, const Limits& limits, const char* what, std::uint64_t seed) {
+  trial.Track();
+  const TrackErrors tracks = CompareTracks(trial.Tracks(), trial.scene);
+  const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial.scene);
+  Print(what, seed, tracks, knee);
+  EXPECT_LE(tracks.rms_px, limits.rms_px);
+  EXPECT_GE(tracks.recall, 0.995);
+  EXPECT_EQ(tracks.false_samples, 0);
+  EXPECT_LE(tracks.worst_px, 2) << "a marker took another's place";  // markers are 8 px wide or more, 100 px apart
+  EXPECT_GE(tracks.z_deviation, 0.7);
+  EXPECT_LE(tracks.z_deviation, 1.4);
+  EXPECT_LE(tracks.filled_px, 2);
+  EXPECT_LE(knee.fitted_deg, limits.knee_deg);
+  EXPECT_LE(knee.raw_deg, limits.raw_deg);
+  EXPECT_EQ(knee.frames, trial.scene.Frames());
+  EXPECT_GE(knee.raw_frames, 0.8 * trial.scene.Frames());
+}
+
+// One rise and the standing after it.
+constexpr double kShortS = 4;
+
+SceneOptions ShortClean(std::uint64_t seed, Facing facing) {
+  SceneOptions scene = CleanScene(seed);
+  scene.duration_s = kShortS;
+  scene.motion.facing = facing;
+  return scene;
+}
+
+// The three occlusions of the long recording, sooner after each other.
+SceneOptions ShortHard(std::uint64_t seed, Facing facing) {
+  SceneOptions scene = HardScene(seed);
+  scene.duration_s = kShortS;
+  scene.motion.facing = facing;
+  for (std::size_t i = 0; i < scene.occlusions.size(); ++i)
+    scene.occlusions[i].start_s = 0.7 + 1.1 * static_cast<double>(i);
+  return scene;
+}
+
+class Clean : public testing::TestWithParam<Facing> {};
+class Hard : public testing::TestWithParam<Facing> {};
+
+TEST_P(Clean, IsTrackedWithinItsLimits) {
+  const std::uint64_t seed = SeedOfThisTest();
+  RenderedTrial trial(ShortClean(seed, GetParam()), {.crf = 17});
+  ExpectWithin(trial, {0.040, 0.02, 0.03}, "clean", seed);
+}
+
+TEST_P(Hard, IsTrackedWithinItsLimits) {
+  const std::uint64_t seed = SeedOfThisTest();
+  RenderedTrial trial(ShortHard(seed, GetParam()), {.crf = 23});
+  ExpectWithin(trial, {0.065, 0.05, 0.08}, "hard", seed);
+}
+
+const auto kFacingName = [](const testing::TestParamInfo<Facing>& info) {
+  return info.param == Facing::kLeft ? "left" : "right";
+};
+INSTANTIATE_TEST_SUITE_P(Facing, Clean, testing::Values(Facing::kLeft, Facing::kRight), kFacingName);
+INSTANTIATE_TEST_SUITE_P(Facing, Hard, testing::Values(Facing::kLeft, Facing::kRight), kFacingName);
+
+// Markers before an even background, as the bound assumes, in the smallest picture that holds a leg.
+SceneOptions Plain(std::uint64_t seed) {
+  SceneOptions scene = CleanScene(seed);
+  scene.room = scene.body = false;
+  scene.duration_s = 3;
+  return scene;
+}
+
+TEST(Lossless, ComesWithinFifteenPercentOfTheCramerRaoBound) {
+  const std::uint64_t seed = SeedOfThisTest();
+  RenderedTrial trial(Plain(seed), {.lossless = true});
+  // Without a filter the tables hold each frame's own measurement, which is what the bound is about.
+  trial.Track("trial", [](TrackRunOptions& options) { options.fit.filter = LegFilter::kNone; });
+  const TrackErrors errors = CompareTracks(trial.Tracks(), trial.scene);
+
+  double variance_sum = 0;
+  int bounds = 0;
+  for (int frame = 5; frame < trial.scene.Frames(); frame += 40)
+    for (const char* marker : kLegMarkers) {
+      variance_sum += CramerRaoBound(trial.scene, frame, marker).squaredNorm() / 2;
+      ++bounds;
+    }
+  const double bound_px = std::sqrt(variance_sum / bounds);
+  Print("lossless", seed, errors, {});
+  std::printf("bound %.5f px, error over bound %.3f\n", bound_px, errors.axis_px / bound_px);
+  // 4 × 180 samples of two axes estimate the ratio to 2 %.
+  EXPECT_LE(errors.axis_px, 1.15 * bound_px);
+  EXPECT_GE(errors.axis_px, 0.9 * bound_px) << "below the bound: the bound or the comparison is wrong";
+  EXPECT_DOUBLE_EQ(errors.recall, 1);
+  EXPECT_NEAR(errors.z_deviation, 1, 0.15);
+}
+
+TEST(TimeStamps, OfTheFramesThemselvesAreUsed) {
+  const std::uint64_t seed = SeedOfThisTest();
+  SceneOptions options = Plain(seed);
+  options.duration_s = kShortS;
+  options.start_s = 7.25;
+  options.time_jitter = 0.3;
+  RenderedTrial trial(options, {.crf = 17});
+  const Json summary = trial.Track();
+  const MarkerRecording tracks = trial.Tracks();
+  ASSERT_EQ(tracks.Frames(), static_cast<std::size_t>(trial.scene.Frames()));
+  for (std::size_t i = 0; i < tracks.Frames(); ++i)
+    ASSERT_NEAR(tracks.time_s[i], trial.scene.TimeS(static_cast<int>(i)), 1.0 / 90000) << "frame " << i;
+  EXPECT_NEAR(tracks.time_s.front(), 7.25, 0.3 / 60 + 1e-4);
+  EXPECT_TRUE(summary["video"]["irregular_time_stamps"].get<bool>());
+  EXPECT_THAT(summary["warnings"].dump(), testing::HasSubstr("irregular"));
+  const TrackErrors errors = CompareTracks(tracks, trial.scene);
+  const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial.scene);
+  Print("variable rate", seed, errors, knee);
+  EXPECT_LE(errors.rms_px, 0.040);
+  // At 100 °/s a frame's stamp that is wrong by 0.3 of the frame time would be wrong by 0.5°.
+  EXPECT_LE(knee.fitted_deg, 0.02);
+}
+
+TEST(ImageSequence, GivesTheSameAsTheLosslessVideo) {
+  const SceneOptions options = Plain(SeedOfThisTest());
+  RenderedTrial video(options, {.lossless = true}), pictures(options, {.pictures = true});
+  video.Track();
+  pictures.Track("trial", [&](TrackRunOptions& run) {
+    run.video = pictures.folder / "frames" / "%05d.png";
+    run.track.reader.sequence_rate_hz = 60;
+  });
+  const MarkerRecording a = video.Tracks(), b = pictures.Tracks();
+  ASSERT_EQ(a.Frames(), b.Frames());
+  ASSERT_EQ(a.markers.size(), b.markers.size());
+  for (std::size_t m = 0; m < a.markers.size(); ++m)
+    for (std::size_t i = 0; i < a.Frames(); ++i) {
+      ASSERT_EQ(a.markers[m].samples[i].status, b.markers[m].samples[i].status);
+      // The pictures are the same to the bit; only the stamps, kept to 1/90000 s in the video, go through another
+      // division.
+      ASSERT_LE((a.markers[m].samples[i].position - b.markers[m].samples[i].position).norm(), 1e-6);
+    }
+}
+
+class Corrections : public testing::Test {
+ protected:
+  Corrections() : trial_(ShortClean(SeedOfThisTest(), Facing::kRight), {.crf = 17}) {}
+
+  void Track(const std::string& rows) {
+    WriteTextFile(trial_.folder / "corrections.csv", "frame,marker,x_px,y_px\n" + rows);
+    trial_.Track("trial", [&](TrackRunOptions& options) {
+      options.corrections = trial_.folder / "corrections.csv";
+      options.fit.filter = LegFilter::kNone;
+    });
+  }
+
+  void ExpectError(const std::string& rows, const std::string& text) {
+    try {
+      Track(rows);
+      ADD_FAILURE() << rows << " was taken";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("corrections.csv:2"), testing::HasSubstr(text)));
+    }
+    EXPECT_FALSE(std::filesystem::exists(trial_.folder / "trial" / "tracks.csv"));
+  }
+
+  RenderedTrial trial_;
+};
+
+TEST_F(Corrections, OverruleTheDetector) {
+  const Eigen::Vector2d knee = trial_.scene.Truth(20).markers[1].px;
+  const Eigen::Vector2d placed = knee + Eigen::Vector2d(0.75, -0.5);
+  Track(fmt::format("20,knee,{},{}\n50,hip,,\n", placed.x(), placed.y()));
+  const MarkerRecording tracks = trial_.Tracks();
+  EXPECT_EQ(tracks.Find("knee")->samples[20].status, SampleStatus::kDetected);
+  EXPECT_LE((tracks.Find("knee")->samples[20].position - placed).norm(), 1e-6);
+  EXPECT_EQ(tracks.Find("knee")->samples[21].status, SampleStatus::kDetected);
+  EXPECT_LE((tracks.Find("knee")->samples[21].position - trial_.scene.Truth(21).markers[1].px).norm(), 0.3);
+  EXPECT_EQ(tracks.Find("hip")->samples[50].status, SampleStatus::kFilled);
+  EXPECT_LE((tracks.Find("hip")->samples[50].position - trial_.scene.Truth(50).markers[2].px).norm(), 0.3);
+}
+
+TEST_F(Corrections, ThatCannotBeAreErrorsWithTheirLine) {
+  ExpectError("20,elbow,1,1\n", "elbow");
+  ExpectError("99999,knee,1,1\n", "99999");
+  ExpectError("20,knee,1,\n", "x_px and y_px");
+  ExpectError("20,knee,-5,1\n", "outside the picture");
+  ExpectError("20,knee,x,1\n", "x");
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,316 @@
+// Which of the things seen is which marker: tracklets made by a leg's geometry, without pictures.
+#include "lake/tracking/naming.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+using Eigen::Vector2d;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr double kFrameRateHz = 60;
+constexpr int kFrames = 300;
+constexpr double kRadiusPx = 4;
+
+struct LegScene {
+  int facing = 1;  // +1: looks to the right of the picture
+  bool start_standing = false;
+  double noise_px = 0.05;
+  unsigned seed = 1;
+};
+
+// Positions of ankle, knee, hip, waist at a fraction of the movement, 0 seated … 1 upright; image frame.
+std::array<Vector2d, 4> Leg(const LegScene& scene, double upright) {
+  constexpr double kShankPx = 220, kThighPx = 225, kTrunkPx = 110;
+  const double lean = std::sin(std::numbers::pi * upright);
+  const auto up = [&](double length, double forward_deg) {
+    const double a = forward_deg * std::numbers::pi / 180;
+    return Vector2d(scene.facing * length * std::sin(a), -length * std::cos(a));
+  };
+  std::array<Vector2d, 4> leg;
+  leg[0] = {640, 650};
+  leg[1] = leg[0] + up(kShankPx, 6 + 10 * lean);
+  leg[2] = leg[1] + up(kThighPx, -86 * (1 - upright) - 2);
+  leg[3] = leg[2] + up(kTrunkPx, 4 + 34 * lean);
+  return leg;
+}
+
+// Seated for a sixth, up, upright for a third, down; or the other way round.
+double Upright(const LegScene& scene, int frame) {
+  const auto jerk = [](double s) { return s <= 0 ? 0 : s >= 1 ? 1 : s * s * s * (10 - 15 * s + 6 * s * s); };
+  const double s = static_cast<double>(frame) / kFrames;
+  const double upright = jerk((s - 0.15) / 0.3) - jerk((s - 0.65) / 0.3);
+  return scene.start_standing ? 1 - upright : upright;
+}
+
+TrackletSample Sample(int frame, const Vector2d& position, double radius = kRadiusPx) {
+  return {frame, frame / kFrameRateHz, position, 0.03, radius, 180, 0.02};
+}
+
+// Things seen over frames, each from a function of the frame.
+class Seen {
+ public:
+  explicit Seen(unsigned seed, double noise_px) : random_(seed), noise_(0, noise_px) {}
+
+  template <typename Path>
+  Seen& Add(Path path, int first = 0, int last = kFrames - 1) {
+    Tracklet tracklet;
+    for (int frame = first; frame <= last; ++frame)
+      tracklet.samples.push_back(Sample(frame, path(frame) + Vector2d(noise_(random_), noise_(random_))));
+    tracklets.push_back(std::move(tracklet));
+    return *this;
+  }
+
+  Seen& AddMarker(const LegScene& scene, std::size_t marker, int first = 0, int last = kFrames - 1) {
+    return Add([=](int frame) { return Leg(scene, Upright(scene, frame))[marker]; }, first, last);
+  }
+
+  std::vector<Tracklet> tracklets;
+
+ private:
+  std::mt19937 random_;
+  std::normal_distribution<double> noise_;
+};
+
+Seen SeenLeg(const LegScene& scene, std::size_t markers = 4) {
+  Seen seen(scene.seed, scene.noise_px);
+  // Not in the leg's order, so that the order of the list tells nothing.
+  for (const std::size_t m : {2u, 0u, 3u, 1u})
+    if (m < markers) seen.AddMarker(scene, m);
+  return seen;
+}
+
+void AddReflectionsAndGlint(Seen& seen) {
+  for (const Vector2d& place : {Vector2d(150, 120), Vector2d(1100, 300), Vector2d(980, 640), Vector2d(400, 80)})
+    seen.Add([=](int) { return place; });
+  seen.Add([](int frame) { return Vector2d(200 + 2.5 * frame, 90 + 20 * std::sin(frame / 15.0)); }, 30, 260);
+}
+
+MarkerRecording EmptyRecording() {
+  MarkerRecording recording;
+  for (int frame = 0; frame < kFrames; ++frame)
+    recording.frame.push_back(frame), recording.time_s.push_back(frame / kFrameRateHz);
+  return recording;
+}
+
+NamingOptions LegOptions(std::size_t markers = 4) {
+  NamingOptions options;
+  options.names.assign(kLegMarkers.begin(), kLegMarkers.begin() + static_cast<std::ptrdiff_t>(markers));
+  return options;
+}
+
+MarkerRecording Name(const Seen& seen, const NamingOptions& options) {
+  MarkerRecording recording = EmptyRecording();
+  NameTracklets(seen.tracklets, options, recording);
+  return recording;
+}
+
+std::string ErrorOf(const Seen& seen, const NamingOptions& options) {
+  try {
+    Name(seen, options);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+// The share of a leg's frames that are named, every one of them rightly.
+double ShareNamed(const MarkerRecording& recording, const LegScene& scene) {
+  int named = 0, all = 0;
+  for (std::size_t m = 0; m < kLegMarkers.size(); ++m) {
+    const MarkerTrack* track = recording.Find(kLegMarkers[m]);
+    if (!track) continue;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      const MarkerSample& sample = track->samples[static_cast<std::size_t>(frame)];
+      ++all;
+      if (!sample.IsKnown()) continue;
+      ++named;
+      EXPECT_LE((sample.position - Leg(scene, Upright(scene, frame))[m]).norm(), 6 * scene.noise_px + 1e-9)
+          << kLegMarkers[m] << " in frame " << frame;
+    }
+  }
+  return static_cast<double>(named) / all;
+}
+
+class NamingOfLegs : public testing::TestWithParam<std::tuple<int, bool, unsigned>> {
+ protected:
+  LegScene scene_{std::get<0>(GetParam()), std::get<1>(GetParam()), 0.05, std::get<2>(GetParam())};
+};
+
+TEST_P(NamingOfLegs, FourAmongReflectionsAndAGlint) {
+  Seen seen = SeenLeg(scene_);
+  AddReflectionsAndGlint(seen);
+  EXPECT_DOUBLE_EQ(ShareNamed(Name(seen, LegOptions()), scene_), 1);
+}
+
+TEST_P(NamingOfLegs, ThreeWithoutAWaist) {
+  Seen seen = SeenLeg(scene_, 3);
+  AddReflectionsAndGlint(seen);
+  EXPECT_DOUBLE_EQ(ShareNamed(Name(seen, LegOptions(3)), scene_), 1);
+}
+
+// The hip is lost for half a second in the middle of the movement, the knee right after it.
+TEST_P(NamingOfLegs, PiecesAreJoinedOverHalfASecond) {
+  Seen seen(scene_.seed, scene_.noise_px);
+  seen.AddMarker(scene_, 0).AddMarker(scene_, 3);
+  seen.AddMarker(scene_, 2, 0, 79).AddMarker(scene_, 2, 110, kFrames - 1);
+  seen.AddMarker(scene_, 1, 0, 119).AddMarker(scene_, 1, 150, kFrames - 1);
+  AddReflectionsAndGlint(seen);
+  EXPECT_DOUBLE_EQ(ShareNamed(Name(seen, LegOptions()), scene_), 1 - 60.0 / (4 * kFrames));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, NamingOfLegs,
+                         testing::Combine(testing::Values(-1, 1), testing::Bool(), testing::Values(11u, 12u, 13u)));
+
+TEST(Naming, TheAnkleIsTheEndThatRestsEvenIfTheLegIsUpsideDownInTheList) {
+  LegScene scene;
+  Seen seen = SeenLeg(scene);
+  std::reverse(seen.tracklets.begin(), seen.tracklets.end());
+  const MarkerRecording recording = Name(seen, LegOptions());
+  EXPECT_DOUBLE_EQ(ShareNamed(recording, scene), 1);
+  double extent[4];
+  for (std::size_t m = 0; m < 4; ++m) {
+    Eigen::AlignedBox2d box;
+    for (const MarkerSample& sample : recording.markers[m].samples) box.extend(sample.position);
+    extent[m] = box.diagonal().norm();
+  }
+  EXPECT_LT(extent[0], 0.1 * extent[1]);
+}
+
+// A marker of the exoskeleton some millimetres from the knee keeps nearly the same distances as the knee.
+Seen WithSecondKnee(const LegScene& scene, const Vector2d& offset) {
+  Seen seen = SeenLeg(scene);
+  seen.Add([=](int frame) -> Vector2d { return Leg(scene, Upright(scene, frame))[1] + offset; });
+  return seen;
+}
+
+constexpr std::size_t kKneeTracklet = 3, kSecondTracklet = 4;  // in WithSecondKnee
+const Vector2d kSecondKnee(1, 11);                             // px
+
+TEST(Naming, ASecondKneeIsNotTakenForTheKneeIfItsDistancesChangeMore) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const LegScene scene{1, false, 0.5, seed};
+    EXPECT_DOUBLE_EQ(ShareNamed(Name(WithSecondKnee(scene, kSecondKnee), LegOptions()), scene), 1) << "seed " << seed;
+  }
+}
+
+// Positions that scatter by 2 % of a segment, as over moving skin: both knees keep their distances equally badly.
+LegScene LooseSkin(unsigned seed) {
+  return {1, false, 5, seed};
+}
+
+TEST(Naming, ASecondKneeUnderNoiseIsAmbiguousAndTheErrorSaysWhereAndHow) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Seen seen = WithSecondKnee(LooseSkin(seed), kSecondKnee);
+    const std::string error = ErrorOf(seen, LegOptions());
+    EXPECT_THAT(error, AllOf(HasSubstr("certainty"), HasSubstr("the knee is at"), HasSubstr("--seed knee=")))
+        << "seed " << seed;
+    for (const std::size_t tracklet : {kKneeTracklet, kSecondTracklet}) {
+      const Vector2d place = seen.tracklets[tracklet].samples.front().position;
+      EXPECT_THAT(error, HasSubstr(fmt::format("({:.1f}, {:.1f})", place.x(), place.y()))) << "seed " << seed;
+    }
+  }
+}
+
+void ExpectIs(const MarkerTrack& track, const Tracklet& tracklet) {
+  for (const TrackletSample& sample : tracklet.samples) {
+    ASSERT_TRUE(track.samples[static_cast<std::size_t>(sample.frame)].IsKnown()) << track.name;
+    ASSERT_EQ(track.samples[static_cast<std::size_t>(sample.frame)].position, sample.position) << track.name;
+  }
+}
+
+TEST(Naming, ASeedDecidesWhichKneeItIs) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Seen seen = WithSecondKnee(LooseSkin(seed), kSecondKnee);
+    for (const auto& [knee, other] :
+         {std::pair(kKneeTracklet, kSecondTracklet), std::pair(kSecondTracklet, kKneeTracklet)}) {
+      NamingOptions options = LegOptions();
+      options.seeds = {{"knee", seen.tracklets[knee].samples[40].position + Vector2d(1.5, -1), 40}};
+      ExpectIs(*Name(seen, options).Find("knee"), seen.tracklets[knee]);
+      options.names.push_back("exo_knee");
+      options.seeds.push_back({"exo_knee", seen.tracklets[other].samples[40].position, 40});
+      const MarkerRecording both = Name(seen, options);
+      ExpectIs(*both.Find("knee"), seen.tracklets[knee]);
+      ExpectIs(*both.Find("exo_knee"), seen.tracklets[other]);
+    }
+  }
+}
+
+// Knee and exo_knee are both lost and both come back: the pieces lie as near to one as to the other, and only their
+// distances to the hip and ankle tell them apart.
+TEST(Naming, LostPairsAreNeverSwapped) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const LegScene scene{1, false, 0.05, seed};
+    const Vector2d offset(-6, 14);
+    const auto exo = [=](int frame) -> Vector2d { return Leg(scene, Upright(scene, frame))[1] + offset; };
+    Seen seen(seed, scene.noise_px);
+    for (const std::size_t m : {0u, 2u, 3u}) seen.AddMarker(scene, m);
+    seen.AddMarker(scene, 1, 0, 79).Add(exo, 0, 79).Add(exo, 110).AddMarker(scene, 1, 110);
+    NamingOptions options = LegOptions();
+    options.names.push_back("exo_knee");
+    options.seeds = {{"knee", Leg(scene, 0)[1], 0}, {"exo_knee", exo(0), 0}};
+    const MarkerRecording recording = Name(seen, options);
+    EXPECT_DOUBLE_EQ(ShareNamed(recording, scene), 1 - 30.0 / (4 * kFrames)) << "seed " << seed;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      const MarkerSample& sample = recording.Find("exo_knee")->samples[static_cast<std::size_t>(frame)];
+      if (!sample.IsKnown()) continue;
+      EXPECT_LE((sample.position - exo(frame)).norm(), 0.5) << "seed " << seed << " frame " << frame;
+    }
+  }
+}
+
+TEST(Naming, ASeedWithNoMarkerNearItIsAnErrorThatNamesTheNearest) {
+  const LegScene scene;
+  NamingOptions options = LegOptions();
+  options.seeds = {{"knee", Leg(scene, 0)[1] + Vector2d(60, 0), 0}};
+  EXPECT_THAT(ErrorOf(SeenLeg(scene), options),
+              AllOf(HasSubstr("--seed knee="), HasSubstr("no marker is seen there"), HasSubstr("nearest")));
+}
+
+TEST(Naming, TwoSeedsOnOneMarkerAreAnError) {
+  const LegScene scene;
+  NamingOptions options = LegOptions();
+  const Vector2d knee = Leg(scene, 0)[1];
+  options.seeds = {{"knee", knee, 0}, {"hip", knee + Vector2d(1, 1), 0}};
+  EXPECT_THAT(ErrorOf(SeenLeg(scene), options), AllOf(HasSubstr("--seed hip="), HasSubstr("another name")));
+}
+
+TEST(Naming, FewerMarkersThanNamesIsAnErrorWithBothNumbers) {
+  EXPECT_THAT(ErrorOf(SeenLeg({}, 3), LegOptions()), AllOf(HasSubstr("4 markers are wanted"), HasSubstr("only 3")));
+}
+
+// Four things are seen, but one of the leg's markers is not among them.
+TEST(Naming, AReflectionIsNoMarker) {
+  const LegScene scene;
+  Seen seen = SeenLeg(scene, 3);
+  seen.Add([](int) { return Vector2d(600, 100); });
+  EXPECT_THAT(ErrorOf(seen, LegOptions()), AllOf(HasSubstr("no leg was found"), HasSubstr("--seed")));
+}
+
+TEST(Naming, ALegThatDoesNotMoveIsNotNamed) {
+  const LegScene scene;
+  Seen seen(1, 0.05);
+  for (std::size_t m = 0; m < 4; ++m) seen.Add([=](int) { return Leg(scene, 0)[m]; });
+  EXPECT_THAT(ErrorOf(seen, LegOptions()), AllOf(HasSubstr("no leg was found"), HasSubstr("--seed")));
+}
+
+TEST(Naming, AnotherNameNeedsASeedAndTheErrorListsWhatIsLeft) {
+  const LegScene scene;
+  Seen seen = SeenLeg(scene);
+  seen.Add([](int) { return Vector2d(1001, 302); });
+  NamingOptions options = LegOptions();
+  options.names.push_back("toe");
+  EXPECT_THAT(ErrorOf(seen, options), AllOf(HasSubstr("'toe'"), HasSubstr("--seed toe=X,Y"),
+                                            testing::ContainsRegex("100[01]\\.[0-9], 30[12]\\.")));
+}
+
+}  // namespace
+}  // namespace lake
