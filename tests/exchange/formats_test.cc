@@ -1,0 +1,322 @@
+// Every format: what is written reads back, dialects are understood, hostile files give one clear error.
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <random>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "lake/exchange/c3d.h"
+#include "lake/exchange/kinovea.h"
+#include "lake/exchange/mot.h"
+#include "lake/exchange/tracker.h"
+#include "lake/exchange/trc.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+
+PointRecording MakePoints(PointSpace space, std::size_t frames, std::size_t points, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> position(-1500, 1500);
+  PointRecording recording;
+  recording.space = space;
+  for (std::size_t i = 0; i < frames; ++i)
+    recording.frame.push_back(static_cast<std::int64_t>(i)), recording.time_s.push_back(static_cast<double>(i) / 120);
+  for (std::size_t p = 0; p < points; ++p) {
+    recording.points.push_back({"marker " + std::to_string(p + 1), {}});
+    for (std::size_t i = 0; i < frames; ++i) {
+      Eigen::Vector3d place(position(random), position(random), space == PointSpace::kSpace ? position(random) : 0);
+      // The first and the last marker are missing now and then, also at the end of a row.
+      if ((p == 0 || p + 1 == points) && i % 7 == 3) place = PointTrack::Missing();
+      recording.points.back().positions.push_back(place);
+    }
+  }
+  return recording;
+}
+
+void ExpectSame(const PointRecording& a, const PointRecording& b, double tolerance) {
+  ASSERT_EQ(a.points.size(), b.points.size());
+  ASSERT_EQ(a.time_s.size(), b.time_s.size());
+  for (std::size_t i = 0; i < a.time_s.size(); ++i) EXPECT_NEAR(a.time_s[i], b.time_s[i], 1e-6);
+  for (std::size_t p = 0; p < a.points.size(); ++p) {
+    EXPECT_EQ(a.points[p].name, b.points[p].name);
+    ASSERT_EQ(a.points[p].positions.size(), b.points[p].positions.size());
+    for (std::size_t i = 0; i < a.time_s.size(); ++i) {
+      const Eigen::Vector3d &x = a.points[p].positions[i], &y = b.points[p].positions[i];
+      ASSERT_EQ(x.allFinite(), y.allFinite()) << a.points[p].name << " frame " << i;
+      EXPECT_TRUE(!x.allFinite() || (x - y).norm() <= tolerance) << x.transpose() << ", " << y.transpose();
+    }
+  }
+}
+
+std::string MessageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    return error.what();
+  }
+  return "no error";
+}
+
+class Formats : public testing::Test {
+ protected:
+  fs::path Write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Formats, TrcReadsBack) {
+  for (const PointSpace space : {PointSpace::kSpace, PointSpace::kPlane})
+    for (const auto& [frames, points] : {std::pair{50, 4}, {3, 1}, {1, 60}}) {
+      const PointRecording written =
+          MakePoints(space, static_cast<std::size_t>(frames), static_cast<std::size_t>(points), 1);
+      WriteTrc(folder_ / "a.trc", written);
+      ExpectSame(written, ReadTrc(folder_ / "a.trc"), 0);
+    }
+}
+
+TEST_F(Formats, TrcKeepsTheCustomsOfItsReaders) {
+  PointRecording points = MakePoints(PointSpace::kSpace, 4, 2, 1);
+  points.points[1].positions[3] = PointTrack::Missing();
+  WriteTrc(folder_ / "a.trc", points);
+  std::vector<std::string> lines;
+  std::ifstream file(folder_ / "a.trc");
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  EXPECT_EQ(lines[0], "PathFileType\t4\t(X/Y/Z)\ta.trc");
+  EXPECT_EQ(lines[3], "Frame#\tTime\tmarker 1\t\t\tmarker 2");
+  EXPECT_EQ(lines[4], "\t\tX1\tY1\tZ1\tX2\tY2\tZ2");
+  EXPECT_THAT(lines[5], testing::StartsWith("1\t0\t"));
+  EXPECT_THAT(lines[5], testing::Not(testing::EndsWith("\t")));
+  EXPECT_THAT(lines[8],
+              testing::EndsWith("\t\t\t\t"));  // three empty cells and the tab that OpenSim wants behind the last
+}
+
+const char* kTrcHead =
+    "PathFileType\t4\t(X/Y/"
+    "Z)\tx.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\tOrigNumFrames\n";
+
+TEST_F(Formats, TrcDialects) {
+  // Two tabs after a name, a blank line after the labels, NaN as text, metres, CR LF, trailing tabs.
+  const std::string text =
+      std::string(kTrcHead) +
+      "100.0\t100.0\t  2\t2\tm\t100.0\t1\t2\r\nFrame#\tTime\t\tA\t\tB\t\t\r\n\t\t\tX1\tY1\tZ1\tX2\tY2\tZ2\t\r\n\r\n"
+      "1\t0.00\t0.1\t0.2\t0.3\tNaN\tNaN\tnan\t\r\n2\t0.01\t\t\t\t1\t2\t3\r\n";
+  const PointRecording points = ReadTrc(Write("d.trc", text));
+  EXPECT_NEAR((points.points[0].positions[0] - Eigen::Vector3d(100, 200, 300)).norm(), 0, 1e-9);
+  EXPECT_FALSE(points.points[1].positions[0].allFinite());
+  EXPECT_FALSE(points.points[0].positions[1].allFinite());
+  EXPECT_EQ(points.Find("B")->positions[1].z(), 3000);
+}
+
+TEST_F(Formats, TrcErrorsSayWhere) {
+  const std::string head = kTrcHead, values = "100\t100\t1\t1\tmm\t100\t1\t1\n",
+                    names = "Frame#\tTime\tA\n\t\tX1\tY1\tZ1\n";
+  const auto message = [&](const std::string& text) { return MessageOf([&] { ReadTrc(Write("e.trc", text)); }); };
+  EXPECT_THAT(message("hello"), testing::HasSubstr("PathFileType"));
+  EXPECT_THAT(message(""), testing::HasSubstr("PathFileType"));
+  EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\tthree\n"),
+              testing::AllOf(testing::HasSubstr("e.trc:6"), testing::HasSubstr("three")));
+  EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\t3\t4\n"), testing::HasSubstr("e.trc:6"));
+  EXPECT_THAT(message(head + values + names + "1\tinf\t1\t2\t3\n"), testing::HasSubstr("e.trc:6"));
+  EXPECT_THAT(message(head + values + names), testing::HasSubstr("cut off"));
+  EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\t3\n2\t0\t1\t2\t3\n"),
+              testing::HasSubstr("does not increase"));
+  EXPECT_THAT(message(head + "100\t100\t1\t99999999999\tmm\t100\t1\t1\n" + names), testing::HasSubstr("NumMarkers"));
+  EXPECT_THAT(message(head + "100\t100\t1\t2\tmm\t100\t1\t1\n" + names), testing::HasSubstr("1 names"));
+  EXPECT_THAT(message(head + "100\t100\t1\t1\tfurlong\t100\t1\t1\n" + names), testing::HasSubstr("furlong"));
+  EXPECT_THAT(message(std::string("PathFileType\0\0", 14)), testing::HasSubstr("not a text file"));
+  EXPECT_THAT(MessageOf([&] { WriteTrc(folder_ / "x.trc", MakePoints(PointSpace::kImage, 3, 1, 1)); }),
+              testing::HasSubstr("mm"));
+  EXPECT_FALSE(fs::exists(folder_ / "x.trc"));
+}
+
+TEST_F(Formats, C3dReadsBack) {
+  for (const auto& [frames, points] : {std::pair{50, 4}, {2, 1}, {20, 300}}) {
+    PointRecording written =
+        MakePoints(PointSpace::kSpace, static_cast<std::size_t>(frames), static_cast<std::size_t>(points), 2);
+    written.up_axis = frames == 2 ? 'z' : 'y';
+    WriteC3d(folder_ / "a.c3d", written);
+    const PointRecording read = ReadC3d(folder_ / "a.c3d");
+    ExpectSame(written, read, 1e-4);  // floats of 24 bits hold 1500 mm to 6e-5 mm per axis
+    EXPECT_EQ(read.up_axis, written.up_axis);
+  }
+}
+
+TEST_F(Formats, C3dHoldsMoreFramesThanItsHeaderCanCount) {
+  const PointRecording written = MakePoints(PointSpace::kPlane, 70000, 1, 3);
+  WriteC3d(folder_ / "long.c3d", written);
+  const PointRecording read = ReadC3d(folder_ / "long.c3d");
+  ASSERT_EQ(read.time_s.size(), 70000u);
+  EXPECT_NEAR(read.points[0].positions[69999].x(), written.points[0].positions[69999].x(), 1e-3);
+}
+
+TEST_F(Formats, C3dCannotHoldUnevenTimes) {
+  PointRecording points = MakePoints(PointSpace::kSpace, 20, 1, 3);
+  points.time_s[10] += 0.004;
+  EXPECT_THAT(MessageOf([&] { WriteC3d(folder_ / "u.c3d", points); }), testing::HasSubstr("uneven"));
+  EXPECT_FALSE(fs::exists(folder_ / "u.c3d"));
+}
+
+// A file of each processor with integers, as the user guide describes them, made by turning the bytes of our own.
+TEST_F(Formats, C3dOfOtherProcessors) {
+  WriteC3d(folder_ / "intel.c3d", MakePoints(PointSpace::kSpace, 10, 2, 4));
+  const std::string intel = ReadTextFile(folder_ / "intel.c3d");
+  std::string dec = intel;
+  dec[512 + 3] = 85;
+  // DEC floats: words swapped and four times as large. All floats of the file are turned by finding them through their
+  // values.
+  const auto turn = [&](std::size_t at) {
+    std::uint32_t bits = 0;
+    for (int i = 3; i >= 0; --i) bits = bits << 8 | static_cast<unsigned char>(intel[at + static_cast<std::size_t>(i)]);
+    if (bits != 0) bits += 2u << 23;
+    const std::uint32_t swapped = bits >> 16 | bits << 16;
+    for (std::size_t i = 0; i < 4; ++i) dec[at + i] = static_cast<char>(swapped >> (8 * i));
+  };
+  for (const char* name : {"\4\1RATE", "\5\1SCALE"}) {
+    const std::size_t at = intel.find(name);
+    ASSERT_NE(at, std::string::npos);
+    turn(at + 2 + static_cast<std::size_t>(name[0]) + 4);
+  }
+  const std::size_t data = 512 * (static_cast<unsigned char>(intel[16]) - 1u);
+  for (std::size_t at = data; at < data + 10 * 2 * 16; at += 4) turn(at);
+  Write("dec.c3d", dec);
+  ExpectSame(ReadC3d(folder_ / "intel.c3d"), ReadC3d(folder_ / "dec.c3d"), 1e-4);
+}
+
+TEST_F(Formats, C3dErrors) {
+  WriteC3d(folder_ / "a.c3d", MakePoints(PointSpace::kSpace, 20, 3, 5));
+  const std::string good = ReadTextFile(folder_ / "a.c3d");
+  const auto message = [&](const std::string& bytes) { return MessageOf([&] { ReadC3d(Write("e.c3d", bytes)); }); };
+  EXPECT_THAT(message(""), testing::HasSubstr("not a C3D file"));
+  EXPECT_THAT(message(std::string(2000, 'x')), testing::HasSubstr("not a C3D file"));
+  EXPECT_THAT(message(good.substr(0, good.size() - 512)), testing::HasSubstr("cut off"));
+  std::string processor = good;
+  processor[512 + 3] = 77;
+  EXPECT_THAT(message(processor), testing::HasSubstr("77"));
+  std::string unnamed = good;
+  unnamed.replace(unnamed.find("SCALE"), 5, "SCALF");
+  EXPECT_THAT(message(unnamed), testing::HasSubstr("POINT:SCALE"));
+}
+
+// Bytes changed at random and files cut anywhere: an answer or an Error, never anything else.
+TEST_F(Formats, DamagedFilesNeverCrash) {
+  const PointRecording points = MakePoints(PointSpace::kPlane, 12, 3, 6);
+  WriteC3d(folder_ / "a.c3d", points), WriteTrc(folder_ / "a.trc", points);
+  WriteKinovea(folder_ / "a.csv", points), WriteTrackerText(folder_ / "a.txt", points);
+  const std::pair<const char*, std::function<void(const fs::path&)>> readers[] = {
+      {"a.c3d", [](const fs::path& p) { ReadC3d(p); }},
+      {"a.trc", [](const fs::path& p) { ReadTrc(p); }},
+      {"a.csv", [](const fs::path& p) { ReadKinovea(p); }},
+      {"a.txt", [](const fs::path& p) { ReadTrackerText(p); }}};
+  std::mt19937 random(6);
+  int refused = 0;
+  for (const auto& [name, read] : readers) {
+    const std::string good = ReadTextFile(folder_ / name);
+    for (int round = 0; round < 400; ++round) {
+      std::string bad = good;
+      for (int i = 0; i < 3; ++i) bad[random() % std::min<std::size_t>(bad.size(), 1500)] = static_cast<char>(random());
+      if (round % 4 == 0) bad.resize(random() % bad.size());
+      const fs::path path = Write(std::string("bad_") + name, bad);
+      try {
+        read(path);
+      } catch (const Error&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
+TEST_F(Formats, MotReadsBack) {
+  MotTable table{"knee", true, {"knee_angle_r", "b"}, {0, 0.1, 0.25}, {{1.5, -2}, {3, std::nan("")}, {1.0 / 3, 4}}};
+  WriteMot(folder_ / "a.mot", table);
+  const MotTable read = ReadMot(folder_ / "a.mot");
+  EXPECT_EQ(read.columns, table.columns);
+  EXPECT_EQ(read.time_s, table.time_s);
+  EXPECT_EQ(read.rows[2], table.rows[2]);
+  EXPECT_TRUE(std::isnan(read.rows[1][1]));
+  EXPECT_TRUE(read.in_degrees);
+}
+
+TEST_F(Formats, MotOfAMotionHasTheSignThatWasAskedFor) {
+  LegMotion motion;
+  for (int i = 0; i < 3; ++i) {
+    motion.frame.push_back(i), motion.time_s.push_back(0.1 * i), motion.samples.emplace_back();
+    if (i != 1) motion.samples.back().knee_deg = 10 + i;
+  }
+  EXPECT_EQ(MotFromLegMotion(motion).rows[1][0], 12);
+  EXPECT_EQ(MotFromLegMotion(motion, true).rows[0][0], -10);
+  EXPECT_EQ(MotFromLegMotion(motion).time_s.size(), 2u);  // without the frame that has no angle
+}
+
+TEST_F(Formats, MotErrorsSayWhere) {
+  const auto message = [&](const std::string& text) { return MessageOf([&] { ReadMot(Write("e.mot", text)); }); };
+  EXPECT_THAT(message("x\ninDegrees=yes\n"), testing::HasSubstr("endheader"));
+  EXPECT_THAT(message("x\nendheader\n"), testing::HasSubstr("labels"));
+  EXPECT_THAT(message("x\nendheader\nknee\ttime\n"), testing::HasSubstr("not time"));
+  EXPECT_THAT(message("x\nnColumns=3\nendheader\ntime\ta\n0\t1\n"), testing::HasSubstr("3 columns"));
+  EXPECT_THAT(message("x\nendheader\ntime\ta\n0\t1\t2\n"), testing::HasSubstr("e.mot:4"));
+  EXPECT_THAT(message("x\nnRows=2\nendheader\ntime\ta\n0\t1\n"), testing::HasSubstr("cut off"));
+  EXPECT_THAT(message("x\nnRows=-2\nendheader\ntime\ta\n0\t1\n"), testing::HasSubstr("e.mot:2"));
+}
+
+TEST_F(Formats, TrackerTextReadsBack) {
+  for (const std::size_t count : {1u, 4u}) {
+    const PointRecording written = MakePoints(PointSpace::kPlane, 30, count, 7);
+    WriteTrackerText(folder_ / "a.txt", written);
+    ExpectSame(written, ReadTrackerText(folder_ / "a.txt"), 1e-8);
+  }
+}
+
+TEST_F(Formats, TrackerCountsPixelsFromTheirCorner) {
+  const PointRecording written = MakePoints(PointSpace::kImage, 5, 2, 7);
+  WriteTrackerText(folder_ / "a.txt", written);
+  const PointRecording read = ReadTrackerText(folder_ / "a.txt");
+  EXPECT_NEAR(read.points[0].positions[0].x(), written.points[0].positions[0].x() + 0.5, 1e-8);
+}
+
+TEST_F(Formats, TrackerTextDialects) {
+  const PointRecording points = ReadTrackerText(Write("d.txt",
+                                                      "#multi:\r\n\tknee\t\thip\t\r\nt\tx\ty\tx\ty\r\n0,000000E0\t1,5E-"
+                                                      "1\t2,0E0\t\t\r\n3,3E-2\t1,6E-1\t2,1E0\t3\t4\r\n"),
+                                                1000);
+  EXPECT_NEAR(points.Find("knee")->positions[0].x(), 150, 1e-9);
+  EXPECT_FALSE(points.Find("hip")->positions[0].allFinite());
+  EXPECT_NEAR(points.Find("hip")->positions[1].y(), 4000, 1e-9);
+  EXPECT_EQ(ReadTrackerText(Write("s.txt", "mass A\nt\tx\ty\n0\t1\t2\n1\t3\t4\n")).points[0].name, "mass A");
+  EXPECT_THAT(MessageOf([&] { ReadTrackerText(Write("e.txt", "a\tb\tc\n")); }), testing::HasSubstr("labels"));
+  EXPECT_THAT(MessageOf([&] { ReadTrackerText(Write("e.txt", "t\tx\ty\n0\t1\tz\n")); }), testing::HasSubstr("e.txt:2"));
+}
+
+TEST_F(Formats, KinoveaReadsBackInBothLocales) {
+  const PointRecording written = MakePoints(PointSpace::kPlane, 30, 3, 8);
+  WriteKinovea(folder_ / "a.csv", written);
+  EXPECT_TRUE(IsKinovea(folder_ / "a.csv"));
+  ExpectSame(written, ReadKinovea(folder_ / "a.csv"), 0);
+  const PointRecording comma = ReadKinovea(Write("k.csv",
+                                                 "\"Time\";\"my \"\"best\"\" knee/0/X\";\"my \"\"best\"\" "
+                                                 "knee/0/Y\"\r\n\"0,0\";\"1,5\";\"-2\"\r\n\"33,3\";;\r\n"),
+                                           10);
+  EXPECT_EQ(comma.points[0].name, "my \"best\" knee");
+  EXPECT_EQ(comma.points[0].positions[0], Eigen::Vector3d(15, -20, 0));
+  EXPECT_FALSE(comma.points[0].positions[1].allFinite());
+  EXPECT_NEAR(comma.time_s[1], 0.0333, 1e-12);  // ms
+}
+
+TEST_F(Formats, KinoveaErrorsSayWhere) {
+  const auto message = [&](const std::string& text) { return MessageOf([&] { ReadKinovea(Write("e.csv", text)); }); };
+  EXPECT_THAT(message(""), testing::HasSubstr("empty"));
+  EXPECT_THAT(message("\"Time\",\"a/0/X\"\n"), testing::HasSubstr("a/0/Y"));
+  EXPECT_THAT(message("\"Time\",\"a/0/X\",\"a/0/Y\"\n\"0\",\"1\"\n"), testing::HasSubstr("e.csv:2"));
+  EXPECT_THAT(message("\"Time\",\"a/0/X\",\"a/0/Y\"\n\"0:00:01\",\"1\",\"2\"\n"), testing::HasSubstr("0:00:01"));
+  EXPECT_THAT(message("\"Time\",\"a/0/X\",\"a/0/Y\"\n\"0\",\"1\",\"2\n"), testing::HasSubstr("quote"));
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,176 @@
+#include "lake/exchange/trial.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <fstream>
+
+#include "lake/core/error.h"
+#include "lake/exchange/c3d.h"
+#include "lake/exchange/tracker.h"
+#include "lake/exchange/trc.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A leg that bends in the vertical plane at `heading_deg` from x towards the third axis; up is y or z.
+PointRecording BendingLeg(double heading_deg, char up) {
+  const double heading_rad = heading_deg / 57.29577951308232;
+  PointRecording points;
+  points.up_axis = up;
+  points.points = {{"RANK", {}}, {"RKNE", {}}, {"RHIP", {}}, {"RHIP2", {}}};
+  for (int i = 0; i < 60; ++i) {
+    points.frame.push_back(i), points.time_s.push_back(i / 60.0);
+    const double bend = 0.02 * i;
+    const auto place = [&](double forward, double height, double side) {
+      const double a = forward * std::cos(heading_rad) - side * std::sin(heading_rad);
+      const double b = forward * std::sin(heading_rad) + side * std::cos(heading_rad);
+      return up == 'y' ? Eigen::Vector3d(a, height, b) : Eigen::Vector3d(a, b, height);
+    };
+    points.points[0].positions.push_back(place(0, 90, 10));
+    points.points[1].positions.push_back(place(430 * std::sin(bend / 3), 90 + 430 * std::cos(bend / 3), 25));
+    const Eigen::Vector3d hip = place(430 * std::sin(bend / 3) - 410 * std::sin(bend),
+                                      90 + 430 * std::cos(bend / 3) + 410 * std::cos(bend), 40);
+    points.points[2].positions.push_back(hip), points.points[3].positions.push_back(hip + place(0, 20, 0));
+  }
+  return points;
+}
+
+TEST(Trial, TheSagittalPlaneIsFittedToTheLegsMovement) {
+  const TemporaryFolder folder;
+  for (const char up : {'y', 'z'})
+    for (const double heading_deg : {0.0, 35.0, -60.0, 90.0, 170.0}) {
+      const PointRecording points = BendingLeg(heading_deg, up);
+      const fs::path file = folder / (up == 'y' ? "a.trc" : "a.c3d");
+      WritePoints(file, points);
+      const Trial trial = ReadTrial(file, {ParseNameMap("ankle=RANK, knee=RKNE, hip=RHIP"), {}, ""});
+      ASSERT_EQ(trial.recording.unit, LengthUnit::kMm);
+      const auto vector = [&](const char* from, const char* to, std::size_t i) {
+        return Eigen::Vector2d(trial.recording.Find(to)->samples[i].position -
+                               trial.recording.Find(from)->samples[i].position);
+      };
+      for (const std::size_t i : {0u, 30u, 59u}) {
+        EXPECT_NEAR(vector("ankle", "knee", i).norm(), 430, 1e-3) << heading_deg;
+        EXPECT_NEAR(vector("knee", "hip", i).norm(), 410, 1e-3) << heading_deg;
+      }
+      EXPECT_LT(trial.out_of_plane_mm, 1e-3);
+    }
+}
+
+TEST(Trial, ForwardAndUpAreTakenAsGiven) {
+  const TemporaryFolder folder;
+  WritePoints(folder / "a.trc", BendingLeg(0, 'z'));  // TRC is y up by custom, this one is not
+  const auto names = ParseNameMap("ankle=RANK,knee=RKNE,hip=RHIP");
+  const Trial right = ReadTrial(folder / "a.trc", {names, 'z', "+x"}),
+              left = ReadTrial(folder / "a.trc", {names, 'z', "-x"});
+  EXPECT_NEAR(right.recording.Find("ankle")->samples[0].position.y(), 90, 1e-9);
+  EXPECT_NEAR(right.recording.Find("knee")->samples[50].position.x(),
+              -left.recording.Find("knee")->samples[50].position.x(), 1e-9);
+  EXPECT_EQ(right.faces_right, true);
+  EXPECT_THROW(ReadTrial(folder / "a.trc", {names, 'z', "+z"}), UsageError);
+  EXPECT_THROW(ReadTrial(folder / "a.trc", {names, 'z', "north"}), UsageError);
+  EXPECT_THROW(ReadTrial(folder / "a.trc", {names, 'w', ""}), UsageError);
+}
+
+TEST(Trial, NamesAreMappedAndMiddlesTaken) {
+  const TemporaryFolder folder;
+  WritePoints(folder / "a.trc", BendingLeg(0, 'y'));
+  const Trial trial = ReadTrial(folder / "a.trc", {ParseNameMap("ankle=RANK,knee=RKNE,hip=RHIP+RHIP2"), {}, "x"});
+  ASSERT_EQ(trial.recording.markers.size(), 3u);
+  EXPECT_NEAR(trial.recording.Find("hip")->samples[0].position.y(), 90 + 430 + 410 + 10, 1e-9);
+  try {
+    ReadTrial(folder / "a.trc", {ParseNameMap("ankle=LANK"), {}, "x"});
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                testing::AllOf(testing::HasSubstr("'LANK' (for ankle)"), testing::HasSubstr("RANK, RKNE, RHIP")));
+  }
+  EXPECT_THROW(ParseNameMap("ankle"), UsageError);
+  EXPECT_THROW(ParseNameMap("ankle=A,ankle=B"), UsageError);
+}
+
+TEST(Trial, OwnTablesKeepSigmasAndFoldersAreUnderstood) {
+  const TemporaryFolder folder;
+  MarkerRecording markers;
+  markers.unit = LengthUnit::kMm;
+  markers.frame = {0, 1}, markers.time_s = {0, 0.02};
+  markers.markers = {{"k", {{{1, 2}, 0.3, SampleStatus::kDetected}, {{4, 5}, 0.6, SampleStatus::kFilled}}}};
+  fs::create_directory(folder / "trial");
+  WriteMarkerCsv(folder / "trial" / "trajectory.csv", markers);
+  const Trial trial = ReadTrial(folder / "trial", {ParseNameMap("knee=k"), {}, ""});
+  EXPECT_EQ(trial.file.filename(), "trajectory.csv");
+  EXPECT_EQ(trial.recording.Find("knee")->samples[1].status, SampleStatus::kFilled);
+  EXPECT_EQ(trial.recording.Find("knee")->samples[0].sigma, 0.3);
+  EXPECT_THROW(ReadTrial(folder.Path()), Error);
+}
+
+TEST(Trial, UnknownAndAbsentFilesAreErrors) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(ReadTrial(folder / "none.trc"), Error);
+  EXPECT_THROW(ReadTrial(folder / "none.csv"), Error);
+  std::ofstream(folder / "a.xyz") << "1";
+  EXPECT_THROW(ReadTrial(folder / "a.xyz"), Error);
+}
+
+TEST(Trial, ExportsOfEveryFormatReadBack) {
+  const TemporaryFolder folder;
+  MarkerRecording markers;
+  markers.unit = LengthUnit::kMm;
+  markers.markers = {{"knee", {}}};
+  for (int i = 0; i < 20; ++i) {
+    markers.frame.push_back(i), markers.time_s.push_back(i / 60.0);
+    markers.markers[0].samples.push_back(
+        {{100.0 + i, 50.5}, 0.1, i == 7 ? SampleStatus::kMissing : SampleStatus::kDetected});
+  }
+  LegMotion motion;
+  motion.frame = {0}, motion.time_s = {0}, motion.samples.resize(1), motion.samples[0].knee_deg = 30;
+  const auto files =
+      ExportTrial({"trc", "c3d", "tracker", "kinovea", "mot"}, folder.Path(), "a", PointsFromMarkers(markers), &motion);
+  ASSERT_EQ(files.size(), 5u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const PointRecording read = ReadPoints(files[k]);
+    EXPECT_NEAR(read.Find("knee")->positions[9].x(), 109, 1e-4) << files[k];
+    EXPECT_FALSE(read.Find("knee")->positions[7].allFinite()) << files[k];
+    EXPECT_NEAR(read.time_s[9], 9 / 60.0, 1e-6) << files[k];
+  }
+  EXPECT_THROW(ExportTrial({"fbx"}, folder.Path(), "a", PointsFromMarkers(markers), &motion), UsageError);
+  EXPECT_THROW(ExportTrial({"mot"}, folder.Path(), "a", PointsFromMarkers(markers), nullptr), Error);
+}
+
+TEST(Trial, TrackerProjectsHoldPixelsAndAScale) {
+  const fs::path file = fs::path(LAKE_SHARED_DATA) / "tracker_balltoss/BallToss_BallToss.trk";
+  if (!fs::exists(file)) GTEST_SKIP() << file.string() << " is not here";
+  const PointRecording points = ReadTrk(file);
+  ASSERT_EQ(points.points.size(), 1u);
+  const auto& ball = points.points[0].positions;
+  ASSERT_EQ(ball.size(), 13u);
+  EXPECT_FALSE(ball[1].allFinite());
+  EXPECT_NEAR(ball[2].x(), 131.2767 - 0.5, 1e-3);  // Tracker's pixel centres are at 0.5
+  EXPECT_NEAR(points.time_s[2], 0.132, 1e-9);
+  ASSERT_TRUE(points.mm_per_px);
+  // Free fall: a parabola through the height gives the acceleration of ../shared/data/README.md. The axes are tilted by
+  // 0.044 rad.
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t i = 2; i < ball.size(); ++i) {
+    const Eigen::Vector3d row(1, points.time_s[i], points.time_s[i] * points.time_s[i]);
+    normal += row * row.transpose(), right += row * ball[i].y();
+  }
+  EXPECT_NEAR(2 * normal.inverse().row(2).dot(right) * *points.mm_per_px / 1000, 10.27, 0.1);
+}
+
+TEST(Trial, TrackerProjectsThatAreDamagedAreErrors) {
+  const TemporaryFolder folder;
+  for (const char* text : {"", "<object", "<object class='x'/>", "<object class='TrackerPanel'/>",
+                           "<object class='TrackerPanel'><property name='clipcontrol'><object><property "
+                           "name='delta_t'>x</property></object>"
+                           "</property></object>"}) {
+    std::ofstream(folder / "a.trk") << text;
+    EXPECT_THROW(ReadTrk(folder / "a.trk"), Error) << text;
+  }
+}
+
+}  // namespace
+}  // namespace lake
