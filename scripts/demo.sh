@@ -31,6 +31,6 @@ step "The best linkage for the published problem, and the proof that there is no
 "$lake" optimize --certify 0.5 -o "$out/best-design"
 
 step "Pictures, videos and drawings"
-find "$PWD/$out" -type f \( -name '*.png' -o -name '*.svg' -o -name '*.gif' -o -name '*.mp4' -o -name '*.dxf' \) | sort
+find "$(realpath "$out")" -type f \( -name '*.png' -o -name '*.svg' -o -name '*.gif' -o -name '*.mp4' -o -name '*.dxf' \) | sort
 step "Tables and summaries"
-find "$PWD/$out" -type f \( -name '*.csv' -o -name '*.json' -o -name '*.yaml' \) | sort
+find "$(realpath "$out")" -type f \( -name '*.csv' -o -name '*.json' -o -name '*.yaml' \) | sort
