@@ -18,7 +18,7 @@ step "Human trial: markers, leg vectors and knee angle"
 "$lake" track $study/human.mp4 --camera $study/camera.yaml -o "$out/human"
 
 step "Exoskeleton trial"
-# The study file points at the knee and at the exoskeleton's joint, which are too near each other to be told apart unaided.
+# The exoskeleton's joint is no marker of the leg, so the study file points at it, and at the knee beside it.
 mapfile -t seeds < <(sed -n 's/^ *seeds: *\[\(.*\)\].*/\1/p' $study/study.yaml | tr ',' '\n' | paste -d, - - | tr -d '" ')
 [ ${#seeds[@]} -gt 0 ] || { echo "demo.sh: $study/study.yaml: no seeds for the exoskeleton trial" >&2; exit 1; }
 "$lake" track $study/exo.mp4 --camera $study/camera.yaml --markers ankle,knee,hip,waist,exo_knee \
