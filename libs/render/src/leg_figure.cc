@@ -166,19 +166,19 @@ void DrawPaths(GnuplotFigure& figure, const LegFitResult& result) {
       "set lmargin at screen 0.065; set rmargin at screen 0.355; set tmargin at screen 0.88; set bmargin at screen "
       "0.10");
   figure.Line("set size ratio -1; set key at screen 0.375, screen 0.86 right top samplen 1.5 spacing 1.1 noautotitle");
-  figure.Line(fmt::format("set xtics {}", TicStep(result.trajectory)));
+  figure.Line(fmt::format("set xtics {0}; set ytics {0}", TicStep(result.trajectory)));
   figure.Line(
       fmt::format("set xlabel 'anterior ({0})'; set ylabel 'up ({0})' offset 1,0; set offsets graph 0.05, graph 0.05, "
                   "graph 0.05, graph 0.05",
                   ToString(result.motion.unit)));
   figure.Line(Join(parts));
-  figure.Line("set size noratio; unset offsets; set xtics autofreq");
+  figure.Line("set size noratio; unset offsets; set xtics autofreq; set ytics autofreq");
 }
 
 void DrawAngle(GnuplotFigure& figure, const LegFitResult& result, const KneeColumns& columns) {
   const std::vector<double>& time_s = result.motion.time_s;
   std::vector<std::string> parts = {
-      fmt::format("{} using 1:2 with points pt 7 ps 0.35 lc rgb '#56B4E9' title 'single frames'",
+      fmt::format("{} using 1:2 with points pt 7 ps 0.5 lc rgb '#56B4E9' title 'single frames'",
                   figure.Data({time_s, columns.raw})),
       fmt::format("{} using 1:2 with lines lw 2 lc rgb '{}' title 'fit'", figure.Data({time_s, columns.fit}),
                   colour::kText)};
