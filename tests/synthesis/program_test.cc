@@ -1,0 +1,95 @@
+// lake-optimize as a user calls it: exit codes, files, one-line errors.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <fstream>
+
+#include "lake/core/json.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+struct Ended {
+  int exit_code;
+  std::string text;  // stdout and stderr
+};
+
+Ended RunProgram(const std::string& arguments) {
+  const std::string command = LAKE_BIN_DIR "/lake-optimize " + arguments + " 2>&1";
+  Ended ended{-1, ""};
+  FILE* pipe = popen(command.c_str(), "r");
+  std::array<char, 4096> buffer{};
+  while (pipe && std::fgets(buffer.data(), buffer.size(), pipe)) ended.text += buffer.data();
+  if (pipe) ended.exit_code = WEXITSTATUS(pclose(pipe));
+  return ended;
+}
+
+TEST(LakeOptimize, WritesEverythingThatTheInterfaceNames) {
+  const TemporaryFolder folder;
+  const Ended ended = RunProgram("--starts 5 --certify 0.5 -o " + folder.Path().string());
+  EXPECT_EQ(ended.exit_code, 0) << ended.text;
+  for (const char* name : {"design.yaml", "optimum.csv", "constraints.csv", "summary.json", "sensitivity.csv",
+                           "sensitivity.png", "starts.csv", "margin.csv", "margin.png", "convergence.csv",
+                           "convergence.png", "options.toml"})
+    EXPECT_GT(std::filesystem::file_size(folder / name), 0u) << name;
+  const Json summary = ReadJsonFile(folder / "summary.json");
+  for (const char* key : {"range_deg", "status", "constraint_violation", "kkt_error", "certified_upper_bound_deg"})
+    EXPECT_TRUE(summary.contains(key)) << key;
+  EXPECT_EQ(summary["starts"].size(), 5u);
+}
+
+TEST(LakeOptimize, OptionsOverruleTheFile) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "problem.yaml") << "margins: {grashof_mm: 5, singularity_mm: 5}\n";
+  const std::string common = "--starts 1 --quiet --problem " + (folder / "problem.yaml").string();
+  RunProgram(common + " -o " + (folder / "file").string());
+  RunProgram(common + " --grashof-margin 2 --singularity-margin 2 -o " + (folder / "option").string());
+  // The ranges at margins of 5 and 2 mm, certified in certificate_test.
+  EXPECT_NEAR(ReadJsonFile(folder / "file/summary.json")["range_deg"].get<double>(), 143.647, 1e-3);
+  EXPECT_NEAR(ReadJsonFile(folder / "option/summary.json")["range_deg"].get<double>(), 153.770, 1e-3);
+}
+
+TEST(LakeOptimize, WithoutSolutionExitsWithThreeAndLeavesTheReason) {
+  const TemporaryFolder folder;
+  const Ended ended = RunProgram("--starts 2 --quiet --min-moment-arm 60 -o " + folder.Path().string());
+  EXPECT_EQ(ended.exit_code, 3);
+  EXPECT_THAT(ended.text, ::testing::HasSubstr("cannot hold together"));
+  EXPECT_EQ(std::ranges::count(ended.text, '\n'), 1);
+  EXPECT_EQ(ReadJsonFile(folder / "summary.json")["status"], "infeasible");
+}
+
+TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
+  const struct {
+    const char* arguments;
+    int exit_code;
+    const char* text;
+  } cases[] = {
+      {"--no-such-option", 2, "no-such-option"},
+      {"--start 1,2,3", 2, "6 numbers"},
+      {"--start 0,85,85,80,80,235", 1, "l1 is 0 mm"},
+      {"--start nan,85,85,80,80,235", 2, "nan"},
+      {"--starts 0", 1, "starts"},
+      {"--certify -1", 1, "gap"},
+      {"--yield 0", 1, "tolerance"},
+      {"--round -1", 1, "rounded"},
+      {"--max-length 200", 1, "must exceed"},
+      {"--max-force 0", 1, "above 0"},
+      {"--problem /no/such/file.yaml", 1, "no such file"},
+  };
+  for (const auto& item : cases) {
+    const TemporaryFolder folder;
+    const Ended ended = RunProgram(std::string(item.arguments) + " -o " + (folder / "out").string());
+    EXPECT_EQ(ended.exit_code, item.exit_code) << item.arguments << ": " << ended.text;
+    EXPECT_THAT(ended.text, ::testing::HasSubstr(item.text)) << item.arguments;
+    EXPECT_EQ(std::ranges::count(ended.text, '\n'), 1) << ended.text;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out")) << item.arguments;
+  }
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,128 @@
+#include "lake/synthesis/study.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/linkage/design_file.h"
+#include "paper.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+StudyOptions FewStarts() {
+  StudyOptions options;
+  options.optimize.starts = 3;
+  return options;
+}
+
+struct Written {
+  TemporaryFolder folder;
+  Json summary;
+};
+
+std::unique_ptr<Written> RunAndWrite(const SynthesisProblem& problem, const StudyOptions& options) {
+  auto written = std::make_unique<Written>();
+  Run run({"lake-optimize", "lake-optimize", Json::object(), written->folder.Path(), true});
+  written->summary = WriteStudy(RunStudy(problem, options), run);
+  return written;
+}
+
+TEST(Study, TablesAgreeWithTheSummary) {
+  StudyOptions options = FewStarts();
+  options.certify_gap_deg = 0.1;
+  options.yield_tolerance_mm = 0.1;
+  options.round_mm = 0.5;
+  const auto written = RunAndWrite(WithMargins(2), options);
+  const Json& summary = written->summary;
+  EXPECT_EQ(summary["status"], "solved");
+  EXPECT_LE(summary["constraint_violation"].get<double>(), 1e-6);
+  EXPECT_LE(summary["kkt_error"].get<double>(), 1e-6);
+  const double range = summary["range_deg"];
+  EXPECT_LE(summary["certified_upper_bound_deg"].get<double>() - range, 0.1);
+
+  const Design design = ReadDesign(written->folder / "design.yaml");
+  EXPECT_EQ(*design.range_deg, range);
+  const CsvTable optimum = CsvTable::Read(written->folder / "optimum.csv");
+  EXPECT_THAT(optimum.Header(),
+              ::testing::ElementsAre("variable", "initial", "optimum", "lower", "upper", "active", "multiplier"));
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(optimum.Text(i, 0), LinkName(i));
+    EXPECT_EQ(optimum.RequiredNumber(i, 2), design.links.Values()[i]);
+  }
+  EXPECT_EQ(optimum.Text(4, 5), "lower");  // l5 = 50 mm
+  EXPECT_LT(optimum.RequiredNumber(4, 6), -0.1);
+
+  const CsvTable margins = CsvTable::Read(written->folder / "margin.csv");
+  for (std::size_t row = 0; row < margins.Rows(); ++row) {
+    const double at = margins.RequiredNumber(row, margins.Column("range_deg"));
+    if (margins.RequiredNumber(row, 0) == 2) {
+      EXPECT_NEAR(at, range, 1e-6);
+    }
+    const double bound = margins.RequiredNumber(row, margins.Column("certified_upper_bound_deg"));
+    EXPECT_GE(bound, at - 1e-9);
+    EXPECT_LE(bound, at + 0.1);
+    if (row > 0) {
+      EXPECT_LT(at, margins.RequiredNumber(row - 1, margins.Column("range_deg")));
+    }
+  }
+  EXPECT_EQ(CsvTable::Read(written->folder / "starts.csv").Rows(), 3u);
+  EXPECT_EQ(CsvTable::Read(written->folder / "sensitivity.csv").Rows(), 6u * 201u);
+  EXPECT_GT(CsvTable::Read(written->folder / "convergence.csv").Rows(), 5u);
+  const Design rounded = ReadDesign(written->folder / "rounded.yaml");
+  for (const double value : rounded.links.Values()) EXPECT_EQ(value * 2, std::round(value * 2));
+}
+
+TEST(Study, MultipliersAreNotPublishedWhereTheyAreNotUnique) {
+  const auto written = RunAndWrite(SynthesisProblem{}, FewStarts());
+  EXPECT_FALSE(written->summary["multipliers_unique"].get<bool>());
+  EXPECT_TRUE(written->summary["certified_upper_bound_deg"].is_null());
+  for (const Json& entry : written->summary["active"]) EXPECT_TRUE(entry["multiplier"].is_null());
+  const CsvTable optimum = CsvTable::Read(written->folder / "optimum.csv");
+  for (std::size_t row = 0; row < optimum.Rows(); ++row) EXPECT_EQ(optimum.Text(row, 6), "");
+}
+
+TEST(Study, InfeasibleProblemLeavesItsBestPointMarked) {
+  SynthesisProblem problem;
+  problem.min_moment_arm_mm = 60;
+  const auto written = RunAndWrite(problem, FewStarts());
+  EXPECT_EQ(written->summary["status"], "infeasible");
+  EXPECT_FALSE(written->summary["smallest_relaxation"].empty());
+  EXPECT_THAT(ReadDesign(written->folder / "design.yaml").made_by, ::testing::HasSubstr("NOT A SOLUTION"));
+  EXPECT_FALSE(std::filesystem::exists(written->folder / "sensitivity.csv"));
+}
+
+// The bound leaves requirements over the used range out: still a bound, and found without waiting for the time limit.
+TEST(Study, CertificateHoldsWithRequirementsOverTheUsedRange) {
+  SynthesisProblem problem = WithMargins(1);
+  problem.max_force_n = 2000;
+  const double range = SolveFrom(problem, problem.start).evaluation.range_deg;
+  const Certificate certificate = Certify(problem, range, 0.1, 60, true);
+  EXPECT_GT(certificate.upper_bound_deg, range);
+  EXPECT_FALSE(certificate.reached);
+  EXPECT_LT(certificate.seconds, 10);
+}
+
+TEST(Study, CapIsPartOfTheCertificate) {
+  SynthesisProblem problem = WithMargins(1);
+  problem.max_angle_deg = 130;
+  const Certificate certificate = Certify(problem, 130, 0.1, 60, true);
+  EXPECT_TRUE(certificate.reached);
+  EXPECT_EQ(certificate.upper_bound_deg, 130);
+}
+
+TEST(Study, RefusesSenselessOptions) {
+  StudyOptions options;
+  options.certify_gap_deg = -1;
+  EXPECT_THROW(RunStudy(SynthesisProblem{}, options), Error);
+  options = {};
+  options.yield_tolerance_mm = NAN;
+  EXPECT_THROW(RunStudy(SynthesisProblem{}, options), Error);
+}
+
+}  // namespace
+}  // namespace lake
