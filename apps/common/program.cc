@@ -53,7 +53,7 @@ Program::Program(std::string name, std::string what, std::string example) : name
   cli_.add_flag("--quiet", quiet_, "No progress");
   cli_.add_flag("--json", json_, "Print the summary to stdout as JSON");
   cli_.set_version_flag("--version", fmt::format("{} {}", name_, Version()));
-  cli_.set_config("--config", "", "Take options from this file; each run writes its own as options.toml");
+  cli_.set_config("--config", "", "Take options from this file; each run writes those it was given as options.toml");
 }
 
 Json Program::EffectiveOptions() const {
@@ -98,7 +98,7 @@ int Program::Work(const std::string& command, const std::string& result_name, co
   if (out_.empty()) out_ = "lake-out/" + result_name;
   Run run({name_, command, EffectiveOptions(), out_, quiet_});
   const Json summary = run.WriteSummary(work(run));
-  WriteTextFile(run.Result("options.toml"), cli_.config_to_str(true));
+  WriteTextFile(run.Result("options.toml"), cli_.config_to_str(false));
   if (json_)
     fmt::print("{}\n", summary.dump(2));
   else if (report)

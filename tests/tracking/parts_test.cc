@@ -174,8 +174,7 @@ TEST(BlobSearch, EdgesAndFlatPicturesHoldNoBlob) {
   EXPECT_EQ(BlobsIn(cv::Mat(240, 320, CV_64F, cv::Scalar(90)), random), 0u);
 }
 
-// Fails: on a level where the line is thin, only two of the ring's eight places are bright, and that many are allowed.
-TEST(BlobSearch, DISABLED_LinesHoldNoBlob) {
+TEST(BlobSearch, LinesHoldNoBlob) {
   std::mt19937 random(18);
   for (const double angle_deg : kAngles)
     EXPECT_EQ(BlobsIn(AcrossALine(angle_deg, [](double u) { return 40 + 150 * std::exp(-0.5 * u * u / 9); }), random),

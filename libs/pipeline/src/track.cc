@@ -160,10 +160,26 @@ Json RunPoints(const TrackRunOptions& options, const TrackResult& tracked, const
   return Json::object();
 }
 
+// What can be known to be wrong before the video is read.
+void CheckOptions(const TrackRunOptions& options) {
+  options.track.Check();
+  for (const auto& [name, mm] : options.depth_mm)
+    if (std::find(options.track.names.begin(), options.track.names.end(), name) == options.track.names.end())
+      throw UsageError(fmt::format("--depth {}: not one of the markers ({})", name, fmt::join(options.track.names, ", ")));
+  if (options.vertical && std::abs((*options.vertical)[1] - (*options.vertical)[3]) < 1)
+    throw UsageError("--vertical: the ends of a plumb line must differ in height by at least 1 px");
+  if (options.corrections && !std::filesystem::exists(*options.corrections))
+    throw Fail("{}: no such file", options.corrections->string());
+  static const std::vector<std::string> kFormats = {"trc", "mot", "c3d", "tracker", "kinovea"};
+  for (const std::string& format : options.exports)
+    if (std::find(kFormats.begin(), kFormats.end(), format) == kFormats.end())
+      throw UsageError(fmt::format("--export {}: not a format; there are {}", format, fmt::join(kFormats, ", ")));
+}
+
 }  // namespace
 
 Json RunTrack(const TrackRunOptions& options, Run& run) {
-  options.track.Check();
+  CheckOptions(options);
   run.AddInput(options.video);
   if (options.camera) run.AddInput(*options.camera);
   if (options.corrections) run.AddInput(*options.corrections);

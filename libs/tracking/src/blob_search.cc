@@ -13,18 +13,22 @@ constexpr double kLevelRadius = 1.9;
 constexpr int kCenterBox = 3, kSurroundBox = 9;
 constexpr int kBorder = kSurroundBox / 2 + 1;
 
-// A blob's surroundings: a ring of eight places is dark but for a neighbour or two. A line or an edge is bright in more.
+// A blob's surroundings: a ring of eight places is dark but for a neighbour or two. An edge is bright in more, a line in two that
+// face each other.
 bool IsDarkAllRound(const cv::Mat& smooth, const cv::Point& place) {
   constexpr int kFar = 4, kNear = 3;
   constexpr int kMaxBright = 2;
   static const std::array<cv::Point, 8> kRing = {cv::Point(kFar, 0),      {kNear, kNear},   {0, kFar},  {-kNear, kNear},
                                                  cv::Point(-kFar, 0),     {-kNear, -kNear}, {0, -kFar}, {kNear, -kNear}};
-  std::array<int, 8> levels;
+  std::array<int, 8> levels, sorted;
   for (std::size_t i = 0; i < kRing.size(); ++i) levels[i] = smooth.at<uchar>(place + kRing[i]);
-  std::sort(levels.begin(), levels.end());
-  const double dark = levels[2];
+  sorted = levels;
+  std::sort(sorted.begin(), sorted.end());
+  const double dark = sorted[2];
   const double half = dark + 0.5 * (smooth.at<uchar>(place) - dark);
-  return levels[kRing.size() - 1 - kMaxBright] < half;
+  for (std::size_t i = 0; i < kRing.size() / 2; ++i)
+    if (levels[i] >= half && levels[i + kRing.size() / 2] >= half) return false;
+  return sorted[kRing.size() - 1 - kMaxBright] < half;
 }
 
 void SearchLevel(const cv::Mat& grey, double scale, const cv::Rect& region, double min_contrast,

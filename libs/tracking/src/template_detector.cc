@@ -70,8 +70,8 @@ std::optional<Match> Refine(const cv::Mat& picture, const Look& look, Eigen::Vec
     const Eigen::Vector4d solution = factor.solve(right);
     const double gain = solution[2];
     if (!(gain > 0.2) || !(gain < 5)) return std::nullopt;
-    const Eigen::Vector2d step = -solution.head<2>() / gain;  // the picture shows the patch shifted by −step
-    center -= step;
+    const Eigen::Vector2d step = -solution.head<2>() / gain;  // the picture shows the patch shifted by this
+    center += step;
     if (step.norm() > half) return std::nullopt;
     if (step.norm() > kConvergedPx) continue;
     const double variance = std::max(0.0, square_sum - solution.dot(right)) / (count - 4);
