@@ -36,7 +36,8 @@ void AddOptions(CLI::App& cli, Options& options) {
                  "Least transmission angle between coupler and shank link over the used range, deg");
   cli.add_option("--max-angle", options.max_angle, "Anatomical cap on the knee angle, deg");
   cli.add_option("--max-length", options.max_length, "Longest stroke of the actuator; the knee must stand by then, mm");
-  cli.add_option("--certify", options.certify, "Prove an upper bound on the range to within this gap, deg")->expected(0, 1);
+  cli.add_option("--certify", options.certify, "Prove an upper bound on the range to within this gap, deg")
+      ->expected(0, 1);
   cli.add_option("--yield", options.yield, "Fraction of builds that work when every link is off by up to this, mm");
   cli.add_option("--round", options.round, "Also give the best design with links that are multiples of this, mm");
 }
@@ -93,7 +94,8 @@ std::string Report(const Json& summary) {
   if (const Json& bound = summary["certified_upper_bound_deg"]; bound.is_number())
     text += fmt::format(", proved to be at most {:.4f} deg for any design", bound.get<double>());
   text += "\n";
-  for (const auto& [name, length] : summary["links"].items()) text += fmt::format("  {} {:9.4f} mm\n", name, length.get<double>());
+  for (const auto& [name, length] : summary["links"].items())
+    text += fmt::format("  {} {:9.4f} mm\n", name, length.get<double>());
   for (const Json& limit : summary["active"]) {
     text += fmt::format("  at its limit: {}", limit["limit"].get<std::string>());
     if (limit["multiplier"].is_number())
@@ -106,8 +108,9 @@ std::string Report(const Json& summary) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  lake::Program program("lake-optimize", "The links that give the largest range of rotation.",
-                        "lake-optimize --starts 20 --grashof-margin 2 --singularity-margin 2 --certify -o lake-out/design");
+  lake::Program program(
+      "lake-optimize", "The links that give the largest range of rotation.",
+      "lake-optimize --starts 20 --grashof-margin 2 --singularity-margin 2 --certify -o lake-out/design");
   Options options;
   AddOptions(program.Cli(), options);
   const CLI::Option* certify = program.Cli().get_option("--certify");

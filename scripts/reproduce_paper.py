@@ -41,9 +41,9 @@ def percent(fraction):
     return f"{100 * fraction['value']:.1f} %"
 
 
-def link_rows(table1, published, columns):
+def link_rows(table1, columns):
     rows = []
-    for i, row in enumerate(table1):
+    for row in table1:
         cells = [row["variable"], row["initial_mm"], row["optimum_mm"]]
         cells += [f"{column['links'][row['variable']]:.3f}" for column in columns]
         rows.append("| " + " | ".join(cells) + " |")
@@ -67,7 +67,7 @@ shortest stroke, {claimed['d_min']['value']} mm.
 
 | | paper, initial | paper, optimum | ours, the same problem | ours, both margins 2 mm |
 | --- | --- | --- | --- | --- |
-{link_rows(table1, published, [zero, margin])}
+{link_rows(table1, [zero, margin])}
 
 ## Numbers
 

@@ -1,6 +1,7 @@
-// The synthesis problem by Ipopt on the loop equations (ours) and by NLopt on the closed form, from the same 20 starts: SLSQP (gradient),
-// ISRES (global, with constraints) and CRS2 (global, constraints as a penalty). Counters: best feasible range, how many of the starts
-// came within 0.01 deg of the best that is known, evaluations per start; time is per start. Then the certificate's time.
+// The synthesis problem by Ipopt on the loop equations (ours) and by NLopt on the closed form, from the same 20 starts:
+// SLSQP (gradient), ISRES (global, with constraints) and CRS2 (global, constraints as a penalty). Counters: best
+// feasible range, how many of the starts came within 0.01 deg of the best that is known, evaluations per start; time is
+// per start. Then the certificate's time.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -42,12 +42,13 @@ TEST(SolveNlp, ReachesThePublishedOptimum) {
 
 TEST(SolveNlp, PricesAreDerivativesOfTheOptimumByTheBounds) {
   const double step = 1e-3;
-  const double above = SolveNlp(HockSchittkowski71(25 + step)).cost, below = SolveNlp(HockSchittkowski71(25 - step)).cost;
+  const double above = SolveNlp(HockSchittkowski71(25 + step)).cost,
+               below = SolveNlp(HockSchittkowski71(25 - step)).cost;
   const NlpSolution solution = SolveNlp(HockSchittkowski71());
   EXPECT_NEAR(solution.row_prices[0], (above - below) / (2 * step), 1e-6);
   EXPECT_GT(solution.row_prices[0], 0);
-  EXPECT_GT(solution.variable_prices[0], 0);             // x1 is held at its lower bound
-  EXPECT_NEAR(solution.variable_prices[2], 0, 1e-7);     // x3 is free
+  EXPECT_GT(solution.variable_prices[0], 0);          // x1 is held at its lower bound
+  EXPECT_NEAR(solution.variable_prices[2], 0, 1e-7);  // x3 is free
 }
 
 TEST(SolveNlp, FixedVariableHasThePriceOfMovingIt) {
@@ -55,7 +56,8 @@ TEST(SolveNlp, FixedVariableHasThePriceOfMovingIt) {
     NonlinearProgram program;
     program.AddVariable("fixed", value, value, value);
     program.AddVariable("free", 0, -kUnbounded, kUnbounded);
-    program.AddCost(std::array{0, 1}, [](const auto* x) { return (x[1] - 2.0 * x[0]) * (x[1] - 2.0 * x[0]) + x[0] * x[0]; });
+    program.AddCost(std::array{0, 1},
+                    [](const auto* x) { return (x[1] - 2.0 * x[0]) * (x[1] - 2.0 * x[0]) + x[0] * x[0]; });
     return SolveNlp(program);
   };
   const NlpSolution solution = solve(3);
@@ -68,7 +70,8 @@ TEST(SolveNlp, InfeasibleProgramIsAStatusWithItsBestPoint) {
   NonlinearProgram program;
   program.AddVariable("x", 0.5, 0, 10);
   program.AddVariable("y", 0.5, 0, 10);
-  program.AddConstraint("circle", -kUnbounded, 1, std::array{0, 1}, [](const auto* v) { return v[0] * v[0] + v[1] * v[1]; });
+  program.AddConstraint("circle", -kUnbounded, 1, std::array{0, 1},
+                        [](const auto* v) { return v[0] * v[0] + v[1] * v[1]; });
   program.AddConstraint("line", 4, kUnbounded, std::array{0, 1}, [](const auto* v) { return v[0] + v[1]; });
   program.AddCost(std::array{0}, [](const auto* v) { return v[0]; });
   const NlpSolution solution = SolveNlp(program);
@@ -168,7 +171,8 @@ TEST(SecondOrder, AgreesWithCentralDifferences) {
       term.Gradient(moved.data(), above.data());
       moved[i] = x[i] - step;
       term.Gradient(moved.data(), below.data());
-      // Truncation h^2 f'''/6 and rounding eps f/h stay below 1e-7 for these functions, whose third derivatives reach some hundreds.
+      // Truncation h^2 f'''/6 and rounding eps f/h stay below 1e-7 for these functions, whose third derivatives reach
+      // some hundreds.
       EXPECT_NEAR(gradient[i], (value_above - term.Value(moved.data())) / (2 * step), 1e-7);
       for (int j = 0; j <= i; ++j) EXPECT_NEAR(hessian[entry++], (above[j] - below[j]) / (2 * step), 1e-6);
     }

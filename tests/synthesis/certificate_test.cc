@@ -89,8 +89,9 @@ TEST(Certificate, NoFeasibleDesignOfRandomProblemsExceedsTheBound) {
   EXPECT_GT(problems, 200);  // the test has seen enough feasible designs to mean something
 }
 
-// Refined bounds of problems unlike the paper's must meet the optimum that Ipopt finds: never below it, and not far above where l1 can
-// follow l3 down, as in the paper's bounds (elsewhere branching is slow, and a short time limit is not enough).
+// Refined bounds of problems unlike the paper's must meet the optimum that Ipopt finds: never below it, and not far
+// above where l1 can follow l3 down, as in the paper's bounds (elsewhere branching is slow, and a short time limit is
+// not enough).
 TEST(Certificate, MeetsTheOptimumOfRandomProblems) {
   std::mt19937_64 random(20260202);
   int reached = 0, solved = 0;

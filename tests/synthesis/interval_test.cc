@@ -48,7 +48,8 @@ TEST_F(IntervalTest, FunctionsEnclose) {
     ExpectEncloses(Cos(angle), std::cos(static_cast<long double>(PointIn(angle))));
     ExpectEncloses(ArcCos(cosine), std::acos(static_cast<long double>(PointIn(cosine))));
     const Interval x = Draw(0, 100), y = Draw(-100, 100);
-    ExpectEncloses(AngleFromY(x, y), std::atan2(static_cast<long double>(PointIn(x)), static_cast<long double>(PointIn(y))));
+    ExpectEncloses(AngleFromY(x, y),
+                   std::atan2(static_cast<long double>(PointIn(x)), static_cast<long double>(PointIn(y))));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -31,13 +32,20 @@ TEST(Optimize, PapersStartAloneReachesTheSupremum) {
   EXPECT_NEAR(solve.end.l6, 300, 1e-6);
 }
 
-TEST(Optimize, EveryStartOfThePapersProblemEndsThere) {
-  OptimizeOptions options;
-  options.starts = 15;
-  options.seed = 20260303;
-  const SynthesisResult result = Optimize(SynthesisProblem{}, options);
-  for (std::size_t i = 0; i < result.starts.size(); ++i) EXPECT_EQ(result.basin[i], 0) << "start " << i;
-  EXPECT_EQ(result.best, 0);  // of equals the first
+// A start in a hundred or two gets stuck in a corner of the bounds, where links are equal, and says so; none may end in another
+// optimum.
+TEST(Optimize, StartsAgree) {
+  for (const double margin : {0.0, 1.0, 10.0})
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+      OptimizeOptions options;
+      options.starts = 20;
+      options.seed = seed;
+      const SynthesisResult result = Optimize(WithMargins(margin), options);
+      const auto stuck = std::ranges::count(result.basin, -1);
+      EXPECT_LE(stuck, 2) << "margin " << margin << ", seed " << seed;
+      EXPECT_EQ(std::ranges::count(result.basin, 0), options.starts - stuck);
+      EXPECT_EQ(result.best, 0);  // of equals the first
+    }
 }
 
 TEST(Optimize, SeedDecidesTheStarts) {
@@ -90,7 +98,8 @@ TEST(Optimize, PricesAreDerivativesOfTheRange) {
   const double step = 1e-3;
   const auto range = [](double grashof, double singularity, double lowest_l5) {
     SynthesisProblem problem;
-    problem.grashof_margin_mm = grashof, problem.singularity_margin_mm = singularity, problem.bounds[4].lower = lowest_l5;
+    problem.grashof_margin_mm = grashof, problem.singularity_margin_mm = singularity,
+    problem.bounds[4].lower = lowest_l5;
     return SolveFrom(problem, problem.start).evaluation.range_deg;
   };
   const LocalSolve solve = SolveFrom(WithMargins(2), SynthesisProblem{}.start);
@@ -159,8 +168,8 @@ void ExpectHoldsOnAFineGrid(const SynthesisProblem& problem, const Links& links)
     const auto pose = SolvePose(links, stroke);
     ASSERT_TRUE(pose) << stroke;
     const Transmission transmission = TransmissionOf(links, *pose);
-    const double angle = DegreesFromRadians(
-        std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
+    const double angle =
+        DegreesFromRadians(std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
     // Relative to the limit, as the solver's tolerance is; a limit that is off holds always.
     ASSERT_GE(angle, problem.min_transmission_deg.value_or(0) * (1 - 1e-6)) << stroke;
     ASSERT_GE(transmission.moment_arm_mm, problem.min_moment_arm_mm.value_or(0) * (1 - 1e-6)) << stroke;
@@ -186,7 +195,8 @@ TEST(Optimize, FamiliesHoldEverywhereOnTheUsedRange) {
   }
 }
 
-// Hyperextended standing in wide bounds: the transmission angle passes 90 degrees there, and its supplement is worst between poses.
+// Hyperextended standing in wide bounds: the transmission angle passes 90 degrees there, and its supplement is worst
+// between poses.
 TEST(Optimize, ExchangeFindsTheWorstPoseBetweenCollocationPoints) {
   SynthesisProblem problem = WithMargins(2);
   for (std::size_t i = 0; i < 4; ++i) problem.bounds[i] = {30, 200};

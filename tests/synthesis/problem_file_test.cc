@@ -44,10 +44,12 @@ TEST_F(ProblemFile, PapersFileIsTheDefaultProblem) {
 }
 
 TEST_F(ProblemFile, AllKeysArrive) {
-  const SynthesisProblem problem = ReadProblem(Write(
-      "d_min_mm: 240\nd_max_mm: 360\nbounds: {l5: [40, 60]}\nstart: {l1: 70}\nmargins: {grashof_mm: 1, singularity_mm: 2}\n"
-      "load: {knee_torque_nm: 30, max_force_n: 1500}\nmin_moment_arm_mm: 12\nmin_transmission_deg: 9\nmax_angle_deg: 150\n"
-      "standing_deg: 3\n"));
+  const SynthesisProblem problem =
+      ReadProblem(Write("d_min_mm: 240\nd_max_mm: 360\nbounds: {l5: [40, 60]}\nstart: {l1: 70}\nmargins: {grashof_mm: "
+                        "1, singularity_mm: 2}\n"
+                        "load: {knee_torque_nm: 30, max_force_n: 1500}\nmin_moment_arm_mm: 12\nmin_transmission_deg: "
+                        "9\nmax_angle_deg: 150\n"
+                        "standing_deg: 3\n"));
   EXPECT_EQ(problem.d_min_mm, 240);
   EXPECT_EQ(problem.d_max_mm, 360);
   EXPECT_EQ(problem.bounds[4].upper, 60);
@@ -86,7 +88,8 @@ TEST_F(ProblemFile, ErrorsNameFileLineAndReason) {
   };
   for (const auto& item : cases) {
     const std::string error = ErrorOf(item.text);
-    EXPECT_THAT(error, ::testing::AllOf(::testing::HasSubstr(item.line), ::testing::HasSubstr(item.reason))) << item.text;
+    EXPECT_THAT(error, ::testing::AllOf(::testing::HasSubstr(item.line), ::testing::HasSubstr(item.reason)))
+        << item.text;
     EXPECT_THAT(error, ::testing::Not(::testing::HasSubstr("\n")));
   }
 }

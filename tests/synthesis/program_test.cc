@@ -33,9 +33,9 @@ TEST(LakeOptimize, WritesEverythingThatTheInterfaceNames) {
   const TemporaryFolder folder;
   const Ended ended = RunProgram("--starts 5 --certify 0.5 -o " + folder.Path().string());
   EXPECT_EQ(ended.exit_code, 0) << ended.text;
-  for (const char* name : {"design.yaml", "optimum.csv", "constraints.csv", "summary.json", "sensitivity.csv",
-                           "sensitivity.png", "starts.csv", "margin.csv", "margin.png", "convergence.csv",
-                           "convergence.png", "options.toml"})
+  for (const char* name :
+       {"design.yaml", "optimum.csv", "constraints.csv", "summary.json", "sensitivity.csv", "sensitivity.png",
+        "starts.csv", "margin.csv", "margin.png", "convergence.csv", "convergence.png", "options.toml"})
     EXPECT_GT(std::filesystem::file_size(folder / name), 0u) << name;
   const Json summary = ReadJsonFile(folder / "summary.json");
   for (const char* key : {"range_deg", "status", "constraint_violation", "kkt_error", "certified_upper_bound_deg"})

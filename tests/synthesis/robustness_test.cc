@@ -85,8 +85,7 @@ TEST(RoundLinks, GivesTheBestFeasibleGridPoint) {
   for (const double step : {0.1, 0.5, 1.0}) {
     const auto rounded = RoundLinks(solve.end, problem, step);
     ASSERT_TRUE(rounded);
-    for (const double value : rounded->links.Values())
-      EXPECT_NEAR(value / step, std::round(value / step), 1e-9);
+    for (const double value : rounded->links.Values()) EXPECT_NEAR(value / step, std::round(value / step), 1e-9);
     EXPECT_TRUE(rounded->evaluation.IsFeasible());
     EXPECT_LE(rounded->evaluation.range_deg, solve.evaluation.range_deg + 1e-6);
     EXPECT_GT(rounded->evaluation.range_deg, solve.evaluation.range_deg - 4 * step);

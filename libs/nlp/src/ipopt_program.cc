@@ -12,7 +12,9 @@ using Ipopt::Index;
 
 constexpr double kIpoptInfinity = 2e19;  // beyond Ipopt's nlp_lower/upper_bound_inf
 
-double ForIpopt(double bound) { return std::clamp(bound, -kIpoptInfinity, kIpoptInfinity); }
+double ForIpopt(double bound) {
+  return std::clamp(bound, -kIpoptInfinity, kIpoptInfinity);
+}
 
 std::size_t HessianSize(const Term& term) {
   const std::size_t n = term.Variables().size();

@@ -27,8 +27,8 @@ class IpoptProgram final : public Ipopt::TNLP {
   bool eval_f(Ipopt::Index n, const double* x, bool new_x, double& cost) override;
   bool eval_grad_f(Ipopt::Index n, const double* x, bool new_x, double* gradient) override;
   bool eval_g(Ipopt::Index n, const double* x, bool new_x, Ipopt::Index m, double* values) override;
-  bool eval_jac_g(Ipopt::Index n, const double* x, bool new_x, Ipopt::Index m, Ipopt::Index entries,
-                  Ipopt::Index* rows, Ipopt::Index* columns, double* values) override;
+  bool eval_jac_g(Ipopt::Index n, const double* x, bool new_x, Ipopt::Index m, Ipopt::Index entries, Ipopt::Index* rows,
+                  Ipopt::Index* columns, double* values) override;
   bool eval_h(Ipopt::Index n, const double* x, bool new_x, double cost_factor, Ipopt::Index m, const double* lambda,
               bool new_lambda, Ipopt::Index entries, Ipopt::Index* rows, Ipopt::Index* columns,
               double* values) override;
@@ -41,7 +41,8 @@ class IpoptProgram final : public Ipopt::TNLP {
                          const Ipopt::IpoptData* data, Ipopt::IpoptCalculatedQuantities* quantities) override;
 
  private:
-  // Runs `work`; an exception is kept for later, as it must not pass through Ipopt. False if there was one or a value is not finite.
+  // Runs `work`; an exception is kept for later, as it must not pass through Ipopt. False if there was one or a value
+  // is not finite.
   bool Guard(const std::function<bool()>& work);
 
   // grad f + J'y, by which the prices and the stationarity are judged.

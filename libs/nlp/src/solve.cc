@@ -112,9 +112,9 @@ NlpSolution SolveNlp(const NonlinearProgram& program, const NlpOptions& options)
   solution.status = StatusOf(status);
   if (solution.x.empty())  // ended before its first iteration
     for (const NlpVariable& variable : program.Variables()) solution.x.push_back(variable.start);
-  solution.message = fmt::format("{} after {} iterations: cost {:.9g}, violation {:.1e}, KKT error {:.1e}",
-                                 NameOf(solution.status), solution.iterations.size(), solution.cost, solution.violation,
-                                 solution.kkt_error);
+  solution.message =
+      fmt::format("{} after {} iterations: cost {:.9g}, violation {:.1e}, KKT error {:.1e}", NameOf(solution.status),
+                  solution.iterations.size(), solution.cost, solution.violation, solution.kkt_error);
   return solution;
 }
 

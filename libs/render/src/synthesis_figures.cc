@@ -24,9 +24,10 @@ void ShadeUnassembled(GnuplotFigure& figure, const std::vector<SensitivityPoint>
     std::size_t end = i;
     while (end < points.size() && std::isnan(points[end].range_deg)) ++end;
     if (end > i)
-      figure.Line(fmt::format("set object rectangle from first {}, graph 0 to first {}, graph 1 fillcolor rgb '{}' "
-                              "fillstyle solid noborder behind",
-                              points[i].delta_mm, points[end - 1].delta_mm, colour::kGap));
+      figure.Line(
+          fmt::format("set object rectangle from first {}, graph 0 to first {}, graph 1 fillcolor rgb '{}' "
+                      "fillstyle solid noborder behind",
+                      points[i].delta_mm, points[end - 1].delta_mm, colour::kGap));
     i = end + 1;
   }
 }
@@ -46,11 +47,11 @@ void DrawLinkPanel(GnuplotFigure& figure, const std::vector<SensitivityPoint>& p
   figure.Line(fmt::format("set yrange [{}:{}]", range.lower, range.upper));
   figure.Line(link >= 3 ? "set xlabel 'change, mm'" : "unset xlabel");
   figure.Line(link % 3 == 0 ? "set ylabel 'range of rotation, deg'" : "unset ylabel");
-  figure.Line(fmt::format("plot {0} using 1:2 with lines lw 1.5 dt 2 lc rgb '{1}' notitle, "
-                          "{0} using 1:3 with lines lw 3 lc rgb '{2}' notitle, "
-                          "'+' every ::0::0 using (0):({3}) with points pt 7 ps 1.2 lc rgb '{4}' notitle",
-                          data, colour::kOther, colour::kAnkle, points[points.size() / 2].range_deg,
-                          colour::kExoskeleton));
+  figure.Line(
+      fmt::format("plot {0} using 1:2 with lines lw 1.5 dt 2 lc rgb '{1}' notitle, "
+                  "{0} using 1:3 with lines lw 3 lc rgb '{2}' notitle, "
+                  "'+' every ::0::0 using (0):({3}) with points pt 7 ps 1.2 lc rgb '{4}' notitle",
+                  data, colour::kOther, colour::kAnkle, points[points.size() / 2].range_deg, colour::kExoskeleton));
 }
 
 Range RangeOf(const std::vector<SensitivityPoint>& points) {
@@ -67,9 +68,13 @@ Range RangeOf(const std::vector<SensitivityPoint>& points) {
 void DrawSensitivity(const Study& study, const std::filesystem::path& path) {
   GnuplotFigure figure(1200, 800);
   figure.Line("set multiplot layout 2,3 margins 0.07,0.98,0.14,0.88 spacing 0.06,0.13");
-  figure.Line("set label 1 'Range at the shortest stroke when one link is changed' at screen 0.5,0.965 center font ',15'");
-  figure.Line(fmt::format("set label 2 'solid: feasible    dashed: can be assembled, but violates a requirement    grey: cannot be assembled    "
-                          "dot: the optimum' at screen 0.5,0.03 center font ',12' textcolor rgb '{}'", colour::kText));
+  figure.Line(
+      "set label 1 'Range at the shortest stroke when one link is changed' at screen 0.5,0.965 center font ',15'");
+  figure.Line(
+      fmt::format("set label 2 'solid: feasible    dashed: can be assembled, but breaks a bound or a requirement    "
+                  "grey: cannot be assembled    "
+                  "dot: the optimum' at screen 0.5,0.03 center font ',12' textcolor rgb '{}'",
+                  colour::kText));
   figure.Line("set grid lc rgb '#E8E8E8'");
   figure.Line("set xrange [-5:5]");
   const Range range = RangeOf(study.sensitivity);
@@ -95,13 +100,13 @@ void DrawMargins(const Study& study, const std::filesystem::path& path) {
   figure.Line("set title 'What distance from both singularities costs' font ',15'");
   figure.Line("set xlabel 'margin of Grashof''s law and of the actuator singularity, mm'");
   figure.Line("set ylabel 'range of rotation, deg'").Line("set grid lc rgb '#E8E8E8'").Line("set key right center");
-  std::string plot = fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.9 lc rgb '{}' title 'largest range'",
-                                 data, colour::kAnkle);
+  std::string plot = fmt::format(
+      "plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.9 lc rgb '{}' title 'largest range'", data, colour::kAnkle);
   if (study.options.yield_tolerance_mm) {
     figure.Line(fmt::format("set y2label 'builds that work at ±{} mm, %'", *study.options.yield_tolerance_mm));
     figure.Line("set y2range [0:105]").Line("set y2tics 20").Line("set ytics nomirror");
-    plot += fmt::format(", {} using 1:3 axes x1y2 with linespoints lw 2 dt 2 pt 5 ps 0.8 lc rgb '{}' title 'yield'", data,
-                        colour::kExoskeleton);
+    plot += fmt::format(", {} using 1:3 axes x1y2 with linespoints lw 2 dt 2 pt 5 ps 0.8 lc rgb '{}' title 'yield'",
+                        data, colour::kExoskeleton);
   }
   figure.Line(plot).Write(path);
 }
@@ -117,14 +122,17 @@ void DrawConvergence(const Study& study, const std::filesystem::path& path) {
   GnuplotFigure figure(1000, 720);
   const std::string data = figure.Data({number, range, violation, dual});
   figure.Line("set multiplot layout 2,1 margins 0.1,0.97,0.1,0.93 spacing 0.1,0.09");
-  figure.Line("set grid lc rgb '#E8E8E8'").Line("set title 'Convergence from the start that gave the optimum' font ',15'");
+  figure.Line("set grid lc rgb '#E8E8E8'")
+      .Line("set title 'Convergence from the start that gave the optimum' font ',15'");
   figure.Line("set ylabel 'range of rotation, deg'").Line("set format x ''");
-  figure.Line(fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.8 lc rgb '{}' notitle", data, colour::kAnkle));
+  figure.Line(
+      fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.8 lc rgb '{}' notitle", data, colour::kAnkle));
   figure.Line("unset title").Line("set format x '%g'").Line("set xlabel 'iteration'");
   figure.Line("set logscale y").Line("set format y '10^{%L}'").Line("set ylabel 'error'").Line("set key top right");
-  figure.Line(fmt::format("plot {0} using 1:3 with linespoints lw 2 pt 7 ps 0.8 lc rgb '{1}' title 'constraint violation', "
-                          "{0} using 1:4 with linespoints lw 2 pt 5 ps 0.8 lc rgb '{2}' title 'dual infeasibility'",
-                          data, colour::kExoskeleton, colour::kHip));
+  figure.Line(
+      fmt::format("plot {0} using 1:3 with linespoints lw 2 pt 7 ps 0.8 lc rgb '{1}' title 'constraint violation', "
+                  "{0} using 1:4 with linespoints lw 2 pt 5 ps 0.8 lc rgb '{2}' title 'dual infeasibility'",
+                  data, colour::kExoskeleton, colour::kHip));
   figure.Line("unset multiplot").Write(path);
 }
 

@@ -37,7 +37,8 @@ std::vector<OpenBox> Halves(const RangeBound& range, const OpenBox& parent, std:
   return halves;
 }
 
-// Splits along the relatively widest of the links whose split lowers both halves' bounds; if there is none, along the widest of all.
+// Splits along the relatively widest of the links whose split lowers both halves' bounds; if there is none, along the
+// widest of all.
 std::vector<OpenBox> Split(const RangeBound& range, const OpenBox& parent) {
   constexpr double kLowered_rad = 1e-9;
   const LinkBox root = range.Root();
@@ -101,9 +102,11 @@ Certificate CertifyRange(const SynthesisProblem& problem, double range_deg, cons
     progress.Advance(static_cast<std::int64_t>(batch.size()));
     if (open.empty()) certificate.feasible_set_empty = true;
   }
-  certificate.upper_bound_deg = certificate.feasible_set_empty ? -std::numeric_limits<double>::infinity()
-                                                               : (Interval(open.top().bound_rad) * 180.0 / kPiInterval).upper;
-  if (problem.max_angle_deg) certificate.upper_bound_deg = std::min(certificate.upper_bound_deg, *problem.max_angle_deg);
+  certificate.upper_bound_deg = certificate.feasible_set_empty
+                                    ? -std::numeric_limits<double>::infinity()
+                                    : (Interval(open.top().bound_rad) * 180.0 / kPiInterval).upper;
+  if (problem.max_angle_deg)
+    certificate.upper_bound_deg = std::min(certificate.upper_bound_deg, *problem.max_angle_deg);
   certificate.gap_deg = certificate.upper_bound_deg - range_deg;
   certificate.reached = certificate.gap_deg <= options.gap_deg * (1 + 1e-12);
   certificate.seconds = seconds();

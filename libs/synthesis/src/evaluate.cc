@@ -15,8 +15,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kGridPoints = 721;  // a quarter of a degree or finer over any range of a knee
 
-// The used range of a design that can stand; nullopt otherwise. An optimum may stand exactly where the actuator is stretched out, the
-// end of its assembly range, where an angle is known to the square root of rounding.
+// The used range of a design that can stand; nullopt otherwise. An optimum may stand exactly where the actuator is
+// stretched out, the end of its assembly range, where an angle is known to the square root of rounding.
 std::optional<UsedRange> StandingRange(const Links& links, const SynthesisProblem& problem) {
   if (!SolvePose(links, problem.d_min_mm)) return std::nullopt;
   const UsedRange range =
@@ -89,6 +89,14 @@ RequirementCheck CheckOf(const Links& links, const SynthesisProblem& problem, co
   return check;
 }
 
+double BoundViolation(const Links& links, const SynthesisProblem& problem) {
+  const auto l = links.Values();
+  double worst = 0;
+  for (std::size_t i = 0; i < l.size(); ++i)
+    worst = std::max({worst, problem.bounds[i].lower - l[i], l[i] - problem.bounds[i].upper});
+  return worst;
+}
+
 }  // namespace
 
 std::vector<WorstPoint> WorstPoints(const Links& links, const SynthesisProblem& problem,
@@ -102,7 +110,8 @@ std::vector<WorstPoint> WorstPoints(const Links& links, const SynthesisProblem& 
 
   std::vector<WorstPoint> worst;
   for (int i = 0; i < kGridPoints; ++i) {
-    const bool below_left = i == 0 || grid[i] <= grid[i - 1], below_right = i == kGridPoints - 1 || grid[i] < grid[i + 1];
+    const bool below_left = i == 0 || grid[i] <= grid[i - 1],
+               below_right = i == kGridPoints - 1 || grid[i] < grid[i + 1];
     if (!below_left || !below_right) continue;
     double fraction = i / (kGridPoints - 1.0);
     if (std::isfinite(grid[i])) {
@@ -127,21 +136,19 @@ DesignEvaluation Evaluate(const Links& links, const SynthesisProblem& problem) {
   evaluation.violation = evaluation.pose ? 0 : kInfinity;
   for (const Requirement& requirement : RequirementsOf(problem)) {
     evaluation.checks.push_back(CheckOf(links, problem, requirement, evaluation));
-    evaluation.violation = std::max(evaluation.violation, -evaluation.checks.back().slack / std::max(1.0, requirement.limit));
+    evaluation.violation =
+        std::max(evaluation.violation, -evaluation.checks.back().slack / std::max(1.0, requirement.limit));
   }
-  const auto l = links.Values();
-  for (std::size_t i = 0; i < l.size(); ++i)
-    evaluation.bound_violation_mm = std::max(
-        {evaluation.bound_violation_mm, problem.bounds[i].lower - l[i], l[i] - problem.bounds[i].upper});
+  evaluation.bound_violation_mm = BoundViolation(links, problem);
   evaluation.violation = std::max(evaluation.violation, evaluation.bound_violation_mm);
   return evaluation;
 }
 
 bool MeetsLinkRequirements(const Links& links, const SynthesisProblem& problem,
                            const std::vector<Requirement>& requirements, double tolerance_mm) {
-  DesignEvaluation evaluation;
   const std::optional<Pose> pose = SolvePose(links, problem.d_min_mm);
-  if (!pose) return false;
+  if (!pose || BoundViolation(links, problem) > tolerance_mm) return false;
+  DesignEvaluation evaluation;
   evaluation.range_deg = DegreesFromRadians(pose->theta_rad);
   return std::all_of(requirements.begin(), requirements.end(), [&](const Requirement& requirement) {
     return requirement.NeedsStanding() || CheckOf(links, problem, requirement, evaluation).slack >= -tolerance_mm;

@@ -7,7 +7,9 @@
 
 namespace lake {
 
-std::vector<double> FirstFractions() { return {0.25, 0.5, 0.75}; }
+std::vector<double> FirstFractions() {
+  return {0.25, 0.5, 0.75};
+}
 
 namespace {
 

@@ -10,8 +10,8 @@ namespace lake {
 // Interior poses to begin with; both ends of the used range are always there.
 std::vector<double> FirstFractions();
 
-// Adds the local worst poses at which a family is violated by more than `tolerance` x its limit, or, if the linkage cannot go
-// through its used range at all, poses half-way between those there are. False if there is nothing to add.
+// Adds the local worst poses at which a family is violated by more than `tolerance` x its limit, or, if the linkage
+// cannot go through its used range at all, poses half-way between those there are. False if there is nothing to add.
 bool AddViolatedPoses(const SynthesisProblem& problem, const Links& links, double tolerance,
                       std::vector<double>& fractions);
 

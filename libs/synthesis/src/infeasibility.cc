@@ -11,7 +11,8 @@ namespace lake {
 namespace {
 
 using Kind = Requirement::Kind;
-constexpr double kNoSlack = 1e-5;  // mm, deg or 1 % of a force: what an interior point leaves on a slack that is not needed
+constexpr double kNoSlack =
+    1e-5;  // mm, deg or 1 % of a force: what an interior point leaves on a slack that is not needed
 
 struct ElasticSolve {
   NlpSolution solution;
@@ -105,16 +106,17 @@ void CollectFighting(const ElasticSolve& solve, InfeasibilityReport& report) {
     const NlpVariable& variable = solve.program.program.Variables()[link];
     const double price = solution.variable_prices[link];
     if (std::abs(price) > kNoPrice)
-      report.fighting.push_back(fmt::format("{} {} {:.6g} mm", variable.name, price > 0 ? ">=" : "<=",
-                                            price > 0 ? variable.lower : variable.upper));
+      report.fighting.push_back(fmt::format("{} {} {:.6g} mm", variable.name,
+                                            price > 0 ? ">=" : "<=", price > 0 ? variable.lower : variable.upper));
   }
 }
 
 std::string Sentence(const InfeasibilityReport& report) {
   if (!report.solved) return "no design was found that satisfies the problem, and none that nearly does";
   if (report.relaxations.empty()) return "the problem can be satisfied, but the solver did not reach an optimum";
-  std::string text = fmt::format("no design satisfies all limits: {} cannot hold together; the smallest change found that would do:",
-                                 fmt::join(report.fighting, ", "));
+  std::string text =
+      fmt::format("no design satisfies all limits: {} cannot hold together; the smallest change found that would do:",
+                  fmt::join(report.fighting, ", "));
   for (std::size_t i = 0; i < report.relaxations.size(); ++i) {
     const Relaxation& relaxation = report.relaxations[i];
     text += fmt::format("{} {} relaxed by {:.4g} {} to {:.6g}", i ? "," : "", relaxation.text,

@@ -37,15 +37,17 @@ Interval Cos(const Interval& a) {
   return Intersection(value, {-1, 1});
 }
 
-Interval Sin(const Interval& a) { return Cos(a - kPiInterval / 2.0); }
+Interval Sin(const Interval& a) {
+  return Cos(a - kPiInterval / 2.0);
+}
 
 Interval AngleFromY(const Interval& x, const Interval& y) {
   const Interval right{std::max(x.lower, 0.0), x.upper};
   const Interval all{0, kPiInterval.upper};
   if (right.IsEmpty()) return {1, 0};
   if (right.lower == 0 && y.Contains(0)) return all;
-  // The angle falls with y, and with x it rises where y > 0 and falls where y < 0: extremes are at the corners, and at y = 0 the
-  // angle does not depend on x.
+  // The angle falls with y, and with x it rises where y > 0 and falls where y < 0: extremes are at the corners, and at
+  // y = 0 the angle does not depend on x.
   const double corners[] = {std::atan2(right.lower, y.lower), std::atan2(right.lower, y.upper),
                             std::atan2(right.upper, y.lower), std::atan2(right.upper, y.upper)};
   const auto [least, most] = std::minmax_element(std::begin(corners), std::end(corners));

@@ -7,11 +7,11 @@
 #include <map>
 #include <random>
 
+#include "exchange.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/progress.h"
-#include "exchange.h"
 
 namespace lake {
 namespace {
@@ -122,7 +122,8 @@ ActiveSet FindActiveSet(const LocalSolve& solve) {
     if (!touches) continue;
     gradients.AddRow(index);
     constexpr double kNoPrice = 1e-7;
-    const bool slack_family = requirement != requirement_of_row.end() && requirement->second->IsFamily() && std::abs(price) < kNoPrice;
+    const bool slack_family =
+        requirement != requirement_of_row.end() && requirement->second->IsFamily() && std::abs(price) < kNoPrice;
     if (requirement != requirement_of_row.end() && !slack_family)
       active.entries.push_back({requirement->second->Text(), price, requirement->second->unit});
   }
@@ -134,7 +135,10 @@ ActiveSet FindActiveSet(const LocalSolve& solve) {
     const bool is_link = std::find(solve.program.links.begin(), solve.program.links.end(), static_cast<int>(j)) !=
                          solve.program.links.end();
     if (is_link || variable.name == "d_min")
-      active.entries.push_back({fmt::format("{} {} {:.6g} mm", variable.name, lower && upper ? "=" : lower ? ">=" : "<=",
+      active.entries.push_back({fmt::format("{} {} {:.6g} mm", variable.name,
+                                            lower && upper ? "="
+                                            : lower        ? ">="
+                                                           : "<=",
                                             lower ? variable.lower : variable.upper),
                                 -solve.solution.variable_prices[j], "mm"});
   }

@@ -39,7 +39,9 @@ Requirement Order(int smaller, int larger) {
 
 }  // namespace
 
-std::string LinkName(std::size_t index) { return fmt::format("l{}", index + 1); }
+std::string LinkName(std::size_t index) {
+  return fmt::format("l{}", index + 1);
+}
 
 void SynthesisProblem::Check() const {
   CheckPositive(d_min_mm, "d_min_mm");

@@ -83,6 +83,8 @@ SynthesisProblem ReadProblem(YamlNode node) {
   return problem;
 }
 
-SynthesisProblem ReadProblem(const std::filesystem::path& path) { return ReadProblem(YamlNode::ReadFile(path)); }
+SynthesisProblem ReadProblem(const std::filesystem::path& path) {
+  return ReadProblem(YamlNode::ReadFile(path));
+}
 
 }  // namespace lake

@@ -43,7 +43,8 @@ struct BranchTerm : AtPose {
   }
 };
 
-// The least sine that counts as not turning keeps the multiplied-out families away from 0 >= 0 where P, R and S are in line.
+// The least sine that counts as not turning keeps the multiplied-out families away from 0 >= 0 where P, R and S are in
+// line.
 struct NoTurningTerm : AtPose {
   template <typename T>
   T operator()(const T* v) const {
@@ -137,7 +138,8 @@ PoseVariables AddPose(NonlinearProgram& program, const std::string& name, const 
 
 void AddNoTurningRow(NonlinearProgram& program, const PoseVariables& pose) {
   const AtPose at{pose.fraction, pose.standing_rad};
-  program.AddConstraint(fmt::format("no turning at {:.4g}", pose.fraction), 0, kUnbounded, pose.All(), NoTurningTerm{at});
+  program.AddConstraint(fmt::format("no turning at {:.4g}", pose.fraction), 0, kUnbounded, pose.All(),
+                        NoTurningTerm{at});
 }
 
 void AddFamilyRow(NonlinearProgram& program, const Requirement& requirement, const PoseVariables& pose, int limit,

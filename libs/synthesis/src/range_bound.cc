@@ -5,8 +5,6 @@ namespace {
 
 enum Link { kL1, kL2, kL3, kL4, kL5, kL6 };
 
-const Interval kUnit{-1, 1};
-
 Interval Min(const Interval& a, const Interval& b) {
   return {std::min(a.lower, b.lower), std::min(a.upper, b.upper)};
 }
@@ -122,7 +120,8 @@ double RangeBound::UpperBound(const LinkBox& box) const {
   // Past phi = pi the tip is behind the knee pivot (l2 >= l3), so beta1 >= pi and theta <= 0.
   if (bar.least > kPiInterval.upper) return 0;
   const Coupler coupler = LeastCoupler(box);
-  FourBar bars{coupler.l1, box[kL2], box[kL3], box[kL4], Interval(bar.least, std::min(bar.phi.upper, kPiInterval.upper))};
+  FourBar bars{coupler.l1, box[kL2], box[kL3], box[kL4],
+               Interval(bar.least, std::min(bar.phi.upper, kPiInterval.upper))};
   // dkappa/dl3 has the sign of slope - q.y, where l1 follows Grashof's law with that slope.
   const Interval q_y = (bars.l3 + bars.l2 * Cos(bars.phi) - bars.l4 * Cos(Kappa(bars))) / bars.l1;
   if (coupler.slope.lower >= std::min(q_y.upper, 1.0)) {
@@ -130,12 +129,11 @@ double RangeBound::UpperBound(const LinkBox& box) const {
     bars.l1 = Max(box[kL1].lower, Max(bars.l3, bars.l3 + bars.l4 - bars.l2) + grashof_margin_);
   }
   // dkappa/dl4 has the sign of slope + q.s; l4 falls until it meets its bound, l2 or l1.
-  const Interval q_s =
-      (SquaredTipDistance(bars) - Square(bars.l4) - Square(bars.l1)) / (2.0 * bars.l4 * bars.l1);
+  const Interval q_s = (SquaredTipDistance(bars) - Square(bars.l4) - Square(bars.l1)) / (2.0 * bars.l4 * bars.l1);
   if (coupler.slope.lower >= -std::max(q_s.lower, -1.0)) {
     const Interval least = std::max(box[kL4].lower, box[kL1].lower);
-    // Where l1 follows Grashof's law, kappa falls with l2 as well: dkappa/dl2 has the sign of -(1 + q.u) while l4 stays, and with
-    // l4 = l2 and l1 - l3 = g that of -(g (l1 + l3) / (2 l2) + l2 (1 - cos(kappa - phi))).
+    // Where l1 follows Grashof's law, kappa falls with l2 as well: dkappa/dl2 has the sign of -(1 + q.u) while l4
+    // stays, and with l4 = l2 and l1 - l3 = g that of -(g (l1 + l3) / (2 l2) + l2 (1 - cos(kappa - phi))).
     if (coupler.slope.lower == 1) bars.l2 = box[kL2].upper;
     bars.l4 = Max(least, bars.l2);
     bars.l1 = Max(box[kL1].lower, bars.l3 + Max(least - bars.l2, 0) + grashof_margin_);

@@ -36,7 +36,6 @@ class RangeBound {
   };
   Coupler LeastCoupler(const LinkBox& box) const;
 
-
   LinkBox root_;
   std::vector<Requirement> linear_;
   double d_min_, grashof_margin_, singularity_margin_;

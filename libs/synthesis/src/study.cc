@@ -10,7 +10,8 @@
 namespace lake {
 namespace {
 
-constexpr std::array kMargins_mm{0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0};
+constexpr std::array kMargins_mm{0.0, 0.1, 0.2,  0.5,  1.0,  2.0,  3.0,  4.0, 5.0,
+                                 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0};
 
 bool NeedsStanding(const SynthesisProblem& problem) {
   for (const Requirement& requirement : RequirementsOf(problem))
@@ -62,8 +63,8 @@ MarginPoint SolveMargin(SynthesisProblem problem, double margin_mm, const Links&
     point.upper_bound_deg =
         Certify(problem, point.range_deg, *options.certify_gap_deg, options.certify_seconds, true).upper_bound_deg;
   if (options.yield_tolerance_mm)
-    point.yield = YieldOf(point.links, problem, *options.yield_tolerance_mm, options.optimize.seed)
-                      .assembled_and_grashof.value;
+    point.yield =
+        YieldOf(point.links, problem, *options.yield_tolerance_mm, options.optimize.seed).assembled_and_grashof.value;
   return point;
 }
 
@@ -93,7 +94,8 @@ void StartFromElastic(Study& study) {
 
 void StudyOptions::Check() const {
   optimize.Check();
-  if (certify_gap_deg && !(*certify_gap_deg > 0)) throw Fail("the gap to certify must be above 0 deg, not {}", *certify_gap_deg);
+  if (certify_gap_deg && !(*certify_gap_deg > 0))
+    throw Fail("the gap to certify must be above 0 deg, not {}", *certify_gap_deg);
   if (yield_tolerance_mm && !(*yield_tolerance_mm > 0 && *yield_tolerance_mm < 10))
     throw Fail("the tolerance of the yield must lie between 0 and 10 mm, not {}", *yield_tolerance_mm);
   if (round_mm && !(*round_mm > 0)) throw Fail("links cannot be rounded to multiples of {} mm", *round_mm);
@@ -137,8 +139,8 @@ Study RunStudy(const SynthesisProblem& problem, const StudyOptions& options) {
   study.active = FindActiveSet(best);
   study.certificate_ignores_used_range = NeedsStanding(problem);
   if (options.certify_gap_deg)
-    study.certificate = Certify(problem, best.evaluation.range_deg, *options.certify_gap_deg, options.certify_seconds,
-                                options.quiet);
+    study.certificate =
+        Certify(problem, best.evaluation.range_deg, *options.certify_gap_deg, options.certify_seconds, options.quiet);
   study.sensitivity = Sensitivity(best.end, problem);
   study.margins = SweepMargins(study);
   if (options.yield_tolerance_mm) study.yield = yield_of(best.end);

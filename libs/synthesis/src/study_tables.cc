@@ -19,7 +19,9 @@ Json LinksJson(const Links& links) {
   return json;
 }
 
-Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+Json NumberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
 
 std::string_view ActiveSide(double value, double lower, double upper) {
   constexpr double kTouching = 1e-5;  // as for the active set
@@ -107,7 +109,7 @@ void WriteConstraints(const Study& study, Run& run) {
     const int row = study.IsSolved() ? study.result.Best().program.limits[i].row : -1;
     table.Add(check.requirement.name).Add(study.start.checks[i].value).Add(check.value).Add(lower).Add(upper);
     table.Add(ActiveSide(check.value, lower, upper));
-    priced && row >= 0 ? table.Add(-study.result.Best().solution.row_prices[row]) : table.AddEmpty();
+    priced&& row >= 0 ? table.Add(-study.result.Best().solution.row_prices[row]) : table.AddEmpty();
     table.Add(check.requirement.unit).EndRow();
   }
   table.Write(run.Result("constraints.csv"));
@@ -126,7 +128,8 @@ void AddLinkCells(CsvWriter& table, const Links& links) {
 void WriteStarts(const Study& study, Run& run) {
   std::vector<std::string> header{"start"};
   std::ranges::copy(LinkColumns("start_"), std::back_inserter(header));
-  for (const char* column : {"basin", "status", "range_deg", "constraint_violation", "kkt_error", "iterations", "time_s"})
+  for (const char* column :
+       {"basin", "status", "range_deg", "constraint_violation", "kkt_error", "iterations", "time_s"})
     header.emplace_back(column);
   std::ranges::copy(LinkColumns("end_"), std::back_inserter(header));
   CsvWriter table(header);
@@ -219,20 +222,22 @@ Json CertificateJson(const Certificate& certificate, bool ignores_used_range) {
 
 void Warn(const Study& study, Run& run) {
   if (!study.active.multipliers_unique)
-    run.Warn("multipliers are not published: at this optimum the gradients of the active limits are linearly dependent, so "
-             "multipliers are not unique; ask for margins to have sensitivities");
+    run.Warn(
+        "multipliers are not published: at this optimum the gradients of the active limits are linearly dependent, so "
+        "multipliers are not unique; ask for margins to have sensitivities");
   if (const auto& pose = study.result.Best().evaluation.pose) {
     const Transmission transmission = TransmissionOf(study.BestLinks(), *pose);
     constexpr double kUseless_mm = 1;
     if (!(transmission.moment_arm_mm > kUseless_mm))
-      run.Warn(fmt::format("at d_min the moment arm is {:.2g} mm: the actuator holds no load there; ask for "
-                           "--min-moment-arm or --max-force", transmission.moment_arm_mm));
+      run.Warn(
+          fmt::format("at d_min the moment arm is {:.2g} mm: the actuator holds no load there; ask for "
+                      "--min-moment-arm or --max-force",
+                      transmission.moment_arm_mm));
   }
   if (study.certificate && !study.certificate->reached)
-    run.Warn(fmt::format("the gap of the certificate is {:.3g} deg, more than asked for{}", study.certificate->gap_deg,
-                         study.certificate_ignores_used_range
-                             ? ": the bound leaves out the requirements over the used range"
-                             : ""));
+    run.Warn(fmt::format(
+        "the gap of the certificate is {:.3g} deg, more than asked for{}", study.certificate->gap_deg,
+        study.certificate_ignores_used_range ? ": the bound leaves out the requirements over the used range" : ""));
   if (study.options.round_mm && !study.rounded)
     run.Warn(fmt::format("no design with links that are multiples of {} mm near the optimum satisfies the problem",
                          *study.options.round_mm));

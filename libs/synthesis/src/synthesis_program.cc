@@ -19,8 +19,7 @@ struct PoseStart {
 };
 
 PoseStart StartAtRange(const SynthesisProblem& problem, const Links& start) {
-  if (const auto pose = SolvePose(start, problem.d_min_mm))
-    return {problem.d_min_mm, pose->phi_rad, pose->theta_rad};
+  if (const auto pose = SolvePose(start, problem.d_min_mm)) return {problem.d_min_mm, pose->phi_rad, pose->theta_rad};
   constexpr double kPlausiblePhi_rad = 0.6, kPlausibleTheta_rad = 1.5;
   return {problem.d_min_mm, kPlausiblePhi_rad, kPlausibleTheta_rad};
 }
@@ -49,8 +48,7 @@ class Builder {
     AddRangePose();
     for (const Requirement& requirement : RequirementsOf(problem_)) AddLimit(requirement);
     AddUsedRange(fractions);
-    if (elasticity_ == Elasticity::kNone)
-      AddScaledTerm(nlp(), NlpTerm::kCost, range_, -kDegreesPerRadian);
+    if (elasticity_ == Elasticity::kNone) AddScaledTerm(nlp(), NlpTerm::kCost, range_, -kDegreesPerRadian);
     return std::move(result_);
   }
 
@@ -102,7 +100,7 @@ class Builder {
     // The loop implies it; as a row of its own it would have the loop's gradient and multipliers without bound.
     if (requirement.kind == Kind::kSingularity && limit == 0 && !IsElastic()) return;
     // The limit of a family is a variable of the program, so that its row carries the one price of all poses.
-    entry.row = requirement.IsFamily()          ? nlp().AddRow(requirement.Text(), limit, limit)
+    entry.row = requirement.IsFamily()       ? nlp().AddRow(requirement.Text(), limit, limit)
                 : requirement.is_lower_limit ? nlp().AddRow(requirement.Text(), limit, kUnbounded)
                                              : nlp().AddRow(requirement.Text(), -kUnbounded, limit);
     if (requirement.kind == Kind::kLinear)

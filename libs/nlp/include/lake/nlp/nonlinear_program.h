@@ -5,8 +5,8 @@
 //   s.t. lower_i <= c_i(x) <= upper_i      rows: constraints, each a sum of terms
 //        lower_j <=   x_j  <= upper_j      variables
 //
-// built from named variables, rows and terms; every term brings its exact derivatives (term.h), so a program is changed by adding
-// or leaving out pieces, never by editing a solver (the idea of ifopt and towr: Winkler et al., RA-L 2018).
+// built from named variables, rows and terms; every term brings its exact derivatives (term.h), so a program is changed
+// by adding or leaving out pieces, never by editing a solver (the idea of ifopt and towr: Winkler et al., RA-L 2018).
 #pragma once
 
 #include <limits>

@@ -1,7 +1,7 @@
 // Numbers that carry exact first and second derivatives: dual numbers (Ceres' Jet) nested in dual numbers.
 //
-// Ceres mixes a Jet with its own scalar only: for nested ones that is a Jet, so `2.0 * x` would not compile. The operators
-// below add plain doubles on either side.
+// Ceres mixes a Jet with its own scalar only: for nested ones that is a Jet, so `2.0 * x` would not compile. The
+// operators below add plain doubles on either side.
 #pragma once
 
 #include <ceres/jet.h>

@@ -1,5 +1,6 @@
-// Solves a nonlinear program with Ipopt (Wächter & Biegler, Math. Program. 106, 2006), a primal-dual interior-point method, with the
-// exact Hessian of the Lagrangian. Not thread-safe: its linear solver MUMPS keeps global state, so solve one at a time.
+// Solves a nonlinear program with Ipopt (Wächter & Biegler, Math. Program. 106, 2006), a primal-dual interior-point
+// method, with the exact Hessian of the Lagrangian. Not thread-safe: its linear solver MUMPS keeps global state, so
+// solve one at a time.
 #pragma once
 
 #include <string>
@@ -11,11 +12,11 @@
 namespace lake {
 
 struct NlpOptions {
-  double tolerance = 1e-9;      // of Ipopt's scaled optimality error
+  double tolerance = 1e-9;  // of Ipopt's scaled optimality error
   int max_iterations = 500;
   double max_cpu_s = 60;
-  double start_push = 1e-2;     // a start on a bound is moved inside by this (Ipopt's bound_push); small for warm starts
-  double start_barrier = 0.1;   // first barrier parameter; small for warm starts
+  double start_push = 1e-2;    // a start on a bound is moved inside by this (Ipopt's bound_push); small for warm starts
+  double start_barrier = 0.1;  // first barrier parameter; small for warm starts
 
   // Throws Error for values that make no sense.
   void Check() const;
@@ -32,11 +33,12 @@ struct NlpIteration {
 
 struct NlpSolution {
   NlpStatus status = NlpStatus::kFailed;
-  std::string message;      // one line: what Ipopt said, with the numbers that matter
-  std::vector<double> x;    // the last point, feasible or not
+  std::string message;    // one line: what Ipopt said, with the numbers that matter
+  std::vector<double> x;  // the last point, feasible or not
   double cost = 0;
-  double violation = 0;     // worst violation of a row or bound at x
-  // Worst of stationarity |grad f + J'y - z|, complementarity and violation, in the program's own units; not Ipopt's scaled error.
+  double violation = 0;  // worst violation of a row or bound at x
+  // Worst of stationarity |grad f + J'y - z|, complementarity and violation, in the program's own units; not Ipopt's
+  // scaled error.
   double kkt_error = 0;
   // Prices: d cost / d bound at the optimum, in cost per unit of the row or variable. A row at its lower bound has a
   // positive price (raising the bound costs), at its upper bound a negative one.
@@ -47,7 +49,8 @@ struct NlpSolution {
   bool IsUsable() const { return status == NlpStatus::kSolved; }
 };
 
-// Throws Interrupted on a signal, and Error for a program that has no variable or more equality rows than free variables.
+// Throws Interrupted on a signal, and Error for a program that has no variable or more equality rows than free
+// variables.
 NlpSolution SolveNlp(const NonlinearProgram& program, const NlpOptions& options = {});
 
 // Ipopt's own comparison of all first and second derivatives with finite differences at the start point.

@@ -19,8 +19,8 @@ class Term {
   // The variables it depends on, by their index in the program.
   std::span<const int> Variables() const { return variables_; }
 
-  // All take the whole vector x of the program. `gradient` has one entry per own variable; `hessian` the lower triangle row
-  // by row, n (n + 1) / 2 entries.
+  // All take the whole vector x of the program. `gradient` has one entry per own variable; `hessian` the lower triangle
+  // row by row, n (n + 1) / 2 entries.
   virtual double Value(const double* x) const = 0;
   virtual void Gradient(const double* x, double* gradient) const = 0;
   virtual void Hessian(const double* x, double* hessian) const = 0;
@@ -29,11 +29,13 @@ class Term {
   std::vector<int> variables_;
 };
 
-// The term f(v), where f has `template <typename T> T operator()(const T* v) const` and v are the N variables in the order given.
+// The term f(v), where f has `template <typename T> T operator()(const T* v) const` and v are the N variables in the
+// order given.
 template <int N, typename F>
 class FunctorTerm final : public Term {
  public:
-  FunctorTerm(const std::array<int, N>& variables, F f) : Term({variables.begin(), variables.end()}), f_(std::move(f)) {}
+  FunctorTerm(const std::array<int, N>& variables, F f)
+      : Term({variables.begin(), variables.end()}), f_(std::move(f)) {}
 
   double Value(const double* x) const override {
     std::array<double, N> v;

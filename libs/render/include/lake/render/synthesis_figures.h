@@ -7,7 +7,8 @@
 
 namespace lake {
 
-// Range against the change of each link, one panel per link; where it cannot be assembled is shaded, where it is not feasible dashed.
+// Range against the change of each link, one panel per link; where it cannot be assembled is shaded, where it leaves
+// the bounds or violates a requirement on the links dashed.
 void DrawSensitivity(const Study& study, const std::filesystem::path& path);
 
 // Range (and yield, if estimated) against the margin from both singularities.

@@ -9,15 +9,17 @@
 
 namespace lake {
 
-// A pose of the used range is named by its fraction: 0 standing, 1 at d_min; theta = standing + fraction (range - standing).
+// A pose of the used range is named by its fraction: 0 standing, 1 at d_min; theta = standing + fraction (range -
+// standing).
 struct WorstPoint {
   double fraction = 0;
   double value = 0;  // in the requirement's unit
 };
 
-// The local worst points of a requirement of the family kind over the used range, the global one first: the grid's, refined by golden
-// section. Empty if the linkage cannot be assembled at d_min or does not reach standing.
-std::vector<WorstPoint> WorstPoints(const Links& links, const SynthesisProblem& problem, const Requirement& requirement);
+// The local worst points of a requirement of the family kind over the used range, the global one first: the grid's,
+// refined by golden section. Empty if the linkage cannot be assembled at d_min or does not reach standing.
+std::vector<WorstPoint> WorstPoints(const Links& links, const SynthesisProblem& problem,
+                                    const Requirement& requirement);
 
 struct RequirementCheck {
   Requirement requirement;
@@ -33,7 +35,8 @@ struct DesignEvaluation {
   std::optional<double> stands_mm;  // the stroke at standing_deg, if the used range reaches it
   std::vector<RequirementCheck> checks;
   double bound_violation_mm = 0;  // the worst link outside its bounds
-  // Worst violation over requirements and bounds, in units of the limit where that exceeds one; infinite if it cannot be assembled.
+  // Worst violation over requirements and bounds, in units of the limit where that exceeds one; infinite if it cannot
+  // be assembled.
   double violation = 0;
 
   bool IsFeasible(double tolerance = 1e-6) const { return violation <= tolerance; }
@@ -41,7 +44,8 @@ struct DesignEvaluation {
 
 DesignEvaluation Evaluate(const Links& links, const SynthesisProblem& problem);
 
-// Fast: only requirements that are closed form in X (linear, singularity, assembly at d_min, cap), no used range.
+// Fast: bounds and the requirements that are closed form in X (linear, singularity, assembly at d_min, cap), no used
+// range.
 bool MeetsLinkRequirements(const Links& links, const SynthesisProblem& problem,
                            const std::vector<Requirement>& requirements, double tolerance_mm = 0);
 

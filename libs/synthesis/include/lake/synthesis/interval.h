@@ -1,10 +1,12 @@
-// Verified interval arithmetic: every operation returns an interval that contains all exact results for all points of its operands.
+// Verified interval arithmetic: every operation returns an interval that contains all exact results for all points of
+// its operands.
 //
-// Computed in the default rounding to nearest, then widened outwards: a sum, product, quotient or square root by one step to the
-// neighbouring double (Rump, Zimmermann, Boldo & Melquiond, "Computing predecessor and successor in rounding to nearest", BIT 49,
-// 2009), sine, cosine, arc cosine and arc tangent by kLibmUlps steps. IEEE 754 fixes the former; for the latter the bound is an
-// assumption about the C library: glibc documents at most 1 ulp for these functions on x86-64 ("Known Maximum Errors in Math
-// Functions"). Boost's intervals do not widen the library functions, hence this class. Needs IEEE doubles: no -ffast-math.
+// Computed in the default rounding to nearest, then widened outwards: a sum, product, quotient or square root by one
+// step to the neighbouring double (Rump, Zimmermann, Boldo & Melquiond, "Computing predecessor and successor in
+// rounding to nearest", BIT 49, 2009), sine, cosine, arc cosine and arc tangent by kLibmUlps steps. IEEE 754 fixes the
+// former; for the latter the bound is an assumption about the C library: glibc documents at most 1 ulp for these
+// functions on x86-64 ("Known Maximum Errors in Math Functions"). Boost's intervals do not widen the library functions,
+// hence this class. Needs IEEE doubles: no -ffast-math.
 #pragma once
 
 #include <algorithm>
@@ -37,7 +39,9 @@ inline double Above(double value) {
   constexpr double kUnit = 0x1p-53 * (1 + 0x1p-52);
   return value + (std::abs(value) * kUnit + std::numeric_limits<double>::denorm_min());
 }
-inline double Below(double value) { return -Above(-value); }
+inline double Below(double value) {
+  return -Above(-value);
+}
 
 inline Interval Widened(double lower, double upper, int steps = 1) {
   for (int i = 0; i < steps; ++i) lower = Below(lower), upper = Above(upper);
@@ -49,11 +53,15 @@ inline Interval Widened(double lower, double upper, int steps = 1) {
 // Contains pi.
 inline constexpr Interval kPiInterval{3.141592653589793, 3.1415926535897936};
 
-inline Interval operator-(const Interval& a) { return {-a.upper, -a.lower}; }
+inline Interval operator-(const Interval& a) {
+  return {-a.upper, -a.lower};
+}
 inline Interval operator+(const Interval& a, const Interval& b) {
   return interval_detail::Widened(a.lower + b.lower, a.upper + b.upper);
 }
-inline Interval operator-(const Interval& a, const Interval& b) { return a + (-b); }
+inline Interval operator-(const Interval& a, const Interval& b) {
+  return a + (-b);
+}
 inline Interval operator*(const Interval& a, const Interval& b) {
   const double products[] = {a.lower * b.lower, a.lower * b.upper, a.upper * b.lower, a.upper * b.upper};
   const auto [least, most] = std::minmax_element(std::begin(products), std::end(products));
@@ -85,8 +93,8 @@ Interval ArcCos(const Interval& a);
 Interval Sin(const Interval& a);
 Interval Cos(const Interval& a);
 
-// The angle of (x, y) from the +y axis for x >= 0, in [0, pi]; a lower end of x below zero counts as zero. [0, pi] if the box
-// contains the origin.
+// The angle of (x, y) from the +y axis for x >= 0, in [0, pi]; a lower end of x below zero counts as zero. [0, pi] if
+// the box contains the origin.
 Interval AngleFromY(const Interval& x, const Interval& y);
 
 }  // namespace lake

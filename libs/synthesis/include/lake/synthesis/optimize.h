@@ -1,8 +1,8 @@
 // Solves a synthesis problem from one or many starts.
 //
-// Requirements over the whole used range make it semi-infinite; they are met by collocation and exchange (Hettich & Kortanek, SIAM Review
-// 35, 1993; Blankenship & Falk, JOTA 19, 1976): solve with a few poses, look for the worst poses on a fine grid, add them, solve
-// again until none is violated.
+// Requirements over the whole used range make it semi-infinite; they are met by collocation and exchange (Hettich &
+// Kortanek, SIAM Review 35, 1993; Blankenship & Falk, JOTA 19, 1976): solve with a few poses, look for the worst poses
+// on a fine grid, add them, solve again until none is violated.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 namespace lake {
 
 struct OptimizeOptions {
-  int starts = 20;               // the problem's own start, then seeded random ones within the bounds
+  int starts = 20;  // the problem's own start, then seeded random ones within the bounds
   std::uint64_t seed = 1;
   NlpOptions nlp;
   int max_exchanges = 25;
@@ -28,21 +28,22 @@ struct OptimizeOptions {
 // One local solve, exchange included.
 struct LocalSolve {
   Links start, end;
-  NlpSolution solution;            // of the last program
+  NlpSolution solution;  // of the last program
   SynthesisProgram program;
-  std::vector<double> fractions;   // of the used range, collocated in the end
+  std::vector<double> fractions;  // of the used range, collocated in the end
   int exchanges = 0;
-  int iterations = 0;              // Ipopt's, over all exchanges
+  int iterations = 0;  // Ipopt's, over all exchanges
   std::vector<NlpIteration> history;
   double seconds = 0;
-  DesignEvaluation evaluation;     // of `end`, by the closed form
+  DesignEvaluation evaluation;  // of `end`, by the closed form
   // Solved, and feasible by the closed form within 1e-6.
   bool IsUsable() const { return solution.IsUsable() && evaluation.IsFeasible(); }
 };
 
 LocalSolve SolveFrom(const SynthesisProblem& problem, const Links& start, const OptimizeOptions& options = {});
 
-// Are the multipliers of the solution unique? They are iff the gradients of the active rows and bounds are linearly independent (LICQ).
+// Are the multipliers of the solution unique? They are iff the gradients of the active rows and bounds are linearly
+// independent (LICQ).
 struct ActiveSet {
   struct Entry {
     std::string name;  // "grashof >= 1 mm", "l3 >= 50 mm"

@@ -1,7 +1,7 @@
 // The pieces of which a linkage's nonlinear program is put together; each adds its variables and rows to a program.
 //
-// A pose is (stroke d, bar angle phi, knee angle theta) with the loop equations |R - M| = d, |R - S| = l1 as equality rows and
-// alpha2 >= 0, beta2 >= 0 as branch rows. Where theta is not a variable of its own it is
+// A pose is (stroke d, bar angle phi, knee angle theta) with the loop equations |R - M| = d, |R - S| = l1 as equality
+// rows and alpha2 >= 0, beta2 >= 0 as branch rows. Where theta is not a variable of its own it is
 //   theta = standing + fraction (range - standing),
 // so a fixed set of fractions follows the used range while the range is optimised.
 #pragma once

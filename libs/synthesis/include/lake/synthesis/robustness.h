@@ -10,13 +10,15 @@
 namespace lake {
 
 struct SensitivityPoint {
-  int link = 0;           // 0..5: l1..l6
-  double delta_mm = 0;    // change of that link alone
-  double range_deg = 0;   // NaN: cannot be assembled at d_min
-  bool feasible = false;  // satisfies every requirement; bounds aside
+  int link = 0;          // 0..5: l1..l6
+  double delta_mm = 0;   // change of that link alone
+  double range_deg = 0;  // NaN: cannot be assembled at d_min
+  bool feasible =
+      false;  // within the bounds and satisfies the requirements on the links; the used range is not looked at
 };
 
-// Each link changed from -span to +span in 2 steps + 1 points: the paper's figure of its "local minimum", on both sides.
+// Each link changed from -span to +span in 2 steps + 1 points: the paper's figure of its "local minimum", on both
+// sides.
 std::vector<SensitivityPoint> Sensitivity(const Links& links, const SynthesisProblem& problem, double span_mm = 5,
                                           int steps = 100);
 
@@ -35,8 +37,8 @@ struct Fraction {
 
 struct Yield {
   YieldOptions options;
-  Fraction assembled;              // can be assembled at d_min
-  Fraction assembled_and_grashof;  // and satisfies Grashof's law (without margin)
+  Fraction assembled;                                                // can be assembled at d_min
+  Fraction assembled_and_grashof;                                    // and satisfies Grashof's law (without margin)
   double range_p5_deg = 0, range_median_deg = 0, range_p95_deg = 0;  // of those that can be assembled; NaN if none
   // Margins that no build within the tolerance can use up: sum of tolerance x |derivative|.
   double safe_singularity_margin_mm = 0, safe_grashof_margin_mm = 0;
@@ -52,8 +54,8 @@ struct RoundedDesign {
   int candidates = 0;  // grid points that were feasible by the quick requirements
 };
 
-// The best feasible design whose links are multiples of the step, among those a few steps around; nullopt if none is feasible.
-// Throws Error for a step that is not positive, or coarser than a bound's width.
+// The best feasible design whose links are multiples of the step, among those a few steps around; nullopt if none is
+// feasible. Throws Error for a step that is not positive, or coarser than a bound's width.
 std::optional<RoundedDesign> RoundLinks(const Links& links, const SynthesisProblem& problem, double step_mm);
 
 }  // namespace lake

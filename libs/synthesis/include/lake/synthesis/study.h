@@ -1,4 +1,5 @@
-// Everything that is asked of one synthesis problem: optimum, proof, sensitivity, margins, yield, rounding; and its tables.
+// Everything that is asked of one synthesis problem: optimum, proof, sensitivity, margins, yield, rounding; and its
+// tables.
 #pragma once
 
 #include <optional>
@@ -14,7 +15,7 @@ namespace lake {
 
 struct StudyOptions {
   OptimizeOptions optimize;
-  std::optional<double> certify_gap_deg;     // absent: no certificate
+  std::optional<double> certify_gap_deg;  // absent: no certificate
   double certify_seconds = 60;
   std::optional<double> yield_tolerance_mm;  // absent: no yield
   std::optional<double> round_mm;            // absent: no rounding
@@ -28,21 +29,21 @@ struct MarginPoint {
   double margin_mm = 0;
   bool solved = false;
   Links links;
-  double range_deg = 0;                    // NaN if not solved
-  std::optional<double> upper_bound_deg;   // if a certificate is asked for
-  std::optional<double> yield;             // assembled and Grashof, if a yield is asked for
+  double range_deg = 0;                   // NaN if not solved
+  std::optional<double> upper_bound_deg;  // if a certificate is asked for
+  std::optional<double> yield;            // assembled and Grashof, if a yield is asked for
 };
 
 struct Study {
   SynthesisProblem problem;
   StudyOptions options;
-  DesignEvaluation start;                          // of problem.start
+  DesignEvaluation start;  // of problem.start
   SynthesisResult result;
-  std::optional<InfeasibilityReport> infeasible;   // if no start is usable
+  std::optional<InfeasibilityReport> infeasible;  // if no start is usable
   // The rest is there if a start is usable.
   ActiveSet active;
   std::optional<Certificate> certificate;
-  bool certificate_ignores_used_range = false;     // the bound leaves requirements over the used range out
+  bool certificate_ignores_used_range = false;  // the bound leaves requirements over the used range out
   std::vector<SensitivityPoint> sensitivity;
   std::vector<MarginPoint> margins;
   std::optional<Yield> yield, start_yield;
@@ -56,12 +57,12 @@ struct Study {
 // Throws Error for a problem or options that fail Check(), Interrupted on a signal.
 Study RunStudy(const SynthesisProblem& problem, const StudyOptions& options);
 
-// A certificate for a solved problem. Requirements over the used range and the cap are left out of the branch and bound, which then
-// aims at the optimum of that simpler problem; the bound holds for the whole one.
+// A certificate for a solved problem. Requirements over the used range and the cap are left out of the branch and
+// bound, which then aims at the optimum of that simpler problem; the bound holds for the whole one.
 Certificate Certify(const SynthesisProblem& problem, double range_deg, double gap_deg, double max_seconds, bool quiet);
 
-// Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, sensitivity.csv, margin.csv and, if there is one,
-// rounded.yaml; returns the results for summary.json. Warns through the run of what a reader must know.
+// Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, sensitivity.csv, margin.csv and, if
+// there is one, rounded.yaml; returns the results for summary.json. Warns through the run of what a reader must know.
 Json WriteStudy(const Study& study, Run& run);
 
 }  // namespace lake
