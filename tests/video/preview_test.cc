@@ -11,7 +11,6 @@ namespace {
 using test::Ffmpeg;
 using test::Quote;
 using test::ReadAll;
-using test::TemporaryFolder;
 using test::TestPicture;
 
 // Largest distance between the preview's Y and factor × (mean of 2×2 of the luma) + offset.
