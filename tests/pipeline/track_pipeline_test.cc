@@ -28,7 +28,8 @@ void ExpectWithin(RenderedTrial& trial, const Limits& limits, const char* what, 
   EXPECT_LE(knee.fitted_deg, limits.knee_deg);
   EXPECT_LE(knee.raw_deg, limits.raw_deg);
   EXPECT_EQ(knee.frames, trial.scene.Frames());
-  EXPECT_GE(knee.raw_frames, 0.8 * trial.scene.Frames());
+  // A frame without a raw angle has a hidden marker; half a percent of the visible ones may be missed.
+  EXPECT_GE(knee.raw_frames + tracks.filled, 0.98 * trial.scene.Frames());
 }
 
 // One rise and the standing after it.

@@ -180,10 +180,11 @@ void CheckOptions(const TrackRunOptions& options) {
 
 Json RunTrack(const TrackRunOptions& options, Run& run) {
   CheckOptions(options);
-  run.AddInput(options.video);
+  const VideoInfo video = VideoReader::Open(options.video, options.track.reader)->Info();
+  // Of an image sequence, frames/%05d.png, the folder is what was read.
+  run.AddInput(std::filesystem::exists(options.video) ? options.video : options.video.parent_path());
   if (options.camera) run.AddInput(*options.camera);
   if (options.corrections) run.AddInput(*options.corrections);
-  const VideoInfo video = VideoReader::Open(options.video, options.track.reader)->Info();
   const LegView view = MakeView(options, video, run);
 
   TrackOptions track_options = options.track;

@@ -12,7 +12,7 @@ struct RecordingOptions {
   int crf = 17;                     // H.264 quality
   bool lossless = false;            // luma kept to the bit; with a colour scene the colours are still subsampled
   bool pictures = false;            // frames/00000.png … instead of video.mp4
-  const char* preset = "veryfast";  // x264's speed
+  const char* preset = "medium";  // x264's own default
   bool quiet = true;                // no progress
 };
 
