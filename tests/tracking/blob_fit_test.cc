@@ -45,6 +45,7 @@ struct Case {
   SceneMarker marker;
   double allowed = 1.10;  // error over the bound; 800 errors estimate their deviation to 2.5 %, and the issue asks for 1.15
   double sigma_tolerance = 0.12;
+  double allowed_bias_px = 0;  // beyond chance
 };
 
 std::ostream& operator<<(std::ostream& stream, const Case& c) { return stream << c.name; }
@@ -75,7 +76,7 @@ TEST_P(BlobFitTest, ReachesTheCramerRaoBoundWithAnHonestSigma) {
   const double rms = std::sqrt(square_sum / trials), bound = std::sqrt(bound_square_sum);
   EXPECT_LE(rms, GetParam().allowed * bound) << "rms " << rms << " px, bound " << bound << " px";
   EXPECT_NEAR(std::sqrt(z_square_sum / trials), 1, GetParam().sigma_tolerance);
-  EXPECT_LE((error_sum / trials).norm(), 4 * rms / std::sqrt(trials)) << "bias";
+  EXPECT_LE((error_sum / trials).norm(), 4 * rms / std::sqrt(trials) + GetParam().allowed_bias_px) << "bias";
 }
 
 SceneMarker Disc(double radius, double amplitude, Eigen::Vector2d blur = {0, 0}, double aspect = 1) {
@@ -90,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Markers, BlobFitTest,
                                          Case{"saturated", Disc(5, 240)},
                                          // Only the point-spread's outer tail is not saturated; there the model's edge is an
                                          // approximation, and the error is still under 0.005 px.
-                                         Case{"overexposed", Disc(5, 400), 1.6, 0.3}, Case{"streaked", Disc(6, 150, {6, -3})},
+                                         Case{"overexposed", Disc(5, 400), 1.6, 0.3, 0.002}, Case{"streaked", Disc(6, 150, {6, -3})},
                                          Case{"streaked_small", Disc(4, 150, {2, 2})}),
                          [](const auto& info) { return std::string(info.param.name); });
 
