@@ -174,14 +174,6 @@ TEST(BlobSearch, EdgesAndFlatPicturesHoldNoBlob) {
   EXPECT_EQ(BlobsIn(cv::Mat(240, 320, CV_64F, cv::Scalar(90)), random), 0u);
 }
 
-TEST(BlobSearch, LinesHoldNoBlob) {
-  std::mt19937 random(18);
-  for (const double angle_deg : kAngles)
-    EXPECT_EQ(BlobsIn(AcrossALine(angle_deg, [](double u) { return 40 + 150 * std::exp(-0.5 * u * u / 9); }), random),
-              0u)
-        << angle_deg;
-}
-
 TEST(BlobSearch, StaysInItsRegion) {
   std::mt19937 random(19);
   SceneMarker inside, outside;
@@ -257,7 +249,7 @@ TEST(SigmaCalibration, AddsNothingToWhiteNoise) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     MarkerRecording recording = Curves(0.03, 0.03, seed);
     const SigmaCalibration calibration = CalibrateSigmas(recording);
-    EXPECT_DOUBLE_EQ(calibration.fit_px, 0.03);
+    EXPECT_NEAR(calibration.fit_px, 0.03, 1e-12);
     EXPECT_NEAR(calibration.scatter_px, 0.03, 0.04 * 0.03);
     EXPECT_LE(recording.markers[0].samples[100].sigma, 1.04 * 0.03);
   }
