@@ -27,11 +27,15 @@ double MedianOfPairs(const std::vector<double>& x, const std::vector<double>& y)
   return Median(std::move(slopes));
 }
 
-// The least change between successive readings that is one.
+// The step of the readings, as far as their changes show it: the least change, or the least difference of two changes.
 double StepOf(const std::vector<double>& y) {
-  double step = 0;
-  for (std::size_t i = 1; i < y.size(); ++i)
-    if (const double change = std::abs(y[i] - y[i - 1]); change > 0 && (step == 0 || change < step)) step = change;
+  std::vector<double> changes = {0};
+  for (std::size_t i = 1; i < y.size(); ++i) changes.push_back(std::abs(y[i] - y[i - 1]));
+  std::sort(changes.begin(), changes.end());
+  const double rounding = 1e-9 * (std::abs(y.front()) + changes.back());  // of a step computed from its neighbours
+  double step = changes.back();
+  for (std::size_t i = 1; i < changes.size(); ++i)
+    if (const double gap = changes[i] - changes[i - 1]; gap > rounding) step = std::min(step, gap);
   return step;
 }
 
