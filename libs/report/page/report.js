@@ -2,9 +2,11 @@
 'use strict';
 (() => {
 const INK = '#222222', QUIET = '#666666', GRID = '#ececec', SHADE = '#f1f1f1';
-const DASHES = {line: [], dashed: [8, 5], dotted: [2, 4], points: []};
+const DASHES = {line: [], thin: [], dashed: [8, 5], dotted: [2, 4], points: []};
+const WIDTHS = {line: 2.25, thin: 1, dashed: 2.25, dotted: 2.25, points: 1};
 const dataOf = new WeakMap();  // of each chart's canvas
 const WHEEL_STEP = 1.2, BUTTON_STEP = 1.5, LEAST_BOX_PX = 8;
+const VALUE_PX = 44;  // room for a value beside its bar
 
 const withAlpha = (colour, alpha) => colour + Math.round(alpha * 255).toString(16).padStart(2, '0');
 const minus = text => text.replace('-', '\u2212');
@@ -28,7 +30,7 @@ function lineOf(series) {
   return {
     label: series.name, data: series.x.map((x, i) => ({x, y: series.y[i]})), series, order: points ? 0 : 1,
     borderColor: series.colour, backgroundColor: series.colour, borderDash: DASHES[series.mark],
-    showLine: !points, borderWidth: points ? 1 : 2.25, pointRadius: points ? 4 : 0, pointHoverRadius: 5,
+    showLine: !points, borderWidth: WIDTHS[series.mark], pointRadius: points ? 4 : 0, pointHoverRadius: 5,
     pointStyle: points ? 'rectRot' : 'circle', borderJoinStyle: 'round',
   };
 }
@@ -115,13 +117,12 @@ function barConfig(data) {
     return ` ${item.dataset.label}: ${whole(item.parsed.x)}${ends}`;
   };
   const ends = data.series.flatMap(series => [...series.values, ...series.lower, ...series.upper, 0]);
-  const low = Math.min(...ends), high = Math.max(...ends), room = 0.14 * (high - low || 1);
-  const axis = {...data.x, from: data.x.from ?? (low < 0 ? low - room : 0), to: data.x.to ?? high + room};
+  const reach = {suggestedMin: Math.min(...ends), suggestedMax: Math.max(...ends)};
   return {
     type: 'bar', data: {labels: data.categories, datasets}, plugins: [background, errorBars],
     options: {
-      ...common(), indexAxis: 'y', interaction: {mode: 'nearest', axis: 'y', intersect: false},
-      scales: {x: axisOf(axis), y: {grid: {display: false, borderColor: QUIET}, ticks: {color: INK}}},
+      ...common(), indexAxis: 'y', layout: {padding: {right: VALUE_PX}}, interaction: {mode: 'nearest', axis: 'y', intersect: false},
+      scales: {x: axisOf(data.x, reach), y: {grid: {display: false, borderColor: QUIET}, ticks: {color: INK}}},
       plugins: {legend: legendOf(data.series.length > 1, () => true), tooltip: {callbacks: {label}}},
     },
   };
@@ -141,9 +142,11 @@ const legendOf = (display, keep, onClick) => ({
   labels: {
     color: INK, usePointStyle: true, pointStyleWidth: 26, boxHeight: 6,
     filter: (item, data) => keep(data.datasets[item.datasetIndex]),
+    sort: (a, b) => a.datasetIndex - b.datasetIndex,
     generateLabels: chart => Chart.defaults.plugins.legend.labels.generateLabels(chart).map(item => {
-      const dataset = chart.data.datasets[item.datasetIndex];
-      return {...item, pointStyle: dataset.showLine ? 'line' : dataset.pointStyle ?? 'rect', lineWidth: dataset.showLine ? 2.5 : 1};
+      const {showLine, pointStyle, borderDash, borderWidth} = chart.data.datasets[item.datasetIndex];
+      return showLine ? {...item, pointStyle: 'line', lineDash: borderDash, lineWidth: borderWidth} :
+        {...item, pointStyle: pointStyle ?? 'rect', lineWidth: 0};
     }),
   },
 });
