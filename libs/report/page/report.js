@@ -6,6 +6,7 @@ const DASHES = {line: [], thin: [], dashed: [8, 5], dotted: [2, 4], points: []};
 const WIDTHS = {line: 2.25, thin: 1, dashed: 2.25, dotted: 2.25, points: 1};
 const dataOf = new WeakMap();  // of each chart's canvas
 const WHEEL_STEP = 1.2, BUTTON_STEP = 1.5, LEAST_BOX_PX = 8;
+const NEGLIGIBLE = 0.02;  // of the longest bar: so little below zero is not worth a tick
 const VALUE_PX = 44;  // room for a value beside its bar
 
 const withAlpha = (colour, alpha) => colour + Math.round(alpha * 255).toString(16).padStart(2, '0');
@@ -37,9 +38,6 @@ function lineOf(series) {
 
 const datasetsOf = data =>
   data.series.flatMap(series => [...(series.lower.length ? bandOf(series) : []), lineOf(series)]);
-
-const sameGrid = data => data.series.every(series =>
-  series.x.length === data.series[0].x.length && series.x.every((x, i) => x === data.series[0].x[i]));
 
 function hoverText(data, item) {
   const {series} = item.dataset, i = item.dataIndex, place = data.equal ? digits(item.parsed.x) + ', ' : '';
@@ -84,18 +82,17 @@ function dataRange(data) {
 function lineConfig(data) {
   const range = dataRange(data);
   const x = {...data.x, from: data.x.from ?? range.from, to: data.x.to ?? range.to};
-  const together = !data.equal && sameGrid(data);
   return {
     type: 'line', data: {datasets: datasetsOf(data)},
     plugins: [background, intervals, verticalLines, zoomBox],
     options: {
-      ...common(), interaction: {mode: together ? 'index' : 'nearest', intersect: false},
+      ...common(), interaction: {mode: 'nearest', axis: data.equal ? 'xy' : 'x', intersect: false},
       onResize: chart => chart.wanted && requestAnimationFrame(() => show(chart, chart.wanted)),
       scales: {x: axisOf(x), y: axisOf(data.y, {grace: data.equal ? '6%' : '4%'})},
       plugins: {
         legend: legendOf(data.series.length > 1, item => !item.isBand, toggleSeries),
         tooltip: {
-          filter: item => !item.dataset.isBand,
+          filter: item => !item.dataset.isBand && item.dataset.series.mark !== 'thin',
           callbacks: {title: items => hoverTitle(data, items), label: item => hoverText(data, item)},
         },
       },
@@ -117,7 +114,8 @@ function barConfig(data) {
     return ` ${item.dataset.label}: ${whole(item.parsed.x)}${ends}`;
   };
   const ends = data.series.flatMap(series => [...series.values, ...series.lower, ...series.upper, 0]);
-  const reach = {suggestedMin: Math.min(...ends), suggestedMax: Math.max(...ends)};
+  const low = Math.min(...ends), high = Math.max(...ends);
+  const reach = {suggestedMin: low < -NEGLIGIBLE * high ? low : 0, suggestedMax: high};
   return {
     type: 'bar', data: {labels: data.categories, datasets}, plugins: [background, errorBars],
     options: {
@@ -343,6 +341,35 @@ function listen(chart, home) {
     zoomAround(chart, valueAt(chart, x, y), event.deltaY < 0 ? WHEEL_STEP : 1 / WHEEL_STEP);
   }, {passive: false});
 }
+
+// ---- print
+
+const PRINT_PX = {full: [680, 310], half: [330, 250]}, PRINT_PIXEL_RATIO = 4;
+
+// On paper a chart is a picture drawn for the paper's width, as it is seen at the moment.
+function drawForPrint(figure) {
+  const chart = Chart.getChart(figure.querySelector('canvas')), image = new Image();
+  const [width, height] = PRINT_PX[figure.classList.contains('half') ? 'half' : 'full'];
+  const ratio = chart.options.devicePixelRatio;
+  chart.options.devicePixelRatio = PRINT_PIXEL_RATIO;
+  resize(chart, width, dataOf.get(chart.canvas).kind === 'bar' ? chart.height : height);
+  image.className = 'printed';
+  image.src = chart.toBase64Image();
+  image.alt = chart.canvas.getAttribute('aria-label');
+  chart.options.devicePixelRatio = ratio;
+  figure.querySelector('.plot').append(image);
+}
+
+function resize(chart, ...size) {
+  chart.resize(...size);
+  if (chart.wanted) show(chart, chart.wanted);
+}
+
+addEventListener('beforeprint', () => document.querySelectorAll('figure.chart').forEach(drawForPrint));
+addEventListener('afterprint', () => {
+  document.querySelectorAll('.printed').forEach(image => image.remove());
+  document.querySelectorAll('figure.chart canvas').forEach(canvas => resize(Chart.getChart(canvas)));
+});
 
 // ---- saving
 

@@ -16,11 +16,11 @@ using namespace report;
 
 namespace {
 
-// "95 % interval 8.1 to 9.0 %", or nothing where there is none.
+// "95 %: 8.10 to 9.00 %", or nothing where there is none.
 std::string IntervalNote(const Json& parent, const char* name, double factor, const char* unit) {
   if (!parent.contains(name) || parent.at(name).is_null()) return "";
   const Json& interval = parent.at(name);
-  return fmt::format("95 % interval {} to {} {}", FormatNumber(factor * NumberOf(interval.at(0)), 2),
+  return fmt::format("95 %: {} to {} {}", FormatNumber(factor * NumberOf(interval.at(0)), 2),
                      FormatNumber(factor * NumberOf(interval.at(1)), 2), unit);
 }
 

@@ -42,7 +42,8 @@ struct KeyFigures {
 
 struct Column {
   std::string heading{};
-  int decimals = 2;  // of the numbers in it
+  int decimals = 2;   // of the numbers in it
+  bool code = false;  // set in a fixed-width face: hashes, command lines
 };
 
 using Cell = std::variant<std::string, double>;  // NaN: "–"
