@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "comparison_values.h"
+#include "html.h"
 #include "lake/render/gnuplot.h"
 #include "lake/report/misalignment_sections.h"
 
@@ -140,8 +141,8 @@ BarChart DecompositionChart(const Json& comparison) {
     share.lower.push_back(100 * NumberOf(part.at("interval").at(0)));
     share.upper.push_back(100 * NumberOf(part.at("interval").at(1)));
   }
-  chart.alt = fmt::format("Placement {:.1f} %, timing {:.1f} %, shape {:.1f} %", share.values[0], share.values[1],
-                          share.values[2]);
+  chart.alt = fmt::format("Placement {} %, timing {} %, shape {} %", FormatNumber(share.values[0], 1),
+                          FormatNumber(share.values[1], 1), FormatNumber(share.values[2], 1));
   if (!share.lower.empty()) chart.caption = "Whiskers: 95 % intervals.";
   chart.series = {std::move(share)};
   return chart;

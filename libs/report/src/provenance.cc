@@ -4,7 +4,9 @@ namespace lake {
 namespace {
 
 // An option that was left at nothing says nothing.
-bool IsUnset(const Json& value) { return value.empty() || value == "" || value == false; }
+bool IsUnset(const Json& value) {
+  return value.empty() || value == "" || value == false;
+}
 
 std::string Text(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
