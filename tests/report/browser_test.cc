@@ -202,6 +202,38 @@ TEST(ReportInBrowser, AMillimetreIsAsLongOnBothAxesWhateverTheView) {
   }
 }
 
+TEST(ReportInBrowser, TheWheelZoomsAtThePointerWithControlOnly) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json answer = Browser().Ask(SamplePage(), kProbe + R"(
+    const chart = charts[1], home = view(chart), box = chart.canvas.getBoundingClientRect(), at = pixel(chart, 25, 5);
+    const wheel = more => chart.canvas.dispatchEvent(new WheelEvent('wheel', {
+      clientX: box.left + at.x, clientY: box.top + at.y, deltaY: -100, cancelable: true, ...more}));
+    const scrolls = wheel({}), untouched = view(chart), taken = !wheel({ctrlKey: true});
+    return {scrolls, same: String(untouched) === String(home), taken, zoomed: view(chart)};)");
+  EXPECT_EQ(answer["scrolls"], true);
+  EXPECT_EQ(answer["same"], true);
+  EXPECT_EQ(answer["taken"], true);
+  // Factor 1.2 around 25 of 0..100; within a px of the mouse.
+  EXPECT_NEAR(answer["zoomed"][0].get<double>(), 25 - 25 / 1.2, 0.2);
+  EXPECT_NEAR(answer["zoomed"][1].get<double>(), 25 + 75 / 1.2, 0.2);
+}
+
+TEST(ReportInBrowser, SavesThePictureAndTheValues) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json saved = Browser().Ask(SamplePage(), kProbe + R"(
+    const saved = [];
+    HTMLAnchorElement.prototype.click = function () { saved.push([this.download, decodeURIComponent(this.href)]); };
+    for (const button of document.querySelectorAll('.tools button'))
+      if (['PNG', 'CSV'].includes(button.textContent)) button.click();
+    return saved.map(([name, url]) => [name, url.slice(0, 150)]);)");
+  ASSERT_EQ(saved.size(), 6);
+  EXPECT_EQ(saved[0][0], "paths.png");
+  EXPECT_THAT(saved[0][1].get<std::string>(), HasSubstr("data:image/png;base64,iVBOR"));
+  EXPECT_THAT(saved[1][1].get<std::string>(), HasSubstr("series,x,y,lower,upper\n\"<b>knee</b></script>"));
+  EXPECT_THAT(saved[3][1].get<std::string>(), HasSubstr("series,x,y,lower,upper\n\"error\",0,5,4,6\n"));
+  EXPECT_THAT(saved[5][1].get<std::string>(), HasSubstr("\"share\",\"shape\",-2,,\n"));
+}
+
 TEST(ReportInBrowser, ANameInTheLegendHidesItsLineAndItsBand) {
   LAKE_SKIP_WITHOUT_BROWSER();
   const Json hidden = Browser().Ask(SamplePage(), kProbe + R"(

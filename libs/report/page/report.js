@@ -6,6 +6,7 @@ const DASHES = {line: [], thin: [], dashed: [8, 5], dotted: [2, 4], points: []};
 const WIDTHS = {line: 2.25, thin: 1, dashed: 2.25, dotted: 2.25, points: 1};
 const dataOf = new WeakMap();  // of each chart's canvas
 const WHEEL_STEP = 1.2, BUTTON_STEP = 1.5, LEAST_BOX_PX = 8;
+const MANY = 60;  // points that are drawn small
 const NEGLIGIBLE = 0.02;  // of the longest bar: so little below zero is not worth a tick
 const VALUE_PX = 44;  // room for a value beside its bar
 
@@ -31,7 +32,7 @@ function lineOf(series) {
   return {
     label: series.name, data: series.x.map((x, i) => ({x, y: series.y[i]})), series, order: points ? 0 : 1,
     borderColor: series.colour, backgroundColor: series.colour, borderDash: DASHES[series.mark],
-    showLine: !points, borderWidth: WIDTHS[series.mark], pointRadius: points ? 4 : 0, pointHoverRadius: 5,
+    showLine: !points, borderWidth: WIDTHS[series.mark], pointRadius: !points ? 0 : series.x.length > MANY ? 2 : 4, pointHoverRadius: 5,
     pointStyle: points ? 'rectRot' : 'circle', borderJoinStyle: 'round',
   };
 }
@@ -131,7 +132,7 @@ const barHeight = data => `${5 + data.categories.length * Math.max(2.6, 1.7 * da
 // ---- what both share
 
 const common = () => ({
-  responsive: true, maintainAspectRatio: false, animation: false, normalized: true,
+  responsive: true, maintainAspectRatio: false, animation: false,
   devicePixelRatio: Math.max(2, window.devicePixelRatio),  // sharp in print as well
 });
 
@@ -183,19 +184,23 @@ const intervals = {
   },
 };
 
+// Labels that would cover each other stand one below the other.
 const verticalLines = {
   id: 'verticalLines',
   beforeDatasetsDraw(chart) {
-    inArea(chart, (ctx, area, pixel) => dataOf.get(chart.canvas).lines.forEach(({x, label}) => {
-      const right = pixel(x) > (area.left + area.right) / 2;
+    const rowEnds = [];
+    const lines = [...dataOf.get(chart.canvas).lines].sort((a, b) => a.x - b.x);
+    inArea(chart, (ctx, area, pixel) => lines.forEach(({x, label}) => {
       ctx.strokeStyle = ctx.fillStyle = QUIET;
       ctx.setLineDash([3, 3]);
       ctx.beginPath();
       ctx.moveTo(pixel(x), area.top);
       ctx.lineTo(pixel(x), area.bottom);
       ctx.stroke();
-      ctx.textAlign = right ? 'right' : 'left';
-      ctx.fillText(label, pixel(x) + (right ? -4 : 4), area.top + 12);
+      const width = ctx.measureText(label).width, from = Math.min(pixel(x) + 4, area.right - width - 4);
+      const free = rowEnds.findIndex(end => end < from), row = free < 0 ? rowEnds.length : free;
+      rowEnds[row] = from + width + 4;
+      ctx.fillText(label, from, area.top + 12 + 13 * row);
     }));
   },
 };
@@ -409,6 +414,7 @@ function addTools(figure, chart, data, home) {
   }
   const tools = document.createElement('div');
   tools.className = 'tools';
+  if (home) tools.innerHTML = '<span class="hint">drag: zoom \u00b7 shift + drag: move \u00b7 double click: all</span>';
   for (const [text, title, action] of buttons) {
     const button = document.createElement('button');
     Object.assign(button, {type: 'button', textContent: text, title, onclick: action});
