@@ -75,6 +75,13 @@ TEST(MisalignmentReport, AdviceNamesTheLargestPart) {
   EXPECT_THAT(DecompositionAdvice(comparison), HasSubstr("90 %, is shape"));
 }
 
+TEST(MisalignmentReport, AdviceSaysWhenPartsCannotBeToldApart) {
+  Json comparison = Placed(3);
+  EXPECT_THAT(DecompositionAdvice(comparison), Not(HasSubstr("overlap")));
+  comparison["decomposition"]["timing"]["interval"] = {0.0, 1.0};
+  EXPECT_THAT(DecompositionAdvice(comparison), HasSubstr("intervals of the parts overlap"));
+}
+
 TEST(MisalignmentReport, ReadFromItsFileItIsTheSamePage) {
   TemporaryFolder folder;
   const Json comparison = Placed(3);

@@ -256,6 +256,12 @@ function whisker(ctx, from, to, y, half) {
 
 const viewOf = ({scales: {x, y}}) => ({x: [x.min, x.max], y: [y.min, y.max]});
 
+// What is seen at first: with equal scales the range of the data, else what the axes were given; undefined: their choice.
+function homeOf(chart, data) {
+  const {x, y} = chart.options.scales;
+  return data.equal ? viewOf(chart) : {x: [x.min, x.max], y: [y.min, y.max]};
+}
+
 // The smallest view around `view` in which a unit is as long on both axes.
 function equalised(view, area) {
   const unit = Math.max((view.x[1] - view.x[0]) / area.width, (view.y[1] - view.y[0]) / area.height);
@@ -362,7 +368,9 @@ function drawForPrint(figure) {
   image.src = chart.toBase64Image();
   image.alt = chart.canvas.getAttribute('aria-label');
   chart.options.devicePixelRatio = ratio;
-  figure.querySelector('.plot').append(image);
+  const plot = figure.querySelector('.plot');
+  plot.append(image);
+  plot.classList.add('on-paper');
 }
 
 function resize(chart, ...size) {
@@ -373,6 +381,7 @@ function resize(chart, ...size) {
 addEventListener('beforeprint', () => document.querySelectorAll('figure.chart').forEach(drawForPrint));
 addEventListener('afterprint', () => {
   document.querySelectorAll('.printed').forEach(image => image.remove());
+  document.querySelectorAll('.on-paper').forEach(plot => plot.classList.remove('on-paper'));
   document.querySelectorAll('figure.chart canvas').forEach(canvas => resize(Chart.getChart(canvas)));
 });
 
@@ -433,7 +442,7 @@ function draw(figure) {
   if (data.kind === 'bar') figure.querySelector('.plot').style.height = barHeight(data);
   const chart = new Chart(canvas, data.kind === 'bar' ? barConfig(data) : lineConfig(data));
   if (data.kind === 'bar') return addTools(figure, chart, data, null);
-  const home = viewOf(chart);
+  const home = homeOf(chart, data);
   show(chart, home);
   listen(chart, home);
   addTools(figure, chart, data, home);
