@@ -1,0 +1,67 @@
+// study.yaml: a whole study, from the recordings to a better exoskeleton. Paths are relative to the study file.
+//
+//   name, out: texts
+//   camera: camera.yaml   or   {calibrate: {images | video, board, plane: {image, board | points}}}
+//   human, exo: {video, markers, seeds, detector, …}   or   {trial, map, up, forward, …}     exo may be absent
+//   compare: {human_knee, exo_knee, replacement_sd_mm}
+//   design: {problem: file or map, worn: design.yaml, certify_deg}
+//   reoptimize: absent, then no design is fitted to the person
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lake/pipeline/calibrate.h"
+#include "lake/pipeline/compare.h"
+#include "lake/pipeline/gait.h"
+#include "lake/pipeline/track.h"
+#include "lake/synthesis/problem.h"
+
+namespace lake {
+
+// A file that a study names.
+struct StudyInput {
+  std::filesystem::path path;
+  std::string where;  // "study.yaml:7", for messages
+};
+
+// One recording and what is done with it.
+struct StudyTrial {
+  std::variant<TrackRunOptions, GaitRunOptions> work;  // of a video; of a trial that was tracked before
+  Json options;                                        // what the study says about it
+
+  bool IsVideo() const { return std::holds_alternative<TrackRunOptions>(work); }
+  const std::filesystem::path& Recording() const;
+};
+
+struct StudyCalibration {
+  CalibrateRunOptions camera;
+  std::optional<PlaneRunOptions> plane;  // its camera file is the calibration's
+  Json camera_options, plane_options;
+};
+
+struct StudyFile {
+  std::filesystem::path file;
+  std::string name;
+  std::optional<std::filesystem::path> out;
+  std::optional<std::filesystem::path> camera;  // made before
+  std::optional<StudyCalibration> calibration;  // or made by the study
+  StudyTrial human;
+  std::optional<StudyTrial> exo;
+  CompareRunOptions compare;  // without the trials' places
+  Json compare_options = Json::object();
+  SynthesisProblem problem;
+  std::vector<StudyInput> inputs;  // all files named, each once
+
+  // The folder for the results: `out`; else a name below lake-out, that of the file or, of a study.yaml, of its folder.
+  std::string ResultName() const;
+};
+
+// Throws Error in one line with file and line: an unknown key, a value that cannot be, markers that do not fit; or with
+// all files that are missing.
+StudyFile ReadStudyFile(const std::filesystem::path& path);
+
+}  // namespace lake

@@ -1,0 +1,150 @@
+#include "lake/pipeline/study.h"
+
+#include <cmath>
+
+#include "lake/core/error.h"
+#include "lake/pipeline/simulate.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSummary = "summary.json";
+
+// What a comparison or an optimisation reads of a trial.
+std::vector<fs::path> TrialTables(const fs::path& folder) {
+  return {folder / "kinematics.csv", folder / "events.csv", folder / "trajectory.csv", folder / "tracks.csv"};
+}
+
+StudyStep CalibrationStep(const StudyCalibration& calibration, const fs::path& folder) {
+  StudyStep step{"calibration", "the camera", "lake-calibrate", folder, {}, {}, calibration.camera_options, 30, {}};
+  step.inputs = calibration.camera.pictures;
+  step.work = [options = calibration.camera](Run& run) { run.WriteSummary(RunCalibrate(options, run)); };
+  return step;
+}
+
+StudyStep PlaneStep(const StudyCalibration& calibration, const fs::path& camera, const fs::path& folder) {
+  PlaneRunOptions options = *calibration.plane;
+  options.camera = camera;
+  StudyStep step{"plane", "the sagittal plane", "lake-calibrate", folder, {}, {}, calibration.plane_options, 2, {}};
+  step.inputs = {options.picture, options.camera};
+  step.work = [options](Run& run) { run.WriteSummary(RunPlane(options, run)); };
+  return step;
+}
+
+// The calibration's steps, and the camera file that the videos are tracked with.
+std::optional<fs::path> AddCamera(const StudyFile& study, const fs::path& out, std::vector<StudyStep>& steps) {
+  if (!study.calibration) return study.camera;
+  steps.push_back(CalibrationStep(*study.calibration, out / "calibration"));
+  fs::path camera = out / "calibration" / "camera.yaml";
+  if (!study.calibration->plane) return camera;
+  steps.push_back(PlaneStep(*study.calibration, camera, out / "plane"));
+  return out / "plane" / "camera.yaml";
+}
+
+StudyStep TrackStep(TrackRunOptions options, const std::optional<fs::path>& camera) {
+  if (!options.camera) options.camera = camera;
+  StudyStep step;
+  step.program = "lake-track", step.expected_s = 20;
+  const bool is_sequence = options.video.string().find('%') != std::string::npos;
+  step.inputs = {is_sequence ? options.video.parent_path() : options.video};
+  if (options.camera) step.inputs.push_back(*options.camera);
+  if (options.corrections) step.inputs.push_back(*options.corrections);
+  step.work = [options](Run& run) { run.WriteSummary(RunTrack(options, run)); };
+  return step;
+}
+
+StudyStep GaitStep(const GaitRunOptions& options) {
+  StudyStep step;
+  step.program = "lake-gait", step.expected_s = 3;
+  step.inputs = {options.trial};
+  step.work = [options](Run& run) { run.WriteSummary(RunGait(options, run)); };
+  return step;
+}
+
+StudyStep TrialStep(const std::string& name, const std::string& what, const StudyTrial& trial,
+                    const std::optional<fs::path>& camera, const fs::path& out) {
+  const auto* video = std::get_if<TrackRunOptions>(&trial.work);
+  StudyStep step = video ? TrackStep(*video, camera) : GaitStep(std::get<GaitRunOptions>(trial.work));
+  step.name = name, step.folder = out / name;
+  step.what = fmt::format("{}, {}", what, trial.Recording().filename().string());
+  step.options = trial.options;
+  return step;
+}
+
+StudyStep ComparisonStep(const StudyFile& study, const fs::path& out) {
+  CompareRunOptions options = study.compare;
+  options.human = out / "human", options.exo = out / "exo";
+  StudyStep step{"comparison",
+                 "the misalignment of exo against human",
+                 "lake-compare",
+                 out / "comparison",
+                 {},
+                 {},
+                 study.compare_options,
+                 4,
+                 {}};
+  for (const fs::path& folder : {options.human, options.exo})
+    for (const fs::path& table : TrialTables(folder)) step.inputs.push_back(table);
+  step.work = [options](Run& run) { run.WriteSummary(RunCompare(options, run)); };
+  return step;
+}
+
+StudyStep SimulationStep(const fs::path& design, const fs::path& out) {
+  StudyStep step{"simulation", "the design's poses", "lake-simulate", out / "simulation", {design}, {}, {}, 8, {}};
+  step.options = Json::object();
+  step.work = [design](Run& run) {
+    run.AddInput(design);
+    run.WriteSummary(SimulateLinkage(ReadDesign(design), {}, run));
+  };
+  return step;
+}
+
+}  // namespace
+
+std::vector<StudyStep> StudySteps(const StudyFile& study, const fs::path& out) {
+  std::vector<StudyStep> steps;
+  const std::optional<fs::path> camera = AddCamera(study, out, steps);
+  steps.push_back(TrialStep("human", "the trial without exoskeleton", study.human, camera, out));
+  if (study.exo) {
+    steps.push_back(TrialStep("exo", "the trial with exoskeleton", *study.exo, camera, out));
+    steps.push_back(ComparisonStep(study, out));
+  }
+  return steps;
+}
+
+Json RunStudyFile(const StudyFile& study, Run& run) {
+  run.AddInput(study.file);
+  for (const StudyInput& input : study.inputs) run.AddInput(input.path);
+  const std::vector<StudyStep> steps = StudySteps(study, run.Folder());
+  StepRunOptions options;
+  options.command = run.Command(), options.quiet = run.Quiet();
+  const std::vector<StepOutcome> outcomes = RunSteps(steps, options);
+
+  Json summary = {{"name", study.name}, {"warnings", Json::array()}, {"steps", Json::array()}};
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const StepOutcome& outcome = outcomes[i];
+    summary["steps"].push_back({{"name", outcome.name},
+                                {"folder", steps[i].folder.lexically_relative(run.Folder()).string()},
+                                {"done", outcome.done},
+                                {"why", outcome.why},
+                                {"seconds", outcome.seconds}});
+    const fs::path file = steps[i].folder / kSummary;
+    if (steps[i].folder == run.Folder() || !fs::is_regular_file(file)) continue;
+    summary[outcome.name] = ReadJsonFile(file);
+    for (const Json& warning : summary[outcome.name]["warnings"])
+      summary["warnings"].push_back(fmt::format("{}: {}", outcome.name, warning.get<std::string>()));
+  }
+  return summary;
+}
+
+std::string StudyText(const Json& summary) {
+  std::string text;
+  for (const Json& step : summary["steps"])
+    text += fmt::format("{:<12} {:6.1f} s  {}\n", step["name"].get<std::string>(), step["seconds"].get<double>(),
+                        step["done"].get<bool>() ? step["why"].get<std::string>() : "unchanged");
+  return text;
+}
+
+}  // namespace lake
