@@ -119,7 +119,7 @@ Json RunStudyFile(const StudyFile& study, Run& run) {
   for (const StudyInput& input : study.inputs) run.AddInput(input.path);
   const std::vector<StudyStep> steps = StudySteps(study, run.Folder());
   StepRunOptions options;
-  options.command = run.Command(), options.quiet = run.Quiet();
+  options.command = run.Head()["command"], options.quiet = run.Quiet();
   const std::vector<StepOutcome> outcomes = RunSteps(steps, options);
 
   Json summary = {{"name", study.name}, {"warnings", Json::array()}, {"steps", Json::array()}};

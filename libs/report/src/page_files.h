@@ -1,0 +1,13 @@
+// The files that every page contains; compiled in by embed.cmake.
+#pragma once
+
+#include <string_view>
+
+namespace lake::report {
+
+std::string_view ChartLibrary();  // Chart.js
+std::string_view ChartLicence();  // of the chart library, in words
+std::string_view PageScript();    // page/report.js
+std::string_view PageStyle();     // page/report.css
+
+}  // namespace lake::report
