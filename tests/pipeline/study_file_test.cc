@@ -21,7 +21,8 @@ using testing::ThrowsMessage;
 class StudyYaml : public testing::Test {
  protected:
   StudyYaml() {
-    for (const char* name : {"human.mp4", "exo.mp4", "camera.yaml", "corrections.csv", "trial.trc", "board.png"})
+    for (const char* name :
+         {"human.mp4", "exo.mp4", "camera.yaml", "corrections.csv", "trial.trc", "board.png", "worn.yaml"})
       WriteTextFile(folder_ / name, "");
     fs::create_directory(folder_ / "frames");
     fs::create_directory(folder_ / "boards");
@@ -68,6 +69,11 @@ exo:
   unit: m
   facing: left
 compare: {human_knee: knee, exo_knee: exo_knee, replacement_sd_mm: 1.5}
+design:
+  problem: {margins: {grashof_mm: 2}}
+  worn: worn.yaml
+  certify_deg: 0.5
+  yield_mm: 0.1
 )";
 
 TEST_F(StudyYaml, IsRead) {
@@ -102,7 +108,20 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(trial.fit.facing, Facing::kLeft);
   EXPECT_EQ(study.compare.exo_knee, "exo_knee");
   EXPECT_EQ(study.compare.misalignment.replacement_sd_mm, 1.5);
-  EXPECT_EQ(study.inputs.size(), 4u);
+  EXPECT_EQ(study.problem.grashof_margin_mm, 2);
+  EXPECT_EQ(study.worn, folder_ / "worn.yaml");
+  EXPECT_EQ(study.certify_gap_deg, 0.5);
+  EXPECT_EQ(study.yield_tolerance_mm, 0.1);
+  EXPECT_EQ(study.inputs.size(), 5u);
+}
+
+TEST_F(StudyYaml, TakesItsProblemFromAFileToo) {
+  WriteTextFile(folder_ / "problem.yaml", "d_min_mm: 250\n");
+  EXPECT_EQ(Read("human: {video: human.mp4}\ndesign: {problem: problem.yaml}\n").problem.d_min_mm, 250);
+  WriteTextFile(folder_ / "problem.yaml", "d_mim_mm: 250\n");
+  ExpectRefused("human: {video: human.mp4}\ndesign: {problem: problem.yaml}\n", "problem.yaml:1: unknown key");
+  ExpectRefused("human: {video: human.mp4}\ndesign:\n  problem: {d_min_mm: -1}\n", "study.yaml:3: ");
+  ExpectRefused("human: {video: human.mp4}\ndesign: {certify_deg: 0}\n", "'certify_deg' must be positive");
 }
 
 TEST_F(StudyYaml, NamesItsResultsAfterItsFolderOrItself) {

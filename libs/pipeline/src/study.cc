@@ -4,6 +4,7 @@
 
 #include "lake/core/error.h"
 #include "lake/pipeline/simulate.h"
+#include "study_report.h"
 
 namespace lake {
 namespace {
@@ -101,9 +102,20 @@ StudyStep SimulationStep(const fs::path& design, const fs::path& out) {
   return step;
 }
 
+StudyStep ReportStep(const StudyFile& study, const fs::path& out, const Json& head,
+                     const std::vector<StudyStep>& before) {
+  StudyStep step{"report", "the report", "lake-run", out, {study.file}, {}, {}, 1, {}};
+  step.options = {{"name", study.name}};
+  for (const StudyStep& earlier : before) step.whole_steps.push_back(earlier.name);
+  step.work = [study, out, head](Run& run) {
+    WriteReport(run.Result("report.html"), MakeStudyReport(study, out, head));
+  };
+  return step;
+}
+
 }  // namespace
 
-std::vector<StudyStep> StudySteps(const StudyFile& study, const fs::path& out) {
+std::vector<StudyStep> StudySteps(const StudyFile& study, const fs::path& out, const Json& head) {
   std::vector<StudyStep> steps;
   const std::optional<fs::path> camera = AddCamera(study, out, steps);
   steps.push_back(TrialStep("human", "the trial without exoskeleton", study.human, camera, out));
@@ -111,13 +123,15 @@ std::vector<StudyStep> StudySteps(const StudyFile& study, const fs::path& out) {
     steps.push_back(TrialStep("exo", "the trial with exoskeleton", *study.exo, camera, out));
     steps.push_back(ComparisonStep(study, out));
   }
+  if (study.worn) steps.push_back(SimulationStep(*study.worn, out));
+  steps.push_back(ReportStep(study, out, head, steps));
   return steps;
 }
 
 Json RunStudyFile(const StudyFile& study, Run& run) {
   run.AddInput(study.file);
   for (const StudyInput& input : study.inputs) run.AddInput(input.path);
-  const std::vector<StudyStep> steps = StudySteps(study, run.Folder());
+  const std::vector<StudyStep> steps = StudySteps(study, run.Folder(), run.Head());
   StepRunOptions options;
   options.command = run.Head()["command"], options.quiet = run.Quiet();
   const std::vector<StepOutcome> outcomes = RunSteps(steps, options);

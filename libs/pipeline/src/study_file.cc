@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 
+#include "lake/camera/plane_fit.h"
 #include "lake/core/error.h"
 #include "lake/core/yaml.h"
 #include "lake/pipeline/track_text.h"
@@ -95,12 +96,9 @@ std::vector<std::string> Texts(const YamlNode& list) {
 }
 
 template <std::size_t kCount>
-std::optional<std::array<double, kCount>> NumbersOf(YamlNode& node, const char* key) {
+void ReadNumbers(YamlNode& node, const char* key, std::optional<std::array<double, kCount>>& field) {
   const auto numbers = node.Numbers(key, kCount);
-  if (!numbers) return std::nullopt;
-  std::array<double, kCount> values;
-  std::copy(numbers->begin(), numbers->end(), values.begin());
-  return values;
+  if (numbers) std::copy(numbers->begin(), numbers->end(), field.emplace().begin());
 }
 
 std::int64_t FrameOf(YamlNode& node, const char* key, int fallback) {
@@ -140,8 +138,8 @@ TrackRunOptions ReadVideo(YamlNode& node, const YamlNode& video, Files& files) {
   if (reader.last && *reader.last < reader.first) throw Fail("{}: 'end' is before 'start'", node.Where());
   reader.capture_rate_hz = node.Number("capture_rate_hz").value_or(0);
   if (const auto camera = node.Child("camera")) options.camera = files.Take(*camera);
-  options.scale = NumbersOf<5>(node, "scale");
-  options.vertical = NumbersOf<4>(node, "vertical");
+  ReadNumbers(node, "scale", options.scale);
+  ReadNumbers(node, "vertical", options.vertical);
   if (auto depths = node.Child("depth_mm"))
     for (const auto& [name, depth] : depths->Pairs()) options.depth_mm[name] = depth.AsNumber();
   if (const auto corrections = node.Child("corrections")) options.corrections = files.Take(*corrections);
@@ -259,6 +257,24 @@ void ReadCompare(YamlNode node, StudyFile& study) {
   CheckCompared(study.compare.exo_knee, *study.exo, node);
 }
 
+void ReadDesignSection(YamlNode node, Files& files, StudyFile& study) {
+  study.design_options = node.ToJson();
+  auto problem = node.Child("problem");
+  if (problem && problem->IsMap())
+    study.problem = ReadProblem(std::move(*problem));
+  else if (problem)
+    study.problem_file = files.Take(*problem);
+  if (const auto worn = node.Child("worn")) study.worn = files.Take(*worn);
+  const auto positive = [&](const char* key) {
+    const std::optional<double> value = node.Number(key);
+    if (value && !(*value > 0)) throw Fail("{}: '{}' must be positive", node.Where(), key);
+    return value;
+  };
+  study.certify_gap_deg = positive("certify_deg");
+  study.yield_tolerance_mm = positive("yield_mm");
+  node.Finish();
+}
+
 YamlNode Required(YamlNode& root, const char* key) {
   auto child = root.Child(key);
   if (!child) throw Fail("{}: '{}' is missing", root.Where(), key);
@@ -291,8 +307,10 @@ StudyFile ReadStudyFile(const fs::path& path) {
   study.human = ReadTrialSection(Required(root, "human"), files);
   if (auto exo = root.Child("exo")) study.exo = ReadTrialSection(std::move(*exo), files);
   if (auto compare = root.Child("compare")) ReadCompare(std::move(*compare), study);
+  if (auto design = root.Child("design")) ReadDesignSection(std::move(*design), files, study);
   root.Finish();
   files.ThrowIfMissing(path);
+  if (study.problem_file) study.problem = ReadProblem(*study.problem_file);
   study.inputs = files.Found();
   return study;
 }

@@ -11,8 +11,9 @@
 
 namespace lake {
 
-// In order; each writes into its own folder below `out`, the report into `out` itself.
-std::vector<StudyStep> StudySteps(const StudyFile& study, const std::filesystem::path& out);
+// In order; each writes into its own folder below `out`, the report into `out` itself. `head` (Run::Head()) is what the
+// report says of its making.
+std::vector<StudyStep> StudySteps(const StudyFile& study, const std::filesystem::path& out, const Json& head);
 
 // Does what has changed since the last time and returns the summary: the steps, and of each what its own summary.json
 // says, under its name. Throws what a step throws, with the step's name.

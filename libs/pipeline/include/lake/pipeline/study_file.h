@@ -53,7 +53,12 @@ struct StudyFile {
   std::optional<StudyTrial> exo;
   CompareRunOptions compare;  // without the trials' places
   Json compare_options = Json::object();
-  SynthesisProblem problem;
+  std::optional<std::filesystem::path> problem_file;
+  SynthesisProblem problem;                   // of the file, or as it stands in the study; default: the paper's
+  std::optional<double> certify_gap_deg;      // prove an upper bound on the range to within this
+  std::optional<double> yield_tolerance_mm;   // fraction of builds that work when every link is off by up to this
+  std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
+  Json design_options = Json::object();
   std::vector<StudyInput> inputs;  // all files named, each once
 
   // The folder for the results: `out`; else a name below lake-out, that of the file or, of a study.yaml, of its folder.
