@@ -30,7 +30,7 @@ class Steps : public testing::Test {
   StudyStep Copy(const std::string& name) {
     StudyStep step{name, "a copy of " + name + ".txt", "copy", Out(name), {folder_ / (name + ".txt")}, {}, {}, 1, {}};
     step.options = {{"suffix", suffix_}};
-    step.work = [this, name](Run& run) {
+    step.work = [this, name](lake::Run& run) {
       done_.push_back(name);
       WriteTextFile(run.Result("copy.txt"), ReadTextFile(folder_ / (name + ".txt")).substr(0, 4) + suffix_);
     };
@@ -40,7 +40,7 @@ class Steps : public testing::Test {
   StudyStep Join() {
     StudyStep step{
         "join", "both copies", "join", Out("join"), {Out("a") / "copy.txt", Out("b") / "copy.txt"}, {}, {}, 1, {}};
-    step.work = [this](Run& run) {
+    step.work = [this](lake::Run& run) {
       done_.push_back("join");
       if (fail_) fail_();
       WriteTextFile(run.Result("join.txt"), ReadTextFile(Out("a") / "copy.txt") + ReadTextFile(Out("b") / "copy.txt"));
@@ -50,7 +50,7 @@ class Steps : public testing::Test {
 
   StudyStep Report() {
     StudyStep step{"report", "all of it", "report", folder_ / "out", {}, {"a", "b", "join"}, {}, 1, {}};
-    step.work = [this](Run& run) {
+    step.work = [this](lake::Run& run) {
       done_.push_back("report");
       WriteTextFile(run.Result("report.html"), "report");
     };

@@ -125,7 +125,7 @@ LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
 void AddTrialPictures(const StudyResults& results, const TrialNames& names, Section& section) {
   for (const char* figure : {"track.png", "gait.png"})
     results.AddPicture(fs::path(names.step) / figure, fmt::format("Marker paths and knee angle {}", names.what),
-                       fmt::format("The trial {}: marker paths, knee angle, events.", names.what), Width::kHalf,
+                       fmt::format("The trial {}: marker paths, knee angle, events.", names.what), Width::kFull,
                        section);
 }
 

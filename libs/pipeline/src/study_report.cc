@@ -17,10 +17,12 @@ const std::vector<std::string> kStepsInOrder = {"calibration", "plane",    "huma
 
 std::vector<std::string> WarningsOf(const StudyResults& results) {
   std::vector<std::string> warnings;
-  for (const std::string& step : kStepsInOrder)
-    if (results.Has(step))
-      for (const Json& warning : results.Summary(step).at("warnings"))
-        warnings.push_back(fmt::format("{}: {}", step, warning.get<std::string>()));
+  for (const std::string& step : kStepsInOrder) {
+    if (!results.Has(step)) continue;
+    const Json summary = results.Summary(step);
+    for (const Json& warning : summary.at("warnings"))
+      warnings.push_back(fmt::format("{}: {}", step, warning.get<std::string>()));
+  }
   return warnings;
 }
 
