@@ -108,7 +108,7 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(trial.fit.facing, Facing::kLeft);
   EXPECT_EQ(study.compare.exo_knee, "exo_knee");
   EXPECT_EQ(study.compare.misalignment.replacement_sd_mm, 1.5);
-  EXPECT_EQ(study.problem.grashof_margin_mm, 2);
+  EXPECT_EQ(study.design.problem.grashof_margin_mm, 2);
   EXPECT_EQ(study.worn, folder_ / "worn.yaml");
   EXPECT_EQ(study.certify_gap_deg, 0.5);
   EXPECT_EQ(study.yield_tolerance_mm, 0.1);
@@ -117,7 +117,7 @@ TEST_F(StudyYaml, IsRead) {
 
 TEST_F(StudyYaml, TakesItsProblemFromAFileToo) {
   WriteTextFile(folder_ / "problem.yaml", "d_min_mm: 250\n");
-  EXPECT_EQ(Read("human: {video: human.mp4}\ndesign: {problem: problem.yaml}\n").problem.d_min_mm, 250);
+  EXPECT_EQ(Read("human: {video: human.mp4}\ndesign: {problem: problem.yaml}\n").design.problem.d_min_mm, 250);
   WriteTextFile(folder_ / "problem.yaml", "d_mim_mm: 250\n");
   ExpectRefused("human: {video: human.mp4}\ndesign: {problem: problem.yaml}\n", "problem.yaml:1: unknown key");
   ExpectRefused("human: {video: human.mp4}\ndesign:\n  problem: {d_min_mm: -1}\n", "study.yaml:3: ");

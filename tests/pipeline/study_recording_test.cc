@@ -1,4 +1,5 @@
 // The real optical recording as a study: the right leg as the human's, the left leg as the exoskeleton's.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,7 +29,7 @@ TEST(StudyOfTheOpticalRecording, RunsThroughWithPlausibleNumbers) {
   if (!fs::exists(file)) GTEST_SKIP() << file << " is absent";
   const TemporaryFolder folder;
   WriteTextFile(folder / "study.yaml", fmt::format(kStudy, file.string()));
-  Run run({"lake-run", "test", Json::object(), folder / "out", true});
+  lake::Run run({"lake-run", "test", Json::object(), folder / "out", true});
   const Json summary = run.WriteSummary(RunStudyFile(ReadStudyFile(folder / "study.yaml"), run));
 
   for (const char* trial : {"human", "exo"}) EXPECT_EQ(summary[trial]["sit_to_stands"].size(), 5u) << trial;

@@ -92,9 +92,55 @@ StudyStep ComparisonStep(const StudyFile& study, const fs::path& out) {
   return step;
 }
 
+void AddProblem(const StudyProblem& problem, OptimizeRunOptions& options, StudyStep& step) {
+  options.problem = problem.problem;
+  if (!problem.file) return;
+  options.problem_file = *problem.file;
+  step.inputs.push_back(*problem.file);
+}
+
+std::function<void(Run&)> OptimizeWork(const OptimizeRunOptions& options) {
+  return [options](Run& run) {
+    OptimizeRunOptions work = options;
+    work.study.quiet = work.study.optimize.quiet = run.Quiet();
+    run.WriteSummary(RunOptimize(work, run));
+  };
+}
+
+StudyStep OptimumStep(const StudyFile& study, const fs::path& out) {
+  StudyStep step{"optimum", "the largest range of rotation", "lake-optimize", out / "optimum", {}, {},
+                 study.design_options, 15, {}};
+  step.options.erase("worn");
+  OptimizeRunOptions options;
+  AddProblem(study.design, options, step);
+  options.study.certify_gap_deg = study.certify_gap_deg;
+  options.study.yield_tolerance_mm = study.yield_tolerance_mm;
+  step.work = OptimizeWork(options);
+  return step;
+}
+
+StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
+  StudyStep step{"redesign", "the design for this person", "lake-optimize", out / "redesign", {}, {},
+                 {{"reoptimize", study.redesign->said}, {"design", study.design_options}}, 20, {}};
+  OptimizeRunOptions options;
+  AddProblem(study.redesign->design, options, step);
+  options.reoptimize = study.redesign->options;
+  if (study.exo) {
+    options.reoptimize->comparison = out / "comparison";
+    step.inputs.push_back(out / "comparison" / "comparison.json");
+  } else {
+    options.reoptimize->human = out / "human";
+    options.reoptimize->human_knee = study.compare.human_knee;
+    for (const fs::path& table : TrialTables(out / "human")) step.inputs.push_back(table);
+  }
+  if (study.worn) options.reoptimize->worn = *study.worn, step.inputs.push_back(*study.worn);
+  step.work = OptimizeWork(options);
+  return step;
+}
+
 StudyStep SimulationStep(const fs::path& design, const fs::path& out) {
-  StudyStep step{"simulation", "the design's poses", "lake-simulate", out / "simulation", {design}, {}, {}, 8, {}};
-  step.options = Json::object();
+  StudyStep step{"simulation", "the design's poses", "lake-simulate", out / "simulation", {design}, {},
+                 Json::object(), 8, {}};
   step.work = [design](Run& run) {
     run.AddInput(design);
     run.WriteSummary(SimulateLinkage(ReadDesign(design), {}, run));
@@ -123,7 +169,10 @@ std::vector<StudyStep> StudySteps(const StudyFile& study, const fs::path& out, c
     steps.push_back(TrialStep("exo", "the trial with exoskeleton", *study.exo, camera, out));
     steps.push_back(ComparisonStep(study, out));
   }
-  if (study.worn) steps.push_back(SimulationStep(*study.worn, out));
+  steps.push_back(OptimumStep(study, out));
+  if (study.redesign) steps.push_back(RedesignStep(study, out));
+  const fs::path design = out / (study.redesign ? "redesign" : "optimum") / "design.yaml";
+  steps.push_back(SimulationStep(design, out));
   steps.push_back(ReportStep(study, out, head, steps));
   return steps;
 }

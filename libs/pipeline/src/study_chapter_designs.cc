@@ -45,7 +45,7 @@ std::string OptimumText(const Json& summary) {
 Section OptimumChapter(const StudyFile& study, const StudyResults& results) {
   const Json summary = results.Summary("optimum");
   Section section{"The design problem by itself",
-                  {Paragraph{OptimumText(summary)}, OptimumTable(study.problem, summary)}};
+                  {Paragraph{OptimumText(summary)}, OptimumTable(study.design.problem, summary)}};
   results.AddPicture("optimum/sensitivity.png", "Range of rotation against a change of each link",
                      "Range against the change of each link; shaded where the linkage cannot be assembled.",
                      Width::kFull, section);

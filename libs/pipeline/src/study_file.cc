@@ -257,22 +257,59 @@ void ReadCompare(YamlNode node, StudyFile& study) {
   CheckCompared(study.compare.exo_knee, *study.exo, node);
 }
 
+std::optional<double> PositiveNumber(YamlNode& node, const char* key) {
+  const std::optional<double> value = node.Number(key);
+  if (value && !(*value > 0)) throw Fail("{}: '{}' must be positive", node.Where(), key);
+  return value;
+}
+
+// A file is only named here; it is read when it is known that none is missing.
+void ReadProblemKey(YamlNode& node, Files& files, StudyProblem& problem) {
+  auto child = node.Child("problem");
+  if (child && child->IsMap())
+    problem = {std::nullopt, ReadProblem(std::move(*child))};
+  else if (child)
+    problem = {files.Take(*child), {}};
+}
+
 void ReadDesignSection(YamlNode node, Files& files, StudyFile& study) {
   study.design_options = node.ToJson();
-  auto problem = node.Child("problem");
-  if (problem && problem->IsMap())
-    study.problem = ReadProblem(std::move(*problem));
-  else if (problem)
-    study.problem_file = files.Take(*problem);
+  ReadProblemKey(node, files, study.design);
   if (const auto worn = node.Child("worn")) study.worn = files.Take(*worn);
-  const auto positive = [&](const char* key) {
-    const std::optional<double> value = node.Number(key);
-    if (value && !(*value > 0)) throw Fail("{}: '{}' must be positive", node.Where(), key);
-    return value;
-  };
-  study.certify_gap_deg = positive("certify_deg");
-  study.yield_tolerance_mm = positive("yield_mm");
+  study.certify_gap_deg = PositiveNumber(node, "certify_deg");
+  study.yield_tolerance_mm = PositiveNumber(node, "yield_mm");
   node.Finish();
+  if (study.worn && !study.exo) throw Fail("{}: 'worn' needs an 'exo' trial", node.Where());
+}
+
+StrokeProgram::Kind ParseProgram(const YamlNode& node) {
+  const std::string text = node.AsText();
+  if (text != "constant" && text != "free") throw Fail("{}: program '{}': constant or free", node.Where(), text);
+  return text == "free" ? StrokeProgram::Kind::kFree : StrokeProgram::Kind::kConstant;
+}
+
+StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& design) {
+  StudyRedesign redesign{{}, design, node.ToJson()};
+  ReadProblemKey(node, files, redesign.design);
+  ReoptimizeRunOptions& options = redesign.options;
+  options.max_misalignment_percent = PositiveNumber(node, "max_misalignment_percent");
+  options.penalty_deg_per_mm = PositiveNumber(node, "penalty").value_or(options.penalty_deg_per_mm);
+  if (const auto program = node.Child("program")) options.program.kind = ParseProgram(*program);
+  options.program.max_speed_mm_s = PositiveNumber(node, "max_speed_mm_s").value_or(options.program.max_speed_mm_s);
+  options.program.duration_s = PositiveNumber(node, "duration_s");
+  options.program.monotone = node.Boolean("monotone").value_or(options.program.monotone);
+  options.program.knots = node.Integer("knots").value_or(options.program.knots);
+  options.fit_placement = node.Boolean("fit_placement").value_or(options.fit_placement);
+  options.placement_reach_mm = PositiveNumber(node, "placement_reach_mm").value_or(options.placement_reach_mm);
+  options.pareto_points = node.Integer("pareto");
+  if (options.pareto_points && *options.pareto_points < 2)
+    throw Fail("{}: 'pareto' must be at least 2 points", node.Where());
+  node.Finish();
+  return redesign;
+}
+
+void ReadProblemFile(StudyProblem& problem) {
+  if (problem.file) problem.problem = ReadProblem(*problem.file);
 }
 
 YamlNode Required(YamlNode& root, const char* key) {
@@ -308,9 +345,12 @@ StudyFile ReadStudyFile(const fs::path& path) {
   if (auto exo = root.Child("exo")) study.exo = ReadTrialSection(std::move(*exo), files);
   if (auto compare = root.Child("compare")) ReadCompare(std::move(*compare), study);
   if (auto design = root.Child("design")) ReadDesignSection(std::move(*design), files, study);
+  if (auto reoptimize = root.Child("reoptimize"))
+    study.redesign = ReadRedesign(std::move(*reoptimize), files, study.design);
   root.Finish();
   files.ThrowIfMissing(path);
-  if (study.problem_file) study.problem = ReadProblem(*study.problem_file);
+  ReadProblemFile(study.design);
+  if (study.redesign) ReadProblemFile(study.redesign->design);
   study.inputs = files.Found();
   return study;
 }

@@ -5,7 +5,8 @@
 //   human, exo: {video, markers, seeds, detector, …}   or   {trial, map, up, forward, …}     exo may be absent
 //   compare: {human_knee, exo_knee, replacement_sd_mm}
 //   design: {problem: file or map, worn: design.yaml, certify_deg}
-//   reoptimize: absent, then no design is fitted to the person
+//   reoptimize: {max_misalignment_percent, penalty, program, max_speed_mm_s, duration_s, fit_placement, pareto, …};
+//     absent: no design is fitted to the person
 #pragma once
 
 #include <filesystem>
@@ -17,6 +18,7 @@
 #include "lake/pipeline/calibrate.h"
 #include "lake/pipeline/compare.h"
 #include "lake/pipeline/gait.h"
+#include "lake/pipeline/optimize.h"
 #include "lake/pipeline/track.h"
 #include "lake/synthesis/problem.h"
 
@@ -43,6 +45,18 @@ struct StudyCalibration {
   Json camera_options, plane_options;
 };
 
+struct StudyProblem {
+  std::optional<std::filesystem::path> file;
+  SynthesisProblem problem;  // of the file, or as it stands in the study; default: the paper's
+};
+
+// A design fitted to the person.
+struct StudyRedesign {
+  ReoptimizeRunOptions options;  // without the places of trials and worn design
+  StudyProblem design;           // default: the study's own
+  Json said;                     // what the study says about it
+};
+
 struct StudyFile {
   std::filesystem::path file;
   std::string name;
@@ -53,12 +67,12 @@ struct StudyFile {
   std::optional<StudyTrial> exo;
   CompareRunOptions compare;  // without the trials' places
   Json compare_options = Json::object();
-  std::optional<std::filesystem::path> problem_file;
-  SynthesisProblem problem;                   // of the file, or as it stands in the study; default: the paper's
+  StudyProblem design;
   std::optional<double> certify_gap_deg;      // prove an upper bound on the range to within this
   std::optional<double> yield_tolerance_mm;   // fraction of builds that work when every link is off by up to this
   std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
   Json design_options = Json::object();
+  std::optional<StudyRedesign> redesign;
   std::vector<StudyInput> inputs;  // all files named, each once
 
   // The folder for the results: `out`; else a name below lake-out, that of the file or, of a study.yaml, of its folder.
