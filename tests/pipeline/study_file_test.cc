@@ -22,7 +22,7 @@ class StudyYaml : public testing::Test {
  protected:
   StudyYaml() {
     for (const char* name :
-         {"human.mp4", "exo.mp4", "camera.yaml", "corrections.csv", "trial.trc", "board.png", "worn.yaml"})
+         {"human.mp4", "exo.mp4", "camera.yaml", "corrections.csv", "trial.trc", "board.png", "worn.yaml", "duty.csv"})
       WriteTextFile(folder_ / name, "");
     fs::create_directory(folder_ / "frames");
     fs::create_directory(folder_ / "boards");
@@ -74,6 +74,19 @@ design:
   worn: worn.yaml
   certify_deg: 0.5
   yield_mm: 0.1
+reoptimize:
+  problem: {margins: {grashof_mm: 3}}
+  max_misalignment_percent: 4
+  penalty: 0.5
+  program: free
+  max_speed_mm_s: 6
+  duration_s: 30
+  monotone: true
+  knots: 31
+  fit_placement: true
+  placement_reach_mm: 25
+  pareto: 5
+stroke: {duty_table: duty.csv, margin_mm: 1, return: true, hold_s: 3, rate_hz: 20}
 )";
 
 TEST_F(StudyYaml, IsRead) {
@@ -112,7 +125,25 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(study.worn, folder_ / "worn.yaml");
   EXPECT_EQ(study.certify_gap_deg, 0.5);
   EXPECT_EQ(study.yield_tolerance_mm, 0.1);
-  EXPECT_EQ(study.inputs.size(), 5u);
+  ASSERT_TRUE(study.redesign);
+  EXPECT_EQ(study.redesign->design.problem.grashof_margin_mm, 3);
+  const ReoptimizeRunOptions& redesign = study.redesign->options;
+  EXPECT_EQ(redesign.max_misalignment_percent, 4);
+  EXPECT_EQ(redesign.penalty_deg_per_mm, 0.5);
+  EXPECT_EQ(redesign.program.kind, StrokeProgram::Kind::kFree);
+  EXPECT_EQ(redesign.program.max_speed_mm_s, 6);
+  EXPECT_EQ(redesign.program.duration_s, 30);
+  EXPECT_TRUE(redesign.program.monotone);
+  EXPECT_EQ(redesign.program.knots, 31);
+  EXPECT_TRUE(redesign.fit_placement);
+  EXPECT_EQ(redesign.placement_reach_mm, 25);
+  EXPECT_EQ(redesign.pareto_points, 5);
+  ASSERT_TRUE(study.stroke);
+  EXPECT_EQ(study.stroke->duty_table, folder_ / "duty.csv");
+  EXPECT_EQ(study.stroke->schedule.margin_mm, 1);
+  EXPECT_TRUE(study.stroke->schedule.return_trip);
+  EXPECT_EQ(study.stroke->rate_hz, 20);
+  EXPECT_EQ(study.inputs.size(), 6u);
 }
 
 TEST_F(StudyYaml, TakesItsProblemFromAFileToo) {
@@ -186,6 +217,17 @@ TEST_F(StudyYaml, RefusesMarkersThatAreNotLookedFor) {
                 "study.yaml:3: 'exo_knee' is not among the markers of exo.mp4 (ankle, knee, hip, waist)");
   ExpectRefused("human: {video: human.mp4, markers: [ankle, hip]}\nexo: {video: exo.mp4}\ncompare: {}\n",
                 "'knee' is not among the markers of human.mp4");
+}
+
+TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
+  const std::string trial = "human: {video: human.mp4}\n";
+  ExpectRefused(trial + "reoptimize:\n  program: slow\n", "study.yaml:3: program 'slow'");
+  ExpectRefused(trial + "reoptimize: {pareto: 1}\n", "'pareto' must be at least 2");
+  ExpectRefused(trial + "reoptimize: {max_misalignment: 1}\n", "study.yaml:2: unknown key 'max_misalignment'");
+  ExpectRefused(trial + "reoptimize: {duration_s: -1}\n", "'duration_s' must be positive");
+  ExpectRefused(trial + "design: {worn: worn.yaml}\n", "'worn' needs an 'exo' trial");
+  ExpectRefused(trial + "stroke: {margin_mm: -1}\n", "study.yaml:2: ");
+  ExpectRefused(trial + "stroke: {duty: x}\n", "study.yaml:2: unknown key 'duty'");
 }
 
 // What a step depends on: the same whatever the order of keys and the blanks, another for another value.

@@ -108,8 +108,9 @@ std::function<void(Run&)> OptimizeWork(const OptimizeRunOptions& options) {
 }
 
 StudyStep OptimumStep(const StudyFile& study, const fs::path& out) {
-  StudyStep step{"optimum", "the largest range of rotation", "lake-optimize", out / "optimum", {}, {},
-                 study.design_options, 15, {}};
+  StudyStep step{
+      "optimum", "the largest range of rotation", "lake-optimize", out / "optimum", {}, {}, study.design_options, 15,
+      {}};
   step.options.erase("worn");
   OptimizeRunOptions options;
   AddProblem(study.design, options, step);
@@ -120,8 +121,15 @@ StudyStep OptimumStep(const StudyFile& study, const fs::path& out) {
 }
 
 StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
-  StudyStep step{"redesign", "the design for this person", "lake-optimize", out / "redesign", {}, {},
-                 {{"reoptimize", study.redesign->said}, {"design", study.design_options}}, 20, {}};
+  StudyStep step{"redesign",
+                 "the design for this person",
+                 "lake-optimize",
+                 out / "redesign",
+                 {},
+                 {},
+                 {{"reoptimize", study.redesign->said}, {"design", study.design_options}},
+                 20,
+                 {}};
   OptimizeRunOptions options;
   AddProblem(study.redesign->design, options, step);
   options.reoptimize = study.redesign->options;
@@ -139,12 +147,25 @@ StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
 }
 
 StudyStep SimulationStep(const fs::path& design, const fs::path& out) {
-  StudyStep step{"simulation", "the design's poses", "lake-simulate", out / "simulation", {design}, {},
-                 Json::object(), 8, {}};
+  StudyStep step{
+      "simulation", "the design's poses", "lake-simulate", out / "simulation", {design}, {}, Json::object(), 8, {}};
   step.work = [design](Run& run) {
     run.AddInput(design);
     run.WriteSummary(SimulateLinkage(ReadDesign(design), {}, run));
   };
+  return step;
+}
+
+StudyStep StrokeStep(const StudyFile& study, const fs::path& design, const fs::path& out) {
+  StrokeRunOptions options = *study.stroke;
+  options.design = design;
+  if (!options.schedule.speed_mm_s && !study.redesign) options.schedule.speed_mm_s = StrokeProgram{}.speed_mm_s;
+  if (options.schedule.speed_mm_s) options.motion = out / "human";
+  StudyStep step{
+      "stroke", "the actuator's program", "lake-stroke", out / "stroke", {design}, {}, study.stroke_options, 2, {}};
+  if (options.duty_table) step.inputs.push_back(*options.duty_table);
+  if (options.motion) step.inputs.push_back(*options.motion / "kinematics.csv");
+  step.work = [options](Run& run) { run.WriteSummary(RunStroke(options, run)); };
   return step;
 }
 
@@ -173,6 +194,7 @@ std::vector<StudyStep> StudySteps(const StudyFile& study, const fs::path& out, c
   if (study.redesign) steps.push_back(RedesignStep(study, out));
   const fs::path design = out / (study.redesign ? "redesign" : "optimum") / "design.yaml";
   steps.push_back(SimulationStep(design, out));
+  if (study.stroke) steps.push_back(StrokeStep(study, design, out));
   steps.push_back(ReportStep(study, out, head, steps));
   return steps;
 }

@@ -39,6 +39,8 @@ inline double NumberAt(const Json& value) {
 report::Section TrialsChapter(const StudyFile& study, const StudyResults& results);
 report::Section MisalignmentChapter(const StudyResults& results);
 report::Section OptimumChapter(const StudyFile& study, const StudyResults& results);
+report::Section RedesignChapter(const StudyResults& results);
+report::Section StrokeChapter(const StudyResults& results);
 report::Section SimulationChapter(const StudyResults& results);
 
 }  // namespace lake

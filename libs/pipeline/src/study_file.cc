@@ -308,6 +308,23 @@ StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& desi
   return redesign;
 }
 
+StrokeRunOptions ReadStroke(YamlNode node, Files& files) {
+  StrokeRunOptions options;
+  if (const auto table = node.Child("duty_table")) options.duty_table = files.Take(*table);
+  ScheduleOptions& schedule = options.schedule;
+  schedule.speed_mm_s = node.Number("speed_mm_s");
+  schedule.from_deg = node.Number("from_deg"), schedule.to_deg = node.Number("to_deg");
+  schedule.margin_mm = node.Number("margin_mm").value_or(schedule.margin_mm);
+  schedule.max_speed_mm_s = node.Number("max_speed_mm_s");
+  schedule.return_trip = node.Boolean("return").value_or(schedule.return_trip);
+  schedule.hold_s = node.Number("hold_s").value_or(schedule.hold_s);
+  schedule.dead_time_s = node.Number("dead_time_s").value_or(schedule.dead_time_s);
+  options.rate_hz = PositiveNumber(node, "rate_hz").value_or(options.rate_hz);
+  node.Finish();
+  At(node, [&] { schedule.Check(); });
+  return options;
+}
+
 void ReadProblemFile(StudyProblem& problem) {
   if (problem.file) problem.problem = ReadProblem(*problem.file);
 }
@@ -347,6 +364,10 @@ StudyFile ReadStudyFile(const fs::path& path) {
   if (auto design = root.Child("design")) ReadDesignSection(std::move(*design), files, study);
   if (auto reoptimize = root.Child("reoptimize"))
     study.redesign = ReadRedesign(std::move(*reoptimize), files, study.design);
+  if (auto stroke = root.Child("stroke")) {
+    study.stroke_options = stroke->ToJson();
+    study.stroke = ReadStroke(std::move(*stroke), files);
+  }
   root.Finish();
   files.ThrowIfMissing(path);
   ReadProblemFile(study.design);

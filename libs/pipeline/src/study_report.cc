@@ -77,7 +77,9 @@ Report MakeStudyReport(const StudyFile& study, const fs::path& out, const Json& 
   report.sections.push_back(TrialsChapter(study, results));
   if (results.Has("comparison")) report.sections.push_back(MisalignmentChapter(results));
   if (results.Has("optimum")) report.sections.push_back(OptimumChapter(study, results));
+  if (results.Has("redesign")) report.sections.push_back(RedesignChapter(results));
   if (results.Has("simulation")) report.sections.push_back(SimulationChapter(results));
+  if (results.Has("stroke")) report.sections.push_back(StrokeChapter(results));
   report.sections.push_back(MethodsChapter());
   report.sections.push_back(FilesChapter(results));
   report.sections.push_back(ProvenanceSection(head));

@@ -7,6 +7,7 @@
 //   design: {problem: file or map, worn: design.yaml, certify_deg}
 //   reoptimize: {max_misalignment_percent, penalty, program, max_speed_mm_s, duration_s, fit_placement, pareto, …};
 //     absent: no design is fitted to the person
+//   stroke: {duty_table, speed_mm_s, margin_mm, return, …}; absent: no stroke program
 #pragma once
 
 #include <filesystem>
@@ -19,6 +20,7 @@
 #include "lake/pipeline/compare.h"
 #include "lake/pipeline/gait.h"
 #include "lake/pipeline/optimize.h"
+#include "lake/pipeline/stroke.h"
 #include "lake/pipeline/track.h"
 #include "lake/synthesis/problem.h"
 
@@ -73,6 +75,8 @@ struct StudyFile {
   std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
   Json design_options = Json::object();
   std::optional<StudyRedesign> redesign;
+  std::optional<StrokeRunOptions> stroke;  // without the design and the motion's place
+  Json stroke_options;
   std::vector<StudyInput> inputs;  // all files named, each once
 
   // The folder for the results: `out`; else a name below lake-out, that of the file or, of a study.yaml, of its folder.
