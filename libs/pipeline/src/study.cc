@@ -159,8 +159,10 @@ StudyStep SimulationStep(const fs::path& design, const fs::path& out) {
 StudyStep StrokeStep(const StudyFile& study, const fs::path& design, const fs::path& out) {
   StrokeRunOptions options = *study.stroke;
   options.design = design;
-  if (!options.schedule.speed_mm_s && !study.redesign) options.schedule.speed_mm_s = StrokeProgram{}.speed_mm_s;
-  if (options.schedule.speed_mm_s) options.motion = out / "human";
+  if (!study.redesign && !options.schedule.speed_mm_s) options.schedule.speed_mm_s = StrokeProgram{}.speed_mm_s;
+  // A constant program takes its ends from the person; a free one has its own.
+  const bool is_free = study.redesign && study.redesign->options.program.kind == StrokeProgram::Kind::kFree;
+  if (!is_free || options.schedule.speed_mm_s) options.motion = out / "human";
   StudyStep step{
       "stroke", "the actuator's program", "lake-stroke", out / "stroke", {design}, {}, study.stroke_options, 2, {}};
   if (options.duty_table) step.inputs.push_back(*options.duty_table);

@@ -100,7 +100,8 @@ LineChart PathsChart(const StudyResults& results) {
   return chart;
 }
 
-Series Column(const CsvTable& table, const char* x, const char* y, const char* name, const char* colour, Mark mark) {
+Series ColumnSeries(const CsvTable& table, const char* x, const char* y, const char* name, const char* colour,
+                    Mark mark) {
   Series series;
   series.name = name, series.colour = colour, series.mark = mark;
   for (std::size_t row = 0; row < table.Rows(); ++row) {
@@ -116,8 +117,8 @@ LineChart AnglesChart(const fs::path& program) {
   chart.title = "Knee angle: human's and the design's under its stroke program";
   chart.x = {"sit-to-stand (%)", 0, 100}, chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
-  chart.series = {Column(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine),
-                  Column(table, "percent", "knee_deg", "new design", colour::kHip, Mark::kDashed)};
+  chart.series = {ColumnSeries(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine),
+                  ColumnSeries(table, "percent", "knee_deg", "new design", colour::kHip, Mark::kDashed)};
   return chart;
 }
 
@@ -162,9 +163,9 @@ Section StrokeChapter(const StudyResults& results) {
   const CsvTable table = CsvTable::Read(results.Folder() / "stroke/program.csv");
   LineChart stroke, knee;
   stroke.title = "Stroke over time", stroke.x.label = "time (s)", stroke.y.label = "stroke (mm)";
-  stroke.series = {Column(table, "time_s", "stroke_mm", "stroke", colour::kAnkle, Mark::kLine)};
+  stroke.series = {ColumnSeries(table, "time_s", "stroke_mm", "stroke", colour::kAnkle, Mark::kLine)};
   knee.title = "Knee angle that it makes", knee.x.label = "time (s)", knee.y.label = "knee flexion (°)";
-  knee.series = {Column(table, "time_s", "knee_deg", "knee", colour::kHip, Mark::kLine)};
+  knee.series = {ColumnSeries(table, "time_s", "knee_deg", "knee", colour::kHip, Mark::kLine)};
   stroke.width = knee.width = Width::kHalf;
   const Json& limits = summary.at("soft_limits_mm");
   std::string text = fmt::format(
