@@ -2,9 +2,13 @@
 'use strict';
 (() => {
 const INK = '#222222', QUIET = '#666666', GRID = '#ececec', SHADE = '#f1f1f1';
-const DASHES = {line: [], dashed: [8, 5], dotted: [2, 4], points: []};
+const DASHES = {line: [], thin: [], dashed: [8, 5], dotted: [2, 4], points: []};
+const WIDTHS = {line: 2.25, thin: 1, dashed: 2.25, dotted: 2.25, points: 1};
 const dataOf = new WeakMap();  // of each chart's canvas
 const WHEEL_STEP = 1.2, BUTTON_STEP = 1.5, LEAST_BOX_PX = 8;
+const MANY = 60;  // points that are drawn small
+const NEGLIGIBLE = 0.02;  // of the longest bar: so little below zero is not worth a tick
+const VALUE_PX = 44;  // room for a value beside its bar
 
 const withAlpha = (colour, alpha) => colour + Math.round(alpha * 255).toString(16).padStart(2, '0');
 const minus = text => text.replace('-', '\u2212');
@@ -28,16 +32,13 @@ function lineOf(series) {
   return {
     label: series.name, data: series.x.map((x, i) => ({x, y: series.y[i]})), series, order: points ? 0 : 1,
     borderColor: series.colour, backgroundColor: series.colour, borderDash: DASHES[series.mark],
-    showLine: !points, borderWidth: points ? 1 : 2.25, pointRadius: points ? 4 : 0, pointHoverRadius: 5,
+    showLine: !points, borderWidth: WIDTHS[series.mark], pointRadius: !points ? 0 : series.x.length > MANY ? 2 : 4, pointHoverRadius: 5,
     pointStyle: points ? 'rectRot' : 'circle', borderJoinStyle: 'round',
   };
 }
 
 const datasetsOf = data =>
   data.series.flatMap(series => [...(series.lower.length ? bandOf(series) : []), lineOf(series)]);
-
-const sameGrid = data => data.series.every(series =>
-  series.x.length === data.series[0].x.length && series.x.every((x, i) => x === data.series[0].x[i]));
 
 function hoverText(data, item) {
   const {series} = item.dataset, i = item.dataIndex, place = data.equal ? digits(item.parsed.x) + ', ' : '';
@@ -82,18 +83,17 @@ function dataRange(data) {
 function lineConfig(data) {
   const range = dataRange(data);
   const x = {...data.x, from: data.x.from ?? range.from, to: data.x.to ?? range.to};
-  const together = !data.equal && sameGrid(data);
   return {
     type: 'line', data: {datasets: datasetsOf(data)},
     plugins: [background, intervals, verticalLines, zoomBox],
     options: {
-      ...common(), interaction: {mode: together ? 'index' : 'nearest', intersect: false},
+      ...common(), interaction: {mode: 'nearest', axis: data.equal ? 'xy' : 'x', intersect: false},
       onResize: chart => chart.wanted && requestAnimationFrame(() => show(chart, chart.wanted)),
       scales: {x: axisOf(x), y: axisOf(data.y, {grace: data.equal ? '6%' : '4%'})},
       plugins: {
         legend: legendOf(data.series.length > 1, item => !item.isBand, toggleSeries),
         tooltip: {
-          filter: item => !item.dataset.isBand,
+          filter: item => !item.dataset.isBand && item.dataset.series.mark !== 'thin',
           callbacks: {title: items => hoverTitle(data, items), label: item => hoverText(data, item)},
         },
       },
@@ -115,13 +115,13 @@ function barConfig(data) {
     return ` ${item.dataset.label}: ${whole(item.parsed.x)}${ends}`;
   };
   const ends = data.series.flatMap(series => [...series.values, ...series.lower, ...series.upper, 0]);
-  const low = Math.min(...ends), high = Math.max(...ends), room = 0.14 * (high - low || 1);
-  const axis = {...data.x, from: data.x.from ?? (low < 0 ? low - room : 0), to: data.x.to ?? high + room};
+  const low = Math.min(...ends), high = Math.max(...ends);
+  const reach = {suggestedMin: low < -NEGLIGIBLE * high ? low : 0, suggestedMax: high};
   return {
     type: 'bar', data: {labels: data.categories, datasets}, plugins: [background, errorBars],
     options: {
-      ...common(), indexAxis: 'y', interaction: {mode: 'nearest', axis: 'y', intersect: false},
-      scales: {x: axisOf(axis), y: {grid: {display: false, borderColor: QUIET}, ticks: {color: INK}}},
+      ...common(), indexAxis: 'y', layout: {padding: {right: VALUE_PX}}, interaction: {mode: 'nearest', axis: 'y', intersect: false},
+      scales: {x: axisOf(data.x, reach), y: {grid: {display: false, borderColor: QUIET}, ticks: {color: INK}}},
       plugins: {legend: legendOf(data.series.length > 1, () => true), tooltip: {callbacks: {label}}},
     },
   };
@@ -132,7 +132,7 @@ const barHeight = data => `${5 + data.categories.length * Math.max(2.6, 1.7 * da
 // ---- what both share
 
 const common = () => ({
-  responsive: true, maintainAspectRatio: false, animation: false, normalized: true,
+  responsive: true, maintainAspectRatio: false, animation: false,
   devicePixelRatio: Math.max(2, window.devicePixelRatio),  // sharp in print as well
 });
 
@@ -141,9 +141,11 @@ const legendOf = (display, keep, onClick) => ({
   labels: {
     color: INK, usePointStyle: true, pointStyleWidth: 26, boxHeight: 6,
     filter: (item, data) => keep(data.datasets[item.datasetIndex]),
+    sort: (a, b) => a.datasetIndex - b.datasetIndex,
     generateLabels: chart => Chart.defaults.plugins.legend.labels.generateLabels(chart).map(item => {
-      const dataset = chart.data.datasets[item.datasetIndex];
-      return {...item, pointStyle: dataset.showLine ? 'line' : dataset.pointStyle ?? 'rect', lineWidth: dataset.showLine ? 2.5 : 1};
+      const {showLine, pointStyle, borderDash, borderWidth} = chart.data.datasets[item.datasetIndex];
+      return showLine ? {...item, pointStyle: 'line', lineDash: borderDash, lineWidth: borderWidth} :
+        {...item, pointStyle: pointStyle ?? 'rect', lineWidth: 0};
     }),
   },
 });
@@ -182,19 +184,23 @@ const intervals = {
   },
 };
 
+// Labels that would cover each other stand one below the other.
 const verticalLines = {
   id: 'verticalLines',
   beforeDatasetsDraw(chart) {
-    inArea(chart, (ctx, area, pixel) => dataOf.get(chart.canvas).lines.forEach(({x, label}) => {
-      const right = pixel(x) > (area.left + area.right) / 2;
+    const rowEnds = [];
+    const lines = [...dataOf.get(chart.canvas).lines].sort((a, b) => a.x - b.x);
+    inArea(chart, (ctx, area, pixel) => lines.forEach(({x, label}) => {
       ctx.strokeStyle = ctx.fillStyle = QUIET;
       ctx.setLineDash([3, 3]);
       ctx.beginPath();
       ctx.moveTo(pixel(x), area.top);
       ctx.lineTo(pixel(x), area.bottom);
       ctx.stroke();
-      ctx.textAlign = right ? 'right' : 'left';
-      ctx.fillText(label, pixel(x) + (right ? -4 : 4), area.top + 12);
+      const width = ctx.measureText(label).width, from = Math.min(pixel(x) + 4, area.right - width - 4);
+      const free = rowEnds.findIndex(end => end < from), row = free < 0 ? rowEnds.length : free;
+      rowEnds[row] = from + width + 4;
+      ctx.fillText(label, from, area.top + 12 + 13 * row);
     }));
   },
 };
@@ -249,6 +255,12 @@ function whisker(ctx, from, to, y, half) {
 // ---- zoom
 
 const viewOf = ({scales: {x, y}}) => ({x: [x.min, x.max], y: [y.min, y.max]});
+
+// What is seen at first: with equal scales the range of the data, else what the axes were given; undefined: their choice.
+function homeOf(chart, data) {
+  const {x, y} = chart.options.scales;
+  return data.equal ? viewOf(chart) : {x: [x.min, x.max], y: [y.min, y.max]};
+}
 
 // The smallest view around `view` in which a unit is as long on both axes.
 function equalised(view, area) {
@@ -341,6 +353,38 @@ function listen(chart, home) {
   }, {passive: false});
 }
 
+// ---- print
+
+const PRINT_PX = {full: [680, 310], half: [330, 250]}, PRINT_PIXEL_RATIO = 4;
+
+// On paper a chart is a picture drawn for the paper's width, as it is seen at the moment.
+function drawForPrint(figure) {
+  const chart = Chart.getChart(figure.querySelector('canvas')), image = new Image();
+  const [width, height] = PRINT_PX[figure.classList.contains('half') ? 'half' : 'full'];
+  const ratio = chart.options.devicePixelRatio;
+  chart.options.devicePixelRatio = PRINT_PIXEL_RATIO;
+  resize(chart, width, dataOf.get(chart.canvas).kind === 'bar' ? chart.height : height);
+  image.className = 'printed';
+  image.src = chart.toBase64Image();
+  image.alt = chart.canvas.getAttribute('aria-label');
+  chart.options.devicePixelRatio = ratio;
+  const plot = figure.querySelector('.plot');
+  plot.append(image);
+  plot.classList.add('on-paper');
+}
+
+function resize(chart, ...size) {
+  chart.resize(...size);
+  if (chart.wanted) show(chart, chart.wanted);
+}
+
+addEventListener('beforeprint', () => document.querySelectorAll('figure.chart').forEach(drawForPrint));
+addEventListener('afterprint', () => {
+  document.querySelectorAll('.printed').forEach(image => image.remove());
+  document.querySelectorAll('.on-paper').forEach(plot => plot.classList.remove('on-paper'));
+  document.querySelectorAll('figure.chart canvas').forEach(canvas => resize(Chart.getChart(canvas)));
+});
+
 // ---- saving
 
 function save(name, url) {
@@ -379,6 +423,7 @@ function addTools(figure, chart, data, home) {
   }
   const tools = document.createElement('div');
   tools.className = 'tools';
+  if (home) tools.innerHTML = '<span class="hint">drag: zoom \u00b7 shift + drag: move \u00b7 double click: all</span>';
   for (const [text, title, action] of buttons) {
     const button = document.createElement('button');
     Object.assign(button, {type: 'button', textContent: text, title, onclick: action});
@@ -397,7 +442,7 @@ function draw(figure) {
   if (data.kind === 'bar') figure.querySelector('.plot').style.height = barHeight(data);
   const chart = new Chart(canvas, data.kind === 'bar' ? barConfig(data) : lineConfig(data));
   if (data.kind === 'bar') return addTools(figure, chart, data, null);
-  const home = viewOf(chart);
+  const home = homeOf(chart, data);
   show(chart, home);
   listen(chart, home);
   addTools(figure, chart, data, home);

@@ -43,6 +43,8 @@ const char* ToString(Mark mark) {
   switch (mark) {
     case Mark::kLine:
       return "line";
+    case Mark::kThin:
+      return "thin";
     case Mark::kDashed:
       return "dashed";
     case Mark::kDotted:

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "comparison_values.h"
+#include "html.h"
 #include "lake/render/gnuplot.h"
 #include "lake/report/misalignment_sections.h"
 
@@ -15,6 +17,7 @@ using namespace report;
 
 namespace {
 
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kPlacement = colour::kAnkle;
 constexpr const char* kTiming = colour::kHip;
 constexpr const char* kShape = colour::kWaist;
@@ -31,15 +34,23 @@ std::vector<std::string> PercentLabels(const std::vector<double>& percents) {
   return labels;
 }
 
-// Every 25th sample, so that the same moments are found on both paths.
-Series Moments(const Series& path) {
-  Series moments;
-  moments.name = path.name + ", every 25 %", moments.colour = path.colour, moments.mark = Mark::kPoints;
-  for (std::size_t i = 0; i < path.x.size(); i += 25) {
-    moments.x.push_back(path.x[i]), moments.y.push_back(path.y[i]);
-    moments.labels.push_back(path.labels[i]);
+// Between both knees at the same percent.
+Series Ties(const Series& human, const Series& exo) {
+  constexpr std::size_t kStep = 10;
+  Series ties{.name = fmt::format("same moment, every {} %", kStep), .colour = "#999999", .mark = Mark::kThin};
+  for (std::size_t i = 0; i < human.x.size(); i += kStep) {
+    ties.x.insert(ties.x.end(), {human.x[i], exo.x[i], kNaN}),
+        ties.y.insert(ties.y.end(), {human.y[i], exo.y[i], kNaN});
+    ties.labels.insert(ties.labels.end(), {human.labels[i], exo.labels[i], ""});
   }
-  return moments;
+  return ties;
+}
+
+Series Onset(const Series& human, const Series& exo) {
+  Series onset{.name = "onset", .colour = colour::kText, .mark = Mark::kPoints};
+  onset.x = {human.x.front(), exo.x.front()}, onset.y = {human.y.front(), exo.y.front()};
+  onset.labels = {human.labels.front(), exo.labels.front()};
+  return onset;
 }
 
 Series Level(double value, std::string name, std::string colour, Mark mark) {
@@ -92,11 +103,10 @@ LineChart KneePathsChart(const Json& comparison) {
   LineChart chart;
   chart.title = "Both knees on the sagittal plane";
   chart.alt = "Paths of the human knee and of the exoskeleton's knee during sit-to-stand, seen from the side";
-  chart.caption =
-      "Mean paths in the leg frame: origin at the seated ankle, x forward, y up. Points mark 0, 25, … 100 %.";
+  chart.caption = "Mean paths in the leg frame: origin at the seated ankle, x forward, y up.";
   chart.x.label = "anterior (mm)", chart.y.label = "up (mm)";
   chart.equal_scales = true;
-  chart.series = {human, exo, Moments(human), Moments(exo)};
+  chart.series = {human, exo, Ties(human, exo), Onset(human, exo)};
   return chart;
 }
 
@@ -131,8 +141,8 @@ BarChart DecompositionChart(const Json& comparison) {
     share.lower.push_back(100 * NumberOf(part.at("interval").at(0)));
     share.upper.push_back(100 * NumberOf(part.at("interval").at(1)));
   }
-  chart.alt = fmt::format("Placement {:.1f} %, timing {:.1f} %, shape {:.1f} %", share.values[0], share.values[1],
-                          share.values[2]);
+  chart.alt = fmt::format("Placement {} %, timing {} %, shape {} %", FormatNumber(share.values[0], 1),
+                          FormatNumber(share.values[1], 1), FormatNumber(share.values[2], 1));
   if (!share.lower.empty()) chart.caption = "Whiskers: 95 % intervals.";
   chart.series = {std::move(share)};
   return chart;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "comparison_values.h"
@@ -16,11 +17,11 @@ using namespace report;
 
 namespace {
 
-// "95 % interval 8.1 to 9.0 %", or nothing where there is none.
+// "95 %: 8.10 to 9.00 %", or nothing where there is none.
 std::string IntervalNote(const Json& parent, const char* name, double factor, const char* unit) {
   if (!parent.contains(name) || parent.at(name).is_null()) return "";
   const Json& interval = parent.at(name);
-  return fmt::format("95 % interval {} to {} {}", FormatNumber(factor * NumberOf(interval.at(0)), 2),
+  return fmt::format("95 %: {} to {} {}", FormatNumber(factor * NumberOf(interval.at(0)), 2),
                      FormatNumber(factor * NumberOf(interval.at(1)), 2), unit);
 }
 
@@ -117,6 +118,31 @@ Section KneeAxisSection(const Json& comparison) {
   return {"The knee's moving axis", {Paragraph{std::move(text)}}};
 }
 
+constexpr std::array<const char*, 3> kParts = {"placement", "timing", "shape"};
+
+// What the part is for the designer.
+std::string PartAdvice(const std::string& part, const Json& parts) {
+  if (part == "timing")
+    return fmt::format(
+        "timing: the exoskeleton runs at another pace within the rise ({:.1f} % RMS), which the stroke program and the "
+        "linkage's angle over stroke decide",
+        NumberOf(parts.at("timing_rms_percent")));
+  if (part == "shape")
+    return "shape: neither moving the joint nor another pace removes it. Soft tissue, straps that slip, a movement out "
+           "of the plane or a different movement of the leg remain";
+  const double x = NumberOf(parts.at("offset_mm").at(0)), y = NumberOf(parts.at("offset_mm").at(1));
+  return fmt::format("placement: the joint should move {:.1f} mm {} and {:.1f} mm {} the shank", std::abs(x),
+                     x > 0 ? "backward" : "forward", std::abs(y), y > 0 ? "down" : "up");
+}
+
+// Whether its interval lies above those of the other parts; without intervals nothing is known against it.
+bool IsLargestForSure(const std::string& part, const Json& parts) {
+  const Json& interval = parts.at(part).at("interval");
+  return interval.is_null() || std::all_of(kParts.begin(), kParts.end(), [&](const char* other) {
+           return other == part || NumberOf(parts.at(other).at("interval").at(1)) < NumberOf(interval.at(0));
+         });
+}
+
 Section MethodSection() {
   return {
       "Method",
@@ -162,24 +188,14 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
 
 std::string DecompositionAdvice(const Json& comparison) {
   const Json& parts = comparison.at("decomposition");
-  const auto fraction = [&](const char* name) { return NumberOf(parts.at(name).at("fraction")); };
-  const double placement = fraction("placement"), timing = fraction("timing"), shape = fraction("shape");
-  if (std::isnan(placement)) return "Both paths are one; there is nothing to divide.";
-  if (placement >= timing && placement >= shape) {
-    const double x = NumberOf(parts.at("offset_mm").at(0)), y = NumberOf(parts.at("offset_mm").at(1));
-    return fmt::format(
-        "Most of it, {:.0f} %, is placement: the joint should move {:.1f} mm {} and {:.1f} mm {} the shank.",
-        100 * placement, std::abs(x), x > 0 ? "backward" : "forward", std::abs(y), y > 0 ? "down" : "up");
-  }
-  if (timing >= shape)
-    return fmt::format(
-        "Most of it, {:.0f} %, is timing: the exoskeleton runs at another pace within the rise ({:.1f} % RMS), which "
-        "the stroke program and the linkage's angle over stroke decide.",
-        100 * timing, NumberOf(parts.at("timing_rms_percent")));
-  return fmt::format(
-      "Most of it, {:.0f} %, is shape: neither moving the joint nor another pace removes it. Soft tissue, straps that "
-      "slip, a movement out of the plane or a different movement of the leg remain.",
-      100 * shape);
+  const auto fraction = [&](const std::string& name) { return NumberOf(parts.at(name).at("fraction")); };
+  if (std::isnan(fraction("placement"))) return "Both paths are one; there is nothing to divide.";
+  const std::string largest = *std::max_element(
+      kParts.begin(), kParts.end(), [&](const char* a, const char* b) { return fraction(a) < fraction(b); });
+  return fmt::format("Most of it, {:.0f} %, is {}.{}", 100 * fraction(largest), PartAdvice(largest, parts),
+                     IsLargestForSure(largest, parts) ? ""
+                                                      : " But the intervals of the parts overlap: another part may be "
+                                                        "the largest, which more repetitions would show.");
 }
 
 std::vector<Section> MisalignmentSections(const Json& comparison) {

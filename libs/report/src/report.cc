@@ -29,7 +29,7 @@ std::string CellHtml(const Cell& cell, const Column& column, bool first) {
   const auto* number = std::get_if<double>(&cell);
   const std::string text = number ? FormatNumber(*number, column.decimals) : EscapeHtml(std::get<std::string>(cell));
   if (first) return fmt::format("<th scope=\"row\">{}</th>", text);
-  return fmt::format("<td{}>{}</td>", number ? " class=\"number\"" : "", text);
+  return fmt::format("<td{}>{}</td>", number ? " class=\"number\"" : column.code ? " class=\"code\"" : "", text);
 }
 
 // A column is set as numbers if its first cell is one.
@@ -113,7 +113,7 @@ std::string Html(const BarChart& chart) {
 std::string Html(const Files& files) {
   std::string html = "<ul class=\"files\">\n";
   for (const Files::File& file : files.files)
-    html += fmt::format("<li><a href=\"{}\">{}</a> {}</li>\n", EscapeHref(file.path), EscapeHtml(file.path.string()),
+    html += fmt::format("<li><a href=\"{}\">{}</a>: {}</li>\n", EscapeHref(file.path), EscapeHtml(file.path.string()),
                         EscapeHtml(file.what));
   return html + "</ul>\n";
 }
