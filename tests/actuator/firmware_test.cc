@@ -362,13 +362,13 @@ TEST_F(FirmwareTest, ToleratesGarbageOnTheSerialLine) {
   EXPECT_TRUE(rig_->HasEnded());
 }
 
-TEST_F(FirmwareTest, FromNinetyDegreesToStandingAtThePapersSpeed) {
+TEST_F(FirmwareTest, FromSixtyDegreesToStandingAtThePapersSpeed) {
   Design design;
   design.links = kPublishedLinks;
   design.program.emplace().speed_mm_s = 5;
-  ScheduleOptions from_ninety;
-  from_ninety.from_deg = 90;
-  Build(design, "-DLAKE_SIMULATOR", from_ninety);
+  ScheduleOptions from_sixty;
+  from_sixty.from_deg = 60;
+  Build(design, "-DLAKE_SIMULATOR", from_sixty);
   Start();
   EXPECT_TRUE(rig_->RunUntil("# done", schedule_.Duration() + 1)) << rig_->Serial();
   rig_->Run(0.1);

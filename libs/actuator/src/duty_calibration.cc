@@ -26,14 +26,12 @@ std::span<const double> Part(const std::vector<double>& values, std::size_t firs
   return std::span(values).subspan(first, last - first);
 }
 
-// Whether the stroke goes on at one speed; tells the larger of the halves' standard errors.
-bool IsSteady(const DutyLog& log, std::size_t first, std::size_t last, const CalibrateOptions& options, double& error) {
+// Whether the stroke goes on at one speed: its halves have the same, within noise and within what is asked for.
+bool IsSteady(const DutyLog& log, std::size_t first, std::size_t last, const CalibrateOptions& options) {
   const std::size_t middle = first + (last - first) / 2;
   const RobustSlope a = FitRobustSlope(Part(log.time_s, first, middle), Part(log.stroke_mm, first, middle));
   const RobustSlope b = FitRobustSlope(Part(log.time_s, middle, last), Part(log.stroke_mm, middle, last));
-  const double difference = std::abs(a.slope - b.slope);
-  error = std::max(error, 0.5 * difference / std::sqrt(2.0));
-  const double speed = std::max(std::abs(a.slope), std::abs(b.slope));
+  const double difference = std::abs(a.slope - b.slope), speed = std::max(std::abs(a.slope), std::abs(b.slope));
   return !(difference > std::max(options.steady_fraction * speed, options.still_mm_s) &&
            difference > 5 * std::hypot(a.standard_error, b.standard_error));
 }
@@ -52,7 +50,7 @@ Plateau MeasurePlateau(const DutyLog& log, std::size_t first, std::size_t last, 
   const RobustSlope fit = FitRobustSlope(Part(log.time_s, first, last), Part(log.stroke_mm, first, last));
   plateau.speed_mm_s = fit.slope;
   plateau.standard_error_mm_s = fit.standard_error;
-  plateau.used = IsSteady(log, first, last, options, plateau.standard_error_mm_s);
+  plateau.used = IsSteady(log, first, last, options);
   if (!plateau.used)
     warnings.push_back(
         fmt::format("{}: the plateau of duty {:.4g} at {:.3f}..{:.3f} s is not steady (an end of travel? a changing "

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "lake/actuator/robust_slope.h"
 #include "lake/core/angles.h"
@@ -31,13 +32,11 @@ void CheckSamples(const std::vector<AngleSample>& samples) {
     throw Fail("the tracked knee angle changes by {:.3g}° only, which cannot be aligned with a program", high - low);
 }
 
-double RmsAt(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, double shift_s) {
-  double sum = 0;
-  for (const AngleSample& sample : samples) {
-    const double error = sample.knee_deg - KneeDegAt(schedule.links, schedule.StrokeAt(sample.time_s - shift_s));
-    sum += error * error;
-  }
-  return std::sqrt(sum / static_cast<double>(samples.size()));
+std::vector<double> ErrorsAt(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, double shift_s) {
+  std::vector<double> errors;
+  for (const AngleSample& sample : samples)
+    errors.push_back(sample.knee_deg - KneeDegAt(schedule.links, schedule.StrokeAt(sample.time_s - shift_s)));
+  return errors;
 }
 
 // Evenly thinned, for the coarse search.
@@ -66,7 +65,9 @@ double GoldenSection(double low, double high, const auto& cost) {
   return 0.5 * (low + high);
 }
 
-double BestShift(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples) {
+// The shift with the least of `size` of the errors.
+double BestShift(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples,
+                 double (*size)(std::span<const double>)) {
   const double low = samples.front().time_s - schedule.Duration(), high = samples.back().time_s;
   constexpr int kSteps = 1000;
   const double step = (high - low) / kSteps;
@@ -74,9 +75,19 @@ double BestShift(const StrokeSchedule& schedule, const std::vector<AngleSample>&
   double best = low, least = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= kSteps; ++i) {
     ThrowIfInterrupted();
-    if (const double rms = RmsAt(schedule, few, low + i * step); rms < least) least = rms, best = low + i * step;
+    const double shift = low + i * step;
+    if (const double error = size(ErrorsAt(schedule, few, shift)); error < least) least = error, best = shift;
   }
-  return GoldenSection(best - step, best + step, [&](double shift) { return RmsAt(schedule, samples, shift); });
+  return GoldenSection(best - step, best + step,
+                       [&](double shift) { return size(ErrorsAt(schedule, samples, shift)); });
+}
+
+// The best shift when the measured angle may have a constant offset.
+void FitOffset(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, Validation& v) {
+  const double shift = BestShift(schedule, samples, StandardDeviation);
+  const std::vector<double> errors = ErrorsAt(schedule, samples, shift);
+  v.offset_deg = Mean(errors);
+  v.rms_with_offset_deg = StandardDeviation(errors);
 }
 
 void Summarise(Validation& v) {
@@ -87,9 +98,6 @@ void Summarise(Validation& v) {
     if (std::abs(sample.Error()) > v.max_deg) v.max_deg = std::abs(sample.Error()), v.max_time_s = sample.time_s;
   }
   v.rms_deg = RootMeanSquare(errors);
-  v.mean_deg = Mean(errors);
-  for (double& error : errors) error -= v.mean_deg;
-  v.rms_without_mean_deg = RootMeanSquare(errors);
 }
 
 // Strokes that the measured angles stand for, over time; the ends are left out, where noise leaves the range.
@@ -113,7 +121,7 @@ void MeasureSpeed(const StrokeSchedule& schedule, Validation& v) {
 Validation ValidatePrototype(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples) {
   CheckSamples(samples);
   Validation v;
-  v.shift_s = BestShift(schedule, samples);
+  v.shift_s = BestShift(schedule, samples, RootMeanSquare);
   for (const AngleSample& sample : samples) {
     const double program_time = sample.time_s - v.shift_s;
     const double stroke = schedule.StrokeAt(program_time);
@@ -127,6 +135,7 @@ Validation ValidatePrototype(const StrokeSchedule& schedule, const std::vector<A
     throw Fail("where the video fits best it shows {:.0f} % of the program of {:.3g} s; is the speed right?",
                100 * v.covered, schedule.Duration());
   Summarise(v);
+  FitOffset(schedule, samples, v);
   MeasureSpeed(schedule, v);
   return v;
 }

@@ -126,7 +126,7 @@ Json FirmwareJson(const StrokeTable& stroke) {
 Json ValidationJson(const Validation& v) {
   return {{"shift_s", v.shift_s},       {"rms_deg", v.rms_deg},
           {"max_deg", v.max_deg},       {"max_time_s", v.max_time_s},
-          {"mean_deg", v.mean_deg},     {"rms_without_mean_deg", v.rms_without_mean_deg},
+          {"offset_deg", v.offset_deg}, {"rms_with_offset_deg", v.rms_with_offset_deg},
           {"speed_mm_s", v.speed_mm_s}, {"speed_se_mm_s", v.speed_se_mm_s},
           {"program_seen", v.covered}};
 }
@@ -143,11 +143,16 @@ Validation Validate(const StrokeSchedule& schedule, const fs::path& folder, Run&
   }
 }
 
-void WarnOfValidation(const Validation& v, Run& run) {
+void WarnOfValidation(const Validation& v, const StrokeSchedule& schedule, Run& run) {
   if (v.covered < 0.95) run.Warn(fmt::format("the video shows {:.0f} % of the program", 100 * v.covered));
-  if (std::abs(v.mean_deg) > 1 && v.rms_without_mean_deg < 0.5 * v.rms_deg)
-    run.Warn(
-        fmt::format("most of the difference is a constant {:+.2f}°: a marker or a link off its place", v.mean_deg));
+  if (std::abs(v.offset_deg) > 1 && v.rms_with_offset_deg < 0.5 * v.rms_deg)
+    run.Warn(fmt::format("a constant {:+.2f}° explains most of the difference: a marker or a link off its place?",
+                         v.offset_deg));
+  if (std::isnan(v.speed_mm_s)) return;
+  const double planned = (schedule.knots[1].stroke_mm - schedule.knots[0].stroke_mm) / schedule.Duration();
+  if (std::abs(v.speed_mm_s - planned) > std::max(0.01 * std::abs(planned), 3 * v.speed_se_mm_s))
+    run.Warn(fmt::format("the prototype moved at {:.3f} ± {:.3f} mm/s, not at {:.3f}", v.speed_mm_s, v.speed_se_mm_s,
+                         planned));
 }
 
 }  // namespace
@@ -170,16 +175,18 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
     header = StrokeTableHeader(
         *stroke, schedule, *table, design.d_min_mm, firmware,
         MadeBy(fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string())));
-  } else if (!options.validate) {
-    run.Warn(
-        "no duty table: the duty is left empty and no firmware is written; measure one (lake-stroke calibrate) and "
-        "give it with --duty-table");
   }
   const std::vector<ScheduleRow> rows = SampleSchedule(schedule, options.rate_hz, table ? &*table : nullptr);
   std::optional<Validation> validation;
   if (options.validate) validation = Validate(schedule, *options.validate, run);
 
-  if (table) WarnOfSlowMotion(rows, *table, run);
+  if (table)
+    WarnOfSlowMotion(rows, *table, run);
+  else if (!validation)
+    run.Warn(
+        "no duty table: the duty is left empty and no firmware is written; measure one (lake-stroke calibrate) and "
+        "give "
+        "it with --duty-table");
   WriteScheduleCsv(run.Result("program.csv"), rows);
   const std::string name = options.design.filename().string();
   DrawStrokeProgram(run.Result("program.png"), schedule, rows, "Stroke program of " + name);
@@ -190,7 +197,7 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
     summary["firmware"] = FirmwareJson(*stroke);
   }
   if (validation) {
-    WarnOfValidation(*validation, run);
+    WarnOfValidation(*validation, schedule, run);
     WriteValidationCsv(run.Result("validation.csv"), *validation);
     DrawValidation(run.Result("validation.png"), schedule, *validation,
                    fmt::format("Prototype {} against {}", options.validate->filename().string(), name));
@@ -216,8 +223,8 @@ std::string StrokeReport(const Json& summary) {
                         number(firmware["pwm_error_mm"]));
   if (summary.contains("validation")) {
     const Json& v = summary["validation"];
-    text += fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, mean {:+.3f}°, program begins at {:.3f} s",
-                        number(v["rms_deg"]), number(v["max_deg"]), number(v["mean_deg"]), number(v["shift_s"]));
+    text += fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, program begins at {:.3f} s", number(v["rms_deg"]),
+                        number(v["max_deg"]), number(v["shift_s"]));
     if (v["speed_mm_s"].is_number() && !std::isnan(number(v["speed_mm_s"])))
       text += fmt::format(", its own speed {:.3f} ± {:.3f} mm/s", number(v["speed_mm_s"]), number(v["speed_se_mm_s"]));
     text += "\n";

@@ -25,18 +25,19 @@ struct ValidatedSample {
 
 struct Validation {
   std::vector<ValidatedSample> samples;
-  double shift_s = 0;                             // the program's start in the video's time
-  double rms_deg = 0, max_deg = 0, mean_deg = 0;  // over the moving samples; mean = a constant offset
-  double rms_without_mean_deg = 0;
-  double max_time_s = 0;                     // where the largest error is
+  double shift_s = 0;               // the program's start in the video's time
+  double rms_deg = 0, max_deg = 0;  // over the moving samples
+  double max_time_s = 0;            // where the largest error is
+  double offset_deg = 0;  // a constant that the measured angle may have (a marker or a link off its place), …
+  double rms_with_offset_deg = 0;  // … fitted together with a shift of its own: what then is left, over all samples
   double speed_mm_s = 0, speed_se_mm_s = 0;  // constant programs: the prototype's own, from d(measured angle); else NaN
   double covered = 0;                        // fraction of the program's duration that the video shows
 };
 
 // The shift minimises the RMS of theta(d(t - shift)) against all samples, before the start and after the end at rest;
-// it is sought over all overlaps, then refined by golden sections to a microsecond. Throws Error for fewer than 10
-// samples, times that do not ascend, an angle that does not change, or a video that shows less than a quarter of the
-// program.
+// it is sought over all overlaps, then refined by golden sections to a microsecond. Where the angle changes evenly a
+// shift hides an offset; only a video that shows a rest tells them apart. Throws Error for fewer than 10 samples, times
+// that do not ascend, an angle that does not change, or a video that shows less than a quarter of the program.
 Validation ValidatePrototype(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples);
 
 void WriteValidationCsv(const std::filesystem::path& path, const Validation& validation);
