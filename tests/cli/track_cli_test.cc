@@ -177,7 +177,7 @@ TEST_P(Programs, AnswerHelpVersionAndUnknownOptions) {
 
 INSTANTIATE_TEST_SUITE_P(All, Programs,
                          testing::Values("lake", "lake-track", "lake-gait", "lake-convert", "lake-info",
-                                         "lake-simulate", "lake-calibrate", "lake-optimize", "lake-synth"),
+                                         "lake-simulate", "lake-calibrate", "lake-optimize", "lake-synth", "lake-run"),
                          [](const auto& info) {
                            std::string name = info.param;
                            std::replace(name.begin(), name.end(), '-', '_');
