@@ -1,12 +1,13 @@
-// Finds the links that give the largest range of rotation, proves it, and says what it is worth.
+// Finds the links that give the largest range of rotation, proves it, and says what it is worth; with a human's motion,
+// those whose knee also goes along with it.
+#include <algorithm>
 #include <optional>
 #include <string>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/render/synthesis_figures.h"
+#include "lake/pipeline/optimize.h"
 #include "lake/synthesis/problem_file.h"
-#include "lake/synthesis/study.h"
 #include "program.h"
 
 namespace {
@@ -20,7 +21,12 @@ struct Options {
   std::optional<double> grashof_margin, singularity_margin, max_force, knee_torque, min_moment_arm, min_transmission,
       max_angle, max_length, yield, round;
   double certify = lake::CertificateOptions{}.gap_deg;
+  lake::ReoptimizeRunOptions reoptimize;
+  std::string comparison, human, worn, map, up, program = "constant";
 };
+
+// Options that say something only about a human's motion.
+constexpr const char* kReoptimizeOptions = "Re-optimisation";
 
 void AddOptions(CLI::App& cli, Options& options) {
   cli.add_option("--problem", options.problem, "Problem file (default: the paper's problem)");
@@ -38,8 +44,34 @@ void AddOptions(CLI::App& cli, Options& options) {
   cli.add_option("--max-length", options.max_length, "Longest stroke of the actuator; the knee must stand by then, mm");
   cli.add_option("--certify", options.certify, "Prove an upper bound on the range to within this gap, deg")
       ->expected(0, 1);
-  cli.add_option("--yield", options.yield, "Fraction of builds that work when every link is off by up to this, mm");
+  cli.add_option("--yield", options.yield, "Evaluate the fraction of builds that work when every link is off by up to this, mm; no constraint");
   cli.add_option("--round", options.round, "Also give the best design with links that are multiples of this, mm");
+}
+
+void AddReoptimizeOptions(CLI::App& cli, Options& options) {
+  lake::ReoptimizeRunOptions& reoptimize = options.reoptimize;
+  CLI::App* group = cli.add_option_group(kReoptimizeOptions, "With --comparison or --human:");
+  group->option_defaults()->always_capture_default();
+  group->add_option("--comparison", options.comparison, "Folder that lake-compare wrote: human and exoskeleton trial");
+  group->add_option("--human", options.human, "A human trial alone, as lake-compare reads it");
+  group->add_option("--human-knee", reoptimize.human_knee, "The knee marker of --human");
+  group->add_option("--map", options.map, "ankle=NAME,knee=NAME,hip=NAME,waist=NAME: the markers of a --human file");
+  group->add_option("--up", options.up, "x, y or z: vertical axis of a 3-D --human file");
+  group->add_option("--forward", reoptimize.human_reading.forward, "+x, -x, …: where the subject of a file faces");
+  group->add_option("--worn", options.worn, "design.yaml worn in the exoskeleton trial of --comparison");
+  group->add_option("--max-misalignment", reoptimize.max_misalignment_percent,
+                    "Greatest misalignment, RMS in percent of the shank");
+  group->add_option("--penalty", reoptimize.penalty_deg_per_mm, "Range given up for less misalignment, deg per mm RMS");
+  group->add_option("--program", options.program, "Stroke program: constant (one speed) or free")
+      ->check(CLI::IsMember({"constant", "free"}));
+  group->add_option("--max-speed", reoptimize.program.max_speed_mm_s, "Speed of the actuator, mm/s");
+  group->add_option("--duration", reoptimize.program.duration_s, "Longest time of a sit-to-stand, s (default: no limit)");
+  group->add_flag("--monotone", reoptimize.program.monotone, "A free program may not turn back");
+  group->add_option("--knots", reoptimize.program.knots, "Knots of a free program");
+  group->add_flag("--fit-placement", reoptimize.fit_placement, "Move the exoskeleton's joint on the shank too");
+  group->add_option("--placement-reach", reoptimize.placement_reach_mm, "How far it may be moved, mm to either side");
+  group->add_option("--pareto", reoptimize.pareto_points,
+                    "Range against misalignment in this many points, for a constant and a short free program");
 }
 
 template <typename Field>
@@ -47,9 +79,7 @@ void Override(Field& field, const std::optional<double>& option) {
   if (option) field = *option;
 }
 
-lake::SynthesisProblem ProblemOf(const Options& options) {
-  lake::SynthesisProblem problem;
-  if (!options.problem.empty()) problem = lake::ReadProblem(std::filesystem::path(options.problem));
+void OverrideAll(const Options& options, lake::SynthesisProblem& problem) {
   Override(problem.grashof_margin_mm, options.grashof_margin);
   Override(problem.singularity_margin_mm, options.singularity_margin);
   Override(problem.max_force_n, options.max_force);
@@ -58,35 +88,69 @@ lake::SynthesisProblem ProblemOf(const Options& options) {
   Override(problem.min_transmission_deg, options.min_transmission);
   Override(problem.max_angle_deg, options.max_angle);
   Override(problem.d_max_mm, options.max_length);
-  if (!options.start.empty()) {
-    const std::vector<double> links = lake::ParseNumbers(options.start, 6, "--start");
-    problem.start = lake::Links::FromValues({links[0], links[1], links[2], links[3], links[4], links[5]});
+  if (options.start.empty()) return;
+  const std::vector<double> links = lake::ParseNumbers(options.start, 6, "--start");
+  problem.start = lake::Links::FromValues({links[0], links[1], links[2], links[3], links[4], links[5]});
+}
+
+lake::SynthesisProblem ProblemOf(const Options& options) {
+  lake::SynthesisProblem problem;
+  if (!options.problem.empty()) problem = lake::ReadProblem(std::filesystem::path(options.problem));
+  OverrideAll(options, problem);
+  try {
+    problem.Check();
+  } catch (const lake::Error& error) {  // the file itself was checked when it was read
+    throw lake::UsageError(fmt::format("the options contradict the problem: {}", error.what()));
   }
-  problem.Check();
   return problem;
 }
 
-Json Optimize(const Options& options, bool certify, lake::Run& run) {
-  const lake::SynthesisProblem problem = ProblemOf(options);
-  if (!options.problem.empty()) run.AddInput(options.problem);
-  lake::StudyOptions study_options;
-  study_options.optimize.starts = options.starts;
-  study_options.optimize.seed = options.seed;
-  study_options.optimize.quiet = study_options.quiet = run.Quiet();
-  if (certify) study_options.certify_gap_deg = options.certify;
-  study_options.yield_tolerance_mm = options.yield;
-  study_options.round_mm = options.round;
+lake::ReoptimizeRunOptions ReoptimizeOf(const Options& options) {
+  lake::ReoptimizeRunOptions reoptimize = options.reoptimize;
+  reoptimize.comparison = options.comparison, reoptimize.human = options.human, reoptimize.worn = options.worn;
+  reoptimize.human_reading.names = lake::ParseNameMap(options.map);
+  if (options.up.size() > 1) throw lake::UsageError(fmt::format("--up '{}': x, y or z", options.up));
+  if (!options.up.empty()) reoptimize.human_reading.up = options.up[0];
+  reoptimize.program.kind =
+      options.program == "free" ? lake::StrokeProgram::Kind::kFree : lake::StrokeProgram::Kind::kConstant;
+  return reoptimize;
+}
 
-  const lake::Study study = lake::RunStudy(problem, study_options);
-  Json summary = lake::WriteStudy(study, run);
-  DrawConvergence(study, run.Result("convergence.png"));
-  if (!study.IsSolved()) {
-    run.WriteSummary(summary);
-    throw lake::SolverError(study.infeasible->sentence);
-  }
-  DrawSensitivity(study, run.Result("sensitivity.png"));
-  DrawMargins(study, run.Result("margin.png"));
-  return summary;
+// Is an option of the re-optimisation given?
+bool IsReoptimisation(const CLI::App& cli) {
+  const auto options = cli.get_option_group(kReoptimizeOptions)->get_options();
+  return std::any_of(options.begin(), options.end(), [](const CLI::Option* option) { return option->count() > 0; });
+}
+
+Json Optimize(const Options& options, const CLI::App& cli, lake::Run& run) {
+  lake::OptimizeRunOptions work;
+  work.problem = ProblemOf(options);
+  work.problem_file = options.problem;
+  work.study.optimize.starts = options.starts;
+  work.study.optimize.seed = options.seed;
+  work.study.optimize.quiet = work.study.quiet = run.Quiet();
+  if (cli.get_option("--certify")->count() > 0) work.study.certify_gap_deg = options.certify;
+  work.study.yield_tolerance_mm = options.yield;
+  work.study.round_mm = options.round;
+  if (IsReoptimisation(cli)) work.reoptimize = ReoptimizeOf(options);
+  return lake::RunOptimize(work, run);
+}
+
+// Before and after, where there is a motion.
+std::string ReportMotion(const Json& summary) {
+  if (!summary.contains("before")) return "";
+  const auto line = [&](const char* name, const char* key, const char* unit) {
+    const auto cell = [&](const char* when) {
+      const Json& value = summary[when][key];
+      return value.is_number() ? fmt::format("{:10.4g}", value.get<double>()) : fmt::format("{:>10}", "-");
+    };
+    return fmt::format("  {:<22}{} ->{} {}\n", name, cell("before"), cell("after"), unit);
+  };
+  return line("range", "range_deg", "deg") + line("misalignment", "misalignment_percent", "% of the shank, RMS") +
+         line("", "misalignment_rms_mm", "mm RMS") + line("  placement", "part_placement", "of it") +
+         line("  timing", "part_timing", "of it") + line("  shape", "part_shape", "of it") +
+         line("placement", "placement_x_mm", "mm anterior") + line("", "placement_y_mm", "mm up the shank") +
+         line("program", "program_duration_s", "s") + line("exact tracking takes", "exact_tracking_time_s", "s");
 }
 
 std::string Report(const Json& summary) {
@@ -94,6 +158,7 @@ std::string Report(const Json& summary) {
   if (const Json& bound = summary["certified_upper_bound_deg"]; bound.is_number())
     text += fmt::format(", proved to be at most {:.4f} deg for any design", bound.get<double>());
   text += "\n";
+  text += ReportMotion(summary);
   for (const auto& [name, length] : summary["links"].items())
     text += fmt::format("  {} {:9.4f} mm\n", name, length.get<double>());
   for (const Json& limit : summary["active"]) {
@@ -109,12 +174,15 @@ std::string Report(const Json& summary) {
 
 int main(int argc, char** argv) {
   lake::Program program(
-      "lake-optimize", "The links that give the largest range of rotation.",
-      "lake-optimize --starts 20 --grashof-margin 2 --singularity-margin 2 --certify -o lake-out/design");
+      "lake-optimize",
+      "The links that give the largest range of rotation; with a human's motion, the exoskeleton that goes along.",
+      "lake-optimize --starts 20 --grashof-margin 2 --singularity-margin 2 --certify -o lake-out/design\n"
+      "  lake-optimize --comparison lake-out/comparison --worn worn.yaml --max-misalignment 3 --program free "
+      "--duration 25 --fit-placement --pareto 12");
   Options options;
   AddOptions(program.Cli(), options);
-  const CLI::Option* certify = program.Cli().get_option("--certify");
+  AddReoptimizeOptions(program.Cli(), options);
   return program.Main(
       argc, argv, [&] { return std::string("optimize"); },
-      [&](lake::Run& run) { return Optimize(options, certify->count() > 0, run); }, Report);
+      [&](lake::Run& run) { return Optimize(options, program.Cli(), run); }, Report);
 }

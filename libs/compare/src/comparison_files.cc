@@ -1,7 +1,9 @@
+#include <cmath>
 #include <filesystem>
 
-#include "lake/compare/misalignment.h"
+#include "lake/compare/comparison_file.h"
 #include "lake/core/csv.h"
+#include "lake/core/error.h"
 #include "lake/core/statistics.h"
 
 namespace lake {
@@ -100,7 +102,88 @@ Json KneeAxisJson(const Misalignment& m) {
           {"pivot_in_tibia_mm", {pivot.in_tibia_mm.x(), pivot.in_tibia_mm.y()}}};
 }
 
+// Reads the curves of one comparison.json; every error names the file.
+class ComparisonReader {
+ public:
+  explicit ComparisonReader(const std::filesystem::path& file) : file_(file.string()), json_(ReadJsonFile(file)) {}
+
+  ComparedCurves Read() {
+    CheckFormat();
+    const std::vector<double> percent = Curve("percent");
+    for (std::size_t i = 0; i < percent.size(); ++i)
+      if (percent[i] != static_cast<double>(i)) throw Fail("{}: curves.percent does not run from 0 to 100", file_);
+    ComparedCurves curves{Leg("human"), Leg("exo")};
+    CheckShank(curves.human);
+    return curves;
+  }
+
+ private:
+  void CheckFormat() const {
+    if (!json_.is_object() || !json_.contains("metrics"))
+      throw Fail("{}: not a comparison: lake-compare writes such a file", file_);
+    const Json format = json_.value("format", Json());
+    const int number = format.is_number_integer() ? format.get<int>() : 0;
+    if (number < kFormat)
+      throw Fail("{}: made by an older version of lake-compare (format {}, needed {}): run lake-compare again", file_,
+                 format.is_null() ? "none" : format.dump(), kFormat);
+    if (number > kFormat)
+      throw Fail("{}: made by a newer version of lake-compare (format {}, known {}): use that version here too", file_,
+                 number, kFormat);
+  }
+
+  std::vector<double> Curve(const std::string& name) const {
+    if (!json_.contains("curves") || !json_["curves"].is_object() || !json_["curves"].contains(name))
+      throw Fail("{}: the curve '{}' is missing: run lake-compare again", file_, name);
+    const Json& curve = json_["curves"][name];
+    if (!curve.is_array() || curve.size() != kPercentSamples)
+      throw Fail("{}: curves.{} must be a list of {} numbers", file_, name, kPercentSamples);
+    std::vector<double> values;
+    for (const Json& value : curve) {
+      if (!value.is_number() || !std::isfinite(value.get<double>()))
+        throw Fail("{}: curves.{}[{}] = {} is not a number", file_, name, values.size(), value.dump());
+      values.push_back(value.get<double>());
+    }
+    return values;
+  }
+
+  std::vector<Vector2d> Path(const std::string& name) const {
+    const std::vector<double> x = Curve(name + "_x_mm"), y = Curve(name + "_y_mm");
+    std::vector<Vector2d> path;
+    for (std::size_t i = 0; i < x.size(); ++i) path.emplace_back(x[i], y[i]);
+    return path;
+  }
+
+  StsCurve Leg(const std::string& who) const {
+    StsCurve curve;
+    curve.ankle = Path(who + "_ankle"), curve.knee = Path(who + "_knee"), curve.hip = Path(who + "_hip");
+    curve.knee_deg = Curve(who + "_knee_deg"), curve.knee_sigma_mm = Curve(who + "_knee_sigma_mm");
+    const Json duration = json_.value(Json::json_pointer("/duration_s/" + who), Json());
+    if (!duration.is_number()) throw Fail("{}: duration_s.{} is missing: run lake-compare again", file_, who);
+    curve.duration_s = duration.get<double>();
+    return curve;
+  }
+
+  void CheckShank(const StsCurve& human) const {
+    constexpr double kRounding = 1e-6;
+    const std::vector<double> written = Curve("shank_mm"), found = ShankLengths(human);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      if (!(found[i] > 0 && std::abs(found[i] - written[i]) <= kRounding * found[i]))
+        throw Fail("{}: curves.shank_mm[{}] = {} contradicts the ankle and the knee, {} mm apart", file_, i, written[i],
+                   found[i]);
+  }
+
+  const std::string file_;
+  const Json json_;
+};
+
 }  // namespace
+
+ComparedCurves ReadComparison(const std::filesystem::path& path) {
+  const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "comparison.json" : path;
+  if (!std::filesystem::is_regular_file(file))
+    throw Fail("{}: not there; a comparison is the folder that lake-compare wrote", file.string());
+  return ComparisonReader(file).Read();
+}
 
 Json ComparisonJson(const Misalignment& m) {
   Json json = {{"format", kFormat}};

@@ -111,9 +111,9 @@ void DrawMargins(const Study& study, const std::filesystem::path& path) {
   figure.Line(plot).Write(path);
 }
 
-void DrawConvergence(const Study& study, const std::filesystem::path& path) {
+void DrawConvergence(const LocalSolve& solve, const std::string& objective, const std::filesystem::path& path) {
   std::vector<double> number, range, violation, dual;
-  for (const NlpIteration& step : study.result.starts[std::max(0, study.result.best)].history) {
+  for (const NlpIteration& step : solve.history) {
     number.push_back(static_cast<double>(number.size()));
     range.push_back(-step.cost);
     violation.push_back(std::max(kFloor, step.violation));
@@ -124,7 +124,7 @@ void DrawConvergence(const Study& study, const std::filesystem::path& path) {
   figure.Line("set multiplot layout 2,1 margins 0.1,0.97,0.1,0.93 spacing 0.1,0.09");
   figure.Line("set grid lc rgb '#E8E8E8'")
       .Line("set title 'Convergence from the start that gave the optimum' font ',15'");
-  figure.Line("set ylabel 'range of rotation, deg'").Line("set format x ''");
+  figure.Line(fmt::format("set ylabel {}", QuoteForGnuplot(objective))).Line("set format x ''");
   figure.Line(
       fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.8 lc rgb '{}' notitle", data, colour::kAnkle));
   figure.Line("unset title").Line("set format x '%g'").Line("set xlabel 'iteration'");

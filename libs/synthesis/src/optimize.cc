@@ -39,7 +39,7 @@ class ActiveGradients {
     if (columns_.size() > x_.size()) return 0;
     Eigen::MatrixXd matrix(x_.size(), columns_.size());
     for (std::size_t i = 0; i < columns_.size(); ++i) matrix.col(i) = columns_[i].normalized();
-    return Eigen::JacobiSVD<Eigen::MatrixXd>(matrix).singularValues().tail(1)[0];
+    return Eigen::BDCSVD<Eigen::MatrixXd>(matrix).singularValues().tail(1)[0];
   }
 
  private:
@@ -72,13 +72,14 @@ std::vector<int> Basins(const std::vector<LocalSolve>& starts) {
 }  // namespace
 
 void OptimizeOptions::Check() const {
-  if (starts < 1 || starts > 100000) throw Fail("the number of starts must lie between 1 and 100000, not {}", starts);
+  if (starts < 1 || starts > 100000) throw UsageError(fmt::format("--starts {}: 1 to 100000", starts));
   if (max_exchanges < 1) throw Fail("at least one exchange is needed, not {}", max_exchanges);
   if (!(family_tolerance > 0)) throw Fail("family_tolerance must be above 0, not {}", family_tolerance);
   nlp.Check();
 }
 
-LocalSolve SolveFrom(const SynthesisProblem& problem, const Links& start, const OptimizeOptions& options) {
+LocalSolve SolveFrom(const SynthesisProblem& problem, const Links& start, const OptimizeOptions& options,
+                     const ProgramExtension& extension) {
   const auto begin = Clock::now();
   LocalSolve result;
   result.start = start;
@@ -86,8 +87,11 @@ LocalSolve SolveFrom(const SynthesisProblem& problem, const Links& start, const 
   NlpOptions nlp = options.nlp;
   Links from = start;
   while (true) {
+    SynthesisProgram program =
+        BuildProgram(problem, from, result.fractions, Elasticity::kNone, extension.range_weight);
+    if (extension.extend) extension.extend(program, result.exchanges > 0 ? &result.solution : nullptr);
     ++result.exchanges;
-    result.program = BuildProgram(problem, from, result.fractions);
+    result.program = std::move(program);
     result.solution = SolveNlp(result.program.program, nlp);
     result.iterations += static_cast<int>(result.solution.iterations.size());
     result.history.insert(result.history.end(), result.solution.iterations.begin(), result.solution.iterations.end());
@@ -103,49 +107,81 @@ LocalSolve SolveFrom(const SynthesisProblem& problem, const Links& start, const 
   return result;
 }
 
-ActiveSet FindActiveSet(const LocalSolve& solve) {
-  const NonlinearProgram& nlp = solve.program.program;
-  const std::vector<double>& x = solve.solution.x;
-  const std::vector<double> rows = nlp.RowValues(x);
-  ActiveSet active;
-  ActiveGradients gradients(solve);
-  // The cost is minus the range.
-  std::map<int, const Requirement*> requirement_of_row;
-  for (const LimitRow& limit : solve.program.limits)
-    if (limit.row >= 0) requirement_of_row[limit.row] = &limit.requirement;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const NlpRow& row = nlp.Rows()[i];
-    const int index = static_cast<int>(i);
-    const auto requirement = requirement_of_row.find(index);
-    const double price = -solve.solution.row_prices[i];
-    const bool touches = row.lower == row.upper || IsActive(rows[i], row.lower) || IsActive(rows[i], row.upper);
-    if (!touches) continue;
-    gradients.AddRow(index);
+namespace {
+
+// Collects what is at its limit, with its price.
+class ActiveSetFinder {
+ public:
+  explicit ActiveSetFinder(const LocalSolve& solve)
+      : solve_(solve), nlp_(solve.program.program), rows_(nlp_.RowValues(solve.solution.x)), gradients_(solve) {}
+
+  ActiveSet Find() {
+    for (const LimitRow& limit : solve_.program.limits)
+      if (limit.row >= 0) requirement_of_row_[limit.row] = &limit.requirement;
+    for (std::size_t i = 0; i < rows_.size(); ++i) AddRow(static_cast<int>(i));
+    for (std::size_t j = 0; j < solve_.solution.x.size(); ++j) AddVariable(static_cast<int>(j));
+    active_.smallest_singular_value = gradients_.SmallestSingularValue();
+    constexpr double kIndependent = 1e-6;
+    active_.multipliers_unique = active_.smallest_singular_value > kIndependent;
+    return std::move(active_);
+  }
+
+ private:
+  // The cost is minus what is maximised.
+  void AddRow(int index) {
+    const NlpRow& row = nlp_.Rows()[index];
+    const bool touches =
+        row.lower == row.upper || IsActive(rows_[index], row.lower) || IsActive(rows_[index], row.upper);
+    if (!touches) return;
+    gradients_.AddRow(index);
+    const double price = -solve_.solution.row_prices[index];
+    for (const PublishedRow& published : solve_.program.published_rows)
+      if (published.row == index)
+        active_.entries.push_back({row.name, price * published.rows_per_unit, published.unit});
+    const auto found = requirement_of_row_.find(index);
+    if (found == requirement_of_row_.end()) return;
     constexpr double kNoPrice = 1e-7;
-    const bool slack_family =
-        requirement != requirement_of_row.end() && requirement->second->IsFamily() && std::abs(price) < kNoPrice;
-    if (requirement != requirement_of_row.end() && !slack_family)
-      active.entries.push_back({requirement->second->Text(), price, requirement->second->unit});
+    const Requirement& requirement = *found->second;
+    if (requirement.IsFamily() && std::abs(price) < kNoPrice) return;
+    active_.entries.push_back({requirement.Text(), price, requirement.unit});
   }
-  for (std::size_t j = 0; j < x.size(); ++j) {
-    const NlpVariable& variable = nlp.Variables()[j];
-    const bool lower = IsActive(x[j], variable.lower), upper = IsActive(x[j], variable.upper);
-    if (!lower && !upper) continue;
-    gradients.AddBound(static_cast<int>(j));
-    const bool is_link = std::find(solve.program.links.begin(), solve.program.links.end(), static_cast<int>(j)) !=
-                         solve.program.links.end();
-    if (is_link || variable.name == "d_min")
-      active.entries.push_back({fmt::format("{} {} {:.6g} mm", variable.name,
-                                            lower && upper ? "="
-                                            : lower        ? ">="
-                                                           : "<=",
-                                            lower ? variable.lower : variable.upper),
-                                -solve.solution.variable_prices[j], "mm"});
+
+  void AddVariable(int index) {
+    const NlpVariable& variable = nlp_.Variables()[index];
+    const double value = solve_.solution.x[index];
+    const bool lower = IsActive(value, variable.lower), upper = IsActive(value, variable.upper);
+    if (!lower && !upper) return;
+    gradients_.AddBound(index);
+    const std::string unit = UnitOf(index);
+    if (unit.empty()) return;
+    active_.entries.push_back({fmt::format("{} {} {:.6g} {}", variable.name,
+                                           lower && upper ? "="
+                                           : lower        ? ">="
+                                                          : "<=",
+                                           lower ? variable.lower : variable.upper, unit),
+                               -solve_.solution.variable_prices[index], unit});
   }
-  active.smallest_singular_value = gradients.SmallestSingularValue();
-  constexpr double kIndependent = 1e-6;
-  active.multipliers_unique = active.smallest_singular_value > kIndependent;
-  return active;
+
+  // Of a variable whose bound is reported; empty for others.
+  std::string UnitOf(int index) const {
+    const LinkVariables& links = solve_.program.links;
+    if (std::ranges::find(links, index) != links.end() || index == solve_.program.poses.front().stroke) return "mm";
+    const auto published = std::ranges::find(solve_.program.published, index, &PublishedVariable::variable);
+    return published == solve_.program.published.end() ? "" : published->unit;
+  }
+
+  const LocalSolve& solve_;
+  const NonlinearProgram& nlp_;
+  const std::vector<double> rows_;
+  ActiveGradients gradients_;
+  std::map<int, const Requirement*> requirement_of_row_;
+  ActiveSet active_;
+};
+
+}  // namespace
+
+ActiveSet FindActiveSet(const LocalSolve& solve) {
+  return ActiveSetFinder(solve).Find();
 }
 
 std::vector<Links> RandomStarts(const SynthesisProblem& problem, int count, std::uint64_t seed) {

@@ -43,6 +43,43 @@ struct BranchTerm : AtPose {
   }
 };
 
+// v = l2, l5, l6, phi, and the strokes of two knots.
+struct ProgramActuatorLoop {
+  double weight;
+  template <typename T>
+  T operator()(const T* v) const {
+    const T links[6] = {T{}, v[0], T{}, T{}, v[1], v[2]};
+    return LoopResiduals(links, v[4] * (1 - weight) + v[5] * weight, v[3], T{})[0];
+  }
+};
+
+// v = l1, l2, l3, l4, phi, theta.
+struct ProgramFourBarLoop {
+  template <typename T>
+  T operator()(const T* v) const {
+    const T links[6] = {v[0], v[1], v[2], v[3], T{}, T{}};
+    return LoopResiduals(links, T{}, v[4], v[5])[1];
+  }
+};
+
+// v = l2, l5, l6, phi.
+struct ProgramActuatorBranch {
+  template <typename T>
+  T operator()(const T* v) const {
+    const T links[6] = {T{}, v[0], T{}, T{}, v[1], v[2]};
+    return BranchExpressions(links, v[3], T{})[0];
+  }
+};
+
+// v = l2, l3, l4, phi, theta.
+struct ProgramShankBranch {
+  template <typename T>
+  T operator()(const T* v) const {
+    const T links[6] = {T{}, v[0], v[1], v[2], T{}, T{}};
+    return BranchExpressions(links, v[3], v[4])[1];
+  }
+};
+
 // The least sine that counts as not turning keeps the multiplied-out families away from 0 >= 0 where P, R and S are in
 // line.
 struct NoTurningTerm : AtPose {
@@ -134,6 +171,18 @@ PoseVariables AddPose(NonlinearProgram& program, const std::string& name, const 
   program.AddConstraint("alpha2 >= 0" + name, 0, kUnbounded, pose.All(), BranchTerm{at, 0});
   program.AddConstraint("beta2 >= 0" + name, 0, kUnbounded, pose.All(), BranchTerm{at, 1});
   return pose;
+}
+
+ProgramPose AddProgramPose(NonlinearProgram& program, const std::string& name, const LinkVariables& links, int from,
+                           int to, double weight, int theta, double phi_start_rad) {
+  const auto& [l1, l2, l3, l4, l5, l6] = links;
+  const int phi = program.AddVariable("phi" + name, phi_start_rad, 0, 2 * std::numbers::pi);
+  program.AddConstraint("actuator loop" + name, 0, 0, std::array{l2, l5, l6, phi, from, to},
+                        ProgramActuatorLoop{weight});
+  program.AddConstraint("four-bar loop" + name, 0, 0, std::array{l1, l2, l3, l4, phi, theta}, ProgramFourBarLoop{});
+  program.AddConstraint("alpha2 >= 0" + name, 0, kUnbounded, std::array{l2, l5, l6, phi}, ProgramActuatorBranch{});
+  program.AddConstraint("beta2 >= 0" + name, 0, kUnbounded, std::array{l2, l3, l4, phi, theta}, ProgramShankBranch{});
+  return {from, to, weight, theta, phi};
 }
 
 void AddNoTurningRow(NonlinearProgram& program, const PoseVariables& pose) {

@@ -94,11 +94,12 @@ void StartFromElastic(Study& study) {
 
 void StudyOptions::Check() const {
   optimize.Check();
-  if (certify_gap_deg && !(*certify_gap_deg > 0))
-    throw Fail("the gap to certify must be above 0 deg, not {}", *certify_gap_deg);
+  if (certify_gap_deg && !(std::isfinite(*certify_gap_deg) && *certify_gap_deg > 0))
+    throw UsageError(fmt::format("--certify {}: a gap above 0 deg", *certify_gap_deg));
   if (yield_tolerance_mm && !(*yield_tolerance_mm > 0 && *yield_tolerance_mm < 10))
-    throw Fail("the tolerance of the yield must lie between 0 and 10 mm, not {}", *yield_tolerance_mm);
-  if (round_mm && !(*round_mm > 0)) throw Fail("links cannot be rounded to multiples of {} mm", *round_mm);
+    throw UsageError(fmt::format("--yield {}: a tolerance between 0 and 10 mm", *yield_tolerance_mm));
+  if (round_mm && !(std::isfinite(*round_mm) && *round_mm > 0))
+    throw UsageError(fmt::format("--round {}: a step above 0 mm", *round_mm));
 }
 
 Certificate Certify(const SynthesisProblem& problem, double range_deg, double gap_deg, double max_seconds, bool quiet) {

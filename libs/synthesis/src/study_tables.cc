@@ -7,59 +7,12 @@
 #include "lake/core/provenance.h"
 #include "lake/linkage/design_file.h"
 #include "lake/synthesis/study.h"
+#include "tables.h"
 
 namespace lake {
 namespace {
 
 constexpr const char* kPoseAtRange[] = {"phi", "theta"};
-
-Json LinksJson(const Links& links) {
-  Json json = Json::object();
-  for (std::size_t i = 0; i < 6; ++i) json[LinkName(i)] = links.Values()[i];
-  return json;
-}
-
-Json NumberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
-
-std::string_view ActiveSide(double value, double lower, double upper) {
-  constexpr double kTouching = 1e-5;  // as for the active set
-  const auto touches = [&](double limit) {
-    return std::isfinite(limit) && std::abs(value - limit) <= kTouching * std::max(1.0, std::abs(limit));
-  };
-  return touches(lower) && touches(upper) ? "fixed" : touches(lower) ? "lower" : touches(upper) ? "upper" : "";
-}
-
-Json EvaluationJson(const DesignEvaluation& evaluation) {
-  Json requirements = Json::array();
-  for (const RequirementCheck& check : evaluation.checks)
-    requirements.push_back({{"name", check.requirement.name},
-                            {"limit", check.requirement.limit},
-                            {"kind", check.requirement.is_lower_limit ? "at least" : "at most"},
-                            {"value", NumberOrNull(check.value)},
-                            {"slack", NumberOrNull(check.slack)},
-                            {"unit", check.requirement.unit}});
-  return {{"range_deg", NumberOrNull(evaluation.range_deg)},
-          {"assembled", evaluation.pose.has_value()},
-          {"feasible", evaluation.IsFeasible()},
-          {"violation", NumberOrNull(evaluation.violation)},
-          {"stroke_when_standing_mm", evaluation.stands_mm ? Json(*evaluation.stands_mm) : Json()},
-          {"requirements", requirements}};
-}
-
-Json YieldJson(const Yield& yield) {
-  const auto fraction = [](const Fraction& f) { return Json{{"value", f.value}, {"interval_95", {f.lower, f.upper}}}; };
-  return {{"tolerance_mm", yield.options.tolerance_mm},
-          {"samples", yield.options.samples},
-          {"assembled", fraction(yield.assembled)},
-          {"assembled_and_grashof", fraction(yield.assembled_and_grashof)},
-          {"range_p5_deg", NumberOrNull(yield.range_p5_deg)},
-          {"range_median_deg", NumberOrNull(yield.range_median_deg)},
-          {"range_p95_deg", NumberOrNull(yield.range_p95_deg)},
-          {"safe_singularity_margin_mm", yield.safe_singularity_margin_mm},
-          {"safe_grashof_margin_mm", yield.safe_grashof_margin_mm}};
-}
 
 void WriteDesignFile(const Study& study, Run& run) {
   Design design;
@@ -115,16 +68,6 @@ void WriteConstraints(const Study& study, Run& run) {
   table.Write(run.Result("constraints.csv"));
 }
 
-std::vector<std::string> LinkColumns(std::string_view prefix) {
-  std::vector<std::string> columns;
-  for (std::size_t i = 0; i < 6; ++i) columns.push_back(fmt::format("{}{}_mm", prefix, LinkName(i)));
-  return columns;
-}
-
-void AddLinkCells(CsvWriter& table, const Links& links) {
-  for (const double value : links.Values()) table.Add(value);
-}
-
 void WriteStarts(const Study& study, Run& run) {
   std::vector<std::string> header{"start"};
   std::ranges::copy(LinkColumns("start_"), std::back_inserter(header));
@@ -144,17 +87,6 @@ void WriteStarts(const Study& study, Run& run) {
     table.EndRow();
   }
   table.Write(run.Result("starts.csv"));
-}
-
-void WriteConvergence(const Study& study, Run& run) {
-  CsvWriter table({"iteration", "range_deg", "constraint_violation", "dual_infeasibility", "barrier", "step"});
-  const LocalSolve& solve = study.result.starts[std::max(0, study.result.best)];
-  for (std::size_t i = 0; i < solve.history.size(); ++i) {
-    const NlpIteration& step = solve.history[i];
-    table.Add(static_cast<int>(i)).Add(-step.cost).Add(step.violation).Add(step.dual_infeasibility).Add(step.barrier);
-    table.Add(step.step).EndRow();
-  }
-  table.Write(run.Result("convergence.csv"));
 }
 
 void WriteSensitivity(const Study& study, Run& run) {
@@ -189,15 +121,6 @@ void WriteRounded(const RoundedDesign& rounded, const SynthesisProblem& problem,
   WriteDesign(run.Result("rounded.yaml"), design);
 }
 
-Json ActiveJson(const ActiveSet& active) {
-  Json entries = Json::array();
-  for (const ActiveSet::Entry& entry : active.entries)
-    entries.push_back({{"limit", entry.name},
-                       {"multiplier", active.multipliers_unique ? Json(entry.price) : Json()},
-                       {"unit", fmt::format("deg per {}", entry.unit)}});
-  return entries;
-}
-
 Json StartsJson(const SynthesisResult& result) {
   Json starts = Json::array();
   for (std::size_t i = 0; i < result.starts.size(); ++i) {
@@ -209,15 +132,6 @@ Json StartsJson(const SynthesisResult& result) {
                       {"iterations", solve.iterations}});
   }
   return starts;
-}
-
-Json CertificateJson(const Certificate& certificate, bool ignores_used_range) {
-  return {{"upper_bound_deg", NumberOrNull(certificate.upper_bound_deg)},
-          {"gap_deg", NumberOrNull(certificate.gap_deg)},
-          {"reached", certificate.reached},
-          {"boxes", certificate.boxes},
-          {"time_s", certificate.seconds},
-          {"leaves_out_requirements_over_used_range", ignores_used_range}};
 }
 
 void Warn(const Study& study, Run& run) {
@@ -295,7 +209,7 @@ Json WriteStudy(const Study& study, Run& run) {
   WriteOptimum(study, run);
   WriteConstraints(study, run);
   WriteStarts(study, run);
-  WriteConvergence(study, run);
+  WriteConvergence(study.result.starts[std::max(0, study.result.best)], "range_deg", run);
   Json summary = study.IsSolved() ? SolvedJson(study) : InfeasibleJson(study);
   if (study.IsSolved()) {
     Warn(study, run);

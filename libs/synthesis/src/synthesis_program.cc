@@ -40,15 +40,19 @@ PoseStart StartAt(const SynthesisProblem& problem, const Links& start, const Pos
 
 class Builder {
  public:
-  Builder(const SynthesisProblem& problem, const Links& start, Elasticity elasticity)
-      : problem_(problem), start_(start), elasticity_(elasticity), at_range_(StartAtRange(problem, start)) {}
+  Builder(const SynthesisProblem& problem, const Links& start, Elasticity elasticity, double range_weight)
+      : problem_(problem),
+        start_(start),
+        elasticity_(elasticity),
+        range_weight_(range_weight),
+        at_range_(StartAtRange(problem, start)) {}
 
   SynthesisProgram Build(const std::vector<double>& fractions) {
     AddLinksAndStroke();
     AddRangePose();
     for (const Requirement& requirement : RequirementsOf(problem_)) AddLimit(requirement);
     AddUsedRange(fractions);
-    if (elasticity_ == Elasticity::kNone) AddScaledTerm(nlp(), NlpTerm::kCost, range_, -kDegreesPerRadian);
+    if (elasticity_ == Elasticity::kNone) AddScaledTerm(nlp(), NlpTerm::kCost, range_, -range_weight_ * kDegreesPerRadian);
     return std::move(result_);
   }
 
@@ -145,6 +149,7 @@ class Builder {
   const SynthesisProblem& problem_;
   const Links start_;
   const Elasticity elasticity_;
+  const double range_weight_;
   const PoseStart at_range_;
   SynthesisProgram result_;
   int stroke_ = -1, range_ = -1;
@@ -164,8 +169,8 @@ double SlackUnit(const Requirement& requirement) {
 }
 
 SynthesisProgram BuildProgram(const SynthesisProblem& problem, const Links& start, const std::vector<double>& fractions,
-                              Elasticity elasticity) {
-  return Builder(problem, start, elasticity).Build(fractions);
+                              Elasticity elasticity, double range_weight) {
+  return Builder(problem, start, elasticity, range_weight).Build(fractions);
 }
 
 }  // namespace lake

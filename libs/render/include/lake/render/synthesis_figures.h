@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "lake/synthesis/study.h"
 
@@ -14,7 +15,7 @@ void DrawSensitivity(const Study& study, const std::filesystem::path& path);
 // Range (and yield, if estimated) against the margin from both singularities.
 void DrawMargins(const Study& study, const std::filesystem::path& path);
 
-// Range and errors over Ipopt's iterations of the best start.
-void DrawConvergence(const Study& study, const std::filesystem::path& path);
+// The cost's negative and the errors over Ipopt's iterations; `objective` names the first, with its unit.
+void DrawConvergence(const LocalSolve& solve, const std::string& objective, const std::filesystem::path& path);
 
 }  // namespace lake

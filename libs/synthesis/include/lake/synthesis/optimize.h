@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -40,15 +41,22 @@ struct LocalSolve {
   bool IsUsable() const { return solution.IsUsable() && evaluation.IsFeasible(); }
 };
 
-LocalSolve SolveFrom(const SynthesisProblem& problem, const Links& start, const OptimizeOptions& options = {});
+// What a caller adds to the program of every exchange step; `last` is the step before's solution, nullptr at the first.
+struct ProgramExtension {
+  double range_weight = 1;  // of -range in the cost
+  std::function<void(SynthesisProgram& program, const NlpSolution* last)> extend;
+};
+
+LocalSolve SolveFrom(const SynthesisProblem& problem, const Links& start, const OptimizeOptions& options = {},
+                     const ProgramExtension& extension = {});
 
 // Are the multipliers of the solution unique? They are iff the gradients of the active rows and bounds are linearly
 // independent (LICQ).
 struct ActiveSet {
   struct Entry {
     std::string name;  // "grashof >= 1 mm", "l3 >= 50 mm"
-    double price;      // d range / d limit, deg per unit; sign: what raising the limit does to the range
-    std::string unit;
+    double price;      // what raising the limit by one unit does to what is maximised: to the range, in deg
+    std::string unit;  // of the limit
   };
   std::vector<Entry> entries;
   double smallest_singular_value = 0;  // of the active gradients, each scaled to length one

@@ -21,7 +21,7 @@ struct StudyOptions {
   std::optional<double> round_mm;            // absent: no rounding
   bool quiet = true;
 
-  void Check() const;  // throws Error
+  void Check() const;  // throws UsageError naming the option
 };
 
 // The problem's optimum with both margins set to one value, all else the same.

@@ -45,20 +45,33 @@ struct ElasticBound {
   int row;
 };
 
+// A variable or row beyond those of the requirements whose limit is reported when it is active.
+struct PublishedVariable {
+  int variable;
+  std::string unit;
+};
+struct PublishedRow {
+  int row;  // its name says the limit
+  std::string unit;
+  double rows_per_unit;  // d (the row's limit) / d (the limit as reported)
+};
+
 struct SynthesisProgram {
   NonlinearProgram program;
   LinkVariables links{};
   std::vector<PoseVariables> poses;  // at d_min first
   std::vector<LimitRow> limits;
   std::vector<ElasticBound> elastic_bounds;
+  std::vector<PublishedVariable> published;  // of what extends the program
+  std::vector<PublishedRow> published_rows;
 
   Links LinksAt(const std::vector<double>& x) const;
 };
 
 // `fractions` of the used range at which families are collocated, besides d_min itself; standing (0) is added where it
-// is needed.
+// is needed. `range_weight`: of -range in the cost, unless it is elastic.
 SynthesisProgram BuildProgram(const SynthesisProblem& problem, const Links& start, const std::vector<double>& fractions,
-                              Elasticity elasticity = Elasticity::kNone);
+                              Elasticity elasticity = Elasticity::kNone, double range_weight = 1);
 
 // The size of slack that costs 1: a millimetre, a degree, 1 % of a force.
 double SlackUnit(const Requirement& requirement);

@@ -1,0 +1,102 @@
+#include "lake/pipeline/optimize.h"
+
+#include "lake/compare/comparison_file.h"
+#include "lake/core/error.h"
+#include "lake/pipeline/compare.h"
+#include "lake/render/reoptimize_figures.h"
+#include "lake/render/synthesis_figures.h"
+#include "lake/synthesis/reoptimize_study.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+
+Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
+  const Study study = RunStudy(options.problem, options.study);
+  Json summary = WriteStudy(study, run);
+  DrawConvergence(study.result.starts[std::max(0, study.result.best)], "range of rotation, deg",
+                  run.Result("convergence.png"));
+  if (!study.IsSolved()) {
+    run.WriteSummary(summary);
+    throw SolverError(study.infeasible->sentence);
+  }
+  DrawSensitivity(study, run.Result("sensitivity.png"));
+  DrawMargins(study, run.Result("margin.png"));
+  return summary;
+}
+
+StsCurve ReadHuman(const ReoptimizeRunOptions& options, Run& run) {
+  const TrialTables tables = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
+  RegistrationOptions registration;
+  registration.knee = options.human_knee;
+  const RegisteredTrial trial = RegisterTrial(tables, registration);
+  for (const std::string& warning : trial.warnings) run.Warn(warning);
+  return MeanCurve(trial.repetitions);
+}
+
+MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, Run& run) {
+  MeasuredMotion measured;
+  if (options.comparison.empty()) {
+    measured.human = ReadHuman(options, run);
+  } else {
+    const ComparedCurves curves = ReadComparison(options.comparison);
+    run.AddInput(fs::is_directory(options.comparison) ? options.comparison / "comparison.json" : options.comparison);
+    measured.human = curves.human, measured.exo = curves.exo;
+  }
+  if (!options.worn.empty()) {
+    measured.worn = ReadDesign(options.worn);
+    run.AddInput(options.worn);
+  }
+  return measured;
+}
+
+ReoptimizeProblem ProblemOf(const OptimizeRunOptions& options) {
+  ReoptimizeProblem problem;
+  const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
+  problem.design = options.problem;
+  problem.program = reoptimize.program;
+  problem.max_misalignment_percent = reoptimize.max_misalignment_percent;
+  problem.penalty_deg_per_mm = reoptimize.penalty_deg_per_mm;
+  problem.fit_placement = reoptimize.fit_placement;
+  problem.placement_reach_mm = reoptimize.placement_reach_mm;
+  return problem;
+}
+
+Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
+  if (options.reoptimize->comparison.empty() == options.reoptimize->human.empty())
+    throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: give one of both");
+  if (options.study.round_mm)
+    throw UsageError("--round is of a synthesis alone: a rounded design has another misalignment");
+  ReoptimizeOptions study_options;
+  study_options.optimize = options.study.optimize;
+  study_options.pareto_points = options.reoptimize->pareto_points;
+  study_options.certify_gap_deg = options.study.certify_gap_deg;
+  study_options.certify_seconds = options.study.certify_seconds;
+  study_options.yield_tolerance_mm = options.study.yield_tolerance_mm;
+  study_options.quiet = options.study.quiet;
+  study_options.Check();
+  const ReoptimizeProblem problem = ProblemOf(options);
+  problem.CheckOptions();
+  const ReoptimizeStudy study = RunReoptimization(problem, ReadMeasured(*options.reoptimize, run), study_options);
+  Json summary = WriteReoptimization(study, run);
+  DrawConvergence(study.result.starts[std::max(0, study.result.best)].local, "objective, deg",
+                  run.Result("convergence.png"));
+  DrawKneePaths(study, run.Result("knee_paths.png"));
+  if (!study.fronts.empty()) DrawPareto(study, run.Result("pareto.png"));
+  if (!study.IsSolved()) {
+    run.WriteSummary(summary);
+    throw SolverError(study.infeasible->sentence);
+  }
+  return summary;
+}
+
+}  // namespace
+
+Json RunOptimize(const OptimizeRunOptions& options, Run& run) {
+  options.study.Check();
+  if (!options.problem_file.empty()) run.AddInput(options.problem_file);
+  return options.reoptimize ? RunReoptimize(options, run) : RunSynthesis(options, run);
+}
+
+}  // namespace lake

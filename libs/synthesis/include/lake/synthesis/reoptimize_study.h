@@ -1,0 +1,104 @@
+// Everything that is asked of one re-optimisation: optimum, what it costs, before and after, Pareto fronts, and why
+// there is none; and its tables.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/compare/misalignment.h"
+#include "lake/core/run.h"
+#include "lake/synthesis/certificate.h"
+#include "lake/synthesis/reoptimize.h"
+#include "lake/synthesis/robustness.h"
+
+namespace lake {
+
+// What the re-optimisation starts from.
+struct MeasuredMotion {
+  StsCurve human;
+  std::optional<StsCurve> exo;  // of the trial with an exoskeleton
+  std::optional<Design> worn;   // in that trial
+};
+
+struct ReoptimizeOptions {
+  OptimizeOptions optimize;
+  std::optional<int> pareto_points;          // absent: no fronts
+  double short_program_s = 20;               // of the free program whose front stands beside the others: too
+                                             // short for exact tracking by nearly every linkage at 5 mm/s
+  std::optional<double> certify_gap_deg;     // absent: no certificate
+  double certify_seconds = 60;
+  std::optional<double> yield_tolerance_mm;  // absent: no yield
+  bool quiet = true;
+
+  void Check() const;  // throws UsageError
+};
+
+// A design in the human's motion.
+struct DesignInMotion {
+  Design design;
+  DesignEvaluation evaluation;
+  std::optional<Prediction> prediction;      // absent: it cannot make the motion
+  std::optional<Misalignment> misalignment;  // of the predicted path, by the code of lake-compare
+  std::optional<double> tracking_time_s;     // T*
+  double duration_s = 0;                     // of its program
+};
+
+DesignInMotion PutInMotion(const ReoptimizeProblem& problem, const StsCurve& human, const Design& design);
+
+// A change of the problem that was tried where the limit on misalignment cannot be held.
+struct WayOut {
+  std::string text;                            // "a free program of at least 24 s at 5 mm/s"
+  bool enough = false;                         // holds the limit
+  std::optional<double> misalignment_percent;  // the least it reaches, if that is what was sought
+  std::optional<double> duration_s;            // the least it needs, likewise
+};
+
+struct MisalignmentInfeasibility {
+  bool within_reach = false;            // the limits can be held after all; the solver did not get there
+  std::optional<double> least_percent;  // the smallest misalignment found under the given program
+  // Limits that hold it there; price: change of the least misalignment in % per unit by which the limit is raised; NaN
+  // where multipliers are not unique.
+  std::vector<ActiveSet::Entry> blocking;
+  std::vector<WayOut> ways;
+  ReoptimizePoint nearest;
+  std::string sentence;
+};
+
+struct NamedFront {
+  std::string name;      // "constant", "free 25 s"
+  ProgramLimits program;
+  std::vector<ParetoPoint> points;
+};
+
+struct ReoptimizeStudy {
+  ReoptimizeProblem problem;
+  ReoptimizeOptions options;
+  MeasuredMotion measured;
+  ReoptimizeResult result;
+  std::optional<MisalignmentInfeasibility> infeasible;  // if no start is usable
+  DesignInMotion before;  // the worn design, or the problem's start under a constant program
+  DesignInMotion after;   // the optimum, or the design of the smallest misalignment found
+  ActiveSet active;
+  std::optional<Certificate> certificate;  // of the range, misalignment left out
+  std::optional<Yield> yield;
+  std::vector<NamedFront> fronts;
+
+  bool IsSolved() const { return result.IsSolved(); }
+};
+
+// The human's motion of the problem is set here: from the measured curves, with delta if a worn design is known. Throws
+// Error for input that cannot be used, UsageError for options, Interrupted on a signal.
+ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotion& measured,
+                                  const ReoptimizeOptions& options);
+
+// Why no start was usable. `links` to start from.
+MisalignmentInfeasibility ExplainInfeasible(const ReoptimizeProblem& problem, const std::vector<Links>& links,
+                                            const OptimizeOptions& options);
+
+// Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, before_after.csv, program.csv,
+// predicted/misalignment.csv and predicted/comparison.json (as lake-compare writes them) and, if asked for, pareto.csv;
+// returns the results for summary.json. Warns through the run of what a reader must know.
+Json WriteReoptimization(const ReoptimizeStudy& study, Run& run);
+
+}  // namespace lake

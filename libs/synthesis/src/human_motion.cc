@@ -1,0 +1,134 @@
+#include "lake/synthesis/human_motion.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "lake/compare/pointwise_error.h"
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kRounding_mm = 1e-6;  // a stroke this far outside the used range is on its end
+
+double WrapToHalfTurn(double angle) {
+  return std::remainder(angle, 2 * std::numbers::pi);
+}
+
+std::optional<UsedRange> UsedRangeOf(const Links& links, double d_min_mm, double standing_deg) {
+  if (!SolvePose(links, d_min_mm)) return std::nullopt;
+  return FindUsedRange(links, d_min_mm, std::nullopt, RadiansFromDegrees(standing_deg));
+}
+
+// Linear between the knots.
+double StrokeAt(const std::vector<StrokeProgram::Knot>& knots, double time_s) {
+  const auto after = std::find_if(knots.begin() + 1, knots.end() - 1,
+                                  [&](const StrokeProgram::Knot& knot) { return knot.time_s >= time_s; });
+  const auto before = after - 1;
+  return std::lerp(before->stroke_mm, after->stroke_mm,
+                   (time_s - before->time_s) / (after->time_s - before->time_s));
+}
+
+// The leg with this knee angle, ankle and lean as the human's.
+Vector2d PredictHip(const HumanSample& human, double theta_rad) {
+  const double leg_mm = std::hypot(human.shank_mm + human.thigh_mm * std::cos(theta_rad),
+                                   human.thigh_mm * std::sin(theta_rad));
+  return human.ankle + leg_mm * Vector2d(human.sin_lean, human.cos_lean);
+}
+
+}  // namespace
+
+HumanMotion MakeHumanMotion(const StsCurve& human) {
+  HumanMotion motion;
+  for (std::size_t i = 0; i < human.knee.size(); ++i) {
+    const Vector2d ak = human.knee[i] - human.ankle[i], kh = human.hip[i] - human.knee[i], ah = ak + kh;
+    if (!(ak.norm() > 0 && kh.norm() > 0 && ah.norm() > 0))
+      throw Fail("the human's leg has no length at {} % of its motion", i);
+    HumanSample sample{human.ankle[i], human.knee[i], ak.norm(), kh.norm(), ah.x() / ah.norm(), ah.y() / ah.norm()};
+    sample.knee_rad = WrapToHalfTurn(std::atan2(ak.x(), ak.y()) - std::atan2(kh.x(), kh.y()));
+    motion.push_back(sample);
+  }
+  return motion;
+}
+
+std::optional<Prediction> Predict(const Links& links, double d_min_mm, double standing_deg,
+                                  const Vector2d& placement_mm, const std::vector<double>& stroke_mm,
+                                  const HumanMotion& human) {
+  const std::optional<UsedRange> range = UsedRangeOf(links, d_min_mm, standing_deg);
+  if (!range) return std::nullopt;
+  Prediction prediction;
+  prediction.stroke_mm = stroke_mm;
+  std::vector<Vector2d> human_knee;
+  std::vector<double> shank_mm;
+  for (std::size_t i = 0; i < human.size(); ++i) {
+    if (!range->stroke.Contains(stroke_mm[i], kRounding_mm)) return std::nullopt;
+    const auto pose = SolvePose(links, std::clamp(stroke_mm[i], range->stroke.lower_mm, range->stroke.upper_mm));
+    if (!pose) return std::nullopt;
+    const HumanSample& sample = human[i];
+    prediction.theta_rad.push_back(pose->theta_rad);
+    prediction.exo.ankle.push_back(sample.ankle);
+    prediction.exo.knee.push_back(PredictKnee(sample, pose->theta_rad, placement_mm.x(), placement_mm.y()));
+    prediction.exo.hip.push_back(PredictHip(sample, pose->theta_rad));
+    prediction.exo.knee_deg.push_back(DegreesFromRadians(pose->theta_rad));
+    prediction.exo.knee_sigma_mm.push_back(0);
+    human_knee.push_back(sample.knee), shank_mm.push_back(sample.shank_mm);
+  }
+  prediction.relative_rms = std::sqrt(MeanSquaredRelativeError(prediction.exo.knee, human_knee, shank_mm));
+  prediction.rms_mm = std::sqrt(MeanSquaredDistance(prediction.exo.knee, human_knee));
+  return prediction;
+}
+
+std::optional<std::vector<double>> TrackingStrokes(const Links& links, double d_min_mm, double standing_deg,
+                                                   const HumanMotion& human) {
+  const std::optional<UsedRange> range = UsedRangeOf(links, d_min_mm, standing_deg);
+  if (!range) return std::nullopt;
+  std::vector<double> strokes;
+  for (const HumanSample& sample : human) {
+    const double theta = std::clamp(sample.knee_rad, std::min(range->theta_at_upper_rad, range->theta_at_lower_rad),
+                                    std::max(range->theta_at_upper_rad, range->theta_at_lower_rad));
+    const double end = sample.knee_rad >= range->theta_at_lower_rad ? range->stroke.lower_mm : range->stroke.upper_mm;
+    strokes.push_back(StrokeForAngle(links, *range, theta).value_or(end));
+  }
+  return strokes;
+}
+
+double TrackingTime(const std::vector<double>& tracking_stroke_mm, double max_speed_mm_s) {
+  double largest_mm = 0;
+  for (std::size_t i = 1; i < tracking_stroke_mm.size(); ++i)
+    largest_mm = std::max(largest_mm, std::abs(tracking_stroke_mm[i] - tracking_stroke_mm[i - 1]));
+  return static_cast<double>(tracking_stroke_mm.size() - 1) * largest_mm / max_speed_mm_s;
+}
+
+std::optional<std::vector<double>> ProgramStrokes(const Design& design, double standing_deg, const HumanMotion& human) {
+  std::vector<StrokeProgram::Knot> knots;
+  if (design.program && design.program->kind == StrokeProgram::Kind::kFree) {
+    knots = design.program->knots;
+  } else {
+    const auto tracking = TrackingStrokes(design.links, design.d_min_mm, standing_deg, human);
+    if (!tracking) return std::nullopt;
+    knots = {{0, tracking->front()}, {1, tracking->back()}};
+  }
+  std::vector<double> strokes;
+  for (std::size_t i = 0; i < human.size(); ++i)
+    strokes.push_back(StrokeAt(knots, std::lerp(knots.front().time_s, knots.back().time_s,
+                                                static_cast<double>(i) / static_cast<double>(human.size() - 1))));
+  return strokes;
+}
+
+void SetRemainder(const StsCurve& exo, const Design& worn, double standing_deg, HumanMotion& human) {
+  for (HumanSample& sample : human) sample.remainder_mm.setZero();
+  const auto strokes = ProgramStrokes(worn, standing_deg, human);
+  const Vector2d placement(worn.placement_mm[0], worn.placement_mm[1]);
+  const auto model =
+      strokes ? Predict(worn.links, worn.d_min_mm, standing_deg, placement, *strokes, human) : std::nullopt;
+  if (!model)
+    throw Fail("the worn design cannot be driven through the motion of its trial: {}",
+               strokes ? "its program leaves the strokes at which the knee bends and stands"
+                       : "it cannot be assembled at d_min");
+  for (std::size_t i = 0; i < human.size(); ++i) human[i].remainder_mm = exo.knee[i] - model->exo.knee[i];
+}
+
+}  // namespace lake
