@@ -75,8 +75,10 @@ Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
   study_options.certify_seconds = options.study.certify_seconds;
   study_options.yield_tolerance_mm = options.study.yield_tolerance_mm;
   study_options.quiet = options.study.quiet;
-  const ReoptimizeStudy study =
-      RunReoptimization(ProblemOf(options), ReadMeasured(*options.reoptimize, run), study_options);
+  study_options.Check();
+  const ReoptimizeProblem problem = ProblemOf(options);
+  problem.CheckOptions();
+  const ReoptimizeStudy study = RunReoptimization(problem, ReadMeasured(*options.reoptimize, run), study_options);
   Json summary = WriteReoptimization(study, run);
   DrawConvergence(study.result.starts[std::max(0, study.result.best)].local, "objective, deg",
                   run.Result("convergence.png"));

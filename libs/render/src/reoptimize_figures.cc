@@ -54,7 +54,8 @@ std::string AfterName(const ReoptimizeStudy& study) {
 
 void DrawPaths(GnuplotFigure& figure, const ReoptimizeStudy& study) {
   figure.Line("set title 'Knee in the leg frame' font ',13'; set xlabel 'anterior (mm)'; set ylabel 'up (mm)'");
-  figure.Line("set size ratio -1; set offsets graph 0.06, graph 0.06, graph 0.06, graph 0.06; set key top right");
+  figure.Line("set size ratio -1; set offsets graph 0.06, graph 0.06, graph 0.75, graph 0.06; set key top right");
+  figure.Line("set ytics 20");
   std::string plot = fmt::format("plot {} using 1:2 with lines {} title 'human knee'",
                                  PathData(figure, study.measured.human.knee), kHumanStyle);
   const auto add = [&](const DesignInMotion& design, const std::string& style, const std::string& title) {
@@ -75,7 +76,7 @@ void DrawPaths(GnuplotFigure& figure, const ReoptimizeStudy& study) {
                         mark == 7 ? "title '0, 25, 50, 75, 100 %'" : "notitle");
   }
   figure.Line(plot);
-  figure.Line("set size noratio; set offsets 0, 0, 0, 0");
+  figure.Line("set size noratio; set offsets 0, 0, 0, 0; set ytics autofreq");
 }
 
 void DrawRelativeError(GnuplotFigure& figure, const ReoptimizeStudy& study) {
@@ -159,9 +160,9 @@ void DrawPareto(const ReoptimizeStudy& study, const std::filesystem::path& path)
   constexpr int kMarks[] = {7, 9, 11};
   GnuplotFigure figure(1100, 760);
   figure.Line("set title 'What a smaller misalignment costs in range' font ',15'");
-  figure.Line(kFrame).Line("set key outside bottom center horizontal maxrows 3 samplen 2.5 spacing 1.2");
+  figure.Line(kFrame).Line("set key at screen 0.5, 0.03 center bottom horizontal samplen 2.5 spacing 1.2; set bmargin 7");
   figure.Line("set xlabel 'misalignment, RMS (% of the shank)'; set ylabel 'range of rotation (°)'");
-  figure.Line("set offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05; set xrange [0:*]");
+  figure.Line("set offsets 0, graph 0.04, graph 0.04, graph 0.04; set xrange [0:*]");
   std::string plot = "plot ";
   for (std::size_t i = 0; i < study.fronts.size(); ++i) {
     std::vector<double> misalignment, range;

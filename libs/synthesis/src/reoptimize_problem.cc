@@ -28,8 +28,7 @@ std::vector<double> PlausibleStrokes(const ReoptimizeProblem& problem) {
 
 }  // namespace
 
-void ReoptimizeProblem::Check() const {
-  design.Check();
+void ReoptimizeProblem::CheckOptions() const {
   CheckPositive(program.max_speed_mm_s, "--max-speed", "mm/s");
   if (program.duration_s) CheckPositive(*program.duration_s, "--duration", "s");
   constexpr int kFewestKnots = 21;
@@ -39,6 +38,11 @@ void ReoptimizeProblem::Check() const {
   if (!(std::isfinite(penalty_deg_per_mm) && penalty_deg_per_mm >= 0))
     throw UsageError(fmt::format("--penalty {}: a number of deg per mm, 0 or above", penalty_deg_per_mm));
   CheckPositive(placement_reach_mm, "--placement-reach", "mm");
+}
+
+void ReoptimizeProblem::Check() const {
+  CheckOptions();
+  design.Check();
   if (human.size() != kPercentSamples) throw Fail("the human's motion has {} samples, not 101", human.size());
 }
 

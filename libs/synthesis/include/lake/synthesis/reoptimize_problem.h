@@ -41,7 +41,9 @@ struct ReoptimizeProblem {
   } goal = Goal::kRange;
   std::optional<double> min_range_deg;
 
-  // Throws Error for the synthesis problem, UsageError naming the option for the rest.
+  // Throws UsageError naming the option; the motion is not looked at.
+  void CheckOptions() const;
+  // Throws also Error for the synthesis problem and the motion.
   void Check() const;
 };
 

@@ -24,7 +24,8 @@ struct MeasuredMotion {
 struct ReoptimizeOptions {
   OptimizeOptions optimize;
   std::optional<int> pareto_points;          // absent: no fronts
-  double short_program_s = 25;               // duration of the free program whose front stands beside the others
+  double short_program_s = 20;               // of the free program whose front stands beside the others: too
+                                             // short for exact tracking by nearly every linkage at 5 mm/s
   std::optional<double> certify_gap_deg;     // absent: no certificate
   double certify_seconds = 60;
   std::optional<double> yield_tolerance_mm;  // absent: no yield

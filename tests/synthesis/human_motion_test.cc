@@ -1,0 +1,150 @@
+#include "lake/synthesis/human_motion.h"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "compare/closed_form.h"
+#include "lake/core/error.h"
+#include "synthesis/paper.h"
+
+namespace lake {
+namespace {
+
+using Eigen::Vector2d;
+
+// A leg whose lengths are not constant, as of markers on skin.
+StsCurve SoftLeg(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  ClosedFormLeg leg;
+  leg.shank_mm += 60 * unit(random), leg.thigh_mm += 60 * unit(random);
+  leg.seated_knee_deg += 15 * unit(random), leg.standing_knee_deg += 4 * unit(random);
+  StsCurve curve = MakeCurve(leg);
+  for (int i = 0; i < kPercentSamples; ++i)
+    for (std::vector<Vector2d>* path : {&curve.ankle, &curve.knee, &curve.hip})
+      (*path)[i] += 5 * Vector2d(unit(random), unit(random));
+  return curve;
+}
+
+TEST(HumanMotion, AtTheHumansOwnAngleThePredictionIsTheHumansKnee) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const StsCurve curve = SoftLeg(seed);
+    const HumanMotion human = MakeHumanMotion(curve);
+    for (std::size_t i = 0; i < human.size(); ++i) {
+      EXPECT_LT((PredictKnee(human[i], human[i].knee_rad, 0.0, 0.0) - curve.knee[i]).norm(), 1e-9) << seed;
+      // A placement is an offset in the shank's own axes.
+      const Vector2d placement(12, -7);
+      const Vector2d placed = curve.knee[i] + ShankAxes(curve, i) * placement;
+      EXPECT_LT((PredictKnee(human[i], human[i].knee_rad, placement.x(), placement.y()) - placed).norm(), 1e-9);
+    }
+  }
+}
+
+TEST(HumanMotion, KneeAngleIsSigned) {
+  ClosedFormLeg leg;
+  leg.standing_knee_deg = -6;
+  const HumanMotion human = MakeHumanMotion(MakeCurve(leg));
+  EXPECT_NEAR(DegreesFromRadians(human.front().knee_rad), leg.seated_knee_deg, 1e-9);
+  EXPECT_NEAR(DegreesFromRadians(human.back().knee_rad), -6, 1e-9);
+}
+
+// Another knee angle turns the shank about the ankle and keeps the direction of the hip.
+TEST(HumanMotion, OtherAnglesKeepTheShankAndTheDirectionOfTheHip) {
+  const StsCurve curve = SoftLeg(3);
+  const HumanMotion human = MakeHumanMotion(curve);
+  for (const double theta : {-0.1, 0.0, 0.7, 1.9, 2.9})
+    for (std::size_t i = 0; i < human.size(); i += 10) {
+      const HumanSample& sample = human[i];
+      const Vector2d shank = PredictKnee(sample, theta, 0.0, 0.0) - sample.ankle;
+      EXPECT_NEAR(shank.norm(), sample.shank_mm, 1e-9);
+      // The thigh leans back by theta from the shank; it must end on the human's line from ankle to hip.
+      const Eigen::Rotation2Dd back(theta);
+      const Vector2d hip = shank + sample.thigh_mm * (back * shank.normalized());
+      const Vector2d along = curve.hip[i] - curve.ankle[i];
+      EXPECT_NEAR(hip.x() * along.y() - hip.y() * along.x(), 0, 1e-6);
+      EXPECT_GT(hip.dot(along), 0);
+    }
+}
+
+TEST(HumanMotion, RefusesALegWithoutLength) {
+  StsCurve curve = MakeCurve({});
+  curve.knee[17] = curve.ankle[17];
+  EXPECT_THROW(MakeHumanMotion(curve), Error);
+}
+
+TEST(HumanMotion, TrackingStrokesGiveTheHumansAngles) {
+  const HumanMotion human = MakeHumanMotion(MakeCurve({}));
+  const auto strokes = TrackingStrokes(kPublished, 242, 0, human);
+  ASSERT_TRUE(strokes);
+  for (std::size_t i = 0; i < human.size(); ++i)
+    EXPECT_NEAR(SolvePose(kPublished, (*strokes)[i])->theta_rad, human[i].knee_rad, 1e-9);
+  const auto prediction = Predict(kPublished, 242, 0, {0, 0}, *strokes, human);
+  ASSERT_TRUE(prediction);
+  EXPECT_LT(prediction->relative_rms, 1e-10);
+}
+
+TEST(HumanMotion, AnglesBeyondTheUsedRangeAreClamped) {
+  ClosedFormLeg leg;
+  leg.seated_knee_deg = 160, leg.standing_knee_deg = -5;
+  const HumanMotion human = MakeHumanMotion(MakeCurve(leg));
+  const auto strokes = TrackingStrokes(kPublished, 242, 0, human);
+  ASSERT_TRUE(strokes);
+  EXPECT_EQ(strokes->front(), 242);  // the published design bends to 148.57 degrees
+  EXPECT_NEAR(strokes->back(), 374.5205, 1e-4);  // its stroke at 0 degrees
+  EXPECT_FALSE(TrackingStrokes(Links{10, 10, 10, 10, 50, 300}, 242, 0, human));
+}
+
+TEST(HumanMotion, TrackingTimeIsThatOfTheSteepestPart) {
+  std::vector<double> strokes;
+  for (int i = 0; i < kPercentSamples; ++i) strokes.push_back(i < 50 ? 300 : 300 + 2.0 * (i - 50));
+  EXPECT_NEAR(TrackingTime(strokes, 5), 100 * 2.0 / 5, 1e-12);
+  EXPECT_NEAR(TrackingTime(strokes, 10), 20, 1e-12);
+}
+
+TEST(HumanMotion, ProgramsBecomeStrokesPerPercent) {
+  const HumanMotion human = MakeHumanMotion(MakeCurve({}));
+  Design design;
+  design.links = kPublished;
+  const auto tracking = TrackingStrokes(kPublished, 242, 0, human);
+  const auto constant = ProgramStrokes(design, 0, human);
+  ASSERT_TRUE(constant);
+  for (int i = 0; i < kPercentSamples; ++i)
+    EXPECT_NEAR((*constant)[i], std::lerp(tracking->front(), tracking->back(), i / 100.0), 1e-9);
+  design.program = StrokeProgram{StrokeProgram::Kind::kFree, 5, {{2, 250}, {3, 300}, {12, 320}}};
+  const auto free = ProgramStrokes(design, 0, human);
+  ASSERT_TRUE(free);
+  EXPECT_NEAR(free->front(), 250, 1e-12);
+  EXPECT_NEAR((*free)[5], 275, 1e-9);   // half a second on: half of the first second's way
+  EXPECT_NEAR((*free)[55], 310, 1e-9);  // 7.5 s: half of the way from 3 to 12 s
+  EXPECT_NEAR(free->back(), 320, 1e-12);
+}
+
+TEST(HumanMotion, StrokesOutsideTheUsedRangeHaveNoPrediction) {
+  const HumanMotion human = MakeHumanMotion(MakeCurve({}));
+  std::vector<double> strokes(kPercentSamples, 300);
+  EXPECT_TRUE(Predict(kPublished, 242, 0, {0, 0}, strokes, human));
+  strokes[40] = 241.9;
+  EXPECT_FALSE(Predict(kPublished, 242, 0, {0, 0}, strokes, human));
+  strokes[40] = 375;  // beyond standing, where the knee would bend backward
+  EXPECT_FALSE(Predict(kPublished, 242, 0, {0, 0}, strokes, human));
+}
+
+// With the remainder of its own trial the worn design's predicted path is the measured one.
+TEST(HumanMotion, RemainderExplainsTheWornDesignsTrial) {
+  HumanMotion human = MakeHumanMotion(SoftLeg(4));
+  const StsCurve exo = SoftLeg(5);
+  Design worn;
+  worn.links = kPublished;
+  worn.placement_mm = {6, -3};
+  SetRemainder(exo, worn, 0, human);
+  const auto prediction = Predict(kPublished, 242, 0, {6, -3}, *ProgramStrokes(worn, 0, human), human);
+  ASSERT_TRUE(prediction);
+  for (std::size_t i = 0; i < human.size(); ++i) EXPECT_LT((prediction->exo.knee[i] - exo.knee[i]).norm(), 1e-9);
+  worn.links = {10, 10, 10, 10, 50, 300};
+  EXPECT_THROW(SetRemainder(exo, worn, 0, human), Error);
+}
+
+}  // namespace
+}  // namespace lake

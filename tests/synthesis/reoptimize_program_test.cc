@@ -1,0 +1,131 @@
+// The program that a re-optimisation builds: its derivatives, and that its rows mean what the closed form says.
+#include "lake/synthesis/reoptimize_program.h"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "compare/closed_form.h"
+#include "synthesis/paper.h"
+
+namespace lake {
+namespace {
+
+using Goal = ReoptimizeProblem::Goal;
+using Kind = StrokeProgram::Kind;
+
+ReoptimizeProblem Problem(Kind kind, Goal goal) {
+  ReoptimizeProblem problem;
+  problem.design = WithMargins(1);
+  problem.human = MakeHumanMotion(MakeCurve({}));
+  problem.program.kind = kind;
+  problem.goal = goal;
+  problem.max_misalignment_percent = 5;
+  problem.penalty_deg_per_mm = 0.3;
+  problem.fit_placement = true;
+  return problem;
+}
+
+struct Built {
+  SynthesisProgram synthesis;
+  ReoptimizeVariables variables;
+};
+
+Built Build(const ReoptimizeProblem& problem, const ReoptimizePoint& point) {
+  Built built{BuildProgram(problem.design, point.links, {}, Elasticity::kNone, RangeWeight(problem)), {}};
+  built.variables = AddReoptimization(problem, point, ConstantStart::kAtHumanAngle, built.synthesis);
+  return built;
+}
+
+// Gradients against differences of values, Hessians against differences of gradients, term by term.
+TEST(ReoptimizeProgram, DerivativesAreThoseOfTheValues) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const Kind kind : {Kind::kConstant, Kind::kFree})
+    for (const Goal goal : {Goal::kRange, Goal::kMisalignment, Goal::kDuration}) {
+      const ReoptimizeProblem problem = Problem(kind, goal);
+      const Built built = Build(problem, StartPoint(problem, kPublished));
+      std::vector<double> x;
+      for (const NlpVariable& variable : built.synthesis.program.Variables())
+        x.push_back(variable.start + 0.05 * unit(random));
+      for (const NlpTerm& term : built.synthesis.program.Terms()) {
+        const auto variables = term.term->Variables();
+        const std::size_t n = variables.size();
+        std::vector<double> gradient(n), hessian(n * (n + 1) / 2), above(n), below(n);
+        term.term->Gradient(x.data(), gradient.data());
+        term.term->Hessian(x.data(), hessian.data());
+        for (std::size_t i = 0; i < n; ++i) {
+          const double step = 1e-5 * std::max(1.0, std::abs(x[variables[i]])), kept = x[variables[i]];
+          x[variables[i]] = kept + step;
+          const double value_above = term.term->Value(x.data());
+          term.term->Gradient(x.data(), above.data());
+          x[variables[i]] = kept - step;
+          const double value_below = term.term->Value(x.data());
+          term.term->Gradient(x.data(), below.data());
+          x[variables[i]] = kept;
+          // Of a central difference: its truncation and the rounding of values up to a few hundred.
+          const auto tolerance = [](double value) { return 1e-5 + 1e-6 * std::abs(value); };
+          EXPECT_NEAR(gradient[i], (value_above - value_below) / (2 * step), tolerance(gradient[i]));
+          for (std::size_t j = 0; j <= i; ++j) {
+            const double second = hessian[i * (i + 1) / 2 + j];
+            EXPECT_NEAR(second, (above[j] - below[j]) / (2 * step), tolerance(second));
+          }
+        }
+      }
+    }
+}
+
+// At a point where the linkage follows its program the loops close and the cost is the printed one.
+TEST(ReoptimizeProgram, RowsAndCostAgreeWithTheClosedForm) {
+  for (const Kind kind : {Kind::kConstant, Kind::kFree}) {
+    ReoptimizeProblem problem = Problem(kind, Goal::kRange);
+    problem.program.duration_s = 30;
+    ReoptimizePoint point = StartPoint(problem, kPublished);
+    point.placement_mm = {9, -4};
+    const Built built = Build(problem, point);
+    const NonlinearProgram& nlp = built.synthesis.program;
+    std::vector<double> x;
+    for (const NlpVariable& variable : nlp.Variables()) x.push_back(variable.start);
+    const std::vector<double> rows = nlp.RowValues(x);
+    const auto prediction = PredictPoint(problem, point);
+    ASSERT_TRUE(prediction);
+    int loops = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const std::string& name = nlp.Rows()[i].name;
+      if (name.find("loop") != std::string::npos) {
+        EXPECT_NEAR(rows[i], 0, 1e-9) << name;
+        ++loops;
+      } else if (name.starts_with("misalignment")) {
+        EXPECT_NEAR(std::sqrt(rows[i]), 100 * prediction->relative_rms, 1e-9);
+      }
+    }
+    EXPECT_EQ(loops, 2 * (kPercentSamples + 1));
+    const double range_deg = DegreesFromRadians(SolvePose(kPublished, 242)->theta_rad);
+    // The small costs: 1e-5 of some tens of percent^2, 1e-6 of seconds.
+    EXPECT_NEAR(nlp.Cost(x), -range_deg + 0.3 * prediction->rms_mm, 2e-3);
+  }
+}
+
+TEST(ReoptimizeProgram, PointsSurviveTheProgram) {
+  const ReoptimizeProblem problem = Problem(Kind::kFree, Goal::kRange);
+  const ReoptimizePoint point = StartPoint(problem, kPublished);
+  const Built built = Build(problem, point);
+  std::vector<double> x;
+  for (const NlpVariable& variable : built.synthesis.program.Variables()) x.push_back(variable.start);
+  const ReoptimizePoint again = PointAt(built.synthesis, built.variables, x);
+  EXPECT_EQ(again.links.Values(), point.links.Values());
+  EXPECT_EQ(again.knots_mm, point.knots_mm);
+  EXPECT_EQ(again.duration_s, point.duration_s);
+}
+
+TEST(ReoptimizeProgram, KnotsSpanTheMotion) {
+  EXPECT_EQ(SpanOf(21, 0).from, 0u);
+  EXPECT_EQ(SpanOf(21, 0).weight, 0);
+  EXPECT_EQ(SpanOf(21, 100).from, 19u);
+  EXPECT_NEAR(SpanOf(21, 100).weight, 1, 1e-12);
+  EXPECT_EQ(SpanOf(2, 30).from, 0u);
+  EXPECT_NEAR(SpanOf(2, 30).weight, 0.3, 1e-12);
+}
+
+}  // namespace
+}  // namespace lake

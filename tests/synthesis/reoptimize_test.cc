@@ -1,0 +1,387 @@
+// Re-optimisation against the comparison's own code, other searches, difference quotients and its own limits.
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+
+#include "compare/closed_form.h"
+#include "lake/core/error.h"
+#include "lake/synthesis/reoptimize_study.h"
+#include "synthesis/differential_evolution.h"
+#include "synthesis/paper.h"
+
+namespace lake {
+namespace {
+
+using Goal = ReoptimizeProblem::Goal;
+using Kind = StrokeProgram::Kind;
+using testing::HasSubstr;
+
+ReoptimizeProblem Problem(const ClosedFormLeg& leg = {}, double margin_mm = 2) {
+  ReoptimizeProblem problem;
+  problem.design = WithMargins(margin_mm);
+  problem.human = MakeHumanMotion(MakeCurve(leg));
+  return problem;
+}
+
+ReoptimizeProblem Free(double duration_s, const ClosedFormLeg& leg = {}) {
+  ReoptimizeProblem problem = Problem(leg);
+  problem.program.kind = Kind::kFree;
+  problem.program.duration_s = duration_s;
+  return problem;
+}
+
+OptimizeOptions Starts(int count) {
+  OptimizeOptions options;
+  options.starts = count;
+  return options;
+}
+
+ReoptimizeResult Solve(const ReoptimizeProblem& problem, int starts = 4) {
+  return Reoptimize(problem, {problem.design.start, kPublished}, Starts(starts));
+}
+
+ReoptimizeResult Least(ReoptimizeProblem problem, int starts = 6) {
+  problem.goal = Goal::kMisalignment;
+  problem.max_misalignment_percent.reset();
+  return Solve(problem, starts);
+}
+
+// Half-way from the least misalignment to that of the largest range: a limit that costs range and can be held.
+double TightLimit(const ReoptimizeProblem& problem) {
+  const ReoptimizeResult least = Least(problem), widest = Solve(problem);
+  return (least.Best().Misalignment_percent() + widest.Best().Misalignment_percent()) / 2;
+}
+
+std::vector<ClosedFormLeg> Legs() {
+  ClosedFormLeg tall, stiff;
+  tall.shank_mm = 470, tall.thigh_mm = 450, tall.seated_knee_deg = 101;
+  stiff.standing_knee_deg = 14, stiff.peak_shank_deg = 25;
+  return {{}, tall, stiff};
+}
+
+TEST(Reoptimize, TheLimitHoldsWhenTheComparisonReEvaluatesThePredictedPath) {
+  for (const ClosedFormLeg& leg : Legs())
+    for (ReoptimizeProblem problem : {Problem(leg), Free(14, leg)}) {
+      problem.max_misalignment_percent = TightLimit(problem);
+      const ReoptimizeResult result = Solve(problem);
+      ASSERT_TRUE(result.IsSolved());
+      const DesignInMotion after =
+          PutInMotion(problem, MakeCurve(leg), DesignOf(problem, result.Best().point));
+      ASSERT_TRUE(after.misalignment);
+      // The bound; the limit is active, so it is met from below and above.
+      EXPECT_NEAR(100 * after.misalignment->metrics.relative_rms / *problem.max_misalignment_percent, 1, 1e-4);
+      EXPECT_TRUE(after.evaluation.IsFeasible());
+      EXPECT_LE(after.duration_s, problem.program.duration_s.value_or(1e9) * (1 + 1e-6));
+    }
+}
+
+// What a search may vary, as a point; a constant program's strokes follow from the links.
+std::optional<double> Objective(const ReoptimizeProblem& problem, const ReoptimizePoint& point) {
+  const DesignEvaluation evaluation = Evaluate(point.links, problem.design);
+  if (!evaluation.IsFeasible()) return std::nullopt;
+  const auto prediction = PredictPoint(problem, point);
+  if (!prediction) return std::nullopt;
+  if (problem.max_misalignment_percent && 100 * prediction->relative_rms > *problem.max_misalignment_percent)
+    return std::nullopt;
+  if (problem.program.duration_s &&
+      NeededDuration(point.knots_mm, problem.program.max_speed_mm_s) > *problem.program.duration_s)
+    return std::nullopt;
+  return ObjectiveOf(problem, point, evaluation.range_deg, *prediction);
+}
+
+// Links near the optimum and, of a free program, a program near the optimum's: pushed by its own mean change, so that
+// the speed limit is not broken by every sample.
+ReoptimizePoint RandomPoint(const ReoptimizeProblem& problem, const ReoptimizePoint& best, double spread_mm,
+                            std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  ReoptimizePoint point = StartPoint(problem, RandomFeasible(problem.design, random, &best.links, spread_mm));
+  if (problem.fit_placement) {
+    const Eigen::Vector2d middle = spread_mm > 10 ? problem.placement_mm : best.placement_mm;
+    for (const int axis : {0, 1})
+      point.placement_mm[axis] =
+          std::clamp(middle[axis] + 2 * spread_mm * unit(random), -problem.placement_reach_mm, problem.placement_reach_mm);
+  }
+  if (problem.program.kind == Kind::kConstant) return point;
+  const double shift = point.knots_mm.front() - best.knots_mm.front(), scale = 1 - 0.01 * std::abs(unit(random));
+  for (std::size_t k = 0; k < point.knots_mm.size(); ++k)
+    point.knots_mm[k] = best.knots_mm.front() + shift + scale * (best.knots_mm[k] - best.knots_mm.front());
+  return point;
+}
+
+TEST(Reoptimize, NoRandomSearchFindsABetterObjective) {
+  ReoptimizeProblem constant = Problem(), penalty = Problem(), free = Free(14);
+  constant.fit_placement = penalty.fit_placement = true;
+  constant.max_misalignment_percent = TightLimit(constant);
+  free.max_misalignment_percent = TightLimit(free);
+  penalty.penalty_deg_per_mm = 2;
+  for (const ReoptimizeProblem& problem : {constant, penalty, free}) {
+    const ReoptimizeResult result = Solve(problem);
+    ASSERT_TRUE(result.IsSolved());
+    std::mt19937_64 random(5);
+    int feasible = 0, tried = 0;
+    double best = -1e9;
+    constexpr int kFeasible = 3400;  // three problems: 10^4 together
+    for (; feasible < kFeasible && tried < 100 * kFeasible; ++tried) {
+      constexpr double kSpreads_mm[] = {0.05, 0.5, 3, 100};
+      const ReoptimizePoint point =
+          RandomPoint(problem, result.Best().point, kSpreads_mm[tried % 4], random);
+      if (const auto objective = Objective(problem, point)) ++feasible, best = std::max(best, *objective);
+    }
+    EXPECT_GE(feasible, kFeasible);
+    EXPECT_LE(best, result.Best().objective + 1e-4);
+    EXPECT_GE(best, result.Best().objective - 3);  // the samples come near enough to find a better one
+  }
+}
+
+TEST(Reoptimize, NoDifferentialEvolutionFindsABetterObjective) {
+  ReoptimizeProblem problem = Problem();
+  problem.fit_placement = true;
+  problem.max_misalignment_percent = TightLimit(problem);
+  const ReoptimizeResult result = Solve(problem);
+  ASSERT_TRUE(result.IsSolved());
+  std::vector<Bounds> bounds(problem.design.bounds.begin(), problem.design.bounds.end());
+  bounds.insert(bounds.end(), 2, {-problem.placement_reach_mm, problem.placement_reach_mm});
+  // Infeasible points rank below feasible ones, by how much they violate.
+  const auto value = [&](const std::vector<double>& x) {
+    const Links links = Links::FromValues({x[0], x[1], x[2], x[3], x[4], x[5]});
+    if (!SolvePose(links, problem.design.d_min_mm)) return -1e6;
+    ReoptimizePoint point = StartPoint(problem, links);
+    point.placement_mm = {x[6], x[7]};
+    const DesignEvaluation evaluation = Evaluate(links, problem.design);
+    const auto prediction = PredictPoint(problem, point);
+    if (!evaluation.IsFeasible() || !prediction) return -1e3 * (1 + std::min(evaluation.violation, 100.0));
+    const double excess = 100 * prediction->relative_rms - *problem.max_misalignment_percent;
+    return excess > 0 ? -100 * excess : evaluation.range_deg;
+  };
+  for (const unsigned seed : {1u, 2u}) {
+    const Evolved evolved = Evolve(bounds, value, 60, 300, seed);
+    EXPECT_LE(evolved.value, result.Best().objective + 1e-6);
+    EXPECT_GE(evolved.value, result.Best().objective - 5);  // it has come near: the comparison means something
+  }
+}
+
+TEST(Reoptimize, ParetoFrontIsMonotoneAndEndsAtTheSingleObjectiveOptima) {
+  ReoptimizeProblem placed = Problem();
+  placed.fit_placement = true;
+  for (const ReoptimizeProblem& problem : {placed, Free(14)}) {
+    const std::vector<ParetoPoint> front = ParetoFront(problem, 6, {problem.design.start, kPublished}, Starts(6));
+    ASSERT_EQ(front.size(), 6u);
+    for (std::size_t i = 1; i < front.size(); ++i) {
+      EXPECT_GT(front[i].range_deg, front[i - 1].range_deg - 1e-9);
+      EXPECT_GE(front[i].misalignment_percent, front[i - 1].misalignment_percent - 1e-9);
+    }
+    EXPECT_NEAR(front.front().misalignment_percent, Least(problem).Best().Misalignment_percent(), 1e-6);
+    // The largest range is that of the synthesis without a human: a certified number (certificate_test).
+    EXPECT_NEAR(front.back().range_deg, 153.770, 1e-3);
+    EXPECT_GT(front.back().misalignment_percent, front.front().misalignment_percent * 1.01);
+    // A point in between is what its own constrained problem gives.
+    ReoptimizeProblem between = problem;
+    between.max_misalignment_percent = front[3].misalignment_percent;
+    const ReoptimizeResult result = Solve(between);
+    ASSERT_TRUE(result.IsSolved());
+    EXPECT_NEAR(result.Best().Range_deg(), front[3].range_deg, 0.02);
+  }
+}
+
+TEST(Reoptimize, AFreeProgramOfTheTrackingTimeCutsTheMisalignmentAtLeastFivefold) {
+  for (const ClosedFormLeg& leg : Legs()) {
+    const ReoptimizeResult constant = Least(Problem(leg));
+    ASSERT_TRUE(constant.IsSolved());
+    const Links& links = constant.Best().point.links;
+    ReoptimizeProblem free = Free(1, leg);
+    free.program.duration_s =
+        TrackingTime(*TrackingStrokes(links, 242, 0, free.human), free.program.max_speed_mm_s);
+    const ReoptimizeResult result = Least(free);
+    ASSERT_TRUE(result.IsSolved());
+    EXPECT_GE(constant.Best().Misalignment_percent(), 5 * result.Best().Misalignment_percent());
+  }
+}
+
+// max RoR - w RMS: its optimum solves the constrained problem at its own misalignment, and w is the price there.
+TEST(Reoptimize, PenaltyAndLimitAgree) {
+  ReoptimizeProblem problem = Problem();
+  problem.penalty_deg_per_mm = 5;
+  const ReoptimizeResult penalised = Solve(problem);
+  ASSERT_TRUE(penalised.IsSolved());
+  EXPECT_LT(penalised.Best().Misalignment_percent(), Solve(Problem()).Best().Misalignment_percent() - 1e-3);
+  ReoptimizeProblem limited = Problem();
+  limited.max_misalignment_percent = penalised.Best().Misalignment_percent();
+  const ReoptimizeResult result = Solve(limited);
+  ASSERT_TRUE(result.IsSolved());
+  EXPECT_NEAR(result.Best().Range_deg(), penalised.Best().Range_deg(), 0.01);
+  const ActiveSet active = FindActiveSet(result.Best().local);
+  ASSERT_TRUE(active.multipliers_unique);
+  const auto price = std::ranges::find_if(active.entries, [](const auto& e) { return e.name.starts_with("misalig"); });
+  ASSERT_NE(price, active.entries.end());
+  // 1 % of this leg's constant shank of 420 mm is 4.2 mm.
+  EXPECT_NEAR(price->price, problem.penalty_deg_per_mm * 4.2, 0.05 * problem.penalty_deg_per_mm * 4.2);
+}
+
+TEST(Reoptimize, MultipliersAreDifferenceQuotientsOfTheRange) {
+  ReoptimizeProblem problem = Free(14);
+  problem.max_misalignment_percent = TightLimit(problem);
+  const ReoptimizeResult result = Solve(problem);
+  ASSERT_TRUE(result.IsSolved());
+  const ActiveSet active = FindActiveSet(result.Best().local);
+  ASSERT_TRUE(active.multipliers_unique) << active.smallest_singular_value;
+  const auto price_of = [&](const std::string& start) {
+    for (const ActiveSet::Entry& entry : active.entries)
+      if (entry.name.starts_with(start)) return entry.price;
+    return 0.0;
+  };
+  const auto quotient = [&](const std::function<void(ReoptimizeProblem&, double)>& change, double step) {
+    ReoptimizeProblem above = problem, below = problem;
+    change(above, step), change(below, -step);
+    const auto range = [&](const ReoptimizeProblem& p) {
+      return SolveFrom(p, result.Best().point, {}).Range_deg();
+    };
+    return (range(above) - range(below)) / (2 * step);
+  };
+  const double per_percent = quotient([](auto& p, double step) { *p.max_misalignment_percent += step; }, 1e-3);
+  const double per_second = quotient([](auto& p, double step) { *p.program.duration_s += step; }, 1e-3);
+  const double per_mm = quotient([](auto& p, double step) { p.design.grashof_margin_mm += step; }, 1e-3);
+  // The small costs move prices by about 1e-4 of themselves.
+  EXPECT_NEAR(price_of("misalignment"), per_percent, 2e-3 * std::abs(per_percent));
+  EXPECT_NEAR(price_of("duration"), per_second, 2e-3 * std::abs(per_second));
+  EXPECT_NEAR(price_of("grashof"), per_mm, 2e-3 * std::abs(per_mm));
+  EXPECT_GT(per_percent, 0.1);
+}
+
+TEST(Reoptimize, ADesignThatBendsLessThanTheHumanStartsAtItsShortestStroke) {
+  ReoptimizeProblem problem = Problem();
+  problem.design.max_angle_deg = 80;  // the human sits at 92
+  const ReoptimizeResult result = Solve(problem);
+  ASSERT_TRUE(result.IsSolved());
+  EXPECT_NEAR(result.Best().Range_deg(), 80, 1e-5);
+  EXPECT_NEAR(result.Best().point.knots_mm.front(), 242, 1e-6);
+  const Design design = DesignOf(problem, result.Best().point);
+  const auto strokes = ProgramStrokes(design, 0, problem.human);
+  ASSERT_TRUE(strokes);
+  EXPECT_NEAR(strokes->back(), result.Best().point.knots_mm.back(), 1e-5);
+}
+
+// What is written as "constant" is read back as the very program that was optimised.
+TEST(Reoptimize, AConstantProgramReadsBackAsTheSameStrokes) {
+  ReoptimizeProblem problem = Problem();
+  problem.max_misalignment_percent = TightLimit(problem);
+  const ReoptimizeResult result = Solve(problem);
+  ASSERT_TRUE(result.IsSolved());
+  const auto strokes = ProgramStrokes(DesignOf(problem, result.Best().point), 0, problem.human);
+  ASSERT_TRUE(strokes);
+  for (int percent = 0; percent < kPercentSamples; ++percent)
+    EXPECT_NEAR((*strokes)[percent], result.Best().point.StrokeAt(percent), 1e-6);
+}
+
+TEST(Reoptimize, MonotoneForbidsTurningBackWhereTheHumanDoes) {
+  // The knee bends a little before it straightens.
+  ReoptimizeProblem problem = Free(60);
+  ClosedFormLeg bending;
+  bending.seated_knee_deg = 85;
+  StsCurve curve = MakeCurve(bending);
+  for (int i = 0; i < 40; ++i) {
+    const double more_rad = 0.15 * std::sin(std::numbers::pi * i / 40.0);
+    curve.hip[i] = curve.knee[i] + Eigen::Rotation2Dd(more_rad) * (curve.hip[i] - curve.knee[i]);
+  }
+  problem.human = MakeHumanMotion(curve);
+  const auto turns_back = [](const ReoptimizeSolve& solve) {
+    for (std::size_t k = 1; k < solve.point.knots_mm.size(); ++k)
+      if (solve.point.knots_mm[k] < solve.point.knots_mm[k - 1] - 1e-3) return true;
+    return false;
+  };
+  const ReoptimizeResult free = Least(problem);
+  problem.program.monotone = true;
+  const ReoptimizeResult monotone = Least(problem);
+  ASSERT_TRUE(free.IsSolved() && monotone.IsSolved());
+  EXPECT_TRUE(turns_back(free.Best()));
+  EXPECT_FALSE(turns_back(monotone.Best()));
+  EXPECT_GT(monotone.Best().Misalignment_percent(), 2 * free.Best().Misalignment_percent());
+}
+
+TEST(Reoptimize, SaysWhatBlocksAndWhatWouldFreeIt) {
+  ReoptimizeProblem problem = Problem();
+  const double least = Least(problem).Best().Misalignment_percent();
+  problem.max_misalignment_percent = least / 3;
+  EXPECT_FALSE(Solve(problem).IsSolved());
+  const std::vector<Links> links{problem.design.start, kPublished};
+  const MisalignmentInfeasibility report = ExplainInfeasible(problem, links, Starts(6));
+  ASSERT_TRUE(report.least_percent);
+  EXPECT_NEAR(*report.least_percent, least, 1e-5);
+  EXPECT_FALSE(report.blocking.empty());
+  EXPECT_THAT(report.sentence, HasSubstr("the constant program"));
+  const auto way = std::ranges::find_if(report.ways, [](const WayOut& w) { return w.duration_s.has_value(); });
+  ASSERT_NE(way, report.ways.end());
+  // The time it names is enough, and 2 % less is not.
+  ReoptimizeProblem free = problem;
+  free.program.kind = Kind::kFree;
+  free.program.duration_s = *way->duration_s * 1.001;
+  EXPECT_TRUE(Solve(free, 6).IsSolved());
+  free.program.duration_s = *way->duration_s * 0.98;
+  EXPECT_FALSE(Solve(free, 6).IsSolved());
+  const MisalignmentInfeasibility brief = ExplainInfeasible(free, links, Starts(6));
+  EXPECT_THAT(brief.sentence, HasSubstr("a duration of at least"));
+}
+
+TEST(Reoptimize, BlockingPricesAreDifferenceQuotients) {
+  ReoptimizeProblem problem = Free(14);
+  const ReoptimizeResult result = Least(problem);
+  problem.max_misalignment_percent = result.Best().Misalignment_percent() / 2;
+  const MisalignmentInfeasibility report = ExplainInfeasible(problem, {problem.design.start, kPublished}, Starts(6));
+  const auto least_with = [&](double duration_s) {
+    ReoptimizeProblem changed = problem;
+    changed.program.duration_s = duration_s;
+    return Least(changed).Best().Misalignment_percent();
+  };
+  const auto entry =
+      std::ranges::find_if(report.blocking, [](const auto& e) { return e.name.starts_with("duration"); });
+  ASSERT_NE(entry, report.blocking.end()) << report.sentence;
+  if (std::isnan(entry->price)) GTEST_SKIP() << "multipliers are not unique here";
+  EXPECT_NEAR(entry->price, (least_with(14.01) - least_with(13.99)) / 0.02, 0.01 * std::abs(entry->price));
+  EXPECT_LT(entry->price, 0);
+}
+
+TEST(Reoptimize, SaysThatTheTimeOrTheDesignIsWhatFails) {
+  ReoptimizeProblem hurried = Problem();
+  hurried.program.duration_s = 3;
+  hurried.max_misalignment_percent = 20;
+  const std::vector<Links> links{hurried.design.start, kPublished};
+  const MisalignmentInfeasibility time = ExplainInfeasible(hurried, links, Starts(4));
+  EXPECT_THAT(time.sentence, HasSubstr("no design stands up within 3 s"));
+  ASSERT_EQ(time.ways.size(), 1u);
+  hurried.program.duration_s = *time.ways[0].duration_s * 1.001;
+  EXPECT_TRUE(Solve(hurried).IsSolved());
+
+  ReoptimizeProblem impossible = Problem();
+  impossible.design.min_moment_arm_mm = 70;
+  impossible.max_misalignment_percent = 20;
+  EXPECT_THAT(ExplainInfeasible(impossible, links, Starts(2)).sentence, HasSubstr("moment arm"));
+}
+
+TEST(Reoptimize, RequirementsOverTheUsedRangeHoldTogetherWithTheLimit) {
+  ReoptimizeProblem problem = Free(16);
+  problem.design.min_moment_arm_mm = 15;
+  problem.design.max_force_n = 2500;
+  problem.max_misalignment_percent = TightLimit(problem);
+  const ReoptimizeResult result = Solve(problem);
+  ASSERT_TRUE(result.IsSolved());
+  EXPECT_TRUE(Evaluate(result.Best().point.links, problem.design).IsFeasible());
+  EXPECT_LE(result.Best().Misalignment_percent(), *problem.max_misalignment_percent * (1 + 1e-5));
+}
+
+TEST(Reoptimize, RefusesSenselessOptions) {
+  const auto refuses = [](const std::function<void(ReoptimizeProblem&)>& change) {
+    ReoptimizeProblem problem = Problem();
+    change(problem);
+    EXPECT_THROW(problem.Check(), UsageError);
+  };
+  refuses([](auto& p) { p.program.max_speed_mm_s = 0; });
+  refuses([](auto& p) { p.program.duration_s = NAN; });
+  refuses([](auto& p) { p.program.knots = 20; });
+  refuses([](auto& p) { p.program.knots = 102; });
+  refuses([](auto& p) { p.max_misalignment_percent = 0; });
+  refuses([](auto& p) { p.penalty_deg_per_mm = -1; });
+  refuses([](auto& p) { p.placement_reach_mm = INFINITY; });
+  EXPECT_THROW(ParetoFront(Problem(), 1, {}, {}), UsageError);
+}
+
+}  // namespace
+}  // namespace lake
