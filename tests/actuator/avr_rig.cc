@@ -1,5 +1,6 @@
 #include "avr_rig.h"
 
+#include <simavr/avr_adc.h>
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_elf.h>
@@ -14,6 +15,7 @@ namespace {
 
 constexpr std::uint64_t kCyclesPerMs = 16000;
 constexpr double kHertz = 16e6;
+constexpr std::uint32_t kSupply_mv = 5000;
 // Registers of the ATmega328P in data space.
 constexpr std::uint16_t kDdrB = 0x24, kPortB = 0x25, kDdrD = 0x2A, kPortD = 0x2B, kTccr1a = 0x80, kIcr1 = 0x86,
                         kOcr1a = 0x88;
@@ -35,6 +37,7 @@ AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) 
   avr_->log = LOG_NONE;
   avr_->sleep = [](avr_t*, avr_cycle_count_t) {};  // simulated time does not wait for real time
   firmware.frequency = static_cast<std::uint32_t>(kHertz);
+  firmware.vcc = firmware.avcc = firmware.aref = kSupply_mv;
   avr_load_firmware(avr_, &firmware);
   avr_irq_register_notify(avr_io_getirq(avr_, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), OnSerial, this);
   std::uint32_t flags = 0;
@@ -116,6 +119,10 @@ void AvrRig::EndMillisecond() {
   samples_.push_back({Time(), actuator_.stroke_mm, speed_mm_s_, duty, brake});
   for (double& cycles : on_cycles_) cycles = 0;
   SetEndStopPins();
+  const auto [at_0, at_5] = actuator_.potentiometer_mm;
+  const double wiper = std::clamp((actuator_.stroke_mm - at_0) / (at_5 - at_0), 0.0, 1.0);
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0),
+                static_cast<std::uint32_t>(wiper * kSupply_mv));
 }
 
 void AvrRig::Run(double seconds) {

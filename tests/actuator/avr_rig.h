@@ -45,6 +45,7 @@ struct ActuatorModel {
   double stroke_mm = 0;
   double retract_stop_mm = 0, extend_stop_mm = 1000;  // where the switches act
   double time_constant_s = 0.03;
+  double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
 };
 
 class AvrRig {

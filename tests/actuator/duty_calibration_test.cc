@@ -72,6 +72,25 @@ TEST(RobustSlope, SurvivesAQuarterOfWildPoints) {
   EXPECT_TRUE(std::isnan(FitRobustSlope(std::vector{1.0, 1.0, 1.0}, std::vector{1.0, 2.0, 3.0}).slope));
 }
 
+// Readings in steps, a dozen of them, as a potentiometer gives: uniform errors, and the slope is no multiple of the
+// step.
+TEST(RobustSlope, ReadingsInStepsHaveHonestErrors) {
+  std::vector<double> scaled;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> phase(0, 1), speed(2, 10);
+    const double truth = speed(random), start = phase(random), step = 0.137;
+    std::vector<double> x, y;
+    for (int i = 0; i < 12; ++i)
+      x.push_back(0.1 * i), y.push_back(step * std::floor((start + truth * x.back()) / step));
+    const RobustSlope fit = FitRobustSlope(x, y);
+    scaled.push_back((fit.slope - truth) / fit.standard_error);
+    EXPECT_NEAR(fit.slope, truth, 0.137);  // 0.040 / sqrt(sum (x - mean)^2) = 0.033; a step per second is 4 of it
+  }
+  EXPECT_LT(StandardDeviation(scaled), 1.3);
+  EXPECT_GT(StandardDeviation(scaled), 0.6);  // the floor errs to the safe side
+}
+
 TEST(DutyCalibration, SpeedsWithHonestErrorsOverManySeeds) {
   std::vector<double> scaled;
   for (unsigned seed = 0; seed < 40; ++seed) {

@@ -1,5 +1,6 @@
 // The firmware in a simulator of the ATmega328P: pins, PWM, brake, end stops, soft limits, watchdog, serial line, and
 // the whole loop with a model of the actuator against program.csv.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,6 +18,7 @@ TEST(Firmware, RunsInSimulator) {
 
 #include "avr_rig.h"
 #include "firmware_build.h"
+#include "lake/actuator/duty_calibration.h"
 #include "lake/actuator/stroke_schedule.h"
 #include "temporary_folder.h"
 
@@ -171,6 +173,7 @@ TEST_F(FirmwareTest, ClosedLoopStrokeFollowsTheProgram) {
   for (const RigSample& sample : rig_->Samples())
     worst = std::max(worst, std::abs(sample.stroke_mm - schedule_.StrokeAt(sample.time_s - start)));
   EXPECT_LT(worst, tolerance);
+  RecordProperty("worst_um", static_cast<int>(1000 * worst));
   // An ideal actuator, without lag, ends where the plan ends but for the rounding of PWM and of ms.
   actuator_.time_constant_s = 1e-5;
   rig_ = std::make_unique<AvrRig>(elf_, actuator_);
@@ -213,6 +216,8 @@ TEST_F(FirmwareTest, EndStopAheadStopsWithinTenMilliseconds) {
     EXPECT_TRUE(rig_->RunUntil("# fault: end stop", 0.2)) << rig_->Serial();
     // 3 ms of debouncing, one tick of 1 ms, and the simulation's own ms.
     EXPECT_LE(DriveTimeAfter(pressed), 0.010);
+    RecordProperty(retract ? "retract_stop_ms" : "extend_stop_ms",
+                   static_cast<int>(std::lround(1000 * DriveTimeAfter(pressed))));
     rig_->PullWire(retract, false);
     rig_->Send("start");
     EXPECT_TRUE(rig_->RunUntil("# refused: not in this state", 0.2)) << "a fault stays until reset";
@@ -258,6 +263,7 @@ TEST_F(FirmwareTest, WatchdogStopsAHangingMainLoop) {
   EXPECT_TRUE(rig_->RunUntil("# lake-stroke: the watchdog reset it", 1)) << rig_->Serial();
   EXPECT_LE(DriveTimeAfter(hung),
             0.16);  // 120 ms of the watchdog after 5 ms of sending, and its oscillator's tolerance
+  RecordProperty("drove_on_ms", static_cast<int>(1000 * DriveTimeAfter(hung)));
   rig_->Run(0.5);
   EXPECT_EQ(rig_->Samples().back().duty, 0);
   rig_->Send("start");
@@ -320,12 +326,14 @@ TEST_F(FirmwareTest, HomesToTheEndStopThenToTheStart) {
 
 TEST_F(FirmwareTest, HomingWithoutAnEndStopGivesUp) {
   home_speed_mm_s_ = 11;
-  Build(DesignOf({{0, 300}, {2, 306}}));
+  Design design = DesignOf({{0, 300}, {2, 306}});
+  design.d_max_mm = 308;  // little travel, so that it gives up after 3.4 s
+  Build(design);
   actuator_.retract_stop_mm = -1000;
   rig_ = std::make_unique<AvrRig>(elf_, actuator_);
   rig_->Run(0.05);
   rig_->Send("home");
-  EXPECT_TRUE(rig_->RunUntil("# fault: no end stop met while homing", 40)) << rig_->Serial();
+  EXPECT_TRUE(rig_->RunUntil("# fault: no end stop met while homing", 5)) << rig_->Serial();
   EXPECT_EQ(rig_->Samples().back().duty, 0);
 }
 
@@ -375,6 +383,7 @@ TEST_F(FirmwareTest, FromSixtyDegreesToStandingAtThePapersSpeed) {
   // Lag 5 mm/s x (30 - 10) ms = 0.10 mm; PWM rounding as computed.
   EXPECT_NEAR(rig_->Stroke(), schedule_.knots.back().stroke_mm, 0.10 + stroke_table_.pwm_error_mm + 0.02);
   EXPECT_THAT(rig_->Serial(), Not(HasSubstr("fault")));
+  RecordProperty("end_error_um", static_cast<int>(1000 * (rig_->Stroke() - schedule_.knots.back().stroke_mm)));
 }
 
 TEST_F(FirmwareTest, CalibrationFirmwareJogsAndHasNoProgram) {
@@ -389,6 +398,33 @@ TEST_F(FirmwareTest, CalibrationFirmwareJogsAndHasNoProgram) {
   rig_->Run(0.5);
   EXPECT_NEAR(rig_->Samples().back().duty, -0.5, 0.5 / kPwmPeriod);
   EXPECT_TRUE(rig_->RunUntil("# done", 1)) << rig_->Serial();
+}
+
+// The whole way of a new actuator: the calibration firmware jogs it, its serial output with the potentiometer's
+// readings becomes a duty table, and that table is the actuator's.
+TEST_F(FirmwareTest, SerialOutputOfJogsBecomesTheActuatorsDutyTable) {
+  actuator_.table = &table_;
+  actuator_.stroke_mm = 300;
+  actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+  rig_ = std::make_unique<AvrRig>(
+      BuildFirmware(folder_ / "calibration", CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR"), actuator_);
+  rig_->Run(0.05);
+  for (const int duty : {200, 400, 700, 1000})
+    for (const int sign : {1, -1}) {
+      rig_->Send(fmt::format("jog {} 1200", sign * duty));
+      ASSERT_TRUE(rig_->RunUntil("# done", 2)) << rig_->Serial();
+      rig_->Run(0.15);
+    }
+  WriteTextFile(folder_ / "serial.csv", rig_->Serial());
+  const DutyLog log = ReadDutyLog(folder_ / "serial.csv", ParsePotentiometerScale("0=240,1023=380"));
+  const DutyTable measured = MakeDutyTable(CalibrateDuty({log}, {}).rows, "measured");
+  for (const int direction : {1, -1}) {
+    const DutyCurve &truth = table_.Curve(direction), &found = measured.Curve(direction);
+    // Ten readings in steps of 0.14 mm (uniform: 0.04 mm SD) over 1 s: 0.04 / sqrt(10 x 0.29^2) = 0.045 mm/s, times 3.
+    for (const double duty : {0.4, 0.7, 1.0}) EXPECT_NEAR(found.SpeedFor(duty), truth.SpeedFor(duty), 0.14) << duty;
+    EXPECT_NEAR(found.DeadBandDuty(), truth.DeadBandDuty(),
+                0.02);  // 0.14 mm/s of 13 mm/s per duty, extrapolated: twice that
+  }
 }
 
 // What a user uploads: without the simulator's hooks, and within the flash next to the largest table.

@@ -43,7 +43,7 @@ static void timer_init(void) {
 
 static void adc_init(void) {
   ADMUX = _BV(REFS0) | ADC_CHANNEL;
-  ADCSRA = _BV(ADEN) | _BV(ADSC) | _BV(ADPS2) | _BV(ADPS1) | _BV(ADPS0);
+  ADCSRA = _BV(ADEN) | _BV(ADPS2) | _BV(ADPS1) | _BV(ADPS0);
 }
 
 static void tell(const char* flash_text) {
@@ -85,8 +85,6 @@ static void tell_state(state_t state) {
 // One row under the header; duty is signed, the planned stroke is empty while unknown.
 static void tell_status(void) {
   const status_t now = controller_status();
-  const uint16_t adc = ADC;
-  ADCSRA |= _BV(ADSC);
   serial_decimal(now.time_ms, 3);
   serial_char(',');
   if (now.knowledge != STROKE_UNKNOWN) serial_decimal(now.stroke_um, 3);
@@ -98,7 +96,7 @@ static void tell_status(void) {
   serial_char(',');
   tell_state(now.state);
   serial_char(',');
-  serial_uint(adc);
+  serial_uint(ADC);
   serial_char(',');
   serial_uint(now.end_stops);
   serial_char('\n');
@@ -219,6 +217,7 @@ int main(void) {
     if (ticks == last_tick) continue;  // only a running timer and a running loop together feed the watchdog
     last_tick = ticks;
     wdt_reset();
+    ADCSRA |= _BV(ADSC);  // done long before the next ms
     const char* line = serial_line();
     if (line) obey(line);
     tell_event(controller_take_event());

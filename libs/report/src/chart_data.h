@@ -1,4 +1,4 @@
-// Charts as the data that page/report.js draws.
+// Charts as the data that page/charts.js draws.
 #pragma once
 
 #include "lake/core/json.h"

@@ -7,7 +7,8 @@ namespace lake::report {
 
 std::string_view ChartLibrary();  // Chart.js
 std::string_view ChartLicence();  // of the chart library, in words
-std::string_view PageScript();    // page/report.js
+std::string_view PageCharts();    // page/charts.js
+std::string_view PageControls();  // page/controls.js
 std::string_view PageStyle();     // page/report.css
 
 }  // namespace lake::report

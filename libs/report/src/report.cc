@@ -91,7 +91,7 @@ std::string Html(const Picture& picture) {
                      Element("figcaption", picture.caption));
 }
 
-// The figure of both kinds of charts; page/report.js draws the data in its script element on its canvas.
+// The figure of both kinds of charts; page/charts.js draws the data in its script element on its canvas.
 template <typename Chart>
 std::string ChartHtml(const Chart& chart) {
   return fmt::format(
@@ -165,8 +165,9 @@ std::string RenderReport(const Report& report) {
   for (std::size_t i = 0; i < report.sections.size(); ++i) html += SectionHtml(report.sections[i], i + 1);
   html += "</main>\n";
   if (HasCharts(report.sections))
-    html += fmt::format("<script>\n/*!\n{}*/\n{}\n</script>\n<script>\n{}</script>\n", ChartLicence(), ChartLibrary(),
-                        PageScript());
+    html +=
+        fmt::format("<script>\n/*!\n{}*/\n{}\n</script>\n<script>\n'use strict';\n(() => {{\n{}\n{}}})();\n</script>\n",
+                    ChartLicence(), ChartLibrary(), PageCharts(), PageControls());
   return html + "</body>\n</html>\n";
 }
 
