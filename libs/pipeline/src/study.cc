@@ -121,15 +121,10 @@ StudyStep OptimumStep(const StudyFile& study, const fs::path& out) {
 }
 
 StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
-  StudyStep step{"redesign",
-                 "the design for this person",
-                 "lake-optimize",
-                 out / "redesign",
-                 {},
-                 {},
-                 {{"reoptimize", study.redesign->said}, {"design", study.design_options}},
-                 20,
-                 {}};
+  StudyStep step{"redesign", "the design for this person", "lake-optimize", out / "redesign", {}, {}, {}, 20, {}};
+  step.options = {{"reoptimize", study.redesign->said},
+                  {"problem", study.design_options.value("problem", Json())},
+                  {"human_knee", study.compare.human_knee}};
   OptimizeRunOptions options;
   AddProblem(study.redesign->design, options, step);
   options.reoptimize = study.redesign->options;

@@ -77,7 +77,7 @@ Section SimulationChapter(const StudyResults& results) {
   });
   for (const fs::path& pose : poses)
     results.AddPicture(pose, "The linkage on the leg", fmt::format("Knee at {}°.", pose.stem().string().substr(5)),
-                       Width::kHalf, section);
+                       Width::kFull, section);
   results.AddPicture("simulation/angle_vs_stroke.png", "Knee angle, moment arm, force and transmission over the stroke",
                      "What the linkage does over the stroke.", Width::kFull, section);
   results.AddPicture("simulation/mannequin.png", "The design on a body, standing and seated",

@@ -26,8 +26,8 @@ constexpr BeforeAfterRow kRows[] = {
     {"part_timing", "of it timing (%)", 100},
     {"part_shape", "of it shape (%)", 100},
     {"knee_rmse_deg", "knee angle against the human's, RMS (°)", 1},
-    {"placement_x_mm", "joint moved anterior (mm)", 1},
-    {"placement_y_mm", "joint moved up the shank (mm)", 1},
+    {"placement_x_mm", "joint sits in front of the knee (mm)", 1},
+    {"placement_y_mm", "joint sits above the knee, along the shank (mm)", 1},
     {"program_duration_s", "duration of the stroke program (s)", 1},
     {"exact_tracking_time_s", "time that following the knee exactly needs (s)", 1},
     {"l1_mm", "l1 (mm)", 1},
@@ -114,9 +114,10 @@ Series ColumnSeries(const CsvTable& table, const char* x, const char* y, const c
 LineChart AnglesChart(const fs::path& program) {
   const CsvTable table = CsvTable::Read(program);
   LineChart chart;
-  chart.title = "Knee angle: human's and the design's under its stroke program";
+  chart.title = "Knee angles";
   chart.x = {"sit-to-stand (%)", 0, 100}, chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
+  chart.caption = "The human's, and the design's under its stroke program.";
   chart.series = {ColumnSeries(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine),
                   ColumnSeries(table, "percent", "knee_deg", "new design", colour::kHip, Mark::kDashed)};
   return chart;
@@ -135,6 +136,11 @@ LineChart ParetoChart(const Json& summary) {
       series.x.push_back(NumberAt(point.at(0))), series.y.push_back(NumberAt(point.at(1)));
     chart.series.push_back(std::move(series));
   }
+  double least_deg = NumberAt(summary.at("range_deg")), most_deg = least_deg;
+  for (const Series& front : chart.series)
+    for (const double range_deg : front.x)
+      least_deg = std::min(least_deg, range_deg), most_deg = std::max(most_deg, range_deg);
+  chart.x.from = std::floor(least_deg / 5 - 0.2) * 5, chart.x.to = std::ceil(most_deg / 5 + 0.2) * 5;
   Series design;
   design.name = "the design", design.mark = Mark::kPoints, design.colour = colour::kText;
   design.x = {NumberAt(summary.at("range_deg"))}, design.y = {NumberAt(summary.at("misalignment_percent"))};

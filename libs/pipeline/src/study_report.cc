@@ -26,6 +26,31 @@ std::vector<std::string> WarningsOf(const StudyResults& results) {
   return warnings;
 }
 
+// The numbers that the story is about.
+Section OverviewChapter(const StudyResults& results) {
+  KeyFigures figures;
+  const auto add = [&](const char* label, double value, const char* unit, std::string note) {
+    figures.figures.push_back({label, value, 2, unit, std::nullopt, std::move(note)});
+  };
+  Section section{"In short", {}};
+  if (results.Has("comparison")) {
+    const Json comparison = results.Summary("comparison");
+    add("misalignment as measured", 100 * NumberAt(comparison.at("metrics").at("relative_rms")), "%",
+        fmt::format("RMS of the shank; {:.1f} mm", NumberAt(comparison.at("metrics").at("rms_mm"))));
+    section.blocks.push_back(Paragraph{DecompositionAdvice(comparison)});
+  }
+  const Json optimum = results.Summary("optimum");
+  add("largest range of rotation", NumberAt(optimum.at("range_deg")), "°", "of the design problem by itself");
+  if (results.Has("redesign")) {
+    const Json redesign = results.Summary("redesign");
+    add("misalignment of the new design", NumberAt(redesign.at("misalignment_percent")), "%",
+        fmt::format("predicted; {:.1f} mm", NumberAt(redesign.at("misalignment_rms_mm"))));
+    add("its range of rotation", NumberAt(redesign.at("range_deg")), "°", "under the limits asked for");
+  }
+  section.blocks.insert(section.blocks.begin(), std::move(figures));
+  return section;
+}
+
 Section MethodsChapter() {
   return {"Methods",
           {List{{"Markers: the centre of each from a model of its blob, with its own standard deviation from the "
@@ -74,11 +99,12 @@ Report MakeStudyReport(const StudyFile& study, const fs::path& out, const Json& 
   const StudyResults results(out);
   Report report{
       study.name, "From two recordings of a sit-to-stand to a better knee exoskeleton", WarningsOf(results), {}};
+  report.sections.push_back(OverviewChapter(results));
   report.sections.push_back(TrialsChapter(study, results));
   if (results.Has("comparison")) report.sections.push_back(MisalignmentChapter(results));
-  if (results.Has("optimum")) report.sections.push_back(OptimumChapter(study, results));
+  report.sections.push_back(OptimumChapter(study, results));
   if (results.Has("redesign")) report.sections.push_back(RedesignChapter(results));
-  if (results.Has("simulation")) report.sections.push_back(SimulationChapter(results));
+  report.sections.push_back(SimulationChapter(results));
   if (results.Has("stroke")) report.sections.push_back(StrokeChapter(results));
   report.sections.push_back(MethodsChapter());
   report.sections.push_back(FilesChapter(results));
