@@ -1,23 +1,9 @@
 // lake-gait: leg vectors, knee angle and sit-to-stand events from an existing trial.
-#include <map>
-
 #include "lake/core/error.h"
 #include "lake/pipeline/gait.h"
 #include "program.h"
 
 namespace {
-
-double MmPerUnit(const std::string& unit) {
-  static const std::map<std::string, double> kUnits = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
-  const auto found = kUnits.find(unit);
-  if (found == kUnits.end()) throw lake::UsageError(fmt::format("--unit '{}': mm, cm or m", unit));
-  return found->second;
-}
-
-lake::Facing ParseFacing(const std::string& text) {
-  if (text != "left" && text != "right") throw lake::UsageError(fmt::format("--facing '{}': left or right", text));
-  return text == "left" ? lake::Facing::kLeft : lake::Facing::kRight;
-}
 
 std::string Report(const lake::Json& summary) {
   std::string text;
@@ -61,12 +47,12 @@ int main(int argc, char** argv) {
         if (up.size() > 1) throw lake::UsageError(fmt::format("--up '{}': x, y or z", up));
         if (!up.empty()) options.reading.up = up[0];
         options.reading.forward = forward;
-        options.reading.mm_per_unit = MmPerUnit(unit);
+        options.reading.mm_per_unit = lake::MmPerUnit(unit);
         options.fit.filter = lake::ParseLegFilter(filter);
         if (cutoff->count() > 0 && !(cutoff_hz > 0))
           throw lake::UsageError(fmt::format("--cutoff {}: not positive", cutoff_hz));
         if (cutoff->count() > 0) options.fit.cutoff_hz = cutoff_hz;
-        if (!facing.empty()) options.fit.facing = ParseFacing(facing);
+        if (!facing.empty()) options.fit.facing = lake::ParseFacing(facing);
         return lake::RunGait(options, run);
       },
       Report);

@@ -5,7 +5,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/render/linkage_simulation.h"
+#include "lake/pipeline/simulate.h"
 #include "program.h"
 
 namespace {

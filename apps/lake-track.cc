@@ -4,6 +4,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/pipeline/track.h"
+#include "lake/pipeline/track_text.h"
 #include "program.h"
 
 namespace {
@@ -41,29 +42,6 @@ void Declare(CLI::App& cli, Arguments& a) {
   cli.add_option("--export", a.exports, "Also write trc,mot,c3d,tracker,kinovea");
 }
 
-// "NAME=REST"
-std::pair<std::string, std::string> SplitAtEquals(const std::string& option, const std::string& text) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) throw lake::UsageError(fmt::format("{} '{}': NAME=… is needed", option, text));
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
-// NAME=X,Y[@FRAME]
-lake::MarkerSeed ParseSeed(const std::string& text) {
-  auto [name, place] = SplitAtEquals("--seed", text);
-  lake::MarkerSeed seed{name};
-  if (const auto at = place.find('@'); at != std::string::npos) {
-    const double frame = lake::ParseNumbers(place.substr(at + 1), 1, "--seed " + name + ": frame").front();
-    seed.frame = static_cast<std::int64_t>(frame);
-    if (frame < 0 || frame != static_cast<double>(seed.frame))
-      throw lake::UsageError(fmt::format("--seed '{}': a frame is a whole number from 0", text));
-    place.resize(at);
-  }
-  const std::vector<double> xy = lake::ParseNumbers(place, 2, "--seed " + name);
-  seed.position = {xy[0], xy[1]};
-  return seed;
-}
-
 template <std::size_t kCount>
 std::optional<std::array<double, kCount>> ParseOptional(const std::string& option, const std::string& text) {
   if (text.empty()) return std::nullopt;
@@ -72,31 +50,15 @@ std::optional<std::array<double, kCount>> ParseOptional(const std::string& optio
   return values;
 }
 
-cv::Rect ParseCrop(const std::string& text) {
-  const auto crop = ParseOptional<4>("--crop", text);
-  if (!crop) return {};
-  for (const double value : *crop)
-    if (value != std::floor(value) || std::abs(value) > 1e5) throw lake::UsageError(fmt::format("--crop '{}': whole px are needed", text));
-  const cv::Rect rect(static_cast<int>((*crop)[0]), static_cast<int>((*crop)[1]), static_cast<int>((*crop)[2]), static_cast<int>((*crop)[3]));
-  if (rect.width <= 0 || rect.height <= 0) throw lake::UsageError(fmt::format("--crop '{}': width and height must be positive", text));
-  return rect;
-}
-
-lake::DetectorKind ParseDetector(const std::string& text) {
-  if (text == "color") return lake::DetectorKind::kColor;
-  if (text == "template") return lake::DetectorKind::kTemplate;
-  return text == "aruco" ? lake::DetectorKind::kAruco : lake::DetectorKind::kReflective;
-}
-
 lake::TrackOptions MakeTrackOptions(const Arguments& a) {
   lake::TrackOptions options;
   options.names = lake::SplitText(a.markers, ',');
-  for (const std::string& seed : a.seeds) options.seeds.push_back(ParseSeed(seed));
-  options.detector = ParseDetector(a.detector);
-  options.polarity = a.polarity == "dark" ? lake::Polarity::kDark : lake::Polarity::kBright;
+  for (const std::string& seed : a.seeds) options.seeds.push_back(lake::ParseSeed(seed));
+  options.detector = lake::ParseDetector(a.detector);
+  options.polarity = lake::ParsePolarity(a.polarity);
   options.colors = a.colors;
   options.dictionary = a.dictionary;
-  options.crop = ParseCrop(a.crop);
+  if (const auto crop = ParseOptional<4>("--crop", a.crop)) options.crop = lake::CropOf(*crop);
   options.reader.first = a.start;
   if (a.end >= 0) options.reader.last = a.end;
   if (a.end >= 0 && a.end < a.start) throw lake::UsageError(fmt::format("--end {} is before --start {}", a.end, a.start));
@@ -115,7 +77,7 @@ lake::TrackRunOptions MakeRunOptions(const Arguments& a) {
   options.scale = ParseOptional<5>("--scale", a.scale);
   options.vertical = ParseOptional<4>("--vertical", a.vertical);
   for (const std::string& depth : a.depths) {
-    const auto [name, mm] = SplitAtEquals("--depth", depth);
+    const auto [name, mm] = lake::SplitAtEquals("--depth", depth);
     options.depth_mm[name] = lake::ParseNumbers(mm, 1, "--depth " + name).front();
   }
   options.overlay = a.overlay;

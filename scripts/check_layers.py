@@ -17,7 +17,7 @@ MAY_USE = {
     "gait": ["motion", "camera"],
     "exchange": ["motion"],
     "compare": ["motion"],
-    "render": ["motion", "video", "camera", "gait", "compare", "linkage", "synthesis"],
+    "render": ["motion", "video", "camera", "gait", "compare", "linkage", "synthesis", "actuator"],
     "synthesis": ["linkage", "compare", "nlp"],
     "actuator": ["linkage"],
     "synth": ["motion", "video", "camera", "linkage"],

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <new>
 
 #include "lake/core/atomic_file.h"
@@ -95,7 +96,7 @@ int Program::Main(int argc, char** argv, const std::function<std::string()>& res
 
 int Program::Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work,
                   const std::function<std::string(const Json&)>& report) {
-  if (out_.empty()) out_ = "lake-out/" + result_name;
+  if (out_.empty()) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
   Run run({name_, command, EffectiveOptions(), out_, quiet_});
   const Json summary = run.WriteSummary(work(run));
   WriteTextFile(run.Result("options.toml"), cli_.config_to_str(false));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "closed_form.h"
+#include "lake/compare/misalignment.h"
 #include "lake/compare/pointwise_error.h"
 
 namespace lake {
@@ -106,6 +107,18 @@ TEST(Spikes, CleanCurvesHaveNone) {
     const std::vector<bool> spike = FindSpikes(human, exo);
     EXPECT_EQ(std::count(spike.begin(), spike.end(), true), 0) << warp;
   }
+}
+
+// The exoskeleton's joint lies beside the knee, so its distance from the ankle says nothing of the subject or the scale.
+TEST(CompareTrials, WarnOfAnotherLegNotOfAJointBesideTheKnee) {
+  const auto warnings = [](const StsCurve& exo) {
+    const Misalignment m = CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, {.resamples = 0});
+    return testing::PrintToString(m.warnings);
+  };
+  EXPECT_THAT(warnings(MakeCurve({}, IssueWarp, {18, 60})), testing::Not(testing::HasSubstr("ankle to hip")));
+  ClosedFormLeg other;
+  other.shank_mm *= 1.07, other.thigh_mm *= 1.07;
+  EXPECT_THAT(warnings(MakeCurve(other)), testing::HasSubstr("ankle to hip"));
 }
 
 }  // namespace

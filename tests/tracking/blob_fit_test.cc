@@ -19,8 +19,8 @@ BlobFitOptions Options(const SceneNoise& noise) {
   return options;
 }
 
-// The standard deviation per axis that no unbiased estimate can beat, rounding to whole grey levels (1/12) included: inverse
-// Fisher information of the noise-free image's derivative by position.
+// The standard deviation per axis that no unbiased estimate can beat, rounding to whole grey levels (1/12) included:
+// inverse Fisher information of the noise-free image's derivative by position.
 double CramerRaoBound(const SceneMarker& marker, const SceneNoise& noise) {
   constexpr double kStep = 0.05;
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
@@ -29,13 +29,15 @@ double CramerRaoBound(const SceneMarker& marker, const SceneNoise& noise) {
   for (const Eigen::Vector2d& axis : {Eigen::Vector2d(kStep, 0), Eigen::Vector2d(0, kStep)}) {
     SceneMarker ahead = marker, behind = marker;
     ahead.center += axis, behind.center -= axis;
-    slope.push_back((DrawMarkers(kSize, {ahead}, kPsf, kBackground) - DrawMarkers(kSize, {behind}, kPsf, kBackground)) / (2 * kStep));
+    slope.push_back((DrawMarkers(kSize, {ahead}, kPsf, kBackground) - DrawMarkers(kSize, {behind}, kPsf, kBackground)) /
+                    (2 * kStep));
   }
   for (int y = 0; y < kSize.height; ++y)
     for (int x = 0; x < kSize.width; ++x) {
       if (image.at<double>(y, x) >= 255) continue;  // a saturated pixel tells nothing
       const Eigen::Vector2d g(slope[0].at<double>(y, x), slope[1].at<double>(y, x));
-      information += g * g.transpose() / (noise.read_sd * noise.read_sd + noise.gain * image.at<double>(y, x) + 1.0 / 12);
+      information +=
+          g * g.transpose() / (noise.read_sd * noise.read_sd + noise.gain * image.at<double>(y, x) + 1.0 / 12);
     }
   return std::sqrt(information.inverse().trace() / 2);
 }
@@ -43,12 +45,16 @@ double CramerRaoBound(const SceneMarker& marker, const SceneNoise& noise) {
 struct Case {
   const char* name;
   SceneMarker marker;
-  double allowed = 1.10;  // error over the bound; 800 errors estimate their deviation to 2.5 %, and the issue asks for 1.15
+  // Error over the bound, as is promised. About 1.06 is expected; 800 errors, of a new seed in each run, estimate it
+  // to 2.5 %.
+  double allowed = 1.15;
   double sigma_tolerance = 0.12;
   double allowed_bias_px = 0;  // beyond chance
 };
 
-std::ostream& operator<<(std::ostream& stream, const Case& c) { return stream << c.name; }
+std::ostream& operator<<(std::ostream& stream, const Case& c) {
+  return stream << c.name;
+}
 
 class BlobFitTest : public testing::TestWithParam<Case> {};
 
@@ -76,7 +82,10 @@ TEST_P(BlobFitTest, ReachesTheCramerRaoBoundWithAnHonestSigma) {
   const double rms = std::sqrt(square_sum / trials), bound = std::sqrt(bound_square_sum);
   EXPECT_LE(rms, GetParam().allowed * bound) << "rms " << rms << " px, bound " << bound << " px";
   EXPECT_NEAR(std::sqrt(z_square_sum / trials), 1, GetParam().sigma_tolerance);
-  EXPECT_LE((error_sum / trials).norm(), 4 * rms / std::sqrt(trials) + GetParam().allowed_bias_px) << "bias";
+  // All start on the same side of the truth; the iteration stops with as much left as its last step at most.
+  const double unconverged = BlobFitOptions().converged_px;
+  EXPECT_LE((error_sum / trials).norm(), 4 * rms / std::sqrt(trials) + unconverged + GetParam().allowed_bias_px)
+      << "bias";
 }
 
 SceneMarker Disc(double radius, double amplitude, Eigen::Vector2d blur = {0, 0}, double aspect = 1) {
@@ -86,12 +95,13 @@ SceneMarker Disc(double radius, double amplitude, Eigen::Vector2d blur = {0, 0},
 }
 
 INSTANTIATE_TEST_SUITE_P(Markers, BlobFitTest,
-                         testing::Values(Case{"small", Disc(2, 150)}, Case{"usual", Disc(4, 150)}, Case{"large", Disc(8, 150)},
-                                         Case{"dim", Disc(5, 30)}, Case{"oblique", Disc(6, 150, {0, 0}, 0.85)},
-                                         Case{"saturated", Disc(5, 240)},
-                                         // Only the point-spread's outer tail is not saturated; there the model's edge is an
-                                         // approximation, and the error is still under 0.005 px.
-                                         Case{"overexposed", Disc(5, 400), 1.6, 0.3, 0.002}, Case{"streaked", Disc(6, 150, {6, -3})},
+                         testing::Values(Case{"small", Disc(2, 150)}, Case{"usual", Disc(4, 150)},
+                                         Case{"large", Disc(8, 150)}, Case{"dim", Disc(5, 30)},
+                                         Case{"oblique", Disc(6, 150, {0, 0}, 0.85)}, Case{"saturated", Disc(5, 240)},
+                                         // Only the point-spread's outer tail is not saturated; there the model's edge
+                                         // is an approximation, and the error is still under 0.005 px.
+                                         Case{"overexposed", Disc(5, 400), 1.6, 0.3, 0.002},
+                                         Case{"streaked", Disc(6, 150, {6, -3})},
                                          Case{"streaked_small", Disc(4, 150, {2, 2})}),
                          [](const auto& info) { return std::string(info.param.name); });
 

@@ -38,5 +38,53 @@ TEST(ColorDetector, LightsOfAWalkingLegGiveTheirPublishedFlexion) {
   }
 }
 
+// A ball of 4.5 px that moves up to 70 px a frame past brighter things; in frame 5 it touches one of them.
+TEST(ReflectiveDetector, AThrownBallIsWhereTrackerSawIt) {
+  const fs::path folder = fs::path(LAKE_SHARED_DATA) / "tracker_balltoss";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not here";
+  const CsvTable truth = CsvTable::Read(folder / "truth_ball_from_trk.csv");
+  const auto place = [&](std::size_t row) {
+    return Vector2d(truth.RequiredNumber(row, truth.Column("x_px")), truth.RequiredNumber(row, truth.Column("y_px")));
+  };
+  TrackOptions options;
+  options.names = {"ball"};
+  options.seeds = {{"ball", place(0), static_cast<std::int64_t>(truth.RequiredNumber(0, truth.Column("frame")))}};
+  options.quiet = true;
+  const MarkerRecording recording = TrackMarkers(folder / "videos" / "BallToss_new_BallToss.mp4", options).recording;
+  int near = 0;
+  for (std::size_t row = 0; row < truth.Rows(); ++row) {
+    const MarkerSample& sample =
+        recording.markers[0].samples.at(static_cast<std::size_t>(truth.RequiredNumber(row, truth.Column("frame"))));
+    near += sample.IsKnown() && (sample.position - place(row)).norm() <= 2;
+  }
+  EXPECT_GE(near, 10);
+}
+
+// A textured patch that wanders 40 px by known fractions of a pixel.
+TEST(TemplateDetector, DoesNotDriftIn200Frames) {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> offset(-16, 16), level(20, 90);
+  std::vector<SceneMarker> texture(12);
+  for (SceneMarker& spot : texture)
+    spot.center = {offset(random), offset(random)}, spot.radius_px = 4, spot.amplitude = level(random);
+  const auto truth = [](int frame) { return Vector2d(50 + 0.217 * frame, 60 + 9 * std::sin(frame / 17.0)); };
+  const auto picture = [&](int frame) {
+    std::vector<SceneMarker> spots = texture;
+    for (SceneMarker& spot : spots) spot.center += truth(frame);
+    return AddNoise(DrawMarkers({150, 120}, spots, 0.7, 40), SceneNoise{}, random);
+  };
+  const auto detector = MakeTemplateDetector({{"patch", truth(0), 0}}, {picture(0)}, {});
+  TrackletBuilder builder(*detector, {});
+  for (int i = 0; i < 200; ++i) {
+    VideoFrame frame;
+    frame.index = i, frame.time_s = i / 60.0, frame.luma = picture(i);
+    builder.Add(frame);
+  }
+  const std::vector<Tracklet> tracklets = builder.Finish();
+  ASSERT_EQ(tracklets.size(), 1u);
+  ASSERT_EQ(tracklets[0].LastFrame(), 199);
+  EXPECT_LE((tracklets[0].samples.back().position - truth(199)).norm(), 0.1);
+}
+
 }  // namespace
 }  // namespace lake

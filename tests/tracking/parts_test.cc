@@ -6,6 +6,7 @@
 
 #include "lake/tracking/assignment.h"
 #include "lake/tracking/blob_search.h"
+#include "lake/tracking/marker_detector.h"
 #include "lake/tracking/noise_estimate.h"
 #include "lake/tracking/sigma_calibration.h"
 #include "lake/tracking/tracklet.h"
@@ -172,6 +173,24 @@ TEST(BlobSearch, EdgesAndFlatPicturesHoldNoBlob) {
     EXPECT_EQ(BlobsIn(AcrossALine(angle_deg, [](double u) { return 40 + 75 * (1 + std::erf(u)); }), random), 0u)
         << angle_deg;
   EXPECT_EQ(BlobsIn(cv::Mat(240, 320, CV_64F, cv::Scalar(90)), random), 0u);
+}
+
+// The search may propose a piece of a line; the fit must not take it for a marker. Two frames, as the first only
+// teaches the noise.
+TEST(ReflectiveDetector, LinesAreNoMarkers) {
+  std::mt19937 random(20);
+  for (const double width_px : {1.0, 3.0, 6.0})
+    for (const double angle_deg : kAngles) {
+      const cv::Mat line =
+          AcrossALine(angle_deg, [&](double u) { return 40 + 150 * std::exp(-0.5 * u * u / (width_px * width_px)); });
+      const auto detector = MakeReflectiveDetector(Polarity::kBright, {});
+      for (int i = 0; i < 2; ++i) {
+        VideoFrame frame;
+        frame.luma = AddNoise(line, SceneNoise{}, random);
+        EXPECT_THAT(detector->Detect(frame, {}, true), testing::IsEmpty())
+            << width_px << " px, " << angle_deg << " deg";
+      }
+    }
 }
 
 TEST(BlobSearch, StaysInItsRegion) {

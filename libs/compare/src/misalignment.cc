@@ -112,14 +112,22 @@ class Bootstrap {
   std::vector<double> rms_, max_, relative_rms_, relative_max_, placement_, timing_, shape_, offset_x_, offset_y_;
 };
 
+// The longest distance from ankle to hip: of the compared markers only the exoskeleton's may sit beside the knee.
+double LegLength(const StsCurve& curve) {
+  double longest_mm = 0;
+  for (std::size_t i = 0; i < curve.hip.size(); ++i)
+    longest_mm = std::max(longest_mm, (curve.hip[i] - curve.ankle[i]).norm());
+  return longest_mm;
+}
+
 void AddWarnings(const RegisteredTrial& human, const RegisteredTrial& exo, Misalignment& m) {
   for (const RegisteredTrial* trial : {&human, &exo})
     m.warnings.insert(m.warnings.end(), trial->warnings.begin(), trial->warnings.end());
-  const double human_mm = Mean(m.shank_mm), exo_mm = Mean(ShankLengths(m.exo));
+  const double human_mm = LegLength(m.human), exo_mm = LegLength(m.exo);
   constexpr double kMostDifference = 0.05;
   if (std::abs(exo_mm / human_mm - 1) > kMostDifference)
     m.warnings.push_back(fmt::format(
-        "ankle to knee is {:.0f} mm in the human trial and {:.0f} mm in the exoskeleton trial: another subject, "
+        "ankle to hip is {:.0f} mm in the human trial and {:.0f} mm in the exoskeleton trial: another subject, "
         "another marker placement, or a wrong scale?",
         human_mm, exo_mm));
   if (!m.decomposition.converged)

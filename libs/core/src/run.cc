@@ -30,9 +30,13 @@ void Run::AddInput(const fs::path& path) {
   inputs_.push_back({{"path", path.string()}, {"sha256", Sha256OfFile(path)}});
 }
 
+Json Run::Head() const {
+  return {{"program", info_.program}, {"version", Version()}, {"command", info_.command},
+          {"options", info_.options}, {"inputs", inputs_},    {"warnings", warnings_}};
+}
+
 Json Run::WriteSummary(const Json& results) {
-  Json summary = {{"program", info_.program}, {"version", Version()},  {"command", info_.command},
-                  {"options", info_.options}, {"inputs", inputs_},     {"warnings", warnings_}};
+  Json summary = Head();
   summary.update(results);
   WriteJsonFile(Result("summary.json"), summary);
   return summary;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
@@ -21,6 +22,26 @@ namespace {
 
 std::string Place(const std::string& file, const YAML::Mark& mark) {
   return mark.is_null() ? file : fmt::format("{}:{}", file, mark.line + 1);
+}
+
+Json ScalarJson(const std::string& text) {
+  const std::optional<double> number = ParseNumber(text);
+  return number ? Json(*number) : Json(text);
+}
+
+Json JsonOf(const YAML::Node& node) {
+  if (node.IsScalar()) return ScalarJson(node.Scalar());
+  if (node.IsSequence()) {
+    Json list = Json::array();
+    for (const YAML::Node& element : node) list.push_back(JsonOf(element));
+    return list;
+  }
+  if (!node.IsMap()) return nullptr;
+  std::map<std::string, Json> sorted;
+  for (const auto& pair : node) sorted[pair.first.as<std::string>()] = JsonOf(pair.second);
+  Json map = Json::object();
+  for (const auto& [key, value] : sorted) map[key] = value;
+  return map;
 }
 
 }  // namespace
@@ -120,6 +141,8 @@ std::string YamlNode::AsText() const {
   if (!impl_->node.IsScalar()) throw Fail("{}: a single value was expected", Where());
   return impl_->node.Scalar();
 }
+
+Json YamlNode::ToJson() const { return JsonOf(impl_->node); }
 
 void YamlNode::Finish() const {
   if (!IsMap()) return;

@@ -3,6 +3,8 @@
 #include "lake/core/error.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/render/misalignment_figures.h"
+#include "lake/report/misalignment_sections.h"
+#include "lake/report/report.h"
 
 namespace lake {
 namespace {
@@ -66,6 +68,17 @@ RegisteredTrial Register(const TrialTables& tables, const std::string& knee) {
   return RegisterTrial(tables, options);
 }
 
+void WriteComparisonReport(const std::string& title, const Json& comparison, Run& run) {
+  Report report{"Misalignment of human and exoskeleton knee", title, run.Warnings(), MisalignmentSections(comparison)};
+  report.sections.push_back({"Files beside this page",
+                             {report::Files{{{"misalignment.csv", "the curves, a row per percent"},
+                                             {"comparison.json", "all figures and curves, as lake-optimize reads them"},
+                                             {"overlay.png", "both paths"},
+                                             {"misalignment.png", "error, parts and angles over the rise"}}}}});
+  report.sections.push_back(ProvenanceSection(run.Head()));
+  WriteReport(run.Result("report.html"), report);
+}
+
 }  // namespace
 
 TrialTables ReadTrialTables(const fs::path& path, const TrialOptions& reading, const std::string& knee, Run& run) {
@@ -88,6 +101,7 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   Json comparison = ComparisonJson(misalignment);
   comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
   WriteJsonFile(run.Result("comparison.json"), comparison);
+  WriteComparisonReport(title, comparison, run);
   comparison.erase("curves");
   return comparison;
 }

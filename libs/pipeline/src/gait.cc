@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
+#include "lake/core/error.h"
 #include "lake/render/leg_figure.h"
 
 namespace lake {
@@ -19,6 +22,18 @@ void SayWarnings(const Trial& trial, const LegFitResult& result, Run& run) {
 }
 
 }  // namespace
+
+double MmPerUnit(const std::string& unit) {
+  static const std::map<std::string, double> kUnits = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
+  const auto found = kUnits.find(unit);
+  if (found == kUnits.end()) throw UsageError(fmt::format("--unit '{}': mm, cm or m", unit));
+  return found->second;
+}
+
+Facing ParseFacing(const std::string& text) {
+  if (text != "left" && text != "right") throw UsageError(fmt::format("--facing '{}': left or right", text));
+  return text == "left" ? Facing::kLeft : Facing::kRight;
+}
 
 LegFitResult FitTrial(const GaitRunOptions& options, Run& run) {
   const Trial trial = ReadTrial(options.trial, options.reading);

@@ -22,9 +22,9 @@ void DrawTrunk(Scene& scene, const Vector2d& hip, const Body& body) {
   const double head = 0.5 * body.head_height_mm;
   PlanePath face = Circle({0, 0}, head);
   for (Vector2d& point : face) point = neck + Vector2d(0.8 * point.x(), point.y() + body.neck_length_mm + head);
-  const std::vector<PlanePath> shapes{Capsule(seat, shoulder, depth, depth),
-                                      Capsule(neck, neck + Vector2d(0, body.neck_length_mm), 0.45 * head, 0.45 * head),
-                                      face};
+  const std::vector<PlanePath> shapes{
+      CapsulePath(seat, shoulder, depth, depth),
+      CapsulePath(neck, neck + Vector2d(0, body.neck_length_mm), 0.45 * head, 0.45 * head), face};
   for (const PlanePath& shape : shapes) scene.Stroke(shape, kEdge, 3);
   for (const PlanePath& shape : shapes) scene.Fill(shape, kSkin);
 }

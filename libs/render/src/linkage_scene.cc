@@ -39,8 +39,8 @@ void DrawLeg(Scene& scene, const PosedLeg& leg, const Body& body) {
   constexpr const char* kEdge = "#CDB39B";
   const Vector2d hip = leg.FromThigh({0, body.thigh.length_mm}), ankle = leg.FromShank({0, -body.shank.length_mm});
   const std::vector<PlanePath> shapes{
-      FootOutline(leg, body), Capsule({0, 0}, ankle, body.shank.proximal_radius_mm, body.shank.distal_radius_mm),
-      Capsule(hip, {0, 0}, body.thigh.proximal_radius_mm, body.thigh.distal_radius_mm)};
+      FootOutline(leg, body), CapsulePath({0, 0}, ankle, body.shank.proximal_radius_mm, body.shank.distal_radius_mm),
+      CapsulePath(hip, {0, 0}, body.thigh.proximal_radius_mm, body.thigh.distal_radius_mm)};
   // All edges first, then all fills: the edges within the leg disappear.
   for (const PlanePath& shape : shapes) scene.Stroke(shape, kEdge, 3);
   for (const PlanePath& shape : shapes) scene.Fill(shape, kSkin);
@@ -52,7 +52,7 @@ void DrawLinkage(Scene& scene, const PosedLeg& leg, double d_min_mm, double half
   const Vector2d shank_pin = leg.FromThigh(pose.shank_pin), mount = leg.FromThigh(pose.mount);
   const Vector2d bend = leg.FromThigh({0, pose.mount.y()});
   const auto bar = [&](const Vector2d& from, const Vector2d& to, const char* colour, double width) {
-    scene.Fill(Capsule(from, to, width, width), colour);
+    scene.Fill(CapsulePath(from, to, width, width), colour);
   };
   bar(knee, bend, link_colour::kThigh, half_width);
   bar(bend, mount, link_colour::kThigh, half_width);

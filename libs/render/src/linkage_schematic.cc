@@ -20,7 +20,7 @@ struct Drawing {
   double unit;  // mm; a fortieth of the picture
 
   void Link(const Vector2d& from, const Vector2d& to, const char* colour) const {
-    scene.Fill(Capsule(from, to, 0.35 * unit, 0.35 * unit), colour);
+    scene.Fill(CapsulePath(from, to, 0.35 * unit, 0.35 * unit), colour);
   }
   // The name stands to the right of the line from `from` to `to` (negative: to the left).
   void Name(const Vector2d& from, const Vector2d& to, const char* text, const char* colour, double aside = 1.3,
@@ -50,7 +50,8 @@ void DrawBodies(const Drawing& drawing, const Pose& p) {
   drawing.Link(p.tip, p.shank_pin, link_colour::kCoupler);
   drawing.Link(p.mount, p.tip, link_colour::kPiston);
   const Vector2d along = p.tip - p.mount;
-  scene.Fill(Capsule(p.mount, p.mount + 0.6 * along, 0.6 * drawing.unit, 0.6 * drawing.unit), link_colour::kCylinder);
+  scene.Fill(CapsulePath(p.mount, p.mount + 0.6 * along, 0.6 * drawing.unit, 0.6 * drawing.unit),
+             link_colour::kCylinder);
   for (const Vector2d& pin : {p.knee, p.thigh_pin, p.tip, p.shank_pin, p.mount}) scene.Pin(pin, 1.3);
 }
 

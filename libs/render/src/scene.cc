@@ -75,7 +75,7 @@ PlanePath Circle(const Vector2d& centre, double radius) {
   return Arc(centre, radius, 0, 2 * kPi);
 }
 
-PlanePath Capsule(const Vector2d& from, const Vector2d& to, double from_radius, double to_radius) {
+PlanePath CapsulePath(const Vector2d& from, const Vector2d& to, double from_radius, double to_radius) {
   const Vector2d along = to - from;
   const double length = along.norm();
   if (length <= std::abs(from_radius - to_radius))

@@ -55,7 +55,7 @@ class Scene {
 };
 
 // Outline of a bar with round ends, of the given radii.
-PlanePath Capsule(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double from_radius, double to_radius);
+PlanePath CapsulePath(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double from_radius, double to_radius);
 PlanePath Arc(const Eigen::Vector2d& centre, double radius, double from_rad,
               double to_rad);  // counter-clockwise from +x
 PlanePath Circle(const Eigen::Vector2d& centre, double radius);

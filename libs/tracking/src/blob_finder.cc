@@ -10,11 +10,13 @@
 namespace lake {
 namespace {
 
-constexpr int kNoiseFrames = 6;  // from which the image noise is estimated
+constexpr int kNoiseFrames = 6;                // from which the image noise is estimated
 constexpr double kMaxRelativeResidual = 0.12;  // of anything that is taken for a marker
 
 // A patch that a fit touches must not be much larger than the blob, or the next blob comes in.
-double Reach(const Blob& blob) { return blob.RadiusPx() + 2.5 * blob.edge_px + 0.5 * blob.blur_px.norm(); }
+double Reach(const Blob& blob) {
+  return blob.RadiusPx() + 2.5 * blob.edge_px + 0.5 * blob.blur_px.norm();
+}
 
 // Groups of predictions whose pictures touch; each group is fitted as one.
 std::vector<std::vector<std::size_t>> TouchingGroups(const std::vector<Blob>& blobs) {
@@ -97,7 +99,8 @@ Blob BlobFinder::Start(const MarkerPrediction& prediction) const {
   return start;
 }
 
-// Whether a fit is the marker that was followed, whole: a part of it, or it and something else, would be measured in a wrong place.
+// Whether a fit is the marker that was followed, whole: a part of it, or it and something else, would be measured in a
+// wrong place.
 bool BlobFinder::LooksLike(const BlobFit& fit, const MarkerPrediction& prediction) const {
   const Blob& now = fit.blob;
   const Blob& before = prediction.appearance;
@@ -126,11 +129,31 @@ void BlobFinder::FitTogether(const cv::Mat& grey, std::span<const MarkerPredicti
   }
 }
 
+// While the shutter is unknown, a fast marker may be a streak or as sharp as at rest: what leaves less is believed.
+std::optional<BlobFit> BlobFinder::FitStreak(const cv::Mat& grey, const Eigen::Vector2d& place,
+                                             const MarkerPrediction& prediction, const BlobFitOptions& options) const {
+  Blob streak = Start(prediction);
+  streak.center = place;
+  std::vector<Blob> starts = {streak};
+  if (!shutter_.IsKnown() && streak.blur_px.norm() > streak.RadiusPx()) {
+    starts.push_back(streak);
+    starts.back().blur_px.setZero();
+  }
+  std::optional<BlobFit> best;
+  for (const Blob& start : starts) {
+    const auto fit = FitBlobs(grey, std::span(&start, 1), options);
+    if (!fit || !LooksLike(fit->front(), prediction)) continue;
+    if (!best || fit->front().relative_residual < best->relative_residual) best = fit->front();
+  }
+  return best;
+}
+
 std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const MarkerPrediction& prediction) const {
   const double radius = prediction.appearance.RadiusPx(), reach = prediction.gate_px + 4 * radius + 8;
-  const cv::Rect box = cv::Rect(static_cast<int>(prediction.position.x() - reach), static_cast<int>(prediction.position.y() - reach),
-                                static_cast<int>(2 * reach), static_cast<int>(2 * reach)) &
-                       Region(grey);
+  const cv::Rect box =
+      cv::Rect(static_cast<int>(prediction.position.x() - reach), static_cast<int>(prediction.position.y() - reach),
+               static_cast<int>(2 * reach), static_cast<int>(2 * reach)) &
+      Region(grey);
   if (box.empty()) return std::nullopt;
   BlobSearchOptions search;
   search.min_radius_px = 0.6 * radius, search.max_radius_px = 1.6 * radius;
@@ -140,12 +163,10 @@ std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const Marke
   options.shape_freedom = 0.3;
   std::optional<BlobFit> nearest;
   for (const BlobCandidate& candidate : FindBlobs(grey, box, search)) {
-    Blob start = Start(prediction);
-    start.center = candidate.position;
-    const auto fit = FitBlobs(grey, std::span(&start, 1), options);
-    if (!fit || !LooksLike(fit->front(), prediction)) continue;
+    const auto fit = FitStreak(grey, candidate.position, prediction, options);
+    if (!fit) continue;
     const auto distance = [&](const BlobFit& f) { return (f.blob.center - prediction.position).norm(); };
-    if (!nearest || distance(fit->front()) < distance(*nearest)) nearest = fit->front();
+    if (!nearest || distance(*fit) < distance(*nearest)) nearest = fit;
   }
   return nearest;
 }
@@ -172,8 +193,8 @@ void BlobFinder::LearnFromFits(const cv::Mat& grey, std::span<const MarkerPredic
   }
 }
 
-// The size of a candidate is a guess within a factor of two, and a fit can settle on a wrong size: several are tried, and the one
-// that leaves least is believed. A last step this small lets the shape settle too, not only the place.
+// The size of a candidate is a guess within a factor of two, and a fit can settle on a wrong size: several are tried,
+// and the one that leaves least is believed. A last step this small lets the shape settle too, not only the place.
 std::optional<BlobFit> BlobFinder::FitNew(const cv::Mat& grey, const BlobCandidate& candidate) const {
   constexpr double kGoodResidual = 0.03;
   BlobFitOptions options = fit_options_;
@@ -216,7 +237,8 @@ void BlobFinder::FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> 
       return (place - candidate.position).norm() < radius + candidate.radius_px;
     };
     const auto end = found.begin() + static_cast<std::ptrdiff_t>(known);
-    if (std::any_of(found.begin(), end, [&](const auto& d) { return touches(d.position, d.appearance.RadiusPx()); })) continue;
+    if (std::any_of(found.begin(), end, [&](const auto& d) { return touches(d.position, d.appearance.RadiusPx()); }))
+      continue;
     if (WasRefused(candidate)) continue;
     if (const auto fit = FitNew(grey, candidate))
       found.push_back(MakeDetection(*fit));

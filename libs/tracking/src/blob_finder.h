@@ -11,8 +11,8 @@
 
 namespace lake {
 
-// The part of the frame time during which the shutter is open, from the streaks of fast blobs: each is fitted with several
-// assumed exposures, and the one that fits best over all of them is believed.
+// The part of the frame time during which the shutter is open, from the streaks of fast blobs: each is fitted with
+// several assumed exposures, and the one that fits best over all of them is believed.
 class ShutterEstimator {
  public:
   static constexpr std::array<double, 6> kCandidates = {0, 0.2, 0.4, 0.6, 0.8, 1.0};
@@ -39,17 +39,21 @@ class BlobFinder {
  public:
   explicit BlobFinder(const cv::Rect& crop) : crop_(crop) {}
 
-  std::vector<MarkerDetection> Detect(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, bool everywhere);
+  std::vector<MarkerDetection> Detect(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
+                                      bool everywhere);
 
  private:
   using Fits = std::vector<BlobFit>;
   cv::Rect Region(const cv::Mat& grey) const;
   void LearnNoise(const cv::Mat& grey);
-  void LearnFromFits(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, const std::vector<std::optional<BlobFit>>& fits);
+  void LearnFromFits(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
+                     const std::vector<std::optional<BlobFit>>& fits);
   Blob Start(const MarkerPrediction& prediction) const;
   bool LooksLike(const BlobFit& fit, const MarkerPrediction& prediction) const;
-  void FitTogether(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, const std::vector<std::size_t>& members,
-                   std::vector<std::optional<BlobFit>>& fits) const;
+  void FitTogether(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
+                   const std::vector<std::size_t>& members, std::vector<std::optional<BlobFit>>& fits) const;
+  std::optional<BlobFit> FitStreak(const cv::Mat& grey, const Eigen::Vector2d& place,
+                                   const MarkerPrediction& prediction, const BlobFitOptions& options) const;
   std::optional<BlobFit> SearchAndFit(const cv::Mat& grey, const MarkerPrediction& prediction) const;
   void FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, std::vector<MarkerDetection>& found);
   std::optional<BlobFit> FitNew(const cv::Mat& grey, const BlobCandidate& candidate) const;

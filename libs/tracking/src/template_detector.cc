@@ -11,26 +11,44 @@
 namespace lake {
 namespace {
 
-constexpr double kFoundCorrelation = 0.75;   // the patch is there
-constexpr double kRenewCorrelation = 0.90;   // below this the patch has changed its look enough to be cut anew
-constexpr std::size_t kMaxLooks = 12;        // of one patch; the first is never forgotten
+constexpr double kFoundCorrelation = 0.75;  // the patch is there
+constexpr double kRenewCorrelation = 0.90;  // below this the patch has changed its look enough to be cut anew
+constexpr std::size_t kMaxLooks = 12;       // of one patch; the first is never forgotten
 
 // A patch centred on its marker exactly, to a fraction of a pixel.
 struct Look {
-  cv::Mat grey;  // CV_32F, square, odd size
+  cv::Mat grey;                                              // CV_32F, square, odd size
   Eigen::Vector2d drift_variance = Eigen::Vector2d::Zero();  // of its centre, from the looks it was cut by
 };
 
+constexpr int kTaps = 6;  // of the interpolation
+
+// Lanczos' kernel of three lobes for a place `fraction` px after the third of six pixels, its sum one.
+cv::Mat InterpolationKernel(double fraction) {
+  const auto sinc = [](double u) { return std::abs(u) < 1e-9 ? 1.0 : std::sin(M_PI * u) / (M_PI * u); };
+  cv::Mat kernel(kTaps, 1, CV_32F);
+  for (int i = 0; i < kTaps; ++i) {
+    const double u = i - (kTaps / 2 - 1) - fraction;
+    kernel.at<float>(i) = static_cast<float>(sinc(u) * sinc(u / 3));
+  }
+  return kernel / cv::sum(kernel)[0];
+}
+
+// The picture round a place between its pixels. (cv::remap knows places to 1/32 px only.)
 cv::Mat Cut(const cv::Mat& picture, const Eigen::Vector2d& center, int half) {
-  cv::Mat patch;
+  constexpr int kBefore = kTaps / 2 - 1;
   const int size = 2 * half + 1;
-  cv::Mat map(size, size, CV_32FC2);
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x)
-      map.at<cv::Vec2f>(y, x) = {static_cast<float>(center.x() + x - half), static_cast<float>(center.y() + y - half)};
-  cv::remap(picture, patch, map, {}, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
-  patch.convertTo(patch, CV_32F);
-  return patch;
+  const int left = static_cast<int>(std::floor(center.x())) - half - kBefore,
+            top = static_cast<int>(std::floor(center.y())) - half - kBefore;
+  cv::Mat window(size + kTaps - 1, size + kTaps - 1, CV_32F);
+  for (int y = 0; y < window.rows; ++y)
+    for (int x = 0; x < window.cols; ++x)
+      window.at<float>(y, x) =
+          picture.at<uchar>(std::clamp(top + y, 0, picture.rows - 1), std::clamp(left + x, 0, picture.cols - 1));
+  cv::Mat patch;
+  cv::sepFilter2D(window, patch, CV_32F, InterpolationKernel(center.x() - std::floor(center.x())),
+                  InterpolationKernel(center.y() - std::floor(center.y())), {kBefore, kBefore});
+  return patch(cv::Rect(kBefore, kBefore, size, size)).clone();
 }
 
 double Correlation(const cv::Mat& a, const cv::Mat& b) {
@@ -45,7 +63,8 @@ struct Match {
   double correlation = 0;
 };
 
-// Shift, gain and offset that make the picture the patch (Lucas & Kanade 1981), Gauss–Newton with the patch's own gradient.
+// Shift, gain and offset that make the picture the patch (Lucas & Kanade 1981), Gauss–Newton with the patch's own
+// gradient.
 std::optional<Match> Refine(const cv::Mat& picture, const Look& look, Eigen::Vector2d center) {
   const int half = look.grey.rows / 2;
   cv::Mat dx, dy;
@@ -76,14 +95,16 @@ std::optional<Match> Refine(const cv::Mat& picture, const Look& look, Eigen::Vec
     if (step.norm() > kConvergedPx) continue;
     const double variance = std::max(0.0, square_sum - solution.dot(right)) / (count - 4);
     const Eigen::Matrix4d inverse = factor.solve(Eigen::Matrix4d::Identity());
-    return Match{center, inverse.topLeftCorner<2, 2>() * variance / (gain * gain), Correlation(Cut(picture, center, half), look.grey)};
+    return Match{center, inverse.topLeftCorner<2, 2>() * variance / (gain * gain),
+                 Correlation(Cut(picture, center, half), look.grey)};
   }
   return std::nullopt;
 }
 
 class TemplateDetector : public MarkerDetector {
  public:
-  TemplateDetector(const std::vector<MarkerSeed>& seeds, const std::vector<cv::Mat>& pictures, const DetectorRegion& region)
+  TemplateDetector(const std::vector<MarkerSeed>& seeds, const std::vector<cv::Mat>& pictures,
+                   const DetectorRegion& region)
       : crop_(region.crop) {
     for (std::size_t i = 0; i < seeds.size(); ++i) {
       half_ = std::clamp(pictures[i].rows / 50, 8, 24);
@@ -104,8 +125,9 @@ class TemplateDetector : public MarkerDetector {
                                       bool everywhere) override {
     std::vector<MarkerDetection> found;
     for (std::size_t i = 0; i < looks_.size(); ++i) {
-      const auto prediction = std::find_if(predictions.begin(), predictions.end(),
-                                           [&](const MarkerPrediction& p) { return p.identity == static_cast<int>(i); });
+      const auto prediction = std::find_if(predictions.begin(), predictions.end(), [&](const MarkerPrediction& p) {
+        return p.identity == static_cast<int>(i);
+      });
       std::optional<Match> match;
       if (prediction != predictions.end())
         match = Find(frame.luma, looks_[i], Around(frame.luma, prediction->position, prediction->gate_px));
@@ -131,8 +153,8 @@ class TemplateDetector : public MarkerDetector {
 
   cv::Rect Around(const cv::Mat& picture, const Eigen::Vector2d& center, double gate) const {
     const double reach = std::min(gate, 2.0 * half_) + half_ + 1;
-    return cv::Rect(static_cast<int>(center.x() - reach), static_cast<int>(center.y() - reach), static_cast<int>(2 * reach) + 2,
-                    static_cast<int>(2 * reach) + 2) &
+    return cv::Rect(static_cast<int>(center.x() - reach), static_cast<int>(center.y() - reach),
+                    static_cast<int>(2 * reach) + 2, static_cast<int>(2 * reach) + 2) &
            Everywhere(picture);
   }
 
@@ -170,7 +192,8 @@ class TemplateDetector : public MarkerDetector {
 
 }  // namespace
 
-std::unique_ptr<MarkerDetector> MakeTemplateDetector(const std::vector<MarkerSeed>& seeds, const std::vector<cv::Mat>& pictures,
+std::unique_ptr<MarkerDetector> MakeTemplateDetector(const std::vector<MarkerSeed>& seeds,
+                                                     const std::vector<cv::Mat>& pictures,
                                                      const DetectorRegion& region) {
   return std::make_unique<TemplateDetector>(seeds, pictures, region);
 }

@@ -15,7 +15,8 @@ namespace {
 
 bool IsName(const std::string& name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.';
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '.';
   });
 }
 
@@ -30,14 +31,17 @@ cv::Mat ReadLuma(const std::filesystem::path& video, std::int64_t frame, VideoRe
 std::unique_ptr<MarkerDetector> MakeDetector(const std::filesystem::path& video, const TrackOptions& options) {
   const DetectorRegion region{options.crop};
   switch (options.detector) {
-    case DetectorKind::kReflective: return MakeReflectiveDetector(options.polarity, region);
-    case DetectorKind::kColor: return MakeColorDetector(options.colors, region);
+    case DetectorKind::kReflective:
+      return MakeReflectiveDetector(options.polarity, region);
+    case DetectorKind::kColor:
+      return MakeColorDetector(options.colors, region);
     case DetectorKind::kTemplate: {
       std::vector<cv::Mat> pictures;
       for (const MarkerSeed& seed : options.seeds) pictures.push_back(ReadLuma(video, seed.frame, options.reader));
       return MakeTemplateDetector(options.seeds, pictures, region);
     }
-    case DetectorKind::kAruco: return MakeArucoDetector(options.dictionary, region);
+    case DetectorKind::kAruco:
+      return MakeArucoDetector(options.dictionary, region);
   }
   throw UsageError("no such detector");
 }
@@ -47,15 +51,20 @@ std::vector<int> Identities(const TrackOptions& options) {
   std::vector<int> identities(options.names.size());
   std::iota(identities.begin(), identities.end(), 0);
   switch (options.detector) {
-    case DetectorKind::kReflective: return {};
-    case DetectorKind::kColor: return options.colors.size() > 1 ? identities : std::vector<int>{};
-    case DetectorKind::kAruco: return identities;
-    case DetectorKind::kTemplate: break;
+    case DetectorKind::kReflective:
+      return {};
+    case DetectorKind::kColor:
+      return options.colors.size() > 1 ? identities : std::vector<int>{};
+    case DetectorKind::kAruco:
+      return identities;
+    case DetectorKind::kTemplate:
+      break;
   }
   for (std::size_t n = 0; n < options.names.size(); ++n)
-    identities[n] = static_cast<int>(std::find_if(options.seeds.begin(), options.seeds.end(),
-                                                  [&](const MarkerSeed& seed) { return seed.name == options.names[n]; }) -
-                                     options.seeds.begin());
+    identities[n] =
+        static_cast<int>(std::find_if(options.seeds.begin(), options.seeds.end(),
+                                      [&](const MarkerSeed& seed) { return seed.name == options.names[n]; }) -
+                         options.seeds.begin());
   return identities;
 }
 
@@ -67,15 +76,15 @@ void CheckPlaces(const TrackOptions& options, const VideoInfo& video) {
   }
   const cv::Rect picture(0, 0, video.width, video.height);
   if (!options.crop.empty() && (options.crop & picture) != options.crop)
-    throw Fail("--crop {},{},{},{}: reaches outside the picture of {}x{} px", options.crop.x, options.crop.y, options.crop.width,
-               options.crop.height, video.width, video.height);
+    throw Fail("--crop {},{},{},{}: reaches outside the picture of {}x{} px", options.crop.x, options.crop.y,
+               options.crop.width, options.crop.height, video.width, video.height);
 }
 
 void CheckSeedFrames(const TrackOptions& options, const MarkerRecording& recording) {
   for (const MarkerSeed& seed : options.seeds)
     if (seed.frame < recording.frame.front() || seed.frame > recording.frame.back())
-      throw Fail("--seed {}: frame {} was not looked at (frames {} to {} were)", seed.name, seed.frame, recording.frame.front(),
-                 recording.frame.back());
+      throw Fail("--seed {}: frame {} was not looked at (frames {} to {} were)", seed.name, seed.frame,
+                 recording.frame.front(), recording.frame.back());
 }
 
 double MedianRadius(const std::vector<Tracklet>& tracklets) {
@@ -96,11 +105,13 @@ void TrackOptions::Check() const {
   }
   std::set<std::string> seeded;
   for (const MarkerSeed& seed : seeds) {
-    if (!seen.contains(seed.name)) throw UsageError(fmt::format("--seed {}: not one of the markers ({})", seed.name, fmt::join(names, ", ")));
+    if (!seen.contains(seed.name))
+      throw UsageError(fmt::format("--seed {}: not one of the markers ({})", seed.name, fmt::join(names, ", ")));
     if (!seeded.insert(seed.name).second) throw UsageError(fmt::format("--seed {}: given twice", seed.name));
   }
   if (detector == DetectorKind::kColor && colors.size() > 1 && colors.size() != names.size())
-    throw UsageError(fmt::format("--color: {} colours for {} markers; give one for all or one for each", colors.size(), names.size()));
+    throw UsageError(fmt::format("--color: {} colours for {} markers; give one for all or one for each", colors.size(),
+                                 names.size()));
   if (detector != DetectorKind::kColor && !colors.empty()) throw UsageError("--color is for --detector color");
   if (detector == DetectorKind::kTemplate && seeded.size() != names.size())
     throw UsageError("--detector template needs a --seed for each marker: the patch is cut there");
@@ -115,7 +126,9 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
   CheckPlaces(options, reader->Info());
 
   TrackResult result;
-  TrackletBuilder builder(*detector, {});
+  TrackletOptions tracklet_options;
+  for (const MarkerSeed& seed : options.seeds) tracklet_options.seeds.push_back({seed.frame, seed.position});
+  TrackletBuilder builder(*detector, tracklet_options);
   {
     Progress progress("tracking", "frames", reader->Info().frames, options.quiet);
     FrameQueue queue(*reader);
@@ -127,7 +140,8 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
     }
   }
   result.video = reader->Info();
-  if (result.recording.Frames() < 2) throw Fail("{}: has only {} frame; a motion needs more", video.string(), result.recording.Frames());
+  if (result.recording.Frames() < 2)
+    throw Fail("{}: has only {} frame; a motion needs more", video.string(), result.recording.Frames());
   CheckSeedFrames(options, result.recording);
 
   const std::vector<Tracklet> tracklets = builder.Finish();

@@ -1,7 +1,6 @@
 #include "lake/tracking/tracklet.h"
 
 #include <Eigen/Geometry>
-
 #include <algorithm>
 #include <cmath>
 
@@ -11,8 +10,13 @@
 namespace lake {
 namespace {
 
-// A leg's markers accelerate by at most about 1 g while it stands up; in radii of a marker (some 8 mm) that is 1200 radii / s².
+// A leg's markers accelerate by at most about 1 g while it stands up; in radii of a marker (some 8 mm) that is 1200
+// radii / s².
 constexpr double kMaxAccelerationRadii = 1200;
+// How far a thrown ball goes from one frame of a slow camera to the next.
+constexpr double kFastStartRadii = 20;
+// A click is not exact; beyond the marker's rim, px.
+constexpr double kSeedSlackPx = 10;
 
 // Position by the parabola, velocity by the slope, of the last samples.
 struct Motion {
@@ -25,7 +29,7 @@ Motion Extrapolate(const std::vector<TrackletSample>& samples, double time_s) {
   const TrackletSample& before = samples[samples.size() - 2];
   const Eigen::Vector2d slope = (last.position - before.position) / (last.time_s - before.time_s);
   const double ahead = time_s - last.time_s;
-  if (samples.size() < 4 || ahead > 2 * (last.time_s - before.time_s)) return {last.position + ahead * slope, slope};
+  if (samples.size() < 3 || ahead > 2 * (last.time_s - before.time_s)) return {last.position + ahead * slope, slope};
   const TrackletSample& first = samples[samples.size() - 3];
   const Eigen::Vector2d first_slope = (before.position - first.position) / (before.time_s - first.time_s);
   const Eigen::Vector2d acceleration = (slope - first_slope) / (0.5 * (last.time_s - first.time_s));
@@ -33,7 +37,8 @@ Motion Extrapolate(const std::vector<TrackletSample>& samples, double time_s) {
   return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration};
 }
 
-// Whether a sample is among the three before or after a gap or an end, where something comes before the marker or leaves it.
+// Whether a sample is among the three before or after a gap or an end, where something comes before the marker or
+// leaves it.
 bool IsNearGap(const std::vector<TrackletSample>& samples, std::ptrdiff_t i) {
   constexpr std::ptrdiff_t kNear = 3;
   const auto frame = [&](std::ptrdiff_t k) { return samples[static_cast<std::size_t>(k)].frame; };
@@ -41,8 +46,8 @@ bool IsNearGap(const std::vector<TrackletSample>& samples, std::ptrdiff_t i) {
   return frame(i) - frame(i - kNear) > kNear || frame(i + kNear) - frame(i) > kNear;
 }
 
-// Removes samples that do not look like their neighbours in time: a marker that is half behind a hand is measured in a wrong place.
-// A tracklet that begins so would pass for the marker's look, so this waits until all of it is known.
+// Removes samples that do not look like their neighbours in time: a marker that is half behind a hand is measured in a
+// wrong place. A tracklet that begins so would pass for the marker's look, so this waits until all of it is known.
 void RemoveUnlike(std::vector<TrackletSample>& samples) {
   constexpr std::ptrdiff_t kNeighbours = 15;
   constexpr double kSizeTolerance = 0.035, kEndSizeTolerance = 0.015, kQualityFactor = 2.5, kQualitySlack = 0.01;
@@ -50,7 +55,8 @@ void RemoveUnlike(std::vector<TrackletSample>& samples) {
   const auto count = static_cast<std::ptrdiff_t>(samples.size());
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     std::vector<double> radii, qualities;
-    for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, i - kNeighbours); j < std::min(count, i + kNeighbours + 1); ++j) {
+    for (std::ptrdiff_t j = std::max<std::ptrdiff_t>(0, i - kNeighbours); j < std::min(count, i + kNeighbours + 1);
+         ++j) {
       radii.push_back(samples[static_cast<std::size_t>(j)].radius_px);
       qualities.push_back(samples[static_cast<std::size_t>(j)].quality);
     }
@@ -69,7 +75,8 @@ double PairCost(const MarkerPrediction& prediction, const MarkerDetection& detec
   const double distance = (detection.position - prediction.position).norm() / prediction.gate_px;
   if (distance > 1) return 2;
   const double size = std::log(detection.appearance.RadiusPx() / prediction.appearance.RadiusPx()) / 0.5;
-  const double brightness = std::log(std::max(detection.appearance.amplitude, 1.0) / std::max(prediction.appearance.amplitude, 1.0));
+  const double brightness =
+      std::log(std::max(detection.appearance.amplitude, 1.0) / std::max(prediction.appearance.amplitude, 1.0));
   return std::min(0.999, 0.5 * (distance * distance + size * size + brightness * brightness));
 }
 
@@ -95,23 +102,36 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
   prediction.velocity_px = motion.velocity * frame_s;
   // A marker of unknown velocity may have any; then the acceleration within the time that has passed.
   const bool young = live.tracklet.samples.size() < 3;
-  prediction.gate_px = std::max(2.0, radius) + 0.5 * kMaxAccelerationRadii * radius * ahead * ahead + (young ? 3 * radius : 0);
+  prediction.gate_px =
+      std::max(2.0, radius) + 0.5 * kMaxAccelerationRadii * radius * ahead * ahead + (young ? 3 * radius : 0);
   // Where identities are certain, association needs no caution.
   prediction.gate_px = detector_.KnowsIdentities() ? 8 * radius : std::min(prediction.gate_px, 8 * radius);
+  if (live.tracklet.samples.size() == 1 && live.seeded) prediction.gate_px = kFastStartRadii * radius;
   prediction.appearance = live.appearance;
   prediction.quality = live.quality;
   prediction.identity = live.tracklet.identity;
   return prediction;
 }
 
-bool TrackletBuilder::SearchEverywhere(double time_s) const {
-  const bool urgent = last_loss_s_ && time_s - *last_loss_s_ < options_.urgent_s;
+bool TrackletBuilder::SearchEverywhere(const VideoFrame& frame) const {
+  const bool at_seed = std::any_of(options_.seeds.begin(), options_.seeds.end(),
+                                   [&](const TrackletSeed& seed) { return seed.frame == frame.index; });
+  if (at_seed || std::any_of(live_.begin(), live_.end(), [](const Live& live) { return live.IsFastStart(); }))
+    return true;
+  const bool urgent = last_loss_s_ && frame.time_s - *last_loss_s_ < options_.urgent_s;
   return frames_seen_ % (urgent ? options_.urgent_interval : options_.search_interval) == 0;
 }
 
+bool TrackletBuilder::IsSeed(std::int64_t frame, const MarkerDetection& detection) const {
+  return std::any_of(options_.seeds.begin(), options_.seeds.end(), [&](const TrackletSeed& seed) {
+    return seed.frame == frame &&
+           (seed.position - detection.position).norm() < detection.appearance.RadiusPx() + kSeedSlackPx;
+  });
+}
+
 void TrackletBuilder::Extend(Live& live, const VideoFrame& frame, const MarkerDetection& detection) {
-  live.tracklet.samples.push_back({frame.index, frame.time_s, detection.position, detection.sigma_px, detection.appearance.RadiusPx(),
-                                   detection.appearance.amplitude, detection.quality});
+  live.tracklet.samples.push_back({frame.index, frame.time_s, detection.position, detection.sigma_px,
+                                   detection.appearance.RadiusPx(), detection.appearance.amplitude, detection.quality});
   live.seen_s = frame.time_s;
   if (!live.tracklet.identity) live.tracklet.identity = detection.identity;
   // The running mean over the last ten or so looks; all of them while there are fewer.
@@ -138,17 +158,19 @@ void TrackletBuilder::Associate(const VideoFrame& frame, std::span<const MarkerP
   }
   for (std::size_t j = 0; j < detections.size() && live_.size() < options_.max_live; ++j) {
     if (taken[j]) continue;
-    live_.push_back({{}, detections[j].appearance, detections[j].quality, frame.time_s});
+    live_.push_back(
+        {{}, detections[j].appearance, detections[j].quality, frame.time_s, IsSeed(frame.index, detections[j])});
     Extend(live_.back(), frame, detections[j]);
   }
 }
 
 void TrackletBuilder::RetireLost(double time_s) {
+  const double coast_s = std::max(options_.max_coast_s, (options_.max_coast_frames + 0.5) * frame_s_);
   std::erase_if(live_, [&](Live& live) {
-    const bool young = static_cast<int>(live.tracklet.samples.size()) < options_.min_samples;
+    const bool young = !live.seeded && static_cast<int>(live.tracklet.samples.size()) < options_.min_samples;
     const bool established = static_cast<int>(live.tracklet.samples.size()) >= options_.established;
     if (established && live.seen_s < time_s) last_loss_s_ = time_s;
-    if (live.seen_s >= time_s || (!young && time_s - live.seen_s <= options_.max_coast_s)) return false;
+    if (live.seen_s >= time_s || (!young && time_s - live.seen_s <= coast_s)) return false;
     Keep(std::move(live.tracklet));
     return true;
   });
@@ -163,7 +185,7 @@ void TrackletBuilder::Add(const VideoFrame& frame) {
   frame_s_ = frames_seen_ > 0 ? frame.time_s - previous_time_s_ : 0;
   std::vector<MarkerPrediction> predictions;
   for (const Live& live : live_) predictions.push_back(Predict(live, frame.time_s, frame_s_));
-  Associate(frame, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame.time_s)));
+  Associate(frame, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame)));
   RetireLost(frame.time_s);
   previous_time_s_ = frame.time_s;
   ++frames_seen_;
@@ -172,7 +194,8 @@ void TrackletBuilder::Add(const VideoFrame& frame) {
 std::vector<Tracklet> TrackletBuilder::Finish() {
   for (Live& live : live_) Keep(std::move(live.tracklet));
   live_.clear();
-  std::sort(finished_.begin(), finished_.end(), [](const Tracklet& a, const Tracklet& b) { return a.FirstFrame() < b.FirstFrame(); });
+  std::sort(finished_.begin(), finished_.end(),
+            [](const Tracklet& a, const Tracklet& b) { return a.FirstFrame() < b.FirstFrame(); });
   return std::move(finished_);
 }
 

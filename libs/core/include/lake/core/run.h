@@ -13,10 +13,10 @@ namespace lake {
 class Run {
  public:
   struct Info {
-    std::string program;                // lake-track
-    std::string command;                // the whole command line
-    Json options = Json::object();      // the effective options
-    std::filesystem::path out;          // folder for the results; created when the first result is written
+    std::string program;            // lake-track
+    std::string command;            // the whole command line
+    Json options = Json::object();  // the effective options
+    std::filesystem::path out;      // folder for the results; created when the first result is written
     bool quiet = false;
   };
   explicit Run(Info info);
@@ -34,7 +34,10 @@ class Run {
   // Records a file that was read, with its content hash.
   void AddInput(const std::filesystem::path& path);
 
-  // program, version, command, options, inputs, warnings, then the given results; written as summary.json and returned.
+  // What made the results, as a summary begins: program, version, command, options, inputs, warnings, as known so far.
+  Json Head() const;
+
+  // The head, then the given results; written as summary.json and returned.
   Json WriteSummary(const Json& results);
 
  private:

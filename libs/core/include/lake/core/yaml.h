@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "lake/core/json.h"
+
 namespace lake {
 
 // A node of a YAML file. Take what is known from it, then call Finish(): it throws for keys that were not taken.
@@ -45,6 +47,10 @@ class YamlNode {
   // This node itself as a scalar.
   double AsNumber() const;
   std::string AsText() const;
+
+  // All that stands here and below, whatever was taken: maps by their sorted keys, scalars as numbers where they are
+  // finite numbers, else as text. Two files that say the same give the same, whatever their order, blanks and comments.
+  Json ToJson() const;
 
   // Throws Error naming the first key that was not taken, its line, and the keys that are known here.
   void Finish() const;

@@ -25,8 +25,8 @@ struct CompareRunOptions {
 TrialTables ReadTrialTables(const std::filesystem::path& path, const TrialOptions& reading, const std::string& knee,
                             Run& run);
 
-// Writes misalignment.csv, overlay.png, misalignment.png, comparison.json; returns the results for the summary. Throws
-// Error in one line for trials that cannot be compared.
+// Writes misalignment.csv, overlay.png, misalignment.png, comparison.json, report.html; returns the results for the
+// summary. Throws Error in one line for trials that cannot be compared.
 Json RunCompare(const CompareRunOptions& options, Run& run);
 
 }  // namespace lake

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "lake/core/json.h"
 #include "lake/core/run.h"
@@ -15,6 +16,12 @@ struct GaitRunOptions {
   TrialOptions reading;
   LegFitOptions fit;
 };
+
+// mm, cm or m. Throws UsageError.
+double MmPerUnit(const std::string& unit);
+
+// left or right. Throws UsageError.
+Facing ParseFacing(const std::string& text);
 
 // A trial that has been read, fitted: for callers that go on with it. Its warnings are said through `run`.
 LegFitResult FitTrial(const GaitRunOptions& options, Run& run);

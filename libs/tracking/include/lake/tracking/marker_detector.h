@@ -16,9 +16,9 @@ namespace lake {
 // What was seen in one frame.
 struct MarkerDetection {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px, image frame
-  double sigma_px = 0;        // one standard deviation per axis, from this frame's fit
-  Blob appearance;            // its look; for patches and ArUco a disc of their size
-  double quality = 0;         // residual over amplitude: 0 is perfect
+  double sigma_px = 0;                                 // one standard deviation per axis, from this frame's fit
+  Blob appearance;                                     // its look; for patches and ArUco a disc of their size
+  double quality = 0;                                  // residual over amplitude: 0 is perfect
   std::optional<int> identity;  // which colour, patch or ArUco id it is, if the detector can tell
 };
 
@@ -26,9 +26,9 @@ struct MarkerDetection {
 struct MarkerPrediction {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   Eigen::Vector2d velocity_px = Eigen::Vector2d::Zero();  // px per frame
-  double gate_px = 0;          // look no further than this
-  Blob appearance;             // running mean of its looks
-  double quality = 1;          // running mean of its detections' quality
+  double gate_px = 0;                                     // look no further than this
+  Blob appearance;                                        // running mean of its looks
+  double quality = 1;                                     // running mean of its detections' quality
   std::optional<int> identity;
 };
 
@@ -66,12 +66,14 @@ struct MarkerSeed {
   std::int64_t frame = 0;
 };
 
-// The patches at the given places; identity = index of the seed. `pictures` holds the luma of each seed's frame. Throws Error if
-// the picture has no structure there.
-std::unique_ptr<MarkerDetector> MakeTemplateDetector(const std::vector<MarkerSeed>& seeds, const std::vector<cv::Mat>& pictures,
+// The patches at the given places; identity = index of the seed. `pictures` holds the luma of each seed's frame. Throws
+// Error if the picture has no structure there.
+std::unique_ptr<MarkerDetector> MakeTemplateDetector(const std::vector<MarkerSeed>& seeds,
+                                                     const std::vector<cv::Mat>& pictures,
                                                      const DetectorRegion& region);
 
-// ArUco markers of a dictionary ("DICT_4X4_50"); identity = the marker's id. Throws UsageError for an unknown dictionary.
+// ArUco markers of a dictionary ("DICT_4X4_50"); identity = the marker's id. Throws UsageError for an unknown
+// dictionary.
 std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region);
 
 }  // namespace lake

@@ -28,11 +28,11 @@ struct NamingOptions {
 
 // Gives each name its samples over all frames: `recording` holds the frames and their times, its markers are filled in.
 //
-// A name is anchored to one tracklet: by its seed; by its identity; or, for the leg, as the chain ankle–knee–hip(–waist) whose
-// neighbouring distances stay most nearly constant while the knee flexes, whose ankle moves least, and which stands upright in
-// that order. Further tracklets join where their distances to the neighbours, their place and their size agree.
-// Throws Error, naming the candidates and how to seed them, when no chain is found, when another is nearly as good, when a seed
-// has no marker near it, or when fewer markers than names are there.
+// A name is anchored to one tracklet: by its seed; by its identity; or, for the leg, as the chain
+// ankle–knee–hip(–waist) whose neighbouring distances stay most nearly constant while the knee flexes, whose ankle
+// moves least, and which stands upright in that order. Further tracklets join where their distances to the neighbours,
+// their place and their size agree. Throws Error, naming the candidates and how to seed them, when no chain is found,
+// when another is nearly as good, when a seed has no marker near it, or when fewer markers than names are there.
 void NameTracklets(const std::vector<Tracklet>& tracklets, const NamingOptions& options, MarkerRecording& recording);
 
 }  // namespace lake

@@ -10,8 +10,8 @@
 namespace lake {
 
 // Collects differences of successive frames by grey level; half their variance is the noise's (Foi et al. 2008 for the
-// Poisson–Gaussian model, doi:10.1109/TIP.2008.2001399). What moves is left out by its size. Compression removes noise from still
-// parts, so the result is a lower bound there; fits scale it by their own residuals.
+// Poisson–Gaussian model, doi:10.1109/TIP.2008.2001399). What moves is left out by its size. Compression removes noise
+// from still parts, so the result is a lower bound there; fits scale it by their own residuals.
 class NoiseEstimator {
  public:
   void Add(const cv::Mat& grey);

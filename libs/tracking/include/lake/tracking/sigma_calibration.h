@@ -11,12 +11,12 @@ struct SigmaCalibration {
   double compression_px = 0;  // what is added to the fits' sigmas, in quadrature
 };
 
-// A fit's sigma knows the noise of its own pixels. A compressed frame is made by shifting blocks of earlier ones by quarter pixels,
-// which displaces a marker without leaving a trace in its picture. Of a marker that moves, it shows in the scatter of positions
-// about a smooth path (the residual of a local fourth-degree polynomial over nine frames, Savitzky & Golay 1964); while it rests the
-// displacement is frozen and does not show, though it is there. So what fast samples scatter beyond the fits' own sigma is added
-// to all, two thirds of it to those at rest. Without compression nothing is.
-// Detected samples' sigmas become sqrt(fit² + compression²).
+// A fit's sigma knows the noise of its own pixels. A compressed frame is made by shifting blocks of earlier ones by
+// quarter pixels, which displaces a marker without leaving a trace in its picture. Of a marker that moves, it shows in
+// the scatter of positions about a smooth path (the residual of a local fourth-degree polynomial over nine frames,
+// Savitzky & Golay 1964); while it rests the displacement is frozen and does not show, though it is there. So what fast
+// samples scatter beyond the fits' own sigma is added to all, two thirds of it to those at rest. Without compression
+// nothing is. Detected samples' sigmas become sqrt(fit² + compression²).
 SigmaCalibration CalibrateSigmas(MarkerRecording& recording);
 
 }  // namespace lake

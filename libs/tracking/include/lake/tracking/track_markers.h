@@ -21,15 +21,16 @@ struct TrackOptions {
   std::vector<MarkerSeed> seeds;
   DetectorKind detector = DetectorKind::kReflective;
   Polarity polarity = Polarity::kBright;
-  std::vector<std::string> colors;            // "#RRGGBB", one for all or one per name
-  std::string dictionary = "DICT_4X4_50";     // ArUco; ids 0, 1, … are the names in order
-  cv::Rect crop;                              // px; empty: the whole picture
-  VideoReaderOptions reader;                  // start, end, rates
+  std::vector<std::string> colors;         // "#RRGGBB", one for all or one per name
+  std::string dictionary = "DICT_4X4_50";  // ArUco; ids 0, 1, … are the names in order
+  cv::Rect crop;                           // px; empty: the whole picture
+  VideoReaderOptions reader;               // start, end, rates
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> metric_from_px = [](const Eigen::Vector2d& px) { return px; };
   Eigen::Vector2d up_px = {0, -1};
-  bool quiet = false;                         // no progress
+  bool quiet = false;  // no progress
 
-  // Throws UsageError naming the option that cannot be: a bad or repeated name, a seed for no name, colours that do not match.
+  // Throws UsageError naming the option that cannot be: a bad or repeated name, a seed for no name, colours that do not
+  // match.
   void Check() const;
 };
 
@@ -41,8 +42,8 @@ struct TrackResult {
   SigmaCalibration sigma;
 };
 
-// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, of fewer than two frames, with fewer markers
-// than names, or whose markers cannot be named with certainty.
+// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, of fewer than two frames, with
+// fewer markers than names, or whose markers cannot be named with certainty.
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options);
 
 }  // namespace lake

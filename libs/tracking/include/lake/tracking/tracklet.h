@@ -1,5 +1,5 @@
-// Detections of one thing over successive frames, as far as that is certain: when it is lost for long, the tracklet ends, and what
-// appears later is another until naming joins them.
+// Detections of one thing over successive frames, as far as that is certain: when it is lost for long, the tracklet
+// ends, and what appears later is another until naming joins them.
 #pragma once
 
 #include <cstdint>
@@ -29,17 +29,27 @@ struct Tracklet {
   double ExtentPx() const;                             // diagonal of the box that holds all positions
 };
 
-struct TrackletOptions {
-  double max_coast_s = 0.1;         // lost for longer: the tracklet ends
-  int min_samples = 4;              // shorter ones are chance
-  std::size_t max_live = 40;        // things followed at once; the most contrasted come first
-  int search_interval = 6;          // frames between searches of the whole picture …
-  int urgent_interval = 2;          // … and after something well established was lost, …
-  double urgent_s = 0.6;            // … for this long
-  int established = 30;             // samples
+// Where a thing that matters certainly is, in px of a frame.
+struct TrackletSeed {
+  std::int64_t frame = 0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
 };
 
-// Follows everything that the detector sees. Feed frames in order; memory grows with what is found, not with the pictures.
+struct TrackletOptions {
+  std::vector<TrackletSeed>
+      seeds;                 // what begins here may be fast: it is looked for far and wide until its velocity is known
+  double max_coast_s = 0.1;  // lost for longer: the tracklet ends …
+  double max_coast_frames = 3;  // … but not before so many frames
+  int min_samples = 4;          // shorter ones are chance
+  std::size_t max_live = 40;    // things followed at once; the most contrasted come first
+  int search_interval = 6;      // frames between searches of the whole picture …
+  int urgent_interval = 2;      // … and after something well established was lost, …
+  double urgent_s = 0.6;        // … for this long
+  int established = 30;         // samples
+};
+
+// Follows everything that the detector sees. Feed frames in order; memory grows with what is found, not with the
+// pictures.
 class TrackletBuilder {
  public:
   TrackletBuilder(MarkerDetector& detector, const TrackletOptions& options) : detector_(detector), options_(options) {}
@@ -54,11 +64,16 @@ class TrackletBuilder {
     Tracklet tracklet;
     Blob appearance;
     double quality = 0;
-    double seen_s = 0;  // time of the last detection
+    double seen_s = 0;    // time of the last detection
+    bool seeded = false;  // began at a seed
+
+    bool IsFastStart() const { return seeded && tracklet.samples.size() < 3; }
   };
   MarkerPrediction Predict(const Live& live, double time_s, double frame_s) const;
-  bool SearchEverywhere(double time_s) const;
-  void Associate(const VideoFrame& frame, std::span<const MarkerPrediction> predictions, std::vector<MarkerDetection> detections);
+  bool SearchEverywhere(const VideoFrame& frame) const;
+  bool IsSeed(std::int64_t frame, const MarkerDetection& detection) const;
+  void Associate(const VideoFrame& frame, std::span<const MarkerPrediction> predictions,
+                 std::vector<MarkerDetection> detections);
   void RetireLost(double time_s);
   void Keep(Tracklet tracklet);
   static void Extend(Live& live, const VideoFrame& frame, const MarkerDetection& detection);

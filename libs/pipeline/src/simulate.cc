@@ -1,4 +1,4 @@
-#include "lake/render/linkage_simulation.h"
+#include "lake/pipeline/simulate.h"
 
 #include <algorithm>
 #include <cmath>

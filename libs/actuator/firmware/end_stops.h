@@ -1,0 +1,16 @@
+// The two end stops, debounced.
+#ifndef LAKE_END_STOPS_H
+#define LAKE_END_STOPS_H
+
+#include <stdint.h>
+
+enum { END_STOP_RETRACT = 1, END_STOP_EXTEND = 2 };
+
+// Both count as pressed until they have been seen closed.
+void end_stops_init(void);
+void end_stops_tick(void);  // once per ms
+
+// Bits of those that are pressed.
+uint8_t end_stops_pressed(void);
+
+#endif

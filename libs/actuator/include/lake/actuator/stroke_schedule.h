@@ -1,0 +1,75 @@
+// From a design's program to what the actuator shall do when: strokes within soft limits, a pause before each reversal.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "lake/actuator/duty_table.h"
+#include "lake/linkage/design_file.h"
+
+namespace lake {
+
+struct ScheduleOptions {
+  double margin_mm = 0.5;            // kept from standing (theta = 0) and from the ends of the assembled branch
+  std::optional<double> speed_mm_s;  // constant speed instead of the design's program
+  std::optional<double> from_deg;    // constant program: knee angle at its start (none: the soft limit at d_min) …
+  std::optional<double> to_deg;      // … and at its end (none: the soft limit at standing)
+  std::optional<double> max_speed_mm_s;  // of the actuator
+  bool return_trip = false;              // afterwards back to the start, the same way
+  double hold_s = 2;                     // rest before the return trip
+  double dead_time_s = 0.1;              // brake before a reversal: at least so long a rest
+
+  void Check() const;  // throws UsageError
+};
+
+// The strokes the actuator may be sent to.
+struct SoftLimits {
+  UsedRange used;  // of the linkage
+  double lower_mm = 0, upper_mm = 0;
+};
+
+// The used range from d_min to d_max, less the margin wherever the linkage, not the actuator, sets the end. Throws
+// Error if nothing is left.
+SoftLimits SoftLimitsOf(const Design& design, double margin_mm);
+
+// Stroke over time: piecewise linear between knots, the first at time 0.
+struct StrokeSchedule {
+  Links links;
+  SoftLimits limits;
+  std::vector<StrokeProgram::Knot> knots;
+  int reversals = 0;
+  double added_rest_s = 0;  // by the pauses that were put in before reversals
+
+  double Duration() const { return knots.back().time_s; }
+  double StrokeAt(double time_s) const;  // the ends' stroke before and after
+};
+
+// Throws Error naming time, stroke and limit if the program leaves the soft limits or exceeds the speed limit;
+// UsageError if the design has no program and no speed is given, or an angle is out of range.
+StrokeSchedule MakeSchedule(const Design& design, const ScheduleOptions& options);
+
+// Throws Error naming time, speed and limit if the schedule asks for a speed that the table does not have.
+void CheckSpeeds(const StrokeSchedule& schedule, const DutyTable& table);
+
+// Slower than this is rest: less than the firmware's unit of speed, 1 um/s, can hold.
+inline constexpr double kRestSpeed_mm_s = 0.0005;
+int DirectionOf(double speed_mm_s);  // 1 extending, -1 retracting, 0 at rest
+
+// program.csv: a row per sample, and one at each knot and at the end. Speed and duty hold until the next row; speed is
+// positive extending, 0 in the last row; duty 0..1, NaN without a table.
+struct ScheduleRow {
+  double time_s = 0, stroke_mm = 0, speed_mm_s = 0, knee_deg = 0;
+  int direction = 0;
+  double duty = 0;
+};
+
+// Throws Error naming rate and duration if there would be more than kMostScheduleRows rows.
+inline constexpr std::size_t kMostScheduleRows = 1'000'000;
+std::vector<ScheduleRow> SampleSchedule(const StrokeSchedule& schedule, double rate_hz, const DutyTable* table);
+void WriteScheduleCsv(const std::filesystem::path& path, const std::vector<ScheduleRow>& rows);
+
+// Knee angle at a stroke of the schedule's linkage.
+double KneeDegAt(const Links& links, double stroke_mm);
+
+}  // namespace lake

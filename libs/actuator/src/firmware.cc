@@ -1,0 +1,252 @@
+#include "lake/actuator/firmware.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+using Knot = StrokeProgram::Knot;
+
+constexpr double kMostStroke_mm = 2000;        // in nm within 32 bits
+constexpr double kMostDuration_s = 2'000'000;  // in ms within 31 bits
+
+// Douglas & Peucker 1973 in stroke over time: keeps those knots whose chord is farther than the tolerance.
+void Thin(const std::vector<Knot>& knots, std::size_t first, std::size_t last, double tolerance_mm,
+          std::vector<bool>& keep) {
+  std::vector<std::pair<std::size_t, std::size_t>> todo = {{first, last}};
+  while (!todo.empty()) {
+    const auto [a, b] = todo.back();
+    todo.pop_back();
+    double worst = tolerance_mm;
+    std::size_t at = a;
+    for (std::size_t i = a + 1; i < b; ++i) {
+      const double fraction = (knots[i].time_s - knots[a].time_s) / (knots[b].time_s - knots[a].time_s);
+      const double distance =
+          std::abs(std::lerp(knots[a].stroke_mm, knots[b].stroke_mm, fraction) - knots[i].stroke_mm);
+      if (distance > worst) worst = distance, at = i;
+    }
+    keep[at] = true;
+    if (at != a) todo.emplace_back(a, at), todo.emplace_back(at, b);
+  }
+}
+
+// Turning points and rests stay, so that the reversals keep their pauses.
+std::vector<Knot> Thinned(const std::vector<Knot>& knots, double tolerance_mm) {
+  std::vector<bool> keep(knots.size(), false);
+  const auto direction = [&](std::size_t i) {
+    return DirectionOf((knots[i + 1].stroke_mm - knots[i].stroke_mm) / (knots[i + 1].time_s - knots[i].time_s));
+  };
+  keep.front() = keep.back() = true;
+  std::size_t first = 0;
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    if (i + 1 < knots.size() && direction(i) == direction(i - 1)) continue;
+    keep[i] = true;
+    Thin(knots, first, i, tolerance_mm, keep);
+    first = i;
+  }
+  std::vector<Knot> thinned;
+  for (std::size_t i = 0; i < knots.size(); ++i)
+    if (keep[i]) thinned.push_back(knots[i]);
+  return thinned;
+}
+
+std::vector<Knot> KnotsThatFit(const StrokeSchedule& schedule, double tolerance_mm) {
+  if (schedule.knots.size() - 1 <= kMostSegments) return schedule.knots;
+  std::vector<Knot> knots = Thinned(schedule.knots, tolerance_mm);
+  if (knots.size() - 1 > kMostSegments)
+    throw Fail(
+        "a program of {} knots takes {} segments within {} mm; the UNO's flash holds {}: raise --table-tolerance",
+        schedule.knots.size(), knots.size() - 1, tolerance_mm, kMostSegments);
+  return knots;
+}
+
+void CheckFits(const StrokeSchedule& schedule) {
+  if (schedule.Duration() > kMostDuration_s)
+    throw Fail("a program of {:.6g} s is too long for the firmware, which counts up to {:.0f} s", schedule.Duration(),
+               kMostDuration_s);
+  if (schedule.limits.upper_mm > kMostStroke_mm)
+    throw Fail("a stroke of {:.6g} mm is too long for the firmware, which counts up to {:.0f} mm",
+               schedule.limits.upper_mm, kMostStroke_mm);
+}
+
+int CountsFor(const DutyTable& table, double speed_mm_s) {
+  const int direction = DirectionOf(speed_mm_s);
+  if (direction == 0) return 0;
+  const DutyCurve& curve = table.Curve(direction);
+  const double duty = curve.DutyFor(std::clamp(std::abs(speed_mm_s), curve.LeastSpeed(), curve.MostSpeed()));
+  return static_cast<int>(std::lround(duty * kPwmPeriod));
+}
+
+// Both ways of following the table are piecewise linear, so their worst distances from the schedule are at knots of one
+// or the other.
+void MeasureErrors(StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table) {
+  double plan_mm = stroke.start_mm, driven_mm = stroke.start_mm;
+  std::size_t knot = 0;
+  std::int64_t begin_ms = 0;
+  for (const StrokeSegment& segment : stroke.segments) {
+    const double plan_speed = segment.velocity_um_s / 1e3;
+    const int direction = (segment.velocity_um_s > 0) - (segment.velocity_um_s < 0);
+    const double speed =
+        direction == 0 ? 0 : direction * table.Curve(direction).SpeedFor(segment.counts / double{kPwmPeriod});
+    const double begin_s = begin_ms / 1e3, end_s = segment.end_ms / 1e3;
+    const auto compare = [&](double time_s) {
+      const double truth = schedule.StrokeAt(time_s), past = time_s - begin_s;
+      stroke.rounding_error_mm = std::max(stroke.rounding_error_mm, std::abs(plan_mm + plan_speed * past - truth));
+      stroke.pwm_error_mm = std::max(stroke.pwm_error_mm, std::abs(driven_mm + speed * past - truth));
+    };
+    for (; knot < schedule.knots.size() && schedule.knots[knot].time_s <= end_s; ++knot)
+      if (schedule.knots[knot].time_s >= begin_s) compare(schedule.knots[knot].time_s);
+    compare(end_s);
+    plan_mm += plan_speed * (end_s - begin_s);
+    driven_mm += speed * (end_s - begin_s);
+    begin_ms = segment.end_ms;
+  }
+}
+
+std::int64_t Um(double mm) {
+  return std::llround(mm * 1e3);
+}
+
+// Where the program starts, how the actuator gets there from the retract end stop.
+struct Homing {
+  double stroke_mm, speed_mm_s, position_speed_mm_s;
+  int counts, position_counts;
+  std::int64_t position_ms, timeout_ms;
+};
+
+Homing HomingOf(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table, double d_min_mm,
+                const FirmwareOptions& options) {
+  Homing homing{};
+  homing.stroke_mm = options.home_stroke_mm > 0 ? options.home_stroke_mm : d_min_mm;
+  if (homing.stroke_mm > stroke.start_mm + 1e-3)
+    throw UsageError(
+        fmt::format("--home-stroke {} mm is past the program's start at {:.3f} mm", homing.stroke_mm, stroke.start_mm));
+  const auto speed = [&](const DutyCurve& curve) {
+    return std::clamp(options.home_speed_mm_s, curve.LeastMovingSpeed(), curve.MostSpeed());
+  };
+  homing.speed_mm_s = speed(table.retract);
+  homing.position_speed_mm_s = speed(table.extend);
+  homing.counts = CountsFor(table, -homing.speed_mm_s);
+  homing.position_counts = CountsFor(table, homing.position_speed_mm_s);
+  homing.position_ms = std::llround(1e3 * (stroke.start_mm - homing.stroke_mm) / homing.position_speed_mm_s);
+  const double travel_mm = schedule.limits.used.stroke.upper_mm - homing.stroke_mm;
+  homing.timeout_ms = std::llround(1e3 * (1.5 * travel_mm / homing.speed_mm_s + 2));
+  return homing;
+}
+
+std::string SegmentRows(const StrokeTable& stroke) {
+  std::string text;
+  for (const StrokeSegment& segment : stroke.segments)
+    text += fmt::format("    {{{}, {}, {}}},\n", segment.end_ms, segment.velocity_um_s, segment.counts);
+  return text;
+}
+
+std::string SpeedRow(const DutyCurve& curve) {
+  std::string text;
+  for (int i = 0; i <= kSpeedIntervals; ++i)
+    text += fmt::format("{}{}", i ? ", " : "", Um(curve.SpeedFor(i / double{kSpeedIntervals})));
+  return text;
+}
+
+std::string Comment(const std::string& text) {
+  std::string line;
+  for (const char c : text) line += c == '\n' || c == '\r' || c == '\\' ? ' ' : c;
+  return line;
+}
+
+std::string CommonDefines(const FirmwareOptions& options, std::size_t segments) {
+  return fmt::format(
+      "#define LAKE_PWM_PERIOD {}  // counts: 4 kHz at 16 MHz\n#define LAKE_DEAD_TIME_MS {}  // brake before anything "
+      "else\n#define LAKE_SEGMENT_COUNT {}\n",
+      kPwmPeriod, std::llround(1e3 * options.dead_time_s), segments);
+}
+
+constexpr const char* kTypes =
+    "\ntypedef struct {\n  uint32_t end_ms;         // since the program's start\n"
+    "  int32_t velocity_um_s;   // positive extends\n  uint16_t counts;         // PWM\n} lake_segment;\n\n";
+
+}  // namespace
+
+void FirmwareOptions::Check() const {
+  const auto require = [](bool good, const char* option, double value, const char* what) {
+    if (!good) throw UsageError(fmt::format("{} must be {}, not {}", option, what, value));
+  };
+  require(home_stroke_mm >= 0 && home_stroke_mm <= kMostStroke_mm, "--home-stroke", home_stroke_mm,
+          "within 0..2000 mm");
+  require(home_speed_mm_s > 0 && home_speed_mm_s <= 1000, "--home-speed", home_speed_mm_s,
+          "above 0 and at most 1000 mm/s");
+  require(dead_time_s >= 0.01 && dead_time_s <= 5, "--dead-time", dead_time_s, "within 0.01..5 s");
+  require(table_tolerance_mm > 0 && table_tolerance_mm <= 10, "--table-tolerance", table_tolerance_mm,
+          "above 0 and at most 10 mm");
+}
+
+StrokeTable MakeStrokeTable(const StrokeSchedule& schedule, const DutyTable& table, const FirmwareOptions& options) {
+  options.Check();
+  CheckSpeeds(schedule, table);
+  CheckFits(schedule);
+  const std::vector<Knot> knots = KnotsThatFit(schedule, options.table_tolerance_mm);
+  StrokeTable stroke;
+  stroke.start_mm = Um(knots.front().stroke_mm) / 1e3;
+  double plan_um = stroke.start_mm * 1e3;
+  std::int64_t begin_ms = 0;
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    StrokeSegment segment;
+    segment.end_ms = std::llround(1e3 * knots[i].time_s);
+    if (segment.end_ms <= begin_ms) continue;
+    const double duration_s = (segment.end_ms - begin_ms) / 1e3;
+    const double exact = (knots[i].stroke_mm - knots[i - 1].stroke_mm) / (knots[i].time_s - knots[i - 1].time_s);
+    // Towards the knot from where rounding has left the plan, so that errors do not add up.
+    const long velocity = std::lround((1e3 * knots[i].stroke_mm - plan_um) / duration_s);
+    if (velocity * DirectionOf(exact) > 0) {
+      segment.velocity_um_s = static_cast<std::int32_t>(velocity);
+      segment.counts = CountsFor(table, exact);
+    }
+    plan_um += segment.velocity_um_s * duration_s;
+    begin_ms = segment.end_ms;
+    stroke.segments.push_back(segment);
+  }
+  if (stroke.segments.empty()) throw Fail("the program is shorter than 1 ms");
+  MeasureErrors(stroke, schedule, table);
+  return stroke;
+}
+
+std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
+                              double d_min_mm, const FirmwareOptions& options, const std::string& made_by) {
+  const Homing homing = HomingOf(stroke, schedule, table, d_min_mm, options);
+  std::string text = fmt::format("// Stroke program for the UNO. {}\n", Comment(made_by));
+  text +=
+      "#ifndef LAKE_STROKE_TABLE_H\n#define LAKE_STROKE_TABLE_H\n\n#include <avr/pgmspace.h>\n#include <stdint.h>\n\n";
+  text += CommonDefines(options, stroke.segments.size());
+  text += fmt::format("#define LAKE_SPEED_INTERVALS {}\n", kSpeedIntervals);
+  text += fmt::format("#define LAKE_LOWER_LIMIT_UM {}L\n#define LAKE_UPPER_LIMIT_UM {}L\n#define LAKE_START_UM {}L\n",
+                      Um(std::min(schedule.limits.lower_mm, stroke.start_mm)), Um(schedule.limits.upper_mm),
+                      Um(stroke.start_mm));
+  text += fmt::format("#define LAKE_HOME_UM {}L  // at the retract end stop\n", Um(homing.stroke_mm));
+  text +=
+      fmt::format("#define LAKE_HOME_COUNTS {}\n#define LAKE_HOME_SPEED_UM_S {}L\n#define LAKE_HOME_TIMEOUT_MS {}L\n",
+                  homing.counts, Um(homing.speed_mm_s), homing.timeout_ms);
+  text += fmt::format(
+      "#define LAKE_POSITION_COUNTS {}  // from the end stop to the start\n#define LAKE_POSITION_SPEED_UM_S {}L\n"
+      "#define LAKE_POSITION_MS {}L\n",
+      homing.position_counts, Um(homing.position_speed_mm_s), homing.position_ms);
+  text += kTypes;
+  text += "static const lake_segment lake_segments[LAKE_SEGMENT_COUNT] PROGMEM = {\n" + SegmentRows(stroke) + "};\n\n";
+  text += "// um/s at equal steps of duty from 0 to 1: extending, retracting.\n";
+  text += fmt::format(
+      "static const uint32_t lake_speed_um_s[2][LAKE_SPEED_INTERVALS + 1] PROGMEM = {{\n    {{{}}},\n    "
+      "{{{}}}}};\n\n#endif\n",
+      SpeedRow(table.extend), SpeedRow(table.retract));
+  return text;
+}
+
+std::string CalibrationHeader(const FirmwareOptions& options, const std::string& made_by) {
+  return fmt::format(
+      "// No program: a firmware that jogs, for the logs of lake-stroke calibrate. {}\n#ifndef LAKE_STROKE_TABLE_H\n"
+      "#define LAKE_STROKE_TABLE_H\n\n{}\n#endif\n",
+      Comment(made_by), CommonDefines(options, 0));
+}
+
+}  // namespace lake

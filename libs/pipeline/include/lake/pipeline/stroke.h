@@ -1,0 +1,45 @@
+// The work of lake-stroke: a design's stroke program and its firmware; a duty table from logs; a prototype's video
+// against its prediction.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/actuator/duty_calibration.h"
+#include "lake/actuator/firmware.h"
+#include "lake/actuator/stroke_schedule.h"
+#include "lake/core/run.h"
+
+namespace lake {
+
+struct StrokeRunOptions {
+  std::filesystem::path design;
+  std::optional<std::filesystem::path> duty_table;  // none: no duty, no firmware
+  std::optional<std::filesystem::path> motion;    // lake-track or lake-gait folder: a constant program runs between its
+                                                  // seated and standing knee angles
+  std::optional<std::filesystem::path> validate;  // lake-track folder of a prototype
+  double rate_hz = 50;                            // of program.csv
+  ScheduleOptions schedule;
+  FirmwareOptions firmware;
+};
+
+// Writes program.csv, program.png; with a duty table stroke_table.h and the firmware's sources; with `validate`
+// validation.csv and validation.png. Returns the results for the summary.
+Json RunStroke(const StrokeRunOptions& options, Run& run);
+std::string StrokeReport(const Json& summary);
+
+struct DutyRunOptions {
+  std::vector<std::filesystem::path> logs;
+  std::optional<PotentiometerScale> potentiometer;
+  bool write_firmware = false;  // the firmware that jogs, instead of reading logs
+  CalibrateOptions calibrate;
+  FirmwareOptions firmware;
+};
+
+// Writes duty_table.csv, plateaus.csv, duty_table.png; or the calibration firmware.
+Json RunDutyCalibration(const DutyRunOptions& options, Run& run);
+std::string DutyReport(const Json& summary);
+
+}  // namespace lake

@@ -1,0 +1,28 @@
+// The short texts in which a command line and a study file say how a video is to be tracked.
+#pragma once
+
+#include <opencv2/core/types.hpp>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "lake/tracking/track_markers.h"
+
+namespace lake {
+
+// reflective, color, template or aruco. Throws UsageError.
+DetectorKind ParseDetector(const std::string& text);
+
+// bright or dark. Throws UsageError.
+Polarity ParsePolarity(const std::string& text);
+
+// NAME=REST. Throws UsageError that names `option`.
+std::pair<std::string, std::string> SplitAtEquals(const std::string& option, const std::string& text);
+
+// NAME=X,Y[@FRAME], a place in px. Throws UsageError.
+MarkerSeed ParseSeed(const std::string& text);
+
+// X,Y,W,H. Throws UsageError unless they are whole px with a positive width and height.
+cv::Rect CropOf(std::span<const double> numbers);
+
+}  // namespace lake

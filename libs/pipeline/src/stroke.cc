@@ -1,0 +1,235 @@
+#include "lake/pipeline/stroke.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/actuator/prototype_validation.h"
+#include "lake/core/angles.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "lake/core/provenance.h"
+#include "lake/core/statistics.h"
+#include "lake/motion/leg_motion.h"
+#include "lake/render/stroke_figures.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+
+LegMotion ReadMotion(const fs::path& folder, Run& run) {
+  const fs::path file = folder / "kinematics.csv";
+  if (!fs::is_regular_file(file))
+    throw Fail("{}: no kinematics.csv in it; give a folder that lake-track or lake-gait wrote", folder.string());
+  run.AddInput(file);
+  return ReadKinematicsCsv(file);
+}
+
+// The knee angle nearest to a percent, meaned over the repetitions.
+double AngleAtPercent(const LegMotion& motion, double percent, const fs::path& folder) {
+  constexpr double kNear = 3;  // percent; a sample of any ordinary frame rate is nearer
+  std::vector<double> angles;
+  std::vector<std::pair<double, double>> nearest;  // by repetition: distance, angle
+  for (const LegSample& sample : motion.samples) {
+    if (!sample.repetition || std::isnan(sample.percent) || std::isnan(sample.knee_deg)) continue;
+    const auto index = static_cast<std::size_t>(std::clamp(*sample.repetition, 1, 10'000));
+    if (nearest.size() < index) nearest.resize(index, {kNear, 0});
+    const double distance = std::abs(sample.percent - percent);
+    if (distance <= nearest[index - 1].first) nearest[index - 1] = {distance, sample.knee_deg};
+  }
+  for (const auto& [distance, angle] : nearest)
+    if (distance < kNear) angles.push_back(angle);
+  if (angles.empty())
+    throw Fail("{}: no sit-to-stand with a knee angle at {} %; give --from-angle and --to-angle", folder.string(),
+               percent);
+  return Mean(angles);
+}
+
+// Fills in the angles between which a person rises, as far as the design has them.
+void TakeMotion(const StrokeRunOptions& options, const Design& design, ScheduleOptions& schedule, Run& run) {
+  if (!options.motion) return;
+  const LegMotion motion = ReadMotion(*options.motion, run);
+  const SoftLimits limits = SoftLimitsOf(design, schedule.margin_mm);
+  const double a = KneeDegAt(design.links, limits.lower_mm), b = KneeDegAt(design.links, limits.upper_mm);
+  const auto take = [&](std::optional<double>& angle, double percent) {
+    if (angle) return;
+    const double human = AngleAtPercent(motion, percent, *options.motion);
+    angle = std::clamp(human, std::min(a, b), std::max(a, b));
+    if (*angle != human)
+      run.Warn(fmt::format("the knee angle at {} % is {:.2f}°; the design's soft limits end at {:.2f}°, which is taken",
+                           percent, human, *angle));
+  };
+  take(schedule.from_deg, 0), take(schedule.to_deg, 100);
+}
+
+// The slowest moving speed asked for in a direction; 0 if there is none.
+double SlowestAsked(const std::vector<ScheduleRow>& rows, int direction) {
+  double slowest = 0;
+  for (const ScheduleRow& row : rows)
+    if (row.direction == direction && (slowest == 0 || std::abs(row.speed_mm_s) < slowest))
+      slowest = std::abs(row.speed_mm_s);
+  return slowest;
+}
+
+void WarnOfSlowMotion(const std::vector<ScheduleRow>& rows, const DutyTable& table, Run& run) {
+  for (const int direction : {1, -1}) {
+    const double slowest = SlowestAsked(rows, direction), measured = table.Curve(direction).LeastMovingSpeed();
+    if (slowest > 0 && slowest < 0.999 * measured)
+      run.Warn(fmt::format("{} at {:.3g} mm/s is slower than anything in the duty table ({:.3g} mm/s): it may stick",
+                           direction > 0 ? "extending" : "retracting", slowest, measured));
+  }
+}
+
+double FastestKnee(const std::vector<ScheduleRow>& rows) {
+  double fastest = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    fastest =
+        std::max(fastest, std::abs(rows[i].knee_deg - rows[i - 1].knee_deg) / (rows[i].time_s - rows[i - 1].time_s));
+  return fastest;
+}
+
+Json ProgramJson(const StrokeSchedule& schedule, const std::vector<ScheduleRow>& rows) {
+  double fastest = 0;
+  for (const ScheduleRow& row : rows) fastest = std::max(fastest, std::abs(row.speed_mm_s));
+  return {{"duration_s", schedule.Duration()},
+          {"rows", rows.size()},
+          {"start", {{"stroke_mm", rows.front().stroke_mm}, {"knee_deg", rows.front().knee_deg}}},
+          {"end", {{"stroke_mm", rows.back().stroke_mm}, {"knee_deg", rows.back().knee_deg}}},
+          {"largest_speed_mm_s", fastest},
+          {"largest_knee_deg_s", FastestKnee(rows)},
+          {"reversals", schedule.reversals},
+          {"added_rest_s", schedule.added_rest_s},
+          {"soft_limits_mm", {schedule.limits.lower_mm, schedule.limits.upper_mm}},
+          {"used_stroke_mm", {schedule.limits.used.stroke.lower_mm, schedule.limits.used.stroke.upper_mm}}};
+}
+
+void WriteSources(const std::string& header, Run& run) {
+  WriteTextFile(run.Result("stroke_table.h"), header);
+  for (const FirmwareFile& file : FirmwareSources()) WriteTextFile(run.Result(file.name), file.text);
+}
+
+// Who made a generated header, for its comment.
+std::string MadeBy(const std::string& from) {
+  return fmt::format("Made by lake-stroke {} from {}.", Version(), from);
+}
+
+Json FirmwareJson(const StrokeTable& stroke) {
+  Json files = {"stroke_table.h"};
+  for (const FirmwareFile& file : FirmwareSources()) files.push_back(file.name);
+  return {{"files", files},
+          {"segments", stroke.segments.size()},
+          {"segment_bytes", stroke.segments.size() * kSegmentBytes},
+          {"rounding_error_mm", stroke.rounding_error_mm},
+          {"pwm_error_mm", stroke.pwm_error_mm}};
+}
+
+Json ValidationJson(const Validation& v) {
+  return {{"shift_s", v.shift_s},       {"rms_deg", v.rms_deg},
+          {"max_deg", v.max_deg},       {"max_time_s", v.max_time_s},
+          {"offset_deg", v.offset_deg}, {"rms_with_offset_deg", v.rms_with_offset_deg},
+          {"speed_mm_s", v.speed_mm_s}, {"speed_se_mm_s", v.speed_se_mm_s},
+          {"program_seen", v.covered}};
+}
+
+Validation Validate(const StrokeSchedule& schedule, const fs::path& folder, Run& run) {
+  const LegMotion motion = ReadMotion(folder, run);
+  std::vector<AngleSample> samples;
+  for (std::size_t i = 0; i < motion.samples.size(); ++i)
+    if (!std::isnan(motion.samples[i].knee_deg)) samples.push_back({motion.time_s[i], motion.samples[i].knee_deg});
+  try {
+    return ValidatePrototype(schedule, samples);
+  } catch (const Error& error) {
+    throw Fail("{}: {}", folder.string(), error.what());
+  }
+}
+
+void WarnOfValidation(const Validation& v, const StrokeSchedule& schedule, Run& run) {
+  if (v.covered < 0.95) run.Warn(fmt::format("the video shows {:.0f} % of the program", 100 * v.covered));
+  if (std::abs(v.offset_deg) > 1 && v.rms_with_offset_deg < 0.5 * v.rms_deg)
+    run.Warn(fmt::format("a constant {:+.2f}° explains most of the difference: a marker or a link off its place?",
+                         v.offset_deg));
+  if (std::isnan(v.speed_mm_s)) return;
+  const double planned = (schedule.knots[1].stroke_mm - schedule.knots[0].stroke_mm) / schedule.Duration();
+  if (std::abs(v.speed_mm_s - planned) > std::max(0.01 * std::abs(planned), 3 * v.speed_se_mm_s))
+    run.Warn(fmt::format("the prototype moved at {:.3f} ± {:.3f} mm/s, not at {:.3f}", v.speed_mm_s, v.speed_se_mm_s,
+                         planned));
+}
+
+}  // namespace
+
+Json RunStroke(const StrokeRunOptions& options, Run& run) {
+  const Design design = ReadDesign(options.design);
+  run.AddInput(options.design);
+  ScheduleOptions schedule_options = options.schedule;
+  TakeMotion(options, design, schedule_options, run);
+  FirmwareOptions firmware = options.firmware;
+  firmware.dead_time_s = schedule_options.dead_time_s;
+  const StrokeSchedule schedule = MakeSchedule(design, schedule_options);
+  std::optional<DutyTable> table;
+  std::optional<StrokeTable> stroke;
+  std::string header;
+  if (options.duty_table) {
+    table = ReadDutyTable(*options.duty_table);
+    run.AddInput(*options.duty_table);
+    stroke = MakeStrokeTable(schedule, *table, firmware);
+    header = StrokeTableHeader(
+        *stroke, schedule, *table, design.d_min_mm, firmware,
+        MadeBy(fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string())));
+  }
+  const std::vector<ScheduleRow> rows = SampleSchedule(schedule, options.rate_hz, table ? &*table : nullptr);
+  std::optional<Validation> validation;
+  if (options.validate) validation = Validate(schedule, *options.validate, run);
+
+  if (table)
+    WarnOfSlowMotion(rows, *table, run);
+  else if (!validation)
+    run.Warn(
+        "no duty table: the duty is left empty and no firmware is written; measure one (lake-stroke calibrate) and "
+        "give "
+        "it with --duty-table");
+  WriteScheduleCsv(run.Result("program.csv"), rows);
+  const std::string name = options.design.filename().string();
+  DrawStrokeProgram(run.Result("program.png"), schedule, rows, "Stroke program of " + name);
+  Json summary = ProgramJson(schedule, rows);
+  summary["firmware"] = nullptr;
+  if (stroke) {
+    WriteSources(header, run);
+    summary["firmware"] = FirmwareJson(*stroke);
+  }
+  if (validation) {
+    WarnOfValidation(*validation, schedule, run);
+    WriteValidationCsv(run.Result("validation.csv"), *validation);
+    DrawValidation(run.Result("validation.png"), schedule, *validation,
+                   fmt::format("Prototype {} against {}", options.validate->filename().string(), name));
+    summary["validation"] = ValidationJson(*validation);
+  }
+  return summary;
+}
+
+std::string StrokeReport(const Json& summary) {
+  const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : std::nan(""); };
+  const auto pose = [&](const Json& end) {
+    return fmt::format("{:.3f} mm ({:.2f}°)", number(end["stroke_mm"]), number(end["knee_deg"]));
+  };
+  std::string text = fmt::format("{} to {} in {:.3f} s, at most {:.3f} mm/s and {:.1f} °/s of the knee; {} reversals\n",
+                                 pose(summary["start"]), pose(summary["end"]), number(summary["duration_s"]),
+                                 number(summary["largest_speed_mm_s"]), number(summary["largest_knee_deg_s"]),
+                                 summary["reversals"].get<int>());
+  text += fmt::format("soft limits {:.3f} and {:.3f} mm\n", number(summary["soft_limits_mm"][0]),
+                      number(summary["soft_limits_mm"][1]));
+  if (const Json& firmware = summary["firmware"]; !firmware.is_null())
+    text += fmt::format("firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n",
+                        firmware["segments"].get<int>(), number(firmware["rounding_error_mm"]),
+                        number(firmware["pwm_error_mm"]));
+  if (summary.contains("validation")) {
+    const Json& v = summary["validation"];
+    text += fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, program begins at {:.3f} s", number(v["rms_deg"]),
+                        number(v["max_deg"]), number(v["shift_s"]));
+    if (v["speed_mm_s"].is_number() && !std::isnan(number(v["speed_mm_s"])))
+      text += fmt::format(", its own speed {:.3f} ± {:.3f} mm/s", number(v["speed_mm_s"]), number(v["speed_se_mm_s"]));
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace lake

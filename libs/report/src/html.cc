@@ -1,0 +1,91 @@
+#include "html.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+namespace lake::report {
+namespace {
+
+// Through the JSON library, which knows UTF-8.
+std::string ValidUtf8(std::string_view text) {
+  return Json::parse(Json(std::string(text)).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+}
+
+}  // namespace
+
+std::string EscapeHtml(std::string_view text) {
+  std::string escaped;
+  for (const char c : ValidUtf8(text)) {
+    switch (c) {
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      default:
+        const bool control = static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+        escaped += control && c != '\n' && c != '\t' ? "\uFFFD" : std::string(1, c);
+    }
+  }
+  return escaped;
+}
+
+std::string ScriptJson(const Json& value) {
+  std::string json;
+  for (const char c : value.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+    if (c == '<') {
+      json += "\\u003c";
+    } else {
+      json += c;
+    }
+  }
+  return json;
+}
+
+std::string Base64(std::string_view bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    unsigned triple = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      triple = triple << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[triple >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string EscapeHref(const std::filesystem::path& path) {
+  constexpr std::string_view kPlain = "-._~/";
+  // "./" keeps a colon in the first part of a name from being taken for a protocol.
+  std::string href = path.is_absolute() ? "" : "./";
+  for (const char c : path.generic_string()) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = (byte < 0x80 && std::isalnum(byte)) || kPlain.find(c) != kPlain.npos;
+    href += plain ? std::string(1, c) : fmt::format("%{:02X}", byte);
+  }
+  return href;
+}
+
+std::string FormatNumber(double value, int decimals) {
+  if (!std::isfinite(value)) return "–";
+  const std::string digits = fmt::format("{:.{}f}", std::abs(value), decimals);
+  const bool zero = digits.find_first_not_of("0.") == digits.npos;
+  return std::signbit(value) && !zero ? "−" + digits : digits;
+}
+
+}  // namespace lake::report

@@ -1,0 +1,26 @@
+// Text, data and files as parts of an HTML page.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "lake/core/json.h"
+
+namespace lake::report {
+
+// Text for an element or a quoted attribute: invalid UTF-8 and control characters replaced, < > & " ' escaped.
+std::string EscapeHtml(std::string_view text);
+
+// JSON for a <script> element: has no "<", so that neither "</script>" nor "<!--" can end or change it.
+std::string ScriptJson(const Json& value);
+
+std::string Base64(std::string_view bytes);
+
+// A relative path as the value of a quoted href.
+std::string EscapeHref(const std::filesystem::path& path);
+
+// A number with fixed decimals and a true minus sign; "–" for NaN.
+std::string FormatNumber(double value, int decimals);
+
+}  // namespace lake::report

@@ -1,0 +1,159 @@
+#include "avr_rig.h"
+
+#include <simavr/avr_adc.h>
+#include <simavr/avr_ioport.h>
+#include <simavr/avr_uart.h>
+#include <simavr/sim_elf.h>
+#include <simavr/sim_irq.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace lake {
+namespace {
+
+constexpr std::uint64_t kCyclesPerMs = 16000;
+constexpr double kHertz = 16e6;
+constexpr std::uint32_t kSupply_mv = 5000;
+// Registers of the ATmega328P in data space.
+constexpr std::uint16_t kDdrB = 0x24, kPortB = 0x25, kDdrD = 0x2A, kPortD = 0x2B, kTccr1a = 0x80, kIcr1 = 0x86,
+                        kOcr1a = 0x88;
+constexpr int kCom1a1 = 7;  // of TCCR1A: the timer drives the pin
+enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kIn1 = 7 };
+
+bool HasBit(std::uint8_t value, int bit) {
+  return (value >> bit) & 1;
+}
+
+}  // namespace
+
+AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) : actuator_(actuator) {
+  elf_firmware_t firmware{};
+  if (elf_read_firmware(elf.c_str(), &firmware) != 0) throw std::runtime_error("not an ELF file: " + elf.string());
+  avr_ = avr_make_mcu_by_name("atmega328p");
+  if (!avr_) throw std::runtime_error("simavr has no atmega328p");
+  avr_init(avr_);
+  avr_->log = LOG_NONE;
+  avr_->sleep = [](avr_t*, avr_cycle_count_t) {};  // simulated time does not wait for real time
+  firmware.frequency = static_cast<std::uint32_t>(kHertz);
+  firmware.vcc = firmware.avcc = firmware.aref = kSupply_mv;
+  avr_load_firmware(avr_, &firmware);
+  avr_irq_register_notify(avr_io_getirq(avr_, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), OnSerial, this);
+  std::uint32_t flags = 0;
+  avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);  // nothing to the test's own output
+  SetEndStopPins();
+}
+
+AvrRig::~AvrRig() {
+  avr_terminate(avr_);
+}
+
+double AvrRig::Time() const {
+  return static_cast<double>(avr_->cycle) / kHertz;
+}
+bool AvrRig::HasEnded() const {
+  return avr_->state == cpu_Done || avr_->state == cpu_Crashed;
+}
+
+// The timer's registers rather than the pin: simavr 1.6 does not move the pin's compare event when OCR1A is written.
+BridgeInputs AvrRig::ReadInputs() const {
+  const std::uint8_t* data = avr_->data;
+  const auto level = [&](std::uint16_t port, std::uint16_t ddr, int bit) {
+    return HasBit(data[port], bit) && HasBit(data[ddr], bit);
+  };
+  const auto word = [&](std::uint16_t address) { return data[address] | data[address + 1] << 8; };
+  BridgeInputs inputs{0, level(kPortD, kDdrD, kIn1), level(kPortB, kDdrB, kIn2)};
+  if (HasBit(data[kTccr1a], kCom1a1) && HasBit(data[kDdrB], kEna))
+    inputs.enable = std::min(1.0, (word(kOcr1a) + 1.0) / (word(kIcr1) + 1.0));
+  else
+    inputs.enable = level(kPortB, kDdrB, kEna) ? 1 : 0;
+  return inputs;
+}
+
+void AvrRig::CountOnTime() {
+  const double cycles = static_cast<double>(avr_->cycle - counted_to_);
+  on_cycles_[static_cast<int>(inputs_.Driven())] += inputs_.enable * cycles;
+  on_cycles_[static_cast<int>(Drive::kOff)] += (1 - inputs_.enable) * cycles;
+  counted_to_ = avr_->cycle;
+}
+
+void AvrRig::OnSerial(avr_irq_t*, std::uint32_t value, void* self) {
+  static_cast<AvrRig*>(self)->serial_.push_back(static_cast<char>(value));
+}
+
+void AvrRig::Send(const std::string& line) {
+  to_send_.insert(to_send_.end(), line.begin(), line.end());
+  to_send_.push_back('\n');
+}
+
+void AvrRig::PullWire(bool retract, bool pulled) {
+  pulled_[retract ? 0 : 1] = pulled;
+  SetEndStopPins();
+}
+
+void AvrRig::SetEndStopPins() {
+  const bool retract = pulled_[0] || actuator_.stroke_mm <= actuator_.retract_stop_mm;
+  const bool extend = pulled_[1] || actuator_.stroke_mm >= actuator_.extend_stop_mm;
+  avr_ioport_external_t pins{};
+  pins.name = 'D';
+  pins.mask = (1 << kRetractStop) | (1 << kExtendStop);
+  pins.value = static_cast<unsigned>(retract << kRetractStop | extend << kExtendStop) & 0xFF;
+  avr_ioctl(avr_, AVR_IOCTL_IOPORT_SET_EXTERNAL('D'), &pins);
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kRetractStop), retract);
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ('D'), kExtendStop), extend);
+}
+
+void AvrRig::EndMillisecond() {
+  CountOnTime();
+  double total = 0;
+  for (const double cycles : on_cycles_) total += cycles;
+  const auto share = [&](Drive drive) { return on_cycles_[static_cast<int>(drive)] / total; };
+  const double duty = share(Drive::kExtend) - share(Drive::kRetract);
+  const bool brake = share(Drive::kBrake) > 0.5;
+  const double target =
+      duty == 0 ? 0 : std::copysign(actuator_.table->Curve(duty > 0 ? 1 : -1).SpeedFor(std::abs(duty)), duty);
+  const double time_constant = brake ? 0.01 : duty == 0 ? 0.06 : actuator_.time_constant_s;
+  speed_mm_s_ += (target - speed_mm_s_) * (1 - std::exp(-1e-3 / time_constant));
+  actuator_.stroke_mm += speed_mm_s_ * 1e-3;
+  samples_.push_back({Time(), actuator_.stroke_mm, speed_mm_s_, duty, brake});
+  for (double& cycles : on_cycles_) cycles = 0;
+  SetEndStopPins();
+  const auto [at_0, at_5] = actuator_.potentiometer_mm;
+  const double wiper = std::clamp((actuator_.stroke_mm - at_0) / (at_5 - at_0), 0.0, 1.0);
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0),
+                static_cast<std::uint32_t>(wiper * kSupply_mv));
+}
+
+void AvrRig::Run(double seconds) {
+  const std::uint64_t until = avr_->cycle + static_cast<std::uint64_t>(seconds * kHertz);
+  std::uint64_t next_ms = (avr_->cycle / kCyclesPerMs + 1) * kCyclesPerMs;
+  while (avr_->cycle < until && !HasEnded()) {
+    avr_run(avr_);
+    if (const BridgeInputs now = ReadInputs(); now != inputs_) {
+      CountOnTime();
+      if (now.Driven() != inputs_.Driven()) changes_.push_back({Time(), now.Driven(), now.enable});
+      inputs_ = now;
+    }
+    if (avr_->cycle < next_ms) continue;
+    next_ms += kCyclesPerMs;
+    EndMillisecond();
+    if (!to_send_.empty()) {  // one character per ms: slower than 115200 baud, never too fast
+      avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT),
+                    static_cast<std::uint8_t>(to_send_.front()));
+      to_send_.pop_front();
+    }
+  }
+}
+
+bool AvrRig::RunUntil(const std::string& text, double most_seconds) {
+  const std::size_t from = serial_.size();
+  const double until = Time() + most_seconds;
+  while (Time() < until && !HasEnded()) {
+    Run(0.005);
+    if (serial_.find(text, from) != std::string::npos) return true;
+  }
+  return false;
+}
+
+}  // namespace lake

@@ -1,0 +1,92 @@
+// The firmware in simavr, with a bridge, a motor with its screw, two end stops and a serial line around it.
+#pragma once
+
+#include <simavr/sim_avr.h>
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lake/actuator/duty_table.h"
+
+namespace lake {
+
+// What the bridge does to the motor.
+enum class Drive { kOff, kExtend, kRetract, kBrake };
+
+// One ms of the simulation.
+struct RigSample {
+  double time_s = 0, stroke_mm = 0, speed_mm_s = 0;
+  double duty = 0;  // signed mean over the ms
+  bool brake = false;
+};
+
+// The bridge's inputs as the UNO's registers drive them. A pin that is no output reads low: the board has pull-downs.
+struct BridgeInputs {
+  double enable = 0;  // duty of ENA: that of timer 1 while it drives the pin, else the pin's level
+  bool in1 = false, in2 = false;
+
+  Drive Driven() const { return in1 == in2 ? Drive::kBrake : in1 ? Drive::kExtend : Drive::kRetract; }
+  bool operator==(const BridgeInputs&) const = default;
+};
+
+// A change of IN1 and IN2.
+struct DriveChange {
+  double time_s = 0;
+  Drive drive = Drive::kOff;  // from then on; kOff never
+  double enable = 0;          // of ENA at that moment
+};
+
+// Speed follows the table with a time constant while driven, 10 ms when shorted, 60 ms when off.
+struct ActuatorModel {
+  const DutyTable* table = nullptr;
+  double stroke_mm = 0;
+  double retract_stop_mm = 0, extend_stop_mm = 1000;  // where the switches act
+  double time_constant_s = 0.03;
+  double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
+};
+
+class AvrRig {
+ public:
+  AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator);
+  AvrRig(const AvrRig&) = delete;
+  AvrRig& operator=(const AvrRig&) = delete;
+  ~AvrRig();
+
+  void Run(double seconds);
+  bool RunUntil(const std::string& serial_text, double most_seconds);  // false if it was not said in time
+
+  void Send(const std::string& line);
+  void PullWire(bool retract, bool pulled);  // an end stop's wire off: reads as pressed
+
+  double Time() const;
+  double Stroke() const { return actuator_.stroke_mm; }
+  void SetStroke(double stroke_mm) { actuator_.stroke_mm = stroke_mm; }
+  bool HasEnded() const;  // `quit`
+  const std::string& Serial() const { return serial_; }
+  const std::vector<RigSample>& Samples() const { return samples_; }
+  const std::vector<DriveChange>& Changes() const { return changes_; }
+
+ private:
+  static void OnSerial(avr_irq_t* irq, uint32_t value, void* rig);
+  BridgeInputs ReadInputs() const;
+  void CountOnTime();
+  void EndMillisecond();
+  void SetEndStopPins();
+
+  avr_t* avr_ = nullptr;
+  ActuatorModel actuator_;
+  double speed_mm_s_ = 0;
+  BridgeInputs inputs_;
+  bool pulled_[2] = {false, false};
+  std::uint64_t counted_to_ = 0;
+  double on_cycles_[4] = {};  // by Drive, in this ms
+  std::string serial_;
+  std::deque<char> to_send_;
+  std::vector<RigSample> samples_;
+  std::vector<DriveChange> changes_;
+};
+
+}  // namespace lake

@@ -1,0 +1,204 @@
+#include "lake/actuator/duty_calibration.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "lake/actuator/robust_slope.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+// An actuator whose speed bends down a little: dead bands 0.27 and 0.22.
+double TrueSpeed(double duty) {
+  const double over = std::abs(duty) - (duty > 0 ? 0.27 : 0.22);
+  return over <= 0 ? 0 : std::copysign((duty > 0 ? 13 : 15) * over * (1 - 0.15 * over), duty);
+}
+
+struct LogMaker {
+  explicit LogMaker(unsigned seed) : random(seed) {}
+
+  // Rest, then the duty for a while; the motor follows with 30 ms; noise of the measured stroke, a tenth of it wild.
+  void Plateau(double duty, double seconds, double true_speed) {
+    for (const auto& [d, speed, duration] : {std::tuple{0.0, 0.0, 0.3}, std::tuple{duty, true_speed, seconds}})
+      for (double t = 0; t < duration; t += 0.02) {
+        now += 0.02;
+        speed_now += (speed - speed_now) * (1 - std::exp(-0.02 / 0.03));
+        stroke += speed_now * 0.02;
+        const double wild = random() % 10 == 0 ? 20 : 1;
+        log.time_s.push_back(now), log.duty.push_back(d);
+        log.stroke_mm.push_back(std::clamp(stroke, low, high) + wild * noise_mm * normal(random));
+      }
+  }
+
+  std::mt19937 random;
+  std::normal_distribution<double> normal;
+  DutyLog log{"log.csv", {}, {}, {}};
+  double now = 0, stroke = 300, speed_now = 0, noise_mm = 0.03, low = -1e9, high = 1e9;
+};
+
+DutyLog AllDuties(unsigned seed) {
+  LogMaker maker(seed);
+  for (int i = 1; i <= 10; ++i)
+    for (const int sign : {1, -1}) maker.Plateau(sign * 0.1 * i, 2, TrueSpeed(sign * 0.1 * i));
+  return maker.log;
+}
+
+TEST(RobustSlope, SurvivesAQuarterOfWildPoints) {
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::vector<double> x, y;
+    for (int i = 0; i < 200; ++i)
+      x.push_back(0.02 * i), y.push_back(7 - 3 * x.back() + (i % 4 ? 0.05 : 5.0) * normal(random));
+    const RobustSlope fit = FitRobustSlope(x, y);
+    // Least squares on the good points would have 0.05 / sqrt(sum (x - mean)^2) = 0.0031.
+    EXPECT_NEAR(fit.slope, -3, 5 * 0.0031 * 1.5) << "seed " << seed;
+    EXPECT_GT(fit.standard_error, 0.002);
+    EXPECT_LT(fit.standard_error, 0.008);
+  }
+  EXPECT_TRUE(std::isnan(FitRobustSlope(std::vector{1.0, 2.0}, std::vector{1.0, 2.0}).slope));
+  EXPECT_TRUE(std::isnan(FitRobustSlope(std::vector{1.0, 1.0, 1.0}, std::vector{1.0, 2.0, 3.0}).slope));
+}
+
+// Readings in steps, a dozen of them, as a potentiometer gives: uniform errors, and the slope is no multiple of the
+// step.
+TEST(RobustSlope, ReadingsInStepsHaveHonestErrors) {
+  std::vector<double> scaled;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> phase(0, 1), speed(2, 10);
+    const double truth = speed(random), start = phase(random), step = 0.137;
+    std::vector<double> x, y;
+    for (int i = 0; i < 12; ++i)
+      x.push_back(0.1 * i), y.push_back(step * std::floor((start + truth * x.back()) / step));
+    const RobustSlope fit = FitRobustSlope(x, y);
+    scaled.push_back((fit.slope - truth) / fit.standard_error);
+    EXPECT_NEAR(fit.slope, truth, 0.137);  // 0.040 / sqrt(sum (x - mean)^2) = 0.033; a step per second is 4 of it
+  }
+  EXPECT_LT(StandardDeviation(scaled), 1.3);
+  EXPECT_GT(StandardDeviation(scaled), 0.6);  // the floor errs to the safe side
+}
+
+TEST(DutyCalibration, SpeedsWithHonestErrorsOverManySeeds) {
+  std::vector<double> scaled;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const DutyCalibration c = CalibrateDuty({AllDuties(seed)}, {});
+    EXPECT_TRUE(c.warnings.empty()) << c.warnings.front();
+    EXPECT_EQ(c.plateaus.size(), 20u);
+    for (const DutyRow& row : c.rows) {
+      if (row.extend_mm_s > 0) scaled.push_back((row.extend_mm_s - TrueSpeed(row.duty)) / row.extend_se_mm_s);
+      if (row.retract_mm_s > 0) scaled.push_back((row.retract_mm_s + TrueSpeed(-row.duty)) / row.retract_se_mm_s);
+    }
+    // Between the two slowest moving duties the curve bends by 15 % of 0.1: half a percent of duty.
+    EXPECT_NEAR(c.extend.duty, 0.27, 0.005) << "seed " << seed;
+    EXPECT_NEAR(c.retract.duty, 0.22, 0.005) << "seed " << seed;
+    EXPECT_NEAR(c.extend.low, 0.2, 1e-9);
+    EXPECT_NEAR(c.extend.high, 0.3, 1e-9);
+  }
+  EXPECT_GE(scaled.size(), 40u * 15);
+  const double deviation = StandardDeviation(scaled);
+  EXPECT_GT(deviation, 0.7);
+  EXPECT_LT(deviation, 1.5);
+  EXPECT_NEAR(Mean(scaled), 0, 0.3);
+}
+
+TEST(DutyCalibration, TableDrivesTheActuatorAtTheSpeedAskedFor) {
+  const DutyTable table = MakeDutyTable(CalibrateDuty({AllDuties(3), AllDuties(4)}, {}).rows, "test");
+  // From the slowest measured speed on: 0.5 % by noise, 1 % by interpolating a bend.
+  for (double speed = 0.5; speed < 8; speed += 0.25) {
+    EXPECT_NEAR(TrueSpeed(table.extend.DutyFor(speed)), speed, 0.02 + 0.01 * speed);
+    EXPECT_NEAR(-TrueSpeed(-table.retract.DutyFor(speed)), speed, 0.02 + 0.01 * speed);
+  }
+}
+
+TEST(DutyCalibration, PlateauThatMeetsTheEndOfTravelIsLeftOut) {
+  LogMaker maker(1);
+  maker.high = 308;
+  for (const double duty : {0.5, -0.5, 0.8, -0.8, 0.4, -0.4}) maker.Plateau(duty, 1, TrueSpeed(duty));
+  maker.stroke = 304;
+  maker.Plateau(0.9, 1.5, TrueSpeed(0.9));  // 7.4 mm/s: at 308 mm after half the time
+  const DutyCalibration c = CalibrateDuty({maker.log}, {});
+  ASSERT_EQ(c.warnings.size(), 1u);
+  EXPECT_THAT(c.warnings[0], AllOf(HasSubstr("log.csv"), HasSubstr("duty 0.9"), HasSubstr("not steady")));
+  EXPECT_FALSE(c.plateaus.back().used);
+  EXPECT_NEAR(MakeDutyTable(c.rows, "t").extend.MostDuty(), 0.8, 1e-9);
+}
+
+TEST(DutyCalibration, NoiseThatTurnsTheOrderIsMadeMonotone) {
+  LogMaker maker(2);
+  for (const double duty : {0.4, -0.4, 0.5, -0.5, 0.6, -0.6})
+    maker.Plateau(duty, 2, duty == 0.6 ? TrueSpeed(0.5) - 0.5 : TrueSpeed(duty));  // another load
+  const DutyCalibration c = CalibrateDuty({maker.log}, {});
+  EXPECT_NEAR(c.largest_adjustment_mm_s, 0.25, 0.05);  // half the fall
+  ASSERT_FALSE(c.warnings.empty());
+  EXPECT_THAT(c.warnings.back(), HasSubstr("a speed falls as the duty rises"));
+  EXPECT_NO_THROW(MakeDutyTable(c.rows, "t"));
+}
+
+TEST(DutyCalibration, WhatIsWrongIsNamed) {
+  LogMaker swapped(5);
+  for (const double duty : {0.5, -0.5}) swapped.Plateau(duty, 1, -TrueSpeed(duty));
+  EXPECT_THAT([&] { CalibrateDuty({swapped.log}, {}); }, ThrowsMessage<Error>(HasSubstr("swap the motor's two wires")));
+  LogMaker few(6);
+  few.Plateau(0.5, 1, TrueSpeed(0.5));
+  EXPECT_THAT([&] { CalibrateDuty({few.log}, {}); }, ThrowsMessage<Error>(HasSubstr("1 extending duties")));
+  LogMaker still(7);
+  still.Plateau(0, 2, 0);
+  EXPECT_THAT([&] { CalibrateDuty({still.log}, {}); }, ThrowsMessage<Error>(HasSubstr("no plateau")));
+  CalibrateOptions options;
+  options.min_plateau_s = 0.1;
+  EXPECT_THROW(CalibrateDuty({few.log}, options), UsageError);
+}
+
+DutyLog ReadText(const std::string& text, const std::optional<PotentiometerScale>& scale = {}) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "log.csv", text);
+  return ReadDutyLog(folder / "log.csv", scale);
+}
+
+TEST(DutyLog, ReadsCsvAndSerialOutput) {
+  EXPECT_EQ(ReadText("time_s,stroke_mm,duty\n0,300,0\n0.1,,0.5\n0.2,301,0.5\n").stroke_mm, (std::vector{300.0, 301.0}));
+  const std::string serial =
+      "# lake-stroke\r\ntime_s,planned_mm,duty,direction,state,adc,end_stops\r\n0.100,,0.0000,0,idle,102,0\r\n# ok\r\n"
+      "0.200,,-0.5000,-1,jogging,512,0\r\n\r\n";
+  const DutyLog log = ReadText(serial, ParsePotentiometerScale("102=242,921=372"));
+  ASSERT_EQ(log.time_s.size(), 2u);
+  EXPECT_NEAR(log.stroke_mm[0], 242, 1e-12);
+  EXPECT_NEAR(log.stroke_mm[1], 242 + 410 * 130.0 / 819, 1e-9);
+  EXPECT_EQ(log.duty[1], -0.5);
+  EXPECT_THAT([&] { ReadText(serial); }, ThrowsMessage<Error>(HasSubstr("measured strokes")))
+      << "planned is not measured";
+}
+
+TEST(DutyLog, BadLogsSayWhere) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"", "empty"},
+      {"# only remarks\n", "empty"},
+      {"a,b\n1,2\n", "log.csv:1: no header with the columns time_s and duty"},
+      {"time_s,stroke_mm,duty\n0,300,0\n0,301,0\n", "log.csv:3: the times must ascend"},
+      {"time_s,stroke_mm,duty\n1,300,0\n0.5,301,0\n", "log.csv:3: the times must ascend"},
+      {"time_s,stroke_mm,duty\nnan,300,0\n", "log.csv:2: time_s 'nan' is not a number"},
+      {"time_s,stroke_mm,duty\n0,inf,0\n", "log.csv:2: stroke_mm 'inf' is not a number"},
+      {"time_s,stroke_mm,duty\n0,300,128\n", "log.csv:2: duty 128 is not within -1..1"},
+      {"time_s,stroke_mm,duty\n0,300\n", "log.csv:2: 2 cells under a header of 3"},
+  };
+  for (const auto& [text, message] : cases)
+    EXPECT_THAT([&] { ReadText(text); }, ThrowsMessage<Error>(HasSubstr(message))) << text;
+  for (const char* scale : {"", "1=2", "1=2,1=3", "1=2,3=2", "a=2,3=4", "1=2,3=4,5=6"})
+    EXPECT_THROW(ParsePotentiometerScale(scale), UsageError) << scale;
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,183 @@
+// lake-stroke as a user runs it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "cli/program_run.h"
+#include "firmware_build.h"
+#include "lake/actuator/stroke_schedule.h"
+#include "lake/core/csv.h"
+#include "lake/core/json.h"
+#include "lake/motion/leg_motion.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kTable = LAKE_SOURCE_DIR "/calibration/duty_table_model.csv";
+
+class StrokeProgramTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    WriteTextFile(folder_ / "design.yaml",
+                  "links: {l1: 59.081, l2: 68.840, l3: 55.964, l4: 71.849, l5: 118.630, l6: 287.310}\nd_min_mm: 242\n"
+                  "program: {kind: constant, speed_mm_s: 5}\n");
+  }
+  Outcome Run(const std::string& arguments) { return Shell(folder_, "lake-stroke " + arguments); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(StrokeProgramTest, WritesProgramAndFirmware) {
+  const Outcome run = Run(std::string("design.yaml -o out --json --duty-table ") + kTable);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = Json::parse(run.out);
+  EXPECT_NEAR(summary["duration_s"].get<double>(), 26.3045, 1e-3);
+  EXPECT_EQ(summary["inputs"].size(), 2u);
+  EXPECT_LT(summary["firmware"]["pwm_error_mm"].get<double>(), 0.05);
+  const CsvTable table = CsvTable::Read(folder_ / "out/program.csv");
+  EXPECT_EQ(table.Header(),
+            (std::vector<std::string>{"time_s", "stroke_mm", "speed_mm_s", "knee_deg", "direction", "duty"}));
+  EXPECT_NEAR(table.RequiredNumber(0, 5), (5 / 1.1 + 3.2) / 12, 1e-4);
+  for (const char* name :
+       {"program.png", "stroke_table.h", "lake_stroke.c", "controller.c", "summary.json", "options.toml"})
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder_ / "out" / name)) << name;
+#ifdef LAKE_AVR_GCC
+  const Outcome build =
+      Shell(folder_, std::string("cd out && ") + LAKE_AVR_GCC +
+                         " -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror *.c -o firmware.elf");
+  EXPECT_EQ(build.exit_code, 0) << build.err;
+#endif
+}
+
+TEST_F(StrokeProgramTest, WithoutADutyTableSaysSoAndWritesNoFirmware) {
+  const Outcome run = Run("design.yaml -o out");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("no firmware is written; measure one (lake-stroke calibrate)"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/stroke_table.h"));
+  const CsvTable table = CsvTable::Read(folder_ / "out/program.csv");
+  for (std::size_t i = 0; i < table.Rows(); ++i) ASSERT_FALSE(table.Number(i, 5)) << "row " << i;
+}
+
+TEST_F(StrokeProgramTest, OptionsFromAFileGiveTheSameProgram) {
+  ASSERT_EQ(Run("design.yaml -o a --speed 4 --from-angle 80 --return --rate 20").exit_code, 0);
+  const Outcome run = Run("--config a/options.toml -o b");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(ReadTextFile(folder_ / "a/program.csv"), ReadTextFile(folder_ / "b/program.csv"));
+}
+
+// A tracked human gives the constant program its angles; the prototype's video is compared with it.
+TEST_F(StrokeProgramTest, MotionAndValidation) {
+  LegMotion human, prototype;
+  for (int i = 0; i <= 100; ++i) {
+    LegSample sample;
+    sample.repetition = 1;
+    sample.percent = i;
+    sample.knee_deg = 95 - 0.88 * i;  // 95 to 7 degrees
+    human.frame.push_back(i), human.time_s.push_back(i / 60.0), human.samples.push_back(sample);
+  }
+  std::filesystem::create_directories(folder_ / "human");
+  WriteKinematicsCsv(folder_ / "human/kinematics.csv", human);
+  ASSERT_EQ(Run("design.yaml -o a --motion human").exit_code, 0);
+  const CsvTable program = CsvTable::Read(folder_ / "a/program.csv");
+  EXPECT_NEAR(program.RequiredNumber(0, 3), 95, 1e-9);
+  EXPECT_NEAR(program.RequiredNumber(program.Rows() - 1, 3), 7, 1e-9);
+
+  // The prototype follows the program from 1.5 s on, sampled at 30 Hz, two degrees too far bent.
+  const double duration = program.RequiredNumber(program.Rows() - 1, 0);
+  for (int i = 0; i / 30.0 < duration + 3; ++i) {
+    const double at = std::clamp(i / 30.0 - 1.5, 0.0, duration);
+    const double d0 = program.RequiredNumber(0, 1);
+    LegSample sample;
+    sample.knee_deg = KneeDegAt(kPublishedLinks, d0 + 5 * at) + 2;
+    if (i % 50 == 7) sample.knee_deg = std::nan("");
+    prototype.frame.push_back(i), prototype.time_s.push_back(i / 30.0), prototype.samples.push_back(sample);
+  }
+  std::filesystem::create_directories(folder_ / "prototype");
+  WriteKinematicsCsv(folder_ / "prototype/kinematics.csv", prototype);
+  const Outcome run = Run("design.yaml -o b --motion human --validate prototype --speed 5 --json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json v = Json::parse(run.out)["validation"];
+  EXPECT_NEAR(v["offset_deg"].get<double>(), 2, 1e-3);
+  EXPECT_LT(v["rms_with_offset_deg"].get<double>(), 1e-3);
+  EXPECT_NEAR(v["shift_s"].get<double>(), 1.5, 0.5);  // two degrees are 0.4 s
+  EXPECT_THAT(run.err, HasSubstr("a constant +2.00°"));
+  EXPECT_TRUE(std::filesystem::is_regular_file(folder_ / "b/validation.png"));
+  EXPECT_EQ(CsvTable::Read(folder_ / "b/validation.csv").Header().front(), "time_s");
+}
+
+TEST_F(StrokeProgramTest, CalibrateMakesATable) {
+  std::string log = "time_s,stroke_mm,duty\n";
+  double time = 0, stroke = 300;
+  for (const double duty : {0.3, -0.3, 0.5, -0.5, 0.8, -0.8})
+    for (int i = 0; i < 100; ++i) {
+      time += 0.01, stroke += 0.01 * (duty > 0 ? 10 * (duty - 0.2) : 10 * (duty + 0.1));
+      log += fmt::format("{:.2f},{:.4f},{}\n", time, stroke, duty);
+    }
+  WriteTextFile(folder_ / "log.csv", log);
+  const Outcome run = Run("calibrate log.csv -o duty --json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = Json::parse(run.out);
+  EXPECT_NEAR(summary["dead_band"]["extend"]["duty"].get<double>(), 0.2, 1e-3);
+  EXPECT_NEAR(summary["dead_band"]["retract"]["duty"].get<double>(), 0.1, 1e-3);
+  EXPECT_EQ(Run("design.yaml -o out --duty-table duty/duty_table.csv").exit_code, 0);
+  EXPECT_EQ(Run("calibrate --write-firmware -o cal").exit_code, 0);
+  EXPECT_THAT(ReadTextFile(folder_ / "cal/stroke_table.h"), HasSubstr("#define LAKE_SEGMENT_COUNT 0"));
+}
+
+TEST_F(StrokeProgramTest, ErrorsAreOneLineWithTheRightCodeAndLeaveNothing) {
+  const std::string free =
+      "links: {l1: 59.081, l2: 68.840, l3: 55.964, l4: 71.849, l5: 118.630, l6: 287.310}\nd_min_mm: 242\n";
+  WriteTextFile(folder_ / "far.yaml", free + "program: {kind: free, knots: [[0, 300], [20, 376]]}\n");
+  WriteTextFile(folder_ / "long.yaml", free + "program: {kind: free, knots: [[0, 300], [1e12, 310]]}\n");
+  WriteTextFile(folder_ / "nan.yaml", free + "program: {kind: free, knots: [[0, 300], [.nan, 310]]}\n");
+  WriteTextFile(folder_ / "zero.yaml", free + "program: {kind: constant, speed_mm_s: 0}\n");
+  WriteTextFile(folder_ / "none.yaml", free);
+  WriteTextFile(folder_ / "bad.csv", "duty,extend_mm_s\n0.1,nan\n");
+  WriteTextFile(folder_ / "empty.csv", "");
+  const struct {
+    const char* arguments;
+    int exit_code;
+    const char* message;
+  } cases[] = {
+      {"", 2, "which design"},
+      {"nowhere.yaml", 1, "nowhere.yaml"},
+      {"far.yaml", 1, "stroke 376.0000 mm at 20 s is above the soft limit 374.02"},
+      {"long.yaml", 1, "more than 1000000 rows"},
+      {"nan.yaml", 1, "nan.yaml:3"},
+      {"zero.yaml", 1, "speed_mm_s must be above 0"},
+      {"none.yaml", 2, "--speed"},
+      {"design.yaml --speed 0", 2, "--speed"},
+      {"design.yaml --speed -5", 2, "--speed"},
+      {"design.yaml --speed nan", 2, "--speed"},
+      {"design.yaml --rate 0", 2, "--rate"},
+      {"design.yaml --margin 500", 1, "leaves nothing"},
+      {"design.yaml --max-speed 3", 1, "--max-speed is 3 mm/s"},
+      {"design.yaml --duty-table bad.csv", 1, "bad.csv"},
+      {"design.yaml --duty-table empty.csv", 1, "empty.csv"},
+      {"design.yaml --validate nowhere", 1, "no kinematics.csv"},
+      {"design.yaml --motion nowhere", 1, "no kinematics.csv"},
+      {"design.yaml --from-angle 175", 2, "--from-angle 175"},
+      {"calibrate", 2, "which logs"},
+      {"calibrate empty.csv", 1, "empty.csv"},
+      {"calibrate design.yaml", 1, "design.yaml:1"},
+      {"calibrate empty.csv --pot 3", 2, "--pot"},
+      {"design.yaml --no-such-option", 2, "no-such-option"},
+  };
+  for (const auto& c : cases) {
+    const Outcome run = Run(std::string(c.arguments) + " -o out");
+    EXPECT_EQ(run.exit_code, c.exit_code) << c.arguments << "\n" << run.err;
+    EXPECT_EQ(run.ErrorLines(), 1) << c.arguments << "\n" << run.err;
+    EXPECT_THAT(run.err, HasSubstr(c.message)) << c.arguments;
+    EXPECT_EQ(FilesIn(folder_ / "out"), 0u) << c.arguments;
+  }
+  const Outcome fast = Run(std::string("design.yaml --speed 11 -o out --duty-table ") + kTable);
+  EXPECT_EQ(fast.exit_code, 1);
+  EXPECT_THAT(fast.err, HasSubstr("asks for 11 mm/s from 0 s"));
+  EXPECT_EQ(FilesIn(folder_ / "out"), 0u);
+}
+
+}  // namespace
+}  // namespace lake

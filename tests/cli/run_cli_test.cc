@@ -1,0 +1,103 @@
+// lake-run as a user runs it: exit codes, one-line errors, interrupted and gone on with.
+#include "cli/program_run.h"
+#include "lake/core/json.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+// The first rise of each of the sample study's videos.
+class RunProgram : public testing::Test {
+ protected:
+  static std::string Sample(const std::string& name) {
+    return (fs::path(LAKE_SOURCE_DIR) / "data/sts-study" / name).string();
+  }
+
+  void WriteStudy(const std::string& rest = "") {
+    WriteTextFile(folder_ / "study.yaml",
+                  fmt::format("camera: {}\nhuman: {{video: {}, end: 250, overlay: false}}\nexo: {{video: {}, end: 280, "
+                              "overlay: false, markers: [ankle, knee, hip, waist, exo_knee], seeds: "
+                              "[\"knee=728,431\", \"exo_knee=740,415\"]}}\n{}",
+                              Sample("camera.yaml"), Sample("human.mp4"), Sample("exo.mp4"), rest));
+  }
+
+  void ExpectRefused(const std::string& arguments, int exit_code, const std::string& text) {
+    const Outcome outcome = Shell(folder_, "lake-run --quiet -o results " + arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    EXPECT_THAT(outcome.err, AllOf(testing::StartsWith("lake-run: "), HasSubstr(text)));
+    EXPECT_EQ(outcome.ErrorLines(), 1) << outcome.err;
+    EXPECT_EQ(FilesIn(folder_ / "results"), 0u);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(RunProgram, RefusesStudiesThatCannotBe) {
+  ExpectRefused("absent.yaml", 1, "absent.yaml: no such file");
+  ExpectRefused("", 2, "study");
+  WriteStudy("compair: {}\n");
+  ExpectRefused("study.yaml", 1, "study.yaml:4: unknown key 'compair'");
+  WriteStudy("design: {problem: no-problem.yaml, worn: no-design.yaml}\n");
+  ExpectRefused("study.yaml", 1, "2 files are missing");
+}
+
+TEST_F(RunProgram, InterruptedGoesOnWhereItWas) {
+  WriteStudy();
+  const std::string run = "lake-run study.yaml --quiet -o results";
+  const Outcome stopped =
+      Shell(folder_, run +
+                         " & while kill -0 $! && [ ! -e results/human/.human.lake-step.json ]; do sleep 0.02; done; "
+                         "kill -TERM $!; wait $!");
+  EXPECT_EQ(stopped.exit_code, 143) << stopped.err;
+  EXPECT_THAT(stopped.err, HasSubstr("lake-run: interrupted"));
+  EXPECT_FALSE(fs::exists(folder_ / "results/report.html"));
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "results"))
+    if (entry.path().filename().string().starts_with("."))
+      EXPECT_THAT(entry.path().string(), testing::EndsWith(".lake-step.json")) << "half-written";
+
+  const Outcome again = Shell(folder_, run + " --json");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const Json summary = Json::parse(again.out);
+  EXPECT_FALSE(summary["steps"][0]["done"].get<bool>()) << "the human trial was finished";
+  for (std::size_t i = 1; i < summary["steps"].size(); ++i) EXPECT_TRUE(summary["steps"][i]["done"].get<bool>()) << i;
+  EXPECT_EQ(summary, Json::parse(ReadTextFile(folder_ / "results/summary.json")));
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "results/report.html"));
+}
+
+// The steps write what the programs write; the front door does the same.
+TEST_F(RunProgram, WritesWhatTheProgramsWrite) {
+  WriteStudy();
+  ASSERT_EQ(Shell(folder_, "lake run study.yaml --quiet -o results").exit_code, 0);
+  const std::string track = "lake-track --quiet --no-overlay --camera " + Sample("camera.yaml");
+  ASSERT_EQ(Shell(folder_, track + " --end 250 -o human " + Sample("human.mp4")).exit_code, 0);
+  ASSERT_EQ(Shell(folder_, track +
+                               " --end 280 --markers ankle,knee,hip,waist,exo_knee --seed knee=728,431 --seed "
+                               "exo_knee=740,415 -o exo " +
+                               Sample("exo.mp4"))
+                .exit_code,
+            0);
+  ASSERT_EQ(Shell(folder_, "lake-compare human exo -o comparison").exit_code, 0);
+  ASSERT_EQ(Shell(folder_, "lake-optimize --quiet -o optimum").exit_code, 0);
+  for (const char* file :
+       {"human/tracks.csv", "human/kinematics.csv", "exo/trajectory.csv", "exo/events.csv",
+        "comparison/misalignment.csv", "comparison/comparison.json", "optimum/design.yaml", "optimum/optimum.csv"})
+    EXPECT_EQ(ReadTextFile(folder_ / "results" / file), ReadTextFile(folder_ / file)) << file;
+}
+
+TEST_F(RunProgram, EndsAsTheStepThatFailed) {
+  // No design comes near 0.001 % of the shank at one speed.
+  WriteStudy("reoptimize: {max_misalignment_percent: 0.001}\n");
+  const Outcome outcome = Shell(folder_, "lake-run study.yaml --quiet -o results");
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("lake-run: step redesign (the design for this person): "));
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "results/redesign/design.yaml")) << "the nearest, marked as such";
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "results/optimum/design.yaml"));
+  EXPECT_FALSE(fs::exists(folder_ / "results/simulation"));
+}
+
+}  // namespace
+}  // namespace lake

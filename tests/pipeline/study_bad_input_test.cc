@@ -1,0 +1,86 @@
+// Studies that cannot be: each ends with one line that names the step, and what was finished stays.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "lake/core/error.h"
+#include "pipeline/study_trials.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::ThrowsMessage;
+
+class BadStudy : public testing::Test {
+ protected:
+  void ExpectFailure(const std::string& step, const std::string& message) {
+    EXPECT_THAT([&] { study_.Go(); }, ThrowsMessage<Error>(AllOf(HasSubstr("step " + step + " ("), HasSubstr(message),
+                                                                 Not(HasSubstr("\n")))));
+    EXPECT_TRUE(fs::is_regular_file(study_.Out() / "human/summary.json"));
+    EXPECT_FALSE(fs::exists(study_.Out() / "report.html"));
+    EXPECT_FALSE(fs::exists(study_.Out() / "comparison/comparison.json"));
+  }
+
+  MarkerRecording Exo(double end_s = INFINITY) { return RecordingOf(StsMotion(ExoMotionOptions()), 2, end_s); }
+
+  StudyFolder study_;
+};
+
+TEST_F(BadStudy, WithoutACommonMarker) {
+  study_.WriteStudy("compare: {exo_knee: joint}\n");
+  ExpectFailure("comparison", "no marker 'joint'");
+}
+
+// The markers of the leg are there, but the subject only sits.
+TEST_F(BadStudy, WithoutARepetition) {
+  const double first_rise_s = StsMotion(ExoMotionOptions()).Phases()[1].start_s;
+  study_.WriteTrial("exo.csv", Exo(first_rise_s));
+  ExpectFailure("comparison", "no repetition");
+}
+
+TEST_F(BadStudy, WithATrialThatEndsBeforeTheMotion) {
+  const StsPhase rise = StsMotion(ExoMotionOptions()).Phases()[1];
+  study_.WriteTrial("exo.csv", Exo(rise.start_s + 0.6 * (rise.end_s - rise.start_s)));
+  ExpectFailure("comparison", "exo");
+}
+
+TEST_F(BadStudy, WithTrialsInDifferentUnits) {
+  MarkerRecording exo = Exo();
+  exo.unit = LengthUnit::kPx;
+  // Image rows grow downward.
+  for (MarkerTrack& marker : exo.markers)
+    for (MarkerSample& sample : marker.samples) sample.position.y() = 1000 - sample.position.y();
+  study_.WriteTrial("exo.csv", exo);
+  ExpectFailure("comparison", "is in mm and");
+}
+
+TEST_F(BadStudy, WithAFileThatIsNoTrial) {
+  WriteTextFile(study_.Folder() / "exo.csv", "frame,time_s\n");
+  ExpectFailure("exo", "exo.csv");
+}
+
+// What an older version of lake left is made again, whatever its content says.
+TEST_F(BadStudy, WithAnOlderComparisonIsDoneAgain) {
+  study_.Go();
+  const fs::path stamp = study_.Out() / "comparison/.comparison.lake-step.json";
+  Json json = ReadJsonFile(stamp);
+  json["maker"] = "lake 0.0.1";
+  WriteJsonFile(stamp, json);
+  const Json summary = study_.Go();
+  EXPECT_THAT(study_.Done(summary), testing::Contains("comparison"));
+  EXPECT_THAT(study_.Done(summary), Not(testing::Contains("human")));
+}
+
+TEST_F(BadStudy, WithMissingFilesNamesThemAll) {
+  fs::remove(study_.Folder() / "human.csv");
+  fs::remove(study_.Folder() / "exo.csv");
+  EXPECT_THAT([&] { study_.Go(); }, ThrowsMessage<Error>(AllOf(HasSubstr("2 files are missing"), HasSubstr("human.csv"),
+                                                               HasSubstr("exo.csv"))));
+  EXPECT_FALSE(fs::exists(study_.Out()));
+}
+
+}  // namespace
+}  // namespace lake

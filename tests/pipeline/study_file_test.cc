@@ -1,0 +1,242 @@
+// study.yaml: what is read, and what is refused with its line.
+#include "lake/pipeline/study_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::ThrowsMessage;
+
+class StudyYaml : public testing::Test {
+ protected:
+  StudyYaml() {
+    for (const char* name :
+         {"human.mp4", "exo.mp4", "camera.yaml", "corrections.csv", "trial.trc", "board.png", "worn.yaml", "duty.csv"})
+      WriteTextFile(folder_ / name, "");
+    fs::create_directory(folder_ / "frames");
+    fs::create_directory(folder_ / "boards");
+    WriteTextFile(folder_ / "boards/b2.png", ""), WriteTextFile(folder_ / "boards/b1.png", "");
+  }
+
+  StudyFile Read(const std::string& text) {
+    WriteTextFile(folder_ / "study.yaml", text);
+    return ReadStudyFile(folder_ / "study.yaml");
+  }
+
+  void ExpectRefused(const std::string& text, const std::string& message) {
+    EXPECT_THAT([&] { Read(text); }, ThrowsMessage<Error>(AllOf(HasSubstr(message), Not(HasSubstr("\n"))))) << text;
+  }
+
+  TemporaryFolder folder_;
+};
+
+constexpr const char* kWhole = R"(name: A study
+out: results
+camera: camera.yaml
+human:
+  video: human.mp4
+  markers: [ankle, knee, hip]
+  seeds: ["knee=10,20.5@7"]
+  detector: color
+  colors: ["#ff0000"]
+  scale: [1, 2, 3, 4, 500]
+  crop: [0, 10, 640, 480]
+  start: 5
+  end: 90
+  capture_rate_hz: 240
+  vertical: [0, 0, 0, 100]
+  depth_mm: {knee: 12}
+  filter: butterworth
+  cutoff_hz: 6
+  corrections: corrections.csv
+  overlay: false
+exo:
+  trial: trial.trc
+  map: {ankle: R_A, knee: R_K, hip: R_H, exo_knee: E_K}
+  up: y
+  forward: -x
+  unit: m
+  facing: left
+compare: {human_knee: knee, exo_knee: exo_knee, replacement_sd_mm: 1.5}
+design:
+  problem: {margins: {grashof_mm: 2}}
+  worn: worn.yaml
+  certify_deg: 0.5
+  yield_mm: 0.1
+reoptimize:
+  problem: {margins: {grashof_mm: 3}}
+  max_misalignment_percent: 4
+  penalty: 0.5
+  program: free
+  max_speed_mm_s: 6
+  duration_s: 30
+  monotone: true
+  knots: 31
+  fit_placement: true
+  placement_reach_mm: 25
+  pareto: 5
+stroke: {duty_table: duty.csv, margin_mm: 1, return: true, hold_s: 3, rate_hz: 20}
+)";
+
+TEST_F(StudyYaml, IsRead) {
+  const StudyFile study = Read(kWhole);
+  EXPECT_EQ(study.name, "A study");
+  EXPECT_EQ(study.out, folder_ / "results");
+  EXPECT_EQ(study.camera, folder_ / "camera.yaml");
+  ASSERT_TRUE(study.human.IsVideo());
+  const auto& video = std::get<TrackRunOptions>(study.human.work);
+  EXPECT_EQ(video.video, folder_ / "human.mp4");
+  EXPECT_THAT(video.track.names, ElementsAre("ankle", "knee", "hip"));
+  ASSERT_EQ(video.track.seeds.size(), 1u);
+  EXPECT_EQ(video.track.seeds[0].frame, 7);
+  EXPECT_EQ(video.track.seeds[0].position, Eigen::Vector2d(10, 20.5));
+  EXPECT_EQ(video.track.detector, DetectorKind::kColor);
+  EXPECT_EQ(video.scale, (std::array<double, 5>{1, 2, 3, 4, 500}));
+  EXPECT_EQ(video.track.crop, cv::Rect(0, 10, 640, 480));
+  EXPECT_EQ(video.track.reader.first, 5);
+  EXPECT_EQ(video.track.reader.last, 90);
+  EXPECT_EQ(video.track.reader.capture_rate_hz, 240);
+  EXPECT_EQ(video.depth_mm.at("knee"), 12);
+  EXPECT_EQ(video.fit.filter, LegFilter::kButterworth);
+  EXPECT_EQ(video.fit.cutoff_hz, 6);
+  EXPECT_EQ(video.corrections, folder_ / "corrections.csv");
+  EXPECT_FALSE(video.overlay);
+  const auto& trial = std::get<GaitRunOptions>(study.exo->work);
+  EXPECT_EQ(trial.trial, folder_ / "trial.trc");
+  EXPECT_EQ(trial.reading.names.at("exo_knee"), "E_K");
+  EXPECT_EQ(trial.reading.up, 'y');
+  EXPECT_EQ(trial.reading.forward, "-x");
+  EXPECT_EQ(trial.reading.mm_per_unit, 1000);
+  EXPECT_EQ(trial.fit.facing, Facing::kLeft);
+  EXPECT_EQ(study.compare.exo_knee, "exo_knee");
+  EXPECT_EQ(study.compare.misalignment.replacement_sd_mm, 1.5);
+  EXPECT_EQ(study.design.problem.grashof_margin_mm, 2);
+  EXPECT_EQ(study.worn, folder_ / "worn.yaml");
+  EXPECT_EQ(study.certify_gap_deg, 0.5);
+  EXPECT_EQ(study.yield_tolerance_mm, 0.1);
+  ASSERT_TRUE(study.redesign);
+  EXPECT_EQ(study.redesign->design.problem.grashof_margin_mm, 3);
+  const ReoptimizeRunOptions& redesign = study.redesign->options;
+  EXPECT_EQ(redesign.max_misalignment_percent, 4);
+  EXPECT_EQ(redesign.penalty_deg_per_mm, 0.5);
+  EXPECT_EQ(redesign.program.kind, StrokeProgram::Kind::kFree);
+  EXPECT_EQ(redesign.program.max_speed_mm_s, 6);
+  EXPECT_EQ(redesign.program.duration_s, 30);
+  EXPECT_TRUE(redesign.program.monotone);
+  EXPECT_EQ(redesign.program.knots, 31);
+  EXPECT_TRUE(redesign.fit_placement);
+  EXPECT_EQ(redesign.placement_reach_mm, 25);
+  EXPECT_EQ(redesign.pareto_points, 5);
+  ASSERT_TRUE(study.stroke);
+  EXPECT_EQ(study.stroke->duty_table, folder_ / "duty.csv");
+  EXPECT_EQ(study.stroke->schedule.margin_mm, 1);
+  EXPECT_TRUE(study.stroke->schedule.return_trip);
+  EXPECT_EQ(study.stroke->rate_hz, 20);
+  EXPECT_EQ(study.inputs.size(), 6u);
+}
+
+TEST_F(StudyYaml, TakesItsProblemFromAFileToo) {
+  WriteTextFile(folder_ / "problem.yaml", "d_min_mm: 250\n");
+  EXPECT_EQ(Read("human: {video: human.mp4}\ndesign: {problem: problem.yaml}\n").design.problem.d_min_mm, 250);
+  WriteTextFile(folder_ / "problem.yaml", "d_mim_mm: 250\n");
+  ExpectRefused("human: {video: human.mp4}\ndesign: {problem: problem.yaml}\n", "problem.yaml:1: unknown key");
+  ExpectRefused("human: {video: human.mp4}\ndesign:\n  problem: {d_min_mm: -1}\n", "study.yaml:3: ");
+  ExpectRefused("human: {video: human.mp4}\ndesign: {certify_deg: 0}\n", "'certify_deg' must be positive");
+}
+
+TEST_F(StudyYaml, NamesItsResultsAfterItsFolderOrItself) {
+  const std::string text = "human: {video: human.mp4}\n";
+  EXPECT_EQ(Read(text).ResultName(), folder_.Path().filename());
+  WriteTextFile(folder_ / "knees.yaml", text);
+  EXPECT_EQ(ReadStudyFile(folder_ / "knees.yaml").ResultName(), "knees");
+  EXPECT_EQ(Read("out: there\n" + text).ResultName(), (folder_ / "there").string());
+}
+
+TEST_F(StudyYaml, MayAskForACalibration) {
+  const StudyFile study = Read(
+      "camera:\n  calibrate:\n    images: [boards/*.png, board.png]\n    board: chessboard:9x6:25\n"
+      "    plane: {image: board.png, board: 'chessboard:9x6:25'}\nhuman: {video: frames/%05d.png}\n");
+  ASSERT_TRUE(study.calibration);
+  EXPECT_THAT(study.calibration->camera.pictures,
+              ElementsAre(folder_ / "boards/b1.png", folder_ / "boards/b2.png", folder_ / "board.png"));
+  EXPECT_EQ(study.calibration->plane->picture, folder_ / "board.png");
+  EXPECT_EQ(study.inputs.size(), 4u) << "each file once, the sequence as its folder";
+  ExpectRefused("camera: {calibrate: {images: boards/*.png}}\nhuman: {video: human.mp4}\n", ":1: 'board' is missing");
+  ExpectRefused("camera: {calibrate: {images: boards/*.png, board: chess}}\nhuman: {video: human.mp4}\n", ":1: ");
+  ExpectRefused("camera: {calibrate: {board: 'chessboard:9x6:25'}}\nhuman: {video: human.mp4}\n",
+                "either 'images' or 'video'");
+}
+
+TEST_F(StudyYaml, TellsOfAllMissingFilesAtOnce) {
+  ExpectRefused(
+      "camera: no-camera.yaml\nhuman:\n  video: no-human.mp4\n  corrections: corrections.csv\n"
+      "exo: {video: exo.mp4, corrections: no-corrections.csv}\n",
+      fmt::format("study.yaml: 3 files are missing: {0}/no-camera.yaml ({0}/study.yaml:1), {0}/no-human.mp4 "
+                  "({0}/study.yaml:3), {0}/no-corrections.csv ({0}/study.yaml:5)",
+                  folder_.Path().string()));
+  ExpectRefused("camera: {calibrate: {images: other/*.png, board: 'chessboard:9x6:25'}}\nhuman: {video: human.mp4}\n",
+                "a file is missing: " + (folder_ / "other/*.png").string());
+}
+
+TEST_F(StudyYaml, RefusesWithTheLine) {
+  ExpectRefused("human: {video: human.mp4}\nexxo: {}\n", "study.yaml:2: unknown key 'exxo'; known here: ");
+  ExpectRefused("human:\n  video: human.mp4\n  seed: [a]\n", "study.yaml:3: unknown key 'seed'");
+  ExpectRefused("human: {trial: trial.trc, markers: [knee]}\n", "study.yaml:1: unknown key 'markers'");
+  ExpectRefused("exo: {video: exo.mp4}\n", "study.yaml:1: 'human' is missing");
+  ExpectRefused("human: {markers: [knee]}\n", "either 'video' or 'trial'");
+  ExpectRefused("human: {video: human.mp4, trial: trial.trc}\n", "either 'video' or 'trial'");
+  ExpectRefused("human:\n  video: human.mp4\n  seeds: [\"knee=1\"]\n", "study.yaml:3: ");
+  ExpectRefused("human:\n  video: human.mp4\n  seeds: [\"toe=1,2\"]\n", "toe");
+  ExpectRefused("human:\n  video: human.mp4\n  detector: magic\n", "study.yaml:3: detector 'magic'");
+  ExpectRefused("human: {video: human.mp4, scale: [1, 2]}\n", "'scale' must have 5 numbers, not 2");
+  ExpectRefused("human: {video: human.mp4, start: 5, end: 3}\n", "'end' is before 'start'");
+  ExpectRefused("human: {video: human.mp4, start: -5}\n", "'start' must not be negative");
+  ExpectRefused("human: {video: human.mp4, cutoff_hz: .nan}\n", "'.nan' is not a finite number");
+  ExpectRefused("human: {video: ''}\n", "a file is needed");
+  ExpectRefused("human: human.mp4\n", "study.yaml:1: a map");
+  ExpectRefused("- human\n", "a study is a map");
+  ExpectRefused("human: {video: human.mp4\n", "not YAML");
+  ExpectRefused("human: {video: human.mp4}\nexo: {video: exo.mp4}\ncompare: {replacement_sd_mm: -1}\n",
+                "study.yaml:3: 'replacement_sd_mm' must not be negative");
+  ExpectRefused("human: {video: human.mp4}\ncompare: {human_knee: knee}\n", "'compare' needs an 'exo' trial");
+}
+
+TEST_F(StudyYaml, RefusesMarkersThatAreNotLookedFor) {
+  ExpectRefused("human: {video: human.mp4}\nexo: {video: exo.mp4}\ncompare: {exo_knee: exo_knee}\n",
+                "study.yaml:3: 'exo_knee' is not among the markers of exo.mp4 (ankle, knee, hip, waist)");
+  ExpectRefused("human: {video: human.mp4, markers: [ankle, hip]}\nexo: {video: exo.mp4}\ncompare: {}\n",
+                "'knee' is not among the markers of human.mp4");
+}
+
+TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
+  const std::string trial = "human: {video: human.mp4}\n";
+  ExpectRefused(trial + "reoptimize:\n  program: slow\n", "study.yaml:3: program 'slow'");
+  ExpectRefused(trial + "reoptimize: {pareto: 1}\n", "'pareto' must be at least 2");
+  ExpectRefused(trial + "reoptimize: {max_misalignment: 1}\n", "study.yaml:2: unknown key 'max_misalignment'");
+  ExpectRefused(trial + "reoptimize: {duration_s: -1}\n", "'duration_s' must be positive");
+  ExpectRefused(trial + "design: {worn: worn.yaml}\n", "'worn' needs an 'exo' trial");
+  ExpectRefused(trial + "stroke: {margin_mm: -1}\n", "study.yaml:2: ");
+  ExpectRefused(trial + "stroke: {duty: x}\n", "study.yaml:2: unknown key 'duty'");
+}
+
+// What a step depends on: the same whatever the order of keys and the blanks, another for another value.
+TEST_F(StudyYaml, KeepsWhatASectionSays) {
+  const Json one = Read("human: {video: human.mp4, start: 5, filter: none}\n").human.options;
+  const Json other = Read("human:\n  # a comment\n  start: 5.0\n  filter: none\n  video: human.mp4\n").human.options;
+  EXPECT_EQ(one, other);
+  EXPECT_NE(one, Read("human: {video: human.mp4, start: 6, filter: none}\n").human.options);
+}
+
+}  // namespace
+}  // namespace lake

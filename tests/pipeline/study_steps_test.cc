@@ -1,0 +1,208 @@
+// The step runner: what is done again, what is not, and what is left when a step fails.
+#include "lake/pipeline/study_steps.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// Two sources a, b; their copies; the join of both copies; a report of everything.
+class Steps : public testing::Test {
+ protected:
+  Steps() {
+    WriteTextFile(folder_ / "a.txt", "alpha");
+    WriteTextFile(folder_ / "b.txt", "beta");
+  }
+
+  StudyStep Copy(const std::string& name) {
+    StudyStep step{name, "a copy of " + name + ".txt", "copy", Out(name), {folder_ / (name + ".txt")}, {}, {}, 1, {}};
+    step.options = {{"suffix", suffix_}};
+    step.work = [this, name](lake::Run& run) {
+      done_.push_back(name);
+      WriteTextFile(run.Result("copy.txt"), ReadTextFile(folder_ / (name + ".txt")).substr(0, 4) + suffix_);
+    };
+    return step;
+  }
+
+  StudyStep Join() {
+    StudyStep step{
+        "join", "both copies", "join", Out("join"), {Out("a") / "copy.txt", Out("b") / "copy.txt"}, {}, {}, 1, {}};
+    step.work = [this](lake::Run& run) {
+      done_.push_back("join");
+      if (fail_) fail_();
+      WriteTextFile(run.Result("join.txt"), ReadTextFile(Out("a") / "copy.txt") + ReadTextFile(Out("b") / "copy.txt"));
+    };
+    return step;
+  }
+
+  StudyStep Report() {
+    StudyStep step{"report", "all of it", "report", folder_ / "out", {}, {"a", "b", "join"}, {}, 1, {}};
+    step.work = [this](lake::Run& run) {
+      done_.push_back("report");
+      WriteTextFile(run.Result("report.html"), "report");
+    };
+    return step;
+  }
+
+  fs::path Out(const std::string& name) const { return folder_ / "out" / name; }
+
+  // The names of the steps that were done.
+  std::vector<std::string> Go(const std::string& maker = "this build") {
+    done_.clear();
+    outcomes_ = RunSteps({Copy("a"), Copy("b"), Join(), Report()}, {maker, "test", true});
+    return done_;
+  }
+
+  TemporaryFolder folder_;
+  std::string suffix_ = "!";
+  std::function<void()> fail_;
+  std::vector<std::string> done_;
+  std::vector<StepOutcome> outcomes_;
+};
+
+TEST_F(Steps, AreDoneOnceAndThenLeftAlone) {
+  EXPECT_THAT(Go(), ElementsAre("a", "b", "join", "report"));
+  EXPECT_THAT(Go(), IsEmpty());
+  for (const StepOutcome& outcome : outcomes_) EXPECT_FALSE(outcome.done) << outcome.why;
+  EXPECT_EQ(ReadTextFile(Out("join") / "join.txt"), "alph!beta!");
+}
+
+TEST_F(Steps, AreDoneAgainWhereAnInputChangedAndWhatReadsThem) {
+  Go();
+  WriteTextFile(folder_ / "b.txt", "gamma");
+  EXPECT_THAT(Go(), ElementsAre("b", "join", "report"));
+  EXPECT_EQ(outcomes_[1].why, "b.txt changed");
+  EXPECT_THAT(Go(), IsEmpty());
+}
+
+// Only the first four letters are copied.
+TEST_F(Steps, AreNotDoneWhereAChangeComesToNothing) {
+  Go();
+  WriteTextFile(folder_ / "b.txt", "beta and more");
+  EXPECT_THAT(Go(), ElementsAre("b"));
+}
+
+TEST_F(Steps, KnowAChangeByContentNotByTime) {
+  Go();
+  WriteTextFile(folder_ / "a.txt", "alpha");
+  EXPECT_THAT(Go(), IsEmpty());
+  // Written in place: the same inode, size, and time of the last write.
+  struct stat status;
+  ASSERT_EQ(stat((folder_ / "a.txt").c_str(), &status), 0);
+  const int file = open((folder_ / "a.txt").c_str(), O_WRONLY);
+  ASSERT_EQ(write(file, "omega", 5), 5);
+  const timespec times[] = {status.st_atim, status.st_mtim};
+  ASSERT_EQ(futimens(file, times), 0);
+  close(file);
+  EXPECT_THAT(Go(), ElementsAre("a", "join", "report"));
+}
+
+TEST_F(Steps, AreDoneAgainForOtherOptionsAndByAnotherBuild) {
+  Go();
+  suffix_ = "?";
+  EXPECT_THAT(Go(), ElementsAre("a", "b", "join", "report"));
+  EXPECT_EQ(outcomes_[0].why, "its options changed");
+  EXPECT_THAT(Go("an older build"), ElementsAre("a", "b", "join", "report"));
+  EXPECT_THAT(outcomes_[0].why, HasSubstr("another build"));
+}
+
+TEST_F(Steps, AreDoneAgainWhereAnOutputIsMissingOrWasChanged) {
+  Go();
+  fs::remove(Out("b") / "copy.txt");
+  EXPECT_THAT(Go(), ElementsAre("b")) << "the same comes out, so nothing that reads it need be done";
+  EXPECT_EQ(outcomes_[1].why, "copy.txt is missing");
+  WriteTextFile(Out("join") / "join.txt", "by hand");
+  EXPECT_THAT(Go(), ElementsAre("join"));
+  EXPECT_EQ(outcomes_[2].why, "join.txt was changed");
+  fs::remove_all(folder_ / "out");
+  EXPECT_THAT(Go(), ElementsAre("a", "b", "join", "report"));
+}
+
+TEST_F(Steps, WithAnUnreadableStampAreDoneAgain) {
+  Go();
+  for (const auto& entry : fs::directory_iterator(Out("a")))
+    if (entry.path().filename().string().ends_with(".json")) WriteTextFile(entry.path(), "{\"maker\": 3}");
+  EXPECT_THAT(Go(), ElementsAre("a"));
+}
+
+TEST_F(Steps, NeverTouchFilesThatAreNotTheirs) {
+  fs::create_directories(Out("a"));
+  WriteTextFile(Out("a") / "notes.txt", "mine");
+  Go();
+  suffix_ = "?";
+  Go();
+  EXPECT_EQ(ReadTextFile(Out("a") / "notes.txt"), "mine");
+  WriteTextFile(Out("a") / "notes.txt", "mine, changed");
+  EXPECT_THAT(Go(), IsEmpty());
+  // A stamp that was tampered with does not make it delete a file elsewhere.
+  const fs::path stamp = Out("a") / ".a.lake-step.json";
+  std::string text = ReadTextFile(stamp);
+  const auto name = text.find("\"copy.txt\"");
+  ASSERT_NE(name, std::string::npos);
+  WriteTextFile(stamp, text.replace(name, 10, "\"../../a.txt\""));
+  EXPECT_THAT(Go(), ElementsAre("a"));
+  EXPECT_EQ(ReadTextFile(folder_ / "a.txt"), "alpha");
+}
+
+TEST_F(Steps, OfACopiedFolderAreItsOwn) {
+  Go();
+  fs::copy(folder_ / "out", folder_ / "copy", fs::copy_options::recursive);
+  fs::rename(folder_ / "out", folder_ / "first");
+  fs::rename(folder_ / "copy", folder_ / "out");
+  EXPECT_THAT(Go(), IsEmpty());
+  suffix_ = "?";
+  Go();
+  EXPECT_EQ(ReadTextFile(folder_ / "first" / "a" / "copy.txt"), "alph!");
+}
+
+template <typename Exception>
+std::string MessageOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Exception& error) {
+    EXPECT_EQ(typeid(error), typeid(Exception)) << "another exit code";
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST_F(Steps, ThatFailSayWhichAndKeepWhatIsFinished) {
+  fail_ = [] { throw SolverError("no solution"); };
+  EXPECT_EQ(MessageOf<SolverError>([&] { Go(); }), "step join (both copies): no solution");
+  EXPECT_THAT(done_, ElementsAre("a", "b", "join")) << "the report is not begun";
+  fail_ = [] { throw UsageError("not so"); };
+  EXPECT_EQ(MessageOf<UsageError>([&] { Go(); }), "step join (both copies): not so");
+  EXPECT_THAT(done_, ElementsAre("join"));
+  fail_ = [] { throw std::runtime_error("bad"); };
+  EXPECT_EQ(MessageOf<Error>([&] { Go(); }), "step join (both copies): bad");
+  fail_ = nullptr;
+  EXPECT_THAT(Go(), ElementsAre("join", "report"));
+}
+
+TEST_F(Steps, InterruptedGoOnWhereTheyWere) {
+  Go();
+  suffix_ = "?";
+  fail_ = [] { throw Interrupted(2); };
+  EXPECT_THROW(Go(), Interrupted);
+  EXPECT_THAT(done_, ElementsAre("a", "b", "join"));
+  EXPECT_FALSE(fs::exists(Out("join") / "join.txt")) << "what does not belong to the copies any more";
+  // Even if the copies come back to what they were; the report, of what comes out again, need not be made.
+  suffix_ = "!", fail_ = nullptr;
+  EXPECT_THAT(Go(), ElementsAre("a", "b", "join"));
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,82 @@
+// Whole studies of marker files: what comes out, what is done again, what is refused.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "lake/core/error.h"
+#include "pipeline/study_trials.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::ThrowsMessage;
+
+TEST(StudyOfMarkerFiles, FindsWhatWasMadeAndIsDoneOnce) {
+  StudyFolder study;
+  const Json summary = study.Go();
+  const Json& comparison = summary["comparison"];
+  // 18 mm and 32 mm apart in a shank that holds marker noise of 0.1 mm and a body that sways by itself in each trial.
+  EXPECT_NEAR(comparison["decomposition"]["offset_mm"][0].get<double>(), 18, 1);
+  EXPECT_NEAR(comparison["decomposition"]["offset_mm"][1].get<double>(), 32, 1);
+  EXPECT_NEAR(comparison["metrics"]["rms_mm"].get<double>(), std::hypot(18, 32), 2);
+  EXPECT_EQ(summary["human"]["sit_to_stands"].size(), 2u);
+  for (const char* file : {"report.html", "summary.json", "human/kinematics.csv", "exo/gait.png",
+                           "comparison/comparison.json", "comparison/report.html", "human/summary.json"})
+    EXPECT_TRUE(fs::is_regular_file(study.Out() / file)) << file;
+
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_THAT(study.Done(study.Go()), IsEmpty());
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));
+}
+
+// human, exo -> comparison; optimum -> simulation; the report reads all.
+TEST(StudyOfMarkerFiles, RepeatsExactlyWhatDependsOnAChange) {
+  StudyFolder study;
+  EXPECT_THAT(study.Done(study.Go()), ElementsAre("human", "exo", "comparison", "optimum", "simulation", "report"));
+
+  study.WriteTrial("exo.csv", RecordingOf(StsMotion(ExoMotionOptions()), 3));
+  EXPECT_THAT(study.Done(study.Go()), ElementsAre("exo", "comparison", "report"));
+
+  study.WriteStudy("compare: {replacement_sd_mm: 1}\n# a comment\n");
+  EXPECT_THAT(study.Done(study.Go()), ElementsAre("comparison", "report"));
+
+  study.WriteStudy("compare: {replacement_sd_mm: 1.0}\ndesign: {problem: {d_min_mm: 245}}\n");
+  EXPECT_THAT(study.Done(study.Go()), ElementsAre("optimum", "simulation", "report"));
+
+  fs::remove(study.Out() / "comparison/misalignment.csv");
+  EXPECT_THAT(study.Done(study.Go()), ElementsAre("comparison"));
+  EXPECT_TRUE(fs::exists(study.Out() / "comparison/misalignment.csv"));
+}
+
+TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
+  StudyFolder study;
+  WriteTextFile(study.Folder() / "study.yaml",
+                "human: {trial: human.csv}\n"
+                "reoptimize: {problem: {margins: {grashof_mm: 2, singularity_mm: 2}}, max_misalignment_percent: 5, "
+                "program: free, duration_s: 40}\nstroke: {}\n");
+  const Json summary = study.Go();
+  EXPECT_THAT(study.Done(summary), ElementsAre("human", "optimum", "redesign", "simulation", "stroke", "report"));
+  EXPECT_LE(summary["redesign"]["misalignment_percent"].get<double>(), 5 * (1 + 1e-4));
+  EXPECT_LE(summary["redesign"]["program"]["duration_s"].get<double>(), 40 + 1e-3);
+  EXPECT_NEAR(summary["stroke"]["duration_s"].get<double>(), summary["redesign"]["program"]["duration_s"].get<double>(),
+              1);  // pauses before reversals
+  const std::string page = ReadTextFile(study.Out() / "report.html");
+  for (const char* chapter : {"What was measured", "The design problem by itself", "The design for this person",
+                              "The design in motion", "The actuator&#39;s program", "Methods"})
+    EXPECT_THAT(page, HasSubstr(chapter));
+  for (const Json& warning : summary["warnings"]) {
+    // As far as the first character that HTML escapes.
+    const std::string text = warning;
+    EXPECT_THAT(page, HasSubstr(text.substr(0, text.find_first_of("&<>'\"")))) << "warnings come first";
+  }
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,275 @@
+// Reports as a browser shows them.
+#include "browser.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <opencv2/core.hpp>
+
+#include "lake/core/atomic_file.h"
+#include "lake/render/gnuplot.h"
+#include "lake/report/report.h"
+#include "lake/video/image.h"
+
+namespace lake {
+namespace {
+
+using namespace report;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+const std::string kHostile = "<b>knee</b></script><script>throw 'inside'</script>\"'&";
+
+// A square path of 100 mm by 60 mm, so that unequal scales would show.
+LineChart PathChart() {
+  LineChart chart;
+  chart.title = "Paths", chart.equal_scales = true, chart.x.label = "x (mm)", chart.y.label = "y (mm)";
+  chart.series = {{.name = kHostile,
+                   .x = {0, 100, 100, 0},
+                   .y = {0, 0, 60, 60},
+                   .colour = colour::kHuman,
+                   .labels = {"0 %", "30 %", "60 %", "100 %"}}};
+  return chart;
+}
+
+LineChart CurveChart() {
+  LineChart chart;
+  chart.title = "Error", chart.x = {"percent", 0, 100}, chart.y.label = "mm";
+  Series curve{.name = "error", .colour = colour::kExoskeleton};
+  for (int i = 0; i <= 100; ++i) {
+    const double y = 5 + 3 * std::sin(2 * std::numbers::pi * i / 100);
+    curve.x.push_back(i), curve.y.push_back(i == 50 ? kNaN : y);
+    curve.lower.push_back(y - 1), curve.upper.push_back(y + 1);
+  }
+  chart.series = {curve, {.name = "spike", .x = {30}, .y = {7}, .mark = Mark::kPoints}};
+  chart.lines = {{40, "seat-off"}}, chart.intervals = {{60, 80, "gap"}};
+  return chart;
+}
+
+BarChart ShareChart() {
+  BarChart chart;
+  chart.title = "Parts", chart.categories = {"placement", "timing", "shape"}, chart.value_axis.label = "%";
+  chart.series = {{.name = "share", .values = {62, 40, -2}, .lower = {55, 33, kNaN}, .upper = {70, 48, kNaN}}};
+  return chart;
+}
+
+std::string SamplePage() {
+  const Table table{"Figures", {{"What"}, {"mm", 3}}, {{"a figure with a long name that has to wrap", 1.0}}};
+  return RenderReport({kHostile,
+                       kHostile,
+                       {"a warning"},
+                       {{"Charts", {PathChart(), CurveChart(), ShareChart()}},
+                        {"Numbers", {KeyFigures{{{"error", 1.5, 2, "mm", 0.1, "note"}}}, table}}}});
+}
+
+// Helpers for the probes: charts by their order, waiting for two frames, the mouse.
+const std::string kProbe = R"(
+  const canvases = [...document.querySelectorAll('canvas')];
+  const charts = canvases.map(canvas => Chart.getChart(canvas));
+  const frames = async () => { for (let i = 0; i < 2; ++i) await new Promise(requestAnimationFrame); };
+  const pixel = (chart, x, y) => ({x: chart.scales.x.getPixelForValue(x), y: chart.scales.y.getPixelForValue(y)});
+  const mouse = (chart, type, at, more = {}) => {
+    const box = chart.canvas.getBoundingClientRect(), Kind = type.startsWith('pointer') ? PointerEvent : MouseEvent;
+    chart.canvas.dispatchEvent(new Kind(type, {clientX: box.left + at.x, clientY: box.top + at.y, bubbles: true,
+                                               pointerType: 'mouse', pointerId: 1, ...more}));
+  };
+  canvases.forEach(canvas => canvas.setPointerCapture = () => {});  // a made-up pointer cannot be captured
+  const view = ({scales: {x, y}}) => [x.min, x.max, y.min, y.max];
+)";
+
+int PixelsOf(const cv::Mat& image, const char* colour) {
+  const int rgb = std::stoi(std::string(colour).substr(1), nullptr, 16);
+  int count = 0;
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x) {
+      const auto& p = image.at<cv::Vec3b>(y, x);
+      count += (p[2] << 16 | p[1] << 8 | p[0]) == rgb;
+    }
+  return count;
+}
+
+TEST(ReportInBrowser, ErrorsOfAPageAreSeenByTheseTests) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const std::string page = RenderReport({"T", "", {}, {{"S", {Paragraph{"text"}}}}});
+  EXPECT_THAT(Browser().Open(page).console, IsEmpty());
+  std::string failing = page;
+  failing.insert(failing.rfind("</body>"), "<script>throw new Error('seen')</script>");
+  EXPECT_THAT(Browser().Open(failing).console, HasSubstr("seen"));
+  // What a page should load from elsewhere is refused by its own policy.
+  std::string loading = page;
+  loading.insert(loading.rfind("</body>"), "<img src=\"http://127.0.0.1:9/x.png\">");
+  EXPECT_THAT(Browser().Open(loading).console, HasSubstr("Content Security Policy"));
+}
+
+TEST(ReportInBrowser, DrawsEveryChartWithoutAnError) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  Browser browser;
+  const std::string page = SamplePage();
+  EXPECT_THAT(browser.Open(page).console, IsEmpty());
+  const Json answer = browser.Ask(page, kProbe + R"(
+    return {charts: charts.length, titles: [document.title, document.querySelector('h1').textContent],
+            legend: charts[1].legend.legendItems.map(item => item.text),
+            loaded: performance.getEntriesByType('resource').length};)");
+  EXPECT_EQ(answer["charts"], 3);
+  EXPECT_EQ(answer["titles"], Json({kHostile, kHostile}));
+  EXPECT_EQ(answer["legend"], Json({"error", "spike"}));  // and not the band's edges
+  EXPECT_EQ(answer["loaded"], 0);
+}
+
+TEST(ReportInBrowser, ColoursAreOnTheScreenWideAndNarrow) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  Browser browser;
+  for (const int width : {1280, 390}) {
+    const cv::Mat picture = ReadImage(browser.Screenshot(SamplePage(), width, 2600), true);
+    EXPECT_EQ(picture.cols, width);
+    // A line 2 px wide around a path and over a chart; the half-covered pixels at its edges have other colours.
+    EXPECT_GT(PixelsOf(picture, colour::kHuman), 300) << width;
+    EXPECT_GT(PixelsOf(picture, colour::kExoskeleton), 50) << width;
+    EXPECT_GT(PixelsOf(picture, colour::kAnkle), 2000) << width;  // bars
+  }
+}
+
+TEST(ReportInBrowser, NothingSticksOutOfANarrowPage) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json answer =
+      Browser().Ask(SamplePage(), "return [document.documentElement.scrollWidth, window.innerWidth];", 390);
+  EXPECT_LE(answer[0], answer[1]);
+}
+
+TEST(ReportInBrowser, ANaNIsAGap) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json skipped = Browser().Ask(SamplePage(), kProbe + R"(
+    const at = charts[1].data.datasets.findIndex(dataset => dataset.label === 'error' && !dataset.isBand);
+    return charts[1].getDatasetMeta(at).data.map((point, i) => point.skip ? i : -1).filter(i => i >= 0);)");
+  EXPECT_EQ(skipped, Json({50}));
+}
+
+TEST(ReportInBrowser, HoverShowsValues) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json answer = Browser().Ask(SamplePage(), kProbe + R"(
+    const shown = async (chart, x, y) => {
+      mouse(chart, 'mousemove', pixel(chart, x, y));
+      await frames();
+      return [chart.tooltip.opacity, chart.tooltip.title.join(), chart.tooltip.body.map(b => b.lines.join())];
+    };
+    return [await shown(charts[0], 99, 59), await shown(charts[1], 25.2, 4), await shown(charts[2], 10, 'timing')];)");
+  EXPECT_EQ(answer[0], Json({1, "60 %", {" " + kHostile + ": 100, 60"}}));
+  EXPECT_EQ(answer[1], Json({1, "percent: 25", {" error: 8 (7 to 9)"}}));
+  EXPECT_EQ(answer[2], Json({1, "timing", {" share: 40.0 (33.0 to 48.0)"}}));
+}
+
+TEST(ReportInBrowser, ADragZoomsAndADoubleClickShowsAll) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json answer = Browser().Ask(SamplePage(), kProbe + R"(
+    const chart = charts[1], home = view(chart), a = pixel(chart, 20, 8), b = pixel(chart, 60, 4);
+    const drag = (from, to, more) => {
+      mouse(chart, 'pointerdown', from, more);
+      mouse(chart, 'pointermove', to, more);
+      mouse(chart, 'pointerup', to, more);
+    };
+    drag(a, b, {});
+    const zoomed = view(chart);
+    drag(pixel(chart, 30, 6), pixel(chart, 40, 6), {shiftKey: true});
+    const panned = view(chart);
+    mouse(chart, 'dblclick', a);
+    return {home, zoomed, panned, again: view(chart)};)");
+  const double kPixel = 0.2;  // a coordinate of the mouse is a whole px, of 100 % over some 1000 px
+  const Json zoomed = {20, 60, 4, 8}, panned = {10, 50, 4, 8};
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(answer["zoomed"][i].get<double>(), zoomed[i].get<double>(), kPixel) << i;
+    EXPECT_NEAR(answer["panned"][i].get<double>(), panned[i].get<double>(), kPixel) << i;
+  }
+  EXPECT_EQ(answer["again"], answer["home"]);
+}
+
+TEST(ReportInBrowser, AMillimetreIsAsLongOnBothAxesWhateverTheView) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  for (const int width : {1280, 390}) {
+    const Json ratios = Browser().Ask(SamplePage(), kProbe + R"(
+      const ratio = ({scales: {x, y}}) => (x.max - x.min) / x.width / ((y.max - y.min) / y.height);
+      const chart = charts[0], ratios = [ratio(chart)];
+      mouse(chart, 'pointerdown', pixel(chart, 10, 50));
+      mouse(chart, 'pointermove', pixel(chart, 90, 30));
+      mouse(chart, 'pointerup', pixel(chart, 90, 30));
+      ratios.push(ratio(chart));
+      [...document.querySelectorAll('.tools button')].find(button => button.textContent === '+').click();
+      ratios.push(ratio(chart));
+      return ratios;)",
+                                      width);
+    // The labels of the axes take a px more or less after the last correction.
+    for (const Json& ratio : ratios) EXPECT_NEAR(ratio.get<double>(), 1, 0.02) << width;
+  }
+}
+
+TEST(ReportInBrowser, TheWheelZoomsAtThePointerWithControlOnly) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json answer = Browser().Ask(SamplePage(), kProbe + R"(
+    const chart = charts[1], home = view(chart), box = chart.canvas.getBoundingClientRect(), at = pixel(chart, 25, 5);
+    const wheel = more => chart.canvas.dispatchEvent(new WheelEvent('wheel', {
+      clientX: box.left + at.x, clientY: box.top + at.y, deltaY: -100, cancelable: true, ...more}));
+    const scrolls = wheel({}), untouched = view(chart), taken = !wheel({ctrlKey: true});
+    return {scrolls, same: String(untouched) === String(home), taken, zoomed: view(chart)};)");
+  EXPECT_EQ(answer["scrolls"], true);
+  EXPECT_EQ(answer["same"], true);
+  EXPECT_EQ(answer["taken"], true);
+  // Factor 1.2 around 25 of 0..100; within a px of the mouse.
+  EXPECT_NEAR(answer["zoomed"][0].get<double>(), 25 - 25 / 1.2, 0.2);
+  EXPECT_NEAR(answer["zoomed"][1].get<double>(), 25 + 75 / 1.2, 0.2);
+}
+
+TEST(ReportInBrowser, SavesThePictureAndTheValues) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json saved = Browser().Ask(SamplePage(), kProbe + R"(
+    const saved = [];
+    HTMLAnchorElement.prototype.click = function () { saved.push([this.download, decodeURIComponent(this.href)]); };
+    for (const button of document.querySelectorAll('.tools button'))
+      if (['PNG', 'CSV'].includes(button.textContent)) button.click();
+    return saved.map(([name, url]) => [name, url.slice(0, 150)]);)");
+  ASSERT_EQ(saved.size(), 6);
+  EXPECT_EQ(saved[0][0], "paths.png");
+  EXPECT_THAT(saved[0][1].get<std::string>(), HasSubstr("data:image/png;base64,iVBOR"));
+  EXPECT_THAT(saved[1][1].get<std::string>(), HasSubstr("series,x,y,lower,upper\n\"<b>knee</b></script>"));
+  EXPECT_THAT(saved[3][1].get<std::string>(), HasSubstr("series,x,y,lower,upper\n\"error\",0,5,4,6\n"));
+  EXPECT_THAT(saved[5][1].get<std::string>(), HasSubstr("\"share\",\"shape\",-2,,\n"));
+}
+
+TEST(ReportInBrowser, ANameInTheLegendHidesItsLineAndItsBand) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  const Json hidden = Browser().Ask(SamplePage(), kProbe + R"(
+    const chart = charts[1], {legend} = chart, item = legend.legendItems[0];
+    legend.options.onClick.call(legend, null, item, legend);
+    return chart.data.datasets.map((dataset, i) => chart.isDatasetVisible(i));)");
+  EXPECT_EQ(hidden, Json({false, false, false, true}));
+}
+
+TEST(ReportInBrowser, PrintsPicturesOfTheCharts) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  Browser browser;
+  const Json answer = browser.Ask(SamplePage(), kProbe + R"(
+    dispatchEvent(new Event('beforeprint'));
+    const images = [...document.querySelectorAll('.printed')];
+    await Promise.all(images.map(image => image.decode()));
+    const printed = images.map(image => image.naturalWidth);
+    dispatchEvent(new Event('afterprint'));
+    return {printed, left: document.querySelectorAll('.printed').length};)");
+  EXPECT_EQ(answer["printed"], Json({2720, 2720, 2720}));  // 680 px of paper at 4 px each
+  EXPECT_EQ(answer["left"], 0);
+  EXPECT_EQ(ReadTextFile(browser.Print(SamplePage())).substr(0, 5), "%PDF-");
+}
+
+TEST(ReportInBrowser, WithoutJavaScriptTablesAndPicturesAreThere) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  TemporaryFolder folder;
+  WriteImage(folder / "blue.png", cv::Mat(200, 300, CV_8UC3, cv::Scalar(178, 114, 0)));
+  std::string page =
+      RenderReport({"T", "", {}, {{"S", {Picture{folder / "blue.png", "a blue field", "Blue"}, CurveChart()}}}});
+  const std::string allowed = "script-src 'unsafe-inline'";
+  page.replace(page.find(allowed), allowed.size(), "script-src 'none'");
+  const cv::Mat picture = ReadImage(Browser().Screenshot(page, 800, 1000), true);
+  EXPECT_EQ(PixelsOf(picture, colour::kAnkle), 200 * 300);
+  EXPECT_EQ(PixelsOf(picture, colour::kExoskeleton), 0);
+}
+
+}  // namespace
+}  // namespace lake

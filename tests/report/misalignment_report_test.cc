@@ -1,0 +1,139 @@
+// The comparison's report: its numbers are those of the comparison, and a browser draws it.
+#include <limits>
+
+#include "browser.h"
+#include "compare/closed_form.h"
+#include "lake/compare/misalignment.h"
+#include "lake/core/provenance.h"
+#include "lake/pipeline/compare.h"
+#include "lake/report/misalignment_sections.h"
+
+namespace lake {
+namespace {
+
+using namespace report;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+std::vector<StsCurve> Repetitions(const StsCurve& curve, int count, double sigma_mm, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<StsCurve> repetitions(count, curve);
+  for (int i = 0; i < count; ++i) repetitions[i].repetition = i + 1, AddNoise(repetitions[i], sigma_mm, random);
+  return repetitions;
+}
+
+// An exoskeleton's joint 10 mm in front of the knee and 20 mm above it.
+Json Placed(int repetitions) {
+  const StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double u) { return u; }, {10, 20});
+  MisalignmentOptions options;
+  options.resamples = repetitions > 1 ? 60 : 0;
+  return ComparisonJson(CompareTrials({Repetitions(human, repetitions, 0.1, 1), {}},
+                                      {Repetitions(exo, repetitions, 0.1, 2), {}}, options));
+}
+
+std::string PageOf(const Json& comparison) {
+  return RenderReport({"Misalignment", "exo against human", {}, MisalignmentSections(comparison)});
+}
+
+TEST(MisalignmentReport, ShowsTheComparisonsNumbers) {
+  const Json comparison = Placed(3);
+  const std::string page = PageOf(comparison);
+  const double rms = comparison["metrics"]["relative_rms"].get<double>();
+  EXPECT_THAT(page, HasSubstr(fmt::format("<dt>relative error, RMS</dt><dd><span class=\"value\">{:.2f}", 100 * rms)));
+  EXPECT_THAT(
+      page, HasSubstr(fmt::format("95 %: {:.2f} to ", 100 * comparison["intervals"]["relative_rms"][0].get<double>())));
+  EXPECT_THAT(page, HasSubstr("is placement: the joint should move 10.0 mm backward and 20.0 mm down the shank."));
+  // |D| = hypot(10, 20) everywhere, so RMS and largest distance agree but for the noise of 0.1 mm.
+  EXPECT_NEAR(comparison["metrics"]["rms_mm"].get<double>(), std::hypot(10, 20), 0.1);
+  EXPECT_THAT(page, HasSubstr("Compared are the means of 3 repetitions"));
+}
+
+TEST(MisalignmentReport, ASingleRepetitionHasNeitherBandNorIntervals) {
+  const Json comparison = Placed(1);
+  EXPECT_THAT(PageOf(comparison), Not(HasSubstr("95 %: ")));
+  EXPECT_THAT(RelativeErrorChart(comparison).series[0].lower, IsEmpty());
+  EXPECT_THAT(DecompositionChart(comparison).series[0].lower, IsEmpty());
+}
+
+TEST(MisalignmentReport, EqualPathsHaveNothingToDivide) {
+  const StsCurve curve = MakeCurve({});
+  MisalignmentOptions options;
+  options.replacement_sd_mm = 0;
+  const Json comparison = ComparisonJson(CompareTrials({{curve}, {}}, {{curve}, {}}, options));
+  const std::string page = PageOf(comparison);
+  EXPECT_THAT(page, HasSubstr("Both paths are one"));
+  EXPECT_THAT(page.substr(0, page.find("</main>")), Not(HasSubstr("nan")));
+}
+
+TEST(MisalignmentReport, AdviceNamesTheLargestPart) {
+  const StsCurve human = MakeCurve({}), late = MakeCurve({}, IssueWarp);
+  EXPECT_THAT(DecompositionAdvice(ComparisonJson(CompareTrials({{human}, {}}, {{late}, {}}))), HasSubstr("is timing"));
+  Json comparison = Placed(1);
+  comparison["decomposition"]["placement"]["fraction"] = 0.1;
+  comparison["decomposition"]["shape"]["fraction"] = 0.9;
+  EXPECT_THAT(DecompositionAdvice(comparison), HasSubstr("90 %, is shape"));
+}
+
+TEST(MisalignmentReport, AdviceSaysWhenPartsCannotBeToldApart) {
+  Json comparison = Placed(3);
+  EXPECT_THAT(DecompositionAdvice(comparison), Not(HasSubstr("overlap")));
+  comparison["decomposition"]["timing"]["interval"] = {0.0, 1.0};
+  EXPECT_THAT(DecompositionAdvice(comparison), HasSubstr("intervals of the parts overlap"));
+}
+
+TEST(MisalignmentReport, ReadFromItsFileItIsTheSamePage) {
+  TemporaryFolder folder;
+  const Json comparison = Placed(3);
+  WriteJsonFile(folder / "comparison.json", comparison);
+  EXPECT_EQ(PageOf(ReadJsonFile(folder / "comparison.json")), PageOf(comparison));
+}
+
+TEST(MisalignmentReport, SpikesAreMarkedInTheChart) {
+  StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double u) { return u; }, {10, 0});
+  exo.knee[40] += Eigen::Vector2d(0, 25);
+  const LineChart chart = RelativeErrorChart(ComparisonJson(CompareTrials({{human}, {}}, {{exo}, {}})));
+  const Series& spikes = chart.series.back();
+  EXPECT_EQ(spikes.name, "spike");
+  EXPECT_THAT(spikes.x, testing::ElementsAre(40));
+}
+
+TEST(MisalignmentReport, ABrowserDrawsIt) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  Browser browser;
+  const std::string page = PageOf(Placed(3));
+  EXPECT_THAT(browser.Open(page).console, IsEmpty());
+  const Json answer = browser.Ask(page, R"(
+    const charts = [...document.querySelectorAll('canvas')].map(canvas => Chart.getChart(canvas));
+    return {charts: charts.length, wide: document.documentElement.scrollWidth <= innerWidth};)",
+                                  390);
+  EXPECT_EQ(answer, Json({{"charts", 5}, {"wide", true}}));
+}
+
+// Right leg as the human's, left leg as the exoskeleton's: a recording of five sit-to-stands at 100 Hz.
+TEST(MisalignmentReport, LakeCompareWritesItForARealRecording) {
+  const std::filesystem::path folder = std::filesystem::path(LAKE_SHARED_DATA) / "opencap_sts";
+  std::filesystem::path trc;
+  if (std::filesystem::is_directory(folder))
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (entry.path().extension() == ".trc") trc = entry.path();
+  if (trc.empty()) GTEST_SKIP() << "no recording opencap_sts in " << LAKE_SHARED_DATA;
+  TemporaryFolder out;
+  lake::Run::Info info;
+  info.program = "lake-compare", info.command = "lake-compare <a> b", info.out = out / "cmp", info.quiet = true;
+  lake::Run run(info);
+  CompareRunOptions options;
+  options.human = options.exo = trc, options.exo_knee = "knee";
+  options.human_reading.names = ParseNameMap("ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS");
+  options.exo_reading.names = ParseNameMap("ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS");
+  RunCompare(options, run);
+  const std::string page = ReadTextFile(out / "cmp" / "report.html");
+  EXPECT_THAT(page, HasSubstr(Sha256OfFile(trc)));
+  EXPECT_THAT(page, HasSubstr("lake-compare &lt;a&gt; b"));
+  for (const std::string& warning : run.Warnings()) EXPECT_THAT(page, HasSubstr(warning.substr(0, 20)));
+  LAKE_SKIP_WITHOUT_BROWSER();
+  EXPECT_THAT(Browser().Open(page).console, IsEmpty());
+}
+
+}  // namespace
+}  // namespace lake

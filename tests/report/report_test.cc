@@ -1,0 +1,151 @@
+#include "lake/report/report.h"
+
+#include <cmath>
+#include <limits>
+#include <regex>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+using namespace report;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+const std::string kHostile = "</script><img src=x onerror=\"alert('1')\">&\x01\xFF";
+
+LineChart SmallChart() {
+  LineChart chart;
+  chart.title = "Angle";
+  chart.series = {{.name = "knee", .x = {0, 1, 2}, .y = {1, kNaN, 3}}};
+  return chart;
+}
+
+std::string PageOf(std::vector<Block> blocks) {
+  return RenderReport({"Title", "", {}, {{"Section", std::move(blocks)}}});
+}
+
+std::string ChartJson(const std::string& page) {
+  const std::string begin = "<script type=\"application/json\">";
+  const std::size_t from = page.find(begin) + begin.size();
+  return page.substr(from, page.find("</script>", from) - from);
+}
+
+TEST(Report, IsOneFileThatReachesForNothing) {
+  const std::string page = PageOf({SmallChart(), Files{{{"a b/c#1.csv", "table"}}}});
+  EXPECT_THAT(page, HasSubstr("<html lang=\"en\">"));
+  EXPECT_THAT(page, HasSubstr("default-src 'none'"));
+  // No element that loads, and no address that is not inside the file, but for links to click.
+  EXPECT_FALSE(std::regex_search(page, std::regex("<(link|iframe|object|embed|base)[ >]")));
+  EXPECT_FALSE(std::regex_search(page, std::regex("(src|srcset|poster)=\"(?!data:)")));
+  EXPECT_FALSE(std::regex_search(page, std::regex("url\\(|@import")));
+  EXPECT_THAT(page, HasSubstr("href=\"./a%20b/c%231.csv\""));
+}
+
+TEST(Report, CarriesTheLicenceOfItsChartLibrary) {
+  const std::string page = PageOf({SmallChart()});
+  EXPECT_THAT(page, HasSubstr("Chart.js v3"));
+  EXPECT_THAT(page, HasSubstr("Permission is hereby granted, free of charge"));
+  EXPECT_THAT(PageOf({Paragraph{"no chart"}}), Not(HasSubstr("<script")));
+}
+
+TEST(Report, EscapesEveryText) {
+  BarChart bars;
+  bars.title = bars.alt = bars.value_axis.label = kHostile;
+  bars.categories = {kHostile}, bars.series = {{.name = kHostile, .values = {1}}};
+  LineChart lines = SmallChart();
+  lines.title = lines.caption = lines.x.label = lines.series[0].name = kHostile;
+  lines.series[0].labels = {kHostile, "", ""};
+  const std::vector<Block> blocks = {Paragraph{kHostile},
+                                     List{{kHostile}},
+                                     KeyFigures{{{kHostile, 1, 2, kHostile, {}, kHostile}}},
+                                     Table{kHostile, {{kHostile}}, {{kHostile}}},
+                                     Files{{{kHostile, kHostile}}},
+                                     bars,
+                                     lines};
+  const std::string page = RenderReport({kHostile, kHostile, {kHostile}, {{kHostile, blocks}}});
+  EXPECT_THAT(page, Not(HasSubstr("<img src=x")));
+  EXPECT_THAT(page, Not(HasSubstr("</script><img")));
+  EXPECT_THAT(page, Not(HasSubstr("\x01")));
+  EXPECT_THAT(page, Not(HasSubstr("\xFF")));
+  EXPECT_THAT(page, HasSubstr("&lt;/script&gt;&lt;img src=x onerror=&quot;alert(&#39;1&#39;)&quot;&gt;&amp;"));
+}
+
+TEST(Report, ChartDataReadBackAsTheyWere) {
+  LineChart chart = SmallChart();
+  chart.series[0].name = "</script>";
+  chart.series[0].y = {0.1, kNaN, -std::numeric_limits<double>::infinity()};
+  const Json data = Json::parse(ChartJson(PageOf({chart})));
+  EXPECT_EQ(data["series"][0]["name"], "</script>");
+  EXPECT_EQ(data["series"][0]["y"], Json::parse("[0.1, null, null]"));
+}
+
+TEST(Report, WarningsStandFirst) {
+  const std::string page = RenderReport({"T", "", {"beware"}, {{"Numbers", {Paragraph{"text"}}}}});
+  EXPECT_LT(page.find("beware"), page.find("Numbers"));
+  EXPECT_THAT(RenderReport({"T", "", {}, {}}), Not(HasSubstr("Warnings")));
+}
+
+TEST(Report, NumbersAsOneReadsThem) {
+  const std::string page = PageOf({Table{"", {{"what"}, {"value", 2}}, {{"a", -1.005}, {"b", kNaN}, {"c", -0.001}}},
+                                   KeyFigures{{{"error", 8.614, 2, "%", 0.3, "note"}}}});
+  EXPECT_THAT(page, HasSubstr("<td class=\"number\">−1.00</td>"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"number\">–</td>"));
+  EXPECT_THAT(page, HasSubstr("<td class=\"number\">0.00</td>"));
+  EXPECT_THAT(page, HasSubstr("8.61<span class=\"pm\"> ± 0.30</span><span class=\"unit\"> %</span>"));
+}
+
+TEST(Report, PicturesAreInsideByTheirContent) {
+  TemporaryFolder folder;
+  WriteTextFile(folder / "a.txt", std::string("\x89PNG\r\n\x1A\n") + "abc");
+  EXPECT_THAT(PageOf({Picture{folder / "a.txt", "a \"knee\"", "caption"}}),
+              HasSubstr("<img alt=\"a &quot;knee&quot;\" src=\"data:image/png;base64,iVBORw0KGgphYmM=\">"));
+  WriteTextFile(folder / "b", std::string("\0\0\0\x18"
+                                          "ftypisom",
+                                          12));
+  EXPECT_THAT(PageOf({Picture{folder / "b", "film", ""}}), HasSubstr("src=\"data:video/mp4;base64,AAAAGGZ0eXBpc29t\""));
+  WriteTextFile(folder / "c.png", "text");
+  EXPECT_THROW(PageOf({Picture{folder / "c.png", "", ""}}), Error);
+  EXPECT_THROW(PageOf({Picture{folder / "absent.png", "", ""}}), Error);
+}
+
+TEST(Report, UnequalColumnsAreNamed) {
+  LineChart chart = SmallChart();
+  chart.series[0].lower = {1, 2};
+  EXPECT_THAT(
+      [&] { PageOf({chart}); },
+      testing::ThrowsMessage<Error>("report: chart 'Angle', series 'knee': 2 values in lower where 3 are needed"));
+  chart = SmallChart();
+  chart.series[0].lower = {1, 2, 3};
+  EXPECT_THAT([&] { PageOf({chart}); }, testing::ThrowsMessage<Error>(HasSubstr("0 values in upper where 3")));
+  EXPECT_THROW(PageOf({Table{"t", {{"a"}, {"b"}}, {{"x"}}}}), Error);
+  BarChart bars;
+  bars.categories = {"a", "b"}, bars.series = {{.name = "s", .values = {1}}};
+  EXPECT_THROW(PageOf({bars}), Error);
+}
+
+TEST(Report, NothingIsWrittenWhenAPictureFails) {
+  TemporaryFolder folder;
+  EXPECT_THROW(WriteReport(folder / "report.html", {"T", "", {}, {{"S", {Picture{folder / "no.png", "", ""}}}}}),
+               Error);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path()));
+}
+
+TEST(Report, ProvenanceNamesVersionCommandAndInputs) {
+  const Json head = {{"program", "lake-x"},
+                     {"version", "1.2"},
+                     {"command", "lake-x a & b"},
+                     {"options", {{"seed", 1}}},
+                     {"inputs", {{{"path", "a.csv"}, {"sha256", "abc123"}}}},
+                     {"warnings", Json::array()}};
+  const std::string page = RenderReport({"T", "", {}, {ProvenanceSection(head)}});
+  for (const char* text : {"lake-x 1.2", "lake-x a &amp; b", "option seed", "a.csv", "abc123"})
+    EXPECT_THAT(page, HasSubstr(text));
+}
+
+}  // namespace
+}  // namespace lake
