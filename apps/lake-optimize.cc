@@ -44,7 +44,8 @@ void AddOptions(CLI::App& cli, Options& options) {
   cli.add_option("--max-length", options.max_length, "Longest stroke of the actuator; the knee must stand by then, mm");
   cli.add_option("--certify", options.certify, "Prove an upper bound on the range to within this gap, deg")
       ->expected(0, 1);
-  cli.add_option("--yield", options.yield, "Evaluate the fraction of builds that work when every link is off by up to this, mm; no constraint");
+  cli.add_option("--yield", options.yield,
+                 "Evaluate the fraction of builds that work when every link is off by up to this, mm; no constraint");
   cli.add_option("--round", options.round, "Also give the best design with links that are multiples of this, mm");
 }
 
@@ -65,7 +66,8 @@ void AddReoptimizeOptions(CLI::App& cli, Options& options) {
   group->add_option("--program", options.program, "Stroke program: constant (one speed) or free")
       ->check(CLI::IsMember({"constant", "free"}));
   group->add_option("--max-speed", reoptimize.program.max_speed_mm_s, "Speed of the actuator, mm/s");
-  group->add_option("--duration", reoptimize.program.duration_s, "Longest time of a sit-to-stand, s (default: no limit)");
+  group->add_option("--duration", reoptimize.program.duration_s,
+                    "Longest time of a sit-to-stand, s (default: no limit)");
   group->add_flag("--monotone", reoptimize.program.monotone, "A free program may not turn back");
   group->add_option("--knots", reoptimize.program.knots, "Knots of a free program");
   group->add_flag("--fit-placement", reoptimize.fit_placement, "Move the exoskeleton's joint on the shank too");

@@ -39,7 +39,8 @@ inline Evolved Evolve(const std::vector<Bounds>& bounds, const std::function<dou
       const double trial = value(x);
       if (trial >= target.value) target = {x, trial};
     }
-  return *std::max_element(all.begin(), all.end(), [](const Evolved& a, const Evolved& b) { return a.value < b.value; });
+  return *std::max_element(all.begin(), all.end(),
+                           [](const Evolved& a, const Evolved& b) { return a.value < b.value; });
 }
 
 }  // namespace lake

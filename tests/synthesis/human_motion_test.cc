@@ -91,7 +91,7 @@ TEST(HumanMotion, AnglesBeyondTheUsedRangeAreClamped) {
   const HumanMotion human = MakeHumanMotion(MakeCurve(leg));
   const auto strokes = TrackingStrokes(kPublished, 242, 0, human);
   ASSERT_TRUE(strokes);
-  EXPECT_EQ(strokes->front(), 242);  // the published design bends to 148.57 degrees
+  EXPECT_EQ(strokes->front(), 242);              // the published design bends to 148.57 degrees
   EXPECT_NEAR(strokes->back(), 374.5205, 1e-4);  // its stroke at 0 degrees
   EXPECT_FALSE(TrackingStrokes(Links{10, 10, 10, 10, 50, 300}, 242, 0, human));
 }

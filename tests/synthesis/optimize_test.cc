@@ -32,8 +32,8 @@ TEST(Optimize, PapersStartAloneReachesTheSupremum) {
   EXPECT_NEAR(solve.end.l6, 300, 1e-6);
 }
 
-// A start in a hundred or two gets stuck in a corner of the bounds, where links are equal, and says so; none may end in another
-// optimum.
+// A start in a hundred or two gets stuck in a corner of the bounds, where links are equal, and says so; none may end in
+// another optimum.
 TEST(Optimize, StartsAgree) {
   for (const double margin : {0.0, 1.0, 10.0})
     for (const std::uint64_t seed : {1u, 2u, 3u}) {

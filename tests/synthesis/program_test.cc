@@ -1,33 +1,16 @@
 // lake-optimize as a user calls it: exit codes, files, one-line errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <fstream>
 
 #include "lake/core/json.h"
+#include "synthesis/program_run.h"
 #include "temporary_folder.h"
 
 namespace lake {
 namespace {
-
-struct Ended {
-  int exit_code;
-  std::string text;  // stdout and stderr
-};
-
-Ended RunProgram(const std::string& arguments) {
-  const std::string command = LAKE_BIN_DIR "/lake-optimize " + arguments + " 2>&1";
-  Ended ended{-1, ""};
-  FILE* pipe = popen(command.c_str(), "r");
-  std::array<char, 4096> buffer{};
-  while (pipe && std::fgets(buffer.data(), buffer.size(), pipe)) ended.text += buffer.data();
-  if (pipe) ended.exit_code = WEXITSTATUS(pclose(pipe));
-  return ended;
-}
 
 TEST(LakeOptimize, WritesEverythingThatTheInterfaceNames) {
   const TemporaryFolder folder;
@@ -52,6 +35,19 @@ TEST(LakeOptimize, OptionsOverruleTheFile) {
   // The ranges at margins of 5 and 2 mm, certified in certificate_test.
   EXPECT_NEAR(ReadJsonFile(folder / "file/summary.json")["range_deg"].get<double>(), 143.647, 1e-3);
   EXPECT_NEAR(ReadJsonFile(folder / "option/summary.json")["range_deg"].get<double>(), 153.770, 1e-3);
+}
+
+TEST(LakeOptimize, WrittenOptionsReadBack) {
+  const TemporaryFolder folder;
+  RunProgram("--starts 3 --certify --yield 0.1 --grashof-margin 2 --singularity-margin 2 --quiet -o " +
+             (folder / "first").string());
+  const Ended again =
+      RunProgram("--config " + (folder / "first/options.toml").string() + " -o " + (folder / "second").string());
+  ASSERT_EQ(again.exit_code, 0) << again.text;
+  Json first = ReadJsonFile(folder / "first/summary.json"), second = ReadJsonFile(folder / "second/summary.json");
+  for (const char* key : {"range_deg", "links", "yield", "certified_upper_bound_deg"})
+    EXPECT_EQ(first[key], second[key]) << key;
+  EXPECT_EQ(second["starts"].size(), 3u);
 }
 
 TEST(LakeOptimize, WithoutSolutionExitsWithThreeAndLeavesTheReason) {

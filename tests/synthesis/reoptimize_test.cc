@@ -65,8 +65,7 @@ TEST(Reoptimize, TheLimitHoldsWhenTheComparisonReEvaluatesThePredictedPath) {
       problem.max_misalignment_percent = TightLimit(problem);
       const ReoptimizeResult result = Solve(problem);
       ASSERT_TRUE(result.IsSolved());
-      const DesignInMotion after =
-          PutInMotion(problem, MakeCurve(leg), DesignOf(problem, result.Best().point));
+      const DesignInMotion after = PutInMotion(problem, MakeCurve(leg), DesignOf(problem, result.Best().point));
       ASSERT_TRUE(after.misalignment);
       // The bound; the limit is active, so it is met from below and above.
       EXPECT_NEAR(100 * after.misalignment->metrics.relative_rms / *problem.max_misalignment_percent, 1, 1e-4);
@@ -98,8 +97,8 @@ ReoptimizePoint RandomPoint(const ReoptimizeProblem& problem, const ReoptimizePo
   if (problem.fit_placement) {
     const Eigen::Vector2d middle = spread_mm > 10 ? problem.placement_mm : best.placement_mm;
     for (const int axis : {0, 1})
-      point.placement_mm[axis] =
-          std::clamp(middle[axis] + 2 * spread_mm * unit(random), -problem.placement_reach_mm, problem.placement_reach_mm);
+      point.placement_mm[axis] = std::clamp(middle[axis] + 2 * spread_mm * unit(random), -problem.placement_reach_mm,
+                                            problem.placement_reach_mm);
   }
   if (problem.program.kind == Kind::kConstant) return point;
   const double shift = point.knots_mm.front() - best.knots_mm.front(), scale = 1 - 0.01 * std::abs(unit(random));
@@ -123,8 +122,7 @@ TEST(Reoptimize, NoRandomSearchFindsABetterObjective) {
     constexpr int kFeasible = 3400;  // three problems: 10^4 together
     for (; feasible < kFeasible && tried < 100 * kFeasible; ++tried) {
       constexpr double kSpreads_mm[] = {0.05, 0.5, 3, 100};
-      const ReoptimizePoint point =
-          RandomPoint(problem, result.Best().point, kSpreads_mm[tried % 4], random);
+      const ReoptimizePoint point = RandomPoint(problem, result.Best().point, kSpreads_mm[tried % 4], random);
       if (const auto objective = Objective(problem, point)) ++feasible, best = std::max(best, *objective);
     }
     EXPECT_GE(feasible, kFeasible);
@@ -189,32 +187,36 @@ TEST(Reoptimize, AFreeProgramOfTheTrackingTimeCutsTheMisalignmentAtLeastFivefold
     ASSERT_TRUE(constant.IsSolved());
     const Links& links = constant.Best().point.links;
     ReoptimizeProblem free = Free(1, leg);
-    free.program.duration_s =
-        TrackingTime(*TrackingStrokes(links, 242, 0, free.human), free.program.max_speed_mm_s);
+    free.program.duration_s = TrackingTime(*TrackingStrokes(links, 242, 0, free.human), free.program.max_speed_mm_s);
     const ReoptimizeResult result = Least(free);
     ASSERT_TRUE(result.IsSolved());
     EXPECT_GE(constant.Best().Misalignment_percent(), 5 * result.Best().Misalignment_percent());
   }
 }
 
-// max RoR - w RMS: its optimum solves the constrained problem at its own misalignment, and w is the price there.
+double PriceOf(const ActiveSet& active, const std::string& start) {
+  for (const ActiveSet::Entry& entry : active.entries)
+    if (entry.name.starts_with(start)) return entry.price;
+  return 0;
+}
+
+// The price of the limit, taken as penalty, leads to the same design.
 TEST(Reoptimize, PenaltyAndLimitAgree) {
-  ReoptimizeProblem problem = Problem();
-  problem.penalty_deg_per_mm = 5;
-  const ReoptimizeResult penalised = Solve(problem);
-  ASSERT_TRUE(penalised.IsSolved());
-  EXPECT_LT(penalised.Best().Misalignment_percent(), Solve(Problem()).Best().Misalignment_percent() - 1e-3);
-  ReoptimizeProblem limited = Problem();
-  limited.max_misalignment_percent = penalised.Best().Misalignment_percent();
+  ReoptimizeProblem limited = Free(14);
+  limited.max_misalignment_percent = TightLimit(limited);
   const ReoptimizeResult result = Solve(limited);
   ASSERT_TRUE(result.IsSolved());
-  EXPECT_NEAR(result.Best().Range_deg(), penalised.Best().Range_deg(), 0.01);
   const ActiveSet active = FindActiveSet(result.Best().local);
   ASSERT_TRUE(active.multipliers_unique);
-  const auto price = std::ranges::find_if(active.entries, [](const auto& e) { return e.name.starts_with("misalig"); });
-  ASSERT_NE(price, active.entries.end());
-  // 1 % of this leg's constant shank of 420 mm is 4.2 mm.
-  EXPECT_NEAR(price->price, problem.penalty_deg_per_mm * 4.2, 0.05 * problem.penalty_deg_per_mm * 4.2);
+  ReoptimizeProblem penalised = Free(14);
+  const double mm_per_percent = limited.human.front().shank_mm / 100;  // this leg's shank is rigid
+  penalised.penalty_deg_per_mm = PriceOf(active, "misalignment") / mm_per_percent;
+  const ReoptimizeResult other = Solve(penalised);
+  ASSERT_TRUE(other.IsSolved());
+  // Along the front range and misalignment trade at this price, so each may be off by what the other makes good.
+  EXPECT_NEAR(other.Best().objective,
+              result.Best().Range_deg() - penalised.penalty_deg_per_mm * result.Best().prediction->rms_mm, 1e-3);
+  EXPECT_NEAR(other.Best().Misalignment_percent(), result.Best().Misalignment_percent(), 0.02);
 }
 
 TEST(Reoptimize, MultipliersAreDifferenceQuotientsOfTheRange) {
@@ -224,26 +226,19 @@ TEST(Reoptimize, MultipliersAreDifferenceQuotientsOfTheRange) {
   ASSERT_TRUE(result.IsSolved());
   const ActiveSet active = FindActiveSet(result.Best().local);
   ASSERT_TRUE(active.multipliers_unique) << active.smallest_singular_value;
-  const auto price_of = [&](const std::string& start) {
-    for (const ActiveSet::Entry& entry : active.entries)
-      if (entry.name.starts_with(start)) return entry.price;
-    return 0.0;
-  };
   const auto quotient = [&](const std::function<void(ReoptimizeProblem&, double)>& change, double step) {
     ReoptimizeProblem above = problem, below = problem;
     change(above, step), change(below, -step);
-    const auto range = [&](const ReoptimizeProblem& p) {
-      return SolveFrom(p, result.Best().point, {}).Range_deg();
-    };
+    const auto range = [&](const ReoptimizeProblem& p) { return SolveFrom(p, result.Best().point, {}).Range_deg(); };
     return (range(above) - range(below)) / (2 * step);
   };
   const double per_percent = quotient([](auto& p, double step) { *p.max_misalignment_percent += step; }, 1e-3);
   const double per_second = quotient([](auto& p, double step) { *p.program.duration_s += step; }, 1e-3);
   const double per_mm = quotient([](auto& p, double step) { p.design.grashof_margin_mm += step; }, 1e-3);
   // The small costs move prices by about 1e-4 of themselves.
-  EXPECT_NEAR(price_of("misalignment"), per_percent, 2e-3 * std::abs(per_percent));
-  EXPECT_NEAR(price_of("duration"), per_second, 2e-3 * std::abs(per_second));
-  EXPECT_NEAR(price_of("grashof"), per_mm, 2e-3 * std::abs(per_mm));
+  EXPECT_NEAR(PriceOf(active, "misalignment"), per_percent, 2e-3 * std::abs(per_percent));
+  EXPECT_NEAR(PriceOf(active, "duration"), per_second, 2e-3 * std::abs(per_second));
+  EXPECT_NEAR(PriceOf(active, "grashof"), per_mm, 2e-3 * std::abs(per_mm));
   EXPECT_GT(per_percent, 0.1);
 }
 
@@ -334,18 +329,18 @@ TEST(Reoptimize, BlockingPricesAreDifferenceQuotients) {
   const auto entry =
       std::ranges::find_if(report.blocking, [](const auto& e) { return e.name.starts_with("duration"); });
   ASSERT_NE(entry, report.blocking.end()) << report.sentence;
-  if (std::isnan(entry->price)) GTEST_SKIP() << "multipliers are not unique here";
+  ASSERT_FALSE(std::isnan(entry->price));
   EXPECT_NEAR(entry->price, (least_with(14.01) - least_with(13.99)) / 0.02, 0.01 * std::abs(entry->price));
   EXPECT_LT(entry->price, 0);
 }
 
 TEST(Reoptimize, SaysThatTheTimeOrTheDesignIsWhatFails) {
   ReoptimizeProblem hurried = Problem();
-  hurried.program.duration_s = 3;
+  hurried.program.duration_s = 0.4;
   hurried.max_misalignment_percent = 20;
   const std::vector<Links> links{hurried.design.start, kPublished};
   const MisalignmentInfeasibility time = ExplainInfeasible(hurried, links, Starts(4));
-  EXPECT_THAT(time.sentence, HasSubstr("no design stands up within 3 s"));
+  EXPECT_THAT(time.sentence, HasSubstr("no design stands up within 0.4 s"));
   ASSERT_EQ(time.ways.size(), 1u);
   hurried.program.duration_s = *time.ways[0].duration_s * 1.001;
   EXPECT_TRUE(Solve(hurried).IsSolved());

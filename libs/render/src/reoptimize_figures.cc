@@ -63,7 +63,8 @@ void DrawPaths(GnuplotFigure& figure, const ReoptimizeStudy& study) {
       plot += fmt::format(", {} using 1:2 with lines {} title '{}'", PathData(figure, design.prediction->exo.knee),
                           style, title);
   };
-  add(study.before, kBeforeStyle, "exoskeleton before"), add(study.after, kAfterStyle, "exoskeleton " + AfterName(study));
+  add(study.before, kBeforeStyle, "exoskeleton before"),
+      add(study.after, kAfterStyle, "exoskeleton " + AfterName(study));
   // The same instants on each path, so that being late can be told from being elsewhere.
   for (const auto& [knee, colour, mark] :
        {std::tuple(&study.measured.human.knee, colour::kHuman, 7),
@@ -126,10 +127,9 @@ void DrawStrokes(GnuplotFigure& figure, const ReoptimizeStudy& study) {
   const auto tracking = TrackingStrokes(study.after.design.links, study.after.design.d_min_mm,
                                         study.problem.design.standing_deg, study.problem.human);
   figure.Line("set title 'Stroke program' font ',13'; set ylabel 'stroke (mm)'; set key bottom right");
-  const std::string plot =
-      PlotOf(figure, {{tracking.value_or(std::vector<double>()), kHumanStyle, "exact tracking"},
-                      {strokes(study.before), kBeforeStyle, name("before", study.before)},
-                      {strokes(study.after), kAfterStyle, name(AfterName(study), study.after)}});
+  const std::string plot = PlotOf(figure, {{tracking.value_or(std::vector<double>()), kHumanStyle, "exact tracking"},
+                                           {strokes(study.before), kBeforeStyle, name("before", study.before)},
+                                           {strokes(study.after), kAfterStyle, name(AfterName(study), study.after)}});
   if (plot.size() > 5) figure.Line(plot);
 }
 
@@ -160,7 +160,8 @@ void DrawPareto(const ReoptimizeStudy& study, const std::filesystem::path& path)
   constexpr int kMarks[] = {7, 9, 11};
   GnuplotFigure figure(1100, 760);
   figure.Line("set title 'What a smaller misalignment costs in range' font ',15'");
-  figure.Line(kFrame).Line("set key at screen 0.5, 0.03 center bottom horizontal samplen 2.5 spacing 1.2; set bmargin 7");
+  figure.Line(kFrame).Line(
+      "set key at screen 0.5, 0.03 center bottom horizontal samplen 2.5 spacing 1.2; set bmargin 7");
   figure.Line("set xlabel 'misalignment, RMS (% of the shank)'; set ylabel 'range of rotation (°)'");
   figure.Line("set offsets 0, graph 0.04, graph 0.04, graph 0.04; set xrange [0:*]");
   std::string plot = "plot ";
@@ -170,8 +171,8 @@ void DrawPareto(const ReoptimizeStudy& study, const std::filesystem::path& path)
       misalignment.push_back(point.misalignment_percent), range.push_back(point.range_deg);
     if (range.empty()) continue;
     plot += fmt::format("{}{} using 1:2 with linespoints lw 3 pt {} ps 1.1 lc rgb '{}' title '{} program'",
-                        plot.size() > 5 ? ", " : "", figure.Data({misalignment, range}), kMarks[i % 3],
-                        kColours[i % 3], study.fronts[i].name);
+                        plot.size() > 5 ? ", " : "", figure.Data({misalignment, range}), kMarks[i % 3], kColours[i % 3],
+                        study.fronts[i].name);
   }
   if (plot.size() == 5) plot += "1/0 notitle";
   DrawDesignMark(plot, figure, study.before, "before", colour::kText, 6);

@@ -28,14 +28,13 @@ double StrokeAt(const std::vector<StrokeProgram::Knot>& knots, double time_s) {
   const auto after = std::find_if(knots.begin() + 1, knots.end() - 1,
                                   [&](const StrokeProgram::Knot& knot) { return knot.time_s >= time_s; });
   const auto before = after - 1;
-  return std::lerp(before->stroke_mm, after->stroke_mm,
-                   (time_s - before->time_s) / (after->time_s - before->time_s));
+  return std::lerp(before->stroke_mm, after->stroke_mm, (time_s - before->time_s) / (after->time_s - before->time_s));
 }
 
 // The leg with this knee angle, ankle and lean as the human's.
 Vector2d PredictHip(const HumanSample& human, double theta_rad) {
-  const double leg_mm = std::hypot(human.shank_mm + human.thigh_mm * std::cos(theta_rad),
-                                   human.thigh_mm * std::sin(theta_rad));
+  const double leg_mm =
+      std::hypot(human.shank_mm + human.thigh_mm * std::cos(theta_rad), human.thigh_mm * std::sin(theta_rad));
   return human.ankle + leg_mm * Vector2d(human.sin_lean, human.cos_lean);
 }
 

@@ -87,8 +87,7 @@ LocalSolve SolveFrom(const SynthesisProblem& problem, const Links& start, const 
   NlpOptions nlp = options.nlp;
   Links from = start;
   while (true) {
-    SynthesisProgram program =
-        BuildProgram(problem, from, result.fractions, Elasticity::kNone, extension.range_weight);
+    SynthesisProgram program = BuildProgram(problem, from, result.fractions, Elasticity::kNone, extension.range_weight);
     if (extension.extend) extension.extend(program, result.exchanges > 0 ? &result.solution : nullptr);
     ++result.exchanges;
     result.program = std::move(program);

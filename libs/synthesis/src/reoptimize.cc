@@ -109,6 +109,8 @@ double ObjectiveOf(const ReoptimizeProblem& problem, const ReoptimizePoint& poin
 ReoptimizeSolve SolveFrom(const ReoptimizeProblem& problem, const ReoptimizePoint& start,
                           const OptimizeOptions& options, bool warm) {
   OptimizeOptions inner = options;
+  constexpr int kMostIterations = 150;  // solves that succeed take 12 to 60; the others wander until stopped
+  inner.nlp.max_iterations = std::min(inner.nlp.max_iterations, kMostIterations);
   if (warm) inner.nlp.start_push = 1e-6, inner.nlp.start_barrier = 1e-4;
   ReoptimizeSolve solve = SolveOneSide(problem, start, ConstantStart::kAtHumanAngle, inner);
   if (problem.program.kind == StrokeProgram::Kind::kFree) return solve;
@@ -153,7 +155,8 @@ std::vector<ParetoPoint> ParetoFront(const ReoptimizeProblem& problem, int count
     up.push_back(static_cast<std::size_t>(i));
   }
   Front found(count);
-  found.front() = ParetoPointOf(least.Best(), ranges.front()), found.back() = ParetoPointOf(widest.Best(), ranges.back());
+  found.front() = ParetoPointOf(least.Best(), ranges.front()),
+  found.back() = ParetoPointOf(widest.Best(), ranges.back());
   Progress progress("Pareto front", "solves", 2 * (count - 2), options.quiet);
   Sweep(problem, up, ranges, options, progress, found);
   Sweep(problem, {up.rbegin(), up.rend()}, ranges, options, progress, found);

@@ -105,10 +105,9 @@ class Explainer {
     const auto needed_s = LeastDuration(other);
     if (!needed_s) return;
     const double speed = problem_.program.max_speed_mm_s;
-    std::string text =
-        fmt::format("{} of at least {:.4g} s at {:.4g} mm/s",
-                    problem_.program.kind == Kind::kFree ? "a duration" : "a free program (--program free)",
-                    *needed_s, speed);
+    std::string text = fmt::format(
+        "{} of at least {:.4g} s at {:.4g} mm/s",
+        problem_.program.kind == Kind::kFree ? "a duration" : "a free program (--program free)", *needed_s, speed);
     if (problem_.program.duration_s)
       text += fmt::format(", or {:.4g} mm/s in {:.4g} s", speed * *needed_s / *problem_.program.duration_s,
                           *problem_.program.duration_s);

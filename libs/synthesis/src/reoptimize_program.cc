@@ -164,11 +164,10 @@ class Extender {
   }
 
   void AddGoal() {
-    AddMeanSquare(NlpTerm::kCost, true,
-                  kPercentSquared * MisalignmentWeight());
+    AddMeanSquare(NlpTerm::kCost, true, kPercentSquared * MisalignmentWeight());
     if (!problem_.min_range_deg) return;
-    const int row = nlp().AddRow(fmt::format("range >= {:.6g} deg", *problem_.min_range_deg), *problem_.min_range_deg,
-                                 kUnbounded);
+    const int row =
+        nlp().AddRow(fmt::format("range >= {:.6g} deg", *problem_.min_range_deg), *problem_.min_range_deg, kUnbounded);
     AddScaledTerm(nlp(), row, synthesis_.poses.front().range, kDegreesPerRadian);
     synthesis_.published_rows.push_back({row, "deg", 1});
   }

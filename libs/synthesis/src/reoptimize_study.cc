@@ -28,7 +28,8 @@ Design Before(const ReoptimizeProblem& problem, const MeasuredMotion& measured) 
 
 double ProgramDuration(const Design& design, const Prediction& prediction) {
   if (!design.program) return 0;
-  if (design.program->kind == Kind::kFree) return design.program->knots.back().time_s - design.program->knots.front().time_s;
+  if (design.program->kind == Kind::kFree)
+    return design.program->knots.back().time_s - design.program->knots.front().time_s;
   return std::abs(prediction.stroke_mm.back() - prediction.stroke_mm.front()) / design.program->speed_mm_s;
 }
 
@@ -88,8 +89,7 @@ DesignInMotion PutInMotion(const ReoptimizeProblem& problem, const StsCurve& hum
   const double standing_deg = problem.design.standing_deg;
   const Eigen::Vector2d placement(design.placement_mm[0], design.placement_mm[1]);
   if (const auto strokes = ProgramStrokes(design, standing_deg, problem.human))
-    in_motion.prediction =
-        Predict(design.links, design.d_min_mm, standing_deg, placement, *strokes, problem.human);
+    in_motion.prediction = Predict(design.links, design.d_min_mm, standing_deg, placement, *strokes, problem.human);
   if (const auto tracking = TrackingStrokes(design.links, design.d_min_mm, standing_deg, problem.human))
     in_motion.tracking_time_s = TrackingTime(*tracking, problem.program.max_speed_mm_s);
   if (!in_motion.prediction) return in_motion;

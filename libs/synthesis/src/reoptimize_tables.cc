@@ -44,15 +44,19 @@ std::vector<Quantity> Quantities() {
                    [axis](const DesignInMotion& d) { return d.design.placement_mm[axis]; }});
   all.push_back({"program_duration", "s", [](const DesignInMotion& d) { return d.prediction ? d.duration_s : kNaN; }});
   all.push_back({"exact_tracking_time", "s", [](const DesignInMotion& d) { return d.tracking_time_s.value_or(kNaN); }});
-  all.push_back({"stroke_when_standing", "mm",
-                 [](const DesignInMotion& d) { return d.evaluation.stands_mm.value_or(kNaN); }});
+  all.push_back(
+      {"stroke_when_standing", "mm", [](const DesignInMotion& d) { return d.evaluation.stands_mm.value_or(kNaN); }});
   return all;
 }
 
 void WriteBeforeAfter(const ReoptimizeStudy& study, Run& run) {
   CsvWriter table({"quantity", "unit", "before", "after"});
   for (const Quantity& quantity : Quantities())
-    table.Add(quantity.name).Add(quantity.unit).Add(quantity.value(study.before)).Add(quantity.value(study.after)).EndRow();
+    table.Add(quantity.name)
+        .Add(quantity.unit)
+        .Add(quantity.value(study.before))
+        .Add(quantity.value(study.after))
+        .EndRow();
   table.Write(run.Result("before_after.csv"));
 }
 
@@ -69,7 +73,8 @@ Json BeforeAfterJson(const DesignInMotion& design) {
 void WriteDesignFile(const ReoptimizeStudy& study, Run& run) {
   Design design = study.after.design;
   if (study.after.evaluation.pose) design.range_deg = study.after.evaluation.range_deg;
-  if (const auto stands = study.after.evaluation.stands_mm; stands && *stands > design.d_min_mm) design.d_max_mm = stands;
+  if (const auto stands = study.after.evaluation.stands_mm; stands && *stands > design.d_min_mm)
+    design.d_max_mm = stands;
   design.made_by = fmt::format("lake-optimize {}", Version());
   if (!study.IsSolved()) design.made_by += fmt::format(": NOT A SOLUTION: {}", study.infeasible->sentence);
   WriteDesign(run.Result("design.yaml"), design);
@@ -116,7 +121,11 @@ void WriteConstraints(const ReoptimizeStudy& study, Run& run) {
     const double lower = check.requirement.is_lower_limit ? check.requirement.limit : kNaN;
     const double upper = check.requirement.is_lower_limit ? kNaN : check.requirement.limit;
     const int row = priced ? study.result.Best().local.program.limits[i].row : -1;
-    table.Add(check.requirement.name).Add(study.before.evaluation.checks[i].value).Add(check.value).Add(lower).Add(upper);
+    table.Add(check.requirement.name)
+        .Add(study.before.evaluation.checks[i].value)
+        .Add(check.value)
+        .Add(lower)
+        .Add(upper);
     table.Add(ActiveSide(check.value, lower, upper));
     row >= 0 ? table.Add(-study.result.Best().local.solution.row_prices[row]) : table.AddEmpty();
     table.Add(check.requirement.unit).EndRow();
@@ -125,9 +134,8 @@ void WriteConstraints(const ReoptimizeStudy& study, Run& run) {
     return d.misalignment ? 100 * d.misalignment->metrics.relative_rms : kNaN;
   };
   const double limit = study.problem.max_misalignment_percent.value_or(kNaN);
-  const auto price = std::ranges::find_if(study.active.entries, [](const ActiveSet::Entry& entry) {
-    return entry.name.starts_with("misalignment");
-  });
+  const auto price = std::ranges::find_if(
+      study.active.entries, [](const ActiveSet::Entry& entry) { return entry.name.starts_with("misalignment"); });
   table.Add("misalignment").Add(percent(study.before)).Add(percent(study.after)).Add(kNaN).Add(limit);
   table.Add(ActiveSide(percent(study.after), kNaN, limit));
   priced&& price != study.active.entries.end() ? table.Add(price->price) : table.AddEmpty();
@@ -181,9 +189,15 @@ void WritePredicted(const ReoptimizeStudy& study, Run& run) {
 }
 
 void WritePareto(const ReoptimizeStudy& study, Run& run) {
-  std::vector<std::string> header{"program",           "duration_limit_s", "least_range_deg", "range_deg",
-                                  "misalignment_percent", "misalignment_rms_mm", "exact_tracking_time_s",
-                                  "placement_x_mm",    "placement_y_mm"};
+  std::vector<std::string> header{"program",
+                                  "duration_limit_s",
+                                  "least_range_deg",
+                                  "range_deg",
+                                  "misalignment_percent",
+                                  "misalignment_rms_mm",
+                                  "exact_tracking_time_s",
+                                  "placement_x_mm",
+                                  "placement_y_mm"};
   std::ranges::copy(LinkColumns(""), std::back_inserter(header));
   CsvWriter table(header);
   const SynthesisProblem& design = study.problem.design;
@@ -243,18 +257,19 @@ Json ProgramJson(const ReoptimizeStudy& study) {
 void Warn(const ReoptimizeStudy& study, Run& run) {
   const ReoptimizeProblem& problem = study.problem;
   if (study.measured.exo && !study.measured.worn)
-    run.Warn("the exoskeleton trial is left out: name the design worn in it with --worn, so that what the model does "
-             "not explain of it can be carried over");
-  if (study.measured.exo && study.measured.worn)
     run.Warn(
-        fmt::format("the measured remainder of the worn design is carried over unchanged to the new one; it is {:.2g} mm "
-                    "RMS of {:.2g} mm measured",
-                    std::sqrt([&] {
-                      double sum = 0;
-                      for (const HumanSample& sample : problem.human) sum += sample.remainder_mm.squaredNorm();
-                      return sum / static_cast<double>(problem.human.size());
-                    }()),
-                    study.before.misalignment ? study.before.misalignment->metrics.rms_mm : kNaN));
+        "the exoskeleton trial is left out: name the design worn in it with --worn, so that what the model does "
+        "not explain of it can be carried over");
+  if (study.measured.exo && study.measured.worn)
+    run.Warn(fmt::format(
+        "the measured remainder of the worn design is carried over unchanged to the new one; it is {:.2g} mm "
+        "RMS of {:.2g} mm measured",
+        std::sqrt([&] {
+          double sum = 0;
+          for (const HumanSample& sample : problem.human) sum += sample.remainder_mm.squaredNorm();
+          return sum / static_cast<double>(problem.human.size());
+        }()),
+        study.before.misalignment ? study.before.misalignment->metrics.rms_mm : kNaN));
   if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
     run.Warn("neither --max-misalignment nor --penalty is given: the range alone decides");
   if (!study.IsSolved()) return;

@@ -52,7 +52,8 @@ class Builder {
     AddRangePose();
     for (const Requirement& requirement : RequirementsOf(problem_)) AddLimit(requirement);
     AddUsedRange(fractions);
-    if (elasticity_ == Elasticity::kNone) AddScaledTerm(nlp(), NlpTerm::kCost, range_, -range_weight_ * kDegreesPerRadian);
+    if (elasticity_ == Elasticity::kNone)
+      AddScaledTerm(nlp(), NlpTerm::kCost, range_, -range_weight_ * kDegreesPerRadian);
     return std::move(result_);
   }
 

@@ -23,9 +23,9 @@ namespace lake {
 struct HumanSample {
   Eigen::Vector2d ankle, knee;
   double shank_mm = 0, thigh_mm = 0;
-  double sin_lean = 0, cos_lean = 1;                          // of psi, from the vertical, forward positive
-  double knee_rad = 0;                                        // 0 straight, flexion positive
-  Eigen::Vector2d remainder_mm = Eigen::Vector2d::Zero();     // delta
+  double sin_lean = 0, cos_lean = 1;                       // of psi, from the vertical, forward positive
+  double knee_rad = 0;                                     // 0 straight, flexion positive
+  Eigen::Vector2d remainder_mm = Eigen::Vector2d::Zero();  // delta
 };
 using HumanMotion = std::vector<HumanSample>;  // kPercentSamples of them
 

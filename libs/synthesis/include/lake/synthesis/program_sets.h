@@ -33,8 +33,8 @@ struct PoseVariables {
 PoseVariables AddPose(NonlinearProgram& program, const std::string& name, const LinkVariables& links, int stroke,
                       int range, double fraction, double standing_rad, double phi_start_rad);
 
-// A pose on the way of a stroke program: d = (1 - weight) from + weight to between two of its knots, and a knee angle of
-// its own. The same rows as AddPose, with fewer variables per row, as there are many of these.
+// A pose on the way of a stroke program: d = (1 - weight) from + weight to between two of its knots, and a knee angle
+// of its own. The same rows as AddPose, with fewer variables per row, as there are many of these.
 struct ProgramPose {
   int from, to;
   double weight;

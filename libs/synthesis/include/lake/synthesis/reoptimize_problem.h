@@ -15,7 +15,8 @@
 namespace lake {
 
 struct ProgramLimits {
-  // constant: linear from the human's first knee angle (at least d_min) to the last; free: knots at equal steps of time.
+  // constant: linear from the human's first knee angle (at least d_min) to the last; free: knots at equal steps of
+  // time.
   StrokeProgram::Kind kind = StrokeProgram::Kind::kConstant;
   double max_speed_mm_s = 5;         // the paper's actuator
   std::optional<double> duration_s;  // of one sit-to-stand, at most; absent: no limit

@@ -23,10 +23,10 @@ struct MeasuredMotion {
 
 struct ReoptimizeOptions {
   OptimizeOptions optimize;
-  std::optional<int> pareto_points;          // absent: no fronts
-  double short_program_s = 20;               // of the free program whose front stands beside the others: too
-                                             // short for exact tracking by nearly every linkage at 5 mm/s
-  std::optional<double> certify_gap_deg;     // absent: no certificate
+  std::optional<int> pareto_points;       // absent: no fronts
+  double short_program_s = 20;            // of the free program whose front stands beside the others: too
+                                          // short for exact tracking by nearly every linkage at 5 mm/s
+  std::optional<double> certify_gap_deg;  // absent: no certificate
   double certify_seconds = 60;
   std::optional<double> yield_tolerance_mm;  // absent: no yield
   bool quiet = true;
@@ -66,7 +66,7 @@ struct MisalignmentInfeasibility {
 };
 
 struct NamedFront {
-  std::string name;      // "constant", "free 25 s"
+  std::string name;  // "constant", "free 25 s"
   ProgramLimits program;
   std::vector<ParetoPoint> points;
 };
