@@ -56,8 +56,9 @@ TEST_F(RunProgram, InterruptedGoesOnWhereItWas) {
   EXPECT_THAT(stopped.err, HasSubstr("lake-run: interrupted"));
   EXPECT_FALSE(fs::exists(folder_ / "results/report.html"));
   for (const auto& entry : fs::recursive_directory_iterator(folder_ / "results"))
-    if (entry.path().filename().string().starts_with("."))
+    if (entry.path().filename().string().starts_with(".")) {
       EXPECT_THAT(entry.path().string(), testing::EndsWith(".lake-step.json")) << "half-written";
+    }
 
   const Outcome again = Shell(folder_, run + " --json");
   ASSERT_EQ(again.exit_code, 0) << again.err;
