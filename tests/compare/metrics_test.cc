@@ -109,10 +109,13 @@ TEST(Spikes, CleanCurvesHaveNone) {
   }
 }
 
-// The exoskeleton's joint lies beside the knee, so its distance from the ankle says nothing of the subject or the scale.
+// The exoskeleton's joint lies beside the knee, so its distance from the ankle says nothing of the subject or the
+// scale.
 TEST(CompareTrials, WarnOfAnotherLegNotOfAJointBesideTheKnee) {
   const auto warnings = [](const StsCurve& exo) {
-    const Misalignment m = CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, {.resamples = 0});
+    MisalignmentOptions options;
+    options.resamples = 0;
+    const Misalignment m = CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, options);
     return testing::PrintToString(m.warnings);
   };
   EXPECT_THAT(warnings(MakeCurve({}, IssueWarp, {18, 60})), testing::Not(testing::HasSubstr("ankle to hip")));
