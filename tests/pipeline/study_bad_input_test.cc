@@ -38,7 +38,7 @@ TEST_F(BadStudy, WithoutACommonMarker) {
 TEST_F(BadStudy, WithoutARepetition) {
   const double first_rise_s = StsMotion(ExoMotionOptions()).Phases()[1].start_s;
   study_.WriteTrial("exo.csv", Exo(first_rise_s));
-  ExpectFailure("comparison", "no repetition");
+  ExpectFailure("comparison", "no sit-to-stand found");
 }
 
 TEST_F(BadStudy, WithATrialThatEndsBeforeTheMotion) {
