@@ -36,9 +36,11 @@ int main(int argc, char** argv) {
   lake::CompareRunOptions options;
   std::string human, exo, map, exo_map, up, forward, exo_knee;
   CLI::App& cli = program.Cli();
-  cli.add_option("human", human, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
+  cli.add_option(
+         "human", human,
+         "A lake-track folder, .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker), or a comparison's folder")
       ->required();
-  cli.add_option("exo", exo, "The trial with the exoskeleton, likewise")->required();
+  cli.add_option("exo", exo, "The trial with the exoskeleton, likewise, or lake-optimize's predicted/")->required();
   cli.add_option("--human-knee", options.human_knee, "The compared marker of the human trial");
   cli.add_option("--exo-knee", exo_knee, "The compared marker of the exoskeleton trial (default: exo_knee, else knee)");
   cli.add_option(

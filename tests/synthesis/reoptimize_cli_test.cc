@@ -68,6 +68,13 @@ TEST_F(LakeReoptimize, WritesADesignWhosePredictedPathHoldsTheLimit) {
   const Json summary = ReadJsonFile(out / "summary.json");
   EXPECT_LE(MisalignmentOfFiles(out), 2.5 * (1 + 1e-4));
   EXPECT_NEAR(MisalignmentOfFiles(out), summary["misalignment_percent"].get<double>(), 1e-9);
+  // lake-compare itself finds the same.
+  const std::string compare =
+      fmt::format("{0}/lake-compare {1} {1}/out/predicted --replacement-sd 0 --quiet -o {1}/again", LAKE_BIN_DIR,
+                  folder_.Path().string());
+  ASSERT_EQ(std::system((compare + " >/dev/null 2>&1").c_str()), 0);
+  EXPECT_NEAR(100 * ReadJsonFile(folder_ / "again/summary.json")["metrics"]["relative_rms"].get<double>(),
+              summary["misalignment_percent"].get<double>(), 1e-9);
   const Design design = ReadDesign(out / "design.yaml");
   ASSERT_TRUE(design.program);
   EXPECT_EQ(design.program->knots.size(), 21u);

@@ -1,5 +1,6 @@
 #include "lake/pipeline/compare.h"
 
+#include "lake/compare/comparison_file.h"
 #include "lake/core/error.h"
 #include "lake/gait/leg_fit.h"
 #include "lake/render/misalignment_figures.h"
@@ -56,6 +57,11 @@ std::string ExoKneeOf(const CompareRunOptions& options) {
   return FindExoKnee(ReadTrial(options.exo, reading).recording, options);
 }
 
+// A folder that lake-compare wrote, or the predicted path of lake-optimize: its curves are registered already.
+bool IsCompared(const fs::path& path) {
+  return fs::is_regular_file(path / "comparison.json");
+}
+
 void CheckUnits(const TrialTables& human, const TrialTables& exo) {
   if (human.trajectory.unit != exo.trajectory.unit)
     throw Fail("{} is in {} and {} in {}: give the one in px a scale (lake-track --camera with a plane, or --scale)",
@@ -66,6 +72,30 @@ RegisteredTrial Register(const TrialTables& tables, const std::string& knee) {
   RegistrationOptions options;
   options.knee = knee;
   return RegisterTrial(tables, options);
+}
+
+RegisteredTrial ReadCurve(const fs::path& folder, StsCurve ComparedCurves::*side, Run& run) {
+  run.AddInput(folder / "comparison.json");
+  return {{ReadComparison(folder).*side}, {}};
+}
+
+// Both trials at 0..100 %, and the marker that is the exoskeleton's knee.
+struct RegisteredPair {
+  RegisteredTrial human, exo;
+  std::string exo_knee;
+};
+
+RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
+  std::optional<TrialTables> human, exo;
+  if (!IsCompared(options.human))
+    human = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
+  if (!IsCompared(options.exo)) exo = ReadTrialTables(options.exo, options.exo_reading, ExoKneeOf(options), run);
+  if (human && exo) CheckUnits(*human, *exo);
+  RegisteredPair pair;
+  pair.exo_knee = exo ? FindExoKnee(exo->trajectory, options) : options.exo_knee.value_or(kExoKnee);
+  pair.human = human ? Register(*human, options.human_knee) : ReadCurve(options.human, &ComparedCurves::human, run);
+  pair.exo = exo ? Register(*exo, pair.exo_knee) : ReadCurve(options.exo, &ComparedCurves::exo, run);
+  return pair;
 }
 
 void WriteComparisonReport(const std::string& title, const Json& comparison, Run& run) {
@@ -86,12 +116,9 @@ TrialTables ReadTrialTables(const fs::path& path, const TrialOptions& reading, c
 }
 
 Json RunCompare(const CompareRunOptions& options, Run& run) {
-  const TrialTables human = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
-  const TrialTables exo = ReadTrialTables(options.exo, options.exo_reading, ExoKneeOf(options), run);
-  CheckUnits(human, exo);
-  const std::string exo_knee = FindExoKnee(exo.trajectory, options);
-  const Misalignment misalignment =
-      CompareTrials(Register(human, options.human_knee), Register(exo, exo_knee), options.misalignment);
+  const RegisteredPair pair = ReadPair(options, run);
+  const std::string& exo_knee = pair.exo_knee;
+  const Misalignment misalignment = CompareTrials(pair.human, pair.exo, options.misalignment);
   for (const std::string& warning : misalignment.warnings) run.Warn(warning);
   WriteMisalignmentCsv(run.Result("misalignment.csv"), misalignment);
   const std::string title = fmt::format("{} ({}) against {} ({})", options.exo.filename().string(), exo_knee,

@@ -5,6 +5,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
+#include "lake/core/statistics.h"
 #include "lake/synthesis/reoptimize_study.h"
 #include "tables.h"
 
@@ -254,6 +255,12 @@ Json ProgramJson(const ReoptimizeStudy& study) {
   return json;
 }
 
+double RemainderRms(const HumanMotion& human) {
+  std::vector<double> lengths;
+  for (const HumanSample& sample : human) lengths.push_back(sample.remainder_mm.norm());
+  return RootMeanSquare(lengths);
+}
+
 void Warn(const ReoptimizeStudy& study, Run& run) {
   const ReoptimizeProblem& problem = study.problem;
   if (study.measured.exo && !study.measured.worn)
@@ -262,14 +269,10 @@ void Warn(const ReoptimizeStudy& study, Run& run) {
         "not explain of it can be carried over");
   if (study.measured.exo && study.measured.worn)
     run.Warn(fmt::format(
-        "the measured remainder of the worn design is carried over unchanged to the new one; it is {:.2g} mm "
-        "RMS of {:.2g} mm measured",
-        std::sqrt([&] {
-          double sum = 0;
-          for (const HumanSample& sample : problem.human) sum += sample.remainder_mm.squaredNorm();
-          return sum / static_cast<double>(problem.human.size());
-        }()),
-        study.before.misalignment ? study.before.misalignment->metrics.rms_mm : kNaN));
+        "the measured remainder of the worn design is carried over unchanged to the new one: {:.2g} mm RMS, of {:.2g} "
+        "mm "
+        "measured",
+        RemainderRms(problem.human), study.before.misalignment ? study.before.misalignment->metrics.rms_mm : kNaN));
   if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
     run.Warn("neither --max-misalignment nor --penalty is given: the range alone decides");
   if (!study.IsSolved()) return;

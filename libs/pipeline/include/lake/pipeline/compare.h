@@ -13,7 +13,9 @@
 namespace lake {
 
 struct CompareRunOptions {
-  std::filesystem::path human, exo;  // lake-track folders or files that ReadTrial knows
+  // lake-track folders or files that ReadTrial knows; or folders with a comparison.json (of lake-compare, or the
+  // predicted path of lake-optimize), whose human or exoskeleton curve is taken.
+  std::filesystem::path human, exo;
   std::string human_knee = "knee";
   std::optional<std::string> exo_knee;      // default: exo_knee, or knee where there is none
   TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already
