@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 
+#include "lake/core/statistics.h"
 #include "tracking/marker_scene.h"
 
 namespace lake {
@@ -104,6 +106,28 @@ INSTANTIATE_TEST_SUITE_P(Markers, BlobFitTest,
                                          Case{"streaked", Disc(6, 150, {6, -3})},
                                          Case{"streaked_small", Disc(4, 150, {2, 2})}),
                          [](const auto& info) { return std::string(info.param.name); });
+
+// From hardly to wholly saturated, as flicker does from frame to frame.
+TEST(BlobFit, ApparentRadiusDoesNotDependOnTheExposure) {
+  const SceneNoise noise;
+  std::mt19937 generator(11);
+  std::uniform_real_distribution<double> fraction(-0.5, 0.5), amplitude(230, 300);
+  std::vector<double> apparent;
+  for (int i = 0; i < 100; ++i) {
+    SceneMarker marker = Disc(6, amplitude(generator));
+    marker.center = Eigen::Vector2d(23 + fraction(generator), 20 + fraction(generator));
+    const cv::Mat grey = AddNoise(DrawMarkers(kSize, {marker}, kPsf, kBackground), noise, generator);
+    const Blob start = DiscBlob(marker.center, 6.5);
+    const auto fits = FitBlobs(grey, std::span(&start, 1), Options(noise));
+    ASSERT_TRUE(fits) << "amplitude " << marker.amplitude;
+    apparent.push_back(fits->front().blob.ApparentRadiusPx());
+  }
+  const auto [least, most] = std::minmax_element(apparent.begin(), apparent.end());
+  // The level of 100 lies 0.2 to 0.4 edge widths (0.76 px) outside the half of the light: 0.15 px between 230 and 300;
+  // and the place of a saturated edge is uncertain by 0.03 px. The radius itself varies by 0.5 px and more.
+  EXPECT_LT(*most - *least, 0.15 + 6 * 0.03) << *least << " to " << *most;
+  EXPECT_NEAR(Median(apparent), 6 + 0.3 * 0.76, 0.1);
+}
 
 TEST(BlobFit, NeighboursWithinADiameterDoNotPullEachOther) {
   const SceneNoise noise;

@@ -269,9 +269,8 @@ void Warn(const ReoptimizeStudy& study, Run& run) {
         "not explain of it can be carried over");
   if (study.measured.exo && study.measured.worn)
     run.Warn(fmt::format(
-        "the measured remainder of the worn design is carried over unchanged to the new one: {:.2g} mm RMS, of {:.2g} "
-        "mm "
-        "measured",
+        "the measured remainder of the worn design is carried over unchanged to the new one: {:.2g} mm RMS, of "
+        "{:.2g} mm measured",
         RemainderRms(problem.human), study.before.misalignment ? study.before.misalignment->metrics.rms_mm : kNaN));
   if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
     run.Warn("neither --max-misalignment nor --penalty is given: the range alone decides");

@@ -105,9 +105,10 @@ class JointFit {
     if (!HasEnoughPixels()) return false;
     constexpr double kCostRounding = 1e-5;  // sums are in single precision
     double damping = 1e-3;
-    double cost = Accumulate();
+    double cost = Accumulate(), last_px = INFINITY;
     for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
       const Vector step = Step(damping);
+      last_px = CenterStep(step);
       const State before = Save();
       Apply(step);
       const Matrix normal_before = normal_;
@@ -116,16 +117,16 @@ class JointFit {
       if (new_cost <= cost * (1 + kCostRounding)) {
         cost = new_cost;
         damping = std::max(damping * 0.1, 1e-9);
-        if (CenterStep(step) < options_.converged_px) return true;
+        if (last_px < options_.converged_px) return true;
         continue;
       }
       Restore(before);
       normal_ = normal_before, gradient_ = gradient_before;
-      if (CenterStep(step) < 0.1 * options_.converged_px) return AllSane();
+      if (last_px < 0.1 * options_.converged_px) return AllSane();
       damping *= 10;
       if (damping > 1e6) return false;
     }
-    return false;
+    return last_px < options_.usable_px;
   }
 
   std::vector<BlobFit> Result() const {
@@ -330,6 +331,12 @@ std::optional<std::vector<BlobFit>> Fit(const cv::Mat& grey, std::span<const Blo
 }  // namespace
 
 double Blob::RadiusPx() const { return 1 / std::sqrt(std::max(unit_circle_from_px.determinant(), 1e-12)); }
+
+double Blob::ApparentRadiusPx() const {
+  constexpr double kLevel = 100;
+  if (amplitude <= 2 * kLevel) return RadiusPx();
+  return RadiusPx() + edge_px / 1.702 * std::log(amplitude / kLevel - 1);  // the edge as a logistic curve: within 1 %
+}
 
 double Blob::AspectRatio() const {
   const Eigen::Vector2d inverse_axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(unit_circle_from_px).eigenvalues();

@@ -38,6 +38,9 @@ struct Blob {
   double amplitude = 0;                               // grey levels above the background
 
   double RadiusPx() const;     // of the disc of equal area
+  // Where its light is 100 grey levels, or half of what it has. Where a marker saturates, radius, edge and amplitude take
+  // each other's place from frame to frame; this is measured all the same.
+  double ApparentRadiusPx() const;
   double AspectRatio() const;  // longest over shortest axis, >= 1
 };
 
@@ -64,6 +67,8 @@ struct BlobFitOptions {
   double huber = 3;               // residuals beyond this many noise sd count linearly
   int max_iterations = 20;
   double converged_px = 0.002;  // last step of a centre; each is at most about half of the one before it
+  // After max_iterations: where pixels cross the saturation the cost jumps, and steps of a few 0.001 px need not end.
+  double usable_px = 0.02;
 };
 
 // Fits all starts together (at most kMaxJointBlobs). nullopt if it does not converge, a blob leaves the picture, loses

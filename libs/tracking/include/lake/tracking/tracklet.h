@@ -14,7 +14,7 @@ struct TrackletSample {
   double time_s = 0;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px
   double sigma_px = 0;
-  double radius_px = 0;
+  double radius_px = 0;  // apparent
   double amplitude = 0;
   double quality = 0;  // as in MarkerDetection
 };
