@@ -11,7 +11,8 @@ namespace {
 
 // What the command line says, as text where it needs to be parsed further.
 struct Arguments {
-  std::string video, markers = "ankle,knee,hip,waist", detector = "reflective", polarity = "bright", dictionary = "DICT_4X4_50";
+  std::string video, markers = "ankle,knee,hip,waist", detector = "reflective", polarity = "bright",
+                     dictionary = "DICT_4X4_50";
   std::string camera, scale, crop, vertical, filter = "spline", corrections, exports;
   std::vector<std::string> seeds, colors, depths;
   long long start = 0, end = -1;
@@ -21,23 +22,32 @@ struct Arguments {
 
 void Declare(CLI::App& cli, Arguments& a) {
   cli.add_option("video", a.video, "Video, or image sequence as frames/%05d.png")->required();
-  cli.add_option("--markers", a.markers, "Names of the markers to find; ankle, knee, hip, waist are understood as the leg");
+  cli.add_option("--markers", a.markers,
+                 "Names of the markers to find; ankle, knee, hip, waist are understood as the leg");
   cli.add_option("--seed", a.seeds, "NAME=X,Y[@FRAME]: where a marker is, in px of a frame (may be repeated)");
-  cli.add_option("--detector", a.detector, "What the markers are")->check(CLI::IsMember({"reflective", "color", "template", "aruco"}));
+  cli.add_option("--detector", a.detector, "What the markers are")
+      ->check(CLI::IsMember({"reflective", "color", "template", "aruco"}));
   cli.add_option("--color", a.colors, "\"#RRGGBB\", one for all markers or one for each, for --detector color");
   cli.add_option("--dictionary", a.dictionary, "For --detector aruco; ids 0, 1, … are the markers in order");
-  cli.add_option("--polarity", a.polarity, "Markers brighter or darker than what is round them")->check(CLI::IsMember({"bright", "dark"}));
+  cli.add_option("--polarity", a.polarity, "Markers brighter or darker than what is round them")
+      ->check(CLI::IsMember({"bright", "dark"}));
   cli.add_option("--camera", a.camera, "camera.yaml: intrinsics and, if it has one, the sagittal plane");
   cli.add_option("--scale", a.scale, "X1,Y1,X2,Y2,LENGTH_MM: a scale bar in px, without a calibrated plane");
   cli.add_option("--crop", a.crop, "X,Y,W,H: look only there");
   cli.add_option("--start", a.start, "First frame to look at")->check(CLI::NonNegativeNumber);
-  cli.add_option("--end", a.end, "Last frame to look at (default: the last of the file)")->check(CLI::NonNegativeNumber);
-  cli.add_option("--capture-rate", a.capture_rate_hz, "Hz at which a slow-motion file was recorded")->check(CLI::PositiveNumber);
+  cli.add_option("--end", a.end, "Last frame to look at (default: the last of the file)")
+      ->check(CLI::NonNegativeNumber);
+  cli.add_option("--capture-rate", a.capture_rate_hz, "Hz at which a slow-motion file was recorded")
+      ->check(CLI::PositiveNumber);
   cli.add_option("--vertical", a.vertical, "X1,Y1,X2,Y2: a plumb line in the picture, in px");
-  cli.add_option("--depth", a.depths, "NAME=MM: how far a marker stands proud of the calibrated plane (may be repeated)");
-  cli.add_option("--filter", a.filter, "How positions and angles are smoothed")->check(CLI::IsMember({"spline", "butterworth", "none"}));
-  cli.add_option("--cutoff", a.cutoff_hz, "Hz; default: found from the data (spline), 6 (butterworth)")->check(CLI::PositiveNumber);
-  cli.add_option("--corrections", a.corrections, "frame,marker,x_px,y_px rows that overrule the detector; empty: not visible");
+  cli.add_option("--depth", a.depths,
+                 "NAME=MM: how far a marker stands proud of the calibrated plane (may be repeated)");
+  cli.add_option("--filter", a.filter, "How positions and angles are smoothed")
+      ->check(CLI::IsMember({"spline", "butterworth", "none"}));
+  cli.add_option("--cutoff", a.cutoff_hz, "Hz; default: found from the data (spline), 6 (butterworth)")
+      ->check(CLI::PositiveNumber);
+  cli.add_option("--corrections", a.corrections,
+                 "frame,marker,x_px,y_px rows that overrule the detector; empty: not visible");
   cli.add_flag("--overlay,!--no-overlay", a.overlay, "Write overlay.mp4");
   cli.add_option("--export", a.exports, "Also write trc,mot,c3d,tracker,kinovea");
 }
@@ -61,7 +71,8 @@ lake::TrackOptions MakeTrackOptions(const Arguments& a) {
   if (const auto crop = ParseOptional<4>("--crop", a.crop)) options.crop = lake::CropOf(*crop);
   options.reader.first = a.start;
   if (a.end >= 0) options.reader.last = a.end;
-  if (a.end >= 0 && a.end < a.start) throw lake::UsageError(fmt::format("--end {} is before --start {}", a.end, a.start));
+  if (a.end >= 0 && a.end < a.start)
+    throw lake::UsageError(fmt::format("--end {} is before --start {}", a.end, a.start));
   options.reader.capture_rate_hz = a.capture_rate_hz;
   return options;
 }

@@ -47,7 +47,8 @@ void AddOption(const CLI::Option& option, Json& options) {
 
 }  // namespace
 
-Program::Program(std::string name, std::string what, std::string example) : name_(std::move(name)), cli_(std::move(what), name_) {
+Program::Program(std::string name, std::string what, std::string example)
+    : name_(std::move(name)), cli_(std::move(what), name_) {
   cli_.footer("Example:\n  " + example);
   cli_.option_defaults()->always_capture_default();
   cli_.add_option("-o,--out", out_, "Folder for the results; made if absent (default: ./lake-out/NAME)");

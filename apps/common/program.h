@@ -18,11 +18,12 @@ class Program {
   // Bind the program's own options to this; a default is what the bound variable holds.
   CLI::App& Cli() { return cli_; }
 
-  // Parses, runs `work`, and returns the exit code. `result_name` names the folder under ./lake-out (or is an absolute path)
-  // when --out is not given; it is called after parsing. `work` writes its files through the Run and returns the results for summary.json; with --json the
-  // summary goes to stdout, else `report`, if given, says the main numbers there.
-  int Main(int argc, char** argv, const std::function<std::string()>& result_name, const std::function<Json(Run&)>& work,
-           const std::function<std::string(const Json&)>& report = {});
+  // Parses, runs `work`, and returns the exit code. `result_name` names the folder under ./lake-out (or is an absolute
+  // path) when --out is not given; it is called after parsing. `work` writes its files through the Run and returns the
+  // results for summary.json; with --json the summary goes to stdout, else `report`, if given, says the main numbers
+  // there.
+  int Main(int argc, char** argv, const std::function<std::string()>& result_name,
+           const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report = {});
 
  private:
   int Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work,

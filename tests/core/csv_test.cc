@@ -36,7 +36,8 @@ TEST(Csv, NumbersReadBackAsTheSameDoubleInEveryLocale) {
 
 TEST(Csv, OnlyWholeFiniteNumbersAreNumbers) {
   EXPECT_EQ(ParseNumber("+1.5"), 1.5);
-  for (const char* text : {"", "1,5", "1.5x", "nan", "inf", "0x10", " 1", "1e999"}) EXPECT_FALSE(ParseNumber(text)) << text;
+  for (const char* text : {"", "1,5", "1.5x", "nan", "inf", "0x10", " 1", "1e999"})
+    EXPECT_FALSE(ParseNumber(text)) << text;
 }
 
 TEST(Csv, WritesAndReadsBack) {
@@ -64,7 +65,8 @@ TEST(Csv, NamesTheLineOfABadTable) {
     return table.RequiredNumber(0, 0);
   };
   EXPECT_THAT([&] { read(""); }, ThrowsMessage<Error>(HasSubstr("a header line was expected")));
-  EXPECT_THAT([&] { read("a,b\n1,2\n3\n"); }, ThrowsMessage<Error>(HasSubstr("t.csv:3: 1 cells, but the header has 2")));
+  EXPECT_THAT([&] { read("a,b\n1,2\n3\n"); },
+              ThrowsMessage<Error>(HasSubstr("t.csv:3: 1 cells, but the header has 2")));
   EXPECT_THAT([&] { read("a,a\n1,2\n"); }, ThrowsMessage<Error>(HasSubstr("'a' stands twice")));
   EXPECT_THAT([&] { read("a\nnan\n"); }, ThrowsMessage<Error>(HasSubstr("t.csv:2: column 'a': 'nan'")));
   EXPECT_THAT([&] { read("a\n\"1\n"); }, ThrowsMessage<Error>(HasSubstr("not a CSV table")));
@@ -74,7 +76,8 @@ TEST(Csv, NamesTheLineOfABadTable) {
 
 TEST(Csv, ParsesListsOfNumbers) {
   EXPECT_EQ(ParseNumbers("1, 2.5,-3", 3, "--crop"), (std::vector<double>{1, 2.5, -3}));
-  EXPECT_THAT([] { ParseNumbers("1,2", 3, "--crop"); }, ThrowsMessage<UsageError>(HasSubstr("3 numbers separated by commas")));
+  EXPECT_THAT([] { ParseNumbers("1,2", 3, "--crop"); },
+              ThrowsMessage<UsageError>(HasSubstr("3 numbers separated by commas")));
   EXPECT_THAT([] { ParseNumbers("1,x,3", 3, "--crop"); }, ThrowsMessage<UsageError>(HasSubstr("'x' is not a number")));
 }
 

@@ -36,7 +36,8 @@ TEST(AtomicFile, AppearsOnlyWhenCommitted) {
 
 TEST(AtomicFile, SaysWhenItCannotBeWritten) {
   const TemporaryFolder folder;
-  EXPECT_THAT([&] { WriteTextFile(folder / "none" / "a.txt", "x"); }, ThrowsMessage<Error>(HasSubstr("cannot be written")));
+  EXPECT_THAT([&] { WriteTextFile(folder / "none" / "a.txt", "x"); },
+              ThrowsMessage<Error>(HasSubstr("cannot be written")));
 }
 
 TEST(Run, SummaryHoldsWhatMadeTheResult) {
@@ -71,12 +72,15 @@ TEST(Yaml, NamesFileLineAndKey) {
   YamlNode node = root("d_min_mm: 242\nmargins:\n  grashof_mm: 1\n  typo_mm: 2\nlist: [1, 2]\n");
   EXPECT_EQ(node.Number("d_min_mm"), 242);
   EXPECT_EQ(node.Number("absent"), std::nullopt);
-  EXPECT_THAT([&] { node.Numbers("list", 3); }, ThrowsMessage<Error>(HasSubstr("p.yaml:5: 'list' must have 3 numbers, not 2")));
+  EXPECT_THAT([&] { node.Numbers("list", 3); },
+              ThrowsMessage<Error>(HasSubstr("p.yaml:5: 'list' must have 3 numbers, not 2")));
   auto margins = node.Child("margins");
   margins->Number("grashof_mm");
-  EXPECT_THAT([&] { margins->Finish(); }, ThrowsMessage<Error>(HasSubstr("p.yaml:4: unknown key 'typo_mm'; known here: grashof_mm")));
+  EXPECT_THAT([&] { margins->Finish(); },
+              ThrowsMessage<Error>(HasSubstr("p.yaml:4: unknown key 'typo_mm'; known here: grashof_mm")));
   node.Finish();
-  EXPECT_THAT([&] { root("a: .nan\n").Number("a"); }, ThrowsMessage<Error>(HasSubstr("p.yaml:1: '.nan' is not a finite number")));
+  EXPECT_THAT([&] { root("a: .nan\n").Number("a"); },
+              ThrowsMessage<Error>(HasSubstr("p.yaml:1: '.nan' is not a finite number")));
   EXPECT_THAT([&] { root("a: [1\n"); }, ThrowsMessage<Error>(HasSubstr("not YAML")));
   EXPECT_THAT([&] { root("a: 1.5\n").Integer("a"); }, ThrowsMessage<Error>(HasSubstr("whole number")));
   EXPECT_THAT([&] { root("- 1\n").Number("a"); }, ThrowsMessage<Error>(HasSubstr("a map with 'a' was expected")));

@@ -41,8 +41,10 @@ TEST(MarkerCsv, RefusesBadTables) {
   };
   const std::string head = "frame,time_s,k_x_px,k_y_px,k_sigma_px,k_status\n";
   EXPECT_THAT([&] { read("frame,time_s\n0,0\n"); }, ThrowsMessage<Error>(HasSubstr("no column of a marker")));
-  EXPECT_THAT([&] { read((head + "0,0,1,2,0.1,seen\n").c_str()); }, ThrowsMessage<Error>(HasSubstr("'seen' is not detected")));
-  EXPECT_THAT([&] { read((head + "0,0,,2,0.1,detected\n").c_str()); }, ThrowsMessage<Error>(HasSubstr("'k_x_px' is empty")));
+  EXPECT_THAT([&] { read((head + "0,0,1,2,0.1,seen\n").c_str()); },
+              ThrowsMessage<Error>(HasSubstr("'seen' is not detected")));
+  EXPECT_THAT([&] { read((head + "0,0,,2,0.1,detected\n").c_str()); },
+              ThrowsMessage<Error>(HasSubstr("'k_x_px' is empty")));
   EXPECT_THAT([&] { read((head + "0,1,1,2,0.1,detected\n1,1,1,2,0.1,detected\n").c_str()); },
               ThrowsMessage<Error>(HasSubstr("t.csv:3: time_s does not increase")));
   EXPECT_THAT([&] { read((head + "0,0,1,2,-1,detected\n").c_str()); }, ThrowsMessage<Error>(HasSubstr("negative")));

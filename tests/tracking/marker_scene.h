@@ -1,5 +1,5 @@
-// Marker images made another way than the detector's model: the disc's exact area in fine cells, blurred by a sampled Gaussian,
-// summed into pixels. For tests of position, not of whole recordings (libs/synth renders those).
+// Marker images made another way than the detector's model: the disc's exact area in fine cells, blurred by a sampled
+// Gaussian, summed into pixels. For tests of position, not of whole recordings (libs/synth renders those).
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +24,8 @@ struct SceneNoise {
 };
 
 // Noise-free grey levels, CV_64F.
-inline cv::Mat DrawMarkers(const cv::Size& size, const std::vector<SceneMarker>& markers, double psf_px, double background) {
+inline cv::Mat DrawMarkers(const cv::Size& size, const std::vector<SceneMarker>& markers, double psf_px,
+                           double background) {
   constexpr int kCells = 8;  // per pixel and axis
   cv::Mat fine(size * kCells, CV_64F, cv::Scalar(0));
   for (const SceneMarker& marker : markers) {
@@ -35,7 +36,8 @@ inline cv::Mat DrawMarkers(const cv::Size& size, const std::vector<SceneMarker>&
       for (int y = int((center.y() - reach) * kCells); y < int((center.y() + reach) * kCells); ++y)
         for (int x = int((center.x() - reach) * kCells); x < int((center.x() + reach) * kCells); ++x) {
           if (x < 0 || y < 0 || x >= fine.cols || y >= fine.rows) continue;
-          const double u = (x + 0.5) / kCells - 0.5 - center.x(), v = ((y + 0.5) / kCells - 0.5 - center.y()) / marker.aspect;
+          const double u = (x + 0.5) / kCells - 0.5 - center.x(),
+                       v = ((y + 0.5) / kCells - 0.5 - center.y()) / marker.aspect;
           const double coverage = std::clamp((marker.radius_px - std::hypot(u, v)) * kCells + 0.5, 0.0, 1.0);
           fine.at<double>(y, x) += marker.amplitude * coverage / exposures;
         }

@@ -40,13 +40,15 @@ struct Records {
 Records ParseRecords(const std::string& text, char delimiter, const std::filesystem::path& path) {
   Records records;
   csv_parser parser;
-  if (csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI) != 0) throw Fail("{}: cannot set up the CSV parser", path.string());
+  if (csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI) != 0)
+    throw Fail("{}: cannot set up the CSV parser", path.string());
   csv_set_delim(&parser, static_cast<unsigned char>(delimiter));
   bool parsed = true;
   for (std::size_t begin = 0; parsed && begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
     ++records.line;
-    parsed = csv_parse(&parser, text.data() + begin, end - begin, Records::OnField, Records::OnRecord, &records) == end - begin;
+    parsed = csv_parse(&parser, text.data() + begin, end - begin, Records::OnField, Records::OnRecord, &records) ==
+             end - begin;
     begin = end;
   }
   parsed = parsed && csv_fini(&parser, Records::OnField, Records::OnRecord, &records) == 0;
@@ -105,7 +107,9 @@ double CsvTable::RequiredNumber(std::size_t row, std::size_t column) const {
   return *value;
 }
 
-std::string CsvTable::Where(std::size_t row) const { return fmt::format("{}:{}", path_.string(), lines_.at(row)); }
+std::string CsvTable::Where(std::size_t row) const {
+  return fmt::format("{}:{}", path_.string(), lines_.at(row));
+}
 
 CsvWriter::CsvWriter(std::vector<std::string> header) : columns_(header.size()) {
   for (const std::string& name : header) Add(std::string_view(name));
@@ -122,7 +126,9 @@ CsvWriter& CsvWriter::Add(double value) {
   return *this;
 }
 
-CsvWriter& CsvWriter::Add(std::optional<double> value) { return value ? Add(*value) : AddEmpty(); }
+CsvWriter& CsvWriter::Add(std::optional<double> value) {
+  return value ? Add(*value) : AddEmpty();
+}
 
 CsvWriter& CsvWriter::Add(std::int64_t value) {
   StartCell();
@@ -153,9 +159,13 @@ void CsvWriter::EndRow() {
   text_ += '\n';
 }
 
-void CsvWriter::Write(const std::filesystem::path& path) const { WriteTextFile(path, text_); }
+void CsvWriter::Write(const std::filesystem::path& path) const {
+  WriteTextFile(path, text_);
+}
 
-std::string FormatNumber(double value) { return fmt::format("{}", value); }
+std::string FormatNumber(double value) {
+  return fmt::format("{}", value);
+}
 
 std::optional<double> ParseNumber(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -173,7 +183,8 @@ std::vector<double> ParseNumbers(std::string_view text, std::size_t count, std::
     numbers.push_back(*number);
   }
   if (numbers.size() != count)
-    throw UsageError(fmt::format("{} '{}': {} numbers separated by commas are needed, not {}", what, text, count, numbers.size()));
+    throw UsageError(
+        fmt::format("{} '{}': {} numbers separated by commas are needed, not {}", what, text, count, numbers.size()));
   return numbers;
 }
 

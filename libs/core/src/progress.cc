@@ -10,9 +10,9 @@ namespace lake {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kSilence = 500ms;            // steps shorter than this show nothing
-constexpr auto kTerminalInterval = 100ms;   // a line that is rewritten
-constexpr auto kPlainInterval = 2s;         // a line that stays
+constexpr auto kSilence = 500ms;           // steps shorter than this show nothing
+constexpr auto kTerminalInterval = 100ms;  // a line that is rewritten
+constexpr auto kPlainInterval = 2s;        // a line that stays
 
 std::string FormatDuration(double seconds) {
   if (seconds < 60) return fmt::format("{:.0f} s", seconds);
@@ -39,15 +39,18 @@ void Progress::Advance(std::int64_t steps) {
   if (quiet_) return;
   const auto now = Clock::now();
   if (now - start_ < kSilence) return;
-  if (now - last_shown_ >= (terminal_ ? Clock::duration(kTerminalInterval) : Clock::duration(kPlainInterval))) Show(now);
+  if (now - last_shown_ >= (terminal_ ? Clock::duration(kTerminalInterval) : Clock::duration(kPlainInterval)))
+    Show(now);
 }
 
 void Progress::Show(Clock::time_point now) {
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const double rate = static_cast<double>(done_) / elapsed;
-  std::string line = total_ ? fmt::format("{}: {}/{} {}", what_, done_, *total_, unit_) : fmt::format("{}: {} {}", what_, done_, unit_);
+  std::string line = total_ ? fmt::format("{}: {}/{} {}", what_, done_, *total_, unit_)
+                            : fmt::format("{}: {} {}", what_, done_, unit_);
   line += fmt::format(", {:.3g}/s", rate);
-  if (total_ && *total_ > done_) line += fmt::format(", {} left", FormatDuration(static_cast<double>(*total_ - done_) / rate));
+  if (total_ && *total_ > done_)
+    line += fmt::format(", {} left", FormatDuration(static_cast<double>(*total_ - done_) / rate));
   fmt::print(stderr, "{}{}{}", terminal_ ? "\r\x1b[K" : "", line, terminal_ ? "" : "\n");
   std::fflush(stderr);
   last_shown_ = now;

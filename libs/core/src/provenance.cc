@@ -17,7 +17,8 @@ namespace {
 class Sha256 {
  public:
   Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
-    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) throw Fail("SHA-256 is not available");
+    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1)
+      throw Fail("SHA-256 is not available");
   }
   void Update(std::string_view bytes) {
     if (EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) != 1) throw Fail("SHA-256 failed");
@@ -45,7 +46,9 @@ std::string Sha256OfFolder(const fs::path& folder) {
 
 }  // namespace
 
-std::string_view Version() { return LAKE_VERSION; }
+std::string_view Version() {
+  return LAKE_VERSION;
+}
 
 std::string Sha256OfFile(const fs::path& path) {
   if (fs::is_directory(path)) return Sha256OfFolder(path);

@@ -40,7 +40,9 @@ double Quantile(std::vector<double> values, double fraction) {
   return std::lerp(low, high, place - std::floor(place));
 }
 
-double Median(std::vector<double> values) { return Quantile(std::move(values), 0.5); }
+double Median(std::vector<double> values) {
+  return Quantile(std::move(values), 0.5);
+}
 
 double RobustDeviation(const std::vector<double>& values) {
   const double median = Median(values);

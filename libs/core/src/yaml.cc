@@ -60,8 +60,12 @@ YamlNode YamlNode::ReadFile(const std::filesystem::path& path) {
   }
 }
 
-bool YamlNode::IsMap() const { return impl_->node.IsMap(); }
-bool YamlNode::IsList() const { return impl_->node.IsSequence(); }
+bool YamlNode::IsMap() const {
+  return impl_->node.IsMap();
+}
+bool YamlNode::IsList() const {
+  return impl_->node.IsSequence();
+}
 
 bool YamlNode::Has(std::string_view key) const {
   return IsMap() && std::as_const(impl_->node)[std::string(key)].IsDefined();
@@ -142,7 +146,9 @@ std::string YamlNode::AsText() const {
   return impl_->node.Scalar();
 }
 
-Json YamlNode::ToJson() const { return JsonOf(impl_->node); }
+Json YamlNode::ToJson() const {
+  return JsonOf(impl_->node);
+}
 
 void YamlNode::Finish() const {
   if (!IsMap()) return;
@@ -154,6 +160,8 @@ void YamlNode::Finish() const {
   }
 }
 
-std::string YamlNode::Where() const { return Place(impl_->file, impl_->node.Mark()); }
+std::string YamlNode::Where() const {
+  return Place(impl_->file, impl_->node.Mark());
+}
 
 }  // namespace lake

@@ -33,11 +33,16 @@ constexpr std::array kScalars = {
 
 std::string_view ToString(StsEventKind kind) {
   switch (kind) {
-    case StsEventKind::kOnset: return "onset";
-    case StsEventKind::kSeatOff: return "seat_off";
-    case StsEventKind::kStanding: return "standing";
-    case StsEventKind::kDescent: return "descent";
-    case StsEventKind::kSeated: return "seated";
+    case StsEventKind::kOnset:
+      return "onset";
+    case StsEventKind::kSeatOff:
+      return "seat_off";
+    case StsEventKind::kStanding:
+      return "standing";
+    case StsEventKind::kDescent:
+      return "descent";
+    case StsEventKind::kSeated:
+      return "seated";
   }
   return "onset";
 }
@@ -45,7 +50,8 @@ std::string_view ToString(StsEventKind kind) {
 void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& motion) {
   std::vector<std::string> header = {"frame", "time_s", "repetition", "percent"};
   for (const auto& vector : kVectors)
-    for (const char* axis : {"x", "y"}) header.push_back(fmt::format("{}_{}_{}", vector.name, axis, ToString(motion.unit)));
+    for (const char* axis : {"x", "y"})
+      header.push_back(fmt::format("{}_{}_{}", vector.name, axis, ToString(motion.unit)));
   for (const auto& scalar : kScalars) header.emplace_back(scalar.name);
   CsvWriter csv(header);
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
@@ -100,8 +106,9 @@ std::vector<StsEvent> ReadEventsCsv(const std::filesystem::path& path) {
   for (std::size_t row = 0; row < table.Rows(); ++row) {
     StsEvent read;
     read.repetition = static_cast<int>(table.RequiredNumber(row, repetition));
-    const auto kind = std::find_if(kEventKinds.begin(), kEventKinds.end(),
-                                   [&](StsEventKind candidate) { return table.Text(row, event) == ToString(candidate); });
+    const auto kind = std::find_if(kEventKinds.begin(), kEventKinds.end(), [&](StsEventKind candidate) {
+      return table.Text(row, event) == ToString(candidate);
+    });
     if (kind == kEventKinds.end()) throw Fail("{}: '{}' is not an event", table.Where(row), table.Text(row, event));
     read.kind = *kind;
     read.frame = static_cast<std::int64_t>(table.RequiredNumber(row, frame));

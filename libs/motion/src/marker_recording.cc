@@ -22,7 +22,9 @@ struct MarkerColumns {
   std::size_t x, y, sigma, status;
 };
 
-std::string XSuffix(LengthUnit unit) { return fmt::format("_x_{}", ToString(unit)); }
+std::string XSuffix(LengthUnit unit) {
+  return fmt::format("_x_{}", ToString(unit));
+}
 
 MarkerSample ReadSample(const CsvTable& table, std::size_t row, const MarkerColumns& columns) {
   MarkerSample sample;
@@ -45,14 +47,19 @@ LengthUnit FindUnit(const CsvTable& table, const std::filesystem::path& path) {
 
 std::string_view ToString(SampleStatus status) {
   switch (status) {
-    case SampleStatus::kMissing: return "missing";
-    case SampleStatus::kDetected: return "detected";
-    case SampleStatus::kFilled: return "filled";
+    case SampleStatus::kMissing:
+      return "missing";
+    case SampleStatus::kDetected:
+      return "detected";
+    case SampleStatus::kFilled:
+      return "filled";
   }
   return "missing";
 }
 
-std::string_view ToString(LengthUnit unit) { return unit == LengthUnit::kPx ? "px" : "mm"; }
+std::string_view ToString(LengthUnit unit) {
+  return unit == LengthUnit::kPx ? "px" : "mm";
+}
 
 const MarkerTrack* MarkerRecording::Find(std::string_view name) const {
   for (const MarkerTrack& marker : markers)
@@ -64,7 +71,8 @@ void WriteMarkerCsv(const std::filesystem::path& path, const MarkerRecording& re
   const std::string_view unit = ToString(recording.unit);
   std::vector<std::string> header = {"frame", "time_s"};
   for (const MarkerTrack& marker : recording.markers) {
-    for (const char* quantity : {"x", "y", "sigma"}) header.push_back(fmt::format("{}_{}_{}", marker.name, quantity, unit));
+    for (const char* quantity : {"x", "y", "sigma"})
+      header.push_back(fmt::format("{}_{}_{}", marker.name, quantity, unit));
     header.push_back(marker.name + "_status");
   }
   CsvWriter csv(header);

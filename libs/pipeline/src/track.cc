@@ -17,8 +17,9 @@ std::optional<CameraProfile> ReadCamera(const TrackRunOptions& options, const Vi
   if (!options.camera) return std::nullopt;
   CameraProfile profile = ReadCameraProfile(*options.camera);
   if (profile.camera.image_width != video.width || profile.camera.image_height != video.height)
-    throw Fail("{}: calibrated at {}x{} px, but {} is {}x{} px; calibrate at the resolution that is recorded", options.camera->string(),
-               profile.camera.image_width, profile.camera.image_height, options.video.string(), video.width, video.height);
+    throw Fail("{}: calibrated at {}x{} px, but {} is {}x{} px; calibrate at the resolution that is recorded",
+               options.camera->string(), profile.camera.image_width, profile.camera.image_height,
+               options.video.string(), video.width, video.height);
   return profile;
 }
 
@@ -32,7 +33,8 @@ std::optional<double> MmPerPx(const TrackRunOptions& options, const std::optiona
   const auto [x1, y1, x2, y2, length_mm] = *options.scale;
   const LegView unscaled = MakeLegView(LengthUnit::kPx, profile);
   const double length_px = (PlaneFromRecorded(unscaled, {x1, y1}, 0) - PlaneFromRecorded(unscaled, {x2, y2}, 0)).norm();
-  if (!(length_px >= 1) || !(length_mm > 0)) throw UsageError("--scale: the bar must be at least 1 px and more than 0 mm long");
+  if (!(length_px >= 1) || !(length_mm > 0))
+    throw UsageError("--scale: the bar must be at least 1 px and more than 0 mm long");
   return length_mm / length_px;
 }
 
@@ -52,8 +54,8 @@ bool HasLeg(const std::vector<std::string>& names) {
                      [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); });
 }
 
-// Puts the fit's positions in the places of the detections. What lies behind a marker's edge displaces it by some thousandths of a
-// pixel that are the same in every frame, so no smoothing makes a position better than that.
+// Puts the fit's positions in the places of the detections. What lies behind a marker's edge displaces it by some
+// thousandths of a pixel that are the same in every frame, so no smoothing makes a position better than that.
 void TakeFittedPositions(const LegFitResult& fit, const LegView& view, MarkerRecording& tracks) {
   constexpr double kSystematicPx = 0.006;
   for (std::size_t m = 0; m < tracks.markers.size(); ++m) {
@@ -105,13 +107,15 @@ Json TrackingJson(const TrackResult& tracked) {
 
 void WarnOfVideo(const VideoInfo& video, Run& run) {
   if (video.irregular_stamps)
-    run.Warn(fmt::format("the frames' time stamps are irregular ({:.4g} to {:.4g} s apart); each frame's own stamp is used",
-                         video.shortest_interval_s, video.longest_interval_s));
-  if (video.interlaced) run.Warn("the video is interlaced: its two fields were taken at different times; record progressively");
+    run.Warn(
+        fmt::format("the frames' time stamps are irregular ({:.4g} to {:.4g} s apart); each frame's own stamp is used",
+                    video.shortest_interval_s, video.longest_interval_s));
+  if (video.interlaced)
+    run.Warn("the video is interlaced: its two fields were taken at different times; record progressively");
 }
 
-void Export(const TrackRunOptions& options, const MarkerRecording& tracks, const MarkerRecording& trajectory, const LegMotion* motion,
-            Run& run) {
+void Export(const TrackRunOptions& options, const MarkerRecording& tracks, const MarkerRecording& trajectory,
+            const LegMotion* motion, Run& run) {
   if (options.exports.empty()) return;
   run.Result("tracks.csv");
   const MarkerRecording& points = trajectory.unit == LengthUnit::kMm ? trajectory : tracks;
@@ -165,7 +169,8 @@ void CheckOptions(const TrackRunOptions& options) {
   options.track.Check();
   for (const auto& [name, mm] : options.depth_mm)
     if (std::find(options.track.names.begin(), options.track.names.end(), name) == options.track.names.end())
-      throw UsageError(fmt::format("--depth {}: not one of the markers ({})", name, fmt::join(options.track.names, ", ")));
+      throw UsageError(
+          fmt::format("--depth {}: not one of the markers ({})", name, fmt::join(options.track.names, ", ")));
   if (options.vertical && std::abs((*options.vertical)[1] - (*options.vertical)[3]) < 1)
     throw UsageError("--vertical: the ends of a plumb line must differ in height by at least 1 px");
   if (options.corrections && !std::filesystem::exists(*options.corrections))
@@ -201,7 +206,8 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   if (options.corrections) ApplyCorrections(*options.corrections, video.width, video.height, tracked.recording);
 
   Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}};
-  results.update(HasLeg(options.track.names) ? RunLeg(options, tracked, view, run) : RunPoints(options, tracked, view, run));
+  results.update(HasLeg(options.track.names) ? RunLeg(options, tracked, view, run)
+                                             : RunPoints(options, tracked, view, run));
   return results;
 }
 

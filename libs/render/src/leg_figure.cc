@@ -165,7 +165,9 @@ void DrawPaths(GnuplotFigure& figure, const LegFitResult& result) {
   figure.Line(
       "set lmargin at screen 0.065; set rmargin at screen 0.355; set tmargin at screen 0.88; set bmargin at screen "
       "0.10");
-  figure.Line("set size ratio -1; set key at screen 0.375, screen 0.86 right top samplen 1.5 spacing 1.1 noautotitle noenhanced");
+  figure.Line(
+      "set size ratio -1; set key at screen 0.375, screen 0.86 right top samplen 1.5 spacing 1.1 noautotitle "
+      "noenhanced");
   figure.Line(fmt::format("set xtics {0}; set ytics {0}", TicStep(result.trajectory)));
   figure.Line(
       fmt::format("set xlabel 'anterior ({0})'; set ylabel 'up ({0})' offset 1,0; set offsets graph 0.05, graph 0.05, "

@@ -9,7 +9,8 @@
 namespace lake {
 
 void DrawTracksFigure(const std::filesystem::path& path, const MarkerRecording& recording, const std::string& title) {
-  constexpr std::array kColours = {colour::kAnkle, colour::kKnee, colour::kHip, colour::kWaist, colour::kOther, colour::kExoskeleton};
+  constexpr std::array kColours = {colour::kAnkle, colour::kKnee,  colour::kHip,
+                                   colour::kWaist, colour::kOther, colour::kExoskeleton};
   GnuplotFigure figure(1200, 800);
   std::array<std::string, 2> plots;
   for (std::size_t m = 0; m < recording.markers.size(); ++m) {

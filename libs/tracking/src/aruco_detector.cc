@@ -18,16 +18,19 @@ constexpr int kCornerWindow = 4;  // half size in px of what a corner is refined
 
 cv::Ptr<cv::aruco::Dictionary> DictionaryByName(const std::string& name) {
   static const std::array<const char*, 17> kNames = {
-      "DICT_4X4_50",  "DICT_4X4_100",  "DICT_4X4_250",  "DICT_4X4_1000", "DICT_5X5_50",  "DICT_5X5_100",
-      "DICT_5X5_250", "DICT_5X5_1000", "DICT_6X6_50",   "DICT_6X6_100",  "DICT_6X6_250", "DICT_6X6_1000",
-      "DICT_7X7_50",  "DICT_7X7_100",  "DICT_7X7_250",  "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL"};
+      "DICT_4X4_50",  "DICT_4X4_100",  "DICT_4X4_250", "DICT_4X4_1000", "DICT_5X5_50",        "DICT_5X5_100",
+      "DICT_5X5_250", "DICT_5X5_1000", "DICT_6X6_50",  "DICT_6X6_100",  "DICT_6X6_250",       "DICT_6X6_1000",
+      "DICT_7X7_50",  "DICT_7X7_100",  "DICT_7X7_250", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL"};
   for (std::size_t i = 0; i < kNames.size(); ++i)
-    if (name == kNames[i]) return cv::aruco::getPredefinedDictionary(static_cast<int>(i));  // OpenCV numbers them in this order
+    if (name == kNames[i])
+      return cv::aruco::getPredefinedDictionary(static_cast<int>(i));  // OpenCV numbers them in this order
   throw UsageError(fmt::format("ArUco dictionary '{}' is not known; there are {}", name, fmt::join(kNames, ", ")));
 }
 
 Eigen::Vector2d Cross(const std::vector<cv::Point2f>& c) {
-  const auto point = [&](int i) { return Eigen::Vector2d(c[static_cast<std::size_t>(i)].x, c[static_cast<std::size_t>(i)].y); };
+  const auto point = [&](int i) {
+    return Eigen::Vector2d(c[static_cast<std::size_t>(i)].x, c[static_cast<std::size_t>(i)].y);
+  };
   const auto first = Eigen::Hyperplane<double, 2>::Through(point(0), point(2));
   return first.intersection(Eigen::Hyperplane<double, 2>::Through(point(1), point(3)));
 }
@@ -49,7 +52,9 @@ double CornerVariance(const cv::Mat& grey, const cv::Point2f& corner, double noi
 class ArucoDetector : public MarkerDetector {
  public:
   ArucoDetector(const std::string& dictionary, const DetectorRegion& region)
-      : dictionary_(DictionaryByName(dictionary)), parameters_(cv::aruco::DetectorParameters::create()), crop_(region.crop) {
+      : dictionary_(DictionaryByName(dictionary)),
+        parameters_(cv::aruco::DetectorParameters::create()),
+        crop_(region.crop) {
     parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
     parameters_->cornerRefinementWinSize = kCornerWindow;
   }
@@ -66,7 +71,8 @@ class ArucoDetector : public MarkerDetector {
     cv::aruco::detectMarkers(frame.luma(box), dictionary_, corners, ids, parameters_);
     std::vector<MarkerDetection> found;
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      for (cv::Point2f& corner : corners[i]) corner += cv::Point2f(static_cast<float>(box.x), static_cast<float>(box.y));
+      for (cv::Point2f& corner : corners[i])
+        corner += cv::Point2f(static_cast<float>(box.x), static_cast<float>(box.y));
       found.push_back(Measure(frame.luma, corners[i], ids[i]));
     }
     return found;

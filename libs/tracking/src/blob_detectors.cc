@@ -44,8 +44,8 @@ Hue HueOf(const cv::Vec3b& bgr) {
   return {length > 0 ? chroma / length : chroma, length};
 }
 
-// How strongly each pixel has one of several hues: its chroma along that hue, where no other of the hues is nearer, less what is
-// across it; 0 elsewhere. `ycrcb` as OpenCV makes it, 8-bit with 128 for none.
+// How strongly each pixel has one of several hues: its chroma along that hue, where no other of the hues is nearer,
+// less what is across it; 0 elsewhere. `ycrcb` as OpenCV makes it, 8-bit with 128 for none.
 void MapHue(const cv::Mat& ycrcb, const std::vector<Hue>& hues, std::size_t wanted, cv::Mat& map) {
   constexpr double kGain = 2;      // lamps have a chroma of about 100
   constexpr double kAcross = 0.5;  // names of colours are vague: "blue" lamps are 50° away from #0000ff
@@ -56,8 +56,10 @@ void MapHue(const cv::Mat& ycrcb, const std::vector<Hue>& hues, std::size_t want
     for (int x = 0; x < ycrcb.cols; ++x) {
       const cv::Vec2d chroma(in[x][1] - 128.0, in[x][2] - 128.0);
       const cv::Vec2d& direction = hues[wanted].direction;
-      const double along = chroma.dot(direction), across = std::abs(chroma[1] * direction[0] - chroma[0] * direction[1]);
-      const bool nearest = std::none_of(hues.begin(), hues.end(), [&](const Hue& hue) { return chroma.dot(hue.direction) > along; });
+      const double along = chroma.dot(direction),
+                   across = std::abs(chroma[1] * direction[0] - chroma[0] * direction[1]);
+      const bool nearest =
+          std::none_of(hues.begin(), hues.end(), [&](const Hue& hue) { return chroma.dot(hue.direction) > along; });
       out[x] = nearest ? cv::saturate_cast<uchar>(kGain * (along - kAcross * across)) : 0;
     }
   }
@@ -71,7 +73,8 @@ cv::Vec3b ParseColor(const std::string& text) {
   return {static_cast<uchar>(value & 255), static_cast<uchar>(value >> 8 & 255), static_cast<uchar>(value >> 16)};
 }
 
-// Where a coloured spot is: the blob model's centre if it is a disc, else (lamps are long, streaked and burnt out) its centroid.
+// Where a coloured spot is: the blob model's centre if it is a disc, else (lamps are long, streaked and burnt out) its
+// centroid.
 MarkerDetection MeasureSpot(const cv::Mat& map, const cv::Rect& box, double noise_variance) {
   const cv::Mat part = map(box);
   const cv::Moments moments = cv::moments(part);
@@ -87,7 +90,9 @@ MarkerDetection MeasureSpot(const cv::Mat& map, const cv::Rect& box, double nois
   MarkerDetection detection;
   detection.position = centroid;
   // Of the centroid of independent pixels: noise × the spot's extent over its light.
-  detection.sigma_px = std::sqrt(noise_variance * 0.5 * (moments.mu20 + moments.mu02) / moments.m00 * static_cast<double>(box.area())) / moments.m00;
+  detection.sigma_px =
+      std::sqrt(noise_variance * 0.5 * (moments.mu20 + moments.mu02) / moments.m00 * static_cast<double>(box.area())) /
+      moments.m00;
   detection.appearance = start;
   detection.appearance.amplitude = peak;
   detection.quality = 1;
@@ -101,7 +106,8 @@ class ColorDetector : public MarkerDetector {
     for (const std::string& color : colors) {
       hues_.push_back(HueOf(ParseColor(color)));
       if (hues_.back().chroma < kMinChroma)
-        throw UsageError(fmt::format("--color '{}' is a grey: use --detector reflective, with --polarity dark for black", color));
+        throw UsageError(
+            fmt::format("--color '{}' is a grey: use --detector reflective, with --polarity dark for black", color));
     }
     noise_.resize(colors.size());
   }
@@ -145,12 +151,16 @@ class ColorDetector : public MarkerDetector {
     std::vector<int> order;
     for (int label = 1; label < count; ++label)
       if (stats.at<int>(label, cv::CC_STAT_AREA) >= kMinArea) order.push_back(label);
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return stats.at<int>(a, cv::CC_STAT_AREA) > stats.at<int>(b, cv::CC_STAT_AREA); });
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return stats.at<int>(a, cv::CC_STAT_AREA) > stats.at<int>(b, cv::CC_STAT_AREA); });
     order.resize(std::min(order.size(), kMaxSpots));
     for (const int label : order) {
-      const cv::Rect spot(box.x + stats.at<int>(label, cv::CC_STAT_LEFT) - kMarginPx, box.y + stats.at<int>(label, cv::CC_STAT_TOP) - kMarginPx,
-                          stats.at<int>(label, cv::CC_STAT_WIDTH) + 2 * kMarginPx, stats.at<int>(label, cv::CC_STAT_HEIGHT) + 2 * kMarginPx);
-      found.push_back(MeasureSpot(map_, spot & box, noise_[static_cast<std::size_t>(identity)].Estimate().Variance(128)));
+      const cv::Rect spot(box.x + stats.at<int>(label, cv::CC_STAT_LEFT) - kMarginPx,
+                          box.y + stats.at<int>(label, cv::CC_STAT_TOP) - kMarginPx,
+                          stats.at<int>(label, cv::CC_STAT_WIDTH) + 2 * kMarginPx,
+                          stats.at<int>(label, cv::CC_STAT_HEIGHT) + 2 * kMarginPx);
+      found.push_back(
+          MeasureSpot(map_, spot & box, noise_[static_cast<std::size_t>(identity)].Estimate().Variance(128)));
       found.back().identity = identity;
     }
   }
@@ -167,7 +177,8 @@ std::unique_ptr<MarkerDetector> MakeReflectiveDetector(Polarity polarity, const 
   return std::make_unique<ReflectiveDetector>(polarity, region);
 }
 
-std::unique_ptr<MarkerDetector> MakeColorDetector(const std::vector<std::string>& colors, const DetectorRegion& region) {
+std::unique_ptr<MarkerDetector> MakeColorDetector(const std::vector<std::string>& colors,
+                                                  const DetectorRegion& region) {
   if (colors.empty()) throw UsageError("--detector color needs at least one --color \"#RRGGBB\"");
   return std::make_unique<ColorDetector>(colors, region);
 }

@@ -28,8 +28,9 @@ struct Light {
   explicit Light(Eigen::Index pixels) : value(Pixels::Zero(pixels)) { gradient.fill(Pixels::Zero(pixels)); }
 };
 
-// Adds a still blob's light. The edge's profile is the integrated triweight kernel of the same standard deviation: within 2 % of
-// the normal distribution function, and a polynomial, so that whole vectors of pixels are evaluated at once.
+// Adds a still blob's light. The edge's profile is the integrated triweight kernel of the same standard deviation:
+// within 2 % of the normal distribution function, and a polynomial, so that whole vectors of pixels are evaluated at
+// once.
 void AddStillLight(const Blob& blob, const Pixels& x, const Pixels& y, float weight, Light& light) {
   constexpr float kReach = 3;  // of the triweight kernel in its standard deviations
   constexpr float kPeak = 35.F / 32, kTiny = 1e-6F;
@@ -37,7 +38,8 @@ void AddStillLight(const Blob& blob, const Pixels& x, const Pixels& y, float wei
   const float edge = static_cast<float>(blob.edge_px);
   const Pixels mx = m(0, 0) * x + m(0, 1) * y, my = m(0, 1) * x + m(1, 1) * y;
   const Pixels rho = (mx * mx + my * my).sqrt().max(kTiny);
-  const Pixels slope_x = (m(0, 0) * mx + m(0, 1) * my) / rho, slope_y = (m(0, 1) * mx + m(1, 1) * my) / rho;  // of |M u|
+  const Pixels slope_x = (m(0, 0) * mx + m(0, 1) * my) / rho,
+               slope_y = (m(0, 1) * mx + m(1, 1) * my) / rho;  // of |M u|
   const Pixels steepness = (slope_x * slope_x + slope_y * slope_y).sqrt().max(kTiny);
   const Pixels t = ((1 - rho) / (kReach * edge * steepness)).max(-1.F).min(1.F);
   const Pixels t2 = t * t;
@@ -87,12 +89,13 @@ bool IsSane(const Blob& blob, const Blob& start, const cv::Size& size) {
          blob.center.x() <= size.width - 1 && blob.center.y() <= size.height - 1;
 }
 
-// The least-squares problem at hand: the pixels of the blobs' surroundings, the blobs and one sloping background. Sizes are known
-// when compiling, as most of the time of tracking goes into its sums.
+// The least-squares problem at hand: the pixels of the blobs' surroundings, the blobs and one sloping background. Sizes
+// are known when compiling, as most of the time of tracking goes into its sums.
 template <int kBlobs>
 class JointFit {
  public:
-  JointFit(const cv::Mat& grey, std::span<const Blob> starts, const BlobFitOptions& options) : grey_(grey), options_(options) {
+  JointFit(const cv::Mat& grey, std::span<const Blob> starts, const BlobFitOptions& options)
+      : grey_(grey), options_(options) {
     std::copy_n(starts.begin(), kBlobs, starts_.begin());
     blobs_ = starts_;
     origin_.setZero();
@@ -167,9 +170,10 @@ class JointFit {
     for (std::size_t i = 0; i < blobs_.size(); ++i) {
       const Eigen::Vector2d half = HalfExtent(blobs_[i], options_.margin_px);
       const Eigen::Vector2d low = blobs_[i].center - half, high = blobs_[i].center + half;
-      const cv::Rect box = cv::Rect(cv::Point(static_cast<int>(std::floor(low.x())), static_cast<int>(std::floor(low.y()))),
-                                    cv::Point(static_cast<int>(std::ceil(high.x())) + 1, static_cast<int>(std::ceil(high.y())) + 1)) &
-                           picture;
+      const cv::Rect box =
+          cv::Rect(cv::Point(static_cast<int>(std::floor(low.x())), static_cast<int>(std::floor(low.y()))),
+                   cv::Point(static_cast<int>(std::ceil(high.x())) + 1, static_cast<int>(std::ceil(high.y())) + 1)) &
+          picture;
       for (int y = box.y; y < box.y + box.height; ++y)
         for (int x = box.x; x < box.x + box.width; ++x) {
           const Eigen::Vector2d place(x, y);
@@ -207,7 +211,8 @@ class JointFit {
     Eigen::Matrix<float, Eigen::Dynamic, kBlobs + 1> columns(level_.size(), kBlobs + 1);
     for (int i = 0; i < kBlobs; ++i) columns.col(i) = LightOf(blobs_[i], origin_, x_, y_).value;
     columns.col(kBlobs).setOnes();
-    const Eigen::Matrix<double, kBlobs + 1, kBlobs + 1> normal = (columns.transpose() * columns).template cast<double>();
+    const Eigen::Matrix<double, kBlobs + 1, kBlobs + 1> normal =
+        (columns.transpose() * columns).template cast<double>();
     const Eigen::Matrix<double, kBlobs + 1, 1> right = (columns.transpose() * level_.matrix()).template cast<double>();
     const Eigen::Matrix<double, kBlobs + 1, 1> solution = normal.ldlt().solve(right);
     for (int i = 0; i < kBlobs; ++i) starts_[i].amplitude = blobs_[i].amplitude = std::max(solution[i], 1.0);
@@ -244,8 +249,10 @@ class JointFit {
   double Weigh(const Pixels& level) {
     const float saturation = static_cast<float>(options_.saturation_level), huber = static_cast<float>(options_.huber);
     const Pixels residual = level_ - level;
-    const Pixels counts = (level >= saturation && level_ >= saturation).select(Pixels::Zero(level.size()), Pixels::Ones(level.size()));
-    weight_ = counts / (static_cast<float>(options_.noise.read_variance) + static_cast<float>(options_.noise.gain) * level.max(0.F));
+    const Pixels counts =
+        (level >= saturation && level_ >= saturation).select(Pixels::Zero(level.size()), Pixels::Ones(level.size()));
+    weight_ = counts / (static_cast<float>(options_.noise.read_variance) +
+                        static_cast<float>(options_.noise.gain) * level.max(0.F));
     const Pixels z = residual.abs() * weight_.sqrt();
     const double cost = (z <= huber).select(z * z, 2 * huber * z - huber * huber).sum();
     weight_ *= (z > huber).select(huber / z.max(1e-6F), Pixels::Ones(level.size()));
@@ -264,7 +271,8 @@ class JointFit {
     };
     for (int i = 0; i < kBlobs; ++i) {
       const Blob &blob = blobs_[i], &start = starts_[i];
-      const double axis_sd = options_.shape_freedom / start.RadiusPx(), edge_sd = options_.shape_freedom * start.edge_px;
+      const double axis_sd = options_.shape_freedom / start.RadiusPx(),
+                   edge_sd = options_.shape_freedom * start.edge_px;
       const Eigen::Matrix2d off = blob.unit_circle_from_px - start.unit_circle_from_px;
       const int at = i * kBlobParameters;
       pull(at + kM11, off(0, 0), axis_sd);
@@ -322,7 +330,8 @@ class JointFit {
 };
 
 template <int kBlobs>
-std::optional<std::vector<BlobFit>> Fit(const cv::Mat& grey, std::span<const Blob> starts, const BlobFitOptions& options) {
+std::optional<std::vector<BlobFit>> Fit(const cv::Mat& grey, std::span<const Blob> starts,
+                                        const BlobFitOptions& options) {
   JointFit<kBlobs> fit(grey, starts, options);
   if (!fit.Solve()) return std::nullopt;
   return fit.Result();
@@ -330,7 +339,9 @@ std::optional<std::vector<BlobFit>> Fit(const cv::Mat& grey, std::span<const Blo
 
 }  // namespace
 
-double Blob::RadiusPx() const { return 1 / std::sqrt(std::max(unit_circle_from_px.determinant(), 1e-12)); }
+double Blob::RadiusPx() const {
+  return 1 / std::sqrt(std::max(unit_circle_from_px.determinant(), 1e-12));
+}
 
 double Blob::ApparentRadiusPx() const {
   constexpr double kLevel = 100;
@@ -339,7 +350,8 @@ double Blob::ApparentRadiusPx() const {
 }
 
 double Blob::AspectRatio() const {
-  const Eigen::Vector2d inverse_axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(unit_circle_from_px).eigenvalues();
+  const Eigen::Vector2d inverse_axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(unit_circle_from_px).eigenvalues();
   return inverse_axes[1] / inverse_axes[0];
 }
 
@@ -350,16 +362,24 @@ Blob DiscBlob(const Eigen::Vector2d& center, double radius_px) {
   return blob;
 }
 
-double BlobFit::SigmaPx() const { return std::sqrt(0.5 * covariance.trace()); }
+double BlobFit::SigmaPx() const {
+  return std::sqrt(0.5 * covariance.trace());
+}
 
-std::optional<std::vector<BlobFit>> FitBlobs(const cv::Mat& grey, std::span<const Blob> starts, const BlobFitOptions& options) {
+std::optional<std::vector<BlobFit>> FitBlobs(const cv::Mat& grey, std::span<const Blob> starts,
+                                             const BlobFitOptions& options) {
   static_assert(kMaxJointBlobs == 4);
   switch (starts.size()) {
-    case 1: return Fit<1>(grey, starts, options);
-    case 2: return Fit<2>(grey, starts, options);
-    case 3: return Fit<3>(grey, starts, options);
-    case 4: return Fit<4>(grey, starts, options);
-    default: return std::nullopt;
+    case 1:
+      return Fit<1>(grey, starts, options);
+    case 2:
+      return Fit<2>(grey, starts, options);
+    case 3:
+      return Fit<3>(grey, starts, options);
+    case 4:
+      return Fit<4>(grey, starts, options);
+    default:
+      return std::nullopt;
   }
 }
 

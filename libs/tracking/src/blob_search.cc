@@ -13,13 +13,13 @@ constexpr double kLevelRadius = 1.9;
 constexpr int kCenterBox = 3, kSurroundBox = 9;
 constexpr int kBorder = kSurroundBox / 2 + 1;
 
-// A blob's surroundings: a ring of eight places is dark but for a neighbour or two. An edge is bright in more, a line in two that
-// face each other.
+// A blob's surroundings: a ring of eight places is dark but for a neighbour or two. An edge is bright in more, a line
+// in two that face each other.
 bool IsDarkAllRound(const cv::Mat& smooth, const cv::Point& place) {
   constexpr int kFar = 4, kNear = 3;
   constexpr int kMaxBright = 2;
-  static const std::array<cv::Point, 8> kRing = {cv::Point(kFar, 0),      {kNear, kNear},   {0, kFar},  {-kNear, kNear},
-                                                 cv::Point(-kFar, 0),     {-kNear, -kNear}, {0, -kFar}, {kNear, -kNear}};
+  static const std::array<cv::Point, 8> kRing = {cv::Point(kFar, 0),  {kNear, kNear},   {0, kFar},  {-kNear, kNear},
+                                                 cv::Point(-kFar, 0), {-kNear, -kNear}, {0, -kFar}, {kNear, -kNear}};
   std::array<int, 8> levels, sorted;
   for (std::size_t i = 0; i < kRing.size(); ++i) levels[i] = smooth.at<uchar>(place + kRing[i]);
   sorted = levels;
@@ -46,7 +46,8 @@ void SearchLevel(const cv::Mat& grey, double scale, const cv::Rect& region, doub
   if (places.empty()) return;
   cv::dilate(contrast, highest, cv::Mat());
   for (const cv::Point& place : places) {
-    const bool inside = place.x >= kBorder && place.y >= kBorder && place.x < grey.cols - kBorder && place.y < grey.rows - kBorder;
+    const bool inside =
+        place.x >= kBorder && place.y >= kBorder && place.x < grey.cols - kBorder && place.y < grey.rows - kBorder;
     const uchar here = contrast.at<uchar>(place);
     if (!inside || here != highest.at<uchar>(place) || !IsDarkAllRound(smooth, place)) continue;
     const Eigen::Vector2d position((place.x + 0.5) * scale - 0.5 + region.x, (place.y + 0.5) * scale - 0.5 + region.y);

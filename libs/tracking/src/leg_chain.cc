@@ -15,11 +15,14 @@ constexpr double kDeviationFloor = 0.004;
 // Chains whose costs differ by less are not told apart: a factor of 1.8 in the deviation of one segment.
 constexpr double kAmbiguousCost = 1.2;
 
-double Square(double x) { return x * x; }
+double Square(double x) {
+  return x * x;
+}
 
 class ChainSearch {
  public:
-  ChainSearch(const MetricTracklets& tracklets, const LegChainOptions& options) : tracklets_(tracklets), options_(options) {
+  ChainSearch(const MetricTracklets& tracklets, const LegChainOptions& options)
+      : tracklets_(tracklets), options_(options) {
     for (std::size_t i = 0; i < tracklets.size(); ++i) {
       extent_.push_back(tracklets.Extent(i));
       double height = 0;
@@ -67,7 +70,8 @@ class ChainSearch {
     if (chain.size() == 1) return 0;
     const std::size_t before = chain[chain.size() - 2];
     const PairDistance& segment = tracklets_.Distance(before, last);
-    double cost = std::log(Square(segment.deviation) + Square(kDeviationFloor)) - 2 * std::log(CommonShare(before, last));
+    double cost =
+        std::log(Square(segment.deviation) + Square(kDeviationFloor)) - 2 * std::log(CommonShare(before, last));
     const double rise = height_[last] - height_[before];
     if (chain.size() == 2) return rise > 0.3 * segment.mean ? std::optional(cost) : std::nullopt;
     if (chain.size() == 3) {
@@ -85,7 +89,8 @@ class ChainSearch {
     const auto [ankle, knee, hip] = std::tuple(chain[0], chain[1], chain[2]);
     const double shank = tracklets_.Distance(ankle, knee).mean, thigh = tracklets_.Distance(knee, hip).mean;
     const PairDistance& leg = tracklets_.Distance(ankle, hip);
-    const double stiffness = std::max(tracklets_.Distance(ankle, knee).deviation, tracklets_.Distance(knee, hip).deviation);
+    const double stiffness =
+        std::max(tracklets_.Distance(ankle, knee).deviation, tracklets_.Distance(knee, hip).deviation);
     if (leg.frames < kMinCommonFrames || leg.deviation < std::max(0.02, 1.5 * stiffness)) return std::nullopt;
     if (extent_[hip] < 0.2 * thigh || height_[hip] < height_[ankle]) return std::nullopt;
     constexpr double kRatioDeviation = 0.25;  // of log(shank / thigh); anatomically 0.1, markers add to it
@@ -109,7 +114,9 @@ class ChainSearch {
 bool Contradict(const MetricTracklets& tracklets, const LegChain& a, const LegChain& b) {
   constexpr int kFrames = 5;
   for (std::size_t m = 0; m < a.tracklets.size(); ++m)
-    if (a.tracklets[m] != b.tracklets[m] && CommonFrames(tracklets[a.tracklets[m]], tracklets[b.tracklets[m]]) >= kFrames) return true;
+    if (a.tracklets[m] != b.tracklets[m] &&
+        CommonFrames(tracklets[a.tracklets[m]], tracklets[b.tracklets[m]]) >= kFrames)
+      return true;
   return false;
 }
 

@@ -43,18 +43,23 @@ std::vector<std::size_t> MostSeen(const MetricTracklets& tracklets, std::size_t 
 class Namer {
  public:
   Namer(const std::vector<Tracklet>& tracklets, const NamingOptions& options, MarkerRecording& recording)
-      : options_(options), recording_(recording), tracklets_(tracklets, options.metric_from_px), owner_(tracklets.size()) {
+      : options_(options),
+        recording_(recording),
+        tracklets_(tracklets, options.metric_from_px),
+        owner_(tracklets.size()) {
     anchor_.resize(options.names.size());
     recording_.markers.clear();
-    for (const std::string& name : options.names) recording_.markers.push_back({name, std::vector<MarkerSample>(recording.Frames())});
+    for (const std::string& name : options.names)
+      recording_.markers.push_back({name, std::vector<MarkerSample>(recording.Frames())});
     for (std::size_t i = 0; i < recording_.Frames(); ++i) index_of_frame_[recording_.frame[i]] = i;
     metric_.assign(options.names.size(), std::vector<std::optional<Eigen::Vector2d>>(recording_.Frames()));
   }
 
   void Run() {
     if (tracklets_.size() < options_.names.size())
-      throw Fail("{} markers are wanted ({}), but only {} were seen; is the detector the right one (--detector, --polarity)?",
-                 options_.names.size(), fmt::join(options_.names, ", "), tracklets_.size());
+      throw Fail(
+          "{} markers are wanted ({}), but only {} were seen; is the detector the right one (--detector, --polarity)?",
+          options_.names.size(), fmt::join(options_.names, ", "), tracklets_.size());
     AnchorSeeds();
     AnchorIdentities();
     AnchorLeg();
@@ -67,10 +72,13 @@ class Namer {
 
  private:
   std::size_t IndexOf(const std::string& name) const {
-    return static_cast<std::size_t>(std::find(options_.names.begin(), options_.names.end(), name) - options_.names.begin());
+    return static_cast<std::size_t>(std::find(options_.names.begin(), options_.names.end(), name) -
+                                    options_.names.begin());
   }
 
-  bool IsAnchor(std::size_t tracklet) const { return std::find(anchor_.begin(), anchor_.end(), tracklet) != anchor_.end(); }
+  bool IsAnchor(std::size_t tracklet) const {
+    return std::find(anchor_.begin(), anchor_.end(), tracklet) != anchor_.end();
+  }
 
   void AnchorSeeds() {
     for (const MarkerSeed& seed : options_.seeds) {
@@ -85,10 +93,14 @@ class Namer {
       }
       constexpr double kSlackPx = 10;  // beyond the marker's rim: a click is not exact
       if (!(nearest <= kSlackPx))
-        throw Fail("--seed {}={},{}@{}: no marker is seen there{}", seed.name, seed.position.x(), seed.position.y(), seed.frame,
-                   std::isfinite(nearest) ? fmt::format("; the nearest one in that frame is at {}", DescribeAt(best, seed.frame)) : "");
+        throw Fail("--seed {}={},{}@{}: no marker is seen there{}", seed.name, seed.position.x(), seed.position.y(),
+                   seed.frame,
+                   std::isfinite(nearest)
+                       ? fmt::format("; the nearest one in that frame is at {}", DescribeAt(best, seed.frame))
+                       : "");
       if (IsAnchor(best))
-        throw Fail("--seed {}={},{}@{}: that marker has another name already", seed.name, seed.position.x(), seed.position.y(), seed.frame);
+        throw Fail("--seed {}={},{}@{}: that marker has another name already", seed.name, seed.position.x(),
+                   seed.position.y(), seed.frame);
       anchor_[name] = best;
     }
   }
@@ -104,7 +116,8 @@ class Namer {
       for (std::size_t i = 0; i < tracklets_.size(); ++i) {
         if (anchor_[n] || tracklets_[i].identity != options_.identities[n] || IsAnchor(i)) continue;
         double seen = 0;
-        for (const TrackletSample& sample : tracklets_[i].samples) seen += sample.amplitude * sample.radius_px * sample.radius_px;
+        for (const TrackletSample& sample : tracklets_[i].samples)
+          seen += sample.amplitude * sample.radius_px * sample.radius_px;
         if (seen > most) most = seen, best_of_identity_[n] = i;
       }
       if (!anchor_[n] && best_of_identity_.contains(n)) anchor_[n] = best_of_identity_[n];
@@ -117,9 +130,10 @@ class Namer {
       const std::size_t name = IndexOf(marker);
       if (name < options_.names.size()) names.push_back(name);
     }
-    const bool all_known = std::all_of(names.begin(), names.end(), [&](std::size_t n) { return anchor_[n].has_value(); });
-    if (all_known || names.size() < 3 || IndexOf("ankle") == options_.names.size() || IndexOf("knee") == options_.names.size() ||
-        IndexOf("hip") == options_.names.size())
+    const bool all_known =
+        std::all_of(names.begin(), names.end(), [&](std::size_t n) { return anchor_[n].has_value(); });
+    if (all_known || names.size() < 3 || IndexOf("ankle") == options_.names.size() ||
+        IndexOf("knee") == options_.names.size() || IndexOf("hip") == options_.names.size())
       return;
     LegChainOptions chain_options;
     chain_options.markers = names.size();
@@ -129,14 +143,17 @@ class Namer {
       if (anchor) chain_options.excluded.push_back(*anchor);
     const std::vector<LegChain> chains = FindLegChains(tracklets_, chain_options);
     if (chains.empty())
-      throw Fail("no leg was found among the {} things seen: no {} of them keep their distances while the knee flexes; say where the "
-                 "markers are with --seed NAME=X,Y (seen longest: {})",
-                 tracklets_.size(), names.size(), DescribeAll(tracklets_, MostSeen(tracklets_, 8)));
+      throw Fail(
+          "no leg was found among the {} things seen: no {} of them keep their distances while the knee flexes; say "
+          "where the "
+          "markers are with --seed NAME=X,Y (seen longest: {})",
+          tracklets_.size(), names.size(), DescribeAll(tracklets_, MostSeen(tracklets_, 8)));
     if (const LegChain* rival = FindRival(tracklets_, chains)) ReportAmbiguity(names, chains.front(), *rival);
     for (std::size_t m = 0; m < names.size(); ++m) anchor_[names[m]] = chains.front().tracklets[m];
   }
 
-  [[noreturn]] void ReportAmbiguity(const std::vector<std::size_t>& names, const LegChain& best, const LegChain& rival) const {
+  [[noreturn]] void ReportAmbiguity(const std::vector<std::size_t>& names, const LegChain& best,
+                                    const LegChain& rival) const {
     std::string text, seeds;
     for (std::size_t m = 0; m < names.size(); ++m) {
       if (best.tracklets[m] == rival.tracklets[m]) continue;
@@ -152,7 +169,8 @@ class Namer {
 
   Eigen::Vector2d MetricUp() const {
     const Eigen::Vector2d middle = tracklets_[0].samples.front().position;
-    return (options_.metric_from_px(middle + options_.up_px) - options_.metric_from_px(middle - options_.up_px)).normalized();
+    return (options_.metric_from_px(middle + options_.up_px) - options_.metric_from_px(middle - options_.up_px))
+        .normalized();
   }
 
   void RequireAnchors() const {
@@ -161,8 +179,8 @@ class Namer {
       std::vector<std::size_t> unnamed = MostSeen(tracklets_, tracklets_.size());
       std::erase_if(unnamed, [&](std::size_t i) { return IsAnchor(i); });
       unnamed.resize(std::min<std::size_t>(unnamed.size(), 8));
-      throw Fail("marker '{}' cannot be found by itself; say where it is with --seed {}=X,Y (seen and not named: {})", options_.names[n],
-                 options_.names[n], unnamed.empty() ? "nothing" : DescribeAll(tracklets_, unnamed));
+      throw Fail("marker '{}' cannot be found by itself; say where it is with --seed {}=X,Y (seen and not named: {})",
+                 options_.names[n], options_.names[n], unnamed.empty() ? "nothing" : DescribeAll(tracklets_, unnamed));
     }
   }
 
@@ -174,7 +192,8 @@ class Namer {
       MarkerSample& own = recording_.markers[name].samples[frame];
       if (own.IsKnown()) continue;
       own = {sample.position, sample.sigma_px, SampleStatus::kDetected};
-      metric_[name][frame] = tracklets_[tracklet].samples.size() > s ? std::optional(tracklets_.Metric(tracklet)[s]) : std::nullopt;
+      metric_[name][frame] =
+          tracklets_[tracklet].samples.size() > s ? std::optional(tracklets_.Metric(tracklet)[s]) : std::nullopt;
     }
   }
 
@@ -188,7 +207,8 @@ class Namer {
       for (std::size_t b = 0; b < a; ++b) {
         const PairDistance& pair = tracklets_.Distance(*anchor_[a], *anchor_[b]);
         const bool both_leg = leg_rank(a) < 4 && leg_rank(b) < 4;
-        if (pair.frames < 5 || (both_leg ? std::abs(leg_rank(a) - leg_rank(b)) != 1 : pair.deviation > kMaxDeviation)) continue;
+        if (pair.frames < 5 || (both_leg ? std::abs(leg_rank(a) - leg_rank(b)) != 1 : pair.deviation > kMaxDeviation))
+          continue;
         links_.push_back({a, b, pair.mean, pair.mean * std::max(kLeastTolerance, kDeviations * pair.deviation)});
       }
   }
@@ -206,7 +226,8 @@ class Namer {
       for (std::size_t s = 0; s < tracklets_[tracklet].samples.size(); ++s) {
         const auto& neighbour = metric_[other][index_of_frame_.at(tracklets_[tracklet].samples[s].frame)];
         if (!neighbour) continue;
-        const double off = std::abs((tracklets_.Metric(tracklet)[s] - *neighbour).norm() - link.length) / link.tolerance;
+        const double off =
+            std::abs((tracklets_.Metric(tracklet)[s] - *neighbour).norm() - link.length) / link.tolerance;
         sum += off;
         ++count;
         bad += off > 1;
@@ -245,7 +266,8 @@ class Namer {
         break;
       }
     if (!worst || *worst > 1) return std::nullopt;
-    const double size = piece.samples[piece.samples.size() / 2].radius_px / tracklets_[*anchor_[name]].samples.front().radius_px;
+    const double size =
+        piece.samples[piece.samples.size() / 2].radius_px / tracklets_[*anchor_[name]].samples.front().radius_px;
     return size > 0.6 && size < 1.7 ? worst : std::nullopt;
   }
 

@@ -16,7 +16,8 @@ void NoiseEstimator::Add(const cv::Mat& grey) {
       ++levels_[now[x]];
       if (!before) continue;
       const int difference = std::abs(now[x] - before[x]), level = (now[x] + before[x]) / 2;
-      if (difference < kMaxDifference) ++differences_[static_cast<std::size_t>(level * kBins / 256)][static_cast<std::size_t>(difference)];
+      if (difference < kMaxDifference)
+        ++differences_[static_cast<std::size_t>(level * kBins / 256)][static_cast<std::size_t>(difference)];
     }
   }
   grey.copyTo(previous_);
@@ -62,7 +63,8 @@ double NoiseEstimator::SaturationLevel() const {
   int highest = 255;
   while (highest > 0 && levels_[static_cast<std::size_t>(highest)] == 0) --highest;
   // Saturation piles pixels up on one level; a bright tail thins out.
-  const std::int64_t top = levels_[static_cast<std::size_t>(highest)], below = highest > 0 ? levels_[static_cast<std::size_t>(highest - 1)] : 0;
+  const std::int64_t top = levels_[static_cast<std::size_t>(highest)],
+                     below = highest > 0 ? levels_[static_cast<std::size_t>(highest - 1)] : 0;
   return highest >= 200 && top > 4 * std::max<std::int64_t>(below, 2) ? highest : 255;
 }
 

@@ -58,7 +58,8 @@ PairDistance MetricTracklets::Measure(std::size_t i, std::size_t j) const {
   });
   if (pair.frames == 0) return pair;
   pair.mean = sum / pair.frames;
-  pair.deviation = std::sqrt(std::max(0.0, square_sum / pair.frames - pair.mean * pair.mean)) / std::max(pair.mean, 1e-9);
+  pair.deviation =
+      std::sqrt(std::max(0.0, square_sum / pair.frames - pair.mean * pair.mean)) / std::max(pair.mean, 1e-9);
   return pair;
 }
 

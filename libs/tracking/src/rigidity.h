@@ -19,7 +19,8 @@ struct PairDistance {
 // Tracklets with their positions in metric units, and the distances between them, computed once each.
 class MetricTracklets {
  public:
-  MetricTracklets(const std::vector<Tracklet>& tracklets, const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& metric_from_px);
+  MetricTracklets(const std::vector<Tracklet>& tracklets,
+                  const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& metric_from_px);
 
   const Tracklet& operator[](std::size_t i) const { return tracklets_[i]; }
   std::size_t size() const { return tracklets_.size(); }

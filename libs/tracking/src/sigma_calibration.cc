@@ -11,10 +11,12 @@ namespace {
 
 constexpr std::size_t kHalfWindow = 4;
 constexpr double kFastPx = 0.5;  // per frame
-// What is frozen at rest over what moves: 0.57 to 0.78 on rendered recordings of known truth (x264, medium and veryfast).
+// What is frozen at rest over what moves: 0.57 to 0.78 on rendered recordings of known truth (x264, medium and
+// veryfast).
 constexpr double kAtRest = 0.65;
 // Weights of the value at the centre of a fourth-degree polynomial through nine samples (Savitzky & Golay 1964, table).
-constexpr std::array<double, 9> kSmooth = {15. / 429, -55. / 429, 30. / 429, 135. / 429, 179. / 429, 135. / 429, 30. / 429, -55. / 429, 15. / 429};
+constexpr std::array<double, 9> kSmooth = {15. / 429,  -55. / 429, 30. / 429,  135. / 429, 179. / 429,
+                                           135. / 429, 30. / 429,  -55. / 429, 15. / 429};
 
 struct Scatter {
   std::vector<double> residuals;  // px, of both axes, scaled to the deviation of one sample
@@ -40,7 +42,8 @@ std::optional<Eigen::Vector2d> Residual(const std::vector<MarkerSample>& samples
 }
 
 bool IsFast(const std::vector<MarkerSample>& samples, std::size_t i) {
-  const std::size_t a = i > 0 && samples[i - 1].IsKnown() ? i - 1 : i, b = i + 1 < samples.size() && samples[i + 1].IsKnown() ? i + 1 : i;
+  const std::size_t a = i > 0 && samples[i - 1].IsKnown() ? i - 1 : i,
+                    b = i + 1 < samples.size() && samples[i + 1].IsKnown() ? i + 1 : i;
   return a != b && (samples[b].position - samples[a].position).norm() > kFastPx * static_cast<double>(b - a);
 }
 

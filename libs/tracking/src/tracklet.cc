@@ -67,9 +67,8 @@ void RemoveUnlike(std::vector<TrackletSample>& samples) {
     const TrackletSample& sample = samples[static_cast<std::size_t>(i)];
     const double radius = Median(std::move(radii)), quality = Median(std::move(qualities));
     const Tolerance& tolerance = IsNearGap(samples, i) ? kNearGap : kWithin;
-    unlike[static_cast<std::size_t>(i)] =
-        std::abs(sample.radius_px / radius - 1) > tolerance.size + 0.1 / radius ||
-        sample.quality > tolerance.quality_factor * quality + tolerance.quality_slack;
+    unlike[static_cast<std::size_t>(i)] = std::abs(sample.radius_px / radius - 1) > tolerance.size + 0.1 / radius ||
+                                          sample.quality > tolerance.quality_factor * quality + tolerance.quality_slack;
   }
   std::erase_if(samples, [&, i = std::size_t{0}](const TrackletSample&) mutable { return unlike[i++]; });
 }

@@ -7,7 +7,11 @@ namespace lake {
 
 inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
-constexpr double DegreesFromRadians(double radians) { return radians * kDegreesPerRadian; }
-constexpr double RadiansFromDegrees(double degrees) { return degrees / kDegreesPerRadian; }
+constexpr double DegreesFromRadians(double radians) {
+  return radians * kDegreesPerRadian;
+}
+constexpr double RadiansFromDegrees(double degrees) {
+  return degrees / kDegreesPerRadian;
+}
 
 }  // namespace lake

@@ -6,8 +6,8 @@
 
 namespace lake {
 
-// A file that is written under a temporary name beside its final one. Commit() moves it there; without it the destructor removes
-// it. Other libraries (video writers, gnuplot) write to TemporaryPath() themselves.
+// A file that is written under a temporary name beside its final one. Commit() moves it there; without it the
+// destructor removes it. Other libraries (video writers, gnuplot) write to TemporaryPath() themselves.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path final_path);

@@ -1,5 +1,5 @@
-// Tables as the project's files have them: comma, one header line, '.' decimal point in every locale, an empty cell for a missing
-// value, numbers that read back as the same double.
+// Tables as the project's files have them: comma, one header line, '.' decimal point in every locale, an empty cell for
+// a missing value, numbers that read back as the same double.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ namespace lake {
 // A table read from a file; cells stay text until asked for.
 class CsvTable {
  public:
-  // Quoted cells are understood. Throws Error naming file and line: no header, a row of another width, a duplicate column.
+  // Quoted cells are understood. Throws Error naming file and line: no header, a row of another width, a duplicate
+  // column.
   static CsvTable Read(const std::filesystem::path& path, char delimiter = ',');
 
   const std::vector<std::string>& Header() const { return header_; }
@@ -25,7 +26,8 @@ class CsvTable {
   std::size_t Column(std::string_view column) const;
   const std::string& Text(std::size_t row, std::size_t column) const { return rows_.at(row).at(column); }
 
-  // The cell as a number, nullopt if it is empty. Throws Error naming file, line and column if it is neither, or not finite.
+  // The cell as a number, nullopt if it is empty. Throws Error naming file, line and column if it is neither, or not
+  // finite.
   std::optional<double> Number(std::size_t row, std::size_t column) const;
 
   // As Number, but an empty cell is an error too.

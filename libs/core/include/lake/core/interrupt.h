@@ -1,4 +1,5 @@
-// SIGINT and SIGTERM end a program cleanly: long loops call ThrowIfInterrupted(), destructors remove what is half written.
+// SIGINT and SIGTERM end a program cleanly: long loops call ThrowIfInterrupted(), destructors remove what is half
+// written.
 #pragma once
 
 #include <exception>

@@ -1,5 +1,6 @@
-// Progress of one long step on stderr: done/total, rate and time left. On a terminal one line that is rewritten, elsewhere a plain
-// line every few seconds. Silent for steps under half a second. Safe to call from one thread at a time.
+// Progress of one long step on stderr: done/total, rate and time left. On a terminal one line that is rewritten,
+// elsewhere a plain line every few seconds. Silent for steps under half a second. Safe to call from one thread at a
+// time.
 #pragma once
 
 #include <chrono>

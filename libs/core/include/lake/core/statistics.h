@@ -19,7 +19,8 @@ double Quantile(std::vector<double> values, double fraction);
 
 double Median(std::vector<double> values);
 
-// 1.4826 × median |v − median|: for normal values an estimate of their standard deviation that half of them cannot spoil.
+// 1.4826 × median |v − median|: for normal values an estimate of their standard deviation that half of them cannot
+// spoil.
 double RobustDeviation(const std::vector<double>& values);
 
 }  // namespace lake

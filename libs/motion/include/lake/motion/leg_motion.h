@@ -1,4 +1,5 @@
-// The leg's vectors and angles over time, and the events of its sit-to-stands: what the human and the exoskeleton trial are compared by.
+// The leg's vectors and angles over time, and the events of its sit-to-stands: what the human and the exoskeleton trial
+// are compared by.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +17,9 @@ namespace lake {
 
 enum class Facing { kLeft, kRight };  // where the subject looks in the image
 
-// The leg in one frame. Vectors are in the leg frame's axes (x anterior, y up); angles are from the vertical, positive when the
-// upper end leans forward, and knee_deg = shank_deg − thigh_deg: 0 straight, positive in flexion. NaN where not known.
+// The leg in one frame. Vectors are in the leg frame's axes (x anterior, y up); angles are from the vertical, positive
+// when the upper end leans forward, and knee_deg = shank_deg − thigh_deg: 0 straight, positive in flexion. NaN where
+// not known.
 struct LegSample {
   static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 

@@ -36,8 +36,8 @@ struct MarkerTrack {
   std::vector<MarkerSample> samples;  // one per frame of the recording
 };
 
-// Positions in px are in the image frame (x right, y down, distorted as recorded, centre of the top-left pixel at (0, 0)); in mm
-// they are in the plane frame (x right in the image, y up).
+// Positions in px are in the image frame (x right, y down, distorted as recorded, centre of the top-left pixel at (0,
+// 0)); in mm they are in the plane frame (x right in the image, y up).
 struct MarkerRecording {
   LengthUnit unit = LengthUnit::kPx;
   std::vector<std::int64_t> frame;  // numbers of the whole file, from 0

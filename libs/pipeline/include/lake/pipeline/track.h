@@ -19,19 +19,19 @@ struct TrackRunOptions {
   std::filesystem::path video;
   TrackOptions track;
   LegFitOptions fit;
-  std::optional<std::filesystem::path> camera;          // camera.yaml
-  std::optional<std::array<double, 5>> scale;           // x1 y1 x2 y2 in px, length in mm
-  std::optional<std::array<double, 4>> vertical;        // x1 y1 x2 y2 in px: both ends of a plumb line
-  std::map<std::string, double> depth_mm;               // by marker: how far it stands proud of the plane
-  std::optional<std::filesystem::path> corrections;     // frame,marker,x_px,y_px
+  std::optional<std::filesystem::path> camera;       // camera.yaml
+  std::optional<std::array<double, 5>> scale;        // x1 y1 x2 y2 in px, length in mm
+  std::optional<std::array<double, 4>> vertical;     // x1 y1 x2 y2 in px: both ends of a plumb line
+  std::map<std::string, double> depth_mm;            // by marker: how far it stands proud of the plane
+  std::optional<std::filesystem::path> corrections;  // frame,marker,x_px,y_px
   bool overlay = true;
-  std::vector<std::string> exports;                     // trc, mot, c3d, tracker, kinovea
+  std::vector<std::string> exports;  // trc, mot, c3d, tracker, kinovea
 };
 
 // Writes everything that interfaces.md lists for lake-track through `run` and returns the results for the summary.
 //
-// With the spline filter, the positions of detected samples in tracks.csv are those of the fit at that frame: the frame's own
-// measurement, weighed against its neighbours'. Without a filter they are each frame's own.
+// With the spline filter, the positions of detected samples in tracks.csv are those of the fit at that frame: the
+// frame's own measurement, weighed against its neighbours'. Without a filter they are each frame's own.
 Json RunTrack(const TrackRunOptions& options, Run& run);
 
 }  // namespace lake

@@ -9,11 +9,11 @@
 namespace lake {
 
 struct RecordingOptions {
-  int crf = 17;                     // H.264 quality
-  bool lossless = false;            // luma kept to the bit; with a colour scene the colours are still subsampled
-  bool pictures = false;            // frames/00000.png … instead of video.mp4
+  int crf = 17;                   // H.264 quality
+  bool lossless = false;          // luma kept to the bit; with a colour scene the colours are still subsampled
+  bool pictures = false;          // frames/00000.png … instead of video.mp4
   const char* preset = "medium";  // x264's own default
-  bool quiet = true;                // no progress
+  bool quiet = true;              // no progress
 };
 
 struct RecordingSummary {

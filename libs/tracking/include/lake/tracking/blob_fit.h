@@ -37,9 +37,9 @@ struct Blob {
   Eigen::Vector2d blur_px = Eigen::Vector2d::Zero();  // path during the exposure; given, not fitted
   double amplitude = 0;                               // grey levels above the background
 
-  double RadiusPx() const;     // of the disc of equal area
-  // Where its light is 100 grey levels, or half of what it has. Where a marker saturates, radius, edge and amplitude take
-  // each other's place from frame to frame; this is measured all the same.
+  double RadiusPx() const;  // of the disc of equal area
+  // Where its light is 100 grey levels, or half of what it has. Where a marker saturates, radius, edge and amplitude
+  // take each other's place from frame to frame; this is measured all the same.
   double ApparentRadiusPx() const;
   double AspectRatio() const;  // longest over shortest axis, >= 1
 };
