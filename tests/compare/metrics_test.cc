@@ -109,6 +109,18 @@ TEST(Spikes, CleanCurvesHaveNone) {
   }
 }
 
+// A pause of one of the two in mid-rise: 22 mm within a fifth of the rise, but no jump.
+TEST(Spikes, QuickMotionIsNone) {
+  const StsCurve human = MakeCurve({});
+  for (const double width : {8.0, 9.0, 12.0}) {
+    StsCurve exo = MakeCurve({}, IssueWarp, {20, 30});
+    for (std::size_t i = 0; i < exo.knee.size(); ++i)
+      exo.knee[i].x() += 22 * std::exp(-0.5 * std::pow((static_cast<double>(i) - 35) / width, 2));
+    const std::vector<bool> spike = FindSpikes(human, exo);
+    EXPECT_EQ(std::count(spike.begin(), spike.end(), true), 0) << width;
+  }
+}
+
 // The exoskeleton's joint lies beside the knee, so its distance from the ankle says nothing of the subject or the
 // scale.
 TEST(CompareTrials, WarnOfAnotherLegNotOfAJointBesideTheKnee) {

@@ -49,7 +49,7 @@ double CoefficientOfMultipleCorrelation(const std::vector<std::vector<double>>& 
 LinearFit FitLine(const std::vector<double>& x, const std::vector<double>& y);
 
 struct SpikeOptions {
-  int half_window = 10;   // of the smoothing, in samples
+  int half_window = 7;    // of the smoothing, in samples
   double deviations = 5;  // in MAD of the residual
   double least_mm = 1.0;  // a smaller residual is none: on clean curves the MAD is nearly 0
 };
