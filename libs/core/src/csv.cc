@@ -13,12 +13,6 @@
 namespace lake {
 namespace {
 
-std::string_view Trim(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
-}
-
 // Fields and records as libcsv hands them over, with the line on which each record ended.
 struct Records {
   std::vector<std::vector<std::string>> rows;
@@ -186,6 +180,12 @@ std::vector<double> ParseNumbers(std::string_view text, std::size_t count, std::
     throw UsageError(
         fmt::format("{} '{}': {} numbers separated by commas are needed, not {}", what, text, count, numbers.size()));
   return numbers;
+}
+
+std::string_view Trim(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
 }
 
 std::vector<std::string> SplitText(std::string_view text, char separator) {

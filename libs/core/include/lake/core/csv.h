@@ -79,6 +79,9 @@ std::optional<double> ParseNumber(std::string_view text);
 // "1,2.5,3" as `count` numbers. Throws UsageError that names `what` and the text.
 std::vector<double> ParseNumbers(std::string_view text, std::size_t count, std::string_view what);
 
+// Without blanks, tabs and line ends at both sides.
+std::string_view Trim(std::string_view text);
+
 // The parts between separators, trimmed of blanks; an empty text has no parts.
 std::vector<std::string> SplitText(std::string_view text, char separator);
 

@@ -11,10 +11,18 @@
 
 namespace lake {
 
-// An input or a run failed. Programs exit with 1.
+// An input or a run failed. Programs exit with 1. Line ends and other control characters, which come from names and
+// cells of damaged files, become '?': a message is one line.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Error(std::string message) : std::runtime_error(OneLine(std::move(message))) {}
+
+ private:
+  static std::string OneLine(std::string text) {
+    for (char& c : text)
+      if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) c = '?';
+    return text;
+  }
 };
 
 // A program was called wrongly. Programs exit with 2.
