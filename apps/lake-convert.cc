@@ -1,62 +1,51 @@
 // lake-convert: a trial in another program's format. Writes one file, so it has no folder of results.
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
-
-#include "lake/core/error.h"
-#include "lake/core/provenance.h"
-#include "lake/exchange/mot.h"
-#include "lake/exchange/trial.h"
-
-namespace {
-
-int Complain(const std::string& text, int code) {
-  fmt::print(stderr, "lake-convert: {}\n", text);
-  return code;
-}
-
-// Angles: from kinematics.csv (or a folder that has one) to MOT. Everything else is points.
-void Convert(const std::filesystem::path& in, const std::filesystem::path& out, double mm_per_unit,
-             bool flexion_negative) {
-  if (out.extension() == ".mot" || out.extension() == ".sto") {
-    const auto table = std::filesystem::is_directory(in) ? in / "kinematics.csv" : in;
-    if (table.extension() == ".mot" || table.extension() == ".sto")
-      lake::WriteMot(out, lake::ReadMot(table));
-    else
-      lake::WriteMot(out, lake::MotFromLegMotion(lake::ReadKinematicsCsv(table), flexion_negative));
-    return;
-  }
-  lake::WritePoints(out, lake::ReadPoints(in, mm_per_unit));
-}
-
-}  // namespace
+#include "lake/core/csv.h"
+#include "lake/exchange/convert.h"
+#include "plain_program.h"
 
 int main(int argc, char** argv) {
   CLI::App cli(
-      "A trial in another format: .trc, .c3d, .txt (Tracker), .csv (lake), _kinovea.csv, .mot (from kinematics.csv)",
+      "A trial in another program's format. The ending of OUT says which:\n"
+      "  .trc          OpenSim, Pose2Sim: 3-D, y up\n"
+      "  .c3d          Vicon, Qualisys, Visual3D\n"
+      "  .txt, .trk    Tracker: table in mm or px; project over the video (px)\n"
+      "  _kinovea.csv, .kva   Kinovea: table; annotations over the video (px)\n"
+      "  .csv          lake\n"
+      "  .mot, .sto    OpenSim: knee angle and tilts, from kinematics.csv or a folder that has one",
       "lake-convert");
-  cli.footer("Example:\n  lake-convert walking.c3d walking.trc");
-  std::string in, out;
-  double mm_per_unit = 1;
-  bool flexion_negative = false;
-  cli.add_option("in", in, "A lake-track folder, or .trc, .c3d, .trk, .txt, .csv, .mot")->required();
-  cli.add_option("out", out, "The file to write; its ending says the format")->required();
-  cli.add_option("--mm-per-unit", mm_per_unit, "Of files that do not say their unit (Tracker text, Kinovea)")
+  cli.footer(
+      "Examples:\n"
+      "  lake-convert walking.c3d walking.trc --forward +x\n"
+      "  lake-convert trial.trc side.csv --map ankle=RANK,knee=RKNE,hip=RHIP --crop 2.5,6\n"
+      "  lake-convert lake-out/human human.mot --flexion-negative");
+  std::string in, out, map, up, crop;
+  lake::ConvertOptions options;
+  cli.add_option("in", in, "A lake-track or lake-gait folder, or .trc, .c3d, .trk, .trz, .kva, .txt, .csv, .mot, .sto")
+      ->required();
+  cli.add_option("out", out, "The file to write")->required();
+  cli.add_option("--map", map, "NAME=MARKER,…: only these markers, under these names; A+B is the middle of two");
+  cli.add_option("--units", options.unit, "mm, cm or m: of a .trc that is written")->capture_default_str();
+  cli.add_option("--up", up, "x, y or z: vertical axis of a 3-D input (default: TRC y, C3D its own or z)");
+  cli.add_option("--forward", options.reading.forward,
+                 "+x, -x, …: where the subject faces in a 3-D input; then x is forward, y up, z to the right");
+  cli.add_option("--crop", crop, "START,END: keep these seconds only");
+  cli.add_option("--mm-per-unit", options.reading.mm_per_unit,
+                 "Of inputs that do not say their unit (Tracker text, Kinovea's CSV)")
       ->capture_default_str();
-  cli.add_flag("--flexion-negative", flexion_negative, "Knee angle of a .mot as OpenSim's older models have it");
-  cli.set_version_flag("--version", fmt::format("lake-convert {}", lake::Version()));
-  try {
-    cli.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return error.get_exit_code() == 0 ? cli.exit(error)
-                                      : Complain(std::string(error.what()) + "; see lake-convert --help", 2);
-  }
-  try {
-    Convert(in, out, mm_per_unit, flexion_negative);
-    return 0;
-  } catch (const lake::UsageError& error) {
-    return Complain(error.what(), 2);
-  } catch (const std::exception& error) {
-    return Complain(error.what(), 1);
-  }
+  cli.add_option("--rate", options.reading.rate_hz, "Hz, of inputs without times (DLTdv)");
+  cli.add_flag("--flexion-negative", options.flexion_negative,
+               "Knee angle of a .mot as OpenSim's older models have it");
+  return lake::RunPlainProgram(cli, argc, argv, [&] {
+    options.reading.names = lake::ParseNameMap(map);
+    if (up.size() > 1) throw lake::UsageError(fmt::format("--up '{}': x, y or z", up));
+    if (!up.empty()) options.reading.up = up[0];
+    if (!(options.reading.mm_per_unit > 0))
+      throw lake::UsageError(fmt::format("--mm-per-unit {}: not positive", options.reading.mm_per_unit));
+    if (!crop.empty()) {
+      const std::vector<double> ends = lake::ParseNumbers(crop, 2, "--crop");
+      options.crop_s = {ends[0], ends[1]};
+    }
+    for (const std::string& warning : lake::ConvertFile(in, out, options))
+      fmt::print(stderr, "lake-convert: warning: {}\n", warning);
+  });
 }

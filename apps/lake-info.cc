@@ -1,25 +1,16 @@
 // lake-info: what is inside a trial file.
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 
-#include "lake/core/error.h"
 #include "lake/core/json.h"
-#include "lake/core/provenance.h"
+#include "lake/exchange/convert.h"
 #include "lake/exchange/mot.h"
-#include "lake/exchange/trial.h"
+#include "plain_program.h"
 
 namespace {
 
-int Complain(const std::string& text, int code) {
-  fmt::print(stderr, "lake-info: {}\n", text);
-  return code;
-}
-
 lake::Json Timing(const std::vector<double>& time_s) {
-  if (time_s.empty()) return {{"frames", 0}};
+  if (time_s.size() < 2) return {{"frames", time_s.size()}};
   double shortest = INFINITY, longest = 0;
   for (std::size_t i = 1; i < time_s.size(); ++i) {
     shortest = std::min(shortest, time_s[i] - time_s[i - 1]);
@@ -30,24 +21,33 @@ lake::Json Timing(const std::vector<double>& time_s) {
           {"shortest_step_s", shortest}, {"longest_step_s", longest}};
 }
 
+// Seen in how many frames; runs of frames without it, and the longest of them.
+lake::Json DescribePoint(const lake::PointTrack& point) {
+  std::size_t seen = 0, gaps = 0, gap = 0, longest = 0;
+  for (const auto& position : point.positions) {
+    const bool missing = !position.allFinite();
+    seen += missing ? 0 : 1;
+    gap = missing ? gap + 1 : 0;
+    gaps += gap == 1 ? 1 : 0;
+    longest = std::max(longest, gap);
+  }
+  return {{"name", point.name}, {"seen", seen}, {"gaps", gaps}, {"longest_gap_frames", longest}};
+}
+
 lake::Json DescribePoints(const lake::PointRecording& points) {
   lake::Json info = Timing(points.time_s), markers = lake::Json::array();
   const char* kSpaces[] = {"image, px", "plane, mm", "space, mm"};
   info["coordinates"] = kSpaces[static_cast<int>(points.space)];
   if (points.space == lake::PointSpace::kSpace) info["up"] = std::string(1, points.up_axis);
   if (points.mm_per_px) info["mm_per_px"] = *points.mm_per_px;
-  for (const lake::PointTrack& point : points.points) {
-    const auto seen =
-        std::count_if(point.positions.begin(), point.positions.end(), [](const auto& p) { return p.allFinite(); });
-    markers.push_back({{"name", point.name}, {"seen", seen}});
-  }
+  for (const lake::PointTrack& point : points.points) markers.push_back(DescribePoint(point));
   info["markers"] = markers;
+  info["warnings"] = points.warnings;
   return info;
 }
 
-lake::Json Describe(const std::filesystem::path& path, double mm_per_unit) {
-  if (path.extension() != ".mot" && path.extension() != ".sto")
-    return DescribePoints(lake::ReadPoints(path, mm_per_unit));
+lake::Json Describe(const std::filesystem::path& path, double mm_per_unit, double rate_hz) {
+  if (!lake::IsAngleTable(path)) return DescribePoints(lake::ReadPoints(path, mm_per_unit, rate_hz));
   const lake::MotTable table = lake::ReadMot(path);
   lake::Json info = Timing(table.time_s);
   info["in_degrees"] = table.in_degrees;
@@ -55,44 +55,53 @@ lake::Json Describe(const std::filesystem::path& path, double mm_per_unit) {
   return info;
 }
 
+void PrintMarkers(const lake::Json& markers) {
+  fmt::print("{:<16} {}\n", "markers", markers.size());
+  std::size_t width = 12;
+  for (const lake::Json& marker : markers) width = std::max(width, marker["name"].get_ref<const std::string&>().size());
+  for (const lake::Json& marker : markers) {
+    fmt::print("  {:<{}}  seen in {} frames", marker["name"].get<std::string>(), width, marker["seen"].dump());
+    if (marker["gaps"] != 0)
+      fmt::print(", {} gaps, the longest {} frames", marker["gaps"].dump(), marker["longest_gap_frames"].dump());
+    fmt::print("\n");
+  }
+}
+
+std::string Text(const lake::Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  return value.is_number_float() ? fmt::format("{:.6g}", value.get<double>()) : value.dump();
+}
+
 void Print(const lake::Json& info) {
   for (const auto& [key, value] : info.items()) {
-    if (key != "markers" && key != "columns") {
-      fmt::print("{:<16} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
-      continue;
+    if (key == "markers") {
+      PrintMarkers(value);
+    } else if (value.is_array()) {
+      if (value.empty()) continue;
+      fmt::print("{:<16} {}\n", key, value.size());
+      for (const lake::Json& item : value) fmt::print("  {}\n", item.get<std::string>());
+    } else {
+      fmt::print("{:<16} {}\n", key, Text(value));
     }
-    fmt::print("{:<16} {}\n", key, value.size());
-    for (const lake::Json& item : value)
-      item.is_string()
-          ? fmt::print("  {}\n", item.get<std::string>())
-          : fmt::print("  {:<24} seen in {} frames\n", item["name"].get<std::string>(), item["seen"].dump());
   }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App cli("What is inside a trial file: frames, rate, markers", "lake-info");
+  CLI::App cli("What is inside a trial file: frames, rate, unit, markers and their gaps", "lake-info");
   cli.footer("Example:\n  lake-info walking.c3d");
   std::string file;
-  double mm_per_unit = 1;
+  double mm_per_unit = 1, rate_hz = 0;
   bool json = false;
-  cli.add_option("file", file, "A lake-track folder, or .trc, .c3d, .trk, .txt, .csv, .mot, .sto")->required();
-  cli.add_option("--mm-per-unit", mm_per_unit, "Of files that do not say their unit (Tracker text, Kinovea)")
+  cli.add_option("file", file, "A lake-track folder, or .trc, .c3d, .trk, .trz, .kva, .txt, .csv, .mot, .sto")
+      ->required();
+  cli.add_option("--mm-per-unit", mm_per_unit, "Of files that do not say their unit (Tracker text, Kinovea's CSV)")
       ->capture_default_str();
+  cli.add_option("--rate", rate_hz, "Hz, of files without times (DLTdv)");
   cli.add_flag("--json", json, "As JSON");
-  cli.set_version_flag("--version", fmt::format("lake-info {}", lake::Version()));
-  try {
-    cli.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return error.get_exit_code() == 0 ? cli.exit(error)
-                                      : Complain(std::string(error.what()) + "; see lake-info --help", 2);
-  }
-  try {
-    const lake::Json info = Describe(file, mm_per_unit);
+  return lake::RunPlainProgram(cli, argc, argv, [&] {
+    const lake::Json info = Describe(file, mm_per_unit, rate_hz);
     json ? fmt::print("{}\n", info.dump(2)) : Print(info);
-    return 0;
-  } catch (const std::exception& error) {
-    return Complain(error.what(), 1);
-  }
+  });
 }

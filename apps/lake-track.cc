@@ -49,7 +49,7 @@ void Declare(CLI::App& cli, Arguments& a) {
   cli.add_option("--corrections", a.corrections,
                  "frame,marker,x_px,y_px rows that overrule the detector; empty: not visible");
   cli.add_flag("--overlay,!--no-overlay", a.overlay, "Write overlay.mp4");
-  cli.add_option("--export", a.exports, "Also write trc,mot,c3d,tracker,kinovea");
+  cli.add_option("--export", a.exports, "Also write trc,mot,c3d (mm), tracker,trk,kinovea,kva");
 }
 
 template <std::size_t kCount>

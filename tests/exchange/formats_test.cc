@@ -1,66 +1,20 @@
 // Every format: what is written reads back, dialects are understood, hostile files give one clear error.
 #include <cmath>
 #include <fstream>
-#include <functional>
-#include <random>
 
 #include "lake/core/atomic_file.h"
-#include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/kinovea.h"
 #include "lake/exchange/mot.h"
 #include "lake/exchange/tracker.h"
 #include "lake/exchange/trc.h"
+#include "recordings.h"
 #include "temporary_folder.h"
 
 namespace lake {
 namespace {
 
 namespace fs = std::filesystem;
-
-PointRecording MakePoints(PointSpace space, std::size_t frames, std::size_t points, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> position(-1500, 1500);
-  PointRecording recording;
-  recording.space = space;
-  for (std::size_t i = 0; i < frames; ++i)
-    recording.frame.push_back(static_cast<std::int64_t>(i)), recording.time_s.push_back(static_cast<double>(i) / 120);
-  for (std::size_t p = 0; p < points; ++p) {
-    recording.points.push_back({"marker " + std::to_string(p + 1), {}});
-    for (std::size_t i = 0; i < frames; ++i) {
-      Eigen::Vector3d place(position(random), position(random), space == PointSpace::kSpace ? position(random) : 0);
-      // The first and the last marker are missing now and then, also at the end of a row.
-      if ((p == 0 || p + 1 == points) && i % 7 == 3) place = PointTrack::Missing();
-      recording.points.back().positions.push_back(place);
-    }
-  }
-  return recording;
-}
-
-void ExpectSame(const PointRecording& a, const PointRecording& b, double tolerance) {
-  ASSERT_EQ(a.points.size(), b.points.size());
-  ASSERT_EQ(a.time_s.size(), b.time_s.size());
-  for (std::size_t i = 0; i < a.time_s.size(); ++i) EXPECT_NEAR(a.time_s[i], b.time_s[i], 1e-6);
-  for (std::size_t p = 0; p < a.points.size(); ++p) {
-    EXPECT_EQ(a.points[p].name, b.points[p].name);
-    ASSERT_EQ(a.points[p].positions.size(), b.points[p].positions.size());
-    for (std::size_t i = 0; i < a.time_s.size(); ++i) {
-      const Eigen::Vector3d &x = a.points[p].positions[i], &y = b.points[p].positions[i];
-      ASSERT_EQ(x.allFinite(), y.allFinite()) << a.points[p].name << " frame " << i;
-      EXPECT_TRUE(!x.allFinite() || (x - y).norm() <= tolerance) << x.transpose() << ", " << y.transpose();
-    }
-  }
-}
-
-std::string MessageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
-    return error.what();
-  }
-  return "no error";
-}
 
 class Formats : public testing::Test {
  protected:
@@ -202,35 +156,6 @@ TEST_F(Formats, C3dErrors) {
   std::string unnamed = good;
   unnamed.replace(unnamed.find("SCALE"), 5, "SCALF");
   EXPECT_THAT(message(unnamed), testing::HasSubstr("POINT:SCALE"));
-}
-
-// Bytes changed at random and files cut anywhere: an answer or an Error, never anything else.
-TEST_F(Formats, DamagedFilesNeverCrash) {
-  const PointRecording points = MakePoints(PointSpace::kPlane, 12, 3, 6);
-  WriteC3d(folder_ / "a.c3d", points), WriteTrc(folder_ / "a.trc", points);
-  WriteKinovea(folder_ / "a.csv", points), WriteTrackerText(folder_ / "a.txt", points);
-  const std::pair<const char*, std::function<void(const fs::path&)>> readers[] = {
-      {"a.c3d", [](const fs::path& p) { ReadC3d(p); }},
-      {"a.trc", [](const fs::path& p) { ReadTrc(p); }},
-      {"a.csv", [](const fs::path& p) { ReadKinovea(p); }},
-      {"a.txt", [](const fs::path& p) { ReadTrackerText(p); }}};
-  std::mt19937 random(6);
-  int refused = 0;
-  for (const auto& [name, read] : readers) {
-    const std::string good = ReadTextFile(folder_ / name);
-    for (int round = 0; round < 400; ++round) {
-      std::string bad = good;
-      for (int i = 0; i < 3; ++i) bad[random() % std::min<std::size_t>(bad.size(), 1500)] = static_cast<char>(random());
-      if (round % 4 == 0) bad.resize(random() % bad.size());
-      const fs::path path = Write(std::string("bad_") + name, bad);
-      try {
-        read(path);
-      } catch (const Error&) {
-        ++refused;
-      }
-    }
-  }
-  EXPECT_GT(refused, 100);
 }
 
 TEST_F(Formats, MotReadsBack) {

@@ -61,7 +61,9 @@ TEST(Trial, TheSagittalPlaneIsFittedToTheLegsMovement) {
 
 TEST(Trial, ForwardAndUpAreTakenAsGiven) {
   const TemporaryFolder folder;
-  WritePoints(folder / "a.trc", BendingLeg(0, 'z'));  // TRC is y up by custom, this one is not
+  PointRecording points = BendingLeg(0, 'z');
+  points.up_axis = 'y';  // TRC is y up by custom, this one is not and does not know it
+  WritePoints(folder / "a.trc", points);
   const auto names = ParseNameMap("ankle=RANK,knee=RKNE,hip=RHIP");
   const Trial right = ReadTrial(folder / "a.trc", {names, 'z', "+x"}),
               left = ReadTrial(folder / "a.trc", {names, 'z', "-x"});
@@ -126,17 +128,21 @@ TEST(Trial, ExportsOfEveryFormatReadBack) {
   }
   LegMotion motion;
   motion.frame = {0}, motion.time_s = {0}, motion.samples.resize(1), motion.samples[0].knee_deg = 30;
-  const auto files =
-      ExportTrial({"trc", "c3d", "tracker", "kinovea", "mot"}, folder.Path(), "a", PointsFromMarkers(markers), &motion);
-  ASSERT_EQ(files.size(), 5u);
-  for (std::size_t k = 0; k < 4; ++k) {
+  MarkerRecording image = markers;
+  image.unit = LengthUnit::kPx;
+  const ExportedTrial trial{PointsFromMarkers(markers), PointsFromMarkers(image), &motion};
+  const auto files = ExportTrial(ExportFormats(), folder.Path(), "a", trial);
+  ASSERT_EQ(files.size(), 7u);
+  EXPECT_EQ(files.back().filename(), "a.mot");
+  for (std::size_t k = 0; k < 6; ++k) {
     const PointRecording read = ReadPoints(files[k]);
+    EXPECT_EQ(read.space == PointSpace::kImage, files[k].extension() == ".trk" || files[k].extension() == ".kva");
     EXPECT_NEAR(read.Find("knee")->positions[9].x(), 109, 1e-4) << files[k];
     EXPECT_FALSE(read.Find("knee")->positions[7].allFinite()) << files[k];
     EXPECT_NEAR(read.time_s[9], 9 / 60.0, 1e-6) << files[k];
   }
-  EXPECT_THROW(ExportTrial({"fbx"}, folder.Path(), "a", PointsFromMarkers(markers), &motion), UsageError);
-  EXPECT_THROW(ExportTrial({"mot"}, folder.Path(), "a", PointsFromMarkers(markers), nullptr), Error);
+  EXPECT_THROW(ExportTrial({"fbx"}, folder.Path(), "a", trial), UsageError);
+  EXPECT_THROW(ExportTrial({"mot"}, folder.Path(), "a", {trial.points, trial.image, nullptr}), Error);
 }
 
 TEST(Trial, TrackerProjectsHoldPixelsAndAScale) {
@@ -150,8 +156,8 @@ TEST(Trial, TrackerProjectsHoldPixelsAndAScale) {
   EXPECT_NEAR(ball[2].x(), 131.2767 - 0.5, 1e-3);  // Tracker's pixel centres are at 0.5
   EXPECT_NEAR(points.time_s[2], 0.132, 1e-9);
   ASSERT_TRUE(points.mm_per_px);
-  // Free fall: a parabola through the height gives the acceleration of ../shared/data/README.md. The axes are tilted by
-  // 0.044 rad.
+  // Free fall: a parabola through the height gives the acceleration of ../shared/data/README.md.
+  // The axes are tilted by 0.044° only.
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (std::size_t i = 2; i < ball.size(); ++i) {

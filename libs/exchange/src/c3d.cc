@@ -7,6 +7,7 @@
 #include "c3d_bytes.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "text_lines.h"
 
 namespace lake {
 namespace {
@@ -27,13 +28,16 @@ struct C3dLayout {
   std::size_t FrameBytes() const { return WordBytes() * (4 * points + analog_per_frame); }
 };
 
-double MmPerUnit(std::string unit, const std::string& path) {
-  std::transform(unit.begin(), unit.end(), unit.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (unit.empty() || unit == "mm") return 1;
-  if (unit == "cm") return 10;
-  if (unit == "m") return 1000;
-  throw Fail("{}: POINT:UNITS '{}' is not mm, cm or m", path, unit);
+double MmPerUnit(const std::vector<std::string>& units, const std::string& path) {
+  if (units.empty() || units[0].empty()) return 1;
+  const std::optional<double> mm_per_unit = FindMmPerUnit(Lower(units[0]));
+  if (!mm_per_unit) throw Fail("{}: POINT:UNITS '{}' is not mm, cm or m", path, units[0]);
+  return *mm_per_unit;
+}
+
+char UpAxis(const std::vector<std::string>& y_screen) {
+  const char axis = y_screen.empty() || y_screen[0].empty() ? 'z' : Lower(y_screen[0]).back();
+  return axis == 'x' || axis == 'y' ? axis : 'z';
 }
 
 std::vector<std::string> ReadLabels(const C3dParameters& parameters, std::size_t points) {
@@ -50,7 +54,7 @@ std::vector<std::string> ReadLabels(const C3dParameters& parameters, std::size_t
 // The header's 16-bit frame numbers, or what longer files say instead.
 void ReadFrameCount(const C3dBytes& bytes, const C3dParameters& parameters, C3dLayout& layout) {
   const std::size_t first = bytes.Unsigned16(6), last = bytes.Unsigned16(8);
-  layout.first_frame = first;
+  layout.first_frame = std::max<std::size_t>(first, 1);
   layout.frames = last >= first ? last - first + 1 : 0;
   const auto field = [&](const char* name) {
     const std::vector<double> words = parameters.Numbers(name);  // two 16-bit words, low first
@@ -61,16 +65,16 @@ void ReadFrameCount(const C3dBytes& bytes, const C3dParameters& parameters, C3dL
     if (end >= start && start >= 1)
       layout.first_frame = static_cast<std::size_t>(start), layout.frames = static_cast<std::size_t>(end - start) + 1;
   } else if (parameters.Has("POINT:LONG_FRAMES")) {
-    layout.frames = static_cast<std::size_t>(std::max(0.0, parameters.Number("POINT:LONG_FRAMES")));
+    layout.frames = parameters.Count("POINT:LONG_FRAMES");
   } else if (parameters.Has("POINT:FRAMES") && last == 65535) {
-    const double frames = parameters.Number("POINT:FRAMES");
-    if (frames > static_cast<double>(layout.frames)) layout.frames = static_cast<std::size_t>(frames);
+    layout.frames = std::max(layout.frames, parameters.Count("POINT:FRAMES"));
   }
 }
 
 C3dLayout ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters, const std::string& path) {
   C3dLayout layout;
-  layout.points = static_cast<std::size_t>(std::max(0.0, parameters.Number("POINT:USED")));
+  layout.points = parameters.Count("POINT:USED");
+  if (layout.points == 0) throw Fail("{}: holds no points (POINT:USED is 0)", path);
   layout.analog_per_frame = bytes.Unsigned16(4);
   layout.scale = parameters.Number("POINT:SCALE");
   layout.rate_hz = parameters.Has("POINT:RATE") ? parameters.Number("POINT:RATE") : bytes.Float(20);
@@ -81,19 +85,14 @@ C3dLayout ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters, con
       parameters.Has("POINT:DATA_START") ? parameters.Number("POINT:DATA_START") : bytes.Unsigned16(16);
   if (!(block >= 2 && block <= 65535)) throw Fail("{}: POINT:DATA_START is {}, not a block of the file", path, block);
   layout.data_offset = 512 * (static_cast<std::size_t>(block) - 1);
-  const std::vector<std::string> units =
-      parameters.Has("POINT:UNITS") ? parameters.Texts("POINT:UNITS") : std::vector<std::string>{};
-  layout.mm_per_unit = MmPerUnit(units.empty() ? "" : units[0], path);
-  if (parameters.Has("POINT:Y_SCREEN")) {
-    const std::vector<std::string> screen = parameters.Texts("POINT:Y_SCREEN");
-    const char axis = screen.empty() || screen[0].empty()
-                          ? 'z'
-                          : static_cast<char>(std::tolower(static_cast<unsigned char>(screen[0].back())));
-    if (axis == 'x' || axis == 'y' || axis == 'z') layout.up_axis = axis;
-  }
+  const auto texts = [&](const char* name) {
+    return parameters.Has(name) ? parameters.Texts(name) : std::vector<std::string>{};
+  };
+  layout.mm_per_unit = MmPerUnit(texts("POINT:UNITS"), path);
+  layout.up_axis = UpAxis(texts("POINT:Y_SCREEN"));
   ReadFrameCount(bytes, parameters, layout);
-  if (layout.FrameBytes() > 0 &&
-      layout.frames > (bytes.Size() - std::min(bytes.Size(), layout.data_offset)) / layout.FrameBytes())
+  if (layout.frames == 0) throw Fail("{}: holds no frames", path);
+  if (layout.frames > (bytes.Size() - std::min(bytes.Size(), layout.data_offset)) / layout.FrameBytes())
     throw Fail("{}: too short for {} frames of {} points: is the file cut off?", path, layout.frames, layout.points);
   layout.labels = ReadLabels(parameters, layout.points);
   return layout;
@@ -123,14 +122,10 @@ PointRecording ReadC3d(const std::filesystem::path& path) {
   const C3dLayout layout = ReadLayout(bytes, parameters, path.string());
   PointRecording recording;
   recording.up_axis = layout.up_axis;
-  for (const std::string& label : layout.labels) {
-    std::string name = label;
-    for (int copy = 2; recording.Find(name); ++copy) name = fmt::format("{}_{}", label, copy);
-    recording.points.push_back({name, {}});
-  }
+  for (const std::string& name : UniqueNames(layout.labels)) recording.points.push_back({name, {}});
   for (std::size_t i = 0; i < layout.frames; ++i) {
-    recording.frame.push_back(static_cast<std::int64_t>(i));
-    recording.time_s.push_back(static_cast<double>(i) / layout.rate_hz);
+    recording.frame.push_back(static_cast<std::int64_t>(layout.first_frame - 1 + i));
+    recording.time_s.push_back(static_cast<double>(layout.first_frame - 1 + i) / layout.rate_hz);
     for (std::size_t p = 0; p < layout.points; ++p)
       recording.points[p].positions.push_back(
           ReadPoint(bytes, layout.data_offset + i * layout.FrameBytes() + 4 * p * layout.WordBytes(), layout));
@@ -143,6 +138,9 @@ namespace {
 void CheckWritable(const std::filesystem::path& path, const PointRecording& points) {
   if (points.space == PointSpace::kImage)
     throw Fail("{}: C3D is in mm; px need a scale or a calibrated plane first", path.string());
+  constexpr std::size_t kMostPoints = 65535;
+  if (points.points.empty() || points.points.size() > kMostPoints)
+    throw Fail("{}: C3D holds 1 to {} points, not {}", path.string(), kMostPoints, points.points.size());
   if (points.time_s.size() < 2) throw Fail("{}: C3D needs at least two frames for its rate", path.string());
   const double step_s = 1 / FrameRate(points.time_s);
   for (std::size_t i = 1; i < points.time_s.size(); ++i)
@@ -152,6 +150,12 @@ void CheckWritable(const std::filesystem::path& path, const PointRecording& poin
           "average "
           "{:.4g} s); export trc instead",
           path.string(), points.frame[i], points.time_s[i] - points.time_s[i - 1], step_s);
+}
+
+// The number that the format counts the first frame by: from 1, at time 0.
+std::size_t FirstFrame(const PointRecording& points) {
+  const double frames = points.time_s.front() * FrameRate(points.time_s);
+  return frames > 0 && frames < 65534 ? static_cast<std::size_t>(std::llround(frames)) + 1 : 1;
 }
 
 C3dParameterWriter MakeParameters(const PointRecording& points) {
@@ -175,8 +179,9 @@ C3dParameterWriter MakeParameters(const PointRecording& points) {
   writer.Group(2, "ANALOG");
   writer.Word(2, "USED", 0);
   writer.Group(3, "TRIAL");
-  writer.Words(3, "ACTUAL_START_FIELD", {1, 0});
-  writer.Words(3, "ACTUAL_END_FIELD", {frames & 0xFFFF, frames >> 16});
+  const std::size_t first = FirstFrame(points), last = first + frames - 1;
+  writer.Words(3, "ACTUAL_START_FIELD", {first & 0xFFFF, first >> 16});
+  writer.Words(3, "ACTUAL_END_FIELD", {last & 0xFFFF, last >> 16});
   return writer;
 }
 
@@ -186,14 +191,14 @@ void WriteC3d(const std::filesystem::path& path, const PointRecording& points) {
   CheckWritable(path, points);
   C3dParameterWriter parameters = MakeParameters(points);
   const std::string section = parameters.Finish(1, "DATA_START");
-  const std::size_t data_block = 2 + section.size() / 512, frames = points.time_s.size();
+  const std::size_t data_block = 2 + section.size() / 512, frames = points.time_s.size(), first = FirstFrame(points);
   C3dBuffer file;
   file.Byte(2)
       .Byte(0x50)
       .Word(points.points.size())
       .Word(0)
-      .Word(1)
-      .Word(std::min<std::size_t>(frames, 65535))
+      .Word(first)
+      .Word(std::min<std::size_t>(first + frames - 1, 65535))
       .Word(10);
   file.Float(-1).Word(data_block).Word(0).Float(static_cast<float>(FrameRate(points.time_s))).PadTo(512);
   file.Append(section);

@@ -127,12 +127,21 @@ double C3dParameters::Number(const std::string& name) const {
   return Find(name).type == 2 && numbers[0] < 0 ? numbers[0] + 65536 : numbers[0];
 }
 
+std::size_t C3dParameters::Count(const std::string& name) const {
+  constexpr double kMost = 4294967295;  // of two words
+  const double value = Number(name);
+  if (!(value >= 0 && value <= kMost) || value != std::floor(value))
+    throw Fail("{}: parameter {} is {}, not a count", bytes_.Path(), name, value);
+  return static_cast<std::size_t>(value);
+}
+
 std::vector<std::string> C3dParameters::Texts(const std::string& name) const {
   const Value& value = Find(name);
   if (value.type != -1) throw Fail("{}: parameter {} is not a text", bytes_.Path(), name);
   const std::size_t length = value.dimensions.empty() ? 1 : value.dimensions[0];
   std::size_t count = 1;
   for (std::size_t d = 1; d < value.dimensions.size(); ++d) count *= value.dimensions[d];
+  if (length == 0) return {};
   bytes_.Text(value.offset, length * count);
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < count; ++i) texts.push_back(Trimmed(bytes_.Text(value.offset + i * length, length)));

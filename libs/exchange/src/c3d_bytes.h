@@ -43,6 +43,7 @@ class C3dParameters {
 
   // Throw Error naming the parameter if it is absent or of another type.
   double Number(const std::string& name) const;
+  std::size_t Count(const std::string& name) const;  // a whole number that is not negative
   std::vector<double> Numbers(const std::string& name) const;
   std::vector<std::string> Texts(const std::string& name) const;  // trimmed
 

@@ -12,6 +12,8 @@
 namespace lake {
 namespace {
 
+constexpr std::size_t kMostColumns = 10'000;
+
 struct Dialect {
   char separator = ',';
   bool decimal_comma = false;
@@ -57,6 +59,7 @@ struct Column {
 
 std::vector<Column> FindColumns(const std::vector<std::string>& header, const std::string& where) {
   std::vector<Column> columns;
+  if (header.size() > kMostColumns) throw Fail("{}: {} columns, more than {}", where, header.size(), kMostColumns);
   for (std::size_t i = 1; i < header.size(); ++i) {
     if (!header[i].ends_with("/0/X")) continue;
     const std::string name = header[i].substr(0, header[i].size() - 4);
@@ -97,12 +100,8 @@ PointRecording ReadKinovea(const std::filesystem::path& path, double mm_per_unit
     const std::vector<std::string> cells = SplitQuoted(lines[i], dialect.separator, lines.Where(i));
     if (cells.size() != header.size())
       throw Fail("{}: {} cells, but the header has {}", lines.Where(i), cells.size(), header.size());
-    const auto time = CellNumber(cells[0], dialect, lines.Where(i));
-    if (!time) throw Fail("{}: the time is missing", lines.Where(i));
-    if (!recording.time_s.empty() && *time <= recording.time_s.back())
-      throw Fail("{}: the time does not increase", lines.Where(i));
+    AppendTime(CellNumber(cells[0], dialect, lines.Where(i)), lines.Where(i), recording.time_s);
     recording.frame.push_back(static_cast<std::int64_t>(recording.frame.size()));
-    recording.time_s.push_back(*time);
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const auto x = CellNumber(cells[columns[k].x], dialect, lines.Where(i)),
                  y = CellNumber(cells[columns[k].y], dialect, lines.Where(i));

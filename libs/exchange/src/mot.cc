@@ -1,7 +1,6 @@
 #include "lake/exchange/mot.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 
@@ -20,12 +19,6 @@ std::vector<std::string> RowCells(const std::string& line) {
   std::vector<std::string> cells = SplitCells(line, '\t');
   while (!cells.empty() && cells.back().empty()) cells.pop_back();
   return cells;
-}
-
-std::string Lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
 }
 
 struct MotHeader {

@@ -1,5 +1,10 @@
 #include "lake/exchange/point_recording.h"
 
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "lake/core/angles.h"
 #include "lake/core/error.h"
 
 namespace lake {
@@ -37,6 +42,53 @@ MarkerRecording MarkersFromPoints(const PointRecording& points) {
     }
   }
   return markers;
+}
+
+PointRecording PointsInPlane(const PointRecording& points) {
+  if (points.space != PointSpace::kImage || !points.mm_per_px) return points;
+  PointRecording plane = points;
+  plane.space = PointSpace::kPlane;
+  plane.mm_per_px.reset(), plane.axes.reset(), plane.video.reset();
+  const ImageAxes axes = points.axes.value_or(ImageAxes{});
+  const double angle_rad = RadiansFromDegrees(axes.angle_deg);
+  const Eigen::Vector3d x(std::cos(angle_rad), -std::sin(angle_rad), 0),
+      y(-std::sin(angle_rad), -std::cos(angle_rad), 0);
+  const Eigen::Vector3d origin(axes.origin_px.x(), axes.origin_px.y(), 0);
+  for (PointTrack& point : plane.points)
+    for (Eigen::Vector3d& p : point.positions)
+      if (p.allFinite()) p = *points.mm_per_px * Eigen::Vector3d(x.dot(p - origin), y.dot(p - origin), 0);
+  return plane;
+}
+
+PointRecording PointsTurnedUp(PointRecording points, char up) {
+  if (points.space != PointSpace::kSpace || points.up_axis == up) return points;
+  const bool about_x = points.up_axis != 'x' && up != 'x';
+  const int shift = (up - points.up_axis + 3) % 3;
+  for (PointTrack& point : points.points)
+    for (Eigen::Vector3d& p : point.positions) {
+      const Eigen::Vector3d old = p;
+      for (int axis = 0; axis < 3; ++axis) p[(axis + shift) % 3] = old[axis];
+      if (about_x)
+        p = up == 'y' ? Eigen::Vector3d(old.x(), old.z(), -old.y()) : Eigen::Vector3d(old.x(), -old.z(), old.y());
+    }
+  points.up_axis = up;
+  return points;
+}
+
+std::vector<std::string> UniqueNames(std::vector<std::string> names) {
+  std::set<std::string> taken;
+  std::map<std::string, int> copies;
+  for (std::string& name : names) {
+    const std::string given = name;
+    while (!taken.insert(name).second) name = fmt::format("{}_{}", given, ++copies.try_emplace(given, 1).first->second);
+  }
+  return names;
+}
+
+std::optional<double> FindMmPerUnit(std::string_view unit) {
+  static const std::map<std::string, double, std::less<>> kUnits = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
+  const auto found = kUnits.find(unit);
+  return found == kUnits.end() ? std::nullopt : std::optional(found->second);
 }
 
 double FrameRate(const std::vector<double>& time_s) {

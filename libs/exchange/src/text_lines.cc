@@ -9,16 +9,6 @@
 #include "lake/core/error.h"
 
 namespace lake {
-namespace {
-
-std::string_view Trim(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-}  // namespace
-
 TextLines::TextLines(const std::filesystem::path& path) : path_(path) {
   std::string text = ReadTextFile(path);
   if (text.find('\0') != std::string::npos) throw Fail("{}: not a text file", path.string());
@@ -46,12 +36,17 @@ std::vector<std::string> SplitCells(std::string_view line, char separator) {
   return cells;
 }
 
-std::optional<double> NumberOrMissing(std::string_view cell, const std::string& where) {
-  const std::string_view text = Trim(cell);
-  if (text.empty()) return std::nullopt;
+std::string Lower(std::string_view text) {
   std::string lower(text);
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
+std::optional<double> NumberOrMissing(std::string_view cell, const std::string& where) {
+  const std::string_view text = Trim(cell);
+  if (text.empty()) return std::nullopt;
+  const std::string lower = Lower(text);
   if (lower == "nan" || lower == "-nan" || lower == "-1.#ind" || lower == "1.#qnan") return std::nullopt;
   const std::optional<double> value = ParseNumber(text);
   if (!value) throw Fail("{}: '{}' is not a finite number", where, text);
@@ -62,6 +57,12 @@ double RequiredNumber(std::string_view cell, const std::string& where) {
   const std::optional<double> value = NumberOrMissing(cell, where);
   if (!value) throw Fail("{}: a number is missing", where);
   return *value;
+}
+
+void AppendTime(std::optional<double> time_s, const std::string& where, std::vector<double>& times_s) {
+  if (!time_s) throw Fail("{}: the time is missing", where);
+  if (!times_s.empty() && *time_s <= times_s.back()) throw Fail("{}: the time does not increase", where);
+  times_s.push_back(*time_s);
 }
 
 std::size_t ParseCount(std::string_view cell, const std::string& what, const std::string& where, std::size_t most) {

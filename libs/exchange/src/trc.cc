@@ -7,6 +7,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/statistics.h"
 #include "text_lines.h"
 
 namespace lake {
@@ -19,16 +20,10 @@ constexpr std::size_t kMostMarkers = 10000, kMostFrames = 10'000'000;
 struct TrcHeader {
   std::size_t frames = 0, markers = 0;
   double mm_per_unit = 1;
+  std::optional<double> rate_hz;
   std::vector<std::string> names;
   std::size_t first_row = 0;  // index of the line
 };
-
-double MmPerUnit(const std::string& unit, const std::string& where) {
-  static const std::map<std::string, double> kUnits = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
-  const auto found = kUnits.find(unit);
-  if (found == kUnits.end()) throw Fail("{}: the unit '{}' is not mm, cm or m", where, unit);
-  return found->second;
-}
 
 TrcHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path) {
   if (lines.Count() < 5 || !lines[0].starts_with("PathFileType"))
@@ -42,7 +37,10 @@ TrcHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path) 
   TrcHeader trc;
   trc.frames = ParseCount(header["NumFrames"], "NumFrames", lines.Where(2), kMostFrames);
   trc.markers = ParseCount(header["NumMarkers"], "NumMarkers", lines.Where(2), kMostMarkers);
-  trc.mm_per_unit = MmPerUnit(header["Units"], lines.Where(2));
+  const std::optional<double> mm_per_unit = FindMmPerUnit(header["Units"]);
+  if (!mm_per_unit) throw Fail("{}: the unit '{}' is not mm, cm or m", lines.Where(2), header["Units"]);
+  trc.mm_per_unit = *mm_per_unit;
+  if (header.contains("DataRate")) trc.rate_hz = NumberOrMissing(header["DataRate"], lines.Where(2));
   const std::vector<std::string> names = SplitCells(lines[3], '\t');
   for (std::size_t i = 2; i < names.size(); ++i)
     if (!names[i].empty()) trc.names.push_back(names[i]);
@@ -64,10 +62,8 @@ void ReadRow(const TextLines& lines, std::size_t line, const TrcHeader& header, 
     if (!cells[i].empty())
       throw Fail("{}: {} cells, but {} markers need {}", where, cells.size(), header.markers, width);
   if (cells.size() < 2) throw Fail("{}: a frame number and a time are needed", where);
-  recording.frame.push_back(std::llround(RequiredNumber(cells[0], where)) - 1);
-  recording.time_s.push_back(RequiredNumber(cells[1], where));
-  const std::size_t n = recording.time_s.size();
-  if (n > 1 && recording.time_s[n - 1] <= recording.time_s[n - 2]) throw Fail("{}: the time does not increase", where);
+  recording.frame.push_back(static_cast<std::int64_t>(ParseCount(cells[0], "the frame", where, kMostFrames)) - 1);
+  AppendTime(NumberOrMissing(cells[1], where), where, recording.time_s);
   for (std::size_t m = 0; m < header.markers; ++m) {
     Eigen::Vector3d position = PointTrack::Missing();
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -79,6 +75,21 @@ void ReadRow(const TextLines& lines, std::size_t line, const TrcHeader& header, 
     }
     recording.points[m].positions.push_back(position.allFinite() ? position : PointTrack::Missing());
   }
+}
+
+// Exporters that thin a recording out leave its old rate in the header.
+void CheckRate(const std::filesystem::path& path, const TrcHeader& header, PointRecording& recording) {
+  constexpr double kTolerance = 0.02;
+  if (recording.time_s.size() < 3 || !header.rate_hz) return;
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < recording.time_s.size(); ++i)
+    steps_s.push_back(recording.time_s[i] - recording.time_s[i - 1]);
+  // Steps rounded to a millisecond spoil the median, a gap in the recording the mean: both must contradict the header.
+  const double step_s = Median(steps_s), rate_hz = FrameRate(recording.time_s);
+  if (std::abs(*header.rate_hz * step_s - 1) > kTolerance && std::abs(*header.rate_hz / rate_hz - 1) > kTolerance)
+    recording.warnings.push_back(fmt::format(
+        "{}: the header says {:g} Hz, but the rows are {:.4g} s apart ({:.4g} Hz); the time column is believed",
+        path.string(), *header.rate_hz, step_s, 1 / step_s));
 }
 
 }  // namespace
@@ -96,18 +107,24 @@ PointRecording ReadTrc(const std::filesystem::path& path) {
   if (recording.time_s.size() != header.frames)
     throw Fail("{}: {} rows, but the header says {} frames: is the file cut off?", path.string(),
                recording.time_s.size(), header.frames);
+  if (!recording.frame.empty() && recording.frame.front() < 0)  // a writer that counts from 0
+    for (std::int64_t& frame : recording.frame) ++frame;
+  CheckRate(path, header, recording);
   return recording;
 }
 
-void WriteTrc(const std::filesystem::path& path, const PointRecording& points) {
-  if (points.space == PointSpace::kImage)
+void WriteTrc(const std::filesystem::path& path, const PointRecording& recording, const std::string& unit) {
+  if (recording.space == PointSpace::kImage)
     throw Fail("{}: TRC is in mm; px need a scale or a calibrated plane first", path.string());
+  const std::optional<double> mm_per_unit = FindMmPerUnit(unit);
+  if (!mm_per_unit) throw UsageError(fmt::format("unit '{}': mm, cm or m", unit));
+  const PointRecording points = PointsTurnedUp(recording, 'y');
   const std::string rate = FormatNumber(FrameRate(points.time_s));
   const std::size_t frames = points.time_s.size();
   std::string text = fmt::format("PathFileType\t4\t(X/Y/Z)\t{}\n", path.filename().string());
   for (std::size_t i = 0; i < kKeys.size(); ++i) text.append(i ? "\t" : "").append(kKeys[i]);
-  text += fmt::format("\n{}\t{}\t{}\t{}\tmm\t{}\t{}\t{}\nFrame#\tTime", rate, rate, frames, points.points.size(), rate,
-                      points.frame.empty() ? 1 : points.frame.front() + 1, frames);
+  text += fmt::format("\n{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}\nFrame#\tTime", rate, rate, frames, points.points.size(), unit,
+                      rate, points.frame.empty() ? 1 : points.frame.front() + 1, frames);
   for (std::size_t m = 0; m < points.points.size(); ++m) text.append(m ? "\t\t\t" : "\t").append(points.points[m].name);
   text += "\n\t";
   for (std::size_t m = 1; m <= points.points.size(); ++m) text += fmt::format("\tX{}\tY{}\tZ{}", m, m, m);
@@ -118,7 +135,7 @@ void WriteTrc(const std::filesystem::path& path, const PointRecording& points) {
     for (const PointTrack& point : points.points) {
       last_missing = !point.positions[i].allFinite();
       for (int axis = 0; axis < 3; ++axis)
-        text.append("\t").append(last_missing ? "" : FormatNumber(point.positions[i][axis]));
+        text.append("\t").append(last_missing ? "" : FormatNumber(point.positions[i][axis] / *mm_per_unit));
     }
     text += last_missing ? "\t\n" : "\n";  // OpenSim counts the last missing cell only when a tab follows it
   }

@@ -2,16 +2,13 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/exchange/c3d.h"
+#include "lake/exchange/dltdv.h"
 #include "lake/exchange/kinovea.h"
-#include "lake/exchange/mot.h"
-#include "lake/exchange/tracker.h"
-#include "lake/exchange/trc.h"
+#include "text_lines.h"
 
 namespace lake {
 namespace {
@@ -47,15 +44,6 @@ PointTrack TakePoint(const PointRecording& points, const std::string& expression
       result.positions[i] += track->positions[i] / static_cast<double>(wanted.size());
   }
   return result;
-}
-
-PointRecording Rename(const PointRecording& points, const std::map<std::string, std::string>& names,
-                      const fs::path& path) {
-  if (names.empty()) return points;
-  PointRecording renamed = points;
-  renamed.points.clear();
-  for (const auto& [name, expression] : names) renamed.points.push_back(TakePoint(points, expression, name, path));
-  return renamed;
 }
 
 // Lake's own tables keep sigmas and statuses.
@@ -133,39 +121,23 @@ double OutOfPlane(const PointRecording& points, const Eigen::Vector3d& normal) {
   return count > 0 ? std::sqrt(std::max(0.0, square / static_cast<double>(count))) : 0;
 }
 
-MarkerRecording ProjectOntoPlane(const PointRecording& points, const TrialOptions& options, Trial& trial) {
-  const Eigen::Vector3d up = Eigen::Vector3d::Unit(AxisIndex(options.up.value_or(points.up_axis)));
-  Eigen::Vector3d forward;
-  if (options.forward.empty()) {
-    forward = FitForward(points, up, trial.file);
-  } else {
-    forward = ParseDirection(options.forward);
-    if (std::abs(forward.dot(up)) > 0.5)
-      throw UsageError(fmt::format("--forward '{}' is the vertical; give --up too", options.forward));
-    trial.faces_right = true;
-  }
-  trial.out_of_plane_mm = OutOfPlane(points, forward.cross(up));
-  PointRecording plane = points;
-  plane.space = PointSpace::kPlane;
-  for (PointTrack& point : plane.points)
-    for (Eigen::Vector3d& p : point.positions)
-      if (p.allFinite()) p = {p.dot(forward), p.dot(up), 0};
-  return MarkersFromPoints(plane);
-}
-
 void ReadTable(const fs::path& path, const TrialOptions& options, Trial& trial) {
   trial.recording = Rename(ReadMarkerCsv(path), options.names, path);
 }
 
-fs::path FileOfFolder(const fs::path& folder) {
-  for (const char* name : {"trajectory.csv", "tracks.csv"})
-    if (fs::is_regular_file(folder / name)) return folder / name;
-  throw Fail("{}: the folder has neither trajectory.csv nor tracks.csv; is it one that lake-track wrote?",
-             folder.string());
+Eigen::Vector3d UpDirection(const PointRecording& points, const TrialOptions& options) {
+  return Eigen::Vector3d::Unit(AxisIndex(options.up.value_or(points.up_axis)));
+}
+
+Eigen::Vector3d GivenForward(const TrialOptions& options, const Eigen::Vector3d& up) {
+  const Eigen::Vector3d forward = ParseDirection(options.forward);
+  if (std::abs(forward.dot(up)) > 0.5)
+    throw UsageError(fmt::format("--forward '{}' is the vertical; give --up too", options.forward));
+  return forward;
 }
 
 bool IsOwnTable(const fs::path& path) {
-  return path.extension() == ".csv" && !IsKinovea(path);
+  return Lower(path.extension().string()) == ".csv" && !IsKinovea(path) && !IsDltdv(path);
 }
 
 }  // namespace
@@ -182,30 +154,59 @@ std::map<std::string, std::string> ParseNameMap(const std::string& text) {
   return names;
 }
 
-PointRecording ReadPoints(const fs::path& path, double mm_per_unit) {
-  if (fs::is_directory(path)) return PointsFromMarkers(ReadMarkerCsv(FileOfFolder(path)));
-  if (!fs::exists(path)) throw Fail("{}: no such file", path.string());
-  const std::string extension = path.extension().string();
-  if (extension == ".trc") return ReadTrc(path);
-  if (extension == ".c3d") return ReadC3d(path);
-  if (extension == ".trk") return ReadTrk(path);
-  if (extension == ".txt") return ReadTrackerText(path, mm_per_unit);
-  if (extension == ".csv")
-    return IsKinovea(path) ? ReadKinovea(path, mm_per_unit) : PointsFromMarkers(ReadMarkerCsv(path));
-  throw Fail("{}: unknown kind of file; .trc, .c3d, .trk, .txt (Tracker), .csv (lake, Kinovea) are known",
-             path.string());
+PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options) {
+  Eigen::Matrix3d model_from_file;
+  const Eigen::Vector3d up = UpDirection(points, options), forward = GivenForward(options, up);
+  model_from_file << forward.transpose(), up.transpose(), forward.cross(up).transpose();
+  PointRecording facing = points;
+  facing.up_axis = 'y';
+  for (PointTrack& point : facing.points)
+    for (Eigen::Vector3d& p : point.positions) p = model_from_file * p;
+  return facing;
+}
+
+PointRecording RenamePoints(const PointRecording& points, const std::map<std::string, std::string>& names,
+                            const fs::path& path) {
+  if (names.empty()) return points;
+  PointRecording renamed = points;
+  renamed.points.clear();
+  for (const auto& [name, expression] : names) renamed.points.push_back(TakePoint(points, expression, name, path));
+  return renamed;
+}
+
+PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options, const fs::path& path,
+                                        double* out_of_plane_mm) {
+  const Eigen::Vector3d up = UpDirection(points, options);
+  const Eigen::Vector3d forward = options.forward.empty() ? FitForward(points, up, path) : GivenForward(options, up);
+  *out_of_plane_mm = OutOfPlane(points, forward.cross(up));
+  PointRecording plane = points;
+  plane.space = PointSpace::kPlane;
+  for (PointTrack& point : plane.points)
+    for (Eigen::Vector3d& p : point.positions)
+      if (p.allFinite()) p = {p.dot(forward), p.dot(up), 0};
+  plane.warnings.push_back(fmt::format(
+      "{}: three dimensions are projected onto the vertical plane {}; the leg moves {:.1f} mm RMS across it",
+      path.string(), options.forward.empty() ? "in which the leg moves most" : "along " + options.forward,
+      *out_of_plane_mm));
+  return plane;
 }
 
 Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
   Trial trial;
-  trial.file = fs::is_directory(path) ? FileOfFolder(path) : path;
+  trial.file = fs::is_directory(path) ? TableOfFolder(path) : path;
   if (IsOwnTable(trial.file) && fs::exists(trial.file)) {
     ReadTable(trial.file, options, trial);
   } else {
-    const PointRecording points = Rename(ReadPoints(trial.file, options.mm_per_unit), options.names, trial.file);
+    PointRecording points =
+        RenamePoints(ReadPoints(trial.file, options.mm_per_unit, options.rate_hz), options.names, trial.file);
+    if (points.axes) points = PointsInPlane(points);
+    if (points.space == PointSpace::kSpace) {
+      points = ProjectOntoSagittalPlane(points, options, trial.file, &trial.out_of_plane_mm);
+      if (!options.forward.empty()) trial.faces_right = true;
+    }
     trial.mm_per_px = points.mm_per_px;
-    trial.recording =
-        points.space == PointSpace::kSpace ? ProjectOntoPlane(points, options, trial) : MarkersFromPoints(points);
+    trial.warnings = points.warnings;
+    trial.recording = MarkersFromPoints(points);
   }
   if (!options.forward.empty() && !trial.faces_right) {
     const Eigen::Vector3d forward = ParseDirection(options.forward);
@@ -213,39 +214,6 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
     trial.faces_right = forward.x() > 0;
   }
   return trial;
-}
-
-void WritePoints(const fs::path& path, const PointRecording& points) {
-  const std::string extension = path.extension().string();
-  if (extension == ".trc") return WriteTrc(path, points);
-  if (extension == ".c3d") return WriteC3d(path, points);
-  if (extension == ".txt") return WriteTrackerText(path, points);
-  if (path.filename().string().ends_with("_kinovea.csv")) return WriteKinovea(path, points);
-  if (extension == ".csv") return WriteMarkerCsv(path, MarkersFromPoints(points));
-  throw UsageError(
-      fmt::format("{}: .trc, .c3d, .txt (Tracker), .csv (lake) or _kinovea.csv can be written", path.string()));
-}
-
-std::vector<fs::path> ExportTrial(const std::vector<std::string>& formats, const fs::path& folder,
-                                  const std::string& name, const PointRecording& points, const LegMotion* motion) {
-  static constexpr std::array<std::pair<const char*, const char*>, 4> kFiles = {
-      {{"trc", ".trc"}, {"c3d", ".c3d"}, {"tracker", "_tracker.txt"}, {"kinovea", "_kinovea.csv"}}};
-  std::vector<fs::path> written;
-  for (const std::string& format : formats) {
-    const auto found =
-        std::find_if(kFiles.begin(), kFiles.end(), [&](const auto& file) { return format == file.first; });
-    if (found != kFiles.end()) {
-      written.push_back(folder / (name + found->second));
-      WritePoints(written.back(), points);
-    } else if (format == "mot") {
-      if (!motion) throw Fail("export: a MOT file needs the leg's angles, which this recording does not give");
-      written.push_back(folder / (name + ".mot"));
-      WriteMot(written.back(), MotFromLegMotion(*motion));
-    } else {
-      throw UsageError(fmt::format("export '{}': trc, mot, c3d, tracker or kinovea", format));
-    }
-  }
-  return written;
 }
 
 }  // namespace lake

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <map>
-
 #include "lake/core/error.h"
 #include "lake/render/leg_figure.h"
 
@@ -24,10 +22,9 @@ void SayWarnings(const Trial& trial, const LegFitResult& result, Run& run) {
 }  // namespace
 
 double MmPerUnit(const std::string& unit) {
-  static const std::map<std::string, double> kUnits = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
-  const auto found = kUnits.find(unit);
-  if (found == kUnits.end()) throw UsageError(fmt::format("--unit '{}': mm, cm or m", unit));
-  return found->second;
+  const std::optional<double> mm_per_unit = FindMmPerUnit(unit);
+  if (!mm_per_unit) throw UsageError(fmt::format("--unit '{}': mm, cm or m", unit));
+  return *mm_per_unit;
 }
 
 Facing ParseFacing(const std::string& text) {

@@ -5,7 +5,7 @@
 
 #include "corrections.h"
 #include "lake/core/error.h"
-#include "lake/exchange/trial.h"
+#include "lake/exchange/formats.h"
 #include "lake/render/leg_figure.h"
 #include "lake/render/overlay_video.h"
 #include "lake/render/tracks_figure.h"
@@ -114,12 +114,15 @@ void WarnOfVideo(const VideoInfo& video, Run& run) {
     run.Warn("the video is interlaced: its two fields were taken at different times; record progressively");
 }
 
-void Export(const TrackRunOptions& options, const MarkerRecording& tracks, const MarkerRecording& trajectory,
-            const LegMotion* motion, Run& run) {
+void Export(const TrackRunOptions& options, const VideoInfo& video, const LegView& view, const MarkerRecording& tracks,
+            const MarkerRecording& trajectory, const LegMotion* motion, Run& run) {
   if (options.exports.empty()) return;
   run.Result("tracks.csv");
-  const MarkerRecording& points = trajectory.unit == LengthUnit::kMm ? trajectory : tracks;
-  ExportTrial(options.exports, run.Folder(), options.video.stem().string(), PointsFromMarkers(points), motion);
+  ExportedTrial trial{PointsFromMarkers(trajectory.unit == LengthUnit::kMm ? trajectory : tracks),
+                      PointsFromMarkers(tracks), motion};
+  trial.image.video = SourceVideo{std::filesystem::absolute(options.video).string(), video.width, video.height};
+  if (!view.camera && !view.camera_from_plane) trial.image.mm_per_px = view.mm_per_px;
+  ExportTrial(options.exports, run.Folder(), options.video.stem().string(), trial);
 }
 
 void WriteOverlay(const TrackRunOptions& options, const OverlayContent& content, Run& run) {
@@ -146,7 +149,7 @@ Json RunLeg(const TrackRunOptions& options, const TrackResult& tracked, const Le
   if (fit.trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), fit.trajectory);
   WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   WriteEventsCsv(run.Result("events.csv"), fit.events);
-  Export(options, tracks, fit.trajectory, &fit.motion, run);
+  Export(options, tracked.video, view, tracks, fit.trajectory, &fit.motion, run);
   DrawLegFigure(run.Result("track.png"), fit, options.video.filename().string());
   WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
   return LegFitJson(fit);
@@ -158,7 +161,7 @@ Json RunPoints(const TrackRunOptions& options, const TrackResult& tracked, const
   const MarkerRecording trajectory = InPlane(tracked.recording, view);
   WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
   if (trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), trajectory);
-  Export(options, tracked.recording, trajectory, nullptr, run);
+  Export(options, tracked.video, view, tracked.recording, trajectory, nullptr, run);
   DrawTracksFigure(run.Result("track.png"), trajectory, options.video.filename().string());
   WriteOverlay(options, {tracked.recording}, run);
   return Json::object();
@@ -175,10 +178,7 @@ void CheckOptions(const TrackRunOptions& options) {
     throw UsageError("--vertical: the ends of a plumb line must differ in height by at least 1 px");
   if (options.corrections && !std::filesystem::exists(*options.corrections))
     throw Fail("{}: no such file", options.corrections->string());
-  static const std::vector<std::string> kFormats = {"trc", "mot", "c3d", "tracker", "kinovea"};
-  for (const std::string& format : options.exports)
-    if (std::find(kFormats.begin(), kFormats.end(), format) == kFormats.end())
-      throw UsageError(fmt::format("--export {}: not a format; there are {}", format, fmt::join(kFormats, ", ")));
+  CheckExportFormats(options.exports);
 }
 
 }  // namespace

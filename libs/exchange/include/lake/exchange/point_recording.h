@@ -26,6 +26,18 @@ struct PointTrack {
   std::vector<Eigen::Vector3d> positions;  // one per frame; NaN where missing
 };
 
+// The axes that a project of Tracker lays into the image.
+struct ImageAxes {
+  Eigen::Vector2d origin_px = Eigen::Vector2d::Zero();  // image frame
+  double angle_deg = 0;                                 // from the image's right to x, counter-clockwise as seen
+};
+
+// The video that points of the image were seen in, for programs that open both.
+struct SourceVideo {
+  std::string file;
+  int width_px = 0, height_px = 0;
+};
+
 struct PointRecording {
   PointSpace space = PointSpace::kSpace;
   char up_axis = 'y';               // of kSpace: x, y or z
@@ -33,6 +45,9 @@ struct PointRecording {
   std::vector<double> time_s;       // increasing
   std::vector<PointTrack> points;
   std::optional<double> mm_per_px;  // of kImage, if the file has a scale
+  std::optional<ImageAxes> axes;    // of kImage, if the file has its own; else x right, y up from the top-left pixel
+  std::optional<SourceVideo> video;
+  std::vector<std::string> warnings;  // what is odd in the file, one line each
 
   const PointTrack* Find(std::string_view name) const;
 };
@@ -42,6 +57,18 @@ PointRecording PointsFromMarkers(const MarkerRecording& markers);
 
 // The other way, for points in a plane (kImage, kPlane); sigma 0, as files do not say. Throws Error for kSpace.
 MarkerRecording MarkersFromPoints(const PointRecording& points);
+
+// Points of an image with a scale, in mm along the file's axes; others as they are.
+PointRecording PointsInPlane(const PointRecording& points);
+
+// Points in space, turned so that `up` is the vertical: y and z change places about x, x comes by turning all three.
+PointRecording PointsTurnedUp(PointRecording points, char up);
+
+// Names that stand more than once get _2, _3, …
+std::vector<std::string> UniqueNames(std::vector<std::string> names);
+
+// mm per unit of "mm", "cm", "m"; nullopt for others.
+std::optional<double> FindMmPerUnit(std::string_view unit);
 
 // Average frame rate in Hz; 0 for fewer than two frames.
 double FrameRate(const std::vector<double>& time_s);

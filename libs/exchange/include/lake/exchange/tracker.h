@@ -15,8 +15,13 @@ PointRecording ReadTrackerText(const std::filesystem::path& path, double mm_per_
 // Points in the image are written in px with Tracker's pixel centres at 0.5.
 void WriteTrackerText(const std::filesystem::path& path, const PointRecording& points);
 
-// A .trk project: the point masses, in px of the image (Tracker's 0.5 subtracted); time from the clip's frame duration;
-// the scale from the coordinate system if its length unit is known.
+// A .trk project, or the first one of a .trz archive: the point masses, in px of the image (Tracker's 0.5 subtracted);
+// times as Tracker shows them (start time, start frame, frame duration); the axes, and the scale if the project's
+// length unit is known. Throws Error naming the file and what is wrong.
 PointRecording ReadTrk(const std::filesystem::path& path);
+
+// A .trk project that shows the points over the video, with axes and scale. Tracker's frames are all equally long.
+// Throws Error unless the points are in px.
+void WriteTrk(const std::filesystem::path& path, const PointRecording& points);
 
 }  // namespace lake

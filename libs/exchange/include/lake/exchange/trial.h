@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "lake/exchange/point_recording.h"
-#include "lake/motion/leg_motion.h"
+#include "lake/exchange/formats.h"
 
 namespace lake {
 
@@ -17,6 +16,7 @@ struct TrialOptions {
   std::optional<char> up;                    // x, y or z of a 3-D file; default: the file's own, TRC y, C3D z
   std::string forward;                       // "x", "+x", "-z", …; empty: the plane is fitted to the leg's motion
   double mm_per_unit = 1;                    // of files that do not say their unit
+  double rate_hz = 0;                        // of files without times (DLTdv)
 };
 
 struct Trial {
@@ -31,22 +31,23 @@ struct Trial {
 // "ankle=RANK,knee=RKNE" as a map. Throws UsageError.
 std::map<std::string, std::string> ParseNameMap(const std::string& text);
 
-// A lake-track folder, .csv (lake's own or Kinovea's), .trc, .c3d, .trk, .txt (Tracker). Three dimensions are projected
-// onto the vertical plane that holds `forward`, or that fits the movement of the segments between ankle, knee and hip
-// best. Throws Error: a file of an unknown kind, a name that is not in it (the message lists those that are).
+// Whatever ReadPoints (formats.h) reads. Three dimensions are projected onto the vertical plane that holds `forward`,
+// or that fits the movement of the segments between ankle, knee and hip best, and a warning says so; Tracker's projects
+// with a scale come in mm along their own axes. Throws Error: a file of an unknown kind, a name that is not in it (the
+// message lists those that are).
 Trial ReadTrial(const std::filesystem::path& path, const TrialOptions& options = {});
 
-// As it stands in the file, before naming and projection.
-PointRecording ReadPoints(const std::filesystem::path& path, double mm_per_unit = 1);
+// 3-D points as they are seen from the side: kPlane, x along `options.forward` or the fitted direction; the fit needs
+// the names ankle, knee and hip. The RMS movement across the plane goes to `out_of_plane_mm`.
+PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options,
+                                        const std::filesystem::path& path, double* out_of_plane_mm);
 
-// By the extension: .trc, .c3d, .txt (Tracker), .csv (lake's own; "_kinovea.csv" for Kinovea's). Throws Error for
-// others.
-void WritePoints(const std::filesystem::path& path, const PointRecording& points);
+// 3-D points in the axes that OpenSim's models stand in: x where the subject faces (`options.forward`), y up, z to the
+// right. Throws UsageError if `forward` is the vertical.
+PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options);
 
-// The files of `lake-track --export`: NAME.trc, NAME.c3d, NAME_tracker.txt, NAME_kinovea.csv, and for mot the knee
-// angle. Throws UsageError for an unknown format.
-std::vector<std::filesystem::path> ExportTrial(const std::vector<std::string>& formats,
-                                               const std::filesystem::path& folder, const std::string& name,
-                                               const PointRecording& points, const LegMotion* motion);
+// Only the named points, under their own names.
+PointRecording RenamePoints(const PointRecording& points, const std::map<std::string, std::string>& names,
+                            const std::filesystem::path& path);
 
 }  // namespace lake

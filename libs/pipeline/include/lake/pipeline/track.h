@@ -25,7 +25,7 @@ struct TrackRunOptions {
   std::map<std::string, double> depth_mm;            // by marker: how far it stands proud of the plane
   std::optional<std::filesystem::path> corrections;  // frame,marker,x_px,y_px
   bool overlay = true;
-  std::vector<std::string> exports;  // trc, mot, c3d, tracker, kinovea
+  std::vector<std::string> exports;  // as CheckExportFormats (exchange/formats.h) knows them
 };
 
 // Writes everything that interfaces.md lists for lake-track through `run` and returns the results for the summary.

@@ -1,0 +1,106 @@
+// Every reader, on files that are damaged: an answer or an Error of one line, never anything else. The same for longer,
+// and led by coverage, in tests/fuzz.
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <random>
+
+#include "lake/core/atomic_file.h"
+#include "lake/exchange/formats.h"
+#include "lake/exchange/mot.h"
+#include "recordings.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+
+void ReadAny(const fs::path& path) {
+  if (path.extension() == ".mot")
+    ReadMot(path);
+  else
+    ReadPoints(path, 1, 50);
+}
+
+class DamagedFiles : public testing::TestWithParam<const char*> {
+ protected:
+  fs::path WriteSample() const {
+    const std::string name = GetParam();
+    const fs::path path = folder_ / name;
+    const bool in_image = name.ends_with(".trk") || name.ends_with(".kva") || name.ends_with(".trz");
+    const PointRecording points = MakePoints(in_image ? PointSpace::kImage : PointSpace::kPlane, 12, 3, 6);
+    if (name.ends_with(".mot"))
+      WriteMot(path, {"knee", true, {"a", "b"}, {0, 0.1, 0.2}, {{1, 2}, {3, std::nan("")}, {5, 6}}});
+    else if (name == "dltdv.csv")
+      WriteFile(path, "pt1_cam1_X,pt1_cam1_Y,pt2_cam1_X,pt2_cam1_Y\n1,2,3,4\nNaN,NaN,5,6\n7,8,9,10\n");
+    else if (name.ends_with(".trz")) {
+      WritePoints(folder_ / "inner.trk", points);
+      WriteZip(path, "inner.trk", ReadTextFile(folder_ / "inner.trk"));
+    } else
+      WritePoints(path, points);
+    return path;
+  }
+
+  // Whether it was refused.
+  bool Refuses(const std::string& bytes) const {
+    const fs::path path = WriteFile(folder_ / (std::string("bad_") + GetParam()), bytes);
+    try {
+      ReadAny(path);
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      return true;
+    }
+    return false;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_P(DamagedFiles, NeverCrash) {
+  const std::string good = ReadTextFile(WriteSample());
+  EXPECT_FALSE(Refuses(good));
+  std::mt19937 random(6);
+  int refused = 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+  for (int round = 0; round < 1500 && std::chrono::steady_clock::now() < end; ++round) {
+    std::string bad = good;
+    // The head decides most, so half of the changes go there.
+    for (int i = 0; i < 3; ++i)
+      bad[random() % (i % 2 ? bad.size() : std::min<std::size_t>(bad.size(), 800))] = static_cast<char>(random());
+    if (round % 4 == 0) bad.resize(random() % bad.size());
+    if (round % 7 == 0) bad.insert(random() % (bad.size() + 1), bad.substr(random() % (bad.size() + 1), 60));
+    refused += Refuses(bad) ? 1 : 0;
+  }
+  EXPECT_GT(refused, 50);
+}
+
+TEST_P(DamagedFiles, NumbersThatAskForTooMuchAreRefusedOrRead) {
+  const std::string good = ReadTextFile(WriteSample());
+  for (const char* number :
+       {"99999999999", "-1", "1e308", "4294967295", "nan", "inf", "1e-320", "18446744073709551616"})
+    for (std::size_t at = good.find_first_of("0123456789"); at < std::min<std::size_t>(good.size(), 3000);
+         at = good.find_first_of("0123456789", good.find_first_not_of("0123456789.", at))) {
+      std::string bad = good;
+      bad.replace(at, good.find_first_not_of("0123456789.", at) - at, number);
+      Refuses(bad);
+    }
+}
+
+TEST_P(DamagedFiles, CutAnywhereNeverCrash) {
+  const std::string good = ReadTextFile(WriteSample());
+  for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / 400) Refuses(good.substr(0, size));
+  EXPECT_TRUE(Refuses(""));
+}
+
+INSTANTIATE_TEST_SUITE_P(, DamagedFiles,
+                         testing::Values("a.trc", "a.c3d", "a.txt", "a.trk", "a.trz", "a_kinovea.csv", "a.kva",
+                                         "lake.csv", "dltdv.csv", "a.mot"),
+                         [](const auto& info) {
+                           std::string name = info.param;
+                           std::replace(name.begin(), name.end(), '.', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace lake
