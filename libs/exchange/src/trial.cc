@@ -50,7 +50,7 @@ PointTrack TakePoint(const PointRecording& points, const std::string& expression
 MarkerRecording Rename(MarkerRecording markers, const std::map<std::string, std::string>& names, const fs::path& path) {
   for (const auto& [name, wanted] : names) {
     const auto found = std::find_if(markers.markers.begin(), markers.markers.end(),
-                                    [&](const MarkerTrack& m) { return m.name == wanted; });
+                                    [&marker = wanted](const MarkerTrack& m) { return m.name == marker; });
     if (found == markers.markers.end()) {
       std::vector<std::string> known;
       for (const MarkerTrack& marker : markers.markers) known.push_back(marker.name);

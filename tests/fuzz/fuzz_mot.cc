@@ -1,0 +1,6 @@
+#include "fuzz_reader.h"
+#include "lake/exchange/mot.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  return lake::ReadBytes(data, size, ".mot", [](const std::filesystem::path& path) { lake::ReadMot(path); });
+}
