@@ -68,6 +68,27 @@ TEST_F(Formats, TrcDialects) {
   EXPECT_EQ(points.Find("B")->positions[1].z(), 3000);
 }
 
+TEST_F(Formats, TrcWithABomDecimalCommasAndFramesFrom0) {
+  const PointRecording points =
+      ReadTrc(Write("c.trc", "\xEF\xBB\xBF" + std::string(kTrcHead) +
+                                 "50\t50\t2\t1\tcm\t50\t0\t2\r\nFrame#\tTime\tA\r\n\t\tX1\tY1\tZ1\r\n"
+                                 "0\t0,00\t1,5\t-2,25\t3\r\n1\t0,02\t1.5\t2\t3\r\n"));
+  EXPECT_EQ(points.points[0].positions[0], Eigen::Vector3d(15, -22.5, 30));
+  EXPECT_EQ(points.time_s[1], 0.02);
+  EXPECT_EQ(points.frame.front(), 0);
+  EXPECT_TRUE(points.warnings.empty());
+}
+
+TEST_F(Formats, NamesThatWouldBreakATableAreRefused) {
+  PointRecording points = MakePoints(PointSpace::kPlane, 3, 1, 1);
+  for (const char* name : {"", "a\tb", "a\nb"}) {
+    points.points[0].name = name;
+    EXPECT_THAT(MessageOf([&] { WriteTrc(folder_ / "n.trc", points); }), testing::HasSubstr("--map"));
+    EXPECT_THAT(MessageOf([&] { WriteTrackerText(folder_ / "n.txt", points); }), testing::HasSubstr("--map"));
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "n.trc"));
+}
+
 TEST_F(Formats, TrcErrorsSayWhere) {
   const std::string head = kTrcHead, values = "100\t100\t1\t1\tmm\t100\t1\t1\n",
                     names = "Frame#\tTime\tA\n\t\tX1\tY1\tZ1\n";

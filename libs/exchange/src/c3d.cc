@@ -46,8 +46,9 @@ std::vector<std::string> ReadLabels(const C3dParameters& parameters, std::size_t
     const std::vector<std::string> more = parameters.Texts(fmt::format("POINT:LABELS{}", i));
     labels.insert(labels.end(), more.begin(), more.end());
   }
-  for (std::size_t i = labels.size(); i < points; ++i) labels.push_back(fmt::format("point{}", i + 1));
   labels.resize(points);
+  for (std::size_t i = 0; i < points; ++i)
+    if (labels[i].empty()) labels[i] = fmt::format("point{}", i + 1);
   return labels;
 }
 

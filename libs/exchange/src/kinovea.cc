@@ -14,11 +14,6 @@ namespace {
 
 constexpr std::size_t kMostColumns = 10'000;
 
-struct Dialect {
-  char separator = ',';
-  bool decimal_comma = false;
-};
-
 // Cells between separators; a quoted cell may hold the separator, and a quote as two.
 std::vector<std::string> SplitQuoted(const std::string& line, char separator, const std::string& where) {
   std::vector<std::string> cells(1);
@@ -38,18 +33,14 @@ std::vector<std::string> SplitQuoted(const std::string& line, char separator, co
   return cells;
 }
 
-Dialect FindDialect(const std::string& header) {
+// Comma; semicolon where the comma is the decimal point.
+char FindSeparator(const std::string& header) {
   bool quoted = false;
   for (const char c : header) {
     if (c == '"') quoted = !quoted;
-    if (c == ';' && !quoted) return {';', true};
+    if (c == ';' && !quoted) return ';';
   }
-  return {};
-}
-
-std::optional<double> CellNumber(std::string cell, const Dialect& dialect, const std::string& where) {
-  if (dialect.decimal_comma) std::replace(cell.begin(), cell.end(), ',', '.');
-  return NumberOrMissing(cell, where);
+  return ',';
 }
 
 struct Column {
@@ -89,22 +80,22 @@ bool IsKinovea(const std::filesystem::path& path) {
 PointRecording ReadKinovea(const std::filesystem::path& path, double mm_per_unit) {
   const TextLines lines(path);
   if (lines.Count() == 0) throw Fail("{}: empty", path.string());
-  const Dialect dialect = FindDialect(lines[0]);
-  const std::vector<std::string> header = SplitQuoted(lines[0], dialect.separator, lines.Where(0));
+  const char separator = FindSeparator(lines[0]);
+  const std::vector<std::string> header = SplitQuoted(lines[0], separator, lines.Where(0));
   const std::vector<Column> columns = FindColumns(header, lines.Where(0));
   PointRecording recording;
   recording.space = PointSpace::kPlane;
   for (const Column& column : columns) recording.points.push_back({column.name, {}});
   for (std::size_t i = 1; i < lines.Count(); ++i) {
     if (lines[i].empty()) continue;
-    const std::vector<std::string> cells = SplitQuoted(lines[i], dialect.separator, lines.Where(i));
+    const std::vector<std::string> cells = SplitQuoted(lines[i], separator, lines.Where(i));
     if (cells.size() != header.size())
       throw Fail("{}: {} cells, but the header has {}", lines.Where(i), cells.size(), header.size());
-    AppendTime(CellNumber(cells[0], dialect, lines.Where(i)), lines.Where(i), recording.time_s);
+    AppendTime(NumberOrMissing(cells[0], lines.Where(i)), lines.Where(i), recording.time_s);
     recording.frame.push_back(static_cast<std::int64_t>(recording.frame.size()));
     for (std::size_t k = 0; k < columns.size(); ++k) {
-      const auto x = CellNumber(cells[columns[k].x], dialect, lines.Where(i)),
-                 y = CellNumber(cells[columns[k].y], dialect, lines.Where(i));
+      const auto x = NumberOrMissing(cells[columns[k].x], lines.Where(i)),
+                 y = NumberOrMissing(cells[columns[k].y], lines.Where(i));
       recording.points[k].positions.push_back(x && y ? Eigen::Vector3d(*x * mm_per_unit, *y * mm_per_unit, 0)
                                                      : PointTrack::Missing());
     }

@@ -48,7 +48,9 @@ std::optional<double> NumberOrMissing(std::string_view cell, const std::string& 
   if (text.empty()) return std::nullopt;
   const std::string lower = Lower(text);
   if (lower == "nan" || lower == "-nan" || lower == "-1.#ind" || lower == "1.#qnan") return std::nullopt;
-  const std::optional<double> value = ParseNumber(text);
+  std::string number(text);
+  if (number.find('.') == std::string::npos) std::replace(number.begin(), number.end(), ',', '.');
+  const std::optional<double> value = ParseNumber(number);
   if (!value) throw Fail("{}: '{}' is not a finite number", where, text);
   return value;
 }
@@ -63,6 +65,12 @@ void AppendTime(std::optional<double> time_s, const std::string& where, std::vec
   if (!time_s) throw Fail("{}: the time is missing", where);
   if (!times_s.empty() && *time_s <= times_s.back()) throw Fail("{}: the time does not increase", where);
   times_s.push_back(*time_s);
+}
+
+void CheckNames(const PointRecording& points, const std::filesystem::path& path) {
+  for (const PointTrack& point : points.points)
+    if (point.name.empty() || point.name.find_first_of("\t\r\n") != std::string::npos)
+      throw Fail("{}: the name '{}' cannot stand in this format: give another with --map", path.string(), point.name);
 }
 
 std::size_t ParseCount(std::string_view cell, const std::string& what, const std::string& where, std::size_t most) {

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "lake/exchange/point_recording.h"
+
 namespace lake {
 
 class TextLines {
@@ -28,12 +30,15 @@ std::vector<std::string> SplitCells(std::string_view line, char separator);
 
 std::string Lower(std::string_view text);
 
-// Empty cells and NaN in any spelling are missing. Throws Error naming the place.
+// Empty cells and NaN in any spelling are missing; a decimal comma is understood. Throws Error naming the place.
 std::optional<double> NumberOrMissing(std::string_view cell, const std::string& where);
 double RequiredNumber(std::string_view cell, const std::string& where);
 
 // A time that must come after the last of those before. Throws Error naming the place.
 void AppendTime(std::optional<double> time_s, const std::string& where, std::vector<double>& times_s);
+
+// Of points to be written between tabs: throws Error for an empty name, or one with a tab or a line end.
+void CheckNames(const PointRecording& points, const std::filesystem::path& path);
 
 // A count from a header. Throws Error unless 0 ≤ count ≤ `most`.
 std::size_t ParseCount(std::string_view cell, const std::string& what, const std::string& where, std::size_t most);

@@ -14,12 +14,6 @@ namespace {
 
 constexpr std::size_t kMostTracks = 10'000;
 
-// A number with decimal point or comma.
-std::optional<double> TrackerNumber(std::string cell, const std::string& where) {
-  if (cell.find('.') == std::string::npos) std::replace(cell.begin(), cell.end(), ',', '.');
-  return NumberOrMissing(cell, where);
-}
-
 // The columns of one track.
 struct TrackColumns {
   std::string name;
@@ -79,7 +73,7 @@ PointRecording ReadTrackerText(const std::filesystem::path& path, double mm_per_
     const std::vector<std::string> cells = SplitCells(lines[i], '\t');
     if (cells.size() == 1 && cells[0].empty()) continue;
     const auto cell = [&](std::size_t c) {
-      return c < cells.size() ? TrackerNumber(cells[c], lines.Where(i)) : std::nullopt;
+      return c < cells.size() ? NumberOrMissing(cells[c], lines.Where(i)) : std::nullopt;
     };
     AppendTime(cell(0), lines.Where(i), recording.time_s);
     recording.frame.push_back(static_cast<std::int64_t>(recording.frame.size()));
@@ -95,6 +89,7 @@ PointRecording ReadTrackerText(const std::filesystem::path& path, double mm_per_
 void WriteTrackerText(const std::filesystem::path& path, const PointRecording& points) {
   if (points.space == PointSpace::kSpace)
     throw Fail("{}: a table of Tracker holds points of a plane only", path.string());
+  CheckNames(points, path);
   const double offset = points.space == PointSpace::kImage ? kPixelCentre : 0;
   std::string text = points.points.size() > 1 ? "#multi:\n" : "", labels = "t";
   for (const PointTrack& point : points.points) text.append("\t").append(point.name).append("\t"), labels += "\tx\ty";

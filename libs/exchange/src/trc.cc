@@ -116,6 +116,7 @@ PointRecording ReadTrc(const std::filesystem::path& path) {
 void WriteTrc(const std::filesystem::path& path, const PointRecording& recording, const std::string& unit) {
   if (recording.space == PointSpace::kImage)
     throw Fail("{}: TRC is in mm; px need a scale or a calibrated plane first", path.string());
+  CheckNames(recording, path);
   const std::optional<double> mm_per_unit = FindMmPerUnit(unit);
   if (!mm_per_unit) throw UsageError(fmt::format("unit '{}': mm, cm or m", unit));
   const PointRecording points = PointsTurnedUp(recording, 'y');
