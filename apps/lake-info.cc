@@ -62,7 +62,8 @@ void PrintMarkers(const lake::Json& markers) {
   for (const lake::Json& marker : markers) {
     fmt::print("  {:<{}}  seen in {} frames", marker["name"].get<std::string>(), width, marker["seen"].dump());
     if (marker["gaps"] != 0)
-      fmt::print(", missing {} times, for {} frames at most", marker["gaps"].dump(), marker["longest_gap_frames"].dump());
+      fmt::print(", missing {} times, for {} frames at most", marker["gaps"].dump(),
+                 marker["longest_gap_frames"].dump());
     fmt::print("\n");
   }
 }
