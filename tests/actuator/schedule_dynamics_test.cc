@@ -44,8 +44,9 @@ TEST(Crawling, BecomesRestsAndStepsAtTheSlowestMeasuredSpeed) {
   EXPECT_NEAR(worst, 0.1 * (2 - 0.2 / 0.44), 1e-3);
   for (double t : {1.0, 3.0, 7.0, 11.0, 12.0, 14.0}) EXPECT_NEAR(schedule.StrokeAt(t), plan.StrokeAt(t), 1e-9) << t;
   for (const ScheduleRow& row : SampleSchedule(schedule, 50, &table))
-    if (row.direction != 0)
+    if (row.direction != 0) {
       ASSERT_GE(std::abs(row.speed_mm_s), table.Curve(row.direction).LeastMovingSpeed() * (1 - 1e-6)) << row.time_s;
+    }
 }
 
 // Random programs around the slowest speed: never slower, every rest long enough for the brake, ends where it should,
@@ -78,7 +79,9 @@ TEST(Crawling, KeepsItsWordForAnyProgram) {
         continue;
       }
       ASSERT_GE(std::abs(v), 0.998 * table.Curve(direction).LeastMovingSpeed()) << "seed " << seed;
-      if (rest_s > 0) ASSERT_GE(rest_s, 0.1 - 1e-9) << "seed " << seed << " at " << a.time_s;
+      if (rest_s > 0) {
+        ASSERT_GE(rest_s, 0.1 - 1e-9) << "seed " << seed << " at " << a.time_s;
+      }
       rest_s = 0;
     }
     if (crawl.added_rest_s > 0) continue;  // then the times are not comparable

@@ -94,6 +94,7 @@ TEST_F(FirmwareTest, ASilentHostHoldsTheProgram) {
   rig_->KeepTalking(true);
   rig_->SendNow('~');
   EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 3)) << "and goes on where it was";
+  rig_->Run(0.1);
   EXPECT_NEAR(rig_->Stroke(), 316, 4 * 0.04 + stroke_table_.pwm_error_mm + 0.02);
 }
 
