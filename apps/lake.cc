@@ -53,7 +53,7 @@ int Complain(const std::string& text) {
 
 int main(int argc, char** argv) {
   const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
-  if (argc < 2) return Complain("which step?");
+  if (argc < 2) return Complain("a step is missing");
   const std::string_view step = argv[1];
   if (step == "--help" || step == "-h" || step == "help") {
     PrintHelp(folder);

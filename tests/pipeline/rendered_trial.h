@@ -81,27 +81,49 @@ inline TrackErrors CompareTracks(const MarkerRecording& tracks, const Scene& sce
 
 struct KneeErrors {
   double fitted_deg = 0, raw_deg = 0;  // rms
+  double seen_deg = 0;                 // rms of fitted where ankle, knee and hip are all visible
+  double peak_deg = 0;                 // largest error of largest flexion and extension
+  double z_deviation = 0;              // of error / sigma of the fitted angle
+  double within_2_sd = 0;              // share of frames
   int frames = 0, raw_frames = 0;
 };
 
 inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const Scene& scene) {
   const CsvTable table = CsvTable::Read(kinematics_csv);
   const std::size_t frame = table.Column("frame"), fitted = table.Column("knee_deg"),
-                    raw = table.Column("knee_raw_deg");
+                    sigma = table.Column("knee_sigma_deg"), raw = table.Column("knee_raw_deg");
   KneeErrors errors;
-  double fitted_sum = 0, raw_sum = 0;
+  double fitted_sum = 0, seen_sum = 0, raw_sum = 0, z_sum = 0;
+  double least = INFINITY, most = -INFINITY, true_least = INFINITY, true_most = -INFINITY;
+  int within = 0, seen_frames = 0;
   for (std::size_t row = 0; row < table.Rows(); ++row) {
-    const double truth = scene.Truth(static_cast<int>(table.RequiredNumber(row, frame))).knee_deg;
-    if (const auto angle = table.Number(row, fitted)) fitted_sum += std::pow(*angle - truth, 2), ++errors.frames;
+    const FrameTruth frame_truth = scene.Truth(static_cast<int>(table.RequiredNumber(row, frame)));
+    const double truth = frame_truth.knee_deg;
+    const bool seen = std::all_of(kLegMarkers.begin(), kLegMarkers.begin() + 3, [&](const char* marker) {
+      return frame_truth.markers[static_cast<std::size_t>(IndexOfMarker(scene.Motion(), marker))].visible;
+    });
+    true_least = std::min(true_least, truth), true_most = std::max(true_most, truth);
+    if (const auto angle = table.Number(row, fitted)) {
+      const double z = (*angle - truth) / table.RequiredNumber(row, sigma);
+      fitted_sum += std::pow(*angle - truth, 2), z_sum += z * z, within += std::abs(z) <= 2, ++errors.frames;
+      if (seen) seen_sum += std::pow(*angle - truth, 2), ++seen_frames;
+      least = std::min(least, *angle), most = std::max(most, *angle);
+    }
     if (const auto angle = table.Number(row, raw)) raw_sum += std::pow(*angle - truth, 2), ++errors.raw_frames;
   }
   errors.fitted_deg = RootMean(fitted_sum, errors.frames), errors.raw_deg = RootMean(raw_sum, errors.raw_frames);
+  errors.seen_deg = RootMean(seen_sum, seen_frames);
+  errors.peak_deg = std::max(std::abs(least - true_least), std::abs(most - true_most));
+  errors.z_deviation = RootMean(z_sum, errors.frames);
+  errors.within_2_sd = errors.frames > 0 ? static_cast<double>(within) / errors.frames : 0;
   return errors;
 }
 
 // A scene, its recording and a run on it, in a folder that vanishes with it.
 struct RenderedTrial {
-  RenderedTrial(const SceneOptions& options, const RecordingOptions& recording) : scene(options) {
+  RenderedTrial(const SceneOptions& options, const RecordingOptions& recording)
+      : RenderedTrial(Scene(options), recording) {}
+  RenderedTrial(Scene rendered, const RecordingOptions& recording) : scene(std::move(rendered)) {
     WriteRecording(scene, folder.Path(), recording);
   }
 
@@ -129,9 +151,10 @@ struct RenderedTrial {
 inline void Print(const char* what, std::uint64_t seed, const TrackErrors& e, const KneeErrors& k) {
   std::printf(
       "%s, seed %llu: rms %.4f px, worst %.3f, recall %.2f %%, false %d, border %d, z %.2f, filled %.2f px (%d), knee "
-      "%.4f deg, raw %.4f\n",
+      "%.4f deg, seen %.4f, raw %.4f, peaks %.3f, z %.2f, within 2 sd %.1f %%\n",
       what, static_cast<unsigned long long>(seed), e.rms_px, e.worst_px, 100 * e.recall, e.false_samples,
-      e.border_samples, e.z_deviation, e.filled_px, e.filled, k.fitted_deg, k.raw_deg);
+      e.border_samples, e.z_deviation, e.filled_px, e.filled, k.fitted_deg, k.seen_deg, k.raw_deg, k.peak_deg,
+      k.z_deviation, 100 * k.within_2_sd);
 }
 
 }  // namespace lake

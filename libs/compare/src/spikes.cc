@@ -33,7 +33,9 @@ double LocalQuadratic(const std::vector<double>& values, const std::vector<doubl
   return normal.ldlt().solve(right)[0];
 }
 
-std::vector<double> SmoothingResidual(const std::vector<double>& values, int half_window) {
+// What is left of the values after smoothing. Residuals well below `harmless` keep their weight: else curves without
+// noise, whose rests leave nothing, would lose all trust in their motion.
+std::vector<double> SmoothingResidual(const std::vector<double>& values, int half_window, double harmless) {
   constexpr int kRounds = 6;  // of robust reweighting: a spike loses its pull on the smooth course
   std::vector<double> trust(values.size(), 1), residual(values.size());
   for (int round = 0; round < kRounds; ++round) {
@@ -42,8 +44,8 @@ std::vector<double> SmoothingResidual(const std::vector<double>& values, int hal
       residual[i] = values[i] - LocalQuadratic(values, trust, static_cast<int>(i), half_window);
       sizes.push_back(std::abs(residual[i]));
     }
-    const double scale = 6 * Median(sizes);
-    for (std::size_t i = 0; i < values.size(); ++i) trust[i] = scale > 0 ? Bisquare(residual[i] / scale) : 1;
+    const double scale = std::max(6 * Median(sizes), 2 * harmless);
+    for (std::size_t i = 0; i < values.size(); ++i) trust[i] = Bisquare(residual[i] / scale);
   }
   return residual;
 }
@@ -55,7 +57,7 @@ std::vector<bool> FindSpikes(const StsCurve& human, const StsCurve& exo, const S
   for (int axis = 0; axis < 2; ++axis) {
     std::vector<double> difference;
     for (std::size_t i = 0; i < human.knee.size(); ++i) difference.push_back((exo.knee[i] - human.knee[i])[axis]);
-    const std::vector<double> residual = SmoothingResidual(difference, options.half_window);
+    const std::vector<double> residual = SmoothingResidual(difference, options.half_window, options.least_mm);
     const double median = Median(residual);
     std::vector<double> distances;
     for (const double r : residual) distances.push_back(std::abs(r - median));

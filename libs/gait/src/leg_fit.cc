@@ -21,8 +21,12 @@ void CheckRecording(const MarkerRecording& recording, const LegFitOptions& optio
       throw Fail("leg fit: frame {}: time stamp {} does not follow the one before", recording.frame[i],
                  recording.time_s[i]);
   if (std::abs(options.up.norm() - 1) > 1e-6) throw Fail("leg fit: the vertical must be a unit vector");
-  if (options.cutoff_hz && !(*options.cutoff_hz > 0))
-    throw Fail("leg fit: a cutoff of {} Hz is not positive", *options.cutoff_hz);
+  if (!options.cutoff_hz) return;
+  const double rate_hz =
+      static_cast<double>(recording.Frames() - 1) / (recording.time_s.back() - recording.time_s.front());
+  if (!(*options.cutoff_hz > 0) || *options.cutoff_hz >= 0.4 * rate_hz)
+    throw Fail("leg fit: a cutoff of {} Hz must lie between 0 and {:.3g} Hz (0.4 of the frame rate)",
+               *options.cutoff_hz, 0.4 * rate_hz);
 }
 
 std::string Names(const MarkerRecording& recording) {
@@ -77,8 +81,8 @@ std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMa
     for (int m = 0; m < markers; ++m) {
       const Detections& d = leg[static_cast<std::size_t>(m)];
       if (!d.seen[i]) continue;
-      observations.push_back(
-          {static_cast<LegMarker>(m), i, grid.At(time_s[i]), d.track->samples[i].position, d.sigma[i], d.depth_mm});
+      observations.push_back({static_cast<LegMarker>(m), i, grid.At(time_s[i]), d.track->samples[i].position,
+                              d.sigma[i], d.depth_mm, d.trusted[i] != 0});
     }
   return observations;
 }
@@ -119,11 +123,29 @@ struct Solution {
   std::array<double, kLegMarkers> noise_scales;
 };
 
+// Where a marker is hidden while others move, the start is off by pixels, and the biweight would take the others for
+// outliers for good. So its limit comes down to its own value in steps (graduated non-convexity: Blake & Zisserman,
+// Visual Reconstruction, 1987), with the observations that nothing speaks against.
+void Approach(LegModel model, std::vector<double>& coefficients) {
+  constexpr double kFactor = 8;
+  std::erase_if(model.observations, [](const LegObservation& o) { return !o.trusted; });
+  double largest = 0;  // in sigmas
+  for (const LegObservation& o : model.observations)
+    largest = std::max(largest, EvaluateObservation(model, o, coefficients).value.norm() / o.sigma);
+  const double wanted = model.outlier_deviations;
+  if (largest < OrdinaryLimit(model)) return;
+  for (double limit = 2 * largest; limit > wanted; limit /= kFactor) {
+    model.outlier_deviations = limit;
+    SolveLegProblem(model, coefficients);
+  }
+}
+
 // Solves; where the residuals show more noise than the sigmas said, solves again with sigmas that fit them.
 Solution SolveLeg(LegModel model, std::vector<double> coefficients) {
   constexpr double kNoticeable = 1.03;
   Solution solution;
   solution.noise_scales.fill(1);
+  Approach(model, coefficients);
   solution.solve = SolveLegProblem(model, coefficients);
   const auto scales = NoiseScales(model, coefficients, LegCovariance(model, coefficients));
   if (std::any_of(scales.begin(), scales.end(), [](double scale) { return scale > kNoticeable; })) {

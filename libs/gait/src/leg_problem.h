@@ -34,6 +34,7 @@ struct LegObservation {
   Eigen::Vector2d seen;  // as recorded
   double sigma = 1;      // per axis
   double depth_mm = 0;
+  bool trusted = true;  // false: in an excursion, which the robust loss alone decides about
 };
 
 struct LegPrior {

@@ -55,8 +55,10 @@ bool HasLeg(const std::vector<std::string>& names) {
 }
 
 // Puts the fit's positions in the places of the detections. What lies behind a marker's edge displaces it by some
-// thousandths of a pixel that are the same in every frame, so no smoothing makes a position better than that.
-void TakeFittedPositions(const LegFitResult& fit, const LegView& view, MarkerRecording& tracks) {
+// thousandths of a pixel that are the same in every frame, so no smoothing makes a position better than that. Where the
+// fit took a detection for an outlier (a jolt of the heel within a frame or two), what was seen stays.
+void TakeFittedPositions(const LegFitResult& fit, const LegFitOptions& options, const LegView& view,
+                         MarkerRecording& tracks) {
   constexpr double kSystematicPx = 0.006;
   for (std::size_t m = 0; m < tracks.markers.size(); ++m) {
     const double depth = view.Depth(tracks.markers[m].name);
@@ -64,7 +66,9 @@ void TakeFittedPositions(const LegFitResult& fit, const LegView& view, MarkerRec
       MarkerSample& sample = tracks.markers[m].samples[i];
       const MarkerSample& fitted = fit.trajectory.markers[m].samples[i];
       if (sample.status != SampleStatus::kDetected || !fitted.IsKnown()) continue;
-      sample.position = RecordedFromPlane<double>(view, fitted.position, depth);
+      const Eigen::Vector2d position = RecordedFromPlane<double>(view, fitted.position, depth);
+      if ((position - sample.position).norm() > options.outlier_deviations * sample.sigma) continue;
+      sample.position = position;
       sample.sigma = std::hypot(fitted.sigma / PlaneUnitsPerRecorded(view, fitted.position, depth), kSystematicPx);
     }
   }
@@ -110,6 +114,14 @@ void WarnOfVideo(const VideoInfo& video, Run& run) {
     run.Warn(
         fmt::format("the frames' time stamps are irregular ({:.4g} to {:.4g} s apart); each frame's own stamp is used",
                     video.shortest_interval_s, video.longest_interval_s));
+  if (video.repaired_stamps > 0)
+    run.Warn(fmt::format("{} frames have no time stamp: each is put one frame's duration after the one before",
+                         video.repaired_stamps));
+  if (std::abs(video.pixel_aspect - 1) > 0.01)
+    run.Warn(fmt::format(
+        "the video's pixels are not square ({:.3g} wide to 1 high): positions are in its own pixels; only a "
+        "camera calibrated on such pictures makes lengths and angles of them right",
+        video.pixel_aspect));
   if (video.interlaced)
     run.Warn("the video is interlaced: its two fields were taken at different times; record progressively");
 }
@@ -140,7 +152,7 @@ Json RunLeg(const TrackRunOptions& options, const TrackResult& tracked, const Le
   LegFitResult fit = FitLeg(tracked.recording, view, fit_options);
   for (const std::string& warning : fit.warnings) run.Warn(warning);
   MarkerRecording tracks = fit.tracks;
-  if (fit_options.filter == LegFilter::kSpline) TakeFittedPositions(fit, view, tracks);
+  if (fit_options.filter == LegFilter::kSpline) TakeFittedPositions(fit, fit_options, view, tracks);
 
   WriteMarkerCsv(run.Result("tracks.csv"), tracks);
   if (fit.trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), fit.trajectory);

@@ -107,13 +107,16 @@ class JointFit {
   bool Solve() {
     if (!HasEnoughPixels()) return false;
     constexpr double kCostRounding = 1e-5;  // sums are in single precision
-    double damping = 1e-3;
+    constexpr double kFullStep = 1e-3;      // damping up to which a step is Gauss and Newton's
+    double damping = kFullStep;
     double cost = Accumulate(), last_px = INFINITY;
     for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
       const Vector step = Step(damping);
       last_px = CenterStep(step);
       const State before = Save();
       Apply(step);
+      // A full step as small as this needs no proof that it was downhill.
+      if (iteration > 0 && damping <= kFullStep && last_px < options_.converged_px) return AllSane();
       const Matrix normal_before = normal_;
       const Vector gradient_before = gradient_;
       const double new_cost = AllSane() ? Accumulate() : INFINITY;

@@ -234,9 +234,10 @@ class Namer {
       }
     }
     if (count > 0 && bad > 0.2 * count) return std::nullopt;
-    // Without neighbours only what is close in time and place is believed.
-    if (count == 0 && *continuity > 0.3) return std::nullopt;
-    return (count > 0 ? sum / count : 0) + *continuity;
+    if (count > 0) return sum / count + *continuity;
+    // Without neighbours only what is close is believed, and after all that has neighbours.
+    constexpr double kCloseEnough = 0.3, kAfterAllOthers = 100;
+    return *continuity < kCloseEnough ? std::optional(kAfterAllOthers + *continuity) : std::nullopt;
   }
 
   // From the nearest known samples before and after: displacement over what is possible in the time between.
@@ -250,8 +251,10 @@ class Namer {
     if (overlap > kOverlap) return std::nullopt;
     std::optional<double> worst;
     const auto compare = [&](std::size_t known, const TrackletSample& end) {
-      // A marker of radius 8 mm moves at most 3 m/s: 400 radii a second.
-      const double possible = 2 * end.radius_px + 400 * end.radius_px * std::abs(end.time_s - recording_.time_s[known]);
+      // A marker of radius 8 mm moves at most 3 m/s: 400 radii a second; and a metre at most before it turns back.
+      constexpr double kTurns_s = 0.3;
+      const double lost_s = std::min(std::abs(end.time_s - recording_.time_s[known]), kTurns_s);
+      const double possible = (2 + 400 * lost_s) * end.radius_px;
       const double misfit = (samples[known].position - end.position).norm() / possible;
       worst = std::max(worst.value_or(0), misfit);
     };

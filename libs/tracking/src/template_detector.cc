@@ -105,7 +105,7 @@ class TemplateDetector : public MarkerDetector {
  public:
   TemplateDetector(const std::vector<MarkerSeed>& seeds, const std::vector<cv::Mat>& pictures,
                    const DetectorRegion& region)
-      : crop_(region.crop) {
+      : crop_(region.crop), seeds_(seeds) {
     for (std::size_t i = 0; i < seeds.size(); ++i) {
       half_ = std::clamp(pictures[i].rows / 50, 8, 24);
       Look look{Cut(pictures[i], seeds[i].position, half_)};
@@ -131,8 +131,12 @@ class TemplateDetector : public MarkerDetector {
       std::optional<Match> match;
       if (prediction != predictions.end())
         match = Find(frame.luma, looks_[i], Around(frame.luma, prediction->position, prediction->gate_px));
-      if (!match && everywhere) match = Find(frame.luma, looks_[i], Everywhere(frame.luma));
-      if (!match) continue;
+      if (!match && everywhere) {
+        const bool pointed_at = frame.index == seeds_[i].frame;
+        match = Find(frame.luma, looks_[i],
+                     pointed_at ? Around(frame.luma, seeds_[i].position, half_) : Everywhere(frame.luma));
+      }
+      if (!match || IsTaken(match->center, static_cast<int>(i), predictions, found)) continue;
       MarkerDetection detection;
       detection.position = match->center;
       detection.sigma_px = std::sqrt(0.5 * match->covariance.trace());
@@ -146,6 +150,16 @@ class TemplateDetector : public MarkerDetector {
   }
 
  private:
+  // Patches may look alike: where another one is, or is expected, this one is not.
+  bool IsTaken(const Eigen::Vector2d& place, int identity, std::span<const MarkerPrediction> predictions,
+               const std::vector<MarkerDetection>& found) const {
+    const auto is_other = [&](const auto& other) {
+      return other.identity != identity && (other.position - place).norm() < 0.5 * half_;
+    };
+    return std::any_of(predictions.begin(), predictions.end(), is_other) ||
+           std::any_of(found.begin(), found.end(), is_other);
+  }
+
   cv::Rect Everywhere(const cv::Mat& picture) const {
     const cv::Rect all(0, 0, picture.cols, picture.rows);
     return crop_.empty() ? all : crop_ & all;
@@ -186,6 +200,7 @@ class TemplateDetector : public MarkerDetector {
   }
 
   cv::Rect crop_;
+  std::vector<MarkerSeed> seeds_;
   int half_ = 12;
   std::vector<std::vector<Look>> looks_;  // by identity
 };
