@@ -68,6 +68,33 @@ TEST(PrototypeValidation, NoiseOffsetAndSpeedAreTold) {
   EXPECT_GT(slow.max_deg, 0.5);
 }
 
+// Driven open loop, a slow prototype runs for the planned time and stops short; free programs have no single speed, but
+// a factor on their travel.
+TEST(PrototypeValidation, AnOpenLoopPrototypesOwnTravelAndDriftAreTold) {
+  Design design;
+  design.links = kPublishedLinks;
+  design.program.emplace().kind = StrokeProgram::Kind::kFree;
+  design.program->knots = {{0, 290}, {4, 308}, {5, 308}, {8, 300}, {16, 340}};
+  for (const StrokeSchedule& schedule : {PaperProgram(), MakeSchedule(design, {})})
+    for (const double factor : {0.9, 0.97, 1.0, 1.05}) {
+      std::mt19937 random(3);
+      std::normal_distribution<double> normal(0, 0.05);
+      std::vector<AngleSample> samples;
+      const double start = schedule.knots.front().stroke_mm;
+      for (double t = 0; t < schedule.Duration() + 4; t += 1 / 30.0) {
+        const double stroke = start + factor * (schedule.StrokeAt(t - 1.5) - start);
+        samples.push_back({t, KneeDegAt(schedule.links, std::min(stroke, 374.5205)) + normal(random)});
+      }
+      const Validation v = ValidatePrototype(schedule, samples);
+      EXPECT_NEAR(v.travel_factor, factor, 1e-3);
+      EXPECT_NEAR(v.drift_mm, (factor - 1) * (schedule.knots.back().stroke_mm - start), 0.1);
+      EXPECT_NEAR(v.rms_with_factor_deg, 0.05, 0.01);
+      EXPECT_EQ(Judge(v, 0.3), factor == 1 ? Verdict::kFollows : Verdict::kOtherSpeed);
+    }
+  const StrokeSchedule schedule = PaperProgram();
+  EXPECT_EQ(Judge(ValidatePrototype(schedule, Film(schedule, 2, 1, 3, 0.1, 1)), 0.3), Verdict::kOtherAngles);
+}
+
 TEST(PrototypeValidation, AVideoOfAPartIsAlignedAndSaysHowMuchItShows) {
   const StrokeSchedule schedule = PaperProgram();
   std::vector<AngleSample> samples;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "cli/program_run.h"
@@ -10,6 +11,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "lake/motion/leg_motion.h"
+#include "lake/motion/marker_recording.h"
 
 namespace lake {
 namespace {
@@ -41,12 +43,12 @@ TEST_F(StrokeProgramTest, WritesProgramAndFirmware) {
   EXPECT_EQ(table.Header(),
             (std::vector<std::string>{"time_s", "stroke_mm", "speed_mm_s", "knee_deg", "direction", "duty"}));
   EXPECT_NEAR(table.RequiredNumber(0, 5), (5 / 1.1 + 3.2) / 12, 1e-4);
-  for (const char* name :
-       {"program.png", "stroke_table.h", "lake_stroke.c", "controller.c", "summary.json", "options.toml"})
+  for (const char* name : {"program.png", "lake_stroke/stroke_table.h", "lake_stroke/lake_stroke.ino",
+                           "lake_stroke/controller.c", "summary.json", "options.toml"})
     EXPECT_TRUE(std::filesystem::is_regular_file(folder_ / "out" / name)) << name;
 #ifdef LAKE_AVR_GCC
   const Outcome build =
-      Shell(folder_, std::string("cd out && ") + LAKE_AVR_GCC +
+      Shell(folder_, std::string("cd out/lake_stroke && ") + LAKE_AVR_GCC +
                          " -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror *.c -o firmware.elf");
   EXPECT_EQ(build.exit_code, 0) << build.err;
 #endif
@@ -56,7 +58,7 @@ TEST_F(StrokeProgramTest, WithoutADutyTableSaysSoAndWritesNoFirmware) {
   const Outcome run = Run("design.yaml -o out");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, HasSubstr("no firmware is written; measure one (lake-stroke calibrate)"));
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/stroke_table.h"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out/lake_stroke"));
   const CsvTable table = CsvTable::Read(folder_ / "out/program.csv");
   for (std::size_t i = 0; i < table.Rows(); ++i) ASSERT_FALSE(table.Number(i, 5)) << "row " << i;
 }
@@ -108,6 +110,78 @@ TEST_F(StrokeProgramTest, MotionAndValidation) {
   EXPECT_EQ(CsvTable::Read(folder_ / "b/validation.csv").Header().front(), "time_s");
 }
 
+// A slow stretch costs no warning, but is told with what it costs; the table says 0.44 mm/s is the slowest.
+TEST_F(StrokeProgramTest, CrawlingIsSteppedAndTold) {
+  WriteTextFile(folder_ / "slow.yaml",
+                "links: {l1: 59.081, l2: 68.840, l3: 55.964, l4: 71.849, l5: 118.630, l6: 287.310}\nd_min_mm: 242\n"
+                "program: {kind: free, knots: [[0, 300], [2, 310], [6, 310.4], [8, 320]]}\n");
+  const Outcome run = Run(std::string("slow.yaml -o out --duty-table ") + kTable);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  // 0.4 mm in 4 s: two steps of 0.2 mm, behind by 0.1 mm/s x (2 - 0.2 / 0.44) s.
+  EXPECT_THAT(run.out, HasSubstr("for 4.00 s: rests and steps instead, at most 0.155 mm"));
+  EXPECT_EQ(Run("slow.yaml -o out --max-acceleration 20").exit_code, 0);
+  // A ramp of 5 / 20 s in 13 stretches: the middle of the first has 5 x 0.5 / 13 mm/s.
+  EXPECT_NEAR(CsvTable::Read(folder_ / "out/program.csv").RequiredNumber(0, 2), 5 * 0.5 / 13, 1e-6);
+}
+
+// The strokes of a calibration from a video: two markers on the actuator, which hangs obliquely in the picture.
+TEST_F(StrokeProgramTest, CalibrateFromATrackedVideo) {
+  std::string log = "time_s,planned_mm,drift_mm,duty,direction,state,adc,end_stops\n";
+  MarkerRecording film;
+  film.unit = LengthUnit::kMm;
+  film.markers = {{"mount", {}}, {"rod", {}}};
+  const auto duty_at = [](double t) {  // rests of 1 s, then 1.5 s of each duty, extending and retracting
+    const int jog = static_cast<int>(t / 2.5);
+    const double duties[] = {0.3, -0.3, 0.5, -0.5, 0.8, -0.8, 1, -1};
+    return jog < 8 && t - 2.5 * jog >= 1 ? duties[jog] : 0;
+  };
+  for (double t = 0.1; t < 22; t += 0.1) log += fmt::format("{:.3f},,,{:.4f},1,jogging,0,0\nok\n", t, duty_at(t));
+  double length = 300;
+  for (int i = 0; i < 21 * 60; ++i) {
+    const double t = i / 60.0, duty = duty_at(t + 0.73);  // the film began 0.73 s after the log's clock
+    if (duty != 0) length += (duty > 0 ? 10 * (duty - 0.2) : 12 * (duty + 0.1)) / 60;
+    film.frame.push_back(i), film.time_s.push_back(t);
+    film.markers[0].samples.push_back({{100, 50}, 0.05, SampleStatus::kDetected});
+    film.markers[1].samples.push_back({{100 + 0.6 * length, 50 + 0.8 * length}, 0.05, SampleStatus::kDetected});
+  }
+  film.markers[1].samples[300].status = SampleStatus::kMissing;
+  WriteTextFile(folder_ / "serial.csv", log);
+  std::filesystem::create_directories(folder_ / "film");
+  WriteMarkerCsv(folder_ / "film/trajectory.csv", film);
+  const Outcome run = Run("calibrate serial.csv --video film -o duty --json");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json summary = Json::parse(run.out);
+  EXPECT_NEAR(summary["video"]["shift_s"].get<double>(), 0.73, 0.06);  // the log's rows are 0.1 s apart
+  EXPECT_NEAR(summary["dead_band"]["extend"]["duty"].get<double>(), 0.2, 1e-3);
+  EXPECT_NEAR(summary["dead_band"]["retract"]["duty"].get<double>(), 0.1, 1e-3);
+  const DutyTable table = ReadDutyTable(folder_ / "duty/duty_table.csv");
+  for (const double duty : {0.3, 0.5, 0.8, 1.0}) {
+    EXPECT_NEAR(table.extend.SpeedFor(duty), 10 * (duty - 0.2), 1e-3);
+    EXPECT_NEAR(table.retract.SpeedFor(duty), 12 * (duty - 0.1), 1e-3);
+  }
+  const struct {
+    const char *arguments, *message;
+    int exit_code;
+  } cases[] = {{"calibrate serial.csv --video nowhere", "no trajectory.csv", 1},
+               {"calibrate serial.csv --video film --rod-markers mount,tip", "no marker 'tip'", 1},
+               {"calibrate serial.csv --video film --rod-markers mount", "two names", 2},
+               {"calibrate serial.csv serial.csv --video film", "the one log", 2}};
+  for (const auto& c : cases) {
+    const Outcome bad = Run(std::string(c.arguments) + " -o bad");
+    EXPECT_EQ(bad.exit_code, c.exit_code) << c.arguments;
+    EXPECT_THAT(bad.err, HasSubstr(c.message)) << c.arguments;
+  }
+  // Another run's film: every jog the other way round in time.
+  std::reverse(film.markers[1].samples.begin(), film.markers[1].samples.end());
+  for (std::size_t i = 0; i < film.markers[1].samples.size(); ++i)
+    film.markers[1].samples[i].position.x() += 40 * std::sin(0.05 * static_cast<double>(i));
+  WriteMarkerCsv(folder_ / "film/trajectory.csv", film);
+  const Outcome other = Run("calibrate serial.csv --video film -o bad");
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.err, HasSubstr("agree nowhere"));
+}
+
 TEST_F(StrokeProgramTest, CalibrateMakesATable) {
   std::string log = "time_s,stroke_mm,duty\n";
   double time = 0, stroke = 300;
@@ -124,7 +198,7 @@ TEST_F(StrokeProgramTest, CalibrateMakesATable) {
   EXPECT_NEAR(summary["dead_band"]["retract"]["duty"].get<double>(), 0.1, 1e-3);
   EXPECT_EQ(Run("design.yaml -o out --duty-table duty/duty_table.csv").exit_code, 0);
   EXPECT_EQ(Run("calibrate --write-firmware -o cal").exit_code, 0);
-  EXPECT_THAT(ReadTextFile(folder_ / "cal/stroke_table.h"), HasSubstr("#define LAKE_SEGMENT_COUNT 0"));
+  EXPECT_THAT(ReadTextFile(folder_ / "cal/lake_stroke/stroke_table.h"), HasSubstr("#define LAKE_SEGMENT_COUNT 0"));
 }
 
 TEST_F(StrokeProgramTest, ErrorsAreOneLineWithTheRightCodeAndLeaveNothing) {
@@ -155,6 +229,9 @@ TEST_F(StrokeProgramTest, ErrorsAreOneLineWithTheRightCodeAndLeaveNothing) {
       {"design.yaml --rate 0", 2, "--rate"},
       {"design.yaml --margin 500", 1, "leaves nothing"},
       {"design.yaml --max-speed 3", 1, "--max-speed is 3 mm/s"},
+      {"design.yaml --max-acceleration 0", 2, "--max-acceleration"},
+      {"design.yaml --dead-time 0.05", 2, "--dead-time must be within 0.1"},
+      {"design.yaml --tolerance 0", 2, "--tolerance"},
       {"design.yaml --duty-table bad.csv", 1, "bad.csv"},
       {"design.yaml --duty-table empty.csv", 1, "empty.csv"},
       {"design.yaml --validate nowhere", 1, "no kinematics.csv"},

@@ -1,11 +1,9 @@
 #include "controller.h"
 
-#include <avr/pgmspace.h>
-#include <util/atomic.h>
-
 #include "config.h"
 #include "end_stops.h"
 #include "motor.h"
+#include "portable.h"
 
 // What is wanted of the motor in this ms.
 typedef struct {
@@ -16,15 +14,20 @@ typedef struct {
 
 static const motion_t kRest = {0, 0, 0};
 
-static volatile uint32_t time_ms;
-static volatile state_t state;
-static volatile knowledge_t knowledge;
-static volatile int32_t stroke_nm;  // um/s during one ms are nm
-static volatile event_t event;
-static volatile request_t request;
-static volatile int16_t request_counts;
-static volatile uint16_t request_ms;
+// Shared by interrupts and main loop; the main loop touches them in ATOMICALLY blocks only, which are barriers.
+static uint32_t time_ms;
+static state_t state;
+static knowledge_t knowledge;
+static int32_t stroke_nm;  // um/s during one ms are nm
+static uint32_t drift_nm;
+static reply_t reply;
+static uint8_t events;
+static request_t request;
+static int16_t request_counts;
+static uint16_t request_ms;
+static uint8_t hold_asked, resume_asked, abort_asked, heard;
 
+static uint16_t silent_ms;
 static uint32_t clock_ms;  // of the program, of homing, or of a jog
 static uint32_t end_ms;
 static motion_t jog;
@@ -39,10 +42,10 @@ static void load_segment(uint16_t index) {
 }
 #endif
 
-static void fault(event_t what) {
+static void fault(uint8_t what) {
   state = STATE_FAULT;
   knowledge = STROKE_UNKNOWN;
-  event = what;
+  events |= what;
 }
 
 static int32_t stroke_um(void) {
@@ -53,7 +56,6 @@ static void begin(state_t next, uint32_t duration_ms) {
   state = next;
   clock_ms = 0;
   end_ms = duration_ms;
-  event = EVENT_OK;
 }
 
 // The speed of a duty by the duty table, linear between its nodes.
@@ -91,111 +93,121 @@ static uint8_t soft_limit_ahead(int8_t direction) {
 }
 
 #if LAKE_SEGMENT_COUNT > 0
-static void take_start(void) {
-  if (state == STATE_PAUSED) {
-    state = STATE_RUNNING;
-    event = EVENT_OK;
-  } else if (state != STATE_IDLE) {
-    event = EVENT_REFUSED_STATE;
-  } else if (knowledge != STROKE_AT_START) {
-    event = EVENT_REFUSED_POSITION;
-  } else {
-    load_segment(0);
-    knowledge = STROKE_ESTIMATED;
-    begin(STATE_RUNNING, 0);
-  }
+static reply_t take_run(void) {
+  if (state != STATE_IDLE) return REPLY_STATE;
+  if (knowledge != STROKE_AT_START) return REPLY_POSITION;
+  load_segment(0);
+  knowledge = STROKE_ESTIMATED;
+  begin(STATE_RUNNING, 0);
+  return REPLY_OK;
 }
 
-static void take_home(void) {
-  if (state != STATE_IDLE) {
-    event = EVENT_REFUSED_STATE;
-    return;
-  }
+static reply_t take_home(void) {
+  if (state != STATE_IDLE) return REPLY_STATE;
   knowledge = STROKE_UNKNOWN;
   begin(STATE_HOMING, LAKE_HOME_TIMEOUT_MS);
+  return REPLY_OK;
 }
 
-static void take_zero(void) {
-  if (state != STATE_IDLE) {
-    event = EVENT_REFUSED_STATE;
-    return;
-  }
-  stroke_nm = LAKE_START_UM * 1000L;
-  knowledge = STROKE_AT_START;
-  event = EVENT_OK;
+static void know_stroke(int32_t um, knowledge_t known) {
+  stroke_nm = um * 1000;
+  drift_nm = LAKE_DRIFT_START_UM * 1000L;
+  knowledge = known;
+}
+
+static reply_t take_zero(void) {
+  if (state != STATE_IDLE) return REPLY_STATE;
+  know_stroke(LAKE_START_UM, STROKE_AT_START);
+  return REPLY_OK;
 }
 #else
-static void take_start(void) {
-  event = EVENT_REFUSED_PROGRAM;
+static reply_t take_run(void) {
+  return REPLY_NO_PROGRAM;
 }
-static void take_home(void) {
-  event = EVENT_REFUSED_PROGRAM;
+static reply_t take_home(void) {
+  return REPLY_NO_PROGRAM;
 }
-static void take_zero(void) {
-  event = EVENT_REFUSED_PROGRAM;
+static reply_t take_zero(void) {
+  return REPLY_NO_PROGRAM;
 }
 #endif
 
-static void take_jog(void) {
+static reply_t take_jog(void) {
   const int8_t direction = request_counts < 0 ? -1 : 1;
-  if (state != STATE_IDLE) {
-    event = EVENT_REFUSED_STATE;
-  } else if (end_stop_ahead(direction)) {
-    event = EVENT_REFUSED_STOP;
-  } else if (soft_limit_ahead(direction)) {
-    event = EVENT_REFUSED_LIMIT;
-  } else {
-    jog.direction = direction;
-    jog.counts = direction * request_counts;
-    jog.velocity_um_s = speed_um_s(direction, jog.counts);
-    if (knowledge == STROKE_AT_START) knowledge = STROKE_ESTIMATED;
-    begin(STATE_JOGGING, request_ms);
+  if (state != STATE_IDLE) return REPLY_STATE;
+  if (end_stop_ahead(direction)) return REPLY_STOP_AHEAD;
+  if (soft_limit_ahead(direction)) return REPLY_LIMIT_AHEAD;
+  jog.direction = direction;
+  jog.counts = direction * request_counts;
+  jog.velocity_um_s = speed_um_s(direction, jog.counts);
+  if (knowledge == STROKE_AT_START) knowledge = STROKE_ESTIMATED;
+  begin(STATE_JOGGING, request_ms);
+  return REPLY_OK;
+}
+
+static void reset(void) {
+  state = STATE_IDLE;
+  knowledge = STROKE_UNKNOWN;
+}
+
+static reply_t answer(request_t asked) {
+  switch (asked) {
+    case REQUEST_RUN:
+      return take_run();
+    case REQUEST_HOME:
+      return take_home();
+    case REQUEST_ZERO:
+      return take_zero();
+    case REQUEST_JOG:
+      return take_jog();
+    case REQUEST_STOP:
+      if (state != STATE_FAULT) state = STATE_IDLE;
+      return REPLY_OK;
+    case REQUEST_RESET:
+      reset();
+      return REPLY_OK;
+    default:
+      return REPLY_NONE;
   }
 }
 
 static void take_request(void) {
-  const request_t asked = request;
+  if (request == REQUEST_NONE) return;
+  reply = answer(request);
   request = REQUEST_NONE;
-  switch (asked) {
-    case REQUEST_NONE:
-      return;
-    case REQUEST_START:
-      take_start();
-      return;
-    case REQUEST_HOME:
-      take_home();
-      return;
-    case REQUEST_ZERO:
-      take_zero();
-      return;
-    case REQUEST_JOG:
-      take_jog();
-      return;
-    case REQUEST_PAUSE:
-      if (state == STATE_RUNNING) state = STATE_PAUSED;
-      event = state == STATE_PAUSED ? EVENT_OK : EVENT_REFUSED_STATE;
-      return;
-    case REQUEST_STOP:
-      if (state != STATE_FAULT) state = STATE_IDLE;
-      event = EVENT_OK;
-      return;
-    case REQUEST_RESET:
-      state = STATE_IDLE;
-      knowledge = STROKE_UNKNOWN;
-      event = EVENT_OK;
-      return;
+  heard = 1;
+}
+
+static uint8_t is_moving(void) {
+  return state != STATE_IDLE && state != STATE_HOLD && state != STATE_FAULT;
+}
+
+// A program keeps its place, everything else ends.
+static void suspend(void) {
+  if (is_moving()) state = state == STATE_RUNNING ? STATE_HOLD : STATE_IDLE;
+}
+
+static void take_realtime(void) {
+  if (resume_asked && state == STATE_HOLD) state = STATE_RUNNING;
+  if (hold_asked) suspend();
+  if (abort_asked) reset();
+  hold_asked = resume_asked = abort_asked = 0;
+}
+
+static void watch_host(void) {
+  if (heard || !is_moving()) {
+    silent_ms = 0;
+  } else if (LAKE_COMMAND_TIMEOUT_MS > 0 && ++silent_ms >= LAKE_COMMAND_TIMEOUT_MS) {
+    events |= EVENT_TIMEOUT;
+    suspend();
   }
+  heard = 0;
 }
 
 static void finish(knowledge_t known) {
   state = STATE_IDLE;
   knowledge = known;
-  event = EVENT_DONE;
-}
-
-// The clock stands still until the bridge does what the motion asks for, so that no brake costs stroke.
-static void advance(const motion_t* motion) {
-  if (motor_direction() == motion->direction) ++clock_ms;
+  events |= EVENT_DONE;
 }
 
 #if LAKE_SEGMENT_COUNT > 0
@@ -214,8 +226,7 @@ static motion_t run(void) {
 
 static motion_t home(void) {
   if (end_stop_ahead(-1)) {
-    stroke_nm = LAKE_HOME_UM * 1000L;
-    knowledge = STROKE_ESTIMATED;
+    know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
     begin(STATE_POSITIONING, LAKE_POSITION_MS);
     return kRest;
   }
@@ -254,7 +265,7 @@ static motion_t jogging(void) {
   }
   if (end_stop_ahead(jog.direction) || soft_limit_ahead(jog.direction)) {
     state = STATE_IDLE;
-    event = EVENT_JOG_LIMIT;
+    events |= EVENT_JOG_LIMIT;
     return kRest;
   }
   return jog;
@@ -287,36 +298,78 @@ static uint8_t is_allowed(const motion_t* motion) {
   return state != STATE_FAULT;
 }
 
+#if LAKE_SEGMENT_COUNT > 0
+// What the tolerances allow in this ms: a part of the way, and what the motor's lag loses or gains with the speed.
+static void drift(int32_t velocity_um_s) {
+  static int32_t last_um_s;
+  const uint32_t change = velocity_um_s > last_um_s ? velocity_um_s - last_um_s : last_um_s - velocity_um_s;
+  const uint32_t way = velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
+  last_um_s = velocity_um_s;
+  if (drift_nm < LAKE_DRIFT_MOST_NM) drift_nm += change * LAKE_LAG_MS + (way * LAKE_DRIFT_PER_1024 + 1023) / 1024;
+}
+#else
+static void drift(int32_t velocity_um_s) {
+  (void)velocity_um_s;
+}
+#endif
+
+// What the bridge does now, and so the estimate. A motion's clock stands still until the bridge does what it asks for,
+// so that no brake costs stroke.
+static void keep_books(const motion_t* motion) {
+  const int32_t velocity = motor_direction() == 0 ? 0 : motion->velocity_um_s;
+  stroke_nm += velocity;
+  drift(velocity);
+  if (is_moving() && motor_direction() == motion->direction) ++clock_ms;
+}
+
 void controller_init(void) {
-  state = STATE_IDLE;
-  knowledge = STROKE_UNKNOWN;
+  time_ms = 0;
+  reset();
+  request = REQUEST_NONE;
+  reply = REPLY_NONE;
+  events = 0;
+  hold_asked = resume_asked = abort_asked = heard = 0;
 }
 
 void controller_tick(void) {
   ++time_ms;
   end_stops_tick();
+  take_realtime();
   take_request();
+  watch_host();
   motion_t motion = wanted();
   if (!is_allowed(&motion)) motion = kRest;
   motor_tick(motion.direction, motion.counts);
-  if (state == STATE_FAULT || state == STATE_IDLE || state == STATE_PAUSED) return;
-  advance(&motion);
-  if (motor_direction() != 0) stroke_nm += motion.velocity_um_s;
+  keep_books(&motion);
 }
 
 void controller_request(request_t what, int16_t jog_counts, uint16_t jog_ms) {
-  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+  ATOMICALLY {
     request = what;
     request_counts = jog_counts;
     request_ms = jog_ms;
   }
 }
 
+void controller_hold(void) {
+  hold_asked = 1;
+}
+void controller_resume(void) {
+  resume_asked = 1;
+}
+void controller_abort(void) {
+  abort_asked = 1;
+}
+void controller_heard(void) {
+  heard = 1;
+}
+
 status_t controller_status(void) {
   status_t now;
-  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+  ATOMICALLY {
     now.time_ms = time_ms;
     now.stroke_um = stroke_um();
+    now.drift_um = drift_nm / 1000;
     now.counts = motor_counts();
     now.direction = motor_direction();
     now.state = state;
@@ -326,11 +379,20 @@ status_t controller_status(void) {
   return now;
 }
 
-event_t controller_take_event(void) {
-  event_t taken;
-  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
-    taken = event;
-    event = EVENT_NONE;
+reply_t controller_take_reply(void) {
+  reply_t taken;
+  ATOMICALLY {
+    taken = reply;
+    reply = REPLY_NONE;
+  }
+  return taken;
+}
+
+uint8_t controller_take_events(void) {
+  uint8_t taken;
+  ATOMICALLY {
+    taken = events;
+    events = 0;
   }
   return taken;
 }

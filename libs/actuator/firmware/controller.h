@@ -1,6 +1,7 @@
 // What the actuator does: a state machine that runs once per ms inside the timer's interrupt, so a busy or dead main
 // loop cannot keep it from an end stop. Open loop: the stroke is the plan's, integrated from the speeds of the tables
-// while the bridge drives.
+// while the bridge drives, with a bound on how far the
+// actuator may be from it.
 #ifndef LAKE_CONTROLLER_H
 #define LAKE_CONTROLLER_H
 
@@ -11,7 +12,7 @@ typedef enum {
   STATE_HOMING,
   STATE_POSITIONING,
   STATE_RUNNING,
-  STATE_PAUSED,
+  STATE_HOLD,
   STATE_JOGGING,
   STATE_FAULT
 } state_t;
@@ -20,40 +21,49 @@ typedef enum {
 typedef enum {
   STROKE_UNKNOWN,    // after a reset or a fault
   STROKE_ESTIMATED,  // good enough for the soft limits
-  STROKE_AT_START    // where the program begins: `start` is allowed
+  STROKE_AT_START    // where the program begins: a run is allowed
 } knowledge_t;
 
 typedef enum {
   REQUEST_NONE,
-  REQUEST_START,
+  REQUEST_RUN,
   REQUEST_STOP,
-  REQUEST_PAUSE,
   REQUEST_HOME,
   REQUEST_ZERO,
   REQUEST_RESET,
   REQUEST_JOG
 } request_t;
 
-// What happened last, for the main loop to tell.
+// The answer to a request. Beyond REPLY_OK the number is the N of `error:N`.
 typedef enum {
-  EVENT_NONE,
-  EVENT_OK,
-  EVENT_REFUSED_STATE,     // not in this state
-  EVENT_REFUSED_POSITION,  // the actuator is not at the program's start
-  EVENT_REFUSED_PROGRAM,   // a calibration firmware has no program
-  EVENT_REFUSED_STOP,      // an end stop is pressed in that direction
-  EVENT_REFUSED_LIMIT,     // a soft limit is reached in that direction
-  EVENT_DONE,              // the program, homing or a jog ended as planned
-  EVENT_JOG_LIMIT,         // a jog ended at an end stop or a soft limit
-  EVENT_FAULT_STOP,        // an end stop in the direction of motion
-  EVENT_FAULT_BOTH_STOPS,  // both at once: wiring
-  EVENT_FAULT_SOFT_LIMIT,  // the plan left the soft limits
-  EVENT_FAULT_HOME         // no end stop met while homing
-} event_t;
+  REPLY_NONE = -1,
+  REPLY_OK = 0,
+  REPLY_UNKNOWN = 1,      // no such command
+  REPLY_BAD_NUMBER = 2,   // not `jog DUTY MS` within its ranges
+  REPLY_TOO_LONG = 3,     // the line did not fit
+  REPLY_STATE = 4,        // not in this state
+  REPLY_POSITION = 5,     // the actuator is not at the program's start
+  REPLY_NO_PROGRAM = 6,   // a calibration firmware has none
+  REPLY_STOP_AHEAD = 7,   // an end stop is pressed in that direction
+  REPLY_LIMIT_AHEAD = 8,  // a soft limit is reached in that direction
+} reply_t;
+
+// What happened unasked; bits. The faults' bit numbers are the N of `ALARM:N`, from 1.
+enum {
+  EVENT_FAULT_STOP = 1 << 0,        // an end stop in the direction of motion
+  EVENT_FAULT_BOTH_STOPS = 1 << 1,  // both at once: wiring
+  EVENT_FAULT_SOFT_LIMIT = 1 << 2,  // the plan left the soft limits
+  EVENT_FAULT_HOME = 1 << 3,        // no end stop met while homing
+  EVENT_DONE = 1 << 4,              // the program, homing or a jog ended as planned
+  EVENT_JOG_LIMIT = 1 << 5,         // a jog ended at an end stop or a soft limit
+  EVENT_TIMEOUT = 1 << 6            // the host was silent for too long while something moved
+};
+enum { FAULT_COUNT = 4 };
 
 typedef struct {
   uint32_t time_ms;
   int32_t stroke_um;
+  uint32_t drift_um;  // how far the actuator may be from it, by the tolerances of stroke_table.h
   uint16_t counts;
   int8_t direction;
   state_t state;
@@ -64,10 +74,18 @@ typedef struct {
 void controller_init(void);
 void controller_tick(void);
 
-// From the main loop. A request is taken by the next tick and answered by an event. `jog`: signed duty in counts and a
+// From the main loop. A request is taken by the next tick, which has its reply. `jog`: signed duty in counts and a
 // duration.
 void controller_request(request_t request, int16_t jog_counts, uint16_t jog_ms);
+reply_t controller_take_reply(void);  // REPLY_NONE until there is one
+uint8_t controller_take_events(void);
 status_t controller_status(void);
-event_t controller_take_event(void);
+
+// From interrupts as well; they act at the next tick. A hold keeps a running program's place and ends homing and jogs;
+// it outdoes a resume of the same ms.
+void controller_hold(void);
+void controller_resume(void);
+void controller_abort(void);  // as REQUEST_RESET, without a reply
+void controller_heard(void);  // the host is there: LAKE_COMMAND_TIMEOUT_MS begins anew
 
 #endif

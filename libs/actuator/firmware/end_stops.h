@@ -1,4 +1,4 @@
-// The two end stops, debounced.
+// The two end stops: pressed at the first tick that sees them so, released only when that lasts.
 #ifndef LAKE_END_STOPS_H
 #define LAKE_END_STOPS_H
 

@@ -1,5 +1,5 @@
-// The bridge: PWM on ENA, direction on IN1 and IN2. Every change of direction and every stop goes through a brake of
-// LAKE_DEAD_TIME_MS; then the bridge is off, since a lead screw holds by itself.
+// The motor behind the bridge. Every change of direction and every stop goes through a brake of LAKE_DEAD_TIME_MS; then
+// the bridge is off, since a lead screw holds by itself.
 #ifndef LAKE_MOTOR_H
 #define LAKE_MOTOR_H
 

@@ -1,11 +1,13 @@
 #include "serial.h"
 
 #include <avr/interrupt.h>
+#include <avr/io.h>
 #include <avr/pgmspace.h>
 #include <avr/sleep.h>
 
-#include "config.h"
-
+#ifndef F_CPU
+#define F_CPU 16000000UL
+#endif
 #define BAUD 115200
 #define BAUD_TOL 3  // 16 MHz gives 117647, 2.1 % too fast: within what the receiver of a frame of 10 bits tolerates
 #include <util/setbaud.h>
@@ -17,7 +19,7 @@ static volatile uint8_t tx_head, tx_tail;
 
 static volatile char rx[SERIAL_LINE_MAX];
 static volatile uint8_t rx_length, rx_whole, rx_overflow;
-static char line[SERIAL_LINE_MAX];
+static char line[SERIAL_LINE_MAX + 1];
 
 void serial_init(void) {
   UBRR0 = UBRR_VALUE;
@@ -33,7 +35,7 @@ void serial_init(void) {
 // Characters that arrive while a whole line waits are dropped: commands are sent one at a time.
 ISR(USART_RX_vect) {
   const char c = UDR0;
-  if (rx_whole) return;
+  if (protocol_realtime(c) || rx_whole) return;
   if (c == '\n' || c == '\r') {
     rx_whole = rx_length > 0 || rx_overflow;
   } else if (rx_length < SERIAL_LINE_MAX - 1) {
@@ -55,12 +57,8 @@ ISR(USART_UDRE_vect) {
 const char* serial_line(void) {
   if (!rx_whole) return 0;
   uint8_t length = rx_length;
-  if (rx_overflow) {
-    line[0] = '?';
-    length = 1;
-  } else {
-    for (uint8_t i = 0; i < length; ++i) line[i] = rx[i];
-  }
+  for (uint8_t i = 0; i < length; ++i) line[i] = rx[i];
+  if (rx_overflow) line[length++] = '\n';
   line[length] = 0;
   rx_length = 0;
   rx_overflow = 0;
@@ -78,28 +76,4 @@ void serial_char(char c) {
 
 void serial_text(const char* flash_text) {
   for (char c; (c = pgm_read_byte(flash_text)); ++flash_text) serial_char(c);
-}
-
-void serial_uint(uint32_t value) {
-  char digits[10];
-  uint8_t count = 0;
-  do {
-    digits[count++] = '0' + value % 10;
-    value /= 10;
-  } while (value > 0);
-  while (count > 0) serial_char(digits[--count]);
-}
-
-void serial_decimal(int32_t value, uint8_t digits) {
-  uint32_t scale = 1;
-  for (uint8_t i = 0; i < digits; ++i) scale *= 10;
-  if (value < 0) serial_char('-');
-  const uint32_t magnitude = value < 0 ? -(uint32_t)value : (uint32_t)value;
-  serial_uint(magnitude / scale);
-  serial_char('.');
-  for (uint32_t rest = magnitude % scale; digits > 0; --digits) {
-    scale /= 10;
-    serial_char('0' + rest / scale);
-    rest %= scale;
-  }
 }

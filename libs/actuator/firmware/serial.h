@@ -8,15 +8,15 @@
 
 void serial_init(void);
 
-// A line without its end, once it is whole; 0 if there is none. Valid until the next call. A line that is too long is
-// given as "?".
+// Called for every character inside the receiver's interrupt, before it becomes part of a line; nonzero: it was a
+// command of its own and does not. Defined in protocol.c.
+uint8_t protocol_realtime(char c);
+
+// A line without its end, once it is whole; 0 if there is none. Valid until the next call. Of a line that is too long
+// the first SERIAL_LINE_MAX - 1 characters, followed by a '\n'.
 const char* serial_line(void);
 
 void serial_text(const char* flash_text);  // a string in flash, from PSTR()
 void serial_char(char c);                  // waits while the buffer is full
-void serial_uint(uint32_t value);
-
-// value / 10^digits as a decimal number with that many digits: (-1234, 3) is -1.234.
-void serial_decimal(int32_t value, uint8_t digits);
 
 #endif

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "lake/actuator/duty_calibration.h"
+#include "lake/actuator/duty_video.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -22,14 +22,18 @@ std::size_t Find(const std::vector<std::string>& header, std::string_view name) 
   return i;
 }
 
-Columns FindColumns(const std::vector<std::string>& header, bool scaled, const std::string& where) {
-  const char* stroke = scaled ? "adc" : "stroke_mm";
-  const Columns columns{Find(header, "time_s"), Find(header, "duty"), Find(header, stroke), header.size()};
+Columns FindColumns(const std::vector<std::string>& header, const char* stroke, const std::string& where) {
+  Columns columns{Find(header, "time_s"), Find(header, "duty"), header.size(), header.size()};
   if (columns.time == header.size() || columns.duty == header.size())
     throw Fail("{}: no header with the columns time_s and duty", where);
+  if (!stroke) return columns;
+  columns.stroke = Find(header, stroke);
   if (columns.stroke == header.size())
-    throw Fail("{}: no column '{}'; the log must hold measured strokes: stroke_mm, or adc with --pot C0=MM0,C1=MM1",
-               where, stroke);
+    throw Fail(
+        "{}: no column '{}'; the log must hold measured strokes: stroke_mm, or adc with --pot C0=MM0,C1=MM1, or a "
+        "video "
+        "with --video",
+        where, stroke);
   return columns;
 }
 
@@ -39,27 +43,53 @@ double Number(const std::string& cell, const char* column, const std::string& wh
   return *value;
 }
 
-void AddRow(DutyLog& log, const std::vector<std::string>& cells, const Columns& columns,
-            const std::optional<PotentiometerScale>& scale, const std::string& where) {
+// One row; `stroke` names the column of the stroke, 0: none is read.
+void AddRow(DutyLog& log, const std::vector<std::string>& cells, const Columns& columns, const char* stroke,
+            const std::string& where) {
   if (cells.size() != columns.width)
     throw Fail("{}: {} cells under a header of {}", where, cells.size(), columns.width);
-  if (cells[columns.stroke].empty()) return;
+  if (stroke && cells[columns.stroke].empty()) return;
   const double time = Number(cells[columns.time], "time_s", where);
   const double duty = Number(cells[columns.duty], "duty", where);
-  double stroke = Number(cells[columns.stroke], scale ? "adc" : "stroke_mm", where);
-  if (scale)
-    stroke =
-        scale->mm_a + (stroke - scale->counts_a) * (scale->mm_b - scale->mm_a) / (scale->counts_b - scale->counts_a);
   if (!log.time_s.empty() && !(time > log.time_s.back()))
     throw Fail("{}: the times must ascend; {} s after {} s does not", where, time, log.time_s.back());
   if (!(std::abs(duty) <= 1)) throw Fail("{}: duty {} is not within -1..1", where, duty);
-  log.time_s.push_back(time), log.duty.push_back(duty), log.stroke_mm.push_back(stroke);
+  log.time_s.push_back(time), log.duty.push_back(duty);
+  if (stroke) log.stroke_mm.push_back(Number(cells[columns.stroke], stroke, where));
 }
 
 // SplitText gives no last part for a trailing empty cell of a text that is empty altogether; a row is never that.
 std::vector<std::string> Cells(std::string line) {
   if (!line.empty() && line.back() == '\r') line.pop_back();
   return SplitText(line, ',');
+}
+
+// What stands between the firmware's rows: replies, alarms, messages and status; and comments.
+bool IsRemark(const std::string& line) {
+  if (line.empty() || line == "\r" || line == "ok" || line == "ok\r") return true;
+  return std::string_view("#<[").find(line.front()) != std::string_view::npos || line.starts_with("error:") ||
+         line.starts_with("ALARM:");
+}
+
+DutyLog ReadRows(const std::filesystem::path& path, const char* stroke) {
+  const std::string text = ReadTextFile(path, std::size_t{1} << 28);
+  DutyLog log{path.string(), {}, {}, {}};
+  std::optional<Columns> columns;
+  std::size_t number = 0, begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    begin = end + 1;
+    const std::string where = fmt::format("{}:{}", path.string(), ++number);
+    if (IsRemark(line)) continue;
+    const std::vector<std::string> cells = Cells(line);
+    if (!columns || cells.front() == "time_s")
+      columns = FindColumns(cells, stroke, where);
+    else
+      AddRow(log, cells, *columns, stroke, where);
+  }
+  if (!columns) throw Fail("{}: empty; a log has the columns time_s,stroke_mm,duty", path.string());
+  return log;
 }
 
 }  // namespace
@@ -77,24 +107,17 @@ PotentiometerScale ParsePotentiometerScale(const std::string& text) {
 }
 
 DutyLog ReadDutyLog(const std::filesystem::path& path, const std::optional<PotentiometerScale>& scale) {
-  const std::string text = ReadTextFile(path, std::size_t{1} << 28);
-  DutyLog log{path.string(), {}, {}, {}};
-  std::optional<Columns> columns;
-  std::size_t number = 0, begin = 0;
-  while (begin < text.size()) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string line = text.substr(begin, end - begin);
-    begin = end + 1;
-    const std::string where = fmt::format("{}:{}", path.string(), ++number);
-    if (line.empty() || line == "\r" || line.front() == '#') continue;
-    const std::vector<std::string> cells = Cells(line);
-    if (!columns || cells.front() == "time_s")
-      columns = FindColumns(cells, scale.has_value(), where);
-    else
-      AddRow(log, cells, *columns, scale, where);
-  }
-  if (!columns) throw Fail("{}: empty; a log has the columns time_s,stroke_mm,duty", path.string());
+  DutyLog log = ReadRows(path, scale ? "adc" : "stroke_mm");
+  if (scale)
+    for (double& stroke : log.stroke_mm)
+      stroke =
+          scale->mm_a + (stroke - scale->counts_a) * (scale->mm_b - scale->mm_a) / (scale->counts_b - scale->counts_a);
   return log;
+}
+
+DutyCommands ReadDutyCommands(const std::filesystem::path& path) {
+  DutyLog log = ReadRows(path, nullptr);
+  return {std::move(log.name), std::move(log.time_s), std::move(log.duty)};
 }
 
 }  // namespace lake

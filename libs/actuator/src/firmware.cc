@@ -160,8 +160,18 @@ std::string Comment(const std::string& text) {
 std::string CommonDefines(const FirmwareOptions& options, std::size_t segments) {
   return fmt::format(
       "#define LAKE_PWM_PERIOD {}  // counts: 4 kHz at 16 MHz\n#define LAKE_DEAD_TIME_MS {}  // brake before anything "
-      "else\n#define LAKE_SEGMENT_COUNT {}\n",
-      kPwmPeriod, std::llround(1e3 * options.dead_time_s), segments);
+      "else\n#define LAKE_COMMAND_TIMEOUT_MS {}  // 0: none\n#define LAKE_SEGMENT_COUNT {}\n",
+      kPwmPeriod, std::llround(1e3 * options.dead_time_s), std::llround(1e3 * options.command_timeout_s), segments);
+}
+
+// The tolerances behind the bound on the drift.
+std::string DriftDefines(const StrokeTable& stroke, const FirmwareOptions& options) {
+  return fmt::format(
+      "#define LAKE_DRIFT_START_UM {}  // the bound on the drift: at first, …\n#define LAKE_DRIFT_PER_1024 {}  // … "
+      "per "
+      "1024 of the way, …\n#define LAKE_LAG_MS {}  // … and per change of speed\n",
+      std::llround(std::ceil(1e3 * (options.home_error_mm + stroke.pwm_error_mm))),
+      std::llround(std::ceil(10.24 * options.speed_tolerance_percent)), std::llround(std::ceil(1e3 * options.lag_s)));
 }
 
 constexpr const char* kTypes =
@@ -178,7 +188,13 @@ void FirmwareOptions::Check() const {
           "within 0..2000 mm");
   require(home_speed_mm_s > 0 && home_speed_mm_s <= 1000, "--home-speed", home_speed_mm_s,
           "above 0 and at most 1000 mm/s");
-  require(dead_time_s >= 0.01 && dead_time_s <= 5, "--dead-time", dead_time_s, "within 0.01..5 s");
+  require(dead_time_s >= kLeastDeadTime_s && dead_time_s <= 5, "--dead-time", dead_time_s, "within 0.1..5 s");
+  require(command_timeout_s == 0 || (command_timeout_s >= 0.1 && command_timeout_s <= 60), "--command-timeout",
+          command_timeout_s, "0 or within 0.1..60 s");
+  require(speed_tolerance_percent >= 0 && speed_tolerance_percent <= 100, "--speed-tolerance", speed_tolerance_percent,
+          "within 0..100 percent");
+  require(lag_s >= 0 && lag_s <= 0.5, "--lag", lag_s, "within 0..0.5 s");
+  require(home_error_mm >= 0 && home_error_mm <= 10, "--home-error", home_error_mm, "within 0..10 mm");
   require(table_tolerance_mm > 0 && table_tolerance_mm <= 10, "--table-tolerance", table_tolerance_mm,
           "above 0 and at most 10 mm");
 }
@@ -217,9 +233,9 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
                               double d_min_mm, const FirmwareOptions& options, const std::string& made_by) {
   const Homing homing = HomingOf(stroke, schedule, table, d_min_mm, options);
   std::string text = fmt::format("// Stroke program for the UNO. {}\n", Comment(made_by));
-  text +=
-      "#ifndef LAKE_STROKE_TABLE_H\n#define LAKE_STROKE_TABLE_H\n\n#include <avr/pgmspace.h>\n#include <stdint.h>\n\n";
+  text += "#ifndef LAKE_STROKE_TABLE_H\n#define LAKE_STROKE_TABLE_H\n\n#include \"portable.h\"\n\n";
   text += CommonDefines(options, stroke.segments.size());
+  text += DriftDefines(stroke, options);
   text += fmt::format("#define LAKE_SPEED_INTERVALS {}\n", kSpeedIntervals);
   text += fmt::format("#define LAKE_LOWER_LIMIT_UM {}L\n#define LAKE_UPPER_LIMIT_UM {}L\n#define LAKE_START_UM {}L\n",
                       Um(std::min(schedule.limits.lower_mm, stroke.start_mm)), Um(schedule.limits.upper_mm),

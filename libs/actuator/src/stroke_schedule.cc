@@ -118,10 +118,13 @@ void ScheduleOptions::Check() const {
   if (max_speed_mm_s)
     require(*max_speed_mm_s > 0 && *max_speed_mm_s <= 1000, "--max-speed", *max_speed_mm_s,
             "above 0 and at most 1000 mm/s");
+  if (max_acceleration_mm_s2)
+    require(*max_acceleration_mm_s2 > 0 && *max_acceleration_mm_s2 <= 1e6, "--max-acceleration",
+            *max_acceleration_mm_s2, "above 0 and at most 1e6 mm/s²");
   if (from_deg) require(*from_deg >= 0 && *from_deg <= 360, "--from-angle", *from_deg, "within 0..360 degrees");
   if (to_deg) require(*to_deg >= 0 && *to_deg <= 360, "--to-angle", *to_deg, "within 0..360 degrees");
   require(hold_s >= 0 && hold_s <= 3600, "--hold", hold_s, "within 0..3600 s");
-  require(dead_time_s >= 0.01 && dead_time_s <= 5, "--dead-time", dead_time_s, "within 0.01..5 s");
+  require(dead_time_s >= kLeastDeadTime_s && dead_time_s <= 5, "--dead-time", dead_time_s, "within 0.1..5 s");
 }
 
 int DirectionOf(double speed) {

@@ -1,9 +1,10 @@
 #include <cmath>
 
-#include "lake/core/atomic_file.h"
+#include "lake/actuator/duty_video.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
+#include "lake/motion/marker_recording.h"
 #include "lake/pipeline/stroke.h"
 #include "lake/render/stroke_figures.h"
 
@@ -30,14 +31,47 @@ Json BandJson(const DeadBand& band) {
 
 Json WriteCalibrationFirmware(const DutyRunOptions& options, Run& run) {
   options.firmware.Check();
-  WriteTextFile(run.Result("stroke_table.h"),
-                CalibrationHeader(options.firmware, fmt::format("Made by lake-stroke {}.", Version())));
-  Json files = {"stroke_table.h"};
-  for (const FirmwareFile& file : FirmwareSources()) {
-    WriteTextFile(run.Result(file.name), file.text);
-    files.push_back(file.name);
+  const std::string header = CalibrationHeader(options.firmware, fmt::format("Made by lake-stroke {}.", Version()));
+  return {{"firmware", {{"files", WriteSketch(header, run)}, {"segments", 0}}}};
+}
+
+const MarkerTrack& TrackOf(const MarkerRecording& recording, const std::string& name, const std::string& file) {
+  if (const MarkerTrack* track = recording.Find(name)) return *track;
+  throw Fail("{}: no marker '{}'; --rod-markers BODY,ROD names the two on the actuator", file, name);
+}
+
+// The distance of the two markers in the frames that show both.
+ActuatorFilm ReadFilm(const std::filesystem::path& folder, const std::vector<std::string>& names, Run& run) {
+  const std::filesystem::path file = folder / "trajectory.csv";
+  if (!std::filesystem::is_regular_file(file))
+    throw Fail("{}: no trajectory.csv in it; track the video with --scale or a calibrated plane, lengths in mm",
+               folder.string());
+  if (names.size() != 2) throw UsageError("--rod-markers: give two names, BODY,ROD");
+  run.AddInput(file);
+  const MarkerRecording recording = ReadMarkerCsv(file);
+  const MarkerTrack &body = TrackOf(recording, names[0], file.string()),
+                    &rod = TrackOf(recording, names[1], file.string());
+  ActuatorFilm film;
+  for (std::size_t i = 0; i < recording.Frames(); ++i) {
+    if (body.samples[i].status != SampleStatus::kDetected || rod.samples[i].status != SampleStatus::kDetected) continue;
+    film.time_s.push_back(recording.time_s[i]);
+    film.length_mm.push_back((rod.samples[i].position - body.samples[i].position).norm());
   }
-  return {{"firmware", {{"files", files}, {"segments", 0}}}};
+  return film;
+}
+
+std::vector<DutyLog> ReadLogs(const DutyRunOptions& options, Run& run, Json& alignment) {
+  std::vector<DutyLog> logs;
+  for (const auto& path : options.logs) run.AddInput(path);
+  if (options.video) {
+    if (options.logs.size() != 1 || options.potentiometer)
+      throw UsageError("--video: give the one log that was written while it was filmed, and no --pot");
+    AlignedLog aligned = AlignWithFilm(ReadDutyCommands(options.logs[0]), ReadFilm(*options.video, options.rod, run));
+    alignment = {{"shift_s", aligned.shift_s}, {"correlation", aligned.correlation}};
+    return {std::move(aligned.log)};
+  }
+  for (const auto& path : options.logs) logs.push_back(ReadDutyLog(path, options.potentiometer));
+  return logs;
 }
 
 }  // namespace
@@ -47,18 +81,15 @@ Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
     throw UsageError("--write-firmware comes before there are logs; give one or the other");
   if (options.write_firmware) return WriteCalibrationFirmware(options, run);
   if (options.logs.empty()) throw UsageError("which logs? name CSV files, or --write-firmware to make them with");
-  std::vector<DutyLog> logs;
-  for (const auto& path : options.logs) {
-    logs.push_back(ReadDutyLog(path, options.potentiometer));
-    run.AddInput(path);
-  }
-  const DutyCalibration calibration = CalibrateDuty(logs, options.calibrate);
+  Json alignment;
+  const DutyCalibration calibration = CalibrateDuty(ReadLogs(options, run, alignment), options.calibrate);
   for (const std::string& warning : calibration.warnings) run.Warn(warning);
   WriteDutyTable(run.Result("duty_table.csv"), calibration.rows);
   WritePlateaus(run.Result("plateaus.csv"), calibration.plateaus);
   DrawDutyCalibration(run.Result("duty_table.png"), calibration);
   const DutyTable table = MakeDutyTable(calibration.rows, "duty_table.csv");
   return {{"plateaus", calibration.plateaus.size()},
+          {"video", alignment},
           {"dead_band", {{"extend", BandJson(calibration.extend)}, {"retract", BandJson(calibration.retract)}}},
           {"largest_speed_mm_s", {{"extend", table.extend.MostSpeed()}, {"retract", table.retract.MostSpeed()}}},
           {"largest_adjustment_mm_s", calibration.largest_adjustment_mm_s}};

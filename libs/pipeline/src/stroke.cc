@@ -62,24 +62,6 @@ void TakeMotion(const StrokeRunOptions& options, const Design& design, ScheduleO
   take(schedule.from_deg, 0), take(schedule.to_deg, 100);
 }
 
-// The slowest moving speed asked for in a direction; 0 if there is none.
-double SlowestAsked(const std::vector<ScheduleRow>& rows, int direction) {
-  double slowest = 0;
-  for (const ScheduleRow& row : rows)
-    if (row.direction == direction && (slowest == 0 || std::abs(row.speed_mm_s) < slowest))
-      slowest = std::abs(row.speed_mm_s);
-  return slowest;
-}
-
-void WarnOfSlowMotion(const std::vector<ScheduleRow>& rows, const DutyTable& table, Run& run) {
-  for (const int direction : {1, -1}) {
-    const double slowest = SlowestAsked(rows, direction), measured = table.Curve(direction).LeastMovingSpeed();
-    if (slowest > 0 && slowest < 0.999 * measured)
-      run.Warn(fmt::format("{} at {:.3g} mm/s is slower than anything in the duty table ({:.3g} mm/s): it may stick",
-                           direction > 0 ? "extending" : "retracting", slowest, measured));
-  }
-}
-
 double FastestKnee(const std::vector<ScheduleRow>& rows) {
   double fastest = 0;
   for (std::size_t i = 1; i < rows.size(); ++i)
@@ -103,19 +85,20 @@ Json ProgramJson(const StrokeSchedule& schedule, const std::vector<ScheduleRow>&
           {"used_stroke_mm", {schedule.limits.used.stroke.lower_mm, schedule.limits.used.stroke.upper_mm}}};
 }
 
-void WriteSources(const std::string& header, Run& run) {
-  WriteTextFile(run.Result("stroke_table.h"), header);
-  for (const FirmwareFile& file : FirmwareSources()) WriteTextFile(run.Result(file.name), file.text);
-}
-
 // Who made a generated header, for its comment.
 std::string MadeBy(const std::string& from) {
   return fmt::format("Made by lake-stroke {} from {}.", Version(), from);
 }
 
-Json FirmwareJson(const StrokeTable& stroke) {
-  Json files = {"stroke_table.h"};
-  for (const FirmwareFile& file : FirmwareSources()) files.push_back(file.name);
+Json CrawlJson(const CrawlSummary& crawl) {
+  return {{"stretches", crawl.stretches},
+          {"duration_s", crawl.duration_s},
+          {"stroke_error_mm", crawl.stroke_error_mm},
+          {"knee_error_deg", crawl.knee_error_deg},
+          {"added_rest_s", crawl.added_rest_s}};
+}
+
+Json FirmwareJson(const Json& files, const StrokeTable& stroke) {
   return {{"files", files},
           {"segments", stroke.segments.size()},
           {"segment_bytes", stroke.segments.size() * kSegmentBytes},
@@ -123,11 +106,32 @@ Json FirmwareJson(const StrokeTable& stroke) {
           {"pwm_error_mm", stroke.pwm_error_mm}};
 }
 
-Json ValidationJson(const Validation& v) {
-  return {{"shift_s", v.shift_s},       {"rms_deg", v.rms_deg},
-          {"max_deg", v.max_deg},       {"max_time_s", v.max_time_s},
-          {"offset_deg", v.offset_deg}, {"rms_with_offset_deg", v.rms_with_offset_deg},
-          {"speed_mm_s", v.speed_mm_s}, {"speed_se_mm_s", v.speed_se_mm_s},
+const char* VerdictText(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kFollows:
+      return "follows the prediction";
+    case Verdict::kOtherSpeed:
+      return "has the predicted angles at another speed";
+    case Verdict::kOtherAngles:
+      break;
+  }
+  return "differs from the prediction";
+}
+
+Json ValidationJson(const Validation& v, double tolerance_deg) {
+  return {{"verdict", VerdictText(Judge(v, tolerance_deg))},
+          {"tolerance_deg", tolerance_deg},
+          {"travel_factor", v.travel_factor},
+          {"rms_with_factor_deg", v.rms_with_factor_deg},
+          {"drift_mm", v.drift_mm},
+          {"shift_s", v.shift_s},
+          {"rms_deg", v.rms_deg},
+          {"max_deg", v.max_deg},
+          {"max_time_s", v.max_time_s},
+          {"offset_deg", v.offset_deg},
+          {"rms_with_offset_deg", v.rms_with_offset_deg},
+          {"speed_mm_s", v.speed_mm_s},
+          {"speed_se_mm_s", v.speed_se_mm_s},
           {"program_seen", v.covered}};
 }
 
@@ -157,20 +161,41 @@ void WarnOfValidation(const Validation& v, const StrokeSchedule& schedule, Run& 
 
 }  // namespace
 
+Json WriteSketch(const std::string& stroke_table, Run& run) {
+  const fs::path folder = run.Result(kSketchFolder);
+  fs::create_directories(folder);
+  WriteTextFile(folder / "stroke_table.h", stroke_table);
+  Json files = {std::string(kSketchFolder) + "/stroke_table.h"};
+  for (const FirmwareFile& file : FirmwareSources()) {
+    WriteTextFile(folder / file.name, file.text);
+    files.push_back(std::string(kSketchFolder) + "/" + file.name);
+  }
+  return files;
+}
+
 Json RunStroke(const StrokeRunOptions& options, Run& run) {
   const Design design = ReadDesign(options.design);
   run.AddInput(options.design);
   ScheduleOptions schedule_options = options.schedule;
   TakeMotion(options, design, schedule_options, run);
+  if (!(options.tolerance_deg > 0 && options.tolerance_deg <= 90))
+    throw UsageError(fmt::format("--tolerance must be above 0 and at most 90 degrees, not {}", options.tolerance_deg));
   FirmwareOptions firmware = options.firmware;
   firmware.dead_time_s = schedule_options.dead_time_s;
-  const StrokeSchedule schedule = MakeSchedule(design, schedule_options);
+  StrokeSchedule schedule = MakeSchedule(design, schedule_options);
   std::optional<DutyTable> table;
+  CrawlSummary crawl;
   std::optional<StrokeTable> stroke;
   std::string header;
   if (options.duty_table) {
     table = ReadDutyTable(*options.duty_table);
     run.AddInput(*options.duty_table);
+    CheckSpeeds(schedule, *table);
+    crawl = StepInsteadOfCrawling(schedule, *table, schedule_options.dead_time_s);
+  }
+  if (schedule_options.max_acceleration_mm_s2)
+    LimitAcceleration(schedule, *schedule_options.max_acceleration_mm_s2, schedule_options.dead_time_s);
+  if (table) {
     stroke = MakeStrokeTable(schedule, *table, firmware);
     header = StrokeTableHeader(
         *stroke, schedule, *table, design.d_min_mm, firmware,
@@ -180,9 +205,7 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   std::optional<Validation> validation;
   if (options.validate) validation = Validate(schedule, *options.validate, run);
 
-  if (table)
-    WarnOfSlowMotion(rows, *table, run);
-  else if (!validation)
+  if (!table && !validation)
     run.Warn(
         "no duty table: the duty is left empty and no firmware is written; measure one (lake-stroke calibrate) and "
         "give "
@@ -191,17 +214,17 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   const std::string name = options.design.filename().string();
   DrawStrokeProgram(run.Result("program.png"), schedule, rows, "Stroke program of " + name);
   Json summary = ProgramJson(schedule, rows);
+  summary["crawling"] = CrawlJson(crawl);
   summary["firmware"] = nullptr;
   if (stroke) {
-    WriteSources(header, run);
-    summary["firmware"] = FirmwareJson(*stroke);
+    summary["firmware"] = FirmwareJson(WriteSketch(header, run), *stroke);
   }
   if (validation) {
     WarnOfValidation(*validation, schedule, run);
     WriteValidationCsv(run.Result("validation.csv"), *validation);
     DrawValidation(run.Result("validation.png"), schedule, *validation,
                    fmt::format("Prototype {} against {}", options.validate->filename().string(), name));
-    summary["validation"] = ValidationJson(*validation);
+    summary["validation"] = ValidationJson(*validation, options.tolerance_deg);
   }
   return summary;
 }
@@ -217,6 +240,12 @@ std::string StrokeReport(const Json& summary) {
                                  summary["reversals"].get<int>());
   text += fmt::format("soft limits {:.3f} and {:.3f} mm\n", number(summary["soft_limits_mm"][0]),
                       number(summary["soft_limits_mm"][1]));
+  if (const Json& crawl = summary["crawling"]; crawl["stretches"].get<int>() > 0)
+    text += fmt::format(
+        "slower than anything in the duty table for {:.2f} s: rests and steps instead, at most {:.3f} mm ({:.2f}°) "
+        "behind "
+        "the program\n",
+        number(crawl["duration_s"]), number(crawl["stroke_error_mm"]), number(crawl["knee_error_deg"]));
   if (const Json& firmware = summary["firmware"]; !firmware.is_null())
     text += fmt::format("firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n",
                         firmware["segments"].get<int>(), number(firmware["rounding_error_mm"]),
@@ -227,7 +256,11 @@ std::string StrokeReport(const Json& summary) {
                         number(v["max_deg"]), number(v["shift_s"]));
     if (v["speed_mm_s"].is_number() && !std::isnan(number(v["speed_mm_s"])))
       text += fmt::format(", its own speed {:.3f} ± {:.3f} mm/s", number(v["speed_mm_s"]), number(v["speed_se_mm_s"]));
-    text += "\n";
+    text += fmt::format(
+        "\nverdict: it {} (within {}° RMS); travels {:.4f} of the program, drift at its end {:+.2f} mm, then RMS "
+        "{:.3f}°\n",
+        v["verdict"].get<std::string>(), number(v["tolerance_deg"]), number(v["travel_factor"]), number(v["drift_mm"]),
+        number(v["rms_with_factor_deg"]));
   }
   return text;
 }

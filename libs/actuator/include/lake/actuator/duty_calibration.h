@@ -25,9 +25,9 @@ struct PotentiometerScale {
 // "C0=MM0,C1=MM1". Throws UsageError.
 PotentiometerScale ParsePotentiometerScale(const std::string& text);
 
-// A CSV with time_s, duty and stroke_mm, or the firmware's serial output with `adc` and a scale; lines that start with
-// '#' (the firmware's remarks) are passed over, as are repeated headers. Rows without a stroke are left out. Throws
-// Error naming file and line: times that do not ascend, a duty outside -1..1, no stroke column.
+// A CSV with time_s, duty and stroke_mm, or the firmware's serial output with `adc` and a scale; what the firmware says
+// between its rows is passed over, as are lines that start with '#' and repeated headers. Rows without a stroke are
+// left out. Throws Error naming file and line: times that do not ascend, a duty outside -1..1, no stroke column.
 DutyLog ReadDutyLog(const std::filesystem::path& path, const std::optional<PotentiometerScale>& scale);
 
 struct CalibrateOptions {

@@ -20,10 +20,14 @@ inline constexpr int kFirmwareBytes = 8192;  // kept for the code, which takes l
 inline constexpr int kMostSegments = (kFlashBytes - kFirmwareBytes) / kSegmentBytes;
 
 struct FirmwareOptions {
-  double home_stroke_mm = 0;         // at which the retract end stop acts; 0: the design's d_min
-  double home_speed_mm_s = 5;        // while homing, at most; less if the duty table has less
-  double dead_time_s = 0.1;          // of the brake; the schedule's
-  double table_tolerance_mm = 0.05;  // allowed when a program has too many knots for the flash
+  double home_stroke_mm = 0;            // at which the retract end stop acts; 0: the design's d_min
+  double home_speed_mm_s = 5;           // while homing, at most; less if the duty table has less
+  double dead_time_s = 0.1;             // of the brake; the schedule's
+  double command_timeout_s = 2;         // motion stops when the host is silent for so long; 0: never
+  double speed_tolerance_percent = 10;  // by which speeds may differ from the duty table: for the bound on the drift, …
+  double lag_s = 0.05;                  // … as are the time by which speed lags behind duty …
+  double home_error_mm = 0.1;           // … and how well the stroke is known after homing
+  double table_tolerance_mm = 0.05;     // allowed when a program has too many knots for the flash
 
   void Check() const;  // throws UsageError
 };
@@ -52,7 +56,9 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
 // The header of a firmware without a program: it jogs, for the logs that a duty table is made of.
 std::string CalibrationHeader(const FirmwareOptions& options, const std::string& made_by);
 
-// The firmware's C sources, as in libs/actuator/firmware.
+// The firmware's sources, as in libs/actuator/firmware; with stroke_table.h they are a sketch for the Arduino IDE,
+// whose folder must have the name of its .ino.
+inline constexpr const char* kSketchFolder = "lake_stroke";
 struct FirmwareFile {
   std::string name, text;
 };

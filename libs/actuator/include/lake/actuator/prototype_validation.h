@@ -31,7 +31,10 @@ struct Validation {
   double offset_deg = 0;  // a constant that the measured angle may have (a marker or a link off its place), …
   double rms_with_offset_deg = 0;  // … fitted together with a shift of its own: what then is left, over all samples
   double speed_mm_s = 0, speed_se_mm_s = 0;  // constant programs: the prototype's own, from d(measured angle); else NaN
-  double covered = 0;                        // fraction of the program's duration that the video shows
+  double travel_factor = 1;  // what the prototype travels for each mm of the program, fitted with a start of its own …
+  double rms_with_factor_deg = 0;  // … and what then is left, over the program's duration: the linkage's own error
+  double drift_mm = 0;             // by the factor: where the prototype ends, less where the program ends
+  double covered = 0;              // fraction of the program's duration that the video shows
 };
 
 // The shift minimises the RMS of theta(d(t - shift)) against all samples, before the start and after the end at rest;
@@ -39,6 +42,16 @@ struct Validation {
 // shift hides an offset; only a video that shows a rest tells them apart. Throws Error for fewer than 10 samples, times
 // that do not ascend, an angle that does not change, or a video that shows less than a quarter of the program.
 Validation ValidatePrototype(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples);
+
+// What the comparison comes to.
+enum class Verdict {
+  kFollows,      // the program's angles at the program's times
+  kOtherSpeed,   // the linkage does what it should, the actuator runs faster or slower
+  kOtherAngles,  // not the linkage's angles at any speed
+};
+
+// Within the tolerance is an RMS of at most `tolerance_deg`.
+Verdict Judge(const Validation& validation, double tolerance_deg);
 
 void WriteValidationCsv(const std::filesystem::path& path, const Validation& validation);
 

@@ -10,15 +10,18 @@
 
 namespace lake {
 
+inline constexpr double kLeastDeadTime_s = 0.1;
+
 struct ScheduleOptions {
   double margin_mm = 0.5;            // kept from standing (theta = 0) and from the ends of the assembled branch
   std::optional<double> speed_mm_s;  // constant speed instead of the design's program
   std::optional<double> from_deg;    // constant program: knee angle at its start (none: the soft limit at d_min) …
   std::optional<double> to_deg;      // … and at its end (none: the soft limit at standing)
-  std::optional<double> max_speed_mm_s;  // of the actuator
-  bool return_trip = false;              // afterwards back to the start, the same way
-  double hold_s = 2;                     // rest before the return trip
-  double dead_time_s = 0.1;              // brake before a reversal: at least so long a rest
+  std::optional<double> max_speed_mm_s;          // of the actuator
+  std::optional<double> max_acceleration_mm_s2;  // likewise; none: speeds change at once
+  bool return_trip = false;                      // afterwards back to the start, the same way
+  double hold_s = 2;                             // rest before the return trip
+  double dead_time_s = 0.1;                      // brake before a reversal: at least so long a rest
 
   void Check() const;  // throws UsageError
 };
@@ -45,9 +48,27 @@ struct StrokeSchedule {
   double StrokeAt(double time_s) const;  // the ends' stroke before and after
 };
 
-// Throws Error naming time, stroke and limit if the program leaves the soft limits or exceeds the speed limit;
+// The program as the design has it; StepInsteadOfCrawling and LimitAcceleration then fit it to the actuator. Throws
+// Error naming time, stroke and limit if the program leaves the soft limits or exceeds the speed limit;
 // UsageError if the design has no program and no speed is given, or an angle is out of range.
 StrokeSchedule MakeSchedule(const Design& design, const ScheduleOptions& options);
+
+// What steps in place of crawling come to.
+struct CrawlSummary {
+  int stretches = 0;
+  double duration_s = 0;                           // of all of them
+  double stroke_error_mm = 0, knee_error_deg = 0;  // the farthest that a step is behind the program
+  double added_rest_s = 0;                         // where the brake takes longer than the program has time for
+};
+
+// Slower than the slowest speed of its duty table a screw sticks, or moves at a speed that nobody knows. There the
+// actuator rests, then catches up at that slowest speed, again and again; each step ends where the program is.
+CrawlSummary StepInsteadOfCrawling(StrokeSchedule& schedule, const DutyTable& table, double dead_time_s);
+
+// Ramps of constant acceleration in place of the knots, inside the corners, so strokes stay within their limits. Half a
+// ramp is added before and after the program; rests are lengthened where they have no room for their ramps. Throws
+// Error naming time and speed of a stretch that is too short for its ramps.
+void LimitAcceleration(StrokeSchedule& schedule, double most_mm_s2, double dead_time_s);
 
 // Throws Error naming time, speed and limit if the schedule asks for a speed that the table does not have.
 void CheckSpeeds(const StrokeSchedule& schedule, const DutyTable& table);

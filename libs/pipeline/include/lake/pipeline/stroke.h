@@ -20,20 +20,27 @@ struct StrokeRunOptions {
   std::optional<std::filesystem::path> motion;    // lake-track or lake-gait folder: a constant program runs between its
                                                   // seated and standing knee angles
   std::optional<std::filesystem::path> validate;  // lake-track folder of a prototype
+  double tolerance_deg = 2;                       // RMS up to which a prototype follows its prediction
   double rate_hz = 50;                            // of program.csv
   ScheduleOptions schedule;
   FirmwareOptions firmware;
 };
 
-// Writes program.csv, program.png; with a duty table stroke_table.h and the firmware's sources; with `validate`
-// validation.csv and validation.png. Returns the results for the summary.
+// Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results; returns their
+// names.
+Json WriteSketch(const std::string& stroke_table, Run& run);
+
+// Writes program.csv, program.png; with a duty table the firmware's sketch; with `validate` validation.csv and
+// validation.png. Returns the results for the summary.
 Json RunStroke(const StrokeRunOptions& options, Run& run);
 std::string StrokeReport(const Json& summary);
 
 struct DutyRunOptions {
   std::vector<std::filesystem::path> logs;
   std::optional<PotentiometerScale> potentiometer;
-  bool write_firmware = false;  // the firmware that jogs, instead of reading logs
+  std::optional<std::filesystem::path> video;       // lake-track folder of a film of the actuator; then one log
+  std::vector<std::string> rod = {"mount", "rod"};  // its markers: on the body, on the rod
+  bool write_firmware = false;                      // the firmware that jogs, instead of reading logs
   CalibrateOptions calibrate;
   FirmwareOptions firmware;
 };

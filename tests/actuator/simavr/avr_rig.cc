@@ -24,7 +24,9 @@ constexpr double kHertz = 16e6;
 constexpr std::uint32_t kSupply_mv = 5000;
 // Registers of the ATmega328P in data space.
 constexpr std::uint16_t kDdrB = 0x24, kPortB = 0x25, kDdrD = 0x2A, kPortD = 0x2B, kTccr1a = 0x80, kIcr1 = 0x86,
-                        kOcr1a = 0x88;
+                        kOcr1a = 0x88, kSpl = 0x5D, kSph = 0x5E;
+constexpr int kRamEnd = 0x8FF;
+constexpr std::size_t kTalkEvery_ms = 500;
 constexpr int kCom1a1 = 7;  // of TCCR1A: the timer drives the pin
 enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kIn1 = 7 };
 
@@ -93,6 +95,10 @@ void AvrRig::Send(const std::string& line) {
   to_send_.push_back('\n');
 }
 
+void AvrRig::SendNow(char c) {
+  to_send_.push_front(c);
+}
+
 void AvrRig::PullWire(bool retract, bool pulled) {
   pulled_[retract ? 0 : 1] = pulled;
   SetEndStopPins();
@@ -118,7 +124,9 @@ void AvrRig::EndMillisecond() {
   const double duty = share(Drive::kExtend) - share(Drive::kRetract);
   const bool brake = share(Drive::kBrake) > 0.5;
   const double target =
-      duty == 0 ? 0 : std::copysign(actuator_.table->Curve(duty > 0 ? 1 : -1).SpeedFor(std::abs(duty)), duty);
+      duty == 0 ? 0
+                : actuator_.speed_factor *
+                      std::copysign(actuator_.table->Curve(duty > 0 ? 1 : -1).SpeedFor(std::abs(duty)), duty);
   const double time_constant = brake ? 0.01 : duty == 0 ? 0.06 : actuator_.time_constant_s;
   speed_mm_s_ += (target - speed_mm_s_) * (1 - std::exp(-1e-3 / time_constant));
   actuator_.stroke_mm += speed_mm_s_ * 1e-3;
@@ -136,6 +144,8 @@ void AvrRig::Run(double seconds) {
   std::uint64_t next_ms = (avr_->cycle / kCyclesPerMs + 1) * kCyclesPerMs;
   while (avr_->cycle < until && !HasEnded()) {
     avr_run(avr_);
+    if (const int pointer = avr_->data[kSpl] | avr_->data[kSph] << 8; pointer > 0)  // 0 until the start-up code sets it
+      deepest_stack_ = std::max(deepest_stack_, kRamEnd - pointer);
     if (const BridgeInputs now = ReadInputs(); now != inputs_) {
       CountOnTime();
       if (now.Driven() != inputs_.Driven()) changes_.push_back({Time(), now.Driven(), now.enable});
@@ -144,6 +154,7 @@ void AvrRig::Run(double seconds) {
     if (avr_->cycle < next_ms) continue;
     next_ms += kCyclesPerMs;
     EndMillisecond();
+    if (talking_ && samples_.size() % kTalkEvery_ms == 0) SendNow('?');
     if (!to_send_.empty()) {  // one character per ms: slower than 115200 baud, never too fast
       avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT),
                     static_cast<std::uint8_t>(to_send_.front()));

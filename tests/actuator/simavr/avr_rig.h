@@ -39,9 +39,10 @@ struct DriveChange {
   double enable = 0;          // of ENA at that moment
 };
 
-// Speed follows the table with a time constant while driven, 10 ms when shorted, 60 ms when off.
+// Speed follows the table, times a factor, with a time constant while driven, 10 ms when shorted, 60 ms when off.
 struct ActuatorModel {
   const DutyTable* table = nullptr;
+  double speed_factor = 1;
   double stroke_mm = 0;
   double retract_stop_mm = 0, extend_stop_mm = 1000;  // where the switches act
   double time_constant_s = 0.03;
@@ -59,7 +60,9 @@ class AvrRig {
   bool RunUntil(const std::string& serial_text, double most_seconds);  // false if it was not said in time
 
   void Send(const std::string& line);
-  void PullWire(bool retract, bool pulled);  // an end stop's wire off: reads as pressed
+  void SendNow(char c);                         // ahead of what waits, as a real-time command
+  void KeepTalking(bool on) { talking_ = on; }  // a `?` every half second, as a host does
+  void PullWire(bool retract, bool pulled);     // an end stop's wire off: reads as pressed
 
   double Time() const;
   double Stroke() const { return actuator_.stroke_mm; }
@@ -68,6 +71,7 @@ class AvrRig {
   const std::string& Serial() const { return serial_; }
   const std::vector<RigSample>& Samples() const { return samples_; }
   const std::vector<DriveChange>& Changes() const { return changes_; }
+  int DeepestStack() const { return deepest_stack_; }  // bytes, interrupts included
 
  private:
   static void OnSerial(avr_irq_t* irq, uint32_t value, void* rig);
@@ -85,6 +89,8 @@ class AvrRig {
   double on_cycles_[4] = {};  // by Drive, in this ms
   std::string serial_;
   std::deque<char> to_send_;
+  bool talking_ = false;
+  int deepest_stack_ = 0;
   std::vector<RigSample> samples_;
   std::vector<DriveChange> changes_;
 };

@@ -1,0 +1,33 @@
+// The rest of an Arduino UNO (ATmega328P, 16 MHz): end stops, tick, potentiometer, watchdog.
+#ifndef LAKE_BOARD_H
+#define LAKE_BOARD_H
+
+#include <stdint.h>
+
+typedef enum { RESET_BY_POWER_OR_BUTTON, RESET_BY_WATCHDOG, RESET_BY_LOW_VOLTAGE } reset_cause_t;
+
+// End stops and potentiometer; nothing runs yet.
+void board_init(void);
+
+// Interrupts on, controller_tick() once per ms, watchdog of 120 ms.
+void board_start(void);
+
+// Sleeps until an interrupt. Nonzero once per tick; then the watchdog has been fed, so it is only while interrupt and
+// main loop both run.
+uint8_t board_wait(void);
+
+// Bits as in end_stops.h of the end stops that are open now. Pins are read four times within 20 us and must agree: the
+// bridge's spikes are shorter.
+uint8_t board_end_stops(void);
+
+// The last reading of the potentiometer, 0..1023.
+uint16_t board_potentiometer(void);
+
+reset_cause_t board_reset_cause(void);
+
+#ifdef LAKE_SIMULATOR
+void board_hang(void);  // the main loop hangs
+void board_quit(void);  // ends the simulation
+#endif
+
+#endif

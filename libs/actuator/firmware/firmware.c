@@ -1,0 +1,22 @@
+#include "firmware.h"
+
+#include "board.h"
+#include "controller.h"
+#include "end_stops.h"
+#include "motor.h"
+#include "protocol.h"
+#include "serial.h"
+
+void firmware_begin(void) {
+  motor_init();
+  board_init();
+  end_stops_init();
+  controller_init();
+  serial_init();
+  board_start();
+  protocol_greet(board_reset_cause());
+}
+
+void firmware_turn(void) {
+  if (board_wait()) protocol_turn();
+}

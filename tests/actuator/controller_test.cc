@@ -1,0 +1,218 @@
+// The firmware's portable part, compiled as C++: the controller, tick by tick, at any order of events.
+#include "controller.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "config.h"
+#include "end_stops.h"
+#include "fake_board.h"
+#include "firmware_build.h"
+#include "lake/actuator/stroke_schedule.h"
+#include "motor.h"
+#include "protocol.h"
+#include "serial.h"
+
+namespace lake {
+namespace {
+
+using testing::EndsWith;
+using testing::HasSubstr;
+
+constexpr auto kOff = FakeBoard::Bridge::kOff, kBrake = FakeBoard::Bridge::kBrake, kDrive = FakeBoard::Bridge::kDrive;
+
+// The program of host/stroke_table.h: up at 5 mm/s, up at 2, back at 4, a rest, up.
+StrokeSchedule HostSchedule() {
+  Design design;
+  design.links = kPublishedLinks;
+  design.program.emplace().kind = StrokeProgram::Kind::kFree;
+  design.program->knots = {{0, 300}, {0.5, 302.5}, {1, 303.5}, {1.5, 301.5}, {1.8, 301.5}, {2, 302.1}};
+  return MakeSchedule(design, {});
+}
+
+class ControllerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake_board = {};
+    end_stops_init();
+    motor_init();
+    controller_init();
+    Tick(10);  // the end stops have been seen closed
+    controller_take_events();
+  }
+
+  void Tick(int times = 1) {
+    for (int i = 0; i < times; ++i) controller_tick();
+  }
+
+  // A host that talks, so that the command time-out does not act.
+  void TickTalking(int times) {
+    for (int i = 0; i < times; ++i) controller_heard(), controller_tick();
+  }
+
+  reply_t Ask(request_t request, int16_t counts = 0, uint16_t ms = 0) {
+    controller_request(request, counts, ms);
+    Tick();
+    return controller_take_reply();
+  }
+
+  void Start() {
+    ASSERT_EQ(Ask(REQUEST_ZERO), REPLY_OK);
+    ASSERT_EQ(Ask(REQUEST_RUN), REPLY_OK);
+  }
+};
+
+TEST(HostTable, IsWhatTheProgramWrites) {
+  const StrokeSchedule schedule = HostSchedule();
+  const DutyTable table = ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
+  FirmwareOptions options;
+  options.home_stroke_mm = 298;
+  const std::string header = StrokeTableHeader(MakeStrokeTable(schedule, table, options), schedule, table, 242, options,
+                                               "For the tests of the portable part.");
+  EXPECT_EQ(ReadTextFile(LAKE_SOURCE_DIR "/tests/actuator/host/stroke_table.h"), header)
+      << "lake-stroke --home-stroke 298 with this program writes it";
+}
+
+TEST_F(ControllerTest, PlanFollowsTheScheduleTickByTick) {
+  Start();
+  const StrokeSchedule schedule = HostSchedule();
+  // One ms of the program has passed. Half an ms of 5 mm/s, rounding of the table.
+  for (int ms = 1; controller_status().state == STATE_RUNNING; ++ms, TickTalking(1)) {
+    // Clocks stop while the motor brakes for a reversal; the schedule has a rest there, so none is lost.
+    ASSERT_NEAR(controller_status().stroke_um / 1e3, schedule.StrokeAt(ms * 1e-3), 0.006) << ms;
+    ASSERT_LT(ms, 5000);
+  }
+  EXPECT_EQ(controller_take_events(), EVENT_DONE);
+  EXPECT_NEAR(controller_status().stroke_um / 1e3, 302.1, 0.002);
+  TickTalking(LAKE_DEAD_TIME_MS + 1);
+  EXPECT_EQ(fake_board.bridge, kOff);
+  EXPECT_FALSE(fake_board.shorted);
+}
+
+TEST_F(ControllerTest, EndStopAheadActsInTheSameTickAndOnlyInItsDirection) {
+  Start();
+  TickTalking(100);
+  fake_board.open = END_STOP_RETRACT;  // behind
+  TickTalking(5);
+  ASSERT_EQ(fake_board.bridge, kDrive);
+  fake_board.open = END_STOP_RETRACT | END_STOP_EXTEND;
+  TickTalking(1);
+  EXPECT_EQ(fake_board.bridge, kBrake);
+  EXPECT_EQ(controller_take_events(), EVENT_FAULT_BOTH_STOPS);
+  EXPECT_EQ(controller_status().knowledge, STROKE_UNKNOWN);
+  fake_board.open = END_STOP_EXTEND;
+  ASSERT_EQ(Ask(REQUEST_RESET), REPLY_OK);
+  TickTalking(LAKE_DEAD_TIME_MS);
+  EXPECT_EQ(Ask(REQUEST_JOG, 2000, 100), REPLY_STOP_AHEAD);
+  EXPECT_EQ(Ask(REQUEST_JOG, -2000, 100), REPLY_OK);
+}
+
+TEST_F(ControllerTest, SilenceStopsWhateverMoves) {
+  Start();
+  Tick(LAKE_COMMAND_TIMEOUT_MS - 1);
+  ASSERT_EQ(controller_status().state, STATE_RUNNING);
+  Tick();
+  EXPECT_EQ(controller_status().state, STATE_HOLD);
+  EXPECT_EQ(fake_board.bridge, kBrake);
+  EXPECT_EQ(controller_take_events(), EVENT_TIMEOUT);
+  Tick(3 * LAKE_COMMAND_TIMEOUT_MS);
+  EXPECT_EQ(controller_take_events(), 0) << "told once";
+  ASSERT_EQ(Ask(REQUEST_STOP), REPLY_OK);
+  ASSERT_EQ(Ask(REQUEST_JOG, 2000, 9000), REPLY_OK);
+  Tick(LAKE_COMMAND_TIMEOUT_MS);
+  EXPECT_EQ(controller_status().state, STATE_IDLE);
+}
+
+TEST_F(ControllerTest, AHoldOutdoesAResumeAndKeepsThePlace) {
+  Start();
+  TickTalking(200);
+  controller_hold();
+  controller_resume();
+  TickTalking(300);
+  EXPECT_EQ(controller_status().state, STATE_HOLD);
+  const int32_t place = controller_status().stroke_um;
+  controller_hold();
+  controller_resume();
+  TickTalking(1);
+  EXPECT_EQ(controller_status().state, STATE_HOLD);
+  controller_resume();
+  TickTalking(1);
+  EXPECT_EQ(controller_status().state, STATE_RUNNING);
+  EXPECT_NEAR(controller_status().stroke_um, place, 5);
+  controller_abort();
+  TickTalking(1);
+  EXPECT_EQ(controller_status().state, STATE_IDLE);
+  EXPECT_EQ(controller_status().knowledge, STROKE_UNKNOWN);
+}
+
+// Random commands, end stops and silences, a million ticks: the bridge's inputs never turn while it drives, opposite
+// directions have the brake between them, an end stop ahead is never driven against.
+TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
+  std::mt19937 random(7);
+  const auto one_in = [&](int n) { return random() % n == 0; };
+  int last_direction = 0, undriven_ms = 0;
+  for (int i = 0; i < 1'000'000; ++i) {
+    if (one_in(300))
+      controller_request(static_cast<request_t>(1 + random() % 7), static_cast<int16_t>(random() % 8001) - 4000,
+                         static_cast<uint16_t>(random() % 2000));
+    if (one_in(700)) controller_hold();
+    if (one_in(300)) controller_resume();
+    if (one_in(3000)) controller_abort();
+    if (!one_in(50)) controller_heard();
+    if (one_in(400)) fake_board.open = random() % 4;
+    if (one_in(100)) fake_board.open = 0;
+    Tick();
+    ASSERT_FALSE(fake_board.shorted);
+    if (fake_board.bridge != kDrive) {
+      ++undriven_ms;
+      continue;
+    }
+    ASSERT_EQ(std::abs(fake_board.direction), 1);
+    if (fake_board.direction == -last_direction) {
+      ASSERT_GE(undriven_ms, LAKE_DEAD_TIME_MS) << "at " << i << " ms";
+    }
+    ASSERT_FALSE(fake_board.open & (fake_board.direction > 0 ? END_STOP_EXTEND : END_STOP_RETRACT));
+    last_direction = fake_board.direction, undriven_ms = 0;
+  }
+  EXPECT_NE(last_direction, 0);
+}
+
+// Texts in, texts out.
+class ProtocolTest : public ControllerTest {
+ protected:
+  std::string Say(const std::string& line) {
+    fake_board.said.clear();
+    fake_board.line = line;
+    protocol_turn();
+    Tick();
+    protocol_turn();
+    return fake_board.said;
+  }
+};
+
+TEST_F(ProtocolTest, EveryLineHasOneReply) {
+  EXPECT_THAT(Say("zero"), HasSubstr("ok\n"));
+  for (const auto& [line, reply] : {std::pair{"run", "ok\n"},
+                                    {"run", "error:4\n"},
+                                    {"nonsense", "error:1\n"},
+                                    {"jog 1", "error:2\n"},
+                                    {"jog 99999999999 1", "error:2\n"},
+                                    {"cut off\n", "error:3\n"},
+                                    {"home", "error:4\n"},
+                                    {"stop", "ok\n"},
+                                    {"run", "error:5\n"}})
+    EXPECT_THAT(Say(line), HasSubstr(reply)) << line;
+}
+
+TEST_F(ProtocolTest, RealTimeCharactersAreNoPartOfALine) {
+  for (const char c : {'?', '!', '~', '\x18'}) EXPECT_TRUE(protocol_realtime(c));
+  for (int c = 0; c < 256; ++c)
+    EXPECT_EQ(protocol_realtime(static_cast<char>(c)) != 0, c == '?' || c == '!' || c == '~' || c == 0x18) << c;
+  EXPECT_THAT(Say(""), EndsWith("|duty:0.0000|stops:0>\n"));
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,102 @@
+// The firmware, compiled as a user does, in a simulator of the ATmega328P with a model of bridge, motor and end stops.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../firmware_build.h"
+#include "avr_rig.h"
+#include "lake/actuator/stroke_schedule.h"
+#include "temporary_folder.h"
+
+namespace lake {
+
+inline DutyTable ModelTable() {
+  return ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
+}
+
+// The published linkage between two strokes and back: knots (s, mm).
+inline Design DesignOf(std::vector<StrokeProgram::Knot> knots) {
+  Design design;
+  design.links = kPublishedLinks;
+  StrokeProgram program;
+  program.kind = StrokeProgram::Kind::kFree;
+  program.knots = std::move(knots);
+  design.program = program;
+  return design;
+}
+
+// Up, slower, a reversal without a pause, a rest.
+inline const std::vector<StrokeProgram::Knot> kKnots = {{0, 300},   {0.8, 304.8}, {1.6, 307.2},
+                                                        {2.4, 302}, {2.7, 302},   {3.5, 305}};
+
+class FirmwareTest : public testing::Test {
+ protected:
+  void Build(const Design& design, const std::string& flags = "-DLAKE_SIMULATOR", const ScheduleOptions& how = {}) {
+    schedule_ = MakeSchedule(design, how);
+    FirmwareOptions& options = firmware_options_;
+    options.home_stroke_mm = schedule_.knots.front().stroke_mm - 2;
+    stroke_table_ = MakeStrokeTable(schedule_, table_, options);
+    elf_ = BuildFirmware(folder_ / "build", StrokeTableHeader(stroke_table_, schedule_, table_, 242, options, "test"),
+                         flags);
+    actuator_.table = &table_;
+    actuator_.stroke_mm = schedule_.knots.front().stroke_mm;
+    actuator_.retract_stop_mm = options.home_stroke_mm;
+    PowerUp();
+  }
+
+  // The UNO starts, the actuator standing where the model says.
+  void PowerUp() { rig_ = std::make_unique<AvrRig>(elf_, actuator_); }
+
+  // Whether the answer to a line comes within 0.2 s.
+  bool Asks(const std::string& line, const std::string& answer) {
+    rig_->Send(line);
+    return rig_->RunUntil(answer + "\n", 0.2);
+  }
+
+  // The time from `since` on until the motor is braked; NaN if it is not.
+  double BrakeAfter(double since_s) const {
+    for (const DriveChange& change : rig_->Changes())
+      if (change.time_s > since_s && change.drive == Drive::kBrake) return change.time_s - since_s;
+    return NAN;
+  }
+
+  // Runs until the program runs, the actuator standing at its start and the host talking.
+  void Start() {
+    rig_->Run(0.05);
+    rig_->KeepTalking(true);
+    ASSERT_TRUE(Asks("zero", "ok")) << rig_->Serial();
+    ASSERT_TRUE(Asks("run", "ok")) << rig_->Serial();
+  }
+
+  // The first ms in which the bridge drives.
+  double FirstDrive() const {
+    for (const RigSample& sample : rig_->Samples())
+      if (sample.duty != 0) return sample.time_s - 1e-3;
+    return NAN;
+  }
+
+  // The time from `since` on until the bridge no longer drives.
+  double DriveTimeAfter(double since_s) const {
+    double last = since_s;
+    for (const RigSample& sample : rig_->Samples())
+      if (sample.time_s > since_s && sample.duty != 0) last = sample.time_s;
+    return last - since_s;
+  }
+
+  TemporaryFolder folder_;
+  FirmwareOptions firmware_options_;
+  DutyTable table_ = ModelTable();
+  StrokeSchedule schedule_;
+  StrokeTable stroke_table_;
+  std::filesystem::path elf_;
+  ActuatorModel actuator_;
+  std::unique_ptr<AvrRig> rig_;
+};
+
+}  // namespace lake

@@ -1,0 +1,89 @@
+// The image itself: size, stack, no floating point, and the same sources as a sketch of the Arduino IDE.
+#include <fmt/format.h>
+
+#include "firmware_fixture.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr int kRamBytes = 2048;  // of the ATmega328P
+
+class FirmwareImageTest : public FirmwareTest {
+ protected:
+  std::string OutputOf(const std::string& command) {
+    const auto file = folder_ / "output";
+    EXPECT_EQ(std::system(fmt::format("{} > '{}'", command, file.string()).c_str()), 0) << command;
+    return ReadTextFile(file);
+  }
+};
+
+// What a user uploads: without the simulator's hooks, and within the flash next to the largest table. Warnings are
+// errors of BuildFirmware.
+TEST_F(FirmwareImageTest, FlashRamAndStackFitWithRoom) {
+  Build(DesignOf(kKnots), "");
+  const std::string line = OutputOf(fmt::format("avr-size '{}' | awk 'NR==2 {{print $1+$2, $2+$3}}'", elf_.string()));
+  int flash = 0, ram = 0;
+  ASSERT_EQ(std::sscanf(line.c_str(), "%d %d", &flash, &ram), 2);
+  const int code = flash - static_cast<int>(stroke_table_.segments.size()) * kSegmentBytes;
+  EXPECT_LT(code, kFirmwareBytes);
+  Start();
+  for (int i = 0; i < 20; ++i) rig_->Send("jog 1 2 3"), rig_->SendNow('?'), rig_->Run(0.05);
+  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
+  EXPECT_GT(rig_->DeepestStack(), 20);
+  EXPECT_LT(ram + rig_->DeepestStack(), kRamBytes / 2) << "half of the RAM stays free";
+  EXPECT_TRUE(Asks("hang", "error:1")) << "the simulator's hooks are not in it";
+  std::printf("flash %d bytes and %d per segment (of %d), RAM %d bytes and stack %d (of %d)\n", code, kSegmentBytes,
+              kFlashBytes, ram, rig_->DeepestStack(), kRamBytes);
+}
+
+// Not in the interrupt, and nowhere else: libgcc's routines for it are not linked.
+TEST_F(FirmwareImageTest, NoFloatingPoint) {
+  Build(DesignOf(kKnots), "");
+  const std::string symbols = OutputOf(fmt::format("avr-nm '{}'", elf_.string()));
+  EXPECT_THAT(symbols, HasSubstr("controller_tick"));
+  for (const char* routine : {"__addsf3", "__subsf3", "__mulsf3", "__divsf3", "__fixsfsi", "__floatsisf",
+                              "__floatunsisf", "__cmpsf2", "__fp_"})
+    EXPECT_THAT(symbols, Not(HasSubstr(routine)));
+}
+
+// As the Arduino IDE builds a sketch: its .ino as C++ after #include <Arduino.h>, the other files as they are, with the
+// core's own main() and start-up.
+TEST_F(FirmwareImageTest, RunsAsAnArduinoSketch) {
+  const std::filesystem::path avr = "/usr/share/arduino/hardware/arduino/avr";
+  const auto core = avr / "cores/arduino";
+  if (!std::filesystem::exists(core / "main.cpp")) GTEST_SKIP() << "arduino-core-avr is not installed";
+  Build(DesignOf(kKnots), "");
+  const std::string options = fmt::format(
+      "-mmcu=atmega328p -DF_CPU=16000000L -DARDUINO=10819 -DARDUINO_AVR_UNO -DARDUINO_ARCH_AVR -Os "
+      "-ffunction-sections -fdata-sections -I{} -I{}",
+      core.string(), (avr / "variants/standard").string());
+  const std::string gcc = LAKE_AVR_GCC, build = (folder_ / "build").string();
+  const std::string commands = fmt::format(
+      "cd '{0}' && {1} {2} -std=gnu11 -Wall -Wextra -Werror -c *.c && "
+      "{1} {2} -std=gnu++11 -Wall -Wextra -Werror -x c++ -include Arduino.h -c lake_stroke.ino -o sketch.o && "
+      "{1} {2} -std=gnu++11 -w -c {3}/main.cpp -o core_main.o && {1} {2} -std=gnu11 -w -c {3}/wiring.c {3}/hooks.c && "
+      "{1} -mmcu=atmega328p -Os -Wl,--gc-sections *.o -o sketch.elf",
+      build, gcc, options, core.string());
+  ASSERT_EQ(std::system(commands.c_str()), 0);
+  elf_ = folder_ / "build/sketch.elf";
+  PowerUp();
+  Start();
+  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", schedule_.Duration() + 1)) << rig_->Serial();
+  rig_->Run(0.1);
+  // The lags of five changes of speed, as in ClosedLoopStrokeFollowsTheProgram.
+  EXPECT_NEAR(rig_->Stroke(), schedule_.knots.back().stroke_mm, 0.2 + 5 * 0.13);
+}
+
+// The folder that lake-stroke writes is such a sketch: one .ino, of the folder's name.
+TEST(Sketch, HasOneInoOfTheFoldersName) {
+  std::vector<std::string> sketches;
+  for (const FirmwareFile& file : FirmwareSources())
+    if (file.name.ends_with(".ino")) sketches.push_back(file.name);
+  EXPECT_EQ(sketches, std::vector<std::string>{std::string(kSketchFolder) + ".ino"});
+}
+
+}  // namespace
+}  // namespace lake

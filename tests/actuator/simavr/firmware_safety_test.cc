@@ -1,0 +1,203 @@
+// What stops the motor, and within which time.
+#include "firmware_fixture.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST_F(FirmwareTest, IsSafeAfterResetUntilToldToStart) {
+  Build(DesignOf(kKnots));
+  rig_->Run(0.5);
+  for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0) << sample.time_s;
+  EXPECT_TRUE(rig_->Changes().empty());
+  EXPECT_THAT(rig_->Serial(), HasSubstr("time_s,planned_mm,drift_mm,duty,direction,state,adc,end_stops\n"));
+  EXPECT_THAT(rig_->Serial(), HasSubstr(",,,0.0000,0,idle,"));  // stroke unknown, bridge off
+  EXPECT_TRUE(Asks("run", "error:5")) << rig_->Serial();
+  rig_->Run(0.1);
+  EXPECT_EQ(rig_->Samples().back().duty, 0);
+}
+
+// The power fails in the middle of a program; when it is back nothing moves until the actuator has been homed.
+TEST_F(FirmwareTest, PowerUpInMidStrokeIsStillAndAsksToBeHomed) {
+  Build(DesignOf({{0, 300}, {2, 308}}));
+  Start();
+  rig_->Run(1);
+  ASSERT_GT(rig_->Samples().back().duty, 0);
+  actuator_.stroke_mm = rig_->Stroke();
+  ASSERT_NEAR(actuator_.stroke_mm, 304, 0.3);
+  PowerUp();
+  rig_->KeepTalking(true);
+  rig_->Run(1);
+  for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0) << sample.time_s;
+  EXPECT_TRUE(rig_->Changes().empty());
+  EXPECT_THAT(rig_->Serial(), HasSubstr("<idle|stroke:|drift:|duty:0.0000|stops:0>"));
+  EXPECT_TRUE(Asks("run", "error:5")) << rig_->Serial();
+  ASSERT_TRUE(Asks("home", "ok"));
+  ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
+  EXPECT_TRUE(Asks("run", "ok"));
+  ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 4)) << rig_->Serial();
+  // Run-on past the switch and lags, as in HomesToTheEndStopThenToTheStart.
+  EXPECT_NEAR(rig_->Stroke(), 308, 0.07 + 0.2 + 0.03);
+}
+
+// Within one tick of 1 ms, the time the interrupt itself takes included.
+TEST_F(FirmwareTest, EndStopAheadBrakesWithinOneTick) {
+  for (const bool retract : {false, true}) {
+    Build(DesignOf(retract ? std::vector<StrokeProgram::Knot>{{0, 310}, {3, 300}}
+                           : std::vector<StrokeProgram::Knot>{{0, 300}, {3, 310}}));
+    actuator_.retract_stop_mm = 0;  // only the wires act here
+    for (const double moment_s : {0.7, 0.7003, 0.7007}) {
+      PowerUp();
+      Start();
+      rig_->Run(moment_s);
+      ASSERT_NE(rig_->Samples().back().duty, 0);
+      const double pressed = rig_->Time();
+      rig_->PullWire(retract, true);
+      EXPECT_TRUE(rig_->RunUntil("ALARM:1\n", 0.2)) << rig_->Serial();
+      EXPECT_LE(BrakeAfter(pressed), 1.1e-3);
+    }
+    rig_->PullWire(retract, false);
+    EXPECT_TRUE(Asks("run", "error:4")) << "a fault stays until reset";
+    EXPECT_EQ(rig_->Samples().back().duty, 0);
+    EXPECT_TRUE(Asks("reset", "ok"));
+    EXPECT_TRUE(Asks("run", "error:5")) << "the stroke is unknown after a fault";
+  }
+}
+
+TEST_F(FirmwareTest, HoldBrakesWithinTwoMilliseconds) {
+  Build(DesignOf({{0, 300}, {3, 310}}));
+  Start();
+  rig_->Run(0.5);
+  const double asked = rig_->Time();
+  rig_->SendNow('!');
+  rig_->Run(0.1);
+  EXPECT_LE(BrakeAfter(asked), 3e-3);  // up to 1 ms until the rig sends it, 0.1 ms on the line, then the next tick
+  EXPECT_EQ(rig_->Samples().back().duty, 0);
+  EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
+}
+
+TEST_F(FirmwareTest, ASilentHostHoldsTheProgram) {
+  Build(DesignOf({{0, 300}, {4, 316}}));
+  Start();
+  rig_->Run(0.3);
+  rig_->KeepTalking(false);
+  rig_->SendNow('?');
+  rig_->Run(0.002);
+  const double last_heard = rig_->Time();
+  rig_->Run(2.2);
+  EXPECT_NEAR(BrakeAfter(last_heard), firmware_options_.command_timeout_s, 0.003);
+  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:host silent, stopped]"));
+  EXPECT_THAT(rig_->Serial(), HasSubstr(",hold,"));
+  EXPECT_EQ(rig_->Samples().back().duty, 0);
+  rig_->KeepTalking(true);
+  rig_->SendNow('~');
+  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 3)) << "and goes on where it was";
+  rig_->Run(0.1);
+  EXPECT_NEAR(rig_->Stroke(), 316, 4 * 0.04 + stroke_table_.pwm_error_mm + 0.02);
+}
+
+TEST_F(FirmwareTest, GarbageIsNoHost) {
+  Build(DesignOf({{0, 300}, {4, 316}}));
+  Start();
+  rig_->KeepTalking(false);
+  const double since = rig_->Time();
+  for (int i = 0; i < 25; ++i) rig_->Send("\xfe\x80 noise"), rig_->Run(0.1);
+  EXPECT_LT(BrakeAfter(since), firmware_options_.command_timeout_s + 0.01);
+  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:host silent, stopped]"));
+}
+
+TEST_F(FirmwareTest, EndStopBehindDoesNotStop) {
+  Build(DesignOf({{0, 300}, {2, 306}}));
+  rig_->PullWire(true, true);
+  Start();
+  rig_->Run(1);
+  EXPECT_GT(rig_->Samples().back().duty, 0);
+  EXPECT_THAT(rig_->Serial(), Not(HasSubstr("fault")));
+}
+
+TEST_F(FirmwareTest, ASpikeOnAnEndStopDoesNotStopBothWiresOffDo) {
+  Build(DesignOf({{0, 300}, {2, 306}}));
+  Start();
+  rig_->Run(0.3);
+  for (int i = 0; i < 40; ++i) {  // at any phase of the tick
+    rig_->PullWire(false, true);
+    rig_->Run(5e-6);  // shorter than four readings take
+    rig_->PullWire(false, false);
+    rig_->Run(0.00099);
+  }
+  EXPECT_GT(rig_->Samples().back().duty, 0);
+  EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
+  rig_->PullWire(true, true);
+  rig_->PullWire(false, true);
+  EXPECT_TRUE(rig_->RunUntil("ALARM:2\n", 0.2)) << rig_->Serial();
+  EXPECT_EQ(rig_->Samples().back().duty, 0);
+}
+
+TEST_F(FirmwareTest, WatchdogStopsAHangingMainLoop) {
+  Build(DesignOf({{0, 300}, {4, 312}}));
+  Start();
+  rig_->Run(0.3);
+  ASSERT_GT(rig_->Samples().back().duty, 0);
+  const double hung = rig_->Time();
+  rig_->Send("hang");
+  EXPECT_TRUE(rig_->RunUntil("[MSG:lake-stroke, reset by the watchdog]", 1)) << rig_->Serial();
+  EXPECT_LE(DriveTimeAfter(hung),
+            0.16);  // 120 ms of the watchdog after 5 ms of sending, and its oscillator's tolerance
+  RecordProperty("drove_on_ms", static_cast<int>(1000 * DriveTimeAfter(hung)));
+  rig_->Run(0.5);
+  EXPECT_EQ(rig_->Samples().back().duty, 0);
+  EXPECT_TRUE(Asks("run", "error:5")) << rig_->Serial();
+}
+
+TEST_F(FirmwareTest, EndStopsActWhileTheMainLoopHangs) {
+  Build(DesignOf({{0, 300}, {4, 312}}));
+  Start();
+  rig_->Run(0.3);
+  rig_->Send("hang");
+  rig_->Run(0.02);
+  ASSERT_GT(rig_->Samples().back().duty, 0);
+  const double pressed = rig_->Time();
+  rig_->PullWire(false, true);
+  rig_->Run(0.05);
+  EXPECT_LE(BrakeAfter(pressed), 1.1e-3);
+}
+
+TEST_F(FirmwareTest, HomingWithoutAnEndStopGivesUp) {
+  firmware_options_.home_speed_mm_s = 11;
+  Design design = DesignOf({{0, 300}, {2, 306}});
+  design.d_max_mm = 308;  // little travel, so that it gives up after 3.4 s
+  Build(design);
+  actuator_.retract_stop_mm = -1000;
+  PowerUp();
+  rig_->Run(0.05);
+  rig_->KeepTalking(true);
+  ASSERT_TRUE(Asks("home", "ok"));
+  EXPECT_TRUE(rig_->RunUntil("ALARM:4\n", 5)) << rig_->Serial();
+  EXPECT_EQ(rig_->Samples().back().duty, 0);
+}
+
+TEST_F(FirmwareTest, ToleratesGarbageOnTheSerialLine) {
+  Build(DesignOf({{0, 300}, {1, 303}}));
+  rig_->Run(0.05);
+  for (const char* line : {"", "strat", "jog", "run ", "\xff\xfe\x01"}) {
+    const std::size_t from = rig_->Serial().size();
+    rig_->Send(line), rig_->Run(0.1);
+    EXPECT_EQ(rig_->Serial().find("error:1\n", from) != std::string::npos, *line != 0) << line;
+  }
+  for (const char* line : {"jog 0 100", "jog 2000 100", "jog 100 99999", "jog 100", "jog 1 2 3", "jog 100 -5", "jog  "})
+    EXPECT_TRUE(Asks(line, "error:2")) << line;
+  EXPECT_TRUE(Asks("a line that is far longer than the buffer of the receiver, and then some", "error:3"));
+  EXPECT_TRUE(Asks(std::string("\0", 1), "error:1"));
+  for (const char c : {'~', '!', '~', '\x18'}) rig_->SendNow(c), rig_->Run(0.1);
+  for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
+  Start();
+  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 2)) << "and goes on to work";
+  rig_->Send("quit");
+  rig_->Run(0.2);
+  EXPECT_TRUE(rig_->HasEnded());
+}
+
+}  // namespace
+}  // namespace lake
