@@ -165,7 +165,8 @@ Json WriteSketch(const std::string& stroke_table, Run& run) {
   const fs::path folder = run.Result(kSketchFolder);
   fs::create_directories(folder);
   WriteTextFile(folder / "stroke_table.h", stroke_table);
-  Json files = {std::string(kSketchFolder) + "/stroke_table.h"};
+  WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // for other firmware
+  Json files = {"stroke_table.h", std::string(kSketchFolder) + "/stroke_table.h"};
   for (const FirmwareFile& file : FirmwareSources()) {
     WriteTextFile(folder / file.name, file.text);
     files.push_back(std::string(kSketchFolder) + "/" + file.name);
