@@ -1,7 +1,10 @@
 // lake-convert: a trial in another program's format. Writes one file, so it has no folder of results.
+#include <fmt/format.h>
+
 #include "lake/core/csv.h"
+#include "lake/core/error.h"
 #include "lake/exchange/convert.h"
-#include "plain_program.h"
+#include "program.h"
 
 int main(int argc, char** argv) {
   CLI::App cli(
@@ -35,7 +38,7 @@ int main(int argc, char** argv) {
   cli.add_option("--rate", options.reading.rate_hz, "Hz, of inputs without times (DLTdv)");
   cli.add_flag("--flexion-negative", options.flexion_negative,
                "Knee angle of a .mot as OpenSim's older models have it");
-  return lake::RunPlainProgram(cli, argc, argv, [&] {
+  return lake::ParseAndRun(cli, argc, argv, [&] {
     options.reading.names = lake::ParseNameMap(map);
     if (up.size() > 1) throw lake::UsageError(fmt::format("--up '{}': x, y or z", up));
     if (!up.empty()) options.reading.up = up[0];
@@ -47,5 +50,6 @@ int main(int argc, char** argv) {
     }
     for (const std::string& warning : lake::ConvertFile(in, out, options))
       fmt::print(stderr, "lake-convert: warning: {}\n", warning);
+    return 0;
   });
 }

@@ -1,11 +1,13 @@
 // lake-info: what is inside a trial file.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "lake/core/json.h"
 #include "lake/exchange/convert.h"
 #include "lake/exchange/mot.h"
-#include "plain_program.h"
+#include "program.h"
 
 namespace {
 
@@ -101,8 +103,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   cli.add_option("--rate", rate_hz, "Hz, of files without times (DLTdv)");
   cli.add_flag("--json", json, "As JSON");
-  return lake::RunPlainProgram(cli, argc, argv, [&] {
+  return lake::ParseAndRun(cli, argc, argv, [&] {
     const lake::Json info = Describe(file, mm_per_unit, rate_hz);
     json ? fmt::print("{}\n", info.dump(2)) : Print(info);
+    return 0;
   });
 }

@@ -47,6 +47,31 @@ void AddOption(const CLI::Option& option, Json& options) {
 
 }  // namespace
 
+int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>& work) {
+  const std::string name = cli.get_name();
+  cli.set_version_flag("--version", fmt::format("{} {}", name, Version()));
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return cli.exit(error);  // --help, --version
+    return Complain(name, fmt::format("{}; see {} --help", error.what(), name), kWrongUsage);
+  }
+  try {
+    return work();
+  } catch (const UsageError& error) {
+    return Complain(name, error.what(), kWrongUsage);
+  } catch (const SolverError& error) {
+    return Complain(name, error.what(), kNoSolution);
+  } catch (const Interrupted& interrupted) {
+    fmt::print(stderr, "{}: interrupted\n", name);
+    return kSignalBase + interrupted.Signal();
+  } catch (const std::bad_alloc&) {
+    return Complain(name, "not enough memory for this input", kFailed);
+  } catch (const std::exception& error) {
+    return Complain(name, error.what(), kFailed);
+  }
+}
+
 Program::Program(std::string name, std::string what, std::string example)
     : name_(std::move(name)), cli_(std::move(what), name_) {
   cli_.footer("Example:\n  " + example);
@@ -54,7 +79,6 @@ Program::Program(std::string name, std::string what, std::string example)
   cli_.add_option("-o,--out", out_, "Folder for the results; made if absent (default: ./lake-out/NAME)");
   cli_.add_flag("--quiet", quiet_, "No progress");
   cli_.add_flag("--json", json_, "Print the summary to stdout as JSON");
-  cli_.set_version_flag("--version", fmt::format("{} {}", name_, Version()));
   cli_.set_config("--config", "", "Take options from this file; each run writes those it was given as options.toml");
 }
 
@@ -72,27 +96,10 @@ Json Program::EffectiveOptions() const {
 
 int Program::Main(int argc, char** argv, const std::function<std::string()>& result_name,
                   const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report) {
-  try {
-    cli_.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return cli_.exit(error);  // --help, --version
-    return Complain(name_, fmt::format("{}; see {} --help", error.what(), name_), kWrongUsage);
-  }
-  CatchInterrupts();
-  try {
+  return ParseAndRun(cli_, argc, argv, [&] {
+    CatchInterrupts();
     return Work(CommandLine(argc, argv), result_name(), work, report);
-  } catch (const UsageError& error) {
-    return Complain(name_, error.what(), kWrongUsage);
-  } catch (const SolverError& error) {
-    return Complain(name_, error.what(), kNoSolution);
-  } catch (const Interrupted& interrupted) {
-    fmt::print(stderr, "{}: interrupted\n", name_);
-    return kSignalBase + interrupted.Signal();
-  } catch (const std::bad_alloc&) {
-    return Complain(name_, "not enough memory for this input", kFailed);
-  } catch (const std::exception& error) {
-    return Complain(name_, error.what(), kFailed);
-  }
+  });
 }
 
 int Program::Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work,

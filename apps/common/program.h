@@ -10,6 +10,10 @@
 
 namespace lake {
 
+// Parses (adding --version), then runs `work`, and returns the exit code that `work` returns or its error has, with one
+// line on stderr.
+int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>& work);
+
 class Program {
  public:
   // `example` is a command line that --help shows.

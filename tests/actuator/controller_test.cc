@@ -10,8 +10,9 @@
 #include "config.h"
 #include "end_stops.h"
 #include "fake_board.h"
-#include "firmware_build.h"
-#include "lake/actuator/stroke_schedule.h"
+#include "lake/actuator/firmware.h"
+#include "lake/core/atomic_file.h"
+#include "model_program.h"
 #include "motor.h"
 #include "protocol.h"
 #include "serial.h"
@@ -26,11 +27,7 @@ constexpr auto kOff = FakeBoard::Bridge::kOff, kBrake = FakeBoard::Bridge::kBrak
 
 // The program of host/stroke_table.h: up at 5 mm/s, up at 2, back at 4, a rest, up.
 StrokeSchedule HostSchedule() {
-  Design design;
-  design.links = kPublishedLinks;
-  design.program.emplace().kind = StrokeProgram::Kind::kFree;
-  design.program->knots = {{0, 300}, {0.5, 302.5}, {1, 303.5}, {1.5, 301.5}, {1.8, 301.5}, {2, 302.1}};
-  return MakeSchedule(design, {});
+  return FreeSchedule({{0, 300}, {0.5, 302.5}, {1, 303.5}, {1.5, 301.5}, {1.8, 301.5}, {2, 302.1}});
 }
 
 class ControllerTest : public testing::Test {
@@ -67,7 +64,7 @@ class ControllerTest : public testing::Test {
 
 TEST(HostTable, IsWhatTheProgramWrites) {
   const StrokeSchedule schedule = HostSchedule();
-  const DutyTable table = ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
+  const DutyTable table = ModelTable();
   FirmwareOptions options;
   options.home_stroke_mm = 298;
   const std::string header = StrokeTableHeader(MakeStrokeTable(schedule, table, options), schedule, table, 242, options,

@@ -5,26 +5,15 @@
 #include <cmath>
 #include <random>
 
-#include "firmware_build.h"
+#include "lake/actuator/firmware.h"
 #include "lake/core/error.h"
+#include "model_program.h"
 
 namespace lake {
 namespace {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-DutyTable ModelTable() {
-  return ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
-}
-
-StrokeSchedule Schedule(std::vector<StrokeProgram::Knot> knots) {
-  Design design;
-  design.links = kPublishedLinks;
-  design.program.emplace().kind = StrokeProgram::Kind::kFree;
-  design.program->knots = std::move(knots);
-  return MakeSchedule(design, {});
-}
 
 // Plays the table back as the firmware does: um/s during one ms are nm.
 double PlayedWorstError(const StrokeTable& stroke, const StrokeSchedule& schedule) {
@@ -52,7 +41,7 @@ TEST(StrokeTable, PlansWithinTheRoundingOfMillisecondsForAnyProgram) {
       knots.push_back({knots.back().time_s + duration,
                        knots.back().stroke_mm + (kind == 0 ? 0 : towards * speed(random) * duration)});
     }
-    const StrokeSchedule schedule = Schedule(knots);
+    const StrokeSchedule schedule = FreeSchedule(knots);
     const StrokeTable stroke = MakeStrokeTable(schedule, ModelTable(), {});
     const double played = PlayedWorstError(stroke, schedule);
     EXPECT_LT(played, 0.0005 + 0.0005 * 10 + 0.0005 * 1.5 + 1e-6) << "seed " << seed;
@@ -64,7 +53,7 @@ TEST(StrokeTable, PlansWithinTheRoundingOfMillisecondsForAnyProgram) {
 TEST(StrokeTable, LongProgramsAreThinnedWithinTheTolerance) {
   std::vector<StrokeProgram::Knot> knots;
   for (int i = 0; i <= 20000; ++i) knots.push_back({i * 0.002, 320 - 15 * std::cos(i * 0.002 * 0.5)});
-  const StrokeSchedule schedule = Schedule(knots);
+  const StrokeSchedule schedule = FreeSchedule(knots);
   ASSERT_GT(schedule.knots.size(), static_cast<std::size_t>(kMostSegments));
   FirmwareOptions options;
   options.table_tolerance_mm = 0.02;
@@ -85,17 +74,17 @@ TEST(StrokeTable, WhatDoesNotFitIsAnError) {
   }
   FirmwareOptions options;
   options.table_tolerance_mm = 0.001;
-  EXPECT_THAT([&] { MakeStrokeTable(Schedule(knots), ModelTable(), options); },
+  EXPECT_THAT([&] { MakeStrokeTable(FreeSchedule(knots), ModelTable(), options); },
               ThrowsMessage<Error>(HasSubstr("the UNO's flash holds 2406: raise --table-tolerance")));
   EXPECT_THAT(
       [] {
-        MakeStrokeTable(Schedule({{0, 300}, {1e7, 340}}), ModelTable(), {});
+        MakeStrokeTable(FreeSchedule({{0, 300}, {1e7, 340}}), ModelTable(), {});
       },
       ThrowsMessage<Error>(HasSubstr("too long")));
 }
 
 TEST(StrokeTable, HeaderCannotBeBrokenByAFileName) {
-  const StrokeSchedule schedule = Schedule({{0, 300}, {1, 305}});
+  const StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}});
   const DutyTable table = ModelTable();
   const StrokeTable stroke = MakeStrokeTable(schedule, table, {});
   const std::string header = StrokeTableHeader(stroke, schedule, table, 242, {}, "from a\n#error b\\\nfile");

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "firmware_build.h"
 #include "lake/core/error.h"
+#include "model_program.h"
 
 namespace lake {
 namespace {
@@ -16,12 +16,10 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 StrokeSchedule PaperProgram() {
-  Design design;
-  design.links = kPublishedLinks;
   ScheduleOptions options;
   options.speed_mm_s = 5;
   options.from_deg = 110;
-  return MakeSchedule(design, options);
+  return MakeSchedule(PublishedDesign(), options);
 }
 
 // A video of a prototype: rest, the program from `start_s` at another speed, rest.
@@ -71,11 +69,8 @@ TEST(PrototypeValidation, NoiseOffsetAndSpeedAreTold) {
 // Driven open loop, a slow prototype runs for the planned time and stops short; free programs have no single speed, but
 // a factor on their travel.
 TEST(PrototypeValidation, AnOpenLoopPrototypesOwnTravelAndDriftAreTold) {
-  Design design;
-  design.links = kPublishedLinks;
-  design.program.emplace().kind = StrokeProgram::Kind::kFree;
-  design.program->knots = {{0, 290}, {4, 308}, {5, 308}, {8, 300}, {16, 340}};
-  for (const StrokeSchedule& schedule : {PaperProgram(), MakeSchedule(design, {})})
+  for (const StrokeSchedule& schedule :
+       {PaperProgram(), FreeSchedule({{0, 290}, {4, 308}, {5, 308}, {8, 300}, {16, 340}})})
     for (const double factor : {0.9, 0.97, 1.0, 1.05}) {
       std::mt19937 random(3);
       std::normal_distribution<double> normal(0, 0.05);

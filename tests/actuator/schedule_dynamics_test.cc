@@ -5,9 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "firmware_build.h"
-#include "lake/actuator/stroke_schedule.h"
 #include "lake/core/error.h"
+#include "model_program.h"
 
 namespace lake {
 namespace {
@@ -16,22 +15,10 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-DutyTable ModelTable() {
-  return ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
-}
-
-StrokeSchedule Free(std::vector<StrokeProgram::Knot> knots) {
-  Design design;
-  design.links = kPublishedLinks;
-  design.program.emplace().kind = StrokeProgram::Kind::kFree;
-  design.program->knots = std::move(knots);
-  return MakeSchedule(design, {});
-}
-
 // The slowest that the model table has is 0.44 mm/s extending and 0.72 mm/s retracting.
 TEST(Crawling, BecomesRestsAndStepsAtTheSlowestMeasuredSpeed) {
   const DutyTable table = ModelTable();
-  StrokeSchedule schedule = Free({{0, 300}, {1, 303}, {11, 304}, {12, 307}, {13, 307}, {14, 306.9}});
+  StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 303}, {11, 304}, {12, 307}, {13, 307}, {14, 306.9}});
   const StrokeSchedule plan = schedule;
   const CrawlSummary crawl = StepInsteadOfCrawling(schedule, table, 0.1);
   EXPECT_EQ(crawl.stretches, 2);
@@ -61,7 +48,7 @@ TEST(Crawling, KeepsItsWordForAnyProgram) {
       const double duration = pause(random), sign = random() % 4 ? 1 : -1;
       knots.push_back({knots.back().time_s + duration, knots.back().stroke_mm + sign * speed(random) * duration});
     }
-    const StrokeSchedule plan = Free(knots);
+    const StrokeSchedule plan = FreeSchedule(knots);
     StrokeSchedule schedule = plan;
     const CrawlSummary crawl = StepInsteadOfCrawling(schedule, table, 0.1);
     EXPECT_GT(crawl.stretches, 0);
@@ -93,7 +80,7 @@ TEST(Crawling, KeepsItsWordForAnyProgram) {
 }
 
 TEST(Crawling, LeavesOtherProgramsAlone) {
-  StrokeSchedule schedule = Free({{0, 300}, {1, 305}, {2, 305}, {3, 302}});
+  StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}, {2, 305}, {3, 302}});
   const StrokeSchedule plan = schedule;
   EXPECT_EQ(StepInsteadOfCrawling(schedule, ModelTable(), 0.1).stretches, 0);
   ASSERT_EQ(schedule.knots.size(), plan.knots.size());
@@ -102,7 +89,7 @@ TEST(Crawling, LeavesOtherProgramsAlone) {
 
 // Constant speed v over a way s with acceleration a takes s/v + v/a.
 TEST(Acceleration, ConstantProgramGetsItsRamps) {
-  StrokeSchedule schedule = Free({{0, 300}, {4, 320}});
+  StrokeSchedule schedule = FreeSchedule({{0, 300}, {4, 320}});
   LimitAcceleration(schedule, 20, 0.1);
   EXPECT_NEAR(schedule.Duration(), 4 + 5.0 / 20, 1e-9);
   EXPECT_NEAR(schedule.added_rest_s, 0.25, 1e-9);
@@ -121,7 +108,7 @@ TEST(Acceleration, IsKeptAndStrokesStayWithinTheCorners) {
       const double duration = pause(random), v = random() % 4 == 0 ? 0 : speed(random);
       knots.push_back({knots.back().time_s + duration, knots.back().stroke_mm + v * duration});
     }
-    StrokeSchedule schedule = Free(knots);
+    StrokeSchedule schedule = FreeSchedule(knots);
     const StrokeSchedule plan = schedule;
     LimitAcceleration(schedule, 20, 0.1);
     double low = 1e9, high = -1e9, last_speed = 0, last_length = 0.02;
@@ -140,7 +127,7 @@ TEST(Acceleration, IsKeptAndStrokesStayWithinTheCorners) {
 }
 
 TEST(Acceleration, AStretchWithoutRoomIsNamed) {
-  StrokeSchedule schedule = Free({{0, 300}, {1, 305}, {1.1, 305.1}, {2, 309.6}});
+  StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}, {1.1, 305.1}, {2, 309.6}});
   EXPECT_THAT([&] { LimitAcceleration(schedule, 20, 0.1); },
               ThrowsMessage<Error>(AllOf(HasSubstr("1 mm/s from 1 s to 1.1 s"), HasSubstr("--max-acceleration"))));
 }

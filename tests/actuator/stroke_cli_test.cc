@@ -6,12 +6,11 @@
 #include <cmath>
 
 #include "cli/program_run.h"
-#include "firmware_build.h"
-#include "lake/actuator/stroke_schedule.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
+#include "model_program.h"
 
 namespace lake {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "firmware_build.h"
 #include "lake/core/error.h"
+#include "model_program.h"
 
 namespace lake {
 namespace {
@@ -14,19 +14,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-Design Published() {
-  Design design;
-  design.links = kPublishedLinks;
-  return design;
-}
-
-Design Free(std::vector<StrokeProgram::Knot> knots) {
-  Design design = Published();
-  design.program.emplace().kind = StrokeProgram::Kind::kFree;
-  design.program->knots = std::move(knots);
-  return design;
-}
 
 ScheduleOptions AtSpeed(double speed_mm_s) {
   ScheduleOptions options;
@@ -36,25 +23,25 @@ ScheduleOptions AtSpeed(double speed_mm_s) {
 
 // Table 1's design: standing at 374.5205 mm, assembled from 241.99776 mm on (facts of the paper's equations).
 TEST(StrokeSchedule, SoftLimitsKeepTheMarginFromStandingAndFromAssembly) {
-  const SoftLimits limits = SoftLimitsOf(Published(), 0.5);
+  const SoftLimits limits = SoftLimitsOf(PublishedDesign(), 0.5);
   EXPECT_NEAR(limits.upper_mm, 374.5205 - 0.5, 1e-4);
   EXPECT_NEAR(limits.lower_mm, 242 - 0.00224 + 0.5, 1e-4);
   EXPECT_GT(KneeDegAt(kPublishedLinks, limits.upper_mm), 0);
-  const SoftLimits none = SoftLimitsOf(Published(), 0);
+  const SoftLimits none = SoftLimitsOf(PublishedDesign(), 0);
   EXPECT_EQ(none.lower_mm, 242);
   EXPECT_NEAR(KneeDegAt(kPublishedLinks, none.upper_mm), 0, 1e-6);
   // An actuator that ends before standing needs no margin from the linkage.
-  Design shorter = Published();
+  Design shorter = PublishedDesign();
   shorter.d_max_mm = 350;
   EXPECT_EQ(SoftLimitsOf(shorter, 0.5).upper_mm, 350);
   shorter.d_max_mm = 374.4;
   EXPECT_NEAR(SoftLimitsOf(shorter, 0.5).upper_mm, 374.0205, 1e-4);
-  EXPECT_THAT([] { SoftLimitsOf(Published(), 200); }, ThrowsMessage<Error>(HasSubstr("leaves nothing")));
+  EXPECT_THAT([] { SoftLimitsOf(PublishedDesign(), 200); }, ThrowsMessage<Error>(HasSubstr("leaves nothing")));
 }
 
 // The paper: 5 mm/s. Travel from 242 to 374.5205 mm less the margins, in closed form.
 TEST(StrokeSchedule, ConstantProgramOfThePaper) {
-  const StrokeSchedule schedule = MakeSchedule(Published(), AtSpeed(5));
+  const StrokeSchedule schedule = MakeSchedule(PublishedDesign(), AtSpeed(5));
   EXPECT_NEAR(schedule.Duration(), (374.0205 - 242.49776) / 5, 1e-4);
   EXPECT_EQ(schedule.reversals, 0);
   const std::vector<ScheduleRow> rows = SampleSchedule(schedule, 50, nullptr);
@@ -76,18 +63,18 @@ TEST(StrokeSchedule, AnglesSetTheEndsOfAConstantProgram) {
   ScheduleOptions options = AtSpeed(5);
   options.from_deg = 90;
   options.to_deg = 2;
-  const StrokeSchedule schedule = MakeSchedule(Published(), options);
+  const StrokeSchedule schedule = MakeSchedule(PublishedDesign(), options);
   EXPECT_NEAR(KneeDegAt(kPublishedLinks, schedule.knots.front().stroke_mm), 90, 1e-9);
   EXPECT_NEAR(schedule.knots.back().stroke_mm, 373.962, 5e-4);  // d for 2 degrees
   std::swap(options.from_deg, options.to_deg);
-  EXPECT_LT(MakeSchedule(Published(), options).knots.back().stroke_mm, 373);  // sitting down retracts
+  EXPECT_LT(MakeSchedule(PublishedDesign(), options).knots.back().stroke_mm, 373);  // sitting down retracts
   options.to_deg = 170;
-  EXPECT_THAT([&] { MakeSchedule(Published(), options); },
+  EXPECT_THAT([&] { MakeSchedule(PublishedDesign(), options); },
               ThrowsMessage<UsageError>(AllOf(HasSubstr("--to-angle 170"), HasSubstr("143.98"))));
 }
 
 TEST(StrokeSchedule, RestsAreAddedOnlyWhereAReversalLacksThem) {
-  const Design design = Free(
+  const Design design = FreeDesign(
       {{10, 300}, {12, 310}, {14, 306}, {14.04, 306}, {16, 312}, {17, 312}, {19, 308}, {21, 308.0000001}, {22, 305}});
   const StrokeSchedule schedule = MakeSchedule(design, {});
   EXPECT_EQ(schedule.knots.front().time_s, 0) << "a program's time begins at 0";
@@ -105,16 +92,16 @@ TEST(StrokeSchedule, ReturnTripMirrorsTheWayThere) {
   ScheduleOptions options;
   options.return_trip = true;
   options.hold_s = 1.5;
-  const StrokeSchedule schedule = MakeSchedule(Free({{0, 300}, {2, 309}, {5, 315}}), options);
+  const StrokeSchedule schedule = MakeSchedule(FreeDesign({{0, 300}, {2, 309}, {5, 315}}), options);
   EXPECT_NEAR(schedule.Duration(), 11.5, 1e-12);
   for (double t = 0; t <= 5; t += 0.25) EXPECT_NEAR(schedule.StrokeAt(t), schedule.StrokeAt(11.5 - t), 1e-9) << t;
   options.hold_s = 0;  // then the brake's rest is put in
-  EXPECT_NEAR(MakeSchedule(Free({{0, 300}, {2, 309}, {5, 315}}), options).Duration(), 10.1, 1e-12);
+  EXPECT_NEAR(MakeSchedule(FreeDesign({{0, 300}, {2, 309}, {5, 315}}), options).Duration(), 10.1, 1e-12);
 }
 
 TEST(StrokeSchedule, DutyIsTheTablesAtEachRow) {
-  const DutyTable table = ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
-  const StrokeSchedule schedule = MakeSchedule(Free({{0, 300}, {2, 308.8}, {4, 308.8}, {6, 300}}), {});
+  const DutyTable table = ModelTable();
+  const StrokeSchedule schedule = FreeSchedule({{0, 300}, {2, 308.8}, {4, 308.8}, {6, 300}});
   for (const ScheduleRow& row : SampleSchedule(schedule, 10, &table)) {
     // The model: extending 1.10 (12 duty - 3.2), retracting 1.20 (12 duty - 2.6) mm/s, rounded to 0.001 mm/s in the
     // file.
@@ -128,36 +115,36 @@ TEST(StrokeSchedule, DutyIsTheTablesAtEachRow) {
 TEST(StrokeSchedule, WhatCannotBeDoneIsNamed) {
   EXPECT_THAT(
       [] {
-        MakeSchedule(Free({{0, 300}, {2, 380.5}}), {});
+        FreeSchedule({{0, 300}, {2, 380.5}});
       },
       ThrowsMessage<Error>(AllOf(HasSubstr("380.5"), HasSubstr("2 s"), HasSubstr("above the soft limit 374.02"))));
   EXPECT_THAT(
       [] {
-        MakeSchedule(Free({{0, 240}, {2, 300}}), {});
+        FreeSchedule({{0, 240}, {2, 300}});
       },
       ThrowsMessage<Error>(HasSubstr("below the soft limit 242.49")));
-  EXPECT_THAT([] { MakeSchedule(Published(), {}); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
-  EXPECT_THAT([] { MakeSchedule(Published(), AtSpeed(0)); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
-  EXPECT_THAT([] { MakeSchedule(Published(), AtSpeed(NAN)); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
+  EXPECT_THAT([] { MakeSchedule(PublishedDesign(), {}); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
+  EXPECT_THAT([] { MakeSchedule(PublishedDesign(), AtSpeed(0)); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
+  EXPECT_THAT([] { MakeSchedule(PublishedDesign(), AtSpeed(NAN)); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
   ScheduleOptions options;
   options.max_speed_mm_s = 4;
   EXPECT_THAT(
       [&] {
-        MakeSchedule(Free({{0, 300}, {2, 304}, {3, 309}}), options);
+        MakeSchedule(FreeDesign({{0, 300}, {2, 304}, {3, 309}}), options);
       },
       ThrowsMessage<Error>(AllOf(HasSubstr("5 mm/s from 2 s to 3 s"), HasSubstr("--max-speed is 4"))));
-  const DutyTable table = ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
+  const DutyTable table = ModelTable();
   EXPECT_THAT(
       [&] {
-        CheckSpeeds(MakeSchedule(Free({{0, 300}, {2, 304}, {3, 316}}), {}), table);
+        CheckSpeeds(FreeSchedule({{0, 300}, {2, 304}, {3, 316}}), table);
       },
       ThrowsMessage<Error>(AllOf(HasSubstr("12 mm/s from 2 s to 3 s"), HasSubstr("9.68 mm/s extending"))));
   EXPECT_THAT(
       [] {
-        SampleSchedule(MakeSchedule(Free({{0, 300}, {1e9, 316}}), {}), 50, nullptr);
+        SampleSchedule(FreeSchedule({{0, 300}, {1e9, 316}}), 50, nullptr);
       },
       ThrowsMessage<Error>(HasSubstr("more than 1000000 rows")));
-  EXPECT_THROW(SampleSchedule(MakeSchedule(Free({{0, 300}, {1, 302}}), {}), NAN, nullptr), UsageError);
+  EXPECT_THROW(SampleSchedule(FreeSchedule({{0, 300}, {1, 302}}), NAN, nullptr), UsageError);
 }
 
 }  // namespace

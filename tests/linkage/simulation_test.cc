@@ -121,6 +121,18 @@ TEST_F(Simulate, TakesADesignFileAndDefaultAngles) {
   EXPECT_FALSE(std::filesystem::exists(Out() / "pose_2.png"));  // d_max ends at 28 degrees
 }
 
+// A design's own d_max is the end of its range to the last digit or but one; 377 mm is past standing.
+TEST_F(Simulate, WarnsOfAStrokePastTheUsedRangeButNotOfRounding) {
+  const double end_mm = FindUsedRange(kOptimum, 242, {}).stroke.upper_mm;
+  for (const double past_mm : {0.0, 1e-12, -1e-12, 377 - end_mm}) {
+    const Outcome outcome =
+        RunIt(fmt::format("{} --d-max {} --angles 70 --no-animation --json", kLinks, end_mm + past_mm));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string warnings = Json::parse(outcome.out)["warnings"].dump();
+    EXPECT_EQ(warnings.find("past the used range") != std::string::npos, past_mm > 1) << past_mm << ": " << warnings;
+  }
+}
+
 TEST_F(Simulate, RefusesWhatCannotBeAssembled) {
   ExpectRefusal("--links 1,1,1,1,1,1 --stroke 242", 1, "cannot be assembled at a stroke of 242 mm");
   ExpectRefusal(fmt::format("{} --stroke 241.9", kLinks), 1, "miss a triangle by 0.09776 mm");

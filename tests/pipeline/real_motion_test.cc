@@ -1,37 +1,11 @@
 // A real sit-to-stand, recorded with optical markers, rendered as a video, tracked and fitted: the truth is the angle
 // of the recording's own markers in the plane that was rendered. Real markers slide on the skin and real people sway,
 // which the synthetic leg does not.
-#include <filesystem>
-
-#include "lake/exchange/trial.h"
 #include "pipeline/rendered_trial.h"
+#include "real_leg.h"
 
 namespace lake {
 namespace {
-
-namespace fs = std::filesystem;
-
-// One leg of the recording in its x-y plane, mm; nullopt where the recordings are absent.
-std::optional<MotionTable> RealLeg(const std::string& side) {
-  const fs::path file = fs::path(LAKE_SHARED_DATA) / "opencap_sts/sts_default_markers.trc";
-  if (!fs::is_regular_file(file)) return std::nullopt;
-  const bool right = side == "right";
-  TrialOptions reading;
-  reading.names = {{"ankle", right ? "r_ankle" : "L_ankle"},
-                   {"knee", right ? "r_knee" : "L_knee"},
-                   {"hip", right ? "R_HJC" : "L_HJC"},
-                   {"waist", right ? "r.ASIS+r.PSIS" : "L.ASIS+L.PSIS"}};
-  reading.up = 'y', reading.forward = "+x";
-  const MarkerRecording recording = ReadTrial(file, reading).recording;
-  MotionTable table;
-  table.time_s = recording.time_s;
-  for (const MarkerTrack& marker : recording.markers) {
-    table.names.push_back(marker.name);
-    std::vector<Eigen::Vector2d>& path = table.positions.emplace_back();
-    for (const MarkerSample& sample : marker.samples) path.push_back(sample.position);
-  }
-  return table;
-}
 
 struct Case {
   const char* side;

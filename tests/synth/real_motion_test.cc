@@ -1,51 +1,16 @@
 // A recorded motion, rendered: its truth is the recording.
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <gtest/gtest.h>
 
-#include "lake/core/csv.h"
 #include "lake/synth/scene.h"
+#include "real_leg.h"
 
 namespace lake {
 namespace {
 
-namespace fs = std::filesystem;
-
-// Right leg of a TRC file in its x–y plane: ankle, knee, hip and the middle of the pelvis' front and back as waist. mm.
-MotionTable ReadRightLeg(const fs::path& path) {
-  std::ifstream file(path);
-  std::string line;
-  for (int i = 0; i < 4; ++i) std::getline(file, line);  // the fourth line holds the names
-  std::map<std::string, std::size_t> column;
-  std::istringstream names(line);
-  std::size_t index = 0;
-  for (std::string cell; std::getline(names, cell, '\t'); ++index) column[cell] = index;
-  MotionTable table{{}, {"ankle", "knee", "hip", "waist"}, std::vector<std::vector<Eigen::Vector2d>>(4)};
-  while (std::getline(file, line)) {
-    std::vector<std::optional<double>> cells;
-    std::istringstream row(line);
-    for (std::string cell; std::getline(row, cell, '\t');) cells.push_back(ParseNumber(cell));
-    if (cells.size() < 6 || !cells[1]) continue;
-    const auto at = [&](const char* name) {
-      return Eigen::Vector2d(*cells.at(column.at(name)), *cells.at(column.at(name) + 1));
-    };
-    table.time_s.push_back(*cells[1]);
-    table.positions[0].push_back(at("r_ankle"));
-    table.positions[1].push_back(at("r_knee"));
-    table.positions[2].push_back(at("R_HJC"));
-    table.positions[3].push_back(0.5 * (at("r.ASIS") + at("r.PSIS")));
-  }
-  return table;
-}
-
 TEST(RealMotion, RendersWithTheRecordingsOwnAnglesAndFiveStandUps) {
-  const fs::path folder = fs::path(LAKE_SHARED_DATA) / "opencap_sts";
-  fs::path trc;
-  if (fs::exists(folder))
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.path().extension() == ".trc") trc = entry.path();
-  if (trc.empty()) GTEST_SKIP() << "no recording at " << folder;
-  const MotionTable table = ReadRightLeg(trc);
+  const auto leg = RealLeg("right");
+  if (!leg) GTEST_SKIP() << "no recording in " << LAKE_SHARED_DATA << "/opencap_sts";
+  const MotionTable& table = *leg;
   ASSERT_EQ(table.time_s.size(), 861u);
   for (const bool mirror : {false, true}) {
     SceneOptions options = CleanScene(1);

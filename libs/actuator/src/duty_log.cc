@@ -31,8 +31,7 @@ Columns FindColumns(const std::vector<std::string>& header, const char* stroke, 
   if (columns.stroke == header.size())
     throw Fail(
         "{}: no column '{}'; the log must hold measured strokes: stroke_mm, or adc with --pot C0=MM0,C1=MM1, or a "
-        "video "
-        "with --video",
+        "video with --video",
         where, stroke);
   return columns;
 }

@@ -168,8 +168,7 @@ std::string CommonDefines(const FirmwareOptions& options, std::size_t segments) 
 std::string DriftDefines(const StrokeTable& stroke, const FirmwareOptions& options) {
   return fmt::format(
       "#define LAKE_DRIFT_START_UM {}  // the bound on the drift: at first, …\n#define LAKE_DRIFT_PER_1024 {}  // … "
-      "per "
-      "1024 of the way, …\n#define LAKE_LAG_MS {}  // … and per change of speed\n",
+      "per 1024 of the way, …\n#define LAKE_LAG_MS {}  // … and per change of speed\n",
       std::llround(std::ceil(1e3 * (options.home_error_mm + stroke.pwm_error_mm))),
       std::llround(std::ceil(10.24 * options.speed_tolerance_percent)), std::llround(std::ceil(1e3 * options.lag_s)));
 }

@@ -151,6 +151,7 @@ void FitTravel(const StrokeSchedule& schedule, const std::vector<AngleSample>& s
   for (const AngleSample& sample : samples)
     if (const double t = sample.time_s - best.shift_s; t >= 0 && t <= schedule.Duration()) moving.push_back(sample);
   v.travel_factor = best.factor;
+  v.start_with_factor_s = best.shift_s;
   v.rms_with_factor_deg = RootMeanSquare(ErrorsOf(schedule, moving.empty() ? samples : moving, best));
   v.drift_mm = (best.factor - 1) * (schedule.knots.back().stroke_mm - schedule.knots.front().stroke_mm);
 }

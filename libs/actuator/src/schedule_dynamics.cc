@@ -11,9 +11,9 @@ namespace {
 using Knot = StrokeProgram::Knot;
 using Knots = std::vector<Knot>;
 
-constexpr double kLeastStep_mm =
-    0.2;  // of the steps that replace crawling: about 0.2 degrees; shorter ones shake more …
-constexpr double kLeastMove_s = 0.1;    // … and how long each moves at least, so that the motor's lag matters little
+// Of the steps that replace crawling: about 0.2 degrees, as shorter ones shake more; and how long each moves at least,
+// so that the motor's lag matters little.
+constexpr double kLeastStep_mm = 0.2, kLeastMove_s = 0.1;
 constexpr double kRounding = 1e-9;      // of a whole number of steps
 constexpr double kRampStep_s = 0.02;    // of a ramp, made of short stretches of constant speed
 constexpr double kLeastRamp_s = 0.001;  // shorter ramps are none: the firmware counts in ms

@@ -80,8 +80,7 @@ FramePoints ReadTrack(const pugi::xml_node& track, const KvaClock& clock, const 
     if (parts.size() < 3)
       throw Fail("{}: track '{}': '{}' is not 'x;y;timestamp'", path, points.name, node.text().as_string());
     const double frame = clock.Frame(Number(parts[2], "timestamp", path));
-    constexpr double kMostFrames = 10'000'000;
-    if (!(frame > -0.5 && frame < kMostFrames))
+    if (!(frame > -0.5 && frame < static_cast<double>(kMostFrames)))
       throw Fail("{}: track '{}': timestamp {} lies outside the video", path, points.name, parts[2]);
     const std::int64_t index = std::llround(frame);
     times_s[index] = frame / clock.rate_hz;

@@ -40,6 +40,9 @@ void AppendTime(std::optional<double> time_s, const std::string& where, std::vec
 // Of points to be written between tabs: throws Error for an empty name, or one with a tab or a line end.
 void CheckNames(const PointRecording& points, const std::filesystem::path& path);
 
+// More frames than any trial has; a count or number above it is damage.
+inline constexpr std::size_t kMostFrames = 10'000'000;
+
 // A count from a header. Throws Error unless 0 ≤ count ≤ `most`.
 std::size_t ParseCount(std::string_view cell, const std::string& what, const std::string& where, std::size_t most);
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array kKeys = {"DataRate", "CameraRate",   "NumFrames",          "NumMarkers",
                               "Units",    "OrigDataRate", "OrigDataStartFrame", "OrigNumFrames"};
-constexpr std::size_t kMostMarkers = 10000, kMostFrames = 10'000'000;
+constexpr std::size_t kMostMarkers = 10000;
 
 struct TrcHeader {
   std::size_t frames = 0, markers = 0;

@@ -48,7 +48,6 @@ void ReadCoordinates(const pugi::xml_node& panel, const std::string& path, Point
 std::int64_t FrameIndex(const pugi::xml_node& property, const std::string& path) {
   std::string text = property.attribute("name").value();
   std::erase_if(text, [](char c) { return c == '[' || c == ']'; });
-  constexpr std::size_t kMostFrames = 10'000'000;
   return static_cast<std::int64_t>(ParseCount(text, "a frame number", path, kMostFrames));
 }
 

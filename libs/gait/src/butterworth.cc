@@ -35,9 +35,7 @@ void RunPass(const Biquad& f, std::vector<double>& values) {
 
 void Check(std::span<const double> values, double rate_hz, double cutoff_hz) {
   if (!(rate_hz > 0) || !std::isfinite(rate_hz)) throw Fail("filter: a rate of {} Hz is not positive", rate_hz);
-  if (!(cutoff_hz > 0) || cutoff_hz >= 0.4 * rate_hz)
-    throw Fail("filter: a cutoff of {} Hz must lie between 0 and {:.3g} Hz (0.4 of the frame rate)", cutoff_hz,
-               0.4 * rate_hz);
+  CheckCutoff(cutoff_hz, rate_hz);
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!std::isfinite(values[i])) throw Fail("filter: value {} is not finite; fill the gaps first", i);
 }
@@ -70,6 +68,12 @@ std::vector<double> Interpolate(std::span<const double> values, std::span<const 
 }
 
 }  // namespace
+
+void CheckCutoff(double cutoff_hz, double rate_hz) {
+  if (!(cutoff_hz > 0) || cutoff_hz >= 0.4 * rate_hz)
+    throw Fail("filter: a cutoff of {} Hz must lie between 0 and {:.3g} Hz (0.4 of the frame rate)", cutoff_hz,
+               0.4 * rate_hz);
+}
 
 std::vector<double> ZeroPhaseButterworth(std::span<const double> values, double rate_hz, double cutoff_hz) {
   Check(values, rate_hz, cutoff_hz);

@@ -7,6 +7,7 @@
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
 #include "lake/core/statistics.h"
+#include "lake/gait/butterworth.h"
 #include "leg_curves.h"
 #include "leg_problem.h"
 #include "leg_signals.h"
@@ -21,12 +22,9 @@ void CheckRecording(const MarkerRecording& recording, const LegFitOptions& optio
       throw Fail("leg fit: frame {}: time stamp {} does not follow the one before", recording.frame[i],
                  recording.time_s[i]);
   if (std::abs(options.up.norm() - 1) > 1e-6) throw Fail("leg fit: the vertical must be a unit vector");
-  if (!options.cutoff_hz) return;
-  const double rate_hz =
-      static_cast<double>(recording.Frames() - 1) / (recording.time_s.back() - recording.time_s.front());
-  if (!(*options.cutoff_hz > 0) || *options.cutoff_hz >= 0.4 * rate_hz)
-    throw Fail("leg fit: a cutoff of {} Hz must lie between 0 and {:.3g} Hz (0.4 of the frame rate)",
-               *options.cutoff_hz, 0.4 * rate_hz);
+  if (options.cutoff_hz)
+    CheckCutoff(*options.cutoff_hz,
+                static_cast<double>(recording.Frames() - 1) / (recording.time_s.back() - recording.time_s.front()));
 }
 
 std::string Names(const MarkerRecording& recording) {
@@ -126,17 +124,17 @@ struct Solution {
 // Where a marker is hidden while others move, the start is off by pixels, and the biweight would take the others for
 // outliers for good. So its limit comes down to its own value in steps (graduated non-convexity: Blake & Zisserman,
 // Visual Reconstruction, 1987), with the observations that nothing speaks against.
-void Approach(LegModel model, std::vector<double>& coefficients) {
+void Approach(const LegModel& model, std::vector<double>& coefficients) {
   constexpr double kFactor = 8;
-  std::erase_if(model.observations, [](const LegObservation& o) { return !o.trusted; });
   double largest = 0;  // in sigmas
   for (const LegObservation& o : model.observations)
-    largest = std::max(largest, EvaluateObservation(model, o, coefficients).value.norm() / o.sigma);
-  const double wanted = model.outlier_deviations;
+    if (o.trusted) largest = std::max(largest, EvaluateObservation(model, o, coefficients).value.norm() / o.sigma);
   if (largest < OrdinaryLimit(model)) return;
-  for (double limit = 2 * largest; limit > wanted; limit /= kFactor) {
-    model.outlier_deviations = limit;
-    SolveLegProblem(model, coefficients);
+  LegModel wide = model;
+  std::erase_if(wide.observations, [](const LegObservation& o) { return !o.trusted; });
+  for (double limit = 2 * largest; limit > model.outlier_deviations; limit /= kFactor) {
+    wide.outlier_deviations = limit;
+    SolveLegProblem(wide, coefficients);
   }
 }
 

@@ -122,6 +122,7 @@ Json ValidationJson(const Validation& v, double tolerance_deg) {
   return {{"verdict", VerdictText(Judge(v, tolerance_deg))},
           {"tolerance_deg", tolerance_deg},
           {"travel_factor", v.travel_factor},
+          {"start_with_factor_s", v.start_with_factor_s},
           {"rms_with_factor_deg", v.rms_with_factor_deg},
           {"drift_mm", v.drift_mm},
           {"shift_s", v.shift_s},
@@ -165,7 +166,7 @@ Json WriteSketch(const std::string& stroke_table, Run& run) {
   const fs::path folder = run.Result(kSketchFolder);
   fs::create_directories(folder);
   WriteTextFile(folder / "stroke_table.h", stroke_table);
-  WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // for other firmware
+  WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // where the interfaces have it
   Json files = {"stroke_table.h", std::string(kSketchFolder) + "/stroke_table.h"};
   for (const FirmwareFile& file : FirmwareSources()) {
     WriteTextFile(folder / file.name, file.text);
@@ -209,8 +210,7 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   if (!table && !validation)
     run.Warn(
         "no duty table: the duty is left empty and no firmware is written; measure one (lake-stroke calibrate) and "
-        "give "
-        "it with --duty-table");
+        "give it with --duty-table");
   WriteScheduleCsv(run.Result("program.csv"), rows);
   const std::string name = options.design.filename().string();
   DrawStrokeProgram(run.Result("program.png"), schedule, rows, "Stroke program of " + name);
@@ -244,8 +244,7 @@ std::string StrokeReport(const Json& summary) {
   if (const Json& crawl = summary["crawling"]; crawl["stretches"].get<int>() > 0)
     text += fmt::format(
         "slower than anything in the duty table for {:.2f} s: rests and steps instead, at most {:.3f} mm ({:.2f}°) "
-        "behind "
-        "the program\n",
+        "behind the program\n",
         number(crawl["duration_s"]), number(crawl["stroke_error_mm"]), number(crawl["knee_error_deg"]));
   if (const Json& firmware = summary["firmware"]; !firmware.is_null())
     text += fmt::format("firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n",
@@ -258,10 +257,11 @@ std::string StrokeReport(const Json& summary) {
     if (v["speed_mm_s"].is_number() && !std::isnan(number(v["speed_mm_s"])))
       text += fmt::format(", its own speed {:.3f} ± {:.3f} mm/s", number(v["speed_mm_s"]), number(v["speed_se_mm_s"]));
     text += fmt::format(
-        "\nverdict: it {} (within {}° RMS); travels {:.4f} of the program, drift at its end {:+.2f} mm, then RMS "
-        "{:.3f}°\n",
-        v["verdict"].get<std::string>(), number(v["tolerance_deg"]), number(v["travel_factor"]), number(v["drift_mm"]),
-        number(v["rms_with_factor_deg"]));
+        "\nverdict: it {} (within {}° RMS); from {:.3f} s on it travels {:.4f} of the program, drift at its end "
+        "{:+.2f} "
+        "mm, then RMS {:.3f}°\n",
+        v["verdict"].get<std::string>(), number(v["tolerance_deg"]), number(v["start_with_factor_s"]),
+        number(v["travel_factor"]), number(v["drift_mm"]), number(v["rms_with_factor_deg"]));
   }
   return text;
 }

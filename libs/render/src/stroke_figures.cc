@@ -164,8 +164,7 @@ void DrawDutyCalibration(const std::filesystem::path& path, const DutyCalibratio
     const std::string drawn = CurveOf(figure, curve), rows = TableOf(figure, calibration.rows, speed, error);
     return fmt::format(
         "{} using 1:2 with lines lw 2 lc rgb '{}' title '{}, dead band up to {:.1f} %', {} using 1:2:3 with yerrorbars "
-        "pt "
-        "7 ps 1.1 lw 2 lc rgb '{}'",
+        "pt 7 ps 1.1 lw 2 lc rgb '{}'",
         drawn, colour, name, 100 * band.duty, rows, colour);
   };
   std::string plot = "plot " + direction(table.extend, &DutyRow::extend_mm_s, &DutyRow::extend_se_mm_s, kExtendColour,

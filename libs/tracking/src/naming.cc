@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <map>
 #include <optional>
 
@@ -145,8 +146,7 @@ class Namer {
     if (chains.empty())
       throw Fail(
           "no leg was found among the {} things seen: no {} of them keep their distances while the knee flexes; say "
-          "where the "
-          "markers are with --seed NAME=X,Y (seen longest: {})",
+          "where the markers are with --seed NAME=X,Y (seen longest: {})",
           tracklets_.size(), names.size(), DescribeAll(tracklets_, MostSeen(tracklets_, 8)));
     if (const LegChain* rival = FindRival(tracklets_, chains)) ReportAmbiguity(names, chains.front(), *rival);
     for (std::size_t m = 0; m < names.size(); ++m) anchor_[names[m]] = chains.front().tracklets[m];
@@ -213,8 +213,16 @@ class Namer {
       }
   }
 
-  // How badly a tracklet fits a name, 0 perfectly; nullopt if it cannot be it.
-  std::optional<double> Misfit(std::size_t tracklet, std::size_t name) const {
+  // How badly a tracklet fits a name, best first: pieces whose neighbours are known go before those without.
+  struct FitToName {
+    bool without_neighbours = false;
+    double misfit = 0;  // 0: perfectly
+
+    auto operator<=>(const FitToName&) const = default;
+  };
+
+  // nullopt if the tracklet cannot be it.
+  std::optional<FitToName> Misfit(std::size_t tracklet, std::size_t name) const {
     if (!options_.identities.empty() && tracklets_[tracklet].identity != options_.identities[name]) return std::nullopt;
     const auto continuity = ContinuityMisfit(tracklet, name);
     if (!continuity) return std::nullopt;
@@ -234,10 +242,9 @@ class Namer {
       }
     }
     if (count > 0 && bad > 0.2 * count) return std::nullopt;
-    if (count > 0) return sum / count + *continuity;
-    // Without neighbours only what is close is believed, and after all that has neighbours.
-    constexpr double kCloseEnough = 0.3, kAfterAllOthers = 100;
-    return *continuity < kCloseEnough ? std::optional(kAfterAllOthers + *continuity) : std::nullopt;
+    if (count > 0) return FitToName{false, sum / count + *continuity};
+    constexpr double kCloseEnough = 0.3;
+    return *continuity < kCloseEnough ? std::optional(FitToName{true, *continuity}) : std::nullopt;
   }
 
   // From the nearest known samples before and after: displacement over what is possible in the time between.
@@ -276,7 +283,7 @@ class Namer {
 
   // Joins the best-fitting piece that is left to its name; false when none fits.
   bool JoinBest() {
-    std::optional<double> least;
+    std::optional<FitToName> least;
     std::size_t best_tracklet = 0, best_name = 0;
     for (std::size_t t = 0; t < tracklets_.size(); ++t) {
       if (owner_[t]) continue;

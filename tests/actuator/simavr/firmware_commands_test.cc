@@ -10,7 +10,7 @@ namespace {
 using testing::HasSubstr;
 
 TEST_F(FirmwareTest, HoldResumeAndStop) {
-  Build(DesignOf({{0, 300}, {2, 310}}));
+  Build(FreeDesign({{0, 300}, {2, 310}}));
   Start();
   rig_->Run(0.5);
   rig_->SendNow('!');
@@ -36,7 +36,7 @@ TEST_F(FirmwareTest, HoldResumeAndStop) {
 
 // Grbl's soft reset: everything ends, the place is forgotten, the greeting says so.
 TEST_F(FirmwareTest, ControlXResets) {
-  Build(DesignOf({{0, 300}, {2, 310}}));
+  Build(FreeDesign({{0, 300}, {2, 310}}));
   Start();
   rig_->Run(0.5);
   rig_->SendNow('\x18');
@@ -47,7 +47,7 @@ TEST_F(FirmwareTest, ControlXResets) {
 }
 
 TEST_F(FirmwareTest, StatusTellsStrokeDriftDutyAndStops) {
-  Build(DesignOf({{0, 300}, {2, 310}}));
+  Build(FreeDesign({{0, 300}, {2, 310}}));
   Start();
   rig_->Run(1);
   rig_->PullWire(true, true);
@@ -70,7 +70,7 @@ TEST_F(FirmwareTest, StatusTellsStrokeDriftDutyAndStops) {
 
 TEST_F(FirmwareTest, HomesToTheEndStopThenToTheStart) {
   actuator_.stroke_mm = 0;
-  Build(DesignOf({{0, 300}, {2, 306}}));
+  Build(FreeDesign({{0, 300}, {2, 306}}));
   rig_->SetStroke(303.7);
   rig_->Run(0.05);
   rig_->KeepTalking(true);
@@ -86,7 +86,7 @@ TEST_F(FirmwareTest, HomesToTheEndStopThenToTheStart) {
 }
 
 TEST_F(FirmwareTest, JogKeepsTheSoftLimits) {
-  Build(DesignOf({{0, 372}, {1, 373}}));  // the upper soft limit is 374.02 mm
+  Build(FreeDesign({{0, 372}, {1, 373}}));  // the upper soft limit is 374.02 mm
   rig_->Run(0.05);
   ASSERT_TRUE(Asks("zero", "ok"));
   rig_->Send("jog 700 5000");

@@ -5,30 +5,31 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "../firmware_build.h"
+#include "actuator/model_program.h"
 #include "avr_rig.h"
-#include "lake/actuator/stroke_schedule.h"
+#include "lake/actuator/firmware.h"
+#include "lake/core/atomic_file.h"
 #include "temporary_folder.h"
 
 namespace lake {
 
-inline DutyTable ModelTable() {
-  return ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
-}
-
-// The published linkage between two strokes and back: knots (s, mm).
-inline Design DesignOf(std::vector<StrokeProgram::Knot> knots) {
-  Design design;
-  design.links = kPublishedLinks;
-  StrokeProgram program;
-  program.kind = StrokeProgram::Kind::kFree;
-  program.knots = std::move(knots);
-  design.program = program;
-  return design;
+// The image of the firmware with this table. Throws if it does not compile without a warning.
+inline std::filesystem::path BuildFirmware(const std::filesystem::path& folder, const std::string& stroke_table,
+                                           const std::string& flags) {
+  std::filesystem::create_directories(folder);
+  WriteTextFile(folder / "stroke_table.h", stroke_table);
+  for (const FirmwareFile& file : FirmwareSources()) WriteTextFile(folder / file.name, file.text);
+  const std::string line = "cd '" + folder.string() + "' && timeout 60 " + LAKE_AVR_GCC +
+                           " -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror " + flags + " *.c -o firmware.elf";
+  if (std::system(line.c_str()) != 0) throw std::runtime_error("avr-gcc failed in " + folder.string());
+  return folder / "firmware.elf";
 }
 
 // Up, slower, a reversal without a pause, a rest.

@@ -23,7 +23,7 @@ class FirmwareImageTest : public FirmwareTest {
 // What a user uploads: without the simulator's hooks, and within the flash next to the largest table. Warnings are
 // errors of BuildFirmware.
 TEST_F(FirmwareImageTest, FlashRamAndStackFitWithRoom) {
-  Build(DesignOf(kKnots), "");
+  Build(FreeDesign(kKnots), "");
   const std::string line = OutputOf(fmt::format("avr-size '{}' | awk 'NR==2 {{print $1+$2, $2+$3}}'", elf_.string()));
   int flash = 0, ram = 0;
   ASSERT_EQ(std::sscanf(line.c_str(), "%d %d", &flash, &ram), 2);
@@ -41,7 +41,7 @@ TEST_F(FirmwareImageTest, FlashRamAndStackFitWithRoom) {
 
 // Not in the interrupt, and nowhere else: libgcc's routines for it are not linked.
 TEST_F(FirmwareImageTest, NoFloatingPoint) {
-  Build(DesignOf(kKnots), "");
+  Build(FreeDesign(kKnots), "");
   const std::string symbols = OutputOf(fmt::format("avr-nm '{}'", elf_.string()));
   EXPECT_THAT(symbols, HasSubstr("controller_tick"));
   for (const char* routine : {"__addsf3", "__subsf3", "__mulsf3", "__divsf3", "__fixsfsi", "__floatsisf",
@@ -55,7 +55,7 @@ TEST_F(FirmwareImageTest, RunsAsAnArduinoSketch) {
   const std::filesystem::path avr = "/usr/share/arduino/hardware/arduino/avr";
   const auto core = avr / "cores/arduino";
   if (!std::filesystem::exists(core / "main.cpp")) GTEST_SKIP() << "arduino-core-avr is not installed";
-  Build(DesignOf(kKnots), "");
+  Build(FreeDesign(kKnots), "");
   const std::string options = fmt::format(
       "-mmcu=atmega328p -DF_CPU=16000000L -DARDUINO=10819 -DARDUINO_AVR_UNO -DARDUINO_ARCH_AVR -Os "
       "-ffunction-sections -fdata-sections -I{} -I{}",

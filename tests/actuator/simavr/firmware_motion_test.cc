@@ -12,7 +12,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 TEST_F(FirmwareTest, PwmAndDirectionFollowTheProgram) {
-  Build(DesignOf(kKnots));
+  Build(FreeDesign(kKnots));
   Start();
   rig_->Run(schedule_.Duration() + 0.3);
   const double start = FirstDrive();
@@ -35,7 +35,7 @@ TEST_F(FirmwareTest, PwmAndDirectionFollowTheProgram) {
 }
 
 TEST_F(FirmwareTest, BrakesBeforeEveryReversalAndStop) {
-  Build(DesignOf(kKnots));
+  Build(FreeDesign(kKnots));
   Start();
   rig_->Run(schedule_.Duration() + 0.3);
   // Inputs only ever change with the bridge off, or to brake.
@@ -63,7 +63,7 @@ TEST_F(FirmwareTest, BrakesBeforeEveryReversalAndStop) {
 }
 
 TEST_F(FirmwareTest, ClosedLoopStrokeFollowsTheProgram) {
-  Build(DesignOf(kKnots));
+  Build(FreeDesign(kKnots));
   Start();
   rig_->Run(schedule_.Duration() + 0.3);
   const double start = FirstDrive();
@@ -84,7 +84,7 @@ TEST_F(FirmwareTest, ClosedLoopStrokeFollowsTheProgram) {
 }
 
 TEST_F(FirmwareTest, PlannedStrokeOnTheSerialLineIsTheProgram) {
-  Build(DesignOf(kKnots));
+  Build(FreeDesign(kKnots));
   Start();
   rig_->Run(schedule_.Duration() + 0.3);
   const double start = FirstDrive();

@@ -8,7 +8,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 TEST_F(FirmwareTest, IsSafeAfterResetUntilToldToStart) {
-  Build(DesignOf(kKnots));
+  Build(FreeDesign(kKnots));
   rig_->Run(0.5);
   for (const RigSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0) << sample.time_s;
   EXPECT_TRUE(rig_->Changes().empty());
@@ -21,7 +21,7 @@ TEST_F(FirmwareTest, IsSafeAfterResetUntilToldToStart) {
 
 // The power fails in the middle of a program; when it is back nothing moves until the actuator has been homed.
 TEST_F(FirmwareTest, PowerUpInMidStrokeIsStillAndAsksToBeHomed) {
-  Build(DesignOf({{0, 300}, {2, 308}}));
+  Build(FreeDesign({{0, 300}, {2, 308}}));
   Start();
   rig_->Run(1);
   ASSERT_GT(rig_->Samples().back().duty, 0);
@@ -45,8 +45,8 @@ TEST_F(FirmwareTest, PowerUpInMidStrokeIsStillAndAsksToBeHomed) {
 // Within one tick of 1 ms, the time the interrupt itself takes included.
 TEST_F(FirmwareTest, EndStopAheadBrakesWithinOneTick) {
   for (const bool retract : {false, true}) {
-    Build(DesignOf(retract ? std::vector<StrokeProgram::Knot>{{0, 310}, {3, 300}}
-                           : std::vector<StrokeProgram::Knot>{{0, 300}, {3, 310}}));
+    Build(FreeDesign(retract ? std::vector<StrokeProgram::Knot>{{0, 310}, {3, 300}}
+                             : std::vector<StrokeProgram::Knot>{{0, 300}, {3, 310}}));
     actuator_.retract_stop_mm = 0;  // only the wires act here
     for (const double moment_s : {0.7, 0.7003, 0.7007}) {
       PowerUp();
@@ -67,7 +67,7 @@ TEST_F(FirmwareTest, EndStopAheadBrakesWithinOneTick) {
 }
 
 TEST_F(FirmwareTest, HoldBrakesWithinTwoMilliseconds) {
-  Build(DesignOf({{0, 300}, {3, 310}}));
+  Build(FreeDesign({{0, 300}, {3, 310}}));
   Start();
   rig_->Run(0.5);
   const double asked = rig_->Time();
@@ -79,7 +79,7 @@ TEST_F(FirmwareTest, HoldBrakesWithinTwoMilliseconds) {
 }
 
 TEST_F(FirmwareTest, ASilentHostHoldsTheProgram) {
-  Build(DesignOf({{0, 300}, {4, 316}}));
+  Build(FreeDesign({{0, 300}, {4, 316}}));
   Start();
   rig_->Run(0.3);
   rig_->KeepTalking(false);
@@ -99,7 +99,7 @@ TEST_F(FirmwareTest, ASilentHostHoldsTheProgram) {
 }
 
 TEST_F(FirmwareTest, GarbageIsNoHost) {
-  Build(DesignOf({{0, 300}, {4, 316}}));
+  Build(FreeDesign({{0, 300}, {4, 316}}));
   Start();
   rig_->KeepTalking(false);
   const double since = rig_->Time();
@@ -109,7 +109,7 @@ TEST_F(FirmwareTest, GarbageIsNoHost) {
 }
 
 TEST_F(FirmwareTest, EndStopBehindDoesNotStop) {
-  Build(DesignOf({{0, 300}, {2, 306}}));
+  Build(FreeDesign({{0, 300}, {2, 306}}));
   rig_->PullWire(true, true);
   Start();
   rig_->Run(1);
@@ -118,7 +118,7 @@ TEST_F(FirmwareTest, EndStopBehindDoesNotStop) {
 }
 
 TEST_F(FirmwareTest, ASpikeOnAnEndStopDoesNotStopBothWiresOffDo) {
-  Build(DesignOf({{0, 300}, {2, 306}}));
+  Build(FreeDesign({{0, 300}, {2, 306}}));
   Start();
   rig_->Run(0.3);
   for (int i = 0; i < 40; ++i) {  // at any phase of the tick
@@ -136,7 +136,7 @@ TEST_F(FirmwareTest, ASpikeOnAnEndStopDoesNotStopBothWiresOffDo) {
 }
 
 TEST_F(FirmwareTest, WatchdogStopsAHangingMainLoop) {
-  Build(DesignOf({{0, 300}, {4, 312}}));
+  Build(FreeDesign({{0, 300}, {4, 312}}));
   Start();
   rig_->Run(0.3);
   ASSERT_GT(rig_->Samples().back().duty, 0);
@@ -152,7 +152,7 @@ TEST_F(FirmwareTest, WatchdogStopsAHangingMainLoop) {
 }
 
 TEST_F(FirmwareTest, EndStopsActWhileTheMainLoopHangs) {
-  Build(DesignOf({{0, 300}, {4, 312}}));
+  Build(FreeDesign({{0, 300}, {4, 312}}));
   Start();
   rig_->Run(0.3);
   rig_->Send("hang");
@@ -166,7 +166,7 @@ TEST_F(FirmwareTest, EndStopsActWhileTheMainLoopHangs) {
 
 TEST_F(FirmwareTest, HomingWithoutAnEndStopGivesUp) {
   firmware_options_.home_speed_mm_s = 11;
-  Design design = DesignOf({{0, 300}, {2, 306}});
+  Design design = FreeDesign({{0, 300}, {2, 306}});
   design.d_max_mm = 308;  // little travel, so that it gives up after 3.4 s
   Build(design);
   actuator_.retract_stop_mm = -1000;
@@ -179,7 +179,7 @@ TEST_F(FirmwareTest, HomingWithoutAnEndStopGivesUp) {
 }
 
 TEST_F(FirmwareTest, ToleratesGarbageOnTheSerialLine) {
-  Build(DesignOf({{0, 300}, {1, 303}}));
+  Build(FreeDesign({{0, 300}, {1, 303}}));
   rig_->Run(0.05);
   for (const char* line : {"", "strat", "jog", "run ", "\xff\xfe\x01"}) {
     const std::size_t from = rig_->Serial().size();

@@ -6,6 +6,9 @@
 
 namespace lake {
 
+// Throws Error unless 0 < cutoff < 0.4 × rate: nearer to half the rate no filter has room for its slope.
+void CheckCutoff(double cutoff_hz, double rate_hz);
+
 // A second-order Butterworth run forward and backward: zero phase, order 4. `cutoff_hz` is where the whole filter is −3
 // dB: each pass is designed for the cutoff divided by (√2 − 1)^(1/4) = 0.802 (D. A. Winter, Biomechanics and Motor
 // Control of Human Movement, 4th ed., sec. 3.4.4.2). The ends are continued by point reflection. Throws Error unless 0

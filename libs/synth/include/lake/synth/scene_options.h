@@ -30,22 +30,19 @@ struct Occlusion {
 struct SceneOptions {
   std::uint64_t seed = 1;  // of all that is drawn by lot here; the motion has its own
 
-  // --- what moves
-  // -------------------------------------------------------------------------------------------------------------
+  // --- what moves ---
   StsMotionOptions motion;
   std::filesystem::path motion_table;  // a recorded motion instead (see ReadMotionTable)
   bool mirror_table = false;
 
-  // --- time: a frame's time stamp is the middle of its exposure
-  // -------------------------------------------------------------------
+  // --- time: a frame's time stamp is the middle of its exposure ---
   double frame_rate_hz = 60;
   double duration_s = 0;   // 0: as long as the motion; beyond its end the last pose is held
   double start_s = 0;      // time stamp of the first frame, at which the motion begins
   double time_jitter = 0;  // time stamps are moved by up to ± this part of the frame time (variable frame rate)
   double shutter = 0.3;    // exposure time as a part of the frame time
 
-  // --- camera
-  // ---------------------------------------------------------------------------------------------------------------------
+  // --- camera ---
   int width_px = 1280, height_px = 720;
   double marker_radius_mm = 7.25;  // a 14.5 mm ball, as in motion laboratories
   double marker_radius_px = 4;     // sets the focal length
@@ -54,16 +51,14 @@ struct SceneOptions {
   std::array<double, 5> distortion = {};            // k1 k2 p1 p2 k3
   std::optional<CameraProfile> camera;              // instead of all of this; must have a plane
 
-  // --- markers
-  // ----------------------------------------------------------------------------------------------------------------------
+  // --- markers ---
   MarkerKind marker_kind = MarkerKind::kDisc;
   double marker_level = 235;
   std::map<std::string, cv::Vec3f> marker_bgr;    // levels of single markers in a colour picture
   std::map<std::string, double> marker_depth_mm;  // how far single markers stand proud of the plane, towards the camera
   double aruco_mm = 60;  // side of an ArUco marker's black square; dictionary 4X4_50, id = order of the names
 
-  // --- the room
-  // -----------------------------------------------------------------------------------------------------------------------
+  // --- the room ---
   bool colour = false;           // BGR pictures instead of grey ones
   bool room = true;              // wall, floor, furniture; otherwise an even background
   bool body = true;              // clothed leg, trunk, shoe
@@ -75,8 +70,7 @@ struct SceneOptions {
   bool glint = false;            // a moving, elongated spot of changing brightness
   std::vector<Occlusion> occlusions;
 
-  // --- image formation
-  // ----------------------------------------------------------------------------------------------------------------
+  // --- image formation ---
   double psf_sigma_px = 0.7;  // Gaussian point-spread
   double exposure = 1;        // factor on everything
   double flicker = 0;         // amplitude of a sinusoid in brightness; a quarter of it more is drawn for every frame
