@@ -50,7 +50,9 @@ struct Case {
   // Error over the bound, as is promised. About 1.06 is expected; 800 errors, of a new seed in each run, estimate it
   // to 2.5 %.
   double allowed = 1.15;
-  double sigma_tolerance = 0.12;
+  // How much too large the stated sigma may be: it holds what the model itself misses, which is symmetric and moves no
+  // centre; error / sigma is 0.906 on average for the small disc, 0.93..0.98 for others. And 2.5 % three times.
+  double caution = 0.17;
   double allowed_bias_px = 0;  // beyond chance
 };
 
@@ -83,7 +85,9 @@ TEST_P(BlobFitTest, ReachesTheCramerRaoBoundWithAnHonestSigma) {
   }
   const double rms = std::sqrt(square_sum / trials), bound = std::sqrt(bound_square_sum);
   EXPECT_LE(rms, GetParam().allowed * bound) << "rms " << rms << " px, bound " << bound << " px";
-  EXPECT_NEAR(std::sqrt(z_square_sum / trials), 1, GetParam().sigma_tolerance);
+  const double z_deviation = std::sqrt(z_square_sum / trials);
+  EXPECT_GE(z_deviation, 1 - GetParam().caution);
+  EXPECT_LE(z_deviation, 1.1);  // 1 is right; 1.06 with the error's share over the bound; 2.5 % of chance
   // All start on the same side of the truth; the iteration stops with as much left as its last step at most.
   const double unconverged = BlobFitOptions().converged_px;
   EXPECT_LE((error_sum / trials).norm(), 4 * rms / std::sqrt(trials) + unconverged + GetParam().allowed_bias_px)

@@ -197,12 +197,10 @@ void BlobFinder::LearnFromFits(const cv::Mat& grey, std::span<const MarkerPredic
 // and the one that leaves least is believed. A last step this small lets the shape settle too, not only the place.
 std::optional<BlobFit> BlobFinder::FitNew(const cv::Mat& grey, const BlobCandidate& candidate) const {
   constexpr double kGoodResidual = 0.03;
-  BlobFitOptions options = fit_options_;
-  options.converged_px = 1e-3;
   std::optional<BlobFit> best;
   for (const double factor : {1.0, 0.65, 1.6}) {
     const Blob start = DiscBlob(candidate.position, factor * candidate.radius_px);
-    const auto fit = FitBlobs(grey, std::span(&start, 1), options);
+    const auto fit = FitBlobs(grey, std::span(&start, 1), fit_options_);
     if (!fit || !IsMarkerLike(fit->front())) continue;
     if (!best || fit->front().relative_residual < best->relative_residual) best = fit->front();
     if (best->relative_residual < kGoodResidual) break;

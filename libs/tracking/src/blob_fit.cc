@@ -18,14 +18,16 @@ constexpr double kMinRadiusPx = 0.5;
 constexpr double kMinEdgePx = 0.3;  // the pixel's own area: sqrt(1/12)
 constexpr double kEdgeReach = 2.5;  // in edge widths: where the disc's light has ended
 
-using Pixels = Eigen::ArrayXf;  // one value per pixel of a fit
+// Pixels are worked on some at a time, in arrays of fixed size: nothing is allocated, and all stays in the cache.
+constexpr int kBlock = 32;
+using Pixels = Eigen::Array<float, kBlock, 1>;  // one value per pixel
 
 // Light of blobs of unit amplitude in each pixel, and its derivatives by x, y, m11, m12, m22, edge.
 struct Light {
-  Pixels value;
+  Pixels value = Pixels::Zero();
   std::array<Pixels, kAmplitude> gradient;
 
-  explicit Light(Eigen::Index pixels) : value(Pixels::Zero(pixels)) { gradient.fill(Pixels::Zero(pixels)); }
+  Light() { gradient.fill(Pixels::Zero()); }
 };
 
 // Adds a still blob's light. The edge's profile is the integrated triweight kernel of the same standard deviation:
@@ -38,19 +40,21 @@ void AddStillLight(const Blob& blob, const Pixels& x, const Pixels& y, float wei
   const float edge = static_cast<float>(blob.edge_px);
   const Pixels mx = m(0, 0) * x + m(0, 1) * y, my = m(0, 1) * x + m(1, 1) * y;
   const Pixels rho = (mx * mx + my * my).sqrt().max(kTiny);
-  const Pixels slope_x = (m(0, 0) * mx + m(0, 1) * my) / rho,
-               slope_y = (m(0, 1) * mx + m(1, 1) * my) / rho;  // of |M u|
-  const Pixels steepness = (slope_x * slope_x + slope_y * slope_y).sqrt().max(kTiny);
-  const Pixels t = ((1 - rho) / (kReach * edge * steepness)).max(-1.F).min(1.F);
+  const Pixels per_rho = rho.inverse();
+  const Pixels slope_x = (m(0, 0) * mx + m(0, 1) * my) * per_rho,
+               slope_y = (m(0, 1) * mx + m(1, 1) * my) * per_rho;  // of |M u|
+  const Pixels per_width = (kReach * edge * (slope_x * slope_x + slope_y * slope_y).sqrt().max(kTiny)).inverse();
+  const Pixels t = ((1 - rho) * per_width).max(-1.F).min(1.F);
   const Pixels t2 = t * t;
   light.value += weight * (0.5F + kPeak * t * (1 + t2 * (-1 + t2 * (0.6F - t2 / 7))));
   const Pixels by_t = weight * kPeak * (1 - t2).cube();
-  const Pixels by_rho = -by_t / (kReach * edge * steepness);  // exact on the edge, where the light changes
-  light.gradient[kX] -= by_rho * slope_x;
-  light.gradient[kY] -= by_rho * slope_y;
-  light.gradient[kM11] += by_rho * mx * x / rho;
-  light.gradient[kM12] += by_rho * (mx * y + my * x) / rho;
-  light.gradient[kM22] += by_rho * my * y / rho;
+  const Pixels by_rho = by_t * per_width;  // negative; exact on the edge, where the light changes
+  const Pixels by_m = by_rho * per_rho;
+  light.gradient[kX] += by_rho * slope_x;
+  light.gradient[kY] += by_rho * slope_y;
+  light.gradient[kM11] -= by_m * mx * x;
+  light.gradient[kM12] -= by_m * (mx * y + my * x);
+  light.gradient[kM22] -= by_m * my * y;
   light.gradient[kEdge] -= by_t * t / edge;
 }
 
@@ -62,7 +66,7 @@ int ExposureNodes(const Blob& blob) {
 
 // At pixels given relative to `origin`.
 Light LightOf(const Blob& blob, const Eigen::Vector2d& origin, const Pixels& x, const Pixels& y) {
-  Light light(x.size());
+  Light light;
   const int nodes = ExposureNodes(blob);
   for (int i = 0; i < nodes; ++i) {
     const Eigen::Vector2f center = (blob.center - origin + ((i + 0.5) / nodes - 0.5) * blob.blur_px).cast<float>();
@@ -89,6 +93,11 @@ bool IsSane(const Blob& blob, const Blob& start, const cv::Size& size) {
          blob.center.x() <= size.width - 1 && blob.center.y() <= size.height - 1;
 }
 
+// Some of a fit's pixels; places relative to its origin. The last block is filled up with pixels that do not count.
+struct PixelBlock {
+  Pixels x = Pixels::Zero(), y = Pixels::Zero(), level = Pixels::Zero(), counts = Pixels::Zero();
+};
+
 // The least-squares problem at hand: the pixels of the blobs' surroundings, the blobs and one sloping background. Sizes
 // are known when compiling, as most of the time of tracking goes into its sums.
 template <int kBlobs>
@@ -108,11 +117,15 @@ class JointFit {
     if (!HasEnoughPixels()) return false;
     constexpr double kCostRounding = 1e-5;  // sums are in single precision
     constexpr double kFullStep = 1e-3;      // damping up to which a step is Gauss and Newton's
+    // By then a disc's fit takes small steps, or full ones; what still leaps and must be held back is no disc.
+    constexpr int kSettled = 8;
+    constexpr double kHeldBack = 1e-2;
     double damping = kFullStep;
     double cost = Accumulate(), last_px = INFINITY;
     for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
       const Vector step = Step(damping);
       last_px = CenterStep(step);
+      if (iteration >= kSettled && last_px > options_.usable_px && damping > kHeldBack) return false;
       const State before = Save();
       Apply(step);
       // A full step as small as this needs no proof that it was downhill.
@@ -137,7 +150,7 @@ class JointFit {
 
   std::vector<BlobFit> Result() const {
     const Matrix covariance = normal_.ldlt().solve(Matrix::Identity());
-    const double freedom = static_cast<double>(level_.size()) - kParameters;
+    const double freedom = pixels_ - kParameters;
     const double chi_square = weighted_square_sum_ / freedom;
     const double residual = std::sqrt(square_sum_ / freedom);
     std::vector<BlobFit> fits;
@@ -165,10 +178,9 @@ class JointFit {
   };
   State Save() const { return {blobs_, background_}; }
   void Restore(const State& state) { blobs_ = state.blobs, background_ = state.background; }
-  bool HasEnoughPixels() const { return level_.size() > 2 * kParameters; }
+  bool HasEnoughPixels() const { return pixels_ > 2 * kParameters; }
 
   void ChoosePixels() {
-    std::vector<float> xs, ys, levels;
     const cv::Rect picture(0, 0, grey_.cols, grey_.rows);
     for (std::size_t i = 0; i < blobs_.size(); ++i) {
       const Eigen::Vector2d half = HalfExtent(blobs_[i], options_.margin_px);
@@ -177,19 +189,22 @@ class JointFit {
           cv::Rect(cv::Point(static_cast<int>(std::floor(low.x())), static_cast<int>(std::floor(low.y()))),
                    cv::Point(static_cast<int>(std::ceil(high.x())) + 1, static_cast<int>(std::ceil(high.y())) + 1)) &
           picture;
+      blocks_.reserve(blocks_.size() + static_cast<std::size_t>(box.area() / kBlock + 1));
       for (int y = box.y; y < box.y + box.height; ++y)
         for (int x = box.x; x < box.x + box.width; ++x) {
           const Eigen::Vector2d place(x, y);
-          if (!Surrounds(blobs_[i], place) || SeenBefore(i, place)) continue;
-          xs.push_back(static_cast<float>(x - origin_.x()));
-          ys.push_back(static_cast<float>(y - origin_.y()));
-          levels.push_back(grey_.at<uchar>(y, x));
+          if (Surrounds(blobs_[i], place) && !SeenBefore(i, place)) AddPixel(place - origin_, grey_.at<uchar>(y, x));
         }
     }
-    const auto count = static_cast<Eigen::Index>(xs.size());
-    x_ = Eigen::Map<const Pixels>(xs.data(), count);
-    y_ = Eigen::Map<const Pixels>(ys.data(), count);
-    level_ = Eigen::Map<const Pixels>(levels.data(), count);
+  }
+
+  void AddPixel(const Eigen::Vector2d& place, uchar level) {
+    const int at = pixels_++ % kBlock;
+    if (at == 0) blocks_.emplace_back();
+    PixelBlock& block = blocks_.back();
+    block.x[at] = static_cast<float>(place.x()), block.y[at] = static_cast<float>(place.y());
+    block.level[at] = level;
+    block.counts[at] = 1;
   }
 
   // Within reach of the streak's light plus the margin.
@@ -211,12 +226,16 @@ class JointFit {
 
   // Amplitudes and background are linear: solve for them with the starts' geometry. The slope starts level.
   void StartBackground() {
-    Eigen::Matrix<float, Eigen::Dynamic, kBlobs + 1> columns(level_.size(), kBlobs + 1);
-    for (int i = 0; i < kBlobs; ++i) columns.col(i) = LightOf(blobs_[i], origin_, x_, y_).value;
-    columns.col(kBlobs).setOnes();
-    const Eigen::Matrix<double, kBlobs + 1, kBlobs + 1> normal =
-        (columns.transpose() * columns).template cast<double>();
-    const Eigen::Matrix<double, kBlobs + 1, 1> right = (columns.transpose() * level_.matrix()).template cast<double>();
+    Eigen::Matrix<double, kBlobs + 1, kBlobs + 1> normal = Eigen::Matrix<double, kBlobs + 1, kBlobs + 1>::Zero();
+    Eigen::Matrix<double, kBlobs + 1, 1> right = Eigen::Matrix<double, kBlobs + 1, 1>::Zero();
+    for (const PixelBlock& block : blocks_) {
+      Eigen::Matrix<float, kBlock, kBlobs + 1> columns;
+      for (int i = 0; i < kBlobs; ++i)
+        columns.col(i) = LightOf(blobs_[i], origin_, block.x, block.y).value * block.counts;
+      columns.col(kBlobs) = block.counts;
+      normal += (columns.transpose() * columns).template cast<double>();
+      right += (columns.transpose() * block.level.matrix()).template cast<double>();
+    }
     const Eigen::Matrix<double, kBlobs + 1, 1> solution = normal.ldlt().solve(right);
     for (int i = 0; i < kBlobs; ++i) starts_[i].amplitude = blobs_[i].amplitude = std::max(solution[i], 1.0);
     background_ = {solution[kBlobs], 0, 0};
@@ -224,13 +243,21 @@ class JointFit {
 
   // Normal equations at the current parameters; returns the robust cost.
   double Accumulate() {
-    Eigen::Matrix<float, Eigen::Dynamic, kParameters> rows(level_.size(), kParameters);
+    normal_.setZero(), gradient_.setZero();
+    square_sum_ = weighted_square_sum_ = 0;
+    double cost = 0;
+    for (const PixelBlock& block : blocks_) cost += Accumulate(block);
+    return cost + AddPrior();
+  }
+
+  double Accumulate(const PixelBlock& block) {
+    Eigen::Matrix<float, kBlock, kParameters> rows;
     const Eigen::Vector3f background = background_.cast<float>();
-    const Pixels slope = background[1] * x_ + background[2] * y_;
-    Pixels level = Pixels::Constant(level_.size(), background[0]);
-    Pixels seen = Pixels::Ones(level_.size());  // how much of the background is not hidden by a blob
+    const Pixels slope = background[1] * block.x + background[2] * block.y;
+    Pixels level = Pixels::Constant(background[0]);
+    Pixels seen = Pixels::Ones();  // how much of the background is not hidden by a blob
     for (int i = 0; i < kBlobs; ++i) {
-      const Light light = LightOf(blobs_[i], origin_, x_, y_);
+      const Light light = LightOf(blobs_[i], origin_, block.x, block.y);
       const float amplitude = static_cast<float>(blobs_[i].amplitude);
       level += amplitude * light.value;
       seen -= light.value;
@@ -239,28 +266,28 @@ class JointFit {
     }
     level += slope * seen;
     rows.col(kParameters - 3).setOnes();
-    rows.col(kParameters - 2) = seen * x_;
-    rows.col(kParameters - 1) = seen * y_;
-    const double cost = Weigh(level);
-    const Eigen::Matrix<float, Eigen::Dynamic, kParameters> weighted = weight_.matrix().asDiagonal() * rows;
-    normal_ = (weighted.transpose() * rows).template cast<double>();
-    gradient_ = (weighted.transpose() * (level_ - level).matrix()).template cast<double>();
-    return cost + AddPrior();
+    rows.col(kParameters - 2) = seen * block.x;
+    rows.col(kParameters - 1) = seen * block.y;
+    return AddSums(block, rows, level);
   }
 
-  // Residuals of the model's levels: their weights (Huber), sums of squares and robust cost.
-  double Weigh(const Pixels& level) {
+  // Of residuals of the model's levels: their weights (Huber), sums of squares and robust cost.
+  double AddSums(const PixelBlock& block, const Eigen::Matrix<float, kBlock, kParameters>& rows, const Pixels& level) {
     const float saturation = static_cast<float>(options_.saturation_level), huber = static_cast<float>(options_.huber);
-    const Pixels residual = level_ - level;
-    const Pixels counts =
-        (level >= saturation && level_ >= saturation).select(Pixels::Zero(level.size()), Pixels::Ones(level.size()));
-    weight_ = counts / (static_cast<float>(options_.noise.read_variance) +
-                        static_cast<float>(options_.noise.gain) * level.max(0.F));
-    const Pixels z = residual.abs() * weight_.sqrt();
+    const Pixels residual = block.level - level;
+    const Pixels counts = (level >= saturation && block.level >= saturation).select(Pixels::Zero(), block.counts);
+    Pixels weight = counts / (static_cast<float>(options_.noise.read_variance) +
+                              static_cast<float>(options_.noise.gain) * level.max(0.F));
+    const Pixels z = residual.abs() * weight.sqrt();
     const double cost = (z <= huber).select(z * z, 2 * huber * z - huber * huber).sum();
-    weight_ *= (z > huber).select(huber / z.max(1e-6F), Pixels::Ones(level.size()));
-    square_sum_ = (counts * residual * residual).sum();
-    weighted_square_sum_ = (weight_ * residual * residual).sum();
+    weight *= (z > huber).select(huber / z.max(1e-6F), Pixels::Ones());
+    square_sum_ += (counts * residual * residual).sum();
+    weighted_square_sum_ += (weight * residual * residual).sum();
+    for (int p = 0; p < kParameters; ++p) {
+      const Pixels weighted = weight * rows.col(p).array();
+      gradient_[p] += (weighted * residual).sum();
+      for (int q = 0; q <= p; ++q) normal_(p, q) += (weighted * rows.col(q).array()).sum();
+    }
     return cost;
   }
 
@@ -326,8 +353,9 @@ class JointFit {
   std::array<Blob, kBlobs> starts_, blobs_;
   Eigen::Vector2d origin_;
   Eigen::Vector3d background_ = Eigen::Vector3d::Zero();
-  Pixels x_, y_, level_, weight_;  // of the pixels; places relative to the origin
-  Matrix normal_;
+  std::vector<PixelBlock> blocks_;
+  int pixels_ = 0;  // of all blocks
+  Matrix normal_;   // its lower triangle
   Vector gradient_;
   double square_sum_ = 0, weighted_square_sum_ = 0;
 };

@@ -18,7 +18,8 @@ constexpr double kFastStartRadii = 20;
 // A click is not exact; beyond the marker's rim, px.
 constexpr double kSeedSlackPx = 10;
 
-// Position by the parabola, velocity by the slope, of the last samples.
+// Position by the parabola, velocity by the slope, of the last samples; of what rests, where it was on average, as a
+// parabola makes four times the noise of it.
 struct Motion {
   Eigen::Vector2d position, velocity;  // px, px/s
 };
@@ -31,6 +32,9 @@ Motion Extrapolate(const std::vector<TrackletSample>& samples, double time_s) {
   const double ahead = time_s - last.time_s;
   if (samples.size() < 3 || ahead > 2 * (last.time_s - before.time_s)) return {last.position + ahead * slope, slope};
   const TrackletSample& first = samples[samples.size() - 3];
+  constexpr double kStillPx = 0.25;  // from the first to the last of three
+  if ((last.position - first.position).norm() < kStillPx)
+    return {(first.position + before.position + last.position) / 3, Eigen::Vector2d::Zero()};
   const Eigen::Vector2d first_slope = (before.position - first.position) / (before.time_s - first.time_s);
   const Eigen::Vector2d acceleration = (slope - first_slope) / (0.5 * (last.time_s - first.time_s));
   const Eigen::Vector2d velocity = slope + acceleration * 0.5 * (last.time_s - before.time_s);

@@ -1,5 +1,8 @@
 #include "decoder.h"
 
+#include <algorithm>
+#include <thread>
+
 #include "lake/core/error.h"
 
 namespace lake {
@@ -23,7 +26,9 @@ void Decoder::Open(bool skip_deblocking) {
   avcodec_parameters_to_context(codec_.get(), stream.codecpar);
   log_.Attach(*codec_);
   codec_->pkt_timebase = stream.time_base;
-  codec_->thread_count = 0;  // as many as there are cores
+  // More than there are cores: each frame waits for parts of the one before.
+  constexpr unsigned kMoreThreads = 4, kMostThreads = 16;
+  codec_->thread_count = static_cast<int>(std::min(std::thread::hardware_concurrency() + kMoreThreads, kMostThreads));
   codec_->thread_type = FF_THREAD_FRAME | FF_THREAD_SLICE;
   if (skip_deblocking) codec_->skip_loop_filter = AVDISCARD_ALL;
   codec_->flags |= AV_CODEC_FLAG_UNALIGNED;  // crop to the pixel

@@ -1,6 +1,8 @@
-// Frames decoded ahead by a thread of their own, a few at a time, so that decoding overlaps with what is done to them.
+// Frames decoded ahead by a thread of their own, so that decoding overlaps with what is done to them. As many as bridge
+// the time of those that take longest (the first ones, when all is new to a tracker), within a limit on memory.
 #pragma once
 
+#include <algorithm>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -40,13 +42,19 @@ class FrameQueue {
   }
 
  private:
-  static constexpr std::size_t kCapacity = 4;
+  static constexpr std::size_t kFewest = 4, kMost = 64, kBytes = 160 << 20;
+
+  static std::size_t BytesOf(const VideoFrame& frame) {
+    const auto bytes = [](const cv::Mat& picture) { return picture.total() * picture.elemSize(); };
+    return 3 * bytes(frame.luma) / 2 + bytes(frame.bgr) + bytes(frame.preview);  // the decoder keeps the chroma too
+  }
 
   void Fill() {
     try {
       for (VideoFrame frame; reader_.Read(frame);) {
+        const std::size_t capacity = std::clamp(kBytes / std::max<std::size_t>(BytesOf(frame), 1), kFewest, kMost);
         std::unique_lock lock(mutex_);
-        changed_.wait(lock, [this] { return frames_.size() < kCapacity || stop_; });
+        changed_.wait(lock, [&] { return frames_.size() < capacity || stop_; });
         if (stop_) return;
         frames_.push_back(std::move(frame));
         frame = {};
