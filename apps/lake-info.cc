@@ -44,6 +44,10 @@ lake::Json DescribePoints(const lake::PointRecording& points) {
   if (points.mm_per_px) info["mm_per_px"] = *points.mm_per_px;
   for (const lake::PointTrack& point : points.points) markers.push_back(DescribePoint(point));
   info["markers"] = markers;
+  lake::Json events = lake::Json::array();
+  for (const lake::PointEvent& event : points.events)
+    events.push_back({{"time_s", event.time_s}, {"context", event.context}, {"label", event.label}});
+  if (!events.empty()) info["events"] = events;
   info["warnings"] = points.warnings;
   return info;
 }
@@ -70,6 +74,13 @@ void PrintMarkers(const lake::Json& markers) {
   }
 }
 
+void PrintEvents(const lake::Json& events) {
+  fmt::print("{:<16} {}\n", "events", events.size());
+  for (const lake::Json& event : events)
+    fmt::print("  {:9.4f} s  {} {}\n", event["time_s"].get<double>(), event["context"].get<std::string>(),
+               event["label"].get<std::string>());
+}
+
 std::string Text(const lake::Json& value) {
   if (value.is_string()) return value.get<std::string>();
   return value.is_number_float() ? fmt::format("{:.6g}", value.get<double>()) : value.dump();
@@ -79,6 +90,8 @@ void Print(const lake::Json& info) {
   for (const auto& [key, value] : info.items()) {
     if (key == "markers") {
       PrintMarkers(value);
+    } else if (key == "events") {
+      PrintEvents(value);
     } else if (value.is_array()) {
       if (value.empty()) continue;
       fmt::print("{:<16} {}\n", key, value.size());

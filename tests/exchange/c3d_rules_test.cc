@@ -129,6 +129,72 @@ TEST(C3dRules, EveryFieldOfAFileOfOurs) {
   ExpectSame(points, read, 1e-3);
 }
 
+PointRecording WithEvents() {
+  PointRecording points = MakePoints(PointSpace::kSpace, 20, 3, 7);
+  points.events = {{0.25, "Left", "Foot Strike"}, {61.5, "General", "seat_off"}, {179.875, "", "x"}};
+  return points;
+}
+
+TEST(C3dRules, EventsAreMinutesAndSecondsInAGroupOfTheirOwn) {
+  const TemporaryFolder folder;
+  const PointRecording points = WithEvents();
+  WriteC3d(folder / "a.c3d", points);
+  const C3dFile file{ReadTextFile(folder / "a.c3d")};
+  const auto parameters = Walk(file);
+  EXPECT_EQ(WordOf(parameters.at("EVENT:USED")), 3);
+  const Parameter& times = parameters.at("EVENT:TIMES");
+  EXPECT_EQ(times.type, 4);
+  EXPECT_EQ(times.dimensions, (std::vector<int>{2, 3}));
+  EXPECT_EQ((C3dFile{times.data}.Float(8)), 1.0f);
+  EXPECT_EQ((C3dFile{times.data}.Float(12)), 1.5f);
+  EXPECT_EQ(parameters.at("EVENT:LABELS").data, "Foot Strikeseat_off   x          ");
+  EXPECT_EQ(parameters.at("EVENT:CONTEXTS").dimensions, (std::vector<int>{7, 3}));
+
+  const PointRecording read = ReadC3d(folder / "a.c3d");
+  ASSERT_EQ(read.events.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(read.events[i].time_s, points.events[i].time_s);  // all whole in single precision
+    EXPECT_EQ(read.events[i].context, points.events[i].context);
+    EXPECT_EQ(read.events[i].label, points.events[i].label);
+  }
+}
+
+TEST(C3dRules, OlderFilesHaveTheirEventsInTheHeader) {
+  const TemporaryFolder folder;
+  WriteC3d(folder / "a.c3d", MakePoints(PointSpace::kSpace, 20, 3, 7));
+  std::string bytes = ReadTextFile(folder / "a.c3d");
+  bytes.replace(bytes.find("\4\4USED"), 6, "\4\4USEX");     // no group
+  const auto put_word = [&](std::size_t word, int value) {  // counted from 1, as the guide does
+    bytes[2 * word - 2] = static_cast<char>(value % 256), bytes[2 * word - 1] = static_cast<char>(value / 256);
+  };
+  const auto put_event = [&](std::size_t i, float time_s, const char* label) {
+    std::memcpy(&bytes[2 * (153 + 2 * i) - 2], &time_s, 4);
+    bytes.replace(2 * (199 + 2 * i) - 2, 4, label, 4);
+  };
+  put_word(150, 12345), put_word(151, 2);
+  put_event(0, 1.25f, "LTO "), put_event(1, 0.5f, "LHS ");
+  const PointRecording read = ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  ASSERT_EQ(read.events.size(), 2u);
+  EXPECT_EQ(read.events[0].label, "LHS");  // in order of time
+  EXPECT_EQ(read.events[0].time_s, 0.5);
+  EXPECT_EQ(read.events[1].label, "LTO");
+  EXPECT_EQ(read.events[1].time_s, 1.25);
+  put_word(151, 65535);  // more than there is room for
+  EXPECT_EQ(ReadC3d(WriteFile(folder / "b.c3d", bytes)).events.size(), 18u);
+}
+
+TEST(C3dRules, EventsThatAreDamagedAreLeftOutWithAWarning) {
+  const TemporaryFolder folder;
+  WriteC3d(folder / "a.c3d", WithEvents());
+  std::string bytes = ReadTextFile(folder / "a.c3d");
+  bytes[bytes.find("\4\4USED") + 10] = 9;  // behind name, offset, type and number of dimensions
+  const PointRecording read = ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  EXPECT_TRUE(read.events.empty());
+  EXPECT_EQ(read.points.size(), 3u);
+  ASSERT_EQ(read.warnings.size(), 1u);
+  EXPECT_THAT(read.warnings[0], testing::HasSubstr("EVENT:USED is 9, but there are 3 times"));
+}
+
 TEST(C3dRules, HeadersThatLieAreRefusedBeforeAnythingIsAllocated) {
   const TemporaryFolder folder;
   WriteC3d(folder / "a.c3d", MakePoints(PointSpace::kSpace, 20, 3, 5));

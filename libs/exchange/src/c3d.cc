@@ -115,6 +115,47 @@ Eigen::Vector3d ReadPoint(const C3dBytes& bytes, std::size_t offset, const C3dLa
   return position * layout.mm_per_unit;
 }
 
+// Four letters each, in the header of older files.
+std::vector<PointEvent> ReadHeaderEvents(const C3dBytes& bytes) {
+  constexpr std::size_t kKey = 298, kCount = 300, kTimes = 304, kLabels = 396;  // bytes
+  constexpr std::uint16_t kHasEvents = 12345;
+  constexpr std::size_t kMostEvents = 18;
+  std::vector<PointEvent> events;
+  if (bytes.Unsigned16(kKey) != kHasEvents) return events;
+  const std::size_t count = std::min<std::size_t>(bytes.Unsigned16(kCount), kMostEvents);
+  for (std::size_t i = 0; i < count; ++i)
+    events.push_back({bytes.Float(kTimes + 4 * i), "", bytes.TrimmedText(kLabels + 4 * i, 4)});
+  return events;
+}
+
+std::vector<PointEvent> ReadGroupEvents(const C3dParameters& parameters, const std::string& path) {
+  const std::size_t count = parameters.Count("EVENT:USED");
+  if (count == 0) return {};
+  const std::vector<double> times = parameters.Numbers("EVENT:TIMES");  // minutes, seconds
+  const auto texts = [&](const char* name) {
+    std::vector<std::string> found = parameters.Has(name) ? parameters.Texts(name) : std::vector<std::string>{};
+    found.resize(count);
+    return found;
+  };
+  if (count > times.size() / 2)
+    throw Fail("{}: EVENT:USED is {}, but there are {} times", path, count, times.size() / 2);
+  const std::vector<std::string> contexts = texts("EVENT:CONTEXTS"), labels = texts("EVENT:LABELS");
+  std::vector<PointEvent> events;
+  for (std::size_t i = 0; i < count; ++i)
+    events.push_back({60 * times[2 * i] + times[2 * i + 1], contexts[i], labels[i]});
+  return events;
+}
+
+// In order of time.
+std::vector<PointEvent> ReadEvents(const C3dBytes& bytes, const C3dParameters& parameters, const std::string& path) {
+  std::vector<PointEvent> events =
+      parameters.Has("EVENT:USED") ? ReadGroupEvents(parameters, path) : ReadHeaderEvents(bytes);
+  for (const PointEvent& event : events)
+    if (!std::isfinite(event.time_s)) throw Fail("{}: event '{}' has no time", path, event.label);
+  std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
+  return events;
+}
+
 }  // namespace
 
 PointRecording ReadC3d(const std::filesystem::path& path) {
@@ -123,6 +164,11 @@ PointRecording ReadC3d(const std::filesystem::path& path) {
   const C3dLayout layout = ReadLayout(bytes, parameters, path.string());
   PointRecording recording;
   recording.up_axis = layout.up_axis;
+  try {
+    recording.events = ReadEvents(bytes, parameters, path.string());
+  } catch (const Error& error) {
+    recording.warnings.push_back(fmt::format("{}; the file's events are left out", error.what()));
+  }
   for (const std::string& name : UniqueNames(layout.labels)) recording.points.push_back({name, {}});
   for (std::size_t i = 0; i < layout.frames; ++i) {
     recording.frame.push_back(static_cast<std::int64_t>(layout.first_frame - 1 + i));
@@ -142,14 +188,16 @@ void CheckWritable(const std::filesystem::path& path, const PointRecording& poin
   constexpr std::size_t kMostPoints = 65535;
   if (points.points.empty() || points.points.size() > kMostPoints)
     throw Fail("{}: C3D holds 1 to {} points, not {}", path.string(), kMostPoints, points.points.size());
+  constexpr std::size_t kMostEvents = 255;
+  if (points.events.size() > kMostEvents)
+    throw Fail("{}: C3D holds {} events, not {}", path.string(), kMostEvents, points.events.size());
   if (points.time_s.size() < 2) throw Fail("{}: C3D needs at least two frames for its rate", path.string());
   const double step_s = 1 / FrameRate(points.time_s);
   for (std::size_t i = 1; i < points.time_s.size(); ++i)
     if (std::abs(points.time_s[i] - points.time_s[i - 1] - step_s) > 0.05 * step_s)
       throw Fail(
           "{}: C3D has one frame rate, but the time stamps are uneven (frame {}: {:.4g} s after the one before, on "
-          "average "
-          "{:.4g} s); export trc instead",
+          "average {:.4g} s); export trc instead",
           path.string(), points.frame[i], points.time_s[i] - points.time_s[i - 1], step_s);
 }
 
@@ -157,6 +205,22 @@ void CheckWritable(const std::filesystem::path& path, const PointRecording& poin
 std::size_t FirstFrame(const PointRecording& points) {
   const double frames = points.time_s.front() * FrameRate(points.time_s);
   return frames > 0 && frames < 65534 ? static_cast<std::size_t>(std::llround(frames)) + 1 : 1;
+}
+
+void AddEvents(const std::vector<PointEvent>& events, C3dParameterWriter& writer) {
+  std::vector<std::string> contexts, labels;
+  std::vector<std::array<float, 2>> times;  // minutes, seconds
+  for (const PointEvent& event : events) {
+    const double minutes = std::floor(event.time_s / 60);
+    contexts.push_back(event.context), labels.push_back(event.label);
+    times.push_back({static_cast<float>(minutes), static_cast<float>(event.time_s - 60 * minutes)});
+  }
+  writer.Group(4, "EVENT");
+  writer.Word(4, "USED", events.size());
+  if (events.empty()) return;
+  writer.Texts(4, "CONTEXTS", contexts);
+  writer.Texts(4, "LABELS", labels);
+  writer.Pairs(4, "TIMES", times);
 }
 
 C3dParameterWriter MakeParameters(const PointRecording& points) {
@@ -183,6 +247,7 @@ C3dParameterWriter MakeParameters(const PointRecording& points) {
   const std::size_t first = FirstFrame(points), last = first + frames - 1;
   writer.Words(3, "ACTUAL_START_FIELD", {first & 0xFFFF, first >> 16});
   writer.Words(3, "ACTUAL_END_FIELD", {last & 0xFFFF, last >> 16});
+  AddEvents(points.events, writer);
   return writer;
 }
 

@@ -17,12 +17,6 @@ std::string Upper(std::string text) {
   return text;
 }
 
-std::string Trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(std::string(" \t\0", 3)) - first + 1);
-}
-
 }  // namespace
 
 C3dBytes::C3dBytes(std::string bytes, std::string path) : bytes_(std::move(bytes)), path_(std::move(path)) {
@@ -67,6 +61,13 @@ double C3dBytes::Float(std::size_t offset) const {
 std::string C3dBytes::Text(std::size_t offset, std::size_t length) const {
   Require(offset, length);
   return bytes_.substr(offset, length);
+}
+
+std::string C3dBytes::TrimmedText(std::size_t offset, std::size_t length) const {
+  const std::string text = Text(offset, length), blanks(" \t\0", 3);
+  const auto first = text.find_first_not_of(blanks);
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
 // Each entry: length of the name (negative: locked), id of the group (negative: this is a group), name, offset to the
@@ -144,7 +145,7 @@ std::vector<std::string> C3dParameters::Texts(const std::string& name) const {
   if (length == 0) return {};
   bytes_.Text(value.offset, length * count);
   std::vector<std::string> texts;
-  for (std::size_t i = 0; i < count; ++i) texts.push_back(Trimmed(bytes_.Text(value.offset + i * length, length)));
+  for (std::size_t i = 0; i < count; ++i) texts.push_back(bytes_.TrimmedText(value.offset + i * length, length));
   return texts;
 }
 
@@ -198,6 +199,13 @@ void C3dParameterWriter::Words(int group, const std::string& name, const std::ve
 void C3dParameterWriter::Float(int group, const std::string& name, float value) {
   C3dBuffer content;
   Entry(group, name, content.Byte(4).Byte(0).Float(value).Byte(0).Bytes());
+}
+
+void C3dParameterWriter::Pairs(int group, const std::string& name, const std::vector<std::array<float, 2>>& values) {
+  C3dBuffer content;
+  content.Byte(4).Byte(2).Byte(2).Byte(static_cast<int>(values.size()));
+  for (const std::array<float, 2>& pair : values) content.Float(pair[0]).Float(pair[1]);
+  Entry(group, name, content.Byte(0).Bytes());
 }
 
 void C3dParameterWriter::Texts(int group, const std::string& name, const std::vector<std::string>& texts) {

@@ -1,6 +1,7 @@
 // The bytes of a C3D file: words of three kinds of processor, and the parameter section. Not part of the interface.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -24,6 +25,7 @@ class C3dBytes {
   std::int16_t Signed16(std::size_t offset) const { return static_cast<std::int16_t>(Unsigned16(offset)); }
   double Float(std::size_t offset) const;
   std::string Text(std::size_t offset, std::size_t length) const;
+  std::string TrimmedText(std::size_t offset, std::size_t length) const;  // without the blanks round it
 
  private:
   enum Processor { kIntel = 84, kDec = 85, kMips = 86 };
@@ -81,6 +83,7 @@ class C3dParameterWriter {
   void Word(int group, const std::string& name, std::size_t value) { Words(group, name, {value}); }
   void Words(int group, const std::string& name, const std::vector<std::size_t>& values);
   void Float(int group, const std::string& name, float value);
+  void Pairs(int group, const std::string& name, const std::vector<std::array<float, 2>>& values);
   void Texts(int group, const std::string& name, const std::vector<std::string>& texts);
 
   // Ends the section with the parameter that says in which block the data begin, behind the section itself. Whole

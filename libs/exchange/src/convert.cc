@@ -34,6 +34,7 @@ void CropPoints(const std::array<double, 2>& crop_s, const fs::path& path, Point
   const FrameRange range = FindRange(crop_s, path, points.time_s);
   for (PointTrack& point : points.points) range.Keep(point.positions);
   range.Keep(points.frame), range.Keep(points.time_s);
+  std::erase_if(points.events, [&](const PointEvent& e) { return e.time_s < crop_s[0] || e.time_s > crop_s[1]; });
 }
 
 void CropTable(const std::array<double, 2>& crop_s, const fs::path& path, MotTable& table) {

@@ -38,12 +38,19 @@ struct SourceVideo {
   int width_px = 0, height_px = 0;
 };
 
+// What the file notes at a moment, e.g. "Foot Strike" in the context "Left".
+struct PointEvent {
+  double time_s = 0;
+  std::string context, label;
+};
+
 struct PointRecording {
   PointSpace space = PointSpace::kSpace;
   char up_axis = 'y';               // of kSpace: x, y or z
   std::vector<std::int64_t> frame;  // from 0
   std::vector<double> time_s;       // increasing
   std::vector<PointTrack> points;
+  std::vector<PointEvent> events;   // only C3D has them
   std::optional<double> mm_per_px;  // of kImage, if the file has a scale
   std::optional<ImageAxes> axes;    // of kImage, if the file has its own; else x right, y up from the top-left pixel
   std::optional<SourceVideo> video;
