@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of packages.txt that are not there yet; needs root or sudo only if one is missing.
+# Installs the Debian packages of packages.txt, and those given, that are not there yet; needs root or sudo only if one is
+# missing.
 set -euo pipefail
 cd "$(dirname "$0")"
 
 missing=()
 while read -r package; do
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
-done < <(grep -v '^#' packages.txt)
+done < <(grep -v '^#' packages.txt; for package in "$@"; do echo "$package"; done)
 [ ${#missing[@]} -gt 0 ] || exit 0
 
 as_root=()
