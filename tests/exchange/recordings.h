@@ -20,6 +20,7 @@ inline PointRecording MakePoints(PointSpace space, std::size_t frames, std::size
   std::uniform_real_distribution<double> position(-1500, 1500);
   PointRecording recording;
   recording.space = space;
+  recording.events = {{0.025, "Left", "Foot Strike"}, {0.05, "General", "seat_off"}};  // where the format has them
   for (std::size_t i = 0; i < frames; ++i)
     recording.frame.push_back(static_cast<std::int64_t>(i)), recording.time_s.push_back(static_cast<double>(i) / 120);
   for (std::size_t p = 0; p < points; ++p) {
