@@ -118,7 +118,7 @@ int main(int argc, char** argv) {
   cli.add_flag("--json", json, "As JSON");
   return lake::ParseAndRun(cli, argc, argv, [&] {
     const lake::Json info = Describe(file, mm_per_unit, rate_hz);
-    json ? fmt::print("{}\n", info.dump(2)) : Print(info);
+    json ? fmt::print("{}\n", info.dump(2, ' ', false, lake::Json::error_handler_t::replace)) : Print(info);
     return 0;
   });
 }

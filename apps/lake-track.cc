@@ -15,7 +15,7 @@ struct Arguments {
                      dictionary = "DICT_4X4_50";
   std::string camera, scale, crop, vertical, filter = "spline", corrections, exports;
   std::vector<std::string> seeds, colors, depths;
-  long long start = 0, end = -1;
+  std::optional<double> start_s, end_s;
   double capture_rate_hz = 0, cutoff_hz = 0;
   bool overlay = true;
 };
@@ -34,9 +34,9 @@ void Declare(CLI::App& cli, Arguments& a) {
   cli.add_option("--camera", a.camera, "camera.yaml: intrinsics and, if it has one, the sagittal plane");
   cli.add_option("--scale", a.scale, "X1,Y1,X2,Y2,LENGTH_MM: a scale bar in px, without a calibrated plane");
   cli.add_option("--crop", a.crop, "X,Y,W,H: look only there");
-  cli.add_option("--start", a.start, "First frame to look at")->check(CLI::NonNegativeNumber);
-  cli.add_option("--end", a.end, "Last frame to look at (default: the last of the file)")
-      ->check(CLI::NonNegativeNumber);
+  cli.add_option("--start", a.start_s,
+                 "Look only from this time on, s of the file's own time (default: its beginning)");
+  cli.add_option("--end", a.end_s, "Look only up to this time, s (default: the file's end)");
   cli.add_option("--capture-rate", a.capture_rate_hz, "Hz at which a slow-motion file was recorded")
       ->check(CLI::PositiveNumber);
   cli.add_option("--vertical", a.vertical, "X1,Y1,X2,Y2: a plumb line in the picture, in px");
@@ -69,10 +69,9 @@ lake::TrackOptions MakeTrackOptions(const Arguments& a) {
   options.colors = a.colors;
   options.dictionary = a.dictionary;
   if (const auto crop = ParseOptional<4>("--crop", a.crop)) options.crop = lake::CropOf(*crop);
-  options.reader.first = a.start;
-  if (a.end >= 0) options.reader.last = a.end;
-  if (a.end >= 0 && a.end < a.start)
-    throw lake::UsageError(fmt::format("--end {} is before --start {}", a.end, a.start));
+  options.reader.start_s = a.start_s, options.reader.end_s = a.end_s;
+  if (a.start_s && a.end_s && *a.end_s < *a.start_s)
+    throw lake::UsageError(fmt::format("--end {} s is before --start {} s", *a.end_s, *a.start_s));
   options.reader.capture_rate_hz = a.capture_rate_hz;
   return options;
 }

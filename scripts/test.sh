@@ -9,7 +9,7 @@ if [ "${1:-}" = --fuzz ]; then
   fuzz=yes
   shift
 fi
-scripts/install_packages.sh ${fuzz:+clang}
+scripts/install_packages.sh ${fuzz:+clang libclang-rt-dev}
 python3 scripts/check_layers.py
 cmake --preset release
 cmake --build --preset release

@@ -1,5 +1,4 @@
 // A prototype filmed, tracked, and held against its program: rendered, so that the truth is known.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,9 +13,6 @@
 
 namespace lake {
 namespace {
-
-using testing::Contains;
-using testing::HasSubstr;
 
 constexpr double kStart_s = 1.2;  // of the program in the film
 

@@ -2,7 +2,9 @@
 // whole picture of 1080p.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <span>
 #include <vector>
 
 #include "lake/tracking/blob_fit.h"

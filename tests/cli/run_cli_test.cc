@@ -18,11 +18,12 @@ class RunProgram : public testing::Test {
   }
 
   void WriteStudy(const std::string& rest = "") {
-    WriteTextFile(folder_ / "study.yaml",
-                  fmt::format("camera: {}\nhuman: {{video: {}, end: 250, overlay: false}}\nexo: {{video: {}, end: 280, "
-                              "overlay: false, markers: [ankle, knee, hip, waist, exo_knee], seeds: "
-                              "[\"knee=728,431\", \"exo_knee=740,415\"]}}\n{}",
-                              Sample("camera.yaml"), Sample("human.mp4"), Sample("exo.mp4"), rest));
+    WriteTextFile(
+        folder_ / "study.yaml",
+        fmt::format("camera: {}\nhuman: {{video: {}, end_s: 4.17, overlay: false}}\nexo: {{video: {}, end_s: 4.67, "
+                    "overlay: false, markers: [ankle, knee, hip, waist, exo_knee], seeds: "
+                    "[\"knee=728,431\", \"exo_knee=740,415\"]}}\n{}",
+                    Sample("camera.yaml"), Sample("human.mp4"), Sample("exo.mp4"), rest));
   }
 
   void ExpectRefused(const std::string& arguments, int exit_code, const std::string& text) {
@@ -74,9 +75,9 @@ TEST_F(RunProgram, WritesWhatTheProgramsWrite) {
   WriteStudy();
   ASSERT_EQ(Shell(folder_, "lake run study.yaml --quiet -o results").exit_code, 0);
   const std::string track = "lake-track --quiet --no-overlay --camera " + Sample("camera.yaml");
-  ASSERT_EQ(Shell(folder_, track + " --end 250 -o human " + Sample("human.mp4")).exit_code, 0);
+  ASSERT_EQ(Shell(folder_, track + " --end 4.17 -o human " + Sample("human.mp4")).exit_code, 0);
   ASSERT_EQ(Shell(folder_, track +
-                               " --end 280 --markers ankle,knee,hip,waist,exo_knee --seed knee=728,431 --seed "
+                               " --end 4.67 --markers ankle,knee,hip,waist,exo_knee --seed knee=728,431 --seed "
                                "exo_knee=740,415 -o exo " +
                                Sample("exo.mp4"))
                 .exit_code,

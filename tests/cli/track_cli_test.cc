@@ -99,7 +99,7 @@ TEST_F(TrackProgram, RefusesWrongUsage) {
   ExpectRefused("video.mp4 --crop 0,0,0,10", 2, "--crop");
   ExpectRefused("video.mp4 --detector magic", 2, "magic");
   ExpectRefused("video.mp4 --color '#ff0000'", 2, "--color");
-  ExpectRefused("video.mp4 --start 10 --end 5", 2, "--end");
+  ExpectRefused("video.mp4 --start 10 --end 5.5", 2, "--end 5.5 s is before --start 10 s");
   ExpectRefused("video.mp4 --no-such-option", 2, "--no-such-option");
   ExpectRefused("", 2, "video");
 }

@@ -149,6 +149,9 @@ TEST(C3dRules, EventsAreMinutesAndSecondsInAGroupOfTheirOwn) {
   EXPECT_EQ((C3dFile{times.data}.Float(12)), 1.5f);
   EXPECT_EQ(parameters.at("EVENT:LABELS").data, "Foot Strikeseat_off   x          ");
   EXPECT_EQ(parameters.at("EVENT:CONTEXTS").dimensions, (std::vector<int>{7, 3}));
+  // Contexts are chosen from a list.
+  EXPECT_EQ(WordOf(parameters.at("EVENT_CONTEXT:USED")), 3);
+  EXPECT_EQ(parameters.at("EVENT_CONTEXT:LABELS").data, "       GeneralLeft   ");
 
   const PointRecording read = ReadC3d(folder / "a.c3d");
   ASSERT_EQ(read.events.size(), 3u);
@@ -159,11 +162,48 @@ TEST(C3dRules, EventsAreMinutesAndSecondsInAGroupOfTheirOwn) {
   }
 }
 
-TEST(C3dRules, OlderFilesHaveTheirEventsInTheHeader) {
+// Points have whole frames for times, and events keep their places among them.
+TEST(C3dRules, EventsMoveWithThePointsToWholeFrames) {
   const TemporaryFolder folder;
-  WriteC3d(folder / "a.c3d", MakePoints(PointSpace::kSpace, 20, 3, 7));
+  for (const double start_s : {0.5 / 120, -2.0, 1000.0}) {
+    PointRecording points = WithEvents();
+    for (double& time : points.time_s) time += start_s;
+    for (PointEvent& event : points.events) event.time_s += start_s;
+    WriteC3d(folder / "a.c3d", points);
+    const PointRecording read = ReadC3d(folder / "a.c3d");
+    for (std::size_t i = 0; i < points.events.size(); ++i)
+      EXPECT_NEAR(read.events[i].time_s - read.time_s.front(), points.events[i].time_s - points.time_s.front(), 1e-5)
+          << start_s;
+  }
+}
+
+TEST(C3dRules, LongTextsOfEventsAreCutBetweenLetters) {
+  const TemporaryFolder folder;
+  PointRecording points = WithEvents();
+  points.events[0].label.assign(126, 'a');
+  points.events[0].label += "ä";
+  WriteC3d(folder / "a.c3d", points);
+  EXPECT_EQ(ReadC3d(folder / "a.c3d").events[0].label, std::string(126, 'a'));
+  points.events.push_back(points.events[0]);
+  points.events.resize(256, points.events[0]);
+  EXPECT_THAT(MessageOf([&] { WriteC3d(folder / "b.c3d", points); }), testing::HasSubstr("255 events, not 256"));
+}
+
+TEST(C3dRules, MoreNamesThanTheSectionHoldsAreRefused) {
+  const TemporaryFolder folder;
+  PointRecording points = MakePoints(PointSpace::kSpace, 2, 1100, 7);
+  for (PointTrack& point : points.points) point.name += std::string(110, 'n');
+  EXPECT_THAT(MessageOf([&] { WriteC3d(folder / "a.c3d", points); }), testing::HasSubstr("names and events take"));
+}
+
+// Their times count from the first frame stored, here frame 61 of 120 Hz; those of the group from frame 1.
+TEST(C3dRules, EventsOfTheHeaderCountFromTheFirstFrameStored) {
+  const TemporaryFolder folder;
+  PointRecording points = MakePoints(PointSpace::kSpace, 20, 3, 7);
+  for (double& time : points.time_s) time += 0.5;
+  points.events = {{0.75, "Left", "Foot Strike"}};
+  WriteC3d(folder / "a.c3d", points);
   std::string bytes = ReadTextFile(folder / "a.c3d");
-  bytes.replace(bytes.find("\4\4USED"), 6, "\4\4USEX");     // no group
   const auto put_word = [&](std::size_t word, int value) {  // counted from 1, as the guide does
     bytes[2 * word - 2] = static_cast<char>(value % 256), bytes[2 * word - 1] = static_cast<char>(value / 256);
   };
@@ -172,15 +212,22 @@ TEST(C3dRules, OlderFilesHaveTheirEventsInTheHeader) {
     bytes.replace(2 * (199 + 2 * i) - 2, 4, label, 4);
   };
   put_word(150, 12345), put_word(151, 2);
-  put_event(0, 1.25f, "LTO "), put_event(1, 0.5f, "LHS ");
-  const PointRecording read = ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  put_event(0, 1.25f, "LTO "), put_event(1, 0.25f, "LHS ");  // the second is the group's own
+  PointRecording read = ReadC3d(WriteFile(folder / "b.c3d", bytes));
   ASSERT_EQ(read.events.size(), 2u);
-  EXPECT_EQ(read.events[0].label, "LHS");  // in order of time
-  EXPECT_EQ(read.events[0].time_s, 0.5);
+  EXPECT_EQ(read.events[0].label, "Foot Strike");
+  EXPECT_EQ(read.events[0].time_s, 0.75);
   EXPECT_EQ(read.events[1].label, "LTO");
-  EXPECT_EQ(read.events[1].time_s, 1.25);
+  EXPECT_EQ(read.events[1].time_s, 1.75);
+  bytes[bytes.find("\4\4USED") + 10] = 0;  // an empty group
+  read = ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  ASSERT_EQ(read.events.size(), 2u);
+  EXPECT_EQ(read.events[0].label, "LHS");
   put_word(151, 65535);  // more than there is room for
-  EXPECT_EQ(ReadC3d(WriteFile(folder / "b.c3d", bytes)).events.size(), 18u);
+  read = ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  EXPECT_TRUE(read.events.empty());
+  ASSERT_EQ(read.warnings.size(), 1u);
+  EXPECT_THAT(read.warnings[0], testing::HasSubstr("65535 events"));
 }
 
 TEST(C3dRules, EventsThatAreDamagedAreLeftOutWithAWarning) {

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 PointRecording Laboratory() {
   PointRecording points = MakePoints(PointSpace::kSpace, 60, 4, 21);
   points.up_axis = 'z';
+  points.events.clear();
   const char* names[] = {"RANK", "RKNE", "RHIP", "RASI"};
   for (std::size_t i = 0; i < 4; ++i) points.points[i].name = names[i];
   return points;
@@ -111,6 +112,17 @@ TEST(Convert, CropKeepsTheTimesAskedFor) {
   options.reading.forward = "";
   ConvertFile(folder / "a.trc", folder / "b.c3d", options);
   EXPECT_NEAR(ReadC3d(folder / "b.c3d").time_s.front(), 0.25, 1e-9);  // by the number of its first frame
+  // Events are cropped too, and lost, with a warning, where the format has none.
+  PointRecording points = MakePoints(PointSpace::kSpace, 120, 2, 3);
+  points.events = {{0.2, "", "early"}, {0.3, "", "within"}, {0.6, "", "late"}};
+  WriteC3d(folder / "events.c3d", points);
+  EXPECT_THAT(ConvertFile(folder / "events.c3d", folder / "d.c3d", options), testing::IsEmpty());
+  const std::vector<PointEvent> events = ReadC3d(folder / "d.c3d").events;
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].label, "within");
+  EXPECT_NEAR(events[0].time_s, 0.3, 1e-6);
+  EXPECT_THAT(ConvertFile(folder / "events.c3d", folder / "d.trc", options),
+              testing::ElementsAre(testing::HasSubstr("events are left out")));
   options.crop_s = {7, 8};
   EXPECT_THAT(MessageOf([&] { ConvertFile(folder / "a.trc", folder / "c.csv", options); }),
               testing::HasSubstr("lasts from 0"));

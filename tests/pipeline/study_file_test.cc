@@ -52,8 +52,8 @@ human:
   colors: ["#ff0000"]
   scale: [1, 2, 3, 4, 500]
   crop: [0, 10, 640, 480]
-  start: 5
-  end: 90
+  start_s: 0.5
+  end_s: 9.25
   capture_rate_hz: 240
   vertical: [0, 0, 0, 100]
   depth_mm: {knee: 12}
@@ -104,8 +104,8 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(video.track.detector, DetectorKind::kColor);
   EXPECT_EQ(video.scale, (std::array<double, 5>{1, 2, 3, 4, 500}));
   EXPECT_EQ(video.track.crop, cv::Rect(0, 10, 640, 480));
-  EXPECT_EQ(video.track.reader.first, 5);
-  EXPECT_EQ(video.track.reader.last, 90);
+  EXPECT_EQ(video.track.reader.start_s, 0.5);
+  EXPECT_EQ(video.track.reader.end_s, 9.25);
   EXPECT_EQ(video.track.reader.capture_rate_hz, 240);
   EXPECT_EQ(video.depth_mm.at("knee"), 12);
   EXPECT_EQ(video.fit.filter, LegFilter::kButterworth);
@@ -200,8 +200,8 @@ TEST_F(StudyYaml, RefusesWithTheLine) {
   ExpectRefused("human:\n  video: human.mp4\n  seeds: [\"toe=1,2\"]\n", "toe");
   ExpectRefused("human:\n  video: human.mp4\n  detector: magic\n", "study.yaml:3: detector 'magic'");
   ExpectRefused("human: {video: human.mp4, scale: [1, 2]}\n", "'scale' must have 5 numbers, not 2");
-  ExpectRefused("human: {video: human.mp4, start: 5, end: 3}\n", "'end' is before 'start'");
-  ExpectRefused("human: {video: human.mp4, start: -5}\n", "'start' must not be negative");
+  ExpectRefused("human: {video: human.mp4, start_s: 5, end_s: 3}\n", "'end_s' is before 'start_s'");
+  ExpectRefused("human: {video: human.mp4, start_s: early}\n", "'early' is not a finite number");
   ExpectRefused("human: {video: human.mp4, cutoff_hz: .nan}\n", "'.nan' is not a finite number");
   ExpectRefused("human: {video: ''}\n", "a file is needed");
   ExpectRefused("human: human.mp4\n", "study.yaml:1: a map");
@@ -232,10 +232,10 @@ TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
 
 // What a step depends on: the same whatever the order of keys and the blanks, another for another value.
 TEST_F(StudyYaml, KeepsWhatASectionSays) {
-  const Json one = Read("human: {video: human.mp4, start: 5, filter: none}\n").human.options;
-  const Json other = Read("human:\n  # a comment\n  start: 5.0\n  filter: none\n  video: human.mp4\n").human.options;
+  const Json one = Read("human: {video: human.mp4, start_s: 5, filter: none}\n").human.options;
+  const Json other = Read("human:\n  # a comment\n  start_s: 5.0\n  filter: none\n  video: human.mp4\n").human.options;
   EXPECT_EQ(one, other);
-  EXPECT_NE(one, Read("human: {video: human.mp4, start: 6, filter: none}\n").human.options);
+  EXPECT_NE(one, Read("human: {video: human.mp4, start_s: 6, filter: none}\n").human.options);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // the program promises.
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/exchange/c3d.h"
 #include "lake/pipeline/track.h"
 #include "lake/synth/cramer_rao.h"
 #include "pipeline/rendered_trial.h"
@@ -14,7 +15,7 @@ struct Limits {
 };
 
 void ExpectWithin(RenderedTrial& trial, const Limits& limits, const char* what, std::uint64_t seed) {
-  trial.Track();
+  trial.Track("trial", [](TrackRunOptions& options) { options.exports = {"c3d"}; });
   const TrackErrors tracks = CompareTracks(trial.Tracks(), trial.scene);
   const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial.scene);
   Print(what, seed, tracks, knee);
@@ -30,6 +31,18 @@ void ExpectWithin(RenderedTrial& trial, const Limits& limits, const char* what, 
   EXPECT_EQ(knee.frames, trial.scene.Frames());
   // A frame without a raw angle has a hidden marker; half a percent of the visible ones may be missed.
   EXPECT_GE(knee.raw_frames + tracks.filled, 0.98 * trial.scene.Frames());
+}
+
+// Those of events.csv; C3D's times are in single precision.
+void ExpectExportedEvents(const std::filesystem::path& folder) {
+  const std::vector<StsEvent> events = ReadEventsCsv(folder / "events.csv");
+  const std::vector<PointEvent> exported = ReadC3d(folder / "video.c3d").events;
+  ASSERT_FALSE(events.empty());
+  ASSERT_EQ(exported.size(), events.size());
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    EXPECT_EQ(exported[i].label, ToString(events[i].kind));
+    EXPECT_NEAR(exported[i].time_s, events[i].time_s, 1e-5);
+  }
 }
 
 // One rise and the standing after it.
@@ -59,6 +72,7 @@ TEST_P(Clean, IsTrackedWithinItsLimits) {
   const std::uint64_t seed = SeedOfThisTest();
   RenderedTrial trial(ShortClean(seed, GetParam()), {.crf = 17});
   ExpectWithin(trial, {0.040, 0.02, 0.03}, "clean", seed);
+  ExpectExportedEvents(trial.folder / "trial");
 }
 
 TEST_P(Hard, IsTrackedWithinItsLimits) {

@@ -83,11 +83,11 @@ class PointDetector : public MarkerDetector {
   std::normal_distribution<double> noise_{0, 0.05};
 };
 
-std::vector<Tracklet> Follow(MarkerDetector& detector, int frames) {
+std::vector<Tracklet> Follow(MarkerDetector& detector, int frames, double rate_hz = 60) {
   TrackletBuilder builder(detector, {});
   for (int i = 0; i < frames; ++i) {
     VideoFrame frame;
-    frame.index = i, frame.time_s = i / 60.0;
+    frame.index = i, frame.time_s = i / rate_hz;
     builder.Add(frame);
   }
   return builder.Finish();
@@ -114,6 +114,16 @@ TEST(TrackletBuilder, CrossingMarkersKeepTheirIdentity) {
       }
     }
   }
+}
+
+// Turned about at almost 1 g, at the very time of a frame: the places before and after are the same, yet nothing rests.
+TEST(TrackletBuilder, QuickTurnsAreFollowed) {
+  PointDetector detector(
+      [](std::int64_t f) { return std::vector{Vector2d(200 + 41 * std::cos(M_PI / 9 * static_cast<double>(f)), 50)}; },
+      1);
+  const std::vector<Tracklet> tracklets = Follow(detector, 90, 30);
+  ASSERT_EQ(tracklets.size(), 1u);
+  EXPECT_EQ(tracklets[0].samples.size(), 90u);
 }
 
 TEST(TrackletBuilder, ShortGapsAreBridgedAndLongOnesEndATracklet) {

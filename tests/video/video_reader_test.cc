@@ -183,6 +183,26 @@ TEST(VideoReader, CaptureRateCountsFromTheFirstStamp) {
   EXPECT_THAT(part.Stamps(), Pointwise(DoubleNear(1e-12), Regular(2 + 24 / 240.0, 240, 7)));
 }
 
+TEST(VideoReader, HandsOutTheAskedSeconds) {
+  const TemporaryFolder folder;
+  const auto video = folder / "late.mp4";
+  Ffmpeg(TestPicture() + "-vf setpts=PTS+2/TB " + kH264 + Quote(video));
+  const std::vector<double> stamps = ReadAll(video).Stamps();
+  // Both ends count, whatever is lost when a time is typed.
+  const Recording part = ReadAll(video, {.start_s = stamps[17] + 4e-7, .end_s = stamps[23] - 4e-7});
+  ASSERT_THAT(part.frames, SizeIs(7));
+  EXPECT_EQ(part.frames.front().index, 17);
+  EXPECT_EQ(part.frames.front().time_s, stamps[17]);
+  EXPECT_THAT(ReadAll(video, {.end_s = stamps[9] + 1e-3}).frames, SizeIs(10));
+  EXPECT_THAT(ReadAll(video, {.start_s = stamps[59] - 1e-3}).frames, SizeIs(1));
+  // Of a slow-motion file, seconds of the motion.
+  EXPECT_THAT(ReadAll(video, {.capture_rate_hz = 240, .start_s = 2 + 24 / 240.0, .end_s = 2 + 30 / 240.0}).frames,
+              SizeIs(7));
+  EXPECT_THAT(ErrorOf(video, {.start_s = 90}), HasSubstr("s; 90 s was asked for"));
+  EXPECT_THAT(ErrorOf(video, {.end_s = 1.5}), HasSubstr("no frame lies between 0 and 1.5 s; the next is at 2 s"));
+  EXPECT_THAT(ErrorOf(video, {.start_s = stamps[3] + 1e-3, .end_s = stamps[4] - 1e-3}), HasSubstr("no frame lies"));
+}
+
 TEST(VideoReader, HandsOutTheAskedFrames) {
   const TemporaryFolder folder;
   const auto video = folder / "video.mp4";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 
 #include "c3d_bytes.h"
 #include "lake/core/atomic_file.h"
@@ -115,30 +116,34 @@ Eigen::Vector3d ReadPoint(const C3dBytes& bytes, std::size_t offset, const C3dLa
   return position * layout.mm_per_unit;
 }
 
-// Four letters each, in the header of older files.
-std::vector<PointEvent> ReadHeaderEvents(const C3dBytes& bytes) {
+// The header's, with labels of four letters (those of two, without the key, are not read). Their times count from the
+// first frame that is stored.
+std::vector<PointEvent> ReadHeaderEvents(const C3dBytes& bytes, double first_frame_s) {
   constexpr std::size_t kKey = 298, kCount = 300, kTimes = 304, kLabels = 396;  // bytes
-  constexpr std::uint16_t kHasEvents = 12345;
+  constexpr std::uint16_t kFourLetterLabels = 12345;
   constexpr std::size_t kMostEvents = 18;
+  if (bytes.Unsigned16(kKey) != kFourLetterLabels) return {};
+  const std::size_t count = bytes.Unsigned16(kCount);
+  if (count > kMostEvents)
+    throw Fail("{}: the header says {} events, and holds {} at most", bytes.Path(), count, kMostEvents);
   std::vector<PointEvent> events;
-  if (bytes.Unsigned16(kKey) != kHasEvents) return events;
-  const std::size_t count = std::min<std::size_t>(bytes.Unsigned16(kCount), kMostEvents);
   for (std::size_t i = 0; i < count; ++i)
-    events.push_back({bytes.Float(kTimes + 4 * i), "", bytes.TrimmedText(kLabels + 4 * i, 4)});
+    events.push_back({first_frame_s + bytes.Float(kTimes + 4 * i), "", bytes.TrimmedText(kLabels + 4 * i, 4)});
   return events;
 }
 
+// Those of the group EVENT. Their times count from frame 1.
 std::vector<PointEvent> ReadGroupEvents(const C3dParameters& parameters, const std::string& path) {
-  const std::size_t count = parameters.Count("EVENT:USED");
+  const std::size_t count = parameters.Has("EVENT:USED") ? parameters.Count("EVENT:USED") : 0;
   if (count == 0) return {};
   const std::vector<double> times = parameters.Numbers("EVENT:TIMES");  // minutes, seconds
+  if (count > times.size() / 2)
+    throw Fail("{}: EVENT:USED is {}, but there are {} times", path, count, times.size() / 2);
   const auto texts = [&](const char* name) {
     std::vector<std::string> found = parameters.Has(name) ? parameters.Texts(name) : std::vector<std::string>{};
     found.resize(count);
     return found;
   };
-  if (count > times.size() / 2)
-    throw Fail("{}: EVENT:USED is {}, but there are {} times", path, count, times.size() / 2);
   const std::vector<std::string> contexts = texts("EVENT:CONTEXTS"), labels = texts("EVENT:LABELS");
   std::vector<PointEvent> events;
   for (std::size_t i = 0; i < count; ++i)
@@ -146,12 +151,19 @@ std::vector<PointEvent> ReadGroupEvents(const C3dParameters& parameters, const s
   return events;
 }
 
-// In order of time.
-std::vector<PointEvent> ReadEvents(const C3dBytes& bytes, const C3dParameters& parameters, const std::string& path) {
-  std::vector<PointEvent> events =
-      parameters.Has("EVENT:USED") ? ReadGroupEvents(parameters, path) : ReadHeaderEvents(bytes);
+// Both, in order of time; the header may say again what the group says.
+std::vector<PointEvent> ReadEvents(const C3dBytes& bytes, const C3dParameters& parameters, const C3dLayout& layout) {
+  std::vector<PointEvent> events = ReadGroupEvents(parameters, bytes.Path());
+  const std::size_t of_group = events.size();
+  for (PointEvent& event : ReadHeaderEvents(bytes, static_cast<double>(layout.first_frame - 1) / layout.rate_hz)) {
+    const auto end = events.begin() + static_cast<std::ptrdiff_t>(of_group);
+    const bool known = std::any_of(events.begin(), end, [&](const PointEvent& other) {
+      return std::abs(other.time_s - event.time_s) < 0.5 / layout.rate_hz;
+    });
+    if (!known) events.push_back(std::move(event));
+  }
   for (const PointEvent& event : events)
-    if (!std::isfinite(event.time_s)) throw Fail("{}: event '{}' has no time", path, event.label);
+    if (!std::isfinite(event.time_s)) throw Fail("{}: event '{}' has no time", bytes.Path(), event.label);
   std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
   return events;
 }
@@ -165,7 +177,7 @@ PointRecording ReadC3d(const std::filesystem::path& path) {
   PointRecording recording;
   recording.up_axis = layout.up_axis;
   try {
-    recording.events = ReadEvents(bytes, parameters, path.string());
+    recording.events = ReadEvents(bytes, parameters, layout);
   } catch (const Error& error) {
     recording.warnings.push_back(fmt::format("{}; the file's events are left out", error.what()));
   }
@@ -207,20 +219,36 @@ std::size_t FirstFrame(const PointRecording& points) {
   return frames > 0 && frames < 65534 ? static_cast<std::size_t>(std::llround(frames)) + 1 : 1;
 }
 
-void AddEvents(const std::vector<PointEvent>& events, C3dParameterWriter& writer) {
+// At most 127 bytes of an event's text, which is what a parameter holds; no letter is cut in two.
+std::string ShortText(std::string text) {
+  constexpr std::size_t kMost = 127;
+  if (text.size() <= kMost) return text;
+  std::size_t end = kMost;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
+  text.resize(end);
+  return text;
+}
+
+// The groups EVENT and EVENT_CONTEXT. Points have whole frames for times; the events move with them.
+void AddEvents(const PointRecording& points, C3dParameterWriter& writer) {
+  const double shift_s = static_cast<double>(FirstFrame(points) - 1) / FrameRate(points.time_s) - points.time_s.front();
   std::vector<std::string> contexts, labels;
   std::vector<std::array<float, 2>> times;  // minutes, seconds
-  for (const PointEvent& event : events) {
-    const double minutes = std::floor(event.time_s / 60);
-    contexts.push_back(event.context), labels.push_back(event.label);
-    times.push_back({static_cast<float>(minutes), static_cast<float>(event.time_s - 60 * minutes)});
+  for (const PointEvent& event : points.events) {
+    const double time_s = event.time_s + shift_s, minutes = std::floor(time_s / 60);
+    contexts.push_back(ShortText(event.context)), labels.push_back(ShortText(event.label));
+    times.push_back({static_cast<float>(minutes), static_cast<float>(time_s - 60 * minutes)});
   }
   writer.Group(4, "EVENT");
-  writer.Word(4, "USED", events.size());
-  if (events.empty()) return;
+  writer.Word(4, "USED", points.events.size());
+  if (points.events.empty()) return;
   writer.Texts(4, "CONTEXTS", contexts);
   writer.Texts(4, "LABELS", labels);
   writer.Pairs(4, "TIMES", times);
+  const std::set<std::string> distinct(contexts.begin(), contexts.end());
+  writer.Group(5, "EVENT_CONTEXT");
+  writer.Word(5, "USED", distinct.size());
+  writer.Texts(5, "LABELS", {distinct.begin(), distinct.end()});
 }
 
 C3dParameterWriter MakeParameters(const PointRecording& points) {
@@ -247,7 +275,7 @@ C3dParameterWriter MakeParameters(const PointRecording& points) {
   const std::size_t first = FirstFrame(points), last = first + frames - 1;
   writer.Words(3, "ACTUAL_START_FIELD", {first & 0xFFFF, first >> 16});
   writer.Words(3, "ACTUAL_END_FIELD", {last & 0xFFFF, last >> 16});
-  AddEvents(points.events, writer);
+  AddEvents(points, writer);
   return writer;
 }
 

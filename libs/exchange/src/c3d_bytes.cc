@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 
 namespace lake {
@@ -64,10 +65,8 @@ std::string C3dBytes::Text(std::size_t offset, std::size_t length) const {
 }
 
 std::string C3dBytes::TrimmedText(std::size_t offset, std::size_t length) const {
-  const std::string text = Text(offset, length), blanks(" \t\0", 3);
-  const auto first = text.find_first_not_of(blanks);
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+  const std::string text = Text(offset, length);
+  return std::string(Trim(std::string_view(text.c_str())));
 }
 
 // Each entry: length of the name (negative: locked), id of the group (negative: this is a group), name, offset to the
@@ -224,6 +223,9 @@ void C3dParameterWriter::Texts(int group, const std::string& name, const std::ve
 std::string C3dParameterWriter::Finish(int group, const std::string& data_start_name) {
   constexpr std::size_t kEntryAndEnd = 64;  // bytes that the last entry and the end mark take at most
   const std::size_t blocks = (section_.Size() + kEntryAndEnd + 511) / 512;
+  constexpr std::size_t kMostBlocks = 255;
+  if (blocks > kMostBlocks)
+    throw Fail("C3D: names and events take {} kB, and there is room for {} kB", blocks / 2, kMostBlocks / 2);
   Word(group, data_start_name, 2 + blocks);
   section_.Word(0).PadTo(blocks * 512);
   std::string bytes = section_.Bytes();

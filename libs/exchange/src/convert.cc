@@ -97,6 +97,9 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   PointRecording points = ReadPoints(in, options.reading.mm_per_unit, options.reading.rate_hz);
   if (options.crop_s) CropPoints(*options.crop_s, in, points);
   points = FitToFormat(RenamePoints(points, options.reading.names, in), in, out, options);
+  if (!points.events.empty() && Lower(out.extension().string()) != ".c3d")
+    points.warnings.push_back(
+        fmt::format("{}: {} events are left out; only C3D holds them", in.string(), points.events.size()));
   WritePoints(out, points, options.unit);
   return points.warnings;
 }

@@ -157,9 +157,9 @@ void WarnOf(const Design& design, const UsedRange& range, Run& run) {
   const double range_deg = DegreesFromRadians(range.theta_at_lower_rad);
   if (design.range_deg && std::abs(*design.range_deg - range_deg) > 0.01)
     run.Warn(fmt::format("the design says range_deg = {}, but its links give {:.4f}°", *design.range_deg, range_deg));
-  constexpr double kRounding_mm = 1e-6;
+  constexpr double kRounding_mm = 1e-4;  // as the message shows it
   if (design.d_max_mm && *design.d_max_mm > range.stroke.upper_mm + kRounding_mm)
-    run.Warn(fmt::format("d_max = {:.4f} mm is past the used range, which ends at {:.4f} mm", *design.d_max_mm,
+    run.Warn(fmt::format("d_max = {} mm is past the used range, which ends at {:.4f} mm", *design.d_max_mm,
                          range.stroke.upper_mm));
   const double slack =
       DistancesToSingularities(design.links, RequirePose(design.links, design.d_min_mm)).actuator_folded_mm;

@@ -160,6 +160,55 @@ void WarnOfValidation(const Validation& v, const StrokeSchedule& schedule, Run& 
                          planned));
 }
 
+// The program as the motor can run it, and what is known of the motor.
+struct StrokePlan {
+  StrokeSchedule schedule;
+  std::optional<DutyTable> table;
+  CrawlSummary crawl;
+};
+
+StrokePlan MakePlan(const StrokeRunOptions& options, const Design& design, Run& run) {
+  ScheduleOptions how = options.schedule;
+  TakeMotion(options, design, how, run);
+  StrokePlan plan;
+  plan.schedule = MakeSchedule(design, how);
+  if (options.duty_table) {
+    plan.table = ReadDutyTable(*options.duty_table);
+    run.AddInput(*options.duty_table);
+    CheckSpeeds(plan.schedule, *plan.table);
+    plan.crawl = StepInsteadOfCrawling(plan.schedule, *plan.table, how.dead_time_s);
+  }
+  if (how.max_acceleration_mm_s2) LimitAcceleration(plan.schedule, *how.max_acceleration_mm_s2, how.dead_time_s);
+  return plan;
+}
+
+// What goes into the flash.
+struct Sketch {
+  StrokeTable table;
+  std::string header;
+};
+
+// None without a duty table.
+std::optional<Sketch> MakeSketch(const StrokeRunOptions& options, const Design& design, const StrokePlan& plan) {
+  if (!plan.table) return std::nullopt;
+  FirmwareOptions firmware = options.firmware;
+  firmware.dead_time_s = options.schedule.dead_time_s;
+  const StrokeTable table = MakeStrokeTable(plan.schedule, *plan.table, firmware);
+  const std::string from =
+      fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string());
+  return Sketch{table, StrokeTableHeader(table, plan.schedule, *plan.table, design.d_min_mm, firmware, MadeBy(from))};
+}
+
+Json WriteValidation(const StrokeRunOptions& options, const StrokeSchedule& schedule, const Validation& validation,
+                     Run& run) {
+  WarnOfValidation(validation, schedule, run);
+  WriteValidationCsv(run.Result("validation.csv"), validation);
+  DrawValidation(run.Result("validation.png"), schedule, validation,
+                 fmt::format("Prototype {} against {}", options.validate->filename().string(),
+                             options.design.filename().string()));
+  return ValidationJson(validation, options.tolerance_deg);
+}
+
 }  // namespace
 
 Json WriteSketch(const std::string& stroke_table, Run& run) {
@@ -176,57 +225,28 @@ Json WriteSketch(const std::string& stroke_table, Run& run) {
 }
 
 Json RunStroke(const StrokeRunOptions& options, Run& run) {
-  const Design design = ReadDesign(options.design);
-  run.AddInput(options.design);
-  ScheduleOptions schedule_options = options.schedule;
-  TakeMotion(options, design, schedule_options, run);
   if (!(options.tolerance_deg > 0 && options.tolerance_deg <= 90))
     throw UsageError(fmt::format("--tolerance must be above 0 and at most 90 degrees, not {}", options.tolerance_deg));
-  FirmwareOptions firmware = options.firmware;
-  firmware.dead_time_s = schedule_options.dead_time_s;
-  StrokeSchedule schedule = MakeSchedule(design, schedule_options);
-  std::optional<DutyTable> table;
-  CrawlSummary crawl;
-  std::optional<StrokeTable> stroke;
-  std::string header;
-  if (options.duty_table) {
-    table = ReadDutyTable(*options.duty_table);
-    run.AddInput(*options.duty_table);
-    CheckSpeeds(schedule, *table);
-    crawl = StepInsteadOfCrawling(schedule, *table, schedule_options.dead_time_s);
-  }
-  if (schedule_options.max_acceleration_mm_s2)
-    LimitAcceleration(schedule, *schedule_options.max_acceleration_mm_s2, schedule_options.dead_time_s);
-  if (table) {
-    stroke = MakeStrokeTable(schedule, *table, firmware);
-    header = StrokeTableHeader(
-        *stroke, schedule, *table, design.d_min_mm, firmware,
-        MadeBy(fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string())));
-  }
-  const std::vector<ScheduleRow> rows = SampleSchedule(schedule, options.rate_hz, table ? &*table : nullptr);
+  const Design design = ReadDesign(options.design);
+  run.AddInput(options.design);
+  const StrokePlan plan = MakePlan(options, design, run);
+  const std::optional<Sketch> sketch = MakeSketch(options, design, plan);
+  const std::vector<ScheduleRow> rows =
+      SampleSchedule(plan.schedule, options.rate_hz, plan.table ? &*plan.table : nullptr);
   std::optional<Validation> validation;
-  if (options.validate) validation = Validate(schedule, *options.validate, run);
+  if (options.validate) validation = Validate(plan.schedule, *options.validate, run);
 
-  if (!table && !validation)
+  if (!sketch && !validation)
     run.Warn(
         "no duty table: the duty is left empty and no firmware is written; measure one (lake-stroke calibrate) and "
         "give it with --duty-table");
   WriteScheduleCsv(run.Result("program.csv"), rows);
-  const std::string name = options.design.filename().string();
-  DrawStrokeProgram(run.Result("program.png"), schedule, rows, "Stroke program of " + name);
-  Json summary = ProgramJson(schedule, rows);
-  summary["crawling"] = CrawlJson(crawl);
-  summary["firmware"] = nullptr;
-  if (stroke) {
-    summary["firmware"] = FirmwareJson(WriteSketch(header, run), *stroke);
-  }
-  if (validation) {
-    WarnOfValidation(*validation, schedule, run);
-    WriteValidationCsv(run.Result("validation.csv"), *validation);
-    DrawValidation(run.Result("validation.png"), schedule, *validation,
-                   fmt::format("Prototype {} against {}", options.validate->filename().string(), name));
-    summary["validation"] = ValidationJson(*validation, options.tolerance_deg);
-  }
+  DrawStrokeProgram(run.Result("program.png"), plan.schedule, rows,
+                    "Stroke program of " + options.design.filename().string());
+  Json summary = ProgramJson(plan.schedule, rows);
+  summary["crawling"] = CrawlJson(plan.crawl);
+  summary["firmware"] = sketch ? FirmwareJson(WriteSketch(sketch->header, run), sketch->table) : Json();
+  if (validation) summary["validation"] = WriteValidation(options, plan.schedule, *validation, run);
   return summary;
 }
 
@@ -258,8 +278,7 @@ std::string StrokeReport(const Json& summary) {
       text += fmt::format(", its own speed {:.3f} ± {:.3f} mm/s", number(v["speed_mm_s"]), number(v["speed_se_mm_s"]));
     text += fmt::format(
         "\nverdict: it {} (within {}° RMS); from {:.3f} s on it travels {:.4f} of the program, drift at its end "
-        "{:+.2f} "
-        "mm, then RMS {:.3f}°\n",
+        "{:+.2f} mm, then RMS {:.3f}°\n",
         v["verdict"].get<std::string>(), number(v["tolerance_deg"]), number(v["start_with_factor_s"]),
         number(v["travel_factor"]), number(v["drift_mm"]), number(v["rms_with_factor_deg"]));
   }

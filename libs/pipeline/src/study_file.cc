@@ -101,12 +101,6 @@ void ReadNumbers(YamlNode& node, const char* key, std::optional<std::array<doubl
   if (numbers) std::copy(numbers->begin(), numbers->end(), field.emplace().begin());
 }
 
-std::int64_t FrameOf(YamlNode& node, const char* key, int fallback) {
-  const int frame = node.Integer(key).value_or(fallback);
-  if (frame < 0) throw Fail("{}: '{}' must not be negative", node.Where(), key);
-  return frame;
-}
-
 void ReadFilter(YamlNode& node, LegFitOptions& fit) {
   if (const auto filter = node.Child("filter"))
     fit.filter = At(*filter, [&] { return ParseLegFilter(filter->AsText()); });
@@ -133,9 +127,9 @@ TrackRunOptions ReadVideo(YamlNode& node, const YamlNode& video, Files& files) {
   options.video = files.TakePictures(video);
   ReadDetector(node, options.track);
   VideoReaderOptions& reader = options.track.reader;
-  reader.first = FrameOf(node, "start", 0);
-  if (node.Has("end")) reader.last = FrameOf(node, "end", 0);
-  if (reader.last && *reader.last < reader.first) throw Fail("{}: 'end' is before 'start'", node.Where());
+  reader.start_s = node.Number("start_s"), reader.end_s = node.Number("end_s");
+  if (reader.start_s && reader.end_s && *reader.end_s < *reader.start_s)
+    throw Fail("{}: 'end_s' is before 'start_s'", node.Where());
   reader.capture_rate_hz = node.Number("capture_rate_hz").value_or(0);
   if (const auto camera = node.Child("camera")) options.camera = files.Take(*camera);
   ReadNumbers(node, "scale", options.scale);

@@ -194,7 +194,7 @@ void BlobFinder::LearnFromFits(const cv::Mat& grey, std::span<const MarkerPredic
 }
 
 // The size of a candidate is a guess within a factor of two, and a fit can settle on a wrong size: several are tried,
-// and the one that leaves least is believed. A last step this small lets the shape settle too, not only the place.
+// and the one that leaves least is believed.
 std::optional<BlobFit> BlobFinder::FitNew(const cv::Mat& grey, const BlobCandidate& candidate) const {
   constexpr double kGoodResidual = 0.03;
   std::optional<BlobFit> best;

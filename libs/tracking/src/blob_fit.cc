@@ -48,13 +48,13 @@ void AddStillLight(const Blob& blob, const Pixels& x, const Pixels& y, float wei
   const Pixels t2 = t * t;
   light.value += weight * (0.5F + kPeak * t * (1 + t2 * (-1 + t2 * (0.6F - t2 / 7))));
   const Pixels by_t = weight * kPeak * (1 - t2).cube();
-  const Pixels by_rho = by_t * per_width;  // negative; exact on the edge, where the light changes
+  const Pixels by_rho = -by_t * per_width;  // exact on the edge, where the light changes
   const Pixels by_m = by_rho * per_rho;
-  light.gradient[kX] += by_rho * slope_x;
-  light.gradient[kY] += by_rho * slope_y;
-  light.gradient[kM11] -= by_m * mx * x;
-  light.gradient[kM12] -= by_m * (mx * y + my * x);
-  light.gradient[kM22] -= by_m * my * y;
+  light.gradient[kX] -= by_rho * slope_x;
+  light.gradient[kY] -= by_rho * slope_y;
+  light.gradient[kM11] += by_m * mx * x;
+  light.gradient[kM12] += by_m * (mx * y + my * x);
+  light.gradient[kM22] += by_m * my * y;
   light.gradient[kEdge] -= by_t * t / edge;
 }
 
@@ -115,7 +115,7 @@ class JointFit {
 
   bool Solve() {
     if (!HasEnoughPixels()) return false;
-    constexpr double kCostRounding = 1e-5;  // sums are in single precision
+    constexpr double kCostRounding = 1e-5;  // pixels are in single precision
     constexpr double kFullStep = 1e-3;      // damping up to which a step is Gauss and Newton's
     // By then a disc's fit takes small steps, or full ones; what still leaps and must be held back is no disc.
     constexpr int kSettled = 8;
@@ -271,7 +271,8 @@ class JointFit {
     return AddSums(block, rows, level);
   }
 
-  // Of residuals of the model's levels: their weights (Huber), sums of squares and robust cost.
+  // Adds a block's residuals from the model's levels to the normal equations, weighted (Huber), and to the sums of
+  // squares; returns their robust cost.
   double AddSums(const PixelBlock& block, const Eigen::Matrix<float, kBlock, kParameters>& rows, const Pixels& level) {
     const float saturation = static_cast<float>(options_.saturation_level), huber = static_cast<float>(options_.huber);
     const Pixels residual = block.level - level;

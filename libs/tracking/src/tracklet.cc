@@ -32,8 +32,8 @@ Motion Extrapolate(const std::vector<TrackletSample>& samples, double time_s) {
   const double ahead = time_s - last.time_s;
   if (samples.size() < 3 || ahead > 2 * (last.time_s - before.time_s)) return {last.position + ahead * slope, slope};
   const TrackletSample& first = samples[samples.size() - 3];
-  constexpr double kStillPx = 0.25;  // from the first to the last of three
-  if ((last.position - first.position).norm() < kStillPx)
+  constexpr double kStillPx = 0.25;  // from the last of three to each of the others; at a turn the first may be near
+  if ((last.position - first.position).norm() < kStillPx && (last.position - before.position).norm() < kStillPx)
     return {(first.position + before.position + last.position) / 3, Eigen::Vector2d::Zero()};
   const Eigen::Vector2d first_slope = (before.position - first.position) / (before.time_s - first.time_s);
   const Eigen::Vector2d acceleration = (slope - first_slope) / (0.5 * (last.time_s - first.time_s));

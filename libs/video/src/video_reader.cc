@@ -17,6 +17,8 @@ extern "C" {
 namespace lake {
 namespace {
 
+constexpr double kRounding_s = 1e-6;  // of time stamps and of what is typed
+
 std::string FormatName(int format) {
   const char* name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(format));
   return name ? name : "unknown";
@@ -55,7 +57,8 @@ class LibavReader : public VideoReader {
   void CheckIsLikeFirst(const AVFrame& frame) const;
   double Time(const AVFrame& frame);
   void HandOut(const SharedFrame& decoded, double time_s, VideoFrame& frame);
-  void CheckFirstWasReached() const;
+  bool IsWanted(double time_s) const;
+  void CheckAnyWasWanted() const;
   [[noreturn]] void FailAtFrame(const std::string& what) const;
 
   VideoReaderOptions options_;
@@ -67,6 +70,8 @@ class LibavReader : public VideoReader {
   Stamps stamps_;
   VideoInfo info_;
   std::int64_t next_index_ = 0;
+  double last_time_s_ = 0;
+  bool any_wanted_ = false;
 };
 
 LibavReader::LibavReader(const std::filesystem::path& path, const VideoReaderOptions& options)
@@ -109,24 +114,32 @@ bool LibavReader::Read(VideoFrame& frame) {
   while (!options_.last || next_index_ <= *options_.last) {
     ThrowIfInterrupted();
     const SharedFrame decoded = first_frame_ ? std::exchange(first_frame_, nullptr) : decoder_.Next();
-    if (!decoded) {
-      CheckFirstWasReached();
-      return false;
-    }
+    if (!decoded) break;
     CheckIsLikeFirst(*decoded);
-    const double time_s = Time(*decoded);
-    const bool wanted = next_index_ >= options_.first;
-    if (wanted) HandOut(decoded, time_s, frame);
+    last_time_s_ = Time(*decoded);
+    if (options_.end_s && last_time_s_ > *options_.end_s + kRounding_s) break;
+    const bool wanted = IsWanted(last_time_s_);
+    if (wanted) HandOut(decoded, last_time_s_, frame);
     ++next_index_;
+    any_wanted_ |= wanted;
     if (wanted) return true;
   }
+  CheckAnyWasWanted();
   return false;
 }
 
-void LibavReader::CheckFirstWasReached() const {
-  if (next_index_ <= options_.first)
-    throw Fail("{}: has {} frames, from 0; frame {} was asked for", decoder_.Source().Path().string(), next_index_,
-               options_.first);
+bool LibavReader::IsWanted(double time_s) const {
+  return next_index_ >= options_.first && (!options_.start_s || time_s >= *options_.start_s - kRounding_s);
+}
+
+void LibavReader::CheckAnyWasWanted() const {
+  if (any_wanted_) return;
+  const std::string file = decoder_.Source().Path().string();
+  if (options_.end_s && last_time_s_ > *options_.end_s + kRounding_s)
+    throw Fail("{}: no frame lies between {} and {} s; the next is at {:.6g} s", file, options_.start_s.value_or(0),
+               *options_.end_s, last_time_s_);
+  if (options_.start_s) throw Fail("{}: ends at {:.6g} s; {} s was asked for", file, last_time_s_, *options_.start_s);
+  throw Fail("{}: has {} frames, from 0; frame {} was asked for", file, next_index_, options_.first);
 }
 
 void LibavReader::CheckIsLikeFirst(const AVFrame& frame) const {
@@ -161,7 +174,9 @@ void LibavReader::HandOut(const SharedFrame& decoded, double time_s, VideoFrame&
   }
   frame.luma = orientation_.Apply(converter_->Luma(*decoded));
   frame.bgr = options_.colour ? orientation_.Apply(converter_->Bgr(*decoded)) : cv::Mat();
-  frame.keep_alive = decoded;
+  const bool shares =
+      frame.luma.data >= decoded->buf[0]->data && frame.luma.data < decoded->buf[0]->data + decoded->buf[0]->size;
+  frame.keep_alive = shares ? decoded : nullptr;
 }
 
 void LibavReader::FailAtFrame(const std::string& what) const {

@@ -49,20 +49,23 @@ TEST_F(FirmwareTest, VideoToDesignToProgramToKneeAngle) {
   ASSERT_TRUE(rig_->RunUntil("[MSG:done]", stroke["duration_s"].get<double>() + 2)) << rig_->Serial();
   EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
 
-  double worst = 0;
+  double worst = 0, compared_s = 0;
   std::size_t row = 0;
   const double start = FirstDrive() - FirstMove(program);
+  ASSERT_FALSE(std::isnan(start)) << "the motor never drove";
   for (const RigSample& sample : rig_->Samples()) {
     while (row + 1 < program.Rows() && program.RequiredNumber(row + 1, 0) <= sample.time_s - start) ++row;
     if (sample.time_s < start || row + 1 == program.Rows()) continue;
     const double t0 = program.RequiredNumber(row, 0), t1 = program.RequiredNumber(row + 1, 0);
     const double planned = std::lerp(program.RequiredNumber(row, 3), program.RequiredNumber(row + 1, 3),
                                      (sample.time_s - start - t0) / (t1 - t0));
+    compared_s += 1e-3;  // samples are 1 ms apart
     worst = std::max(worst, std::abs(KneeDegAt(design.links, sample.stroke_mm) - planned));
   }
   std::printf("free program of %.1f s, %d reversals: knee within %.3f degrees of program.csv\n",
               stroke["duration_s"].get<double>(), stroke["reversals"].get<int>(), worst);
   EXPECT_LT(worst, 0.5);
+  EXPECT_NEAR(compared_s, stroke["duration_s"].get<double>(), 0.1);
 }
 
 }  // namespace

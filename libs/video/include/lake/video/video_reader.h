@@ -51,7 +51,8 @@ struct VideoReaderOptions {
   double capture_rate_hz = 0;    // if set: time = (first time) + index / rate, for slow-motion files
   double sequence_rate_hz = 30;  // time stamps of an image sequence
   std::int64_t first = 0;        // first frame to hand out
-  std::optional<std::int64_t> last = {};  // last frame to hand out
+  std::optional<std::int64_t> last = {};           // last frame to hand out
+  std::optional<double> start_s = {}, end_s = {};  // only frames with time stamps from … to …, both included
 };
 
 class VideoReader {
@@ -67,7 +68,7 @@ class VideoReader {
 
   // False after the last frame. Throws Error naming the frame: the stream is damaged or ends before the container says,
   // the picture's size changes, a time stamp is missing or does not increase (not with capture_rate_hz), `first` is
-  // behind the end.
+  // behind the end, or no frame lies between `start_s` and `end_s`.
   virtual bool Read(VideoFrame& frame) = 0;
 };
 
