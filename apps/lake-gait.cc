@@ -3,25 +3,6 @@
 #include "lake/pipeline/gait.h"
 #include "program.h"
 
-namespace {
-
-std::string Report(const lake::Json& summary) {
-  std::string text;
-  for (const lake::Json& segment : summary["segments"]) {
-    const std::string unit = segment.contains("length_mm") ? "mm" : "px";
-    text += fmt::format("{}  {:.1f} {}, varies by {:.1f} (SD)\n", segment["name"].get<std::string>(),
-                        segment["length_" + unit].get<double>(), unit, segment["variation_" + unit].get<double>());
-  }
-  const lake::Json& knee = summary["knee"];
-  if (!knee["largest"].is_null())
-    text += fmt::format("knee {:.2f}° to {:.2f}°, ± {:.3f}° (1 SD)\n", knee["smallest"]["deg"].get<double>(),
-                        knee["largest"]["deg"].get<double>(), knee["rms_sigma_deg"].get<double>());
-  return text +
-         fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size());
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
   lake::Program program("lake-gait", "Leg vectors, knee angle and sit-to-stand events from an existing trial",
                         "lake-gait trial.trc --map ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=R_Shoulder -o gait");
@@ -55,5 +36,5 @@ int main(int argc, char** argv) {
         if (!facing.empty()) options.fit.facing = lake::ParseFacing(facing);
         return lake::RunGait(options, run);
       },
-      Report);
+      lake::GaitReport);
 }

@@ -3,6 +3,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/pipeline/gait.h"
 #include "lake/pipeline/track.h"
 #include "lake/pipeline/track_text.h"
 #include "program.h"
@@ -104,5 +105,5 @@ int main(int argc, char** argv) {
   Declare(program.Cli(), arguments);
   return program.Main(
       argc, argv, [&] { return std::filesystem::path(arguments.video).stem().string(); },
-      [&](lake::Run& run) { return lake::RunTrack(MakeRunOptions(arguments), run); });
+      [&](lake::Run& run) { return lake::RunTrack(MakeRunOptions(arguments), run); }, lake::GaitReport);
 }

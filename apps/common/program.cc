@@ -111,7 +111,7 @@ int Program::Work(const std::string& command, const std::string& result_name, co
   if (json_)
     fmt::print("{}\n", summary.dump(2));
   else if (report)
-    fmt::print("{}", report(summary));
+    fmt::print("{}results in {}\n", report(summary), out_);
   return kDone;
 }
 

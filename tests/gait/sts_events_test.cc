@@ -56,6 +56,31 @@ TEST(StsEvents, EachRepetitionHasItsFiveEventsInOrder) {
   }
 }
 
+// Wherever the first rise is cut, it is left out, the others keep their times, and none is taken for cut off at rest.
+TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningIsLeftOut) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 3});
+  const StsSignals all = SignalsOf(leg);
+  const std::vector<StsEvent> events = FindStsEvents(all);
+  const auto index_of = [&](StsEventKind kind) {
+    return static_cast<std::size_t>(events.at(static_cast<std::size_t>(kind)).frame);
+  };
+  EXPECT_FALSE(BeginsDuringRise(all));
+  const std::size_t seat_off = index_of(StsEventKind::kSeatOff);
+  for (const std::size_t begin : {seat_off, seat_off + 2, seat_off + 5}) {
+    StsSignals cut = all;
+    const auto drop = [&](auto& values) {
+      values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(begin));
+    };
+    drop(cut.frame), drop(cut.time_s), drop(cut.hip_height), drop(cut.hip_speed), drop(cut.hip_up_speed);
+    drop(cut.knee_deg_s), drop(cut.trunk_deg_s);
+    EXPECT_TRUE(BeginsDuringRise(cut)) << begin;
+    EXPECT_EQ(TimesOf(FindStsEvents(cut), StsEventKind::kOnset).size(), 2u) << begin;
+    EXPECT_EQ(TimesOf(FindStsEvents(cut), StsEventKind::kStanding),
+              (std::vector{TimesOf(events, StsEventKind::kStanding)[1], TimesOf(events, StsEventKind::kStanding)[2]}))
+        << begin;
+  }
+}
+
 TEST(StsEvents, OnsetIsWhenTheTrunkLeavesRest) {
   for (const double rate_hz : {30.0, 60.0, 240.0}) {
     const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = rate_hz, .repetitions = 2});

@@ -48,9 +48,9 @@ TEST(Body, SegmentsHaveThePublishedLengthMassAndCentre) {
 }
 
 TEST(Body, RefusesWhatIsNoBody) {
-  EXPECT_THAT([] { BodyOf(180, 80); }, ThrowsMessage<Error>(HasSubstr("a body of 180 mm")));
+  EXPECT_THAT([] { BodyOf(180, 80); }, ThrowsMessage<Error>(HasSubstr("a body of 18 cm")));
   EXPECT_THAT([] { BodyOf(1800, 0); }, ThrowsMessage<Error>(HasSubstr("a body of 0 kg")));
-  EXPECT_THAT([] { BodyOf(std::nan(""), 80); }, ThrowsMessage<Error>(HasSubstr("a body of nan mm")));
+  EXPECT_THAT([] { BodyOf(std::nan(""), 80); }, ThrowsMessage<Error>(HasSubstr("a body of nan cm")));
 }
 
 // The same distances by hand: seated, the thigh is level and the mount is the lowest part.

@@ -76,6 +76,12 @@ PointRecording FitToFormat(PointRecording points, const fs::path& in, const fs::
   return options.reading.forward.empty() ? points : PointsFacing(points, options.reading);
 }
 
+// Tables of Tracker and Kinovea have numbers only.
+bool IsUnitless(const fs::path& path) {
+  const std::string name = Lower(path.filename().string());
+  return name.ends_with(".txt") || name.ends_with("_kinovea.csv");
+}
+
 }  // namespace
 
 bool IsAngleTable(const fs::path& path) {
@@ -100,6 +106,9 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   if (!points.events.empty() && Lower(out.extension().string()) != ".c3d")
     points.warnings.push_back(
         fmt::format("{}: {} events are left out; only C3D holds them", in.string(), points.events.size()));
+  if (points.space == PointSpace::kImage && IsUnitless(out))
+    points.warnings.push_back(fmt::format(
+        "{}: in px, y down, and the format does not say so; what reads it as lengths needs a scale", out.string()));
   WritePoints(out, points, options.unit);
   return points.warnings;
 }

@@ -100,16 +100,20 @@ std::vector<std::string> ExportFormats() {
   return names;
 }
 
-void CheckExportFormats(const std::vector<std::string>& formats) {
+void CheckExportFormats(const std::vector<std::string>& formats, bool has_scale) {
   const std::vector<std::string> known = ExportFormats();
   for (const std::string& format : formats)
     if (std::find(known.begin(), known.end(), format) == known.end())
       throw UsageError(fmt::format("--export {}: not a format; there are {}", format, fmt::join(known, ", ")));
+  for (const WritableFormat& format : WritableFormats())
+    if (!has_scale && !format.image && std::find(formats.begin(), formats.end(), format.name) != formats.end())
+      throw UsageError(fmt::format(
+          "--export {}: holds lengths, not px; give --scale, or a --camera with the sagittal plane", format.name));
 }
 
 std::vector<fs::path> ExportTrial(const std::vector<std::string>& formats, const fs::path& folder,
                                   const std::string& name, const ExportedTrial& trial) {
-  CheckExportFormats(formats);
+  CheckExportFormats(formats, trial.points.space != PointSpace::kImage);
   std::vector<fs::path> written;
   for (const WritableFormat& format : WritableFormats())
     if (std::find(formats.begin(), formats.end(), format.name) != formats.end()) {

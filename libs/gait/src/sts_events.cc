@@ -65,7 +65,12 @@ class EventFinder {
     std::size_t rest_from = 0;  // the earliest frame at which the rest before the next rise can begin
     for (const Stretch& stretch : FindStretches(s_.hip_height, o_.least_rise * s_.leg_length)) {
       if (stretch.rising) {
-        if (Extension(stretch) >= o_.least_extension_deg) AddRise(rest_from, stretch);
+        if (Extension(stretch) < o_.least_extension_deg) continue;
+        const std::size_t seat_off = SeatOff(rest_from, stretch);
+        if (seat_off == 0)
+          cut_rise_ = true;
+        else
+          AddRise(rest_from, seat_off, stretch);
       } else {
         rest_from = Extreme(s_.hip_up_speed, stretch, false);
         if (repetition_ > 0) AddLowering(stretch);
@@ -73,6 +78,9 @@ class EventFinder {
     }
     return std::move(events_);
   }
+
+  // Of Find(): whether a rise was under way when the recording began.
+  bool CutRise() const { return cut_rise_; }
 
  private:
   // The knee's extension over a stretch, from its speed.
@@ -92,12 +100,17 @@ class EventFinder {
 
   void Add(StsEventKind kind, std::size_t i) { events_.push_back({repetition_, kind, s_.frame[i], s_.time_s[i]}); }
 
-  void AddRise(std::size_t rest_from, const Stretch& rise) {
-    ++repetition_;
+  // The first frame of the run above the threshold that leads to the fastest rise.
+  std::size_t SeatOff(std::size_t rest_from, const Stretch& rise) const {
     const std::size_t fastest_rise = Extreme(s_.hip_up_speed, rise, true);
-    std::size_t seat_off = fastest_rise;  // the first frame of the run above the threshold that leads to the peak
+    std::size_t seat_off = fastest_rise;
     while (seat_off > rest_from && s_.hip_up_speed[seat_off - 1] > o_.seat_off_fraction * s_.hip_up_speed[fastest_rise])
       --seat_off;
+    return seat_off;
+  }
+
+  void AddRise(std::size_t rest_from, std::size_t seat_off, const Stretch& rise) {
+    ++repetition_;
     Add(StsEventKind::kOnset, std::min(FindOnset(rest_from, seat_off), seat_off));
     Add(StsEventKind::kSeatOff, seat_off);
     const std::size_t fastest_extension = Extreme(s_.knee_deg_s, rise, false);
@@ -140,13 +153,14 @@ class EventFinder {
     return {slowest, slowest, false};
   }
 
+  static std::vector<double> Part(const std::vector<double>& values, const Stretch& stretch) {
+    return {values.begin() + static_cast<std::ptrdiff_t>(stretch.begin),
+            values.begin() + static_cast<std::ptrdiff_t>(stretch.end) + 1};
+  }
+
   std::size_t FindOnset(std::size_t from, std::size_t seat_off) const {
     const Stretch rest = FindRest(from, seat_off);
-    const auto part = [&](const std::vector<double>& values) {
-      return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(rest.begin),
-                                 values.begin() + static_cast<std::ptrdiff_t>(rest.end) + 1);
-    };
-    const std::vector<double> heights = part(s_.hip_height), turns = part(s_.trunk_deg_s);
+    const std::vector<double> heights = Part(s_.hip_height, rest), turns = Part(s_.trunk_deg_s, rest);
     const double height = Median(heights), turn = Median(turns);
     const double height_limit =
         std::max(o_.onset_deviations * RobustDeviation(heights), o_.onset_height_mm * s_.units_per_mm);
@@ -165,6 +179,7 @@ class EventFinder {
   const StsOptions& o_;
   std::vector<StsEvent> events_;
   int repetition_ = 0;
+  bool cut_rise_ = false;
 };
 
 }  // namespace
@@ -172,6 +187,13 @@ class EventFinder {
 std::vector<StsEvent> FindStsEvents(const StsSignals& signals, const StsOptions& options) {
   const StsSignals known = KnownOnly(signals);
   return EventFinder(known, options).Find();
+}
+
+bool BeginsDuringRise(const StsSignals& signals, const StsOptions& options) {
+  const StsSignals known = KnownOnly(signals);
+  EventFinder finder(known, options);
+  finder.Find();
+  return finder.CutRise();
 }
 
 void SetRepetitions(const std::vector<StsEvent>& events, LegMotion& motion) {

@@ -91,6 +91,9 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
     human = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
   if (!IsCompared(options.exo)) exo = ReadTrialTables(options.exo, options.exo_reading, ExoKneeOf(options), run);
   if (human && exo) CheckUnits(*human, *exo);
+  if (human && exo && human->trajectory.Find(kExoKnee) && !exo->trajectory.Find(kExoKnee))
+    run.Warn(fmt::format("{} has a marker {} and {} has none: the trial without exoskeleton goes first", human->name,
+                         kExoKnee, exo->name));
   RegisteredPair pair;
   pair.exo_knee = exo ? FindExoKnee(exo->trajectory, options) : options.exo_knee.value_or(kExoKnee);
   pair.human = human ? Register(*human, options.human_knee) : ReadCurve(options.human, &ComparedCurves::human, run);

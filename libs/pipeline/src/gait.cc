@@ -2,11 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "lake/core/error.h"
 #include "lake/render/leg_figure.h"
 
 namespace lake {
 namespace {
+
+// Positions without standard deviations that scatter less about smooth curves than any camera's.
+bool WasSmoothed(const Trial& trial, const LegFitResult& result) {
+  const double least = trial.recording.unit == LengthUnit::kMm ? 0.01 : 0.003;
+  for (const MarkerTrack& marker : trial.recording.markers)
+    for (const MarkerSample& sample : marker.samples)
+      if (sample.IsKnown() && sample.sigma > 0) return false;
+  return std::all_of(result.markers.begin(), result.markers.end(),
+                     [&](const MarkerReport& marker) { return marker.rms < least; });
+}
 
 void SayWarnings(const Trial& trial, const LegFitResult& result, Run& run) {
   for (const std::string& warning : trial.warnings) run.Warn(warning);
@@ -16,6 +28,10 @@ void SayWarnings(const Trial& trial, const LegFitResult& result, Run& run) {
   constexpr double kShortestMm = 100, kLongestMm = 1000;
   if (result.motion.unit == LengthUnit::kMm && (shank < kShortestMm || shank > kLongestMm))
     run.Warn(fmt::format("the shank is {:.3g} mm long: is the file in another unit? Give it with --unit", shank));
+  if (WasSmoothed(trial, result))
+    run.Warn(
+        "the positions were smoothed before, and the file does not say how certain they are: the standard deviations "
+        "here are those of what is left, and too small");
   if (result.events.empty()) run.Warn("no sit-to-stand found: repetition and percent are left empty");
 }
 
@@ -52,6 +68,22 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (result.tracks.unit == LengthUnit::kPx) WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
   DrawLegFigure(run.Result("gait.png"), result, options.trial.filename().string());
   return LegFitJson(result);
+}
+
+std::string GaitReport(const Json& summary) {
+  if (!summary.contains("segments")) return "";
+  std::string text;
+  for (const Json& segment : summary["segments"]) {
+    const std::string unit = segment.contains("length_mm") ? "mm" : "px";
+    text += fmt::format("{}  {:.1f} {}, varies by {:.1f} (SD)\n", segment["name"].get<std::string>(),
+                        segment["length_" + unit].get<double>(), unit, segment["variation_" + unit].get<double>());
+  }
+  const Json& knee = summary["knee"];
+  if (!knee["largest"].is_null())
+    text += fmt::format("knee {:.2f}° to {:.2f}°, ± {:.3f}° (1 SD)\n", knee["smallest"]["deg"].get<double>(),
+                        knee["largest"]["deg"].get<double>(), knee["rms_sigma_deg"].get<double>());
+  return text +
+         fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size());
 }
 
 }  // namespace lake

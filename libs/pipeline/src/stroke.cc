@@ -48,6 +48,10 @@ double AngleAtPercent(const LegMotion& motion, double percent, const fs::path& f
 // Fills in the angles between which a person rises, as far as the design has them.
 void TakeMotion(const StrokeRunOptions& options, const Design& design, ScheduleOptions& schedule, Run& run) {
   if (!options.motion) return;
+  if (!schedule.speed_mm_s && design.program && design.program->kind == StrokeProgram::Kind::kFree)
+    throw UsageError(
+        "--motion says where a constant program begins and ends, and this design's program has knots of its own: leave "
+        "--motion out, or give a constant speed with --speed");
   const LegMotion motion = ReadMotion(*options.motion, run);
   const SoftLimits limits = SoftLimitsOf(design, schedule.margin_mm);
   const double a = KneeDegAt(design.links, limits.lower_mm), b = KneeDegAt(design.links, limits.upper_mm);

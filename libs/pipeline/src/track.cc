@@ -201,7 +201,6 @@ void CheckOptions(const TrackRunOptions& options) {
     throw UsageError("--vertical: the ends of a plumb line must differ in height by at least 1 px");
   if (options.corrections && !std::filesystem::exists(*options.corrections))
     throw Fail("{}: no such file", options.corrections->string());
-  CheckExportFormats(options.exports);
 }
 
 }  // namespace
@@ -214,6 +213,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   if (options.camera) run.AddInput(*options.camera);
   if (options.corrections) run.AddInput(*options.corrections);
   const LegView view = MakeView(options, video, run);
+  CheckExportFormats(options.exports, PlaneUnit(view) == LengthUnit::kMm);
 
   TrackOptions track_options = options.track;
   track_options.quiet = run.Quiet();

@@ -63,11 +63,13 @@ void DrawStroke(GnuplotFigure& figure, const StrokeSchedule& schedule, const Pro
 void DrawSpeed(GnuplotFigure& figure, const ProgramColumns& c) {
   const double top = std::max(0.0, *std::max_element(c.speed.begin(), c.speed.end()));
   const double least = std::min(0.0, *std::min_element(c.speed.begin(), c.speed.end()));
-  const double pad = 0.12 * (top - least), low = least - pad, high = top + 3 * pad;
+  const double pad = 0.12 * (top - least), high = top + 3 * pad;
+  double low = least - pad;
   const bool has_duty = !std::isnan(c.duty.front());
+  const double percent_per_speed = 105 / std::max(high, -low);
+  if (has_duty) low = std::min(low, 1.1 * *std::min_element(c.duty.begin(), c.duty.end()) / percent_per_speed);
   figure.Line(fmt::format("set ylabel 'speed (mm/s)'; set yrange [{}:{}]; set key top right horizontal", low, high));
   if (has_duty) {
-    const double percent_per_speed = 105 / std::max(high, -low);
     figure.Line(fmt::format("set y2label 'duty (%), signed'; set y2range [{}:{}]; set y2tics 50; set border 11",
                             percent_per_speed * low, percent_per_speed * high));
   }

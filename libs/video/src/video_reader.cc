@@ -5,6 +5,7 @@ extern "C" {
 }
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "decoder.h"
@@ -102,6 +103,12 @@ void LibavReader::FillInfo() {
   else if (stream.avg_frame_rate.den > 0)
     info_.frame_rate_hz = av_q2d(stream.avg_frame_rate);
   info_.frames = decoder_.Source().FramesPromised();
+  if (info_.frames && info_.frame_rate_hz > 0 && (options_.start_s || options_.end_s)) {
+    const auto last = static_cast<double>(*info_.frames);
+    const auto frame_at = [&](double time_s) { return std::clamp(time_s * info_.frame_rate_hz, 0.0, last); };
+    info_.frames = std::llround((options_.end_s ? frame_at(*options_.end_s) : last) -
+                                (options_.start_s ? frame_at(*options_.start_s) : 0));
+  }
   info_.codec = avcodec_get_name(stream.codecpar->codec_id);
   info_.pixel_format = FormatName(format_);
   const AVRational aspect = av_guess_sample_aspect_ratio(nullptr, const_cast<AVStream*>(&stream), &first);

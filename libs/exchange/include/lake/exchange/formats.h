@@ -34,8 +34,8 @@ void WritePoints(const std::filesystem::path& path, const PointRecording& points
 // What `lake-track --export` knows: trc, mot, …
 std::vector<std::string> ExportFormats();
 
-// Throws UsageError for a format that is not among them.
-void CheckExportFormats(const std::vector<std::string>& formats);
+// Throws UsageError for a format that is not among them, and without a scale for one that holds lengths only.
+void CheckExportFormats(const std::vector<std::string>& formats, bool has_scale);
 
 // What is exported of a trial.
 struct ExportedTrial {

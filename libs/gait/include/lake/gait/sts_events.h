@@ -35,8 +35,12 @@ struct StsOptions {
 
 // Events of every repetition in the order of time (method.md, section 3). A rise of the hip with an extension of the
 // knee is a repetition; its `descent` and `seated` are those of the following lowering. A repetition that the recording
-// cuts off has only the events that are in it. Empty if there is no sit-to-stand.
+// cuts off at its end has only the events that are in it. Empty if there is no sit-to-stand.
 std::vector<StsEvent> FindStsEvents(const StsSignals& signals, const StsOptions& options = {});
+
+// Whether the seat was left before the recording began: that rise has no onset, and FindStsEvents leaves it out. One
+// whose seat-off is recorded, but not the rest before it, has its onset in the first frame.
+bool BeginsDuringRise(const StsSignals& signals, const StsOptions& options = {});
 
 // Sets `repetition` and `percent` (0 at onset, 100 at standing) of the samples between the two, and clears them
 // elsewhere.

@@ -30,4 +30,7 @@ LegFitResult FitTrial(const GaitRunOptions& options, Run& run);
 // the summary.
 Json RunGait(const GaitRunOptions& options, Run& run);
 
+// What a person wants to read of a summary with a leg's fit; empty without one.
+std::string GaitReport(const Json& summary);
+
 }  // namespace lake

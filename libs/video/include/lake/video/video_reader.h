@@ -14,7 +14,7 @@ struct VideoInfo {
   int width = 0;                       // px, as a player shows it (after the stream's rotation)
   int height = 0;                      // px
   double frame_rate_hz = 0;            // the stream's average rate; never used to make time stamps of a video
-  std::optional<std::int64_t> frames;  // as the container says, if it does; for progress only
+  std::optional<std::int64_t> frames;  // about how many are handed out, if the container says; for progress only
   std::string codec;
   std::string pixel_format;  // as stored, in libav's name, e.g. "yuv420p"
   int rotation_deg = 0;      // clockwise, applied by the reader
