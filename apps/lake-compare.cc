@@ -58,11 +58,10 @@ int main(int argc, char** argv) {
       [&](lake::Run& run) {
         options.human = human, options.exo = exo;
         if (!exo_knee.empty()) options.exo_knee = exo_knee;
-        if (up.size() > 1) throw lake::UsageError(fmt::format("--up '{}': x, y or z", up));
         options.human_reading.names = lake::ParseNameMap(map);
         options.exo_reading.names = lake::ParseNameMap(exo_map.empty() ? map : exo_map);
         for (lake::TrialOptions* reading : {&options.human_reading, &options.exo_reading}) {
-          if (!up.empty()) reading->up = up[0];
+          reading->up = lake::ParseUp(up);
           reading->forward = forward;
         }
         return lake::RunCompare(options, run);

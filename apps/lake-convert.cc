@@ -40,8 +40,7 @@ int main(int argc, char** argv) {
                "Knee angle of a .mot as OpenSim's older models have it");
   return lake::ParseAndRun(cli, argc, argv, [&] {
     options.reading.names = lake::ParseNameMap(map);
-    if (up.size() > 1) throw lake::UsageError(fmt::format("--up '{}': x, y or z", up));
-    if (!up.empty()) options.reading.up = up[0];
+    options.reading.up = lake::ParseUp(up);
     if (!(options.reading.mm_per_unit > 0))
       throw lake::UsageError(fmt::format("--mm-per-unit {}: not positive", options.reading.mm_per_unit));
     if (!crop.empty()) {

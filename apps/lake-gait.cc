@@ -25,8 +25,7 @@ int main(int argc, char** argv) {
         lake::GaitRunOptions options;
         options.trial = trial;
         options.reading.names = lake::ParseNameMap(map);
-        if (up.size() > 1) throw lake::UsageError(fmt::format("--up '{}': x, y or z", up));
-        if (!up.empty()) options.reading.up = up[0];
+        options.reading.up = lake::ParseUp(up);
         options.reading.forward = forward;
         options.reading.mm_per_unit = lake::MmPerUnit(unit);
         options.fit.filter = lake::ParseLegFilter(filter);

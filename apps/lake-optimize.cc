@@ -111,8 +111,7 @@ lake::ReoptimizeRunOptions ReoptimizeOf(const Options& options) {
   lake::ReoptimizeRunOptions reoptimize = options.reoptimize;
   reoptimize.comparison = options.comparison, reoptimize.human = options.human, reoptimize.worn = options.worn;
   reoptimize.human_reading.names = lake::ParseNameMap(options.map);
-  if (options.up.size() > 1) throw lake::UsageError(fmt::format("--up '{}': x, y or z", options.up));
-  if (!options.up.empty()) reoptimize.human_reading.up = options.up[0];
+  reoptimize.human_reading.up = lake::ParseUp(options.up);
   reoptimize.program.kind =
       options.program == "free" ? lake::StrokeProgram::Kind::kFree : lake::StrokeProgram::Kind::kConstant;
   return reoptimize;

@@ -47,7 +47,7 @@ std::vector<double> TimesOf(const std::vector<StsEvent>& events, StsEventKind ki
 
 TEST(StsEvents, EachRepetitionHasItsFiveEventsInOrder) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 120, .repetitions = 3});
-  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg));
+  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg)).events;
   ASSERT_EQ(events.size(), 15u);
   for (std::size_t i = 0; i < events.size(); ++i) {
     EXPECT_EQ(events[i].repetition, static_cast<int>(i / 5) + 1);
@@ -60,11 +60,11 @@ TEST(StsEvents, EachRepetitionHasItsFiveEventsInOrder) {
 TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningIsLeftOut) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 3});
   const StsSignals all = SignalsOf(leg);
-  const std::vector<StsEvent> events = FindStsEvents(all);
+  const std::vector<StsEvent> events = FindStsEvents(all).events;
   const auto index_of = [&](StsEventKind kind) {
     return static_cast<std::size_t>(events.at(static_cast<std::size_t>(kind)).frame);
   };
-  EXPECT_FALSE(BeginsDuringRise(all));
+  EXPECT_FALSE(FindStsEvents(all).begins_during_rise);
   const std::size_t seat_off = index_of(StsEventKind::kSeatOff);
   for (const std::size_t begin : {seat_off, seat_off + 2, seat_off + 5}) {
     StsSignals cut = all;
@@ -73,9 +73,9 @@ TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningIsLeftOut) {
     };
     drop(cut.frame), drop(cut.time_s), drop(cut.hip_height), drop(cut.hip_speed), drop(cut.hip_up_speed);
     drop(cut.knee_deg_s), drop(cut.trunk_deg_s);
-    EXPECT_TRUE(BeginsDuringRise(cut)) << begin;
-    EXPECT_EQ(TimesOf(FindStsEvents(cut), StsEventKind::kOnset).size(), 2u) << begin;
-    EXPECT_EQ(TimesOf(FindStsEvents(cut), StsEventKind::kStanding),
+    EXPECT_TRUE(FindStsEvents(cut).begins_during_rise) << begin;
+    EXPECT_EQ(TimesOf(FindStsEvents(cut).events, StsEventKind::kOnset).size(), 2u) << begin;
+    EXPECT_EQ(TimesOf(FindStsEvents(cut).events, StsEventKind::kStanding),
               (std::vector{TimesOf(events, StsEventKind::kStanding)[1], TimesOf(events, StsEventKind::kStanding)[2]}))
         << begin;
   }
@@ -84,7 +84,7 @@ TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningIsLeftOut) {
 TEST(StsEvents, OnsetIsWhenTheTrunkLeavesRest) {
   for (const double rate_hz : {30.0, 60.0, 240.0}) {
     const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = rate_hz, .repetitions = 2});
-    const std::vector<double> onsets = TimesOf(FindStsEvents(SignalsOf(leg)), StsEventKind::kOnset);
+    const std::vector<double> onsets = TimesOf(FindStsEvents(SignalsOf(leg)).events, StsEventKind::kOnset);
     ASSERT_EQ(onsets.size(), leg.onset_s.size());
     // The trunk turns by 35° in 0.9 s with minimum jerk: 30 τ² · 35°/0.9 s = 2°/s at τ = 0.042, 0.038 s after it
     // starts.
@@ -96,7 +96,7 @@ TEST(StsEvents, OnsetIsWhenTheTrunkLeavesRest) {
 TEST(StsEvents, SeatOffAndStandingAreTheStatedFractionsOfTheirPeaks) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 500, .repetitions = 1});
   const StsSignals signals = SignalsOf(leg);
-  const std::vector<StsEvent> events = FindStsEvents(signals);
+  const std::vector<StsEvent> events = FindStsEvents(signals).events;
   ASSERT_GE(events.size(), 3u);
   double peak_up = 0, peak_extension = 0;
   for (std::size_t i = 0; i < signals.frame.size() / 2; ++i) {
@@ -112,7 +112,7 @@ TEST(StsEvents, SeatOffAndStandingAreTheStatedFractionsOfTheirPeaks) {
 
 TEST(StsEvents, WithoutRestBetweenThemRepetitionsAreStillFound) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 5, .rest_s = 0.02, .move_s = 0.8});
-  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg));
+  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg)).events;
   const std::vector<double> onsets = TimesOf(events, StsEventKind::kOnset);
   EXPECT_EQ(TimesOf(events, StsEventKind::kStanding).size(), 5u);
   ASSERT_EQ(onsets.size(), 5u);
@@ -122,7 +122,7 @@ TEST(StsEvents, WithoutRestBetweenThemRepetitionsAreStillFound) {
 
 TEST(StsEvents, ARecordingThatBeginsStandingCountsItsRisesOnly) {
   const SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 2, .starts_standing = true});
-  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg));
+  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg)).events;
   ASSERT_FALSE(events.empty());
   EXPECT_EQ(events.front().kind, StsEventKind::kOnset);
   EXPECT_EQ(TimesOf(events, StsEventKind::kOnset).size(), 2u);
@@ -132,7 +132,7 @@ TEST(StsEvents, FidgetingOnTheSeatIsNotAnOnset) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 1, .rest_s = 3});
   StsSignals signals = SignalsOf(leg);
   for (std::size_t i = 60; i < 110; ++i) signals.trunk_deg_s[i] += 15;  // a nod 2 s before
-  const std::vector<double> onsets = TimesOf(FindStsEvents(signals), StsEventKind::kOnset);
+  const std::vector<double> onsets = TimesOf(FindStsEvents(signals).events, StsEventKind::kOnset);
   ASSERT_EQ(onsets.size(), 1u);
   EXPECT_NEAR(onsets[0], 3.04, 0.02);
 }
@@ -148,7 +148,7 @@ TEST(StsEvents, WalkingHasNone) {
     signals.hip_speed.push_back(1300), signals.knee_deg_s.push_back(200 * std::cos(phase));
     signals.trunk_deg_s.push_back(10 * std::cos(2 * phase));
   }
-  EXPECT_TRUE(FindStsEvents(signals).empty());
+  EXPECT_TRUE(FindStsEvents(signals).events.empty());
 }
 
 TEST(StsEvents, GapsAndAMissingTrunkDoNotHideARise) {
@@ -156,7 +156,7 @@ TEST(StsEvents, GapsAndAMissingTrunkDoNotHideARise) {
   StsSignals signals = SignalsOf(leg);
   for (std::size_t i = 20; i < 40; ++i) signals.hip_height[i] = std::nan("");
   signals.trunk_deg_s.clear();
-  const std::vector<StsEvent> events = FindStsEvents(signals);
+  const std::vector<StsEvent> events = FindStsEvents(signals).events;
   ASSERT_EQ(events.size(), 5u);
   // Without a trunk the hip must rise by 2 mm, which it does before it has 10 % of its peak speed.
   EXPECT_LE(events[0].time_s, events[1].time_s);
@@ -164,11 +164,11 @@ TEST(StsEvents, GapsAndAMissingTrunkDoNotHideARise) {
 }
 
 TEST(StsEvents, EmptyAndStillRecordingsHaveNone) {
-  EXPECT_TRUE(FindStsEvents({}).empty());
+  EXPECT_TRUE(FindStsEvents({}).events.empty());
   SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 1});
   StsSignals signals = SignalsOf(leg);
   std::fill(signals.hip_height.begin(), signals.hip_height.end(), 500.0);
-  EXPECT_TRUE(FindStsEvents(signals).empty());
+  EXPECT_TRUE(FindStsEvents(signals).events.empty());
 }
 
 TEST(StsEvents, PercentRunsFromOnsetToStanding) {

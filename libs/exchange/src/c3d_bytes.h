@@ -25,8 +25,8 @@ class C3dBytes {
   std::int16_t Signed16(std::size_t offset) const { return static_cast<std::int16_t>(Unsigned16(offset)); }
   double Float(std::size_t offset) const;
   std::string Text(std::size_t offset, std::size_t length) const;
-  std::string TrimmedText(std::size_t offset,
-                          std::size_t length) const;  // up to a zero byte, without the blanks round it
+  // Up to a zero byte, without the blanks round it.
+  std::string TrimmedText(std::size_t offset, std::size_t length) const;
 
  private:
   enum Processor { kIntel = 84, kDec = 85, kMips = 86 };

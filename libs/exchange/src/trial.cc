@@ -154,6 +154,11 @@ std::map<std::string, std::string> ParseNameMap(const std::string& text) {
   return names;
 }
 
+std::optional<char> ParseUp(const std::string& text) {
+  if (text.size() > 1) throw UsageError(fmt::format("--up '{}': x, y or z", text));
+  return text.empty() ? std::nullopt : std::optional(text[0]);
+}
+
 PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options) {
   Eigen::Matrix3d model_from_file;
   const Eigen::Vector3d up = UpDirection(points, options), forward = GivenForward(options, up);

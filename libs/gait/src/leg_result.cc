@@ -269,9 +269,9 @@ void FillResult(const MarkerRecording& recording, const std::array<Detections, k
   if (curves.markers == kLegMarkers)
     result.segments.push_back(ReportSegment("hw", detections[kHip], detections[kWaist], curves, kTrunkLength));
   result.motion = MakeMotion(recording, leg, curves, model, facing, options);
-  const StsSignals signals = MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up);
-  result.events = FindStsEvents(signals);
-  if (BeginsDuringRise(signals))
+  FoundStsEvents found = FindStsEvents(MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up));
+  result.events = std::move(found.events);
+  if (found.begins_during_rise)
     result.warnings.push_back("the recording begins after a seat was left: that rise has no onset and is left out");
   SetRepetitions(result.events, result.motion);
 }

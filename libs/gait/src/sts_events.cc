@@ -61,14 +61,14 @@ class EventFinder {
  public:
   EventFinder(const StsSignals& signals, const StsOptions& options) : s_(signals), o_(options) {}
 
-  std::vector<StsEvent> Find() {
+  FoundStsEvents Find() {
     std::size_t rest_from = 0;  // the earliest frame at which the rest before the next rise can begin
     for (const Stretch& stretch : FindStretches(s_.hip_height, o_.least_rise * s_.leg_length)) {
       if (stretch.rising) {
         if (Extension(stretch) < o_.least_extension_deg) continue;
         const std::size_t seat_off = SeatOff(rest_from, stretch);
         if (seat_off == 0)
-          cut_rise_ = true;
+          found_.begins_during_rise = true;
         else
           AddRise(rest_from, seat_off, stretch);
       } else {
@@ -76,11 +76,8 @@ class EventFinder {
         if (repetition_ > 0) AddLowering(stretch);
       }
     }
-    return std::move(events_);
+    return std::move(found_);
   }
-
-  // Of Find(): whether a rise was under way when the recording began.
-  bool CutRise() const { return cut_rise_; }
 
  private:
   // The knee's extension over a stretch, from its speed.
@@ -98,7 +95,9 @@ class EventFinder {
                                     values.begin());
   }
 
-  void Add(StsEventKind kind, std::size_t i) { events_.push_back({repetition_, kind, s_.frame[i], s_.time_s[i]}); }
+  void Add(StsEventKind kind, std::size_t i) {
+    found_.events.push_back({repetition_, kind, s_.frame[i], s_.time_s[i]});
+  }
 
   // The first frame of the run above the threshold that leads to the fastest rise.
   std::size_t SeatOff(std::size_t rest_from, const Stretch& rise) const {
@@ -177,23 +176,15 @@ class EventFinder {
 
   const StsSignals& s_;
   const StsOptions& o_;
-  std::vector<StsEvent> events_;
+  FoundStsEvents found_;
   int repetition_ = 0;
-  bool cut_rise_ = false;
 };
 
 }  // namespace
 
-std::vector<StsEvent> FindStsEvents(const StsSignals& signals, const StsOptions& options) {
+FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options) {
   const StsSignals known = KnownOnly(signals);
   return EventFinder(known, options).Find();
-}
-
-bool BeginsDuringRise(const StsSignals& signals, const StsOptions& options) {
-  const StsSignals known = KnownOnly(signals);
-  EventFinder finder(known, options);
-  finder.Find();
-  return finder.CutRise();
 }
 
 void SetRepetitions(const std::vector<StsEvent>& events, LegMotion& motion) {

@@ -126,20 +126,19 @@ void WarnOfVideo(const VideoInfo& video, Run& run) {
     run.Warn("the video is interlaced: its two fields were taken at different times; record progressively");
 }
 
-// In mm where there is a scale.
-ExportedTrial PointsToExport(const MarkerRecording& tracks, const MarkerRecording& trajectory) {
-  return {PointsFromMarkers(trajectory.unit == LengthUnit::kMm ? trajectory : tracks), PointsFromMarkers(tracks)};
-}
-
 std::vector<PointEvent> PointEvents(const std::vector<StsEvent>& events) {
   std::vector<PointEvent> points;
   for (const StsEvent& event : events) points.push_back({event.time_s, "General", std::string(ToString(event.kind))});
   return points;
 }
 
-void Export(const TrackRunOptions& options, const VideoInfo& video, const LegView& view, ExportedTrial trial,
-            Run& run) {
+// In mm where there is a scale; `fit` is null without a leg.
+void Export(const TrackRunOptions& options, const VideoInfo& video, const LegView& view, const MarkerRecording& tracks,
+            const MarkerRecording& trajectory, const LegFitResult* fit, Run& run) {
   if (options.exports.empty()) return;
+  ExportedTrial trial{PointsFromMarkers(trajectory.unit == LengthUnit::kMm ? trajectory : tracks),
+                      PointsFromMarkers(tracks)};
+  if (fit) trial.points.events = PointEvents(fit->events), trial.motion = &fit->motion;
   trial.image.video = SourceVideo{std::filesystem::absolute(options.video).string(), video.width, video.height};
   if (!view.camera && !view.camera_from_plane) trial.image.mm_per_px = view.mm_per_px;
   ExportTrial(options.exports, run.Folder(), options.video.stem().string(), trial);
@@ -169,10 +168,7 @@ Json RunLeg(const TrackRunOptions& options, const TrackResult& tracked, const Le
   if (fit.trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), fit.trajectory);
   WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   WriteEventsCsv(run.Result("events.csv"), fit.events);
-  ExportedTrial exported = PointsToExport(tracks, fit.trajectory);
-  exported.points.events = PointEvents(fit.events);
-  exported.motion = &fit.motion;
-  Export(options, tracked.video, view, std::move(exported), run);
+  Export(options, tracked.video, view, tracks, fit.trajectory, &fit, run);
   DrawLegFigure(run.Result("track.png"), fit, options.video.filename().string());
   WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
   return LegFitJson(fit);
@@ -184,7 +180,7 @@ Json RunPoints(const TrackRunOptions& options, const TrackResult& tracked, const
   const MarkerRecording trajectory = InPlane(tracked.recording, view);
   WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
   if (trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), trajectory);
-  Export(options, tracked.video, view, PointsToExport(tracked.recording, trajectory), run);
+  Export(options, tracked.video, view, tracked.recording, trajectory, nullptr, run);
   DrawTracksFigure(run.Result("track.png"), trajectory, options.video.filename().string());
   WriteOverlay(options, {tracked.recording}, run);
   return Json::object();

@@ -59,6 +59,7 @@ class LibavReader : public VideoReader {
   double Time(const AVFrame& frame);
   void HandOut(const SharedFrame& decoded, double time_s, VideoFrame& frame);
   bool IsWanted(double time_s) const;
+  bool IsPastEnd(double time_s) const { return options_.end_s && time_s > *options_.end_s + kRounding_s; }
   void CheckAnyWasWanted() const;
   [[noreturn]] void FailAtFrame(const std::string& what) const;
 
@@ -124,7 +125,7 @@ bool LibavReader::Read(VideoFrame& frame) {
     if (!decoded) break;
     CheckIsLikeFirst(*decoded);
     last_time_s_ = Time(*decoded);
-    if (options_.end_s && last_time_s_ > *options_.end_s + kRounding_s) break;
+    if (IsPastEnd(last_time_s_)) break;
     const bool wanted = IsWanted(last_time_s_);
     if (wanted) HandOut(decoded, last_time_s_, frame);
     ++next_index_;
@@ -142,7 +143,7 @@ bool LibavReader::IsWanted(double time_s) const {
 void LibavReader::CheckAnyWasWanted() const {
   if (any_wanted_) return;
   const std::string file = decoder_.Source().Path().string();
-  if (options_.end_s && last_time_s_ > *options_.end_s + kRounding_s)
+  if (IsPastEnd(last_time_s_))
     throw Fail("{}: no frame lies between {} and {} s; the next is at {:.6g} s", file, options_.start_s.value_or(0),
                *options_.end_s, last_time_s_);
   if (options_.start_s) throw Fail("{}: ends at {:.6g} s; {} s was asked for", file, last_time_s_, *options_.start_s);

@@ -31,6 +31,9 @@ struct Trial {
 // "ankle=RANK,knee=RKNE" as a map. Throws UsageError.
 std::map<std::string, std::string> ParseNameMap(const std::string& text);
 
+// The text of an option --up as TrialOptions::up; nullopt if empty. Throws UsageError.
+std::optional<char> ParseUp(const std::string& text);
+
 // Whatever ReadPoints (formats.h) reads. Three dimensions are projected onto the vertical plane that holds `forward`,
 // or that fits the movement of the segments between ankle, knee and hip best, and a warning says so; Tracker's projects
 // with a scale come in mm along their own axes. Throws Error: a file of an unknown kind, a name that is not in it (the

@@ -33,14 +33,17 @@ struct StsOptions {
   double least_extension_deg = 30;  // the knee's extension during the rise
 };
 
+struct FoundStsEvents {
+  std::vector<StsEvent> events;
+  // Whether the seat was left before the recording began: that rise has no onset and is left out. One whose seat-off is
+  // recorded, but not the rest before it, has its onset in the first frame.
+  bool begins_during_rise = false;
+};
+
 // Events of every repetition in the order of time (method.md, section 3). A rise of the hip with an extension of the
 // knee is a repetition; its `descent` and `seated` are those of the following lowering. A repetition that the recording
 // cuts off at its end has only the events that are in it. Empty if there is no sit-to-stand.
-std::vector<StsEvent> FindStsEvents(const StsSignals& signals, const StsOptions& options = {});
-
-// Whether the seat was left before the recording began: that rise has no onset, and FindStsEvents leaves it out. One
-// whose seat-off is recorded, but not the rest before it, has its onset in the first frame.
-bool BeginsDuringRise(const StsSignals& signals, const StsOptions& options = {});
+FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options = {});
 
 // Sets `repetition` and `percent` (0 at onset, 100 at standing) of the samples between the two, and clears them
 // elsewhere.
