@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   if (step == "--version") {
-    fmt::print("lake {}\n", lake::Version());
+    fmt::print("lake {}\n", lake::VersionAndCommit());
     return 0;
   }
   if (step.starts_with("-")) return Complain(fmt::format("no option '{}'", step));

@@ -49,7 +49,7 @@ void AddOption(const CLI::Option& option, Json& options) {
 
 int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>& work) {
   const std::string name = cli.get_name();
-  cli.set_version_flag("--version", fmt::format("{} {}", name, Version()));
+  cli.set_version_flag("--version", fmt::format("{} {}", name, VersionAndCommit()));
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -17,6 +17,7 @@
 namespace lake {
 namespace {
 
+using testing::AnyOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -50,10 +51,34 @@ TEST(Run, SummaryHoldsWhatMadeTheResult) {
   const Json summary = ReadJsonFile(folder / "out" / "summary.json");
   EXPECT_EQ(summary["program"], "lake-x");
   EXPECT_EQ(summary["version"], Version());
+  EXPECT_EQ(summary["commit"], Commit());
+  EXPECT_EQ(summary["tree"], SourceTree());
   EXPECT_EQ(summary["warnings"][0], "dim");
   EXPECT_EQ(summary["answer"], 42);
   // FIPS 180-2, appendix B.1.
   EXPECT_EQ(summary["inputs"][0]["sha256"], "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Provenance, CommitIsKnownInACloneAndUnknownElsewhere) {
+  const bool known = Commit() != "unknown";
+  EXPECT_EQ(Commit().size(), known ? 40u : 7u);
+  EXPECT_THAT(SourceTree(), known ? AnyOf("clean", "changed") : AnyOf("unknown", "unknown"));
+  EXPECT_EQ(VersionAndCommit(), fmt::format("{} (commit {}, {})", Version(), Commit().substr(0, 12), SourceTree()));
+}
+
+TEST(Provenance, ProgramsThatDifferInTheirCommitAloneAreTheSame) {
+  const TemporaryFolder folder;
+  std::string program = ReadTextFile("/proc/self/exe");
+  const std::string own = Sha256OfProgram("/proc/self/exe");
+  EXPECT_NE(own, Sha256OfFile("/proc/self/exe"));
+  std::string commit(Commit());
+  commit.resize(48);  // as it stands in the file, padded
+  program.replace(program.find(commit), 7, "another");
+  WriteTextFile(folder / "other_commit", program);
+  EXPECT_EQ(Sha256OfProgram(folder / "other_commit"), own);
+  program[program.size() / 2] ^= 1;
+  WriteTextFile(folder / "other_code", program);
+  EXPECT_NE(Sha256OfProgram(folder / "other_code"), own);
 }
 
 TEST(Run, RefusesAFileAsItsFolder) {

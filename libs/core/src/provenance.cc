@@ -8,7 +8,9 @@
 #include <memory>
 #include <vector>
 
+#include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "source_stamp.h"
 
 namespace lake {
 namespace fs = std::filesystem;
@@ -50,6 +52,19 @@ std::string_view Version() {
   return LAKE_VERSION;
 }
 
+std::string_view Commit() {
+  return kSourceStamp.commit;
+}
+
+std::string_view SourceTree() {
+  return kSourceStamp.tree;
+}
+
+std::string VersionAndCommit() {
+  constexpr std::size_t kShort = 12;
+  return fmt::format("{} (commit {}, {})", Version(), Commit().substr(0, kShort), SourceTree());
+}
+
 std::string Sha256OfFile(const fs::path& path) {
   if (fs::is_directory(path)) return Sha256OfFolder(path);
   std::ifstream stream(path, std::ios::binary);
@@ -60,6 +75,16 @@ std::string Sha256OfFile(const fs::path& path) {
     hash.Update({buffer.data(), static_cast<std::size_t>(stream.gcount())});
   if (stream.bad()) throw Fail("{}: cannot be read", path.string());
   return hash.Hex();
+}
+
+std::string Sha256OfProgram(const fs::path& program) {
+  std::string content = ReadTextFile(program);
+  const std::string_view marker(kSourceStamp.marker, sizeof kSourceStamp.marker);
+  for (std::size_t at = content.find(marker); at != std::string::npos; at = content.find(marker, at)) {
+    const std::size_t size = std::min(sizeof kSourceStamp, content.size() - at);
+    std::fill_n(content.begin() + static_cast<std::ptrdiff_t>(at), size, '\0');
+  }
+  return Sha256OfText(content);
 }
 
 std::string Sha256OfText(std::string_view text) {

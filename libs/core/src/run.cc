@@ -31,7 +31,7 @@ void Run::AddInput(const fs::path& path) {
 }
 
 Json Run::Head() const {
-  return {{"program", info_.program}, {"version", Version()}, {"command", info_.command},
+  return {{"program", info_.program}, {"version", Version()}, {"commit", Commit()}, {"tree", SourceTree()}, {"command", info_.command},
           {"options", info_.options}, {"inputs", inputs_},    {"warnings", warnings_}};
 }
 

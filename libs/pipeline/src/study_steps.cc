@@ -129,7 +129,7 @@ class StepProgress {
 }  // namespace
 
 std::string StepRunOptions::ThisProgram() {
-  return fmt::format("lake {} {}", Version(), Sha256OfFile("/proc/self/exe"));
+  return fmt::format("lake {} {}", Version(), Sha256OfProgram("/proc/self/exe"));
 }
 
 std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options) {

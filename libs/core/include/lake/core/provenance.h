@@ -1,4 +1,4 @@
-// What made a result: version, content hashes.
+// What made a result: version, commit, content hashes.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,22 @@ namespace lake {
 
 std::string_view Version();
 
+// Of which the program was built: 40 hexadecimal digits, or "unknown" (built from a tarball, or without git).
+std::string_view Commit();
+
+// Whether the programs' sources were as in that commit: "clean", "changed" or "unknown".
+std::string_view SourceTree();
+
+// For --version: "0.1.0 (commit 3cc32445d0f1, clean)".
+std::string VersionAndCommit();
+
 // Lower-case hexadecimal SHA-256 of a file's content; of a folder, the hash of its files' sorted names and hashes.
 // Throws Error if it cannot be read.
 std::string Sha256OfFile(const std::filesystem::path& path);
+
+// Lower-case hexadecimal SHA-256 of one of the project's programs, but for the commit that it names: programs of
+// several commits that have the same code have the same. Throws Error if it cannot be read.
+std::string Sha256OfProgram(const std::filesystem::path& program);
 
 std::string Sha256OfText(std::string_view text);
 

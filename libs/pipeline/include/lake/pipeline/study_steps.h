@@ -31,7 +31,8 @@ struct StepRunOptions {
   std::string command;                // for the steps' summaries
   bool quiet = false;                 // no progress
 
-  // Version and content hash of the running program.
+  // Version and content hash of the running program, but for the commit that it names: a commit that changes nothing
+  // in the program makes no step be done again.
   static std::string ThisProgram();
 };
 
