@@ -7,8 +7,8 @@ cd "$(dirname "$0")/.."
 out=${1:-lake-out/demo}
 
 scripts/install_packages.sh
-cmake --preset release -DLAKE_BUILD_TESTS=OFF
-cmake --build --preset release
+cmake --preset release
+cmake --build --preset release --target programs
 
 printf '\n== The sample study\n'
 build/release/bin/lake run data/sts-study/study.yaml -o "$out"

@@ -31,8 +31,8 @@ void Run::AddInput(const fs::path& path) {
 }
 
 Json Run::Head() const {
-  return {{"program", info_.program}, {"version", Version()}, {"commit", Commit()}, {"tree", SourceTree()}, {"command", info_.command},
-          {"options", info_.options}, {"inputs", inputs_},    {"warnings", warnings_}};
+  return {{"program", info_.program}, {"version", Version()},     {"commit", Commit()}, {"tree", SourceTree()},
+          {"command", info_.command}, {"options", info_.options}, {"inputs", inputs_},  {"warnings", warnings_}};
 }
 
 Json Run::WriteSummary(const Json& results) {

@@ -90,13 +90,13 @@ void Decoder::NumberPacket() {
     first_key_ticks_ = packet_->pts;
   }
   const bool is_leading = !any_key_sent_ || (packet_->pts != AV_NOPTS_VALUE && packet_->pts < first_key_ticks_);
-  DamageLog::SetPacket(*codec_, is_leading ? DamageLog::kMayFail : packets_);
+  log_.SetPacket(*codec_, *packet_, is_leading ? DamageLog::kMayFail : packets_);
   ++packets_;
 }
 
 void Decoder::CheckIsWhole(const AVFrame& frame) const {
   const bool flagged = (frame.flags & AV_FRAME_FLAG_CORRUPT) || frame.decode_error_flags != 0;
-  if (flagged || log_.IsDamagedUpTo(frame.reordered_opaque))
+  if (flagged || log_.IsDamagedUpTo(DamageLog::PacketOf(frame)))
     FailAtNext("is damaged: parts of the picture, or of one that it builds on, are missing");
 }
 
