@@ -92,8 +92,7 @@ class Namer {
         const double distance = (sample->position - seed.position).norm() - sample->radius_px;
         if (distance < nearest) nearest = distance, best = i;
       }
-      constexpr double kSlackPx = 10;  // beyond the marker's rim: a click is not exact
-      if (!(nearest <= kSlackPx))
+      if (!(nearest <= kSeedSlackPx))
         throw Fail("--seed {}={},{}@{}: no marker is seen there{}", seed.name, seed.position.x(), seed.position.y(),
                    seed.frame,
                    std::isfinite(nearest)
@@ -258,10 +257,9 @@ class Namer {
     if (overlap > kOverlap) return std::nullopt;
     std::optional<double> worst;
     const auto compare = [&](std::size_t known, const TrackletSample& end) {
-      // A marker of radius 8 mm moves at most 3 m/s: 400 radii a second; and a metre at most before it turns back.
-      constexpr double kTurns_s = 0.3;
-      const double lost_s = std::min(std::abs(end.time_s - recording_.time_s[known]), kTurns_s);
-      const double possible = (2 + 400 * lost_s) * end.radius_px;
+      const MarkerPhysics& physics = options_.physics;
+      const double lost_s = std::min(std::abs(end.time_s - recording_.time_s[known]), physics.turns_after_s);
+      const double possible = (2 + physics.SpeedRadii() * lost_s) * end.radius_px;
       const double misfit = (samples[known].position - end.position).norm() / possible;
       worst = std::max(worst.value_or(0), misfit);
     };

@@ -72,8 +72,8 @@ std::unique_ptr<MarkerDetector> MakeTemplateDetector(const std::vector<MarkerSee
                                                      const std::vector<cv::Mat>& pictures,
                                                      const DetectorRegion& region);
 
-// ArUco markers of a dictionary ("DICT_4X4_50"); identity = the marker's id. Throws UsageError for an unknown
-// dictionary.
+// ArUco markers of a dictionary ("4X4_50" or "DICT_4X4_50"); identity = the marker's id. Throws UsageError for an
+// unknown dictionary.
 std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region);
 
 }  // namespace lake

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lake/tracking/marker_detector.h"
+#include "lake/tracking/marker_physics.h"
 
 namespace lake {
 
@@ -36,9 +37,10 @@ struct TrackletSeed {
 };
 
 struct TrackletOptions {
-  std::vector<TrackletSeed>
-      seeds;                 // what begins here may be fast: it is looked for far and wide until its velocity is known
-  double max_coast_s = 0.1;  // lost for longer: the tracklet ends …
+  MarkerPhysics physics;
+  // What begins here may be fast: it is looked for far and wide until its velocity is known.
+  std::vector<TrackletSeed> seeds;
+  double max_coast_s = 0.1;     // lost for longer: the tracklet ends …
   double max_coast_frames = 3;  // … but not before so many frames
   int min_samples = 4;          // shorter ones are chance
   std::size_t max_live = 40;    // things followed at once; the most contrasted come first
