@@ -126,7 +126,7 @@ class ArucoDetector : public MarkerDetector {
   ArucoDetector(const std::string& dictionary, const DetectorRegion& region)
       : dictionary_(DictionaryByName(dictionary)),
         parameters_(cv::aruco::DetectorParameters::create()),
-        crop_(region.crop) {
+        region_(region) {
     parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   }
 
@@ -134,7 +134,7 @@ class ArucoDetector : public MarkerDetector {
 
   std::vector<MarkerDetection> Detect(const VideoFrame& frame, std::span<const MarkerPrediction> /*predictions*/,
                                       bool /*everywhere*/) override {
-    const cv::Rect all(0, 0, frame.luma.cols, frame.luma.rows), box = crop_.empty() ? all : crop_ & all;
+    const cv::Rect box = region_.Of(frame.luma);
     std::vector<std::vector<cv::Point2f>> corners;
     std::vector<int> ids;
     cv::aruco::detectMarkers(frame.luma(box), dictionary_, corners, ids, parameters_);
@@ -161,7 +161,7 @@ class ArucoDetector : public MarkerDetector {
 
   cv::Ptr<cv::aruco::Dictionary> dictionary_;
   cv::Ptr<cv::aruco::DetectorParameters> parameters_;
-  cv::Rect crop_;
+  DetectorRegion region_;
 };
 
 }  // namespace

@@ -82,7 +82,7 @@ double PairCost(const MarkerPrediction& prediction, const MarkerDetection& detec
 
 }  // namespace
 
-const TrackletSample* Tracklet::At(std::int64_t frame) const {
+const TrackletSample* Tracklet::SampleIn(std::int64_t frame) const {
   const auto found = std::lower_bound(samples.begin(), samples.end(), frame,
                                       [](const TrackletSample& sample, std::int64_t f) { return sample.frame < f; });
   return found != samples.end() && found->frame == frame ? &*found : nullptr;

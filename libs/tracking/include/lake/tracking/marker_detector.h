@@ -51,6 +51,12 @@ enum class Polarity { kBright, kDark };
 // Limits of the search in px; an empty rectangle is the whole picture.
 struct DetectorRegion {
   cv::Rect crop;
+
+  // What of the picture is to be searched.
+  cv::Rect Of(const cv::Mat& picture) const {
+    const cv::Rect all(0, 0, picture.cols, picture.rows);
+    return crop.empty() ? all : crop & all;
+  }
 };
 
 // Bright blobs on anything darker (or dark ones on anything brighter), in the luma.
