@@ -1,5 +1,6 @@
 // lake-compare: the misalignment between a human's and an exoskeleton's knee in sit-to-stand.
 #include "lake/core/error.h"
+#include "lake/core/json.h"
 #include "lake/pipeline/compare.h"
 #include "program.h"
 
@@ -8,24 +9,22 @@ namespace {
 std::string Report(const lake::Json& summary) {
   const lake::Json& metrics = summary["metrics"];
   const lake::Json& parts = summary["decomposition"];
-  const auto number = [](const lake::Json& value) {
-    return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
-  };
-  const auto part = [&](const char* name) { return 100 * number(parts[name]["fraction"]); };
+  using lake::NumberOrNaN;
+  const auto part = [&](const char* name) { return 100 * NumberOrNaN(parts[name]["fraction"]); };
   std::string text =
       fmt::format("misalignment {:.2f} mm RMS, {:.2f} mm at most; relative error {:.2f} % RMS, {:.2f} % at most\n",
-                  number(metrics["rms_mm"]), number(metrics["max_mm"]), 100 * number(metrics["relative_rms"]),
-                  100 * number(metrics["relative_max"]));
+                  NumberOrNaN(metrics["rms_mm"]), NumberOrNaN(metrics["max_mm"]),
+                  100 * NumberOrNaN(metrics["relative_rms"]), 100 * NumberOrNaN(metrics["relative_max"]));
   if (summary.contains("intervals")) {
     const lake::Json& interval = summary["intervals"]["relative_rms"];
     text += fmt::format("95 % interval of the relative error {:.2f} to {:.2f} % RMS; noise alone shows {:.2f} %\n",
-                        100 * number(interval[0]), 100 * number(interval[1]),
-                        100 * number(summary["noise_floor_relative"]));
+                        100 * NumberOrNaN(interval[0]), 100 * NumberOrNaN(interval[1]),
+                        100 * NumberOrNaN(summary["noise_floor_relative"]));
   }
   text += fmt::format("placement {:.1f} %, timing {:.1f} %, shape {:.1f} %\n", part("placement"), part("timing"),
                       part("shape"));
   return text + fmt::format("the exoskeleton's joint sits {:+.2f} mm anterior, {:+.2f} mm up the shank\n",
-                            number(parts["offset_mm"][0]), number(parts["offset_mm"][1]));
+                            NumberOrNaN(parts["offset_mm"][0]), NumberOrNaN(parts["offset_mm"][1]));
 }
 
 }  // namespace

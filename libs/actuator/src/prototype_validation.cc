@@ -1,6 +1,10 @@
 #include "lake/actuator/prototype_validation.h"
 
+#include <ceres/tiny_solver.h>
+
+#include <Eigen/Core>
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -48,23 +52,6 @@ std::vector<AngleSample> Few(const std::vector<AngleSample>& samples) {
   return few;
 }
 
-double GoldenSection(double low, double high, const auto& cost) {
-  const double ratio = (std::sqrt(5.0) - 1) / 2;
-  double a = high - ratio * (high - low), b = low + ratio * (high - low);
-  double cost_a = cost(a), cost_b = cost(b);
-  constexpr double kTolerance_s = 1e-6;
-  while (high - low > kTolerance_s) {
-    if (cost_a < cost_b) {
-      high = b, b = a, cost_b = cost_a;
-      cost_a = cost(a = high - ratio * (high - low));
-    } else {
-      low = a, a = b, cost_a = cost_b;
-      cost_b = cost(b = low + ratio * (high - low));
-    }
-  }
-  return 0.5 * (low + high);
-}
-
 // The shift with the least of `size` of the errors.
 double BestShift(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples,
                  double (*size)(std::span<const double>)) {
@@ -78,8 +65,10 @@ double BestShift(const StrokeSchedule& schedule, const std::vector<AngleSample>&
     const double shift = low + i * step;
     if (const double error = size(ErrorsAt(schedule, few, shift)); error < least) least = error, best = shift;
   }
-  return GoldenSection(best - step, best + step,
-                       [&](double shift) { return size(ErrorsAt(schedule, samples, shift)); });
+  // About `best`, as precision is relative: some nanoseconds.
+  const auto error_at = [&](double later_s) { return size(ErrorsAt(schedule, samples, best + later_s)); };
+  constexpr int kBits = std::numeric_limits<double>::digits / 2;
+  return best + boost::math::tools::brent_find_minima(error_at, -step, step, kBits).first;
 }
 
 // The best shift when the measured angle may have a constant offset.
@@ -109,33 +98,38 @@ std::vector<double> ErrorsOf(const StrokeSchedule& schedule, const std::vector<A
   return errors;
 }
 
-// Levenberg & Marquardt in two variables with differences for derivatives.
-OwnSpeed FitOwnSpeed(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, OwnSpeed own) {
-  constexpr double kStep_s = 1e-3, kStep = 1e-4;
-  const auto cost = [](const std::vector<double>& errors) { return RootMeanSquare(errors); };
-  std::vector<double> errors = ErrorsOf(schedule, samples, own);
-  double damping = 1e-3;
-  for (int i = 0; i < 100 && damping < 1e9; ++i) {
+// The errors over start and speed, with differences for derivatives, as ceres::TinySolver asks for them.
+struct OwnSpeedErrors {
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 2 };
+  const StrokeSchedule& schedule;
+  const std::vector<AngleSample>& samples;
+
+  static OwnSpeed From(const double* x) { return {x[0], std::clamp(x[1], 0.1, 10.0)}; }
+  int NumResiduals() const { return static_cast<int>(samples.size()); }
+
+  bool operator()(const double* x, double* residuals, double* jacobian) const {
     ThrowIfInterrupted();
-    const std::vector<double> later = ErrorsOf(schedule, samples, {own.shift_s + kStep_s, own.factor});
-    const std::vector<double> faster = ErrorsOf(schedule, samples, {own.shift_s, own.factor + kStep});
-    double ss = 0, sf = 0, ff = 0, se = 0, fe = 0;
-    for (std::size_t k = 0; k < errors.size(); ++k) {
-      const double s = (later[k] - errors[k]) / kStep_s, f = (faster[k] - errors[k]) / kStep;
-      ss += s * s, sf += s * f, ff += f * f, se += s * errors[k], fe += f * errors[k];
-    }
-    ss *= 1 + damping, ff *= 1 + damping;
-    const double determinant = ss * ff - sf * sf;
-    if (!(determinant > 0)) break;
-    const double change_s = -(ff * se - sf * fe) / determinant, change_f = -(ss * fe - sf * se) / determinant;
-    const OwnSpeed next{own.shift_s + change_s, std::clamp(own.factor + change_f, 0.1, 10.0)};
-    std::vector<double> next_errors = ErrorsOf(schedule, samples, next);
-    const bool better = cost(next_errors) < cost(errors);
-    damping *= better ? 0.2 : 5;
-    if (better) own = next, errors = std::move(next_errors);
-    if (std::abs(change_s) < 1e-6 && std::abs(change_f) < 1e-7) break;
+    constexpr double kStep_s = 1e-3, kStep = 1e-4;
+    const auto errors_of = [&](const OwnSpeed& own) -> Eigen::VectorXd {
+      const std::vector<double> errors = ErrorsOf(schedule, samples, own);
+      return Eigen::Map<const Eigen::VectorXd>(errors.data(), NumResiduals());
+    };
+    const OwnSpeed own = From(x);
+    Eigen::Map<Eigen::VectorXd> errors(residuals, NumResiduals());
+    errors = errors_of(own);
+    if (!jacobian) return true;
+    Eigen::Map<Eigen::MatrixX2d> slopes(jacobian, NumResiduals(), 2);
+    slopes.col(0) = (errors_of({own.shift_s + kStep_s, own.factor}) - errors) / kStep_s;
+    slopes.col(1) = (errors_of({own.shift_s, own.factor + kStep}) - errors) / kStep;
+    return true;
   }
-  return own;
+};
+
+OwnSpeed FitOwnSpeed(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, const OwnSpeed& start) {
+  Eigen::Vector2d best(start.shift_s, start.factor);
+  ceres::TinySolver<OwnSpeedErrors>().Solve({schedule, samples}, &best);
+  return OwnSpeedErrors::From(best.data());
 }
 
 // Two starts, as a slow prototype that is aligned at its planned speed may sit in a valley of its own.

@@ -1,10 +1,9 @@
 #include "lake/camera/board.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 
 #include "aruco_board.h"
+#include "lake/camera/aruco_dictionary.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 
@@ -14,51 +13,11 @@ namespace {
 constexpr int kMaxCount = 100;        // rows or columns
 constexpr double kMaxSquareMm = 5e3;  // beyond any sheet
 
-struct NamedDictionary {
-  std::string_view name;
-  cv::aruco::PREDEFINED_DICTIONARY_NAME id;
-};
-constexpr std::array kDictionaries = {
-    NamedDictionary{"4X4_50", cv::aruco::DICT_4X4_50},
-    NamedDictionary{"4X4_100", cv::aruco::DICT_4X4_100},
-    NamedDictionary{"4X4_250", cv::aruco::DICT_4X4_250},
-    NamedDictionary{"4X4_1000", cv::aruco::DICT_4X4_1000},
-    NamedDictionary{"5X5_50", cv::aruco::DICT_5X5_50},
-    NamedDictionary{"5X5_100", cv::aruco::DICT_5X5_100},
-    NamedDictionary{"5X5_250", cv::aruco::DICT_5X5_250},
-    NamedDictionary{"5X5_1000", cv::aruco::DICT_5X5_1000},
-    NamedDictionary{"6X6_50", cv::aruco::DICT_6X6_50},
-    NamedDictionary{"6X6_100", cv::aruco::DICT_6X6_100},
-    NamedDictionary{"6X6_250", cv::aruco::DICT_6X6_250},
-    NamedDictionary{"6X6_1000", cv::aruco::DICT_6X6_1000},
-    NamedDictionary{"7X7_50", cv::aruco::DICT_7X7_50},
-    NamedDictionary{"7X7_100", cv::aruco::DICT_7X7_100},
-    NamedDictionary{"7X7_250", cv::aruco::DICT_7X7_250},
-    NamedDictionary{"7X7_1000", cv::aruco::DICT_7X7_1000},
-    NamedDictionary{"ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL},
-    NamedDictionary{"APRILTAG_16h5", cv::aruco::DICT_APRILTAG_16h5},
-    NamedDictionary{"APRILTAG_25h9", cv::aruco::DICT_APRILTAG_25h9},
-    NamedDictionary{"APRILTAG_36h10", cv::aruco::DICT_APRILTAG_36h10},
-    NamedDictionary{"APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11},
-};
-
 UsageError Wrong(std::string_view text, const std::string& why) {
   return UsageError(
       fmt::format("board '{}': {}; write chessboard:COLSxROWS:SQUARE_MM or "
                   "charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT, e.g. chessboard:9x6:25",
                   text, why));
-}
-
-bool SameLetters(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](unsigned char x, unsigned char y) { return std::toupper(x) == std::toupper(y); });
-}
-
-const NamedDictionary* FindDictionary(std::string_view name) {
-  if (name.size() > 5 && SameLetters(name.substr(0, 5), "DICT_")) name.remove_prefix(5);
-  const auto* found = std::find_if(kDictionaries.begin(), kDictionaries.end(),
-                                   [&](const NamedDictionary& d) { return SameLetters(d.name, name); });
-  return found == kDictionaries.end() ? nullptr : found;
 }
 
 int ParseCount(std::string_view text, std::string_view whole, const char* what) {
@@ -81,12 +40,8 @@ void ParseCharuco(const std::vector<std::string>& parts, std::string_view text, 
   if (board.marker_mm >= board.square_mm)
     throw Wrong(text,
                 fmt::format("a marker of {} mm does not fit into a square of {} mm", board.marker_mm, board.square_mm));
-  const NamedDictionary* dictionary = FindDictionary(parts[4]);
-  if (!dictionary) {
-    std::string known;
-    for (const NamedDictionary& d : kDictionaries) known += (known.empty() ? "" : ", ") + std::string(d.name);
-    throw Wrong(text, fmt::format("no dictionary '{}'; known: {}", parts[4], known));
-  }
+  const std::optional<ArucoDictionary> dictionary = FindArucoDictionary(parts[4]);
+  if (!dictionary) throw Wrong(text, fmt::format("no dictionary '{}'; known: {}", parts[4], ArucoDictionaryNames()));
   board.dictionary = dictionary->name;
   const int needed = board.columns * board.rows / 2, held = PredefinedDictionary(board)->bytesList.rows;
   if (needed > held) throw Wrong(text, fmt::format("it needs {} markers, {} has {}", needed, board.dictionary, held));
@@ -111,7 +66,7 @@ void AppendMarker(const Board& board, const cv::aruco::CharucoBoard& charuco, st
 }  // namespace
 
 cv::Ptr<cv::aruco::Dictionary> PredefinedDictionary(const Board& board) {
-  return cv::aruco::getPredefinedDictionary(FindDictionary(board.dictionary)->id);
+  return cv::aruco::getPredefinedDictionary(FindArucoDictionary(board.dictionary)->id);
 }
 
 cv::Ptr<cv::aruco::CharucoBoard> CharucoOf(const Board& board) {

@@ -49,23 +49,6 @@ double LinearValueAt(const std::vector<double>& time_s, const std::vector<double
   return Interpolate(time_s, values, t, 1);
 }
 
-double SlopeAt(const std::vector<double>& time_s, const std::vector<double>& values, std::size_t frame) {
-  const std::size_t first = frame < 2 ? 0 : frame - 2, last = std::min(frame + 2, time_s.size() - 1);
-  double slope = 0;
-  for (std::size_t j = first; j <= last; ++j) {
-    double weight = j == frame ? 0 : 1 / (time_s[j] - time_s[frame]);
-    for (std::size_t m = first; m <= last; ++m) {
-      if (m == j || m == frame) continue;
-      if (j == frame)
-        weight += 1 / (time_s[frame] - time_s[m]);
-      else
-        weight *= (time_s[frame] - time_s[m]) / (time_s[j] - time_s[m]);
-    }
-    slope += weight * values[j];
-  }
-  return slope;
-}
-
 double LongestGap(const std::vector<double>& time_s, const std::vector<double>& values, double from_s, double to_s) {
   constexpr double kTouch = 1e-9;
   double longest = 0;

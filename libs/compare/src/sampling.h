@@ -14,9 +14,6 @@ double ValueAt(const std::vector<double>& time_s, const std::vector<double>& val
 
 double LinearValueAt(const std::vector<double>& time_s, const std::vector<double>& values, double t);
 
-// Derivative per s of the polynomial through up to five samples around a frame; NaN if one of them is not known.
-double SlopeAt(const std::vector<double>& time_s, const std::vector<double>& values, std::size_t frame);
-
 // The longest time within [from, to] between neighbouring known samples that has a frame without a value in it;
 // infinite if the interval is not enclosed by known samples.
 double LongestGap(const std::vector<double>& time_s, const std::vector<double>& values, double from_s, double to_s);

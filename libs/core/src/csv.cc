@@ -46,7 +46,9 @@ Records ParseRecords(const std::string& text, char delimiter, const std::filesys
     begin = end;
   }
   parsed = parsed && csv_fini(&parser, Records::OnField, Records::OnRecord, &records) == 0;
-  const std::string reason = parsed ? "" : csv_strerror(csv_error(&parser));
+  const bool bad_quote = csv_error(&parser) == CSV_EPARSE;
+  const std::string reason =
+      bad_quote ? "a quote is not closed, or stands within a cell without quotes" : csv_strerror(csv_error(&parser));
   csv_free(&parser);
   if (!parsed) throw Fail("{}:{}: not a CSV table: {}", path.string(), records.line, reason);
   return records;
@@ -62,11 +64,11 @@ CsvTable CsvTable::Read(const std::filesystem::path& path, char delimiter) {
 
   CsvTable table;
   table.path_ = path;
-  for (const std::string& name : records.rows.front()) {
-    table.header_.emplace_back(Trim(name));
-    if (std::count(table.header_.begin(), table.header_.end(), table.header_.back()) > 1)
-      throw Fail("{}:1: column '{}' stands twice", path.string(), table.header_.back());
-  }
+  for (const std::string& name : records.rows.front()) table.header_.emplace_back(Trim(name));
+  std::vector<std::string_view> names(table.header_.begin(), table.header_.end());
+  std::sort(names.begin(), names.end());
+  if (const auto twice = std::adjacent_find(names.begin(), names.end()); twice != names.end())
+    throw Fail("{}:1: column '{}' stands twice", path.string(), *twice);
   for (std::size_t i = 1; i < records.rows.size(); ++i) {
     if (records.rows[i].size() != table.header_.size())
       throw Fail("{}:{}: {} cells, but the header has {}", path.string(), records.lines[i], records.rows[i].size(),

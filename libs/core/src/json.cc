@@ -1,5 +1,7 @@
 #include "lake/core/json.h"
 
+#include <limits>
+
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 
@@ -15,6 +17,16 @@ Json ReadJsonFile(const std::filesystem::path& path) {
 
 void WriteJsonFile(const std::filesystem::path& path, const Json& value) {
   WriteTextFile(path, value.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+double NumberOrNaN(const Json& value) {
+  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
+std::vector<double> NumbersOrNaN(const Json& values) {
+  std::vector<double> numbers;
+  for (const Json& value : values) numbers.push_back(NumberOrNaN(value));
+  return numbers;
 }
 
 }  // namespace lake

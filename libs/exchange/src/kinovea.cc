@@ -1,6 +1,5 @@
 #include "lake/exchange/kinovea.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "lake/core/atomic_file.h"
@@ -11,27 +10,6 @@
 
 namespace lake {
 namespace {
-
-constexpr std::size_t kMostColumns = 10'000;
-
-// Cells between separators; a quoted cell may hold the separator, and a quote as two.
-std::vector<std::string> SplitQuoted(const std::string& line, char separator, const std::string& where) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
-      cells.back() += c, ++i;
-    else if (c == '"')
-      quoted = !quoted;
-    else if (c == separator && !quoted)
-      cells.emplace_back();
-    else
-      cells.back() += c;
-  }
-  if (quoted) throw Fail("{}: a quote is not closed", where);
-  return cells;
-}
 
 // Comma; semicolon where the comma is the decimal point.
 char FindSeparator(const std::string& header) {
@@ -48,19 +26,15 @@ struct Column {
   std::size_t x, y;
 };
 
-std::vector<Column> FindColumns(const std::vector<std::string>& header, const std::string& where) {
+std::vector<Column> FindColumns(const CsvTable& table, const std::filesystem::path& path) {
   std::vector<Column> columns;
-  if (header.size() > kMostColumns) throw Fail("{}: {} columns, more than {}", where, header.size(), kMostColumns);
-  for (std::size_t i = 1; i < header.size(); ++i) {
-    if (!header[i].ends_with("/0/X")) continue;
-    const std::string name = header[i].substr(0, header[i].size() - 4);
-    const auto y = std::find(header.begin(), header.end(), name + "/0/Y");
-    if (y == header.end()) throw Fail("{}: no column '{}/0/Y'", where, name);
-    for (const Column& column : columns)
-      if (column.name == name) throw Fail("{}: the name '{}' stands twice", where, name);
-    columns.push_back({name, i, static_cast<std::size_t>(y - header.begin())});
+  for (std::size_t i = 1; i < table.Header().size(); ++i) {
+    const std::string& title = table.Header()[i];
+    if (!title.ends_with("/0/X")) continue;
+    const std::string name = title.substr(0, title.size() - 4);
+    columns.push_back({name, i, table.Column(name + "/0/Y")});
   }
-  if (columns.empty()) throw Fail("{}: no column NAME/0/X of Kinovea", where);
+  if (columns.empty()) throw Fail("{}:1: no column NAME/0/X of Kinovea", path.string());
   return columns;
 }
 
@@ -80,22 +54,18 @@ bool IsKinovea(const std::filesystem::path& path) {
 PointRecording ReadKinovea(const std::filesystem::path& path, double mm_per_unit) {
   const TextLines lines(path);
   if (lines.Count() == 0) throw Fail("{}: empty", path.string());
-  const char separator = FindSeparator(lines[0]);
-  const std::vector<std::string> header = SplitQuoted(lines[0], separator, lines.Where(0));
-  const std::vector<Column> columns = FindColumns(header, lines.Where(0));
+  const CsvTable table = CsvTable::Read(path, FindSeparator(lines[0]));
+  const std::vector<Column> columns = FindColumns(table, path);
   PointRecording recording;
   recording.space = PointSpace::kPlane;
   for (const Column& column : columns) recording.points.push_back({column.name, {}});
-  for (std::size_t i = 1; i < lines.Count(); ++i) {
-    if (lines[i].empty()) continue;
-    const std::vector<std::string> cells = SplitQuoted(lines[i], separator, lines.Where(i));
-    if (cells.size() != header.size())
-      throw Fail("{}: {} cells, but the header has {}", lines.Where(i), cells.size(), header.size());
-    AppendTime(NumberOrMissing(cells[0], lines.Where(i)), lines.Where(i), recording.time_s);
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const std::string where = table.Where(row);
+    AppendTime(NumberOrMissing(table.Text(row, 0), where), where, recording.time_s);
     recording.frame.push_back(static_cast<std::int64_t>(recording.frame.size()));
     for (std::size_t k = 0; k < columns.size(); ++k) {
-      const auto x = NumberOrMissing(cells[columns[k].x], lines.Where(i)),
-                 y = NumberOrMissing(cells[columns[k].y], lines.Where(i));
+      const auto x = NumberOrMissing(table.Text(row, columns[k].x), where),
+                 y = NumberOrMissing(table.Text(row, columns[k].y), where);
       recording.points[k].positions.push_back(x && y ? Eigen::Vector3d(*x * mm_per_unit, *y * mm_per_unit, 0)
                                                      : PointTrack::Missing());
     }

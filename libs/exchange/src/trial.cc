@@ -6,6 +6,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/name_value.h"
 #include "lake/exchange/dltdv.h"
 #include "lake/exchange/kinovea.h"
 #include "text_lines.h"
@@ -145,11 +146,9 @@ bool IsOwnTable(const fs::path& path) {
 std::map<std::string, std::string> ParseNameMap(const std::string& text) {
   std::map<std::string, std::string> names;
   for (const std::string& part : SplitText(text, ',')) {
-    const std::size_t equals = part.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == part.size())
-      throw UsageError(fmt::format("--map '{}': '{}' is not NAME=MARKER", text, part));
-    if (!names.emplace(part.substr(0, equals), part.substr(equals + 1)).second)
-      throw UsageError(fmt::format("--map '{}': '{}' stands twice", text, part.substr(0, equals)));
+    const auto [name, marker] = SplitNameValue("--map", part);
+    if (marker.empty()) throw UsageError(fmt::format("--map '{}': no marker for '{}'", text, name));
+    if (!names.emplace(name, marker).second) throw UsageError(fmt::format("--map '{}': '{}' stands twice", text, name));
   }
   return names;
 }

@@ -1,42 +1,23 @@
 #include "lake/gait/banded_matrix.h"
 
+#include <lapacke.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace lake {
 
 bool Factorize(BandedMatrix& matrix) {
-  const std::size_t n = matrix.Size(), band = matrix.HalfBandwidth();
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t first = i > band ? i - band : 0;
-    const double* row_i = &matrix.Lower(i, first);
-    for (std::size_t j = first; j <= i; ++j) {
-      const std::size_t from = std::max(first, j > band ? j - band : 0);
-      const double* row_j = &matrix.Lower(j, from);
-      const double* left = row_i + (from - first);
-      double sum = matrix.Lower(i, j);
-      for (std::size_t k = 0; k < j - from; ++k) sum -= left[k] * row_j[k];
-      if (j < i) {
-        matrix.Lower(i, j) = sum / matrix.Lower(j, j);
-      } else {
-        if (!(sum > 0) || !std::isfinite(sum)) return false;
-        matrix.Lower(i, i) = std::sqrt(sum);
-      }
-    }
-  }
+  const auto n = static_cast<lapack_int>(matrix.Size()), band = static_cast<lapack_int>(matrix.HalfBandwidth());
+  if (LAPACKE_dpbtrf(LAPACK_COL_MAJOR, 'U', n, band, matrix.Data(), band + 1) != 0) return false;
+  for (std::size_t i = 0; i < matrix.Size(); ++i)
+    if (!std::isfinite(matrix.Lower(i, i))) return false;
   return true;
 }
 
 void Solve(const BandedMatrix& factor, std::span<double> x) {
-  const std::size_t n = factor.Size(), band = factor.HalfBandwidth();
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = i > band ? i - band : 0; j < i; ++j) x[i] -= factor.Lower(i, j) * x[j];
-    x[i] /= factor.Lower(i, i);
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    x[i] /= factor.Lower(i, i);
-    for (std::size_t j = i > band ? i - band : 0; j < i; ++j) x[j] -= factor.Lower(i, j) * x[i];
-  }
+  const auto n = static_cast<lapack_int>(factor.Size()), band = static_cast<lapack_int>(factor.HalfBandwidth());
+  LAPACKE_dpbtrs(LAPACK_COL_MAJOR, 'U', n, band, 1, factor.Data(), band + 1, x.data(), n);
 }
 
 // Σ L = L⁻ᵀ, whose strict lower triangle is zero, read from the last column to the first:

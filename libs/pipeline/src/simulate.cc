@@ -234,22 +234,21 @@ Json SimulateLinkage(const Design& design, const SimulationOptions& options, Run
 }
 
 std::string SimulationReport(const Json& summary) {
-  const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : std::nan(""); };
   const Json& used = summary["used_stroke_mm"];
-  std::string text =
-      fmt::format("range {:.4f}° to {:.4f}° over strokes {:.4f} to {:.4f} mm (travel {:.2f} mm, ends at: {})\n",
-                  number(summary["range_deg"]), number(summary["least_deg"]), number(used[0]), number(used[1]),
-                  number(summary["travel_mm"]), summary["used_range_ends_at"].get<std::string>());
+  std::string text = fmt::format(
+      "range {:.4f}° to {:.4f}° over strokes {:.4f} to {:.4f} mm (travel {:.2f} mm, ends at: {})\n",
+      NumberOrNaN(summary["range_deg"]), NumberOrNaN(summary["least_deg"]), NumberOrNaN(used[0]), NumberOrNaN(used[1]),
+      NumberOrNaN(summary["travel_mm"]), summary["used_range_ends_at"].get<std::string>());
   text += fmt::format("Grashof: {}, slack {:.4g} mm; actuator {:.4g} mm from its dead point at d_min\n",
-                      summary["grashof"]["class"].get<std::string>(), number(summary["grashof"]["slack_mm"]),
-                      number(summary["singularities"][0]["actuator_folded_mm"]));
+                      summary["grashof"]["class"].get<std::string>(), NumberOrNaN(summary["grashof"]["slack_mm"]),
+                      NumberOrNaN(summary["singularities"][0]["actuator_folded_mm"]));
   text += fmt::format("{:>10} {:>9} {:>9} {:>10} {:>9} {:>13} {:>11}\n", "stroke mm", "knee °", "° per mm",
                       "arm mm/rad", "force N", "transmission °", "actuator °");
   for (const Json& pose : summary["poses"])
-    text +=
-        fmt::format("{:>10.4f} {:>9.4f} {:>9.4f} {:>10.3f} {:>9.1f} {:>14.3f} {:>10.3f}\n", number(pose["stroke_mm"]),
-                    number(pose["knee_deg"]), number(pose["deg_per_mm"]), number(pose["moment_arm_mm"]),
-                    number(pose["force_n"]), number(pose["transmission_deg"]), number(pose["actuator_angle_deg"]));
+    text += fmt::format("{:>10.4f} {:>9.4f} {:>9.4f} {:>10.3f} {:>9.1f} {:>14.3f} {:>10.3f}\n",
+                        NumberOrNaN(pose["stroke_mm"]), NumberOrNaN(pose["knee_deg"]), NumberOrNaN(pose["deg_per_mm"]),
+                        NumberOrNaN(pose["moment_arm_mm"]), NumberOrNaN(pose["force_n"]),
+                        NumberOrNaN(pose["transmission_deg"]), NumberOrNaN(pose["actuator_angle_deg"]));
   return text;
 }
 

@@ -255,36 +255,36 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
 }
 
 std::string StrokeReport(const Json& summary) {
-  const auto number = [](const Json& value) { return value.is_number() ? value.get<double>() : std::nan(""); };
   const auto pose = [&](const Json& end) {
-    return fmt::format("{:.3f} mm ({:.2f}°)", number(end["stroke_mm"]), number(end["knee_deg"]));
+    return fmt::format("{:.3f} mm ({:.2f}°)", NumberOrNaN(end["stroke_mm"]), NumberOrNaN(end["knee_deg"]));
   };
   std::string text = fmt::format("{} to {} in {:.3f} s, at most {:.3f} mm/s and {:.1f} °/s of the knee; {} reversals\n",
-                                 pose(summary["start"]), pose(summary["end"]), number(summary["duration_s"]),
-                                 number(summary["largest_speed_mm_s"]), number(summary["largest_knee_deg_s"]),
+                                 pose(summary["start"]), pose(summary["end"]), NumberOrNaN(summary["duration_s"]),
+                                 NumberOrNaN(summary["largest_speed_mm_s"]), NumberOrNaN(summary["largest_knee_deg_s"]),
                                  summary["reversals"].get<int>());
-  text += fmt::format("soft limits {:.3f} and {:.3f} mm\n", number(summary["soft_limits_mm"][0]),
-                      number(summary["soft_limits_mm"][1]));
+  text += fmt::format("soft limits {:.3f} and {:.3f} mm\n", NumberOrNaN(summary["soft_limits_mm"][0]),
+                      NumberOrNaN(summary["soft_limits_mm"][1]));
   if (const Json& crawl = summary["crawling"]; crawl["stretches"].get<int>() > 0)
     text += fmt::format(
         "slower than anything in the duty table for {:.2f} s: rests and steps instead, at most {:.3f} mm ({:.2f}°) "
         "behind the program\n",
-        number(crawl["duration_s"]), number(crawl["stroke_error_mm"]), number(crawl["knee_error_deg"]));
+        NumberOrNaN(crawl["duration_s"]), NumberOrNaN(crawl["stroke_error_mm"]), NumberOrNaN(crawl["knee_error_deg"]));
   if (const Json& firmware = summary["firmware"]; !firmware.is_null())
     text += fmt::format("firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n",
-                        firmware["segments"].get<int>(), number(firmware["rounding_error_mm"]),
-                        number(firmware["pwm_error_mm"]));
+                        firmware["segments"].get<int>(), NumberOrNaN(firmware["rounding_error_mm"]),
+                        NumberOrNaN(firmware["pwm_error_mm"]));
   if (summary.contains("validation")) {
     const Json& v = summary["validation"];
-    text += fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, program begins at {:.3f} s", number(v["rms_deg"]),
-                        number(v["max_deg"]), number(v["shift_s"]));
-    if (v["speed_mm_s"].is_number() && !std::isnan(number(v["speed_mm_s"])))
-      text += fmt::format(", its own speed {:.3f} ± {:.3f} mm/s", number(v["speed_mm_s"]), number(v["speed_se_mm_s"]));
+    text += fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, program begins at {:.3f} s",
+                        NumberOrNaN(v["rms_deg"]), NumberOrNaN(v["max_deg"]), NumberOrNaN(v["shift_s"]));
+    if (!std::isnan(NumberOrNaN(v["speed_mm_s"])))
+      text += fmt::format(", its own speed {:.3f} ± {:.3f} mm/s", NumberOrNaN(v["speed_mm_s"]),
+                          NumberOrNaN(v["speed_se_mm_s"]));
     text += fmt::format(
         "\nverdict: it {} (within {}° RMS); from {:.3f} s on it travels {:.4f} of the program, drift at its end "
         "{:+.2f} mm, then RMS {:.3f}°\n",
-        v["verdict"].get<std::string>(), number(v["tolerance_deg"]), number(v["start_with_factor_s"]),
-        number(v["travel_factor"]), number(v["drift_mm"]), number(v["rms_with_factor_deg"]));
+        v["verdict"].get<std::string>(), NumberOrNaN(v["tolerance_deg"]), NumberOrNaN(v["start_with_factor_s"]),
+        NumberOrNaN(v["travel_factor"]), NumberOrNaN(v["drift_mm"]), NumberOrNaN(v["rms_with_factor_deg"]));
   }
   return text;
 }

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 std::vector<Cell> LinkRow(const std::string& link, const Json& summary, const SynthesisProblem& problem,
                           std::size_t index) {
   return {link, problem.start.Values()[index], problem.bounds[index].lower, problem.bounds[index].upper,
-          NumberAt(summary.at("links").at(link))};
+          NumberOrNaN(summary.at("links").at(link))};
 }
 
 Table OptimumTable(const SynthesisProblem& problem, const Json& summary) {
@@ -24,14 +24,14 @@ Table OptimumTable(const SynthesisProblem& problem, const Json& summary) {
               {}};
   for (std::size_t i = 0; i < problem.bounds.size(); ++i)
     table.rows.push_back(LinkRow(LinkName(i), summary, problem, i));
-  table.rows.push_back({"range of rotation (°)", NumberAt(summary.at("start").at("range_deg")), std::nan(""),
-                        std::nan(""), NumberAt(summary.at("range_deg"))});
+  table.rows.push_back({"range of rotation (°)", NumberOrNaN(summary.at("start").at("range_deg")), std::nan(""),
+                        std::nan(""), NumberOrNaN(summary.at("range_deg"))});
   return table;
 }
 
 std::string OptimumText(const Json& summary) {
-  std::string text = fmt::format("The largest range of rotation is {:.2f}°.", NumberAt(summary.at("range_deg")));
-  if (const double bound = NumberAt(summary.at("certified_upper_bound_deg")); std::isfinite(bound))
+  std::string text = fmt::format("The largest range of rotation is {:.2f}°.", NumberOrNaN(summary.at("range_deg")));
+  if (const double bound = NumberOrNaN(summary.at("certified_upper_bound_deg")); std::isfinite(bound))
     text += fmt::format(" No design within the bounds has more than {:.2f}°: that is proved by interval arithmetic.",
                         bound);
   std::vector<std::string> limits;
@@ -64,9 +64,9 @@ Section SimulationChapter(const StudyResults& results) {
                {"Transmission angle (°)", 1}},
               {}};
   for (const Json& pose : summary.at("poses"))
-    table.rows.push_back({NumberAt(pose.at("knee_deg")), NumberAt(pose.at("stroke_mm")),
-                          NumberAt(pose.at("moment_arm_mm")), NumberAt(pose.at("force_n")),
-                          NumberAt(pose.at("transmission_deg"))});
+    table.rows.push_back({NumberOrNaN(pose.at("knee_deg")), NumberOrNaN(pose.at("stroke_mm")),
+                          NumberOrNaN(pose.at("moment_arm_mm")), NumberOrNaN(pose.at("force_n")),
+                          NumberOrNaN(pose.at("transmission_deg"))});
   Section section{"The design in motion", {std::move(table)}};
   std::vector<fs::path> poses;
   for (const auto& entry : fs::directory_iterator(results.Folder() / "simulation"))

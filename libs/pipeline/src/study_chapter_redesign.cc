@@ -42,7 +42,7 @@ Table BeforeAfterTable(const Json& summary) {
   const Json &before = summary.at("before"), &after = summary.at("after");
   Table table{"Before and after", {{"Quantity"}, {"Before", 2}, {"After", 2}, {"Change", 2}}, {}};
   for (const BeforeAfterRow& row : kRows) {
-    const double from = row.factor * NumberAt(before.at(row.key)), to = row.factor * NumberAt(after.at(row.key));
+    const double from = row.factor * NumberOrNaN(before.at(row.key)), to = row.factor * NumberOrNaN(after.at(row.key));
     table.rows.push_back({row.what, from, to, to - from});
   }
   return table;
@@ -50,9 +50,9 @@ Table BeforeAfterTable(const Json& summary) {
 
 KeyFigures BeforeAfterFigures(const Json& summary) {
   const auto figure = [&](const char* label, const char* key, const char* unit) {
-    const double before = NumberAt(summary.at("before").at(key));
+    const double before = NumberOrNaN(summary.at("before").at(key));
     return KeyFigure{label,
-                     NumberAt(summary.at("after").at(key)),
+                     NumberOrNaN(summary.at("after").at(key)),
                      2,
                      unit,
                      std::nullopt,
@@ -78,8 +78,8 @@ List ActiveList(const Json& summary) {
 Series Path(const Json& curves, const std::string& prefix, const char* name, const char* colour, Mark mark) {
   Series path;
   path.name = name, path.colour = colour, path.mark = mark;
-  for (const Json& x : curves.at(prefix + "_x_mm")) path.x.push_back(NumberAt(x));
-  for (const Json& y : curves.at(prefix + "_y_mm")) path.y.push_back(NumberAt(y));
+  for (const Json& x : curves.at(prefix + "_x_mm")) path.x.push_back(NumberOrNaN(x));
+  for (const Json& y : curves.at(prefix + "_y_mm")) path.y.push_back(NumberOrNaN(y));
   for (std::size_t i = 0; i < path.x.size(); ++i) path.labels.push_back(fmt::format("{} %", i));
   return path;
 }
@@ -133,17 +133,17 @@ LineChart ParetoChart(const Json& summary) {
     Series series;
     series.name = front.at("program").get<std::string>() + " program";
     for (const Json& point : front.at("range_deg_and_misalignment_percent"))
-      series.x.push_back(NumberAt(point.at(0))), series.y.push_back(NumberAt(point.at(1)));
+      series.x.push_back(NumberOrNaN(point.at(0))), series.y.push_back(NumberOrNaN(point.at(1)));
     chart.series.push_back(std::move(series));
   }
-  double least_deg = NumberAt(summary.at("range_deg")), most_deg = least_deg;
+  double least_deg = NumberOrNaN(summary.at("range_deg")), most_deg = least_deg;
   for (const Series& front : chart.series)
     for (const double range_deg : front.x)
       least_deg = std::min(least_deg, range_deg), most_deg = std::max(most_deg, range_deg);
   chart.x.from = std::floor(least_deg / 5 - 0.2) * 5, chart.x.to = std::ceil(most_deg / 5 + 0.2) * 5;
   Series design;
   design.name = "the design", design.mark = Mark::kPoints, design.colour = colour::kText;
-  design.x = {NumberAt(summary.at("range_deg"))}, design.y = {NumberAt(summary.at("misalignment_percent"))};
+  design.x = {NumberOrNaN(summary.at("range_deg"))}, design.y = {NumberOrNaN(summary.at("misalignment_percent"))};
   chart.series.push_back(std::move(design));
   return chart;
 }
@@ -177,13 +177,13 @@ Section StrokeChapter(const StudyResults& results) {
   std::string text = fmt::format(
       "The actuator goes from {:.2f} to {:.2f} mm in {:.2f} s, at most at {:.2f} mm/s; it may be sent to {:.2f} to "
       "{:.2f} mm.",
-      NumberAt(summary.at("start").at("stroke_mm")), NumberAt(summary.at("end").at("stroke_mm")),
-      NumberAt(summary.at("duration_s")), NumberAt(summary.at("largest_speed_mm_s")), NumberAt(limits.at(0)),
-      NumberAt(limits.at(1)));
+      NumberOrNaN(summary.at("start").at("stroke_mm")), NumberOrNaN(summary.at("end").at("stroke_mm")),
+      NumberOrNaN(summary.at("duration_s")), NumberOrNaN(summary.at("largest_speed_mm_s")), NumberOrNaN(limits.at(0)),
+      NumberOrNaN(limits.at(1)));
   if (summary.at("firmware").is_object())
     text += fmt::format(" The firmware for the UNO lies beside, {} segments, its plan within {:.3f} mm.",
                         summary["firmware"].at("segments").get<int>(),
-                        NumberAt(summary["firmware"].at("rounding_error_mm")));
+                        NumberOrNaN(summary["firmware"].at("rounding_error_mm")));
   return {"The actuator's program", {Paragraph{std::move(text)}, std::move(stroke), std::move(knee)}};
 }
 

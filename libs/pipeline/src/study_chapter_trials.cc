@@ -33,8 +33,8 @@ Cell SegmentCell(const Json& summary, const std::string& name) {
   for (const Json& segment : summary.at("segments"))
     for (const char* unit : {"mm", "px"})
       if (segment.at("name") == name && segment.contains(fmt::format("length_{}", unit)))
-        return fmt::format("{:.1f} {}, varies by {:.1f}", NumberAt(segment[fmt::format("length_{}", unit)]), unit,
-                           NumberAt(segment[fmt::format("variation_{}", unit)]));
+        return fmt::format("{:.1f} {}, varies by {:.1f}", NumberOrNaN(segment[fmt::format("length_{}", unit)]), unit,
+                           NumberOrNaN(segment[fmt::format("variation_{}", unit)]));
   return "–";
 }
 
@@ -50,8 +50,8 @@ Cell DetectedCell(const Json& summary) {
 Cell KneeCell(const Json& summary) {
   const Json& knee = summary.at("knee");
   if (knee.at("largest").is_null()) return "–";
-  return fmt::format("{:.2f}° to {:.2f}°, ± {:.3f}°", NumberAt(knee["smallest"]["deg"]),
-                     NumberAt(knee["largest"]["deg"]), NumberAt(knee["rms_sigma_deg"]));
+  return fmt::format("{:.2f}° to {:.2f}°, ± {:.3f}°", NumberOrNaN(knee["smallest"]["deg"]),
+                     NumberOrNaN(knee["largest"]["deg"]), NumberOrNaN(knee["rms_sigma_deg"]));
 }
 
 Cell RecordingCell(const StudyTrial& trial, const Json& summary) {
@@ -59,7 +59,7 @@ Cell RecordingCell(const StudyTrial& trial, const Json& summary) {
   if (summary.contains("video"))
     text += fmt::format(", {} frames of {}×{} px at {:.4g} Hz", summary["video"]["frames"].get<int>(),
                         summary["video"]["width"].get<int>(), summary["video"]["height"].get<int>(),
-                        NumberAt(summary["video"]["frame_rate_hz"]));
+                        NumberOrNaN(summary["video"]["frame_rate_hz"]));
   return text;
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <string>
 
@@ -30,11 +29,6 @@ class StudyResults {
  private:
   std::filesystem::path out_;
 };
-
-// null is a value that is not defined.
-inline double NumberAt(const Json& value) {
-  return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
-}
 
 report::Section TrialsChapter(const StudyFile& study, const StudyResults& results);
 report::Section MisalignmentChapter(const StudyResults& results);

@@ -35,17 +35,17 @@ Section OverviewChapter(const StudyResults& results) {
   Section section{"In short", {}};
   if (results.Has("comparison")) {
     const Json comparison = results.Summary("comparison");
-    add("misalignment as measured", 100 * NumberAt(comparison.at("metrics").at("relative_rms")), "%",
-        fmt::format("RMS of the shank; {:.1f} mm", NumberAt(comparison.at("metrics").at("rms_mm"))));
+    add("misalignment as measured", 100 * NumberOrNaN(comparison.at("metrics").at("relative_rms")), "%",
+        fmt::format("RMS of the shank; {:.1f} mm", NumberOrNaN(comparison.at("metrics").at("rms_mm"))));
     section.blocks.push_back(Paragraph{DecompositionAdvice(comparison)});
   }
   const Json optimum = results.Summary("optimum");
-  add("largest range of rotation", NumberAt(optimum.at("range_deg")), "°", "of the design problem by itself");
+  add("largest range of rotation", NumberOrNaN(optimum.at("range_deg")), "°", "of the design problem by itself");
   if (results.Has("redesign")) {
     const Json redesign = results.Summary("redesign");
-    add("misalignment of the new design", NumberAt(redesign.at("misalignment_percent")), "%",
-        fmt::format("predicted; {:.1f} mm", NumberAt(redesign.at("misalignment_rms_mm"))));
-    add("its range of rotation", NumberAt(redesign.at("range_deg")), "°", "under the limits asked for");
+    add("misalignment of the new design", NumberOrNaN(redesign.at("misalignment_percent")), "%",
+        fmt::format("predicted; {:.1f} mm", NumberOrNaN(redesign.at("misalignment_rms_mm"))));
+    add("its range of rotation", NumberOrNaN(redesign.at("range_deg")), "°", "under the limits asked for");
   }
   section.blocks.insert(section.blocks.begin(), std::move(figures));
   return section;

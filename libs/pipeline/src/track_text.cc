@@ -7,6 +7,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/name_value.h"
 
 namespace lake {
 
@@ -25,15 +26,8 @@ Polarity ParsePolarity(const std::string& text) {
   return text == "dark" ? Polarity::kDark : Polarity::kBright;
 }
 
-std::pair<std::string, std::string> SplitAtEquals(const std::string& option, const std::string& text) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw UsageError(fmt::format("{} '{}': NAME=… is needed", option, text));
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
 MarkerSeed ParseSeed(const std::string& text) {
-  auto [name, place] = SplitAtEquals("--seed", text);
+  auto [name, place] = SplitNameValue("--seed", text);
   MarkerSeed seed{name};
   if (const auto at = place.find('@'); at != std::string::npos) {
     const double frame = ParseNumbers(place.substr(at + 1), 1, "--seed " + name + ": frame").front();

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "comparison_values.h"
 #include "html.h"
+#include "lake/core/json.h"
 #include "lake/render/gnuplot.h"
 #include "lake/report/misalignment_sections.h"
 
@@ -70,8 +70,8 @@ std::vector<double> Lengths(const std::vector<double>& x, const std::vector<doub
 Series ErrorSeries(const Json& curves) {
   Series error;
   error.name = "relative error", error.colour = colour::kExoskeleton;
-  error.x = NumbersOf(curves.at("percent")), error.y = Scaled(NumbersOf(curves.at("relative_error")), 100);
-  const std::vector<double> sd = Scaled(NumbersOf(curves.at("relative_error_sd")), 100);
+  error.x = NumbersOrNaN(curves.at("percent")), error.y = Scaled(NumbersOrNaN(curves.at("relative_error")), 100);
+  const std::vector<double> sd = Scaled(NumbersOrNaN(curves.at("relative_error_sd")), 100);
   for (std::size_t i = 0; i < sd.size(); ++i)
     error.lower.push_back(std::max(0.0, error.y[i] - sd[i])), error.upper.push_back(error.y[i] + sd[i]);
   return error;
@@ -94,8 +94,8 @@ LineChart KneePathsChart(const Json& comparison) {
   const auto path = [&](const std::string& prefix, const char* name, const char* colour) {
     Series series;
     series.name = name, series.colour = colour;
-    series.x = NumbersOf(curves.at(prefix + "_x_mm")), series.y = NumbersOf(curves.at(prefix + "_y_mm"));
-    series.labels = PercentLabels(NumbersOf(curves.at("percent")));
+    series.x = NumbersOrNaN(curves.at(prefix + "_x_mm")), series.y = NumbersOrNaN(curves.at(prefix + "_y_mm"));
+    series.labels = PercentLabels(NumbersOrNaN(curves.at("percent")));
     return series;
   };
   const Series human = path("human_knee", "human knee", colour::kHuman);
@@ -112,8 +112,8 @@ LineChart KneePathsChart(const Json& comparison) {
 
 LineChart RelativeErrorChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
-  const double rms = 100 * NumberOf(comparison.at("metrics").at("relative_rms"));
-  const double floor = 100 * NumberOf(comparison.at("noise_floor_relative"));
+  const double rms = 100 * NumberOrNaN(comparison.at("metrics").at("relative_rms"));
+  const double floor = 100 * NumberOrNaN(comparison.at("noise_floor_relative"));
   LineChart chart;
   chart.title = "Relative error over the rise";
   chart.alt = fmt::format("Distance of the knees in percent of the shank over sit-to-stand; RMS {:.2f} %", rms);
@@ -136,10 +136,10 @@ BarChart DecompositionChart(const Json& comparison) {
   for (const char* name : {"placement", "timing", "shape"}) {
     const Json& part = comparison.at("decomposition").at(name);
     chart.categories.push_back(name);
-    share.values.push_back(100 * NumberOf(part.at("fraction")));
+    share.values.push_back(100 * NumberOrNaN(part.at("fraction")));
     if (part.at("interval").is_null()) continue;
-    share.lower.push_back(100 * NumberOf(part.at("interval").at(0)));
-    share.upper.push_back(100 * NumberOf(part.at("interval").at(1)));
+    share.lower.push_back(100 * NumberOrNaN(part.at("interval").at(0)));
+    share.upper.push_back(100 * NumberOrNaN(part.at("interval").at(1)));
   }
   chart.alt = fmt::format("Placement {} %, timing {} %, shape {} %", FormatNumber(share.values[0], 1),
                           FormatNumber(share.values[1], 1), FormatNumber(share.values[2], 1));
@@ -157,8 +157,8 @@ LineChart PartsChart(const Json& comparison) {
   const auto part = [&](const std::string& name, const char* colour, Mark mark) {
     Series series;
     series.name = name, series.colour = colour, series.mark = mark;
-    series.x = NumbersOf(curves.at("percent"));
-    series.y = Lengths(NumbersOf(curves.at(name + "_x_mm")), NumbersOf(curves.at(name + "_y_mm")));
+    series.x = NumbersOrNaN(curves.at("percent"));
+    series.y = Lengths(NumbersOrNaN(curves.at(name + "_x_mm")), NumbersOrNaN(curves.at(name + "_y_mm")));
     return series;
   };
   chart.series = {part("placement", kPlacement, Mark::kLine), part("timing", kTiming, Mark::kDashed),
@@ -172,13 +172,13 @@ LineChart KneeAnglesChart(const Json& comparison) {
   chart.title = "Knee angles";
   chart.alt = "Knee angles of both trials over sit-to-stand";
   chart.caption =
-      fmt::format("0° is straight. RMS difference {:.2f}°.", NumberOf(comparison.at("metrics").at("knee_rmse_deg")));
+      fmt::format("0° is straight. RMS difference {:.2f}°.", NumberOrNaN(comparison.at("metrics").at("knee_rmse_deg")));
   chart.x = kPercentAxis, chart.y.label = "knee flexion (°)";
   Series human, exo;
   human.name = "human", human.colour = colour::kHuman;
   exo.name = "exoskeleton", exo.colour = colour::kExoskeleton, exo.mark = Mark::kDashed;
-  human.x = exo.x = NumbersOf(curves.at("percent"));
-  human.y = NumbersOf(curves.at("human_knee_deg")), exo.y = NumbersOf(curves.at("exo_knee_deg"));
+  human.x = exo.x = NumbersOrNaN(curves.at("percent"));
+  human.y = NumbersOrNaN(curves.at("human_knee_deg")), exo.y = NumbersOrNaN(curves.at("exo_knee_deg"));
   chart.series = {std::move(human), std::move(exo)};
   return chart;
 }

@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
-#include "comparison_values.h"
 #include "html.h"
 #include "lake/compare/knee_axis.h"
+#include "lake/core/json.h"
 #include "misalignment_charts.h"
 
 namespace lake {
@@ -21,8 +21,8 @@ namespace {
 std::string IntervalNote(const Json& parent, const char* name, double factor, const char* unit) {
   if (!parent.contains(name) || parent.at(name).is_null()) return "";
   const Json& interval = parent.at(name);
-  return fmt::format("95 %: {} to {} {}", FormatNumber(factor * NumberOf(interval.at(0)), 2),
-                     FormatNumber(factor * NumberOf(interval.at(1)), 2), unit);
+  return fmt::format("95 %: {} to {} {}", FormatNumber(factor * NumberOrNaN(interval.at(0)), 2),
+                     FormatNumber(factor * NumberOrNaN(interval.at(1)), 2), unit);
 }
 
 std::string OffsetNote(const Json& decomposition, std::size_t axis) {
@@ -38,9 +38,9 @@ Section KeySection(const Json& comparison) {
       "Compared are the means of {} repetitions of the human trial ({:.2f} s from onset to standing) and {} of the "
       "exoskeleton trial ({:.2f} s). The shank is {:.0f} mm long. Recording noise and putting the marker back alone "
       "would show {:.2f} mm RMS, or {:.2f} % of the shank.",
-      repetitions.at("human").get<int>(), NumberOf(duration.at("human")), repetitions.at("exo").get<int>(),
-      NumberOf(duration.at("exo")), NumberOf(comparison.at("shank_mm")), NumberOf(comparison.at("noise_floor_mm")),
-      100 * NumberOf(comparison.at("noise_floor_relative")))});
+      repetitions.at("human").get<int>(), NumberOrNaN(duration.at("human")), repetitions.at("exo").get<int>(),
+      NumberOrNaN(duration.at("exo")), NumberOrNaN(comparison.at("shank_mm")),
+      NumberOrNaN(comparison.at("noise_floor_mm")), 100 * NumberOrNaN(comparison.at("noise_floor_relative")))});
   return section;
 }
 
@@ -94,8 +94,8 @@ Section MetricsSection(const Json& comparison) {
               {{"Figure"}, {"All samples", 3}, {"Without spikes", 3}},
               {}};
   for (const MetricRow& row : kMetricRows)
-    table.rows.push_back({row.what, row.factor * NumberOf(metrics.at(row.name)),
-                          row.factor * NumberOf(metrics.at(std::string(row.name) + "_without_spikes"))});
+    table.rows.push_back({row.what, row.factor * NumberOrNaN(metrics.at(row.name)),
+                          row.factor * NumberOrNaN(metrics.at(std::string(row.name) + "_without_spikes"))});
   return {"Figures", {std::move(table)}};
 }
 
@@ -103,7 +103,7 @@ Section KneeAxisSection(const Json& comparison) {
   const Json& axis = comparison.at("knee_axis");
   const std::vector<double> angles = [&] {
     std::vector<double> deg;
-    for (const double angle : NumbersOf(comparison.at("curves").at("human_knee_deg")))
+    for (const double angle : NumbersOrNaN(comparison.at("curves").at("human_knee_deg")))
       if (std::isfinite(angle)) deg.push_back(angle);
     return deg;
   }();
@@ -113,8 +113,8 @@ Section KneeAxisSection(const Json& comparison) {
       "In the knee model of Yamaguchi and Zajac the best hinge for this subject's {} to {}° leaves a gap of {:.2f} mm "
       "RMS and {:.2f} mm at most (at {:.0f}°). A hinge beside the best one by δ adds 2 δ sin(θ/2): 10 mm add {:.1f} mm "
       "at 90°. Where the joint sits matters, the moving axis hardly does.",
-      FormatNumber(*low, 0), FormatNumber(*high, 0), NumberOf(axis.at("gap_rms_mm")), NumberOf(axis.at("gap_max_mm")),
-      NumberOf(axis.at("gap_max_at_deg")), OffsetGap(10, 90));
+      FormatNumber(*low, 0), FormatNumber(*high, 0), NumberOrNaN(axis.at("gap_rms_mm")),
+      NumberOrNaN(axis.at("gap_max_mm")), NumberOrNaN(axis.at("gap_max_at_deg")), OffsetGap(10, 90));
   return {"The knee's moving axis", {Paragraph{std::move(text)}}};
 }
 
@@ -126,11 +126,11 @@ std::string PartAdvice(const std::string& part, const Json& parts) {
     return fmt::format(
         "timing: the exoskeleton runs at another pace within the rise ({:.1f} % RMS), which the stroke program and the "
         "linkage's angle over stroke decide",
-        NumberOf(parts.at("timing_rms_percent")));
+        NumberOrNaN(parts.at("timing_rms_percent")));
   if (part == "shape")
     return "shape: neither moving the joint nor another pace removes it. Soft tissue, straps that slip, a movement out "
            "of the plane or a different movement of the leg remain";
-  const double x = NumberOf(parts.at("offset_mm").at(0)), y = NumberOf(parts.at("offset_mm").at(1));
+  const double x = NumberOrNaN(parts.at("offset_mm").at(0)), y = NumberOrNaN(parts.at("offset_mm").at(1));
   return fmt::format("placement: the joint should move {:.1f} mm {} and {:.1f} mm {} the shank", std::abs(x),
                      x > 0 ? "backward" : "forward", std::abs(y), y > 0 ? "down" : "up");
 }
@@ -139,7 +139,7 @@ std::string PartAdvice(const std::string& part, const Json& parts) {
 bool IsLargestForSure(const std::string& part, const Json& parts) {
   const Json& interval = parts.at(part).at("interval");
   return interval.is_null() || std::all_of(kParts.begin(), kParts.end(), [&](const char* other) {
-           return other == part || NumberOf(parts.at(other).at("interval").at(1)) < NumberOf(interval.at(0));
+           return other == part || NumberOrNaN(parts.at(other).at("interval").at(1)) < NumberOrNaN(interval.at(0));
          });
 }
 
@@ -166,29 +166,30 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   const Json& parts = comparison.at("decomposition");
   const Json intervals = comparison.value("intervals", Json::object());
   const auto share = [&](const char* name) {
-    return KeyFigure{name,         100 * NumberOf(parts.at(name).at("fraction")),     1, "%",
+    return KeyFigure{name,         100 * NumberOrNaN(parts.at(name).at("fraction")),  1, "%",
                      std::nullopt, IntervalNote(parts.at(name), "interval", 100, "%")};
   };
   const auto figure = [&](const char* label, const char* name, double factor, const char* unit) {
-    return KeyFigure{label,        factor * NumberOf(metrics.at(name)),        2, unit,
+    return KeyFigure{label,        factor * NumberOrNaN(metrics.at(name)),     2, unit,
                      std::nullopt, IntervalNote(intervals, name, factor, unit)};
   };
   const Json& offset = parts.at("offset_mm");
-  return {{figure("relative error, RMS", "relative_rms", 100, "%"),
-           figure("relative error, largest", "relative_max", 100, "%"),
-           figure("distance, RMS", "rms_mm", 1, "mm"),
-           figure("distance, largest", "max_mm", 1, "mm"),
-           share("placement"),
-           share("timing"),
-           share("shape"),
-           {"joint sits anterior by", NumberOf(offset.at(0)), 2, "mm", std::nullopt, OffsetNote(parts, 0)},
-           {"joint sits up the shank by", NumberOf(offset.at(1)), 2, "mm", std::nullopt, OffsetNote(parts, 1)},
-           {"pace differs by, RMS", NumberOf(parts.at("timing_rms_percent")), 2, "% of the rise", std::nullopt, ""}}};
+  return {
+      {figure("relative error, RMS", "relative_rms", 100, "%"),
+       figure("relative error, largest", "relative_max", 100, "%"),
+       figure("distance, RMS", "rms_mm", 1, "mm"),
+       figure("distance, largest", "max_mm", 1, "mm"),
+       share("placement"),
+       share("timing"),
+       share("shape"),
+       {"joint sits anterior by", NumberOrNaN(offset.at(0)), 2, "mm", std::nullopt, OffsetNote(parts, 0)},
+       {"joint sits up the shank by", NumberOrNaN(offset.at(1)), 2, "mm", std::nullopt, OffsetNote(parts, 1)},
+       {"pace differs by, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, "% of the rise", std::nullopt, ""}}};
 }
 
 std::string DecompositionAdvice(const Json& comparison) {
   const Json& parts = comparison.at("decomposition");
-  const auto fraction = [&](const std::string& name) { return NumberOf(parts.at(name).at("fraction")); };
+  const auto fraction = [&](const std::string& name) { return NumberOrNaN(parts.at(name).at("fraction")); };
   if (std::isnan(fraction("placement"))) return "Both paths are one; there is nothing to divide.";
   const std::string largest = *std::max_element(
       kParts.begin(), kParts.end(), [&](const char* a, const char* b) { return fraction(a) < fraction(b); });

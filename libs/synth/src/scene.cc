@@ -53,8 +53,6 @@ cv::Mat Spread(const cv::Mat& image, double psf_sigma_px) {
   return out;
 }
 
-}  // namespace
-
 // Everything about a frame that its picture and its truth are made of.
 struct FrameState {
   double time_s = 0;                           // of the motion
@@ -62,6 +60,8 @@ struct FrameState {
   std::vector<std::vector<Vector2d>> fine_mm;  // [instant][marker]
   std::vector<std::vector<Layer>> hands;       // per occlusion that is near: its layers, at the fine instants
 };
+
+}  // namespace
 
 struct Scene::Impl {
   SceneOptions options;

@@ -1,8 +1,8 @@
 #include "lake/synthesis/evaluate.h"
 
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "lake/core/angles.h"
@@ -46,19 +46,6 @@ double FamilyValue(const Links& links, const SynthesisProblem& problem, const Us
       return DegreesFromRadians(
           std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
   }
-}
-
-// The place of the smallest badness between two fractions (golden-section search).
-double GoldenSection(const std::function<double(double)>& slack, double low, double high) {
-  const double ratio = (std::sqrt(5.0) - 1) / 2;
-  double a = high - ratio * (high - low), b = low + ratio * (high - low), slack_a = slack(a), slack_b = slack(b);
-  while (high - low > 1e-10) {
-    if (slack_a < slack_b)
-      high = b, b = a, slack_b = slack_a, a = high - ratio * (high - low), slack_a = slack(a);
-    else
-      low = a, a = b, slack_a = slack_b, b = low + ratio * (high - low), slack_b = slack(b);
-  }
-  return (low + high) / 2;
 }
 
 RequirementCheck CheckOf(const Links& links, const SynthesisProblem& problem, const Requirement& requirement,
@@ -115,9 +102,10 @@ std::vector<WorstPoint> WorstPoints(const Links& links, const SynthesisProblem& 
     if (!below_left || !below_right) continue;
     double fraction = i / (kGridPoints - 1.0);
     if (std::isfinite(grid[i])) {
-      const double refined = GoldenSection(slack, std::max(0, i - 1) / (kGridPoints - 1.0),
-                                           std::min(kGridPoints - 1, i + 1) / (kGridPoints - 1.0));
-      if (slack(refined) < grid[i]) fraction = refined;
+      const auto [refined, least] = boost::math::tools::brent_find_minima(
+          slack, std::max(0, i - 1) / (kGridPoints - 1.0), std::min(kGridPoints - 1, i + 1) / (kGridPoints - 1.0),
+          std::numeric_limits<double>::digits / 2);
+      if (least < grid[i]) fraction = refined;
     }
     worst.push_back({fraction, value(fraction)});
   }

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "lake/camera/aruco_dictionary.h"
 #include "lake/core/error.h"
 #include "lake/tracking/marker_detector.h"
 
@@ -16,14 +17,10 @@ namespace lake {
 namespace {
 
 cv::Ptr<cv::aruco::Dictionary> DictionaryByName(const std::string& name) {
-  static const std::array<const char*, 17> kNames = {
-      "DICT_4X4_50",  "DICT_4X4_100",  "DICT_4X4_250", "DICT_4X4_1000", "DICT_5X5_50",        "DICT_5X5_100",
-      "DICT_5X5_250", "DICT_5X5_1000", "DICT_6X6_50",  "DICT_6X6_100",  "DICT_6X6_250",       "DICT_6X6_1000",
-      "DICT_7X7_50",  "DICT_7X7_100",  "DICT_7X7_250", "DICT_7X7_1000", "DICT_ARUCO_ORIGINAL"};
-  for (std::size_t i = 0; i < kNames.size(); ++i)
-    if (name == kNames[i])
-      return cv::aruco::getPredefinedDictionary(static_cast<int>(i));  // OpenCV numbers them in this order
-  throw UsageError(fmt::format("ArUco dictionary '{}' is not known; there are {}", name, fmt::join(kNames, ", ")));
+  const std::optional<ArucoDictionary> found = FindArucoDictionary(name);
+  if (!found)
+    throw UsageError(fmt::format("ArUco dictionary '{}' is not known; there are {}", name, ArucoDictionaryNames()));
+  return cv::aruco::getPredefinedDictionary(found->id);
 }
 
 Eigen::Vector2d Cross(const std::array<Eigen::Vector2d, 4>& c) {
@@ -129,7 +126,7 @@ class ArucoDetector : public MarkerDetector {
   ArucoDetector(const std::string& dictionary, const DetectorRegion& region)
       : dictionary_(DictionaryByName(dictionary)),
         parameters_(cv::aruco::DetectorParameters::create()),
-        crop_(region.crop) {
+        region_(region) {
     parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   }
 
@@ -137,7 +134,7 @@ class ArucoDetector : public MarkerDetector {
 
   std::vector<MarkerDetection> Detect(const VideoFrame& frame, std::span<const MarkerPrediction> /*predictions*/,
                                       bool /*everywhere*/) override {
-    const cv::Rect all(0, 0, frame.luma.cols, frame.luma.rows), box = crop_.empty() ? all : crop_ & all;
+    const cv::Rect box = region_.Of(frame.luma);
     std::vector<std::vector<cv::Point2f>> corners;
     std::vector<int> ids;
     cv::aruco::detectMarkers(frame.luma(box), dictionary_, corners, ids, parameters_);
@@ -164,7 +161,7 @@ class ArucoDetector : public MarkerDetector {
 
   cv::Ptr<cv::aruco::Dictionary> dictionary_;
   cv::Ptr<cv::aruco::DetectorParameters> parameters_;
-  cv::Rect crop_;
+  DetectorRegion region_;
 };
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 
 class ReflectiveDetector : public MarkerDetector {
  public:
-  ReflectiveDetector(Polarity polarity, const DetectorRegion& region) : polarity_(polarity), finder_(region.crop) {}
+  ReflectiveDetector(Polarity polarity, const DetectorRegion& region) : polarity_(polarity), finder_(region) {}
 
   std::vector<MarkerDetection> Detect(const VideoFrame& frame, std::span<const MarkerPrediction> predictions,
                                       bool everywhere) override {
@@ -101,7 +101,7 @@ MarkerDetection MeasureSpot(const cv::Mat& map, const cv::Rect& box, double nois
 
 class ColorDetector : public MarkerDetector {
  public:
-  ColorDetector(const std::vector<std::string>& colors, const DetectorRegion& region) : crop_(region.crop) {
+  ColorDetector(const std::vector<std::string>& colors, const DetectorRegion& region) : region_(region) {
     constexpr double kMinChroma = 20;
     for (const std::string& color : colors) {
       hues_.push_back(HueOf(ParseColor(color)));
@@ -116,7 +116,7 @@ class ColorDetector : public MarkerDetector {
 
   std::vector<MarkerDetection> Detect(const VideoFrame& frame, std::span<const MarkerPrediction> /*predictions*/,
                                       bool /*everywhere*/) override {
-    const cv::Rect all(0, 0, frame.bgr.cols, frame.bgr.rows), box = crop_.empty() ? all : crop_ & all;
+    const cv::Rect box = region_.Of(frame.bgr);
     cv::cvtColor(frame.bgr, ycrcb_, cv::COLOR_BGR2YCrCb);
     std::vector<MarkerDetection> found;
     for (std::size_t i = 0; i < hues_.size(); ++i) {
@@ -167,7 +167,7 @@ class ColorDetector : public MarkerDetector {
 
   std::vector<Hue> hues_;
   std::vector<NoiseEstimator> noise_;
-  cv::Rect crop_;
+  DetectorRegion region_;
   cv::Mat ycrcb_, map_;
 };
 

@@ -77,11 +77,6 @@ void ShutterEstimator::Add(const cv::Mat& grey, const Blob& blob, const Eigen::V
   fraction_ += 0.5 * (kCandidates[1] - kCandidates[0]) * (left - right) / (left + right);
 }
 
-cv::Rect BlobFinder::Region(const cv::Mat& grey) const {
-  const cv::Rect picture(0, 0, grey.cols, grey.rows);
-  return crop_.empty() ? picture : crop_ & picture;
-}
-
 void BlobFinder::LearnNoise(const cv::Mat& grey) {
   if (noise_.Frames() >= kNoiseFrames) return;
   noise_.Add(grey);
@@ -153,7 +148,7 @@ std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const Marke
   const cv::Rect box =
       cv::Rect(static_cast<int>(prediction.position.x() - reach), static_cast<int>(prediction.position.y() - reach),
                static_cast<int>(2 * reach), static_cast<int>(2 * reach)) &
-      Region(grey);
+      region_.Of(grey);
   if (box.empty()) return std::nullopt;
   BlobSearchOptions search;
   search.min_radius_px = 0.6 * radius, search.max_radius_px = 1.6 * radius;
@@ -230,7 +225,7 @@ void BlobFinder::FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> 
   const double noise = std::sqrt(fit_options_.noise.Variance(128));
   search.min_contrast = std::max({search.min_contrast, 5 * noise, 0.15 * contrast_});
   const std::size_t known = found.size();
-  for (const BlobCandidate& candidate : FindBlobs(grey, Region(grey), search)) {
+  for (const BlobCandidate& candidate : FindBlobs(grey, region_.Of(grey), search)) {
     const auto touches = [&](const Eigen::Vector2d& place, double radius) {
       return (place - candidate.position).norm() < radius + candidate.radius_px;
     };

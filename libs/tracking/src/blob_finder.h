@@ -37,14 +37,12 @@ MarkerDetection MakeDetection(const BlobFit& fit);
 
 class BlobFinder {
  public:
-  explicit BlobFinder(const cv::Rect& crop) : crop_(crop) {}
+  explicit BlobFinder(const DetectorRegion& region) : region_(region) {}
 
   std::vector<MarkerDetection> Detect(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
                                       bool everywhere);
 
  private:
-  using Fits = std::vector<BlobFit>;
-  cv::Rect Region(const cv::Mat& grey) const;
   void LearnNoise(const cv::Mat& grey);
   void LearnFromFits(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
                      const std::vector<std::optional<BlobFit>>& fits);
@@ -59,7 +57,7 @@ class BlobFinder {
   std::optional<BlobFit> FitNew(const cv::Mat& grey, const BlobCandidate& candidate) const;
   bool WasRefused(const BlobCandidate& candidate) const;
 
-  cv::Rect crop_;
+  DetectorRegion region_;
   BlobFitOptions fit_options_;
   NoiseEstimator noise_;
   ShutterEstimator shutter_;

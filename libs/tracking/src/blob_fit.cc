@@ -99,7 +99,9 @@ struct PixelBlock {
 };
 
 // The least-squares problem at hand: the pixels of the blobs' surroundings, the blobs and one sloping background. Sizes
-// are known when compiling, as most of the time of tracking goes into its sums.
+// are known when compiling, as most of the time of tracking goes into its sums. ceres::TinySolver has no robust loss
+// and keeps all pixels' derivatives in double precision: its algebra alone takes 19 µs on 225 pixels and ten parameters
+// with a model that costs nothing (nine steps of 2.1 µs), where this takes 23 µs with the model.
 template <int kBlobs>
 class JointFit {
  public:

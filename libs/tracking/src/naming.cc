@@ -87,13 +87,12 @@ class Namer {
       double nearest = INFINITY;
       std::size_t best = 0;
       for (std::size_t i = 0; i < tracklets_.size(); ++i) {
-        const TrackletSample* sample = tracklets_[i].At(seed.frame);
+        const TrackletSample* sample = tracklets_[i].SampleIn(seed.frame);
         if (!sample) continue;
         const double distance = (sample->position - seed.position).norm() - sample->radius_px;
         if (distance < nearest) nearest = distance, best = i;
       }
-      constexpr double kSlackPx = 10;  // beyond the marker's rim: a click is not exact
-      if (!(nearest <= kSlackPx))
+      if (!(nearest <= kSeedSlackPx))
         throw Fail("--seed {}={},{}@{}: no marker is seen there{}", seed.name, seed.position.x(), seed.position.y(),
                    seed.frame,
                    std::isfinite(nearest)
@@ -107,22 +106,27 @@ class Namer {
   }
 
   std::string DescribeAt(std::size_t tracklet, std::int64_t frame) const {
-    const TrackletSample& sample = *tracklets_[tracklet].At(frame);
+    const TrackletSample& sample = *tracklets_[tracklet].SampleIn(frame);
     return fmt::format("({:.1f}, {:.1f})", sample.position.x(), sample.position.y());
   }
 
   void AnchorIdentities() {
-    for (std::size_t n = 0; n < options_.identities.size(); ++n) {
-      double most = 0;
-      for (std::size_t i = 0; i < tracklets_.size(); ++i) {
-        if (anchor_[n] || tracklets_[i].identity != options_.identities[n] || IsAnchor(i)) continue;
-        double seen = 0;
-        for (const TrackletSample& sample : tracklets_[i].samples)
-          seen += sample.amplitude * sample.radius_px * sample.radius_px;
-        if (seen > most) most = seen, best_of_identity_[n] = i;
-      }
-      if (!anchor_[n] && best_of_identity_.contains(n)) anchor_[n] = best_of_identity_[n];
+    for (std::size_t n = 0; n < options_.identities.size(); ++n)
+      if (!anchor_[n]) anchor_[n] = MostSeenOf(options_.identities[n]);
+  }
+
+  // The tracklet that shows an identity longest and largest.
+  std::optional<std::size_t> MostSeenOf(int identity) const {
+    std::optional<std::size_t> best;
+    double most = 0;
+    for (std::size_t i = 0; i < tracklets_.size(); ++i) {
+      if (tracklets_[i].identity != identity || IsAnchor(i)) continue;
+      double seen = 0;
+      for (const TrackletSample& sample : tracklets_[i].samples)
+        seen += sample.amplitude * sample.radius_px * sample.radius_px;
+      if (seen > most) most = seen, best = i;
     }
+    return best;
   }
 
   void AnchorLeg() {
@@ -192,8 +196,7 @@ class Namer {
       MarkerSample& own = recording_.markers[name].samples[frame];
       if (own.IsKnown()) continue;
       own = {sample.position, sample.sigma_px, SampleStatus::kDetected};
-      metric_[name][frame] =
-          tracklets_[tracklet].samples.size() > s ? std::optional(tracklets_.Metric(tracklet)[s]) : std::nullopt;
+      metric_[name][frame] = tracklets_.Metric(tracklet)[s];
     }
   }
 
@@ -258,10 +261,9 @@ class Namer {
     if (overlap > kOverlap) return std::nullopt;
     std::optional<double> worst;
     const auto compare = [&](std::size_t known, const TrackletSample& end) {
-      // A marker of radius 8 mm moves at most 3 m/s: 400 radii a second; and a metre at most before it turns back.
-      constexpr double kTurns_s = 0.3;
-      const double lost_s = std::min(std::abs(end.time_s - recording_.time_s[known]), kTurns_s);
-      const double possible = (2 + 400 * lost_s) * end.radius_px;
+      const MarkerPhysics& physics = options_.physics;
+      const double lost_s = std::min(std::abs(end.time_s - recording_.time_s[known]), physics.turns_after_s);
+      const double possible = (2 + physics.SpeedRadii() * lost_s) * end.radius_px;
       const double misfit = (samples[known].position - end.position).norm() / possible;
       worst = std::max(worst.value_or(0), misfit);
     };
@@ -302,7 +304,6 @@ class Namer {
   MetricTracklets tracklets_;
   std::vector<std::optional<std::size_t>> owner_;   // name of each tracklet
   std::vector<std::optional<std::size_t>> anchor_;  // tracklet of each name
-  std::map<std::size_t, std::size_t> best_of_identity_;
   std::map<std::int64_t, std::size_t> index_of_frame_;
   std::vector<std::vector<std::optional<Eigen::Vector2d>>> metric_;  // by name and frame
   std::vector<Link> links_;

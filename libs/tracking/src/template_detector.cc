@@ -105,7 +105,7 @@ class TemplateDetector : public MarkerDetector {
  public:
   TemplateDetector(const std::vector<MarkerSeed>& seeds, const std::vector<cv::Mat>& pictures,
                    const DetectorRegion& region)
-      : crop_(region.crop), seeds_(seeds) {
+      : region_(region), seeds_(seeds) {
     for (std::size_t i = 0; i < seeds.size(); ++i) {
       half_ = std::clamp(pictures[i].rows / 50, 8, 24);
       Look look{Cut(pictures[i], seeds[i].position, half_)};
@@ -134,7 +134,7 @@ class TemplateDetector : public MarkerDetector {
       if (!match && everywhere) {
         const bool pointed_at = frame.index == seeds_[i].frame;
         match = Find(frame.luma, looks_[i],
-                     pointed_at ? Around(frame.luma, seeds_[i].position, half_) : Everywhere(frame.luma));
+                     pointed_at ? Around(frame.luma, seeds_[i].position, half_) : region_.Of(frame.luma));
       }
       if (!match || IsTaken(match->center, static_cast<int>(i), predictions, found)) continue;
       MarkerDetection detection;
@@ -160,16 +160,11 @@ class TemplateDetector : public MarkerDetector {
            std::any_of(found.begin(), found.end(), is_other);
   }
 
-  cv::Rect Everywhere(const cv::Mat& picture) const {
-    const cv::Rect all(0, 0, picture.cols, picture.rows);
-    return crop_.empty() ? all : crop_ & all;
-  }
-
   cv::Rect Around(const cv::Mat& picture, const Eigen::Vector2d& center, double gate) const {
     const double reach = std::min(gate, 2.0 * half_) + half_ + 1;
     return cv::Rect(static_cast<int>(center.x() - reach), static_cast<int>(center.y() - reach),
                     static_cast<int>(2 * reach) + 2, static_cast<int>(2 * reach) + 2) &
-           Everywhere(picture);
+           region_.Of(picture);
   }
 
   // The best of the patch's looks in a part of the picture; a new look is cut when it has changed.
@@ -199,7 +194,7 @@ class TemplateDetector : public MarkerDetector {
     return best;
   }
 
-  cv::Rect crop_;
+  DetectorRegion region_;
   std::vector<MarkerSeed> seeds_;
   int half_ = 12;
   std::vector<std::vector<Look>> looks_;  // by identity

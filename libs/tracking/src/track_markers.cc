@@ -97,6 +97,7 @@ double MedianRadius(const std::vector<Tracklet>& tracklets) {
 }  // namespace
 
 void TrackOptions::Check() const {
+  physics.Check();
   if (names.empty()) throw UsageError("--markers: no names");
   std::set<std::string> seen;
   for (const std::string& name : names) {
@@ -127,6 +128,7 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
 
   TrackResult result;
   TrackletOptions tracklet_options;
+  tracklet_options.physics = options.physics;
   for (const MarkerSeed& seed : options.seeds) tracklet_options.seeds.push_back({seed.frame, seed.position});
   TrackletBuilder builder(*detector, tracklet_options);
   {
@@ -147,7 +149,8 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
   const std::vector<Tracklet> tracklets = builder.Finish();
   result.tracklets = tracklets.size();
   result.radius_px = MedianRadius(tracklets);
-  NamingOptions naming{options.names, options.seeds, Identities(options), options.metric_from_px, options.up_px};
+  const NamingOptions naming{options.names,          options.seeds, Identities(options),
+                             options.metric_from_px, options.up_px, options.physics};
   try {
     NameTracklets(tracklets, naming, result.recording);
   } catch (const Error& error) {

@@ -10,14 +10,6 @@
 namespace lake {
 namespace {
 
-// A leg's markers accelerate by at most about 1 g while it stands up; in radii of a marker (some 8 mm) that is 1200
-// radii / s².
-constexpr double kMaxAccelerationRadii = 1200;
-// How far a thrown ball goes from one frame of a slow camera to the next.
-constexpr double kFastStartRadii = 20;
-// A click is not exact; beyond the marker's rim, px.
-constexpr double kSeedSlackPx = 10;
-
 // Position by the parabola, velocity by the slope, of the last samples; of what rests, where it was on average, as a
 // parabola makes four times the noise of it.
 struct Motion {
@@ -90,7 +82,7 @@ double PairCost(const MarkerPrediction& prediction, const MarkerDetection& detec
 
 }  // namespace
 
-const TrackletSample* Tracklet::At(std::int64_t frame) const {
+const TrackletSample* Tracklet::SampleIn(std::int64_t frame) const {
   const auto found = std::lower_bound(samples.begin(), samples.end(), frame,
                                       [](const TrackletSample& sample, std::int64_t f) { return sample.frame < f; });
   return found != samples.end() && found->frame == frame ? &*found : nullptr;
@@ -110,11 +102,11 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
   prediction.velocity_px = motion.velocity * frame_s;
   // A marker of unknown velocity may have any; then the acceleration within the time that has passed.
   const bool young = live.tracklet.samples.size() < 3;
-  prediction.gate_px =
-      std::max(2.0, radius) + 0.5 * kMaxAccelerationRadii * radius * ahead * ahead + (young ? 3 * radius : 0);
+  prediction.gate_px = std::max(2.0, radius) + 0.5 * options_.physics.AccelerationRadii() * radius * ahead * ahead +
+                       (young ? 3 * radius : 0);
   // Where identities are certain, association needs no caution.
   prediction.gate_px = detector_.KnowsIdentities() ? 8 * radius : std::min(prediction.gate_px, 8 * radius);
-  if (live.tracklet.samples.size() == 1 && live.seeded) prediction.gate_px = kFastStartRadii * radius;
+  if (live.tracklet.samples.size() == 1 && live.seeded) prediction.gate_px = options_.physics.FastStartRadii() * radius;
   prediction.appearance = live.appearance;
   prediction.quality = live.quality;
   prediction.identity = live.tracklet.identity;

@@ -7,8 +7,8 @@ extern "C" {
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "lake/core/error.h"
 
@@ -49,14 +49,18 @@ const AVPixFmtDescriptor& Describe(const AVFrame& frame) {
   return *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
 }
 
-cv::Mat Plane(const AVFrame& frame, int type) {
-  const int stride = frame.linesize[0];
-  if (stride >= 0) return cv::Mat(frame.height, frame.width, type, frame.data[0], static_cast<std::size_t>(stride));
-  // Stored bottom up (raw AVI).
-  std::uint8_t* lowest_address = frame.data[0] + std::ptrdiff_t{frame.height - 1} * stride;
+// Shares the frame's memory, unless the plane is stored bottom up (raw AVI).
+cv::Mat Plane(const AVFrame& frame, int plane, const cv::Size& size, int type) {
+  const int stride = frame.linesize[plane];
+  if (stride >= 0) return cv::Mat(size, type, frame.data[plane], static_cast<std::size_t>(stride));
+  std::uint8_t* lowest_address = frame.data[plane] + std::ptrdiff_t{size.height - 1} * stride;
   cv::Mat upright;
-  cv::flip(cv::Mat(frame.height, frame.width, type, lowest_address, static_cast<std::size_t>(-stride)), upright, 0);
+  cv::flip(cv::Mat(size, type, lowest_address, static_cast<std::size_t>(-stride)), upright, 0);
   return upright;
+}
+
+cv::Mat FirstPlane(const AVFrame& frame, int type) {
+  return Plane(frame, 0, {frame.width, frame.height}, type);
 }
 
 cv::Mat ShrinkDepth(const AVFrame& frame) {
@@ -64,7 +68,7 @@ cv::Mat ShrinkDepth(const AVFrame& frame) {
   const double bits_to_8 =
       IsFullRange(frame) ? 255.0 / (std::ldexp(1.0, luma.depth) - 1) : std::ldexp(1.0, 8 - luma.depth);
   cv::Mat shrunk;
-  Plane(frame, CV_16UC1).convertTo(shrunk, CV_8U, std::ldexp(bits_to_8, -luma.shift));
+  FirstPlane(frame, CV_16UC1).convertTo(shrunk, CV_8U, std::ldexp(bits_to_8, -luma.shift));
   return shrunk;
 }
 
@@ -108,26 +112,14 @@ bool CanBeHalved(const AVFrame& frame, int width, int height) {
 
 // From either range to 16..235 (chroma: 16..240).
 void HalvePlane(const AVFrame& frame, int plane, cv::Mat half) {
-  // In 16 bits, so that eight or more samples are treated at once: 128 × result = 128 × mean × factor + offset.
-  const bool full_range = IsFullRange(frame);
-  const double factor = !full_range ? 1 : (plane == 0 ? 219 : 224) / 255.0;
-  const double shift = !full_range ? 0 : plane == 0 ? 16 : 128 * (1 - factor);
-  const auto gain = static_cast<std::uint16_t>(std::lround(32768 * factor));
-  const auto offset = static_cast<std::uint16_t>(std::lround(128 * (shift + 0.5)));
-  for (int y = 0; y < half.rows; ++y) {
-    const std::uint8_t* upper = frame.data[plane] + std::ptrdiff_t{2} * y * frame.linesize[plane];
-    const std::uint8_t* lower = upper + frame.linesize[plane];
-    std::uint8_t* const out = half.ptr(y);
-    for (int x = 0; x < half.cols; ++x) {
-      std::uint16_t above, below;  // two samples each
-      std::memcpy(&above, upper + 2 * x, 2);
-      std::memcpy(&below, lower + 2 * x, 2);
-      const auto sum = static_cast<std::uint16_t>((above & 255) + (above >> 8) + (below & 255) + (below >> 8));
-      const auto mean_256 = static_cast<std::uint16_t>(sum << 6);
-      const auto result_128 = static_cast<std::uint16_t>((std::uint32_t{mean_256} * gain) >> 16);
-      out[x] = static_cast<std::uint8_t>(static_cast<std::uint16_t>(result_128 + offset) >> 7);
-    }
-  }
+  const cv::Mat whole = Plane(frame, plane, half.size() * 2, CV_8UC1);
+  if (!IsFullRange(frame)) return cv::resize(whole, half, half.size(), 0, 0, cv::INTER_AREA);
+  constexpr double kSteps = 256;  // of a level, so that only the last step rounds
+  const double factor = (plane == 0 ? 219 : 224) / 255.0, shift = plane == 0 ? 16 : 128 * (1 - factor);
+  cv::Mat fine, fine_half;
+  whole.convertTo(fine, CV_16U, kSteps * factor, kSteps * shift);
+  cv::resize(fine, fine_half, half.size(), 0, 0, cv::INTER_AREA);
+  fine_half.convertTo(half, CV_8U, 1 / kSteps);
 }
 
 }  // namespace
@@ -154,11 +146,11 @@ PictureConverter::PictureConverter(const AVFrame& like)
 cv::Mat PictureConverter::Luma(const AVFrame& frame) {
   switch (access_) {
     case LumaAccess::kPlane:
-      return Plane(frame, CV_8UC1);
+      return FirstPlane(frame, CV_8UC1);
     case LumaAccess::kInterleaved: {
       const AVComponentDescriptor& luma = Describe(frame).comp[0];
       cv::Mat extracted;
-      cv::extractChannel(Plane(frame, CV_8UC(luma.step)), extracted, luma.offset);
+      cv::extractChannel(FirstPlane(frame, CV_8UC(luma.step)), extracted, luma.offset);
       return extracted;
     }
     case LumaAccess::kDeepPlane:

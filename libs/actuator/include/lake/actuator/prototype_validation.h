@@ -39,9 +39,9 @@ struct Validation {
 };
 
 // The shift minimises the RMS of theta(d(t - shift)) against all samples, before the start and after the end at rest;
-// it is sought over all overlaps, then refined by golden sections to a microsecond. Where the angle changes evenly a
-// shift hides an offset; only a video that shows a rest tells them apart. Throws Error for fewer than 10 samples, times
-// that do not ascend, an angle that does not change, or a video that shows less than a quarter of the program.
+// it is sought over all overlaps, then refined by Brent's minimisation to a microsecond. Where the angle changes evenly
+// a shift hides an offset; only a video that shows a rest tells them apart. Throws Error for fewer than 10 samples,
+// times that do not ascend, an angle that does not change, or a video that shows less than a quarter of the program.
 Validation ValidatePrototype(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples);
 
 // What the comparison comes to.

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 namespace lake {
 
@@ -13,5 +14,9 @@ Json ReadJsonFile(const std::filesystem::path& path);
 
 // NaN and infinities become null.
 void WriteJsonFile(const std::filesystem::path& path, const Json& value);
+
+// Of a value that may not be defined: null is NaN. Throws if it is anything else but a number.
+double NumberOrNaN(const Json& value);
+std::vector<double> NumbersOrNaN(const Json& values);
 
 }  // namespace lake

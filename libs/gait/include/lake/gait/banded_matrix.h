@@ -7,7 +7,8 @@
 
 namespace lake {
 
-// A symmetric matrix of which the lower triangle within `half_bandwidth` of the diagonal is kept, row by row.
+// A symmetric matrix of which the lower triangle within `half_bandwidth` of the diagonal is kept, row by row: LAPACK's
+// band storage of the upper triangle, column by column.
 class BandedMatrix {
  public:
   BandedMatrix(std::size_t size, std::size_t half_bandwidth)
@@ -25,12 +26,15 @@ class BandedMatrix {
     return row >= column ? Lower(row, column) : Lower(column, row);
   }
 
+  double* Data() { return values_.data(); }
+  const double* Data() const { return values_.data(); }
+
  private:
   std::size_t size_, band_;
   std::vector<double> values_;  // (row, column) at row · (band + 1) + column − (row − band)
 };
 
-// Replaces A by L of A = L Lᵀ. Returns false if A is not positive definite.
+// Replaces A by L of A = L Lᵀ (LAPACK's dpbtrf). Returns false if A is not positive definite or not finite.
 [[nodiscard]] bool Factorize(BandedMatrix& matrix);
 
 // Replaces b by x of L Lᵀ x = b.

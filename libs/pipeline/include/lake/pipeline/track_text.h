@@ -4,7 +4,6 @@
 #include <opencv2/core/types.hpp>
 #include <span>
 #include <string>
-#include <utility>
 
 #include "lake/tracking/track_markers.h"
 
@@ -15,9 +14,6 @@ DetectorKind ParseDetector(const std::string& text);
 
 // bright or dark. Throws UsageError.
 Polarity ParsePolarity(const std::string& text);
-
-// NAME=REST. Throws UsageError that names `option`.
-std::pair<std::string, std::string> SplitAtEquals(const std::string& option, const std::string& text);
 
 // NAME=X,Y[@FRAME], a place in px. Throws UsageError.
 MarkerSeed ParseSeed(const std::string& text);

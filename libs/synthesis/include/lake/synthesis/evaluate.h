@@ -17,7 +17,7 @@ struct WorstPoint {
 };
 
 // The local worst points of a requirement of the family kind over the used range, the global one first: the grid's,
-// refined by golden section. Empty if the linkage cannot be assembled at d_min or does not reach standing.
+// refined by Brent's minimisation. Empty if the linkage cannot be assembled at d_min or does not reach standing.
 std::vector<WorstPoint> WorstPoints(const Links& links, const SynthesisProblem& problem,
                                     const Requirement& requirement);
 

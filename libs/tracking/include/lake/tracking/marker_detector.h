@@ -51,6 +51,12 @@ enum class Polarity { kBright, kDark };
 // Limits of the search in px; an empty rectangle is the whole picture.
 struct DetectorRegion {
   cv::Rect crop;
+
+  // What of the picture is to be searched.
+  cv::Rect Of(const cv::Mat& picture) const {
+    const cv::Rect all(0, 0, picture.cols, picture.rows);
+    return crop.empty() ? all : crop & all;
+  }
 };
 
 // Bright blobs on anything darker (or dark ones on anything brighter), in the luma.
@@ -72,8 +78,8 @@ std::unique_ptr<MarkerDetector> MakeTemplateDetector(const std::vector<MarkerSee
                                                      const std::vector<cv::Mat>& pictures,
                                                      const DetectorRegion& region);
 
-// ArUco markers of a dictionary ("DICT_4X4_50"); identity = the marker's id. Throws UsageError for an unknown
-// dictionary.
+// ArUco markers of a dictionary ("4X4_50" or "DICT_4X4_50"); identity = the marker's id. Throws UsageError for an
+// unknown dictionary.
 std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region);
 
 }  // namespace lake

@@ -9,6 +9,7 @@
 
 #include "lake/motion/marker_recording.h"
 #include "lake/tracking/marker_detector.h"
+#include "lake/tracking/marker_physics.h"
 #include "lake/tracking/tracklet.h"
 
 namespace lake {
@@ -24,6 +25,7 @@ struct NamingOptions {
   // Where distances are what they are: the sagittal plane if it is calibrated, else the image itself.
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> metric_from_px = [](const Eigen::Vector2d& px) { return px; };
   Eigen::Vector2d up_px = {0, -1};  // the direction of a plumb line in the image, upwards
+  MarkerPhysics physics;
 };
 
 // Gives each name its samples over all frames: `recording` holds the frames and their times, its markers are filled in.

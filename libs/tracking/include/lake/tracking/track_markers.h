@@ -27,10 +27,11 @@ struct TrackOptions {
   VideoReaderOptions reader;               // start, end, rates
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> metric_from_px = [](const Eigen::Vector2d& px) { return px; };
   Eigen::Vector2d up_px = {0, -1};
+  MarkerPhysics physics;
   bool quiet = false;  // no progress
 
   // Throws UsageError naming the option that cannot be: a bad or repeated name, a seed for no name, colours that do not
-  // match.
+  // match, physics that is not positive.
   void Check() const;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lake/tracking/marker_detector.h"
+#include "lake/tracking/marker_physics.h"
 
 namespace lake {
 
@@ -25,8 +26,8 @@ struct Tracklet {
 
   std::int64_t FirstFrame() const { return samples.front().frame; }
   std::int64_t LastFrame() const { return samples.back().frame; }
-  const TrackletSample* At(std::int64_t frame) const;  // nullptr if not seen in that frame
-  double ExtentPx() const;                             // diagonal of the box that holds all positions
+  const TrackletSample* SampleIn(std::int64_t frame) const;  // nullptr if not seen in that frame
+  double ExtentPx() const;                                   // diagonal of the box that holds all positions
 };
 
 // Where a thing that matters certainly is, in px of a frame.
@@ -36,9 +37,10 @@ struct TrackletSeed {
 };
 
 struct TrackletOptions {
-  std::vector<TrackletSeed>
-      seeds;                 // what begins here may be fast: it is looked for far and wide until its velocity is known
-  double max_coast_s = 0.1;  // lost for longer: the tracklet ends …
+  MarkerPhysics physics;
+  // What begins here may be fast: it is looked for far and wide until its velocity is known.
+  std::vector<TrackletSeed> seeds;
+  double max_coast_s = 0.1;     // lost for longer: the tracklet ends …
   double max_coast_frames = 3;  // … but not before so many frames
   int min_samples = 4;          // shorter ones are chance
   std::size_t max_live = 40;    // things followed at once; the most contrasted come first

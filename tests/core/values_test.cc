@@ -1,0 +1,38 @@
+// Small texts and values at the boundary: NAME=VALUE, numbers that may be undefined.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lake/core/error.h"
+#include "lake/core/json.h"
+#include "lake/core/name_value.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::Pair;
+using testing::ThrowsMessage;
+
+TEST(SplitNameValue, SplitsAtTheFirstEqualsSign) {
+  EXPECT_THAT(SplitNameValue("--seed", "knee=3,4@5"), Pair("knee", "3,4@5"));
+  EXPECT_THAT(SplitNameValue("--map", "a=b=c"), Pair("a", "b=c"));
+  EXPECT_THAT(SplitNameValue("--map", "a="), Pair("a", ""));
+}
+
+TEST(SplitNameValue, SaysWhichOptionHasNoName) {
+  for (const char* text : {"", "knee", "=3"})
+    EXPECT_THAT([&] { SplitNameValue("--seed", text); }, ThrowsMessage<UsageError>(HasSubstr("--seed '"))) << text;
+}
+
+TEST(NumberOrNaN, IsNaNForNullAndAnErrorForText) {
+  const std::vector<double> numbers = NumbersOrNaN(Json::parse("[1.5, null, -2]"));
+  EXPECT_EQ(numbers[0], 1.5);
+  EXPECT_TRUE(std::isnan(numbers[1]));
+  EXPECT_EQ(numbers[2], -2);
+  EXPECT_THROW(NumberOrNaN(Json("1.5")), Json::type_error);
+}
+
+}  // namespace
+}  // namespace lake

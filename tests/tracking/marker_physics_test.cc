@@ -1,0 +1,34 @@
+#include "lake/tracking/marker_physics.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+TEST(MarkerPhysics, IsInRadiiOfAMarker) {
+  const MarkerPhysics small;
+  EXPECT_EQ(small.AccelerationRadii(), 1200);
+  EXPECT_EQ(small.SpeedRadii(), 400);
+  EXPECT_EQ(small.FastStartRadii(), 20);
+  MarkerPhysics large;
+  large.radius_mm = 16;
+  EXPECT_EQ(large.SpeedRadii(), 200);
+}
+
+TEST(MarkerPhysics, NamesTheValueThatCannotBe) {
+  EXPECT_NO_THROW(MarkerPhysics().Check());
+  MarkerPhysics physics;
+  physics.max_speed_mm_s = 0;
+  EXPECT_THAT([&] { physics.Check(); }, testing::ThrowsMessage<UsageError>(testing::HasSubstr("speed, mm/s: 0")));
+  physics = {};
+  physics.radius_mm = std::nan("");
+  EXPECT_THAT([&] { physics.Check(); }, testing::ThrowsMessage<UsageError>(testing::HasSubstr("radius")));
+}
+
+}  // namespace
+}  // namespace lake
