@@ -90,7 +90,6 @@ Json CertificateJson(const Certificate& certificate, bool ignores_used_range) {
           {"gap_deg", NumberOrNull(certificate.gap_deg)},
           {"reached", certificate.reached},
           {"boxes", certificate.boxes},
-          {"time_s", certificate.seconds},
           {"leaves_out_requirements_over_used_range", ignores_used_range}};
 }
 
