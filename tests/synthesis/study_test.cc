@@ -71,6 +71,8 @@ TEST(Study, TablesAgreeWithTheSummary) {
       EXPECT_LT(at, margins.RequiredNumber(row - 1, margins.Column("range_deg")));
     }
   }
+  EXPECT_TRUE(margins.Has("yield_links_alone"));
+  EXPECT_THAT(summary["yield"]["scope"].get<std::string>(), ::testing::HasSubstr("links alone"));
   EXPECT_EQ(CsvTable::Read(written->folder / "starts.csv").Rows(), 3u);
   EXPECT_EQ(CsvTable::Read(written->folder / "sensitivity.csv").Rows(), 6u * 201u);
   EXPECT_GT(CsvTable::Read(written->folder / "convergence.csv").Rows(), 5u);

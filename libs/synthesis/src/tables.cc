@@ -46,6 +46,7 @@ Json EvaluationJson(const DesignEvaluation& evaluation) {
 Json YieldJson(const Yield& yield) {
   const auto fraction = [](const Fraction& f) { return Json{{"value", f.value}, {"interval_95", {f.lower, f.upper}}}; };
   return {{"tolerance_mm", yield.options.tolerance_mm},
+          {"scope", kYieldScope},
           {"samples", yield.options.samples},
           {"assembled", fraction(yield.assembled)},
           {"assembled_and_grashof", fraction(yield.assembled_and_grashof)},

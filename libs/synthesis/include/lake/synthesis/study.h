@@ -31,7 +31,7 @@ struct MarginPoint {
   Links links;
   double range_deg = 0;                   // NaN if not solved
   std::optional<double> upper_bound_deg;  // if a certificate is asked for
-  std::optional<double> yield;            // assembled and Grashof, if a yield is asked for
+  std::optional<double> yield;            // of the links alone: assembled and Grashof, if a yield is asked for
 };
 
 struct Study {
