@@ -241,6 +241,22 @@ TEST(LegFit, ACutoffFixesTheSmoothing) {
   EXPECT_NEAR(result.summary.cutoff_hz, 3, 0.1);
 }
 
+TEST(LegFit, SmoothnessThatIsNotSettledIsAWarning) {
+  SyntheticLeg leg = MakeSyntheticLeg({});
+  MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
+  MarkerTrack extra = *tracks.Find("knee");
+  extra.name = "exo_knee";
+  tracks.markers.push_back(extra);
+  EXPECT_TRUE(FitLeg(tracks, ScaledView()).warnings.empty());
+  LegFitOptions options;
+  options.most_smoothing_iterations = 2;
+  EXPECT_THAT(
+      FitLeg(tracks, ScaledView(), options).warnings,
+      testing::UnorderedElementsAre(testing::AllOf(testing::HasSubstr("leg fit, "), testing::HasSubstr("shank's angle"),
+                                                   testing::HasSubstr("could not be settled")),
+                                    testing::HasSubstr("marker 'exo_knee': how smooth")));
+}
+
 TEST(LegFit, FiveMinutesFitInSeconds) {
   const SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 54, .skin_mm = 12});
   ASSERT_GT(leg.time_s.size(), 18000u);
