@@ -1,4 +1,8 @@
 // lake-compare: the misalignment between a human's and an exoskeleton's knee in sit-to-stand.
+#include <cmath>
+#include <limits>
+#include <string>
+
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/pipeline/compare.h"
@@ -21,6 +25,7 @@ std::string Report(const lake::Json& summary) {
                         100 * NumberOrNaN(interval[0]), 100 * NumberOrNaN(interval[1]),
                         100 * NumberOrNaN(summary["noise_floor_relative"]));
   }
+  if (!std::isfinite(part("placement"))) return text + "both paths are one: there are no parts\n";
   text += fmt::format("placement {:.1f} %, timing {:.1f} %, shape {:.1f} %\n", part("placement"), part("timing"),
                       part("shape"));
   return text + fmt::format("the exoskeleton's joint sits {:+.2f} mm anterior, {:+.2f} mm up the shank\n",

@@ -44,8 +44,10 @@ void AddOptions(CLI::App& cli, Options& options) {
   cli.add_option("--max-length", options.max_length, "Longest stroke of the actuator; the knee must stand by then, mm");
   cli.add_option("--certify", options.certify, "Prove an upper bound on the range to within this gap, deg")
       ->expected(0, 1);
-  cli.add_option("--yield", options.yield,
-                 "Evaluate the fraction of builds that work when every link is off by up to this, mm; no constraint");
+  cli.add_option(
+      "--yield", options.yield,
+      "Evaluate the fraction of builds that work when every link is off by up to this, mm, and the actuator's "
+      "length and the pins are exact; no constraint");
   cli.add_option("--round", options.round, "Also give the best design with links that are multiples of this, mm");
 }
 

@@ -6,8 +6,11 @@
 #include <clocale>
 #include <cmath>
 #include <cstring>
+#include <iostream>
 #include <limits>
+#include <locale>
 #include <random>
+#include <sstream>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
@@ -19,9 +22,55 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-TEST(Csv, NumbersReadBackAsTheSameDoubleInEveryLocale) {
-  const char* before = std::setlocale(LC_ALL, nullptr);
-  std::setlocale(LC_ALL, "de_DE.UTF-8");
+// A decimal comma and grouped thousands, as in German.
+class CommaPunctuation : public std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+// Sets C++'s global locale, and C's where one with a comma is installed; puts both back.
+class CommaLocale {
+ public:
+  CommaLocale() {
+    std::locale::global(std::locale(before_, new CommaPunctuation));
+    for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "es_ES.UTF-8", "it_IT.UTF-8"})
+      if (std::setlocale(LC_NUMERIC, name)) break;
+  }
+  CommaLocale(const CommaLocale&) = delete;
+  CommaLocale& operator=(const CommaLocale&) = delete;
+  ~CommaLocale() {
+    std::locale::global(before_);
+    std::setlocale(LC_NUMERIC, before_c_.c_str());
+  }
+  bool IsSetInC() const { return *std::localeconv()->decimal_point == ','; }
+
+ private:
+  const std::locale before_;
+  const std::string before_c_ = std::setlocale(LC_NUMERIC, nullptr);
+};
+
+TEST(Csv, NumbersAndTablesHaveAPointInEveryLocale) {
+  const TemporaryFolder folder;
+  {
+    const CommaLocale comma;
+    std::ostringstream stream;
+    stream << 1234.5;
+    ASSERT_EQ(stream.str(), "1.234,5");  // the locale is at work
+    EXPECT_EQ(FormatNumber(1234.5), "1234.5");
+    EXPECT_EQ(ParseNumber("1234.5"), 1234.5);
+    EXPECT_FALSE(ParseNumber("1234,5"));
+    CsvWriter writer({"frame", "x"});
+    writer.Add(123456).Add(0.5).EndRow();
+    writer.Write(folder / "t.csv");
+    EXPECT_EQ(CsvTable::Read(folder / "t.csv").RequiredNumber(0, 1), 0.5);
+    if (!comma.IsSetInC()) std::cout << "no locale with a decimal comma is installed: C's functions are not tried\n";
+  }
+  EXPECT_EQ(ReadTextFile(folder / "t.csv"), "frame,x\n123456,0.5\n");
+}
+
+TEST(Csv, NumbersReadBackAsTheSameDouble) {
+  const CommaLocale comma;
   std::mt19937_64 generator(1);
   for (int i = 0; i < 10000; ++i) {
     double value = 0;
@@ -30,7 +79,6 @@ TEST(Csv, NumbersReadBackAsTheSameDoubleInEveryLocale) {
     if (!std::isfinite(value)) continue;
     EXPECT_EQ(ParseNumber(FormatNumber(value)), value);
   }
-  std::setlocale(LC_ALL, before);
   EXPECT_EQ(FormatNumber(0.1), "0.1");
 }
 

@@ -137,6 +137,48 @@ TEST(StsEvents, FidgetingOnTheSeatIsNotAnOnset) {
   EXPECT_NEAR(onsets[0], 3.04, 0.02);
 }
 
+// The hip is lifted and lowered again without the knee (a hoist, a marker that slips): no repetition, and its lowering
+// is not that of the repetition before.
+TEST(StsEvents, ARiseThatDoesNotCountAddsNothingToTheRepetitionBefore) {
+  for (const bool before : {false, true}) {
+    const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 1});
+    StsSignals signals = SignalsOf(leg);
+    const std::vector<StsEvent> alone = FindStsEvents(signals).events;
+    ASSERT_EQ(alone.size(), 5u);
+    StsSignals lifted = signals;
+    const double last_s = signals.time_s.back(),
+                 seated = before ? signals.hip_height.front() : signals.hip_height.back();
+    for (auto* values : {&lifted.time_s, &lifted.hip_height, &lifted.hip_speed, &lifted.hip_up_speed,
+                         &lifted.knee_deg_s, &lifted.trunk_deg_s})
+      values->clear();
+    lifted.frame.clear();
+    for (int i = 0; i < 400; ++i) {
+      const double phase = 2 * std::numbers::pi * i / 400, up_speed = 150 * std::numbers::pi / 2 * std::sin(phase);
+      lifted.frame.push_back(i), lifted.time_s.push_back(i / 100.0);
+      lifted.hip_height.push_back(seated + 150 * (1 - std::cos(phase)));
+      lifted.hip_up_speed.push_back(up_speed), lifted.hip_speed.push_back(std::abs(up_speed));
+      lifted.knee_deg_s.push_back(0), lifted.trunk_deg_s.push_back(0);
+    }
+    EXPECT_TRUE(FindStsEvents(lifted).events.empty());
+    StsSignals joined = before ? lifted : signals;
+    const StsSignals& second = before ? signals : lifted;
+    const double offset_s = before ? 4.01 : last_s + 0.01;
+    for (std::size_t i = 0; i < second.frame.size(); ++i) {
+      joined.frame.push_back(static_cast<std::int64_t>(joined.frame.size()));
+      joined.time_s.push_back(second.time_s[i] + offset_s);
+      joined.hip_height.push_back(second.hip_height[i]), joined.hip_speed.push_back(second.hip_speed[i]);
+      joined.hip_up_speed.push_back(second.hip_up_speed[i]), joined.knee_deg_s.push_back(second.knee_deg_s[i]);
+      joined.trunk_deg_s.push_back(second.trunk_deg_s[i]);
+    }
+    const std::vector<StsEvent> events = FindStsEvents(joined).events;
+    ASSERT_EQ(events.size(), 5u) << before;
+    for (std::size_t i = 0; i < events.size(); ++i) {
+      EXPECT_EQ(events[i].kind, alone[i].kind);
+      EXPECT_EQ(events[i].repetition, 1);
+    }
+  }
+}
+
 TEST(StsEvents, WalkingHasNone) {
   StsSignals signals;
   signals.leg_length = 840;

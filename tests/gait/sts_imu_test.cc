@@ -121,39 +121,21 @@ Agreement Compare(const Signal& video, const Signal& imu) {
   return best;
 }
 
-// Falls of the thigh's lean from above 60° to below 30°.
-int CountStandUps(const Signal& thigh) {
-  int count = 0;
-  bool seated = false;
-  for (const double lean_deg : thigh.value) {
-    if (lean_deg > 60) seated = true;
-    if (seated && lean_deg < 30) ++count, seated = false;
-  }
-  return count;
-}
-
-struct Participant {
-  const char* name;
-  int stand_ups;
-};
-
-class ThighMarkersAndImu : public testing::TestWithParam<Participant> {};
+class ThighMarkersAndImu : public testing::TestWithParam<const char*> {};
 
 TEST_P(ThighMarkersAndImu, Agree) {
   const fs::path data = fs::path(LAKE_SHARED_DATA) / "sts_markers_imu/data";
   if (!fs::exists(data)) GTEST_SKIP() << data.string() << " is not here";
-  const Signal video = LowPass(ThighOfVideo(data / "video" / GetParam().name));
-  const Signal imu = ThighOfImu(data / "NGIMU" / GetParam().name / "NGIMU - 002D50FB");
-  EXPECT_EQ(CountStandUps(video), GetParam().stand_ups);
+  const Signal video = LowPass(ThighOfVideo(data / "video" / GetParam()));
+  const Signal imu = ThighOfImu(data / "NGIMU" / GetParam() / "NGIMU - 002D50FB");
   const Agreement agreement = Compare(video, imu);
   EXPECT_GE(agreement.correlation, 0.99);
   EXPECT_LE(agreement.rmse_deg, 4);
   RecordProperty("rmse_deg", std::to_string(agreement.rmse_deg));
 }
 
-INSTANTIATE_TEST_SUITE_P(, ThighMarkersAndImu,
-                         testing::Values(Participant{"participant1", 22}, Participant{"participant2", 15}),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(, ThighMarkersAndImu, testing::Values("participant1", "participant2"),
+                         [](const auto& info) { return std::string(info.param); });
 
 }  // namespace
 }  // namespace lake

@@ -71,6 +71,32 @@ TEST(KinematicsCsv, ReadsBackWhatWasWritten) {
   EXPECT_TRUE(std::isnan(read.samples[1].knee_deg));
 }
 
+TEST(KinematicsCsv, RefusesTimesThatDoNotIncrease) {
+  const TemporaryFolder folder;
+  for (const double second_s : {0.1, 0.05}) {
+    LegMotion motion;
+    motion.frame = {3, 4};
+    motion.time_s = {0.1, second_s};
+    motion.samples.resize(2);
+    WriteKinematicsCsv(folder / "kinematics.csv", motion);
+    EXPECT_THAT([&] { ReadKinematicsCsv(folder / "kinematics.csv"); },
+                ThrowsMessage<Error>(HasSubstr("kinematics.csv:3: time_s does not increase")));
+  }
+}
+
+TEST(EventsCsv, RefusesAnotherOrder) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::vector<StsEvent>& events) {
+    WriteEventsCsv(folder / "events.csv", events);
+    return ReadEventsCsv(folder / "events.csv").size();
+  };
+  const StsEvent onset{1, StsEventKind::kOnset, 30, 0.5}, standing{1, StsEventKind::kStanding, 90, 1.5},
+      early{1, StsEventKind::kStanding, 6, 0.1}, next{2, StsEventKind::kOnset, 90, 1.5};
+  EXPECT_EQ(read({onset, standing, next}), 3u);
+  EXPECT_THAT([&] { read({onset, early}); }, ThrowsMessage<Error>(HasSubstr("events.csv:3: time_s decreases")));
+  EXPECT_THAT([&] { read({next, onset}); }, ThrowsMessage<Error>(HasSubstr("repetition 1 after repetition 2")));
+}
+
 TEST(EventsCsv, ReadsBackWhatWasWritten) {
   const TemporaryFolder folder;
   WriteEventsCsv(folder / "events.csv", {{1, StsEventKind::kSeatOff, 42, 0.7}});

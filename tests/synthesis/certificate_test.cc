@@ -4,12 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <random>
+#include <vector>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/synthesis/optimize.h"
 #include "paper.h"
+#include "range_bound.h"
 
 namespace lake {
 namespace {
@@ -23,7 +27,7 @@ TEST(Certificate, ProvesThePapersProblem) {
   EXPECT_LE(certificate.upper_bound_deg - range, 0.1);
   EXPECT_GE(certificate.upper_bound_deg, kSupremum_deg - 1e-9);
   EXPECT_NEAR(180 - DegreesFromRadians(std::atan(50.0 / 300.0)), kSupremum_deg, 1e-12);
-  EXPECT_LT(certificate.seconds, 60);
+  EXPECT_EQ(certificate.boxes, 1);  // nothing needs to be split: README
 }
 
 TEST(Certificate, ProvesTheOptimaWithMargins) {
@@ -65,33 +69,208 @@ SynthesisProblem RandomProblem(std::mt19937_64& random) {
   return problem;
 }
 
+// A design within the bounds; most are not feasible.
+Links RandomWithin(const std::array<Interval, 6>& bounds, std::mt19937_64& random) {
+  std::array<double, 6> values{};
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] =
+        bounds[i].lower + (bounds[i].upper - bounds[i].lower) * std::uniform_real_distribution(0.0, 1.0)(random);
+  return Links::FromValues(values);
+}
+
+std::array<Interval, 6> BoundsOf(const SynthesisProblem& problem) {
+  std::array<Interval, 6> bounds;
+  for (std::size_t i = 0; i < bounds.size(); ++i) bounds[i] = {problem.bounds[i].lower, problem.bounds[i].upper};
+  return bounds;
+}
+
+double RangeOf(const Links& links, const SynthesisProblem& problem) {
+  return DegreesFromRadians(SolvePose(links, problem.d_min_mm)->theta_rad);
+}
+
+// Feasible designs of a problem, of `samples` drawn.
+std::vector<Links> FeasibleSamples(const SynthesisProblem& problem, int samples, std::mt19937_64& random) {
+  const auto requirements = RequirementsOf(problem);
+  std::vector<Links> feasible;
+  for (int sample = 0; sample < samples; ++sample) {
+    const Links links = RandomWithin(BoundsOf(problem), random);
+    if (MeetsLinkRequirements(links, problem, requirements)) feasible.push_back(links);
+  }
+  return feasible;
+}
+
+// Rounding of the closed form that the samples are evaluated with, which is not verified arithmetic.
+constexpr double kRounding_deg = 1e-9;
+
 // The bound of a box without any branching must hold for every feasible design in it, whatever the bounds and margins.
 TEST(Certificate, NoFeasibleDesignOfRandomProblemsExceedsTheBound) {
   std::mt19937_64 random(20260101);
+  CertificateOptions unbranched;
+  unbranched.max_boxes = 1;
   int problems = 0;
   for (int trial = 0; trial < 4000; ++trial) {
     const SynthesisProblem problem = RandomProblem(random);
-    const Certificate root = CertifyRange(problem, 180);  // nothing exceeds it, so nothing is split
-    const auto requirements = RequirementsOf(problem);
-    bool any = false;
-    for (int sample = 0; sample < 200; ++sample) {
-      std::array<double, 6> values{};
-      for (std::size_t i = 0; i < 6; ++i)
-        values[i] = std::uniform_real_distribution(problem.bounds[i].lower, problem.bounds[i].upper)(random);
-      const Links links = Links::FromValues(values);
-      if (!MeetsLinkRequirements(links, problem, requirements)) continue;
-      any = true;
-      ASSERT_LE(DegreesFromRadians(SolvePose(links, problem.d_min_mm)->theta_rad), root.upper_bound_deg + 1e-9)
-          << "trial " << trial;
-    }
-    problems += any;
+    const Certificate root = CertifyRange(problem, std::nullopt, unbranched);
+    ASSERT_EQ(root.boxes, 1);
+    const std::vector<Links> feasible = FeasibleSamples(problem, 200, random);
+    for (const Links& links : feasible)
+      ASSERT_LE(RangeOf(links, problem), root.upper_bound_deg + kRounding_deg) << "trial " << trial;
+    problems += !feasible.empty();
   }
   EXPECT_GT(problems, 200);  // the test has seen enough feasible designs to mean something
 }
 
+// Contraction removes no feasible design, and the bound of what it leaves holds: on boxes of every size, down to single
+// designs, around feasible ones.
+TEST(Certificate, ContractionLosesNoFeasibleDesign) {
+  std::mt19937_64 random(20260303);
+  int contracted = 0, kept = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    const SynthesisProblem problem = RandomProblem(random);
+    const auto requirements = RequirementsOf(problem);
+    const RangeBound range(problem);
+    for (const Links& centre : FeasibleSamples(problem, 50, random)) {
+      const double size = std::pow(10.0, std::uniform_real_distribution(-6.0, 1.5)(random)) * (random() % 8 > 0);
+      LinkBox box;
+      for (std::size_t i = 0; i < box.size(); ++i) {
+        const double fixed = random() % 4 > 0, share = std::uniform_real_distribution(0.0, 1.0)(random);
+        const double at = centre.Values()[i];
+        box[i] = {std::max(problem.bounds[i].lower, at - fixed * size * share),
+                  std::min(problem.bounds[i].upper, at + fixed * size * (1 - share))};
+      }
+      LinkBox left = box;
+      ASSERT_TRUE(range.Contract(left)) << "trial " << trial;
+      const double bound_deg = DegreesFromRadians(range.UpperBound(left));
+      for (int sample = 0; sample < 20; ++sample) {
+        const Links links = sample == 0 ? centre : RandomWithin(box, random);
+        if (!MeetsLinkRequirements(links, problem, requirements)) continue;
+        for (std::size_t i = 0; i < left.size(); ++i)
+          ASSERT_TRUE(left[i].Contains(links.Values()[i])) << LinkName(i) << ", trial " << trial;
+        ASSERT_LE(RangeOf(links, problem), bound_deg + kRounding_deg) << "trial " << trial;
+        ++kept;
+      }
+      for (std::size_t i = 0; i < left.size(); ++i) contracted += left[i].Width() < 0.99 * box[i].Width();
+    }
+  }
+  EXPECT_GT(kept, 10000);
+  EXPECT_GT(contracted, 100);
+}
+
+// Splitting: as no range is known, boxes are split to the end of the budget. The bound falls with the budget, never
+// below a feasible design.
+TEST(Certificate, NoFeasibleDesignExceedsTheBoundHoweverFarBoxesAreSplit) {
+  std::mt19937_64 random(20260404);
+  int problems = 0, fell = 0;
+  for (int trial = 0; trial < 150; ++trial) {
+    const SynthesisProblem problem = RandomProblem(random);
+    const std::vector<Links> feasible = FeasibleSamples(problem, 500, random);
+    if (feasible.empty()) continue;
+    ++problems;
+    double last = 180 + kRounding_deg;
+    for (const std::int64_t boxes : {1, 30, 300}) {
+      CertificateOptions options;
+      options.max_boxes = boxes;
+      const Certificate certificate = CertifyRange(problem, std::nullopt, options);
+      EXPECT_LE(certificate.boxes, boxes);
+      EXPECT_FALSE(certificate.reached);
+      EXPECT_TRUE(std::isnan(certificate.gap_deg));
+      fell += certificate.upper_bound_deg < last && boxes > 1;
+      EXPECT_LE(certificate.upper_bound_deg, last);
+      last = certificate.upper_bound_deg;
+      for (const Links& links : feasible)
+        ASSERT_LE(RangeOf(links, problem), certificate.upper_bound_deg + kRounding_deg) << "trial " << trial;
+    }
+  }
+  EXPECT_GT(problems, 10);
+  EXPECT_GT(fell, problems);
+}
+
+// A range far below the optimum only makes the search longer: the bound comes down to the optimum and stays above it.
+TEST(Certificate, AnUnderstatedRangeLeavesTheBoundValid) {
+  const SynthesisProblem problem = WithMargins(2);
+  const double optimum = SolveFrom(problem, problem.start).evaluation.range_deg;
+  CertificateOptions options;
+  options.max_boxes = 3000;
+  for (const double below : {0.05, 1.0, 20.0, 100.0}) {
+    const Certificate certificate = CertifyRange(problem, optimum - below, options);
+    EXPECT_GE(certificate.upper_bound_deg, optimum - kRounding_deg);
+    EXPECT_LE(certificate.upper_bound_deg, optimum + 0.1) << below;
+    EXPECT_EQ(certificate.reached, certificate.upper_bound_deg <= optimum - below + options.gap_deg) << below;
+    EXPECT_FALSE(certificate.feasible_set_empty);
+  }
+}
+
+SynthesisProblem Fixed(SynthesisProblem problem, const Links& links, const std::vector<std::size_t>& which) {
+  for (const std::size_t i : which) problem.bounds[i] = {links.Values()[i], links.Values()[i]};
+  return problem;
+}
+
+// Where nothing can be split, the design's own range is the bound, whatever is known.
+TEST(Certificate, FixedLinksHaveTheirOwnRangeAsBound) {
+  std::mt19937_64 random(20260505);
+  for (int trial = 0; trial < 50; ++trial) {
+    const SynthesisProblem open = WithMargins(trial % 3);
+    const Links links = trial == 0 ? kPublished : RandomFeasible(open, random);
+    const SynthesisProblem problem = Fixed(open, links, {0, 1, 2, 3, 4, 5});
+    const double range = RangeOf(links, problem);
+    for (const std::optional<double> known :
+         {std::optional<double>(), std::optional(range), std::optional(range - 1)}) {
+      const Certificate certificate = CertifyRange(problem, known);
+      EXPECT_FALSE(certificate.feasible_set_empty);
+      EXPECT_NEAR(certificate.upper_bound_deg, range, 1e-6) << "trial " << trial;
+      EXPECT_GE(certificate.upper_bound_deg, range - kRounding_deg);
+      EXPECT_EQ(certificate.reached, known == range);
+      EXPECT_LE(certificate.boxes, 2);
+    }
+  }
+}
+
+TEST(Certificate, SomeLinksMayBeFixed) {
+  std::mt19937_64 random(20260606);
+  for (int trial = 0; trial < 60; ++trial) {
+    const SynthesisProblem open = WithMargins(trial % 2);
+    const Links links = RandomFeasible(open, random);
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < 6; ++i)
+      if (random() % 2) which.push_back(i);
+    const SynthesisProblem problem = Fixed(open, links, which);
+    CertificateOptions options;
+    options.max_boxes = 300;
+    const Certificate certificate = CertifyRange(problem, RangeOf(links, problem), options);
+    for (const Links& sample : FeasibleSamples(problem, 300, random))
+      ASSERT_LE(RangeOf(sample, problem), certificate.upper_bound_deg + kRounding_deg) << "trial " << trial;
+  }
+}
+
+TEST(Certificate, ABoundBelowAKnownRangeIsAnError) {
+  EXPECT_THAT([] { CertifyRange(SynthesisProblem{}, kSupremum_deg + 0.01); },
+              ::testing::ThrowsMessage<Error>(::testing::HasSubstr("170.547678 deg is known")));
+  SynthesisProblem empty;
+  empty.bounds[0] = {90, 100};
+  empty.bounds[3] = {50, 60};  // l1 <= l4 is impossible
+  EXPECT_THROW(CertifyRange(empty, 100), Error);
+  const SynthesisProblem fixed = Fixed(SynthesisProblem{}, kPublished, {0, 1, 2, 3, 4, 5});
+  EXPECT_THROW(CertifyRange(fixed, RangeOf(kPublished, fixed) + 0.01), Error);
+}
+
+TEST(Certificate, IsTheSameForAnyNumberOfThreads) {
+  const SynthesisProblem problem = WithMargins(1);
+  CertificateOptions options;
+  options.max_boxes = 1500;
+  options.threads = 1;
+  const Certificate alone = CertifyRange(problem, std::nullopt, options);
+  EXPECT_EQ(alone.boxes, options.max_boxes);
+  for (const int threads : {2, 3, 5}) {
+    options.threads = threads;
+    const Certificate together = CertifyRange(problem, std::nullopt, options);
+    EXPECT_EQ(together.upper_bound_deg, alone.upper_bound_deg) << threads;
+    EXPECT_EQ(together.boxes, alone.boxes) << threads;
+  }
+}
+
 // Refined bounds of problems unlike the paper's must meet the optimum that Ipopt finds: never below it, and not far
-// above where l1 can follow l3 down, as in the paper's bounds (elsewhere branching is slow, and a short time limit is
-// not enough).
+// above where l1 can follow l3 down, as in the paper's bounds (elsewhere branching is slow, and a small budget is not
+// enough).
 TEST(Certificate, MeetsTheOptimumOfRandomProblems) {
   std::mt19937_64 random(20260202);
   int reached = 0, solved = 0;
@@ -105,7 +284,7 @@ TEST(Certificate, MeetsTheOptimumOfRandomProblems) {
     if (result.best < 0) continue;
     solved += like_paper;
     CertificateOptions certificate_options;
-    certificate_options.max_seconds = 0.3;
+    certificate_options.max_boxes = 5000;
     const Certificate certificate = CertifyRange(problem, result.Best().evaluation.range_deg, certificate_options);
     EXPECT_GE(certificate.gap_deg, -1e-6) << "trial " << trial;
     reached += like_paper && certificate.reached;
@@ -118,7 +297,10 @@ TEST(Certificate, SaysWhenNothingIsFeasible) {
   SynthesisProblem problem;
   problem.bounds[0] = {90, 100};
   problem.bounds[3] = {50, 60};  // l1 <= l4 is impossible
-  EXPECT_TRUE(CertifyRange(problem, 100).feasible_set_empty);
+  const Certificate certificate = CertifyRange(problem, std::nullopt);
+  EXPECT_TRUE(certificate.feasible_set_empty);
+  EXPECT_EQ(certificate.upper_bound_deg, -std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(certificate.reached);
 }
 
 TEST(Certificate, RefusesSenselessOptions) {
@@ -128,6 +310,10 @@ TEST(Certificate, RefusesSenselessOptions) {
   options = {};
   options.threads = 0;
   EXPECT_THROW(CertifyRange(SynthesisProblem{}, 170, options), Error);
+  options = {};
+  options.max_boxes = 0;
+  EXPECT_THROW(CertifyRange(SynthesisProblem{}, 170, options), Error);
+  EXPECT_THROW(CertifyRange(SynthesisProblem{}, NAN), Error);
 }
 
 }  // namespace

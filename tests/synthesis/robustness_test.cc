@@ -50,6 +50,16 @@ TEST(Yield, SafeMarginsAreJustEnough) {
   EXPECT_EQ(EstimateYield(full.end, problem, options).assembled_and_grashof.value, 1);
 }
 
+// Why the yield says that it is of the links alone: an actuator 0.3 mm too short uses up what margin is left.
+TEST(Yield, SaysNothingOfAnActuatorThatIsTooShort) {
+  SynthesisProblem problem = WithMargins(0.3);
+  const LocalSolve solve = SolveFrom(problem, problem.start);
+  EXPECT_EQ(EstimateYield(solve.end, problem).assembled.value, 1);
+  problem.d_min_mm -= 0.3;
+  EXPECT_LT(EstimateYield(solve.end, problem).assembled.value, 0.6);
+  EXPECT_THAT(kYieldScope, ::testing::HasSubstr("actuator's shortest length"));
+}
+
 TEST(Yield, RefusesSenselessTolerances) {
   YieldOptions options;
   options.tolerance_mm = NAN;

@@ -44,6 +44,7 @@ TEST(Study, TablesAgreeWithTheSummary) {
   EXPECT_LE(summary["kkt_error"].get<double>(), 1e-6);
   const double range = summary["range_deg"];
   EXPECT_LE(summary["certified_upper_bound_deg"].get<double>() - range, 0.1);
+  for (const char* clock : {"seconds", "time_s"}) EXPECT_FALSE(summary["certificate"].contains(clock)) << clock;
 
   const Design design = ReadDesign(written->folder / "design.yaml");
   EXPECT_EQ(*design.range_deg, range);
@@ -70,6 +71,8 @@ TEST(Study, TablesAgreeWithTheSummary) {
       EXPECT_LT(at, margins.RequiredNumber(row - 1, margins.Column("range_deg")));
     }
   }
+  EXPECT_TRUE(margins.Has("yield_links_alone"));
+  EXPECT_THAT(summary["yield"]["scope"].get<std::string>(), ::testing::HasSubstr("links alone"));
   EXPECT_EQ(CsvTable::Read(written->folder / "starts.csv").Rows(), 3u);
   EXPECT_EQ(CsvTable::Read(written->folder / "sensitivity.csv").Rows(), 6u * 201u);
   EXPECT_GT(CsvTable::Read(written->folder / "convergence.csv").Rows(), 5u);
@@ -96,21 +99,21 @@ TEST(Study, InfeasibleProblemLeavesItsBestPointMarked) {
   EXPECT_FALSE(std::filesystem::exists(written->folder / "sensitivity.csv"));
 }
 
-// The bound leaves requirements over the used range out: still a bound, and found without waiting for the time limit.
+// The bound leaves requirements over the used range out: still a bound, and found without using up the budget.
 TEST(Study, CertificateHoldsWithRequirementsOverTheUsedRange) {
   SynthesisProblem problem = WithMargins(1);
   problem.max_force_n = 2000;
   const double range = SolveFrom(problem, problem.start).evaluation.range_deg;
-  const Certificate certificate = Certify(problem, range, 0.1, 60, true);
+  const Certificate certificate = Certify(problem, range, 0.1, 1000, true);
   EXPECT_GT(certificate.upper_bound_deg, range);
   EXPECT_FALSE(certificate.reached);
-  EXPECT_LT(certificate.seconds, 10);
+  EXPECT_LT(certificate.boxes, 1000);
 }
 
 TEST(Study, CapIsPartOfTheCertificate) {
   SynthesisProblem problem = WithMargins(1);
   problem.max_angle_deg = 130;
-  const Certificate certificate = Certify(problem, 130, 0.1, 60, true);
+  const Certificate certificate = Certify(problem, 130, 0.1, 1000, true);
   EXPECT_TRUE(certificate.reached);
   EXPECT_EQ(certificate.upper_bound_deg, 130);
 }

@@ -45,9 +45,9 @@ Json IntervalJson(const Interval& interval) {
 
 Json PartJson(double fraction, const std::optional<MisalignmentIntervals>& intervals,
               Interval MisalignmentIntervals::*interval) {
-  Json part = {{"fraction", fraction}};
-  part["interval"] = intervals ? IntervalJson(*intervals.*interval) : Json(nullptr);
-  return part;
+  const bool known = std::isfinite(fraction);
+  return {{"fraction", known ? Json(fraction) : Json(nullptr)},
+          {"interval", known && intervals ? IntervalJson(*intervals.*interval) : Json(nullptr)}};
 }
 
 Json DecompositionJson(const Misalignment& m) {

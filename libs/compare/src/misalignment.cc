@@ -1,6 +1,7 @@
 #include "lake/compare/misalignment.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lake/compare/pointwise_error.h"
@@ -48,6 +49,37 @@ Interval PercentileInterval(const std::vector<double>& draws) {
   return {Quantile(draws, 0.025), Quantile(draws, 0.975)};
 }
 
+// Draws around a known `centre` show how far an estimate strays from the truth: the estimate less that. The basic
+// bootstrap interval (Davison & Hinkley 1997, sec. 5.2); it takes out the bias that noise brings.
+Interval BasicInterval(double estimate, double centre, const std::vector<double>& draws) {
+  const Interval drawn = PercentileInterval(draws);
+  return {estimate - (drawn.high - centre), estimate - (drawn.low - centre)};
+}
+
+double MeanSquare(const std::vector<Vector2d>& vectors) {
+  double sum = 0;
+  for (const Vector2d& v : vectors) sum += v.squaredNorm();
+  return sum / static_cast<double>(vectors.size());
+}
+
+// Noise adds to a mean square, so what is measured holds it once already: the factor that takes it out.
+double WithoutNoise(double measured_square, double noise_square) {
+  return measured_square > 0 ? std::sqrt(std::max(0.0, 1 - noise_square / measured_square)) : 0;
+}
+
+// Placement, timing, shape of a decomposition to whose shape something is added that the fit takes for nothing else.
+Eigen::Vector3d FractionsWithShape(const Decomposition& d, double factor, const std::vector<Vector2d>& added_mm) {
+  Eigen::Vector3d parts = Eigen::Vector3d::Zero();
+  double total = 0;
+  for (std::size_t i = 0; i < kPercentSamples; ++i) {
+    const Vector2d shape = d.shape_mm[i] + factor * added_mm[i];
+    const Vector2d difference = d.placement_mm[i] + d.timing_mm[i] + shape;
+    parts += Eigen::Vector3d(d.placement_mm[i].dot(difference), d.timing_mm[i].dot(difference), shape.dot(difference));
+    total += difference.squaredNorm();
+  }
+  return parts / total;
+}
+
 class Bootstrap {
  public:
   Bootstrap(const RegisteredTrial& human, const RegisteredTrial& exo, const MisalignmentOptions& options)
@@ -63,16 +95,11 @@ class Bootstrap {
       square_relative += MeanSquaredRelativeError(draws.back(), zero, m.shank_mm) / options_.resamples;
     }
     m.noise_floor_mm = std::sqrt(square_mm), m.noise_floor_relative = std::sqrt(square_relative);
-    // Noise adds to a mean square, so what is measured holds it once already; drawing on top of it would count it
-    // twice.
-    const double measured = m.metrics.relative_rms * m.metrics.relative_rms;
-    const double shrink = measured > 0 ? std::sqrt(std::max(0.0, 1 - square_relative / measured)) : 0;
-    for (const std::vector<Vector2d>& noise : draws) {
-      ThrowIfInterrupted();
-      AddDistances(m, shrink, noise);
-      AddDecomposition(m, noise);
-    }
-    m.intervals = Intervals();
+    const double shrink = WithoutNoise(m.metrics.relative_rms * m.metrics.relative_rms, square_relative);
+    for (const std::vector<Vector2d>& noise : draws) AddDistances(m, shrink, noise);
+    m.intervals.emplace();
+    SetDistanceIntervals(*m.intervals);
+    SetPartIntervals(m, draws);
   }
 
  private:
@@ -87,29 +114,47 @@ class Bootstrap {
         relative_max_.push_back(*std::max_element(relative.begin(), relative.end()));
   }
 
-  void AddDecomposition(const Misalignment& m, const std::vector<Vector2d>& noise) {
-    StsCurve exo = m.exo;
-    for (std::size_t i = 0; i < kPercentSamples; ++i) exo.knee[i] += noise[i];
-    const Decomposition d = DecomposeFrom(m.decomposition, m.human, exo, options_.decomposition);
-    placement_.push_back(d.placement), timing_.push_back(d.timing), shape_.push_back(d.shape);
-    offset_x_.push_back(d.offset_mm.x()), offset_y_.push_back(d.offset_mm.y());
-  }
-
-  MisalignmentIntervals Intervals() const {
-    MisalignmentIntervals intervals;
+  void SetDistanceIntervals(MisalignmentIntervals& intervals) const {
     intervals.rms_mm = PercentileInterval(rms_), intervals.max_mm = PercentileInterval(max_);
     intervals.relative_rms = PercentileInterval(relative_rms_),
     intervals.relative_max = PercentileInterval(relative_max_);
-    intervals.placement = PercentileInterval(placement_), intervals.timing = PercentileInterval(timing_);
-    intervals.shape = PercentileInterval(shape_);
-    intervals.offset_x_mm = PercentileInterval(offset_x_), intervals.offset_y_mm = PercentileInterval(offset_y_);
-    return intervals;
+  }
+
+  // The measured shape holds noise already. So noise is drawn on top of placement and timing alone; what it leaves in
+  // the shape tells how much of the measured shape is noise, and the rest of that is added to every draw: the fit takes
+  // a shape, which is what it left, for nothing else.
+  void SetPartIntervals(Misalignment& m, const std::vector<std::vector<Vector2d>>& draws) const {
+    std::vector<Decomposition> parts;
+    double noise_square = 0;
+    for (const std::vector<Vector2d>& noise : draws) {
+      ThrowIfInterrupted();
+      StsCurve exo = m.exo;
+      for (std::size_t i = 0; i < kPercentSamples; ++i) exo.knee[i] += noise[i] - m.decomposition.shape_mm[i];
+      parts.push_back(DecomposeFrom(m.decomposition, m.human, exo, options_.decomposition));
+      noise_square += MeanSquare(parts.back().shape_mm) / static_cast<double>(draws.size());
+    }
+    const std::vector<Vector2d>& shape_mm = m.decomposition.shape_mm;
+    const double shrink = WithoutNoise(MeanSquare(shape_mm), noise_square);
+    const Eigen::Vector3d centre = FractionsWithShape(m.decomposition, shrink - 1, shape_mm);
+    std::array<std::vector<double>, 3> fractions;
+    std::vector<double> offset_x, offset_y;
+    for (const Decomposition& d : parts) {
+      const Eigen::Vector3d drawn = FractionsWithShape(d, shrink, shape_mm);
+      for (int part = 0; part < 3; ++part) fractions[static_cast<std::size_t>(part)].push_back(drawn[part]);
+      offset_x.push_back(d.offset_mm.x()), offset_y.push_back(d.offset_mm.y());
+    }
+    const Decomposition& d = m.decomposition;
+    m.intervals->placement = BasicInterval(d.placement, centre[0], fractions[0]);
+    m.intervals->timing = BasicInterval(d.timing, centre[1], fractions[1]);
+    m.intervals->shape = BasicInterval(d.shape, centre[2], fractions[2]);
+    m.intervals->offset_x_mm = BasicInterval(d.offset_mm.x(), d.offset_mm.x(), offset_x);
+    m.intervals->offset_y_mm = BasicInterval(d.offset_mm.y(), d.offset_mm.y(), offset_y);
   }
 
   const MisalignmentOptions& options_;
   NoiseModel noise_;
   std::mt19937_64 random_;
-  std::vector<double> rms_, max_, relative_rms_, relative_max_, placement_, timing_, shape_, offset_x_, offset_y_;
+  std::vector<double> rms_, max_, relative_rms_, relative_max_;
 };
 
 // The longest distance from ankle to hip: of the compared markers only the exoskeleton's may sit beside the knee.
@@ -130,9 +175,13 @@ void AddWarnings(const RegisteredTrial& human, const RegisteredTrial& exo, Misal
         "ankle to hip is {:.0f} mm in the human trial and {:.0f} mm in the exoskeleton trial: another subject, "
         "another marker placement, or a wrong scale?",
         human_mm, exo_mm));
+  const bool same_path = std::isnan(m.decomposition.placement);
+  if (same_path)
+    m.warnings.push_back(
+        "both knee paths are one: there is no misalignment to take apart; is one trial given as both?");
   if (!m.decomposition.converged)
     m.warnings.push_back("the decomposition did not converge: its fractions are approximate");
-  if (m.metrics.rms_mm < 2 * m.noise_floor_mm)
+  if (!same_path && m.metrics.rms_mm < 2 * m.noise_floor_mm)
     m.warnings.push_back(fmt::format(
         "the misalignment ({:.2g} mm RMS) is less than twice the noise floor ({:.2g} mm): its parts mean little",
         m.metrics.rms_mm, m.noise_floor_mm));

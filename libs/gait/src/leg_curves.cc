@@ -134,6 +134,7 @@ MarkerCurve SmoothMarker(const MarkerRecording& recording, const Detections& d, 
       recording.time_s, (recording.time_s.back() - recording.time_s.front()) / static_cast<double>(n - 1));
   SmoothingOptions smoothing;
   if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
+  smoothing.max_iterations = options.most_smoothing_iterations;
   MarkerCurve curve;
   curve.in_plane.assign(n, Eigen::Vector2d::Zero());
   std::vector<double> variance(n, 0.0);
@@ -143,6 +144,7 @@ MarkerCurve SmoothMarker(const MarkerRecording& recording, const Detections& d, 
     for (std::size_t i = 0; i < n; ++i)
       if (d.trusted[i]) values[i] = d.in_plane[i][axis];
     const SmoothSignal signal = FitSmoothingSpline(grid, recording.time_s, values, d.plane_sigma, smoothing);
+    curve.settled &= signal.converged;
     for (std::size_t i = 0; i < n; ++i) {
       const SplineGrid::Place place = grid.At(recording.time_s[i]);
       curve.in_plane[i][axis] = ValueAt(place, signal.coefficients);

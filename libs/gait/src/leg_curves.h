@@ -13,6 +13,7 @@ namespace lake {
 struct MarkerCurve {
   std::vector<Eigen::Vector2d> in_plane, recorded;
   std::vector<double> plane_sigma, recorded_sigma;  // per axis
+  bool settled = true;                              // whether its smoothness was found
 };
 
 struct LegCurves {

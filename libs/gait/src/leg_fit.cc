@@ -213,6 +213,8 @@ LegFitResult FitLeg(const MarkerRecording& recording, const LegView& view, const
   CheckLeg(signals, leg, options);
   progress.Advance();
   LegStart start = SmoothSignals(signals, recording.time_s, model.states, options);
+  if (!start.unsettled.empty())
+    result.warnings.push_back(UnsettledWarning(fmt::format("leg fit, {}", fmt::join(start.unsettled, ", "))));
   progress.Advance();
   model.grid = start.grid;
   model.priors = start.priors;

@@ -218,8 +218,11 @@ MarkerOutput Unsmoothed(const Detections& d) {
 MarkerOutput MakeExtra(const MarkerRecording& recording, const Detections& d, const LegView& view, double most_sigma,
                        const LegFitOptions& options, std::vector<std::string>& warnings) {
   constexpr std::ptrdiff_t kLeastDetections = 8;
-  if (std::count(d.trusted.begin(), d.trusted.end(), 1) >= kLeastDetections)
-    return MakeOutput(d, SmoothMarker(recording, d, view, options), recording.time_s, most_sigma, options);
+  if (std::count(d.trusted.begin(), d.trusted.end(), 1) >= kLeastDetections) {
+    MarkerCurve curve = SmoothMarker(recording, d, view, options);
+    if (!curve.settled) warnings.push_back(UnsettledWarning(fmt::format("marker '{}'", d.name)));
+    return MakeOutput(d, std::move(curve), recording.time_s, most_sigma, options);
+  }
   warnings.push_back(
       fmt::format("marker '{}' is seen in fewer than {} frames and left as it is", d.name, kLeastDetections));
   return Unsmoothed(d);

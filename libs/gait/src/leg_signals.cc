@@ -1,6 +1,7 @@
 #include "leg_signals.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -108,6 +109,11 @@ bool IsLength(int state) {
   return state == kShankLength || state == kThighLength || state == kTrunkLength;
 }
 
+// In the order of LegState, for messages.
+constexpr std::array<const char*, kLegStates> kStateNames = {"ankle (x)",     "ankle (y)",      "shank's angle",
+                                                             "thigh's angle", "shank's length", "thigh's length",
+                                                             "trunk's angle", "trunk's length"};
+
 struct SmoothedSignals {
   SplineGrid grid;
   std::vector<SmoothSignal> signals;
@@ -120,6 +126,7 @@ SmoothedSignals SmoothOn(double step_s, const LegSignals& signals, const std::ve
   smoothed.grid = MakeSplineGrid(time_s, step_s);
   SmoothingOptions smoothing;
   if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
+  smoothing.max_iterations = options.most_smoothing_iterations;
   for (std::size_t s = 0; s < static_cast<std::size_t>(states); ++s) {
     smoothed.signals.push_back(
         FitSmoothingSpline(smoothed.grid, time_s, signals.value[s], signals.sigma[s], smoothing));
@@ -227,6 +234,13 @@ void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarker
                leg[kHip].name, leg[kAnkle].name);
 }
 
+std::string UnsettledWarning(const std::string& what) {
+  return fmt::format(
+      "{}: how smooth the motion is could not be settled, so angle, speed and their sigmas are less certain than they "
+      "say; give a --cutoff, or look for outliers and wrong names",
+      what);
+}
+
 LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
                        const LegFitOptions& options) {
   std::vector<double> steps;
@@ -248,6 +262,7 @@ LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& tim
   start.coefficients.resize(best.grid.count * static_cast<std::size_t>(states));
   constexpr double kLengthMemory_s = 0.3;  // the slope of a length is alike over about this time
   for (std::size_t s = 0; s < static_cast<std::size_t>(states); ++s) {
+    if (!best.signals[s].converged) start.unsettled.emplace_back(kStateNames[s]);
     start.priors[s].roughness = best.signals[s].roughness;
     if (IsLength(static_cast<int>(s)))
       // A walk whose steps per knot, alike over the memory, have this variance.

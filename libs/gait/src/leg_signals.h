@@ -40,9 +40,13 @@ void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarker
 struct LegStart {
   SplineGrid grid;
   std::array<LegPrior, kLegStates> priors;
-  std::vector<double> coefficients;  // grid.count × states
-  double knee_cutoff_hz = 0;         // the geometric mean of shank and thigh
+  std::vector<double> coefficients;    // grid.count × states
+  double knee_cutoff_hz = 0;           // the geometric mean of shank and thigh
+  std::vector<std::string> unsettled;  // the components whose smoothness was still changing when the search ended
 };
+// Says that what a smoothing found is not final, and what to do.
+std::string UnsettledWarning(const std::string& what);
+
 LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
                        const LegFitOptions& options);
 

@@ -63,23 +63,30 @@ class EventFinder {
 
   FoundStsEvents Find() {
     std::size_t rest_from = 0;  // the earliest frame at which the rest before the next rise can begin
+    bool is_standing = false;   // since a rise that counts: the next lowering is that repetition's
     for (const Stretch& stretch : FindStretches(s_.hip_height, o_.least_rise * s_.leg_length)) {
       if (stretch.rising) {
-        if (Extension(stretch) < o_.least_extension_deg) continue;
-        const std::size_t seat_off = SeatOff(rest_from, stretch);
-        if (seat_off == 0)
-          found_.begins_during_rise = true;
-        else
-          AddRise(rest_from, seat_off, stretch);
+        is_standing = AddIfRepetition(rest_from, stretch);
       } else {
         rest_from = Extreme(s_.hip_up_speed, stretch, false);
-        if (repetition_ > 0) AddLowering(stretch);
+        if (is_standing) AddLowering(stretch);
+        is_standing = false;
       }
     }
     return std::move(found_);
   }
 
  private:
+  // Adds the events of a rise if it is one that counts.
+  bool AddIfRepetition(std::size_t rest_from, const Stretch& rise) {
+    if (Extension(rise) < o_.least_extension_deg) return false;
+    const std::size_t seat_off = SeatOff(rest_from, rise);
+    found_.begins_during_rise |= seat_off == 0;
+    if (seat_off == 0) return false;
+    AddRise(rest_from, seat_off, rise);
+    return true;
+  }
+
   // The knee's extension over a stretch, from its speed.
   double Extension(const Stretch& stretch) const {
     double extension_deg = 0;

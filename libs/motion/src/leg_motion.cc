@@ -77,6 +77,8 @@ LegMotion ReadKinematicsCsv(const std::filesystem::path& path) {
     const auto number = [&](std::size_t column) { return table.Number(row, column).value_or(LegSample::kUnknown); };
     motion.frame.push_back(static_cast<std::int64_t>(table.RequiredNumber(row, frame)));
     motion.time_s.push_back(table.RequiredNumber(row, time));
+    if (row > 0 && motion.time_s[row] <= motion.time_s[row - 1])
+      throw Fail("{}: time_s does not increase", table.Where(row));
     LegSample sample;
     if (const auto value = table.Number(row, repetition)) sample.repetition = static_cast<int>(*value);
     sample.percent = number(percent);
@@ -113,6 +115,12 @@ std::vector<StsEvent> ReadEventsCsv(const std::filesystem::path& path) {
     read.kind = *kind;
     read.frame = static_cast<std::int64_t>(table.RequiredNumber(row, frame));
     read.time_s = table.RequiredNumber(row, time);
+    // Of one repetition: the next may begin in the frame in which this one is seated.
+    const StsEvent* last = events.empty() ? nullptr : &events.back();
+    if (last && read.repetition == last->repetition && read.time_s < last->time_s)
+      throw Fail("{}: time_s decreases within repetition {}", table.Where(row), read.repetition);
+    if (last && read.repetition < last->repetition)
+      throw Fail("{}: repetition {} after repetition {}", table.Where(row), read.repetition, last->repetition);
     events.push_back(read);
   }
   return events;

@@ -72,7 +72,7 @@ Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
   study_options.optimize = options.study.optimize;
   study_options.pareto_points = options.reoptimize->pareto_points;
   study_options.certify_gap_deg = options.study.certify_gap_deg;
-  study_options.certify_seconds = options.study.certify_seconds;
+  study_options.certify_boxes = options.study.certify_boxes;
   study_options.yield_tolerance_mm = options.study.yield_tolerance_mm;
   study_options.quiet = options.study.quiet;
   study_options.Check();

@@ -11,6 +11,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 
 namespace lake {
@@ -130,6 +131,13 @@ void DrawPlate(Sheet& sheet, const Plate& plate, const Vector2d& at, const Plate
                plate.label[i]);
 }
 
+// dxflib does not tell whether it could write. Its stream writes nothing more once a write has failed, so a file that
+// ends as it should is whole.
+void CheckWhole(const std::filesystem::path& written, const std::filesystem::path& path) {
+  if (!Trim(ReadTextFile(written)).ends_with("EOF"))
+    throw Fail("{}: cannot be written whole; is the disk full?", path.string());
+}
+
 }  // namespace
 
 void PlateOptions::Check() const {
@@ -152,6 +160,7 @@ void WriteLinkPlates(const std::filesystem::path& path, const Links& links, cons
     at.y() += lowest - options.bar_width_mm - options.gap_mm - kLabels_mm;
   }
   sheet.Finish();
+  CheckWhole(file.TemporaryPath(), path);
   file.Commit();
 }
 

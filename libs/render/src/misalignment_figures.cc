@@ -137,8 +137,9 @@ void DrawParts(GnuplotFigure& figure, const Misalignment& m) {
       "xlabel 'sit-to-stand (%)'");
   figure.Line("set ylabel 'size of the part (mm)'; set yrange [0:*]; set offsets 0, 0, graph 0.35, 0");
   const auto part = [&](const std::vector<Vector2d>& vectors, const char* name, double fraction, const char* style) {
-    return fmt::format("{} using 1:2 with lines lw 3 {} title '{} {:.1f} %'", figure.Data({percents, Lengths(vectors)}),
-                       style, name, 100 * fraction);
+    const std::string share = std::isfinite(fraction) ? fmt::format(" {:.1f} %", 100 * fraction) : "";
+    return fmt::format("{} using 1:2 with lines lw 3 {} title '{}{}'", figure.Data({percents, Lengths(vectors)}), style,
+                       name, share);
   };
   const std::string placement = part(d.placement_mm, "placement", d.placement, "lc rgb '#0072B2'");
   const std::string timing = part(d.timing_mm, "timing", d.timing, "dt 2 lc rgb '#009E73'");

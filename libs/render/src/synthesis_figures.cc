@@ -103,7 +103,8 @@ void DrawMargins(const Study& study, const std::filesystem::path& path) {
   std::string plot = fmt::format(
       "plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.9 lc rgb '{}' title 'largest range'", data, colour::kAnkle);
   if (study.options.yield_tolerance_mm) {
-    figure.Line(fmt::format("set y2label 'builds that work at ±{} mm, %'", *study.options.yield_tolerance_mm));
+    figure.Line(fmt::format("set y2label 'builds that work with links at ±{} mm, all else exact, %'",
+                            *study.options.yield_tolerance_mm));
     figure.Line("set y2range [0:105]").Line("set y2tics 20").Line("set ytics nomirror");
     plot += fmt::format(", {} using 1:3 axes x1y2 with linespoints lw 2 dt 2 pt 5 ps 0.8 lc rgb '{}' title 'yield'",
                         data, colour::kExoskeleton);

@@ -156,7 +156,8 @@ Section MethodSection() {
           "to 100 % and a small one can be negative. Spikes are samples at which the distance vector leaves its own "
           "smooth course by "
           "more than 5 median absolute deviations. Intervals are 95 % bootstrap intervals over repetitions, marker "
-          "noise and the uncertainty of putting a marker back on the same spot."}}};
+          "noise and the uncertainty of putting a marker back on the same spot; those of the shares are of the shares "
+          "without noise, which the measured shape has in it."}}};
 }
 
 }  // namespace

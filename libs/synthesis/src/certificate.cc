@@ -1,10 +1,11 @@
 #include "lake/synthesis/certificate.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <future>
 #include <limits>
 #include <queue>
+#include <vector>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -14,8 +15,6 @@
 
 namespace lake {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 struct OpenBox {
   double bound_rad;
@@ -38,78 +37,129 @@ std::vector<OpenBox> Halves(const RangeBound& range, const OpenBox& parent, std:
 }
 
 // Splits along the relatively widest of the links whose split lowers both halves' bounds; if there is none, along the
-// widest of all.
-std::vector<OpenBox> Split(const RangeBound& range, const OpenBox& parent) {
+// widest of all. nullopt: no link can be split.
+std::optional<std::vector<OpenBox>> Split(const RangeBound& range, const OpenBox& parent) {
   constexpr double kLowered_rad = 1e-9;
   const LinkBox root = range.Root();
-  std::vector<OpenBox> best;
+  std::optional<std::vector<OpenBox>> best;
   double best_score = -1;
   for (std::size_t link = 1; link < parent.box.size(); ++link) {  // l1 is eliminated
-    if (!(parent.box[link].Width() > 0)) continue;
+    const Interval& length = parent.box[link];
+    if (!(length.lower < length.Middle() && length.Middle() < length.upper)) continue;
     std::vector<OpenBox> halves = Halves(range, parent, link);
     const bool lowers = std::all_of(halves.begin(), halves.end(), [&](const OpenBox& half) {
       return half.bound_rad < parent.bound_rad - kLowered_rad;
     });
-    const double width = parent.box[link].Width() / root[link].Width();  // at most 1
+    const double width = length.Width() / root[link].Width();  // at most 1
     const double score = lowers ? 1 + width : width;
     if (score > best_score) best_score = score, best = std::move(halves);
   }
   return best;
 }
 
+// Best-first. Boxes are taken in batches of one size and put back in the order in which they were taken, so that the
+// outcome does not depend on the number of threads.
+class Search {
+ public:
+  Search(const SynthesisProblem& problem, double target_rad, const CertificateOptions& options)
+      : range_(problem), target_rad_(target_rad), options_(options) {}
+
+  void Run() {
+    Progress progress("certificate", "boxes", std::nullopt, options_.quiet);
+    OpenBox root{std::numbers::pi, range_.Root()};
+    if (range_.Contract(root.box)) open_.push({range_.UpperBound(root.box), root.box});
+    boxes_ = 1;
+    while (CanLowerTheBound() && boxes_ < options_.max_boxes) {
+      ThrowIfInterrupted();
+      const std::vector<OpenBox> batch = NextBatch();
+      const std::vector<Halved> halved = SplitAll(batch);
+      for (std::size_t i = 0; i < batch.size(); ++i) Keep(batch[i], halved[i]);
+      boxes_ += static_cast<std::int64_t>(batch.size());
+      progress.Advance(static_cast<std::int64_t>(batch.size()));
+    }
+  }
+
+  std::int64_t Boxes() const { return boxes_; }
+  // -infinity if no box is left: nothing is feasible.
+  double Bound_rad() const { return open_.empty() ? leaf_rad_ : std::max(leaf_rad_, open_.top().bound_rad); }
+
+ private:
+  using Halved = std::optional<std::vector<OpenBox>>;
+
+  bool IsWorthSplitting(const OpenBox& box) const { return box.bound_rad > std::max(target_rad_, leaf_rad_); }
+  bool CanLowerTheBound() const { return !open_.empty() && IsWorthSplitting(open_.top()); }
+
+  std::vector<OpenBox> NextBatch() {
+    constexpr std::int64_t kBatch = 256;
+    const auto size = static_cast<std::size_t>(std::min(kBatch, options_.max_boxes - boxes_));
+    std::vector<OpenBox> batch;
+    while (batch.size() < size && CanLowerTheBound()) batch.push_back(open_.top()), open_.pop();
+    return batch;
+  }
+
+  std::vector<Halved> SplitAll(const std::vector<OpenBox>& batch) const {
+    std::vector<Halved> halved(batch.size());
+    const auto work = [&](std::size_t first) {
+      for (std::size_t i = first; i < batch.size(); i += static_cast<std::size_t>(options_.threads))
+        halved[i] = Split(range_, batch[i]);
+    };
+    std::vector<std::future<void>> others;
+    for (int thread = 1; thread < options_.threads; ++thread)
+      others.push_back(std::async(std::launch::async, work, thread));
+    work(0);
+    for (std::future<void>& other : others) other.get();
+    return halved;
+  }
+
+  void Keep(const OpenBox& parent, const Halved& halved) {
+    if (!halved)
+      leaf_rad_ = std::max(leaf_rad_, parent.bound_rad);
+    else
+      for (const OpenBox& half : *halved) open_.push(half);
+  }
+
+  const RangeBound range_;
+  const double target_rad_;
+  const CertificateOptions& options_;
+  std::priority_queue<OpenBox> open_;
+  double leaf_rad_ = -std::numeric_limits<double>::infinity();  // the highest bound of the boxes that cannot be split
+  std::int64_t boxes_ = 0;
+};
+
+void CheckAgainstKnown(double upper_bound_deg, double range_deg) {
+  if (upper_bound_deg >= range_deg - kKnownRangeTolerance_deg) return;
+  throw Fail(
+      "certificate: no design within the limits has more than {:.6f} deg, yet one with {:.6f} deg is known; one of the "
+      "two is wrong, so nothing is certified: evaluate the known design with the same problem",
+      upper_bound_deg, range_deg);
+}
+
 }  // namespace
 
 void CertificateOptions::Check() const {
   if (!(gap_deg > 0)) throw Fail("the gap to certify must be above 0 deg, not {}", gap_deg);
-  if (!(max_seconds > 0)) throw Fail("the time limit of the certificate must be above 0 s, not {}", max_seconds);
   if (threads < 1 || max_boxes < 1) throw Fail("the certificate needs at least one thread and one box");
 }
 
-Certificate CertifyRange(const SynthesisProblem& problem, double range_deg, const CertificateOptions& options) {
+Certificate CertifyRange(const SynthesisProblem& problem, std::optional<double> range_deg,
+                         const CertificateOptions& options) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   problem.Check();
   options.Check();
-  const auto start = Clock::now();
-  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
-  const RangeBound range(problem);
-  const double target_rad = RadiansFromDegrees(range_deg + options.gap_deg);
-  Progress progress("certificate", "boxes", std::nullopt, options.quiet);
+  if (range_deg && !std::isfinite(*range_deg)) throw Fail("certificate: a known range of {} deg", *range_deg);
+  Search search(problem, range_deg ? RadiansFromDegrees(*range_deg + options.gap_deg) : -kInfinity, options);
+  search.Run();
 
   Certificate certificate;
-  std::priority_queue<OpenBox> open;
-  OpenBox root{std::numbers::pi, range.Root()};
-  if (range.Contract(root.box)) open.push({range.UpperBound(root.box), root.box});
-  certificate.feasible_set_empty = open.empty();
-  while (!open.empty() && open.top().bound_rad > target_rad && seconds() < options.max_seconds &&
-         static_cast<std::int64_t>(open.size()) < options.max_boxes) {
-    ThrowIfInterrupted();
-    constexpr std::size_t kBatch = 256;
-    std::vector<OpenBox> batch;
-    while (!open.empty() && batch.size() < kBatch && open.top().bound_rad > target_rad)
-      batch.push_back(open.top()), open.pop();
-    const auto work = [&](std::size_t first) {
-      std::vector<OpenBox> halves;
-      for (std::size_t i = first; i < batch.size(); i += options.threads)
-        for (OpenBox& half : Split(range, batch[i])) halves.push_back(half);
-      return halves;
-    };
-    std::vector<std::future<std::vector<OpenBox>>> parts;
-    for (int thread = 1; thread < options.threads; ++thread)
-      parts.push_back(std::async(std::launch::async, work, thread));
-    for (OpenBox& half : work(0)) open.push(half);
-    for (auto& part : parts)
-      for (OpenBox& half : part.get()) open.push(half);
-    certificate.boxes += static_cast<std::int64_t>(batch.size());
-    progress.Advance(static_cast<std::int64_t>(batch.size()));
-    if (open.empty()) certificate.feasible_set_empty = true;
-  }
-  certificate.upper_bound_deg = certificate.feasible_set_empty
-                                    ? -std::numeric_limits<double>::infinity()
-                                    : (Interval(open.top().bound_rad) * 180.0 / kPiInterval).upper;
+  certificate.boxes = search.Boxes();
+  certificate.feasible_set_empty = search.Bound_rad() == -kInfinity;
+  certificate.upper_bound_deg =
+      certificate.feasible_set_empty ? -kInfinity : (Interval(search.Bound_rad()) * 180.0 / kPiInterval).upper;
   if (problem.max_angle_deg)
     certificate.upper_bound_deg = std::min(certificate.upper_bound_deg, *problem.max_angle_deg);
-  certificate.gap_deg = certificate.upper_bound_deg - range_deg;
+  if (range_deg) CheckAgainstKnown(certificate.upper_bound_deg, *range_deg);
+  certificate.gap_deg = certificate.upper_bound_deg - range_deg.value_or(std::numeric_limits<double>::quiet_NaN());
   certificate.reached = certificate.gap_deg <= options.gap_deg * (1 + 1e-12);
-  certificate.seconds = seconds();
   return certificate;
 }
 

@@ -121,7 +121,7 @@ ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotio
   if (!study.IsSolved()) return study;
   if (options.certify_gap_deg)
     study.certificate = Certify(problem.design, study.result.Best().Range_deg(), *options.certify_gap_deg,
-                                options.certify_seconds, options.quiet);
+                                options.certify_boxes, options.quiet);
   if (options.yield_tolerance_mm)
     study.yield = EstimateYield(end.links, problem.design,
                                 {.tolerance_mm = *options.yield_tolerance_mm, .seed = options.optimize.seed});

@@ -61,7 +61,7 @@ MarginPoint SolveMargin(SynthesisProblem problem, double margin_mm, const Links&
   point.range_deg = best.evaluation.range_deg;
   if (options.certify_gap_deg)
     point.upper_bound_deg =
-        Certify(problem, point.range_deg, *options.certify_gap_deg, options.certify_seconds, true).upper_bound_deg;
+        Certify(problem, point.range_deg, *options.certify_gap_deg, options.certify_boxes, true).upper_bound_deg;
   if (options.yield_tolerance_mm)
     point.yield =
         YieldOf(point.links, problem, *options.yield_tolerance_mm, options.optimize.seed).assembled_and_grashof.value;
@@ -102,7 +102,8 @@ void StudyOptions::Check() const {
     throw UsageError(fmt::format("--round {}: a step above 0 mm", *round_mm));
 }
 
-Certificate Certify(const SynthesisProblem& problem, double range_deg, double gap_deg, double max_seconds, bool quiet) {
+Certificate Certify(const SynthesisProblem& problem, double range_deg, double gap_deg, std::int64_t max_boxes,
+                    bool quiet) {
   const SynthesisProblem simpler = OnlyLinkRequirements(problem);
   double aim_deg = range_deg;
   if (NeedsStanding(problem) || problem.max_angle_deg) {
@@ -111,7 +112,7 @@ Certificate Certify(const SynthesisProblem& problem, double range_deg, double ga
   }
   CertificateOptions options;
   options.gap_deg = gap_deg;
-  options.max_seconds = max_seconds;
+  options.max_boxes = max_boxes;
   options.quiet = quiet;
   Certificate certificate = CertifyRange(simpler, aim_deg, options);
   if (problem.max_angle_deg)
@@ -141,7 +142,7 @@ Study RunStudy(const SynthesisProblem& problem, const StudyOptions& options) {
   study.certificate_ignores_used_range = NeedsStanding(problem);
   if (options.certify_gap_deg)
     study.certificate =
-        Certify(problem, best.evaluation.range_deg, *options.certify_gap_deg, options.certify_seconds, options.quiet);
+        Certify(problem, best.evaluation.range_deg, *options.certify_gap_deg, options.certify_boxes, options.quiet);
   study.sensitivity = Sensitivity(best.end, problem);
   study.margins = SweepMargins(study);
   if (options.yield_tolerance_mm) study.yield = yield_of(best.end);

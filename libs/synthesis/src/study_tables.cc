@@ -99,7 +99,7 @@ void WriteSensitivity(const Study& study, Run& run) {
 }
 
 void WriteMargins(const Study& study, Run& run) {
-  std::vector<std::string> header{"margin_mm", "status", "range_deg", "certified_upper_bound_deg", "yield"};
+  std::vector<std::string> header{"margin_mm", "status", "range_deg", "certified_upper_bound_deg", "yield_links_alone"};
   std::ranges::copy(LinkColumns(""), std::back_inserter(header));
   CsvWriter table(header);
   for (const MarginPoint& point : study.margins) {

@@ -46,6 +46,7 @@ Json EvaluationJson(const DesignEvaluation& evaluation) {
 Json YieldJson(const Yield& yield) {
   const auto fraction = [](const Fraction& f) { return Json{{"value", f.value}, {"interval_95", {f.lower, f.upper}}}; };
   return {{"tolerance_mm", yield.options.tolerance_mm},
+          {"scope", kYieldScope},
           {"samples", yield.options.samples},
           {"assembled", fraction(yield.assembled)},
           {"assembled_and_grashof", fraction(yield.assembled_and_grashof)},
@@ -90,7 +91,6 @@ Json CertificateJson(const Certificate& certificate, bool ignores_used_range) {
           {"gap_deg", NumberOrNull(certificate.gap_deg)},
           {"reached", certificate.reached},
           {"boxes", certificate.boxes},
-          {"time_s", certificate.seconds},
           {"leaves_out_requirements_over_used_range", ignores_used_range}};
 }
 

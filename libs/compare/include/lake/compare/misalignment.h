@@ -33,7 +33,7 @@ struct Interval {
 
 struct MisalignmentIntervals {
   Interval rms_mm, max_mm, relative_rms, relative_max;
-  Interval placement, timing, shape;
+  Interval placement, timing, shape;  // of the fractions without noise; NaN where both paths are one
   Interval offset_x_mm, offset_y_mm;
 };
 

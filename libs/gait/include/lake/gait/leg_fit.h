@@ -14,6 +14,7 @@
 #include "lake/core/json.h"
 #include "lake/gait/leg_angles.h"
 #include "lake/gait/leg_view.h"
+#include "lake/gait/smoothing_spline.h"
 #include "lake/gait/sts_events.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
@@ -39,7 +40,8 @@ struct LegFitOptions {
   double most_length_range =
       0.30;  // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5 and more
   double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
-  bool quiet = true;                // no progress
+  int most_smoothing_iterations = SmoothingOptions{}.max_iterations;  // of the search for each component's smoothness
+  bool quiet = true;                                                  // no progress
 };
 
 // A marker's record in the fit. Lengths in the recorded unit.

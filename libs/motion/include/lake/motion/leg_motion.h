@@ -57,11 +57,13 @@ struct StsEvent {
   double time_s = 0;
 };
 
-// kinematics.csv; the vectors' columns end in the motion's unit.
+// kinematics.csv; the vectors' columns end in the motion's unit. Reading throws Error naming file, line and column,
+// also for times that do not increase.
 void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& motion);
 LegMotion ReadKinematicsCsv(const std::filesystem::path& path);
 
-// events.csv: repetition,event,frame,time_s.
+// events.csv: repetition,event,frame,time_s, in the order of repetitions and, within each, of time; reading throws
+// Error for another order.
 void WriteEventsCsv(const std::filesystem::path& path, const std::vector<StsEvent>& events);
 std::vector<StsEvent> ReadEventsCsv(const std::filesystem::path& path);
 

@@ -51,7 +51,8 @@ struct MarkerRecording {
 // tracks.csv or trajectory.csv, by the recording's unit: frame,time_s, then per marker M_x_U,M_y_U,M_sigma_U,M_status.
 void WriteMarkerCsv(const std::filesystem::path& path, const MarkerRecording& recording);
 
-// Reads either; the unit is taken from the columns' names. Throws Error naming file, line and column.
+// Reads either; the unit is taken from the columns' names. Throws Error naming file, line and column, also for times
+// that do not increase.
 MarkerRecording ReadMarkerCsv(const std::filesystem::path& path);
 
 }  // namespace lake

@@ -70,8 +70,9 @@ struct StudyFile {
   CompareRunOptions compare;  // without the trials' places
   Json compare_options = Json::object();
   StudyProblem design;
-  std::optional<double> certify_gap_deg;      // prove an upper bound on the range to within this
-  std::optional<double> yield_tolerance_mm;   // fraction of builds that work when every link is off by up to this
+  std::optional<double> certify_gap_deg;  // prove an upper bound on the range to within this
+  std::optional<double>
+      yield_tolerance_mm;  // fraction of builds that work when every link, and nothing else, is off by up to this
   std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
   Json design_options = Json::object();
   std::optional<StudyRedesign> redesign;

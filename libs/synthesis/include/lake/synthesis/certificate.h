@@ -10,7 +10,8 @@
 // has one sign on the box, proved by interval evaluation, is moved to the end that raises theta; the moves keep every
 // constraint, and under Grashof's law with this order the four-bar closes at every phi, so no move leaves the assembled
 // branch. phi enters by its smallest value, where dkappa/dphi > 0 is proved, and that falls with l6, likewise proved.
-// What is not proved is enclosed as an interval.
+// What is not proved is enclosed as an interval. A box that no split makes smaller, as where all links are fixed, is
+// kept as it is.
 #pragma once
 
 #include <cstdint>
@@ -21,26 +22,30 @@
 namespace lake {
 
 struct CertificateOptions {
-  double gap_deg = 0.1;  // stop once bound - range is no larger
-  double max_seconds = 60;
-  std::int64_t max_boxes = 4000000;  // open boxes kept, some 100 bytes each
-  int threads = 2;
-  bool quiet = true;  // no progress
+  double gap_deg = 0.1;             // stop once bound - range is no larger
+  std::int64_t max_boxes = 200000;  // examined at most; some 20 s on two cores
+  int threads = 2;                  // the result is the same for any number
+  bool quiet = true;                // no progress
 
   void Check() const;  // throws Error
 };
 
 struct Certificate {
-  double upper_bound_deg = 0;  // rigorous, also when the gap was not reached
-  double gap_deg = 0;          // upper bound - range
-  bool reached = false;        // gap <= the one asked for
-  std::int64_t boxes = 0;      // examined
-  double seconds = 0;
+  double upper_bound_deg = 0;       // rigorous, also when the gap was not reached
+  double gap_deg = 0;               // upper bound - range; NaN if no range is known
+  bool reached = false;             // gap <= the one asked for
+  std::int64_t boxes = 0;           // examined, the whole one included
   bool feasible_set_empty = false;  // proved: no X satisfies the constraints at all; the bound is then -infinity
 };
 
-// `range_deg`: the best range known; only decides when to stop, so the bound is valid whatever it is. Throws
-// Interrupted on a signal.
-Certificate CertifyRange(const SynthesisProblem& problem, double range_deg, const CertificateOptions& options = {});
+// How far a known range may lie above a bound, deg: its design keeps the limits within what a solver leaves, 1e-6 mm,
+// and a limit costs less than 1000 deg per mm.
+inline constexpr double kKnownRangeTolerance_deg = 1e-3;
+
+// `range_deg`: the best range known, of a design that meets the link requirements. It decides when to stop (without
+// one, when the boxes are used up), so the bound is valid whatever it is. Throws Error if the bound is below it: one of
+// the two is wrong; Interrupted on a signal.
+Certificate CertifyRange(const SynthesisProblem& problem, std::optional<double> range_deg,
+                         const CertificateOptions& options = {});
 
 }  // namespace lake

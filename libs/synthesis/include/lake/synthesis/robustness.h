@@ -22,6 +22,12 @@ struct SensitivityPoint {
 std::vector<SensitivityPoint> Sensitivity(const Links& links, const SynthesisProblem& problem, double span_mm = 5,
                                           int steps = 100);
 
+// What a yield is of, for whoever reads it.
+inline constexpr const char* kYieldScope =
+    "links alone: the actuator's shortest length and the play of the pins are taken as exact, yet the distance to the "
+    "actuator singularity, l2 + d_min - l7, shrinks with them too";
+
+// Random builds: every link is off, d_min and the pins are not.
 struct YieldOptions {
   double tolerance_mm = 0.1;  // every link uniform within +- this
   int samples = 50000;        // standard error of a fraction below 0.23 %
@@ -40,7 +46,8 @@ struct Yield {
   Fraction assembled;                                                // can be assembled at d_min
   Fraction assembled_and_grashof;                                    // and satisfies Grashof's law (without margin)
   double range_p5_deg = 0, range_median_deg = 0, range_p95_deg = 0;  // of those that can be assembled; NaN if none
-  // Margins that no build within the tolerance can use up: sum of tolerance x |derivative|.
+  // Margins that no build with its links within the tolerance can use up: sum of tolerance x |derivative|. An error of
+  // d_min comes on top of the first, millimetre by millimetre.
   double safe_singularity_margin_mm = 0, safe_grashof_margin_mm = 0;
 };
 

@@ -16,7 +16,7 @@ namespace lake {
 struct StudyOptions {
   OptimizeOptions optimize;
   std::optional<double> certify_gap_deg;  // absent: no certificate
-  double certify_seconds = 60;
+  std::int64_t certify_boxes = CertificateOptions{}.max_boxes;
   std::optional<double> yield_tolerance_mm;  // absent: no yield
   std::optional<double> round_mm;            // absent: no rounding
   bool quiet = true;
@@ -31,7 +31,7 @@ struct MarginPoint {
   Links links;
   double range_deg = 0;                   // NaN if not solved
   std::optional<double> upper_bound_deg;  // if a certificate is asked for
-  std::optional<double> yield;            // assembled and Grashof, if a yield is asked for
+  std::optional<double> yield;            // of the links alone: assembled and Grashof, if a yield is asked for
 };
 
 struct Study {
@@ -58,8 +58,10 @@ struct Study {
 Study RunStudy(const SynthesisProblem& problem, const StudyOptions& options);
 
 // A certificate for a solved problem. Requirements over the used range and the cap are left out of the branch and
-// bound, which then aims at the optimum of that simpler problem; the bound holds for the whole one.
-Certificate Certify(const SynthesisProblem& problem, double range_deg, double gap_deg, double max_seconds, bool quiet);
+// bound, which then aims at the optimum of that simpler problem; the bound holds for the whole one. Throws Error if the
+// bound is below `range_deg`, the range of a known solution.
+Certificate Certify(const SynthesisProblem& problem, double range_deg, double gap_deg, std::int64_t max_boxes,
+                    bool quiet);
 
 // Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, sensitivity.csv, margin.csv and, if
 // there is one, rounded.yaml; returns the results for summary.json. Warns through the run of what a reader must know.
