@@ -148,6 +148,20 @@ LineChart ParetoChart(const Json& summary) {
   return chart;
 }
 
+// How far the actuator may be from its plan, and whether that leaves the linkage's room.
+std::string DriftText(const Json& drift) {
+  const Json& nearest = drift.at("nearest");
+  std::string text = fmt::format(
+      " With speeds within {:.3g} % of the duty table the actuator is at {:.2f} ± {:.2f} mm where it comes nearest to "
+      "the "
+      "linkage's end at {:.2f} mm.",
+      NumberAt(drift.at("tolerance_percent")), NumberAt(nearest.at("planned_mm")), NumberAt(nearest.at("drift_mm")),
+      NumberAt(drift.at("end_mm")));
+  if (drift.at("accepted").get<bool>())
+    text += " This drift was accepted: the firmware is only for a bench without a person.";
+  return text;
+}
+
 }  // namespace
 
 Section RedesignChapter(const StudyResults& results) {
@@ -183,7 +197,8 @@ Section StrokeChapter(const StudyResults& results) {
   if (summary.at("firmware").is_object())
     text += fmt::format(" The firmware for the UNO lies beside, {} segments, its plan within {:.3f} mm.",
                         summary["firmware"].at("segments").get<int>(),
-                        NumberAt(summary["firmware"].at("rounding_error_mm")));
+                        NumberAt(summary["firmware"].at("rounding_error_mm"))) +
+            DriftText(summary["firmware"].at("drift"));
   return {"The actuator's program", {Paragraph{std::move(text)}, std::move(stroke), std::move(knee)}};
 }
 
