@@ -31,6 +31,8 @@ void BindFirmware(CLI::App& cli, FirmwareOptions& o) {
   cli.add_option("--lag", o.lag_s, "Time by which the speed may lag behind the duty, s: part of the drift bound");
   cli.add_option("--stop-travel", o.stop_travel_mm,
                  "Within which an end stop releases when the actuator moves away from it, mm");
+  cli.add_option("--extend-stop", o.extend_stop_mm,
+                 "The extend end stop acts so many mm before the linkage's end (0: there is none)");
   cli.add_flag("--accept-drift", o.accept_drift,
                "For a bench without a person: write a program whose drift may pass the linkage's end");
   cli.add_option("--table-tolerance", o.table_tolerance_mm,

@@ -150,6 +150,25 @@ TEST(Drift, WhatARefusalProposesWorks) {
   EXPECT_LT(refused, 40);
 }
 
+// An end stop before the linkage's end holds what the drift would carry past it, from where its run-on leaves room.
+TEST(Drift, AnExtendEndStopBeforeTheLinkagesEndIsAWayOut) {
+  const StrokeSchedule schedule = FreeSchedule({{0, 260}, {24, 373.5}});  // 1.02 mm before the end
+  const DutyTable table = ModelTable();
+  FirmwareOptions options;
+  const StrokeTable stroke = MakeStrokeTable(schedule, table, options);
+  const auto header = [&] { return StrokeTableHeader(stroke, schedule, table, options, "t"); };
+  EXPECT_THAT(header, ThrowsMessage<Error>(HasSubstr("(--extend-stop 0.6)")));
+  EXPECT_EQ(ExtendStop(schedule, options), std::nullopt);
+  options.extend_stop_mm = 0.6;  // 0.1 mm and 50 ms of 9.68 mm/s are 0.584 mm
+  EXPECT_THAT(header(), HasSubstr("#define LAKE_DRIFT_LIMITED 0"));
+  EXPECT_NEAR(*ExtendStop(schedule, options), 374.5205 - 0.6, 1e-4);
+  options.extend_stop_mm = 0.5;
+  EXPECT_THAT(header, ThrowsMessage<Error>(HasSubstr("run on by 0.584 mm, to the linkage's end at 374.52")));
+  options.extend_stop_mm = 1.1;
+  EXPECT_THAT(header, ThrowsMessage<Error>(
+                          HasSubstr("the program goes to 373.500 mm, and the extend end stop acts at 373.42")));
+}
+
 TEST(Drift, HomeKeepsTheLowerSoftLimit) {
   const StrokeSchedule schedule = FreeSchedule({{0, 250}, {8, 290}});
   const DutyTable table = ModelTable();

@@ -87,7 +87,7 @@ reoptimize:
   placement_reach_mm: 25
   pareto: 5
 stroke: {duty_table: duty.csv, margin_mm: 1, return: true, hold_s: 3, rate_hz: 20, accept_drift: true,
-         speed_tolerance_percent: 3, home_stroke_mm: 244}
+         speed_tolerance_percent: 3, home_stroke_mm: 244, extend_stop_mm: 0.7}
 )";
 
 TEST_F(StudyYaml, IsRead) {
@@ -147,6 +147,7 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_TRUE(study.stroke->firmware.accept_drift);
   EXPECT_EQ(study.stroke->firmware.speed_tolerance_percent, 3);
   EXPECT_EQ(study.stroke->firmware.home_stroke_mm, 244);
+  EXPECT_EQ(study.stroke->firmware.extend_stop_mm, 0.7);
   EXPECT_EQ(study.inputs.size(), 6u);
 }
 

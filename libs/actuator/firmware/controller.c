@@ -93,7 +93,7 @@ static uint8_t end_stop_ahead(int8_t direction) {
 // The linkage's end, where the actuator may be as far from the plan as the drift allows. At the other end the retract
 // end stop comes first.
 static uint8_t drift_reaches_end(void) {
-  return !LAKE_DRIFT_ACCEPTED && stroke_um() + (int32_t)drift_um() >= LAKE_UPPER_END_UM;
+  return LAKE_DRIFT_LIMITED && stroke_um() + (int32_t)drift_um() >= LAKE_UPPER_END_UM;
 }
 #endif
 

@@ -208,8 +208,42 @@ class DriftWatch {
   double tolerable_per_1024_ = 1024;
 };
 
-void RequireRoom(const DriftForecast& forecast) {
+// How far past an end stop the actuator may come to rest.
+double RunOn(double speed_mm_s, const FirmwareOptions& options) {
+  return options.home_error_mm + options.lag_s * speed_mm_s;
+}
+
+// The least --extend-stop, in 0.1 mm: of the fastest jog.
+double LeastExtendStop(const DutyTable& table, const FirmwareOptions& options) {
+  return std::floor(10 * RunOn(table.extend.MostSpeed(), options) + 1) / 10;
+}
+
+double HighestStroke(const StrokeSchedule& schedule) {
+  double highest = 0;
+  for (const Knot& knot : schedule.knots) highest = std::max(highest, knot.stroke_mm);
+  return highest;
+}
+
+void RequireExtendStop(const StrokeSchedule& schedule, const DutyTable& table, const FirmwareOptions& options) {
+  const double stop_mm = *ExtendStop(schedule, options), end_mm = schedule.limits.upper_end_mm;
+  if (options.extend_stop_mm < LeastExtendStop(table, options) - 1e-9)
+    throw Fail(
+        "past an extend end stop at {:.3f} mm the actuator may run on by {:.3f} mm, to the linkage's end at {:.3f} mm: "
+        "give --extend-stop {:.1f} or more",
+        stop_mm, RunOn(table.extend.MostSpeed(), options), end_mm, LeastExtendStop(table, options));
+  if (HighestStroke(schedule) >= stop_mm)
+    throw Fail(
+        "the program goes to {:.3f} mm, and the extend end stop acts at {:.3f} mm: a smaller --extend-stop, or a "
+        "program that ends earlier",
+        HighestStroke(schedule), stop_mm);
+}
+
+void RequireRoom(const DriftForecast& forecast, const StrokeSchedule& schedule, const DutyTable& table,
+                 const FirmwareOptions& options) {
   if (forecast.Fits()) return;
+  std::string stop;
+  if (const double least_mm = LeastExtendStop(table, options); HighestStroke(schedule) < forecast.end_mm - least_mm)
+    stop = fmt::format("an extend end stop before it (--extend-stop {:.1f}), ", least_mm);
   std::string tolerance;
   if (forecast.tolerable_percent > 0)
     tolerance = fmt::format(
@@ -218,10 +252,11 @@ void RequireRoom(const DriftForecast& forecast) {
   throw Fail(
       "the drift may carry the actuator past the linkage's end at {:.3f} mm: {:.3f} ± {:.3f} mm are planned at {:.2f} "
       "s. "
-      "Ways out: {}a program that ends at least {:.1f} mm earlier (--margin or --to-angle, if its speed is constant), "
+      "Ways out: {}{}a program that ends at least {:.1f} mm earlier (--margin or --to-angle, if its speed is "
+      "constant), "
       "or "
       "--accept-drift on a bench without a person",
-      forecast.end_mm, forecast.planned_mm, forecast.drift_mm, forecast.time_s, tolerance,
+      forecast.end_mm, forecast.planned_mm, forecast.drift_mm, forecast.time_s, stop, tolerance,
       std::ceil(10 * (forecast.drift_mm - forecast.Room()) + 0.01) / 10);
 }
 
@@ -232,7 +267,7 @@ void RequireHome(const Homing& homing, const SoftLimits& limits, const FirmwareO
         "--home-stroke {:.3f} mm is below the soft limit {:.3f} mm: put the retract end stop there, or give "
         "--accept-drift on a bench without a person",
         homing.stroke_mm, limits.lower_mm));
-  const double run_on_mm = options.home_error_mm + options.lag_s * homing.speed_mm_s;
+  const double run_on_mm = RunOn(homing.speed_mm_s, options);
   if (homing.stroke_mm - run_on_mm <= limits.lower_end_mm)
     throw Fail(
         "homing to {:.3f} mm may run on by {:.3f} mm, past the linkage's end at {:.3f} mm: raise --margin or "
@@ -271,8 +306,10 @@ std::string CommonDefines(const FirmwareOptions& options, std::size_t segments) 
 std::string DriftDefines(const DriftBound& bound, const FirmwareOptions& options) {
   return fmt::format(
       "#define LAKE_DRIFT_START_UM {}  // the bound on the drift: at first, …\n#define LAKE_DRIFT_PER_1024 {}  // … "
-      "per 1024 of the way, …\n#define LAKE_LAG_MS {}  // … and per change of speed\n#define LAKE_DRIFT_ACCEPTED {}\n",
-      bound.StartUm(), bound.Per1024(), bound.LagMs(), options.accept_drift ? 1 : 0);
+      "per 1024 of the way, …\n#define LAKE_LAG_MS {}  // … and per change of speed\n#define LAKE_DRIFT_ACCEPTED "
+      "{}\n#define LAKE_DRIFT_LIMITED {}  // 0: accepted, or an extend end stop comes first\n",
+      bound.StartUm(), bound.Per1024(), bound.LagMs(), options.accept_drift ? 1 : 0,
+      options.accept_drift || options.extend_stop_mm > 0 ? 0 : 1);
 }
 
 constexpr const char* kTypes =
@@ -295,6 +332,7 @@ void FirmwareOptions::Check() const {
   if (speed_tolerance_percent)
     require(*speed_tolerance_percent >= 0 && *speed_tolerance_percent <= 100, "--speed-tolerance",
             *speed_tolerance_percent, "within 0..100 percent");
+  require(extend_stop_mm >= 0 && extend_stop_mm <= 100, "--extend-stop", extend_stop_mm, "within 0..100 mm");
   require(stop_travel_mm >= 0.1 && stop_travel_mm <= 10, "--stop-travel", stop_travel_mm, "within 0.1..10 mm");
   require(lag_s >= 0 && lag_s <= 0.5, "--lag", lag_s, "within 0..0.5 s");
   require(home_error_mm >= 0 && home_error_mm <= 10, "--home-error", home_error_mm, "within 0..10 mm");
@@ -330,6 +368,11 @@ StrokeTable MakeStrokeTable(const StrokeSchedule& schedule, const DutyTable& tab
   if (stroke.segments.empty()) throw Fail("the program is shorter than 1 ms");
   MeasureErrors(stroke, schedule, table);
   return stroke;
+}
+
+std::optional<double> ExtendStop(const StrokeSchedule& schedule, const FirmwareOptions& options) {
+  if (options.extend_stop_mm == 0) return std::nullopt;
+  return schedule.limits.upper_end_mm - options.extend_stop_mm;
 }
 
 double HomeStroke(const StrokeTable& stroke, const StrokeSchedule& schedule, const FirmwareOptions& options) {
@@ -369,7 +412,10 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
   const Homing homing = HomingOf(stroke, schedule, table, options);
   if (!options.accept_drift) {
     RequireHome(homing, schedule.limits, options);
-    RequireRoom(ForecastDrift(stroke, schedule, table, options));
+    if (options.extend_stop_mm > 0)
+      RequireExtendStop(schedule, table, options);
+    else
+      RequireRoom(ForecastDrift(stroke, schedule, table, options), schedule, table, options);
   }
   std::string text = options.accept_drift ? kDriftAccepted : "";
   text += fmt::format("// Stroke program for the UNO. {}\n", Comment(made_by));

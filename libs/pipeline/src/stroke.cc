@@ -106,6 +106,7 @@ Json CrawlJson(const CrawlSummary& crawl) {
 struct Sketch {
   StrokeTable table;
   double home_stroke_mm = 0;
+  std::optional<double> extend_stop_mm;
   DriftForecast drift;
   std::string header, warning;
 };
@@ -129,6 +130,7 @@ Json FirmwareJson(const Json& files, const Sketch& sketch, bool accept_drift) {
           {"rounding_error_mm", stroke.rounding_error_mm},
           {"pwm_error_mm", stroke.pwm_error_mm},
           {"home_stroke_mm", sketch.home_stroke_mm},
+          {"extend_stop_mm", sketch.extend_stop_mm ? Json(*sketch.extend_stop_mm) : Json()},
           {"drift", DriftJson(sketch.drift, accept_drift)}};
 }
 
@@ -216,7 +218,9 @@ std::optional<Sketch> MakeSketch(const StrokeRunOptions& options, const StrokePl
   const StrokeTable table = MakeStrokeTable(plan.schedule, *plan.table, firmware);
   const std::string from =
       fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string());
-  return Sketch{table, HomeStroke(table, plan.schedule, firmware),
+  return Sketch{table,
+                HomeStroke(table, plan.schedule, firmware),
+                ExtendStop(plan.schedule, firmware),
                 ForecastDrift(table, plan.schedule, *plan.table, firmware),
                 StrokeTableHeader(table, plan.schedule, *plan.table, firmware, MadeBy(from)),
                 firmware.accept_drift ? kDriftAccepted : ""};
@@ -241,6 +245,9 @@ std::string DriftReport(const Json& firmware) {
       drift["tolerance_percent"].get<double>(), drift["tolerance_measured"].get<bool>() ? "" : " (not measured)",
       nearest["planned_mm"].get<double>(), nearest["drift_mm"].get<double>(), drift["end_mm"].get<double>(),
       firmware["home_stroke_mm"].get<double>());
+  if (firmware["extend_stop_mm"].is_number())
+    text += fmt::format("extend end stop: put it at {:.3f} mm; it ends what the drift carries too far\n",
+                        firmware["extend_stop_mm"].get<double>());
   if (drift["accepted"].get<bool>()) text += "DRIFT ACCEPTED: only for a bench without a person\n";
   return text;
 }

@@ -149,14 +149,19 @@ LineChart ParetoChart(const Json& summary) {
 }
 
 // How far the actuator may be from its plan, and whether that leaves the linkage's room.
-std::string DriftText(const Json& drift) {
-  const Json& nearest = drift.at("nearest");
+std::string DriftText(const Json& firmware) {
+  const Json &drift = firmware.at("drift"), &nearest = drift.at("nearest");
   std::string text = fmt::format(
       " With speeds within {:.3g} % of the duty table the actuator is at {:.2f} ± {:.2f} mm where it comes nearest to "
       "the "
       "linkage's end at {:.2f} mm.",
       NumberAt(drift.at("tolerance_percent")), NumberAt(nearest.at("planned_mm")), NumberAt(nearest.at("drift_mm")),
       NumberAt(drift.at("end_mm")));
+  text += fmt::format(" The retract end stop belongs at {:.2f} mm", NumberAt(firmware.at("home_stroke_mm")));
+  if (firmware.at("extend_stop_mm").is_number())
+    text += fmt::format(", the extend end stop, which ends what the drift carries too far, at {:.2f} mm",
+                        NumberAt(firmware.at("extend_stop_mm")));
+  text += '.';
   if (drift.at("accepted").get<bool>())
     text += " This drift was accepted: the firmware is only for a bench without a person.";
   return text;
@@ -198,7 +203,7 @@ Section StrokeChapter(const StudyResults& results) {
     text += fmt::format(" The firmware for the UNO lies beside, {} segments, its plan within {:.3f} mm.",
                         summary["firmware"].at("segments").get<int>(),
                         NumberAt(summary["firmware"].at("rounding_error_mm"))) +
-            DriftText(summary["firmware"].at("drift"));
+            DriftText(summary["firmware"]);
   return {"The actuator's program", {Paragraph{std::move(text)}, std::move(stroke), std::move(knee)}};
 }
 

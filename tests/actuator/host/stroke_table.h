@@ -12,6 +12,7 @@
 #define LAKE_DRIFT_PER_1024 103  // … per 1024 of the way, …
 #define LAKE_LAG_MS 50  // … and per change of speed
 #define LAKE_DRIFT_ACCEPTED 0
+#define LAKE_DRIFT_LIMITED 1  // 0: accepted, or an extend end stop comes first
 #define LAKE_SPEED_INTERVALS 16
 #define LAKE_LOWER_LIMIT_UM 242498L
 #define LAKE_UPPER_LIMIT_UM 374021L

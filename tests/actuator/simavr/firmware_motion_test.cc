@@ -222,6 +222,26 @@ TEST_F(SitToStandTest, AFastActuatorWithoutRoomPassesTheLinkagesEnd) {
   EXPECT_GT(Farthest(), schedule_.limits.upper_end_mm + 5);
 }
 
+// With an extend end stop where lake-stroke says it ends before the linkage does, in a fault.
+TEST_F(SitToStandTest, AFastActuatorIsHeldByTheExtendEndStop) {
+  firmware_options_.extend_stop_mm = 0.5;
+  firmware_options_.lag_s = 0.04;  // the model's is 30 ms
+  Design design;
+  design.links = kPublishedLinks;
+  design.program.emplace().speed_mm_s = 5;
+  ScheduleOptions how;
+  how.from_deg = 100, how.to_deg = 5;
+  actuator_.speed_factor = 1.1;
+  actuator_.extend_stop_mm = SoftLimitsOf(design, 0.5).upper_end_mm - firmware_options_.extend_stop_mm;
+  Build(design, "-DLAKE_SIMULATOR", how);
+  ASSERT_NEAR(actuator_.extend_stop_mm, *ExtendStop(schedule_, firmware_options_), 1e-9);
+  Start();
+  EXPECT_TRUE(rig_->RunUntil("ALARM:1\n", schedule_.Duration() + 1)) << rig_->Serial();
+  rig_->Run(0.3);
+  EXPECT_GT(Farthest(), actuator_.extend_stop_mm);
+  EXPECT_LT(Farthest(), schedule_.limits.upper_end_mm);
+}
+
 // Homed, positioned and run, the firmware's own bound is the one that was worked out before, and a fast or a slow
 // actuator keeps it.
 TEST_F(FirmwareTest, TheBoundIsTheForecastAndHoldsFromHomingOn) {

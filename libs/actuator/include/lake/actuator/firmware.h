@@ -28,9 +28,10 @@ struct FirmwareOptions {
   double command_timeout_s = 2;                   // motion stops when the host is silent for so long; 0: never
   std::optional<double> speed_tolerance_percent;  // by which speeds may differ from the duty table, for the bound on
                                                   // the drift; none: the table's own, else kUnmeasuredTolerance_percent
-  double lag_s = 0.05;               // by which speed lags behind duty at most, for the bound …
-  double home_error_mm = 0.1;        // … and how well the stroke is known after homing
+  double lag_s = 0.05;                            // by which speed lags behind duty at most, for the bound …
+  double home_error_mm = 0.1;                     // … and how well the stroke is known after homing
   double stop_travel_mm = 2;         // within which an end stop releases when the actuator moves away from it
+  double extend_stop_mm = 0;         // the extend end stop acts so far before the linkage's end; 0: there is none
   bool accept_drift = false;         // for a bench without a person: the drift may leave the linkage's room
   double table_tolerance_mm = 0.05;  // allowed when a program has too many knots for the flash
 
@@ -54,6 +55,9 @@ struct StrokeTable {
 // Throws Error if it does not fit into the flash within the tolerance, or a number into the firmware's types.
 StrokeTable MakeStrokeTable(const StrokeSchedule& schedule, const DutyTable& table, const FirmwareOptions& options);
 
+// The stroke at which the extend end stop acts; none without options.extend_stop_mm.
+std::optional<double> ExtendStop(const StrokeSchedule& schedule, const FirmwareOptions& options);
+
 // The stroke of the retract end stop, which is home.
 double HomeStroke(const StrokeTable& stroke, const StrokeSchedule& schedule, const FirmwareOptions& options);
 
@@ -74,8 +78,9 @@ struct DriftForecast {
 DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
                             const FirmwareOptions& options);
 
-// The text of stroke_table.h; `made_by` goes into its comment. Throws Error with the numbers and the ways out if the
-// drift may leave the linkage's room, or home lies below the soft limit, unless options.accept_drift.
+// The text of stroke_table.h; `made_by` goes into its comment. Unless options.accept_drift, throws Error with the
+// numbers and the ways out if the drift may leave the linkage's room and no extend end stop comes first, if an end stop
+// acts too near to the linkage's end, or UsageError if home lies below the soft limit.
 std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
                               const FirmwareOptions& options, const std::string& made_by);
 
