@@ -102,7 +102,7 @@ TEST(Drift, ForecastIsTheClosedFormOfAConstantProgram) {
   const DriftForecast forecast = ForecastDrift(stroke, schedule, ModelTable(), options);
   // 10 % are rounded up to 103/1024; 1 um of the start, 10 um of rounding up per ms.
   EXPECT_NEAR(forecast.last_drift_mm, 0.1 + stroke.pwm_error_mm + 50 * 103 / 1024.0 + 3 * 5 * 0.05, 0.012);
-  EXPECT_EQ(forecast.planned_mm, 340);
+  EXPECT_NEAR(forecast.planned_mm, 340, 1e-9);
   EXPECT_EQ(forecast.drift_mm, forecast.last_drift_mm);
   EXPECT_NEAR(forecast.end_mm, 374.5205, 1e-4);
   EXPECT_TRUE(forecast.Fits());
@@ -123,7 +123,7 @@ TEST(Drift, WhatARefusalProposesWorks) {
       knots.push_back({knots.back().time_s + std::abs(stroke - knots.back().stroke_mm) / speed(random), stroke});
     const StrokeSchedule schedule = FreeSchedule(knots);
     DutyTable table = ModelTable();
-    for (DutyRow& row : table.rows) row.tolerance_percent = 20;
+    for (DutyRow& row : table.rows) row.tolerance_percent = 10;
     const StrokeTable stroke = MakeStrokeTable(schedule, table, {});
     const DriftForecast forecast = ForecastDrift(stroke, schedule, table, {});
     EXPECT_TRUE(forecast.is_measured);
@@ -133,11 +133,11 @@ TEST(Drift, WhatARefusalProposesWorks) {
       return ForecastDrift(stroke, schedule, table, options).Fits();
     };
     if (forecast.Fits()) {
-      EXPECT_GE(forecast.tolerable_percent, 20) << "seed " << seed;
+      EXPECT_GE(forecast.tolerable_percent, 9.8) << "seed " << seed;  // it rounds down, twice by a tenth
       continue;
     }
     ++refused;
-    ASSERT_LT(forecast.tolerable_percent, 20) << "seed " << seed;
+    ASSERT_LT(forecast.tolerable_percent, 10) << "seed " << seed;
     if (forecast.tolerable_percent > 0) {
       EXPECT_TRUE(fits(forecast.tolerable_percent)) << "seed " << seed;
     }

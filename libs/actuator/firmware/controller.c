@@ -32,7 +32,7 @@ static uint16_t silent_ms;
 static uint32_t clock_ms;  // of the program, of homing, or of a jog
 static uint32_t end_ms;
 static motion_t jog;
-static uint32_t pressed_way_nm[2];  // driven away from an end stop that is pressed all the while
+static uint32_t pressed_way_nm;  // driven away from an end stop that is pressed all the while
 
 #if LAKE_SEGMENT_COUNT > 0
 static uint16_t segment_index;
@@ -180,7 +180,7 @@ static reply_t take_jog(void) {
 static void reset(void) {
   state = STATE_IDLE;
   knowledge = STROKE_UNKNOWN;
-  pressed_way_nm[0] = pressed_way_nm[1] = 0;
+  pressed_way_nm = 0;
 }
 
 static reply_t answer(request_t asked) {
@@ -341,30 +341,13 @@ static motion_t wanted(void) {
 
 // An end stop releases within its travel when the actuator moves away from it. A calibration firmware knows no speed
 // and so no way.
+static uint8_t is_stop_stuck(void) {
 #if LAKE_SEGMENT_COUNT > 0
-static uint8_t is_stop_stuck(void) {
-  return pressed_way_nm[0] > LAKE_STOP_TRAVEL_UM * 1000UL || pressed_way_nm[1] > LAKE_STOP_TRAVEL_UM * 1000UL;
-}
-
-static void watch_stops(int32_t velocity_um_s) {
-  const uint8_t pressed = end_stops_pressed();
-  if (!(pressed & END_STOP_RETRACT))
-    pressed_way_nm[0] = 0;
-  else if (velocity_um_s > 0)
-    pressed_way_nm[0] += velocity_um_s;
-  if (!(pressed & END_STOP_EXTEND))
-    pressed_way_nm[1] = 0;
-  else if (velocity_um_s < 0)
-    pressed_way_nm[1] -= velocity_um_s;
-}
+  return pressed_way_nm > LAKE_STOP_TRAVEL_UM * 1000UL;
 #else
-static uint8_t is_stop_stuck(void) {
   return 0;
-}
-static void watch_stops(int32_t velocity_um_s) {
-  (void)velocity_um_s;
-}
 #endif
+}
 
 // The last word before the motor.
 static uint8_t is_allowed(const motion_t* motion) {
@@ -383,17 +366,27 @@ static uint8_t is_allowed(const motion_t* motion) {
 #if LAKE_SEGMENT_COUNT > 0
 // What the tolerances allow in this ms: a part of the way, and what the motor's lag loses as the speed rises, gains as
 // it falls.
-static void drift(int32_t velocity_um_s) {
+static void drift(int32_t velocity_um_s, uint32_t way_nm) {
   static int32_t last_um_s;
   const int32_t change = velocity_um_s - last_um_s;
-  const uint32_t way = velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
   last_um_s = velocity_um_s;
   uint32_t* const lag = &lag_drift_nm[change < 0];
   if (*lag < LAKE_DRIFT_MOST_NM) *lag += (uint32_t)(change < 0 ? -change : change) * LAKE_LAG_MS;
-  if (way_drift_nm < LAKE_DRIFT_MOST_NM) way_drift_nm += (way * LAKE_DRIFT_PER_1024 + 1023) / 1024;
+  if (way_drift_nm < LAKE_DRIFT_MOST_NM) way_drift_nm += (way_nm * LAKE_DRIFT_PER_1024 + 1023) / 1024;
+}
+
+static void move(int32_t velocity_um_s) {
+  const uint32_t way_nm = velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
+  stroke_nm += velocity_um_s;
+  drift(velocity_um_s, way_nm);
+  if (way_nm == 0) return;
+  if (end_stop_ahead(velocity_um_s > 0 ? -1 : 1))  // what lies behind
+    pressed_way_nm += way_nm;
+  else
+    pressed_way_nm = 0;
 }
 #else
-static void drift(int32_t velocity_um_s) {
+static void move(int32_t velocity_um_s) {
   (void)velocity_um_s;
 }
 #endif
@@ -401,10 +394,7 @@ static void drift(int32_t velocity_um_s) {
 // What the bridge does now, and so the estimate. A motion's clock stands still until the bridge does what it asks for,
 // so that no brake costs stroke.
 static void keep_books(const motion_t* motion) {
-  const int32_t velocity = motor_direction() == 0 ? 0 : motion->velocity_um_s;
-  stroke_nm += velocity;
-  drift(velocity);
-  watch_stops(velocity);
+  move(motor_direction() == 0 ? 0 : motion->velocity_um_s);
   if (is_moving() && motor_direction() == motion->direction) ++clock_ms;
 }
 

@@ -77,7 +77,7 @@ void protocol_greet(reset_cause_t cause) {
   else
     tell_message(PSTR("lake-stroke"));
 #if LAKE_SEGMENT_COUNT > 0 && LAKE_DRIFT_ACCEPTED
-  tell_message(PSTR("drift accepted: for a bench without a person"));
+  tell_message(PSTR("drift accepted, no person"));
 #endif
   tell_header();
 }

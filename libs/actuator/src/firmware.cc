@@ -146,10 +146,12 @@ double ToleranceOf(const DutyTable& table, const FirmwareOptions& options) {
 // The bound as the firmware has it: integers, ms by ms.
 class DriftBound {
  public:
-  DriftBound(const StrokeTable& stroke, const DutyTable& table, const FirmwareOptions& options)
+  DriftBound(const StrokeTable& stroke, const DutyTable& table, const FirmwareOptions& options,
+             std::int64_t velocity_um_s = 0)
       : start_um_(std::llround(std::ceil(1e3 * (options.home_error_mm + stroke.pwm_error_mm)))),
         per_1024_(std::llround(std::ceil(10.24 * ToleranceOf(table, options)))),
-        lag_ms_(std::llround(std::ceil(1e3 * options.lag_s))) {}
+        lag_ms_(std::llround(std::ceil(1e3 * options.lag_s))),
+        velocity_um_s_(velocity_um_s) {}
 
   std::int64_t StartUm() const { return start_um_; }
   std::int64_t Per1024() const { return per_1024_; }
@@ -177,7 +179,8 @@ class DriftBound {
   std::int64_t FixedNm() const { return 1000 * start_um_ + std::max(speeding_nm_, slowing_nm_); }
 
   std::int64_t start_um_, per_1024_, lag_ms_;
-  std::int64_t velocity_um_s_ = 0, way_nm_ = 0, rounding_nm_ = 0, tolerance_nm_ = 0, speeding_nm_ = 0, slowing_nm_ = 0;
+  std::int64_t velocity_um_s_;
+  std::int64_t way_nm_ = 0, rounding_nm_ = 0, tolerance_nm_ = 0, speeding_nm_ = 0, slowing_nm_ = 0;
 };
 
 // Follows the bound to the linkage's upper end.
@@ -386,9 +389,8 @@ DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& sch
   forecast.tolerance_percent = ToleranceOf(table, options);
   forecast.is_measured = !options.speed_tolerance_percent && table.TolerancePercent();
   forecast.end_mm = schedule.limits.upper_end_mm;
-  DriftWatch watch(DriftBound(stroke, table, options), forecast);
+  DriftWatch watch(DriftBound(stroke, table, options, -Um(homing.speed_mm_s)), forecast);
   // Homing ends by a stop from its speed; then to the start.
-  watch.Turn(Um(homing.speed_mm_s), 0, homing.stroke_mm);
   watch.Turn(0, 0, homing.stroke_mm);
   watch.Turn(Um(homing.position_speed_mm_s), 0, homing.stroke_mm);
   watch.Go(homing.position_ms, 0, stroke.start_mm);

@@ -281,7 +281,7 @@ TEST_F(FirmwareTest, AnAcceptedDriftIsSaidInTheGreetingAndRuns) {
   firmware_options_.accept_drift = true;
   Build(FreeDesign({{0, 370}, {0.8, 374}}));
   Start();
-  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:drift accepted: for a bench without a person]\n"));
+  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:drift accepted, no person]\n"));
   EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 2)) << rig_->Serial();
 }
 
