@@ -18,15 +18,23 @@ struct CalibrateArguments {
 
 void BindFirmware(CLI::App& cli, FirmwareOptions& o) {
   cli.add_option("--home-stroke", o.home_stroke_mm,
-                 "Stroke at which the retract end stop acts, mm (0: the design's d_min)");
+                 "Stroke at which the retract end stop acts, mm (0: the lower soft limit)");
   cli.add_option("--home-speed", o.home_speed_mm_s, "Speed of homing, mm/s, as far as the duty table has it");
   cli.add_option("--command-timeout", o.command_timeout_s,
                  "Motion stops when the host is silent for so long, s (0: never)");
-  cli.add_option("--speed-tolerance", o.speed_tolerance_percent,
-                 "How far speeds may differ from the duty table, percent: part of the drift bound");
+  cli.add_option(
+      "--speed-tolerance", o.speed_tolerance_percent,
+      "How far speeds may differ from the duty table, percent: part of the drift bound (default: the table's "
+      "tolerance_percent, else 10)");
   cli.add_option("--home-error", o.home_error_mm,
                  "How well the stroke is known after homing, mm: part of the drift bound");
   cli.add_option("--lag", o.lag_s, "Time by which the speed may lag behind the duty, s: part of the drift bound");
+  cli.add_option("--stop-travel", o.stop_travel_mm,
+                 "Within which an end stop releases when the actuator moves away from it, mm");
+  cli.add_option("--extend-stop", o.extend_stop_mm,
+                 "The extend end stop acts so many mm before the linkage's end (0: there is none)");
+  cli.add_flag("--accept-drift", o.accept_drift,
+               "For a bench without a person: write a program whose drift may pass the linkage's end");
   cli.add_option("--table-tolerance", o.table_tolerance_mm,
                  "Stroke error allowed to fit a long program into the flash, mm");
 }

@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <random>
+#include <set>
+#include <utility>
 
 #include "config.h"
 #include "end_stops.h"
@@ -66,8 +68,8 @@ TEST(HostTable, IsWhatTheProgramWrites) {
   const StrokeSchedule schedule = HostSchedule();
   const DutyTable table = ModelTable();
   FirmwareOptions options;
-  options.home_stroke_mm = 298;
-  const std::string header = StrokeTableHeader(MakeStrokeTable(schedule, table, options), schedule, table, 242, options,
+  options.home_stroke_mm = 298, options.speed_tolerance_percent = 10;
+  const std::string header = StrokeTableHeader(MakeStrokeTable(schedule, table, options), schedule, table, options,
                                                "For the tests of the portable part.");
   EXPECT_EQ(ReadTextFile(LAKE_SOURCE_DIR "/tests/actuator/host/stroke_table.h"), header)
       << "lake-stroke --home-stroke 298 with this program writes it";
@@ -145,12 +147,32 @@ TEST_F(ControllerTest, AHoldOutdoesAResumeAndKeepsThePlace) {
   EXPECT_EQ(controller_status().knowledge, STROKE_UNKNOWN);
 }
 
+// The drift grows with the way, to and fro: a jog ends where plan and drift together reach the linkage's end.
+TEST_F(ControllerTest, AJogKeepsTheLimitsWithTheDrift) {
+  ASSERT_EQ(Ask(REQUEST_ZERO), REPLY_OK);
+  for (int i = 0; i < 12; ++i) {
+    for (const int16_t counts : {int16_t{4000}, int16_t{-3500}}) {
+      Ask(REQUEST_JOG, counts, 3000);
+      TickTalking(3200);
+      const status_t now = controller_status();
+      // One ms of 9.7 mm/s and its drift, and the lag of the stop.
+      ASSERT_LE(now.stroke_um + static_cast<int32_t>(now.drift_um), LAKE_UPPER_END_UM + 11 + 9680 * LAKE_LAG_MS / 1000);
+    }
+  }
+  EXPECT_GT(controller_status().drift_um, 40000u) << "a tenth of the way";
+  Ask(REQUEST_JOG, 4000, 9000);
+  TickTalking(9200);
+  EXPECT_EQ(Ask(REQUEST_JOG, 4000, 100), REPLY_LIMIT_AHEAD);
+  EXPECT_EQ(Ask(REQUEST_JOG, -3500, 100), REPLY_OK) << "back is allowed";
+}
+
 // Random commands, end stops and silences, a million ticks: the bridge's inputs never turn while it drives, opposite
 // directions have the brake between them, an end stop ahead is never driven against.
 TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
   std::mt19937 random(7);
   const auto one_in = [&](int n) { return random() % n == 0; };
   int last_direction = 0, undriven_ms = 0;
+  std::set<std::pair<state_t, int>> driven;  // in which state, which way
   for (int i = 0; i < 1'000'000; ++i) {
     if (one_in(300))
       controller_request(static_cast<request_t>(1 + random() % 7), static_cast<int16_t>(random() % 8001) - 4000,
@@ -168,13 +190,18 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
       continue;
     }
     ASSERT_EQ(std::abs(fake_board.direction), 1);
+    driven.emplace(controller_status().state, fake_board.direction);
     if (fake_board.direction == -last_direction) {
       ASSERT_GE(undriven_ms, LAKE_DEAD_TIME_MS) << "at " << i << " ms";
     }
     ASSERT_FALSE(fake_board.open & (fake_board.direction > 0 ? END_STOP_EXTEND : END_STOP_RETRACT));
     last_direction = fake_board.direction, undriven_ms = 0;
   }
-  EXPECT_NE(last_direction, 0);
+  // The program's, homing's and a jog's both ways, positioning's one.
+  for (const state_t state : {STATE_RUNNING, STATE_HOMING, STATE_JOGGING})
+    for (const int direction : {1, -1}) EXPECT_TRUE(driven.contains({state, direction})) << state << " " << direction;
+  EXPECT_TRUE(driven.contains({STATE_POSITIONING, 1}));
+  EXPECT_FALSE(driven.contains({STATE_POSITIONING, -1}));
 }
 
 // Texts in, texts out.

@@ -87,6 +87,7 @@ TEST(RobustSlope, ReadingsInStepsHaveHonestErrors) {
     scaled.push_back((fit.slope - truth) / fit.standard_error);
     EXPECT_NEAR(fit.slope, truth, 0.137);  // 0.040 / sqrt(sum (x - mean)^2) = 0.033; a step per second is 4 of it
   }
+  std::printf("error / se of slopes in steps: standard deviation %.3f\n", StandardDeviation(scaled));
   EXPECT_LT(StandardDeviation(scaled), 1.3);
   EXPECT_GT(StandardDeviation(scaled), 0.6);  // the floor errs to the safe side
 }
@@ -109,6 +110,7 @@ TEST(DutyCalibration, SpeedsWithHonestErrorsOverManySeeds) {
   }
   EXPECT_GE(scaled.size(), 40u * 15);
   const double deviation = StandardDeviation(scaled);
+  std::printf("error / se of calibrated speeds: standard deviation %.3f, mean %+.3f\n", deviation, Mean(scaled));
   EXPECT_GT(deviation, 0.7);
   EXPECT_LT(deviation, 1.5);
   EXPECT_NEAR(Mean(scaled), 0, 0.3);
@@ -121,6 +123,27 @@ TEST(DutyCalibration, TableDrivesTheActuatorAtTheSpeedAskedFor) {
     EXPECT_NEAR(TrueSpeed(table.extend.DutyFor(speed)), speed, 0.02 + 0.01 * speed);
     EXPECT_NEAR(-TrueSpeed(-table.retract.DutyFor(speed)), speed, 0.02 + 0.01 * speed);
   }
+}
+
+// Two logs, one 3 % faster and one 3 % slower than their mean: the tolerance covers both, and little more than that and
+// the noise. What was tried once has none.
+TEST(DutyCalibration, ToleranceIsWhatTheRoundsDifferBy) {
+  std::vector<DutyLog> logs;
+  for (const double factor : {1.03, 0.97}) {
+    LogMaker maker(11);
+    for (const double duty : {0.4, -0.4, 0.7, -0.7, 1.0, -1.0}) maker.Plateau(duty, 4, factor * TrueSpeed(duty));
+    logs.push_back(maker.log);
+  }
+  const DutyCalibration both = CalibrateDuty(logs, {});
+  ASSERT_TRUE(both.tolerance_percent);
+  EXPECT_GE(*both.tolerance_percent, 3);
+  // Four seconds of 50 Hz with 0.03 mm: 0.0018 mm/s a plateau, of at least 1.7 mm/s; two errors, and as much in the
+  // mean.
+  EXPECT_LT(*both.tolerance_percent, 3 + 0.8);
+  EXPECT_EQ(MakeDutyTable(both.rows, "t").TolerancePercent(), both.tolerance_percent);
+  const DutyCalibration once = CalibrateDuty({logs[0]}, {});
+  EXPECT_FALSE(once.tolerance_percent);
+  EXPECT_EQ(MakeDutyTable(once.rows, "t").TolerancePercent(), std::nullopt);
 }
 
 TEST(DutyCalibration, PlateauThatMeetsTheEndOfTravelIsLeftOut) {

@@ -80,13 +80,15 @@ TEST(DutyTable, CurvedActuatorWithinAFractionOfALine) {
 TEST(DutyTable, WritesWhatItReads) {
   const TemporaryFolder folder;
   const std::vector<DutyRow> rows = {
-      {0.2, 0, NAN, NAN, NAN}, {0.3, NAN, 0, NAN, NAN}, {0.5, 4.1, 3.2, 0.02, 0.03}, {1, 9, 8, 0.1, 0.1}};
+      {0.2, 0, NAN, NAN, NAN}, {0.3, NAN, 0, NAN, NAN}, {0.5, 4.1, 3.2, 0.02, 0.03, 2.5}, {1, 9, 8, 0.1, 0.1, 1}};
   WriteDutyTable(folder / "t.csv", rows);
   const DutyTable table = ReadDutyTable(folder / "t.csv");
   ASSERT_EQ(table.rows.size(), 4u);
   EXPECT_TRUE(std::isnan(table.rows[0].retract_mm_s));
   EXPECT_EQ(table.rows[2].retract_se_mm_s, 0.03);
   EXPECT_EQ(table.retract.DeadBandDuty(), 0.3);
+  EXPECT_EQ(table.TolerancePercent(), 2.5);
+  EXPECT_EQ(ReadText("duty,extend_mm_s,retract_mm_s\n0.2,0,0\n0.5,5,5\n").TolerancePercent(), std::nullopt);
 }
 
 TEST(DutyTable, BadTablesSayWhatIsWrong) {
@@ -103,6 +105,8 @@ TEST(DutyTable, BadTablesSayWhatIsWrong) {
   };
   for (const auto& [rows, message] : cases)
     EXPECT_THAT([&] { ReadText(header + rows); }, ThrowsMessage<Error>(HasSubstr(message))) << rows;
+  EXPECT_THAT([] { ReadText("duty,extend_mm_s,retract_mm_s,tolerance_percent\n0.2,0,0,\n0.5,5,5,-1\n"); },
+              ThrowsMessage<Error>(HasSubstr("the tolerance -1 % at duty 0.5 is not within 0..100")));
   EXPECT_THAT([] { ReadText("duty,speed\n0.1,1\n"); }, ThrowsMessage<Error>(HasSubstr("extend_mm_s")));
   EXPECT_THROW(ReadText(""), Error);
 }

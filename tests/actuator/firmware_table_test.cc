@@ -87,14 +87,110 @@ TEST(StrokeTable, HeaderCannotBeBrokenByAFileName) {
   const StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}});
   const DutyTable table = ModelTable();
   const StrokeTable stroke = MakeStrokeTable(schedule, table, {});
-  const std::string header = StrokeTableHeader(stroke, schedule, table, 242, {}, "from a\n#error b\\\nfile");
+  const std::string header = StrokeTableHeader(stroke, schedule, table, {}, "from a\n#error b\\\nfile");
   EXPECT_EQ(header.find("\n#error"), std::string::npos);
   EXPECT_EQ(header.find('\\'), std::string::npos);
 }
 
-// The largest table there can be still leaves the code its room.
-TEST(StrokeTable, SegmentsAndCodeShareTheFlash) {
-  EXPECT_LE(kMostSegments * kSegmentBytes + kFirmwareBytes, kFlashBytes);
+// Up at 5 mm/s from 300 to 340 mm, home at 290 mm, a tolerance of 10 %: start error, a tenth of 50 mm, and the lag of
+// the three times that the speed rises (homing's stop, to the start, the program) or the two that it falls.
+TEST(Drift, ForecastIsTheClosedFormOfAConstantProgram) {
+  const StrokeSchedule schedule = FreeSchedule({{0, 300}, {8, 340}});
+  FirmwareOptions options;
+  options.home_stroke_mm = 290, options.speed_tolerance_percent = 10;
+  const StrokeTable stroke = MakeStrokeTable(schedule, ModelTable(), options);
+  const DriftForecast forecast = ForecastDrift(stroke, schedule, ModelTable(), options);
+  // 10 % are rounded up to 103/1024; 1 um of the start, 10 um of rounding up per ms.
+  EXPECT_NEAR(forecast.last_drift_mm, 0.1 + stroke.pwm_error_mm + 50 * 103 / 1024.0 + 3 * 5 * 0.05, 0.012);
+  EXPECT_NEAR(forecast.planned_mm, 340, 1e-9);
+  EXPECT_EQ(forecast.drift_mm, forecast.last_drift_mm);
+  EXPECT_NEAR(forecast.end_mm, 374.5205, 1e-4);
+  EXPECT_TRUE(forecast.Fits());
+  EXPECT_FALSE(forecast.is_measured);
+  // (34.52 - 0.85) / 50 is 67 %.
+  EXPECT_NEAR(forecast.tolerable_percent, 100 * (34.5205 - 0.85 - stroke.pwm_error_mm) / 50, 0.2);
+}
+
+// What a refusal proposes works: the tolerance it names leaves room, a little more does not; so does an end that much
+// earlier. Programs that go to and fro, ending 1 to 30 mm before standing.
+TEST(Drift, WhatARefusalProposesWorks) {
+  int refused = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> room(1, 30), speed(1, 9);
+    std::vector<StrokeProgram::Knot> knots = {{0, 260}};
+    for (const double stroke : {310.0, 280.0, 374.5205 - room(random)})
+      knots.push_back({knots.back().time_s + std::abs(stroke - knots.back().stroke_mm) / speed(random), stroke});
+    const StrokeSchedule schedule = FreeSchedule(knots);
+    DutyTable table = ModelTable();
+    for (DutyRow& row : table.rows) row.tolerance_percent = 10;
+    const StrokeTable stroke = MakeStrokeTable(schedule, table, {});
+    const DriftForecast forecast = ForecastDrift(stroke, schedule, table, {});
+    EXPECT_TRUE(forecast.is_measured);
+    const auto fits = [&](double percent) {
+      FirmwareOptions options;
+      options.speed_tolerance_percent = percent;
+      return ForecastDrift(stroke, schedule, table, options).Fits();
+    };
+    if (forecast.Fits()) {
+      EXPECT_GE(forecast.tolerable_percent, 9.8) << "seed " << seed;  // it rounds down, twice by a tenth
+      continue;
+    }
+    ++refused;
+    ASSERT_LT(forecast.tolerable_percent, 10) << "seed " << seed;
+    if (forecast.tolerable_percent > 0) {
+      EXPECT_TRUE(fits(forecast.tolerable_percent)) << "seed " << seed;
+    }
+    EXPECT_FALSE(fits(std::max(forecast.tolerable_percent, 0.0) + 0.3)) << "seed " << seed;
+    knots.back().stroke_mm -= std::ceil(10 * (forecast.drift_mm - forecast.Room()) + 0.01) / 10;
+    const StrokeSchedule earlier = FreeSchedule(knots);
+    EXPECT_TRUE(ForecastDrift(MakeStrokeTable(earlier, table, {}), earlier, table, {}).Fits()) << "seed " << seed;
+  }
+  EXPECT_GT(refused, 10);
+  EXPECT_LT(refused, 40);
+}
+
+// An end stop before the linkage's end holds what the drift would carry past it, from where its run-on leaves room.
+TEST(Drift, AnExtendEndStopBeforeTheLinkagesEndIsAWayOut) {
+  const StrokeSchedule schedule = FreeSchedule({{0, 260}, {24, 373.5}});  // 1.02 mm before the end
+  const DutyTable table = ModelTable();
+  FirmwareOptions options;
+  const StrokeTable stroke = MakeStrokeTable(schedule, table, options);
+  const auto header = [&] { return StrokeTableHeader(stroke, schedule, table, options, "t"); };
+  EXPECT_THAT(header, ThrowsMessage<Error>(HasSubstr("(--extend-stop 0.6)")));
+  EXPECT_EQ(ExtendStop(schedule, options), std::nullopt);
+  options.extend_stop_mm = 0.6;  // 0.1 mm and 50 ms of 9.68 mm/s are 0.584 mm
+  EXPECT_THAT(header(), HasSubstr("#define LAKE_DRIFT_LIMITED 0"));
+  EXPECT_NEAR(*ExtendStop(schedule, options), 374.5205 - 0.6, 1e-4);
+  options.extend_stop_mm = 0.5;
+  EXPECT_THAT(header, ThrowsMessage<Error>(HasSubstr("run on by 0.584 mm, to the linkage's end at 374.52")));
+  options.extend_stop_mm = 1.1;
+  EXPECT_THAT(header, ThrowsMessage<Error>(
+                          HasSubstr("the program goes to 373.500 mm, and the extend end stop acts at 373.42")));
+}
+
+TEST(Drift, HomeKeepsTheLowerSoftLimit) {
+  const StrokeSchedule schedule = FreeSchedule({{0, 250}, {8, 290}});
+  const DutyTable table = ModelTable();
+  FirmwareOptions options;
+  const StrokeTable stroke = MakeStrokeTable(schedule, table, options);
+  const auto header = [&](const StrokeSchedule& plan) { return StrokeTableHeader(stroke, plan, table, options, "t"); };
+  EXPECT_NEAR(HomeStroke(stroke, schedule, options), 241.9978 + 0.5, 1e-3);
+  EXPECT_THAT(header(schedule), HasSubstr("#define LAKE_HOME_UM 242498L"));
+  options.home_stroke_mm = 242;
+  EXPECT_THAT([&] { header(schedule); },
+              ThrowsMessage<UsageError>(HasSubstr("--home-stroke 242.000 mm is below the soft limit 242.498 mm")));
+  options.accept_drift = true;
+  EXPECT_THAT(header(schedule), HasSubstr("#define LAKE_HOME_UM 242000L"));
+  // A soft limit nearer to the dead point than the run-on past the switch.
+  options = {};
+  ScheduleOptions near;
+  near.margin_mm = 0.2;
+  EXPECT_THAT(
+      [&] {
+        header(MakeSchedule(FreeDesign({{0, 250}, {8, 290}}), near));
+      },
+      ThrowsMessage<Error>(HasSubstr("may run on by 0.350 mm, past the linkage's end at 241.998 mm")));
 }
 
 }  // namespace

@@ -15,7 +15,10 @@
 namespace lake {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
 
 constexpr const char* kTable = LAKE_SOURCE_DIR "/calibration/duty_table_model.csv";
 
@@ -32,10 +35,10 @@ class StrokeProgramTest : public testing::Test {
 };
 
 TEST_F(StrokeProgramTest, WritesProgramAndFirmware) {
-  const Outcome run = Run(std::string("design.yaml -o out --json --duty-table ") + kTable);
+  const Outcome run = Run(std::string("design.yaml --margin 6 -o out --json --duty-table ") + kTable);
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json summary = Json::parse(run.out);
-  EXPECT_NEAR(summary["duration_s"].get<double>(), 26.3045, 1e-3);
+  EXPECT_NEAR(summary["duration_s"].get<double>(), (374.5205 - 241.9978 - 12) / 5, 1e-3);
   EXPECT_EQ(summary["inputs"].size(), 2u);
   EXPECT_LT(summary["firmware"]["pwm_error_mm"].get<double>(), 0.05);
   const CsvTable table = CsvTable::Read(folder_ / "out/program.csv");
@@ -51,6 +54,32 @@ TEST_F(StrokeProgramTest, WritesProgramAndFirmware) {
                          " -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror *.c -o firmware.elf");
   EXPECT_EQ(build.exit_code, 0) << build.err;
 #endif
+}
+
+// The published design to standing but for 0.5 mm: 131 mm of way leave no room for what a speed may differ.
+TEST_F(StrokeProgramTest, ADriftThatLeavesTheRoomIsRefusedUnlessAccepted) {
+  const std::string arguments = std::string("design.yaml -o out --duty-table ") + kTable;
+  const Outcome refused = Run(arguments);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_EQ(refused.ErrorLines(), 1) << refused.err;
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("past the linkage's end at 374.5"), HasSubstr("374.02"), HasSubstr(" ± "),
+                                 HasSubstr("--margin"), HasSubstr("--accept-drift")));
+  EXPECT_EQ(FilesIn(folder_ / "out"), 0u);
+
+  const Outcome accepted = Run(arguments + " --accept-drift");
+  ASSERT_EQ(accepted.exit_code, 0) << accepted.err;
+  EXPECT_THAT(accepted.err, HasSubstr("the drift was accepted: 374.02"));
+  EXPECT_THAT(accepted.out, HasSubstr("DRIFT ACCEPTED: only for a bench without a person"));
+  for (const char* name : {"lake_stroke/lake_stroke.ino", "lake_stroke/stroke_table.h", "stroke_table.h"})
+    EXPECT_THAT(ReadTextFile(folder_ / "out" / name), StartsWith("// DRIFT ACCEPTED: ")) << name;
+  const Json drift = Json::parse(ReadTextFile(folder_ / "out/summary.json"))["firmware"]["drift"];
+  EXPECT_TRUE(drift["accepted"].get<bool>());
+  EXPECT_FALSE(drift["fits"].get<bool>());
+
+  const Outcome fits = Run(arguments + " --margin 6 --json");
+  ASSERT_EQ(fits.exit_code, 0) << fits.err;
+  EXPECT_TRUE(Json::parse(fits.out)["firmware"]["drift"]["fits"].get<bool>());
+  EXPECT_THAT(ReadTextFile(folder_ / "out/lake_stroke/lake_stroke.ino"), Not(HasSubstr("DRIFT ACCEPTED")));
 }
 
 TEST_F(StrokeProgramTest, WithoutADutyTableSaysSoAndWritesNoFirmware) {
@@ -195,7 +224,7 @@ TEST_F(StrokeProgramTest, CalibrateMakesATable) {
   const Json summary = Json::parse(run.out);
   EXPECT_NEAR(summary["dead_band"]["extend"]["duty"].get<double>(), 0.2, 1e-3);
   EXPECT_NEAR(summary["dead_band"]["retract"]["duty"].get<double>(), 0.1, 1e-3);
-  EXPECT_EQ(Run("design.yaml -o out --duty-table duty/duty_table.csv").exit_code, 0);
+  EXPECT_EQ(Run("design.yaml --margin 15 -o out --duty-table duty/duty_table.csv").exit_code, 0);
   EXPECT_EQ(Run("calibrate --write-firmware -o cal").exit_code, 0);
   EXPECT_THAT(ReadTextFile(folder_ / "cal/lake_stroke/stroke_table.h"), HasSubstr("#define LAKE_SEGMENT_COUNT 0"));
 }

@@ -86,7 +86,8 @@ reoptimize:
   fit_placement: true
   placement_reach_mm: 25
   pareto: 5
-stroke: {duty_table: duty.csv, margin_mm: 1, return: true, hold_s: 3, rate_hz: 20}
+stroke: {duty_table: duty.csv, margin_mm: 1, return: true, hold_s: 3, rate_hz: 20, accept_drift: true,
+         speed_tolerance_percent: 3, home_stroke_mm: 244, extend_stop_mm: 0.7}
 )";
 
 TEST_F(StudyYaml, IsRead) {
@@ -143,6 +144,10 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(study.stroke->schedule.margin_mm, 1);
   EXPECT_TRUE(study.stroke->schedule.return_trip);
   EXPECT_EQ(study.stroke->rate_hz, 20);
+  EXPECT_TRUE(study.stroke->firmware.accept_drift);
+  EXPECT_EQ(study.stroke->firmware.speed_tolerance_percent, 3);
+  EXPECT_EQ(study.stroke->firmware.home_stroke_mm, 244);
+  EXPECT_EQ(study.stroke->firmware.extend_stop_mm, 0.7);
   EXPECT_EQ(study.inputs.size(), 6u);
 }
 
@@ -227,6 +232,8 @@ TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
   ExpectRefused(trial + "reoptimize: {duration_s: -1}\n", "'duration_s' must be positive");
   ExpectRefused(trial + "design: {worn: worn.yaml}\n", "'worn' needs an 'exo' trial");
   ExpectRefused(trial + "stroke: {margin_mm: -1}\n", "study.yaml:2: ");
+  ExpectRefused(trial + "stroke: {speed_tolerance_percent: 300}\n", "study.yaml:2: ");
+  ExpectRefused(trial + "stroke: {accept_drift: perhaps}\n", "study.yaml:2: ");
   ExpectRefused(trial + "stroke: {duty: x}\n", "study.yaml:2: unknown key 'duty'");
 }
 

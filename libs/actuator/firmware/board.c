@@ -6,9 +6,6 @@
 #include <avr/wdt.h>
 #include <util/delay_basic.h>
 
-#include "controller.h"
-#include "end_stops.h"
-
 // Normally closed switches to ground with the internal pull-ups. A pressed switch, a broken wire and a missing switch
 // all read high.
 #define RETRACT_STOP_BIT PD2  // D2, at the shortest stroke
@@ -18,6 +15,7 @@
 // A0: optional potentiometer. It is reported, never used for control.
 #define ADC_CHANNEL 0
 
+static void (*on_tick)(void);
 static volatile uint8_t ticks;
 static uint8_t last_tick;
 static uint8_t reset_flags __attribute__((section(".noinit")));
@@ -31,7 +29,7 @@ void quiet_watchdog(void) {
 }
 
 ISR(TIMER2_COMPA_vect) {
-  controller_tick();
+  on_tick();
   ++ticks;
 }
 
@@ -42,7 +40,8 @@ void board_init(void) {
   ADCSRA = _BV(ADEN) | _BV(ADPS2) | _BV(ADPS1) | _BV(ADPS0);
 }
 
-void board_start(void) {
+void board_start(void (*tick)(void)) {
+  on_tick = tick;
   // Timer 2: 16 MHz / 64 / 250 = 1 kHz.
   TCCR2A = _BV(WGM21);
   TCCR2B = _BV(CS22);

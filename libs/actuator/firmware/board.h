@@ -9,14 +9,16 @@ typedef enum { RESET_BY_POWER_OR_BUTTON, RESET_BY_WATCHDOG, RESET_BY_LOW_VOLTAGE
 // End stops and potentiometer; nothing runs yet.
 void board_init(void);
 
-// Interrupts on, controller_tick() once per ms, watchdog of 120 ms.
-void board_start(void);
+// Interrupts on, `tick` once per ms inside the timer's, watchdog of 120 ms.
+void board_start(void (*tick)(void));
 
 // Sleeps until an interrupt. Nonzero once per tick; then the watchdog has been fed, so it is only while interrupt and
 // main loop both run.
 uint8_t board_wait(void);
 
-// Bits as in end_stops.h of the end stops that are open now. Pins are read four times within 20 us and must agree: the
+enum { END_STOP_RETRACT = 1, END_STOP_EXTEND = 2 };
+
+// Bits of the end stops that are open now. Pins are read four times within 20 us and must agree: the
 // bridge's spikes are shorter.
 uint8_t board_end_stops(void);
 

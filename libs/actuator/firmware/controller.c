@@ -18,8 +18,9 @@ static const motion_t kRest = {0, 0, 0};
 static uint32_t time_ms;
 static state_t state;
 static knowledge_t knowledge;
-static int32_t stroke_nm;  // um/s during one ms are nm
-static uint32_t drift_nm;
+static int32_t stroke_nm;         // um/s during one ms are nm
+static uint32_t way_drift_nm;     // what the tolerance of the speed allows
+static uint32_t lag_drift_nm[2];  // what lag allows: behind by speeding up, ahead by slowing down
 static reply_t reply;
 static uint8_t events;
 static request_t request;
@@ -31,10 +32,13 @@ static uint16_t silent_ms;
 static uint32_t clock_ms;  // of the program, of homing, or of a jog
 static uint32_t end_ms;
 static motion_t jog;
+static uint32_t pressed_way_nm;  // driven away from an end stop that is pressed all the while
 
 #if LAKE_SEGMENT_COUNT > 0
 static uint16_t segment_index;
 static lake_segment segment;
+enum { HOME_SEEK, HOME_BACK_OFF, HOME_TOUCH };
+static uint8_t home_phase;
 
 static void load_segment(uint16_t index) {
   segment_index = index;
@@ -50,6 +54,10 @@ static void fault(uint8_t what) {
 
 static int32_t stroke_um(void) {
   return stroke_nm / 1000;
+}
+
+static uint32_t drift_um(void) {
+  return (way_drift_nm + (lag_drift_nm[0] > lag_drift_nm[1] ? lag_drift_nm[0] : lag_drift_nm[1])) / 1000;
 }
 
 static void begin(state_t next, uint32_t duration_ms) {
@@ -81,11 +89,19 @@ static uint8_t end_stop_ahead(int8_t direction) {
   return (direction > 0 && (pressed & END_STOP_EXTEND)) || (direction < 0 && (pressed & END_STOP_RETRACT));
 }
 
+#if LAKE_SEGMENT_COUNT > 0
+// The linkage's end, where the actuator may be as far from the plan as the drift allows. At the other end the retract
+// end stop comes first.
+static uint8_t drift_reaches_end(void) {
+  return LAKE_DRIFT_LIMITED && stroke_um() + (int32_t)drift_um() >= LAKE_UPPER_END_UM;
+}
+#endif
+
 static uint8_t soft_limit_ahead(int8_t direction) {
 #if LAKE_SEGMENT_COUNT > 0
   if (knowledge == STROKE_UNKNOWN) return 0;
-  return (direction > 0 && stroke_um() >= LAKE_UPPER_LIMIT_UM + SOFT_LIMIT_SLACK_UM) ||
-         (direction < 0 && stroke_um() <= LAKE_LOWER_LIMIT_UM - SOFT_LIMIT_SLACK_UM);
+  if (direction > 0) return stroke_um() >= LAKE_UPPER_LIMIT_UM + SOFT_LIMIT_SLACK_UM || drift_reaches_end();
+  return direction < 0 && stroke_um() <= LAKE_LOWER_LIMIT_UM - SOFT_LIMIT_SLACK_UM;
 #else
   (void)direction;
   return 0;
@@ -102,16 +118,32 @@ static reply_t take_run(void) {
   return REPLY_OK;
 }
 
+static void begin_homing(uint8_t phase, uint32_t duration_ms) {
+  home_phase = phase;
+  begin(STATE_HOMING, duration_ms);
+}
+
+// Pressed, though the stroke is known to be somewhere else.
+static uint8_t retract_stop_contradicts_stroke(void) {
+  return end_stop_ahead(-1) && knowledge != STROKE_UNKNOWN &&
+         stroke_um() - (int32_t)drift_um() > LAKE_HOME_UM + LAKE_STOP_TRAVEL_UM;
+}
+
 static reply_t take_home(void) {
   if (state != STATE_IDLE) return REPLY_STATE;
+  const uint8_t stuck = retract_stop_contradicts_stroke();
   knowledge = STROKE_UNKNOWN;
-  begin(STATE_HOMING, LAKE_HOME_TIMEOUT_MS);
+  if (stuck)
+    fault(EVENT_FAULT_STUCK);
+  else
+    begin_homing(HOME_SEEK, LAKE_HOME_TIMEOUT_MS);
   return REPLY_OK;
 }
 
 static void know_stroke(int32_t um, knowledge_t known) {
   stroke_nm = um * 1000;
-  drift_nm = LAKE_DRIFT_START_UM * 1000L;
+  way_drift_nm = LAKE_DRIFT_START_UM * 1000L;
+  lag_drift_nm[0] = lag_drift_nm[1] = 0;
   knowledge = known;
 }
 
@@ -148,6 +180,7 @@ static reply_t take_jog(void) {
 static void reset(void) {
   state = STATE_IDLE;
   knowledge = STROKE_UNKNOWN;
+  pressed_way_nm = 0;
 }
 
 static reply_t answer(request_t asked) {
@@ -224,10 +257,15 @@ static motion_t run(void) {
   return motion;
 }
 
-static motion_t home(void) {
+// Retracts until the end stop is pressed.
+static motion_t seek(void) {
   if (end_stop_ahead(-1)) {
-    know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
-    begin(STATE_POSITIONING, LAKE_POSITION_MS);
+    if (home_phase == HOME_SEEK) {
+      begin_homing(HOME_BACK_OFF, LAKE_BACK_OFF_MS);
+    } else {
+      know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
+      begin(STATE_POSITIONING, LAKE_POSITION_MS);
+    }
     return kRest;
   }
   if (clock_ms >= end_ms) {
@@ -235,6 +273,21 @@ static motion_t home(void) {
     return kRest;
   }
   const motion_t motion = {-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S};
+  return motion;
+}
+
+// Only an end stop that has been seen to release and to be pressed again is home: a broken wire looks pressed
+// everywhere.
+static motion_t home(void) {
+  if (home_phase != HOME_BACK_OFF) return seek();
+  if (clock_ms >= end_ms) {
+    if (end_stop_ahead(-1))
+      fault(EVENT_FAULT_STUCK);
+    else
+      begin_homing(HOME_TOUCH, LAKE_TOUCH_TIMEOUT_MS);
+    return kRest;
+  }
+  const motion_t motion = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S};
   return motion;
 }
 
@@ -286,6 +339,16 @@ static motion_t wanted(void) {
   }
 }
 
+// An end stop releases within its travel when the actuator moves away from it. A calibration firmware knows no speed
+// and so no way.
+static uint8_t is_stop_stuck(void) {
+#if LAKE_SEGMENT_COUNT > 0
+  return pressed_way_nm > LAKE_STOP_TRAVEL_UM * 1000UL;
+#else
+  return 0;
+#endif
+}
+
 // The last word before the motor.
 static uint8_t is_allowed(const motion_t* motion) {
   if (motion->direction == 0) return 1;
@@ -293,22 +356,37 @@ static uint8_t is_allowed(const motion_t* motion) {
     fault(EVENT_FAULT_BOTH_STOPS);
   else if (end_stop_ahead(motion->direction))
     fault(EVENT_FAULT_STOP);
-  else if (state == STATE_RUNNING && soft_limit_ahead(motion->direction))
+  else if (is_stop_stuck())
+    fault(EVENT_FAULT_STUCK);
+  else if ((state == STATE_RUNNING || state == STATE_POSITIONING) && soft_limit_ahead(motion->direction))
     fault(EVENT_FAULT_SOFT_LIMIT);
   return state != STATE_FAULT;
 }
 
 #if LAKE_SEGMENT_COUNT > 0
-// What the tolerances allow in this ms: a part of the way, and what the motor's lag loses or gains with the speed.
-static void drift(int32_t velocity_um_s) {
+// What the tolerances allow in this ms: a part of the way, and what the motor's lag loses as the speed rises, gains as
+// it falls.
+static void drift(int32_t velocity_um_s, uint32_t way_nm) {
   static int32_t last_um_s;
-  const uint32_t change = velocity_um_s > last_um_s ? velocity_um_s - last_um_s : last_um_s - velocity_um_s;
-  const uint32_t way = velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
+  const int32_t change = velocity_um_s - last_um_s;
   last_um_s = velocity_um_s;
-  if (drift_nm < LAKE_DRIFT_MOST_NM) drift_nm += change * LAKE_LAG_MS + (way * LAKE_DRIFT_PER_1024 + 1023) / 1024;
+  uint32_t* const lag = &lag_drift_nm[change < 0];
+  if (*lag < LAKE_DRIFT_MOST_NM) *lag += (uint32_t)(change < 0 ? -change : change) * LAKE_LAG_MS;
+  if (way_drift_nm < LAKE_DRIFT_MOST_NM) way_drift_nm += (way_nm * LAKE_DRIFT_PER_1024 + 1023) / 1024;
+}
+
+static void move(int32_t velocity_um_s) {
+  const uint32_t way_nm = velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
+  stroke_nm += velocity_um_s;
+  drift(velocity_um_s, way_nm);
+  if (way_nm == 0) return;
+  if (end_stop_ahead(velocity_um_s > 0 ? -1 : 1))  // what lies behind
+    pressed_way_nm += way_nm;
+  else
+    pressed_way_nm = 0;
 }
 #else
-static void drift(int32_t velocity_um_s) {
+static void move(int32_t velocity_um_s) {
   (void)velocity_um_s;
 }
 #endif
@@ -316,9 +394,7 @@ static void drift(int32_t velocity_um_s) {
 // What the bridge does now, and so the estimate. A motion's clock stands still until the bridge does what it asks for,
 // so that no brake costs stroke.
 static void keep_books(const motion_t* motion) {
-  const int32_t velocity = motor_direction() == 0 ? 0 : motion->velocity_um_s;
-  stroke_nm += velocity;
-  drift(velocity);
+  move(motor_direction() == 0 ? 0 : motion->velocity_um_s);
   if (is_moving() && motor_direction() == motion->direction) ++clock_ms;
 }
 
@@ -369,7 +445,7 @@ status_t controller_status(void) {
   ATOMICALLY {
     now.time_ms = time_ms;
     now.stroke_um = stroke_um();
-    now.drift_um = drift_nm / 1000;
+    now.drift_um = drift_um();
     now.counts = motor_counts();
     now.direction = motor_direction();
     now.state = state;

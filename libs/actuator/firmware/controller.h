@@ -1,7 +1,7 @@
 // What the actuator does: a state machine that runs once per ms inside the timer's interrupt, so a busy or dead main
 // loop cannot keep it from an end stop. Open loop: the stroke is the plan's, integrated from the speeds of the tables
-// while the bridge drives, with a bound on how far the
-// actuator may be from it.
+// while the bridge drives, with a bound on how far the actuator may be from it; the
+// limits hold for the plan and for what the bound allows.
 #ifndef LAKE_CONTROLLER_H
 #define LAKE_CONTROLLER_H
 
@@ -54,11 +54,12 @@ enum {
   EVENT_FAULT_BOTH_STOPS = 1 << 1,  // both at once: wiring
   EVENT_FAULT_SOFT_LIMIT = 1 << 2,  // the plan left the soft limits
   EVENT_FAULT_HOME = 1 << 3,        // no end stop met while homing
-  EVENT_DONE = 1 << 4,              // the program, homing or a jog ended as planned
-  EVENT_JOG_LIMIT = 1 << 5,         // a jog ended at an end stop or a soft limit
-  EVENT_TIMEOUT = 1 << 6            // the host was silent for too long while something moved
+  EVENT_FAULT_STUCK = 1 << 4,       // an end stop that stays pressed away from its place: its wire
+  EVENT_DONE = 1 << 5,              // the program, homing or a jog ended as planned
+  EVENT_JOG_LIMIT = 1 << 6,         // a jog ended at an end stop or a soft limit
+  EVENT_TIMEOUT = 1 << 7            // the host was silent for too long while something moved
 };
-enum { FAULT_COUNT = 4 };
+enum { FAULT_COUNT = 5 };
 
 typedef struct {
   uint32_t time_ms;

@@ -1,6 +1,5 @@
 #include "end_stops.h"
 
-#include "board.h"
 #include "config.h"
 
 static uint8_t pressed;

@@ -4,13 +4,13 @@
 
 #include <stdint.h>
 
-enum { END_STOP_RETRACT = 1, END_STOP_EXTEND = 2 };
+#include "board.h"
 
 // Both count as pressed until they have been seen closed.
 void end_stops_init(void);
 void end_stops_tick(void);  // once per ms
 
-// Bits of those that are pressed.
+// Bits of those that are pressed, as in board.h.
 uint8_t end_stops_pressed(void);
 
 #endif

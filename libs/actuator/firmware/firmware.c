@@ -12,8 +12,8 @@ void firmware_begin(void) {
   board_init();
   end_stops_init();
   controller_init();
-  serial_init();
-  board_start();
+  serial_init(protocol_realtime);
+  board_start(controller_tick);
   protocol_greet(board_reset_cause());
 }
 

@@ -76,6 +76,9 @@ void protocol_greet(reset_cause_t cause) {
     tell_message(PSTR("lake-stroke, reset by low voltage"));
   else
     tell_message(PSTR("lake-stroke"));
+#if LAKE_SEGMENT_COUNT > 0 && LAKE_DRIFT_ACCEPTED
+  tell_message(PSTR("drift accepted, no person"));
+#endif
   tell_header();
 }
 

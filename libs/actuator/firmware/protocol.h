@@ -3,10 +3,15 @@
 #ifndef LAKE_PROTOCOL_H
 #define LAKE_PROTOCOL_H
 
+#include <stdint.h>
+
 #include "board.h"
 
 // Who it is, why it was reset, and the header of the CSV rows.
 void protocol_greet(reset_cause_t cause);
+
+// Obeys a real-time character and says nonzero, else 0. For the receiver's interrupt.
+uint8_t protocol_realtime(char c);
 
 // Once per tick: obeys a line, tells what there is to tell.
 void protocol_turn(void);

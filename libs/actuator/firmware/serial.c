@@ -20,8 +20,10 @@ static volatile uint8_t tx_head, tx_tail;
 static volatile char rx[SERIAL_LINE_MAX];
 static volatile uint8_t rx_length, rx_whole, rx_overflow;
 static char line[SERIAL_LINE_MAX + 1];
+static uint8_t (*is_realtime)(char);
 
-void serial_init(void) {
+void serial_init(uint8_t (*realtime)(char)) {
+  is_realtime = realtime;
   UBRR0 = UBRR_VALUE;
 #if USE_2X
   UCSR0A = _BV(U2X0);
@@ -35,7 +37,7 @@ void serial_init(void) {
 // Characters that arrive while a whole line waits are dropped: commands are sent one at a time.
 ISR(USART_RX_vect) {
   const char c = UDR0;
-  if (protocol_realtime(c) || rx_whole) return;
+  if (is_realtime(c) || rx_whole) return;
   if (c == '\n' || c == '\r') {
     rx_whole = rx_length > 0 || rx_overflow;
   } else if (rx_length < SERIAL_LINE_MAX - 1) {

@@ -6,11 +6,9 @@
 
 #define SERIAL_LINE_MAX 32
 
-void serial_init(void);
-
-// Called for every character inside the receiver's interrupt, before it becomes part of a line; nonzero: it was a
-// command of its own and does not. Defined in protocol.c.
-uint8_t protocol_realtime(char c);
+// `realtime` is called for every character inside the receiver's interrupt, before it becomes part of a line; nonzero:
+// it was a command of its own and does not.
+void serial_init(uint8_t (*realtime)(char));
 
 // A line without its end, once it is whole; 0 if there is none. Valid until the next call. Of a line that is too long
 // the first SERIAL_LINE_MAX - 1 characters, followed by a '\n'.

@@ -169,6 +169,30 @@ std::vector<DutyRow> RowsOf(const std::vector<DutySpeed>& extend, const DeadBand
   return list;
 }
 
+// The tolerance of one direction of a row: NaN if it stands still or was tried only once.
+double TolerancePercent(const DutyRow& row, int direction, const std::vector<Plateau>& plateaus) {
+  const double speed = direction > 0 ? row.extend_mm_s : row.retract_mm_s;
+  if (!(speed > 0)) return kNaN;
+  int count = 0;
+  double largest = 0;
+  for (const Plateau& p : plateaus) {
+    if (!p.used || std::abs(direction * p.duty - row.duty) >= kSameDuty) continue;
+    ++count;
+    largest = std::max(largest, std::abs(direction * p.speed_mm_s - speed) + 2 * p.standard_error_mm_s);
+  }
+  return count > 1 ? std::min(100 * largest / speed, 100.0) : kNaN;
+}
+
+// Fills in the rows' tolerances; returns the largest.
+std::optional<double> MeasureTolerance(std::vector<DutyRow>& rows, const std::vector<Plateau>& plateaus) {
+  std::optional<double> largest;
+  for (DutyRow& row : rows) {
+    row.tolerance_percent = std::fmax(TolerancePercent(row, 1, plateaus), TolerancePercent(row, -1, plateaus));
+    if (!std::isnan(row.tolerance_percent)) largest = std::max(largest.value_or(0), row.tolerance_percent);
+  }
+  return largest;
+}
+
 }  // namespace
 
 void CalibrateOptions::Check() const {
@@ -194,6 +218,7 @@ DutyCalibration CalibrateDuty(const std::vector<DutyLog>& logs, const CalibrateO
   calibration.extend = DeadBandOf(extend, "extending");
   calibration.retract = DeadBandOf(retract, "retracting");
   calibration.rows = RowsOf(extend, calibration.extend, retract, calibration.retract);
+  calibration.tolerance_percent = MeasureTolerance(calibration.rows, calibration.plateaus);
   double largest_error = 0;
   for (const auto* speeds : {&extend, &retract})
     for (const DutySpeed& s : *speeds) largest_error = std::max(largest_error, s.error);

@@ -47,6 +47,8 @@ void CheckRow(const DutyRow& row, const DutyRow* before, const std::string& name
     if (speed < 0 || speed > 1000)
       throw Fail("{}: the speed {} mm/s at duty {} is not within 0..1000; speeds are positive in both directions", name,
                  speed, row.duty);
+  if (row.tolerance_percent < 0 || row.tolerance_percent > 100)
+    throw Fail("{}: the tolerance {} % at duty {} is not within 0..100", name, row.tolerance_percent, row.duty);
 }
 
 // One column as a curve: the last still duty, then every duty that is faster than all before.
@@ -101,6 +103,13 @@ double DutyCurve::SpeedFor(double duty) const {
   return 0.5 * (low + high);
 }
 
+std::optional<double> DutyTable::TolerancePercent() const {
+  std::optional<double> largest;
+  for (const DutyRow& row : rows)
+    if (!std::isnan(row.tolerance_percent)) largest = std::max(largest.value_or(0), row.tolerance_percent);
+  return largest;
+}
+
 DutyTable MakeDutyTable(std::vector<DutyRow> rows, const std::string& name) {
   for (std::size_t i = 0; i < rows.size(); ++i) CheckRow(rows[i], i > 0 ? &rows[i - 1] : nullptr, name);
   DutyCurve extend = MakeCurve(rows, &DutyRow::extend_mm_s, name + ": extend_mm_s");
@@ -115,25 +124,27 @@ DutyTable ReadDutyTable(const std::filesystem::path& path) {
   const auto optional_column = [&](const char* name) {
     return table.Has(name) ? std::optional(table.Column(name)) : std::nullopt;
   };
-  const auto extend_se = optional_column("extend_se_mm_s"), retract_se = optional_column("retract_se_mm_s");
+  const auto extend_se = optional_column("extend_se_mm_s"), retract_se = optional_column("retract_se_mm_s"),
+             tolerance = optional_column("tolerance_percent");
   const auto number = [&](std::size_t row, std::optional<std::size_t> column) {
     return column ? table.Number(row, *column).value_or(kNaN) : kNaN;
   };
   std::vector<DutyRow> rows;
   for (std::size_t i = 0; i < table.Rows(); ++i)
     rows.push_back({table.RequiredNumber(i, duty), number(i, extend), number(i, retract), number(i, extend_se),
-                    number(i, retract_se)});
+                    number(i, retract_se), number(i, tolerance)});
   return MakeDutyTable(std::move(rows), path.string());
 }
 
 void WriteDutyTable(const std::filesystem::path& path, const std::vector<DutyRow>& rows) {
-  CsvWriter table({"duty", "extend_mm_s", "retract_mm_s", "extend_se_mm_s", "retract_se_mm_s"});
+  CsvWriter table({"duty", "extend_mm_s", "retract_mm_s", "extend_se_mm_s", "retract_se_mm_s", "tolerance_percent"});
   for (const DutyRow& row : rows)
     table.Add(row.duty)
         .Add(row.extend_mm_s)
         .Add(row.retract_mm_s)
         .Add(row.extend_se_mm_s)
         .Add(row.retract_se_mm_s)
+        .Add(row.tolerance_percent)
         .EndRow();
   table.Write(path);
 }

@@ -141,13 +141,14 @@ SoftLimits SoftLimitsOf(const Design& design, double margin_mm) {
   const StrokeRange& used = limits.used.stroke;
   limits.lower_mm = used.lower_mm;
   limits.upper_mm = used.upper_mm;
+  limits.upper_end_mm = FindUsedRange(design.links, design.d_min_mm, std::nullopt).stroke.upper_mm;
   for (const StrokeRange& part : AssemblyRanges(design.links)) {
     if (!part.Contains(used.lower_mm)) continue;
+    limits.lower_end_mm = part.lower_mm;
     limits.lower_mm = std::max(limits.lower_mm, part.lower_mm + margin_mm);
-    limits.upper_mm = std::min(limits.upper_mm, part.upper_mm - margin_mm);
+    limits.upper_end_mm = std::min(limits.upper_end_mm, part.upper_mm);
   }
-  const auto standing = FindUsedRange(design.links, design.d_min_mm, std::nullopt);
-  limits.upper_mm = std::min(limits.upper_mm, standing.stroke.upper_mm - margin_mm);
+  limits.upper_mm = std::min(limits.upper_mm, limits.upper_end_mm - margin_mm);
   if (!(limits.upper_mm > limits.lower_mm))
     throw Fail("a margin of {} mm leaves nothing of the used strokes {:.4f}..{:.4f} mm", margin_mm, used.lower_mm,
                used.upper_mm);

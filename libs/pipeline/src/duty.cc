@@ -32,7 +32,7 @@ Json BandJson(const DeadBand& band) {
 Json WriteCalibrationFirmware(const DutyRunOptions& options, Run& run) {
   options.firmware.Check();
   const std::string header = CalibrationHeader(options.firmware, fmt::format("Made by lake-stroke {}.", Version()));
-  return {{"firmware", {{"files", WriteSketch(header, run)}, {"segments", 0}}}};
+  return {{"firmware", {{"files", WriteSketch(header, "", run)}, {"segments", 0}}}};
 }
 
 const MarkerTrack& TrackOf(const MarkerRecording& recording, const std::string& name, const std::string& file) {
@@ -92,7 +92,8 @@ Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
           {"video", alignment},
           {"dead_band", {{"extend", BandJson(calibration.extend)}, {"retract", BandJson(calibration.retract)}}},
           {"largest_speed_mm_s", {{"extend", table.extend.MostSpeed()}, {"retract", table.retract.MostSpeed()}}},
-          {"largest_adjustment_mm_s", calibration.largest_adjustment_mm_s}};
+          {"largest_adjustment_mm_s", calibration.largest_adjustment_mm_s},
+          {"tolerance_percent", calibration.tolerance_percent ? Json(*calibration.tolerance_percent) : Json()}};
 }
 
 std::string DutyReport(const Json& summary) {
@@ -104,6 +105,11 @@ std::string DutyReport(const Json& summary) {
                         band["duty"].get<double>(), band["low"].get<double>(), band["high"].get<double>(),
                         summary["largest_speed_mm_s"][direction].get<double>());
   }
+  if (summary["tolerance_percent"].is_number())
+    text += fmt::format("speeds within {:.2f} % of the table, under the loads and supplies that were tried\n",
+                        summary["tolerance_percent"].get<double>());
+  else
+    text += "no duty was tried twice, so the table has no tolerance: lake-stroke will take 10 %\n";
   return text;
 }
 

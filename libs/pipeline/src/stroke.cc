@@ -102,12 +102,36 @@ Json CrawlJson(const CrawlSummary& crawl) {
           {"added_rest_s", crawl.added_rest_s}};
 }
 
-Json FirmwareJson(const Json& files, const StrokeTable& stroke) {
+// What goes into the flash.
+struct Sketch {
+  StrokeTable table;
+  double home_stroke_mm = 0;
+  std::optional<double> extend_stop_mm;
+  DriftForecast drift;
+  std::string header, warning;
+};
+
+Json DriftJson(const DriftForecast& drift, bool accepted) {
+  return {{"tolerance_percent", drift.tolerance_percent},
+          {"tolerance_measured", drift.is_measured},
+          {"tolerable_percent", drift.tolerable_percent},
+          {"end_mm", drift.end_mm},
+          {"nearest", {{"time_s", drift.time_s}, {"planned_mm", drift.planned_mm}, {"drift_mm", drift.drift_mm}}},
+          {"last_drift_mm", drift.last_drift_mm},
+          {"fits", drift.Fits()},
+          {"accepted", accepted}};
+}
+
+Json FirmwareJson(const Json& files, const Sketch& sketch, bool accept_drift) {
+  const StrokeTable& stroke = sketch.table;
   return {{"files", files},
           {"segments", stroke.segments.size()},
           {"segment_bytes", stroke.segments.size() * kSegmentBytes},
           {"rounding_error_mm", stroke.rounding_error_mm},
-          {"pwm_error_mm", stroke.pwm_error_mm}};
+          {"pwm_error_mm", stroke.pwm_error_mm},
+          {"home_stroke_mm", sketch.home_stroke_mm},
+          {"extend_stop_mm", sketch.extend_stop_mm ? Json(*sketch.extend_stop_mm) : Json()},
+          {"drift", DriftJson(sketch.drift, accept_drift)}};
 }
 
 const char* VerdictText(Verdict verdict) {
@@ -186,21 +210,20 @@ StrokePlan MakePlan(const StrokeRunOptions& options, const Design& design, Run& 
   return plan;
 }
 
-// What goes into the flash.
-struct Sketch {
-  StrokeTable table;
-  std::string header;
-};
-
 // None without a duty table.
-std::optional<Sketch> MakeSketch(const StrokeRunOptions& options, const Design& design, const StrokePlan& plan) {
+std::optional<Sketch> MakeSketch(const StrokeRunOptions& options, const StrokePlan& plan) {
   if (!plan.table) return std::nullopt;
   FirmwareOptions firmware = options.firmware;
   firmware.dead_time_s = options.schedule.dead_time_s;
   const StrokeTable table = MakeStrokeTable(plan.schedule, *plan.table, firmware);
   const std::string from =
       fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string());
-  return Sketch{table, StrokeTableHeader(table, plan.schedule, *plan.table, design.d_min_mm, firmware, MadeBy(from))};
+  return Sketch{table,
+                HomeStroke(table, plan.schedule, firmware),
+                ExtendStop(plan.schedule, firmware),
+                ForecastDrift(table, plan.schedule, *plan.table, firmware),
+                StrokeTableHeader(table, plan.schedule, *plan.table, firmware, MadeBy(from)),
+                firmware.accept_drift ? kDriftAccepted : ""};
 }
 
 Json WriteValidation(const StrokeRunOptions& options, const StrokeSchedule& schedule, const Validation& validation,
@@ -213,16 +236,32 @@ Json WriteValidation(const StrokeRunOptions& options, const StrokeSchedule& sche
   return ValidationJson(validation, options.tolerance_deg);
 }
 
+std::string DriftReport(const Json& firmware) {
+  const Json &drift = firmware["drift"], &nearest = drift["nearest"];
+  std::string text = fmt::format(
+      "drift: with speeds within {:.3g} % of the duty table{} {:.3f} ± {:.3f} mm at most, the linkage ends at {:.3f} "
+      "mm\n"
+      "home: put the retract end stop at {:.3f} mm\n",
+      drift["tolerance_percent"].get<double>(), drift["tolerance_measured"].get<bool>() ? "" : " (not measured)",
+      nearest["planned_mm"].get<double>(), nearest["drift_mm"].get<double>(), drift["end_mm"].get<double>(),
+      firmware["home_stroke_mm"].get<double>());
+  if (firmware["extend_stop_mm"].is_number())
+    text += fmt::format("extend end stop: put it at {:.3f} mm; it ends what the drift carries too far\n",
+                        firmware["extend_stop_mm"].get<double>());
+  if (drift["accepted"].get<bool>()) text += "DRIFT ACCEPTED: only for a bench without a person\n";
+  return text;
+}
+
 }  // namespace
 
-Json WriteSketch(const std::string& stroke_table, Run& run) {
+Json WriteSketch(const std::string& stroke_table, const std::string& warning, Run& run) {
   const fs::path folder = run.Result(kSketchFolder);
   fs::create_directories(folder);
   WriteTextFile(folder / "stroke_table.h", stroke_table);
   WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // where the interfaces have it
   Json files = {"stroke_table.h", std::string(kSketchFolder) + "/stroke_table.h"};
   for (const FirmwareFile& file : FirmwareSources()) {
-    WriteTextFile(folder / file.name, file.text);
+    WriteTextFile(folder / file.name, file.name.ends_with(".ino") ? warning + file.text : file.text);
     files.push_back(std::string(kSketchFolder) + "/" + file.name);
   }
   return files;
@@ -234,7 +273,7 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   const Design design = ReadDesign(options.design);
   run.AddInput(options.design);
   const StrokePlan plan = MakePlan(options, design, run);
-  const std::optional<Sketch> sketch = MakeSketch(options, design, plan);
+  const std::optional<Sketch> sketch = MakeSketch(options, plan);
   const std::vector<ScheduleRow> rows =
       SampleSchedule(plan.schedule, options.rate_hz, plan.table ? &*plan.table : nullptr);
   std::optional<Validation> validation;
@@ -244,12 +283,19 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
     run.Warn(
         "no duty table: the duty is left empty and no firmware is written; measure one (lake-stroke calibrate) and "
         "give it with --duty-table");
+  if (sketch && options.firmware.accept_drift)
+    run.Warn(
+        fmt::format("the drift was accepted: {:.3f} ± {:.3f} mm, and the linkage ends at {:.3f} mm; only for a bench "
+                    "without a person",
+                    sketch->drift.planned_mm, sketch->drift.drift_mm, sketch->drift.end_mm));
   WriteScheduleCsv(run.Result("program.csv"), rows);
   DrawStrokeProgram(run.Result("program.png"), plan.schedule, rows,
                     "Stroke program of " + options.design.filename().string());
   Json summary = ProgramJson(plan.schedule, rows);
   summary["crawling"] = CrawlJson(plan.crawl);
-  summary["firmware"] = sketch ? FirmwareJson(WriteSketch(sketch->header, run), sketch->table) : Json();
+  summary["firmware"] =
+      sketch ? FirmwareJson(WriteSketch(sketch->header, sketch->warning, run), *sketch, options.firmware.accept_drift)
+             : Json();
   if (validation) summary["validation"] = WriteValidation(options, plan.schedule, *validation, run);
   return summary;
 }
@@ -272,7 +318,8 @@ std::string StrokeReport(const Json& summary) {
   if (const Json& firmware = summary["firmware"]; !firmware.is_null())
     text += fmt::format("firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n",
                         firmware["segments"].get<int>(), NumberOrNaN(firmware["rounding_error_mm"]),
-                        NumberOrNaN(firmware["pwm_error_mm"]));
+                        NumberOrNaN(firmware["pwm_error_mm"])) +
+            DriftReport(firmware);
   if (summary.contains("validation")) {
     const Json& v = summary["validation"];
     text += fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, program begins at {:.3f} s",

@@ -148,6 +148,25 @@ LineChart ParetoChart(const Json& summary) {
   return chart;
 }
 
+// How far the actuator may be from its plan, and whether that leaves the linkage's room.
+std::string DriftText(const Json& firmware) {
+  const Json &drift = firmware.at("drift"), &nearest = drift.at("nearest");
+  std::string text = fmt::format(
+      " With speeds within {:.3g} % of the duty table the actuator is at {:.2f} ± {:.2f} mm where it comes nearest to "
+      "the "
+      "linkage's end at {:.2f} mm.",
+      NumberOrNaN(drift.at("tolerance_percent")), NumberOrNaN(nearest.at("planned_mm")),
+      NumberOrNaN(nearest.at("drift_mm")), NumberOrNaN(drift.at("end_mm")));
+  text += fmt::format(" The retract end stop belongs at {:.2f} mm", NumberOrNaN(firmware.at("home_stroke_mm")));
+  if (firmware.at("extend_stop_mm").is_number())
+    text += fmt::format(", the extend end stop, which ends what the drift carries too far, at {:.2f} mm",
+                        NumberOrNaN(firmware.at("extend_stop_mm")));
+  text += '.';
+  if (drift.at("accepted").get<bool>())
+    text += " This drift was accepted: the firmware is only for a bench without a person.";
+  return text;
+}
+
 }  // namespace
 
 Section RedesignChapter(const StudyResults& results) {
@@ -183,7 +202,8 @@ Section StrokeChapter(const StudyResults& results) {
   if (summary.at("firmware").is_object())
     text += fmt::format(" The firmware for the UNO lies beside, {} segments, its plan within {:.3f} mm.",
                         summary["firmware"].at("segments").get<int>(),
-                        NumberOrNaN(summary["firmware"].at("rounding_error_mm")));
+                        NumberOrNaN(summary["firmware"].at("rounding_error_mm"))) +
+            DriftText(summary["firmware"]);
   return {"The actuator's program", {Paragraph{std::move(text)}, std::move(stroke), std::move(knee)}};
 }
 

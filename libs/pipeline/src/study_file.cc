@@ -313,9 +313,14 @@ StrokeRunOptions ReadStroke(YamlNode node, Files& files) {
   schedule.return_trip = node.Boolean("return").value_or(schedule.return_trip);
   schedule.hold_s = node.Number("hold_s").value_or(schedule.hold_s);
   schedule.dead_time_s = node.Number("dead_time_s").value_or(schedule.dead_time_s);
+  FirmwareOptions& firmware = options.firmware;
+  firmware.home_stroke_mm = PositiveNumber(node, "home_stroke_mm").value_or(firmware.home_stroke_mm);
+  firmware.extend_stop_mm = PositiveNumber(node, "extend_stop_mm").value_or(firmware.extend_stop_mm);
+  firmware.speed_tolerance_percent = PositiveNumber(node, "speed_tolerance_percent");
+  firmware.accept_drift = node.Boolean("accept_drift").value_or(firmware.accept_drift);
   options.rate_hz = PositiveNumber(node, "rate_hz").value_or(options.rate_hz);
   node.Finish();
-  At(node, [&] { schedule.Check(); });
+  At(node, [&] { schedule.Check(), firmware.Check(); });
   return options;
 }
 

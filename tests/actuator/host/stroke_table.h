@@ -11,10 +11,14 @@
 #define LAKE_DRIFT_START_UM 101  // the bound on the drift: at first, …
 #define LAKE_DRIFT_PER_1024 103  // … per 1024 of the way, …
 #define LAKE_LAG_MS 50  // … and per change of speed
+#define LAKE_DRIFT_ACCEPTED 0
+#define LAKE_DRIFT_LIMITED 1  // 0: accepted, or an extend end stop comes first
 #define LAKE_SPEED_INTERVALS 16
 #define LAKE_LOWER_LIMIT_UM 242498L
 #define LAKE_UPPER_LIMIT_UM 374021L
 #define LAKE_START_UM 300000L
+#define LAKE_UPPER_END_UM 374521L  // of the linkage: what the drift must not reach
+#define LAKE_STOP_TRAVEL_UM 2000L  // within which an end stop releases
 #define LAKE_HOME_UM 298000L  // at the retract end stop
 #define LAKE_HOME_COUNTS 2256
 #define LAKE_HOME_SPEED_UM_S 5000L
@@ -22,6 +26,8 @@
 #define LAKE_POSITION_COUNTS 2582  // from the end stop to the start
 #define LAKE_POSITION_SPEED_UM_S 5000L
 #define LAKE_POSITION_MS 400L
+#define LAKE_BACK_OFF_MS 400L  // from the end stop, to see it release
+#define LAKE_TOUCH_TIMEOUT_MS 1800L
 
 typedef struct {
   uint32_t end_ms;         // since the program's start

@@ -42,9 +42,10 @@ class FirmwareTest : public testing::Test {
     schedule_ = MakeSchedule(design, how);
     FirmwareOptions& options = firmware_options_;
     options.home_stroke_mm = schedule_.knots.front().stroke_mm - 2;
+    if (!options.speed_tolerance_percent) options.speed_tolerance_percent = 10;
     stroke_table_ = MakeStrokeTable(schedule_, table_, options);
-    elf_ = BuildFirmware(folder_ / "build", StrokeTableHeader(stroke_table_, schedule_, table_, 242, options, "test"),
-                         flags);
+    elf_ =
+        BuildFirmware(folder_ / "build", StrokeTableHeader(stroke_table_, schedule_, table_, options, "test"), flags);
     actuator_.table = &table_;
     actuator_.stroke_mm = schedule_.knots.front().stroke_mm;
     actuator_.retract_stop_mm = options.home_stroke_mm;

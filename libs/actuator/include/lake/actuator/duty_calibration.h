@@ -58,14 +58,17 @@ struct DutyCalibration {
   std::vector<DutyRow> rows;  // monotone; the edges of the dead bands are rows of speed 0
   std::vector<Plateau> plateaus;
   DeadBand extend, retract;
-  double largest_adjustment_mm_s = 0;  // by the monotone fit
+  double largest_adjustment_mm_s = 0;       // by the monotone fit
+  std::optional<double> tolerance_percent;  // the largest of the rows'; none if no duty was tried twice
   std::vector<std::string> warnings;
 };
 
 // Robust slope per plateau; plateaus of one duty are averaged with the larger of their own and their mutual errors;
 // speeds are made monotone by the pool-adjacent-violators algorithm (Barlow et al. 1972) weighted by 1/error². The dead
-// band ends where the line through the two slowest moving duties meets speed 0, within what was tried. Throws Error if
-// a direction has fewer than two moving duties, or moves against its duty.
+// band ends where the line through the two slowest moving duties meets speed 0, within what was tried. A duty tried at
+// least twice in a direction has a tolerance: the largest difference of one of its plateaus from the table, two
+// standard errors of the plateau included. It covers only the loads and supplies that were tried. Throws Error if a
+// direction has fewer than two moving duties, or moves against its duty.
 DutyCalibration CalibrateDuty(const std::vector<DutyLog>& logs, const CalibrateOptions& options);
 
 }  // namespace lake

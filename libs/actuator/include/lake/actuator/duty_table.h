@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,8 @@ struct DutyRow {
   double duty = 0;
   double extend_mm_s = 0, retract_mm_s = 0;
   double extend_se_mm_s = 0, retract_se_mm_s = 0;  // standard errors; NaN where not known
+  // By how much a speed at this duty differed from the table's at most, both directions; NaN where not known.
+  double tolerance_percent = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct DutyTable {
@@ -44,13 +48,16 @@ struct DutyTable {
   DutyCurve extend, retract;
 
   const DutyCurve& Curve(int direction) const { return direction > 0 ? extend : retract; }
+
+  // The largest of the rows'; none if no row has one.
+  std::optional<double> TolerancePercent() const;
 };
 
 // Throws Error naming `name` and the row's values: duties that do not ascend within 0..1, a speed that is negative or
-// falls with the duty, fewer than two different speeds in a direction.
+// falls with the duty, a tolerance outside 0..100 %, fewer than two different speeds in a direction.
 DutyTable MakeDutyTable(std::vector<DutyRow> rows, const std::string& name);
 
-// duty,extend_mm_s,retract_mm_s and, optional, extend_se_mm_s,retract_se_mm_s.
+// duty,extend_mm_s,retract_mm_s and, optional, extend_se_mm_s,retract_se_mm_s,tolerance_percent.
 DutyTable ReadDutyTable(const std::filesystem::path& path);
 void WriteDutyTable(const std::filesystem::path& path, const std::vector<DutyRow>& rows);
 

@@ -30,6 +30,7 @@ struct ScheduleOptions {
 struct SoftLimits {
   UsedRange used;  // of the linkage
   double lower_mm = 0, upper_mm = 0;
+  double lower_end_mm = 0, upper_end_mm = 0;  // of the linkage: its assembly, its turning point, or standing
 };
 
 // The used range from d_min to d_max, less the margin wherever the linkage, not the actuator, sets the end. Throws

@@ -26,9 +26,9 @@ struct StrokeRunOptions {
   FirmwareOptions firmware;
 };
 
-// Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results; returns their
-// names.
-Json WriteSketch(const std::string& stroke_table, Run& run);
+// Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results, `warning` on top
+// of the .ino; returns their names.
+Json WriteSketch(const std::string& stroke_table, const std::string& warning, Run& run);
 
 // Writes program.csv, program.png; with a duty table the firmware's sketch; with `validate` validation.csv and
 // validation.png. Returns the results for the summary.

@@ -1,0 +1,94 @@
+// The firmware's files lie in layers: what a file includes lies below it, so no two include each other in a circle.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "lake/actuator/firmware.h"
+
+namespace lake {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+using Files = std::vector<FirmwareFile>;
+
+// As in libs/actuator/README.md, from the lowest.
+const std::vector<std::set<std::string>> kLayers = {
+    {"portable"},   {"stroke_table"}, {"config"},   {"board", "bridge", "serial"}, {"end_stops", "motor"},
+    {"controller"}, {"protocol"},     {"firmware"}, {"main", "lake_stroke"}};
+
+// controller.c and controller.h are one module.
+std::string ModuleOf(const std::string& file) {
+  return file.substr(0, file.find('.'));
+}
+
+std::map<std::string, std::set<std::string>> Includes(const Files& files) {
+  static const std::regex include("^\\s*#\\s*include\\s*\"([^\"]+)\"");
+  std::map<std::string, std::set<std::string>> modules = {{"stroke_table", {"portable"}}};  // made for a design
+  for (const FirmwareFile& file : files) {
+    std::istringstream lines(file.text);
+    auto& included = modules[ModuleOf(file.name)];
+    for (std::string line; std::getline(lines, line);)
+      if (std::smatch match; std::regex_search(line, match, include) && ModuleOf(match[1]) != ModuleOf(file.name))
+        included.insert(ModuleOf(match[1]));
+  }
+  return modules;
+}
+
+std::size_t LayerOf(const std::string& module) {
+  std::size_t layer = 0;
+  while (layer < kLayers.size() && !kLayers[layer].contains(module)) ++layer;
+  return layer;
+}
+
+// "a includes b" for each that does not lie below.
+std::vector<std::string> NotBelow(const Files& files) {
+  std::vector<std::string> wrong;
+  for (const auto& [module, included] : Includes(files))
+    for (const std::string& other : included)
+      if (LayerOf(module) == kLayers.size() || LayerOf(other) >= LayerOf(module))
+        wrong.push_back(module + " includes " + other);
+  return wrong;
+}
+
+Files With(const std::string& file, const std::string& include) {
+  Files files = FirmwareSources();
+  for (FirmwareFile& f : files)
+    if (f.name == file) f.text = "#include \"" + include + "\"\n" + f.text;
+  return files;
+}
+
+TEST(FirmwareLayers, IncludesGoDown) {
+  EXPECT_THAT(NotBelow(FirmwareSources()), IsEmpty());
+  EXPECT_THAT(Includes(FirmwareSources()), SizeIs(13)) << "every module was read";
+  EXPECT_THAT(Includes(FirmwareSources())["motor"], ElementsAre("bridge", "config"));
+}
+
+TEST(FirmwareLayers, APlantedCircleIsFound) {
+  EXPECT_THAT(NotBelow(With("board.c", "controller.h")), ElementsAre("board includes controller"));
+  EXPECT_THAT(NotBelow(With("serial.h", "protocol.h")), ElementsAre("serial includes protocol"));
+  EXPECT_THAT(NotBelow(With("end_stops.h", "motor.h")), ElementsAre("end_stops includes motor"));
+  EXPECT_THAT(NotBelow(With("motor.c", "nowhere.h")), ElementsAre("motor includes nowhere"));
+}
+
+// Calls without an include are circles as well: what is called must be declared.
+TEST(FirmwareLayers, NoFileDeclaresAnothersFunctions) {
+  static const std::regex declaration(
+      "^[a-z_0-9]+\\*? (board|bridge|serial|end_stops|motor|controller|protocol|firmware)_[a-z_]+\\(.*\\);");
+  for (const FirmwareFile& file : FirmwareSources()) {
+    std::istringstream lines(file.text);
+    for (std::string line; std::getline(lines, line);)
+      if (std::smatch match; std::regex_search(line, match, declaration)) {
+        EXPECT_EQ(file.name, match[1].str() + ".h") << line;
+      }
+  }
+}
+
+}  // namespace
+}  // namespace lake
