@@ -40,6 +40,9 @@ struct LegFitOptions {
       0.30;  // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5 and more
   double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
   bool quiet = true;                // no progress
+
+  // By what the program at work says which way is up and where the subject faces, for messages.
+  std::string vertical_option = "--up", facing_option = "--facing";
 };
 
 // A marker's record in the fit. Lengths in the recorded unit.
