@@ -33,7 +33,7 @@ class ResultFolder : public testing::Test {
   void Do(const std::string& program, const std::vector<std::string>& names, const std::string& subject = "") {
     lake::Run run(Info(program, subject));
     for (const std::string& name : names) Write(run, name);
-    run.WriteSummary({});
+    run.WriteSummary(Json::object());
   }
 
   bool Has(const std::string& name) const { return fs::exists(Out() / name); }

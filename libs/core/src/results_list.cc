@@ -1,5 +1,8 @@
 #include "results_list.h"
 
+#include <algorithm>
+#include <charconv>
+
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 
@@ -16,13 +19,47 @@ bool IsInside(const std::string& name) {
   return !path.empty() && path.is_relative() && *path.begin() != ".." && *path.begin() != ".";
 }
 
+// A path as JSON holds it, whatever its bytes: those that are no ASCII, and '%', in hexadecimal digits.
+std::string Escaped(const std::string& path) {
+  std::string text;
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '%' || byte >= 0x80)
+      text += fmt::format("%{:02X}", byte);
+    else
+      text += c;
+  }
+  return text;
+}
+
+std::string Unescaped(const std::string& text) {
+  std::string path;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned byte = 0;
+    const char* digits = text.data() + i + 1;
+    const bool is_escape =
+        text[i] == '%' && i + 2 < text.size() && std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
+    path += is_escape ? static_cast<char>(byte) : text[i];
+    if (is_escape) i += 2;
+  }
+  return path;
+}
+
+template <typename Texts>
+Json EscapedList(const Texts& texts) {
+  Json list = Json::array();
+  for (const std::string& text : texts) list.push_back(Escaped(text));
+  return list;
+}
+
 ResultsList ReadList(const fs::path& path) {
   if (!fs::is_regular_file(path)) return {};
   try {
     const Json json = ReadJsonFile(path);
-    ResultsList list{json.at("program"), json.at("command"), json.at("subject"), json.at("step"), {}};
+    ResultsList list{json.at("program"), json.at("command"), {}, json.at("step"), {}};
+    for (const std::string subject : json.at("subject")) list.subject.push_back(Unescaped(subject));
     for (const std::string file : json.at("files"))
-      if (IsInside(file)) list.files.insert(file);
+      if (const std::string name = Unescaped(file); IsInside(name)) list.files.insert(name);
     return list;
   } catch (const Error&) {
     return {};
@@ -41,8 +78,13 @@ void RemoveFile(const fs::path& path) {
 }  // namespace
 
 std::string ResultsList::Describe() const {
-  return subject.empty() ? fmt::format("{} (`{}`)", program, command)
-                         : fmt::format("{} ({})", program, fmt::join(subject, ", "));
+  constexpr std::size_t kMostNamed = 2;
+  if (subject.empty()) return fmt::format("{} (`{}`)", program, command);
+  const std::vector<std::string> named(
+      subject.begin(), subject.begin() + static_cast<std::ptrdiff_t>(std::min(subject.size(), kMostNamed)));
+  const std::string more =
+      subject.size() > kMostNamed ? fmt::format(" and {} more", subject.size() - kMostNamed) : std::string();
+  return fmt::format("{} ({}{})", program, fmt::join(named, ", "), more);
 }
 
 fs::path ResultsListPath(const fs::path& folder, const std::string& program) {
@@ -65,9 +107,9 @@ std::vector<ResultsList> ResultsListsIn(const fs::path& folder) {
 void WriteResultsList(const fs::path& folder, const ResultsList& list) {
   WriteJsonFile(ResultsListPath(folder, list.program), {{"program", list.program},
                                                         {"command", list.command},
-                                                        {"subject", list.subject},
+                                                        {"subject", EscapedList(list.subject)},
                                                         {"step", list.step},
-                                                        {"files", list.files}});
+                                                        {"files", EscapedList(list.files)}});
 }
 
 void RemoveResults(const fs::path& folder, const ResultsList& list) {

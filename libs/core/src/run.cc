@@ -38,9 +38,8 @@ std::string OwnerOf(const fs::path& folder, const std::string& name) {
 Run::Run(Info info) : info_(std::move(info)) {}
 
 Run::~Run() {
-  if (!lock_ || !Results().empty()) return;
   std::error_code ignored;  // a folder that holds anything stays
-  fs::remove(ResultsListPath(info_.out, info_.program), ignored);
+  if (begun_ && Results().empty()) fs::remove(ResultsListPath(info_.out, info_.program), ignored);
   if (made_folder_) fs::remove(info_.out, ignored);
 }
 
@@ -50,7 +49,7 @@ std::string Run::SubjectText() const {
 
 void Run::TakeFolder() {
   std::error_code error;
-  made_folder_ = fs::create_directories(info_.out, error);
+  made_folder_ |= fs::create_directories(info_.out, error);
   if (error) throw Fail("{}: the output folder cannot be made: {}", info_.out.string(), error.message());
   if (access(info_.out.c_str(), W_OK | X_OK) != 0)
     throw Fail("{}: the output folder is not writable; choose another with -o", info_.out.string());
@@ -67,12 +66,11 @@ void Run::CheckIsFree(const std::string& name) const {
              OwnerOf(info_.out, name), SubjectText());
 }
 
-void Run::Retire() {
-  ResultsList old = ReadResultsList(info_.out, info_.program);
-  const bool is_other = old.subject != info_.subject && !old.files.empty();
-  if (info_.default_folder && is_other)
+void Run::Retire(ResultsList old) {
+  if (info_.default_folder && old.subject != info_.subject && !old.files.empty())
     throw Fail("{}: holds the results of {}; choose another folder for those of {} with -o", info_.out.string(),
                old.Describe(), SubjectText());
+  if (!old.files.contains(kSummary)) CheckIsFree(kSummary);
   // What this run reads stays until its own result takes the place.
   for (const Json& input : inputs_)
     std::erase_if(old.files, [&](const std::string& name) {
@@ -81,11 +79,8 @@ void Run::Retire() {
       if (is_read) files_.insert(name);
       return is_read;
     });
-  if (!old.files.contains(kSummary) && fs::exists(info_.out / kSummary)) {
-    older_version_ = ReadSummaryHead(info_.out).program == info_.program;
-    CheckIsFree(kSummary);
-    fs::remove(info_.out / kSummary);
-  }
+  if (older_version_) old.files.insert(kSummary);
+  old.program = info_.program;
   RemoveResults(info_.out, old);
 }
 
@@ -94,15 +89,16 @@ void Run::WriteList() const {
 }
 
 void Run::Begin(const std::vector<std::string>& names) {
-  const bool is_first = !lock_;
-  if (is_first) {
+  bool is_new = !begun_;
+  if (!begun_) {
     TakeFolder();
     const ResultsList old = ReadResultsList(info_.out, info_.program);
+    older_version_ = old.files.empty() && ReadSummaryHead(info_.out).program == info_.program;
     for (const std::string& name : names)
       if (!old.files.contains(name)) CheckIsFree(name);
-    Retire();
+    Retire(old);
+    begun_ = true;
   }
-  bool is_new = is_first;
   for (const std::string& name : names) {
     CheckIsFree(name);
     is_new |= files_.insert(name).second;

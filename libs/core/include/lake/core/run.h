@@ -17,6 +17,7 @@
 namespace lake {
 
 class FolderLock;
+struct ResultsList;
 
 class Run {
  public:
@@ -67,7 +68,7 @@ class Run {
 
  private:
   void TakeFolder();
-  void Retire();
+  void Retire(ResultsList old);
   void CheckIsFree(const std::string& name) const;
   void WriteList() const;
   std::string SubjectText() const;
@@ -76,6 +77,7 @@ class Run {
   std::vector<std::string> warnings_;
   Json inputs_ = Json::array();
   std::shared_ptr<FolderLock> lock_;  // held from Begin() on
+  bool begun_ = false;
   bool made_folder_ = false;
   bool older_version_ = false;  // the folder holds results of this program from before it kept lists
   std::set<std::string> files_;
