@@ -6,6 +6,7 @@
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/pipeline/compare.h"
+#include "lake/pipeline/gait.h"
 #include "program.h"
 
 namespace {
@@ -38,7 +39,7 @@ int main(int argc, char** argv) {
   lake::Program program("lake-compare", "The misalignment between a human's and an exoskeleton's knee in sit-to-stand",
                         "lake-compare track/human track/exo --human-knee knee --exo-knee exo_knee -o comparison");
   lake::CompareRunOptions options;
-  std::string human, exo, map, exo_map, up, forward, exo_knee;
+  std::string human, exo, map, exo_map, up, forward, exo_knee, unit = "mm", exo_unit;
   CLI::App& cli = program.Cli();
   cli.add_option(
          "human", human,
@@ -55,6 +56,8 @@ int main(int argc, char** argv) {
   cli.add_option("--exo-map", exo_map, "The same for the exoskeleton trial (default: as --map)");
   cli.add_option("--up", up, "x, y or z: vertical axis of 3-D files (default: TRC y, C3D its own or z)");
   cli.add_option("--forward", forward, "+x, -x, …: where the subject faces (default: found from the movement)");
+  cli.add_option("--unit", unit, "mm, cm or m: of files that do not say (Tracker text, Kinovea)");
+  cli.add_option("--exo-unit", exo_unit, "The same for the exoskeleton trial (default: as --unit)");
   cli.add_option("--resamples", options.misalignment.resamples, "of the bootstrap intervals; 0: none");
   cli.add_option("--seed-number", options.misalignment.seed, "of the bootstrap");
   return program.Main(
@@ -68,6 +71,8 @@ int main(int argc, char** argv) {
           reading->up = lake::ParseUp(up);
           reading->forward = forward;
         }
+        options.human_reading.mm_per_unit = lake::MmPerUnit(unit);
+        options.exo_reading.mm_per_unit = lake::MmPerUnit(exo_unit.empty() ? unit : exo_unit);
         return lake::RunCompare(options, run);
       },
       Report);

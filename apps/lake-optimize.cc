@@ -6,6 +6,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/pipeline/gait.h"
 #include "lake/pipeline/optimize.h"
 #include "lake/synthesis/problem_file.h"
 #include "program.h"
@@ -22,7 +23,7 @@ struct Options {
       max_angle, max_length, yield, round;
   double certify = lake::CertificateOptions{}.gap_deg;
   lake::ReoptimizeRunOptions reoptimize;
-  std::string comparison, human, worn, map, up, program = "constant";
+  std::string comparison, human, worn, map, up, unit = "mm", program = "constant";
 };
 
 // Options that say something only about a human's motion.
@@ -61,6 +62,7 @@ void AddReoptimizeOptions(CLI::App& cli, Options& options) {
   group->add_option("--map", options.map, "ankle=NAME,knee=NAME,hip=NAME,waist=NAME: the markers of a --human file");
   group->add_option("--up", options.up, "x, y or z: vertical axis of a 3-D --human file");
   group->add_option("--forward", reoptimize.human_reading.forward, "+x, -x, …: where the subject of a file faces");
+  group->add_option("--unit", options.unit, "mm, cm or m: of a --human file that does not say (Tracker text, Kinovea)");
   group->add_option("--worn", options.worn, "design.yaml worn in the exoskeleton trial of --comparison");
   group->add_option("--max-misalignment", reoptimize.max_misalignment_percent,
                     "Greatest misalignment, RMS in percent of the shank");
@@ -114,6 +116,7 @@ lake::ReoptimizeRunOptions ReoptimizeOf(const Options& options) {
   reoptimize.comparison = options.comparison, reoptimize.human = options.human, reoptimize.worn = options.worn;
   reoptimize.human_reading.names = lake::ParseNameMap(options.map);
   reoptimize.human_reading.up = lake::ParseUp(options.up);
+  reoptimize.human_reading.mm_per_unit = lake::MmPerUnit(options.unit);
   reoptimize.program.kind =
       options.program == "free" ? lake::StrokeProgram::Kind::kFree : lake::StrokeProgram::Kind::kConstant;
   return reoptimize;

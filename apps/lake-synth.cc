@@ -188,7 +188,12 @@ int main(int argc, char** argv) {
         const Scene scene(SceneOf(a));
         RecordingOptions recording{a.crf.value_or(a.scene == "hard" ? 23 : 17), a.lossless, a.pictures, "veryfast",
                                    run.Quiet()};
-        const std::filesystem::path folder = run.Result("truth.csv").parent_path();
+        std::vector<std::string> names = {"truth.csv", "camera.yaml", "scene.json"};
+        if (!a.pictures) names.push_back("video.mp4");
+        for (int frame = 0; a.pictures && frame < scene.Frames(); ++frame)
+          names.push_back(fmt::format("frames/{:05d}.png", frame));
+        run.Begin(names);
+        const std::filesystem::path& folder = run.Folder();
         const RecordingSummary written = WriteRecording(scene, folder, recording);
         Json results = {{"video", (folder / (a.pictures ? "frames/%05d.png" : "video.mp4")).string()},
                         {"frames", written.frames}};

@@ -94,6 +94,22 @@ Json Program::EffectiveOptions() const {
   return options;
 }
 
+std::vector<std::string> Program::Subject() const {
+  std::vector<const CLI::App*> levels = {&cli_};
+  for (const CLI::App* command : cli_.get_subcommands()) levels.push_back(command);
+  std::vector<std::string> named, files;
+  for (const CLI::App* level : levels)
+    for (const CLI::Option* option : level->get_options())
+      for (const std::string& value : option->results()) {
+        std::error_code error;
+        const std::filesystem::path path = std::filesystem::weakly_canonical(value, error);
+        if (error || value.empty()) continue;
+        if (option->get_positional()) named.push_back(path.string());
+        if (option->get_name() != "--out" && std::filesystem::exists(path, error)) files.push_back(path.string());
+      }
+  return named.empty() ? files : named;
+}
+
 int Program::Main(int argc, char** argv, const std::function<std::string()>& result_name,
                   const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report) {
   return ParseAndRun(cli_, argc, argv, [&] {
@@ -104,12 +120,13 @@ int Program::Main(int argc, char** argv, const std::function<std::string()>& res
 
 int Program::Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work,
                   const std::function<std::string(const Json&)>& report) {
-  if (out_.empty()) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
-  Run run({name_, command, EffectiveOptions(), out_, quiet_});
+  const bool is_default = out_.empty();
+  if (is_default) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
+  Run run({name_, command, EffectiveOptions(), out_, quiet_, Subject(), is_default});
   const Json summary = run.WriteSummary(work(run));
   WriteTextFile(run.Result("options.toml"), cli_.config_to_str(false));
   if (json_)
-    fmt::print("{}\n", summary.dump(2));
+    fmt::print("{}\n", summary.dump(2, ' ', false, Json::error_handler_t::replace));
   else if (report)
     fmt::print("{}results in {}\n", report(summary), out_);
   return kDone;

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "lake/core/json.h"
 #include "lake/core/run.h"
@@ -33,6 +34,9 @@ class Program {
   int Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work,
            const std::function<std::string(const Json&)>& report);
   Json EffectiveOptions() const;
+
+  // What the results will be of: the files and folders named without an option, else those that options name; absolute.
+  std::vector<std::string> Subject() const;
 
   std::string name_;
   CLI::App cli_;

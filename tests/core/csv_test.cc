@@ -122,6 +122,17 @@ TEST(Csv, NamesTheLineOfABadTable) {
   EXPECT_THAT([&] { CsvTable::Read(folder.Path()); }, ThrowsMessage<Error>(HasSubstr("is a folder")));
 }
 
+// As spreadsheets save it where the decimal sign is a comma.
+TEST(Csv, SaysThatATableHasAnotherSeparator) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "t.csv", "frame;time_s\n1;0,5\n");
+  EXPECT_THAT([&] { CsvTable::Read(folder / "t.csv"); },
+              ThrowsMessage<Error>(HasSubstr("t.csv:1: the columns are separated by semicolons")));
+  WriteTextFile(folder / "t.csv", "frame\ttime_s\n1\t0.5\n");
+  EXPECT_THAT([&] { CsvTable::Read(folder / "t.csv"); }, ThrowsMessage<Error>(HasSubstr("separated by tabs")));
+  EXPECT_EQ(CsvTable::Read(folder / "t.csv", '\t').Header().size(), 2u);
+}
+
 TEST(Csv, ParsesListsOfNumbers) {
   EXPECT_EQ(ParseNumbers("1, 2.5,-3", 3, "--crop"), (std::vector<double>{1, 2.5, -3}));
   EXPECT_THAT([] { ParseNumbers("1,2", 3, "--crop"); },

@@ -35,6 +35,19 @@ TEST(AtomicFile, AppearsOnlyWhenCommitted) {
   EXPECT_EQ(ReadTextFile(folder / "a.txt"), "whole");
 }
 
+// Two writers of one name, even in one process, as two runs in one folder would be.
+TEST(AtomicFile, HasATemporaryNameOfItsOwnAndTheUsualMode) {
+  const TemporaryFolder folder;
+  AtomicFile first(folder / "a.txt"), second(folder / "a.txt");
+  EXPECT_NE(first.TemporaryPath(), second.TemporaryPath());
+  EXPECT_EQ(first.TemporaryPath().extension(), ".txt");
+  EXPECT_THAT([&] { first.Commit(); }, ThrowsMessage<Error>(HasSubstr("nothing was written")));
+  WriteTextFile(folder / "written", "x");
+  std::ofstream(folder / "usual") << "x";
+  EXPECT_EQ(std::filesystem::status(folder / "written").permissions(),
+            std::filesystem::status(folder / "usual").permissions());
+}
+
 TEST(AtomicFile, SaysWhenItCannotBeWritten) {
   const TemporaryFolder folder;
   EXPECT_THAT([&] { WriteTextFile(folder / "none" / "a.txt", "x"); },
@@ -109,6 +122,13 @@ TEST(Yaml, NamesFileLineAndKey) {
   EXPECT_THAT([&] { root("a: [1\n"); }, ThrowsMessage<Error>(HasSubstr("not YAML")));
   EXPECT_THAT([&] { root("a: 1.5\n").Integer("a"); }, ThrowsMessage<Error>(HasSubstr("whole number")));
   EXPECT_THAT([&] { root("- 1\n").Number("a"); }, ThrowsMessage<Error>(HasSubstr("a map with 'a' was expected")));
+}
+
+TEST(Yaml, RefusesAKeyThatStandsTwice) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "p.yaml", "a: 1\nb:\n  - c: 1\n    d: 2\n    c: 3\n");
+  EXPECT_THAT([&] { YamlNode::ReadFile(folder / "p.yaml"); },
+              ThrowsMessage<Error>(HasSubstr("p.yaml:5: key 'c' stands twice, first in line 3")));
 }
 
 TEST(Statistics, KnownValues) {

@@ -131,18 +131,22 @@ TEST(Trial, ExportsOfEveryFormatReadBack) {
   MarkerRecording image = markers;
   image.unit = LengthUnit::kPx;
   const ExportedTrial trial{PointsFromMarkers(markers), PointsFromMarkers(image), &motion};
-  const auto files = ExportTrial(ExportFormats(), folder.Path(), "a", trial);
+  std::vector<fs::path> files;
+  for (const std::string& format : ExportFormats()) {
+    files.push_back(folder / ExportName(format, "a"));
+    ExportTrial(format, files.back(), trial);
+  }
   ASSERT_EQ(files.size(), 7u);
-  EXPECT_EQ(files.back().filename(), "a.mot");
-  for (std::size_t k = 0; k < 6; ++k) {
+  EXPECT_EQ(files.front().filename(), "a.mot");
+  for (std::size_t k = 1; k < 7; ++k) {
     const PointRecording read = ReadPoints(files[k]);
     EXPECT_EQ(read.space == PointSpace::kImage, files[k].extension() == ".trk" || files[k].extension() == ".kva");
     EXPECT_NEAR(read.Find("knee")->positions[9].x(), 109, 1e-4) << files[k];
     EXPECT_FALSE(read.Find("knee")->positions[7].allFinite()) << files[k];
     EXPECT_NEAR(read.time_s[9], 9 / 60.0, 1e-6) << files[k];
   }
-  EXPECT_THROW(ExportTrial({"fbx"}, folder.Path(), "a", trial), UsageError);
-  EXPECT_THROW(ExportTrial({"mot"}, folder.Path(), "a", {trial.points, trial.image, nullptr}), Error);
+  EXPECT_THROW(ExportTrial("fbx", folder / "a.fbx", trial), UsageError);
+  EXPECT_THROW(ExportTrial("mot", folder / "a.mot", {trial.points, trial.image, nullptr}), Error);
 }
 
 TEST(Trial, TrackerProjectsHoldPixelsAndAScale) {

@@ -157,6 +157,28 @@ TEST_F(Steps, NeverTouchFilesThatAreNotTheirs) {
   EXPECT_EQ(ReadTextFile(folder_ / "a.txt"), "alpha");
 }
 
+// What appears in a step's folder while it is at work is not its output for that.
+TEST_F(Steps, KeepWhatAUserWritesWhileTheyAreDone) {
+  fail_ = [&] { WriteTextFile(Out("join") / "notes.txt", "mine"); };
+  Go();
+  EXPECT_EQ(ReadTextFile(Out("join") / "notes.txt"), "mine");
+  fail_ = nullptr, suffix_ = "?";
+  Go();
+  EXPECT_EQ(ReadTextFile(Out("join") / "notes.txt"), "mine");
+  EXPECT_EQ(ReadTextFile(Out("join") / "join.txt"), "alph?beta?");
+}
+
+TEST_F(Steps, ThatAStudyDoesNotHaveAnyMoreAreRetired) {
+  Go();
+  WriteTextFile(Out("b") / "notes.txt", "mine");
+  RetireStudyStep(Out("a"), "a");
+  RetireStudyStep(Out("b"), "b");
+  RetireStudyStep(Out("join"), "other");
+  EXPECT_FALSE(fs::exists(Out("a")));
+  EXPECT_EQ(std::distance(fs::directory_iterator(Out("b")), {}), 1) << "the user's notes";
+  EXPECT_TRUE(fs::exists(Out("join") / "join.txt")) << "not that step's";
+}
+
 TEST_F(Steps, OfACopiedFolderAreItsOwn) {
   Go();
   fs::copy(folder_ / "out", folder_ / "copy", fs::copy_options::recursive);

@@ -76,6 +76,17 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
     const std::string text = warning;
     EXPECT_THAT(page, HasSubstr(text.substr(0, text.find_first_of("&<>'\"")))) << "warnings come first";
   }
+
+  // Taken out of the study, they go with their chapters; what the user put there stays.
+  ASSERT_TRUE(fs::is_regular_file(study.Out() / "stroke/summary.json"));
+  WriteTextFile(study.Out() / "stroke/notes.txt", "mine");
+  WriteTextFile(study.Folder() / "study.yaml", "human: {trial: human.csv}\n");
+  EXPECT_THAT(study.Done(study.Go()), ElementsAre("simulation", "report"));
+  EXPECT_FALSE(fs::exists(study.Out() / "redesign"));
+  EXPECT_EQ(std::distance(fs::recursive_directory_iterator(study.Out() / "stroke"), {}), 1) << "the user's notes";
+  const std::string after = ReadTextFile(study.Out() / "report.html");
+  for (const char* chapter : {"The design for this person", "The actuator&#39;s program"})
+    EXPECT_THAT(after, Not(HasSubstr(chapter)));
 }
 
 }  // namespace

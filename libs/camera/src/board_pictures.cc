@@ -13,6 +13,7 @@
 #include "lake/core/progress.h"
 #include "lake/core/statistics.h"
 #include "lake/video/image.h"
+#include "lake/video/video_files.h"
 #include "lake/video/video_reader.h"
 
 namespace lake {
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool IsVideo(const fs::path& path) {
-  if (path.string().find('%') != std::string::npos) return true;
+  if (FilesOfVideo(path) != path) return true;
   const auto reader = VideoReader::Open(path);
   VideoFrame first, second;
   return reader->Read(first) && reader->Read(second);

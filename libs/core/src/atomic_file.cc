@@ -1,8 +1,11 @@
 #include "lake/core/atomic_file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <string>
@@ -12,10 +15,30 @@
 namespace lake {
 namespace fs = std::filesystem;
 
+namespace {
+
+// What open() would give a new file; known without changing it only by setting it twice.
+mode_t NewFileMode() {
+  static const mode_t kMask = [] {
+    const mode_t mask = umask(022);
+    umask(mask);
+    return mask;
+  }();
+  return 0666 & ~kMask;
+}
+
+}  // namespace
+
 AtomicFile::AtomicFile(fs::path final_path) : final_path_(std::move(final_path)) {
+  const std::string extension = final_path_.extension().string();
   temporary_path_ = final_path_;
-  temporary_path_.replace_filename(
-      fmt::format(".{}.{}{}", final_path_.stem().string(), getpid(), final_path_.extension().string()));
+  temporary_path_.replace_filename(fmt::format(".{}.XXXXXX{}", final_path_.stem().string(), extension));
+  std::string name = temporary_path_.string();
+  const int file = mkostemps(name.data(), static_cast<int>(extension.size()), O_CLOEXEC);
+  if (file < 0) throw Fail("{}: cannot be written: {}", final_path_.string(), std::strerror(errno));
+  fchmod(file, NewFileMode());
+  close(file);
+  temporary_path_ = name;
 }
 
 AtomicFile::~AtomicFile() {
@@ -24,6 +47,12 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::Commit() {
+  std::error_code error;
+  if (fs::is_empty(temporary_path_, error) && !error) throw Fail("{}: nothing was written", final_path_.string());
+  Move();
+}
+
+void AtomicFile::Move() {
   std::error_code error;
   fs::rename(temporary_path_, final_path_, error);
   if (error) throw Fail("{}: cannot be written: {}", final_path_.string(), error.message());
@@ -36,7 +65,7 @@ void WriteTextFile(const fs::path& path, std::string_view text) {
   stream.write(text.data(), static_cast<std::streamsize>(text.size()));
   stream.close();
   if (!stream) throw Fail("{}: cannot be written: {}", path.string(), std::strerror(errno));
-  file.Commit();
+  file.Move();
 }
 
 std::string ReadTextFile(const fs::path& path, std::size_t max_bytes) {

@@ -54,6 +54,15 @@ Records ParseRecords(const std::string& text, char delimiter, const std::filesys
   return records;
 }
 
+// A table of one column with another separator in its name: how spreadsheets save where the decimal sign is a comma.
+void CheckSeparator(const std::vector<std::string>& header, char delimiter, const std::filesystem::path& path) {
+  if (header.size() != 1) return;
+  for (const auto& [other, name] : {std::pair(';', "semicolons"), {'\t', "tabs"}, {',', "commas"}})
+    if (other != delimiter && header.front().find(other) != std::string::npos)
+      throw Fail("{}:1: the columns are separated by {}; save the table with '{}' between columns and decimal points",
+                 path.string(), name, delimiter);
+}
+
 }  // namespace
 
 CsvTable CsvTable::Read(const std::filesystem::path& path, char delimiter) {
@@ -61,6 +70,8 @@ CsvTable CsvTable::Read(const std::filesystem::path& path, char delimiter) {
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   Records records = ParseRecords(text, delimiter, path);
   if (records.rows.empty()) throw Fail("{}: empty, a header line was expected", path.string());
+
+  CheckSeparator(records.rows.front(), delimiter, path);
 
   CsvTable table;
   table.path_ = path;

@@ -44,6 +44,22 @@ Json JsonOf(const YAML::Node& node) {
   return map;
 }
 
+// A key that stands twice would be read once, whichever is meant.
+void CheckKeysOnce(const YAML::Node& node, const std::string& file) {
+  if (node.IsSequence())
+    for (const YAML::Node& element : node) CheckKeysOnce(element, file);
+  if (!node.IsMap()) return;
+  std::map<std::string, int> lines;
+  for (const auto& pair : node) {
+    CheckKeysOnce(pair.second, file);
+    if (!pair.first.IsScalar()) throw Fail("{}: a key must be a single value", Place(file, pair.first.Mark()));
+    const auto [found, is_new] = lines.try_emplace(pair.first.Scalar(), pair.first.Mark().line + 1);
+    if (!is_new)
+      throw Fail("{}: key '{}' stands twice, first in line {}; keep one", Place(file, pair.first.Mark()), found->first,
+                 found->second);
+  }
+}
+
 }  // namespace
 
 YamlNode::YamlNode(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -54,7 +70,9 @@ YamlNode& YamlNode::operator=(YamlNode&&) noexcept = default;
 YamlNode YamlNode::ReadFile(const std::filesystem::path& path) {
   const std::string text = ReadTextFile(path);
   try {
-    return YamlNode(std::unique_ptr<Impl>(new Impl{YAML::Load(text), path.string(), {}}));
+    const YAML::Node root = YAML::Load(text);
+    CheckKeysOnce(root, path.string());
+    return YamlNode(std::unique_ptr<Impl>(new Impl{root, path.string(), {}}));
   } catch (const YAML::Exception& error) {
     throw Fail("{}: not YAML: {}", Place(path.string(), error.mark), error.msg);
   }

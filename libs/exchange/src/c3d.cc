@@ -170,6 +170,16 @@ std::vector<PointEvent> ReadEvents(const C3dBytes& bytes, const C3dParameters& p
 
 }  // namespace
 
+void CheckC3dTimes(const std::filesystem::path& path, const std::vector<double>& time_s) {
+  const double step_s = 1 / FrameRate(time_s);
+  for (std::size_t i = 1; i < time_s.size(); ++i)
+    if (std::abs(time_s[i] - time_s[i - 1] - step_s) > 0.05 * step_s)
+      throw Fail(
+          "{}: C3D has one frame rate, but the time stamps are uneven (at {:.4f} s: {:.4g} s after the one before, on "
+          "average {:.4g} s); export trc instead",
+          path.string(), time_s[i], time_s[i] - time_s[i - 1], step_s);
+}
+
 PointRecording ReadC3d(const std::filesystem::path& path) {
   const C3dBytes bytes(ReadTextFile(path), path.string());
   const C3dParameters parameters(bytes);
@@ -204,13 +214,7 @@ void CheckWritable(const std::filesystem::path& path, const PointRecording& poin
   if (points.events.size() > kMostEvents)
     throw Fail("{}: C3D holds {} events, not {}", path.string(), kMostEvents, points.events.size());
   if (points.time_s.size() < 2) throw Fail("{}: C3D needs at least two frames for its rate", path.string());
-  const double step_s = 1 / FrameRate(points.time_s);
-  for (std::size_t i = 1; i < points.time_s.size(); ++i)
-    if (std::abs(points.time_s[i] - points.time_s[i - 1] - step_s) > 0.05 * step_s)
-      throw Fail(
-          "{}: C3D has one frame rate, but the time stamps are uneven (frame {}: {:.4g} s after the one before, on "
-          "average {:.4g} s); export trc instead",
-          path.string(), points.frame[i], points.time_s[i] - points.time_s[i - 1], step_s);
+  CheckC3dTimes(path, points.time_s);
 }
 
 // The number that the format counts the first frame by: from 1, at time 0.

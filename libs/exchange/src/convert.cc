@@ -1,6 +1,7 @@
 #include "lake/exchange/convert.h"
 
 #include "lake/core/error.h"
+#include "lake/core/run.h"
 #include "lake/exchange/mot.h"
 #include "text_lines.h"
 
@@ -76,6 +77,14 @@ PointRecording FitToFormat(PointRecording points, const fs::path& in, const fs::
   return options.reading.forward.empty() ? points : PointsFacing(points, options.reading);
 }
 
+// Of a folder's tables the one that the format holds: positions in px for projects that lie over a video.
+fs::path TableFor(const fs::path& out, const fs::path& folder) {
+  const PointFormat& format = FormatOf(out);
+  if (format.plane) return TableOfFolder(folder);
+  if (const auto tracks = FindResult(folder, "tracks.csv")) return *tracks;
+  throw Fail("{}: has no tracks.csv, and {} holds positions in px", folder.string(), out.filename().string());
+}
+
 // Tables of Tracker and Kinovea have numbers only.
 bool IsUnitless(const fs::path& path) {
   const std::string name = Lower(path.filename().string());
@@ -100,7 +109,8 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   FormatOf(out);  // a wrong ending is told before a long file is read
   if (IsAngleTable(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
   if (options.flexion_negative) throw UsageError("--flexion-negative is for a .mot that is written");
-  PointRecording points = ReadPoints(in, options.reading.mm_per_unit, options.reading.rate_hz);
+  const fs::path table = fs::is_directory(in) ? TableFor(out, in) : in;
+  PointRecording points = ReadPoints(table, options.reading.mm_per_unit, options.reading.rate_hz);
   if (options.crop_s) CropPoints(*options.crop_s, in, points);
   points = FitToFormat(RenamePoints(points, options.reading.names, in), in, out, options);
   if (!points.events.empty() && Lower(out.extension().string()) != ".c3d")

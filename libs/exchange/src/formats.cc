@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lake/core/error.h"
+#include "lake/core/run.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/dltdv.h"
 #include "lake/exchange/kinovea.h"
@@ -18,6 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 using PointWriter = void (*)(const fs::path&, const PointRecording&);
+
+constexpr const char* kAngles = "mot";  // of the leg's angles, not of points
 
 struct WritableFormat : PointFormat {
   PointWriter write;
@@ -51,9 +54,10 @@ PointRecording ReadCsv(const fs::path& path, double mm_per_unit, double rate_hz)
   return PointsFromMarkers(ReadMarkerCsv(path));
 }
 
-// Tracker's text says by its name which program it is of, as a .txt may be anything.
-std::string ExportName(const PointFormat& format, const std::string& name) {
-  return name + (format.name == "tracker" ? "_tracker" : "") + format.ending;
+const WritableFormat& ExportFormat(const std::string& name) {
+  for (const WritableFormat& format : WritableFormats())
+    if (!name.empty() && format.name == name) return format;
+  throw UsageError(fmt::format("--export {}: not a format; there are {}", name, fmt::join(ExportFormats(), ", ")));
 }
 
 }  // namespace
@@ -64,7 +68,7 @@ const PointFormat& FormatOf(const fs::path& path) {
 
 fs::path TableOfFolder(const fs::path& folder) {
   for (const char* name : {"trajectory.csv", "tracks.csv"})
-    if (fs::is_regular_file(folder / name)) return folder / name;
+    if (const auto table = FindResult(folder, name)) return *table;
   throw Fail("{}: the folder has neither trajectory.csv nor tracks.csv; is it one that lake-track wrote?",
              folder.string());
 }
@@ -94,38 +98,34 @@ void WritePoints(const fs::path& path, const PointRecording& points, const std::
 }
 
 std::vector<std::string> ExportFormats() {
-  std::vector<std::string> names = {"mot"};
+  std::vector<std::string> names = {kAngles};
   for (const WritableFormat& format : WritableFormats())
     if (!format.name.empty()) names.push_back(format.name);
   return names;
 }
 
-void CheckExportFormats(const std::vector<std::string>& formats, bool has_scale) {
-  const std::vector<std::string> known = ExportFormats();
-  for (const std::string& format : formats)
-    if (std::find(known.begin(), known.end(), format) == known.end())
-      throw UsageError(fmt::format("--export {}: not a format; there are {}", format, fmt::join(known, ", ")));
-  for (const WritableFormat& format : WritableFormats())
-    if (!has_scale && !format.image && std::find(formats.begin(), formats.end(), format.name) != formats.end())
+void CheckExportFormats(const std::vector<std::string>& formats, bool has_scale, bool has_leg) {
+  for (const std::string& format : formats) {
+    if (format != kAngles && !has_scale && !ExportFormat(format).image)
       throw UsageError(fmt::format(
-          "--export {}: holds lengths, not px; give --scale, or a --camera with the sagittal plane", format.name));
+          "--export {}: holds lengths, not px; give --scale, or a --camera with the sagittal plane", format));
+    if (format == kAngles && !has_leg)
+      throw UsageError("--export mot: holds the leg's angles; ankle, knee and hip must be among the markers");
+    if (format != kAngles) ExportFormat(format);
+  }
 }
 
-std::vector<fs::path> ExportTrial(const std::vector<std::string>& formats, const fs::path& folder,
-                                  const std::string& name, const ExportedTrial& trial) {
-  CheckExportFormats(formats, trial.points.space != PointSpace::kImage);
-  std::vector<fs::path> written;
-  for (const WritableFormat& format : WritableFormats())
-    if (std::find(formats.begin(), formats.end(), format.name) != formats.end()) {
-      written.push_back(folder / ExportName(format, name));
-      format.write(written.back(), format.plane ? trial.points : trial.image);
-    }
-  if (std::find(formats.begin(), formats.end(), "mot") != formats.end()) {
-    if (!trial.motion) throw Fail("export: a MOT file needs the leg's angles, which this recording does not give");
-    written.push_back(folder / (name + ".mot"));
-    WriteMot(written.back(), MotFromLegMotion(*trial.motion));
-  }
-  return written;
+std::string ExportName(const std::string& format, const std::string& name) {
+  if (format == kAngles) return name + ".mot";
+  // Tracker's text says by its name which program it is of, as a .txt may be anything.
+  return name + (format == "tracker" ? "_tracker" : "") + ExportFormat(format).ending;
+}
+
+void ExportTrial(const std::string& format, const fs::path& path, const ExportedTrial& trial) {
+  CheckExportFormats({format}, trial.points.space != PointSpace::kImage, trial.motion != nullptr);
+  if (format == kAngles) return WriteMot(path, MotFromLegMotion(*trial.motion));
+  const WritableFormat& writer = ExportFormat(format);
+  writer.write(path, writer.plane ? trial.points : trial.image);
 }
 
 }  // namespace lake

@@ -201,8 +201,8 @@ LegFitResult FitLeg(const MarkerRecording& recording, const LegView& view, const
   const Facing facing = options.facing.value_or(found.facing);
   if (!options.facing && !found.IsCertain())
     result.warnings.push_back(
-        fmt::format("the knee bends by {:.0f}° at most: which way the subject faces is a guess; give it with --facing",
-                    found.largest_flexion_deg));
+        fmt::format("the knee bends by {:.0f}° at most: which way the subject faces is a guess; give it with {}",
+                    found.largest_flexion_deg, options.facing_option));
 
   LegModel model;
   model.view = view;

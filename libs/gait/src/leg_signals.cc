@@ -222,8 +222,8 @@ void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarker
       throw Fail(
           "leg fit: the distance from '{}' to '{}' changes by {:.0f} % of itself, which no limb does (at most {:.0f} "
           "%): are the "
-          "markers' names right, not swapped on the way, and is the vertical (--up)?",
-          leg[below].name, leg[below + 1].name, 100 * range, 100 * options.most_length_range);
+          "markers' names right, not swapped on the way, and is the vertical ({})?",
+          leg[below].name, leg[below + 1].name, 100 * range, 100 * options.most_length_range, options.vertical_option);
   }
   std::vector<double> rises;
   for (std::size_t i = 0; i < leg[kAnkle].seen.size(); ++i)

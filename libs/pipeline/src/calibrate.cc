@@ -11,6 +11,7 @@
 #include "lake/core/error.h"
 #include "lake/render/calibration_figures.h"
 #include "lake/video/image.h"
+#include "lake/video/video_files.h"
 
 namespace lake {
 namespace {
@@ -128,8 +129,8 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
   BoardPicturesOptions find = options.find;
   find.quiet = run.Quiet();
   const Board board = ParseBoard(options.board);
-  for (const fs::path& picture : options.pictures)
-    if (picture.string().find('%') == std::string::npos) run.AddInput(picture);
+  for (const fs::path& picture : options.pictures) run.AddInput(FilesOfVideo(picture));
+  run.Begin();
   const BoardPictures pictures = FindBoards(options.pictures, board, find);
   if (!pictures.without_board.empty())
     run.Warn(fmt::format("no board seen in {} of {} images, left out: {}", pictures.without_board.size(),

@@ -3,6 +3,7 @@
 #include "lake/compare/comparison_file.h"
 #include "lake/core/error.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/pipeline/gait.h"
 #include "lake/render/misalignment_figures.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/report.h"
@@ -16,14 +17,13 @@ constexpr const char* kKnee = "knee";
 constexpr const char* kExoKnee = "exo_knee";
 
 bool IsTracked(const fs::path& path) {
-  return fs::is_regular_file(path / "kinematics.csv") && fs::is_regular_file(path / "events.csv");
+  return FindResult(path, "kinematics.csv") && FindResult(path, "events.csv");
 }
 
 TrialTables ReadTracked(const fs::path& folder, Run& run) {
   TrialTables tables;
   tables.name = folder.string();
-  const bool scaled = fs::is_regular_file(folder / "trajectory.csv");
-  const fs::path markers = folder / (scaled ? "trajectory.csv" : "tracks.csv");
+  const fs::path markers = TableOfFolder(folder);
   tables.trajectory = ReadMarkerCsv(markers);
   tables.motion = ReadKinematicsCsv(folder / "kinematics.csv");
   tables.events = ReadEventsCsv(folder / "events.csv");
@@ -32,16 +32,11 @@ TrialTables ReadTracked(const fs::path& folder, Run& run) {
 }
 
 TrialTables FitTables(const fs::path& path, const TrialOptions& reading, const std::string& knee, Run& run) {
-  const Trial trial = ReadTrial(path, fs::is_directory(path) ? TrialOptions{} : reading);
-  run.AddInput(trial.file);
-  for (const std::string& warning : trial.warnings) run.Warn(warning);
+  const Trial trial = ReadTrialFor(path, fs::is_directory(path) ? TrialOptions{} : reading, run);
   LegFitOptions fit;
-  fit.quiet = run.Quiet();
-  if (trial.faces_right) fit.facing = *trial.faces_right ? Facing::kRight : Facing::kLeft;
+  fit.facing_option = "--forward";
   if (!trial.recording.Find(kKnee)) fit.markers.knee = knee;
-  const LegFitResult result =
-      FitLeg(trial.recording, MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px), fit);
-  for (const std::string& warning : result.warnings) run.Warn(warning);
+  const LegFitResult result = FitTrial(trial, fit, run);
   return {path.string(), result.trajectory, result.motion, result.events};
 }
 
@@ -59,7 +54,7 @@ std::string ExoKneeOf(const CompareRunOptions& options) {
 
 // A folder that lake-compare wrote, or the predicted path of lake-optimize: its curves are registered already.
 bool IsCompared(const fs::path& path) {
-  return fs::is_regular_file(path / "comparison.json");
+  return FindResult(path, "comparison.json").has_value();
 }
 
 void CheckUnits(const TrialTables& human, const TrialTables& exo) {
@@ -121,6 +116,7 @@ TrialTables ReadTrialTables(const fs::path& path, const TrialOptions& reading, c
 Json RunCompare(const CompareRunOptions& options, Run& run) {
   const RegisteredPair pair = ReadPair(options, run);
   const std::string& exo_knee = pair.exo_knee;
+  run.Begin({"summary.json", "misalignment.csv", "overlay.png", "misalignment.png", "comparison.json", "report.html"});
   const Misalignment misalignment = CompareTrials(pair.human, pair.exo, options.misalignment);
   for (const std::string& warning : misalignment.warnings) run.Warn(warning);
   WriteMisalignmentCsv(run.Result("misalignment.csv"), misalignment);

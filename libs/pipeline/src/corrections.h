@@ -1,14 +1,28 @@
+// corrections.csv: frame,marker,x_px,y_px; rows replace what the detector said.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "lake/motion/marker_recording.h"
 
 namespace lake {
 
-// Rows of frame,marker,x_px,y_px overrule the detector; an empty x and y say that the marker is not visible. A click is
-// taken to be right to half a pixel. Returns how many samples changed. Throws Error naming file and line: a marker or a
-// frame that is not there, a place outside the picture.
-int ApplyCorrections(const std::filesystem::path& path, int width, int height, MarkerRecording& recording);
+struct Correction {
+  std::int64_t frame = 0;
+  std::string marker;
+  MarkerSample sample;  // clicked: detected, with a standard deviation of 0.5 px; empty cells: not visible
+  std::string where;    // "corrections.csv:3"
+};
+
+// Throws Error naming file and line: a marker that is not among `names`, a frame that is none, half a position, one
+// outside the picture.
+std::vector<Correction> ReadCorrections(const std::filesystem::path& path, const std::vector<std::string>& names,
+                                        int width, int height);
+
+// Throws Error naming file and line for a frame that the recording does not have.
+void ApplyCorrections(const std::vector<Correction>& corrections, MarkerRecording& recording);
 
 }  // namespace lake

@@ -42,11 +42,12 @@ const MarkerTrack& TrackOf(const MarkerRecording& recording, const std::string& 
 
 // The distance of the two markers in the frames that show both.
 ActuatorFilm ReadFilm(const std::filesystem::path& folder, const std::vector<std::string>& names, Run& run) {
-  const std::filesystem::path file = folder / "trajectory.csv";
-  if (!std::filesystem::is_regular_file(file))
+  const std::optional<std::filesystem::path> found = FindResult(folder, "trajectory.csv");
+  if (!found)
     throw Fail("{}: no trajectory.csv in it; track the video with --scale or a calibrated plane, lengths in mm",
                folder.string());
   if (names.size() != 2) throw UsageError("--rod-markers: give two names, BODY,ROD");
+  const std::filesystem::path& file = *found;
   run.AddInput(file);
   const MarkerRecording recording = ReadMarkerCsv(file);
   const MarkerTrack &body = TrackOf(recording, names[0], file.string()),

@@ -48,10 +48,13 @@ Facing ParseFacing(const std::string& text) {
   return text == "left" ? Facing::kLeft : Facing::kRight;
 }
 
-LegFitResult FitTrial(const GaitRunOptions& options, Run& run) {
-  const Trial trial = ReadTrial(options.trial, options.reading);
+Trial ReadTrialFor(const std::filesystem::path& path, const TrialOptions& reading, Run& run) {
+  Trial trial = ReadTrial(path, reading);
   run.AddInput(trial.file);
-  LegFitOptions fit = options.fit;
+  return trial;
+}
+
+LegFitResult FitTrial(const Trial& trial, LegFitOptions fit, Run& run) {
   fit.quiet = run.Quiet();
   if (trial.faces_right && !fit.facing) fit.facing = *trial.faces_right ? Facing::kRight : Facing::kLeft;
   const LegView view = MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px);
@@ -61,7 +64,9 @@ LegFitResult FitTrial(const GaitRunOptions& options, Run& run) {
 }
 
 Json RunGait(const GaitRunOptions& options, Run& run) {
-  const LegFitResult result = FitTrial(options, run);
+  const Trial trial = ReadTrialFor(options.trial, options.reading, run);
+  run.Begin({"summary.json", "kinematics.csv", "events.csv", "trajectory.csv", "tracks.csv", "gait.png"});
+  const LegFitResult result = FitTrial(trial, options.fit, run);
   WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   WriteEventsCsv(run.Result("events.csv"), result.events);
   if (result.trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), result.trajectory);

@@ -13,6 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
+  run.Begin();
   const Study study = RunStudy(options.problem, options.study);
   Json summary = WriteStudy(study, run);
   DrawConvergence(study.result.starts[std::max(0, study.result.best)], "range of rotation, deg",
@@ -78,7 +79,9 @@ Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
   study_options.Check();
   const ReoptimizeProblem problem = ProblemOf(options);
   problem.CheckOptions();
-  const ReoptimizeStudy study = RunReoptimization(problem, ReadMeasured(*options.reoptimize, run), study_options);
+  const MeasuredMotion measured = ReadMeasured(*options.reoptimize, run);
+  run.Begin();
+  const ReoptimizeStudy study = RunReoptimization(problem, measured, study_options);
   Json summary = WriteReoptimization(study, run);
   DrawConvergence(study.result.starts[std::max(0, study.result.best)].local, "objective, deg",
                   run.Result("convergence.png"));

@@ -205,6 +205,7 @@ Json SimulateLinkage(const Design& design, const SimulationOptions& options, Run
   options.Check();
   options.plates.Check();
   const Request request = Resolve(design, options);
+  run.Begin();
   constexpr double kMillimetresPerCentimetre = 10;
   const LinkageLook look{design.links,
                          request.range,

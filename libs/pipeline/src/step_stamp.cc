@@ -1,7 +1,5 @@
 #include "step_stamp.h"
 
-#include <sys/stat.h>
-
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 
@@ -75,28 +73,6 @@ void RemoveOutputs(const fs::path& folder, const std::string& step, const std::o
   fs::remove(StampPath(folder, step), ignored);
   if (!stamp) return;
   for (const FileState& output : stamp->outputs) fs::remove(output.path, ignored);
-}
-
-FolderListing ListFolder(const fs::path& folder) {
-  FolderListing listing;
-  if (!fs::is_directory(folder)) return listing;
-  for (const auto& entry : fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
-    struct stat status;
-    if (!entry.is_regular_file() || entry.path().filename().string().ends_with(kStampSuffix)) continue;
-    if (stat(entry.path().c_str(), &status) != 0) continue;
-    constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-    listing[entry.path()] = {status.st_ino, status.st_ctim.tv_sec * kNanosecondsPerSecond + status.st_ctim.tv_nsec};
-  }
-  return listing;
-}
-
-std::vector<fs::path> WrittenSince(const FolderListing& before, const FolderListing& after) {
-  std::vector<fs::path> written;
-  for (const auto& [path, identity] : after) {
-    const auto found = before.find(path);
-    if (found == before.end() || found->second != identity) written.push_back(path);
-  }
-  return written;
 }
 
 }  // namespace lake

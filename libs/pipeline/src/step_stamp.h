@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,10 +24,5 @@ void WriteStamp(const std::filesystem::path& folder, const std::string& step, co
 
 // The stamp and the outputs it names are removed, nothing else in the folder.
 void RemoveOutputs(const std::filesystem::path& folder, const std::string& step, const std::optional<StepStamp>& stamp);
-
-// The files of a folder and those below, except stamps, so that it can be told which were written since.
-using FolderListing = std::map<std::filesystem::path, std::pair<std::uint64_t, std::int64_t>>;  // inode, change
-FolderListing ListFolder(const std::filesystem::path& folder);
-std::vector<std::filesystem::path> WrittenSince(const FolderListing& before, const FolderListing& after);
 
 }  // namespace lake

@@ -18,11 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 
 LegMotion ReadMotion(const fs::path& folder, Run& run) {
-  const fs::path file = folder / "kinematics.csv";
-  if (!fs::is_regular_file(file))
+  const std::optional<fs::path> file = FindResult(folder, "kinematics.csv");
+  if (!file)
     throw Fail("{}: no kinematics.csv in it; give a folder that lake-track or lake-gait wrote", folder.string());
-  run.AddInput(file);
-  return ReadKinematicsCsv(file);
+  run.AddInput(*file);
+  return ReadKinematicsCsv(*file);
 }
 
 // The knee angle nearest to a percent, meaned over the repetitions.
@@ -255,13 +255,12 @@ std::string DriftReport(const Json& firmware) {
 }  // namespace
 
 Json WriteSketch(const std::string& stroke_table, const std::string& warning, Run& run) {
-  const fs::path folder = run.Result(kSketchFolder);
-  fs::create_directories(folder);
-  WriteTextFile(folder / "stroke_table.h", stroke_table);
+  const auto place = [&](const std::string& name) { return run.Result(kSketchFolder + ("/" + name)); };
+  WriteTextFile(place("stroke_table.h"), stroke_table);
   WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // where the interfaces have it
   Json files = {"stroke_table.h", std::string(kSketchFolder) + "/stroke_table.h"};
   for (const FirmwareFile& file : FirmwareSources()) {
-    WriteTextFile(folder / file.name, file.name.ends_with(".ino") ? warning + file.text : file.text);
+    WriteTextFile(place(file.name), file.name.ends_with(".ino") ? warning + file.text : file.text);
     files.push_back(std::string(kSketchFolder) + "/" + file.name);
   }
   return files;

@@ -1,9 +1,11 @@
 #include "lake/pipeline/study.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lake/core/error.h"
 #include "lake/pipeline/simulate.h"
+#include "lake/video/video_files.h"
 #include "study_report.h"
 
 namespace lake {
@@ -48,8 +50,7 @@ StudyStep TrackStep(TrackRunOptions options, const std::optional<fs::path>& came
   if (!options.camera) options.camera = camera;
   StudyStep step;
   step.program = "lake-track", step.expected_s = 20;
-  const bool is_sequence = options.video.string().find('%') != std::string::npos;
-  step.inputs = {is_sequence ? options.video.parent_path() : options.video};
+  step.inputs = {FilesOfVideo(options.video)};
   if (options.camera) step.inputs.push_back(*options.camera);
   if (options.corrections) step.inputs.push_back(*options.corrections);
   step.work = [options](Run& run) { run.WriteSummary(RunTrack(options, run)); };
@@ -168,13 +169,21 @@ StudyStep StrokeStep(const StudyFile& study, const fs::path& design, const fs::p
 
 StudyStep ReportStep(const StudyFile& study, const fs::path& out, const Json& head,
                      const std::vector<StudyStep>& before) {
-  StudyStep step{"report", "the report", "lake-run", out, {study.file}, {}, {}, 1, {}};
+  // A list of results of its own, as the study's summary beside it is another run's.
+  StudyStep step{"report", "the report", "lake-run-report", out, {study.file}, {}, {}, 1, {}};
   step.options = {{"name", study.name}};
   for (const StudyStep& earlier : before) step.whole_steps.push_back(earlier.name);
-  step.work = [study, out, head](Run& run) {
-    WriteReport(run.Result("report.html"), MakeStudyReport(study, out, head));
+  step.work = [study, out, head, steps = step.whole_steps](Run& run) {
+    WriteReport(run.Result("report.html"), MakeStudyReport(study, {out, steps}, head));
   };
   return step;
+}
+
+// What steps left that the study does not have any more: their chapters and firmware are of another design.
+void RetireOtherSteps(const std::vector<StudyStep>& steps, const fs::path& out) {
+  for (const std::string& name : StudyStepNames())
+    if (std::none_of(steps.begin(), steps.end(), [&](const StudyStep& step) { return step.name == name; }))
+      RetireStudyStep(out / name, name);
 }
 
 }  // namespace
@@ -200,8 +209,11 @@ Json RunStudyFile(const StudyFile& study, Run& run) {
   run.AddInput(study.file);
   for (const StudyInput& input : study.inputs) run.AddInput(input.path);
   const std::vector<StudyStep> steps = StudySteps(study, run.Folder(), run.Head());
+  run.Begin({kSummary});
+  RetireOtherSteps(steps, run.Folder());
   StepRunOptions options;
   options.command = run.Head()["command"], options.quiet = run.Quiet();
+  options.subject = {fs::weakly_canonical(study.file).string()};
   const std::vector<StepOutcome> outcomes = RunSteps(steps, options);
 
   Json summary = {{"name", study.name}, {"warnings", Json::array()}, {"steps", Json::array()}};

@@ -40,6 +40,10 @@ std::string OptimumText(const Json& summary) {
   return text;
 }
 
+bool IsPose(const std::string& name) {
+  return name.starts_with("pose_") && name.ends_with(".png");
+}
+
 }  // namespace
 
 Section OptimumChapter(const StudyFile& study, const StudyResults& results) {
@@ -69,9 +73,8 @@ Section SimulationChapter(const StudyResults& results) {
                           NumberOrNaN(pose.at("transmission_deg"))});
   Section section{"The design in motion", {std::move(table)}};
   std::vector<fs::path> poses;
-  for (const auto& entry : fs::directory_iterator(results.Folder() / "simulation"))
-    if (const std::string name = entry.path().filename().string(); name.starts_with("pose_") && name.ends_with(".png"))
-      poses.push_back(entry.path().lexically_relative(results.Folder()));
+  for (const std::string& name : ResultsIn(results.Folder() / "simulation"))
+    if (IsPose(name)) poses.push_back(fs::path("simulation") / name);
   std::sort(poses.begin(), poses.end(), [](const fs::path& a, const fs::path& b) {
     return std::stod(a.stem().string().substr(5)) < std::stod(b.stem().string().substr(5));
   });

@@ -93,9 +93,9 @@ LineChart PathsChart(const StudyResults& results) {
   chart.x.label = "anterior (mm)", chart.y.label = "up (mm)";
   chart.equal_scales = true, chart.width = Width::kHalf;
   chart.series = {Path(predicted, "human_knee", "human", colour::kHuman, Mark::kLine)};
-  if (const fs::path measured = results.Folder() / "comparison/comparison.json"; fs::is_regular_file(measured))
-    chart.series.push_back(Path(ReadJsonFile(measured).at("curves"), "exo_knee", "exoskeleton as measured",
-                                colour::kExoskeleton, Mark::kDotted));
+  if (const fs::path measured = "comparison/comparison.json"; results.HasFile(measured))
+    chart.series.push_back(Path(ReadJsonFile(results.Folder() / measured).at("curves"), "exo_knee",
+                                "exoskeleton as measured", colour::kExoskeleton, Mark::kDotted));
   chart.series.push_back(Path(predicted, "exo_knee", "new design, predicted", colour::kHip, Mark::kDashed));
   return chart;
 }

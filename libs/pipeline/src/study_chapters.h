@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "lake/core/json.h"
 #include "lake/pipeline/study_file.h"
@@ -13,13 +15,18 @@
 
 namespace lake {
 
-// The folders of a study's steps.
+// All steps that a study can have and that write into a folder of their own, in order.
+const std::vector<std::string>& StudyStepNames();
+
+// The folders of a study's steps: of those that it has, whatever else stands there.
 class StudyResults {
  public:
-  explicit StudyResults(std::filesystem::path out) : out_(std::move(out)) {}
+  StudyResults(std::filesystem::path out, std::vector<std::string> steps)
+      : out_(std::move(out)), steps_(std::move(steps)) {}
 
   const std::filesystem::path& Folder() const { return out_; }
-  bool Has(const std::string& step) const { return std::filesystem::is_regular_file(out_ / step / "summary.json"); }
+  bool Has(const std::string& step) const;
+  bool HasFile(const std::filesystem::path& name) const;  // "exo/overlay.mp4"
   Json Summary(const std::string& step) const { return ReadJsonFile(out_ / step / "summary.json"); }
 
   // The picture, if it was made.
@@ -28,6 +35,7 @@ class StudyResults {
 
  private:
   std::filesystem::path out_;
+  std::vector<std::string> steps_;
 };
 
 report::Section TrialsChapter(const StudyFile& study, const StudyResults& results);

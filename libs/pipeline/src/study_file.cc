@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <functional>
 #include <memory>
 
@@ -12,6 +13,7 @@
 #include "lake/core/yaml.h"
 #include "lake/pipeline/track_text.h"
 #include "lake/synthesis/problem_file.h"
+#include "lake/video/video_files.h"
 
 namespace lake {
 namespace {
@@ -28,6 +30,13 @@ auto At(const YamlNode& node, Read read) {
   }
 }
 
+// A folder as a part of a wildcard that stands for itself.
+std::string EscapedForGlob(const fs::path& folder) {
+  std::string escaped;
+  for (const char c : (folder / "").string()) escaped.append(std::strchr("*?[]\\", c) ? "\\" : "") += c;
+  return folder.empty() ? "" : escaped;
+}
+
 // Collects the files that a study names, so that all missing ones can be told of at once.
 class Files {
  public:
@@ -42,19 +51,19 @@ class Files {
   // A printf pattern (frames/%05d.png) stands for the folder it lies in.
   fs::path TakePictures(const YamlNode& node) {
     const fs::path path = Resolve(node);
-    Add(path.string().find('%') == std::string::npos ? path : path.parent_path(), node);
+    Add(FilesOfVideo(path), node);
     return path;
   }
 
   // All that a wildcard stands for, in order of their names.
   std::vector<fs::path> TakeAll(const YamlNode& node) {
-    const std::string pattern = Resolve(node).string();
-    if (pattern.find('*') == std::string::npos) return {TakePictures(node)};
+    if (node.AsText().find('*') == std::string::npos) return {TakePictures(node)};
+    const std::string pattern = EscapedForGlob(folder_) + node.AsText();
     glob_t found{};
     const std::unique_ptr<glob_t, void (*)(glob_t*)> cleanup(&found, globfree);
     std::vector<fs::path> paths;
     if (glob(pattern.c_str(), 0, nullptr, &found) == 0)
-      for (std::size_t i = 0; i < found.gl_pathc; ++i) paths.emplace_back(found.gl_pathv[i]);
+      for (std::size_t i = 0; i < found.gl_pathc; ++i) paths.push_back(fs::path(found.gl_pathv[i]).lexically_normal());
     if (paths.empty()) missing_.push_back(fmt::format("{} ({})", pattern, node.Where()));
     for (const fs::path& path : paths) Add(path, node);
     return paths;

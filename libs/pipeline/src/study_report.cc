@@ -1,5 +1,7 @@
 #include "study_report.h"
 
+#include <algorithm>
+
 #include "lake/core/error.h"
 #include "lake/report/misalignment_sections.h"
 #include "study_chapters.h"
@@ -12,12 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kStepsInOrder = {"calibration", "plane",    "human",      "exo",   "comparison",
-                                                "optimum",     "redesign", "simulation", "stroke"};
-
 std::vector<std::string> WarningsOf(const StudyResults& results) {
   std::vector<std::string> warnings;
-  for (const std::string& step : kStepsInOrder) {
+  for (const std::string& step : StudyStepNames()) {
     if (!results.Has(step)) continue;
     const Json summary = results.Summary(step);
     for (const Json& warning : summary.at("warnings"))
@@ -84,19 +83,32 @@ Section FilesChapter(const StudyResults& results) {
                                         {"summary.json", "every number of every step"}};
   Files files;
   for (const Files::File& file : all)
-    if (file.path == "summary.json" || fs::exists(results.Folder() / file.path)) files.files.push_back(file);
+    if (file.path == "summary.json" || results.HasFile(file.path)) files.files.push_back(file);
   return {"Files beside this page", {std::move(files)}};
 }
 
 }  // namespace
 
-void StudyResults::AddPicture(const fs::path& name, const std::string& alt, const std::string& caption, Width width,
-                              Section& section) const {
-  if (fs::is_regular_file(out_ / name)) section.blocks.push_back(Picture{out_ / name, alt, caption, width});
+const std::vector<std::string>& StudyStepNames() {
+  static const std::vector<std::string> kInOrder = {"calibration", "plane",    "human",      "exo",   "comparison",
+                                                    "optimum",     "redesign", "simulation", "stroke"};
+  return kInOrder;
 }
 
-Report MakeStudyReport(const StudyFile& study, const fs::path& out, const Json& head) {
-  const StudyResults results(out);
+bool StudyResults::Has(const std::string& step) const {
+  return std::find(steps_.begin(), steps_.end(), step) != steps_.end();
+}
+
+bool StudyResults::HasFile(const fs::path& name) const {
+  return Has(name.begin()->string()) && fs::is_regular_file(out_ / name);
+}
+
+void StudyResults::AddPicture(const fs::path& name, const std::string& alt, const std::string& caption, Width width,
+                              Section& section) const {
+  if (HasFile(name)) section.blocks.push_back(Picture{out_ / name, alt, caption, width});
+}
+
+Report MakeStudyReport(const StudyFile& study, const StudyResults& results, const Json& head) {
   Report report{
       study.name, "From two recordings of a sit-to-stand to a better knee exoskeleton", WarningsOf(results), {}};
   report.sections.push_back(OverviewChapter(results));

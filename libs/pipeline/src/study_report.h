@@ -1,15 +1,14 @@
 // The story of a study, with pictures: what was measured, what it means, and the design that comes of it.
 #pragma once
 
-#include <filesystem>
-
 #include "lake/core/json.h"
 #include "lake/pipeline/study_file.h"
 #include "lake/report/report.h"
+#include "study_chapters.h"
 
 namespace lake {
 
-// Of the steps' folders below `out`; a step that the study has not is left out. `head` is what Run::Head() says.
-Report MakeStudyReport(const StudyFile& study, const std::filesystem::path& out, const Json& head);
+// Of the steps' folders; a step that the study has not is left out. `head` is what Run::Head() says.
+Report MakeStudyReport(const StudyFile& study, const StudyResults& results, const Json& head);
 
 }  // namespace lake

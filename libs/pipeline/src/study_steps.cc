@@ -81,15 +81,15 @@ std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp
 
 StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const StepRunOptions& options) {
   const Clock::time_point start = Clock::now();
-  const FolderListing before = ListFolder(step.folder);
-  Run run({step.program, options.command, step.options, step.folder, options.quiet});
+  Run run({step.program, options.command, step.options, step.folder, options.quiet, options.subject, false, step.name});
   try {
+    run.Begin();
     step.work(run);
   } catch (...) {
     RethrowAbout(step);
   }
   StepStamp stamp{options.maker, step.options, inputs, {}, SecondsSince(start)};
-  for (const fs::path& path : WrittenSince(before, ListFolder(step.folder))) stamp.outputs.push_back(StateOf(path));
+  for (const fs::path& path : run.Results()) stamp.outputs.push_back(StateOf(path));
   WriteStamp(step.folder, step.name, stamp);
   return stamp;
 }
@@ -127,6 +127,13 @@ class StepProgress {
 };
 
 }  // namespace
+
+void RetireStudyStep(const fs::path& folder, const std::string& step) {
+  RemoveOutputs(folder, step, ReadStamp(folder, step));
+  RetireStep(folder, step);
+  std::error_code not_empty;
+  fs::remove(folder, not_empty);
+}
 
 std::string StepRunOptions::ThisProgram() {
   return fmt::format("lake {} {}", Version(), Sha256OfProgram("/proc/self/exe"));

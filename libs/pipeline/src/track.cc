@@ -5,10 +5,12 @@
 
 #include "corrections.h"
 #include "lake/core/error.h"
+#include "lake/exchange/c3d.h"
 #include "lake/exchange/formats.h"
 #include "lake/render/leg_figure.h"
 #include "lake/render/overlay_video.h"
 #include "lake/render/tracks_figure.h"
+#include "lake/video/video_files.h"
 
 namespace lake {
 namespace {
@@ -132,16 +134,34 @@ std::vector<PointEvent> PointEvents(const std::vector<StsEvent>& events) {
   return points;
 }
 
-// In mm where there is a scale; `fit` is null without a leg.
+// Says in the summary what went wrong, so that what was written is not taken for a whole result.
+void WriteFailedSummary(const Json& results, const Error& error, Run& run) {
+  Json failed = results;
+  failed["failed"] = error.what();
+  run.WriteSummary(failed);
+}
+
+// In mm where there is a scale; `fit` is null without a leg. Comes last: a format that cannot hold the trial takes
+// nothing else with it.
 void Export(const TrackRunOptions& options, const VideoInfo& video, const LegView& view, const MarkerRecording& tracks,
-            const MarkerRecording& trajectory, const LegFitResult* fit, Run& run) {
+            const MarkerRecording& trajectory, const LegFitResult* fit, const Json& results, Run& run) {
   if (options.exports.empty()) return;
   ExportedTrial trial{PointsFromMarkers(trajectory.unit == LengthUnit::kMm ? trajectory : tracks),
                       PointsFromMarkers(tracks)};
   if (fit) trial.points.events = PointEvents(fit->events), trial.motion = &fit->motion;
   trial.image.video = SourceVideo{std::filesystem::absolute(options.video).string(), video.width, video.height};
   if (!view.camera && !view.camera_from_plane) trial.image.mm_per_px = view.mm_per_px;
-  ExportTrial(options.exports, run.Folder(), options.video.stem().string(), trial);
+  std::optional<Error> first_error;
+  for (const std::string& format : options.exports) {
+    try {
+      ExportTrial(format, run.Result(ExportName(format, options.video.stem().string())), trial);
+    } catch (const Error& error) {
+      if (!first_error) first_error = error;
+    }
+  }
+  if (!first_error) return;
+  WriteFailedSummary(results, *first_error, run);
+  throw *first_error;
 }
 
 void WriteOverlay(const TrackRunOptions& options, const OverlayContent& content, Run& run) {
@@ -152,14 +172,44 @@ void WriteOverlay(const TrackRunOptions& options, const OverlayContent& content,
   WriteOverlayVideo(options.video, content, overlay, run.Result("overlay.mp4"));
 }
 
-Json RunLeg(const TrackRunOptions& options, const TrackResult& tracked, const LegView& view, Run& run) {
-  LegFitOptions fit_options = options.fit;
-  fit_options.quiet = run.Quiet();
-  if (options.vertical) {
-    const auto [x1, y1, x2, y2] = *options.vertical;
-    fit_options.up = UpFromPlumbLine(view, {x1, y1}, {x2, y2});
+// Where the markers were, and nothing more; returns their positions in the plane.
+MarkerRecording WritePoints(const TrackRunOptions& options, const TrackResult& tracked, const LegView& view,
+                            const std::string& note, Run& run) {
+  MarkerRecording trajectory = InPlane(tracked.recording, view);
+  WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
+  if (trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), trajectory);
+  DrawTracksFigure(run.Result("track.png"), trajectory,
+                   options.video.filename().string() + (note.empty() ? "" : ": " + note));
+  WriteOverlay(options, {.tracks = tracked.recording, .note = note}, run);
+  return trajectory;
+}
+
+LegFitOptions FitOptions(const TrackRunOptions& options, const LegView& view, const Run& run) {
+  LegFitOptions fit = options.fit;
+  fit.quiet = run.Quiet();
+  fit.vertical_option = "--vertical", fit.facing_option = "lake gait --facing";
+  if (!options.vertical) return fit;
+  const auto [x1, y1, x2, y2] = *options.vertical;
+  fit.up = UpFromPlumbLine(view, {x1, y1}, {x2, y2});
+  return fit;
+}
+
+// The fit; where there is none, what was tracked is kept, marked as not fitted, so that one can see why.
+LegFitResult FitOrKeep(const TrackRunOptions& options, const TrackResult& tracked, const LegView& view,
+                       const LegFitOptions& fit_options, const Json& results, Run& run) {
+  try {
+    return FitLeg(tracked.recording, view, fit_options);
+  } catch (const Error& error) {
+    WritePoints(options, tracked, view, "no leg fitted", run);
+    const Error told = Fail("{}; what was tracked, without a leg, is in {}", error.what(), run.Folder().string());
+    WriteFailedSummary(results, told, run);
+    throw told;
   }
-  LegFitResult fit = FitLeg(tracked.recording, view, fit_options);
+}
+
+Json RunLeg(const TrackRunOptions& options, const TrackResult& tracked, const LegView& view, Json results, Run& run) {
+  const LegFitOptions fit_options = FitOptions(options, view, run);
+  const LegFitResult fit = FitOrKeep(options, tracked, view, fit_options, results, run);
   for (const std::string& warning : fit.warnings) run.Warn(warning);
   MarkerRecording tracks = fit.tracks;
   if (fit_options.filter == LegFilter::kSpline) TakeFittedPositions(fit, fit_options, view, tracks);
@@ -168,22 +218,19 @@ Json RunLeg(const TrackRunOptions& options, const TrackResult& tracked, const Le
   if (fit.trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), fit.trajectory);
   WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   WriteEventsCsv(run.Result("events.csv"), fit.events);
-  Export(options, tracked.video, view, tracks, fit.trajectory, &fit, run);
   DrawLegFigure(run.Result("track.png"), fit, options.video.filename().string());
   WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
-  return LegFitJson(fit);
+  results.update(LegFitJson(fit));
+  Export(options, tracked.video, view, tracks, fit.trajectory, &fit, results, run);
+  return results;
 }
 
-// Markers that are no leg: where they were, and nothing more.
-Json RunPoints(const TrackRunOptions& options, const TrackResult& tracked, const LegView& view, Run& run) {
+Json RunPoints(const TrackRunOptions& options, const TrackResult& tracked, const LegView& view, Json results,
+               Run& run) {
   run.Warn("ankle, knee and hip are not all among the markers: no leg is fitted, gaps are not filled");
-  const MarkerRecording trajectory = InPlane(tracked.recording, view);
-  WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
-  if (trajectory.unit == LengthUnit::kMm) WriteMarkerCsv(run.Result("trajectory.csv"), trajectory);
-  Export(options, tracked.video, view, tracked.recording, trajectory, nullptr, run);
-  DrawTracksFigure(run.Result("track.png"), trajectory, options.video.filename().string());
-  WriteOverlay(options, {tracked.recording}, run);
-  return Json::object();
+  const MarkerRecording trajectory = WritePoints(options, tracked, view, "", run);
+  Export(options, tracked.video, view, tracked.recording, trajectory, nullptr, results, run);
+  return results;
 }
 
 // What can be known to be wrong before the video is read.
@@ -199,17 +246,61 @@ void CheckOptions(const TrackRunOptions& options) {
     throw Fail("{}: no such file", options.corrections->string());
 }
 
+// Frames that the container knows not to be there, or not to be looked at.
+void CheckCorrectedFrames(const std::vector<Correction>& corrections, const VideoReaderOptions& reader,
+                          const std::vector<double>& time_s) {
+  for (const Correction& correction : corrections) {
+    const auto frame = static_cast<std::size_t>(correction.frame);
+    if (frame >= time_s.size())
+      throw Fail("{}: frame {} is not in the recording; its frames are 0 to {}", correction.where, frame,
+                 static_cast<std::int64_t>(time_s.size()) - 1);
+    constexpr double kRounding_s = 1e-6;
+    const double t = time_s[frame];
+    if ((reader.start_s && t < *reader.start_s - kRounding_s) || (reader.end_s && t > *reader.end_s + kRounding_s))
+      throw Fail("{}: frame {} at {:.3f} s is outside what --start and --end leave", correction.where, frame, t);
+  }
+}
+
+bool Exports(const TrackRunOptions& options, const char* format) {
+  return std::find(options.exports.begin(), options.exports.end(), format) != options.exports.end();
+}
+
+// What the frames' stamps tell before any is decoded.
+void CheckStamps(const TrackRunOptions& options, const std::vector<Correction>& corrections) {
+  VideoReaderOptions whole = options.track.reader;
+  whole.start_s = whole.end_s = std::nullopt;
+  if (!corrections.empty())
+    if (const auto time_s = StampsInContainer(options.video, whole))
+      CheckCorrectedFrames(corrections, options.track.reader, *time_s);
+  if (Exports(options, "c3d"))
+    if (const auto time_s = StampsInContainer(options.video, options.track.reader); time_s && time_s->size() > 1)
+      CheckC3dTimes(options.video, *time_s);
+}
+
+// Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
+std::vector<std::string> ResultNames(const TrackRunOptions& options) {
+  std::vector<std::string> names = {"summary.json",   "tracks.csv", "trajectory.csv",
+                                    "kinematics.csv", "events.csv", "track.png"};
+  if (options.overlay) names.push_back("overlay.mp4");
+  for (const std::string& format : options.exports) names.push_back(ExportName(format, options.video.stem().string()));
+  return names;
+}
+
 }  // namespace
 
 Json RunTrack(const TrackRunOptions& options, Run& run) {
   CheckOptions(options);
   const VideoInfo video = VideoReader::Open(options.video, options.track.reader)->Info();
-  // Of an image sequence, frames/%05d.png, the folder is what was read.
-  run.AddInput(std::filesystem::exists(options.video) ? options.video : options.video.parent_path());
+  run.AddInput(FilesOfVideo(options.video));
   if (options.camera) run.AddInput(*options.camera);
   if (options.corrections) run.AddInput(*options.corrections);
   const LegView view = MakeView(options, video, run);
-  CheckExportFormats(options.exports, PlaneUnit(view) == LengthUnit::kMm);
+  CheckExportFormats(options.exports, PlaneUnit(view) == LengthUnit::kMm, HasLeg(options.track.names));
+  std::vector<Correction> corrections;
+  if (options.corrections)
+    corrections = ReadCorrections(*options.corrections, options.track.names, video.width, video.height);
+  CheckStamps(options, corrections);
+  run.Begin(ResultNames(options));
 
   TrackOptions track_options = options.track;
   track_options.quiet = run.Quiet();
@@ -222,12 +313,11 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   // Only now, as a video that cannot be tracked is told of in one line.
   WarnOfUnit(view, options.camera.has_value(), run);
   WarnOfVideo(tracked.video, run);
-  if (options.corrections) ApplyCorrections(*options.corrections, video.width, video.height, tracked.recording);
+  ApplyCorrections(corrections, tracked.recording);
 
-  Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}};
-  results.update(HasLeg(options.track.names) ? RunLeg(options, tracked, view, run)
-                                             : RunPoints(options, tracked, view, run));
-  return results;
+  const Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}};
+  return HasLeg(options.track.names) ? RunLeg(options, tracked, view, results, run)
+                                     : RunPoints(options, tracked, view, results, run);
 }
 
 }  // namespace lake

@@ -5,15 +5,38 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstring>
+#include <thread>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/interrupt.h"
 
 namespace lake {
 namespace {
+
+// The exit status of a child. Interrupted, it ends the child, and with it what the child has started, first.
+int WaitFor(pid_t child) {
+  constexpr std::chrono::milliseconds kNap(2);  // drawing takes a hundred of them
+  int status = 0;
+  for (;;) {
+    const pid_t ended = waitpid(child, &status, WNOHANG);
+    if (ended == child) return status;
+    if (ended < 0 && errno != EINTR) throw Fail("gnuplot: {}", std::strerror(errno));
+    try {
+      ThrowIfInterrupted();
+    } catch (const Interrupted&) {
+      kill(-child, SIGTERM);
+      waitpid(child, &status, 0);
+      throw;
+    }
+    std::this_thread::sleep_for(kNap);
+  }
+}
 
 // Runs `gnuplot SCRIPT`; what it says goes to `log`. Returns its exit status, or throws if it cannot be started.
 int RunGnuplot(const std::filesystem::path& script, const std::filesystem::path& log) {
@@ -22,16 +45,19 @@ int RunGnuplot(const std::filesystem::path& script, const std::filesystem::path&
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  std::string name = "gnuplot", file = script.string();
-  char* const arguments[] = {name.data(), file.data(), nullptr};
+  // A process group of its own: Ctrl-C is for this program, which then ends gnuplot.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  std::string name = "gnuplot", own_settings = "-d", file = script.string();  // -d: the user's .gnuplot is not read
+  char* const arguments[] = {name.data(), own_settings.data(), file.data(), nullptr};
   pid_t child = 0;
-  const int error = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
+  const int error = posix_spawnp(&child, "gnuplot", &actions, &attributes, arguments, environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) throw Fail("gnuplot cannot be started ({}); install the package gnuplot-nox", std::strerror(error));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) throw Fail("gnuplot: {}", std::strerror(errno));
-  return status;
+  return WaitFor(child);
 }
 
 // Scratch files of one drawing, named after the result; never committed, so they vanish with the scope.

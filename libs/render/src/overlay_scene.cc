@@ -282,6 +282,8 @@ void OverlayScene::DrawPanel(std::optional<std::size_t> row, std::int64_t frame,
     const std::string which = fmt::format("repetition {}", event->repetition);
     Text(ShownName(event->kind), {left, y}, {1, 0.85, 0.35});
     Text(which, {right - TextWidth(which), y}, kDim);
+  } else if (!content_.note.empty()) {
+    Text(content_.note, {left, y}, {1, 0.85, 0.35});
   }
   y += line_height_px_;
   for (const MarkerTrack& marker : content_.tracks.markers) {

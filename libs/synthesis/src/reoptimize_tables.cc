@@ -181,12 +181,8 @@ void WriteProgram(const ReoptimizeStudy& study, Run& run) {
 
 void WritePredicted(const ReoptimizeStudy& study, Run& run) {
   if (!study.after.misalignment) return;
-  const std::filesystem::path folder = run.Result("predicted");
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw Fail("{}: the folder cannot be made: {}", folder.string(), error.message());
-  WriteMisalignmentCsv(folder / "misalignment.csv", *study.after.misalignment);
-  WriteJsonFile(folder / "comparison.json", ComparisonJson(*study.after.misalignment));
+  WriteMisalignmentCsv(run.Result("predicted/misalignment.csv"), *study.after.misalignment);
+  WriteJsonFile(run.Result("predicted/comparison.json"), ComparisonJson(*study.after.misalignment));
 }
 
 void WritePareto(const ReoptimizeStudy& study, Run& run) {

@@ -7,9 +7,11 @@
 namespace lake {
 
 // A file that is written under a temporary name beside its final one. Commit() moves it there; without it the
-// destructor removes it. Other libraries (video writers, gnuplot) write to TemporaryPath() themselves.
+// destructor removes it. The temporary name is nobody else's (mkstemp). Other libraries (video writers, gnuplot) write
+// to TemporaryPath() themselves.
 class AtomicFile {
  public:
+  // Throws Error if a file cannot be made there.
   explicit AtomicFile(std::filesystem::path final_path);
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -18,10 +20,13 @@ class AtomicFile {
   // Has the extension of the final path, so that libraries which choose a format by it choose rightly.
   const std::filesystem::path& TemporaryPath() const { return temporary_path_; }
 
-  // Throws Error if the temporary file does not exist or cannot be moved.
+  // Throws Error if nothing was written to the temporary file or it cannot be moved.
   void Commit();
 
  private:
+  friend void WriteTextFile(const std::filesystem::path& path, std::string_view text);
+  void Move();
+
   std::filesystem::path final_path_;
   std::filesystem::path temporary_path_;
   bool committed_ = false;

@@ -14,8 +14,8 @@ namespace lake {
 // A table read from a file; cells stay text until asked for.
 class CsvTable {
  public:
-  // Quoted cells are understood. Throws Error naming file and line: no header, a row of another width, a duplicate
-  // column.
+  // Quoted cells are understood. Throws Error naming file and line: no header, another separator, a row of another
+  // width, a duplicate column.
   static CsvTable Read(const std::filesystem::path& path, char delimiter = ',');
 
   const std::vector<std::string>& Header() const { return header_; }

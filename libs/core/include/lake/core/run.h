@@ -1,7 +1,13 @@
 // One run of one program: where its results go, what it read, what it warned of, and the summary that says so.
+//
+// A folder holds the results of one run of a program. A list beside them (.PROGRAM.lake-files.json) names the run and
+// its files, so that the program's next run there takes away exactly these, and nobody else's.
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,22 +16,42 @@
 
 namespace lake {
 
+class FolderLock;
+struct ResultsList;
+
 class Run {
  public:
   struct Info {
     std::string program;            // lake-track
     std::string command;            // the whole command line
     Json options = Json::object();  // the effective options
-    std::filesystem::path out;      // folder for the results; created when the first result is written
+    std::filesystem::path out;      // folder for the results; created when the run begins
     bool quiet = false;
+    std::vector<std::string> subject = {};  // what the results are of: files as the user named them, absolute
+    bool default_folder = false;            // nobody chose `out`: results of another subject there are not replaced
+    std::string step = {};                  // the step of a study that this run is; empty: a run by itself
   };
   explicit Run(Info info);
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+  // The list of a run that left nothing goes, and a folder made for it.
+  ~Run();
 
   bool Quiet() const { return info_.quiet; }
 
-  // The full path of a result; creates the folder. Throws Error if that cannot be done or it is not writable.
+  // To be called once the input is known to be good and before long work: locks the folder, removes what the last run
+  // of the same program left there, its summary first (not what this run reads: that is replaced when its result is
+  // whole), and takes these names for results. The first Result() does it otherwise. Throws Error, and nothing is
+  // changed: another run is at work in the folder; it holds another program's results, a file of such a name that this
+  // program did not write or, as a default folder, another subject's results; it is not writable.
+  void Begin(const std::vector<std::string>& names = {});
+
+  // The full path of a result ("tracks.csv", "predicted/comparison.json"); creates the folder. Throws as Begin().
   std::filesystem::path Result(const std::string& name);
   const std::filesystem::path& Folder() const { return info_.out; }
+
+  // The results that were written so far.
+  std::vector<std::filesystem::path> Results() const;
 
   // Says it on stderr (also when quiet: it is part of the result) and keeps it for the summary.
   void Warn(const std::string& text);
@@ -41,9 +67,31 @@ class Run {
   Json WriteSummary(const Json& results);
 
  private:
+  void TakeFolder();
+  void Retire(ResultsList old);
+  void CheckIsFree(const std::string& name) const;
+  void WriteList() const;
+  std::string SubjectText() const;
+
   Info info_;
   std::vector<std::string> warnings_;
   Json inputs_ = Json::array();
+  std::shared_ptr<FolderLock> lock_;  // held from Begin() on
+  bool begun_ = false;
+  bool made_folder_ = false;
+  bool older_version_ = false;  // the folder holds results of this program from before it kept lists
+  std::set<std::string> files_;
 };
+
+// A file among the results in a folder; nullopt if there is none of that name. In a folder without a list of results
+// any file will do. Throws Error for one that does not belong to the results listed there, and where the run that left
+// it did not finish.
+std::optional<std::filesystem::path> FindResult(const std::filesystem::path& folder, const std::string& name);
+
+// The results that the lists in a folder name and that are there.
+std::vector<std::string> ResultsIn(const std::filesystem::path& folder);
+
+// Removes what this step of a study left in the folder, if the folder's results are that step's.
+void RetireStep(const std::filesystem::path& folder, const std::string& step);
 
 }  // namespace lake

@@ -16,7 +16,7 @@ namespace lake {
 // A node of a YAML file. Take what is known from it, then call Finish(): it throws for keys that were not taken.
 class YamlNode {
  public:
-  // Throws Error if the file cannot be read or is not YAML.
+  // Throws Error if the file cannot be read, is not YAML, or a key stands twice in a map.
   static YamlNode ReadFile(const std::filesystem::path& path);
 
   ~YamlNode();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "lake/exchange/point_recording.h"
 
@@ -17,5 +18,8 @@ PointRecording ReadC3d(const std::filesystem::path& path);
 // Intel, float, mm. C3D has a frame rate instead of time stamps: throws Error where these are uneven by more than 5 %
 // of a step, for points in px, and for more than 255 events.
 void WriteC3d(const std::filesystem::path& path, const PointRecording& points);
+
+// What WriteC3d asks of the times, for those who want to know before there are points. Throws Error.
+void CheckC3dTimes(const std::filesystem::path& path, const std::vector<double>& time_s);
 
 }  // namespace lake

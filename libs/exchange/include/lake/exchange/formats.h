@@ -34,8 +34,9 @@ void WritePoints(const std::filesystem::path& path, const PointRecording& points
 // What `lake-track --export` knows: trc, mot, …
 std::vector<std::string> ExportFormats();
 
-// Throws UsageError for a format that is not among them, and without a scale for one that holds lengths only.
-void CheckExportFormats(const std::vector<std::string>& formats, bool has_scale);
+// Throws UsageError for a format that is not among them, without a scale for one that holds lengths only, and without a
+// leg for one that holds its angles.
+void CheckExportFormats(const std::vector<std::string>& formats, bool has_scale, bool has_leg);
 
 // What is exported of a trial.
 struct ExportedTrial {
@@ -44,10 +45,11 @@ struct ExportedTrial {
   const LegMotion* motion = nullptr;  // for mot; none if there is no leg
 };
 
-// Writes NAME.trc, NAME.mot (the knee angle), NAME.c3d, NAME_tracker.txt, NAME.trk, NAME_kinovea.csv, NAME.kva as asked
-// for; returns their paths. Throws UsageError for an unknown format.
-std::vector<std::filesystem::path> ExportTrial(const std::vector<std::string>& formats,
-                                               const std::filesystem::path& folder, const std::string& name,
-                                               const ExportedTrial& trial);
+// One format's file: NAME.trc, NAME.mot (the knee angle), NAME.c3d, NAME_tracker.txt, NAME.trk, NAME_kinovea.csv,
+// NAME.kva. Throws UsageError for an unknown format.
+std::string ExportName(const std::string& format, const std::string& name);
+
+// Writes one format's file. Throws UsageError as CheckExportFormats, Error where the format cannot hold the trial.
+void ExportTrial(const std::string& format, const std::filesystem::path& path, const ExportedTrial& trial);
 
 }  // namespace lake

@@ -42,6 +42,9 @@ struct LegFitOptions {
   double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
   int most_smoothing_iterations = SmoothingOptions{}.max_iterations;  // of the search for each component's smoothness
   bool quiet = true;                                                  // no progress
+
+  // By what the program at work says which way is up and where the subject faces, for messages.
+  std::string vertical_option = "--up", facing_option = "--facing";
 };
 
 // A marker's record in the fit. Lengths in the recorded unit.

@@ -23,8 +23,10 @@ double MmPerUnit(const std::string& unit);
 // left or right. Throws UsageError.
 Facing ParseFacing(const std::string& text);
 
-// A trial that has been read, fitted: for callers that go on with it. Its warnings are said through `run`.
-LegFitResult FitTrial(const GaitRunOptions& options, Run& run);
+// The one way in which lake-gait, lake-compare and lake-optimize read a trial and fit a leg to it. Warnings (of the
+// file, of lengths that no leg has, of positions that were smoothed) are said through `run`, inputs recorded in it.
+Trial ReadTrialFor(const std::filesystem::path& path, const TrialOptions& reading, Run& run);
+LegFitResult FitTrial(const Trial& trial, LegFitOptions fit, Run& run);
 
 // Writes kinematics.csv, events.csv, trajectory.csv (tracks.csv for a trial in px), gait.png; returns the results for
 // the summary.

@@ -23,13 +23,14 @@ struct StudyStep {
   std::vector<std::string> whole_steps;       // earlier steps all outputs of which it reads
   Json options = Json::object();              // what else its outputs depend on
   double expected_s = 1;                      // how long it takes, until its stamp says so; for the time left
-  std::function<void(Run&)> work;             // writes through the run
+  std::function<void(Run&)> work;  // writes through the run: its outputs are what the run has given out as results
 };
 
 struct StepRunOptions {
-  std::string maker = ThisProgram();  // that outputs are made by; those of another are made again
-  std::string command;                // for the steps' summaries
-  bool quiet = false;                 // no progress
+  std::string maker = ThisProgram();      // that outputs are made by; those of another are made again
+  std::string command;                    // for the steps' summaries
+  bool quiet = false;                     // no progress
+  std::vector<std::string> subject = {};  // the study file, for the folders' lists of results
 
   // Version and content hash of the running program, but for the commit that it names: a commit that changes nothing
   // in the program makes no step be done again.
@@ -42,6 +43,9 @@ struct StepOutcome {
   std::string why;     // it was done: "exo.mp4 changed"
   double seconds = 0;  // that it took when it was done last
 };
+
+// Removes what a step left that the study does not have any more, nothing else in its folder.
+void RetireStudyStep(const std::filesystem::path& folder, const std::string& step);
 
 // In the given order; a step comes after those whose outputs it reads. A step that fails ends the run: the exception is
 // of the cause's type, its text names the step and what it is about; steps before it stay, those after it are not

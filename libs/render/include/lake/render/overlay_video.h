@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "lake/motion/leg_motion.h"
@@ -15,6 +16,7 @@ struct OverlayContent {
   const MarkerRecording& tracks;                  // px
   const LegMotion* motion = nullptr;              // angles and repetitions; may be absent
   const std::vector<StsEvent>* events = nullptr;  // may be absent
+  std::string note = {};                          // a line in the panel of every frame
 };
 
 struct OverlayOptions {

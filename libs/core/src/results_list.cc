@@ -1,0 +1,128 @@
+#include "results_list.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "lake/core/error.h"
+#include "lake/core/json.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSuffix = ".lake-files.json";
+constexpr const char* kSummary = "summary.json";
+
+bool IsInside(const std::string& name) {
+  const fs::path path = fs::path(name).lexically_normal();
+  return !path.empty() && path.is_relative() && *path.begin() != ".." && *path.begin() != ".";
+}
+
+// A path as JSON holds it, whatever its bytes: those that are no ASCII, and '%', in hexadecimal digits.
+std::string Escaped(const std::string& path) {
+  std::string text;
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '%' || byte >= 0x80)
+      text += fmt::format("%{:02X}", byte);
+    else
+      text += c;
+  }
+  return text;
+}
+
+std::string Unescaped(const std::string& text) {
+  std::string path;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned byte = 0;
+    const char* digits = text.data() + i + 1;
+    const bool is_escape =
+        text[i] == '%' && i + 2 < text.size() && std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
+    path += is_escape ? static_cast<char>(byte) : text[i];
+    if (is_escape) i += 2;
+  }
+  return path;
+}
+
+template <typename Texts>
+Json EscapedList(const Texts& texts) {
+  Json list = Json::array();
+  for (const std::string& text : texts) list.push_back(Escaped(text));
+  return list;
+}
+
+ResultsList ReadList(const fs::path& path) {
+  if (!fs::is_regular_file(path)) return {};
+  try {
+    const Json json = ReadJsonFile(path);
+    ResultsList list{json.at("program"), json.at("command"), {}, json.at("step"), {}};
+    for (const std::string subject : json.at("subject")) list.subject.push_back(Unescaped(subject));
+    for (const std::string file : json.at("files"))
+      if (const std::string name = Unescaped(file); IsInside(name)) list.files.insert(name);
+    return list;
+  } catch (const Error&) {
+    return {};
+  } catch (const Json::exception&) {
+    return {};
+  }
+}
+
+void RemoveFile(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(fs::symlink_status(path, error))) return;
+  fs::remove(path, error);
+  if (error) throw Fail("{}: an earlier result cannot be removed: {}", path.string(), error.message());
+}
+
+}  // namespace
+
+std::string ResultsList::Describe() const {
+  constexpr std::size_t kMostNamed = 2;
+  if (subject.empty()) return fmt::format("{} (`{}`)", program, command);
+  const std::vector<std::string> named(
+      subject.begin(), subject.begin() + static_cast<std::ptrdiff_t>(std::min(subject.size(), kMostNamed)));
+  const std::string more =
+      subject.size() > kMostNamed ? fmt::format(" and {} more", subject.size() - kMostNamed) : std::string();
+  return fmt::format("{} ({}{})", program, fmt::join(named, ", "), more);
+}
+
+fs::path ResultsListPath(const fs::path& folder, const std::string& program) {
+  return folder / ("." + program + kSuffix);
+}
+
+ResultsList ReadResultsList(const fs::path& folder, const std::string& program) {
+  return ReadList(ResultsListPath(folder, program));
+}
+
+std::vector<ResultsList> ResultsListsIn(const fs::path& folder) {
+  std::vector<ResultsList> lists;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (const std::string name = entry.path().filename().string(); name.starts_with('.') && name.ends_with(kSuffix))
+      if (ResultsList list = ReadList(entry.path()); !list.program.empty()) lists.push_back(std::move(list));
+  return lists;
+}
+
+void WriteResultsList(const fs::path& folder, const ResultsList& list) {
+  WriteJsonFile(ResultsListPath(folder, list.program), {{"program", list.program},
+                                                        {"command", list.command},
+                                                        {"subject", EscapedList(list.subject)},
+                                                        {"step", list.step},
+                                                        {"files", EscapedList(list.files)}});
+}
+
+void RemoveResults(const fs::path& folder, const ResultsList& list) {
+  if (list.files.contains(kSummary)) RemoveFile(folder / kSummary);
+  std::set<fs::path> folders;
+  for (const std::string& name : list.files) {
+    RemoveFile(folder / name);
+    for (fs::path parent = fs::path(name).parent_path(); !parent.empty(); parent = parent.parent_path())
+      folders.insert(parent);
+  }
+  std::error_code not_empty;
+  for (auto sub = folders.rbegin(); sub != folders.rend(); ++sub) fs::remove(folder / *sub, not_empty);
+  RemoveFile(ResultsListPath(folder, list.program));
+}
+
+}  // namespace lake

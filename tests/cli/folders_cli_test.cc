@@ -1,0 +1,171 @@
+// Folders of results as users come to mix them up, and commands as they are typed.
+#include <fstream>
+
+#include "cli/program_run.h"
+#include "lake/core/json.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class Folders : public testing::Test {
+ protected:
+  void Render(const std::string& options = "") {
+    const Outcome made = Shell(
+        folder_, "lake-synth -o good --duration 3 --rate 30 --quiet " + options + " && cp good/video.mp4 human.mp4");
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+
+  Outcome Done(const std::string& command) {
+    const Outcome outcome = Shell(folder_, command);
+    EXPECT_EQ(outcome.exit_code, 0) << command << ": " << outcome.err;
+    return outcome;
+  }
+
+  Outcome Refused(const std::string& command, int exit_code, const std::string& text) {
+    const Outcome outcome = Shell(folder_, command);
+    EXPECT_EQ(outcome.exit_code, exit_code) << command << ": " << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(text)) << command;
+    return outcome;
+  }
+
+  bool Has(const std::string& name) const { return fs::exists(folder_ / name); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Folders, OfAReusedNameHoldOneRun) {
+  Render();
+  const std::string camera = " --camera good/camera.yaml";
+  Done("lake-track human.mp4 --quiet -o D --export trc,c3d" + camera);
+  for (const char* name : {"D/overlay.mp4", "D/human.trc", "D/human.c3d", "D/trajectory.csv"}) EXPECT_TRUE(Has(name));
+  Done("cp human.mp4 exo.mp4 && lake-track exo.mp4 --no-overlay --quiet -o D");
+  for (const char* name : {"D/overlay.mp4", "D/human.trc", "D/human.c3d", "D/trajectory.csv"})
+    EXPECT_FALSE(Has(name)) << name << " is of another video";
+  const Json gait = Json::parse(Done("lake-gait D --quiet --json -o G").out);
+  EXPECT_EQ(gait["inputs"][0]["path"], "D/tracks.csv");
+}
+
+TEST_F(Folders, ThatNobodyChoseAreNotTakenOver) {
+  Render();
+  Done("mkdir s01 s02 && cp human.mp4 s01 && cp human.mp4 s02");
+  Done("lake-track s01/human.mp4 --no-overlay --quiet");
+  const std::string before = ReadTextFile(folder_ / "lake-out/human/summary.json");
+  const Outcome refused = Refused("lake-track s02/human.mp4 --no-overlay --quiet", 1, "s01/human.mp4");
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("lake-out/human"), HasSubstr("-o")));
+  EXPECT_EQ(refused.ErrorLines(), 1);
+  EXPECT_EQ(ReadTextFile(folder_ / "lake-out/human/summary.json"), before);
+  Done("cd s01 && lake-track human.mp4 --no-overlay --quiet -o ../lake-out/human");
+  Done("lake-track s01/human.mp4 --no-overlay --quiet");
+  // lake-gait's own folder for a trial of that name is the trial itself.
+  Refused("lake-gait lake-out/human --quiet", 1, "lake-track");
+}
+
+TEST_F(Folders, TakeOneRunAtATime) {
+  Render();
+  const Outcome both = Done(
+      "lake-track human.mp4 --no-overlay --quiet -o D 2>first.txt & first=$!; "
+      "until [ -e D/.lake-track.lake-files.json ] || ! kill -0 $first; do sleep 0.01; done; "
+      "lake-track human.mp4 --no-overlay --quiet -o D 2>second.txt; echo second $?; wait $first; echo first $?");
+  EXPECT_THAT(both.out, AllOf(HasSubstr("second 1"), HasSubstr("first 0")));
+  EXPECT_THAT(ReadTextFile(folder_ / "second.txt"), AllOf(HasSubstr("another run is at work"), HasSubstr("human.mp4")));
+}
+
+// Nothing that can be known before costs the minutes of tracking.
+TEST_F(Folders, AreNotBegunWithWhatCannotEndWell) {
+  Render("--jitter 0.3");
+  const std::string track = "lake-track human.mp4 --no-overlay --quiet -o D ";
+  Refused(track + "--camera good/camera.yaml --export c3d", 1, "uneven");
+  Refused(track + "--camera good/camera.yaml --markers ankle,knee,waist --export mot", 2, "mot");
+  const auto corrected = [&](const char* row, const char* text) {
+    WriteTextFile(folder_ / "c.csv", std::string("frame,marker,x_px,y_px\n") + row);
+    Refused(track + "--corrections c.csv", 1, text);
+  };
+  corrected("1,elbow,3,4\n", "c.csv:2: no marker 'elbow'");
+  corrected("1.5,knee,3,4\n", "c.csv:2: frame 1.5");
+  corrected("100000,knee,3,4\n", "c.csv:2: frame 100000 is not in the recording");
+  corrected("1,knee,3,\n", "c.csv:2: x_px and y_px");
+  corrected("1,knee,3,99999\n", "outside the picture");
+  EXPECT_FALSE(Has("D"));
+}
+
+// Knee and hip by each other's names, by the user's own seeds.
+TEST_F(Folders, KeepWhatWasTrackedWhereNoLegCanBeFitted) {
+  Render("--still");
+  Done("lake-track human.mp4 --no-overlay --quiet -o right");
+  std::ifstream tracks(folder_ / "right/tracks.csv");
+  std::string header, row;
+  std::getline(tracks, header), std::getline(tracks, row);
+  std::vector<std::string> cells;
+  for (std::size_t begin = 0; begin <= row.size();) {
+    const std::size_t end = std::min(row.find(',', begin), row.size());
+    cells.push_back(row.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  ASSERT_GE(cells.size(), 18u);
+  const Outcome outcome =
+      Refused(fmt::format("lake-track human.mp4 --quiet -o D --seed ankle={},{} --seed hip={},{} --seed knee={},{} "
+                          "--seed waist={},{}",
+                          cells[14], cells[15], cells[2], cells[3], cells[6], cells[7], cells[10], cells[11]),
+              1, "what was tracked, without a leg, is in D");
+  EXPECT_THAT(outcome.err, Not(HasSubstr("--up")));
+  for (const char* name : {"D/tracks.csv", "D/track.png", "D/overlay.mp4"}) EXPECT_TRUE(Has(name)) << name;
+  EXPECT_FALSE(Has("D/kinematics.csv"));
+  const Json summary = ReadJsonFile(folder_ / "D/summary.json");
+  EXPECT_THAT(summary["failed"].get<std::string>(), HasSubstr("leg fit"));
+}
+
+TEST_F(Folders, AreConvertedAsTheirTables) {
+  Render();
+  Done("lake-track human.mp4 --no-overlay --quiet -o D --camera good/camera.yaml");
+  ASSERT_TRUE(Has("D/trajectory.csv"));
+  Done("lake-convert D folder.trk && lake-convert D/tracks.csv table.trk && cmp folder.trk table.trk");
+  Done("lake-convert D folder.kva && lake-convert D folder.mot && lake-convert D/kinematics.csv table.mot");
+  EXPECT_EQ(ReadTextFile(folder_ / "folder.mot").substr(20), ReadTextFile(folder_ / "table.mot").substr(20));
+}
+
+TEST_F(Folders, AreFoundFromWithinAndByAnyName) {
+  Render();
+  Done("mkdir frames && ffmpeg -v error -nostdin -i human.mp4 -start_number 0 frames/%05d.png");
+  const Json inside =
+      Json::parse(Done("cd frames && lake-track %05d.png --no-overlay --quiet --json -o ../inside").out);
+  EXPECT_EQ(inside["inputs"][0]["path"], ".");
+  // A name in Latin-1, and one that looks like a pattern.
+  Done("cp human.mp4 $(printf 'Stra\\337e.mp4') && mkdir '50%[a]' && cp human.mp4 '50%[a]/human.mp4'");
+  const Outcome latin = Done("lake-track $(printf 'Stra\\337e.mp4') --no-overlay --quiet --json -o latin");
+  EXPECT_THAT(Json::parse(latin.out)["inputs"][0]["path"].get<std::string>(), HasSubstr("Stra"));
+  Done("lake-track '50%[a]/human.mp4' --no-overlay --quiet -o percent");
+}
+
+// The lengths of Tracker's tables are in whatever unit the user chose there.
+TEST_F(Folders, WithTablesInMetresAreAskedAbout) {
+  Render("--repetitions 2");
+  Done("lake-track human.mp4 --no-overlay --quiet -o D --camera good/camera.yaml && lake-convert D mm.txt");
+  Done("awk -F'\\t' -v OFS='\\t' 'NR>2{for(i=2;i<=NF;++i) if($i!=\"\") $i=$i/1000}1' mm.txt > m.txt");
+  const std::string compare = "lake-compare mm.txt m.txt --exo-knee knee --resamples 0 -o ";
+  EXPECT_THAT(Shell(folder_, compare + "C").err, HasSubstr("is the file in another unit? Give it with --unit"));
+  const Outcome right = Done(compare + "C2 --exo-unit m --json");
+  EXPECT_LT(Json::parse(right.out)["metrics"]["rms_mm"].get<double>(), 0.01);  // the digits that awk keeps
+  EXPECT_THAT(Shell(folder_, "lake-optimize --human m.txt --max-misalignment 20 --starts 1 --quiet -o O").err,
+              HasSubstr("--unit"));
+}
+
+TEST_F(Folders, AreLeftAtOnceWhenAFigureIsInterrupted) {
+  // A gnuplot that takes its time, in the foreground group as on a terminal: the signal reaches the whole group.
+  WriteTextFile(folder_ / "gnuplot", "#!/bin/sh\ntrap 'exit 3' INT\ntouch drawing\nsleep 20\n");
+  fs::permissions(folder_ / "gnuplot", fs::perms::owner_all);
+  const Outcome outcome = Shell(
+      folder_,
+      "bash -c 'set -m; PATH=$PWD:$PATH lake-simulate --links 59.081,68.840,55.964,71.849,118.630,287.310 --quiet -o D "
+      "& until [ -e drawing ] || ! kill -0 $!; do sleep 0.02; done; kill -INT -- -$!; wait $! 2>&-'");
+  EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+  EXPECT_EQ(outcome.err, "lake-simulate: interrupted\n");
+  EXPECT_FALSE(Has("D/summary.json"));
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,160 @@
+// Whose results stand in a folder: a run takes away what its program left there, and nothing else.
+#include "lake/core/run.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+class ResultFolder : public testing::Test {
+ protected:
+  lake::Run::Info Info(const std::string& program, const std::string& subject = "") {
+    lake::Run::Info info{program, program + " " + subject, {}, Out(), true};
+    if (!subject.empty()) info.subject = {subject};
+    return info;
+  }
+
+  void Write(lake::Run& run, const std::string& name) { WriteTextFile(run.Result(name), "of " + name); }
+
+  // A whole run that writes these.
+  void Do(const std::string& program, const std::vector<std::string>& names, const std::string& subject = "") {
+    lake::Run run(Info(program, subject));
+    for (const std::string& name : names) Write(run, name);
+    run.WriteSummary(Json::object());
+  }
+
+  bool Has(const std::string& name) const { return fs::exists(Out() / name); }
+  fs::path Out() const { return folder_ / "out"; }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ResultFolder, HoldsNothingOfTheRunBefore) {
+  Do("lake-track", {"tracks.csv", "trajectory.csv", "predicted/comparison.json"});
+  WriteTextFile(Out() / "notes.txt", "mine");
+  WriteTextFile(Out() / "trajectory-mine.csv", "mine");
+  Do("lake-track", {"tracks.csv"});
+  EXPECT_TRUE(Has("tracks.csv") && Has("summary.json"));
+  EXPECT_FALSE(Has("trajectory.csv") || Has("predicted"));
+  EXPECT_EQ(ReadTextFile(Out() / "notes.txt"), "mine");
+  EXPECT_TRUE(Has("trajectory-mine.csv"));
+}
+
+TEST_F(ResultFolder, OfARunThatWasInterruptedHoldsNoOldSummary) {
+  Do("lake-track", {"tracks.csv", "kinematics.csv"});
+  {
+    lake::Run run(Info("lake-track"));
+    run.Begin();
+    EXPECT_FALSE(Has("summary.json") || Has("tracks.csv") || Has("kinematics.csv"));
+    Write(run, "tracks.csv");
+  }
+  EXPECT_THAT([&] { FindResult(Out(), "tracks.csv"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("lake-track"), HasSubstr("did not finish"))));
+  Do("lake-track", {"events.csv"});
+  EXPECT_FALSE(Has("tracks.csv")) << "what the interrupted run left goes too";
+}
+
+TEST_F(ResultFolder, OfAnotherProgramIsNotTouched) {
+  Do("lake-track", {"kinematics.csv"}, "/data/human.mp4");
+  EXPECT_THAT([&] { lake::Run(Info("lake-gait")).Result("gait.png"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("summary.json: is a result of lake-track (/data/human.mp4)"),
+                                         HasSubstr("choose another folder with -o"))));
+  EXPECT_TRUE(Has("summary.json") && Has("kinematics.csv"));
+}
+
+TEST_F(ResultFolder, KeepsAFileOfTheUsersThatIsInTheWay) {
+  fs::create_directory(Out());
+  WriteTextFile(Out() / "events.csv", "mine");
+  lake::Run run(Info("lake-track"));
+  EXPECT_THAT(
+      [&] {
+        run.Begin({"tracks.csv", "events.csv"});
+      },
+      ThrowsMessage<Error>(HasSubstr("events.csv: is not a result of lake's")));
+  EXPECT_THAT([&] { run.Result("events.csv"); }, ThrowsMessage<Error>(HasSubstr("would be overwritten")));
+  EXPECT_EQ(ReadTextFile(Out() / "events.csv"), "mine");
+}
+
+TEST_F(ResultFolder, KeepsWhatTheRunReadsUntilItIsReplaced) {
+  Do("lake-calibrate", {"camera.yaml", "residuals.csv"});
+  lake::Run run(Info("lake-calibrate"));
+  run.AddInput(Out() / "camera.yaml");
+  run.Begin();
+  EXPECT_TRUE(Has("camera.yaml"));
+  EXPECT_FALSE(Has("residuals.csv") || Has("summary.json"));
+  EXPECT_EQ(ReadTextFile(run.Result("camera.yaml")), "of camera.yaml");
+}
+
+TEST_F(ResultFolder, ThatNobodyChoseIsNotTakenOverByAnotherSubject) {
+  Do("lake-track", {"tracks.csv"}, "/s01/human.mp4");
+  lake::Run::Info other = Info("lake-track", "/s02/human.mp4");
+  other.default_folder = true;
+  EXPECT_THAT([&] { lake::Run(other).Begin(); },
+              ThrowsMessage<Error>(
+                  AllOf(HasSubstr("results of lake-track (/s01/human.mp4)"), HasSubstr("/s02/human.mp4) with -o"))));
+  EXPECT_TRUE(Has("tracks.csv") && Has("summary.json"));
+  lake::Run::Info same = Info("lake-track", "/s01/human.mp4");
+  same.default_folder = true;
+  EXPECT_NO_THROW(lake::Run(same).Begin());
+  other.default_folder = false;
+  EXPECT_NO_THROW(lake::Run(other).Begin()) << "whoever chooses the folder may replace what is in it";
+}
+
+TEST_F(ResultFolder, TakesOneRunAtATime) {
+  fs::create_directory(Out());
+  // Another process's lock: locks of one process on two descriptors are two as well.
+  const int other = open(Out().c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(flock(other, LOCK_EX | LOCK_NB), 0);
+  EXPECT_THAT([&] { lake::Run(Info("lake-track")).Begin(); },
+              ThrowsMessage<Error>(HasSubstr("another run is at work there")));
+  close(other);
+  EXPECT_NO_THROW(lake::Run(Info("lake-track")).Begin());
+}
+
+TEST_F(ResultFolder, OfARunThatLeftNothingIsGone) {
+  { lake::Run(Info("lake-track")).Begin({"tracks.csv"}); }
+  EXPECT_FALSE(fs::exists(Out()));
+  fs::create_directory(Out());
+  { lake::Run(Info("lake-track")).Begin({"tracks.csv"}); }
+  EXPECT_TRUE(fs::is_empty(Out()));
+}
+
+TEST_F(ResultFolder, IsReadAsWhatBelongsTogether) {
+  Do("lake-track", {"tracks.csv"});
+  WriteTextFile(Out() / "trajectory.csv", "from elsewhere");
+  EXPECT_EQ(FindResult(Out(), "tracks.csv"), Out() / "tracks.csv");
+  EXPECT_EQ(FindResult(Out(), "events.csv"), std::nullopt);
+  EXPECT_THAT([&] { FindResult(Out(), "trajectory.csv"); },
+              ThrowsMessage<Error>(HasSubstr("trajectory.csv: does not belong to the results of lake-track")));
+  WriteTextFile(folder_ / "by-hand.csv", "in a folder without any list");
+  EXPECT_TRUE(FindResult(folder_.Path(), "by-hand.csv"));
+}
+
+TEST_F(ResultFolder, ListThatWasTamperedWithNamesNothingOutside) {
+  Do("lake-track", {"tracks.csv"});
+  WriteTextFile(folder_ / "precious.txt", "mine");
+  const fs::path list = Out() / ".lake-track.lake-files.json";
+  std::string text = ReadTextFile(list);
+  const auto at = text.find("tracks.csv");
+  ASSERT_NE(at, std::string::npos);
+  WriteTextFile(list, text.replace(at, 10, "../precious.txt"));
+  fs::remove(Out() / "tracks.csv");
+  Do("lake-track", {"tracks.csv"});
+  EXPECT_EQ(ReadTextFile(folder_ / "precious.txt"), "mine");
+}
+
+}  // namespace
+}  // namespace lake
