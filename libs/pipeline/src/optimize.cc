@@ -43,9 +43,10 @@ MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, Run& run) {
     const ComparedCurves curves = ReadComparison(options.comparison);
     run.AddInput(fs::is_directory(options.comparison) ? options.comparison / "comparison.json" : options.comparison);
     measured.human = curves.human, measured.exo = curves.exo;
+    measured.spike = curves.spike, measured.noise_floor_percent = 100 * curves.noise_floor_relative;
   }
   if (!options.worn.empty()) {
-    measured.worn = ReadDesign(options.worn);
+    measured.worn = ReadDesign(options.worn), measured.worn_file = options.worn.string();
     run.AddInput(options.worn);
   }
   return measured;

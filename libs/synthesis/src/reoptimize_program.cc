@@ -32,10 +32,10 @@ struct SquaredErrorTerm {
 };
 
 struct SquareTerm {
-  double factor, origin;
+  double factor;
   template <typename T>
   T operator()(const T* v) const {
-    return (v[0] - origin) * (v[0] - origin) * factor;
+    return v[0] * v[0] * factor;
   }
 };
 
@@ -73,13 +73,11 @@ class Extender {
 
   void AddPlacement() {
     for (int axis = 0; axis < 2; ++axis) {
-      const double reach = problem_.fit_placement ? problem_.placement_reach_mm : 0;
-      const double middle = problem_.placement_mm[axis];
-      const std::string name = axis == 0 ? "placement_x" : "placement_y";
-      variables_.placement[axis] = nlp().AddVariable(
-          name, std::clamp(start_.placement_mm[axis], middle - reach, middle + reach), middle - reach, middle + reach);
+      const auto [lower, upper] = problem_.PlacementBounds(axis);
+      variables_.placement[axis] = nlp().AddVariable(axis == 0 ? "placement_x" : "placement_y",
+                                                     std::clamp(start_.placement_mm[axis], lower, upper), lower, upper);
       if (!problem_.fit_placement) continue;
-      nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{kPlacementRidge * MisalignmentWeight(), middle});
+      nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{kPlacementRidge * MisalignmentWeight()});
       synthesis_.published.push_back({variables_.placement[axis], "mm"});
     }
   }
@@ -159,7 +157,7 @@ class Extender {
     const int distance = nlp().AddVariable("rms distance", rms, kLeastDistance_mm, kUnbounded);
     const int row = nlp().AddRow("rms distance", -kUnbounded, 0);
     AddMeanSquare(row, false, 1 / kScale_mm2);
-    nlp().AddTerm(row, std::array{distance}, SquareTerm{-1 / kScale_mm2, 0});
+    nlp().AddTerm(row, std::array{distance}, SquareTerm{-1 / kScale_mm2});
     AddScaledTerm(nlp(), NlpTerm::kCost, distance, problem_.penalty_deg_per_mm);
   }
 

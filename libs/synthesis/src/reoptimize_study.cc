@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/statistics.h"
 #include "lake/synthesis/study.h"
 
 namespace lake {
 namespace {
 
+using Eigen::Vector2d;
 using Kind = StrokeProgram::Kind;
 
 // The predicted path through the comparison's own code; both knees are known without noise.
@@ -18,12 +21,66 @@ Misalignment ComparePredicted(const StsCurve& human, const StsCurve& predicted) 
   return CompareTrials({{human}, {}}, {{predicted}, {}}, options);
 }
 
+Vector2d PlacementOf(const Design& design) {
+  return {design.placement_mm[0], design.placement_mm[1]};
+}
+
+// The strokes at which the worn linkage has the knee angles of its own trial: without a program the leg moved it.
+StrokeProgram ProgramOfTrial(const Design& worn, const StsCurve& exo, double standing_deg) {
+  std::vector<double> knee_rad;
+  for (const double knee_deg : exo.knee_deg) knee_rad.push_back(RadiansFromDegrees(knee_deg));
+  const auto strokes = StrokesForAngles(DrivenLinksOf(worn, standing_deg), knee_rad);
+  if (!strokes) throw Fail("the worn design cannot be assembled at its d_min of {:.6g} mm", worn.d_min_mm);
+  StrokeProgram program{Kind::kFree, 0, {}};
+  for (std::size_t i = 0; i < strokes->size(); ++i)
+    program.knots.push_back({exo.duration_s * static_cast<double>(i) / (kPercentSamples - 1), (*strokes)[i]});
+  return program;
+}
+
 Design Before(const ReoptimizeProblem& problem, const MeasuredMotion& measured) {
   Design design;
   design.links = problem.design.start, design.d_min_mm = problem.design.d_min_mm;
   if (measured.worn) design = *measured.worn;
+  if (!design.program && measured.worn && measured.exo)
+    design.program = ProgramOfTrial(*measured.worn, *measured.exo, problem.design.standing_deg);
   if (!design.program) design.program = StrokeProgram{Kind::kConstant, problem.program.max_speed_mm_s, {}};
   return design;
+}
+
+bool LeavesTooMuch(const MountSlip& slip) {
+  constexpr double kMostShare = 0.5;  // of what was measured between joint and knee …
+  constexpr double kTold_mm = 10;     // … where it is more than markers that were put on anew and skin make
+  return slip.slip_mm > std::max(kMostShare * slip.mount_mm, kTold_mm);
+}
+
+// Throws where the trial's joint was elsewhere than the worn design says.
+void CheckWorn(const MeasuredMotion& measured, const MountSlip& slip, const HumanMotion& human) {
+  if (!LeavesTooMuch(slip)) return;
+  std::string text = fmt::format(
+      "{}: the joint of its trial was {:.3g} mm RMS off the leg's knee, and {:.3g} mm RMS of that are not explained by "
+      "placement_mm: [{:.4g}, {:.4g}]",
+      measured.worn_file, slip.mount_mm, slip.slip_mm, measured.worn->placement_mm[0], measured.worn->placement_mm[1]);
+  HumanMotion other = human;
+  if (const auto placed = SetSlip(*measured.exo, measured.spike, slip.placement_mm, other); !LeavesTooMuch(*placed))
+    text += fmt::format("; if this design was worn, write placement_mm: [{:.1f}, {:.1f}], where the joint was on average",
+                        slip.placement_mm.x(), slip.placement_mm.y());
+  throw Fail("{}; else name the design that was worn (--worn), or leave that trial out (--human-only)", text);
+}
+
+// RMS over the motion.
+double AngleOff_deg(const Prediction& worn, const StsCurve& exo) {
+  std::vector<double> off;
+  for (std::size_t i = 0; i < exo.knee_deg.size(); ++i) off.push_back(worn.exo.knee_deg[i] - exo.knee_deg[i]);
+  return RootMeanSquare(off);
+}
+
+// What the exoskeleton trial tells: delta, and whether the worn design fits it.
+void TakeTrial(ReoptimizeStudy& study) {
+  const MeasuredMotion& measured = study.measured;
+  if (!measured.exo || !measured.worn) return;
+  study.slip = SetSlip(*measured.exo, measured.spike, PlacementOf(*measured.worn), study.problem.human);
+  if (study.slip) CheckWorn(measured, *study.slip, study.problem.human);
+  study.measured_percent = 100 * ComparePredicted(measured.human, *measured.exo).metrics.relative_rms;
 }
 
 double ProgramDuration(const Design& design, const Prediction& prediction) {
@@ -76,6 +133,18 @@ void StartFromNearest(ReoptimizeStudy& study) {
   study.infeasible.reset();
 }
 
+// The worn design must have been able to do what its trial shows.
+void CheckBefore(ReoptimizeStudy& study) {
+  const MeasuredMotion& measured = study.measured;
+  if (!measured.exo || !measured.worn) return;
+  if (!study.before.prediction)
+    throw Fail(
+        "{}: the worn design cannot be driven through the motion of its trial: its program leaves the strokes at which "
+        "the knee bends and stands",
+        measured.worn_file);
+  study.worn_angle_off_deg = AngleOff_deg(*study.before.prediction, *measured.exo);
+}
+
 }  // namespace
 
 void ReoptimizeOptions::Check() const {
@@ -87,10 +156,10 @@ void ReoptimizeOptions::Check() const {
 DesignInMotion PutInMotion(const ReoptimizeProblem& problem, const StsCurve& human, const Design& design) {
   DesignInMotion in_motion{design, Evaluate(design.links, problem.design), {}, {}, {}, 0};
   const double standing_deg = problem.design.standing_deg;
-  const Eigen::Vector2d placement(design.placement_mm[0], design.placement_mm[1]);
+  const Vector2d placement = PlacementOf(design);
   if (const auto strokes = ProgramStrokes(design, standing_deg, problem.human))
-    in_motion.prediction = Predict(design.links, design.d_min_mm, standing_deg, placement, *strokes, problem.human);
-  if (const auto tracking = TrackingStrokes(design.links, design.d_min_mm, standing_deg, problem.human))
+    in_motion.prediction = Predict(DrivenLinksOf(design, standing_deg), placement, *strokes, problem.human);
+  if (const auto tracking = TrackingStrokes(DrivenLinksOf(design, standing_deg), problem.human))
     in_motion.tracking_time_s = TrackingTime(*tracking, problem.program.max_speed_mm_s);
   if (!in_motion.prediction) return in_motion;
   in_motion.duration_s = ProgramDuration(design, *in_motion.prediction);
@@ -103,14 +172,15 @@ ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotio
                                   const ReoptimizeOptions& options) {
   options.Check();
   problem.human = MakeHumanMotion(measured.human);
-  if (measured.worn) problem.placement_mm = {measured.worn->placement_mm[0], measured.worn->placement_mm[1]};
-  if (measured.worn && measured.exo)
-    SetRemainder(*measured.exo, *measured.worn, problem.design.standing_deg, problem.human);
+  if (measured.worn) problem.placement_mm = PlacementOf(*measured.worn);
   problem.Check();
   ReoptimizeStudy study;
   study.problem = problem, study.options = options, study.measured = measured;
+  TakeTrial(study);
+  problem.human = study.problem.human;
   const std::vector<Links> links = StartLinks(problem, measured, options.optimize);
   study.before = PutInMotion(problem, measured.human, Before(problem, measured));
+  CheckBefore(study);
   study.result = Reoptimize(problem, links, options.optimize);
   if (!study.IsSolved()) study.infeasible = ExplainInfeasible(problem, links, options.optimize);
   if (study.infeasible && study.infeasible->within_reach) StartFromNearest(study);

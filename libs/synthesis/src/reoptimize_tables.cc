@@ -103,9 +103,8 @@ void WriteOptimum(const ReoptimizeStudy& study, Run& run) {
     AddVariableRow(study, LinkName(i), before.links.Values()[i], after.links.Values()[i], problem.design.bounds[i],
                    best ? best->local.program.links[i] : -1, table);
   for (int axis = 0; axis < 2; ++axis) {
-    const double middle = problem.placement_mm[axis], reach = problem.fit_placement ? problem.placement_reach_mm : 0;
     AddVariableRow(study, axis == 0 ? "placement_x" : "placement_y", before.placement_mm[axis],
-                   after.placement_mm[axis], {middle - reach, middle + reach},
+                   after.placement_mm[axis], problem.PlacementBounds(axis),
                    best && problem.fit_placement ? best->variables.placement[axis] : -1, table);
   }
   AddVariableRow(study, "duration", study.before.duration_s, study.after.duration_s,
@@ -201,11 +200,9 @@ void WritePareto(const ReoptimizeStudy& study, Run& run) {
                                   "placement_y_mm"};
   std::ranges::copy(LinkColumns(""), std::back_inserter(header));
   CsvWriter table(header);
-  const SynthesisProblem& design = study.problem.design;
   for (const NamedFront& front : study.fronts)
     for (const ParetoPoint& point : front.points) {
-      const auto tracking =
-          TrackingStrokes(point.point.links, design.d_min_mm, design.standing_deg, study.problem.human);
+      const auto tracking = TrackingStrokes(study.problem.Driven(point.point.links), study.problem.human);
       table.Add(NameOf(front.program.kind)).Add(front.program.duration_s).Add(point.least_range_deg);
       table.Add(point.range_deg).Add(point.misalignment_percent).Add(point.rms_mm);
       table.Add(tracking ? TrackingTime(*tracking, study.problem.program.max_speed_mm_s) : kNaN);
@@ -255,12 +252,6 @@ Json ProgramJson(const ReoptimizeStudy& study) {
   return json;
 }
 
-double RemainderRms(const HumanMotion& human) {
-  std::vector<double> lengths;
-  for (const HumanSample& sample : human) lengths.push_back(sample.remainder_mm.norm());
-  return RootMeanSquare(lengths);
-}
-
 void Warn(const ReoptimizeStudy& study, Run& run) {
   const ReoptimizeProblem& problem = study.problem;
   if (study.measured.exo && !study.measured.worn)
@@ -271,7 +262,7 @@ void Warn(const ReoptimizeStudy& study, Run& run) {
     run.Warn(fmt::format(
         "the measured remainder of the worn design is carried over unchanged to the new one: {:.2g} mm RMS, of "
         "{:.2g} mm measured",
-        RemainderRms(problem.human), study.before.misalignment ? study.before.misalignment->metrics.rms_mm : kNaN));
+        study.slip ? study.slip->slip_mm : 0, study.before.misalignment ? study.before.misalignment->metrics.rms_mm : kNaN));
   if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
     run.Warn("neither --max-misalignment nor --penalty is given: the range alone decides");
   if (!study.IsSolved()) return;

@@ -17,8 +17,11 @@ namespace lake {
 // What the re-optimisation starts from.
 struct MeasuredMotion {
   StsCurve human;
-  std::optional<StsCurve> exo;  // of the trial with an exoskeleton
-  std::optional<Design> worn;   // in that trial
+  std::optional<StsCurve> exo{};   // of the trial with an exoskeleton
+  std::vector<bool> spike{};       // per percent of both; empty: none
+  double noise_floor_percent = 0;  // of their comparison, RMS; 0: not known
+  std::optional<Design> worn{};    // in that trial; without a program it was moved by the leg
+  std::string worn_file{};         // for messages
 };
 
 struct ReoptimizeOptions {
@@ -75,6 +78,9 @@ struct ReoptimizeStudy {
   ReoptimizeProblem problem;
   ReoptimizeOptions options;
   MeasuredMotion measured;
+  std::optional<MountSlip> slip;                // absent: delta is zero
+  std::optional<double> measured_percent;       // misalignment of the exo trial itself, RMS relative error
+  std::optional<double> worn_angle_off_deg;     // RMS, the worn design's program against its trial's own knee angles
   ReoptimizeResult result;
   std::optional<MisalignmentInfeasibility> infeasible;  // if no start is usable
   DesignInMotion before;  // the worn design, or the problem's start under a constant program
@@ -88,7 +94,8 @@ struct ReoptimizeStudy {
 };
 
 // The human's motion of the problem is set here: from the measured curves, with delta if a worn design is known. Throws
-// Error for input that cannot be used, UsageError for options, Interrupted on a signal.
+// Error for input that cannot be used, which a worn design is that leaves most of its trial's joint unexplained,
+// UsageError for options, Interrupted on a signal.
 ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotion& measured,
                                   const ReoptimizeOptions& options);
 
