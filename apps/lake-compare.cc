@@ -1,4 +1,5 @@
 // lake-compare: the misalignment between a human's and an exoskeleton's knee in sit-to-stand.
+#include "lake/compare/misalignment.h"
 #include "lake/core/error.h"
 #include "lake/pipeline/compare.h"
 #include "program.h"
@@ -24,8 +25,9 @@ std::string Report(const lake::Json& summary) {
   }
   text += fmt::format("placement {:.1f} %, timing {:.1f} %, shape {:.1f} %\n", part("placement"), part("timing"),
                       part("shape"));
-  return text + fmt::format("the exoskeleton's joint sits {:+.2f} mm anterior, {:+.2f} mm up the shank\n",
-                            number(parts["offset_mm"][0]), number(parts["offset_mm"][1]));
+  const lake::Json& joint = summary["mount_mm"].is_array() ? summary["mount_mm"] : parts["offset_mm"];
+  return text + fmt::format("the exoskeleton's joint sits {}\n",
+                            lake::DescribeJoint({number(joint[0]), number(joint[1])}));
 }
 
 }  // namespace

@@ -225,6 +225,7 @@ Json ComparisonJson(const Misalignment& m) {
   json["noise_floor_mm"] = m.noise_floor_mm, json["noise_floor_relative"] = m.noise_floor_relative;
   json["spikes"] = kPercentSamples - m.metrics_without_spikes.samples;
   json["decomposition"] = DecompositionJson(m);
+  json["mount_mm"] = m.mount_mm ? Json{m.mount_mm->x(), m.mount_mm->y()} : Json();
   json["knee_axis"] = KneeAxisJson(m);
   json["shank_mm"] = Mean(m.shank_mm);
   json["repetitions"] = {{"human", m.human_repetitions}, {"exo", m.exo_repetitions}};

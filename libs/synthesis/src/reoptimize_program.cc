@@ -18,6 +18,7 @@ constexpr double kMisalignmentTie = 1e-5;   // deg (or s) per percent^2
 constexpr double kRangeTie = 1e-5;          // percent^2 (or s) per deg
 constexpr double kPlacementRidge = 1e-5;    // percent^2 per mm^2, as misalignment counts
 constexpr double kDurationTie = 1e-6;       // per s
+constexpr double kNearestWeight = 1e-2;     // per mm^2
 constexpr double kLeastDistance_mm = 1e-3;  // RMS that a penalty tells from zero, where its root has no derivative
 constexpr double kLongest_mm = 1e4, kLongest_s = 1e5;
 
@@ -77,7 +78,11 @@ class Extender {
       variables_.placement[axis] = nlp().AddVariable(axis == 0 ? "placement_x" : "placement_y",
                                                      std::clamp(start_.placement_mm[axis], lower, upper), lower, upper);
       if (!problem_.fit_placement) continue;
-      nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{kPlacementRidge * MisalignmentWeight()});
+      const double square =
+          problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * MisalignmentWeight();
+      nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{square});
+      if (problem_.goal == Goal::kFarthest)
+        AddScaledTerm(nlp(), NlpTerm::kCost, variables_.placement[axis], -problem_.farthest[axis]);
       synthesis_.published.push_back({variables_.placement[axis], "mm"});
     }
   }

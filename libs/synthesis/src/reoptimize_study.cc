@@ -115,13 +115,32 @@ std::vector<NamedFront> Fronts(const ReoptimizeStudy& study, const std::vector<L
 }
 
 // Where to start: the problem's start, the worn design, and the optimum without the human.
-std::vector<Links> StartLinks(const ReoptimizeProblem& problem, const MeasuredMotion& measured,
-                              const OptimizeOptions& options) {
-  std::vector<Links> links{problem.design.start};
-  if (measured.worn) links.push_back(measured.worn->links);
-  if (const LocalSolve range = SolveFrom(problem.design, problem.design.start, options); range.IsUsable())
-    links.push_back(range.end);
+std::vector<Links> StartLinks(ReoptimizeStudy& study) {
+  const SynthesisProblem& design = study.problem.design;
+  std::vector<Links> links{design.start};
+  if (study.measured.worn) links.push_back(study.measured.worn->links);
+  const LocalSolve widest = SolveFrom(design, design.start, study.options.optimize);
+  if (!widest.IsUsable()) return links;
+  links.push_back(widest.end);
+  study.widest_deg = widest.evaluation.range_deg;
   return links;
+}
+
+// What the placement is worth, and how far it is free.
+void StudyPlacement(const ReoptimizePoint& chosen, ReoptimizeStudy& study) {
+  const OptimizeOptions& options = study.options.optimize;
+  study.placement_range = FindPlacementRange(study.problem, chosen, options);
+  ReoptimizeProblem at_knee = study.problem;
+  at_knee.fit_placement = false, at_knee.placement_mm.setZero();
+  if (const ReoptimizeSolve solve = SolveFrom(at_knee, chosen, options); solve.IsUsable())
+    study.range_at_knee_deg = solve.Range_deg();
+}
+
+// Of the range alone: the misalignment's limit holds the design's own range down, and a bound never comes near that.
+Certificate CertifyWidest(const ReoptimizeStudy& study) {
+  const double range_deg = study.result.Best().Range_deg();
+  return Certify(study.problem.design, std::max(range_deg, study.widest_deg.value_or(range_deg)),
+                 *study.options.certify_gap_deg, study.options.certify_seconds, study.options.quiet);
 }
 
 // No start found a way, but the least misalignment holds the limit: one more start from there.
@@ -178,20 +197,20 @@ ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotio
   study.problem = problem, study.options = options, study.measured = measured;
   TakeTrial(study);
   problem.human = study.problem.human;
-  const std::vector<Links> links = StartLinks(problem, measured, options.optimize);
+  const std::vector<Links> links = StartLinks(study);
   study.before = PutInMotion(problem, measured.human, Before(problem, measured));
   CheckBefore(study);
   study.result = Reoptimize(problem, links, options.optimize);
   if (!study.IsSolved()) study.infeasible = ExplainInfeasible(problem, links, options.optimize);
   if (study.infeasible && study.infeasible->within_reach) StartFromNearest(study);
-  const ReoptimizePoint& end = study.IsSolved() ? study.result.Best().point : study.infeasible->nearest;
+  const ReoptimizePoint end = study.IsSolved() ? NearestToKnee(problem, study.result.Best(), options.optimize)
+                                               : study.infeasible->nearest;
   study.after = PutInMotion(problem, measured.human, DesignOf(problem, end));
   if (study.IsSolved()) study.active = FindActiveSet(study.result.Best().local);
   if (options.pareto_points) study.fronts = Fronts(study, links);
   if (!study.IsSolved()) return study;
-  if (options.certify_gap_deg)
-    study.certificate = Certify(problem.design, study.result.Best().Range_deg(), *options.certify_gap_deg,
-                                options.certify_seconds, options.quiet);
+  if (problem.fit_placement) StudyPlacement(end, study);
+  if (options.certify_gap_deg) study.certificate = CertifyWidest(study);
   if (options.yield_tolerance_mm)
     study.yield = EstimateYield(end.links, problem.design,
                                 {.tolerance_mm = *options.yield_tolerance_mm, .seed = options.optimize.seed});

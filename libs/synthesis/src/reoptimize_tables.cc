@@ -236,6 +236,7 @@ Json InfeasibleJson(const MisalignmentInfeasibility& report) {
                     {"duration_s", way.duration_s ? Json(*way.duration_s) : Json()}});
   return {{"reason", report.sentence},
           {"smallest_misalignment_percent", report.least_percent ? Json(*report.least_percent) : Json()},
+          {"limit_that_holds_percent", report.working_percent ? Json(*report.working_percent) : Json()},
           {"blocking", blocking},
           {"ways_out", ways}};
 }

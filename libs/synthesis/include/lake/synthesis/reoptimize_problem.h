@@ -38,9 +38,12 @@ struct ReoptimizeProblem {
   enum class Goal {
     kRange,         // RoR - w RMS
     kMisalignment,  // least RMS relative error; no penalty
-    kDuration       // shortest sit-to-stand
+    kDuration,      // shortest sit-to-stand
+    kNearest,       // least |p|: the joint nearest to the knee
+    kFarthest       // largest `farthest` . p
   } goal = Goal::kRange;
   std::optional<double> min_range_deg;
+  Eigen::Vector2d farthest = Eigen::Vector2d::Zero();
 
   DrivenLinks Driven(const Links& links) const { return {links, design.d_min_mm, design.standing_deg}; }
   Bounds PlacementBounds(int axis) const;  // both the same where it is not fitted
