@@ -122,7 +122,6 @@ std::vector<Links> StartLinks(ReoptimizeStudy& study) {
   const LocalSolve widest = SolveFrom(design, design.start, study.options.optimize);
   if (!widest.IsUsable()) return links;
   links.push_back(widest.end);
-  study.widest_deg = widest.evaluation.range_deg;
   return links;
 }
 
@@ -137,10 +136,12 @@ void StudyPlacement(const ReoptimizePoint& chosen, ReoptimizeStudy& study) {
 }
 
 // Of the range alone: the misalignment's limit holds the design's own range down, and a bound never comes near that.
-Certificate CertifyWidest(const ReoptimizeStudy& study) {
-  const double range_deg = study.result.Best().Range_deg();
-  return Certify(study.problem.design, std::max(range_deg, study.widest_deg.value_or(range_deg)),
-                 *study.options.certify_gap_deg, study.options.certify_seconds, study.options.quiet);
+void CertifyWidest(ReoptimizeStudy& study) {
+  const OptimizeResult widest = Optimize(study.problem.design, study.options.optimize);
+  study.widest_deg = study.result.Best().Range_deg();
+  if (widest.IsSolved()) study.widest_deg = std::max(*study.widest_deg, widest.Best().evaluation.range_deg);
+  study.certificate = Certify(study.problem.design, *study.widest_deg, *study.options.certify_gap_deg,
+                              study.options.certify_seconds, study.options.quiet);
 }
 
 // No start found a way, but the least misalignment holds the limit: one more start from there.
@@ -210,7 +211,7 @@ ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotio
   if (options.pareto_points) study.fronts = Fronts(study, links);
   if (!study.IsSolved()) return study;
   if (problem.fit_placement) StudyPlacement(end, study);
-  if (options.certify_gap_deg) study.certificate = CertifyWidest(study);
+  if (options.certify_gap_deg) CertifyWidest(study);
   if (options.yield_tolerance_mm)
     study.yield = EstimateYield(end.links, problem.design,
                                 {.tolerance_mm = *options.yield_tolerance_mm, .seed = options.optimize.seed});
