@@ -3,6 +3,7 @@
 #include <limits>
 #include <string>
 
+#include "lake/compare/misalignment.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/pipeline/compare.h"
@@ -29,8 +30,9 @@ std::string Report(const lake::Json& summary) {
   if (!std::isfinite(part("placement"))) return text + "both paths are one: there are no parts\n";
   text += fmt::format("placement {:.1f} %, timing {:.1f} %, shape {:.1f} %\n", part("placement"), part("timing"),
                       part("shape"));
-  return text + fmt::format("the exoskeleton's joint sits {:+.2f} mm anterior, {:+.2f} mm up the shank\n",
-                            NumberOrNaN(parts["offset_mm"][0]), NumberOrNaN(parts["offset_mm"][1]));
+  const lake::Json& joint = summary["mount_mm"].is_array() ? summary["mount_mm"] : parts["offset_mm"];
+  return text + fmt::format("the exoskeleton's joint sits {}\n",
+                            lake::DescribeJoint({NumberOrNaN(joint[0]), NumberOrNaN(joint[1])}));
 }
 
 }  // namespace

@@ -64,6 +64,7 @@ void AddReoptimizeOptions(CLI::App& cli, Options& options) {
   group->add_option("--forward", reoptimize.human_reading.forward, "+x, -x, …: where the subject of a file faces");
   group->add_option("--unit", options.unit, "mm, cm or m: of a --human file that does not say (Tracker text, Kinovea)");
   group->add_option("--worn", options.worn, "design.yaml worn in the exoskeleton trial of --comparison");
+  group->add_flag("--human-only", reoptimize.human_only, "Leave the exoskeleton trial of --comparison out");
   group->add_option("--max-misalignment", reoptimize.max_misalignment_percent,
                     "Greatest misalignment, RMS in percent of the shank");
   group->add_option("--penalty", reoptimize.penalty_deg_per_mm, "Range given up for less misalignment, deg per mm RMS");
@@ -75,7 +76,7 @@ void AddReoptimizeOptions(CLI::App& cli, Options& options) {
   group->add_flag("--monotone", reoptimize.program.monotone, "A free program may not turn back");
   group->add_option("--knots", reoptimize.program.knots, "Knots of a free program");
   group->add_flag("--fit-placement", reoptimize.fit_placement, "Move the exoskeleton's joint on the shank too");
-  group->add_option("--placement-reach", reoptimize.placement_reach_mm, "How far it may be moved, mm to either side");
+  group->add_option("--placement-reach", reoptimize.placement_reach_mm, "How far from the knee it may sit, mm to either side");
   group->add_option("--pareto", reoptimize.pareto_points,
                     "Range against misalignment in this many points, for a constant and a short free program");
 }
@@ -155,8 +156,10 @@ std::string ReportMotion(const Json& summary) {
   return line("range", "range_deg", "deg") + line("misalignment", "misalignment_percent", "% of the shank, RMS") +
          line("", "misalignment_rms_mm", "mm RMS") + line("  placement", "part_placement", "of it") +
          line("  timing", "part_timing", "of it") + line("  shape", "part_shape", "of it") +
-         line("placement", "placement_x_mm", "mm anterior") + line("", "placement_y_mm", "mm up the shank") +
-         line("program", "program_duration_s", "s") + line("exact tracking takes", "exact_tracking_time_s", "s");
+         line("joint sits", "placement_x_mm", "mm in front of the knee") +
+         line("", "placement_y_mm", "mm above it, along the shank") + line("program", "program_duration_s", "s") +
+         line("exact tracking takes", "exact_tracking_time_s", "s") + summary["trial_text"].get<std::string>() + "\n" +
+         summary["build_text"].get<std::string>() + "\n";
 }
 
 std::string Report(const Json& summary) {

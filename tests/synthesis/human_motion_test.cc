@@ -76,11 +76,11 @@ TEST(HumanMotion, RefusesALegWithoutLength) {
 
 TEST(HumanMotion, TrackingStrokesGiveTheHumansAngles) {
   const HumanMotion human = MakeHumanMotion(MakeCurve({}));
-  const auto strokes = TrackingStrokes(kPublished, 242, 0, human);
+  const auto strokes = TrackingStrokes({kPublished}, human);
   ASSERT_TRUE(strokes);
   for (std::size_t i = 0; i < human.size(); ++i)
     EXPECT_NEAR(SolvePose(kPublished, (*strokes)[i])->theta_rad, human[i].knee_rad, 1e-9);
-  const auto prediction = Predict(kPublished, 242, 0, {0, 0}, *strokes, human);
+  const auto prediction = Predict({kPublished}, {0, 0}, *strokes, human);
   ASSERT_TRUE(prediction);
   EXPECT_LT(prediction->relative_rms, 1e-10);
 }
@@ -89,11 +89,11 @@ TEST(HumanMotion, AnglesBeyondTheUsedRangeAreClamped) {
   ClosedFormLeg leg;
   leg.seated_knee_deg = 160, leg.standing_knee_deg = -5;
   const HumanMotion human = MakeHumanMotion(MakeCurve(leg));
-  const auto strokes = TrackingStrokes(kPublished, 242, 0, human);
+  const auto strokes = TrackingStrokes({kPublished}, human);
   ASSERT_TRUE(strokes);
   EXPECT_EQ(strokes->front(), 242);              // the published design bends to 148.57 degrees
   EXPECT_NEAR(strokes->back(), 374.5205, 1e-4);  // its stroke at 0 degrees
-  EXPECT_FALSE(TrackingStrokes(Links{10, 10, 10, 10, 50, 300}, 242, 0, human));
+  EXPECT_FALSE(TrackingStrokes({Links{10, 10, 10, 10, 50, 300}}, human));
 }
 
 TEST(HumanMotion, TrackingTimeIsThatOfTheSteepestPart) {
@@ -107,7 +107,7 @@ TEST(HumanMotion, ProgramsBecomeStrokesPerPercent) {
   const HumanMotion human = MakeHumanMotion(MakeCurve({}));
   Design design;
   design.links = kPublished;
-  const auto tracking = TrackingStrokes(kPublished, 242, 0, human);
+  const auto tracking = TrackingStrokes({kPublished}, human);
   const auto constant = ProgramStrokes(design, 0, human);
   ASSERT_TRUE(constant);
   for (int i = 0; i < kPercentSamples; ++i)
@@ -124,26 +124,101 @@ TEST(HumanMotion, ProgramsBecomeStrokesPerPercent) {
 TEST(HumanMotion, StrokesOutsideTheUsedRangeHaveNoPrediction) {
   const HumanMotion human = MakeHumanMotion(MakeCurve({}));
   std::vector<double> strokes(kPercentSamples, 300);
-  EXPECT_TRUE(Predict(kPublished, 242, 0, {0, 0}, strokes, human));
+  EXPECT_TRUE(Predict({kPublished}, {0, 0}, strokes, human));
   strokes[40] = 241.9;
-  EXPECT_FALSE(Predict(kPublished, 242, 0, {0, 0}, strokes, human));
+  EXPECT_FALSE(Predict({kPublished}, {0, 0}, strokes, human));
   strokes[40] = 375;  // beyond standing, where the knee would bend backward
-  EXPECT_FALSE(Predict(kPublished, 242, 0, {0, 0}, strokes, human));
+  EXPECT_FALSE(Predict({kPublished}, {0, 0}, strokes, human));
 }
 
-// With the remainder of its own trial the worn design's predicted path is the measured one.
-TEST(HumanMotion, RemainderExplainsTheWornDesignsTrial) {
-  HumanMotion human = MakeHumanMotion(SoftLeg(4));
-  const StsCurve exo = SoftLeg(5);
-  Design worn;
-  worn.links = kPublished;
-  worn.placement_mm = {6, -3};
-  SetRemainder(exo, worn, 0, human);
-  const auto prediction = Predict(kPublished, 242, 0, {6, -3}, *ProgramStrokes(worn, 0, human), human);
+// A leg of another pace and lean, its joint on a mount that slips along and across the shank.
+struct SlippingTrial {
+  StsCurve exo;
+  std::vector<Vector2d> slip;
+};
+
+SlippingTrial MakeSlippingTrial(const Vector2d& placement) {
+  ClosedFormLeg leg;
+  leg.peak_shank_deg = 27, leg.seated_shank_deg = 1, leg.shank_mm = 424;
+  SlippingTrial trial;
+  trial.exo = MakeCurve(leg, IssueWarp);
+  trial.exo.leg_knee = trial.exo.knee;
+  for (std::size_t i = 0; i < kPercentSamples; ++i) {
+    const double u = static_cast<double>(i) / 100;
+    trial.slip.emplace_back(2 * std::sin(7 * u), -5 * u);
+    trial.exo.knee[i] += ShankAxes(trial.exo, i) * (placement + trial.slip.back());
+  }
+  return trial;
+}
+
+TEST(HumanMotion, SlipIsToldFromPaceAndLean) {
+  const Vector2d placement(18, 32);
+  const SlippingTrial trial = MakeSlippingTrial(placement);
+  const StsCurve curve = MakeCurve({});
+  HumanMotion human = MakeHumanMotion(curve);
+  const auto found = SetSlip(trial.exo, {}, placement, human);
+  ASSERT_TRUE(found);
+  double square = 0;
+  for (std::size_t i = 0; i < human.size(); ++i) {
+    EXPECT_LT((human[i].slip_mm - trial.slip[i]).norm(), 1e-9) << i;
+    square += trial.slip[i].squaredNorm() / kPercentSamples;
+    // Under the human's own pace and lean the joint is where placement and slip put it on the human's shank.
+    const Vector2d joint = curve.knee[i] + ShankAxes(curve, i) * (placement + trial.slip[i]);
+    EXPECT_LT((PredictKnee(human[i], human[i].knee_rad, placement.x(), placement.y()) - joint).norm(), 1e-9) << i;
+  }
+  EXPECT_NEAR(found->slip_mm, std::sqrt(square), 1e-9);
+  EXPECT_GT(found->pace_mm, 5);
+  EXPECT_GT(found->lean_mm, 5);
+  EXPECT_LT((found->placement_mm - placement).norm(), 5);
+}
+
+TEST(HumanMotion, ATrialThatDiffersInPaceAndLeanAloneHasNoSlip) {
+  SlippingTrial trial = MakeSlippingTrial({0, 0});
+  trial.exo.knee = trial.exo.leg_knee;
+  HumanMotion human = MakeHumanMotion(MakeCurve({}));
+  const auto found = SetSlip(trial.exo, {}, {0, 0}, human);
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->slip_mm, 1e-9);
+  EXPECT_GT(found->pace_mm + found->lean_mm, 10);
+}
+
+TEST(HumanMotion, SpikesDoNotEnterTheSlip) {
+  const SlippingTrial clean = MakeSlippingTrial({18, 32});
+  SlippingTrial spiked = clean;
+  std::vector<bool> spike(kPercentSamples, false);
+  for (const std::size_t i : {0u, 40u, 41u, 100u}) spiked.exo.knee[i] += Vector2d(60, -80), spike[i] = true;
+  HumanMotion human = MakeHumanMotion(MakeCurve({}));
+  ASSERT_TRUE(SetSlip(spiked.exo, spike, {18, 32}, human));
+  // Bridged from a neighbour: the slip changes by less than 0.2 mm per percent.
+  for (std::size_t i = 0; i < human.size(); ++i) EXPECT_LT((human[i].slip_mm - clean.slip[i]).norm(), 0.2) << i;
+}
+
+TEST(HumanMotion, ATrialWithoutALegOfItsOwnHasNoSlip) {
+  StsCurve exo = MakeSlippingTrial({18, 32}).exo;
+  exo.leg_knee.clear();
+  HumanMotion human = MakeHumanMotion(MakeCurve({}));
+  EXPECT_FALSE(SetSlip(exo, {}, {0, 0}, human));
+  for (const HumanSample& sample : human) EXPECT_EQ(sample.slip_mm, Vector2d(0, 0));
+}
+
+// A prediction taken for a trial tells the very slip that it was made with.
+TEST(HumanMotion, APredictedTrialShowsItsSlip) {
+  HumanMotion human = MakeHumanMotion(SoftLeg(4)), other = MakeHumanMotion(MakeCurve({}));
+  for (std::size_t i = 0; i < human.size(); ++i) human[i].slip_mm = {0.03 * static_cast<double>(i), -1};
+  const auto prediction = Predict({kPublished}, {6, -3}, *TrackingStrokes({kPublished}, other), human);
   ASSERT_TRUE(prediction);
-  for (std::size_t i = 0; i < human.size(); ++i) EXPECT_LT((prediction->exo.knee[i] - exo.knee[i]).norm(), 1e-9);
-  worn.links = {10, 10, 10, 10, 50, 300};
-  EXPECT_THROW(SetRemainder(exo, worn, 0, human), Error);
+  ASSERT_TRUE(SetSlip(prediction->exo, {}, {6, -3}, other));
+  for (std::size_t i = 0; i < human.size(); ++i) EXPECT_LT((other[i].slip_mm - human[i].slip_mm).norm(), 1e-9);
+}
+
+TEST(HumanMotion, ALongestStrokeEndsTheUsedRange) {
+  const HumanMotion human = MakeHumanMotion(MakeCurve({}));
+  DrivenLinks driven{kPublished};
+  driven.d_max_mm = 340;
+  EXPECT_EQ(TrackingStrokes(driven, human)->back(), 340);
+  const std::vector<double> strokes(kPercentSamples, 341);
+  EXPECT_TRUE(Predict({kPublished}, {0, 0}, strokes, human));
+  EXPECT_FALSE(Predict(driven, {0, 0}, strokes, human));
 }
 
 }  // namespace

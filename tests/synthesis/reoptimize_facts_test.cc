@@ -38,7 +38,7 @@ class RealMotion : public testing::Test {
   }
 
   double TrackingTimeOf(const Links& links) const {
-    return TrackingTime(*TrackingStrokes(links, 242, 0, problem_.human), 5);
+    return TrackingTime(*TrackingStrokes({links}, problem_.human), 5);
   }
 
   ReoptimizeProblem problem_;

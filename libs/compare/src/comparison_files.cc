@@ -80,6 +80,7 @@ Json CurvesJson(const Misalignment& m) {
   AddVectors("human_hip", m.human.hip, curves);
   AddVectors("exo_ankle", m.exo.ankle, curves), AddVectors("exo_knee", m.exo.knee, curves),
       AddVectors("exo_hip", m.exo.hip, curves);
+  AddVectors("exo_leg_knee", m.exo.leg_knee, curves);
   curves["shank_mm"] = m.shank_mm, curves["thigh_mm"] = thigh_mm;
   curves["human_knee_deg"] = m.human.knee_deg, curves["exo_knee_deg"] = m.exo.knee_deg;
   curves["human_knee_sigma_mm"] = m.human.knee_sigma_mm, curves["exo_knee_sigma_mm"] = m.exo.knee_sigma_mm;
@@ -112,7 +113,9 @@ class ComparisonReader {
     const std::vector<double> percent = Curve("percent");
     for (std::size_t i = 0; i < percent.size(); ++i)
       if (percent[i] != static_cast<double>(i)) throw Fail("{}: curves.percent does not run from 0 to 100", file_);
-    ComparedCurves curves{Leg("human"), Leg("exo")};
+    ComparedCurves curves{Leg("human"), Leg("exo"), Spikes()};
+    if (!Entry("exo_leg_knee_x_mm").empty()) curves.exo.leg_knee = Path("exo_leg_knee");
+    curves.noise_floor_mm = Number("noise_floor_mm"), curves.noise_floor_relative = Number("noise_floor_relative");
     CheckShank(curves.human);
     return curves;
   }
@@ -131,12 +134,37 @@ class ComparisonReader {
                  number, kFormat);
   }
 
-  std::vector<double> Curve(const std::string& name) const {
+  const Json& Entry(const std::string& name) const {
     if (!json_.contains("curves") || !json_["curves"].is_object() || !json_["curves"].contains(name))
       throw Fail("{}: the curve '{}' is missing: run lake-compare again", file_, name);
-    const Json& curve = json_["curves"][name];
+    return json_["curves"][name];
+  }
+
+  double Number(const std::string& name) const {
+    const Json number = json_.value(name, Json());
+    if (!number.is_number()) throw Fail("{}: {} is missing: run lake-compare again", file_, name);
+    return number.get<double>();
+  }
+
+  const Json& List(const std::string& name) const {
+    const Json& curve = Entry(name);
     if (!curve.is_array() || curve.size() != kPercentSamples)
       throw Fail("{}: curves.{} must be a list of {} numbers", file_, name, kPercentSamples);
+    return curve;
+  }
+
+  std::vector<bool> Spikes() const {
+    std::vector<bool> spikes;
+    for (const Json& spike : List("spike")) {
+      if (!spike.is_boolean())
+        throw Fail("{}: curves.spike[{}] = {} is neither true nor false", file_, spikes.size(), spike.dump());
+      spikes.push_back(spike.get<bool>());
+    }
+    return spikes;
+  }
+
+  std::vector<double> Curve(const std::string& name) const {
+    const Json& curve = List(name);
     std::vector<double> values;
     for (const Json& value : curve) {
       if (!value.is_number() || !std::isfinite(value.get<double>()))
@@ -197,6 +225,7 @@ Json ComparisonJson(const Misalignment& m) {
   json["noise_floor_mm"] = m.noise_floor_mm, json["noise_floor_relative"] = m.noise_floor_relative;
   json["spikes"] = kPercentSamples - m.metrics_without_spikes.samples;
   json["decomposition"] = DecompositionJson(m);
+  json["mount_mm"] = m.mount_mm ? Json{m.mount_mm->x(), m.mount_mm->y()} : Json();
   json["knee_axis"] = KneeAxisJson(m);
   json["shank_mm"] = Mean(m.shank_mm);
   json["repetitions"] = {{"human", m.human_repetitions}, {"exo", m.exo_repetitions}};

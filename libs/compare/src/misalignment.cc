@@ -165,6 +165,18 @@ double LegLength(const StsCurve& curve) {
   return longest_mm;
 }
 
+std::optional<Vector2d> MeanMount(const StsCurve& exo, const std::vector<bool>& spike) {
+  if (exo.leg_knee.empty()) return std::nullopt;
+  StsCurve leg = exo;
+  leg.knee = exo.leg_knee;
+  Vector2d sum = Vector2d::Zero();
+  int samples = 0;
+  for (std::size_t i = 0; i < leg.knee.size(); ++i)
+    if (!spike[i]) sum += ShankAxes(leg, i).transpose() * (exo.knee[i] - leg.knee[i]), ++samples;
+  if (samples == 0) return std::nullopt;
+  return sum / samples;
+}
+
 void AddWarnings(const RegisteredTrial& human, const RegisteredTrial& exo, Misalignment& m) {
   for (const RegisteredTrial* trial : {&human, &exo})
     m.warnings.insert(m.warnings.end(), trial->warnings.begin(), trial->warnings.end());
@@ -204,6 +216,7 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
   m.spike = FindSpikes(m.human, m.exo, options.spikes);
   std::vector<bool> all(kPercentSamples, true), quiet = m.spike;
   quiet.flip();
+  m.mount_mm = MeanMount(m.exo, m.spike);
   m.metrics = ComputeMetrics(m.human, m.exo, all), m.metrics_without_spikes = ComputeMetrics(m.human, m.exo, quiet);
   m.decomposition = Decompose(m.human, m.exo, options.decomposition);
   if (options.resamples > 0) Bootstrap(human, exo, options).Run(m);
@@ -211,6 +224,12 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
   m.best_pivot = BestFixedPivot(std::clamp(*least, 0.0, 119.0), std::clamp(*most, 1.0, 120.0));
   AddWarnings(human, exo, m);
   return m;
+}
+
+std::string DescribeJoint(const Vector2d& offset_mm) {
+  return fmt::format("{:.1f} mm {} the knee and {:.1f} mm {} it along the shank", std::abs(offset_mm.x()),
+                     offset_mm.x() < 0 ? "behind" : "in front of", std::abs(offset_mm.y()),
+                     offset_mm.y() < 0 ? "below" : "above");
 }
 
 }  // namespace lake

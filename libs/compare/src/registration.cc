@@ -98,7 +98,10 @@ class Registrar {
         options_(options),
         ankle_(TakeMarker(trial, options.ankle)),
         knee_(TakeMarker(trial, options.knee)),
-        hip_(TakeMarker(trial, options.hip)) {}
+        hip_(TakeMarker(trial, options.hip)) {
+    if (options.leg_knee != options.knee && trial.trajectory.Find(options.leg_knee))
+      leg_knee_ = TakeMarker(trial, options.leg_knee);
+  }
 
   RegisteredTrial Register() {
     leg_from_plane_ = FindLegFromPlane(trial_, ankle_, hip_);
@@ -130,6 +133,11 @@ class Registrar {
     return {};
   }
 
+  bool ShowsLegKnee(const StsInterval& interval) const {
+    return leg_knee_ && LongestGap(trial_.trajectory.time_s, leg_knee_->x, interval.onset_s, interval.standing_s) <=
+                            options_.max_gap_s;
+  }
+
   StsCurve Resample(const StsInterval& interval) const {
     StsCurve curve;
     curve.repetition = interval.repetition;
@@ -137,12 +145,14 @@ class Registrar {
     const std::vector<double>& time_s = trial_.trajectory.time_s;
     std::vector<double> knee_deg;
     for (const LegSample& sample : trial_.motion.samples) knee_deg.push_back(sample.knee_deg);
+    const bool shows_leg_knee = ShowsLegKnee(interval);
     for (int percent = 0; percent < kPercentSamples; ++percent) {
       const double t = interval.onset_s + curve.duration_s * percent / (kPercentSamples - 1);
       const auto in_leg = [&](const Path& path) {
         return Vector2d(leg_from_plane_ * (Vector2d(ValueAt(time_s, path.x, t), ValueAt(time_s, path.y, t)) - origin_));
       };
       curve.ankle.push_back(in_leg(ankle_)), curve.knee.push_back(in_leg(knee_)), curve.hip.push_back(in_leg(hip_));
+      if (shows_leg_knee) curve.leg_knee.push_back(in_leg(*leg_knee_));
       curve.knee_deg.push_back(ValueAt(time_s, knee_deg, t));
       curve.knee_sigma_mm.push_back(LinearValueAt(time_s, knee_.sigma, t));
     }
@@ -152,6 +162,7 @@ class Registrar {
   const TrialTables& trial_;
   const RegistrationOptions& options_;
   Path ankle_, knee_, hip_;
+  std::optional<Path> leg_knee_;
   Eigen::Matrix2d leg_from_plane_ = Eigen::Matrix2d::Identity();
   Vector2d origin_ = Vector2d::Zero();
 };
@@ -182,6 +193,8 @@ StsCurve MeanCurve(const std::vector<StsCurve>& curves) {
   StsCurve mean;
   mean.ankle = MeanOf(curves, &StsCurve::ankle), mean.knee = MeanOf(curves, &StsCurve::knee),
   mean.hip = MeanOf(curves, &StsCurve::hip);
+  if (std::ranges::none_of(curves, [](const StsCurve& curve) { return curve.leg_knee.empty(); }))
+    mean.leg_knee = MeanOf(curves, &StsCurve::leg_knee);
   mean.knee_deg = MeanOf(curves, &StsCurve::knee_deg);
   mean.knee_sigma_mm = MeanOf(curves, &StsCurve::knee_sigma_mm);
   for (double& sigma : mean.knee_sigma_mm) sigma /= std::sqrt(static_cast<double>(curves.size()));

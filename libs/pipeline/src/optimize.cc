@@ -43,10 +43,11 @@ MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, Run& run) {
   } else {
     const ComparedCurves curves = ReadComparison(options.comparison);
     run.AddInput(fs::is_directory(options.comparison) ? options.comparison / "comparison.json" : options.comparison);
-    measured.human = curves.human, measured.exo = curves.exo;
+    measured.human = curves.human, measured.noise_floor_percent = 100 * curves.noise_floor_relative;
+    if (!options.human_only) measured.exo = curves.exo, measured.spike = curves.spike;
   }
   if (!options.worn.empty()) {
-    measured.worn = ReadDesign(options.worn);
+    measured.worn = ReadDesign(options.worn), measured.worn_file = options.worn.string();
     run.AddInput(options.worn);
   }
   return measured;
@@ -67,6 +68,12 @@ ReoptimizeProblem ProblemOf(const OptimizeRunOptions& options) {
 Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
   if (options.reoptimize->comparison.empty() == options.reoptimize->human.empty())
     throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: give one of both");
+  if (options.reoptimize->comparison.empty() && options.reoptimize->human_only)
+    throw UsageError("--human-only leaves the exoskeleton trial of --comparison out; --human has none");
+  if (!options.reoptimize->comparison.empty() && options.reoptimize->worn.empty() && !options.reoptimize->human_only)
+    throw UsageError(
+        "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "
+        "that trial out with --human-only");
   if (options.study.round_mm)
     throw UsageError("--round is of a synthesis alone: a rounded design has another misalignment");
   ReoptimizeOptions study_options;

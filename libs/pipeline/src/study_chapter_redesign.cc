@@ -172,6 +172,8 @@ std::string DriftText(const Json& firmware) {
 Section RedesignChapter(const StudyResults& results) {
   const Json summary = results.Summary("redesign");
   Section section{"The design for this person", {BeforeAfterFigures(summary)}};
+  section.blocks.push_back(Paragraph{summary.at("build_text").get<std::string>()});
+  section.blocks.push_back(Paragraph{summary.at("trial_text").get<std::string>()});
   section.blocks.push_back(PathsChart(results));
   section.blocks.push_back(AnglesChart(results.Folder() / "redesign/program.csv"));
   section.blocks.push_back(BeforeAfterTable(summary));
@@ -199,6 +201,8 @@ Section StrokeChapter(const StudyResults& results) {
       NumberOrNaN(summary.at("start").at("stroke_mm")), NumberOrNaN(summary.at("end").at("stroke_mm")),
       NumberOrNaN(summary.at("duration_s")), NumberOrNaN(summary.at("largest_speed_mm_s")), NumberOrNaN(limits.at(0)),
       NumberOrNaN(limits.at(1)));
+  if (const double rest_s = NumberOrNaN(summary.at("added_rest_s")); rest_s >= 0.005)
+    text += fmt::format(" Of that {:.2f} s are rests that the controller adds to the design's program.", rest_s);
   if (summary.at("firmware").is_object())
     text += fmt::format(" The firmware for the UNO lies beside, {} segments, its plan within {:.3f} mm.",
                         summary["firmware"].at("segments").get<int>(),

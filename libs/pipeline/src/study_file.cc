@@ -304,6 +304,7 @@ StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& desi
   options.program.knots = node.Integer("knots").value_or(options.program.knots);
   options.fit_placement = node.Boolean("fit_placement").value_or(options.fit_placement);
   options.placement_reach_mm = PositiveNumber(node, "placement_reach_mm").value_or(options.placement_reach_mm);
+  options.human_only = node.Boolean("human_only").value_or(options.human_only);
   options.pareto_points = node.Integer("pareto");
   if (options.pareto_points && *options.pareto_points < 2)
     throw Fail("{}: 'pareto' must be at least 2 points", node.Where());
@@ -370,8 +371,15 @@ StudyFile ReadStudyFile(const fs::path& path) {
   if (auto exo = root.Child("exo")) study.exo = ReadTrialSection(std::move(*exo), files);
   if (auto compare = root.Child("compare")) ReadCompare(std::move(*compare), study);
   if (auto design = root.Child("design")) ReadDesignSection(std::move(*design), files, study);
-  if (auto reoptimize = root.Child("reoptimize"))
+  if (auto reoptimize = root.Child("reoptimize")) {
+    const std::string where = reoptimize->Where();
     study.redesign = ReadRedesign(std::move(*reoptimize), files, study.design);
+    if (study.exo && !study.worn && !study.redesign->options.human_only)
+      throw Fail(
+          "{}: 'reoptimize' uses the exo trial: name the design that was worn in it with design: {{worn: FILE}}, or "
+          "leave the trial out with human_only: true",
+          where);
+  }
   if (auto stroke = root.Child("stroke")) {
     study.stroke_options = stroke->ToJson();
     study.stroke = ReadStroke(std::move(*stroke), files);

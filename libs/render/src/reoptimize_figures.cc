@@ -124,8 +124,7 @@ void DrawStrokes(GnuplotFigure& figure, const ReoptimizeStudy& study) {
         design.tracking_time_s ? fmt::format(", exact tracking takes {:.3g} s", *design.tracking_time_s) : "";
     return fmt::format("{}: {:.3g} s{}", what, design.duration_s, exact);
   };
-  const auto tracking = TrackingStrokes(study.after.design.links, study.after.design.d_min_mm,
-                                        study.problem.design.standing_deg, study.problem.human);
+  const auto tracking = TrackingStrokes(study.problem.Driven(study.after.design.links), study.problem.human);
   figure.Line("set title 'Stroke program' font ',13'; set ylabel 'stroke (mm)'; set key bottom right");
   const std::string plot = PlotOf(figure, {{tracking.value_or(std::vector<double>()), kHumanStyle, "exact tracking"},
                                            {strokes(study.before), kBeforeStyle, name("before", study.before)},

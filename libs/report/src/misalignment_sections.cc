@@ -8,6 +8,7 @@
 
 #include "html.h"
 #include "lake/compare/knee_axis.h"
+#include "lake/compare/misalignment.h"
 #include "lake/core/json.h"
 #include "misalignment_charts.h"
 
@@ -120,8 +121,16 @@ Section KneeAxisSection(const Json& comparison) {
 
 constexpr std::array<const char*, 3> kParts = {"placement", "timing", "shape"};
 
+// Where the joint sits: on the exo trial's own leg if it is shown, else the fitted offset.
+Eigen::Vector2d JointOf(const Json& comparison) {
+  const Json mount = comparison.value("mount_mm", Json());
+  const Json& joint = mount.is_null() ? comparison.at("decomposition").at("offset_mm") : mount;
+  return {NumberOrNaN(joint.at(0)), NumberOrNaN(joint.at(1))};
+}
+
 // What the part is for the designer.
-std::string PartAdvice(const std::string& part, const Json& parts) {
+std::string PartAdvice(const std::string& part, const Json& comparison) {
+  const Json& parts = comparison.at("decomposition");
   if (part == "timing")
     return fmt::format(
         "timing: the exoskeleton runs at another pace within the rise ({:.1f} % RMS), which the stroke program and the "
@@ -130,9 +139,8 @@ std::string PartAdvice(const std::string& part, const Json& parts) {
   if (part == "shape")
     return "shape: neither moving the joint nor another pace removes it. Soft tissue, straps that slip, a movement out "
            "of the plane or a different movement of the leg remain";
-  const double x = NumberOrNaN(parts.at("offset_mm").at(0)), y = NumberOrNaN(parts.at("offset_mm").at(1));
-  return fmt::format("placement: the joint should move {:.1f} mm {} and {:.1f} mm {} the shank", std::abs(x),
-                     x > 0 ? "backward" : "forward", std::abs(y), y > 0 ? "down" : "up");
+  return fmt::format("placement: the joint sits {}; a joint on the knee would have none of it",
+                     DescribeJoint(JointOf(comparison)));
 }
 
 // Whether its interval lies above those of the other parts; without intervals nothing is known against it.
@@ -174,7 +182,7 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
     return KeyFigure{label,        factor * NumberOrNaN(metrics.at(name)),     2, unit,
                      std::nullopt, IntervalNote(intervals, name, factor, unit)};
   };
-  const Json& offset = parts.at("offset_mm");
+  const Eigen::Vector2d joint = JointOf(comparison);
   return {
       {figure("relative error, RMS", "relative_rms", 100, "%"),
        figure("relative error, largest", "relative_max", 100, "%"),
@@ -183,8 +191,8 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
        share("placement"),
        share("timing"),
        share("shape"),
-       {"joint sits anterior by", NumberOrNaN(offset.at(0)), 2, "mm", std::nullopt, OffsetNote(parts, 0)},
-       {"joint sits up the shank by", NumberOrNaN(offset.at(1)), 2, "mm", std::nullopt, OffsetNote(parts, 1)},
+       {"joint sits in front of the knee by", joint.x(), 2, "mm", std::nullopt, OffsetNote(parts, 0)},
+       {"joint sits above the knee by, along the shank", joint.y(), 2, "mm", std::nullopt, OffsetNote(parts, 1)},
        {"pace differs by, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, "% of the rise", std::nullopt, ""}}};
 }
 
@@ -194,7 +202,7 @@ std::string DecompositionAdvice(const Json& comparison) {
   if (std::isnan(fraction("placement"))) return "Both paths are one; there is nothing to divide.";
   const std::string largest = *std::max_element(
       kParts.begin(), kParts.end(), [&](const char* a, const char* b) { return fraction(a) < fraction(b); });
-  return fmt::format("Most of it, {:.0f} %, is {}.{}", 100 * fraction(largest), PartAdvice(largest, parts),
+  return fmt::format("Most of it, {:.0f} %, is {}.{}", 100 * fraction(largest), PartAdvice(largest, comparison),
                      IsLargestForSure(largest, parts) ? ""
                                                       : " But the intervals of the parts overlap: another part may be "
                                                         "the largest, which more repetitions would show.");

@@ -111,6 +111,14 @@ void CollectFighting(const ElasticSolve& solve, InfeasibilityReport& report) {
   }
 }
 
+// By how much, rounded to the safe side: taken as told the limits can be held.
+double RoundedRelaxation(const Relaxation& relaxation) {
+  constexpr double kRoom = 1.001;
+  const double by = kRoom * std::abs(relaxation.relaxed - relaxation.limit);
+  const double digit = std::pow(10, std::floor(std::log10(by)) - 2);
+  return std::ceil(by / digit) * digit;
+}
+
 std::string Sentence(const InfeasibilityReport& report) {
   if (!report.solved) return "no design was found that satisfies the problem, and none that nearly does";
   if (report.relaxations.empty()) return "the problem can be satisfied, but the solver did not reach an optimum";
@@ -119,8 +127,9 @@ std::string Sentence(const InfeasibilityReport& report) {
                   fmt::join(report.fighting, ", "));
   for (std::size_t i = 0; i < report.relaxations.size(); ++i) {
     const Relaxation& relaxation = report.relaxations[i];
-    text += fmt::format("{} {} relaxed by {:.4g} {} to {:.6g}", i ? "," : "", relaxation.text,
-                        std::abs(relaxation.relaxed - relaxation.limit), relaxation.unit, relaxation.relaxed);
+    const double by = RoundedRelaxation(relaxation), sign = relaxation.relaxed < relaxation.limit ? -1 : 1;
+    text += fmt::format("{} {} relaxed by {:.4g} {} to {:.8g}", i ? "," : "", relaxation.text, by, relaxation.unit,
+                        relaxation.limit + sign * by);
   }
   return text;
 }

@@ -101,6 +101,10 @@ double ObjectiveOf(const ReoptimizeProblem& problem, const ReoptimizePoint& poin
       return -100 * prediction.relative_rms;
     case Goal::kDuration:
       return -NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
+    case Goal::kNearest:
+      return -point.placement_mm.norm();
+    case Goal::kFarthest:
+      return problem.farthest.dot(point.placement_mm);
     default:
       return range_deg - problem.penalty_deg_per_mm * prediction.rms_mm;
   }
@@ -140,6 +144,45 @@ ReoptimizeResult Reoptimize(const ReoptimizeProblem& problem, const std::vector<
     progress.Advance();
   }
   return result;
+}
+
+ReoptimizePoint NearestToKnee(const ReoptimizeProblem& problem, const ReoptimizeSolve& optimum,
+                              const OptimizeOptions& options) {
+  if (!problem.fit_placement) return optimum.point;
+  ReoptimizeProblem nearest = WithGoal(problem, Goal::kNearest, optimum.Range_deg() - kEqualRange_deg);
+  nearest.max_misalignment_percent = optimum.Misalignment_percent() + kEqualMisalignment_percent;
+  if (problem.max_misalignment_percent)
+    nearest.max_misalignment_percent = std::min(*nearest.max_misalignment_percent, *problem.max_misalignment_percent);
+  const ReoptimizeSolve solve = SolveFrom(nearest, optimum.point, options, true);
+  const bool nearer = solve.IsUsable() && solve.point.placement_mm.norm() < optimum.point.placement_mm.norm();
+  return nearer ? solve.point : optimum.point;
+}
+
+std::optional<PlacementRange> FindPlacementRange(const ReoptimizeProblem& problem, const ReoptimizePoint& point,
+                                                 const OptimizeOptions& options) {
+  constexpr double kSameLinks_mm = 0.01;  // a machinist's; wide enough for an interior point to move in
+  const auto prediction = PredictPoint(problem, point);
+  if (!prediction) return std::nullopt;
+  ReoptimizeProblem farthest = WithGoal(problem, Goal::kFarthest);
+  farthest.fit_placement = true;
+  for (std::size_t i = 0; i < 6; ++i) {
+    Bounds& bounds = farthest.design.bounds[i];
+    const double length = point.links.Values()[i];
+    bounds = {std::max(bounds.lower, length - kSameLinks_mm), std::min(bounds.upper, length + kSameLinks_mm)};
+  }
+  PlacementRange range;
+  range.within_percent =
+      std::max(problem.max_misalignment_percent.value_or(0), 100 * prediction->relative_rms + kEqualMisalignment_percent);
+  farthest.max_misalignment_percent = range.within_percent;
+  for (const int axis : {0, 1})
+    for (const double side : {-1.0, 1.0}) {
+      farthest.farthest = side * Eigen::Vector2d::Unit(axis);
+      const ReoptimizeSolve solve = SolveFrom(farthest, point, options, true);
+      if (!solve.IsUsable()) return std::nullopt;
+      Bounds& bounds = axis == 0 ? range.x_mm : range.y_mm;
+      (side < 0 ? bounds.lower : bounds.upper) = solve.point.placement_mm[axis];
+    }
+  return range;
 }
 
 std::vector<ParetoPoint> ParetoFront(const ReoptimizeProblem& problem, int count, const std::vector<Links>& links,

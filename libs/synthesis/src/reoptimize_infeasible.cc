@@ -11,6 +11,13 @@ namespace {
 using Goal = ReoptimizeProblem::Goal;
 using Kind = StrokeProgram::Kind;
 
+// Three significant digits, upwards: what a message proposes, with room for the solver.
+double RoundedUp(double value) {
+  constexpr double kRoom = 1.001;
+  const double digit = std::pow(10, std::floor(std::log10(value)) - 2);
+  return std::ceil(kRoom * value / digit) * digit;
+}
+
 class Explainer {
  public:
   Explainer(const ReoptimizeProblem& problem, const std::vector<Links>& links, const OptimizeOptions& options)
@@ -31,6 +38,9 @@ class Explainer {
       return std::move(report_);
     }
     CollectBlocking(least.Best());
+    report_.working_percent = Working(*report_.least_percent, problem_, [](ReoptimizeProblem& p, double value) {
+      p.max_misalignment_percent = value;
+    });
     TryPlacement();
     TryDuration();
     TryReversing();
@@ -54,19 +64,47 @@ class Explainer {
     return NeededDuration(result.Best().point.knots_mm, problem.program.max_speed_mm_s);
   }
 
+  // Does a run of this problem find a design?
+  bool CanBeSolved(const ReoptimizeProblem& problem) const {
+    if (Reoptimize(problem, links_, options_).IsSolved()) return true;
+    const ReoptimizeResult least = Least(problem);
+    return least.IsSolved() && SolveFrom(problem, least.Best().point, options_, true).IsUsable();
+  }
+
+  // A rounded value from the least one upwards at which `set` makes a problem that can be solved.
+  template <typename Set>
+  std::optional<double> Working(double least, ReoptimizeProblem problem, Set set) const {
+    constexpr int kTries = 4;
+    double value = RoundedUp(least);
+    for (int i = 0; i < kTries; ++i, value = RoundedUp(1.005 * value)) {
+      set(problem, value);
+      if (CanBeSolved(problem)) return value;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<double> WorkingDuration(const ReoptimizeProblem& problem) const {
+    const auto least_s = LeastDuration(problem);
+    if (!least_s) return std::nullopt;
+    return Working(*least_s, problem, [](ReoptimizeProblem& p, double value) { p.program.duration_s = value; });
+  }
+
   // The synthesis problem itself, or the time of the motion, has no solution.
   void ExplainWithoutMisalignment() {
     const InfeasibilityReport design = AnalyseInfeasibility(problem_.design, options_);
     report_.nearest = StartPoint(problem_, design.links);
     report_.sentence = design.sentence;
     if (!design.solved || !design.relaxations.empty()) return;
-    ReoptimizeProblem unlimited = problem_;
-    unlimited.max_misalignment_percent.reset();
-    const std::optional<double> needed_s = LeastDuration(unlimited);
+    std::optional<double> needed_s = WorkingDuration(problem_);
+    if (!needed_s) {  // the limit on misalignment needs more than time
+      ReoptimizeProblem unlimited = problem_;
+      unlimited.max_misalignment_percent.reset();
+      needed_s = WorkingDuration(unlimited);
+    }
     if (needed_s && problem_.program.duration_s) {
       report_.ways.push_back({fmt::format("a duration of {:.4g} s", *needed_s), true, {}, needed_s});
       report_.sentence =
-          fmt::format("no design stands up within {:.4g} s at {:.4g} mm/s: the actuator's way needs at least {:.4g} s",
+          fmt::format("no design stands up within {:.4g} s at {:.4g} mm/s: {:.4g} s are enough",
                       *problem_.program.duration_s, problem_.program.max_speed_mm_s, *needed_s);
     } else {
       report_.sentence = "no design was found that can make the human's motion; ask for more --starts or wider bounds";
@@ -89,7 +127,10 @@ class Explainer {
     const ReoptimizeResult result = Least(problem);
     if (!result.IsSolved()) return;
     const double percent = result.Best().Misalignment_percent();
-    report_.ways.push_back({text, percent <= *problem_.max_misalignment_percent, percent, {}});
+    ReoptimizeProblem limited = problem;
+    limited.max_misalignment_percent = problem_.max_misalignment_percent;
+    const bool enough = SolveFrom(limited, result.Best().point, options_, true).IsUsable();
+    report_.ways.push_back({text, enough, percent, {}});
   }
 
   void TryPlacement() {
@@ -102,14 +143,14 @@ class Explainer {
   void TryDuration() {
     ReoptimizeProblem other = problem_;
     other.program.kind = Kind::kFree;
-    const auto needed_s = LeastDuration(other);
+    const auto needed_s = WorkingDuration(other);
     if (!needed_s) return;
     const double speed = problem_.program.max_speed_mm_s;
     std::string text = fmt::format(
         "{} of at least {:.4g} s at {:.4g} mm/s",
         problem_.program.kind == Kind::kFree ? "a duration" : "a free program (--program free)", *needed_s, speed);
     if (problem_.program.duration_s)
-      text += fmt::format(", or {:.4g} mm/s in {:.4g} s", speed * *needed_s / *problem_.program.duration_s,
+      text += fmt::format(", or {:.4g} mm/s in {:.4g} s", RoundedUp(speed * *needed_s / *problem_.program.duration_s),
                           *problem_.program.duration_s);
     report_.ways.push_back({text, true, {}, needed_s});
   }
@@ -128,6 +169,7 @@ class Explainer {
     std::string text = fmt::format(
         "no design has a misalignment of at most {:.4g} %: the smallest found with the {} at {:.4g} mm/s is {:.4g} %",
         *problem_.max_misalignment_percent, program, problem_.program.max_speed_mm_s, *report_.least_percent);
+    if (report_.working_percent) text += fmt::format(" (a limit of {:.4g} % can be held)", *report_.working_percent);
     std::vector<std::string> names;
     for (const ActiveSet::Entry& entry : report_.blocking) names.push_back(entry.name);
     if (!free) names.insert(names.begin(), "the constant program");

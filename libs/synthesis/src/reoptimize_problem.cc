@@ -28,6 +28,11 @@ std::vector<double> PlausibleStrokes(const ReoptimizeProblem& problem) {
 
 }  // namespace
 
+Bounds ReoptimizeProblem::PlacementBounds(int axis) const {
+  if (!fit_placement) return {placement_mm[axis], placement_mm[axis]};
+  return {-placement_reach_mm, placement_reach_mm};
+}
+
 void ReoptimizeProblem::CheckOptions() const {
   CheckPositive(program.max_speed_mm_s, "--max-speed", "mm/s");
   if (program.duration_s) CheckPositive(*program.duration_s, "--duration", "s");
@@ -63,7 +68,7 @@ double NeededDuration(const std::vector<double>& knots_mm, double max_speed_mm_s
 
 ReoptimizePoint StartPoint(const ReoptimizeProblem& problem, const Links& links) {
   ReoptimizePoint point{links, {}, problem.placement_mm, 0};
-  const auto tracking = TrackingStrokes(links, problem.design.d_min_mm, problem.design.standing_deg, problem.human);
+  const auto tracking = TrackingStrokes(problem.Driven(links), problem.human);
   const std::vector<double> strokes = tracking ? *tracking : PlausibleStrokes(problem);
   const int knots = problem.program.kind == Kind::kFree ? problem.program.knots : 2;
   for (int k = 0; k < knots; ++k)
@@ -93,8 +98,7 @@ Design DesignOf(const ReoptimizeProblem& problem, const ReoptimizePoint& point) 
 std::optional<Prediction> PredictPoint(const ReoptimizeProblem& problem, const ReoptimizePoint& point) {
   std::vector<double> strokes;
   for (int percent = 0; percent < kPercentSamples; ++percent) strokes.push_back(point.StrokeAt(percent));
-  return Predict(point.links, problem.design.d_min_mm, problem.design.standing_deg, point.placement_mm, strokes,
-                 problem.human);
+  return Predict(problem.Driven(point.links), point.placement_mm, strokes, problem.human);
 }
 
 }  // namespace lake

@@ -18,6 +18,7 @@ constexpr double kMisalignmentTie = 1e-5;   // deg (or s) per percent^2
 constexpr double kRangeTie = 1e-5;          // percent^2 (or s) per deg
 constexpr double kPlacementRidge = 1e-5;    // percent^2 per mm^2, as misalignment counts
 constexpr double kDurationTie = 1e-6;       // per s
+constexpr double kNearestWeight = 1e-2;     // per mm^2
 constexpr double kLeastDistance_mm = 1e-3;  // RMS that a penalty tells from zero, where its root has no derivative
 constexpr double kLongest_mm = 1e4, kLongest_s = 1e5;
 
@@ -32,10 +33,10 @@ struct SquaredErrorTerm {
 };
 
 struct SquareTerm {
-  double factor, origin;
+  double factor;
   template <typename T>
   T operator()(const T* v) const {
-    return (v[0] - origin) * (v[0] - origin) * factor;
+    return v[0] * v[0] * factor;
   }
 };
 
@@ -73,13 +74,15 @@ class Extender {
 
   void AddPlacement() {
     for (int axis = 0; axis < 2; ++axis) {
-      const double reach = problem_.fit_placement ? problem_.placement_reach_mm : 0;
-      const double middle = problem_.placement_mm[axis];
-      const std::string name = axis == 0 ? "placement_x" : "placement_y";
-      variables_.placement[axis] = nlp().AddVariable(
-          name, std::clamp(start_.placement_mm[axis], middle - reach, middle + reach), middle - reach, middle + reach);
+      const auto [lower, upper] = problem_.PlacementBounds(axis);
+      variables_.placement[axis] = nlp().AddVariable(axis == 0 ? "placement_x" : "placement_y",
+                                                     std::clamp(start_.placement_mm[axis], lower, upper), lower, upper);
       if (!problem_.fit_placement) continue;
-      nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{kPlacementRidge * MisalignmentWeight(), middle});
+      const double square =
+          problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * MisalignmentWeight();
+      nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{square});
+      if (problem_.goal == Goal::kFarthest)
+        AddScaledTerm(nlp(), NlpTerm::kCost, variables_.placement[axis], -problem_.farthest[axis]);
       synthesis_.published.push_back({variables_.placement[axis], "mm"});
     }
   }
@@ -159,7 +162,7 @@ class Extender {
     const int distance = nlp().AddVariable("rms distance", rms, kLeastDistance_mm, kUnbounded);
     const int row = nlp().AddRow("rms distance", -kUnbounded, 0);
     AddMeanSquare(row, false, 1 / kScale_mm2);
-    nlp().AddTerm(row, std::array{distance}, SquareTerm{-1 / kScale_mm2, 0});
+    nlp().AddTerm(row, std::array{distance}, SquareTerm{-1 / kScale_mm2});
     AddScaledTerm(nlp(), NlpTerm::kCost, distance, problem_.penalty_deg_per_mm);
   }
 

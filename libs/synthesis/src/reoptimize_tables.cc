@@ -103,9 +103,8 @@ void WriteOptimum(const ReoptimizeStudy& study, Run& run) {
     AddVariableRow(study, LinkName(i), before.links.Values()[i], after.links.Values()[i], problem.design.bounds[i],
                    best ? best->local.program.links[i] : -1, table);
   for (int axis = 0; axis < 2; ++axis) {
-    const double middle = problem.placement_mm[axis], reach = problem.fit_placement ? problem.placement_reach_mm : 0;
     AddVariableRow(study, axis == 0 ? "placement_x" : "placement_y", before.placement_mm[axis],
-                   after.placement_mm[axis], {middle - reach, middle + reach},
+                   after.placement_mm[axis], problem.PlacementBounds(axis),
                    best && problem.fit_placement ? best->variables.placement[axis] : -1, table);
   }
   AddVariableRow(study, "duration", study.before.duration_s, study.after.duration_s,
@@ -197,11 +196,9 @@ void WritePareto(const ReoptimizeStudy& study, Run& run) {
                                   "placement_y_mm"};
   std::ranges::copy(LinkColumns(""), std::back_inserter(header));
   CsvWriter table(header);
-  const SynthesisProblem& design = study.problem.design;
   for (const NamedFront& front : study.fronts)
     for (const ParetoPoint& point : front.points) {
-      const auto tracking =
-          TrackingStrokes(point.point.links, design.d_min_mm, design.standing_deg, study.problem.human);
+      const auto tracking = TrackingStrokes(study.problem.Driven(point.point.links), study.problem.human);
       table.Add(NameOf(front.program.kind)).Add(front.program.duration_s).Add(point.least_range_deg);
       table.Add(point.range_deg).Add(point.misalignment_percent).Add(point.rms_mm);
       table.Add(tracking ? TrackingTime(*tracking, study.problem.program.max_speed_mm_s) : kNaN);
@@ -235,6 +232,7 @@ Json InfeasibleJson(const MisalignmentInfeasibility& report) {
                     {"duration_s", way.duration_s ? Json(*way.duration_s) : Json()}});
   return {{"reason", report.sentence},
           {"smallest_misalignment_percent", report.least_percent ? Json(*report.least_percent) : Json()},
+          {"limit_that_holds_percent", report.working_percent ? Json(*report.working_percent) : Json()},
           {"blocking", blocking},
           {"ways_out", ways}};
 }
@@ -251,23 +249,24 @@ Json ProgramJson(const ReoptimizeStudy& study) {
   return json;
 }
 
-double RemainderRms(const HumanMotion& human) {
-  std::vector<double> lengths;
-  for (const HumanSample& sample : human) lengths.push_back(sample.remainder_mm.norm());
-  return RootMeanSquare(lengths);
-}
-
 void Warn(const ReoptimizeStudy& study, Run& run) {
   const ReoptimizeProblem& problem = study.problem;
-  if (study.measured.exo && !study.measured.worn)
+  if (study.measured.exo && study.measured.worn && !study.slip)
     run.Warn(
-        "the exoskeleton trial is left out: name the design worn in it with --worn, so that what the model does "
-        "not explain of it can be carried over");
-  if (study.measured.exo && study.measured.worn)
+        "the exoskeleton trial shows no leg of its own (a marker knee beside exo_knee), so nothing is known of how its "
+        "mount slipped: the prediction is without it");
+  constexpr double kOtherAngles_deg = 10;
+  if (study.worn_angle_off_deg && *study.worn_angle_off_deg > kOtherAngles_deg)
     run.Warn(fmt::format(
-        "the measured remainder of the worn design is carried over unchanged to the new one: {:.2g} mm RMS, of "
-        "{:.2g} mm measured",
-        RemainderRms(problem.human), study.before.misalignment ? study.before.misalignment->metrics.rms_mm : kNaN));
+        "{}: its program bends the knee {:.0f}° RMS otherwise than its trial shows; check links and program, or leave "
+        "the program out of the file: then the trial's own knee angles are taken",
+        study.measured.worn_file, *study.worn_angle_off_deg));
+  if (const auto& after = study.after.misalignment;
+      after && 100 * after->metrics.relative_rms < study.measured.noise_floor_percent)
+    run.Warn(fmt::format(
+        "the predicted misalignment, {:.2f} % of the shank, is below the noise floor of the comparison, {:.2f} %: a "
+        "recording of the new design cannot be expected to show less than that",
+        100 * after->metrics.relative_rms, study.measured.noise_floor_percent));
   if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
     run.Warn("neither --max-misalignment nor --penalty is given: the range alone decides");
   if (!study.IsSolved()) return;
@@ -276,7 +275,67 @@ void Warn(const ReoptimizeStudy& study, Run& run) {
         "multipliers are not published: at this optimum the gradients of the active limits are linearly dependent, so "
         "multipliers are not unique; ask for margins to have sensitivities");
   if (study.certificate)
-    run.Warn("the certified bound is of the range alone: it leaves the misalignment out, so it may not be tight");
+    run.Warn(fmt::format(
+        "the certified bound is of the range alone, the misalignment left out: without it {:.4f}° were found",
+        *study.widest_deg));
+}
+
+Json TrialJson(const ReoptimizeStudy& study) {
+  if (!study.measured_percent) return nullptr;
+  Json trial = {{"misalignment_percent", *study.measured_percent},
+                {"worn_angle_off_deg", study.worn_angle_off_deg ? NumberOrNull(*study.worn_angle_off_deg) : Json()}};
+  if (!study.slip) return trial;
+  const MountSlip& slip = *study.slip;
+  trial.update({{"slip_rms_mm", slip.slip_mm},
+                {"mount_rms_mm", slip.mount_mm},
+                {"mount_mm", {slip.placement_mm.x(), slip.placement_mm.y()}},
+                {"pace_rms_mm", slip.pace_mm},
+                {"lean_rms_mm", slip.lean_mm}});
+  return trial;
+}
+
+Json PlacementRangeJson(const ReoptimizeStudy& study) {
+  if (!study.placement_range) return nullptr;
+  const PlacementRange& range = *study.placement_range;
+  return {{"within_percent", range.within_percent},
+          {"x_mm", {range.x_mm.lower, range.x_mm.upper}},
+          {"y_mm", {range.y_mm.lower, range.y_mm.upper}},
+          {"range_at_knee_deg", study.range_at_knee_deg ? Json(*study.range_at_knee_deg) : Json()}};
+}
+
+// One sentence that says what to build, and how free that is.
+std::string BuildText(const ReoptimizeStudy& study) {
+  const auto& placement = study.after.design.placement_mm;
+  std::string text = fmt::format("Build it with the joint {}", DescribeJoint({placement[0], placement[1]}));
+  if (study.measured.worn) {
+    const auto& worn = study.measured.worn->placement_mm;
+    const double x = placement[0] - worn[0], y = placement[1] - worn[1];
+    text += fmt::format(", that is {:.1f} mm further {} and {:.1f} mm {} than it was worn", std::abs(x),
+                        x < 0 ? "back" : "forward", std::abs(y), y < 0 ? "lower" : "higher");
+  }
+  text += ".";
+  if (const auto& range = study.placement_range)
+    text += fmt::format(
+        " With its program adapted, {:.1f} to {:.1f} mm in front of the knee or {:.1f} to {:.1f} mm above it keep the "
+        "misalignment within {:.4g} %.",
+        range->x_mm.lower, range->x_mm.upper, range->y_mm.lower, range->y_mm.upper, range->within_percent);
+  if (study.range_at_knee_deg)
+    text += fmt::format(" With the joint on the knee the range would be {:.2f}°.", *study.range_at_knee_deg);
+  return text;
+}
+
+// Where the trial with the worn design differs from the human's, and what of it the prediction keeps.
+std::string TrialText(const ReoptimizeStudy& study) {
+  if (!study.measured_percent) return "No exoskeleton trial was used, so nothing is known of how its mount slips.";
+  std::string text = fmt::format("The exoskeleton trial has a misalignment of {:.2f} % of the shank.",
+                                 *study.measured_percent);
+  if (!study.slip) return text + " It shows no leg of its own, so nothing is known of how its mount slipped.";
+  return text + fmt::format(
+                    " On its own leg the joint sat {}; {:.2g} mm RMS beside the worn placement are slip, which the new "
+                    "design is taken to have too. The rest of the difference between the trials is pace ({:.2g} mm "
+                    "RMS) and lean ({:.2g} mm RMS), which it is not.",
+                    DescribeJoint(study.slip->placement_mm), study.slip->slip_mm, study.slip->pace_mm,
+                    study.slip->lean_mm);
 }
 
 }  // namespace
@@ -308,6 +367,11 @@ Json WriteReoptimization(const ReoptimizeStudy& study, Run& run) {
       {"links", LinksJson(study.after.design.links)},
       {"placement_mm", study.after.design.placement_mm},
       {"program", ProgramJson(study)},
+      {"trial", TrialJson(study)},
+      {"trial_text", TrialText(study)},
+      {"placement_range", PlacementRangeJson(study)},
+      {"build_text", study.IsSolved() ? Json(BuildText(study)) : Json()},
+      {"noise_floor_percent", study.measured.noise_floor_percent},
       {"before", BeforeAfterJson(study.before)},
       {"after", BeforeAfterJson(study.after)}};
   if (best) {

@@ -10,6 +10,8 @@ namespace lake {
 // The means over the repetitions that were compared; leg frame, mm.
 struct ComparedCurves {
   StsCurve human, exo;
+  std::vector<bool> spike{};                               // per percent
+  double noise_floor_mm = 0, noise_floor_relative = 0;  // RMS that noise alone would show
 };
 
 // `path`: the folder that lake-compare wrote, or its comparison.json. Throws Error naming the file: absent, not JSON,

@@ -48,6 +48,9 @@ struct Misalignment {
   std::optional<MisalignmentIntervals> intervals;
   // RMS that noise alone (marker sigmas or differences between repetitions, and the replacement of markers) would show.
   double noise_floor_mm = 0, noise_floor_relative = 0;
+  // Where the joint sat on the exo trial's own leg: the mean against its knee, in its shank's frame (x anterior, y up),
+  // spikes left out; absent where that leg is not shown. The decomposition's offset is the one that explains most.
+  std::optional<Eigen::Vector2d> mount_mm;
   FixedPivot best_pivot;  // of the knee model over the human's range of knee angles
   int human_repetitions = 0, exo_repetitions = 0;
   std::vector<std::string> warnings;
@@ -56,6 +59,10 @@ struct Misalignment {
 // The means over the repetitions are compared. Throws UsageError for an option out of range.
 Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& exo,
                            const MisalignmentOptions& options = {});
+
+// "18.0 mm in front of the knee and 31.8 mm above it along the shank": how every text says where a joint sits; shank
+// frame, x anterior, y up.
+std::string DescribeJoint(const Eigen::Vector2d& offset_mm);
 
 // misalignment.csv, 101 rows.
 void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment& misalignment);

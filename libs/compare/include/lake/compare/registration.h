@@ -19,6 +19,8 @@ struct StsCurve {
   int repetition = 0;                             // from 1; 0: a mean
   double duration_s = 0;                          // onset to standing
   std::vector<Eigen::Vector2d> ankle, knee, hip;  // knee: the compared marker
+  // The leg's own knee, where another marker is compared; empty: the trial does not show it.
+  std::vector<Eigen::Vector2d> leg_knee;
   std::vector<double> knee_deg;
   std::vector<double> knee_sigma_mm;  // one standard deviation per axis of the knee relative to the origin's ankle
 };
@@ -33,7 +35,8 @@ struct TrialTables {
 
 struct RegistrationOptions {
   std::string ankle = "ankle", hip = "hip";
-  std::string knee = "knee";  // the compared marker
+  std::string knee = "knee";      // the compared marker
+  std::string leg_knee = "knee";  // the leg's own
   double max_gap_s = 0.2;     // a longer gap in a repetition makes it useless
 };
 

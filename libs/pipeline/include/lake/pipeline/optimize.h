@@ -19,7 +19,8 @@ struct ReoptimizeRunOptions {
   std::filesystem::path human;       // … or a human trial alone, as lake-compare reads it; one of both
   std::string human_knee = "knee";   // the compared marker of the human trial
   TrialOptions human_reading;        // of files; a folder's markers have their names already
-  std::filesystem::path worn;        // design.yaml worn in the exoskeleton trial; empty: not known
+  std::filesystem::path worn;        // design.yaml worn in the exoskeleton trial; required with one
+  bool human_only = false;           // the exoskeleton trial of the comparison is left out
   ProgramLimits program;
   std::optional<double> max_misalignment_percent;
   double penalty_deg_per_mm = 0;

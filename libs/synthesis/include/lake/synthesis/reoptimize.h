@@ -16,7 +16,8 @@ struct ReoptimizeSolve {
   ReoptimizeVariables variables;
   ReoptimizePoint point;                 // the end
   std::optional<Prediction> prediction;  // of the end, by the closed form and the comparison's error
-  double objective = 0;                  // of the goal, larger is better: RoR - w RMS in deg; -percent; -s
+  // Of the goal, larger is better: RoR - w RMS in deg; -percent; -s; -|p| or farthest . p in mm.
+  double objective = 0;
 
   // Solved; feasible by the closed form; the limits on misalignment and range hold on the predicted path within 1e-5.
   bool IsUsable() const { return usable; }
@@ -47,6 +48,23 @@ struct ReoptimizeResult {
 // problem or options that fail Check(), Interrupted on a signal.
 ReoptimizeResult Reoptimize(const ReoptimizeProblem& problem, const std::vector<Links>& links,
                             const OptimizeOptions& options = {});
+
+// Designs count as equal that differ by no more than this.
+inline constexpr double kEqualRange_deg = 0.01, kEqualMisalignment_percent = 0.1;
+
+// Of the designs that hold every limit and are equal to this optimum (or better), the one whose joint is nearest to the
+// knee: a free program determines the placement only weakly. The optimum itself where it is not fitted.
+ReoptimizePoint NearestToKnee(const ReoptimizeProblem& problem, const ReoptimizeSolve& optimum,
+                              const OptimizeOptions& options = {});
+
+// Where the joint may sit with these links, their program adapted.
+struct PlacementRange {
+  double within_percent = 0;  // of misalignment: the limit, or that of the point + kEqualMisalignment_percent if larger
+  Bounds x_mm, y_mm;          // farthest to either side, the other coordinate adapted
+};
+// nullopt where a side was not found.
+std::optional<PlacementRange> FindPlacementRange(const ReoptimizeProblem& problem, const ReoptimizePoint& point,
+                                                 const OptimizeOptions& options = {});
 
 struct ParetoPoint {
   double least_range_deg = 0;  // asked for

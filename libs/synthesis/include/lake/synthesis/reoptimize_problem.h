@@ -2,7 +2,7 @@
 //
 //   max  RoR - w RMS(|e - h|)                  X = links, p = placement, d(s) = stroke program
 //   s.t. RMS(|e - h| / L) <= limit,  every requirement and bound of the synthesis problem,
-//        |dd/dt| <= max_speed, total time <= duration, p within its bounds
+//        |dd/dt| <= max_speed, total time <= duration, |p_x|, |p_y| <= reach about the knee
 //
 // e(s) is predicted by human_motion.h, the error is the comparison's own (compare/pointwise_error.h).
 #pragma once
@@ -31,16 +31,22 @@ struct ReoptimizeProblem {
   std::optional<double> max_misalignment_percent;  // RMS relative error
   double penalty_deg_per_mm = 0;                   // w
   bool fit_placement = false;
-  Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();  // where the joint sits, or the middle of where it may
-  double placement_reach_mm = 40;                          // to either side, x and y, if it is fitted
+  Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();  // where the joint sits; if it is fitted, a start
+  double placement_reach_mm = 40;                          // from the knee to either side, x and y, if it is fitted
 
   // What is sought. The other goals make Pareto fronts and explain what cannot be had.
   enum class Goal {
     kRange,         // RoR - w RMS
     kMisalignment,  // least RMS relative error; no penalty
-    kDuration       // shortest sit-to-stand
+    kDuration,      // shortest sit-to-stand
+    kNearest,       // least |p|: the joint nearest to the knee
+    kFarthest       // largest `farthest` . p
   } goal = Goal::kRange;
   std::optional<double> min_range_deg;
+  Eigen::Vector2d farthest = Eigen::Vector2d::Zero();
+
+  DrivenLinks Driven(const Links& links) const { return {links, design.d_min_mm, design.standing_deg}; }
+  Bounds PlacementBounds(int axis) const;  // both the same where it is not fitted
 
   // Throws UsageError naming the option; the motion is not looked at.
   void CheckOptions() const;

@@ -17,8 +17,11 @@ namespace lake {
 // What the re-optimisation starts from.
 struct MeasuredMotion {
   StsCurve human;
-  std::optional<StsCurve> exo;  // of the trial with an exoskeleton
-  std::optional<Design> worn;   // in that trial
+  std::optional<StsCurve> exo{};   // of the trial with an exoskeleton
+  std::vector<bool> spike{};       // per percent of both; empty: none
+  double noise_floor_percent = 0;  // of their comparison, RMS; 0: not known
+  std::optional<Design> worn{};    // in that trial; without a program it was moved by the leg
+  std::string worn_file{};         // for messages
 };
 
 struct ReoptimizeOptions {
@@ -51,12 +54,13 @@ struct WayOut {
   std::string text;                            // "a free program of at least 24 s at 5 mm/s"
   bool enough = false;                         // holds the limit
   std::optional<double> misalignment_percent;  // the least it reaches, if that is what was sought
-  std::optional<double> duration_s;            // the least it needs, likewise
+  std::optional<double> duration_s;            // rounded up, with which the problem was solved, likewise
 };
 
 struct MisalignmentInfeasibility {
   bool within_reach = false;            // the limits can be held after all; the solver did not get there
   std::optional<double> least_percent;  // the smallest misalignment found under the given program
+  std::optional<double> working_percent;  // a rounded limit a little above, with which the problem was solved
   // Limits that hold it there; price: change of the least misalignment in % per unit by which the limit is raised; NaN
   // where multipliers are not unique.
   std::vector<ActiveSet::Entry> blocking;
@@ -75,12 +79,18 @@ struct ReoptimizeStudy {
   ReoptimizeProblem problem;
   ReoptimizeOptions options;
   MeasuredMotion measured;
+  std::optional<MountSlip> slip;                // absent: delta is zero
+  std::optional<double> measured_percent;       // misalignment of the exo trial itself, RMS relative error
+  std::optional<double> worn_angle_off_deg;     // RMS, the worn design's program against its trial's own knee angles
   ReoptimizeResult result;
+  std::optional<PlacementRange> placement_range;  // of the design, if its placement is fitted
+  std::optional<double> range_at_knee_deg;        // likewise: the range with the joint at the knee; absent: none found
   std::optional<MisalignmentInfeasibility> infeasible;  // if no start is usable
   DesignInMotion before;  // the worn design, or the problem's start under a constant program
-  DesignInMotion after;   // the optimum, or the design of the smallest misalignment found
+  DesignInMotion after;   // the optimum, of equals that with the joint nearest to the knee, or the design of the smallest misalignment found
   ActiveSet active;
-  std::optional<Certificate> certificate;  // of the range, misalignment left out
+  std::optional<double> widest_deg;        // the largest range found without the human
+  std::optional<Certificate> certificate;  // of that range
   std::optional<Yield> yield;
   std::vector<NamedFront> fronts;
 
@@ -88,7 +98,8 @@ struct ReoptimizeStudy {
 };
 
 // The human's motion of the problem is set here: from the measured curves, with delta if a worn design is known. Throws
-// Error for input that cannot be used, UsageError for options, Interrupted on a signal.
+// Error for input that cannot be used, which a worn design is that leaves most of its trial's joint unexplained,
+// UsageError for options, Interrupted on a signal.
 ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotion& measured,
                                   const ReoptimizeOptions& options);
 
