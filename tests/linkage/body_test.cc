@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "lake/core/angles.h"
 #include "lake/core/error.h"
 
 namespace lake {
@@ -87,7 +89,14 @@ TEST(CheckWear, AShortBodyHasNoRoomForTheMount) {
   EXPECT_FALSE(check.FitsAlongThigh());
 }
 
-// A mount far behind a thin leg: the actuator clears the thigh all the way.
+double DistanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const Eigen::Vector2d along = to - from;
+  const double u = std::clamp((point - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (point - from - u * along).norm();
+}
+
+// A mount far behind a thin leg: the actuator clears the thigh all the way, by its distance to the thigh's hind edge
+// and to its two ends.
 TEST(CheckWear, AMountFarBehindClearsTheThigh) {
   const Links far{80, 160, 60, 150, 220, 220};
   const auto ranges = AssemblyRanges(far);
@@ -96,8 +105,27 @@ TEST(CheckWear, AMountFarBehindClearsTheThigh) {
   ASSERT_FALSE(seated.empty());
   ASSERT_FALSE(standing.empty());
   const UsedRange range = FindUsedRange(far, seated.front(), standing.front());
-  const WearCheck check = CheckWear(far, range, BodyOf(1800, 50), {});
-  EXPECT_GT(check.thigh_clearance_mm, 0);
+  const Body body = BodyOf(1800, 50);
+  const WearOptions options;
+  const WearCheck check = CheckWear(far, range, body, options);
+  const Eigen::Vector2d knee(0, 0), hip(0, body.thigh.length_mm), hind_knee(body.thigh.distal_radius_mm, 0),
+      hind_hip(body.thigh.proximal_radius_mm, body.thigh.length_mm);
+  double least_mm = HUGE_VAL, at_deg = 0;
+  for (int i = 0; i <= 500; ++i) {
+    const auto pose = SolvePose(far, range.stroke.lower_mm + range.stroke.Travel() * i / 500);
+    ASSERT_TRUE(pose);
+    for (int j = 0; j <= 1000; ++j) {
+      const Eigen::Vector2d point = pose->mount + (pose->tip - pose->mount) * j / 1000;
+      const double distance_mm =
+          std::min({DistanceToSegment(point, knee, hind_knee), DistanceToSegment(point, hind_hip, hip),
+                    DistanceToSegment(point, hind_knee, hind_hip)});
+      if (distance_mm < least_mm) least_mm = distance_mm, at_deg = DegreesFromRadians(pose->theta_rad);
+    }
+  }
+  // Poses and points are sampled five to ten times as finely as there: 3 mm along the actuator, 1 % of its stroke.
+  EXPECT_NEAR(check.thigh_clearance_mm, least_mm - options.actuator_diameter_mm / 2, 0.1);
+  EXPECT_NEAR(check.thigh_clearance_deg, at_deg, 1);
+  EXPECT_GE(check.thigh_clearance_mm, 0);
 }
 
 }  // namespace

@@ -83,6 +83,17 @@ std::string PngTerminal(int width_px, int height_px) {
                      height_px);
 }
 
+// gnuplot ends with 0 even where it could not write. A picture that ends as its format does is whole.
+void CheckWhole(const std::filesystem::path& written, const std::filesystem::path& path) {
+  using namespace std::string_view_literals;
+  const std::string picture = ReadTextFile(written);
+  const std::string extension = path.extension().string();
+  const bool whole = extension == ".svg"   ? Trim(picture).ends_with("</svg>")
+                     : extension == ".gif" ? picture.ends_with("\0;"sv)
+                                           : picture.ends_with("IEND\xAE\x42\x60\x82"sv);
+  if (!whole) throw Fail("{}: gnuplot could not write it whole; is the disk full?", path.string());
+}
+
 // gnuplot switches smoothing off for filled shapes in SVG, which leaves slanted edges jagged on screens.
 void SmoothEdges(const std::filesystem::path& svg) {
   constexpr std::string_view kJagged = "crispEdges", kSmooth = "geometricPrecision";
@@ -130,6 +141,7 @@ void GnuplotFigure::Write(const std::filesystem::path& path) const {
   std::string script = terminal + SetOutput(picture.TemporaryPath());
   for (const std::string& page : pages_) script += page;
   Scratch(path).Draw(path, script);
+  CheckWhole(picture.TemporaryPath(), path);
   if (svg) SmoothEdges(picture.TemporaryPath());
   picture.Commit();
 }
@@ -143,14 +155,16 @@ void GnuplotFigure::WriteGif(const std::filesystem::path& path, double pages_per
   script += SetOutput(picture.TemporaryPath());
   for (const std::string& page : pages_) script += page;
   Scratch(path).Draw(path, script);
+  CheckWhole(picture.TemporaryPath(), path);
   picture.Commit();
 }
 
 void GnuplotFigure::WritePages(const std::filesystem::path& folder) const {
   std::string script = PngTerminal(width_px_, height_px_);
-  for (std::size_t page = 0; page < pages_.size(); ++page)
-    script += SetOutput(folder / fmt::format("{:05}.png", page)) + pages_[page];
+  const auto picture = [&](std::size_t page) { return folder / fmt::format("{:05}.png", page); };
+  for (std::size_t page = 0; page < pages_.size(); ++page) script += SetOutput(picture(page)) + pages_[page];
   Scratch(folder / "pages").Draw(folder, script);
+  for (std::size_t page = 0; page < pages_.size(); ++page) CheckWhole(picture(page), picture(page));
 }
 
 std::string QuoteForGnuplot(std::string_view text) {
