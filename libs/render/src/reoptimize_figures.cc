@@ -12,7 +12,6 @@
 namespace lake {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kBefore = "#0072B2";
 constexpr const char* kFrame =
     "set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'";
