@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lake/core/angles.h"
 #include "lake/render/gnuplot.h"
