@@ -79,7 +79,7 @@ class Tidy(Project):
 
     def setUp(self):
         super().setUp()
-        self.copy("scripts/check_tidy.sh", "CMakePresets.json", ".clang-tidy")
+        self.copy("scripts/check_tidy.py", "CMakePresets.json", ".clang-tidy")
         self.write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(lake LANGUAGES CXX)\n"
                    "add_custom_target(lake_commit)\nadd_library(lake_a STATIC libs/a.cc libs/b.cc)\n")
         self.write(".gitignore", "/build/\n")
@@ -96,14 +96,14 @@ class Tidy(Project):
         self.git("commit", "-q", "-m", "a")
 
     def test_without_origin_the_last_commit(self):
-        code, said = self.run_script("scripts/check_tidy.sh")
+        code, said = self.run_script("scripts/check_tidy.py")
         self.assertNotEqual(code, 0, said)
         self.assertIn("modernize-use-nullptr", said)
         self.write("libs/b.cc", "int* another = nullptr;\n")
         self.commit()
-        code, said = self.run_script("scripts/check_tidy.sh")
+        code, said = self.run_script("scripts/check_tidy.py")
         self.assertEqual(code, 0, said)
-        self.assertIn("no finding in 1 sources", said)
+        self.assertIn("0 with findings", said)
 
     def test_since_the_branch_left_origin(self):
         self.git("update-ref", "refs/remotes/origin/main", "HEAD")
@@ -112,7 +112,7 @@ class Tidy(Project):
         self.commit()
         self.write("README.md", "")
         self.commit()
-        code, said = self.run_script("scripts/check_tidy.sh")
+        code, said = self.run_script("scripts/check_tidy.py")
         self.assertNotEqual(code, 0, said)
         self.assertIn("libs/b.cc", said)
         self.assertNotIn("libs/a.cc:", said)

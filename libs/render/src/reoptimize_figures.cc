@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lake/core/angles.h"
 #include "lake/render/gnuplot.h"
@@ -12,7 +11,6 @@
 namespace lake {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kBefore = "#0072B2";
 constexpr const char* kFrame =
     "set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'";
