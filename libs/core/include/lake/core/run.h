@@ -79,7 +79,7 @@ class Run {
   std::shared_ptr<FolderLock> lock_;  // held from Begin() on
   bool begun_ = false;
   bool made_folder_ = false;
-  bool older_version_ = false;  // the folder holds results of this program from before it kept lists
+  bool older_version_ = false;  // results of this program without a list that can be read
   std::set<std::string> files_;
 };
 
