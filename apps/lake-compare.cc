@@ -26,8 +26,8 @@ std::string Report(const lake::Json& summary) {
   text += fmt::format("placement {:.1f} %, timing {:.1f} %, shape {:.1f} %\n", part("placement"), part("timing"),
                       part("shape"));
   const lake::Json& joint = summary["mount_mm"].is_array() ? summary["mount_mm"] : parts["offset_mm"];
-  return text + fmt::format("the exoskeleton's joint sits {}\n",
-                            lake::DescribeJoint({number(joint[0]), number(joint[1])}));
+  return text +
+         fmt::format("the exoskeleton's joint sits {}\n", lake::DescribeJoint({number(joint[0]), number(joint[1])}));
 }
 
 }  // namespace

@@ -62,8 +62,9 @@ void CheckWorn(const MeasuredMotion& measured, const MountSlip& slip, const Huma
       measured.worn_file, slip.mount_mm, slip.slip_mm, measured.worn->placement_mm[0], measured.worn->placement_mm[1]);
   HumanMotion other = human;
   if (const auto placed = SetSlip(*measured.exo, measured.spike, slip.placement_mm, other); !LeavesTooMuch(*placed))
-    text += fmt::format("; if this design was worn, write placement_mm: [{:.1f}, {:.1f}], where the joint was on average",
-                        slip.placement_mm.x(), slip.placement_mm.y());
+    text +=
+        fmt::format("; if this design was worn, write placement_mm: [{:.1f}, {:.1f}], where the joint was on average",
+                    slip.placement_mm.x(), slip.placement_mm.y());
   throw Fail("{}; else name the design that was worn (--worn), or leave that trial out (--human-only)", text);
 }
 
@@ -204,8 +205,8 @@ ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotio
   study.result = Reoptimize(problem, links, options.optimize);
   if (!study.IsSolved()) study.infeasible = ExplainInfeasible(problem, links, options.optimize);
   if (study.infeasible && study.infeasible->within_reach) StartFromNearest(study);
-  const ReoptimizePoint end = study.IsSolved() ? NearestToKnee(problem, study.result.Best(), options.optimize)
-                                               : study.infeasible->nearest;
+  const ReoptimizePoint end =
+      study.IsSolved() ? NearestToKnee(problem, study.result.Best(), options.optimize) : study.infeasible->nearest;
   study.after = PutInMotion(problem, measured.human, DesignOf(problem, end));
   if (study.IsSolved()) study.active = FindActiveSet(study.result.Best().local);
   if (options.pareto_points) study.fronts = Fronts(study, links);
