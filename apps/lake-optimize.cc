@@ -76,7 +76,8 @@ void AddReoptimizeOptions(CLI::App& cli, Options& options) {
   group->add_flag("--monotone", reoptimize.program.monotone, "A free program may not turn back");
   group->add_option("--knots", reoptimize.program.knots, "Knots of a free program");
   group->add_flag("--fit-placement", reoptimize.fit_placement, "Move the exoskeleton's joint on the shank too");
-  group->add_option("--placement-reach", reoptimize.placement_reach_mm, "How far from the knee it may sit, mm to either side");
+  group->add_option("--placement-reach", reoptimize.placement_reach_mm,
+                    "How far from the knee it may sit, mm to either side");
   group->add_option("--pareto", reoptimize.pareto_points,
                     "Range against misalignment in this many points, for a constant and a short free program");
 }

@@ -230,6 +230,9 @@ TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
   ExpectRefused(trial + "reoptimize: {pareto: 1}\n", "'pareto' must be at least 2");
   ExpectRefused(trial + "reoptimize: {max_misalignment: 1}\n", "study.yaml:2: unknown key 'max_misalignment'");
   ExpectRefused(trial + "reoptimize: {duration_s: -1}\n", "'duration_s' must be positive");
+  const std::string both = trial + "exo: {video: exo.mp4}\n";
+  ExpectRefused(both + "reoptimize: {pareto: 3}\n", "human_only: true");
+  EXPECT_TRUE(Read(both + "reoptimize: {human_only: true}\n").redesign->options.human_only);
   ExpectRefused(trial + "design: {worn: worn.yaml}\n", "'worn' needs an 'exo' trial");
   ExpectRefused(trial + "stroke: {margin_mm: -1}\n", "study.yaml:2: ");
   ExpectRefused(trial + "stroke: {speed_tolerance_percent: 300}\n", "study.yaml:2: ");

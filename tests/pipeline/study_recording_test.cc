@@ -23,6 +23,7 @@ exo:
   forward: +x
 compare: {{replacement_sd_mm: 0}}
 reoptimize:
+  human_only: true
   problem: {{margins: {{grashof_mm: 2, singularity_mm: 2}}}}
   max_misalignment_percent: 3
   program: free

@@ -107,7 +107,9 @@ TEST_F(LakeReoptimize, TheSlipIsTheKnownOffset) {
                 100 * ReadJsonFile(folder_ / "comparison.json")["metrics"]["relative_rms"].get<double>(), 1e-9);
     EXPECT_EQ(summary["before"]["l1_mm"], kPublished.l1);
     // Without a program the linkage went along with its trial's own knee, which is late.
-    if (!with_program) EXPECT_LT(summary["trial"]["worn_angle_off_deg"].get<double>(), 0.01);
+    if (!with_program) {
+      EXPECT_LT(summary["trial"]["worn_angle_off_deg"].get<double>(), 0.01);
+    }
     // The slip is kept: the joint that makes up for it sits as far behind.
     EXPECT_LT(summary["placement_mm"][0].get<double>(), 0);
   }
@@ -128,8 +130,9 @@ TEST_F(LakeReoptimize, AWornDesignThatDoesNotFitItsTrialIsToldAndTheAdviceHelps)
 }
 
 TEST_F(LakeReoptimize, TheExoskeletonTrialIsLeftOutOnlyWhenToldSo) {
-  const std::string comparison = fmt::format("--comparison {} --starts 4 --penalty 0.5 --grashof-margin 2 --quiet -o {} ",
-                                             folder_.Path().string(), (folder_ / "out").string());
+  const std::string comparison =
+      fmt::format("--comparison {} --starts 4 --penalty 0.5 --grashof-margin 2 --quiet -o {} ", folder_.Path().string(),
+                  (folder_ / "out").string());
   const Ended refused = RunProgram(comparison);
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_THAT(refused.text, testing::AllOf(HasSubstr("--worn"), HasSubstr("--human-only")));

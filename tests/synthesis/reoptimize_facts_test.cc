@@ -37,9 +37,7 @@ class RealMotion : public testing::Test {
     return result.IsSolved() ? result.Best().Misalignment_percent() : NAN;
   }
 
-  double TrackingTimeOf(const Links& links) const {
-    return TrackingTime(*TrackingStrokes({links}, problem_.human), 5);
-  }
+  double TrackingTimeOf(const Links& links) const { return TrackingTime(*TrackingStrokes({links}, problem_.human), 5); }
 
   ReoptimizeProblem problem_;
 };

@@ -88,7 +88,8 @@ std::optional<Prediction> Predict(const DrivenLinks& linkage, const Vector2d& pl
   std::vector<double> shank_mm;
   for (std::size_t i = 0; i < human.size(); ++i) {
     if (!range->stroke.Contains(stroke_mm[i], kRounding_mm)) return std::nullopt;
-    const auto pose = SolvePose(linkage.links, std::clamp(stroke_mm[i], range->stroke.lower_mm, range->stroke.upper_mm));
+    const auto pose =
+        SolvePose(linkage.links, std::clamp(stroke_mm[i], range->stroke.lower_mm, range->stroke.upper_mm));
     if (!pose) return std::nullopt;
     const HumanSample& sample = human[i];
     prediction.theta_rad.push_back(pose->theta_rad);

@@ -171,8 +171,8 @@ std::optional<PlacementRange> FindPlacementRange(const ReoptimizeProblem& proble
     bounds = {std::max(bounds.lower, length - kSameLinks_mm), std::min(bounds.upper, length + kSameLinks_mm)};
   }
   PlacementRange range;
-  range.within_percent =
-      std::max(problem.max_misalignment_percent.value_or(0), 100 * prediction->relative_rms + kEqualMisalignment_percent);
+  range.within_percent = std::max(problem.max_misalignment_percent.value_or(0),
+                                  100 * prediction->relative_rms + kEqualMisalignment_percent);
   farthest.max_misalignment_percent = range.within_percent;
   for (const int axis : {0, 1})
     for (const double side : {-1.0, 1.0}) {

@@ -38,9 +38,8 @@ class Explainer {
       return std::move(report_);
     }
     CollectBlocking(least.Best());
-    report_.working_percent = Working(*report_.least_percent, problem_, [](ReoptimizeProblem& p, double value) {
-      p.max_misalignment_percent = value;
-    });
+    report_.working_percent = Working(*report_.least_percent, problem_,
+                                      [](ReoptimizeProblem& p, double value) { p.max_misalignment_percent = value; });
     TryPlacement();
     TryDuration();
     TryReversing();
@@ -103,9 +102,8 @@ class Explainer {
     }
     if (needed_s && problem_.program.duration_s) {
       report_.ways.push_back({fmt::format("a duration of {:.4g} s", *needed_s), true, {}, needed_s});
-      report_.sentence =
-          fmt::format("no design stands up within {:.4g} s at {:.4g} mm/s: {:.4g} s are enough",
-                      *problem_.program.duration_s, problem_.program.max_speed_mm_s, *needed_s);
+      report_.sentence = fmt::format("no design stands up within {:.4g} s at {:.4g} mm/s: {:.4g} s are enough",
+                                     *problem_.program.duration_s, problem_.program.max_speed_mm_s, *needed_s);
     } else {
       report_.sentence = "no design was found that can make the human's motion; ask for more --starts or wider bounds";
     }

@@ -78,8 +78,7 @@ class Extender {
       variables_.placement[axis] = nlp().AddVariable(axis == 0 ? "placement_x" : "placement_y",
                                                      std::clamp(start_.placement_mm[axis], lower, upper), lower, upper);
       if (!problem_.fit_placement) continue;
-      const double square =
-          problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * MisalignmentWeight();
+      const double square = problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * MisalignmentWeight();
       nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{square});
       if (problem_.goal == Goal::kFarthest)
         AddScaledTerm(nlp(), NlpTerm::kCost, variables_.placement[axis], -problem_.farthest[axis]);

@@ -138,9 +138,9 @@ void StudyPlacement(const ReoptimizePoint& chosen, ReoptimizeStudy& study) {
 
 // Of the range alone: the misalignment's limit holds the design's own range down, and a bound never comes near that.
 void CertifyWidest(ReoptimizeStudy& study) {
-  const OptimizeResult widest = Optimize(study.problem.design, study.options.optimize);
+  const SynthesisResult widest = Optimize(study.problem.design, study.options.optimize);
   study.widest_deg = study.result.Best().Range_deg();
-  if (widest.IsSolved()) study.widest_deg = std::max(*study.widest_deg, widest.Best().evaluation.range_deg);
+  if (widest.best >= 0) study.widest_deg = std::max(*study.widest_deg, widest.Best().evaluation.range_deg);
   study.certificate = Certify(study.problem.design, *study.widest_deg, *study.options.certify_gap_deg,
                               study.options.certify_boxes, study.options.quiet);
 }

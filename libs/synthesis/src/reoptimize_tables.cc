@@ -327,8 +327,8 @@ std::string BuildText(const ReoptimizeStudy& study) {
 // Where the trial with the worn design differs from the human's, and what of it the prediction keeps.
 std::string TrialText(const ReoptimizeStudy& study) {
   if (!study.measured_percent) return "No exoskeleton trial was used, so nothing is known of how its mount slips.";
-  std::string text = fmt::format("The exoskeleton trial has a misalignment of {:.2f} % of the shank.",
-                                 *study.measured_percent);
+  std::string text =
+      fmt::format("The exoskeleton trial has a misalignment of {:.2f} % of the shank.", *study.measured_percent);
   if (!study.slip) return text + " It shows no leg of its own, so nothing is known of how its mount slipped.";
   return text + fmt::format(
                     " On its own leg the joint sat {}; {:.2g} mm RMS beside the worn placement are slip, which the new "

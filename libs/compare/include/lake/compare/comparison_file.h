@@ -10,7 +10,7 @@ namespace lake {
 // The means over the repetitions that were compared; leg frame, mm.
 struct ComparedCurves {
   StsCurve human, exo;
-  std::vector<bool> spike{};                               // per percent
+  std::vector<bool> spike{};                            // per percent
   double noise_floor_mm = 0, noise_floor_relative = 0;  // RMS that noise alone would show
 };
 

@@ -37,7 +37,7 @@ struct RegistrationOptions {
   std::string ankle = "ankle", hip = "hip";
   std::string knee = "knee";      // the compared marker
   std::string leg_knee = "knee";  // the leg's own
-  double max_gap_s = 0.2;     // a longer gap in a repetition makes it useless
+  double max_gap_s = 0.2;         // a longer gap in a repetition makes it useless
 };
 
 struct RegisteredTrial {

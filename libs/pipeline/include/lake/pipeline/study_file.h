@@ -5,7 +5,9 @@
 //   human, exo: {video, markers, seeds, detector, …}   or   {trial, map, up, forward, …}     exo may be absent
 //   compare: {human_knee, exo_knee, replacement_sd_mm}
 //   design: {problem: file or map, worn: design.yaml, certify_deg}
-//   reoptimize: {max_misalignment_percent, penalty, program, max_speed_mm_s, duration_s, fit_placement, pareto, …};
+//   reoptimize: {max_misalignment_percent, penalty, program, max_speed_mm_s, duration_s, fit_placement, human_only,
+//   pareto, …};
+//     with an exo trial either the worn design or human_only: true;
 //     absent: no design is fitted to the person
 //   stroke: {duty_table, speed_mm_s, margin_mm, return, …}; absent: no stroke program
 #pragma once

@@ -84,11 +84,11 @@ std::optional<std::vector<double>> ProgramStrokes(const Design& design, double s
 // Of what the exoskeleton trial's joint is off the human's knee. RMS in mm; the paths of mount, pace and lean add up to
 // the measured difference.
 struct MountSlip {
-  double slip_mm = 0;                                       // delta
-  double mount_mm = 0;                                      // the joint against the trial's own knee: placement and delta
+  double slip_mm = 0;   // delta
+  double mount_mm = 0;  // the joint against the trial's own knee: placement and delta
   Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();  // its mean: where the joint sat, shank frame
-  double pace_mm = 0;  // the leg's knee angle is another one at this percent …
-  double lean_mm = 0;  // … and so are its ankle, lean and lengths
+  double pace_mm = 0;                                      // the leg's knee angle is another one at this percent …
+  double lean_mm = 0;                                      // … and so are its ankle, lean and lengths
 };
 
 // Sets delta from the exoskeleton trial's own leg and the placement worn in it; where there is a spike, from the line

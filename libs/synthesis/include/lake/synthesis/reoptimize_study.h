@@ -58,8 +58,8 @@ struct WayOut {
 };
 
 struct MisalignmentInfeasibility {
-  bool within_reach = false;            // the limits can be held after all; the solver did not get there
-  std::optional<double> least_percent;  // the smallest misalignment found under the given program
+  bool within_reach = false;              // the limits can be held after all; the solver did not get there
+  std::optional<double> least_percent;    // the smallest misalignment found under the given program
   std::optional<double> working_percent;  // a rounded limit a little above, with which the problem was solved
   // Limits that hold it there; price: change of the least misalignment in % per unit by which the limit is raised; NaN
   // where multipliers are not unique.
@@ -79,15 +79,16 @@ struct ReoptimizeStudy {
   ReoptimizeProblem problem;
   ReoptimizeOptions options;
   MeasuredMotion measured;
-  std::optional<MountSlip> slip;                // absent: delta is zero
-  std::optional<double> measured_percent;       // misalignment of the exo trial itself, RMS relative error
-  std::optional<double> worn_angle_off_deg;     // RMS, the worn design's program against its trial's own knee angles
+  std::optional<MountSlip> slip;             // absent: delta is zero
+  std::optional<double> measured_percent;    // misalignment of the exo trial itself, RMS relative error
+  std::optional<double> worn_angle_off_deg;  // RMS, the worn design's program against its trial's own knee angles
   ReoptimizeResult result;
   std::optional<PlacementRange> placement_range;  // of the design, if its placement is fitted
   std::optional<double> range_at_knee_deg;        // likewise: the range with the joint at the knee; absent: none found
   std::optional<MisalignmentInfeasibility> infeasible;  // if no start is usable
   DesignInMotion before;  // the worn design, or the problem's start under a constant program
-  DesignInMotion after;   // the optimum, of equals that with the joint nearest to the knee, or the design of the smallest misalignment found
+  DesignInMotion after;   // the optimum, of equals that with the joint nearest to the knee, or the design of the
+                          // smallest misalignment found
   ActiveSet active;
   std::optional<double> widest_deg;        // the largest range found without the human
   std::optional<Certificate> certificate;  // of that range
