@@ -70,7 +70,7 @@ void Run::Retire(ResultsList old) {
   if (info_.default_folder && old.subject != info_.subject && !old.files.empty())
     throw Fail("{}: holds the results of {}; choose another folder for those of {} with -o", info_.out.string(),
                old.Describe(), SubjectText());
-  if (!old.files.contains(kSummary) && ReadSummaryHead(info_.out).program != info_.program) CheckIsFree(kSummary);
+  if (!old.files.contains(kSummary)) CheckIsFree(kSummary);
   // What this run reads stays until its own result takes the place.
   for (const Json& input : inputs_)
     std::erase_if(old.files, [&](const std::string& name) {
@@ -79,7 +79,7 @@ void Run::Retire(ResultsList old) {
       if (is_read) files_.insert(name);
       return is_read;
     });
-  if (older_version_ && ReadSummaryHead(info_.out).program == info_.program) old.files.insert(kSummary);
+  if (older_version_) old.files.insert(kSummary);
   old.program = info_.program;
   RemoveResults(info_.out, old);
 }
@@ -93,8 +93,9 @@ void Run::Begin(const std::vector<std::string>& names) {
   if (!begun_) {
     TakeFolder();
     const ResultsList old = ReadResultsList(info_.out, info_.program);
+    const std::string owner = ReadSummaryHead(info_.out).program;
     const bool is_unreadable = old.program.empty() && fs::exists(ResultsListPath(info_.out, info_.program));
-    older_version_ = is_unreadable || (old.files.empty() && ReadSummaryHead(info_.out).program == info_.program);
+    older_version_ = old.files.empty() && (owner == info_.program || (is_unreadable && owner.empty()));
     for (const std::string& name : names)
       if (!old.files.contains(name)) CheckIsFree(name);
     Retire(old);
