@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "lake/pipeline/calibrate.h"
+#include "lake/commands/calibrate.h"
 #include "program.h"
 
 namespace lake {
@@ -33,7 +33,7 @@ std::string Report(const Json& s) {
 constexpr const char* kBoardHelp =
     "chessboard:COLSxROWS:SQUARE_MM (inner corners) or charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT (squares)";
 
-void BindCalibrate(CLI::App& cli, CalibrateRunOptions& a, std::string& loss) {
+void BindCalibrate(CLI::App& cli, commands::CalibrateRunOptions& a, std::string& loss) {
   cli.add_option("pictures", a.pictures, "Images of the board, or one video of a moving board")
       ->type_name("IMAGES|VIDEO");
   cli.add_option("--board", a.board, kBoardHelp);
@@ -44,7 +44,7 @@ void BindCalibrate(CLI::App& cli, CalibrateRunOptions& a, std::string& loss) {
       ->check(CLI::Range(3, 200));
 }
 
-CLI::App* BindPlane(CLI::App& cli, PlaneRunOptions& a) {
+CLI::App* BindPlane(CLI::App& cli, commands::PlaneRunOptions& a) {
   CLI::App* sub = cli.add_subcommand("plane", "The sagittal plane from one board image or four and more known points");
   sub->add_option("image", a.picture, "The picture")->required()->type_name("IMAGE");
   sub->add_option("--camera", a.camera, "camera.yaml of this camera")->required()->type_name("FILE");
@@ -57,7 +57,7 @@ CLI::App* BindPlane(CLI::App& cli, PlaneRunOptions& a) {
   return sub;
 }
 
-CLI::App* BindSheet(CLI::App& cli, SheetRunOptions& a) {
+CLI::App* BindSheet(CLI::App& cli, commands::SheetRunOptions& a) {
   CLI::App* sub = cli.add_subcommand("board", "A board to print, as PDF 1:1");
   sub->add_option("--board", a.board, kBoardHelp)->required();
   sub->add_option("--paper", a.paper, "a4, a3 or letter");
@@ -73,10 +73,10 @@ int main(int argc, char** argv) {
   using namespace lake;
   Program program("lake-calibrate", "A camera from pictures of a board, with error bars",
                   "lake-calibrate board/*.jpg --board chessboard:9x6:25 -o camera");
-  CalibrateRunOptions calibrate;
+  commands::CalibrateRunOptions calibrate;
   std::string loss = "robust";
-  PlaneRunOptions plane;
-  SheetRunOptions sheet;
+  commands::PlaneRunOptions plane;
+  commands::SheetRunOptions sheet;
   BindCalibrate(program.Cli(), calibrate, loss);
   const CLI::App* plane_command = BindPlane(program.Cli(), plane);
   const CLI::App* sheet_command = BindSheet(program.Cli(), sheet);
@@ -84,10 +84,10 @@ int main(int argc, char** argv) {
   return program.Main(
       argc, argv, [] { return "calibrate"; },
       [&](Run& run) {
-        if (plane_command->parsed()) return RunPlane(plane, run);
-        if (sheet_command->parsed()) return RunSheet(sheet, run);
+        if (plane_command->parsed()) return commands::RunPlane(plane, run);
+        if (sheet_command->parsed()) return commands::RunSheet(sheet, run);
         calibrate.calibration.robust = loss == "robust";
-        return RunCalibrate(calibrate, run);
+        return commands::RunCalibrate(calibrate, run);
       },
       Report);
 }

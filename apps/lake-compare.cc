@@ -3,11 +3,11 @@
 #include <limits>
 #include <string>
 
+#include "lake/commands/compare.h"
+#include "lake/commands/gait.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
-#include "lake/pipeline/compare.h"
-#include "lake/pipeline/gait.h"
 #include "program.h"
 
 namespace {
@@ -32,7 +32,7 @@ std::string Report(const lake::Json& summary) {
                       part("shape"));
   const lake::Json& joint = summary["mount_mm"].is_array() ? summary["mount_mm"] : parts["offset_mm"];
   return text + fmt::format("the exoskeleton's joint sits {}\n",
-                            lake::DescribeJoint({NumberOrNaN(joint[0]), NumberOrNaN(joint[1])}));
+                            lake::compare::DescribeJoint({NumberOrNaN(joint[0]), NumberOrNaN(joint[1])}));
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ std::string Report(const lake::Json& summary) {
 int main(int argc, char** argv) {
   lake::Program program("lake-compare", "The misalignment between a human's and an exoskeleton's knee in sit-to-stand",
                         "lake-compare track/human track/exo --human-knee knee --exo-knee exo_knee -o comparison");
-  lake::CompareRunOptions options;
+  lake::commands::CompareRunOptions options;
   std::string human, exo, map, exo_map, up, forward, exo_knee, unit = "mm", exo_unit;
   CLI::App& cli = program.Cli();
   cli.add_option(
@@ -67,15 +67,15 @@ int main(int argc, char** argv) {
       [&](lake::Run& run) {
         options.human = human, options.exo = exo;
         if (!exo_knee.empty()) options.exo_knee = exo_knee;
-        options.human_reading.names = lake::ParseNameMap(map);
-        options.exo_reading.names = lake::ParseNameMap(exo_map.empty() ? map : exo_map);
-        for (lake::TrialOptions* reading : {&options.human_reading, &options.exo_reading}) {
-          reading->up = lake::ParseUp(up);
+        options.human_reading.names = lake::exchange::ParseNameMap(map);
+        options.exo_reading.names = lake::exchange::ParseNameMap(exo_map.empty() ? map : exo_map);
+        for (lake::exchange::TrialOptions* reading : {&options.human_reading, &options.exo_reading}) {
+          reading->up = lake::exchange::ParseUp(up);
           reading->forward = forward;
         }
-        options.human_reading.mm_per_unit = lake::MmPerUnit(unit);
-        options.exo_reading.mm_per_unit = lake::MmPerUnit(exo_unit.empty() ? unit : exo_unit);
-        return lake::RunCompare(options, run);
+        options.human_reading.mm_per_unit = lake::commands::MmPerUnit(unit);
+        options.exo_reading.mm_per_unit = lake::commands::MmPerUnit(exo_unit.empty() ? unit : exo_unit);
+        return lake::commands::RunCompare(options, run);
       },
       Report);
 }

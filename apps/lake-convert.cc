@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
       "  lake-convert trial.trc side.csv --map ankle=RANK,knee=RKNE,hip=RHIP --crop 2.5,6\n"
       "  lake-convert lake-out/human human.mot --flexion-negative");
   std::string in, out, map, up, crop;
-  lake::ConvertOptions options;
+  lake::exchange::ConvertOptions options;
   cli.add_option("in", in, "A lake-track or lake-gait folder, or .trc, .c3d, .trk, .trz, .kva, .txt, .csv, .mot, .sto")
       ->required();
   cli.add_option("out", out, "The file to write")->required();
@@ -39,15 +39,15 @@ int main(int argc, char** argv) {
   cli.add_flag("--flexion-negative", options.flexion_negative,
                "Knee angle of a .mot as OpenSim's older models have it");
   return lake::ParseAndRun(cli, argc, argv, [&] {
-    options.reading.names = lake::ParseNameMap(map);
-    options.reading.up = lake::ParseUp(up);
+    options.reading.names = lake::exchange::ParseNameMap(map);
+    options.reading.up = lake::exchange::ParseUp(up);
     if (!(options.reading.mm_per_unit > 0))
       throw lake::UsageError(fmt::format("--mm-per-unit {}: not positive", options.reading.mm_per_unit));
     if (!crop.empty()) {
       const std::vector<double> ends = lake::ParseNumbers(crop, 2, "--crop");
       options.crop_s = {ends[0], ends[1]};
     }
-    for (const std::string& warning : lake::ConvertFile(in, out, options))
+    for (const std::string& warning : lake::exchange::ConvertFile(in, out, options))
       fmt::print(stderr, "lake-convert: warning: {}\n", warning);
     return 0;
   });

@@ -1,6 +1,6 @@
 // lake-gait: leg vectors, knee angle and sit-to-stand events from an existing trial.
+#include "lake/commands/gait.h"
 #include "lake/core/error.h"
-#include "lake/pipeline/gait.h"
 #include "program.h"
 
 int main(int argc, char** argv) {
@@ -22,18 +22,18 @@ int main(int argc, char** argv) {
   return program.Main(
       argc, argv, [&] { return std::filesystem::path(trial).stem().string(); },
       [&](lake::Run& run) {
-        lake::GaitRunOptions options;
+        lake::commands::GaitRunOptions options;
         options.trial = trial;
-        options.reading.names = lake::ParseNameMap(map);
-        options.reading.up = lake::ParseUp(up);
+        options.reading.names = lake::exchange::ParseNameMap(map);
+        options.reading.up = lake::exchange::ParseUp(up);
         options.reading.forward = forward;
-        options.reading.mm_per_unit = lake::MmPerUnit(unit);
-        options.fit.filter = lake::ParseLegFilter(filter);
+        options.reading.mm_per_unit = lake::commands::MmPerUnit(unit);
+        options.fit.filter = lake::gait::ParseLegFilter(filter);
         if (cutoff->count() > 0 && !(cutoff_hz > 0))
           throw lake::UsageError(fmt::format("--cutoff {}: not positive", cutoff_hz));
         if (cutoff->count() > 0) options.fit.cutoff_hz = cutoff_hz;
-        if (!facing.empty()) options.fit.facing = lake::ParseFacing(facing);
-        return lake::RunGait(options, run);
+        if (!facing.empty()) options.fit.facing = lake::commands::ParseFacing(facing);
+        return lake::commands::RunGait(options, run);
       },
-      lake::GaitReport);
+      lake::commands::GaitReport);
 }

@@ -19,12 +19,12 @@ lake::Json Timing(const std::vector<double>& time_s) {
     longest = std::max(longest, time_s[i] - time_s[i - 1]);
   }
   return {{"frames", time_s.size()},     {"first_s", time_s.front()},
-          {"last_s", time_s.back()},     {"rate_hz", lake::FrameRate(time_s)},
+          {"last_s", time_s.back()},     {"rate_hz", lake::exchange::FrameRate(time_s)},
           {"shortest_step_s", shortest}, {"longest_step_s", longest}};
 }
 
 // Seen in how many frames; runs of frames without it, and the longest of them.
-lake::Json DescribePoint(const lake::PointTrack& point) {
+lake::Json DescribePoint(const lake::exchange::PointTrack& point) {
   std::size_t seen = 0, gaps = 0, gap = 0, longest = 0;
   for (const auto& position : point.positions) {
     const bool missing = !position.allFinite();
@@ -36,16 +36,16 @@ lake::Json DescribePoint(const lake::PointTrack& point) {
   return {{"name", point.name}, {"seen", seen}, {"gaps", gaps}, {"longest_gap_frames", longest}};
 }
 
-lake::Json DescribePoints(const lake::PointRecording& points) {
+lake::Json DescribePoints(const lake::exchange::PointRecording& points) {
   lake::Json info = Timing(points.time_s), markers = lake::Json::array();
   const char* kSpaces[] = {"image, px", "plane, mm", "space, mm"};
   info["coordinates"] = kSpaces[static_cast<int>(points.space)];
-  if (points.space == lake::PointSpace::kSpace) info["up"] = std::string(1, points.up_axis);
+  if (points.space == lake::exchange::PointSpace::kSpace) info["up"] = std::string(1, points.up_axis);
   if (points.mm_per_px) info["mm_per_px"] = *points.mm_per_px;
-  for (const lake::PointTrack& point : points.points) markers.push_back(DescribePoint(point));
+  for (const lake::exchange::PointTrack& point : points.points) markers.push_back(DescribePoint(point));
   info["markers"] = markers;
   lake::Json events = lake::Json::array();
-  for (const lake::PointEvent& event : points.events)
+  for (const lake::exchange::PointEvent& event : points.events)
     events.push_back({{"time_s", event.time_s}, {"context", event.context}, {"label", event.label}});
   if (!events.empty()) info["events"] = events;
   info["warnings"] = points.warnings;
@@ -53,8 +53,9 @@ lake::Json DescribePoints(const lake::PointRecording& points) {
 }
 
 lake::Json Describe(const std::filesystem::path& path, double mm_per_unit, double rate_hz) {
-  if (!lake::IsAngleTable(path)) return DescribePoints(lake::ReadPoints(path, mm_per_unit, rate_hz));
-  const lake::MotTable table = lake::ReadMot(path);
+  if (!lake::exchange::IsAngleTable(path))
+    return DescribePoints(lake::exchange::ReadPoints(path, mm_per_unit, rate_hz));
+  const lake::exchange::MotTable table = lake::exchange::ReadMot(path);
   lake::Json info = Timing(table.time_s);
   info["in_degrees"] = table.in_degrees;
   info["columns"] = table.columns;

@@ -4,11 +4,11 @@
 #include <optional>
 #include <string>
 
+#include "lake/commands/gait.h"
+#include "lake/commands/optimize.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/pipeline/gait.h"
-#include "lake/pipeline/optimize.h"
-#include "lake/synthesis/problem_file.h"
+#include "lake/problem/problem_file.h"
 #include "program.h"
 
 namespace {
@@ -17,12 +17,12 @@ using lake::Json;
 
 struct Options {
   std::string problem, start;
-  int starts = lake::OptimizeOptions{}.starts;
-  std::uint64_t seed = lake::OptimizeOptions{}.seed;
+  int starts = lake::synthesis::OptimizeOptions{}.starts;
+  std::uint64_t seed = lake::synthesis::OptimizeOptions{}.seed;
   std::optional<double> grashof_margin, singularity_margin, max_force, knee_torque, min_moment_arm, min_transmission,
       max_angle, max_length, yield, round;
-  double certify = lake::CertificateOptions{}.gap_deg;
-  lake::ReoptimizeRunOptions reoptimize;
+  double certify = lake::certificate::CertificateOptions{}.gap_deg;
+  lake::commands::ReoptimizeRunOptions reoptimize;
   std::string comparison, human, worn, map, up, unit = "mm", program = "constant";
 };
 
@@ -53,7 +53,7 @@ void AddOptions(CLI::App& cli, Options& options) {
 }
 
 void AddReoptimizeOptions(CLI::App& cli, Options& options) {
-  lake::ReoptimizeRunOptions& reoptimize = options.reoptimize;
+  lake::commands::ReoptimizeRunOptions& reoptimize = options.reoptimize;
   CLI::App* group = cli.add_option_group(kReoptimizeOptions, "With --comparison or --human:");
   group->option_defaults()->always_capture_default();
   group->add_option("--comparison", options.comparison, "Folder that lake-compare wrote: human and exoskeleton trial");
@@ -87,7 +87,7 @@ void Override(Field& field, const std::optional<double>& option) {
   if (option) field = *option;
 }
 
-void OverrideAll(const Options& options, lake::SynthesisProblem& problem) {
+void OverrideAll(const Options& options, lake::problem::SynthesisProblem& problem) {
   Override(problem.grashof_margin_mm, options.grashof_margin);
   Override(problem.singularity_margin_mm, options.singularity_margin);
   Override(problem.max_force_n, options.max_force);
@@ -98,12 +98,12 @@ void OverrideAll(const Options& options, lake::SynthesisProblem& problem) {
   Override(problem.d_max_mm, options.max_length);
   if (options.start.empty()) return;
   const std::vector<double> links = lake::ParseNumbers(options.start, 6, "--start");
-  problem.start = lake::Links::FromValues({links[0], links[1], links[2], links[3], links[4], links[5]});
+  problem.start = lake::linkage::Links::FromValues({links[0], links[1], links[2], links[3], links[4], links[5]});
 }
 
-lake::SynthesisProblem ProblemOf(const Options& options) {
-  lake::SynthesisProblem problem;
-  if (!options.problem.empty()) problem = lake::ReadProblem(std::filesystem::path(options.problem));
+lake::problem::SynthesisProblem ProblemOf(const Options& options) {
+  lake::problem::SynthesisProblem problem;
+  if (!options.problem.empty()) problem = lake::problem::ReadProblem(std::filesystem::path(options.problem));
   OverrideAll(options, problem);
   try {
     problem.Check();
@@ -113,14 +113,14 @@ lake::SynthesisProblem ProblemOf(const Options& options) {
   return problem;
 }
 
-lake::ReoptimizeRunOptions ReoptimizeOf(const Options& options) {
-  lake::ReoptimizeRunOptions reoptimize = options.reoptimize;
+lake::commands::ReoptimizeRunOptions ReoptimizeOf(const Options& options) {
+  lake::commands::ReoptimizeRunOptions reoptimize = options.reoptimize;
   reoptimize.comparison = options.comparison, reoptimize.human = options.human, reoptimize.worn = options.worn;
-  reoptimize.human_reading.names = lake::ParseNameMap(options.map);
-  reoptimize.human_reading.up = lake::ParseUp(options.up);
-  reoptimize.human_reading.mm_per_unit = lake::MmPerUnit(options.unit);
-  reoptimize.program.kind =
-      options.program == "free" ? lake::StrokeProgram::Kind::kFree : lake::StrokeProgram::Kind::kConstant;
+  reoptimize.human_reading.names = lake::exchange::ParseNameMap(options.map);
+  reoptimize.human_reading.up = lake::exchange::ParseUp(options.up);
+  reoptimize.human_reading.mm_per_unit = lake::commands::MmPerUnit(options.unit);
+  reoptimize.program.kind = options.program == "free" ? lake::linkage::StrokeProgram::Kind::kFree
+                                                      : lake::linkage::StrokeProgram::Kind::kConstant;
   return reoptimize;
 }
 
@@ -131,7 +131,7 @@ bool IsReoptimisation(const CLI::App& cli) {
 }
 
 Json Optimize(const Options& options, const CLI::App& cli, lake::Run& run) {
-  lake::OptimizeRunOptions work;
+  lake::commands::OptimizeRunOptions work;
   work.problem = ProblemOf(options);
   work.problem_file = options.problem;
   work.study.optimize.starts = options.starts;
@@ -141,7 +141,7 @@ Json Optimize(const Options& options, const CLI::App& cli, lake::Run& run) {
   work.study.yield_tolerance_mm = options.yield;
   work.study.round_mm = options.round;
   if (IsReoptimisation(cli)) work.reoptimize = ReoptimizeOf(options);
-  return lake::RunOptimize(work, run);
+  return lake::commands::RunOptimize(work, run);
 }
 
 // Before and after, where there is a motion.

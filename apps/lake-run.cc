@@ -2,7 +2,7 @@
 #include <optional>
 #include <string>
 
-#include "lake/pipeline/study.h"
+#include "lake/study/study.h"
 #include "program.h"
 
 int main(int argc, char** argv) {
@@ -10,12 +10,12 @@ int main(int argc, char** argv) {
                         "lake-run data/sts-study/study.yaml");
   std::string file;
   program.Cli().add_option("study", file, "study.yaml")->required();
-  std::optional<lake::StudyFile> study;
+  std::optional<lake::study::StudyFile> study;
   return program.Main(
       argc, argv,
       [&] {
-        study = lake::ReadStudyFile(file);
+        study = lake::study::ReadStudyFile(file);
         return study->ResultName();
       },
-      [&](lake::Run& run) { return lake::RunStudyFile(*study, run); }, lake::StudyText);
+      [&](lake::Run& run) { return lake::study::RunStudyFile(*study, run); }, lake::study::StudyText);
 }

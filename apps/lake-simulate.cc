@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <string>
 
+#include "lake/commands/simulate.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/pipeline/simulate.h"
 #include "program.h"
 
 namespace {
@@ -15,17 +15,17 @@ struct Input {
   double d_min_mm = 0, d_max_mm = 0;
 };
 
-lake::Design LoadDesign(const Input& input, lake::Run& run) {
+lake::linkage::Design LoadDesign(const Input& input, lake::Run& run) {
   if (input.design_file.empty() == input.links.empty())
     throw lake::UsageError("give either a design file or --links l1,l2,l3,l4,l5,l6");
-  lake::Design design;
+  lake::linkage::Design design;
   if (input.links.empty()) {
-    design = lake::ReadDesign(input.design_file);
+    design = lake::linkage::ReadDesign(input.design_file);
     run.AddInput(input.design_file);
   } else {
     const auto values = lake::ParseNumbers(input.links, 6, "--links");
     design.links = {values[0], values[1], values[2], values[3], values[4], values[5]};
-    lake::CheckLinks(design.links, "--links");
+    lake::linkage::CheckLinks(design.links, "--links");
   }
   if (input.d_min_mm != 0) design.d_min_mm = input.d_min_mm;
   if (input.d_max_mm != 0) design.d_max_mm = input.d_max_mm;
@@ -38,7 +38,7 @@ lake::Design LoadDesign(const Input& input, lake::Run& run) {
 
 int main(int argc, char** argv) {
   Input input;
-  lake::SimulationOptions options;
+  lake::commands::SimulationOptions options;
   bool no_animation = false;
   lake::Program program("lake-simulate", "Show a knee linkage in its poses: tables, pictures, animation, link plates.",
                         "lake-simulate --links 59.081,68.840,55.964,71.849,118.630,287.310 --angles 2,70,110,148");
@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
       [&] { return input.design_file.empty() ? "links" : std::filesystem::path(input.design_file).stem().string(); },
       [&](lake::Run& run) {
         options.animation = !no_animation;
-        return lake::SimulateLinkage(LoadDesign(input, run), options, run);
+        return lake::commands::SimulateLinkage(LoadDesign(input, run), options, run);
       },
-      lake::SimulationReport);
+      lake::commands::SimulationReport);
 }

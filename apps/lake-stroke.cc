@@ -4,19 +4,19 @@
 #include <optional>
 #include <string>
 
+#include "lake/commands/stroke.h"
 #include "lake/core/error.h"
-#include "lake/pipeline/stroke.h"
 #include "program.h"
 
 namespace lake {
 namespace {
 
 struct CalibrateArguments {
-  DutyRunOptions options;
+  commands::DutyRunOptions options;
   std::string potentiometer;
 };
 
-void BindFirmware(CLI::App& cli, FirmwareOptions& o) {
+void BindFirmware(CLI::App& cli, actuator::FirmwareOptions& o) {
   cli.add_option("--home-stroke", o.home_stroke_mm,
                  "Stroke at which the retract end stop acts, mm (0: the lower soft limit)");
   cli.add_option("--home-speed", o.home_speed_mm_s, "Speed of homing, mm/s, as far as the duty table has it");
@@ -39,7 +39,7 @@ void BindFirmware(CLI::App& cli, FirmwareOptions& o) {
                  "Stroke error allowed to fit a long program into the flash, mm");
 }
 
-void BindProgram(CLI::App& cli, StrokeRunOptions& o) {
+void BindProgram(CLI::App& cli, commands::StrokeRunOptions& o) {
   cli.add_option("design", o.design, "design.yaml, as lake-optimize writes it")->type_name("DESIGN");
   cli.add_option("--duty-table", o.duty_table,
                  "duty_table.csv of this actuator, bridge and supply; without it no firmware");
@@ -64,7 +64,7 @@ void BindProgram(CLI::App& cli, StrokeRunOptions& o) {
 
 CLI::App* BindCalibrate(CLI::App& cli, CalibrateArguments& a) {
   CLI::App* sub = cli.add_subcommand("calibrate", "A duty table from logs of time_s,stroke_mm,duty");
-  CalibrateOptions& o = a.options.calibrate;
+  actuator::CalibrateOptions& o = a.options.calibrate;
   sub->add_option("logs", a.options.logs, "CSV logs, or the firmware's serial output")->type_name("LOGS");
   sub->add_option("--pot", a.potentiometer, "Scale of the adc column: COUNTS=MM,COUNTS=MM");
   sub->add_option("--video", a.options.video,
@@ -86,7 +86,7 @@ CLI::App* BindCalibrate(CLI::App& cli, CalibrateArguments& a) {
   return sub;
 }
 
-std::string ResultName(const StrokeRunOptions& stroke, bool calibrate) {
+std::string ResultName(const commands::StrokeRunOptions& stroke, bool calibrate) {
   return calibrate ? "duty" : "stroke-" + stroke.design.stem().string();
 }
 
@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
   using namespace lake;
   Program program("lake-stroke", "A design's stroke program and the firmware that drives the actuator through it.",
                   "lake-stroke design.yaml --speed 5 --duty-table duty_table.csv -o stroke");
-  StrokeRunOptions stroke;
+  commands::StrokeRunOptions stroke;
   CalibrateArguments calibrate;
   BindProgram(program.Cli(), stroke);
   const CLI::App* calibrate_command = BindCalibrate(program.Cli(), calibrate);
@@ -107,11 +107,13 @@ int main(int argc, char** argv) {
       [&](Run& run) {
         if (!calibrate_command->parsed()) {
           if (stroke.design.empty()) throw UsageError("which design? see lake-stroke --help");
-          return RunStroke(stroke, run);
+          return commands::RunStroke(stroke, run);
         }
         if (!calibrate.potentiometer.empty())
-          calibrate.options.potentiometer = ParsePotentiometerScale(calibrate.potentiometer);
-        return RunDutyCalibration(calibrate.options, run);
+          calibrate.options.potentiometer = actuator::ParsePotentiometerScale(calibrate.potentiometer);
+        return commands::RunDutyCalibration(calibrate.options, run);
       },
-      [&](const Json& summary) { return calibrate_command->parsed() ? DutyReport(summary) : StrokeReport(summary); });
+      [&](const Json& summary) {
+        return calibrate_command->parsed() ? commands::DutyReport(summary) : commands::StrokeReport(summary);
+      });
 }

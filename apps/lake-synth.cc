@@ -36,14 +36,14 @@ void Take(const std::optional<T>& given, T& value) {
   if (given) value = *given;
 }
 
-void TakeMotion(const Arguments& a, SceneOptions& scene) {
-  StsMotionOptions& motion = scene.motion;
+void TakeMotion(const Arguments& a, synth::SceneOptions& scene) {
+  synth::StsMotionOptions& motion = scene.motion;
   Take(a.motion_seed, motion.seed);
   Take(a.repetitions, motion.repetitions);
   Take(a.pace, motion.pace);
   Take(a.rest, motion.max_rest_s);
   motion.min_rest_s = std::min(motion.min_rest_s, motion.max_rest_s);
-  motion.facing = a.facing == "left" ? Facing::kLeft : Facing::kRight;
+  motion.facing = a.facing == "left" ? motion::Facing::kLeft : motion::Facing::kRight;
   motion.start_standing = a.standing;
   motion.time_warp = a.warp;
   motion.skin_mm = a.skin;
@@ -58,7 +58,7 @@ void TakeMotion(const Arguments& a, SceneOptions& scene) {
   if (!a.motion_table.empty()) scene.duration_s = 0;
 }
 
-void TakePicture(const Arguments& a, SceneOptions& scene) {
+void TakePicture(const Arguments& a, synth::SceneOptions& scene) {
   Take(a.duration, scene.duration_s), Take(a.rate, scene.frame_rate_hz), Take(a.width, scene.width_px),
       Take(a.height, scene.height_px);
   Take(a.radius_px, scene.marker_radius_px), Take(a.shutter, scene.shutter), Take(a.flicker, scene.flicker),
@@ -73,11 +73,11 @@ void TakePicture(const Arguments& a, SceneOptions& scene) {
   scene.exoskeleton = a.exoskeleton;
   scene.bright_room = a.bright_room;
   if (a.bright_room && !a.level) scene.marker_level = 18;
-  if (a.markers == "aruco") scene.marker_kind = MarkerKind::kAruco;
+  if (a.markers == "aruco") scene.marker_kind = synth::MarkerKind::kAruco;
   scene.colour = a.colour || a.markers == "led";
-  if (a.markers == "led") scene.marker_bgr = LedColours();
+  if (a.markers == "led") scene.marker_bgr = synth::LedColours();
   if (!a.camera.empty()) {
-    scene.camera = ReadCameraProfile(a.camera);
+    scene.camera = camera::ReadCameraProfile(a.camera);
     if (!scene.camera->camera_from_plane)
       throw UsageError(fmt::format("{}: has no plane; a scene needs plane_rvec and plane_tvec", a.camera));
   }
@@ -90,8 +90,8 @@ std::pair<std::string, std::vector<double>> NamedNumbers(const std::string& text
   return {name, ParseNumbers(numbers, count, option)};
 }
 
-SceneOptions SceneOf(const Arguments& a) {
-  SceneOptions scene = a.scene == "hard" ? HardScene(a.seed) : CleanScene(a.seed);
+synth::SceneOptions SceneOf(const Arguments& a) {
+  synth::SceneOptions scene = a.scene == "hard" ? synth::HardScene(a.seed) : synth::CleanScene(a.seed);
   TakeMotion(a, scene);
   TakePicture(a, scene);
   for (const std::string& text : a.hide) {
@@ -185,16 +185,16 @@ int main(int argc, char** argv) {
       [&](Run& run) {
         for (const std::string& file : {a.motion_table, a.camera})
           if (!file.empty()) run.AddInput(file);
-        const Scene scene(SceneOf(a));
-        RecordingOptions recording{a.crf.value_or(a.scene == "hard" ? 23 : 17), a.lossless, a.pictures, "veryfast",
-                                   run.Quiet()};
+        const synth::Scene scene(SceneOf(a));
+        synth::RecordingOptions recording{a.crf.value_or(a.scene == "hard" ? 23 : 17), a.lossless, a.pictures,
+                                          "veryfast", run.Quiet()};
         std::vector<std::string> names = {"truth.csv", "camera.yaml", "scene.json"};
         if (!a.pictures) names.push_back("video.mp4");
         for (int frame = 0; a.pictures && frame < scene.Frames(); ++frame)
           names.push_back(fmt::format("frames/{:05d}.png", frame));
         run.Begin(names);
         const std::filesystem::path& folder = run.Folder();
-        const RecordingSummary written = WriteRecording(scene, folder, recording);
+        const synth::RecordingSummary written = synth::WriteRecording(scene, folder, recording);
         Json results = {{"video", (folder / (a.pictures ? "frames/%05d.png" : "video.mp4")).string()},
                         {"frames", written.frames}};
         for (std::size_t m = 0; m < written.markers.size(); ++m)

@@ -1,12 +1,12 @@
 // lake-track: markers, leg vectors and knee angle from a video.
 #include <algorithm>
 
+#include "lake/commands/gait.h"
+#include "lake/commands/track.h"
+#include "lake/commands/track_text.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/name_value.h"
-#include "lake/pipeline/gait.h"
-#include "lake/pipeline/track.h"
-#include "lake/pipeline/track_text.h"
 #include "program.h"
 
 namespace {
@@ -62,15 +62,15 @@ std::optional<std::array<double, kCount>> ParseOptional(const std::string& optio
   return values;
 }
 
-lake::TrackOptions MakeTrackOptions(const Arguments& a) {
-  lake::TrackOptions options;
+lake::tracking::TrackOptions MakeTrackOptions(const Arguments& a) {
+  lake::tracking::TrackOptions options;
   options.names = lake::SplitText(a.markers, ',');
-  for (const std::string& seed : a.seeds) options.seeds.push_back(lake::ParseSeed(seed));
-  options.detector = lake::ParseDetector(a.detector);
-  options.polarity = lake::ParsePolarity(a.polarity);
+  for (const std::string& seed : a.seeds) options.seeds.push_back(lake::commands::ParseSeed(seed));
+  options.detector = lake::commands::ParseDetector(a.detector);
+  options.polarity = lake::commands::ParsePolarity(a.polarity);
   options.colors = a.colors;
   options.dictionary = a.dictionary;
-  if (const auto crop = ParseOptional<4>("--crop", a.crop)) options.crop = lake::CropOf(*crop);
+  if (const auto crop = ParseOptional<4>("--crop", a.crop)) options.crop = lake::commands::CropOf(*crop);
   options.reader.start_s = a.start_s, options.reader.end_s = a.end_s;
   if (a.start_s && a.end_s && *a.end_s < *a.start_s)
     throw lake::UsageError(fmt::format("--end {} s is before --start {} s", *a.end_s, *a.start_s));
@@ -78,11 +78,11 @@ lake::TrackOptions MakeTrackOptions(const Arguments& a) {
   return options;
 }
 
-lake::TrackRunOptions MakeRunOptions(const Arguments& a) {
-  lake::TrackRunOptions options;
+lake::commands::TrackRunOptions MakeRunOptions(const Arguments& a) {
+  lake::commands::TrackRunOptions options;
   options.video = a.video;
   options.track = MakeTrackOptions(a);
-  options.fit.filter = lake::ParseLegFilter(a.filter);
+  options.fit.filter = lake::gait::ParseLegFilter(a.filter);
   if (a.cutoff_hz > 0) options.fit.cutoff_hz = a.cutoff_hz;
   if (!a.camera.empty()) options.camera = a.camera;
   if (!a.corrections.empty()) options.corrections = a.corrections;
@@ -106,5 +106,6 @@ int main(int argc, char** argv) {
   Declare(program.Cli(), arguments);
   return program.Main(
       argc, argv, [&] { return std::filesystem::path(arguments.video).stem().string(); },
-      [&](lake::Run& run) { return lake::RunTrack(MakeRunOptions(arguments), run); }, lake::GaitReport);
+      [&](lake::Run& run) { return lake::commands::RunTrack(MakeRunOptions(arguments), run); },
+      lake::commands::GaitReport);
 }

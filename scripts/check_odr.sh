@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Holds all modules together against the one-definition rule: links them into one program with link-time optimisation, which
+# Holds all rooms together against the one-definition rule: links them into one program with link-time optimisation, which
 # compares what the sources define. Nothing is optimised and nothing is run.
 set -euo pipefail
 cd "$(dirname "$0")/.."

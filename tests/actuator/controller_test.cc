@@ -28,7 +28,7 @@ using testing::HasSubstr;
 constexpr auto kOff = FakeBoard::Bridge::kOff, kBrake = FakeBoard::Bridge::kBrake, kDrive = FakeBoard::Bridge::kDrive;
 
 // The program of host/stroke_table.h: up at 5 mm/s, up at 2, back at 4, a rest, up.
-StrokeSchedule HostSchedule() {
+actuator::StrokeSchedule HostSchedule() {
   return FreeSchedule({{0, 300}, {0.5, 302.5}, {1, 303.5}, {1.5, 301.5}, {1.8, 301.5}, {2, 302.1}});
 }
 
@@ -65,19 +65,19 @@ class ControllerTest : public testing::Test {
 };
 
 TEST(HostTable, IsWhatTheProgramWrites) {
-  const StrokeSchedule schedule = HostSchedule();
-  const DutyTable table = ModelTable();
-  FirmwareOptions options;
+  const actuator::StrokeSchedule schedule = HostSchedule();
+  const actuator::DutyTable table = ModelTable();
+  actuator::FirmwareOptions options;
   options.home_stroke_mm = 298, options.speed_tolerance_percent = 10;
-  const std::string header = StrokeTableHeader(MakeStrokeTable(schedule, table, options), schedule, table, options,
-                                               "For the tests of the portable part.");
+  const std::string header = actuator::StrokeTableHeader(actuator::MakeStrokeTable(schedule, table, options), schedule,
+                                                         table, options, "For the tests of the portable part.");
   EXPECT_EQ(ReadTextFile(LAKE_SOURCE_DIR "/tests/actuator/host/stroke_table.h"), header)
       << "lake-stroke --home-stroke 298 with this program writes it";
 }
 
 TEST_F(ControllerTest, PlanFollowsTheScheduleTickByTick) {
   Start();
-  const StrokeSchedule schedule = HostSchedule();
+  const actuator::StrokeSchedule schedule = HostSchedule();
   // One ms of the program has passed. Half an ms of 5 mm/s, rounding of the table.
   for (int ms = 1; controller_status().state == STATE_RUNNING; ++ms, TickTalking(1)) {
     // Clocks stop while the motor brakes for a reversal; the schedule has a rest there, so none is lost.

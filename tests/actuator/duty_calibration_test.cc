@@ -44,11 +44,11 @@ struct LogMaker {
 
   std::mt19937 random;
   std::normal_distribution<double> normal;
-  DutyLog log{"log.csv", {}, {}, {}};
+  actuator::DutyLog log{"log.csv", {}, {}, {}};
   double now = 0, stroke = 300, speed_now = 0, noise_mm = 0.03, low = -1e9, high = 1e9;
 };
 
-DutyLog AllDuties(unsigned seed) {
+actuator::DutyLog AllDuties(unsigned seed) {
   LogMaker maker(seed);
   for (int i = 1; i <= 10; ++i)
     for (const int sign : {1, -1}) maker.Plateau(sign * 0.1 * i, 2, TrueSpeed(sign * 0.1 * i));
@@ -62,14 +62,14 @@ TEST(RobustSlope, SurvivesAQuarterOfWildPoints) {
     std::vector<double> x, y;
     for (int i = 0; i < 200; ++i)
       x.push_back(0.02 * i), y.push_back(7 - 3 * x.back() + (i % 4 ? 0.05 : 5.0) * normal(random));
-    const RobustSlope fit = FitRobustSlope(x, y);
+    const actuator::RobustSlope fit = actuator::FitRobustSlope(x, y);
     // Least squares on the good points would have 0.05 / sqrt(sum (x - mean)^2) = 0.0031.
     EXPECT_NEAR(fit.slope, -3, 5 * 0.0031 * 1.5) << "seed " << seed;
     EXPECT_GT(fit.standard_error, 0.002);
     EXPECT_LT(fit.standard_error, 0.008);
   }
-  EXPECT_TRUE(std::isnan(FitRobustSlope(std::vector{1.0, 2.0}, std::vector{1.0, 2.0}).slope));
-  EXPECT_TRUE(std::isnan(FitRobustSlope(std::vector{1.0, 1.0, 1.0}, std::vector{1.0, 2.0, 3.0}).slope));
+  EXPECT_TRUE(std::isnan(actuator::FitRobustSlope(std::vector{1.0, 2.0}, std::vector{1.0, 2.0}).slope));
+  EXPECT_TRUE(std::isnan(actuator::FitRobustSlope(std::vector{1.0, 1.0, 1.0}, std::vector{1.0, 2.0, 3.0}).slope));
 }
 
 // Readings in steps, a dozen of them, as a potentiometer gives: uniform errors, and the slope is no multiple of the
@@ -83,7 +83,7 @@ TEST(RobustSlope, ReadingsInStepsHaveHonestErrors) {
     std::vector<double> x, y;
     for (int i = 0; i < 12; ++i)
       x.push_back(0.1 * i), y.push_back(step * std::floor((start + truth * x.back()) / step));
-    const RobustSlope fit = FitRobustSlope(x, y);
+    const actuator::RobustSlope fit = actuator::FitRobustSlope(x, y);
     scaled.push_back((fit.slope - truth) / fit.standard_error);
     EXPECT_NEAR(fit.slope, truth, 0.137);  // 0.040 / sqrt(sum (x - mean)^2) = 0.033; a step per second is 4 of it
   }
@@ -95,10 +95,10 @@ TEST(RobustSlope, ReadingsInStepsHaveHonestErrors) {
 TEST(DutyCalibration, SpeedsWithHonestErrorsOverManySeeds) {
   std::vector<double> scaled;
   for (unsigned seed = 0; seed < 40; ++seed) {
-    const DutyCalibration c = CalibrateDuty({AllDuties(seed)}, {});
+    const actuator::DutyCalibration c = actuator::CalibrateDuty({AllDuties(seed)}, {});
     EXPECT_TRUE(c.warnings.empty()) << c.warnings.front();
     EXPECT_EQ(c.plateaus.size(), 20u);
-    for (const DutyRow& row : c.rows) {
+    for (const actuator::DutyRow& row : c.rows) {
       if (row.extend_mm_s > 0) scaled.push_back((row.extend_mm_s - TrueSpeed(row.duty)) / row.extend_se_mm_s);
       if (row.retract_mm_s > 0) scaled.push_back((row.retract_mm_s + TrueSpeed(-row.duty)) / row.retract_se_mm_s);
     }
@@ -116,7 +116,8 @@ TEST(DutyCalibration, SpeedsWithHonestErrorsOverManySeeds) {
 }
 
 TEST(DutyCalibration, TableDrivesTheActuatorAtTheSpeedAskedFor) {
-  const DutyTable table = MakeDutyTable(CalibrateDuty({AllDuties(3), AllDuties(4)}, {}).rows, "test");
+  const actuator::DutyTable table =
+      actuator::MakeDutyTable(actuator::CalibrateDuty({AllDuties(3), AllDuties(4)}, {}).rows, "test");
   // From the slowest measured speed on: 0.5 % by noise, 1 % by interpolating a bend.
   for (double speed = 0.5; speed < 8; speed += 0.25) {
     EXPECT_NEAR(TrueSpeed(table.extend.DutyFor(speed)), speed, 0.02 + 0.01 * speed);
@@ -127,22 +128,22 @@ TEST(DutyCalibration, TableDrivesTheActuatorAtTheSpeedAskedFor) {
 // Two logs, one 3 % faster and one 3 % slower than their mean: the tolerance covers both, and little more than that and
 // the noise. What was tried once has none.
 TEST(DutyCalibration, ToleranceIsWhatTheRoundsDifferBy) {
-  std::vector<DutyLog> logs;
+  std::vector<actuator::DutyLog> logs;
   for (const double factor : {1.03, 0.97}) {
     LogMaker maker(11);
     for (const double duty : {0.4, -0.4, 0.7, -0.7, 1.0, -1.0}) maker.Plateau(duty, 4, factor * TrueSpeed(duty));
     logs.push_back(maker.log);
   }
-  const DutyCalibration both = CalibrateDuty(logs, {});
+  const actuator::DutyCalibration both = actuator::CalibrateDuty(logs, {});
   ASSERT_TRUE(both.tolerance_percent);
   EXPECT_GE(*both.tolerance_percent, 3);
   // Four seconds of 50 Hz with 0.03 mm: 0.0018 mm/s a plateau, of at least 1.7 mm/s; two errors, and as much in the
   // mean.
   EXPECT_LT(*both.tolerance_percent, 3 + 0.8);
-  EXPECT_EQ(MakeDutyTable(both.rows, "t").TolerancePercent(), both.tolerance_percent);
-  const DutyCalibration once = CalibrateDuty({logs[0]}, {});
+  EXPECT_EQ(actuator::MakeDutyTable(both.rows, "t").TolerancePercent(), both.tolerance_percent);
+  const actuator::DutyCalibration once = actuator::CalibrateDuty({logs[0]}, {});
   EXPECT_FALSE(once.tolerance_percent);
-  EXPECT_EQ(MakeDutyTable(once.rows, "t").TolerancePercent(), std::nullopt);
+  EXPECT_EQ(actuator::MakeDutyTable(once.rows, "t").TolerancePercent(), std::nullopt);
 }
 
 TEST(DutyCalibration, PlateauThatMeetsTheEndOfTravelIsLeftOut) {
@@ -151,43 +152,44 @@ TEST(DutyCalibration, PlateauThatMeetsTheEndOfTravelIsLeftOut) {
   for (const double duty : {0.5, -0.5, 0.8, -0.8, 0.4, -0.4}) maker.Plateau(duty, 1, TrueSpeed(duty));
   maker.stroke = 304;
   maker.Plateau(0.9, 1.5, TrueSpeed(0.9));  // 7.4 mm/s: at 308 mm after half the time
-  const DutyCalibration c = CalibrateDuty({maker.log}, {});
+  const actuator::DutyCalibration c = actuator::CalibrateDuty({maker.log}, {});
   ASSERT_EQ(c.warnings.size(), 1u);
   EXPECT_THAT(c.warnings[0], AllOf(HasSubstr("log.csv"), HasSubstr("duty 0.9"), HasSubstr("not steady")));
   EXPECT_FALSE(c.plateaus.back().used);
-  EXPECT_NEAR(MakeDutyTable(c.rows, "t").extend.MostDuty(), 0.8, 1e-9);
+  EXPECT_NEAR(actuator::MakeDutyTable(c.rows, "t").extend.MostDuty(), 0.8, 1e-9);
 }
 
 TEST(DutyCalibration, NoiseThatTurnsTheOrderIsMadeMonotone) {
   LogMaker maker(2);
   for (const double duty : {0.4, -0.4, 0.5, -0.5, 0.6, -0.6})
     maker.Plateau(duty, 2, duty == 0.6 ? TrueSpeed(0.5) - 0.5 : TrueSpeed(duty));  // another load
-  const DutyCalibration c = CalibrateDuty({maker.log}, {});
+  const actuator::DutyCalibration c = actuator::CalibrateDuty({maker.log}, {});
   EXPECT_NEAR(c.largest_adjustment_mm_s, 0.25, 0.05);  // half the fall
   ASSERT_FALSE(c.warnings.empty());
   EXPECT_THAT(c.warnings.back(), HasSubstr("a speed falls as the duty rises"));
-  EXPECT_NO_THROW(MakeDutyTable(c.rows, "t"));
+  EXPECT_NO_THROW(actuator::MakeDutyTable(c.rows, "t"));
 }
 
 TEST(DutyCalibration, WhatIsWrongIsNamed) {
   LogMaker swapped(5);
   for (const double duty : {0.5, -0.5}) swapped.Plateau(duty, 1, -TrueSpeed(duty));
-  EXPECT_THAT([&] { CalibrateDuty({swapped.log}, {}); }, ThrowsMessage<Error>(HasSubstr("swap the motor's two wires")));
+  EXPECT_THAT([&] { actuator::CalibrateDuty({swapped.log}, {}); },
+              ThrowsMessage<Error>(HasSubstr("swap the motor's two wires")));
   LogMaker few(6);
   few.Plateau(0.5, 1, TrueSpeed(0.5));
-  EXPECT_THAT([&] { CalibrateDuty({few.log}, {}); }, ThrowsMessage<Error>(HasSubstr("1 extending duties")));
+  EXPECT_THAT([&] { actuator::CalibrateDuty({few.log}, {}); }, ThrowsMessage<Error>(HasSubstr("1 extending duties")));
   LogMaker still(7);
   still.Plateau(0, 2, 0);
-  EXPECT_THAT([&] { CalibrateDuty({still.log}, {}); }, ThrowsMessage<Error>(HasSubstr("no plateau")));
-  CalibrateOptions options;
+  EXPECT_THAT([&] { actuator::CalibrateDuty({still.log}, {}); }, ThrowsMessage<Error>(HasSubstr("no plateau")));
+  actuator::CalibrateOptions options;
   options.min_plateau_s = 0.1;
-  EXPECT_THROW(CalibrateDuty({few.log}, options), UsageError);
+  EXPECT_THROW(actuator::CalibrateDuty({few.log}, options), UsageError);
 }
 
-DutyLog ReadText(const std::string& text, const std::optional<PotentiometerScale>& scale = {}) {
+actuator::DutyLog ReadText(const std::string& text, const std::optional<actuator::PotentiometerScale>& scale = {}) {
   const TemporaryFolder folder;
   WriteTextFile(folder / "log.csv", text);
-  return ReadDutyLog(folder / "log.csv", scale);
+  return actuator::ReadDutyLog(folder / "log.csv", scale);
 }
 
 TEST(DutyLog, ReadsCsvAndSerialOutput) {
@@ -195,7 +197,7 @@ TEST(DutyLog, ReadsCsvAndSerialOutput) {
   const std::string serial =
       "# lake-stroke\r\ntime_s,planned_mm,duty,direction,state,adc,end_stops\r\n0.100,,0.0000,0,idle,102,0\r\n# ok\r\n"
       "0.200,,-0.5000,-1,jogging,512,0\r\n\r\n";
-  const DutyLog log = ReadText(serial, ParsePotentiometerScale("102=242,921=372"));
+  const actuator::DutyLog log = ReadText(serial, actuator::ParsePotentiometerScale("102=242,921=372"));
   ASSERT_EQ(log.time_s.size(), 2u);
   EXPECT_NEAR(log.stroke_mm[0], 242, 1e-12);
   EXPECT_NEAR(log.stroke_mm[1], 242 + 410 * 130.0 / 819, 1e-9);
@@ -219,7 +221,7 @@ TEST(DutyLog, BadLogsSayWhere) {
   for (const auto& [text, message] : cases)
     EXPECT_THAT([&] { ReadText(text); }, ThrowsMessage<Error>(HasSubstr(message))) << text;
   for (const char* scale : {"", "1=2", "1=2,1=3", "1=2,3=2", "a=2,3=4", "1=2,3=4,5=6"})
-    EXPECT_THROW(ParsePotentiometerScale(scale), UsageError) << scale;
+    EXPECT_THROW(actuator::ParsePotentiometerScale(scale), UsageError) << scale;
 }
 
 }  // namespace

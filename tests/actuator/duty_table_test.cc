@@ -16,14 +16,15 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-DutyTable ReadText(const std::string& text) {
+actuator::DutyTable ReadText(const std::string& text) {
   const TemporaryFolder folder;
   WriteTextFile(folder / "duty.csv", text);
-  return ReadDutyTable(folder / "duty.csv");
+  return actuator::ReadDutyTable(folder / "duty.csv");
 }
 
 TEST(DutyTable, DeadBandAndLinearPartAreReproduced) {
-  const DutyTable table = ReadText("duty,extend_mm_s,retract_mm_s\n0.1,0,0\n0.2,0,0\n0.25,0,1\n0.5,5,3\n1,15,7\n");
+  const actuator::DutyTable table =
+      ReadText("duty,extend_mm_s,retract_mm_s\n0.1,0,0\n0.2,0,0\n0.25,0,1\n0.5,5,3\n1,15,7\n");
   EXPECT_DOUBLE_EQ(table.extend.DeadBandDuty(), 0.25);
   EXPECT_DOUBLE_EQ(table.retract.DeadBandDuty(), 0.2);
   EXPECT_DOUBLE_EQ(table.extend.LeastMovingSpeed(), 5);
@@ -47,7 +48,7 @@ TEST(DutyTable, InterpolationIsMonotoneAndInvertible) {
       speeds.push_back(speed += step(random) + 1e-3), duties.push_back(duty += step(random) + 1e-3);
     }
     for (double& d : duties) d /= duty;
-    const DutyCurve curve(speeds, duties, "test");
+    const actuator::DutyCurve curve(speeds, duties, "test");
     double before = 0;
     for (int i = 0; i <= 400; ++i) {
       const double at = std::lerp(speeds.front(), speeds.back(), i / 400.0), value = curve.DutyFor(at);
@@ -66,7 +67,7 @@ TEST(DutyTable, CurvedActuatorWithinAFractionOfALine) {
   const auto truth = [](double speed) { return 0.2 + 0.8 * std::pow(speed / 10, 1.4); };
   std::vector<double> speeds, duties;
   for (int i = 0; i <= 8; ++i) speeds.push_back(10.0 * i / 8), duties.push_back(truth(speeds.back()));
-  const DutyCurve curve(speeds, duties, "test");
+  const actuator::DutyCurve curve(speeds, duties, "test");
   double worst = 0, worst_line = 0;
   for (double s = 1.25; s <= 10; s += 0.01) {
     const int i = std::min(7, static_cast<int>(s / 1.25));
@@ -79,10 +80,10 @@ TEST(DutyTable, CurvedActuatorWithinAFractionOfALine) {
 
 TEST(DutyTable, WritesWhatItReads) {
   const TemporaryFolder folder;
-  const std::vector<DutyRow> rows = {
+  const std::vector<actuator::DutyRow> rows = {
       {0.2, 0, NAN, NAN, NAN}, {0.3, NAN, 0, NAN, NAN}, {0.5, 4.1, 3.2, 0.02, 0.03, 2.5}, {1, 9, 8, 0.1, 0.1, 1}};
-  WriteDutyTable(folder / "t.csv", rows);
-  const DutyTable table = ReadDutyTable(folder / "t.csv");
+  actuator::WriteDutyTable(folder / "t.csv", rows);
+  const actuator::DutyTable table = actuator::ReadDutyTable(folder / "t.csv");
   ASSERT_EQ(table.rows.size(), 4u);
   EXPECT_TRUE(std::isnan(table.rows[0].retract_mm_s));
   EXPECT_EQ(table.rows[2].retract_se_mm_s, 0.03);

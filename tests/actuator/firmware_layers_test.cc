@@ -16,9 +16,9 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-using Files = std::vector<FirmwareFile>;
+using Files = std::vector<actuator::FirmwareFile>;
 
-// As in libs/actuator/README.md, from the lowest.
+// As in libs/design/actuator/README.md, from the lowest.
 const std::vector<std::set<std::string>> kLayers = {
     {"portable"},   {"stroke_table"}, {"config"},   {"board", "bridge", "serial"}, {"end_stops", "motor"},
     {"controller"}, {"protocol"},     {"firmware"}, {"main", "lake_stroke"}};
@@ -31,7 +31,7 @@ std::string ModuleOf(const std::string& file) {
 std::map<std::string, std::set<std::string>> Includes(const Files& files) {
   static const std::regex include("^\\s*#\\s*include\\s*\"([^\"]+)\"");
   std::map<std::string, std::set<std::string>> modules = {{"stroke_table", {"portable"}}};  // made for a design
-  for (const FirmwareFile& file : files) {
+  for (const actuator::FirmwareFile& file : files) {
     std::istringstream lines(file.text);
     auto& included = modules[ModuleOf(file.name)];
     for (std::string line; std::getline(lines, line);)
@@ -58,16 +58,16 @@ std::vector<std::string> NotBelow(const Files& files) {
 }
 
 Files With(const std::string& file, const std::string& include) {
-  Files files = FirmwareSources();
-  for (FirmwareFile& f : files)
+  Files files = actuator::FirmwareSources();
+  for (actuator::FirmwareFile& f : files)
     if (f.name == file) f.text = "#include \"" + include + "\"\n" + f.text;
   return files;
 }
 
 TEST(FirmwareLayers, IncludesGoDown) {
-  EXPECT_THAT(NotBelow(FirmwareSources()), IsEmpty());
-  EXPECT_THAT(Includes(FirmwareSources()), SizeIs(13)) << "every module was read";
-  EXPECT_THAT(Includes(FirmwareSources())["motor"], ElementsAre("bridge", "config"));
+  EXPECT_THAT(NotBelow(actuator::FirmwareSources()), IsEmpty());
+  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(13)) << "every module was read";
+  EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config"));
 }
 
 TEST(FirmwareLayers, APlantedCircleIsFound) {
@@ -81,7 +81,7 @@ TEST(FirmwareLayers, APlantedCircleIsFound) {
 TEST(FirmwareLayers, NoFileDeclaresAnothersFunctions) {
   static const std::regex declaration(
       "^[a-z_0-9]+\\*? (board|bridge|serial|end_stops|motor|controller|protocol|firmware)_[a-z_]+\\(.*\\);");
-  for (const FirmwareFile& file : FirmwareSources()) {
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
     std::istringstream lines(file.text);
     for (std::string line; std::getline(lines, line);)
       if (std::smatch match; std::regex_search(line, match, declaration)) {

@@ -16,10 +16,10 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 // Plays the table back as the firmware does: um/s during one ms are nm.
-double PlayedWorstError(const StrokeTable& stroke, const StrokeSchedule& schedule) {
+double PlayedWorstError(const actuator::StrokeTable& stroke, const actuator::StrokeSchedule& schedule) {
   std::int64_t nm = std::llround(stroke.start_mm * 1e6), now = 0;
   double worst = 0;
-  for (const StrokeSegment& segment : stroke.segments)
+  for (const actuator::StrokeSegment& segment : stroke.segments)
     for (; now < segment.end_ms; ++now) {
       worst = std::max(worst, std::abs(nm * 1e-6 - schedule.StrokeAt(now * 1e-3)));
       nm += segment.velocity_um_s;
@@ -33,7 +33,7 @@ TEST(StrokeTable, PlansWithinTheRoundingOfMillisecondsForAnyProgram) {
   for (unsigned seed = 0; seed < 100; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> pause(0.01, 1.5), speed(0.5, 9);
-    std::vector<StrokeProgram::Knot> knots = {{0, 300.123456}};
+    std::vector<linkage::StrokeProgram::Knot> knots = {{0, 300.123456}};
     for (int i = 0; i < 40; ++i) {
       const double duration = pause(random);
       const int kind = static_cast<int>(random() % 4);
@@ -41,8 +41,8 @@ TEST(StrokeTable, PlansWithinTheRoundingOfMillisecondsForAnyProgram) {
       knots.push_back({knots.back().time_s + duration,
                        knots.back().stroke_mm + (kind == 0 ? 0 : towards * speed(random) * duration)});
     }
-    const StrokeSchedule schedule = FreeSchedule(knots);
-    const StrokeTable stroke = MakeStrokeTable(schedule, ModelTable(), {});
+    const actuator::StrokeSchedule schedule = FreeSchedule(knots);
+    const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, ModelTable(), {});
     const double played = PlayedWorstError(stroke, schedule);
     EXPECT_LT(played, 0.0005 + 0.0005 * 10 + 0.0005 * 1.5 + 1e-6) << "seed " << seed;
     EXPECT_LE(played, stroke.rounding_error_mm + 1e-6) << "seed " << seed;
@@ -51,20 +51,20 @@ TEST(StrokeTable, PlansWithinTheRoundingOfMillisecondsForAnyProgram) {
 }
 
 TEST(StrokeTable, LongProgramsAreThinnedWithinTheTolerance) {
-  std::vector<StrokeProgram::Knot> knots;
+  std::vector<linkage::StrokeProgram::Knot> knots;
   for (int i = 0; i <= 20000; ++i) knots.push_back({i * 0.002, 320 - 15 * std::cos(i * 0.002 * 0.5)});
-  const StrokeSchedule schedule = FreeSchedule(knots);
-  ASSERT_GT(schedule.knots.size(), static_cast<std::size_t>(kMostSegments));
-  FirmwareOptions options;
+  const actuator::StrokeSchedule schedule = FreeSchedule(knots);
+  ASSERT_GT(schedule.knots.size(), static_cast<std::size_t>(actuator::kMostSegments));
+  actuator::FirmwareOptions options;
   options.table_tolerance_mm = 0.02;
-  const StrokeTable stroke = MakeStrokeTable(schedule, ModelTable(), options);
+  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, ModelTable(), options);
   EXPECT_LT(stroke.segments.size(), 400u);
   EXPECT_LE(PlayedWorstError(stroke, schedule), 0.02 + 0.006);
   EXPECT_GT(PlayedWorstError(stroke, schedule), 0.01) << "thinned as far as allowed";
 }
 
 TEST(StrokeTable, WhatDoesNotFitIsAnError) {
-  std::vector<StrokeProgram::Knot> knots;
+  std::vector<linkage::StrokeProgram::Knot> knots;
   std::mt19937 random(7);
   std::uniform_real_distribution<double> speed(1, 9);
   double stroke_mm = 300;
@@ -72,22 +72,22 @@ TEST(StrokeTable, WhatDoesNotFitIsAnError) {
     knots.push_back({i * 0.02, stroke_mm});
     stroke_mm += (stroke_mm > 330 ? -1 : stroke_mm < 290 ? 1 : i % 2 ? 1 : -1) * 0.02 * speed(random);
   }
-  FirmwareOptions options;
+  actuator::FirmwareOptions options;
   options.table_tolerance_mm = 0.001;
-  EXPECT_THAT([&] { MakeStrokeTable(FreeSchedule(knots), ModelTable(), options); },
+  EXPECT_THAT([&] { actuator::MakeStrokeTable(FreeSchedule(knots), ModelTable(), options); },
               ThrowsMessage<Error>(HasSubstr("the UNO's flash holds 2406: raise --table-tolerance")));
   EXPECT_THAT(
       [] {
-        MakeStrokeTable(FreeSchedule({{0, 300}, {1e7, 340}}), ModelTable(), {});
+        actuator::MakeStrokeTable(FreeSchedule({{0, 300}, {1e7, 340}}), ModelTable(), {});
       },
       ThrowsMessage<Error>(HasSubstr("too long")));
 }
 
 TEST(StrokeTable, HeaderCannotBeBrokenByAFileName) {
-  const StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}});
-  const DutyTable table = ModelTable();
-  const StrokeTable stroke = MakeStrokeTable(schedule, table, {});
-  const std::string header = StrokeTableHeader(stroke, schedule, table, {}, "from a\n#error b\\\nfile");
+  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}});
+  const actuator::DutyTable table = ModelTable();
+  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, {});
+  const std::string header = actuator::StrokeTableHeader(stroke, schedule, table, {}, "from a\n#error b\\\nfile");
   EXPECT_EQ(header.find("\n#error"), std::string::npos);
   EXPECT_EQ(header.find('\\'), std::string::npos);
 }
@@ -95,11 +95,11 @@ TEST(StrokeTable, HeaderCannotBeBrokenByAFileName) {
 // Up at 5 mm/s from 300 to 340 mm, home at 290 mm, a tolerance of 10 %: start error, a tenth of 50 mm, and the lag of
 // the three times that the speed rises (homing's stop, to the start, the program) or the two that it falls.
 TEST(Drift, ForecastIsTheClosedFormOfAConstantProgram) {
-  const StrokeSchedule schedule = FreeSchedule({{0, 300}, {8, 340}});
-  FirmwareOptions options;
+  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {8, 340}});
+  actuator::FirmwareOptions options;
   options.home_stroke_mm = 290, options.speed_tolerance_percent = 10;
-  const StrokeTable stroke = MakeStrokeTable(schedule, ModelTable(), options);
-  const DriftForecast forecast = ForecastDrift(stroke, schedule, ModelTable(), options);
+  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, ModelTable(), options);
+  const actuator::DriftForecast forecast = actuator::ForecastDrift(stroke, schedule, ModelTable(), options);
   // 10 % are rounded up to 103/1024; 1 um of the start, 10 um of rounding up per ms.
   EXPECT_NEAR(forecast.last_drift_mm, 0.1 + stroke.pwm_error_mm + 50 * 103 / 1024.0 + 3 * 5 * 0.05, 0.012);
   EXPECT_NEAR(forecast.planned_mm, 340, 1e-9);
@@ -118,19 +118,19 @@ TEST(Drift, WhatARefusalProposesWorks) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> room(1, 30), speed(1, 9);
-    std::vector<StrokeProgram::Knot> knots = {{0, 260}};
+    std::vector<linkage::StrokeProgram::Knot> knots = {{0, 260}};
     for (const double stroke : {310.0, 280.0, 374.5205 - room(random)})
       knots.push_back({knots.back().time_s + std::abs(stroke - knots.back().stroke_mm) / speed(random), stroke});
-    const StrokeSchedule schedule = FreeSchedule(knots);
-    DutyTable table = ModelTable();
-    for (DutyRow& row : table.rows) row.tolerance_percent = 10;
-    const StrokeTable stroke = MakeStrokeTable(schedule, table, {});
-    const DriftForecast forecast = ForecastDrift(stroke, schedule, table, {});
+    const actuator::StrokeSchedule schedule = FreeSchedule(knots);
+    actuator::DutyTable table = ModelTable();
+    for (actuator::DutyRow& row : table.rows) row.tolerance_percent = 10;
+    const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, {});
+    const actuator::DriftForecast forecast = actuator::ForecastDrift(stroke, schedule, table, {});
     EXPECT_TRUE(forecast.is_measured);
     const auto fits = [&](double percent) {
-      FirmwareOptions options;
+      actuator::FirmwareOptions options;
       options.speed_tolerance_percent = percent;
-      return ForecastDrift(stroke, schedule, table, options).Fits();
+      return actuator::ForecastDrift(stroke, schedule, table, options).Fits();
     };
     if (forecast.Fits()) {
       EXPECT_GE(forecast.tolerable_percent, 9.8) << "seed " << seed;  // it rounds down, twice by a tenth
@@ -143,8 +143,9 @@ TEST(Drift, WhatARefusalProposesWorks) {
     }
     EXPECT_FALSE(fits(std::max(forecast.tolerable_percent, 0.0) + 0.3)) << "seed " << seed;
     knots.back().stroke_mm -= std::ceil(10 * (forecast.drift_mm - forecast.Room()) + 0.01) / 10;
-    const StrokeSchedule earlier = FreeSchedule(knots);
-    EXPECT_TRUE(ForecastDrift(MakeStrokeTable(earlier, table, {}), earlier, table, {}).Fits()) << "seed " << seed;
+    const actuator::StrokeSchedule earlier = FreeSchedule(knots);
+    EXPECT_TRUE(actuator::ForecastDrift(actuator::MakeStrokeTable(earlier, table, {}), earlier, table, {}).Fits())
+        << "seed " << seed;
   }
   EXPECT_GT(refused, 10);
   EXPECT_LT(refused, 40);
@@ -152,16 +153,16 @@ TEST(Drift, WhatARefusalProposesWorks) {
 
 // An end stop before the linkage's end holds what the drift would carry past it, from where its run-on leaves room.
 TEST(Drift, AnExtendEndStopBeforeTheLinkagesEndIsAWayOut) {
-  const StrokeSchedule schedule = FreeSchedule({{0, 260}, {24, 373.5}});  // 1.02 mm before the end
-  const DutyTable table = ModelTable();
-  FirmwareOptions options;
-  const StrokeTable stroke = MakeStrokeTable(schedule, table, options);
-  const auto header = [&] { return StrokeTableHeader(stroke, schedule, table, options, "t"); };
+  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 260}, {24, 373.5}});  // 1.02 mm before the end
+  const actuator::DutyTable table = ModelTable();
+  actuator::FirmwareOptions options;
+  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, options);
+  const auto header = [&] { return actuator::StrokeTableHeader(stroke, schedule, table, options, "t"); };
   EXPECT_THAT(header, ThrowsMessage<Error>(HasSubstr("(--extend-stop 0.6)")));
-  EXPECT_EQ(ExtendStop(schedule, options), std::nullopt);
+  EXPECT_EQ(actuator::ExtendStop(schedule, options), std::nullopt);
   options.extend_stop_mm = 0.6;  // 0.1 mm and 50 ms of 9.68 mm/s are 0.584 mm
   EXPECT_THAT(header(), HasSubstr("#define LAKE_DRIFT_LIMITED 0"));
-  EXPECT_NEAR(*ExtendStop(schedule, options), 374.5205 - 0.6, 1e-4);
+  EXPECT_NEAR(*actuator::ExtendStop(schedule, options), 374.5205 - 0.6, 1e-4);
   options.extend_stop_mm = 0.5;
   EXPECT_THAT(header, ThrowsMessage<Error>(HasSubstr("run on by 0.584 mm, to the linkage's end at 374.52")));
   options.extend_stop_mm = 1.1;
@@ -170,12 +171,14 @@ TEST(Drift, AnExtendEndStopBeforeTheLinkagesEndIsAWayOut) {
 }
 
 TEST(Drift, HomeKeepsTheLowerSoftLimit) {
-  const StrokeSchedule schedule = FreeSchedule({{0, 250}, {8, 290}});
-  const DutyTable table = ModelTable();
-  FirmwareOptions options;
-  const StrokeTable stroke = MakeStrokeTable(schedule, table, options);
-  const auto header = [&](const StrokeSchedule& plan) { return StrokeTableHeader(stroke, plan, table, options, "t"); };
-  EXPECT_NEAR(HomeStroke(stroke, schedule, options), 241.9978 + 0.5, 1e-3);
+  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 250}, {8, 290}});
+  const actuator::DutyTable table = ModelTable();
+  actuator::FirmwareOptions options;
+  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, options);
+  const auto header = [&](const actuator::StrokeSchedule& plan) {
+    return actuator::StrokeTableHeader(stroke, plan, table, options, "t");
+  };
+  EXPECT_NEAR(actuator::HomeStroke(stroke, schedule, options), 241.9978 + 0.5, 1e-3);
   EXPECT_THAT(header(schedule), HasSubstr("#define LAKE_HOME_UM 242498L"));
   options.home_stroke_mm = 242;
   EXPECT_THAT([&] { header(schedule); },
@@ -184,11 +187,11 @@ TEST(Drift, HomeKeepsTheLowerSoftLimit) {
   EXPECT_THAT(header(schedule), HasSubstr("#define LAKE_HOME_UM 242000L"));
   // A soft limit nearer to the dead point than the run-on past the switch.
   options = {};
-  ScheduleOptions near;
+  actuator::ScheduleOptions near;
   near.margin_mm = 0.2;
   EXPECT_THAT(
       [&] {
-        header(MakeSchedule(FreeDesign({{0, 250}, {8, 290}}), near));
+        header(actuator::MakeSchedule(FreeDesign({{0, 250}, {8, 290}}), near));
       },
       ThrowsMessage<Error>(HasSubstr("may run on by 0.350 mm, past the linkage's end at 241.998 mm")));
 }

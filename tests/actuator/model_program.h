@@ -10,28 +10,28 @@
 namespace lake {
 
 // Gautam, Singla & Singla, table 1.
-inline constexpr Links kPublishedLinks = {59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
+inline constexpr linkage::Links kPublishedLinks = {59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
-inline DutyTable ModelTable() {
-  return ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
+inline actuator::DutyTable ModelTable() {
+  return actuator::ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
 }
 
-inline Design PublishedDesign() {
-  Design design;
+inline linkage::Design PublishedDesign() {
+  linkage::Design design;
   design.links = kPublishedLinks;
   return design;
 }
 
 // Knots (s, mm).
-inline Design FreeDesign(std::vector<StrokeProgram::Knot> knots) {
-  Design design = PublishedDesign();
-  design.program.emplace().kind = StrokeProgram::Kind::kFree;
+inline linkage::Design FreeDesign(std::vector<linkage::StrokeProgram::Knot> knots) {
+  linkage::Design design = PublishedDesign();
+  design.program.emplace().kind = linkage::StrokeProgram::Kind::kFree;
   design.program->knots = std::move(knots);
   return design;
 }
 
-inline StrokeSchedule FreeSchedule(std::vector<StrokeProgram::Knot> knots) {
-  return MakeSchedule(FreeDesign(std::move(knots)), {});
+inline actuator::StrokeSchedule FreeSchedule(std::vector<linkage::StrokeProgram::Knot> knots) {
+  return actuator::MakeSchedule(FreeDesign(std::move(knots)), {});
 }
 
 }  // namespace lake

@@ -15,29 +15,29 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-StrokeSchedule PaperProgram() {
-  ScheduleOptions options;
+actuator::StrokeSchedule PaperProgram() {
+  actuator::ScheduleOptions options;
   options.speed_mm_s = 5;
   options.from_deg = 110;
-  return MakeSchedule(PublishedDesign(), options);
+  return actuator::MakeSchedule(PublishedDesign(), options);
 }
 
 // A video of a prototype: rest, the program from `start_s` at another speed, rest.
-std::vector<AngleSample> Film(const StrokeSchedule& schedule, double start_s, double speed_factor, double offset_deg,
-                              double noise_deg, unsigned seed) {
+std::vector<actuator::AngleSample> Film(const actuator::StrokeSchedule& schedule, double start_s, double speed_factor,
+                                        double offset_deg, double noise_deg, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, 1);
-  std::vector<AngleSample> samples;
+  std::vector<actuator::AngleSample> samples;
   for (double t = 0.3; t < start_s + schedule.Duration() + 3; t += 1 / 60.0)
-    samples.push_back({t, KneeDegAt(schedule.links, schedule.StrokeAt((t - start_s) * speed_factor)) + offset_deg +
-                              noise_deg * normal(random)});
+    samples.push_back({t, actuator::KneeDegAt(schedule.links, schedule.StrokeAt((t - start_s) * speed_factor)) +
+                              offset_deg + noise_deg * normal(random)});
   return samples;
 }
 
 TEST(PrototypeValidation, APerfectPrototypeIsFoundWhereItBegan) {
-  const StrokeSchedule schedule = PaperProgram();
+  const actuator::StrokeSchedule schedule = PaperProgram();
   for (const double start : {0.4, 2.71828, 9.0}) {
-    const Validation v = ValidatePrototype(schedule, Film(schedule, start, 1, 0, 0, 1));
+    const actuator::Validation v = actuator::ValidatePrototype(schedule, Film(schedule, start, 1, 0, 0, 1));
     EXPECT_NEAR(v.shift_s, start, 1e-4);
     EXPECT_LT(v.max_deg, 1e-3);
     EXPECT_NEAR(v.speed_mm_s, 5, 1e-3);
@@ -46,9 +46,9 @@ TEST(PrototypeValidation, APerfectPrototypeIsFoundWhereItBegan) {
 }
 
 TEST(PrototypeValidation, NoiseOffsetAndSpeedAreTold) {
-  const StrokeSchedule schedule = PaperProgram();
+  const actuator::StrokeSchedule schedule = PaperProgram();
   for (unsigned seed = 0; seed < 5; ++seed) {
-    const Validation noisy = ValidatePrototype(schedule, Film(schedule, 2, 1, 0, 0.2, seed));
+    const actuator::Validation noisy = actuator::ValidatePrototype(schedule, Film(schedule, 2, 1, 0, 0.2, seed));
     EXPECT_NEAR(noisy.rms_deg, 0.2, 0.02);  // about 1400 frames: 2 % of 0.2, times 5
     EXPECT_NEAR(noisy.shift_s, 2, 0.02);
     EXPECT_NEAR(noisy.offset_deg, 0, 0.05);
@@ -56,12 +56,12 @@ TEST(PrototypeValidation, NoiseOffsetAndSpeedAreTold) {
     EXPECT_LT(noisy.speed_se_mm_s, 0.01);
   }
   // A marker off its place: the shift alone hides it, as it must; with the rests in the picture the offset is told.
-  const Validation offset = ValidatePrototype(schedule, Film(schedule, 2, 1, 1.5, 0.1, 1));
+  const actuator::Validation offset = actuator::ValidatePrototype(schedule, Film(schedule, 2, 1, 1.5, 0.1, 1));
   EXPECT_NEAR(offset.offset_deg, 1.5, 0.02);
   EXPECT_NEAR(offset.rms_with_offset_deg, 0.1, 0.01);
   EXPECT_LT(offset.rms_with_offset_deg, 0.5 * offset.rms_deg);
   // A prototype that is 4 % slow: the angle lags ever more, and its own speed says why.
-  const Validation slow = ValidatePrototype(schedule, Film(schedule, 2, 0.96, 0, 0.05, 1));
+  const actuator::Validation slow = actuator::ValidatePrototype(schedule, Film(schedule, 2, 0.96, 0, 0.05, 1));
   EXPECT_NEAR(slow.speed_mm_s, 4.8, 0.02);
   EXPECT_GT(slow.max_deg, 0.5);
 }
@@ -69,46 +69,47 @@ TEST(PrototypeValidation, NoiseOffsetAndSpeedAreTold) {
 // Driven open loop, a slow prototype runs for the planned time and stops short; free programs have no single speed, but
 // a factor on their travel.
 TEST(PrototypeValidation, AnOpenLoopPrototypesOwnTravelAndDriftAreTold) {
-  for (const StrokeSchedule& schedule :
+  for (const actuator::StrokeSchedule& schedule :
        {PaperProgram(), FreeSchedule({{0, 290}, {4, 308}, {5, 308}, {8, 300}, {16, 340}})})
     for (const double factor : {0.9, 0.97, 1.0, 1.05}) {
       std::mt19937 random(3);
       std::normal_distribution<double> normal(0, 0.05);
-      std::vector<AngleSample> samples;
+      std::vector<actuator::AngleSample> samples;
       const double start = schedule.knots.front().stroke_mm;
       for (double t = 0; t < schedule.Duration() + 4; t += 1 / 30.0) {
         const double stroke = start + factor * (schedule.StrokeAt(t - 1.5) - start);
-        samples.push_back({t, KneeDegAt(schedule.links, std::min(stroke, 374.5205)) + normal(random)});
+        samples.push_back({t, actuator::KneeDegAt(schedule.links, std::min(stroke, 374.5205)) + normal(random)});
       }
-      const Validation v = ValidatePrototype(schedule, samples);
+      const actuator::Validation v = actuator::ValidatePrototype(schedule, samples);
       EXPECT_NEAR(v.travel_factor, factor, 1e-3);
       EXPECT_NEAR(v.drift_mm, (factor - 1) * (schedule.knots.back().stroke_mm - start), 0.1);
       EXPECT_NEAR(v.rms_with_factor_deg, 0.05, 0.01);
-      EXPECT_EQ(Judge(v, 0.3), factor == 1 ? Verdict::kFollows : Verdict::kOtherSpeed);
+      EXPECT_EQ(actuator::Judge(v, 0.3), factor == 1 ? actuator::Verdict::kFollows : actuator::Verdict::kOtherSpeed);
     }
-  const StrokeSchedule schedule = PaperProgram();
-  EXPECT_EQ(Judge(ValidatePrototype(schedule, Film(schedule, 2, 1, 3, 0.1, 1)), 0.3), Verdict::kOtherAngles);
+  const actuator::StrokeSchedule schedule = PaperProgram();
+  EXPECT_EQ(actuator::Judge(actuator::ValidatePrototype(schedule, Film(schedule, 2, 1, 3, 0.1, 1)), 0.3),
+            actuator::Verdict::kOtherAngles);
 }
 
 TEST(PrototypeValidation, AVideoOfAPartIsAlignedAndSaysHowMuchItShows) {
-  const StrokeSchedule schedule = PaperProgram();
-  std::vector<AngleSample> samples;
-  for (const AngleSample& sample : Film(schedule, 0, 1, 0, 0.05, 3))
+  const actuator::StrokeSchedule schedule = PaperProgram();
+  std::vector<actuator::AngleSample> samples;
+  for (const actuator::AngleSample& sample : Film(schedule, 0, 1, 0, 0.05, 3))
     if (sample.time_s > 0.3 * schedule.Duration() && sample.time_s < 0.8 * schedule.Duration())
       samples.push_back(sample);
-  const Validation v = ValidatePrototype(schedule, samples);
+  const actuator::Validation v = actuator::ValidatePrototype(schedule, samples);
   EXPECT_NEAR(v.shift_s, 0, 0.02);
   EXPECT_NEAR(v.covered, 0.5, 0.01);
 }
 
 TEST(PrototypeValidation, WhatCannotBeComparedIsAnError) {
-  const StrokeSchedule schedule = PaperProgram();
-  EXPECT_THAT([&] { ValidatePrototype(schedule, {}); }, ThrowsMessage<Error>(HasSubstr("0 frames")));
-  std::vector<AngleSample> still;
+  const actuator::StrokeSchedule schedule = PaperProgram();
+  EXPECT_THAT([&] { actuator::ValidatePrototype(schedule, {}); }, ThrowsMessage<Error>(HasSubstr("0 frames")));
+  std::vector<actuator::AngleSample> still;
   for (int i = 0; i < 100; ++i) still.push_back({0.1 * i, 70});
-  EXPECT_THAT([&] { ValidatePrototype(schedule, still); }, ThrowsMessage<Error>(HasSubstr("changes by 0")));
+  EXPECT_THAT([&] { actuator::ValidatePrototype(schedule, still); }, ThrowsMessage<Error>(HasSubstr("changes by 0")));
   still[50].time_s = 0;
-  EXPECT_THAT([&] { ValidatePrototype(schedule, still); }, ThrowsMessage<Error>(HasSubstr("ascend")));
+  EXPECT_THAT([&] { actuator::ValidatePrototype(schedule, still); }, ThrowsMessage<Error>(HasSubstr("ascend")));
 }
 
 }  // namespace

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "lake/commands/stroke.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/linkage/design_file.h"
-#include "lake/pipeline/stroke.h"
 #include "model_program.h"
 #include "pipeline/rendered_trial.h"
 
@@ -17,12 +17,13 @@ namespace {
 constexpr double kStart_s = 1.2;  // of the program in the film
 
 // Markers on a prototype whose shank stands upright on a bench: knee and hip swing about the ankle's side of the joint.
-void WritePrototypeMotion(const std::filesystem::path& path, const StrokeSchedule& schedule, double travel_factor) {
+void WritePrototypeMotion(const std::filesystem::path& path, const actuator::StrokeSchedule& schedule,
+                          double travel_factor) {
   CsvWriter table({"time_s", "ankle_x_mm", "ankle_y_mm", "knee_x_mm", "knee_y_mm", "hip_x_mm", "hip_y_mm"});
   const double start_mm = schedule.knots.front().stroke_mm;
   for (double t = 0; t <= kStart_s + schedule.Duration() + 1; t += 0.02) {
     const double stroke = start_mm + travel_factor * (schedule.StrokeAt(t - kStart_s) - start_mm);
-    const double knee = KneeDegAt(kPublishedLinks, stroke) * std::numbers::pi / 180;
+    const double knee = actuator::KneeDegAt(kPublishedLinks, stroke) * std::numbers::pi / 180;
     table.Add(t)
         .Add(0.0)
         .Add(0.0)
@@ -47,22 +48,23 @@ TEST_P(PrototypeVideoTest, TellsStartSpeedDriftAndVerdict) {
   TemporaryFolder folder;
   WriteTextFile(folder / "design.yaml",
                 "links: {l1: 59.081, l2: 68.840, l3: 55.964, l4: 71.849, l5: 118.630, l6: 287.310}\nd_min_mm: 242\n");
-  StrokeRunOptions options;
+  commands::StrokeRunOptions options;
   options.design = folder / "design.yaml";
   options.schedule.speed_mm_s = 5;
   options.tolerance_deg = 0.3;
-  const StrokeSchedule schedule = MakeSchedule(ReadDesign(options.design), options.schedule);
+  const actuator::StrokeSchedule schedule =
+      actuator::MakeSchedule(linkage::ReadDesign(options.design), options.schedule);
   WritePrototypeMotion(folder / "motion.csv", schedule, film.travel_factor);
 
-  SceneOptions scene;
+  synth::SceneOptions scene;
   scene.motion_table = folder / "motion.csv";
   scene.width_px = 640, scene.height_px = 480, scene.frame_rate_hz = 20, scene.body = false;
   RenderedTrial trial(scene, {});
-  trial.Track("trial", [](TrackRunOptions& o) { o.track.names = {"ankle", "knee", "hip"}; });
+  trial.Track("trial", [](commands::TrackRunOptions& o) { o.track.names = {"ankle", "knee", "hip"}; });
 
   options.validate = trial.folder / "trial";
   lake::Run run({"lake-stroke", "test", Json::object(), folder / "out", true});
-  const Json v = RunStroke(options, run)["validation"];
+  const Json v = commands::RunStroke(options, run)["validation"];
   std::printf(
       "travel %.2f: start %.4f s, speed %.4f mm/s, factor %.5f, drift %.3f mm, RMS %.3f, at its own speed %.4f deg\n",
       film.travel_factor, v["start_with_factor_s"].get<double>(), v["speed_mm_s"].get<double>(),

@@ -17,10 +17,10 @@ using testing::ThrowsMessage;
 
 // The slowest that the model table has is 0.44 mm/s extending and 0.72 mm/s retracting.
 TEST(Crawling, BecomesRestsAndStepsAtTheSlowestMeasuredSpeed) {
-  const DutyTable table = ModelTable();
-  StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 303}, {11, 304}, {12, 307}, {13, 307}, {14, 306.9}});
-  const StrokeSchedule plan = schedule;
-  const CrawlSummary crawl = StepInsteadOfCrawling(schedule, table, 0.1);
+  const actuator::DutyTable table = ModelTable();
+  actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 303}, {11, 304}, {12, 307}, {13, 307}, {14, 306.9}});
+  const actuator::StrokeSchedule plan = schedule;
+  const actuator::CrawlSummary crawl = actuator::StepInsteadOfCrawling(schedule, table, 0.1);
   EXPECT_EQ(crawl.stretches, 2);
   EXPECT_NEAR(crawl.duration_s, 11, 1e-9);
   EXPECT_EQ(crawl.added_rest_s, 0);
@@ -30,7 +30,7 @@ TEST(Crawling, BecomesRestsAndStepsAtTheSlowestMeasuredSpeed) {
   for (double t = 0; t <= 12; t += 1e-3) worst = std::max(worst, std::abs(schedule.StrokeAt(t) - plan.StrokeAt(t)));
   EXPECT_NEAR(worst, 0.1 * (2 - 0.2 / 0.44), 1e-3);
   for (double t : {1.0, 3.0, 7.0, 11.0, 12.0, 14.0}) EXPECT_NEAR(schedule.StrokeAt(t), plan.StrokeAt(t), 1e-9) << t;
-  for (const ScheduleRow& row : SampleSchedule(schedule, 50, &table))
+  for (const actuator::ScheduleRow& row : actuator::SampleSchedule(schedule, 50, &table))
     if (row.direction != 0) {
       ASSERT_GE(std::abs(row.speed_mm_s), table.Curve(row.direction).LeastMovingSpeed() * (1 - 1e-6)) << row.time_s;
     }
@@ -39,19 +39,19 @@ TEST(Crawling, BecomesRestsAndStepsAtTheSlowestMeasuredSpeed) {
 // Random programs around the slowest speed: never slower, every rest long enough for the brake, ends where it should,
 // and the stated error is the largest there is.
 TEST(Crawling, KeepsItsWordForAnyProgram) {
-  const DutyTable table = ModelTable();
+  const actuator::DutyTable table = ModelTable();
   int compared = 0;
   for (unsigned seed = 0; seed < 100; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> pause(0.05, 2), speed(0, 1.2);
-    std::vector<StrokeProgram::Knot> knots = {{0, 310}};
+    std::vector<linkage::StrokeProgram::Knot> knots = {{0, 310}};
     for (int i = 0; i < 30; ++i) {
       const double duration = pause(random), sign = random() % 4 ? 1 : -1;
       knots.push_back({knots.back().time_s + duration, knots.back().stroke_mm + sign * speed(random) * duration});
     }
-    const StrokeSchedule plan = FreeSchedule(knots);
-    StrokeSchedule schedule = plan;
-    const CrawlSummary crawl = StepInsteadOfCrawling(schedule, table, 0.1);
+    const actuator::StrokeSchedule plan = FreeSchedule(knots);
+    actuator::StrokeSchedule schedule = plan;
+    const actuator::CrawlSummary crawl = actuator::StepInsteadOfCrawling(schedule, table, 0.1);
     EXPECT_GT(crawl.stretches, 0);
     EXPECT_NEAR(schedule.knots.back().stroke_mm, plan.knots.back().stroke_mm, 1e-9);
     EXPECT_NEAR(schedule.Duration(), plan.Duration() + crawl.added_rest_s, 1e-9);
@@ -61,7 +61,7 @@ TEST(Crawling, KeepsItsWordForAnyProgram) {
       const auto &a = schedule.knots[i], &b = schedule.knots[i + 1];
       ASSERT_GT(b.time_s, a.time_s);
       const double v = (b.stroke_mm - a.stroke_mm) / (b.time_s - a.time_s);
-      const int direction = DirectionOf(v);
+      const int direction = actuator::DirectionOf(v);
       if (direction == 0) {
         rest_s += b.time_s - a.time_s;
         continue;
@@ -83,17 +83,17 @@ TEST(Crawling, KeepsItsWordForAnyProgram) {
 }
 
 TEST(Crawling, LeavesOtherProgramsAlone) {
-  StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}, {2, 305}, {3, 302}});
-  const StrokeSchedule plan = schedule;
-  EXPECT_EQ(StepInsteadOfCrawling(schedule, ModelTable(), 0.1).stretches, 0);
+  actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}, {2, 305}, {3, 302}});
+  const actuator::StrokeSchedule plan = schedule;
+  EXPECT_EQ(actuator::StepInsteadOfCrawling(schedule, ModelTable(), 0.1).stretches, 0);
   ASSERT_EQ(schedule.knots.size(), plan.knots.size());
   for (std::size_t i = 0; i < plan.knots.size(); ++i) EXPECT_EQ(schedule.knots[i].stroke_mm, plan.knots[i].stroke_mm);
 }
 
 // Constant speed v over a way s with acceleration a takes s/v + v/a.
 TEST(Acceleration, ConstantProgramGetsItsRamps) {
-  StrokeSchedule schedule = FreeSchedule({{0, 300}, {4, 320}});
-  LimitAcceleration(schedule, 20, 0.1);
+  actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {4, 320}});
+  actuator::LimitAcceleration(schedule, 20, 0.1);
   EXPECT_NEAR(schedule.Duration(), 4 + 5.0 / 20, 1e-9);
   EXPECT_NEAR(schedule.added_rest_s, 0.25, 1e-9);
   EXPECT_NEAR(schedule.StrokeAt(0), 300, 1e-9);
@@ -106,14 +106,14 @@ TEST(Acceleration, IsKeptAndStrokesStayWithinTheCorners) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> pause(1.0, 2), speed(-5, 5);
-    std::vector<StrokeProgram::Knot> knots = {{0, 310}};
+    std::vector<linkage::StrokeProgram::Knot> knots = {{0, 310}};
     for (int i = 0; i < 15; ++i) {
       const double duration = pause(random), v = random() % 4 == 0 ? 0 : speed(random);
       knots.push_back({knots.back().time_s + duration, knots.back().stroke_mm + v * duration});
     }
-    StrokeSchedule schedule = FreeSchedule(knots);
-    const StrokeSchedule plan = schedule;
-    LimitAcceleration(schedule, 20, 0.1);
+    actuator::StrokeSchedule schedule = FreeSchedule(knots);
+    const actuator::StrokeSchedule plan = schedule;
+    actuator::LimitAcceleration(schedule, 20, 0.1);
     double low = 1e9, high = -1e9, last_speed = 0, last_length = 0.02;
     for (const auto& knot : plan.knots) low = std::min(low, knot.stroke_mm), high = std::max(high, knot.stroke_mm);
     for (std::size_t i = 0; i + 1 < schedule.knots.size(); ++i) {
@@ -130,8 +130,8 @@ TEST(Acceleration, IsKeptAndStrokesStayWithinTheCorners) {
 }
 
 TEST(Acceleration, AStretchWithoutRoomIsNamed) {
-  StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}, {1.1, 305.1}, {2, 309.6}});
-  EXPECT_THAT([&] { LimitAcceleration(schedule, 20, 0.1); },
+  actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {1, 305}, {1.1, 305.1}, {2, 309.6}});
+  EXPECT_THAT([&] { actuator::LimitAcceleration(schedule, 20, 0.1); },
               ThrowsMessage<Error>(AllOf(HasSubstr("1 mm/s from 1 s to 1.1 s"), HasSubstr("--max-acceleration"))));
 }
 

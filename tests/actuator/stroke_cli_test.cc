@@ -100,16 +100,16 @@ TEST_F(StrokeProgramTest, OptionsFromAFileGiveTheSameProgram) {
 
 // A tracked human gives the constant program its angles; the prototype's video is compared with it.
 TEST_F(StrokeProgramTest, MotionAndValidation) {
-  LegMotion human, prototype;
+  motion::LegMotion human, prototype;
   for (int i = 0; i <= 100; ++i) {
-    LegSample sample;
+    motion::LegSample sample;
     sample.repetition = 1;
     sample.percent = i;
     sample.knee_deg = 95 - 0.88 * i;  // 95 to 7 degrees
     human.frame.push_back(i), human.time_s.push_back(i / 60.0), human.samples.push_back(sample);
   }
   std::filesystem::create_directories(folder_ / "human");
-  WriteKinematicsCsv(folder_ / "human/kinematics.csv", human);
+  motion::WriteKinematicsCsv(folder_ / "human/kinematics.csv", human);
   ASSERT_EQ(Run("design.yaml -o a --motion human").exit_code, 0);
   const CsvTable program = CsvTable::Read(folder_ / "a/program.csv");
   EXPECT_NEAR(program.RequiredNumber(0, 3), 95, 1e-9);
@@ -120,13 +120,13 @@ TEST_F(StrokeProgramTest, MotionAndValidation) {
   for (int i = 0; i / 30.0 < duration + 3; ++i) {
     const double at = std::clamp(i / 30.0 - 1.5, 0.0, duration);
     const double d0 = program.RequiredNumber(0, 1);
-    LegSample sample;
-    sample.knee_deg = KneeDegAt(kPublishedLinks, d0 + 5 * at) + 2;
+    motion::LegSample sample;
+    sample.knee_deg = actuator::KneeDegAt(kPublishedLinks, d0 + 5 * at) + 2;
     if (i % 50 == 7) sample.knee_deg = std::nan("");
     prototype.frame.push_back(i), prototype.time_s.push_back(i / 30.0), prototype.samples.push_back(sample);
   }
   std::filesystem::create_directories(folder_ / "prototype");
-  WriteKinematicsCsv(folder_ / "prototype/kinematics.csv", prototype);
+  motion::WriteKinematicsCsv(folder_ / "prototype/kinematics.csv", prototype);
   const Outcome run = Run("design.yaml -o b --motion human --validate prototype --speed 5 --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json v = Json::parse(run.out)["validation"];
@@ -156,8 +156,8 @@ TEST_F(StrokeProgramTest, CrawlingIsSteppedAndTold) {
 // The strokes of a calibration from a video: two markers on the actuator, which hangs obliquely in the picture.
 TEST_F(StrokeProgramTest, CalibrateFromATrackedVideo) {
   std::string log = "time_s,planned_mm,drift_mm,duty,direction,state,adc,end_stops\n";
-  MarkerRecording film;
-  film.unit = LengthUnit::kMm;
+  motion::MarkerRecording film;
+  film.unit = motion::LengthUnit::kMm;
   film.markers = {{"mount", {}}, {"rod", {}}};
   const auto duty_at = [](double t) {  // rests of 1 s, then 1.5 s of each duty, extending and retracting
     const int jog = static_cast<int>(t / 2.5);
@@ -170,20 +170,20 @@ TEST_F(StrokeProgramTest, CalibrateFromATrackedVideo) {
     const double t = i / 60.0, duty = duty_at(t + 0.73);  // the film began 0.73 s after the log's clock
     if (duty != 0) length += (duty > 0 ? 10 * (duty - 0.2) : 12 * (duty + 0.1)) / 60;
     film.frame.push_back(i), film.time_s.push_back(t);
-    film.markers[0].samples.push_back({{100, 50}, 0.05, SampleStatus::kDetected});
-    film.markers[1].samples.push_back({{100 + 0.6 * length, 50 + 0.8 * length}, 0.05, SampleStatus::kDetected});
+    film.markers[0].samples.push_back({{100, 50}, 0.05, motion::SampleStatus::kDetected});
+    film.markers[1].samples.push_back({{100 + 0.6 * length, 50 + 0.8 * length}, 0.05, motion::SampleStatus::kDetected});
   }
-  film.markers[1].samples[300].status = SampleStatus::kMissing;
+  film.markers[1].samples[300].status = motion::SampleStatus::kMissing;
   WriteTextFile(folder_ / "serial.csv", log);
   std::filesystem::create_directories(folder_ / "film");
-  WriteMarkerCsv(folder_ / "film/trajectory.csv", film);
+  motion::WriteMarkerCsv(folder_ / "film/trajectory.csv", film);
   const Outcome run = Run("calibrate serial.csv --video film -o duty --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json summary = Json::parse(run.out);
   EXPECT_NEAR(summary["video"]["shift_s"].get<double>(), 0.73, 0.06);  // the log's rows are 0.1 s apart
   EXPECT_NEAR(summary["dead_band"]["extend"]["duty"].get<double>(), 0.2, 1e-3);
   EXPECT_NEAR(summary["dead_band"]["retract"]["duty"].get<double>(), 0.1, 1e-3);
-  const DutyTable table = ReadDutyTable(folder_ / "duty/duty_table.csv");
+  const actuator::DutyTable table = actuator::ReadDutyTable(folder_ / "duty/duty_table.csv");
   for (const double duty : {0.3, 0.5, 0.8, 1.0}) {
     EXPECT_NEAR(table.extend.SpeedFor(duty), 10 * (duty - 0.2), 1e-3);
     EXPECT_NEAR(table.retract.SpeedFor(duty), 12 * (duty - 0.1), 1e-3);
@@ -204,7 +204,7 @@ TEST_F(StrokeProgramTest, CalibrateFromATrackedVideo) {
   std::reverse(film.markers[1].samples.begin(), film.markers[1].samples.end());
   for (std::size_t i = 0; i < film.markers[1].samples.size(); ++i)
     film.markers[1].samples[i].position.x() += 40 * std::sin(0.05 * static_cast<double>(i));
-  WriteMarkerCsv(folder_ / "film/trajectory.csv", film);
+  motion::WriteMarkerCsv(folder_ / "film/trajectory.csv", film);
   const Outcome other = Run("calibrate serial.csv --video film -o bad");
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_THAT(other.err, HasSubstr("agree nowhere"));

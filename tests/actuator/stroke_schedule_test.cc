@@ -15,43 +15,44 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-ScheduleOptions AtSpeed(double speed_mm_s) {
-  ScheduleOptions options;
+actuator::ScheduleOptions AtSpeed(double speed_mm_s) {
+  actuator::ScheduleOptions options;
   options.speed_mm_s = speed_mm_s;
   return options;
 }
 
 // Table 1's design: standing at 374.5205 mm, assembled from 241.99776 mm on (facts of the paper's equations).
 TEST(StrokeSchedule, SoftLimitsKeepTheMarginFromStandingAndFromAssembly) {
-  const SoftLimits limits = SoftLimitsOf(PublishedDesign(), 0.5);
+  const actuator::SoftLimits limits = actuator::SoftLimitsOf(PublishedDesign(), 0.5);
   EXPECT_NEAR(limits.upper_mm, 374.5205 - 0.5, 1e-4);
   EXPECT_NEAR(limits.lower_mm, 242 - 0.00224 + 0.5, 1e-4);
-  EXPECT_GT(KneeDegAt(kPublishedLinks, limits.upper_mm), 0);
-  const SoftLimits none = SoftLimitsOf(PublishedDesign(), 0);
+  EXPECT_GT(actuator::KneeDegAt(kPublishedLinks, limits.upper_mm), 0);
+  const actuator::SoftLimits none = actuator::SoftLimitsOf(PublishedDesign(), 0);
   EXPECT_EQ(none.lower_mm, 242);
-  EXPECT_NEAR(KneeDegAt(kPublishedLinks, none.upper_mm), 0, 1e-6);
+  EXPECT_NEAR(actuator::KneeDegAt(kPublishedLinks, none.upper_mm), 0, 1e-6);
   // An actuator that ends before standing needs no margin from the linkage.
-  Design shorter = PublishedDesign();
+  linkage::Design shorter = PublishedDesign();
   shorter.d_max_mm = 350;
-  EXPECT_EQ(SoftLimitsOf(shorter, 0.5).upper_mm, 350);
+  EXPECT_EQ(actuator::SoftLimitsOf(shorter, 0.5).upper_mm, 350);
   shorter.d_max_mm = 374.4;
-  EXPECT_NEAR(SoftLimitsOf(shorter, 0.5).upper_mm, 374.0205, 1e-4);
-  EXPECT_THAT([] { SoftLimitsOf(PublishedDesign(), 200); }, ThrowsMessage<Error>(HasSubstr("leaves nothing")));
+  EXPECT_NEAR(actuator::SoftLimitsOf(shorter, 0.5).upper_mm, 374.0205, 1e-4);
+  EXPECT_THAT([] { actuator::SoftLimitsOf(PublishedDesign(), 200); },
+              ThrowsMessage<Error>(HasSubstr("leaves nothing")));
 }
 
 // The paper: 5 mm/s. Travel from 242 to 374.5205 mm less the margins, in closed form.
 TEST(StrokeSchedule, ConstantProgramOfThePaper) {
-  const StrokeSchedule schedule = MakeSchedule(PublishedDesign(), AtSpeed(5));
+  const actuator::StrokeSchedule schedule = actuator::MakeSchedule(PublishedDesign(), AtSpeed(5));
   EXPECT_NEAR(schedule.Duration(), (374.0205 - 242.49776) / 5, 1e-4);
   EXPECT_EQ(schedule.reversals, 0);
-  const std::vector<ScheduleRow> rows = SampleSchedule(schedule, 50, nullptr);
+  const std::vector<actuator::ScheduleRow> rows = actuator::SampleSchedule(schedule, 50, nullptr);
   EXPECT_EQ(rows.size(), static_cast<std::size_t>(std::floor(schedule.Duration() * 50)) + 2);
   double stroke = rows.front().stroke_mm;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
     ASSERT_NEAR(rows[i].speed_mm_s, 5, 1e-6);
     ASSERT_EQ(rows[i].direction, 1);
     ASSERT_TRUE(std::isnan(rows[i].duty)) << "without a table no duty is made up";
-    ASSERT_NEAR(rows[i].knee_deg, KneeDegAt(kPublishedLinks, rows[i].stroke_mm), 1e-12);
+    ASSERT_NEAR(rows[i].knee_deg, actuator::KneeDegAt(kPublishedLinks, rows[i].stroke_mm), 1e-12);
     stroke += rows[i].speed_mm_s * (rows[i + 1].time_s - rows[i].time_s);
   }
   EXPECT_NEAR(stroke, rows.back().stroke_mm, 1e-9) << "speeds add up to the stroke";
@@ -60,23 +61,23 @@ TEST(StrokeSchedule, ConstantProgramOfThePaper) {
 }
 
 TEST(StrokeSchedule, AnglesSetTheEndsOfAConstantProgram) {
-  ScheduleOptions options = AtSpeed(5);
+  actuator::ScheduleOptions options = AtSpeed(5);
   options.from_deg = 90;
   options.to_deg = 2;
-  const StrokeSchedule schedule = MakeSchedule(PublishedDesign(), options);
-  EXPECT_NEAR(KneeDegAt(kPublishedLinks, schedule.knots.front().stroke_mm), 90, 1e-9);
+  const actuator::StrokeSchedule schedule = actuator::MakeSchedule(PublishedDesign(), options);
+  EXPECT_NEAR(actuator::KneeDegAt(kPublishedLinks, schedule.knots.front().stroke_mm), 90, 1e-9);
   EXPECT_NEAR(schedule.knots.back().stroke_mm, 373.962, 5e-4);  // d for 2 degrees
   std::swap(options.from_deg, options.to_deg);
-  EXPECT_LT(MakeSchedule(PublishedDesign(), options).knots.back().stroke_mm, 373);  // sitting down retracts
+  EXPECT_LT(actuator::MakeSchedule(PublishedDesign(), options).knots.back().stroke_mm, 373);  // sitting down retracts
   options.to_deg = 170;
-  EXPECT_THAT([&] { MakeSchedule(PublishedDesign(), options); },
+  EXPECT_THAT([&] { actuator::MakeSchedule(PublishedDesign(), options); },
               ThrowsMessage<UsageError>(AllOf(HasSubstr("--to-angle 170"), HasSubstr("143.98"))));
 }
 
 TEST(StrokeSchedule, RestsAreAddedOnlyWhereAReversalLacksThem) {
-  const Design design = FreeDesign(
+  const linkage::Design design = FreeDesign(
       {{10, 300}, {12, 310}, {14, 306}, {14.04, 306}, {16, 312}, {17, 312}, {19, 308}, {21, 308.0000001}, {22, 305}});
-  const StrokeSchedule schedule = MakeSchedule(design, {});
+  const actuator::StrokeSchedule schedule = actuator::MakeSchedule(design, {});
   EXPECT_EQ(schedule.knots.front().time_s, 0) << "a program's time begins at 0";
   EXPECT_EQ(schedule.reversals, 3);
   // 0.1 s at 310 mm, 0.06 s at 306 mm (0.04 s are there), none at 312 mm; 5e-8 mm/s are rest, no reversal.
@@ -84,25 +85,25 @@ TEST(StrokeSchedule, RestsAreAddedOnlyWhereAReversalLacksThem) {
   EXPECT_NEAR(schedule.Duration(), 12.16, 1e-12);
   EXPECT_NEAR(schedule.StrokeAt(2.05), 310, 1e-12);
   EXPECT_NEAR(schedule.StrokeAt(2.1 + 1), 308, 1e-12);
-  for (const ScheduleRow& row : SampleSchedule(schedule, 37, nullptr))
+  for (const actuator::ScheduleRow& row : actuator::SampleSchedule(schedule, 37, nullptr))
     ASSERT_EQ(row.direction, row.speed_mm_s > 0.001 ? 1 : row.speed_mm_s < -0.001 ? -1 : 0) << row.time_s;
 }
 
 TEST(StrokeSchedule, ReturnTripMirrorsTheWayThere) {
-  ScheduleOptions options;
+  actuator::ScheduleOptions options;
   options.return_trip = true;
   options.hold_s = 1.5;
-  const StrokeSchedule schedule = MakeSchedule(FreeDesign({{0, 300}, {2, 309}, {5, 315}}), options);
+  const actuator::StrokeSchedule schedule = actuator::MakeSchedule(FreeDesign({{0, 300}, {2, 309}, {5, 315}}), options);
   EXPECT_NEAR(schedule.Duration(), 11.5, 1e-12);
   for (double t = 0; t <= 5; t += 0.25) EXPECT_NEAR(schedule.StrokeAt(t), schedule.StrokeAt(11.5 - t), 1e-9) << t;
   options.hold_s = 0;  // then the brake's rest is put in
-  EXPECT_NEAR(MakeSchedule(FreeDesign({{0, 300}, {2, 309}, {5, 315}}), options).Duration(), 10.1, 1e-12);
+  EXPECT_NEAR(actuator::MakeSchedule(FreeDesign({{0, 300}, {2, 309}, {5, 315}}), options).Duration(), 10.1, 1e-12);
 }
 
 TEST(StrokeSchedule, DutyIsTheTablesAtEachRow) {
-  const DutyTable table = ModelTable();
-  const StrokeSchedule schedule = FreeSchedule({{0, 300}, {2, 308.8}, {4, 308.8}, {6, 300}});
-  for (const ScheduleRow& row : SampleSchedule(schedule, 10, &table)) {
+  const actuator::DutyTable table = ModelTable();
+  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {2, 308.8}, {4, 308.8}, {6, 300}});
+  for (const actuator::ScheduleRow& row : actuator::SampleSchedule(schedule, 10, &table)) {
     // The model: extending 1.10 (12 duty - 3.2), retracting 1.20 (12 duty - 2.6) mm/s, rounded to 0.001 mm/s in the
     // file.
     const double expected = row.direction > 0   ? (4.4 / 1.10 + 3.2) / 12
@@ -123,28 +124,30 @@ TEST(StrokeSchedule, WhatCannotBeDoneIsNamed) {
         FreeSchedule({{0, 240}, {2, 300}});
       },
       ThrowsMessage<Error>(HasSubstr("below the soft limit 242.49")));
-  EXPECT_THAT([] { MakeSchedule(PublishedDesign(), {}); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
-  EXPECT_THAT([] { MakeSchedule(PublishedDesign(), AtSpeed(0)); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
-  EXPECT_THAT([] { MakeSchedule(PublishedDesign(), AtSpeed(NAN)); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
-  ScheduleOptions options;
+  EXPECT_THAT([] { actuator::MakeSchedule(PublishedDesign(), {}); }, ThrowsMessage<UsageError>(HasSubstr("--speed")));
+  EXPECT_THAT([] { actuator::MakeSchedule(PublishedDesign(), AtSpeed(0)); },
+              ThrowsMessage<UsageError>(HasSubstr("--speed")));
+  EXPECT_THAT([] { actuator::MakeSchedule(PublishedDesign(), AtSpeed(NAN)); },
+              ThrowsMessage<UsageError>(HasSubstr("--speed")));
+  actuator::ScheduleOptions options;
   options.max_speed_mm_s = 4;
   EXPECT_THAT(
       [&] {
-        MakeSchedule(FreeDesign({{0, 300}, {2, 304}, {3, 309}}), options);
+        actuator::MakeSchedule(FreeDesign({{0, 300}, {2, 304}, {3, 309}}), options);
       },
       ThrowsMessage<Error>(AllOf(HasSubstr("5 mm/s from 2 s to 3 s"), HasSubstr("--max-speed is 4"))));
-  const DutyTable table = ModelTable();
+  const actuator::DutyTable table = ModelTable();
   EXPECT_THAT(
       [&] {
-        CheckSpeeds(FreeSchedule({{0, 300}, {2, 304}, {3, 316}}), table);
+        actuator::CheckSpeeds(FreeSchedule({{0, 300}, {2, 304}, {3, 316}}), table);
       },
       ThrowsMessage<Error>(AllOf(HasSubstr("12 mm/s from 2 s to 3 s"), HasSubstr("9.68 mm/s extending"))));
   EXPECT_THAT(
       [] {
-        SampleSchedule(FreeSchedule({{0, 300}, {1e9, 316}}), 50, nullptr);
+        actuator::SampleSchedule(FreeSchedule({{0, 300}, {1e9, 316}}), 50, nullptr);
       },
       ThrowsMessage<Error>(HasSubstr("more than 1000000 rows")));
-  EXPECT_THROW(SampleSchedule(FreeSchedule({{0, 300}, {1, 302}}), NAN, nullptr), UsageError);
+  EXPECT_THROW(actuator::SampleSchedule(FreeSchedule({{0, 300}, {1, 302}}), NAN, nullptr), UsageError);
 }
 
 }  // namespace

@@ -46,9 +46,9 @@ const std::filesystem::path& Video() {
   return made.path;
 }
 
-std::int64_t ReadAll(const lake::VideoReaderOptions& options) {
-  const auto reader = lake::VideoReader::Open(Video(), options);
-  lake::VideoFrame frame;
+std::int64_t ReadAll(const lake::video::VideoReaderOptions& options) {
+  const auto reader = lake::video::VideoReader::Open(Video(), options);
+  lake::video::VideoFrame frame;
   std::int64_t frames = 0;
   while (reader->Read(frame)) ++frames;
   return frames;
@@ -81,12 +81,12 @@ void ReaderColour(benchmark::State& state) {
 // One second of the same pictures, again and again.
 void Writer(benchmark::State& state) {
   const bool grey = state.range(0) != 0;
-  const auto reader = lake::VideoReader::Open(Video(), {.colour = true, .last = 59});
+  const auto reader = lake::video::VideoReader::Open(Video(), {.colour = true, .last = 59});
   std::vector<cv::Mat> pictures;
-  for (lake::VideoFrame frame; reader->Read(frame);) pictures.push_back(grey ? frame.luma.clone() : frame.bgr);
+  for (lake::video::VideoFrame frame; reader->Read(frame);) pictures.push_back(grey ? frame.luma.clone() : frame.bgr);
   const auto path = std::filesystem::temp_directory_path() / fmt::format("lake_write_benchmark_{}.mp4", ::getpid());
   for (auto _ : state) {
-    lake::VideoWriter writer(
+    lake::video::VideoWriter writer(
         path, {.width = reader->Info().width, .height = reader->Info().height, .frame_rate_hz = 60, .grey = grey});
     for (int i = 0; i < 240; ++i) writer.Write(pictures[i % pictures.size()], i / 60.0);
     writer.Finish();

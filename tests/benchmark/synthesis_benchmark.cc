@@ -9,8 +9,8 @@
 #include <nlopt.hpp>
 #include <vector>
 
+#include "lake/certificate/certificate.h"
 #include "lake/core/angles.h"
-#include "lake/synthesis/certificate.h"
 #include "lake/synthesis/optimize.h"
 
 namespace {
@@ -18,28 +18,28 @@ namespace {
 using namespace lake;
 constexpr int kStarts = 20, kMostEvaluations = 20000;
 
-SynthesisProblem WithMargins(double margin_mm) {
-  SynthesisProblem problem;
+problem::SynthesisProblem WithMargins(double margin_mm) {
+  problem::SynthesisProblem problem;
   problem.grashof_margin_mm = problem.singularity_margin_mm = margin_mm;
   return problem;
 }
 
-std::vector<Links> Starts(const SynthesisProblem& problem) {
-  std::vector<Links> starts = RandomStarts(problem, kStarts - 1, 1);
+std::vector<linkage::Links> Starts(const problem::SynthesisProblem& problem) {
+  std::vector<linkage::Links> starts = synthesis::RandomStarts(problem, kStarts - 1, 1);
   starts.insert(starts.begin(), problem.start);
   return starts;
 }
 
 // theta(X, d_min) in degrees for NLopt. Where the linkage cannot be assembled there is no angle: minus the gap instead.
 struct ClosedForm {
-  SynthesisProblem problem;
-  std::vector<Requirement> requirements;
+  problem::SynthesisProblem problem;
+  std::vector<problem::Requirement> requirements;
   bool penalty = false;  // constraints become part of the objective
   int evaluations = 0;
 
-  static double Slack(const Requirement& requirement, const SynthesisProblem& problem, const std::vector<double>& x,
-                      std::vector<double>* gradient) {
-    if (requirement.kind == Requirement::Kind::kSingularity) {
+  static double Slack(const problem::Requirement& requirement, const problem::SynthesisProblem& problem,
+                      const std::vector<double>& x, std::vector<double>* gradient) {
+    if (requirement.kind == problem::Requirement::Kind::kSingularity) {
       const double l7 = std::hypot(x[4], x[5]);
       if (gradient && !gradient->empty()) *gradient = {0, 1, 0, 0, -x[4] / l7, -x[5] / l7};
       return x[1] + problem.d_min_mm - l7 - requirement.limit;
@@ -54,27 +54,28 @@ struct ClosedForm {
   static double Objective(const std::vector<double>& x, std::vector<double>& gradient, void* self_pointer) {
     auto& self = *static_cast<ClosedForm*>(self_pointer);
     ++self.evaluations;
-    const Links links{x[0], x[1], x[2], x[3], x[4], x[5]};
-    const auto pose = SolvePose(links, self.problem.d_min_mm);
+    const linkage::Links links{x[0], x[1], x[2], x[3], x[4], x[5]};
+    const auto pose = linkage::SolvePose(links, self.problem.d_min_mm);
     std::ranges::fill(gradient, 0.0);
-    double value = pose ? DegreesFromRadians(pose->theta_rad) : -FindAssemblyGap(links, self.problem.d_min_mm)->gap_mm;
+    double value =
+        pose ? DegreesFromRadians(pose->theta_rad) : -linkage::FindAssemblyGap(links, self.problem.d_min_mm)->gap_mm;
     if (pose && !gradient.empty()) {
-      const AngleDerivatives slopes = AngleDerivativesOf(links, *pose);
+      const linkage::AngleDerivatives slopes = linkage::AngleDerivativesOf(links, *pose);
       for (int i = 0; i < 6; ++i) {
         const double slope = DegreesFromRadians(slopes.link[i]);
         gradient[i] = std::isfinite(slope) ? slope : 0;
       }
     }
     constexpr double kPenalty_deg_per_mm = 100;
-    for (const Requirement& requirement : self.requirements)
+    for (const problem::Requirement& requirement : self.requirements)
       if (self.penalty) value += kPenalty_deg_per_mm * std::min(0.0, Slack(requirement, self.problem, x, nullptr));
     return value;
   }
 };
 
 struct Constraint {
-  const Requirement* requirement;
-  const SynthesisProblem* problem;
+  const problem::Requirement* requirement;
+  const problem::SynthesisProblem* problem;
   static double Value(const std::vector<double>& x, std::vector<double>& gradient, void* self_pointer) {
     const auto& self = *static_cast<Constraint*>(self_pointer);
     const double slack = ClosedForm::Slack(*self.requirement, *self.problem, x, &gradient);
@@ -84,7 +85,7 @@ struct Constraint {
 };
 
 // The end of one NLopt run.
-Links SolveWithNlopt(ClosedForm& form, nlopt::algorithm algorithm, const Links& start) {
+linkage::Links SolveWithNlopt(ClosedForm& form, nlopt::algorithm algorithm, const linkage::Links& start) {
   nlopt::opt solver(algorithm, 6);
   std::vector<double> lower, upper, x;
   for (int i = 0; i < 6; ++i) {
@@ -97,7 +98,7 @@ Links SolveWithNlopt(ClosedForm& form, nlopt::algorithm algorithm, const Links& 
   std::vector<Constraint> constraints;
   constraints.reserve(form.requirements.size());
   if (!form.penalty)
-    for (const Requirement& requirement : form.requirements) {
+    for (const problem::Requirement& requirement : form.requirements) {
       constraints.push_back({&requirement, &form.problem});
       solver.add_inequality_constraint(Constraint::Value, &constraints.back(), 1e-8);
     }
@@ -122,18 +123,18 @@ void Report(benchmark::State& state, const std::vector<double>& ranges, double k
       benchmark::Counter(kStarts, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-double KnownBest(const SynthesisProblem& problem) {
-  return SolveFrom(problem, problem.start).evaluation.range_deg;
+double KnownBest(const problem::SynthesisProblem& problem) {
+  return synthesis::SolveFrom(problem, problem.start).evaluation.range_deg;
 }
 
 void Ipopt(benchmark::State& state) {
-  const SynthesisProblem problem = WithMargins(static_cast<double>(state.range(0)));
+  const problem::SynthesisProblem problem = WithMargins(static_cast<double>(state.range(0)));
   std::vector<double> ranges;
   double iterations = 0;
   for (auto _ : state) {
     ranges.clear(), iterations = 0;
-    for (const Links& start : Starts(problem)) {
-      const LocalSolve solve = SolveFrom(problem, start);
+    for (const linkage::Links& start : Starts(problem)) {
+      const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, start);
       if (solve.IsUsable()) ranges.push_back(solve.evaluation.range_deg);
       iterations += solve.iterations;
     }
@@ -143,13 +144,13 @@ void Ipopt(benchmark::State& state) {
 
 void Nlopt(benchmark::State& state, nlopt::algorithm algorithm, bool penalty) {
   ClosedForm form{WithMargins(static_cast<double>(state.range(0))), {}, penalty};
-  form.requirements = RequirementsOf(form.problem);
+  form.requirements = problem::RequirementsOf(form.problem);
   std::vector<double> ranges;
   for (auto _ : state) {
     ranges.clear(), form.evaluations = 0;
     nlopt::srand(1);
-    for (const Links& start : Starts(form.problem)) {
-      const DesignEvaluation end = Evaluate(SolveWithNlopt(form, algorithm, start), form.problem);
+    for (const linkage::Links& start : Starts(form.problem)) {
+      const problem::DesignEvaluation end = problem::Evaluate(SolveWithNlopt(form, algorithm, start), form.problem);
       if (end.IsFeasible()) ranges.push_back(end.range_deg);
     }
   }
@@ -157,10 +158,10 @@ void Nlopt(benchmark::State& state, nlopt::algorithm algorithm, bool penalty) {
 }
 
 void CertificateTime(benchmark::State& state) {
-  const SynthesisProblem problem = WithMargins(static_cast<double>(state.range(0)));
+  const problem::SynthesisProblem problem = WithMargins(static_cast<double>(state.range(0)));
   const double range = KnownBest(problem);
-  Certificate certificate;
-  for (auto _ : state) certificate = CertifyRange(problem, range);
+  certificate::Certificate certificate;
+  for (auto _ : state) certificate = certificate::CertifyRange(problem, range);
   state.counters["gap_deg"] = certificate.gap_deg;
   state.counters["boxes"] = static_cast<double>(certificate.boxes);
 }

@@ -18,8 +18,8 @@ namespace lake {
 namespace {
 namespace fs = std::filesystem;
 
-const Board kBoard = ParseBoard("chessboard:9x6:25");
-const Camera kCamera{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
+const camera::Board kBoard = camera::ParseBoard("chessboard:9x6:25");
+const camera::Camera kCamera{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
 
 class BoardPicturesTest : public testing::Test {
  protected:
@@ -30,12 +30,12 @@ class BoardPicturesTest : public testing::Test {
                          {0.6, 1.5, 3});
   }
   fs::path Save(const std::string& name, const cv::Mat& image) {
-    WriteImage(folder_ / name, image);
+    video::WriteImage(folder_ / name, image);
     return folder_ / name;
   }
   std::string Complaint(const std::vector<fs::path>& files) {
     try {
-      FindBoards(files, kBoard, options_);
+      camera::FindBoards(files, kBoard, options_);
     } catch (const Error& error) {
       return error.what();
     }
@@ -43,14 +43,14 @@ class BoardPicturesTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  BoardPicturesOptions options_;
+  camera::BoardPicturesOptions options_;
   std::mt19937_64 random_{5};
 };
 
 TEST_F(BoardPicturesTest, ImagesWithoutABoardAreNamedAndTheRestUsed) {
   const auto a = Save("a.png", Board(250, 10)), b = Save("b.png", cv::Mat1b(480, 640, uchar{90})),
              c = Save("c.png", Board(400, 25));
-  const BoardPictures pictures = FindBoards({a, b, c}, kBoard, options_);
+  const camera::BoardPictures pictures = camera::FindBoards({a, b, c}, kBoard, options_);
   EXPECT_EQ(pictures.width_px, 640);
   ASSERT_EQ(pictures.views.size(), 2u);
   EXPECT_EQ(pictures.views[1].name, "c.png");
@@ -72,10 +72,10 @@ TEST_F(BoardPicturesTest, MixedSizesAndUnreadableFilesAreErrors) {
 
 // A board that moves, is blurred for a while and is out of the picture for a while.
 TEST_F(BoardPicturesTest, OfAVideoSharpSpreadFramesAreChosen) {
-  VideoWriterOptions writer_options;
+  video::VideoWriterOptions writer_options;
   writer_options.width = 640, writer_options.height = 480, writer_options.grey = true, writer_options.lossless = true;
   writer_options.frame_rate_hz = 10;
-  VideoWriter writer(folder_ / "board.mp4", writer_options);
+  video::VideoWriter writer(folder_ / "board.mp4", writer_options);
   constexpr int kFrames = 24;
   for (int i = 0; i < kFrames; ++i) {
     cv::Mat1b picture = Board(200 + 10 * i, 2 * i);
@@ -85,12 +85,12 @@ TEST_F(BoardPicturesTest, OfAVideoSharpSpreadFramesAreChosen) {
   }
   writer.Finish();
   options_.most_views = 6;
-  const BoardPictures pictures = FindBoards({folder_ / "board.mp4"}, kBoard, options_);
+  const camera::BoardPictures pictures = camera::FindBoards({folder_ / "board.mp4"}, kBoard, options_);
   EXPECT_EQ(pictures.attempts, kFrames);
   EXPECT_GE(pictures.seen, 14);
   ASSERT_EQ(pictures.views.size(), 6u);
   std::vector<int> frames;
-  for (const BoardView& view : pictures.views) frames.push_back(std::stoi(view.name.substr(6)));
+  for (const camera::BoardView& view : pictures.views) frames.push_back(std::stoi(view.name.substr(6)));
   for (const int frame : frames) EXPECT_NE(frame % 4, 1) << "a blurred frame";
   EXPECT_LE(frames.front(), 2);
   EXPECT_GE(frames.back(), 17);
@@ -98,11 +98,11 @@ TEST_F(BoardPicturesTest, OfAVideoSharpSpreadFramesAreChosen) {
 }
 
 TEST(ChooseSpreadViews, OfNoneOrFewGivesThemAll) {
-  EXPECT_TRUE(ChooseSpreadViews(kBoard, {}, 5).empty());
+  EXPECT_TRUE(camera::ChooseSpreadViews(kBoard, {}, 5).empty());
   std::mt19937_64 random(1);
-  std::vector<BoardView> views(
+  std::vector<camera::BoardView> views(
       3, scene::NoisyView(kCamera, kBoard, scene::PoseAt(kCamera, kBoard, {300, 240}, 260, 10, 0, 0), 0.1, random));
-  EXPECT_EQ(ChooseSpreadViews(kBoard, views, 5).size(), 3u);
+  EXPECT_EQ(camera::ChooseSpreadViews(kBoard, views, 5).size(), 3u);
 }
 
 using BoardSheetTest = BoardPicturesTest;
@@ -116,19 +116,19 @@ TEST_F(BoardSheetTest, PdfIsOneToOneAndItsBoardIsFound) {
                                                         {"charuco:11x7:35:26:5X5_100", "a3"},
                                                         {"chessboard:8x5:24", "letter"}};
   for (const auto& [text, paper_name] : sheets) {
-    const lake::Board board = ParseBoard(text);
-    const Paper paper = ParsePaper(paper_name);
-    WriteBoardSheet(folder_ / "board.pdf", board, paper);
+    const lake::camera::Board board = camera::ParseBoard(text);
+    const camera::Paper paper = camera::ParsePaper(paper_name);
+    camera::WriteBoardSheet(folder_ / "board.pdf", board, paper);
     const std::string command = fmt::format("pdftoppm -r {} -gray -png {}/board.pdf {}/page", kDpi,
                                             folder_.Path().string(), folder_.Path().string());
     ASSERT_EQ(std::system(command.c_str()), 0);
-    const cv::Mat page = ReadImage(folder_ / "page-1.png", false);
+    const cv::Mat page = video::ReadImage(folder_ / "page-1.png", false);
     EXPECT_NEAR(page.cols, paper.width_mm * 10, 1.5) << text;
     EXPECT_NEAR(page.rows, paper.height_mm * 10, 1.5) << text;
-    const auto view = DetectBoard(page, board);
+    const auto view = camera::DetectBoard(page, board);
     ASSERT_TRUE(view) << text;
     ASSERT_EQ(static_cast<int>(view->corner.size()), board.CornerColumns() * board.CornerRows());
-    const auto corners = BoardCorners(board);
+    const auto corners = camera::BoardCorners(board);
     const Eigen::Vector2d across = view->pixel.back() - view->pixel.front(), truth = corners.back() - corners.front();
     EXPECT_NEAR(across.norm() / 10, truth.norm(), 0.03) << text;  // mm; a third of a pixel of the raster
   }
@@ -136,14 +136,14 @@ TEST_F(BoardSheetTest, PdfIsOneToOneAndItsBoardIsFound) {
 
 TEST_F(BoardSheetTest, ABoardThatIsTooLargeIsAnErrorWithTheWayOut) {
   try {
-    WriteBoardSheet(folder_ / "board.pdf", ParseBoard("chessboard:9x6:30"), ParsePaper("a4"));
+    camera::WriteBoardSheet(folder_ / "board.pdf", camera::ParseBoard("chessboard:9x6:30"), camera::ParsePaper("a4"));
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("does not fit on a4"));
     EXPECT_THAT(error.what(), testing::HasSubstr("can be 25.5 mm"));
   }
   EXPECT_FALSE(fs::exists(folder_ / "board.pdf"));
-  EXPECT_THROW(ParsePaper("b5"), UsageError);
+  EXPECT_THROW(camera::ParsePaper("b5"), UsageError);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 
 namespace lake::scene {
 
-inline Camera Lens() {
+inline camera::Camera Lens() {
   return {1280, 720, 1010, 1004, 652, 348, {-0.21, 0.08, 4e-4, -3e-4, -0.015}};
 }
 
@@ -22,13 +22,13 @@ inline Eigen::Matrix3d Facing() {
   return Eigen::Vector3d(1, -1, -1).asDiagonal();
 }
 
-inline Eigen::Vector2d Centre(const Board& board) {
+inline Eigen::Vector2d Centre(const camera::Board& board) {
   return Eigen::Vector2d(board.CornerColumns() - 1, board.CornerRows() - 1) * board.square_mm / 2;
 }
 
 // A board tilted by up to `tilt_deg` about any axis, its centre at a pixel, its width about `width_px`.
-inline Eigen::Isometry3d PoseAt(const Camera& camera, const Board& board, const Eigen::Vector2d& pixel, double width_px,
-                                double tilt_deg, double tilt_axis_deg, double roll_deg) {
+inline Eigen::Isometry3d PoseAt(const camera::Camera& camera, const camera::Board& board, const Eigen::Vector2d& pixel,
+                                double width_px, double tilt_deg, double tilt_axis_deg, double roll_deg) {
   const double rad = std::numbers::pi / 180;
   const Eigen::Vector3d axis(std::cos(tilt_axis_deg * rad), std::sin(tilt_axis_deg * rad), 0);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -37,19 +37,19 @@ inline Eigen::Isometry3d PoseAt(const Camera& camera, const Board& board, const 
   const double distance = camera.fx * board.CornerColumns() * board.square_mm / width_px;
   const Eigen::Vector2d centre = Centre(board);
   pose.translation() =
-      distance * RayFromPixel(camera, pixel) - pose.linear() * Eigen::Vector3d(centre.x(), centre.y(), 0);
+      distance * camera::RayFromPixel(camera, pixel) - pose.linear() * Eigen::Vector3d(centre.x(), centre.y(), 0);
   return pose;
 }
 
-inline std::vector<Eigen::Vector2d> CornerPixels(const Camera& camera, const Board& board,
+inline std::vector<Eigen::Vector2d> CornerPixels(const camera::Camera& camera, const camera::Board& board,
                                                  const Eigen::Isometry3d& pose) {
   std::vector<Eigen::Vector2d> pixels;
-  for (const auto& p : BoardCorners(board)) pixels.push_back(PixelFromPlane(camera, pose, p));
+  for (const auto& p : camera::BoardCorners(board)) pixels.push_back(camera::PixelFromPlane(camera, pose, p));
   return pixels;
 }
 
 // With room for half a square around the outer corners.
-inline bool InsidePicture(const Camera& camera, const std::vector<Eigen::Vector2d>& pixels, double margin_px) {
+inline bool InsidePicture(const camera::Camera& camera, const std::vector<Eigen::Vector2d>& pixels, double margin_px) {
   return std::all_of(pixels.begin(), pixels.end(), [&](const Eigen::Vector2d& p) {
     return p.x() > margin_px && p.y() > margin_px && p.x() < camera.image_width - margin_px &&
            p.y() < camera.image_height - margin_px;
@@ -57,7 +57,8 @@ inline bool InsidePicture(const Camera& camera, const std::vector<Eigen::Vector2
 }
 
 template <typename Random>
-Eigen::Isometry3d RandomPose(const Camera& camera, const Board& board, Random& random, double most_tilt_deg = 45) {
+Eigen::Isometry3d RandomPose(const camera::Camera& camera, const camera::Board& board, Random& random,
+                             double most_tilt_deg = 45) {
   std::uniform_real_distribution<double> unit(0, 1);
   for (;;) {
     const Eigen::Vector2d pixel(unit(random) * camera.image_width, unit(random) * camera.image_height);
@@ -69,10 +70,10 @@ Eigen::Isometry3d RandomPose(const Camera& camera, const Board& board, Random& r
 }
 
 template <typename Random>
-BoardView NoisyView(const Camera& camera, const Board& board, const Eigen::Isometry3d& pose, double sigma_px,
-                    Random& random) {
+camera::BoardView NoisyView(const camera::Camera& camera, const camera::Board& board, const Eigen::Isometry3d& pose,
+                            double sigma_px, Random& random) {
   std::normal_distribution<double> noise(0, 1);
-  BoardView view;
+  camera::BoardView view;
   view.pixel = CornerPixels(camera, board, pose);
   for (std::size_t i = 0; i < view.pixel.size(); ++i) {
     view.corner.push_back(static_cast<int>(i));
@@ -82,13 +83,13 @@ BoardView NoisyView(const Camera& camera, const Board& board, const Eigen::Isome
 }
 
 // The sheet at 10 px per mm, one square of white around the board's squares; its lower left is (-2, -2) squares.
-inline cv::Mat1b Sheet(const Board& board, double& left_mm, double& top_mm) {
+inline cv::Mat1b Sheet(const camera::Board& board, double& left_mm, double& top_mm) {
   constexpr double kPxPerMm = 10;
   const double s = board.square_mm;
   left_mm = -2 * s, top_mm = (board.SquareRows()) * s;
   cv::Mat1b sheet(static_cast<int>(std::lround((board.SquareRows() + 2) * s * kPxPerMm)),
                   static_cast<int>(std::lround((board.SquareColumns() + 2) * s * kPxPerMm)), uchar{235});
-  for (const BoardRectangle& r : BoardInk(board)) {
+  for (const camera::BoardRectangle& r : camera::BoardInk(board)) {
     const auto at = [&](double mm) { return static_cast<int>(std::lround(mm * kPxPerMm)); };
     const int x0 = at(r.left - left_mm), x1 = at(r.left + r.width - left_mm);
     const int y0 = at(top_mm - r.bottom - r.height), y1 = at(top_mm - r.bottom);
@@ -105,14 +106,14 @@ struct RenderOptions {
 
 // A picture by integrating the sheet over each pixel's square.
 template <typename Random>
-cv::Mat1b Render(const Camera& camera, const Board& board, const Eigen::Isometry3d& pose, Random& random,
-                 const RenderOptions& options = {}) {
+cv::Mat1b Render(const camera::Camera& camera, const camera::Board& board, const Eigen::Isometry3d& pose,
+                 Random& random, const RenderOptions& options = {}) {
   double left_mm = 0, top_mm = 0;
   const cv::Mat1b sheet = Sheet(board, left_mm, top_mm);
   cv::Mat1f picture(camera.image_height, camera.image_width);
   for (int y = 0; y < picture.rows; ++y) {
     for (int x = 0; x < picture.cols; ++x) {
-      const PlanePoint middle = PlanePointFromPixel(camera, pose, Eigen::Vector2d(x, y));
+      const camera::PlanePoint middle = camera::PlanePointFromPixel(camera, pose, Eigen::Vector2d(x, y));
       float sum = 0;
       for (int i = 0; i < options.samples * options.samples; ++i) {
         const Eigen::Vector2d offset((i % options.samples + 0.5) / options.samples - 0.5,

@@ -12,14 +12,14 @@ namespace {
 TEST(Board, TextAndBoardAreTheSameThing) {
   for (const char* text :
        {"chessboard:9x6:25", "chessboard:9x6:24.5", "charuco:9x7:25:18:4X4_50", "charuco:11x8:35:26:APRILTAG_36h11"})
-    EXPECT_EQ(ToString(ParseBoard(text)), text);
-  EXPECT_EQ(ToString(ParseBoard("charuco:9x7:25:18:dict_4x4_50")), "charuco:9x7:25:18:4X4_50");
+    EXPECT_EQ(camera::ToString(camera::ParseBoard(text)), text);
+  EXPECT_EQ(camera::ToString(camera::ParseBoard("charuco:9x7:25:18:dict_4x4_50")), "charuco:9x7:25:18:4X4_50");
 }
 
 TEST(Board, WrongTextsAreUsageErrorsThatSayWhatIsWrong) {
   const auto complaint = [](const char* text) {
     try {
-      ParseBoard(text);
+      camera::ParseBoard(text);
     } catch (const UsageError& error) {
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
       return std::string(error.what());
@@ -42,19 +42,19 @@ TEST(Board, WrongTextsAreUsageErrorsThatSayWhatIsWrong) {
 }
 
 TEST(Board, CornersGoFromTheLowerLeftAlongRows) {
-  const Board board = ParseBoard("chessboard:9x6:25");
-  const auto corners = BoardCorners(board);
+  const camera::Board board = camera::ParseBoard("chessboard:9x6:25");
+  const auto corners = camera::BoardCorners(board);
   ASSERT_EQ(corners.size(), 54u);
   EXPECT_EQ(corners[0], Eigen::Vector2d(0, 0));
   EXPECT_EQ(corners[8], Eigen::Vector2d(200, 0));
   EXPECT_EQ(corners[9], Eigen::Vector2d(0, 25));
-  EXPECT_EQ(BoardCorners(ParseBoard("charuco:9x7:25:18:4X4_50")).size(), 48u);
+  EXPECT_EQ(camera::BoardCorners(camera::ParseBoard("charuco:9x7:25:18:4X4_50")).size(), 48u);
 }
 
 // 70 squares, half of them black.
 TEST(Board, InkOfAChessboardIsHalfOfIt) {
   double area = 0;
-  for (const auto& r : BoardInk(ParseBoard("chessboard:9x6:25"))) area += r.width * r.height;
+  for (const auto& r : camera::BoardInk(camera::ParseBoard("chessboard:9x6:25"))) area += r.width * r.height;
   EXPECT_DOUBLE_EQ(area, 35 * 625.0);
 }
 
@@ -62,8 +62,8 @@ class DetectBoardTest : public testing::TestWithParam<const char*> {};
 
 // What the detector finds in rendered pictures against the projected corners: no bias, and an error well under 0.1 px.
 TEST_P(DetectBoardTest, FindsEveryCornerOfRenderedBoardsWhereItIs) {
-  const Board board = ParseBoard(GetParam());
-  const Camera camera = scene::Lens();
+  const camera::Board board = camera::ParseBoard(GetParam());
+  const camera::Camera camera = scene::Lens();
   std::mt19937_64 random(17);
   std::vector<double> errors;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -74,7 +74,7 @@ TEST_P(DetectBoardTest, FindsEveryCornerOfRenderedBoardsWhereItIs) {
       --i;
       continue;
     }  // the detector needs the outer squares
-    const auto view = DetectBoard(scene::Render(camera, board, pose, random), board);
+    const auto view = camera::DetectBoard(scene::Render(camera, board, pose, random), board);
     ASSERT_TRUE(view) << "picture " << i;
     ASSERT_EQ(view->corner.size(), truth.size()) << "picture " << i;
     // Half a turn of a chessboard cannot be seen.
@@ -101,21 +101,21 @@ TEST(DetectBoard, SeesNothingWhereThereIsNothing) {
   cv::Mat1b noise(240, 320);
   for (uchar& v : noise) v = static_cast<uchar>(random() % 256);
   for (const char* text : {"chessboard:9x6:25", "charuco:9x7:25:18:4X4_50"}) {
-    EXPECT_FALSE(DetectBoard(noise, ParseBoard(text)));
-    EXPECT_FALSE(DetectBoard(cv::Mat1b(480, 640, uchar{0}), ParseBoard(text)));
-    EXPECT_FALSE(DetectBoard(cv::Mat1b(1, 1, uchar{0}), ParseBoard(text)));
+    EXPECT_FALSE(camera::DetectBoard(noise, camera::ParseBoard(text)));
+    EXPECT_FALSE(camera::DetectBoard(cv::Mat1b(480, 640, uchar{0}), camera::ParseBoard(text)));
+    EXPECT_FALSE(camera::DetectBoard(cv::Mat1b(1, 1, uchar{0}), camera::ParseBoard(text)));
   }
-  EXPECT_THROW(DetectBoard(cv::Mat(), ParseBoard("chessboard:9x6:25")), Error);
+  EXPECT_THROW(camera::DetectBoard(cv::Mat(), camera::ParseBoard("chessboard:9x6:25")), Error);
 }
 
 // Rows run upwards on the sheet whichever way it hangs.
 TEST(DetectBoard, GridIsNeverMirrored) {
-  const Board board = ParseBoard("chessboard:9x6:25");
-  const Camera camera = scene::Lens();
+  const camera::Board board = camera::ParseBoard("chessboard:9x6:25");
+  const camera::Camera camera = scene::Lens();
   std::mt19937_64 random(2);
   for (const double roll : {0.0, 90.0, 215.0}) {
     const auto pose = scene::PoseAt(camera, board, {640, 360}, 450, 20, 70, roll);
-    const auto view = DetectBoard(scene::Render(camera, board, pose, random, {0.6, 1.5, 2}), board);
+    const auto view = camera::DetectBoard(scene::Render(camera, board, pose, random, {0.6, 1.5, 2}), board);
     ASSERT_TRUE(view) << roll;
     const Eigen::Vector2d along = view->pixel[8] - view->pixel[0], up = view->pixel[45] - view->pixel[0];
     EXPECT_LT(along.x() * up.y() - along.y() * up.x(), 0) << roll;
@@ -123,14 +123,14 @@ TEST(DetectBoard, GridIsNeverMirrored) {
 }
 
 TEST(DetectBoard, ACharucoBoardMayBePartlyHidden) {
-  const Board board = ParseBoard("charuco:9x7:25:18:4X4_50");
-  const Camera camera = scene::Lens();
+  const camera::Board board = camera::ParseBoard("charuco:9x7:25:18:4X4_50");
+  const camera::Camera camera = scene::Lens();
   std::mt19937_64 random(3);
   const auto pose = scene::PoseAt(camera, board, {640, 360}, 700, 25, 30, 10);
   const auto truth = scene::CornerPixels(camera, board, pose);
   cv::Mat1b picture = scene::Render(camera, board, pose, random);
   picture(cv::Rect(0, 0, 600, 720)) = uchar{120};
-  const auto view = DetectBoard(picture, board);
+  const auto view = camera::DetectBoard(picture, board);
   ASSERT_TRUE(view);
   EXPECT_LT(view->corner.size(), truth.size());
   EXPECT_GE(view->corner.size(), 12u);
@@ -140,16 +140,16 @@ TEST(DetectBoard, ACharucoBoardMayBePartlyHidden) {
 
 // A window that reaches the next corner spoils the result: the reason for choosing it by the spacing.
 TEST(DetectBoard, WindowFollowsTheSpacing) {
-  const Board board = ParseBoard("chessboard:9x6:25");
-  const Camera camera = scene::Lens();
+  const camera::Board board = camera::ParseBoard("chessboard:9x6:25");
+  const camera::Camera camera = scene::Lens();
   std::mt19937_64 random(4);
   const auto pose = scene::PoseAt(camera, board, {640, 360}, 110, 30, 20, 0);  // 12 px between corners
   const auto truth = scene::CornerPixels(camera, board, pose);
   const cv::Mat1b picture = scene::Render(camera, board, pose, random);
   const auto rms = [&](int half_window) {
-    BoardDetectionOptions options;
+    camera::BoardDetectionOptions options;
     options.half_window_px = half_window;
-    const auto view = DetectBoard(picture, board, options);
+    const auto view = camera::DetectBoard(picture, board, options);
     if (!view) return std::nan("");
     const bool turned = (view->pixel.front() - truth.front()).norm() > (view->pixel.front() - truth.back()).norm();
     double sum = 0;

@@ -20,8 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-const Board kBoard = ParseBoard("chessboard:9x6:25");
-const Camera kCamera{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
+const camera::Board kBoard = camera::ParseBoard("chessboard:9x6:25");
+const camera::Camera kCamera{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
 
 struct Outcome {
   int exit_code;
@@ -43,7 +43,8 @@ class CalibrateProgram : public testing::Test {
     for (int i = 0; i < count;) {
       const auto pose = scene::RandomPose(kCamera, kBoard, random, 40);
       if (!scene::InsidePicture(kCamera, scene::CornerPixels(kCamera, kBoard, pose), 25)) continue;
-      WriteImage(folder_ / fmt::format("{:02}.png", i++), scene::Render(kCamera, kBoard, pose, random, {0.6, 1.5, 3}));
+      video::WriteImage(folder_ / fmt::format("{:02}.png", i++),
+                        scene::Render(kCamera, kBoard, pose, random, {0.6, 1.5, 3}));
     }
   }
 
@@ -58,7 +59,7 @@ class CalibrateProgram : public testing::Test {
 
 TEST_F(CalibrateProgram, FromPicturesToThePlane) {
   Photograph(12);
-  WriteImage(folder_ / "99.png", cv::Mat1b(480, 640, uchar{90}));
+  video::WriteImage(folder_ / "99.png", cv::Mat1b(480, 640, uchar{90}));
   const Outcome run = Run("*.png --board chessboard:9x6:25 --fix-k3 --json --quiet -o camera");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, HasSubstr("no board seen in 1 of 13 images, left out: 99.png"));
@@ -70,7 +71,7 @@ TEST_F(CalibrateProgram, FromPicturesToThePlane) {
   EXPECT_EQ(summary["inputs"].size(), 13u);
   for (const char* file : {"camera.yaml", "summary.json", "residuals.csv", "residuals.png", "cross_validation.png"})
     EXPECT_TRUE(fs::exists(folder_ / "camera" / file)) << file;
-  const CameraProfile profile = ReadCameraProfile(folder_ / "camera/camera.yaml");
+  const camera::CameraProfile profile = camera::ReadCameraProfile(folder_ / "camera/camera.yaml");
   ASSERT_TRUE(profile.uncertainty);
   EXPECT_LT(std::abs(profile.camera.fx - kCamera.fx), 5 * profile.uncertainty->intrinsics_sd[0]);
   EXPECT_EQ(profile.uncertainty->rms_px, summary["rms_px"].get<double>());
@@ -78,18 +79,18 @@ TEST_F(CalibrateProgram, FromPicturesToThePlane) {
   const Outcome plane = Run("plane 03.png --camera camera/camera.yaml --board chessboard:9x6:25 -o camera --json");
   ASSERT_EQ(plane.exit_code, 0) << plane.err;
   EXPECT_EQ(Json::parse(plane.out)["options"]["board"], "chessboard:9x6:25");
-  const CameraProfile with_plane = ReadCameraProfile(folder_ / "camera/camera.yaml");
+  const camera::CameraProfile with_plane = camera::ReadCameraProfile(folder_ / "camera/camera.yaml");
   EXPECT_TRUE(with_plane.camera_from_plane && with_plane.plane_uncertainty && with_plane.uncertainty);
   EXPECT_EQ(with_plane.camera.fx, profile.camera.fx);
 }
 
 TEST_F(CalibrateProgram, BadInputIsOneLineAndTheRightExitCode) {
   Photograph(3);
-  WriteImage(folder_ / "small.png", cv::Mat1b(240, 320, uchar{90}));
-  WriteCameraProfile(folder_ / "camera.yaml", {kCamera, {}, {}, {}});
-  Camera other = kCamera;
+  video::WriteImage(folder_ / "small.png", cv::Mat1b(240, 320, uchar{90}));
+  camera::WriteCameraProfile(folder_ / "camera.yaml", {kCamera, {}, {}, {}});
+  camera::Camera other = kCamera;
   other.image_width = 1280;
-  WriteCameraProfile(folder_ / "other.yaml", {other, {}, {}, {}});
+  camera::WriteCameraProfile(folder_ / "other.yaml", {other, {}, {}, {}});
   ExpectOneLine(Run(""), 2, "which pictures?");
   ExpectOneLine(Run("00.png"), 2, "which board?");
   ExpectOneLine(Run("00.png --board chess:9x6:25"), 2, "board 'chess:9x6:25'");

@@ -16,14 +16,14 @@ namespace lake {
 namespace {
 namespace fs = std::filesystem;
 
-const Board kBoard = ParseBoard("chessboard:9x6:25");
+const camera::Board kBoard = camera::ParseBoard("chessboard:9x6:25");
 
 struct Recording {
-  std::vector<BoardView> views;
+  std::vector<camera::BoardView> views;
   std::vector<Eigen::Isometry3d> poses;
 };
 
-Recording Record(const Camera& camera, int views, double sigma_px, std::uint64_t seed, double tilt_deg = 45) {
+Recording Record(const camera::Camera& camera, int views, double sigma_px, std::uint64_t seed, double tilt_deg = 45) {
   std::mt19937_64 random(seed);
   Recording recording;
   for (int i = 0; i < views; ++i) {
@@ -34,26 +34,27 @@ Recording Record(const Camera& camera, int views, double sigma_px, std::uint64_t
   return recording;
 }
 
-Eigen::Matrix<double, 9, 1> Parameters(const Camera& camera) {
+Eigen::Matrix<double, 9, 1> Parameters(const camera::Camera& camera) {
   Eigen::Matrix<double, 9, 1> p;
   p << camera.fx, camera.fy, camera.cx, camera.cy, camera.distortion[0], camera.distortion[1], camera.distortion[2],
       camera.distortion[3], camera.distortion[4];
   return p;
 }
 
-CalibrationOptions LeastSquares() {
-  CalibrationOptions options;
+camera::CalibrationOptions LeastSquares() {
+  camera::CalibrationOptions options;
   options.robust = false;
   return options;
 }
 
 TEST(CalibrateCamera, ExactCornersGiveTheExactCamera) {
-  const Camera truth = scene::Lens();
+  const camera::Camera truth = scene::Lens();
   const Recording recording = Record(truth, 15, 0, 1);
   for (const bool robust : {false, true}) {
-    CalibrationOptions options;
+    camera::CalibrationOptions options;
     options.robust = robust;
-    const auto result = CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, options);
+    const auto result =
+        camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, options);
     ASSERT_TRUE(result.summary.usable);
     // The seed works on float corners; the bundle adjustment on doubles ends at rounding.
     EXPECT_LT((Parameters(result.camera) - Parameters(truth)).cwiseAbs().maxCoeff(), 1e-5)
@@ -69,10 +70,10 @@ TEST(CalibrateCamera, ExactCornersGiveTheExactCamera) {
 class FiftySeeds : public testing::TestWithParam<bool> {};
 
 TEST_P(FiftySeeds, StandardDeviationsAreHonest) {
-  const Camera truth = scene::Lens();
+  const camera::Camera truth = scene::Lens();
   constexpr int kSeeds = 50;
   constexpr double kNoise = 0.1;
-  CalibrationOptions options;
+  camera::CalibrationOptions options;
   options.robust = GetParam();
   int inside = 0;
   double rms_ratio = 0;
@@ -80,7 +81,8 @@ TEST_P(FiftySeeds, StandardDeviationsAreHonest) {
   for (int seed = 0; seed < kSeeds; ++seed) {
     const int views = 12 + seed % 14;
     const Recording recording = Record(truth, views, kNoise, 1000 + static_cast<std::uint64_t>(seed));
-    const auto result = CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, options);
+    const auto result =
+        camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, options);
     const Eigen::Matrix<double, 9, 1> error =
         (Parameters(result.camera) - Parameters(truth)).cwiseQuotient(result.covariance.diagonal().cwiseSqrt());
     inside += error.head<5>().cwiseAbs().maxCoeff() < 3;
@@ -104,7 +106,7 @@ TEST_P(FiftySeeds, StandardDeviationsAreHonest) {
 INSTANTIATE_TEST_SUITE_P(Losses, FiftySeeds, testing::Bool());
 
 TEST(CalibrateCamera, RobustLossWithstandsCornersThatAreFarOff) {
-  const Camera truth = scene::Lens();
+  const camera::Camera truth = scene::Lens();
   int inside = 0;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Recording recording = Record(truth, 15, 0.1, 50 + seed);
@@ -117,8 +119,9 @@ TEST(CalibrateCamera, RobustLossWithstandsCornersThatAreFarOff) {
         spoilt.emplace_back(v, c);
       }
     }
-    const auto robust = CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
-    const auto plain = CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, LeastSquares());
+    const auto robust = camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
+    const auto plain =
+        camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, LeastSquares());
     EXPECT_LT(robust.inlier_rms_px, 0.16);  // 0.1 sqrt(2) and a little for outliers that are too small to be seen
     EXPECT_GT(robust.rms_px, 0.5);
     EXPECT_GT(plain.inlier_rms_px, robust.inlier_rms_px);
@@ -132,12 +135,12 @@ TEST(CalibrateCamera, RobustLossWithstandsCornersThatAreFarOff) {
 }
 
 TEST(CalibrateCamera, FixedParametersStayFixed) {
-  Camera truth = scene::Lens();
+  camera::Camera truth = scene::Lens();
   truth.fy = truth.fx, truth.distortion[4] = 0;
   const Recording recording = Record(truth, 12, 0.1, 3);
-  CalibrationOptions options;
+  camera::CalibrationOptions options;
   options.fix_k3 = options.square_pixels = true;
-  const auto result = CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, options);
+  const auto result = camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height, options);
   EXPECT_EQ(result.camera.distortion[4], 0);
   EXPECT_DOUBLE_EQ(result.camera.fx, result.camera.fy);
   EXPECT_EQ(result.covariance(8, 8), 0);
@@ -147,10 +150,10 @@ TEST(CalibrateCamera, FixedParametersStayFixed) {
 }
 
 TEST(CalibrateCamera, TooFewOrUselessViewsAreErrors) {
-  const Camera truth = scene::Lens();
+  const camera::Camera truth = scene::Lens();
   const Recording recording = Record(truth, 2, 0.1, 4);
   try {
-    CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
+    camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("the board was given in 2 views; at least 3"));
@@ -160,26 +163,26 @@ TEST(CalibrateCamera, TooFewOrUselessViewsAreErrors) {
 TEST(CalibrationQuality, WarningsNameTheirCause) {
   using testing::Contains;
   using testing::HasSubstr;
-  const Camera truth = scene::Lens();
+  const camera::Camera truth = scene::Lens();
   const auto warnings = [&](const Recording& recording) {
-    const auto result = CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
-    return AssessCalibration(kBoard, recording.views, result).warnings;
+    const auto result = camera::CalibrateCamera(kBoard, recording.views, truth.image_width, truth.image_height);
+    return camera::AssessCalibration(kBoard, recording.views, result).warnings;
   };
   EXPECT_THAT(warnings(Record(truth, 25, 0.1, 5)), testing::IsEmpty());
   EXPECT_THAT(warnings(Record(truth, 25, 0.6, 6)), Contains(HasSubstr("RMS")));
   EXPECT_THAT(warnings(Record(truth, 5, 0.1, 7)), Contains(HasSubstr("only 5 views")));
   EXPECT_THAT(warnings(Record(truth, 20, 0.1, 8, 5)), Contains(HasSubstr("nearly parallel")));
   Recording left = Record(truth, 60, 0.1, 9);
-  std::erase_if(left.views, [](const BoardView& v) {
+  std::erase_if(left.views, [](const camera::BoardView& v) {
     return std::any_of(v.pixel.begin(), v.pixel.end(), [](const Eigen::Vector2d& p) { return p.x() > 800; });
   });
   EXPECT_THAT(warnings(left), Contains(testing::AllOf(HasSubstr("covered"), HasSubstr("at the right"))));
 }
 
 TEST(CalibrationQuality, CoverageCountsCellsAndEmptyStrips) {
-  BoardView view;
+  camera::BoardView view;
   view.pixel = {{0, 0}, {639, 359}};
-  const Coverage coverage = CoverageOf({view}, 1280, 720);
+  const camera::Coverage coverage = camera::CoverageOf({view}, 1280, 720);
   EXPECT_EQ(coverage.columns, 10);
   EXPECT_EQ(coverage.rows, 6);
   EXPECT_DOUBLE_EQ(coverage.fraction, 2.0 / 60);
@@ -190,43 +193,43 @@ TEST(CalibrationQuality, CoverageCountsCellsAndEmptyStrips) {
 
 // A turned camera differs only by the rotation that is taken out; another lens remains.
 TEST(CompareCameras, TakesOutARotationAndKeepsTheRest) {
-  const Camera a = scene::Lens();
-  EXPECT_LT(CompareCameras(a, a).largest_px, 1e-9);
-  Camera b = a;
+  const camera::Camera a = scene::Lens();
+  EXPECT_LT(camera::CompareCameras(a, a).largest_px, 1e-9);
+  camera::Camera b = a;
   // Nearly a turn of 3 / 1000; what a turn does not do is of second order, at most 3 px · 0.65² at the edge.
   b.cx += 3;
-  EXPECT_LT(CompareCameras(a, b).largest_px, 1.2);
-  EXPECT_LT(CompareCameras(a, b).rms_px, 0.5);
+  EXPECT_LT(camera::CompareCameras(a, b).largest_px, 1.2);
+  EXPECT_LT(camera::CompareCameras(a, b).rms_px, 0.5);
   b = a, b.fx *= 1.01, b.fy *= 1.01;
-  const CameraDifference zoomed = CompareCameras(a, b);
+  const camera::CameraDifference zoomed = camera::CompareCameras(a, b);
   // 1 % of the distance from the centre: 7 px in the corners.
   EXPECT_NEAR(zoomed.largest_px, 0.01 * std::hypot(652, 371), 0.6);
 }
 
 TEST(CrossValidate, HalvesOfGoodViewsAgreeWithinTheNoise) {
-  const Camera truth = scene::Lens();
+  const camera::Camera truth = scene::Lens();
   const Recording recording = Record(truth, 24, 0.1, 12);
-  const auto difference = CrossValidate(kBoard, recording.views, truth.image_width, truth.image_height);
+  const auto difference = camera::CrossValidate(kBoard, recording.views, truth.image_width, truth.image_height);
   ASSERT_TRUE(difference);
   EXPECT_LT(difference->rms_px, 0.3);
   EXPECT_GT(difference->rms_px, 1e-3);
-  EXPECT_FALSE(CrossValidate(kBoard, Record(truth, 5, 0.1, 13).views, truth.image_width, truth.image_height));
+  EXPECT_FALSE(camera::CrossValidate(kBoard, Record(truth, 5, 0.1, 13).views, truth.image_width, truth.image_height));
 }
 
 // Really rendered pictures through the detector: the whole way from grey levels to the camera.
 TEST(CalibrateCamera, RenderedPicturesGiveTheCameraBack) {
-  Camera truth{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
+  camera::Camera truth{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
   std::mt19937_64 random(21);
-  std::vector<BoardView> views;
+  std::vector<camera::BoardView> views;
   while (views.size() < 12) {
     const auto pose = scene::RandomPose(truth, kBoard, random, 40);
     if (!scene::InsidePicture(truth, scene::CornerPixels(truth, kBoard, pose), 25)) continue;
-    if (auto view = DetectBoard(scene::Render(truth, kBoard, pose, random, {0.6, 1.5, 4}), kBoard))
+    if (auto view = camera::DetectBoard(scene::Render(truth, kBoard, pose, random, {0.6, 1.5, 4}), kBoard))
       views.push_back(std::move(*view));
   }
-  CalibrationOptions options;
+  camera::CalibrationOptions options;
   options.fix_k3 = true;
-  const auto result = CalibrateCamera(kBoard, views, truth.image_width, truth.image_height, options);
+  const auto result = camera::CalibrateCamera(kBoard, views, truth.image_width, truth.image_height, options);
   EXPECT_LT(result.rms_px, 0.1);
   const Eigen::Matrix<double, 9, 1> error = (Parameters(result.camera) - Parameters(truth)).cwiseAbs();
   for (int i = 0; i < 5; ++i)
@@ -242,14 +245,14 @@ struct RealSet {
 class OpenCvRecording : public testing::TestWithParam<RealSet> {
  protected:
   // Views of one side, with a window or (0) our own choice.
-  static std::vector<BoardView> Views(const std::string& side, int half_window) {
-    std::vector<BoardView> views;
+  static std::vector<camera::BoardView> Views(const std::string& side, int half_window) {
+    std::vector<camera::BoardView> views;
     for (int i = 1; i <= 14; ++i) {
       const fs::path file = fs::path(LAKE_SHARED_DATA) / "opencv_leftright" / fmt::format("{}{:02}.jpg", side, i);
       if (i == 10) continue;  // not in the set
-      BoardDetectionOptions options;
+      camera::BoardDetectionOptions options;
       options.half_window_px = half_window;
-      auto view = DetectBoard(ReadImage(file, false), kBoard, options);
+      auto view = camera::DetectBoard(video::ReadImage(file, false), kBoard, options);
       EXPECT_TRUE(view) << file;
       if (!view) continue;
       view->name = file.filename();
@@ -259,13 +262,13 @@ class OpenCvRecording : public testing::TestWithParam<RealSet> {
   }
 };
 
-double RmsOfOpenCv(const std::vector<BoardView>& views, int flags) {
+double RmsOfOpenCv(const std::vector<camera::BoardView>& views, int flags) {
   std::vector<std::vector<cv::Point3f>> board;
   std::vector<std::vector<cv::Point2f>> seen;
-  for (const BoardView& view : views) {
+  for (const camera::BoardView& view : views) {
     board.emplace_back(), seen.emplace_back();
     for (std::size_t i = 0; i < view.pixel.size(); ++i) {
-      const Eigen::Vector2d p = BoardCorners(kBoard)[static_cast<std::size_t>(view.corner[i])];
+      const Eigen::Vector2d p = camera::BoardCorners(kBoard)[static_cast<std::size_t>(view.corner[i])];
       board.back().emplace_back(p.x(), p.y(), 0), seen.back().emplace_back(view.pixel[i].x(), view.pixel[i].y());
     }
   }
@@ -279,7 +282,7 @@ TEST_P(OpenCvRecording, LeastSquaresIsOpenCvsMinimumAndThePublishedOne) {
   const auto [side, half_window, rms, fx] = GetParam();
   const auto views = Views(side, half_window);
   ASSERT_EQ(views.size(), 13u);
-  const auto result = CalibrateCamera(kBoard, views, 640, 480, LeastSquares());
+  const auto result = camera::CalibrateCamera(kBoard, views, 640, 480, LeastSquares());
   const double theirs = RmsOfOpenCv(views, 0);
   EXPECT_LE(result.rms_px, theirs + 1e-9);
   EXPECT_GT(result.rms_px, theirs - 1e-3);
@@ -301,13 +304,13 @@ TEST_F(OpenCvRecordings, OwnWindowsAndRobustLossDoBetter) {
   if (!fs::exists(fs::path(LAKE_SHARED_DATA) / "opencv_leftright")) GTEST_SKIP() << "opencv_leftright is absent";
   for (const char* side : {"left", "right"}) {
     const auto own = Views(side, 0), wide = Views(side, 11);
-    const auto least = CalibrateCamera(kBoard, own, 640, 480, LeastSquares()),
-               robust = CalibrateCamera(kBoard, own, 640, 480);
+    const auto least = camera::CalibrateCamera(kBoard, own, 640, 480, LeastSquares()),
+               robust = camera::CalibrateCamera(kBoard, own, 640, 480);
     EXPECT_LT(least.rms_px, 0.23) << side;
     EXPECT_LT(robust.inlier_rms_px, robust.rms_px + 1e-12);
     EXPECT_GE(robust.rms_px, least.rms_px);
     // The wide windows' spoiled view is named, and the robust fit is not led by it.
-    const auto spoiled = CalibrateCamera(kBoard, wide, 640, 480);
+    const auto spoiled = camera::CalibrateCamera(kBoard, wide, 640, 480);
     EXPECT_GT(spoiled.outliers.size(), 5u);
     EXPECT_LT(spoiled.inlier_rms_px, 0.35);
     EXPECT_LT(std::abs(spoiled.camera.fx - robust.camera.fx), 3.5);
@@ -325,10 +328,10 @@ TEST_F(OpenCvRecordings, OwnWindowsAndRobustLossDoBetter) {
 TEST_F(OpenCvRecordings, ReproducesThePublishedFile) {
   const fs::path file = fs::path(LAKE_SHARED_DATA) / "opencv_leftright/left_intrinsics.yml";
   if (!fs::exists(file)) GTEST_SKIP() << file << " is absent";
-  CalibrationOptions options = LeastSquares();
+  camera::CalibrationOptions options = LeastSquares();
   options.square_pixels = true;
-  const auto result = CalibrateCamera(kBoard, Views("left", 11), 640, 480, options);
-  const Camera published = ReadCameraProfile(file).camera;
+  const auto result = camera::CalibrateCamera(kBoard, Views("left", 11), 640, 480, options);
+  const camera::Camera published = camera::ReadCameraProfile(file).camera;
   fmt::print("square pixels: rms {:.4f} fx {:.3f} (published {:.3f}) cx {:.2f} ({:.2f})\n", result.rms_px,
              result.camera.fx, published.fx, result.camera.cx, published.cx);
   EXPECT_NEAR(result.camera.fx, published.fx, 1.5);

@@ -23,7 +23,7 @@ class CameraProfileTest : public testing::Test {
   // What ReadCameraProfile says of a text.
   std::string Complaint(const std::string& text) {
     try {
-      ReadCameraProfile(File(text));
+      camera::ReadCameraProfile(File(text));
     } catch (const Error& error) {
       return error.what();
     }
@@ -44,17 +44,17 @@ const std::string kMatrix = Matrix("camera_matrix", 3, 3, "1100., 0., 640., 0., 
 const std::string kDistortion = Matrix("distortion_coefficients", 1, 5, "-0.28, 0.09, 6e-4, -4e-4, -0.012");
 
 TEST_F(CameraProfileTest, EveryValueComesBackToTheLastBit) {
-  CameraProfile profile;
+  camera::CameraProfile profile;
   profile.camera = {
       1920, 1080, 1234.5678901234567, 1.0 / 3 * 1e4, 959.5, 539.25, {-0.1, 1.0 / 7, 1e-17, -3e-4, 2e5 / 3}};
-  profile.camera_from_plane = PlanePose::Identity();
+  profile.camera_from_plane = camera::PlanePose::Identity();
   profile.camera_from_plane->linear() =
       Eigen::AngleAxisd(3.1, Eigen::Vector3d(0.9, 0.3, -0.2).normalized()).toRotationMatrix();
   profile.camera_from_plane->translation() = Eigen::Vector3d(-12.345678901234567, 800, 3210.1);
   profile.uncertainty = {0.1234, {1, 2, 3, 4}, {5, 6, 7, 8, 9}};
   profile.plane_uncertainty = {0.2, {1e-3, 2e-3, 3e-3}, {0.1, 0.2, 3}};
-  WriteCameraProfile(folder_ / "camera.yaml", profile);
-  const CameraProfile read = ReadCameraProfile(folder_ / "camera.yaml");
+  camera::WriteCameraProfile(folder_ / "camera.yaml", profile);
+  const camera::CameraProfile read = camera::ReadCameraProfile(folder_ / "camera.yaml");
   EXPECT_EQ(read.camera.image_width, 1920);
   EXPECT_EQ(read.camera.image_height, 1080);
   EXPECT_EQ(read.camera.fx, profile.camera.fx);
@@ -74,17 +74,18 @@ TEST_F(CameraProfileTest, EveryValueComesBackToTheLastBit) {
 }
 
 TEST_F(CameraProfileTest, OnlyTheFirstFourKeysAreNeeded) {
-  const CameraProfile profile = ReadCameraProfile(File(kHead + kSize + kMatrix + kDistortion));
+  const camera::CameraProfile profile = camera::ReadCameraProfile(File(kHead + kSize + kMatrix + kDistortion));
   EXPECT_EQ(profile.camera.fy, 1090);
   EXPECT_EQ(profile.camera.distortion[4], -0.012);
   EXPECT_FALSE(profile.camera_from_plane || profile.uncertainty || profile.plane_uncertainty);
 }
 
 TEST_F(CameraProfileTest, FourCoefficientsAndTrailingZerosOfLargerModelsLoad) {
-  EXPECT_EQ(ReadCameraProfile(File(kHead + kSize + kMatrix + Matrix("distortion_coefficients", 4, 1, "1., 2., 3., 4.")))
+  EXPECT_EQ(camera::ReadCameraProfile(
+                File(kHead + kSize + kMatrix + Matrix("distortion_coefficients", 4, 1, "1., 2., 3., 4.")))
                 .camera.distortion,
             (std::array<double, 5>{1, 2, 3, 4, 0}));
-  EXPECT_NO_THROW(ReadCameraProfile(
+  EXPECT_NO_THROW(camera::ReadCameraProfile(
       File(kHead + kSize + kMatrix + Matrix("distortion_coefficients", 8, 1, "1., 2., 3., 4., 5., 0., 0., 0."))));
 }
 
@@ -133,17 +134,17 @@ TEST_F(CameraProfileTest, HostileFilesAreErrorsNotCrashes) {
   const std::string good = kHead + kSize + kMatrix + kDistortion;
   for (std::size_t length = 0; length + 30 < good.size(); ++length)
     EXPECT_NE(Complaint(good.substr(0, length)), "no error") << length;
-  EXPECT_THROW(ReadCameraProfile(folder_ / "none.yaml"), Error);
+  EXPECT_THROW(camera::ReadCameraProfile(folder_ / "none.yaml"), Error);
 }
 
 TEST(CameraProfile, LoadsTheFilesOfOpenCvsOwnSamples) {
   const fs::path folder = fs::path(LAKE_SHARED_DATA) / "opencv_leftright";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is absent";
-  const Camera left = ReadCameraProfile(folder / "left_intrinsics.yml").camera;
+  const camera::Camera left = camera::ReadCameraProfile(folder / "left_intrinsics.yml").camera;
   EXPECT_EQ(left.image_width, 640);
   EXPECT_EQ(left.fx, 535.91573396163199);
   EXPECT_EQ(left.distortion[1], -3.8588898922304653e-02);
-  const CameraProfile charuco = ReadCameraProfile(folder / "tutorial_camera_charuco.yml");
+  const camera::CameraProfile charuco = camera::ReadCameraProfile(folder / "tutorial_camera_charuco.yml");
   EXPECT_EQ(charuco.camera.cy, 277.75155919135995);
   EXPECT_EQ(charuco.camera.distortion[4], 2.9542589406810080);
   EXPECT_FALSE(charuco.camera_from_plane);

@@ -13,19 +13,19 @@
 namespace lake {
 namespace {
 
-Camera Pinhole() {
+camera::Camera Pinhole() {
   return {1280, 720, 1100, 1090, 640, 352, {}};
 }
 
-Camera WithDistortion(const std::array<double, 5>& distortion) {
-  Camera camera = Pinhole();
+camera::Camera WithDistortion(const std::array<double, 5>& distortion) {
+  camera::Camera camera = Pinhole();
   camera.distortion = distortion;
   return camera;
 }
 
 // A plane 3 m away, turned about all three axes.
-PlanePose SomePlane() {
-  PlanePose pose = PlanePose::Identity();
+camera::PlanePose SomePlane() {
+  camera::PlanePose pose = camera::PlanePose::Identity();
   pose.linear() = (Eigen::AngleAxisd(std::numbers::pi + 0.15, Eigen::Vector3d::UnitX()) *
                    Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitZ()))
                       .toRotationMatrix();
@@ -45,16 +45,16 @@ const std::vector<std::array<double, 5>> kLenses = {{0, 0, 0, 0, 0},
 
 TEST(Camera, RayIsTheInverseOfProjectionOverThePicture) {
   for (const auto& lens : kLenses) {
-    const Camera camera = WithDistortion(lens);
+    const camera::Camera camera = WithDistortion(lens);
     int seen = 0;
     for (int y = 0; y < camera.image_height; y += 37) {
       for (int x = 0; x < camera.image_width; x += 41) {
         const Eigen::Vector2d pixel(x, y);
         try {
-          const Eigen::Vector3d ray = RayFromPixel(camera, pixel);
-          EXPECT_LT((Project(camera, ray) - pixel).norm(),
+          const Eigen::Vector3d ray = camera::RayFromPixel(camera, pixel);
+          EXPECT_LT((camera::Project(camera, ray) - pixel).norm(),
                     1e-8);  // 1e-13 of a normalised coordinate times fx, some rounding
-          EXPECT_LE(ray.head<2>().norm(), FoldRadius(camera));
+          EXPECT_LE(ray.head<2>().norm(), camera::FoldRadius(camera));
           ++seen;
         } catch (const Error&) {
         }
@@ -66,12 +66,13 @@ TEST(Camera, RayIsTheInverseOfProjectionOverThePicture) {
 
 TEST(Camera, RaysInsideTheFoldComeBackWhateverTheLens) {
   for (const auto& lens : kLenses) {
-    const Camera camera = WithDistortion(lens);
-    const double limit = std::min(0.97 * FoldRadius(camera), 1.5);  // tangential terms move the fold by some 1e-2
+    const camera::Camera camera = WithDistortion(lens);
+    const double limit =
+        std::min(0.97 * camera::FoldRadius(camera), 1.5);  // tangential terms move the fold by some 1e-2
     for (double angle = 0; angle < 6.2; angle += 0.31) {
       for (double r = 0; r < limit; r += limit / 40) {
         const Eigen::Vector3d ray(r * std::cos(angle), r * std::sin(angle), 1);
-        const Eigen::Vector3d found = RayFromPixel(camera, Project(camera, ray));
+        const Eigen::Vector3d found = camera::RayFromPixel(camera, camera::Project(camera, ray));
         // Near the fold the inverse loses digits: 1e-14 over a slope of some 1e-2, and the rounding of pixels of 1e3.
         EXPECT_LT((found - ray).norm(), 1e-9) << "r " << r << " k1 " << lens[0];
       }
@@ -81,52 +82,54 @@ TEST(Camera, RaysInsideTheFoldComeBackWhateverTheLens) {
 
 // The fold of r (1 + k1 r²) is at r² = −1/(3 k1), its largest value 2/3 of that radius.
 TEST(Camera, PixelsBeyondTheFoldAreAnError) {
-  const Camera camera = WithDistortion({-0.3, 0, 0, 0, 0});
+  const camera::Camera camera = WithDistortion({-0.3, 0, 0, 0, 0});
   const double fold = 1 / std::sqrt(0.9);
-  EXPECT_NEAR(FoldRadius(camera), fold, 1e-12);
+  EXPECT_NEAR(camera::FoldRadius(camera), fold, 1e-12);
   const double edge_px = 2.0 / 3 * fold * camera.fx;
-  EXPECT_NO_THROW(RayFromPixel(camera, {camera.cx + edge_px * (1 - 1e-6), camera.cy}));
-  EXPECT_THROW(RayFromPixel(camera, {camera.cx + edge_px * (1 + 1e-6), camera.cy}), Error);
-  EXPECT_EQ(FoldRadius(WithDistortion({0.1, 0, 0, 0, 0})), std::numeric_limits<double>::infinity());
+  EXPECT_NO_THROW(camera::RayFromPixel(camera, {camera.cx + edge_px * (1 - 1e-6), camera.cy}));
+  EXPECT_THROW(camera::RayFromPixel(camera, {camera.cx + edge_px * (1 + 1e-6), camera.cy}), Error);
+  EXPECT_EQ(camera::FoldRadius(WithDistortion({0.1, 0, 0, 0, 0})), std::numeric_limits<double>::infinity());
 }
 
 // A polynomial that folds and then rises again has a third branch, with a positive Jacobian, onto which Newton's method
 // started at the pixel runs. Those rays are not what the camera saw.
 TEST(Camera, RaysOnTheSecondRisingBranchAreNotTaken) {
-  const Camera camera = WithDistortion({-0.5, 0.09, 0, 0, 0});
-  const double fold = FoldRadius(camera);
+  const camera::Camera camera = WithDistortion({-0.5, 0.09, 0, 0, 0});
+  const double fold = camera::FoldRadius(camera);
   ASSERT_TRUE(std::isfinite(fold));
   const double edge = fold * (1 - 0.5 * fold * fold + 0.09 * std::pow(fold, 4));
   for (const double beyond : {1.001, 1.2, 2.0, 5.0})
-    EXPECT_THROW(RayFromPixel(camera, {camera.cx, camera.cy + camera.fy * edge * beyond}), Error) << beyond;
-  const Eigen::Vector3d inside = RayFromPixel(camera, {camera.cx, camera.cy + camera.fy * edge * 0.999});
+    EXPECT_THROW(camera::RayFromPixel(camera, {camera.cx, camera.cy + camera.fy * edge * beyond}), Error) << beyond;
+  const Eigen::Vector3d inside = camera::RayFromPixel(camera, {camera.cx, camera.cy + camera.fy * edge * 0.999});
   EXPECT_LT(inside.y(), fold);
 }
 
 TEST(Camera, NonsensePixelsAndPointsAreErrors) {
-  const Camera camera = WithDistortion(kMildBarrel);
+  const camera::Camera camera = WithDistortion(kMildBarrel);
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300})
-    EXPECT_THROW(RayFromPixel(camera, {bad, 10}), Error) << bad;
-  EXPECT_THROW(Project(camera, {1, 1, -5}), Error);
-  EXPECT_THROW(Project(camera, {1, 1, std::nan("")}), Error);
+    EXPECT_THROW(camera::RayFromPixel(camera, {bad, 10}), Error) << bad;
+  EXPECT_THROW(camera::Project(camera, {1, 1, -5}), Error);
+  EXPECT_THROW(camera::Project(camera, {1, 1, std::nan("")}), Error);
 }
 
 TEST(Camera, PlaneAndPixelAreInverse) {
-  const Camera camera = WithDistortion(kMildBarrel);
+  const camera::Camera camera = WithDistortion(kMildBarrel);
   for (const double depth : {-80.0, 0.0, 40.0})
     for (const Eigen::Vector2d& point : {Eigen::Vector2d(0, 0), Eigen::Vector2d(600, 300), Eigen::Vector2d(-200, 900)})
-      EXPECT_LT((PlaneFromPixel(camera, SomePlane(), PixelFromPlane(camera, SomePlane(), point, depth), depth) - point)
+      EXPECT_LT((camera::PlaneFromPixel(camera, SomePlane(), camera::PixelFromPlane(camera, SomePlane(), point, depth),
+                                        depth) -
+                 point)
                     .norm(),
                 1e-9);
 }
 
 TEST(Camera, PlaneDerivativesAreThoseOfDifferences) {
-  const Camera camera = WithDistortion(kMildBarrel);
+  const camera::Camera camera = WithDistortion(kMildBarrel);
   const Eigen::Vector2d pixel(1010, 130);
   const double depth = 25, step = 1e-3;
-  const PlanePoint point = PlanePointFromPixel(camera, SomePlane(), pixel, depth);
+  const camera::PlanePoint point = camera::PlanePointFromPixel(camera, SomePlane(), pixel, depth);
   const auto at = [&](double dx, double dy, double dd) {
-    return PlaneFromPixel(camera, SomePlane(), pixel + Eigen::Vector2d(dx, dy), depth + dd);
+    return camera::PlaneFromPixel(camera, SomePlane(), pixel + Eigen::Vector2d(dx, dy), depth + dd);
   };
   Eigen::Matrix2d differences;
   differences.col(0) = (at(step, 0, 0) - at(-step, 0, 0)) / (2 * step);
@@ -138,29 +141,29 @@ TEST(Camera, PlaneDerivativesAreThoseOfDifferences) {
 }
 
 TEST(Camera, SigmaInThePlaneIsThatOfSamples) {
-  const Camera camera = WithDistortion(kMildBarrel);
+  const camera::Camera camera = WithDistortion(kMildBarrel);
   const Eigen::Vector2d pixel(1010, 130);
-  const PlanePoint point = PlanePointFromPixel(camera, SomePlane(), pixel);
+  const camera::PlanePoint point = camera::PlanePointFromPixel(camera, SomePlane(), pixel);
   std::mt19937_64 random(11);
   std::normal_distribution<double> noise(0, 0.3);
   constexpr int kSamples = 20000;
   double sum = 0;
   for (int i = 0; i < kSamples; ++i)
-    sum +=
-        (PlaneFromPixel(camera, SomePlane(), pixel + Eigen::Vector2d(noise(random), noise(random))) - point.position_mm)
-            .squaredNorm();
+    sum += (camera::PlaneFromPixel(camera, SomePlane(), pixel + Eigen::Vector2d(noise(random), noise(random))) -
+            point.position_mm)
+               .squaredNorm();
   // 2 × 20000 values: relative sd 0.35 %; four of them.
-  EXPECT_NEAR(SigmaInPlane(point, 0.3) / std::sqrt(sum / (2 * kSamples)), 1, 0.015);
+  EXPECT_NEAR(camera::SigmaInPlane(point, 0.3) / std::sqrt(sum / (2 * kSamples)), 1, 0.015);
 }
 
 // The claim: a marker 40 mm in front of the plane, found at 0.1 px, comes out within 0.3 mm when its depth is
 // given.
 TEST(Camera, DepthUndoesTheParallaxOfAMarkerThatStandsProud) {
-  const Camera camera = WithDistortion(kMildBarrel);
+  const camera::Camera camera = WithDistortion(kMildBarrel);
   const Eigen::Vector2d truth(700, 500);
-  const Eigen::Vector2d pixel = PixelFromPlane(camera, SomePlane(), truth, 40) + Eigen::Vector2d(0.07, -0.07);
-  EXPECT_LT((PlaneFromPixel(camera, SomePlane(), pixel, 40) - truth).norm(), 0.3);
-  const PlanePoint without = PlanePointFromPixel(camera, SomePlane(), pixel);
+  const Eigen::Vector2d pixel = camera::PixelFromPlane(camera, SomePlane(), truth, 40) + Eigen::Vector2d(0.07, -0.07);
+  EXPECT_LT((camera::PlaneFromPixel(camera, SomePlane(), pixel, 40) - truth).norm(), 0.3);
+  const camera::PlanePoint without = camera::PlanePointFromPixel(camera, SomePlane(), pixel);
   const double error = (without.position_mm - truth).norm();
   EXPECT_GT(error, 5);
   EXPECT_NEAR(40 * without.mm_per_depth_mm.norm(), error,
@@ -168,13 +171,13 @@ TEST(Camera, DepthUndoesTheParallaxOfAMarkerThatStandsProud) {
 }
 
 TEST(Camera, ARayThatMissesThePlaneIsAnError) {
-  PlanePose edge_on = SomePlane();
+  camera::PlanePose edge_on = SomePlane();
   edge_on.linear() = Eigen::AngleAxisd(std::numbers::pi / 2 + 0.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  const Camera camera = Pinhole();
+  const camera::Camera camera = Pinhole();
   int missed = 0;
   for (int y = 0; y < camera.image_height; y += 10) {
     try {
-      PlaneFromPixel(camera, edge_on, {640, static_cast<double>(y)});
+      camera::PlaneFromPixel(camera, edge_on, {640, static_cast<double>(y)});
     } catch (const Error& error) {
       EXPECT_THAT(error.what(), testing::HasSubstr("does not meet the sagittal plane"));
       ++missed;
@@ -185,27 +188,28 @@ TEST(Camera, ARayThatMissesThePlaneIsAnError) {
 
 TEST(Camera, JetsAndDoublesProjectAlike) {
   using Jet = ceres::Jet<double, 3>;
-  const Camera camera = WithDistortion(kMildBarrel);
+  const camera::Camera camera = WithDistortion(kMildBarrel);
   const Jet intrinsics[] = {Jet(camera.fx), Jet(camera.fy), Jet(camera.cx), Jet(camera.cy)};
   Jet distortion[5];
   for (int i = 0; i < 5; ++i) distortion[i] = Jet(camera.distortion[static_cast<std::size_t>(i)]);
   const Eigen::Vector3d p(0.3, -0.2, 1.7);
-  const auto pixel = ProjectBrownConrady<Jet>(intrinsics, distortion, {Jet(p.x(), 0), Jet(p.y(), 1), Jet(p.z(), 2)});
+  const auto pixel =
+      camera::ProjectBrownConrady<Jet>(intrinsics, distortion, {Jet(p.x(), 0), Jet(p.y(), 1), Jet(p.z(), 2)});
   constexpr double kStep = 1e-5;
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
-    const Eigen::Vector2d slope = (Project(camera, p + step) - Project(camera, p - step)) / (2 * kStep);
+    const Eigen::Vector2d slope = (camera::Project(camera, p + step) - camera::Project(camera, p - step)) / (2 * kStep);
     EXPECT_NEAR(pixel.x().v[i], slope.x(), 1e-5);  // rounding 1e-13 * 1e3 / 1e-5
     EXPECT_NEAR(pixel.y().v[i], slope.y(), 1e-5);
   }
 }
 
 TEST(CheckResolution, NamesFilesSizesAndTheWayOut) {
-  const Camera camera = Pinhole();
-  EXPECT_NO_THROW(CheckResolution(camera, "camera.yaml", 1280, 720, "human.mp4"));
+  const camera::Camera camera = Pinhole();
+  EXPECT_NO_THROW(camera::CheckResolution(camera, "camera.yaml", 1280, 720, "human.mp4"));
   const auto message = [&](int width, int height) {
     try {
-      CheckResolution(camera, "camera.yaml", width, height, "human.mp4");
+      camera::CheckResolution(camera, "camera.yaml", width, height, "human.mp4");
     } catch (const Error& error) {
       return std::string(error.what());
     }

@@ -17,7 +17,7 @@
 namespace lake {
 namespace {
 
-using Points = std::vector<PlaneCorrespondence>;
+using Points = std::vector<camera::PlaneCorrespondence>;
 
 // A tilted view: mm to px.
 Eigen::Matrix3d SomeView() {
@@ -35,10 +35,10 @@ Points Seen(const Eigen::Matrix3d& image_from_plane, const std::vector<Eigen::Ve
 const std::vector<Eigen::Vector2d> kCorners = {{0, 0}, {0, 740}, {590, 0}, {590, 740}};
 
 TEST(PlaneHomography, FourExactPointsGiveTheMapping) {
-  const HomographyFit fit = PlaneHomography(Seen(SomeView(), kCorners));
+  const camera::HomographyFit fit = camera::PlaneHomography(Seen(SomeView(), kCorners));
   const Eigen::Vector2d point(137, 412);
   const Eigen::Vector2d pixel = (SomeView() * point.homogeneous()).hnormalized();
-  EXPECT_LT((ApplyHomography(fit, pixel) - point).norm(), 1e-9);  // rounding of coordinates of 1e3
+  EXPECT_LT((camera::ApplyHomography(fit, pixel) - point).norm(), 1e-9);  // rounding of coordinates of 1e3
   EXPECT_LT(fit.rms_px, 1e-10);
 }
 
@@ -50,13 +50,13 @@ TEST(PlaneHomography, NoiseAveragesOutAndTheRmsIsThatOfTheNoise) {
     for (int x = 0; x < 12; ++x) plane.emplace_back(50 * x, 50 * y);
   Points points = Seen(SomeView(), plane);
   for (auto& p : points) p.pixel += Eigen::Vector2d(noise(random), noise(random));
-  const HomographyFit fit = PlaneHomography(points);
+  const camera::HomographyFit fit = camera::PlaneHomography(points);
   // 2-D RMS of 288 residuals with 8 unknowns: 0.2 sqrt(2) sqrt(280/288) = 0.279, relative sd 1/sqrt(2*280) = 4 %: three
   // of them.
   EXPECT_NEAR(fit.rms_px, 0.279, 0.036);
   const Eigen::Vector2d middle(275, 275);
   // One point's noise is about 0.35 mm; the mean of 144 points brings the middle to about 0.05 mm; four of that.
-  EXPECT_LT((ApplyHomography(fit, (SomeView() * middle.homogeneous()).hnormalized()) - middle).norm(), 0.2);
+  EXPECT_LT((camera::ApplyHomography(fit, (SomeView() * middle.homogeneous()).hnormalized()) - middle).norm(), 0.2);
 }
 
 TEST(PlaneHomography, RefinementIsBetterThanItsStartForUnequalWeights) {
@@ -70,7 +70,7 @@ TEST(PlaneHomography, RefinementIsBetterThanItsStartForUnequalWeights) {
   for (int i = 0; i < 40; ++i) plane.emplace_back(std::fmod(137.0 * i, 600), std::fmod(211.0 * i, 700));
   Points points = Seen(view, plane);
   for (auto& p : points) p.pixel += Eigen::Vector2d(noise(random), noise(random));
-  const HomographyFit fit = PlaneHomography(points);
+  const camera::HomographyFit fit = camera::PlaneHomography(points);
   const Eigen::Matrix3d back = fit.plane_from_image.inverse() / fit.plane_from_image.inverse().norm();
   for (int i = 0; i < 9; ++i) {
     for (const double step : {-1e-5, 1e-5}) {
@@ -87,7 +87,7 @@ TEST(PlaneHomography, RefinementIsBetterThanItsStartForUnequalWeights) {
 TEST(PlaneHomography, SaysWhatIsWrong) {
   const auto message = [](const Points& points) {
     try {
-      PlaneHomography(points);
+      camera::PlaneHomography(points);
     } catch (const Error& error) {
       return std::string(error.what());
     }
@@ -104,11 +104,11 @@ TEST(PlaneHomography, SaysWhatIsWrong) {
 }
 
 TEST(PlaneHomography, TellsTheHorizon) {
-  const HomographyFit fit = PlaneHomography(Seen(SomeView(), kCorners));
+  const camera::HomographyFit fit = camera::PlaneHomography(Seen(SomeView(), kCorners));
   const Eigen::RowVector3d horizon = fit.plane_from_image.row(2);
   const Eigen::Vector2d at_horizon = -horizon.z() * horizon.head<2>().transpose() / horizon.head<2>().squaredNorm();
-  EXPECT_THROW(ApplyHomography(fit, 1.001 * at_horizon), Error);
-  EXPECT_NO_THROW(ApplyHomography(fit, 0.999 * at_horizon));
+  EXPECT_THROW(camera::ApplyHomography(fit, 1.001 * at_horizon), Error);
+  EXPECT_NO_THROW(camera::ApplyHomography(fit, 0.999 * at_horizon));
 }
 
 // Numbers of a European table: tabs, decimal comma.
@@ -137,15 +137,16 @@ TEST_P(SitToStandVideo, MapsTheMarkersToALegOfHumanSize) {
   ASSERT_EQ(corners.size(), 4u);
   Points points;
   for (std::size_t i = 0; i < 4; ++i) points.push_back({{corners[i][2], corners[i][3]}, kCorners[i]});
-  const HomographyFit fit = PlaneHomography(points);
-  for (const auto& p : points) EXPECT_LT((ApplyHomography(fit, p.pixel) - p.point_in_plane).norm(), 1e-6);
+  const camera::HomographyFit fit = camera::PlaneHomography(points);
+  for (const auto& p : points) EXPECT_LT((camera::ApplyHomography(fit, p.pixel) - p.point_in_plane).norm(), 1e-6);
 
   std::map<double, Eigen::Vector2d> knee_of_frame;  // the trackers lost frames independently
   for (const auto& row : knee) knee_of_frame[row[0]] = {row[2], row[3]};
   std::vector<double> length_mm;
   for (const auto& row : thigh)
     if (const auto found = knee_of_frame.find(row[0]); found != knee_of_frame.end())
-      length_mm.push_back((ApplyHomography(fit, {row[2], row[3]}) - ApplyHomography(fit, found->second)).norm());
+      length_mm.push_back(
+          (camera::ApplyHomography(fit, {row[2], row[3]}) - camera::ApplyHomography(fit, found->second)).norm());
   ASSERT_GT(length_mm.size(), 2500u);
   std::sort(length_mm.begin(), length_mm.end());
   const double median = length_mm[length_mm.size() / 2];

@@ -15,29 +15,30 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-const Board kBoard = ParseBoard("chessboard:9x6:60");  // near enough and large: its tilt is unambiguous
+const camera::Board kBoard = camera::ParseBoard("chessboard:9x6:60");  // near enough and large: its tilt is unambiguous
 
-std::vector<PlaneCorrespondence> Points(const Camera& camera, const PlanePose& pose,
-                                        const std::vector<Eigen::Vector2d>& mm, double sigma_px = 0,
-                                        std::uint64_t seed = 1) {
+std::vector<camera::PlaneCorrespondence> Points(const camera::Camera& camera, const camera::PlanePose& pose,
+                                                const std::vector<Eigen::Vector2d>& mm, double sigma_px = 0,
+                                                std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0, 1);
-  std::vector<PlaneCorrespondence> points;
+  std::vector<camera::PlaneCorrespondence> points;
   for (const auto& p : mm)
-    points.push_back({PixelFromPlane(camera, pose, p) + sigma_px * Eigen::Vector2d(noise(random), noise(random)), p});
+    points.push_back(
+        {camera::PixelFromPlane(camera, pose, p) + sigma_px * Eigen::Vector2d(noise(random), noise(random)), p});
   return points;
 }
 
-PlanePose TiltedPlane(double tilt_deg, double roll_deg = 0, double width_px = 500) {
+camera::PlanePose TiltedPlane(double tilt_deg, double roll_deg = 0, double width_px = 500) {
   return scene::PoseAt(scene::Lens(), kBoard, {600, 380}, width_px, tilt_deg, 80, roll_deg);
 }
 
 const std::vector<Eigen::Vector2d> kFour = {{0, 0}, {400, 0}, {400, 300}, {0, 300}};
 
 TEST(FitPlane, ExactPointsGiveTheExactPose) {
-  const Camera camera = scene::Lens();
-  for (const auto& mm : {kFour, BoardCorners(kBoard)}) {
-    const PlaneFit fit = FitPlane(camera, Points(camera, TiltedPlane(25), mm));
+  const camera::Camera camera = scene::Lens();
+  for (const auto& mm : {kFour, camera::BoardCorners(kBoard)}) {
+    const camera::PlaneFit fit = camera::FitPlane(camera, Points(camera, TiltedPlane(25), mm));
     EXPECT_LT((fit.camera_from_plane.matrix() - TiltedPlane(25).matrix()).cwiseAbs().maxCoeff(), 1e-6);
     EXPECT_LT(fit.uncertainty.rms_px, 1e-8);
     EXPECT_THAT(fit.warnings, testing::IsEmpty());
@@ -45,14 +46,14 @@ TEST(FitPlane, ExactPointsGiveTheExactPose) {
 }
 
 TEST(FitPlane, StandardDeviationsAreHonest) {
-  const Camera camera = scene::Lens();
-  const PlanePose truth = TiltedPlane(30);
+  const camera::Camera camera = scene::Lens();
+  const camera::PlanePose truth = TiltedPlane(30);
   constexpr int kSeeds = 200;
   Eigen::Matrix<double, 6, 1> square = Eigen::Matrix<double, 6, 1>::Zero();
   double rms = 0;
   for (int seed = 0; seed < kSeeds; ++seed) {
-    const PlaneFit fit =
-        FitPlane(camera, Points(camera, truth, BoardCorners(kBoard), 0.1, static_cast<std::uint64_t>(seed)));
+    const camera::PlaneFit fit = camera::FitPlane(
+        camera, Points(camera, truth, camera::BoardCorners(kBoard), 0.1, static_cast<std::uint64_t>(seed)));
     const Eigen::AngleAxisd turn(truth.linear().transpose() * fit.camera_from_plane.linear());
     Eigen::Matrix<double, 6, 1> error;
     error << turn.angle() * turn.axis(), fit.camera_from_plane.translation() - truth.translation();
@@ -70,19 +71,19 @@ TEST(FitPlane, StandardDeviationsAreHonest) {
 class TurnedBoard : public testing::TestWithParam<int> {};
 
 TEST_P(TurnedBoard, PlaneIsUprightWithItsOriginAtTheLowerLeft) {
-  const Camera camera = scene::Lens();
+  const camera::Camera camera = scene::Lens();
   const int turns = GetParam();
   std::mt19937_64 random(7);
   for (const double roll : {-4.0, 3.0}) {
     // The same sheet, its corners numbered as if it had been hung up after quarter turns.
-    const PlanePose upright = TiltedPlane(25, roll, 400);
-    PlanePose hung = upright;
+    const camera::PlanePose upright = TiltedPlane(25, roll, 400);
+    camera::PlanePose hung = upright;
     const double width = 8 * 60, height = 5 * 60;
     const Eigen::Vector2d lower_left[] = {{0, 0}, {height, 0}, {width, height}, {0, width}};
     hung = upright * Eigen::Translation3d(lower_left[turns].x(), lower_left[turns].y(), 0) *
            Eigen::AngleAxisd(turns * std::numbers::pi / 2, Eigen::Vector3d::UnitZ());
-    const BoardView view = scene::NoisyView(camera, kBoard, hung, 0, random);
-    const PlaneFit fit = FitPlaneToBoard(camera, kBoard, view);
+    const camera::BoardView view = scene::NoisyView(camera, kBoard, hung, 0, random);
+    const camera::PlaneFit fit = camera::FitPlaneToBoard(camera, kBoard, view);
     EXPECT_LT((fit.camera_from_plane.matrix() - upright.matrix()).cwiseAbs().maxCoeff(), 1e-5) << "roll " << roll;
     EXPECT_NEAR(fit.roll_deg, roll, 3);                     // of the projected axis, which the tilt turns a little
     EXPECT_GT(fit.camera_from_plane.linear()(0, 0), 0.7);   // x right
@@ -94,18 +95,19 @@ TEST_P(TurnedBoard, PlaneIsUprightWithItsOriginAtTheLowerLeft) {
 INSTANTIATE_TEST_SUITE_P(QuarterTurns, TurnedBoard, testing::Range(0, 4));
 
 TEST(FitPlaneToBoard, RenderedPictureOfABoardInAnyTurn) {
-  const Camera camera = scene::Lens();
+  const camera::Camera camera = scene::Lens();
   std::mt19937_64 random(8);
   for (const char* text : {"chessboard:9x6:60", "charuco:9x7:60:45:4X4_50"}) {
-    const Board board = ParseBoard(text);
+    const camera::Board board = camera::ParseBoard(text);
     for (const double roll : {0.0, 90.0, 180.0}) {
-      const PlanePose pose = scene::PoseAt(camera, board, {640, 360}, 430, 25, 75, roll);
-      const auto view = DetectBoard(scene::Render(camera, board, pose, random, {0.6, 1.5, 4}), board);
+      const camera::PlanePose pose = scene::PoseAt(camera, board, {640, 360}, 430, 25, 75, roll);
+      const auto view = camera::DetectBoard(scene::Render(camera, board, pose, random, {0.6, 1.5, 4}), board);
       ASSERT_TRUE(view) << text << " " << roll;
-      const PlaneFit fit = FitPlaneToBoard(camera, board, *view);
+      const camera::PlaneFit fit = camera::FitPlaneToBoard(camera, board, *view);
       EXPECT_LT(fit.uncertainty.rms_px, 0.15);
       // A point of the sheet, by its pixel: in the fitted frame all corners lie on the grid of squares.
-      const Eigen::Vector2d mm = PlaneFromPixel(camera, fit.camera_from_plane, PixelFromPlane(camera, pose, {60, 120}));
+      const Eigen::Vector2d mm =
+          camera::PlaneFromPixel(camera, fit.camera_from_plane, camera::PixelFromPlane(camera, pose, {60, 120}));
       EXPECT_LT((mm - Eigen::Vector2d(std::round(mm.x() / 60) * 60, std::round(mm.y() / 60) * 60)).norm(), 0.3)
           << text << " " << roll;
       EXPECT_GT(mm.x(), -1);
@@ -116,27 +118,31 @@ TEST(FitPlaneToBoard, RenderedPictureOfABoardInAnyTurn) {
 }
 
 TEST(FitPlane, SaysWhenTheTwoPosesCannotBeToldApart) {
-  const Camera camera = scene::Lens();
+  const camera::Camera camera = scene::Lens();
   // Far away and small, 40 px across: the near half is larger by 0.7 % of 20 px, which 54 corners at 0.2 px do not
   // show.
-  const PlaneFit far = FitPlane(camera, Points(camera, TiltedPlane(10, 0, 40), BoardCorners(kBoard), 0.2));
+  const camera::PlaneFit far =
+      camera::FitPlane(camera, Points(camera, TiltedPlane(10, 0, 40), camera::BoardCorners(kBoard), 0.2));
   ASSERT_TRUE(far.other);
   EXPECT_TRUE(far.other->as_likely);
   EXPECT_GT(far.other->apart_deg, 10);
   EXPECT_THAT(far.warnings, Contains(HasSubstr("ambiguous")));
-  const PlaneFit near = FitPlane(camera, Points(camera, TiltedPlane(25, 0, 600), BoardCorners(kBoard), 0.1));
+  const camera::PlaneFit near =
+      camera::FitPlane(camera, Points(camera, TiltedPlane(25, 0, 600), camera::BoardCorners(kBoard), 0.1));
   EXPECT_THAT(near.warnings, Not(Contains(HasSubstr("ambiguous"))));
   EXPECT_FALSE(near.other && near.other->as_likely);
 }
 
 // Where the better solution is taken although the first guess may be the other: many seeds at a size that just tells.
 TEST(FitPlane, TakesTheRightPoseWhereItClaimsToKnow) {
-  const Camera camera = scene::Lens();
+  const camera::Camera camera = scene::Lens();
   int claimed = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     std::mt19937_64 random(seed);
-    const PlanePose truth = TiltedPlane(10 + 0.3 * static_cast<double>(seed), 0, 150 + 2 * static_cast<double>(seed));
-    const PlaneFit fit = FitPlane(camera, Points(camera, truth, BoardCorners(kBoard), 0.1, seed));
+    const camera::PlanePose truth =
+        TiltedPlane(10 + 0.3 * static_cast<double>(seed), 0, 150 + 2 * static_cast<double>(seed));
+    const camera::PlaneFit fit =
+        camera::FitPlane(camera, Points(camera, truth, camera::BoardCorners(kBoard), 0.1, seed));
     if (fit.other && fit.other->as_likely) continue;
     ++claimed;
     EXPECT_GT(fit.camera_from_plane.linear().col(2).dot(truth.linear().col(2)), std::cos(0.1)) << "seed " << seed;
@@ -145,19 +151,19 @@ TEST(FitPlane, TakesTheRightPoseWhereItClaimsToKnow) {
 }
 
 TEST(FitPlane, KnownPointsDefineTheFrame) {
-  const Camera camera = scene::Lens();
+  const camera::Camera camera = scene::Lens();
   const auto points = Points(camera, TiltedPlane(20), kFour, 0.2);
-  const PlaneFit fit = FitPlane(camera, points, {0.5});
+  const camera::PlaneFit fit = camera::FitPlane(camera, points, {0.5});
   EXPECT_GE(fit.sigma_px, 0.5);
   for (const auto& p : points)
-    EXPECT_LT((PlaneFromPixel(camera, fit.camera_from_plane, p.pixel) - p.point_in_plane).norm(), 2);
+    EXPECT_LT((camera::PlaneFromPixel(camera, fit.camera_from_plane, p.pixel) - p.point_in_plane).norm(), 2);
 }
 
 TEST(FitPlane, MirroredAndImpossiblePointsAreErrors) {
-  const Camera camera = scene::Lens();
-  const auto complaint = [&](const std::vector<PlaneCorrespondence>& points) {
+  const camera::Camera camera = scene::Lens();
+  const auto complaint = [&](const std::vector<camera::PlaneCorrespondence>& points) {
     try {
-      FitPlane(camera, points);
+      camera::FitPlane(camera, points);
     } catch (const Error& error) {
       return std::string(error.what());
     }
@@ -171,21 +177,22 @@ TEST(FitPlane, MirroredAndImpossiblePointsAreErrors) {
 }
 
 TEST(FitPlane, WarnsOfBadPointsAndALeaningFrame) {
-  const Camera camera = scene::Lens();
-  auto points = Points(camera, TiltedPlane(20), BoardCorners(kBoard));
+  const camera::Camera camera = scene::Lens();
+  auto points = Points(camera, TiltedPlane(20), camera::BoardCorners(kBoard));
   points[3].pixel += Eigen::Vector2d(40, 0);
-  EXPECT_THAT(FitPlane(camera, points).warnings, Contains(HasSubstr("miss the plane by")));
-  EXPECT_THAT(FitPlane(camera, Points(camera, TiltedPlane(20, 20), kFour)).warnings, Contains(HasSubstr("turned by")));
+  EXPECT_THAT(camera::FitPlane(camera, points).warnings, Contains(HasSubstr("miss the plane by")));
+  EXPECT_THAT(camera::FitPlane(camera, Points(camera, TiltedPlane(20, 20), kFour)).warnings,
+              Contains(HasSubstr("turned by")));
 }
 
 TEST(ParsePlanePoints, ReadsPairsAndSaysWhatIsWrong) {
-  const auto points = ParsePlanePoints("10,20=0,0; 30.5,20=100,0;30,40=100,100 ;10,40=0,100;");
+  const auto points = camera::ParsePlanePoints("10,20=0,0; 30.5,20=100,0;30,40=100,100 ;10,40=0,100;");
   ASSERT_EQ(points.size(), 4u);
   EXPECT_EQ(points[1].pixel, Eigen::Vector2d(30.5, 20));
   EXPECT_EQ(points[2].point_in_plane, Eigen::Vector2d(100, 100));
   for (const char* bad : {"", "1,2=3,4", "1,2=3;1,2=3,4;1,2=3,4;1,2=3,4", "1,2,3,4;1,2=3,4;1,2=3,4;1,2=3,4",
                           "a,2=3,4;1,2=3,4;1,2=3,4;1,2=3,4"})
-    EXPECT_THROW(ParsePlanePoints(bad), UsageError) << bad;
+    EXPECT_THROW(camera::ParsePlanePoints(bad), UsageError) << bad;
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ inline double SmoothStep(double u) {
 }
 
 // At a fraction 0..1 of the motion.
-inline void AppendPose(const ClosedFormLeg& leg, double u, StsCurve& curve) {
+inline void AppendPose(const ClosedFormLeg& leg, double u, compare::StsCurve& curve) {
   const double shank_deg = leg.seated_shank_deg + (leg.peak_shank_deg - leg.seated_shank_deg) * SmoothStep(u / 0.55) +
                            (leg.standing_shank_deg - leg.peak_shank_deg) * SmoothStep((u - 0.35) / 0.65);
   const double knee_deg =
@@ -41,14 +41,14 @@ inline void AppendPose(const ClosedFormLeg& leg, double u, StsCurve& curve) {
 }
 
 // `registration` maps a fraction of the motion to another; `offset_mm` is in the shank frame.
-inline StsCurve MakeCurve(
+inline compare::StsCurve MakeCurve(
     const ClosedFormLeg& leg, const std::function<double(double)>& registration = [](double u) { return u; },
     const Eigen::Vector2d& offset_mm = Eigen::Vector2d::Zero()) {
-  StsCurve curve;
+  compare::StsCurve curve;
   curve.repetition = 1, curve.duration_s = 2;
-  for (int i = 0; i < kPercentSamples; ++i) AppendPose(leg, registration(i / 100.0), curve);
-  const StsCurve human = curve;
-  for (std::size_t i = 0; i < kPercentSamples; ++i) curve.knee[i] += ShankAxes(human, i) * offset_mm;
+  for (int i = 0; i < compare::kPercentSamples; ++i) AppendPose(leg, registration(i / 100.0), curve);
+  const compare::StsCurve human = curve;
+  for (std::size_t i = 0; i < compare::kPercentSamples; ++i) curve.knee[i] += compare::ShankAxes(human, i) * offset_mm;
   return curve;
 }
 
@@ -56,13 +56,13 @@ inline double IssueWarp(double s) {
   return s + 0.05 * std::sin(std::numbers::pi * s);
 }
 
-inline void AddNoise(StsCurve& curve, double sigma_mm, std::mt19937& random) {
+inline void AddNoise(compare::StsCurve& curve, double sigma_mm, std::mt19937& random) {
   std::normal_distribution<double> normal(0, sigma_mm);
   for (Eigen::Vector2d& knee : curve.knee) {
     const double x = normal(random), y = normal(random);
     knee += Eigen::Vector2d(x, y);
   }
-  curve.knee_sigma_mm.assign(kPercentSamples, sigma_mm);
+  curve.knee_sigma_mm.assign(compare::kPercentSamples, sigma_mm);
 }
 
 }  // namespace lake

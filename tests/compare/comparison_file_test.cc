@@ -14,12 +14,12 @@ namespace {
 
 using testing::HasSubstr;
 
-Misalignment Compared() {
+compare::Misalignment Compared() {
   ClosedFormLeg other;
   other.peak_shank_deg = 22;
-  MisalignmentOptions options;
+  compare::MisalignmentOptions options;
   options.resamples = 0;
-  return CompareTrials({{MakeCurve({})}, {}}, {{MakeCurve(other, IssueWarp, {8, -3})}, {}}, options);
+  return compare::CompareTrials({{MakeCurve({})}, {}}, {{MakeCurve(other, IssueWarp, {8, -3})}, {}}, options);
 }
 
 class ComparisonFile : public testing::Test {
@@ -31,7 +31,7 @@ class ComparisonFile : public testing::Test {
     change(json);
     Write(json);
     try {
-      ReadComparison(folder_.Path());
+      compare::ReadComparison(folder_.Path());
       ADD_FAILURE() << "accepted: " << text;
     } catch (const Error& error) {
       EXPECT_THAT(error.what(), HasSubstr("comparison.json"));
@@ -41,14 +41,14 @@ class ComparisonFile : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  const Misalignment misalignment_ = Compared();
-  const Json json_ = ComparisonJson(misalignment_);
+  const compare::Misalignment misalignment_ = Compared();
+  const Json json_ = compare::ComparisonJson(misalignment_);
 };
 
 TEST_F(ComparisonFile, CurvesReadBackAsTheSameNumbers) {
   Write(json_);
   for (const auto& path : {folder_.Path(), folder_ / "comparison.json"}) {
-    const ComparedCurves curves = ReadComparison(path);
+    const compare::ComparedCurves curves = compare::ReadComparison(path);
     for (const auto& [read, written] :
          {std::pair(&curves.human, &misalignment_.human), std::pair(&curves.exo, &misalignment_.exo)}) {
       EXPECT_EQ(read->ankle, written->ankle);
@@ -58,9 +58,9 @@ TEST_F(ComparisonFile, CurvesReadBackAsTheSameNumbers) {
       EXPECT_EQ(read->knee_sigma_mm, written->knee_sigma_mm);
       EXPECT_EQ(read->duration_s, written->duration_s);
     }
-    MisalignmentOptions options;
+    compare::MisalignmentOptions options;
     options.resamples = 0;
-    const Misalignment again = CompareTrials({{curves.human}, {}}, {{curves.exo}, {}}, options);
+    const compare::Misalignment again = compare::CompareTrials({{curves.human}, {}}, {{curves.exo}, {}}, options);
     EXPECT_EQ(again.metrics.relative_rms, misalignment_.metrics.relative_rms);
     EXPECT_EQ(again.decomposition.timing, misalignment_.decomposition.timing);
   }
@@ -90,9 +90,9 @@ TEST_F(ComparisonFile, OtherFilesAreRefused) {
   ExpectRefused([](Json& j) { j = Json::array({1, 2}); }, "not a comparison");
   ExpectRefused([](Json& j) { j = {{"program", "lake-track"}}; }, "not a comparison");
   WriteTextFile(folder_ / "comparison.json", "{\"format\": 1,");
-  EXPECT_THAT([&] { ReadComparison(folder_.Path()); }, testing::ThrowsMessage<Error>(HasSubstr("not JSON")));
+  EXPECT_THAT([&] { compare::ReadComparison(folder_.Path()); }, testing::ThrowsMessage<Error>(HasSubstr("not JSON")));
   EXPECT_THAT(
-      [&] { ReadComparison(folder_ / "absent"); },
+      [&] { compare::ReadComparison(folder_ / "absent"); },
       testing::ThrowsMessage<Error>(HasSubstr("not there; a comparison is the folder that lake-compare wrote")));
 }
 

@@ -12,20 +12,20 @@ constexpr int kDraws = 60;
 
 struct Truth {
   const char* name;
-  StsCurve human, exo;
+  compare::StsCurve human, exo;
   double replacement_sd_mm;
 };
 
 // A bump to and fro across the path, which neither placement nor timing makes.
-void AddShape(double size_mm, StsCurve& exo) {
-  const StsCurve before = exo;
-  for (std::size_t i = 0; i < kPercentSamples; ++i)
+void AddShape(double size_mm, compare::StsCurve& exo) {
+  const compare::StsCurve before = exo;
+  for (std::size_t i = 0; i < compare::kPercentSamples; ++i)
     exo.knee[i] +=
-        ShankAxes(before, i).col(1) * size_mm * std::sin(6 * std::numbers::pi * static_cast<double>(i) / 100);
+        compare::ShankAxes(before, i).col(1) * size_mm * std::sin(6 * std::numbers::pi * static_cast<double>(i) / 100);
 }
 
 std::vector<Truth> Truths() {
-  const StsCurve human = MakeCurve({});
+  const compare::StsCurve human = MakeCurve({});
   Truth placed{"placement alone", human, MakeCurve({}, [](double s) { return s; }, {8, -5}), 0};
   Truth all{"all three", human, MakeCurve({}, IssueWarp, {8, -5}), 0};
   AddShape(1.5, all.exo);
@@ -36,44 +36,44 @@ std::vector<Truth> Truths() {
 constexpr double kSigma_mm = 0.3;
 
 // Noise of a marker's sigma, alike over 2 % of the rise as the options have it: white noise through a window.
-void AddFilteredNoise(StsCurve& curve, std::mt19937& random) {
+void AddFilteredNoise(compare::StsCurve& curve, std::mt19937& random) {
   constexpr int kReach = 6;
-  const double width = MisalignmentOptions{}.noise_width_percent / std::sqrt(2.0);
+  const double width = compare::MisalignmentOptions{}.noise_width_percent / std::sqrt(2.0);
   std::normal_distribution<double> normal(0, kSigma_mm);
   std::vector<Eigen::Vector2d> white;
-  for (int i = 0; i < kPercentSamples + 2 * kReach; ++i) {
+  for (int i = 0; i < compare::kPercentSamples + 2 * kReach; ++i) {
     const double x = normal(random), y = normal(random);
     white.emplace_back(x, y);
   }
   double power = 0;
   for (int k = -kReach; k <= kReach; ++k) power += std::exp(-std::pow(k / width, 2));
-  for (int i = 0; i < kPercentSamples; ++i)
+  for (int i = 0; i < compare::kPercentSamples; ++i)
     for (int k = -kReach; k <= kReach; ++k)
       curve.knee[static_cast<std::size_t>(i)] +=
           std::exp(-0.5 * std::pow(k / width, 2)) / std::sqrt(power) * white[static_cast<std::size_t>(i + k + kReach)];
-  curve.knee_sigma_mm.assign(kPercentSamples, kSigma_mm);
+  curve.knee_sigma_mm.assign(compare::kPercentSamples, kSigma_mm);
 }
 
 // The trial as it is measured: noise on both knees, the exoskeleton's marker put back elsewhere.
-Misalignment Measure(const Truth& truth, unsigned seed) {
+compare::Misalignment Measure(const Truth& truth, unsigned seed) {
   std::mt19937 random(seed);
-  StsCurve human = truth.human, exo = truth.exo;
+  compare::StsCurve human = truth.human, exo = truth.exo;
   std::normal_distribution<double> normal;
   const double x = normal(random), y = normal(random);
-  for (std::size_t i = 0; i < kPercentSamples; ++i)
-    exo.knee[i] += ShankAxes(truth.human, i) * truth.replacement_sd_mm * Eigen::Vector2d(x, y);
+  for (std::size_t i = 0; i < compare::kPercentSamples; ++i)
+    exo.knee[i] += compare::ShankAxes(truth.human, i) * truth.replacement_sd_mm * Eigen::Vector2d(x, y);
   AddFilteredNoise(human, random), AddFilteredNoise(exo, random);
-  MisalignmentOptions options;
+  compare::MisalignmentOptions options;
   options.resamples = 100;
   options.replacement_sd_mm = truth.replacement_sd_mm;
-  return CompareTrials({{human}, {}}, {{exo}, {}}, options);
+  return compare::CompareTrials({{human}, {}}, {{exo}, {}}, options);
 }
 
 struct Coverage {
   int held = 0;
   double low = 0, high = 0;  // means
 
-  void Add(const Interval& interval, double truth) {
+  void Add(const compare::Interval& interval, double truth) {
     held += interval.low <= truth && truth <= interval.high;
     low += interval.low / kDraws, high += interval.high / kDraws;
   }
@@ -82,10 +82,10 @@ struct Coverage {
 TEST(Intervals, OfThePartsHoldTheTruthAsOftenAsTheySay) {
   int all_held = 0, all = 0;
   for (const Truth& truth : Truths()) {
-    const Decomposition parts = Decompose(truth.human, truth.exo);
+    const compare::Decomposition parts = compare::Decompose(truth.human, truth.exo);
     Coverage placement, timing, shape, x, y;
     for (unsigned seed = 0; seed < kDraws; ++seed) {
-      const Misalignment m = Measure(truth, seed);
+      const compare::Misalignment m = Measure(truth, seed);
       placement.Add(m.intervals->placement, parts.placement), timing.Add(m.intervals->timing, parts.timing);
       shape.Add(m.intervals->shape, parts.shape);
       x.Add(m.intervals->offset_x_mm, parts.offset_mm.x()), y.Add(m.intervals->offset_y_mm, parts.offset_mm.y());
@@ -106,12 +106,12 @@ TEST(Intervals, OfThePartsHoldTheTruthAsOftenAsTheySay) {
 }
 
 TEST(Intervals, ATrialWithItselfHasNoParts) {
-  const StsCurve human = MakeCurve({});
-  const Misalignment m = CompareTrials({{human}, {}}, {{human}, {}});
+  const compare::StsCurve human = MakeCurve({});
+  const compare::Misalignment m = compare::CompareTrials({{human}, {}}, {{human}, {}});
   EXPECT_EQ(m.metrics.rms_mm, 0);
   EXPECT_TRUE(std::isnan(m.decomposition.placement));
   EXPECT_THAT(m.warnings, testing::ElementsAre(testing::HasSubstr("both knee paths are one")));
-  const Json parts = ComparisonJson(m)["decomposition"];
+  const Json parts = compare::ComparisonJson(m)["decomposition"];
   for (const char* part : {"placement", "timing", "shape"}) {
     EXPECT_TRUE(parts[part]["fraction"].is_null()) << part;
     EXPECT_TRUE(parts[part]["interval"].is_null()) << part;

@@ -21,9 +21,9 @@ struct Recorded {
 };
 
 // Positions in the plane at a frame rate, with noise.
-MarkerRecording Record(const MarkerMotion& motion, const Recorded& r) {
-  MarkerRecording recording;
-  recording.unit = LengthUnit::kMm;
+motion::MarkerRecording Record(const synth::MarkerMotion& motion, const Recorded& r) {
+  motion::MarkerRecording recording;
+  recording.unit = motion::LengthUnit::kMm;
   std::mt19937 random(r.seed);
   std::normal_distribution<double> normal(0, r.sigma_mm);
   for (const std::string& name : motion.Names()) recording.markers.push_back({name, {}});
@@ -33,32 +33,33 @@ MarkerRecording Record(const MarkerMotion& motion, const Recorded& r) {
     for (std::size_t m = 0; m < at.size(); ++m) {
       const double x = normal(random), y = normal(random);
       recording.markers[m].samples.push_back(
-          {at[m] + Eigen::Vector2d(x, y), std::max(r.sigma_mm, 1e-3), SampleStatus::kDetected});
+          {at[m] + Eigen::Vector2d(x, y), std::max(r.sigma_mm, 1e-3), motion::SampleStatus::kDetected});
     }
   }
   return recording;
 }
 
-TrialTables Fit(const MarkerMotion& motion, const Recorded& r, const char* name = "trial") {
-  const MarkerRecording recording = Record(motion, r);
-  const LegFitResult fit = FitLeg(recording, MakeLegView(recording.unit, std::nullopt));
+compare::TrialTables Fit(const synth::MarkerMotion& motion, const Recorded& r, const char* name = "trial") {
+  const motion::MarkerRecording recording = Record(motion, r);
+  const gait::LegFitResult fit = gait::FitLeg(recording, gait::MakeLegView(recording.unit, std::nullopt));
   return {name, fit.trajectory, fit.motion, fit.events};
 }
 
-RegisteredTrial Register(const TrialTables& tables, const char* knee = "knee") {
-  RegistrationOptions options;
+compare::RegisteredTrial Register(const compare::TrialTables& tables, const char* knee = "knee") {
+  compare::RegistrationOptions options;
   options.knee = knee;
-  return RegisterTrial(tables, options);
+  return compare::RegisterTrial(tables, options);
 }
 
 // The motion's own curves between its true events: the definitions of method.md on 2000 exact samples per second.
-StsCurve TrueCurve(const StsMotion& motion, const char* knee = "knee") {
+compare::StsCurve TrueCurve(const synth::StsMotion& motion, const char* knee = "knee") {
   constexpr double kStep = 1 / 2000.0;
-  const double side = motion.FacingInImage() == Facing::kRight ? 1 : -1;
-  const StsPhase& rise = *std::find_if(motion.Phases().begin(), motion.Phases().end(),
-                                       [](const StsPhase& p) { return p.kind == StsPhase::Kind::kRise; });
+  const double side = motion.FacingInImage() == motion::Facing::kRight ? 1 : -1;
+  const synth::StsPhase& rise =
+      *std::find_if(motion.Phases().begin(), motion.Phases().end(),
+                    [](const synth::StsPhase& p) { return p.kind == synth::StsPhase::Kind::kRise; });
   const auto point = [&](const char* name, double t) {
-    Eigen::Vector2d p = motion.At(t)[static_cast<std::size_t>(IndexOfMarker(motion, name))];
+    Eigen::Vector2d p = motion.At(t)[static_cast<std::size_t>(synth::IndexOfMarker(motion, name))];
     return Eigen::Vector2d(side * p.x(), p.y());
   };
   const auto lean = [&](const char* lower, const char* upper, double t) {
@@ -73,9 +74,9 @@ StsCurve TrueCurve(const StsMotion& motion, const char* knee = "knee") {
   while (std::abs(speed(trunk_deg, onset)) < 2 && std::abs(point("hip", onset).y() - rest_y) < 2) onset += kStep;
   for (double t = rise.start_s; t < rise.end_s; t += kStep) peak = std::min(peak, speed(knee_deg, t));
   while (speed(knee_deg, standing) > 0.05 * peak) standing -= kStep;
-  StsCurve curve;
+  compare::StsCurve curve;
   curve.duration_s = standing - onset;
-  for (int i = 0; i < kPercentSamples; ++i) {
+  for (int i = 0; i < compare::kPercentSamples; ++i) {
     const double t = onset + curve.duration_s * i / 100;
     curve.ankle.push_back(point("ankle", t)), curve.knee.push_back(point(knee, t)),
         curve.hip.push_back(point("hip", t));
@@ -84,33 +85,35 @@ StsCurve TrueCurve(const StsMotion& motion, const char* knee = "knee") {
   return curve;
 }
 
-StsMotionOptions Still() {
-  StsMotionOptions options;
+synth::StsMotionOptions Still() {
+  synth::StsMotionOptions options;
   options.variation = 0, options.ankle_sway_mm = 0, options.body_sway_deg = 0;
   options.min_rest_s = 1;
   return options;
 }
 
-double Rms(const StsCurve& a, const StsCurve& b) {
-  return ComputeMetrics(a, b, std::vector<bool>(kPercentSamples, true)).rms_mm;
+double Rms(const compare::StsCurve& a, const compare::StsCurve& b) {
+  return compare::ComputeMetrics(a, b, std::vector<bool>(compare::kPercentSamples, true)).rms_mm;
 }
 
 TEST(Trials, FiguresAgreeWithTheTruth) {
   const struct {
     double human_hz, exo_hz, pace;
     int human_repetitions, exo_repetitions;
-    Facing exo_facing;
-  } cases[] = {
-      {60, 60, 1, 2, 2, Facing::kRight}, {60, 30, 1.6, 1, 3, Facing::kLeft}, {100, 50, 0.8, 3, 1, Facing::kLeft}};
+    motion::Facing exo_facing;
+  } cases[] = {{60, 60, 1, 2, 2, motion::Facing::kRight},
+               {60, 30, 1.6, 1, 3, motion::Facing::kLeft},
+               {100, 50, 0.8, 3, 1, motion::Facing::kLeft}};
   unsigned seed = 1;
   for (const auto& c : cases) {
-    StsMotionOptions human_options = Still(), exo_options = Still();
+    synth::StsMotionOptions human_options = Still(), exo_options = Still();
     human_options.repetitions = c.human_repetitions, exo_options.repetitions = c.exo_repetitions;
     exo_options.facing = c.exo_facing, exo_options.pace = c.pace, exo_options.seed = 7;
     exo_options.exo_knee_mm = Eigen::Vector2d(9, -6);
-    const StsMotion human(human_options), exo(exo_options);
-    const Misalignment m = CompareTrials(Register(Fit(human, {c.human_hz, 0.1, INFINITY, seed++})),
-                                         Register(Fit(exo, {c.exo_hz, 0.1, INFINITY, seed++}), "exo_knee"));
+    const synth::StsMotion human(human_options), exo(exo_options);
+    const compare::Misalignment m =
+        compare::CompareTrials(Register(Fit(human, {c.human_hz, 0.1, INFINITY, seed++})),
+                               Register(Fit(exo, {c.exo_hz, 0.1, INFINITY, seed++}), "exo_knee"));
     EXPECT_EQ(m.human_repetitions, c.human_repetitions);
     EXPECT_EQ(m.exo_repetitions, c.exo_repetitions);
     EXPECT_NEAR(m.metrics.rms_mm, Rms(TrueCurve(human), TrueCurve(exo, "exo_knee")), 0.3)
@@ -123,15 +126,15 @@ TEST(Trials, FiguresAgreeWithTheTruth) {
 
 TEST(Trials, TimeWarpIsFound) {
   for (const double hz : {60.0, 30.0}) {
-    StsMotionOptions warped = Still();
+    synth::StsMotionOptions warped = Still();
     warped.time_warp = 0.05, warped.seed = 3;
-    const StsMotion human(Still()), exo(warped);
-    const Misalignment m =
-        CompareTrials(Register(Fit(human, {60, 0.1, INFINITY, 11})), Register(Fit(exo, {hz, 0.1, INFINITY, 12})));
-    const StsCurve true_human = TrueCurve(human), true_exo = TrueCurve(exo);
+    const synth::StsMotion human(Still()), exo(warped);
+    const compare::Misalignment m = compare::CompareTrials(Register(Fit(human, {60, 0.1, INFINITY, 11})),
+                                                           Register(Fit(exo, {hz, 0.1, INFINITY, 12})));
+    const compare::StsCurve true_human = TrueCurve(human), true_exo = TrueCurve(exo);
     EXPECT_NEAR(m.metrics.rms_mm, Rms(true_human, true_exo), 0.3) << hz;
     EXPECT_GE(m.decomposition.timing, 0.95) << hz;
-    const Decomposition truth = Decompose(true_human, true_exo);
+    const compare::Decomposition truth = compare::Decompose(true_human, true_exo);
     for (std::size_t i = 20; i <= 80; i += 10)
       EXPECT_NEAR(m.decomposition.timing_percent[i], truth.timing_percent[i], 0.5) << hz << " " << i;
   }
@@ -141,15 +144,16 @@ TEST(Trials, TheSameMotionTwiceShowsTheNoiseFloor) {
   int contained = 0;
   constexpr int kPairs = 10;
   for (unsigned pair = 0; pair < kPairs; ++pair) {
-    StsMotionOptions options = Still();
+    synth::StsMotionOptions options = Still();
     std::mt19937 random(pair);
     std::normal_distribution<double> normal(0, 3);  // the knee's marker is put back as well as --replacement-sd says
     const double x = normal(random), y = normal(random);
-    const StsMotion human(options);
+    const synth::StsMotion human(options);
     options.exo_knee_mm = Eigen::Vector2d(x, y);
-    const StsMotion again(options);
-    const Misalignment m = CompareTrials(Register(Fit(human, {60, 0.2, INFINITY, 100 + pair})),
-                                         Register(Fit(again, {60, 0.2, INFINITY, 200 + pair}), "exo_knee"));
+    const synth::StsMotion again(options);
+    const compare::Misalignment m =
+        compare::CompareTrials(Register(Fit(human, {60, 0.2, INFINITY, 100 + pair})),
+                               Register(Fit(again, {60, 0.2, INFINITY, 200 + pair}), "exo_knee"));
     ASSERT_TRUE(m.intervals);
     contained += m.intervals->relative_rms.low <= m.noise_floor_relative &&
                  m.noise_floor_relative <= m.intervals->relative_rms.high;
@@ -160,35 +164,35 @@ TEST(Trials, TheSameMotionTwiceShowsTheNoiseFloor) {
 }
 
 TEST(Trials, BadInputIsRefusedInOneLine) {
-  const StsMotion motion(Still());
-  const TrialTables good = Fit(motion, {});
+  const synth::StsMotion motion(Still());
+  const compare::TrialTables good = Fit(motion, {});
   EXPECT_THAT([&] { Register(good, "exo_knee"); },
               ThrowsMessage<Error>(HasSubstr("no marker 'exo_knee'; it has: ankle, knee, hip, waist")));
-  TrialTables px = good;
-  px.trajectory.unit = LengthUnit::kPx;
+  compare::TrialTables px = good;
+  px.trajectory.unit = motion::LengthUnit::kPx;
   EXPECT_THAT([&] { Register(px); }, ThrowsMessage<Error>(HasSubstr("lengths are in px")));
-  TrialTables none = good;
+  compare::TrialTables none = good;
   none.events.clear();
   EXPECT_THAT([&] { Register(none); }, ThrowsMessage<Error>(HasSubstr("no sit-to-stand found")));
-  const StsPhase& rise = motion.Phases()[1];
-  const TrialTables cut = Fit(motion, {60, 0.1, rise.start_s + 0.75 * (rise.end_s - rise.start_s)}, "short");
+  const synth::StsPhase& rise = motion.Phases()[1];
+  const compare::TrialTables cut = Fit(motion, {60, 0.1, rise.start_s + 0.75 * (rise.end_s - rise.start_s)}, "short");
   EXPECT_THAT([&] { Register(cut); }, ThrowsMessage<Error>(HasSubstr("short: ")));
-  TrialTables mixed = good;
+  compare::TrialTables mixed = good;
   mixed.motion.time_s.pop_back();
   EXPECT_THAT([&] { Register(mixed); }, ThrowsMessage<Error>(HasSubstr("track it again")));
-  MisalignmentOptions options;
+  compare::MisalignmentOptions options;
   options.replacement_sd_mm = -1;
-  EXPECT_THROW(CompareTrials(Register(good), Register(good), options), UsageError);
+  EXPECT_THROW(compare::CompareTrials(Register(good), Register(good), options), UsageError);
 }
 
 TEST(Trials, LongGapsLeaveARepetitionOut) {
-  const StsMotion motion(Still());
-  TrialTables tables = Fit(motion, {});
+  const synth::StsMotion motion(Still());
+  compare::TrialTables tables = Fit(motion, {});
   const double middle_s = 0.5 * (motion.Phases()[1].start_s + motion.Phases()[1].end_s);
-  for (MarkerTrack& marker : tables.trajectory.markers)
+  for (motion::MarkerTrack& marker : tables.trajectory.markers)
     for (std::size_t i = 0; i < marker.samples.size(); ++i)
       if (marker.name == "knee" && std::abs(tables.trajectory.time_s[i] - middle_s) < 0.2) marker.samples[i] = {};
-  const RegisteredTrial registered = Register(tables);
+  const compare::RegisteredTrial registered = Register(tables);
   EXPECT_EQ(registered.repetitions.size(), 1U);
   EXPECT_THAT(registered.warnings,
               testing::ElementsAre(HasSubstr("repetition 1 is left out: marker 'knee' is missing")));

@@ -77,10 +77,10 @@ int WordOf(const Parameter& parameter, std::size_t i = 0) {
 TEST(C3dRules, EveryFieldOfAFileOfOurs) {
   const TemporaryFolder folder;
   constexpr std::size_t kFrames = 50, kPoints = 4;
-  PointRecording points = MakePoints(PointSpace::kSpace, kFrames, kPoints, 2);
+  exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, kFrames, kPoints, 2);
   points.up_axis = 'y';
   for (double& time : points.time_s) time += 0.5;  // 60 frames of 120 Hz
-  WriteC3d(folder / "a.c3d", points);
+  exchange::WriteC3d(folder / "a.c3d", points);
   const C3dFile file{ReadTextFile(folder / "a.c3d")};
   EXPECT_EQ(file.bytes.size() % 512, 0u);
   // The header: parameter block, 0x50, points, analogue samples, first and last frame, gap, scale, data block, rate.
@@ -124,21 +124,21 @@ TEST(C3dRules, EveryFieldOfAFileOfOurs) {
         EXPECT_EQ(file.Float(at + 4 * axis),
                   written.allFinite() ? static_cast<float>(written[static_cast<int>(axis)]) : 0.0f);
     }
-  const PointRecording read = ReadC3d(folder / "a.c3d");
+  const exchange::PointRecording read = exchange::ReadC3d(folder / "a.c3d");
   EXPECT_EQ(read.frame.front(), 60);
   ExpectSame(points, read, 1e-3);
 }
 
-PointRecording WithEvents() {
-  PointRecording points = MakePoints(PointSpace::kSpace, 20, 3, 7);
+exchange::PointRecording WithEvents() {
+  exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 20, 3, 7);
   points.events = {{0.25, "Left", "Foot Strike"}, {61.5, "General", "seat_off"}, {179.875, "", "x"}};
   return points;
 }
 
 TEST(C3dRules, EventsAreMinutesAndSecondsInAGroupOfTheirOwn) {
   const TemporaryFolder folder;
-  const PointRecording points = WithEvents();
-  WriteC3d(folder / "a.c3d", points);
+  const exchange::PointRecording points = WithEvents();
+  exchange::WriteC3d(folder / "a.c3d", points);
   const C3dFile file{ReadTextFile(folder / "a.c3d")};
   const auto parameters = Walk(file);
   EXPECT_EQ(WordOf(parameters.at("EVENT:USED")), 3);
@@ -153,7 +153,7 @@ TEST(C3dRules, EventsAreMinutesAndSecondsInAGroupOfTheirOwn) {
   EXPECT_EQ(WordOf(parameters.at("EVENT_CONTEXT:USED")), 3);
   EXPECT_EQ(parameters.at("EVENT_CONTEXT:LABELS").data, "       GeneralLeft   ");
 
-  const PointRecording read = ReadC3d(folder / "a.c3d");
+  const exchange::PointRecording read = exchange::ReadC3d(folder / "a.c3d");
   ASSERT_EQ(read.events.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(read.events[i].time_s, points.events[i].time_s);  // all whole in single precision
@@ -166,11 +166,11 @@ TEST(C3dRules, EventsAreMinutesAndSecondsInAGroupOfTheirOwn) {
 TEST(C3dRules, EventsMoveWithThePointsToWholeFrames) {
   const TemporaryFolder folder;
   for (const double start_s : {0.5 / 120, -2.0, 1000.0}) {
-    PointRecording points = WithEvents();
+    exchange::PointRecording points = WithEvents();
     for (double& time : points.time_s) time += start_s;
-    for (PointEvent& event : points.events) event.time_s += start_s;
-    WriteC3d(folder / "a.c3d", points);
-    const PointRecording read = ReadC3d(folder / "a.c3d");
+    for (exchange::PointEvent& event : points.events) event.time_s += start_s;
+    exchange::WriteC3d(folder / "a.c3d", points);
+    const exchange::PointRecording read = exchange::ReadC3d(folder / "a.c3d");
     for (std::size_t i = 0; i < points.events.size(); ++i)
       EXPECT_NEAR(read.events[i].time_s - read.time_s.front(), points.events[i].time_s - points.time_s.front(), 1e-5)
           << start_s;
@@ -179,30 +179,32 @@ TEST(C3dRules, EventsMoveWithThePointsToWholeFrames) {
 
 TEST(C3dRules, LongTextsOfEventsAreCutBetweenLetters) {
   const TemporaryFolder folder;
-  PointRecording points = WithEvents();
+  exchange::PointRecording points = WithEvents();
   points.events[0].label.assign(126, 'a');
   points.events[0].label += "ä";
-  WriteC3d(folder / "a.c3d", points);
-  EXPECT_EQ(ReadC3d(folder / "a.c3d").events[0].label, std::string(126, 'a'));
+  exchange::WriteC3d(folder / "a.c3d", points);
+  EXPECT_EQ(exchange::ReadC3d(folder / "a.c3d").events[0].label, std::string(126, 'a'));
   points.events.push_back(points.events[0]);
   points.events.resize(256, points.events[0]);
-  EXPECT_THAT(MessageOf([&] { WriteC3d(folder / "b.c3d", points); }), testing::HasSubstr("255 events, not 256"));
+  EXPECT_THAT(MessageOf([&] { exchange::WriteC3d(folder / "b.c3d", points); }),
+              testing::HasSubstr("255 events, not 256"));
 }
 
 TEST(C3dRules, MoreNamesThanTheSectionHoldsAreRefused) {
   const TemporaryFolder folder;
-  PointRecording points = MakePoints(PointSpace::kSpace, 2, 1100, 7);
-  for (PointTrack& point : points.points) point.name += std::string(110, 'n');
-  EXPECT_THAT(MessageOf([&] { WriteC3d(folder / "a.c3d", points); }), testing::HasSubstr("names and events take"));
+  exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 2, 1100, 7);
+  for (exchange::PointTrack& point : points.points) point.name += std::string(110, 'n');
+  EXPECT_THAT(MessageOf([&] { exchange::WriteC3d(folder / "a.c3d", points); }),
+              testing::HasSubstr("names and events take"));
 }
 
 // Their times count from the first frame stored, here frame 61 of 120 Hz; those of the group from frame 1.
 TEST(C3dRules, EventsOfTheHeaderCountFromTheFirstFrameStored) {
   const TemporaryFolder folder;
-  PointRecording points = MakePoints(PointSpace::kSpace, 20, 3, 7);
+  exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 20, 3, 7);
   for (double& time : points.time_s) time += 0.5;
   points.events = {{0.75, "Left", "Foot Strike"}};
-  WriteC3d(folder / "a.c3d", points);
+  exchange::WriteC3d(folder / "a.c3d", points);
   std::string bytes = ReadTextFile(folder / "a.c3d");
   const auto put_word = [&](std::size_t word, int value) {  // counted from 1, as the guide does
     bytes[2 * word - 2] = static_cast<char>(value % 256), bytes[2 * word - 1] = static_cast<char>(value / 256);
@@ -213,18 +215,18 @@ TEST(C3dRules, EventsOfTheHeaderCountFromTheFirstFrameStored) {
   };
   put_word(150, 12345), put_word(151, 2);
   put_event(0, 1.25f, "LTO "), put_event(1, 0.25f, "LHS ");  // the second is the group's own
-  PointRecording read = ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  exchange::PointRecording read = exchange::ReadC3d(WriteFile(folder / "b.c3d", bytes));
   ASSERT_EQ(read.events.size(), 2u);
   EXPECT_EQ(read.events[0].label, "Foot Strike");
   EXPECT_EQ(read.events[0].time_s, 0.75);
   EXPECT_EQ(read.events[1].label, "LTO");
   EXPECT_EQ(read.events[1].time_s, 1.75);
   bytes[bytes.find("\4\4USED") + 10] = 0;  // an empty group
-  read = ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  read = exchange::ReadC3d(WriteFile(folder / "b.c3d", bytes));
   ASSERT_EQ(read.events.size(), 2u);
   EXPECT_EQ(read.events[0].label, "LHS");
   put_word(151, 65535);  // more than there is room for
-  read = ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  read = exchange::ReadC3d(WriteFile(folder / "b.c3d", bytes));
   EXPECT_TRUE(read.events.empty());
   ASSERT_EQ(read.warnings.size(), 1u);
   EXPECT_THAT(read.warnings[0], testing::HasSubstr("65535 events"));
@@ -232,10 +234,10 @@ TEST(C3dRules, EventsOfTheHeaderCountFromTheFirstFrameStored) {
 
 TEST(C3dRules, EventsThatAreDamagedAreLeftOutWithAWarning) {
   const TemporaryFolder folder;
-  WriteC3d(folder / "a.c3d", WithEvents());
+  exchange::WriteC3d(folder / "a.c3d", WithEvents());
   std::string bytes = ReadTextFile(folder / "a.c3d");
   bytes[bytes.find("\4\4USED") + 10] = 9;  // behind name, offset, type and number of dimensions
-  const PointRecording read = ReadC3d(WriteFile(folder / "b.c3d", bytes));
+  const exchange::PointRecording read = exchange::ReadC3d(WriteFile(folder / "b.c3d", bytes));
   EXPECT_TRUE(read.events.empty());
   EXPECT_EQ(read.points.size(), 3u);
   ASSERT_EQ(read.warnings.size(), 1u);
@@ -244,13 +246,13 @@ TEST(C3dRules, EventsThatAreDamagedAreLeftOutWithAWarning) {
 
 TEST(C3dRules, HeadersThatLieAreRefusedBeforeAnythingIsAllocated) {
   const TemporaryFolder folder;
-  WriteC3d(folder / "a.c3d", MakePoints(PointSpace::kSpace, 20, 3, 5));
+  exchange::WriteC3d(folder / "a.c3d", MakePoints(exchange::PointSpace::kSpace, 20, 3, 5));
   const std::string good = ReadTextFile(folder / "a.c3d");
   const auto message_with = [&](const char* name, const std::string& data) {
     std::string bad = good;
     const std::size_t at = bad.find(name) + std::strlen(name) + 4;  // behind offset, type and number of dimensions
     bad.replace(at, data.size(), data);
-    return MessageOf([&] { ReadC3d(WriteFile(folder / "e.c3d", bad)); });
+    return MessageOf([&] { exchange::ReadC3d(WriteFile(folder / "e.c3d", bad)); });
   };
   EXPECT_THAT(message_with("\4\1USED", std::string("\0\0", 2)), testing::HasSubstr("no points"));
   EXPECT_THAT(message_with("\4\1USED", "\xFF\xFF"), testing::HasSubstr("cut off"));
@@ -260,7 +262,8 @@ TEST(C3dRules, HeadersThatLieAreRefusedBeforeAnythingIsAllocated) {
   std::string frames = good;
   const std::size_t end_field = frames.find("ACTUAL_END_FIELD") + 16 + 5;
   frames.replace(end_field, 4, "\xFF\xFF\xFF\xFF");
-  EXPECT_THAT(MessageOf([&] { ReadC3d(WriteFile(folder / "e.c3d", frames)); }), testing::HasSubstr("cut off"));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadC3d(WriteFile(folder / "e.c3d", frames)); }),
+              testing::HasSubstr("cut off"));
 }
 
 }  // namespace

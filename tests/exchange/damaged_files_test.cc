@@ -18,9 +18,9 @@ namespace fs = std::filesystem;
 
 void ReadAny(const fs::path& path) {
   if (path.extension() == ".mot")
-    ReadMot(path);
+    exchange::ReadMot(path);
   else
-    ReadPoints(path, 1, 50);
+    exchange::ReadPoints(path, 1, 50);
 }
 
 class DamagedFiles : public testing::TestWithParam<const char*> {
@@ -29,16 +29,17 @@ class DamagedFiles : public testing::TestWithParam<const char*> {
     const std::string name = GetParam();
     const fs::path path = folder_ / name;
     const bool in_image = name.ends_with(".trk") || name.ends_with(".kva") || name.ends_with(".trz");
-    const PointRecording points = MakePoints(in_image ? PointSpace::kImage : PointSpace::kPlane, 12, 3, 6);
+    const exchange::PointRecording points =
+        MakePoints(in_image ? exchange::PointSpace::kImage : exchange::PointSpace::kPlane, 12, 3, 6);
     if (name.ends_with(".mot"))
-      WriteMot(path, {"knee", true, {"a", "b"}, {0, 0.1, 0.2}, {{1, 2}, {3, std::nan("")}, {5, 6}}});
+      exchange::WriteMot(path, {"knee", true, {"a", "b"}, {0, 0.1, 0.2}, {{1, 2}, {3, std::nan("")}, {5, 6}}});
     else if (name == "dltdv.csv")
       WriteFile(path, "pt1_cam1_X,pt1_cam1_Y,pt2_cam1_X,pt2_cam1_Y\n1,2,3,4\nNaN,NaN,5,6\n7,8,9,10\n");
     else if (name.ends_with(".trz")) {
-      WritePoints(folder_ / "inner.trk", points);
+      exchange::WritePoints(folder_ / "inner.trk", points);
       WriteZip(path, "inner.trk", ReadTextFile(folder_ / "inner.trk"));
     } else
-      WritePoints(path, points);
+      exchange::WritePoints(path, points);
     return path;
   }
 

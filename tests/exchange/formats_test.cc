@@ -26,19 +26,19 @@ class Formats : public testing::Test {
 };
 
 TEST_F(Formats, TrcReadsBack) {
-  for (const PointSpace space : {PointSpace::kSpace, PointSpace::kPlane})
+  for (const exchange::PointSpace space : {exchange::PointSpace::kSpace, exchange::PointSpace::kPlane})
     for (const auto& [frames, points] : {std::pair{50, 4}, {3, 1}, {1, 60}}) {
-      const PointRecording written =
+      const exchange::PointRecording written =
           MakePoints(space, static_cast<std::size_t>(frames), static_cast<std::size_t>(points), 1);
-      WriteTrc(folder_ / "a.trc", written);
-      ExpectSame(written, ReadTrc(folder_ / "a.trc"), 0);
+      exchange::WriteTrc(folder_ / "a.trc", written);
+      ExpectSame(written, exchange::ReadTrc(folder_ / "a.trc"), 0);
     }
 }
 
 TEST_F(Formats, TrcKeepsTheCustomsOfItsReaders) {
-  PointRecording points = MakePoints(PointSpace::kSpace, 4, 2, 1);
-  points.points[1].positions[3] = PointTrack::Missing();
-  WriteTrc(folder_ / "a.trc", points);
+  exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 4, 2, 1);
+  points.points[1].positions[3] = exchange::PointTrack::Missing();
+  exchange::WriteTrc(folder_ / "a.trc", points);
   std::vector<std::string> lines;
   std::ifstream file(folder_ / "a.trc");
   for (std::string line; std::getline(file, line);) lines.push_back(line);
@@ -61,7 +61,7 @@ TEST_F(Formats, TrcDialects) {
       std::string(kTrcHead) +
       "100.0\t100.0\t  2\t2\tm\t100.0\t1\t2\r\nFrame#\tTime\t\tA\t\tB\t\t\r\n\t\t\tX1\tY1\tZ1\tX2\tY2\tZ2\t\r\n\r\n"
       "1\t0.00\t0.1\t0.2\t0.3\tNaN\tNaN\tnan\t\r\n2\t0.01\t\t\t\t1\t2\t3\r\n";
-  const PointRecording points = ReadTrc(Write("d.trc", text));
+  const exchange::PointRecording points = exchange::ReadTrc(Write("d.trc", text));
   EXPECT_NEAR((points.points[0].positions[0] - Eigen::Vector3d(100, 200, 300)).norm(), 0, 1e-9);
   EXPECT_FALSE(points.points[1].positions[0].allFinite());
   EXPECT_FALSE(points.points[0].positions[1].allFinite());
@@ -69,10 +69,10 @@ TEST_F(Formats, TrcDialects) {
 }
 
 TEST_F(Formats, TrcWithABomDecimalCommasAndFramesFrom0) {
-  const PointRecording points =
-      ReadTrc(Write("c.trc", "\xEF\xBB\xBF" + std::string(kTrcHead) +
-                                 "50\t50\t2\t1\tcm\t50\t0\t2\r\nFrame#\tTime\tA\r\n\t\tX1\tY1\tZ1\r\n"
-                                 "0\t0,00\t1,5\t-2,25\t3\r\n1\t0,02\t1.5\t2\t3\r\n"));
+  const exchange::PointRecording points =
+      exchange::ReadTrc(Write("c.trc", "\xEF\xBB\xBF" + std::string(kTrcHead) +
+                                           "50\t50\t2\t1\tcm\t50\t0\t2\r\nFrame#\tTime\tA\r\n\t\tX1\tY1\tZ1\r\n"
+                                           "0\t0,00\t1,5\t-2,25\t3\r\n1\t0,02\t1.5\t2\t3\r\n"));
   EXPECT_EQ(points.points[0].positions[0], Eigen::Vector3d(15, -22.5, 30));
   EXPECT_EQ(points.time_s[1], 0.02);
   EXPECT_EQ(points.frame.front(), 0);
@@ -80,11 +80,11 @@ TEST_F(Formats, TrcWithABomDecimalCommasAndFramesFrom0) {
 }
 
 TEST_F(Formats, NamesThatWouldBreakATableAreRefused) {
-  PointRecording points = MakePoints(PointSpace::kPlane, 3, 1, 1);
+  exchange::PointRecording points = MakePoints(exchange::PointSpace::kPlane, 3, 1, 1);
   for (const char* name : {"", "a\tb", "a\nb"}) {
     points.points[0].name = name;
-    EXPECT_THAT(MessageOf([&] { WriteTrc(folder_ / "n.trc", points); }), testing::HasSubstr("--map"));
-    EXPECT_THAT(MessageOf([&] { WriteTrackerText(folder_ / "n.txt", points); }), testing::HasSubstr("--map"));
+    EXPECT_THAT(MessageOf([&] { exchange::WriteTrc(folder_ / "n.trc", points); }), testing::HasSubstr("--map"));
+    EXPECT_THAT(MessageOf([&] { exchange::WriteTrackerText(folder_ / "n.txt", points); }), testing::HasSubstr("--map"));
   }
   EXPECT_FALSE(fs::exists(folder_ / "n.trc"));
 }
@@ -92,7 +92,9 @@ TEST_F(Formats, NamesThatWouldBreakATableAreRefused) {
 TEST_F(Formats, TrcErrorsSayWhere) {
   const std::string head = kTrcHead, values = "100\t100\t1\t1\tmm\t100\t1\t1\n",
                     names = "Frame#\tTime\tA\n\t\tX1\tY1\tZ1\n";
-  const auto message = [&](const std::string& text) { return MessageOf([&] { ReadTrc(Write("e.trc", text)); }); };
+  const auto message = [&](const std::string& text) {
+    return MessageOf([&] { exchange::ReadTrc(Write("e.trc", text)); });
+  };
   EXPECT_THAT(message("hello"), testing::HasSubstr("PathFileType"));
   EXPECT_THAT(message(""), testing::HasSubstr("PathFileType"));
   EXPECT_THAT(message(head + values + names + "1\t0\t1\t2\tthree\n"),
@@ -106,41 +108,42 @@ TEST_F(Formats, TrcErrorsSayWhere) {
   EXPECT_THAT(message(head + "100\t100\t1\t2\tmm\t100\t1\t1\n" + names), testing::HasSubstr("1 names"));
   EXPECT_THAT(message(head + "100\t100\t1\t1\tfurlong\t100\t1\t1\n" + names), testing::HasSubstr("furlong"));
   EXPECT_THAT(message(std::string("PathFileType\0\0", 14)), testing::HasSubstr("not a text file"));
-  EXPECT_THAT(MessageOf([&] { WriteTrc(folder_ / "x.trc", MakePoints(PointSpace::kImage, 3, 1, 1)); }),
-              testing::HasSubstr("mm"));
+  EXPECT_THAT(
+      MessageOf([&] { exchange::WriteTrc(folder_ / "x.trc", MakePoints(exchange::PointSpace::kImage, 3, 1, 1)); }),
+      testing::HasSubstr("mm"));
   EXPECT_FALSE(fs::exists(folder_ / "x.trc"));
 }
 
 TEST_F(Formats, C3dReadsBack) {
   for (const auto& [frames, points] : {std::pair{50, 4}, {2, 1}, {20, 300}}) {
-    PointRecording written =
-        MakePoints(PointSpace::kSpace, static_cast<std::size_t>(frames), static_cast<std::size_t>(points), 2);
+    exchange::PointRecording written =
+        MakePoints(exchange::PointSpace::kSpace, static_cast<std::size_t>(frames), static_cast<std::size_t>(points), 2);
     written.up_axis = frames == 2 ? 'z' : 'y';
-    WriteC3d(folder_ / "a.c3d", written);
-    const PointRecording read = ReadC3d(folder_ / "a.c3d");
+    exchange::WriteC3d(folder_ / "a.c3d", written);
+    const exchange::PointRecording read = exchange::ReadC3d(folder_ / "a.c3d");
     ExpectSame(written, read, 1e-4);  // floats of 24 bits hold 1500 mm to 6e-5 mm per axis
     EXPECT_EQ(read.up_axis, written.up_axis);
   }
 }
 
 TEST_F(Formats, C3dHoldsMoreFramesThanItsHeaderCanCount) {
-  const PointRecording written = MakePoints(PointSpace::kPlane, 70000, 1, 3);
-  WriteC3d(folder_ / "long.c3d", written);
-  const PointRecording read = ReadC3d(folder_ / "long.c3d");
+  const exchange::PointRecording written = MakePoints(exchange::PointSpace::kPlane, 70000, 1, 3);
+  exchange::WriteC3d(folder_ / "long.c3d", written);
+  const exchange::PointRecording read = exchange::ReadC3d(folder_ / "long.c3d");
   ASSERT_EQ(read.time_s.size(), 70000u);
   EXPECT_NEAR(read.points[0].positions[69999].x(), written.points[0].positions[69999].x(), 1e-3);
 }
 
 TEST_F(Formats, C3dCannotHoldUnevenTimes) {
-  PointRecording points = MakePoints(PointSpace::kSpace, 20, 1, 3);
+  exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 20, 1, 3);
   points.time_s[10] += 0.004;
-  EXPECT_THAT(MessageOf([&] { WriteC3d(folder_ / "u.c3d", points); }), testing::HasSubstr("uneven"));
+  EXPECT_THAT(MessageOf([&] { exchange::WriteC3d(folder_ / "u.c3d", points); }), testing::HasSubstr("uneven"));
   EXPECT_FALSE(fs::exists(folder_ / "u.c3d"));
 }
 
 // A file of each processor with integers, as the user guide describes them, made by turning the bytes of our own.
 TEST_F(Formats, C3dOfOtherProcessors) {
-  WriteC3d(folder_ / "intel.c3d", MakePoints(PointSpace::kSpace, 10, 2, 4));
+  exchange::WriteC3d(folder_ / "intel.c3d", MakePoints(exchange::PointSpace::kSpace, 10, 2, 4));
   const std::string intel = ReadTextFile(folder_ / "intel.c3d");
   std::string dec = intel;
   dec[512 + 3] = 85;
@@ -161,13 +164,15 @@ TEST_F(Formats, C3dOfOtherProcessors) {
   const std::size_t data = 512 * (static_cast<unsigned char>(intel[16]) - 1u);
   for (std::size_t at = data; at < data + 10 * 2 * 16; at += 4) turn(at);
   Write("dec.c3d", dec);
-  ExpectSame(ReadC3d(folder_ / "intel.c3d"), ReadC3d(folder_ / "dec.c3d"), 1e-4);
+  ExpectSame(exchange::ReadC3d(folder_ / "intel.c3d"), exchange::ReadC3d(folder_ / "dec.c3d"), 1e-4);
 }
 
 TEST_F(Formats, C3dErrors) {
-  WriteC3d(folder_ / "a.c3d", MakePoints(PointSpace::kSpace, 20, 3, 5));
+  exchange::WriteC3d(folder_ / "a.c3d", MakePoints(exchange::PointSpace::kSpace, 20, 3, 5));
   const std::string good = ReadTextFile(folder_ / "a.c3d");
-  const auto message = [&](const std::string& bytes) { return MessageOf([&] { ReadC3d(Write("e.c3d", bytes)); }); };
+  const auto message = [&](const std::string& bytes) {
+    return MessageOf([&] { exchange::ReadC3d(Write("e.c3d", bytes)); });
+  };
   EXPECT_THAT(message(""), testing::HasSubstr("not a C3D file"));
   EXPECT_THAT(message(std::string(2000, 'x')), testing::HasSubstr("not a C3D file"));
   EXPECT_THAT(message(good.substr(0, good.size() - 512)), testing::HasSubstr("cut off"));
@@ -180,9 +185,10 @@ TEST_F(Formats, C3dErrors) {
 }
 
 TEST_F(Formats, MotReadsBack) {
-  MotTable table{"knee", true, {"knee_angle_r", "b"}, {0, 0.1, 0.25}, {{1.5, -2}, {3, std::nan("")}, {1.0 / 3, 4}}};
-  WriteMot(folder_ / "a.mot", table);
-  const MotTable read = ReadMot(folder_ / "a.mot");
+  exchange::MotTable table{
+      "knee", true, {"knee_angle_r", "b"}, {0, 0.1, 0.25}, {{1.5, -2}, {3, std::nan("")}, {1.0 / 3, 4}}};
+  exchange::WriteMot(folder_ / "a.mot", table);
+  const exchange::MotTable read = exchange::ReadMot(folder_ / "a.mot");
   EXPECT_EQ(read.columns, table.columns);
   EXPECT_EQ(read.time_s, table.time_s);
   EXPECT_EQ(read.rows[2], table.rows[2]);
@@ -191,18 +197,20 @@ TEST_F(Formats, MotReadsBack) {
 }
 
 TEST_F(Formats, MotOfAMotionHasTheSignThatWasAskedFor) {
-  LegMotion motion;
+  motion::LegMotion motion;
   for (int i = 0; i < 3; ++i) {
     motion.frame.push_back(i), motion.time_s.push_back(0.1 * i), motion.samples.emplace_back();
     if (i != 1) motion.samples.back().knee_deg = 10 + i;
   }
-  EXPECT_EQ(MotFromLegMotion(motion).rows[1][0], 12);
-  EXPECT_EQ(MotFromLegMotion(motion, true).rows[0][0], -10);
-  EXPECT_EQ(MotFromLegMotion(motion).time_s.size(), 2u);  // without the frame that has no angle
+  EXPECT_EQ(exchange::MotFromLegMotion(motion).rows[1][0], 12);
+  EXPECT_EQ(exchange::MotFromLegMotion(motion, true).rows[0][0], -10);
+  EXPECT_EQ(exchange::MotFromLegMotion(motion).time_s.size(), 2u);  // without the frame that has no angle
 }
 
 TEST_F(Formats, MotErrorsSayWhere) {
-  const auto message = [&](const std::string& text) { return MessageOf([&] { ReadMot(Write("e.mot", text)); }); };
+  const auto message = [&](const std::string& text) {
+    return MessageOf([&] { exchange::ReadMot(Write("e.mot", text)); });
+  };
   EXPECT_THAT(message("x\ninDegrees=yes\n"), testing::HasSubstr("endheader"));
   EXPECT_THAT(message("x\nendheader\n"), testing::HasSubstr("labels"));
   EXPECT_THAT(message("x\nendheader\nknee\ttime\n"), testing::HasSubstr("not time"));
@@ -214,41 +222,44 @@ TEST_F(Formats, MotErrorsSayWhere) {
 
 TEST_F(Formats, TrackerTextReadsBack) {
   for (const std::size_t count : {1u, 4u}) {
-    const PointRecording written = MakePoints(PointSpace::kPlane, 30, count, 7);
-    WriteTrackerText(folder_ / "a.txt", written);
-    ExpectSame(written, ReadTrackerText(folder_ / "a.txt"), 1e-8);
+    const exchange::PointRecording written = MakePoints(exchange::PointSpace::kPlane, 30, count, 7);
+    exchange::WriteTrackerText(folder_ / "a.txt", written);
+    ExpectSame(written, exchange::ReadTrackerText(folder_ / "a.txt"), 1e-8);
   }
 }
 
 TEST_F(Formats, TrackerCountsPixelsFromTheirCorner) {
-  const PointRecording written = MakePoints(PointSpace::kImage, 5, 2, 7);
-  WriteTrackerText(folder_ / "a.txt", written);
-  const PointRecording read = ReadTrackerText(folder_ / "a.txt");
+  const exchange::PointRecording written = MakePoints(exchange::PointSpace::kImage, 5, 2, 7);
+  exchange::WriteTrackerText(folder_ / "a.txt", written);
+  const exchange::PointRecording read = exchange::ReadTrackerText(folder_ / "a.txt");
   EXPECT_NEAR(read.points[0].positions[0].x(), written.points[0].positions[0].x() + 0.5, 1e-8);
 }
 
 TEST_F(Formats, TrackerTextDialects) {
-  const PointRecording points = ReadTrackerText(Write("d.txt",
-                                                      "#multi:\r\n\tknee\t\thip\t\r\nt\tx\ty\tx\ty\r\n0,000000E0\t1,5E-"
-                                                      "1\t2,0E0\t\t\r\n3,3E-2\t1,6E-1\t2,1E0\t3\t4\r\n"),
-                                                1000);
+  const exchange::PointRecording points =
+      exchange::ReadTrackerText(Write("d.txt",
+                                      "#multi:\r\n\tknee\t\thip\t\r\nt\tx\ty\tx\ty\r\n0,000000E0\t1,5E-"
+                                      "1\t2,0E0\t\t\r\n3,3E-2\t1,6E-1\t2,1E0\t3\t4\r\n"),
+                                1000);
   EXPECT_NEAR(points.Find("knee")->positions[0].x(), 150, 1e-9);
   EXPECT_FALSE(points.Find("hip")->positions[0].allFinite());
   EXPECT_NEAR(points.Find("hip")->positions[1].y(), 4000, 1e-9);
-  EXPECT_EQ(ReadTrackerText(Write("s.txt", "mass A\nt\tx\ty\n0\t1\t2\n1\t3\t4\n")).points[0].name, "mass A");
-  EXPECT_THAT(MessageOf([&] { ReadTrackerText(Write("e.txt", "a\tb\tc\n")); }), testing::HasSubstr("labels"));
-  EXPECT_THAT(MessageOf([&] { ReadTrackerText(Write("e.txt", "t\tx\ty\n0\t1\tz\n")); }), testing::HasSubstr("e.txt:2"));
+  EXPECT_EQ(exchange::ReadTrackerText(Write("s.txt", "mass A\nt\tx\ty\n0\t1\t2\n1\t3\t4\n")).points[0].name, "mass A");
+  EXPECT_THAT(MessageOf([&] { exchange::ReadTrackerText(Write("e.txt", "a\tb\tc\n")); }), testing::HasSubstr("labels"));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadTrackerText(Write("e.txt", "t\tx\ty\n0\t1\tz\n")); }),
+              testing::HasSubstr("e.txt:2"));
 }
 
 TEST_F(Formats, KinoveaReadsBackInBothLocales) {
-  const PointRecording written = MakePoints(PointSpace::kPlane, 30, 3, 8);
-  WriteKinovea(folder_ / "a.csv", written);
-  EXPECT_TRUE(IsKinovea(folder_ / "a.csv"));
-  ExpectSame(written, ReadKinovea(folder_ / "a.csv"), 0);
-  const PointRecording comma = ReadKinovea(Write("k.csv",
-                                                 "\"Time\";\"my \"\"best\"\" knee/0/X\";\"my \"\"best\"\" "
-                                                 "knee/0/Y\"\r\n\"0,0\";\"1,5\";\"-2\"\r\n\"33,3\";;\r\n"),
-                                           10);
+  const exchange::PointRecording written = MakePoints(exchange::PointSpace::kPlane, 30, 3, 8);
+  exchange::WriteKinovea(folder_ / "a.csv", written);
+  EXPECT_TRUE(exchange::IsKinovea(folder_ / "a.csv"));
+  ExpectSame(written, exchange::ReadKinovea(folder_ / "a.csv"), 0);
+  const exchange::PointRecording comma =
+      exchange::ReadKinovea(Write("k.csv",
+                                  "\"Time\";\"my \"\"best\"\" knee/0/X\";\"my \"\"best\"\" "
+                                  "knee/0/Y\"\r\n\"0,0\";\"1,5\";\"-2\"\r\n\"33,3\";;\r\n"),
+                            10);
   EXPECT_EQ(comma.points[0].name, "my \"best\" knee");
   EXPECT_EQ(comma.points[0].positions[0], Eigen::Vector3d(15, -20, 0));
   EXPECT_FALSE(comma.points[0].positions[1].allFinite());
@@ -256,7 +267,9 @@ TEST_F(Formats, KinoveaReadsBackInBothLocales) {
 }
 
 TEST_F(Formats, KinoveaErrorsSayWhere) {
-  const auto message = [&](const std::string& text) { return MessageOf([&] { ReadKinovea(Write("e.csv", text)); }); };
+  const auto message = [&](const std::string& text) {
+    return MessageOf([&] { exchange::ReadKinovea(Write("e.csv", text)); });
+  };
   EXPECT_THAT(message(""), testing::HasSubstr("empty"));
   EXPECT_THAT(message("\"Time\",\"a/0/X\"\n"), testing::HasSubstr("a/0/Y"));
   EXPECT_THAT(message("\"Time\",\"a/0/X\",\"a/0/Y\"\n\"0\",\"1\"\n"), testing::HasSubstr("e.csv:2"));

@@ -17,8 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // In the image, from frame `first` at any time; both markers are seen in the last frame, which is what a project keeps.
-PointRecording MakeImagePoints(std::int64_t first, double start_s, double rate_hz) {
-  PointRecording points = MakePoints(PointSpace::kImage, 30, 3, 11);
+exchange::PointRecording MakeImagePoints(std::int64_t first, double start_s, double rate_hz) {
+  exchange::PointRecording points = MakePoints(exchange::PointSpace::kImage, 30, 3, 11);
   for (std::size_t i = 0; i < points.frame.size(); ++i) {
     points.frame[i] = first + static_cast<std::int64_t>(i);
     points.time_s[i] = start_s + static_cast<double>(i) / rate_hz;
@@ -26,7 +26,8 @@ PointRecording MakeImagePoints(std::int64_t first, double start_s, double rate_h
   return points;
 }
 
-void ExpectSameByFrame(const PointRecording& written, const PointRecording& read, double time_tolerance_s) {
+void ExpectSameByFrame(const exchange::PointRecording& written, const exchange::PointRecording& read,
+                       double time_tolerance_s) {
   ASSERT_EQ(written.points.size(), read.points.size());
   ASSERT_EQ(read.frame.size(), static_cast<std::size_t>(written.frame.back()) + 1);
   for (std::size_t i = 0; i < written.frame.size(); ++i) {
@@ -46,12 +47,12 @@ TEST(TrackerProject, ReadsBackWithAxesScaleAndTimes) {
   const TemporaryFolder folder;
   for (const double rate_hz : {30.0, 59.94, 240.0})
     for (const std::int64_t first : {0, 17}) {
-      PointRecording written = MakeImagePoints(first, 0.35 + static_cast<double>(first) / rate_hz, rate_hz);
+      exchange::PointRecording written = MakeImagePoints(first, 0.35 + static_cast<double>(first) / rate_hz, rate_hz);
       written.mm_per_px = 1.7;
-      written.axes = ImageAxes{{320.25, 411}, -3.5};
-      written.video = SourceVideo{"/video/a <b> & c.mp4", 1280, 720};
-      WriteTrk(folder / "a.trk", written);
-      const PointRecording read = ReadTrk(folder / "a.trk");
+      written.axes = exchange::ImageAxes{{320.25, 411}, -3.5};
+      written.video = exchange::SourceVideo{"/video/a <b> & c.mp4", 1280, 720};
+      exchange::WriteTrk(folder / "a.trk", written);
+      const exchange::PointRecording read = exchange::ReadTrk(folder / "a.trk");
       ExpectSameByFrame(written, read, 1e-9);
       EXPECT_NEAR(*read.mm_per_px, 1.7, 1e-12);
       EXPECT_NEAR((read.axes->origin_px - written.axes->origin_px).norm(), 0, 1e-9);
@@ -62,46 +63,47 @@ TEST(TrackerProject, ReadsBackWithAxesScaleAndTimes) {
 
 // World from image as Tracker's ImageCoordSystem has it: image = origin + scale × R(angle) × world, with y down.
 TEST(TrackerProject, AxesTurnAndScaleAsTrackerHasThem) {
-  PointRecording points = MakeImagePoints(0, 0, 30);
+  exchange::PointRecording points = MakeImagePoints(0, 0, 30);
   points.mm_per_px = 2.5;
-  points.axes = ImageAxes{{100, 200}, 30};
+  points.axes = exchange::ImageAxes{{100, 200}, 30};
   const double angle_rad = 30 / 57.29577951308232, px_per_mm = 0.4;
   const Eigen::Vector2d world(120, -45);
   points.points[0].positions[1] = {
       100 + px_per_mm * (std::cos(angle_rad) * world.x() - std::sin(angle_rad) * world.y()),
       200 - px_per_mm * (std::sin(angle_rad) * world.x() + std::cos(angle_rad) * world.y()), 0};
-  const PointRecording plane = PointsInPlane(points);
-  EXPECT_EQ(plane.space, PointSpace::kPlane);
+  const exchange::PointRecording plane = exchange::PointsInPlane(points);
+  EXPECT_EQ(plane.space, exchange::PointSpace::kPlane);
   EXPECT_NEAR((plane.points[0].positions[1].head<2>() - world).norm(), 0, 1e-9);
   EXPECT_FALSE(plane.points[0].positions[3].allFinite());
 }
 
 TEST(TrackerProject, AnArchiveHoldsOne) {
   const TemporaryFolder folder;
-  const PointRecording written = MakeImagePoints(0, 0, 50);
-  WriteTrk(folder / "a.trk", written);
+  const exchange::PointRecording written = MakeImagePoints(0, 0, 50);
+  exchange::WriteTrk(folder / "a.trk", written);
   WriteZip(folder / "a.trz", "videos/a.trk", ReadTextFile(folder / "a.trk"));
-  ExpectSameByFrame(written, ReadTrk(folder / "a.trz"), 1e-9);
+  ExpectSameByFrame(written, exchange::ReadTrk(folder / "a.trz"), 1e-9);
   WriteZip(folder / "b.trz", "readme.txt", "nothing");
-  EXPECT_THAT(MessageOf([&] { ReadTrk(folder / "b.trz"); }), testing::HasSubstr("no *.trk"));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadTrk(folder / "b.trz"); }), testing::HasSubstr("no *.trk"));
   WriteFile(folder / "c.trz", "PK but no archive");
-  EXPECT_THAT(MessageOf([&] { ReadTrk(folder / "c.trz"); }), testing::HasSubstr("not a zip archive"));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadTrk(folder / "c.trz"); }), testing::HasSubstr("not a zip archive"));
 }
 
 TEST(TrackerProject, AFrameNumberDoesNotAllocateWhatTheFileCannotHold) {
   const TemporaryFolder folder;
-  WriteTrk(folder / "a.trk", MakeImagePoints(0, 0, 50));
+  exchange::WriteTrk(folder / "a.trk", MakeImagePoints(0, 0, 50));
   std::string text = ReadTextFile(folder / "a.trk");
   for (std::size_t at = text.find("\"[29]\""); at != std::string::npos; at = text.find("\"[29]\""))
     text.replace(at, 6, "\"[9999999]\"");
   WriteFile(folder / "b.trk", text);
-  EXPECT_THAT(MessageOf([&] { ReadTrk(folder / "b.trk"); }), testing::HasSubstr("9999999"));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadTrk(folder / "b.trk"); }), testing::HasSubstr("9999999"));
 }
 
 TEST(TrackerProject, HoldsNoMillimetres) {
   const TemporaryFolder folder;
-  EXPECT_THAT(MessageOf([&] { WriteTrk(folder / "a.trk", MakePoints(PointSpace::kPlane, 5, 1, 1)); }),
-              testing::HasSubstr("px"));
+  EXPECT_THAT(
+      MessageOf([&] { exchange::WriteTrk(folder / "a.trk", MakePoints(exchange::PointSpace::kPlane, 5, 1, 1)); }),
+      testing::HasSubstr("px"));
   EXPECT_FALSE(fs::exists(folder / "a.trk"));
 }
 
@@ -110,11 +112,11 @@ TEST(KinoveaAnnotations, ReadBackWithScaleAndUnevenTimes) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> jitter(-0.2, 0.2);
   for (const double rate_hz : {25.0, 59.94}) {
-    PointRecording written = MakeImagePoints(4, 4 / rate_hz, rate_hz);
+    exchange::PointRecording written = MakeImagePoints(4, 4 / rate_hz, rate_hz);
     for (std::size_t i = 1; i + 1 < written.time_s.size(); ++i) written.time_s[i] += jitter(random) / rate_hz;
     written.mm_per_px = 0.8;
-    WriteKva(folder / "a.kva", written);
-    const PointRecording read = ReadKva(folder / "a.kva");
+    exchange::WriteKva(folder / "a.kva", written);
+    const exchange::PointRecording read = exchange::ReadKva(folder / "a.kva");
     ExpectSameByFrame(written, read, 1e-6);  // stamps are whole numbers, 100 000 a frame
     EXPECT_NEAR(*read.mm_per_px, 0.8, 1e-12);
   }
@@ -138,7 +140,7 @@ TEST(KinoveaAnnotations, AreUnderstood) {
   const std::string line =
       "<Calibration><CalibrationLine><Length>50</Length><Segment><A>10;20</A><B>40;60</B></Segment></CalibrationLine>"
       "<Unit Abbreviation=\"cm\">Centimeters</Unit></Calibration>";
-  const PointRecording read = ReadKva(
+  const exchange::PointRecording read = exchange::ReadKva(
       WriteFile(folder / "a.kva",
                 Kva(kKvaHead, line, "<TrackPoint>10.5;20.25;2002</TrackPoint><TrackPoint>11;21;4004;8</TrackPoint>")));
   ASSERT_EQ(read.time_s.size(), 4u);
@@ -148,9 +150,9 @@ TEST(KinoveaAnnotations, AreUnderstood) {
   EXPECT_FALSE(read.points[0].positions[2].allFinite());
   EXPECT_NEAR(read.time_s[3], 3 / 29.97, 1e-12);
   EXPECT_NEAR(*read.mm_per_px, 10, 1e-12);  // 500 mm over 50 px
-  const PointRecording plane =
-      ReadKva(WriteFile(folder / "b.kva", Kva(kKvaHead, "<Calibration><CalibrationPlane/></Calibration>",
-                                              "<TrackPoint>1;2;2002</TrackPoint>")));
+  const exchange::PointRecording plane =
+      exchange::ReadKva(WriteFile(folder / "b.kva", Kva(kKvaHead, "<Calibration><CalibrationPlane/></Calibration>",
+                                                        "<TrackPoint>1;2;2002</TrackPoint>")));
   EXPECT_FALSE(plane.mm_per_px);
   EXPECT_THAT(plane.warnings, testing::ElementsAre(testing::HasSubstr("perspective")));
 }
@@ -158,7 +160,7 @@ TEST(KinoveaAnnotations, AreUnderstood) {
 TEST(KinoveaAnnotations, ErrorsSayWhatIsWrong) {
   const TemporaryFolder folder;
   const auto message = [&](const std::string& text) {
-    return MessageOf([&] { ReadKva(WriteFile(folder / "e.kva", text)); });
+    return MessageOf([&] { exchange::ReadKva(WriteFile(folder / "e.kva", text)); });
   };
   const std::string point = "<TrackPoint>1;2;2002</TrackPoint>";
   EXPECT_THAT(message(""), testing::HasSubstr("not XML"));
@@ -176,25 +178,25 @@ TEST(KinoveaAnnotations, ErrorsSayWhatIsWrong) {
 
 TEST(Dltdv, PointsOfOneCameraAndOfTwo) {
   const TemporaryFolder folder;
-  const PointRecording one =
-      ReadDltdv(WriteFile(folder / "axypts.csv",
-                          "\xEF\xBB\xBFpt1_cam1_X,pt1_cam1_Y,pt2_cam1_X,pt2_cam1_Y\r\n1,1,NaN,NaN\r\n3.5,2,11,12\r\n"),
-                50);
-  EXPECT_TRUE(IsDltdv(folder / "axypts.csv"));
-  EXPECT_EQ(one.space, PointSpace::kImage);
+  const exchange::PointRecording one = exchange::ReadDltdv(
+      WriteFile(folder / "axypts.csv",
+                "\xEF\xBB\xBFpt1_cam1_X,pt1_cam1_Y,pt2_cam1_X,pt2_cam1_Y\r\n1,1,NaN,NaN\r\n3.5,2,11,12\r\n"),
+      50);
+  EXPECT_TRUE(exchange::IsDltdv(folder / "axypts.csv"));
+  EXPECT_EQ(one.space, exchange::PointSpace::kImage);
   EXPECT_EQ(one.Find("pt1")->positions[0], Eigen::Vector3d(0, 0, 0));  // the first pixel is 1
   EXPECT_EQ(one.Find("pt1")->positions[1], Eigen::Vector3d(2.5, 1, 0));
   EXPECT_FALSE(one.Find("pt2")->positions[0].allFinite());
   EXPECT_EQ(one.time_s[1], 0.02);
-  const PointRecording two =
-      ReadDltdv(WriteFile(folder / "b.csv", "pt1_cam1_X,pt1_cam1_Y,pt1_cam2_X,pt1_cam2_Y\n1,2,3,4\n"), 50);
+  const exchange::PointRecording two =
+      exchange::ReadDltdv(WriteFile(folder / "b.csv", "pt1_cam1_X,pt1_cam1_Y,pt1_cam2_X,pt1_cam2_Y\n1,2,3,4\n"), 50);
   EXPECT_EQ(two.Find("pt1_cam2")->positions[0], Eigen::Vector3d(2, 3, 0));
 }
 
 TEST(Dltdv, ErrorsSayWhere) {
   const TemporaryFolder folder;
   const auto message = [&](const std::string& text, double rate_hz = 50) {
-    return MessageOf([&] { ReadDltdv(WriteFile(folder / "e.csv", text), rate_hz); });
+    return MessageOf([&] { exchange::ReadDltdv(WriteFile(folder / "e.csv", text), rate_hz); });
   };
   EXPECT_THAT(message("pt1_cam1_X,pt1_cam1_Y\n1,2\n", 0), testing::HasSubstr("--rate"));
   EXPECT_THAT(message("pt1_cam1_X,pt1_cam1_Y\n1,2,3\n"), testing::HasSubstr("e.csv:2"));

@@ -28,11 +28,11 @@ class RealFiles : public testing::TestWithParam<RealFile> {};
 TEST_P(RealFiles, HoldWhatTheyAreKnownToHold) {
   const fs::path path = fs::path(LAKE_SHARED_DATA) / GetParam().path;
   if (!fs::exists(path)) GTEST_SKIP() << path.string() << " is not here";
-  const PointRecording points = ReadPoints(path);
+  const exchange::PointRecording points = exchange::ReadPoints(path);
   EXPECT_EQ(points.time_s.size(), GetParam().frames);
   EXPECT_EQ(points.points.size(), GetParam().markers);
   // Times in these files are rounded to a millisecond.
-  EXPECT_NEAR(FrameRate(points.time_s), GetParam().rate_hz, 0.01 * GetParam().rate_hz);
+  EXPECT_NEAR(exchange::FrameRate(points.time_s), GetParam().rate_hz, 0.01 * GetParam().rate_hz);
   if (*GetParam().warning)
     EXPECT_THAT(points.warnings, testing::ElementsAre(testing::HasSubstr(GetParam().warning)));
   else
@@ -44,22 +44,22 @@ TEST_P(RealFiles, RoundTripsLoseNothing) {
   const fs::path path = fs::path(LAKE_SHARED_DATA) / GetParam().path;
   if (!fs::exists(path)) GTEST_SKIP() << path.string() << " is not here";
   const TemporaryFolder folder;
-  PointRecording points = ReadPoints(path);
-  if (points.space != PointSpace::kSpace) return;
+  exchange::PointRecording points = exchange::ReadPoints(path);
+  if (points.space != exchange::PointSpace::kSpace) return;
   points.up_axis = 'y';  // else TRC turns them
-  WritePoints(folder / "a.trc", points);
-  ExpectSame(points, ReadTrc(folder / "a.trc"), 0);
+  exchange::WritePoints(folder / "a.trc", points);
+  ExpectSame(points, exchange::ReadTrc(folder / "a.trc"), 0);
   // The steps' rounding to a millisecond and a shorter last one are no frame rate.
   if (*GetParam().warning) {
-    EXPECT_THAT(MessageOf([&] { WriteC3d(folder / "a.c3d", points); }), testing::HasSubstr("uneven"));
+    EXPECT_THAT(MessageOf([&] { exchange::WriteC3d(folder / "a.c3d", points); }), testing::HasSubstr("uneven"));
     return;
   }
-  const double rate_hz = std::round(FrameRate(points.time_s));
+  const double rate_hz = std::round(exchange::FrameRate(points.time_s));
   for (std::size_t i = 0; i < points.time_s.size(); ++i)
     points.time_s[i] = std::round(points.time_s.front() * rate_hz + static_cast<double>(i)) / rate_hz;
-  WriteC3d(folder / "a.c3d", points);
+  exchange::WriteC3d(folder / "a.c3d", points);
   // A float of 24 bits holds 4 m to 2.4e-4 mm per axis; times come from the rate, a float too.
-  ExpectSame(points, ReadC3d(folder / "a.c3d"), 5e-4);
+  ExpectSame(points, exchange::ReadC3d(folder / "a.c3d"), 5e-4);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -85,12 +85,13 @@ TEST(OpensimWalk, TrcFilesAreEveryTenthFrameOfTheC3dFiles) {
   if (!fs::exists(folder)) GTEST_SKIP() << folder.string() << " is not here";
   for (const auto& [trc_name, c3d_name] :
        {std::pair{"std_walking2_markers.trc", "walking2.c3d"}, {"std_walking5_markers.trc", "walking5.c3d"}}) {
-    const PointRecording trc = ReadTrc(folder / trc_name), c3d = ReadC3d(folder / c3d_name);
+    const exchange::PointRecording trc = exchange::ReadTrc(folder / trc_name),
+                                   c3d = exchange::ReadC3d(folder / c3d_name);
     int compared = 0;
     for (std::size_t i = 0; i + 1 < trc.time_s.size(); ++i) {
       ASSERT_NEAR(c3d.time_s.at(10 * i), trc.time_s[i], 1e-9);
-      for (const PointTrack& point : trc.points) {
-        const PointTrack* other = c3d.Find(point.name);
+      for (const exchange::PointTrack& point : trc.points) {
+        const exchange::PointTrack* other = c3d.Find(point.name);
         ASSERT_TRUE(other) << point.name;
         const Eigen::Vector3d &a = point.positions[i], &b = other->positions[10 * i];
         if (!a.allFinite() || !b.allFinite()) continue;
@@ -108,10 +109,10 @@ TEST(OpensimWalk, InverseKinematicsTablesReadBack) {
   if (!fs::exists(folder)) GTEST_SKIP() << folder.string() << " is not here";
   const TemporaryFolder written;
   for (const char* name : {"subject01_walk1_ik.mot", "std_subject01_walk1_ik.mot"}) {
-    const MotTable table = ReadMot(folder / name);
+    const exchange::MotTable table = exchange::ReadMot(folder / name);
     EXPECT_TRUE(table.in_degrees);
-    WriteMot(written / name, table);
-    const MotTable read = ReadMot(written / name);
+    exchange::WriteMot(written / name, table);
+    const exchange::MotTable read = exchange::ReadMot(written / name);
     EXPECT_EQ(read.columns, table.columns);
     EXPECT_EQ(read.rows, table.rows);
     EXPECT_EQ(read.time_s, table.time_s);
@@ -123,12 +124,12 @@ TEST(TrackerBalltoss, ProjectReadsBack) {
   const fs::path file = fs::path(LAKE_SHARED_DATA) / "tracker_balltoss/BallToss_BallToss.trk";
   if (!fs::exists(file)) GTEST_SKIP() << file.string() << " is not here";
   const TemporaryFolder folder;
-  const PointRecording ball = ReadTrk(file);
+  const exchange::PointRecording ball = exchange::ReadTrk(file);
   EXPECT_NEAR(ball.axes->angle_deg, 0.04401895816986783, 1e-12);
   // The origin of its axes lies on the ball's first place.
-  EXPECT_NEAR(PointsInPlane(ball).points[0].positions[2].norm(), 0, 1e-9);
-  WriteTrk(folder / "a.trk", ball);
-  const PointRecording read = ReadTrk(folder / "a.trk");
+  EXPECT_NEAR(exchange::PointsInPlane(ball).points[0].positions[2].norm(), 0, 1e-9);
+  exchange::WriteTrk(folder / "a.trk", ball);
+  const exchange::PointRecording read = exchange::ReadTrk(folder / "a.trk");
   ExpectSame(ball, read, 1e-9);
   EXPECT_NEAR(*read.mm_per_px, *ball.mm_per_px, 1e-12);
 }

@@ -15,10 +15,11 @@
 
 namespace lake {
 
-inline PointRecording MakePoints(PointSpace space, std::size_t frames, std::size_t points, unsigned seed) {
+inline exchange::PointRecording MakePoints(exchange::PointSpace space, std::size_t frames, std::size_t points,
+                                           unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> position(-1500, 1500);
-  PointRecording recording;
+  exchange::PointRecording recording;
   recording.space = space;
   recording.events = {{0.025, "Left", "Foot Strike"}, {0.05, "General", "seat_off"}};  // where the format has them
   for (std::size_t i = 0; i < frames; ++i)
@@ -26,16 +27,17 @@ inline PointRecording MakePoints(PointSpace space, std::size_t frames, std::size
   for (std::size_t p = 0; p < points; ++p) {
     recording.points.push_back({"marker " + std::to_string(p + 1), {}});
     for (std::size_t i = 0; i < frames; ++i) {
-      Eigen::Vector3d place(position(random), position(random), space == PointSpace::kSpace ? position(random) : 0);
+      Eigen::Vector3d place(position(random), position(random),
+                            space == exchange::PointSpace::kSpace ? position(random) : 0);
       // The first and the last marker are missing now and then, also at the end of a row.
-      if ((p == 0 || p + 1 == points) && i % 7 == 3) place = PointTrack::Missing();
+      if ((p == 0 || p + 1 == points) && i % 7 == 3) place = exchange::PointTrack::Missing();
       recording.points.back().positions.push_back(place);
     }
   }
   return recording;
 }
 
-inline void ExpectSame(const PointRecording& a, const PointRecording& b, double tolerance) {
+inline void ExpectSame(const exchange::PointRecording& a, const exchange::PointRecording& b, double tolerance) {
   ASSERT_EQ(a.points.size(), b.points.size());
   ASSERT_EQ(a.time_s.size(), b.time_s.size());
   for (std::size_t i = 0; i < a.time_s.size(); ++i) EXPECT_NEAR(a.time_s[i], b.time_s[i], 1e-6);

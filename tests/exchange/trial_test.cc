@@ -16,9 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 
 // A leg that bends in the vertical plane at `heading_deg` from x towards the third axis; up is y or z.
-PointRecording BendingLeg(double heading_deg, char up) {
+exchange::PointRecording BendingLeg(double heading_deg, char up) {
   const double heading_rad = heading_deg / 57.29577951308232;
-  PointRecording points;
+  exchange::PointRecording points;
   points.up_axis = up;
   points.points = {{"RANK", {}}, {"RKNE", {}}, {"RHIP", {}}, {"RHIP2", {}}};
   for (int i = 0; i < 60; ++i) {
@@ -42,11 +42,12 @@ TEST(Trial, TheSagittalPlaneIsFittedToTheLegsMovement) {
   const TemporaryFolder folder;
   for (const char up : {'y', 'z'})
     for (const double heading_deg : {0.0, 35.0, -60.0, 90.0, 170.0}) {
-      const PointRecording points = BendingLeg(heading_deg, up);
+      const exchange::PointRecording points = BendingLeg(heading_deg, up);
       const fs::path file = folder / (up == 'y' ? "a.trc" : "a.c3d");
-      WritePoints(file, points);
-      const Trial trial = ReadTrial(file, {ParseNameMap("ankle=RANK, knee=RKNE, hip=RHIP"), {}, ""});
-      ASSERT_EQ(trial.recording.unit, LengthUnit::kMm);
+      exchange::WritePoints(file, points);
+      const exchange::Trial trial =
+          exchange::ReadTrial(file, {exchange::ParseNameMap("ankle=RANK, knee=RKNE, hip=RHIP"), {}, ""});
+      ASSERT_EQ(trial.recording.unit, motion::LengthUnit::kMm);
       const auto vector = [&](const char* from, const char* to, std::size_t i) {
         return Eigen::Vector2d(trial.recording.Find(to)->samples[i].position -
                                trial.recording.Find(from)->samples[i].position);
@@ -61,98 +62,102 @@ TEST(Trial, TheSagittalPlaneIsFittedToTheLegsMovement) {
 
 TEST(Trial, ForwardAndUpAreTakenAsGiven) {
   const TemporaryFolder folder;
-  PointRecording points = BendingLeg(0, 'z');
+  exchange::PointRecording points = BendingLeg(0, 'z');
   points.up_axis = 'y';  // TRC is y up by custom, this one is not and does not know it
-  WritePoints(folder / "a.trc", points);
-  const auto names = ParseNameMap("ankle=RANK,knee=RKNE,hip=RHIP");
-  const Trial right = ReadTrial(folder / "a.trc", {names, 'z', "+x"}),
-              left = ReadTrial(folder / "a.trc", {names, 'z', "-x"});
+  exchange::WritePoints(folder / "a.trc", points);
+  const auto names = exchange::ParseNameMap("ankle=RANK,knee=RKNE,hip=RHIP");
+  const exchange::Trial right = exchange::ReadTrial(folder / "a.trc", {names, 'z', "+x"}),
+                        left = exchange::ReadTrial(folder / "a.trc", {names, 'z', "-x"});
   EXPECT_NEAR(right.recording.Find("ankle")->samples[0].position.y(), 90, 1e-9);
   EXPECT_NEAR(right.recording.Find("knee")->samples[50].position.x(),
               -left.recording.Find("knee")->samples[50].position.x(), 1e-9);
   EXPECT_EQ(right.faces_right, true);
-  EXPECT_THROW(ReadTrial(folder / "a.trc", {names, 'z', "+z"}), UsageError);
-  EXPECT_THROW(ReadTrial(folder / "a.trc", {names, 'z', "north"}), UsageError);
-  EXPECT_THROW(ReadTrial(folder / "a.trc", {names, 'w', ""}), UsageError);
+  EXPECT_THROW(exchange::ReadTrial(folder / "a.trc", {names, 'z', "+z"}), UsageError);
+  EXPECT_THROW(exchange::ReadTrial(folder / "a.trc", {names, 'z', "north"}), UsageError);
+  EXPECT_THROW(exchange::ReadTrial(folder / "a.trc", {names, 'w', ""}), UsageError);
 }
 
 TEST(Trial, NamesAreMappedAndMiddlesTaken) {
   const TemporaryFolder folder;
-  WritePoints(folder / "a.trc", BendingLeg(0, 'y'));
-  const Trial trial = ReadTrial(folder / "a.trc", {ParseNameMap("ankle=RANK,knee=RKNE,hip=RHIP+RHIP2"), {}, "x"});
+  exchange::WritePoints(folder / "a.trc", BendingLeg(0, 'y'));
+  const exchange::Trial trial =
+      exchange::ReadTrial(folder / "a.trc", {exchange::ParseNameMap("ankle=RANK,knee=RKNE,hip=RHIP+RHIP2"), {}, "x"});
   ASSERT_EQ(trial.recording.markers.size(), 3u);
   EXPECT_NEAR(trial.recording.Find("hip")->samples[0].position.y(), 90 + 430 + 410 + 10, 1e-9);
   try {
-    ReadTrial(folder / "a.trc", {ParseNameMap("ankle=LANK"), {}, "x"});
+    exchange::ReadTrial(folder / "a.trc", {exchange::ParseNameMap("ankle=LANK"), {}, "x"});
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(),
                 testing::AllOf(testing::HasSubstr("'LANK' (for ankle)"), testing::HasSubstr("RANK, RKNE, RHIP")));
   }
-  EXPECT_THROW(ParseNameMap("ankle"), UsageError);
-  EXPECT_THROW(ParseNameMap("ankle=A,ankle=B"), UsageError);
+  EXPECT_THROW(exchange::ParseNameMap("ankle"), UsageError);
+  EXPECT_THROW(exchange::ParseNameMap("ankle=A,ankle=B"), UsageError);
 }
 
 TEST(Trial, OwnTablesKeepSigmasAndFoldersAreUnderstood) {
   const TemporaryFolder folder;
-  MarkerRecording markers;
-  markers.unit = LengthUnit::kMm;
+  motion::MarkerRecording markers;
+  markers.unit = motion::LengthUnit::kMm;
   markers.frame = {0, 1}, markers.time_s = {0, 0.02};
-  markers.markers = {{"k", {{{1, 2}, 0.3, SampleStatus::kDetected}, {{4, 5}, 0.6, SampleStatus::kFilled}}}};
+  markers.markers = {
+      {"k", {{{1, 2}, 0.3, motion::SampleStatus::kDetected}, {{4, 5}, 0.6, motion::SampleStatus::kFilled}}}};
   fs::create_directory(folder / "trial");
-  WriteMarkerCsv(folder / "trial" / "trajectory.csv", markers);
-  const Trial trial = ReadTrial(folder / "trial", {ParseNameMap("knee=k"), {}, ""});
+  motion::WriteMarkerCsv(folder / "trial" / "trajectory.csv", markers);
+  const exchange::Trial trial = exchange::ReadTrial(folder / "trial", {exchange::ParseNameMap("knee=k"), {}, ""});
   EXPECT_EQ(trial.file.filename(), "trajectory.csv");
-  EXPECT_EQ(trial.recording.Find("knee")->samples[1].status, SampleStatus::kFilled);
+  EXPECT_EQ(trial.recording.Find("knee")->samples[1].status, motion::SampleStatus::kFilled);
   EXPECT_EQ(trial.recording.Find("knee")->samples[0].sigma, 0.3);
-  EXPECT_THROW(ReadTrial(folder.Path()), Error);
+  EXPECT_THROW(exchange::ReadTrial(folder.Path()), Error);
 }
 
 TEST(Trial, UnknownAndAbsentFilesAreErrors) {
   const TemporaryFolder folder;
-  EXPECT_THROW(ReadTrial(folder / "none.trc"), Error);
-  EXPECT_THROW(ReadTrial(folder / "none.csv"), Error);
+  EXPECT_THROW(exchange::ReadTrial(folder / "none.trc"), Error);
+  EXPECT_THROW(exchange::ReadTrial(folder / "none.csv"), Error);
   std::ofstream(folder / "a.xyz") << "1";
-  EXPECT_THROW(ReadTrial(folder / "a.xyz"), Error);
+  EXPECT_THROW(exchange::ReadTrial(folder / "a.xyz"), Error);
 }
 
 TEST(Trial, ExportsOfEveryFormatReadBack) {
   const TemporaryFolder folder;
-  MarkerRecording markers;
-  markers.unit = LengthUnit::kMm;
+  motion::MarkerRecording markers;
+  markers.unit = motion::LengthUnit::kMm;
   markers.markers = {{"knee", {}}};
   for (int i = 0; i < 20; ++i) {
     markers.frame.push_back(i), markers.time_s.push_back(i / 60.0);
     markers.markers[0].samples.push_back(
-        {{100.0 + i, 50.5}, 0.1, i == 7 ? SampleStatus::kMissing : SampleStatus::kDetected});
+        {{100.0 + i, 50.5}, 0.1, i == 7 ? motion::SampleStatus::kMissing : motion::SampleStatus::kDetected});
   }
-  LegMotion motion;
+  motion::LegMotion motion;
   motion.frame = {0}, motion.time_s = {0}, motion.samples.resize(1), motion.samples[0].knee_deg = 30;
-  MarkerRecording image = markers;
-  image.unit = LengthUnit::kPx;
-  const ExportedTrial trial{PointsFromMarkers(markers), PointsFromMarkers(image), &motion};
+  motion::MarkerRecording image = markers;
+  image.unit = motion::LengthUnit::kPx;
+  const exchange::ExportedTrial trial{exchange::PointsFromMarkers(markers), exchange::PointsFromMarkers(image),
+                                      &motion};
   std::vector<fs::path> files;
-  for (const std::string& format : ExportFormats()) {
-    files.push_back(folder / ExportName(format, "a"));
-    ExportTrial(format, files.back(), trial);
+  for (const std::string& format : exchange::ExportFormats()) {
+    files.push_back(folder / exchange::ExportName(format, "a"));
+    exchange::ExportTrial(format, files.back(), trial);
   }
   ASSERT_EQ(files.size(), 7u);
   EXPECT_EQ(files.front().filename(), "a.mot");
   for (std::size_t k = 1; k < 7; ++k) {
-    const PointRecording read = ReadPoints(files[k]);
-    EXPECT_EQ(read.space == PointSpace::kImage, files[k].extension() == ".trk" || files[k].extension() == ".kva");
+    const exchange::PointRecording read = exchange::ReadPoints(files[k]);
+    EXPECT_EQ(read.space == exchange::PointSpace::kImage,
+              files[k].extension() == ".trk" || files[k].extension() == ".kva");
     EXPECT_NEAR(read.Find("knee")->positions[9].x(), 109, 1e-4) << files[k];
     EXPECT_FALSE(read.Find("knee")->positions[7].allFinite()) << files[k];
     EXPECT_NEAR(read.time_s[9], 9 / 60.0, 1e-6) << files[k];
   }
-  EXPECT_THROW(ExportTrial("fbx", folder / "a.fbx", trial), UsageError);
-  EXPECT_THROW(ExportTrial("mot", folder / "a.mot", {trial.points, trial.image, nullptr}), Error);
+  EXPECT_THROW(exchange::ExportTrial("fbx", folder / "a.fbx", trial), UsageError);
+  EXPECT_THROW(exchange::ExportTrial("mot", folder / "a.mot", {trial.points, trial.image, nullptr}), Error);
 }
 
 TEST(Trial, TrackerProjectsHoldPixelsAndAScale) {
   const fs::path file = fs::path(LAKE_SHARED_DATA) / "tracker_balltoss/BallToss_BallToss.trk";
   if (!fs::exists(file)) GTEST_SKIP() << file.string() << " is not here";
-  const PointRecording points = ReadTrk(file);
+  const exchange::PointRecording points = exchange::ReadTrk(file);
   ASSERT_EQ(points.points.size(), 1u);
   const auto& ball = points.points[0].positions;
   ASSERT_EQ(ball.size(), 13u);
@@ -178,7 +183,7 @@ TEST(Trial, TrackerProjectsThatAreDamagedAreErrors) {
                            "name='delta_t'>x</property></object>"
                            "</property></object>"}) {
     std::ofstream(folder / "a.trk") << text;
-    EXPECT_THROW(ReadTrk(folder / "a.trk"), Error) << text;
+    EXPECT_THROW(exchange::ReadTrk(folder / "a.trk"), Error) << text;
   }
 }
 

@@ -2,5 +2,5 @@
 #include "lake/exchange/c3d.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lake::ReadBytes(data, size, ".c3d", [](const std::filesystem::path& path) { lake::ReadC3d(path); });
+  return lake::ReadBytes(data, size, ".c3d", [](const std::filesystem::path& path) { lake::exchange::ReadC3d(path); });
 }

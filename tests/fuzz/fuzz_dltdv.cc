@@ -2,5 +2,6 @@
 #include "lake/exchange/dltdv.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lake::ReadBytes(data, size, ".csv", [](const std::filesystem::path& path) { lake::ReadDltdv(path, 50); });
+  return lake::ReadBytes(data, size, ".csv",
+                         [](const std::filesystem::path& path) { lake::exchange::ReadDltdv(path, 50); });
 }

@@ -2,5 +2,6 @@
 #include "lake/exchange/kinovea.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lake::ReadBytes(data, size, ".csv", [](const std::filesystem::path& path) { lake::ReadKinovea(path); });
+  return lake::ReadBytes(data, size, ".csv",
+                         [](const std::filesystem::path& path) { lake::exchange::ReadKinovea(path); });
 }

@@ -2,5 +2,5 @@
 #include "lake/exchange/kinovea.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lake::ReadBytes(data, size, ".kva", [](const std::filesystem::path& path) { lake::ReadKva(path); });
+  return lake::ReadBytes(data, size, ".kva", [](const std::filesystem::path& path) { lake::exchange::ReadKva(path); });
 }

@@ -2,5 +2,6 @@
 #include "lake/motion/marker_recording.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lake::ReadBytes(data, size, ".csv", [](const std::filesystem::path& path) { lake::ReadMarkerCsv(path); });
+  return lake::ReadBytes(data, size, ".csv",
+                         [](const std::filesystem::path& path) { lake::motion::ReadMarkerCsv(path); });
 }

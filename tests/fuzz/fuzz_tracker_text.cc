@@ -2,5 +2,6 @@
 #include "lake/exchange/tracker.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lake::ReadBytes(data, size, ".txt", [](const std::filesystem::path& path) { lake::ReadTrackerText(path); });
+  return lake::ReadBytes(data, size, ".txt",
+                         [](const std::filesystem::path& path) { lake::exchange::ReadTrackerText(path); });
 }

@@ -2,5 +2,5 @@
 #include "lake/exchange/tracker.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return lake::ReadBytes(data, size, ".trk", [](const std::filesystem::path& path) { lake::ReadTrk(path); });
+  return lake::ReadBytes(data, size, ".trk", [](const std::filesystem::path& path) { lake::exchange::ReadTrk(path); });
 }

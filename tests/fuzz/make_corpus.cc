@@ -17,22 +17,23 @@ fs::path SeedPath(const fs::path& folder, const std::string& target, const std::
 
 void WriteSeeds(const fs::path& folder, std::size_t frames, std::size_t points) {
   const std::string size = std::to_string(frames) + "x" + std::to_string(points);
-  const lake::PointRecording plane = lake::MakePoints(lake::PointSpace::kPlane, frames, points, 1);
-  lake::PointRecording image = lake::MakePoints(lake::PointSpace::kImage, frames, points, 2);
+  const lake::exchange::PointRecording plane = lake::MakePoints(lake::exchange::PointSpace::kPlane, frames, points, 1);
+  lake::exchange::PointRecording image = lake::MakePoints(lake::exchange::PointSpace::kImage, frames, points, 2);
   for (const auto& [target, ending] : {std::pair{"trc", ".trc"},
                                        {"c3d", ".c3d"},
                                        {"tracker_text", ".txt"},
                                        {"kinovea_csv", "_kinovea.csv"},
                                        {"lake_csv", ".csv"}})
-    lake::WritePoints(SeedPath(folder, target, size + ending), plane);
+    lake::exchange::WritePoints(SeedPath(folder, target, size + ending), plane);
   image.mm_per_px = 2;
-  image.axes = lake::ImageAxes{{3, 4}, 5};
-  image.video = lake::SourceVideo{"a.mp4", 640, 480};
+  image.axes = lake::exchange::ImageAxes{{3, 4}, 5};
+  image.video = lake::exchange::SourceVideo{"a.mp4", 640, 480};
   const fs::path trk = SeedPath(folder, "trk", size + ".trk");
-  lake::WritePoints(trk, image);
-  lake::WritePoints(SeedPath(folder, "kva", size + ".kva"), image);
+  lake::exchange::WritePoints(trk, image);
+  lake::exchange::WritePoints(SeedPath(folder, "kva", size + ".kva"), image);
   lake::WriteZip(SeedPath(folder, "trz", size + ".trz"), "a.trk", lake::ReadTextFile(trk));
-  lake::WriteMot(SeedPath(folder, "mot", size + ".mot"), {"knee", true, {"a", "b"}, {0, 0.1}, {{1, 2}, {3, 4}}});
+  lake::exchange::WriteMot(SeedPath(folder, "mot", size + ".mot"),
+                           {"knee", true, {"a", "b"}, {0, 0.1}, {{1, 2}, {3, 4}}});
   lake::WriteFile(SeedPath(folder, "dltdv", size + ".csv"), "pt1_cam1_X,pt1_cam1_Y\n1,2\nNaN,NaN\n3.5,4\n");
 }
 

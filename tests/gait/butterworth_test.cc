@@ -41,7 +41,7 @@ TEST(Butterworth, GainFollowsTheClosedFormWithoutPhase) {
   for (const double frequency_hz : {0.5, 2.0, 6.0, 10.0, 20.0}) {
     const std::vector<double> sine = Sine(time_s, frequency_hz);
     double rest = 0;
-    const double gain = Gain(sine, ZeroPhaseButterworth(sine, rate_hz, cutoff_hz), &rest);
+    const double gain = Gain(sine, gait::ZeroPhaseButterworth(sine, rate_hz, cutoff_hz), &rest);
     EXPECT_NEAR(gain, 1 / (1 + (std::sqrt(2.0) - 1) * std::pow(warp(frequency_hz) / warp(cutoff_hz), 4)), 1e-6)
         << frequency_hz;
     EXPECT_LT(rest, 1e-6) << frequency_hz;
@@ -51,7 +51,7 @@ TEST(Butterworth, GainFollowsTheClosedFormWithoutPhase) {
 TEST(Butterworth, KeepsStraightLinesToTheEnds) {
   std::vector<double> line;
   for (int i = 0; i < 200; ++i) line.push_back(3 - 0.25 * i);
-  const std::vector<double> filtered = ZeroPhaseButterworth(line, 60, 6);
+  const std::vector<double> filtered = gait::ZeroPhaseButterworth(line, 60, 6);
   for (std::size_t i = 0; i < line.size(); ++i)
     EXPECT_NEAR(filtered[i], line[i], 0.02) << i;  // start-up of a pass on a slope
 }
@@ -62,7 +62,7 @@ TEST(Butterworth, UnevenTimesGiveTheSameCurve) {
   std::vector<double> time_s = Times(600, 60);
   for (double& t : time_s) t += jitter(random) / 60;
   const std::vector<double> sine = Sine(time_s, 1.5);
-  const std::vector<double> filtered = ZeroPhaseButterworthAtTimes(sine, time_s, 6);
+  const std::vector<double> filtered = gait::ZeroPhaseButterworthAtTimes(sine, time_s, 6);
   double rest = 0;
   EXPECT_NEAR(Gain(sine, filtered, &rest), 1 / (1 + std::pow(1.5 / (6 / 0.8022), 4)), 2e-3);
   EXPECT_LT(rest, 2e-3);
@@ -73,18 +73,18 @@ TEST(Butterworth, NoiseGainIsMeasured) {
   std::normal_distribution<double> normal;
   std::vector<double> noise(20000);
   for (double& value : noise) value = normal(random);
-  const double left = StandardDeviation(ZeroPhaseButterworth(noise, 60, 6));
-  EXPECT_NEAR(left / ButterworthNoiseGain(60, 6), 1, 0.03);  // ~4000 independent values: 1.1 % SD
+  const double left = StandardDeviation(gait::ZeroPhaseButterworth(noise, 60, 6));
+  EXPECT_NEAR(left / gait::ButterworthNoiseGain(60, 6), 1, 0.03);  // ~4000 independent values: 1.1 % SD
 }
 
 TEST(Butterworth, RefusesWhatItCannotDo) {
   const std::vector<double> ok(50, 1.0), bad = {1, std::nan(""), 2, 3};
-  EXPECT_THROW(ZeroPhaseButterworth(ok, 60, 0), Error);
-  EXPECT_THROW(ZeroPhaseButterworth(ok, 60, 30), Error);
-  EXPECT_THROW(ZeroPhaseButterworth(ok, 0, 6), Error);
-  EXPECT_THROW(ZeroPhaseButterworth(bad, 60, 6), Error);
+  EXPECT_THROW(gait::ZeroPhaseButterworth(ok, 60, 0), Error);
+  EXPECT_THROW(gait::ZeroPhaseButterworth(ok, 60, 30), Error);
+  EXPECT_THROW(gait::ZeroPhaseButterworth(ok, 0, 6), Error);
+  EXPECT_THROW(gait::ZeroPhaseButterworth(bad, 60, 6), Error);
   const std::vector<double> hole = {0, 0.01, 0.02, 1e9}, four = {1, 2, 3, 4};
-  EXPECT_THROW(ZeroPhaseButterworthAtTimes(four, hole, 6), Error);
+  EXPECT_THROW(gait::ZeroPhaseButterworthAtTimes(four, hole, 6), Error);
 }
 
 }  // namespace

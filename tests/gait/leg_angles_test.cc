@@ -14,8 +14,8 @@ Eigen::Vector2d Polar(double length, double lean_deg) {
 }
 
 // A leg facing right with the given segment angles.
-LegPoints LegAt(double shank_deg, double thigh_deg, double trunk_deg) {
-  LegPoints points;
+gait::LegPoints LegAt(double shank_deg, double thigh_deg, double trunk_deg) {
+  gait::LegPoints points;
   points.ankle = Eigen::Vector2d(100, 50);
   points.knee = *points.ankle + Polar(430, shank_deg);
   points.hip = *points.knee + Polar(410, thigh_deg);
@@ -23,13 +23,14 @@ LegPoints LegAt(double shank_deg, double thigh_deg, double trunk_deg) {
   return points;
 }
 
-LegPoints Mirrored(LegPoints points) {
+gait::LegPoints Mirrored(gait::LegPoints points) {
   for (auto* point : {&points.ankle, &points.knee, &points.hip, &points.waist}) (*point)->x() *= -1;
   return points;
 }
 
 TEST(LegAngles, SeatedLegHasItsKneeInFront) {
-  const LegSample sample = MakeLegSample(LegAt(15, -75, 20), Facing::kRight, Eigen::Vector2d::UnitY());
+  const motion::LegSample sample =
+      gait::MakeLegSample(LegAt(15, -75, 20), motion::Facing::kRight, Eigen::Vector2d::UnitY());
   EXPECT_NEAR(sample.shank_deg, 15, 1e-12);
   EXPECT_NEAR(sample.thigh_deg, -75, 1e-12);
   EXPECT_NEAR(sample.trunk_deg, 20, 1e-12);
@@ -39,9 +40,9 @@ TEST(LegAngles, SeatedLegHasItsKneeInFront) {
 }
 
 TEST(LegAngles, FacingLeftGivesTheSameSample) {
-  const LegPoints points = LegAt(12, -60, 30);
-  const LegSample right = MakeLegSample(points, Facing::kRight, Eigen::Vector2d::UnitY());
-  const LegSample left = MakeLegSample(Mirrored(points), Facing::kLeft, Eigen::Vector2d::UnitY());
+  const gait::LegPoints points = LegAt(12, -60, 30);
+  const motion::LegSample right = gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY());
+  const motion::LegSample left = gait::MakeLegSample(Mirrored(points), motion::Facing::kLeft, Eigen::Vector2d::UnitY());
   EXPECT_NEAR((right.ak - left.ak).norm() + (right.kh - left.kh).norm() + (right.hw - left.hw).norm(), 0, 1e-12);
   EXPECT_NEAR(right.knee_deg, left.knee_deg, 1e-12);
   EXPECT_NEAR(right.trunk_deg, left.trunk_deg, 1e-12);
@@ -49,11 +50,11 @@ TEST(LegAngles, FacingLeftGivesTheSameSample) {
 
 TEST(LegAngles, TiltedPictureNeedsOnlyItsPlumbLine) {
   const Eigen::Rotation2D<double> tilt(RadiansFromDegrees(7));
-  LegPoints points = LegAt(12, -60, 30);
-  const LegSample upright = MakeLegSample(points, Facing::kRight, Eigen::Vector2d::UnitY());
+  gait::LegPoints points = LegAt(12, -60, 30);
+  const motion::LegSample upright = gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY());
   for (auto* point : {&points.ankle, &points.knee, &points.hip, &points.waist})
     *point = Eigen::Vector2d(tilt * **point);
-  const LegSample tilted = MakeLegSample(points, Facing::kRight, tilt * Eigen::Vector2d::UnitY());
+  const motion::LegSample tilted = gait::MakeLegSample(points, motion::Facing::kRight, tilt * Eigen::Vector2d::UnitY());
   EXPECT_NEAR(tilted.shank_deg, upright.shank_deg, 1e-12);
   EXPECT_NEAR(tilted.knee_deg, upright.knee_deg, 1e-12);
 }
@@ -64,38 +65,38 @@ TEST(LegAngles, KneeAngleIsThePapersFormulaWithASign) {
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector2d ak = Polar(length(random), angle(random)), kh = Polar(length(random), angle(random));
     const double paper_deg = DegreesFromRadians(std::acos(ak.dot(kh) / (ak.norm() * kh.norm())));
-    const double knee_deg = KneeAngleDeg(ak, kh);
+    const double knee_deg = gait::KneeAngleDeg(ak, kh);
     EXPECT_NEAR(std::abs(knee_deg), paper_deg, 1e-5);  // arccos loses half the digits near 0 and 180
-    EXPECT_NEAR(knee_deg, WrapDegrees(SegmentAngleDeg(ak) - SegmentAngleDeg(kh)), 1e-9);
+    EXPECT_NEAR(knee_deg, gait::WrapDegrees(gait::SegmentAngleDeg(ak) - gait::SegmentAngleDeg(kh)), 1e-9);
   }
-  EXPECT_NEAR(KneeAngleDeg(Polar(400, 0), Polar(400, 5)), -5, 1e-12);  // hyperextension does not fold at 0
+  EXPECT_NEAR(gait::KneeAngleDeg(Polar(400, 0), Polar(400, 5)), -5, 1e-12);  // hyperextension does not fold at 0
 }
 
 TEST(LegAngles, MissingMarkersLeaveUnknowns) {
-  LegPoints points = LegAt(10, -20, 5);
+  gait::LegPoints points = LegAt(10, -20, 5);
   points.waist.reset();
-  LegSample sample = MakeLegSample(points, Facing::kRight, Eigen::Vector2d::UnitY());
+  motion::LegSample sample = gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY());
   EXPECT_TRUE(std::isnan(sample.trunk_deg));
   EXPECT_NEAR(sample.knee_deg, 30, 1e-12);
   points.hip.reset();
-  sample = MakeLegSample(points, Facing::kRight, Eigen::Vector2d::UnitY());
+  sample = gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY());
   EXPECT_TRUE(std::isnan(sample.knee_deg));
   EXPECT_NEAR(sample.shank_deg, 10, 1e-12);
 }
 
 // Mostly standing, a few degrees hyperextended, with one short bend and two wrong detections.
 TEST(LegAngles, FacingIsTheSideOfTheFlexions) {
-  std::vector<LegPoints> right;
+  std::vector<gait::LegPoints> right;
   for (int i = 0; i < 300; ++i) right.push_back(LegAt(-1, 3, 0));
   for (int i = 0; i < 60; ++i) right.push_back(LegAt(10, -50 + 0.1 * i, 10));
   right.push_back(LegAt(0, 150, 0));
   right.push_back(LegAt(0, 120, 0));
-  std::vector<LegPoints> left;
-  for (const LegPoints& points : right) left.push_back(Mirrored(points));
-  EXPECT_EQ(FindFacing(right).facing, Facing::kRight);
-  EXPECT_EQ(FindFacing(left).facing, Facing::kLeft);
-  EXPECT_TRUE(FindFacing(left).IsCertain());
-  EXPECT_FALSE(FindFacing({LegAt(0, -3, 0)}).IsCertain());
+  std::vector<gait::LegPoints> left;
+  for (const gait::LegPoints& points : right) left.push_back(Mirrored(points));
+  EXPECT_EQ(gait::FindFacing(right).facing, motion::Facing::kRight);
+  EXPECT_EQ(gait::FindFacing(left).facing, motion::Facing::kLeft);
+  EXPECT_TRUE(gait::FindFacing(left).IsCertain());
+  EXPECT_FALSE(gait::FindFacing({LegAt(0, -3, 0)}).IsCertain());
 }
 
 }  // namespace

@@ -29,9 +29,9 @@ class LegFitAccuracy : public testing::TestWithParam<FitCase> {};
 TEST_P(LegFitAccuracy, KneeAngleIsRightAndItsSigmaHonest) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     const SyntheticLeg leg = MakeSyntheticLeg(GetParam().leg, seed);
-    const LegView view = GetParam().calibrated ? CalibratedView() : ScaledView();
-    const MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, view, {0.03, GetParam().noise}, seed);
-    const LegFitResult result = FitLeg(tracks, view);
+    const gait::LegView view = GetParam().calibrated ? CalibratedView() : ScaledView();
+    const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, view, {0.03, GetParam().noise}, seed);
+    const gait::LegFitResult result = gait::FitLeg(tracks, view);
     const KneeErrors errors = CompareKnee(result.motion, leg.truth);
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", rms " << errors.rms_deg << ", raw " << errors.raw_rms_deg);
     ExpectHonest(errors);
@@ -47,22 +47,21 @@ TEST_P(LegFitAccuracy, KneeAngleIsRightAndItsSigmaHonest) {
 
 INSTANTIATE_TEST_SUITE_P(
     , LegFitAccuracy,
-    testing::Values(FitCase{"Rigid", {}, false, NoiseKind::kWhite},
-                    FitCase{"RigidThroughLens", {}, true, NoiseKind::kWhite},
-                    FitCase{"Skin", {.skin_mm = 12}, true, NoiseKind::kWhite},
-                    FitCase{"FacingLeft", {.skin_mm = 12, .facing = Facing::kLeft}, true, NoiseKind::kWhite},
-                    FitCase{
-                        "StartsStanding", {.starts_standing = true, .facing = Facing::kLeft}, false, NoiseKind::kWhite},
-                    FitCase{"IrregularStamps", {.time_jitter = 0.8}, false, NoiseKind::kWhite},
-                    FitCase{"SlowMotion240Hz", {.rate_hz = 240, .repetitions = 1}, false, NoiseKind::kWhite},
-                    FitCase{"Autoregressive", {.skin_mm = 6}, false, NoiseKind::kAutoregressive},
-                    FitCase{"FrozenByVideoCoding", {.repetitions = 4}, true, NoiseKind::kFrozen}),
+    testing::Values(
+        FitCase{"Rigid", {}, false, NoiseKind::kWhite}, FitCase{"RigidThroughLens", {}, true, NoiseKind::kWhite},
+        FitCase{"Skin", {.skin_mm = 12}, true, NoiseKind::kWhite},
+        FitCase{"FacingLeft", {.skin_mm = 12, .facing = motion::Facing::kLeft}, true, NoiseKind::kWhite},
+        FitCase{"StartsStanding", {.starts_standing = true, .facing = motion::Facing::kLeft}, false, NoiseKind::kWhite},
+        FitCase{"IrregularStamps", {.time_jitter = 0.8}, false, NoiseKind::kWhite},
+        FitCase{"SlowMotion240Hz", {.rate_hz = 240, .repetitions = 1}, false, NoiseKind::kWhite},
+        FitCase{"Autoregressive", {.skin_mm = 6}, false, NoiseKind::kAutoregressive},
+        FitCase{"FrozenByVideoCoding", {.repetitions = 4}, true, NoiseKind::kFrozen}),
     [](const auto& info) { return info.param.name; });
 
 TEST(LegFit, SegmentLengthsAreExactThroughACalibratedPlane) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
-  const LegView view = CalibratedView();
-  const LegFitResult result = FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, {0.1}, 4), view);
+  const gait::LegView view = CalibratedView();
+  const gait::LegFitResult result = gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, {0.1}, 4), view);
   const double expected[] = {430, 410, 260};
   ASSERT_EQ(result.segments.size(), 3u);
   for (std::size_t s = 0; s < 3; ++s) {
@@ -75,8 +74,8 @@ TEST(LegFit, SegmentLengthsAreExactThroughACalibratedPlane) {
 
 TEST(LegFit, VaryingLengthsAreReportedNotForcedRigid) {
   const SyntheticLeg leg = MakeSyntheticLeg({.skin_mm = 20});
-  const LegView view = CalibratedView();
-  const LegFitResult result = FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, {0.03}, 4), view);
+  const gait::LegView view = CalibratedView();
+  const gait::LegFitResult result = gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, {0.03}, 4), view);
   std::vector<double> shank;
   double worst_mm = 0;
   for (std::size_t i = 0; i < leg.truth.size(); ++i) {
@@ -96,13 +95,13 @@ TEST(LegFit, AMarkerHiddenForHalfASecondIsBridged) {
     for (std::size_t marker = 0; marker < 4; ++marker)
       for (const std::size_t first : {20u, 95u, 120u, 150u, 210u}) {
         const SyntheticLeg leg = MakeSyntheticLeg({.skin_mm = skin_mm});
-        MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
-        const MarkerTrack truth = tracks.markers[marker];
+        motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
+        const motion::MarkerTrack truth = tracks.markers[marker];
         for (std::size_t i = first; i < first + 30; ++i) tracks.markers[marker].samples[i] = {};
-        const LegFitResult result = FitLeg(tracks, ScaledView());
+        const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView());
         for (std::size_t i = first; i < first + 30; ++i) {
-          const MarkerSample& sample = result.tracks.markers[marker].samples[i];
-          ASSERT_EQ(sample.status, SampleStatus::kFilled);
+          const motion::MarkerSample& sample = result.tracks.markers[marker].samples[i];
+          ASSERT_EQ(sample.status, motion::SampleStatus::kFilled);
           EXPECT_LT((sample.position - truth.samples[i].position).norm(), 2) << truth.name << " frame " << i;
           EXPECT_TRUE(std::isnan(result.motion.samples[i].knee_raw_deg) || marker == 3);
           EXPECT_TRUE(std::isfinite(result.motion.samples[i].knee_deg));
@@ -116,11 +115,11 @@ TEST(LegFit, AMarkerHiddenForHalfASecondIsBridged) {
 
 TEST(LegFit, ALongAbsenceIsMissingNotInvented) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
-  MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
   for (auto& marker : tracks.markers)
     for (std::size_t i = 100; i < 400; ++i) marker.samples[i] = {};
-  const LegFitResult result = FitLeg(tracks, ScaledView());
-  EXPECT_EQ(result.tracks.markers[1].samples[250].status, SampleStatus::kMissing);
+  const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView());
+  EXPECT_EQ(result.tracks.markers[1].samples[250].status, motion::SampleStatus::kMissing);
   EXPECT_TRUE(std::isnan(result.motion.samples[250].knee_deg));
   EXPECT_GT(result.markers[1].missing, 200);
 }
@@ -128,11 +127,11 @@ TEST(LegFit, ALongAbsenceIsMissingNotInvented) {
 TEST(LegFit, OutliersAreListedAndDoNotPull) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
   for (const unsigned seed : {3u, 4u, 6u, 7u, 8u}) {
-    MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, seed);
+    motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, seed);
     std::mt19937 random(seed);
     std::set<std::pair<std::int64_t, std::string>> wrong;
     for (std::size_t burst = 0; burst < 10; ++burst) {
-      MarkerTrack& marker = tracks.markers[random() % 4];
+      motion::MarkerTrack& marker = tracks.markers[random() % 4];
       const std::size_t first = 30 + 60 * burst, length = 1 + random() % 6;
       const double angle = static_cast<double>(random() % 628) / 100, size_px = 10 + static_cast<double>(random() % 40);
       for (std::size_t i = first; i < first + length; ++i) {
@@ -140,9 +139,9 @@ TEST(LegFit, OutliersAreListedAndDoNotPull) {
         wrong.emplace(static_cast<std::int64_t>(i), marker.name);
       }
     }
-    const LegFitResult result = FitLeg(tracks, ScaledView());
+    const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView());
     std::set<std::pair<std::int64_t, std::string>> listed;
-    for (const OutlierReport& outlier : result.outliers) listed.emplace(outlier.frame, outlier.marker);
+    for (const gait::OutlierReport& outlier : result.outliers) listed.emplace(outlier.frame, outlier.marker);
     EXPECT_EQ(listed, wrong) << "seed " << seed;
     const KneeErrors errors = CompareKnee(result.motion, leg.truth);
     EXPECT_LT(errors.rms_deg, 0.02) << "seed " << seed;
@@ -152,35 +151,36 @@ TEST(LegFit, OutliersAreListedAndDoNotPull) {
 
 TEST(LegFit, SigmasThatAreTooSmallAreNoticed) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
-  const LegFitResult result =
-      FitLeg(MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.06, NoiseKind::kWhite, 0.03}, 5), ScaledView());
-  for (const MarkerReport& marker : result.markers) EXPECT_NEAR(marker.noise_scale, 2, 0.2);  // 670 frames: 2 % SD
+  const gait::LegFitResult result = gait::FitLeg(
+      MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.06, NoiseKind::kWhite, 0.03}, 5), ScaledView());
+  for (const gait::MarkerReport& marker : result.markers)
+    EXPECT_NEAR(marker.noise_scale, 2, 0.2);  // 670 frames: 2 % SD
   ExpectHonest(CompareKnee(result.motion, leg.truth));
 }
 
 TEST(LegFit, SigmasThatAreNotKnownAreEstimated) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
-  MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.05}, 5);
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.05}, 5);
   for (auto& marker : tracks.markers)
     for (auto& sample : marker.samples) sample.sigma = 0;
-  const LegFitResult result = FitLeg(tracks, ScaledView());
+  const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView());
   EXPECT_NEAR(result.tracks.markers[0].samples[5].sigma, 0.05, 0.005);
   ExpectHonest(CompareKnee(result.motion, leg.truth));
 }
 
 TEST(LegFit, ThreeMarkersAndExtraOnesWork) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
-  MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
   tracks.markers[3].name = "exo_knee";  // some other marker, hidden for a while
-  const MarkerTrack truth = tracks.markers[3];
+  const motion::MarkerTrack truth = tracks.markers[3];
   for (std::size_t i = 130; i < 145; ++i) tracks.markers[3].samples[i] = {};
-  const LegFitResult result = FitLeg(tracks, ScaledView());
+  const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView());
   EXPECT_EQ(result.segments.size(), 2u);
   EXPECT_TRUE(std::isnan(result.motion.samples[10].trunk_deg));
   EXPECT_TRUE(std::isnan(result.motion.samples[10].hw.x()));
   ExpectHonest(CompareKnee(result.motion, leg.truth));
   for (std::size_t i = 130; i < 145; ++i) {
-    EXPECT_EQ(result.tracks.markers[3].samples[i].status, SampleStatus::kFilled);
+    EXPECT_EQ(result.tracks.markers[3].samples[i].status, motion::SampleStatus::kFilled);
     EXPECT_LT((result.tracks.markers[3].samples[i].position - truth.samples[i].position).norm(), 2);
   }
   EXPECT_FALSE(result.events.empty());
@@ -188,10 +188,10 @@ TEST(LegFit, ThreeMarkersAndExtraOnesWork) {
 
 TEST(LegFit, DepthPutsAMarkerWhereItIs) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
-  LegView truth = CalibratedView();
+  gait::LegView truth = CalibratedView();
   truth.depth_mm["knee"] = 40;
-  const MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, truth, {0.03}, 6);
-  const LegFitResult with = FitLeg(tracks, truth), without = FitLeg(tracks, CalibratedView());
+  const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, truth, {0.03}, 6);
+  const gait::LegFitResult with = gait::FitLeg(tracks, truth), without = gait::FitLeg(tracks, CalibratedView());
   double worst_mm = 0, worst_without_mm = 0;
   for (std::size_t i = 0; i < leg.time_s.size(); ++i) {
     worst_mm = std::max(worst_mm, (with.trajectory.Find("knee")->samples[i].position - *leg.points_mm[i].knee).norm());
@@ -200,17 +200,17 @@ TEST(LegFit, DepthPutsAMarkerWhereItIs) {
   }
   EXPECT_LT(worst_mm, 0.3);
   // The report says how large the error can be: so many mm per mm of depth.
-  const MarkerReport& report = without.markers[1];
+  const gait::MarkerReport& report = without.markers[1];
   EXPECT_GT(worst_without_mm, 1);
   EXPECT_NEAR(40 * report.parallax_per_depth, worst_without_mm, 0.35 * worst_without_mm);
 }
 
 TEST(LegFit, AnglesDoNotDependOnTheScale) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
-  const MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 7);
-  const LegFitResult mm = FitLeg(tracks, ScaledView()), px = FitLeg(tracks, LegView{});
-  EXPECT_EQ(px.motion.unit, LengthUnit::kPx);
-  EXPECT_EQ(px.trajectory.unit, LengthUnit::kPx);
+  const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 7);
+  const gait::LegFitResult mm = gait::FitLeg(tracks, ScaledView()), px = gait::FitLeg(tracks, gait::LegView{});
+  EXPECT_EQ(px.motion.unit, motion::LengthUnit::kPx);
+  EXPECT_EQ(px.trajectory.unit, motion::LengthUnit::kPx);
   EXPECT_NEAR(mm.segments[0].length, 2 * px.segments[0].length, 1e-3);
   for (std::size_t i = 0; i < leg.time_s.size(); ++i)
     EXPECT_NEAR(mm.motion.samples[i].knee_deg, px.motion.samples[i].knee_deg, 1e-3);
@@ -220,38 +220,38 @@ TEST(LegFit, AnglesDoNotDependOnTheScale) {
 
 TEST(LegFit, TheFieldsFiltersAreOffered) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
-  const MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.3}, 8);
-  LegFitOptions options;
-  options.filter = LegFilter::kNone;
-  const LegFitResult none = FitLeg(tracks, ScaledView(), options);
-  for (const LegSample& sample : none.motion.samples) EXPECT_NEAR(sample.knee_deg, sample.knee_raw_deg, 1e-12);
+  const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.3}, 8);
+  gait::LegFitOptions options;
+  options.filter = gait::LegFilter::kNone;
+  const gait::LegFitResult none = gait::FitLeg(tracks, ScaledView(), options);
+  for (const motion::LegSample& sample : none.motion.samples) EXPECT_NEAR(sample.knee_deg, sample.knee_raw_deg, 1e-12);
   EXPECT_NEAR(CompareKnee(none.motion, leg.truth).normalized, 1, 0.1);
-  options.filter = LegFilter::kButterworth;
-  const KneeErrors butterworth = CompareKnee(FitLeg(tracks, ScaledView(), options).motion, leg.truth);
+  options.filter = gait::LegFilter::kButterworth;
+  const KneeErrors butterworth = CompareKnee(gait::FitLeg(tracks, ScaledView(), options).motion, leg.truth);
   EXPECT_LT(butterworth.rms_deg, 0.7 * butterworth.raw_rms_deg);
   EXPECT_NEAR(butterworth.normalized, 1, 0.35);  // its sigma is the noise's alone, without the filter's bias
 }
 
 TEST(LegFit, ACutoffFixesTheSmoothing) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
-  const MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 8);
-  LegFitOptions options;
+  const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 8);
+  gait::LegFitOptions options;
   options.cutoff_hz = 3;
-  const LegFitResult result = FitLeg(tracks, ScaledView(), options);
+  const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), options);
   EXPECT_NEAR(result.summary.cutoff_hz, 3, 0.1);
 }
 
 TEST(LegFit, SmoothnessThatIsNotSettledIsAWarning) {
   SyntheticLeg leg = MakeSyntheticLeg({});
-  MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
-  MarkerTrack extra = *tracks.Find("knee");
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
+  motion::MarkerTrack extra = *tracks.Find("knee");
   extra.name = "exo_knee";
   tracks.markers.push_back(extra);
-  EXPECT_TRUE(FitLeg(tracks, ScaledView()).warnings.empty());
-  LegFitOptions options;
+  EXPECT_TRUE(gait::FitLeg(tracks, ScaledView()).warnings.empty());
+  gait::LegFitOptions options;
   options.most_smoothing_iterations = 2;
   EXPECT_THAT(
-      FitLeg(tracks, ScaledView(), options).warnings,
+      gait::FitLeg(tracks, ScaledView(), options).warnings,
       testing::UnorderedElementsAre(testing::AllOf(testing::HasSubstr("leg fit, "), testing::HasSubstr("shank's angle"),
                                                    testing::HasSubstr("could not be settled")),
                                     testing::HasSubstr("marker 'exo_knee': how smooth")));
@@ -260,15 +260,17 @@ TEST(LegFit, SmoothnessThatIsNotSettledIsAWarning) {
 TEST(LegFit, FiveMinutesFitInSeconds) {
   const SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 54, .skin_mm = 12});
   ASSERT_GT(leg.time_s.size(), 18000u);
-  const LegFitResult result = FitLeg(MakeTracks(leg.time_s, leg.points_mm, CalibratedView(), {}, 1), CalibratedView());
+  const gait::LegFitResult result =
+      gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, CalibratedView(), {}, 1), CalibratedView());
   EXPECT_LT(result.summary.seconds, 30);  // 2 to 5 s on an idle machine of two cores
   ExpectHonest(CompareKnee(result.motion, leg.truth));
   EXPECT_EQ(result.events.size(), 54u * 5);
 }
 
-std::string MessageOf(const MarkerRecording& tracks, const LegView& view, const LegFitOptions& options = {}) {
+std::string MessageOf(const motion::MarkerRecording& tracks, const gait::LegView& view,
+                      const gait::LegFitOptions& options = {}) {
   try {
-    FitLeg(tracks, view, options);
+    gait::FitLeg(tracks, view, options);
   } catch (const Error& error) {
     return error.what();
   }
@@ -278,18 +280,18 @@ std::string MessageOf(const MarkerRecording& tracks, const LegView& view, const 
 class LegFitErrors : public testing::Test {
  protected:
   SyntheticLeg leg_ = MakeSyntheticLeg({.repetitions = 1});
-  MarkerRecording tracks_ = MakeTracks(leg_.time_s, leg_.points_mm, ScaledView(), {}, 9);
+  motion::MarkerRecording tracks_ = MakeTracks(leg_.time_s, leg_.points_mm, ScaledView(), {}, 9);
   std::string Message() const { return MessageOf(tracks_, ScaledView()); }
 };
 
 TEST_F(LegFitErrors, SwappedNamesAreFound) {
   for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {2, 3}, {1, 3}}) {
-    MarkerRecording swapped = tracks_;
+    motion::MarkerRecording swapped = tracks_;
     std::swap(swapped.markers[static_cast<std::size_t>(a)].samples,
               swapped.markers[static_cast<std::size_t>(b)].samples);
     EXPECT_THAT(MessageOf(swapped, ScaledView()), testing::HasSubstr("names")) << a << b;
   }
-  MarkerRecording upside_down = tracks_;
+  motion::MarkerRecording upside_down = tracks_;
   std::swap(upside_down.markers[0].samples, upside_down.markers[2].samples);
   EXPECT_THAT(MessageOf(upside_down, ScaledView()), testing::HasSubstr("lies below"));
 }
@@ -321,19 +323,20 @@ TEST_F(LegFitErrors, HolesInTimeAreNotBridgedForHours) {
 }
 
 TEST_F(LegFitErrors, TooShortAndBadOptions) {
-  LegFitOptions options;
+  gait::LegFitOptions options;
   options.cutoff_hz = -1;
   EXPECT_THAT(MessageOf(tracks_, ScaledView(), options), testing::HasSubstr("cutoff"));
-  EXPECT_THROW(ParseLegFilter("kalman"), UsageError);
+  EXPECT_THROW(gait::ParseLegFilter("kalman"), UsageError);
   EXPECT_THAT(MessageOf({}, ScaledView()), testing::HasSubstr("too short"));
-  EXPECT_THROW(MakeLegView(LengthUnit::kPx, {}, -1.0), Error);
-  EXPECT_THROW(MakeLegView(LengthUnit::kPx, {}, 2.0, {{"knee", 40}}), Error);
+  EXPECT_THROW(gait::MakeLegView(motion::LengthUnit::kPx, {}, -1.0), Error);
+  EXPECT_THROW(gait::MakeLegView(motion::LengthUnit::kPx, {}, 2.0, {{"knee", 40}}), Error);
 }
 
 TEST(LegFit, ALegThatHardlyBendsWarnsAboutItsSide) {
   SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 1});
   for (std::size_t i = 0; i < leg.points_mm.size(); ++i) leg.points_mm[i] = leg.points_mm[leg.points_mm.size() / 2];
-  const LegFitResult result = FitLeg(MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {}, 1), ScaledView());
+  const gait::LegFitResult result =
+      gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {}, 1), ScaledView());
   EXPECT_THAT(result.warnings, testing::ElementsAre(testing::HasSubstr("facing")));
   EXPECT_TRUE(result.events.empty());
 }

@@ -38,13 +38,14 @@ std::vector<double> Falls(const std::vector<double>& time_s, const std::vector<d
   return times;
 }
 
-std::vector<double> KneeOf(const LegMotion& motion) {
+std::vector<double> KneeOf(const motion::LegMotion& motion) {
   std::vector<double> knee_deg;
-  for (const LegSample& sample : motion.samples) knee_deg.push_back(sample.knee_deg);
+  for (const motion::LegSample& sample : motion.samples) knee_deg.push_back(sample.knee_deg);
   return knee_deg;
 }
 
-double Angle3d(const PointRecording& points, std::size_t i, const char* ankle, const char* knee, const char* hip) {
+double Angle3d(const exchange::PointRecording& points, std::size_t i, const char* ankle, const char* knee,
+               const char* hip) {
   const Eigen::Vector3d ak = points.Find(knee)->positions[i] - points.Find(ankle)->positions[i];
   const Eigen::Vector3d kh = points.Find(hip)->positions[i] - points.Find(knee)->positions[i];
   return DegreesFromRadians(std::atan2(ak.cross(kh).norm(), ak.dot(kh)));
@@ -52,34 +53,34 @@ double Angle3d(const PointRecording& points, std::size_t i, const char* ankle, c
 
 // A leg of the optical sit-to-stand recording in its x–y plane.
 struct OpticalLeg {
-  Trial trial;
-  std::vector<LegPoints> points_mm;
-  std::vector<LegSample> truth;
+  exchange::Trial trial;
+  std::vector<gait::LegPoints> points_mm;
+  std::vector<motion::LegSample> truth;
 };
 
 OpticalLeg ReadOpticalLeg(const fs::path& file, char side, bool mirrored) {
   OpticalLeg leg;
-  leg.trial = ReadTrial(file, {ParseNameMap(LegNames(side)), 'y', mirrored ? "-x" : "+x"});
+  leg.trial = exchange::ReadTrial(file, {exchange::ParseNameMap(LegNames(side)), 'y', mirrored ? "-x" : "+x"});
   for (std::size_t i = 0; i < leg.trial.recording.Frames(); ++i) {
     const auto at = [&](const char* name) { return leg.trial.recording.Find(name)->samples[i].position; };
     leg.points_mm.push_back({at("ankle"), at("knee"), at("hip"), at("waist")});
-    leg.truth.push_back(
-        MakeLegSample(leg.points_mm.back(), mirrored ? Facing::kLeft : Facing::kRight, Eigen::Vector2d::UnitY()));
+    leg.truth.push_back(gait::MakeLegSample(
+        leg.points_mm.back(), mirrored ? motion::Facing::kLeft : motion::Facing::kRight, Eigen::Vector2d::UnitY()));
   }
   return leg;
 }
 
 // Given by ../shared/data/README.md for the 3-D flexion; the x–y plane's differs by less than the tolerance.
-void ExpectFiveStandUps(const LegFitResult& result) {
+void ExpectFiveStandUps(const gait::LegFitResult& result) {
   const double listed_s[] = {0.76, 2.44, 4.09, 5.61, 7.24};
   const std::vector<double> falls_s = Falls(result.motion.time_s, KneeOf(result.motion), 35);
   ASSERT_EQ(falls_s.size(), 5u);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(falls_s[i], listed_s[i], 0.05);
   std::array<int, 5> kinds = {};
-  for (const StsEvent& event : result.events) {
+  for (const motion::StsEvent& event : result.events) {
     ++kinds[static_cast<std::size_t>(event.kind)];
     const double fall_s = falls_s.at(static_cast<std::size_t>(event.repetition) - 1);
-    EXPECT_EQ(event.kind < StsEventKind::kStanding, event.time_s < fall_s)
+    EXPECT_EQ(event.kind < motion::StsEventKind::kStanding, event.time_s < fall_s)
         << ToString(event.kind) << " at " << event.time_s;
   }
   EXPECT_THAT(kinds, testing::Each(5));
@@ -95,8 +96,8 @@ TEST_P(OpticalSitToStand, SeenWithNoiseTheMarkersOwnAngleComesOut) {
   const auto [side, mirrored] = GetParam();
   const OpticalLeg leg = ReadOpticalLeg(file_, side, mirrored);
   for (const unsigned seed : {1u, 2u, 3u}) {
-    const LegFitResult result =
-        FitLeg(MakeTracks(leg.trial.recording.time_s, leg.points_mm, ScaledView(), {0.03}, seed), ScaledView());
+    const gait::LegFitResult result =
+        gait::FitLeg(MakeTracks(leg.trial.recording.time_s, leg.points_mm, ScaledView(), {0.03}, seed), ScaledView());
     const KneeErrors errors = CompareKnee(result.motion, leg.truth);
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", rms " << errors.rms_deg);
     EXPECT_LE(errors.rms_deg, 0.06);
@@ -105,7 +106,7 @@ TEST_P(OpticalSitToStand, SeenWithNoiseTheMarkersOwnAngleComesOut) {
     EXPECT_GE(errors.normalized, 0.6);
     EXPECT_LE(errors.normalized, 1.5);
     EXPECT_LE(errors.peak_deg, 0.1);
-    EXPECT_EQ(result.motion.facing, mirrored ? Facing::kLeft : Facing::kRight);
+    EXPECT_EQ(result.motion.facing, mirrored ? motion::Facing::kLeft : motion::Facing::kRight);
     ExpectFiveStandUps(result);
   }
 }
@@ -114,7 +115,7 @@ TEST_P(OpticalSitToStand, TheFileItselfAgrees) {
   REQUIRE_RECORDING(file_);
   const auto [side, mirrored] = GetParam();
   const OpticalLeg leg = ReadOpticalLeg(file_, side, mirrored);
-  const LegFitResult result = FitLeg(leg.trial.recording, MakeLegView(LengthUnit::kMm, {}));
+  const gait::LegFitResult result = gait::FitLeg(leg.trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}));
   EXPECT_LE(CompareKnee(result.motion, leg.truth).rms_deg, 0.06);
   ExpectFiveStandUps(result);
   const auto [least, most] = std::minmax_element(leg.truth.begin(), leg.truth.end(),
@@ -134,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(, OpticalSitToStand, testing::Combine(testing::Values('
 TEST(OpticalSitToStandFile, ThreeDimensionalFlexionHasTheListedRange) {
   const fs::path file = SharedData("opencap_sts/sts_default_markers.trc");
   REQUIRE_RECORDING(file);
-  const PointRecording points = ReadTrc(file);
+  const exchange::PointRecording points = exchange::ReadTrc(file);
   EXPECT_EQ(points.time_s.size(), 861u);
   EXPECT_EQ(points.points.size(), 51u);
   const std::tuple<const char*, const char*, const char*, double, double> legs[] = {
@@ -156,23 +157,24 @@ TEST(OpticalSitToStandFile, TheSagittalPlaneIsFound) {
   const fs::path file = SharedData("opencap_sts/sts_default_markers.trc");
   REQUIRE_RECORDING(file);
   for (const char side : {'r', 'l'}) {
-    const Trial fitted = ReadTrial(file, {ParseNameMap(LegNames(side)), {}, ""});
-    const Trial along_x = ReadTrial(file, {ParseNameMap(LegNames(side)), {}, "x"});
+    const exchange::Trial fitted = exchange::ReadTrial(file, {exchange::ParseNameMap(LegNames(side)), {}, ""});
+    const exchange::Trial along_x = exchange::ReadTrial(file, {exchange::ParseNameMap(LegNames(side)), {}, "x"});
     const auto& a = fitted.recording.Find("hip")->samples;
     const auto& b = along_x.recording.Find("hip")->samples;
     const double turned = (a.back().position.x() - a[90].position.x()) / (b.back().position.x() - b[90].position.x());
     EXPECT_GT(turned, std::cos(RadiansFromDegrees(15)));
     EXPECT_LT(fitted.out_of_plane_mm, 15);
     EXPECT_FALSE(fitted.faces_right);
-    EXPECT_EQ(FitLeg(fitted.recording, MakeLegView(LengthUnit::kMm, {})).motion.facing, Facing::kRight);
+    EXPECT_EQ(gait::FitLeg(fitted.recording, gait::MakeLegView(motion::LengthUnit::kMm, {})).motion.facing,
+              motion::Facing::kRight);
   }
 }
 
 TEST(OpticalSitToStandFile, SkinMovementIsReportedAndNoError) {
   const fs::path file = SharedData("opencap_sts/sts_default_markers.trc");
   REQUIRE_RECORDING(file);
-  const LegFitResult result =
-      FitLeg(ReadOpticalLeg(file, 'r', false).trial.recording, MakeLegView(LengthUnit::kMm, {}));
+  const gait::LegFitResult result =
+      gait::FitLeg(ReadOpticalLeg(file, 'r', false).trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}));
   EXPECT_NEAR(result.segments[0].variation, 11, 1.5);  // 11.2 mm in 3-D
   EXPECT_NEAR(result.segments[1].variation, 20, 2.5);  // 19.2 mm in 3-D
 }
@@ -188,8 +190,8 @@ class OpticalWalk : public testing::TestWithParam<Walk> {};
 TEST_P(OpticalWalk, TrcAndC3dHoldTheSameAngles) {
   const fs::path trc_file = SharedData(std::string("opensim_walk/") + GetParam().trc);
   REQUIRE_RECORDING(trc_file);
-  const PointRecording trc = ReadTrc(trc_file),
-                       c3d = ReadC3d(SharedData(std::string("opensim_walk/") + GetParam().c3d));
+  const exchange::PointRecording trc = exchange::ReadTrc(trc_file),
+                                 c3d = exchange::ReadC3d(SharedData(std::string("opensim_walk/") + GetParam().c3d));
   EXPECT_EQ(c3d.up_axis, 'z');
   double least = 180, most = 0;
   int compared = 0;
@@ -212,11 +214,12 @@ TEST_P(OpticalWalk, TrcAndC3dHoldTheSameAngles) {
 TEST_P(OpticalWalk, IsFittedWithoutStandUps) {
   const fs::path file = SharedData(std::string("opensim_walk/") + GetParam().c3d);
   REQUIRE_RECORDING(file);
-  const Trial trial = ReadTrial(file, {ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
-  const LegFitResult result = FitLeg(trial.recording, MakeLegView(LengthUnit::kMm, {}));
+  const exchange::Trial trial =
+      exchange::ReadTrial(file, {exchange::ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
+  const gait::LegFitResult result = gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}));
   EXPECT_TRUE(result.events.empty());
-  for (const LegSample& sample : result.motion.samples) EXPECT_FALSE(sample.repetition);
-  const Json knee = LegFitJson(result)["knee"];
+  for (const motion::LegSample& sample : result.motion.samples) EXPECT_FALSE(sample.repetition);
+  const Json knee = gait::LegFitJson(result)["knee"];
   EXPECT_NEAR(knee["largest"]["deg"].get<double>(), GetParam().most_deg,
               4);  // a plane's angle, and frames between the tenth ones
 }
@@ -229,21 +232,23 @@ INSTANTIATE_TEST_SUITE_P(, OpticalWalk,
 TEST(OpticalWalkFiles, AWrongVerticalIsAnErrorThatSaysSo) {
   const fs::path file = SharedData("opensim_walk/std_walking2_markers.trc");  // z up, though TRC is y up by custom
   REQUIRE_RECORDING(file);
-  const Trial wrong = ReadTrial(file, {ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
+  const exchange::Trial wrong =
+      exchange::ReadTrial(file, {exchange::ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
   try {
-    FitLeg(wrong.recording, MakeLegView(LengthUnit::kMm, {}));
+    gait::FitLeg(wrong.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}));
     ADD_FAILURE() << "no error";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("--up"));
   }
-  const Trial right = ReadTrial(file, {ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), 'z', ""});
-  EXPECT_NO_THROW(FitLeg(right.recording, MakeLegView(LengthUnit::kMm, {})));
+  const exchange::Trial right =
+      exchange::ReadTrial(file, {exchange::ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), 'z', ""});
+  EXPECT_NO_THROW(gait::FitLeg(right.recording, gait::MakeLegView(motion::LengthUnit::kMm, {})));
 }
 
 TEST(OpticalWalkFiles, InverseKinematicsTablesAreRead) {
   const fs::path file = SharedData("opensim_walk/subject01_walk1_ik.mot");
   REQUIRE_RECORDING(file);
-  const MotTable table = ReadMot(file);
+  const exchange::MotTable table = exchange::ReadMot(file);
   const std::size_t knee = table.Column("knee_angle_r");
   double least = 1e9, most = -1e9;
   for (const auto& row : table.rows) least = std::min(least, row[knee]), most = std::max(most, row[knee]);

@@ -17,7 +17,7 @@ TEST(BandedMatrix, SolvesAndInvertsLikeADenseMatrix) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (const auto& [size, band] : {std::pair{1, 0}, {7, 2}, {40, 3}, {60, 31}, {5, 9}}) {
     const auto n = static_cast<std::size_t>(size), b = static_cast<std::size_t>(band);
-    BandedMatrix banded(n, b);
+    gait::BandedMatrix banded(n, b);
     Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(size, size);
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = i > b ? i - b : 0; j <= i; ++j) {
@@ -28,10 +28,10 @@ TEST(BandedMatrix, SolvesAndInvertsLikeADenseMatrix) {
     std::vector<double> x(n);
     for (double& v : x) v = uniform(random);
     const Eigen::VectorXd expected = dense.ldlt().solve(Eigen::Map<Eigen::VectorXd>(x.data(), size));
-    ASSERT_TRUE(Factorize(banded));
-    Solve(banded, x);
+    ASSERT_TRUE(gait::Factorize(banded));
+    gait::Solve(banded, x);
     EXPECT_LT((expected - Eigen::Map<Eigen::VectorXd>(x.data(), size)).norm(), 1e-12 * (1 + expected.norm()));
-    const BandedMatrix inverse = SelectedInverse(banded);
+    const gait::BandedMatrix inverse = gait::SelectedInverse(banded);
     const Eigen::MatrixXd dense_inverse = dense.inverse();
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = i > b ? i - b : 0; j <= i; ++j)
@@ -40,13 +40,13 @@ TEST(BandedMatrix, SolvesAndInvertsLikeADenseMatrix) {
 }
 
 TEST(BandedMatrix, RefusesWhatIsNotPositiveDefinite) {
-  BandedMatrix matrix(3, 1);
+  gait::BandedMatrix matrix(3, 1);
   for (std::size_t i = 0; i < 3; ++i) matrix.Lower(i, i) = i == 1 ? -1 : 1;
-  EXPECT_FALSE(Factorize(matrix));
+  EXPECT_FALSE(gait::Factorize(matrix));
 }
 
 TEST(SplineGrid, ReproducesCubicsAndTheirSlopes) {
-  const SplineGrid grid = MakeSplineGrid(std::vector<double>{0.5, 1.0, 2.5}, 0.25);
+  const gait::SplineGrid grid = gait::MakeSplineGrid(std::vector<double>{0.5, 1.0, 2.5}, 0.25);
   // A B-spline's coefficients of t² are (centre² − step²/3).
   std::vector<double> coefficients;
   for (std::size_t k = 0; k < grid.count; ++k) {
@@ -54,8 +54,8 @@ TEST(SplineGrid, ReproducesCubicsAndTheirSlopes) {
     coefficients.push_back(centre * centre - grid.step_s * grid.step_s / 3);
   }
   for (double t = 0.5; t <= 2.5; t += 0.07) {
-    EXPECT_NEAR(ValueAt(grid.At(t), coefficients), t * t, 1e-12);
-    EXPECT_NEAR(SlopeAt(grid.At(t), coefficients), 2 * t, 1e-11);
+    EXPECT_NEAR(gait::ValueAt(grid.At(t), coefficients), t * t, 1e-12);
+    EXPECT_NEAR(gait::SlopeAt(grid.At(t), coefficients), 2 * t, 1e-11);
   }
 }
 
@@ -72,16 +72,16 @@ TEST(SmoothingSpline, FindsItsSmoothnessAndSaysHowGoodItIs) {
       truth.push_back(phase < 2 ? MinimumJerk(phase / 2) : phase < 3 ? 1 : phase < 4 ? 1 - MinimumJerk(phase - 3) : 0);
       values.push_back(truth.back() + noise(random)), sigmas.push_back(sigma);
     }
-    const SplineGrid grid = MakeSplineGrid(time_s, 1 / 60.0);
-    const SmoothSignal signal = FitSmoothingSpline(grid, time_s, values, sigmas);
+    const gait::SplineGrid grid = gait::MakeSplineGrid(time_s, 1 / 60.0);
+    const gait::SmoothSignal signal = gait::FitSmoothingSpline(grid, time_s, values, sigmas);
     EXPECT_TRUE(signal.converged);
     EXPECT_NEAR(signal.noise_scale, 1, 0.06);
     double squares = 0, normalized = 0;
     int covered = 0;
     for (std::size_t i = 0; i < time_s.size(); ++i) {
-      const SplineGrid::Place place = grid.At(time_s[i]);
-      const double error = ValueAt(place, signal.coefficients) - truth[i],
-                   variance = VarianceAt(place, signal.covariance);
+      const gait::SplineGrid::Place place = grid.At(time_s[i]);
+      const double error = gait::ValueAt(place, signal.coefficients) - truth[i],
+                   variance = gait::VarianceAt(place, signal.covariance);
       squares += error * error, normalized += error * error / variance, covered += error * error < 4 * variance;
     }
     const auto n = static_cast<double>(time_s.size());
@@ -99,13 +99,13 @@ TEST(SmoothingSpline, ACutoffIsWhereTheGainIsHalfThePower) {
       time_s.push_back(i / 100.0);
       values.push_back(std::sin(2 * std::numbers::pi * frequency_hz * time_s.back()));
     }
-    SmoothingOptions options;
+    gait::SmoothingOptions options;
     options.cutoff_hz = 4;
-    const SplineGrid grid = MakeSplineGrid(time_s, 0.01);
-    SmoothSignal signal = FitSmoothingSpline(grid, time_s, values, sigmas, options);
+    const gait::SplineGrid grid = gait::MakeSplineGrid(time_s, 0.01);
+    gait::SmoothSignal signal = gait::FitSmoothingSpline(grid, time_s, values, sigmas, options);
     double product = 0, square = 0;
     for (std::size_t i = 300; i < 1200; ++i) {
-      product += values[i] * ValueAt(grid.At(time_s[i]), signal.coefficients);
+      product += values[i] * gait::ValueAt(grid.At(time_s[i]), signal.coefficients);
       square += values[i] * values[i];
     }
     // The spline's gain is the continuous one's as long as the cutoff is far below the knots' rate.
@@ -117,35 +117,35 @@ TEST(SmoothingSpline, ACutoffIsWhereTheGainIsHalfThePower) {
 TEST(SmoothingSpline, RefusesWhatItCannotDo) {
   const std::vector<double> time_s = {0, 1, 2, 3, 4}, sigmas(5, 1.0);
   const double nan = std::nan("");
-  const SplineGrid grid = MakeSplineGrid(time_s, 1);
-  EXPECT_THROW(FitSmoothingSpline(grid, time_s, std::vector<double>{1, nan, nan, nan, 2}, sigmas), Error);
-  EXPECT_THROW(FitSmoothingSpline(grid, time_s, std::vector<double>(5, 1.0), std::vector<double>(5, 0.0)), Error);
-  EXPECT_THROW(MakeSplineGrid(std::vector<double>{0, 1e12}, 1e-3), Error);
+  const gait::SplineGrid grid = gait::MakeSplineGrid(time_s, 1);
+  EXPECT_THROW(gait::FitSmoothingSpline(grid, time_s, std::vector<double>{1, nan, nan, nan, 2}, sigmas), Error);
+  EXPECT_THROW(gait::FitSmoothingSpline(grid, time_s, std::vector<double>(5, 1.0), std::vector<double>(5, 0.0)), Error);
+  EXPECT_THROW(gait::MakeSplineGrid(std::vector<double>{0, 1e12}, 1e-3), Error);
 }
 
 TEST(LegView, ProjectionAndItsInverseAgree) {
-  LegView scaled_lens = CalibratedView();
+  gait::LegView scaled_lens = CalibratedView();
   scaled_lens.camera_from_plane.reset(), scaled_lens.mm_per_px = 1.7;
-  for (const LegView& view : {ScaledView(), CalibratedView(), scaled_lens, LegView{}}) {
+  for (const gait::LegView& view : {ScaledView(), CalibratedView(), scaled_lens, gait::LegView{}}) {
     const bool calibrated = view.camera_from_plane.has_value();
     for (const double depth_mm : {0.0, calibrated ? 40.0 : 0.0})
       for (const Eigen::Vector2d& pixel :
            {Eigen::Vector2d(300, 200), Eigen::Vector2d(900, 600), Eigen::Vector2d(640, 360)}) {
-        const Eigen::Vector2d point = PlaneFromRecorded(view, pixel, depth_mm);
-        EXPECT_LT((RecordedFromPlane<double>(view, point, depth_mm) - pixel).norm(), 1e-8);
-        const double scale = PlaneUnitsPerRecorded(view, point, depth_mm);
-        const Eigen::Vector2d beside = PlaneFromRecorded(view, pixel + Eigen::Vector2d(0.5, 0.5), depth_mm);
+        const Eigen::Vector2d point = gait::PlaneFromRecorded(view, pixel, depth_mm);
+        EXPECT_LT((gait::RecordedFromPlane<double>(view, point, depth_mm) - pixel).norm(), 1e-8);
+        const double scale = gait::PlaneUnitsPerRecorded(view, point, depth_mm);
+        const Eigen::Vector2d beside = gait::PlaneFromRecorded(view, pixel + Eigen::Vector2d(0.5, 0.5), depth_mm);
         EXPECT_NEAR((beside - point).norm() / std::sqrt(0.5), scale, 0.1 * scale);
       }
   }
 }
 
 TEST(LegView, APlumbLineGivesTheVertical) {
-  const Eigen::Vector2d up = UpFromPlumbLine(LegView{}, {100, 500}, {110, 100});
+  const Eigen::Vector2d up = gait::UpFromPlumbLine(gait::LegView{}, {100, 500}, {110, 100});
   EXPECT_NEAR(up.x(), 10 / std::hypot(10, 400), 1e-12);
   EXPECT_GT(up.y(), 0.9);
-  EXPECT_LT((UpFromPlumbLine(LegView{}, {110, 100}, {100, 500}) - up).norm(), 1e-12);
-  EXPECT_THROW(UpFromPlumbLine(LegView{}, {1, 1}, {1, 1}), Error);
+  EXPECT_LT((gait::UpFromPlumbLine(gait::LegView{}, {110, 100}, {100, 500}) - up).norm(), 1e-12);
+  EXPECT_THROW(gait::UpFromPlumbLine(gait::LegView{}, {1, 1}, {1, 1}), Error);
 }
 
 }  // namespace

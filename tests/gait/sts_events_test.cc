@@ -17,8 +17,8 @@ std::vector<double> Derivative(const std::vector<double>& values, const std::vec
   return result;
 }
 
-StsSignals SignalsOf(const SyntheticLeg& leg) {
-  StsSignals signals;
+gait::StsSignals SignalsOf(const SyntheticLeg& leg) {
+  gait::StsSignals signals;
   signals.time_s = leg.time_s;
   std::vector<double> x, knee_deg, trunk_deg;
   for (std::size_t i = 0; i < leg.time_s.size(); ++i) {
@@ -38,16 +38,16 @@ StsSignals SignalsOf(const SyntheticLeg& leg) {
   return signals;
 }
 
-std::vector<double> TimesOf(const std::vector<StsEvent>& events, StsEventKind kind) {
+std::vector<double> TimesOf(const std::vector<motion::StsEvent>& events, motion::StsEventKind kind) {
   std::vector<double> times;
-  for (const StsEvent& event : events)
+  for (const motion::StsEvent& event : events)
     if (event.kind == kind) times.push_back(event.time_s);
   return times;
 }
 
 TEST(StsEvents, EachRepetitionHasItsFiveEventsInOrder) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 120, .repetitions = 3});
-  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg)).events;
+  const std::vector<motion::StsEvent> events = gait::FindStsEvents(SignalsOf(leg)).events;
   ASSERT_EQ(events.size(), 15u);
   for (std::size_t i = 0; i < events.size(); ++i) {
     EXPECT_EQ(events[i].repetition, static_cast<int>(i / 5) + 1);
@@ -59,24 +59,25 @@ TEST(StsEvents, EachRepetitionHasItsFiveEventsInOrder) {
 // Wherever the first rise is cut, it is left out, the others keep their times, and none is taken for cut off at rest.
 TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningIsLeftOut) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 3});
-  const StsSignals all = SignalsOf(leg);
-  const std::vector<StsEvent> events = FindStsEvents(all).events;
-  const auto index_of = [&](StsEventKind kind) {
+  const gait::StsSignals all = SignalsOf(leg);
+  const std::vector<motion::StsEvent> events = gait::FindStsEvents(all).events;
+  const auto index_of = [&](motion::StsEventKind kind) {
     return static_cast<std::size_t>(events.at(static_cast<std::size_t>(kind)).frame);
   };
-  EXPECT_FALSE(FindStsEvents(all).begins_during_rise);
-  const std::size_t seat_off = index_of(StsEventKind::kSeatOff);
+  EXPECT_FALSE(gait::FindStsEvents(all).begins_during_rise);
+  const std::size_t seat_off = index_of(motion::StsEventKind::kSeatOff);
   for (const std::size_t begin : {seat_off, seat_off + 2, seat_off + 5}) {
-    StsSignals cut = all;
+    gait::StsSignals cut = all;
     const auto drop = [&](auto& values) {
       values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(begin));
     };
     drop(cut.frame), drop(cut.time_s), drop(cut.hip_height), drop(cut.hip_speed), drop(cut.hip_up_speed);
     drop(cut.knee_deg_s), drop(cut.trunk_deg_s);
-    EXPECT_TRUE(FindStsEvents(cut).begins_during_rise) << begin;
-    EXPECT_EQ(TimesOf(FindStsEvents(cut).events, StsEventKind::kOnset).size(), 2u) << begin;
-    EXPECT_EQ(TimesOf(FindStsEvents(cut).events, StsEventKind::kStanding),
-              (std::vector{TimesOf(events, StsEventKind::kStanding)[1], TimesOf(events, StsEventKind::kStanding)[2]}))
+    EXPECT_TRUE(gait::FindStsEvents(cut).begins_during_rise) << begin;
+    EXPECT_EQ(TimesOf(gait::FindStsEvents(cut).events, motion::StsEventKind::kOnset).size(), 2u) << begin;
+    EXPECT_EQ(TimesOf(gait::FindStsEvents(cut).events, motion::StsEventKind::kStanding),
+              (std::vector{TimesOf(events, motion::StsEventKind::kStanding)[1],
+                           TimesOf(events, motion::StsEventKind::kStanding)[2]}))
         << begin;
   }
 }
@@ -84,7 +85,8 @@ TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningIsLeftOut) {
 TEST(StsEvents, OnsetIsWhenTheTrunkLeavesRest) {
   for (const double rate_hz : {30.0, 60.0, 240.0}) {
     const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = rate_hz, .repetitions = 2});
-    const std::vector<double> onsets = TimesOf(FindStsEvents(SignalsOf(leg)).events, StsEventKind::kOnset);
+    const std::vector<double> onsets =
+        TimesOf(gait::FindStsEvents(SignalsOf(leg)).events, motion::StsEventKind::kOnset);
     ASSERT_EQ(onsets.size(), leg.onset_s.size());
     // The trunk turns by 35° in 0.9 s with minimum jerk: 30 τ² · 35°/0.9 s = 2°/s at τ = 0.042, 0.038 s after it
     // starts.
@@ -95,8 +97,8 @@ TEST(StsEvents, OnsetIsWhenTheTrunkLeavesRest) {
 
 TEST(StsEvents, SeatOffAndStandingAreTheStatedFractionsOfTheirPeaks) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 500, .repetitions = 1});
-  const StsSignals signals = SignalsOf(leg);
-  const std::vector<StsEvent> events = FindStsEvents(signals).events;
+  const gait::StsSignals signals = SignalsOf(leg);
+  const std::vector<motion::StsEvent> events = gait::FindStsEvents(signals).events;
   ASSERT_GE(events.size(), 3u);
   double peak_up = 0, peak_extension = 0;
   for (std::size_t i = 0; i < signals.frame.size() / 2; ++i) {
@@ -112,9 +114,9 @@ TEST(StsEvents, SeatOffAndStandingAreTheStatedFractionsOfTheirPeaks) {
 
 TEST(StsEvents, WithoutRestBetweenThemRepetitionsAreStillFound) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 5, .rest_s = 0.02, .move_s = 0.8});
-  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg)).events;
-  const std::vector<double> onsets = TimesOf(events, StsEventKind::kOnset);
-  EXPECT_EQ(TimesOf(events, StsEventKind::kStanding).size(), 5u);
+  const std::vector<motion::StsEvent> events = gait::FindStsEvents(SignalsOf(leg)).events;
+  const std::vector<double> onsets = TimesOf(events, motion::StsEventKind::kOnset);
+  EXPECT_EQ(TimesOf(events, motion::StsEventKind::kStanding).size(), 5u);
   ASSERT_EQ(onsets.size(), 5u);
   // The trunk never rests here, so the SD that its speed must leave is large.
   for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(onsets[i], leg.onset_s[i], 0.12);
@@ -122,17 +124,17 @@ TEST(StsEvents, WithoutRestBetweenThemRepetitionsAreStillFound) {
 
 TEST(StsEvents, ARecordingThatBeginsStandingCountsItsRisesOnly) {
   const SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 2, .starts_standing = true});
-  const std::vector<StsEvent> events = FindStsEvents(SignalsOf(leg)).events;
+  const std::vector<motion::StsEvent> events = gait::FindStsEvents(SignalsOf(leg)).events;
   ASSERT_FALSE(events.empty());
-  EXPECT_EQ(events.front().kind, StsEventKind::kOnset);
-  EXPECT_EQ(TimesOf(events, StsEventKind::kOnset).size(), 2u);
+  EXPECT_EQ(events.front().kind, motion::StsEventKind::kOnset);
+  EXPECT_EQ(TimesOf(events, motion::StsEventKind::kOnset).size(), 2u);
 }
 
 TEST(StsEvents, FidgetingOnTheSeatIsNotAnOnset) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 1, .rest_s = 3});
-  StsSignals signals = SignalsOf(leg);
+  gait::StsSignals signals = SignalsOf(leg);
   for (std::size_t i = 60; i < 110; ++i) signals.trunk_deg_s[i] += 15;  // a nod 2 s before
-  const std::vector<double> onsets = TimesOf(FindStsEvents(signals).events, StsEventKind::kOnset);
+  const std::vector<double> onsets = TimesOf(gait::FindStsEvents(signals).events, motion::StsEventKind::kOnset);
   ASSERT_EQ(onsets.size(), 1u);
   EXPECT_NEAR(onsets[0], 3.04, 0.02);
 }
@@ -142,10 +144,10 @@ TEST(StsEvents, FidgetingOnTheSeatIsNotAnOnset) {
 TEST(StsEvents, ARiseThatDoesNotCountAddsNothingToTheRepetitionBefore) {
   for (const bool before : {false, true}) {
     const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 1});
-    StsSignals signals = SignalsOf(leg);
-    const std::vector<StsEvent> alone = FindStsEvents(signals).events;
+    gait::StsSignals signals = SignalsOf(leg);
+    const std::vector<motion::StsEvent> alone = gait::FindStsEvents(signals).events;
     ASSERT_EQ(alone.size(), 5u);
-    StsSignals lifted = signals;
+    gait::StsSignals lifted = signals;
     const double last_s = signals.time_s.back(),
                  seated = before ? signals.hip_height.front() : signals.hip_height.back();
     for (auto* values : {&lifted.time_s, &lifted.hip_height, &lifted.hip_speed, &lifted.hip_up_speed,
@@ -159,9 +161,9 @@ TEST(StsEvents, ARiseThatDoesNotCountAddsNothingToTheRepetitionBefore) {
       lifted.hip_up_speed.push_back(up_speed), lifted.hip_speed.push_back(std::abs(up_speed));
       lifted.knee_deg_s.push_back(0), lifted.trunk_deg_s.push_back(0);
     }
-    EXPECT_TRUE(FindStsEvents(lifted).events.empty());
-    StsSignals joined = before ? lifted : signals;
-    const StsSignals& second = before ? signals : lifted;
+    EXPECT_TRUE(gait::FindStsEvents(lifted).events.empty());
+    gait::StsSignals joined = before ? lifted : signals;
+    const gait::StsSignals& second = before ? signals : lifted;
     const double offset_s = before ? 4.01 : last_s + 0.01;
     for (std::size_t i = 0; i < second.frame.size(); ++i) {
       joined.frame.push_back(static_cast<std::int64_t>(joined.frame.size()));
@@ -170,7 +172,7 @@ TEST(StsEvents, ARiseThatDoesNotCountAddsNothingToTheRepetitionBefore) {
       joined.hip_up_speed.push_back(second.hip_up_speed[i]), joined.knee_deg_s.push_back(second.knee_deg_s[i]);
       joined.trunk_deg_s.push_back(second.trunk_deg_s[i]);
     }
-    const std::vector<StsEvent> events = FindStsEvents(joined).events;
+    const std::vector<motion::StsEvent> events = gait::FindStsEvents(joined).events;
     ASSERT_EQ(events.size(), 5u) << before;
     for (std::size_t i = 0; i < events.size(); ++i) {
       EXPECT_EQ(events[i].kind, alone[i].kind);
@@ -180,7 +182,7 @@ TEST(StsEvents, ARiseThatDoesNotCountAddsNothingToTheRepetitionBefore) {
 }
 
 TEST(StsEvents, WalkingHasNone) {
-  StsSignals signals;
+  gait::StsSignals signals;
   signals.leg_length = 840;
   for (int i = 0; i < 600; ++i) {
     const double t = i / 100.0, phase = 2 * std::numbers::pi * t;
@@ -190,15 +192,15 @@ TEST(StsEvents, WalkingHasNone) {
     signals.hip_speed.push_back(1300), signals.knee_deg_s.push_back(200 * std::cos(phase));
     signals.trunk_deg_s.push_back(10 * std::cos(2 * phase));
   }
-  EXPECT_TRUE(FindStsEvents(signals).events.empty());
+  EXPECT_TRUE(gait::FindStsEvents(signals).events.empty());
 }
 
 TEST(StsEvents, GapsAndAMissingTrunkDoNotHideARise) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 1});
-  StsSignals signals = SignalsOf(leg);
+  gait::StsSignals signals = SignalsOf(leg);
   for (std::size_t i = 20; i < 40; ++i) signals.hip_height[i] = std::nan("");
   signals.trunk_deg_s.clear();
-  const std::vector<StsEvent> events = FindStsEvents(signals).events;
+  const std::vector<motion::StsEvent> events = gait::FindStsEvents(signals).events;
   ASSERT_EQ(events.size(), 5u);
   // Without a trunk the hip must rise by 2 mm, which it does before it has 10 % of its peak speed.
   EXPECT_LE(events[0].time_s, events[1].time_s);
@@ -206,23 +208,24 @@ TEST(StsEvents, GapsAndAMissingTrunkDoNotHideARise) {
 }
 
 TEST(StsEvents, EmptyAndStillRecordingsHaveNone) {
-  EXPECT_TRUE(FindStsEvents({}).events.empty());
+  EXPECT_TRUE(gait::FindStsEvents({}).events.empty());
   SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 1});
-  StsSignals signals = SignalsOf(leg);
+  gait::StsSignals signals = SignalsOf(leg);
   std::fill(signals.hip_height.begin(), signals.hip_height.end(), 500.0);
-  EXPECT_TRUE(FindStsEvents(signals).events.empty());
+  EXPECT_TRUE(gait::FindStsEvents(signals).events.empty());
 }
 
 TEST(StsEvents, PercentRunsFromOnsetToStanding) {
-  LegMotion motion;
+  motion::LegMotion motion;
   for (int i = 0; i < 100; ++i) {
     motion.frame.push_back(i), motion.time_s.push_back(0.1 * i);
     motion.samples.emplace_back();
     motion.samples.back().percent = 7;  // to be cleared
   }
-  SetRepetitions(
-      {{1, StsEventKind::kOnset, 20, 2.0}, {1, StsEventKind::kStanding, 40, 4.0}, {2, StsEventKind::kOnset, 90, 9.0}},
-      motion);
+  gait::SetRepetitions({{1, motion::StsEventKind::kOnset, 20, 2.0},
+                        {1, motion::StsEventKind::kStanding, 40, 4.0},
+                        {2, motion::StsEventKind::kOnset, 90, 9.0}},
+                       motion);
   EXPECT_TRUE(std::isnan(motion.samples[19].percent));
   EXPECT_NEAR(motion.samples[20].percent, 0, 1e-9);
   EXPECT_NEAR(motion.samples[30].percent, 50, 1e-9);

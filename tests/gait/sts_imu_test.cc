@@ -55,7 +55,7 @@ Signal Resample(const Signal& signal) {
 }
 
 Signal LowPass(Signal signal) {
-  signal.value = ZeroPhaseButterworth(signal.value, kRateHz, kCutoffHz);
+  signal.value = gait::ZeroPhaseButterworth(signal.value, kRateHz, kCutoffHz);
   return signal;
 }
 
@@ -64,17 +64,18 @@ Signal LowPass(Signal signal) {
 Signal ThighOfVideo(const fs::path& folder) {
   const std::vector<Row> corners = ReadRows(folder / "calib.txt");
   const Eigen::Vector2d corners_mm[] = {{0, 0}, {0, 740}, {590, 0}, {590, 740}};
-  std::vector<PlaneCorrespondence> points;
+  std::vector<camera::PlaneCorrespondence> points;
   for (std::size_t i = 0; i < 4; ++i) points.push_back({corners.at(i).pixel, corners_mm[i]});
-  const HomographyFit plane = PlaneHomography(points);
+  const camera::HomographyFit plane = camera::PlaneHomography(points);
   std::map<double, Row> thigh;
   for (const Row& row : ReadRows(folder / "thigh.txt")) thigh[row.frame] = row;
   Signal signal;
   for (const Row& knee : ReadRows(folder / "knee.txt")) {
     if (!thigh.contains(knee.frame)) continue;
-    const Eigen::Vector2d kh = ApplyHomography(plane, thigh[knee.frame].pixel) - ApplyHomography(plane, knee.pixel);
+    const Eigen::Vector2d kh =
+        camera::ApplyHomography(plane, thigh[knee.frame].pixel) - camera::ApplyHomography(plane, knee.pixel);
     signal.time_s.push_back(knee.time_s);
-    signal.value.push_back(SegmentAngleDeg({-kh.x(), kh.y()}));
+    signal.value.push_back(gait::SegmentAngleDeg({-kh.x(), kh.y()}));
   }
   return Resample(signal);
 }

@@ -20,15 +20,15 @@ struct SyntheticLegOptions {
   double time_jitter = 0;  // of a frame's step: irregular stamps
   double shank_mm = 430, thigh_mm = 410, trunk_mm = 260;
   double skin_mm = 0;  // how much the shank's markers come apart with flexion; the thigh's by 1.7 times that
-  Facing facing = Facing::kRight;
+  motion::Facing facing = motion::Facing::kRight;
   Eigen::Vector2d ankle_mm = Eigen::Vector2d(30, 90);
 };
 
 struct SyntheticLeg {
   std::vector<double> time_s;
-  std::vector<LegPoints> points_mm;  // plane frame
-  std::vector<LegSample> truth;      // vectors and angles without noise
-  std::vector<double> onset_s;       // when the trunk starts to move, per rise
+  std::vector<gait::LegPoints> points_mm;  // plane frame
+  std::vector<motion::LegSample> truth;    // vectors and angles without noise
+  std::vector<double> onset_s;             // when the trunk starts to move, per rise
 };
 
 // 0 before 0, 1 after 1, with vanishing speed and acceleration at both (Flash & Hogan 1985).
@@ -65,20 +65,20 @@ inline SyntheticLeg MakeSyntheticLeg(const SyntheticLegOptions& o, unsigned seed
     const bool lowering = phase > cycle_s / 2;
     const double u = ((lowering ? phase - cycle_s / 2 : phase) - o.rest_s) / o.move_s;
     const SyntheticAngles angles = RiseAngles(lowering ? 1 - u : u);
-    const double side = o.facing == Facing::kRight ? 1 : -1;
+    const double side = o.facing == motion::Facing::kRight ? 1 : -1;
     const auto along = [&](double length, double lean_deg) {
       const double lean_rad = RadiansFromDegrees(lean_deg);
       return Eigen::Vector2d(side * length * std::sin(lean_rad), length * std::cos(lean_rad));
     };
     const double skin_mm = o.skin_mm * std::sin(RadiansFromDegrees(angles.shank_deg - angles.thigh_deg));
-    LegPoints points;
+    gait::LegPoints points;
     points.ankle = o.ankle_mm + Eigen::Vector2d(3 * std::sin(2 * t), 1.5 * std::sin(3 * t));
     points.knee = *points.ankle + along(o.shank_mm + skin_mm, angles.shank_deg);
     points.hip = *points.knee + along(o.thigh_mm - 1.7 * skin_mm, angles.thigh_deg);
     points.waist = *points.hip + along(o.trunk_mm, angles.trunk_deg);
     leg.time_s.push_back(t);
     leg.points_mm.push_back(points);
-    leg.truth.push_back(MakeLegSample(points, o.facing, Eigen::Vector2d::UnitY()));
+    leg.truth.push_back(gait::MakeLegSample(points, o.facing, Eigen::Vector2d::UnitY()));
   }
   return leg;
 }
@@ -96,29 +96,33 @@ struct TrackNoise {
 };
 
 // The markers as seen under a view, with noise. Names ankle, knee, hip, waist.
-inline MarkerRecording MakeTracks(const std::vector<double>& time_s, const std::vector<LegPoints>& points_mm,
-                                  const LegView& view, const TrackNoise& noise, unsigned seed) {
+inline motion::MarkerRecording MakeTracks(const std::vector<double>& time_s,
+                                          const std::vector<gait::LegPoints>& points_mm, const gait::LegView& view,
+                                          const TrackNoise& noise, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, noise.sigma_px);
-  MarkerRecording recording;
-  recording.unit = view.recorded_in_plane ? LengthUnit::kMm : LengthUnit::kPx;
+  motion::MarkerRecording recording;
+  recording.unit = view.recorded_in_plane ? motion::LengthUnit::kMm : motion::LengthUnit::kPx;
   recording.time_s = time_s;
   for (std::size_t i = 0; i < time_s.size(); ++i) recording.frame.push_back(static_cast<std::int64_t>(i));
-  const std::pair<const char*, std::optional<Eigen::Vector2d> LegPoints::*> markers[] = {
-      {"ankle", &LegPoints::ankle}, {"knee", &LegPoints::knee}, {"hip", &LegPoints::hip}, {"waist", &LegPoints::waist}};
+  const std::pair<const char*, std::optional<Eigen::Vector2d> gait::LegPoints::*> markers[] = {
+      {"ankle", &gait::LegPoints::ankle},
+      {"knee", &gait::LegPoints::knee},
+      {"hip", &gait::LegPoints::hip},
+      {"waist", &gait::LegPoints::waist}};
   for (const auto& [name, point] : markers) {
-    MarkerTrack track{name, {}};
+    motion::MarkerTrack track{name, {}};
     Eigen::Vector2d error(normal(random), normal(random)), last = Eigen::Vector2d::Zero();
     for (std::size_t i = 0; i < time_s.size(); ++i) {
       const Eigen::Vector2d seen =
-          RecordedFromPlane<double>(view, Eigen::Vector2d(*(points_mm[i].*point)), view.Depth(name));
+          gait::RecordedFromPlane<double>(view, Eigen::Vector2d(*(points_mm[i].*point)), view.Depth(name));
       const Eigen::Vector2d fresh(normal(random), normal(random));
       const bool resting = i > 0 && (seen - last).norm() < 0.1 && i % 60 != 0;
       if (noise.kind == NoiseKind::kWhite || (noise.kind == NoiseKind::kFrozen && !resting)) error = fresh;
       if (noise.kind == NoiseKind::kAutoregressive) error = 0.9 * error + std::sqrt(1 - 0.81) * fresh;
       last = seen;
       const double sigma = noise.stated_sigma_px > 0 ? noise.stated_sigma_px : noise.sigma_px;
-      track.samples.push_back({seen + error, sigma, SampleStatus::kDetected});
+      track.samples.push_back({seen + error, sigma, motion::SampleStatus::kDetected});
     }
     recording.markers.push_back(track);
   }
@@ -126,17 +130,17 @@ inline MarkerRecording MakeTracks(const std::vector<double>& time_s, const std::
 }
 
 // A 1280 × 720 camera square to the plane at 2 mm per px, without a lens: a scale bar is enough.
-inline LegView ScaledView() {
-  LegView view;
+inline gait::LegView ScaledView() {
+  gait::LegView view;
   view.mm_per_px = 2;
   return view;
 }
 
 // A camera with a lens, 3 m away, turned by 12° and tilted by 4°.
-inline LegView CalibratedView() {
-  LegView view;
-  view.camera = Camera{1280, 720, 1100, 1104, 645, 352, {-0.18, 0.06, 4e-4, -3e-4, 0}};
-  PlanePose pose = PlanePose::Identity();
+inline gait::LegView CalibratedView() {
+  gait::LegView view;
+  view.camera = camera::Camera{1280, 720, 1100, 1104, 645, 352, {-0.18, 0.06, 4e-4, -3e-4, 0}};
+  camera::PlanePose pose = camera::PlanePose::Identity();
   pose.linear() = (Eigen::AngleAxisd(RadiansFromDegrees(180 - 4), Eigen::Vector3d::UnitX()) *
                    Eigen::AngleAxisd(RadiansFromDegrees(12), Eigen::Vector3d::UnitY()))
                       .toRotationMatrix();
@@ -153,12 +157,12 @@ struct KneeErrors {
   double peak_deg = 0;    // of the largest and the smallest angle, the worse
 };
 
-inline KneeErrors CompareKnee(const LegMotion& motion, const std::vector<LegSample>& truth) {
+inline KneeErrors CompareKnee(const motion::LegMotion& motion, const std::vector<motion::LegSample>& truth) {
   KneeErrors errors;
   double squares = 0, raw_squares = 0, normalized = 0, most = -1e9, least = 1e9, true_most = -1e9, true_least = 1e9;
   int count = 0, raw_count = 0, covered = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    const LegSample& sample = motion.samples[i];
+    const motion::LegSample& sample = motion.samples[i];
     if (std::isfinite(sample.knee_raw_deg))
       ++raw_count, raw_squares += std::pow(sample.knee_raw_deg - truth[i].knee_deg, 2);
     if (!std::isfinite(sample.knee_deg)) continue;

@@ -15,13 +15,13 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-constexpr Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
+constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
 // Volume and centre of mass of a frustum, integrated in slices.
 struct Solid {
   double volume_mm3 = 0, centre_from_proximal_mm = 0;
 };
-Solid Integrate(const LimbSegment& limb) {
+Solid Integrate(const linkage::LimbSegment& limb) {
   constexpr int kSlices = 20000;
   Solid solid;
   for (int i = 0; i < kSlices; ++i) {
@@ -35,7 +35,7 @@ Solid Integrate(const LimbSegment& limb) {
 
 TEST(Body, SegmentsHaveThePublishedLengthMassAndCentre) {
   for (const auto& [height, mass] : {std::pair(1800.0, 80.0), std::pair(1500.0, 45.0), std::pair(2000.0, 130.0)}) {
-    const Body body = BodyOf(height, mass);
+    const linkage::Body body = linkage::BodyOf(height, mass);
     EXPECT_DOUBLE_EQ(body.thigh.length_mm, 0.245 * height);
     EXPECT_DOUBLE_EQ(body.shank.length_mm, 0.246 * height);
     const Solid thigh = Integrate(body.thigh), shank = Integrate(body.shank);
@@ -50,16 +50,17 @@ TEST(Body, SegmentsHaveThePublishedLengthMassAndCentre) {
 }
 
 TEST(Body, RefusesWhatIsNoBody) {
-  EXPECT_THAT([] { BodyOf(180, 80); }, ThrowsMessage<Error>(HasSubstr("a body of 18 cm")));
-  EXPECT_THAT([] { BodyOf(1800, 0); }, ThrowsMessage<Error>(HasSubstr("a body of 0 kg")));
-  EXPECT_THAT([] { BodyOf(std::nan(""), 80); }, ThrowsMessage<Error>(HasSubstr("a body of nan cm")));
+  EXPECT_THAT([] { linkage::BodyOf(180, 80); }, ThrowsMessage<Error>(HasSubstr("a body of 18 cm")));
+  EXPECT_THAT([] { linkage::BodyOf(1800, 0); }, ThrowsMessage<Error>(HasSubstr("a body of 0 kg")));
+  EXPECT_THAT([] { linkage::BodyOf(std::nan(""), 80); }, ThrowsMessage<Error>(HasSubstr("a body of nan cm")));
 }
 
 // The same distances by hand: seated, the thigh is level and the mount is the lowest part.
 TEST(CheckWear, PublishedDesignOnThePapersBody) {
-  const Body body = BodyOf(1800, 80);
-  const WearOptions options;
-  const WearCheck check = CheckWear(kOptimum, FindUsedRange(kOptimum, 242, {}), body, options);
+  const linkage::Body body = linkage::BodyOf(1800, 80);
+  const linkage::WearOptions options;
+  const linkage::WearCheck check =
+      linkage::CheckWear(kOptimum, linkage::FindUsedRange(kOptimum, 242, {}), body, options);
   EXPECT_NEAR(check.seated_deg, 90, 1e-9);
   EXPECT_NEAR(check.standing_deg, 0, 1e-9);
   const double mount_y = kOptimum.l3 + kOptimum.l6;
@@ -74,18 +75,20 @@ TEST(CheckWear, PublishedDesignOnThePapersBody) {
 }
 
 TEST(CheckWear, ASeatThatEndsEarlierIsCleared) {
-  const UsedRange range = FindUsedRange(kOptimum, 242, {});
-  const Body body = BodyOf(1800, 80);
-  WearOptions options;
-  const double needed = CheckWear(kOptimum, range, body, options).seat_edge_needed_mm;
+  const linkage::UsedRange range = linkage::FindUsedRange(kOptimum, 242, {});
+  const linkage::Body body = linkage::BodyOf(1800, 80);
+  linkage::WearOptions options;
+  const double needed = linkage::CheckWear(kOptimum, range, body, options).seat_edge_needed_mm;
   options.seat_edge_mm = needed + 1;
-  EXPECT_NEAR(CheckWear(kOptimum, range, body, options).seat_clearance_mm, 1, 0.05);  // sampled: 3 mm steps along a bar
+  EXPECT_NEAR(linkage::CheckWear(kOptimum, range, body, options).seat_clearance_mm, 1,
+              0.05);  // sampled: 3 mm steps along a bar
   options.seat_edge_mm = needed - 1;
-  EXPECT_LT(CheckWear(kOptimum, range, body, options).seat_clearance_mm, 0);
+  EXPECT_LT(linkage::CheckWear(kOptimum, range, body, options).seat_clearance_mm, 0);
 }
 
 TEST(CheckWear, AShortBodyHasNoRoomForTheMount) {
-  const WearCheck check = CheckWear(kOptimum, FindUsedRange(kOptimum, 242, {}), BodyOf(1350, 40), {});
+  const linkage::WearCheck check =
+      linkage::CheckWear(kOptimum, linkage::FindUsedRange(kOptimum, 242, {}), linkage::BodyOf(1350, 40), {});
   EXPECT_FALSE(check.FitsAlongThigh());
 }
 
@@ -98,21 +101,22 @@ double DistanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& fr
 // A mount far behind a thin leg: the actuator clears the thigh all the way, by its distance to the thigh's hind edge
 // and to its two ends.
 TEST(CheckWear, AMountFarBehindClearsTheThigh) {
-  const Links far{80, 160, 60, 150, 220, 220};
-  const auto ranges = AssemblyRanges(far);
+  const linkage::Links far{80, 160, 60, 150, 220, 220};
+  const auto ranges = linkage::AssemblyRanges(far);
   ASSERT_FALSE(ranges.empty());
-  const auto seated = StrokesForAngle(far, std::numbers::pi / 2), standing = StrokesForAngle(far, 1.2);
+  const auto seated = linkage::StrokesForAngle(far, std::numbers::pi / 2),
+             standing = linkage::StrokesForAngle(far, 1.2);
   ASSERT_FALSE(seated.empty());
   ASSERT_FALSE(standing.empty());
-  const UsedRange range = FindUsedRange(far, seated.front(), standing.front());
-  const Body body = BodyOf(1800, 50);
-  const WearOptions options;
-  const WearCheck check = CheckWear(far, range, body, options);
+  const linkage::UsedRange range = linkage::FindUsedRange(far, seated.front(), standing.front());
+  const linkage::Body body = linkage::BodyOf(1800, 50);
+  const linkage::WearOptions options;
+  const linkage::WearCheck check = linkage::CheckWear(far, range, body, options);
   const Eigen::Vector2d knee(0, 0), hip(0, body.thigh.length_mm), hind_knee(body.thigh.distal_radius_mm, 0),
       hind_hip(body.thigh.proximal_radius_mm, body.thigh.length_mm);
   double least_mm = HUGE_VAL, at_deg = 0;
   for (int i = 0; i <= 500; ++i) {
-    const auto pose = SolvePose(far, range.stroke.lower_mm + range.stroke.Travel() * i / 500);
+    const auto pose = linkage::SolvePose(far, range.stroke.lower_mm + range.stroke.Travel() * i / 500);
     ASSERT_TRUE(pose);
     for (int j = 0; j <= 1000; ++j) {
       const Eigen::Vector2d point = pose->mount + (pose->tip - pose->mount) * j / 1000;

@@ -20,7 +20,7 @@ struct JetPoint {
   Jet l[6], d, phi, theta;
 };
 
-JetPoint JetsAt(const Links& links, const Pose& pose) {
+JetPoint JetsAt(const linkage::Links& links, const linkage::Pose& pose) {
   JetPoint point;
   for (int i = 0; i < 6; ++i) point.l[i] = Jet(links.Values()[i], i);
   point.d = Jet(pose.stroke_mm, 6), point.phi = Jet(pose.phi_rad, 7), point.theta = Jet(pose.theta_rad, 8);
@@ -29,7 +29,7 @@ JetPoint JetsAt(const Links& links, const Pose& pose) {
 
 // d(phi, theta) / d(l1..l6, d) by the implicit function theorem on the Jets of the loops.
 Eigen::Matrix<double, 2, 7> ImplicitDerivatives(const JetPoint& at) {
-  const auto residuals = LoopResiduals(at.l, at.d, at.phi, at.theta);
+  const auto residuals = linkage::LoopResiduals(at.l, at.d, at.phi, at.theta);
   Eigen::Matrix2d by_angles;
   Eigen::Matrix<double, 2, 7> by_lengths;
   for (int row = 0; row < 2; ++row) {
@@ -41,13 +41,13 @@ Eigen::Matrix<double, 2, 7> ImplicitDerivatives(const JetPoint& at) {
 
 // A pose well inside its branch, so that the neighbours that differences need exist and curvature is tame.
 struct Sample {
-  Links links;
-  Pose pose;
+  linkage::Links links;
+  linkage::Pose pose;
 };
 std::optional<Sample> NextSample(testing::RandomLinks& random) {
-  const Links links = random.Next();
-  const Pose pose = RequirePose(links, random.StrokeFor(links));
-  const Transmission t = TransmissionOf(links, pose);
+  const linkage::Links links = random.Next();
+  const linkage::Pose pose = linkage::RequirePose(links, random.StrokeFor(links));
+  const linkage::Transmission t = linkage::TransmissionOf(links, pose);
   if (std::min(std::sin(t.actuator_rad), std::sin(t.transmission_rad)) < 0.1) return std::nullopt;
   return Sample{links, pose};
 }
@@ -61,12 +61,12 @@ TEST(Derivatives, AnalyticEqualsJet) {
     const auto sample = NextSample(random);
     if (!sample) continue;
     const auto jets = ImplicitDerivatives(JetsAt(sample->links, sample->pose));
-    const AngleDerivatives analytic = AngleDerivativesOf(sample->links, sample->pose);
+    const linkage::AngleDerivatives analytic = linkage::AngleDerivativesOf(sample->links, sample->pose);
     // Rounding only, relative to the largest entry.
     const double tolerance = 1e-10 * std::max(jets.row(1).cwiseAbs().maxCoeff(), 1e-3);
     for (int j = 0; j < 6; ++j) ASSERT_NEAR(analytic.link[j], jets(1, j), tolerance) << testing::TextOf(sample->links);
     ASSERT_NEAR(analytic.stroke, jets(1, 6), tolerance);
-    ASSERT_NEAR(TransmissionOf(sample->links, sample->pose).radians_per_mm, analytic.stroke, tolerance);
+    ASSERT_NEAR(linkage::TransmissionOf(sample->links, sample->pose).radians_per_mm, analytic.stroke, tolerance);
     ++compared;
   }
   EXPECT_GT(compared, kSamples / 2);
@@ -78,7 +78,7 @@ TEST(Derivatives, AnalyticEqualsCentralDifferences) {
   for (int i = 0; i < kSamples; ++i) {
     const auto sample = NextSample(random);
     if (!sample) continue;
-    const AngleDerivatives analytic = AngleDerivativesOf(sample->links, sample->pose);
+    const linkage::AngleDerivatives analytic = linkage::AngleDerivativesOf(sample->links, sample->pose);
     constexpr double kStep_mm = 1e-3;
     // Error of the difference: step^2 / 6 times the third derivative. With sines of at least 0.1 and lengths of at
     // least 10 mm that derivative stays below (slope + 1 / 10 mm) * 100 / mm^2, hence 2e-5 relative; rounding adds
@@ -86,14 +86,17 @@ TEST(Derivatives, AnalyticEqualsCentralDifferences) {
     const auto near = [&](double slope, double difference) {
       EXPECT_NEAR(slope, difference, 2e-5 * (std::abs(slope) + 0.1)) << testing::TextOf(sample->links);
     };
-    const auto angle = [](const Links& links, double stroke) { return RequirePose(links, stroke).theta_rad; };
+    const auto angle = [](const linkage::Links& links, double stroke) {
+      return linkage::RequirePose(links, stroke).theta_rad;
+    };
     const double d = sample->pose.stroke_mm;
     near(analytic.stroke, (angle(sample->links, d + kStep_mm) - angle(sample->links, d - kStep_mm)) / (2 * kStep_mm));
     for (int j = 0; j < 6; ++j) {
       auto above = sample->links.Values(), below = above;
       above[j] += kStep_mm, below[j] -= kStep_mm;
-      near(analytic.link[j],
-           (angle(Links::FromValues(above), d) - angle(Links::FromValues(below), d)) / (2 * kStep_mm));
+      near(
+          analytic.link[j],
+          (angle(linkage::Links::FromValues(above), d) - angle(linkage::Links::FromValues(below), d)) / (2 * kStep_mm));
     }
     ++compared;
   }
@@ -105,22 +108,22 @@ TEST(Derivatives, JetsOfTheTemplatesEqualCentralDifferences) {
   testing::RandomLinks random;
   const auto evaluate = [](const auto* x) {
     using T = std::decay_t<decltype(x[0])>;
-    const auto loops = LoopResiduals(x, x[6], x[7], x[8]);
-    const auto branch = BranchExpressions(x, x[7], x[8]);
-    const auto transmission = SinCosTransmission(x, x[7], x[8]);
-    const auto actuator = SinCosActuator(x, x[6], x[7], x[8]);
-    const T stroke = StrokePerRadian(x, x[6], x[7], x[8]) / 100.0;
+    const auto loops = linkage::LoopResiduals(x, x[6], x[7], x[8]);
+    const auto branch = linkage::BranchExpressions(x, x[7], x[8]);
+    const auto transmission = linkage::SinCosTransmission(x, x[7], x[8]);
+    const auto actuator = linkage::SinCosActuator(x, x[6], x[7], x[8]);
+    const T stroke = linkage::StrokePerRadian(x, x[6], x[7], x[8]) / 100.0;
     return std::array<T, 9>{loops[0],        loops[1],    branch[0],   branch[1], transmission[0],
                             transmission[1], actuator[0], actuator[1], stroke};
   };
   for (int i = 0; i < 200; ++i) {
-    const Links links = random.Next();
+    const linkage::Links links = random.Next();
     std::array<double, kVariables> x{};
     const auto l = links.Values();
     std::copy(l.begin(), l.end(), x.begin());
     x[6] = random.Uniform(150, 400), x[7] = random.Uniform(0.5, 3), x[8] = random.Uniform(-0.5, 2.5);
-    const auto v = LoopVectorsOf(x.data(), x[7], x[8]);
-    if (std::abs(Dot(v.coupler, v.tip_motion)) < 1000) continue;  // d d / d theta has a pole at 0
+    const auto v = linkage::LoopVectorsOf(x.data(), x[7], x[8]);
+    if (std::abs(linkage::Dot(v.coupler, v.tip_motion)) < 1000) continue;  // d d / d theta has a pole at 0
     std::array<Jet, kVariables> jets;
     for (int j = 0; j < kVariables; ++j) jets[j] = Jet(x[j], j);
     const auto exact = evaluate(jets.data());

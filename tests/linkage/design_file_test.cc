@@ -27,25 +27,26 @@ class DesignFile : public ::testing::Test {
 
   void ExpectError(const std::string& text, const std::string& message) {
     WriteTextFile(path_, text);
-    EXPECT_THAT([&] { ReadDesign(path_); }, ThrowsMessage<Error>(HasSubstr(message))) << text;
+    EXPECT_THAT([&] { linkage::ReadDesign(path_); }, ThrowsMessage<Error>(HasSubstr(message))) << text;
   }
 
   std::filesystem::path path_;
 };
 
 TEST_F(DesignFile, ReadsBackWhatWasWritten) {
-  Design design;
+  linkage::Design design;
   design.links = {59.081, 68.840, 55.964, 71.849, 118.630, 287.310 + 1e-13};
   design.d_min_mm = 242.125, design.d_max_mm = 374.5205, design.range_deg = 148.5715062;
   design.placement_mm = {1.0 / 3, -12.5};
   design.made_by = "it's lake-optimize 'x': 1";
-  StrokeProgram free;
-  free.kind = StrokeProgram::Kind::kFree;
+  linkage::StrokeProgram free;
+  free.kind = linkage::StrokeProgram::Kind::kFree;
   free.knots = {{0, 250}, {0.1, 251.7}, {1.0 / 7 + 1, 300}};
-  for (const auto& program : {std::optional<StrokeProgram>(), std::optional(StrokeProgram{}), std::optional(free)}) {
+  for (const auto& program :
+       {std::optional<linkage::StrokeProgram>(), std::optional(linkage::StrokeProgram{}), std::optional(free)}) {
     design.program = program;
-    WriteDesign(path_, design);
-    const Design read = ReadDesign(path_);
+    linkage::WriteDesign(path_, design);
+    const linkage::Design read = linkage::ReadDesign(path_);
     EXPECT_EQ(read.links.Values(), design.links.Values());
     EXPECT_EQ(read.d_min_mm, design.d_min_mm);
     EXPECT_EQ(read.d_max_mm, design.d_max_mm);
@@ -101,7 +102,8 @@ TEST_F(DesignFile, SaysWhatIsWrongInAProgram) {
 }
 
 TEST_F(DesignFile, AbsentFile) {
-  EXPECT_THAT([] { ReadDesign("/no/such/design.yaml"); }, ThrowsMessage<Error>(HasSubstr("/no/such/design.yaml")));
+  EXPECT_THAT([] { linkage::ReadDesign("/no/such/design.yaml"); },
+              ThrowsMessage<Error>(HasSubstr("/no/such/design.yaml")));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
-#include "lake/render/linkage_dxf.h"
+#include "lake/drawing/linkage_dxf.h"
 #include "linkage/random_links.h"
 #include "temporary_folder.h"
 
@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector2d;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-constexpr Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
+constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
 struct Edge {
   Vector2d from, to;
@@ -71,8 +71,8 @@ TEST(LinkPlates, HolesAreAsFarApartAsTheLinksAreLong) {
   testing::RandomLinks random;
   const TemporaryFolder folder;
   for (int i = 0; i < 20; ++i) {
-    const Links links = i == 0 ? kOptimum : random.Next();
-    WriteLinkPlates(folder / "design.dxf", links);
+    const linkage::Links links = i == 0 ? kOptimum : random.Next();
+    drawing::WriteLinkPlates(folder / "design.dxf", links);
     const Reader plates = ReadBack(folder / "design.dxf");
     ASSERT_EQ(plates.holes.size(), 9u);
     const auto distance = [&](int a, int b) { return (plates.holes[a] - plates.holes[b]).norm(); };
@@ -89,7 +89,7 @@ TEST(LinkPlates, HolesAreAsFarApartAsTheLinksAreLong) {
 
 TEST(LinkPlates, OutlinesAreClosedAndSmooth) {
   const TemporaryFolder folder;
-  WriteLinkPlates(folder / "design.dxf", kOptimum);
+  drawing::WriteLinkPlates(folder / "design.dxf", kOptimum);
   const Reader plates = ReadBack(folder / "design.dxf");
   ASSERT_EQ(plates.edges.size(), 3 * 4 + 6u);  // a bar: two lines and two arcs
   for (const Edge& edge : plates.edges)
@@ -109,7 +109,7 @@ TEST(LinkPlates, OutlinesAreClosedAndSmooth) {
 
 TEST(LinkPlates, AreLabelledAndDoNotOverlap) {
   const TemporaryFolder folder;
-  WriteLinkPlates(folder / "design.dxf", kOptimum);
+  drawing::WriteLinkPlates(folder / "design.dxf", kOptimum);
   const Reader plates = ReadBack(folder / "design.dxf");
   EXPECT_THAT(plates.labels, ::testing::ElementsAre("RS l1 = 59.081", "PR l2 = 68.840", "KS l4 = 71.849",
                                                     "KPM l3 = 55.964", "l5 = 118.630 l6 = 287.310"));
@@ -127,16 +127,16 @@ TEST(LinkPlates, AreLabelledAndDoNotOverlap) {
 
 TEST(LinkPlates, RefuseWhatCannotBeCut) {
   const TemporaryFolder folder;
-  PlateOptions thin;
+  drawing::PlateOptions thin;
   thin.bar_width_mm = 6;
-  EXPECT_THAT([&] { WriteLinkPlates(folder / "x.dxf", kOptimum, thin); },
+  EXPECT_THAT([&] { drawing::WriteLinkPlates(folder / "x.dxf", kOptimum, thin); },
               ThrowsMessage<Error>(HasSubstr("a pin of 8 mm does not fit")));
   EXPECT_THAT(
       [&] {
-        WriteLinkPlates(folder / "x.dxf", {1, 2, 3, 4, 5, -6});
+        drawing::WriteLinkPlates(folder / "x.dxf", {1, 2, 3, 4, 5, -6});
       },
       ThrowsMessage<Error>(HasSubstr("link l6 is -6")));
-  EXPECT_THAT([&] { WriteLinkPlates("/no/such/folder/x.dxf", kOptimum); },
+  EXPECT_THAT([&] { drawing::WriteLinkPlates("/no/such/folder/x.dxf", kOptimum); },
               ThrowsMessage<Error>(HasSubstr("/no/such/folder")));
   EXPECT_FALSE(std::filesystem::exists(folder / "x.dxf"));
 }

@@ -11,23 +11,23 @@
 namespace lake {
 namespace {
 
-constexpr Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};  // Table 1
-constexpr Links kInitial{85, 85, 85, 80, 80, 235};
+constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};  // Table 1
+constexpr linkage::Links kInitial{85, 85, 85, 80, 80, 235};
 constexpr double kDMin_mm = 242;
 
-double AngleDeg(const Links& links, double stroke_mm) {
-  return DegreesFromRadians(RequirePose(links, stroke_mm).theta_rad);
+double AngleDeg(const linkage::Links& links, double stroke_mm) {
+  return DegreesFromRadians(linkage::RequirePose(links, stroke_mm).theta_rad);
 }
 
-Pose PoseAt(double theta_deg) {
-  const UsedRange range = FindUsedRange(kOptimum, kDMin_mm, {});
-  const auto stroke = StrokeForAngle(kOptimum, range, RadiansFromDegrees(theta_deg));
+linkage::Pose PoseAt(double theta_deg) {
+  const linkage::UsedRange range = linkage::FindUsedRange(kOptimum, kDMin_mm, {});
+  const auto stroke = linkage::StrokeForAngle(kOptimum, range, RadiansFromDegrees(theta_deg));
   if (!stroke) throw std::runtime_error("no stroke for this angle");
-  return RequirePose(kOptimum, *stroke);
+  return linkage::RequirePose(kOptimum, *stroke);
 }
 
 // Eqs. (1)-(6) as the paper prints them: unsigned arccos for both beta.
-double PaperAngleDeg(const Links& l, double d) {
+double PaperAngleDeg(const linkage::Links& l, double d) {
   const double alpha1 = std::atan(l.l5 / l.l6), l7 = std::hypot(l.l5, l.l6);
   const double alpha2 = std::acos((l7 * l7 + l.l2 * l.l2 - d * d) / (2 * l7 * l.l2));
   const double l8 = std::sqrt(l.l2 * l.l2 + l.l3 * l.l3 - 2 * l.l2 * l.l3 * std::cos(M_PI - alpha1 - alpha2));
@@ -45,11 +45,11 @@ TEST(PaperTables, HoldTheLinksUsedHere) {
   }
 }
 
-// A parallelogram on a square: every quantity can be seen without a calculator (libs/linkage/README.md).
+// A parallelogram on a square: every quantity can be seen without a calculator (libs/design/linkage/README.md).
 TEST(CheckPose, ParallelogramAtARightAngle) {
-  const Links links{60, 72, 60, 72, 72, 240};
-  const Pose pose = RequirePose(links, 240);
-  const Transmission transmission = TransmissionOf(links, pose);
+  const linkage::Links links{60, 72, 60, 72, 72, 240};
+  const linkage::Pose pose = linkage::RequirePose(links, 240);
+  const linkage::Transmission transmission = linkage::TransmissionOf(links, pose);
   constexpr double kRounding = 1e-12;
   EXPECT_NEAR(DegreesFromRadians(pose.theta_rad), 90, kRounding * 90);
   EXPECT_NEAR(DegreesFromRadians(pose.phi_rad), 90, kRounding * 90);
@@ -58,7 +58,7 @@ TEST(CheckPose, ParallelogramAtARightAngle) {
   EXPECT_NEAR(transmission.moment_arm_mm, 72, kRounding * 72);
   EXPECT_NEAR(DegreesFromRadians(transmission.transmission_rad), 90, kRounding * 90);
   EXPECT_NEAR(DegreesFromRadians(transmission.actuator_rad), 90, kRounding * 90);
-  EXPECT_NEAR(ActuatorForce(transmission, 72), 1000, 1e-9);
+  EXPECT_NEAR(linkage::ActuatorForce(transmission, 72), 1000, 1e-9);
 }
 
 // Half a unit of the last printed digit.
@@ -72,10 +72,11 @@ TEST(PublishedDesign, InitialPointAndItsViolation) {
 }
 
 TEST(PublishedDesign, GrashofAndSingularitySlack) {
-  const Grashof grashof = GrashofOf(kOptimum);
-  EXPECT_EQ(grashof.type, GrashofClass::kCrankRocker);
+  const linkage::Grashof grashof = linkage::GrashofOf(kOptimum);
+  EXPECT_EQ(grashof.type, linkage::GrashofClass::kCrankRocker);
   EXPECT_NEAR(grashof.slack_mm, 0.108, 5e-4);
-  EXPECT_NEAR(DistancesToSingularities(kOptimum, RequirePose(kOptimum, kDMin_mm)).actuator_folded_mm, 0.00224, 5e-6);
+  EXPECT_NEAR(linkage::DistancesToSingularities(kOptimum, linkage::RequirePose(kOptimum, kDMin_mm)).actuator_folded_mm,
+              0.00224, 5e-6);
 }
 
 TEST(PublishedDesign, StrokesAndTravel) {
@@ -83,9 +84,9 @@ TEST(PublishedDesign, StrokesAndTravel) {
   EXPECT_NEAR(PoseAt(0).stroke_mm, 374.5205, 5e-5);
   EXPECT_NEAR(PoseAt(2).stroke_mm - kDMin_mm, 131.96, 5e-3);
   EXPECT_NEAR((PoseAt(2).stroke_mm - kDMin_mm) / 5, 26.4, 0.05);  // s at 5 mm/s
-  const UsedRange range = FindUsedRange(kOptimum, kDMin_mm, {});
+  const linkage::UsedRange range = linkage::FindUsedRange(kOptimum, kDMin_mm, {});
   EXPECT_NEAR(range.stroke.Travel(), 132.52, 5e-3);
-  EXPECT_EQ(range.end, UsedRange::End::kStanding);
+  EXPECT_EQ(range.end, linkage::UsedRange::End::kStanding);
 }
 
 TEST(PublishedDesign, ContinuesWhereTheArccosFormFoldsBack) {
@@ -99,7 +100,9 @@ TEST(PublishedDesign, ContinuesWhereTheArccosFormFoldsBack) {
 }
 
 TEST(PublishedDesign, ActuatorForceForFortyNewtonMetres) {
-  const auto force = [](double theta_deg) { return ActuatorForce(TransmissionOf(kOptimum, PoseAt(theta_deg)), 40); };
+  const auto force = [](double theta_deg) {
+    return linkage::ActuatorForce(linkage::TransmissionOf(kOptimum, PoseAt(theta_deg)), 40);
+  };
   EXPECT_NEAR(force(90), 571, 0.5);
   EXPECT_NEAR(force(100), 604, 0.5);
   EXPECT_NEAR(force(140), 2060, 5);
@@ -109,7 +112,7 @@ TEST(PublishedDesign, ActuatorForceForFortyNewtonMetres) {
 
 TEST(PublishedDesign, TransmissionAngle) {
   const auto transmission = [](double theta_deg) {
-    return DegreesFromRadians(TransmissionOf(kOptimum, PoseAt(theta_deg)).transmission_rad);
+    return DegreesFromRadians(linkage::TransmissionOf(kOptimum, PoseAt(theta_deg)).transmission_rad);
   };
   EXPECT_NEAR(transmission(90), 87.0, 0.05);
   EXPECT_NEAR(transmission(2), 3.6, 0.05);

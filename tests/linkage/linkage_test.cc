@@ -18,17 +18,17 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-constexpr Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
+constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 constexpr int kDesigns = 2000;
 
 // Sine of the sharpest of the two angles that decide how well conditioned a pose is.
-double Conditioning(const Links& links, const Pose& pose) {
-  const Transmission t = TransmissionOf(links, pose);
+double Conditioning(const linkage::Links& links, const linkage::Pose& pose) {
+  const linkage::Transmission t = linkage::TransmissionOf(links, pose);
   return std::min(std::sin(t.actuator_rad), std::sin(t.transmission_rad));
 }
 
 // Lengths of some 100 mm in double precision: 1e-9 mm is a thousand times rounding.
-void ExpectLoopsClose(const Links& links, const Pose& pose) {
+void ExpectLoopsClose(const linkage::Links& links, const linkage::Pose& pose) {
   EXPECT_NEAR((pose.tip - pose.mount).norm(), pose.stroke_mm, 1e-9);
   EXPECT_NEAR((pose.shank_pin - pose.tip).norm(), links.l1, 1e-9);
   EXPECT_NEAR((pose.tip - pose.thigh_pin).norm(), links.l2, 1e-9);
@@ -38,18 +38,19 @@ void ExpectLoopsClose(const Links& links, const Pose& pose) {
 TEST(ClosedForm, ClosesTheLoopsOnAllBranches) {
   testing::RandomLinks random;
   for (int i = 0; i < kDesigns; ++i) {
-    const Links links = random.Next();
+    const linkage::Links links = random.Next();
     SCOPED_TRACE(testing::TextOf(links));
     const double stroke = random.StrokeFor(links);
-    for (const Branch branch : {Branch::kAssembled, Branch::kBarFlipped, Branch::kShankFlipped, Branch::kBothFlipped}) {
-      const auto pose = SolvePose(links, stroke, branch);
+    for (const linkage::Branch branch : {linkage::Branch::kAssembled, linkage::Branch::kBarFlipped,
+                                         linkage::Branch::kShankFlipped, linkage::Branch::kBothFlipped}) {
+      const auto pose = linkage::SolvePose(links, stroke, branch);
       // Flipping the bar moves R, so the other triangle need not close there.
-      if (!pose && (branch == Branch::kBarFlipped || branch == Branch::kBothFlipped)) continue;
+      if (!pose && (branch == linkage::Branch::kBarFlipped || branch == linkage::Branch::kBothFlipped)) continue;
       ASSERT_TRUE(pose);
       ExpectLoopsClose(links, *pose);
-      const auto signs = BranchExpressions(links.Values().data(), pose->phi_rad, pose->theta_rad);
-      const bool bar_flipped = branch == Branch::kBarFlipped || branch == Branch::kBothFlipped;
-      const bool shank_flipped = branch == Branch::kShankFlipped || branch == Branch::kBothFlipped;
+      const auto signs = linkage::BranchExpressions(links.Values().data(), pose->phi_rad, pose->theta_rad);
+      const bool bar_flipped = branch == linkage::Branch::kBarFlipped || branch == linkage::Branch::kBothFlipped;
+      const bool shank_flipped = branch == linkage::Branch::kShankFlipped || branch == linkage::Branch::kBothFlipped;
       EXPECT_GE((bar_flipped ? -1 : 1) * signs[0], -1e-9);
       EXPECT_GE((shank_flipped ? -1 : 1) * signs[1], -1e-9);
     }
@@ -60,17 +61,17 @@ TEST(ClosedForm, AgreesWithNewtonOnRandomLinkages) {
   testing::RandomLinks random;
   int compared = 0;
   for (int i = 0; i < kDesigns; ++i) {
-    const Links links = random.Next();
+    const linkage::Links links = random.Next();
     SCOPED_TRACE(testing::TextOf(links));
     const double stroke = random.StrokeFor(links);
-    const Pose pose = RequirePose(links, stroke);
+    const linkage::Pose pose = linkage::RequirePose(links, stroke);
     const double conditioning = Conditioning(links, pose);
     if (conditioning < 1e-3) continue;  // there angles lose digits as 1 / sine in any method
     // A start off by a twentieth of the way to the next branch, which is nearer for a long bar on a short coupler.
     const double aside = 0.05 * conditioning * std::min({1.0, links.l1 / links.l2, links.l4 / links.l2});
     const double phi = pose.phi_rad + random.Uniform(-aside, aside),
                  theta = pose.theta_rad + random.Uniform(-aside, aside);
-    const NewtonPose newton = SolvePoseNewton(links, stroke, phi, theta);
+    const linkage::NewtonPose newton = linkage::SolvePoseNewton(links, stroke, phi, theta);
     ASSERT_TRUE(newton.converged);
     EXPECT_NEAR(newton.phi_rad, pose.phi_rad, 1e-9);
     EXPECT_NEAR(newton.theta_rad, pose.theta_rad, 1e-9);
@@ -84,12 +85,12 @@ TEST(ClosedForm, AgreesWithNewtonOnRandomLinkages) {
 TEST(ClosedForm, AgreesWithNewtonContinuationAlongThePublishedDesign) {
   constexpr double kLongest_mm = 378, kShortest_mm = 242;
   constexpr int kSteps = 2720;
-  const Pose first = RequirePose(kOptimum, kLongest_mm);
+  const linkage::Pose first = linkage::RequirePose(kOptimum, kLongest_mm);
   double phi = first.phi_rad, theta = first.theta_rad;
   for (int step = 0; step <= kSteps; ++step) {
     const double stroke = kLongest_mm + (kShortest_mm - kLongest_mm) * step / kSteps;
-    const NewtonPose newton = SolvePoseNewton(kOptimum, stroke, phi, theta);
-    const Pose pose = RequirePose(kOptimum, stroke);
+    const linkage::NewtonPose newton = linkage::SolvePoseNewton(kOptimum, stroke, phi, theta);
+    const linkage::Pose pose = linkage::RequirePose(kOptimum, stroke);
     ASSERT_TRUE(newton.converged) << stroke;
     ASSERT_NEAR(newton.phi_rad, pose.phi_rad, 1e-9) << stroke;
     ASSERT_NEAR(newton.theta_rad, pose.theta_rad, 1e-9) << stroke;
@@ -101,13 +102,13 @@ TEST(ClosedForm, AgreesWithNewtonContinuationAlongThePublishedDesign) {
 TEST(ClosedForm, IsContinuousOverTheWholeAssemblyRange) {
   testing::RandomLinks random;
   for (int i = 0; i < 300; ++i) {
-    const Links links = random.Next();
+    const linkage::Links links = random.Next();
     SCOPED_TRACE(testing::TextOf(links));
-    for (const StrokeRange& range : AssemblyRanges(links)) {
+    for (const linkage::StrokeRange& range : linkage::AssemblyRanges(links)) {
       constexpr int kSteps = 4000;
       std::optional<double> last;
       for (int step = 0; step <= kSteps; ++step) {
-        const Pose pose = RequirePose(links, range.lower_mm + range.Travel() * step / kSteps);
+        const linkage::Pose pose = linkage::RequirePose(links, range.lower_mm + range.Travel() * step / kSteps);
         // A wrong turn would jump by 2 pi; what the linkage itself moves in a 4000th of its range stays far below pi.
         if (last) {
           ASSERT_LT(std::abs(pose.theta_rad - *last), 3) << pose.stroke_mm;
@@ -121,10 +122,10 @@ TEST(ClosedForm, IsContinuousOverTheWholeAssemblyRange) {
 // A rhombus: theta = pi - phi up to where the bar tip arrives at the knee pivot (there l8 vanishes and the shank is
 // free).
 TEST(ClosedForm, HoldsWhereTheTipMeetsTheKnee) {
-  const Links rhombus{70, 70, 70, 70, 70, 70};
+  const linkage::Links rhombus{70, 70, 70, 70, 70, 70};
   const double tip_at_knee = 70 * std::sqrt(5);  // |K - M|
   for (const double stroke : {70.0, 120.0, 156.0, tip_at_knee - 1e-6, tip_at_knee - 1e-11}) {
-    const Pose pose = RequirePose(rhombus, stroke);
+    const linkage::Pose pose = linkage::RequirePose(rhombus, stroke);
     EXPECT_NEAR(pose.theta_rad, std::numbers::pi - pose.phi_rad, 1e-9) << stroke;
   }
 }
@@ -132,51 +133,54 @@ TEST(ClosedForm, HoldsWhereTheTipMeetsTheKnee) {
 TEST(Assembly, RangesAreWhereThePoseExists) {
   testing::RandomLinks random;
   for (int i = 0; i < 300; ++i) {
-    const Links links = random.Next();
+    const linkage::Links links = random.Next();
     SCOPED_TRACE(testing::TextOf(links));
-    const auto ranges = AssemblyRanges(links);
+    const auto ranges = linkage::AssemblyRanges(links);
     for (int step = 0; step < 500; ++step) {
       const double stroke = random.Uniform(0.001, links.L7() + links.l2 + 20);
       const bool inside = std::any_of(ranges.begin(), ranges.end(), [&](const auto& r) { return r.Contains(stroke); });
-      ASSERT_EQ(SolvePose(links, stroke).has_value(), inside) << stroke;
-      ASSERT_EQ(FindAssemblyGap(links, stroke).has_value(), !inside) << stroke;
+      ASSERT_EQ(linkage::SolvePose(links, stroke).has_value(), inside) << stroke;
+      ASSERT_EQ(linkage::FindAssemblyGap(links, stroke).has_value(), !inside) << stroke;
     }
-    for (const StrokeRange& range : ranges) ExpectLoopsClose(links, RequirePose(links, range.lower_mm));
-    for (const StrokeRange& range : ranges) ExpectLoopsClose(links, RequirePose(links, range.upper_mm));
+    for (const linkage::StrokeRange& range : ranges)
+      ExpectLoopsClose(links, linkage::RequirePose(links, range.lower_mm));
+    for (const linkage::StrokeRange& range : ranges)
+      ExpectLoopsClose(links, linkage::RequirePose(links, range.upper_mm));
   }
 }
 
 TEST(Assembly, SaysWhichTriangleMissesByHowMuch) {
   const double shortest = kOptimum.L7() - kOptimum.l2;
-  const auto actuator = FindAssemblyGap(kOptimum, shortest - 0.5);
+  const auto actuator = linkage::FindAssemblyGap(kOptimum, shortest - 0.5);
   ASSERT_TRUE(actuator);
-  EXPECT_EQ(actuator->triangle, AssemblyGap::Triangle::kActuator);
+  EXPECT_EQ(actuator->triangle, linkage::AssemblyGap::Triangle::kActuator);
   EXPECT_NEAR(actuator->gap_mm, 0.5, 1e-9);
-  Links short_coupler = kOptimum;
+  linkage::Links short_coupler = kOptimum;
   short_coupler.l1 = 5;
-  const auto shank = FindAssemblyGap(short_coupler, 300);
+  const auto shank = linkage::FindAssemblyGap(short_coupler, 300);
   ASSERT_TRUE(shank);
-  EXPECT_EQ(shank->triangle, AssemblyGap::Triangle::kShank);
+  EXPECT_EQ(shank->triangle, linkage::AssemblyGap::Triangle::kShank);
   EXPECT_THAT(
       [] {
-        RequirePose({1, 1, 1, 1, 1, 1}, 242);
+        linkage::RequirePose({1, 1, 1, 1, 1, 1}, 242);
       },
       ThrowsMessage<Error>(
           AllOf(HasSubstr("cannot be assembled at a stroke of 242 mm"), HasSubstr("miss a triangle by 239"))));
-  EXPECT_FALSE(SolvePose(kOptimum, std::nan("")));
-  EXPECT_TRUE(FindAssemblyGap(kOptimum, std::nan("")));
-  EXPECT_FALSE(SolvePose(kOptimum, -242));
+  EXPECT_FALSE(linkage::SolvePose(kOptimum, std::nan("")));
+  EXPECT_TRUE(linkage::FindAssemblyGap(kOptimum, std::nan("")));
+  EXPECT_FALSE(linkage::SolvePose(kOptimum, -242));
 }
 
 TEST(Assembly, BadLinksAreNamed) {
   const auto with_l3 = [](double value) {
-    Links links = kOptimum;
+    linkage::Links links = kOptimum;
     links.l3 = value;
     return links;
   };
   for (const double bad : {0.0, -1.0, std::nan(""), 1e9, HUGE_VAL})
-    EXPECT_THAT([&] { CheckLinks(with_l3(bad), "here"); }, ThrowsMessage<Error>(HasSubstr("here: link l3 is")));
-  CheckLinks(kOptimum, "here");
+    EXPECT_THAT([&] { linkage::CheckLinks(with_l3(bad), "here"); },
+                ThrowsMessage<Error>(HasSubstr("here: link l3 is")));
+  linkage::CheckLinks(kOptimum, "here");
 }
 
 // Free-body statics, an independent route to the force: the bar turns about P under actuator and coupler, the shank
@@ -185,8 +189,8 @@ TEST(Force, AgreesWithStatics) {
   testing::RandomLinks random;
   int compared = 0;
   for (int i = 0; i < kDesigns; ++i) {
-    const Links links = random.Next();
-    const Pose pose = RequirePose(links, random.StrokeFor(links));
+    const linkage::Links links = random.Next();
+    const linkage::Pose pose = linkage::RequirePose(links, random.StrokeFor(links));
     if (Conditioning(links, pose) < 1e-3) continue;
     const auto moment = [](const Eigen::Vector2d& arm, const Eigen::Vector2d& force) {
       return arm.x() * force.y() - arm.y() * force.x();
@@ -198,7 +202,7 @@ TEST(Force, AgreesWithStatics) {
     // counted from x (posterior) to y (up) and theta grows that way.
     const double coupler_per_push = moment(bar, push) / moment(bar, coupler);
     const double flexion_nmm = moment(pose.shank_pin, coupler * coupler_per_push);
-    const double force = ActuatorForce(TransmissionOf(links, pose), 40);
+    const double force = linkage::ActuatorForce(linkage::TransmissionOf(links, pose), 40);
     EXPECT_NEAR(-flexion_nmm * force / 40000, 1, 1e-6) << testing::TextOf(links) << " at " << pose.stroke_mm;
     ++compared;
   }
@@ -208,9 +212,9 @@ TEST(Force, AgreesWithStatics) {
 TEST(Transmission, AnglesAreThoseOfTheTriangles) {
   testing::RandomLinks random;
   for (int i = 0; i < kDesigns; ++i) {
-    const Links links = random.Next();
-    const Pose pose = RequirePose(links, random.StrokeFor(links));
-    const Transmission t = TransmissionOf(links, pose);
+    const linkage::Links links = random.Next();
+    const linkage::Pose pose = linkage::RequirePose(links, random.StrokeFor(links));
+    const linkage::Transmission t = linkage::TransmissionOf(links, pose);
     const auto between = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
       return std::atan2(std::abs(a.x() * b.y() - a.y() * b.x()), a.dot(b));
     };
@@ -221,15 +225,15 @@ TEST(Transmission, AnglesAreThoseOfTheTriangles) {
 
 TEST(Grashof, ClassesWithTheShankAsFrame) {
   const auto type = [](double l1, double l2, double l3, double l4) {
-    return GrashofOf({l1, l2, l3, l4, 100, 250}).type;
+    return linkage::GrashofOf({l1, l2, l3, l4, 100, 250}).type;
   };
-  EXPECT_EQ(type(60, 65, 50, 70), GrashofClass::kCrankRocker);  // shortest beside the frame
-  EXPECT_EQ(type(50, 65, 60, 70), GrashofClass::kCrankRocker);
-  EXPECT_EQ(type(60, 50, 65, 70), GrashofClass::kDoubleRocker);  // shortest opposite the frame
-  EXPECT_EQ(type(60, 65, 70, 50), GrashofClass::kDoubleCrank);   // shortest is the frame
-  EXPECT_EQ(type(60, 60, 50, 70), GrashofClass::kChangePoint);
-  EXPECT_EQ(type(60, 60, 50, 80), GrashofClass::kTripleRocker);
-  EXPECT_NEAR(GrashofOf({60, 60, 50, 80, 100, 250}).slack_mm, -10, 1e-12);
+  EXPECT_EQ(type(60, 65, 50, 70), linkage::GrashofClass::kCrankRocker);  // shortest beside the frame
+  EXPECT_EQ(type(50, 65, 60, 70), linkage::GrashofClass::kCrankRocker);
+  EXPECT_EQ(type(60, 50, 65, 70), linkage::GrashofClass::kDoubleRocker);  // shortest opposite the frame
+  EXPECT_EQ(type(60, 65, 70, 50), linkage::GrashofClass::kDoubleCrank);   // shortest is the frame
+  EXPECT_EQ(type(60, 60, 50, 70), linkage::GrashofClass::kChangePoint);
+  EXPECT_EQ(type(60, 60, 50, 80), linkage::GrashofClass::kTripleRocker);
+  EXPECT_NEAR(linkage::GrashofOf({60, 60, 50, 80, 100, 250}).slack_mm, -10, 1e-12);
 }
 
 }  // namespace

@@ -22,19 +22,20 @@ class RandomLinks {
   double Uniform(double lower, double upper) { return std::uniform_real_distribution(lower, upper)(engine_); }
 
   // Within the paper's bounds, or (every other one) far outside them; assemblable somewhere.
-  Links Next() {
+  linkage::Links Next() {
     while (true) {
       wide_ = !wide_;
       const double shortest = wide_ ? 10 : 50, longest = wide_ ? 250 : 100;
-      const Links links{Uniform(shortest, longest), Uniform(shortest, longest), Uniform(shortest, longest),
-                        Uniform(shortest, longest), Uniform(shortest, 120),     Uniform(wide_ ? 20 : 200, 300)};
-      if (!AssemblyRanges(links).empty()) return links;
+      const linkage::Links links{Uniform(shortest, longest), Uniform(shortest, longest),
+                                 Uniform(shortest, longest), Uniform(shortest, longest),
+                                 Uniform(shortest, 120),     Uniform(wide_ ? 20 : 200, 300)};
+      if (!linkage::AssemblyRanges(links).empty()) return links;
     }
   }
 
   // A stroke inside one of the assembly ranges.
-  double StrokeFor(const Links& links) {
-    const auto ranges = AssemblyRanges(links);
+  double StrokeFor(const linkage::Links& links) {
+    const auto ranges = linkage::AssemblyRanges(links);
     const auto& range = ranges[std::uniform_int_distribution<std::size_t>(0, ranges.size() - 1)(engine_)];
     return Uniform(range.lower_mm, range.upper_mm);
   }
@@ -44,7 +45,7 @@ class RandomLinks {
   bool wide_ = true;
 };
 
-inline std::string TextOf(const Links& l) {
+inline std::string TextOf(const linkage::Links& l) {
   return ::testing::PrintToString(l.Values());
 }
 

@@ -21,7 +21,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-constexpr Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
+constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 constexpr const char* kLinks = "--links 59.081,68.840,55.964,71.849,118.630,287.310";
 
 struct Outcome {
@@ -62,10 +62,10 @@ TEST_F(Simulate, WritesTheTableOnTheAssembledBranch) {
   ASSERT_EQ(table.Rows(), 51 + 1 + 4u);  // 242 is the grid's first row
   for (std::size_t row = 0; row < table.Rows(); ++row) {
     const double stroke = table.RequiredNumber(row, 0);
-    const Pose pose = RequirePose(kOptimum, stroke);
-    const Transmission transmission = TransmissionOf(kOptimum, pose);
+    const linkage::Pose pose = linkage::RequirePose(kOptimum, stroke);
+    const linkage::Transmission transmission = linkage::TransmissionOf(kOptimum, pose);
     EXPECT_EQ(table.RequiredNumber(row, 1), DegreesFromRadians(pose.theta_rad));
-    EXPECT_EQ(table.RequiredNumber(row, 4), ActuatorForce(transmission, 40));
+    EXPECT_EQ(table.RequiredNumber(row, 4), linkage::ActuatorForce(transmission, 40));
     EXPECT_NEAR(table.RequiredNumber(row, 4) * table.RequiredNumber(row, 3), 40000, 1e-6);
     EXPECT_EQ(table.RequiredNumber(row, 7), 0);
     if (row > 0) {
@@ -91,11 +91,11 @@ TEST_F(Simulate, DrawsEverything) {
   EXPECT_THAT(ReadTextFile(Out() / "angle_vs_stroke.svg"), HasSubstr("<svg"));
   EXPECT_THAT(ReadTextFile(Out() / "design.dxf"), HasSubstr("OUTLINE"));
   EXPECT_THAT(ReadTextFile(Out() / "animation.gif"), StartsWith("GIF89a"));
-  const auto video = VideoReader::Open(Out() / "animation.mp4");
+  const auto video = video::VideoReader::Open(Out() / "animation.mp4");
   EXPECT_EQ(video->Info().width, 1280);
   int frames = 0;
   double time_s = -1;
-  for (VideoFrame frame; video->Read(frame); ++frames) {
+  for (video::VideoFrame frame; video->Read(frame); ++frames) {
     EXPECT_GT(frame.time_s, time_s);
     time_s = frame.time_s;
   }
@@ -123,7 +123,7 @@ TEST_F(Simulate, TakesADesignFileAndDefaultAngles) {
 
 // A design's own d_max is the end of its range to the last digit or but one; 377 mm is past standing.
 TEST_F(Simulate, WarnsOfAStrokePastTheUsedRangeButNotOfRounding) {
-  const double end_mm = FindUsedRange(kOptimum, 242, {}).stroke.upper_mm;
+  const double end_mm = linkage::FindUsedRange(kOptimum, 242, {}).stroke.upper_mm;
   for (const double past_mm : {0.0, 1e-12, -1e-12, 377 - end_mm}) {
     const Outcome outcome =
         RunIt(fmt::format("{} --d-max {} --angles 70 --no-animation --json", kLinks, end_mm + past_mm));

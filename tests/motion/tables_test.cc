@@ -15,21 +15,22 @@ using testing::ThrowsMessage;
 
 TEST(MarkerCsv, ReadsBackWhatWasWritten) {
   const TemporaryFolder folder;
-  MarkerRecording recording;
+  motion::MarkerRecording recording;
   recording.frame = {0, 1};
   recording.time_s = {0.25, 0.25 + 1.0 / 60};
-  recording.markers = {{"knee", {{{1.0 / 3, -2}, 0.02, SampleStatus::kDetected}, {}}},
-                       {"hip_2", {{{5, 6}, 1.5, SampleStatus::kFilled}, {{7, 8}, 0, SampleStatus::kDetected}}}};
-  WriteMarkerCsv(folder / "tracks.csv", recording);
+  recording.markers = {
+      {"knee", {{{1.0 / 3, -2}, 0.02, motion::SampleStatus::kDetected}, {}}},
+      {"hip_2", {{{5, 6}, 1.5, motion::SampleStatus::kFilled}, {{7, 8}, 0, motion::SampleStatus::kDetected}}}};
+  motion::WriteMarkerCsv(folder / "tracks.csv", recording);
   EXPECT_THAT(ReadTextFile(folder / "tracks.csv"),
               HasSubstr("frame,time_s,knee_x_px,knee_y_px,knee_sigma_px,knee_status,hip_2_x_px"));
-  const MarkerRecording read = ReadMarkerCsv(folder / "tracks.csv");
-  EXPECT_EQ(read.unit, LengthUnit::kPx);
+  const motion::MarkerRecording read = motion::ReadMarkerCsv(folder / "tracks.csv");
+  EXPECT_EQ(read.unit, motion::LengthUnit::kPx);
   EXPECT_EQ(read.time_s, recording.time_s);
   ASSERT_TRUE(read.Find("hip_2"));
   EXPECT_EQ(read.Find("knee")->samples[0].position, recording.markers[0].samples[0].position);
-  EXPECT_EQ(read.Find("knee")->samples[1].status, SampleStatus::kMissing);
-  EXPECT_EQ(read.Find("hip_2")->samples[0].status, SampleStatus::kFilled);
+  EXPECT_EQ(read.Find("knee")->samples[1].status, motion::SampleStatus::kMissing);
+  EXPECT_EQ(read.Find("hip_2")->samples[0].status, motion::SampleStatus::kFilled);
   EXPECT_EQ(read.Find("ankle"), nullptr);
 }
 
@@ -37,7 +38,7 @@ TEST(MarkerCsv, RefusesBadTables) {
   const TemporaryFolder folder;
   const auto read = [&](const char* text) {
     WriteTextFile(folder / "t.csv", text);
-    ReadMarkerCsv(folder / "t.csv");
+    motion::ReadMarkerCsv(folder / "t.csv");
   };
   const std::string head = "frame,time_s,k_x_px,k_y_px,k_sigma_px,k_status\n";
   EXPECT_THAT([&] { read("frame,time_s\n0,0\n"); }, ThrowsMessage<Error>(HasSubstr("no column of a marker")));
@@ -52,8 +53,8 @@ TEST(MarkerCsv, RefusesBadTables) {
 
 TEST(KinematicsCsv, ReadsBackWhatWasWritten) {
   const TemporaryFolder folder;
-  LegMotion motion;
-  motion.unit = LengthUnit::kMm;
+  motion::LegMotion motion;
+  motion.unit = motion::LengthUnit::kMm;
   motion.frame = {3, 4};
   motion.time_s = {0.1, 0.2};
   motion.samples.resize(2);
@@ -61,9 +62,9 @@ TEST(KinematicsCsv, ReadsBackWhatWasWritten) {
   motion.samples[0].knee_deg = 88.5;
   motion.samples[0].repetition = 2;
   motion.samples[0].percent = 12.5;
-  WriteKinematicsCsv(folder / "kinematics.csv", motion);
-  const LegMotion read = ReadKinematicsCsv(folder / "kinematics.csv");
-  EXPECT_EQ(read.unit, LengthUnit::kMm);
+  motion::WriteKinematicsCsv(folder / "kinematics.csv", motion);
+  const motion::LegMotion read = motion::ReadKinematicsCsv(folder / "kinematics.csv");
+  EXPECT_EQ(read.unit, motion::LengthUnit::kMm);
   EXPECT_EQ(read.samples[0].ak, motion.samples[0].ak);
   EXPECT_EQ(read.samples[0].knee_deg, 88.5);
   EXPECT_EQ(read.samples[0].repetition, 2);
@@ -74,24 +75,25 @@ TEST(KinematicsCsv, ReadsBackWhatWasWritten) {
 TEST(KinematicsCsv, RefusesTimesThatDoNotIncrease) {
   const TemporaryFolder folder;
   for (const double second_s : {0.1, 0.05}) {
-    LegMotion motion;
+    motion::LegMotion motion;
     motion.frame = {3, 4};
     motion.time_s = {0.1, second_s};
     motion.samples.resize(2);
-    WriteKinematicsCsv(folder / "kinematics.csv", motion);
-    EXPECT_THAT([&] { ReadKinematicsCsv(folder / "kinematics.csv"); },
+    motion::WriteKinematicsCsv(folder / "kinematics.csv", motion);
+    EXPECT_THAT([&] { motion::ReadKinematicsCsv(folder / "kinematics.csv"); },
                 ThrowsMessage<Error>(HasSubstr("kinematics.csv:3: time_s does not increase")));
   }
 }
 
 TEST(EventsCsv, RefusesAnotherOrder) {
   const TemporaryFolder folder;
-  const auto read = [&](const std::vector<StsEvent>& events) {
-    WriteEventsCsv(folder / "events.csv", events);
-    return ReadEventsCsv(folder / "events.csv").size();
+  const auto read = [&](const std::vector<motion::StsEvent>& events) {
+    motion::WriteEventsCsv(folder / "events.csv", events);
+    return motion::ReadEventsCsv(folder / "events.csv").size();
   };
-  const StsEvent onset{1, StsEventKind::kOnset, 30, 0.5}, standing{1, StsEventKind::kStanding, 90, 1.5},
-      early{1, StsEventKind::kStanding, 6, 0.1}, next{2, StsEventKind::kOnset, 90, 1.5};
+  const motion::StsEvent onset{1, motion::StsEventKind::kOnset, 30, 0.5},
+      standing{1, motion::StsEventKind::kStanding, 90, 1.5}, early{1, motion::StsEventKind::kStanding, 6, 0.1},
+      next{2, motion::StsEventKind::kOnset, 90, 1.5};
   EXPECT_EQ(read({onset, standing, next}), 3u);
   EXPECT_THAT([&] { read({onset, early}); }, ThrowsMessage<Error>(HasSubstr("events.csv:3: time_s decreases")));
   EXPECT_THAT([&] { read({next, onset}); }, ThrowsMessage<Error>(HasSubstr("repetition 1 after repetition 2")));
@@ -99,9 +101,9 @@ TEST(EventsCsv, RefusesAnotherOrder) {
 
 TEST(EventsCsv, ReadsBackWhatWasWritten) {
   const TemporaryFolder folder;
-  WriteEventsCsv(folder / "events.csv", {{1, StsEventKind::kSeatOff, 42, 0.7}});
+  motion::WriteEventsCsv(folder / "events.csv", {{1, motion::StsEventKind::kSeatOff, 42, 0.7}});
   EXPECT_EQ(ReadTextFile(folder / "events.csv"), "repetition,event,frame,time_s\n1,seat_off,42,0.7\n");
-  EXPECT_EQ(ReadEventsCsv(folder / "events.csv")[0].kind, StsEventKind::kSeatOff);
+  EXPECT_EQ(motion::ReadEventsCsv(folder / "events.csv")[0].kind, motion::StsEventKind::kSeatOff);
 }
 
 }  // namespace

@@ -14,14 +14,14 @@ namespace lake {
 namespace {
 
 // Problem 71 of Hock & Schittkowski (1981): min x1 x4 (x1 + x2 + x3) + x3, x1 x2 x3 x4 >= 25, |x|^2 = 40, 1 <= x <= 5.
-NonlinearProgram HockSchittkowski71(double least_product = 25) {
-  NonlinearProgram program;
+nlp::NonlinearProgram HockSchittkowski71(double least_product = 25) {
+  nlp::NonlinearProgram program;
   const double start[] = {1, 5, 5, 1};
   for (int i = 0; i < 4; ++i) program.AddVariable("x" + std::to_string(i + 1), start[i], 1, 5);
   // The cost in two terms, to see that terms are summed.
   program.AddCost(std::array{0, 1, 2, 3}, [](const auto* x) { return x[0] * x[3] * (x[0] + x[1] + x[2]); });
   program.AddCost(std::array{2}, [](const auto* x) { return 1.0 * x[0]; });
-  program.AddConstraint("product", least_product, kUnbounded, std::array{0, 1, 2, 3},
+  program.AddConstraint("product", least_product, nlp::kUnbounded, std::array{0, 1, 2, 3},
                         [](const auto* x) { return x[0] * x[1] * x[2] * x[3]; });
   const int sphere = program.AddRow("sphere", 40, 40);
   for (int i = 0; i < 4; ++i) program.AddTerm(sphere, std::array{i}, [](const auto* x) { return x[0] * x[0]; });
@@ -29,7 +29,7 @@ NonlinearProgram HockSchittkowski71(double least_product = 25) {
 }
 
 TEST(SolveNlp, ReachesThePublishedOptimum) {
-  const NlpSolution solution = SolveNlp(HockSchittkowski71());
+  const nlp::NlpSolution solution = nlp::SolveNlp(HockSchittkowski71());
   ASSERT_TRUE(solution.IsUsable()) << solution.message;
   // As printed in Ipopt's documentation, eight decimals (the book's seventh decimals of x2 and x3 are off).
   EXPECT_NEAR(solution.cost, 17.01401728, 2e-8);
@@ -42,9 +42,9 @@ TEST(SolveNlp, ReachesThePublishedOptimum) {
 
 TEST(SolveNlp, PricesAreDerivativesOfTheOptimumByTheBounds) {
   const double step = 1e-3;
-  const double above = SolveNlp(HockSchittkowski71(25 + step)).cost,
-               below = SolveNlp(HockSchittkowski71(25 - step)).cost;
-  const NlpSolution solution = SolveNlp(HockSchittkowski71());
+  const double above = nlp::SolveNlp(HockSchittkowski71(25 + step)).cost,
+               below = nlp::SolveNlp(HockSchittkowski71(25 - step)).cost;
+  const nlp::NlpSolution solution = nlp::SolveNlp(HockSchittkowski71());
   EXPECT_NEAR(solution.row_prices[0], (above - below) / (2 * step), 1e-6);
   EXPECT_GT(solution.row_prices[0], 0);
   EXPECT_GT(solution.variable_prices[0], 0);          // x1 is held at its lower bound
@@ -53,39 +53,39 @@ TEST(SolveNlp, PricesAreDerivativesOfTheOptimumByTheBounds) {
 
 TEST(SolveNlp, FixedVariableHasThePriceOfMovingIt) {
   const auto solve = [](double value) {
-    NonlinearProgram program;
+    nlp::NonlinearProgram program;
     program.AddVariable("fixed", value, value, value);
-    program.AddVariable("free", 0, -kUnbounded, kUnbounded);
+    program.AddVariable("free", 0, -nlp::kUnbounded, nlp::kUnbounded);
     program.AddCost(std::array{0, 1},
                     [](const auto* x) { return (x[1] - 2.0 * x[0]) * (x[1] - 2.0 * x[0]) + x[0] * x[0]; });
-    return SolveNlp(program);
+    return nlp::SolveNlp(program);
   };
-  const NlpSolution solution = solve(3);
+  const nlp::NlpSolution solution = solve(3);
   ASSERT_TRUE(solution.IsUsable()) << solution.message;
   EXPECT_NEAR(solution.x[1], 6, 1e-8);
   EXPECT_NEAR(solution.variable_prices[0], 6, 1e-7);
 }
 
 TEST(SolveNlp, InfeasibleProgramIsAStatusWithItsBestPoint) {
-  NonlinearProgram program;
+  nlp::NonlinearProgram program;
   program.AddVariable("x", 0.5, 0, 10);
   program.AddVariable("y", 0.5, 0, 10);
-  program.AddConstraint("circle", -kUnbounded, 1, std::array{0, 1},
+  program.AddConstraint("circle", -nlp::kUnbounded, 1, std::array{0, 1},
                         [](const auto* v) { return v[0] * v[0] + v[1] * v[1]; });
-  program.AddConstraint("line", 4, kUnbounded, std::array{0, 1}, [](const auto* v) { return v[0] + v[1]; });
+  program.AddConstraint("line", 4, nlp::kUnbounded, std::array{0, 1}, [](const auto* v) { return v[0] + v[1]; });
   program.AddCost(std::array{0}, [](const auto* v) { return v[0]; });
-  const NlpSolution solution = SolveNlp(program);
-  EXPECT_EQ(solution.status, NlpStatus::kLocallyInfeasible) << solution.message;
+  const nlp::NlpSolution solution = nlp::SolveNlp(program);
+  EXPECT_EQ(solution.status, nlp::NlpStatus::kLocallyInfeasible) << solution.message;
   EXPECT_FALSE(solution.IsUsable());
   EXPECT_EQ(solution.x.size(), 2u);
   EXPECT_GT(solution.violation, 0.1);
 }
 
 TEST(SolveNlp, IterationLimitIsNotASolution) {
-  NlpOptions options;
+  nlp::NlpOptions options;
   options.max_iterations = 2;
-  const NlpSolution solution = SolveNlp(HockSchittkowski71(), options);
-  EXPECT_EQ(solution.status, NlpStatus::kIterationLimit);
+  const nlp::NlpSolution solution = nlp::SolveNlp(HockSchittkowski71(), options);
+  EXPECT_EQ(solution.status, nlp::NlpStatus::kIterationLimit);
   EXPECT_FALSE(solution.IsUsable());
 }
 
@@ -95,33 +95,33 @@ TEST(SolveNlp, IgnoresAnOptionFileInTheWorkingDirectory) {
   std::ofstream(folder / "ipopt.opt") << "max_iter 1\n";
   const auto before = std::filesystem::current_path();
   std::filesystem::current_path(folder);
-  const NlpSolution solution = SolveNlp(HockSchittkowski71());
+  const nlp::NlpSolution solution = nlp::SolveNlp(HockSchittkowski71());
   std::filesystem::current_path(before);
   std::filesystem::remove_all(folder);
   EXPECT_TRUE(solution.IsUsable()) << solution.message;
 }
 
 TEST(SolveNlp, ExceptionOfATermReachesTheCaller) {
-  NonlinearProgram program;
+  nlp::NonlinearProgram program;
   program.AddVariable("x", 1, 0, 10);
   program.AddCost(std::array{0}, [](const auto* x) {
     if (x[0] < 100.0) throw Fail("term says no");
     return x[0] * 1.0;
   });
-  EXPECT_THROW(SolveNlp(program), Error);
+  EXPECT_THROW(nlp::SolveNlp(program), Error);
 }
 
 TEST(SolveNlp, RefusesOverdeterminedAndContradictoryPrograms) {
-  NonlinearProgram program;
+  nlp::NonlinearProgram program;
   program.AddVariable("x", 1, 0, 10);
   EXPECT_THROW(program.AddVariable("y", 1, 2, 1), Error);
   EXPECT_THROW(program.AddVariable("y", NAN, 0, 1), Error);
   EXPECT_THROW(program.AddRow("r", NAN, 1), Error);
   for (int i = 0; i < 2; ++i) program.AddConstraint("r", 1, 1, std::array{0}, [](const auto* x) { return x[0] * 1.0; });
-  EXPECT_THROW(SolveNlp(program), Error);
-  NlpOptions options;
+  EXPECT_THROW(nlp::SolveNlp(program), Error);
+  nlp::NlpOptions options;
   options.tolerance = 0;
-  EXPECT_THROW(SolveNlp(HockSchittkowski71(), options), Error);
+  EXPECT_THROW(nlp::SolveNlp(HockSchittkowski71(), options), Error);
 }
 
 // Derivatives that are wrong on purpose: of 1.5 x instead of x^2.
@@ -134,13 +134,13 @@ struct Wrong {
 };
 
 TEST(CheckDerivatives, FindsNoErrorInExactOnesAndTheErrorInWrongOnes) {
-  const DerivativeReport right = CheckDerivatives(HockSchittkowski71());
+  const nlp::DerivativeReport right = nlp::CheckDerivatives(HockSchittkowski71());
   EXPECT_EQ(right.first_order_errors + right.second_order_errors, 0) << right.text;
 
-  NonlinearProgram program;
+  nlp::NonlinearProgram program;
   program.AddVariable("x", 1.5, 0, 10);
   program.AddCost(std::array{0}, Wrong());
-  const DerivativeReport wrong = CheckDerivatives(program);
+  const nlp::DerivativeReport wrong = nlp::CheckDerivatives(program);
   EXPECT_EQ(wrong.first_order_errors, 1) << wrong.text;
 }
 
@@ -157,7 +157,7 @@ struct Mixed {
 TEST(SecondOrder, AgreesWithCentralDifferences) {
   std::mt19937 random(20240701);
   std::uniform_real_distribution<double> uniform(0.5, 2.5);
-  const FunctorTerm<3, Mixed> term({0, 1, 2}, Mixed());
+  const nlp::FunctorTerm<3, Mixed> term({0, 1, 2}, Mixed());
   for (int trial = 0; trial < 50; ++trial) {
     std::array<double, 3> x{uniform(random), uniform(random), uniform(random)}, gradient, above, below;
     std::array<double, 6> hessian;

@@ -6,14 +6,14 @@
 namespace lake {
 namespace {
 
-SceneOptions OneRise(std::uint64_t seed) {
-  SceneOptions scene = CleanScene(seed);
+synth::SceneOptions OneRise(std::uint64_t seed) {
+  synth::SceneOptions scene = synth::CleanScene(seed);
   scene.duration_s = 3;
   return scene;
 }
 
 TrackErrors TrackAndCompare(RenderedTrial& trial, const char* what, std::uint64_t seed,
-                            const std::function<void(TrackRunOptions&)>& change) {
+                            const std::function<void(commands::TrackRunOptions&)>& change) {
   trial.Track("trial", change);
   const TrackErrors errors = CompareTracks(trial.Tracks(), trial.scene);
   Print(what, seed, errors, CompareKnee(trial.folder / "trial" / "kinematics.csv", trial.scene));
@@ -30,13 +30,14 @@ std::string HexColour(const cv::Vec3f& bgr) {
 
 TEST(MarkerKinds, ColouredLightsAreFoundByTheirColours) {
   const std::uint64_t seed = SeedOfThisTest();
-  SceneOptions scene = OneRise(seed);
+  synth::SceneOptions scene = OneRise(seed);
   scene.colour = true;
-  scene.marker_bgr = LedColours();
+  scene.marker_bgr = synth::LedColours();
   RenderedTrial trial(scene, {.crf = 20});
-  const TrackErrors errors = TrackAndCompare(trial, "lights", seed, [](TrackRunOptions& options) {
-    options.track.detector = DetectorKind::kColor;
-    for (const char* marker : kLegMarkers) options.track.colors.push_back(HexColour(LedColours().at(marker)));
+  const TrackErrors errors = TrackAndCompare(trial, "lights", seed, [](commands::TrackRunOptions& options) {
+    options.track.detector = tracking::DetectorKind::kColor;
+    for (const char* marker : tracking::kLegMarkers)
+      options.track.colors.push_back(HexColour(synth::LedColours().at(marker)));
   });
   // Colour has half the resolution of brightness in H.264's 4:2:0.
   EXPECT_LE(errors.rms_px, 0.10);
@@ -44,22 +45,24 @@ TEST(MarkerKinds, ColouredLightsAreFoundByTheirColours) {
 
 TEST(MarkerKinds, DarkMarkersInABrightRoom) {
   const std::uint64_t seed = SeedOfThisTest();
-  SceneOptions scene = OneRise(seed);
+  synth::SceneOptions scene = OneRise(seed);
   scene.bright_room = true;
   scene.marker_level = 15;
   RenderedTrial trial(scene, {.crf = 17});
-  const TrackErrors errors =
-      TrackAndCompare(trial, "dark", seed, [](TrackRunOptions& options) { options.track.polarity = Polarity::kDark; });
+  const TrackErrors errors = TrackAndCompare(trial, "dark", seed, [](commands::TrackRunOptions& options) {
+    options.track.polarity = tracking::Polarity::kDark;
+  });
   EXPECT_LE(errors.rms_px, 0.040);
 }
 
 TEST(MarkerKinds, ArucoMarkersNameThemselves) {
   const std::uint64_t seed = SeedOfThisTest();
-  SceneOptions scene = OneRise(seed);
-  scene.marker_kind = MarkerKind::kAruco;
+  synth::SceneOptions scene = OneRise(seed);
+  scene.marker_kind = synth::MarkerKind::kAruco;
   RenderedTrial trial(scene, {.crf = 17});
-  const TrackErrors errors = TrackAndCompare(
-      trial, "aruco", seed, [](TrackRunOptions& options) { options.track.detector = DetectorKind::kAruco; });
+  const TrackErrors errors = TrackAndCompare(trial, "aruco", seed, [](commands::TrackRunOptions& options) {
+    options.track.detector = tracking::DetectorKind::kAruco;
+  });
   // Four edges of 30 px each; 0.02 px is usual after H.264.
   EXPECT_LE(errors.rms_px, 0.04);
 }
@@ -67,13 +70,15 @@ TEST(MarkerKinds, ArucoMarkersNameThemselves) {
 TEST(MarkerKinds, PatchesThatWerePointedAt) {
   const std::uint64_t seed = SeedOfThisTest();
   RenderedTrial trial(OneRise(seed), {.crf = 17});
-  const FrameTruth first = trial.scene.Truth(0);
-  const TrackErrors errors = TrackAndCompare(trial, "template", seed, [&](TrackRunOptions& options) {
-    options.track.detector = DetectorKind::kTemplate;
-    for (std::size_t i = 0; i < kLegMarkers.size(); ++i)
+  const synth::FrameTruth first = trial.scene.Truth(0);
+  const TrackErrors errors = TrackAndCompare(trial, "template", seed, [&](commands::TrackRunOptions& options) {
+    options.track.detector = tracking::DetectorKind::kTemplate;
+    for (std::size_t i = 0; i < tracking::kLegMarkers.size(); ++i)
       options.track.seeds.push_back(
-          {kLegMarkers[i],
-           first.markers[static_cast<std::size_t>(IndexOfMarker(trial.scene.Motion(), kLegMarkers[i]))].px, 0});
+          {tracking::kLegMarkers[i],
+           first.markers[static_cast<std::size_t>(synth::IndexOfMarker(trial.scene.Motion(), tracking::kLegMarkers[i]))]
+               .px,
+           0});
   });
   // Against a disc of 4 px, whose model would give 0.03 px: a patch knows its marker as well.
   EXPECT_LE(errors.rms_px, 0.04);

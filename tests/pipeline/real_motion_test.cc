@@ -9,11 +9,11 @@ namespace {
 
 struct Case {
   const char* side;
-  Facing facing;
+  motion::Facing facing;
 };
 
 std::ostream& operator<<(std::ostream& stream, const Case& c) {
-  return stream << c.side << " leg, facing " << (c.facing == Facing::kLeft ? "left" : "right");
+  return stream << c.side << " leg, facing " << (c.facing == motion::Facing::kLeft ? "left" : "right");
 }
 
 class RealMotionVideo : public testing::TestWithParam<Case> {};
@@ -22,10 +22,10 @@ TEST_P(RealMotionVideo, GivesTheRecordingsOwnKneeAngle) {
   const auto leg = RealLeg(GetParam().side);
   if (!leg) GTEST_SKIP() << "no recording in " << LAKE_SHARED_DATA << "/opencap_sts";
   const std::uint64_t seed = SeedOfThisTest();
-  const bool mirror = GetParam().facing == Facing::kLeft;  // the subject of the recording faces right
-  SceneOptions scene = CleanScene(seed);
+  const bool mirror = GetParam().facing == motion::Facing::kLeft;  // the subject of the recording faces right
+  synth::SceneOptions scene = synth::CleanScene(seed);
   scene.duration_s = 0;  // as long as the recording
-  RenderedTrial trial(Scene(scene, MakeTableMotion(*leg, mirror)), {.crf = 17});
+  RenderedTrial trial(synth::Scene(scene, synth::MakeTableMotion(*leg, mirror)), {.crf = 17});
   const Json summary = trial.Track();
   const TrackErrors tracks = CompareTracks(trial.Tracks(), trial.scene);
   const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial.scene);
@@ -53,10 +53,10 @@ TEST_P(RealMotionVideo, GivesTheRecordingsOwnKneeAngle) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Legs, RealMotionVideo,
-                         testing::Values(Case{"right", Facing::kRight}, Case{"right", Facing::kLeft},
-                                         Case{"left", Facing::kRight}, Case{"left", Facing::kLeft}),
+                         testing::Values(Case{"right", motion::Facing::kRight}, Case{"right", motion::Facing::kLeft},
+                                         Case{"left", motion::Facing::kRight}, Case{"left", motion::Facing::kLeft}),
                          [](const auto& info) {
-                           const bool left = info.param.facing == Facing::kLeft;
+                           const bool left = info.param.facing == motion::Facing::kLeft;
                            return std::string(info.param.side) + (left ? "_facing_left" : "_facing_right");
                          });
 

@@ -9,10 +9,10 @@
 #include <string>
 #include <string_view>
 
+#include "lake/commands/track.h"
 #include "lake/core/csv.h"
 #include "lake/core/statistics.h"
 #include "lake/motion/marker_recording.h"
-#include "lake/pipeline/track.h"
 #include "lake/synth/recording.h"
 #include "temporary_folder.h"
 
@@ -47,26 +47,26 @@ inline double RootMean(double sum, int count) {
   return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
-inline TrackErrors CompareTracks(const MarkerRecording& tracks, const Scene& scene) {
+inline TrackErrors CompareTracks(const motion::MarkerRecording& tracks, const synth::Scene& scene) {
   TrackErrors errors;
   int visible = 0, detected = 0;
   double square_sum = 0, z_sum = 0, filled_sum = 0;
   for (std::size_t i = 0; i < tracks.Frames(); ++i) {
-    const FrameTruth truth = scene.Truth(static_cast<int>(tracks.frame[i]));
-    for (const MarkerTrack& marker : tracks.markers) {
-      const MarkerTruth& true_marker =
-          truth.markers[static_cast<std::size_t>(IndexOfMarker(scene.Motion(), marker.name))];
-      const MarkerSample& sample = marker.samples[i];
+    const synth::FrameTruth truth = scene.Truth(static_cast<int>(tracks.frame[i]));
+    for (const motion::MarkerTrack& marker : tracks.markers) {
+      const synth::MarkerTruth& true_marker =
+          truth.markers[static_cast<std::size_t>(synth::IndexOfMarker(scene.Motion(), marker.name))];
+      const motion::MarkerSample& sample = marker.samples[i];
       const double error = (sample.position - true_marker.px).norm();
       visible += true_marker.visible;
-      if (sample.status == SampleStatus::kDetected && true_marker.visible) {
+      if (sample.status == motion::SampleStatus::kDetected && true_marker.visible) {
         ++detected;
         square_sum += error * error;
         z_sum += error * error / (sample.sigma * sample.sigma) / 2;
         errors.worst_px = std::max(errors.worst_px, error);
-      } else if (sample.status == SampleStatus::kDetected) {
+      } else if (sample.status == motion::SampleStatus::kDetected) {
         ++(true_marker.covered > kBorderCovered ? errors.false_samples : errors.border_samples);
-      } else if (sample.status == SampleStatus::kFilled && !true_marker.visible) {
+      } else if (sample.status == motion::SampleStatus::kFilled && !true_marker.visible) {
         ++errors.filled;
         filled_sum += error * error;
       }
@@ -88,7 +88,7 @@ struct KneeErrors {
   int frames = 0, raw_frames = 0;
 };
 
-inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const Scene& scene) {
+inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const synth::Scene& scene) {
   const CsvTable table = CsvTable::Read(kinematics_csv);
   const std::size_t frame = table.Column("frame"), fitted = table.Column("knee_deg"),
                     sigma = table.Column("knee_sigma_deg"), raw = table.Column("knee_raw_deg");
@@ -97,11 +97,12 @@ inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const
   double least = INFINITY, most = -INFINITY, true_least = INFINITY, true_most = -INFINITY;
   int within = 0, seen_frames = 0;
   for (std::size_t row = 0; row < table.Rows(); ++row) {
-    const FrameTruth frame_truth = scene.Truth(static_cast<int>(table.RequiredNumber(row, frame)));
+    const synth::FrameTruth frame_truth = scene.Truth(static_cast<int>(table.RequiredNumber(row, frame)));
     const double truth = frame_truth.knee_deg;
-    const bool seen = std::all_of(kLegMarkers.begin(), kLegMarkers.begin() + 3, [&](const char* marker) {
-      return frame_truth.markers[static_cast<std::size_t>(IndexOfMarker(scene.Motion(), marker))].visible;
-    });
+    const bool seen =
+        std::all_of(tracking::kLegMarkers.begin(), tracking::kLegMarkers.begin() + 3, [&](const char* marker) {
+          return frame_truth.markers[static_cast<std::size_t>(synth::IndexOfMarker(scene.Motion(), marker))].visible;
+        });
     true_least = std::min(true_least, truth), true_most = std::max(true_most, truth);
     if (const auto angle = table.Number(row, fitted)) {
       const double z = (*angle - truth) / table.RequiredNumber(row, sigma);
@@ -121,30 +122,30 @@ inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const
 
 // A scene, its recording and a run on it, in a folder that vanishes with it.
 struct RenderedTrial {
-  RenderedTrial(const SceneOptions& options, const RecordingOptions& recording)
-      : RenderedTrial(Scene(options), recording) {}
-  RenderedTrial(Scene rendered, const RecordingOptions& recording) : scene(std::move(rendered)) {
-    WriteRecording(scene, folder.Path(), recording);
+  RenderedTrial(const synth::SceneOptions& options, const synth::RecordingOptions& recording)
+      : RenderedTrial(synth::Scene(options), recording) {}
+  RenderedTrial(synth::Scene rendered, const synth::RecordingOptions& recording) : scene(std::move(rendered)) {
+    synth::WriteRecording(scene, folder.Path(), recording);
   }
 
   // Tracks the video with the recording's own camera, without an overlay, into a folder of this name.
-  Json Track(const std::string& name = "trial", const std::function<void(TrackRunOptions&)>& change = {}) {
-    TrackRunOptions options;
+  Json Track(const std::string& name = "trial", const std::function<void(commands::TrackRunOptions&)>& change = {}) {
+    commands::TrackRunOptions options;
     options.video = folder / "video.mp4";
     options.camera = folder / "camera.yaml";
     options.overlay = false;
     options.track.quiet = true;
     if (change) change(options);
     Run run({"lake-track", "test", Json::object(), folder / name, true});
-    return run.WriteSummary(RunTrack(options, run));
+    return run.WriteSummary(commands::RunTrack(options, run));
   }
 
-  MarkerRecording Tracks(const std::string& name = "trial") const {
-    return ReadMarkerCsv(folder / name / "tracks.csv");
+  motion::MarkerRecording Tracks(const std::string& name = "trial") const {
+    return motion::ReadMarkerCsv(folder / name / "tracks.csv");
   }
 
   TemporaryFolder folder;
-  Scene scene;
+  synth::Scene scene;
 };
 
 // Says the numbers in the test's report too.

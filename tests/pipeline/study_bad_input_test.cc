@@ -24,7 +24,9 @@ class BadStudy : public testing::Test {
     EXPECT_FALSE(fs::exists(study_.Out() / "comparison/comparison.json"));
   }
 
-  MarkerRecording Exo(double end_s = INFINITY) { return RecordingOf(StsMotion(ExoMotionOptions()), 2, end_s); }
+  motion::MarkerRecording Exo(double end_s = INFINITY) {
+    return RecordingOf(synth::StsMotion(ExoMotionOptions()), 2, end_s);
+  }
 
   StudyFolder study_;
 };
@@ -36,23 +38,23 @@ TEST_F(BadStudy, WithoutACommonMarker) {
 
 // The markers of the leg are there, but the subject only sits.
 TEST_F(BadStudy, WithoutARepetition) {
-  const double first_rise_s = StsMotion(ExoMotionOptions()).Phases()[1].start_s;
+  const double first_rise_s = synth::StsMotion(ExoMotionOptions()).Phases()[1].start_s;
   study_.WriteTrial("exo.csv", Exo(first_rise_s));
   ExpectFailure("comparison", "no sit-to-stand found");
 }
 
 TEST_F(BadStudy, WithATrialThatEndsBeforeTheMotion) {
-  const StsPhase rise = StsMotion(ExoMotionOptions()).Phases()[1];
+  const synth::StsPhase rise = synth::StsMotion(ExoMotionOptions()).Phases()[1];
   study_.WriteTrial("exo.csv", Exo(rise.start_s + 0.6 * (rise.end_s - rise.start_s)));
   ExpectFailure("comparison", "exo");
 }
 
 TEST_F(BadStudy, WithTrialsInDifferentUnits) {
-  MarkerRecording exo = Exo();
-  exo.unit = LengthUnit::kPx;
+  motion::MarkerRecording exo = Exo();
+  exo.unit = motion::LengthUnit::kPx;
   // Image rows grow downward.
-  for (MarkerTrack& marker : exo.markers)
-    for (MarkerSample& sample : marker.samples) sample.position.y() = 1000 - sample.position.y();
+  for (motion::MarkerTrack& marker : exo.markers)
+    for (motion::MarkerSample& sample : marker.samples) sample.position.y() = 1000 - sample.position.y();
   study_.WriteTrial("exo.csv", exo);
   ExpectFailure("comparison", "is in mm and");
 }

@@ -1,5 +1,5 @@
 // study.yaml: what is read, and what is refused with its line.
-#include "lake/pipeline/study_file.h"
+#include "lake/study/study_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,9 +29,9 @@ class StudyYaml : public testing::Test {
     WriteTextFile(folder_ / "boards/b2.png", ""), WriteTextFile(folder_ / "boards/b1.png", "");
   }
 
-  StudyFile Read(const std::string& text) {
+  study::StudyFile Read(const std::string& text) {
     WriteTextFile(folder_ / "study.yaml", text);
-    return ReadStudyFile(folder_ / "study.yaml");
+    return study::ReadStudyFile(folder_ / "study.yaml");
   }
 
   void ExpectRefused(const std::string& text, const std::string& message) {
@@ -91,35 +91,35 @@ stroke: {duty_table: duty.csv, margin_mm: 1, return: true, hold_s: 3, rate_hz: 2
 )";
 
 TEST_F(StudyYaml, IsRead) {
-  const StudyFile study = Read(kWhole);
+  const study::StudyFile study = Read(kWhole);
   EXPECT_EQ(study.name, "A study");
   EXPECT_EQ(study.out, folder_ / "results");
   EXPECT_EQ(study.camera, folder_ / "camera.yaml");
   ASSERT_TRUE(study.human.IsVideo());
-  const auto& video = std::get<TrackRunOptions>(study.human.work);
+  const auto& video = std::get<commands::TrackRunOptions>(study.human.work);
   EXPECT_EQ(video.video, folder_ / "human.mp4");
   EXPECT_THAT(video.track.names, ElementsAre("ankle", "knee", "hip"));
   ASSERT_EQ(video.track.seeds.size(), 1u);
   EXPECT_EQ(video.track.seeds[0].frame, 7);
   EXPECT_EQ(video.track.seeds[0].position, Eigen::Vector2d(10, 20.5));
-  EXPECT_EQ(video.track.detector, DetectorKind::kColor);
+  EXPECT_EQ(video.track.detector, tracking::DetectorKind::kColor);
   EXPECT_EQ(video.scale, (std::array<double, 5>{1, 2, 3, 4, 500}));
   EXPECT_EQ(video.track.crop, cv::Rect(0, 10, 640, 480));
   EXPECT_EQ(video.track.reader.start_s, 0.5);
   EXPECT_EQ(video.track.reader.end_s, 9.25);
   EXPECT_EQ(video.track.reader.capture_rate_hz, 240);
   EXPECT_EQ(video.depth_mm.at("knee"), 12);
-  EXPECT_EQ(video.fit.filter, LegFilter::kButterworth);
+  EXPECT_EQ(video.fit.filter, gait::LegFilter::kButterworth);
   EXPECT_EQ(video.fit.cutoff_hz, 6);
   EXPECT_EQ(video.corrections, folder_ / "corrections.csv");
   EXPECT_FALSE(video.overlay);
-  const auto& trial = std::get<GaitRunOptions>(study.exo->work);
+  const auto& trial = std::get<commands::GaitRunOptions>(study.exo->work);
   EXPECT_EQ(trial.trial, folder_ / "trial.trc");
   EXPECT_EQ(trial.reading.names.at("exo_knee"), "E_K");
   EXPECT_EQ(trial.reading.up, 'y');
   EXPECT_EQ(trial.reading.forward, "-x");
   EXPECT_EQ(trial.reading.mm_per_unit, 1000);
-  EXPECT_EQ(trial.fit.facing, Facing::kLeft);
+  EXPECT_EQ(trial.fit.facing, motion::Facing::kLeft);
   EXPECT_EQ(study.compare.exo_knee, "exo_knee");
   EXPECT_EQ(study.compare.misalignment.replacement_sd_mm, 1.5);
   EXPECT_EQ(study.design.problem.grashof_margin_mm, 2);
@@ -128,10 +128,10 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(study.yield_tolerance_mm, 0.1);
   ASSERT_TRUE(study.redesign);
   EXPECT_EQ(study.redesign->design.problem.grashof_margin_mm, 3);
-  const ReoptimizeRunOptions& redesign = study.redesign->options;
+  const commands::ReoptimizeRunOptions& redesign = study.redesign->options;
   EXPECT_EQ(redesign.max_misalignment_percent, 4);
   EXPECT_EQ(redesign.penalty_deg_per_mm, 0.5);
-  EXPECT_EQ(redesign.program.kind, StrokeProgram::Kind::kFree);
+  EXPECT_EQ(redesign.program.kind, linkage::StrokeProgram::Kind::kFree);
   EXPECT_EQ(redesign.program.max_speed_mm_s, 6);
   EXPECT_EQ(redesign.program.duration_s, 30);
   EXPECT_TRUE(redesign.program.monotone);
@@ -164,12 +164,12 @@ TEST_F(StudyYaml, NamesItsResultsAfterItsFolderOrItself) {
   const std::string text = "human: {video: human.mp4}\n";
   EXPECT_EQ(Read(text).ResultName(), folder_.Path().filename());
   WriteTextFile(folder_ / "knees.yaml", text);
-  EXPECT_EQ(ReadStudyFile(folder_ / "knees.yaml").ResultName(), "knees");
+  EXPECT_EQ(study::ReadStudyFile(folder_ / "knees.yaml").ResultName(), "knees");
   EXPECT_EQ(Read("out: there\n" + text).ResultName(), (folder_ / "there").string());
 }
 
 TEST_F(StudyYaml, MayAskForACalibration) {
-  const StudyFile study = Read(
+  const study::StudyFile study = Read(
       "camera:\n  calibrate:\n    images: [boards/*.png, board.png]\n    board: chessboard:9x6:25\n"
       "    plane: {image: board.png, board: 'chessboard:9x6:25'}\nhuman: {video: frames/%05d.png}\n");
   ASSERT_TRUE(study.calibration);

@@ -36,7 +36,7 @@ TEST(StudyOfTheOpticalRecording, RunsThroughWithPlausibleNumbers) {
   const TemporaryFolder folder;
   WriteTextFile(folder / "study.yaml", fmt::format(kStudy, file.string()));
   lake::Run run({"lake-run", "test", Json::object(), folder / "out", true});
-  const Json summary = run.WriteSummary(RunStudyFile(ReadStudyFile(folder / "study.yaml"), run));
+  const Json summary = run.WriteSummary(study::RunStudyFile(study::ReadStudyFile(folder / "study.yaml"), run));
 
   for (const char* trial : {"human", "exo"}) EXPECT_EQ(summary[trial]["sit_to_stands"].size(), 5u) << trial;
   const Json& comparison = summary["comparison"];

@@ -1,5 +1,5 @@
 // The step runner: what is done again, what is not, and what is left when a step fails.
-#include "lake/pipeline/study_steps.h"
+#include "lake/steps/study_steps.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -27,8 +27,9 @@ class Steps : public testing::Test {
     WriteTextFile(folder_ / "b.txt", "beta");
   }
 
-  StudyStep Copy(const std::string& name) {
-    StudyStep step{name, "a copy of " + name + ".txt", "copy", Out(name), {folder_ / (name + ".txt")}, {}, {}, 1, {}};
+  steps::StudyStep Copy(const std::string& name) {
+    steps::StudyStep step{name, "a copy of " + name + ".txt", "copy", Out(name), {folder_ / (name + ".txt")}, {}, {}, 1,
+                          {}};
     step.options = {{"suffix", suffix_}};
     step.work = [this, name](lake::Run& run) {
       done_.push_back(name);
@@ -37,8 +38,8 @@ class Steps : public testing::Test {
     return step;
   }
 
-  StudyStep Join() {
-    StudyStep step{
+  steps::StudyStep Join() {
+    steps::StudyStep step{
         "join", "both copies", "join", Out("join"), {Out("a") / "copy.txt", Out("b") / "copy.txt"}, {}, {}, 1, {}};
     step.work = [this](lake::Run& run) {
       done_.push_back("join");
@@ -48,8 +49,8 @@ class Steps : public testing::Test {
     return step;
   }
 
-  StudyStep Report() {
-    StudyStep step{"report", "all of it", "report", folder_ / "out", {}, {"a", "b", "join"}, {}, 1, {}};
+  steps::StudyStep Report() {
+    steps::StudyStep step{"report", "all of it", "report", folder_ / "out", {}, {"a", "b", "join"}, {}, 1, {}};
     step.work = [this](lake::Run& run) {
       done_.push_back("report");
       WriteTextFile(run.Result("report.html"), "report");
@@ -62,7 +63,7 @@ class Steps : public testing::Test {
   // The names of the steps that were done.
   std::vector<std::string> Go(const std::string& maker = "this build") {
     done_.clear();
-    outcomes_ = RunSteps({Copy("a"), Copy("b"), Join(), Report()}, {maker, "test", true});
+    outcomes_ = steps::RunSteps({Copy("a"), Copy("b"), Join(), Report()}, {maker, "test", true});
     return done_;
   }
 
@@ -70,13 +71,13 @@ class Steps : public testing::Test {
   std::string suffix_ = "!";
   std::function<void()> fail_;
   std::vector<std::string> done_;
-  std::vector<StepOutcome> outcomes_;
+  std::vector<steps::StepOutcome> outcomes_;
 };
 
 TEST_F(Steps, AreDoneOnceAndThenLeftAlone) {
   EXPECT_THAT(Go(), ElementsAre("a", "b", "join", "report"));
   EXPECT_THAT(Go(), IsEmpty());
-  for (const StepOutcome& outcome : outcomes_) EXPECT_FALSE(outcome.done) << outcome.why;
+  for (const steps::StepOutcome& outcome : outcomes_) EXPECT_FALSE(outcome.done) << outcome.why;
   EXPECT_EQ(ReadTextFile(Out("join") / "join.txt"), "alph!beta!");
 }
 
@@ -171,9 +172,9 @@ TEST_F(Steps, KeepWhatAUserWritesWhileTheyAreDone) {
 TEST_F(Steps, ThatAStudyDoesNotHaveAnyMoreAreRetired) {
   Go();
   WriteTextFile(Out("b") / "notes.txt", "mine");
-  RetireStudyStep(Out("a"), "a");
-  RetireStudyStep(Out("b"), "b");
-  RetireStudyStep(Out("join"), "other");
+  steps::RetireStudyStep(Out("a"), "a");
+  steps::RetireStudyStep(Out("b"), "b");
+  steps::RetireStudyStep(Out("join"), "other");
   EXPECT_FALSE(fs::exists(Out("a")));
   EXPECT_EQ(std::distance(fs::directory_iterator(Out("b")), {}), 1) << "the user's notes";
   EXPECT_TRUE(fs::exists(Out("join") / "join.txt")) << "not that step's";

@@ -41,7 +41,7 @@ TEST(StudyOfMarkerFiles, RepeatsExactlyWhatDependsOnAChange) {
   StudyFolder study;
   EXPECT_THAT(study.Done(study.Go()), ElementsAre("human", "exo", "comparison", "optimum", "simulation", "report"));
 
-  study.WriteTrial("exo.csv", RecordingOf(StsMotion(ExoMotionOptions()), 3));
+  study.WriteTrial("exo.csv", RecordingOf(synth::StsMotion(ExoMotionOptions()), 3));
   EXPECT_THAT(study.Done(study.Go()), ElementsAre("exo", "comparison", "report"));
 
   study.WriteStudy("compare: {replacement_sd_mm: 1}\n# a comment\n");

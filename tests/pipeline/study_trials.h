@@ -7,40 +7,41 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/motion/marker_recording.h"
-#include "lake/pipeline/study.h"
+#include "lake/study/study.h"
 #include "lake/synth/sts_motion.h"
 #include "temporary_folder.h"
 
 namespace lake {
 
 // What a camera would have seen of a motion at 60 Hz, with noise of 0.1 mm; until `end_s` if it is given.
-inline MarkerRecording RecordingOf(const MarkerMotion& motion, unsigned seed, double end_s = INFINITY) {
+inline motion::MarkerRecording RecordingOf(const synth::MarkerMotion& motion, unsigned seed, double end_s = INFINITY) {
   constexpr double kRateHz = 60, kSigmaMm = 0.1;
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, kSigmaMm);
-  MarkerRecording recording;
-  recording.unit = LengthUnit::kMm;
+  motion::MarkerRecording recording;
+  recording.unit = motion::LengthUnit::kMm;
   for (const std::string& name : motion.Names()) recording.markers.push_back({name, {}});
   for (int i = 0; i / kRateHz < std::min(motion.DurationS(), end_s); ++i) {
     recording.frame.push_back(i), recording.time_s.push_back(i / kRateHz);
     const std::vector<Eigen::Vector2d> at = motion.At(i / kRateHz);
     for (std::size_t m = 0; m < at.size(); ++m) {
       const double x = normal(random), y = normal(random);
-      recording.markers[m].samples.push_back({at[m] + Eigen::Vector2d(x, y), kSigmaMm, SampleStatus::kDetected});
+      recording.markers[m].samples.push_back(
+          {at[m] + Eigen::Vector2d(x, y), kSigmaMm, motion::SampleStatus::kDetected});
     }
   }
   return recording;
 }
 
-inline StsMotionOptions HumanMotionOptions() {
-  StsMotionOptions options;
+inline synth::StsMotionOptions HumanMotionOptions() {
+  synth::StsMotionOptions options;
   options.seed = 41, options.repetitions = 2, options.min_rest_s = 0.8;
   return options;
 }
 
 // The same movement, its joint 18 mm in front of the knee and 32 mm above it.
-inline StsMotionOptions ExoMotionOptions() {
-  StsMotionOptions options = HumanMotionOptions();
+inline synth::StsMotionOptions ExoMotionOptions() {
+  synth::StsMotionOptions options = HumanMotionOptions();
   options.pace = 1.25, options.exo_knee_mm = Eigen::Vector2d(18, 32);
   return options;
 }
@@ -49,13 +50,13 @@ inline StsMotionOptions ExoMotionOptions() {
 class StudyFolder {
  public:
   StudyFolder() {
-    WriteTrial("human.csv", RecordingOf(StsMotion(HumanMotionOptions()), 1));
-    WriteTrial("exo.csv", RecordingOf(StsMotion(ExoMotionOptions()), 2));
+    WriteTrial("human.csv", RecordingOf(synth::StsMotion(HumanMotionOptions()), 1));
+    WriteTrial("exo.csv", RecordingOf(synth::StsMotion(ExoMotionOptions()), 2));
     WriteStudy("");
   }
 
-  void WriteTrial(const std::string& name, const MarkerRecording& recording) {
-    WriteMarkerCsv(folder_ / name, recording);
+  void WriteTrial(const std::string& name, const motion::MarkerRecording& recording) {
+    motion::WriteMarkerCsv(folder_ / name, recording);
   }
 
   // What follows the trials.
@@ -65,7 +66,7 @@ class StudyFolder {
 
   Json Go() {
     Run run({"lake-run", "lake run study.yaml", Json::object(), Out(), true});
-    return run.WriteSummary(RunStudyFile(ReadStudyFile(folder_ / "study.yaml"), run));
+    return run.WriteSummary(study::RunStudyFile(study::ReadStudyFile(folder_ / "study.yaml"), run));
   }
 
   // The names of the steps that this run did.

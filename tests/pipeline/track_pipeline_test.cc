@@ -1,9 +1,9 @@
 // lake-track's work from the video to its tables, on rendered recordings with known truth: the limits are those that
 // the program promises.
+#include "lake/commands/track.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
-#include "lake/pipeline/track.h"
 #include "lake/synth/cramer_rao.h"
 #include "pipeline/rendered_trial.h"
 
@@ -15,7 +15,7 @@ struct Limits {
 };
 
 void ExpectWithin(RenderedTrial& trial, const Limits& limits, const char* what, std::uint64_t seed) {
-  trial.Track("trial", [](TrackRunOptions& options) { options.exports = {"c3d"}; });
+  trial.Track("trial", [](commands::TrackRunOptions& options) { options.exports = {"c3d"}; });
   const TrackErrors tracks = CompareTracks(trial.Tracks(), trial.scene);
   const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial.scene);
   Print(what, seed, tracks, knee);
@@ -35,8 +35,8 @@ void ExpectWithin(RenderedTrial& trial, const Limits& limits, const char* what, 
 
 // Those of events.csv; C3D's times are in single precision.
 void ExpectExportedEvents(const std::filesystem::path& folder) {
-  const std::vector<StsEvent> events = ReadEventsCsv(folder / "events.csv");
-  const std::vector<PointEvent> exported = ReadC3d(folder / "video.c3d").events;
+  const std::vector<motion::StsEvent> events = motion::ReadEventsCsv(folder / "events.csv");
+  const std::vector<exchange::PointEvent> exported = exchange::ReadC3d(folder / "video.c3d").events;
   ASSERT_FALSE(events.empty());
   ASSERT_EQ(exported.size(), events.size());
   for (std::size_t i = 0; i < events.size(); ++i) {
@@ -48,16 +48,16 @@ void ExpectExportedEvents(const std::filesystem::path& folder) {
 // One rise and the standing after it.
 constexpr double kShortS = 4;
 
-SceneOptions ShortClean(std::uint64_t seed, Facing facing) {
-  SceneOptions scene = CleanScene(seed);
+synth::SceneOptions ShortClean(std::uint64_t seed, motion::Facing facing) {
+  synth::SceneOptions scene = synth::CleanScene(seed);
   scene.duration_s = kShortS;
   scene.motion.facing = facing;
   return scene;
 }
 
 // The three occlusions of the long recording, sooner after each other.
-SceneOptions ShortHard(std::uint64_t seed, Facing facing) {
-  SceneOptions scene = HardScene(seed);
+synth::SceneOptions ShortHard(std::uint64_t seed, motion::Facing facing) {
+  synth::SceneOptions scene = synth::HardScene(seed);
   scene.duration_s = kShortS;
   scene.motion.facing = facing;
   for (std::size_t i = 0; i < scene.occlusions.size(); ++i)
@@ -65,8 +65,8 @@ SceneOptions ShortHard(std::uint64_t seed, Facing facing) {
   return scene;
 }
 
-class Clean : public testing::TestWithParam<Facing> {};
-class Hard : public testing::TestWithParam<Facing> {};
+class Clean : public testing::TestWithParam<motion::Facing> {};
+class Hard : public testing::TestWithParam<motion::Facing> {};
 
 TEST_P(Clean, IsTrackedWithinItsLimits) {
   const std::uint64_t seed = SeedOfThisTest();
@@ -81,15 +81,15 @@ TEST_P(Hard, IsTrackedWithinItsLimits) {
   ExpectWithin(trial, {0.065, 0.05, 0.08}, "hard", seed);
 }
 
-const auto kFacingName = [](const testing::TestParamInfo<Facing>& info) {
-  return info.param == Facing::kLeft ? "left" : "right";
+const auto kFacingName = [](const testing::TestParamInfo<motion::Facing>& info) {
+  return info.param == motion::Facing::kLeft ? "left" : "right";
 };
-INSTANTIATE_TEST_SUITE_P(Facing, Clean, testing::Values(Facing::kLeft, Facing::kRight), kFacingName);
-INSTANTIATE_TEST_SUITE_P(Facing, Hard, testing::Values(Facing::kLeft, Facing::kRight), kFacingName);
+INSTANTIATE_TEST_SUITE_P(Facing, Clean, testing::Values(motion::Facing::kLeft, motion::Facing::kRight), kFacingName);
+INSTANTIATE_TEST_SUITE_P(Facing, Hard, testing::Values(motion::Facing::kLeft, motion::Facing::kRight), kFacingName);
 
 // Markers before an even background, as the bound assumes, in the smallest picture that holds a leg.
-SceneOptions Plain(std::uint64_t seed) {
-  SceneOptions scene = CleanScene(seed);
+synth::SceneOptions Plain(std::uint64_t seed) {
+  synth::SceneOptions scene = synth::CleanScene(seed);
   scene.room = scene.body = false;
   scene.duration_s = 3;
   return scene;
@@ -99,14 +99,14 @@ TEST(Lossless, ComesWithinFifteenPercentOfTheCramerRaoBound) {
   const std::uint64_t seed = SeedOfThisTest();
   RenderedTrial trial(Plain(seed), {.lossless = true});
   // Without a filter the tables hold each frame's own measurement, which is what the bound is about.
-  trial.Track("trial", [](TrackRunOptions& options) { options.fit.filter = LegFilter::kNone; });
+  trial.Track("trial", [](commands::TrackRunOptions& options) { options.fit.filter = gait::LegFilter::kNone; });
   const TrackErrors errors = CompareTracks(trial.Tracks(), trial.scene);
 
   double variance_sum = 0;
   int bounds = 0;
   for (int frame = 5; frame < trial.scene.Frames(); frame += 40)
-    for (const char* marker : kLegMarkers) {
-      variance_sum += CramerRaoBound(trial.scene, frame, marker).squaredNorm() / 2;
+    for (const char* marker : tracking::kLegMarkers) {
+      variance_sum += synth::CramerRaoBound(trial.scene, frame, marker).squaredNorm() / 2;
       ++bounds;
     }
   const double bound_px = std::sqrt(variance_sum / bounds);
@@ -121,13 +121,13 @@ TEST(Lossless, ComesWithinFifteenPercentOfTheCramerRaoBound) {
 
 TEST(TimeStamps, OfTheFramesThemselvesAreUsed) {
   const std::uint64_t seed = SeedOfThisTest();
-  SceneOptions options = Plain(seed);
+  synth::SceneOptions options = Plain(seed);
   options.duration_s = kShortS;
   options.start_s = 7.25;
   options.time_jitter = 0.3;
   RenderedTrial trial(options, {.crf = 17});
   const Json summary = trial.Track();
-  const MarkerRecording tracks = trial.Tracks();
+  const motion::MarkerRecording tracks = trial.Tracks();
   ASSERT_EQ(tracks.Frames(), static_cast<std::size_t>(trial.scene.Frames()));
   for (std::size_t i = 0; i < tracks.Frames(); ++i)
     ASSERT_NEAR(tracks.time_s[i], trial.scene.TimeS(static_cast<int>(i)), 1.0 / 90000) << "frame " << i;
@@ -143,14 +143,14 @@ TEST(TimeStamps, OfTheFramesThemselvesAreUsed) {
 }
 
 TEST(ImageSequence, GivesTheSameAsTheLosslessVideo) {
-  const SceneOptions options = Plain(SeedOfThisTest());
+  const synth::SceneOptions options = Plain(SeedOfThisTest());
   RenderedTrial video(options, {.lossless = true}), pictures(options, {.pictures = true});
   video.Track();
-  pictures.Track("trial", [&](TrackRunOptions& run) {
+  pictures.Track("trial", [&](commands::TrackRunOptions& run) {
     run.video = pictures.folder / "frames" / "%05d.png";
     run.track.reader.sequence_rate_hz = 60;
   });
-  const MarkerRecording a = video.Tracks(), b = pictures.Tracks();
+  const motion::MarkerRecording a = video.Tracks(), b = pictures.Tracks();
   ASSERT_EQ(a.Frames(), b.Frames());
   ASSERT_EQ(a.markers.size(), b.markers.size());
   for (std::size_t m = 0; m < a.markers.size(); ++m)
@@ -164,13 +164,13 @@ TEST(ImageSequence, GivesTheSameAsTheLosslessVideo) {
 
 class Corrections : public testing::Test {
  protected:
-  Corrections() : trial_(ShortClean(SeedOfThisTest(), Facing::kRight), {.crf = 17}) {}
+  Corrections() : trial_(ShortClean(SeedOfThisTest(), motion::Facing::kRight), {.crf = 17}) {}
 
   void Track(const std::string& rows) {
     WriteTextFile(trial_.folder / "corrections.csv", "frame,marker,x_px,y_px\n" + rows);
-    trial_.Track("trial", [&](TrackRunOptions& options) {
+    trial_.Track("trial", [&](commands::TrackRunOptions& options) {
       options.corrections = trial_.folder / "corrections.csv";
-      options.fit.filter = LegFilter::kNone;
+      options.fit.filter = gait::LegFilter::kNone;
     });
   }
 
@@ -191,12 +191,12 @@ TEST_F(Corrections, OverruleTheDetector) {
   const Eigen::Vector2d knee = trial_.scene.Truth(20).markers[1].px;
   const Eigen::Vector2d placed = knee + Eigen::Vector2d(0.75, -0.5);
   Track(fmt::format("20,knee,{},{}\n50,hip,,\n", placed.x(), placed.y()));
-  const MarkerRecording tracks = trial_.Tracks();
-  EXPECT_EQ(tracks.Find("knee")->samples[20].status, SampleStatus::kDetected);
+  const motion::MarkerRecording tracks = trial_.Tracks();
+  EXPECT_EQ(tracks.Find("knee")->samples[20].status, motion::SampleStatus::kDetected);
   EXPECT_LE((tracks.Find("knee")->samples[20].position - placed).norm(), 1e-6);
-  EXPECT_EQ(tracks.Find("knee")->samples[21].status, SampleStatus::kDetected);
+  EXPECT_EQ(tracks.Find("knee")->samples[21].status, motion::SampleStatus::kDetected);
   EXPECT_LE((tracks.Find("knee")->samples[21].position - trial_.scene.Truth(21).markers[1].px).norm(), 0.3);
-  EXPECT_EQ(tracks.Find("hip")->samples[50].status, SampleStatus::kFilled);
+  EXPECT_EQ(tracks.Find("hip")->samples[50].status, motion::SampleStatus::kFilled);
   EXPECT_LE((tracks.Find("hip")->samples[50].position - trial_.scene.Truth(50).markers[2].px).norm(), 0.3);
 }
 

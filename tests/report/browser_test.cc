@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "lake/core/atomic_file.h"
-#include "lake/render/gnuplot.h"
+#include "lake/core/colours.h"
 #include "lake/report/report.h"
 #include "lake/video/image.h"
 
@@ -121,7 +121,7 @@ TEST(ReportInBrowser, ColoursAreOnTheScreenWideAndNarrow) {
   LAKE_SKIP_WITHOUT_BROWSER();
   Browser browser;
   for (const int width : {1280, 390}) {
-    const cv::Mat picture = ReadImage(browser.Screenshot(SamplePage(), width, 2600), true);
+    const cv::Mat picture = video::ReadImage(browser.Screenshot(SamplePage(), width, 2600), true);
     EXPECT_EQ(picture.cols, width);
     // A line 2 px wide around a path and over a chart; the half-covered pixels at its edges have other colours.
     EXPECT_GT(PixelsOf(picture, colour::kHuman), 300) << width;
@@ -261,12 +261,12 @@ TEST(ReportInBrowser, PrintsPicturesOfTheCharts) {
 TEST(ReportInBrowser, WithoutJavaScriptTablesAndPicturesAreThere) {
   LAKE_SKIP_WITHOUT_BROWSER();
   TemporaryFolder folder;
-  WriteImage(folder / "blue.png", cv::Mat(200, 300, CV_8UC3, cv::Scalar(178, 114, 0)));
+  video::WriteImage(folder / "blue.png", cv::Mat(200, 300, CV_8UC3, cv::Scalar(178, 114, 0)));
   std::string page =
       RenderReport({"T", "", {}, {{"S", {Picture{folder / "blue.png", "a blue field", "Blue"}, CurveChart()}}}});
   const std::string allowed = "script-src 'unsafe-inline'";
   page.replace(page.find(allowed), allowed.size(), "script-src 'none'");
-  const cv::Mat picture = ReadImage(Browser().Screenshot(page, 800, 1000), true);
+  const cv::Mat picture = video::ReadImage(Browser().Screenshot(page, 800, 1000), true);
   EXPECT_EQ(PixelsOf(picture, colour::kAnkle), 200 * 300);
   EXPECT_EQ(PixelsOf(picture, colour::kExoskeleton), 0);
 }

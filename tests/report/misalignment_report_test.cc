@@ -3,9 +3,9 @@
 
 #include "browser.h"
 #include "compare/closed_form.h"
+#include "lake/commands/compare.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/provenance.h"
-#include "lake/pipeline/compare.h"
 #include "lake/report/misalignment_sections.h"
 
 namespace lake {
@@ -16,20 +16,20 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-std::vector<StsCurve> Repetitions(const StsCurve& curve, int count, double sigma_mm, unsigned seed) {
+std::vector<compare::StsCurve> Repetitions(const compare::StsCurve& curve, int count, double sigma_mm, unsigned seed) {
   std::mt19937 random(seed);
-  std::vector<StsCurve> repetitions(count, curve);
+  std::vector<compare::StsCurve> repetitions(count, curve);
   for (int i = 0; i < count; ++i) repetitions[i].repetition = i + 1, AddNoise(repetitions[i], sigma_mm, random);
   return repetitions;
 }
 
 // An exoskeleton's joint 10 mm in front of the knee and 20 mm above it.
 Json Placed(int repetitions) {
-  const StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double u) { return u; }, {10, 20});
-  MisalignmentOptions options;
+  const compare::StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double u) { return u; }, {10, 20});
+  compare::MisalignmentOptions options;
   options.resamples = repetitions > 1 ? 60 : 0;
-  return ComparisonJson(CompareTrials({Repetitions(human, repetitions, 0.1, 1), {}},
-                                      {Repetitions(exo, repetitions, 0.1, 2), {}}, options));
+  return compare::ComparisonJson(compare::CompareTrials({Repetitions(human, repetitions, 0.1, 1), {}},
+                                                        {Repetitions(exo, repetitions, 0.1, 2), {}}, options));
 }
 
 std::string PageOf(const Json& comparison) {
@@ -59,18 +59,19 @@ TEST(MisalignmentReport, ASingleRepetitionHasNeitherBandNorIntervals) {
 }
 
 TEST(MisalignmentReport, EqualPathsHaveNothingToDivide) {
-  const StsCurve curve = MakeCurve({});
-  MisalignmentOptions options;
+  const compare::StsCurve curve = MakeCurve({});
+  compare::MisalignmentOptions options;
   options.replacement_sd_mm = 0;
-  const Json comparison = ComparisonJson(CompareTrials({{curve}, {}}, {{curve}, {}}, options));
+  const Json comparison = compare::ComparisonJson(compare::CompareTrials({{curve}, {}}, {{curve}, {}}, options));
   const std::string page = PageOf(comparison);
   EXPECT_THAT(page, HasSubstr("Both paths are one"));
   EXPECT_THAT(page.substr(0, page.find("</main>")), Not(HasSubstr("nan")));
 }
 
 TEST(MisalignmentReport, AdviceNamesTheLargestPart) {
-  const StsCurve human = MakeCurve({}), late = MakeCurve({}, IssueWarp);
-  EXPECT_THAT(DecompositionAdvice(ComparisonJson(CompareTrials({{human}, {}}, {{late}, {}}))), HasSubstr("is timing"));
+  const compare::StsCurve human = MakeCurve({}), late = MakeCurve({}, IssueWarp);
+  EXPECT_THAT(DecompositionAdvice(compare::ComparisonJson(compare::CompareTrials({{human}, {}}, {{late}, {}}))),
+              HasSubstr("is timing"));
   Json comparison = Placed(1);
   comparison["decomposition"]["placement"]["fraction"] = 0.1;
   comparison["decomposition"]["shape"]["fraction"] = 0.9;
@@ -92,9 +93,10 @@ TEST(MisalignmentReport, ReadFromItsFileItIsTheSamePage) {
 }
 
 TEST(MisalignmentReport, SpikesAreMarkedInTheChart) {
-  StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double u) { return u; }, {10, 0});
+  compare::StsCurve human = MakeCurve({}), exo = MakeCurve({}, [](double u) { return u; }, {10, 0});
   exo.knee[40] += Eigen::Vector2d(0, 25);
-  const LineChart chart = RelativeErrorChart(ComparisonJson(CompareTrials({{human}, {}}, {{exo}, {}})));
+  const LineChart chart =
+      RelativeErrorChart(compare::ComparisonJson(compare::CompareTrials({{human}, {}}, {{exo}, {}})));
   const Series& spikes = chart.series.back();
   EXPECT_EQ(spikes.name, "spike");
   EXPECT_THAT(spikes.x, testing::ElementsAre(40));
@@ -124,11 +126,11 @@ TEST(MisalignmentReport, LakeCompareWritesItForARealRecording) {
   lake::Run::Info info;
   info.program = "lake-compare", info.command = "lake-compare <a> b", info.out = out / "cmp", info.quiet = true;
   lake::Run run(info);
-  CompareRunOptions options;
+  commands::CompareRunOptions options;
   options.human = options.exo = trc, options.exo_knee = "knee";
-  options.human_reading.names = ParseNameMap("ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS");
-  options.exo_reading.names = ParseNameMap("ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS");
-  RunCompare(options, run);
+  options.human_reading.names = exchange::ParseNameMap("ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS");
+  options.exo_reading.names = exchange::ParseNameMap("ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS");
+  commands::RunCompare(options, run);
   const std::string page = ReadTextFile(out / "cmp" / "report.html");
   EXPECT_THAT(page, HasSubstr(Sha256OfFile(trc)));
   EXPECT_THAT(page, HasSubstr("lake-compare &lt;a&gt; b"));

@@ -16,26 +16,27 @@ using Eigen::Vector2d;
 TEST(CramerRao, IsThatOfALargeSoftDisc) {
   // For a large disc with a Gaussian edge the information is an integral along the outline: amplitude² / (2 sqrt(pi)
   // sigma) per px of it, cos² of it on each axis; the pixel's box adds 1/12 to sigma².
-  SceneOptions options = test::PlainOptions();
+  synth::SceneOptions options = test::PlainOptions();
   options.marker_radius_px = 25, options.psf_sigma_px = 1.5, options.width_px = 256, options.height_px = 200;
   options.noise = {3, 0};
-  const Scene scene(options, test::OneMarker({0, 0}));
+  const synth::Scene scene(options, test::OneMarker({0, 0}));
   const double amplitude = options.marker_level - options.background_level, sigma = std::sqrt(1.5 * 1.5 + 1.0 / 12);
   const double information =
       amplitude * amplitude / (9 + 1.0 / 12) / (2 * std::sqrt(std::numbers::pi) * sigma) * std::numbers::pi * 25;
-  const Vector2d bound = CramerRaoBound(scene, 0, "ball");
+  const Vector2d bound = synth::CramerRaoBound(scene, 0, "ball");
   EXPECT_NEAR(bound.x() * std::sqrt(information), 1, 0.01);  // curvature: (sigma / radius)² = 0.4 %
   EXPECT_NEAR(bound.y() * std::sqrt(information), 1, 0.01);
 }
 
 TEST(CramerRao, IsReachedByALinearEstimatorOnRecordedFrames) {
-  SceneOptions options = test::PlainOptions(21);
+  synth::SceneOptions options = test::PlainOptions(21);
   options.duration_s = 400 / 60.0;
   options.noise = {1.5, 0.02};
-  const Scene scene(options, test::OneMarker({0.9, -1.7}));
-  const Vector2d bound = CramerRaoBound(scene, 0, "ball");
+  const synth::Scene scene(options, test::OneMarker({0.9, -1.7}));
+  const Vector2d bound = synth::CramerRaoBound(scene, 0, "ball");
   const cv::Mat ideal = scene.RenderIdeal(0);
-  const ImagePatch left = scene.RenderMarker(0, "ball", {-0.05, 0}), right = scene.RenderMarker(0, "ball", {0.05, 0});
+  const synth::ImagePatch left = scene.RenderMarker(0, "ball", {-0.05, 0}),
+                          right = scene.RenderMarker(0, "ball", {0.05, 0});
   const cv::Rect common = cv::Rect(left.corner, left.image.size()) & cv::Rect(right.corner, right.image.size());
   std::vector<double> estimates;
   for (int frame = 0; frame < scene.Frames(); ++frame) {
@@ -46,7 +47,7 @@ TEST(CramerRao, IsReachedByALinearEstimatorOnRecordedFrames) {
         const double slope = (right.image.at<float>(cv::Point(x, y) - right.corner) -
                               left.image.at<float>(cv::Point(x, y) - left.corner)) /
                              0.1;
-        const double variance = NoiseVariance(options.noise, ideal.at<float>(y, x));
+        const double variance = synth::NoiseVariance(options.noise, ideal.at<float>(y, x));
         information += slope * slope / variance;
         product += slope / variance * (recorded.at<std::uint8_t>(y, x) - ideal.at<float>(y, x));
       }
@@ -58,26 +59,26 @@ TEST(CramerRao, IsReachedByALinearEstimatorOnRecordedFrames) {
 }
 
 TEST(CramerRao, SaturationCosts) {
-  SceneOptions options = test::PlainOptions();
+  synth::SceneOptions options = test::PlainOptions();
   options.marker_level = 250;
   options.noise = {1.5, 0};
-  const Scene below(options, test::OneMarker({0, 0}));
+  const synth::Scene below(options, test::OneMarker({0, 0}));
   options.marker_level = 1000;
-  const Scene above(options, test::OneMarker({0, 0}));
+  const synth::Scene above(options, test::OneMarker({0, 0}));
   options.exposure = 0.25;  // the same light on a sensor that holds it
   options.background_level = 160, options.marker_level = 1000;
-  const Vector2d clipped = CramerRaoBound(above, 0, "ball");
+  const Vector2d clipped = synth::CramerRaoBound(above, 0, "ball");
   // Unclipped the bound would fall with the amplitude: 210 / 960.
-  EXPECT_GT(clipped.x(), 1.5 * CramerRaoBound(below, 0, "ball").x() * 210 / 960);
+  EXPECT_GT(clipped.x(), 1.5 * synth::CramerRaoBound(below, 0, "ball").x() * 210 / 960);
 }
 
 TEST(CramerRao, RefusesWhatCannotBeSeen) {
-  SceneOptions options = test::PlainOptions();
-  const Scene scene(options, test::OneMarker({0, 0}));
-  EXPECT_THROW(CramerRaoBound(scene, 0, "elbow"), UsageError);
+  synth::SceneOptions options = test::PlainOptions();
+  const synth::Scene scene(options, test::OneMarker({0, 0}));
+  EXPECT_THROW(synth::CramerRaoBound(scene, 0, "elbow"), UsageError);
   options.camera = scene.Profile();
-  const Scene outside(options, test::OneMarker({5000, 0}));
-  EXPECT_THROW(CramerRaoBound(outside, 0, "ball"), Error);
+  const synth::Scene outside(options, test::OneMarker({5000, 0}));
+  EXPECT_THROW(synth::CramerRaoBound(outside, 0, "ball"), Error);
 }
 
 }  // namespace

@@ -10,20 +10,20 @@ namespace {
 
 using Eigen::Vector2d;
 
-class ArucoFacing : public ::testing::TestWithParam<Facing> {};
+class ArucoFacing : public ::testing::TestWithParam<motion::Facing> {};
 
 TEST_P(ArucoFacing, MarkersAreReadWithTheirNumbersAtTheirPlaces) {
-  SceneOptions options = HardScene(12);
+  synth::SceneOptions options = synth::HardScene(12);
   options.occlusions.clear();
   options.motion.facing = GetParam();
-  options.marker_kind = MarkerKind::kAruco;
-  const Scene scene(options);
+  options.marker_kind = synth::MarkerKind::kAruco;
+  const synth::Scene scene(options);
   const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50);
   for (const int frame : {0, 30, 300}) {
     std::vector<std::vector<cv::Point2f>> corners;
     std::vector<int> ids;
     cv::aruco::detectMarkers(scene.Render(frame), dictionary, corners, ids);
-    const FrameTruth truth = scene.Truth(frame);
+    const synth::FrameTruth truth = scene.Truth(frame);
     int found = 0;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       ASSERT_LT(ids[i], 4);
@@ -38,16 +38,16 @@ TEST_P(ArucoFacing, MarkersAreReadWithTheirNumbersAtTheirPlaces) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, ArucoFacing, ::testing::Values(Facing::kRight, Facing::kLeft));
+INSTANTIATE_TEST_SUITE_P(Both, ArucoFacing, ::testing::Values(motion::Facing::kRight, motion::Facing::kLeft));
 
 TEST(DarkMarkers, AreDarkerThanAllAroundThem) {
-  SceneOptions options = CleanScene(5);
+  synth::SceneOptions options = synth::CleanScene(5);
   options.bright_room = true;
   options.marker_level = 18;
-  const Scene scene(options);
+  const synth::Scene scene(options);
   for (const int frame : {0, 120, 240}) {
     const cv::Mat picture = scene.RenderIdeal(frame);
-    for (const MarkerTruth& marker : scene.Truth(frame).markers) {
+    for (const synth::MarkerTruth& marker : scene.Truth(frame).markers) {
       const cv::Point centre(std::lround(marker.px.x()), std::lround(marker.px.y()));
       EXPECT_LT(picture.at<float>(centre), 25);
       for (const cv::Point& off : {cv::Point(12, 0), cv::Point(-12, 0), cv::Point(0, 12), cv::Point(0, -12)})
@@ -57,16 +57,16 @@ TEST(DarkMarkers, AreDarkerThanAllAroundThem) {
 }
 
 TEST(Exoskeleton, LinksAreGreyBesideTheMarkersAndMarkersLieOnTop) {
-  SceneOptions options = CleanScene(5);
+  synth::SceneOptions options = synth::CleanScene(5);
   options.motion.exo_knee_mm = Vector2d(20, 35);
   options.exoskeleton = true;
-  const Scene with(options);
+  const synth::Scene with(options);
   options.exoskeleton = false;
-  const Scene without(options);
+  const synth::Scene without(options);
   for (const int frame : {0, 150}) {
     const cv::Mat a = with.RenderIdeal(frame), b = without.RenderIdeal(frame);
     EXPECT_GT(cv::norm(a, b, cv::NORM_INF), 40);
-    for (const MarkerTruth& marker : with.Truth(frame).markers) {
+    for (const synth::MarkerTruth& marker : with.Truth(frame).markers) {
       const cv::Point centre(std::lround(marker.px.x()), std::lround(marker.px.y()));
       EXPECT_NEAR(a.at<float>(centre), options.marker_level, 0.02 * options.marker_level);
     }
@@ -74,28 +74,28 @@ TEST(Exoskeleton, LinksAreGreyBesideTheMarkersAndMarkersLieOnTop) {
 }
 
 TEST(Room, BrightnessIsAFactorOnAllButTheMarkers) {
-  SceneOptions options = CleanScene(5);
-  const Scene normal(options);
+  synth::SceneOptions options = synth::CleanScene(5);
+  const synth::Scene normal(options);
   options.brightness = 0.4;
-  const Scene dark(options);
+  const synth::Scene dark(options);
   const cv::Mat a = normal.RenderIdeal(0), b = dark.RenderIdeal(0);
   EXPECT_NEAR(b.at<float>(50, 640) / a.at<float>(50, 640), 0.4, 1e-3);
-  const MarkerTruth knee = dark.Truth(0).markers[1];
+  const synth::MarkerTruth knee = dark.Truth(0).markers[1];
   EXPECT_NEAR(b.at<float>(std::lround(knee.px.y()), std::lround(knee.px.x())), options.marker_level, 2);
 }
 
 TEST(Reflections, KeepClearOfTheMarkersAndAreBright) {
   for (const std::uint64_t seed : {1, 2, 3}) {
-    SceneOptions options = HardScene(seed);
+    synth::SceneOptions options = synth::HardScene(seed);
     options.occlusions.clear();
     options.glint = false, options.flicker = 0;
-    const Scene with(options);
+    const synth::Scene with(options);
     options.reflections = 0;
-    const Scene without(options);
+    const synth::Scene without(options);
     cv::Mat bright = with.RenderIdeal(0) - without.RenderIdeal(0) > 60;
     EXPECT_GT(cv::countNonZero(bright), 4 * 20);
     for (int frame = 0; frame < with.Frames(); frame += 20)
-      for (const MarkerTruth& marker : with.Truth(frame).markers) {
+      for (const synth::MarkerTruth& marker : with.Truth(frame).markers) {
         const cv::Rect near = cv::Rect(std::lround(marker.px.x()) - 20, std::lround(marker.px.y()) - 20, 41, 41) &
                               cv::Rect({}, bright.size());
         EXPECT_EQ(cv::countNonZero(bright(near)), 0) << seed << " " << frame;

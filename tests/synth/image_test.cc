@@ -25,14 +25,14 @@ class DiscOnTheGrid : public ::testing::TestWithParam<int> {
     options_.psf_sigma_px = psf_sigma_px;
     options_.background_level = 0;  // an even background's rounding would add up over the picture
     options_.marker_radius_px = 3 + 0.1 * GetParam();
-    options_.camera = Scene(options_, OneMarker({0, 0})).Profile();
-    const Scene scene(options_, OneMarker({0.37 * GetParam(), -0.53 * GetParam()}));
+    options_.camera = synth::Scene(options_, OneMarker({0, 0})).Profile();
+    const synth::Scene scene(options_, OneMarker({0.37 * GetParam(), -0.53 * GetParam()}));
     truth_ = scene.Truth(0).markers[0].px;
     return BlobOf(scene.RenderIdeal(0), 0);
   }
   double Area() const { return kPi * options_.marker_radius_px * options_.marker_radius_px; }
 
-  SceneOptions options_ = PlainOptions();
+  synth::SceneOptions options_ = PlainOptions();
   Vector2d truth_;
 };
 
@@ -50,10 +50,10 @@ TEST_P(DiscOnTheGrid, HasItsCentroidAtTheTruth) {
 TEST(DiscBetweenPixels, HasItsCentroidExactlyAtTheTruth) {
   // At a corner of four pixels all is symmetric; float pixels are left.
   for (const double psf : {0.0, 0.7, 1.6}) {
-    SceneOptions options = PlainOptions();
+    synth::SceneOptions options = PlainOptions();
     options.background_level = 0, options.psf_sigma_px = psf;
-    options.camera = Scene(options, OneMarker({0, 0})).Profile();
-    const Scene scene(options, OneMarker({0, 20}));
+    options.camera = synth::Scene(options, OneMarker({0, 0})).Profile();
+    const synth::Scene scene(options, OneMarker({0, 20}));
     const Vector2d truth = scene.Truth(0).markers[0].px;
     ASSERT_LT((truth - Vector2d(79.5, 59.5)).norm(), 1e-9);
     EXPECT_LT((BlobOf(scene.RenderIdeal(0), 0).centroid - truth).norm(), 1e-6);
@@ -63,39 +63,43 @@ TEST(DiscBetweenPixels, HasItsCentroidExactlyAtTheTruth) {
 INSTANTIATE_TEST_SUITE_P(Phases, DiscOnTheGrid, ::testing::Range(0, 25));
 
 TEST(MarkerImage, LiesWhereTheCameraModelPutsItsCentre) {
-  SceneOptions options = HardScene(5);
-  const Scene scene(options);
+  synth::SceneOptions options = synth::HardScene(5);
+  const synth::Scene scene(options);
   for (int frame = 0; frame < scene.Frames(); frame += 50) {
-    const FrameTruth truth = scene.Truth(frame);
-    for (const MarkerTruth& marker : truth.markers)
+    const synth::FrameTruth truth = scene.Truth(frame);
+    for (const synth::MarkerTruth& marker : truth.markers)
       EXPECT_LT(
-          (PixelFromPlane(scene.Profile().camera, *scene.Profile().camera_from_plane, marker.mm) - marker.px).norm(),
+          (camera::PixelFromPlane(scene.Profile().camera, *scene.Profile().camera_from_plane, marker.mm) - marker.px)
+              .norm(),
           1e-9);
   }
   options.marker_depth_mm["knee"] = 40;
-  const Scene proud(options);
-  const MarkerTruth knee = proud.Truth(100).markers[1];
-  EXPECT_LT((PixelFromPlane(proud.Profile().camera, *proud.Profile().camera_from_plane, knee.mm, 40) - knee.px).norm(),
+  const synth::Scene proud(options);
+  const synth::MarkerTruth knee = proud.Truth(100).markers[1];
+  EXPECT_LT((camera::PixelFromPlane(proud.Profile().camera, *proud.Profile().camera_from_plane, knee.mm, 40) - knee.px)
+                .norm(),
             1e-9);
-  EXPECT_GT((PixelFromPlane(proud.Profile().camera, *proud.Profile().camera_from_plane, knee.mm) - knee.px).norm(), 1);
+  EXPECT_GT(
+      (camera::PixelFromPlane(proud.Profile().camera, *proud.Profile().camera_from_plane, knee.mm) - knee.px).norm(),
+      1);
 }
 
 TEST(MarkerImage, HasTheRadiusThatIsAskedFor) {
   for (const double radius : {2.5, 4.0, 6.0, 15.0}) {
-    SceneOptions options = PlainOptions();
+    synth::SceneOptions options = PlainOptions();
     options.marker_radius_px = radius;
-    const Scene scene(options, OneMarker({0, 0}));
+    const synth::Scene scene(options, OneMarker({0, 0}));
     const test::Blob blob = BlobOf(scene.RenderIdeal(0), options.background_level);
     EXPECT_NEAR(std::sqrt(blob.sum / (options.marker_level - options.background_level) / kPi), radius, 1e-3);
   }
 }
 
 TEST(MarkerImage, ObliqueDiscIsTheEllipseOfThePerspective) {
-  SceneOptions options = PlainOptions();
+  synth::SceneOptions options = PlainOptions();
   options.yaw_deg = 40;
   options.marker_radius_px = 10,
   options.distance_mm = 800;  // close and large: the ellipse's centre is not the projected one
-  const Scene scene(options, OneMarker({0, 0}));
+  const synth::Scene scene(options, OneMarker({0, 0}));
   const test::Blob blob = BlobOf(scene.RenderIdeal(0), options.background_level);
   // The image of the circle, integrated: its points on a fine polar grid with the area each one's neighbourhood is seen
   // under.
@@ -104,7 +108,7 @@ TEST(MarkerImage, ObliqueDiscIsTheEllipseOfThePerspective) {
   Vector2d moment = Vector2d::Zero();
   constexpr int kRings = 60, kSpokes = 240;
   const auto at = [&](double r, double a) {
-    return PixelFromPlane(
+    return camera::PixelFromPlane(
         profile.camera, *profile.camera_from_plane,
         r * options.marker_radius_mm * Vector2d(std::cos(a), std::sin(a)) + scene.Truth(0).markers[0].mm);
   };
@@ -124,20 +128,21 @@ TEST(MarkerImage, ObliqueDiscIsTheEllipseOfThePerspective) {
 
 TEST(MotionBlur, CentreIsTheMeanOfThePathOverTheShutter) {
   for (const double shutter : {0.3, 0.7, 1.0}) {
-    SceneOptions options = PlainOptions();
+    synth::SceneOptions options = PlainOptions();
     options.shutter = shutter;
     options.frame_rate_hz = 60;
     options.duration_s = 0.2;
     options.width_px = 640, options.height_px = 480;
-    options.camera = Scene(options, OneMarker({0, 0})).Profile();
+    options.camera = synth::Scene(options, OneMarker({0, 0})).Profile();
     const Vector2d start(-150, 100), velocity(1200, -700), acceleration(9000, -15000);
-    const Scene scene(options, OneMarker(start, velocity, acceleration));
+    const synth::Scene scene(options, OneMarker(start, velocity, acceleration));
     for (int frame = 1; frame < 10; ++frame) {
       const double open = shutter / 60;
       const Vector2d mid =
           start + velocity * scene.TimeS(frame) + 0.5 * acceleration * scene.TimeS(frame) * scene.TimeS(frame);
       const Vector2d mean_mm = mid + acceleration * open * open / 24;
-      const Vector2d mean_px = PixelFromPlane(scene.Profile().camera, *scene.Profile().camera_from_plane, mean_mm);
+      const Vector2d mean_px =
+          camera::PixelFromPlane(scene.Profile().camera, *scene.Profile().camera_from_plane, mean_mm);
       EXPECT_LT((scene.Truth(frame).markers[0].mm - mid).norm(), 1e-9);
       EXPECT_LT((BlobOf(scene.RenderIdeal(frame), options.background_level).centroid - mean_px).norm(), 0.002);
     }
@@ -145,16 +150,16 @@ TEST(MotionBlur, CentreIsTheMeanOfThePathOverTheShutter) {
 }
 
 TEST(MotionBlur, PictureIsThatOfADenseReference) {
-  SceneOptions options = PlainOptions();
+  synth::SceneOptions options = PlainOptions();
   options.shutter = 0.7;
   const Vector2d velocity(1100, -800), acceleration(12000, 9000);
-  options.camera = Scene(options, OneMarker({0, 0})).Profile();
-  const Scene scene(options, OneMarker({-40, 30}, velocity, acceleration));
-  SceneOptions dense = options;
+  options.camera = synth::Scene(options, OneMarker({0, 0})).Profile();
+  const synth::Scene scene(options, OneMarker({-40, 30}, velocity, acceleration));
+  synth::SceneOptions dense = options;
   dense.shutter = 0;
   constexpr int kPerFrame = 200;
   dense.frame_rate_hz = 60 * kPerFrame;
-  const Scene reference(dense, OneMarker({-40, 30}, velocity, acceleration));
+  const synth::Scene reference(dense, OneMarker({-40, 30}, velocity, acceleration));
   const int frame = 2, half = static_cast<int>(0.35 * kPerFrame);
   cv::Mat mean = cv::Mat::zeros(options.height_px, options.width_px, CV_32FC1);
   for (int i = -half; i <= half; ++i) {
@@ -177,8 +182,8 @@ TEST(MotionBlur, PictureIsThatOfADenseReference) {
 }
 
 TEST(Sensor, NoiseHasTheVarianceThatTheModelStates) {
-  const SensorNoise noise{1.4, 0.03};
-  const Sensor sensor(noise, 7);
+  const synth::SensorNoise noise{1.4, 0.03};
+  const synth::Sensor sensor(noise, 7);
   for (const double level : {12.3, 60.0, 200.7}) {
     const cv::Mat even(400, 500, CV_32FC1, cv::Scalar(level));
     std::vector<double> values;
@@ -187,13 +192,13 @@ TEST(Sensor, NoiseHasTheVarianceThatTheModelStates) {
       for (int i = 0; i < 400 * 500; ++i) values.push_back(recorded.data[i]);
     }
     // 6e5 values: the variance is known to sqrt(2 / 6e5) = 0.2 %, the mean to sd / 775; four of those.
-    EXPECT_NEAR(StandardDeviation(values) * StandardDeviation(values) / NoiseVariance(noise, level), 1, 0.008);
-    EXPECT_NEAR(Mean(values), level, 4 * std::sqrt(NoiseVariance(noise, level) / values.size()) + 1e-3);
+    EXPECT_NEAR(StandardDeviation(values) * StandardDeviation(values) / synth::NoiseVariance(noise, level), 1, 0.008);
+    EXPECT_NEAR(Mean(values), level, 4 * std::sqrt(synth::NoiseVariance(noise, level) / values.size()) + 1e-3);
   }
 }
 
 TEST(Sensor, NeighboursAndFramesAreIndependent) {
-  const Sensor sensor({4, 0}, 9);
+  const synth::Sensor sensor({4, 0}, 9);
   const cv::Mat even(300, 300, CV_32FC1, cv::Scalar(100));
   cv::Mat a, b;
   sensor.Record(even, 0).convertTo(a, CV_32F, 1, -100);
@@ -207,7 +212,7 @@ TEST(Sensor, NeighboursAndFramesAreIndependent) {
 }
 
 TEST(Sensor, RoundsAndClips) {
-  const Sensor sensor({0, 0}, 1);
+  const synth::Sensor sensor({0, 0}, 1);
   const cv::Mat levels = (cv::Mat_<float>(1, 7) << -20, 0.49, 0.51, 100.5, 254.49, 255, 400);
   const cv::Mat recorded = sensor.Record(levels, 0),
                 expected = (cv::Mat_<std::uint8_t>(1, 7) << 0, 0, 1, 101, 254, 255, 255);
@@ -215,10 +220,10 @@ TEST(Sensor, RoundsAndClips) {
 }
 
 TEST(Scene, SaturatedMarkersAreFlatWhite) {
-  SceneOptions options = PlainOptions();
+  synth::SceneOptions options = PlainOptions();
   options.marker_level = 400;
   options.marker_radius_px = 6;
-  const Scene scene(options, OneMarker({0, 0}));
+  const synth::Scene scene(options, OneMarker({0, 0}));
   const Vector2d centre = scene.Truth(0).markers[0].px;
   const cv::Mat picture = scene.Render(0);
   for (int dy = -3; dy <= 3; ++dy)
@@ -227,10 +232,10 @@ TEST(Scene, SaturatedMarkersAreFlatWhite) {
 }
 
 TEST(Scene, FlickerAndExposureAreFactors) {
-  SceneOptions options = PlainOptions();
+  synth::SceneOptions options = PlainOptions();
   options.duration_s = 4;
   options.flicker = 0.03, options.exposure = 1.5;
-  const Scene scene(options, OneMarker({0, 0}));
+  const synth::Scene scene(options, OneMarker({0, 0}));
   std::vector<double> factors;
   for (int frame = 0; frame < scene.Frames(); ++frame)
     factors.push_back(scene.RenderIdeal(frame).at<float>(2, 2) / options.background_level);
@@ -240,21 +245,21 @@ TEST(Scene, FlickerAndExposureAreFactors) {
 }
 
 TEST(Scene, ColourMarkersHaveTheirColours) {
-  SceneOptions options = CleanScene(2);
+  synth::SceneOptions options = synth::CleanScene(2);
   options.colour = true;
-  options.marker_bgr = LedColours();
-  const Scene scene(options);
+  options.marker_bgr = synth::LedColours();
+  const synth::Scene scene(options);
   const cv::Mat picture = scene.RenderIdeal(0);
-  const FrameTruth truth = scene.Truth(0);
+  const synth::FrameTruth truth = scene.Truth(0);
   for (std::size_t m = 0; m < truth.markers.size(); ++m) {
     const cv::Vec3f seen =
         picture.at<cv::Vec3f>(std::lround(truth.markers[m].px.y()), std::lround(truth.markers[m].px.x()));
-    EXPECT_LT(cv::norm(seen - LedColours()[scene.Motion().Names()[m]]), 1) << scene.Motion().Names()[m] << seen;
+    EXPECT_LT(cv::norm(seen - synth::LedColours()[scene.Motion().Names()[m]]), 1) << scene.Motion().Names()[m] << seen;
   }
 }
 
 TEST(Scene, IsTheSameForTheSameSeedAndInAnyOrder) {
-  const Scene one(HardScene(3)), two(HardScene(3)), other(HardScene(4));
+  const synth::Scene one(synth::HardScene(3)), two(synth::HardScene(3)), other(synth::HardScene(4));
   const cv::Mat late = one.Render(77), early = one.Render(5);
   EXPECT_EQ(cv::norm(early, two.Render(5), cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(late, two.Render(77), cv::NORM_INF), 0);
@@ -262,12 +267,12 @@ TEST(Scene, IsTheSameForTheSameSeedAndInAnyOrder) {
 }
 
 TEST(Scene, FacingLeftMirrorsTheMarkersInThePicture) {
-  SceneOptions options = CleanScene(6);
-  const Scene right(options);
-  options.motion.facing = Facing::kLeft;
-  const Scene left(options);
+  synth::SceneOptions options = synth::CleanScene(6);
+  const synth::Scene right(options);
+  options.motion.facing = motion::Facing::kLeft;
+  const synth::Scene left(options);
   for (int frame = 0; frame < right.Frames(); frame += 37) {
-    const FrameTruth r = right.Truth(frame), l = left.Truth(frame);
+    const synth::FrameTruth r = right.Truth(frame), l = left.Truth(frame);
     for (std::size_t m = 0; m < r.markers.size(); ++m) {
       EXPECT_NEAR(l.markers[m].px.x(), options.width_px - 1 - r.markers[m].px.x(), 1e-9);
       EXPECT_NEAR(l.markers[m].px.y(), r.markers[m].px.y(), 1e-9);
@@ -277,18 +282,18 @@ TEST(Scene, FacingLeftMirrorsTheMarkersInThePicture) {
 }
 
 TEST(Scene, SaysWhichOptionIsWrong) {
-  SceneOptions options = CleanScene(1);
+  synth::SceneOptions options = synth::CleanScene(1);
   options.shutter = 1.5;
-  EXPECT_THROW(Scene{options}, UsageError);
-  options = CleanScene(1);
+  EXPECT_THROW(synth::Scene{options}, UsageError);
+  options = synth::CleanScene(1);
   options.occlusions.push_back({"elbow", 1, 0.2});
-  EXPECT_THROW(Scene{options}, UsageError);
-  options = CleanScene(1);
+  EXPECT_THROW(synth::Scene{options}, UsageError);
+  options = synth::CleanScene(1);
   options.marker_depth_mm["elbow"] = 30;
-  EXPECT_THROW(Scene{options}, UsageError);
-  options = CleanScene(1);
-  options.camera = CameraProfile{};
-  EXPECT_THROW(Scene{options}, UsageError);
+  EXPECT_THROW(synth::Scene{options}, UsageError);
+  options = synth::CleanScene(1);
+  options.camera = camera::CameraProfile{};
+  EXPECT_THROW(synth::Scene{options}, UsageError);
 }
 
 }  // namespace

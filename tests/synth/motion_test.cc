@@ -18,55 +18,57 @@ struct Angles {
   double shank, thigh, trunk, knee;
 };
 
-double FromVertical(const Vector2d& v, Facing facing) {
-  return DegreesFromRadians(std::atan2(facing == Facing::kRight ? v.x() : -v.x(), v.y()));
+double FromVertical(const Vector2d& v, motion::Facing facing) {
+  return DegreesFromRadians(std::atan2(facing == motion::Facing::kRight ? v.x() : -v.x(), v.y()));
 }
 
-Angles AnglesAt(const StsMotion& motion, double t) {
+Angles AnglesAt(const synth::StsMotion& motion, double t) {
   const auto m = motion.At(t);
-  const Facing facing = motion.FacingInImage();
+  const motion::Facing facing = motion.FacingInImage();
   return {FromVertical(m[1] - m[0], facing), FromVertical(m[2] - m[1], facing), FromVertical(m[3] - m[2], facing),
-          KneeAngleDeg(m[0], m[1], m[2], facing)};
+          synth::KneeAngleDeg(m[0], m[1], m[2], facing)};
 }
 
 TEST(MinimumJerk, StartsAndEndsAtRestWithoutAcceleration) {
   constexpr double h = 1e-4;
   for (const double end : {0.0, 1.0}) {
     const double inward = end == 0 ? h : -h;
-    const double from = MinimumJerk(end), one = MinimumJerk(end + inward), two = MinimumJerk(end + 2 * inward);
+    const double from = synth::MinimumJerk(end), one = synth::MinimumJerk(end + inward),
+                 two = synth::MinimumJerk(end + 2 * inward);
     EXPECT_EQ(from, end);
     EXPECT_NEAR((one - from) / h, 0, 1e-6);                  // 10 h² is left
     EXPECT_NEAR((two - 2 * one + from) / (h * h), 0, 0.01);  // 60 h is left
   }
-  EXPECT_NEAR((MinimumJerk(0.5 + h) - MinimumJerk(0.5 - h)) / (2 * h), 1.875, 1e-6);  // peak speed, Flash & Hogan
-  EXPECT_EQ(MinimumJerk(-3), 0);
-  EXPECT_EQ(MinimumJerk(7), 1);
+  EXPECT_NEAR((synth::MinimumJerk(0.5 + h) - synth::MinimumJerk(0.5 - h)) / (2 * h), 1.875,
+              1e-6);  // peak speed, Flash & Hogan
+  EXPECT_EQ(synth::MinimumJerk(-3), 0);
+  EXPECT_EQ(synth::MinimumJerk(7), 1);
 }
 
 TEST(KneeAngle, IsThePapersFormulaWithASign) {
   const Vector2d ankle(10, 0), knee(12, 400), hip(-380, 440);
   const Vector2d ak = knee - ankle, kh = hip - knee;
   const double paper = DegreesFromRadians(std::acos(ak.dot(kh) / (ak.norm() * kh.norm())));
-  EXPECT_NEAR(KneeAngleDeg(ankle, knee, hip, Facing::kRight), paper, 1e-9);
-  EXPECT_NEAR(KneeAngleDeg(ankle, knee, hip, Facing::kLeft), -paper, 1e-9);
+  EXPECT_NEAR(synth::KneeAngleDeg(ankle, knee, hip, motion::Facing::kRight), paper, 1e-9);
+  EXPECT_NEAR(synth::KneeAngleDeg(ankle, knee, hip, motion::Facing::kLeft), -paper, 1e-9);
 }
 
 class StsMotionOfSeed : public ::testing::TestWithParam<int> {
  protected:
-  StsMotion Make(StsMotionOptions options = {}) const {
+  synth::StsMotion Make(synth::StsMotionOptions options = {}) const {
     options.seed = static_cast<std::uint64_t>(GetParam());
     options.repetitions = 3;
-    return StsMotion(options);
+    return synth::StsMotion(options);
   }
 };
 
 TEST_P(StsMotionOfSeed, MovesLikeAPerson) {
-  const StsMotion motion = Make();
+  const synth::StsMotion motion = Make();
   int rises = 0;
-  for (const StsPhase& phase : motion.Phases()) {
+  for (const synth::StsPhase& phase : motion.Phases()) {
     const double length = phase.end_s - phase.start_s;
-    if (phase.kind == StsPhase::Kind::kRise || phase.kind == StsPhase::Kind::kDescent) {
-      rises += phase.kind == StsPhase::Kind::kRise;
+    if (phase.kind == synth::StsPhase::Kind::kRise || phase.kind == synth::StsPhase::Kind::kDescent) {
+      rises += phase.kind == synth::StsPhase::Kind::kRise;
       EXPECT_GE(length, 1.7);
       EXPECT_LE(length, 2.3);
       double peak_shank = 0, peak_trunk = 0;
@@ -84,7 +86,7 @@ TEST_P(StsMotionOfSeed, MovesLikeAPerson) {
     EXPECT_GE(length, 0.5);
     EXPECT_LE(length, 1.5);
     EXPECT_NEAR(rest.knee, rest.shank - rest.thigh, 1e-9);
-    if (phase.kind == StsPhase::Kind::kSeated) {
+    if (phase.kind == synth::StsPhase::Kind::kSeated) {
       EXPECT_GT(rest.knee, 85);
       EXPECT_LT(rest.knee, 100);
     } else {
@@ -96,7 +98,7 @@ TEST_P(StsMotionOfSeed, MovesLikeAPerson) {
 }
 
 TEST_P(StsMotionOfSeed, SegmentsAreRigidAndTheAnkleIsNearlyStill) {
-  const StsMotion motion = Make();
+  const synth::StsMotion motion = Make();
   for (double t = 0; t < motion.DurationS(); t += 0.01) {
     const auto m = motion.At(t);
     EXPECT_NEAR((m[1] - m[0]).norm(), 400, 1e-9);
@@ -107,7 +109,7 @@ TEST_P(StsMotionOfSeed, SegmentsAreRigidAndTheAnkleIsNearlyStill) {
 }
 
 TEST_P(StsMotionOfSeed, IsSmoothAcrossPhases) {
-  const StsMotion motion = Make();
+  const synth::StsMotion motion = Make();
   constexpr double h = 1e-3;
   // Accelerations stay below 20 m/s² and jerk below 500 m/s³ (a jump of acceleration would give 1000 m/s³ and more
   // here).
@@ -123,23 +125,24 @@ TEST_P(StsMotionOfSeed, IsSmoothAcrossPhases) {
 }
 
 TEST_P(StsMotionOfSeed, FacingLeftIsTheMirrorImage) {
-  StsMotionOptions options;
+  synth::StsMotionOptions options;
   options.skin_mm = 8;
   options.exo_knee_mm = Vector2d(20, 30);
-  const StsMotion right = Make(options);
-  options.facing = Facing::kLeft;
-  const StsMotion left = Make(options);
+  const synth::StsMotion right = Make(options);
+  options.facing = motion::Facing::kLeft;
+  const synth::StsMotion left = Make(options);
   for (double t = 0; t < right.DurationS(); t += 0.1) {
     const auto r = right.At(t), l = left.At(t);
     for (std::size_t m = 0; m < r.size(); ++m) EXPECT_EQ(l[m], Vector2d(-r[m].x(), r[m].y()));
-    EXPECT_NEAR(KneeAngleDeg(r[0], r[1], r[2], Facing::kRight), KneeAngleDeg(l[0], l[1], l[2], Facing::kLeft), 1e-9);
+    EXPECT_NEAR(synth::KneeAngleDeg(r[0], r[1], r[2], motion::Facing::kRight),
+                synth::KneeAngleDeg(l[0], l[1], l[2], motion::Facing::kLeft), 1e-9);
   }
 }
 
 TEST_P(StsMotionOfSeed, ExoKneeStaysWhereItIsPutInTheShank) {
-  StsMotionOptions options;
+  synth::StsMotionOptions options;
   options.exo_knee_mm = Vector2d(-22, 31);
-  const StsMotion motion = Make(options);
+  const synth::StsMotion motion = Make(options);
   ASSERT_EQ(motion.Names().back(), "exo_knee");
   for (double t = 0; t < motion.DurationS(); t += 0.05) {
     const auto m = motion.At(t);
@@ -150,14 +153,14 @@ TEST_P(StsMotionOfSeed, ExoKneeStaysWhereItIsPutInTheShank) {
 }
 
 TEST_P(StsMotionOfSeed, PaceAndWarpChangeTimingAlone) {
-  StsMotionOptions options;
+  synth::StsMotionOptions options;
   options.ankle_sway_mm = options.body_sway_deg = 0;
-  const StsMotion human = Make(options);
+  const synth::StsMotion human = Make(options);
   options.pace = 1.3, options.time_warp = 0.05;
-  const StsMotion exo = Make(options);
+  const synth::StsMotion exo = Make(options);
   for (std::size_t i = 0; i < human.Phases().size(); ++i) {
-    const StsPhase &h = human.Phases()[i], &e = exo.Phases()[i];
-    if (h.kind != StsPhase::Kind::kRise) continue;
+    const synth::StsPhase &h = human.Phases()[i], &e = exo.Phases()[i];
+    if (h.kind != synth::StsPhase::Kind::kRise) continue;
     EXPECT_NEAR(e.end_s - e.start_s, 1.3 * (h.end_s - h.start_s), 1e-9);
     for (double s = 0; s <= 1; s += 0.05) {
       const double warped = s + 0.05 * std::sin(std::numbers::pi * s);
@@ -168,9 +171,9 @@ TEST_P(StsMotionOfSeed, PaceAndWarpChangeTimingAlone) {
 }
 
 TEST_P(StsMotionOfSeed, SkinSlidesByAboutWhatIsAsked) {
-  StsMotionOptions options;
+  synth::StsMotionOptions options;
   options.skin_mm = 12;
-  const StsMotion motion = Make(options);
+  const synth::StsMotion motion = Make(options);
   double shortest = 1e9, longest = 0;
   for (double t = 0; t < motion.DurationS(); t += 0.02) {
     const auto m = motion.At(t);
@@ -183,20 +186,20 @@ TEST_P(StsMotionOfSeed, SkinSlidesByAboutWhatIsAsked) {
 INSTANTIATE_TEST_SUITE_P(Seeds, StsMotionOfSeed, ::testing::Values(1, 2, 3, 17, 40077));
 
 TEST(StsMotion, MayBeginUpright) {
-  StsMotionOptions options;
+  synth::StsMotionOptions options;
   options.start_standing = true;
-  const StsMotion motion(options);
-  EXPECT_EQ(motion.Phases().front().kind, StsPhase::Kind::kStanding);
-  EXPECT_EQ(motion.Phases().back().kind, StsPhase::Kind::kStanding);
+  const synth::StsMotion motion(options);
+  EXPECT_EQ(motion.Phases().front().kind, synth::StsPhase::Kind::kStanding);
+  EXPECT_EQ(motion.Phases().back().kind, synth::StsPhase::Kind::kStanding);
   EXPECT_LT(AnglesAt(motion, 0).knee, 10);
 }
 
 TEST(StsMotion, SaysWhichOptionIsWrong) {
   const auto message = [](auto change) {
-    StsMotionOptions options;
+    synth::StsMotionOptions options;
     change(options);
     try {
-      StsMotion motion(options);
+      synth::StsMotion motion(options);
     } catch (const UsageError& error) {
       return std::string(error.what());
     }
@@ -209,8 +212,8 @@ TEST(StsMotion, SaysWhichOptionIsWrong) {
   EXPECT_THAT(message([](auto& o) { o.time_warp = 0.4; }), HasSubstr("time would turn back"));
 }
 
-MotionTable CircleTable(double hz, double duration_s) {
-  MotionTable table;
+synth::MotionTable CircleTable(double hz, double duration_s) {
+  synth::MotionTable table;
   table.names = {"ball"};
   table.positions.resize(1);
   for (int i = 0; i <= duration_s * hz; ++i) {
@@ -222,8 +225,8 @@ MotionTable CircleTable(double hz, double duration_s) {
 }
 
 TEST(TableMotion, PassesThroughItsRowsAndIsSmoothBetween) {
-  const MotionTable table = CircleTable(100, 2);
-  const auto motion = MakeTableMotion(table);
+  const synth::MotionTable table = CircleTable(100, 2);
+  const auto motion = synth::MakeTableMotion(table);
   EXPECT_NEAR(motion->DurationS(), 2, 1e-12);
   for (std::size_t i = 0; i < table.time_s.size(); ++i)
     EXPECT_LT((motion->At(table.time_s[i] - 5)[0] - table.positions[0][i]).norm(), 1e-9);
@@ -235,17 +238,17 @@ TEST(TableMotion, PassesThroughItsRowsAndIsSmoothBetween) {
 }
 
 TEST(TableMotion, KnowsWhereThePersonFaces) {
-  StsMotionOptions options;
-  for (const Facing facing : {Facing::kLeft, Facing::kRight}) {
+  synth::StsMotionOptions options;
+  for (const motion::Facing facing : {motion::Facing::kLeft, motion::Facing::kRight}) {
     options.facing = facing;
-    const StsMotion sts(options);
-    MotionTable table{{}, sts.Names(), std::vector<std::vector<Vector2d>>(4)};
+    const synth::StsMotion sts(options);
+    synth::MotionTable table{{}, sts.Names(), std::vector<std::vector<Vector2d>>(4)};
     for (double t = 0; t < sts.DurationS(); t += 0.02) {
       table.time_s.push_back(t);
       for (int m = 0; m < 4; ++m) table.positions[m].push_back(sts.At(t)[m]);
     }
-    EXPECT_EQ(MakeTableMotion(table)->FacingInImage(), facing);
-    EXPECT_NE(MakeTableMotion(table, true)->FacingInImage(), facing);
+    EXPECT_EQ(synth::MakeTableMotion(table)->FacingInImage(), facing);
+    EXPECT_NE(synth::MakeTableMotion(table, true)->FacingInImage(), facing);
   }
 }
 
@@ -255,7 +258,7 @@ class MotionTableFile : public ::testing::Test {
     const auto path = std::filesystem::path(::testing::TempDir()) / "motion_table_test.csv";
     std::ofstream(path) << text;
     try {
-      MakeTableMotion(ReadMotionTable(path));
+      synth::MakeTableMotion(synth::ReadMotionTable(path));
     } catch (const Error& error) {
       return error.what();
     }

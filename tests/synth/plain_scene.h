@@ -11,7 +11,7 @@
 namespace lake::test {
 
 // Position = start + velocity t + acceleration t² / 2, for any number of markers.
-class ParabolicMotion : public MarkerMotion {
+class ParabolicMotion : public synth::MarkerMotion {
  public:
   struct Track {
     std::string name;
@@ -22,7 +22,7 @@ class ParabolicMotion : public MarkerMotion {
     for (const Track& track : tracks_) names_.push_back(track.name);
   }
   const std::vector<std::string>& Names() const override { return names_; }
-  Facing FacingInImage() const override { return Facing::kRight; }
+  motion::Facing FacingInImage() const override { return motion::Facing::kRight; }
   double DurationS() const override { return duration_s_; }
   std::vector<Eigen::Vector2d> At(double t) const override {
     std::vector<Eigen::Vector2d> positions;
@@ -37,16 +37,17 @@ class ParabolicMotion : public MarkerMotion {
   double duration_s_;
 };
 
-inline SceneOptions PlainOptions(std::uint64_t seed = 1) {
-  SceneOptions options;
+inline synth::SceneOptions PlainOptions(std::uint64_t seed = 1) {
+  synth::SceneOptions options;
   options.seed = seed;
   options.room = options.body = false;
   options.width_px = 160, options.height_px = 120;
   return options;
 }
 
-inline std::shared_ptr<MarkerMotion> OneMarker(const Eigen::Vector2d& at_mm, const Eigen::Vector2d& velocity = {0, 0},
-                                               const Eigen::Vector2d& acceleration = {0, 0}) {
+inline std::shared_ptr<synth::MarkerMotion> OneMarker(const Eigen::Vector2d& at_mm,
+                                                      const Eigen::Vector2d& velocity = {0, 0},
+                                                      const Eigen::Vector2d& acceleration = {0, 0}) {
   return std::make_shared<ParabolicMotion>(
       std::vector<ParabolicMotion::Track>{{"ball", at_mm, velocity, acceleration}});
 }

@@ -10,22 +10,22 @@ namespace {
 
 using Eigen::Vector2d;
 
-Polygon RandomTriangle(std::mt19937& engine, double low, double high) {
+synth::Polygon RandomTriangle(std::mt19937& engine, double low, double high) {
   std::uniform_real_distribution<double> place(low, high);
   return {{place(engine), place(engine)}, {place(engine), place(engine)}, {place(engine), place(engine)}};
 }
 
 TEST(PolygonRaster, CoversTheSharesOfCellsThatARectangleCovers) {
-  PolygonRaster raster(4, 3);
-  const Polygon box = {{0.25, 0.5}, {2.5, 0.5}, {2.5, 1.75}, {0.25, 1.75}};
+  synth::PolygonRaster raster(4, 3);
+  const synth::Polygon box = {{0.25, 0.5}, {2.5, 0.5}, {2.5, 1.75}, {0.25, 1.75}};
   raster.Add(box);
   const cv::Mat expected = (cv::Mat_<float>(3, 4) << 0.375, 0.5, 0.25, 0, 0.5625, 0.75, 0.375, 0, 0, 0, 0, 0);
   EXPECT_LT(cv::norm(raster.Coverage(), expected, cv::NORM_INF), 1e-7);
 }
 
 TEST(PolygonRaster, OrientationDoesNotMatterAndWeightsAdd) {
-  Polygon box = {{0.25, 0.5}, {2.5, 0.5}, {2.5, 1.75}, {0.25, 1.75}};
-  PolygonRaster once(4, 3), turned(4, 3), parts(4, 3);
+  synth::Polygon box = {{0.25, 0.5}, {2.5, 0.5}, {2.5, 1.75}, {0.25, 1.75}};
+  synth::PolygonRaster once(4, 3), turned(4, 3), parts(4, 3);
   once.Add(box);
   parts.Add(box, 0.25);
   std::reverse(box.begin(), box.end());
@@ -38,19 +38,19 @@ TEST(PolygonRaster, OrientationDoesNotMatterAndWeightsAdd) {
 TEST(PolygonRaster, SumIsTheAreaOfAnyTriangle) {
   std::mt19937 engine(11);
   for (int i = 0; i < 200; ++i) {
-    const Polygon triangle = RandomTriangle(engine, 1, 39);
-    PolygonRaster raster(40, 40);
+    const synth::Polygon triangle = RandomTriangle(engine, 1, 39);
+    synth::PolygonRaster raster(40, 40);
     raster.Add(triangle);
     // Coverage is rounded to float: 1600 cells of at most 6e-8 each.
-    EXPECT_NEAR(cv::sum(raster.Coverage())[0], std::abs(SignedArea(triangle)), 1e-4);
+    EXPECT_NEAR(cv::sum(raster.Coverage())[0], std::abs(synth::SignedArea(triangle)), 1e-4);
   }
 }
 
 TEST(PolygonRaster, CuttingOffAtTheBorderLeavesTheRestAsItWas) {
   std::mt19937 engine(12);
   for (int i = 0; i < 200; ++i) {
-    Polygon triangle = RandomTriangle(engine, -20, 60);
-    PolygonRaster small(30, 30), large(100, 100);
+    synth::Polygon triangle = RandomTriangle(engine, -20, 60);
+    synth::PolygonRaster small(30, 30), large(100, 100);
     small.Add(triangle);
     for (Vector2d& corner : triangle) corner += Vector2d(30, 30);
     large.Add(triangle);
@@ -59,8 +59,8 @@ TEST(PolygonRaster, CuttingOffAtTheBorderLeavesTheRestAsItWas) {
 }
 
 TEST(PolygonRaster, AgreesWithCountedPointsInACell) {
-  const Polygon triangle = {{0.1, 0.2}, {0.9, 0.35}, {0.3, 0.95}};
-  PolygonRaster raster(1, 1);
+  const synth::Polygon triangle = {{0.1, 0.2}, {0.9, 0.35}, {0.3, 0.95}};
+  synth::PolygonRaster raster(1, 1);
   raster.Add(triangle);
   constexpr int kPoints = 1000;
   int inside = 0;

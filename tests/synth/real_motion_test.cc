@@ -10,22 +10,23 @@ namespace {
 TEST(RealMotion, RendersWithTheRecordingsOwnAnglesAndFiveStandUps) {
   const auto leg = RealLeg("right");
   if (!leg) GTEST_SKIP() << "no recording in " << LAKE_SHARED_DATA << "/opencap_sts";
-  const MotionTable& table = *leg;
+  const synth::MotionTable& table = *leg;
   ASSERT_EQ(table.time_s.size(), 861u);
   for (const bool mirror : {false, true}) {
-    SceneOptions options = CleanScene(1);
+    synth::SceneOptions options = synth::CleanScene(1);
     options.duration_s = 0;
     options.frame_rate_hz = 100;  // as recorded, so that frames meet rows
-    const Scene scene(options, MakeTableMotion(table, mirror));
-    EXPECT_EQ(scene.Motion().FacingInImage(), mirror ? Facing::kLeft : Facing::kRight);
+    const synth::Scene scene(options, synth::MakeTableMotion(table, mirror));
+    EXPECT_EQ(scene.Motion().FacingInImage(), mirror ? motion::Facing::kLeft : motion::Facing::kRight);
     ASSERT_EQ(scene.Frames(), 860);
     std::vector<double> falls_through_35;
     double lowest = 1e9, highest = -1e9, last = 0;
     for (int frame = 0; frame < scene.Frames(); ++frame) {
-      const FrameTruth truth = scene.Truth(frame);
+      const synth::FrameTruth truth = scene.Truth(frame);
       const auto& p = table.positions;
-      EXPECT_NEAR(truth.knee_deg, KneeAngleDeg(p[0][frame], p[1][frame], p[2][frame], Facing::kRight), 1e-6);
-      for (const MarkerTruth& marker : truth.markers) EXPECT_TRUE(marker.visible) << frame;
+      EXPECT_NEAR(truth.knee_deg, synth::KneeAngleDeg(p[0][frame], p[1][frame], p[2][frame], motion::Facing::kRight),
+                  1e-6);
+      for (const synth::MarkerTruth& marker : truth.markers) EXPECT_TRUE(marker.visible) << frame;
       lowest = std::min(lowest, truth.knee_deg), highest = std::max(highest, truth.knee_deg);
       if (frame > 0 && last > 35 && truth.knee_deg <= 35) falls_through_35.push_back(table.time_s[frame]);
       last = truth.knee_deg;

@@ -24,16 +24,16 @@ class Recording : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  static SceneOptions ShortScene() {
-    SceneOptions options = CleanScene(8);
+  static synth::SceneOptions ShortScene() {
+    synth::SceneOptions options = synth::CleanScene(8);
     options.duration_s = 0.25;
     return options;
   }
 
   // The largest difference between the file's frames and rendered ones; frames and time stamps must agree.
-  double WorstDifference(const Scene& scene, const fs::path& video) {
-    const auto reader = VideoReader::Open(video);
-    VideoFrame frame;
+  double WorstDifference(const synth::Scene& scene, const fs::path& video) {
+    const auto reader = video::VideoReader::Open(video);
+    video::VideoFrame frame;
     double worst = 0;
     int count = 0;
     for (; reader->Read(frame); ++count) {
@@ -48,66 +48,66 @@ class Recording : public ::testing::Test {
 };
 
 TEST_F(Recording, LosslessVideoHoldsTheRenderedFramesToTheBit) {
-  const Scene scene(ShortScene());
-  WriteRecording(scene, folder_, {.lossless = true});
+  const synth::Scene scene(ShortScene());
+  synth::WriteRecording(scene, folder_, {.lossless = true});
   EXPECT_EQ(WorstDifference(scene, folder_ / "video.mp4"), 0);
 }
 
 TEST_F(Recording, LossyVideoIsClose) {
-  const Scene scene(ShortScene());
-  WriteRecording(scene, folder_, {.crf = 17});
+  const synth::Scene scene(ShortScene());
+  synth::WriteRecording(scene, folder_, {.crf = 17});
   EXPECT_LT(WorstDifference(scene, folder_ / "video.mp4"), 40);
 }
 
 TEST_F(Recording, JitteredTimeStampsThatDoNotStartAtZeroAreKept) {
-  SceneOptions options = ShortScene();
+  synth::SceneOptions options = ShortScene();
   options.start_s = 1.25, options.time_jitter = 0.3;
-  const Scene scene(options);
+  const synth::Scene scene(options);
   EXPECT_EQ(scene.TimeS(0), 1.25);
-  WriteRecording(scene, folder_, {.lossless = true});
+  synth::WriteRecording(scene, folder_, {.lossless = true});
   EXPECT_EQ(WorstDifference(scene, folder_ / "video.mp4"), 0);
 }
 
 TEST_F(Recording, PicturesHoldTheRenderedFrames) {
-  SceneOptions options = ShortScene();
+  synth::SceneOptions options = ShortScene();
   options.duration_s = 0.05;
-  const Scene scene(options);
-  WriteRecording(scene, folder_, {.pictures = true});
+  const synth::Scene scene(options);
+  synth::WriteRecording(scene, folder_, {.pictures = true});
   EXPECT_FALSE(fs::exists(folder_ / "video.mp4"));
   for (int frame = 0; frame < scene.Frames(); ++frame)
-    EXPECT_EQ(cv::norm(ReadImage(folder_ / fmt::format("frames/{:05d}.png", frame), false), scene.Render(frame),
+    EXPECT_EQ(cv::norm(video::ReadImage(folder_ / fmt::format("frames/{:05d}.png", frame), false), scene.Render(frame),
                        cv::NORM_INF),
               0);
 }
 
 TEST_F(Recording, TruthHasTheColumnsOfTheInterfaceAndReadsBack) {
-  SceneOptions options = ShortScene();
+  synth::SceneOptions options = ShortScene();
   options.motion.exo_knee_mm = Eigen::Vector2d(25, 30);
-  const Scene scene(options);
-  WriteRecording(scene, folder_, {});
+  const synth::Scene scene(options);
+  synth::WriteRecording(scene, folder_, {});
   const CsvTable csv = CsvTable::Read(folder_ / "truth.csv");
   const std::vector<std::string> start(csv.Header().begin(), csv.Header().begin() + 8);
   EXPECT_THAT(start, ::testing::ElementsAre("frame", "time_s", "ankle_x_px", "ankle_y_px", "ankle_visible",
                                             "ankle_x_mm", "ankle_y_mm", "knee_x_px"));
   EXPECT_EQ(csv.Header()[2 + 5 * 5], "knee_deg");
   ASSERT_EQ(csv.Rows(), 15u);
-  const FrameTruth truth = scene.Truth(7);
+  const synth::FrameTruth truth = scene.Truth(7);
   EXPECT_EQ(csv.RequiredNumber(7, csv.Column("time_s")), truth.time_s);
   EXPECT_EQ(csv.RequiredNumber(7, csv.Column("exo_knee_y_px")), truth.markers[4].px.y());
   EXPECT_EQ(csv.RequiredNumber(7, csv.Column("knee_deg")), truth.knee_deg);
   EXPECT_EQ(csv.RequiredNumber(7, csv.Column("hip_visible")), 1);
-  const MotionTable again = ReadMotionTable(folder_ / "truth.csv");
+  const synth::MotionTable again = synth::ReadMotionTable(folder_ / "truth.csv");
   EXPECT_EQ(again.names, scene.Motion().Names());
 }
 
 TEST_F(Recording, CameraFileIsTheScenesCamera) {
-  SceneOptions options = HardScene(2);
+  synth::SceneOptions options = synth::HardScene(2);
   options.duration_s = 0.02;
-  const Scene scene(options);
-  WriteRecording(scene, folder_, {});
-  const CameraProfile read = ReadCameraProfile(folder_ / "camera.yaml");
-  const MarkerTruth hip = scene.Truth(0).markers[2];
-  EXPECT_LT((PixelFromPlane(read.camera, *read.camera_from_plane, hip.mm) - hip.px).norm(), 1e-6);
+  const synth::Scene scene(options);
+  synth::WriteRecording(scene, folder_, {});
+  const camera::CameraProfile read = camera::ReadCameraProfile(folder_ / "camera.yaml");
+  const synth::MarkerTruth hip = scene.Truth(0).markers[2];
+  EXPECT_LT((camera::PixelFromPlane(read.camera, *read.camera_from_plane, hip.mm) - hip.px).norm(), 1e-6);
 }
 
 }  // namespace

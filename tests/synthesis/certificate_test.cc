@@ -1,4 +1,4 @@
-#include "lake/synthesis/certificate.h"
+#include "lake/certificate/certificate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,8 +21,9 @@ namespace {
 constexpr double kSupremum_deg = 170.53767779197486;  // 180 - atan(50 / 300)
 
 TEST(Certificate, ProvesThePapersProblem) {
-  const double range = SolveFrom(SynthesisProblem{}, SynthesisProblem{}.start).evaluation.range_deg;
-  const Certificate certificate = CertifyRange(SynthesisProblem{}, range);
+  const double range =
+      synthesis::SolveFrom(problem::SynthesisProblem{}, problem::SynthesisProblem{}.start).evaluation.range_deg;
+  const certificate::Certificate certificate = certificate::CertifyRange(problem::SynthesisProblem{}, range);
   EXPECT_TRUE(certificate.reached);
   EXPECT_LE(certificate.upper_bound_deg - range, 0.1);
   EXPECT_GE(certificate.upper_bound_deg, kSupremum_deg - 1e-9);
@@ -32,10 +33,10 @@ TEST(Certificate, ProvesThePapersProblem) {
 
 TEST(Certificate, ProvesTheOptimaWithMargins) {
   for (const double margin : {1.0, 2.0, 5.0, 10.0, 15.0, 20.0}) {
-    const SynthesisProblem problem = WithMargins(margin);
-    const LocalSolve best = SolveFrom(problem, problem.start);
+    const problem::SynthesisProblem problem = WithMargins(margin);
+    const synthesis::LocalSolve best = synthesis::SolveFrom(problem, problem.start);
     ASSERT_TRUE(best.IsUsable()) << margin;
-    const Certificate certificate = CertifyRange(problem, best.evaluation.range_deg);
+    const certificate::Certificate certificate = certificate::CertifyRange(problem, best.evaluation.range_deg);
     EXPECT_TRUE(certificate.reached) << margin;
     EXPECT_LE(certificate.gap_deg, 0.1) << margin;
     EXPECT_GE(certificate.gap_deg, -1e-9) << margin;
@@ -43,18 +44,18 @@ TEST(Certificate, ProvesTheOptimaWithMargins) {
 }
 
 TEST(Certificate, SmallerGapsAreReachedToo) {
-  const SynthesisProblem problem = WithMargins(2);
-  const double range = SolveFrom(problem, problem.start).evaluation.range_deg;
-  CertificateOptions options;
+  const problem::SynthesisProblem problem = WithMargins(2);
+  const double range = synthesis::SolveFrom(problem, problem.start).evaluation.range_deg;
+  certificate::CertificateOptions options;
   options.gap_deg = 1e-4;
-  const Certificate certificate = CertifyRange(problem, range, options);
+  const certificate::Certificate certificate = certificate::CertifyRange(problem, range, options);
   EXPECT_TRUE(certificate.reached) << certificate.boxes;
   EXPECT_LE(certificate.gap_deg, 1e-4);
 }
 
-SynthesisProblem RandomProblem(std::mt19937_64& random) {
+problem::SynthesisProblem RandomProblem(std::mt19937_64& random) {
   const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
-  SynthesisProblem problem;
+  problem::SynthesisProblem problem;
   for (std::size_t i = 0; i < 4; ++i) {
     problem.bounds[i].lower = uniform(30, 75);
     problem.bounds[i].upper = problem.bounds[i].lower + uniform(0, 40);
@@ -70,31 +71,32 @@ SynthesisProblem RandomProblem(std::mt19937_64& random) {
 }
 
 // A design within the bounds; most are not feasible.
-Links RandomWithin(const std::array<Interval, 6>& bounds, std::mt19937_64& random) {
+linkage::Links RandomWithin(const std::array<certificate::Interval, 6>& bounds, std::mt19937_64& random) {
   std::array<double, 6> values{};
   for (std::size_t i = 0; i < values.size(); ++i)
     values[i] =
         bounds[i].lower + (bounds[i].upper - bounds[i].lower) * std::uniform_real_distribution(0.0, 1.0)(random);
-  return Links::FromValues(values);
+  return linkage::Links::FromValues(values);
 }
 
-std::array<Interval, 6> BoundsOf(const SynthesisProblem& problem) {
-  std::array<Interval, 6> bounds;
+std::array<certificate::Interval, 6> BoundsOf(const problem::SynthesisProblem& problem) {
+  std::array<certificate::Interval, 6> bounds;
   for (std::size_t i = 0; i < bounds.size(); ++i) bounds[i] = {problem.bounds[i].lower, problem.bounds[i].upper};
   return bounds;
 }
 
-double RangeOf(const Links& links, const SynthesisProblem& problem) {
-  return DegreesFromRadians(SolvePose(links, problem.d_min_mm)->theta_rad);
+double RangeOf(const linkage::Links& links, const problem::SynthesisProblem& problem) {
+  return DegreesFromRadians(linkage::SolvePose(links, problem.d_min_mm)->theta_rad);
 }
 
 // Feasible designs of a problem, of `samples` drawn.
-std::vector<Links> FeasibleSamples(const SynthesisProblem& problem, int samples, std::mt19937_64& random) {
-  const auto requirements = RequirementsOf(problem);
-  std::vector<Links> feasible;
+std::vector<linkage::Links> FeasibleSamples(const problem::SynthesisProblem& problem, int samples,
+                                            std::mt19937_64& random) {
+  const auto requirements = problem::RequirementsOf(problem);
+  std::vector<linkage::Links> feasible;
   for (int sample = 0; sample < samples; ++sample) {
-    const Links links = RandomWithin(BoundsOf(problem), random);
-    if (MeetsLinkRequirements(links, problem, requirements)) feasible.push_back(links);
+    const linkage::Links links = RandomWithin(BoundsOf(problem), random);
+    if (problem::MeetsLinkRequirements(links, problem, requirements)) feasible.push_back(links);
   }
   return feasible;
 }
@@ -105,15 +107,15 @@ constexpr double kRounding_deg = 1e-9;
 // The bound of a box without any branching must hold for every feasible design in it, whatever the bounds and margins.
 TEST(Certificate, NoFeasibleDesignOfRandomProblemsExceedsTheBound) {
   std::mt19937_64 random(20260101);
-  CertificateOptions unbranched;
+  certificate::CertificateOptions unbranched;
   unbranched.max_boxes = 1;
   int problems = 0;
   for (int trial = 0; trial < 4000; ++trial) {
-    const SynthesisProblem problem = RandomProblem(random);
-    const Certificate root = CertifyRange(problem, std::nullopt, unbranched);
+    const problem::SynthesisProblem problem = RandomProblem(random);
+    const certificate::Certificate root = certificate::CertifyRange(problem, std::nullopt, unbranched);
     ASSERT_EQ(root.boxes, 1);
-    const std::vector<Links> feasible = FeasibleSamples(problem, 200, random);
-    for (const Links& links : feasible)
+    const std::vector<linkage::Links> feasible = FeasibleSamples(problem, 200, random);
+    for (const linkage::Links& links : feasible)
       ASSERT_LE(RangeOf(links, problem), root.upper_bound_deg + kRounding_deg) << "trial " << trial;
     problems += !feasible.empty();
   }
@@ -126,26 +128,26 @@ TEST(Certificate, ContractionLosesNoFeasibleDesign) {
   std::mt19937_64 random(20260303);
   int contracted = 0, kept = 0;
   for (int trial = 0; trial < 1500; ++trial) {
-    const SynthesisProblem problem = RandomProblem(random);
-    const auto requirements = RequirementsOf(problem);
-    const RangeBound range(problem);
-    for (const Links& centre : FeasibleSamples(problem, 50, random)) {
+    const problem::SynthesisProblem problem = RandomProblem(random);
+    const auto requirements = problem::RequirementsOf(problem);
+    const certificate::RangeBound range(problem);
+    for (const linkage::Links& centre : FeasibleSamples(problem, 50, random)) {
       const double size = std::pow(10.0, std::uniform_real_distribution(-6.0, 1.5)(random)) * (random() % 8 > 0);
-      LinkBox box;
+      certificate::LinkBox box;
       for (std::size_t i = 0; i < box.size(); ++i) {
         const double fixed = random() % 4 > 0, share = std::uniform_real_distribution(0.0, 1.0)(random);
         const double at = centre.Values()[i];
         box[i] = {std::max(problem.bounds[i].lower, at - fixed * size * share),
                   std::min(problem.bounds[i].upper, at + fixed * size * (1 - share))};
       }
-      LinkBox left = box;
+      certificate::LinkBox left = box;
       ASSERT_TRUE(range.Contract(left)) << "trial " << trial;
       const double bound_deg = DegreesFromRadians(range.UpperBound(left));
       for (int sample = 0; sample < 20; ++sample) {
-        const Links links = sample == 0 ? centre : RandomWithin(box, random);
-        if (!MeetsLinkRequirements(links, problem, requirements)) continue;
+        const linkage::Links links = sample == 0 ? centre : RandomWithin(box, random);
+        if (!problem::MeetsLinkRequirements(links, problem, requirements)) continue;
         for (std::size_t i = 0; i < left.size(); ++i)
-          ASSERT_TRUE(left[i].Contains(links.Values()[i])) << LinkName(i) << ", trial " << trial;
+          ASSERT_TRUE(left[i].Contains(links.Values()[i])) << problem::LinkName(i) << ", trial " << trial;
         ASSERT_LE(RangeOf(links, problem), bound_deg + kRounding_deg) << "trial " << trial;
         ++kept;
       }
@@ -162,22 +164,22 @@ TEST(Certificate, NoFeasibleDesignExceedsTheBoundHoweverFarBoxesAreSplit) {
   std::mt19937_64 random(20260404);
   int problems = 0, fell = 0;
   for (int trial = 0; trial < 150; ++trial) {
-    const SynthesisProblem problem = RandomProblem(random);
-    const std::vector<Links> feasible = FeasibleSamples(problem, 500, random);
+    const problem::SynthesisProblem problem = RandomProblem(random);
+    const std::vector<linkage::Links> feasible = FeasibleSamples(problem, 500, random);
     if (feasible.empty()) continue;
     ++problems;
     double last = 180 + kRounding_deg;
     for (const std::int64_t boxes : {1, 30, 300}) {
-      CertificateOptions options;
+      certificate::CertificateOptions options;
       options.max_boxes = boxes;
-      const Certificate certificate = CertifyRange(problem, std::nullopt, options);
+      const certificate::Certificate certificate = certificate::CertifyRange(problem, std::nullopt, options);
       EXPECT_LE(certificate.boxes, boxes);
       EXPECT_FALSE(certificate.reached);
       EXPECT_TRUE(std::isnan(certificate.gap_deg));
       fell += certificate.upper_bound_deg < last && boxes > 1;
       EXPECT_LE(certificate.upper_bound_deg, last);
       last = certificate.upper_bound_deg;
-      for (const Links& links : feasible)
+      for (const linkage::Links& links : feasible)
         ASSERT_LE(RangeOf(links, problem), certificate.upper_bound_deg + kRounding_deg) << "trial " << trial;
     }
   }
@@ -187,12 +189,12 @@ TEST(Certificate, NoFeasibleDesignExceedsTheBoundHoweverFarBoxesAreSplit) {
 
 // A range far below the optimum only makes the search longer: the bound comes down to the optimum and stays above it.
 TEST(Certificate, AnUnderstatedRangeLeavesTheBoundValid) {
-  const SynthesisProblem problem = WithMargins(2);
-  const double optimum = SolveFrom(problem, problem.start).evaluation.range_deg;
-  CertificateOptions options;
+  const problem::SynthesisProblem problem = WithMargins(2);
+  const double optimum = synthesis::SolveFrom(problem, problem.start).evaluation.range_deg;
+  certificate::CertificateOptions options;
   options.max_boxes = 3000;
   for (const double below : {0.05, 1.0, 20.0, 100.0}) {
-    const Certificate certificate = CertifyRange(problem, optimum - below, options);
+    const certificate::Certificate certificate = certificate::CertifyRange(problem, optimum - below, options);
     EXPECT_GE(certificate.upper_bound_deg, optimum - kRounding_deg);
     EXPECT_LE(certificate.upper_bound_deg, optimum + 0.1) << below;
     EXPECT_EQ(certificate.reached, certificate.upper_bound_deg <= optimum - below + options.gap_deg) << below;
@@ -200,7 +202,8 @@ TEST(Certificate, AnUnderstatedRangeLeavesTheBoundValid) {
   }
 }
 
-SynthesisProblem Fixed(SynthesisProblem problem, const Links& links, const std::vector<std::size_t>& which) {
+problem::SynthesisProblem Fixed(problem::SynthesisProblem problem, const linkage::Links& links,
+                                const std::vector<std::size_t>& which) {
   for (const std::size_t i : which) problem.bounds[i] = {links.Values()[i], links.Values()[i]};
   return problem;
 }
@@ -209,13 +212,13 @@ SynthesisProblem Fixed(SynthesisProblem problem, const Links& links, const std::
 TEST(Certificate, FixedLinksHaveTheirOwnRangeAsBound) {
   std::mt19937_64 random(20260505);
   for (int trial = 0; trial < 50; ++trial) {
-    const SynthesisProblem open = WithMargins(trial % 3);
-    const Links links = trial == 0 ? kPublished : RandomFeasible(open, random);
-    const SynthesisProblem problem = Fixed(open, links, {0, 1, 2, 3, 4, 5});
+    const problem::SynthesisProblem open = WithMargins(trial % 3);
+    const linkage::Links links = trial == 0 ? kPublished : RandomFeasible(open, random);
+    const problem::SynthesisProblem problem = Fixed(open, links, {0, 1, 2, 3, 4, 5});
     const double range = RangeOf(links, problem);
     for (const std::optional<double> known :
          {std::optional<double>(), std::optional(range), std::optional(range - 1)}) {
-      const Certificate certificate = CertifyRange(problem, known);
+      const certificate::Certificate certificate = certificate::CertifyRange(problem, known);
       EXPECT_FALSE(certificate.feasible_set_empty);
       EXPECT_NEAR(certificate.upper_bound_deg, range, 1e-6) << "trial " << trial;
       EXPECT_GE(certificate.upper_bound_deg, range - kRounding_deg);
@@ -228,41 +231,41 @@ TEST(Certificate, FixedLinksHaveTheirOwnRangeAsBound) {
 TEST(Certificate, SomeLinksMayBeFixed) {
   std::mt19937_64 random(20260606);
   for (int trial = 0; trial < 60; ++trial) {
-    const SynthesisProblem open = WithMargins(trial % 2);
-    const Links links = RandomFeasible(open, random);
+    const problem::SynthesisProblem open = WithMargins(trial % 2);
+    const linkage::Links links = RandomFeasible(open, random);
     std::vector<std::size_t> which;
     for (std::size_t i = 0; i < 6; ++i)
       if (random() % 2) which.push_back(i);
-    const SynthesisProblem problem = Fixed(open, links, which);
-    CertificateOptions options;
+    const problem::SynthesisProblem problem = Fixed(open, links, which);
+    certificate::CertificateOptions options;
     options.max_boxes = 300;
-    const Certificate certificate = CertifyRange(problem, RangeOf(links, problem), options);
-    for (const Links& sample : FeasibleSamples(problem, 300, random))
+    const certificate::Certificate certificate = certificate::CertifyRange(problem, RangeOf(links, problem), options);
+    for (const linkage::Links& sample : FeasibleSamples(problem, 300, random))
       ASSERT_LE(RangeOf(sample, problem), certificate.upper_bound_deg + kRounding_deg) << "trial " << trial;
   }
 }
 
 TEST(Certificate, ABoundBelowAKnownRangeIsAnError) {
-  EXPECT_THAT([] { CertifyRange(SynthesisProblem{}, kSupremum_deg + 0.01); },
+  EXPECT_THAT([] { certificate::CertifyRange(problem::SynthesisProblem{}, kSupremum_deg + 0.01); },
               ::testing::ThrowsMessage<Error>(::testing::HasSubstr("170.547678 deg is known")));
-  SynthesisProblem empty;
+  problem::SynthesisProblem empty;
   empty.bounds[0] = {90, 100};
   empty.bounds[3] = {50, 60};  // l1 <= l4 is impossible
-  EXPECT_THROW(CertifyRange(empty, 100), Error);
-  const SynthesisProblem fixed = Fixed(SynthesisProblem{}, kPublished, {0, 1, 2, 3, 4, 5});
-  EXPECT_THROW(CertifyRange(fixed, RangeOf(kPublished, fixed) + 0.01), Error);
+  EXPECT_THROW(certificate::CertifyRange(empty, 100), Error);
+  const problem::SynthesisProblem fixed = Fixed(problem::SynthesisProblem{}, kPublished, {0, 1, 2, 3, 4, 5});
+  EXPECT_THROW(certificate::CertifyRange(fixed, RangeOf(kPublished, fixed) + 0.01), Error);
 }
 
 TEST(Certificate, IsTheSameForAnyNumberOfThreads) {
-  const SynthesisProblem problem = WithMargins(1);
-  CertificateOptions options;
+  const problem::SynthesisProblem problem = WithMargins(1);
+  certificate::CertificateOptions options;
   options.max_boxes = 1500;
   options.threads = 1;
-  const Certificate alone = CertifyRange(problem, std::nullopt, options);
+  const certificate::Certificate alone = certificate::CertifyRange(problem, std::nullopt, options);
   EXPECT_EQ(alone.boxes, options.max_boxes);
   for (const int threads : {2, 3, 5}) {
     options.threads = threads;
-    const Certificate together = CertifyRange(problem, std::nullopt, options);
+    const certificate::Certificate together = certificate::CertifyRange(problem, std::nullopt, options);
     EXPECT_EQ(together.upper_bound_deg, alone.upper_bound_deg) << threads;
     EXPECT_EQ(together.boxes, alone.boxes) << threads;
   }
@@ -275,17 +278,18 @@ TEST(Certificate, MeetsTheOptimumOfRandomProblems) {
   std::mt19937_64 random(20260202);
   int reached = 0, solved = 0;
   for (int trial = 0; trial < 60; ++trial) {
-    SynthesisProblem problem = RandomProblem(random);
+    problem::SynthesisProblem problem = RandomProblem(random);
     const bool like_paper = trial % 3 > 0;
     if (like_paper) problem.bounds[0] = {problem.bounds[2].lower, problem.bounds[2].lower + 40};
-    OptimizeOptions options;
+    synthesis::OptimizeOptions options;
     options.starts = 3;
-    const SynthesisResult result = Optimize(problem, options);
+    const synthesis::SynthesisResult result = synthesis::Optimize(problem, options);
     if (result.best < 0) continue;
     solved += like_paper;
-    CertificateOptions certificate_options;
+    certificate::CertificateOptions certificate_options;
     certificate_options.max_boxes = 5000;
-    const Certificate certificate = CertifyRange(problem, result.Best().evaluation.range_deg, certificate_options);
+    const certificate::Certificate certificate =
+        certificate::CertifyRange(problem, result.Best().evaluation.range_deg, certificate_options);
     EXPECT_GE(certificate.gap_deg, -1e-6) << "trial " << trial;
     reached += like_paper && certificate.reached;
   }
@@ -294,26 +298,26 @@ TEST(Certificate, MeetsTheOptimumOfRandomProblems) {
 }
 
 TEST(Certificate, SaysWhenNothingIsFeasible) {
-  SynthesisProblem problem;
+  problem::SynthesisProblem problem;
   problem.bounds[0] = {90, 100};
   problem.bounds[3] = {50, 60};  // l1 <= l4 is impossible
-  const Certificate certificate = CertifyRange(problem, std::nullopt);
+  const certificate::Certificate certificate = certificate::CertifyRange(problem, std::nullopt);
   EXPECT_TRUE(certificate.feasible_set_empty);
   EXPECT_EQ(certificate.upper_bound_deg, -std::numeric_limits<double>::infinity());
   EXPECT_FALSE(certificate.reached);
 }
 
 TEST(Certificate, RefusesSenselessOptions) {
-  CertificateOptions options;
+  certificate::CertificateOptions options;
   options.gap_deg = 0;
-  EXPECT_THROW(CertifyRange(SynthesisProblem{}, 170, options), Error);
+  EXPECT_THROW(certificate::CertifyRange(problem::SynthesisProblem{}, 170, options), Error);
   options = {};
   options.threads = 0;
-  EXPECT_THROW(CertifyRange(SynthesisProblem{}, 170, options), Error);
+  EXPECT_THROW(certificate::CertifyRange(problem::SynthesisProblem{}, 170, options), Error);
   options = {};
   options.max_boxes = 0;
-  EXPECT_THROW(CertifyRange(SynthesisProblem{}, 170, options), Error);
-  EXPECT_THROW(CertifyRange(SynthesisProblem{}, NAN), Error);
+  EXPECT_THROW(certificate::CertifyRange(problem::SynthesisProblem{}, 170, options), Error);
+  EXPECT_THROW(certificate::CertifyRange(problem::SynthesisProblem{}, NAN), Error);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "lake/synthesis/problem.h"
+#include "lake/problem/problem.h"
 
 namespace lake {
 
@@ -16,15 +16,16 @@ struct Evolved {
 };
 
 // The largest value found within the bounds.
-inline Evolved Evolve(const std::vector<Bounds>& bounds, const std::function<double(const std::vector<double>&)>& value,
-                      int population, int generations, unsigned seed) {
+inline Evolved Evolve(const std::vector<problem::Bounds>& bounds,
+                      const std::function<double(const std::vector<double>&)>& value, int population, int generations,
+                      unsigned seed) {
   constexpr double kWeight = 0.6, kCrossover = 0.9;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
   std::vector<Evolved> all;
   for (int i = 0; i < population; ++i) {
     std::vector<double> x;
-    for (const Bounds& b : bounds) x.push_back(std::lerp(b.lower, b.upper, unit(random)));
+    for (const problem::Bounds& b : bounds) x.push_back(std::lerp(b.lower, b.upper, unit(random)));
     all.push_back({x, value(x)});
   }
   std::uniform_int_distribution<std::size_t> pick(0, all.size() - 1), axis(0, bounds.size() - 1);

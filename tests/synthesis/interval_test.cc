@@ -1,4 +1,4 @@
-#include "lake/synthesis/interval.h"
+#include "lake/certificate/interval.h"
 
 #include <gtest/gtest.h>
 
@@ -11,16 +11,16 @@ namespace {
 // Draws intervals and points in them; what long double (64 bits of mantissa) finds at the points must be enclosed.
 class IntervalTest : public ::testing::Test {
  protected:
-  Interval Draw(double low, double high) {
+  certificate::Interval Draw(double low, double high) {
     std::uniform_real_distribution<double> uniform(low, high);
     const double a = uniform(random_), b = uniform(random_);
     const double narrow = std::uniform_real_distribution<double>(0, 1)(random_) < 0.3 ? 1e-12 : 1;
     return {std::min(a, a + (b - a) * narrow), std::max(a, a + (b - a) * narrow)};
   }
-  double PointIn(const Interval& a) {
+  double PointIn(const certificate::Interval& a) {
     return std::clamp(std::uniform_real_distribution<double>(a.lower, a.upper)(random_), a.lower, a.upper);
   }
-  static void ExpectEncloses(const Interval& a, long double exact) {
+  static void ExpectEncloses(const certificate::Interval& a, long double exact) {
     EXPECT_LE(static_cast<long double>(a.lower), exact);
     EXPECT_GE(static_cast<long double>(a.upper), exact);
   }
@@ -29,26 +29,26 @@ class IntervalTest : public ::testing::Test {
 
 TEST_F(IntervalTest, ArithmeticEncloses) {
   for (int i = 0; i < 20000; ++i) {
-    const Interval a = Draw(-300, 300), b = Draw(-300, 300);
+    const certificate::Interval a = Draw(-300, 300), b = Draw(-300, 300);
     const long double x = PointIn(a), y = PointIn(b);
     ExpectEncloses(a + b, x + y);
     ExpectEncloses(a - b, x - y);
     ExpectEncloses(a * b, x * y);
     if (!b.Contains(0)) ExpectEncloses(a / b, x / y);
-    ExpectEncloses(Square(a), x * x);
-    ExpectEncloses(Max(a, b), std::max(x, y));
-    if (a.lower > 0) ExpectEncloses(Sqrt(a), std::sqrt(x));
+    ExpectEncloses(certificate::Square(a), x * x);
+    ExpectEncloses(certificate::Max(a, b), std::max(x, y));
+    if (a.lower > 0) ExpectEncloses(certificate::Sqrt(a), std::sqrt(x));
   }
 }
 
 TEST_F(IntervalTest, FunctionsEnclose) {
   for (int i = 0; i < 20000; ++i) {
-    const Interval angle = Draw(-7, 7), cosine = Draw(-1, 1);
-    ExpectEncloses(Sin(angle), std::sin(static_cast<long double>(PointIn(angle))));
-    ExpectEncloses(Cos(angle), std::cos(static_cast<long double>(PointIn(angle))));
-    ExpectEncloses(ArcCos(cosine), std::acos(static_cast<long double>(PointIn(cosine))));
-    const Interval x = Draw(0, 100), y = Draw(-100, 100);
-    ExpectEncloses(AngleFromY(x, y),
+    const certificate::Interval angle = Draw(-7, 7), cosine = Draw(-1, 1);
+    ExpectEncloses(certificate::Sin(angle), std::sin(static_cast<long double>(PointIn(angle))));
+    ExpectEncloses(certificate::Cos(angle), std::cos(static_cast<long double>(PointIn(angle))));
+    ExpectEncloses(certificate::ArcCos(cosine), std::acos(static_cast<long double>(PointIn(cosine))));
+    const certificate::Interval x = Draw(0, 100), y = Draw(-100, 100);
+    ExpectEncloses(certificate::AngleFromY(x, y),
                    std::atan2(static_cast<long double>(PointIn(x)), static_cast<long double>(PointIn(y))));
   }
 }
@@ -57,27 +57,27 @@ TEST_F(IntervalTest, EnclosesAreTight) {
   for (int i = 0; i < 2000; ++i) {
     const double x = PointIn({0.1, 3});
     // A few ulps of the result: 4 of the library's, 1 of arithmetic, and those of the shift by pi / 2.
-    EXPECT_LT(Sin(x).Width(), 1e-14);
-    EXPECT_LT(Cos(x).Width(), 1e-14);
-    EXPECT_LT(Sqrt(x).Width(), 1e-15);
-    EXPECT_LT((Interval(x) * 3.0).Width(), 4e-15);
+    EXPECT_LT(certificate::Sin(x).Width(), 1e-14);
+    EXPECT_LT(certificate::Cos(x).Width(), 1e-14);
+    EXPECT_LT(certificate::Sqrt(x).Width(), 1e-15);
+    EXPECT_LT((certificate::Interval(x) * 3.0).Width(), 4e-15);
   }
 }
 
 TEST_F(IntervalTest, ExtremaInsideAreSeen) {
-  EXPECT_EQ(Cos({-0.5, 0.5}).upper, 1);
-  EXPECT_EQ(Cos({3, 3.3}).lower, -1);
-  EXPECT_EQ(Sin({1, 2}).upper, 1);
-  EXPECT_EQ(Square({-2, 1}).lower, 0);
+  EXPECT_EQ(certificate::Cos({-0.5, 0.5}).upper, 1);
+  EXPECT_EQ(certificate::Cos({3, 3.3}).lower, -1);
+  EXPECT_EQ(certificate::Sin({1, 2}).upper, 1);
+  EXPECT_EQ(certificate::Square({-2, 1}).lower, 0);
 }
 
 TEST_F(IntervalTest, UndefinedOperandsAreEmptyOrTheWholeLine) {
-  EXPECT_TRUE(Sqrt({-2, -1}).IsEmpty());
-  EXPECT_TRUE(ArcCos({1.5, 2}).IsEmpty());
-  EXPECT_EQ(ArcCos({0.5, 2}).lower, 0);
-  EXPECT_TRUE(std::isinf((Interval(1) / Interval(-1, 1)).upper));
-  EXPECT_LT(kPiInterval.lower, 3.14159265358979323846L);
-  EXPECT_GT(kPiInterval.upper, 3.14159265358979323846L);
+  EXPECT_TRUE(certificate::Sqrt({-2, -1}).IsEmpty());
+  EXPECT_TRUE(certificate::ArcCos({1.5, 2}).IsEmpty());
+  EXPECT_EQ(certificate::ArcCos({0.5, 2}).lower, 0);
+  EXPECT_TRUE(std::isinf((certificate::Interval(1) / certificate::Interval(-1, 1)).upper));
+  EXPECT_LT(certificate::kPiInterval.lower, 3.14159265358979323846L);
+  EXPECT_GT(certificate::kPiInterval.upper, 3.14159265358979323846L);
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ namespace lake {
 namespace {
 
 TEST(Optimize, PapersStartAloneReachesTheSupremum) {
-  const LocalSolve solve = SolveFrom(SynthesisProblem{}, SynthesisProblem{}.start);
+  const synthesis::LocalSolve solve =
+      synthesis::SolveFrom(problem::SynthesisProblem{}, problem::SynthesisProblem{}.start);
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
   EXPECT_GE(solve.evaluation.range_deg, 170.52);
   EXPECT_LE(solve.evaluation.range_deg, 170.537678);
@@ -37,10 +38,10 @@ TEST(Optimize, PapersStartAloneReachesTheSupremum) {
 TEST(Optimize, StartsAgree) {
   for (const double margin : {0.0, 1.0, 10.0})
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
-      OptimizeOptions options;
+      synthesis::OptimizeOptions options;
       options.starts = 20;
       options.seed = seed;
-      const SynthesisResult result = Optimize(WithMargins(margin), options);
+      const synthesis::SynthesisResult result = synthesis::Optimize(WithMargins(margin), options);
       const auto stuck = std::ranges::count(result.basin, -1);
       EXPECT_LE(stuck, 2) << "margin " << margin << ", seed " << seed;
       EXPECT_EQ(std::ranges::count(result.basin, 0), options.starts - stuck);
@@ -49,17 +50,18 @@ TEST(Optimize, StartsAgree) {
 }
 
 TEST(Optimize, SeedDecidesTheStarts) {
-  const auto first = RandomStarts(SynthesisProblem{}, 3, 7), again = RandomStarts(SynthesisProblem{}, 3, 7),
-             other = RandomStarts(SynthesisProblem{}, 3, 8);
+  const auto first = synthesis::RandomStarts(problem::SynthesisProblem{}, 3, 7),
+             again = synthesis::RandomStarts(problem::SynthesisProblem{}, 3, 7),
+             other = synthesis::RandomStarts(problem::SynthesisProblem{}, 3, 8);
   EXPECT_EQ(first[2].Values(), again[2].Values());
   EXPECT_NE(first[2].Values(), other[2].Values());
 }
 
 TEST(Optimize, PublishedPointIsFeasibleButNotOptimal) {
-  const DesignEvaluation published = Evaluate(kPublished, SynthesisProblem{});
+  const problem::DesignEvaluation published = problem::Evaluate(kPublished, problem::SynthesisProblem{});
   EXPECT_TRUE(published.IsFeasible(0));
   EXPECT_NEAR(published.range_deg, 148.5715, 5e-5);
-  for (const RequirementCheck& check : published.checks) {
+  for (const problem::RequirementCheck& check : published.checks) {
     if (check.requirement.name == "grashof") {
       EXPECT_NEAR(check.slack, 0.108, 5e-4);
     }
@@ -67,15 +69,16 @@ TEST(Optimize, PublishedPointIsFeasibleButNotOptimal) {
       EXPECT_NEAR(check.slack, 0.00224, 5e-6);
     }
   }
-  Links better = kPublished;
+  linkage::Links better = kPublished;
   better.l4 -= 1;
-  const DesignEvaluation shorter = Evaluate(better, SynthesisProblem{});
+  const problem::DesignEvaluation shorter = problem::Evaluate(better, problem::SynthesisProblem{});
   EXPECT_TRUE(shorter.IsFeasible(0));
   EXPECT_NEAR(shorter.range_deg, 149.51, 5e-3);
 }
 
 TEST(Optimize, InitialPointOfThePaperViolatesThreeConstraintsByFive) {
-  const DesignEvaluation initial = Evaluate(SynthesisProblem{}.start, SynthesisProblem{});
+  const problem::DesignEvaluation initial =
+      problem::Evaluate(problem::SynthesisProblem{}.start, problem::SynthesisProblem{});
   EXPECT_NEAR(initial.range_deg, 85.119, 5e-4);
   EXPECT_NEAR(initial.violation, 5, 1e-9);
   EXPECT_EQ(std::ranges::count_if(initial.checks, [](const auto& check) { return check.slack == -5; }), 3);
@@ -84,12 +87,13 @@ TEST(Optimize, InitialPointOfThePaperViolatesThreeConstraintsByFive) {
 TEST(Optimize, NoRandomDesignIsBetter) {
   std::mt19937_64 random(20260404);
   for (const double margin : {1.0, 5.0, 20.0}) {
-    const SynthesisProblem problem = WithMargins(margin);
-    const LocalSolve best = SolveFrom(problem, problem.start);
+    const problem::SynthesisProblem problem = WithMargins(margin);
+    const synthesis::LocalSolve best = synthesis::SolveFrom(problem, problem.start);
     for (int sample = 0; sample < 3000; ++sample) {
       const bool near = sample % 2;
-      const Links links = RandomFeasible(problem, random, near ? &best.end : nullptr);
-      ASSERT_LE(DegreesFromRadians(SolvePose(links, problem.d_min_mm)->theta_rad), best.evaluation.range_deg + 1e-6);
+      const linkage::Links links = RandomFeasible(problem, random, near ? &best.end : nullptr);
+      ASSERT_LE(DegreesFromRadians(linkage::SolvePose(links, problem.d_min_mm)->theta_rad),
+                best.evaluation.range_deg + 1e-6);
     }
   }
 }
@@ -97,13 +101,13 @@ TEST(Optimize, NoRandomDesignIsBetter) {
 TEST(Optimize, PricesAreDerivativesOfTheRange) {
   const double step = 1e-3;
   const auto range = [](double grashof, double singularity, double lowest_l5) {
-    SynthesisProblem problem;
+    problem::SynthesisProblem problem;
     problem.grashof_margin_mm = grashof, problem.singularity_margin_mm = singularity,
     problem.bounds[4].lower = lowest_l5;
-    return SolveFrom(problem, problem.start).evaluation.range_deg;
+    return synthesis::SolveFrom(problem, problem.start).evaluation.range_deg;
   };
-  const LocalSolve solve = SolveFrom(WithMargins(2), SynthesisProblem{}.start);
-  const ActiveSet active = FindActiveSet(solve);
+  const synthesis::LocalSolve solve = synthesis::SolveFrom(WithMargins(2), problem::SynthesisProblem{}.start);
+  const synthesis::ActiveSet active = synthesis::FindActiveSet(solve);
   ASSERT_TRUE(active.multipliers_unique);
   const auto price = [&](const std::string& name) {
     for (const auto& entry : active.entries)
@@ -118,11 +122,13 @@ TEST(Optimize, PricesAreDerivativesOfTheRange) {
 }
 
 TEST(Optimize, MultipliersAreNotUniqueAtZeroMargins) {
-  EXPECT_FALSE(FindActiveSet(SolveFrom(SynthesisProblem{}, SynthesisProblem{}.start)).multipliers_unique);
+  EXPECT_FALSE(
+      synthesis::FindActiveSet(synthesis::SolveFrom(problem::SynthesisProblem{}, problem::SynthesisProblem{}.start))
+          .multipliers_unique);
 }
 
-SynthesisProblem EverythingOn() {
-  SynthesisProblem problem = WithMargins(1);
+problem::SynthesisProblem EverythingOn() {
+  problem::SynthesisProblem problem = WithMargins(1);
   problem.standing_deg = 5;
   problem.max_force_n = 1800;
   problem.min_moment_arm_mm = 20;
@@ -133,20 +139,23 @@ SynthesisProblem EverythingOn() {
 }
 
 TEST(SynthesisProgram, DerivativesPassIpoptsTest) {
-  for (const SynthesisProblem& problem : {SynthesisProblem{}, WithMargins(2), EverythingOn()})
-    for (const Elasticity elasticity : {Elasticity::kNone, Elasticity::kRequirements, Elasticity::kEverything})
-      for (const Links& start : {Links{60, 70, 55, 75, 90, 260}, Links{66, 72, 61, 80, 70, 280}}) {
-        const SynthesisProgram program = BuildProgram(problem, start, {0.3, 0.7}, elasticity);
+  for (const problem::SynthesisProblem& problem : {problem::SynthesisProblem{}, WithMargins(2), EverythingOn()})
+    for (const synthesis::Elasticity elasticity :
+         {synthesis::Elasticity::kNone, synthesis::Elasticity::kRequirements, synthesis::Elasticity::kEverything})
+      for (const linkage::Links& start :
+           {linkage::Links{60, 70, 55, 75, 90, 260}, linkage::Links{66, 72, 61, 80, 70, 280}}) {
+        const synthesis::SynthesisProgram program = synthesis::BuildProgram(problem, start, {0.3, 0.7}, elasticity);
         // Ipopt's difference steps are 1e-8 of a variable; rounding of a row of 1800 N leaves 1800 eps / 1e-8 = 4e-5.
-        const DerivativeReport report = CheckDerivatives(program.program, 1e-4);
+        const nlp::DerivativeReport report = nlp::CheckDerivatives(program.program, 1e-4);
         EXPECT_EQ(report.first_order_errors + report.second_order_errors, 0) << report.text;
       }
 }
 
 TEST(SynthesisProgram, HoldsAtAnAssembledDesign) {
-  const SynthesisProgram program = BuildProgram(EverythingOn(), {60, 70, 55, 75, 90, 260}, {0.3, 0.7});
+  const synthesis::SynthesisProgram program =
+      synthesis::BuildProgram(EverythingOn(), {60, 70, 55, 75, 90, 260}, {0.3, 0.7});
   std::vector<double> x;
-  for (const NlpVariable& variable : program.program.Variables()) x.push_back(variable.start);
+  for (const nlp::NlpVariable& variable : program.program.Variables()) x.push_back(variable.start);
   const std::vector<double> rows = program.program.RowValues(x);
   int loops = 0;
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -158,38 +167,39 @@ TEST(SynthesisProgram, HoldsAtAnAssembledDesign) {
 }
 
 // Independent of Evaluate(): poses by stroke, not by angle.
-void ExpectHoldsOnAFineGrid(const SynthesisProblem& problem, const Links& links) {
-  const UsedRange range =
-      FindUsedRange(links, problem.d_min_mm, std::nullopt, RadiansFromDegrees(problem.standing_deg));
+void ExpectHoldsOnAFineGrid(const problem::SynthesisProblem& problem, const linkage::Links& links) {
+  const linkage::UsedRange range =
+      linkage::FindUsedRange(links, problem.d_min_mm, std::nullopt, RadiansFromDegrees(problem.standing_deg));
   ASSERT_NEAR(DegreesFromRadians(range.theta_at_upper_rad), problem.standing_deg, 1e-5);
   constexpr int kPoints = 5000;
   for (int i = 0; i <= kPoints; ++i) {
     const double stroke = std::lerp(range.stroke.lower_mm, range.stroke.upper_mm, i / double{kPoints});
-    const auto pose = SolvePose(links, stroke);
+    const auto pose = linkage::SolvePose(links, stroke);
     ASSERT_TRUE(pose) << stroke;
-    const Transmission transmission = TransmissionOf(links, *pose);
+    const linkage::Transmission transmission = linkage::TransmissionOf(links, *pose);
     const double angle =
         DegreesFromRadians(std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
     // Relative to the limit, as the solver's tolerance is; a limit that is off holds always.
     ASSERT_GE(angle, problem.min_transmission_deg.value_or(0) * (1 - 1e-6)) << stroke;
     ASSERT_GE(transmission.moment_arm_mm, problem.min_moment_arm_mm.value_or(0) * (1 - 1e-6)) << stroke;
-    ASSERT_LE(std::abs(ActuatorForce(transmission, problem.knee_torque_nm)),
-              problem.max_force_n.value_or(kUnbounded) * (1 + 1e-6))
+    ASSERT_LE(std::abs(linkage::ActuatorForce(transmission, problem.knee_torque_nm)),
+              problem.max_force_n.value_or(nlp::kUnbounded) * (1 + 1e-6))
         << stroke;
-    ASSERT_LE(stroke, problem.d_max_mm.value_or(kUnbounded) + 1e-6);
+    ASSERT_LE(stroke, problem.d_max_mm.value_or(nlp::kUnbounded) + 1e-6);
   }
 }
 
 TEST(Optimize, FamiliesHoldEverywhereOnTheUsedRange) {
-  SynthesisProblem arm = WithMargins(0), force = WithMargins(1), transmission = WithMargins(1), all = EverythingOn();
+  problem::SynthesisProblem arm = WithMargins(0), force = WithMargins(1), transmission = WithMargins(1),
+                            all = EverythingOn();
   arm.min_moment_arm_mm = 10;
   force.max_force_n = 2000;
   transmission.min_transmission_deg = 45;
   transmission.standing_deg = 20;
-  for (const SynthesisProblem& problem : {arm, force, transmission, all}) {
-    OptimizeOptions options;
+  for (const problem::SynthesisProblem& problem : {arm, force, transmission, all}) {
+    synthesis::OptimizeOptions options;
     options.starts = 4;
-    const SynthesisResult result = Optimize(problem, options);
+    const synthesis::SynthesisResult result = synthesis::Optimize(problem, options);
     ASSERT_GE(result.best, 0);
     ExpectHoldsOnAFineGrid(problem, result.Best().end);
   }
@@ -198,13 +208,13 @@ TEST(Optimize, FamiliesHoldEverywhereOnTheUsedRange) {
 // Hyperextended standing in wide bounds: the transmission angle passes 90 degrees there, and its supplement is worst
 // between poses.
 TEST(Optimize, ExchangeFindsTheWorstPoseBetweenCollocationPoints) {
-  SynthesisProblem problem = WithMargins(2);
+  problem::SynthesisProblem problem = WithMargins(2);
   for (std::size_t i = 0; i < 4; ++i) problem.bounds[i] = {30, 200};
   problem.bounds[4] = {20, 150};
   problem.bounds[5] = {200, 400};
   problem.standing_deg = -8;
   problem.min_transmission_deg = 30;
-  const LocalSolve solve = SolveFrom(problem, problem.start);
+  const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
   EXPECT_GT(solve.exchanges, 1);
   EXPECT_GT(solve.fractions.size(), 3u);
@@ -212,14 +222,14 @@ TEST(Optimize, ExchangeFindsTheWorstPoseBetweenCollocationPoints) {
 }
 
 TEST(Optimize, CapIsAnUpperLimit) {
-  SynthesisProblem problem = WithMargins(1);
+  problem::SynthesisProblem problem = WithMargins(1);
   problem.max_angle_deg = 130;
-  EXPECT_NEAR(SolveFrom(problem, problem.start).evaluation.range_deg, 130, 1e-6);
+  EXPECT_NEAR(synthesis::SolveFrom(problem, problem.start).evaluation.range_deg, 130, 1e-6);
 }
 
 TEST(Optimize, EachRequirementCostsRange) {
-  const auto range = [](const SynthesisProblem& problem) {
-    return SolveFrom(problem, problem.start).evaluation.range_deg;
+  const auto range = [](const problem::SynthesisProblem& problem) {
+    return synthesis::SolveFrom(problem, problem.start).evaluation.range_deg;
   };
   double last = range(WithMargins(0));
   for (const double margin : {0.5, 1.0, 5.0, 20.0}) {
@@ -227,18 +237,18 @@ TEST(Optimize, EachRequirementCostsRange) {
     EXPECT_LT(next, last);
     last = next;
   }
-  SynthesisProblem problem = WithMargins(1);
+  problem::SynthesisProblem problem = WithMargins(1);
   problem.d_max_mm = 350;
   EXPECT_LT(range(problem), range(WithMargins(1)));
 }
 
 TEST(Optimize, RefusesSenselessOptions) {
-  OptimizeOptions options;
+  synthesis::OptimizeOptions options;
   options.starts = 0;
-  EXPECT_THROW(Optimize(SynthesisProblem{}, options), Error);
-  SynthesisProblem problem;
+  EXPECT_THROW(synthesis::Optimize(problem::SynthesisProblem{}, options), Error);
+  problem::SynthesisProblem problem;
   problem.bounds[2] = {60, 50};
-  EXPECT_THROW(Optimize(problem, {}), Error);
+  EXPECT_THROW(synthesis::Optimize(problem, {}), Error);
 }
 
 }  // namespace

@@ -3,33 +3,33 @@
 
 #include <random>
 
-#include "lake/synthesis/evaluate.h"
+#include "lake/problem/evaluate.h"
 
 namespace lake {
 
 // Table 1 of Gautam, Singla & Singla.
-inline const Links kPublished{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
+inline const linkage::Links kPublished{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
-inline SynthesisProblem WithMargins(double margin_mm) {
-  SynthesisProblem problem;
+inline problem::SynthesisProblem WithMargins(double margin_mm) {
+  problem::SynthesisProblem problem;
   problem.grashof_margin_mm = problem.singularity_margin_mm = margin_mm;
   return problem;
 }
 
 // A design that satisfies the link requirements, by rejection; near `centre` if given.
-inline Links RandomFeasible(const SynthesisProblem& problem, std::mt19937_64& random, const Links* centre = nullptr,
-                            double spread_mm = 3) {
-  const auto requirements = RequirementsOf(problem);
+inline linkage::Links RandomFeasible(const problem::SynthesisProblem& problem, std::mt19937_64& random,
+                                     const linkage::Links* centre = nullptr, double spread_mm = 3) {
+  const auto requirements = problem::RequirementsOf(problem);
   while (true) {
     std::array<double, 6> values{};
     for (std::size_t i = 0; i < 6; ++i) {
-      const Bounds& bounds = problem.bounds[i];
+      const problem::Bounds& bounds = problem.bounds[i];
       const double low = centre ? std::max(bounds.lower, centre->Values()[i] - spread_mm) : bounds.lower;
       const double high = centre ? std::min(bounds.upper, centre->Values()[i] + spread_mm) : bounds.upper;
       values[i] = std::uniform_real_distribution(low, high)(random);
     }
-    const Links links = Links::FromValues(values);
-    if (MeetsLinkRequirements(links, problem, requirements)) return links;
+    const linkage::Links links = linkage::Links::FromValues(values);
+    if (problem::MeetsLinkRequirements(links, problem, requirements)) return links;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "lake/synthesis/problem_file.h"
+#include "lake/problem/problem_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ class ProblemFile : public ::testing::Test {
   }
   std::string ErrorOf(const std::string& text) {
     try {
-      ReadProblem(Write(text));
+      problem::ReadProblem(Write(text));
     } catch (const Error& error) {
       return error.what();
     }
@@ -32,24 +32,25 @@ class ProblemFile : public ::testing::Test {
 };
 
 TEST_F(ProblemFile, PapersFileIsTheDefaultProblem) {
-  const SynthesisProblem read = ReadProblem(std::filesystem::path(LAKE_SOURCE_DIR "/calibration/problems/paper.yaml"));
-  const SynthesisProblem paper;
+  const problem::SynthesisProblem read =
+      problem::ReadProblem(std::filesystem::path(LAKE_SOURCE_DIR "/calibration/problems/paper.yaml"));
+  const problem::SynthesisProblem paper;
   EXPECT_EQ(read.d_min_mm, paper.d_min_mm);
   EXPECT_EQ(read.start.Values(), paper.start.Values());
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(read.bounds[i].lower, paper.bounds[i].lower);
     EXPECT_EQ(read.bounds[i].upper, paper.bounds[i].upper);
   }
-  EXPECT_EQ(RequirementsOf(read).size(), RequirementsOf(paper).size());
+  EXPECT_EQ(problem::RequirementsOf(read).size(), problem::RequirementsOf(paper).size());
 }
 
 TEST_F(ProblemFile, AllKeysArrive) {
-  const SynthesisProblem problem =
-      ReadProblem(Write("d_min_mm: 240\nd_max_mm: 360\nbounds: {l5: [40, 60]}\nstart: {l1: 70}\nmargins: {grashof_mm: "
-                        "1, singularity_mm: 2}\n"
-                        "load: {knee_torque_nm: 30, max_force_n: 1500}\nmin_moment_arm_mm: 12\nmin_transmission_deg: "
-                        "9\nmax_angle_deg: 150\n"
-                        "standing_deg: 3\n"));
+  const problem::SynthesisProblem problem = problem::ReadProblem(
+      Write("d_min_mm: 240\nd_max_mm: 360\nbounds: {l5: [40, 60]}\nstart: {l1: 70}\nmargins: {grashof_mm: "
+            "1, singularity_mm: 2}\n"
+            "load: {knee_torque_nm: 30, max_force_n: 1500}\nmin_moment_arm_mm: 12\nmin_transmission_deg: "
+            "9\nmax_angle_deg: 150\n"
+            "standing_deg: 3\n"));
   EXPECT_EQ(problem.d_min_mm, 240);
   EXPECT_EQ(problem.d_max_mm, 360);
   EXPECT_EQ(problem.bounds[4].upper, 60);

@@ -6,27 +6,27 @@
 
 #include "lake/exchange/trial.h"
 #include "lake/gait/butterworth.h"
-#include "lake/synthesis/human_motion.h"
+#include "lake/redesign/human_motion.h"
 
 namespace lake {
 
 // Right leg of opencap_sts in its x-y plane, 0.26-0.93 s, Butterworth 6 Hz; nullopt where the recordings are absent.
-inline std::optional<HumanMotion> RealSitToStand() {
+inline std::optional<redesign::HumanMotion> RealSitToStand() {
   const std::filesystem::path file = std::filesystem::path(LAKE_SHARED_DATA) / "opencap_sts/sts_default_markers.trc";
   if (!std::filesystem::is_regular_file(file)) return std::nullopt;
-  TrialOptions reading;
+  exchange::TrialOptions reading;
   reading.names = {{"ankle", "r_ankle"}, {"knee", "r_knee"}, {"hip", "R_HJC"}};
   reading.forward = "+x";
-  const MarkerRecording recording = ReadTrial(file, reading).recording;
+  const motion::MarkerRecording recording = exchange::ReadTrial(file, reading).recording;
   constexpr double kFrom_s = 0.26, kTo_s = 0.93, kCutoff_hz = 6;
   const auto path = [&](const char* name) {
     std::vector<double> x, y;
-    for (const MarkerSample& sample : recording.Find(name)->samples)
+    for (const motion::MarkerSample& sample : recording.Find(name)->samples)
       x.push_back(sample.position.x()), y.push_back(sample.position.y());
-    x = ZeroPhaseButterworthAtTimes(x, recording.time_s, kCutoff_hz);
-    y = ZeroPhaseButterworthAtTimes(y, recording.time_s, kCutoff_hz);
+    x = gait::ZeroPhaseButterworthAtTimes(x, recording.time_s, kCutoff_hz);
+    y = gait::ZeroPhaseButterworthAtTimes(y, recording.time_s, kCutoff_hz);
     std::vector<Eigen::Vector2d> points;
-    for (int percent = 0; percent < kPercentSamples; ++percent) {
+    for (int percent = 0; percent < compare::kPercentSamples; ++percent) {
       const double frame = 100 * std::lerp(kFrom_s, kTo_s, percent / 100.0);  // 100 Hz from 0 s
       const auto before = static_cast<std::size_t>(frame);
       const double share = frame - static_cast<double>(before);
@@ -34,9 +34,9 @@ inline std::optional<HumanMotion> RealSitToStand() {
     }
     return points;
   };
-  StsCurve curve;
+  compare::StsCurve curve;
   curve.ankle = path("ankle"), curve.knee = path("knee"), curve.hip = path("hip");
-  return MakeHumanMotion(curve);
+  return redesign::MakeHumanMotion(curve);
 }
 
 }  // namespace lake

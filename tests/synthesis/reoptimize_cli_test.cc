@@ -24,18 +24,18 @@ using testing::HasSubstr;
 class LakeReoptimize : public testing::Test {
  protected:
   void SetUp() override {
-    MisalignmentOptions options;
+    compare::MisalignmentOptions options;
     options.resamples = 0;
     const auto late = [](double u) { return u - 0.06 * std::sin(std::numbers::pi * u); };
     ClosedFormLeg leaning;
     leaning.peak_shank_deg = 22;
-    StsCurve exo = MakeCurve(leaning, late, {8, 0});
+    compare::StsCurve exo = MakeCurve(leaning, late, {8, 0});
     exo.leg_knee = MakeCurve(leaning, late).knee;
-    const Misalignment misalignment = CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, options);
-    WriteJsonFile(folder_ / "comparison.json", ComparisonJson(misalignment));
-    Design worn;
+    const compare::Misalignment misalignment = compare::CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, options);
+    WriteJsonFile(folder_ / "comparison.json", compare::ComparisonJson(misalignment));
+    linkage::Design worn;
     worn.links = kPublished;
-    WriteDesign(folder_ / "worn.yaml", worn);
+    linkage::WriteDesign(folder_ / "worn.yaml", worn);
   }
 
   std::string Common(const std::string& out) const {
@@ -49,14 +49,14 @@ class LakeReoptimize : public testing::Test {
 // sqrt(mean((distance / L)^2)) of predicted/misalignment.csv, with L from predicted/comparison.json.
 double MisalignmentOfFiles(const std::filesystem::path& folder) {
   const CsvTable table = CsvTable::Read(folder / "predicted/misalignment.csv");
-  const ComparedCurves curves = ReadComparison(folder / "predicted");
+  const compare::ComparedCurves curves = compare::ReadComparison(folder / "predicted");
   std::vector<Eigen::Vector2d> human, exo;
   for (std::size_t i = 0; i < table.Rows(); ++i) {
     const auto cell = [&](const char* column) { return table.RequiredNumber(i, table.Column(column)); };
     human.emplace_back(cell("human_x_mm"), cell("human_y_mm")), exo.emplace_back(cell("exo_x_mm"), cell("exo_y_mm"));
   }
   EXPECT_EQ(exo, curves.exo.knee);
-  return 100 * std::sqrt(MeanSquaredRelativeError(exo, human, ShankLengths(curves.human)));
+  return 100 * std::sqrt(compare::MeanSquaredRelativeError(exo, human, compare::ShankLengths(curves.human)));
 }
 
 TEST_F(LakeReoptimize, WritesADesignWhosePredictedPathHoldsTheLimit) {
@@ -78,7 +78,7 @@ TEST_F(LakeReoptimize, WritesADesignWhosePredictedPathHoldsTheLimit) {
   ASSERT_EQ(std::system((compare + " >/dev/null 2>&1").c_str()), 0);
   EXPECT_NEAR(100 * ReadJsonFile(folder_ / "again/summary.json")["metrics"]["relative_rms"].get<double>(),
               summary["misalignment_percent"].get<double>(), 1e-9);
-  const Design design = ReadDesign(out / "design.yaml");
+  const linkage::Design design = linkage::ReadDesign(out / "design.yaml");
   ASSERT_TRUE(design.program);
   EXPECT_EQ(design.program->knots.size(), 21u);
   EXPECT_LE(design.program->knots.back().time_s, 20 * (1 + 1e-6));
@@ -93,9 +93,9 @@ TEST_F(LakeReoptimize, WritesADesignWhosePredictedPathHoldsTheLimit) {
 // nothing of that.
 TEST_F(LakeReoptimize, TheSlipIsTheKnownOffset) {
   for (const bool with_program : {false, true}) {
-    Design worn = ReadDesign(folder_ / "worn.yaml");
-    if (with_program) worn.program = StrokeProgram{StrokeProgram::Kind::kConstant, 5, {}};
-    WriteDesign(folder_ / "worn.yaml", worn);
+    linkage::Design worn = linkage::ReadDesign(folder_ / "worn.yaml");
+    if (with_program) worn.program = linkage::StrokeProgram{linkage::StrokeProgram::Kind::kConstant, 5, {}};
+    linkage::WriteDesign(folder_ / "worn.yaml", worn);
     const Ended ended = RunProgram(Common("out") + "--penalty 0.5 --fit-placement");
     ASSERT_EQ(ended.exit_code, 0) << ended.text;
     const Json summary = ReadJsonFile(folder_ / "out/summary.json");
@@ -116,15 +116,15 @@ TEST_F(LakeReoptimize, TheSlipIsTheKnownOffset) {
 }
 
 TEST_F(LakeReoptimize, AWornDesignThatDoesNotFitItsTrialIsToldAndTheAdviceHelps) {
-  Design worn = ReadDesign(folder_ / "worn.yaml");
+  linkage::Design worn = linkage::ReadDesign(folder_ / "worn.yaml");
   worn.placement_mm = {-20, 35};
-  WriteDesign(folder_ / "worn.yaml", worn);
+  linkage::WriteDesign(folder_ / "worn.yaml", worn);
   const Ended refused = RunProgram(Common("out") + "--penalty 0.5");
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.text, testing::AllOf(HasSubstr("worn.yaml"), HasSubstr("write placement_mm: [8.0, "),
                                            HasSubstr("--worn"), HasSubstr("--human-only")));
   worn.placement_mm = {8, 0};
-  WriteDesign(folder_ / "worn.yaml", worn);
+  linkage::WriteDesign(folder_ / "worn.yaml", worn);
   const Ended ended = RunProgram(Common("out") + "--penalty 0.5");
   EXPECT_EQ(ended.exit_code, 0) << ended.text;
 }
@@ -159,7 +159,7 @@ TEST_F(LakeReoptimize, WithoutSolutionExitsWithThreeAndSaysWhatWouldDo) {
   EXPECT_EQ(summary["status"], "infeasible");
   EXPECT_GT(summary["smallest_misalignment_percent"].get<double>(), 0.5);
   EXPECT_FALSE(summary["ways_out"].empty());
-  EXPECT_THAT(ReadDesign(folder_ / "out/design.yaml").made_by, HasSubstr("NOT A SOLUTION"));
+  EXPECT_THAT(linkage::ReadDesign(folder_ / "out/design.yaml").made_by, HasSubstr("NOT A SOLUTION"));
 }
 
 TEST_F(LakeReoptimize, WrittenOptionsReadBack) {

@@ -2,15 +2,15 @@
 // opencap_sts. Misalignments agree within 0.2 % of the shank's length, the bound; times within 2 %, as the
 // steepest part of a motion depends on how it is filtered and sampled.
 #include "lake/core/angles.h"
-#include "lake/synthesis/reoptimize.h"
+#include "lake/redesign/reoptimize.h"
 #include "synthesis/paper.h"
 #include "synthesis/real_motion.h"
 
 namespace lake {
 namespace {
 
-using Goal = ReoptimizeProblem::Goal;
-using Kind = StrokeProgram::Kind;
+using Goal = redesign::ReoptimizeProblem::Goal;
+using Kind = linkage::StrokeProgram::Kind;
 constexpr double kPercent = 0.2;
 
 class RealMotion : public testing::Test {
@@ -24,30 +24,32 @@ class RealMotion : public testing::Test {
   }
 
   // Links held at the published ones.
-  ReoptimizeProblem Published() const {
-    ReoptimizeProblem problem = problem_;
+  redesign::ReoptimizeProblem Published() const {
+    redesign::ReoptimizeProblem problem = problem_;
     for (std::size_t i = 0; i < 6; ++i) problem.design.bounds[i] = {kPublished.Values()[i], kPublished.Values()[i]};
     return problem;
   }
 
-  static double Least(const ReoptimizeProblem& problem, int starts) {
-    OptimizeOptions options;
+  static double Least(const redesign::ReoptimizeProblem& problem, int starts) {
+    synthesis::OptimizeOptions options;
     options.starts = starts;
-    const ReoptimizeResult result = Reoptimize(problem, {kPublished}, options);
+    const redesign::ReoptimizeResult result = redesign::Reoptimize(problem, {kPublished}, options);
     return result.IsSolved() ? result.Best().Misalignment_percent() : NAN;
   }
 
-  double TrackingTimeOf(const Links& links) const { return TrackingTime(*TrackingStrokes({links}, problem_.human), 5); }
+  double TrackingTimeOf(const linkage::Links& links) const {
+    return redesign::TrackingTime(*redesign::TrackingStrokes({links}, problem_.human), 5);
+  }
 
-  ReoptimizeProblem problem_;
+  redesign::ReoptimizeProblem problem_;
 };
 
 TEST_F(RealMotion, ConstantProgram) {
-  const auto prediction = PredictPoint(problem_, StartPoint(problem_, kPublished));
+  const auto prediction = redesign::PredictPoint(problem_, redesign::StartPoint(problem_, kPublished));
   ASSERT_TRUE(prediction);
   EXPECT_NEAR(100 * prediction->relative_rms, 8.61, kPercent);
   EXPECT_NEAR(prediction->rms_mm, 42.3, 1.0);  // 0.2 % of the shank
-  ReoptimizeProblem placed = Published();
+  redesign::ReoptimizeProblem placed = Published();
   placed.fit_placement = true;
   EXPECT_NEAR(Least(placed, 1), 7.40, kPercent);
   EXPECT_NEAR(Least(problem_, 6), 7.75, kPercent);
@@ -57,9 +59,9 @@ TEST_F(RealMotion, ConstantProgram) {
 
 TEST_F(RealMotion, ParetoFrontIsNearlyFlat) {
   problem_.fit_placement = true;
-  OptimizeOptions options;
+  synthesis::OptimizeOptions options;
   options.starts = 10;
-  const auto front = ParetoFront(problem_, 5, {kPublished}, options);
+  const auto front = redesign::ParetoFront(problem_, 5, {kPublished}, options);
   ASSERT_EQ(front.size(), 5u);
   EXPECT_NEAR(front.front().range_deg, 93, 1.5);
   EXPECT_NEAR(front.front().misalignment_percent, 7.02, kPercent);
@@ -68,7 +70,7 @@ TEST_F(RealMotion, ParetoFrontIsNearlyFlat) {
 }
 
 TEST_F(RealMotion, FreeProgramOfThePublishedDesign) {
-  ReoptimizeProblem free = Published();
+  redesign::ReoptimizeProblem free = Published();
   free.program.kind = Kind::kFree;
   for (const auto& [duration_s, percent] : {std::pair(25.0, 2.77), {30.0, 0.83}, {45.0, 0.05}}) {
     free.program.duration_s = duration_s;
@@ -79,16 +81,16 @@ TEST_F(RealMotion, FreeProgramOfThePublishedDesign) {
 TEST_F(RealMotion, TrackingTimes) {
   EXPECT_NEAR(TrackingTimeOf(kPublished), 35.7, 0.02 * 35.7);
   problem_.goal = Goal::kRange;
-  const ReoptimizeSolve widest = SolveFrom(problem_, StartPoint(problem_, kPublished));
+  const redesign::ReoptimizeSolve widest = SolveFrom(problem_, redesign::StartPoint(problem_, kPublished));
   ASSERT_TRUE(widest.IsUsable());
   EXPECT_NEAR(TrackingTimeOf(widest.point.links), 28.3, 0.02 * 28.3);
   // The linkage that tracks fastest: none of a search found less than 23.4 s.
   problem_.goal = Goal::kDuration;
   problem_.program.kind = Kind::kFree;
   problem_.max_misalignment_percent = 0.1;
-  OptimizeOptions options;
+  synthesis::OptimizeOptions options;
   options.starts = 6;
-  const ReoptimizeResult fastest = Reoptimize(problem_, {kPublished}, options);
+  const redesign::ReoptimizeResult fastest = redesign::Reoptimize(problem_, {kPublished}, options);
   ASSERT_TRUE(fastest.IsSolved());
   EXPECT_NEAR(TrackingTimeOf(fastest.Best().point.links), 23.4, 0.02 * 23.4);
 }

@@ -1,5 +1,5 @@
 // The program that a re-optimisation builds: its derivatives, and that its rows mean what the closed form says.
-#include "lake/synthesis/reoptimize_program.h"
+#include "lake/redesign/reoptimize_program.h"
 
 #include <gmock/gmock.h>
 
@@ -11,13 +11,13 @@
 namespace lake {
 namespace {
 
-using Goal = ReoptimizeProblem::Goal;
-using Kind = StrokeProgram::Kind;
+using Goal = redesign::ReoptimizeProblem::Goal;
+using Kind = linkage::StrokeProgram::Kind;
 
-ReoptimizeProblem Problem(Kind kind, Goal goal) {
-  ReoptimizeProblem problem;
+redesign::ReoptimizeProblem Problem(Kind kind, Goal goal) {
+  redesign::ReoptimizeProblem problem;
   problem.design = WithMargins(1);
-  problem.human = MakeHumanMotion(MakeCurve({}));
+  problem.human = redesign::MakeHumanMotion(MakeCurve({}));
   problem.program.kind = kind;
   problem.goal = goal;
   problem.max_misalignment_percent = 5;
@@ -27,13 +27,16 @@ ReoptimizeProblem Problem(Kind kind, Goal goal) {
 }
 
 struct Built {
-  SynthesisProgram synthesis;
-  ReoptimizeVariables variables;
+  synthesis::SynthesisProgram synthesis;
+  redesign::ReoptimizeVariables variables;
 };
 
-Built Build(const ReoptimizeProblem& problem, const ReoptimizePoint& point) {
-  Built built{BuildProgram(problem.design, point.links, {}, Elasticity::kNone, RangeWeight(problem)), {}};
-  built.variables = AddReoptimization(problem, point, ConstantStart::kAtHumanAngle, built.synthesis);
+Built Build(const redesign::ReoptimizeProblem& problem, const redesign::ReoptimizePoint& point) {
+  Built built{synthesis::BuildProgram(problem.design, point.links, {}, synthesis::Elasticity::kNone,
+                                      redesign::RangeWeight(problem)),
+              {}};
+  built.variables =
+      redesign::AddReoptimization(problem, point, redesign::ConstantStart::kAtHumanAngle, built.synthesis);
   return built;
 }
 
@@ -43,12 +46,12 @@ TEST(ReoptimizeProgram, DerivativesAreThoseOfTheValues) {
   std::uniform_real_distribution<double> unit(-1, 1);
   for (const Kind kind : {Kind::kConstant, Kind::kFree})
     for (const Goal goal : {Goal::kRange, Goal::kMisalignment, Goal::kDuration}) {
-      const ReoptimizeProblem problem = Problem(kind, goal);
-      const Built built = Build(problem, StartPoint(problem, kPublished));
+      const redesign::ReoptimizeProblem problem = Problem(kind, goal);
+      const Built built = Build(problem, redesign::StartPoint(problem, kPublished));
       std::vector<double> x;
-      for (const NlpVariable& variable : built.synthesis.program.Variables())
+      for (const nlp::NlpVariable& variable : built.synthesis.program.Variables())
         x.push_back(variable.start + 0.05 * unit(random));
-      for (const NlpTerm& term : built.synthesis.program.Terms()) {
+      for (const nlp::NlpTerm& term : built.synthesis.program.Terms()) {
         const auto variables = term.term->Variables();
         const std::size_t n = variables.size();
         std::vector<double> gradient(n), hessian(n * (n + 1) / 2), above(n), below(n);
@@ -78,16 +81,16 @@ TEST(ReoptimizeProgram, DerivativesAreThoseOfTheValues) {
 // At a point where the linkage follows its program the loops close and the cost is the printed one.
 TEST(ReoptimizeProgram, RowsAndCostAgreeWithTheClosedForm) {
   for (const Kind kind : {Kind::kConstant, Kind::kFree}) {
-    ReoptimizeProblem problem = Problem(kind, Goal::kRange);
+    redesign::ReoptimizeProblem problem = Problem(kind, Goal::kRange);
     problem.program.duration_s = 30;
-    ReoptimizePoint point = StartPoint(problem, kPublished);
+    redesign::ReoptimizePoint point = redesign::StartPoint(problem, kPublished);
     point.placement_mm = {9, -4};
     const Built built = Build(problem, point);
-    const NonlinearProgram& nlp = built.synthesis.program;
+    const nlp::NonlinearProgram& nlp = built.synthesis.program;
     std::vector<double> x;
-    for (const NlpVariable& variable : nlp.Variables()) x.push_back(variable.start);
+    for (const nlp::NlpVariable& variable : nlp.Variables()) x.push_back(variable.start);
     const std::vector<double> rows = nlp.RowValues(x);
-    const auto prediction = PredictPoint(problem, point);
+    const auto prediction = redesign::PredictPoint(problem, point);
     ASSERT_TRUE(prediction);
     int loops = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -99,32 +102,32 @@ TEST(ReoptimizeProgram, RowsAndCostAgreeWithTheClosedForm) {
         EXPECT_NEAR(std::sqrt(rows[i]), 100 * prediction->relative_rms, 1e-9);
       }
     }
-    EXPECT_EQ(loops, 2 * (kPercentSamples + 1));
-    const double range_deg = DegreesFromRadians(SolvePose(kPublished, 242)->theta_rad);
+    EXPECT_EQ(loops, 2 * (compare::kPercentSamples + 1));
+    const double range_deg = DegreesFromRadians(linkage::SolvePose(kPublished, 242)->theta_rad);
     // The small costs: 1e-5 of some tens of percent^2, 1e-6 of seconds.
     EXPECT_NEAR(nlp.Cost(x), -range_deg + 0.3 * prediction->rms_mm, 2e-3);
   }
 }
 
 TEST(ReoptimizeProgram, PointsSurviveTheProgram) {
-  const ReoptimizeProblem problem = Problem(Kind::kFree, Goal::kRange);
-  const ReoptimizePoint point = StartPoint(problem, kPublished);
+  const redesign::ReoptimizeProblem problem = Problem(Kind::kFree, Goal::kRange);
+  const redesign::ReoptimizePoint point = redesign::StartPoint(problem, kPublished);
   const Built built = Build(problem, point);
   std::vector<double> x;
-  for (const NlpVariable& variable : built.synthesis.program.Variables()) x.push_back(variable.start);
-  const ReoptimizePoint again = PointAt(built.synthesis, built.variables, x);
+  for (const nlp::NlpVariable& variable : built.synthesis.program.Variables()) x.push_back(variable.start);
+  const redesign::ReoptimizePoint again = redesign::PointAt(built.synthesis, built.variables, x);
   EXPECT_EQ(again.links.Values(), point.links.Values());
   EXPECT_EQ(again.knots_mm, point.knots_mm);
   EXPECT_EQ(again.duration_s, point.duration_s);
 }
 
 TEST(ReoptimizeProgram, KnotsSpanTheMotion) {
-  EXPECT_EQ(SpanOf(21, 0).from, 0u);
-  EXPECT_EQ(SpanOf(21, 0).weight, 0);
-  EXPECT_EQ(SpanOf(21, 100).from, 19u);
-  EXPECT_NEAR(SpanOf(21, 100).weight, 1, 1e-12);
-  EXPECT_EQ(SpanOf(2, 30).from, 0u);
-  EXPECT_NEAR(SpanOf(2, 30).weight, 0.3, 1e-12);
+  EXPECT_EQ(redesign::SpanOf(21, 0).from, 0u);
+  EXPECT_EQ(redesign::SpanOf(21, 0).weight, 0);
+  EXPECT_EQ(redesign::SpanOf(21, 100).from, 19u);
+  EXPECT_NEAR(redesign::SpanOf(21, 100).weight, 1, 1e-12);
+  EXPECT_EQ(redesign::SpanOf(2, 30).from, 0u);
+  EXPECT_NEAR(redesign::SpanOf(2, 30).weight, 0.3, 1e-12);
 }
 
 }  // namespace

@@ -5,50 +5,50 @@
 
 #include "compare/closed_form.h"
 #include "lake/core/error.h"
-#include "lake/synthesis/reoptimize_study.h"
+#include "lake/redesign/reoptimize_study.h"
 #include "synthesis/differential_evolution.h"
 #include "synthesis/paper.h"
 
 namespace lake {
 namespace {
 
-using Goal = ReoptimizeProblem::Goal;
-using Kind = StrokeProgram::Kind;
+using Goal = redesign::ReoptimizeProblem::Goal;
+using Kind = linkage::StrokeProgram::Kind;
 using testing::HasSubstr;
 
-ReoptimizeProblem Problem(const ClosedFormLeg& leg = {}, double margin_mm = 2) {
-  ReoptimizeProblem problem;
+redesign::ReoptimizeProblem Problem(const ClosedFormLeg& leg = {}, double margin_mm = 2) {
+  redesign::ReoptimizeProblem problem;
   problem.design = WithMargins(margin_mm);
-  problem.human = MakeHumanMotion(MakeCurve(leg));
+  problem.human = redesign::MakeHumanMotion(MakeCurve(leg));
   return problem;
 }
 
-ReoptimizeProblem Free(double duration_s, const ClosedFormLeg& leg = {}) {
-  ReoptimizeProblem problem = Problem(leg);
+redesign::ReoptimizeProblem Free(double duration_s, const ClosedFormLeg& leg = {}) {
+  redesign::ReoptimizeProblem problem = Problem(leg);
   problem.program.kind = Kind::kFree;
   problem.program.duration_s = duration_s;
   return problem;
 }
 
-OptimizeOptions Starts(int count) {
-  OptimizeOptions options;
+synthesis::OptimizeOptions Starts(int count) {
+  synthesis::OptimizeOptions options;
   options.starts = count;
   return options;
 }
 
-ReoptimizeResult Solve(const ReoptimizeProblem& problem, int starts = 4) {
-  return Reoptimize(problem, {problem.design.start, kPublished}, Starts(starts));
+redesign::ReoptimizeResult Solve(const redesign::ReoptimizeProblem& problem, int starts = 4) {
+  return redesign::Reoptimize(problem, {problem.design.start, kPublished}, Starts(starts));
 }
 
-ReoptimizeResult Least(ReoptimizeProblem problem, int starts = 6) {
+redesign::ReoptimizeResult Least(redesign::ReoptimizeProblem problem, int starts = 6) {
   problem.goal = Goal::kMisalignment;
   problem.max_misalignment_percent.reset();
   return Solve(problem, starts);
 }
 
 // Half-way from the least misalignment to that of the largest range: a limit that costs range and can be held.
-double TightLimit(const ReoptimizeProblem& problem) {
-  const ReoptimizeResult least = Least(problem), widest = Solve(problem);
+double TightLimit(const redesign::ReoptimizeProblem& problem) {
+  const redesign::ReoptimizeResult least = Least(problem), widest = Solve(problem);
   return (least.Best().Misalignment_percent() + widest.Best().Misalignment_percent()) / 2;
 }
 
@@ -61,11 +61,12 @@ std::vector<ClosedFormLeg> Legs() {
 
 TEST(Reoptimize, TheLimitHoldsWhenTheComparisonReEvaluatesThePredictedPath) {
   for (const ClosedFormLeg& leg : Legs())
-    for (ReoptimizeProblem problem : {Problem(leg), Free(14, leg)}) {
+    for (redesign::ReoptimizeProblem problem : {Problem(leg), Free(14, leg)}) {
       problem.max_misalignment_percent = TightLimit(problem);
-      const ReoptimizeResult result = Solve(problem);
+      const redesign::ReoptimizeResult result = Solve(problem);
       ASSERT_TRUE(result.IsSolved());
-      const DesignInMotion after = PutInMotion(problem, MakeCurve(leg), DesignOf(problem, result.Best().point));
+      const redesign::DesignInMotion after =
+          redesign::PutInMotion(problem, MakeCurve(leg), redesign::DesignOf(problem, result.Best().point));
       ASSERT_TRUE(after.misalignment);
       // The bound; the limit is active, so it is met from below and above.
       EXPECT_NEAR(100 * after.misalignment->metrics.relative_rms / *problem.max_misalignment_percent, 1, 1e-4);
@@ -75,25 +76,26 @@ TEST(Reoptimize, TheLimitHoldsWhenTheComparisonReEvaluatesThePredictedPath) {
 }
 
 // What a search may vary, as a point; a constant program's strokes follow from the links.
-std::optional<double> Objective(const ReoptimizeProblem& problem, const ReoptimizePoint& point) {
-  const DesignEvaluation evaluation = Evaluate(point.links, problem.design);
+std::optional<double> Objective(const redesign::ReoptimizeProblem& problem, const redesign::ReoptimizePoint& point) {
+  const problem::DesignEvaluation evaluation = problem::Evaluate(point.links, problem.design);
   if (!evaluation.IsFeasible()) return std::nullopt;
-  const auto prediction = PredictPoint(problem, point);
+  const auto prediction = redesign::PredictPoint(problem, point);
   if (!prediction) return std::nullopt;
   if (problem.max_misalignment_percent && 100 * prediction->relative_rms > *problem.max_misalignment_percent)
     return std::nullopt;
   if (problem.program.duration_s &&
-      NeededDuration(point.knots_mm, problem.program.max_speed_mm_s) > *problem.program.duration_s)
+      redesign::NeededDuration(point.knots_mm, problem.program.max_speed_mm_s) > *problem.program.duration_s)
     return std::nullopt;
-  return ObjectiveOf(problem, point, evaluation.range_deg, *prediction);
+  return redesign::ObjectiveOf(problem, point, evaluation.range_deg, *prediction);
 }
 
 // Links near the optimum and, of a free program, a program near the optimum's: pushed by its own mean change, so that
 // the speed limit is not broken by every sample.
-ReoptimizePoint RandomPoint(const ReoptimizeProblem& problem, const ReoptimizePoint& best, double spread_mm,
-                            std::mt19937_64& random) {
+redesign::ReoptimizePoint RandomPoint(const redesign::ReoptimizeProblem& problem, const redesign::ReoptimizePoint& best,
+                                      double spread_mm, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
-  ReoptimizePoint point = StartPoint(problem, RandomFeasible(problem.design, random, &best.links, spread_mm));
+  redesign::ReoptimizePoint point =
+      redesign::StartPoint(problem, RandomFeasible(problem.design, random, &best.links, spread_mm));
   if (problem.fit_placement) {
     const Eigen::Vector2d middle = spread_mm > 10 ? problem.placement_mm : best.placement_mm;
     for (const int axis : {0, 1})
@@ -108,13 +110,13 @@ ReoptimizePoint RandomPoint(const ReoptimizeProblem& problem, const ReoptimizePo
 }
 
 TEST(Reoptimize, NoRandomSearchFindsABetterObjective) {
-  ReoptimizeProblem constant = Problem(), penalty = Problem(), free = Free(14);
+  redesign::ReoptimizeProblem constant = Problem(), penalty = Problem(), free = Free(14);
   constant.fit_placement = penalty.fit_placement = true;
   constant.max_misalignment_percent = TightLimit(constant);
   free.max_misalignment_percent = TightLimit(free);
   penalty.penalty_deg_per_mm = 2;
-  for (const ReoptimizeProblem& problem : {constant, penalty, free}) {
-    const ReoptimizeResult result = Solve(problem);
+  for (const redesign::ReoptimizeProblem& problem : {constant, penalty, free}) {
+    const redesign::ReoptimizeResult result = Solve(problem);
     ASSERT_TRUE(result.IsSolved());
     std::mt19937_64 random(5);
     int feasible = 0, tried = 0;
@@ -122,7 +124,7 @@ TEST(Reoptimize, NoRandomSearchFindsABetterObjective) {
     constexpr int kFeasible = 3400;  // three problems: 10^4 together
     for (; feasible < kFeasible && tried < 100 * kFeasible; ++tried) {
       constexpr double kSpreads_mm[] = {0.05, 0.5, 3, 100};
-      const ReoptimizePoint point = RandomPoint(problem, result.Best().point, kSpreads_mm[tried % 4], random);
+      const redesign::ReoptimizePoint point = RandomPoint(problem, result.Best().point, kSpreads_mm[tried % 4], random);
       if (const auto objective = Objective(problem, point)) ++feasible, best = std::max(best, *objective);
     }
     EXPECT_GE(feasible, kFeasible);
@@ -132,21 +134,21 @@ TEST(Reoptimize, NoRandomSearchFindsABetterObjective) {
 }
 
 TEST(Reoptimize, NoDifferentialEvolutionFindsABetterObjective) {
-  ReoptimizeProblem problem = Problem();
+  redesign::ReoptimizeProblem problem = Problem();
   problem.fit_placement = true;
   problem.max_misalignment_percent = TightLimit(problem);
-  const ReoptimizeResult result = Solve(problem);
+  const redesign::ReoptimizeResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());
-  std::vector<Bounds> bounds(problem.design.bounds.begin(), problem.design.bounds.end());
+  std::vector<problem::Bounds> bounds(problem.design.bounds.begin(), problem.design.bounds.end());
   bounds.insert(bounds.end(), 2, {-problem.placement_reach_mm, problem.placement_reach_mm});
   // Infeasible points rank below feasible ones, by how much they violate.
   const auto value = [&](const std::vector<double>& x) {
-    const Links links = Links::FromValues({x[0], x[1], x[2], x[3], x[4], x[5]});
-    if (!SolvePose(links, problem.design.d_min_mm)) return -1e6;
-    ReoptimizePoint point = StartPoint(problem, links);
+    const linkage::Links links = linkage::Links::FromValues({x[0], x[1], x[2], x[3], x[4], x[5]});
+    if (!linkage::SolvePose(links, problem.design.d_min_mm)) return -1e6;
+    redesign::ReoptimizePoint point = redesign::StartPoint(problem, links);
     point.placement_mm = {x[6], x[7]};
-    const DesignEvaluation evaluation = Evaluate(links, problem.design);
-    const auto prediction = PredictPoint(problem, point);
+    const problem::DesignEvaluation evaluation = problem::Evaluate(links, problem.design);
+    const auto prediction = redesign::PredictPoint(problem, point);
     if (!evaluation.IsFeasible() || !prediction) return -1e3 * (1 + std::min(evaluation.violation, 100.0));
     const double excess = 100 * prediction->relative_rms - *problem.max_misalignment_percent;
     return excess > 0 ? -100 * excess : evaluation.range_deg;
@@ -159,10 +161,11 @@ TEST(Reoptimize, NoDifferentialEvolutionFindsABetterObjective) {
 }
 
 TEST(Reoptimize, ParetoFrontIsMonotoneAndEndsAtTheSingleObjectiveOptima) {
-  ReoptimizeProblem placed = Problem();
+  redesign::ReoptimizeProblem placed = Problem();
   placed.fit_placement = true;
-  for (const ReoptimizeProblem& problem : {placed, Free(14)}) {
-    const std::vector<ParetoPoint> front = ParetoFront(problem, 6, {problem.design.start, kPublished}, Starts(6));
+  for (const redesign::ReoptimizeProblem& problem : {placed, Free(14)}) {
+    const std::vector<redesign::ParetoPoint> front =
+        redesign::ParetoFront(problem, 6, {problem.design.start, kPublished}, Starts(6));
     ASSERT_EQ(front.size(), 6u);
     for (std::size_t i = 1; i < front.size(); ++i) {
       EXPECT_GT(front[i].range_deg, front[i - 1].range_deg - 1e-9);
@@ -173,9 +176,9 @@ TEST(Reoptimize, ParetoFrontIsMonotoneAndEndsAtTheSingleObjectiveOptima) {
     EXPECT_NEAR(front.back().range_deg, 153.770, 1e-3);
     EXPECT_GT(front.back().misalignment_percent, front.front().misalignment_percent * 1.01);
     // A point in between is what its own constrained problem gives.
-    ReoptimizeProblem between = problem;
+    redesign::ReoptimizeProblem between = problem;
     between.max_misalignment_percent = front[3].misalignment_percent;
-    const ReoptimizeResult result = Solve(between);
+    const redesign::ReoptimizeResult result = Solve(between);
     ASSERT_TRUE(result.IsSolved());
     EXPECT_NEAR(result.Best().Range_deg(), front[3].range_deg, 0.02);
   }
@@ -183,35 +186,36 @@ TEST(Reoptimize, ParetoFrontIsMonotoneAndEndsAtTheSingleObjectiveOptima) {
 
 TEST(Reoptimize, AFreeProgramOfTheTrackingTimeCutsTheMisalignmentAtLeastFivefold) {
   for (const ClosedFormLeg& leg : Legs()) {
-    const ReoptimizeResult constant = Least(Problem(leg));
+    const redesign::ReoptimizeResult constant = Least(Problem(leg));
     ASSERT_TRUE(constant.IsSolved());
-    const Links& links = constant.Best().point.links;
-    ReoptimizeProblem free = Free(1, leg);
-    free.program.duration_s = TrackingTime(*TrackingStrokes({links}, free.human), free.program.max_speed_mm_s);
-    const ReoptimizeResult result = Least(free);
+    const linkage::Links& links = constant.Best().point.links;
+    redesign::ReoptimizeProblem free = Free(1, leg);
+    free.program.duration_s =
+        redesign::TrackingTime(*redesign::TrackingStrokes({links}, free.human), free.program.max_speed_mm_s);
+    const redesign::ReoptimizeResult result = Least(free);
     ASSERT_TRUE(result.IsSolved());
     EXPECT_GE(constant.Best().Misalignment_percent(), 5 * result.Best().Misalignment_percent());
   }
 }
 
-double PriceOf(const ActiveSet& active, const std::string& start) {
-  for (const ActiveSet::Entry& entry : active.entries)
+double PriceOf(const synthesis::ActiveSet& active, const std::string& start) {
+  for (const synthesis::ActiveSet::Entry& entry : active.entries)
     if (entry.name.starts_with(start)) return entry.price;
   return 0;
 }
 
 // The price of the limit, taken as penalty, leads to the same design.
 TEST(Reoptimize, PenaltyAndLimitAgree) {
-  ReoptimizeProblem limited = Free(14);
+  redesign::ReoptimizeProblem limited = Free(14);
   limited.max_misalignment_percent = TightLimit(limited);
-  const ReoptimizeResult result = Solve(limited);
+  const redesign::ReoptimizeResult result = Solve(limited);
   ASSERT_TRUE(result.IsSolved());
-  const ActiveSet active = FindActiveSet(result.Best().local);
+  const synthesis::ActiveSet active = synthesis::FindActiveSet(result.Best().local);
   ASSERT_TRUE(active.multipliers_unique);
-  ReoptimizeProblem penalised = Free(14);
+  redesign::ReoptimizeProblem penalised = Free(14);
   const double mm_per_percent = limited.human.front().shank_mm / 100;  // this leg's shank is rigid
   penalised.penalty_deg_per_mm = PriceOf(active, "misalignment") / mm_per_percent;
-  const ReoptimizeResult other = Solve(penalised);
+  const redesign::ReoptimizeResult other = Solve(penalised);
   ASSERT_TRUE(other.IsSolved());
   // Along the front range and misalignment trade at this price, so each may be off by what the other makes good.
   EXPECT_NEAR(other.Best().objective,
@@ -220,16 +224,18 @@ TEST(Reoptimize, PenaltyAndLimitAgree) {
 }
 
 TEST(Reoptimize, MultipliersAreDifferenceQuotientsOfTheRange) {
-  ReoptimizeProblem problem = Free(14);
+  redesign::ReoptimizeProblem problem = Free(14);
   problem.max_misalignment_percent = TightLimit(problem);
-  const ReoptimizeResult result = Solve(problem);
+  const redesign::ReoptimizeResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());
-  const ActiveSet active = FindActiveSet(result.Best().local);
+  const synthesis::ActiveSet active = synthesis::FindActiveSet(result.Best().local);
   ASSERT_TRUE(active.multipliers_unique) << active.smallest_singular_value;
-  const auto quotient = [&](const std::function<void(ReoptimizeProblem&, double)>& change, double step) {
-    ReoptimizeProblem above = problem, below = problem;
+  const auto quotient = [&](const std::function<void(redesign::ReoptimizeProblem&, double)>& change, double step) {
+    redesign::ReoptimizeProblem above = problem, below = problem;
     change(above, step), change(below, -step);
-    const auto range = [&](const ReoptimizeProblem& p) { return SolveFrom(p, result.Best().point, {}).Range_deg(); };
+    const auto range = [&](const redesign::ReoptimizeProblem& p) {
+      return SolveFrom(p, result.Best().point, {}).Range_deg();
+    };
     return (range(above) - range(below)) / (2 * step);
   };
   const double per_percent = quotient([](auto& p, double step) { *p.max_misalignment_percent += step; }, 1e-3);
@@ -243,49 +249,49 @@ TEST(Reoptimize, MultipliersAreDifferenceQuotientsOfTheRange) {
 }
 
 TEST(Reoptimize, ADesignThatBendsLessThanTheHumanStartsAtItsShortestStroke) {
-  ReoptimizeProblem problem = Problem();
+  redesign::ReoptimizeProblem problem = Problem();
   problem.design.max_angle_deg = 80;  // the human sits at 92
-  const ReoptimizeResult result = Solve(problem);
+  const redesign::ReoptimizeResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());
   EXPECT_NEAR(result.Best().Range_deg(), 80, 1e-5);
   EXPECT_NEAR(result.Best().point.knots_mm.front(), 242, 1e-6);
-  const Design design = DesignOf(problem, result.Best().point);
-  const auto strokes = ProgramStrokes(design, 0, problem.human);
+  const linkage::Design design = redesign::DesignOf(problem, result.Best().point);
+  const auto strokes = redesign::ProgramStrokes(design, 0, problem.human);
   ASSERT_TRUE(strokes);
   EXPECT_NEAR(strokes->back(), result.Best().point.knots_mm.back(), 1e-5);
 }
 
 // What is written as "constant" is read back as the very program that was optimised.
 TEST(Reoptimize, AConstantProgramReadsBackAsTheSameStrokes) {
-  ReoptimizeProblem problem = Problem();
+  redesign::ReoptimizeProblem problem = Problem();
   problem.max_misalignment_percent = TightLimit(problem);
-  const ReoptimizeResult result = Solve(problem);
+  const redesign::ReoptimizeResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());
-  const auto strokes = ProgramStrokes(DesignOf(problem, result.Best().point), 0, problem.human);
+  const auto strokes = redesign::ProgramStrokes(redesign::DesignOf(problem, result.Best().point), 0, problem.human);
   ASSERT_TRUE(strokes);
-  for (int percent = 0; percent < kPercentSamples; ++percent)
+  for (int percent = 0; percent < compare::kPercentSamples; ++percent)
     EXPECT_NEAR((*strokes)[percent], result.Best().point.StrokeAt(percent), 1e-6);
 }
 
 TEST(Reoptimize, MonotoneForbidsTurningBackWhereTheHumanDoes) {
   // The knee bends a little before it straightens.
-  ReoptimizeProblem problem = Free(60);
+  redesign::ReoptimizeProblem problem = Free(60);
   ClosedFormLeg bending;
   bending.seated_knee_deg = 85;
-  StsCurve curve = MakeCurve(bending);
+  compare::StsCurve curve = MakeCurve(bending);
   for (int i = 0; i < 40; ++i) {
     const double more_rad = 0.15 * std::sin(std::numbers::pi * i / 40.0);
     curve.hip[i] = curve.knee[i] + Eigen::Rotation2Dd(more_rad) * (curve.hip[i] - curve.knee[i]);
   }
-  problem.human = MakeHumanMotion(curve);
-  const auto turns_back = [](const ReoptimizeSolve& solve) {
+  problem.human = redesign::MakeHumanMotion(curve);
+  const auto turns_back = [](const redesign::ReoptimizeSolve& solve) {
     for (std::size_t k = 1; k < solve.point.knots_mm.size(); ++k)
       if (solve.point.knots_mm[k] < solve.point.knots_mm[k - 1] - 1e-3) return true;
     return false;
   };
-  const ReoptimizeResult free = Least(problem);
+  const redesign::ReoptimizeResult free = Least(problem);
   problem.program.monotone = true;
-  const ReoptimizeResult monotone = Least(problem);
+  const redesign::ReoptimizeResult monotone = Least(problem);
   ASSERT_TRUE(free.IsSolved() && monotone.IsSolved());
   EXPECT_TRUE(turns_back(free.Best()));
   EXPECT_FALSE(turns_back(monotone.Best()));
@@ -293,41 +299,43 @@ TEST(Reoptimize, MonotoneForbidsTurningBackWhereTheHumanDoes) {
 }
 
 TEST(Reoptimize, SaysWhatBlocksAndWhatWouldFreeIt) {
-  ReoptimizeProblem problem = Problem();
+  redesign::ReoptimizeProblem problem = Problem();
   const double least = Least(problem).Best().Misalignment_percent();
   problem.max_misalignment_percent = least / 3;
   EXPECT_FALSE(Solve(problem).IsSolved());
-  const std::vector<Links> links{problem.design.start, kPublished};
-  const MisalignmentInfeasibility report = ExplainInfeasible(problem, links, Starts(6));
+  const std::vector<linkage::Links> links{problem.design.start, kPublished};
+  const redesign::MisalignmentInfeasibility report = redesign::ExplainInfeasible(problem, links, Starts(6));
   ASSERT_TRUE(report.least_percent);
   EXPECT_NEAR(*report.least_percent, least, 1e-5);
   EXPECT_FALSE(report.blocking.empty());
   EXPECT_THAT(report.sentence, HasSubstr("the constant program"));
   const std::size_t limit = report.sentence.find("(a limit of ");
   ASSERT_NE(limit, std::string::npos) << report.sentence;
-  ReoptimizeProblem wider = problem;
+  redesign::ReoptimizeProblem wider = problem;
   wider.max_misalignment_percent = std::stod(report.sentence.substr(limit + 12));
   EXPECT_TRUE(Solve(wider, 6).IsSolved());
-  const auto way = std::ranges::find_if(report.ways, [](const WayOut& w) { return w.duration_s.has_value(); });
+  const auto way =
+      std::ranges::find_if(report.ways, [](const redesign::WayOut& w) { return w.duration_s.has_value(); });
   ASSERT_NE(way, report.ways.end());
   // What the text says is done: it is enough, and 2 % less is not.
-  ReoptimizeProblem free = problem;
+  redesign::ReoptimizeProblem free = problem;
   free.program.kind = Kind::kFree;
   free.program.duration_s = std::stod(way->text.substr(way->text.find("at least ") + 9));
   EXPECT_TRUE(Solve(free, 6).IsSolved());
   free.program.duration_s = *way->duration_s * 0.98;
   EXPECT_FALSE(Solve(free, 6).IsSolved());
-  const MisalignmentInfeasibility brief = ExplainInfeasible(free, links, Starts(6));
+  const redesign::MisalignmentInfeasibility brief = redesign::ExplainInfeasible(free, links, Starts(6));
   EXPECT_THAT(brief.sentence, HasSubstr("a duration of at least"));
 }
 
 TEST(Reoptimize, BlockingPricesAreDifferenceQuotients) {
-  ReoptimizeProblem problem = Free(14);
-  const ReoptimizeResult result = Least(problem);
+  redesign::ReoptimizeProblem problem = Free(14);
+  const redesign::ReoptimizeResult result = Least(problem);
   problem.max_misalignment_percent = result.Best().Misalignment_percent() / 2;
-  const MisalignmentInfeasibility report = ExplainInfeasible(problem, {problem.design.start, kPublished}, Starts(6));
+  const redesign::MisalignmentInfeasibility report =
+      redesign::ExplainInfeasible(problem, {problem.design.start, kPublished}, Starts(6));
   const auto least_with = [&](double duration_s) {
-    ReoptimizeProblem changed = problem;
+    redesign::ReoptimizeProblem changed = problem;
     changed.program.duration_s = duration_s;
     return Least(changed).Best().Misalignment_percent();
   };
@@ -340,48 +348,49 @@ TEST(Reoptimize, BlockingPricesAreDifferenceQuotients) {
 }
 
 TEST(Reoptimize, SaysThatTheTimeOrTheDesignIsWhatFails) {
-  ReoptimizeProblem hurried = Problem();
+  redesign::ReoptimizeProblem hurried = Problem();
   hurried.program.duration_s = 0.4;
   hurried.max_misalignment_percent = 20;
-  const std::vector<Links> links{hurried.design.start, kPublished};
-  const MisalignmentInfeasibility time = ExplainInfeasible(hurried, links, Starts(4));
+  const std::vector<linkage::Links> links{hurried.design.start, kPublished};
+  const redesign::MisalignmentInfeasibility time = redesign::ExplainInfeasible(hurried, links, Starts(4));
   EXPECT_THAT(time.sentence, HasSubstr("no design stands up within 0.4 s"));
   ASSERT_EQ(time.ways.size(), 1u);
   hurried.program.duration_s = std::stod(time.ways[0].text.substr(std::string("a duration of ").size()));
   EXPECT_TRUE(Solve(hurried).IsSolved());
 
-  ReoptimizeProblem impossible = Problem();
+  redesign::ReoptimizeProblem impossible = Problem();
   impossible.design.min_moment_arm_mm = 70;
   impossible.max_misalignment_percent = 20;
-  EXPECT_THAT(ExplainInfeasible(impossible, links, Starts(2)).sentence, HasSubstr("moment arm"));
+  EXPECT_THAT(redesign::ExplainInfeasible(impossible, links, Starts(2)).sentence, HasSubstr("moment arm"));
 }
 
 TEST(Reoptimize, RequirementsOverTheUsedRangeHoldTogetherWithTheLimit) {
-  ReoptimizeProblem problem = Free(16);
+  redesign::ReoptimizeProblem problem = Free(16);
   problem.design.min_moment_arm_mm = 15;
   problem.design.max_force_n = 2500;
   problem.max_misalignment_percent = TightLimit(problem);
-  const ReoptimizeResult result = Solve(problem);
+  const redesign::ReoptimizeResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());
-  EXPECT_TRUE(Evaluate(result.Best().point.links, problem.design).IsFeasible());
+  EXPECT_TRUE(problem::Evaluate(result.Best().point.links, problem.design).IsFeasible());
   EXPECT_LE(result.Best().Misalignment_percent(), *problem.max_misalignment_percent * (1 + 1e-5));
 }
 
 // With time enough to follow the knee exactly, where the joint sits is a matter of taste within the limit: the knee.
 TEST(Reoptimize, OfEqualDesignsTheJointNearestToTheKneeIsTaken) {
-  ReoptimizeProblem problem = Free(60);
+  redesign::ReoptimizeProblem problem = Free(60);
   problem.fit_placement = true;
   problem.placement_mm = {18, 32};  // where it was worn
   problem.max_misalignment_percent = 4;
-  const ReoptimizeResult result = Solve(problem);
+  const redesign::ReoptimizeResult result = Solve(problem);
   ASSERT_TRUE(result.IsSolved());
-  const ReoptimizePoint nearest = NearestToKnee(problem, result.Best());
+  const redesign::ReoptimizePoint nearest = redesign::NearestToKnee(problem, result.Best());
   EXPECT_LT(nearest.placement_mm.norm(), 1);
-  EXPECT_NEAR(Evaluate(nearest.links, problem.design).range_deg, result.Best().Range_deg(), 1.001 * kEqualRange_deg);
-  const double percent = 100 * PredictPoint(problem, nearest)->relative_rms;
-  EXPECT_LE(percent, result.Best().Misalignment_percent() + 1.001 * kEqualMisalignment_percent);
+  EXPECT_NEAR(problem::Evaluate(nearest.links, problem.design).range_deg, result.Best().Range_deg(),
+              1.001 * redesign::kEqualRange_deg);
+  const double percent = 100 * redesign::PredictPoint(problem, nearest)->relative_rms;
+  EXPECT_LE(percent, result.Best().Misalignment_percent() + 1.001 * redesign::kEqualMisalignment_percent);
   // 4 % of the shank of 420 mm: the joint alone may be 16.8 mm off, a little more or less as the program gives way.
-  const auto range = FindPlacementRange(problem, nearest);
+  const auto range = redesign::FindPlacementRange(problem, nearest);
   ASSERT_TRUE(range);
   EXPECT_EQ(range->within_percent, 4);
   EXPECT_LT(range->x_mm.lower, -16);
@@ -390,8 +399,8 @@ TEST(Reoptimize, OfEqualDesignsTheJointNearestToTheKneeIsTaken) {
 }
 
 TEST(Reoptimize, RefusesSenselessOptions) {
-  const auto refuses = [](const std::function<void(ReoptimizeProblem&)>& change) {
-    ReoptimizeProblem problem = Problem();
+  const auto refuses = [](const std::function<void(redesign::ReoptimizeProblem&)>& change) {
+    redesign::ReoptimizeProblem problem = Problem();
     change(problem);
     EXPECT_THROW(problem.Check(), UsageError);
   };
@@ -402,7 +411,7 @@ TEST(Reoptimize, RefusesSenselessOptions) {
   refuses([](auto& p) { p.max_misalignment_percent = 0; });
   refuses([](auto& p) { p.penalty_deg_per_mm = -1; });
   refuses([](auto& p) { p.placement_reach_mm = INFINITY; });
-  EXPECT_THROW(ParetoFront(Problem(), 1, {}, {}), UsageError);
+  EXPECT_THROW(redesign::ParetoFront(Problem(), 1, {}, {}), UsageError);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "lake/synthesis/robustness.h"
+#include "lake/problem/robustness.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,9 +15,9 @@ namespace {
 
 TEST(Yield, HalfOfThePublishedDesignsBuildsCannotBeAssembled) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    YieldOptions options;
+    problem::YieldOptions options;
     options.seed = seed;
-    const Yield yield = EstimateYield(kPublished, SynthesisProblem{}, options);
+    const problem::Yield yield = problem::EstimateYield(kPublished, problem::SynthesisProblem{}, options);
     EXPECT_NEAR(yield.assembled.value, 0.510, 0.02);
     EXPECT_NEAR(yield.assembled_and_grashof.value, 0.457, 0.02);
     EXPECT_LT(yield.assembled.lower, yield.assembled.value);
@@ -26,9 +26,9 @@ TEST(Yield, HalfOfThePublishedDesignsBuildsCannotBeAssembled) {
 }
 
 TEST(Yield, MarginsMakeARobustDesign) {
-  const SynthesisProblem problem = WithMargins(0.5);
-  const LocalSolve solve = SolveFrom(problem, problem.start);
-  const Yield yield = EstimateYield(solve.end, problem);
+  const problem::SynthesisProblem problem = WithMargins(0.5);
+  const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
+  const problem::Yield yield = problem::EstimateYield(solve.end, problem);
   EXPECT_GE(yield.assembled_and_grashof.value, 0.99);
   // Margins beyond what the tolerance can use up leave no doubt.
   EXPECT_LT(yield.safe_singularity_margin_mm, 0.5);
@@ -37,43 +37,43 @@ TEST(Yield, MarginsMakeARobustDesign) {
 }
 
 TEST(Yield, SafeMarginsAreJustEnough) {
-  YieldOptions options;
+  problem::YieldOptions options;
   options.tolerance_mm = 0.2;
-  const Yield probe = EstimateYield(kPublished, SynthesisProblem{}, options);
-  SynthesisProblem problem;
+  const problem::Yield probe = problem::EstimateYield(kPublished, problem::SynthesisProblem{}, options);
+  problem::SynthesisProblem problem;
   problem.grashof_margin_mm = probe.safe_grashof_margin_mm;
   problem.singularity_margin_mm = 0.5 * probe.safe_singularity_margin_mm;
-  const LocalSolve half = SolveFrom(problem, problem.start);
-  EXPECT_LT(EstimateYield(half.end, problem, options).assembled.value, 1);
+  const synthesis::LocalSolve half = synthesis::SolveFrom(problem, problem.start);
+  EXPECT_LT(problem::EstimateYield(half.end, problem, options).assembled.value, 1);
   problem.singularity_margin_mm = 1.01 * probe.safe_singularity_margin_mm;  // l5, l6 differ a little from the probe's
-  const LocalSolve full = SolveFrom(problem, problem.start);
-  EXPECT_EQ(EstimateYield(full.end, problem, options).assembled_and_grashof.value, 1);
+  const synthesis::LocalSolve full = synthesis::SolveFrom(problem, problem.start);
+  EXPECT_EQ(problem::EstimateYield(full.end, problem, options).assembled_and_grashof.value, 1);
 }
 
 // Why the yield says that it is of the links alone: an actuator 0.3 mm too short uses up what margin is left.
 TEST(Yield, SaysNothingOfAnActuatorThatIsTooShort) {
-  SynthesisProblem problem = WithMargins(0.3);
-  const LocalSolve solve = SolveFrom(problem, problem.start);
-  EXPECT_EQ(EstimateYield(solve.end, problem).assembled.value, 1);
+  problem::SynthesisProblem problem = WithMargins(0.3);
+  const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
+  EXPECT_EQ(problem::EstimateYield(solve.end, problem).assembled.value, 1);
   problem.d_min_mm -= 0.3;
-  EXPECT_LT(EstimateYield(solve.end, problem).assembled.value, 0.6);
-  EXPECT_THAT(kYieldScope, ::testing::HasSubstr("actuator's shortest length"));
+  EXPECT_LT(problem::EstimateYield(solve.end, problem).assembled.value, 0.6);
+  EXPECT_THAT(problem::kYieldScope, ::testing::HasSubstr("actuator's shortest length"));
 }
 
 TEST(Yield, RefusesSenselessTolerances) {
-  YieldOptions options;
+  problem::YieldOptions options;
   options.tolerance_mm = NAN;
-  EXPECT_THROW(EstimateYield(kPublished, SynthesisProblem{}, options), Error);
+  EXPECT_THROW(problem::EstimateYield(kPublished, problem::SynthesisProblem{}, options), Error);
 }
 
 TEST(Sensitivity, IsTwoSidedAndMarksWhatCannotBeAssembled) {
-  const auto points = Sensitivity(kPublished, SynthesisProblem{}, 2, 50);
+  const auto points = problem::Sensitivity(kPublished, problem::SynthesisProblem{}, 2, 50);
   ASSERT_EQ(points.size(), 6u * 101u);
   int unassembled = 0;
-  for (const SensitivityPoint& point : points) {
+  for (const problem::SensitivityPoint& point : points) {
     auto values = kPublished.Values();
     values[point.link] += point.delta_mm;
-    const auto pose = SolvePose(Links::FromValues(values), 242);
+    const auto pose = linkage::SolvePose(linkage::Links::FromValues(values), 242);
     EXPECT_EQ(pose.has_value(), !std::isnan(point.range_deg));
     unassembled += !pose;
     EXPECT_FALSE(std::isnan(point.range_deg) && point.feasible);
@@ -90,10 +90,10 @@ TEST(Sensitivity, IsTwoSidedAndMarksWhatCannotBeAssembled) {
 }
 
 TEST(RoundLinks, GivesTheBestFeasibleGridPoint) {
-  const SynthesisProblem problem = WithMargins(2);
-  const LocalSolve solve = SolveFrom(problem, problem.start);
+  const problem::SynthesisProblem problem = WithMargins(2);
+  const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   for (const double step : {0.1, 0.5, 1.0}) {
-    const auto rounded = RoundLinks(solve.end, problem, step);
+    const auto rounded = problem::RoundLinks(solve.end, problem, step);
     ASSERT_TRUE(rounded);
     for (const double value : rounded->links.Values()) EXPECT_NEAR(value / step, std::round(value / step), 1e-9);
     EXPECT_TRUE(rounded->evaluation.IsFeasible());
@@ -103,12 +103,12 @@ TEST(RoundLinks, GivesTheBestFeasibleGridPoint) {
 }
 
 TEST(RoundLinks, ReEvaluatesTheUsedRange) {
-  SynthesisProblem problem = WithMargins(1);
+  problem::SynthesisProblem problem = WithMargins(1);
   problem.max_force_n = 2000;
-  const LocalSolve solve = SolveFrom(problem, problem.start);
-  const auto rounded = RoundLinks(solve.end, problem, 0.5);
+  const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
+  const auto rounded = problem::RoundLinks(solve.end, problem, 0.5);
   ASSERT_TRUE(rounded);
-  for (const RequirementCheck& check : rounded->evaluation.checks)
+  for (const problem::RequirementCheck& check : rounded->evaluation.checks)
     if (check.requirement.name == "force") {
       EXPECT_LE(check.value, 2000);
       EXPECT_GT(check.value, 1000);
@@ -116,15 +116,15 @@ TEST(RoundLinks, ReEvaluatesTheUsedRange) {
 }
 
 TEST(RoundLinks, RefusesStepsThatMissTheBounds) {
-  EXPECT_THROW(RoundLinks(kPublished, SynthesisProblem{}, 110), Error);
-  EXPECT_THROW(RoundLinks(kPublished, SynthesisProblem{}, 0), Error);
+  EXPECT_THROW(problem::RoundLinks(kPublished, problem::SynthesisProblem{}, 110), Error);
+  EXPECT_THROW(problem::RoundLinks(kPublished, problem::SynthesisProblem{}, 0), Error);
 }
 
 TEST(Infeasibility, NamesTheFightersAndTheSmallestRelaxation) {
-  SynthesisProblem problem;
+  problem::SynthesisProblem problem;
   problem.bounds[0] = {90, 100};
   problem.bounds[3] = {50, 60};
-  const InfeasibilityReport report = AnalyseInfeasibility(problem);
+  const synthesis::InfeasibilityReport report = synthesis::AnalyseInfeasibility(problem);
   ASSERT_TRUE(report.solved) << report.sentence;
   // l1 >= 90 and l4 <= 60 against l1 <= l4: nothing less than 30 mm will do.
   ASSERT_EQ(report.relaxations.size(), 1u) << report.sentence;
@@ -135,32 +135,33 @@ TEST(Infeasibility, NamesTheFightersAndTheSmallestRelaxation) {
 }
 
 TEST(Infeasibility, ForceAndMomentArmAgreeOnTheLimit) {
-  SynthesisProblem arm, force;
+  problem::SynthesisProblem arm, force;
   arm.min_moment_arm_mm = 60;
   force.max_force_n = 700;
-  const InfeasibilityReport of_arm = AnalyseInfeasibility(arm), of_force = AnalyseInfeasibility(force);
+  const synthesis::InfeasibilityReport of_arm = synthesis::AnalyseInfeasibility(arm),
+                                       of_force = synthesis::AnalyseInfeasibility(force);
   ASSERT_EQ(of_arm.relaxations.size(), 1u) << of_arm.sentence;
   ASSERT_EQ(of_force.relaxations.size(), 1u) << of_force.sentence;
   // 40 N m over the largest least moment arm is the smallest largest force.
   EXPECT_NEAR(of_force.relaxations[0].relaxed, 40000 / of_arm.relaxations[0].relaxed, 0.1);
   // The relaxed problem has a solution, a slightly harder one has none.
   arm.min_moment_arm_mm = of_arm.relaxations[0].relaxed - 0.01;
-  EXPECT_TRUE(SolveFrom(arm, of_arm.links).IsUsable());
+  EXPECT_TRUE(synthesis::SolveFrom(arm, of_arm.links).IsUsable());
   arm.min_moment_arm_mm = of_arm.relaxations[0].relaxed + 0.01;
-  EXPECT_FALSE(SolveFrom(arm, of_arm.links).IsUsable());
+  EXPECT_FALSE(synthesis::SolveFrom(arm, of_arm.links).IsUsable());
 }
 
 TEST(Infeasibility, MovesDMinWhenRequirementsAreNotEnough) {
-  SynthesisProblem problem;
+  problem::SynthesisProblem problem;
   problem.bounds[5] = {400, 450};
-  const InfeasibilityReport report = AnalyseInfeasibility(problem);
+  const synthesis::InfeasibilityReport report = synthesis::AnalyseInfeasibility(problem);
   ASSERT_EQ(report.relaxations.size(), 1u) << report.sentence;
   // The mount is at least hypot(50, 400) away, the bar at most 100 mm long.
   EXPECT_NEAR(report.relaxations[0].relaxed, std::hypot(50, 400) - 100, 1e-3);
 }
 
 TEST(Infeasibility, FeasibleProblemNeedsNoRelaxation) {
-  EXPECT_TRUE(AnalyseInfeasibility(WithMargins(1)).relaxations.empty());
+  EXPECT_TRUE(synthesis::AnalyseInfeasibility(WithMargins(1)).relaxations.empty());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "lake/commands/optimize_tables.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/linkage/design_file.h"
@@ -14,8 +15,8 @@
 namespace lake {
 namespace {
 
-StudyOptions FewStarts() {
-  StudyOptions options;
+synthesis::StudyOptions FewStarts() {
+  synthesis::StudyOptions options;
   options.optimize.starts = 3;
   return options;
 }
@@ -25,15 +26,15 @@ struct Written {
   Json summary;
 };
 
-std::unique_ptr<Written> RunAndWrite(const SynthesisProblem& problem, const StudyOptions& options) {
+std::unique_ptr<Written> RunAndWrite(const problem::SynthesisProblem& problem, const synthesis::StudyOptions& options) {
   auto written = std::make_unique<Written>();
   Run run({"lake-optimize", "lake-optimize", Json::object(), written->folder.Path(), true});
-  written->summary = WriteStudy(RunStudy(problem, options), run);
+  written->summary = commands::WriteStudy(synthesis::RunStudy(problem, options), run);
   return written;
 }
 
 TEST(Study, TablesAgreeWithTheSummary) {
-  StudyOptions options = FewStarts();
+  synthesis::StudyOptions options = FewStarts();
   options.certify_gap_deg = 0.1;
   options.yield_tolerance_mm = 0.1;
   options.round_mm = 0.5;
@@ -46,13 +47,13 @@ TEST(Study, TablesAgreeWithTheSummary) {
   EXPECT_LE(summary["certified_upper_bound_deg"].get<double>() - range, 0.1);
   for (const char* clock : {"seconds", "time_s"}) EXPECT_FALSE(summary["certificate"].contains(clock)) << clock;
 
-  const Design design = ReadDesign(written->folder / "design.yaml");
+  const linkage::Design design = linkage::ReadDesign(written->folder / "design.yaml");
   EXPECT_EQ(*design.range_deg, range);
   const CsvTable optimum = CsvTable::Read(written->folder / "optimum.csv");
   EXPECT_THAT(optimum.Header(),
               ::testing::ElementsAre("variable", "initial", "optimum", "lower", "upper", "active", "multiplier"));
   for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_EQ(optimum.Text(i, 0), LinkName(i));
+    EXPECT_EQ(optimum.Text(i, 0), problem::LinkName(i));
     EXPECT_EQ(optimum.RequiredNumber(i, 2), design.links.Values()[i]);
   }
   EXPECT_EQ(optimum.Text(4, 5), "lower");  // l5 = 50 mm
@@ -76,12 +77,12 @@ TEST(Study, TablesAgreeWithTheSummary) {
   EXPECT_EQ(CsvTable::Read(written->folder / "starts.csv").Rows(), 3u);
   EXPECT_EQ(CsvTable::Read(written->folder / "sensitivity.csv").Rows(), 6u * 201u);
   EXPECT_GT(CsvTable::Read(written->folder / "convergence.csv").Rows(), 5u);
-  const Design rounded = ReadDesign(written->folder / "rounded.yaml");
+  const linkage::Design rounded = linkage::ReadDesign(written->folder / "rounded.yaml");
   for (const double value : rounded.links.Values()) EXPECT_EQ(value * 2, std::round(value * 2));
 }
 
 TEST(Study, MultipliersAreNotPublishedWhereTheyAreNotUnique) {
-  const auto written = RunAndWrite(SynthesisProblem{}, FewStarts());
+  const auto written = RunAndWrite(problem::SynthesisProblem{}, FewStarts());
   EXPECT_FALSE(written->summary["multipliers_unique"].get<bool>());
   EXPECT_TRUE(written->summary["certified_upper_bound_deg"].is_null());
   for (const Json& entry : written->summary["active"]) EXPECT_TRUE(entry["multiplier"].is_null());
@@ -90,41 +91,41 @@ TEST(Study, MultipliersAreNotPublishedWhereTheyAreNotUnique) {
 }
 
 TEST(Study, InfeasibleProblemLeavesItsBestPointMarked) {
-  SynthesisProblem problem;
+  problem::SynthesisProblem problem;
   problem.min_moment_arm_mm = 60;
   const auto written = RunAndWrite(problem, FewStarts());
   EXPECT_EQ(written->summary["status"], "infeasible");
   EXPECT_FALSE(written->summary["smallest_relaxation"].empty());
-  EXPECT_THAT(ReadDesign(written->folder / "design.yaml").made_by, ::testing::HasSubstr("NOT A SOLUTION"));
+  EXPECT_THAT(linkage::ReadDesign(written->folder / "design.yaml").made_by, ::testing::HasSubstr("NOT A SOLUTION"));
   EXPECT_FALSE(std::filesystem::exists(written->folder / "sensitivity.csv"));
 }
 
 // The bound leaves requirements over the used range out: still a bound, and found without using up the budget.
 TEST(Study, CertificateHoldsWithRequirementsOverTheUsedRange) {
-  SynthesisProblem problem = WithMargins(1);
+  problem::SynthesisProblem problem = WithMargins(1);
   problem.max_force_n = 2000;
-  const double range = SolveFrom(problem, problem.start).evaluation.range_deg;
-  const Certificate certificate = Certify(problem, range, 0.1, 1000, true);
+  const double range = synthesis::SolveFrom(problem, problem.start).evaluation.range_deg;
+  const certificate::Certificate certificate = synthesis::Certify(problem, range, 0.1, 1000, true);
   EXPECT_GT(certificate.upper_bound_deg, range);
   EXPECT_FALSE(certificate.reached);
   EXPECT_LT(certificate.boxes, 1000);
 }
 
 TEST(Study, CapIsPartOfTheCertificate) {
-  SynthesisProblem problem = WithMargins(1);
+  problem::SynthesisProblem problem = WithMargins(1);
   problem.max_angle_deg = 130;
-  const Certificate certificate = Certify(problem, 130, 0.1, 1000, true);
+  const certificate::Certificate certificate = synthesis::Certify(problem, 130, 0.1, 1000, true);
   EXPECT_TRUE(certificate.reached);
   EXPECT_EQ(certificate.upper_bound_deg, 130);
 }
 
 TEST(Study, RefusesSenselessOptions) {
-  StudyOptions options;
+  synthesis::StudyOptions options;
   options.certify_gap_deg = -1;
-  EXPECT_THROW(RunStudy(SynthesisProblem{}, options), Error);
+  EXPECT_THROW(synthesis::RunStudy(problem::SynthesisProblem{}, options), Error);
   options = {};
   options.yield_tolerance_mm = NAN;
-  EXPECT_THROW(RunStudy(SynthesisProblem{}, options), Error);
+  EXPECT_THROW(synthesis::RunStudy(problem::SynthesisProblem{}, options), Error);
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ constexpr double kPsf = 0.7;
 constexpr double kBackground = 40;
 const cv::Size kSize(48, 40);
 
-BlobFitOptions Options(const SceneNoise& noise) {
-  BlobFitOptions options;
+tracking::BlobFitOptions Options(const SceneNoise& noise) {
+  tracking::BlobFitOptions options;
   options.noise = {noise.read_sd * noise.read_sd, noise.gain};
   return options;
 }
@@ -72,9 +72,9 @@ TEST_P(BlobFitTest, ReachesTheCramerRaoBoundWithAnHonestSigma) {
     SceneMarker marker = GetParam().marker;
     marker.center = Eigen::Vector2d(23, 20) + Eigen::Vector2d(fraction(generator), fraction(generator));
     const cv::Mat grey = AddNoise(DrawMarkers(kSize, {marker}, kPsf, kBackground), noise, generator);
-    Blob start = DiscBlob(marker.center + Eigen::Vector2d(0.6, -0.7), marker.radius_px * 1.1);
+    tracking::Blob start = tracking::DiscBlob(marker.center + Eigen::Vector2d(0.6, -0.7), marker.radius_px * 1.1);
     start.blur_px = marker.blur_px;
-    const auto fits = FitBlobs(grey, std::span(&start, 1), Options(noise));
+    const auto fits = tracking::FitBlobs(grey, std::span(&start, 1), Options(noise));
     ASSERT_TRUE(fits) << "trial " << i;
     const Eigen::Vector2d error = fits->front().blob.center - marker.center;
     square_sum += error.squaredNorm() / 2;
@@ -88,7 +88,7 @@ TEST_P(BlobFitTest, ReachesTheCramerRaoBoundWithAnHonestSigma) {
   EXPECT_GE(z_deviation, 1 - GetParam().caution);
   EXPECT_LE(z_deviation, 1.1);  // 1 is right; 1.06 with the error's share over the bound; 2.5 % of chance
   // All start on the same side of the truth; the iteration stops with as much left as its last step at most.
-  const double unconverged = BlobFitOptions().converged_px;
+  const double unconverged = tracking::BlobFitOptions().converged_px;
   EXPECT_LE((error_sum / trials).norm(), 4 * rms / std::sqrt(trials) + unconverged + GetParam().allowed_bias_px)
       << "bias";
 }
@@ -120,8 +120,8 @@ TEST(BlobFit, ApparentRadiusDoesNotDependOnTheExposure) {
     SceneMarker marker = Disc(6, amplitude(generator));
     marker.center = Eigen::Vector2d(23 + fraction(generator), 20 + fraction(generator));
     const cv::Mat grey = AddNoise(DrawMarkers(kSize, {marker}, kPsf, kBackground), noise, generator);
-    const Blob start = DiscBlob(marker.center, 6.5);
-    const auto fits = FitBlobs(grey, std::span(&start, 1), Options(noise));
+    const tracking::Blob start = tracking::DiscBlob(marker.center, 6.5);
+    const auto fits = tracking::FitBlobs(grey, std::span(&start, 1), Options(noise));
     ASSERT_TRUE(fits) << "amplitude " << marker.amplitude;
     apparent.push_back(fits->front().blob.ApparentRadiusPx());
   }
@@ -140,8 +140,9 @@ TEST(BlobFit, NeighboursWithinADiameterDoNotPullEachOther) {
   for (int i = 0; i < trials; ++i) {
     const SceneMarker a{{20.3, 20.1}, 4, 150}, b{{26.9, 21.4}, 4, 150};  // 6.7 px apart: they overlap
     const cv::Mat grey = AddNoise(DrawMarkers(kSize, {a, b}, kPsf, kBackground), noise, generator);
-    const std::vector<Blob> starts = {DiscBlob(a.center + Eigen::Vector2d(0.4, 0.3), 4.1), DiscBlob(b.center, 4.1)};
-    const auto fits = FitBlobs(grey, starts, Options(noise));
+    const std::vector<tracking::Blob> starts = {tracking::DiscBlob(a.center + Eigen::Vector2d(0.4, 0.3), 4.1),
+                                                tracking::DiscBlob(b.center, 4.1)};
+    const auto fits = tracking::FitBlobs(grey, starts, Options(noise));
     ASSERT_TRUE(fits) << "trial " << i;
     square_sum += ((*fits)[0].blob.center - a.center).squaredNorm() / 2;
   }
@@ -154,19 +155,20 @@ TEST(BlobFit, RefusesWhatIsNoBlob) {
   const cv::Mat flat = AddNoise(cv::Mat(kSize, CV_64F, cv::Scalar(60)), SceneNoise{}, generator);
   cv::Mat step(kSize, CV_64F, cv::Scalar(60));
   step.colRange(24, 48) = 180;
-  const Blob start = DiscBlob({22, 20}, 4);
+  const tracking::Blob start = tracking::DiscBlob({22, 20}, 4);
   // The same start, noise and options with a marker there: the fit is not refused for anything else.
   SceneMarker marker = Disc(4, 150);
   marker.center = {22.3, 20.2};
   const cv::Mat grey = AddNoise(DrawMarkers(kSize, {marker}, kPsf, kBackground), SceneNoise{}, generator);
-  const auto on_marker = FitBlobs(grey, std::span(&start, 1), BlobFitOptions{});
+  const auto on_marker = tracking::FitBlobs(grey, std::span(&start, 1), tracking::BlobFitOptions{});
   ASSERT_TRUE(on_marker);
   EXPECT_LT((on_marker->front().blob.center - marker.center).norm(), 0.1);
   EXPECT_GT(on_marker->front().blob.amplitude, 100);
   EXPECT_LT(on_marker->front().relative_residual, 0.1);
-  const auto on_flat = FitBlobs(flat, std::span(&start, 1), BlobFitOptions{});
+  const auto on_flat = tracking::FitBlobs(flat, std::span(&start, 1), tracking::BlobFitOptions{});
   EXPECT_TRUE(!on_flat || on_flat->front().blob.amplitude < 10);
-  const auto on_step = FitBlobs(AddNoise(step, SceneNoise{}, generator), std::span(&start, 1), BlobFitOptions{});
+  const auto on_step =
+      tracking::FitBlobs(AddNoise(step, SceneNoise{}, generator), std::span(&start, 1), tracking::BlobFitOptions{});
   EXPECT_TRUE(!on_step || on_step->front().relative_residual > 0.1);
 }
 

@@ -18,19 +18,19 @@ using Eigen::Vector2d;
 TEST(ColorDetector, LightsOfAWalkingLegGiveTheirPublishedFlexion) {
   const fs::path video = fs::path(LAKE_SHARED_DATA) / "led_leg_walk" / "mocap1_Chang2.mp4";
   if (!fs::exists(video)) GTEST_SKIP() << video << " is not here";
-  TrackOptions options;
+  tracking::TrackOptions options;
   options.names = {"hip", "knee", "ankle", "toe"};
-  options.detector = DetectorKind::kColor;
+  options.detector = tracking::DetectorKind::kColor;
   options.colors = {"#ff0000", "#00ff00", "#0000ff", "#ffff00"};
   options.crop = {109, 69, 650, 170};
   options.quiet = true;
-  const MarkerRecording recording = TrackMarkers(video, options).recording;
+  const motion::MarkerRecording recording = tracking::TrackMarkers(video, options).recording;
   ASSERT_EQ(recording.Frames(), 74u);
   constexpr double kFlexionDeg[] = {68, 43, 0, 20, 20, 23, 36, 65, 40, 4, 13, 16, 16, 21, 49};
   constexpr double kToleranceDeg = 8;  // of the published values, which were read off by hand
   for (std::size_t i = 0; i < std::size(kFlexionDeg); ++i) {
     const auto at = [&](const char* name) { return recording.Find(name)->samples[5 * i]; };
-    const MarkerSample hip = at("hip"), knee = at("knee"), ankle = at("ankle");
+    const motion::MarkerSample hip = at("hip"), knee = at("knee"), ankle = at("ankle");
     ASSERT_TRUE(hip.IsKnown() && knee.IsKnown() && ankle.IsKnown()) << "frame " << 5 * i;
     const Vector2d shank = knee.position - ankle.position, thigh = hip.position - knee.position;
     const double flexion = std::acos(shank.normalized().dot(thigh.normalized())) * 180 / std::numbers::pi;
@@ -46,14 +46,15 @@ TEST(ReflectiveDetector, AThrownBallIsWhereTrackerSawIt) {
   const auto place = [&](std::size_t row) {
     return Vector2d(truth.RequiredNumber(row, truth.Column("x_px")), truth.RequiredNumber(row, truth.Column("y_px")));
   };
-  TrackOptions options;
+  tracking::TrackOptions options;
   options.names = {"ball"};
   options.seeds = {{"ball", place(0), static_cast<std::int64_t>(truth.RequiredNumber(0, truth.Column("frame")))}};
   options.quiet = true;
-  const MarkerRecording recording = TrackMarkers(folder / "videos" / "BallToss_new_BallToss.mp4", options).recording;
+  const motion::MarkerRecording recording =
+      tracking::TrackMarkers(folder / "videos" / "BallToss_new_BallToss.mp4", options).recording;
   int near = 0;
   for (std::size_t row = 0; row < truth.Rows(); ++row) {
-    const MarkerSample& sample =
+    const motion::MarkerSample& sample =
         recording.markers[0].samples.at(static_cast<std::size_t>(truth.RequiredNumber(row, truth.Column("frame"))));
     near += sample.IsKnown() && (sample.position - place(row)).norm() <= 2;
   }
@@ -73,14 +74,14 @@ TEST(TemplateDetector, DoesNotDriftIn200Frames) {
     for (SceneMarker& spot : spots) spot.center += truth(frame);
     return AddNoise(DrawMarkers({150, 120}, spots, 0.7, 40), SceneNoise{}, random);
   };
-  const auto detector = MakeTemplateDetector({{"patch", truth(0), 0}}, {picture(0)}, {});
-  TrackletBuilder builder(*detector, {});
+  const auto detector = tracking::MakeTemplateDetector({{"patch", truth(0), 0}}, {picture(0)}, {});
+  tracking::TrackletBuilder builder(*detector, {});
   for (int i = 0; i < 200; ++i) {
-    VideoFrame frame;
+    video::VideoFrame frame;
     frame.index = i, frame.time_s = i / 60.0, frame.luma = picture(i);
     builder.Add(frame);
   }
-  const std::vector<Tracklet> tracklets = builder.Finish();
+  const std::vector<tracking::Tracklet> tracklets = builder.Finish();
   ASSERT_EQ(tracklets.size(), 1u);
   ASSERT_EQ(tracklets[0].LastFrame(), 199);
   EXPECT_LE((tracklets[0].samples.back().position - truth(199)).norm(), 0.1);

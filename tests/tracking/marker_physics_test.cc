@@ -11,18 +11,18 @@ namespace lake {
 namespace {
 
 TEST(MarkerPhysics, IsInRadiiOfAMarker) {
-  const MarkerPhysics small;
+  const tracking::MarkerPhysics small;
   EXPECT_EQ(small.AccelerationRadii(), 1200);
   EXPECT_EQ(small.SpeedRadii(), 400);
   EXPECT_EQ(small.FastStartRadii(), 20);
-  MarkerPhysics large;
+  tracking::MarkerPhysics large;
   large.radius_mm = 16;
   EXPECT_EQ(large.SpeedRadii(), 200);
 }
 
 TEST(MarkerPhysics, NamesTheValueThatCannotBe) {
-  EXPECT_NO_THROW(MarkerPhysics().Check());
-  MarkerPhysics physics;
+  EXPECT_NO_THROW(tracking::MarkerPhysics().Check());
+  tracking::MarkerPhysics physics;
   physics.max_speed_mm_s = 0;
   EXPECT_THAT([&] { physics.Check(); }, testing::ThrowsMessage<UsageError>(testing::HasSubstr("speed, mm/s: 0")));
   physics = {};

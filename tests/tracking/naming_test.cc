@@ -51,7 +51,7 @@ double Upright(const LegScene& scene, int frame) {
   return scene.start_standing ? 1 - upright : upright;
 }
 
-TrackletSample Sample(int frame, const Vector2d& position, double radius = kRadiusPx) {
+tracking::TrackletSample Sample(int frame, const Vector2d& position, double radius = kRadiusPx) {
   return {frame, frame / kFrameRateHz, position, 0.03, radius, 180, 0.02};
 }
 
@@ -62,7 +62,7 @@ class Seen {
 
   template <typename Path>
   Seen& Add(Path path, int first = 0, int last = kFrames - 1) {
-    Tracklet tracklet;
+    tracking::Tracklet tracklet;
     for (int frame = first; frame <= last; ++frame)
       tracklet.samples.push_back(Sample(frame, path(frame) + Vector2d(noise_(random_), noise_(random_))));
     tracklets.push_back(std::move(tracklet));
@@ -73,7 +73,7 @@ class Seen {
     return Add([=](int frame) { return Leg(scene, Upright(scene, frame))[marker]; }, first, last);
   }
 
-  std::vector<Tracklet> tracklets;
+  std::vector<tracking::Tracklet> tracklets;
 
  private:
   std::mt19937 random_;
@@ -94,26 +94,27 @@ void AddReflectionsAndGlint(Seen& seen) {
   seen.Add([](int frame) { return Vector2d(200 + 2.5 * frame, 90 + 20 * std::sin(frame / 15.0)); }, 30, 260);
 }
 
-MarkerRecording EmptyRecording() {
-  MarkerRecording recording;
+motion::MarkerRecording EmptyRecording() {
+  motion::MarkerRecording recording;
   for (int frame = 0; frame < kFrames; ++frame)
     recording.frame.push_back(frame), recording.time_s.push_back(frame / kFrameRateHz);
   return recording;
 }
 
-NamingOptions LegOptions(std::size_t markers = 4) {
-  NamingOptions options;
-  options.names.assign(kLegMarkers.begin(), kLegMarkers.begin() + static_cast<std::ptrdiff_t>(markers));
+tracking::NamingOptions LegOptions(std::size_t markers = 4) {
+  tracking::NamingOptions options;
+  options.names.assign(tracking::kLegMarkers.begin(),
+                       tracking::kLegMarkers.begin() + static_cast<std::ptrdiff_t>(markers));
   return options;
 }
 
-MarkerRecording Name(const Seen& seen, const NamingOptions& options) {
-  MarkerRecording recording = EmptyRecording();
-  NameTracklets(seen.tracklets, options, recording);
+motion::MarkerRecording Name(const Seen& seen, const tracking::NamingOptions& options) {
+  motion::MarkerRecording recording = EmptyRecording();
+  tracking::NameTracklets(seen.tracklets, options, recording);
   return recording;
 }
 
-std::string ErrorOf(const Seen& seen, const NamingOptions& options) {
+std::string ErrorOf(const Seen& seen, const tracking::NamingOptions& options) {
   try {
     Name(seen, options);
   } catch (const Error& error) {
@@ -123,18 +124,18 @@ std::string ErrorOf(const Seen& seen, const NamingOptions& options) {
 }
 
 // The share of a leg's frames that are named, every one of them rightly.
-double ShareNamed(const MarkerRecording& recording, const LegScene& scene) {
+double ShareNamed(const motion::MarkerRecording& recording, const LegScene& scene) {
   int named = 0, all = 0;
-  for (std::size_t m = 0; m < kLegMarkers.size(); ++m) {
-    const MarkerTrack* track = recording.Find(kLegMarkers[m]);
+  for (std::size_t m = 0; m < tracking::kLegMarkers.size(); ++m) {
+    const motion::MarkerTrack* track = recording.Find(tracking::kLegMarkers[m]);
     if (!track) continue;
     for (int frame = 0; frame < kFrames; ++frame) {
-      const MarkerSample& sample = track->samples[static_cast<std::size_t>(frame)];
+      const motion::MarkerSample& sample = track->samples[static_cast<std::size_t>(frame)];
       ++all;
       if (!sample.IsKnown()) continue;
       ++named;
       EXPECT_LE((sample.position - Leg(scene, Upright(scene, frame))[m]).norm(), 6 * scene.noise_px + 1e-9)
-          << kLegMarkers[m] << " in frame " << frame;
+          << tracking::kLegMarkers[m] << " in frame " << frame;
     }
   }
   return static_cast<double>(named) / all;
@@ -174,12 +175,12 @@ TEST(Naming, TheAnkleIsTheEndThatRestsEvenIfTheLegIsUpsideDownInTheList) {
   LegScene scene;
   Seen seen = SeenLeg(scene);
   std::reverse(seen.tracklets.begin(), seen.tracklets.end());
-  const MarkerRecording recording = Name(seen, LegOptions());
+  const motion::MarkerRecording recording = Name(seen, LegOptions());
   EXPECT_DOUBLE_EQ(ShareNamed(recording, scene), 1);
   double extent[4];
   for (std::size_t m = 0; m < 4; ++m) {
     Eigen::AlignedBox2d box;
-    for (const MarkerSample& sample : recording.markers[m].samples) box.extend(sample.position);
+    for (const motion::MarkerSample& sample : recording.markers[m].samples) box.extend(sample.position);
     extent[m] = box.diagonal().norm();
   }
   EXPECT_LT(extent[0], 0.1 * extent[1]);
@@ -220,8 +221,8 @@ TEST(Naming, ASecondKneeUnderNoiseIsAmbiguousAndTheErrorSaysWhereAndHow) {
   }
 }
 
-void ExpectIs(const MarkerTrack& track, const Tracklet& tracklet) {
-  for (const TrackletSample& sample : tracklet.samples) {
+void ExpectIs(const motion::MarkerTrack& track, const tracking::Tracklet& tracklet) {
+  for (const tracking::TrackletSample& sample : tracklet.samples) {
     ASSERT_TRUE(track.samples[static_cast<std::size_t>(sample.frame)].IsKnown()) << track.name;
     ASSERT_EQ(track.samples[static_cast<std::size_t>(sample.frame)].position, sample.position) << track.name;
   }
@@ -232,12 +233,12 @@ TEST(Naming, ASeedDecidesWhichKneeItIs) {
     const Seen seen = WithSecondKnee(LooseSkin(seed), kSecondKnee);
     for (const auto& [knee, other] :
          {std::pair(kKneeTracklet, kSecondTracklet), std::pair(kSecondTracklet, kKneeTracklet)}) {
-      NamingOptions options = LegOptions();
+      tracking::NamingOptions options = LegOptions();
       options.seeds = {{"knee", seen.tracklets[knee].samples[40].position + Vector2d(1.5, -1), 40}};
       ExpectIs(*Name(seen, options).Find("knee"), seen.tracklets[knee]);
       options.names.push_back("exo_knee");
       options.seeds.push_back({"exo_knee", seen.tracklets[other].samples[40].position, 40});
-      const MarkerRecording both = Name(seen, options);
+      const motion::MarkerRecording both = Name(seen, options);
       ExpectIs(*both.Find("knee"), seen.tracklets[knee]);
       ExpectIs(*both.Find("exo_knee"), seen.tracklets[other]);
     }
@@ -254,13 +255,13 @@ TEST(Naming, LostPairsAreNeverSwapped) {
     Seen seen(seed, scene.noise_px);
     for (const std::size_t m : {0u, 2u, 3u}) seen.AddMarker(scene, m);
     seen.AddMarker(scene, 1, 0, 79).Add(exo, 0, 79).Add(exo, 110).AddMarker(scene, 1, 110);
-    NamingOptions options = LegOptions();
+    tracking::NamingOptions options = LegOptions();
     options.names.push_back("exo_knee");
     options.seeds = {{"knee", Leg(scene, 0)[1], 0}, {"exo_knee", exo(0), 0}};
-    const MarkerRecording recording = Name(seen, options);
+    const motion::MarkerRecording recording = Name(seen, options);
     EXPECT_DOUBLE_EQ(ShareNamed(recording, scene), 1 - 30.0 / (4 * kFrames)) << "seed " << seed;
     for (int frame = 0; frame < kFrames; ++frame) {
-      const MarkerSample& sample = recording.Find("exo_knee")->samples[static_cast<std::size_t>(frame)];
+      const motion::MarkerSample& sample = recording.Find("exo_knee")->samples[static_cast<std::size_t>(frame)];
       if (!sample.IsKnown()) continue;
       EXPECT_LE((sample.position - exo(frame)).norm(), 0.5) << "seed " << seed << " frame " << frame;
     }
@@ -269,7 +270,7 @@ TEST(Naming, LostPairsAreNeverSwapped) {
 
 TEST(Naming, ASeedWithNoMarkerNearItIsAnErrorThatNamesTheNearest) {
   const LegScene scene;
-  NamingOptions options = LegOptions();
+  tracking::NamingOptions options = LegOptions();
   options.seeds = {{"knee", Leg(scene, 0)[1] + Vector2d(60, 0), 0}};
   EXPECT_THAT(ErrorOf(SeenLeg(scene), options),
               AllOf(HasSubstr("--seed knee="), HasSubstr("no marker is seen there"), HasSubstr("nearest")));
@@ -277,7 +278,7 @@ TEST(Naming, ASeedWithNoMarkerNearItIsAnErrorThatNamesTheNearest) {
 
 TEST(Naming, TwoSeedsOnOneMarkerAreAnError) {
   const LegScene scene;
-  NamingOptions options = LegOptions();
+  tracking::NamingOptions options = LegOptions();
   const Vector2d knee = Leg(scene, 0)[1];
   options.seeds = {{"knee", knee, 0}, {"hip", knee + Vector2d(1, 1), 0}};
   EXPECT_THAT(ErrorOf(SeenLeg(scene), options), AllOf(HasSubstr("--seed hip="), HasSubstr("another name")));
@@ -306,7 +307,7 @@ TEST(Naming, AnotherNameNeedsASeedAndTheErrorListsWhatIsLeft) {
   const LegScene scene;
   Seen seen = SeenLeg(scene);
   seen.Add([](int) { return Vector2d(1001, 302); });
-  NamingOptions options = LegOptions();
+  tracking::NamingOptions options = LegOptions();
   options.names.push_back("toe");
   EXPECT_THAT(ErrorOf(seen, options), AllOf(HasSubstr("'toe'"), HasSubstr("--seed toe=X,Y"),
                                             testing::ContainsRegex("100[01]\\.[0-9], 30[12]\\.")));

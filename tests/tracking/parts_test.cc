@@ -43,7 +43,7 @@ TEST(Assignment, IsTheCheapestOfAll) {
   for (int trial = 0; trial < 400; ++trial) {
     Eigen::MatrixXd cost(side(random), side(random));
     for (Eigen::Index i = 0; i < cost.size(); ++i) cost.data()[i] = level(random);
-    const std::vector<int> columns = AssignRows(cost, kForbidden);
+    const std::vector<int> columns = tracking::AssignRows(cost, kForbidden);
     ASSERT_EQ(columns.size(), static_cast<std::size_t>(cost.rows()));
     unsigned taken = 0;
     for (std::size_t row = 0; row < columns.size(); ++row) {
@@ -58,18 +58,19 @@ TEST(Assignment, IsTheCheapestOfAll) {
 }
 
 // Sees points at given places, all of the same look, in any order.
-class PointDetector : public MarkerDetector {
+class PointDetector : public tracking::MarkerDetector {
  public:
   PointDetector(std::function<std::vector<Vector2d>(std::int64_t)> places, unsigned seed)
       : places_(std::move(places)), random_(seed) {}
 
-  std::vector<MarkerDetection> Detect(const VideoFrame& frame, std::span<const MarkerPrediction>, bool) override {
-    std::vector<MarkerDetection> detections;
+  std::vector<tracking::MarkerDetection> Detect(const video::VideoFrame& frame,
+                                                std::span<const tracking::MarkerPrediction>, bool) override {
+    std::vector<tracking::MarkerDetection> detections;
     for (const Vector2d& place : places_(frame.index)) {
-      MarkerDetection detection;
+      tracking::MarkerDetection detection;
       detection.position = place + Vector2d(noise_(random_), noise_(random_));
       detection.sigma_px = 0.05;
-      detection.appearance = DiscBlob(detection.position, 4);
+      detection.appearance = tracking::DiscBlob(detection.position, 4);
       detection.appearance.amplitude = 150;
       detections.push_back(detection);
     }
@@ -83,10 +84,10 @@ class PointDetector : public MarkerDetector {
   std::normal_distribution<double> noise_{0, 0.05};
 };
 
-std::vector<Tracklet> Follow(MarkerDetector& detector, int frames, double rate_hz = 60) {
-  TrackletBuilder builder(detector, {});
+std::vector<tracking::Tracklet> Follow(tracking::MarkerDetector& detector, int frames, double rate_hz = 60) {
+  tracking::TrackletBuilder builder(detector, {});
   for (int i = 0; i < frames; ++i) {
-    VideoFrame frame;
+    video::VideoFrame frame;
     frame.index = i, frame.time_s = i / rate_hz;
     builder.Add(frame);
   }
@@ -103,12 +104,12 @@ TEST(TrackletBuilder, CrossingMarkersKeepTheirIdentity) {
           return std::vector{a(static_cast<double>(f)), b(static_cast<double>(f))};
         },
         seed);
-    const std::vector<Tracklet> tracklets = Follow(detector, 100);
+    const std::vector<tracking::Tracklet> tracklets = Follow(detector, 100);
     ASSERT_EQ(tracklets.size(), 2u) << "seed " << seed;
-    for (const Tracklet& tracklet : tracklets) {
+    for (const tracking::Tracklet& tracklet : tracklets) {
       ASSERT_EQ(tracklet.samples.size(), 100u);
       const bool is_a = tracklet.samples.front().position.x() < 200;
-      for (const TrackletSample& sample : tracklet.samples) {
+      for (const tracking::TrackletSample& sample : tracklet.samples) {
         const auto f = static_cast<double>(sample.frame);
         ASSERT_LE((sample.position - (is_a ? a(f) : b(f))).norm(), 0.5) << "seed " << seed << " frame " << f;
       }
@@ -121,7 +122,7 @@ TEST(TrackletBuilder, QuickTurnsAreFollowed) {
   PointDetector detector(
       [](std::int64_t f) { return std::vector{Vector2d(200 + 41 * std::cos(M_PI / 9 * static_cast<double>(f)), 50)}; },
       1);
-  const std::vector<Tracklet> tracklets = Follow(detector, 90, 30);
+  const std::vector<tracking::Tracklet> tracklets = Follow(detector, 90, 30);
   ASSERT_EQ(tracklets.size(), 1u);
   EXPECT_EQ(tracklets[0].samples.size(), 90u);
 }
@@ -132,7 +133,7 @@ TEST(TrackletBuilder, ShortGapsAreBridgedAndLongOnesEndATracklet) {
     return [=](std::int64_t f) { return f >= first && f <= last ? std::vector<Vector2d>{} : std::vector{path(f)}; };
   };
   PointDetector short_gap(seen_but(40, 43), 1), long_gap(seen_but(40, 69), 1);
-  const std::vector<Tracklet> bridged = Follow(short_gap, 100), ended = Follow(long_gap, 100);
+  const std::vector<tracking::Tracklet> bridged = Follow(short_gap, 100), ended = Follow(long_gap, 100);
   ASSERT_EQ(bridged.size(), 1u);
   EXPECT_EQ(bridged[0].samples.size(), 96u);
   EXPECT_EQ(bridged[0].SampleIn(41), nullptr);
@@ -152,7 +153,7 @@ TEST(BlobSearch, FindsDiscsOfAllSizesAndNothingElse) {
     marker.center = Vector2d(170, 120) + Vector2d(fraction(random), fraction(random));
     marker.radius_px = radius;
     const cv::Mat grey = AddNoise(DrawMarkers(size, {marker}, 0.7, 40), noise, random);
-    const auto found = FindBlobs(grey, {{0, 0}, size}, {});
+    const auto found = tracking::FindBlobs(grey, {{0, 0}, size}, {});
     ASSERT_EQ(found.size(), 1u) << "radius " << radius;
     EXPECT_LE((found[0].position - marker.center).norm(), std::max(1.5, 0.5 * radius)) << "radius " << radius;
     EXPECT_LE(std::abs(std::log(found[0].radius_px / radius)), std::log(1.6))
@@ -172,7 +173,7 @@ cv::Mat AcrossALine(double angle_deg, Level level) {
 }
 
 std::size_t BlobsIn(const cv::Mat& levels, std::mt19937& random) {
-  return FindBlobs(AddNoise(levels, SceneNoise{}, random), {{0, 0}, levels.size()}, {}).size();
+  return tracking::FindBlobs(AddNoise(levels, SceneNoise{}, random), {{0, 0}, levels.size()}, {}).size();
 }
 
 constexpr double kAngles[] = {0, 20, 45, 77, 90};  // deg
@@ -193,9 +194,9 @@ TEST(ReflectiveDetector, LinesAreNoMarkers) {
     for (const double angle_deg : kAngles) {
       const cv::Mat line =
           AcrossALine(angle_deg, [&](double u) { return 40 + 150 * std::exp(-0.5 * u * u / (width_px * width_px)); });
-      const auto detector = MakeReflectiveDetector(Polarity::kBright, {});
+      const auto detector = tracking::MakeReflectiveDetector(tracking::Polarity::kBright, {});
       for (int i = 0; i < 2; ++i) {
-        VideoFrame frame;
+        video::VideoFrame frame;
         frame.luma = AddNoise(line, SceneNoise{}, random);
         EXPECT_THAT(detector->Detect(frame, {}, true), testing::IsEmpty())
             << width_px << " px, " << angle_deg << " deg";
@@ -208,7 +209,7 @@ TEST(BlobSearch, StaysInItsRegion) {
   SceneMarker inside, outside;
   inside.center = {220, 130}, outside.center = {60, 60};
   const cv::Mat grey = AddNoise(DrawMarkers({320, 240}, {inside, outside}, 0.7, 40), SceneNoise{}, random);
-  const auto found = FindBlobs(grey, {160, 80, 140, 120}, {});
+  const auto found = tracking::FindBlobs(grey, {160, 80, 140, 120}, {});
   ASSERT_EQ(found.size(), 1u);
   EXPECT_LE((found[0].position - inside.center).norm(), 2);
 }
@@ -220,13 +221,13 @@ TEST(NoiseEstimator, RecoversReadNoiseAndGain) {
     cv::Mat ramp(180, 320, CV_64F);
     for (int y = 0; y < ramp.rows; ++y)
       for (int x = 0; x < ramp.cols; ++x) ramp.at<double>(y, x) = 15 + 215.0 * x / ramp.cols;
-    NoiseEstimator estimator;
+    tracking::NoiseEstimator estimator;
     for (int i = 0; i < 12; ++i) {
       cv::Mat picture = ramp.clone();
       picture(cv::Rect(10 * i, 40, 20, 20)) = 230;
       estimator.Add(AddNoise(picture, {read_sd, gain}, random));
     }
-    const NoiseModel model = estimator.Estimate();
+    const tracking::NoiseModel model = estimator.Estimate();
     EXPECT_EQ(estimator.Frames(), 12);
     // Rounding to whole levels adds 1/12. 70000 differences fix the line's variance to about 1 %; bins of 16 levels and
     // what moves cost some more.
@@ -244,7 +245,7 @@ TEST(NoiseEstimator, KnowsWhereTheVideoSaturates) {
   cv::Mat picture(120, 160, CV_64F, cv::Scalar(60));
   picture(cv::Rect(40, 40, 30, 30)) = 400;
   cv::Mat clipped = AddNoise(picture, SceneNoise{}, random);
-  NoiseEstimator full, studio, dark;
+  tracking::NoiseEstimator full, studio, dark;
   full.Add(clipped);
   EXPECT_EQ(full.SaturationLevel(), 255);
   studio.Add(cv::min(clipped, 235));
@@ -255,10 +256,10 @@ TEST(NoiseEstimator, KnowsWhereTheVideoSaturates) {
 
 // Four markers on slow curves at more than half a pixel a frame, with white noise of this deviation and fits that state
 // `sigma`.
-MarkerRecording Curves(double noise_px, double sigma_px, unsigned seed) {
+motion::MarkerRecording Curves(double noise_px, double sigma_px, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0, noise_px);
-  MarkerRecording recording;
+  motion::MarkerRecording recording;
   recording.markers.resize(4);
   for (int f = 0; f < 400; ++f) {
     recording.frame.push_back(f), recording.time_s.push_back(f / 60.0);
@@ -266,7 +267,7 @@ MarkerRecording Curves(double noise_px, double sigma_px, unsigned seed) {
       const double t = f / 60.0, a = 0.9 * t + static_cast<double>(m);
       const Vector2d place = Vector2d(500, 400) + 120 * Vector2d(std::cos(a), std::sin(a));
       recording.markers[m].samples.push_back(
-          {place + Vector2d(noise(random), noise(random)), sigma_px, SampleStatus::kDetected});
+          {place + Vector2d(noise(random), noise(random)), sigma_px, motion::SampleStatus::kDetected});
     }
   }
   return recording;
@@ -276,8 +277,8 @@ MarkerRecording Curves(double noise_px, double sigma_px, unsigned seed) {
 // sigma.
 TEST(SigmaCalibration, AddsNothingToWhiteNoise) {
   for (unsigned seed = 0; seed < 5; ++seed) {
-    MarkerRecording recording = Curves(0.03, 0.03, seed);
-    const SigmaCalibration calibration = CalibrateSigmas(recording);
+    motion::MarkerRecording recording = Curves(0.03, 0.03, seed);
+    const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(recording);
     EXPECT_NEAR(calibration.fit_px, 0.03, 1e-12);
     EXPECT_NEAR(calibration.scatter_px, 0.03, 0.04 * 0.03);
     EXPECT_LE(recording.markers[0].samples[100].sigma, 1.04 * 0.03);
@@ -286,9 +287,9 @@ TEST(SigmaCalibration, AddsNothingToWhiteNoise) {
 
 TEST(SigmaCalibration, FindsAKnownExtraScatter) {
   for (const double extra_px : {0.02, 0.05, 0.1}) {
-    MarkerRecording recording = Curves(std::hypot(0.02, extra_px), 0.02, 9);
+    motion::MarkerRecording recording = Curves(std::hypot(0.02, extra_px), 0.02, 9);
     recording.markers[1].samples[50] = {};
-    const SigmaCalibration calibration = CalibrateSigmas(recording);
+    const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(recording);
     EXPECT_NEAR(calibration.compression_px, extra_px, 0.08 * extra_px);
     EXPECT_NEAR(recording.markers[2].samples[7].sigma, std::hypot(0.02, extra_px), 0.06 * std::hypot(0.02, extra_px));
     EXPECT_FALSE(recording.markers[1].samples[50].IsKnown());

@@ -28,10 +28,10 @@ TEST(Image, PngComesBackToTheBit) {
   const TemporaryFolder folder;
   for (const cv::Size size : {cv::Size(1, 1), cv::Size(3, 5), cv::Size(131, 77), cv::Size(640, 480)}) {
     const cv::Mat grey = Random(size, CV_8UC1, 1), bgr = Random(size, CV_8UC3, 2);
-    WriteImage(folder / "grey.png", grey);
-    WriteImage(folder / "bgr.png", bgr);
-    EXPECT_EQ(LargestDifference(ReadImage(folder / "grey.png", false), grey), 0);
-    EXPECT_EQ(LargestDifference(ReadImage(folder / "bgr.png", true), bgr), 0);
+    video::WriteImage(folder / "grey.png", grey);
+    video::WriteImage(folder / "bgr.png", bgr);
+    EXPECT_EQ(LargestDifference(video::ReadImage(folder / "grey.png", false), grey), 0);
+    EXPECT_EQ(LargestDifference(video::ReadImage(folder / "bgr.png", true), bgr), 0);
   }
   EXPECT_EQ(FilesIn(folder), 2);
 }
@@ -39,7 +39,7 @@ TEST(Image, PngComesBackToTheBit) {
 TEST(Image, GreyIsTheSameThroughEveryPixelFormat) {
   const TemporaryFolder folder;
   const cv::Mat levels = AllLevels();
-  WriteImage(folder / "grey.png", levels);
+  video::WriteImage(folder / "grey.png", levels);
   for (const auto& [format, extension] : std::vector<std::pair<std::string, std::string>>{{"rgb24", "png"},
                                                                                           {"rgba", "png"},
                                                                                           {"ya8", "png"},
@@ -62,18 +62,18 @@ TEST(Image, GreyIsTheSameThroughEveryPixelFormat) {
     // 16 bits and a palette may round by one level.
     const double tolerance =
         format.find("16") != std::string::npos || format.find("48") != std::string::npos || format == "pal8" ? 1 : 0;
-    EXPECT_LE(LargestDifference(ReadImage(picture, false), levels), tolerance);
+    EXPECT_LE(LargestDifference(video::ReadImage(picture, false), levels), tolerance);
     cv::Mat bgr;
     cv::merge(std::vector<cv::Mat>(3, levels), bgr);
-    EXPECT_LE(LargestDifference(ReadImage(picture, true), bgr), tolerance);
+    EXPECT_LE(LargestDifference(video::ReadImage(picture, true), bgr), tolerance);
   }
 }
 
 TEST(Image, GreyOfColoursIsTheUsualMean) {
   const TemporaryFolder folder;
   const cv::Mat bgr = Random({64, 48}, CV_8UC3, 7);
-  WriteImage(folder / "bgr.png", bgr);
-  const cv::Mat grey = ReadImage(folder / "bgr.png", false);
+  video::WriteImage(folder / "bgr.png", bgr);
+  const cv::Mat grey = video::ReadImage(folder / "bgr.png", false);
   for (int y = 0; y < 48; ++y)
     for (int x = 0; x < 64; ++x) {
       const auto& p = bgr.at<cv::Vec3b>(y, x);
@@ -84,7 +84,7 @@ TEST(Image, GreyOfColoursIsTheUsualMean) {
 TEST(Image, JpegGivesItsStoredLuma) {
   const TemporaryFolder folder;
   Ffmpeg(TestPicture("size=322x242:rate=30:duration=0.04") + "-frames:v 1 -update 1 -q:v 2 " + Quote(folder / "p.jpg"));
-  const cv::Mat grey = ReadImage(folder / "p.jpg", false);
+  const cv::Mat grey = video::ReadImage(folder / "p.jpg", false);
   EXPECT_EQ(LargestDifference(grey, RawFrame(RawLuma(folder / "p.jpg"), 0, grey.size(), CV_8UC1)), 0);
 }
 
@@ -94,7 +94,7 @@ TEST(Image, TurnsAsExifSays) {
   Ffmpeg(TestPicture("size=320x240:rate=30:duration=0.04") + "-frames:v 1 -update 1 -q:v 2 " +
          Quote(folder / "plain.jpg"));
   const std::string plain = ReadTextFile(folder / "plain.jpg");
-  const cv::Mat stored = ReadImage(folder / "plain.jpg", false);
+  const cv::Mat stored = video::ReadImage(folder / "plain.jpg", false);
   for (int orientation = 1; orientation <= 8; ++orientation) {
     SCOPED_TRACE(orientation);
     std::string exif("Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0?\0\0\0\0\0\0", 32);
@@ -108,20 +108,20 @@ TEST(Image, TurnsAsExifSays) {
     const bool flip_y = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
     if (flip_x) cv::flip(expected.clone(), expected, 1);
     if (flip_y) cv::flip(expected.clone(), expected, 0);
-    EXPECT_EQ(LargestDifference(ReadImage(folder / "exif.jpg", false), expected), 0);
+    EXPECT_EQ(LargestDifference(video::ReadImage(folder / "exif.jpg", false), expected), 0);
   }
 }
 
 TEST(Image, NamesWithPercentSignsAreNames) {
   const TemporaryFolder folder;
   const cv::Mat grey = Random({20, 10}, CV_8UC1, 3);
-  WriteImage(folder / "100%d.png", grey);
-  EXPECT_EQ(LargestDifference(ReadImage(folder / "100%d.png", false), grey), 0);
+  video::WriteImage(folder / "100%d.png", grey);
+  EXPECT_EQ(LargestDifference(video::ReadImage(folder / "100%d.png", false), grey), 0);
 }
 
 TEST(Image, RefusesWhatIsNoWholePicture) {
   const TemporaryFolder folder;
-  const auto reading = [&](const std::string& name) { return [&, name] { ReadImage(folder / name, false); }; };
+  const auto reading = [&](const std::string& name) { return [&, name] { video::ReadImage(folder / name, false); }; };
   WriteTextFile(folder / "text.png", "not a picture");
   EXPECT_THAT(reading("text.png"), ThrowsMessage<Error>(HasSubstr("text.png")));
   EXPECT_THAT(reading("absent.png"), ThrowsMessage<Error>(HasSubstr("absent.png: no such file")));
@@ -139,7 +139,7 @@ TEST(Image, RefusesWhatIsNoWholePicture) {
 
 TEST(Image, RefusesHugePicturesBeforeReadingThem) {
   const TemporaryFolder folder;
-  WriteImage(folder / "small.png", Random({20, 10}, CV_8UC1, 3));
+  video::WriteImage(folder / "small.png", Random({20, 10}, CV_8UC1, 3));
   const std::string bytes = ReadTextFile(folder / "small.png");
   const auto message = [&](unsigned width, unsigned height) {
     std::string huge = bytes;
@@ -161,10 +161,10 @@ TEST(Image, RefusesHugePicturesBeforeReadingThem) {
 
 TEST(Image, RefusesToWriteOtherMatrices) {
   const TemporaryFolder folder;
-  EXPECT_THAT([&] { WriteImage(folder / "x.png", cv::Mat(3, 3, CV_32FC1)); },
+  EXPECT_THAT([&] { video::WriteImage(folder / "x.png", cv::Mat(3, 3, CV_32FC1)); },
               ThrowsMessage<Error>(HasSubstr("CV_32FC1, cannot be written")));
-  EXPECT_THAT([&] { WriteImage(folder / "x.png", cv::Mat()); }, ThrowsMessage<Error>(HasSubstr("0×0 px")));
-  EXPECT_THAT([&] { WriteImage("/dev/null/x.png", cv::Mat(3, 3, CV_8UC1)); },
+  EXPECT_THAT([&] { video::WriteImage(folder / "x.png", cv::Mat()); }, ThrowsMessage<Error>(HasSubstr("0×0 px")));
+  EXPECT_THAT([&] { video::WriteImage("/dev/null/x.png", cv::Mat(3, 3, CV_8UC1)); },
               ThrowsMessage<Error>(HasSubstr("cannot be written")));
   EXPECT_EQ(FilesIn(folder), 0);
 }

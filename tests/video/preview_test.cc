@@ -68,8 +68,9 @@ TEST(PreviewTest, IsWrittenWithoutConversion) {
   const auto path = folder / "video.mp4", copy = folder / "copy.mp4";
   Ffmpeg(TestPicture() + test::kH264 + Quote(path));
   const auto small = ReadAll(path, {.preview_max_width_px = 200});
-  VideoWriter writer(copy, {.width = 200, .height = 150, .lossless = true, .i420 = true, .bt709 = small.info.bt709});
-  for (const VideoFrame& frame : small.frames) writer.Write(frame.preview, frame.time_s);
+  video::VideoWriter writer(copy,
+                            {.width = 200, .height = 150, .lossless = true, .i420 = true, .bt709 = small.info.bt709});
+  for (const video::VideoFrame& frame : small.frames) writer.Write(frame.preview, frame.time_s);
   writer.Finish();
   const auto read = ReadAll(copy, {.preview_max_width_px = 200});
   ASSERT_EQ(read.frames.size(), small.frames.size());
@@ -80,7 +81,7 @@ TEST(PreviewTest, IsWrittenWithoutConversion) {
 
 TEST(PreviewTest, WriterTakesNoOtherShape) {
   const TemporaryFolder folder;
-  VideoWriter writer(folder / "video.mp4", {.width = 64, .height = 48, .i420 = true});
+  video::VideoWriter writer(folder / "video.mp4", {.width = 64, .height = 48, .i420 = true});
   EXPECT_THROW(writer.Write(cv::Mat(48, 64, CV_8UC1, cv::Scalar(0)), 0), Error);
 }
 

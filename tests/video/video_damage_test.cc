@@ -18,7 +18,7 @@ using ::testing::SizeIs;
 // Reading a damaged copy must fail, and each frame handed out before that must be the whole file's own.
 void ExpectHonestFailure(const std::filesystem::path& damaged, const Recording& whole) {
   SCOPED_TRACE(damaged);
-  std::vector<VideoFrame> frames;
+  std::vector<video::VideoFrame> frames;
   const std::string error = ErrorOf(damaged, {}, &frames);
   EXPECT_THAT(error, AllOf(HasSubstr(damaged.filename().string()), HasSubstr(fmt::format("frame {} ", frames.size())),
                            Not(HasSubstr("\n"))));
@@ -67,12 +67,12 @@ TEST(VideoDamage, CutTransportStream) {
   for (int percent = 30; percent < 100; percent += 4) {
     SCOPED_TRACE(percent);
     WriteTextFile(folder / "cut.ts", bytes.substr(0, bytes.size() * percent / 100));
-    std::vector<VideoFrame> frames;
+    std::vector<video::VideoFrame> frames;
     ErrorOf(folder / "cut.ts", {}, &frames);
     EXPECT_GT(frames.size(), whole.frames.size() * percent / 100 / 2);
-    for (const VideoFrame& frame : frames) {
+    for (const video::VideoFrame& frame : frames) {
       const auto original = std::find_if(whole.frames.begin(), whole.frames.end(),
-                                         [&](const VideoFrame& w) { return w.time_s == frame.time_s; });
+                                         [&](const video::VideoFrame& w) { return w.time_s == frame.time_s; });
       ASSERT_NE(original, whole.frames.end());
       ASSERT_EQ(LargestDifference(frame.luma, original->luma), 0) << frame.time_s;
     }
@@ -142,7 +142,7 @@ TEST(VideoDamage, DamagedPictureOfASequence) {
     const auto victim = folder / fmt::format("005.{}", extension);
     const std::string bytes = ReadTextFile(victim);
     WriteTextFile(victim, bytes.substr(0, bytes.size() / 2));
-    std::vector<VideoFrame> frames;
+    std::vector<video::VideoFrame> frames;
     EXPECT_THAT(ErrorOf(pattern, {}, &frames), HasSubstr(fmt::format("005.{}", extension)));
     EXPECT_THAT(frames, SizeIs(4));
   }

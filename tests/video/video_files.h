@@ -82,30 +82,30 @@ inline std::vector<double> Regular(double start_s, double rate_hz, std::size_t f
 }
 
 struct Recording {
-  VideoInfo info;
-  std::vector<VideoFrame> frames;
+  video::VideoInfo info;
+  std::vector<video::VideoFrame> frames;
 
   std::vector<double> Stamps() const {
     std::vector<double> stamps;
-    for (const VideoFrame& frame : frames) stamps.push_back(frame.time_s);
+    for (const video::VideoFrame& frame : frames) stamps.push_back(frame.time_s);
     return stamps;
   }
 };
 
-inline Recording ReadAll(const std::filesystem::path& path, const VideoReaderOptions& options = {}) {
-  const auto reader = VideoReader::Open(path, options);
+inline Recording ReadAll(const std::filesystem::path& path, const video::VideoReaderOptions& options = {}) {
+  const auto reader = video::VideoReader::Open(path, options);
   Recording recording;
-  for (VideoFrame frame; reader->Read(frame);) recording.frames.push_back(frame);
+  for (video::VideoFrame frame; reader->Read(frame);) recording.frames.push_back(frame);
   recording.info = reader->Info();
   return recording;
 }
 
 // The message of the Error that reading the whole file ends with; empty if it does not. The frames before are kept.
-inline std::string ErrorOf(const std::filesystem::path& path, const VideoReaderOptions& options = {},
-                           std::vector<VideoFrame>* frames = nullptr) {
+inline std::string ErrorOf(const std::filesystem::path& path, const video::VideoReaderOptions& options = {},
+                           std::vector<video::VideoFrame>* frames = nullptr) {
   try {
-    const auto reader = VideoReader::Open(path, options);
-    for (VideoFrame frame; reader->Read(frame);)
+    const auto reader = video::VideoReader::Open(path, options);
+    for (video::VideoFrame frame; reader->Read(frame);)
       if (frames) frames->push_back(frame);
   } catch (const Error& error) {
     return error.what();

@@ -232,8 +232,8 @@ TEST(VideoReader, SharesTheDecodersMemory) {
   const TemporaryFolder folder;
   const auto video = folder / "video.mp4";
   Ffmpeg(TestPicture() + kH264 + Quote(video));
-  const auto reader = VideoReader::Open(video);
-  VideoFrame frame;
+  const auto reader = video::VideoReader::Open(video);
+  video::VideoFrame frame;
   ASSERT_TRUE(reader->Read(frame));
   EXPECT_EQ(frame.luma.u, nullptr);  // OpenCV does not own it: nothing was copied
   EXPECT_NE(frame.keep_alive, nullptr);
@@ -360,7 +360,7 @@ TEST(VideoReader, TellsWhatMatters) {
   Ffmpeg(TestPicture("size=320x240:rate=50:duration=0.3") + "-vf setsar=16/11 " + kH264 + Quote(wide));
   Ffmpeg(TestPicture("size=320x240:rate=50:duration=0.3") + "-vf interlace -flags +ilme+ildct " + kH264 +
          Quote(fields));
-  const VideoInfo info = ReadAll(wide).info;
+  const video::VideoInfo info = ReadAll(wide).info;
   EXPECT_NEAR(info.pixel_aspect, 16.0 / 11, 1e-12);
   EXPECT_NEAR(info.frame_rate_hz, 50, 1e-9);
   EXPECT_EQ(info.codec, "h264");
@@ -377,8 +377,8 @@ int ReadUntilInterrupted() {
   Ffmpeg(TestPicture() + kH264 + Quote(video));
   CatchInterrupts();
   try {
-    const auto reader = VideoReader::Open(video);
-    VideoFrame frame;
+    const auto reader = video::VideoReader::Open(video);
+    video::VideoFrame frame;
     reader->Read(frame);
     std::raise(SIGINT);
     reader->Read(frame);

@@ -27,9 +27,9 @@ std::vector<cv::Mat> Pictures(int frames, cv::Size size, int type, unsigned seed
   return pictures;
 }
 
-void WriteVideo(const std::filesystem::path& path, const VideoWriterOptions& options,
+void WriteVideo(const std::filesystem::path& path, const video::VideoWriterOptions& options,
                 const std::vector<cv::Mat>& pictures, const std::vector<double>& stamps) {
-  VideoWriter writer(path, options);
+  video::VideoWriter writer(path, options);
   for (std::size_t i = 0; i < pictures.size(); ++i) writer.Write(pictures[i], stamps[i]);
   writer.Finish();
 }
@@ -76,7 +76,7 @@ TEST(VideoWriter, LossyGreyKeepsTheLevels) {
   for (int x = 0; x < ramp.cols; ++x) ramp.col(x).setTo(x / 2);
   WriteVideo(folder / "v.mp4", {.width = 512, .height = 240, .crf = 17, .grey = true}, std::vector<cv::Mat>(10, ramp),
              IrregularStamps(10, 0, 1));
-  for (const VideoFrame& frame : ReadAll(folder / "v.mp4").frames) {
+  for (const video::VideoFrame& frame : ReadAll(folder / "v.mp4").frames) {
     EXPECT_LE(LargestDifference(frame.luma, ramp), 3);
     EXPECT_LE(cv::norm(frame.luma, ramp, cv::NORM_L1) / static_cast<double>(ramp.total()), 0.6);
   }
@@ -164,7 +164,7 @@ TEST(VideoWriter, SaysItsRangeAndColoursAndPutsTheIndexFirst) {
 TEST(VideoWriter, LeavesNothingWhenNotFinished) {
   const TemporaryFolder folder;
   {
-    VideoWriter writer(folder / "v.mp4", {.width = 320, .height = 240, .grey = true});
+    video::VideoWriter writer(folder / "v.mp4", {.width = 320, .height = 240, .grey = true});
     for (const cv::Mat& picture : Pictures(5, {320, 240}, CV_8UC1, 1)) {
       static double time_s = 0;
       writer.Write(picture, time_s += 0.1);
@@ -178,7 +178,9 @@ TEST(VideoWriter, LeavesNothingWhenNotFinished) {
 TEST(VideoWriter, RefusesWhatItCannotWrite) {
   const TemporaryFolder folder;
   const auto video = folder / "v.mp4";
-  const auto opening = [&](VideoWriterOptions options) { return [&, options] { VideoWriter(video, options); }; };
+  const auto opening = [&](video::VideoWriterOptions options) {
+    return [&, options] { video::VideoWriter(video, options); };
+  };
   EXPECT_THAT(opening({.width = 321, .height = 240}),
               ThrowsMessage<Error>(HasSubstr("321×240 px cannot be written; both sides must be even")));
   EXPECT_THAT(opening({.width = 0, .height = 0}), ThrowsMessage<Error>(HasSubstr("0×0 px")));
@@ -188,10 +190,10 @@ TEST(VideoWriter, RefusesWhatItCannotWrite) {
               ThrowsMessage<Error>(HasSubstr("no frame rate")));
   EXPECT_THAT(opening({.width = 32, .height = 32, .preset = "fastest"}),
               ThrowsMessage<Error>(HasSubstr("x264 has no preset 'fastest'; it has ultrafast")));
-  EXPECT_THAT([&] { VideoWriter(folder / "nowhere" / "v.mp4", {.width = 32, .height = 32}); },
+  EXPECT_THAT([&] { video::VideoWriter(folder / "nowhere" / "v.mp4", {.width = 32, .height = 32}); },
               ThrowsMessage<Error>(AllOf(HasSubstr("v.mp4: cannot be written"), HasSubstr("No such file"))));
 
-  VideoWriter writer(video, {.width = 32, .height = 32});
+  video::VideoWriter writer(video, {.width = 32, .height = 32});
   const cv::Mat fits(32, 32, CV_8UC3, cv::Scalar::all(0));
   EXPECT_THAT([&] { writer.Write(cv::Mat(32, 32, CV_8UC1), 0); },
               ThrowsMessage<Error>(HasSubstr("does not fit a video")));

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 using Eigen::Vector2d;
@@ -153,4 +153,4 @@ std::vector<Layer> ExoskeletonLayers(const std::vector<BodyPose>& instants, doub
   return layers;
 }
 
-}  // namespace lake
+}  // namespace lake::synth

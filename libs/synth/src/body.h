@@ -5,7 +5,7 @@
 
 #include "layer.h"
 
-namespace lake {
+namespace lake::synth {
 
 // Where the body is at one instant, mm in the plane frame; what is not marked is not drawn.
 struct BodyPose {
@@ -27,4 +27,4 @@ std::vector<Layer> ExoskeletonLayers(const std::vector<BodyPose>& instants, doub
 inline constexpr double kSoleBelowAnkle = 85;  // mm
 inline constexpr double kThighRadiusAtHip = 90;
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -7,7 +7,7 @@
 
 #include "lake/core/error.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 using Eigen::Vector2d;
@@ -56,4 +56,4 @@ Vector2d CramerRaoBound(const Scene& scene, int frame, const std::string& marker
   return information.inverse().diagonal().cwiseSqrt();
 }
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -9,7 +9,7 @@
 #include "lake/core/error.h"
 #include "random.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 using Eigen::Vector2d;
@@ -154,4 +154,4 @@ std::vector<Layer> Hand::At(const std::vector<double>& times_s) const {
   return {sleeve, hand, gaps};
 }
 
-}  // namespace lake
+}  // namespace lake::synth

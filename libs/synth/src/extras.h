@@ -5,7 +5,7 @@
 
 #include "sprite.h"
 
-namespace lake {
+namespace lake::synth {
 
 // Where the markers go in the picture, for keeping clear of them.
 struct MarkerPaths {
@@ -53,4 +53,4 @@ class Hand {
   Approach approach_;
 };
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -8,7 +8,7 @@
 
 #include "random.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 using Eigen::Vector2d;
@@ -170,4 +170,4 @@ Polygon EllipseOutline(const Vector2d& centre, double half_length, double half_w
   return outline;
 }
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -7,7 +7,7 @@
 
 #include "view.h"
 
-namespace lake {
+namespace lake::synth {
 
 // A seeded, tileable pattern of mean 0 and standard deviation 1.
 class Texture {
@@ -70,4 +70,4 @@ Polygon Box(double left, double bottom, double right, double top);
 Polygon EllipseOutline(const Eigen::Vector2d& centre, double half_length, double half_width, double angle_rad,
                        int corners = 48);
 
-}  // namespace lake
+}  // namespace lake::synth

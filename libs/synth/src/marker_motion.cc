@@ -7,7 +7,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 using Eigen::Vector2d;
@@ -36,7 +36,7 @@ class TableMotion : public MarkerMotion {
   }
 
   const std::vector<std::string>& Names() const override { return table_.names; }
-  Facing FacingInImage() const override { return facing_; }
+  motion::Facing FacingInImage() const override { return facing_; }
   double DurationS() const override { return table_.time_s.back(); }
 
   std::vector<Vector2d> At(double time_s) const override {
@@ -52,22 +52,22 @@ class TableMotion : public MarkerMotion {
   }
 
  private:
-  Facing FindFacing() const {
+  motion::Facing FindFacing() const {
     const int ankle = IndexOfMarker(*this, "ankle"), knee = IndexOfMarker(*this, "knee"),
               hip = IndexOfMarker(*this, "hip");
-    if (ankle < 0 || knee < 0 || hip < 0) return Facing::kRight;
+    if (ankle < 0 || knee < 0 || hip < 0) return motion::Facing::kRight;
     double side = 0;  // z of AH × AK: negative when the knee is to the right of the line from ankle up to hip
     for (std::size_t i = 0; i < table_.time_s.size(); ++i) {
       const Vector2d ak = table_.positions[knee][i] - table_.positions[ankle][i];
       const Vector2d ah = table_.positions[hip][i] - table_.positions[ankle][i];
       side += ah.x() * ak.y() - ah.y() * ak.x();
     }
-    return side <= 0 ? Facing::kRight : Facing::kLeft;
+    return side <= 0 ? motion::Facing::kRight : motion::Facing::kLeft;
   }
 
   MotionTable table_;
   std::vector<std::vector<Vector2d>> curvature_;  // mm/s² at the knots
-  Facing facing_ = Facing::kRight;
+  motion::Facing facing_ = motion::Facing::kRight;
 };
 
 }  // namespace
@@ -78,10 +78,10 @@ int IndexOfMarker(const MarkerMotion& motion, std::string_view name) {
   return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
 
-double KneeAngleDeg(const Vector2d& ankle, const Vector2d& knee, const Vector2d& hip, Facing facing) {
+double KneeAngleDeg(const Vector2d& ankle, const Vector2d& knee, const Vector2d& hip, motion::Facing facing) {
   const Vector2d ak = knee - ankle, kh = hip - knee;
   const double cross = ak.x() * kh.y() - ak.y() * kh.x();  // positive: KH turns to the left of AK
-  return DegreesFromRadians(std::atan2(facing == Facing::kRight ? cross : -cross, ak.dot(kh)));
+  return DegreesFromRadians(std::atan2(facing == motion::Facing::kRight ? cross : -cross, ak.dot(kh)));
 }
 
 MotionTable ReadMotionTable(const std::filesystem::path& path) {
@@ -126,4 +126,4 @@ std::unique_ptr<MarkerMotion> MakeTableMotion(MotionTable table, bool mirror) {
   return std::make_unique<TableMotion>(std::move(table));
 }
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -7,7 +7,7 @@
 
 #include "lake/core/error.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 using Eigen::Vector2d;
@@ -98,4 +98,4 @@ Sprite MarkerSprites::At(std::size_t marker, const std::vector<std::vector<Vecto
   return sprite;
 }
 
-}  // namespace lake
+}  // namespace lake::synth

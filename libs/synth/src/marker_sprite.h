@@ -3,7 +3,7 @@
 
 #include "sprite.h"
 
-namespace lake {
+namespace lake::synth {
 
 class MarkerSprites {
  public:
@@ -36,4 +36,4 @@ class MarkerSprites {
   double radius_px_ = 0, aruco_reach_px_ = 0;
 };
 
-}  // namespace lake
+}  // namespace lake::synth

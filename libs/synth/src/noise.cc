@@ -7,7 +7,7 @@
 
 #include "random.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 constexpr int kTile = 2048;
@@ -62,4 +62,4 @@ cv::Mat Sensor::Record(const cv::Mat& image, int frame) const {
   return out;
 }
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace lake {
+namespace lake::synth {
 
 using Eigen::Vector2d;
 
@@ -68,4 +68,4 @@ cv::Mat PolygonRaster::Coverage() const {
   return coverage;
 }
 
-}  // namespace lake
+}  // namespace lake::synth

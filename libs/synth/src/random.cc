@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 // The finaliser of SplitMix64 (Steele, Lea & Flood 2014).
@@ -40,4 +40,4 @@ int Random::Integer(int low, int high) {
   return low + static_cast<int>(Uniform() * (high - low + 1));
 }
 
-}  // namespace lake
+}  // namespace lake::synth

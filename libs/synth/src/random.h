@@ -5,7 +5,7 @@
 #include <random>
 #include <string_view>
 
-namespace lake {
+namespace lake::synth {
 
 class Random {
  public:
@@ -20,4 +20,4 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -9,7 +9,7 @@
 #include "lake/video/image.h"
 #include "lake/video/video_writer.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,7 +25,7 @@ class FrameSink {
       if (error) throw Fail("{}: the folder cannot be made: {}", pictures_->string(), error.message());
       return;
     }
-    VideoWriterOptions video;
+    video::VideoWriterOptions video;
     video.width = scene.Profile().camera.image_width, video.height = scene.Profile().camera.image_height;
     video.frame_rate_hz = scene.Options().frame_rate_hz;
     video.crf = options.crf, video.lossless = options.lossless, video.preset = options.preset;
@@ -37,7 +37,7 @@ class FrameSink {
     if (video_)
       video_->Write(picture, time_s);
     else
-      WriteImage(*pictures_ / fmt::format("{:05d}.png", frame), picture);
+      video::WriteImage(*pictures_ / fmt::format("{:05d}.png", frame), picture);
   }
 
   void Finish() {
@@ -45,7 +45,7 @@ class FrameSink {
   }
 
  private:
-  std::optional<VideoWriter> video_;
+  std::optional<video::VideoWriter> video_;
   std::optional<fs::path> pictures_;
 };
 
@@ -114,10 +114,10 @@ RecordingSummary WriteRecording(const Scene& scene, const fs::path& folder, cons
     progress.Advance();
   }
   WriteTruthCsv(folder / "truth.csv", scene, truth);
-  WriteCameraProfile(folder / "camera.yaml", scene.Profile());
+  camera::WriteCameraProfile(folder / "camera.yaml", scene.Profile());
   WriteJsonFile(folder / "scene.json", SceneJson(scene, options));
   sink.Finish();
   return summary;
 }
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -6,7 +6,7 @@
 #include "body.h"
 #include "random.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 using Eigen::Vector2d;
@@ -43,7 +43,7 @@ class RoomPainter {
         colours_(PaletteOf(options.bright_room)),
         plaster_(options.seed, "plaster", 1.0, 60, 0.8),
         grain_(options.seed, "grain", 0.8, 30, 0.5),
-        forward_(motion.FacingInImage() == Facing::kRight ? 1 : -1) {
+        forward_(motion.FacingInImage() == motion::Facing::kRight ? 1 : -1) {
     const int ankle = IndexOfMarker(motion, "ankle");
     if (ankle >= 0) ankle_ = motion.At(0)[ankle];
     hip_ = SeatedHip(motion);
@@ -73,7 +73,7 @@ class RoomPainter {
   void Fill(const cv::Vec3f& bgr, const Polygon& polygon, const Texture* texture = nullptr, float contrast = 0,
             float mm_per_texel = 2) {
     const Layer layer{{bgr, texture, contrast, mm_per_texel, 0}, {{Placed(polygon)}}, 0};
-    lake::Paint(view_, layer, *canvas_);
+    lake::synth::Paint(view_, layer, *canvas_);
   }
 
   // Plaster lit by a window on the side that the person looks to.
@@ -142,4 +142,4 @@ Canvas PaintRoom(const SceneOptions& options, const View& view, const MarkerMoti
   return canvas;
 }
 
-}  // namespace lake
+}  // namespace lake::synth

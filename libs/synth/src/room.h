@@ -4,9 +4,9 @@
 #include "lake/synth/marker_motion.h"
 #include "layer.h"
 
-namespace lake {
+namespace lake::synth {
 
 // The whole picture before the point-spread. Furniture stands where the motion needs a seat.
 Canvas PaintRoom(const SceneOptions& options, const View& view, const MarkerMotion& motion);
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -13,7 +13,7 @@
 #include "random.h"
 #include "room.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 using Eigen::Vector2d;
@@ -33,7 +33,7 @@ Vector2d MiddleOf(const MarkerMotion& motion) {
   return 0.5 * (low + high) + Vector2d(0, 20);
 }
 
-CameraProfile ProfileFor(const SceneOptions& options, const MarkerMotion& motion) {
+camera::CameraProfile ProfileFor(const SceneOptions& options, const MarkerMotion& motion) {
   if (!options.camera) return MakeCameraProfile(options, MiddleOf(motion));
   if (!options.camera->camera_from_plane) throw UsageError("the camera has no sagittal plane; a scene needs one");
   return *options.camera;
@@ -66,7 +66,7 @@ struct FrameState {
 struct Scene::Impl {
   SceneOptions options;
   std::shared_ptr<const MarkerMotion> motion;
-  CameraProfile profile;
+  camera::CameraProfile profile;
   View view;
   std::unique_ptr<Wardrobe> wardrobe;  // with a body only
   MarkerSprites sprites;
@@ -86,7 +86,7 @@ struct Scene::Impl {
         wardrobe(o.body ? std::make_unique<Wardrobe>(o.seed) : nullptr),
         sprites(options, view, *motion),
         sensor(o.noise, o.seed),
-        forward(motion->FacingInImage() == Facing::kRight ? 1 : -1) {
+        forward(motion->FacingInImage() == motion::Facing::kRight ? 1 : -1) {
     const double duration = o.duration_s > 0 ? o.duration_s : motion->DurationS();
     frames = std::max(1, static_cast<int>(std::floor(duration * o.frame_rate_hz + 1e-9)));
     for (std::size_t i = 0; i < o.occlusions.size(); ++i)
@@ -298,7 +298,7 @@ const SceneOptions& Scene::Options() const {
 const MarkerMotion& Scene::Motion() const {
   return *impl_->motion;
 }
-const CameraProfile& Scene::Profile() const {
+const camera::CameraProfile& Scene::Profile() const {
   return impl_->profile;
 }
 int Scene::Frames() const {
@@ -320,4 +320,4 @@ ImagePatch Scene::RenderMarker(int frame, const std::string& marker, const Vecto
   return impl_->RenderMarker(frame, marker, shift_px);
 }
 
-}  // namespace lake
+}  // namespace lake::synth

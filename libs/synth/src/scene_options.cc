@@ -8,7 +8,7 @@
 #include "lake/core/error.h"
 #include "random.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 void Require(bool good, const char* what) {
@@ -83,7 +83,7 @@ namespace {
 
 Json MotionJson(const StsMotionOptions& m) {
   Json json = {{"seed", m.seed},
-               {"facing", m.facing == Facing::kRight ? "right" : "left"},
+               {"facing", m.facing == motion::Facing::kRight ? "right" : "left"},
                {"repetitions", m.repetitions},
                {"start_standing", m.start_standing},
                {"shank_mm", m.shank_mm},
@@ -162,4 +162,4 @@ Json ToJson(const SceneOptions& o) {
   return json;
 }
 
-}  // namespace lake
+}  // namespace lake::synth

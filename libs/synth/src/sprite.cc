@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 // A sampled Gaussian of odd length, sum 1, on the fine grid.
@@ -144,4 +144,4 @@ cv::Mat PixelKernel(double psf_sigma_px) {
   return kernel;
 }
 
-}  // namespace lake
+}  // namespace lake::synth

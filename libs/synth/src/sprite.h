@@ -8,7 +8,7 @@
 #include "lake/synth/scene.h"
 #include "layer.h"
 
-namespace lake {
+namespace lake::synth {
 
 inline constexpr int kCells = 4;  // per pixel and axis
 
@@ -47,4 +47,4 @@ void PaintUnder(const Sprite& sprite, const SpriteCoverage& coverage, Canvas& un
 // The point-spread for whole pixels: what the fine one does to a picture of even pixels. One row of a separable kernel.
 cv::Mat PixelKernel(double psf_sigma_px);
 
-}  // namespace lake
+}  // namespace lake::synth

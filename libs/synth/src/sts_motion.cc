@@ -8,7 +8,7 @@
 #include "lake/core/error.h"
 #include "random.h"
 
-namespace lake {
+namespace lake::synth {
 namespace {
 
 using Eigen::Vector2d;
@@ -152,7 +152,7 @@ std::vector<Vector2d> StsMotion::At(double time_s) const {
   if (options_.exo_knee_mm)
     markers.push_back(knee + options_.exo_knee_mm->x() * shank_anterior + options_.exo_knee_mm->y() * shank);
   if (options_.skin_mm != 0) SlideSkin(time_s, angles, markers);
-  if (options_.facing == Facing::kLeft)
+  if (options_.facing == motion::Facing::kLeft)
     for (Vector2d& marker : markers) marker.x() = -marker.x();
   return markers;
 }
@@ -169,4 +169,4 @@ void StsMotion::SlideSkin(double time_s, const Angles& angles, std::vector<Vecto
   }
 }
 
-}  // namespace lake
+}  // namespace lake::synth

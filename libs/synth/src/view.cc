@@ -5,20 +5,20 @@
 
 #include "lake/core/angles.h"
 
-namespace lake {
+namespace lake::synth {
 
 using Eigen::Vector2d;
 
-CameraProfile MakeCameraProfile(const SceneOptions& options, const Vector2d& centre_mm) {
-  CameraProfile profile;
-  Camera& camera = profile.camera;
+camera::CameraProfile MakeCameraProfile(const SceneOptions& options, const Vector2d& centre_mm) {
+  camera::CameraProfile profile;
+  camera::Camera& camera = profile.camera;
   camera.image_width = options.width_px, camera.image_height = options.height_px;
   camera.fx = camera.fy = options.marker_radius_px / options.marker_radius_mm * options.distance_mm;
   camera.cx = 0.5 * (options.width_px - 1), camera.cy = 0.5 * (options.height_px - 1);
   camera.distortion = options.distortion;
   using Eigen::AngleAxisd, Eigen::Vector3d;
   const Eigen::Matrix3d flip = Vector3d(1, -1, -1).asDiagonal();  // the plane's y is up and its z towards the camera
-  PlanePose pose = PlanePose::Identity();
+  camera::PlanePose pose = camera::PlanePose::Identity();
   pose.linear() = AngleAxisd(RadiansFromDegrees(options.roll_deg), Vector3d::UnitZ()).toRotationMatrix() *
                   AngleAxisd(RadiansFromDegrees(options.pitch_deg), Vector3d::UnitX()).toRotationMatrix() *
                   AngleAxisd(RadiansFromDegrees(options.yaw_deg), Vector3d::UnitY()).toRotationMatrix() * flip;
@@ -70,4 +70,4 @@ Polygon ToCells(const Polygon& px, const cv::Rect& region, int cells) {
   return out;
 }
 
-}  // namespace lake
+}  // namespace lake::synth

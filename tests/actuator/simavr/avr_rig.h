@@ -41,7 +41,7 @@ struct DriveChange {
 
 // Speed follows the table, times a factor, with a time constant while driven, 10 ms when shorted, 60 ms when off.
 struct ActuatorModel {
-  const DutyTable* table = nullptr;
+  const actuator::DutyTable* table = nullptr;
   double speed_factor = 1;
   double stroke_mm = 0;
   double retract_stop_mm = 0, extend_stop_mm = 1000;  // where the switches act

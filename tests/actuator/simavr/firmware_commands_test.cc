@@ -103,13 +103,13 @@ TEST_F(FirmwareTest, JogKeepsTheSoftLimits) {
 TEST_F(FirmwareTest, CalibrationFirmwareJogsAndHasNoProgram) {
   actuator_.table = &table_;
   actuator_.stroke_mm = 300;
-  const auto elf = BuildFirmware(folder_ / "calibration", CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR");
+  const auto elf = BuildFirmware(folder_ / "calibration", actuator::CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR");
   rig_ = std::make_unique<AvrRig>(elf, actuator_);
   rig_->Run(0.05);
   EXPECT_TRUE(Asks("run", "error:6")) << rig_->Serial();
   rig_->Send("jog -500 800");
   rig_->Run(0.5);
-  EXPECT_NEAR(rig_->Samples().back().duty, -0.5, 0.5 / kPwmPeriod);
+  EXPECT_NEAR(rig_->Samples().back().duty, -0.5, 0.5 / actuator::kPwmPeriod);
   EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 1)) << rig_->Serial();
 }
 
@@ -120,7 +120,7 @@ TEST_F(FirmwareTest, SerialOutputOfJogsBecomesTheActuatorsDutyTable) {
   actuator_.stroke_mm = 300;
   actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
   rig_ = std::make_unique<AvrRig>(
-      BuildFirmware(folder_ / "calibration", CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR"), actuator_);
+      BuildFirmware(folder_ / "calibration", actuator::CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR"), actuator_);
   rig_->Run(0.05);
   for (const int duty : {200, 400, 700, 1000})
     for (const int sign : {1, -1}) {
@@ -129,10 +129,11 @@ TEST_F(FirmwareTest, SerialOutputOfJogsBecomesTheActuatorsDutyTable) {
       rig_->Run(0.15);
     }
   WriteTextFile(folder_ / "serial.csv", rig_->Serial());
-  const DutyLog log = ReadDutyLog(folder_ / "serial.csv", ParsePotentiometerScale("0=240,1023=380"));
-  const DutyTable measured = MakeDutyTable(CalibrateDuty({log}, {}).rows, "measured");
+  const actuator::DutyLog log =
+      actuator::ReadDutyLog(folder_ / "serial.csv", actuator::ParsePotentiometerScale("0=240,1023=380"));
+  const actuator::DutyTable measured = actuator::MakeDutyTable(actuator::CalibrateDuty({log}, {}).rows, "measured");
   for (const int direction : {1, -1}) {
-    const DutyCurve &truth = table_.Curve(direction), &found = measured.Curve(direction);
+    const actuator::DutyCurve &truth = table_.Curve(direction), &found = measured.Curve(direction);
     // Ten readings in steps of 0.14 mm (uniform: 0.04 mm SD) over 1 s: 0.04 / sqrt(10 x 0.29^2) = 0.045 mm/s, times 3.
     for (const double duty : {0.4, 0.7, 1.0}) EXPECT_NEAR(found.SpeedFor(duty), truth.SpeedFor(duty), 0.14) << duty;
     EXPECT_NEAR(found.DeadBandDuty(), truth.DeadBandDuty(),

@@ -25,7 +25,7 @@ inline std::filesystem::path BuildFirmware(const std::filesystem::path& folder, 
                                            const std::string& flags) {
   std::filesystem::create_directories(folder);
   WriteTextFile(folder / "stroke_table.h", stroke_table);
-  for (const FirmwareFile& file : FirmwareSources()) WriteTextFile(folder / file.name, file.text);
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) WriteTextFile(folder / file.name, file.text);
   const std::string line = "cd '" + folder.string() + "' && timeout 60 " + LAKE_AVR_GCC +
                            " -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror " + flags + " *.c -o firmware.elf";
   if (std::system(line.c_str()) != 0) throw std::runtime_error("avr-gcc failed in " + folder.string());
@@ -33,19 +33,20 @@ inline std::filesystem::path BuildFirmware(const std::filesystem::path& folder, 
 }
 
 // Up, slower, a reversal without a pause, a rest.
-inline const std::vector<StrokeProgram::Knot> kKnots = {{0, 300},   {0.8, 304.8}, {1.6, 307.2},
-                                                        {2.4, 302}, {2.7, 302},   {3.5, 305}};
+inline const std::vector<linkage::StrokeProgram::Knot> kKnots = {{0, 300},   {0.8, 304.8}, {1.6, 307.2},
+                                                                 {2.4, 302}, {2.7, 302},   {3.5, 305}};
 
 class FirmwareTest : public testing::Test {
  protected:
-  void Build(const Design& design, const std::string& flags = "-DLAKE_SIMULATOR", const ScheduleOptions& how = {}) {
-    schedule_ = MakeSchedule(design, how);
-    FirmwareOptions& options = firmware_options_;
+  void Build(const linkage::Design& design, const std::string& flags = "-DLAKE_SIMULATOR",
+             const actuator::ScheduleOptions& how = {}) {
+    schedule_ = actuator::MakeSchedule(design, how);
+    actuator::FirmwareOptions& options = firmware_options_;
     options.home_stroke_mm = schedule_.knots.front().stroke_mm - 2;
     if (!options.speed_tolerance_percent) options.speed_tolerance_percent = 10;
-    stroke_table_ = MakeStrokeTable(schedule_, table_, options);
-    elf_ =
-        BuildFirmware(folder_ / "build", StrokeTableHeader(stroke_table_, schedule_, table_, options, "test"), flags);
+    stroke_table_ = actuator::MakeStrokeTable(schedule_, table_, options);
+    elf_ = BuildFirmware(folder_ / "build",
+                         actuator::StrokeTableHeader(stroke_table_, schedule_, table_, options, "test"), flags);
     actuator_.table = &table_;
     actuator_.stroke_mm = schedule_.knots.front().stroke_mm;
     actuator_.retract_stop_mm = options.home_stroke_mm;
@@ -92,10 +93,10 @@ class FirmwareTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  FirmwareOptions firmware_options_;
-  DutyTable table_ = ModelTable();
-  StrokeSchedule schedule_;
-  StrokeTable stroke_table_;
+  actuator::FirmwareOptions firmware_options_;
+  actuator::DutyTable table_ = ModelTable();
+  actuator::StrokeSchedule schedule_;
+  actuator::StrokeTable stroke_table_;
   std::filesystem::path elf_;
   ActuatorModel actuator_;
   std::unique_ptr<AvrRig> rig_;

@@ -27,16 +27,16 @@ TEST_F(FirmwareImageTest, FlashRamAndStackFitWithRoom) {
   const std::string line = OutputOf(fmt::format("avr-size '{}' | awk 'NR==2 {{print $1+$2, $2+$3}}'", elf_.string()));
   int flash = 0, ram = 0;
   ASSERT_EQ(std::sscanf(line.c_str(), "%d %d", &flash, &ram), 2);
-  const int code = flash - static_cast<int>(stroke_table_.segments.size()) * kSegmentBytes;
-  EXPECT_LT(code, kFirmwareBytes);
+  const int code = flash - static_cast<int>(stroke_table_.segments.size()) * actuator::kSegmentBytes;
+  EXPECT_LT(code, actuator::kFirmwareBytes);
   Start();
   for (int i = 0; i < 20; ++i) rig_->Send("jog 1 2 3"), rig_->SendNow('?'), rig_->Run(0.05);
   EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
   EXPECT_GT(rig_->DeepestStack(), 20);
   EXPECT_LT(ram + rig_->DeepestStack(), kRamBytes / 2) << "half of the RAM stays free";
   EXPECT_TRUE(Asks("hang", "error:1")) << "the simulator's hooks are not in it";
-  std::printf("flash %d bytes and %d per segment (of %d), RAM %d bytes and stack %d (of %d)\n", code, kSegmentBytes,
-              kFlashBytes, ram, rig_->DeepestStack(), kRamBytes);
+  std::printf("flash %d bytes and %d per segment (of %d), RAM %d bytes and stack %d (of %d)\n", code,
+              actuator::kSegmentBytes, actuator::kFlashBytes, ram, rig_->DeepestStack(), kRamBytes);
 }
 
 // Not in the interrupt, and nowhere else: libgcc's routines for it are not linked.
@@ -80,9 +80,9 @@ TEST_F(FirmwareImageTest, RunsAsAnArduinoSketch) {
 // The folder that lake-stroke writes is such a sketch: one .ino, of the folder's name.
 TEST(Sketch, HasOneInoOfTheFoldersName) {
   std::vector<std::string> sketches;
-  for (const FirmwareFile& file : FirmwareSources())
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources())
     if (file.name.ends_with(".ino")) sketches.push_back(file.name);
-  EXPECT_EQ(sketches, std::vector<std::string>{std::string(kSketchFolder) + ".ino"});
+  EXPECT_EQ(sketches, std::vector<std::string>{std::string(actuator::kSketchFolder) + ".ino"});
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ TEST_F(FirmwareTest, PwmAndDirectionFollowTheProgram) {
   Start();
   rig_->Run(schedule_.Duration() + 0.3);
   const double start = FirstDrive();
-  const std::vector<ScheduleRow> rows = SampleSchedule(schedule_, 50, &table_);
+  const std::vector<actuator::ScheduleRow> rows = actuator::SampleSchedule(schedule_, 50, &table_);
   std::size_t compared = 0;
   for (const RigSample& sample : rig_->Samples()) {
     const double time = sample.time_s - start - 0.5e-3;
@@ -28,7 +28,8 @@ TEST_F(FirmwareTest, PwmAndDirectionFollowTheProgram) {
     bool near_knot = false;
     for (const auto& knot : schedule_.knots) near_knot |= std::abs(knot.time_s - time) < 2e-3;
     if (near_knot) continue;
-    ASSERT_NEAR(sample.duty, rows[row].direction * rows[row].duty, 0.5 / kPwmPeriod + 1e-6) << "at " << time << " s";
+    ASSERT_NEAR(sample.duty, rows[row].direction * rows[row].duty, 0.5 / actuator::kPwmPeriod + 1e-6)
+        << "at " << time << " s";
     ++compared;
   }
   EXPECT_GT(compared, 3000u);
@@ -108,10 +109,10 @@ TEST_F(FirmwareTest, PlannedStrokeOnTheSerialLineIsTheProgram) {
 class SitToStandTest : public FirmwareTest {
  protected:
   void RunProgram(std::optional<double> from_deg, double speed_factor, double margin_mm) {
-    Design design;
+    linkage::Design design;
     design.links = kPublishedLinks;
     design.program.emplace().speed_mm_s = 5;
-    ScheduleOptions how;
+    actuator::ScheduleOptions how;
     how.from_deg = from_deg, how.margin_mm = margin_mm;
     actuator_.speed_factor = speed_factor;
     Build(design, "-DLAKE_SIMULATOR", how);
@@ -129,11 +130,11 @@ class SitToStandTest : public FirmwareTest {
   }
 
   // The knee as a camera would film it, from the power-up on.
-  std::vector<AngleSample> Film(double rate_hz) const {
-    std::vector<AngleSample> film;
+  std::vector<actuator::AngleSample> Film(double rate_hz) const {
+    std::vector<actuator::AngleSample> film;
     for (const RigSample& sample : rig_->Samples())
       if (film.empty() || sample.time_s >= film.back().time_s + 1 / rate_hz)
-        film.push_back({sample.time_s, KneeDegAt(kPublishedLinks, sample.stroke_mm)});
+        film.push_back({sample.time_s, actuator::KneeDegAt(kPublishedLinks, sample.stroke_mm)});
     return film;
   }
 
@@ -141,8 +142,8 @@ class SitToStandTest : public FirmwareTest {
     const double start = FirstDrive();
     double worst = 0;
     for (const RigSample& sample : rig_->Samples()) {
-      const double planned = KneeDegAt(kPublishedLinks, schedule_.StrokeAt(sample.time_s - start));
-      worst = std::max(worst, std::abs(KneeDegAt(kPublishedLinks, sample.stroke_mm) - planned));
+      const double planned = actuator::KneeDegAt(kPublishedLinks, schedule_.StrokeAt(sample.time_s - start));
+      worst = std::max(worst, std::abs(actuator::KneeDegAt(kPublishedLinks, sample.stroke_mm) - planned));
     }
     return worst;
   }
@@ -167,8 +168,8 @@ TEST_F(SitToStandTest, KneeAngleIsTheProgramsWithinHalfADegree) {
   EXPECT_LE(std::abs(rig_->Stroke() - schedule_.knots.back().stroke_mm), SaidDrift());
   std::printf("100 degrees to standing: knee within %.3f degrees, stroke ends %+.3f mm off, drift bound %.3f mm\n",
               WorstKneeError(), rig_->Stroke() - schedule_.knots.back().stroke_mm, SaidDrift());
-  const Validation film = ValidatePrototype(schedule_, Film(60));
-  EXPECT_EQ(Judge(film, 0.5), Verdict::kFollows);
+  const actuator::Validation film = actuator::ValidatePrototype(schedule_, Film(60));
+  EXPECT_EQ(actuator::Judge(film, 0.5), actuator::Verdict::kFollows);
   EXPECT_NEAR(film.speed_mm_s, 5, 0.01);
   EXPECT_NEAR(film.drift_mm, 0, 0.15);
 }
@@ -186,8 +187,8 @@ TEST_F(SitToStandTest, DriftOfASlowActuatorIsTold) {
   // A tenth of the way rounded up to 103/1024, 0.1 mm after homing, 50 ms of lag of one change of speed (at the
   // beginning it loses what it gains at the end).
   EXPECT_NEAR(SaidDrift(), travel * 103 / 1024 + 0.1 + stroke_table_.pwm_error_mm + 5 * 0.05, 0.01);
-  const Validation film = ValidatePrototype(schedule_, Film(60));
-  EXPECT_EQ(Judge(film, 0.5), Verdict::kOtherSpeed);
+  const actuator::Validation film = actuator::ValidatePrototype(schedule_, Film(60));
+  EXPECT_EQ(actuator::Judge(film, 0.5), actuator::Verdict::kOtherSpeed);
   EXPECT_NEAR(film.speed_mm_s, 4.5, 0.01);
   EXPECT_NEAR(film.travel_factor, 0.9, 0.002);
   EXPECT_NEAR(film.drift_mm, drift, 0.12);
@@ -203,17 +204,17 @@ TEST_F(SitToStandTest, AFastActuatorStaysWithinTheBoundAndTheLinkage) {
   EXPECT_NEAR(drift, 0.1 * travel, 0.12 + stroke_table_.pwm_error_mm);  // less the lag of 0.11 mm
   EXPECT_LE(drift, SaidDrift());
   EXPECT_LT(Farthest(), schedule_.limits.upper_end_mm);
-  EXPECT_NEAR(ValidatePrototype(schedule_, Film(60)).travel_factor, 1.1, 0.002);
+  EXPECT_NEAR(actuator::ValidatePrototype(schedule_, Film(60)).travel_factor, 1.1, 0.002);
 }
 
 // What the refusal prevents: without the room the same actuator passes the linkage's end.
 TEST_F(SitToStandTest, AFastActuatorWithoutRoomPassesTheLinkagesEnd) {
   EXPECT_THROW(RunProgram(100, 1.1, 0.5), Error);
   firmware_options_.accept_drift = true;
-  Design design;
+  linkage::Design design;
   design.links = kPublishedLinks;
   design.program.emplace().speed_mm_s = 5;
-  ScheduleOptions how;
+  actuator::ScheduleOptions how;
   how.from_deg = 100;
   actuator_.speed_factor = 1.1;
   Build(design, "-DLAKE_SIMULATOR", how);
@@ -226,15 +227,15 @@ TEST_F(SitToStandTest, AFastActuatorWithoutRoomPassesTheLinkagesEnd) {
 TEST_F(SitToStandTest, AFastActuatorIsHeldByTheExtendEndStop) {
   firmware_options_.extend_stop_mm = 0.5;
   firmware_options_.lag_s = 0.04;  // the model's is 30 ms
-  Design design;
+  linkage::Design design;
   design.links = kPublishedLinks;
   design.program.emplace().speed_mm_s = 5;
-  ScheduleOptions how;
+  actuator::ScheduleOptions how;
   how.from_deg = 100, how.to_deg = 5;
   actuator_.speed_factor = 1.1;
-  actuator_.extend_stop_mm = SoftLimitsOf(design, 0.5).upper_end_mm - firmware_options_.extend_stop_mm;
+  actuator_.extend_stop_mm = actuator::SoftLimitsOf(design, 0.5).upper_end_mm - firmware_options_.extend_stop_mm;
   Build(design, "-DLAKE_SIMULATOR", how);
-  ASSERT_NEAR(actuator_.extend_stop_mm, *ExtendStop(schedule_, firmware_options_), 1e-9);
+  ASSERT_NEAR(actuator_.extend_stop_mm, *actuator::ExtendStop(schedule_, firmware_options_), 1e-9);
   Start();
   EXPECT_TRUE(rig_->RunUntil("ALARM:1\n", schedule_.Duration() + 1)) << rig_->Serial();
   rig_->Run(0.3);
@@ -263,7 +264,8 @@ TEST_F(FirmwareTest, TheBoundIsTheForecastAndHoldsFromHomingOn) {
     ASSERT_EQ(std::sscanf(rig_->Serial().substr(rig_->Serial().find('<', from)).c_str(), "<idle|stroke:%lf|drift:%lf",
                           &planned, &drift),
               2);
-    const DriftForecast forecast = ForecastDrift(stroke_table_, schedule_, table_, firmware_options_);
+    const actuator::DriftForecast forecast =
+        actuator::ForecastDrift(stroke_table_, schedule_, table_, firmware_options_);
     EXPECT_NEAR(drift, forecast.last_drift_mm, 0.0011);  // it says whole um
     EXPECT_LE(std::abs(rig_->Stroke() - planned), drift);
   }

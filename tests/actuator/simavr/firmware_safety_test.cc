@@ -45,8 +45,8 @@ TEST_F(FirmwareTest, PowerUpInMidStrokeIsStillAndAsksToBeHomed) {
 // Within one tick of 1 ms, the time the interrupt itself takes included.
 TEST_F(FirmwareTest, EndStopAheadBrakesWithinOneTick) {
   for (const bool retract : {false, true}) {
-    Build(FreeDesign(retract ? std::vector<StrokeProgram::Knot>{{0, 310}, {3, 300}}
-                             : std::vector<StrokeProgram::Knot>{{0, 300}, {3, 310}}));
+    Build(FreeDesign(retract ? std::vector<linkage::StrokeProgram::Knot>{{0, 310}, {3, 300}}
+                             : std::vector<linkage::StrokeProgram::Knot>{{0, 300}, {3, 310}}));
     actuator_.retract_stop_mm = 0;  // only the wires act here
     for (const double moment_s : {0.7, 0.7003, 0.7007}) {
       PowerUp();
@@ -111,8 +111,8 @@ TEST_F(FirmwareTest, GarbageIsNoHost) {
 // An end stop behind that releases within its travel is where the actuator comes from: no reason to stop.
 TEST_F(FirmwareTest, AnEndStopBehindThatReleasesDoesNotStop) {
   for (const bool retract : {true, false}) {
-    Build(FreeDesign(retract ? std::vector<StrokeProgram::Knot>{{0, 300}, {2, 306}}
-                             : std::vector<StrokeProgram::Knot>{{0, 306}, {2, 300}}));
+    Build(FreeDesign(retract ? std::vector<linkage::StrokeProgram::Knot>{{0, 300}, {2, 306}}
+                             : std::vector<linkage::StrokeProgram::Knot>{{0, 306}, {2, 300}}));
     // It releases half a mm before its travel is over.
     actuator_.retract_stop_mm = retract ? 300 + firmware_options_.stop_travel_mm - 0.5 : 0;
     actuator_.extend_stop_mm = retract ? 1000 : 306 - firmware_options_.stop_travel_mm + 0.5;
@@ -128,8 +128,8 @@ TEST_F(FirmwareTest, AnEndStopBehindThatReleasesDoesNotStop) {
 // One that stays pressed is a broken wire, and would not stop the actuator on its way back either.
 TEST_F(FirmwareTest, AnEndStopBehindThatStaysPressedIsAFault) {
   for (const bool retract : {true, false}) {
-    Build(FreeDesign(retract ? std::vector<StrokeProgram::Knot>{{0, 300}, {4, 320}}
-                             : std::vector<StrokeProgram::Knot>{{0, 320}, {4, 300}}));
+    Build(FreeDesign(retract ? std::vector<linkage::StrokeProgram::Knot>{{0, 300}, {4, 320}}
+                             : std::vector<linkage::StrokeProgram::Knot>{{0, 320}, {4, 300}}));
     actuator_.retract_stop_mm = 0;
     PowerUp();
     Start();
@@ -187,7 +187,8 @@ TEST_F(BrokenWireTest, ARetractWireThatBreaksWhileItSeeksIsNotHome) {
 TEST_F(BrokenWireTest, ARetractWireThatBreaksWhileItPositionsIsFound) {
   Build(FreeDesign({{0, 310}, {2, 316}}));
   firmware_options_.home_stroke_mm = 300;
-  elf_ = BuildFirmware(folder_ / "far", StrokeTableHeader(stroke_table_, schedule_, table_, firmware_options_, "test"),
+  elf_ = BuildFirmware(folder_ / "far",
+                       actuator::StrokeTableHeader(stroke_table_, schedule_, table_, firmware_options_, "test"),
                        "-DLAKE_SIMULATOR");
   actuator_.stroke_mm = 301, actuator_.retract_stop_mm = 300;
   PowerUp();
@@ -249,7 +250,7 @@ TEST_F(BrokenWireTest, HomesFromThePressedStopByBackingOff) {
 // A limit in the flash that homing would leave: the firmware itself does not.
 TEST_F(FirmwareTest, PositioningAndRunningKeepTheLimitsWithTheDrift) {
   Build(FreeDesign({{0, 300}, {4, 320}}));
-  const std::string header = StrokeTableHeader(stroke_table_, schedule_, table_, firmware_options_, "test");
+  const std::string header = actuator::StrokeTableHeader(stroke_table_, schedule_, table_, firmware_options_, "test");
   const auto with = [&](const std::string& name, const std::string& value) {
     const std::size_t from = header.find("#define " + name + " ");
     EXPECT_NE(from, std::string::npos) << name;
@@ -335,7 +336,7 @@ TEST_F(FirmwareTest, EndStopsActWhileTheMainLoopHangs) {
 
 TEST_F(FirmwareTest, HomingWithoutAnEndStopGivesUp) {
   firmware_options_.home_speed_mm_s = 11;
-  Design design = FreeDesign({{0, 300}, {2, 306}});
+  linkage::Design design = FreeDesign({{0, 300}, {2, 306}});
   design.d_max_mm = 308;  // little travel, so that it gives up after 3.4 s
   Build(design);
   actuator_.retract_stop_mm = -1000;

@@ -4,7 +4,7 @@
 
 #include "firmware_fixture.h"
 #include "lake/core/csv.h"
-#include "lake/pipeline/study.h"
+#include "lake/study/study.h"
 #include "pipeline/rendered_trial.h"
 
 namespace lake {
@@ -21,7 +21,7 @@ double FirstMove(const CsvTable& program) {
 }
 
 TEST_F(FirmwareTest, VideoToDesignToProgramToKneeAngle) {
-  SceneOptions scene;
+  synth::SceneOptions scene;
   scene.motion.seed = 41, scene.motion.repetitions = 1;
   scene.frame_rate_hz = 30;
   const RenderedTrial person(scene, {});
@@ -31,17 +31,17 @@ TEST_F(FirmwareTest, VideoToDesignToProgramToKneeAngle) {
                 "program: free, duration_s: 25, max_speed_mm_s: 5}\n"
                 "stroke: {duty_table: " LAKE_SOURCE_DIR "/calibration/duty_table_model.csv}\n");
   lake::Run run({"lake-run", "test", Json::object(), person.folder / "out", true});
-  const Json stroke = RunStudyFile(ReadStudyFile(person.folder / "study.yaml"), run)["stroke"];
+  const Json stroke = study::RunStudyFile(study::ReadStudyFile(person.folder / "study.yaml"), run)["stroke"];
 
   // The folder that a user would open in the Arduino IDE, built as its main.c says.
   const auto out = person.folder / "out/stroke";
   elf_ = out / "lake_stroke.elf";
   ASSERT_EQ(std::system(fmt::format("cd '{}' && {} -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror *.c -o '{}'",
-                                    (out / kSketchFolder).string(), LAKE_AVR_GCC, elf_.string())
+                                    (out / actuator::kSketchFolder).string(), LAKE_AVR_GCC, elf_.string())
                             .c_str()),
             0);
   const CsvTable program = CsvTable::Read(out / "program.csv");
-  const Design design = ReadDesign(person.folder / "out/redesign/design.yaml");
+  const linkage::Design design = linkage::ReadDesign(person.folder / "out/redesign/design.yaml");
   actuator_.table = &table_;
   actuator_.stroke_mm = program.RequiredNumber(0, 1);
   PowerUp();
@@ -60,7 +60,7 @@ TEST_F(FirmwareTest, VideoToDesignToProgramToKneeAngle) {
     const double planned = std::lerp(program.RequiredNumber(row, 3), program.RequiredNumber(row + 1, 3),
                                      (sample.time_s - start - t0) / (t1 - t0));
     compared_s += 1e-3;  // samples are 1 ms apart
-    worst = std::max(worst, std::abs(KneeDegAt(design.links, sample.stroke_mm) - planned));
+    worst = std::max(worst, std::abs(actuator::KneeDegAt(design.links, sample.stroke_mm) - planned));
   }
   std::printf("free program of %.1f s, %d reversals: knee within %.3f degrees of program.csv\n",
               stroke["duration_s"].get<double>(), stroke["reversals"].get<int>(), worst);

@@ -5,7 +5,7 @@
 
 #include "lake/synth/scene.h"
 
-namespace lake {
+namespace lake::synth {
 
 // The Cramér–Rao bound of a marker's position in one frame, as recorded without compression: standard deviation in px
 // per axis (x, y).
@@ -17,4 +17,4 @@ namespace lake {
 // noise-free renderings. Throws Error if the marker is outside the picture or cannot be located at all (wholly hidden).
 Eigen::Vector2d CramerRaoBound(const Scene& scene, int frame, const std::string& marker);
 
-}  // namespace lake
+}  // namespace lake::synth

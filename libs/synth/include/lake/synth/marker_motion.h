@@ -10,14 +10,14 @@
 
 #include "lake/motion/leg_motion.h"
 
-namespace lake {
+namespace lake::synth {
 
 class MarkerMotion {
  public:
   virtual ~MarkerMotion() = default;
 
   virtual const std::vector<std::string>& Names() const = 0;
-  virtual Facing FacingInImage() const = 0;
+  virtual motion::Facing FacingInImage() const = 0;
 
   // The motion runs from 0 to here; before and after, its ends are held.
   virtual double DurationS() const = 0;
@@ -32,7 +32,7 @@ int IndexOfMarker(const MarkerMotion& motion, std::string_view name);
 // The angle of the marker vectors knee−ankle and hip−knee: 0 straight, positive in flexion, −180..180 (the paper,
 // section 6, signed by the side to which the shank folds).
 double KneeAngleDeg(const Eigen::Vector2d& ankle, const Eigen::Vector2d& knee, const Eigen::Vector2d& hip,
-                    Facing facing);
+                    motion::Facing facing);
 
 // Recorded positions: times in s (increasing, at least 3), positions[marker][time] in mm in the plane frame.
 struct MotionTable {
@@ -50,4 +50,4 @@ MotionTable ReadMotionTable(const std::filesystem::path& path);
 // absent).
 std::unique_ptr<MarkerMotion> MakeTableMotion(MotionTable table, bool mirror = false);
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <opencv2/core/mat.hpp>
 
-namespace lake {
+namespace lake::synth {
 
 // Variance of a pixel = read_sd² + gain × level (levels in grey values 0..255, before clipping): read noise and shot
 // noise.
@@ -34,4 +34,4 @@ class Sensor {
   mutable cv::Mat tile_;  // made when the first picture is recorded
 };
 
-}  // namespace lake
+}  // namespace lake::synth

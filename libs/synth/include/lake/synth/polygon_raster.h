@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace lake {
+namespace lake::synth {
 
 using Polygon = std::vector<Eigen::Vector2d>;
 
@@ -33,4 +33,4 @@ class PolygonRaster {
 
 double SignedArea(std::span<const Eigen::Vector2d> polygon);
 
-}  // namespace lake
+}  // namespace lake::synth

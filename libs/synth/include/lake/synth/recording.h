@@ -6,7 +6,7 @@
 #include "lake/core/json.h"
 #include "lake/synth/scene.h"
 
-namespace lake {
+namespace lake::synth {
 
 struct RecordingOptions {
   int crf = 17;                   // H.264 quality
@@ -31,4 +31,4 @@ RecordingSummary WriteRecording(const Scene& scene, const std::filesystem::path&
 // The table alone.
 void WriteTruthCsv(const std::filesystem::path& path, const Scene& scene, const std::vector<FrameTruth>& truth);
 
-}  // namespace lake
+}  // namespace lake::synth

@@ -13,7 +13,7 @@
 #include "lake/synth/marker_motion.h"
 #include "lake/synth/scene_options.h"
 
-namespace lake {
+namespace lake::synth {
 
 struct MarkerTruth {
   Eigen::Vector2d px;   // the projected centre at mid-exposure, image frame
@@ -48,7 +48,7 @@ class Scene {
 
   const SceneOptions& Options() const;
   const MarkerMotion& Motion() const;
-  const CameraProfile& Profile() const;
+  const camera::CameraProfile& Profile() const;
   int Frames() const;
   double TimeS(int frame) const;  // of the frame's time stamp
 
@@ -68,4 +68,4 @@ class Scene {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace lake
+}  // namespace lake::synth

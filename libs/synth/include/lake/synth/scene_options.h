@@ -15,7 +15,7 @@
 #include "lake/synth/noise.h"
 #include "lake/synth/sts_motion.h"
 
-namespace lake {
+namespace lake::synth {
 
 enum class MarkerKind { kDisc, kAruco };
 
@@ -49,7 +49,7 @@ struct SceneOptions {
   double distance_mm = 3500;
   double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;  // how far the camera stands off the normal of the sagittal plane
   std::array<double, 5> distortion = {};            // k1 k2 p1 p2 k3
-  std::optional<CameraProfile> camera;              // instead of all of this; must have a plane
+  std::optional<camera::CameraProfile> camera;      // instead of all of this; must have a plane
 
   // --- markers ---
   MarkerKind marker_kind = MarkerKind::kDisc;
@@ -92,4 +92,4 @@ std::map<std::string, cv::Vec3f> LedColours();
 
 Json ToJson(const SceneOptions& options);
 
-}  // namespace lake
+}  // namespace lake::synth

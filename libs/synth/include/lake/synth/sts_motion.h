@@ -8,7 +8,7 @@
 
 #include "lake/synth/marker_motion.h"
 
-namespace lake {
+namespace lake::synth {
 
 // Minimum-jerk progress from 0 to 1 over s in 0..1: 10 s³ − 15 s⁴ + 6 s⁵ (Flash & Hogan, J. Neurosci. 5, 1985); 0
 // before, 1 after.
@@ -18,7 +18,7 @@ double MinimumJerk(double s);
 // thigh.
 struct StsMotionOptions {
   std::uint64_t seed = 1;
-  Facing facing = Facing::kRight;
+  motion::Facing facing = motion::Facing::kRight;
   int repetitions = 2;          // stand-ups
   bool start_standing = false;  // begins and ends upright instead of on the seat
 
@@ -58,7 +58,7 @@ class StsMotion : public MarkerMotion {
   explicit StsMotion(const StsMotionOptions& options);
 
   const std::vector<std::string>& Names() const override { return names_; }
-  Facing FacingInImage() const override { return options_.facing; }
+  motion::Facing FacingInImage() const override { return options_.facing; }
   double DurationS() const override { return phases_.back().end_s; }
   std::vector<Eigen::Vector2d> At(double time_s) const override;
 
@@ -92,4 +92,4 @@ class StsMotion : public MarkerMotion {
   Sway ankle_sway_[2], angle_sway_[3], skin_drift_[8];
 };
 
-}  // namespace lake
+}  // namespace lake::synth

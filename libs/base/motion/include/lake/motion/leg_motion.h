@@ -1,0 +1,70 @@
+// The leg's vectors and angles over time, and the events of its sit-to-stands: what the human and the exoskeleton trial
+// are compared by.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lake/motion/marker_recording.h"
+
+namespace lake::motion {
+
+enum class Facing { kLeft, kRight };  // where the subject looks in the image
+
+// The leg in one frame. Vectors are in the leg frame's axes (x anterior, y up); angles are from the vertical, positive
+// when the upper end leans forward, and knee_deg = shank_deg − thigh_deg: 0 straight, positive in flexion. NaN where
+// not known.
+struct LegSample {
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+  Eigen::Vector2d ak = Eigen::Vector2d::Constant(kUnknown);  // ankle to knee
+  Eigen::Vector2d kh = Eigen::Vector2d::Constant(kUnknown);  // knee to hip
+  Eigen::Vector2d hw = Eigen::Vector2d::Constant(kUnknown);  // hip to waist
+  double knee_deg = kUnknown;
+  double knee_sigma_deg = kUnknown;
+  double knee_raw_deg = kUnknown;  // the paper's formula on this frame's own detected markers, signed
+  double shank_deg = kUnknown;
+  double thigh_deg = kUnknown;
+  double trunk_deg = kUnknown;
+  double knee_deg_s = kUnknown;   // angular velocity
+  std::optional<int> repetition;  // from 1
+  double percent = kUnknown;      // 0 at onset, 100 at standing
+};
+
+struct LegMotion {
+  LengthUnit unit = LengthUnit::kPx;  // of the vectors
+  Facing facing = Facing::kRight;
+  std::vector<std::int64_t> frame;
+  std::vector<double> time_s;
+  std::vector<LegSample> samples;  // one per frame
+};
+
+// One of onset, seat_off, standing, descent, seated.
+enum class StsEventKind { kOnset, kSeatOff, kStanding, kDescent, kSeated };
+
+std::string_view ToString(StsEventKind kind);
+
+struct StsEvent {
+  int repetition = 0;  // from 1
+  StsEventKind kind = StsEventKind::kOnset;
+  std::int64_t frame = 0;
+  double time_s = 0;
+};
+
+// kinematics.csv; the vectors' columns end in the motion's unit. Reading throws Error naming file, line and column,
+// also for times that do not increase.
+void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& motion);
+LegMotion ReadKinematicsCsv(const std::filesystem::path& path);
+
+// events.csv: repetition,event,frame,time_s, in the order of repetitions and, within each, of time; reading throws
+// Error for another order.
+void WriteEventsCsv(const std::filesystem::path& path, const std::vector<StsEvent>& events);
+std::vector<StsEvent> ReadEventsCsv(const std::filesystem::path& path);
+
+}  // namespace lake::motion

@@ -1,0 +1,58 @@
+// Where the markers were, frame by frame: what tracking hands to every later stage.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lake::motion {
+
+enum class SampleStatus {
+  kMissing,   // no value
+  kDetected,  // measured in this frame
+  kFilled,    // not seen; inferred, with a larger sigma
+};
+
+std::string_view ToString(SampleStatus status);
+
+enum class LengthUnit { kPx, kMm };
+
+// "px" or "mm", as in the names of columns.
+std::string_view ToString(LengthUnit unit);
+
+struct MarkerSample {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // meaningless when missing
+  double sigma = 0;                                    // one standard deviation per axis, unit of the position
+  SampleStatus status = SampleStatus::kMissing;
+
+  bool IsKnown() const { return status != SampleStatus::kMissing; }
+};
+
+struct MarkerTrack {
+  std::string name;
+  std::vector<MarkerSample> samples;  // one per frame of the recording
+};
+
+// Positions in px are in the image frame (x right, y down, distorted as recorded, centre of the top-left pixel at (0,
+// 0)); in mm they are in the plane frame (x right in the image, y up).
+struct MarkerRecording {
+  LengthUnit unit = LengthUnit::kPx;
+  std::vector<std::int64_t> frame;  // numbers of the whole file, from 0
+  std::vector<double> time_s;       // presentation time stamps, increasing
+  std::vector<MarkerTrack> markers;
+
+  std::size_t Frames() const { return frame.size(); }
+  const MarkerTrack* Find(std::string_view name) const;  // nullptr if there is none
+};
+
+// tracks.csv or trajectory.csv, by the recording's unit: frame,time_s, then per marker M_x_U,M_y_U,M_sigma_U,M_status.
+void WriteMarkerCsv(const std::filesystem::path& path, const MarkerRecording& recording);
+
+// Reads either; the unit is taken from the columns' names. Throws Error naming file, line and column, also for times
+// that do not increase.
+MarkerRecording ReadMarkerCsv(const std::filesystem::path& path);
+
+}  // namespace lake::motion

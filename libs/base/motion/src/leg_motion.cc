@@ -1,0 +1,129 @@
+#include "lake/motion/leg_motion.h"
+
+#include <algorithm>
+#include <array>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+
+namespace lake::motion {
+namespace {
+
+constexpr std::array kEventKinds = {StsEventKind::kOnset, StsEventKind::kSeatOff, StsEventKind::kStanding,
+                                    StsEventKind::kDescent, StsEventKind::kSeated};
+
+struct VectorColumn {
+  const char* name;
+  Eigen::Vector2d LegSample::*value;
+};
+constexpr std::array kVectors = {VectorColumn{"ak", &LegSample::ak}, VectorColumn{"kh", &LegSample::kh},
+                                 VectorColumn{"hw", &LegSample::hw}};
+
+struct ScalarColumn {
+  const char* name;
+  double LegSample::*value;
+};
+constexpr std::array kScalars = {
+    ScalarColumn{"knee_deg", &LegSample::knee_deg},         ScalarColumn{"knee_sigma_deg", &LegSample::knee_sigma_deg},
+    ScalarColumn{"knee_raw_deg", &LegSample::knee_raw_deg}, ScalarColumn{"shank_deg", &LegSample::shank_deg},
+    ScalarColumn{"thigh_deg", &LegSample::thigh_deg},       ScalarColumn{"trunk_deg", &LegSample::trunk_deg},
+    ScalarColumn{"knee_deg_s", &LegSample::knee_deg_s}};
+
+}  // namespace
+
+std::string_view ToString(StsEventKind kind) {
+  switch (kind) {
+    case StsEventKind::kOnset:
+      return "onset";
+    case StsEventKind::kSeatOff:
+      return "seat_off";
+    case StsEventKind::kStanding:
+      return "standing";
+    case StsEventKind::kDescent:
+      return "descent";
+    case StsEventKind::kSeated:
+      return "seated";
+  }
+  return "onset";
+}
+
+void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& motion) {
+  std::vector<std::string> header = {"frame", "time_s", "repetition", "percent"};
+  for (const auto& vector : kVectors)
+    for (const char* axis : {"x", "y"})
+      header.push_back(fmt::format("{}_{}_{}", vector.name, axis, ToString(motion.unit)));
+  for (const auto& scalar : kScalars) header.emplace_back(scalar.name);
+  CsvWriter csv(header);
+  for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+    const LegSample& sample = motion.samples[i];
+    csv.Add(motion.frame[i]).Add(motion.time_s[i]);
+    sample.repetition ? csv.Add(*sample.repetition) : csv.AddEmpty();
+    csv.Add(sample.percent);
+    for (const auto& vector : kVectors) csv.Add((sample.*vector.value).x()).Add((sample.*vector.value).y());
+    for (const auto& scalar : kScalars) csv.Add(sample.*scalar.value);
+    csv.EndRow();
+  }
+  csv.Write(path);
+}
+
+LegMotion ReadKinematicsCsv(const std::filesystem::path& path) {
+  const CsvTable table = CsvTable::Read(path);
+  LegMotion motion;
+  motion.unit = table.Has("ak_x_mm") ? LengthUnit::kMm : LengthUnit::kPx;
+  const auto unit = ToString(motion.unit);
+  const std::size_t frame = table.Column("frame"), time = table.Column("time_s");
+  const std::size_t repetition = table.Column("repetition"), percent = table.Column("percent");
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const auto number = [&](std::size_t column) { return table.Number(row, column).value_or(LegSample::kUnknown); };
+    motion.frame.push_back(static_cast<std::int64_t>(table.RequiredNumber(row, frame)));
+    motion.time_s.push_back(table.RequiredNumber(row, time));
+    if (row > 0 && motion.time_s[row] <= motion.time_s[row - 1])
+      throw Fail("{}: time_s does not increase", table.Where(row));
+    LegSample sample;
+    if (const auto value = table.Number(row, repetition)) sample.repetition = static_cast<int>(*value);
+    sample.percent = number(percent);
+    for (const auto& vector : kVectors)
+      sample.*vector.value = {number(table.Column(fmt::format("{}_x_{}", vector.name, unit))),
+                              number(table.Column(fmt::format("{}_y_{}", vector.name, unit)))};
+    for (const auto& scalar : kScalars) sample.*scalar.value = number(table.Column(scalar.name));
+    motion.samples.push_back(sample);
+  }
+  return motion;
+}
+
+void WriteEventsCsv(const std::filesystem::path& path, const std::vector<StsEvent>& events) {
+  CsvWriter csv({"repetition", "event", "frame", "time_s"});
+  for (const StsEvent& event : events) {
+    csv.Add(event.repetition).Add(ToString(event.kind)).Add(event.frame).Add(event.time_s);
+    csv.EndRow();
+  }
+  csv.Write(path);
+}
+
+std::vector<StsEvent> ReadEventsCsv(const std::filesystem::path& path) {
+  const CsvTable table = CsvTable::Read(path);
+  const std::size_t repetition = table.Column("repetition"), event = table.Column("event");
+  const std::size_t frame = table.Column("frame"), time = table.Column("time_s");
+  std::vector<StsEvent> events;
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    StsEvent read;
+    read.repetition = static_cast<int>(table.RequiredNumber(row, repetition));
+    const auto kind = std::find_if(kEventKinds.begin(), kEventKinds.end(), [&](StsEventKind candidate) {
+      return table.Text(row, event) == ToString(candidate);
+    });
+    if (kind == kEventKinds.end()) throw Fail("{}: '{}' is not an event", table.Where(row), table.Text(row, event));
+    read.kind = *kind;
+    read.frame = static_cast<std::int64_t>(table.RequiredNumber(row, frame));
+    read.time_s = table.RequiredNumber(row, time);
+    // Of one repetition: the next may begin in the frame in which this one is seated.
+    const StsEvent* last = events.empty() ? nullptr : &events.back();
+    if (last && read.repetition == last->repetition && read.time_s < last->time_s)
+      throw Fail("{}: time_s decreases within repetition {}", table.Where(row), read.repetition);
+    if (last && read.repetition < last->repetition)
+      throw Fail("{}: repetition {} after repetition {}", table.Where(row), read.repetition, last->repetition);
+    events.push_back(read);
+  }
+  return events;
+}
+
+}  // namespace lake::motion

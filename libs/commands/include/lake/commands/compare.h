@@ -1,0 +1,34 @@
+// The work of lake-compare: from a human and an exoskeleton trial to the misalignment between their knees.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "lake/compare/misalignment.h"
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+#include "lake/exchange/trial.h"
+
+namespace lake::commands {
+
+struct CompareRunOptions {
+  // lake-track folders or files that ReadTrial knows; or folders with a comparison.json (of lake-compare, or the
+  // predicted path of lake-optimize), whose human or exoskeleton curve is taken.
+  std::filesystem::path human, exo;
+  std::string human_knee = "knee";
+  std::optional<std::string> exo_knee;                // default: exo_knee, or knee where there is none
+  exchange::TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already
+  compare::MisalignmentOptions misalignment;
+};
+
+// Of a lake-track folder its tables, of another trial those of a leg fit. `knee` is the compared marker; where the
+// trial has no marker `knee`, it is the leg's knee as well.
+compare::TrialTables ReadTrialTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
+                                     const std::string& knee, Run& run);
+
+// Writes misalignment.csv, overlay.png, misalignment.png, comparison.json, report.html; returns the results for the
+// summary. Throws Error in one line for trials that cannot be compared.
+Json RunCompare(const CompareRunOptions& options, Run& run);
+
+}  // namespace lake::commands

@@ -1,0 +1,43 @@
+// The work of lake-optimize: the links with the largest range of rotation, or, with a human's motion, the
+// re-optimisation.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+#include "lake/exchange/trial.h"
+#include "lake/redesign/reoptimize_problem.h"
+#include "lake/synthesis/study.h"
+
+namespace lake::commands {
+
+struct ReoptimizeRunOptions {
+  std::filesystem::path comparison;      // folder of lake-compare: human and exoskeleton trial …
+  std::filesystem::path human;           // … or a human trial alone, as lake-compare reads it; one of both
+  std::string human_knee = "knee";       // the compared marker of the human trial
+  exchange::TrialOptions human_reading;  // of files; a folder's markers have their names already
+  std::filesystem::path worn;            // design.yaml worn in the exoskeleton trial; required with one
+  bool human_only = false;               // the exoskeleton trial of the comparison is left out
+  redesign::ProgramLimits program;
+  std::optional<double> max_misalignment_percent;
+  double penalty_deg_per_mm = 0;
+  bool fit_placement = false;
+  double placement_reach_mm = redesign::ReoptimizeProblem{}.placement_reach_mm;
+  std::optional<int> pareto_points;
+};
+
+struct OptimizeRunOptions {
+  problem::SynthesisProblem problem;
+  std::filesystem::path problem_file;  // that it was read from, for the record; empty: none
+  synthesis::StudyOptions study;
+  std::optional<ReoptimizeRunOptions> reoptimize;
+};
+
+// Writes design.yaml, the tables and figures of the study; returns the results for the summary. Where no design
+// satisfies the problem, the nearest and the reason are written, summary.json included, and SolverError is thrown.
+Json RunOptimize(const OptimizeRunOptions& options, Run& run);
+
+}  // namespace lake::commands

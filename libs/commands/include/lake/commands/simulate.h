@@ -1,0 +1,37 @@
+// The paper's graphical simulation as one run: tables, pictures, animation, plates and the mannequin check of a design.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lake/core/run.h"
+#include "lake/drawing/linkage_dxf.h"
+#include "lake/linkage/body.h"
+#include "lake/linkage/design_file.h"
+
+namespace lake::commands {
+
+struct SimulationOptions {
+  std::vector<double> strokes_mm;  // asked for, added to the table
+  std::vector<double> angles_deg;  // poses to draw; none: 2, 70, 110 and the largest whole degree, as far as in range
+  double knee_torque_nm = 40;      // for the force column, extension
+  int rows = 201;                  // of the regular grid over the used range
+  double body_height_cm = 180;     // the paper's average user
+  double body_mass_kg = 80;
+  double seat_edge_mm = 0;  // knee to the seat's front edge; 0: half the thigh
+  double actuator_diameter_mm = 40;
+  drawing::PlateOptions plates;
+  bool animation = true;
+
+  void Check() const;  // throws UsageError
+};
+
+// Writes angle_vs_stroke.csv/.png/.svg, pose_ANGLE.png/.svg, schematic.svg, animation.mp4/.gif, design.dxf and
+// mannequin.png through the run and returns what goes into the summary. Throws Error naming stroke and gap if the
+// design cannot be assembled at d_min or a stroke asked for, or an angle is out of its range.
+Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& options, Run& run);
+
+// The main numbers and the table of the poses asked for, as text.
+std::string SimulationReport(const Json& summary);
+
+}  // namespace lake::commands

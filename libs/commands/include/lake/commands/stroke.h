@@ -1,0 +1,52 @@
+// The work of lake-stroke: a design's stroke program and its firmware; a duty table from logs; a prototype's video
+// against its prediction.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/actuator/duty_calibration.h"
+#include "lake/actuator/firmware.h"
+#include "lake/actuator/stroke_schedule.h"
+#include "lake/core/run.h"
+
+namespace lake::commands {
+
+struct StrokeRunOptions {
+  std::filesystem::path design;
+  std::optional<std::filesystem::path> duty_table;  // none: no duty, no firmware
+  std::optional<std::filesystem::path> motion;    // lake-track or lake-gait folder: a constant program runs between its
+                                                  // seated and standing knee angles
+  std::optional<std::filesystem::path> validate;  // lake-track folder of a prototype
+  double tolerance_deg = 2;                       // RMS up to which a prototype follows its prediction
+  double rate_hz = 50;                            // of program.csv
+  actuator::ScheduleOptions schedule;
+  actuator::FirmwareOptions firmware;
+};
+
+// Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results, `warning` on top
+// of the .ino; returns their names.
+Json WriteSketch(const std::string& stroke_table, const std::string& warning, Run& run);
+
+// Writes program.csv, program.png; with a duty table the firmware's sketch; with `validate` validation.csv and
+// validation.png. Returns the results for the summary.
+Json RunStroke(const StrokeRunOptions& options, Run& run);
+std::string StrokeReport(const Json& summary);
+
+struct DutyRunOptions {
+  std::vector<std::filesystem::path> logs;
+  std::optional<actuator::PotentiometerScale> potentiometer;
+  std::optional<std::filesystem::path> video;       // lake-track folder of a film of the actuator; then one log
+  std::vector<std::string> rod = {"mount", "rod"};  // its markers: on the body, on the rod
+  bool write_firmware = false;                      // the firmware that jogs, instead of reading logs
+  actuator::CalibrateOptions calibrate;
+  actuator::FirmwareOptions firmware;
+};
+
+// Writes duty_table.csv, plateaus.csv, duty_table.png; or the calibration firmware.
+Json RunDutyCalibration(const DutyRunOptions& options, Run& run);
+std::string DutyReport(const Json& summary);
+
+}  // namespace lake::commands

@@ -1,0 +1,37 @@
+// The work of lake-track: from a video to tracks, leg motion, figures and an annotated video.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+#include "lake/gait/leg_fit.h"
+#include "lake/tracking/track_markers.h"
+
+namespace lake::commands {
+
+struct TrackRunOptions {
+  std::filesystem::path video;
+  tracking::TrackOptions track;
+  gait::LegFitOptions fit;
+  std::optional<std::filesystem::path> camera;       // camera.yaml
+  std::optional<std::array<double, 5>> scale;        // x1 y1 x2 y2 in px, length in mm
+  std::optional<std::array<double, 4>> vertical;     // x1 y1 x2 y2 in px: both ends of a plumb line
+  std::map<std::string, double> depth_mm;            // by marker: how far it stands proud of the plane
+  std::optional<std::filesystem::path> corrections;  // frame,marker,x_px,y_px
+  bool overlay = true;
+  std::vector<std::string> exports;  // as CheckExportFormats (exchange/formats.h) knows them
+};
+
+// Writes everything that interfaces.md lists for lake-track through `run` and returns the results for the summary.
+//
+// With the spline filter, the positions of detected samples in tracks.csv are those of the fit at that frame: the
+// frame's own measurement, weighed against its neighbours'. Without a filter they are each frame's own.
+Json RunTrack(const TrackRunOptions& options, Run& run);
+
+}  // namespace lake::commands

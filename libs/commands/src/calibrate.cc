@@ -1,0 +1,192 @@
+#include "lake/commands/calibrate.h"
+
+#include <algorithm>
+
+#include "lake/camera/board.h"
+#include "lake/camera/board_sheet.h"
+#include "lake/camera/calibration_quality.h"
+#include "lake/camera/camera.h"
+#include "lake/camera/plane_fit.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/figure/calibration_figures.h"
+#include "lake/video/image.h"
+#include "lake/video/video_files.h"
+
+namespace lake::commands {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<double> List(const auto& values) {
+  return {values.begin(), values.end()};
+}
+
+Json CameraJson(const camera::Camera& camera) {
+  return {
+      {"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}, {"distortion", camera.distortion}};
+}
+
+Json OutlierJson(const std::vector<camera::BoardView>& views, const camera::CalibrationResult& result) {
+  Json outliers = Json::array();
+  for (const camera::CornerOutlier& o : result.outliers)
+    outliers.push_back({{"view", views[o.view].name}, {"corner", o.corner}, {"error_px", o.error_px}});
+  return outliers;
+}
+
+camera::CornerOutlier WorstCorner(const std::vector<camera::BoardView>& views,
+                                  const camera::CalibrationResult& result) {
+  camera::CornerOutlier worst;
+  for (std::size_t v = 0; v < views.size(); ++v)
+    for (std::size_t i = 0; i < views[v].corner.size(); ++i)
+      if (const double error = result.residual_px[v][i].norm(); error > worst.error_px)
+        worst = {v, views[v].corner[i], error};
+  return worst;
+}
+
+Json ResultJson(const camera::BoardPictures& pictures, const camera::CalibrationResult& result,
+                const camera::CalibrationQuality& quality) {
+  const camera::CameraUncertainty sd = camera::UncertaintyOf(result);
+  const camera::CornerOutlier worst = WorstCorner(pictures.views, result);
+  Json views = Json::array();
+  for (std::size_t v = 0; v < pictures.views.size(); ++v)
+    views.push_back({{"name", pictures.views[v].name},
+                     {"corners", pictures.views[v].corner.size()},
+                     {"rms_px", result.view_rms_px[v]},
+                     {"edge_width_px", pictures.views[v].edge_width_px}});
+  Json json = {{"image_width", pictures.width_px},
+               {"image_height", pictures.height_px},
+               {"camera", CameraJson(result.camera)},
+               {"standard_deviations",
+                {{"fx", sd.intrinsics_sd[0]},
+                 {"fy", sd.intrinsics_sd[1]},
+                 {"cx", sd.intrinsics_sd[2]},
+                 {"cy", sd.intrinsics_sd[3]},
+                 {"distortion", sd.distortion_sd}}},
+               {"rms_px", result.rms_px},
+               {"inlier_rms_px", result.inlier_rms_px},
+               {"sigma_px", result.sigma_px},
+               {"seed_rms_px", result.seed_rms_px},
+               {"worst_view", pictures.views[quality.worst_view].name},
+               {"worst_view_rms_px", result.view_rms_px[quality.worst_view]},
+               {"worst_corner",
+                {{"view", pictures.views[worst.view].name}, {"corner", worst.corner}, {"error_px", worst.error_px}}},
+               {"outliers", OutlierJson(pictures.views, result)},
+               {"coverage", quality.coverage.fraction},
+               {"largest_tilt_deg", quality.largest_tilt_deg},
+               {"pictures_searched", pictures.attempts},
+               {"boards_seen", pictures.seen},
+               {"without_board", pictures.without_board},
+               {"views", views},
+               {"solver",
+                {{"iterations", result.summary.iterations},
+                 {"cost_before", result.summary.cost_before},
+                 {"cost_after", result.summary.cost_after},
+                 {"message", result.summary.message}}}};
+  if (quality.cross_validation)
+    json["cross_validation"] = {{"rms_px", quality.cross_validation->rms_px},
+                                {"largest_px", quality.cross_validation->largest_px}};
+  return json;
+}
+
+void WriteResiduals(const fs::path& path, const std::vector<camera::BoardView>& views,
+                    const camera::CalibrationResult& result) {
+  CsvWriter table({"view", "corner", "x_px", "y_px", "dx_px", "dy_px"});
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (std::size_t i = 0; i < views[v].corner.size(); ++i) {
+      table.Add(views[v].name).Add(views[v].corner[i]).Add(views[v].pixel[i].x()).Add(views[v].pixel[i].y());
+      table.Add(result.residual_px[v][i].x()).Add(result.residual_px[v][i].y()).EndRow();
+    }
+  }
+  table.Write(path);
+}
+
+std::vector<camera::PlaneCorrespondence> CheckedPoints(const std::string& text, const camera::Camera& camera) {
+  const std::vector<camera::PlaneCorrespondence> points = camera::ParsePlanePoints(text);
+  for (const auto& p : points)
+    if (p.pixel.x() < -0.5 || p.pixel.y() < -0.5 || p.pixel.x() > camera.image_width - 0.5 ||
+        p.pixel.y() > camera.image_height - 0.5)
+      throw UsageError(fmt::format("--points: pixel {},{} is outside the picture of {}x{}", p.pixel.x(), p.pixel.y(),
+                                   camera.image_width, camera.image_height));
+  return points;
+}
+
+camera::PlaneFit FitPlaneOf(const PlaneRunOptions& options, const camera::Camera& camera) {
+  const cv::Mat grey = video::ReadImage(options.picture, false);
+  camera::CheckResolution(camera, options.camera, grey.cols, grey.rows, options.picture);
+  if (!options.points.empty())
+    return camera::FitPlane(camera, CheckedPoints(options.points, camera), {options.click_sigma_px});
+  const camera::Board board = camera::ParseBoard(options.board);
+  const std::optional<camera::BoardView> view = camera::DetectBoard(grey, board);
+  if (!view)
+    throw Fail("{}: the board {} was not seen; is it whole in the picture and lit evenly?", options.picture.string(),
+               camera::ToString(board));
+  return camera::FitPlaneToBoard(camera, board, *view);
+}
+
+}  // namespace
+
+Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
+  if (options.pictures.empty())
+    throw UsageError("which pictures? name images or a video of the board; see lake-calibrate --help");
+  if (options.board.empty()) throw UsageError("which board? e.g. --board chessboard:9x6:25");
+  camera::BoardPicturesOptions find = options.find;
+  find.quiet = run.Quiet();
+  const camera::Board board = camera::ParseBoard(options.board);
+  for (const fs::path& picture : options.pictures) run.AddInput(video::FilesOfVideo(picture));
+  run.Begin();
+  const camera::BoardPictures pictures = camera::FindBoards(options.pictures, board, find);
+  if (!pictures.without_board.empty())
+    run.Warn(fmt::format("no board seen in {} of {} images, left out: {}", pictures.without_board.size(),
+                         pictures.attempts, fmt::join(pictures.without_board, ", ")));
+
+  const camera::CalibrationResult result =
+      camera::CalibrateCamera(board, pictures.views, pictures.width_px, pictures.height_px, options.calibration);
+  if (!result.summary.usable) throw SolverError("the bundle adjustment did not converge: " + result.summary.message);
+  const camera::CalibrationQuality quality =
+      camera::AssessCalibration(board, pictures.views, result, options.calibration);
+  for (const std::string& warning : quality.warnings) run.Warn(warning);
+
+  camera::WriteCameraProfile(run.Result("camera.yaml"), {result.camera, {}, camera::UncertaintyOf(result), {}});
+  WriteResiduals(run.Result("residuals.csv"), pictures.views, result);
+  figure::WriteResidualFigure(run.Result("residuals.png"), pictures.views, result);
+  if (quality.cross_validation)
+    figure::WriteCrossValidationFigure(run.Result("cross_validation.png"), *quality.cross_validation, pictures.width_px,
+                                       pictures.height_px);
+  return ResultJson(pictures, result, quality);
+}
+
+Json RunPlane(const PlaneRunOptions& options, Run& run) {
+  if (options.board.empty() == options.points.empty()) throw UsageError("give either --board or --points");
+  camera::CameraProfile profile = camera::ReadCameraProfile(options.camera);
+  run.AddInput(options.picture), run.AddInput(options.camera);
+  const camera::PlaneFit fit = FitPlaneOf(options, profile.camera);
+  for (const std::string& warning : fit.warnings) run.Warn(warning);
+  profile.camera_from_plane = fit.camera_from_plane;
+  profile.plane_uncertainty = fit.uncertainty;
+  camera::WriteCameraProfile(run.Result("camera.yaml"), profile);
+
+  const Eigen::Vector2d middle((profile.camera.image_width - 1) / 2.0, (profile.camera.image_height - 1) / 2.0);
+  Json json = {{"plane_rms_px", fit.uncertainty.rms_px},
+               {"sigma_px", fit.sigma_px},
+               {"roll_deg", fit.roll_deg},
+               {"distance_mm", fit.camera_from_plane.inverse().translation().z()},
+               {"mm_per_px",
+                camera::SigmaInPlane(camera::PlanePointFromPixel(profile.camera, fit.camera_from_plane, middle), 1)},
+               {"translation_mm", List(fit.camera_from_plane.translation())},
+               {"translation_sd_mm", List(fit.uncertainty.translation_sd_mm)},
+               {"rotation_sd_rad", List(fit.uncertainty.rotation_sd_rad)}};
+  if (fit.other)
+    json["other_pose"] = {
+        {"rms_px", fit.other->rms_px}, {"apart_deg", fit.other->apart_deg}, {"as_likely", fit.other->as_likely}};
+  return json;
+}
+
+Json RunSheet(const SheetRunOptions& options, Run& run) {
+  const camera::Board board = camera::ParseBoard(options.board);
+  const camera::Paper paper = camera::ParsePaper(options.paper);
+  camera::WriteBoardSheet(run.Result("board.pdf"), board, paper);
+  return {{"board", camera::ToString(board)}, {"paper", paper.name}, {"file", (run.Folder() / "board.pdf").string()}};
+}
+
+}  // namespace lake::commands

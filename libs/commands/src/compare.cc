@@ -1,0 +1,139 @@
+#include "lake/commands/compare.h"
+
+#include "lake/commands/gait.h"
+#include "lake/compare/comparison_file.h"
+#include "lake/core/error.h"
+#include "lake/figure/misalignment_figures.h"
+#include "lake/gait/leg_fit.h"
+#include "lake/report/misalignment_sections.h"
+#include "lake/report/report.h"
+
+namespace lake::commands {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kKnee = "knee";
+constexpr const char* kExoKnee = "exo_knee";
+
+bool IsTracked(const fs::path& path) {
+  return FindResult(path, "kinematics.csv") && FindResult(path, "events.csv");
+}
+
+compare::TrialTables ReadTracked(const fs::path& folder, Run& run) {
+  compare::TrialTables tables;
+  tables.name = folder.string();
+  const fs::path markers = exchange::TableOfFolder(folder);
+  tables.trajectory = motion::ReadMarkerCsv(markers);
+  tables.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
+  tables.events = motion::ReadEventsCsv(folder / "events.csv");
+  for (const fs::path& file : {markers, folder / "kinematics.csv", folder / "events.csv"}) run.AddInput(file);
+  return tables;
+}
+
+compare::TrialTables FitTables(const fs::path& path, const exchange::TrialOptions& reading, const std::string& knee,
+                               Run& run) {
+  const exchange::Trial trial = ReadTrialFor(path, fs::is_directory(path) ? exchange::TrialOptions{} : reading, run);
+  gait::LegFitOptions fit;
+  fit.facing_option = "--forward";
+  if (!trial.recording.Find(kKnee)) fit.markers.knee = knee;
+  const gait::LegFitResult result = FitTrial(trial, fit, run);
+  return {path.string(), result.trajectory, result.motion, result.events};
+}
+
+// The marker of the exoskeleton's knee, known only once the trial's markers are.
+std::string FindExoKnee(const motion::MarkerRecording& recording, const CompareRunOptions& options) {
+  if (options.exo_knee) return *options.exo_knee;
+  return recording.Find(kExoKnee) ? kExoKnee : kKnee;
+}
+
+std::string ExoKneeOf(const CompareRunOptions& options) {
+  if (options.exo_knee || IsTracked(options.exo)) return options.exo_knee.value_or(kExoKnee);
+  const exchange::TrialOptions reading = fs::is_directory(options.exo) ? exchange::TrialOptions{} : options.exo_reading;
+  return FindExoKnee(exchange::ReadTrial(options.exo, reading).recording, options);
+}
+
+// A folder that lake-compare wrote, or the predicted path of lake-optimize: its curves are registered already.
+bool IsCompared(const fs::path& path) {
+  return FindResult(path, "comparison.json").has_value();
+}
+
+void CheckUnits(const compare::TrialTables& human, const compare::TrialTables& exo) {
+  if (human.trajectory.unit != exo.trajectory.unit)
+    throw Fail("{} is in {} and {} in {}: give the one in px a scale (lake-track --camera with a plane, or --scale)",
+               human.name, ToString(human.trajectory.unit), exo.name, ToString(exo.trajectory.unit));
+}
+
+compare::RegisteredTrial Register(const compare::TrialTables& tables, const std::string& knee) {
+  compare::RegistrationOptions options;
+  options.knee = knee;
+  return compare::RegisterTrial(tables, options);
+}
+
+compare::RegisteredTrial ReadCurve(const fs::path& folder, compare::StsCurve compare::ComparedCurves::*side, Run& run) {
+  run.AddInput(folder / "comparison.json");
+  return {{compare::ReadComparison(folder).*side}, {}};
+}
+
+// Both trials at 0..100 %, and the marker that is the exoskeleton's knee.
+struct RegisteredPair {
+  compare::RegisteredTrial human, exo;
+  std::string exo_knee;
+};
+
+RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
+  std::optional<compare::TrialTables> human, exo;
+  if (!IsCompared(options.human))
+    human = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
+  if (!IsCompared(options.exo)) exo = ReadTrialTables(options.exo, options.exo_reading, ExoKneeOf(options), run);
+  if (human && exo) CheckUnits(*human, *exo);
+  if (human && exo && human->trajectory.Find(kExoKnee) && !exo->trajectory.Find(kExoKnee))
+    run.Warn(fmt::format("{} has a marker {} and {} has none: the trial without exoskeleton goes first", human->name,
+                         kExoKnee, exo->name));
+  RegisteredPair pair;
+  pair.exo_knee = exo ? FindExoKnee(exo->trajectory, options) : options.exo_knee.value_or(kExoKnee);
+  pair.human =
+      human ? Register(*human, options.human_knee) : ReadCurve(options.human, &compare::ComparedCurves::human, run);
+  pair.exo = exo ? Register(*exo, pair.exo_knee) : ReadCurve(options.exo, &compare::ComparedCurves::exo, run);
+  return pair;
+}
+
+void WriteComparisonReport(const std::string& title, const Json& comparison, Run& run) {
+  report::Report report{"Misalignment of human and exoskeleton knee", title, run.Warnings(),
+                        report::MisalignmentSections(comparison)};
+  report.sections.push_back({"Files beside this page",
+                             {report::Files{{{"misalignment.csv", "the curves, a row per percent"},
+                                             {"comparison.json", "all figures and curves, as lake-optimize reads them"},
+                                             {"overlay.png", "both paths"},
+                                             {"misalignment.png", "error, parts and angles over the rise"}}}}});
+  report.sections.push_back(report::ProvenanceSection(run.Head()));
+  report::WriteReport(run.Result("report.html"), report);
+}
+
+}  // namespace
+
+compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::TrialOptions& reading,
+                                     const std::string& knee, Run& run) {
+  return IsTracked(path) ? ReadTracked(path, run) : FitTables(path, reading, knee, run);
+}
+
+Json RunCompare(const CompareRunOptions& options, Run& run) {
+  const RegisteredPair pair = ReadPair(options, run);
+  const std::string& exo_knee = pair.exo_knee;
+  run.Begin({"summary.json", "misalignment.csv", "overlay.png", "misalignment.png", "comparison.json", "report.html"});
+  const compare::Misalignment misalignment = compare::CompareTrials(pair.human, pair.exo, options.misalignment);
+  for (const std::string& warning : misalignment.warnings) run.Warn(warning);
+  compare::WriteMisalignmentCsv(run.Result("misalignment.csv"), misalignment);
+  const std::string title = fmt::format("{} ({}) against {} ({})", options.exo.filename().string(), exo_knee,
+                                        options.human.filename().string(), options.human_knee);
+  figure::DrawOverlayFigure(run.Result("overlay.png"), misalignment, title);
+  figure::DrawMisalignmentFigure(run.Result("misalignment.png"), misalignment, title);
+  Json comparison = compare::ComparisonJson(misalignment);
+  comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
+  WriteJsonFile(run.Result("comparison.json"), comparison);
+  WriteComparisonReport(title, comparison, run);
+  comparison.erase("curves");
+  return comparison;
+}
+
+}  // namespace lake::commands

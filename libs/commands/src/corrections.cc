@@ -1,0 +1,48 @@
+#include "corrections.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+
+namespace lake::commands {
+
+std::vector<Correction> ReadCorrections(const std::filesystem::path& path, const std::vector<std::string>& names,
+                                        int width, int height) {
+  constexpr double kClickSigmaPx = 0.5, kMostFrames = 1e12;
+  const CsvTable table = CsvTable::Read(path);
+  const std::size_t frame = table.Column("frame"), marker = table.Column("marker"), x = table.Column("x_px"),
+                    y = table.Column("y_px");
+  std::vector<Correction> corrections;
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const std::string& name = table.Text(row, marker);
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw Fail("{}: no marker '{}'; there are {}", table.Where(row), name, fmt::join(names, ", "));
+    const double number = table.RequiredNumber(row, frame);
+    if (!(number >= 0 && number <= kMostFrames && number == std::floor(number)))
+      throw Fail("{}: frame {} is not a whole number from 0", table.Where(row), number);
+    const auto px = table.Number(row, x), py = table.Number(row, y);
+    if (px.has_value() != py.has_value())
+      throw Fail("{}: x_px and y_px must both be given, or both be empty", table.Where(row));
+    if (px && !(*px >= 0 && *py >= 0 && *px <= width - 1 && *py <= height - 1))
+      throw Fail("{}: ({}, {}) is outside the picture of {}x{} px", table.Where(row), *px, *py, width, height);
+    const motion::MarkerSample sample =
+        px ? motion::MarkerSample{{*px, *py}, kClickSigmaPx, motion::SampleStatus::kDetected} : motion::MarkerSample{};
+    corrections.push_back({static_cast<std::int64_t>(number), name, sample, table.Where(row)});
+  }
+  return corrections;
+}
+
+void ApplyCorrections(const std::vector<Correction>& corrections, motion::MarkerRecording& recording) {
+  for (const Correction& correction : corrections) {
+    const auto found = std::find(recording.frame.begin(), recording.frame.end(), correction.frame);
+    if (found == recording.frame.end())
+      throw Fail("{}: frame {} is not in the recording", correction.where, correction.frame);
+    const auto row = static_cast<std::size_t>(found - recording.frame.begin());
+    for (motion::MarkerTrack& marker : recording.markers)
+      if (marker.name == correction.marker) marker.samples[row] = correction.sample;
+  }
+}
+
+}  // namespace lake::commands

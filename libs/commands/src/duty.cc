@@ -1,0 +1,123 @@
+#include <cmath>
+
+#include "lake/actuator/duty_video.h"
+#include "lake/commands/stroke.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/provenance.h"
+#include "lake/figure/stroke_figures.h"
+#include "lake/motion/marker_recording.h"
+
+namespace lake::commands {
+namespace {
+
+void WritePlateaus(const std::filesystem::path& path, const std::vector<actuator::Plateau>& plateaus) {
+  CsvWriter table({"log", "begin_s", "end_s", "duty", "speed_mm_s", "standard_error_mm_s", "used"});
+  for (const actuator::Plateau& p : plateaus)
+    table.Add(p.log)
+        .Add(p.begin_s)
+        .Add(p.end_s)
+        .Add(p.duty)
+        .Add(p.speed_mm_s)
+        .Add(p.standard_error_mm_s)
+        .Add(p.used ? 1 : 0)
+        .EndRow();
+  table.Write(path);
+}
+
+Json BandJson(const actuator::DeadBand& band) {
+  return {{"duty", band.duty}, {"low", band.low}, {"high", band.high}};
+}
+
+Json WriteCalibrationFirmware(const DutyRunOptions& options, Run& run) {
+  options.firmware.Check();
+  const std::string header =
+      actuator::CalibrationHeader(options.firmware, fmt::format("Made by lake-stroke {}.", Version()));
+  return {{"firmware", {{"files", WriteSketch(header, "", run)}, {"segments", 0}}}};
+}
+
+const motion::MarkerTrack& TrackOf(const motion::MarkerRecording& recording, const std::string& name,
+                                   const std::string& file) {
+  if (const motion::MarkerTrack* track = recording.Find(name)) return *track;
+  throw Fail("{}: no marker '{}'; --rod-markers BODY,ROD names the two on the actuator", file, name);
+}
+
+// The distance of the two markers in the frames that show both.
+actuator::ActuatorFilm ReadFilm(const std::filesystem::path& folder, const std::vector<std::string>& names, Run& run) {
+  const std::optional<std::filesystem::path> found = FindResult(folder, "trajectory.csv");
+  if (!found)
+    throw Fail("{}: no trajectory.csv in it; track the video with --scale or a calibrated plane, lengths in mm",
+               folder.string());
+  if (names.size() != 2) throw UsageError("--rod-markers: give two names, BODY,ROD");
+  const std::filesystem::path& file = *found;
+  run.AddInput(file);
+  const motion::MarkerRecording recording = motion::ReadMarkerCsv(file);
+  const motion::MarkerTrack &body = TrackOf(recording, names[0], file.string()),
+                            &rod = TrackOf(recording, names[1], file.string());
+  actuator::ActuatorFilm film;
+  for (std::size_t i = 0; i < recording.Frames(); ++i) {
+    if (body.samples[i].status != motion::SampleStatus::kDetected ||
+        rod.samples[i].status != motion::SampleStatus::kDetected)
+      continue;
+    film.time_s.push_back(recording.time_s[i]);
+    film.length_mm.push_back((rod.samples[i].position - body.samples[i].position).norm());
+  }
+  return film;
+}
+
+std::vector<actuator::DutyLog> ReadLogs(const DutyRunOptions& options, Run& run, Json& alignment) {
+  std::vector<actuator::DutyLog> logs;
+  for (const auto& path : options.logs) run.AddInput(path);
+  if (options.video) {
+    if (options.logs.size() != 1 || options.potentiometer)
+      throw UsageError("--video: give the one log that was written while it was filmed, and no --pot");
+    actuator::AlignedLog aligned = actuator::AlignWithFilm(actuator::ReadDutyCommands(options.logs[0]),
+                                                           ReadFilm(*options.video, options.rod, run));
+    alignment = {{"shift_s", aligned.shift_s}, {"correlation", aligned.correlation}};
+    return {std::move(aligned.log)};
+  }
+  for (const auto& path : options.logs) logs.push_back(actuator::ReadDutyLog(path, options.potentiometer));
+  return logs;
+}
+
+}  // namespace
+
+Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
+  if (options.write_firmware && !options.logs.empty())
+    throw UsageError("--write-firmware comes before there are logs; give one or the other");
+  if (options.write_firmware) return WriteCalibrationFirmware(options, run);
+  if (options.logs.empty()) throw UsageError("which logs? name CSV files, or --write-firmware to make them with");
+  Json alignment;
+  const actuator::DutyCalibration calibration =
+      actuator::CalibrateDuty(ReadLogs(options, run, alignment), options.calibrate);
+  for (const std::string& warning : calibration.warnings) run.Warn(warning);
+  actuator::WriteDutyTable(run.Result("duty_table.csv"), calibration.rows);
+  WritePlateaus(run.Result("plateaus.csv"), calibration.plateaus);
+  figure::DrawDutyCalibration(run.Result("duty_table.png"), calibration);
+  const actuator::DutyTable table = actuator::MakeDutyTable(calibration.rows, "duty_table.csv");
+  return {{"plateaus", calibration.plateaus.size()},
+          {"video", alignment},
+          {"dead_band", {{"extend", BandJson(calibration.extend)}, {"retract", BandJson(calibration.retract)}}},
+          {"largest_speed_mm_s", {{"extend", table.extend.MostSpeed()}, {"retract", table.retract.MostSpeed()}}},
+          {"largest_adjustment_mm_s", calibration.largest_adjustment_mm_s},
+          {"tolerance_percent", calibration.tolerance_percent ? Json(*calibration.tolerance_percent) : Json()}};
+}
+
+std::string DutyReport(const Json& summary) {
+  if (summary.contains("firmware")) return "calibration firmware written; it obeys jog and stop\n";
+  std::string text = fmt::format("{} plateaus\n", summary["plateaus"].get<int>());
+  for (const char* direction : {"extend", "retract"}) {
+    const Json& band = summary["dead_band"][direction];
+    text += fmt::format("{:<8} dead band up to {:.4f} (between {:.4f} and {:.4f}), at most {:.3f} mm/s\n", direction,
+                        band["duty"].get<double>(), band["low"].get<double>(), band["high"].get<double>(),
+                        summary["largest_speed_mm_s"][direction].get<double>());
+  }
+  if (summary["tolerance_percent"].is_number())
+    text += fmt::format("speeds within {:.2f} % of the table, under the loads and supplies that were tried\n",
+                        summary["tolerance_percent"].get<double>());
+  else
+    text += "no duty was tried twice, so the table has no tolerance: lake-stroke will take 10 %\n";
+  return text;
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,96 @@
+#include "lake/commands/gait.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "lake/core/error.h"
+#include "lake/figure/leg_figure.h"
+
+namespace lake::commands {
+namespace {
+
+// Positions without standard deviations that scatter less about smooth curves than any camera's.
+bool WasSmoothed(const exchange::Trial& trial, const gait::LegFitResult& result) {
+  const double least = trial.recording.unit == motion::LengthUnit::kMm ? 0.01 : 0.003;
+  for (const motion::MarkerTrack& marker : trial.recording.markers)
+    for (const motion::MarkerSample& sample : marker.samples)
+      if (sample.IsKnown() && sample.sigma > 0) return false;
+  return std::all_of(result.markers.begin(), result.markers.end(),
+                     [&](const gait::MarkerReport& marker) { return marker.rms < least; });
+}
+
+void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result, Run& run) {
+  for (const std::string& warning : trial.warnings) run.Warn(warning);
+  for (const std::string& warning : result.warnings) run.Warn(warning);
+  if (result.motion.unit == motion::LengthUnit::kPx) run.Warn("the trial has no scale: lengths are in px");
+  const double shank = result.segments.front().length;
+  constexpr double kShortestMm = 100, kLongestMm = 1000;
+  if (result.motion.unit == motion::LengthUnit::kMm && (shank < kShortestMm || shank > kLongestMm))
+    run.Warn(fmt::format("the shank is {:.3g} mm long: is the file in another unit? Give it with --unit", shank));
+  if (WasSmoothed(trial, result))
+    run.Warn(
+        "the positions were smoothed before, and the file does not say how certain they are: the standard deviations "
+        "here are those of what is left, and too small");
+  if (result.events.empty()) run.Warn("no sit-to-stand found: repetition and percent are left empty");
+}
+
+}  // namespace
+
+double MmPerUnit(const std::string& unit) {
+  const std::optional<double> mm_per_unit = exchange::FindMmPerUnit(unit);
+  if (!mm_per_unit) throw UsageError(fmt::format("--unit '{}': mm, cm or m", unit));
+  return *mm_per_unit;
+}
+
+motion::Facing ParseFacing(const std::string& text) {
+  if (text != "left" && text != "right") throw UsageError(fmt::format("--facing '{}': left or right", text));
+  return text == "left" ? motion::Facing::kLeft : motion::Facing::kRight;
+}
+
+exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run) {
+  exchange::Trial trial = exchange::ReadTrial(path, reading);
+  run.AddInput(trial.file);
+  return trial;
+}
+
+gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run) {
+  fit.quiet = run.Quiet();
+  if (trial.faces_right && !fit.facing)
+    fit.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
+  const gait::LegView view = gait::MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px);
+  gait::LegFitResult result = gait::FitLeg(trial.recording, view, fit);
+  SayWarnings(trial, result, run);
+  return result;
+}
+
+Json RunGait(const GaitRunOptions& options, Run& run) {
+  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run);
+  run.Begin({"summary.json", "kinematics.csv", "events.csv", "trajectory.csv", "tracks.csv", "gait.png"});
+  const gait::LegFitResult result = FitTrial(trial, options.fit, run);
+  motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
+  motion::WriteEventsCsv(run.Result("events.csv"), result.events);
+  if (result.trajectory.unit == motion::LengthUnit::kMm)
+    motion::WriteMarkerCsv(run.Result("trajectory.csv"), result.trajectory);
+  if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
+  figure::DrawLegFigure(run.Result("gait.png"), result, options.trial.filename().string());
+  return gait::LegFitJson(result);
+}
+
+std::string GaitReport(const Json& summary) {
+  if (!summary.contains("segments")) return "";
+  std::string text;
+  for (const Json& segment : summary["segments"]) {
+    const std::string unit = segment.contains("length_mm") ? "mm" : "px";
+    text += fmt::format("{}  {:.1f} {}, varies by {:.1f} (SD)\n", segment["name"].get<std::string>(),
+                        segment["length_" + unit].get<double>(), unit, segment["variation_" + unit].get<double>());
+  }
+  const Json& knee = summary["knee"];
+  if (!knee["largest"].is_null())
+    text += fmt::format("knee {:.2f}° to {:.2f}°, ± {:.3f}° (1 SD)\n", knee["smallest"]["deg"].get<double>(),
+                        knee["largest"]["deg"].get<double>(), knee["rms_sigma_deg"].get<double>());
+  return text +
+         fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size());
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,113 @@
+#include "lake/commands/optimize.h"
+
+#include "lake/commands/compare.h"
+#include "lake/commands/optimize_tables.h"
+#include "lake/compare/comparison_file.h"
+#include "lake/core/error.h"
+#include "lake/figure/reoptimize_figures.h"
+#include "lake/figure/synthesis_figures.h"
+#include "lake/redesign/reoptimize_study.h"
+
+namespace lake::commands {
+namespace {
+
+namespace fs = std::filesystem;
+
+Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
+  run.Begin();
+  const synthesis::Study study = synthesis::RunStudy(options.problem, options.study);
+  Json summary = WriteStudy(study, run);
+  figure::DrawConvergence(study.result.starts[std::max(0, study.result.best)], "range of rotation, deg",
+                          run.Result("convergence.png"));
+  if (!study.IsSolved()) {
+    run.WriteSummary(summary);
+    throw SolverError(study.infeasible->sentence);
+  }
+  figure::DrawSensitivity(study, run.Result("sensitivity.png"));
+  figure::DrawMargins(study, run.Result("margin.png"));
+  return summary;
+}
+
+compare::StsCurve ReadHuman(const ReoptimizeRunOptions& options, Run& run) {
+  const compare::TrialTables tables = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
+  compare::RegistrationOptions registration;
+  registration.knee = options.human_knee;
+  const compare::RegisteredTrial trial = compare::RegisterTrial(tables, registration);
+  for (const std::string& warning : trial.warnings) run.Warn(warning);
+  return compare::MeanCurve(trial.repetitions);
+}
+
+redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, Run& run) {
+  redesign::MeasuredMotion measured;
+  if (options.comparison.empty()) {
+    measured.human = ReadHuman(options, run);
+  } else {
+    const compare::ComparedCurves curves = compare::ReadComparison(options.comparison);
+    run.AddInput(fs::is_directory(options.comparison) ? options.comparison / "comparison.json" : options.comparison);
+    measured.human = curves.human, measured.noise_floor_percent = 100 * curves.noise_floor_relative;
+    if (!options.human_only) measured.exo = curves.exo, measured.spike = curves.spike;
+  }
+  if (!options.worn.empty()) {
+    measured.worn = linkage::ReadDesign(options.worn), measured.worn_file = options.worn.string();
+    run.AddInput(options.worn);
+  }
+  return measured;
+}
+
+redesign::ReoptimizeProblem ProblemOf(const OptimizeRunOptions& options) {
+  redesign::ReoptimizeProblem problem;
+  const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
+  problem.design = options.problem;
+  problem.program = reoptimize.program;
+  problem.max_misalignment_percent = reoptimize.max_misalignment_percent;
+  problem.penalty_deg_per_mm = reoptimize.penalty_deg_per_mm;
+  problem.fit_placement = reoptimize.fit_placement;
+  problem.placement_reach_mm = reoptimize.placement_reach_mm;
+  return problem;
+}
+
+Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
+  if (options.reoptimize->comparison.empty() == options.reoptimize->human.empty())
+    throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: give one of both");
+  if (options.reoptimize->comparison.empty() && options.reoptimize->human_only)
+    throw UsageError("--human-only leaves the exoskeleton trial of --comparison out; --human has none");
+  if (!options.reoptimize->comparison.empty() && options.reoptimize->worn.empty() && !options.reoptimize->human_only)
+    throw UsageError(
+        "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "
+        "that trial out with --human-only");
+  if (options.study.round_mm)
+    throw UsageError("--round is of a synthesis alone: a rounded design has another misalignment");
+  redesign::ReoptimizeOptions study_options;
+  study_options.optimize = options.study.optimize;
+  study_options.pareto_points = options.reoptimize->pareto_points;
+  study_options.certify_gap_deg = options.study.certify_gap_deg;
+  study_options.certify_boxes = options.study.certify_boxes;
+  study_options.yield_tolerance_mm = options.study.yield_tolerance_mm;
+  study_options.quiet = options.study.quiet;
+  study_options.Check();
+  const redesign::ReoptimizeProblem problem = ProblemOf(options);
+  problem.CheckOptions();
+  const redesign::MeasuredMotion measured = ReadMeasured(*options.reoptimize, run);
+  run.Begin();
+  const redesign::ReoptimizeStudy study = redesign::RunReoptimization(problem, measured, study_options);
+  Json summary = WriteReoptimization(study, run);
+  figure::DrawConvergence(study.result.starts[std::max(0, study.result.best)].local, "objective, deg",
+                          run.Result("convergence.png"));
+  figure::DrawKneePaths(study, run.Result("knee_paths.png"));
+  if (!study.fronts.empty()) figure::DrawPareto(study, run.Result("pareto.png"));
+  if (!study.IsSolved()) {
+    run.WriteSummary(summary);
+    throw SolverError(study.infeasible->sentence);
+  }
+  return summary;
+}
+
+}  // namespace
+
+Json RunOptimize(const OptimizeRunOptions& options, Run& run) {
+  options.study.Check();
+  if (!options.problem_file.empty()) run.AddInput(options.problem_file);
+  return options.reoptimize ? RunReoptimize(options, run) : RunSynthesis(options, run);
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,260 @@
+#include "lake/commands/simulate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/angles.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/drawing/linkage_animation.h"
+#include "lake/drawing/linkage_figures.h"
+
+namespace lake::commands {
+namespace {
+
+// One line of the table.
+struct Row {
+  linkage::Pose pose;
+  linkage::Transmission transmission;
+  double force_n;
+
+  Row(const linkage::Links& links, double stroke_mm, double knee_torque_nm)
+      : pose(linkage::RequirePose(links, stroke_mm)),
+        transmission(linkage::TransmissionOf(links, pose)),
+        force_n(linkage::ActuatorForce(transmission, knee_torque_nm)) {}
+};
+
+// nullopt at a dead point, where a rate has no finite value.
+std::optional<double> Finite(double value) {
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+// The paper's poses as far as this design has them, and its own largest whole degree.
+std::vector<double> DefaultAngles(const linkage::Links& links, const linkage::UsedRange& range) {
+  const double most = DegreesFromRadians(std::max(range.theta_at_lower_rad, range.theta_at_upper_rad));
+  std::vector<double> angles;
+  for (const double angle : {2.0, 70.0, 110.0, std::floor(most)})
+    if ((angles.empty() || angle > angles.back()) && linkage::StrokeForAngle(links, range, RadiansFromDegrees(angle)))
+      angles.push_back(angle);
+  return angles;
+}
+
+double RequireStroke(const linkage::Links& links, const linkage::UsedRange& range, double angle_deg) {
+  const auto stroke = linkage::StrokeForAngle(links, range, RadiansFromDegrees(angle_deg));
+  if (stroke) return *stroke;
+  throw Fail("the knee angle {}° is outside the range of this design, {:.1f}°..{:.1f}° (strokes {:.6g}..{:.6g} mm)",
+             angle_deg, DegreesFromRadians(std::min(range.theta_at_lower_rad, range.theta_at_upper_rad)),
+             DegreesFromRadians(std::max(range.theta_at_lower_rad, range.theta_at_upper_rad)), range.stroke.lower_mm,
+             range.stroke.upper_mm);
+}
+
+// What is asked for, made sure of before anything is written.
+struct Request {
+  linkage::UsedRange range;
+  std::vector<double> angles_deg, angle_strokes_mm;
+  std::vector<double> shown_mm;  // strokes of both kinds, ascending
+};
+
+Request Resolve(const linkage::Design& design, const SimulationOptions& options) {
+  for (const double stroke : options.strokes_mm) linkage::RequirePose(design.links, stroke);
+  double least_deg = 0;
+  for (const double angle : options.angles_deg) least_deg = std::min(least_deg, angle);
+  Request request;
+  request.range = linkage::FindUsedRange(design.links, design.d_min_mm, design.d_max_mm, RadiansFromDegrees(least_deg));
+  request.angles_deg = options.angles_deg.empty() ? DefaultAngles(design.links, request.range) : options.angles_deg;
+  request.shown_mm = options.strokes_mm;
+  for (const double angle : request.angles_deg) {
+    request.angle_strokes_mm.push_back(RequireStroke(design.links, request.range, angle));
+    request.shown_mm.push_back(request.angle_strokes_mm.back());
+  }
+  std::sort(request.shown_mm.begin(), request.shown_mm.end());
+  request.shown_mm.erase(std::unique(request.shown_mm.begin(), request.shown_mm.end()), request.shown_mm.end());
+  return request;
+}
+
+void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& look, int grid_rows,
+                const std::vector<double>& asked_mm) {
+  std::vector<double> strokes = asked_mm;
+  for (int i = 0; i < grid_rows; ++i)
+    strokes.push_back(i + 1 == grid_rows
+                          ? look.range.stroke.upper_mm
+                          : look.range.stroke.lower_mm + look.range.stroke.Travel() * i / (grid_rows - 1));
+  std::sort(strokes.begin(), strokes.end());
+  strokes.erase(std::unique(strokes.begin(), strokes.end()), strokes.end());
+  CsvWriter table({"stroke_mm", "knee_deg", "deg_per_mm", "moment_arm_mm", "force_n", "transmission_deg",
+                   "actuator_angle_deg", "branch"});
+  for (const double stroke : strokes) {
+    const Row row(look.links, stroke, look.knee_torque_nm);
+    table.Add(stroke)
+        .Add(DegreesFromRadians(row.pose.theta_rad))
+        .Add(Finite(DegreesFromRadians(row.transmission.radians_per_mm)));
+    table.Add(Finite(row.transmission.moment_arm_mm)).Add(Finite(row.force_n));
+    table.Add(DegreesFromRadians(row.transmission.transmission_rad))
+        .Add(DegreesFromRadians(row.transmission.actuator_rad));
+    table.Add(static_cast<int>(row.pose.branch)).EndRow();
+  }
+  table.Write(path);
+}
+
+Json RowJson(const Row& row) {
+  return {{"stroke_mm", row.pose.stroke_mm},
+          {"knee_deg", DegreesFromRadians(row.pose.theta_rad)},
+          {"deg_per_mm", DegreesFromRadians(row.transmission.radians_per_mm)},
+          {"moment_arm_mm", row.transmission.moment_arm_mm},
+          {"force_n", row.force_n},
+          {"transmission_deg", DegreesFromRadians(row.transmission.transmission_rad)},
+          {"actuator_angle_deg", DegreesFromRadians(row.transmission.actuator_rad)},
+          {"shank_pressure_deg", DegreesFromRadians(row.transmission.shank_pressure_rad)},
+          {"actuator_pressure_deg", DegreesFromRadians(row.transmission.actuator_pressure_rad)}};
+}
+
+Json RangeJson(const linkage::Design& design, const linkage::UsedRange& range) {
+  const char* const kEnds[] = {"d_max", range.theta_at_upper_rad == 0 ? "standing" : "least angle asked for",
+                               "knee angle turns back", "end of assembly"};
+  Json assembly = Json::array();
+  for (const linkage::StrokeRange& part : linkage::AssemblyRanges(design.links))
+    assembly.push_back({part.lower_mm, part.upper_mm});
+  return {{"range_deg", DegreesFromRadians(range.theta_at_lower_rad)},
+          {"least_deg", DegreesFromRadians(range.theta_at_upper_rad)},
+          {"used_stroke_mm", {range.stroke.lower_mm, range.stroke.upper_mm}},
+          {"travel_mm", range.stroke.Travel()},
+          {"used_range_ends_at", kEnds[static_cast<int>(range.end)]},
+          {"assembly_ranges_mm", assembly},
+          {"turning_strokes_mm", linkage::TurningStrokes(design.links)}};
+}
+
+Json SingularityJson(const linkage::Links& links, double stroke_mm) {
+  const linkage::SingularityDistances distances =
+      linkage::DistancesToSingularities(links, linkage::RequirePose(links, stroke_mm));
+  return {{"stroke_mm", stroke_mm},
+          {"actuator_folded_mm", distances.actuator_folded_mm},
+          {"actuator_extended_mm", distances.actuator_extended_mm},
+          {"shank_folded_mm", distances.shank_folded_mm},
+          {"shank_extended_mm", distances.shank_extended_mm}};
+}
+
+Json WearJson(const linkage::Body& body, const linkage::WearCheck& check) {
+  return {{"height_mm", body.height_mm},
+          {"mass_kg", body.mass_kg},
+          {"thigh_mm", body.thigh.length_mm},
+          {"shank_mm", body.shank.length_mm},
+          {"seated_deg", check.seated_deg},
+          {"standing_deg", check.standing_deg},
+          {"mount_below_hip_mm", check.mount_below_hip_mm},
+          {"mount_behind_thigh_mm", check.mount_behind_thigh_mm},
+          {"seat_clearance_mm", check.seat_clearance_mm},
+          {"seat_edge_needed_mm", check.seat_edge_needed_mm},
+          {"actuator_to_thigh_mm", check.thigh_clearance_mm},
+          {"actuator_to_thigh_at_deg", check.thigh_clearance_deg},
+          {"actuator_to_shank_mm", check.shank_clearance_mm},
+          {"actuator_to_shank_at_deg", check.shank_clearance_deg},
+          {"reach_behind_standing_mm", check.reach_behind_standing_mm},
+          {"fits_along_thigh", check.FitsAlongThigh()},
+          {"clears_seat", check.ClearsSeat()},
+          {"clears_limb", check.ClearsLimb()}};
+}
+
+void WarnOf(const linkage::Design& design, const linkage::UsedRange& range, Run& run) {
+  const double range_deg = DegreesFromRadians(range.theta_at_lower_rad);
+  if (design.range_deg && std::abs(*design.range_deg - range_deg) > 0.01)
+    run.Warn(fmt::format("the design says range_deg = {}, but its links give {:.4f}°", *design.range_deg, range_deg));
+  constexpr double kRounding_mm = 1e-4;  // as the message shows it
+  if (design.d_max_mm && *design.d_max_mm > range.stroke.upper_mm + kRounding_mm)
+    run.Warn(fmt::format("d_max = {} mm is past the used range, which ends at {:.4f} mm", *design.d_max_mm,
+                         range.stroke.upper_mm));
+  const double slack =
+      linkage::DistancesToSingularities(design.links, linkage::RequirePose(design.links, design.d_min_mm))
+          .actuator_folded_mm;
+  if (slack < 1)
+    run.Warn(fmt::format(
+        "at d_min the linkage is {:.3g} mm from the actuator's dead point: the force there has no bound", slack));
+}
+
+void DrawPictures(const drawing::LinkageLook& look, const Request& request, const linkage::WearCheck& check, Run& run) {
+  Progress progress("pictures", "files", static_cast<std::int64_t>(2 * request.angles_deg.size() + 4), run.Quiet());
+  for (const char* ending : {"png", "svg"}) {
+    drawing::DrawAngleVsStroke(run.Result(fmt::format("angle_vs_stroke.{}", ending)), look, request.shown_mm);
+    progress.Advance();
+    for (std::size_t i = 0; i < request.angles_deg.size(); ++i) {
+      ThrowIfInterrupted();
+      const std::string name = fmt::format("pose_{}.{}", FormatNumber(request.angles_deg[i]), ending);
+      drawing::DrawLinkagePose(run.Result(name), look, linkage::RequirePose(look.links, request.angle_strokes_mm[i]));
+      progress.Advance();
+    }
+  }
+  const double middle = 0.5 * (look.range.stroke.lower_mm + look.range.stroke.upper_mm);
+  drawing::DrawLinkageSchematic(run.Result("schematic.svg"), look.links, linkage::RequirePose(look.links, middle));
+  progress.Advance();
+  drawing::DrawMannequin(run.Result("mannequin.png"), look, check);
+  progress.Advance();
+}
+
+}  // namespace
+
+void SimulationOptions::Check() const {
+  const auto require = [](bool good, const char* option, double value) {
+    if (!good) throw UsageError(fmt::format("{} {} makes no sense here", option, value));
+  };
+  for (const double stroke : strokes_mm) require(std::isfinite(stroke) && stroke > 0, "--stroke", stroke);
+  for (const double angle : angles_deg) require(std::abs(angle) <= 360, "--angles", angle);
+  require(std::isfinite(knee_torque_nm) && knee_torque_nm != 0, "--knee-torque", knee_torque_nm);
+  require(rows >= 2 && rows <= 1'000'000, "--rows", rows);
+  require(seat_edge_mm >= 0 && seat_edge_mm < 5000, "--seat-edge", seat_edge_mm);
+  require(actuator_diameter_mm > 0 && actuator_diameter_mm < 1000, "--actuator-diameter", actuator_diameter_mm);
+}
+
+Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& options, Run& run) {
+  options.Check();
+  options.plates.Check();
+  const Request request = Resolve(design, options);
+  run.Begin();
+  constexpr double kMillimetresPerCentimetre = 10;
+  const drawing::LinkageLook look{
+      design.links,
+      request.range,
+      linkage::BodyOf(options.body_height_cm * kMillimetresPerCentimetre, options.body_mass_kg),
+      {options.plates.bar_width_mm, options.actuator_diameter_mm, options.seat_edge_mm},
+      options.knee_torque_nm};
+  const linkage::WearCheck check = linkage::CheckWear(look.links, look.range, look.body, look.wear);
+  WarnOf(design, request.range, run);
+  WriteTable(run.Result("angle_vs_stroke.csv"), look, options.rows, request.shown_mm);
+  drawing::WriteLinkPlates(run.Result("design.dxf"), design.links, options.plates);
+  DrawPictures(look, request, check, run);
+  if (options.animation) drawing::WriteLinkageAnimation(run.Result("animation.mp4"), run.Result("animation.gif"), look);
+
+  Json summary = RangeJson(design, request.range);
+  const auto values = design.links.Values();
+  for (std::size_t i = 0; i < values.size(); ++i) summary["links"][fmt::format("l{}", i + 1)] = values[i];
+  const linkage::Grashof grashof = linkage::GrashofOf(design.links);
+  summary["grashof"] = {{"class", linkage::NameOf(grashof.type)}, {"slack_mm", grashof.slack_mm}};
+  summary["singularities"] = {SingularityJson(design.links, request.range.stroke.lower_mm),
+                              SingularityJson(design.links, request.range.stroke.upper_mm)};
+  summary["knee_torque_nm"] = options.knee_torque_nm;
+  summary["poses"] = Json::array();
+  for (const double stroke : request.shown_mm)
+    summary["poses"].push_back(RowJson(Row(design.links, stroke, options.knee_torque_nm)));
+  summary["mannequin"] = WearJson(look.body, check);
+  return summary;
+}
+
+std::string SimulationReport(const Json& summary) {
+  const Json& used = summary["used_stroke_mm"];
+  std::string text = fmt::format(
+      "range {:.4f}° to {:.4f}° over strokes {:.4f} to {:.4f} mm (travel {:.2f} mm, ends at: {})\n",
+      NumberOrNaN(summary["range_deg"]), NumberOrNaN(summary["least_deg"]), NumberOrNaN(used[0]), NumberOrNaN(used[1]),
+      NumberOrNaN(summary["travel_mm"]), summary["used_range_ends_at"].get<std::string>());
+  text += fmt::format("Grashof: {}, slack {:.4g} mm; actuator {:.4g} mm from its dead point at d_min\n",
+                      summary["grashof"]["class"].get<std::string>(), NumberOrNaN(summary["grashof"]["slack_mm"]),
+                      NumberOrNaN(summary["singularities"][0]["actuator_folded_mm"]));
+  text += fmt::format("{:>10} {:>9} {:>9} {:>10} {:>9} {:>13} {:>11}\n", "stroke mm", "knee °", "° per mm",
+                      "arm mm/rad", "force N", "transmission °", "actuator °");
+  for (const Json& pose : summary["poses"])
+    text += fmt::format("{:>10.4f} {:>9.4f} {:>9.4f} {:>10.3f} {:>9.1f} {:>14.3f} {:>10.3f}\n",
+                        NumberOrNaN(pose["stroke_mm"]), NumberOrNaN(pose["knee_deg"]), NumberOrNaN(pose["deg_per_mm"]),
+                        NumberOrNaN(pose["moment_arm_mm"]), NumberOrNaN(pose["force_n"]),
+                        NumberOrNaN(pose["transmission_deg"]), NumberOrNaN(pose["actuator_angle_deg"]));
+  return text;
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,341 @@
+#include "lake/commands/stroke.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/actuator/prototype_validation.h"
+#include "lake/core/angles.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "lake/core/provenance.h"
+#include "lake/core/statistics.h"
+#include "lake/figure/stroke_figures.h"
+#include "lake/motion/leg_motion.h"
+
+namespace lake::commands {
+namespace {
+
+namespace fs = std::filesystem;
+
+motion::LegMotion ReadMotion(const fs::path& folder, Run& run) {
+  const std::optional<fs::path> file = FindResult(folder, "kinematics.csv");
+  if (!file)
+    throw Fail("{}: no kinematics.csv in it; give a folder that lake-track or lake-gait wrote", folder.string());
+  run.AddInput(*file);
+  return motion::ReadKinematicsCsv(*file);
+}
+
+// The knee angle nearest to a percent, meaned over the repetitions.
+double AngleAtPercent(const motion::LegMotion& motion, double percent, const fs::path& folder) {
+  constexpr double kNear = 3;  // percent; a sample of any ordinary frame rate is nearer
+  std::vector<double> angles;
+  std::vector<std::pair<double, double>> nearest;  // by repetition: distance, angle
+  for (const motion::LegSample& sample : motion.samples) {
+    if (!sample.repetition || std::isnan(sample.percent) || std::isnan(sample.knee_deg)) continue;
+    const auto index = static_cast<std::size_t>(std::clamp(*sample.repetition, 1, 10'000));
+    if (nearest.size() < index) nearest.resize(index, {kNear, 0});
+    const double distance = std::abs(sample.percent - percent);
+    if (distance <= nearest[index - 1].first) nearest[index - 1] = {distance, sample.knee_deg};
+  }
+  for (const auto& [distance, angle] : nearest)
+    if (distance < kNear) angles.push_back(angle);
+  if (angles.empty())
+    throw Fail("{}: no sit-to-stand with a knee angle at {} %; give --from-angle and --to-angle", folder.string(),
+               percent);
+  return Mean(angles);
+}
+
+// Fills in the angles between which a person rises, as far as the design has them.
+void TakeMotion(const StrokeRunOptions& options, const linkage::Design& design, actuator::ScheduleOptions& schedule,
+                Run& run) {
+  if (!options.motion) return;
+  if (!schedule.speed_mm_s && design.program && design.program->kind == linkage::StrokeProgram::Kind::kFree)
+    throw UsageError(
+        "--motion says where a constant program begins and ends, and this design's program has knots of its own: leave "
+        "--motion out, or give a constant speed with --speed");
+  const motion::LegMotion motion = ReadMotion(*options.motion, run);
+  const actuator::SoftLimits limits = actuator::SoftLimitsOf(design, schedule.margin_mm);
+  const double a = actuator::KneeDegAt(design.links, limits.lower_mm),
+               b = actuator::KneeDegAt(design.links, limits.upper_mm);
+  const auto take = [&](std::optional<double>& angle, double percent) {
+    if (angle) return;
+    const double human = AngleAtPercent(motion, percent, *options.motion);
+    angle = std::clamp(human, std::min(a, b), std::max(a, b));
+    if (*angle != human)
+      run.Warn(fmt::format("the knee angle at {} % is {:.2f}°; the design's soft limits end at {:.2f}°, which is taken",
+                           percent, human, *angle));
+  };
+  take(schedule.from_deg, 0), take(schedule.to_deg, 100);
+}
+
+double FastestKnee(const std::vector<actuator::ScheduleRow>& rows) {
+  double fastest = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    fastest =
+        std::max(fastest, std::abs(rows[i].knee_deg - rows[i - 1].knee_deg) / (rows[i].time_s - rows[i - 1].time_s));
+  return fastest;
+}
+
+Json ProgramJson(const actuator::StrokeSchedule& schedule, const std::vector<actuator::ScheduleRow>& rows) {
+  double fastest = 0;
+  for (const actuator::ScheduleRow& row : rows) fastest = std::max(fastest, std::abs(row.speed_mm_s));
+  return {{"duration_s", schedule.Duration()},
+          {"rows", rows.size()},
+          {"start", {{"stroke_mm", rows.front().stroke_mm}, {"knee_deg", rows.front().knee_deg}}},
+          {"end", {{"stroke_mm", rows.back().stroke_mm}, {"knee_deg", rows.back().knee_deg}}},
+          {"largest_speed_mm_s", fastest},
+          {"largest_knee_deg_s", FastestKnee(rows)},
+          {"reversals", schedule.reversals},
+          {"added_rest_s", schedule.added_rest_s},
+          {"soft_limits_mm", {schedule.limits.lower_mm, schedule.limits.upper_mm}},
+          {"used_stroke_mm", {schedule.limits.used.stroke.lower_mm, schedule.limits.used.stroke.upper_mm}}};
+}
+
+// Who made a generated header, for its comment.
+std::string MadeBy(const std::string& from) {
+  return fmt::format("Made by lake-stroke {} from {}.", Version(), from);
+}
+
+Json CrawlJson(const actuator::CrawlSummary& crawl) {
+  return {{"stretches", crawl.stretches},
+          {"duration_s", crawl.duration_s},
+          {"stroke_error_mm", crawl.stroke_error_mm},
+          {"knee_error_deg", crawl.knee_error_deg},
+          {"added_rest_s", crawl.added_rest_s}};
+}
+
+// What goes into the flash.
+struct Sketch {
+  actuator::StrokeTable table;
+  double home_stroke_mm = 0;
+  std::optional<double> extend_stop_mm;
+  actuator::DriftForecast drift;
+  std::string header, warning;
+};
+
+Json DriftJson(const actuator::DriftForecast& drift, bool accepted) {
+  return {{"tolerance_percent", drift.tolerance_percent},
+          {"tolerance_measured", drift.is_measured},
+          {"tolerable_percent", drift.tolerable_percent},
+          {"end_mm", drift.end_mm},
+          {"nearest", {{"time_s", drift.time_s}, {"planned_mm", drift.planned_mm}, {"drift_mm", drift.drift_mm}}},
+          {"last_drift_mm", drift.last_drift_mm},
+          {"fits", drift.Fits()},
+          {"accepted", accepted}};
+}
+
+Json FirmwareJson(const Json& files, const Sketch& sketch, bool accept_drift) {
+  const actuator::StrokeTable& stroke = sketch.table;
+  return {{"files", files},
+          {"segments", stroke.segments.size()},
+          {"segment_bytes", stroke.segments.size() * actuator::kSegmentBytes},
+          {"rounding_error_mm", stroke.rounding_error_mm},
+          {"pwm_error_mm", stroke.pwm_error_mm},
+          {"home_stroke_mm", sketch.home_stroke_mm},
+          {"extend_stop_mm", sketch.extend_stop_mm ? Json(*sketch.extend_stop_mm) : Json()},
+          {"drift", DriftJson(sketch.drift, accept_drift)}};
+}
+
+const char* VerdictText(actuator::Verdict verdict) {
+  switch (verdict) {
+    case actuator::Verdict::kFollows:
+      return "follows the prediction";
+    case actuator::Verdict::kOtherSpeed:
+      return "has the predicted angles at another speed";
+    case actuator::Verdict::kOtherAngles:
+      break;
+  }
+  return "differs from the prediction";
+}
+
+Json ValidationJson(const actuator::Validation& v, double tolerance_deg) {
+  return {{"verdict", VerdictText(actuator::Judge(v, tolerance_deg))},
+          {"tolerance_deg", tolerance_deg},
+          {"travel_factor", v.travel_factor},
+          {"start_with_factor_s", v.start_with_factor_s},
+          {"rms_with_factor_deg", v.rms_with_factor_deg},
+          {"drift_mm", v.drift_mm},
+          {"shift_s", v.shift_s},
+          {"rms_deg", v.rms_deg},
+          {"max_deg", v.max_deg},
+          {"max_time_s", v.max_time_s},
+          {"offset_deg", v.offset_deg},
+          {"rms_with_offset_deg", v.rms_with_offset_deg},
+          {"speed_mm_s", v.speed_mm_s},
+          {"speed_se_mm_s", v.speed_se_mm_s},
+          {"program_seen", v.covered}};
+}
+
+actuator::Validation Validate(const actuator::StrokeSchedule& schedule, const fs::path& folder, Run& run) {
+  const motion::LegMotion motion = ReadMotion(folder, run);
+  std::vector<actuator::AngleSample> samples;
+  for (std::size_t i = 0; i < motion.samples.size(); ++i)
+    if (!std::isnan(motion.samples[i].knee_deg)) samples.push_back({motion.time_s[i], motion.samples[i].knee_deg});
+  try {
+    return actuator::ValidatePrototype(schedule, samples);
+  } catch (const Error& error) {
+    throw Fail("{}: {}", folder.string(), error.what());
+  }
+}
+
+void WarnOfValidation(const actuator::Validation& v, const actuator::StrokeSchedule& schedule, Run& run) {
+  if (v.covered < 0.95) run.Warn(fmt::format("the video shows {:.0f} % of the program", 100 * v.covered));
+  if (std::abs(v.offset_deg) > 1 && v.rms_with_offset_deg < 0.5 * v.rms_deg)
+    run.Warn(fmt::format("a constant {:+.2f}° explains most of the difference: a marker or a link off its place?",
+                         v.offset_deg));
+  if (std::isnan(v.speed_mm_s)) return;
+  const double planned = (schedule.knots[1].stroke_mm - schedule.knots[0].stroke_mm) / schedule.Duration();
+  if (std::abs(v.speed_mm_s - planned) > std::max(0.01 * std::abs(planned), 3 * v.speed_se_mm_s))
+    run.Warn(fmt::format("the prototype moved at {:.3f} ± {:.3f} mm/s, not at {:.3f}", v.speed_mm_s, v.speed_se_mm_s,
+                         planned));
+}
+
+// The program as the motor can run it, and what is known of the motor.
+struct StrokePlan {
+  actuator::StrokeSchedule schedule;
+  std::optional<actuator::DutyTable> table;
+  actuator::CrawlSummary crawl;
+};
+
+StrokePlan MakePlan(const StrokeRunOptions& options, const linkage::Design& design, Run& run) {
+  actuator::ScheduleOptions how = options.schedule;
+  TakeMotion(options, design, how, run);
+  StrokePlan plan;
+  plan.schedule = actuator::MakeSchedule(design, how);
+  if (options.duty_table) {
+    plan.table = actuator::ReadDutyTable(*options.duty_table);
+    run.AddInput(*options.duty_table);
+    actuator::CheckSpeeds(plan.schedule, *plan.table);
+    plan.crawl = actuator::StepInsteadOfCrawling(plan.schedule, *plan.table, how.dead_time_s);
+  }
+  if (how.max_acceleration_mm_s2)
+    actuator::LimitAcceleration(plan.schedule, *how.max_acceleration_mm_s2, how.dead_time_s);
+  return plan;
+}
+
+// None without a duty table.
+std::optional<Sketch> MakeSketch(const StrokeRunOptions& options, const StrokePlan& plan) {
+  if (!plan.table) return std::nullopt;
+  actuator::FirmwareOptions firmware = options.firmware;
+  firmware.dead_time_s = options.schedule.dead_time_s;
+  const actuator::StrokeTable table = actuator::MakeStrokeTable(plan.schedule, *plan.table, firmware);
+  const std::string from =
+      fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string());
+  return Sketch{table,
+                actuator::HomeStroke(table, plan.schedule, firmware),
+                actuator::ExtendStop(plan.schedule, firmware),
+                actuator::ForecastDrift(table, plan.schedule, *plan.table, firmware),
+                actuator::StrokeTableHeader(table, plan.schedule, *plan.table, firmware, MadeBy(from)),
+                firmware.accept_drift ? actuator::kDriftAccepted : ""};
+}
+
+Json WriteValidation(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule,
+                     const actuator::Validation& validation, Run& run) {
+  WarnOfValidation(validation, schedule, run);
+  actuator::WriteValidationCsv(run.Result("validation.csv"), validation);
+  figure::DrawValidation(run.Result("validation.png"), schedule, validation,
+                         fmt::format("Prototype {} against {}", options.validate->filename().string(),
+                                     options.design.filename().string()));
+  return ValidationJson(validation, options.tolerance_deg);
+}
+
+std::string DriftReport(const Json& firmware) {
+  const Json &drift = firmware["drift"], &nearest = drift["nearest"];
+  std::string text = fmt::format(
+      "drift: with speeds within {:.3g} % of the duty table{} {:.3f} ± {:.3f} mm at most, the linkage ends at {:.3f} "
+      "mm\n"
+      "home: put the retract end stop at {:.3f} mm\n",
+      drift["tolerance_percent"].get<double>(), drift["tolerance_measured"].get<bool>() ? "" : " (not measured)",
+      nearest["planned_mm"].get<double>(), nearest["drift_mm"].get<double>(), drift["end_mm"].get<double>(),
+      firmware["home_stroke_mm"].get<double>());
+  if (firmware["extend_stop_mm"].is_number())
+    text += fmt::format("extend end stop: put it at {:.3f} mm; it ends what the drift carries too far\n",
+                        firmware["extend_stop_mm"].get<double>());
+  if (drift["accepted"].get<bool>()) text += "DRIFT ACCEPTED: only for a bench without a person\n";
+  return text;
+}
+
+}  // namespace
+
+Json WriteSketch(const std::string& stroke_table, const std::string& warning, Run& run) {
+  const auto place = [&](const std::string& name) { return run.Result(actuator::kSketchFolder + ("/" + name)); };
+  WriteTextFile(place("stroke_table.h"), stroke_table);
+  WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // where the interfaces have it
+  Json files = {"stroke_table.h", std::string(actuator::kSketchFolder) + "/stroke_table.h"};
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
+    WriteTextFile(place(file.name), file.name.ends_with(".ino") ? warning + file.text : file.text);
+    files.push_back(std::string(actuator::kSketchFolder) + "/" + file.name);
+  }
+  return files;
+}
+
+Json RunStroke(const StrokeRunOptions& options, Run& run) {
+  if (!(options.tolerance_deg > 0 && options.tolerance_deg <= 90))
+    throw UsageError(fmt::format("--tolerance must be above 0 and at most 90 degrees, not {}", options.tolerance_deg));
+  const linkage::Design design = linkage::ReadDesign(options.design);
+  run.AddInput(options.design);
+  const StrokePlan plan = MakePlan(options, design, run);
+  const std::optional<Sketch> sketch = MakeSketch(options, plan);
+  const std::vector<actuator::ScheduleRow> rows =
+      actuator::SampleSchedule(plan.schedule, options.rate_hz, plan.table ? &*plan.table : nullptr);
+  std::optional<actuator::Validation> validation;
+  if (options.validate) validation = Validate(plan.schedule, *options.validate, run);
+
+  if (!sketch && !validation)
+    run.Warn(
+        "no duty table: the duty is left empty and no firmware is written; measure one (lake-stroke calibrate) and "
+        "give it with --duty-table");
+  if (sketch && options.firmware.accept_drift)
+    run.Warn(
+        fmt::format("the drift was accepted: {:.3f} ± {:.3f} mm, and the linkage ends at {:.3f} mm; only for a bench "
+                    "without a person",
+                    sketch->drift.planned_mm, sketch->drift.drift_mm, sketch->drift.end_mm));
+  actuator::WriteScheduleCsv(run.Result("program.csv"), rows);
+  figure::DrawStrokeProgram(run.Result("program.png"), plan.schedule, rows,
+                            "Stroke program of " + options.design.filename().string());
+  Json summary = ProgramJson(plan.schedule, rows);
+  summary["crawling"] = CrawlJson(plan.crawl);
+  summary["firmware"] =
+      sketch ? FirmwareJson(WriteSketch(sketch->header, sketch->warning, run), *sketch, options.firmware.accept_drift)
+             : Json();
+  if (validation) summary["validation"] = WriteValidation(options, plan.schedule, *validation, run);
+  return summary;
+}
+
+std::string StrokeReport(const Json& summary) {
+  const auto pose = [&](const Json& end) {
+    return fmt::format("{:.3f} mm ({:.2f}°)", NumberOrNaN(end["stroke_mm"]), NumberOrNaN(end["knee_deg"]));
+  };
+  std::string text = fmt::format("{} to {} in {:.3f} s, at most {:.3f} mm/s and {:.1f} °/s of the knee; {} reversals\n",
+                                 pose(summary["start"]), pose(summary["end"]), NumberOrNaN(summary["duration_s"]),
+                                 NumberOrNaN(summary["largest_speed_mm_s"]), NumberOrNaN(summary["largest_knee_deg_s"]),
+                                 summary["reversals"].get<int>());
+  text += fmt::format("soft limits {:.3f} and {:.3f} mm\n", NumberOrNaN(summary["soft_limits_mm"][0]),
+                      NumberOrNaN(summary["soft_limits_mm"][1]));
+  if (const Json& crawl = summary["crawling"]; crawl["stretches"].get<int>() > 0)
+    text += fmt::format(
+        "slower than anything in the duty table for {:.2f} s: rests and steps instead, at most {:.3f} mm ({:.2f}°) "
+        "behind the program\n",
+        NumberOrNaN(crawl["duration_s"]), NumberOrNaN(crawl["stroke_error_mm"]), NumberOrNaN(crawl["knee_error_deg"]));
+  if (const Json& firmware = summary["firmware"]; !firmware.is_null())
+    text += fmt::format("firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n",
+                        firmware["segments"].get<int>(), NumberOrNaN(firmware["rounding_error_mm"]),
+                        NumberOrNaN(firmware["pwm_error_mm"])) +
+            DriftReport(firmware);
+  if (summary.contains("validation")) {
+    const Json& v = summary["validation"];
+    text += fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, program begins at {:.3f} s",
+                        NumberOrNaN(v["rms_deg"]), NumberOrNaN(v["max_deg"]), NumberOrNaN(v["shift_s"]));
+    if (!std::isnan(NumberOrNaN(v["speed_mm_s"])))
+      text += fmt::format(", its own speed {:.3f} ± {:.3f} mm/s", NumberOrNaN(v["speed_mm_s"]),
+                          NumberOrNaN(v["speed_se_mm_s"]));
+    text += fmt::format(
+        "\nverdict: it {} (within {}° RMS); from {:.3f} s on it travels {:.4f} of the program, drift at its end "
+        "{:+.2f} mm, then RMS {:.3f}°\n",
+        v["verdict"].get<std::string>(), NumberOrNaN(v["tolerance_deg"]), NumberOrNaN(v["start_with_factor_s"]),
+        NumberOrNaN(v["travel_factor"]), NumberOrNaN(v["drift_mm"]), NumberOrNaN(v["rms_with_factor_deg"]));
+  }
+  return text;
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,335 @@
+#include "lake/commands/track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "corrections.h"
+#include "lake/core/error.h"
+#include "lake/exchange/c3d.h"
+#include "lake/exchange/formats.h"
+#include "lake/figure/leg_figure.h"
+#include "lake/figure/tracks_figure.h"
+#include "lake/overlay/overlay_video.h"
+#include "lake/video/video_files.h"
+
+namespace lake::commands {
+namespace {
+
+std::optional<camera::CameraProfile> ReadCamera(const TrackRunOptions& options, const video::VideoInfo& video) {
+  if (!options.camera) return std::nullopt;
+  camera::CameraProfile profile = camera::ReadCameraProfile(*options.camera);
+  if (profile.camera.image_width != video.width || profile.camera.image_height != video.height)
+    throw Fail("{}: calibrated at {}x{} px, but {} is {}x{} px; calibrate at the resolution that is recorded",
+               options.camera->string(), profile.camera.image_width, profile.camera.image_height,
+               options.video.string(), video.width, video.height);
+  return profile;
+}
+
+// mm per px of the scale bar, its ends freed from the lens's distortion if that is known.
+std::optional<double> MmPerPx(const TrackRunOptions& options, const std::optional<camera::CameraProfile>& profile,
+                              Run& run) {
+  if (!options.scale) return std::nullopt;
+  if (profile && profile->camera_from_plane) {
+    run.Warn("--scale is not used: the camera file has a calibrated plane");
+    return std::nullopt;
+  }
+  const auto [x1, y1, x2, y2, length_mm] = *options.scale;
+  const gait::LegView unscaled = gait::MakeLegView(motion::LengthUnit::kPx, profile);
+  const double length_px =
+      (gait::PlaneFromRecorded(unscaled, {x1, y1}, 0) - gait::PlaneFromRecorded(unscaled, {x2, y2}, 0)).norm();
+  if (!(length_px >= 1) || !(length_mm > 0))
+    throw UsageError("--scale: the bar must be at least 1 px and more than 0 mm long");
+  return length_mm / length_px;
+}
+
+gait::LegView MakeView(const TrackRunOptions& options, const video::VideoInfo& video, Run& run) {
+  const std::optional<camera::CameraProfile> profile = ReadCamera(options, video);
+  return gait::MakeLegView(motion::LengthUnit::kPx, profile, MmPerPx(options, profile, run), options.depth_mm);
+}
+
+void WarnOfUnit(const gait::LegView& view, bool has_camera, Run& run) {
+  if (gait::PlaneUnit(view) == motion::LengthUnit::kPx)
+    run.Warn(has_camera ? "the camera file has no sagittal plane and no --scale is given: lengths stay in px"
+                        : "neither --camera with a plane nor --scale is given: lengths stay in px");
+}
+
+bool HasLeg(const std::vector<std::string>& names) {
+  return std::all_of(tracking::kLegMarkers.begin(), tracking::kLegMarkers.begin() + 3,
+                     [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); });
+}
+
+// Puts the fit's positions in the places of the detections. What lies behind a marker's edge displaces it by some
+// thousandths of a pixel that are the same in every frame, so no smoothing makes a position better than that. Where the
+// fit took a detection for an outlier (a jolt of the heel within a frame or two), what was seen stays.
+void TakeFittedPositions(const gait::LegFitResult& fit, const gait::LegFitOptions& options, const gait::LegView& view,
+                         motion::MarkerRecording& tracks) {
+  constexpr double kSystematicPx = 0.006;
+  for (std::size_t m = 0; m < tracks.markers.size(); ++m) {
+    const double depth = view.Depth(tracks.markers[m].name);
+    for (std::size_t i = 0; i < tracks.Frames(); ++i) {
+      motion::MarkerSample& sample = tracks.markers[m].samples[i];
+      const motion::MarkerSample& fitted = fit.trajectory.markers[m].samples[i];
+      if (sample.status != motion::SampleStatus::kDetected || !fitted.IsKnown()) continue;
+      const Eigen::Vector2d position = gait::RecordedFromPlane<double>(view, fitted.position, depth);
+      if ((position - sample.position).norm() > options.outlier_deviations * sample.sigma) continue;
+      sample.position = position;
+      sample.sigma =
+          std::hypot(fitted.sigma / gait::PlaneUnitsPerRecorded(view, fitted.position, depth), kSystematicPx);
+    }
+  }
+}
+
+// Of a recording without a leg: the plane positions of what was seen.
+motion::MarkerRecording InPlane(const motion::MarkerRecording& tracks, const gait::LegView& view) {
+  motion::MarkerRecording trajectory = tracks;
+  trajectory.unit = gait::PlaneUnit(view);
+  for (motion::MarkerTrack& marker : trajectory.markers)
+    for (motion::MarkerSample& sample : marker.samples) {
+      if (!sample.IsKnown()) continue;
+      const double depth = view.Depth(marker.name);
+      sample.position = gait::PlaneFromRecorded(view, sample.position, depth);
+      sample.sigma *= gait::PlaneUnitsPerRecorded(view, sample.position, depth);
+    }
+  return trajectory;
+}
+
+Json VideoJson(const tracking::TrackResult& tracked) {
+  const video::VideoInfo& video = tracked.video;
+  return {{"width", video.width},
+          {"height", video.height},
+          {"frames", tracked.recording.Frames()},
+          {"frame_rate_hz", video.frame_rate_hz},
+          {"codec", video.codec},
+          {"rotation_deg", video.rotation_deg},
+          {"irregular_time_stamps", video.irregular_stamps},
+          {"start_s", tracked.recording.time_s.front()},
+          {"end_s", tracked.recording.time_s.back()}};
+}
+
+Json TrackingJson(const tracking::TrackResult& tracked) {
+  return {{"things_followed", tracked.tracklets},
+          {"median_radius_px", tracked.radius_px},
+          {"sigma_of_fits_px", tracked.sigma.fit_px},
+          {"scatter_px", tracked.sigma.scatter_px},
+          {"compression_px", tracked.sigma.compression_px}};
+}
+
+void WarnOfVideo(const video::VideoInfo& video, Run& run) {
+  if (video.irregular_stamps)
+    run.Warn(
+        fmt::format("the frames' time stamps are irregular ({:.4g} to {:.4g} s apart); each frame's own stamp is used",
+                    video.shortest_interval_s, video.longest_interval_s));
+  if (video.repaired_stamps > 0)
+    run.Warn(fmt::format("{} frames have no time stamp: each is put one frame's duration after the one before",
+                         video.repaired_stamps));
+  if (std::abs(video.pixel_aspect - 1) > 0.01)
+    run.Warn(fmt::format(
+        "the video's pixels are not square ({:.3g} wide to 1 high): positions are in its own pixels; only a "
+        "camera calibrated on such pictures makes lengths and angles of them right",
+        video.pixel_aspect));
+  if (video.interlaced)
+    run.Warn("the video is interlaced: its two fields were taken at different times; record progressively");
+}
+
+std::vector<exchange::PointEvent> PointEvents(const std::vector<motion::StsEvent>& events) {
+  std::vector<exchange::PointEvent> points;
+  for (const motion::StsEvent& event : events)
+    points.push_back({event.time_s, "General", std::string(ToString(event.kind))});
+  return points;
+}
+
+// Says in the summary what went wrong, so that what was written is not taken for a whole result.
+void WriteFailedSummary(const Json& results, const Error& error, Run& run) {
+  Json failed = results;
+  failed["failed"] = error.what();
+  run.WriteSummary(failed);
+}
+
+// In mm where there is a scale; `fit` is null without a leg. Comes last: a format that cannot hold the trial takes
+// nothing else with it.
+void Export(const TrackRunOptions& options, const video::VideoInfo& video, const gait::LegView& view,
+            const motion::MarkerRecording& tracks, const motion::MarkerRecording& trajectory,
+            const gait::LegFitResult* fit, const Json& results, Run& run) {
+  if (options.exports.empty()) return;
+  exchange::ExportedTrial trial{
+      exchange::PointsFromMarkers(trajectory.unit == motion::LengthUnit::kMm ? trajectory : tracks),
+      exchange::PointsFromMarkers(tracks)};
+  if (fit) trial.points.events = PointEvents(fit->events), trial.motion = &fit->motion;
+  trial.image.video =
+      exchange::SourceVideo{std::filesystem::absolute(options.video).string(), video.width, video.height};
+  if (!view.camera && !view.camera_from_plane) trial.image.mm_per_px = view.mm_per_px;
+  std::optional<Error> first_error;
+  for (const std::string& format : options.exports) {
+    try {
+      exchange::ExportTrial(format, run.Result(exchange::ExportName(format, options.video.stem().string())), trial);
+    } catch (const Error& error) {
+      if (!first_error) first_error = error;
+    }
+  }
+  if (!first_error) return;
+  WriteFailedSummary(results, *first_error, run);
+  throw *first_error;
+}
+
+void WriteOverlay(const TrackRunOptions& options, const overlay::OverlayContent& content, Run& run) {
+  if (!options.overlay) return;
+  overlay::OverlayOptions overlay;
+  overlay.quiet = run.Quiet();
+  overlay.reader = options.track.reader;
+  overlay::WriteOverlayVideo(options.video, content, overlay, run.Result("overlay.mp4"));
+}
+
+// Where the markers were, and nothing more; returns their positions in the plane.
+motion::MarkerRecording WritePoints(const TrackRunOptions& options, const tracking::TrackResult& tracked,
+                                    const gait::LegView& view, const std::string& note, Run& run) {
+  motion::MarkerRecording trajectory = InPlane(tracked.recording, view);
+  motion::WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
+  if (trajectory.unit == motion::LengthUnit::kMm) motion::WriteMarkerCsv(run.Result("trajectory.csv"), trajectory);
+  figure::DrawTracksFigure(run.Result("track.png"), trajectory,
+                           options.video.filename().string() + (note.empty() ? "" : ": " + note));
+  WriteOverlay(options, {.tracks = tracked.recording, .note = note}, run);
+  return trajectory;
+}
+
+gait::LegFitOptions FitOptions(const TrackRunOptions& options, const gait::LegView& view, const Run& run) {
+  gait::LegFitOptions fit = options.fit;
+  fit.quiet = run.Quiet();
+  fit.vertical_option = "--vertical", fit.facing_option = "lake gait --facing";
+  if (!options.vertical) return fit;
+  const auto [x1, y1, x2, y2] = *options.vertical;
+  fit.up = gait::UpFromPlumbLine(view, {x1, y1}, {x2, y2});
+  return fit;
+}
+
+// The fit; where there is none, what was tracked is kept, marked as not fitted, so that one can see why.
+gait::LegFitResult FitOrKeep(const TrackRunOptions& options, const tracking::TrackResult& tracked,
+                             const gait::LegView& view, const gait::LegFitOptions& fit_options, const Json& results,
+                             Run& run) {
+  try {
+    return gait::FitLeg(tracked.recording, view, fit_options);
+  } catch (const Error& error) {
+    WritePoints(options, tracked, view, "no leg fitted", run);
+    const Error told = Fail("{}; what was tracked, without a leg, is in {}", error.what(), run.Folder().string());
+    WriteFailedSummary(results, told, run);
+    throw told;
+  }
+}
+
+Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked, const gait::LegView& view,
+            Json results, Run& run) {
+  const gait::LegFitOptions fit_options = FitOptions(options, view, run);
+  const gait::LegFitResult fit = FitOrKeep(options, tracked, view, fit_options, results, run);
+  for (const std::string& warning : fit.warnings) run.Warn(warning);
+  motion::MarkerRecording tracks = fit.tracks;
+  if (fit_options.filter == gait::LegFilter::kSpline) TakeFittedPositions(fit, fit_options, view, tracks);
+
+  motion::WriteMarkerCsv(run.Result("tracks.csv"), tracks);
+  if (fit.trajectory.unit == motion::LengthUnit::kMm)
+    motion::WriteMarkerCsv(run.Result("trajectory.csv"), fit.trajectory);
+  motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
+  motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
+  figure::DrawLegFigure(run.Result("track.png"), fit, options.video.filename().string());
+  WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
+  results.update(gait::LegFitJson(fit));
+  Export(options, tracked.video, view, tracks, fit.trajectory, &fit, results, run);
+  return results;
+}
+
+Json RunPoints(const TrackRunOptions& options, const tracking::TrackResult& tracked, const gait::LegView& view,
+               Json results, Run& run) {
+  run.Warn("ankle, knee and hip are not all among the markers: no leg is fitted, gaps are not filled");
+  const motion::MarkerRecording trajectory = WritePoints(options, tracked, view, "", run);
+  Export(options, tracked.video, view, tracked.recording, trajectory, nullptr, results, run);
+  return results;
+}
+
+// What can be known to be wrong before the video is read.
+void CheckOptions(const TrackRunOptions& options) {
+  options.track.Check();
+  for (const auto& [name, mm] : options.depth_mm)
+    if (std::find(options.track.names.begin(), options.track.names.end(), name) == options.track.names.end())
+      throw UsageError(
+          fmt::format("--depth {}: not one of the markers ({})", name, fmt::join(options.track.names, ", ")));
+  if (options.vertical && std::abs((*options.vertical)[1] - (*options.vertical)[3]) < 1)
+    throw UsageError("--vertical: the ends of a plumb line must differ in height by at least 1 px");
+  if (options.corrections && !std::filesystem::exists(*options.corrections))
+    throw Fail("{}: no such file", options.corrections->string());
+}
+
+// Frames that the container knows not to be there, or not to be looked at.
+void CheckCorrectedFrames(const std::vector<Correction>& corrections, const video::VideoReaderOptions& reader,
+                          const std::vector<double>& time_s) {
+  for (const Correction& correction : corrections) {
+    const auto frame = static_cast<std::size_t>(correction.frame);
+    if (frame >= time_s.size())
+      throw Fail("{}: frame {} is not in the recording; its frames are 0 to {}", correction.where, frame,
+                 static_cast<std::int64_t>(time_s.size()) - 1);
+    constexpr double kRounding_s = 1e-6;
+    const double t = time_s[frame];
+    if ((reader.start_s && t < *reader.start_s - kRounding_s) || (reader.end_s && t > *reader.end_s + kRounding_s))
+      throw Fail("{}: frame {} at {:.3f} s is outside what --start and --end leave", correction.where, frame, t);
+  }
+}
+
+bool Exports(const TrackRunOptions& options, const char* format) {
+  return std::find(options.exports.begin(), options.exports.end(), format) != options.exports.end();
+}
+
+// What the frames' stamps tell before any is decoded.
+void CheckStamps(const TrackRunOptions& options, const std::vector<Correction>& corrections) {
+  video::VideoReaderOptions whole = options.track.reader;
+  whole.start_s = whole.end_s = std::nullopt;
+  if (!corrections.empty())
+    if (const auto time_s = video::StampsInContainer(options.video, whole))
+      CheckCorrectedFrames(corrections, options.track.reader, *time_s);
+  if (Exports(options, "c3d"))
+    if (const auto time_s = video::StampsInContainer(options.video, options.track.reader); time_s && time_s->size() > 1)
+      exchange::CheckC3dTimes(options.video, *time_s);
+}
+
+// Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
+std::vector<std::string> ResultNames(const TrackRunOptions& options) {
+  std::vector<std::string> names = {"summary.json",   "tracks.csv", "trajectory.csv",
+                                    "kinematics.csv", "events.csv", "track.png"};
+  if (options.overlay) names.push_back("overlay.mp4");
+  for (const std::string& format : options.exports)
+    names.push_back(exchange::ExportName(format, options.video.stem().string()));
+  return names;
+}
+
+}  // namespace
+
+Json RunTrack(const TrackRunOptions& options, Run& run) {
+  CheckOptions(options);
+  const video::VideoInfo video = video::VideoReader::Open(options.video, options.track.reader)->Info();
+  run.AddInput(video::FilesOfVideo(options.video));
+  if (options.camera) run.AddInput(*options.camera);
+  if (options.corrections) run.AddInput(*options.corrections);
+  const gait::LegView view = MakeView(options, video, run);
+  exchange::CheckExportFormats(options.exports, gait::PlaneUnit(view) == motion::LengthUnit::kMm,
+                               HasLeg(options.track.names));
+  std::vector<Correction> corrections;
+  if (options.corrections)
+    corrections = ReadCorrections(*options.corrections, options.track.names, video.width, video.height);
+  CheckStamps(options, corrections);
+  run.Begin(ResultNames(options));
+
+  tracking::TrackOptions track_options = options.track;
+  track_options.quiet = run.Quiet();
+  track_options.metric_from_px = [&view](const Eigen::Vector2d& px) { return gait::PlaneFromRecorded(view, px, 0); };
+  if (options.vertical) {
+    const auto [x1, y1, x2, y2] = *options.vertical;
+    track_options.up_px = Eigen::Vector2d(x1 - x2, y1 - y2) * (y1 < y2 ? 1 : -1);
+  }
+  tracking::TrackResult tracked = tracking::TrackMarkers(options.video, track_options);
+  // Only now, as a video that cannot be tracked is told of in one line.
+  WarnOfUnit(view, options.camera.has_value(), run);
+  WarnOfVideo(tracked.video, run);
+  ApplyCorrections(corrections, tracked.recording);
+
+  const Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}};
+  return HasLeg(options.track.names) ? RunLeg(options, tracked, view, results, run)
+                                     : RunPoints(options, tracked, view, results, run);
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,74 @@
+// From logs of an actuator driven at constant duties to its duty table.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lake/actuator/duty_table.h"
+
+namespace lake::actuator {
+
+// A log: times ascending; stroke in mm as measured, never as planned; duty signed, -1..1, positive extends.
+struct DutyLog {
+  std::string name;
+  std::vector<double> time_s, stroke_mm, duty;
+};
+
+// Two readings of the potentiometer with their strokes: the line between them is its scale.
+struct PotentiometerScale {
+  double counts_a = 0, mm_a = 0, counts_b = 0, mm_b = 0;
+};
+
+// "C0=MM0,C1=MM1". Throws UsageError.
+PotentiometerScale ParsePotentiometerScale(const std::string& text);
+
+// A CSV with time_s, duty and stroke_mm, or the firmware's serial output with `adc` and a scale; what the firmware says
+// between its rows is passed over, as are lines that start with '#' and repeated headers. Rows without a stroke are
+// left out. Throws Error naming file and line: times that do not ascend, a duty outside -1..1, no stroke column.
+DutyLog ReadDutyLog(const std::filesystem::path& path, const std::optional<PotentiometerScale>& scale);
+
+struct CalibrateOptions {
+  double settle_s = 0.2;         // left out at the beginning of each plateau: the motor's and the screw's run-up
+  double min_plateau_s = 0.4;    // shorter stretches of constant duty are left out
+  double still_mm_s = 0.05;      // slower is standing still
+  double steady_fraction = 0.1;  // a plateau whose halves differ by more (and by 5 standard errors) is left out: its
+                                 // stroke met an end, or the load changed
+
+  void Check() const;  // throws UsageError
+};
+
+// A stretch of constant duty and its speed.
+struct Plateau {
+  std::string log;
+  double begin_s = 0, end_s = 0, duty = 0;
+  double speed_mm_s = 0, standard_error_mm_s = 0;  // signed
+  bool used = false;
+};
+
+// The edge of the dead band of one direction.
+struct DeadBand {
+  double duty = 0;
+  double low = 0, high = 0;  // the last duty that stood still (0: none was tried) and the first that moved
+};
+
+struct DutyCalibration {
+  std::vector<DutyRow> rows;  // monotone; the edges of the dead bands are rows of speed 0
+  std::vector<Plateau> plateaus;
+  DeadBand extend, retract;
+  double largest_adjustment_mm_s = 0;       // by the monotone fit
+  std::optional<double> tolerance_percent;  // the largest of the rows'; none if no duty was tried twice
+  std::vector<std::string> warnings;
+};
+
+// Robust slope per plateau; plateaus of one duty are averaged with the larger of their own and their mutual errors;
+// speeds are made monotone by the pool-adjacent-violators algorithm (Barlow et al. 1972) weighted by 1/error². The dead
+// band ends where the line through the two slowest moving duties meets speed 0, within what was tried. A duty tried at
+// least twice in a direction has a tolerance: the largest difference of one of its plateaus from the table, two
+// standard errors of the plateau included. It covers only the loads and supplies that were tried. Throws Error if a
+// direction has fewer than two moving duties, or moves against its duty.
+DutyCalibration CalibrateDuty(const std::vector<DutyLog>& logs, const CalibrateOptions& options);
+
+}  // namespace lake::actuator

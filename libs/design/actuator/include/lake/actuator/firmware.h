@@ -1,0 +1,102 @@
+// The schedule as the UNO has it: whole ms, um/s and PWM counts, in a header that is compiled with the firmware's
+// sources.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/actuator/duty_table.h"
+#include "lake/actuator/stroke_schedule.h"
+
+namespace lake::actuator {
+
+inline constexpr int kPwmPeriod = 4000;                     // counts of timer 1 at 16 MHz: 4 kHz
+inline constexpr int kSpeedIntervals = 16;                  // of the firmware's own duty-to-speed table
+inline constexpr int kSegmentBytes = 10;                    // of a segment in flash
+inline constexpr int kFlashBytes = 32256;                   // of the ATmega328P beside the UNO's bootloader
+inline constexpr int kFirmwareBytes = 8192;                 // kept for the code, which takes less
+inline constexpr double kUnmeasuredTolerance_percent = 10;  // of speeds, where nobody has measured it
+inline constexpr int kMostSegments = (kFlashBytes - kFirmwareBytes) / kSegmentBytes;
+
+struct FirmwareOptions {
+  double home_stroke_mm = 0;                      // at which the retract end stop acts; 0: the lower soft limit
+  double home_speed_mm_s = 5;                     // while homing, at most; less if the duty table has less
+  double dead_time_s = 0.1;                       // of the brake; the schedule's
+  double command_timeout_s = 2;                   // motion stops when the host is silent for so long; 0: never
+  std::optional<double> speed_tolerance_percent;  // by which speeds may differ from the duty table, for the bound on
+                                                  // the drift; none: the table's own, else kUnmeasuredTolerance_percent
+  double lag_s = 0.05;                            // by which speed lags behind duty at most, for the bound …
+  double home_error_mm = 0.1;                     // … and how well the stroke is known after homing
+  double stop_travel_mm = 2;         // within which an end stop releases when the actuator moves away from it
+  double extend_stop_mm = 0;         // the extend end stop acts so far before the linkage's end; 0: there is none
+  bool accept_drift = false;         // for a bench without a person: the drift may leave the linkage's room
+  double table_tolerance_mm = 0.05;  // allowed when a program has too many knots for the flash
+
+  void Check() const;  // throws UsageError
+};
+
+// One stretch of constant speed.
+struct StrokeSegment {
+  std::int64_t end_ms = 0;
+  std::int32_t velocity_um_s = 0;
+  int counts = 0;  // of kPwmPeriod
+};
+
+struct StrokeTable {
+  std::vector<StrokeSegment> segments;
+  double start_mm = 0;
+  double rounding_error_mm = 0;  // worst distance of its plan from the schedule, at any time
+  double pwm_error_mm = 0;       // the same if the actuator follows the duty table exactly at these counts
+};
+
+// Throws Error if it does not fit into the flash within the tolerance, or a number into the firmware's types.
+StrokeTable MakeStrokeTable(const StrokeSchedule& schedule, const DutyTable& table, const FirmwareOptions& options);
+
+// The stroke at which the extend end stop acts; none without options.extend_stop_mm.
+std::optional<double> ExtendStop(const StrokeSchedule& schedule, const FirmwareOptions& options);
+
+// The stroke of the retract end stop, which is home.
+double HomeStroke(const StrokeTable& stroke, const StrokeSchedule& schedule, const FirmwareOptions& options);
+
+// What the firmware's bound on the drift comes to, from homing to the program's end, where planned stroke and bound
+// together come nearest to the linkage's upper end. At its lower end the retract end stop comes first.
+struct DriftForecast {
+  double tolerance_percent = 0;  // of the speeds
+  bool is_measured = false;      // by the duty table; else given, or kUnmeasuredTolerance_percent
+  double end_mm = 0;             // of the linkage
+  double time_s = 0;             // of the program, where it comes nearest
+  double planned_mm = 0, drift_mm = 0;
+  double last_drift_mm = 0;      // at the program's end
+  double tolerable_percent = 0;  // the largest tolerance that leaves room, 0.1 % steps; negative: none does
+
+  double Room() const { return end_mm - planned_mm; }
+  bool Fits() const { return drift_mm < Room(); }
+};
+DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
+                            const FirmwareOptions& options);
+
+// The text of stroke_table.h; `made_by` goes into its comment. Unless options.accept_drift, throws Error with the
+// numbers and the ways out if the drift may leave the linkage's room and no extend end stop comes first, if an end stop
+// acts too near to the linkage's end, or UsageError if home lies below the soft limit.
+std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
+                              const FirmwareOptions& options, const std::string& made_by);
+
+// The header of a firmware without a program: it jogs, for the logs that a duty table is made of.
+std::string CalibrationHeader(const FirmwareOptions& options, const std::string& made_by);
+
+// The firmware's sources, as in libs/actuator/firmware; with stroke_table.h they are a sketch for the Arduino IDE,
+// whose folder must have the name of its .ino.
+inline constexpr const char* kSketchFolder = "lake_stroke";
+struct FirmwareFile {
+  std::string name, text;
+};
+const std::vector<FirmwareFile>& FirmwareSources();
+
+// What the sketch of a program whose drift was accepted says on its first line.
+inline constexpr const char* kDriftAccepted =
+    "// DRIFT ACCEPTED: this program may run past the linkage's end. Only for a bench without a person.\n";
+
+}  // namespace lake::actuator

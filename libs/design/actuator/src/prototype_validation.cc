@@ -1,0 +1,225 @@
+#include "lake/actuator/prototype_validation.h"
+
+#include <ceres/tiny_solver.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "lake/actuator/robust_slope.h"
+#include "lake/core/angles.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/statistics.h"
+
+namespace lake::actuator {
+namespace {
+
+constexpr std::size_t kFewestSamples = 10;
+constexpr double kLeastCovered = 0.25;
+constexpr double kLeastChange_deg = 5;
+
+void CheckSamples(const std::vector<AngleSample>& samples) {
+  if (samples.size() < kFewestSamples)
+    throw Fail("{} frames with a knee angle; the comparison needs at least {}", samples.size(), kFewestSamples);
+  double low = samples.front().knee_deg, high = low;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (i > 0 && !(samples[i].time_s > samples[i - 1].time_s))
+      throw Fail("the times must ascend; {} s after {} s does not", samples[i].time_s, samples[i - 1].time_s);
+    low = std::min(low, samples[i].knee_deg), high = std::max(high, samples[i].knee_deg);
+  }
+  if (high - low < kLeastChange_deg)
+    throw Fail("the tracked knee angle changes by {:.3g}° only, which cannot be aligned with a program", high - low);
+}
+
+std::vector<double> ErrorsAt(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, double shift_s) {
+  std::vector<double> errors;
+  for (const AngleSample& sample : samples)
+    errors.push_back(sample.knee_deg - KneeDegAt(schedule.links, schedule.StrokeAt(sample.time_s - shift_s)));
+  return errors;
+}
+
+// Evenly thinned, for the coarse search.
+std::vector<AngleSample> Few(const std::vector<AngleSample>& samples) {
+  constexpr std::size_t kMost = 200;
+  const std::size_t step = samples.size() / kMost + 1;
+  std::vector<AngleSample> few;
+  for (std::size_t i = 0; i < samples.size(); i += step) few.push_back(samples[i]);
+  return few;
+}
+
+// The shift with the least of `size` of the errors.
+double BestShift(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples,
+                 double (*size)(std::span<const double>)) {
+  const double low = samples.front().time_s - schedule.Duration(), high = samples.back().time_s;
+  constexpr int kSteps = 1000;
+  const double step = (high - low) / kSteps;
+  const std::vector<AngleSample> few = Few(samples);
+  double best = low, least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kSteps; ++i) {
+    ThrowIfInterrupted();
+    const double shift = low + i * step;
+    if (const double error = size(ErrorsAt(schedule, few, shift)); error < least) least = error, best = shift;
+  }
+  // About `best`, as precision is relative: some nanoseconds.
+  const auto error_at = [&](double later_s) { return size(ErrorsAt(schedule, samples, best + later_s)); };
+  constexpr int kBits = std::numeric_limits<double>::digits / 2;
+  return best + boost::math::tools::brent_find_minima(error_at, -step, step, kBits).first;
+}
+
+// The best shift when the measured angle may have a constant offset.
+void FitOffset(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, Validation& v) {
+  const double shift = BestShift(schedule, samples, StandardDeviation);
+  const std::vector<double> errors = ErrorsAt(schedule, samples, shift);
+  v.offset_deg = Mean(errors);
+  v.rms_with_offset_deg = StandardDeviation(errors);
+}
+
+// A prototype that runs its program open loop, `factor` as fast as planned, from `shift_s` on.
+struct OwnSpeed {
+  double shift_s, factor;
+};
+
+double AngleOf(const StrokeSchedule& schedule, const OwnSpeed& own, double time_s) {
+  const double start = schedule.knots.front().stroke_mm;
+  const double stroke = start + own.factor * (schedule.StrokeAt(time_s - own.shift_s) - start);
+  const linkage::StrokeRange& used = schedule.limits.used.stroke;
+  return KneeDegAt(schedule.links, std::clamp(stroke, used.lower_mm, used.upper_mm));
+}
+
+std::vector<double> ErrorsOf(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples,
+                             const OwnSpeed& own) {
+  std::vector<double> errors;
+  for (const AngleSample& sample : samples) errors.push_back(sample.knee_deg - AngleOf(schedule, own, sample.time_s));
+  return errors;
+}
+
+// The errors over start and speed, with differences for derivatives, as ceres::TinySolver asks for them.
+struct OwnSpeedErrors {
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 2 };
+  const StrokeSchedule& schedule;
+  const std::vector<AngleSample>& samples;
+
+  static OwnSpeed From(const double* x) { return {x[0], std::clamp(x[1], 0.1, 10.0)}; }
+  int NumResiduals() const { return static_cast<int>(samples.size()); }
+
+  bool operator()(const double* x, double* residuals, double* jacobian) const {
+    ThrowIfInterrupted();
+    constexpr double kStep_s = 1e-3, kStep = 1e-4;
+    const auto errors_of = [&](const OwnSpeed& own) -> Eigen::VectorXd {
+      const std::vector<double> errors = ErrorsOf(schedule, samples, own);
+      return Eigen::Map<const Eigen::VectorXd>(errors.data(), NumResiduals());
+    };
+    const OwnSpeed own = From(x);
+    Eigen::Map<Eigen::VectorXd> errors(residuals, NumResiduals());
+    errors = errors_of(own);
+    if (!jacobian) return true;
+    Eigen::Map<Eigen::MatrixX2d> slopes(jacobian, NumResiduals(), 2);
+    slopes.col(0) = (errors_of({own.shift_s + kStep_s, own.factor}) - errors) / kStep_s;
+    slopes.col(1) = (errors_of({own.shift_s, own.factor + kStep}) - errors) / kStep;
+    return true;
+  }
+};
+
+OwnSpeed FitOwnSpeed(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, const OwnSpeed& start) {
+  Eigen::Vector2d best(start.shift_s, start.factor);
+  ceres::TinySolver<OwnSpeedErrors>().Solve({schedule, samples}, &best);
+  return OwnSpeedErrors::From(best.data());
+}
+
+// Two starts, as a slow prototype that is aligned at its planned speed may sit in a valley of its own.
+void FitTravel(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples, Validation& v) {
+  double least = std::numeric_limits<double>::infinity();
+  OwnSpeed best{};
+  for (const double shift_s : {v.shift_s, BestShift(schedule, samples, StandardDeviation)}) {
+    const OwnSpeed own = FitOwnSpeed(schedule, samples, {shift_s, 1});
+    const double rms = RootMeanSquare(ErrorsOf(schedule, samples, own));
+    if (rms < least) least = rms, best = own;
+  }
+  std::vector<AngleSample> moving;
+  for (const AngleSample& sample : samples)
+    if (const double t = sample.time_s - best.shift_s; t >= 0 && t <= schedule.Duration()) moving.push_back(sample);
+  v.travel_factor = best.factor;
+  v.start_with_factor_s = best.shift_s;
+  v.rms_with_factor_deg = RootMeanSquare(ErrorsOf(schedule, moving.empty() ? samples : moving, best));
+  v.drift_mm = (best.factor - 1) * (schedule.knots.back().stroke_mm - schedule.knots.front().stroke_mm);
+}
+
+void Summarise(Validation& v) {
+  std::vector<double> errors;
+  for (const ValidatedSample& sample : v.samples) {
+    if (!sample.moving) continue;
+    errors.push_back(sample.Error());
+    if (std::abs(sample.Error()) > v.max_deg) v.max_deg = std::abs(sample.Error()), v.max_time_s = sample.time_s;
+  }
+  v.rms_deg = RootMeanSquare(errors);
+}
+
+// Strokes that the measured angles stand for, over time; the ends are left out, where noise leaves the range.
+void MeasureSpeed(const StrokeSchedule& schedule, Validation& v) {
+  v.speed_mm_s = v.speed_se_mm_s = std::numeric_limits<double>::quiet_NaN();
+  if (schedule.knots.size() != 2) return;
+  std::vector<double> times, strokes;
+  for (const ValidatedSample& sample : v.samples) {
+    const double part = sample.program_time_s / schedule.Duration();
+    if (part < 0.1 || part > 0.9) continue;
+    const auto stroke =
+        linkage::StrokeForAngle(schedule.links, schedule.limits.used, RadiansFromDegrees(sample.measured_deg));
+    if (stroke) times.push_back(sample.time_s), strokes.push_back(*stroke);
+  }
+  const RobustSlope fit = FitRobustSlope(times, strokes);
+  v.speed_mm_s = fit.slope;
+  v.speed_se_mm_s = fit.standard_error;
+}
+
+}  // namespace
+
+Validation ValidatePrototype(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples) {
+  CheckSamples(samples);
+  Validation v;
+  v.shift_s = BestShift(schedule, samples, RootMeanSquare);
+  for (const AngleSample& sample : samples) {
+    const double program_time = sample.time_s - v.shift_s;
+    const double stroke = schedule.StrokeAt(program_time);
+    v.samples.push_back({sample.time_s, program_time, stroke, KneeDegAt(schedule.links, stroke), sample.knee_deg,
+                         program_time >= 0 && program_time <= schedule.Duration()});
+  }
+  const double seen =
+      std::min(schedule.Duration(), v.samples.back().program_time_s) - std::max(0.0, v.samples.front().program_time_s);
+  v.covered = std::max(0.0, seen) / schedule.Duration();
+  if (v.covered < kLeastCovered)
+    throw Fail("where the video fits best it shows {:.0f} % of the program of {:.3g} s; is the speed right?",
+               100 * v.covered, schedule.Duration());
+  Summarise(v);
+  FitOffset(schedule, samples, v);
+  FitTravel(schedule, samples, v);
+  MeasureSpeed(schedule, v);
+  return v;
+}
+
+Verdict Judge(const Validation& validation, double tolerance_deg) {
+  if (validation.rms_deg <= tolerance_deg) return Verdict::kFollows;
+  return validation.rms_with_factor_deg <= tolerance_deg ? Verdict::kOtherSpeed : Verdict::kOtherAngles;
+}
+
+void WriteValidationCsv(const std::filesystem::path& path, const Validation& validation) {
+  CsvWriter table(
+      {"time_s", "program_time_s", "stroke_mm", "predicted_knee_deg", "measured_knee_deg", "error_deg", "moving"});
+  for (const ValidatedSample& s : validation.samples)
+    table.Add(s.time_s)
+        .Add(s.program_time_s)
+        .Add(s.stroke_mm)
+        .Add(s.predicted_deg)
+        .Add(s.measured_deg)
+        .Add(s.Error())
+        .Add(s.moving ? 1 : 0)
+        .EndRow();
+  table.Write(path);
+}
+
+}  // namespace lake::actuator

@@ -1,0 +1,240 @@
+#include "lake/actuator/stroke_schedule.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lake/core/angles.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+
+namespace lake::actuator {
+namespace {
+
+using Knot = linkage::StrokeProgram::Knot;
+using Knots = std::vector<Knot>;
+
+constexpr double kStrokeTolerance_mm = 1e-6;  // of a solver's last digits
+constexpr double kSpeedTolerance = 1e-6;      // relative, likewise
+
+double SpeedOf(const Knot& a, const Knot& b) {
+  return (b.stroke_mm - a.stroke_mm) / (b.time_s - a.time_s);
+}
+
+double StrokeAtAngle(const linkage::Design& design, const SoftLimits& limits, double angle_deg, const char* option) {
+  const auto stroke = linkage::StrokeForAngle(design.links, limits.used, RadiansFromDegrees(angle_deg));
+  if (stroke && *stroke >= limits.lower_mm - kStrokeTolerance_mm && *stroke <= limits.upper_mm + kStrokeTolerance_mm)
+    return *stroke;
+  const double a = KneeDegAt(design.links, limits.lower_mm), b = KneeDegAt(design.links, limits.upper_mm);
+  throw UsageError(fmt::format("{} {}°: between its soft limits ({:.3f}..{:.3f} mm) this design has {:.2f}°..{:.2f}°",
+                               option, angle_deg, limits.lower_mm, limits.upper_mm, std::min(a, b), std::max(a, b)));
+}
+
+Knots ConstantKnots(const linkage::Design& design, const SoftLimits& limits, double speed_mm_s,
+                    const ScheduleOptions& options) {
+  const double from =
+      options.from_deg ? StrokeAtAngle(design, limits, *options.from_deg, "--from-angle") : limits.lower_mm;
+  const double to = options.to_deg ? StrokeAtAngle(design, limits, *options.to_deg, "--to-angle") : limits.upper_mm;
+  if (std::abs(to - from) < kStrokeTolerance_mm)
+    throw UsageError(fmt::format("the program starts where it ends, at a stroke of {:.3f} mm", from));
+  return {{0, from}, {std::abs(to - from) / speed_mm_s, to}};
+}
+
+Knots BaseKnots(const linkage::Design& design, const SoftLimits& limits, const ScheduleOptions& options) {
+  if (options.speed_mm_s) return ConstantKnots(design, limits, *options.speed_mm_s, options);
+  if (!design.program) throw UsageError("the design has no program; give its constant speed with --speed MM_S");
+  if (design.program->kind == linkage::StrokeProgram::Kind::kConstant)
+    return ConstantKnots(design, limits, design.program->speed_mm_s, options);
+  if (options.from_deg || options.to_deg)
+    throw UsageError("--from-angle and --to-angle belong to a constant program; this design's has knots of its own");
+  Knots knots = design.program->knots;
+  const double start = knots.front().time_s;
+  for (Knot& knot : knots) knot.time_s -= start;
+  return knots;
+}
+
+void CheckLimits(Knots& knots, const SoftLimits& limits, double margin_mm) {
+  for (Knot& knot : knots) {
+    const bool low = knot.stroke_mm < limits.lower_mm - kStrokeTolerance_mm;
+    if (low || knot.stroke_mm > limits.upper_mm + kStrokeTolerance_mm)
+      throw Fail(
+          "the program's stroke {:.4f} mm at {:.4g} s is {} the soft limit {:.4f} mm (margin {} mm, see --margin)",
+          knot.stroke_mm, knot.time_s, low ? "below" : "above", low ? limits.lower_mm : limits.upper_mm, margin_mm);
+    knot.stroke_mm = std::clamp(knot.stroke_mm, limits.lower_mm, limits.upper_mm);
+  }
+}
+
+void CheckMaxSpeed(const Knots& knots, double max_speed_mm_s) {
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const double speed = SpeedOf(knots[i - 1], knots[i]);
+    if (std::abs(speed) > max_speed_mm_s * (1 + kSpeedTolerance))
+      throw Fail("the program asks for {:.4g} mm/s from {:.4g} s to {:.4g} s; --max-speed is {} mm/s", speed,
+                 knots[i - 1].time_s, knots[i].time_s, max_speed_mm_s);
+  }
+}
+
+void AppendReturn(Knots& knots, double hold_s) {
+  const Knots there = knots;
+  const double begin = there.back().time_s + hold_s;
+  for (auto knot = there.rbegin(); knot != there.rend(); ++knot)
+    if (hold_s > 0 || knot != there.rbegin())
+      knots.push_back({begin + there.back().time_s - knot->time_s, knot->stroke_mm});
+}
+
+// Puts in what is missing to a rest of `dead_time_s` before each change of direction.
+void RestBeforeReversals(StrokeSchedule& schedule, double dead_time_s) {
+  Knots rested = {schedule.knots.front()};
+  int last_direction = 0;
+  double rest_s = 0;
+  for (std::size_t i = 1; i < schedule.knots.size(); ++i) {
+    const Knot &a = schedule.knots[i - 1], &b = schedule.knots[i];
+    const int direction = DirectionOf(SpeedOf(a, b));
+    if (direction == 0) {
+      rest_s += b.time_s - a.time_s;
+    } else {
+      if (direction == -last_direction) {
+        ++schedule.reversals;
+        const double missing_s = dead_time_s - rest_s;
+        if (missing_s > 1e-9) {
+          schedule.added_rest_s += missing_s;
+          rested.push_back({a.time_s + schedule.added_rest_s, a.stroke_mm});
+        }
+      }
+      last_direction = direction;
+      rest_s = 0;
+    }
+    rested.push_back({b.time_s + schedule.added_rest_s, b.stroke_mm});
+  }
+  schedule.knots = std::move(rested);
+}
+
+}  // namespace
+
+void ScheduleOptions::Check() const {
+  const auto require = [](bool good, const char* option, double value, const char* what) {
+    if (!good) throw UsageError(fmt::format("{} must be {}, not {}", option, what, value));
+  };
+  require(margin_mm >= 0 && margin_mm < 1000, "--margin", margin_mm, "within 0..1000 mm");
+  if (speed_mm_s) require(*speed_mm_s >= 0.01 && *speed_mm_s <= 1000, "--speed", *speed_mm_s, "within 0.01..1000 mm/s");
+  if (max_speed_mm_s)
+    require(*max_speed_mm_s > 0 && *max_speed_mm_s <= 1000, "--max-speed", *max_speed_mm_s,
+            "above 0 and at most 1000 mm/s");
+  if (max_acceleration_mm_s2)
+    require(*max_acceleration_mm_s2 > 0 && *max_acceleration_mm_s2 <= 1e6, "--max-acceleration",
+            *max_acceleration_mm_s2, "above 0 and at most 1e6 mm/s²");
+  if (from_deg) require(*from_deg >= 0 && *from_deg <= 360, "--from-angle", *from_deg, "within 0..360 degrees");
+  if (to_deg) require(*to_deg >= 0 && *to_deg <= 360, "--to-angle", *to_deg, "within 0..360 degrees");
+  require(hold_s >= 0 && hold_s <= 3600, "--hold", hold_s, "within 0..3600 s");
+  require(dead_time_s >= kLeastDeadTime_s && dead_time_s <= 5, "--dead-time", dead_time_s, "within 0.1..5 s");
+}
+
+int DirectionOf(double speed) {
+  return speed >= kRestSpeed_mm_s ? 1 : speed <= -kRestSpeed_mm_s ? -1 : 0;
+}
+
+double KneeDegAt(const linkage::Links& links, double stroke_mm) {
+  return DegreesFromRadians(linkage::RequirePose(links, stroke_mm).theta_rad);
+}
+
+SoftLimits SoftLimitsOf(const linkage::Design& design, double margin_mm) {
+  SoftLimits limits;
+  limits.used = linkage::FindUsedRange(design.links, design.d_min_mm, design.d_max_mm);
+  const linkage::StrokeRange& used = limits.used.stroke;
+  limits.lower_mm = used.lower_mm;
+  limits.upper_mm = used.upper_mm;
+  limits.upper_end_mm = linkage::FindUsedRange(design.links, design.d_min_mm, std::nullopt).stroke.upper_mm;
+  for (const linkage::StrokeRange& part : linkage::AssemblyRanges(design.links)) {
+    if (!part.Contains(used.lower_mm)) continue;
+    limits.lower_end_mm = part.lower_mm;
+    limits.lower_mm = std::max(limits.lower_mm, part.lower_mm + margin_mm);
+    limits.upper_end_mm = std::min(limits.upper_end_mm, part.upper_mm);
+  }
+  limits.upper_mm = std::min(limits.upper_mm, limits.upper_end_mm - margin_mm);
+  if (!(limits.upper_mm > limits.lower_mm))
+    throw Fail("a margin of {} mm leaves nothing of the used strokes {:.4f}..{:.4f} mm", margin_mm, used.lower_mm,
+               used.upper_mm);
+  return limits;
+}
+
+double StrokeSchedule::StrokeAt(double time_s) const {
+  if (time_s <= knots.front().time_s) return knots.front().stroke_mm;
+  if (time_s >= knots.back().time_s) return knots.back().stroke_mm;
+  const auto after =
+      std::upper_bound(knots.begin(), knots.end(), time_s, [](double t, const Knot& knot) { return t < knot.time_s; });
+  const Knot &a = *(after - 1), &b = *after;
+  return std::lerp(a.stroke_mm, b.stroke_mm, (time_s - a.time_s) / (b.time_s - a.time_s));
+}
+
+StrokeSchedule MakeSchedule(const linkage::Design& design, const ScheduleOptions& options) {
+  options.Check();
+  StrokeSchedule schedule{design.links, SoftLimitsOf(design, options.margin_mm), {}};
+  schedule.knots = BaseKnots(design, schedule.limits, options);
+  CheckLimits(schedule.knots, schedule.limits, options.margin_mm);
+  if (options.max_speed_mm_s) CheckMaxSpeed(schedule.knots, *options.max_speed_mm_s);
+  if (options.return_trip) AppendReturn(schedule.knots, options.hold_s);
+  RestBeforeReversals(schedule, options.dead_time_s);
+  return schedule;
+}
+
+void CheckSpeeds(const StrokeSchedule& schedule, const DutyTable& table) {
+  for (std::size_t i = 1; i < schedule.knots.size(); ++i) {
+    const Knot &a = schedule.knots[i - 1], &b = schedule.knots[i];
+    const double speed = SpeedOf(a, b);
+    const int direction = DirectionOf(speed);
+    if (direction == 0) continue;
+    const DutyCurve& curve = table.Curve(direction);
+    const bool fast = std::abs(speed) > curve.MostSpeed() * (1 + kSpeedTolerance);
+    if (fast || std::abs(speed) < curve.LeastSpeed())
+      throw Fail("the program asks for {:.4g} mm/s from {:.4g} s to {:.4g} s; {} has {:.4g}..{:.4g} mm/s {}", speed,
+                 a.time_s, b.time_s, table.name, curve.LeastSpeed(), curve.MostSpeed(),
+                 direction > 0 ? "extending" : "retracting");
+  }
+}
+
+std::vector<ScheduleRow> SampleSchedule(const StrokeSchedule& schedule, double rate_hz, const DutyTable* table) {
+  if (!(rate_hz > 0 && rate_hz <= 1000))
+    throw UsageError(fmt::format("--rate must be above 0 and at most 1000 Hz, not {}", rate_hz));
+  const double samples = std::floor(schedule.Duration() * rate_hz);
+  if (!(samples + static_cast<double>(schedule.knots.size()) < static_cast<double>(kMostScheduleRows)))
+    throw Fail("a program of {:.6g} s at {} Hz has more than {} rows; lower --rate or shorten the program",
+               schedule.Duration(), rate_hz, kMostScheduleRows);
+  std::vector<double> times;
+  for (std::size_t i = 0; static_cast<double>(i) <= samples; ++i) times.push_back(static_cast<double>(i) / rate_hz);
+  for (const Knot& knot : schedule.knots) times.push_back(knot.time_s);
+  std::sort(times.begin(), times.end());
+  constexpr double kSameTime_s = 1e-9;
+  times.erase(std::unique(times.begin(), times.end(), [](double a, double b) { return b - a < kSameTime_s; }),
+              times.end());
+  std::vector<ScheduleRow> rows;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    ScheduleRow row{times[i], schedule.StrokeAt(times[i])};
+    row.knee_deg = KneeDegAt(schedule.links, row.stroke_mm);
+    if (i + 1 < times.size())
+      row.speed_mm_s = (schedule.StrokeAt(times[i + 1]) - row.stroke_mm) / (times[i + 1] - times[i]);
+    row.direction = DirectionOf(row.speed_mm_s);
+    row.duty = std::numeric_limits<double>::quiet_NaN();
+    if (table) {
+      const DutyCurve& curve = table->Curve(row.direction);
+      row.duty = row.direction == 0
+                     ? 0
+                     : curve.DutyFor(std::clamp(std::abs(row.speed_mm_s), curve.LeastSpeed(), curve.MostSpeed()));
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+void WriteScheduleCsv(const std::filesystem::path& path, const std::vector<ScheduleRow>& rows) {
+  CsvWriter table({"time_s", "stroke_mm", "speed_mm_s", "knee_deg", "direction", "duty"});
+  for (const ScheduleRow& row : rows)
+    table.Add(row.time_s)
+        .Add(row.stroke_mm)
+        .Add(row.speed_mm_s)
+        .Add(row.knee_deg)
+        .Add(row.direction)
+        .Add(row.duty)
+        .EndRow();
+  table.Write(path);
+}
+
+}  // namespace lake::actuator

@@ -1,0 +1,154 @@
+// The knee linkage: a planar four-bar driven by a linear actuator, in closed form.
+//
+// Thigh frame: origin at the knee K, y from knee to hip, x posterior. Lengths mm, angles rad.
+//   P = (0, l3)   thigh pin of the slewing bar      R = P + l2 (sin phi, cos phi)   its tip
+//   M = (l5, l3 + l6)   actuator mount              S = l4 (sin kappa, cos kappa)   shank pin, kappa = pi - theta
+// Loops: |R - M| = d and |R - S| = l1. The knee angle theta is 0 standing, positive in flexion.
+// The symbol table and a drawing are in libs/linkage/README.md; equation numbers are those of Gautam, Singla & Singla.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lake::linkage {
+
+// The six independent link lengths, mm.
+struct Links {
+  double l1 = 0;  // coupler RS
+  double l2 = 0;  // slewing bar PR
+  double l3 = 0;  // thigh link KP
+  double l4 = 0;  // shank link KS
+  double l5 = 0;  // mount M behind the thigh axis
+  double l6 = 0;  // mount M above the thigh pin P
+
+  std::array<double, 6> Values() const { return {l1, l2, l3, l4, l5, l6}; }
+  static Links FromValues(const std::array<double, 6>& v) { return {v[0], v[1], v[2], v[3], v[4], v[5]}; }
+
+  double L7() const;  // PM = hypot(l5, l6)
+};
+
+// Throws Error naming `where`, the link and its value if a length is not finite and positive, or exceeds 10 m.
+void CheckLinks(const Links& links, std::string_view where);
+
+// Which of the four ways to close the two loops. The paper's mechanism is always kAssembled: alpha2 >= 0 and beta2 >=
+// 0.
+enum class Branch { kAssembled = 0, kBarFlipped = 1, kShankFlipped = 2, kBothFlipped = 3 };
+
+// The linkage at one stroke.
+struct Pose {
+  double stroke_mm = 0;  // d, pin to pin
+  double theta_rad = 0;  // knee angle, continuous along the branch: negative past standing (hyperextension)
+  double phi_rad = 0;    // slewing bar from +y, alpha1 + alpha2
+  double alpha1_rad = 0, alpha2_rad = 0, beta1_rad = 0,
+         beta2_rad = 0;                                    // Eqs. (2), (3), (5), (6); beta1 signed and unwrapped
+  double l8_mm = 0;                                        // KR, Eq. (4)
+  Eigen::Vector2d knee, thigh_pin, tip, shank_pin, mount;  // K, P, R, S, M in the thigh frame, mm
+  Branch branch = Branch::kAssembled;
+};
+
+// Why a linkage cannot be assembled: one of its triangles does not close.
+struct AssemblyGap {
+  enum class Triangle { kActuator /* l7, l2, d */, kShank /* l8, l4, l1 */ };
+  Triangle triangle;
+  double gap_mm;     // how much the longest side exceeds the sum of the other two
+  std::string text;  // one sentence with the three sides
+};
+
+// nullopt if the linkage can be assembled at this stroke.
+std::optional<AssemblyGap> FindAssemblyGap(const Links& links, double stroke_mm);
+
+// The pose at a stroke, Eqs. (1)-(6) with the signed beta1; nullopt where it cannot be assembled.
+std::optional<Pose> SolvePose(const Links& links, double stroke_mm, Branch branch = Branch::kAssembled);
+
+// As SolvePose, but throws Error that names the stroke, the triangle and the gap.
+Pose RequirePose(const Links& links, double stroke_mm);
+
+// The same pose from Newton's method on the two loop equations, started at (phi, theta); an independent route for
+// checking.
+struct NewtonPose {
+  double phi_rad = 0, theta_rad = 0;
+  int iterations = 0;
+  bool converged = false;
+};
+NewtonPose SolvePoseNewton(const Links& links, double stroke_mm, double start_phi_rad, double start_theta_rad);
+
+// How motion and force pass through the linkage in one pose.
+struct Transmission {
+  double radians_per_mm =
+      0;  // d theta / d d; infinite where the shank is at a dead point or the actuator in line with the bar
+  double moment_arm_mm = 0;          // |d d / d theta|, mm per rad: knee torque = actuator force x moment arm
+  double transmission_rad = 0;       // angle RSK between coupler and shank link, 0..pi; dead points at 0 and pi
+  double actuator_rad = 0;           // angle PRM between slewing bar and actuator, 0..pi; dead points at 0 and pi
+  double shank_pressure_rad = 0;     // |pi/2 - transmission|: between the coupler's force and the motion of S
+  double actuator_pressure_rad = 0;  // |pi/2 - actuator|: between the actuator's force and the motion of R
+};
+Transmission TransmissionOf(const Links& links, const Pose& pose);
+
+// Actuator force in N, positive when it pushes, that balances a knee torque in N m, positive in extension (virtual
+// work).
+double ActuatorForce(const Transmission& transmission, double knee_torque_nm);
+
+// Derivatives of theta at fixed branch, rad per mm.
+struct AngleDerivatives {
+  std::array<double, 6> link;  // d theta / d l1..l6
+  double stroke;               // d theta / d d
+};
+AngleDerivatives AngleDerivativesOf(const Links& links, const Pose& pose);
+
+struct StrokeRange {
+  double lower_mm = 0, upper_mm = 0;
+  double Travel() const { return upper_mm - lower_mm; }
+  bool Contains(double stroke_mm, double tolerance_mm = 1e-9) const {
+    return stroke_mm >= lower_mm - tolerance_mm && stroke_mm <= upper_mm + tolerance_mm;
+  }
+};
+
+// The strokes at which the assembled branch exists: none, one interval, or two with a gap that the linkage cannot
+// cross.
+std::vector<StrokeRange> AssemblyRanges(const Links& links);
+
+// The strokes at which theta turns back (P, R and S in line), on the assembled branch, ascending.
+std::vector<double> TurningStrokes(const Links& links);
+
+// All strokes (at most two) at which the assembled branch has this knee angle, ascending. Closed form: R is where the
+// circles of l2 about P and of l1 about S meet.
+std::vector<double> StrokesForAngle(const Links& links, double theta_rad);
+
+// The part of the assembled branch that a design uses: from d_min until the first of d_max (if given), the knee angle
+// `least_theta_rad` (standing), a turning point of theta, and the end of the assembly range. Within it theta(d) is one
+// to one.
+struct UsedRange {
+  StrokeRange stroke;
+  double theta_at_lower_rad = 0, theta_at_upper_rad = 0;
+  enum class End { kDMax, kStanding, kTurning, kAssembly } end = End::kStanding;  // what ended it
+};
+// Throws Error if it cannot be assembled at d_min, or if d_max <= d_min.
+UsedRange FindUsedRange(const Links& links, double d_min_mm, std::optional<double> d_max_mm,
+                        double least_theta_rad = 0);
+
+// The stroke within a used range that gives this knee angle; nullopt if none does.
+std::optional<double> StrokeForAngle(const Links& links, const UsedRange& range, double theta_rad);
+
+// Grashof's law for the four-bar l1..l4 with the shank link l4 as the frame, as the paper has it.
+enum class GrashofClass { kCrankRocker, kDoubleCrank, kDoubleRocker, kChangePoint, kTripleRocker };
+struct Grashof {
+  GrashofClass type;
+  double slack_mm;  // (sum of the two middle links) - (shortest + longest); negative: no link can turn fully
+};
+Grashof GrashofOf(const Links& links);
+std::string_view NameOf(GrashofClass type);
+
+// Distances to the singular poses, mm; all positive in a pose that is clear of them.
+struct SingularityDistances {
+  double actuator_folded_mm;    // l2 + d - l7: actuator and slewing bar in line, the paper's constraint
+  double actuator_extended_mm;  // l7 + l2 - d
+  double shank_folded_mm;       // l8 - |l4 - l1|: coupler and shank link in line, folded
+  double shank_extended_mm;     // l4 + l1 - l8
+};
+SingularityDistances DistancesToSingularities(const Links& links, const Pose& pose);
+
+}  // namespace lake::linkage

@@ -1,0 +1,222 @@
+#include "lake/linkage/linkage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "lake/core/error.h"
+#include "lake/linkage/loop_equations.h"
+
+namespace lake::linkage {
+namespace {
+
+using Eigen::Vector2d;
+constexpr double kPi = std::numbers::pi;
+
+// Rounding of lengths of some 100 mm; a triangle that misses closing by less is taken as closed and flat.
+constexpr double kRounding_mm = 1e-10;
+
+// How much the longest of three sides exceeds the sum of the others; negative if the triangle closes.
+double TriangleGap(double a, double b, double c) {
+  return std::max({a, b, c}) * 2 - (a + b + c);
+}
+
+// The angle between sides a and b, opposite c, by half its tangent in Kahan's order of operations ("Miscalculating Area
+// and Angles of a Needle-like Triangle", 2014): keeps its digits for flat and for needle-like triangles, where the
+// arccos form loses them. A gap within rounding gives 0 or pi.
+double TriangleAngle(double a, double b, double c) {
+  if (a < b) std::swap(a, b);
+  const double sine2 = ((a - b) + c) * (b >= c ? c - (a - b) : b - (a - c));
+  const double cosine2 = (a + (b + c)) * ((a - c) + b);
+  return 2 * std::atan2(std::sqrt(std::max(0.0, sine2)), std::sqrt(std::max(0.0, cosine2)));
+}
+
+// KR for a bar angle.
+double TipDistance(const Links& l, double phi) {
+  return std::hypot(l.l3 - l.l2, 2 * std::sqrt(l.l2 * l.l3) * std::cos(phi / 2));
+}
+
+double SignOfAlpha2(Branch branch) {
+  return branch == Branch::kAssembled || branch == Branch::kShankFlipped ? 1 : -1;
+}
+double SignOfBeta2(Branch branch) {
+  return branch == Branch::kAssembled || branch == Branch::kBarFlipped ? 1 : -1;
+}
+
+// P + l2 (sin phi, cos phi), written without cancellation where the tip passes the knee pivot.
+Vector2d TipOf(const Links& l, double phi) {
+  const double sine = std::sin(phi / 2), cosine = std::cos(phi / 2);
+  return {2 * l.l2 * sine * cosine, (l.l3 - l.l2) + 2 * l.l2 * cosine * cosine};
+}
+Vector2d ShankPinOf(const Links& l, double theta) {
+  return {l.l4 * std::sin(theta), -l.l4 * std::cos(theta)};
+}
+
+// The angle of KR from +y, continuous in phi: R goes behind the knee pivot when the bar is longer than the thigh link.
+double Beta1(const Links& l, double phi) {
+  const Vector2d tip = TipOf(l, phi);
+  const double angle = std::atan2(tip.x(), tip.y());
+  return phi > kPi && l.l2 > l.l3 ? angle + 2 * kPi : angle;
+}
+
+}  // namespace
+
+double Links::L7() const {
+  return std::hypot(l5, l6);
+}
+
+void CheckLinks(const Links& links, std::string_view where) {
+  constexpr double kLongest_mm = 1e4;
+  const auto values = links.Values();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!(values[i] > 0 && values[i] <= kLongest_mm))
+      throw Fail("{}: link l{} is {} mm; it must be above 0 and at most {}", where, i + 1, values[i], kLongest_mm);
+}
+
+std::optional<AssemblyGap> FindAssemblyGap(const Links& links, double stroke_mm) {
+  const double l7 = links.L7();
+  const double actuator_gap = TriangleGap(l7, links.l2, stroke_mm);
+  if (!(stroke_mm > 0) || !(actuator_gap <= kRounding_mm))
+    return AssemblyGap{
+        AssemblyGap::Triangle::kActuator, actuator_gap,
+        fmt::format("mount l7 = {:.6g}, slewing bar l2 = {:.6g} and actuator d = {:.6g} mm miss a triangle by "
+                    "{:.4g} mm",
+                    l7, links.l2, stroke_mm, actuator_gap)};
+  const double l8 = TipDistance(links, std::atan2(links.l5, links.l6) + TriangleAngle(l7, links.l2, stroke_mm));
+  const double shank_gap = TriangleGap(l8, links.l4, links.l1);
+  if (shank_gap > kRounding_mm)
+    return AssemblyGap{
+        AssemblyGap::Triangle::kShank, shank_gap,
+        fmt::format("knee to bar tip l8 = {:.6g}, shank link l4 = {:.6g} and coupler l1 = {:.6g} mm miss a "
+                    "triangle by {:.4g} mm",
+                    l8, links.l4, links.l1, shank_gap)};
+  return std::nullopt;
+}
+
+std::optional<Pose> SolvePose(const Links& links, double stroke_mm, Branch branch) {
+  const double l7 = links.L7();
+  if (!(stroke_mm > 0) || !(TriangleGap(l7, links.l2, stroke_mm) <= kRounding_mm)) return std::nullopt;
+  Pose pose;
+  pose.stroke_mm = stroke_mm;
+  pose.branch = branch;
+  pose.alpha1_rad = std::atan2(links.l5, links.l6);
+  pose.alpha2_rad = SignOfAlpha2(branch) * TriangleAngle(l7, links.l2, stroke_mm);
+  pose.phi_rad = pose.alpha1_rad + pose.alpha2_rad;
+  pose.l8_mm = TipDistance(links, pose.phi_rad);
+  if (!(TriangleGap(pose.l8_mm, links.l4, links.l1) <= kRounding_mm)) return std::nullopt;
+  pose.beta1_rad = Beta1(links, pose.phi_rad);
+  pose.beta2_rad = SignOfBeta2(branch) * TriangleAngle(pose.l8_mm, links.l4, links.l1);
+  pose.theta_rad = kPi - pose.beta1_rad - pose.beta2_rad;
+  pose.knee = {0, 0};
+  pose.thigh_pin = {0, links.l3};
+  pose.tip = TipOf(links, pose.phi_rad);
+  pose.shank_pin = ShankPinOf(links, pose.theta_rad);
+  pose.mount = {links.l5, links.l3 + links.l6};
+  return pose;
+}
+
+Pose RequirePose(const Links& links, double stroke_mm) {
+  const std::optional<Pose> pose = SolvePose(links, stroke_mm);
+  if (pose) return *pose;
+  const std::optional<AssemblyGap> gap = FindAssemblyGap(links, stroke_mm);
+  throw Fail("the linkage cannot be assembled at a stroke of {:.6g} mm: {}", stroke_mm,
+             gap ? gap->text : "no triangle");
+}
+
+NewtonPose SolvePoseNewton(const Links& links, double stroke_mm, double start_phi_rad, double start_theta_rad) {
+  constexpr int kMostIterations = 60;
+  constexpr double kSmallStep_rad = 1e-14;
+  const auto l = links.Values();
+  NewtonPose pose{start_phi_rad, start_theta_rad, 0, false};
+  double last_step = std::numeric_limits<double>::infinity();
+  while (pose.iterations < kMostIterations) {
+    const auto residual = LoopResiduals(l.data(), stroke_mm, pose.phi_rad, pose.theta_rad);
+    const auto v = LoopVectorsOf(l.data(), pose.phi_rad, pose.theta_rad);
+    // The first loop holds phi alone, so the two equations are solved one after the other.
+    const double phi_slope = Dot(v.actuator, v.tip_motion) / kLoopScale_mm;
+    const double theta_slope = -Dot(v.coupler, v.shank_motion) / kLoopScale_mm;
+    const double phi_step = -residual[0] / phi_slope;
+    const double theta_step = (-residual[1] + Dot(v.coupler, v.tip_motion) / kLoopScale_mm * phi_step) / theta_slope;
+    if (!std::isfinite(phi_step) || !std::isfinite(theta_step)) return pose;
+    pose.phi_rad += phi_step, pose.theta_rad += theta_step, ++pose.iterations;
+    const double step = std::hypot(phi_step, theta_step);
+    pose.converged =
+        step <= kSmallStep_rad || (step < 1e-8 && step >= last_step);  // no further gain: rounding is reached
+    if (pose.converged) return pose;
+    last_step = step;
+  }
+  return pose;
+}
+
+Transmission TransmissionOf(const Links& links, const Pose& pose) {
+  const auto l = links.Values();
+  const double d = pose.stroke_mm, phi = pose.phi_rad, theta = pose.theta_rad;
+  const auto [transmission_sine, transmission_cosine] = SinCosTransmission(l.data(), phi, theta);
+  const auto [actuator_sine, actuator_cosine] = SinCosActuator(l.data(), d, phi, theta);
+  const double stroke_per_radian = StrokePerRadian(l.data(), d, phi, theta);
+  Transmission result;
+  result.radians_per_mm = 1 / stroke_per_radian;
+  result.moment_arm_mm = std::abs(stroke_per_radian);
+  result.transmission_rad = std::abs(std::atan2(transmission_sine, transmission_cosine));
+  result.actuator_rad = std::abs(std::atan2(actuator_sine, actuator_cosine));
+  result.shank_pressure_rad = std::abs(kPi / 2 - result.transmission_rad);
+  result.actuator_pressure_rad = std::abs(kPi / 2 - result.actuator_rad);
+  return result;
+}
+
+double ActuatorForce(const Transmission& transmission, double knee_torque_nm) {
+  constexpr double kMillimetresPerMetre = 1000;
+  return -knee_torque_nm * kMillimetresPerMetre * transmission.radians_per_mm;
+}
+
+AngleDerivatives AngleDerivativesOf(const Links& links, const Pose& pose) {
+  // Implicit differentiation of f1 = (|w|^2 - d^2) / 2 and f2 = (|u|^2 - l1^2) / 2 in (phi, kappa = pi - theta).
+  const Vector2d w = pose.tip - pose.mount, u = pose.shank_pin - pose.tip;
+  const Vector2d bar = (pose.tip - pose.thigh_pin) / links.l2, shank = pose.shank_pin / links.l4;
+  const Vector2d tip_motion = links.l2 * Vector2d(bar.y(), -bar.x()),
+                 shank_motion = links.l4 * Vector2d(shank.y(), -shank.x());
+  const auto theta_slope = [&](double f1_slope, double f2_slope) {
+    const double phi_slope = -f1_slope / w.dot(tip_motion);
+    return (f2_slope - u.dot(tip_motion) * phi_slope) / u.dot(shank_motion);
+  };
+  return {{theta_slope(0, -links.l1), theta_slope(w.dot(bar), -u.dot(bar)), theta_slope(0, -u.y()),
+           theta_slope(0, u.dot(shank)), theta_slope(-w.x(), 0), theta_slope(-w.y(), 0)},
+          theta_slope(-pose.stroke_mm, 0)};
+}
+
+Grashof GrashofOf(const Links& links) {
+  std::array<double, 4> sides{links.l1, links.l2, links.l3, links.l4};
+  std::sort(sides.begin(), sides.end());
+  const double slack = sides[1] + sides[2] - sides[0] - sides[3];
+  if (slack < 0) return {GrashofClass::kTripleRocker, slack};
+  if (slack == 0) return {GrashofClass::kChangePoint, slack};
+  if (sides[0] == links.l4) return {GrashofClass::kDoubleCrank, slack};
+  if (sides[0] == links.l2) return {GrashofClass::kDoubleRocker, slack};  // opposite the frame
+  return {GrashofClass::kCrankRocker, slack};
+}
+
+std::string_view NameOf(GrashofClass type) {
+  switch (type) {
+    case GrashofClass::kCrankRocker:
+      return "crank-rocker";
+    case GrashofClass::kDoubleCrank:
+      return "double crank";
+    case GrashofClass::kDoubleRocker:
+      return "double rocker";
+    case GrashofClass::kChangePoint:
+      return "change point";
+    case GrashofClass::kTripleRocker:
+      return "triple rocker (not Grashof)";
+  }
+  return "";
+}
+
+SingularityDistances DistancesToSingularities(const Links& links, const Pose& pose) {
+  const double l7 = links.L7();
+  return {links.l2 + pose.stroke_mm - l7, l7 + links.l2 - pose.stroke_mm, pose.l8_mm - std::abs(links.l4 - links.l1),
+          links.l4 + links.l1 - pose.l8_mm};
+}
+
+}  // namespace lake::linkage

@@ -1,0 +1,151 @@
+#include "lake/nlp/solve.h"
+
+#include <IpIpoptApplication.hpp>
+#include <cmath>
+#include <sstream>
+
+#include "ipopt_program.h"
+#include "lake/core/error.h"
+
+namespace lake::nlp {
+namespace {
+
+using Ipopt::SmartPtr;
+
+template <typename Value>
+void Set(Ipopt::IpoptApplication& ipopt, const std::string& option, const Value& value) {
+  bool known = false;
+  if constexpr (std::is_same_v<Value, double>)
+    known = ipopt.Options()->SetNumericValue(option, value);
+  else if constexpr (std::is_same_v<Value, int>)
+    known = ipopt.Options()->SetIntegerValue(option, value);
+  else
+    known = ipopt.Options()->SetStringValue(option, value);
+  if (!known) throw Fail("Ipopt does not take its option {} = {}", option, value);
+}
+
+SmartPtr<Ipopt::IpoptApplication> CreateIpopt() {
+  SmartPtr<Ipopt::IpoptApplication> ipopt = new Ipopt::IpoptApplication(false);
+  // An empty name: an ipopt.opt that happens to lie in the working directory must not change results.
+  if (ipopt->Initialize("") != Ipopt::Solve_Succeeded) throw Fail("Ipopt cannot be set up");
+  Set(*ipopt, "sb", std::string("yes"));
+  Set(*ipopt, "nlp_scaling_method", std::string("none"));  // programs come in natural units
+  // Bounds are kept as they are: a relaxed bound would let lengths leave their range.
+  Set(*ipopt, "bound_relax_factor", 0.0);
+  Set(*ipopt, "honor_original_bounds", std::string("yes"));
+  return ipopt;
+}
+
+NlpStatus StatusOf(Ipopt::ApplicationReturnStatus status) {
+  switch (status) {
+    case Ipopt::Solve_Succeeded:
+      return NlpStatus::kSolved;
+    case Ipopt::Infeasible_Problem_Detected:
+      return NlpStatus::kLocallyInfeasible;
+    case Ipopt::Maximum_Iterations_Exceeded:
+      return NlpStatus::kIterationLimit;
+    case Ipopt::Maximum_CpuTime_Exceeded:
+      return NlpStatus::kTimeLimit;
+    case Ipopt::Solved_To_Acceptable_Level:
+    case Ipopt::Search_Direction_Becomes_Too_Small:
+    case Ipopt::Restoration_Failed:
+      return NlpStatus::kStalled;
+    default:
+      return NlpStatus::kFailed;
+  }
+}
+
+// A program that Ipopt would refuse with a status that says little.
+void CheckDegreesOfFreedom(const NonlinearProgram& program) {
+  std::size_t free = 0, equalities = 0;
+  for (const NlpVariable& variable : program.Variables()) free += variable.lower < variable.upper;
+  for (const NlpRow& row : program.Rows()) equalities += row.lower == row.upper;
+  if (free == 0 || equalities > free)
+    throw Fail("the program has {} free variables for {} equations", free, equalities);
+}
+
+}  // namespace
+
+void NlpOptions::Check() const {
+  if (!(tolerance > 0 && tolerance < 1)) throw Fail("solver tolerance {} must be between 0 and 1", tolerance);
+  if (max_iterations < 0) throw Fail("iteration limit {} is negative", max_iterations);
+  if (!(max_cpu_s > 0)) throw Fail("time limit {} s must be positive", max_cpu_s);
+  if (!(start_push > 0) || !(start_barrier > 0)) throw Fail("start_push and start_barrier must be positive");
+}
+
+std::string_view NameOf(NlpStatus status) {
+  switch (status) {
+    case NlpStatus::kSolved:
+      return "solved";
+    case NlpStatus::kLocallyInfeasible:
+      return "locally infeasible";
+    case NlpStatus::kIterationLimit:
+      return "iteration limit";
+    case NlpStatus::kTimeLimit:
+      return "time limit";
+    case NlpStatus::kStalled:
+      return "stalled";
+    case NlpStatus::kFailed:
+      return "failed";
+  }
+  return "";
+}
+
+NlpSolution SolveNlp(const NonlinearProgram& program, const NlpOptions& options) {
+  options.Check();
+  CheckDegreesOfFreedom(program);
+  const auto ipopt = CreateIpopt();
+  Set(*ipopt, "print_level", 0);
+  Set(*ipopt, "tol", options.tolerance);
+  Set(*ipopt, "constr_viol_tol", options.tolerance);
+  Set(*ipopt, "acceptable_iter", 0);  // no early end at a looser tolerance
+  Set(*ipopt, "max_iter", options.max_iterations);
+  Set(*ipopt, "max_cpu_time", options.max_cpu_s);
+  Set(*ipopt, "bound_push", options.start_push);
+  Set(*ipopt, "bound_frac", options.start_push);
+  Set(*ipopt, "mu_init", options.start_barrier);
+
+  NlpSolution solution;
+  const SmartPtr<IpoptProgram> bridge = new IpoptProgram(program, solution);
+  const Ipopt::ApplicationReturnStatus status = ipopt->OptimizeTNLP(GetRawPtr(bridge));
+  if (bridge->Failure()) std::rethrow_exception(bridge->Failure());
+  solution.status = StatusOf(status);
+  if (solution.x.empty())  // ended before its first iteration
+    for (const NlpVariable& variable : program.Variables()) solution.x.push_back(variable.start);
+  solution.message =
+      fmt::format("{} after {} iterations: cost {:.9g}, violation {:.1e}, KKT error {:.1e}", NameOf(solution.status),
+                  solution.iterations.size(), solution.cost, solution.violation, solution.kkt_error);
+  return solution;
+}
+
+DerivativeReport CheckDerivatives(const NonlinearProgram& program, double relative_tolerance) {
+  const auto ipopt = CreateIpopt();
+  Set(*ipopt, "derivative_test", std::string("second-order"));
+  Set(*ipopt, "derivative_test_tol", relative_tolerance);
+  Set(*ipopt, "point_perturbation_radius", 0.0);  // test at the start itself
+  Set(*ipopt, "max_iter", 0);
+  std::ostringstream log;
+  const SmartPtr<Ipopt::StreamJournal> journal = new Ipopt::StreamJournal("derivatives", Ipopt::J_ITERSUMMARY);
+  journal->SetOutputStream(&log);
+  if (!ipopt->Jnlst()->AddJournal(GetRawPtr(journal))) throw Fail("Ipopt does not take a journal");
+
+  NlpSolution ignored;
+  const SmartPtr<IpoptProgram> bridge = new IpoptProgram(program, ignored);
+  ipopt->OptimizeTNLP(GetRawPtr(bridge));
+  if (bridge->Failure()) std::rethrow_exception(bridge->Failure());
+
+  // A line of the test that reports a difference starts with '*' and names what it compared.
+  DerivativeReport report;
+  bool ended = false;
+  std::istringstream lines(log.str());
+  for (std::string line; std::getline(lines, line);) {
+    ended = ended || line.find("erivative checker") != std::string::npos;
+    if (!line.starts_with("* ")) continue;
+    report.text += line + "\n";
+    ++(line.find("hess") == std::string::npos ? report.first_order_errors : report.second_order_errors);
+  }
+  if (!ended) throw Fail("Ipopt's derivative test did not run: {}", log.str());
+  return report;
+}
+
+}  // namespace lake::nlp

@@ -1,0 +1,52 @@
+// Holds a design against a problem, by the closed form and on a fine grid of the used range; independent of any solver.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/problem/problem.h"
+
+namespace lake::problem {
+
+// A pose of the used range is named by its fraction: 0 standing, 1 at d_min; theta = standing + fraction (range -
+// standing).
+struct WorstPoint {
+  double fraction = 0;
+  double value = 0;  // in the requirement's unit
+};
+
+// The local worst points of a requirement of the family kind over the used range, the global one first: the grid's,
+// refined by Brent's minimisation. Empty if the linkage cannot be assembled at d_min or does not reach standing.
+std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const SynthesisProblem& problem,
+                                    const Requirement& requirement);
+
+struct RequirementCheck {
+  Requirement requirement;
+  double value = 0;     // NaN if it cannot be evaluated: not assembled at d_min, or not able to stand
+  double slack = 0;     // distance to the limit, positive if satisfied; -infinity if it cannot be evaluated
+  double fraction = 1;  // where in the used range a family is worst
+};
+
+struct DesignEvaluation {
+  std::optional<linkage::Pose> pose;  // at d_min; nullopt if it cannot be assembled there
+  std::string gap;                    // then: what does not close, one sentence
+  double range_deg = 0;               // theta(d_min), NaN without a pose
+  std::optional<double> stands_mm;    // the stroke at standing_deg, if the used range reaches it
+  std::vector<RequirementCheck> checks;
+  double bound_violation_mm = 0;  // the worst link outside its bounds
+  // Worst violation over requirements and bounds, in units of the limit where that exceeds one; infinite if it cannot
+  // be assembled.
+  double violation = 0;
+
+  bool IsFeasible(double tolerance = 1e-6) const { return violation <= tolerance; }
+};
+
+DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& problem);
+
+// Fast: bounds and the requirements that are closed form in X (linear, singularity, assembly at d_min, cap), no used
+// range.
+bool MeetsLinkRequirements(const linkage::Links& links, const SynthesisProblem& problem,
+                           const std::vector<Requirement>& requirements, double tolerance_mm = 0);
+
+}  // namespace lake::problem

@@ -1,0 +1,79 @@
+// The synthesis problem as data: what may vary, and what a design must satisfy.
+//
+//   max  theta(X, d_min)      X = (l1, ..., l6)
+//    X
+//   s.t. requirements (below), bounds on X
+//
+// Gautam, Singla & Singla, sec. 3. The defaults are the paper's problem: no margins, no load.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/linkage/linkage.h"
+
+namespace lake::problem {
+
+struct Bounds {
+  double lower = 0, upper = 0;
+};
+
+struct SynthesisProblem {
+  double d_min_mm = 242;           // shortest stroke; Jain et al.'s actuator
+  std::optional<double> d_max_mm;  // the knee must stand straight at no longer stroke
+  std::array<Bounds, 6> bounds{{{50, 100}, {50, 100}, {50, 100}, {50, 100}, {50, 120}, {200, 300}}};  // l1..l6, mm
+  linkage::Links start{85, 85, 85, 80, 80, 235};  // the paper's Table 1
+
+  double grashof_margin_mm = 0;      // l3 + l4 <= l1 + l2 - margin
+  double singularity_margin_mm = 0;  // l7 <= l2 + d_min - margin
+
+  // Over the whole used range, from d_min until the knee stands at `standing_deg`:
+  double knee_torque_nm = 40;                  // constant load that max_force_n refers to
+  std::optional<double> max_force_n;           // actuator force that balances it
+  std::optional<double> min_moment_arm_mm;     // |dd/dtheta|, mm per rad
+  std::optional<double> min_transmission_deg;  // angle between coupler and shank link, and its supplement
+  double standing_deg = 0;                     // where the used range ends
+
+  std::optional<double> max_angle_deg;  // anatomical cap on theta(d_min)
+
+  // Throws Error naming key and value: not finite, not positive, contradictory bounds, negative margins, ...
+  void Check() const;
+};
+
+// One thing a design must satisfy: value >= limit, or value <= limit.
+struct Requirement {
+  enum class Kind {
+    kLinear,        // coefficients . X, mm
+    kSingularity,   // l2 + d_min - l7, mm
+    kMomentArm,     // smallest moment arm over the used range, mm per rad
+    kForce,         // largest actuator force over the used range, N
+    kTransmission,  // smallest transmission angle over the used range, deg
+    kMaxStroke,     // stroke at standing_deg, mm
+    kMaxAngle       // theta(d_min), deg
+  };
+  Kind kind = Kind::kLinear;
+  std::string name;                      // short, as in the tables: "grashof", "l3 <= l1", "moment arm"
+  std::array<double, 6> coefficients{};  // kLinear only
+  bool is_lower_limit = true;            // value >= limit
+  double limit = 0;
+  std::string unit = "mm";
+
+  // Must hold at every pose of the used range.
+  bool IsFamily() const { return kind == Kind::kMomentArm || kind == Kind::kForce || kind == Kind::kTransmission; }
+  // Concerns poses other than the one at d_min, so the linkage must be able to stand.
+  bool NeedsStanding() const { return IsFamily() || kind == Kind::kMaxStroke; }
+  // Distance of a value to the limit, positive if satisfied; -infinity for NaN, a value that could not be had.
+  double Slack(double value) const;
+  // "grashof >= 2 mm"
+  std::string Text() const;
+};
+
+// Those that the problem switches on, the paper's fixed ones first. Grashof and singularity are always among them.
+std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem);
+
+// "l1".."l6".
+std::string LinkName(std::size_t index);
+
+}  // namespace lake::problem

@@ -1,0 +1,21 @@
+// problem.yaml: a synthesis problem; what a key does not say is as in the paper.
+//
+//   d_min_mm, d_max_mm, standing_deg, min_moment_arm_mm, min_transmission_deg, max_angle_deg: numbers
+//   bounds: {l1: [50, 100], ...}     start: {l1: 85, ...}
+//   margins: {grashof_mm, singularity_mm}     load: {knee_torque_nm, max_force_n}
+#pragma once
+
+#include <filesystem>
+
+#include "lake/core/yaml.h"
+#include "lake/problem/problem.h"
+
+namespace lake::problem {
+
+// Throws Error with file and line: unknown keys, values of another type, what SynthesisProblem::Check() refuses.
+SynthesisProblem ReadProblem(const std::filesystem::path& path);
+
+// As above, from a map inside another file.
+SynthesisProblem ReadProblem(YamlNode node);
+
+}  // namespace lake::problem

@@ -1,0 +1,68 @@
+// What becomes of a design when its links are not exactly what they should be: one at a time, at random, or rounded.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lake/problem/evaluate.h"
+
+namespace lake::problem {
+
+struct SensitivityPoint {
+  int link = 0;          // 0..5: l1..l6
+  double delta_mm = 0;   // change of that link alone
+  double range_deg = 0;  // NaN: cannot be assembled at d_min
+  bool feasible =
+      false;  // within the bounds and satisfies the requirements on the links; the used range is not looked at
+};
+
+// Each link changed from -span to +span in 2 steps + 1 points: the paper's figure of its "local minimum", on both
+// sides.
+std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const SynthesisProblem& problem,
+                                          double span_mm = 5, int steps = 100);
+
+// What a yield is of, for whoever reads it.
+inline constexpr const char* kYieldScope =
+    "links alone: the actuator's shortest length and the play of the pins are taken as exact, yet the distance to the "
+    "actuator singularity, l2 + d_min - l7, shrinks with them too";
+
+// Random builds: every link is off, d_min and the pins are not.
+struct YieldOptions {
+  double tolerance_mm = 0.1;  // every link uniform within +- this
+  int samples = 50000;        // standard error of a fraction below 0.23 %
+  std::uint64_t seed = 1;
+
+  void Check() const;  // throws Error
+};
+
+// A fraction of builds with its 95 % interval (Wilson, JASA 22, 1927).
+struct Fraction {
+  double value = 0, lower = 0, upper = 0;
+};
+
+struct Yield {
+  YieldOptions options;
+  Fraction assembled;                                                // can be assembled at d_min
+  Fraction assembled_and_grashof;                                    // and satisfies Grashof's law (without margin)
+  double range_p5_deg = 0, range_median_deg = 0, range_p95_deg = 0;  // of those that can be assembled; NaN if none
+  // Margins that no build with its links within the tolerance can use up: sum of tolerance x |derivative|. An error of
+  // d_min comes on top of the first, millimetre by millimetre.
+  double safe_singularity_margin_mm = 0, safe_grashof_margin_mm = 0;
+};
+
+// Throws Error for options that fail Check(), Interrupted on a signal.
+Yield EstimateYield(const linkage::Links& links, const SynthesisProblem& problem, const YieldOptions& options = {});
+
+struct RoundedDesign {
+  double step_mm = 0;
+  linkage::Links links;
+  DesignEvaluation evaluation;
+  int candidates = 0;  // grid points that were feasible by the quick requirements
+};
+
+// The best feasible design whose links are multiples of the step, among those a few steps around; nullopt if none is
+// feasible. Throws Error for a step that is not positive, or coarser than a bound's width.
+std::optional<RoundedDesign> RoundLinks(const linkage::Links& links, const SynthesisProblem& problem, double step_mm);
+
+}  // namespace lake::problem

@@ -1,0 +1,146 @@
+#include "lake/problem/evaluate.h"
+
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <limits>
+
+#include "lake/core/angles.h"
+
+namespace lake::problem {
+namespace {
+
+using Kind = Requirement::Kind;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kGridPoints = 721;  // a quarter of a degree or finer over any range of a knee
+
+// The used range of a design that can stand; nullopt otherwise. An optimum may stand exactly where the actuator is
+// stretched out, the end of its assembly range, where an angle is known to the square root of rounding.
+std::optional<linkage::UsedRange> StandingRange(const linkage::Links& links, const SynthesisProblem& problem) {
+  if (!linkage::SolvePose(links, problem.d_min_mm)) return std::nullopt;
+  const linkage::UsedRange range =
+      linkage::FindUsedRange(links, problem.d_min_mm, std::nullopt, RadiansFromDegrees(problem.standing_deg));
+  constexpr double kRounding_rad = 1e-5;
+  const bool stands = range.end == linkage::UsedRange::End::kStanding ||
+                      range.theta_at_upper_rad <= RadiansFromDegrees(problem.standing_deg) + kRounding_rad;
+  return stands ? std::optional(range) : std::nullopt;
+}
+
+// The family's value at a fraction of the used range; NaN where there is no pose.
+double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem, const linkage::UsedRange& range,
+                   Kind kind, double fraction) {
+  const double theta = std::lerp(range.theta_at_upper_rad, range.theta_at_lower_rad, fraction);
+  const std::optional<double> stroke = fraction <= 0   ? range.stroke.upper_mm
+                                       : fraction >= 1 ? range.stroke.lower_mm
+                                                       : linkage::StrokeForAngle(links, range, theta);
+  const std::optional<linkage::Pose> pose = stroke ? linkage::SolvePose(links, *stroke) : std::nullopt;
+  if (!pose) return kNaN;
+  const linkage::Transmission transmission = linkage::TransmissionOf(links, *pose);
+  switch (kind) {
+    case Kind::kMomentArm:
+      return transmission.moment_arm_mm;
+    case Kind::kForce:
+      return std::abs(linkage::ActuatorForce(transmission, problem.knee_torque_nm));
+    default:
+      return DegreesFromRadians(
+          std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
+  }
+}
+
+RequirementCheck CheckOf(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
+                         const DesignEvaluation& evaluation) {
+  RequirementCheck check{requirement, kNaN, 0, 1};
+  switch (requirement.kind) {
+    case Kind::kLinear: {
+      const auto l = links.Values();
+      check.value = 0;
+      for (std::size_t i = 0; i < l.size(); ++i) check.value += requirement.coefficients[i] * l[i];
+      break;
+    }
+    case Kind::kSingularity:
+      check.value = links.l2 + problem.d_min_mm - links.L7();
+      break;
+    case Kind::kMaxAngle:
+      check.value = evaluation.range_deg;
+      break;
+    case Kind::kMaxStroke:
+      check.value = evaluation.stands_mm.value_or(kNaN);
+      check.fraction = 0;
+      break;
+    default:
+      if (const auto worst = WorstPoints(links, problem, requirement); !worst.empty())
+        check.value = worst.front().value, check.fraction = worst.front().fraction;
+  }
+  check.slack = requirement.Slack(check.value);
+  return check;
+}
+
+double BoundViolation(const linkage::Links& links, const SynthesisProblem& problem) {
+  const auto l = links.Values();
+  double worst = 0;
+  for (std::size_t i = 0; i < l.size(); ++i)
+    worst = std::max({worst, problem.bounds[i].lower - l[i], l[i] - problem.bounds[i].upper});
+  return worst;
+}
+
+}  // namespace
+
+std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const SynthesisProblem& problem,
+                                    const Requirement& requirement) {
+  const std::optional<linkage::UsedRange> range = StandingRange(links, problem);
+  if (!range) return {};
+  const auto value = [&](double fraction) { return FamilyValue(links, problem, *range, requirement.kind, fraction); };
+  const auto slack = [&](double fraction) { return requirement.Slack(value(fraction)); };
+  std::vector<double> grid(kGridPoints);
+  for (int i = 0; i < kGridPoints; ++i) grid[i] = slack(i / (kGridPoints - 1.0));
+
+  std::vector<WorstPoint> worst;
+  for (int i = 0; i < kGridPoints; ++i) {
+    const bool below_left = i == 0 || grid[i] <= grid[i - 1],
+               below_right = i == kGridPoints - 1 || grid[i] < grid[i + 1];
+    if (!below_left || !below_right) continue;
+    double fraction = i / (kGridPoints - 1.0);
+    if (std::isfinite(grid[i])) {
+      const auto [refined, least] = boost::math::tools::brent_find_minima(
+          slack, std::max(0, i - 1) / (kGridPoints - 1.0), std::min(kGridPoints - 1, i + 1) / (kGridPoints - 1.0),
+          std::numeric_limits<double>::digits / 2);
+      if (least < grid[i]) fraction = refined;
+    }
+    worst.push_back({fraction, value(fraction)});
+  }
+  std::stable_sort(worst.begin(), worst.end(), [&](const WorstPoint& a, const WorstPoint& b) {
+    return requirement.Slack(a.value) < requirement.Slack(b.value);
+  });
+  return worst;
+}
+
+DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& problem) {
+  DesignEvaluation evaluation;
+  evaluation.pose = linkage::SolvePose(links, problem.d_min_mm);
+  evaluation.range_deg = evaluation.pose ? DegreesFromRadians(evaluation.pose->theta_rad) : kNaN;
+  if (const auto gap = linkage::FindAssemblyGap(links, problem.d_min_mm)) evaluation.gap = gap->text;
+  if (const auto range = StandingRange(links, problem)) evaluation.stands_mm = range->stroke.upper_mm;
+  evaluation.violation = evaluation.pose ? 0 : kInfinity;
+  for (const Requirement& requirement : RequirementsOf(problem)) {
+    evaluation.checks.push_back(CheckOf(links, problem, requirement, evaluation));
+    evaluation.violation =
+        std::max(evaluation.violation, -evaluation.checks.back().slack / std::max(1.0, requirement.limit));
+  }
+  evaluation.bound_violation_mm = BoundViolation(links, problem);
+  evaluation.violation = std::max(evaluation.violation, evaluation.bound_violation_mm);
+  return evaluation;
+}
+
+bool MeetsLinkRequirements(const linkage::Links& links, const SynthesisProblem& problem,
+                           const std::vector<Requirement>& requirements, double tolerance_mm) {
+  const std::optional<linkage::Pose> pose = linkage::SolvePose(links, problem.d_min_mm);
+  if (!pose || BoundViolation(links, problem) > tolerance_mm) return false;
+  DesignEvaluation evaluation;
+  evaluation.range_deg = DegreesFromRadians(pose->theta_rad);
+  return std::all_of(requirements.begin(), requirements.end(), [&](const Requirement& requirement) {
+    return requirement.NeedsStanding() || CheckOf(links, problem, requirement, evaluation).slack >= -tolerance_mm;
+  });
+}
+
+}  // namespace lake::problem

@@ -1,0 +1,92 @@
+#include "lake/problem/problem.h"
+
+#include <cmath>
+#include <limits>
+
+#include "lake/core/error.h"
+
+namespace lake::problem {
+namespace {
+
+void CheckPositive(double value, std::string_view key) {
+  if (!(std::isfinite(value) && value > 0)) throw Fail("{} = {} must be a finite number above 0", key, value);
+}
+
+void CheckMargin(double value, std::string_view key) {
+  if (!(std::isfinite(value) && value >= 0)) throw Fail("{} = {} must be a finite number, 0 or above", key, value);
+}
+
+void CheckBounds(const Bounds& bounds, const std::string& key) {
+  CheckPositive(bounds.lower, key + " lower bound");
+  CheckPositive(bounds.upper, key + " upper bound");
+  if (bounds.lower > bounds.upper)
+    throw Fail("bounds of {} contradict each other: lower {} is above upper {}", key, bounds.lower, bounds.upper);
+  constexpr double kLongest_mm = 1e4;  // as for any link
+  if (bounds.upper > kLongest_mm) throw Fail("{} upper bound {} is beyond {} mm", key, bounds.upper, kLongest_mm);
+}
+
+// larger - smaller >= margin.
+Requirement Linear(std::string name, std::array<double, 6> coefficients, double margin_mm = 0) {
+  return {Requirement::Kind::kLinear, std::move(name), coefficients, true, margin_mm, "mm"};
+}
+
+Requirement Order(int smaller, int larger) {
+  std::array<double, 6> coefficients{};
+  coefficients[smaller - 1] = -1;
+  coefficients[larger - 1] = 1;
+  return Linear(fmt::format("l{} <= l{}", smaller, larger), coefficients);
+}
+
+}  // namespace
+
+std::string LinkName(std::size_t index) {
+  return fmt::format("l{}", index + 1);
+}
+
+void SynthesisProblem::Check() const {
+  CheckPositive(d_min_mm, "d_min_mm");
+  if (d_max_mm && !(std::isfinite(*d_max_mm) && *d_max_mm > d_min_mm))
+    throw Fail("d_max_mm = {} must exceed d_min_mm = {}", *d_max_mm, d_min_mm);
+  for (std::size_t i = 0; i < bounds.size(); ++i) CheckBounds(bounds[i], LinkName(i));
+  linkage::CheckLinks(start, "start");
+  CheckMargin(grashof_margin_mm, "grashof_mm");
+  CheckMargin(singularity_margin_mm, "singularity_mm");
+  CheckPositive(knee_torque_nm, "knee_torque_nm");
+  if (max_force_n) CheckPositive(*max_force_n, "max_force_n");
+  if (min_moment_arm_mm) CheckPositive(*min_moment_arm_mm, "min_moment_arm_mm");
+  if (min_transmission_deg && !(*min_transmission_deg > 0 && *min_transmission_deg < 90))
+    throw Fail("min_transmission_deg = {} must lie between 0 and 90", *min_transmission_deg);
+  if (!(standing_deg >= -30 && standing_deg < 90))
+    throw Fail("standing_deg = {} must lie between -30 and 90", standing_deg);
+  if (max_angle_deg && !(*max_angle_deg > standing_deg && *max_angle_deg <= 180))
+    throw Fail("max_angle_deg = {} must lie above standing_deg = {} and not beyond 180", *max_angle_deg, standing_deg);
+}
+
+double Requirement::Slack(double value) const {
+  if (std::isnan(value)) return -std::numeric_limits<double>::infinity();
+  return is_lower_limit ? value - limit : limit - value;
+}
+
+std::string Requirement::Text() const {
+  if (kind == Kind::kLinear && limit == 0) return name == "grashof" ? "Grashof's law" : name;
+  return fmt::format("{} {} {:.6g} {}", name, is_lower_limit ? ">=" : "<=", limit, unit);
+}
+
+std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
+  using Kind = Requirement::Kind;
+  std::vector<Requirement> all;
+  all.push_back(Linear("grashof", {1, 1, -1, -1, 0, 0}, problem.grashof_margin_mm));
+  for (const auto& [smaller, larger] : {std::pair{3, 1}, {3, 2}, {3, 4}, {2, 4}, {1, 4}, {5, 6}, {4, 6}})
+    all.push_back(Order(smaller, larger));
+  all.push_back({Kind::kSingularity, "singularity", {}, true, problem.singularity_margin_mm, "mm"});
+  if (problem.min_moment_arm_mm)
+    all.push_back({Kind::kMomentArm, "moment arm", {}, true, *problem.min_moment_arm_mm, "mm/rad"});
+  if (problem.max_force_n) all.push_back({Kind::kForce, "force", {}, false, *problem.max_force_n, "N"});
+  if (problem.min_transmission_deg)
+    all.push_back({Kind::kTransmission, "transmission angle", {}, true, *problem.min_transmission_deg, "deg"});
+  if (problem.d_max_mm) all.push_back({Kind::kMaxStroke, "stroke when standing", {}, false, *problem.d_max_mm, "mm"});
+  if (problem.max_angle_deg) all.push_back({Kind::kMaxAngle, "angle", {}, false, *problem.max_angle_deg, "deg"});
+  return all;
+}
+
+}  // namespace lake::problem

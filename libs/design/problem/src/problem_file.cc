@@ -1,0 +1,90 @@
+#include "lake/problem/problem_file.h"
+
+#include "lake/core/error.h"
+
+namespace lake::problem {
+namespace {
+
+// Checks the problem as it now stands, so that an error is told with the line that brought it.
+void CheckAt(const std::string& where, const SynthesisProblem& problem) {
+  try {
+    problem.Check();
+  } catch (const Error& error) {
+    throw Fail("{}: {}", where, error.what());
+  }
+}
+
+// Reads numbers of one map into fields of the problem.
+class Reader {
+ public:
+  Reader(YamlNode& node, SynthesisProblem& problem) : node_(node), problem_(problem) {}
+
+  template <typename Field>
+  Reader& Number(std::string_view key, Field& field) {
+    const auto child = node_.Child(key);
+    if (!child) return *this;
+    field = child->AsNumber();
+    CheckAt(child->Where(), problem_);
+    return *this;
+  }
+
+ private:
+  YamlNode& node_;
+  SynthesisProblem& problem_;
+};
+
+void ReadBounds(YamlNode node, SynthesisProblem& problem) {
+  for (std::size_t i = 0; i < problem.bounds.size(); ++i) {
+    const auto pair = node.Numbers(LinkName(i), 2);
+    if (!pair) continue;
+    problem.bounds[i] = {(*pair)[0], (*pair)[1]};
+    CheckAt(node.Child(LinkName(i))->Where(), problem);
+  }
+  node.Finish();
+}
+
+void ReadStart(YamlNode node, SynthesisProblem& problem) {
+  auto values = problem.start.Values();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto child = node.Child(LinkName(i));
+    if (!child) continue;
+    values[i] = child->AsNumber();
+    problem.start = linkage::Links::FromValues(values);
+    CheckAt(child->Where(), problem);
+  }
+  node.Finish();
+}
+
+}  // namespace
+
+SynthesisProblem ReadProblem(YamlNode node) {
+  if (!node.IsMap()) throw Fail("{}: a problem is a map with the keys d_min_mm, bounds, margins, …", node.Where());
+  SynthesisProblem problem;
+  Reader(node, problem)
+      .Number("d_min_mm", problem.d_min_mm)
+      .Number("d_max_mm", problem.d_max_mm)
+      .Number("standing_deg", problem.standing_deg)
+      .Number("min_moment_arm_mm", problem.min_moment_arm_mm)
+      .Number("min_transmission_deg", problem.min_transmission_deg)
+      .Number("max_angle_deg", problem.max_angle_deg);
+  if (auto bounds = node.Child("bounds")) ReadBounds(std::move(*bounds), problem);
+  if (auto start = node.Child("start")) ReadStart(std::move(*start), problem);
+  if (auto margins = node.Child("margins")) {
+    Reader(*margins, problem)
+        .Number("grashof_mm", problem.grashof_margin_mm)
+        .Number("singularity_mm", problem.singularity_margin_mm);
+    margins->Finish();
+  }
+  if (auto load = node.Child("load")) {
+    Reader(*load, problem).Number("knee_torque_nm", problem.knee_torque_nm).Number("max_force_n", problem.max_force_n);
+    load->Finish();
+  }
+  node.Finish();
+  return problem;
+}
+
+SynthesisProblem ReadProblem(const std::filesystem::path& path) {
+  return ReadProblem(YamlNode::ReadFile(path));
+}
+
+}  // namespace lake::problem

@@ -1,0 +1,83 @@
+// Solves a re-optimisation from one or many starts, and along its Pareto front of range against misalignment.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/redesign/reoptimize_program.h"
+#include "lake/synthesis/optimize.h"
+
+namespace lake::redesign {
+
+// One local solve, exchange included.
+struct ReoptimizeSolve {
+  synthesis::LocalSolve local;
+  ReoptimizeVariables variables;
+  ReoptimizePoint point;                 // the end
+  std::optional<Prediction> prediction;  // of the end, by the closed form and the comparison's error
+  // Of the goal, larger is better: RoR - w RMS in deg; -percent; -s; -|p| or farthest . p in mm.
+  double objective = 0;
+
+  // Solved; feasible by the closed form; the limits on misalignment and range hold on the predicted path within 1e-5.
+  bool IsUsable() const { return usable; }
+  double Range_deg() const { return local.evaluation.range_deg; }
+  double Misalignment_percent() const;  // NaN without a prediction
+
+  bool usable = false;
+};
+
+// The goal's value at a design and its path, as ReoptimizeSolve::objective.
+double ObjectiveOf(const ReoptimizeProblem& problem, const ReoptimizePoint& point, double range_deg,
+                   const Prediction& prediction);
+
+// Of a constant program both sides of max(d(theta_human(0)), d_min) are tried where the first ends on it. `warm`: the
+// start is a solution of a problem close by.
+ReoptimizeSolve SolveFrom(const ReoptimizeProblem& problem, const ReoptimizePoint& start,
+                          const synthesis::OptimizeOptions& options = {}, bool warm = false);
+
+struct ReoptimizeResult {
+  std::vector<ReoptimizeSolve> starts;  // in order of starting
+  int best = -1;                        // index of the best usable start; -1: none
+
+  bool IsSolved() const { return best >= 0; }
+  const ReoptimizeSolve& Best() const { return starts.at(best); }
+};
+
+// From `links` in turn, then from random links within the bounds until there are options.starts. Throws Error for a
+// problem or options that fail Check(), Interrupted on a signal.
+ReoptimizeResult Reoptimize(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
+                            const synthesis::OptimizeOptions& options = {});
+
+// Designs count as equal that differ by no more than this.
+inline constexpr double kEqualRange_deg = 0.01, kEqualMisalignment_percent = 0.1;
+
+// Of the designs that hold every limit and are equal to this optimum (or better), the one whose joint is nearest to the
+// knee: a free program determines the placement only weakly. The optimum itself where it is not fitted.
+ReoptimizePoint NearestToKnee(const ReoptimizeProblem& problem, const ReoptimizeSolve& optimum,
+                              const synthesis::OptimizeOptions& options = {});
+
+// Where the joint may sit with these links, their program adapted.
+struct PlacementRange {
+  double within_percent = 0;  // of misalignment: the limit, or that of the point + kEqualMisalignment_percent if larger
+  problem::Bounds x_mm, y_mm;  // farthest to either side, the other coordinate adapted
+};
+// nullopt where a side was not found.
+std::optional<PlacementRange> FindPlacementRange(const ReoptimizeProblem& problem, const ReoptimizePoint& point,
+                                                 const synthesis::OptimizeOptions& options = {});
+
+struct ParetoPoint {
+  double least_range_deg = 0;  // asked for
+  ReoptimizePoint point;
+  double range_deg = 0, misalignment_percent = 0, rms_mm = 0;
+};
+
+// The least misalignment for each of `count` least ranges, evenly spaced from that of the least misalignment to the
+// largest range: ends first and last. Swept warm from both ends, and the better of both kept, so the misalignment never
+// falls with the range. Without penalty and limit. Empty if an end could not be solved; points in between that could
+// not be solved are left out.
+std::vector<ParetoPoint> ParetoFront(const ReoptimizeProblem& problem, int count,
+                                     const std::vector<linkage::Links>& links,
+                                     const synthesis::OptimizeOptions& options = {});
+
+}  // namespace lake::redesign

@@ -1,0 +1,223 @@
+#include "lake/redesign/reoptimize_study.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+#include "lake/synthesis/study.h"
+
+namespace lake::redesign {
+namespace {
+
+using Eigen::Vector2d;
+using Kind = linkage::StrokeProgram::Kind;
+
+// The predicted path through the comparison's own code; both knees are known without noise.
+compare::Misalignment ComparePredicted(const compare::StsCurve& human, const compare::StsCurve& predicted) {
+  compare::MisalignmentOptions options;
+  options.replacement_sd_mm = 0, options.resamples = 0;
+  return compare::CompareTrials({{human}, {}}, {{predicted}, {}}, options);
+}
+
+Vector2d PlacementOf(const linkage::Design& design) {
+  return {design.placement_mm[0], design.placement_mm[1]};
+}
+
+// The strokes at which the worn linkage has the knee angles of its own trial: without a program the leg moved it.
+linkage::StrokeProgram ProgramOfTrial(const linkage::Design& worn, const compare::StsCurve& exo, double standing_deg) {
+  std::vector<double> knee_rad;
+  for (const double knee_deg : exo.knee_deg) knee_rad.push_back(RadiansFromDegrees(knee_deg));
+  const auto strokes = StrokesForAngles(DrivenLinksOf(worn, standing_deg), knee_rad);
+  if (!strokes) throw Fail("the worn design cannot be assembled at its d_min of {:.6g} mm", worn.d_min_mm);
+  linkage::StrokeProgram program{Kind::kFree, 0, {}};
+  for (std::size_t i = 0; i < strokes->size(); ++i)
+    program.knots.push_back({exo.duration_s * static_cast<double>(i) / (compare::kPercentSamples - 1), (*strokes)[i]});
+  return program;
+}
+
+linkage::Design Before(const ReoptimizeProblem& problem, const MeasuredMotion& measured) {
+  linkage::Design design;
+  design.links = problem.design.start, design.d_min_mm = problem.design.d_min_mm;
+  if (measured.worn) design = *measured.worn;
+  if (!design.program && measured.worn && measured.exo)
+    design.program = ProgramOfTrial(*measured.worn, *measured.exo, problem.design.standing_deg);
+  if (!design.program) design.program = linkage::StrokeProgram{Kind::kConstant, problem.program.max_speed_mm_s, {}};
+  return design;
+}
+
+bool LeavesTooMuch(const MountSlip& slip) {
+  constexpr double kMostShare = 0.5;  // of what was measured between joint and knee …
+  constexpr double kTold_mm = 10;     // … where it is more than markers that were put on anew and skin make
+  return slip.slip_mm > std::max(kMostShare * slip.mount_mm, kTold_mm);
+}
+
+// Throws where the trial's joint was elsewhere than the worn design says.
+void CheckWorn(const MeasuredMotion& measured, const MountSlip& slip, const HumanMotion& human) {
+  if (!LeavesTooMuch(slip)) return;
+  std::string text = fmt::format(
+      "{}: the joint of its trial was {:.3g} mm RMS off the leg's knee, and {:.3g} mm RMS of that are not explained by "
+      "placement_mm: [{:.4g}, {:.4g}]",
+      measured.worn_file, slip.mount_mm, slip.slip_mm, measured.worn->placement_mm[0], measured.worn->placement_mm[1]);
+  HumanMotion other = human;
+  if (const auto placed = SetSlip(*measured.exo, measured.spike, slip.placement_mm, other); !LeavesTooMuch(*placed))
+    text +=
+        fmt::format("; if this design was worn, write placement_mm: [{:.1f}, {:.1f}], where the joint was on average",
+                    slip.placement_mm.x(), slip.placement_mm.y());
+  throw Fail("{}; else name the design that was worn (--worn), or leave that trial out (--human-only)", text);
+}
+
+// RMS over the motion.
+double AngleOff_deg(const Prediction& worn, const compare::StsCurve& exo) {
+  std::vector<double> off;
+  for (std::size_t i = 0; i < exo.knee_deg.size(); ++i) off.push_back(worn.exo.knee_deg[i] - exo.knee_deg[i]);
+  return RootMeanSquare(off);
+}
+
+// What the exoskeleton trial tells: delta, and whether the worn design fits it.
+void TakeTrial(ReoptimizeStudy& study) {
+  const MeasuredMotion& measured = study.measured;
+  if (!measured.exo || !measured.worn) return;
+  study.slip = SetSlip(*measured.exo, measured.spike, PlacementOf(*measured.worn), study.problem.human);
+  if (study.slip) CheckWorn(measured, *study.slip, study.problem.human);
+  study.measured_percent = 100 * ComparePredicted(measured.human, *measured.exo).metrics.relative_rms;
+}
+
+double ProgramDuration(const linkage::Design& design, const Prediction& prediction) {
+  if (!design.program) return 0;
+  if (design.program->kind == Kind::kFree)
+    return design.program->knots.back().time_s - design.program->knots.front().time_s;
+  return std::abs(prediction.stroke_mm.back() - prediction.stroke_mm.front()) / design.program->speed_mm_s;
+}
+
+NamedFront FrontOf(ReoptimizeProblem problem, const std::vector<linkage::Links>& links, const ReoptimizeStudy& study) {
+  NamedFront front;
+  front.program = problem.program;
+  const bool free = problem.program.kind == Kind::kFree;
+  front.name = free ? "free" : "constant";
+  if (problem.program.duration_s) front.name += fmt::format(" {:.4g} s", *problem.program.duration_s);
+  front.points = ParetoFront(problem, *study.options.pareto_points, links, study.options.optimize);
+  return front;
+}
+
+// The constant program, a short free one, and the problem's own if it is another.
+std::vector<NamedFront> Fronts(const ReoptimizeStudy& study, const std::vector<linkage::Links>& links) {
+  ReoptimizeProblem constant = study.problem, brief = study.problem;
+  if (constant.program.kind == Kind::kFree) constant.program.duration_s.reset();
+  constant.program.kind = Kind::kConstant;
+  brief.program.kind = Kind::kFree;
+  brief.program.duration_s = study.options.short_program_s;
+  std::vector<NamedFront> fronts{FrontOf(constant, links, study), FrontOf(brief, links, study)};
+  const ProgramLimits& own = study.problem.program;
+  if (own.kind == Kind::kFree && own.duration_s != brief.program.duration_s)
+    fronts.push_back(FrontOf(study.problem, links, study));
+  return fronts;
+}
+
+// Where to start: the problem's start, the worn design, and the optimum without the human.
+std::vector<linkage::Links> StartLinks(ReoptimizeStudy& study) {
+  const problem::SynthesisProblem& design = study.problem.design;
+  std::vector<linkage::Links> links{design.start};
+  if (study.measured.worn) links.push_back(study.measured.worn->links);
+  const synthesis::LocalSolve widest = SolveFrom(design, design.start, study.options.optimize);
+  if (!widest.IsUsable()) return links;
+  links.push_back(widest.end);
+  return links;
+}
+
+// What the placement is worth, and how far it is free.
+void StudyPlacement(const ReoptimizePoint& chosen, ReoptimizeStudy& study) {
+  const synthesis::OptimizeOptions& options = study.options.optimize;
+  study.placement_range = FindPlacementRange(study.problem, chosen, options);
+  ReoptimizeProblem at_knee = study.problem;
+  at_knee.fit_placement = false, at_knee.placement_mm.setZero();
+  if (const ReoptimizeSolve solve = SolveFrom(at_knee, chosen, options); solve.IsUsable())
+    study.range_at_knee_deg = solve.Range_deg();
+}
+
+// Of the range alone: the misalignment's limit holds the design's own range down, and a bound never comes near that.
+void CertifyWidest(ReoptimizeStudy& study) {
+  const synthesis::SynthesisResult widest = synthesis::Optimize(study.problem.design, study.options.optimize);
+  study.widest_deg = study.result.Best().Range_deg();
+  if (widest.best >= 0) study.widest_deg = std::max(*study.widest_deg, widest.Best().evaluation.range_deg);
+  study.certificate = synthesis::Certify(study.problem.design, *study.widest_deg, *study.options.certify_gap_deg,
+                                         study.options.certify_boxes, study.options.quiet);
+}
+
+// No start found a way, but the least misalignment holds the limit: one more start from there.
+void StartFromNearest(ReoptimizeStudy& study) {
+  ReoptimizeSolve solve = SolveFrom(study.problem, study.infeasible->nearest, study.options.optimize, true);
+  if (!solve.IsUsable()) return;
+  study.result.best = static_cast<int>(study.result.starts.size());
+  study.result.starts.push_back(std::move(solve));
+  study.infeasible.reset();
+}
+
+// The worn design must have been able to do what its trial shows.
+void CheckBefore(ReoptimizeStudy& study) {
+  const MeasuredMotion& measured = study.measured;
+  if (!measured.exo || !measured.worn) return;
+  if (!study.before.prediction)
+    throw Fail(
+        "{}: the worn design cannot be driven through the motion of its trial: its program leaves the strokes at which "
+        "the knee bends and stands",
+        measured.worn_file);
+  study.worn_angle_off_deg = AngleOff_deg(*study.before.prediction, *measured.exo);
+}
+
+}  // namespace
+
+void ReoptimizeOptions::Check() const {
+  optimize.Check();
+  if (pareto_points && (*pareto_points < 2 || *pareto_points > 1000))
+    throw UsageError(fmt::format("--pareto {}: 2 to 1000 points", *pareto_points));
+}
+
+DesignInMotion PutInMotion(const ReoptimizeProblem& problem, const compare::StsCurve& human,
+                           const linkage::Design& design) {
+  DesignInMotion in_motion{design, problem::Evaluate(design.links, problem.design), {}, {}, {}, 0};
+  const double standing_deg = problem.design.standing_deg;
+  const Vector2d placement = PlacementOf(design);
+  if (const auto strokes = ProgramStrokes(design, standing_deg, problem.human))
+    in_motion.prediction = Predict(DrivenLinksOf(design, standing_deg), placement, *strokes, problem.human);
+  if (const auto tracking = TrackingStrokes(DrivenLinksOf(design, standing_deg), problem.human))
+    in_motion.tracking_time_s = TrackingTime(*tracking, problem.program.max_speed_mm_s);
+  if (!in_motion.prediction) return in_motion;
+  in_motion.duration_s = ProgramDuration(design, *in_motion.prediction);
+  in_motion.prediction->exo.duration_s = in_motion.duration_s;
+  in_motion.misalignment = ComparePredicted(human, in_motion.prediction->exo);
+  return in_motion;
+}
+
+ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotion& measured,
+                                  const ReoptimizeOptions& options) {
+  options.Check();
+  problem.human = MakeHumanMotion(measured.human);
+  if (measured.worn) problem.placement_mm = PlacementOf(*measured.worn);
+  problem.Check();
+  ReoptimizeStudy study;
+  study.problem = problem, study.options = options, study.measured = measured;
+  TakeTrial(study);
+  problem.human = study.problem.human;
+  const std::vector<linkage::Links> links = StartLinks(study);
+  study.before = PutInMotion(problem, measured.human, Before(problem, measured));
+  CheckBefore(study);
+  study.result = Reoptimize(problem, links, options.optimize);
+  if (!study.IsSolved()) study.infeasible = ExplainInfeasible(problem, links, options.optimize);
+  if (study.infeasible && study.infeasible->within_reach) StartFromNearest(study);
+  const ReoptimizePoint end =
+      study.IsSolved() ? NearestToKnee(problem, study.result.Best(), options.optimize) : study.infeasible->nearest;
+  study.after = PutInMotion(problem, measured.human, DesignOf(problem, end));
+  if (study.IsSolved()) study.active = synthesis::FindActiveSet(study.result.Best().local);
+  if (options.pareto_points) study.fronts = Fronts(study, links);
+  if (!study.IsSolved()) return study;
+  if (problem.fit_placement) StudyPlacement(end, study);
+  if (options.certify_gap_deg) CertifyWidest(study);
+  if (options.yield_tolerance_mm)
+    study.yield = problem::EstimateYield(end.links, problem.design,
+                                         {.tolerance_mm = *options.yield_tolerance_mm, .seed = options.optimize.seed});
+  return study;
+}
+
+}  // namespace lake::redesign

@@ -1,0 +1,81 @@
+// Solves a synthesis problem from one or many starts.
+//
+// Requirements over the whole used range make it semi-infinite; they are met by collocation and exchange (Hettich &
+// Kortanek, SIAM Review 35, 1993; Blankenship & Falk, JOTA 19, 1976): solve with a few poses, look for the worst poses
+// on a fine grid, add them, solve again until none is violated.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lake/problem/evaluate.h"
+#include "lake/synthesis/synthesis_program.h"
+
+namespace lake::synthesis {
+
+struct OptimizeOptions {
+  int starts = 20;  // the problem's own start, then seeded random ones within the bounds
+  std::uint64_t seed = 1;
+  nlp::NlpOptions nlp;
+  int max_exchanges = 25;
+  double family_tolerance = 1e-7;  // a violation of a family, relative to its limit, that ends the exchange
+  bool quiet = true;               // no progress
+
+  void Check() const;  // throws Error
+};
+
+// One local solve, exchange included.
+struct LocalSolve {
+  linkage::Links start, end;
+  nlp::NlpSolution solution;  // of the last program
+  SynthesisProgram program;
+  std::vector<double> fractions;  // of the used range, collocated in the end
+  int exchanges = 0;
+  int iterations = 0;  // Ipopt's, over all exchanges
+  std::vector<nlp::NlpIteration> history;
+  double seconds = 0;
+  problem::DesignEvaluation evaluation;  // of `end`, by the closed form
+  // Solved, and feasible by the closed form within 1e-6.
+  bool IsUsable() const { return solution.IsUsable() && evaluation.IsFeasible(); }
+};
+
+// What a caller adds to the program of every exchange step; `last` is the step before's solution, nullptr at the first.
+struct ProgramExtension {
+  double range_weight = 1;  // of -range in the cost
+  std::function<void(SynthesisProgram& program, const nlp::NlpSolution* last)> extend;
+};
+
+LocalSolve SolveFrom(const problem::SynthesisProblem& problem, const linkage::Links& start,
+                     const OptimizeOptions& options = {}, const ProgramExtension& extension = {});
+
+// Are the multipliers of the solution unique? They are iff the gradients of the active rows and bounds are linearly
+// independent (LICQ).
+struct ActiveSet {
+  struct Entry {
+    std::string name;  // "grashof >= 1 mm", "l3 >= 50 mm"
+    double price;      // what raising the limit by one unit does to what is maximised: to the range, in deg
+    std::string unit;  // of the limit
+  };
+  std::vector<Entry> entries;
+  double smallest_singular_value = 0;  // of the active gradients, each scaled to length one
+  bool multipliers_unique = false;
+};
+ActiveSet FindActiveSet(const LocalSolve& solve);
+
+struct SynthesisResult {
+  std::vector<LocalSolve> starts;  // in order of starting
+  std::vector<int> basin;          // of each start: the same number for the same range within 0.01 deg; -1 unusable
+  int best = -1;                   // index of the best usable start; -1: none
+
+  const LocalSolve& Best() const { return starts.at(best); }
+};
+
+// Throws Error for a problem that fails its Check().
+SynthesisResult Optimize(const problem::SynthesisProblem& problem, const OptimizeOptions& options = {});
+
+// Uniform in the bounds; `count` of them, the same for the same seed.
+std::vector<linkage::Links> RandomStarts(const problem::SynthesisProblem& problem, int count, std::uint64_t seed);
+
+}  // namespace lake::synthesis

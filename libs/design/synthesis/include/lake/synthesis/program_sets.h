@@ -1,0 +1,68 @@
+// The pieces of which a linkage's nonlinear program is put together; each adds its variables and rows to a program.
+//
+// A pose is (stroke d, bar angle phi, knee angle theta) with the loop equations |R - M| = d, |R - S| = l1 as equality
+// rows and alpha2 >= 0, beta2 >= 0 as branch rows. Where theta is not a variable of its own it is
+//   theta = standing + fraction (range - standing),
+// so a fixed set of fractions follows the used range while the range is optimised.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "lake/nlp/nonlinear_program.h"
+#include "lake/problem/problem.h"
+
+namespace lake::synthesis {
+
+// Indices of the variables l1..l6 in the program.
+using LinkVariables = std::array<int, 6>;
+
+LinkVariables AddLinks(nlp::NonlinearProgram& program, const std::array<problem::Bounds, 6>& bounds,
+                       const linkage::Links& start);
+
+// Indices of a pose's variables, and where in the used range it is.
+struct PoseVariables {
+  LinkVariables links;
+  int stroke, phi, range;
+  double fraction = 1, standing_rad = 0;
+
+  // l1..l6, stroke, phi, range: what the terms of a pose take.
+  std::array<int, 9> All() const;
+};
+
+// Adds phi and the rows of a pose; stroke and range are there already.
+PoseVariables AddPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links, int stroke,
+                      int range, double fraction, double standing_rad, double phi_start_rad);
+
+// A pose on the way of a stroke program: d = (1 - weight) from + weight to between two of its knots, and a knee angle
+// of its own. The same rows as AddPose, with fewer variables per row, as there are many of these.
+struct ProgramPose {
+  int from, to;
+  double weight;
+  int theta, phi;
+};
+ProgramPose AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links,
+                           int from, int to, double weight, int theta, double phi_start_rad);
+
+// u.R' > 0: bar and coupler are not in line, where the knee angle turns back and poses of two branches meet.
+void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose);
+
+// The requirement at one pose, against the variable `limit`: kMomentArm, kForce or kTransmission.
+//   moment arm  (u.S')(w.R') / d >= limit (u.R')
+//   force       limit (u.S')(w.R') / d >= torque (u.R')
+//   sine of the transmission angle >= sin(limit)
+// w = R - M, u = S - R; R' and S' by phi and kappa. Multiplied out, so smooth also where the moment arm is infinite.
+void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
+                  int limit, double knee_torque_nm);
+
+// coefficients . X, as a term of `row`.
+void AddLinearTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links,
+                   const std::array<double, 6>& coefficients);
+
+// l2 + d - l7, as a term of `row`.
+void AddSingularityTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links, int stroke);
+
+// factor x variable, as a term of `row` (NlpTerm::kCost: of the cost).
+void AddScaledTerm(nlp::NonlinearProgram& program, int row, int variable, double factor);
+
+}  // namespace lake::synthesis

@@ -1,0 +1,66 @@
+// Everything that is asked of one synthesis problem: optimum, proof, sensitivity, margins, yield, rounding; and its
+// tables.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lake/certificate/certificate.h"
+#include "lake/core/run.h"
+#include "lake/problem/robustness.h"
+#include "lake/synthesis/infeasibility.h"
+#include "lake/synthesis/optimize.h"
+
+namespace lake::synthesis {
+
+struct StudyOptions {
+  OptimizeOptions optimize;
+  std::optional<double> certify_gap_deg;  // absent: no certificate
+  std::int64_t certify_boxes = certificate::CertificateOptions{}.max_boxes;
+  std::optional<double> yield_tolerance_mm;  // absent: no yield
+  std::optional<double> round_mm;            // absent: no rounding
+  bool quiet = true;
+
+  void Check() const;  // throws UsageError naming the option
+};
+
+// The problem's optimum with both margins set to one value, all else the same.
+struct MarginPoint {
+  double margin_mm = 0;
+  bool solved = false;
+  linkage::Links links;
+  double range_deg = 0;                   // NaN if not solved
+  std::optional<double> upper_bound_deg;  // if a certificate is asked for
+  std::optional<double> yield;            // of the links alone: assembled and Grashof, if a yield is asked for
+};
+
+struct Study {
+  problem::SynthesisProblem problem;
+  StudyOptions options;
+  problem::DesignEvaluation start;  // of problem.start
+  SynthesisResult result;
+  std::optional<InfeasibilityReport> infeasible;  // if no start is usable
+  // The rest is there if a start is usable.
+  ActiveSet active;
+  std::optional<certificate::Certificate> certificate;
+  bool certificate_ignores_used_range = false;  // the bound leaves requirements over the used range out
+  std::vector<problem::SensitivityPoint> sensitivity;
+  std::vector<MarginPoint> margins;
+  std::optional<problem::Yield> yield, start_yield;
+  std::optional<problem::RoundedDesign> rounded;
+
+  bool IsSolved() const { return result.best >= 0; }
+  // The optimum, or the design nearest to feasible.
+  linkage::Links BestLinks() const { return IsSolved() ? result.Best().end : infeasible->links; }
+};
+
+// Throws Error for a problem or options that fail Check(), Interrupted on a signal.
+Study RunStudy(const problem::SynthesisProblem& problem, const StudyOptions& options);
+
+// A certificate for a solved problem. Requirements over the used range and the cap are left out of the branch and
+// bound, which then aims at the optimum of that simpler problem; the bound holds for the whole one. Throws Error if the
+// bound is below `range_deg`, the range of a known solution.
+certificate::Certificate Certify(const problem::SynthesisProblem& problem, double range_deg, double gap_deg,
+                                 std::int64_t max_boxes, bool quiet);
+
+}  // namespace lake::synthesis

@@ -1,0 +1,156 @@
+#include "lake/synthesis/infeasibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "exchange.h"
+#include "lake/core/error.h"
+
+namespace lake::synthesis {
+namespace {
+
+using Kind = problem::Requirement::Kind;
+constexpr double kNoSlack =
+    1e-5;  // mm, deg or 1 % of a force: what an interior point leaves on a slack that is not needed
+
+struct ElasticSolve {
+  nlp::NlpSolution solution;
+  SynthesisProgram program;
+  bool holds = false;  // solved, and the moved limits hold over the used range by the closed form
+  bool IsBetterThan(const ElasticSolve& other) const {
+    return holds != other.holds ? holds : solution.cost < other.solution.cost;
+  }
+};
+
+// The problem with its limits moved by the slacks, as far as the families over the used range need it.
+problem::SynthesisProblem Relaxed(problem::SynthesisProblem problem, const ElasticSolve& solve) {
+  const std::vector<double>& x = solve.solution.x;
+  problem.d_min_mm = x[solve.program.poses.front().stroke];
+  for (const LimitRow& limit : solve.program.limits) {
+    const double slack = x[limit.slack];
+    if (limit.requirement.kind == Kind::kMomentArm) *problem.min_moment_arm_mm -= slack;
+    if (limit.requirement.kind == Kind::kForce) *problem.max_force_n += slack;
+    if (limit.requirement.kind == Kind::kTransmission) *problem.min_transmission_deg -= slack;
+  }
+  return problem;
+}
+
+bool FamiliesHold(const problem::SynthesisProblem& problem, const linkage::Links& links) {
+  constexpr double kTolerance = 1e-4;  // of the limit; the moved limits themselves are known no better
+  for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
+    if (!requirement.IsFamily()) continue;
+    const auto worst = problem::WorstPoints(links, problem, requirement);
+    if (worst.empty() || requirement.Slack(worst.front().value) < -kTolerance * std::max(1.0, requirement.limit))
+      return false;
+  }
+  return true;
+}
+
+ElasticSolve SolveElastic(const problem::SynthesisProblem& problem, const linkage::Links& start, Elasticity elasticity,
+                          const OptimizeOptions& options) {
+  ElasticSolve solve;
+  std::vector<double> fractions = FirstFractions();
+  linkage::Links from = start;
+  for (int exchange = 0; exchange < options.max_exchanges; ++exchange) {
+    solve.program = BuildProgram(problem, from, fractions, elasticity);
+    solve.solution = nlp::SolveNlp(solve.program.program, options.nlp);
+    from = solve.program.LinksAt(solve.solution.x);
+    if (!solve.solution.IsUsable() ||
+        !AddViolatedPoses(Relaxed(problem, solve), from, options.family_tolerance, fractions))
+      break;
+  }
+  solve.holds = solve.solution.IsUsable() && FamiliesHold(Relaxed(problem, solve), from);
+  return solve;
+}
+
+ElasticSolve BestElastic(const problem::SynthesisProblem& problem, Elasticity elasticity,
+                         const OptimizeOptions& options) {
+  constexpr int kStarts = 10;
+  ElasticSolve best;
+  best.solution.cost = std::numeric_limits<double>::infinity();
+  std::vector<linkage::Links> starts = RandomStarts(problem, kStarts - 1, options.seed);
+  starts.insert(starts.begin(), problem.start);
+  for (const linkage::Links& start : starts) {
+    ElasticSolve solve = SolveElastic(problem, start, elasticity, options);
+    if (best.solution.x.empty() || solve.IsBetterThan(best)) best = std::move(solve);
+  }
+  return best;
+}
+
+void CollectRelaxations(const ElasticSolve& solve, InfeasibilityReport& report) {
+  const std::vector<double>& x = solve.solution.x;
+  for (const LimitRow& limit : solve.program.limits) {
+    const problem::Requirement& requirement = limit.requirement;
+    const double slack = x[limit.slack];
+    if (slack > kNoSlack * SlackUnit(requirement))
+      report.relaxations.push_back({requirement.Text(), requirement.limit,
+                                    requirement.limit + (requirement.is_lower_limit ? -slack : slack),
+                                    requirement.unit});
+  }
+  for (const ElasticBound& bound : solve.program.elastic_bounds)
+    if (x[bound.slack] > kNoSlack)
+      report.relaxations.push_back(
+          {bound.text, bound.limit, bound.limit + (bound.is_lower_limit ? -1 : 1) * x[bound.slack], "mm"});
+}
+
+void CollectFighting(const ElasticSolve& solve, InfeasibilityReport& report) {
+  constexpr double kNoPrice = 1e-4;  // of a cost that counts in mm and deg
+  const nlp::NlpSolution& solution = solve.solution;
+  for (const LimitRow& limit : solve.program.limits)
+    if (std::abs(solution.row_prices[limit.row]) * SlackUnit(limit.requirement) > kNoPrice)
+      report.fighting.push_back(limit.requirement.Text());
+  for (const ElasticBound& bound : solve.program.elastic_bounds)
+    if (std::abs(solution.row_prices[bound.row]) > kNoPrice) report.fighting.push_back(bound.text);
+  if (!solve.program.elastic_bounds.empty()) return;
+  for (const int link : solve.program.links) {
+    const nlp::NlpVariable& variable = solve.program.program.Variables()[link];
+    const double price = solution.variable_prices[link];
+    if (std::abs(price) > kNoPrice)
+      report.fighting.push_back(fmt::format("{} {} {:.6g} mm", variable.name,
+                                            price > 0 ? ">=" : "<=", price > 0 ? variable.lower : variable.upper));
+  }
+}
+
+// By how much, rounded to the safe side: taken as told the limits can be held.
+double RoundedRelaxation(const Relaxation& relaxation) {
+  constexpr double kRoom = 1.001;
+  const double by = kRoom * std::abs(relaxation.relaxed - relaxation.limit);
+  const double digit = std::pow(10, std::floor(std::log10(by)) - 2);
+  return std::ceil(by / digit) * digit;
+}
+
+std::string Sentence(const InfeasibilityReport& report) {
+  if (!report.solved) return "no design was found that satisfies the problem, and none that nearly does";
+  if (report.relaxations.empty()) return "the problem can be satisfied, but the solver did not reach an optimum";
+  std::string text =
+      fmt::format("no design satisfies all limits: {} cannot hold together; the smallest change found that would do:",
+                  fmt::join(report.fighting, ", "));
+  for (std::size_t i = 0; i < report.relaxations.size(); ++i) {
+    const Relaxation& relaxation = report.relaxations[i];
+    const double by = RoundedRelaxation(relaxation), sign = relaxation.relaxed < relaxation.limit ? -1 : 1;
+    text += fmt::format("{} {} relaxed by {:.4g} {} to {:.8g}", i ? "," : "", relaxation.text, by, relaxation.unit,
+                        relaxation.limit + sign * by);
+  }
+  return text;
+}
+
+}  // namespace
+
+InfeasibilityReport AnalyseInfeasibility(const problem::SynthesisProblem& problem, const OptimizeOptions& options) {
+  problem.Check();
+  options.Check();
+  ElasticSolve solve = BestElastic(problem, Elasticity::kRequirements, options);
+  if (!solve.holds) solve = BestElastic(problem, Elasticity::kEverything, options);
+  InfeasibilityReport report;
+  report.solved = solve.holds;
+  report.links = solve.program.LinksAt(solve.solution.x);
+  if (report.solved) {
+    CollectRelaxations(solve, report);
+    CollectFighting(solve, report);
+  }
+  report.sentence = Sentence(report);
+  return report;
+}
+
+}  // namespace lake::synthesis

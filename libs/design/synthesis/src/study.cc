@@ -1,0 +1,156 @@
+#include "lake/synthesis/study.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+
+namespace lake::synthesis {
+namespace {
+
+constexpr std::array kMargins_mm{0.0, 0.1, 0.2,  0.5,  1.0,  2.0,  3.0,  4.0, 5.0,
+                                 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0};
+
+bool NeedsStanding(const problem::SynthesisProblem& problem) {
+  for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
+    if (requirement.NeedsStanding()) return true;
+  return false;
+}
+
+// The requirements that the certificate works with.
+problem::SynthesisProblem OnlyLinkRequirements(problem::SynthesisProblem problem) {
+  problem.d_max_mm.reset();
+  problem.max_force_n.reset();
+  problem.min_moment_arm_mm.reset();
+  problem.min_transmission_deg.reset();
+  problem.max_angle_deg.reset();
+  return problem;
+}
+
+// A few starts are enough along a curve of problems that differ little: the last optimum is one of them.
+LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Links& last,
+                     const OptimizeOptions& options) {
+  constexpr int kRandomStarts = 2;
+  LocalSolve best;
+  std::vector<linkage::Links> starts{last, problem.start};
+  for (const linkage::Links& random : RandomStarts(problem, kRandomStarts, options.seed)) starts.push_back(random);
+  for (const linkage::Links& start : starts) {
+    ThrowIfInterrupted();
+    LocalSolve solve = SolveFrom(problem, start, options);
+    if (solve.IsUsable() && (!best.IsUsable() || solve.evaluation.range_deg > best.evaluation.range_deg))
+      best = std::move(solve);
+  }
+  return best;
+}
+
+problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem, double tolerance_mm,
+                       std::uint64_t seed) {
+  problem::YieldOptions options;
+  options.tolerance_mm = tolerance_mm;
+  options.seed = seed;
+  return problem::EstimateYield(links, problem, options);
+}
+
+MarginPoint SolveMargin(problem::SynthesisProblem problem, double margin_mm, const linkage::Links& last,
+                        const StudyOptions& options) {
+  problem.grashof_margin_mm = problem.singularity_margin_mm = margin_mm;
+  MarginPoint point{margin_mm, false, last, std::numeric_limits<double>::quiet_NaN(), {}, {}};
+  const LocalSolve best = BestOfFew(problem, last, options.optimize);
+  point.solved = best.IsUsable();
+  if (!point.solved) return point;
+  point.links = best.end;
+  point.range_deg = best.evaluation.range_deg;
+  if (options.certify_gap_deg)
+    point.upper_bound_deg =
+        Certify(problem, point.range_deg, *options.certify_gap_deg, options.certify_boxes, true).upper_bound_deg;
+  if (options.yield_tolerance_mm)
+    point.yield =
+        YieldOf(point.links, problem, *options.yield_tolerance_mm, options.optimize.seed).assembled_and_grashof.value;
+  return point;
+}
+
+std::vector<MarginPoint> SweepMargins(const Study& study) {
+  std::vector<MarginPoint> points;
+  Progress progress("margins", "problems", kMargins_mm.size(), study.options.quiet);
+  linkage::Links last = study.BestLinks();
+  for (const double margin : kMargins_mm) {
+    points.push_back(SolveMargin(study.problem, margin, last, study.options));
+    last = points.back().links;
+    progress.Advance();
+  }
+  return points;
+}
+
+// No start found a way, but the elastic program did, without moving a limit: one more start from there.
+void StartFromElastic(Study& study) {
+  LocalSolve solve = SolveFrom(study.problem, study.infeasible->links, study.options.optimize);
+  if (!solve.IsUsable()) return;
+  study.result.best = static_cast<int>(study.result.starts.size());
+  study.result.starts.push_back(std::move(solve));
+  study.result.basin.push_back(0);
+  study.infeasible.reset();
+}
+
+}  // namespace
+
+void StudyOptions::Check() const {
+  optimize.Check();
+  if (certify_gap_deg && !(std::isfinite(*certify_gap_deg) && *certify_gap_deg > 0))
+    throw UsageError(fmt::format("--certify {}: a gap above 0 deg", *certify_gap_deg));
+  if (yield_tolerance_mm && !(*yield_tolerance_mm > 0 && *yield_tolerance_mm < 10))
+    throw UsageError(fmt::format("--yield {}: a tolerance between 0 and 10 mm", *yield_tolerance_mm));
+  if (round_mm && !(std::isfinite(*round_mm) && *round_mm > 0))
+    throw UsageError(fmt::format("--round {}: a step above 0 mm", *round_mm));
+}
+
+certificate::Certificate Certify(const problem::SynthesisProblem& problem, double range_deg, double gap_deg,
+                                 std::int64_t max_boxes, bool quiet) {
+  const problem::SynthesisProblem simpler = OnlyLinkRequirements(problem);
+  double aim_deg = range_deg;
+  if (NeedsStanding(problem) || problem.max_angle_deg) {
+    const LocalSolve best = BestOfFew(simpler, problem.start, {});
+    if (best.IsUsable()) aim_deg = std::max(aim_deg, best.evaluation.range_deg);
+  }
+  certificate::CertificateOptions options;
+  options.gap_deg = gap_deg;
+  options.max_boxes = max_boxes;
+  options.quiet = quiet;
+  certificate::Certificate certificate = certificate::CertifyRange(simpler, aim_deg, options);
+  if (problem.max_angle_deg)
+    certificate.upper_bound_deg = std::min(certificate.upper_bound_deg, *problem.max_angle_deg);
+  certificate.gap_deg = certificate.upper_bound_deg - range_deg;
+  certificate.reached = certificate.gap_deg <= gap_deg;
+  return certificate;
+}
+
+Study RunStudy(const problem::SynthesisProblem& problem, const StudyOptions& options) {
+  problem.Check();
+  options.Check();
+  Study study;
+  study.problem = problem;
+  study.options = options;
+  study.start = problem::Evaluate(problem.start, problem);
+  const auto yield_of = [&](const linkage::Links& links) {
+    return YieldOf(links, problem, *options.yield_tolerance_mm, options.optimize.seed);
+  };
+  if (options.yield_tolerance_mm) study.start_yield = yield_of(problem.start);
+  study.result = Optimize(problem, options.optimize);
+  if (!study.IsSolved()) study.infeasible = AnalyseInfeasibility(problem, options.optimize);
+  if (study.infeasible && study.infeasible->relaxations.empty()) StartFromElastic(study);
+  if (!study.IsSolved()) return study;
+  const LocalSolve& best = study.result.Best();
+  study.active = FindActiveSet(best);
+  study.certificate_ignores_used_range = NeedsStanding(problem);
+  if (options.certify_gap_deg)
+    study.certificate =
+        Certify(problem, best.evaluation.range_deg, *options.certify_gap_deg, options.certify_boxes, options.quiet);
+  study.sensitivity = problem::Sensitivity(best.end, problem);
+  study.margins = SweepMargins(study);
+  if (options.yield_tolerance_mm) study.yield = yield_of(best.end);
+  if (options.round_mm) study.rounded = problem::RoundLinks(best.end, problem, *options.round_mm);
+  return study;
+}
+
+}  // namespace lake::synthesis

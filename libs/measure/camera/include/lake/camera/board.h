@@ -1,0 +1,71 @@
+// Calibration boards: chessboards and ChArUco boards, as printed and as seen.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lake::camera {
+
+enum class BoardKind { kChessboard, kCharuco };
+
+// A board lies in z = 0 of its own frame: x right, y up on the sheet, z towards who looks at it; the origin is the
+// lower left inner corner.
+struct Board {
+  BoardKind kind = BoardKind::kChessboard;
+  int columns = 0;  // inner corners of a chessboard, squares of a ChArUco board
+  int rows = 0;
+  double square_mm = 0;
+  double marker_mm = 0;    // side of a marker, ChArUco only
+  std::string dictionary;  // OpenCV's name without DICT_, e.g. 4X4_50; ChArUco only
+
+  int SquareColumns() const { return kind == BoardKind::kChessboard ? columns + 1 : columns; }
+  int SquareRows() const { return kind == BoardKind::kChessboard ? rows + 1 : rows; }
+  int CornerColumns() const { return SquareColumns() - 1; }
+  int CornerRows() const { return SquareRows() - 1; }
+};
+
+// chessboard:COLSxROWS:SQUARE_MM or charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT. Throws UsageError that quotes the text
+// and says what is wrong with it.
+Board ParseBoard(std::string_view text);
+
+// The text that ParseBoard understands.
+std::string ToString(const Board& board);
+
+// The inner corners, mm, row by row from below: corner `column + row * CornerColumns()` is at (column, row) · square.
+std::vector<Eigen::Vector2d> BoardCorners(const Board& board);
+
+// A rectangle with sides along x and y, mm in the board frame.
+struct BoardRectangle {
+  double left, bottom, width, height;
+};
+
+// What is black on the sheet: squares, and the black cells of markers. OpenCV's layout up to 4.6
+// (setLegacyPattern(true) of later versions, which differs only for an even number of rows).
+std::vector<BoardRectangle> BoardInk(const Board& board);
+
+// The corners of a board that were found in one picture.
+struct BoardView {
+  std::string name;                    // of the picture or frame, for messages
+  std::vector<int> corner;             // indices into BoardCorners, increasing
+  std::vector<Eigen::Vector2d> pixel;  // image frame, one per corner
+  double edge_width_px = 0;            // of the black-white steps: contrast / steepest slope; grows with blur
+};
+
+struct BoardDetectionOptions {
+  // Half the window of the sub-pixel corner search, px; 0 takes 0.35 of the distance to the next line of the
+  // grid, 2..15 px: a window that reaches other edges spoils the result.
+  int half_window_px = 0;
+  int least_corners = 8;  // fewer seen corners of a ChArUco board are no use
+};
+
+// nullopt if the board is not seen. `grey` is CV_8UC1. A chessboard must be seen whole, a ChArUco board may be cut off
+// or covered. A chessboard looks the same after half a turn: which of the two was meant cannot be known.
+std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board,
+                                     const BoardDetectionOptions& options = {});
+
+}  // namespace lake::camera

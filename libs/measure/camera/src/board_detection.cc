@@ -1,0 +1,173 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "aruco_board.h"
+#include "lake/camera/board.h"
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+
+namespace lake::camera {
+namespace {
+
+constexpr int kLeastSidePx = 32;  // smaller pictures hold no board, and OpenCV's windows do not fit them
+
+struct FoundCorners {
+  std::vector<int> corner;
+  std::vector<cv::Point2f> pixel;
+};
+
+// OpenCV's rows may run downwards; the board's own run upwards, seen from the front.
+void OrderRowsUpwards(const Board& board, std::vector<cv::Point2f>& grid) {
+  const int columns = board.CornerColumns(), rows = board.CornerRows();
+  const cv::Point2f origin = grid.front(), along = grid[static_cast<std::size_t>(columns - 1)] - origin;
+  const cv::Point2f up = grid[static_cast<std::size_t>(columns * (rows - 1))] - origin;
+  if (along.cross(up) < 0) return;  // image y is down
+  for (int low = 0, high = rows - 1; low < high; ++low, --high)
+    std::swap_ranges(grid.begin() + low * columns, grid.begin() + (low + 1) * columns, grid.begin() + high * columns);
+}
+
+FoundCorners FindChessboard(const cv::Mat& grey, const Board& board) {
+  FoundCorners found;
+  const cv::Size size(board.CornerColumns(), board.CornerRows());
+  if (!cv::findChessboardCorners(grey, size, found.pixel,
+                                 cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE) &&
+      !cv::findChessboardCornersSB(grey, size, found.pixel, cv::CALIB_CB_NORMALIZE_IMAGE))
+    return {};
+  OrderRowsUpwards(board, found.pixel);
+  for (int i = 0; i < size.area(); ++i) found.corner.push_back(i);
+  return found;
+}
+
+FoundCorners FindCharuco(const cv::Mat& grey, const Board& board) {
+  const auto charuco = CharucoOf(board);
+  std::vector<std::vector<cv::Point2f>> markers;
+  std::vector<int> ids;
+  cv::aruco::detectMarkers(grey, charuco->dictionary, markers, ids);
+  if (ids.empty()) return {};
+  std::vector<int> corner;
+  std::vector<cv::Point2f> pixel;
+  cv::aruco::interpolateCornersCharuco(markers, ids, grey, charuco, pixel, corner);
+  // OpenCV numbers the corners from the top, the Board from below.
+  const int columns = board.CornerColumns(), rows = board.CornerRows();
+  std::map<int, cv::Point2f> ordered;
+  for (std::size_t i = 0; i < corner.size(); ++i)
+    ordered[(rows - 1 - corner[i] / columns) * columns + corner[i] % columns] = pixel[i];
+  FoundCorners found;
+  for (const auto& [index, at] : ordered) found.corner.push_back(index), found.pixel.push_back(at);
+  return found;
+}
+
+bool SpanThePlane(const Board& board, const std::vector<int>& corners) {
+  const auto differ = [&](auto line) {
+    return std::any_of(corners.begin(), corners.end(), [&](int c) { return line(c) != line(corners.front()); });
+  };
+  const int columns = board.CornerColumns();
+  return differ([&](int c) { return c % columns; }) && differ([&](int c) { return c / columns; }) &&
+         differ([&](int c) { return c % columns - c / columns; }) &&
+         differ([&](int c) { return c % columns + c / columns; });
+}
+
+// How far the nearest other line of the grid runs past each corner: of a strongly tilted board that is less than the
+// distance to the next corner.
+std::vector<double> LineDistances(const Board& board, const FoundCorners& found) {
+  std::map<int, cv::Point2f> at;
+  for (std::size_t i = 0; i < found.corner.size(); ++i) at[found.corner[i]] = found.pixel[i];
+  const int columns = board.CornerColumns();
+  std::vector<double> distances;
+  for (const int c : found.corner) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const int along : {-1, 1}) {
+      for (const int across : {-columns, columns}) {
+        const bool same_row = (c + along >= 0) && (c + along) / columns == c / columns;
+        if (!same_row || !at.count(c + along) || !at.count(c + across)) continue;
+        const cv::Point2f a = at[c + along] - at[c], b = at[c + across] - at[c];
+        nearest = std::min(nearest, std::abs(a.cross(b)) / std::max(cv::norm(a), cv::norm(b)));
+      }
+    }
+    distances.push_back(nearest);
+  }
+  // A ChArUco corner without neighbours takes the least of the others.
+  const double least = *std::min_element(distances.begin(), distances.end());
+  for (double& d : distances) d = std::isfinite(d) ? d : least;
+  return distances;
+}
+
+// A window for each corner by its own distance to its neighbours, as perspective makes them differ. In a ChArUco board
+// the markers are nearer than the corners.
+int HalfWindow(const Board& board, double line_distance_px, int fixed_px) {
+  if (fixed_px > 0) return fixed_px;
+  constexpr double kOfDistance = 0.35, kOfGap = 0.8;
+  constexpr int kLeast = 2, kMost = 15;
+  double reach = kOfDistance * line_distance_px;
+  if (board.kind == BoardKind::kCharuco)
+    reach = std::min(reach, kOfGap * line_distance_px * (1 - board.marker_mm / board.square_mm) / 2);
+  return std::clamp(static_cast<int>(reach), kLeast, kMost);
+}
+
+cv::Point2f RefineCorner(const cv::Mat& grey, const cv::Point2f& start, int half) {
+  const cv::TermCriteria criteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 50, 1e-3);
+  std::vector<cv::Point2f> corner = {start};
+  const auto search = [&](int half_window) {
+    cv::cornerSubPix(grey, corner, {half_window, half_window}, {-1, -1}, criteria);
+  };
+  search(half);
+  if (corner.front() != start) return corner.front();
+  // OpenCV gives a corner that left its window back unmoved: come nearer with a wider one first.
+  search(2 * half);
+  search(half);
+  return corner.front();
+}
+
+// Contrast over steepest slope around a corner.
+double EdgeWidth(const cv::Mat& grey, const cv::Point2f& pixel, int half) {
+  const cv::Rect all(0, 0, grey.cols, grey.rows);
+  const cv::Rect window =
+      cv::Rect(cvRound(pixel.x) - half - 1, cvRound(pixel.y) - half - 1, 2 * half + 3, 2 * half + 3) & all;
+  if (window.width < 5 || window.height < 5) return std::numeric_limits<double>::quiet_NaN();
+  cv::Mat dx, dy, slope;
+  cv::Sobel(grey(window), dx, CV_32F, 1, 0, 3, 1.0 / 8);
+  cv::Sobel(grey(window), dy, CV_32F, 0, 1, 3, 1.0 / 8);
+  cv::magnitude(dx, dy, slope);
+  double darkest = 0, lightest = 0, steepest = 0;
+  cv::minMaxLoc(grey(window), &darkest, &lightest);
+  cv::minMaxLoc(slope, nullptr, &steepest);
+  return steepest > 0 ? (lightest - darkest) / steepest : std::numeric_limits<double>::quiet_NaN();
+}
+
+double MedianEdgeWidth(const cv::Mat& grey, const std::vector<cv::Point2f>& pixels,
+                       const std::vector<int>& half_windows) {
+  std::vector<double> widths;
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    if (const double width = EdgeWidth(grey, pixels[i], half_windows[i]); std::isfinite(width)) widths.push_back(width);
+  return widths.empty() ? std::numeric_limits<double>::infinity() : Median(widths);
+}
+
+}  // namespace
+
+std::optional<BoardView> DetectBoard(const cv::Mat& grey, const Board& board, const BoardDetectionOptions& options) {
+  if (grey.type() != CV_8UC1 || grey.empty()) throw Fail("a board is looked for in a grey picture of 8 bits");
+  FoundCorners found;
+  try {
+    found = board.kind == BoardKind::kChessboard ? FindChessboard(grey, board) : FindCharuco(grey, board);
+  } catch (const cv::Exception&) {
+    return std::nullopt;  // OpenCV's searches assert on some pictures without a board, e.g. noise
+  }
+  if (static_cast<int>(found.corner.size()) < options.least_corners || !SpanThePlane(board, found.corner))
+    return std::nullopt;
+  std::vector<int> half_windows;
+  for (const double distance : LineDistances(board, found))
+    half_windows.push_back(HalfWindow(board, distance, options.half_window_px));
+  for (std::size_t i = 0; i < found.pixel.size(); ++i)
+    found.pixel[i] = RefineCorner(grey, found.pixel[i], half_windows[i]);
+  BoardView view;
+  view.corner = found.corner;
+  for (const cv::Point2f& p : found.pixel) view.pixel.emplace_back(p.x, p.y);
+  view.edge_width_px = MedianEdgeWidth(grey, found.pixel, half_windows);
+  return view;
+}
+
+}  // namespace lake::camera

@@ -1,0 +1,184 @@
+#include "lake/camera/camera.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "lake/core/error.h"
+
+namespace lake::camera {
+namespace {
+
+// A polynomial in t = r², lowest power first.
+using Cubic = std::array<double, 4>;
+
+double Value(const Cubic& c, double t) {
+  return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+}
+
+// d (r radial(r²)) / dr, the polynomial whose first positive root is the fold.
+Cubic RadialSlope(const std::array<double, 5>& k) {
+  return {1, 3 * k[0], 5 * k[1], 7 * k[4]};
+}
+
+// Where a falling function crosses zero, from below.
+double Bisect(const auto& function, double low, double high, int halvings) {
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = (low + high) / 2;
+    (function(middle) > 0 ? low : high) = middle;
+  }
+  return low;
+}
+
+// The positive places where the cubic's slope vanishes, in order: between them it is monotonic.
+std::vector<double> TurningPoints(const Cubic& c) {
+  const double a = 3 * c[3], b = 2 * c[2], d = b * b - 4 * a * c[1];
+  std::vector<double> t;
+  if (a == 0 && b != 0) t = {-c[1] / b};
+  if (a != 0 && d > 0) t = {(-b - std::sqrt(d)) / (2 * a), (-b + std::sqrt(d)) / (2 * a)};
+  std::erase_if(t, [](double x) { return !(x > 0); });
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+// The smallest positive root of a cubic that is 1 at t = 0; infinite if there is none below kFarthest.
+double FirstRoot(const Cubic& c) {
+  constexpr int kToTheLastBit = 60;
+  constexpr double kFarthest = 1e4;  // r = 100: 89.4 degrees from the axis
+  std::vector<double> ends = TurningPoints(c);
+  ends.push_back(kFarthest);
+  double low = 0;
+  for (const double end : ends) {
+    if (Value(c, end) <= 0) return Bisect([&](double t) { return Value(c, t); }, low, end, kToTheLastBit);
+    low = end;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+// The distorted normalised point of a normalised point, and its Jacobian.
+struct Distorted {
+  Eigen::Vector2d point;
+  Eigen::Matrix2d jacobian;
+};
+
+Distorted Distort(const std::array<double, 5>& k, const Eigen::Vector2d& p) {
+  const auto [k1, k2, p1, p2, k3] = k;
+  const double x = p.x(), y = p.y(), r2 = p.squaredNorm();
+  const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  const double slope = k1 + r2 * (2 * k2 + r2 * 3 * k3);  // d radial / d r2
+  Distorted d;
+  d.point = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
+  d.jacobian(0, 0) = radial + 2 * x * x * slope + 2 * p1 * y + 6 * p2 * x;
+  d.jacobian(0, 1) = d.jacobian(1, 0) = 2 * x * y * slope + 2 * p1 * x + 2 * p2 * y;
+  d.jacobian(1, 1) = radial + 2 * y * y * slope + 6 * p1 * y + 2 * p2 * x;
+  return d;
+}
+
+// About the radius inside the fold that the radial part alone moves to `distorted`; the fold itself if none does.
+double UndistortRadius(const std::array<double, 5>& k, double distorted, double fold) {
+  constexpr int kHalvings = 8;  // a start for Newton's method
+  const auto missing = [&](double r) { return distorted - r * Value({1, k[0], k[1], k[4]}, r * r); };
+  double high = std::isfinite(fold) ? fold : std::max(distorted, 1e-3);
+  while (!std::isfinite(fold) && missing(high) > 0) high *= 2;
+  return missing(high) >= 0 ? high : Bisect(missing, 0, high, kHalvings);
+}
+
+// Newton's method with the step halved while it does not help; nullopt if it ends on no solution inside the fold.
+std::optional<Eigen::Vector2d> UndistortNewton(const std::array<double, 5>& k, const Eigen::Vector2d& target,
+                                               Eigen::Vector2d point) {
+  constexpr int kMaxIterations = 50, kMaxHalvings = 20;
+  constexpr double kTolerance = 1e-14;  // of a normalised coordinate; 1e-11 px at fx = 1000
+  Distorted now = Distort(k, point);
+  for (int i = 0; i < kMaxIterations && now.jacobian.determinant() > 0; ++i) {
+    Eigen::Vector2d step = now.jacobian.inverse() * (target - now.point);
+    if (step.norm() <= kTolerance * (1 + point.norm())) return point;
+    Distorted next = Distort(k, point + step);
+    int halvings = 0;
+    const auto worse = [&] {
+      return next.jacobian.determinant() <= 0 || (next.point - target).norm() > (now.point - target).norm();
+    };
+    for (; worse() && halvings < kMaxHalvings; ++halvings) next = Distort(k, point + (step /= 2));
+    if (halvings == kMaxHalvings) {  // rounding keeps the residual from falling further, or there is no solution
+      const double noise = 1e-13 * (1 + target.norm());
+      return (now.point - target).norm() < noise ? std::optional(point) : std::nullopt;
+    }
+    point += step, now = next;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Eigen::Vector2d Project(const Camera& camera, const Eigen::Vector3d& point_in_camera) {
+  if (!(point_in_camera.z() > 0))
+    throw Fail("a point at z = {:.1f} mm is not in front of the camera", point_in_camera.z());
+  const double intrinsics[] = {camera.fx, camera.fy, camera.cx, camera.cy};
+  return ProjectBrownConrady<double>(intrinsics, camera.distortion.data(), point_in_camera);
+}
+
+double FoldRadius(const Camera& camera) {
+  return std::sqrt(FirstRoot(RadialSlope(camera.distortion)));
+}
+
+Eigen::Vector3d RayFromPixel(const Camera& camera, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d target((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
+  const double distance = target.norm(), fold = FoldRadius(camera);
+  if (distance == 0 && camera.distortion[2] == 0 && camera.distortion[3] == 0) return {0, 0, 1};
+  if (std::isfinite(distance)) {
+    // A little inside the fold, so that the first Jacobian is regular.
+    const double radius = std::min(UndistortRadius(camera.distortion, distance, fold), fold * (1 - 1e-3));
+    const Eigen::Vector2d start = distance > 0 ? Eigen::Vector2d(target * (radius / distance)) : target;
+    const std::optional<Eigen::Vector2d> point = UndistortNewton(camera.distortion, target, start);
+    if (point && point->norm() <= fold) return {point->x(), point->y(), 1};
+  }
+  throw Fail("pixel ({:.1f}, {:.1f}): the lens distortion cannot be undone there; is the camera file the right one?",
+             pixel.x(), pixel.y());
+}
+
+PlanePoint PlanePointFromPixel(const Camera& camera, const PlanePose& camera_from_plane, const Eigen::Vector2d& pixel,
+                               double depth_mm) {
+  const PlanePose plane_from_camera = camera_from_plane.inverse();
+  const Eigen::Vector3d ray = RayFromPixel(camera, pixel);
+  const Eigen::Vector3d origin = plane_from_camera.translation(), direction = plane_from_camera.linear() * ray;
+  const double scale = (depth_mm - origin.z()) / direction.z();
+  if (!(scale > 0) || !std::isfinite(scale))
+    throw Fail("pixel ({:.1f}, {:.1f}): its ray does not meet the sagittal plane in front of the camera", pixel.x(),
+               pixel.y());
+  PlanePoint point;
+  point.position_mm = (origin + scale * direction).head<2>();
+  point.mm_per_depth_mm = direction.head<2>() / direction.z();
+  // A turn of the ray moves the point by scale (d direction), then along the ray back into the plane.
+  Eigen::Matrix<double, 2, 3> position_by_direction;
+  position_by_direction << scale, 0, -scale * point.mm_per_depth_mm.x(), 0, scale, -scale * point.mm_per_depth_mm.y();
+  const Eigen::Matrix2d ray_by_pixel = Distort(camera.distortion, ray.head<2>()).jacobian.inverse() *
+                                       Eigen::Vector2d(1 / camera.fx, 1 / camera.fy).asDiagonal();
+  point.mm_per_px = position_by_direction * plane_from_camera.linear().leftCols<2>() * ray_by_pixel;
+  return point;
+}
+
+double SigmaInPlane(const PlanePoint& point, double sigma_px) {
+  return sigma_px * point.mm_per_px.norm() / std::sqrt(2.0);
+}
+
+Eigen::Vector2d PlaneFromPixel(const Camera& camera, const PlanePose& camera_from_plane, const Eigen::Vector2d& pixel,
+                               double depth_mm) {
+  return PlanePointFromPixel(camera, camera_from_plane, pixel, depth_mm).position_mm;
+}
+
+Eigen::Vector2d PixelFromPlane(const Camera& camera, const PlanePose& camera_from_plane,
+                               const Eigen::Vector2d& point_in_plane_mm, double depth_mm) {
+  return Project(camera, camera_from_plane * Eigen::Vector3d(point_in_plane_mm.x(), point_in_plane_mm.y(), depth_mm));
+}
+
+void CheckResolution(const Camera& camera, const std::filesystem::path& camera_file, int width_px, int height_px,
+                     const std::filesystem::path& picture) {
+  if (camera.image_width == width_px && camera.image_height == height_px) return;
+  const bool turned = camera.image_width == height_px && camera.image_height == width_px;
+  throw Fail("{}: the camera was calibrated at {}x{} px, but {} has {}x{}; {}", camera_file.string(),
+             camera.image_width, camera.image_height, picture.string(), width_px, height_px,
+             turned ? "calibrate with the camera turned the same way" : "calibrate in the same video mode");
+}
+
+}  // namespace lake::camera

@@ -1,0 +1,164 @@
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "lake/camera/camera.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+
+namespace lake::camera {
+namespace {
+
+// One file being read, for messages.
+struct Source {
+  const cv::FileStorage& file;
+  std::string name;
+
+  bool Has(const char* key) const { return !file[key].empty(); }
+};
+
+// A matrix, or a plain list, of finite numbers.
+cv::Mat1d ReadMatrix(const Source& source, const char* key) {
+  const cv::FileNode node = source.file[key];
+  if (node.empty()) throw Fail("{}: no key '{}'", source.name, key);
+  cv::Mat matrix;
+  try {
+    if (node.isSeq()) {
+      std::vector<double> values;
+      node >> values;
+      matrix = cv::Mat(values, true);
+    } else {
+      node >> matrix;
+    }
+    if (matrix.empty() || matrix.dims != 2 || matrix.channels() != 1) throw Fail("");
+    matrix.convertTo(matrix, CV_64F);
+  } catch (const std::exception&) {
+    throw Fail("{}: '{}' is not a matrix of numbers", source.name, key);
+  }
+  if (!cv::checkRange(matrix)) throw Fail("{}: '{}' holds a value that is not finite", source.name, key);
+  return matrix;
+}
+
+template <int N>
+Eigen::Matrix<double, N, 1> ReadVector(const Source& source, const char* key) {
+  const cv::Mat1d matrix = ReadMatrix(source, key);
+  if (matrix.total() != N || std::min(matrix.rows, matrix.cols) != 1)
+    throw Fail("{}: '{}' is {}x{}, not {} numbers", source.name, key, matrix.rows, matrix.cols, N);
+  return Eigen::Map<const Eigen::Matrix<double, N, 1>>(matrix.ptr<double>());
+}
+
+double ReadNumber(const Source& source, const char* key) {
+  const cv::FileNode node = source.file[key];
+  if (!node.isReal() && !node.isInt()) throw Fail("{}: no number '{}'", source.name, key);
+  const double value = static_cast<double>(node);
+  if (!std::isfinite(value)) throw Fail("{}: '{}' is not finite", source.name, key);
+  return value;
+}
+
+int ReadSize(const Source& source, const char* key) {
+  if (!source.file[key].isInt()) throw Fail("{}: no whole number '{}'", source.name, key);
+  const int size = static_cast<int>(source.file[key]);
+  if (size <= 0 || size > 1 << 16) throw Fail("{}: '{}' is {}, not the size of a picture", source.name, key, size);
+  return size;
+}
+
+void ReadIntrinsics(const Source& source, Camera& camera) {
+  const cv::Mat1d k = ReadMatrix(source, "camera_matrix");
+  if (k.rows != 3 || k.cols != 3) throw Fail("{}: 'camera_matrix' is {}x{}, not 3x3", source.name, k.rows, k.cols);
+  camera.fx = k(0, 0), camera.fy = k(1, 1), camera.cx = k(0, 2), camera.cy = k(1, 2);
+  if (camera.fx <= 0 || camera.fy <= 0)
+    throw Fail("{}: a focal length in 'camera_matrix' is not positive", source.name);
+  if (k(0, 1) != 0 || k(1, 0) != 0 || k(2, 0) != 0 || k(2, 1) != 0 || k(2, 2) != 1)
+    throw Fail("{}: 'camera_matrix' must be [fx 0 cx; 0 fy cy; 0 0 1]; skew is not understood", source.name);
+}
+
+void ReadDistortion(const Source& source, Camera& camera) {
+  const cv::Mat1d d = ReadMatrix(source, "distortion_coefficients");
+  if (std::min(d.rows, d.cols) != 1 || d.total() < 4)
+    throw Fail("{}: 'distortion_coefficients' is {}x{}; k1 k2 p1 p2 [k3] are needed", source.name, d.rows, d.cols);
+  for (int i = 0; i < static_cast<int>(d.total()); ++i) {
+    if (i < 5)
+      camera.distortion[static_cast<std::size_t>(i)] = d.ptr<double>()[i];
+    else if (d.ptr<double>()[i] != 0)
+      throw Fail("{}: 'distortion_coefficients' has a model beyond k1 k2 p1 p2 k3; calibrate without it", source.name);
+  }
+}
+
+PlanePose ReadPlane(const Source& source) {
+  const Eigen::Vector3d rotation = ReadVector<3>(source, "plane_rvec");
+  PlanePose pose = PlanePose::Identity();
+  if (rotation.norm() > 0) pose.linear() = Eigen::AngleAxisd(rotation.norm(), rotation.normalized()).toRotationMatrix();
+  pose.translation() = ReadVector<3>(source, "plane_tvec");
+  if (!(pose.inverse().translation().z() > 0))
+    throw Fail("{}: 'plane_rvec' and 'plane_tvec' put the camera behind the plane; its z must point towards the camera",
+               source.name);
+  return pose;
+}
+
+CameraProfile ReadProfile(const Source& source) {
+  CameraProfile profile;
+  profile.camera.image_width = ReadSize(source, "image_width");
+  profile.camera.image_height = ReadSize(source, "image_height");
+  ReadIntrinsics(source, profile.camera);
+  ReadDistortion(source, profile.camera);
+  if (source.Has("rms_px")) {
+    CameraUncertainty& uncertainty = profile.uncertainty.emplace();
+    uncertainty.rms_px = ReadNumber(source, "rms_px");
+    uncertainty.intrinsics_sd = ReadVector<4>(source, "intrinsics_sd");
+    Eigen::Map<Eigen::Matrix<double, 5, 1>>(uncertainty.distortion_sd.data()) = ReadVector<5>(source, "distortion_sd");
+  }
+  if (source.Has("plane_rvec") || source.Has("plane_tvec")) profile.camera_from_plane = ReadPlane(source);
+  if (source.Has("plane_rms_px"))
+    profile.plane_uncertainty = {ReadNumber(source, "plane_rms_px"), ReadVector<3>(source, "plane_rotation_sd_rad"),
+                                 ReadVector<3>(source, "plane_translation_sd_mm")};
+  return profile;
+}
+
+cv::Mat Row(std::initializer_list<double> values) {
+  return cv::Mat(std::vector<double>(values), true).t();
+}
+cv::Mat Row(const Eigen::Vector3d& v) {
+  return Row({v.x(), v.y(), v.z()});
+}
+cv::Mat Row(const std::array<double, 5>& v) {
+  return Row({v[0], v[1], v[2], v[3], v[4]});
+}
+
+}  // namespace
+
+CameraProfile ReadCameraProfile(const std::filesystem::path& path) {
+  const std::string text = ReadTextFile(path, 1 << 24);
+  try {
+    const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+    if (!file.isOpened()) throw Fail("{}: not an OpenCV FileStorage file", path.string());
+    return ReadProfile({file, path.string()});
+  } catch (const cv::Exception& error) {
+    throw Fail("{}: not an OpenCV FileStorage file: {}", path.string(), error.err);
+  }
+}
+
+void WriteCameraProfile(const std::filesystem::path& path, const CameraProfile& profile) {
+  const Camera& camera = profile.camera;
+  cv::FileStorage file(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
+  file << "image_width" << camera.image_width << "image_height" << camera.image_height;
+  file << "camera_matrix" << cv::Mat(cv::Matx33d(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1));
+  file << "distortion_coefficients" << Row(camera.distortion);
+  if (const auto& u = profile.uncertainty) {
+    const Eigen::Vector4d& sd = u->intrinsics_sd;
+    file << "rms_px" << u->rms_px << "intrinsics_sd" << Row({sd[0], sd[1], sd[2], sd[3]});
+    file << "distortion_sd" << Row(u->distortion_sd);
+  }
+  if (profile.camera_from_plane) {
+    const Eigen::AngleAxisd rotation(profile.camera_from_plane->linear());
+    file << "plane_rvec" << Row(rotation.angle() * rotation.axis());
+    file << "plane_tvec" << Row(profile.camera_from_plane->translation());
+  }
+  if (const auto& u = profile.plane_uncertainty) {
+    file << "plane_rms_px" << u->rms_px << "plane_rotation_sd_rad" << Row(u->rotation_sd_rad);
+    file << "plane_translation_sd_mm" << Row(u->translation_sd_mm);
+  }
+  WriteTextFile(path, file.releaseAndGetString());
+}
+
+}  // namespace lake::camera

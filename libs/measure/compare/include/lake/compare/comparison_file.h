@@ -1,0 +1,21 @@
+// comparison.json read back: what a re-optimisation starts from.
+#pragma once
+
+#include <filesystem>
+
+#include "lake/compare/misalignment.h"
+
+namespace lake::compare {
+
+// The means over the repetitions that were compared; leg frame, mm.
+struct ComparedCurves {
+  StsCurve human, exo;
+  std::vector<bool> spike{};                            // per percent
+  double noise_floor_mm = 0, noise_floor_relative = 0;  // RMS that noise alone would show
+};
+
+// `path`: the folder that lake-compare wrote, or its comparison.json. Throws Error naming the file: absent, not JSON,
+// made by another version, a curve that is missing, of another length, not finite, or that contradicts another.
+ComparedCurves ReadComparison(const std::filesystem::path& path);
+
+}  // namespace lake::compare

@@ -1,0 +1,45 @@
+// What a misalignment is made of: placement, timing, shape (method.md, section 4).
+//
+//   min over p, w:  Σ |e(s) − h(w(s)) − F(w(s)) p|² + λ Σ (Δ² w_k)²,   F = axes of the human's shank,
+//   w piecewise linear over 9 knots w_0..w_8, slope ≥ 0.05, clamped to 0..100.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "lake/compare/registration.h"
+
+namespace lake::compare {
+
+struct DecompositionOptions {
+  // mm² per percent²: a bend of 1 % between knots costs as much as a residual of 0.3 mm, about what a good recording
+  // leaves.
+  double roughness_weight = 0.1;
+  double least_slope = 0.05;
+  int max_iterations = 100;
+};
+
+struct Decomposition {
+  static constexpr int kKnots = 9;  // at 0, 12.5, … 100 %
+
+  Eigen::Vector2d offset_mm = Eigen::Vector2d::Zero();  // p: shank frame, x anterior, y from ankle to knee
+  std::array<double, kKnots> knots_percent{};           // w at the knots
+  std::vector<double> timing_percent;                   // w(s) − s: positive where the exoskeleton is ahead
+  std::vector<Eigen::Vector2d> placement_mm, timing_mm, shape_mm;  // leg frame; they sum to e − h
+  // Σ x·D / Σ |D|²; sum to 1, small negative values are possible. NaN where both paths are one.
+  double placement = 0, timing = 0, shape = 0;
+
+  bool converged = false;
+  int iterations = 0;
+  double cost = 0;         // mm², with the roughness
+  const char* start = "";  // the start that led to the least cost: placement, timing, zero
+};
+
+Decomposition Decompose(const StsCurve& human, const StsCurve& exo, const DecompositionOptions& options = {});
+
+// As Decompose, from the solution of a problem close by.
+Decomposition DecomposeFrom(const Decomposition& start, const StsCurve& human, const StsCurve& exo,
+                            const DecompositionOptions& options = {});
+
+}  // namespace lake::compare

@@ -1,0 +1,73 @@
+// The comparison of a human trial with an exoskeleton trial.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/compare/decomposition.h"
+#include "lake/compare/knee_axis.h"
+#include "lake/compare/metrics.h"
+#include "lake/compare/registration.h"
+#include "lake/core/json.h"
+
+namespace lake::compare {
+
+struct MisalignmentOptions {
+  double replacement_sd_mm =
+      3;                // per axis: how well a marker is put back on the same spot between trials; 0: one recording
+  int resamples = 300;  // of the intervals; 0: none
+  std::uint64_t seed = 1;
+  double noise_width_percent =
+      2;  // correlation width of a filtered marker's noise, about 6 Hz in a natural sit-to-stand
+  SpikeOptions spikes;
+  DecompositionOptions decomposition;
+};
+
+// 95 %, two-sided.
+struct Interval {
+  double low = 0, high = 0;
+};
+
+struct MisalignmentIntervals {
+  Interval rms_mm, max_mm, relative_rms, relative_max;
+  Interval placement, timing, shape;  // of the fractions without noise; NaN where both paths are one
+  Interval offset_x_mm, offset_y_mm;
+};
+
+struct Misalignment {
+  StsCurve human, exo;           // means over the repetitions
+  std::vector<double> shank_mm;  // human, per percent
+  std::vector<double> distance_mm, relative_error, relative_error_paper;
+  std::vector<double> relative_error_sd;  // over all pairs of repetitions; empty for a single pair
+  std::vector<bool> spike;
+  MisalignmentMetrics metrics, metrics_without_spikes;
+  Decomposition decomposition;
+  std::optional<MisalignmentIntervals> intervals;
+  // RMS that noise alone (marker sigmas or differences between repetitions, and the replacement of markers) would show.
+  double noise_floor_mm = 0, noise_floor_relative = 0;
+  // Where the joint sat on the exo trial's own leg: the mean against its knee, in its shank's frame (x anterior, y up),
+  // spikes left out; absent where that leg is not shown. The decomposition's offset is the one that explains most.
+  std::optional<Eigen::Vector2d> mount_mm;
+  FixedPivot best_pivot;  // of the knee model over the human's range of knee angles
+  int human_repetitions = 0, exo_repetitions = 0;
+  std::vector<std::string> warnings;
+};
+
+// The means over the repetitions are compared. Throws UsageError for an option out of range.
+Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& exo,
+                           const MisalignmentOptions& options = {});
+
+// "18.0 mm in front of the knee and 31.8 mm above it along the shank": how every text says where a joint sits; shank
+// frame, x anterior, y up.
+std::string DescribeJoint(const Eigen::Vector2d& offset_mm);
+
+// misalignment.csv, 101 rows.
+void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment& misalignment);
+
+// The content of comparison.json.
+Json ComparisonJson(const Misalignment& misalignment);
+
+}  // namespace lake::compare

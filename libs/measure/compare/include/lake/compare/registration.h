@@ -1,0 +1,69 @@
+// Registration: every sit-to-stand of a trial at 0, 1, … 100 % of its motion, in the leg frame. Trials of other frame
+// rates, lengths, facings and cameras become comparable by it.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "lake/motion/leg_motion.h"
+#include "lake/motion/marker_recording.h"
+
+namespace lake::compare {
+
+inline constexpr int kPercentSamples = 101;
+
+// One sit-to-stand, or the mean of several; one value per percent. Positions in mm in the leg frame: origin at the
+// ankle's median over the seated rests, x anterior, y up.
+struct StsCurve {
+  int repetition = 0;                             // from 1; 0: a mean
+  double duration_s = 0;                          // onset to standing
+  std::vector<Eigen::Vector2d> ankle, knee, hip;  // knee: the compared marker
+  // The leg's own knee, where another marker is compared; empty: the trial does not show it.
+  std::vector<Eigen::Vector2d> leg_knee;
+  std::vector<double> knee_deg;
+  std::vector<double> knee_sigma_mm;  // one standard deviation per axis of the knee relative to the origin's ankle
+};
+
+// What a trial gives: of a lake-track folder its tables, of another file the result of the leg fit.
+struct TrialTables {
+  std::string name;                    // for messages
+  motion::MarkerRecording trajectory;  // plane frame
+  motion::LegMotion motion;            // of the same frames
+  std::vector<motion::StsEvent> events;
+};
+
+struct RegistrationOptions {
+  std::string ankle = "ankle", hip = "hip";
+  std::string knee = "knee";      // the compared marker
+  std::string leg_knee = "knee";  // the leg's own
+  double max_gap_s = 0.2;         // a longer gap in a repetition makes it useless
+};
+
+struct RegisteredTrial {
+  std::vector<StsCurve> repetitions;  // at least one
+  std::vector<std::string> warnings;  // repetitions left out, and why
+};
+
+// Onset and standing with the fraction of a frame: where the very quantities that define the events (method.md, section
+// 3) cross their limits between two frames.
+struct StsInterval {
+  int repetition = 0;
+  double onset_s = 0, standing_s = 0;
+};
+std::vector<StsInterval> FindStsIntervals(const TrialTables& trial);
+
+// Throws Error: lengths in px, a marker that is absent, no repetition found, or none that is whole, tables that
+// contradict each other.
+RegisteredTrial RegisterTrial(const TrialTables& trial, const RegistrationOptions& options = {});
+
+// Sample by sample. `curves` must not be empty.
+StsCurve MeanCurve(const std::vector<StsCurve>& curves);
+
+// |AK| in mm.
+std::vector<double> ShankLengths(const StsCurve& curve);
+
+// The shank frame at a sample: columns x anterior, y from ankle to knee.
+Eigen::Matrix2d ShankAxes(const StsCurve& curve, std::size_t sample);
+
+}  // namespace lake::compare

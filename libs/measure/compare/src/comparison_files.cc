@@ -1,0 +1,251 @@
+#include <cmath>
+#include <filesystem>
+
+#include "lake/compare/comparison_file.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+
+namespace lake::compare {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr int kFormat = 1;  // of comparison.json; raised when a reader of the old one would go wrong
+
+struct Figure {
+  const char* name;
+  double MisalignmentMetrics::*value;
+};
+constexpr Figure kFigures[] = {{"rms_mm", &MisalignmentMetrics::rms_mm},
+                               {"mean_mm", &MisalignmentMetrics::mean_mm},
+                               {"max_mm", &MisalignmentMetrics::max_mm},
+                               {"p95_mm", &MisalignmentMetrics::p95_mm},
+                               {"relative_rms", &MisalignmentMetrics::relative_rms},
+                               {"relative_max", &MisalignmentMetrics::relative_max},
+                               {"relative_p95", &MisalignmentMetrics::relative_p95},
+                               {"relative_paper_rms", &MisalignmentMetrics::relative_paper_rms},
+                               {"relative_paper_max", &MisalignmentMetrics::relative_paper_max},
+                               {"closest_point_rms_mm", &MisalignmentMetrics::closest_point_rms_mm},
+                               {"hausdorff_mm", &MisalignmentMetrics::hausdorff_mm},
+                               {"frechet_mm", &MisalignmentMetrics::frechet_mm},
+                               {"knee_rmse_deg", &MisalignmentMetrics::knee_rmse_deg},
+                               {"cmc", &MisalignmentMetrics::cmc}};
+
+void AddMetrics(const MisalignmentMetrics& metrics, const std::string& suffix, Json& json) {
+  for (const Figure& figure : kFigures) json[figure.name + suffix] = metrics.*figure.value;
+  json["linear_fit_slope" + suffix] = metrics.linear_fit.slope;
+  json["linear_fit_intercept_deg" + suffix] = metrics.linear_fit.intercept;
+  json["linear_fit_r2" + suffix] = metrics.linear_fit.r2;
+}
+
+Json IntervalJson(const Interval& interval) {
+  return {interval.low, interval.high};
+}
+
+Json PartJson(double fraction, const std::optional<MisalignmentIntervals>& intervals,
+              Interval MisalignmentIntervals::*interval) {
+  const bool known = std::isfinite(fraction);
+  return {{"fraction", known ? Json(fraction) : Json(nullptr)},
+          {"interval", known && intervals ? IntervalJson(*intervals.*interval) : Json(nullptr)}};
+}
+
+Json DecompositionJson(const Misalignment& m) {
+  const Decomposition& d = m.decomposition;
+  Json json = {{"placement", PartJson(d.placement, m.intervals, &MisalignmentIntervals::placement)},
+               {"timing", PartJson(d.timing, m.intervals, &MisalignmentIntervals::timing)},
+               {"shape", PartJson(d.shape, m.intervals, &MisalignmentIntervals::shape)},
+               {"offset_mm", {d.offset_mm.x(), d.offset_mm.y()}}};
+  if (m.intervals)
+    json["offset_interval_mm"] = {IntervalJson(m.intervals->offset_x_mm), IntervalJson(m.intervals->offset_y_mm)};
+  json["timing_knots_percent"] = d.knots_percent;
+  json["timing_rms_percent"] = RootMeanSquare(d.timing_percent);
+  json["converged"] = d.converged, json["iterations"] = d.iterations, json["cost_mm2"] = d.cost,
+  json["start"] = d.start;
+  return json;
+}
+
+void AddVectors(const std::string& name, const std::vector<Vector2d>& vectors, Json& curves) {
+  std::vector<double> x, y;
+  for (const Vector2d& v : vectors) x.push_back(v.x()), y.push_back(v.y());
+  curves[name + "_x_mm"] = x, curves[name + "_y_mm"] = y;
+}
+
+Json CurvesJson(const Misalignment& m) {
+  std::vector<double> percent, thigh_mm;
+  for (std::size_t i = 0; i < kPercentSamples; ++i)
+    percent.push_back(static_cast<double>(i)), thigh_mm.push_back((m.human.hip[i] - m.human.knee[i]).norm());
+  Json curves = {{"percent", percent}};
+  AddVectors("human_ankle", m.human.ankle, curves), AddVectors("human_knee", m.human.knee, curves);
+  AddVectors("human_hip", m.human.hip, curves);
+  AddVectors("exo_ankle", m.exo.ankle, curves), AddVectors("exo_knee", m.exo.knee, curves),
+      AddVectors("exo_hip", m.exo.hip, curves);
+  AddVectors("exo_leg_knee", m.exo.leg_knee, curves);
+  curves["shank_mm"] = m.shank_mm, curves["thigh_mm"] = thigh_mm;
+  curves["human_knee_deg"] = m.human.knee_deg, curves["exo_knee_deg"] = m.exo.knee_deg;
+  curves["human_knee_sigma_mm"] = m.human.knee_sigma_mm, curves["exo_knee_sigma_mm"] = m.exo.knee_sigma_mm;
+  curves["distance_mm"] = m.distance_mm, curves["relative_error"] = m.relative_error;
+  curves["relative_error_paper"] = m.relative_error_paper;
+  curves["relative_error_sd"] = m.relative_error_sd, curves["spike"] = m.spike;
+  curves["timing_percent"] = m.decomposition.timing_percent;
+  AddVectors("placement", m.decomposition.placement_mm, curves),
+      AddVectors("timing", m.decomposition.timing_mm, curves);
+  AddVectors("shape", m.decomposition.shape_mm, curves);
+  return curves;
+}
+
+Json KneeAxisJson(const Misalignment& m) {
+  const FixedPivot& pivot = m.best_pivot;
+  return {{"gap_rms_mm", pivot.gap_rms_mm},
+          {"gap_max_mm", pivot.gap_max_mm},
+          {"gap_max_at_deg", pivot.most_gap_deg},
+          {"pivot_in_femur_mm", {pivot.in_femur_mm.x(), pivot.in_femur_mm.y()}},
+          {"pivot_in_tibia_mm", {pivot.in_tibia_mm.x(), pivot.in_tibia_mm.y()}}};
+}
+
+// Reads the curves of one comparison.json; every error names the file.
+class ComparisonReader {
+ public:
+  explicit ComparisonReader(const std::filesystem::path& file) : file_(file.string()), json_(ReadJsonFile(file)) {}
+
+  ComparedCurves Read() {
+    CheckFormat();
+    const std::vector<double> percent = Curve("percent");
+    for (std::size_t i = 0; i < percent.size(); ++i)
+      if (percent[i] != static_cast<double>(i)) throw Fail("{}: curves.percent does not run from 0 to 100", file_);
+    ComparedCurves curves{Leg("human"), Leg("exo"), Spikes()};
+    if (!Entry("exo_leg_knee_x_mm").empty()) curves.exo.leg_knee = Path("exo_leg_knee");
+    curves.noise_floor_mm = Number("noise_floor_mm"), curves.noise_floor_relative = Number("noise_floor_relative");
+    CheckShank(curves.human);
+    return curves;
+  }
+
+ private:
+  void CheckFormat() const {
+    if (!json_.is_object() || !json_.contains("metrics"))
+      throw Fail("{}: not a comparison: lake-compare writes such a file", file_);
+    const Json format = json_.value("format", Json());
+    const int number = format.is_number_integer() ? format.get<int>() : 0;
+    if (number < kFormat)
+      throw Fail("{}: made by an older version of lake-compare (format {}, needed {}): run lake-compare again", file_,
+                 format.is_null() ? "none" : format.dump(), kFormat);
+    if (number > kFormat)
+      throw Fail("{}: made by a newer version of lake-compare (format {}, known {}): use that version here too", file_,
+                 number, kFormat);
+  }
+
+  const Json& Entry(const std::string& name) const {
+    if (!json_.contains("curves") || !json_["curves"].is_object() || !json_["curves"].contains(name))
+      throw Fail("{}: the curve '{}' is missing: run lake-compare again", file_, name);
+    return json_["curves"][name];
+  }
+
+  double Number(const std::string& name) const {
+    const Json number = json_.value(name, Json());
+    if (!number.is_number()) throw Fail("{}: {} is missing: run lake-compare again", file_, name);
+    return number.get<double>();
+  }
+
+  const Json& List(const std::string& name) const {
+    const Json& curve = Entry(name);
+    if (!curve.is_array() || curve.size() != kPercentSamples)
+      throw Fail("{}: curves.{} must be a list of {} numbers", file_, name, kPercentSamples);
+    return curve;
+  }
+
+  std::vector<bool> Spikes() const {
+    std::vector<bool> spikes;
+    for (const Json& spike : List("spike")) {
+      if (!spike.is_boolean())
+        throw Fail("{}: curves.spike[{}] = {} is neither true nor false", file_, spikes.size(), spike.dump());
+      spikes.push_back(spike.get<bool>());
+    }
+    return spikes;
+  }
+
+  std::vector<double> Curve(const std::string& name) const {
+    const Json& curve = List(name);
+    std::vector<double> values;
+    for (const Json& value : curve) {
+      if (!value.is_number() || !std::isfinite(value.get<double>()))
+        throw Fail("{}: curves.{}[{}] = {} is not a number", file_, name, values.size(), value.dump());
+      values.push_back(value.get<double>());
+    }
+    return values;
+  }
+
+  std::vector<Vector2d> Path(const std::string& name) const {
+    const std::vector<double> x = Curve(name + "_x_mm"), y = Curve(name + "_y_mm");
+    std::vector<Vector2d> path;
+    for (std::size_t i = 0; i < x.size(); ++i) path.emplace_back(x[i], y[i]);
+    return path;
+  }
+
+  StsCurve Leg(const std::string& who) const {
+    StsCurve curve;
+    curve.ankle = Path(who + "_ankle"), curve.knee = Path(who + "_knee"), curve.hip = Path(who + "_hip");
+    curve.knee_deg = Curve(who + "_knee_deg"), curve.knee_sigma_mm = Curve(who + "_knee_sigma_mm");
+    const Json duration = json_.value(Json::json_pointer("/duration_s/" + who), Json());
+    if (!duration.is_number()) throw Fail("{}: duration_s.{} is missing: run lake-compare again", file_, who);
+    curve.duration_s = duration.get<double>();
+    return curve;
+  }
+
+  void CheckShank(const StsCurve& human) const {
+    constexpr double kRounding = 1e-6;
+    const std::vector<double> written = Curve("shank_mm"), found = ShankLengths(human);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      if (!(found[i] > 0 && std::abs(found[i] - written[i]) <= kRounding * found[i]))
+        throw Fail("{}: curves.shank_mm[{}] = {} contradicts the ankle and the knee, {} mm apart", file_, i, written[i],
+                   found[i]);
+  }
+
+  const std::string file_;
+  const Json json_;
+};
+
+}  // namespace
+
+ComparedCurves ReadComparison(const std::filesystem::path& path) {
+  const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "comparison.json" : path;
+  if (!std::filesystem::is_regular_file(file))
+    throw Fail("{}: not there; a comparison is the folder that lake-compare wrote", file.string());
+  return ComparisonReader(file).Read();
+}
+
+Json ComparisonJson(const Misalignment& m) {
+  Json json = {{"format", kFormat}};
+  AddMetrics(m.metrics, "", json["metrics"]);
+  AddMetrics(m.metrics_without_spikes, "_without_spikes", json["metrics"]);
+  if (m.intervals)
+    json["intervals"] = {{"rms_mm", IntervalJson(m.intervals->rms_mm)},
+                         {"max_mm", IntervalJson(m.intervals->max_mm)},
+                         {"relative_rms", IntervalJson(m.intervals->relative_rms)},
+                         {"relative_max", IntervalJson(m.intervals->relative_max)}};
+  json["noise_floor_mm"] = m.noise_floor_mm, json["noise_floor_relative"] = m.noise_floor_relative;
+  json["spikes"] = kPercentSamples - m.metrics_without_spikes.samples;
+  json["decomposition"] = DecompositionJson(m);
+  json["mount_mm"] = m.mount_mm ? Json{m.mount_mm->x(), m.mount_mm->y()} : Json();
+  json["knee_axis"] = KneeAxisJson(m);
+  json["shank_mm"] = Mean(m.shank_mm);
+  json["repetitions"] = {{"human", m.human_repetitions}, {"exo", m.exo_repetitions}};
+  json["duration_s"] = {{"human", m.human.duration_s}, {"exo", m.exo.duration_s}};
+  json["curves"] = CurvesJson(m);
+  return json;
+}
+
+void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment& m) {
+  CsvWriter csv({"percent", "human_x_mm", "human_y_mm", "exo_x_mm", "exo_y_mm", "dx_mm", "dy_mm", "distance_mm",
+                 "relative_error", "relative_error_paper", "human_knee_deg", "exo_knee_deg", "spike"});
+  for (std::size_t i = 0; i < kPercentSamples; ++i) {
+    const Vector2d& h = m.human.knee[i];
+    const Vector2d& e = m.exo.knee[i];
+    csv.Add(static_cast<int>(i)).Add(h.x()).Add(h.y()).Add(e.x()).Add(e.y()).Add(e.x() - h.x()).Add(e.y() - h.y());
+    csv.Add(m.distance_mm[i]).Add(m.relative_error[i]).Add(m.relative_error_paper[i]);
+    csv.Add(m.human.knee_deg[i]).Add(m.exo.knee_deg[i]).Add(m.spike[i] ? 1 : 0);
+    csv.EndRow();
+  }
+  csv.Write(path);
+}
+
+}  // namespace lake::compare

@@ -1,0 +1,31 @@
+// One trial file into another format: what `lake convert` does.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/exchange/trial.h"
+
+namespace lake::exchange {
+
+struct ConvertOptions {
+  TrialOptions reading;                         // names, vertical, direction the subject faces, units of the input
+  std::string unit = "mm";                      // of a TRC file that is written: mm, cm or m
+  std::optional<std::array<double, 2>> crop_s;  // the times that are kept, both ends included
+  bool flexion_negative = false;                // knee angle of a MOT file as OpenSim's older models have it
+};
+
+// Reads `in`, writes `out` in the format of its ending; returns what the user should know. Points in space are kept in
+// space where the format allows it: turned so that y is up for TRC, with x forward, y up and z to the right if
+// `forward` is given; formats of a plane get them projected. Px with a scale become mm where the format holds no px. A
+// .mot is made from kinematics.csv or a folder that has one, or from another .mot or .sto. Throws Error or UsageError.
+std::vector<std::string> ConvertFile(const std::filesystem::path& in, const std::filesystem::path& out,
+                                     const ConvertOptions& options);
+
+// Whether the ending is .mot or .sto: a table of angles.
+bool IsAngleTable(const std::filesystem::path& path);
+
+}  // namespace lake::exchange

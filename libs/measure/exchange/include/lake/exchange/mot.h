@@ -1,0 +1,31 @@
+// MOT and STO, the tables of OpenSim: a header up to `endheader`, then columns over time.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lake/motion/leg_motion.h"
+
+namespace lake::exchange {
+
+struct MotTable {
+  std::string name;
+  bool in_degrees = true;
+  std::vector<std::string> columns;  // without time
+  std::vector<double> time_s;
+  std::vector<std::vector<double>> rows;  // as wide as `columns`; NaN where missing
+
+  // Throws Error if there is none.
+  std::size_t Column(const std::string& column) const;
+};
+
+// Throws Error naming file and line: no endheader, a row of another width, counts that contradict the header.
+MotTable ReadMot(const std::filesystem::path& path);
+void WriteMot(const std::filesystem::path& path, const MotTable& table);
+
+// time, knee_angle_r, and the tilt of shank, thigh and trunk. OpenSim's older models (gait2392) count flexion negative:
+// then the knee's sign is turned. Frames without a knee angle are left out.
+MotTable MotFromLegMotion(const motion::LegMotion& motion, bool flexion_negative = false);
+
+}  // namespace lake::exchange

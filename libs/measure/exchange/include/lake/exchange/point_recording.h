@@ -1,0 +1,83 @@
+// Points of a recording as other programs' files hold them, in two or three dimensions.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lake/motion/marker_recording.h"
+
+namespace lake::exchange {
+
+enum class PointSpace {
+  kImage,  // px, image frame: x right, y down, centre of the top-left pixel at (0, 0); z is 0
+  kPlane,  // mm, x right, y up; z is 0
+  kSpace,  // mm, three dimensions
+};
+
+struct PointTrack {
+  static Eigen::Vector3d Missing() { return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()); }
+
+  std::string name;
+  std::vector<Eigen::Vector3d> positions;  // one per frame; NaN where missing
+};
+
+// The axes that a project of Tracker lays into the image.
+struct ImageAxes {
+  Eigen::Vector2d origin_px = Eigen::Vector2d::Zero();  // image frame
+  double angle_deg = 0;                                 // from the image's right to x, counter-clockwise as seen
+};
+
+// The video that points of the image were seen in, for programs that open both.
+struct SourceVideo {
+  std::string file;
+  int width_px = 0, height_px = 0;
+};
+
+// What the file notes at a moment, e.g. "Foot Strike" in the context "Left".
+struct PointEvent {
+  double time_s = 0;
+  std::string context, label;
+};
+
+struct PointRecording {
+  PointSpace space = PointSpace::kSpace;
+  char up_axis = 'y';               // of kSpace: x, y or z
+  std::vector<std::int64_t> frame;  // from 0
+  std::vector<double> time_s;       // increasing
+  std::vector<PointTrack> points;
+  std::vector<PointEvent> events;   // only C3D has them
+  std::optional<double> mm_per_px;  // of kImage, if the file has a scale
+  std::optional<ImageAxes> axes;    // of kImage, if the file has its own; else x right, y up from the top-left pixel
+  std::optional<SourceVideo> video;
+  std::vector<std::string> warnings;  // what is odd in the file, one line each
+
+  const PointTrack* Find(std::string_view name) const;
+};
+
+// Detected and filled samples become points; missing ones stay missing.
+PointRecording PointsFromMarkers(const motion::MarkerRecording& markers);
+
+// The other way, for points in a plane (kImage, kPlane); sigma 0, as files do not say. Throws Error for kSpace.
+motion::MarkerRecording MarkersFromPoints(const PointRecording& points);
+
+// Points of an image with a scale, in mm along the file's axes; others as they are.
+PointRecording PointsInPlane(const PointRecording& points);
+
+// Points in space, turned so that `up` is the vertical: y and z change places about x, x comes by turning all three.
+PointRecording PointsTurnedUp(PointRecording points, char up);
+
+// Names that stand more than once get _2, _3, …
+std::vector<std::string> UniqueNames(std::vector<std::string> names);
+
+// mm per unit of "mm", "cm", "m"; nullopt for others.
+std::optional<double> FindMmPerUnit(std::string_view unit);
+
+// Average frame rate in Hz; 0 for fewer than two frames.
+double FrameRate(const std::vector<double>& time_s);
+
+}  // namespace lake::exchange

@@ -1,0 +1,56 @@
+// A trial from any known file: what lake-gait, lake-compare and lake convert read.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/exchange/formats.h"
+
+namespace lake::exchange {
+
+struct TrialOptions {
+  std::map<std::string, std::string> names;  // own name → the file's; "A+B" is the middle of two markers
+  std::optional<char> up;                    // x, y or z of a 3-D file; default: the file's own, TRC y, C3D z
+  std::string forward;                       // "x", "+x", "-z", …; empty: the plane is fitted to the leg's motion
+  double mm_per_unit = 1;                    // of files that do not say their unit
+  double rate_hz = 0;                        // of files without times (DLTdv)
+};
+
+struct Trial {
+  std::filesystem::path file;         // that was read: of a folder, its trajectory.csv or tracks.csv
+  motion::MarkerRecording recording;  // in the sagittal plane, or in px
+  std::optional<double> mm_per_px;
+  std::optional<bool> faces_right;  // known if `forward` was given
+  double out_of_plane_mm = 0;       // 3-D files: RMS of the leg's movement across the plane
+  std::vector<std::string> warnings;
+};
+
+// "ankle=RANK,knee=RKNE" as a map. Throws UsageError.
+std::map<std::string, std::string> ParseNameMap(const std::string& text);
+
+// The text of an option --up as TrialOptions::up; nullopt if empty. Throws UsageError.
+std::optional<char> ParseUp(const std::string& text);
+
+// Whatever ReadPoints (formats.h) reads. Three dimensions are projected onto the vertical plane that holds `forward`,
+// or that fits the movement of the segments between ankle, knee and hip best, and a warning says so; Tracker's projects
+// with a scale come in mm along their own axes. Throws Error: a file of an unknown kind, a name that is not in it (the
+// message lists those that are).
+Trial ReadTrial(const std::filesystem::path& path, const TrialOptions& options = {});
+
+// 3-D points as they are seen from the side: kPlane, x along `options.forward` or the fitted direction; the fit needs
+// the names ankle, knee and hip. The RMS movement across the plane goes to `out_of_plane_mm`.
+PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options,
+                                        const std::filesystem::path& path, double* out_of_plane_mm);
+
+// 3-D points in the axes that OpenSim's models stand in: x where the subject faces (`options.forward`), y up, z to the
+// right. Throws UsageError if `forward` is the vertical.
+PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options);
+
+// Only the named points, under their own names.
+PointRecording RenamePoints(const PointRecording& points, const std::map<std::string, std::string>& names,
+                            const std::filesystem::path& path);
+
+}  // namespace lake::exchange

@@ -1,0 +1,236 @@
+#include "c3d_bytes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <cmath>
+#include <numeric>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+
+namespace lake::exchange {
+namespace {
+
+std::string Upper(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
+}  // namespace
+
+C3dBytes::C3dBytes(std::string bytes, std::string path) : bytes_(std::move(bytes)), path_(std::move(path)) {
+  if (bytes_.size() < 1024 || Unsigned8(1) != 0x50) throw Fail("{}: not a C3D file", path_);
+  parameter_offset_ = 512 * (std::max<std::size_t>(Unsigned8(0), 1) - 1);
+  const int processor = Unsigned8(parameter_offset_ + 3);
+  if (processor < kIntel || processor > kMips)
+    throw Fail("{}: the processor type {} is not 84, 85 or 86; is it a C3D file?", path_, processor);
+  processor_ = static_cast<Processor>(processor);
+}
+
+void C3dBytes::Require(std::size_t offset, std::size_t length) const {
+  if (offset > bytes_.size() || length > bytes_.size() - offset)
+    throw Fail("{}: ends before byte {}: is the file cut off?", path_, offset + length);
+}
+
+std::uint8_t C3dBytes::Unsigned8(std::size_t offset) const {
+  Require(offset, 1);
+  return static_cast<std::uint8_t>(bytes_[offset]);
+}
+
+std::uint16_t C3dBytes::Unsigned16(std::size_t offset) const {
+  Require(offset, 2);
+  const unsigned first = Unsigned8(offset), second = Unsigned8(offset + 1);
+  return static_cast<std::uint16_t>(processor_ == kMips ? first << 8 | second : second << 8 | first);
+}
+
+double C3dBytes::Float(std::size_t offset) const {
+  Require(offset, 4);
+  const std::uint32_t first = Unsigned16(offset), second = Unsigned16(offset + 2);
+  switch (processor_) {
+    case kIntel:
+      return std::bit_cast<float>(second << 16 | first);
+    case kMips:
+      return std::bit_cast<float>(first << 16 | second);
+    case kDec:
+      return std::bit_cast<float>(first << 16 | second) / 4;  // words swapped, exponent larger by two
+  }
+  return 0;
+}
+
+std::string C3dBytes::Text(std::size_t offset, std::size_t length) const {
+  Require(offset, length);
+  return bytes_.substr(offset, length);
+}
+
+std::string C3dBytes::TrimmedText(std::size_t offset, std::size_t length) const {
+  const std::string text = Text(offset, length);
+  return std::string(Trim(std::string_view(text.c_str())));
+}
+
+// Each entry: length of the name (negative: locked), id of the group (negative: this is a group), name, offset to the
+// next entry; then for a parameter type, dimensions and values.
+C3dParameters::C3dParameters(const C3dBytes& bytes) : bytes_(bytes) {
+  std::map<int, std::string> groups;
+  std::vector<std::pair<int, std::pair<std::string, Value>>> parameters;
+  for (std::size_t at = bytes.ParameterOffset() + 4;;) {
+    const auto length = static_cast<std::size_t>(std::abs(bytes.Signed8(at)));
+    const int id = bytes.Signed8(at + 1);
+    if (length == 0 || id == 0) break;
+    const std::string name = Upper(bytes.Text(at + 2, length));
+    const std::size_t after = at + 2 + length, next = bytes.Signed16(after) > 0 ? after + bytes.Unsigned16(after) : 0;
+    if (id < 0) {
+      groups[-id] = name;
+    } else {
+      Value value;
+      value.type = bytes.Signed8(after + 2);
+      const std::size_t dimensions = bytes.Unsigned8(after + 3);
+      if (dimensions > 7) throw Fail("{}: parameter {} has {} dimensions, more than 7", bytes.Path(), name, dimensions);
+      for (std::size_t d = 0; d < dimensions; ++d) value.dimensions.push_back(bytes.Unsigned8(after + 4 + d));
+      value.offset = after + 4 + dimensions;
+      parameters.push_back({id, {name, value}});
+    }
+    if (next == 0) break;
+    at = next;
+  }
+  for (const auto& [id, parameter] : parameters) values_.emplace(groups[id] + ":" + parameter.first, parameter.second);
+}
+
+const C3dParameters::Value& C3dParameters::Find(const std::string& name) const {
+  const auto found = values_.find(name);
+  if (found == values_.end()) throw Fail("{}: no parameter {}", bytes_.Path(), name);
+  return found->second;
+}
+
+std::vector<double> C3dParameters::Numbers(const std::string& name) const {
+  const Value& value = Find(name);
+  if (value.type != 1 && value.type != 2 && value.type != 4)
+    throw Fail("{}: parameter {} is not a number", bytes_.Path(), name);
+  const std::size_t count =
+      std::accumulate(value.dimensions.begin(), value.dimensions.end(), std::size_t{1}, std::multiplies<>());
+  bytes_.Text(value.offset, count * static_cast<std::size_t>(value.type));  // before anything is allocated for it
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = value.offset + i * static_cast<std::size_t>(value.type);
+    numbers.push_back(value.type == 1   ? bytes_.Unsigned8(at)
+                      : value.type == 2 ? bytes_.Signed16(at)
+                                        : bytes_.Float(at));
+  }
+  return numbers;
+}
+
+double C3dParameters::Number(const std::string& name) const {
+  const std::vector<double> numbers = Numbers(name);
+  if (numbers.empty()) throw Fail("{}: parameter {} is empty", bytes_.Path(), name);
+  // Counts beyond 32 767 are stored in the sign bit.
+  return Find(name).type == 2 && numbers[0] < 0 ? numbers[0] + 65536 : numbers[0];
+}
+
+std::size_t C3dParameters::Count(const std::string& name) const {
+  constexpr double kMost = 4294967295;  // of two words
+  const double value = Number(name);
+  if (!(value >= 0 && value <= kMost) || value != std::floor(value))
+    throw Fail("{}: parameter {} is {}, not a count", bytes_.Path(), name, value);
+  return static_cast<std::size_t>(value);
+}
+
+std::vector<std::string> C3dParameters::Texts(const std::string& name) const {
+  const Value& value = Find(name);
+  if (value.type != -1) throw Fail("{}: parameter {} is not a text", bytes_.Path(), name);
+  const std::size_t length = value.dimensions.empty() ? 1 : value.dimensions[0];
+  std::size_t count = 1;
+  for (std::size_t d = 1; d < value.dimensions.size(); ++d) count *= value.dimensions[d];
+  if (length == 0) return {};
+  bytes_.Text(value.offset, length * count);
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < count; ++i) texts.push_back(bytes_.TrimmedText(value.offset + i * length, length));
+  return texts;
+}
+
+C3dBuffer& C3dBuffer::Byte(int value) {
+  bytes_ += static_cast<char>(value);
+  return *this;
+}
+
+C3dBuffer& C3dBuffer::Word(std::size_t value) {
+  return Byte(static_cast<int>(value & 0xFF)).Byte(static_cast<int>(value >> 8 & 0xFF));
+}
+
+C3dBuffer& C3dBuffer::Float(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return Word(bits & 0xFFFF).Word(bits >> 16);
+}
+
+C3dBuffer& C3dBuffer::Append(const std::string& bytes) {
+  bytes_ += bytes;
+  return *this;
+}
+
+C3dBuffer& C3dBuffer::PadTo(std::size_t size) {
+  bytes_.resize(size, '\0');
+  return *this;
+}
+
+C3dParameterWriter::C3dParameterWriter() {
+  section_.Byte(1).Byte(0x50).Byte(0).Byte(84);
+}
+
+void C3dParameterWriter::Entry(int id, const std::string& name, const std::string& content) {
+  section_.Byte(static_cast<int>(name.size())).Byte(id).Append(name).Word(2 + content.size()).Append(content);
+}
+
+void C3dParameterWriter::Group(int id, const std::string& name) {
+  Entry(-id, name, std::string(1, '\0'));
+}
+
+void C3dParameterWriter::Words(int group, const std::string& name, const std::vector<std::size_t>& values) {
+  C3dBuffer content;
+  content.Byte(2);
+  if (values.size() == 1)
+    content.Byte(0);
+  else
+    content.Byte(1).Byte(static_cast<int>(values.size()));
+  for (const std::size_t value : values) content.Word(value);
+  Entry(group, name, content.Byte(0).Bytes());
+}
+
+void C3dParameterWriter::Float(int group, const std::string& name, float value) {
+  C3dBuffer content;
+  Entry(group, name, content.Byte(4).Byte(0).Float(value).Byte(0).Bytes());
+}
+
+void C3dParameterWriter::Pairs(int group, const std::string& name, const std::vector<std::array<float, 2>>& values) {
+  C3dBuffer content;
+  content.Byte(4).Byte(2).Byte(2).Byte(static_cast<int>(values.size()));
+  for (const std::array<float, 2>& pair : values) content.Float(pair[0]).Float(pair[1]);
+  Entry(group, name, content.Byte(0).Bytes());
+}
+
+void C3dParameterWriter::Texts(int group, const std::string& name, const std::vector<std::string>& texts) {
+  std::size_t length = 1;
+  for (const std::string& text : texts) length = std::max(length, text.size());
+  if (length > 127) throw Fail("C3D: the name '{}…' is longer than 127 bytes", texts.front().substr(0, 20));
+  C3dBuffer content;
+  content.Byte(-1).Byte(2).Byte(static_cast<int>(length)).Byte(static_cast<int>(texts.size()));
+  for (std::string text : texts) {
+    text.resize(length, ' ');
+    content.Append(text);
+  }
+  Entry(group, name, content.Byte(0).Bytes());
+}
+
+std::string C3dParameterWriter::Finish(int group, const std::string& data_start_name) {
+  constexpr std::size_t kEntryAndEnd = 64;  // bytes that the last entry and the end mark take at most
+  const std::size_t blocks = (section_.Size() + kEntryAndEnd + 511) / 512;
+  constexpr std::size_t kMostBlocks = 255;
+  if (blocks > kMostBlocks)
+    throw Fail("C3D: names and events take {} kB, and there is room for {} kB", blocks / 2, kMostBlocks / 2);
+  Word(group, data_start_name, 2 + blocks);
+  section_.Word(0).PadTo(blocks * 512);
+  std::string bytes = section_.Bytes();
+  bytes[2] = static_cast<char>(blocks);
+  return bytes;
+}
+
+}  // namespace lake::exchange

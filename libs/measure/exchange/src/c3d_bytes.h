@@ -1,0 +1,100 @@
+// The bytes of a C3D file: words of three kinds of processor, and the parameter section. Not part of the interface.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace lake::exchange {
+
+// Reads with bounds: throws Error naming the file beyond its end.
+class C3dBytes {
+ public:
+  // Throws Error if it is no C3D file or of an unknown processor.
+  C3dBytes(std::string bytes, std::string path);
+
+  std::size_t Size() const { return bytes_.size(); }
+  const std::string& Path() const { return path_; }
+  std::size_t ParameterOffset() const { return parameter_offset_; }
+
+  std::uint8_t Unsigned8(std::size_t offset) const;
+  std::int8_t Signed8(std::size_t offset) const { return static_cast<std::int8_t>(Unsigned8(offset)); }
+  std::uint16_t Unsigned16(std::size_t offset) const;
+  std::int16_t Signed16(std::size_t offset) const { return static_cast<std::int16_t>(Unsigned16(offset)); }
+  double Float(std::size_t offset) const;
+  std::string Text(std::size_t offset, std::size_t length) const;
+  // Up to a zero byte, without the blanks round it.
+  std::string TrimmedText(std::size_t offset, std::size_t length) const;
+
+ private:
+  enum Processor { kIntel = 84, kDec = 85, kMips = 86 };
+  void Require(std::size_t offset, std::size_t length) const;
+
+  std::string bytes_, path_;
+  std::size_t parameter_offset_ = 512;
+  Processor processor_ = kIntel;
+};
+
+// All parameters, by "GROUP:NAME" in capitals.
+class C3dParameters {
+ public:
+  explicit C3dParameters(const C3dBytes& bytes);
+
+  bool Has(const std::string& name) const { return values_.contains(name); }
+
+  // Throw Error naming the parameter if it is absent or of another type.
+  double Number(const std::string& name) const;
+  std::size_t Count(const std::string& name) const;  // a whole number that is not negative
+  std::vector<double> Numbers(const std::string& name) const;
+  std::vector<std::string> Texts(const std::string& name) const;  // trimmed
+
+ private:
+  struct Value {
+    int type = 0;  // −1 text, 1 byte, 2 integer, 4 float
+    std::vector<std::size_t> dimensions;
+    std::size_t offset = 0;
+  };
+  const Value& Find(const std::string& name) const;
+
+  const C3dBytes& bytes_;
+  std::map<std::string, Value> values_;
+};
+
+// Little-endian output.
+class C3dBuffer {
+ public:
+  C3dBuffer& Byte(int value);
+  C3dBuffer& Word(std::size_t value);
+  C3dBuffer& Float(float value);
+  C3dBuffer& Append(const std::string& bytes);
+  C3dBuffer& PadTo(std::size_t size);
+  std::size_t Size() const { return bytes_.size(); }
+  const std::string& Bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+class C3dParameterWriter {
+ public:
+  C3dParameterWriter();
+  void Group(int id, const std::string& name);
+  void Word(int group, const std::string& name, std::size_t value) { Words(group, name, {value}); }
+  void Words(int group, const std::string& name, const std::vector<std::size_t>& values);
+  void Float(int group, const std::string& name, float value);
+  void Pairs(int group, const std::string& name, const std::vector<std::array<float, 2>>& values);
+  void Texts(int group, const std::string& name, const std::vector<std::string>& texts);
+
+  // Ends the section with the parameter that says in which block the data begin, behind the section itself. Whole
+  // blocks.
+  std::string Finish(int group, const std::string& data_start_name);
+
+ private:
+  void Entry(int id, const std::string& name, const std::string& content);
+
+  C3dBuffer section_;
+};
+
+}  // namespace lake::exchange

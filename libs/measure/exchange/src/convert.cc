@@ -1,0 +1,126 @@
+#include "lake/exchange/convert.h"
+
+#include "lake/core/error.h"
+#include "lake/core/run.h"
+#include "lake/exchange/mot.h"
+#include "text_lines.h"
+
+namespace lake::exchange {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of the frames whose times are kept: the first, and the one behind the last.
+struct FrameRange {
+  std::size_t begin = 0, end = 0;
+
+  template <typename List>
+  void Keep(List& list) const {
+    list.erase(list.begin() + static_cast<std::ptrdiff_t>(end), list.end());
+    list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(begin));
+  }
+};
+
+FrameRange FindRange(const std::array<double, 2>& crop_s, const fs::path& path, const std::vector<double>& time_s) {
+  FrameRange range{0, time_s.size()};
+  while (range.begin < range.end && time_s[range.begin] < crop_s[0]) ++range.begin;
+  while (range.end > range.begin && time_s[range.end - 1] > crop_s[1]) --range.end;
+  if (range.begin == range.end)
+    throw Fail("{}: nothing lies between {} and {} s{}", path.string(), crop_s[0], crop_s[1],
+               time_s.empty() ? "" : fmt::format("; it lasts from {:.6g} to {:.6g} s", time_s.front(), time_s.back()));
+  return range;
+}
+
+void CropPoints(const std::array<double, 2>& crop_s, const fs::path& path, PointRecording& points) {
+  const FrameRange range = FindRange(crop_s, path, points.time_s);
+  for (PointTrack& point : points.points) range.Keep(point.positions);
+  range.Keep(points.frame), range.Keep(points.time_s);
+  std::erase_if(points.events, [&](const PointEvent& e) { return e.time_s < crop_s[0] || e.time_s > crop_s[1]; });
+}
+
+void CropTable(const std::array<double, 2>& crop_s, const fs::path& path, MotTable& table) {
+  const FrameRange range = FindRange(crop_s, path, table.time_s);
+  range.Keep(table.rows), range.Keep(table.time_s);
+}
+
+void CheckNoPointOptions(const fs::path& out, const ConvertOptions& options) {
+  if (!options.reading.names.empty() || options.reading.up || !options.reading.forward.empty() || options.unit != "mm")
+    throw UsageError(fmt::format("{}: holds angles: --map, --up, --forward and --units are for points", out.string()));
+}
+
+void ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
+  CheckNoPointOptions(out, options);
+  MotTable table;
+  if (IsAngleTable(in)) {
+    if (options.flexion_negative)
+      throw UsageError("--flexion-negative is for kinematics.csv; the sign of a .mot stays as it is");
+    table = ReadMot(in);
+  } else {
+    const fs::path kinematics = fs::is_directory(in) ? in / "kinematics.csv" : in;
+    if (Lower(kinematics.extension().string()) != ".csv")
+      throw Fail("{}: holds points, and {} angles: run lake gait first and convert its folder", in.string(),
+                 out.filename().string());
+    table = MotFromLegMotion(motion::ReadKinematicsCsv(kinematics), options.flexion_negative);
+  }
+  if (options.crop_s) CropTable(*options.crop_s, in, table);
+  WriteMot(out, table);
+}
+
+PointRecording FitToFormat(PointRecording points, const fs::path& in, const fs::path& out,
+                           const ConvertOptions& options) {
+  const PointFormat& format = FormatOf(out);
+  if (points.space == PointSpace::kImage && !format.image) points = PointsInPlane(points);
+  if (points.space != PointSpace::kSpace) return points;
+  if (options.reading.up) points.up_axis = *options.reading.up;
+  double out_of_plane_mm = 0;
+  if (!format.space) return ProjectOntoSagittalPlane(points, options.reading, in, &out_of_plane_mm);
+  return options.reading.forward.empty() ? points : PointsFacing(points, options.reading);
+}
+
+// Of a folder's tables the one that the format holds: positions in px for projects that lie over a video.
+fs::path TableFor(const fs::path& out, const fs::path& folder) {
+  const PointFormat& format = FormatOf(out);
+  if (format.plane) return TableOfFolder(folder);
+  if (const auto tracks = FindResult(folder, "tracks.csv")) return *tracks;
+  throw Fail("{}: has no tracks.csv, and {} holds positions in px", folder.string(), out.filename().string());
+}
+
+// Tables of Tracker and Kinovea have numbers only.
+bool IsUnitless(const fs::path& path) {
+  const std::string name = Lower(path.filename().string());
+  return name.ends_with(".txt") || name.ends_with("_kinovea.csv");
+}
+
+}  // namespace
+
+bool IsAngleTable(const fs::path& path) {
+  const std::string extension = Lower(path.extension().string());
+  return extension == ".mot" || extension == ".sto";
+}
+
+std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
+  if (!fs::exists(in)) throw Fail("{}: no such file", in.string());
+  if (fs::exists(out) && fs::equivalent(in, out))
+    throw UsageError(fmt::format("{}: is the input itself", out.string()));
+  if (IsAngleTable(out)) {
+    ConvertAngles(in, out, options);
+    return {};
+  }
+  FormatOf(out);  // a wrong ending is told before a long file is read
+  if (IsAngleTable(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
+  if (options.flexion_negative) throw UsageError("--flexion-negative is for a .mot that is written");
+  const fs::path table = fs::is_directory(in) ? TableFor(out, in) : in;
+  PointRecording points = ReadPoints(table, options.reading.mm_per_unit, options.reading.rate_hz);
+  if (options.crop_s) CropPoints(*options.crop_s, in, points);
+  points = FitToFormat(RenamePoints(points, options.reading.names, in), in, out, options);
+  if (!points.events.empty() && Lower(out.extension().string()) != ".c3d")
+    points.warnings.push_back(
+        fmt::format("{}: {} events are left out; only C3D holds them", in.string(), points.events.size()));
+  if (points.space == PointSpace::kImage && IsUnitless(out))
+    points.warnings.push_back(fmt::format(
+        "{}: in px, y down, and the format does not say so; what reads it as lengths needs a scale", out.string()));
+  WritePoints(out, points, options.unit);
+  return points.warnings;
+}
+
+}  // namespace lake::exchange

@@ -1,0 +1,85 @@
+#include "frame_points.h"
+
+#include <zip.h>
+
+#include <algorithm>
+#include <memory>
+#include <sstream>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+
+namespace lake::exchange {
+
+PointRecording PointsByFrame(const std::vector<FramePoints>& points, std::size_t file_bytes,
+                             const std::filesystem::path& path) {
+  std::int64_t last = -1;
+  std::vector<std::string> names;
+  for (const FramePoints& point : points) {
+    names.push_back(point.name);
+    if (!point.positions.empty()) last = std::max(last, point.positions.rbegin()->first);
+  }
+  if (last < 0) throw Fail("{}: no track with positions", path.string());
+  constexpr std::size_t kAlwaysBelievable = 2'000'000;  // four markers over two hours of a video
+  const std::size_t frames = static_cast<std::size_t>(last) + 1;
+  if (frames > (kAlwaysBelievable + file_bytes) / points.size())
+    throw Fail("{}: {} tracks and a frame with the number {}: no such long video is described by {} bytes",
+               path.string(), points.size(), last, file_bytes);
+
+  PointRecording recording;
+  recording.space = PointSpace::kImage;
+  for (std::int64_t frame = 0; frame <= last; ++frame) recording.frame.push_back(frame);
+  names = UniqueNames(std::move(names));
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    recording.points.push_back({names[p], std::vector<Eigen::Vector3d>(frames, PointTrack::Missing())});
+    for (const auto& [frame, position] : points[p].positions)
+      recording.points.back().positions[static_cast<std::size_t>(frame)] = position;
+  }
+  return recording;
+}
+
+void ParseXml(const std::string& text, const std::filesystem::path& path, pugi::xml_document& document) {
+  const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
+  if (!parsed) throw Fail("{}: not XML: {} at byte {}", path.string(), parsed.description(), parsed.offset);
+}
+
+void WriteXml(const std::filesystem::path& path, const pugi::xml_document& document) {
+  std::ostringstream text;
+  document.save(text, "  ", pugi::format_indent, pugi::encoding_utf8);
+  WriteTextFile(path, text.str());
+}
+
+std::string ReadZipEntry(const std::filesystem::path& path, const std::string& ending) {
+  constexpr std::size_t kMostBytes = std::size_t{256} << 20;  // unpacked: a small archive may unpack to anything
+  const std::string bytes = ReadTextFile(path);
+  zip_error_t error;
+  zip_error_init(&error);
+  zip_source_t* source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, &error);
+  zip_t* opened = source ? zip_open_from_source(source, ZIP_RDONLY | ZIP_CHECKCONS, &error) : nullptr;
+  if (!opened) {
+    const std::string reason = zip_error_strerror(&error);
+    if (source) zip_source_free(source);
+    zip_error_fini(&error);
+    throw Fail("{}: not a zip archive that can be read: {}", path.string(), reason);
+  }
+  const std::unique_ptr<zip_t, decltype(&zip_discard)> archive(opened, zip_discard);
+  for (zip_int64_t i = 0; i < zip_get_num_entries(archive.get(), 0); ++i) {
+    const char* name = zip_get_name(archive.get(), static_cast<zip_uint64_t>(i), ZIP_FL_ENC_RAW);
+    if (!name || !std::string_view(name).ends_with(ending)) continue;
+    const std::unique_ptr<zip_file_t, decltype(&zip_fclose)> entry(
+        zip_fopen_index(archive.get(), static_cast<zip_uint64_t>(i), 0), zip_fclose);
+    if (!entry) throw Fail("{}: {}: {}", path.string(), name, zip_strerror(archive.get()));
+    std::string text;
+    std::vector<char> buffer(std::size_t{64} << 10);
+    for (zip_int64_t read = 1; read > 0;) {
+      read = zip_fread(entry.get(), buffer.data(), buffer.size());
+      if (read < 0) throw Fail("{}: {} cannot be unpacked: {}", path.string(), name, zip_file_strerror(entry.get()));
+      text.append(buffer.data(), static_cast<std::size_t>(read));
+      if (text.size() > kMostBytes) throw Fail("{}: {} unpacks to more than {} bytes", path.string(), name, kMostBytes);
+    }
+    return text;
+  }
+  throw Fail("{}: the archive holds no *{}", path.string(), ending);
+}
+
+}  // namespace lake::exchange

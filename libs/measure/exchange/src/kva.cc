@@ -1,0 +1,191 @@
+// Kinovea's annotation files. What their parts mean is taken from Kinovea's own serializer (MetadataSerializer,
+// DrawingTrack, CalibrationHelper): track points are "x;y;timestamp", one frame lasts AverageTimeStampsPerFrame.
+#include <cmath>
+#include <optional>
+
+#include "frame_points.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/exchange/kinovea.h"
+#include "text_lines.h"
+
+namespace lake::exchange {
+namespace {
+
+struct KvaClock {
+  double stamps_per_frame = 1, first_stamp = 0, rate_hz = 0;
+
+  double Frame(double stamp) const { return (stamp - first_stamp) / stamps_per_frame; }
+};
+
+double Number(const std::string& text, const std::string& what, const std::string& path) {
+  const std::optional<double> value = ParseNumber(Trim(text));
+  if (!value) throw Fail("{}: {} '{}' is not a number", path, what, text);
+  return *value;
+}
+
+std::optional<double> ChildNumber(const pugi::xml_node& node, const char* name, const std::string& path) {
+  const pugi::xml_node child = node.child(name);
+  if (!child) return std::nullopt;
+  return Number(child.text().as_string(), name, path);
+}
+
+KvaClock ReadClock(const pugi::xml_node& root, const std::string& path) {
+  KvaClock clock;
+  clock.stamps_per_frame = ChildNumber(root, "AverageTimeStampsPerFrame", path).value_or(0);
+  clock.first_stamp = ChildNumber(root, "FirstTimeStamp", path).value_or(0);
+  clock.rate_hz =
+      ChildNumber(root, "CaptureFramerate", path).value_or(ChildNumber(root, "UserFramerate", path).value_or(0));
+  if (!(clock.stamps_per_frame > 0)) throw Fail("{}: AverageTimeStampsPerFrame is {}", path, clock.stamps_per_frame);
+  if (!(clock.rate_hz > 0))
+    throw Fail("{}: no frame rate (CaptureFramerate); save it with Kinovea 0.8.20 or newer", path);
+  return clock;
+}
+
+Eigen::Vector2d ParsePair(const std::string& text, const std::string& path) {
+  const std::vector<std::string> parts = SplitText(text, ';');
+  if (parts.size() != 2) throw Fail("{}: '{}' is not 'x;y'", path, text);
+  return {Number(parts[0], "x", path), Number(parts[1], "y", path)};
+}
+
+// mm per px of a calibration line: its length and its ends, or the scale that older versions keep.
+std::optional<double> ReadScale(const pugi::xml_node& calibration, const std::string& path) {
+  const std::optional<double> mm_per_unit =
+      FindMmPerUnit(calibration.child("Unit").attribute("Abbreviation").as_string());
+  const pugi::xml_node line = calibration.child("CalibrationLine");
+  if (!line || !mm_per_unit) return std::nullopt;
+  if (const auto scale = ChildNumber(line, "Scale", path))
+    return *scale > 0 ? std::optional(*scale * *mm_per_unit) : std::nullopt;
+  const pugi::xml_node segment = line.child("Segment");
+  const std::optional<double> length = ChildNumber(line, "Length", path);
+  if (!segment || !length) return std::nullopt;
+  const double length_px =
+      (ParsePair(segment.child("A").text().as_string(), path) - ParsePair(segment.child("B").text().as_string(), path))
+          .norm();
+  return length_px > 0 && *length > 0 ? std::optional(*length * *mm_per_unit / length_px) : std::nullopt;
+}
+
+std::string TrackName(const pugi::xml_node& track) {
+  const char* name = track.attribute("name").as_string();
+  return *name ? name : track.child("MainLabel").attribute("Text").as_string("track");
+}
+
+// The points of a track; `times_s` gets the times of their frames.
+FramePoints ReadTrack(const pugi::xml_node& track, const KvaClock& clock, const std::string& path,
+                      std::map<std::int64_t, double>& times_s) {
+  FramePoints points{TrackName(track), {}};
+  for (const pugi::xml_node node : track.child("TrackPointList").children("TrackPoint")) {
+    const std::vector<std::string> parts = SplitText(node.text().as_string(), ';');
+    if (parts.size() < 3)
+      throw Fail("{}: track '{}': '{}' is not 'x;y;timestamp'", path, points.name, node.text().as_string());
+    const double frame = clock.Frame(Number(parts[2], "timestamp", path));
+    if (!(frame > -0.5 && frame < static_cast<double>(kMostFrames)))
+      throw Fail("{}: track '{}': timestamp {} lies outside the video", path, points.name, parts[2]);
+    const std::int64_t index = std::llround(frame);
+    times_s[index] = frame / clock.rate_hz;
+    points.positions[index] = {Number(parts[0], "x", path) - kPixelCentre, Number(parts[1], "y", path) - kPixelCentre,
+                               0};
+  }
+  return points;
+}
+
+// Whole stamps of so small a part of a frame that times keep a microsecond at any rate above 10 Hz.
+constexpr double kStampsPerFrame = 100'000;
+
+void AddText(pugi::xml_node node, const char* name, const std::string& text) {
+  node.append_child(name).text() = text.c_str();
+}
+
+void AddTrack(pugi::xml_node tracks, const PointRecording& recording, const PointTrack& point, double rate_hz) {
+  const auto known = [](const Eigen::Vector3d& p) { return p.allFinite(); };
+  const auto count = std::count_if(point.positions.begin(), point.positions.end(), known);
+  if (count == 0) return;  // Kinovea refuses a track without points
+  const auto stamp = [&](std::size_t i) { return std::llround(recording.time_s[i] * rate_hz * kStampsPerFrame); };
+  const auto first = static_cast<std::size_t>(std::find_if(point.positions.begin(), point.positions.end(), known) -
+                                              point.positions.begin());
+  pugi::xml_node track = tracks.append_child("Track");
+  track.append_attribute("name") = point.name.c_str();
+  AddText(track, "TimePosition", std::to_string(stamp(first)));
+  pugi::xml_node list = track.append_child("TrackPointList");
+  list.append_attribute("Count") = std::to_string(count).c_str();
+  for (std::size_t i = 0; i < recording.frame.size(); ++i)
+    if (const Eigen::Vector3d& p = point.positions[i]; known(p))
+      AddText(
+          list, "TrackPoint",
+          fmt::format("{};{};{}", FormatNumber(p.x() + kPixelCentre), FormatNumber(p.y() + kPixelCentre), stamp(i)));
+  pugi::xml_node label = track.append_child("MainLabel");
+  label.append_attribute("Text") = point.name.c_str();
+  AddText(label, "SpacePosition", "0;0");
+  AddText(label, "TimePosition", std::to_string(stamp(first)));
+}
+
+void AddCalibration(pugi::xml_node root, double mm_per_px) {
+  constexpr double kLinePx = 100;
+  pugi::xml_node calibration = root.append_child("Calibration"), line = calibration.append_child("CalibrationLine");
+  AddText(line, "Length", FormatNumber(kLinePx * mm_per_px));
+  pugi::xml_node segment = line.append_child("Segment");
+  AddText(segment, "A", "0;0");
+  AddText(segment, "B", FormatNumber(kLinePx) + ";0");
+  AddText(line, "Origin", "0;0");
+  AddText(line, "Axis", "LineHorizontal");
+  pugi::xml_node unit = calibration.append_child("Unit");
+  unit.append_attribute("Abbreviation") = "mm";
+  unit.text() = "Millimeters";
+}
+
+}  // namespace
+
+PointRecording ReadKva(const std::filesystem::path& path) {
+  const std::string text = ReadTextFile(path);
+  pugi::xml_document document;
+  ParseXml(text, path, document);
+  const pugi::xml_node root = document.child("KinoveaVideoAnalysis");
+  if (!root) throw Fail("{}: not an annotation file of Kinovea (no KinoveaVideoAnalysis)", path.string());
+  const KvaClock clock = ReadClock(root, path.string());
+  std::vector<FramePoints> tracks;
+  std::map<std::int64_t, double> times_s;
+  for (const pugi::xml_node track : root.child("Tracks").children("Track")) {
+    FramePoints points = ReadTrack(track, clock, path.string(), times_s);
+    if (!points.positions.empty()) tracks.push_back(std::move(points));
+  }
+  PointRecording recording = PointsByFrame(tracks, text.size(), path);
+  recording.mm_per_px = ReadScale(root.child("Calibration"), path.string());
+  if (root.child("Calibration").child("CalibrationPlane"))
+    recording.warnings.push_back(fmt::format(
+        "{}: its perspective calibration is not used: positions stay in px; Kinovea's CSV has them calibrated",
+        path.string()));
+  for (const std::int64_t frame : recording.frame) {
+    const auto found = times_s.find(frame);
+    recording.time_s.push_back(found == times_s.end() ? static_cast<double>(frame) / clock.rate_hz : found->second);
+  }
+  return recording;
+}
+
+void WriteKva(const std::filesystem::path& path, const PointRecording& points) {
+  if (points.space != PointSpace::kImage)
+    throw Fail("{}: an annotation file of Kinovea holds px of a video, not mm", path.string());
+  if (points.frame.size() < 2)
+    throw Fail("{}: an annotation file of Kinovea needs two frames for its rate", path.string());
+  const double rate_hz = FrameRate(points.time_s);
+  pugi::xml_document document;
+  pugi::xml_node root = document.append_child("KinoveaVideoAnalysis");
+  AddText(root, "FormatVersion", "2.0");
+  AddText(root, "Producer", "lake");
+  if (points.video) {
+    AddText(root, "OriginalFilename", std::filesystem::path(points.video->file).stem().string());
+    AddText(root, "FullPath", points.video->file);
+    AddText(root, "ImageSize", fmt::format("{};{}", points.video->width_px, points.video->height_px));
+  }
+  AddText(root, "AverageTimeStampsPerFrame", FormatNumber(kStampsPerFrame));
+  AddText(root, "CaptureFramerate", FormatNumber(rate_hz));
+  AddText(root, "UserFramerate", FormatNumber(rate_hz));
+  AddText(root, "FirstTimeStamp", "0");
+  AddText(root, "SelectionStart", "0");
+  if (points.mm_per_px) AddCalibration(root, *points.mm_per_px);
+  pugi::xml_node tracks = root.append_child("Tracks");
+  for (const PointTrack& point : points.points) AddTrack(tracks, points, point, rate_hz);
+  WriteXml(path, document);
+}
+
+}  // namespace lake::exchange

@@ -1,0 +1,117 @@
+#include "lake/exchange/mot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "text_lines.h"
+
+namespace lake::exchange {
+namespace {
+
+constexpr std::size_t kMostColumns = 100'000, kMostRows = 100'000'000;
+
+// Cells of a row; trailing tabs do not count.
+std::vector<std::string> RowCells(const std::string& line) {
+  std::vector<std::string> cells = SplitCells(line, '\t');
+  while (!cells.empty() && cells.back().empty()) cells.pop_back();
+  return cells;
+}
+
+struct MotHeader {
+  std::optional<std::size_t> rows, columns;
+  std::size_t labels = 0;  // index of the line after endheader
+};
+
+// "nRows=73", and the older "datarows 73" beside it.
+MotHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path, MotTable& table) {
+  MotHeader header;
+  for (std::size_t i = 0; i < lines.Count(); ++i) {
+    std::string line = lines[i].substr(0, lines[i].find_last_not_of("\t ") + 1);
+    if (i == 0) table.name = line;
+    const std::string lower = Lower(line);
+    if (lower == "endheader") {
+      header.labels = i + 1;
+      return header;
+    }
+    const auto value = [&] { return line.substr(line.find_first_of("= ") + 1); };
+    if (lower.starts_with("nrows=") || lower.starts_with("datarows "))
+      header.rows = ParseCount(value(), "rows", lines.Where(i), kMostRows);
+    if (lower.starts_with("ncolumns=") || lower.starts_with("datacolumns "))
+      header.columns = ParseCount(value(), "columns", lines.Where(i), kMostColumns);
+    if (lower.starts_with("indegrees=")) table.in_degrees = Lower(value()) == "yes";
+  }
+  throw Fail("{}: not a MOT or STO file: no line 'endheader'", path.string());
+}
+
+}  // namespace
+
+std::size_t MotTable::Column(const std::string& column) const {
+  const auto found = std::find(columns.begin(), columns.end(), column);
+  if (found == columns.end()) throw Fail("{}: no column '{}'", name, column);
+  return static_cast<std::size_t>(found - columns.begin());
+}
+
+MotTable ReadMot(const std::filesystem::path& path) {
+  const TextLines lines(path);
+  MotTable table;
+  const MotHeader header = ReadHeader(lines, path, table);
+  std::size_t line = header.labels;
+  while (line < lines.Count() && RowCells(lines[line]).empty()) ++line;
+  if (line == lines.Count()) throw Fail("{}: no row of labels after endheader", path.string());
+  table.columns = RowCells(lines[line]);
+  if (Lower(table.columns.front()) != "time")
+    throw Fail("{}: the first column is '{}', not time", lines.Where(line), table.columns.front());
+  if (header.columns && *header.columns != table.columns.size())
+    throw Fail("{}: {} labels, but the header says {} columns", lines.Where(line), table.columns.size(),
+               *header.columns);
+  table.columns.erase(table.columns.begin());
+  for (++line; line < lines.Count(); ++line) {
+    const std::vector<std::string> cells = RowCells(lines[line]);
+    if (cells.empty()) continue;
+    if (cells.size() != table.columns.size() + 1)
+      throw Fail("{}: {} cells, but there are {} columns", lines.Where(line), cells.size(), table.columns.size() + 1);
+    table.time_s.push_back(RequiredNumber(cells[0], lines.Where(line)));
+    std::vector<double> row;
+    for (std::size_t i = 1; i < cells.size(); ++i)
+      row.push_back(NumberOrMissing(cells[i], lines.Where(line)).value_or(std::numeric_limits<double>::quiet_NaN()));
+    table.rows.push_back(std::move(row));
+  }
+  if (header.rows && *header.rows != table.rows.size())
+    throw Fail("{}: {} rows, but the header says {}: is the file cut off?", path.string(), table.rows.size(),
+               *header.rows);
+  return table;
+}
+
+void WriteMot(const std::filesystem::path& path, const MotTable& table) {
+  std::string text = fmt::format("{}\nversion=1\nnRows={}\nnColumns={}\ninDegrees={}\nendheader\ntime", table.name,
+                                 table.rows.size(), table.columns.size() + 1, table.in_degrees ? "yes" : "no");
+  for (const std::string& column : table.columns) text.append("\t").append(column);
+  text += "\n";
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    text += FormatNumber(table.time_s[i]);
+    for (const double value : table.rows[i])
+      text.append("\t").append(std::isfinite(value) ? FormatNumber(value) : "NaN");
+    text += "\n";
+  }
+  WriteTextFile(path, text);
+}
+
+MotTable MotFromLegMotion(const motion::LegMotion& motion, bool flexion_negative) {
+  MotTable table;
+  table.name = "knee angle";
+  table.columns = {"knee_angle_r", "shank_tilt", "thigh_tilt", "trunk_tilt"};
+  for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+    const motion::LegSample& sample = motion.samples[i];
+    if (!std::isfinite(sample.knee_deg)) continue;
+    table.time_s.push_back(motion.time_s[i]);
+    table.rows.push_back(
+        {flexion_negative ? -sample.knee_deg : sample.knee_deg, sample.shank_deg, sample.thigh_deg, sample.trunk_deg});
+  }
+  return table;
+}
+
+}  // namespace lake::exchange

@@ -1,0 +1,224 @@
+#include "lake/exchange/trial.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/name_value.h"
+#include "lake/exchange/dltdv.h"
+#include "lake/exchange/kinovea.h"
+#include "text_lines.h"
+
+namespace lake::exchange {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Names(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 60;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i ? ", " : "") + names[i];
+  return names.size() > kMost ? text + ", …" : text;
+}
+
+std::vector<std::string> NamesOf(const PointRecording& points) {
+  std::vector<std::string> names;
+  for (const PointTrack& point : points.points) names.push_back(point.name);
+  return names;
+}
+
+// "A" or the middle of "A+B".
+PointTrack TakePoint(const PointRecording& points, const std::string& expression, const std::string& name,
+                     const fs::path& path) {
+  PointTrack result{name, {}};
+  const std::vector<std::string> parts = SplitText(expression, '+');
+  // A name that holds a plus sign itself is taken as it is.
+  const std::vector<std::string> wanted = points.Find(expression) ? std::vector<std::string>{expression} : parts;
+  for (const std::string& part : wanted) {
+    const PointTrack* track = points.Find(part);
+    if (!track)
+      throw Fail("{}: no marker '{}' (for {}); it has: {}", path.string(), part, name, Names(NamesOf(points)));
+    if (result.positions.empty()) result.positions.assign(track->positions.size(), Eigen::Vector3d::Zero());
+    for (std::size_t i = 0; i < track->positions.size(); ++i)
+      result.positions[i] += track->positions[i] / static_cast<double>(wanted.size());
+  }
+  return result;
+}
+
+// Lake's own tables keep sigmas and statuses.
+motion::MarkerRecording Rename(motion::MarkerRecording markers, const std::map<std::string, std::string>& names,
+                               const fs::path& path) {
+  for (const auto& [name, wanted] : names) {
+    const auto found = std::find_if(markers.markers.begin(), markers.markers.end(),
+                                    [&marker = wanted](const motion::MarkerTrack& m) { return m.name == marker; });
+    if (found == markers.markers.end()) {
+      std::vector<std::string> known;
+      for (const motion::MarkerTrack& marker : markers.markers) known.push_back(marker.name);
+      throw Fail("{}: no marker '{}' (for {}); it has: {}", path.string(), wanted, name, Names(known));
+    }
+    found->name = name;
+  }
+  return markers;
+}
+
+int AxisIndex(char axis) {
+  if (axis < 'x' || axis > 'z') throw UsageError(fmt::format("axis '{}': x, y or z", axis));
+  return axis - 'x';
+}
+
+// "x", "+x", "-x"
+Eigen::Vector3d ParseDirection(const std::string& text) {
+  const bool negative = text.starts_with('-');
+  const std::string axis = text.substr(negative || text.starts_with('+') ? 1 : 0);
+  if (axis.size() != 1) throw UsageError(fmt::format("--forward '{}': x, y or z with a sign", text));
+  return (negative ? -1.0 : 1.0) * Eigen::Vector3d::Unit(AxisIndex(axis[0]));
+}
+
+// The horizontal direction in which the segments between the leg's markers move most: their changes lie in the sagittal
+// plane.
+Eigen::Vector3d FitForward(const PointRecording& points, const Eigen::Vector3d& up, const fs::path& path) {
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const auto& [lower, upper] : {std::pair{"ankle", "knee"}, {"knee", "hip"}}) {
+    const PointTrack *a = points.Find(lower), *b = points.Find(upper);
+    if (!a || !b)
+      throw Fail(
+          "{}: the sagittal plane is fitted to ankle, knee and hip: name them with --map, or give --forward; it has: "
+          "{}",
+          path.string(), Names(NamesOf(points)));
+    std::vector<Eigen::Vector3d> vectors;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < a->positions.size(); ++i) {
+      const Eigen::Vector3d v = b->positions[i] - a->positions[i], horizontal = v - up * up.dot(v);
+      if (horizontal.allFinite()) vectors.push_back(horizontal), mean += horizontal;
+    }
+    if (vectors.empty()) throw Fail("{}: {} and {} are never seen together", path.string(), lower, upper);
+    mean /= static_cast<double>(vectors.size());
+    for (const Eigen::Vector3d& v : vectors) spread += (v - mean) * (v - mean).transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  Eigen::Vector3d forward = solver.eigenvectors().col(2);
+  forward = (forward - up * up.dot(forward)).normalized();
+  if (!forward.allFinite())
+    throw Fail("{}: the leg does not move; give the sagittal plane with --forward", path.string());
+  Eigen::Index axis = 0;
+  forward.cwiseAbs().maxCoeff(&axis);
+  return forward[axis] < 0 ? Eigen::Vector3d(-forward) : forward;
+}
+
+// RMS movement of the named points across a plane.
+double OutOfPlane(const PointRecording& points, const Eigen::Vector3d& normal) {
+  double square = 0;
+  std::size_t count = 0;
+  for (const char* name : {"ankle", "knee", "hip"}) {
+    const PointTrack* point = points.Find(name);
+    if (!point) continue;
+    double sum = 0, sum2 = 0;
+    std::size_t n = 0;
+    for (const Eigen::Vector3d& p : point->positions)
+      if (p.allFinite()) sum += p.dot(normal), sum2 += std::pow(p.dot(normal), 2), ++n;
+    if (n > 0) square += sum2 - sum * sum / static_cast<double>(n), count += n;
+  }
+  return count > 0 ? std::sqrt(std::max(0.0, square / static_cast<double>(count))) : 0;
+}
+
+void ReadTable(const fs::path& path, const TrialOptions& options, Trial& trial) {
+  trial.recording = Rename(motion::ReadMarkerCsv(path), options.names, path);
+}
+
+Eigen::Vector3d UpDirection(const PointRecording& points, const TrialOptions& options) {
+  return Eigen::Vector3d::Unit(AxisIndex(options.up.value_or(points.up_axis)));
+}
+
+Eigen::Vector3d GivenForward(const TrialOptions& options, const Eigen::Vector3d& up) {
+  const Eigen::Vector3d forward = ParseDirection(options.forward);
+  if (std::abs(forward.dot(up)) > 0.5)
+    throw UsageError(fmt::format("--forward '{}' is the vertical; give --up too", options.forward));
+  return forward;
+}
+
+bool IsOwnTable(const fs::path& path) {
+  return Lower(path.extension().string()) == ".csv" && !IsKinovea(path) && !IsDltdv(path);
+}
+
+}  // namespace
+
+std::map<std::string, std::string> ParseNameMap(const std::string& text) {
+  std::map<std::string, std::string> names;
+  for (const std::string& part : SplitText(text, ',')) {
+    const auto [name, marker] = SplitNameValue("--map", part);
+    if (marker.empty()) throw UsageError(fmt::format("--map '{}': no marker for '{}'", text, name));
+    if (!names.emplace(name, marker).second) throw UsageError(fmt::format("--map '{}': '{}' stands twice", text, name));
+  }
+  return names;
+}
+
+std::optional<char> ParseUp(const std::string& text) {
+  if (text.size() > 1) throw UsageError(fmt::format("--up '{}': x, y or z", text));
+  return text.empty() ? std::nullopt : std::optional(text[0]);
+}
+
+PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options) {
+  Eigen::Matrix3d model_from_file;
+  const Eigen::Vector3d up = UpDirection(points, options), forward = GivenForward(options, up);
+  model_from_file << forward.transpose(), up.transpose(), forward.cross(up).transpose();
+  PointRecording facing = points;
+  facing.up_axis = 'y';
+  for (PointTrack& point : facing.points)
+    for (Eigen::Vector3d& p : point.positions) p = model_from_file * p;
+  return facing;
+}
+
+PointRecording RenamePoints(const PointRecording& points, const std::map<std::string, std::string>& names,
+                            const fs::path& path) {
+  if (names.empty()) return points;
+  PointRecording renamed = points;
+  renamed.points.clear();
+  for (const auto& [name, expression] : names) renamed.points.push_back(TakePoint(points, expression, name, path));
+  return renamed;
+}
+
+PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options, const fs::path& path,
+                                        double* out_of_plane_mm) {
+  const Eigen::Vector3d up = UpDirection(points, options);
+  const Eigen::Vector3d forward = options.forward.empty() ? FitForward(points, up, path) : GivenForward(options, up);
+  *out_of_plane_mm = OutOfPlane(points, forward.cross(up));
+  PointRecording plane = points;
+  plane.space = PointSpace::kPlane;
+  for (PointTrack& point : plane.points)
+    for (Eigen::Vector3d& p : point.positions)
+      if (p.allFinite()) p = {p.dot(forward), p.dot(up), 0};
+  plane.warnings.push_back(fmt::format(
+      "{}: three dimensions are projected onto the vertical plane {}; the leg moves {:.1f} mm RMS across it",
+      path.string(), options.forward.empty() ? "in which the leg moves most" : "along " + options.forward,
+      *out_of_plane_mm));
+  return plane;
+}
+
+Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
+  Trial trial;
+  trial.file = fs::is_directory(path) ? TableOfFolder(path) : path;
+  if (IsOwnTable(trial.file) && fs::exists(trial.file)) {
+    ReadTable(trial.file, options, trial);
+  } else {
+    PointRecording points =
+        RenamePoints(ReadPoints(trial.file, options.mm_per_unit, options.rate_hz), options.names, trial.file);
+    if (points.axes) points = PointsInPlane(points);
+    if (points.space == PointSpace::kSpace) {
+      points = ProjectOntoSagittalPlane(points, options, trial.file, &trial.out_of_plane_mm);
+      if (!options.forward.empty()) trial.faces_right = true;
+    }
+    trial.mm_per_px = points.mm_per_px;
+    trial.warnings = points.warnings;
+    trial.recording = MarkersFromPoints(points);
+  }
+  if (!options.forward.empty() && !trial.faces_right) {
+    const Eigen::Vector3d forward = ParseDirection(options.forward);
+    if (forward.x() == 0) throw UsageError(fmt::format("--forward '{}': in a plane it is +x or -x", options.forward));
+    trial.faces_right = forward.x() > 0;
+  }
+  return trial;
+}
+
+}  // namespace lake::exchange

@@ -1,0 +1,109 @@
+// The leg fit: from marker positions with gaps, noise and outliers to the leg's vectors and angles with standard
+// deviations.
+//
+// One robust least-squares problem over all frames (method.md, section 3; the equations are in this module's README):
+// smooth segment angles, ankle and segment lengths, residuals in recorded units through the camera, each weighted by
+// its detection's sigma. How smooth each component is, and how much the segments' lengths vary, is estimated from the
+// recording.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/core/json.h"
+#include "lake/gait/leg_angles.h"
+#include "lake/gait/leg_view.h"
+#include "lake/gait/smoothing_spline.h"
+#include "lake/gait/sts_events.h"
+#include "lake/motion/leg_motion.h"
+#include "lake/motion/marker_recording.h"
+
+namespace lake::gait {
+
+enum class LegFilter {
+  kSpline,       // the leg fit itself
+  kButterworth,  // marker positions (gaps from the fit) through ZeroPhaseButterworth
+  kNone,         // each frame by itself (gaps from the fit)
+};
+
+// "spline", "butterworth", "none". Throws UsageError.
+LegFilter ParseLegFilter(std::string_view text);
+
+struct LegFitOptions {
+  LegFilter filter = LegFilter::kSpline;
+  std::optional<double> cutoff_hz;  // spline: found from the data; Butterworth: 6 Hz
+  LegMarkers markers;
+  std::optional<motion::Facing> facing;           // found from the data
+  Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // the vertical, in the plane frame
+  double outlier_deviations = 7;                  // a residual of so many sigmas has no weight at all
+  double most_length_range =
+      0.30;  // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5 and more
+  double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
+  int most_smoothing_iterations = SmoothingOptions{}.max_iterations;  // of the search for each component's smoothness
+  bool quiet = true;                                                  // no progress
+
+  // By what the program at work says which way is up and where the subject faces, for messages.
+  std::string vertical_option = "--up", facing_option = "--facing";
+};
+
+// A marker's record in the fit. Lengths in the recorded unit.
+struct MarkerReport {
+  std::string name;
+  int detected = 0, filled = 0, missing = 0, outliers = 0;
+  double rms = 0;    // per axis, of the detections that are no outliers
+  double worst = 0;  // 2-D, among all detections
+  std::int64_t worst_frame = 0;
+  double noise_scale = 1;  // ≥ 1: how much larger the noise is than the detections' sigmas
+  double parallax_per_depth =
+      0;  // mm of error per mm that the marker stands off the calibrated plane (median); 0 without one
+};
+
+struct SegmentReport {
+  std::string name;         // ak, kh, hw
+  double length = 0;        // mean, unit of the plane
+  double length_sigma = 0;  // of that mean, from the detections' noise (not the scale's)
+  double variation = 0;     // SD over time beyond the noise: skin, out-of-plane movement
+};
+
+struct OutlierReport {
+  std::int64_t frame = 0;
+  std::string marker;
+  double residual = 0;    // recorded unit
+  double deviations = 0;  // in sigmas
+};
+
+struct LegFitSummary {
+  bool usable = false;
+  int iterations = 0;
+  double initial_cost = 0, final_cost = 0;
+  double seconds = 0;  // of everything
+  double knot_step_s = 0;
+  double cutoff_hz = 0;     // of the low-pass that the knee's smoothing amounts to
+  double residual_rms = 0;  // in sigmas, outliers apart
+  std::string message;
+};
+
+struct LegFitResult {
+  motion::MarkerRecording tracks;      // as recorded, gaps filled where the fit is certain enough
+  motion::MarkerRecording trajectory;  // in the plane frame, filtered as asked; unit px without a scale
+  motion::LegMotion motion;
+  std::vector<motion::StsEvent> events;
+  std::vector<MarkerReport> markers;
+  std::vector<SegmentReport> segments;
+  std::vector<OutlierReport> outliers;
+  std::vector<std::string> warnings;
+  LegFitSummary summary;
+};
+
+// Markers other than the leg's are smoothed and bridged each by itself. A sigma of 0 means that it is not known: it is
+// then estimated from the marker's own fine structure. Throws Error: a marker of the leg is absent or hardly seen, a
+// position is not finite, the names contradict a leg (a segment's length varies too much, the hip lies below the
+// ankle); SolverError: no solution.
+LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options = {});
+
+// What the recording says of the knee: smallest and largest angle, peak speeds, each with its time. For summary.json,
+// with the reports above, under the keys markers, segments, outliers, knee, sit_to_stands, fit.
+Json LegFitJson(const LegFitResult& result);
+
+}  // namespace lake::gait

@@ -1,0 +1,73 @@
+// How the plane in which the leg moves is seen: the link between its coordinates and what was recorded.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "lake/camera/camera.h"
+#include "lake/motion/marker_recording.h"
+
+namespace lake::gait {
+
+// Which of the plane's descriptions holds, best first:
+//   camera and camera_from_plane: a calibrated plane, in mm; a marker's depth is how far it stands proud of it, towards
+//   the camera mm_per_px: a scale bar; the picture (without its lens distortion, if the camera is known) scaled, y
+//   flipped up, in mm neither: as before with 1 px for 1 mm, in px
+// A recording in mm is in the plane already and is taken as it is.
+struct LegView {
+  std::optional<camera::Camera> camera;
+  std::optional<camera::PlanePose> camera_from_plane;
+  std::optional<double> mm_per_px;
+  std::map<std::string, double> depth_mm;  // by marker; 0 where not named
+  bool recorded_in_plane = false;          // the recording is in mm: nothing to project
+
+  double Depth(const std::string& marker) const;
+};
+
+// From a camera profile (if any), a scale (if any) and the depths. Throws Error for a scale that is not positive, or
+// depths without a calibrated plane.
+LegView MakeLegView(motion::LengthUnit recording_unit, const std::optional<camera::CameraProfile>& profile,
+                    const std::optional<double>& mm_per_px = {}, const std::map<std::string, double>& depth_mm = {});
+
+// The unit of plane coordinates under this view.
+motion::LengthUnit PlaneUnit(const LegView& view);
+
+// Where a recorded point is in the plane frame. Throws Error if it cannot be (a ray that misses the plane).
+Eigen::Vector2d PlaneFromRecorded(const LegView& view, const Eigen::Vector2d& recorded, double depth_mm);
+
+// The other way, for T = double or a ceres::Jet.
+template <typename T>
+Eigen::Matrix<T, 2, 1> RecordedFromPlane(const LegView& view, const Eigen::Matrix<T, 2, 1>& point, double depth_mm) {
+  if (view.recorded_in_plane) return point;
+  if (!view.camera_from_plane && !view.camera) {
+    const double scale = view.mm_per_px.value_or(1);
+    return {point.x() / scale, -point.y() / scale};
+  }
+  Eigen::Matrix<T, 3, 1> in_camera;
+  if (view.camera_from_plane) {
+    const Eigen::Matrix3d& r = view.camera_from_plane->linear();
+    const Eigen::Vector3d offset = view.camera_from_plane->translation() + r.col(2) * depth_mm;
+    for (int i = 0; i < 3; ++i) in_camera[i] = point.x() * r(i, 0) + point.y() * r(i, 1) + offset[i];
+  } else {
+    const double scale = view.mm_per_px.value_or(1);
+    in_camera = {(point.x() / scale - view.camera->cx) / view.camera->fx,
+                 (-point.y() / scale - view.camera->cy) / view.camera->fy, T(1)};
+  }
+  const camera::Camera& c = *view.camera;
+  const T intrinsics[] = {T(c.fx), T(c.fy), T(c.cx), T(c.cy)};
+  T distortion[5];
+  for (int i = 0; i < 5; ++i) distortion[i] = T(c.distortion[i]);
+  return camera::ProjectBrownConrady<T>(intrinsics, distortion, in_camera);
+}
+
+// How far a point of the plane moves per unit of its recorded position (mm per px): the root of the area ratio there.
+double PlaneUnitsPerRecorded(const LegView& view, const Eigen::Vector2d& point_in_plane, double depth_mm);
+
+// Both ends of a plumb line in the picture give the direction up in the plane; the end that is higher in the picture is
+// up. Throws Error if the ends are one point.
+Eigen::Vector2d UpFromPlumbLine(const LegView& view, const Eigen::Vector2d& one_end_px,
+                                const Eigen::Vector2d& other_end_px);
+
+}  // namespace lake::gait

@@ -1,0 +1,48 @@
+// The solved fit, evaluated at the frames. Not part of the interface.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "leg_problem.h"
+#include "leg_signals.h"
+
+namespace lake::gait {
+
+// A marker's fitted position in every frame.
+struct MarkerCurve {
+  std::vector<Eigen::Vector2d> in_plane, recorded;
+  std::vector<double> plane_sigma, recorded_sigma;  // per axis
+  bool settled = true;                              // whether its smoothness was found
+};
+
+struct LegCurves {
+  int markers = kLegMarkers;
+  std::array<MarkerCurve, kLegMarkers> marker;
+  std::vector<StateVector> state, rate;  // rate: per s
+  std::vector<double> knee_sigma_deg;
+  std::vector<Eigen::Vector2d> hip_speed_in_leg;  // per s
+};
+
+LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
+                        const std::vector<double>& coefficients);
+
+// A marker that is not the leg's, smoothed and bridged by itself.
+MarkerCurve SmoothMarker(const motion::MarkerRecording& recording, const Detections& detections, const LegView& view,
+                         const LegFitOptions& options);
+
+// Tracks, trajectory, motion, events, reports.
+void FillResult(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
+                const LegCurves& curves, const LegModel& model, motion::Facing facing, const LegFitOptions& options,
+                LegFitResult& result);
+
+// Noise that a sigma states but the residuals do not show is too slow to be told from motion: it is in the curve, and
+// must be in the curve's variance. In variances of the detections (1 = all of it), per frame.
+struct NoiseSample {
+  std::size_t frame = 0;
+  double expected = 0;  // of (r/σ)² per axis: 1 − leverage
+  double observed = 0;
+};
+std::vector<double> SlowNoise(const std::vector<NoiseSample>& samples, const std::vector<double>& time_s);
+
+}  // namespace lake::gait

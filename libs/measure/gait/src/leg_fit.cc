@@ -1,0 +1,237 @@
+#include "lake/gait/leg_fit.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "lake/core/error.h"
+#include "lake/core/progress.h"
+#include "lake/core/statistics.h"
+#include "lake/gait/butterworth.h"
+#include "leg_curves.h"
+#include "leg_problem.h"
+#include "leg_signals.h"
+
+namespace lake::gait {
+namespace {
+
+void CheckRecording(const motion::MarkerRecording& recording, const LegFitOptions& options) {
+  if (recording.Frames() < 8) throw Fail("leg fit: a recording of {} frames is too short", recording.Frames());
+  for (std::size_t i = 0; i < recording.Frames(); ++i)
+    if (!std::isfinite(recording.time_s[i]) || (i > 0 && recording.time_s[i] <= recording.time_s[i - 1]))
+      throw Fail("leg fit: frame {}: time stamp {} does not follow the one before", recording.frame[i],
+                 recording.time_s[i]);
+  if (std::abs(options.up.norm() - 1) > 1e-6) throw Fail("leg fit: the vertical must be a unit vector");
+  if (options.cutoff_hz)
+    CheckCutoff(*options.cutoff_hz,
+                static_cast<double>(recording.Frames() - 1) / (recording.time_s.back() - recording.time_s.front()));
+}
+
+std::string Names(const motion::MarkerRecording& recording) {
+  std::string names;
+  for (const motion::MarkerTrack& marker : recording.markers) names += (names.empty() ? "" : ", ") + marker.name;
+  return names.empty() ? "none" : names;
+}
+
+std::array<Detections, kLegMarkers> CollectLeg(const motion::MarkerRecording& recording, const LegView& view,
+                                               const LegMarkers& names) {
+  std::array<Detections, kLegMarkers> leg;
+  const std::array<const std::string*, kLegMarkers> wanted = {&names.ankle, &names.knee, &names.hip, &names.waist};
+  for (std::size_t m = 0; m < kLegMarkers; ++m) {
+    const motion::MarkerTrack* track = recording.Find(*wanted[m]);
+    if (track)
+      leg[m] = CollectDetections(recording, *track, view);
+    else if (m != kWaist)
+      throw Fail("leg fit: no marker '{}' in the recording (it has: {}); name the leg's markers with --map", *wanted[m],
+                 Names(recording));
+    else
+      leg[m].name = *wanted[m];
+  }
+  return leg;
+}
+
+// The waist counts if it is seen together with the hip often enough for a trunk.
+bool HasTrunk(const std::array<Detections, kLegMarkers>& leg) {
+  constexpr int kLeastFrames = 8;
+  int frames = 0;
+  for (std::size_t i = 0; i < leg[kWaist].trusted.size(); ++i) frames += leg[kHip].trusted[i] && leg[kWaist].trusted[i];
+  return frames >= kLeastFrames;
+}
+
+FacingFound FindFacingOf(const std::array<Detections, kLegMarkers>& leg) {
+  std::vector<LegPoints> frames;
+  for (std::size_t i = 0; i < leg[kAnkle].trusted.size(); ++i)
+    if (leg[kAnkle].trusted[i] && leg[kKnee].trusted[i] && leg[kHip].trusted[i])
+      frames.push_back({leg[kAnkle].in_plane[i], leg[kKnee].in_plane[i], leg[kHip].in_plane[i], std::nullopt});
+  return FindFacing(frames);
+}
+
+Eigen::Matrix2d PlaneFromLegAxes(motion::Facing facing, const Eigen::Vector2d& up) {
+  Eigen::Matrix2d axes;
+  axes << PlaneFromLeg(Eigen::Vector2d::UnitX(), facing, up), PlaneFromLeg(Eigen::Vector2d::UnitY(), facing, up);
+  return axes;
+}
+
+std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMarkers>& leg,
+                                             const std::vector<double>& time_s, const SplineGrid& grid, int markers) {
+  std::vector<LegObservation> observations;
+  for (std::size_t i = 0; i < time_s.size(); ++i)
+    for (int m = 0; m < markers; ++m) {
+      const Detections& d = leg[static_cast<std::size_t>(m)];
+      if (!d.seen[i]) continue;
+      observations.push_back({static_cast<LegMarker>(m), i, grid.At(time_s[i]), d.track->samples[i].position,
+                              d.sigma[i], d.depth_mm, d.trusted[i] != 0});
+    }
+  return observations;
+}
+
+// How much larger than stated the noise of each marker is: rms of the residuals, for the degrees of freedom that the
+// fit used up. Never below 1: what a sigma states beyond the residuals may be slow noise, which is in the curves'
+// variance (SlowNoise).
+std::array<double, kLegMarkers> NoiseScales(const LegModel& model, const std::vector<double>& coefficients,
+                                            const BandedMatrix& covariance) {
+  struct Residual {
+    double square, free;  // (r/σ)² and the degrees of freedom left to it, of two
+  };
+  std::array<std::vector<Residual>, kLegMarkers> residuals;
+  for (const LegObservation& o : model.observations) {
+    const LegResidual residual = EvaluateObservation(model, o, coefficients);
+    const StateMatrix state = StateCovariance(model, covariance, o.place);
+    const double variance = o.sigma * o.sigma;
+    const double used = (residual.by_state * state * residual.by_state.transpose()).trace() / variance;
+    residuals[o.marker].push_back({residual.value.squaredNorm() / variance, std::max(2 - used, 0.0)});
+  }
+  std::array<double, kLegMarkers> scales;
+  scales.fill(1);
+  for (std::size_t m = 0; m < kLegMarkers; ++m)
+    for (int round = 0; round < 5; ++round) {  // a larger scale lets more residuals count
+      double square = 0, free = 0;
+      for (const Residual& residual : residuals[m])
+        if (residual.square < std::pow(scales[m] * OrdinaryLimit(model), 2))
+          square += residual.square, free += residual.free;
+      if (free > 20) scales[m] = std::max(1.0, std::sqrt(square / free));
+    }
+  return scales;
+}
+
+struct Solution {
+  LegModel model;
+  std::vector<double> coefficients;
+  LegSolveSummary solve;
+  std::array<double, kLegMarkers> noise_scales;
+};
+
+// Where a marker is hidden while others move, the start is off by pixels, and the biweight would take the others for
+// outliers for good. So its limit comes down to its own value in steps (graduated non-convexity: Blake & Zisserman,
+// Visual Reconstruction, 1987), with the observations that nothing speaks against.
+void Approach(const LegModel& model, std::vector<double>& coefficients) {
+  constexpr double kFactor = 8;
+  double largest = 0;  // in sigmas
+  for (const LegObservation& o : model.observations)
+    if (o.trusted) largest = std::max(largest, EvaluateObservation(model, o, coefficients).value.norm() / o.sigma);
+  if (largest < OrdinaryLimit(model)) return;
+  LegModel wide = model;
+  std::erase_if(wide.observations, [](const LegObservation& o) { return !o.trusted; });
+  for (double limit = 2 * largest; limit > model.outlier_deviations; limit /= kFactor) {
+    wide.outlier_deviations = limit;
+    SolveLegProblem(wide, coefficients);
+  }
+}
+
+// Solves; where the residuals show more noise than the sigmas said, solves again with sigmas that fit them.
+Solution SolveLeg(LegModel model, std::vector<double> coefficients) {
+  constexpr double kNoticeable = 1.03;
+  Solution solution;
+  solution.noise_scales.fill(1);
+  Approach(model, coefficients);
+  solution.solve = SolveLegProblem(model, coefficients);
+  const auto scales = NoiseScales(model, coefficients, LegCovariance(model, coefficients));
+  if (std::any_of(scales.begin(), scales.end(), [](double scale) { return scale > kNoticeable; })) {
+    for (LegObservation& o : model.observations) o.sigma *= scales[o.marker];
+    solution.noise_scales = scales;
+    const LegSolveSummary again = SolveLegProblem(model, coefficients);
+    solution.solve.usable = solution.solve.usable && again.usable;
+    solution.solve.iterations += again.iterations;
+    solution.solve.final_cost = again.final_cost;
+    solution.solve.message = again.message;
+  }
+  solution.model = std::move(model);
+  solution.coefficients = std::move(coefficients);
+  return solution;
+}
+
+LegFitSummary Summarize(const Solution& solution, const LegStart& start, double seconds) {
+  LegFitSummary summary;
+  summary.usable = solution.solve.usable;
+  summary.iterations = solution.solve.iterations;
+  summary.initial_cost = solution.solve.initial_cost;
+  summary.final_cost = solution.solve.final_cost;
+  summary.message = solution.solve.message;
+  summary.knot_step_s = start.grid.step_s;
+  summary.cutoff_hz = start.knee_cutoff_hz;
+  double square = 0;
+  int count = 0;
+  for (const LegObservation& o : solution.model.observations) {
+    const LegResidual residual = EvaluateObservation(solution.model, o, solution.coefficients);
+    if (!IsOrdinary(solution.model, residual.value, o.sigma)) continue;
+    square += residual.value.squaredNorm() / (o.sigma * o.sigma);
+    count += 2;
+  }
+  summary.residual_rms = std::sqrt(square / count);
+  summary.seconds = seconds;
+  return summary;
+}
+
+}  // namespace
+
+LegFilter ParseLegFilter(std::string_view text) {
+  if (text == "spline") return LegFilter::kSpline;
+  if (text == "butterworth") return LegFilter::kButterworth;
+  if (text == "none") return LegFilter::kNone;
+  throw UsageError(fmt::format("filter '{}': spline, butterworth or none", text));
+}
+
+LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  CheckRecording(recording, options);
+  Progress progress("leg fit", "steps", 4, options.quiet);
+  LegFitResult result;
+  std::array<Detections, kLegMarkers> leg = CollectLeg(recording, view, options.markers);
+  const FacingFound found = FindFacingOf(leg);
+  const motion::Facing facing = options.facing.value_or(found.facing);
+  if (!options.facing && !found.IsCertain())
+    result.warnings.push_back(
+        fmt::format("the knee bends by {:.0f}° at most: which way the subject faces is a guess; give it with {}",
+                    found.largest_flexion_deg, options.facing_option));
+
+  LegModel model;
+  model.view = view;
+  model.plane_from_leg = PlaneFromLegAxes(facing, options.up);
+  model.states = HasTrunk(leg) ? kLegStates : kLegStatesWithoutTrunk;
+  model.outlier_deviations = options.outlier_deviations;
+  const LegSignals signals = MakeLegSignals(leg, model.plane_from_leg.transpose(), model.states);
+  CheckLeg(signals, leg, options);
+  progress.Advance();
+  LegStart start = SmoothSignals(signals, recording.time_s, model.states, options);
+  if (!start.unsettled.empty())
+    result.warnings.push_back(UnsettledWarning(fmt::format("leg fit, {}", fmt::join(start.unsettled, ", "))));
+  progress.Advance();
+  model.grid = start.grid;
+  model.priors = start.priors;
+  model.observations = MakeObservations(leg, recording.time_s, model.grid, model.states == kLegStates ? 4 : 3);
+  const Solution solution = SolveLeg(std::move(model), start.coefficients);
+  if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
+  progress.Advance();
+
+  const LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients);
+  FillResult(recording, leg, curves, solution.model, facing, options, result);
+  for (MarkerReport& report : result.markers)
+    for (std::size_t m = 0; m < leg.size(); ++m)
+      if (report.name == leg[m].name) report.noise_scale = solution.noise_scales[m];
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  result.summary = Summarize(solution, start, elapsed.count());
+  progress.Advance();
+  return result;
+}
+
+}  // namespace lake::gait

@@ -1,0 +1,240 @@
+#include "leg_problem.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <deque>
+#include <thread>
+
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+
+namespace lake::gait {
+namespace {
+
+using StateJet = ceres::Jet<double, kLegStates>;
+
+LegResidual EvaluateAt(const LegModel& model, const LegObservation& observation, const StateVector& state) {
+  std::array<StateJet, kLegStates> jets;
+  for (int s = 0; s < kLegStates; ++s) jets[static_cast<std::size_t>(s)] = StateJet(state[s], s);
+  const Eigen::Matrix<StateJet, 2, 1> in_leg = MarkerInLeg(observation.marker, jets.data());
+  Eigen::Matrix<StateJet, 2, 1> in_plane;
+  for (int i = 0; i < 2; ++i)
+    in_plane[i] = in_leg[0] * model.plane_from_leg(i, 0) + in_leg[1] * model.plane_from_leg(i, 1);
+  const Eigen::Matrix<StateJet, 2, 1> predicted =
+      RecordedFromPlane<StateJet>(model.view, in_plane, observation.depth_mm);
+  LegResidual residual;
+  for (int i = 0; i < 2; ++i) {
+    residual.value[i] = predicted[i].a - observation.seen[i];
+    residual.by_state.row(i) = predicted[i].v.transpose();
+  }
+  return residual;
+}
+
+// r = (π(marker(Σ B_k c_k)) − seen) / σ over the four coefficient vectors c_k that reach the observation's time. The
+// derivative by the state is automatic (Jets), that by the coefficients its product with the basis.
+class MarkerCost : public ceres::CostFunction {
+ public:
+  MarkerCost(const LegModel& model, const LegObservation& observation) : model_(model), observation_(observation) {
+    set_num_residuals(2);
+    mutable_parameter_block_sizes()->assign(4, model.states);
+  }
+
+  bool Evaluate(const double* const* coefficients, double* residuals, double** jacobians) const override {
+    StateVector state = StateVector::Zero();
+    for (std::size_t k = 0; k < 4; ++k)
+      for (int s = 0; s < model_.states; ++s) state[s] += observation_.place.value[k] * coefficients[k][s];
+    const LegResidual residual = EvaluateAt(model_, observation_, state);
+    for (int i = 0; i < 2; ++i) residuals[i] = residual.value[i] / observation_.sigma;
+    if (!jacobians) return true;
+    for (std::size_t k = 0; k < 4; ++k)
+      for (int i = 0; jacobians[k] && i < 2; ++i)
+        for (int s = 0; s < model_.states; ++s)
+          jacobians[k][i * model_.states + s] =
+              observation_.place.value[k] / observation_.sigma * residual.by_state(i, s);
+    return true;
+  }
+
+ private:
+  const LegModel& model_;
+  const LegObservation& observation_;
+};
+
+// One line of the prior: what a difference of coefficients of one component of the state adds to the sum.
+struct PriorTerm {
+  int state;
+  std::array<double, 4> row;  // of a least-squares residual
+};
+
+std::vector<PriorTerm> PriorTerms(const LegModel& model, std::size_t k) {
+  std::vector<PriorTerm> terms;
+  for (int s = 0; s < model.states; ++s) {
+    const LegPrior& prior = model.priors[static_cast<std::size_t>(s)];
+    const double rough = 1 / std::sqrt(prior.roughness[k]);
+    terms.push_back({s, {-rough, 3 * rough, -3 * rough, rough}});
+    if (prior.slope_variance <= 0) continue;
+    const double slope = 1 / std::sqrt(prior.slope_variance);
+    terms.push_back({s, {-slope, slope, 0, 0}});
+  }
+  return terms;
+}
+
+// r_j = row_j · (c_k, …, c_k+3) for all terms of the prior.
+class PriorCost : public ceres::CostFunction {
+ public:
+  PriorCost(const LegModel& model, std::size_t k) : terms_(PriorTerms(model, k)), states_(model.states) {
+    set_num_residuals(static_cast<int>(terms_.size()));
+    mutable_parameter_block_sizes()->assign(4, model.states);
+  }
+
+  bool Evaluate(const double* const* coefficients, double* residuals, double** jacobians) const override {
+    for (std::size_t j = 0; j < terms_.size(); ++j) {
+      residuals[j] = 0;
+      for (std::size_t k = 0; k < 4; ++k) residuals[j] += terms_[j].row[k] * coefficients[k][terms_[j].state];
+    }
+    if (!jacobians) return true;
+    const auto states = static_cast<std::size_t>(states_);
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!jacobians[k]) continue;
+      std::fill_n(jacobians[k], terms_.size() * states, 0.0);
+      for (std::size_t j = 0; j < terms_.size(); ++j)
+        jacobians[k][j * states + static_cast<std::size_t>(terms_[j].state)] = terms_[j].row[k];
+    }
+    return true;
+  }
+
+ private:
+  std::vector<PriorTerm> terms_;
+  int states_;
+};
+
+class InterruptCallback : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    try {
+      ThrowIfInterrupted();  // not through Ceres, which would not free what it holds
+    } catch (const Interrupted&) {
+      return ceres::SOLVER_ABORT;
+    }
+    return ceres::SOLVER_CONTINUE;
+  }
+};
+
+ceres::Solver::Options SolverOptions(std::size_t observations) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = 50;
+  // The sum is about one per observation: stop at steps worth a hundredth of one.
+  options.function_tolerance = 0.01 / static_cast<double>(std::max<std::size_t>(observations, 1));
+  options.initial_trust_region_radius = 1e8;  // the start is good and the problem nearly linear: full steps
+  options.num_threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+}  // namespace
+
+LegResidual EvaluateObservation(const LegModel& model, const LegObservation& observation,
+                                const std::vector<double>& coefficients) {
+  return EvaluateAt(model, observation, StateAt(model, coefficients, observation.place.value, observation.place.first));
+}
+
+LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients) {
+  ceres::TukeyLoss loss(model.outlier_deviations);
+  ceres::Problem::Options ownership;
+  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.disable_all_safety_checks = true;
+  ceres::Problem problem(ownership);
+
+  const auto block = [&](std::size_t k) { return coefficients.data() + k * static_cast<std::size_t>(model.states); };
+  std::deque<MarkerCost> costs;
+  for (const LegObservation& observation : model.observations) {
+    const std::size_t k = observation.place.first;
+    costs.emplace_back(model, observation);
+    problem.AddResidualBlock(&costs.back(), &loss, block(k), block(k + 1), block(k + 2), block(k + 3));
+  }
+  std::deque<PriorCost> priors;
+  for (std::size_t k = 0; k + 3 < model.grid.count; ++k) {
+    priors.emplace_back(model, k);
+    problem.AddResidualBlock(&priors.back(), nullptr, block(k), block(k + 1), block(k + 2), block(k + 3));
+  }
+
+  ceres::Solver::Options options = SolverOptions(model.observations.size());
+  InterruptCallback interrupt;
+  options.callbacks.push_back(&interrupt);
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  ThrowIfInterrupted();
+  return {summary.IsSolutionUsable(),    static_cast<int>(summary.iterations.size()),
+          summary.initial_cost,          summary.final_cost,
+          summary.total_time_in_seconds, summary.message};
+}
+
+double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, double sigma) {
+  const double u = residual.squaredNorm() / std::pow(sigma * model.outlier_deviations, 2);
+  return u < 1 ? (1 - u) * (1 - u) : 0;
+}
+
+double OrdinaryLimit(const LegModel& model) {
+  return 0.7 * model.outlier_deviations;
+}
+
+bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma) {
+  return residual.norm() < OrdinaryLimit(model) * sigma;
+}
+
+BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coefficients) {
+  const auto states = static_cast<std::size_t>(model.states);
+  BandedMatrix normal(model.grid.count * states, 4 * states - 1);
+  for (const LegObservation& observation : model.observations) {
+    const LegResidual residual = EvaluateObservation(model, observation, coefficients);
+    const double weight =
+        RobustWeight(model, residual.value, observation.sigma) / (observation.sigma * observation.sigma);
+    const StateMatrix square = weight * residual.by_state.transpose() * residual.by_state;
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b <= a; ++b)
+        for (std::size_t i = 0; i < states; ++i)
+          for (std::size_t j = 0; j < (a == b ? i + 1 : states); ++j)
+            normal.Lower((observation.place.first + a) * states + i, (observation.place.first + b) * states + j) +=
+                observation.place.value[a] * observation.place.value[b] *
+                square(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+  }
+  for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
+    for (const PriorTerm& term : PriorTerms(model, k))
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = 0; b <= a; ++b)
+          normal.Lower((k + a) * states + static_cast<std::size_t>(term.state),
+                       (k + b) * states + static_cast<std::size_t>(term.state)) += term.row[a] * term.row[b];
+  ThrowIfInterrupted();
+  if (!Factorize(normal))
+    throw SolverError(
+        "leg fit: the markers do not determine the leg; is one of ankle, knee, hip missing in most frames?");
+  ThrowIfInterrupted();
+  return SelectedInverse(normal);
+}
+
+StateVector StateAt(const LegModel& model, const std::vector<double>& coefficients,
+                    const std::array<double, 4>& weights, std::size_t first) {
+  const auto states = static_cast<std::size_t>(model.states);
+  StateVector state = StateVector::Zero();
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t s = 0; s < states; ++s)
+      state[static_cast<Eigen::Index>(s)] += weights[k] * coefficients[(first + k) * states + s];
+  return state;
+}
+
+StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covariance, const SplineGrid::Place& place) {
+  const auto states = static_cast<std::size_t>(model.states);
+  StateMatrix result = StateMatrix::Zero();
+  for (std::size_t a = 0; a < 4; ++a)
+    for (std::size_t b = 0; b < 4; ++b)
+      for (std::size_t i = 0; i < states; ++i)
+        for (std::size_t j = 0; j < states; ++j)
+          result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) +=
+              place.value[a] * place.value[b] *
+              covariance.At((place.first + a) * states + i, (place.first + b) * states + j);
+  return result;
+}
+
+}  // namespace lake::gait

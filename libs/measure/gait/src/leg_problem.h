@@ -1,0 +1,108 @@
+// The leg as functions of time, and the one least-squares problem that determines them.
+//
+//   state s(t) = (A_x, A_y, θ_shank, θ_thigh, |AK|, |KH|, θ_trunk, |HW|) = Σ_k B_k(t) c_k     cubic B-splines, c_k all
+//   at once markers      K = A + |AK| (sin θ_shank, cos θ_shank),  H = K + |KH| (sin θ_thigh, cos θ_thigh),  W likewise
+//   minimise     Σ ρ( |π(marker(t_i)) − seen_i|² / σ_i² )  +  Σ_k (Δ³c_k)² / q_k  +  Σ_k (Δ¹|·|_k)² / p
+//
+// π is the view (camera, plane, depth), ρ Tukey's biweight, Δ differences of neighbouring coefficients, q_k and p
+// variances per component of the state. Positions in the leg frame's axes, angles in rad, from the vertical. Not part
+// of the library's interface.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "lake/gait/banded_matrix.h"
+#include "lake/gait/leg_view.h"
+#include "lake/gait/smoothing_spline.h"
+
+namespace lake::gait {
+
+enum LegState { kAnkleX, kAnkleY, kShankAngle, kThighAngle, kShankLength, kThighLength, kTrunkAngle, kTrunkLength };
+inline constexpr int kLegStates = 8, kLegStatesWithoutTrunk = 6;
+
+enum LegMarker { kAnkle, kKnee, kHip, kWaist };
+inline constexpr int kLegMarkers = 4;
+
+struct LegObservation {
+  LegMarker marker = kAnkle;
+  std::size_t frame = 0;  // index into the recording
+  SplineGrid::Place place;
+  Eigen::Vector2d seen;  // as recorded
+  double sigma = 1;      // per axis
+  double depth_mm = 0;
+  bool trusted = true;  // false: in an excursion, which the robust loss alone decides about
+};
+
+struct LegPrior {
+  std::vector<double> roughness;  // q, per third difference
+  double slope_variance = 0;      // p; 0: no such term
+};
+
+struct LegModel {
+  SplineGrid grid;
+  LegView view;
+  Eigen::Matrix2d plane_from_leg;  // rotation, or reflection for a subject who faces left
+  int states = kLegStates;
+  std::array<LegPrior, kLegStates> priors;
+  std::vector<LegObservation> observations;
+  double outlier_deviations = 7;  // where the biweight reaches zero
+};
+
+// A marker's position in the leg's axes from a state, for T = double or a Jet.
+template <typename T>
+Eigen::Matrix<T, 2, 1> MarkerInLeg(LegMarker marker, const T* state) {
+  using std::cos, std::sin;
+  Eigen::Matrix<T, 2, 1> point(state[kAnkleX], state[kAnkleY]);
+  constexpr int kAngles[] = {kShankAngle, kThighAngle, kTrunkAngle},
+                kLengths[] = {kShankLength, kThighLength, kTrunkLength};
+  for (int segment = 0; segment < marker; ++segment) {
+    const T &angle = state[kAngles[segment]], &length = state[kLengths[segment]];
+    point += length * Eigen::Matrix<T, 2, 1>(sin(angle), cos(angle));
+  }
+  return point;
+}
+
+// Residual (predicted − seen, recorded unit) of an observation at the coefficients, and its derivative by the state
+// there.
+struct LegResidual {
+  Eigen::Vector2d value;
+  Eigen::Matrix<double, 2, kLegStates> by_state;
+};
+LegResidual EvaluateObservation(const LegModel& model, const LegObservation& observation,
+                                const std::vector<double>& coefficients);
+
+struct LegSolveSummary {
+  bool usable = false;
+  int iterations = 0;
+  double initial_cost = 0, final_cost = 0;
+  double seconds = 0;
+  std::string message;
+};
+
+// Ceres, from the given coefficients (grid.count × states) to the solution.
+LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients);
+
+// ρ'(|r|²/σ²) of an observation: 1 for an ordinary one, 0 for an outlier.
+double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
+
+// Observations whose residual is smaller than so many sigmas are no outliers: statistics of the noise count these, with
+// equal weights (with the weights ρ' the noise would look smaller than it is).
+double OrdinaryLimit(const LegModel& model);
+bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
+
+// The coefficients' covariance within the band of a spline's own coefficients: the inverse of the Gauss–Newton matrix.
+// Throws SolverError if the data and the prior do not determine the coefficients.
+BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coefficients);
+
+// State, its derivative by time, and its covariance at a place.
+using StateVector = Eigen::Matrix<double, kLegStates, 1>;
+using StateMatrix = Eigen::Matrix<double, kLegStates, kLegStates>;
+StateVector StateAt(const LegModel& model, const std::vector<double>& coefficients,
+                    const std::array<double, 4>& weights, std::size_t first);
+StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covariance, const SplineGrid::Place& place);
+
+}  // namespace lake::gait

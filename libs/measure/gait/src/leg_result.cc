@@ -1,0 +1,283 @@
+// From the solved curves to what the caller gets: tracks, trajectory, motion, events, reports.
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+#include "lake/gait/butterworth.h"
+#include "leg_curves.h"
+
+namespace lake::gait {
+namespace {
+
+constexpr double kCustomaryCutoffHz = 6;
+
+// One marker through all stages; `shown` is its position in the plane as the filter gives it.
+struct MarkerOutput {
+  const Detections* detections;
+  MarkerCurve curve;
+  std::vector<motion::SampleStatus> status;
+  std::vector<Eigen::Vector2d> shown;
+  std::vector<double> shown_sigma;
+};
+
+std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurve& curve, double most_sigma) {
+  std::vector<motion::SampleStatus> status;
+  for (std::size_t i = 0; i < d.seen.size(); ++i)
+    status.push_back(d.seen[i]                            ? motion::SampleStatus::kDetected
+                     : curve.plane_sigma[i] <= most_sigma ? motion::SampleStatus::kFilled
+                                                          : motion::SampleStatus::kMissing);
+  return status;
+}
+
+// Over every run of frames in which the marker is known.
+void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, double cutoff_hz) {
+  const std::size_t n = time_s.size();
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
+    for (end = begin; end < n && output.status[end] != motion::SampleStatus::kMissing;) ++end;
+    if (end - begin >= 3) {
+      const std::vector<double> times(time_s.begin() + static_cast<std::ptrdiff_t>(begin),
+                                      time_s.begin() + static_cast<std::ptrdiff_t>(end));
+      for (int axis = 0; axis < 2; ++axis) {
+        std::vector<double> values;
+        for (std::size_t i = begin; i < end; ++i) values.push_back(output.shown[i][axis]);
+        const std::vector<double> filtered = ZeroPhaseButterworthAtTimes(values, times, cutoff_hz);
+        for (std::size_t i = begin; i < end; ++i) output.shown[i][axis] = filtered[i - begin];
+      }
+    }
+    if (end == begin) ++end;
+  }
+  const double rate_hz = static_cast<double>(n - 1) / (time_s.back() - time_s.front());
+  const double gain = ButterworthNoiseGain(rate_hz, cutoff_hz);
+  for (std::size_t i = 0; i < n; ++i)
+    if (output.status[i] == motion::SampleStatus::kDetected) output.shown_sigma[i] *= gain;
+}
+
+MarkerOutput MakeOutput(const Detections& d, MarkerCurve curve, const std::vector<double>& time_s, double most_sigma,
+                        const LegFitOptions& options) {
+  MarkerOutput output{&d, std::move(curve), {}, {}, {}};
+  output.status = StatusOf(d, output.curve, most_sigma);
+  output.shown = output.curve.in_plane, output.shown_sigma = output.curve.plane_sigma;
+  if (options.filter == LegFilter::kSpline) return output;
+  for (std::size_t i = 0; i < d.seen.size(); ++i)
+    if (d.seen[i]) output.shown[i] = d.in_plane[i], output.shown_sigma[i] = d.plane_sigma[i];
+  if (options.filter == LegFilter::kButterworth)
+    FilterPositions(output, time_s, options.cutoff_hz.value_or(kCustomaryCutoffHz));
+  return output;
+}
+
+motion::MarkerTrack TrackOf(const MarkerOutput& output) {
+  motion::MarkerTrack track{output.detections->name, output.detections->track->samples};
+  for (std::size_t i = 0; i < track.samples.size(); ++i) {
+    motion::MarkerSample& sample = track.samples[i];
+    sample.status = output.status[i];
+    if (sample.status == motion::SampleStatus::kDetected) sample.sigma = output.detections->sigma[i];
+    if (sample.status == motion::SampleStatus::kFilled)
+      sample.position = output.curve.recorded[i], sample.sigma = output.curve.recorded_sigma[i];
+  }
+  return track;
+}
+
+motion::MarkerTrack TrajectoryOf(const MarkerOutput& output) {
+  motion::MarkerTrack track{output.detections->name, {}};
+  for (std::size_t i = 0; i < output.status.size(); ++i)
+    track.samples.push_back({output.shown[i], output.shown_sigma[i], output.status[i]});
+  return track;
+}
+
+LegPoints PointsAt(const std::vector<MarkerOutput>& leg, std::size_t frame, bool raw) {
+  LegPoints points;
+  const std::array<std::optional<Eigen::Vector2d>*, kLegMarkers> places = {&points.ankle, &points.knee, &points.hip,
+                                                                           &points.waist};
+  for (std::size_t m = 0; m < leg.size(); ++m) {
+    if (raw && leg[m].detections->seen[frame]) *places[m] = leg[m].detections->in_plane[frame];
+    if (!raw && leg[m].status[frame] != motion::SampleStatus::kMissing) *places[m] = leg[m].shown[frame];
+  }
+  return points;
+}
+
+// From the markers' own sigmas, where the fit's covariance does not apply.
+double KneeSigmaDeg(const std::vector<MarkerOutput>& leg, const motion::LegSample& sample, std::size_t i) {
+  const double shank = sample.ak.norm(), thigh = sample.kh.norm();
+  const double at_knee =
+      1 / (shank * shank) + 1 / (thigh * thigh) + 2 * std::cos(RadiansFromDegrees(sample.knee_deg)) / (shank * thigh);
+  const auto variance = [&](LegMarker m) { return leg[m].shown_sigma[i] * leg[m].shown_sigma[i]; };
+  return DegreesFromRadians(
+      std::sqrt(variance(kAnkle) / (shank * shank) + variance(kHip) / (thigh * thigh) + variance(kKnee) * at_knee));
+}
+
+void SetSpeedByDifferences(motion::LegMotion& motion) {
+  for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+    const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, motion.samples.size() - 1);
+    motion.samples[i].knee_deg_s = (motion.samples[after].knee_deg - motion.samples[before].knee_deg) /
+                                   (motion.time_s[after] - motion.time_s[before]);
+  }
+}
+
+motion::LegMotion MakeMotion(const motion::MarkerRecording& recording, const std::vector<MarkerOutput>& leg,
+                             const LegCurves& curves, const LegModel& model, motion::Facing facing,
+                             const LegFitOptions& options) {
+  motion::LegMotion motion;
+  motion.unit = PlaneUnit(model.view);
+  motion.facing = facing;
+  motion.frame = recording.frame, motion.time_s = recording.time_s;
+  for (std::size_t i = 0; i < recording.Frames(); ++i) {
+    motion::LegSample sample = MakeLegSample(PointsAt(leg, i, false), facing, options.up);
+    sample.knee_raw_deg = MakeLegSample(PointsAt(leg, i, true), facing, options.up).knee_deg;
+    if (std::isfinite(sample.knee_deg)) {
+      sample.knee_sigma_deg =
+          options.filter == LegFilter::kSpline ? curves.knee_sigma_deg[i] : KneeSigmaDeg(leg, sample, i);
+      sample.knee_deg_s = DegreesFromRadians(curves.rate[i][kShankAngle] - curves.rate[i][kThighAngle]);
+    }
+    motion.samples.push_back(sample);
+  }
+  if (options.filter != LegFilter::kSpline) SetSpeedByDifferences(motion);
+  return motion;
+}
+
+// Events are read from the fit's own curves, whatever filter the tables get.
+StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<MarkerOutput>& leg,
+                          const LegCurves& curves, double leg_length, const Eigen::Vector2d& up) {
+  constexpr double kAdultLegMm = 850;  // ankle to hip; stands in for a scale where there is none
+  StsSignals signals;
+  signals.frame = motion.frame, signals.time_s = motion.time_s;
+  signals.leg_length = leg_length;
+  signals.units_per_mm = motion.unit == motion::LengthUnit::kMm ? 1 : leg_length / kAdultLegMm;
+  for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+    const bool known = std::isfinite(motion.samples[i].knee_deg);
+    const bool trunk = leg.size() == kLegMarkers && std::isfinite(motion.samples[i].trunk_deg);
+    const auto value = [&](bool is_known, double v) { return is_known ? v : motion::LegSample::kUnknown; };
+    signals.hip_height.push_back(value(known, curves.marker[kHip].in_plane[i].dot(up)));
+    signals.hip_speed.push_back(value(known, curves.hip_speed_in_leg[i].norm()));
+    signals.hip_up_speed.push_back(value(known, curves.hip_speed_in_leg[i].y()));
+    signals.knee_deg_s.push_back(
+        value(known, DegreesFromRadians(curves.rate[i][kShankAngle] - curves.rate[i][kThighAngle])));
+    signals.trunk_deg_s.push_back(value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle])));
+  }
+  return signals;
+}
+
+SegmentReport ReportSegment(const char* name, const Detections& below, const Detections& above, const LegCurves& curves,
+                            int state) {
+  std::vector<double> lengths, variances;
+  std::vector<double> fitted;
+  for (std::size_t i = 0; i < below.seen.size(); ++i) {
+    if (!below.trusted[i] || !above.trusted[i]) continue;
+    lengths.push_back((above.in_plane[i] - below.in_plane[i]).norm());
+    variances.push_back(below.plane_sigma[i] * below.plane_sigma[i] + above.plane_sigma[i] * above.plane_sigma[i]);
+    fitted.push_back(curves.state[i][state]);
+  }
+  SegmentReport report;
+  report.name = name;
+  report.length = Mean(fitted);
+  report.length_sigma = std::sqrt(Mean(variances) / static_cast<double>(lengths.size()));
+  report.variation = std::sqrt(std::max(0.0, std::pow(StandardDeviation(lengths), 2) - Mean(variances)));
+  return report;
+}
+
+MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecording& recording, const LegView& view,
+                          double outlier_deviations, std::vector<OutlierReport>& outliers) {
+  const Detections& d = *output.detections;
+  MarkerReport report;
+  report.name = d.name;
+  std::vector<double> squares, parallax;
+  for (std::size_t i = 0; i < d.seen.size(); ++i) {
+    report.detected += output.status[i] == motion::SampleStatus::kDetected;
+    report.filled += output.status[i] == motion::SampleStatus::kFilled;
+    report.missing += output.status[i] == motion::SampleStatus::kMissing;
+    if (!d.seen[i]) continue;
+    const double distance = (d.track->samples[i].position - output.curve.recorded[i]).norm(),
+                 deviations = distance / d.sigma[i];
+    if (distance > report.worst) report.worst = distance, report.worst_frame = recording.frame[i];
+    if (deviations > outlier_deviations) {
+      ++report.outliers;
+      outliers.push_back({recording.frame[i], d.name, distance, deviations});
+    } else {
+      squares.push_back(distance * distance / 2);
+    }
+    if (view.camera_from_plane && !view.recorded_in_plane)
+      parallax.push_back(
+          (PlaneFromRecorded(view, d.track->samples[i].position, d.depth_mm + 1) - d.in_plane[i]).norm());
+  }
+  report.rms = std::sqrt(Mean(squares));
+  if (!parallax.empty()) report.parallax_per_depth = Median(parallax);
+  return report;
+}
+
+// A marker seen too rarely for a curve: its detections as they are.
+MarkerOutput Unsmoothed(const Detections& d) {
+  MarkerOutput output{&d, {d.in_plane, {}, d.plane_sigma, d.sigma}, {}, d.in_plane, d.plane_sigma};
+  for (std::size_t i = 0; i < d.seen.size(); ++i) {
+    output.curve.recorded.push_back(d.track->samples[i].position);
+    output.status.push_back(d.seen[i] ? motion::SampleStatus::kDetected : motion::SampleStatus::kMissing);
+  }
+  return output;
+}
+
+// A marker that is not the leg's.
+MarkerOutput MakeExtra(const motion::MarkerRecording& recording, const Detections& d, const LegView& view,
+                       double most_sigma, const LegFitOptions& options, std::vector<std::string>& warnings) {
+  constexpr std::ptrdiff_t kLeastDetections = 8;
+  if (std::count(d.trusted.begin(), d.trusted.end(), 1) >= kLeastDetections) {
+    MarkerCurve curve = SmoothMarker(recording, d, view, options);
+    if (!curve.settled) warnings.push_back(UnsettledWarning(fmt::format("marker '{}'", d.name)));
+    return MakeOutput(d, std::move(curve), recording.time_s, most_sigma, options);
+  }
+  warnings.push_back(
+      fmt::format("marker '{}' is seen in fewer than {} frames and left as it is", d.name, kLeastDetections));
+  return Unsmoothed(d);
+}
+
+void AddMarkers(const motion::MarkerRecording& recording, const std::vector<MarkerOutput>& leg, const LegView& view,
+                double most_sigma, const LegFitOptions& options, LegFitResult& result) {
+  result.tracks = {recording.unit, recording.frame, recording.time_s, {}};
+  result.trajectory = {PlaneUnit(view), recording.frame, recording.time_s, {}};
+  const auto add = [&](const MarkerOutput& output) {
+    result.tracks.markers.push_back(TrackOf(output));
+    result.trajectory.markers.push_back(TrajectoryOf(output));
+    result.markers.push_back(ReportMarker(output, recording, view, options.outlier_deviations, result.outliers));
+  };
+  for (const motion::MarkerTrack& track : recording.markers) {
+    const auto own = std::find_if(leg.begin(), leg.end(), [&](const auto& o) { return o.detections->track == &track; });
+    if (own != leg.end()) {
+      add(*own);
+    } else {
+      const Detections detections = CollectDetections(recording, track, view);
+      add(MakeExtra(recording, detections, view, most_sigma, options, result.warnings));
+    }
+  }
+  std::stable_sort(result.outliers.begin(), result.outliers.end(),
+                   [](const auto& a, const auto& b) { return a.frame < b.frame; });
+}
+
+double MedianLength(const LegCurves& curves, LegState length) {
+  std::vector<double> lengths;
+  for (const StateVector& state : curves.state) lengths.push_back(state[length]);
+  return Median(std::move(lengths));
+}
+
+}  // namespace
+
+void FillResult(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& detections,
+                const LegCurves& curves, const LegModel& model, motion::Facing facing, const LegFitOptions& options,
+                LegFitResult& result) {
+  const double shank = MedianLength(curves, kShankLength), thigh = MedianLength(curves, kThighLength);
+  const double most_sigma = options.most_filled_sigma * shank;
+  std::vector<MarkerOutput> leg;
+  for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
+    leg.push_back(MakeOutput(detections[m], curves.marker[m], recording.time_s, most_sigma, options));
+  AddMarkers(recording, leg, model.view, most_sigma, options, result);
+  result.segments.push_back(ReportSegment("ak", detections[kAnkle], detections[kKnee], curves, kShankLength));
+  result.segments.push_back(ReportSegment("kh", detections[kKnee], detections[kHip], curves, kThighLength));
+  if (curves.markers == kLegMarkers)
+    result.segments.push_back(ReportSegment("hw", detections[kHip], detections[kWaist], curves, kTrunkLength));
+  result.motion = MakeMotion(recording, leg, curves, model, facing, options);
+  FoundStsEvents found = FindStsEvents(MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up));
+  result.events = std::move(found.events);
+  if (found.begins_during_rise)
+    result.warnings.push_back("the recording begins after a seat was left: that rise has no onset and is left out");
+  SetRepetitions(result.events, result.motion);
+}
+
+}  // namespace lake::gait

@@ -1,0 +1,279 @@
+#include "leg_signals.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+
+namespace lake::gait {
+namespace {
+
+// The noise of a smooth curve's samples from their sixth differences, whose noise gain is √924; robust against jumps.
+double NoiseFromDifferences(const motion::MarkerTrack& track, const std::vector<char>& seen) {
+  constexpr std::array<double, 7> kSixth = {1, -6, 15, -20, 15, -6, 1};
+  constexpr double kGain = 30.397368307141326;  // √924
+  std::vector<double> differences;
+  for (std::size_t i = 0; i + kSixth.size() <= seen.size(); ++i) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    bool whole = true;
+    for (std::size_t k = 0; k < kSixth.size() && whole; ++k) {
+      whole = seen[i + k] != 0;
+      if (whole) sum += kSixth[k] * track.samples[i + k].position;
+    }
+    if (whole) differences.insert(differences.end(), {sum.x(), sum.y()});
+  }
+  return differences.empty() ? 0 : RobustDeviation(differences) / kGain;
+}
+
+// The steps of a marker between the frames in which it is seen.
+struct Steps {
+  std::vector<std::size_t> frames;
+  std::vector<Eigen::Vector2d> step;  // from the frame before, per frame; of the first: 0
+};
+
+Steps FindSteps(const Detections& d) {
+  Steps steps;
+  for (std::size_t i = 0; i < d.seen.size(); ++i)
+    if (d.seen[i]) steps.frames.push_back(i);
+  steps.step.assign(steps.frames.size(), Eigen::Vector2d::Zero());
+  for (std::size_t k = 1; k < steps.frames.size(); ++k)
+    steps.step[k] = (d.in_plane[steps.frames[k]] - d.in_plane[steps.frames[k - 1]]) /
+                    static_cast<double>(steps.frames[k] - steps.frames[k - 1]);
+  return steps;
+}
+
+// The median step around one, and how far steps there lie from it.
+struct UsualStep {
+  Eigen::Vector2d median;
+  double spread = 0;
+};
+
+UsualStep UsualStepAround(const Steps& steps, std::size_t k) {
+  constexpr std::size_t kReach = 5;  // frames on each side
+  const std::size_t begin = k > kReach ? k - kReach : 1, end = std::min(steps.step.size(), k + kReach + 1);
+  std::vector<double> x, y, distances;
+  for (std::size_t j = begin; j < end; ++j) x.push_back(steps.step[j].x()), y.push_back(steps.step[j].y());
+  UsualStep usual{{Median(x), Median(y)}, 0};
+  for (std::size_t j = begin; j < end; ++j) distances.push_back((steps.step[j] - usual.median).norm());
+  usual.spread = 1.4826 * Median(distances);
+  return usual;
+}
+
+// Samples are mistrusted from a jump away to the jump back: steps far from those around them, with the marker then
+// where it would have been without them. More than half a second away is not an outlier but a question of naming.
+void MistrustExcursions(Detections& d, const std::vector<double>& time_s) {
+  constexpr double kLongest_s = 0.5;
+  const Steps steps = FindSteps(d);
+  const std::vector<std::size_t>& frames = steps.frames;
+  const auto is_jump = [&](std::size_t k, const UsualStep& usual) {
+    return (steps.step[k] - usual.median).norm() > 5 * usual.spread + 12 * d.plane_sigma[frames[k]];
+  };
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    const UsualStep usual = UsualStepAround(steps, k);
+    if (!is_jump(k, usual)) continue;
+    const double jump = (steps.step[k] - usual.median).norm(), noise = 12 * d.plane_sigma[frames[k]];
+    for (std::size_t back = k + 1; back < frames.size() && time_s[frames[back]] - time_s[frames[k]] <= kLongest_s;
+         ++back) {
+      const auto gap = static_cast<double>(frames[back] - frames[k - 1]);
+      const double away = (d.in_plane[frames[back]] - d.in_plane[frames[k - 1]] - gap * usual.median).norm();
+      if (away > std::min(3 * usual.spread * gap + noise, jump / 2) || !is_jump(back, UsualStepAround(steps, back)))
+        continue;
+      for (std::size_t j = k; j < back; ++j) d.trusted[frames[j]] = 0;
+      k = back;
+      break;
+    }
+  }
+}
+
+double MeanDirection(const std::vector<Eigen::Vector2d>& vectors) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& v : vectors)
+    if (v.allFinite() && v.norm() > 0) sum += v.normalized();
+  return std::atan2(sum.x(), sum.y());
+}
+
+double Range(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  return (Quantile(values, 0.95) - Quantile(values, 0.05)) / Median(values);
+}
+
+std::size_t Known(const std::vector<double>& values) {
+  return static_cast<std::size_t>(
+      std::count_if(values.begin(), values.end(), [](double v) { return std::isfinite(v); }));
+}
+
+bool IsLength(int state) {
+  return state == kShankLength || state == kThighLength || state == kTrunkLength;
+}
+
+// In the order of LegState, for messages.
+constexpr std::array<const char*, kLegStates> kStateNames = {"ankle (x)",     "ankle (y)",      "shank's angle",
+                                                             "thigh's angle", "shank's length", "thigh's length",
+                                                             "trunk's angle", "trunk's length"};
+
+struct SmoothedSignals {
+  SplineGrid grid;
+  std::vector<SmoothSignal> signals;
+  double risk = 0;
+};
+
+SmoothedSignals SmoothOn(double step_s, const LegSignals& signals, const std::vector<double>& time_s, int states,
+                         const LegFitOptions& options) {
+  SmoothedSignals smoothed;
+  smoothed.grid = MakeSplineGrid(time_s, step_s);
+  SmoothingOptions smoothing;
+  if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
+  smoothing.max_iterations = options.most_smoothing_iterations;
+  for (std::size_t s = 0; s < static_cast<std::size_t>(states); ++s) {
+    smoothed.signals.push_back(
+        FitSmoothingSpline(smoothed.grid, time_s, signals.value[s], signals.sigma[s], smoothing));
+    smoothed.risk += smoothed.signals.back().risk;
+  }
+  return smoothed;
+}
+
+}  // namespace
+
+Detections CollectDetections(const motion::MarkerRecording& recording, const motion::MarkerTrack& track,
+                             const LegView& view) {
+  const std::size_t n = recording.Frames();
+  Detections d{track.name,
+               &track,
+               view.Depth(track.name),
+               std::vector<char>(n),
+               {},
+               std::vector<double>(n),
+               std::vector<Eigen::Vector2d>(n),
+               std::vector<double>(n)};
+  for (std::size_t i = 0; i < n; ++i) d.seen[i] = track.samples[i].status == motion::SampleStatus::kDetected;
+  for (std::size_t i = 0; i < n; ++i) {
+    const motion::MarkerSample& sample = track.samples[i];
+    if (!d.seen[i]) continue;
+    if (!sample.position.allFinite() || !std::isfinite(sample.sigma) || sample.sigma < 0)
+      throw Fail("marker '{}', frame {}: position ({}, {}) with sigma {} is not usable", track.name, recording.frame[i],
+                 sample.position.x(), sample.position.y(), sample.sigma);
+    try {
+      d.in_plane[i] = PlaneFromRecorded(view, sample.position, d.depth_mm);
+    } catch (const Error& error) {
+      throw Fail("marker '{}', frame {}: {}", track.name, recording.frame[i], error.what());
+    }
+  }
+  constexpr double kLeastSigma = 1e-3;  // px or mm; files are written with about this many digits
+  const double estimate = std::max(NoiseFromDifferences(track, d.seen), kLeastSigma);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!d.seen[i]) continue;
+    d.sigma[i] = track.samples[i].sigma > 0 ? track.samples[i].sigma : estimate;
+    d.plane_sigma[i] = d.sigma[i] * PlaneUnitsPerRecorded(view, d.in_plane[i], d.depth_mm);
+  }
+  d.trusted = d.seen;
+  MistrustExcursions(d, recording.time_s);
+  return d;
+}
+
+LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane,
+                          int states) {
+  constexpr int kAngles[] = {kShankAngle, kThighAngle, kTrunkAngle},
+                kLengths[] = {kShankLength, kThighLength, kTrunkLength};
+  const std::size_t n = leg[kAnkle].seen.size();
+  const double unknown = motion::LegSample::kUnknown;
+  LegSignals signals;
+  for (auto* columns : {&signals.value, &signals.sigma})
+    for (auto& column : *columns) column.assign(n, unknown);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!leg[kAnkle].trusted[i]) continue;
+    const Eigen::Vector2d ankle = leg_from_plane * leg[kAnkle].in_plane[i];
+    signals.value[kAnkleX][i] = ankle.x(), signals.value[kAnkleY][i] = ankle.y();
+    signals.sigma[kAnkleX][i] = signals.sigma[kAnkleY][i] = leg[kAnkle].plane_sigma[i];
+  }
+  const int segments = states == kLegStates ? 3 : 2;
+  for (int segment = 0; segment < segments; ++segment) {
+    const Detections &below = leg[static_cast<std::size_t>(segment)],
+                     &above = leg[static_cast<std::size_t>(segment) + 1];
+    std::vector<Eigen::Vector2d> vectors(n, Eigen::Vector2d::Constant(unknown));
+    for (std::size_t i = 0; i < n; ++i)
+      if (below.trusted[i] && above.trusted[i]) vectors[i] = leg_from_plane * (above.in_plane[i] - below.in_plane[i]);
+    const double mean_rad = MeanDirection(vectors);
+    const auto angle = static_cast<std::size_t>(kAngles[segment]), length = static_cast<std::size_t>(kLengths[segment]);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!(vectors[i].norm() > 0)) continue;
+      const double sigma = std::hypot(below.plane_sigma[i], above.plane_sigma[i]);
+      signals.value[angle][i] =
+          mean_rad + std::remainder(std::atan2(vectors[i].x(), vectors[i].y()) - mean_rad, 2 * std::numbers::pi);
+      signals.sigma[angle][i] = sigma / vectors[i].norm();
+      signals.value[length][i] = vectors[i].norm();
+      signals.sigma[length][i] = sigma;
+    }
+  }
+  return signals;
+}
+
+void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarkers>& leg, const LegFitOptions& options) {
+  constexpr std::size_t kLeastFrames = 8;
+  for (const int length : {kShankLength, kThighLength}) {
+    const std::size_t below = length == kShankLength ? kAnkle : kKnee;
+    const std::vector<double>& values = signals.value[static_cast<std::size_t>(length)];
+    if (Known(values) < kLeastFrames)
+      throw Fail("leg fit: '{}' and '{}' are seen together in {} frames only; at least {} are needed", leg[below].name,
+                 leg[below + 1].name, Known(values), kLeastFrames);
+    const double range = Range(values);
+    if (range > options.most_length_range)
+      throw Fail(
+          "leg fit: the distance from '{}' to '{}' changes by {:.0f} % of itself, which no limb does (at most {:.0f} "
+          "%): are the "
+          "markers' names right, not swapped on the way, and is the vertical ({})?",
+          leg[below].name, leg[below + 1].name, 100 * range, 100 * options.most_length_range, options.vertical_option);
+  }
+  std::vector<double> rises;
+  for (std::size_t i = 0; i < leg[kAnkle].seen.size(); ++i)
+    if (leg[kAnkle].trusted[i] && leg[kHip].trusted[i])
+      rises.push_back((leg[kHip].in_plane[i] - leg[kAnkle].in_plane[i]).dot(options.up));
+  if (!rises.empty() && Median(rises) < 0)
+    throw Fail("leg fit: '{}' lies below '{}' in most frames: are the names swapped, or the vertical wrong?",
+               leg[kHip].name, leg[kAnkle].name);
+}
+
+std::string UnsettledWarning(const std::string& what) {
+  return fmt::format(
+      "{}: how smooth the motion is could not be settled, so angle, speed and their sigmas are less certain than they "
+      "say; give a --cutoff, or look for outliers and wrong names",
+      what);
+}
+
+LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
+                       const LegFitOptions& options) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
+  const double frame_step_s = Median(steps);
+  // The coarsest grid that predicts the true curves as well as one knot per frame does.
+  constexpr double kRiskTolerance = 4;
+  SmoothedSignals best = SmoothOn(frame_step_s, signals, time_s, states, options);
+  const double least_risk = best.risk;
+  for (const double frames_per_knot : {4.0, 3.0, 2.0}) {
+    SmoothedSignals candidate = SmoothOn(frames_per_knot * frame_step_s, signals, time_s, states, options);
+    if (candidate.risk > least_risk + kRiskTolerance) continue;
+    best = std::move(candidate);
+    break;
+  }
+
+  LegStart start;
+  start.grid = best.grid;
+  start.coefficients.resize(best.grid.count * static_cast<std::size_t>(states));
+  constexpr double kLengthMemory_s = 0.3;  // the slope of a length is alike over about this time
+  for (std::size_t s = 0; s < static_cast<std::size_t>(states); ++s) {
+    if (!best.signals[s].converged) start.unsettled.emplace_back(kStateNames[s]);
+    start.priors[s].roughness = best.signals[s].roughness;
+    if (IsLength(static_cast<int>(s)))
+      // A walk whose steps per knot, alike over the memory, have this variance.
+      start.priors[s].slope_variance =
+          best.signals[s].slope_square * best.grid.step_s * std::max(kLengthMemory_s, best.grid.step_s);
+    for (std::size_t k = 0; k < best.grid.count; ++k)
+      start.coefficients[k * static_cast<std::size_t>(states) + s] = best.signals[s].coefficients[k];
+  }
+  start.knee_cutoff_hz = std::sqrt(best.signals[kShankAngle].cutoff_hz * best.signals[kThighAngle].cutoff_hz);
+  return start;
+}
+
+}  // namespace lake::gait

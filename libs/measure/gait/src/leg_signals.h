@@ -1,0 +1,54 @@
+// What the fit starts from: the leg's components frame by frame, and how smooth each of them is. Not part of the
+// interface.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "lake/gait/leg_fit.h"
+#include "leg_problem.h"
+
+namespace lake::gait {
+
+// A marker's detections: as recorded, and in the leg's axes.
+struct Detections {
+  std::string name;
+  const motion::MarkerTrack* track = nullptr;  // nullptr: the recording has no such marker
+  double depth_mm = 0;
+  std::vector<char> seen;     // 0 or 1 per frame
+  std::vector<char> trusted;  // seen, and not on an excursion of a few frames
+  std::vector<double> sigma;  // recorded unit; where it was given as 0, the estimate
+  std::vector<Eigen::Vector2d> in_plane;
+  std::vector<double> plane_sigma;  // unit of the plane
+};
+
+// Throws Error for a sample that is not finite or lies where the camera cannot see it, naming marker and frame.
+Detections CollectDetections(const motion::MarkerRecording& recording, const motion::MarkerTrack& track,
+                             const LegView& view);
+
+// The components' values and sigmas of every frame, NaN where a marker is not trusted; angles continuous, in rad.
+struct LegSignals {
+  std::array<std::vector<double>, kLegStates> value, sigma;
+};
+LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane,
+                          int states);
+
+// Throws Error if a leg cannot look like this.
+void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarkers>& leg, const LegFitOptions& options);
+
+// The grid, the priors and the first coefficients, from each component smoothed by itself.
+struct LegStart {
+  SplineGrid grid;
+  std::array<LegPrior, kLegStates> priors;
+  std::vector<double> coefficients;    // grid.count × states
+  double knee_cutoff_hz = 0;           // the geometric mean of shank and thigh
+  std::vector<std::string> unsettled;  // the components whose smoothness was still changing when the search ended
+};
+// Says that what a smoothing found is not final, and what to do.
+std::string UnsettledWarning(const std::string& what);
+
+LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
+                       const LegFitOptions& options);
+
+}  // namespace lake::gait

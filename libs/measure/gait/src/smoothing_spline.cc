@@ -1,0 +1,216 @@
+#include "lake/gait/smoothing_spline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+
+namespace lake::gait {
+namespace {
+
+constexpr std::array<double, 4> kThirdDifference = {-1, 3, -3, 1};
+constexpr double kHalfPower = std::numbers::sqrt2 - 1;  // g of 1 / (1 + g) = √½
+
+struct Sample {
+  SplineGrid::Place place;
+  double value, precision;
+};
+
+// One round at a given roughness: coefficients, and what the next step needs.
+struct Round {
+  std::vector<double> coefficients;
+  BandedMatrix covariance{0, 3};
+  std::vector<double> jerk_square;    // (Δ³c)²
+  std::vector<double> jerk_variance;  // their posterior variances
+  double slope_square = 0;            // mean f′² + variance
+  double residual_square = 0;         // Σ (r/σ)²
+  double effective_parameters = 0;
+};
+
+std::vector<Sample> CollectSamples(const SplineGrid& grid, std::span<const double> time_s,
+                                   std::span<const double> values, std::span<const double> sigmas) {
+  std::vector<Sample> samples;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) continue;
+    if (!(sigmas[i] > 0)) throw Fail("smoothing: the sigma {} of sample {} is not positive", sigmas[i], i);
+    samples.push_back({grid.At(time_s[i]), values[i], 1 / (sigmas[i] * sigmas[i])});
+  }
+  if (samples.size() < 4) throw Fail("smoothing: {} samples are too few for a curve", samples.size());
+  return samples;
+}
+
+template <std::size_t N>
+void AddSquare(BandedMatrix& matrix, std::size_t first, const std::array<double, N>& row, double weight) {
+  for (std::size_t a = 0; a < N; ++a)
+    for (std::size_t b = 0; b <= a; ++b) matrix.Lower(first + a, first + b) += weight * row[a] * row[b];
+}
+
+template <std::size_t N>
+double Variance(const BandedMatrix& covariance, std::size_t first, const std::array<double, N>& row) {
+  double sum = 0;
+  for (std::size_t a = 0; a < N; ++a)
+    for (std::size_t b = 0; b < N; ++b) sum += row[a] * row[b] * covariance.At(first + a, first + b);
+  return sum;
+}
+
+Round RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, double noise_scale,
+               const std::vector<double>& roughness) {
+  BandedMatrix normal(grid.count, 3);
+  Round round;
+  round.coefficients.assign(grid.count, 0.0);
+  for (const Sample& sample : samples) {
+    const double weight = sample.precision / (noise_scale * noise_scale);
+    AddSquare(normal, sample.place.first, sample.place.value, weight);
+    for (std::size_t a = 0; a < 4; ++a)
+      round.coefficients[sample.place.first + a] += weight * sample.value * sample.place.value[a];
+  }
+  for (std::size_t k = 0; k + 3 < grid.count; ++k) AddSquare(normal, k, kThirdDifference, 1 / roughness[k]);
+  if (!Factorize(normal)) throw Fail("smoothing: the samples do not determine a curve (too few, or all at one time)");
+  Solve(normal, round.coefficients);
+
+  round.covariance = SelectedInverse(normal);
+  for (std::size_t k = 0; k + 3 < grid.count; ++k) {
+    double jerk = 0;
+    for (std::size_t a = 0; a < 4; ++a) jerk += kThirdDifference[a] * round.coefficients[k + a];
+    round.jerk_square.push_back(jerk * jerk);
+    round.jerk_variance.push_back(Variance(round.covariance, k, kThirdDifference));
+  }
+  for (const Sample& sample : samples) {
+    const double residual = sample.value - ValueAt(sample.place, round.coefficients);
+    round.residual_square += sample.precision * residual * residual;
+    const double slope = SlopeAt(sample.place, round.coefficients);
+    round.slope_square += slope * slope + Variance(round.covariance, sample.place.first, sample.place.slope);
+    round.effective_parameters +=
+        sample.precision / (noise_scale * noise_scale) * VarianceAt(sample.place, round.covariance);
+  }
+  round.slope_square /= static_cast<double>(samples.size());
+  return round;
+}
+
+// Of n differences, n − Σ V/q are determined by the data: their squares add up to that many times the variance q. In a
+// window around each, with a share of the whole.
+std::vector<double> NextRoughness(const Round& round, const std::vector<double>& roughness, std::size_t reach,
+                                  double common) {
+  const std::size_t n = roughness.size();
+  std::vector<double> squares(n + 1, 0.0), determined(n + 1, 0.0);  // running sums
+  for (std::size_t k = 0; k < n; ++k) {
+    squares[k + 1] = squares[k] + round.jerk_square[k];
+    determined[k + 1] = determined[k] + std::clamp(1 - round.jerk_variance[k] / roughness[k], 1e-6, 1.0);
+  }
+  const double whole = squares[n] / determined[n];
+  std::vector<double> next(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t begin = k > reach ? k - reach : 0, end = std::min(n, k + reach + 1);
+    next[k] = (squares[end] - squares[begin] + common * whole) / (determined[end] - determined[begin] + common);
+  }
+  return next;
+}
+
+double GeometricMean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += std::log(value);
+  return std::exp(sum / static_cast<double>(values.size()));
+}
+
+// The largest relative change, as a logarithm.
+double LargestChange(const std::vector<double>& from, const std::vector<double>& to) {
+  double change = 0;
+  for (std::size_t k = 0; k < from.size(); ++k) change = std::max(change, std::abs(std::log(to[k] / from[k])));
+  return change;
+}
+
+double RootMeanSigma(const std::vector<Sample>& samples) {
+  double variance = 0;
+  for (const Sample& sample : samples) variance += 1 / sample.precision;
+  return std::sqrt(variance / static_cast<double>(samples.size()));
+}
+
+}  // namespace
+
+SplineGrid::Place SplineGrid::At(double time_s) const {
+  const double position = (time_s - start_s) / step_s;
+  Place place;
+  place.first = static_cast<std::size_t>(std::clamp(std::floor(position), 0.0, static_cast<double>(count - 4)));
+  const double u = position - static_cast<double>(place.first), v = 1 - u;
+  place.value = {v * v * v / 6, (3 * u * u * u - 6 * u * u + 4) / 6, (-3 * u * u * u + 3 * u * u + 3 * u + 1) / 6,
+                 u * u * u / 6};
+  place.slope = {-v * v / 2 / step_s, (3 * u * u - 4 * u) / 2 / step_s, (-3 * u * u + 2 * u + 1) / 2 / step_s,
+                 u * u / 2 / step_s};
+  return place;
+}
+
+SplineGrid MakeSplineGrid(std::span<const double> time_s, double step_s) {
+  const double length = time_s.back() - time_s.front(), pieces = std::max(1.0, std::ceil(length / step_s * (1 - 1e-9)));
+  if (!(step_s > 0) || pieces > 50 * static_cast<double>(time_s.size()) + 50)
+    throw Fail(
+        "smoothing: the time stamps run over {:.4g} s, but a step is {:.4g} s: they have holes too large to bridge",
+        length, step_s);
+  return {time_s.front(), step_s, static_cast<std::size_t>(pieces) + 3};
+}
+
+double ValueAt(const SplineGrid::Place& place, std::span<const double> coefficients) {
+  double sum = 0;
+  for (std::size_t a = 0; a < 4; ++a) sum += place.value[a] * coefficients[place.first + a];
+  return sum;
+}
+
+double VarianceAt(const SplineGrid::Place& place, const BandedMatrix& covariance) {
+  return Variance(covariance, place.first, place.value);
+}
+
+double SlopeAt(const SplineGrid::Place& place, std::span<const double> coefficients) {
+  double sum = 0;
+  for (std::size_t a = 0; a < 4; ++a) sum += place.slope[a] * coefficients[place.first + a];
+  return sum;
+}
+
+SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> time_s, std::span<const double> values,
+                                std::span<const double> sigmas, const SmoothingOptions& options) {
+  const std::vector<Sample> samples = CollectSamples(grid, time_s, values, sigmas);
+  const double sigma = RootMeanSigma(samples);
+  const double sample_step_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
+  const auto roughness_of = [&](double cutoff_hz, double scale) {
+    return RoughnessOfCutoff(cutoff_hz, scale * sigma, sample_step_s, grid.step_s);
+  };
+  constexpr double kFirstCutoffHz = 8;  // where the search starts; a few Hz above human motion
+  constexpr double kConverged = 0.05;   // of logarithms; a window's own error is ten times larger
+  const auto reach = static_cast<std::size_t>(std::lround(options.window_s / grid.step_s));
+  SmoothSignal signal;
+  signal.roughness.assign(grid.count - 3, roughness_of(options.cutoff_hz.value_or(kFirstCutoffHz), 1));
+  Round round;
+  for (; signal.iterations < options.max_iterations && !signal.converged; ++signal.iterations) {
+    ThrowIfInterrupted();
+    round = RunRound(grid, samples, signal.noise_scale, signal.roughness);
+    const double free = std::max(static_cast<double>(samples.size()) - round.effective_parameters, 1.0);
+    const double scale = std::max(1.0, std::sqrt(round.residual_square / free));
+    std::vector<double> next = NextRoughness(round, signal.roughness, reach, options.common);
+    const double least = roughness_of(options.least_cutoff_hz, scale);
+    for (double& q : next) q = options.cutoff_hz ? roughness_of(*options.cutoff_hz, scale) : std::max(q, least);
+    signal.converged =
+        LargestChange(signal.roughness, next) < kConverged && scale / signal.noise_scale - 1 < kConverged;
+    signal.noise_scale = scale;
+    signal.roughness = std::move(next);
+  }
+  signal.coefficients = std::move(round.coefficients);
+  signal.covariance = std::move(round.covariance);
+  signal.slope_square = round.slope_square;
+  signal.effective_parameters = round.effective_parameters;
+  signal.risk = round.residual_square + 2 * round.effective_parameters;
+  signal.cutoff_hz =
+      CutoffOfRoughness(GeometricMean(signal.roughness), signal.noise_scale * sigma, sample_step_s, grid.step_s);
+  return signal;
+}
+
+double RoughnessOfCutoff(double cutoff_hz, double sigma, double sample_step_s, double grid_step_s) {
+  const double omega = 2 * std::numbers::pi * cutoff_hz;
+  return std::pow(grid_step_s, 5) * sigma * sigma * sample_step_s * std::pow(omega, 6) / kHalfPower;
+}
+
+double CutoffOfRoughness(double roughness, double sigma, double sample_step_s, double grid_step_s) {
+  const double omega6 = kHalfPower * roughness / (std::pow(grid_step_s, 5) * sigma * sigma * sample_step_s);
+  return std::pow(omega6, 1.0 / 6) / (2 * std::numbers::pi);
+}
+
+}  // namespace lake::gait

@@ -1,0 +1,85 @@
+// Finding markers in one frame, whatever they are: discs, colours, any patch, ArUco.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lake/tracking/blob_fit.h"
+#include "lake/video/video_reader.h"
+
+namespace lake::tracking {
+
+// What was seen in one frame.
+struct MarkerDetection {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px, image frame
+  double sigma_px = 0;                                 // one standard deviation per axis, from this frame's fit
+  Blob appearance;                                     // its look; for patches and ArUco a disc of their size
+  double quality = 0;                                  // residual over amplitude: 0 is perfect
+  std::optional<int> identity;  // which colour, patch or ArUco id it is, if the detector can tell
+};
+
+// Where a marker that has been followed so far should be.
+struct MarkerPrediction {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Eigen::Vector2d velocity_px = Eigen::Vector2d::Zero();  // px per frame
+  double gate_px = 0;                                     // look no further than this
+  Blob appearance;                                        // running mean of its looks
+  double quality = 1;                                     // running mean of its detections' quality
+  std::optional<int> identity;
+};
+
+class MarkerDetector {
+ public:
+  virtual ~MarkerDetector() = default;
+
+  // Detections near the predictions and, if `everywhere`, all others. Each thing is reported once.
+  virtual std::vector<MarkerDetection> Detect(const video::VideoFrame& frame,
+                                              std::span<const MarkerPrediction> predictions, bool everywhere) = 0;
+
+  virtual bool NeedsColour() const { return false; }
+
+  // Whether identities tell markers apart, so that association need not.
+  virtual bool KnowsIdentities() const { return false; }
+};
+
+enum class Polarity { kBright, kDark };
+
+// Limits of the search in px; an empty rectangle is the whole picture.
+struct DetectorRegion {
+  cv::Rect crop;
+
+  // What of the picture is to be searched.
+  cv::Rect Of(const cv::Mat& picture) const {
+    const cv::Rect all(0, 0, picture.cols, picture.rows);
+    return crop.empty() ? all : crop & all;
+  }
+};
+
+// Bright blobs on anything darker (or dark ones on anything brighter), in the luma.
+std::unique_ptr<MarkerDetector> MakeReflectiveDetector(Polarity polarity, const DetectorRegion& region);
+
+// Blobs of the given colours ("#RRGGBB"); identity = index of the colour. Throws UsageError for another spelling.
+std::unique_ptr<MarkerDetector> MakeColorDetector(const std::vector<std::string>& colors, const DetectorRegion& region);
+
+// A place in a frame, to start from.
+struct MarkerSeed {
+  std::string name;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px
+  std::int64_t frame = 0;
+};
+
+// The patches at the given places; identity = index of the seed. `pictures` holds the luma of each seed's frame. Throws
+// Error if the picture has no structure there.
+std::unique_ptr<MarkerDetector> MakeTemplateDetector(const std::vector<MarkerSeed>& seeds,
+                                                     const std::vector<cv::Mat>& pictures,
+                                                     const DetectorRegion& region);
+
+// ArUco markers of a dictionary ("4X4_50" or "DICT_4X4_50"); identity = the marker's id. Throws UsageError for an
+// unknown dictionary.
+std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region);
+
+}  // namespace lake::tracking

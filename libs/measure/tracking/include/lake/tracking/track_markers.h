@@ -1,0 +1,50 @@
+// From a video to marker tracks.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lake/core/progress.h"
+#include "lake/motion/marker_recording.h"
+#include "lake/tracking/marker_detector.h"
+#include "lake/tracking/naming.h"
+#include "lake/tracking/sigma_calibration.h"
+#include "lake/video/video_reader.h"
+
+namespace lake::tracking {
+
+enum class DetectorKind { kReflective, kColor, kTemplate, kAruco };
+
+struct TrackOptions {
+  std::vector<std::string> names = {kLegMarkers.begin(), kLegMarkers.end()};
+  std::vector<MarkerSeed> seeds;
+  DetectorKind detector = DetectorKind::kReflective;
+  Polarity polarity = Polarity::kBright;
+  std::vector<std::string> colors;         // "#RRGGBB", one for all or one per name
+  std::string dictionary = "DICT_4X4_50";  // ArUco; ids 0, 1, … are the names in order
+  cv::Rect crop;                           // px; empty: the whole picture
+  video::VideoReaderOptions reader;        // start, end, rates
+  std::function<Eigen::Vector2d(const Eigen::Vector2d&)> metric_from_px = [](const Eigen::Vector2d& px) { return px; };
+  Eigen::Vector2d up_px = {0, -1};
+  MarkerPhysics physics;
+  bool quiet = false;  // no progress
+
+  // Throws UsageError naming the option that cannot be: a bad or repeated name, a seed for no name, colours that do not
+  // match, physics that is not positive.
+  void Check() const;
+};
+
+struct TrackResult {
+  motion::MarkerRecording recording;  // px; detected or missing
+  video::VideoInfo video;
+  std::size_t tracklets = 0;  // things followed, named or not
+  double radius_px = 0;       // median over what was followed
+  SigmaCalibration sigma;
+};
+
+// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, of fewer than two frames, with
+// fewer markers than names, or whose markers cannot be named with certainty.
+TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options);
+
+}  // namespace lake::tracking

@@ -1,0 +1,174 @@
+// ArUco markers: identity by their code, position where the diagonals cross.
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <opencv2/aruco.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "lake/camera/aruco_dictionary.h"
+#include "lake/core/error.h"
+#include "lake/tracking/marker_detector.h"
+
+namespace lake::tracking {
+namespace {
+
+cv::Ptr<cv::aruco::Dictionary> DictionaryByName(const std::string& name) {
+  const std::optional<camera::ArucoDictionary> found = camera::FindArucoDictionary(name);
+  if (!found)
+    throw UsageError(
+        fmt::format("ArUco dictionary '{}' is not known; there are {}", name, camera::ArucoDictionaryNames()));
+  return cv::aruco::getPredefinedDictionary(found->id);
+}
+
+Eigen::Vector2d Cross(const std::array<Eigen::Vector2d, 4>& c) {
+  const auto first = Eigen::Hyperplane<double, 2>::Through(c[0], c[2]);
+  return first.intersection(Eigen::Hyperplane<double, 2>::Through(c[1], c[3]));
+}
+
+double Level(const cv::Mat& grey, const Eigen::Vector2d& place) {
+  const double x = std::clamp(place.x(), 0.0, grey.cols - 1.001), y = std::clamp(place.y(), 0.0, grey.rows - 1.001);
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const auto row = [&](int r) { return std::lerp(grey.at<uchar>(r, left), grey.at<uchar>(r, left + 1), x - left); };
+  return std::lerp(row(top), row(top + 1), y - top);
+}
+
+// Where a profile across an edge, from dark inside (negative) to bright outside, rises: the centre of its slope.
+std::optional<double> EdgePlace(const cv::Mat& grey, const Eigen::Vector2d& middle, const Eigen::Vector2d& outward,
+                                double reach_px) {
+  constexpr double kStep = 0.5;
+  constexpr double kLeastRise = 15;  // grey levels
+  double rise = 0, moment = 0, last = Level(grey, middle - reach_px * outward);
+  for (double s = -reach_px + kStep; s <= reach_px; s += kStep) {
+    const double level = Level(grey, middle + s * outward), slope = std::max(level - last, 0.0);
+    rise += slope, moment += slope * (s - kStep / 2), last = level;
+  }
+  return rise > kLeastRise ? std::optional(moment / rise) : std::nullopt;
+}
+
+// One side of the square: offset outward and turn against the line through its two corners; px and px per half length.
+struct Side {
+  Eigen::Vector2d offset_and_turn = Eigen::Vector2d::Zero();
+  double offset_variance = 0;
+};
+
+// A straight line through the edge's places, robustly: Huber weights.
+std::optional<Side> FitSide(const cv::Mat& grey, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                            const Eigen::Vector2d& outward, double reach_px) {
+  constexpr double kHuberPx = 0.2, kUsedHalf = 0.8;  // near its ends an edge is round
+  constexpr int kLeastPlaces = 5, kRounds = 3;
+  const Eigen::Vector2d middle = 0.5 * (from + to), half = 0.5 * (to - from);
+  std::vector<Eigen::Vector2d> places;  // along, in half lengths, and outward
+  const int count = static_cast<int>(2 * kUsedHalf * half.norm());
+  for (int i = 0; i <= count; ++i) {
+    const double along = kUsedHalf * (2.0 * i / std::max(count, 1) - 1);
+    if (const auto place = EdgePlace(grey, middle + along * half, outward, reach_px))
+      places.emplace_back(along, *place);
+  }
+  if (static_cast<int>(places.size()) < kLeastPlaces) return std::nullopt;
+  Side side;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d right = Eigen::Vector2d::Zero();
+    double square_sum = 0;
+    for (const Eigen::Vector2d& place : places) {
+      const Eigen::Vector2d row(1, place.x());
+      const double residual = place.y() - row.dot(side.offset_and_turn);
+      const double weight = round == 0 ? 1 : kHuberPx / std::max(kHuberPx, std::abs(residual));
+      normal += weight * row * row.transpose(), right += weight * place.y() * row;
+      square_sum += weight * residual * residual;
+    }
+    side.offset_and_turn = normal.ldlt().solve(right);
+    side.offset_variance = square_sum / (static_cast<double>(places.size()) - 2) * normal.inverse()(0, 0);
+  }
+  return side;
+}
+
+struct Square {
+  std::array<Eigen::Vector2d, 4> corners;
+  double center_variance = 0;  // per axis, px²
+};
+
+// The corners as the crossings of the four sides, each a line through tens of places of its edge. Corners found by
+// themselves (cv::cornerSubPix) were off by up to 2.5 px on codes of 5 px per cell, which disturb its window.
+std::optional<Square> FitSquare(const cv::Mat& grey, const std::vector<cv::Point2f>& start, int cells) {
+  constexpr int kRounds = 3;
+  Square square;
+  for (std::size_t i = 0; i < 4; ++i) square.corners[i] = Eigen::Vector2d(start[i].x, start[i].y);
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::Vector2d center =
+        0.25 * (square.corners[0] + square.corners[1] + square.corners[2] + square.corners[3]);
+    std::array<Eigen::Hyperplane<double, 2>, 4> lines;
+    double variance = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Eigen::Vector2d &from = square.corners[i], &to = square.corners[(i + 1) % 4];
+      const double length = (to - from).norm();
+      Eigen::Vector2d outward = Eigen::Vector2d(to.y() - from.y(), from.x() - to.x()) / length;
+      if (outward.dot(0.5 * (from + to) - center) < 0) outward = -outward;
+      const double reach = std::clamp(0.6 * length / cells, 1.5, 4.0);
+      const auto side = FitSide(grey, from, to, outward, reach);
+      if (!side) return std::nullopt;
+      const double offset = side->offset_and_turn[0], turn = side->offset_and_turn[1];
+      lines[i] =
+          Eigen::Hyperplane<double, 2>::Through(from + (offset - turn) * outward, to + (offset + turn) * outward);
+      variance += side->offset_variance / 8;  // an axis is the mean of two opposite sides; both axes averaged
+    }
+    for (std::size_t i = 0; i < 4; ++i) square.corners[i] = lines[(i + 3) % 4].intersection(lines[i]);
+    square.center_variance = variance;
+  }
+  return square;
+}
+
+class ArucoDetector : public MarkerDetector {
+ public:
+  ArucoDetector(const std::string& dictionary, const DetectorRegion& region)
+      : dictionary_(DictionaryByName(dictionary)),
+        parameters_(cv::aruco::DetectorParameters::create()),
+        region_(region) {
+    parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
+  }
+
+  bool KnowsIdentities() const override { return true; }
+
+  std::vector<MarkerDetection> Detect(const video::VideoFrame& frame, std::span<const MarkerPrediction> /*predictions*/,
+                                      bool /*everywhere*/) override {
+    const cv::Rect box = region_.Of(frame.luma);
+    std::vector<std::vector<cv::Point2f>> corners;
+    std::vector<int> ids;
+    cv::aruco::detectMarkers(frame.luma(box), dictionary_, corners, ids, parameters_);
+    std::vector<MarkerDetection> found;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      for (cv::Point2f& corner : corners[i])
+        corner += cv::Point2f(static_cast<float>(box.x), static_cast<float>(box.y));
+      if (const auto square = FitSquare(frame.luma, corners[i], dictionary_->markerSize + 2))
+        found.push_back(Measure(*square, corners[i], ids[i]));
+    }
+    return found;
+  }
+
+ private:
+  static MarkerDetection Measure(const Square& square, const std::vector<cv::Point2f>& corners, int id) {
+    MarkerDetection detection;
+    detection.position = Cross(square.corners);
+    detection.sigma_px = std::sqrt(square.center_variance);
+    detection.appearance = DiscBlob(detection.position, std::sqrt(cv::contourArea(corners) / M_PI));
+    detection.appearance.amplitude = 1;
+    detection.identity = id;
+    return detection;
+  }
+
+  cv::Ptr<cv::aruco::Dictionary> dictionary_;
+  cv::Ptr<cv::aruco::DetectorParameters> parameters_;
+  DetectorRegion region_;
+};
+
+}  // namespace
+
+std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region) {
+  return std::make_unique<ArucoDetector>(dictionary, region);
+}
+
+}  // namespace lake::tracking

@@ -1,0 +1,135 @@
+#include "leg_chain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace lake::tracking {
+namespace {
+
+constexpr int kMinCommonFrames = 12;
+// Skin, perspective and a plane that is not parallel to the image change a segment's apparent length by a few per cent.
+constexpr double kMaxDeviation = 0.10;
+// Below this, differences in how constant a length is say nothing.
+constexpr double kDeviationFloor = 0.004;
+// Chains whose costs differ by less are not told apart: a factor of 1.8 in the deviation of one segment.
+constexpr double kAmbiguousCost = 1.2;
+
+double Square(double x) {
+  return x * x;
+}
+
+class ChainSearch {
+ public:
+  ChainSearch(const MetricTracklets& tracklets, const LegChainOptions& options)
+      : tracklets_(tracklets), options_(options) {
+    for (std::size_t i = 0; i < tracklets.size(); ++i) {
+      extent_.push_back(tracklets.Extent(i));
+      double height = 0;
+      for (const Eigen::Vector2d& position : tracklets.Metric(i)) height += options.up.dot(position);
+      height_.push_back(height / static_cast<double>(tracklets.Metric(i).size()));
+    }
+  }
+
+  std::vector<LegChain> Run() {
+    Extend({}, 0);
+    std::sort(chains_.begin(), chains_.end(), [](const LegChain& a, const LegChain& b) { return a.cost < b.cost; });
+    return std::move(chains_);
+  }
+
+ private:
+  bool MayBe(std::size_t tracklet, std::size_t marker) const {
+    if (marker < options_.fixed.size() && options_.fixed[marker]) return *options_.fixed[marker] == tracklet;
+    return std::find(options_.excluded.begin(), options_.excluded.end(), tracklet) == options_.excluded.end() &&
+           tracklets_[tracklet].samples.size() >= kMinCommonFrames;
+  }
+
+  bool IsSegment(std::size_t lower, std::size_t upper) const {
+    const PairDistance& pair = tracklets_.Distance(lower, upper);
+    return pair.frames >= kMinCommonFrames && pair.deviation < kMaxDeviation && pair.mean > 0;
+  }
+
+  void Extend(std::vector<std::size_t> chain, double cost) {
+    const std::size_t marker = chain.size();
+    if (marker == options_.markers) {
+      chains_.push_back({chain, cost});
+      return;
+    }
+    for (std::size_t i = 0; i < tracklets_.size(); ++i) {
+      if (!MayBe(i, marker) || std::find(chain.begin(), chain.end(), i) != chain.end()) continue;
+      if (marker > 0 && !IsSegment(chain.back(), i)) continue;
+      chain.push_back(i);
+      if (const auto added = CostOfLast(chain)) Extend(chain, cost + *added);
+      chain.pop_back();
+    }
+  }
+
+  // What the last marker of a chain adds; nullopt if it cannot be there.
+  std::optional<double> CostOfLast(const std::vector<std::size_t>& chain) const {
+    const std::size_t last = chain.back();
+    if (chain.size() == 1) return 0;
+    const std::size_t before = chain[chain.size() - 2];
+    const PairDistance& segment = tracklets_.Distance(before, last);
+    double cost =
+        std::log(Square(segment.deviation) + Square(kDeviationFloor)) - 2 * std::log(CommonShare(before, last));
+    const double rise = height_[last] - height_[before];
+    if (chain.size() == 2) return rise > 0.3 * segment.mean ? std::optional(cost) : std::nullopt;
+    if (chain.size() == 3) {
+      const auto knee = CostOfKnee(chain);
+      return knee ? std::optional(cost + *knee) : std::nullopt;
+    }
+    // The waist is above the hip and nearer to it than a thigh is long, at a distance that varies between people.
+    const double thigh = tracklets_.Distance(chain[1], chain[2]).mean;
+    if (rise < 0.3 * segment.mean || segment.mean > 1.5 * thigh) return std::nullopt;
+    return cost + Square(std::log(segment.mean / (0.5 * thigh)) / 0.6);
+  }
+
+  // Ankle, knee and hip: the knee flexes, the hip moves, the ankle hardly; shank and thigh are about as long.
+  std::optional<double> CostOfKnee(const std::vector<std::size_t>& chain) const {
+    const auto [ankle, knee, hip] = std::tuple(chain[0], chain[1], chain[2]);
+    const double shank = tracklets_.Distance(ankle, knee).mean, thigh = tracklets_.Distance(knee, hip).mean;
+    const PairDistance& leg = tracklets_.Distance(ankle, hip);
+    const double stiffness =
+        std::max(tracklets_.Distance(ankle, knee).deviation, tracklets_.Distance(knee, hip).deviation);
+    if (leg.frames < kMinCommonFrames || leg.deviation < std::max(0.02, 1.5 * stiffness)) return std::nullopt;
+    if (extent_[hip] < 0.2 * thigh || height_[hip] < height_[ankle]) return std::nullopt;
+    constexpr double kRatioDeviation = 0.25;  // of log(shank / thigh); anatomically 0.1, markers add to it
+    constexpr double kAnkleMotion = 0.15;     // ankle's extent over hip's
+    return Square(std::log(shank / thigh) / kRatioDeviation) + Square(extent_[ankle] / extent_[hip] / kAnkleMotion);
+  }
+
+  // Longer evidence is better evidence.
+  double CommonShare(std::size_t a, std::size_t b) const {
+    std::size_t longest = 1;
+    for (std::size_t i = 0; i < tracklets_.size(); ++i) longest = std::max(longest, tracklets_[i].samples.size());
+    return std::min(1.0, tracklets_.Distance(a, b).frames / static_cast<double>(longest));
+  }
+
+  const MetricTracklets& tracklets_;
+  const LegChainOptions& options_;
+  std::vector<double> extent_, height_;
+  std::vector<LegChain> chains_;
+};
+
+bool Contradict(const MetricTracklets& tracklets, const LegChain& a, const LegChain& b) {
+  constexpr int kFrames = 5;
+  for (std::size_t m = 0; m < a.tracklets.size(); ++m)
+    if (a.tracklets[m] != b.tracklets[m] &&
+        CommonFrames(tracklets[a.tracklets[m]], tracklets[b.tracklets[m]]) >= kFrames)
+      return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<LegChain> FindLegChains(const MetricTracklets& tracklets, const LegChainOptions& options) {
+  return ChainSearch(tracklets, options).Run();
+}
+
+const LegChain* FindRival(const MetricTracklets& tracklets, const std::vector<LegChain>& chains) {
+  for (std::size_t i = 1; i < chains.size() && chains[i].cost < chains.front().cost + kAmbiguousCost; ++i)
+    if (Contradict(tracklets, chains.front(), chains[i])) return &chains[i];
+  return nullptr;
+}
+
+}  // namespace lake::tracking

@@ -1,0 +1,319 @@
+#include "lake/tracking/naming.h"
+
+#include <algorithm>
+#include <cmath>
+#include <compare>
+#include <map>
+#include <optional>
+
+#include "lake/core/error.h"
+#include "leg_chain.h"
+#include "rigidity.h"
+
+namespace lake::tracking {
+namespace {
+
+// Two names whose distance stays constant.
+struct Link {
+  std::size_t a, b;  // indices of names
+  double length, tolerance;
+};
+
+std::string Describe(const Tracklet& tracklet) {
+  const TrackletSample& first = tracklet.samples.front();
+  return fmt::format("({:.1f}, {:.1f}) in frame {}", first.position.x(), first.position.y(), first.frame);
+}
+
+std::string DescribeAll(const MetricTracklets& tracklets, const std::vector<std::size_t>& indices) {
+  std::string text;
+  for (const std::size_t i : indices) text += (text.empty() ? "" : ", ") + Describe(tracklets[i]);
+  return text;
+}
+
+// The longest-seen tracklets, for a message.
+std::vector<std::size_t> MostSeen(const MetricTracklets& tracklets, std::size_t count) {
+  std::vector<std::size_t> order(tracklets.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return tracklets[a].samples.size() > tracklets[b].samples.size();
+  });
+  order.resize(std::min(order.size(), count));
+  return order;
+}
+
+class Namer {
+ public:
+  Namer(const std::vector<Tracklet>& tracklets, const NamingOptions& options, motion::MarkerRecording& recording)
+      : options_(options),
+        recording_(recording),
+        tracklets_(tracklets, options.metric_from_px),
+        owner_(tracklets.size()) {
+    anchor_.resize(options.names.size());
+    recording_.markers.clear();
+    for (const std::string& name : options.names)
+      recording_.markers.push_back({name, std::vector<motion::MarkerSample>(recording.Frames())});
+    for (std::size_t i = 0; i < recording_.Frames(); ++i) index_of_frame_[recording_.frame[i]] = i;
+    metric_.assign(options.names.size(), std::vector<std::optional<Eigen::Vector2d>>(recording_.Frames()));
+  }
+
+  void Run() {
+    if (tracklets_.size() < options_.names.size())
+      throw Fail(
+          "{} markers are wanted ({}), but only {} were seen; is the detector the right one (--detector, --polarity)?",
+          options_.names.size(), fmt::join(options_.names, ", "), tracklets_.size());
+    AnchorSeeds();
+    AnchorIdentities();
+    AnchorLeg();
+    RequireAnchors();
+    for (std::size_t n = 0; n < anchor_.size(); ++n) Give(n, *anchor_[n]);
+    FindLinks();
+    while (JoinBest()) {
+    }
+  }
+
+ private:
+  std::size_t IndexOf(const std::string& name) const {
+    return static_cast<std::size_t>(std::find(options_.names.begin(), options_.names.end(), name) -
+                                    options_.names.begin());
+  }
+
+  bool IsAnchor(std::size_t tracklet) const {
+    return std::find(anchor_.begin(), anchor_.end(), tracklet) != anchor_.end();
+  }
+
+  void AnchorSeeds() {
+    for (const MarkerSeed& seed : options_.seeds) {
+      const std::size_t name = IndexOf(seed.name);
+      double nearest = INFINITY;
+      std::size_t best = 0;
+      for (std::size_t i = 0; i < tracklets_.size(); ++i) {
+        const TrackletSample* sample = tracklets_[i].SampleIn(seed.frame);
+        if (!sample) continue;
+        const double distance = (sample->position - seed.position).norm() - sample->radius_px;
+        if (distance < nearest) nearest = distance, best = i;
+      }
+      if (!(nearest <= kSeedSlackPx))
+        throw Fail("--seed {}={},{}@{}: no marker is seen there{}", seed.name, seed.position.x(), seed.position.y(),
+                   seed.frame,
+                   std::isfinite(nearest)
+                       ? fmt::format("; the nearest one in that frame is at {}", DescribeAt(best, seed.frame))
+                       : "");
+      if (IsAnchor(best))
+        throw Fail("--seed {}={},{}@{}: that marker has another name already", seed.name, seed.position.x(),
+                   seed.position.y(), seed.frame);
+      anchor_[name] = best;
+    }
+  }
+
+  std::string DescribeAt(std::size_t tracklet, std::int64_t frame) const {
+    const TrackletSample& sample = *tracklets_[tracklet].SampleIn(frame);
+    return fmt::format("({:.1f}, {:.1f})", sample.position.x(), sample.position.y());
+  }
+
+  void AnchorIdentities() {
+    for (std::size_t n = 0; n < options_.identities.size(); ++n)
+      if (!anchor_[n]) anchor_[n] = MostSeenOf(options_.identities[n]);
+  }
+
+  // The tracklet that shows an identity longest and largest.
+  std::optional<std::size_t> MostSeenOf(int identity) const {
+    std::optional<std::size_t> best;
+    double most = 0;
+    for (std::size_t i = 0; i < tracklets_.size(); ++i) {
+      if (tracklets_[i].identity != identity || IsAnchor(i)) continue;
+      double seen = 0;
+      for (const TrackletSample& sample : tracklets_[i].samples)
+        seen += sample.amplitude * sample.radius_px * sample.radius_px;
+      if (seen > most) most = seen, best = i;
+    }
+    return best;
+  }
+
+  void AnchorLeg() {
+    std::vector<std::size_t> names;
+    for (const char* marker : kLegMarkers) {
+      const std::size_t name = IndexOf(marker);
+      if (name < options_.names.size()) names.push_back(name);
+    }
+    const bool all_known =
+        std::all_of(names.begin(), names.end(), [&](std::size_t n) { return anchor_[n].has_value(); });
+    if (all_known || names.size() < 3 || IndexOf("ankle") == options_.names.size() ||
+        IndexOf("knee") == options_.names.size() || IndexOf("hip") == options_.names.size())
+      return;
+    LegChainOptions chain_options;
+    chain_options.markers = names.size();
+    chain_options.up = MetricUp();
+    for (const std::size_t name : names) chain_options.fixed.push_back(anchor_[name]);
+    for (const auto& anchor : anchor_)
+      if (anchor) chain_options.excluded.push_back(*anchor);
+    const std::vector<LegChain> chains = FindLegChains(tracklets_, chain_options);
+    if (chains.empty())
+      throw Fail(
+          "no leg was found among the {} things seen: no {} of them keep their distances while the knee flexes; say "
+          "where the markers are with --seed NAME=X,Y (seen longest: {})",
+          tracklets_.size(), names.size(), DescribeAll(tracklets_, MostSeen(tracklets_, 8)));
+    if (const LegChain* rival = FindRival(tracklets_, chains)) ReportAmbiguity(names, chains.front(), *rival);
+    for (std::size_t m = 0; m < names.size(); ++m) anchor_[names[m]] = chains.front().tracklets[m];
+  }
+
+  [[noreturn]] void ReportAmbiguity(const std::vector<std::size_t>& names, const LegChain& best,
+                                    const LegChain& rival) const {
+    std::string text, seeds;
+    for (std::size_t m = 0; m < names.size(); ++m) {
+      if (best.tracklets[m] == rival.tracklets[m]) continue;
+      const std::string& name = options_.names[names[m]];
+      const Tracklet& tracklet = tracklets_[best.tracklets[m]];
+      text += fmt::format("{}the {} is at {} or at {}", text.empty() ? "" : ", ", name, Describe(tracklet),
+                          Describe(tracklets_[rival.tracklets[m]]));
+      seeds += fmt::format(" --seed {}={:.0f},{:.0f}@{}", name, tracklet.samples.front().position.x(),
+                           tracklet.samples.front().position.y(), tracklet.FirstFrame());
+    }
+    throw Fail("the markers cannot be named with certainty: {}; say which, for example{}", text, seeds);
+  }
+
+  Eigen::Vector2d MetricUp() const {
+    const Eigen::Vector2d middle = tracklets_[0].samples.front().position;
+    return (options_.metric_from_px(middle + options_.up_px) - options_.metric_from_px(middle - options_.up_px))
+        .normalized();
+  }
+
+  void RequireAnchors() const {
+    for (std::size_t n = 0; n < anchor_.size(); ++n) {
+      if (anchor_[n]) continue;
+      std::vector<std::size_t> unnamed = MostSeen(tracklets_, tracklets_.size());
+      std::erase_if(unnamed, [&](std::size_t i) { return IsAnchor(i); });
+      unnamed.resize(std::min<std::size_t>(unnamed.size(), 8));
+      throw Fail("marker '{}' cannot be found by itself; say where it is with --seed {}=X,Y (seen and not named: {})",
+                 options_.names[n], options_.names[n], unnamed.empty() ? "nothing" : DescribeAll(tracklets_, unnamed));
+    }
+  }
+
+  void Give(std::size_t name, std::size_t tracklet) {
+    owner_[tracklet] = name;
+    for (std::size_t s = 0; s < tracklets_[tracklet].samples.size(); ++s) {
+      const TrackletSample& sample = tracklets_[tracklet].samples[s];
+      const std::size_t frame = index_of_frame_.at(sample.frame);
+      motion::MarkerSample& own = recording_.markers[name].samples[frame];
+      if (own.IsKnown()) continue;
+      own = {sample.position, sample.sigma_px, motion::SampleStatus::kDetected};
+      metric_[name][frame] = tracklets_.Metric(tracklet)[s];
+    }
+  }
+
+  // Neighbours in the leg; for other names whatever anchors keep their distance to theirs.
+  void FindLinks() {
+    constexpr double kMaxDeviation = 0.06, kLeastTolerance = 0.02, kDeviations = 4;
+    const auto leg_rank = [&](std::size_t n) {
+      return std::find(kLegMarkers.begin(), kLegMarkers.end(), options_.names[n]) - kLegMarkers.begin();
+    };
+    for (std::size_t a = 0; a < anchor_.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b) {
+        const PairDistance& pair = tracklets_.Distance(*anchor_[a], *anchor_[b]);
+        const bool both_leg = leg_rank(a) < 4 && leg_rank(b) < 4;
+        if (pair.frames < 5 || (both_leg ? std::abs(leg_rank(a) - leg_rank(b)) != 1 : pair.deviation > kMaxDeviation))
+          continue;
+        links_.push_back({a, b, pair.mean, pair.mean * std::max(kLeastTolerance, kDeviations * pair.deviation)});
+      }
+  }
+
+  // How badly a tracklet fits a name, best first: pieces whose neighbours are known go before those without.
+  struct FitToName {
+    bool without_neighbours = false;
+    double misfit = 0;  // 0: perfectly
+
+    auto operator<=>(const FitToName&) const = default;
+  };
+
+  // nullopt if the tracklet cannot be it.
+  std::optional<FitToName> Misfit(std::size_t tracklet, std::size_t name) const {
+    if (!options_.identities.empty() && tracklets_[tracklet].identity != options_.identities[name]) return std::nullopt;
+    const auto continuity = ContinuityMisfit(tracklet, name);
+    if (!continuity) return std::nullopt;
+    double sum = 0;
+    int count = 0, bad = 0;
+    for (const Link& link : links_) {
+      if (link.a != name && link.b != name) continue;
+      const std::size_t other = link.a == name ? link.b : link.a;
+      for (std::size_t s = 0; s < tracklets_[tracklet].samples.size(); ++s) {
+        const auto& neighbour = metric_[other][index_of_frame_.at(tracklets_[tracklet].samples[s].frame)];
+        if (!neighbour) continue;
+        const double off =
+            std::abs((tracklets_.Metric(tracklet)[s] - *neighbour).norm() - link.length) / link.tolerance;
+        sum += off;
+        ++count;
+        bad += off > 1;
+      }
+    }
+    if (count > 0 && bad > 0.2 * count) return std::nullopt;
+    if (count > 0) return FitToName{false, sum / count + *continuity};
+    constexpr double kCloseEnough = 0.3;
+    return *continuity < kCloseEnough ? std::optional(FitToName{true, *continuity}) : std::nullopt;
+  }
+
+  // From the nearest known samples before and after: displacement over what is possible in the time between.
+  std::optional<double> ContinuityMisfit(std::size_t tracklet, std::size_t name) const {
+    const Tracklet& piece = tracklets_[tracklet];
+    const auto& samples = recording_.markers[name].samples;
+    const std::size_t first = index_of_frame_.at(piece.FirstFrame()), last = index_of_frame_.at(piece.LastFrame());
+    constexpr std::size_t kOverlap = 1;
+    std::size_t overlap = 0;
+    for (std::size_t f = first; f <= last; ++f) overlap += samples[f].IsKnown();
+    if (overlap > kOverlap) return std::nullopt;
+    std::optional<double> worst;
+    const auto compare = [&](std::size_t known, const TrackletSample& end) {
+      const MarkerPhysics& physics = options_.physics;
+      const double lost_s = std::min(std::abs(end.time_s - recording_.time_s[known]), physics.turns_after_s);
+      const double possible = (2 + physics.SpeedRadii() * lost_s) * end.radius_px;
+      const double misfit = (samples[known].position - end.position).norm() / possible;
+      worst = std::max(worst.value_or(0), misfit);
+    };
+    for (std::size_t f = first; f-- > 0;)
+      if (samples[f].IsKnown()) {
+        compare(f, piece.samples.front());
+        break;
+      }
+    for (std::size_t f = last + 1; f < samples.size(); ++f)
+      if (samples[f].IsKnown()) {
+        compare(f, piece.samples.back());
+        break;
+      }
+    if (!worst || *worst > 1) return std::nullopt;
+    const double size =
+        piece.samples[piece.samples.size() / 2].radius_px / tracklets_[*anchor_[name]].samples.front().radius_px;
+    return size > 0.6 && size < 1.7 ? worst : std::nullopt;
+  }
+
+  // Joins the best-fitting piece that is left to its name; false when none fits.
+  bool JoinBest() {
+    std::optional<FitToName> least;
+    std::size_t best_tracklet = 0, best_name = 0;
+    for (std::size_t t = 0; t < tracklets_.size(); ++t) {
+      if (owner_[t]) continue;
+      for (std::size_t n = 0; n < anchor_.size(); ++n) {
+        const auto misfit = Misfit(t, n);
+        if (misfit && (!least || *misfit < *least)) least = misfit, best_tracklet = t, best_name = n;
+      }
+    }
+    if (!least) return false;
+    Give(best_name, best_tracklet);
+    return true;
+  }
+
+  const NamingOptions& options_;
+  motion::MarkerRecording& recording_;
+  MetricTracklets tracklets_;
+  std::vector<std::optional<std::size_t>> owner_;   // name of each tracklet
+  std::vector<std::optional<std::size_t>> anchor_;  // tracklet of each name
+  std::map<std::int64_t, std::size_t> index_of_frame_;
+  std::vector<std::vector<std::optional<Eigen::Vector2d>>> metric_;  // by name and frame
+  std::vector<Link> links_;
+};
+
+}  // namespace
+
+void NameTracklets(const std::vector<Tracklet>& tracklets, const NamingOptions& options,
+                   motion::MarkerRecording& recording) {
+  Namer(tracklets, options, recording).Run();
+}
+
+}  // namespace lake::tracking

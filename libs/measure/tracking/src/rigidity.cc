@@ -1,0 +1,66 @@
+#include "rigidity.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace lake::tracking {
+namespace {
+
+// Calls f(sample of a, sample of b) for each frame in which both have one.
+template <typename F>
+void ForCommonFrames(const Tracklet& a, const Tracklet& b, F f) {
+  for (std::size_t i = 0, j = 0; i < a.samples.size() && j < b.samples.size();) {
+    const auto fa = a.samples[i].frame, fb = b.samples[j].frame;
+    if (fa == fb) f(i, j);
+    i += fa <= fb;
+    j += fb <= fa;
+  }
+}
+
+}  // namespace
+
+int CommonFrames(const Tracklet& a, const Tracklet& b) {
+  int frames = 0;
+  ForCommonFrames(a, b, [&](std::size_t, std::size_t) { ++frames; });
+  return frames;
+}
+
+MetricTracklets::MetricTracklets(const std::vector<Tracklet>& tracklets,
+                                 const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& metric_from_px)
+    : tracklets_(tracklets) {
+  for (const Tracklet& tracklet : tracklets) {
+    auto& positions = metric_.emplace_back();
+    for (const TrackletSample& sample : tracklet.samples) positions.push_back(metric_from_px(sample.position));
+  }
+}
+
+double MetricTracklets::Extent(std::size_t i) const {
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& position : metric_[i]) box.extend(position);
+  return box.diagonal().norm();
+}
+
+const PairDistance& MetricTracklets::Distance(std::size_t i, std::size_t j) const {
+  const auto key = std::minmax(i, j);
+  const auto found = distances_.find(key);
+  if (found != distances_.end()) return found->second;
+  return distances_.emplace(key, Measure(key.first, key.second)).first->second;
+}
+
+PairDistance MetricTracklets::Measure(std::size_t i, std::size_t j) const {
+  PairDistance pair;
+  double sum = 0, square_sum = 0;
+  ForCommonFrames(tracklets_[i], tracklets_[j], [&](std::size_t a, std::size_t b) {
+    const double distance = (metric_[i][a] - metric_[j][b]).norm();
+    ++pair.frames;
+    sum += distance;
+    square_sum += distance * distance;
+  });
+  if (pair.frames == 0) return pair;
+  pair.mean = sum / pair.frames;
+  pair.deviation =
+      std::sqrt(std::max(0.0, square_sum / pair.frames - pair.mean * pair.mean)) / std::max(pair.mean, 1e-9);
+  return pair;
+}
+
+}  // namespace lake::tracking

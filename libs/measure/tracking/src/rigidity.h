@@ -1,0 +1,43 @@
+// How constant the distance between two tracklets stays: what tells a leg from everything else that shines.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "lake/tracking/tracklet.h"
+
+namespace lake::tracking {
+
+struct PairDistance {
+  int frames = 0;        // in which both were seen (of those looked at)
+  double mean = 0;       // metric units
+  double deviation = 0;  // standard deviation over mean
+};
+
+// Tracklets with their positions in metric units, and the distances between them, computed once each.
+class MetricTracklets {
+ public:
+  MetricTracklets(const std::vector<Tracklet>& tracklets,
+                  const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& metric_from_px);
+
+  const Tracklet& operator[](std::size_t i) const { return tracklets_[i]; }
+  std::size_t size() const { return tracklets_.size(); }
+  const std::vector<Eigen::Vector2d>& Metric(std::size_t i) const { return metric_[i]; }  // one per sample
+  double Extent(std::size_t i) const;                                                     // metric units
+
+  const PairDistance& Distance(std::size_t i, std::size_t j) const;
+
+ private:
+  PairDistance Measure(std::size_t i, std::size_t j) const;
+
+  const std::vector<Tracklet>& tracklets_;
+  std::vector<std::vector<Eigen::Vector2d>> metric_;
+  mutable std::map<std::pair<std::size_t, std::size_t>, PairDistance> distances_;
+};
+
+// Frames in which both tracklets have samples.
+int CommonFrames(const Tracklet& a, const Tracklet& b);
+
+}  // namespace lake::tracking

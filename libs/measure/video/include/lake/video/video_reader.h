@@ -1,0 +1,75 @@
+// Frames of a video or an image sequence, in order, each with its own presentation time stamp.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+
+namespace lake::video {
+
+struct VideoInfo {
+  int width = 0;                       // px, as a player shows it (after the stream's rotation)
+  int height = 0;                      // px
+  double frame_rate_hz = 0;            // the stream's average rate; never used to make time stamps of a video
+  std::optional<std::int64_t> frames;  // about how many are handed out, if the container says; for progress only
+  std::string codec;
+  std::string pixel_format;  // as stored, in libav's name, e.g. "yuv420p"
+  int rotation_deg = 0;      // clockwise, applied by the reader
+  bool mirrored = false;     // left and right exchanged after the rotation, applied by the reader
+  double pixel_aspect = 1;   // width / height of a pixel as shown; frames are handed out unstretched
+  bool bt709 = false;        // colours of previews: BT.709, else BT.601; the stream's own if it is one of them
+  bool interlaced = false;   // the first frame consists of two fields taken at different times
+
+  // Of the frames decoded so far; whole when Read() has returned false.
+  double shortest_interval_s = 0;  // between neighbouring frames
+  double longest_interval_s = 0;
+  bool irregular_stamps =
+      false;  // the two differ by more than a tenth of the mean interval (and the stamps' own rounding)
+  std::int64_t repaired_stamps = 0;  // frames without a stamp: put one frame's duration after the frame before
+};
+
+struct VideoFrame {
+  std::int64_t index = 0;  // from 0, counting all frames of the file
+  double time_s = 0;       // presentation time stamp
+  cv::Mat luma;            // CV_8UC1; may share memory with the decoder: valid as long as this object, never written to
+  cv::Mat bgr;             // CV_8UC3; empty unless asked for
+
+  // Empty unless asked for: CV_8UC1 in OpenCV's I420 layout (h rows of Y, then h/2 of U and V), even sides, 16..235,
+  // the matrix as VideoInfo::bt709 says.
+  cv::Mat preview;
+  std::shared_ptr<const void> keep_alive;
+};
+
+struct VideoReaderOptions {
+  bool colour = false;           // also give bgr
+  int preview_max_width_px = 0;  // if set: give `preview`, at most this wide, and neither luma nor bgr
+  bool skip_deblocking = false;  // leave out the decoder's loop filter: quicker, but block edges show and errors
+                                 // grow until the next key frame. For looking at, never for measuring
+  double capture_rate_hz = 0;    // if set: time = (first time) + index / rate, for slow-motion files
+  double sequence_rate_hz = 30;  // time stamps of an image sequence
+  std::int64_t first = 0;        // first frame to hand out
+  std::optional<std::int64_t> last = {};           // last frame to hand out
+  std::optional<double> start_s = {}, end_s = {};  // only frames with time stamps from … to …, both included
+};
+
+class VideoReader {
+ public:
+  virtual ~VideoReader() = default;
+
+  // A video, one picture, or an image sequence given as a printf pattern (frames/%05d.png), which begins at its lowest
+  // number. Throws Error: absent, a folder, not a video, no video stream, no frame, larger than 16384 px a side or 200
+  // Mpx, turned by an angle that is no multiple of 90°, a gap in the numbers of a sequence.
+  static std::unique_ptr<VideoReader> Open(const std::filesystem::path& path, const VideoReaderOptions& options = {});
+
+  virtual const VideoInfo& Info() const = 0;
+
+  // False after the last frame. Throws Error naming the frame: the stream is damaged or ends before the container says,
+  // the picture's size changes, a time stamp is missing or does not increase (not with capture_rate_hz), `first` is
+  // behind the end, or no frame lies between `start_s` and `end_s`.
+  virtual bool Read(VideoFrame& frame) = 0;
+};
+
+}  // namespace lake::video

@@ -1,0 +1,112 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "lake/drawing/linkage_figures.h"
+#include "linkage_scene.h"
+
+namespace lake::drawing {
+namespace {
+
+using Eigen::Vector2d;
+
+void DrawTrunk(Scene& scene, const Vector2d& hip, const linkage::Body& body) {
+  constexpr const char* kSkin = "#F6E7DA";
+  constexpr const char* kEdge = "#CDB39B";
+  const double depth = 0.5 * body.trunk_depth_mm;
+  const Vector2d seat = hip + Vector2d(0, std::max(0.0, depth - body.thigh.proximal_radius_mm));  // as low as the thigh
+  const Vector2d shoulder = hip + Vector2d(0, body.trunk_length_mm - depth),
+                 neck = hip + Vector2d(0, body.trunk_length_mm);
+  const double head = 0.5 * body.head_height_mm;
+  PlanePath face = Circle({0, 0}, head);
+  for (Vector2d& point : face) point = neck + Vector2d(0.8 * point.x(), point.y() + body.neck_length_mm + head);
+  const std::vector<PlanePath> shapes{
+      CapsulePath(seat, shoulder, depth, depth),
+      CapsulePath(neck, neck + Vector2d(0, body.neck_length_mm), 0.45 * head, 0.45 * head), face};
+  for (const PlanePath& shape : shapes) scene.Stroke(shape, kEdge, 3);
+  for (const PlanePath& shape : shapes) scene.Fill(shape, kSkin);
+}
+
+void DrawSeat(Scene& scene, const LinkageLook& look, const Vector2d& hip) {
+  const double edge = look.wear.seat_edge_mm > 0 ? look.wear.seat_edge_mm : look.body.thigh.length_mm / 2;
+  const double top = hip.y() - look.body.thigh.proximal_radius_mm, back = hip.x() - look.body.trunk_depth_mm;
+  scene.Fill({{-edge, top}, {-edge, top - 70}, {back, top - 70}, {back, top}}, "#C9CED6");
+}
+
+void DrawBody(Scene& scene, const LinkageLook& look, const PosedLeg& leg) {
+  DrawTrunk(scene, leg.FromThigh({0, look.body.thigh.length_mm}), look.body);
+  DrawLeg(scene, leg, look.body);
+  DrawLinkage(scene, leg, look.range.stroke.lower_mm, 0.5 * look.wear.bar_width_mm, 0.55);
+}
+
+void DrawPanel(Scene& scene, const LinkageLook& look, const PosedLeg& leg, double left_mm, const Scene::Place& place) {
+  const linkage::Body& body = look.body;
+  const double sole = -body.shank.length_mm - body.ankle_height_mm;
+  const double floor = std::min(leg.FromShank({-0.25 * body.foot_length_mm, sole}).y(),  // heel
+                                leg.FromShank({0.75 * body.foot_length_mm, sole}).y());  // toes
+  scene.Stroke({{left_mm - 2000, floor}, {2000, floor}}, "#888888", 2);
+  const double top = body.thigh.length_mm + body.trunk_length_mm + body.neck_length_mm + body.head_height_mm;
+  scene.Draw({left_mm, left_mm + 0.64 * body.height_mm, sole - 0.04 * body.height_mm, top + 0.04 * body.height_mm},
+             place);
+}
+
+std::vector<std::string> Findings(const linkage::WearCheck& check) {
+  const auto verdict = [](bool good) { return good ? "fits" : "does not fit"; };
+  return {
+      fmt::format("mount plate to hip joint {:.0f} mm: {}", check.mount_below_hip_mm, verdict(check.FitsAlongThigh())),
+      fmt::format("mount pin {:.0f} mm behind the thigh", check.mount_behind_thigh_mm),
+      fmt::format("seat clearance {:.0f} mm: {}", check.seat_clearance_mm, verdict(check.ClearsSeat())),
+      fmt::format("seat may begin {:.0f} mm behind the knee", check.seat_edge_needed_mm),
+      fmt::format("actuator to thigh {:.0f} mm (at {:.0f}°)", check.thigh_clearance_mm, check.thigh_clearance_deg),
+      fmt::format("actuator to shank {:.0f} mm (at {:.0f}°)", check.shank_clearance_mm, check.shank_clearance_deg),
+      "(negative: they overlap in this view)"};
+}
+
+// The height of titles and findings, beside the head.
+double TitleHeight(const linkage::Body& body) {
+  return body.thigh.length_mm + body.trunk_length_mm + body.neck_length_mm + body.head_height_mm;
+}
+
+void DrawStanding(Scene& scene, const LinkageLook& look, const linkage::WearCheck& check) {
+  const PosedLeg leg(linkage::RequirePose(look.links, check.standing_stroke_mm));
+  DrawBody(scene, look, leg);
+  constexpr double kHardlyBent_deg = 10;
+  scene.Label({-0.29 * look.body.height_mm, TitleHeight(look.body)},
+              fmt::format("{}, {:.0f}°", check.standing_deg < kHardlyBent_deg ? "standing" : "straightest",
+                          std::abs(check.standing_deg)),
+              {.align = "left", .size = 14});
+  DrawPanel(scene, look, leg, -0.31 * look.body.height_mm, {0.06, 0.07, 0.44, 0.86});
+}
+
+void DrawSeated(Scene& scene, const LinkageLook& look, const linkage::WearCheck& check) {
+  const linkage::Pose pose = linkage::RequirePose(look.links, check.seated_stroke_mm);
+  const PosedLeg leg(pose, std::numbers::pi / 2 - pose.theta_rad);  // thigh level
+  DrawSeat(scene, look, leg.FromThigh({0, look.body.thigh.length_mm}));
+  DrawBody(scene, look, leg);
+  Vector2d at(-0.17 * look.body.height_mm, TitleHeight(look.body));
+  scene.Label(at, fmt::format("seated, {:.0f}°", check.seated_deg), {.align = "left", .size = 14});
+  for (const std::string& line : Findings(check)) {
+    at.y() -= 0.027 * look.body.height_mm;
+    scene.Label(at, line, {.align = "left", .size = 11});
+  }
+  DrawPanel(scene, look, leg, -0.4 * look.body.height_mm, {0.55, 0.07, 0.44, 0.86});
+}
+
+}  // namespace
+
+void DrawMannequin(const std::filesystem::path& path, const LinkageLook& look, const linkage::WearCheck& check) {
+  figure::GnuplotFigure figure(1200, 1000);
+  figure.Line(
+      fmt::format("set label 101 'Body of {:.0f} cm, {:.0f} kg' at screen 0.5,0.97 center font ',17'\nset multiplot",
+                  look.body.height_mm / 10, look.body.mass_kg));
+  Scene scene(figure);
+  DrawStanding(scene, look, check);
+  figure.Line("unset label 101");
+  DrawSeated(scene, look, check);
+  figure.Line("unset multiplot");
+  figure.Write(path);
+}
+
+}  // namespace lake::drawing

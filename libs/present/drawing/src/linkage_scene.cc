@@ -1,0 +1,71 @@
+#include "linkage_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lake::drawing {
+namespace {
+
+using Eigen::Vector2d;
+
+Vector2d Turned(const Vector2d& point, double angle) {
+  return {point.x() * std::cos(angle) - point.y() * std::sin(angle),
+          point.x() * std::sin(angle) + point.y() * std::cos(angle)};
+}
+
+PlanePath FootOutline(const PosedLeg& leg, const linkage::Body& body) {
+  const double ankle = -body.shank.length_mm, sole = ankle - body.ankle_height_mm, length = body.foot_length_mm;
+  const double behind = -0.25 * length, before = 0.75 * length, radius = body.shank.distal_radius_mm;
+  PlanePath outline;
+  for (const Vector2d& corner : {Vector2d(-radius, ankle + 10), Vector2d(behind, ankle - 0.45 * body.ankle_height_mm),
+                                 Vector2d(behind, sole), Vector2d(0.5 * (behind + before), sole),
+                                 Vector2d(before, sole), Vector2d(before, sole + 0.4 * body.ankle_height_mm),
+                                 Vector2d(1.6 * radius, ankle - 5), Vector2d(radius, ankle + 10)})
+    outline.push_back(leg.FromShank(corner));
+  return Rounded(outline);
+}
+
+}  // namespace
+
+Vector2d PosedLeg::FromThigh(const Vector2d& p) const {
+  return Turned({-p.x(), p.y()}, ThighTilt());
+}
+Vector2d PosedLeg::FromShank(const Vector2d& p) const {
+  return Turned(p, shank_tilt_rad_);
+}
+
+void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body) {
+  constexpr const char* kSkin = "#F6E7DA";
+  constexpr const char* kEdge = "#CDB39B";
+  const Vector2d hip = leg.FromThigh({0, body.thigh.length_mm}), ankle = leg.FromShank({0, -body.shank.length_mm});
+  const std::vector<PlanePath> shapes{
+      FootOutline(leg, body), CapsulePath({0, 0}, ankle, body.shank.proximal_radius_mm, body.shank.distal_radius_mm),
+      CapsulePath(hip, {0, 0}, body.thigh.proximal_radius_mm, body.thigh.distal_radius_mm)};
+  // All edges first, then all fills: the edges within the leg disappear.
+  for (const PlanePath& shape : shapes) scene.Stroke(shape, kEdge, 3);
+  for (const PlanePath& shape : shapes) scene.Fill(shape, kSkin);
+}
+
+void DrawLinkage(Scene& scene, const PosedLeg& leg, double d_min_mm, double half_width, double pin_size) {
+  const linkage::Pose& pose = leg.ThePose();
+  const Vector2d knee(0, 0), thigh_pin = leg.FromThigh(pose.thigh_pin), tip = leg.FromThigh(pose.tip);
+  const Vector2d shank_pin = leg.FromThigh(pose.shank_pin), mount = leg.FromThigh(pose.mount);
+  const Vector2d bend = leg.FromThigh({0, pose.mount.y()});
+  const auto bar = [&](const Vector2d& from, const Vector2d& to, const char* colour, double width) {
+    scene.Fill(CapsulePath(from, to, width, width), colour);
+  };
+  bar(knee, bend, link_colour::kThigh, half_width);
+  bar(bend, mount, link_colour::kThigh, half_width);
+  bar(knee, shank_pin, link_colour::kShank, half_width);
+  bar(thigh_pin, tip, link_colour::kBar, half_width);
+  bar(tip, shank_pin, link_colour::kCoupler, half_width);
+  // The piston is drawn through: the cylinder covers what is inside.
+  constexpr double kRodEnd = 0.12;  // of the shortest stroke: rod end that stays out of the cylinder
+  const Vector2d along = (tip - mount).normalized();
+  const double cylinder = std::min((1 - kRodEnd) * d_min_mm, (tip - mount).norm());
+  bar(mount, tip, link_colour::kPiston, 0.55 * half_width);
+  bar(mount, mount + cylinder * along, link_colour::kCylinder, 1.6 * half_width);
+  for (const Vector2d& pin : {knee, thigh_pin, tip, shank_pin, mount}) scene.Pin(pin, pin_size);
+}
+
+}  // namespace lake::drawing

@@ -1,0 +1,44 @@
+// Figures by gnuplot: a script is collected, then drawn to PNG, SVG or (several pages) animated GIF by the file's
+// extension.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lake::figure {
+
+class GnuplotFigure {
+ public:
+  // Size of the PNG in px; an SVG gets the same proportions.
+  GnuplotFigure(int width_px, int height_px) : width_px_(width_px), height_px_(height_px) {}
+
+  // Appends a line of script. Text from outside must go through QuoteForGnuplot.
+  GnuplotFigure& Line(std::string_view script);
+
+  // A table to plot, columns of equal length; NaN interrupts a line. Returns its name in the script, e.g. "$data0".
+  std::string Data(const std::vector<std::vector<double>>& columns);
+
+  // Starts a new page, with gnuplot's settings as at the start; tables stay known.
+  GnuplotFigure& NextPage();
+
+  // Draws, atomically. Throws Error with gnuplot's own words if it fails or is not installed.
+  void Write(const std::filesystem::path& path) const;
+
+  // Draws the pages as an endless animation.
+  void WriteGif(const std::filesystem::path& path, double pages_per_s) const;
+
+  // Draws every page to a PNG of its own, folder/00000.png and so on; the folder must exist.
+  void WritePages(const std::filesystem::path& folder) const;
+
+ private:
+  int width_px_, height_px_;
+  int tables_ = 0;
+  std::vector<std::string> pages_{1};
+};
+
+// A gnuplot string literal that shows the text as it is.
+std::string QuoteForGnuplot(std::string_view text);
+
+}  // namespace lake::figure

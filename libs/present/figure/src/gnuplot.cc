@@ -1,0 +1,176 @@
+#include "lake/figure/gnuplot.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <thread>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+
+namespace lake::figure {
+namespace {
+
+// The exit status of a child. Interrupted, it ends the child, and with it what the child has started, first.
+int WaitFor(pid_t child) {
+  constexpr std::chrono::milliseconds kNap(2);  // drawing takes a hundred of them
+  int status = 0;
+  for (;;) {
+    const pid_t ended = waitpid(child, &status, WNOHANG);
+    if (ended == child) return status;
+    if (ended < 0 && errno != EINTR) throw Fail("gnuplot: {}", std::strerror(errno));
+    try {
+      ThrowIfInterrupted();
+    } catch (const Interrupted&) {
+      kill(-child, SIGTERM);
+      waitpid(child, &status, 0);
+      throw;
+    }
+    std::this_thread::sleep_for(kNap);
+  }
+}
+
+// Runs `gnuplot SCRIPT`; what it says goes to `log`. Returns its exit status, or throws if it cannot be started.
+int RunGnuplot(const std::filesystem::path& script, const std::filesystem::path& log) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  // A process group of its own: Ctrl-C is for this program, which then ends gnuplot.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  std::string name = "gnuplot", own_settings = "-d", file = script.string();  // -d: the user's .gnuplot is not read
+  char* const arguments[] = {name.data(), own_settings.data(), file.data(), nullptr};
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, "gnuplot", &actions, &attributes, arguments, environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) throw Fail("gnuplot cannot be started ({}); install the package gnuplot-nox", std::strerror(error));
+  return WaitFor(child);
+}
+
+// Scratch files of one drawing, named after the result; never committed, so they vanish with the scope.
+class Scratch {
+ public:
+  explicit Scratch(const std::filesystem::path& result)
+      : script_(With(result, ".gnuplot")), log_(With(result, ".log")) {}
+
+  // Throws Error with gnuplot's own words.
+  void Draw(const std::filesystem::path& result, const std::string& script) const {
+    WriteTextFile(script_.TemporaryPath(), "set encoding utf8\n" + script + "\nunset output\n");
+    if (RunGnuplot(script_.TemporaryPath(), log_.TemporaryPath()) != 0)
+      throw Fail("{}: gnuplot could not draw it: {}", result.string(), ReadTextFile(log_.TemporaryPath()));
+  }
+
+ private:
+  static std::filesystem::path With(std::filesystem::path path, const char* ending) { return path += ending; }
+  AtomicFile script_, log_;
+};
+
+std::string PngTerminal(int width_px, int height_px) {
+  return fmt::format("set terminal pngcairo size {},{} font 'DejaVu Sans,12' enhanced background '#ffffff'\n", width_px,
+                     height_px);
+}
+
+// gnuplot ends with 0 even where it could not write. A picture that ends as its format does is whole.
+void CheckWhole(const std::filesystem::path& written, const std::filesystem::path& path) {
+  using namespace std::string_view_literals;
+  const std::string picture = ReadTextFile(written);
+  const std::string extension = path.extension().string();
+  const bool whole = extension == ".svg"   ? Trim(picture).ends_with("</svg>")
+                     : extension == ".gif" ? picture.ends_with("\0;"sv)
+                                           : picture.ends_with("IEND\xAE\x42\x60\x82"sv);
+  if (!whole) throw Fail("{}: gnuplot could not write it whole; is the disk full?", path.string());
+}
+
+// gnuplot switches smoothing off for filled shapes in SVG, which leaves slanted edges jagged on screens.
+void SmoothEdges(const std::filesystem::path& svg) {
+  constexpr std::string_view kJagged = "crispEdges", kSmooth = "geometricPrecision";
+  std::string text = ReadTextFile(svg);
+  for (std::size_t at = 0; (at = text.find(kJagged, at)) != std::string::npos; at += kSmooth.size())
+    text.replace(at, kJagged.size(), kSmooth);
+  WriteTextFile(svg, text);
+}
+
+std::string SetOutput(const std::filesystem::path& path) {
+  return fmt::format("set output {}\n", QuoteForGnuplot(path.string()));
+}
+
+}  // namespace
+
+GnuplotFigure& GnuplotFigure::Line(std::string_view script) {
+  pages_.back().append(script).append("\n");
+  return *this;
+}
+
+std::string GnuplotFigure::Data(const std::vector<std::vector<double>>& columns) {
+  const std::string name = fmt::format("$data{}", tables_++);
+  std::string& script = pages_.back();
+  script += name + " << EOD\n";
+  for (std::size_t row = 0; !columns.empty() && row < columns.front().size(); ++row) {
+    for (const auto& column : columns) script += (std::isfinite(column[row]) ? FormatNumber(column[row]) : "NaN") + " ";
+    script += "\n";
+  }
+  script += "EOD\n";
+  return name;
+}
+
+GnuplotFigure& GnuplotFigure::NextPage() {
+  pages_.emplace_back("reset\n");
+  return *this;
+}
+
+void GnuplotFigure::Write(const std::filesystem::path& path) const {
+  AtomicFile picture(path);
+  const bool svg = path.extension() == ".svg";
+  const std::string terminal =
+      svg ? fmt::format("set terminal svg size {},{} font 'DejaVu Sans,12' enhanced background '#ffffff'\n", width_px_,
+                        height_px_)
+          : PngTerminal(width_px_, height_px_);
+  std::string script = terminal + SetOutput(picture.TemporaryPath());
+  for (const std::string& page : pages_) script += page;
+  Scratch(path).Draw(path, script);
+  CheckWhole(picture.TemporaryPath(), path);
+  if (svg) SmoothEdges(picture.TemporaryPath());
+  picture.Commit();
+}
+
+void GnuplotFigure::WriteGif(const std::filesystem::path& path, double pages_per_s) const {
+  AtomicFile picture(path);
+  std::string script = fmt::format(
+      "set terminal gif animate delay {} loop 0 optimize size {},{} font 'DejaVu Sans,12' enhanced background "
+      "'#ffffff'\n",
+      std::lround(100 / pages_per_s), width_px_, height_px_);  // the format counts hundredths of a second
+  script += SetOutput(picture.TemporaryPath());
+  for (const std::string& page : pages_) script += page;
+  Scratch(path).Draw(path, script);
+  CheckWhole(picture.TemporaryPath(), path);
+  picture.Commit();
+}
+
+void GnuplotFigure::WritePages(const std::filesystem::path& folder) const {
+  std::string script = PngTerminal(width_px_, height_px_);
+  const auto picture = [&](std::size_t page) { return folder / fmt::format("{:05}.png", page); };
+  for (std::size_t page = 0; page < pages_.size(); ++page) script += SetOutput(picture(page)) + pages_[page];
+  Scratch(folder / "pages").Draw(folder, script);
+  for (std::size_t page = 0; page < pages_.size(); ++page) CheckWhole(picture(page), picture(page));
+}
+
+std::string QuoteForGnuplot(std::string_view text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted.append(c == '\'' ? 2 : 1, c == '\n' ? ' ' : c);
+  return quoted + "'";
+}
+
+}  // namespace lake::figure

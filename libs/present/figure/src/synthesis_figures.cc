@@ -1,0 +1,143 @@
+#include "lake/figure/synthesis_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lake/core/colours.h"
+#include "lake/core/error.h"
+#include "lake/figure/gnuplot.h"
+
+namespace lake::figure {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+// Zero on a logarithmic axis.
+constexpr double kFloor = 1e-16;
+
+struct Range {
+  double lower, upper;
+};
+
+// Grey boxes over the stretches of a link's changes at which it cannot be assembled.
+void ShadeUnassembled(GnuplotFigure& figure, const std::vector<problem::SensitivityPoint>& points) {
+  for (std::size_t i = 0; i < points.size();) {
+    std::size_t end = i;
+    while (end < points.size() && std::isnan(points[end].range_deg)) ++end;
+    if (end > i)
+      figure.Line(
+          fmt::format("set object rectangle from first {}, graph 0 to first {}, graph 1 fillcolor rgb '{}' "
+                      "fillstyle solid noborder behind",
+                      points[i].delta_mm, points[end - 1].delta_mm, colour::kGap));
+    i = end + 1;
+  }
+}
+
+void DrawLinkPanel(GnuplotFigure& figure, const std::vector<problem::SensitivityPoint>& points,
+                   const linkage::Links& links, int link, Range range) {
+  std::vector<double> delta, feasible, infeasible;
+  for (const problem::SensitivityPoint& point : points) {
+    delta.push_back(point.delta_mm);
+    feasible.push_back(point.feasible ? point.range_deg : kNaN);
+    infeasible.push_back(point.range_deg);
+  }
+  const std::string data = figure.Data({delta, infeasible, feasible});
+  figure.Line("unset object");
+  ShadeUnassembled(figure, points);
+  figure.Line(fmt::format("set title '{} = {:.4g} mm' font ',12' offset 0,-0.6", problem::LinkName(link),
+                          links.Values()[link]));
+  figure.Line(fmt::format("set yrange [{}:{}]", range.lower, range.upper));
+  figure.Line(link >= 3 ? "set xlabel 'change, mm'" : "unset xlabel");
+  figure.Line(link % 3 == 0 ? "set ylabel 'range of rotation, deg'" : "unset ylabel");
+  figure.Line(
+      fmt::format("plot {0} using 1:2 with lines lw 1.5 dt 2 lc rgb '{1}' notitle, "
+                  "{0} using 1:3 with lines lw 3 lc rgb '{2}' notitle, "
+                  "'+' every ::0::0 using (0):({3}) with points pt 7 ps 1.2 lc rgb '{4}' notitle",
+                  data, colour::kOther, colour::kAnkle, points[points.size() / 2].range_deg, colour::kExoskeleton));
+}
+
+Range RangeOf(const std::vector<problem::SensitivityPoint>& points) {
+  Range range{1e9, -1e9};
+  for (const problem::SensitivityPoint& point : points)
+    if (std::isfinite(point.range_deg))
+      range = {std::min(range.lower, point.range_deg), std::max(range.upper, point.range_deg)};
+  const double edge = std::max(1.0, 0.08 * (range.upper - range.lower));
+  return {range.lower - edge, range.upper + edge};
+}
+
+}  // namespace
+
+void DrawSensitivity(const synthesis::Study& study, const std::filesystem::path& path) {
+  GnuplotFigure figure(1200, 800);
+  figure.Line("set multiplot layout 2,3 margins 0.07,0.98,0.14,0.88 spacing 0.06,0.13");
+  figure.Line(
+      "set label 1 'Range at the shortest stroke when one link is changed' at screen 0.5,0.965 center font ',15'");
+  figure.Line(
+      fmt::format("set label 2 'solid: feasible    dashed: can be assembled, but breaks a bound or a requirement    "
+                  "grey: cannot be assembled    "
+                  "dot: the optimum' at screen 0.5,0.03 center font ',12' textcolor rgb '{}'",
+                  colour::kText));
+  figure.Line("set grid lc rgb '#E8E8E8'");
+  figure.Line("set xrange [-5:5]");
+  const Range range = RangeOf(study.sensitivity);
+  for (int link = 0; link < 6; ++link) {
+    std::vector<problem::SensitivityPoint> points;
+    std::ranges::copy_if(study.sensitivity, std::back_inserter(points),
+                         [&](const problem::SensitivityPoint& point) { return point.link == link; });
+    DrawLinkPanel(figure, points, study.BestLinks(), link, range);
+    if (link == 0) figure.Line("unset label 1").Line("unset label 2");
+  }
+  figure.Line("unset multiplot").Write(path);
+}
+
+void DrawMargins(const synthesis::Study& study, const std::filesystem::path& path) {
+  std::vector<double> margin, range, yield;
+  for (const synthesis::MarginPoint& point : study.margins) {
+    margin.push_back(point.margin_mm);
+    range.push_back(point.range_deg);
+    yield.push_back(point.yield ? 100 * *point.yield : kNaN);
+  }
+  GnuplotFigure figure(1000, 640);
+  const std::string data = figure.Data({margin, range, yield});
+  figure.Line("set title 'What distance from both singularities costs' font ',15'");
+  figure.Line("set xlabel 'margin of Grashof''s law and of the actuator singularity, mm'");
+  figure.Line("set ylabel 'range of rotation, deg'").Line("set grid lc rgb '#E8E8E8'").Line("set key right center");
+  std::string plot = fmt::format(
+      "plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.9 lc rgb '{}' title 'largest range'", data, colour::kAnkle);
+  if (study.options.yield_tolerance_mm) {
+    figure.Line(fmt::format("set y2label 'builds that work with links at ±{} mm, all else exact, %'",
+                            *study.options.yield_tolerance_mm));
+    figure.Line("set y2range [0:105]").Line("set y2tics 20").Line("set ytics nomirror");
+    plot += fmt::format(", {} using 1:3 axes x1y2 with linespoints lw 2 dt 2 pt 5 ps 0.8 lc rgb '{}' title 'yield'",
+                        data, colour::kExoskeleton);
+  }
+  figure.Line(plot).Write(path);
+}
+
+void DrawConvergence(const synthesis::LocalSolve& solve, const std::string& objective,
+                     const std::filesystem::path& path) {
+  std::vector<double> number, range, violation, dual;
+  for (const nlp::NlpIteration& step : solve.history) {
+    number.push_back(static_cast<double>(number.size()));
+    range.push_back(-step.cost);
+    violation.push_back(std::max(kFloor, step.violation));
+    dual.push_back(std::max(kFloor, step.dual_infeasibility));
+  }
+  GnuplotFigure figure(1000, 720);
+  const std::string data = figure.Data({number, range, violation, dual});
+  figure.Line("set multiplot layout 2,1 margins 0.1,0.97,0.1,0.93 spacing 0.1,0.09");
+  figure.Line("set grid lc rgb '#E8E8E8'")
+      .Line("set title 'Convergence from the start that gave the optimum' font ',15'");
+  figure.Line(fmt::format("set ylabel {}", QuoteForGnuplot(objective))).Line("set format x ''");
+  figure.Line(
+      fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.8 lc rgb '{}' notitle", data, colour::kAnkle));
+  figure.Line("unset title").Line("set format x '%g'").Line("set xlabel 'iteration'");
+  figure.Line("set logscale y").Line("set format y '10^{%L}'").Line("set ylabel 'error'").Line("set key top right");
+  figure.Line(
+      fmt::format("plot {0} using 1:3 with linespoints lw 2 pt 7 ps 0.8 lc rgb '{1}' title 'constraint violation', "
+                  "{0} using 1:4 with linespoints lw 2 pt 5 ps 0.8 lc rgb '{2}' title 'dual infeasibility'",
+                  data, colour::kExoskeleton, colour::kHip));
+  figure.Line("unset multiplot").Write(path);
+}
+
+}  // namespace lake::figure

@@ -1,0 +1,378 @@
+#include "overlay_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <utility>
+
+#include "lake/core/colours.h"
+#include "lake/core/error.h"
+
+namespace lake::overlay {
+namespace {
+
+constexpr std::array<std::pair<const char*, const char*>, 3> kBones = {
+    {{"ankle", "knee"}, {"knee", "hip"}, {"hip", "waist"}}};
+constexpr double kEventShown_s = 1.0;
+constexpr double kRing = 10, kPanelWidth = 236, kPanelPadding = 10;  // in units
+
+cv::Rect2d Around(cv::Point2d a, cv::Point2d b, double margin) {
+  return {std::min(a.x, b.x) - margin, std::min(a.y, b.y) - margin, std::abs(a.x - b.x) + 2 * margin,
+          std::abs(a.y - b.y) + 2 * margin};
+}
+
+std::string ShownName(motion::StsEventKind kind) {
+  std::string name(motion::ToString(kind));
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+}  // namespace
+
+OverlayScene::OverlayScene(const OverlayContent& content, const OverlayOptions& options,
+                           const video::VideoInfo& recorded, cv::Size shown)
+    : content_(content),
+      options_(options),
+      scale_(static_cast<double>(shown.width) / recorded.width, static_cast<double>(shown.height) / recorded.height),
+      layer_(shown, recorded.bt709),
+      draw_(layer_.Context()),
+      labels_(shown),
+      unit_px_(std::max(0.55, std::min(shown.width, shown.height) / 720.0)),
+      line_height_px_(20 * unit_px_) {
+  cairo_select_font_face(draw_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(draw_, 14 * unit_px_);
+  cairo_font_extents_t font;
+  cairo_font_extents(draw_, &font);
+  middle_to_base_px_ = (font.ascent - font.descent) / 2;
+  ChooseDecimals();
+  PlacePanel();
+}
+
+void OverlayScene::DrawOnto(cv::Mat& i420, std::int64_t frame, double time_s) {
+  const std::optional<std::size_t> row = TrackRow(frame);
+  const motion::LegSample* leg = Leg(frame);
+  labels_.Begin();
+  labels_.Avoid(panel_);
+  if (row) {
+    const auto& markers = content_.tracks.markers;
+    for (const motion::MarkerTrack& marker : markers) DrawTrail(marker, *row);
+    DrawSkeleton(*row);
+    for (const motion::MarkerTrack& marker : markers)
+      if (marker.samples[*row].IsKnown()) DrawRing(marker, marker.samples[*row]);
+    if (leg) DrawAngle(*row, *leg);
+    for (const motion::MarkerTrack& marker : markers)
+      if (marker.samples[*row].IsKnown())
+        DrawLabel(marker.name, Shown(marker.samples[*row].position), (kRing + 6) * unit_px_, 0.45);
+  }
+  DrawPanel(row, frame, time_s, leg);
+  layer_.BlendOnto(i420);
+}
+
+OverlayScene::Colour OverlayScene::MarkerColour(const std::string& name) {
+  const char* hex = name == "ankle"           ? colour::kAnkle
+                    : name == "knee"          ? colour::kKnee
+                    : name == "hip"           ? colour::kHip
+                    : name == "waist"         ? colour::kWaist
+                    : name.starts_with("exo") ? colour::kExoskeleton
+                                              : colour::kOther;
+  const long rgb = std::strtol(hex + 1, nullptr, 16);
+  return {static_cast<double>(rgb >> 16) / 255, static_cast<double>(rgb >> 8 & 255) / 255,
+          static_cast<double>(rgb & 255) / 255};
+}
+
+// Pixel centres are whole numbers for us, and at a half for cairo and for scaling.
+cv::Point2d OverlayScene::Shown(const Eigen::Vector2d& recorded_px) const {
+  return {(recorded_px.x() + 0.5) * scale_.x, (recorded_px.y() + 0.5) * scale_.y};
+}
+
+std::optional<std::size_t> OverlayScene::TrackRow(std::int64_t frame) const {
+  const auto& frames = content_.tracks.frame;
+  const auto found = std::lower_bound(frames.begin(), frames.end(), frame);
+  if (found == frames.end() || *found != frame) return std::nullopt;
+  return static_cast<std::size_t>(found - frames.begin());
+}
+
+const motion::LegSample* OverlayScene::Leg(std::int64_t frame) const {
+  if (!content_.motion) return nullptr;
+  const auto& frames = content_.motion->frame;
+  const auto found = std::lower_bound(frames.begin(), frames.end(), frame);
+  if (found == frames.end() || *found != frame) return nullptr;
+  const motion::LegSample& leg = content_.motion->samples[static_cast<std::size_t>(found - frames.begin())];
+  return std::isfinite(leg.knee_deg) ? &leg : nullptr;
+}
+
+std::optional<cv::Point2d> OverlayScene::Place(const char* marker, std::size_t row) const {
+  const motion::MarkerTrack* track = content_.tracks.Find(marker);
+  if (!track || !track->samples[row].IsKnown()) return std::nullopt;
+  return Shown(track->samples[row].position);
+}
+
+const motion::StsEvent* OverlayScene::RecentEvent(double time_s) const {
+  const motion::StsEvent* recent = nullptr;
+  if (!content_.events) return recent;
+  for (const motion::StsEvent& event : *content_.events) {
+    const bool just_happened = event.time_s <= time_s && time_s < event.time_s + kEventShown_s;
+    if (just_happened && (!recent || event.time_s > recent->time_s)) recent = &event;
+  }
+  return recent;
+}
+
+void OverlayScene::ChooseDecimals() {
+  if (!content_.motion) return;
+  std::vector<double> sigmas;
+  for (const motion::LegSample& leg : content_.motion->samples)
+    if (std::isfinite(leg.knee_sigma_deg)) sigmas.push_back(leg.knee_sigma_deg);
+  if (sigmas.empty()) return;
+  const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
+  std::nth_element(sigmas.begin(), middle, sigmas.end());
+  decimals_ = *middle < 0.1 ? 2 : 1;
+}
+
+// In the corner through which the fewest markers go.
+void OverlayScene::PlacePanel() {
+  const std::size_t lines = 2 + (content_.motion ? 2 : 0) + content_.tracks.markers.size();
+  const cv::Size2d size(kPanelWidth * unit_px_,
+                        static_cast<double>(lines) * line_height_px_ + 2 * kPanelPadding * unit_px_);
+  const double margin = 12 * unit_px_, right = layer_.Size().width - size.width - margin,
+               bottom = layer_.Size().height - size.height - margin;
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (const cv::Point2d corner : {cv::Point2d(margin, margin), cv::Point2d(right, margin), cv::Point2d(margin, bottom),
+                                   cv::Point2d(right, bottom)}) {
+    std::size_t hits = 0;
+    for (const motion::MarkerTrack& marker : content_.tracks.markers)
+      for (const motion::MarkerSample& sample : marker.samples)
+        hits += sample.IsKnown() && Around(corner, corner + cv::Point2d(size.width, size.height), 2 * kRing * unit_px_)
+                                        .contains(Shown(sample.position));
+    if (hits < fewest) fewest = hits, panel_ = cv::Rect2d(corner, size);
+  }
+}
+
+// In steps of equal age, each with one strength.
+void OverlayScene::DrawTrail(const motion::MarkerTrack& marker, std::size_t row) {
+  constexpr int kSteps = 10;
+  const auto& time_s = content_.tracks.time_s;
+  cairo_set_line_width(draw_, 2 * unit_px_);
+  cairo_set_line_cap(draw_, CAIRO_LINE_CAP_BUTT);
+  cairo_set_line_join(draw_, CAIRO_LINE_JOIN_ROUND);
+  const auto step = [&](std::size_t i) {
+    return static_cast<int>((time_s[row] - time_s[i]) / options_.trail_s * kSteps);
+  };
+  std::size_t i = row;
+  while (i > 0 && step(i) < kSteps) {
+    const int strength = kSteps - step(i);
+    bool any = false;
+    for (const int now = step(i); i > 0 && step(i) == now; --i) {
+      if (!marker.samples[i].IsKnown() || !marker.samples[i - 1].IsKnown()) continue;
+      const cv::Point2d newer = Shown(marker.samples[i].position), older = Shown(marker.samples[i - 1].position);
+      if (!cairo_has_current_point(draw_)) cairo_move_to(draw_, newer.x, newer.y);
+      cairo_line_to(draw_, older.x, older.y);
+      layer_.Touch(Around(newer, older, 3 * unit_px_));
+      any = true;
+    }
+    SetColour(MarkerColour(marker.name), 0.9 * strength / kSteps);
+    if (any) cairo_stroke(draw_);
+  }
+}
+
+void OverlayScene::DrawSkeleton(std::size_t row) {
+  cairo_set_line_cap(draw_, CAIRO_LINE_CAP_ROUND);
+  const double ring = (kRing + 1.5) * unit_px_;
+  for (const auto& [lower, upper] : kBones) {
+    const auto a = Place(lower, row), b = Place(upper, row);
+    if (!a || !b) continue;
+    labels_.AvoidLine(*a, *b);
+    const double length = cv::norm(*b - *a);
+    if (length <= 2 * ring) continue;
+    const cv::Point2d along = (*b - *a) * (ring / length);  // the markers themselves stay free
+    SetColour({0, 0, 0}, 0.35);
+    Stroke(*a + along, *b - along, 4.5 * unit_px_);
+    SetColour({1, 1, 1}, 0.85);
+    Stroke(*a + along, *b - along, 2 * unit_px_);
+  }
+}
+
+void OverlayScene::DrawRing(const motion::MarkerTrack& marker, const motion::MarkerSample& sample) {
+  const cv::Point2d centre = Shown(sample.position);
+  const double radius = kRing * unit_px_;
+  const bool detected = sample.status == motion::SampleStatus::kDetected;
+  cairo_new_path(draw_);
+  cairo_set_line_cap(draw_, CAIRO_LINE_CAP_BUTT);
+  cairo_arc(draw_, centre.x, centre.y, radius, 0, 2 * CV_PI);
+  SetColour({0, 0, 0}, 0.4);
+  cairo_set_line_width(draw_, (detected ? 5 : 3.5) * unit_px_);
+  cairo_stroke_preserve(draw_);
+  SetColour(MarkerColour(marker.name));
+  cairo_set_line_width(draw_, (detected ? 3 : 1.8) * unit_px_);
+  const double dash = 2 * CV_PI * radius / 16;
+  if (!detected) cairo_set_dash(draw_, &dash, 1, 0);
+  cairo_stroke(draw_);
+  cairo_set_dash(draw_, nullptr, 0, 0);
+  layer_.Touch(Around(centre, centre, radius + 4 * unit_px_));
+  labels_.Avoid(Around(centre, centre, radius + 3 * unit_px_));
+}
+
+// Flexion: from the shank's own line beyond the knee to the thigh.
+void OverlayScene::DrawAngle(std::size_t row, const motion::LegSample& leg) {
+  const auto ankle = Place("ankle", row), knee = Place("knee", row), hip = Place("hip", row);
+  if (!ankle || !knee || !hip) return;
+  const cv::Point2d shank = *knee - *ankle, thigh = *hip - *knee;
+  const double radius = std::clamp(0.35 * std::min(cv::norm(shank), cv::norm(thigh)), 18 * unit_px_, 52 * unit_px_);
+  if (cv::norm(shank) < 1 || cv::norm(thigh) < 1) return;
+  const cv::Point2d beyond = shank * (1.25 * radius / cv::norm(shank)),
+                    inside = shank * ((kRing + 1.5) * unit_px_ / cv::norm(shank));
+  const double from = std::atan2(shank.y, shank.x),
+               turn = std::remainder(std::atan2(thigh.y, thigh.x) - from, 2 * CV_PI);
+
+  const Colour knee_colour = MarkerColour("knee");
+  const double dash = 4 * unit_px_;
+  cairo_set_line_cap(draw_, CAIRO_LINE_CAP_BUTT);
+  cairo_set_dash(draw_, &dash, 1, 0);
+  SetColour({1, 1, 1}, 0.8);
+  Stroke(*knee + inside, *knee + beyond, 1.5 * unit_px_);
+  cairo_set_dash(draw_, nullptr, 0, 0);
+
+  const auto arc = turn >= 0 ? cairo_arc : cairo_arc_negative;
+  cairo_new_path(draw_);
+  cairo_move_to(draw_, knee->x, knee->y);
+  arc(draw_, knee->x, knee->y, radius, from, from + turn);
+  cairo_close_path(draw_);
+  SetColour(knee_colour, 0.18);
+  cairo_fill(draw_);
+  arc(draw_, knee->x, knee->y, radius, from, from + turn);
+  SetColour(knee_colour);
+  cairo_set_line_width(draw_, 2.5 * unit_px_);
+  cairo_stroke(draw_);
+  layer_.Touch(Around(*knee, *knee, 1.25 * radius + 4 * unit_px_));
+
+  labels_.AvoidLine(*knee, *knee + beyond);
+  const cv::Point2d bow(std::cos(from + turn / 2), std::sin(from + turn / 2));
+  labels_.Avoid(Around(*knee + bow * radius, *knee + bow * radius, 6 * unit_px_));
+  DrawLabel(AngleText(leg), *knee + bow * radius, 12 * unit_px_, 0.6);
+}
+
+void OverlayScene::DrawLabel(const std::string& text, cv::Point2d centre, double radius_px, double alpha) {
+  const double padding = 4 * unit_px_;
+  const cv::Size2d size(TextWidth(text) + 2 * padding, line_height_px_);
+  const bool is_angle = text.find("°") != std::string::npos;  // its text changes, its place is remembered as one
+  const cv::Rect2d box(labels_.Place(is_angle ? "°" : text, centre, radius_px, size), size);
+  Box(box, {0, 0, 0}, alpha);
+  Text(text, {box.x + padding, box.y + box.height / 2}, {1, 1, 1});
+}
+
+void OverlayScene::DrawPanel(std::optional<std::size_t> row, std::int64_t frame, double time_s,
+                             const motion::LegSample* leg) {
+  constexpr Colour kWhite = {1, 1, 1}, kDim = {0.72, 0.72, 0.72};
+  Box(panel_, {0.05, 0.05, 0.07}, 0.62);
+  const double left = panel_.x + kPanelPadding * unit_px_, right = panel_.x + panel_.width - kPanelPadding * unit_px_;
+  double y = panel_.y + kPanelPadding * unit_px_ + line_height_px_ / 2;
+  const std::string number = fmt::format("frame {}", frame);
+  Text(fmt::format("{:.3f} s", time_s), {left, y}, kWhite);
+  Text(number, {right - TextWidth(number), y}, kDim);
+  y += line_height_px_;
+  if (content_.motion) {
+    const std::string angle = leg ? AngleText(*leg) : "unknown";
+    Text("knee flexion", {left, y}, kDim);
+    Text(angle, {right - TextWidth(angle), y}, leg ? MarkerColour("knee") : kDim);
+    y += line_height_px_;
+    DrawProgress(y, leg);
+    y += line_height_px_;
+  }
+  if (const motion::StsEvent* event = RecentEvent(time_s)) {
+    const std::string which = fmt::format("repetition {}", event->repetition);
+    Text(ShownName(event->kind), {left, y}, {1, 0.85, 0.35});
+    Text(which, {right - TextWidth(which), y}, kDim);
+  } else if (!content_.note.empty()) {
+    Text(content_.note, {left, y}, {1, 0.85, 0.35});
+  }
+  y += line_height_px_;
+  for (const motion::MarkerTrack& marker : content_.tracks.markers) {
+    DrawState(marker, row ? marker.samples[*row] : motion::MarkerSample{}, y);
+    y += line_height_px_;
+  }
+}
+
+void OverlayScene::DrawProgress(double y, const motion::LegSample* leg) {
+  constexpr Colour kDim = {0.72, 0.72, 0.72};
+  const double left = panel_.x + kPanelPadding * unit_px_, right = panel_.x + panel_.width - kPanelPadding * unit_px_;
+  if (!leg || !leg->repetition || !std::isfinite(leg->percent)) {
+    Text("between stand-ups", {left, y}, kDim);
+    return;
+  }
+  const std::string percent = fmt::format("{:.0f} %", leg->percent);
+  Text(fmt::format("rising {}", *leg->repetition), {left, y}, kDim);
+  Text(percent, {right - TextWidth(percent), y}, {1, 1, 1});
+  const double start = left + 72 * unit_px_, end = right - 50 * unit_px_, height = 5 * unit_px_;
+  const cv::Rect2d bar(start, y - height / 2, end - start, height);
+  Box(bar, {1, 1, 1}, 0.25);
+  const double done = std::clamp(leg->percent / 100, 0.0, 1.0);
+  Box({bar.x, bar.y, std::max(height, bar.width * done), height}, MarkerColour("knee"), 1);
+}
+
+void OverlayScene::DrawState(const motion::MarkerTrack& marker, const motion::MarkerSample& sample, double y) {
+  constexpr Colour kDim = {0.72, 0.72, 0.72};
+  const double left = panel_.x + kPanelPadding * unit_px_, right = panel_.x + panel_.width - kPanelPadding * unit_px_;
+  const double radius = 4.5 * unit_px_;
+  cairo_new_path(draw_);
+  cairo_arc(draw_, left + radius, y, radius, 0, 2 * CV_PI);
+  SetColour(MarkerColour(marker.name), sample.IsKnown() ? 1 : 0.3);
+  cairo_set_line_width(draw_, 1.5 * unit_px_);
+  sample.status == motion::SampleStatus::kDetected ? cairo_fill(draw_) : cairo_stroke(draw_);
+  const bool missing = !sample.IsKnown();
+  Text(marker.name, {left + 3.2 * radius, y}, missing ? kDim : Colour{1, 1, 1});
+  const std::string state =
+      missing ? "missing" : fmt::format("{} ±{:.2f} px", motion::ToString(sample.status), sample.sigma);
+  Text(state, {right - TextWidth(state), y},
+       sample.status == motion::SampleStatus::kDetected ? kDim : Colour{1, 0.85, 0.35});
+}
+
+void OverlayScene::Stroke(cv::Point2d from, cv::Point2d to, double width_px) {
+  cairo_set_line_width(draw_, width_px);
+  cairo_move_to(draw_, from.x, from.y);
+  cairo_line_to(draw_, to.x, to.y);
+  cairo_stroke(draw_);
+  // Along the line, piece by piece: the box round a slanting line is large.
+  const int pieces = 1 + static_cast<int>(cv::norm(to - from) / 32);
+  for (int i = 0; i < pieces; ++i)
+    layer_.Touch(Around(from + (to - from) * (static_cast<double>(i) / pieces),
+                        from + (to - from) * (static_cast<double>(i + 1) / pieces), width_px));
+}
+
+void OverlayScene::Box(const cv::Rect2d& area, const Colour& colour, double alpha) {
+  const double r = std::min(4 * unit_px_, area.height / 2), right = area.x + area.width, bottom = area.y + area.height;
+  cairo_new_path(draw_);
+  cairo_arc(draw_, right - r, area.y + r, r, -CV_PI / 2, 0);
+  cairo_arc(draw_, right - r, bottom - r, r, 0, CV_PI / 2);
+  cairo_arc(draw_, area.x + r, bottom - r, r, CV_PI / 2, CV_PI);
+  cairo_arc(draw_, area.x + r, area.y + r, r, CV_PI, 1.5 * CV_PI);
+  cairo_close_path(draw_);
+  SetColour(colour, alpha);
+  cairo_fill(draw_);
+  layer_.Touch(area);
+}
+
+void OverlayScene::SetColour(const Colour& colour, double alpha) {
+  cairo_set_source_rgba(draw_, colour.r, colour.g, colour.b, alpha);
+}
+
+// Only inside boxes, which say where something was drawn.
+void OverlayScene::Text(const std::string& text, cv::Point2d left_middle, const Colour& colour) {
+  SetColour(colour);
+  cairo_move_to(draw_, left_middle.x, left_middle.y + middle_to_base_px_);
+  cairo_show_text(draw_, text.c_str());
+  cairo_new_path(draw_);
+}
+
+double OverlayScene::TextWidth(const std::string& text) {
+  cairo_text_extents_t extents;
+  cairo_text_extents(draw_, text.c_str(), &extents);
+  return extents.x_advance;
+}
+
+std::string OverlayScene::AngleText(const motion::LegSample& leg) const {
+  if (!std::isfinite(leg.knee_sigma_deg)) return fmt::format("{:.{}f}°", leg.knee_deg, decimals_);
+  return fmt::format("{:.{}f}° ± {:.{}f}°", leg.knee_deg, decimals_, leg.knee_sigma_deg, decimals_);
+}
+
+}  // namespace lake::overlay

@@ -1,0 +1,186 @@
+#include "misalignment_charts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "html.h"
+#include "lake/core/colours.h"
+#include "lake/core/json.h"
+#include "lake/report/misalignment_sections.h"
+
+namespace lake::report {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* kPlacement = colour::kAnkle;
+constexpr const char* kTiming = colour::kHip;
+constexpr const char* kShape = colour::kWaist;
+const Axis kPercentAxis{"sit-to-stand (%)", 0, 100};
+
+std::vector<double> Scaled(std::vector<double> values, double factor) {
+  for (double& value : values) value *= factor;
+  return values;
+}
+
+std::vector<std::string> PercentLabels(const std::vector<double>& percents) {
+  std::vector<std::string> labels;
+  for (const double percent : percents) labels.push_back(fmt::format("{:g} %", percent));
+  return labels;
+}
+
+// Between both knees at the same percent.
+Series Ties(const Series& human, const Series& exo) {
+  constexpr std::size_t kStep = 10;
+  Series ties{.name = fmt::format("same moment, every {} %", kStep), .colour = "#999999", .mark = Mark::kThin};
+  for (std::size_t i = 0; i < human.x.size(); i += kStep) {
+    ties.x.insert(ties.x.end(), {human.x[i], exo.x[i], kNaN}),
+        ties.y.insert(ties.y.end(), {human.y[i], exo.y[i], kNaN});
+    ties.labels.insert(ties.labels.end(), {human.labels[i], exo.labels[i], ""});
+  }
+  return ties;
+}
+
+Series Onset(const Series& human, const Series& exo) {
+  Series onset{.name = "onset", .colour = colour::kText, .mark = Mark::kPoints};
+  onset.x = {human.x.front(), exo.x.front()}, onset.y = {human.y.front(), exo.y.front()};
+  onset.labels = {human.labels.front(), exo.labels.front()};
+  return onset;
+}
+
+Series Level(double value, std::string name, std::string colour, Mark mark) {
+  Series level;
+  level.name = std::move(name), level.colour = std::move(colour), level.mark = mark;
+  level.x = {0, 100}, level.y = {value, value};
+  return level;
+}
+
+std::vector<double> Lengths(const std::vector<double>& x, const std::vector<double>& y) {
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < x.size(); ++i) lengths.push_back(std::hypot(x[i], y[i]));
+  return lengths;
+}
+
+// The relative error in percent of the shank, with ± 1 SD over the pairs of repetitions if there are several.
+Series ErrorSeries(const Json& curves) {
+  Series error;
+  error.name = "relative error", error.colour = colour::kExoskeleton;
+  error.x = NumbersOrNaN(curves.at("percent")), error.y = Scaled(NumbersOrNaN(curves.at("relative_error")), 100);
+  const std::vector<double> sd = Scaled(NumbersOrNaN(curves.at("relative_error_sd")), 100);
+  for (std::size_t i = 0; i < sd.size(); ++i)
+    error.lower.push_back(std::max(0.0, error.y[i] - sd[i])), error.upper.push_back(error.y[i] + sd[i]);
+  return error;
+}
+
+Series SpikesOf(const Series& error, const Json& spike) {
+  Series spikes;
+  spikes.name = "spike", spikes.colour = colour::kWaist, spikes.mark = Mark::kPoints;
+  for (std::size_t i = 0; i < error.x.size(); ++i) {
+    if (!spike.at(i).get<bool>()) continue;
+    spikes.x.push_back(error.x[i]), spikes.y.push_back(error.y[i]);
+  }
+  return spikes;
+}
+
+}  // namespace
+
+LineChart KneePathsChart(const Json& comparison) {
+  const Json& curves = comparison.at("curves");
+  const auto path = [&](const std::string& prefix, const char* name, const char* colour) {
+    Series series;
+    series.name = name, series.colour = colour;
+    series.x = NumbersOrNaN(curves.at(prefix + "_x_mm")), series.y = NumbersOrNaN(curves.at(prefix + "_y_mm"));
+    series.labels = PercentLabels(NumbersOrNaN(curves.at("percent")));
+    return series;
+  };
+  const Series human = path("human_knee", "human knee", colour::kHuman);
+  const Series exo = path("exo_knee", "exoskeleton knee", colour::kExoskeleton);
+  LineChart chart;
+  chart.title = "Both knees on the sagittal plane";
+  chart.alt = "Paths of the human knee and of the exoskeleton's knee during sit-to-stand, seen from the side";
+  chart.caption = "Mean paths in the leg frame: origin at the seated ankle, x forward, y up.";
+  chart.x.label = "anterior (mm)", chart.y.label = "up (mm)";
+  chart.equal_scales = true;
+  chart.series = {human, exo, Ties(human, exo), Onset(human, exo)};
+  return chart;
+}
+
+LineChart RelativeErrorChart(const Json& comparison) {
+  const Json& curves = comparison.at("curves");
+  const double rms = 100 * NumberOrNaN(comparison.at("metrics").at("relative_rms"));
+  const double floor = 100 * NumberOrNaN(comparison.at("noise_floor_relative"));
+  LineChart chart;
+  chart.title = "Relative error over the rise";
+  chart.alt = fmt::format("Distance of the knees in percent of the shank over sit-to-stand; RMS {:.2f} %", rms);
+  chart.x = kPercentAxis, chart.y = {"relative error (% of the shank)", 0, std::nullopt};
+  const Series error = ErrorSeries(curves);
+  if (!error.lower.empty()) chart.caption = "Band: ± 1 SD over all pairs of a human and an exoskeleton repetition.";
+  chart.series = {error, Level(rms, fmt::format("RMS {:.2f} %", rms), colour::kText, Mark::kDashed),
+                  Level(floor, fmt::format("noise floor {:.2f} %", floor), colour::kAnkle, Mark::kDotted)};
+  Series spikes = SpikesOf(error, curves.at("spike"));
+  if (!spikes.x.empty()) chart.series.push_back(std::move(spikes));
+  return chart;
+}
+
+BarChart DecompositionChart(const Json& comparison) {
+  BarChart chart;
+  chart.title = "What the misalignment is made of";
+  chart.value_axis.label = "share of the mean square distance (%)";
+  BarSeries share;
+  share.name = "share", share.colours = {kPlacement, kTiming, kShape};
+  for (const char* name : {"placement", "timing", "shape"}) {
+    const Json& part = comparison.at("decomposition").at(name);
+    chart.categories.push_back(name);
+    share.values.push_back(100 * NumberOrNaN(part.at("fraction")));
+    if (part.at("interval").is_null()) continue;
+    share.lower.push_back(100 * NumberOrNaN(part.at("interval").at(0)));
+    share.upper.push_back(100 * NumberOrNaN(part.at("interval").at(1)));
+  }
+  chart.alt = std::isfinite(share.values[0])
+                  ? fmt::format("Placement {} %, timing {} %, shape {} %", FormatNumber(share.values[0], 1),
+                                FormatNumber(share.values[1], 1), FormatNumber(share.values[2], 1))
+                  : "Both paths are one; there are no parts";
+  if (!share.lower.empty()) chart.caption = "Whiskers: 95 % intervals.";
+  chart.series = {std::move(share)};
+  return chart;
+}
+
+LineChart PartsChart(const Json& comparison) {
+  const Json& curves = comparison.at("curves");
+  LineChart chart;
+  chart.title = "Size of each part over the rise";
+  chart.caption = "Lengths of three vectors that add up to the distance vector; they need not add up as lengths.";
+  chart.x = kPercentAxis, chart.y = {"length (mm)", 0, std::nullopt};
+  const auto part = [&](const std::string& name, const char* colour, Mark mark) {
+    Series series;
+    series.name = name, series.colour = colour, series.mark = mark;
+    series.x = NumbersOrNaN(curves.at("percent"));
+    series.y = Lengths(NumbersOrNaN(curves.at(name + "_x_mm")), NumbersOrNaN(curves.at(name + "_y_mm")));
+    return series;
+  };
+  chart.series = {part("placement", kPlacement, Mark::kLine), part("timing", kTiming, Mark::kDashed),
+                  part("shape", kShape, Mark::kDotted)};
+  return chart;
+}
+
+LineChart KneeAnglesChart(const Json& comparison) {
+  const Json& curves = comparison.at("curves");
+  LineChart chart;
+  chart.title = "Knee angles";
+  chart.alt = "Knee angles of both trials over sit-to-stand";
+  chart.caption =
+      fmt::format("0° is straight. RMS difference {:.2f}°.", NumberOrNaN(comparison.at("metrics").at("knee_rmse_deg")));
+  chart.x = kPercentAxis, chart.y.label = "knee flexion (°)";
+  Series human, exo;
+  human.name = "human", human.colour = colour::kHuman;
+  exo.name = "exoskeleton", exo.colour = colour::kExoskeleton, exo.mark = Mark::kDashed;
+  human.x = exo.x = NumbersOrNaN(curves.at("percent"));
+  human.y = NumbersOrNaN(curves.at("human_knee_deg")), exo.y = NumbersOrNaN(curves.at("exo_knee_deg"));
+  chart.series = {std::move(human), std::move(exo)};
+  return chart;
+}
+
+}  // namespace lake::report

@@ -1,0 +1,214 @@
+#include "lake/report/misalignment_sections.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "html.h"
+#include "lake/compare/knee_axis.h"
+#include "lake/compare/misalignment.h"
+#include "lake/core/json.h"
+#include "misalignment_charts.h"
+
+namespace lake::report {
+
+namespace {
+
+// "95 %: 8.10 to 9.00 %", or nothing where there is none.
+std::string IntervalNote(const Json& parent, const char* name, double factor, const char* unit) {
+  if (!parent.contains(name) || parent.at(name).is_null()) return "";
+  const Json& interval = parent.at(name);
+  return fmt::format("95 %: {} to {} {}", FormatNumber(factor * NumberOrNaN(interval.at(0)), 2),
+                     FormatNumber(factor * NumberOrNaN(interval.at(1)), 2), unit);
+}
+
+std::string OffsetNote(const Json& decomposition, std::size_t axis) {
+  if (!decomposition.contains("offset_interval_mm")) return "";
+  return IntervalNote({{"axis", decomposition.at("offset_interval_mm").at(axis)}}, "axis", 1, "mm");
+}
+
+Section KeySection(const Json& comparison) {
+  const Json& repetitions = comparison.at("repetitions");
+  const Json& duration = comparison.at("duration_s");
+  Section section{"The misalignment", {MisalignmentKeyFigures(comparison)}};
+  section.blocks.push_back(Paragraph{fmt::format(
+      "Compared are the means of {} repetitions of the human trial ({:.2f} s from onset to standing) and {} of the "
+      "exoskeleton trial ({:.2f} s). The shank is {:.0f} mm long. Recording noise and putting the marker back alone "
+      "would show {:.2f} mm RMS, or {:.2f} % of the shank.",
+      repetitions.at("human").get<int>(), NumberOrNaN(duration.at("human")), repetitions.at("exo").get<int>(),
+      NumberOrNaN(duration.at("exo")), NumberOrNaN(comparison.at("shank_mm")),
+      NumberOrNaN(comparison.at("noise_floor_mm")), 100 * NumberOrNaN(comparison.at("noise_floor_relative")))});
+  return section;
+}
+
+Section PathsSection(const Json& comparison) {
+  LineChart paths = KneePathsChart(comparison), angles = KneeAnglesChart(comparison);
+  paths.width = angles.width = Width::kHalf;
+  return {"Where the knees go", {std::move(paths), std::move(angles), RelativeErrorChart(comparison)}};
+}
+
+Section PartsSection(const Json& comparison) {
+  BarChart shares = DecompositionChart(comparison);
+  LineChart parts = PartsChart(comparison);
+  shares.width = parts.width = Width::kHalf;
+  const Paragraph what{
+      "Placement is an offset constant in the frame of the shank, which moving the joint removes; timing is a change "
+      "of pace within the rise, which the stroke program can remove; shape is the rest, noise included."};
+  return {"Placement, timing, shape",
+          {Paragraph{DecompositionAdvice(comparison)}, std::move(shares), std::move(parts), what}};
+}
+
+struct MetricRow {
+  const char* name;
+  const char* what;
+  double factor;
+};
+constexpr MetricRow kMetricRows[] = {
+    {"relative_rms", "relative error, RMS (% of the shank)", 100},
+    {"relative_max", "relative error, largest (%)", 100},
+    {"relative_p95", "relative error, 95th percentile (%)", 100},
+    {"rms_mm", "distance, RMS (mm)", 1},
+    {"mean_mm", "distance, mean (mm)", 1},
+    {"max_mm", "distance, largest (mm)", 1},
+    {"p95_mm", "distance, 95th percentile (mm)", 1},
+    {"closest_point_rms_mm", "to the closest point of the human path, RMS (mm)", 1},
+    {"hausdorff_mm", "Hausdorff distance of the paths (mm)", 1},
+    {"frechet_mm", "discrete Fréchet distance of the paths (mm)", 1},
+    {"knee_rmse_deg", "knee angles, RMS difference (°)", 1},
+    {"cmc", "knee angles, coefficient of multiple correlation", 1},
+    {"linear_fit_slope", "knee angles, linear fit: slope", 1},
+    {"linear_fit_intercept_deg", "knee angles, linear fit: intercept (°)", 1},
+    {"linear_fit_r2", "knee angles, linear fit: R²", 1},
+    {"relative_paper_rms", "|Δy| / |y| as the paper plots it, RMS (%)", 100},
+    {"relative_paper_max", "|Δy| / |y| as the paper plots it, largest (%)", 100},
+};
+
+Section MetricsSection(const Json& comparison) {
+  const Json& metrics = comparison.at("metrics");
+  const int spikes = comparison.at("spikes").get<int>();
+  Table table{fmt::format("All figures; {} of 101 samples {} marked as {}", spikes, spikes == 1 ? "is" : "are",
+                          spikes == 1 ? "a spike" : "spikes"),
+              {{"Figure"}, {"All samples", 3}, {"Without spikes", 3}},
+              {}};
+  for (const MetricRow& row : kMetricRows)
+    table.rows.push_back({row.what, row.factor * NumberOrNaN(metrics.at(row.name)),
+                          row.factor * NumberOrNaN(metrics.at(std::string(row.name) + "_without_spikes"))});
+  return {"Figures", {std::move(table)}};
+}
+
+Section KneeAxisSection(const Json& comparison) {
+  const Json& axis = comparison.at("knee_axis");
+  const std::vector<double> angles = [&] {
+    std::vector<double> deg;
+    for (const double angle : NumbersOrNaN(comparison.at("curves").at("human_knee_deg")))
+      if (std::isfinite(angle)) deg.push_back(angle);
+    return deg;
+  }();
+  const auto [low, high] = std::minmax_element(angles.begin(), angles.end());
+  std::string text = "The human knee rolls and slides, so no hinge follows it exactly. ";
+  text += fmt::format(
+      "In the knee model of Yamaguchi and Zajac the best hinge for this subject's {} to {}° leaves a gap of {:.2f} mm "
+      "RMS and {:.2f} mm at most (at {:.0f}°). A hinge beside the best one by δ adds 2 δ sin(θ/2): 10 mm add {:.1f} mm "
+      "at 90°. Where the joint sits matters, the moving axis hardly does.",
+      FormatNumber(*low, 0), FormatNumber(*high, 0), NumberOrNaN(axis.at("gap_rms_mm")),
+      NumberOrNaN(axis.at("gap_max_mm")), NumberOrNaN(axis.at("gap_max_at_deg")), compare::OffsetGap(10, 90));
+  return {"The knee's moving axis", {Paragraph{std::move(text)}}};
+}
+
+constexpr std::array<const char*, 3> kParts = {"placement", "timing", "shape"};
+
+// Where the joint sits: on the exo trial's own leg if it is shown, else the fitted offset.
+Eigen::Vector2d JointOf(const Json& comparison) {
+  const Json mount = comparison.value("mount_mm", Json());
+  const Json& joint = mount.is_null() ? comparison.at("decomposition").at("offset_mm") : mount;
+  return {NumberOrNaN(joint.at(0)), NumberOrNaN(joint.at(1))};
+}
+
+// What the part is for the designer.
+std::string PartAdvice(const std::string& part, const Json& comparison) {
+  const Json& parts = comparison.at("decomposition");
+  if (part == "timing")
+    return fmt::format(
+        "timing: the exoskeleton runs at another pace within the rise ({:.1f} % RMS), which the stroke program and the "
+        "linkage's angle over stroke decide",
+        NumberOrNaN(parts.at("timing_rms_percent")));
+  if (part == "shape")
+    return "shape: neither moving the joint nor another pace removes it. Soft tissue, straps that slip, a movement out "
+           "of the plane or a different movement of the leg remain";
+  return fmt::format("placement: the joint sits {}; a joint on the knee would have none of it",
+                     compare::DescribeJoint(JointOf(comparison)));
+}
+
+// Whether its interval lies above those of the other parts; without intervals nothing is known against it.
+bool IsLargestForSure(const std::string& part, const Json& parts) {
+  const Json& interval = parts.at(part).at("interval");
+  return interval.is_null() || std::all_of(kParts.begin(), kParts.end(), [&](const char* other) {
+           return other == part || NumberOrNaN(parts.at(other).at("interval").at(1)) < NumberOrNaN(interval.at(0));
+         });
+}
+
+Section MethodSection() {
+  return {
+      "Method",
+      {Paragraph{
+          "Each repetition runs from 0 % (onset: hip or trunk leaves rest) to 100 % (standing: the knee's extension "
+          "speed falls below 5 % of its peak) and is sampled at every percent in the leg frame. The relative error "
+          "is the distance between the knees divided by the human's distance from ankle to knee at the same sample; "
+          "its RMS is the root of the mean square. Placement, timing and shape are fitted together: an offset "
+          "constant in the shank's frame, a monotone piecewise linear registration of time with 9 knots, and the "
+          "rest; a share is the part's projection on the distance vector over its mean square, so the shares add up "
+          "to 100 % and a small one can be negative. Spikes are samples at which the distance vector leaves its own "
+          "smooth course by "
+          "more than 5 median absolute deviations. Intervals are 95 % bootstrap intervals over repetitions, marker "
+          "noise and the uncertainty of putting a marker back on the same spot; those of the shares are of the shares "
+          "without noise, which the measured shape has in it."}}};
+}
+
+}  // namespace
+
+KeyFigures MisalignmentKeyFigures(const Json& comparison) {
+  const Json& metrics = comparison.at("metrics");
+  const Json& parts = comparison.at("decomposition");
+  const Json intervals = comparison.value("intervals", Json::object());
+  const auto share = [&](const char* name) {
+    return KeyFigure{name,         100 * NumberOrNaN(parts.at(name).at("fraction")),  1, "%",
+                     std::nullopt, IntervalNote(parts.at(name), "interval", 100, "%")};
+  };
+  const auto figure = [&](const char* label, const char* name, double factor, const char* unit) {
+    return KeyFigure{label,        factor * NumberOrNaN(metrics.at(name)),     2, unit,
+                     std::nullopt, IntervalNote(intervals, name, factor, unit)};
+  };
+  const Eigen::Vector2d joint = JointOf(comparison);
+  return {
+      {figure("relative error, RMS", "relative_rms", 100, "%"),
+       figure("relative error, largest", "relative_max", 100, "%"),
+       figure("distance, RMS", "rms_mm", 1, "mm"),
+       figure("distance, largest", "max_mm", 1, "mm"),
+       share("placement"),
+       share("timing"),
+       share("shape"),
+       {"joint sits in front of the knee by", joint.x(), 2, "mm", std::nullopt, OffsetNote(parts, 0)},
+       {"joint sits above the knee by, along the shank", joint.y(), 2, "mm", std::nullopt, OffsetNote(parts, 1)},
+       {"pace differs by, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, "% of the rise", std::nullopt, ""}}};
+}
+
+std::string DecompositionAdvice(const Json& comparison) {
+  const Json& parts = comparison.at("decomposition");
+  const auto fraction = [&](const std::string& name) { return NumberOrNaN(parts.at(name).at("fraction")); };
+  if (std::isnan(fraction("placement"))) return "Both paths are one; there is nothing to divide.";
+  const std::string largest = *std::max_element(
+      kParts.begin(), kParts.end(), [&](const char* a, const char* b) { return fraction(a) < fraction(b); });
+  return fmt::format("Most of it, {:.0f} %, is {}.{}", 100 * fraction(largest), PartAdvice(largest, comparison),
+                     IsLargestForSure(largest, parts) ? ""
+                                                      : " But the intervals of the parts overlap: another part may be "
+                                                        "the largest, which more repetitions would show.");
+}
+
+std::vector<Section> MisalignmentSections(const Json& comparison) {
+  return {KeySection(comparison),     PathsSection(comparison),    PartsSection(comparison),
+          MetricsSection(comparison), KneeAxisSection(comparison), MethodSection()};
+}
+
+}  // namespace lake::report

@@ -1,0 +1,94 @@
+// study.yaml: a whole study, from the recordings to a better exoskeleton. Paths are relative to the study file.
+//
+//   name, out: texts
+//   camera: camera.yaml   or   {calibrate: {images | video, board, plane: {image, board | points}}}
+//   human, exo: {video, markers, seeds, detector, …}   or   {trial, map, up, forward, …}     exo may be absent
+//   compare: {human_knee, exo_knee, replacement_sd_mm}
+//   design: {problem: file or map, worn: design.yaml, certify_deg}
+//   reoptimize: {max_misalignment_percent, penalty, program, max_speed_mm_s, duration_s, fit_placement, human_only,
+//   pareto, …};
+//     with an exo trial either the worn design or human_only: true;
+//     absent: no design is fitted to the person
+//   stroke: {duty_table, speed_mm_s, margin_mm, return, …}; absent: no stroke program
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "lake/commands/calibrate.h"
+#include "lake/commands/compare.h"
+#include "lake/commands/gait.h"
+#include "lake/commands/optimize.h"
+#include "lake/commands/stroke.h"
+#include "lake/commands/track.h"
+#include "lake/problem/problem.h"
+
+namespace lake::study {
+
+// A file that a study names.
+struct StudyInput {
+  std::filesystem::path path;
+  std::string where;  // "study.yaml:7", for messages
+};
+
+// One recording and what is done with it.
+struct StudyTrial {
+  std::variant<commands::TrackRunOptions, commands::GaitRunOptions>
+      work;      // of a video; of a trial that was tracked before
+  Json options;  // what the study says about it
+
+  bool IsVideo() const { return std::holds_alternative<commands::TrackRunOptions>(work); }
+  const std::filesystem::path& Recording() const;
+};
+
+struct StudyCalibration {
+  commands::CalibrateRunOptions camera;
+  std::optional<commands::PlaneRunOptions> plane;  // its camera file is the calibration's
+  Json camera_options, plane_options;
+};
+
+struct StudyProblem {
+  std::optional<std::filesystem::path> file;
+  problem::SynthesisProblem problem;  // of the file, or as it stands in the study; default: the paper's
+};
+
+// A design fitted to the person.
+struct StudyRedesign {
+  commands::ReoptimizeRunOptions options;  // without the places of trials and worn design
+  StudyProblem design;                     // default: the study's own
+  Json said;                               // what the study says about it
+};
+
+struct StudyFile {
+  std::filesystem::path file;
+  std::string name;
+  std::optional<std::filesystem::path> out;
+  std::optional<std::filesystem::path> camera;  // made before
+  std::optional<StudyCalibration> calibration;  // or made by the study
+  StudyTrial human;
+  std::optional<StudyTrial> exo;
+  commands::CompareRunOptions compare;  // without the trials' places
+  Json compare_options = Json::object();
+  StudyProblem design;
+  std::optional<double> certify_gap_deg;  // prove an upper bound on the range to within this
+  std::optional<double>
+      yield_tolerance_mm;  // fraction of builds that work when every link, and nothing else, is off by up to this
+  std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
+  Json design_options = Json::object();
+  std::optional<StudyRedesign> redesign;
+  std::optional<commands::StrokeRunOptions> stroke;  // without the design and the motion's place
+  Json stroke_options;
+  std::vector<StudyInput> inputs;  // all files named, each once
+
+  // The folder for the results: `out`; else a name below lake-out, that of the file or, of a study.yaml, of its folder.
+  std::string ResultName() const;
+};
+
+// Throws Error in one line with file and line: an unknown key, a value that cannot be, markers that do not fit; or with
+// all files that are missing.
+StudyFile ReadStudyFile(const std::filesystem::path& path);
+
+}  // namespace lake::study

@@ -1,0 +1,248 @@
+#include "lake/study/study.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/commands/simulate.h"
+#include "lake/core/error.h"
+#include "lake/video/video_files.h"
+#include "study_report.h"
+
+namespace lake::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSummary = "summary.json";
+
+// What a comparison or an optimisation reads of a trial.
+std::vector<fs::path> TrialTables(const fs::path& folder) {
+  return {folder / "kinematics.csv", folder / "events.csv", folder / "trajectory.csv", folder / "tracks.csv"};
+}
+
+steps::StudyStep CalibrationStep(const StudyCalibration& calibration, const fs::path& folder) {
+  steps::StudyStep step{
+      "calibration", "the camera", "lake-calibrate", folder, {}, {}, calibration.camera_options, 30, {}};
+  step.inputs = calibration.camera.pictures;
+  step.work = [options = calibration.camera](Run& run) { run.WriteSummary(commands::RunCalibrate(options, run)); };
+  return step;
+}
+
+steps::StudyStep PlaneStep(const StudyCalibration& calibration, const fs::path& camera, const fs::path& folder) {
+  commands::PlaneRunOptions options = *calibration.plane;
+  options.camera = camera;
+  steps::StudyStep step{"plane", "the sagittal plane", "lake-calibrate", folder, {}, {}, calibration.plane_options, 2,
+                        {}};
+  step.inputs = {options.picture, options.camera};
+  step.work = [options](Run& run) { run.WriteSummary(commands::RunPlane(options, run)); };
+  return step;
+}
+
+// The calibration's steps, and the camera file that the videos are tracked with.
+std::optional<fs::path> AddCamera(const StudyFile& study, const fs::path& out, std::vector<steps::StudyStep>& steps) {
+  if (!study.calibration) return study.camera;
+  steps.push_back(CalibrationStep(*study.calibration, out / "calibration"));
+  fs::path camera = out / "calibration" / "camera.yaml";
+  if (!study.calibration->plane) return camera;
+  steps.push_back(PlaneStep(*study.calibration, camera, out / "plane"));
+  return out / "plane" / "camera.yaml";
+}
+
+steps::StudyStep TrackStep(commands::TrackRunOptions options, const std::optional<fs::path>& camera) {
+  if (!options.camera) options.camera = camera;
+  steps::StudyStep step;
+  step.program = "lake-track", step.expected_s = 20;
+  step.inputs = {video::FilesOfVideo(options.video)};
+  if (options.camera) step.inputs.push_back(*options.camera);
+  if (options.corrections) step.inputs.push_back(*options.corrections);
+  step.work = [options](Run& run) { run.WriteSummary(commands::RunTrack(options, run)); };
+  return step;
+}
+
+steps::StudyStep GaitStep(const commands::GaitRunOptions& options) {
+  steps::StudyStep step;
+  step.program = "lake-gait", step.expected_s = 3;
+  step.inputs = {options.trial};
+  step.work = [options](Run& run) { run.WriteSummary(commands::RunGait(options, run)); };
+  return step;
+}
+
+steps::StudyStep TrialStep(const std::string& name, const std::string& what, const StudyTrial& trial,
+                           const std::optional<fs::path>& camera, const fs::path& out) {
+  const auto* video = std::get_if<commands::TrackRunOptions>(&trial.work);
+  steps::StudyStep step = video ? TrackStep(*video, camera) : GaitStep(std::get<commands::GaitRunOptions>(trial.work));
+  step.name = name, step.folder = out / name;
+  step.what = fmt::format("{}, {}", what, trial.Recording().filename().string());
+  step.options = trial.options;
+  return step;
+}
+
+steps::StudyStep ComparisonStep(const StudyFile& study, const fs::path& out) {
+  commands::CompareRunOptions options = study.compare;
+  options.human = out / "human", options.exo = out / "exo";
+  steps::StudyStep step{"comparison",
+                        "the misalignment of exo against human",
+                        "lake-compare",
+                        out / "comparison",
+                        {},
+                        {},
+                        study.compare_options,
+                        4,
+                        {}};
+  for (const fs::path& folder : {options.human, options.exo})
+    for (const fs::path& table : TrialTables(folder)) step.inputs.push_back(table);
+  step.work = [options](Run& run) { run.WriteSummary(commands::RunCompare(options, run)); };
+  return step;
+}
+
+void AddProblem(const StudyProblem& problem, commands::OptimizeRunOptions& options, steps::StudyStep& step) {
+  options.problem = problem.problem;
+  if (!problem.file) return;
+  options.problem_file = *problem.file;
+  step.inputs.push_back(*problem.file);
+}
+
+std::function<void(Run&)> OptimizeWork(const commands::OptimizeRunOptions& options) {
+  return [options](Run& run) {
+    commands::OptimizeRunOptions work = options;
+    work.study.quiet = work.study.optimize.quiet = run.Quiet();
+    run.WriteSummary(commands::RunOptimize(work, run));
+  };
+}
+
+steps::StudyStep OptimumStep(const StudyFile& study, const fs::path& out) {
+  steps::StudyStep step{
+      "optimum", "the largest range of rotation", "lake-optimize", out / "optimum", {}, {}, study.design_options, 15,
+      {}};
+  step.options.erase("worn");
+  commands::OptimizeRunOptions options;
+  AddProblem(study.design, options, step);
+  options.study.certify_gap_deg = study.certify_gap_deg;
+  options.study.yield_tolerance_mm = study.yield_tolerance_mm;
+  step.work = OptimizeWork(options);
+  return step;
+}
+
+steps::StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
+  steps::StudyStep step{"redesign", "the design for this person", "lake-optimize", out / "redesign", {}, {}, {}, 20,
+                        {}};
+  step.options = {{"reoptimize", study.redesign->said},
+                  {"problem", study.design_options.value("problem", Json())},
+                  {"human_knee", study.compare.human_knee}};
+  commands::OptimizeRunOptions options;
+  AddProblem(study.redesign->design, options, step);
+  options.reoptimize = study.redesign->options;
+  if (study.exo) {
+    options.reoptimize->comparison = out / "comparison";
+    step.inputs.push_back(out / "comparison" / "comparison.json");
+  } else {
+    options.reoptimize->human = out / "human";
+    options.reoptimize->human_knee = study.compare.human_knee;
+    for (const fs::path& table : TrialTables(out / "human")) step.inputs.push_back(table);
+  }
+  if (study.worn) options.reoptimize->worn = *study.worn, step.inputs.push_back(*study.worn);
+  step.work = OptimizeWork(options);
+  return step;
+}
+
+steps::StudyStep SimulationStep(const fs::path& design, const fs::path& out) {
+  steps::StudyStep step{
+      "simulation", "the design's poses", "lake-simulate", out / "simulation", {design}, {}, Json::object(), 8, {}};
+  step.work = [design](Run& run) {
+    run.AddInput(design);
+    run.WriteSummary(commands::SimulateLinkage(linkage::ReadDesign(design), {}, run));
+  };
+  return step;
+}
+
+steps::StudyStep StrokeStep(const StudyFile& study, const fs::path& design, const fs::path& out) {
+  commands::StrokeRunOptions options = *study.stroke;
+  options.design = design;
+  if (!study.redesign && !options.schedule.speed_mm_s)
+    options.schedule.speed_mm_s = linkage::StrokeProgram{}.speed_mm_s;
+  // A constant program takes its ends from the person; a free one has its own.
+  const bool is_free = study.redesign && study.redesign->options.program.kind == linkage::StrokeProgram::Kind::kFree;
+  if (!is_free || options.schedule.speed_mm_s) options.motion = out / "human";
+  steps::StudyStep step{
+      "stroke", "the actuator's program", "lake-stroke", out / "stroke", {design}, {}, study.stroke_options, 2, {}};
+  if (options.duty_table) step.inputs.push_back(*options.duty_table);
+  if (options.motion) step.inputs.push_back(*options.motion / "kinematics.csv");
+  step.work = [options](Run& run) { run.WriteSummary(commands::RunStroke(options, run)); };
+  return step;
+}
+
+steps::StudyStep ReportStep(const StudyFile& study, const fs::path& out, const Json& head,
+                            const std::vector<steps::StudyStep>& before) {
+  // A list of results of its own, as the study's summary beside it is another run's.
+  steps::StudyStep step{"report", "the report", "lake-run-report", out, {study.file}, {}, {}, 1, {}};
+  step.options = {{"name", study.name}};
+  for (const steps::StudyStep& earlier : before) step.whole_steps.push_back(earlier.name);
+  step.work = [study, out, head, steps = step.whole_steps](Run& run) {
+    report::WriteReport(run.Result("report.html"), MakeStudyReport(study, {out, steps}, head));
+  };
+  return step;
+}
+
+// What steps left that the study does not have any more: their chapters and firmware are of another design.
+void RetireOtherSteps(const std::vector<steps::StudyStep>& steps, const fs::path& out) {
+  for (const std::string& name : StudyStepNames())
+    if (std::none_of(steps.begin(), steps.end(), [&](const steps::StudyStep& step) { return step.name == name; }))
+      steps::RetireStudyStep(out / name, name);
+}
+
+}  // namespace
+
+std::vector<steps::StudyStep> StudySteps(const StudyFile& study, const fs::path& out, const Json& head) {
+  std::vector<steps::StudyStep> steps;
+  const std::optional<fs::path> camera = AddCamera(study, out, steps);
+  steps.push_back(TrialStep("human", "the trial without exoskeleton", study.human, camera, out));
+  if (study.exo) {
+    steps.push_back(TrialStep("exo", "the trial with exoskeleton", *study.exo, camera, out));
+    steps.push_back(ComparisonStep(study, out));
+  }
+  steps.push_back(OptimumStep(study, out));
+  if (study.redesign) steps.push_back(RedesignStep(study, out));
+  const fs::path design = out / (study.redesign ? "redesign" : "optimum") / "design.yaml";
+  steps.push_back(SimulationStep(design, out));
+  if (study.stroke) steps.push_back(StrokeStep(study, design, out));
+  steps.push_back(ReportStep(study, out, head, steps));
+  return steps;
+}
+
+Json RunStudyFile(const StudyFile& study, Run& run) {
+  run.AddInput(study.file);
+  for (const StudyInput& input : study.inputs) run.AddInput(input.path);
+  const std::vector<steps::StudyStep> steps = StudySteps(study, run.Folder(), run.Head());
+  run.Begin({kSummary});
+  RetireOtherSteps(steps, run.Folder());
+  steps::StepRunOptions options;
+  options.command = run.Head()["command"], options.quiet = run.Quiet();
+  options.subject = {fs::weakly_canonical(study.file).string()};
+  const std::vector<steps::StepOutcome> outcomes = steps::RunSteps(steps, options);
+
+  Json summary = {{"name", study.name}, {"warnings", Json::array()}, {"steps", Json::array()}};
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const steps::StepOutcome& outcome = outcomes[i];
+    summary["steps"].push_back({{"name", outcome.name},
+                                {"folder", steps[i].folder.lexically_relative(run.Folder()).string()},
+                                {"done", outcome.done},
+                                {"why", outcome.why},
+                                {"seconds", outcome.seconds}});
+    const fs::path file = steps[i].folder / kSummary;
+    if (steps[i].folder == run.Folder() || !fs::is_regular_file(file)) continue;
+    summary[outcome.name] = ReadJsonFile(file);
+    for (const Json& warning : summary[outcome.name]["warnings"])
+      summary["warnings"].push_back(fmt::format("{}: {}", outcome.name, warning.get<std::string>()));
+  }
+  return summary;
+}
+
+std::string StudyText(const Json& summary) {
+  std::string text;
+  for (const Json& step : summary["steps"])
+    text += fmt::format("{:<12} {:6.1f} s  {}\n", step["name"].get<std::string>(), step["seconds"].get<double>(),
+                        step["done"].get<bool>() ? step["why"].get<std::string>() : "unchanged");
+  return text;
+}
+
+}  // namespace lake::study

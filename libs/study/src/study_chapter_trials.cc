@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/colours.h"
+#include "lake/core/statistics.h"
+#include "lake/motion/leg_motion.h"
+#include "lake/report/misalignment_sections.h"
+#include "study_chapters.h"
+
+namespace lake::study {
+
+using namespace report;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct TrialNames {
+  const char *step, *what, *colour;
+};
+constexpr TrialNames kHuman{"human", "without exoskeleton", colour::kHuman};
+constexpr TrialNames kExo{"exo", "with exoskeleton", colour::kExoskeleton};
+
+std::vector<double> RiseTimes(const Json& summary) {
+  std::vector<double> seconds;
+  for (const Json& rise : summary.at("sit_to_stands"))
+    if (rise.contains("duration_s")) seconds.push_back(rise["duration_s"]);
+  return seconds;
+}
+
+// "436.0 ± 0.1 mm"
+Cell SegmentCell(const Json& summary, const std::string& name) {
+  for (const Json& segment : summary.at("segments"))
+    for (const char* unit : {"mm", "px"})
+      if (segment.at("name") == name && segment.contains(fmt::format("length_{}", unit)))
+        return fmt::format("{:.1f} {}, varies by {:.1f}", NumberOrNaN(segment[fmt::format("length_{}", unit)]), unit,
+                           NumberOrNaN(segment[fmt::format("variation_{}", unit)]));
+  return "–";
+}
+
+Cell DetectedCell(const Json& summary) {
+  int detected = 0, all = 0;
+  for (const Json& marker : summary.at("markers")) {
+    detected += marker["detected"].get<int>();
+    all += marker["detected"].get<int>() + marker["filled"].get<int>() + marker["missing"].get<int>();
+  }
+  return fmt::format("{:.1f} %", all > 0 ? 100.0 * detected / all : 0.0);
+}
+
+Cell KneeCell(const Json& summary) {
+  const Json& knee = summary.at("knee");
+  if (knee.at("largest").is_null()) return "–";
+  return fmt::format("{:.2f}° to {:.2f}°, ± {:.3f}°", NumberOrNaN(knee["smallest"]["deg"]),
+                     NumberOrNaN(knee["largest"]["deg"]), NumberOrNaN(knee["rms_sigma_deg"]));
+}
+
+Cell RecordingCell(const StudyTrial& trial, const Json& summary) {
+  std::string text = trial.Recording().filename().string();
+  if (summary.contains("video"))
+    text += fmt::format(", {} frames of {}×{} px at {:.4g} Hz", summary["video"]["frames"].get<int>(),
+                        summary["video"]["width"].get<int>(), summary["video"]["height"].get<int>(),
+                        NumberOrNaN(summary["video"]["frame_rate_hz"]));
+  return text;
+}
+
+std::vector<Cell> TrialColumn(const StudyTrial& trial, const Json& summary) {
+  const std::vector<double> rises = RiseTimes(summary);
+  std::string times = "none found";
+  if (!rises.empty()) times = fmt::format("{}, {:.2f} s", rises.size(), Mean(rises));
+  if (rises.size() > 1) times += fmt::format(" ± {:.2f} s (SD)", StandardDeviation(rises));
+  return {
+      RecordingCell(trial, summary), times, KneeCell(summary), SegmentCell(summary, "ak"), SegmentCell(summary, "kh"),
+      DetectedCell(summary)};
+}
+
+Table TrialsTable(const StudyFile& study, const StudyResults& results) {
+  Table table{"Both trials as measured",
+              {{"Quantity"}},
+              {{"recording"},
+               {"sit-to-stands, time from onset to standing"},
+               {"knee angle, its range and standard deviation"},
+               {"ankle to knee"},
+               {"knee to hip"},
+               {"marker samples seen"}}};
+  const auto add = [&](const TrialNames& names, const StudyTrial& trial) {
+    table.columns.push_back({names.what});
+    const std::vector<Cell> column = TrialColumn(trial, results.Summary(names.step));
+    for (std::size_t row = 0; row < column.size(); ++row) table.rows[row].push_back(column[row]);
+  };
+  add(kHuman, study.human);
+  if (study.exo) add(kExo, *study.exo);
+  return table;
+}
+
+void AddRises(const std::vector<motion::StsEvent>& events, LineChart& chart) {
+  for (const motion::StsEvent& onset : events)
+    for (const motion::StsEvent& standing : events)
+      if (onset.kind == motion::StsEventKind::kOnset && standing.kind == motion::StsEventKind::kStanding &&
+          onset.repetition == standing.repetition)
+        chart.intervals.push_back({onset.time_s, standing.time_s, fmt::format("rise {}", onset.repetition)});
+}
+
+// Of a long recording every so manieth frame: a page has some two thousand px.
+LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
+  constexpr std::size_t kMostPoints = 2000;
+  const motion::LegMotion motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
+  LineChart chart;
+  chart.title = fmt::format("Knee angle, {}", names.what);
+  chart.caption = "Band: ± 2 standard deviations. Shaded: from onset to standing.";
+  chart.x.label = "time (s)", chart.y.label = "knee flexion (°)";
+  chart.width = Width::kHalf;
+  Series knee;
+  knee.name = "knee", knee.colour = names.colour;
+  for (std::size_t i = 0; i < motion.samples.size(); i += 1 + motion.samples.size() / kMostPoints) {
+    const motion::LegSample& sample = motion.samples[i];
+    knee.x.push_back(motion.time_s[i]), knee.y.push_back(sample.knee_deg);
+    knee.lower.push_back(sample.knee_deg - 2 * sample.knee_sigma_deg);
+    knee.upper.push_back(sample.knee_deg + 2 * sample.knee_sigma_deg);
+  }
+  chart.series = {std::move(knee)};
+  AddRises(motion::ReadEventsCsv(folder / "events.csv"), chart);
+  return chart;
+}
+
+void AddTrialPictures(const StudyResults& results, const TrialNames& names, Section& section) {
+  for (const char* figure : {"track.png", "gait.png"})
+    results.AddPicture(fs::path(names.step) / figure, fmt::format("Marker paths and knee angle {}", names.what),
+                       fmt::format("The trial {}: marker paths, knee angle, events.", names.what), Width::kFull,
+                       section);
+}
+
+}  // namespace
+
+Section TrialsChapter(const StudyFile& study, const StudyResults& results) {
+  Section section{"What was measured", {TrialsTable(study, results)}};
+  section.blocks.push_back(KneeChart(results.Folder() / kHuman.step, kHuman));
+  if (study.exo) section.blocks.push_back(KneeChart(results.Folder() / kExo.step, kExo));
+  AddTrialPictures(results, kHuman, section);
+  if (study.exo) AddTrialPictures(results, kExo, section);
+  return section;
+}
+
+Section MisalignmentChapter(const StudyResults& results) {
+  const Json comparison = ReadJsonFile(results.Folder() / "comparison" / "comparison.json");
+  LineChart paths = KneePathsChart(comparison), error = RelativeErrorChart(comparison);
+  BarChart parts = DecompositionChart(comparison);
+  paths.width = error.width = Width::kHalf;
+  return {
+      "Where the exoskeleton's knee is not the human's",
+      {MisalignmentKeyFigures(comparison), std::move(paths), std::move(error),
+       Paragraph{DecompositionAdvice(comparison)}, std::move(parts),
+       Paragraph{"Placement is an offset constant in the frame of the shank, which moving the joint removes; timing "
+                 "is a change of pace within the rise, which the stroke program can remove; shape is the rest."}}};
+}
+
+}  // namespace lake::study

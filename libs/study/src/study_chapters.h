@@ -1,0 +1,48 @@
+// The chapters of a study's report, each from what its steps wrote.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lake/core/json.h"
+#include "lake/report/report.h"
+#include "lake/study/study_file.h"
+
+namespace lake::study {
+
+// All steps that a study can have and that write into a folder of their own, in order.
+const std::vector<std::string>& StudyStepNames();
+
+// The folders of a study's steps: of those that it has, whatever else stands there.
+class StudyResults {
+ public:
+  StudyResults(std::filesystem::path out, std::vector<std::string> steps)
+      : out_(std::move(out)), steps_(std::move(steps)) {}
+
+  const std::filesystem::path& Folder() const { return out_; }
+  bool Has(const std::string& step) const;
+  bool HasFile(const std::filesystem::path& name) const;  // "exo/overlay.mp4"
+  Json Summary(const std::string& step) const { return ReadJsonFile(out_ / step / "summary.json"); }
+
+  // The picture, if it was made.
+  void AddPicture(const std::filesystem::path& name, const std::string& alt, const std::string& caption,
+                  report::Width width, report::Section& section) const;
+
+ private:
+  std::filesystem::path out_;
+  std::vector<std::string> steps_;
+};
+
+report::Section TrialsChapter(const StudyFile& study, const StudyResults& results);
+report::Section MisalignmentChapter(const StudyResults& results);
+report::Section OptimumChapter(const StudyFile& study, const StudyResults& results);
+report::Section RedesignChapter(const StudyResults& results);
+report::Section StrokeChapter(const StudyResults& results);
+report::Section SimulationChapter(const StudyResults& results);
+
+}  // namespace lake::study

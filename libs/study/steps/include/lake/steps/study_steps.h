@@ -1,0 +1,55 @@
+// A study's steps: each is done again only when something that it is made of has changed.
+//
+// A step is left out when its stamp, written beside its outputs after its last success, names the same program, the
+// same options and the same content (SHA-256) of its inputs, and its outputs still have the content that it left.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+
+namespace lake::steps {
+
+struct StudyStep {
+  std::string name;                           // "exo"
+  std::string what;                           // one line for progress and errors: "the exoskeleton trial, exo.mp4"
+  std::string program;                        // whose work it is: "lake-track"
+  std::filesystem::path folder;               // of its outputs
+  std::vector<std::filesystem::path> inputs;  // files and folders it reads; one that is absent counts as such
+  std::vector<std::string> whole_steps;       // earlier steps all outputs of which it reads
+  Json options = Json::object();              // what else its outputs depend on
+  double expected_s = 1;                      // how long it takes, until its stamp says so; for the time left
+  std::function<void(Run&)> work;  // writes through the run: its outputs are what the run has given out as results
+};
+
+struct StepRunOptions {
+  std::string maker = ThisProgram();      // that outputs are made by; those of another are made again
+  std::string command;                    // for the steps' summaries
+  bool quiet = false;                     // no progress
+  std::vector<std::string> subject = {};  // the study file, for the folders' lists of results
+
+  // Version and content hash of the running program, but for the commit that it names: a commit that changes nothing
+  // in the program makes no step be done again.
+  static std::string ThisProgram();
+};
+
+struct StepOutcome {
+  std::string name;
+  bool done = false;   // false: its outputs were as they must be
+  std::string why;     // it was done: "exo.mp4 changed"
+  double seconds = 0;  // that it took when it was done last
+};
+
+// Removes what a step left that the study does not have any more, nothing else in its folder.
+void RetireStudyStep(const std::filesystem::path& folder, const std::string& step);
+
+// In the given order; a step comes after those whose outputs it reads. A step that fails ends the run: the exception is
+// of the cause's type, its text names the step and what it is about; steps before it stay, those after it are not
+// begun. While a step is under way it has no stamp, and the outputs of its last time are gone.
+std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options);
+
+}  // namespace lake::steps

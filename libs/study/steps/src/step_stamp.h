@@ -1,0 +1,28 @@
+// What a step was made of and what it left: a file beside its outputs.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "file_state.h"
+#include "lake/core/json.h"
+
+namespace lake::steps {
+
+struct StepStamp {
+  std::string maker;
+  Json options;
+  std::vector<FileState> inputs, outputs;
+  double seconds = 0;
+};
+
+// nullopt if there is none, or none that can be read: the step is then done again.
+std::optional<StepStamp> ReadStamp(const std::filesystem::path& folder, const std::string& step);
+void WriteStamp(const std::filesystem::path& folder, const std::string& step, const StepStamp& stamp);
+
+// The stamp and the outputs it names are removed, nothing else in the folder.
+void RemoveOutputs(const std::filesystem::path& folder, const std::string& step, const std::optional<StepStamp>& stamp);
+
+}  // namespace lake::steps

@@ -1,0 +1,166 @@
+#include "lake/steps/study_steps.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/provenance.h"
+#include "step_stamp.h"
+
+namespace lake::steps {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+const FileState* Find(const std::vector<FileState>& states, const fs::path& path) {
+  const auto found = std::find_if(states.begin(), states.end(), [&](const FileState& s) { return s.path == path; });
+  return found == states.end() ? nullptr : &*found;
+}
+
+std::vector<FileState> InputsNow(const StudyStep& step, const std::optional<StepStamp>& stamp,
+                                 const std::map<std::string, StepStamp>& earlier) {
+  std::vector<FileState> inputs;
+  for (const fs::path& path : step.inputs) inputs.push_back(StateOf(path, stamp ? Find(stamp->inputs, path) : nullptr));
+  for (const std::string& name : step.whole_steps) {
+    const std::vector<FileState>& outputs = earlier.at(name).outputs;
+    inputs.insert(inputs.end(), outputs.begin(), outputs.end());
+  }
+  return inputs;
+}
+
+std::string ChangedInput(const std::vector<FileState>& before, const std::vector<FileState>& now) {
+  for (std::size_t i = 0; i < now.size(); ++i)
+    if (i >= before.size() || before[i].sha256 != now[i].sha256)
+      return fmt::format("{} changed", now[i].path.filename().string());
+  return before.size() != now.size() ? "it has other inputs" : "";
+}
+
+std::string ChangedOutput(const std::vector<FileState>& outputs) {
+  for (const FileState& output : outputs) {
+    const FileState now = StateOf(output.path, &output);
+    if (now.IsAbsent()) return fmt::format("{} is missing", output.path.filename().string());
+    if (now.sha256 != output.sha256) return fmt::format("{} was changed", output.path.filename().string());
+  }
+  return "";
+}
+
+// Empty if the step need not be done.
+std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp, const std::vector<FileState>& inputs,
+                    const std::string& maker) {
+  if (!stamp) return "not made yet";
+  if (stamp->maker != maker) return "made by another build of lake";
+  if (stamp->options != step.options) return "its options changed";
+  if (const std::string changed = ChangedInput(stamp->inputs, inputs); !changed.empty()) return changed;
+  return ChangedOutput(stamp->outputs);
+}
+
+// Throws what is being handled again, the step named before its text.
+[[noreturn]] void RethrowAbout(const StudyStep& step) {
+  const std::string place = fmt::format("step {} ({}): ", step.name, step.what);
+  try {
+    throw;
+  } catch (const UsageError& error) {
+    throw UsageError(place + error.what());
+  } catch (const SolverError& error) {
+    throw SolverError(place + error.what());
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw Error(place + "not enough memory for this input");
+  } catch (const std::exception& error) {
+    throw Error(place + error.what());
+  }
+}
+
+StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const StepRunOptions& options) {
+  const Clock::time_point start = Clock::now();
+  Run run({step.program, options.command, step.options, step.folder, options.quiet, options.subject, false, step.name});
+  try {
+    run.Begin();
+    step.work(run);
+  } catch (...) {
+    RethrowAbout(step);
+  }
+  StepStamp stamp{options.maker, step.options, inputs, {}, SecondsSince(start)};
+  for (const fs::path& path : run.Results()) stamp.outputs.push_back(StateOf(path));
+  WriteStamp(step.folder, step.name, stamp);
+  return stamp;
+}
+
+// Which step of how many, and how long the rest will take, going by the last time and by what those done now took.
+class StepProgress {
+ public:
+  StepProgress(const std::vector<StudyStep>& steps, bool quiet) : steps_(steps), quiet_(quiet) {
+    for (const StudyStep& step : steps) {
+      const auto stamp = ReadStamp(step.folder, step.name);
+      expected_s_.push_back(stamp ? stamp->seconds : step.expected_s);
+    }
+  }
+
+  void Unchanged(std::size_t step) const { Say(step, "unchanged"); }
+
+  void Begin(std::size_t step, const std::string& why) const {
+    double left_s = 0;
+    for (std::size_t i = step; i < steps_.size(); ++i) left_s += expected_s_[i];
+    if (expected_done_s_ > 0) left_s *= std::clamp(took_s_ / expected_done_s_, 0.1, 10.0);
+    Say(step, fmt::format("{} ({}), {:.0f} s left", steps_[step].what, why, std::max(1.0, left_s)));
+  }
+
+  void Done(std::size_t step, double seconds) { expected_done_s_ += expected_s_[step], took_s_ += seconds; }
+
+ private:
+  void Say(std::size_t step, const std::string& text) const {
+    if (!quiet_) fmt::print(stderr, "[{}/{}] {}: {}\n", step + 1, steps_.size(), steps_[step].name, text);
+  }
+
+  const std::vector<StudyStep>& steps_;
+  bool quiet_;
+  std::vector<double> expected_s_;
+  double expected_done_s_ = 0, took_s_ = 0;
+};
+
+}  // namespace
+
+void RetireStudyStep(const fs::path& folder, const std::string& step) {
+  RemoveOutputs(folder, step, ReadStamp(folder, step));
+  RetireStep(folder, step);
+  std::error_code not_empty;
+  fs::remove(folder, not_empty);
+}
+
+std::string StepRunOptions::ThisProgram() {
+  return fmt::format("lake {} {}", Version(), Sha256OfProgram("/proc/self/exe"));
+}
+
+std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options) {
+  StepProgress progress(steps, options.quiet);
+  std::map<std::string, StepStamp> stamps;
+  std::vector<StepOutcome> outcomes;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    ThrowIfInterrupted();
+    const StudyStep& step = steps[i];
+    std::optional<StepStamp> stamp = ReadStamp(step.folder, step.name);
+    const std::vector<FileState> inputs = InputsNow(step, stamp, stamps);
+    const std::string why = WhyDoIt(step, stamp, inputs, options.maker);
+    if (why.empty()) {
+      progress.Unchanged(i);
+    } else {
+      progress.Begin(i, why);
+      RemoveOutputs(step.folder, step.name, stamp);
+      stamp = Do(step, inputs, options);
+      progress.Done(i, stamp->seconds);
+    }
+    outcomes.push_back({step.name, !why.empty(), why, stamp->seconds});
+    stamps[step.name] = std::move(*stamp);
+  }
+  return outcomes;
+}
+
+}  // namespace lake::steps
