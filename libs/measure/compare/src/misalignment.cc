@@ -189,10 +189,10 @@ void AddWarnings(const RegisteredTrial& human, const RegisteredTrial& exo, Misal
         human_mm, exo_mm));
   const bool same_path = std::isnan(m.decomposition.placement);
   if (same_path)
-    m.warnings.push_back(
+    m.warnings.emplace_back(
         "both knee paths are one: there is no misalignment to take apart; is one trial given as both?");
   if (!m.decomposition.converged)
-    m.warnings.push_back("the decomposition did not converge: its fractions are approximate");
+    m.warnings.emplace_back("the decomposition did not converge: its fractions are approximate");
   if (!same_path && m.metrics.rms_mm < 2 * m.noise_floor_mm)
     m.warnings.push_back(fmt::format(
         "the misalignment ({:.2g} mm RMS) is less than twice the noise floor ({:.2g} mm): its parts mean little",
