@@ -28,7 +28,7 @@ struct TrackRunOptions {
   std::vector<std::string> exports;  // as CheckExportFormats (exchange/formats.h) knows them
 };
 
-// Writes everything that interfaces.md lists for lake-track through `run` and returns the results for the summary.
+// Writes tracks, leg motion, events, figures, video and exports through `run` and returns the results for the summary.
 //
 // With the spline filter, the positions of detected samples in tracks.csv are those of the fit at that frame: the
 // frame's own measurement, weighed against its neighbours'. Without a filter they are each frame's own.

@@ -1,10 +1,11 @@
 // The synthesis problem as data: what may vary, and what a design must satisfy.
 //
-//   max  theta(X, d_min)      X = (l1, ..., l6)
-//    X
+//   max  theta(X, d_min)      Eq. (7)
+//    X = (l1, ..., l6)        Eq. (8)
 //   s.t. requirements (below), bounds on X
 //
-// Gautam, Singla & Singla, sec. 3. The defaults are the paper's problem: no margins, no load.
+// Equation numbers and the constraints of sec. 3 are those of Gautam, Singla & Singla. The defaults are the paper's
+// problem: no margins, no load.
 #pragma once
 
 #include <array>
@@ -31,7 +32,7 @@ struct SynthesisProblem {
 
   // Over the whole used range, from d_min until the knee stands at `standing_deg`:
   double knee_torque_nm = 40;                  // constant load that max_force_n refers to
-  std::optional<double> max_force_n;           // actuator force that balances it
+  std::optional<double> max_force_n;           // actuator force that balances it: the force limit, Kind::kForce below
   std::optional<double> min_moment_arm_mm;     // |dd/dtheta|, mm per rad
   std::optional<double> min_transmission_deg;  // angle between coupler and shank link, and its supplement
   double standing_deg = 0;                     // where the used range ends
@@ -71,6 +72,7 @@ struct Requirement {
 };
 
 // Those that the problem switches on, the paper's fixed ones first. Grashof and singularity are always among them.
+// Evaluate() holds designs against this list; the nonlinear program takes its rows from it (synthesis_program.h).
 std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem);
 
 // "l1".."l6".
