@@ -5,7 +5,7 @@
 
 #include "compare/closed_form.h"
 #include "lake/core/error.h"
-#include "lake/redesign/reoptimize_study.h"
+#include "lake/redesign/reoptimize_outcome.h"
 #include "synthesis/differential_evolution.h"
 #include "synthesis/paper.h"
 

@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "lake/core/error.h"
-#include "lake/redesign/reoptimize_study.h"
+#include "lake/redesign/reoptimize_outcome.h"
 #include "lake/synthesis/infeasibility.h"
 
 namespace lake::redesign {
