@@ -66,24 +66,41 @@ redesign::ReoptimizeProblem ProblemOf(const OptimizeRunOptions& options) {
   return problem;
 }
 
-Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
-  if (options.reoptimize->comparison.empty() == options.reoptimize->human.empty())
+void CheckReoptimize(const OptimizeRunOptions& options) {
+  const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
+  if (reoptimize.comparison.empty() == reoptimize.human.empty())
     throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: give one of both");
-  if (options.reoptimize->comparison.empty() && options.reoptimize->human_only)
+  if (reoptimize.comparison.empty() && reoptimize.human_only)
     throw UsageError("--human-only leaves the exoskeleton trial of --comparison out; --human has none");
-  if (!options.reoptimize->comparison.empty() && options.reoptimize->worn.empty() && !options.reoptimize->human_only)
+  if (!reoptimize.comparison.empty() && reoptimize.worn.empty() && !reoptimize.human_only)
     throw UsageError(
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "
         "that trial out with --human-only");
   if (options.study.round_mm)
     throw UsageError("--round is of a synthesis alone: a rounded design has another misalignment");
-  redesign::ReoptimizeOptions reoptimize_options;
-  reoptimize_options.optimize = options.study.optimize;
-  reoptimize_options.pareto_points = options.reoptimize->pareto_points;
-  reoptimize_options.certify_gap_deg = options.study.certify_gap_deg;
-  reoptimize_options.certify_boxes = options.study.certify_boxes;
-  reoptimize_options.yield_tolerance_mm = options.study.yield_tolerance_mm;
-  reoptimize_options.quiet = options.study.quiet;
+}
+
+redesign::ReoptimizeOptions ReoptimizeOptionsOf(const OptimizeRunOptions& options) {
+  redesign::ReoptimizeOptions reoptimize;
+  reoptimize.optimize = options.study.optimize;
+  reoptimize.pareto_points = options.reoptimize->pareto_points;
+  reoptimize.certify_gap_deg = options.study.certify_gap_deg;
+  reoptimize.certify_boxes = options.study.certify_boxes;
+  reoptimize.yield_tolerance_mm = options.study.yield_tolerance_mm;
+  reoptimize.quiet = options.study.quiet;
+  return reoptimize;
+}
+
+void DrawFigures(const redesign::ReoptimizeOutcome& outcome, Run& run) {
+  figure::DrawConvergence(outcome.result.starts[std::max(0, outcome.result.best)].local, "objective, deg",
+                          run.Result("convergence.png"));
+  figure::DrawKneePaths(outcome, run.Result("knee_paths.png"));
+  if (!outcome.fronts.empty()) figure::DrawPareto(outcome, run.Result("pareto.png"));
+}
+
+Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
+  CheckReoptimize(options);
+  const redesign::ReoptimizeOptions reoptimize_options = ReoptimizeOptionsOf(options);
   reoptimize_options.Check();
   const redesign::ReoptimizeProblem problem = ProblemOf(options);
   problem.CheckOptions();
@@ -91,10 +108,7 @@ Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
   run.Begin();
   const redesign::ReoptimizeOutcome outcome = redesign::RunReoptimization(problem, measured, reoptimize_options);
   Json summary = WriteReoptimization(outcome, run);
-  figure::DrawConvergence(outcome.result.starts[std::max(0, outcome.result.best)].local, "objective, deg",
-                          run.Result("convergence.png"));
-  figure::DrawKneePaths(outcome, run.Result("knee_paths.png"));
-  if (!outcome.fronts.empty()) figure::DrawPareto(outcome, run.Result("pareto.png"));
+  DrawFigures(outcome, run);
   if (!outcome.IsSolved()) {
     run.WriteSummary(summary);
     throw SolverError(outcome.infeasible->sentence);

@@ -5,15 +5,15 @@
 #include "lake/commands/optimize_tables.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
-#include "lake/core/provenance.h"
 #include "lake/core/statistics.h"
 #include "lake/redesign/reoptimize_outcome.h"
-#include "tables.h"
+#include "optimum_tables.h"
 
 namespace lake::commands {
 namespace {
 
 using Kind = linkage::StrokeProgram::Kind;
+using On = synthesis::LimitId::On;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 const char* NameOf(Kind kind) {
@@ -77,99 +77,45 @@ Json BeforeAfterJson(const redesign::DesignInMotion& design) {
   return json;
 }
 
-void WriteDesignFile(const redesign::ReoptimizeOutcome& outcome, Run& run) {
-  linkage::Design design = outcome.after.design;
-  if (outcome.after.evaluation.pose) design.range_deg = outcome.after.evaluation.range_deg;
-  if (const auto stands = outcome.after.evaluation.stands_mm; stands && *stands > design.d_min_mm)
-    design.d_max_mm = stands;
-  design.made_by = fmt::format("lake-optimize {}", Version());
-  if (!outcome.IsSolved()) design.made_by += fmt::format(": NOT A SOLUTION: {}", outcome.infeasible->sentence);
-  linkage::WriteDesign(run.Result("design.yaml"), design);
-}
-
-// A row of optimum.csv; `variable` is the index in the best start's program.
-void AddVariableRow(const redesign::ReoptimizeOutcome& outcome, const std::string& name, double initial, double optimum,
-                    const problem::Bounds& bounds, int variable, CsvWriter& table) {
-  table.Add(name).Add(initial).Add(optimum).Add(bounds.lower).Add(bounds.upper);
-  table.Add(ActiveSide(optimum, bounds.lower, bounds.upper));
-  if (variable >= 0 && outcome.active.multipliers_unique)
-    table.Add(-outcome.result.Best().local.solution.variable_prices[variable]);
-  else
-    table.AddEmpty();
-  table.EndRow();
-}
-
-void WriteOptimum(const redesign::ReoptimizeOutcome& outcome, Run& run) {
-  CsvWriter table({"variable", "initial", "optimum", "lower", "upper", "active", "multiplier"});
+// What varies beside the links.
+std::vector<LimitedRow> ProgramRows(const redesign::ReoptimizeOutcome& outcome, const OptimumView& optimum) {
   const redesign::ReoptimizeProblem& problem = outcome.problem;
-  const linkage::Design& before = outcome.before.design;
-  const linkage::Design& after = outcome.after.design;
-  const redesign::ReoptimizeSolve* best = outcome.IsSolved() ? &outcome.result.Best() : nullptr;
-  for (std::size_t i = 0; i < 6; ++i)
-    AddVariableRow(outcome, problem::LinkName(i), before.links.Values()[i], after.links.Values()[i],
-                   problem.design.bounds[i], best ? best->local.program.links[i] : -1, table);
-  for (int axis = 0; axis < 2; ++axis) {
-    AddVariableRow(outcome, axis == 0 ? "placement_x" : "placement_y", before.placement_mm[axis],
-                   after.placement_mm[axis], problem.PlacementBounds(axis),
-                   best && problem.fit_placement ? best->variables.placement[axis] : -1, table);
-  }
-  AddVariableRow(outcome, "duration", outcome.before.duration_s, outcome.after.duration_s,
-                 {0, problem.program.duration_s.value_or(kNaN)},
-                 best && problem.program.duration_s ? best->variables.duration : -1, table);
-  table.Write(run.Result("optimum.csv"));
+  std::vector<LimitedRow> rows;
+  for (const int axis : {0, 1})
+    rows.push_back({axis == 0 ? "placement_x" : "placement_y", outcome.before.design.placement_mm[axis],
+                    outcome.after.design.placement_mm[axis], problem.PlacementBounds(axis),
+                    optimum.PriceOf({On::kPlacement, axis})});
+  rows.push_back({"duration",
+                  outcome.before.duration_s,
+                  outcome.after.duration_s,
+                  {0, problem.program.duration_s.value_or(kNaN)},
+                  optimum.PriceOf({On::kDuration})});
+  return rows;
 }
 
-void WriteConstraints(const redesign::ReoptimizeOutcome& outcome, Run& run) {
-  CsvWriter table({"constraint", "initial", "optimum", "lower", "upper", "active", "multiplier", "unit"});
-  const bool priced = outcome.IsSolved() && outcome.active.multipliers_unique;
-  for (std::size_t i = 0; i < outcome.after.evaluation.checks.size(); ++i) {
-    const problem::RequirementCheck& check = outcome.after.evaluation.checks[i];
-    const double lower = check.requirement.is_lower_limit ? check.requirement.limit : kNaN;
-    const double upper = check.requirement.is_lower_limit ? kNaN : check.requirement.limit;
-    const int row = priced ? outcome.result.Best().local.program.limits[i].row : -1;
-    table.Add(check.requirement.name)
-        .Add(outcome.before.evaluation.checks[i].value)
-        .Add(check.value)
-        .Add(lower)
-        .Add(upper);
-    table.Add(ActiveSide(check.value, lower, upper));
-    row >= 0 ? table.Add(-outcome.result.Best().local.solution.row_prices[row]) : table.AddEmpty();
-    table.Add(check.requirement.unit).EndRow();
-  }
+LimitedRow MisalignmentRow(const redesign::ReoptimizeOutcome& outcome) {
   const auto percent = [](const redesign::DesignInMotion& d) {
     return d.misalignment ? 100 * d.misalignment->metrics.relative_rms : kNaN;
   };
-  const double limit = outcome.problem.max_misalignment_percent.value_or(kNaN);
-  const auto price = std::ranges::find_if(outcome.active.entries, [](const synthesis::ActiveSet::Entry& entry) {
-    return entry.name.starts_with("misalignment");
-  });
-  table.Add("misalignment").Add(percent(outcome.before)).Add(percent(outcome.after)).Add(kNaN).Add(limit);
-  table.Add(ActiveSide(percent(outcome.after), kNaN, limit));
-  priced&& price != outcome.active.entries.end() ? table.Add(price->price) : table.AddEmpty();
-  table.Add("%").EndRow();
-  table.Write(run.Result("constraints.csv"));
+  LimitedRow row{"misalignment",
+                 percent(outcome.before),
+                 percent(outcome.after),
+                 {kNaN, outcome.problem.max_misalignment_percent.value_or(kNaN)},
+                 {},
+                 "%"};
+  if (const auto* entry = outcome.active.Find({On::kMisalignment}); entry && outcome.active.multipliers_unique)
+    row.price = entry->price;
+  return row;
 }
 
-void WriteStarts(const redesign::ReoptimizeOutcome& outcome, Run& run) {
-  std::vector<std::string> header{"start"};
-  std::ranges::copy(LinkColumns("start_"), std::back_inserter(header));
-  for (const char* column : {"status", "usable", "objective_deg", "range_deg", "misalignment_percent",
-                             "constraint_violation", "kkt_error", "iterations", "time_s"})
-    header.emplace_back(column);
-  std::ranges::copy(LinkColumns("end_"), std::back_inserter(header));
-  CsvWriter table(header);
-  for (std::size_t i = 0; i < outcome.result.starts.size(); ++i) {
-    const redesign::ReoptimizeSolve& solve = outcome.result.starts[i];
-    table.Add(static_cast<int>(i));
-    AddLinkCells(table, solve.local.start);
-    table.Add(NameOf(solve.local.solution.status)).Add(solve.IsUsable() ? 1 : 0);
-    table.Add(solve.prediction ? solve.objective : kNaN).Add(solve.Range_deg()).Add(solve.Misalignment_percent());
-    table.Add(solve.local.evaluation.violation).Add(solve.local.solution.kkt_error).Add(solve.local.iterations);
-    table.Add(solve.local.seconds);
-    AddLinkCells(table, solve.point.links);
-    table.EndRow();
-  }
-  table.Write(run.Result("starts.csv"));
+std::vector<StartRow> StartRows(const redesign::ReoptimizeResult& result) {
+  std::vector<StartRow> rows;
+  for (const redesign::ReoptimizeSolve& solve : result.starts)
+    rows.push_back(
+        {solve.local,
+         {},
+         StartRow::Motion{solve.IsUsable(), solve.prediction ? solve.objective : kNaN, solve.Misalignment_percent()}});
+  return rows;
 }
 
 // The program sample by sample, and the knee angles that it is to follow.
@@ -231,28 +177,27 @@ Json InfeasibleJson(const redesign::MisalignmentInfeasibility& report) {
   Json blocking = Json::array(), ways = Json::array();
   for (const synthesis::ActiveSet::Entry& entry : report.blocking)
     blocking.push_back({{"limit", entry.name},
-                        {"multiplier", NumberOrNull(entry.price)},
+                        {"multiplier", NumberOrNull(-entry.price)},
                         {"unit", fmt::format("% misalignment per {}", entry.unit)}});
   for (const redesign::WayOut& way : report.ways)
     ways.push_back({{"change", way.text},
                     {"enough", way.enough},
-                    {"misalignment_percent", way.misalignment_percent ? Json(*way.misalignment_percent) : Json()},
-                    {"duration_s", way.duration_s ? Json(*way.duration_s) : Json()}});
+                    {"misalignment_percent", NumberOrNull(way.misalignment_percent)},
+                    {"duration_s", NumberOrNull(way.duration_s)}});
   return {{"reason", report.sentence},
-          {"smallest_misalignment_percent", report.least_percent ? Json(*report.least_percent) : Json()},
-          {"limit_that_holds_percent", report.working_percent ? Json(*report.working_percent) : Json()},
+          {"smallest_misalignment_percent", NumberOrNull(report.least_percent)},
+          {"limit_that_holds_percent", NumberOrNull(report.working_percent)},
           {"blocking", blocking},
           {"ways_out", ways}};
 }
 
 Json ProgramJson(const redesign::ReoptimizeOutcome& outcome) {
   const redesign::ProgramLimits& limits = outcome.problem.program;
-  Json json = {
-      {"kind", NameOf(limits.kind)},
-      {"max_speed_mm_s", limits.max_speed_mm_s},
-      {"duration_limit_s", limits.duration_s ? Json(*limits.duration_s) : Json()},
-      {"duration_s", outcome.after.prediction ? Json(outcome.after.duration_s) : Json()},
-      {"exact_tracking_time_s", outcome.after.tracking_time_s ? Json(*outcome.after.tracking_time_s) : Json()}};
+  Json json = {{"kind", NameOf(limits.kind)},
+               {"max_speed_mm_s", limits.max_speed_mm_s},
+               {"duration_limit_s", NumberOrNull(limits.duration_s)},
+               {"duration_s", outcome.after.prediction ? Json(outcome.after.duration_s) : Json()},
+               {"exact_tracking_time_s", NumberOrNull(outcome.after.tracking_time_s)}};
   if (outcome.after.prediction)
     json["stroke_from_to_mm"] = {outcome.after.prediction->stroke_mm.front(),
                                  outcome.after.prediction->stroke_mm.back()};
@@ -280,10 +225,7 @@ void Warn(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
     run.Warn("neither --max-misalignment nor --penalty is given: the range alone decides");
   if (!outcome.IsSolved()) return;
-  if (!outcome.active.multipliers_unique)
-    run.Warn(
-        "multipliers are not published: at this optimum the gradients of the active limits are linearly dependent, so "
-        "multipliers are not unique; ask for margins to have sensitivities");
+  WarnOfMultipliers(outcome.active, run);
   if (outcome.certificate)
     run.Warn(fmt::format(
         "the certified bound is of the range alone, the misalignment left out: without it {:.4f}° were found",
@@ -292,9 +234,8 @@ void Warn(const redesign::ReoptimizeOutcome& outcome, Run& run) {
 
 Json TrialJson(const redesign::ReoptimizeOutcome& outcome) {
   if (!outcome.measured_percent) return nullptr;
-  Json trial = {
-      {"misalignment_percent", *outcome.measured_percent},
-      {"worn_angle_off_deg", outcome.worn_angle_off_deg ? NumberOrNull(*outcome.worn_angle_off_deg) : Json()}};
+  Json trial = {{"misalignment_percent", *outcome.measured_percent},
+                {"worn_angle_off_deg", NumberOrNull(outcome.worn_angle_off_deg)}};
   if (!outcome.slip) return trial;
   const redesign::MountSlip& slip = *outcome.slip;
   trial.update({{"slip_rms_mm", slip.slip_mm},
@@ -311,7 +252,7 @@ Json PlacementRangeJson(const redesign::ReoptimizeOutcome& outcome) {
   return {{"within_percent", range.within_percent},
           {"x_mm", {range.x_mm.lower, range.x_mm.upper}},
           {"y_mm", {range.y_mm.lower, range.y_mm.upper}},
-          {"range_at_knee_deg", outcome.range_at_knee_deg ? Json(*outcome.range_at_knee_deg) : Json()}};
+          {"range_at_knee_deg", NumberOrNull(outcome.range_at_knee_deg)}};
 }
 
 // One sentence that says what to build, and how free that is.
@@ -349,51 +290,59 @@ std::string TrialText(const redesign::ReoptimizeOutcome& outcome) {
                     outcome.slip->lean_mm);
 }
 
-}  // namespace
-
-Json WriteReoptimization(const redesign::ReoptimizeOutcome& outcome, Run& run) {
-  WriteDesignFile(outcome, run);
-  WriteOptimum(outcome, run);
-  WriteConstraints(outcome, run);
-  WriteStarts(outcome, run);
+void WriteTables(const redesign::ReoptimizeOutcome& outcome, const OptimumView& optimum, Run& run) {
+  WriteOptimumDesign(outcome.after.design, optimum, run);
+  WriteOptimum(optimum, ProgramRows(outcome, optimum), run);
+  WriteConstraints(optimum, {MisalignmentRow(outcome)}, run);
+  WriteStarts(StartRows(outcome.result), run);
   WriteConvergence(outcome.result.starts[std::max(0, outcome.result.best)].local, "objective_deg", run);
   WriteBeforeAfter(outcome, run);
   WriteProgram(outcome, run);
   WritePredicted(outcome, run);
   if (!outcome.fronts.empty()) WritePareto(outcome, run);
-  Warn(outcome, run);
-  const redesign::ReoptimizeSolve* best = outcome.IsSolved() ? &outcome.result.Best() : nullptr;
+}
+
+// What the summary has of the misalignment, the program and the trial, solved or not.
+Json MotionJson(const redesign::ReoptimizeOutcome& outcome) {
   const auto& compared = outcome.after.misalignment;
-  Json summary = {
-      {"range_deg", NumberOrNull(outcome.after.evaluation.range_deg)},
-      {"status", best ? Json(NameOf(best->local.solution.status)) : Json("infeasible")},
-      {"constraint_violation", NumberOrNull(outcome.after.evaluation.violation)},
-      {"kkt_error", best ? Json(best->local.solution.kkt_error) : Json()},
-      {"certified_upper_bound_deg", outcome.certificate ? NumberOrNull(outcome.certificate->upper_bound_deg) : Json()},
-      {"misalignment_percent", compared ? Json(100 * compared->metrics.relative_rms) : Json()},
-      {"misalignment_rms_mm", compared ? Json(compared->metrics.rms_mm) : Json()},
-      {"max_misalignment_percent",
-       outcome.problem.max_misalignment_percent ? Json(*outcome.problem.max_misalignment_percent) : Json()},
-      {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
-      {"links", LinksJson(outcome.after.design.links)},
-      {"placement_mm", outcome.after.design.placement_mm},
-      {"program", ProgramJson(outcome)},
-      {"trial", TrialJson(outcome)},
-      {"trial_text", TrialText(outcome)},
-      {"placement_range", PlacementRangeJson(outcome)},
-      {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
-      {"noise_floor_percent", outcome.measured.noise_floor_percent},
-      {"before", BeforeAfterJson(outcome.before)},
-      {"after", BeforeAfterJson(outcome.after)}};
-  if (best) {
-    summary["multipliers_unique"] = outcome.active.multipliers_unique;
-    summary["active"] = ActiveJson(outcome.active);
-    summary["iterations"] = best->local.iterations;
-    summary["time_s"] = best->local.seconds;
-  } else {
-    summary.update(InfeasibleJson(*outcome.infeasible));
-  }
-  summary["optimum"] = EvaluationJson(outcome.after.evaluation);
+  return {{"misalignment_percent", compared ? Json(100 * compared->metrics.relative_rms) : Json()},
+          {"misalignment_rms_mm", compared ? Json(compared->metrics.rms_mm) : Json()},
+          {"max_misalignment_percent", NumberOrNull(outcome.problem.max_misalignment_percent)},
+          {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
+          {"links", LinksJson(outcome.after.design.links)},
+          {"placement_mm", outcome.after.design.placement_mm},
+          {"program", ProgramJson(outcome)},
+          {"trial", TrialJson(outcome)},
+          {"trial_text", TrialText(outcome)},
+          {"placement_range", PlacementRangeJson(outcome)},
+          {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
+          {"noise_floor_percent", outcome.measured.noise_floor_percent},
+          {"before", BeforeAfterJson(outcome.before)},
+          {"after", BeforeAfterJson(outcome.after)}};
+}
+
+Json SolvedJson(const synthesis::LocalSolve& best, const synthesis::ActiveSet& active) {
+  return {{"multipliers_unique", active.multipliers_unique},
+          {"active", ActiveJson(active)},
+          {"iterations", best.iterations},
+          {"time_s", best.seconds}};
+}
+
+}  // namespace
+
+Json WriteReoptimization(const redesign::ReoptimizeOutcome& outcome, Run& run) {
+  const synthesis::LocalSolve* best = outcome.IsSolved() ? &outcome.result.Best().local : nullptr;
+  const redesign::DesignInMotion &before = outcome.before, &after = outcome.after;
+  const OptimumView optimum{outcome.problem.design, before.design.links,
+                            after.design.links,     before.evaluation,
+                            after.evaluation,       best,
+                            outcome.active,         best ? "" : outcome.infeasible->sentence};
+  WriteTables(outcome, optimum, run);
+  Warn(outcome, run);
+  Json summary = HeadJson(optimum, after.evaluation.violation, outcome.certificate);
+  summary.update(MotionJson(outcome));
+  summary.update(best ? SolvedJson(*best, outcome.active) : InfeasibleJson(*outcome.infeasible));
+  summary["optimum"] = EvaluationJson(after.evaluation);
   if (outcome.certificate) summary["certificate"] = CertificateJson(*outcome.certificate, true);
   if (outcome.yield) summary["yield"] = YieldJson(*outcome.yield);
   if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);

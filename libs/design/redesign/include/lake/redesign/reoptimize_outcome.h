@@ -61,7 +61,7 @@ struct MisalignmentInfeasibility {
   bool within_reach = false;              // the limits can be held after all; the solver did not get there
   std::optional<double> least_percent;    // the smallest misalignment found under the given program
   std::optional<double> working_percent;  // a rounded limit a little above, with which the problem was solved
-  // Limits that hold it there; price: change of the least misalignment in % per unit by which the limit is raised; NaN
+  // Limits that hold it there; price in % by which the least misalignment falls per unit that the limit is raised; NaN
   // where multipliers are not unique.
   std::vector<synthesis::ActiveSet::Entry> blocking;
   std::vector<WayOut> ways;
