@@ -10,7 +10,7 @@
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
 #include "lake/redesign/reoptimize_problem.h"
-#include "lake/synthesis/study.h"
+#include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::commands {
 
@@ -32,7 +32,7 @@ struct ReoptimizeRunOptions {
 struct OptimizeRunOptions {
   problem::SynthesisProblem problem;
   std::filesystem::path problem_file;  // that it was read from, for the record; empty: none
-  synthesis::StudyOptions study;
+  synthesis::SynthesisOptions study;
   std::optional<ReoptimizeRunOptions> reoptimize;
 };
 

@@ -46,7 +46,8 @@ struct SynthesisProblem {
 // One thing a design must satisfy: value >= limit, or value <= limit.
 struct Requirement {
   enum class Kind {
-    kLinear,        // coefficients . X, mm
+    kGrashof,       // l1 + l2 - l3 - l4, mm
+    kOrder,         // larger - smaller link, mm
     kSingularity,   // l2 + d_min - l7, mm
     kMomentArm,     // smallest moment arm over the used range, mm per rad
     kForce,         // largest actuator force over the used range, N
@@ -54,17 +55,27 @@ struct Requirement {
     kMaxStroke,     // stroke at standing_deg, mm
     kMaxAngle       // theta(d_min), deg
   };
-  Kind kind = Kind::kLinear;
+  // Tells it from the others of a problem.
+  struct Id {
+    Kind kind = Kind::kGrashof;
+    int smaller = -1, larger = -1;  // kOrder only: links, 0..5
+    bool operator==(const Id&) const = default;
+  };
+  Id id;
   std::string name;                      // short, as in the tables: "grashof", "l3 <= l1", "moment arm"
-  std::array<double, 6> coefficients{};  // kLinear only
+  std::array<double, 6> coefficients{};  // of the links, if it is linear in them
   bool is_lower_limit = true;            // value >= limit
   double limit = 0;
   std::string unit = "mm";
 
   // Must hold at every pose of the used range.
-  bool IsFamily() const { return kind == Kind::kMomentArm || kind == Kind::kForce || kind == Kind::kTransmission; }
+  bool IsFamily() const {
+    return id.kind == Kind::kMomentArm || id.kind == Kind::kForce || id.kind == Kind::kTransmission;
+  }
+  // coefficients . X >= limit
+  bool IsLinear() const { return id.kind == Kind::kGrashof || id.kind == Kind::kOrder; }
   // Concerns poses other than the one at d_min, so the linkage must be able to stand.
-  bool NeedsStanding() const { return IsFamily() || kind == Kind::kMaxStroke; }
+  bool NeedsStanding() const { return IsFamily() || id.kind == Kind::kMaxStroke; }
   // Distance of a value to the limit, positive if satisfied; -infinity for NaN, a value that could not be had.
   double Slack(double value) const;
   // "grashof >= 2 mm"

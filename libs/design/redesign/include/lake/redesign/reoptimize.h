@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lake/redesign/reoptimize_program.h"
+#include "lake/redesign/reoptimize_problem.h"
 #include "lake/synthesis/optimize.h"
 
 namespace lake::redesign {
@@ -13,7 +13,6 @@ namespace lake::redesign {
 // One local solve, exchange included.
 struct ReoptimizeSolve {
   synthesis::LocalSolve local;
-  ReoptimizeVariables variables;
   ReoptimizePoint point;                 // the end
   std::optional<Prediction> prediction;  // of the end, by the closed form and the comparison's error
   // Of the goal, larger is better: RoR - w RMS in deg; -percent; -s; -|p| or farthest . p in mm.
