@@ -17,8 +17,7 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   run.Begin();
   const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(options.problem, options.study);
   Json summary = WriteSynthesis(outcome, run);
-  figure::DrawConvergence(outcome.result.starts[std::max(0, outcome.result.best)], "range of rotation, deg",
-                          run.Result("convergence.png"));
+  figure::DrawConvergence(outcome.result.BestOrFirst(), "range of rotation, deg", run.Result("convergence.png"));
   if (!outcome.IsSolved()) {
     run.WriteSummary(summary);
     throw SolverError(outcome.infeasible->sentence);
@@ -92,8 +91,7 @@ redesign::ReoptimizeOptions ReoptimizeOptionsOf(const OptimizeRunOptions& option
 }
 
 void DrawFigures(const redesign::ReoptimizeOutcome& outcome, Run& run) {
-  figure::DrawConvergence(outcome.result.starts[std::max(0, outcome.result.best)].local, "objective, deg",
-                          run.Result("convergence.png"));
+  figure::DrawConvergence(outcome.result.BestOrFirst().local, "objective, deg", run.Result("convergence.png"));
   figure::DrawKneePaths(outcome, run.Result("knee_paths.png"));
   if (!outcome.fronts.empty()) figure::DrawPareto(outcome, run.Result("pareto.png"));
 }

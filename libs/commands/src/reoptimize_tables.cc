@@ -12,13 +12,8 @@
 namespace lake::commands {
 namespace {
 
-using Kind = linkage::StrokeProgram::Kind;
 using On = synthesis::LimitId::On;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-const char* NameOf(Kind kind) {
-  return kind == Kind::kFree ? "free" : "constant";
-}
 
 // What the table of before and after has of a design; NaN where it cannot make the motion.
 struct Quantity {
@@ -45,7 +40,7 @@ std::vector<Quantity> Quantities() {
   all.push_back({"part_shape", "1", compared([](const compare::Misalignment& m) { return m.decomposition.shape; })});
   all.push_back({"knee_rmse", "deg", compared([](const compare::Misalignment& m) { return m.metrics.knee_rmse_deg; })});
   for (const int axis : {0, 1})
-    all.push_back({axis == 0 ? "placement_x" : "placement_y", "mm",
+    all.push_back({redesign::PlacementName(axis), "mm",
                    [axis](const redesign::DesignInMotion& d) { return d.design.placement_mm[axis]; }});
   all.push_back(
       {"program_duration", "s", [](const redesign::DesignInMotion& d) { return d.prediction ? d.duration_s : kNaN; }});
@@ -73,7 +68,7 @@ Json BeforeAfterJson(const redesign::DesignInMotion& design) {
     const std::string unit = quantity.unit == "1" ? "" : quantity.unit == "%" ? "_percent" : "_" + quantity.unit;
     json[quantity.name + unit] = NumberOrNull(quantity.value(design));
   }
-  json["program"] = NameOf(design.design.program->kind);
+  json["program"] = redesign::ProgramName(design.design.program->kind);
   return json;
 }
 
@@ -82,7 +77,7 @@ std::vector<LimitedRow> ProgramRows(const redesign::ReoptimizeOutcome& outcome, 
   const redesign::ReoptimizeProblem& problem = outcome.problem;
   std::vector<LimitedRow> rows;
   for (const int axis : {0, 1})
-    rows.push_back({axis == 0 ? "placement_x" : "placement_y", outcome.before.design.placement_mm[axis],
+    rows.push_back({redesign::PlacementName(axis), outcome.before.design.placement_mm[axis],
                     outcome.after.design.placement_mm[axis], problem.PlacementBounds(axis),
                     optimum.PriceOf({On::kPlacement, axis})});
   rows.push_back({"duration",
@@ -152,7 +147,7 @@ void WritePareto(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   for (const redesign::NamedFront& front : outcome.fronts)
     for (const redesign::ParetoPoint& point : front.points) {
       const auto tracking = redesign::TrackingStrokes(outcome.problem.Driven(point.point.links), outcome.problem.human);
-      table.Add(NameOf(front.program.kind)).Add(front.program.duration_s).Add(point.least_range_deg);
+      table.Add(redesign::ProgramName(front.program.kind)).Add(front.program.duration_s).Add(point.least_range_deg);
       table.Add(point.range_deg).Add(point.misalignment_percent).Add(point.rms_mm);
       table.Add(tracking ? redesign::TrackingTime(*tracking, outcome.problem.program.max_speed_mm_s) : kNaN);
       table.Add(point.point.placement_mm.x()).Add(point.point.placement_mm.y());
@@ -193,7 +188,7 @@ Json InfeasibleJson(const redesign::MisalignmentInfeasibility& report) {
 
 Json ProgramJson(const redesign::ReoptimizeOutcome& outcome) {
   const redesign::ProgramLimits& limits = outcome.problem.program;
-  Json json = {{"kind", NameOf(limits.kind)},
+  Json json = {{"kind", redesign::ProgramName(limits.kind)},
                {"max_speed_mm_s", limits.max_speed_mm_s},
                {"duration_limit_s", NumberOrNull(limits.duration_s)},
                {"duration_s", outcome.after.prediction ? Json(outcome.after.duration_s) : Json()},
@@ -295,7 +290,7 @@ void WriteTables(const redesign::ReoptimizeOutcome& outcome, const OptimumView& 
   WriteOptimum(optimum, ProgramRows(outcome, optimum), run);
   WriteConstraints(optimum, {MisalignmentRow(outcome)}, run);
   WriteStarts(StartRows(outcome.result), run);
-  WriteConvergence(outcome.result.starts[std::max(0, outcome.result.best)].local, "objective_deg", run);
+  WriteConvergence(outcome.result.BestOrFirst().local, "objective_deg", run);
   WriteBeforeAfter(outcome, run);
   WriteProgram(outcome, run);
   WritePredicted(outcome, run);

@@ -134,7 +134,7 @@ void WriteTables(const synthesis::SynthesisOutcome& outcome, const OptimumView& 
   for (std::size_t i = 0; i < outcome.result.starts.size(); ++i)
     starts.push_back({outcome.result.starts[i], outcome.result.basin[i]});
   WriteStarts(starts, run);
-  WriteConvergence(outcome.result.starts[std::max(0, outcome.result.best)], "range_deg", run);
+  WriteConvergence(outcome.result.BestOrFirst(), "range_deg", run);
   if (!outcome.IsSolved()) return;
   WriteSensitivity(outcome, run);
   WriteMargins(outcome, run);

@@ -33,7 +33,7 @@ ReoptimizeSolve SolveOneSide(const ReoptimizeProblem& problem, const ReoptimizeP
   solve.local = synthesis::SolveByExchange(problem.design, builder, options);
   solve.point = builder.Point();
   solve.prediction = PredictPoint(problem, solve.point);
-  solve.usable = solve.local.IsUsable() && HoldsOnPath(problem, solve);
+  solve.holds_on_path = HoldsOnPath(problem, solve);
   if (solve.prediction) solve.objective = ObjectiveOf(problem, solve.point, solve.Range_deg(), *solve.prediction);
   return solve;
 }

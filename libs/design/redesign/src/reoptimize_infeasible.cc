@@ -163,7 +163,7 @@ class Explainer {
 
   std::string Sentence() const {
     const bool free = problem_.program.kind == Kind::kFree;
-    std::string program = free ? "free program" : "constant program";
+    std::string program = fmt::format("{} program", ProgramName(problem_.program.kind));
     if (problem_.program.duration_s) program += fmt::format(" of {:.4g} s", *problem_.program.duration_s);
     std::string text = fmt::format(
         "no design has a misalignment of at most {:.4g} %: the smallest found with the {} at {:.4g} mm/s is {:.4g} %",

@@ -95,8 +95,7 @@ NamedFront FrontOf(ReoptimizeProblem problem, const std::vector<linkage::Links>&
                    const ReoptimizeOutcome& outcome) {
   NamedFront front;
   front.program = problem.program;
-  const bool free = problem.program.kind == Kind::kFree;
-  front.name = free ? "free" : "constant";
+  front.name = ProgramName(problem.program.kind);
   if (problem.program.duration_s) front.name += fmt::format(" {:.4g} s", *problem.program.duration_s);
   front.points = ParetoFront(problem, *outcome.options.pareto_points, links, outcome.options.optimize);
   return front;

@@ -77,8 +77,8 @@ class Extender {
   void AddPlacement() {
     for (int axis = 0; axis < 2; ++axis) {
       const auto [lower, upper] = problem_.PlacementBounds(axis);
-      variables_.placement[axis] = nlp().AddVariable(axis == 0 ? "placement_x" : "placement_y",
-                                                     std::clamp(start_.placement_mm[axis], lower, upper), lower, upper);
+      variables_.placement[axis] =
+          nlp().AddVariable(PlacementName(axis), std::clamp(start_.placement_mm[axis], lower, upper), lower, upper);
       if (!problem_.fit_placement) continue;
       const double square = problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * MisalignmentWeight();
       nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{square});
@@ -94,12 +94,10 @@ class Extender {
     variables_.duration = nlp().AddVariable("duration", start_.duration_s, 0, longest);
     if (problem_.program.duration_s) synthesis_.limits.push_back({{On::kDuration}, "s", -1, variables_.duration});
     const double share = speed / static_cast<double>(variables_.knots.size() - 1);
+    const bool may_turn_back = IsFree() && !problem_.program.monotone;
     for (std::size_t k = 1; k < variables_.knots.size(); ++k) {
       AddSpeedRow(k, 1, share);
-      if (problem_.program.monotone || !IsFree())
-        AddSpeedRow(k, -1, 0);
-      else
-        AddSpeedRow(k, -1, share);
+      AddSpeedRow(k, -1, may_turn_back ? share : 0);
     }
     synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.duration,
                              problem_.goal == Goal::kDuration ? 1 : kDurationTie);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lake/core/angles.h"
@@ -22,26 +23,36 @@ std::vector<double> Percents() {
   return percents;
 }
 
-std::string PathData(GnuplotFigure& figure, const std::vector<Eigen::Vector2d>& path) {
-  std::vector<double> x, y;
-  for (const Eigen::Vector2d& p : path) x.push_back(p.x()), y.push_back(p.y());
-  return figure.Data({x, y});
-}
+// The curves of one panel, drawn together.
+class Plot {
+ public:
+  explicit Plot(GnuplotFigure& figure) : figure_(figure) {}
 
-// A curve per design over percent, and how it is drawn.
-struct Curve {
-  std::vector<double> values;
-  std::string style, title;
+  bool IsEmpty() const { return curves_.empty(); }
+  void Add(std::string curve) { curves_.push_back(std::move(curve)); }
+
+  // `how`: lines or points, their style and title.
+  void AddData(const std::vector<double>& x, const std::vector<double>& y, const std::string& how) {
+    Add(fmt::format("{} using 1:2 with {}", figure_.Data({x, y}), how));
+  }
+  void AddPath(const std::vector<Eigen::Vector2d>& path, const std::string& how) {
+    std::vector<double> x, y;
+    for (const Eigen::Vector2d& p : path) x.push_back(p.x()), y.push_back(p.y());
+    AddData(x, y, how);
+  }
+  // One value per percent; none, no curve.
+  void AddCurve(const std::vector<double>& values, const std::string& style, const std::string& title) {
+    if (!values.empty()) AddData(Percents(), values, fmt::format("lines {} title '{}'", style, title));
+  }
+
+  void Draw() {
+    if (!IsEmpty()) figure_.Line(fmt::format("plot {}", fmt::join(curves_, ", ")));
+  }
+
+ private:
+  GnuplotFigure& figure_;
+  std::vector<std::string> curves_;
 };
-
-std::string PlotOf(GnuplotFigure& figure, const std::vector<Curve>& curves) {
-  std::string plot = "plot ";
-  for (const Curve& curve : curves)
-    if (!curve.values.empty())
-      plot += fmt::format("{}{} using 1:2 with lines {} title '{}'", plot.size() > 5 ? ", " : "",
-                          figure.Data({Percents(), curve.values}), curve.style, curve.title);
-  return plot;
-}
 
 const std::string kHumanStyle = fmt::format("lw 4 lc rgb '{}'", colour::kHuman);
 const std::string kBeforeStyle = fmt::format("lw 2.5 dt 2 lc rgb '{}'", kBefore);
@@ -55,28 +66,32 @@ void DrawPaths(GnuplotFigure& figure, const redesign::ReoptimizeOutcome& outcome
   figure.Line("set title 'Knee in the leg frame' font ',13'; set xlabel 'anterior (mm)'; set ylabel 'up (mm)'");
   figure.Line("set size ratio -1; set offsets graph 0.06, graph 0.06, graph 0.75, graph 0.06; set key top right");
   figure.Line("set ytics 20");
-  std::string plot = fmt::format("plot {} using 1:2 with lines {} title 'human knee'",
-                                 PathData(figure, outcome.measured.human.knee), kHumanStyle);
-  const auto add = [&](const redesign::DesignInMotion& design, const std::string& style, const std::string& title) {
-    if (design.prediction)
-      plot += fmt::format(", {} using 1:2 with lines {} title '{}'", PathData(figure, design.prediction->exo.knee),
-                          style, title);
+  struct Knee {
+    const std::vector<Eigen::Vector2d>* path;  // nullptr: not drawn
+    std::string style, title;
+    const char* colour;
+    int mark;
   };
-  add(outcome.before, kBeforeStyle, "exoskeleton before"),
-      add(outcome.after, kAfterStyle, "exoskeleton " + AfterName(outcome));
+  const auto path = [](const redesign::DesignInMotion& design) {
+    return design.prediction ? &design.prediction->exo.knee : nullptr;
+  };
+  const std::array knees{
+      Knee{&outcome.measured.human.knee, kHumanStyle, "human knee", colour::kHuman, 7},
+      Knee{path(outcome.before), kBeforeStyle, "exoskeleton before", kBefore, 9},
+      Knee{path(outcome.after), kAfterStyle, "exoskeleton " + AfterName(outcome), colour::kExoskeleton, 5}};
+  Plot plot(figure);
+  for (const Knee& knee : knees)
+    if (knee.path) plot.AddPath(*knee.path, fmt::format("lines {} title '{}'", knee.style, knee.title));
   // The same instants on each path, so that being late can be told from being elsewhere.
-  for (const auto& [knee, colour, mark] :
-       {std::tuple(&outcome.measured.human.knee, colour::kHuman, 7),
-        std::tuple(outcome.before.prediction ? &outcome.before.prediction->exo.knee : nullptr, kBefore, 9),
-        std::tuple(outcome.after.prediction ? &outcome.after.prediction->exo.knee : nullptr, colour::kExoskeleton,
-                   5)}) {
-    if (!knee) continue;
+  const char* title = "title '0, 25, 50, 75, 100 %'";
+  for (const Knee& knee : knees) {
+    if (!knee.path) continue;
     std::vector<Eigen::Vector2d> dots;
-    for (std::size_t i = 0; i < compare::kPercentSamples; i += 25) dots.push_back((*knee)[i]);
-    plot += fmt::format(", {} using 1:2 with points pt {} ps 1.5 lc rgb '{}' {}", PathData(figure, dots), mark, colour,
-                        mark == 7 ? "title '0, 25, 50, 75, 100 %'" : "notitle");
+    for (std::size_t i = 0; i < compare::kPercentSamples; i += 25) dots.push_back((*knee.path)[i]);
+    plot.AddPath(dots, fmt::format("points pt {} ps 1.5 lc rgb '{}' {}", knee.mark, knee.colour, title));
+    title = "notitle";
   }
-  figure.Line(plot);
+  plot.Draw();
   figure.Line("set size noratio; set offsets 0, 0, 0, 0; set ytics autofreq");
 }
 
@@ -93,13 +108,13 @@ void DrawRelativeError(GnuplotFigure& figure, const redesign::ReoptimizeOutcome&
   };
   figure.Line("set title 'Misalignment' font ',13'; set ylabel 'relative error (% of the shank)'; set yrange [0:*]");
   figure.Line("set offsets 0, 0, graph 0.3, 0; set key top right");
-  std::string plot = PlotOf(figure, {{percent(outcome.before), kBeforeStyle, name("before", outcome.before)},
-                                     {percent(outcome.after), kAfterStyle, name(AfterName(outcome), outcome.after)}});
+  Plot plot(figure);
+  plot.AddCurve(percent(outcome.before), kBeforeStyle, name("before", outcome.before));
+  plot.AddCurve(percent(outcome.after), kAfterStyle, name(AfterName(outcome), outcome.after));
   if (outcome.problem.max_misalignment_percent)
-    plot += fmt::format("{}{} with lines lw 1.5 dt 3 lc rgb '{}' title 'limit of the RMS {:.3g} %'",
-                        plot.size() > 5 ? ", " : "", *outcome.problem.max_misalignment_percent, colour::kText,
-                        *outcome.problem.max_misalignment_percent);
-  if (plot.size() > 5) figure.Line(plot);
+    plot.Add(fmt::format("{0} with lines lw 1.5 dt 3 lc rgb '{1}' title 'limit of the RMS {0:.3g} %'",
+                         *outcome.problem.max_misalignment_percent, colour::kText));
+  plot.Draw();
   figure.Line("set yrange [*:*]; set offsets 0, 0, graph 0.12, graph 0.05");
 }
 
@@ -111,9 +126,11 @@ void DrawKneeAngles(GnuplotFigure& figure, const redesign::ReoptimizeOutcome& ou
   for (const redesign::HumanSample& sample : outcome.problem.human)
     human.push_back(DegreesFromRadians(sample.knee_rad));
   figure.Line("set title 'Knee angle' font ',13'; set ylabel 'flexion (°)'; set key top right");
-  figure.Line(PlotOf(figure, {{human, kHumanStyle, "human"},
-                              {angles(outcome.before), kBeforeStyle, "before"},
-                              {angles(outcome.after), kAfterStyle, AfterName(outcome)}}));
+  Plot plot(figure);
+  plot.AddCurve(human, kHumanStyle, "human");
+  plot.AddCurve(angles(outcome.before), kBeforeStyle, "before");
+  plot.AddCurve(angles(outcome.after), kAfterStyle, AfterName(outcome));
+  plot.Draw();
 }
 
 void DrawStrokes(GnuplotFigure& figure, const redesign::ReoptimizeOutcome& outcome) {
@@ -128,19 +145,18 @@ void DrawStrokes(GnuplotFigure& figure, const redesign::ReoptimizeOutcome& outco
   const auto tracking =
       redesign::TrackingStrokes(outcome.problem.Driven(outcome.after.design.links), outcome.problem.human);
   figure.Line("set title 'Stroke program' font ',13'; set ylabel 'stroke (mm)'; set key bottom right");
-  const std::string plot =
-      PlotOf(figure, {{tracking.value_or(std::vector<double>()), kHumanStyle, "exact tracking"},
-                      {strokes(outcome.before), kBeforeStyle, name("before", outcome.before)},
-                      {strokes(outcome.after), kAfterStyle, name(AfterName(outcome), outcome.after)}});
-  if (plot.size() > 5) figure.Line(plot);
+  Plot plot(figure);
+  plot.AddCurve(tracking.value_or(std::vector<double>()), kHumanStyle, "exact tracking");
+  plot.AddCurve(strokes(outcome.before), kBeforeStyle, name("before", outcome.before));
+  plot.AddCurve(strokes(outcome.after), kAfterStyle, name(AfterName(outcome), outcome.after));
+  plot.Draw();
 }
 
-void DrawDesignMark(std::string& plot, GnuplotFigure& figure, const redesign::DesignInMotion& design,
-                    const std::string& name, const char* colour, int mark) {
+void AddDesignMark(const redesign::DesignInMotion& design, const std::string& name, const char* colour, int mark,
+                   Plot& plot) {
   if (!design.misalignment || !design.evaluation.pose) return;
-  plot += fmt::format(", {} using 1:2 with points pt {} ps 2.2 lw 2 lc rgb '{}' title '{}'",
-                      figure.Data({{100 * design.misalignment->metrics.relative_rms}, {design.evaluation.range_deg}}),
-                      mark, colour, name);
+  plot.AddData({100 * design.misalignment->metrics.relative_rms}, {design.evaluation.range_deg},
+               fmt::format("points pt {} ps 2.2 lw 2 lc rgb '{}' title '{}'", mark, colour, name));
 }
 
 }  // namespace
@@ -166,23 +182,24 @@ void DrawPareto(const redesign::ReoptimizeOutcome& outcome, const std::filesyste
       "set key at screen 0.5, 0.03 center bottom horizontal samplen 2.5 spacing 1.2; set bmargin 7");
   figure.Line("set xlabel 'misalignment, RMS (% of the shank)'; set ylabel 'range of rotation (°)'");
   figure.Line("set offsets 0, graph 0.04, graph 0.04, graph 0.04; set xrange [0:*]");
-  std::string plot = "plot ";
+  Plot plot(figure);
   for (std::size_t i = 0; i < outcome.fronts.size(); ++i) {
     std::vector<double> misalignment, range;
     for (const redesign::ParetoPoint& point : outcome.fronts[i].points)
       misalignment.push_back(point.misalignment_percent), range.push_back(point.range_deg);
     if (range.empty()) continue;
-    plot += fmt::format("{}{} using 1:2 with linespoints lw 3 pt {} ps 1.1 lc rgb '{}' title '{} program'",
-                        plot.size() > 5 ? ", " : "", figure.Data({misalignment, range}), kMarks[i % 3], kColours[i % 3],
-                        outcome.fronts[i].name);
+    plot.AddData(misalignment, range,
+                 fmt::format("linespoints lw 3 pt {} ps 1.1 lc rgb '{}' title '{} program'", kMarks[i % 3],
+                             kColours[i % 3], outcome.fronts[i].name));
   }
-  if (plot.size() == 5) plot += "1/0 notitle";
-  DrawDesignMark(plot, figure, outcome.before, "before", colour::kText, 6);
-  DrawDesignMark(plot, figure, outcome.after, AfterName(outcome), colour::kExoskeleton, 4);
+  if (plot.IsEmpty()) plot.Add("1/0 notitle");
+  AddDesignMark(outcome.before, "before", colour::kText, 6, plot);
+  AddDesignMark(outcome.after, AfterName(outcome), colour::kExoskeleton, 4, plot);
   if (outcome.problem.max_misalignment_percent)
     figure.Line(fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead lw 1.5 dt 3 lc rgb '{1}'",
                             *outcome.problem.max_misalignment_percent, colour::kText));
-  figure.Line(plot).Write(path);
+  plot.Draw();
+  figure.Write(path);
 }
 
 }  // namespace lake::figure

@@ -87,6 +87,7 @@ struct SynthesisResult {
   int best = -1;                   // index of the best usable start; -1: none
 
   const LocalSolve& Best() const { return starts.at(best); }
+  const LocalSolve& BestOrFirst() const { return starts.at(best >= 0 ? best : 0); }
 };
 
 // Throws Error for a problem that fails its Check().
