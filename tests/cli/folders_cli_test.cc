@@ -145,7 +145,7 @@ TEST_F(Folders, AreFoundFromWithinAndByAnyName) {
 TEST_F(Folders, WithTablesInMetresAreAskedAbout) {
   Render("--repetitions 2");
   Done("lake-track human.mp4 --no-overlay --quiet -o D --camera good/camera.yaml && lake-convert D mm.txt");
-  Done("awk -F'\\t' -v OFS='\\t' 'NR>2{for(i=2;i<=NF;++i) if($i!=\"\") $i=$i/1000}1' mm.txt > m.txt");
+  Done("awk -F'\\t' -v OFS='\\t' 'NR>3{for(i=2;i<=NF;++i) if($i!=\"\") $i=$i/1000}1' mm.txt > m.txt");
   const std::string compare = "lake-compare mm.txt m.txt --exo-knee knee --resamples 0 -o ";
   EXPECT_THAT(Shell(folder_, compare + "C").err, HasSubstr("is the file in another unit? Give it with --unit"));
   const Outcome right = Done(compare + "C2 --exo-unit m --json");
@@ -163,7 +163,7 @@ TEST_F(Folders, AreLeftAtOnceWhenAFigureIsInterrupted) {
       "bash -c 'set -m; PATH=$PWD:$PATH lake-simulate --links 59.081,68.840,55.964,71.849,118.630,287.310 --quiet -o D "
       "& until [ -e drawing ] || ! kill -0 $!; do sleep 0.02; done; kill -INT -- -$!; wait $! 2>&-'");
   EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
-  EXPECT_EQ(outcome.err, "lake-simulate: interrupted\n");
+  EXPECT_TRUE(outcome.err.ends_with("lake-simulate: interrupted\n")) << outcome.err;
   EXPECT_FALSE(Has("D/summary.json"));
 }
 

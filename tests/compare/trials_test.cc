@@ -51,7 +51,7 @@ compare::RegisteredTrial Register(const compare::TrialTables& tables, const char
   return compare::RegisterTrial(tables, options);
 }
 
-// The motion's own curves between its true events: the definitions of method.md on 2000 exact samples per second.
+// The motion's own curves between its true events: the definitions of sts_events.h on 2000 exact samples per second.
 compare::StsCurve TrueCurve(const synth::StsMotion& motion, const char* knee = "knee") {
   constexpr double kStep = 1 / 2000.0;
   const double side = motion.FacingInImage() == motion::Facing::kRight ? 1 : -1;

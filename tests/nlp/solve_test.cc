@@ -45,10 +45,10 @@ TEST(SolveNlp, PricesAreDerivativesOfTheOptimumByTheBounds) {
   const double above = nlp::SolveNlp(HockSchittkowski71(25 + step)).cost,
                below = nlp::SolveNlp(HockSchittkowski71(25 - step)).cost;
   const nlp::NlpSolution solution = nlp::SolveNlp(HockSchittkowski71());
-  EXPECT_NEAR(solution.row_prices[0], (above - below) / (2 * step), 1e-6);
-  EXPECT_GT(solution.row_prices[0], 0);
-  EXPECT_GT(solution.variable_prices[0], 0);          // x1 is held at its lower bound
-  EXPECT_NEAR(solution.variable_prices[2], 0, 1e-7);  // x3 is free
+  EXPECT_NEAR(solution.row_marginal_costs[0], (above - below) / (2 * step), 1e-6);
+  EXPECT_GT(solution.row_marginal_costs[0], 0);
+  EXPECT_GT(solution.variable_marginal_costs[0], 0);          // x1 is held at its lower bound
+  EXPECT_NEAR(solution.variable_marginal_costs[2], 0, 1e-7);  // x3 is free
 }
 
 TEST(SolveNlp, FixedVariableHasThePriceOfMovingIt) {
@@ -63,7 +63,7 @@ TEST(SolveNlp, FixedVariableHasThePriceOfMovingIt) {
   const nlp::NlpSolution solution = solve(3);
   ASSERT_TRUE(solution.IsUsable()) << solution.message;
   EXPECT_NEAR(solution.x[1], 6, 1e-8);
-  EXPECT_NEAR(solution.variable_prices[0], 6, 1e-7);
+  EXPECT_NEAR(solution.variable_marginal_costs[0], 6, 1e-7);
 }
 
 TEST(SolveNlp, InfeasibleProgramIsAStatusWithItsBestPoint) {

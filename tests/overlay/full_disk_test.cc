@@ -40,8 +40,7 @@ class FileLimit {
   void (*handler_)(int) = std::signal(SIGXFSZ, SIG_IGN);  // writing fails instead of ending the process
 };
 
-void ExpectRefused(const std::string& name, rlim_t bytes,
-                   const std::function<void(const std::filesystem::path&)>& write) {
+void ExpectRefused(const char* name, rlim_t bytes, const std::function<void(const std::filesystem::path&)>& write) {
   const TemporaryFolder folder;
   EXPECT_NO_THROW(write(folder / name));
   std::filesystem::remove(folder / name);

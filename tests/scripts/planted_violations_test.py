@@ -15,7 +15,7 @@ endforeach()
 add_library(lake_program STATIC program.cc)
 add_subdirectory(tests/odr)
 """
-MODULE = """namespace {space} {{
+ROOM = """namespace {space} {{
 struct Interval {{
   virtual ~Interval() = default;
   {members};
@@ -30,23 +30,73 @@ class Layers(Project):
         super().setUp()
         self.copy("scripts/check_layers.py", "libs")
 
+    def room(self, name):
+        return next((self.folder / "libs").rglob(f"include/lake/{name}")).parents[2]
+
+    def plant(self, path, text):
+        path.write_text((path.read_text() if path.exists() else "") + text)
+
+    def plant_in_header(self, room, text):
+        self.plant(next((self.room(room) / "include/lake" / room).glob("*.h")), text)
+
+    def assert_found(self, pattern):
+        code, said = self.run_script("python3", "scripts/check_layers.py")
+        self.assertNotEqual(code, 0, said)
+        self.assertRegex(said, pattern)
+
     def test_none_as_it_is(self):
         code, said = self.run_script("python3", "scripts/check_layers.py")
         self.assertEqual(code, 0, said)
 
     def test_include_of_what_is_above(self):
-        header = next((self.folder / "libs").rglob("lake/core/error.h"))
-        header.write_text(header.read_text() + '#include "lake/gait/leg_fit.h"\n')
-        code, said = self.run_script("python3", "scripts/check_layers.py")
-        self.assertNotEqual(code, 0, said)
-        self.assertRegex(said, r"lake/core/error\.h:\d+: core .*gait")
+        self.plant(self.room("core") / "include/lake/core/error.h", '#include "lake/gait/leg_fit.h"\n')
+        self.assert_found(r"lake/core/error\.h:\d+: core .*gait")
+
+    def test_include_that_no_link_reaches(self):
+        self.plant(self.room("tracking") / "src/planted.cc", '#  include <lake/exchange/trc.h>\n')
+        self.assert_found(r"planted\.cc:1: tracking .*exchange.*link lines do not reach it")
+
+    def test_public_header_includes_what_is_linked_privately(self):
+        self.plant_in_header("compare", '#include "lake/gait/sts_events.h"\n')
+        self.assert_found(r"\.h:\d+: compare .*gait.*public link lines")
+
+    def test_include_by_a_relative_path(self):
+        self.plant(self.room("gait") / "src/planted.cc", '#include "../../camera/src/planted.h"\n')
+        self.assert_found(r"planted\.cc:1: .*leaves the folder")
 
     def test_link_to_what_is_above(self):
-        build = next(path.parents[3] for path in (self.folder / "libs").rglob("lake/core/error.h")) / "CMakeLists.txt"
-        build.write_text(build.read_text() + "target_link_libraries(lake_core PRIVATE lake::gait)\n")
-        code, said = self.run_script("python3", "scripts/check_layers.py")
-        self.assertNotEqual(code, 0, said)
-        self.assertRegex(said, r"CMakeLists\.txt:\d+: core .*gait")
+        build = self.room("core") / "CMakeLists.txt"
+        as_it_is = build.read_text()
+        for target in ("lake::gait", "lake_gait"):
+            with self.subTest(target):
+                build.write_text(as_it_is + f"target_link_libraries(lake_core PRIVATE {target})\n")
+                self.assert_found(r"CMakeLists\.txt:\d+: core .*gait")
+
+    def test_circle_within_a_band(self):
+        self.plant(self.room("camera") / "CMakeLists.txt", "target_link_libraries(lake_camera PRIVATE lake::tracking)\n")
+        self.assert_found(r"camera uses itself in a circle: camera -> tracking -> camera")
+
+    def test_room_in_no_band(self):
+        self.write("libs/attic/box/CMakeLists.txt", "lake_add_room(box)\n")
+        self.assert_found(r"attic is no band")
+
+    def test_two_rooms_of_one_name(self):
+        self.write("libs/measure/other/CMakeLists.txt", "lake_add_room(nlp)\n")
+        self.assert_found(r"there is a room nlp already")
+
+    def test_source_in_no_room(self):
+        self.write("libs/measure/planted.cc", "")
+        self.assert_found(r"measure/planted\.cc: lies in no room")
+
+    def test_header_under_another_name(self):
+        self.write(str((self.room("gait") / "include/lake/legs/planted.h").relative_to(self.folder)), "")
+        self.assert_found(r"planted\.h: public headers of gait are in include/lake/gait")
+
+    def test_namespace_of_another_room(self):
+        for space in ("lake", "lake::camera", "lake::gaits"):
+            with self.subTest(space):
+                (self.room("gait") / "src/planted.cc").write_text(f"namespace {space} {{\n}}\n")
+                self.assert_found(r"planted\.cc:1: gait has its names in lake::gait")
 
 
 class OneDefinitionRule(Project):
@@ -55,10 +105,10 @@ class OneDefinitionRule(Project):
         self.copy("scripts/check_odr.sh", "CMakePresets.json", "tests/odr")
         self.write("CMakeLists.txt", ODR_CMAKE)
         self.write("program.cc", "int Program() { return 1; }\n")
-        self.write("one.cc", MODULE.format(space="lake", members="double low = 0, high = 1", function="One"))
+        self.write("one.cc", ROOM.format(space="lake", members="double low = 0, high = 1", function="One"))
 
     def check(self, space, members="float low = 0"):
-        self.write("other.cc", MODULE.format(space=space, members=members, function="Other"))
+        self.write("other.cc", ROOM.format(space=space, members=members, function="Other"))
         return self.run_script("scripts/check_odr.sh")
 
     def test_two_classes_of_one_name(self):

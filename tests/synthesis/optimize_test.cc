@@ -151,6 +151,21 @@ TEST(SynthesisProgram, DerivativesPassIpoptsTest) {
       }
 }
 
+// Each limit is told from all others by its id, and the program keeps it where its name says.
+TEST(SynthesisProgram, LimitsAreFoundByWhatTheyAreOn) {
+  const synthesis::SynthesisProgram program =
+      synthesis::BuildProgram(EverythingOn(), {60, 70, 55, 75, 90, 260}, {0.3, 0.7});
+  for (const synthesis::Limit& limit : program.limits) EXPECT_EQ(program.Find(limit.id), &limit);
+  for (const problem::Requirement& requirement : problem::RequirementsOf(EverythingOn())) {
+    const synthesis::Limit* limit = program.Find(synthesis::LimitOn(requirement.id));
+    ASSERT_TRUE(limit) << requirement.name;
+    EXPECT_EQ(program.program.Rows()[limit->row].name, requirement.Text());
+    EXPECT_EQ(limit->unit, requirement.unit);
+  }
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(program.Find({synthesis::LimitId::On::kLink, i})->variable, program.links[i]);
+  EXPECT_EQ(program.Find({synthesis::LimitId::On::kMisalignment}), nullptr);
+}
+
 TEST(SynthesisProgram, HoldsAtAnAssembledDesign) {
   const synthesis::SynthesisProgram program =
       synthesis::BuildProgram(EverythingOn(), {60, 70, 55, 75, 90, 260}, {0.3, 0.7});

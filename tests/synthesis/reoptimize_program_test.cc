@@ -26,18 +26,8 @@ redesign::ReoptimizeProblem Problem(Kind kind, Goal goal) {
   return problem;
 }
 
-struct Built {
-  synthesis::SynthesisProgram synthesis;
-  redesign::ReoptimizeVariables variables;
-};
-
-Built Build(const redesign::ReoptimizeProblem& problem, const redesign::ReoptimizePoint& point) {
-  Built built{synthesis::BuildProgram(problem.design, point.links, {}, synthesis::Elasticity::kNone,
-                                      redesign::RangeWeight(problem)),
-              {}};
-  built.variables =
-      redesign::AddReoptimization(problem, point, redesign::ConstantStart::kAtHumanAngle, built.synthesis);
-  return built;
+nlp::NonlinearProgram Build(const redesign::ReoptimizeProblem& problem, const redesign::ReoptimizePoint& point) {
+  return redesign::ReoptimizeBuilder(problem, point, redesign::ConstantStart::kAtHumanAngle).Build({}).program;
 }
 
 // Gradients against differences of values, Hessians against differences of gradients, term by term.
@@ -47,11 +37,10 @@ TEST(ReoptimizeProgram, DerivativesAreThoseOfTheValues) {
   for (const Kind kind : {Kind::kConstant, Kind::kFree})
     for (const Goal goal : {Goal::kRange, Goal::kMisalignment, Goal::kDuration}) {
       const redesign::ReoptimizeProblem problem = Problem(kind, goal);
-      const Built built = Build(problem, redesign::StartPoint(problem, kPublished));
+      const nlp::NonlinearProgram program = Build(problem, redesign::StartPoint(problem, kPublished));
       std::vector<double> x;
-      for (const nlp::NlpVariable& variable : built.synthesis.program.Variables())
-        x.push_back(variable.start + 0.05 * unit(random));
-      for (const nlp::NlpTerm& term : built.synthesis.program.Terms()) {
+      for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start + 0.05 * unit(random));
+      for (const nlp::NlpTerm& term : program.Terms()) {
         const auto variables = term.term->Variables();
         const std::size_t n = variables.size();
         std::vector<double> gradient(n), hessian(n * (n + 1) / 2), above(n), below(n);
@@ -85,8 +74,7 @@ TEST(ReoptimizeProgram, RowsAndCostAgreeWithTheClosedForm) {
     problem.program.duration_s = 30;
     redesign::ReoptimizePoint point = redesign::StartPoint(problem, kPublished);
     point.placement_mm = {9, -4};
-    const Built built = Build(problem, point);
-    const nlp::NonlinearProgram& nlp = built.synthesis.program;
+    const nlp::NonlinearProgram nlp = Build(problem, point);
     std::vector<double> x;
     for (const nlp::NlpVariable& variable : nlp.Variables()) x.push_back(variable.start);
     const std::vector<double> rows = nlp.RowValues(x);
@@ -112,10 +100,12 @@ TEST(ReoptimizeProgram, RowsAndCostAgreeWithTheClosedForm) {
 TEST(ReoptimizeProgram, PointsSurviveTheProgram) {
   const redesign::ReoptimizeProblem problem = Problem(Kind::kFree, Goal::kRange);
   const redesign::ReoptimizePoint point = redesign::StartPoint(problem, kPublished);
-  const Built built = Build(problem, point);
+  redesign::ReoptimizeBuilder builder(problem, point, redesign::ConstantStart::kAtHumanAngle);
+  const nlp::NonlinearProgram program = builder.Build({}).program;
   std::vector<double> x;
-  for (const nlp::NlpVariable& variable : built.synthesis.program.Variables()) x.push_back(variable.start);
-  const redesign::ReoptimizePoint again = redesign::PointAt(built.synthesis, built.variables, x);
+  for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start);
+  builder.MoveTo(x);
+  const redesign::ReoptimizePoint again = builder.Point();
   EXPECT_EQ(again.links.Values(), point.links.Values());
   EXPECT_EQ(again.knots_mm, point.knots_mm);
   EXPECT_EQ(again.duration_s, point.duration_s);

@@ -5,7 +5,7 @@
 
 #include "compare/closed_form.h"
 #include "lake/core/error.h"
-#include "lake/redesign/reoptimize_study.h"
+#include "lake/redesign/reoptimize_outcome.h"
 #include "synthesis/differential_evolution.h"
 #include "synthesis/paper.h"
 
@@ -198,10 +198,11 @@ TEST(Reoptimize, AFreeProgramOfTheTrackingTimeCutsTheMisalignmentAtLeastFivefold
   }
 }
 
-double PriceOf(const synthesis::ActiveSet& active, const std::string& start) {
-  for (const synthesis::ActiveSet::Entry& entry : active.entries)
-    if (entry.name.starts_with(start)) return entry.price;
-  return 0;
+using On = synthesis::LimitId::On;
+
+double PriceOf(const synthesis::ActiveSet& active, const synthesis::LimitId& id) {
+  const synthesis::ActiveSet::Entry* entry = active.Find(id);
+  return entry ? entry->price : 0;
 }
 
 // The price of the limit, taken as penalty, leads to the same design.
@@ -214,7 +215,7 @@ TEST(Reoptimize, PenaltyAndLimitAgree) {
   ASSERT_TRUE(active.multipliers_unique);
   redesign::ReoptimizeProblem penalised = Free(14);
   const double mm_per_percent = limited.human.front().shank_mm / 100;  // this leg's shank is rigid
-  penalised.penalty_deg_per_mm = PriceOf(active, "misalignment") / mm_per_percent;
+  penalised.penalty_deg_per_mm = PriceOf(active, {On::kMisalignment}) / mm_per_percent;
   const redesign::ReoptimizeResult other = Solve(penalised);
   ASSERT_TRUE(other.IsSolved());
   // Along the front range and misalignment trade at this price, so each may be off by what the other makes good.
@@ -242,9 +243,10 @@ TEST(Reoptimize, MultipliersAreDifferenceQuotientsOfTheRange) {
   const double per_second = quotient([](auto& p, double step) { *p.program.duration_s += step; }, 1e-3);
   const double per_mm = quotient([](auto& p, double step) { p.design.grashof_margin_mm += step; }, 1e-3);
   // The small costs move prices by about 1e-4 of themselves.
-  EXPECT_NEAR(PriceOf(active, "misalignment"), per_percent, 2e-3 * std::abs(per_percent));
-  EXPECT_NEAR(PriceOf(active, "duration"), per_second, 2e-3 * std::abs(per_second));
-  EXPECT_NEAR(PriceOf(active, "grashof"), per_mm, 2e-3 * std::abs(per_mm));
+  EXPECT_NEAR(PriceOf(active, {On::kMisalignment}), per_percent, 2e-3 * std::abs(per_percent));
+  EXPECT_NEAR(PriceOf(active, {On::kDuration}), per_second, 2e-3 * std::abs(per_second));
+  EXPECT_NEAR(PriceOf(active, synthesis::LimitOn({problem::Requirement::Kind::kGrashof})), per_mm,
+              2e-3 * std::abs(per_mm));
   EXPECT_GT(per_percent, 0.1);
 }
 
@@ -339,12 +341,12 @@ TEST(Reoptimize, BlockingPricesAreDifferenceQuotients) {
     changed.program.duration_s = duration_s;
     return Least(changed).Best().Misalignment_percent();
   };
-  const auto entry =
-      std::ranges::find_if(report.blocking, [](const auto& e) { return e.name.starts_with("duration"); });
+  const synthesis::LimitId duration{On::kDuration};
+  const auto entry = std::ranges::find(report.blocking, duration, &synthesis::ActiveSet::Entry::id);
   ASSERT_NE(entry, report.blocking.end()) << report.sentence;
   ASSERT_FALSE(std::isnan(entry->price));
-  EXPECT_NEAR(entry->price, (least_with(14.01) - least_with(13.99)) / 0.02, 0.01 * std::abs(entry->price));
-  EXPECT_LT(entry->price, 0);
+  EXPECT_NEAR(entry->price, (least_with(13.99) - least_with(14.01)) / 0.02, 0.01 * std::abs(entry->price));
+  EXPECT_GT(entry->price, 0);
 }
 
 TEST(Reoptimize, SaysThatTheTimeOrTheDesignIsWhatFails) {

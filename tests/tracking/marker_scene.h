@@ -11,7 +11,7 @@
 namespace lake {
 
 struct SceneMarker {
-  Eigen::Vector2d center;
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
   double radius_px = 4;
   double amplitude = 150;
   Eigen::Vector2d blur_px = Eigen::Vector2d::Zero();

@@ -9,8 +9,8 @@
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/redesign/program_options.h"
-#include "lake/redesign/reoptimize_study.h"
-#include "lake/synthesis/study_options.h"
+#include "lake/redesign/reoptimize_outcome.h"
+#include "lake/synthesis/synthesis_options.h"
 
 namespace lake::commands {
 namespace {
@@ -19,16 +19,15 @@ namespace fs = std::filesystem;
 
 Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   run.Begin();
-  const synthesis::Study study = synthesis::RunStudy(options.problem, options.study);
-  Json summary = WriteStudy(study, run);
-  figure::DrawConvergence(study.result.starts[std::max(0, study.result.best)], "range of rotation, deg",
-                          run.Result("convergence.png"));
-  if (!study.IsSolved()) {
+  const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(options.problem, options.study);
+  Json summary = WriteSynthesis(outcome, run);
+  figure::DrawConvergence(outcome.result.BestOrFirst(), "range of rotation, deg", run.Result("convergence.png"));
+  if (!outcome.IsSolved()) {
     run.WriteSummary(summary);
-    throw SolverError(study.infeasible->sentence);
+    throw SolverError(outcome.infeasible->sentence);
   }
-  figure::DrawSensitivity(study, run.Result("sensitivity.png"));
-  figure::DrawMargins(study, run.Result("margin.png"));
+  figure::DrawSensitivity(outcome, run.Result("sensitivity.png"));
+  figure::DrawMargins(outcome, run.Result("margin.png"));
   return summary;
 }
 
@@ -70,38 +69,51 @@ redesign::ReoptimizeProblem ProblemOf(const OptimizeRunOptions& options) {
   return problem;
 }
 
-Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
-  if (options.reoptimize->comparison.empty() == options.reoptimize->human.empty())
+void CheckReoptimize(const OptimizeRunOptions& options) {
+  const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
+  if (reoptimize.comparison.empty() == reoptimize.human.empty())
     throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: give one of both");
-  if (options.reoptimize->comparison.empty() && options.reoptimize->human_only)
+  if (reoptimize.comparison.empty() && reoptimize.human_only)
     throw UsageError("--human-only leaves the exoskeleton trial of --comparison out; --human has none");
-  if (!options.reoptimize->comparison.empty() && options.reoptimize->worn.empty() && !options.reoptimize->human_only)
+  if (!reoptimize.comparison.empty() && reoptimize.worn.empty() && !reoptimize.human_only)
     throw UsageError(
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "
         "that trial out with --human-only");
   if (options.study.round_mm)
     throw UsageError("--round is of a synthesis alone: a rounded design has another misalignment");
-  redesign::ReoptimizeOptions study_options;
-  study_options.optimize = options.study.optimize;
-  study_options.pareto_points = options.reoptimize->pareto_points;
-  study_options.certify_gap_deg = options.study.certify_gap_deg;
-  study_options.certify_boxes = options.study.certify_boxes;
-  study_options.yield_tolerance_mm = options.study.yield_tolerance_mm;
-  study_options.quiet = options.study.quiet;
-  study_options.Check();
+}
+
+redesign::ReoptimizeOptions ReoptimizeOptionsOf(const OptimizeRunOptions& options) {
+  redesign::ReoptimizeOptions reoptimize;
+  reoptimize.optimize = options.study.optimize;
+  reoptimize.pareto_points = options.reoptimize->pareto_points;
+  reoptimize.certify_gap_deg = options.study.certify_gap_deg;
+  reoptimize.certify_boxes = options.study.certify_boxes;
+  reoptimize.yield_tolerance_mm = options.study.yield_tolerance_mm;
+  reoptimize.quiet = options.study.quiet;
+  return reoptimize;
+}
+
+void DrawFigures(const redesign::ReoptimizeOutcome& outcome, Run& run) {
+  figure::DrawConvergence(outcome.result.BestOrFirst().local, "objective, deg", run.Result("convergence.png"));
+  figure::DrawKneePaths(outcome, run.Result("knee_paths.png"));
+  if (!outcome.fronts.empty()) figure::DrawPareto(outcome, run.Result("pareto.png"));
+}
+
+Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
+  CheckReoptimize(options);
+  const redesign::ReoptimizeOptions reoptimize_options = ReoptimizeOptionsOf(options);
+  reoptimize_options.Check();
   const redesign::ReoptimizeProblem problem = ProblemOf(options);
   problem.CheckOptions();
   const redesign::MeasuredMotion measured = ReadMeasured(*options.reoptimize, run);
   run.Begin();
-  const redesign::ReoptimizeStudy study = redesign::RunReoptimization(problem, measured, study_options);
-  Json summary = WriteReoptimization(study, run);
-  figure::DrawConvergence(study.result.starts[std::max(0, study.result.best)].local, "objective, deg",
-                          run.Result("convergence.png"));
-  figure::DrawKneePaths(study, run.Result("knee_paths.png"));
-  if (!study.fronts.empty()) figure::DrawPareto(study, run.Result("pareto.png"));
-  if (!study.IsSolved()) {
+  const redesign::ReoptimizeOutcome outcome = redesign::RunReoptimization(problem, measured, reoptimize_options);
+  Json summary = WriteReoptimization(outcome, run);
+  DrawFigures(outcome, run);
+  if (!outcome.IsSolved()) {
     run.WriteSummary(summary);
-    throw SolverError(study.infeasible->sentence);
+    throw SolverError(outcome.infeasible->sentence);
   }
   return summary;
 }

@@ -5,20 +5,15 @@
 #include "lake/commands/optimize_tables.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
-#include "lake/core/provenance.h"
 #include "lake/core/statistics.h"
-#include "lake/redesign/reoptimize_study.h"
-#include "tables.h"
+#include "lake/redesign/reoptimize_outcome.h"
+#include "optimum_tables.h"
 
 namespace lake::commands {
 namespace {
 
-using Kind = linkage::StrokeProgram::Kind;
+using On = synthesis::LimitId::On;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-const char* NameOf(Kind kind) {
-  return kind == Kind::kFree ? "free" : "constant";
-}
 
 // What the table of before and after has of a design; NaN where it cannot make the motion.
 struct Quantity {
@@ -45,7 +40,7 @@ std::vector<Quantity> Quantities() {
   all.push_back({"part_shape", "1", compared([](const compare::Misalignment& m) { return m.decomposition.shape; })});
   all.push_back({"knee_rmse", "deg", compared([](const compare::Misalignment& m) { return m.metrics.knee_rmse_deg; })});
   for (const int axis : {0, 1})
-    all.push_back({axis == 0 ? "placement_x" : "placement_y", "mm",
+    all.push_back({redesign::PlacementName(axis), "mm",
                    [axis](const redesign::DesignInMotion& d) { return d.design.placement_mm[axis]; }});
   all.push_back(
       {"program_duration", "s", [](const redesign::DesignInMotion& d) { return d.prediction ? d.duration_s : kNaN; }});
@@ -56,13 +51,13 @@ std::vector<Quantity> Quantities() {
   return all;
 }
 
-void WriteBeforeAfter(const redesign::ReoptimizeStudy& study, Run& run) {
+void WriteBeforeAfter(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   CsvWriter table({"quantity", "unit", "before", "after"});
   for (const Quantity& quantity : Quantities())
     table.Add(quantity.name)
         .Add(quantity.unit)
-        .Add(quantity.value(study.before))
-        .Add(quantity.value(study.after))
+        .Add(quantity.value(outcome.before))
+        .Add(quantity.value(outcome.after))
         .EndRow();
   table.Write(run.Result("before_after.csv"));
 }
@@ -73,125 +68,71 @@ Json BeforeAfterJson(const redesign::DesignInMotion& design) {
     const std::string unit = quantity.unit == "1" ? "" : quantity.unit == "%" ? "_percent" : "_" + quantity.unit;
     json[quantity.name + unit] = NumberOrNull(quantity.value(design));
   }
-  json["program"] = NameOf(design.design.program->kind);
+  json["program"] = redesign::ProgramName(design.design.program->kind);
   return json;
 }
 
-void WriteDesignFile(const redesign::ReoptimizeStudy& study, Run& run) {
-  linkage::Design design = study.after.design;
-  if (study.after.evaluation.pose) design.range_deg = study.after.evaluation.range_deg;
-  if (const auto stands = study.after.evaluation.stands_mm; stands && *stands > design.d_min_mm)
-    design.d_max_mm = stands;
-  design.made_by = fmt::format("lake-optimize {}", Version());
-  if (!study.IsSolved()) design.made_by += fmt::format(": NOT A SOLUTION: {}", study.infeasible->sentence);
-  linkage::WriteDesign(run.Result("design.yaml"), design);
+// What varies beside the links.
+std::vector<LimitedRow> ProgramRows(const redesign::ReoptimizeOutcome& outcome, const OptimumView& optimum) {
+  const redesign::ReoptimizeProblem& problem = outcome.problem;
+  std::vector<LimitedRow> rows;
+  for (const int axis : {0, 1})
+    rows.push_back({redesign::PlacementName(axis), outcome.before.design.placement_mm[axis],
+                    outcome.after.design.placement_mm[axis], problem.PlacementBounds(axis),
+                    optimum.PriceOf({On::kPlacement, axis})});
+  rows.push_back({"duration",
+                  outcome.before.duration_s,
+                  outcome.after.duration_s,
+                  {0, problem.program.duration_s.value_or(kNaN)},
+                  optimum.PriceOf({On::kDuration})});
+  return rows;
 }
 
-// A row of optimum.csv; `variable` is the index in the best start's program.
-void AddVariableRow(const redesign::ReoptimizeStudy& study, const std::string& name, double initial, double optimum,
-                    const problem::Bounds& bounds, int variable, CsvWriter& table) {
-  table.Add(name).Add(initial).Add(optimum).Add(bounds.lower).Add(bounds.upper);
-  table.Add(ActiveSide(optimum, bounds.lower, bounds.upper));
-  if (variable >= 0 && study.active.multipliers_unique)
-    table.Add(-study.result.Best().local.solution.variable_prices[variable]);
-  else
-    table.AddEmpty();
-  table.EndRow();
-}
-
-void WriteOptimum(const redesign::ReoptimizeStudy& study, Run& run) {
-  CsvWriter table({"variable", "initial", "optimum", "lower", "upper", "active", "multiplier"});
-  const redesign::ReoptimizeProblem& problem = study.problem;
-  const linkage::Design& before = study.before.design;
-  const linkage::Design& after = study.after.design;
-  const redesign::ReoptimizeSolve* best = study.IsSolved() ? &study.result.Best() : nullptr;
-  for (std::size_t i = 0; i < 6; ++i)
-    AddVariableRow(study, problem::LinkName(i), before.links.Values()[i], after.links.Values()[i],
-                   problem.design.bounds[i], best ? best->local.program.links[i] : -1, table);
-  for (int axis = 0; axis < 2; ++axis) {
-    AddVariableRow(study, axis == 0 ? "placement_x" : "placement_y", before.placement_mm[axis],
-                   after.placement_mm[axis], problem.PlacementBounds(axis),
-                   best && problem.fit_placement ? best->variables.placement[axis] : -1, table);
-  }
-  AddVariableRow(study, "duration", study.before.duration_s, study.after.duration_s,
-                 {0, problem.program.duration_s.value_or(kNaN)},
-                 best && problem.program.duration_s ? best->variables.duration : -1, table);
-  table.Write(run.Result("optimum.csv"));
-}
-
-void WriteConstraints(const redesign::ReoptimizeStudy& study, Run& run) {
-  CsvWriter table({"constraint", "initial", "optimum", "lower", "upper", "active", "multiplier", "unit"});
-  const bool priced = study.IsSolved() && study.active.multipliers_unique;
-  for (std::size_t i = 0; i < study.after.evaluation.checks.size(); ++i) {
-    const problem::RequirementCheck& check = study.after.evaluation.checks[i];
-    const double lower = check.requirement.is_lower_limit ? check.requirement.limit : kNaN;
-    const double upper = check.requirement.is_lower_limit ? kNaN : check.requirement.limit;
-    const int row = priced ? study.result.Best().local.program.limits[i].row : -1;
-    table.Add(check.requirement.name)
-        .Add(study.before.evaluation.checks[i].value)
-        .Add(check.value)
-        .Add(lower)
-        .Add(upper);
-    table.Add(ActiveSide(check.value, lower, upper));
-    row >= 0 ? table.Add(-study.result.Best().local.solution.row_prices[row]) : table.AddEmpty();
-    table.Add(check.requirement.unit).EndRow();
-  }
+LimitedRow MisalignmentRow(const redesign::ReoptimizeOutcome& outcome) {
   const auto percent = [](const redesign::DesignInMotion& d) {
     return d.misalignment ? 100 * d.misalignment->metrics.relative_rms : kNaN;
   };
-  const double limit = study.problem.max_misalignment_percent.value_or(kNaN);
-  const auto price = std::ranges::find_if(study.active.entries, [](const synthesis::ActiveSet::Entry& entry) {
-    return entry.name.starts_with("misalignment");
-  });
-  table.Add("misalignment").Add(percent(study.before)).Add(percent(study.after)).Add(kNaN).Add(limit);
-  table.Add(ActiveSide(percent(study.after), kNaN, limit));
-  priced&& price != study.active.entries.end() ? table.Add(price->price) : table.AddEmpty();
-  table.Add("%").EndRow();
-  table.Write(run.Result("constraints.csv"));
+  LimitedRow row{"misalignment",
+                 percent(outcome.before),
+                 percent(outcome.after),
+                 {kNaN, outcome.problem.max_misalignment_percent.value_or(kNaN)},
+                 {},
+                 "%"};
+  if (const auto* entry = outcome.active.Find({On::kMisalignment}); entry && outcome.active.multipliers_unique)
+    row.price = entry->price;
+  return row;
 }
 
-void WriteStarts(const redesign::ReoptimizeStudy& study, Run& run) {
-  std::vector<std::string> header{"start"};
-  std::ranges::copy(LinkColumns("start_"), std::back_inserter(header));
-  for (const char* column : {"status", "usable", "objective_deg", "range_deg", "misalignment_percent",
-                             "constraint_violation", "kkt_error", "iterations", "time_s"})
-    header.emplace_back(column);
-  std::ranges::copy(LinkColumns("end_"), std::back_inserter(header));
-  CsvWriter table(header);
-  for (std::size_t i = 0; i < study.result.starts.size(); ++i) {
-    const redesign::ReoptimizeSolve& solve = study.result.starts[i];
-    table.Add(static_cast<int>(i));
-    AddLinkCells(table, solve.local.start);
-    table.Add(NameOf(solve.local.solution.status)).Add(solve.IsUsable() ? 1 : 0);
-    table.Add(solve.prediction ? solve.objective : kNaN).Add(solve.Range_deg()).Add(solve.Misalignment_percent());
-    table.Add(solve.local.evaluation.violation).Add(solve.local.solution.kkt_error).Add(solve.local.iterations);
-    table.Add(solve.local.seconds);
-    AddLinkCells(table, solve.point.links);
-    table.EndRow();
-  }
-  table.Write(run.Result("starts.csv"));
+std::vector<StartRow> StartRows(const redesign::ReoptimizeResult& result) {
+  std::vector<StartRow> rows;
+  for (const redesign::ReoptimizeSolve& solve : result.starts)
+    rows.push_back(
+        {solve.local,
+         {},
+         StartRow::Motion{solve.IsUsable(), solve.prediction ? solve.objective : kNaN, solve.Misalignment_percent()}});
+  return rows;
 }
 
 // The program sample by sample, and the knee angles that it is to follow.
-void WriteProgram(const redesign::ReoptimizeStudy& study, Run& run) {
+void WriteProgram(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   CsvWriter table({"percent", "time_s", "stroke_mm", "knee_deg", "human_knee_deg"});
-  const redesign::DesignInMotion& after = study.after;
-  for (std::size_t i = 0; after.prediction && i < study.problem.human.size(); ++i) {
+  const redesign::DesignInMotion& after = outcome.after;
+  for (std::size_t i = 0; after.prediction && i < outcome.problem.human.size(); ++i) {
     const double percent = static_cast<double>(i);
     table.Add(static_cast<int>(i)).Add(after.duration_s * percent / 100).Add(after.prediction->stroke_mm[i]);
     table.Add(DegreesFromRadians(after.prediction->theta_rad[i]));
-    table.Add(DegreesFromRadians(study.problem.human[i].knee_rad)).EndRow();
+    table.Add(DegreesFromRadians(outcome.problem.human[i].knee_rad)).EndRow();
   }
   table.Write(run.Result("program.csv"));
 }
 
-void WritePredicted(const redesign::ReoptimizeStudy& study, Run& run) {
-  if (!study.after.misalignment) return;
-  compare::WriteMisalignmentCsv(run.Result("predicted/misalignment.csv"), *study.after.misalignment);
-  WriteJsonFile(run.Result("predicted/comparison.json"), compare::ComparisonJson(*study.after.misalignment));
+void WritePredicted(const redesign::ReoptimizeOutcome& outcome, Run& run) {
+  if (!outcome.after.misalignment) return;
+  compare::WriteMisalignmentCsv(run.Result("predicted/misalignment.csv"), *outcome.after.misalignment);
+  WriteJsonFile(run.Result("predicted/comparison.json"), compare::ComparisonJson(*outcome.after.misalignment));
 }
 
-void WritePareto(const redesign::ReoptimizeStudy& study, Run& run) {
+void WritePareto(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   std::vector<std::string> header{"program",
                                   "duration_limit_s",
                                   "least_range_deg",
@@ -203,12 +144,12 @@ void WritePareto(const redesign::ReoptimizeStudy& study, Run& run) {
                                   "placement_y_mm"};
   std::ranges::copy(LinkColumns(""), std::back_inserter(header));
   CsvWriter table(header);
-  for (const redesign::NamedFront& front : study.fronts)
+  for (const redesign::NamedFront& front : outcome.fronts)
     for (const redesign::ParetoPoint& point : front.points) {
-      const auto tracking = redesign::TrackingStrokes(study.problem.Driven(point.point.links), study.problem.human);
-      table.Add(NameOf(front.program.kind)).Add(front.program.duration_s).Add(point.least_range_deg);
+      const auto tracking = redesign::TrackingStrokes(outcome.problem.Driven(point.point.links), outcome.problem.human);
+      table.Add(redesign::ProgramName(front.program.kind)).Add(front.program.duration_s).Add(point.least_range_deg);
       table.Add(point.range_deg).Add(point.misalignment_percent).Add(point.rms_mm);
-      table.Add(tracking ? redesign::TrackingTime(*tracking, study.problem.program.max_speed_mm_s) : kNaN);
+      table.Add(tracking ? redesign::TrackingTime(*tracking, outcome.problem.program.max_speed_mm_s) : kNaN);
       table.Add(point.point.placement_mm.x()).Add(point.point.placement_mm.y());
       AddLinkCells(table, point.point.links);
       table.EndRow();
@@ -216,9 +157,9 @@ void WritePareto(const redesign::ReoptimizeStudy& study, Run& run) {
   table.Write(run.Result("pareto.csv"));
 }
 
-Json FrontsJson(const redesign::ReoptimizeStudy& study) {
+Json FrontsJson(const redesign::ReoptimizeOutcome& outcome) {
   Json fronts = Json::array();
-  for (const redesign::NamedFront& front : study.fronts) {
+  for (const redesign::NamedFront& front : outcome.fronts) {
     Json points = Json::array();
     for (const redesign::ParetoPoint& point : front.points)
       points.push_back({point.range_deg, point.misalignment_percent});
@@ -231,69 +172,67 @@ Json InfeasibleJson(const redesign::MisalignmentInfeasibility& report) {
   Json blocking = Json::array(), ways = Json::array();
   for (const synthesis::ActiveSet::Entry& entry : report.blocking)
     blocking.push_back({{"limit", entry.name},
-                        {"multiplier", NumberOrNull(entry.price)},
+                        {"multiplier", NumberOrNull(-entry.price)},
                         {"unit", fmt::format("% misalignment per {}", entry.unit)}});
   for (const redesign::WayOut& way : report.ways)
     ways.push_back({{"change", way.text},
                     {"enough", way.enough},
-                    {"misalignment_percent", way.misalignment_percent ? Json(*way.misalignment_percent) : Json()},
-                    {"duration_s", way.duration_s ? Json(*way.duration_s) : Json()}});
+                    {"misalignment_percent", NumberOrNull(way.misalignment_percent)},
+                    {"duration_s", NumberOrNull(way.duration_s)}});
   return {{"reason", report.sentence},
-          {"smallest_misalignment_percent", report.least_percent ? Json(*report.least_percent) : Json()},
-          {"limit_that_holds_percent", report.working_percent ? Json(*report.working_percent) : Json()},
+          {"smallest_misalignment_percent", NumberOrNull(report.least_percent)},
+          {"limit_that_holds_percent", NumberOrNull(report.working_percent)},
           {"blocking", blocking},
           {"ways_out", ways}};
 }
 
-Json ProgramJson(const redesign::ReoptimizeStudy& study) {
-  const redesign::ProgramLimits& limits = study.problem.program;
-  Json json = {{"kind", NameOf(limits.kind)},
+Json ProgramJson(const redesign::ReoptimizeOutcome& outcome) {
+  const redesign::ProgramLimits& limits = outcome.problem.program;
+  Json json = {{"kind", redesign::ProgramName(limits.kind)},
                {"max_speed_mm_s", limits.max_speed_mm_s},
-               {"duration_limit_s", limits.duration_s ? Json(*limits.duration_s) : Json()},
-               {"duration_s", study.after.prediction ? Json(study.after.duration_s) : Json()},
-               {"exact_tracking_time_s", study.after.tracking_time_s ? Json(*study.after.tracking_time_s) : Json()}};
-  if (study.after.prediction)
-    json["stroke_from_to_mm"] = {study.after.prediction->stroke_mm.front(), study.after.prediction->stroke_mm.back()};
+               {"duration_limit_s", NumberOrNull(limits.duration_s)},
+               {"duration_s", outcome.after.prediction ? Json(outcome.after.duration_s) : Json()},
+               {"exact_tracking_time_s", NumberOrNull(outcome.after.tracking_time_s)}};
+  if (outcome.after.prediction)
+    json["stroke_from_to_mm"] = {outcome.after.prediction->stroke_mm.front(),
+                                 outcome.after.prediction->stroke_mm.back()};
   return json;
 }
 
-void Warn(const redesign::ReoptimizeStudy& study, Run& run) {
-  const redesign::ReoptimizeProblem& problem = study.problem;
-  if (study.measured.exo && study.measured.worn && !study.slip)
+void Warn(const redesign::ReoptimizeOutcome& outcome, Run& run) {
+  const redesign::ReoptimizeProblem& problem = outcome.problem;
+  if (outcome.measured.exo && outcome.measured.worn && !outcome.slip)
     run.Warn(
         "the exoskeleton trial shows no leg of its own (a marker knee beside exo_knee), so nothing is known of how its "
         "mount slipped: the prediction is without it");
   constexpr double kOtherAngles_deg = 10;
-  if (study.worn_angle_off_deg && *study.worn_angle_off_deg > kOtherAngles_deg)
+  if (outcome.worn_angle_off_deg && *outcome.worn_angle_off_deg > kOtherAngles_deg)
     run.Warn(fmt::format(
         "{}: its program bends the knee {:.0f}° RMS otherwise than its trial shows; check links and program, or leave "
         "the program out of the file: then the trial's own knee angles are taken",
-        study.measured.worn_file, *study.worn_angle_off_deg));
-  if (const auto& after = study.after.misalignment;
-      after && 100 * after->metrics.relative_rms < study.measured.noise_floor_percent)
+        outcome.measured.worn_file, *outcome.worn_angle_off_deg));
+  if (const auto& after = outcome.after.misalignment;
+      after && 100 * after->metrics.relative_rms < outcome.measured.noise_floor_percent)
     run.Warn(fmt::format(
         "the predicted misalignment, {:.2f} % of the shank, is below the noise floor of the comparison, {:.2f} %: a "
         "recording of the new design cannot be expected to show less than that",
-        100 * after->metrics.relative_rms, study.measured.noise_floor_percent));
+        100 * after->metrics.relative_rms, outcome.measured.noise_floor_percent));
   if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
     run.Warn("neither --max-misalignment nor --penalty is given: the range alone decides");
-  if (!study.IsSolved()) return;
-  if (!study.active.multipliers_unique)
-    run.Warn(
-        "multipliers are not published: at this optimum the gradients of the active limits are linearly dependent, so "
-        "multipliers are not unique; ask for margins to have sensitivities");
-  if (study.certificate)
+  if (!outcome.IsSolved()) return;
+  WarnOfMultipliers(outcome.active, run);
+  if (outcome.certificate)
     run.Warn(fmt::format(
         "the certified bound is of the range alone, the misalignment left out: without it {:.4f}° were found",
-        *study.widest_deg));
+        *outcome.widest_deg));
 }
 
-Json TrialJson(const redesign::ReoptimizeStudy& study) {
-  if (!study.measured_percent) return nullptr;
-  Json trial = {{"misalignment_percent", *study.measured_percent},
-                {"worn_angle_off_deg", study.worn_angle_off_deg ? NumberOrNull(*study.worn_angle_off_deg) : Json()}};
-  if (!study.slip) return trial;
-  const redesign::MountSlip& slip = *study.slip;
+Json TrialJson(const redesign::ReoptimizeOutcome& outcome) {
+  if (!outcome.measured_percent) return nullptr;
+  Json trial = {{"misalignment_percent", *outcome.measured_percent},
+                {"worn_angle_off_deg", NumberOrNull(outcome.worn_angle_off_deg)}};
+  if (!outcome.slip) return trial;
+  const redesign::MountSlip& slip = *outcome.slip;
   trial.update({{"slip_rms_mm", slip.slip_mm},
                 {"mount_rms_mm", slip.mount_mm},
                 {"mount_mm", {slip.placement_mm.x(), slip.placement_mm.y()}},
@@ -302,98 +241,106 @@ Json TrialJson(const redesign::ReoptimizeStudy& study) {
   return trial;
 }
 
-Json PlacementRangeJson(const redesign::ReoptimizeStudy& study) {
-  if (!study.placement_range) return nullptr;
-  const redesign::PlacementRange& range = *study.placement_range;
+Json PlacementRangeJson(const redesign::ReoptimizeOutcome& outcome) {
+  if (!outcome.placement_range) return nullptr;
+  const redesign::PlacementRange& range = *outcome.placement_range;
   return {{"within_percent", range.within_percent},
           {"x_mm", {range.x_mm.lower, range.x_mm.upper}},
           {"y_mm", {range.y_mm.lower, range.y_mm.upper}},
-          {"range_at_knee_deg", study.range_at_knee_deg ? Json(*study.range_at_knee_deg) : Json()}};
+          {"range_at_knee_deg", NumberOrNull(outcome.range_at_knee_deg)}};
 }
 
 // One sentence that says what to build, and how free that is.
-std::string BuildText(const redesign::ReoptimizeStudy& study) {
-  const auto& placement = study.after.design.placement_mm;
+std::string BuildText(const redesign::ReoptimizeOutcome& outcome) {
+  const auto& placement = outcome.after.design.placement_mm;
   std::string text = fmt::format("Build it with the joint {}", compare::DescribeJoint({placement[0], placement[1]}));
-  if (study.measured.worn) {
-    const auto& worn = study.measured.worn->placement_mm;
+  if (outcome.measured.worn) {
+    const auto& worn = outcome.measured.worn->placement_mm;
     const double x = placement[0] - worn[0], y = placement[1] - worn[1];
     text += fmt::format(", that is {:.1f} mm further {} and {:.1f} mm {} than it was worn", std::abs(x),
                         x < 0 ? "back" : "forward", std::abs(y), y < 0 ? "lower" : "higher");
   }
   text += ".";
-  if (const auto& range = study.placement_range)
+  if (const auto& range = outcome.placement_range)
     text += fmt::format(
         " With its program adapted, {:.1f} to {:.1f} mm in front of the knee or {:.1f} to {:.1f} mm above it keep the "
         "misalignment within {:.4g} %.",
         range->x_mm.lower, range->x_mm.upper, range->y_mm.lower, range->y_mm.upper, range->within_percent);
-  if (study.range_at_knee_deg)
-    text += fmt::format(" With the joint on the knee the range would be {:.2f}°.", *study.range_at_knee_deg);
+  if (outcome.range_at_knee_deg)
+    text += fmt::format(" With the joint on the knee the range would be {:.2f}°.", *outcome.range_at_knee_deg);
   return text;
 }
 
 // Where the trial with the worn design differs from the human's, and what of it the prediction keeps.
-std::string TrialText(const redesign::ReoptimizeStudy& study) {
-  if (!study.measured_percent) return "No exoskeleton trial was used, so nothing is known of how its mount slips.";
+std::string TrialText(const redesign::ReoptimizeOutcome& outcome) {
+  if (!outcome.measured_percent) return "No exoskeleton trial was used, so nothing is known of how its mount slips.";
   std::string text =
-      fmt::format("The exoskeleton trial has a misalignment of {:.2f} % of the shank.", *study.measured_percent);
-  if (!study.slip) return text + " It shows no leg of its own, so nothing is known of how its mount slipped.";
+      fmt::format("The exoskeleton trial has a misalignment of {:.2f} % of the shank.", *outcome.measured_percent);
+  if (!outcome.slip) return text + " It shows no leg of its own, so nothing is known of how its mount slipped.";
   return text + fmt::format(
                     " On its own leg the joint sat {}; {:.2g} mm RMS beside the worn placement are slip, which the new "
                     "design is taken to have too. The rest of the difference between the trials is pace ({:.2g} mm "
                     "RMS) and lean ({:.2g} mm RMS), which it is not.",
-                    compare::DescribeJoint(study.slip->placement_mm), study.slip->slip_mm, study.slip->pace_mm,
-                    study.slip->lean_mm);
+                    compare::DescribeJoint(outcome.slip->placement_mm), outcome.slip->slip_mm, outcome.slip->pace_mm,
+                    outcome.slip->lean_mm);
+}
+
+void WriteTables(const redesign::ReoptimizeOutcome& outcome, const OptimumView& optimum, Run& run) {
+  WriteOptimumDesign(outcome.after.design, optimum, run);
+  WriteOptimum(optimum, ProgramRows(outcome, optimum), run);
+  WriteConstraints(optimum, {MisalignmentRow(outcome)}, run);
+  WriteStarts(StartRows(outcome.result), run);
+  WriteConvergence(outcome.result.BestOrFirst().local, "objective_deg", run);
+  WriteBeforeAfter(outcome, run);
+  WriteProgram(outcome, run);
+  WritePredicted(outcome, run);
+  if (!outcome.fronts.empty()) WritePareto(outcome, run);
+}
+
+// What the summary has of the misalignment, the program and the trial, solved or not.
+Json MotionJson(const redesign::ReoptimizeOutcome& outcome) {
+  const auto& compared = outcome.after.misalignment;
+  return {{"misalignment_percent", compared ? Json(100 * compared->metrics.relative_rms) : Json()},
+          {"misalignment_rms_mm", compared ? Json(compared->metrics.rms_mm) : Json()},
+          {"max_misalignment_percent", NumberOrNull(outcome.problem.max_misalignment_percent)},
+          {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
+          {"links", LinksJson(outcome.after.design.links)},
+          {"placement_mm", outcome.after.design.placement_mm},
+          {"program", ProgramJson(outcome)},
+          {"trial", TrialJson(outcome)},
+          {"trial_text", TrialText(outcome)},
+          {"placement_range", PlacementRangeJson(outcome)},
+          {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
+          {"noise_floor_percent", outcome.measured.noise_floor_percent},
+          {"before", BeforeAfterJson(outcome.before)},
+          {"after", BeforeAfterJson(outcome.after)}};
+}
+
+Json SolvedJson(const synthesis::LocalSolve& best, const synthesis::ActiveSet& active) {
+  return {{"multipliers_unique", active.multipliers_unique},
+          {"active", ActiveJson(active)},
+          {"iterations", best.iterations},
+          {"time_s", best.seconds}};
 }
 
 }  // namespace
 
-Json WriteReoptimization(const redesign::ReoptimizeStudy& study, Run& run) {
-  WriteDesignFile(study, run);
-  WriteOptimum(study, run);
-  WriteConstraints(study, run);
-  WriteStarts(study, run);
-  WriteConvergence(study.result.starts[std::max(0, study.result.best)].local, "objective_deg", run);
-  WriteBeforeAfter(study, run);
-  WriteProgram(study, run);
-  WritePredicted(study, run);
-  if (!study.fronts.empty()) WritePareto(study, run);
-  Warn(study, run);
-  const redesign::ReoptimizeSolve* best = study.IsSolved() ? &study.result.Best() : nullptr;
-  const auto& compared = study.after.misalignment;
-  Json summary = {
-      {"range_deg", NumberOrNull(study.after.evaluation.range_deg)},
-      {"status", best ? Json(NameOf(best->local.solution.status)) : Json("infeasible")},
-      {"constraint_violation", NumberOrNull(study.after.evaluation.violation)},
-      {"kkt_error", best ? Json(best->local.solution.kkt_error) : Json()},
-      {"certified_upper_bound_deg", study.certificate ? NumberOrNull(study.certificate->upper_bound_deg) : Json()},
-      {"misalignment_percent", compared ? Json(100 * compared->metrics.relative_rms) : Json()},
-      {"misalignment_rms_mm", compared ? Json(compared->metrics.rms_mm) : Json()},
-      {"max_misalignment_percent",
-       study.problem.max_misalignment_percent ? Json(*study.problem.max_misalignment_percent) : Json()},
-      {"penalty_deg_per_mm", study.problem.penalty_deg_per_mm},
-      {"links", LinksJson(study.after.design.links)},
-      {"placement_mm", study.after.design.placement_mm},
-      {"program", ProgramJson(study)},
-      {"trial", TrialJson(study)},
-      {"trial_text", TrialText(study)},
-      {"placement_range", PlacementRangeJson(study)},
-      {"build_text", study.IsSolved() ? Json(BuildText(study)) : Json()},
-      {"noise_floor_percent", study.measured.noise_floor_percent},
-      {"before", BeforeAfterJson(study.before)},
-      {"after", BeforeAfterJson(study.after)}};
-  if (best) {
-    summary["multipliers_unique"] = study.active.multipliers_unique;
-    summary["active"] = ActiveJson(study.active);
-    summary["iterations"] = best->local.iterations;
-    summary["time_s"] = best->local.seconds;
-  } else {
-    summary.update(InfeasibleJson(*study.infeasible));
-  }
-  summary["optimum"] = EvaluationJson(study.after.evaluation);
-  if (study.certificate) summary["certificate"] = CertificateJson(*study.certificate, true);
-  if (study.yield) summary["yield"] = YieldJson(*study.yield);
-  if (!study.fronts.empty()) summary["pareto"] = FrontsJson(study);
+Json WriteReoptimization(const redesign::ReoptimizeOutcome& outcome, Run& run) {
+  const synthesis::LocalSolve* best = outcome.IsSolved() ? &outcome.result.Best().local : nullptr;
+  const redesign::DesignInMotion &before = outcome.before, &after = outcome.after;
+  const OptimumView optimum{outcome.problem.design, before.design.links,
+                            after.design.links,     before.evaluation,
+                            after.evaluation,       best,
+                            outcome.active,         best ? "" : outcome.infeasible->sentence};
+  WriteTables(outcome, optimum, run);
+  Warn(outcome, run);
+  Json summary = HeadJson(optimum, after.evaluation.violation, outcome.certificate);
+  summary.update(MotionJson(outcome));
+  summary.update(best ? SolvedJson(*best, outcome.active) : InfeasibleJson(*outcome.infeasible));
+  summary["optimum"] = EvaluationJson(after.evaluation);
+  if (outcome.certificate) summary["certificate"] = CertificateJson(*outcome.certificate, true);
+  if (outcome.yield) summary["yield"] = YieldJson(*outcome.yield);
+  if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);
   return summary;
 }
 

@@ -10,7 +10,7 @@
 #include "lake/core/options.h"
 #include "lake/core/yaml.h"
 #include "lake/problem/problem_file.h"
-#include "lake/synthesis/study_options.h"
+#include "lake/synthesis/synthesis_options.h"
 #include "lake/video/video_files.h"
 
 namespace lake::study {
@@ -170,7 +170,7 @@ void CheckCompared(const std::optional<std::string>& marker, const StudyTrial& t
                fmt::join(names, ", "));
 }
 
-void ReadCompare(YamlNode node, StudyFile& study) {
+void ReadCompare(YamlNode node, Files& files, StudyFile& study) {
   ReadSection(node, study.compare, files, {"human", "exo", "map", "up", "forward", "unit", "exo-map", "exo-unit"});
   node.Finish();
   study.compare_options = node.ToJson();
@@ -249,7 +249,7 @@ StudyFile ReadStudyFile(const fs::path& path) {
   ReadCamera(root, files, study);
   study.human = ReadTrialSection(Required(root, "human"), files);
   if (auto exo = root.Child("exo")) study.exo = ReadTrialSection(std::move(*exo), files);
-  if (auto compare = root.Child("compare")) ReadCompare(std::move(*compare), study);
+  if (auto compare = root.Child("compare")) ReadCompare(std::move(*compare), files, study);
   if (auto design = root.Child("design")) ReadDesignSection(std::move(*design), files, study);
   if (auto reoptimize = root.Child("reoptimize")) {
     const std::string where = reoptimize->Where();

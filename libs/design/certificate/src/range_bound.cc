@@ -53,7 +53,7 @@ RangeBound::RangeBound(const problem::SynthesisProblem& problem)
       singularity_margin_(problem.singularity_margin_mm) {
   for (std::size_t i = 0; i < root_.size(); ++i) root_[i] = {problem.bounds[i].lower, problem.bounds[i].upper};
   for (const problem::Requirement& requirement : problem::RequirementsOf(problem))
-    if (requirement.kind == problem::Requirement::Kind::kLinear) linear_.push_back(requirement);
+    if (requirement.IsLinear()) linear_.push_back(requirement);
 }
 
 bool RangeBound::Contract(LinkBox& box) const {

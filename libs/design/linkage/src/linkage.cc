@@ -33,7 +33,7 @@ double TriangleAngle(double a, double b, double c) {
   return 2 * std::atan2(std::sqrt(std::max(0.0, sine2)), std::sqrt(std::max(0.0, cosine2)));
 }
 
-// KR for a bar angle.
+// KR for a bar angle, Eq. (4).
 double TipDistance(const Links& l, double phi) {
   return std::hypot(l.l3 - l.l2, 2 * std::sqrt(l.l2 * l.l3) * std::cos(phi / 2));
 }
@@ -101,14 +101,14 @@ std::optional<Pose> SolvePose(const Links& links, double stroke_mm, Branch branc
   Pose pose;
   pose.stroke_mm = stroke_mm;
   pose.branch = branch;
-  pose.alpha1_rad = std::atan2(links.l5, links.l6);
-  pose.alpha2_rad = SignOfAlpha2(branch) * TriangleAngle(l7, links.l2, stroke_mm);
+  pose.alpha1_rad = std::atan2(links.l5, links.l6);                                 // Eq. (5)
+  pose.alpha2_rad = SignOfAlpha2(branch) * TriangleAngle(l7, links.l2, stroke_mm);  // Eq. (6)
   pose.phi_rad = pose.alpha1_rad + pose.alpha2_rad;
-  pose.l8_mm = TipDistance(links, pose.phi_rad);
+  pose.l8_mm = TipDistance(links, pose.phi_rad);  // Eq. (4)
   if (!(TriangleGap(pose.l8_mm, links.l4, links.l1) <= kRounding_mm)) return std::nullopt;
-  pose.beta1_rad = Beta1(links, pose.phi_rad);
-  pose.beta2_rad = SignOfBeta2(branch) * TriangleAngle(pose.l8_mm, links.l4, links.l1);
-  pose.theta_rad = kPi - pose.beta1_rad - pose.beta2_rad;
+  pose.beta1_rad = Beta1(links, pose.phi_rad);                                           // Eq. (2)
+  pose.beta2_rad = SignOfBeta2(branch) * TriangleAngle(pose.l8_mm, links.l4, links.l1);  // Eq. (3)
+  pose.theta_rad = kPi - pose.beta1_rad - pose.beta2_rad;                                // Eq. (1)
   pose.knee = {0, 0};
   pose.thigh_pin = {0, links.l3};
   pose.tip = TipOf(links, pose.phi_rad);

@@ -182,22 +182,22 @@ void IpoptProgram::finalize_solution(Ipopt::SolverReturn /*status*/, Index n, co
     solution_.x.assign(x, x + n);
     solution_.cost = cost;
     solution_.violation = program_.Violation(solution_.x);
-    solution_.row_prices.resize(m);
-    solution_.variable_prices.resize(n);
+    solution_.row_marginal_costs.resize(m);
+    solution_.variable_marginal_costs.resize(n);
     double worst = solution_.violation;
     const std::vector<double> gradient = LagrangianGradient(x, lambda);
     for (Index j = 0; j < n; ++j) {
       const NlpVariable& variable = program_.Variables()[j];
       const bool fixed = variable.lower == variable.upper;  // Ipopt gives no multiplier: stationarity does
-      solution_.variable_prices[j] = fixed ? gradient[j] : z_lower[j] - z_upper[j];
-      worst = std::max(worst, std::abs(gradient[j] - solution_.variable_prices[j]));
+      solution_.variable_marginal_costs[j] = fixed ? gradient[j] : z_lower[j] - z_upper[j];
+      worst = std::max(worst, std::abs(gradient[j] - solution_.variable_marginal_costs[j]));
       if (fixed) continue;
       worst = std::max(worst, Complementarity(z_lower[j], x[j] - variable.lower));
       worst = std::max(worst, Complementarity(z_upper[j], variable.upper - x[j]));
     }
     for (Index i = 0; i < m; ++i) {
       const NlpRow& row = program_.Rows()[i];
-      solution_.row_prices[i] = -lambda[i];
+      solution_.row_marginal_costs[i] = -lambda[i];
       const double distance = lambda[i] < 0 ? values[i] - row.lower : row.upper - values[i];
       if (row.lower != row.upper) worst = std::max(worst, Complementarity(lambda[i], distance));
     }

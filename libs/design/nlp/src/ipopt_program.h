@@ -1,4 +1,4 @@
-// The bridge between a NonlinearProgram and Ipopt's TNLP; private to this module, as Ipopt is.
+// The bridge between a NonlinearProgram and Ipopt's TNLP; private to this room, as Ipopt is.
 #pragma once
 
 #include <IpTNLP.hpp>

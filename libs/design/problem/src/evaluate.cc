@@ -4,6 +4,7 @@
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "lake/core/angles.h"
 
@@ -48,11 +49,12 @@ double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem,
   }
 }
 
-RequirementCheck CheckOf(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
-                         const DesignEvaluation& evaluation) {
+RequirementCheck CheckRequirement(const linkage::Links& links, const SynthesisProblem& problem,
+                                  const Requirement& requirement, const DesignEvaluation& evaluation) {
   RequirementCheck check{requirement, kNaN, 0, 1};
-  switch (requirement.kind) {
-    case Kind::kLinear: {
+  switch (requirement.id.kind) {
+    case Kind::kGrashof:
+    case Kind::kOrder: {
       const auto l = links.Values();
       check.value = 0;
       for (std::size_t i = 0; i < l.size(); ++i) check.value += requirement.coefficients[i] * l[i];
@@ -90,7 +92,9 @@ std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const Synthesis
                                     const Requirement& requirement) {
   const std::optional<linkage::UsedRange> range = StandingRange(links, problem);
   if (!range) return {};
-  const auto value = [&](double fraction) { return FamilyValue(links, problem, *range, requirement.kind, fraction); };
+  const auto value = [&](double fraction) {
+    return FamilyValue(links, problem, *range, requirement.id.kind, fraction);
+  };
   const auto slack = [&](double fraction) { return requirement.Slack(value(fraction)); };
   std::vector<double> grid(kGridPoints);
   for (int i = 0; i < kGridPoints; ++i) grid[i] = slack(i / (kGridPoints - 1.0));
@@ -115,6 +119,13 @@ std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const Synthesis
   return worst;
 }
 
+const RequirementCheck& DesignEvaluation::CheckOf(const Requirement::Id& id) const {
+  const auto found =
+      std::ranges::find_if(checks, [&](const RequirementCheck& check) { return check.requirement.id == id; });
+  if (found == checks.end()) throw std::out_of_range("the problem has no such requirement");
+  return *found;
+}
+
 DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& problem) {
   DesignEvaluation evaluation;
   evaluation.pose = linkage::SolvePose(links, problem.d_min_mm);
@@ -123,7 +134,7 @@ DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& p
   if (const auto range = StandingRange(links, problem)) evaluation.stands_mm = range->stroke.upper_mm;
   evaluation.violation = evaluation.pose ? 0 : kInfinity;
   for (const Requirement& requirement : RequirementsOf(problem)) {
-    evaluation.checks.push_back(CheckOf(links, problem, requirement, evaluation));
+    evaluation.checks.push_back(CheckRequirement(links, problem, requirement, evaluation));
     evaluation.violation =
         std::max(evaluation.violation, -evaluation.checks.back().slack / std::max(1.0, requirement.limit));
   }
@@ -139,7 +150,8 @@ bool MeetsLinkRequirements(const linkage::Links& links, const SynthesisProblem& 
   DesignEvaluation evaluation;
   evaluation.range_deg = DegreesFromRadians(pose->theta_rad);
   return std::all_of(requirements.begin(), requirements.end(), [&](const Requirement& requirement) {
-    return requirement.NeedsStanding() || CheckOf(links, problem, requirement, evaluation).slack >= -tolerance_mm;
+    return requirement.NeedsStanding() ||
+           CheckRequirement(links, problem, requirement, evaluation).slack >= -tolerance_mm;
   });
 }
 

@@ -25,16 +25,12 @@ void CheckBounds(const Bounds& bounds, const std::string& key) {
   if (bounds.upper > kLongest_mm) throw Fail("{} upper bound {} is beyond {} mm", key, bounds.upper, kLongest_mm);
 }
 
-// larger - smaller >= margin.
-Requirement Linear(std::string name, std::array<double, 6> coefficients, double margin_mm = 0) {
-  return {Requirement::Kind::kLinear, std::move(name), coefficients, true, margin_mm, "mm"};
-}
-
 Requirement Order(int smaller, int larger) {
   std::array<double, 6> coefficients{};
-  coefficients[smaller - 1] = -1;
-  coefficients[larger - 1] = 1;
-  return Linear(fmt::format("l{} <= l{}", smaller, larger), coefficients);
+  coefficients[smaller] = -1;
+  coefficients[larger] = 1;
+  const std::string name = fmt::format("{} <= {}", LinkName(smaller), LinkName(larger));
+  return {{Requirement::Kind::kOrder, smaller, larger}, name, coefficients, true, 0, "mm"};
 }
 
 }  // namespace
@@ -68,24 +64,24 @@ double Requirement::Slack(double value) const {
 }
 
 std::string Requirement::Text() const {
-  if (kind == Kind::kLinear && limit == 0) return name == "grashof" ? "Grashof's law" : name;
+  if (IsLinear() && limit == 0) return id.kind == Kind::kGrashof ? "Grashof's law" : name;
   return fmt::format("{} {} {:.6g} {}", name, is_lower_limit ? ">=" : "<=", limit, unit);
 }
 
 std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
   using Kind = Requirement::Kind;
   std::vector<Requirement> all;
-  all.push_back(Linear("grashof", {1, 1, -1, -1, 0, 0}, problem.grashof_margin_mm));
-  for (const auto& [smaller, larger] : {std::pair{3, 1}, {3, 2}, {3, 4}, {2, 4}, {1, 4}, {5, 6}, {4, 6}})
+  all.push_back({{Kind::kGrashof}, "grashof", {1, 1, -1, -1, 0, 0}, true, problem.grashof_margin_mm, "mm"});
+  for (const auto& [smaller, larger] : {std::pair{2, 0}, {2, 1}, {2, 3}, {1, 3}, {0, 3}, {4, 5}, {3, 5}})
     all.push_back(Order(smaller, larger));
-  all.push_back({Kind::kSingularity, "singularity", {}, true, problem.singularity_margin_mm, "mm"});
+  all.push_back({{Kind::kSingularity}, "singularity", {}, true, problem.singularity_margin_mm, "mm"});
   if (problem.min_moment_arm_mm)
-    all.push_back({Kind::kMomentArm, "moment arm", {}, true, *problem.min_moment_arm_mm, "mm/rad"});
-  if (problem.max_force_n) all.push_back({Kind::kForce, "force", {}, false, *problem.max_force_n, "N"});
+    all.push_back({{Kind::kMomentArm}, "moment arm", {}, true, *problem.min_moment_arm_mm, "mm/rad"});
+  if (problem.max_force_n) all.push_back({{Kind::kForce}, "force", {}, false, *problem.max_force_n, "N"});
   if (problem.min_transmission_deg)
-    all.push_back({Kind::kTransmission, "transmission angle", {}, true, *problem.min_transmission_deg, "deg"});
-  if (problem.d_max_mm) all.push_back({Kind::kMaxStroke, "stroke when standing", {}, false, *problem.d_max_mm, "mm"});
-  if (problem.max_angle_deg) all.push_back({Kind::kMaxAngle, "angle", {}, false, *problem.max_angle_deg, "deg"});
+    all.push_back({{Kind::kTransmission}, "transmission angle", {}, true, *problem.min_transmission_deg, "deg"});
+  if (problem.d_max_mm) all.push_back({{Kind::kMaxStroke}, "stroke when standing", {}, false, *problem.d_max_mm, "mm"});
+  if (problem.max_angle_deg) all.push_back({{Kind::kMaxAngle}, "angle", {}, false, *problem.max_angle_deg, "deg"});
   return all;
 }
 

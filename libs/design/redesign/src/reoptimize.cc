@@ -7,6 +7,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/progress.h"
+#include "lake/redesign/reoptimize_program.h"
 
 namespace lake::redesign {
 namespace {
@@ -28,15 +29,11 @@ bool HoldsOnPath(const ReoptimizeProblem& problem, const ReoptimizeSolve& solve)
 ReoptimizeSolve SolveOneSide(const ReoptimizeProblem& problem, const ReoptimizePoint& start,
                              ConstantStart constant_start, const synthesis::OptimizeOptions& options) {
   ReoptimizeSolve solve;
-  ReoptimizePoint from = start;
-  const auto extend = [&](synthesis::SynthesisProgram& program, const nlp::NlpSolution* last) {
-    if (last) from = PointAt(solve.local.program, solve.variables, last->x);
-    solve.variables = AddReoptimization(problem, from, constant_start, program);
-  };
-  solve.local = SolveFrom(problem.design, start.links, options, {RangeWeight(problem), extend});
-  solve.point = PointAt(solve.local.program, solve.variables, solve.local.solution.x);
+  ReoptimizeBuilder builder(problem, start, constant_start);
+  solve.local = synthesis::SolveByExchange(problem.design, builder, options);
+  solve.point = builder.Point();
   solve.prediction = PredictPoint(problem, solve.point);
-  solve.usable = solve.local.IsUsable() && HoldsOnPath(problem, solve);
+  solve.holds_on_path = HoldsOnPath(problem, solve);
   if (solve.prediction) solve.objective = ObjectiveOf(problem, solve.point, solve.Range_deg(), *solve.prediction);
   return solve;
 }

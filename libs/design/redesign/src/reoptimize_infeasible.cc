@@ -2,7 +2,7 @@
 #include <limits>
 
 #include "lake/core/error.h"
-#include "lake/redesign/reoptimize_study.h"
+#include "lake/redesign/reoptimize_outcome.h"
 #include "lake/synthesis/infeasibility.h"
 
 namespace lake::redesign {
@@ -115,7 +115,7 @@ class Explainer {
     constexpr double kNoPrice = 1e-4;  // % per mm, deg or s
     const synthesis::ActiveSet active = synthesis::FindActiveSet(least.local);
     for (synthesis::ActiveSet::Entry entry : active.entries) {
-      entry.price *= -1 / (2 * *report_.least_percent);
+      entry.price *= 1 / (2 * *report_.least_percent);
       if (std::abs(entry.price) < kNoPrice) continue;
       if (!active.multipliers_unique) entry.price = std::numeric_limits<double>::quiet_NaN();
       report_.blocking.push_back(entry);
@@ -163,7 +163,7 @@ class Explainer {
 
   std::string Sentence() const {
     const bool free = problem_.program.kind == Kind::kFree;
-    std::string program = free ? "free program" : "constant program";
+    std::string program = fmt::format("{} program", ProgramName(problem_.program.kind));
     if (problem_.program.duration_s) program += fmt::format(" of {:.4g} s", *problem_.program.duration_s);
     std::string text = fmt::format(
         "no design has a misalignment of at most {:.4g} %: the smallest found with the {} at {:.4g} mm/s is {:.4g} %",

@@ -28,6 +28,14 @@ std::vector<double> PlausibleStrokes(const ReoptimizeProblem& problem) {
 
 }  // namespace
 
+std::string PlacementName(int axis) {
+  return axis == 0 ? "placement_x" : "placement_y";
+}
+
+std::string ProgramName(Kind kind) {
+  return kind == Kind::kFree ? "free" : "constant";
+}
+
 problem::Bounds ReoptimizeProblem::PlacementBounds(int axis) const {
   if (!fit_placement) return {placement_mm[axis], placement_mm[axis]};
   return {-placement_reach_mm, placement_reach_mm};

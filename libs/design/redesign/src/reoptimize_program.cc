@@ -12,6 +12,7 @@ namespace lake::redesign {
 namespace {
 
 using Goal = ReoptimizeProblem::Goal;
+using On = synthesis::LimitId::On;
 
 // Costs that decide only where the goal leaves a choice; each moves the optimum by less than its printed digits.
 constexpr double kMisalignmentTie = 1e-5;   // deg (or s) per percent^2
@@ -47,6 +48,7 @@ class Extender {
       : problem_(problem), start_(start), constant_start_(constant_start), synthesis_(synthesis) {}
 
   ReoptimizeVariables Extend() {
+    variables_.links = synthesis_.links;
     AddKnots();
     AddPlacement();
     AddDuration();
@@ -75,14 +77,14 @@ class Extender {
   void AddPlacement() {
     for (int axis = 0; axis < 2; ++axis) {
       const auto [lower, upper] = problem_.PlacementBounds(axis);
-      variables_.placement[axis] = nlp().AddVariable(axis == 0 ? "placement_x" : "placement_y",
-                                                     std::clamp(start_.placement_mm[axis], lower, upper), lower, upper);
+      variables_.placement[axis] =
+          nlp().AddVariable(PlacementName(axis), std::clamp(start_.placement_mm[axis], lower, upper), lower, upper);
       if (!problem_.fit_placement) continue;
       const double square = problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * MisalignmentWeight();
       nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{square});
       if (problem_.goal == Goal::kFarthest)
         synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.placement[axis], -problem_.farthest[axis]);
-      synthesis_.published.push_back({variables_.placement[axis], "mm"});
+      synthesis_.limits.push_back({{On::kPlacement, axis}, "mm", -1, variables_.placement[axis]});
     }
   }
 
@@ -90,14 +92,12 @@ class Extender {
     const double speed = problem_.program.max_speed_mm_s;
     const double longest = problem_.program.duration_s.value_or(kLongest_s);
     variables_.duration = nlp().AddVariable("duration", start_.duration_s, 0, longest);
-    if (problem_.program.duration_s) synthesis_.published.push_back({variables_.duration, "s"});
+    if (problem_.program.duration_s) synthesis_.limits.push_back({{On::kDuration}, "s", -1, variables_.duration});
     const double share = speed / static_cast<double>(variables_.knots.size() - 1);
+    const bool may_turn_back = IsFree() && !problem_.program.monotone;
     for (std::size_t k = 1; k < variables_.knots.size(); ++k) {
       AddSpeedRow(k, 1, share);
-      if (problem_.program.monotone || !IsFree())
-        AddSpeedRow(k, -1, 0);
-      else
-        AddSpeedRow(k, -1, share);
+      AddSpeedRow(k, -1, may_turn_back ? share : 0);
     }
     synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.duration,
                              problem_.goal == Goal::kDuration ? 1 : kDurationTie);
@@ -122,10 +122,10 @@ class Extender {
       constexpr double kPlausiblePhi_rad = 0.6;
       const double phi_start =
           pose ? pose->phi_rad : std::lerp(std::numbers::pi, kPlausiblePhi_rad, theta_start / std::numbers::pi);
-      const int theta = nlp().AddVariable("theta" + name, theta_start, lower, upper);
-      variables_.poses.push_back(synthesis::AddProgramPose(nlp(), name, synthesis_.links, variables_.knots[span.from],
-                                                           variables_.knots[span.from + 1], span.weight, theta,
-                                                           phi_start));
+      variables_.theta.push_back(nlp().AddVariable("theta" + name, theta_start, lower, upper));
+      synthesis::AddProgramPose(nlp(), name, synthesis_.links,
+                                {variables_.knots[span.from], variables_.knots[span.from + 1], span.weight},
+                                variables_.theta.back(), phi_start);
     }
   }
 
@@ -141,7 +141,7 @@ class Extender {
   void AddMeanSquare(int row, bool relative, double factor) {
     for (std::size_t i = 0; i < problem_.human.size(); ++i) {
       const HumanSample& human = problem_.human[i];
-      nlp().AddTerm(row, std::array{variables_.poses[i].theta, variables_.placement[0], variables_.placement[1]},
+      nlp().AddTerm(row, std::array{variables_.theta[i], variables_.placement[0], variables_.placement[1]},
                     SquaredErrorTerm{human, relative ? human.shank_mm : 1.0, factor / compare::kPercentSamples});
     }
   }
@@ -152,7 +152,7 @@ class Extender {
     const int row = nlp().AddRow(fmt::format("misalignment <= {:.6g} %", limit), -nlp::kUnbounded, limit * limit);
     AddMeanSquare(row, true, kPercentSquared);
     // d(limit^2) = 2 limit d(limit): the price is published per percent.
-    synthesis_.published_rows.push_back({row, "%", 2 * limit});
+    synthesis_.limits.push_back({{On::kMisalignment}, "%", row, -1, 2 * limit});
   }
 
   void AddPenalty() {
@@ -172,8 +172,8 @@ class Extender {
     if (!problem_.min_range_deg) return;
     const int row = nlp().AddRow(fmt::format("range >= {:.6g} deg", *problem_.min_range_deg), *problem_.min_range_deg,
                                  nlp::kUnbounded);
-    synthesis::AddScaledTerm(nlp(), row, synthesis_.poses.front().range, kDegreesPerRadian);
-    synthesis_.published_rows.push_back({row, "deg", 1});
+    synthesis::AddScaledTerm(nlp(), row, synthesis_.range, kDegreesPerRadian);
+    synthesis_.limits.push_back({{On::kLeastRange}, "deg", row});
   }
 
   static constexpr double kPercentSquared = 1e4;
@@ -187,23 +187,20 @@ class Extender {
 
 }  // namespace
 
-ReoptimizeVariables AddReoptimization(const ReoptimizeProblem& problem, const ReoptimizePoint& start,
-                                      ConstantStart constant_start, synthesis::SynthesisProgram& synthesis) {
-  return Extender(problem, start, constant_start, synthesis).Extend();
+synthesis::SynthesisProgram ReoptimizeBuilder::Build(const std::vector<double>& fractions) {
+  const double range_weight = problem_.goal == Goal::kRange ? 1 : kRangeTie;
+  synthesis::SynthesisProgram program =
+      synthesis::BuildProgram(problem_.design, point_.links, fractions, synthesis::Elasticity::kNone, range_weight);
+  variables_ = Extender(problem_, point_, constant_start_, program).Extend();
+  return program;
 }
 
-ReoptimizePoint PointAt(const synthesis::SynthesisProgram& synthesis, const ReoptimizeVariables& variables,
-                        const std::vector<double>& x) {
-  ReoptimizePoint point;
-  point.links = synthesis.LinksAt(x);
-  for (const int knot : variables.knots) point.knots_mm.push_back(x[knot]);
-  point.placement_mm = {x[variables.placement[0]], x[variables.placement[1]]};
-  point.duration_s = x[variables.duration];
-  return point;
-}
-
-double RangeWeight(const ReoptimizeProblem& problem) {
-  return problem.goal == Goal::kRange ? 1 : kRangeTie;
+void ReoptimizeBuilder::MoveTo(const std::vector<double>& x) {
+  point_.links = synthesis::LinksAt(variables_.links, x);
+  point_.knots_mm.clear();
+  for (const int knot : variables_.knots) point_.knots_mm.push_back(x[knot]);
+  point_.placement_mm = {x[variables_.placement[0]], x[variables_.placement[1]]};
+  point_.duration_s = x[variables_.duration];
 }
 
 }  // namespace lake::redesign

@@ -26,12 +26,12 @@ struct ElasticSolve {
 // The problem with its limits moved by the slacks, as far as the families over the used range need it.
 problem::SynthesisProblem Relaxed(problem::SynthesisProblem problem, const ElasticSolve& solve) {
   const std::vector<double>& x = solve.solution.x;
-  problem.d_min_mm = x[solve.program.poses.front().stroke];
-  for (const LimitRow& limit : solve.program.limits) {
+  problem.d_min_mm = x[solve.program.shortest_stroke];
+  for (const RequirementRow& limit : solve.program.requirements) {
     const double slack = x[limit.slack];
-    if (limit.requirement.kind == Kind::kMomentArm) *problem.min_moment_arm_mm -= slack;
-    if (limit.requirement.kind == Kind::kForce) *problem.max_force_n += slack;
-    if (limit.requirement.kind == Kind::kTransmission) *problem.min_transmission_deg -= slack;
+    if (limit.requirement.id.kind == Kind::kMomentArm) *problem.min_moment_arm_mm -= slack;
+    if (limit.requirement.id.kind == Kind::kForce) *problem.max_force_n += slack;
+    if (limit.requirement.id.kind == Kind::kTransmission) *problem.min_transmission_deg -= slack;
   }
   return problem;
 }
@@ -55,7 +55,7 @@ ElasticSolve SolveElastic(const problem::SynthesisProblem& problem, const linkag
   for (int exchange = 0; exchange < options.max_exchanges; ++exchange) {
     solve.program = BuildProgram(problem, from, fractions, elasticity);
     solve.solution = nlp::SolveNlp(solve.program.program, options.nlp);
-    from = solve.program.LinksAt(solve.solution.x);
+    from = LinksAt(solve.program.links, solve.solution.x);
     if (!solve.solution.IsUsable() ||
         !AddViolatedPoses(Relaxed(problem, solve), from, options.family_tolerance, fractions))
       break;
@@ -80,7 +80,7 @@ ElasticSolve BestElastic(const problem::SynthesisProblem& problem, Elasticity el
 
 void CollectRelaxations(const ElasticSolve& solve, InfeasibilityReport& report) {
   const std::vector<double>& x = solve.solution.x;
-  for (const LimitRow& limit : solve.program.limits) {
+  for (const RequirementRow& limit : solve.program.requirements) {
     const problem::Requirement& requirement = limit.requirement;
     const double slack = x[limit.slack];
     if (slack > kNoSlack * SlackUnit(requirement))
@@ -95,20 +95,20 @@ void CollectRelaxations(const ElasticSolve& solve, InfeasibilityReport& report) 
 }
 
 void CollectFighting(const ElasticSolve& solve, InfeasibilityReport& report) {
-  constexpr double kNoPrice = 1e-4;  // of a cost that counts in mm and deg
+  constexpr double kNoCost = 1e-4;  // of a cost that counts in mm and deg
   const nlp::NlpSolution& solution = solve.solution;
-  for (const LimitRow& limit : solve.program.limits)
-    if (std::abs(solution.row_prices[limit.row]) * SlackUnit(limit.requirement) > kNoPrice)
+  for (const RequirementRow& limit : solve.program.requirements)
+    if (std::abs(solution.row_marginal_costs[limit.row]) * SlackUnit(limit.requirement) > kNoCost)
       report.fighting.push_back(limit.requirement.Text());
   for (const ElasticBound& bound : solve.program.elastic_bounds)
-    if (std::abs(solution.row_prices[bound.row]) > kNoPrice) report.fighting.push_back(bound.text);
+    if (std::abs(solution.row_marginal_costs[bound.row]) > kNoCost) report.fighting.push_back(bound.text);
   if (!solve.program.elastic_bounds.empty()) return;
   for (const int link : solve.program.links) {
     const nlp::NlpVariable& variable = solve.program.program.Variables()[link];
-    const double price = solution.variable_prices[link];
-    if (std::abs(price) > kNoPrice)
+    const double cost = solution.variable_marginal_costs[link];
+    if (std::abs(cost) > kNoCost)
       report.fighting.push_back(fmt::format("{} {} {:.6g} mm", variable.name,
-                                            price > 0 ? ">=" : "<=", price > 0 ? variable.lower : variable.upper));
+                                            cost > 0 ? ">=" : "<=", cost > 0 ? variable.lower : variable.upper));
   }
 }
 
@@ -144,7 +144,7 @@ InfeasibilityReport AnalyseInfeasibility(const problem::SynthesisProblem& proble
   if (!solve.holds) solve = BestElastic(problem, Elasticity::kEverything, options);
   InfeasibilityReport report;
   report.solved = solve.holds;
-  report.links = solve.program.LinksAt(solve.solution.x);
+  report.links = LinksAt(solve.program.links, solve.solution.x);
   if (report.solved) {
     CollectRelaxations(solve, report);
     CollectFighting(solve, report);

@@ -78,27 +78,35 @@ void OptimizeOptions::Check() const {
   nlp.Check();
 }
 
-LocalSolve SolveFrom(const problem::SynthesisProblem& problem, const linkage::Links& start,
-                     const OptimizeOptions& options, const ProgramExtension& extension) {
+double LocalSolve::PriceOf(const Limit& limit) const {
+  const double marginal_cost =
+      limit.row >= 0 ? solution.row_marginal_costs[limit.row] : solution.variable_marginal_costs[limit.variable];
+  return -marginal_cost * limit.scale;
+}
+
+std::optional<double> LocalSolve::PriceOf(const LimitId& id) const {
+  const Limit* limit = program.Find(id);
+  return limit ? std::optional(PriceOf(*limit)) : std::nullopt;
+}
+
+LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuilder& builder,
+                           const OptimizeOptions& options) {
   const auto begin = Clock::now();
   LocalSolve result;
-  result.start = start;
+  result.start = builder.Links();
   result.fractions = FirstFractions();
   nlp::NlpOptions nlp = options.nlp;
-  linkage::Links from = start;
   while (true) {
-    SynthesisProgram program = BuildProgram(problem, from, result.fractions, Elasticity::kNone, extension.range_weight);
-    if (extension.extend) extension.extend(program, result.exchanges > 0 ? &result.solution : nullptr);
+    result.program = builder.Build(result.fractions);
     ++result.exchanges;
-    result.program = std::move(program);
     result.solution = nlp::SolveNlp(result.program.program, nlp);
     result.iterations += static_cast<int>(result.solution.iterations.size());
     result.history.insert(result.history.end(), result.solution.iterations.begin(), result.solution.iterations.end());
-    result.end = result.program.LinksAt(result.solution.x);
+    builder.MoveTo(result.solution.x);
+    result.end = builder.Links();
     if (!result.solution.IsUsable() || result.exchanges >= options.max_exchanges ||
         !AddViolatedPoses(problem, result.end, options.family_tolerance, result.fractions))
       break;
-    from = result.end;
     nlp.start_push = 1e-6, nlp.start_barrier = 1e-4;  // warm
   }
   result.evaluation = problem::Evaluate(result.end, problem);
@@ -108,6 +116,26 @@ LocalSolve SolveFrom(const problem::SynthesisProblem& problem, const linkage::Li
 
 namespace {
 
+// The synthesis problem's own program, from links.
+class LinkProgramBuilder : public ProgramBuilder {
+ public:
+  LinkProgramBuilder(const problem::SynthesisProblem& problem, const linkage::Links& start)
+      : problem_(problem), links_(start) {}
+
+  SynthesisProgram Build(const std::vector<double>& fractions) override {
+    SynthesisProgram program = BuildProgram(problem_, links_, fractions);
+    variables_ = program.links;
+    return program;
+  }
+  void MoveTo(const std::vector<double>& x) override { links_ = LinksAt(variables_, x); }
+  const linkage::Links& Links() const override { return links_; }
+
+ private:
+  const problem::SynthesisProblem& problem_;
+  linkage::Links links_;
+  LinkVariables variables_{};
+};
+
 // Collects what is at its limit, with its price.
 class ActiveSetFinder {
  public:
@@ -115,8 +143,11 @@ class ActiveSetFinder {
       : solve_(solve), nlp_(solve.program.program), rows_(nlp_.RowValues(solve.solution.x)), gradients_(solve) {}
 
   ActiveSet Find() {
-    for (const LimitRow& limit : solve_.program.limits)
-      if (limit.row >= 0) requirement_of_row_[limit.row] = &limit.requirement;
+    for (const Limit& limit : solve_.program.limits)
+      if (limit.row >= 0)
+        limit_of_row_[limit.row] = &limit;
+      else
+        limit_of_variable_[limit.variable] = &limit;
     for (std::size_t i = 0; i < rows_.size(); ++i) AddRow(static_cast<int>(i));
     for (std::size_t j = 0; j < solve_.solution.x.size(); ++j) AddVariable(static_cast<int>(j));
     active_.smallest_singular_value = gradients_.SmallestSingularValue();
@@ -126,23 +157,18 @@ class ActiveSetFinder {
   }
 
  private:
-  // The cost is minus what is maximised.
   void AddRow(int index) {
     const nlp::NlpRow& row = nlp_.Rows()[index];
-    const bool touches =
-        row.lower == row.upper || IsActive(rows_[index], row.lower) || IsActive(rows_[index], row.upper);
-    if (!touches) return;
+    const bool is_equality = row.lower == row.upper;
+    if (!is_equality && !IsActive(rows_[index], row.lower) && !IsActive(rows_[index], row.upper)) return;
     gradients_.AddRow(index);
-    const double price = -solve_.solution.row_prices[index];
-    for (const PublishedRow& published : solve_.program.published_rows)
-      if (published.row == index)
-        active_.entries.push_back({row.name, price * published.rows_per_unit, published.unit});
-    const auto found = requirement_of_row_.find(index);
-    if (found == requirement_of_row_.end()) return;
+    const auto found = limit_of_row_.find(index);
+    if (found == limit_of_row_.end()) return;
+    // The limit of a family is an equality, which holds whether a pose is at it or not.
     constexpr double kNoPrice = 1e-7;
-    const problem::Requirement& requirement = *found->second;
-    if (requirement.IsFamily() && std::abs(price) < kNoPrice) return;
-    active_.entries.push_back({requirement.Text(), price, requirement.unit});
+    const double price = solve_.PriceOf(*found->second);
+    if (is_equality && std::abs(price) < kNoPrice) return;
+    active_.entries.push_back({found->second->id, row.name, price, found->second->unit});
   }
 
   void AddVariable(int index) {
@@ -151,33 +177,35 @@ class ActiveSetFinder {
     const bool lower = IsActive(value, variable.lower), upper = IsActive(value, variable.upper);
     if (!lower && !upper) return;
     gradients_.AddBound(index);
-    const std::string unit = UnitOf(index);
-    if (unit.empty()) return;
-    active_.entries.push_back({fmt::format("{} {} {:.6g} {}", variable.name,
-                                           lower && upper ? "="
-                                           : lower        ? ">="
-                                                          : "<=",
-                                           lower ? variable.lower : variable.upper, unit),
-                               -solve_.solution.variable_prices[index], unit});
-  }
-
-  // Of a variable whose bound is reported; empty for others.
-  std::string UnitOf(int index) const {
-    const LinkVariables& links = solve_.program.links;
-    if (std::ranges::find(links, index) != links.end() || index == solve_.program.poses.front().stroke) return "mm";
-    const auto published = std::ranges::find(solve_.program.published, index, &PublishedVariable::variable);
-    return published == solve_.program.published.end() ? "" : published->unit;
+    const auto found = limit_of_variable_.find(index);
+    if (found == limit_of_variable_.end()) return;
+    const Limit& limit = *found->second;
+    const char* sign = lower && upper ? "=" : lower ? ">=" : "<=";
+    const std::string name =
+        fmt::format("{} {} {:.6g} {}", variable.name, sign, lower ? variable.lower : variable.upper, limit.unit);
+    active_.entries.push_back({limit.id, name, solve_.PriceOf(limit), limit.unit});
   }
 
   const LocalSolve& solve_;
   const nlp::NonlinearProgram& nlp_;
   const std::vector<double> rows_;
   ActiveGradients gradients_;
-  std::map<int, const problem::Requirement*> requirement_of_row_;
+  std::map<int, const Limit*> limit_of_row_, limit_of_variable_;
   ActiveSet active_;
 };
 
 }  // namespace
+
+LocalSolve SolveFrom(const problem::SynthesisProblem& problem, const linkage::Links& start,
+                     const OptimizeOptions& options) {
+  LinkProgramBuilder builder(problem, start);
+  return SolveByExchange(problem, builder, options);
+}
+
+const ActiveSet::Entry* ActiveSet::Find(const LimitId& id) const {
+  const auto found = std::ranges::find(entries, id, &Entry::id);
+  return found == entries.end() ? nullptr : &*found;
+}
 
 ActiveSet FindActiveSet(const LocalSolve& solve) {
   return ActiveSetFinder(solve).Find();

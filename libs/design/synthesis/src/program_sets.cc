@@ -13,8 +13,14 @@ namespace {
 // Of products of three lengths divided by a length: brings rows near one.
 constexpr double kAreaScale_mm2 = 1e4;
 
-// A point on the used range; v = l1..l6, stroke, phi, range.
-struct AtPose {
+// What the rows of a pose are made of; a length or angle that a row does not read is zero.
+template <typename T>
+struct PoseValues {
+  T links[6]{}, stroke{}, phi{}, theta{};
+};
+
+// A pose of the used range; v = l1..l6, stroke, phi, range.
+struct OnUsedRange {
   double fraction, standing_rad;
 
   template <typename T>
@@ -25,64 +31,93 @@ struct AtPose {
   linkage::LoopVectors<T> Vectors(const T* v) const {
     return linkage::LoopVectorsOf(v, v[7], Theta(v));
   }
+  template <typename T>
+  PoseValues<T> operator()(const T* v) const {
+    return {{v[0], v[1], v[2], v[3], v[4], v[5]}, v[6], v[7], Theta(v)};
+  }
 };
 
-struct LoopTerm : AtPose {
+// A pose of a stroke program. There are many of these, so a row takes the variables that it reads and no others:
+// v = l2, l5, l6, phi and, for the loop, the strokes of two knots.
+template <bool kReadsStroke>
+struct ActuatorSide {
+  double weight;
+
+  template <typename T>
+  PoseValues<T> operator()(const T* v) const {
+    PoseValues<T> pose{{T{}, v[0], T{}, T{}, v[1], v[2]}, T{}, v[3], T{}};
+    if constexpr (kReadsStroke) pose.stroke = v[4] * (1 - weight) + v[5] * weight;
+    return pose;
+  }
+};
+
+// v = l1 for the loop, l2, l3, l4, phi, theta.
+template <bool kReadsCoupler>
+struct ShankSide {
+  template <typename T>
+  PoseValues<T> operator()(const T* v) const {
+    const T* w = kReadsCoupler ? v + 1 : v;
+    return {{kReadsCoupler ? v[0] : T{}, w[0], w[1], w[2], T{}, T{}}, T{}, w[3], w[4]};
+  }
+};
+
+struct LoopRow {
   int loop;
   template <typename T>
-  T operator()(const T* v) const {
-    return linkage::LoopResiduals(v, v[6], v[7], Theta(v))[loop];
+  T operator()(const PoseValues<T>& pose) const {
+    return linkage::LoopResiduals(pose.links, pose.stroke, pose.phi, pose.theta)[loop];
   }
 };
 
-struct BranchTerm : AtPose {
+struct BranchRow {
   int triangle;
   template <typename T>
-  T operator()(const T* v) const {
-    return linkage::BranchExpressions(v, v[7], Theta(v))[triangle];
+  T operator()(const PoseValues<T>& pose) const {
+    return linkage::BranchExpressions(pose.links, pose.phi, pose.theta)[triangle];
   }
 };
 
-// v = l2, l5, l6, phi, and the strokes of two knots.
-struct ProgramActuatorLoop {
-  double weight;
+// The variables that a row reads, and the pose that follows from them.
+template <std::size_t N, typename Layout>
+struct Reading {
+  std::array<int, N> variables;
+  Layout layout;
+};
+
+template <typename Layout, typename Row>
+struct PoseTerm {
+  Layout layout;
+  Row row;
   template <typename T>
   T operator()(const T* v) const {
-    const T links[6] = {T{}, v[0], T{}, T{}, v[1], v[2]};
-    return linkage::LoopResiduals(links, v[4] * (1 - weight) + v[5] * weight, v[3], T{})[0];
+    return row(layout(v));
   }
 };
 
-// v = l1, l2, l3, l4, phi, theta.
-struct ProgramFourBarLoop {
-  template <typename T>
-  T operator()(const T* v) const {
-    const T links[6] = {v[0], v[1], v[2], v[3], T{}, T{}};
-    return linkage::LoopResiduals(links, T{}, v[4], v[5])[1];
-  }
-};
+template <std::size_t N, typename Layout, typename Row>
+void AddPoseRow(nlp::NonlinearProgram& program, const std::string& name, double upper,
+                const Reading<N, Layout>& reading, Row row) {
+  program.AddConstraint(name, 0, upper, reading.variables, PoseTerm<Layout, Row>{reading.layout, row});
+}
 
-// v = l2, l5, l6, phi.
-struct ProgramActuatorBranch {
-  template <typename T>
-  T operator()(const T* v) const {
-    const T links[6] = {T{}, v[0], T{}, T{}, v[1], v[2]};
-    return linkage::BranchExpressions(links, v[3], T{})[0];
-  }
-};
+// The rows that every pose has, each with what it reads.
+template <typename ActuatorLoop, typename FourBarLoop, typename ActuatorBranch, typename ShankBranch>
+void AddPoseRows(nlp::NonlinearProgram& program, const std::string& name, const ActuatorLoop& actuator_loop,
+                 const FourBarLoop& four_bar_loop, const ActuatorBranch& actuator_branch,
+                 const ShankBranch& shank_branch) {
+  AddPoseRow(program, "actuator loop" + name, 0, actuator_loop, LoopRow{0});
+  AddPoseRow(program, "four-bar loop" + name, 0, four_bar_loop, LoopRow{1});
+  AddPoseRow(program, "alpha2 >= 0" + name, nlp::kUnbounded, actuator_branch, BranchRow{0});
+  AddPoseRow(program, "beta2 >= 0" + name, nlp::kUnbounded, shank_branch, BranchRow{1});
+}
 
-// v = l2, l3, l4, phi, theta.
-struct ProgramShankBranch {
-  template <typename T>
-  T operator()(const T* v) const {
-    const T links[6] = {T{}, v[0], v[1], v[2], T{}, T{}};
-    return linkage::BranchExpressions(links, v[3], v[4])[1];
-  }
-};
+int AddBarAngle(nlp::NonlinearProgram& program, const std::string& name, double start_rad) {
+  return program.AddVariable("phi" + name, start_rad, 0, 2 * std::numbers::pi);
+}
 
 // The least sine that counts as not turning keeps the multiplied-out families away from 0 >= 0 where P, R and S are in
 // line.
-struct NoTurningTerm : AtPose {
+struct NoTurningTerm : OnUsedRange {
   template <typename T>
   T operator()(const T* v) const {
     constexpr double kLeastSine = 5e-3;
@@ -92,7 +127,7 @@ struct NoTurningTerm : AtPose {
 };
 
 // v[9] is the limit.
-struct MomentArmTerm : AtPose {
+struct MomentArmTerm : OnUsedRange {
   template <typename T>
   T operator()(const T* v) const {
     const auto vectors = Vectors(v);
@@ -103,7 +138,7 @@ struct MomentArmTerm : AtPose {
 };
 
 // As the moment arm at torque / force, in units of the force limit so that its multiplier is of that order too.
-struct ForceTerm : AtPose {
+struct ForceTerm : OnUsedRange {
   double torque_nmm, force_scale_n;
   template <typename T>
   T operator()(const T* v) const {
@@ -115,7 +150,7 @@ struct ForceTerm : AtPose {
   }
 };
 
-struct TransmissionTerm : AtPose {
+struct TransmissionTerm : OnUsedRange {
   template <typename T>
   T operator()(const T* v) const {
     using std::sin;
@@ -159,38 +194,37 @@ LinkVariables AddLinks(nlp::NonlinearProgram& program, const std::array<problem:
   return links;
 }
 
+linkage::Links LinksAt(const LinkVariables& links, const std::vector<double>& x) {
+  std::array<double, 6> values{};
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = x.at(links[i]);
+  return linkage::Links::FromValues(values);
+}
+
 std::array<int, 9> PoseVariables::All() const {
   return {links[0], links[1], links[2], links[3], links[4], links[5], stroke, phi, range};
 }
 
 PoseVariables AddPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links, int stroke,
                       int range, double fraction, double standing_rad, double phi_start_rad) {
-  constexpr double kTwoPi = 2 * std::numbers::pi;
-  const int phi = program.AddVariable("phi" + name, phi_start_rad, 0, kTwoPi);
+  const int phi = AddBarAngle(program, name, phi_start_rad);
   const PoseVariables pose{links, stroke, phi, range, fraction, standing_rad};
-  const AtPose at{fraction, standing_rad};
-  program.AddConstraint("actuator loop" + name, 0, 0, pose.All(), LoopTerm{at, 0});
-  program.AddConstraint("four-bar loop" + name, 0, 0, pose.All(), LoopTerm{at, 1});
-  program.AddConstraint("alpha2 >= 0" + name, 0, nlp::kUnbounded, pose.All(), BranchTerm{at, 0});
-  program.AddConstraint("beta2 >= 0" + name, 0, nlp::kUnbounded, pose.All(), BranchTerm{at, 1});
+  const Reading<9, OnUsedRange> all{pose.All(), {fraction, standing_rad}};
+  AddPoseRows(program, name, all, all, all, all);
   return pose;
 }
 
-ProgramPose AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links,
-                           int from, int to, double weight, int theta, double phi_start_rad) {
+void AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links,
+                    const StrokeBetween& stroke, int theta, double phi_start_rad) {
   const auto& [l1, l2, l3, l4, l5, l6] = links;
-  const int phi = program.AddVariable("phi" + name, phi_start_rad, 0, 2 * std::numbers::pi);
-  program.AddConstraint("actuator loop" + name, 0, 0, std::array{l2, l5, l6, phi, from, to},
-                        ProgramActuatorLoop{weight});
-  program.AddConstraint("four-bar loop" + name, 0, 0, std::array{l1, l2, l3, l4, phi, theta}, ProgramFourBarLoop{});
-  program.AddConstraint("alpha2 >= 0" + name, 0, nlp::kUnbounded, std::array{l2, l5, l6, phi}, ProgramActuatorBranch{});
-  program.AddConstraint("beta2 >= 0" + name, 0, nlp::kUnbounded, std::array{l2, l3, l4, phi, theta},
-                        ProgramShankBranch{});
-  return {from, to, weight, theta, phi};
+  const int phi = AddBarAngle(program, name, phi_start_rad);
+  AddPoseRows(program, name, Reading<6, ActuatorSide<true>>{{l2, l5, l6, phi, stroke.from, stroke.to}, {stroke.weight}},
+              Reading<6, ShankSide<true>>{{l1, l2, l3, l4, phi, theta}, {}},
+              Reading<4, ActuatorSide<false>>{{l2, l5, l6, phi}, {stroke.weight}},
+              Reading<5, ShankSide<false>>{{l2, l3, l4, phi, theta}, {}});
 }
 
 void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose) {
-  const AtPose at{pose.fraction, pose.standing_rad};
+  const OnUsedRange at{pose.fraction, pose.standing_rad};
   program.AddConstraint(fmt::format("no turning at {:.4g}", pose.fraction), 0, nlp::kUnbounded, pose.All(),
                         NoTurningTerm{at});
 }
@@ -198,17 +232,17 @@ void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose) 
 void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
                   int limit, double knee_torque_nm) {
   constexpr double kMillimetresPerMetre = 1000;
-  const AtPose at{pose.fraction, pose.standing_rad};
+  const OnUsedRange at{pose.fraction, pose.standing_rad};
   const std::string name = fmt::format("{} at {:.4g}", requirement.name, pose.fraction);
   const auto pose_variables = pose.All();
   std::array<int, 10> variables{};
   std::copy(pose_variables.begin(), pose_variables.end(), variables.begin());
   variables[9] = limit;
-  if (requirement.kind == problem::Requirement::Kind::kTransmission) {
+  if (requirement.id.kind == problem::Requirement::Kind::kTransmission) {
     program.AddConstraint(name, 0, nlp::kUnbounded, variables, TransmissionTerm{at});
     return;
   }
-  if (requirement.kind == problem::Requirement::Kind::kMomentArm)
+  if (requirement.id.kind == problem::Requirement::Kind::kMomentArm)
     program.AddConstraint(name, 0, nlp::kUnbounded, variables, MomentArmTerm{at});
   else
     program.AddConstraint(name, 0, nlp::kUnbounded, variables,

@@ -52,11 +52,11 @@ class Builder {
 
   SynthesisProgram Build(const std::vector<double>& fractions) {
     AddLinksAndStroke();
-    AddRangePose();
-    for (const problem::Requirement& requirement : problem::RequirementsOf(problem_)) AddLimit(requirement);
+    AddShortestPose();
+    for (const problem::Requirement& requirement : problem::RequirementsOf(problem_)) AddRequirement(requirement);
     AddUsedRange(fractions);
     if (elasticity_ == Elasticity::kNone)
-      AddScaledTerm(nlp(), nlp::NlpTerm::kCost, range_, -range_weight_ * kDegreesPerRadian);
+      AddScaledTerm(nlp(), nlp::NlpTerm::kCost, result_.range, -range_weight_ * kDegreesPerRadian);
     return std::move(result_);
   }
 
@@ -86,69 +86,70 @@ class Builder {
     if (wide) bounds.fill({kShortest_mm, kLongest_mm});
     result_.links = AddLinks(nlp(), bounds, start_);
     const double d = problem_.d_min_mm;
-    stroke_ = nlp().AddVariable("d_min", d, wide ? kShortest_mm : d, wide ? kLongest_mm : d);
+    result_.shortest_stroke = nlp().AddVariable("d_min", d, wide ? kShortest_mm : d, wide ? kLongest_mm : d);
+    for (int i = 0; i < 6; ++i) result_.limits.push_back({{LimitId::On::kLink, i}, "mm", -1, result_.links[i]});
+    result_.limits.push_back({{LimitId::On::kShortestStroke}, "mm", -1, result_.shortest_stroke});
     if (!wide) return;
     for (std::size_t i = 0; i < bounds.size(); ++i) {
       AddElasticBound(result_.links[i], problem::LinkName(i), problem_.bounds[i].lower, true);
       AddElasticBound(result_.links[i], problem::LinkName(i), problem_.bounds[i].upper, false);
     }
-    AddElasticBound(stroke_, "d_min", d, true);
-    AddElasticBound(stroke_, "d_min", d, false);
+    AddElasticBound(result_.shortest_stroke, "d_min", d, true);
+    AddElasticBound(result_.shortest_stroke, "d_min", d, false);
   }
 
-  void AddRangePose() {
-    range_ = nlp().AddVariable("theta", at_range_.theta_rad, -std::numbers::pi, std::numbers::pi);
-    result_.poses.push_back(AddPose(nlp(), "", result_.links, stroke_, range_, 1,
-                                    RadiansFromDegrees(problem_.standing_deg), at_range_.phi_rad));
+  void AddShortestPose() {
+    result_.range = nlp().AddVariable("theta", at_range_.theta_rad, -std::numbers::pi, std::numbers::pi);
+    poses_.push_back(AddPose(nlp(), "", result_.links, result_.shortest_stroke, result_.range, 1,
+                             RadiansFromDegrees(problem_.standing_deg), at_range_.phi_rad));
   }
 
-  void AddLimit(const problem::Requirement& requirement) {
+  void AddRequirement(const problem::Requirement& requirement) {
     const double limit = requirement.limit;
-    result_.limits.push_back({requirement});
-    LimitRow& entry = result_.limits.back();
+    RequirementRow& entry = result_.requirements.emplace_back(RequirementRow{requirement});
     // The loop implies it; as a row of its own it would have the loop's gradient and multipliers without bound.
-    if (requirement.kind == Kind::kSingularity && limit == 0 && !IsElastic()) return;
+    if (requirement.id.kind == Kind::kSingularity && limit == 0 && !IsElastic()) return;
     // The limit of a family is a variable of the program, so that its row carries the one price of all poses.
     entry.row = requirement.IsFamily()       ? nlp().AddRow(requirement.Text(), limit, limit)
                 : requirement.is_lower_limit ? nlp().AddRow(requirement.Text(), limit, nlp::kUnbounded)
                                              : nlp().AddRow(requirement.Text(), -nlp::kUnbounded, limit);
-    if (requirement.kind == Kind::kLinear)
+    result_.limits.push_back({LimitOn(requirement.id), requirement.unit, entry.row});
+    if (requirement.IsLinear())
       AddLinearTerm(nlp(), entry.row, result_.links, requirement.coefficients);
-    else if (requirement.kind == Kind::kSingularity)
-      AddSingularityTerm(nlp(), entry.row, result_.links, stroke_);
-    else if (requirement.kind == Kind::kMaxAngle)
-      AddScaledTerm(nlp(), entry.row, range_, kDegreesPerRadian);
+    else if (requirement.id.kind == Kind::kSingularity)
+      AddSingularityTerm(nlp(), entry.row, result_.links, result_.shortest_stroke);
+    else if (requirement.id.kind == Kind::kMaxAngle)
+      AddScaledTerm(nlp(), entry.row, result_.range, kDegreesPerRadian);
     if (requirement.IsFamily()) {
-      family_limits_.push_back(
-          nlp().AddVariable("limit of " + requirement.name, limit, -nlp::kUnbounded, nlp::kUnbounded));
-      AddScaledTerm(nlp(), entry.row, family_limits_.back(), 1);
+      entry.family_limit = nlp().AddVariable("limit of " + requirement.name, limit, -nlp::kUnbounded, nlp::kUnbounded);
+      AddScaledTerm(nlp(), entry.row, entry.family_limit, 1);
     }
     if (IsElastic())
       entry.slack = AddSlack(entry.row, requirement.name, requirement.is_lower_limit, SlackUnit(requirement));
   }
 
   void AddUsedRange(std::vector<double> fractions) {
-    const bool stands = std::any_of(result_.limits.begin(), result_.limits.end(),
-                                    [](const LimitRow& entry) { return entry.requirement.NeedsStanding(); });
+    const bool stands = std::ranges::any_of(
+        result_.requirements, [](const RequirementRow& entry) { return entry.requirement.NeedsStanding(); });
     if (!stands) return;
-    fractions.push_back(0);
+    constexpr double kStanding = 0;
+    fractions.push_back(kStanding);
     std::sort(fractions.begin(), fractions.end());
     fractions.erase(std::unique(fractions.begin(), fractions.end()), fractions.end());
     for (const double fraction : fractions) {
       const std::string name = fmt::format(" at {:.4g}", fraction);
       const PoseStart start = StartAt(problem_, start_, at_range_, fraction);
       const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
-      result_.poses.push_back(AddPose(nlp(), name, result_.links, stroke, range_, fraction,
-                                      RadiansFromDegrees(problem_.standing_deg), start.phi_rad));
+      poses_.push_back(AddPose(nlp(), name, result_.links, stroke, result_.range, fraction,
+                               RadiansFromDegrees(problem_.standing_deg), start.phi_rad));
     }
-    for (const PoseVariables& pose : result_.poses) AddNoTurningRow(nlp(), pose);
-    std::size_t family = 0;
-    for (const LimitRow& entry : result_.limits) {
-      if (entry.requirement.kind == Kind::kMaxStroke) AddScaledTerm(nlp(), entry.row, result_.poses[1].stroke, 1);
+    for (const PoseVariables& pose : poses_) AddNoTurningRow(nlp(), pose);
+    const PoseVariables& standing = *std::ranges::find(poses_, kStanding, &PoseVariables::fraction);
+    for (const RequirementRow& entry : result_.requirements) {
+      if (entry.requirement.id.kind == Kind::kMaxStroke) AddScaledTerm(nlp(), entry.row, standing.stroke, 1);
       if (!entry.requirement.IsFamily()) continue;
-      for (const PoseVariables& pose : result_.poses)
-        AddFamilyRow(nlp(), entry.requirement, pose, family_limits_[family], problem_.knee_torque_nm);
-      ++family;
+      for (const PoseVariables& pose : poses_)
+        AddFamilyRow(nlp(), entry.requirement, pose, entry.family_limit, problem_.knee_torque_nm);
     }
   }
 
@@ -158,20 +159,22 @@ class Builder {
   const double range_weight_;
   const PoseStart at_range_;
   SynthesisProgram result_;
-  int stroke_ = -1, range_ = -1;
-  std::vector<int> family_limits_;
+  std::vector<PoseVariables> poses_;
 };
 
 }  // namespace
 
-linkage::Links SynthesisProgram::LinksAt(const std::vector<double>& x) const {
-  std::array<double, 6> values{};
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] = x.at(links[i]);
-  return linkage::Links::FromValues(values);
+LimitId LimitOn(const problem::Requirement::Id& requirement) {
+  return {LimitId::On::kRequirement, 0, requirement};
+}
+
+const Limit* SynthesisProgram::Find(const LimitId& id) const {
+  const auto found = std::ranges::find(limits, id, &Limit::id);
+  return found == limits.end() ? nullptr : &*found;
 }
 
 double SlackUnit(const problem::Requirement& requirement) {
-  return requirement.kind == Kind::kForce ? requirement.limit / 100 : 1;
+  return requirement.id.kind == Kind::kForce ? requirement.limit / 100 : 1;
 }
 
 SynthesisProgram BuildProgram(const problem::SynthesisProblem& problem, const linkage::Links& start,

@@ -67,7 +67,7 @@ Range RangeOf(const std::vector<problem::SensitivityPoint>& points) {
 
 }  // namespace
 
-void DrawSensitivity(const synthesis::Study& study, const std::filesystem::path& path) {
+void DrawSensitivity(const synthesis::SynthesisOutcome& outcome, const std::filesystem::path& path) {
   GnuplotFigure figure(1200, 800);
   figure.Line("set multiplot layout 2,3 margins 0.07,0.98,0.14,0.88 spacing 0.06,0.13");
   figure.Line(
@@ -79,20 +79,20 @@ void DrawSensitivity(const synthesis::Study& study, const std::filesystem::path&
                   colour::kText));
   figure.Line("set grid lc rgb '#E8E8E8'");
   figure.Line("set xrange [-5:5]");
-  const Range range = RangeOf(study.sensitivity);
+  const Range range = RangeOf(outcome.sensitivity);
   for (int link = 0; link < 6; ++link) {
     std::vector<problem::SensitivityPoint> points;
-    std::ranges::copy_if(study.sensitivity, std::back_inserter(points),
+    std::ranges::copy_if(outcome.sensitivity, std::back_inserter(points),
                          [&](const problem::SensitivityPoint& point) { return point.link == link; });
-    DrawLinkPanel(figure, points, study.BestLinks(), link, range);
+    DrawLinkPanel(figure, points, outcome.BestLinks(), link, range);
     if (link == 0) figure.Line("unset label 1").Line("unset label 2");
   }
   figure.Line("unset multiplot").Write(path);
 }
 
-void DrawMargins(const synthesis::Study& study, const std::filesystem::path& path) {
+void DrawMargins(const synthesis::SynthesisOutcome& outcome, const std::filesystem::path& path) {
   std::vector<double> margin, range, yield;
-  for (const synthesis::MarginPoint& point : study.margins) {
+  for (const synthesis::MarginPoint& point : outcome.margins) {
     margin.push_back(point.margin_mm);
     range.push_back(point.range_deg);
     yield.push_back(point.yield ? 100 * *point.yield : kNaN);
@@ -104,9 +104,9 @@ void DrawMargins(const synthesis::Study& study, const std::filesystem::path& pat
   figure.Line("set ylabel 'range of rotation, deg'").Line("set grid lc rgb '#E8E8E8'").Line("set key right center");
   std::string plot = fmt::format(
       "plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.9 lc rgb '{}' title 'largest range'", data, colour::kAnkle);
-  if (study.options.yield_tolerance_mm) {
+  if (outcome.options.yield_tolerance_mm) {
     figure.Line(fmt::format("set y2label 'builds that work with links at ±{} mm, all else exact, %'",
-                            *study.options.yield_tolerance_mm));
+                            *outcome.options.yield_tolerance_mm));
     figure.Line("set y2range [0:105]").Line("set y2tics 20").Line("set ytics nomirror");
     plot += fmt::format(", {} using 1:3 axes x1y2 with linespoints lw 2 dt 2 pt 5 ps 0.8 lc rgb '{}' title 'yield'",
                         data, colour::kExoskeleton);

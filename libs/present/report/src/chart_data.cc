@@ -9,7 +9,7 @@
 namespace lake::report {
 namespace {
 
-// Okabe & Ito (2008), as in the figures of lake::render.
+// Okabe & Ito (2008), as colours.h has them for the figures.
 constexpr std::array kPalette = {colour::kAnkle, colour::kExoskeleton, colour::kHip,
                                  colour::kWaist, colour::kHuman,       colour::kOther};
 

@@ -61,7 +61,7 @@ std::optional<StepStamp> ReadStamp(const fs::path& folder, const std::string& st
 
 void WriteStamp(const fs::path& folder, const std::string& step, const StepStamp& stamp) {
   WriteJsonFile(StampPath(folder, step), {{"step", step},
-                                          {"maker", stamp.maker},
+                                          {"maker", stamp.made_by},
                                           {"seconds", stamp.seconds},
                                           {"options", stamp.options},
                                           {"inputs", StatesJson(stamp.inputs)},

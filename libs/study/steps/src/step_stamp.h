@@ -12,7 +12,7 @@
 namespace lake::steps {
 
 struct StepStamp {
-  std::string maker;
+  std::string made_by;
   Json options;
   std::vector<FileState> inputs, outputs;
   double seconds = 0;

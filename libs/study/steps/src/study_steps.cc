@@ -53,9 +53,9 @@ std::string ChangedOutput(const std::vector<FileState>& outputs) {
 
 // Empty if the step need not be done.
 std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp, const std::vector<FileState>& inputs,
-                    const std::string& maker) {
+                    const std::string& made_by) {
   if (!stamp) return "not made yet";
-  if (stamp->maker != maker) return "made by another build of lake";
+  if (stamp->made_by != made_by) return "made by another build of lake";
   if (stamp->options != step.options) return "its options changed";
   if (const std::string changed = ChangedInput(stamp->inputs, inputs); !changed.empty()) return changed;
   return ChangedOutput(stamp->outputs);
@@ -88,7 +88,7 @@ StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const 
   } catch (...) {
     RethrowAbout(step);
   }
-  StepStamp stamp{options.maker, step.options, inputs, {}, SecondsSince(start)};
+  StepStamp stamp{options.made_by, step.options, inputs, {}, SecondsSince(start)};
   for (const fs::path& path : run.Results()) stamp.outputs.push_back(StateOf(path));
   WriteStamp(step.folder, step.name, stamp);
   return stamp;
@@ -148,7 +148,7 @@ std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const Ste
     const StudyStep& step = steps[i];
     std::optional<StepStamp> stamp = ReadStamp(step.folder, step.name);
     const std::vector<FileState> inputs = InputsNow(step, stamp, stamps);
-    const std::string why = WhyDoIt(step, stamp, inputs, options.maker);
+    const std::string why = WhyDoIt(step, stamp, inputs, options.made_by);
     if (why.empty()) {
       progress.Unchanged(i);
     } else {

@@ -11,7 +11,7 @@
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
 #include "lake/redesign/reoptimize_problem.h"
-#include "lake/synthesis/study.h"
+#include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::commands {
 
@@ -35,7 +35,7 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options);
 struct OptimizeRunOptions {
   problem::SynthesisProblem problem;
   std::filesystem::path problem_file;  // that it was read from, for the record; empty: none
-  synthesis::StudyOptions study;
+  synthesis::SynthesisOptions study;
   std::optional<ReoptimizeRunOptions> reoptimize;
 };
 

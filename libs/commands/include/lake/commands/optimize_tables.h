@@ -3,18 +3,18 @@
 
 #include "lake/core/json.h"
 #include "lake/core/run.h"
-#include "lake/redesign/reoptimize_study.h"
-#include "lake/synthesis/study.h"
+#include "lake/redesign/reoptimize_outcome.h"
+#include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::commands {
 
 // Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, sensitivity.csv, margin.csv and, if
 // there is one, rounded.yaml; returns the results for summary.json. Warns through the run of what a reader must know.
-Json WriteStudy(const synthesis::Study& study, Run& run);
+Json WriteSynthesis(const synthesis::SynthesisOutcome& outcome, Run& run);
 
 // Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, before_after.csv, program.csv,
 // predicted/misalignment.csv and predicted/comparison.json (as lake-compare writes them) and, if asked for, pareto.csv;
 // returns the results for summary.json. Warns through the run of what a reader must know.
-Json WriteReoptimization(const redesign::ReoptimizeStudy& study, Run& run);
+Json WriteReoptimization(const redesign::ReoptimizeOutcome& outcome, Run& run);
 
 }  // namespace lake::commands

@@ -30,7 +30,7 @@ struct TrackRunOptions {
 
 void Describe(TrackRunOptions& o, OptionList& options);
 
-// Writes everything that interfaces.md lists for lake-track through `run` and returns the results for the summary.
+// Writes tracks, leg motion, events, figures, video and exports through `run` and returns the results for the summary.
 //
 // With the spline filter, the positions of detected samples in tracks.csv are those of the fit at that frame: the
 // frame's own measurement, weighed against its neighbours'. Without a filter they are each frame's own.

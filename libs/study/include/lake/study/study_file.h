@@ -27,7 +27,7 @@
 #include "lake/commands/stroke.h"
 #include "lake/commands/track.h"
 #include "lake/problem/problem.h"
-#include "lake/synthesis/study.h"
+#include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::study {
 
@@ -77,7 +77,7 @@ struct StudyFile {
   commands::CompareRunOptions compare;  // without the trials' places
   Json compare_options = Json::object();
   StudyProblem design;
-  synthesis::StudyOptions optimum;            // how the design's optimum is sought, proved and judged
+  synthesis::SynthesisOptions optimum;            // how the design's optimum is sought, proved and judged
   std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
   Json design_options = Json::object();
   std::optional<StudyRedesign> redesign;

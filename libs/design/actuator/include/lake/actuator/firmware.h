@@ -87,8 +87,8 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
 // The header of a firmware without a program: it jogs, for the logs that a duty table is made of.
 std::string CalibrationHeader(const FirmwareOptions& options, const std::string& made_by);
 
-// The firmware's sources, as in libs/actuator/firmware; with stroke_table.h they are a sketch for the Arduino IDE,
-// whose folder must have the name of its .ino.
+// The firmware's sources, as in libs/design/actuator/firmware; with stroke_table.h they are a sketch for the Arduino
+// IDE, whose folder must have the name of its .ino.
 inline constexpr const char* kSketchFolder = "lake_stroke";
 struct FirmwareFile {
   std::string name, text;

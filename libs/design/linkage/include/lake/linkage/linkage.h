@@ -4,7 +4,8 @@
 //   P = (0, l3)   thigh pin of the slewing bar      R = P + l2 (sin phi, cos phi)   its tip
 //   M = (l5, l3 + l6)   actuator mount              S = l4 (sin kappa, cos kappa)   shank pin, kappa = pi - theta
 // Loops: |R - M| = d and |R - S| = l1. The knee angle theta is 0 standing, positive in flexion.
-// The symbol table and a drawing are in libs/linkage/README.md; equation numbers are those of Gautam, Singla & Singla.
+// The room's README has a drawing and the table of symbols; equation numbers are those of Gautam, Singla & Singla:
+// SolvePose has Eqs. (1) to (6), line by line.
 #pragma once
 
 #include <Eigen/Core>
@@ -43,8 +44,8 @@ struct Pose {
   double stroke_mm = 0;  // d, pin to pin
   double theta_rad = 0;  // knee angle, continuous along the branch: negative past standing (hyperextension)
   double phi_rad = 0;    // slewing bar from +y, alpha1 + alpha2
-  double alpha1_rad = 0, alpha2_rad = 0, beta1_rad = 0,
-         beta2_rad = 0;                                    // Eqs. (2), (3), (5), (6); beta1 signed and unwrapped
+  double alpha1_rad = 0, alpha2_rad = 0;                   // at P, Eqs. (5), (6)
+  double beta1_rad = 0, beta2_rad = 0;                     // at K, Eqs. (2), (3); beta1 signed and unwrapped
   double l8_mm = 0;                                        // KR, Eq. (4)
   Eigen::Vector2d knee, thigh_pin, tip, shank_pin, mount;  // K, P, R, S, M in the thigh frame, mm
   Branch branch = Branch::kAssembled;

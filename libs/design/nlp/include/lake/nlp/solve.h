@@ -40,9 +40,9 @@ struct NlpSolution {
   // Worst of stationarity |grad f + J'y - z|, complementarity and violation, in the program's own units; not Ipopt's
   // scaled error.
   double kkt_error = 0;
-  // Prices: d cost / d bound at the optimum, in cost per unit of the row or variable. A row at its lower bound has a
-  // positive price (raising the bound costs), at its upper bound a negative one.
-  std::vector<double> row_prices, variable_prices;
+  // d cost / d bound at the optimum, in cost per unit of the row or variable. A row at its lower bound has a positive
+  // one (raising the bound costs), at its upper bound a negative one.
+  std::vector<double> row_marginal_costs, variable_marginal_costs;
   std::vector<NlpIteration> iterations;
 
   // Only a point that met the full tolerance is a solution; Ipopt's "acceptable level" is not.

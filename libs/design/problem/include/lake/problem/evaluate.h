@@ -39,6 +39,8 @@ struct DesignEvaluation {
   // be assembled.
   double violation = 0;
 
+  // Throws std::out_of_range where the problem has no such requirement.
+  const RequirementCheck& CheckOf(const Requirement::Id& id) const;
   bool IsFeasible(double tolerance = 1e-6) const { return violation <= tolerance; }
 };
 

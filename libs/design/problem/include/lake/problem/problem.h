@@ -1,10 +1,11 @@
 // The synthesis problem as data: what may vary, and what a design must satisfy.
 //
-//   max  theta(X, d_min)      X = (l1, ..., l6)
-//    X
+//   max  theta(X, d_min)      Eq. (7)
+//    X = (l1, ..., l6)        Eq. (8)
 //   s.t. requirements (below), bounds on X
 //
-// Gautam, Singla & Singla, sec. 3. The defaults are the paper's problem: no margins, no load.
+// Equation numbers and the constraints of sec. 3 are those of Gautam, Singla & Singla. The defaults are the paper's
+// problem: no margins, no load.
 #pragma once
 
 #include <array>
@@ -31,7 +32,7 @@ struct SynthesisProblem {
 
   // Over the whole used range, from d_min until the knee stands at `standing_deg`:
   double knee_torque_nm = 40;                  // constant load that max_force_n refers to
-  std::optional<double> max_force_n;           // actuator force that balances it
+  std::optional<double> max_force_n;           // actuator force that balances it: the force limit, Kind::kForce below
   std::optional<double> min_moment_arm_mm;     // |dd/dtheta|, mm per rad
   std::optional<double> min_transmission_deg;  // angle between coupler and shank link, and its supplement
   double standing_deg = 0;                     // where the used range ends
@@ -45,7 +46,8 @@ struct SynthesisProblem {
 // One thing a design must satisfy: value >= limit, or value <= limit.
 struct Requirement {
   enum class Kind {
-    kLinear,        // coefficients . X, mm
+    kGrashof,       // l1 + l2 - l3 - l4, mm
+    kOrder,         // larger - smaller link, mm
     kSingularity,   // l2 + d_min - l7, mm
     kMomentArm,     // smallest moment arm over the used range, mm per rad
     kForce,         // largest actuator force over the used range, N
@@ -53,17 +55,27 @@ struct Requirement {
     kMaxStroke,     // stroke at standing_deg, mm
     kMaxAngle       // theta(d_min), deg
   };
-  Kind kind = Kind::kLinear;
+  // Tells it from the others of a problem.
+  struct Id {
+    Kind kind = Kind::kGrashof;
+    int smaller = -1, larger = -1;  // kOrder only: links, 0..5
+    bool operator==(const Id&) const = default;
+  };
+  Id id;
   std::string name;                      // short, as in the tables: "grashof", "l3 <= l1", "moment arm"
-  std::array<double, 6> coefficients{};  // kLinear only
+  std::array<double, 6> coefficients{};  // of the links, if it is linear in them
   bool is_lower_limit = true;            // value >= limit
   double limit = 0;
   std::string unit = "mm";
 
   // Must hold at every pose of the used range.
-  bool IsFamily() const { return kind == Kind::kMomentArm || kind == Kind::kForce || kind == Kind::kTransmission; }
+  bool IsFamily() const {
+    return id.kind == Kind::kMomentArm || id.kind == Kind::kForce || id.kind == Kind::kTransmission;
+  }
+  // coefficients . X >= limit
+  bool IsLinear() const { return id.kind == Kind::kGrashof || id.kind == Kind::kOrder; }
   // Concerns poses other than the one at d_min, so the linkage must be able to stand.
-  bool NeedsStanding() const { return IsFamily() || kind == Kind::kMaxStroke; }
+  bool NeedsStanding() const { return IsFamily() || id.kind == Kind::kMaxStroke; }
   // Distance of a value to the limit, positive if satisfied; -infinity for NaN, a value that could not be had.
   double Slack(double value) const;
   // "grashof >= 2 mm"
@@ -71,6 +83,7 @@ struct Requirement {
 };
 
 // Those that the problem switches on, the paper's fixed ones first. Grashof and singularity are always among them.
+// Evaluate() holds designs against this list; the nonlinear program takes its rows from it (synthesis_program.h).
 std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem);
 
 // "l1".."l6".

@@ -1,4 +1,4 @@
-// The human's sit-to-stand, and where an exoskeleton that goes along with it has its knee.
+// The human's sit-to-stand, and where an exoskeleton that follows it has its knee.
 //
 // The human's own ankle A and direction psi from ankle to hip are kept (balance); the exoskeleton's knee angle theta
 // decides the triangle ankle-knee-hip, with the human's own lengths L = |AK|, |KH| of the same sample:

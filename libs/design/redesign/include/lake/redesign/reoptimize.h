@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lake/redesign/reoptimize_program.h"
+#include "lake/redesign/reoptimize_problem.h"
 #include "lake/synthesis/optimize.h"
 
 namespace lake::redesign {
@@ -13,18 +13,16 @@ namespace lake::redesign {
 // One local solve, exchange included.
 struct ReoptimizeSolve {
   synthesis::LocalSolve local;
-  ReoptimizeVariables variables;
   ReoptimizePoint point;                 // the end
   std::optional<Prediction> prediction;  // of the end, by the closed form and the comparison's error
   // Of the goal, larger is better: RoR - w RMS in deg; -percent; -s; -|p| or farthest . p in mm.
   double objective = 0;
+  bool holds_on_path = false;  // the limits on misalignment, range and time, within 1e-5
 
-  // Solved; feasible by the closed form; the limits on misalignment and range hold on the predicted path within 1e-5.
-  bool IsUsable() const { return usable; }
+  // Solved; feasible by the closed form; the limits hold on the predicted path.
+  bool IsUsable() const { return local.IsUsable() && holds_on_path; }
   double Range_deg() const { return local.evaluation.range_deg; }
   double Misalignment_percent() const;  // NaN without a prediction
-
-  bool usable = false;
 };
 
 // The goal's value at a design and its path, as ReoptimizeSolve::objective.
@@ -42,6 +40,7 @@ struct ReoptimizeResult {
 
   bool IsSolved() const { return best >= 0; }
   const ReoptimizeSolve& Best() const { return starts.at(best); }
+  const ReoptimizeSolve& BestOrFirst() const { return starts.at(IsSolved() ? best : 0); }
 };
 
 // From `links` in turn, then from random links within the bounds until there are options.starts. Throws Error for a

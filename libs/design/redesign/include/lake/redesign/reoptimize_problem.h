@@ -8,6 +8,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "lake/problem/problem.h"
 #include "lake/redesign/human_motion.h"
@@ -53,6 +54,10 @@ struct ReoptimizeProblem {
   // Throws also Error for the synthesis problem and the motion.
   void Check() const;
 };
+
+// "placement_x", "placement_y"; "constant", "free".
+std::string PlacementName(int axis);
+std::string ProgramName(linkage::StrokeProgram::Kind kind);
 
 // What a solve varies.
 struct ReoptimizePoint {

@@ -13,7 +13,7 @@
 #pragma once
 
 #include "lake/redesign/reoptimize_problem.h"
-#include "lake/synthesis/synthesis_program.h"
+#include "lake/synthesis/optimize.h"
 
 namespace lake::redesign {
 
@@ -22,19 +22,29 @@ enum class ConstantStart { kAtHumanAngle, kAtShortestStroke };
 
 // Indices in the program.
 struct ReoptimizeVariables {
+  synthesis::LinkVariables links{};
   std::vector<int> knots;
   std::array<int, 2> placement{};
   int duration = -1;
-  std::vector<synthesis::ProgramPose> poses;  // per percent
+  std::vector<int> theta;  // per percent
 };
 
-ReoptimizeVariables AddReoptimization(const ReoptimizeProblem& problem, const ReoptimizePoint& start,
-                                      ConstantStart constant_start, synthesis::SynthesisProgram& synthesis);
+// Builds the program of a re-optimisation for the poses of each exchange step, from the point where the last one ended.
+class ReoptimizeBuilder : public synthesis::ProgramBuilder {
+ public:
+  ReoptimizeBuilder(const ReoptimizeProblem& problem, const ReoptimizePoint& start, ConstantStart constant_start)
+      : problem_(problem), constant_start_(constant_start), point_(start) {}
 
-ReoptimizePoint PointAt(const synthesis::SynthesisProgram& synthesis, const ReoptimizeVariables& variables,
-                        const std::vector<double>& x);
+  synthesis::SynthesisProgram Build(const std::vector<double>& fractions) override;
+  void MoveTo(const std::vector<double>& x) override;
+  const linkage::Links& Links() const override { return point_.links; }
+  const ReoptimizePoint& Point() const { return point_; }
 
-// The weight of -range in the cost, for BuildProgram.
-double RangeWeight(const ReoptimizeProblem& problem);
+ private:
+  const ReoptimizeProblem& problem_;
+  const ConstantStart constant_start_;
+  ReoptimizePoint point_;
+  ReoptimizeVariables variables_;  // of the last program
+};
 
 }  // namespace lake::redesign

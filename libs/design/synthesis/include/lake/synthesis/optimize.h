@@ -6,7 +6,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,30 +37,47 @@ struct LocalSolve {
   std::vector<nlp::NlpIteration> history;
   double seconds = 0;
   problem::DesignEvaluation evaluation;  // of `end`, by the closed form
+
+  // The price of a limit, whether active or not: what raising it by one unit does to what is maximised, in units of the
+  // cost. nullopt where the program has no such limit.
+  std::optional<double> PriceOf(const LimitId& id) const;
+  double PriceOf(const Limit& limit) const;
   // Solved, and feasible by the closed form within 1e-6.
   bool IsUsable() const { return solution.IsUsable() && evaluation.IsFeasible(); }
 };
 
-// What a caller adds to the program of every exchange step; `last` is the step before's solution, nullptr at the first.
-struct ProgramExtension {
-  double range_weight = 1;  // of -range in the cost
-  std::function<void(SynthesisProgram& program, const nlp::NlpSolution* last)> extend;
+// Builds the program of each exchange step.
+class ProgramBuilder {
+ public:
+  virtual ~ProgramBuilder() = default;
+  // With poses at these fractions of the used range, besides its ends.
+  virtual SynthesisProgram Build(const std::vector<double>& fractions) = 0;
+  // The next program starts at x, where the last one ended.
+  virtual void MoveTo(const std::vector<double>& x) = 0;
+  virtual const linkage::Links& Links() const = 0;  // at which the next program starts
 };
 
+// Builds, solves and moves until no pose of the used range violates the problem.
+LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuilder& builder,
+                           const OptimizeOptions& options);
+
 LocalSolve SolveFrom(const problem::SynthesisProblem& problem, const linkage::Links& start,
-                     const OptimizeOptions& options = {}, const ProgramExtension& extension = {});
+                     const OptimizeOptions& options = {});
 
 // Are the multipliers of the solution unique? They are iff the gradients of the active rows and bounds are linearly
 // independent (LICQ).
 struct ActiveSet {
   struct Entry {
+    LimitId id;
     std::string name;  // "grashof >= 1 mm", "l3 >= 50 mm"
-    double price;      // what raising the limit by one unit does to what is maximised: to the range, in deg
+    double price;      // LocalSolve::PriceOf
     std::string unit;  // of the limit
   };
   std::vector<Entry> entries;
   double smallest_singular_value = 0;  // of the active gradients, each scaled to length one
   bool multipliers_unique = false;
+
+  const Entry* Find(const LimitId& id) const;  // nullptr where it is not active
 };
 ActiveSet FindActiveSet(const LocalSolve& solve);
 
@@ -70,6 +87,7 @@ struct SynthesisResult {
   int best = -1;                   // index of the best usable start; -1: none
 
   const LocalSolve& Best() const { return starts.at(best); }
+  const LocalSolve& BestOrFirst() const { return starts.at(best >= 0 ? best : 0); }
 };
 
 // Throws Error for a problem that fails its Check().

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "lake/nlp/nonlinear_program.h"
 #include "lake/problem/problem.h"
@@ -19,6 +20,7 @@ using LinkVariables = std::array<int, 6>;
 
 LinkVariables AddLinks(nlp::NonlinearProgram& program, const std::array<problem::Bounds, 6>& bounds,
                        const linkage::Links& start);
+linkage::Links LinksAt(const LinkVariables& links, const std::vector<double>& x);
 
 // Indices of a pose's variables, and where in the used range it is.
 struct PoseVariables {
@@ -34,15 +36,16 @@ struct PoseVariables {
 PoseVariables AddPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links, int stroke,
                       int range, double fraction, double standing_rad, double phi_start_rad);
 
-// A pose on the way of a stroke program: d = (1 - weight) from + weight to between two of its knots, and a knee angle
-// of its own. The same rows as AddPose, with fewer variables per row, as there are many of these.
-struct ProgramPose {
+// A stroke between those of two knots: (1 - weight) from + weight to.
+struct StrokeBetween {
   int from, to;
   double weight;
-  int theta, phi;
 };
-ProgramPose AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links,
-                           int from, int to, double weight, int theta, double phi_start_rad);
+
+// A pose on the way of a stroke program, with a knee angle of its own; adds phi and the same rows as AddPose, with
+// fewer variables each.
+void AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links,
+                    const StrokeBetween& stroke, int theta, double phi_start_rad);
 
 // u.R' > 0: bar and coupler are not in line, where the knee angle turns back and poses of two branches meet.
 void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose);

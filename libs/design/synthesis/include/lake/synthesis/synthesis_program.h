@@ -29,11 +29,12 @@ enum class Elasticity {
   kEverything     // bounds and d_min too
 };
 
-// What may be at a limit, with where the program keeps it.
-struct LimitRow {
+// A requirement, and where the program keeps it.
+struct RequirementRow {
   problem::Requirement requirement;
-  int row = -1;    // its limit; -1: left out (singularity at m = 0)
-  int slack = -1;  // variable, if elastic
+  int row = -1;           // its limit; -1: left out (singularity at m = 0)
+  int slack = -1;         // variable, if elastic
+  int family_limit = -1;  // variable, of a family: the limit that all its poses refer to
 };
 
 // A link bound or d_min that gives way (Elasticity::kEverything).
@@ -45,27 +46,43 @@ struct ElasticBound {
   int row;
 };
 
-// A variable or row beyond those of the requirements whose limit is reported when it is active.
-struct PublishedVariable {
-  int variable;
-  std::string unit;
+// What a limit is on.
+struct LimitId {
+  enum class On {
+    kRequirement,
+    kLink,            // its bounds
+    kShortestStroke,  // d_min
+    // Of what extends the program:
+    kPlacement,
+    kDuration,
+    kMisalignment,
+    kLeastRange
+  };
+  On on = On::kRequirement;
+  int index = 0;                           // link 0..5, or axis of a placement 0..1
+  problem::Requirement::Id requirement{};  // kRequirement only
+  bool operator==(const LimitId&) const = default;
 };
-struct PublishedRow {
-  int row;  // its name says the limit
+LimitId LimitOn(const problem::Requirement::Id& requirement);
+
+// A limit that is reported with its price: a row, named as the limit reads, or the bounds of a variable.
+struct Limit {
+  LimitId id;
   std::string unit;
-  double rows_per_unit;  // d (the row's limit) / d (the limit as reported)
+  int row = -1, variable = -1;  // one of the two
+  double scale = 1;             // d (limit of the row or variable) / d (limit as reported)
 };
 
 struct SynthesisProgram {
   nlp::NonlinearProgram program;
   LinkVariables links{};
-  std::vector<PoseVariables> poses;  // at d_min first
-  std::vector<LimitRow> limits;
+  int shortest_stroke = -1, range = -1;  // variables: d_min, theta at d_min
+  std::vector<RequirementRow> requirements;
   std::vector<ElasticBound> elastic_bounds;
-  std::vector<PublishedVariable> published;  // of what extends the program
-  std::vector<PublishedRow> published_rows;
+  std::vector<Limit> limits;
 
-  linkage::Links LinksAt(const std::vector<double>& x) const;
+  // nullptr where the program has no such limit.
+  const Limit* Find(const LimitId& id) const;
 };
 
 // `fractions` of the used range at which families are collocated, besides d_min itself; standing (0) is added where it

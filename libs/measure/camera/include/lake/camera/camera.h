@@ -76,6 +76,7 @@ struct PlanePoint {
   Eigen::Vector2d mm_per_depth_mm;  // d position / d depth: the parallax of a marker that stands proud of the plane
 };
 
+// As PlaneFromPixel below, with its derivatives.
 PlanePoint PlanePointFromPixel(const Camera& camera, const PlanePose& camera_from_plane, const Eigen::Vector2d& pixel,
                                double depth_mm = 0);
 

@@ -1,4 +1,4 @@
-// What a misalignment is made of: placement, timing, shape (method.md, section 4).
+// What a misalignment is made of: placement, timing, shape (the room's README has the method).
 //
 //   min over p, w:  Σ |e(s) − h(w(s)) − F(w(s)) p|² + λ Σ (Δ² w_k)²,   F = axes of the human's shank,
 //   w piecewise linear over 9 knots w_0..w_8, slope ≥ 0.05, clamped to 0..100.

@@ -22,7 +22,7 @@ T SquaredRelativeError(const Eigen::Matrix<T, 2, 1>& exo_knee, const Eigen::Vect
   return SquaredDistance(exo_knee, human_knee) / (shank_mm * shank_mm);
 }
 
-// mean((|e − h| / L)²); its root is the RMS relative error (method.md, section 4) that report, constraint and penalty
+// mean((|e − h| / L)²); its root is the RMS relative error that report, constraint and penalty
 // share.
 template <typename T>
 T MeanSquaredRelativeError(const std::vector<Eigen::Matrix<T, 2, 1>>& exo_knee,

@@ -33,8 +33,8 @@ double SegmentAngleDeg(const Eigen::Vector2d& in_leg);
 // To −180..180.
 double WrapDegrees(double angle_deg);
 
-// cos(theta) = AK·KH / (|AK||KH|) (paper, sec. 6), signed by the side to which the shank folds: 0 straight, positive in
-// flexion.
+// cos(theta) = AK·KH / (|AK||KH|) (Gautam, Singla & Singla, Eq. (9)), signed by the side to which the shank folds: 0
+// straight, positive in flexion.
 double KneeAngleDeg(const Eigen::Vector2d& ak_in_leg, const Eigen::Vector2d& kh_in_leg);
 
 // Vectors and angles of one frame; knee_raw_deg is not set.

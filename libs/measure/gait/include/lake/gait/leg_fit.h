@@ -1,7 +1,7 @@
 // The leg fit: from marker positions with gaps, noise and outliers to the leg's vectors and angles with standard
 // deviations.
 //
-// One robust least-squares problem over all frames (method.md, section 3; the equations are in this module's README):
+// One robust least-squares problem over all frames (its equations are in this room's README):
 // smooth segment angles, ankle and segment lengths, residuals in recorded units through the camera, each weighted by
 // its detection's sigma. How smooth each component is, and how much the segments' lengths vary, is estimated from the
 // recording.

@@ -12,9 +12,11 @@
 namespace lake::gait {
 
 // Which of the plane's descriptions holds, best first:
-//   camera and camera_from_plane: a calibrated plane, in mm; a marker's depth is how far it stands proud of it, towards
-//   the camera mm_per_px: a scale bar; the picture (without its lens distortion, if the camera is known) scaled, y
-//   flipped up, in mm neither: as before with 1 px for 1 mm, in px
+// - camera and camera_from_plane: a calibrated plane, in mm; a marker's depth is how far it stands proud of it, towards
+//   the camera;
+// - mm_per_px: a scale bar, in mm; the picture (without its lens distortion, if the camera is known) scaled, y flipped
+//   up;
+// - neither: the same with 1 px for 1 mm, in px.
 // A recording in mm is in the plane already and is taken as it is.
 struct LegView {
   std::optional<camera::Camera> camera;
@@ -34,7 +36,8 @@ LegView MakeLegView(motion::LengthUnit recording_unit, const std::optional<camer
 // The unit of plane coordinates under this view.
 motion::LengthUnit PlaneUnit(const LegView& view);
 
-// Where a recorded point is in the plane frame. Throws Error if it cannot be (a ray that misses the plane).
+// Where a recorded point is in the plane frame: px become mm here, by camera::PlaneFromPixel where the plane is
+// calibrated. Throws Error if it cannot be (a ray that misses the plane).
 Eigen::Vector2d PlaneFromRecorded(const LegView& view, const Eigen::Vector2d& recorded, double depth_mm);
 
 // The other way, for T = double or a ceres::Jet.

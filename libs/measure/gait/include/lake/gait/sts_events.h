@@ -40,7 +40,7 @@ struct FoundStsEvents {
   bool begins_during_rise = false;
 };
 
-// Events of every repetition in the order of time (method.md, section 3). A rise of the hip with an extension of the
+// Events of every repetition in the order of time. A rise of the hip with an extension of the
 // knee is a repetition; its `descent` and `seated` are those of the following lowering. A repetition that the recording
 // cuts off at its end has only the events that are in it. Empty if there is no sit-to-stand.
 FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options = {});

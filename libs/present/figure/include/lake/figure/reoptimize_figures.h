@@ -3,15 +3,15 @@
 
 #include <filesystem>
 
-#include "lake/redesign/reoptimize_study.h"
+#include "lake/redesign/reoptimize_outcome.h"
 
 namespace lake::figure {
 
 // The design before and after in the human's motion: knee paths in the leg frame, relative error, knee angle and stroke
 // over percent.
-void DrawKneePaths(const redesign::ReoptimizeStudy& study, const std::filesystem::path& path);
+void DrawKneePaths(const redesign::ReoptimizeOutcome& outcome, const std::filesystem::path& path);
 
 // Range against the least misalignment, a line per stroke program; the designs before and after, the limit.
-void DrawPareto(const redesign::ReoptimizeStudy& study, const std::filesystem::path& path);
+void DrawPareto(const redesign::ReoptimizeOutcome& outcome, const std::filesystem::path& path);
 
 }  // namespace lake::figure

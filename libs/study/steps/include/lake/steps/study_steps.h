@@ -27,7 +27,7 @@ struct StudyStep {
 };
 
 struct StepRunOptions {
-  std::string maker = ThisProgram();      // that outputs are made by; those of another are made again
+  std::string made_by = ThisProgram();    // that outputs are made by; those of another are made again
   std::string command;                    // for the steps' summaries
   bool quiet = false;                     // no progress
   std::vector<std::string> subject = {};  // the study file, for the folders' lists of results

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "lake/core/options.h"
-#include "lake/synthesis/study.h"
+#include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::synthesis {
 
 void Describe(OptimizeOptions& o, OptionList& options);
 
 // With those of the optimisation.
-void Describe(StudyOptions& o, OptionList& options);
+void Describe(SynthesisOptions& o, OptionList& options);
 
 }  // namespace lake::synthesis

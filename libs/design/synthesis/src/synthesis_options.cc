@@ -1,4 +1,4 @@
-#include "lake/synthesis/study_options.h"
+#include "lake/synthesis/synthesis_options.h"
 
 #include "lake/core/csv.h"
 
@@ -9,7 +9,7 @@ void Describe(OptimizeOptions& o, OptionList& options) {
   options.Add("seed-number", o.seed, "Seed of everything random");
 }
 
-void Describe(StudyOptions& o, OptionList& options) {
+void Describe(SynthesisOptions& o, OptionList& options) {
   Describe(o.optimize, options);
   options.Add("certify", o.certify_gap_deg, "Prove an upper bound on the range to within this gap")
       .Unit("degrees")

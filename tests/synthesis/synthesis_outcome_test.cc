@@ -1,4 +1,4 @@
-#include "lake/synthesis/study.h"
+#include "lake/synthesis/synthesis_outcome.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,8 +15,8 @@
 namespace lake {
 namespace {
 
-synthesis::StudyOptions FewStarts() {
-  synthesis::StudyOptions options;
+synthesis::SynthesisOptions FewStarts() {
+  synthesis::SynthesisOptions options;
   options.optimize.starts = 3;
   return options;
 }
@@ -26,15 +26,16 @@ struct Written {
   Json summary;
 };
 
-std::unique_ptr<Written> RunAndWrite(const problem::SynthesisProblem& problem, const synthesis::StudyOptions& options) {
+std::unique_ptr<Written> RunAndWrite(const problem::SynthesisProblem& problem,
+                                     const synthesis::SynthesisOptions& options) {
   auto written = std::make_unique<Written>();
   Run run({"lake-optimize", "lake-optimize", Json::object(), written->folder.Path(), true});
-  written->summary = commands::WriteStudy(synthesis::RunStudy(problem, options), run);
+  written->summary = commands::WriteSynthesis(synthesis::RunSynthesis(problem, options), run);
   return written;
 }
 
-TEST(Study, TablesAgreeWithTheSummary) {
-  synthesis::StudyOptions options = FewStarts();
+TEST(SynthesisOutcome, TablesAgreeWithTheSummary) {
+  synthesis::SynthesisOptions options = FewStarts();
   options.certify_gap_deg = 0.1;
   options.yield_tolerance_mm = 0.1;
   options.round_mm = 0.5;
@@ -81,7 +82,7 @@ TEST(Study, TablesAgreeWithTheSummary) {
   for (const double value : rounded.links.Values()) EXPECT_EQ(value * 2, std::round(value * 2));
 }
 
-TEST(Study, MultipliersAreNotPublishedWhereTheyAreNotUnique) {
+TEST(SynthesisOutcome, MultipliersAreNotPublishedWhereTheyAreNotUnique) {
   const auto written = RunAndWrite(problem::SynthesisProblem{}, FewStarts());
   EXPECT_FALSE(written->summary["multipliers_unique"].get<bool>());
   EXPECT_TRUE(written->summary["certified_upper_bound_deg"].is_null());
@@ -90,7 +91,7 @@ TEST(Study, MultipliersAreNotPublishedWhereTheyAreNotUnique) {
   for (std::size_t row = 0; row < optimum.Rows(); ++row) EXPECT_EQ(optimum.Text(row, 6), "");
 }
 
-TEST(Study, InfeasibleProblemLeavesItsBestPointMarked) {
+TEST(SynthesisOutcome, InfeasibleProblemLeavesItsBestPointMarked) {
   problem::SynthesisProblem problem;
   problem.min_moment_arm_mm = 60;
   const auto written = RunAndWrite(problem, FewStarts());
@@ -101,7 +102,7 @@ TEST(Study, InfeasibleProblemLeavesItsBestPointMarked) {
 }
 
 // The bound leaves requirements over the used range out: still a bound, and found without using up the budget.
-TEST(Study, CertificateHoldsWithRequirementsOverTheUsedRange) {
+TEST(SynthesisOutcome, CertificateHoldsWithRequirementsOverTheUsedRange) {
   problem::SynthesisProblem problem = WithMargins(1);
   problem.max_force_n = 2000;
   const double range = synthesis::SolveFrom(problem, problem.start).evaluation.range_deg;
@@ -111,7 +112,7 @@ TEST(Study, CertificateHoldsWithRequirementsOverTheUsedRange) {
   EXPECT_LT(certificate.boxes, 1000);
 }
 
-TEST(Study, CapIsPartOfTheCertificate) {
+TEST(SynthesisOutcome, CapIsPartOfTheCertificate) {
   problem::SynthesisProblem problem = WithMargins(1);
   problem.max_angle_deg = 130;
   const certificate::Certificate certificate = synthesis::Certify(problem, 130, 0.1, 1000, true);
@@ -119,13 +120,13 @@ TEST(Study, CapIsPartOfTheCertificate) {
   EXPECT_EQ(certificate.upper_bound_deg, 130);
 }
 
-TEST(Study, RefusesSenselessOptions) {
-  synthesis::StudyOptions options;
+TEST(SynthesisOutcome, RefusesSenselessOptions) {
+  synthesis::SynthesisOptions options;
   options.certify_gap_deg = -1;
-  EXPECT_THROW(synthesis::RunStudy(problem::SynthesisProblem{}, options), Error);
+  EXPECT_THROW(synthesis::RunSynthesis(problem::SynthesisProblem{}, options), Error);
   options = {};
   options.yield_tolerance_mm = NAN;
-  EXPECT_THROW(synthesis::RunStudy(problem::SynthesisProblem{}, options), Error);
+  EXPECT_THROW(synthesis::RunSynthesis(problem::SynthesisProblem{}, options), Error);
 }
 
 }  // namespace

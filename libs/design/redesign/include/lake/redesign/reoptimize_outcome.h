@@ -1,5 +1,4 @@
-// Everything that is asked of one re-optimisation: optimum, what it costs, before and after, Pareto fronts, and why
-// there is none; and its tables.
+// What comes of a re-optimisation: its optimum, what that costs, before and after, Pareto fronts, or why there is none.
 #pragma once
 
 #include <optional>
@@ -62,7 +61,7 @@ struct MisalignmentInfeasibility {
   bool within_reach = false;              // the limits can be held after all; the solver did not get there
   std::optional<double> least_percent;    // the smallest misalignment found under the given program
   std::optional<double> working_percent;  // a rounded limit a little above, with which the problem was solved
-  // Limits that hold it there; price: change of the least misalignment in % per unit by which the limit is raised; NaN
+  // Limits that hold it there; price in % by which the least misalignment falls per unit that the limit is raised; NaN
   // where multipliers are not unique.
   std::vector<synthesis::ActiveSet::Entry> blocking;
   std::vector<WayOut> ways;
@@ -76,7 +75,7 @@ struct NamedFront {
   std::vector<ParetoPoint> points;
 };
 
-struct ReoptimizeStudy {
+struct ReoptimizeOutcome {
   ReoptimizeProblem problem;
   ReoptimizeOptions options;
   MeasuredMotion measured;
@@ -102,8 +101,8 @@ struct ReoptimizeStudy {
 // The human's motion of the problem is set here: from the measured curves, with delta if a worn design is known. Throws
 // Error for input that cannot be used, which a worn design is that leaves most of its trial's joint unexplained,
 // UsageError for options, Interrupted on a signal.
-ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotion& measured,
-                                  const ReoptimizeOptions& options);
+ReoptimizeOutcome RunReoptimization(ReoptimizeProblem problem, const MeasuredMotion& measured,
+                                    const ReoptimizeOptions& options);
 
 // Why no start was usable. `links` to start from.
 MisalignmentInfeasibility ExplainInfeasible(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,

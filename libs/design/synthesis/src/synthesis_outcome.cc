@@ -1,4 +1,4 @@
-#include "lake/synthesis/study.h"
+#include "lake/synthesis/synthesis_outcome.h"
 
 #include <array>
 #include <cmath>
@@ -54,7 +54,7 @@ problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProb
 }
 
 MarginPoint SolveMargin(problem::SynthesisProblem problem, double margin_mm, const linkage::Links& last,
-                        const StudyOptions& options) {
+                        const SynthesisOptions& options) {
   problem.grashof_margin_mm = problem.singularity_margin_mm = margin_mm;
   MarginPoint point{margin_mm, false, last, std::numeric_limits<double>::quiet_NaN(), {}, {}};
   const LocalSolve best = BestOfFew(problem, last, options.optimize);
@@ -71,12 +71,12 @@ MarginPoint SolveMargin(problem::SynthesisProblem problem, double margin_mm, con
   return point;
 }
 
-std::vector<MarginPoint> SweepMargins(const Study& study) {
+std::vector<MarginPoint> SweepMargins(const SynthesisOutcome& outcome) {
   std::vector<MarginPoint> points;
-  Progress progress("margins", "problems", kMargins_mm.size(), study.options.quiet);
-  linkage::Links last = study.BestLinks();
+  Progress progress("margins", "problems", kMargins_mm.size(), outcome.options.quiet);
+  linkage::Links last = outcome.BestLinks();
   for (const double margin : kMargins_mm) {
-    points.push_back(SolveMargin(study.problem, margin, last, study.options));
+    points.push_back(SolveMargin(outcome.problem, margin, last, outcome.options));
     last = points.back().links;
     progress.Advance();
   }
@@ -84,18 +84,18 @@ std::vector<MarginPoint> SweepMargins(const Study& study) {
 }
 
 // No start found a way, but the elastic program did, without moving a limit: one more start from there.
-void StartFromElastic(Study& study) {
-  LocalSolve solve = SolveFrom(study.problem, study.infeasible->links, study.options.optimize);
+void StartFromElastic(SynthesisOutcome& outcome) {
+  LocalSolve solve = SolveFrom(outcome.problem, outcome.infeasible->links, outcome.options.optimize);
   if (!solve.IsUsable()) return;
-  study.result.best = static_cast<int>(study.result.starts.size());
-  study.result.starts.push_back(std::move(solve));
-  study.result.basin.push_back(0);
-  study.infeasible.reset();
+  outcome.result.best = static_cast<int>(outcome.result.starts.size());
+  outcome.result.starts.push_back(std::move(solve));
+  outcome.result.basin.push_back(0);
+  outcome.infeasible.reset();
 }
 
 }  // namespace
 
-void StudyOptions::Check() const {
+void SynthesisOptions::Check() const {
   optimize.Check();
   if (certify_gap_deg && !(std::isfinite(*certify_gap_deg) && *certify_gap_deg > 0))
     throw UsageError(fmt::format("--certify {}: a gap above 0 deg", *certify_gap_deg));
@@ -125,32 +125,32 @@ certificate::Certificate Certify(const problem::SynthesisProblem& problem, doubl
   return certificate;
 }
 
-Study RunStudy(const problem::SynthesisProblem& problem, const StudyOptions& options) {
+SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const SynthesisOptions& options) {
   problem.Check();
   options.Check();
-  Study study;
-  study.problem = problem;
-  study.options = options;
-  study.start = problem::Evaluate(problem.start, problem);
+  SynthesisOutcome outcome;
+  outcome.problem = problem;
+  outcome.options = options;
+  outcome.start = problem::Evaluate(problem.start, problem);
   const auto yield_of = [&](const linkage::Links& links) {
     return YieldOf(links, problem, *options.yield_tolerance_mm, options.optimize.seed);
   };
-  if (options.yield_tolerance_mm) study.start_yield = yield_of(problem.start);
-  study.result = Optimize(problem, options.optimize);
-  if (!study.IsSolved()) study.infeasible = AnalyseInfeasibility(problem, options.optimize);
-  if (study.infeasible && study.infeasible->relaxations.empty()) StartFromElastic(study);
-  if (!study.IsSolved()) return study;
-  const LocalSolve& best = study.result.Best();
-  study.active = FindActiveSet(best);
-  study.certificate_ignores_used_range = NeedsStanding(problem);
+  if (options.yield_tolerance_mm) outcome.start_yield = yield_of(problem.start);
+  outcome.result = Optimize(problem, options.optimize);
+  if (!outcome.IsSolved()) outcome.infeasible = AnalyseInfeasibility(problem, options.optimize);
+  if (outcome.infeasible && outcome.infeasible->relaxations.empty()) StartFromElastic(outcome);
+  if (!outcome.IsSolved()) return outcome;
+  const LocalSolve& best = outcome.result.Best();
+  outcome.active = FindActiveSet(best);
+  outcome.certificate_ignores_used_range = NeedsStanding(problem);
   if (options.certify_gap_deg)
-    study.certificate =
+    outcome.certificate =
         Certify(problem, best.evaluation.range_deg, *options.certify_gap_deg, options.certify_boxes, options.quiet);
-  study.sensitivity = problem::Sensitivity(best.end, problem);
-  study.margins = SweepMargins(study);
-  if (options.yield_tolerance_mm) study.yield = yield_of(best.end);
-  if (options.round_mm) study.rounded = problem::RoundLinks(best.end, problem, *options.round_mm);
-  return study;
+  outcome.sensitivity = problem::Sensitivity(best.end, problem);
+  outcome.margins = SweepMargins(outcome);
+  if (options.yield_tolerance_mm) outcome.yield = yield_of(best.end);
+  if (options.round_mm) outcome.rounded = problem::RoundLinks(best.end, problem, *options.round_mm);
+  return outcome;
 }
 
 }  // namespace lake::synthesis

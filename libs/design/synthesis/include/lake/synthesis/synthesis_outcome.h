@@ -1,5 +1,5 @@
-// Everything that is asked of one synthesis problem: optimum, proof, sensitivity, margins, yield, rounding; and its
-// tables.
+// What comes of a synthesis problem: its optimum and what that is worth (proof, sensitivity, margins, yield, rounding),
+// or why it has none.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace lake::synthesis {
 
-struct StudyOptions {
+struct SynthesisOptions {
   OptimizeOptions optimize;
   std::optional<double> certify_gap_deg;  // absent: no certificate
   std::int64_t certify_boxes = certificate::CertificateOptions{}.max_boxes;
@@ -34,9 +34,9 @@ struct MarginPoint {
   std::optional<double> yield;            // of the links alone: assembled and Grashof, if a yield is asked for
 };
 
-struct Study {
+struct SynthesisOutcome {
   problem::SynthesisProblem problem;
-  StudyOptions options;
+  SynthesisOptions options;
   problem::DesignEvaluation start;  // of problem.start
   SynthesisResult result;
   std::optional<InfeasibilityReport> infeasible;  // if no start is usable
@@ -55,7 +55,7 @@ struct Study {
 };
 
 // Throws Error for a problem or options that fail Check(), Interrupted on a signal.
-Study RunStudy(const problem::SynthesisProblem& problem, const StudyOptions& options);
+SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const SynthesisOptions& options);
 
 // A certificate for a solved problem. Requirements over the used range and the cap are left out of the branch and
 // bound, which then aims at the optimum of that simpler problem; the bound holds for the whole one. Throws Error if the

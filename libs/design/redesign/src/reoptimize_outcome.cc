@@ -1,4 +1,4 @@
-#include "lake/redesign/reoptimize_study.h"
+#include "lake/redesign/reoptimize_outcome.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
-#include "lake/synthesis/study.h"
+#include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::redesign {
 namespace {
@@ -76,12 +76,12 @@ double AngleOff_deg(const Prediction& worn, const compare::StsCurve& exo) {
 }
 
 // What the exoskeleton trial tells: delta, and whether the worn design fits it.
-void TakeTrial(ReoptimizeStudy& study) {
-  const MeasuredMotion& measured = study.measured;
+void TakeTrial(ReoptimizeOutcome& outcome) {
+  const MeasuredMotion& measured = outcome.measured;
   if (!measured.exo || !measured.worn) return;
-  study.slip = SetSlip(*measured.exo, measured.spike, PlacementOf(*measured.worn), study.problem.human);
-  if (study.slip) CheckWorn(measured, *study.slip, study.problem.human);
-  study.measured_percent = 100 * ComparePredicted(measured.human, *measured.exo).metrics.relative_rms;
+  outcome.slip = SetSlip(*measured.exo, measured.spike, PlacementOf(*measured.worn), outcome.problem.human);
+  if (outcome.slip) CheckWorn(measured, *outcome.slip, outcome.problem.human);
+  outcome.measured_percent = 100 * ComparePredicted(measured.human, *measured.exo).metrics.relative_rms;
 }
 
 double ProgramDuration(const linkage::Design& design, const Prediction& prediction) {
@@ -91,79 +91,80 @@ double ProgramDuration(const linkage::Design& design, const Prediction& predicti
   return std::abs(prediction.stroke_mm.back() - prediction.stroke_mm.front()) / design.program->speed_mm_s;
 }
 
-NamedFront FrontOf(ReoptimizeProblem problem, const std::vector<linkage::Links>& links, const ReoptimizeStudy& study) {
+NamedFront FrontOf(ReoptimizeProblem problem, const std::vector<linkage::Links>& links,
+                   const ReoptimizeOutcome& outcome) {
   NamedFront front;
   front.program = problem.program;
-  const bool free = problem.program.kind == Kind::kFree;
-  front.name = free ? "free" : "constant";
+  front.name = ProgramName(problem.program.kind);
   if (problem.program.duration_s) front.name += fmt::format(" {:.4g} s", *problem.program.duration_s);
-  front.points = ParetoFront(problem, *study.options.pareto_points, links, study.options.optimize);
+  front.points = ParetoFront(problem, *outcome.options.pareto_points, links, outcome.options.optimize);
   return front;
 }
 
 // The constant program, a short free one, and the problem's own if it is another.
-std::vector<NamedFront> Fronts(const ReoptimizeStudy& study, const std::vector<linkage::Links>& links) {
-  ReoptimizeProblem constant = study.problem, brief = study.problem;
+std::vector<NamedFront> Fronts(const ReoptimizeOutcome& outcome, const std::vector<linkage::Links>& links) {
+  ReoptimizeProblem constant = outcome.problem, brief = outcome.problem;
   if (constant.program.kind == Kind::kFree) constant.program.duration_s.reset();
   constant.program.kind = Kind::kConstant;
   brief.program.kind = Kind::kFree;
-  brief.program.duration_s = study.options.short_program_s;
-  std::vector<NamedFront> fronts{FrontOf(constant, links, study), FrontOf(brief, links, study)};
-  const ProgramLimits& own = study.problem.program;
+  brief.program.duration_s = outcome.options.short_program_s;
+  std::vector<NamedFront> fronts{FrontOf(constant, links, outcome), FrontOf(brief, links, outcome)};
+  const ProgramLimits& own = outcome.problem.program;
   if (own.kind == Kind::kFree && own.duration_s != brief.program.duration_s)
-    fronts.push_back(FrontOf(study.problem, links, study));
+    fronts.push_back(FrontOf(outcome.problem, links, outcome));
   return fronts;
 }
 
 // Where to start: the problem's start, the worn design, and the optimum without the human.
-std::vector<linkage::Links> StartLinks(ReoptimizeStudy& study) {
-  const problem::SynthesisProblem& design = study.problem.design;
+std::vector<linkage::Links> StartLinks(ReoptimizeOutcome& outcome) {
+  const problem::SynthesisProblem& design = outcome.problem.design;
   std::vector<linkage::Links> links{design.start};
-  if (study.measured.worn) links.push_back(study.measured.worn->links);
-  const synthesis::LocalSolve widest = SolveFrom(design, design.start, study.options.optimize);
+  if (outcome.measured.worn) links.push_back(outcome.measured.worn->links);
+  const synthesis::LocalSolve widest = SolveFrom(design, design.start, outcome.options.optimize);
   if (!widest.IsUsable()) return links;
   links.push_back(widest.end);
   return links;
 }
 
 // What the placement is worth, and how far it is free.
-void StudyPlacement(const ReoptimizePoint& chosen, ReoptimizeStudy& study) {
-  const synthesis::OptimizeOptions& options = study.options.optimize;
-  study.placement_range = FindPlacementRange(study.problem, chosen, options);
-  ReoptimizeProblem at_knee = study.problem;
+void AssessPlacement(const ReoptimizePoint& chosen, ReoptimizeOutcome& outcome) {
+  const synthesis::OptimizeOptions& options = outcome.options.optimize;
+  outcome.placement_range = FindPlacementRange(outcome.problem, chosen, options);
+  ReoptimizeProblem at_knee = outcome.problem;
   at_knee.fit_placement = false, at_knee.placement_mm.setZero();
   if (const ReoptimizeSolve solve = SolveFrom(at_knee, chosen, options); solve.IsUsable())
-    study.range_at_knee_deg = solve.Range_deg();
+    outcome.range_at_knee_deg = solve.Range_deg();
 }
 
 // Of the range alone: the misalignment's limit holds the design's own range down, and a bound never comes near that.
-void CertifyWidest(ReoptimizeStudy& study) {
-  const synthesis::SynthesisResult widest = synthesis::Optimize(study.problem.design, study.options.optimize);
-  study.widest_deg = study.result.Best().Range_deg();
-  if (widest.best >= 0) study.widest_deg = std::max(*study.widest_deg, widest.Best().evaluation.range_deg);
-  study.certificate = synthesis::Certify(study.problem.design, *study.widest_deg, *study.options.certify_gap_deg,
-                                         study.options.certify_boxes, study.options.quiet);
+void CertifyWidest(ReoptimizeOutcome& outcome) {
+  const synthesis::SynthesisResult widest = synthesis::Optimize(outcome.problem.design, outcome.options.optimize);
+  outcome.widest_deg = outcome.result.Best().Range_deg();
+  if (widest.best >= 0) outcome.widest_deg = std::max(*outcome.widest_deg, widest.Best().evaluation.range_deg);
+  outcome.certificate =
+      synthesis::Certify(outcome.problem.design, *outcome.widest_deg, *outcome.options.certify_gap_deg,
+                         outcome.options.certify_boxes, outcome.options.quiet);
 }
 
 // No start found a way, but the least misalignment holds the limit: one more start from there.
-void StartFromNearest(ReoptimizeStudy& study) {
-  ReoptimizeSolve solve = SolveFrom(study.problem, study.infeasible->nearest, study.options.optimize, true);
+void StartFromNearest(ReoptimizeOutcome& outcome) {
+  ReoptimizeSolve solve = SolveFrom(outcome.problem, outcome.infeasible->nearest, outcome.options.optimize, true);
   if (!solve.IsUsable()) return;
-  study.result.best = static_cast<int>(study.result.starts.size());
-  study.result.starts.push_back(std::move(solve));
-  study.infeasible.reset();
+  outcome.result.best = static_cast<int>(outcome.result.starts.size());
+  outcome.result.starts.push_back(std::move(solve));
+  outcome.infeasible.reset();
 }
 
 // The worn design must have been able to do what its trial shows.
-void CheckBefore(ReoptimizeStudy& study) {
-  const MeasuredMotion& measured = study.measured;
+void CheckBefore(ReoptimizeOutcome& outcome) {
+  const MeasuredMotion& measured = outcome.measured;
   if (!measured.exo || !measured.worn) return;
-  if (!study.before.prediction)
+  if (!outcome.before.prediction)
     throw Fail(
         "{}: the worn design cannot be driven through the motion of its trial: its program leaves the strokes at which "
         "the knee bends and stands",
         measured.worn_file);
-  study.worn_angle_off_deg = AngleOff_deg(*study.before.prediction, *measured.exo);
+  outcome.worn_angle_off_deg = AngleOff_deg(*outcome.before.prediction, *measured.exo);
 }
 
 }  // namespace
@@ -190,34 +191,34 @@ DesignInMotion PutInMotion(const ReoptimizeProblem& problem, const compare::StsC
   return in_motion;
 }
 
-ReoptimizeStudy RunReoptimization(ReoptimizeProblem problem, const MeasuredMotion& measured,
-                                  const ReoptimizeOptions& options) {
+ReoptimizeOutcome RunReoptimization(ReoptimizeProblem problem, const MeasuredMotion& measured,
+                                    const ReoptimizeOptions& options) {
   options.Check();
   problem.human = MakeHumanMotion(measured.human);
   if (measured.worn) problem.placement_mm = PlacementOf(*measured.worn);
   problem.Check();
-  ReoptimizeStudy study;
-  study.problem = problem, study.options = options, study.measured = measured;
-  TakeTrial(study);
-  problem.human = study.problem.human;
-  const std::vector<linkage::Links> links = StartLinks(study);
-  study.before = PutInMotion(problem, measured.human, Before(problem, measured));
-  CheckBefore(study);
-  study.result = Reoptimize(problem, links, options.optimize);
-  if (!study.IsSolved()) study.infeasible = ExplainInfeasible(problem, links, options.optimize);
-  if (study.infeasible && study.infeasible->within_reach) StartFromNearest(study);
-  const ReoptimizePoint end =
-      study.IsSolved() ? NearestToKnee(problem, study.result.Best(), options.optimize) : study.infeasible->nearest;
-  study.after = PutInMotion(problem, measured.human, DesignOf(problem, end));
-  if (study.IsSolved()) study.active = synthesis::FindActiveSet(study.result.Best().local);
-  if (options.pareto_points) study.fronts = Fronts(study, links);
-  if (!study.IsSolved()) return study;
-  if (problem.fit_placement) StudyPlacement(end, study);
-  if (options.certify_gap_deg) CertifyWidest(study);
+  ReoptimizeOutcome outcome;
+  outcome.problem = problem, outcome.options = options, outcome.measured = measured;
+  TakeTrial(outcome);
+  problem.human = outcome.problem.human;
+  const std::vector<linkage::Links> links = StartLinks(outcome);
+  outcome.before = PutInMotion(problem, measured.human, Before(problem, measured));
+  CheckBefore(outcome);
+  outcome.result = Reoptimize(problem, links, options.optimize);
+  if (!outcome.IsSolved()) outcome.infeasible = ExplainInfeasible(problem, links, options.optimize);
+  if (outcome.infeasible && outcome.infeasible->within_reach) StartFromNearest(outcome);
+  const ReoptimizePoint end = outcome.IsSolved() ? NearestToKnee(problem, outcome.result.Best(), options.optimize)
+                                                 : outcome.infeasible->nearest;
+  outcome.after = PutInMotion(problem, measured.human, DesignOf(problem, end));
+  if (outcome.IsSolved()) outcome.active = synthesis::FindActiveSet(outcome.result.Best().local);
+  if (options.pareto_points) outcome.fronts = Fronts(outcome, links);
+  if (!outcome.IsSolved()) return outcome;
+  if (problem.fit_placement) AssessPlacement(end, outcome);
+  if (options.certify_gap_deg) CertifyWidest(outcome);
   if (options.yield_tolerance_mm)
-    study.yield = problem::EstimateYield(end.links, problem.design,
-                                         {.tolerance_mm = *options.yield_tolerance_mm, .seed = options.optimize.seed});
-  return study;
+    outcome.yield = problem::EstimateYield(
+        end.links, problem.design, {.tolerance_mm = *options.yield_tolerance_mm, .seed = options.optimize.seed});
+  return outcome;
 }
 
 }  // namespace lake::redesign

@@ -1,0 +1,211 @@
+#include "optimum_tables.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/provenance.h"
+
+namespace lake::commands {
+namespace {
+
+// "lower", "upper", "fixed" where a value is at its limits; else empty.
+std::string_view ActiveSide(double value, const problem::Bounds& limits) {
+  constexpr double kTouching = 1e-5;  // as for the active set
+  const auto touches = [&](double limit) {
+    return std::isfinite(limit) && std::abs(value - limit) <= kTouching * std::max(1.0, std::abs(limit));
+  };
+  const bool lower = touches(limits.lower), upper = touches(limits.upper);
+  return lower && upper ? "fixed" : lower ? "lower" : upper ? "upper" : "";
+}
+
+void AddLimitedRow(const LimitedRow& row, CsvWriter& table) {
+  table.Add(row.name).Add(row.before).Add(row.after).Add(row.limits.lower).Add(row.limits.upper);
+  table.Add(ActiveSide(row.after, row.limits)).Add(row.price);
+}
+
+}  // namespace
+
+std::optional<double> OptimumView::PriceOf(const synthesis::LimitId& id) const {
+  return best && active.multipliers_unique ? best->PriceOf(id) : std::nullopt;
+}
+
+void WriteOptimum(const OptimumView& optimum, const std::vector<LimitedRow>& others, Run& run) {
+  std::vector<LimitedRow> rows;
+  for (int i = 0; i < 6; ++i)
+    rows.push_back({problem::LinkName(i), optimum.links_before.Values()[i], optimum.links_after.Values()[i],
+                    optimum.problem.bounds[i], optimum.PriceOf({synthesis::LimitId::On::kLink, i})});
+  rows.insert(rows.end(), others.begin(), others.end());
+  CsvWriter table({"variable", "initial", "optimum", "lower", "upper", "active", "multiplier"});
+  for (const LimitedRow& row : rows) {
+    AddLimitedRow(row, table);
+    table.EndRow();
+  }
+  table.Write(run.Result("optimum.csv"));
+}
+
+void WriteConstraints(const OptimumView& optimum, const std::vector<LimitedRow>& others, Run& run) {
+  std::vector<LimitedRow> rows;
+  for (const problem::RequirementCheck& check : optimum.after.checks) {
+    const problem::Requirement& requirement = check.requirement;
+    problem::Bounds limits{std::nan(""), std::nan("")};
+    (requirement.is_lower_limit ? limits.lower : limits.upper) = requirement.limit;
+    rows.push_back({requirement.name, optimum.before.CheckOf(requirement.id).value, check.value, limits,
+                    optimum.PriceOf(synthesis::LimitOn(requirement.id)), requirement.unit});
+  }
+  rows.insert(rows.end(), others.begin(), others.end());
+  CsvWriter table({"constraint", "initial", "optimum", "lower", "upper", "active", "multiplier", "unit"});
+  for (const LimitedRow& row : rows) {
+    AddLimitedRow(row, table);
+    table.Add(row.unit).EndRow();
+  }
+  table.Write(run.Result("constraints.csv"));
+}
+
+void WriteStarts(const std::vector<StartRow>& starts, Run& run) {
+  const bool has_motion = starts.front().motion.has_value();
+  std::vector<std::string> header{"start"};
+  const auto add = [&](const std::vector<std::string>& columns) {
+    header.insert(header.end(), columns.begin(), columns.end());
+  };
+  add(LinkColumns("start_"));
+  if (has_motion)
+    add({"status", "usable", "objective_deg", "range_deg", "misalignment_percent"});
+  else
+    add({"basin", "status", "range_deg"});
+  add({"constraint_violation", "kkt_error", "iterations", "time_s"});
+  add(LinkColumns("end_"));
+  CsvWriter table(header);
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const StartRow& row = starts[i];
+    const synthesis::LocalSolve& solve = row.solve;
+    table.Add(static_cast<int>(i));
+    AddLinkCells(table, solve.start);
+    if (row.basin) *row.basin < 0 ? table.AddEmpty() : table.Add(*row.basin);
+    table.Add(NameOf(solve.solution.status));
+    if (row.motion) table.Add(row.motion->is_usable ? 1 : 0).Add(row.motion->objective_deg);
+    table.Add(solve.evaluation.range_deg);
+    if (row.motion) table.Add(row.motion->misalignment_percent);
+    table.Add(solve.evaluation.violation).Add(solve.solution.kkt_error).Add(solve.iterations).Add(solve.seconds);
+    AddLinkCells(table, solve.end);
+    table.EndRow();
+  }
+  table.Write(run.Result("starts.csv"));
+}
+
+void WriteOptimumDesign(linkage::Design design, const problem::DesignEvaluation& evaluation, const std::string& remark,
+                        const std::filesystem::path& path) {
+  if (evaluation.pose) design.range_deg = evaluation.range_deg;
+  if (evaluation.stands_mm && *evaluation.stands_mm > design.d_min_mm) design.d_max_mm = evaluation.stands_mm;
+  design.made_by = fmt::format("lake-optimize {}{}", Version(), remark);
+  linkage::WriteDesign(path, design);
+}
+
+void WriteOptimumDesign(const linkage::Design& design, const OptimumView& optimum, Run& run) {
+  const std::string remark = optimum.best ? "" : fmt::format(": NOT A SOLUTION: {}", optimum.not_a_solution);
+  WriteOptimumDesign(design, optimum.after, remark, run.Result("design.yaml"));
+}
+
+void WarnOfMultipliers(const synthesis::ActiveSet& active, Run& run) {
+  if (active.multipliers_unique) return;
+  run.Warn(
+      "multipliers are not published: at this optimum the gradients of the active limits are linearly dependent, so "
+      "multipliers are not unique; ask for margins to have sensitivities");
+}
+
+Json HeadJson(const OptimumView& optimum, double violation,
+              const std::optional<certificate::Certificate>& certificate) {
+  const synthesis::LocalSolve* best = optimum.best;
+  return {{"range_deg", NumberOrNull(optimum.after.range_deg)},
+          {"status", best ? Json(NameOf(best->solution.status)) : Json("infeasible")},
+          {"constraint_violation", NumberOrNull(violation)},
+          {"kkt_error", best ? Json(best->solution.kkt_error) : Json()},
+          {"certified_upper_bound_deg", certificate ? NumberOrNull(certificate->upper_bound_deg) : Json()}};
+}
+
+Json LinksJson(const linkage::Links& links) {
+  Json json = Json::object();
+  for (std::size_t i = 0; i < 6; ++i) json[problem::LinkName(i)] = links.Values()[i];
+  return json;
+}
+
+Json NumberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json NumberOrNull(std::optional<double> value) {
+  return value ? NumberOrNull(*value) : Json();
+}
+
+Json EvaluationJson(const problem::DesignEvaluation& evaluation) {
+  Json requirements = Json::array();
+  for (const problem::RequirementCheck& check : evaluation.checks)
+    requirements.push_back({{"name", check.requirement.name},
+                            {"limit", check.requirement.limit},
+                            {"kind", check.requirement.is_lower_limit ? "at least" : "at most"},
+                            {"value", NumberOrNull(check.value)},
+                            {"slack", NumberOrNull(check.slack)},
+                            {"unit", check.requirement.unit}});
+  return {{"range_deg", NumberOrNull(evaluation.range_deg)},
+          {"assembled", evaluation.pose.has_value()},
+          {"feasible", evaluation.IsFeasible()},
+          {"violation", NumberOrNull(evaluation.violation)},
+          {"stroke_when_standing_mm", evaluation.stands_mm ? Json(*evaluation.stands_mm) : Json()},
+          {"requirements", requirements}};
+}
+
+Json YieldJson(const problem::Yield& yield) {
+  const auto fraction = [](const problem::Fraction& f) {
+    return Json{{"value", f.value}, {"interval_95", {f.lower, f.upper}}};
+  };
+  return {{"tolerance_mm", yield.options.tolerance_mm},
+          {"scope", problem::kYieldScope},
+          {"samples", yield.options.samples},
+          {"assembled", fraction(yield.assembled)},
+          {"assembled_and_grashof", fraction(yield.assembled_and_grashof)},
+          {"range_p5_deg", NumberOrNull(yield.range_p5_deg)},
+          {"range_median_deg", NumberOrNull(yield.range_median_deg)},
+          {"range_p95_deg", NumberOrNull(yield.range_p95_deg)},
+          {"safe_singularity_margin_mm", yield.safe_singularity_margin_mm},
+          {"safe_grashof_margin_mm", yield.safe_grashof_margin_mm}};
+}
+
+std::vector<std::string> LinkColumns(std::string_view prefix) {
+  std::vector<std::string> columns;
+  for (std::size_t i = 0; i < 6; ++i) columns.push_back(fmt::format("{}{}_mm", prefix, problem::LinkName(i)));
+  return columns;
+}
+
+void AddLinkCells(CsvWriter& table, const linkage::Links& links) {
+  for (const double value : links.Values()) table.Add(value);
+}
+
+void WriteConvergence(const synthesis::LocalSolve& solve, const std::string& objective, Run& run) {
+  CsvWriter table({"iteration", objective, "constraint_violation", "dual_infeasibility", "barrier", "step"});
+  for (std::size_t i = 0; i < solve.history.size(); ++i) {
+    const nlp::NlpIteration& step = solve.history[i];
+    table.Add(static_cast<int>(i)).Add(-step.cost).Add(step.violation).Add(step.dual_infeasibility).Add(step.barrier);
+    table.Add(step.step).EndRow();
+  }
+  table.Write(run.Result("convergence.csv"));
+}
+
+Json ActiveJson(const synthesis::ActiveSet& active) {
+  Json entries = Json::array();
+  for (const synthesis::ActiveSet::Entry& entry : active.entries)
+    entries.push_back({{"limit", entry.name},
+                       {"multiplier", active.multipliers_unique ? Json(entry.price) : Json()},
+                       {"unit", fmt::format("deg per {}", entry.unit)}});
+  return entries;
+}
+
+Json CertificateJson(const certificate::Certificate& certificate, bool ignores_used_range) {
+  return {{"upper_bound_deg", NumberOrNull(certificate.upper_bound_deg)},
+          {"gap_deg", NumberOrNull(certificate.gap_deg)},
+          {"reached", certificate.reached},
+          {"boxes", certificate.boxes},
+          {"leaves_out_requirements_over_used_range", ignores_used_range}};
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,82 @@
+// The tables and the parts of a summary that a synthesis and a re-optimisation both write.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lake/certificate/certificate.h"
+#include "lake/core/csv.h"
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+#include "lake/linkage/design_file.h"
+#include "lake/problem/robustness.h"
+#include "lake/synthesis/optimize.h"
+
+namespace lake::commands {
+
+// Either of them, as far as these tables go.
+struct OptimumView {
+  const problem::SynthesisProblem& problem;
+  linkage::Links links_before, links_after;
+  const problem::DesignEvaluation &before, &after;
+  const synthesis::LocalSolve* best;  // nullptr without a solution
+  const synthesis::ActiveSet& active;
+  std::string not_a_solution;  // why there is none; empty with one
+
+  // nullopt where multipliers are not unique, or the limit is none of the program's.
+  std::optional<double> PriceOf(const synthesis::LimitId& id) const;
+};
+
+// A row of optimum.csv or constraints.csv; NaN where there is no such number.
+struct LimitedRow {
+  std::string name;
+  double before, after;
+  problem::Bounds limits;
+  std::optional<double> price;
+  std::string unit{};  // constraints.csv only
+};
+
+// optimum.csv: the links, and what else varies. constraints.csv: the requirements, and what else is limited.
+void WriteOptimum(const OptimumView& optimum, const std::vector<LimitedRow>& others, Run& run);
+void WriteConstraints(const OptimumView& optimum, const std::vector<LimitedRow>& others, Run& run);
+
+// starts.csv; of all starts either `basin` or `motion` is there.
+struct StartRow {
+  struct Motion {
+    bool is_usable;
+    double objective_deg, misalignment_percent;  // NaN without a prediction
+  };
+  const synthesis::LocalSolve& solve;
+  std::optional<int> basin{};  // -1: unusable
+  std::optional<Motion> motion{};
+};
+void WriteStarts(const std::vector<StartRow>& starts, Run& run);
+
+// convergence.csv; `objective` names the column of the cost's negative.
+void WriteConvergence(const synthesis::LocalSolve& solve, const std::string& objective, Run& run);
+
+// A design file. The evaluation's range and stroke when standing go into it; `remark` goes behind the program's name.
+void WriteOptimumDesign(linkage::Design design, const problem::DesignEvaluation& evaluation, const std::string& remark,
+                        const std::filesystem::path& path);
+// As design.yaml; marked where it is not a solution.
+void WriteOptimumDesign(const linkage::Design& design, const OptimumView& optimum, Run& run);
+
+void WarnOfMultipliers(const synthesis::ActiveSet& active, Run& run);
+
+// The first entries of the summary. `violation` of a solution may count more than the evaluation's.
+Json HeadJson(const OptimumView& optimum, double violation, const std::optional<certificate::Certificate>& certificate);
+Json LinksJson(const linkage::Links& links);
+Json EvaluationJson(const problem::DesignEvaluation& evaluation);
+Json YieldJson(const problem::Yield& yield);
+Json ActiveJson(const synthesis::ActiveSet& active);
+Json CertificateJson(const certificate::Certificate& certificate, bool ignores_used_range);
+Json NumberOrNull(double value);
+Json NumberOrNull(std::optional<double> value);
+
+// "l1_mm" and so on, with a prefix; and the cells below them.
+std::vector<std::string> LinkColumns(std::string_view prefix);
+void AddLinkCells(CsvWriter& table, const linkage::Links& links);
+
+}  // namespace lake::commands

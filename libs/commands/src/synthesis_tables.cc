@@ -1,0 +1,168 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lake/commands/optimize_tables.h"
+#include "lake/core/angles.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/synthesis/synthesis_outcome.h"
+#include "optimum_tables.h"
+
+namespace lake::commands {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// The angles of a pose as rows of optimum.csv; they follow from the links.
+std::vector<LimitedRow> PoseRows(const problem::DesignEvaluation& before, const problem::DesignEvaluation& after) {
+  const auto row = [&](const char* name, double linkage::Pose::*angle) {
+    const auto angle_deg = [&](const problem::DesignEvaluation& design) {
+      return design.pose ? DegreesFromRadians(*design.pose.*angle) : kNaN;
+    };
+    return LimitedRow{name, angle_deg(before), angle_deg(after), {kNaN, kNaN}, {}};
+  };
+  return {row("phi_deg", &linkage::Pose::phi_rad), row("theta_deg", &linkage::Pose::theta_rad)};
+}
+
+void WriteSensitivity(const synthesis::SynthesisOutcome& outcome, Run& run) {
+  CsvWriter table({"link", "delta_mm", "range_deg", "assembled", "feasible"});
+  for (const problem::SensitivityPoint& point : outcome.sensitivity) {
+    table.Add(problem::LinkName(point.link)).Add(point.delta_mm).Add(point.range_deg);
+    table.Add(std::isnan(point.range_deg) ? 0 : 1).Add(point.feasible ? 1 : 0).EndRow();
+  }
+  table.Write(run.Result("sensitivity.csv"));
+}
+
+void WriteMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
+  std::vector<std::string> header{"margin_mm", "status", "range_deg", "certified_upper_bound_deg", "yield_links_alone"};
+  std::ranges::copy(LinkColumns(""), std::back_inserter(header));
+  CsvWriter table(header);
+  for (const synthesis::MarginPoint& point : outcome.margins) {
+    table.Add(point.margin_mm).Add(point.solved ? "solved" : "no solution").Add(point.range_deg);
+    table.Add(point.upper_bound_deg).Add(point.yield);
+    for (const double value : point.links.Values()) point.solved ? table.Add(value) : table.AddEmpty();
+    table.EndRow();
+  }
+  table.Write(run.Result("margin.csv"));
+}
+
+void WriteRounded(const problem::RoundedDesign& rounded, const problem::SynthesisProblem& problem, Run& run) {
+  linkage::Design design;
+  design.links = rounded.links, design.d_min_mm = problem.d_min_mm;
+  WriteOptimumDesign(design, rounded.evaluation, fmt::format(", rounded to multiples of {} mm", rounded.step_mm),
+                     run.Result("rounded.yaml"));
+}
+
+Json StartsJson(const synthesis::SynthesisResult& result) {
+  Json starts = Json::array();
+  for (std::size_t i = 0; i < result.starts.size(); ++i) {
+    const synthesis::LocalSolve& solve = result.starts[i];
+    starts.push_back({{"start", i},
+                      {"status", NameOf(solve.solution.status)},
+                      {"basin", result.basin[i] < 0 ? Json() : Json(result.basin[i])},
+                      {"range_deg", NumberOrNull(solve.evaluation.range_deg)},
+                      {"iterations", solve.iterations}});
+  }
+  return starts;
+}
+
+void Warn(const synthesis::SynthesisOutcome& outcome, Run& run) {
+  WarnOfMultipliers(outcome.active, run);
+  if (const auto& pose = outcome.result.Best().evaluation.pose) {
+    const linkage::Transmission transmission = linkage::TransmissionOf(outcome.BestLinks(), *pose);
+    constexpr double kUseless_mm = 1;
+    if (!(transmission.moment_arm_mm > kUseless_mm))
+      run.Warn(
+          fmt::format("at d_min the moment arm is {:.2g} mm: the actuator holds no load there; ask for "
+                      "--min-moment-arm or --max-force",
+                      transmission.moment_arm_mm));
+  }
+  if (outcome.certificate && !outcome.certificate->reached)
+    run.Warn(fmt::format(
+        "the gap of the certificate is {:.3g} deg, more than asked for{}", outcome.certificate->gap_deg,
+        outcome.certificate_ignores_used_range ? ": the bound leaves out the requirements over the used range" : ""));
+  if (outcome.options.round_mm && !outcome.rounded)
+    run.Warn(fmt::format("no design with links that are multiples of {} mm near the optimum satisfies the problem",
+                         *outcome.options.round_mm));
+}
+
+Json RoundedJson(const problem::RoundedDesign& rounded) {
+  return {{"step_mm", rounded.step_mm},
+          {"links", LinksJson(rounded.links)},
+          {"evaluation", EvaluationJson(rounded.evaluation)}};
+}
+
+// What the summary has behind its head.
+Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
+  const synthesis::LocalSolve& best = outcome.result.Best();
+  Json json = {{"links", LinksJson(best.end)},
+               {"iterations", best.iterations},
+               {"exchanges", best.exchanges},
+               {"time_s", best.seconds},
+               {"multipliers_unique", outcome.active.multipliers_unique},
+               {"active", ActiveJson(outcome.active)},
+               {"optimum", EvaluationJson(best.evaluation)}};
+  if (outcome.certificate)
+    json["certificate"] = CertificateJson(*outcome.certificate, outcome.certificate_ignores_used_range);
+  if (outcome.yield) json["yield"] = YieldJson(*outcome.yield);
+  if (outcome.rounded) json["rounded"] = RoundedJson(*outcome.rounded);
+  return json;
+}
+
+Json InfeasibleJson(const synthesis::InfeasibilityReport& report, const problem::DesignEvaluation& nearest) {
+  Json relaxations = Json::array();
+  for (const synthesis::Relaxation& relaxation : report.relaxations)
+    relaxations.push_back({{"limit", relaxation.text},
+                           {"value", relaxation.limit},
+                           {"relaxed", relaxation.relaxed},
+                           {"unit", relaxation.unit}});
+  return {{"links", LinksJson(report.links)},
+          {"reason", report.sentence},
+          {"fighting", report.fighting},
+          {"smallest_relaxation", relaxations},
+          {"optimum", EvaluationJson(nearest)}};
+}
+
+void WriteTables(const synthesis::SynthesisOutcome& outcome, const OptimumView& optimum, Run& run) {
+  linkage::Design design;
+  design.links = optimum.links_after, design.d_min_mm = outcome.problem.d_min_mm;
+  WriteOptimumDesign(design, optimum, run);
+  WriteOptimum(optimum, PoseRows(optimum.before, optimum.after), run);
+  WriteConstraints(optimum, {}, run);
+  std::vector<StartRow> starts;
+  for (std::size_t i = 0; i < outcome.result.starts.size(); ++i)
+    starts.push_back({outcome.result.starts[i], outcome.result.basin[i]});
+  WriteStarts(starts, run);
+  WriteConvergence(outcome.result.BestOrFirst(), "range_deg", run);
+  if (!outcome.IsSolved()) return;
+  WriteSensitivity(outcome, run);
+  WriteMargins(outcome, run);
+  if (outcome.rounded) WriteRounded(*outcome.rounded, outcome.problem, run);
+}
+
+}  // namespace
+
+Json WriteSynthesis(const synthesis::SynthesisOutcome& outcome, Run& run) {
+  const synthesis::LocalSolve* best = outcome.IsSolved() ? &outcome.result.Best() : nullptr;
+  const problem::DesignEvaluation after = problem::Evaluate(outcome.BestLinks(), outcome.problem);
+  const OptimumView optimum{outcome.problem,
+                            outcome.problem.start,
+                            outcome.BestLinks(),
+                            outcome.start,
+                            after,
+                            best,
+                            outcome.active,
+                            best ? "" : outcome.infeasible->sentence};
+  WriteTables(outcome, optimum, run);
+  const double violation = best ? std::max(best->solution.violation, after.violation) : after.violation;
+  Json summary = HeadJson(optimum, violation, outcome.certificate);
+  summary.update(best ? SolvedJson(outcome) : InfeasibleJson(*outcome.infeasible, after));
+  if (best) Warn(outcome, run);
+  summary["start"] = EvaluationJson(outcome.start);
+  if (outcome.start_yield) summary["start"]["yield"] = YieldJson(*outcome.start_yield);
+  summary["starts"] = StartsJson(outcome.result);
+  return summary;
+}
+
+}  // namespace lake::commands
