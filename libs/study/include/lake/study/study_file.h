@@ -77,7 +77,7 @@ struct StudyFile {
   commands::CompareRunOptions compare;  // without the trials' places
   Json compare_options = Json::object();
   StudyProblem design;
-  synthesis::SynthesisOptions optimum;            // how the design's optimum is sought, proved and judged
+  synthesis::SynthesisOptions optimum;        // how the design's optimum is sought, proved and judged
   std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
   Json design_options = Json::object();
   std::optional<StudyRedesign> redesign;

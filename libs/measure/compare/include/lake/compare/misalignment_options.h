@@ -1,8 +1,8 @@
 // The options of a misalignment.
 #pragma once
 
-#include "lake/core/options.h"
 #include "lake/compare/misalignment.h"
+#include "lake/core/options.h"
 
 namespace lake::compare {
 
