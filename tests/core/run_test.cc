@@ -88,6 +88,15 @@ TEST_F(ResultFolder, KeepsAFileOfTheUsersThatIsInTheWay) {
   EXPECT_EQ(ReadTextFile(Out() / "events.csv"), "mine");
 }
 
+TEST_F(ResultFolder, WithAListThatCannotBeReadKeepsWhatIsThere) {
+  fs::create_directory(Out());
+  WriteTextFile(Out() / ".lake-track.lake-files.json", "{");
+  WriteTextFile(Out() / "tracks.csv", "mine");
+  EXPECT_THAT([&] { lake::Run(Info("lake-track")).Begin({"tracks.csv"}); },
+              ThrowsMessage<Error>(HasSubstr("tracks.csv: is not a result of lake's")));
+  EXPECT_EQ(ReadTextFile(Out() / "tracks.csv"), "mine");
+}
+
 TEST_F(ResultFolder, KeepsWhatTheRunReadsUntilItIsReplaced) {
   Do("lake-calibrate", {"camera.yaml", "residuals.csv"});
   lake::Run run(Info("lake-calibrate"));

@@ -76,6 +76,17 @@ TEST_F(BadStudy, WithAnOlderComparisonIsDoneAgain) {
   EXPECT_THAT(study_.Done(summary), Not(testing::Contains("human")));
 }
 
+// A step's folder is emptied before the step begins: what the study reads would be gone.
+TEST_F(BadStudy, WithAnInputAmongItsOwnResults) {
+  study_.Go();
+  WriteTextFile(study_.Folder() / "study.yaml", "name: Quick\nhuman: {trial: out/human/trajectory.csv}\n");
+  const std::string before = ReadTextFile(study_.Out() / "human/trajectory.csv");
+  EXPECT_THAT([&] { study_.Go(); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("study.yaml:2"), HasSubstr("among the study's own results"))));
+  EXPECT_EQ(ReadTextFile(study_.Out() / "human/trajectory.csv"), before);
+  EXPECT_TRUE(fs::exists(study_.Out() / "exo/trajectory.csv"));
+}
+
 TEST_F(BadStudy, WithMissingFilesNamesThemAll) {
   fs::remove(study_.Folder() / "human.csv");
   fs::remove(study_.Folder() / "exo.csv");

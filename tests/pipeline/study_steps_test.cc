@@ -134,8 +134,7 @@ TEST_F(Steps, AreDoneAgainWhereAnOutputIsMissingOrWasChanged) {
 
 TEST_F(Steps, WithAnUnreadableStampAreDoneAgain) {
   Go();
-  for (const auto& entry : fs::directory_iterator(Out("a")))
-    if (entry.path().filename().string().ends_with(".json")) WriteTextFile(entry.path(), "{\"maker\": 3}");
+  WriteTextFile(Out("a") / ".a.lake-step.json", "{\"maker\": 3}");
   EXPECT_THAT(Go(), ElementsAre("a"));
 }
 
@@ -178,6 +177,18 @@ TEST_F(Steps, ThatAStudyDoesNotHaveAnyMoreAreRetired) {
   EXPECT_FALSE(fs::exists(Out("a")));
   EXPECT_EQ(std::distance(fs::directory_iterator(Out("b")), {}), 1) << "the user's notes";
   EXPECT_TRUE(fs::exists(Out("join") / "join.txt")) << "not that step's";
+}
+
+// A program run by hand in the step's folder: its results are its own, whatever the stamp beside them says.
+TEST_F(Steps, ThatAreRetiredLeaveWhatWasMadeByHand) {
+  Go();
+  {
+    lake::Run by_hand({"copy", "by hand", Json::object(), Out("a"), true});
+    WriteTextFile(by_hand.Result("copy.txt"), "by hand");
+    by_hand.WriteSummary(Json::object());
+  }
+  steps::RetireStudyStep(Out("a"), "a");
+  EXPECT_EQ(ReadTextFile(Out("a") / "copy.txt"), "by hand");
 }
 
 TEST_F(Steps, OfACopiedFolderAreItsOwn) {

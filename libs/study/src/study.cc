@@ -190,6 +190,18 @@ void RetireOtherSteps(const std::vector<steps::StudyStep>& steps, const fs::path
       steps::RetireStudyStep(out / name, name);
 }
 
+// A step's folder is emptied before the step begins, so nothing that the study reads may lie there.
+void CheckInputsLieOutside(const StudyFile& study, const fs::path& out) {
+  for (const StudyInput& input : study.inputs)
+    for (const std::string& name : StudyStepNames()) {
+      const fs::path below = fs::weakly_canonical(input.path).lexically_relative(fs::weakly_canonical(out / name));
+      if (!below.empty() && *below.begin() != "..")
+        throw Fail(
+            "{}: {} lies among the study's own results, which are made anew; copy it elsewhere and name the copy",
+            input.where, input.path.string());
+    }
+}
+
 }  // namespace
 
 std::vector<steps::StudyStep> StudySteps(const StudyFile& study, const fs::path& out, const Json& head) {
@@ -210,6 +222,7 @@ std::vector<steps::StudyStep> StudySteps(const StudyFile& study, const fs::path&
 }
 
 Json RunStudyFile(const StudyFile& study, Run& run) {
+  CheckInputsLieOutside(study, run.Folder());
   run.AddInput(study.file);
   for (const StudyInput& input : study.inputs) run.AddInput(input.path);
   const std::vector<steps::StudyStep> steps = StudySteps(study, run.Folder(), run.Head());

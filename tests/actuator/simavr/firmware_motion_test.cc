@@ -225,7 +225,7 @@ TEST_F(SitToStandTest, AFastActuatorWithoutRoomPassesTheLinkagesEnd) {
 
 // With an extend end stop where lake-stroke says it ends before the linkage does, in a fault.
 TEST_F(SitToStandTest, AFastActuatorIsHeldByTheExtendEndStop) {
-  firmware_options_.extend_stop_mm = 0.5;
+  firmware_options_.extend_stop_mm = 0.6;
   firmware_options_.lag_s = 0.04;  // the model's is 30 ms
   linkage::Design design;
   design.links = kPublishedLinks;

@@ -94,8 +94,7 @@ void Run::Begin(const std::vector<std::string>& names) {
     TakeFolder();
     const ResultsList old = ReadResultsList(info_.out, info_.program);
     const std::string owner = ReadSummaryHead(info_.out).program;
-    const bool is_unreadable = old.program.empty() && fs::exists(ResultsListPath(info_.out, info_.program));
-    older_version_ = old.files.empty() && (owner == info_.program || (is_unreadable && owner.empty()));
+    older_version_ = old.files.empty() && owner == info_.program;
     for (const std::string& name : names)
       if (!old.files.contains(name)) CheckIsFree(name);
     Retire(old);
@@ -169,6 +168,9 @@ std::vector<std::string> ResultsIn(const fs::path& folder) {
 }
 
 void RetireStep(const fs::path& folder, const std::string& step) {
+  if (!fs::is_directory(folder)) return;
+  const auto lock = FolderLock::Take(folder);
+  if (!lock) throw Fail("{}: another run is at work there; wait for it", folder.string());
   for (const ResultsList& list : ResultsListsIn(folder))
     if (list.step == step) RemoveResults(folder, list);
 }

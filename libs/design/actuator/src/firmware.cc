@@ -211,14 +211,14 @@ class DriftWatch {
   double tolerable_per_1024_ = 1024;
 };
 
-// How far past an end stop the actuator may come to rest.
-double RunOn(double speed_mm_s, const FirmwareOptions& options) {
-  return options.home_error_mm + options.lag_s * speed_mm_s;
+// How far past an end stop the actuator may come to rest, faster than planned by the speeds' tolerance.
+double RunOn(double speed_mm_s, const DutyTable& table, const FirmwareOptions& options) {
+  return options.home_error_mm + options.lag_s * speed_mm_s * (1 + ToleranceOf(table, options) / 100);
 }
 
 // The least --extend-stop, in 0.1 mm: of the fastest jog.
 double LeastExtendStop(const DutyTable& table, const FirmwareOptions& options) {
-  return std::floor(10 * RunOn(table.extend.MostSpeed(), options) + 1) / 10;
+  return std::floor(10 * RunOn(table.extend.MostSpeed(), table, options) + 1) / 10;
 }
 
 double HighestStroke(const StrokeSchedule& schedule) {
@@ -233,7 +233,7 @@ void RequireExtendStop(const StrokeSchedule& schedule, const DutyTable& table, c
     throw Fail(
         "past an extend end stop at {:.3f} mm the actuator may run on by {:.3f} mm, to the linkage's end at {:.3f} mm: "
         "give --extend-stop {:.1f} or more",
-        stop_mm, RunOn(table.extend.MostSpeed(), options), end_mm, LeastExtendStop(table, options));
+        stop_mm, RunOn(table.extend.MostSpeed(), table, options), end_mm, LeastExtendStop(table, options));
   if (HighestStroke(schedule) >= stop_mm)
     throw Fail(
         "the program goes to {:.3f} mm, and the extend end stop acts at {:.3f} mm: a smaller --extend-stop, or a "
@@ -264,13 +264,14 @@ void RequireRoom(const DriftForecast& forecast, const StrokeSchedule& schedule, 
 }
 
 // Homing keeps the lower soft limit, run-on past the switch and all.
-void RequireHome(const Homing& homing, const SoftLimits& limits, const FirmwareOptions& options) {
+void RequireHome(const Homing& homing, const SoftLimits& limits, const DutyTable& table,
+                 const FirmwareOptions& options) {
   if (homing.stroke_mm < limits.lower_mm - 1e-3)
     throw UsageError(fmt::format(
         "--home-stroke {:.3f} mm is below the soft limit {:.3f} mm: put the retract end stop there, or give "
         "--accept-drift on a bench without a person",
         homing.stroke_mm, limits.lower_mm));
-  const double run_on_mm = RunOn(homing.speed_mm_s, options);
+  const double run_on_mm = RunOn(homing.speed_mm_s, table, options);
   if (homing.stroke_mm - run_on_mm <= limits.lower_end_mm)
     throw Fail(
         "homing to {:.3f} mm may run on by {:.3f} mm, past the linkage's end at {:.3f} mm: raise --margin or "
@@ -413,7 +414,7 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
                               const FirmwareOptions& options, const std::string& made_by) {
   const Homing homing = HomingOf(stroke, schedule, table, options);
   if (!options.accept_drift) {
-    RequireHome(homing, schedule.limits, options);
+    RequireHome(homing, schedule.limits, table, options);
     if (options.extend_stop_mm > 0)
       RequireExtendStop(schedule, table, options);
     else

@@ -68,11 +68,9 @@ void WriteStamp(const fs::path& folder, const std::string& step, const StepStamp
                                           {"outputs", OutputsJson(stamp.outputs, folder)}});
 }
 
-void RemoveOutputs(const fs::path& folder, const std::string& step, const std::optional<StepStamp>& stamp) {
+void RemoveStamp(const fs::path& folder, const std::string& step) {
   std::error_code ignored;
   fs::remove(StampPath(folder, step), ignored);
-  if (!stamp) return;
-  for (const FileState& output : stamp->outputs) fs::remove(output.path, ignored);
 }
 
 }  // namespace lake::steps

@@ -22,7 +22,7 @@ struct StepStamp {
 std::optional<StepStamp> ReadStamp(const std::filesystem::path& folder, const std::string& step);
 void WriteStamp(const std::filesystem::path& folder, const std::string& step, const StepStamp& stamp);
 
-// The stamp and the outputs it names are removed, nothing else in the folder.
-void RemoveOutputs(const std::filesystem::path& folder, const std::string& step, const std::optional<StepStamp>& stamp);
+// The stamp alone: the outputs are the run's, whose list of results says which they are.
+void RemoveStamp(const std::filesystem::path& folder, const std::string& step);
 
 }  // namespace lake::steps

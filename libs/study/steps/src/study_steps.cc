@@ -129,7 +129,7 @@ class StepProgress {
 }  // namespace
 
 void RetireStudyStep(const fs::path& folder, const std::string& step) {
-  RemoveOutputs(folder, step, ReadStamp(folder, step));
+  RemoveStamp(folder, step);
   RetireStep(folder, step);
   std::error_code not_empty;
   fs::remove(folder, not_empty);
@@ -153,7 +153,7 @@ std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const Ste
       progress.Unchanged(i);
     } else {
       progress.Begin(i, why);
-      RemoveOutputs(step.folder, step.name, stamp);
+      RemoveStamp(step.folder, step.name);
       stamp = Do(step, inputs, options);
       progress.Done(i, stamp->seconds);
     }
