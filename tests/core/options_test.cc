@@ -67,7 +67,7 @@ TEST_F(Options, SayTheirKeyUnitAndDefault) {
   EXPECT_EQ(Named("max-speed").Key(), "max_speed_mm_s");
   EXPECT_EQ(Named("max-speed").Value(), "MM_S");
   EXPECT_EQ(Named("max-speed").DefaultText(), "5");
-  EXPECT_EQ(Named("duration").Help(), "Longest time, s (default: no limit)");
+  EXPECT_EQ(Named("duration").Help(), "Longest time [s] (default: no limit)");
   EXPECT_EQ(Named("names").DefaultText(), "ankle,knee");
   EXPECT_EQ(Named("shape").Value(), "round|square");
   EXPECT_EQ(Named("shape").DefaultText(), "round");
@@ -130,6 +130,8 @@ TEST_F(Options, AreSetFromAFileWithTheSameRules) {
 TEST_F(Options, AreLeftOutByName) {
   const OptionList rest = list_.Without({"max-speed", "table"});
   EXPECT_EQ(rest.All().size(), list_.All().size() - 2);
+  EXPECT_FALSE(rest.IsGiven("table"));
+  EXPECT_THROW(rest["table"], std::out_of_range);
 }
 
 }  // namespace

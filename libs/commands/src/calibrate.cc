@@ -227,7 +227,7 @@ void Describe(PlaneRunOptions& o, OptionList& options) {
     camera::ParsePlanePoints(texts.front());
     o.points = texts.front();
   };
-  options.AddCustom("points", "Pixels and millimetres, x right, y up", set_points).Value("\"X,Y=XMM,YMM; …\"");
+  options.AddCustom("points", "Pixels and millimetres, x right, y up", set_points).Value("\"X,Y=XMM,YMM; ...\"");
   options.Add("click-sigma", o.click_sigma_px, "How well a point of --points is known").Unit("px").Positive();
 }
 

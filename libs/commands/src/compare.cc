@@ -152,18 +152,14 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   Describe(o.misalignment, options);
   Describe(o.human_reading, options);
   options.Add("exo-map", o.exo_reading.names, "The same as --map for the exoskeleton trial")
-      .Value("NAME=MARKER,…")
+      .Value("NAME=MARKER,...")
       .Otherwise("as --map");
   exchange::DescribeUnit("exo-unit", o.exo_reading.mm_per_unit, options).Otherwise("as --unit");
   // What is said of the human trial alone holds for both.
   options.Check([&o](const OptionList& list) {
-    const auto is_given = [&](std::string_view name) {
-      return std::any_of(list.All().begin(), list.All().end(),
-                         [&](const Option& option) { return option.Name() == name && option.IsGiven(); });
-    };
     o.exo_reading.up = o.human_reading.up, o.exo_reading.forward = o.human_reading.forward;
-    if (!is_given("exo-map")) o.exo_reading.names = o.human_reading.names;
-    if (!is_given("exo-unit")) o.exo_reading.mm_per_unit = o.human_reading.mm_per_unit;
+    if (!list.IsGiven("exo-map")) o.exo_reading.names = o.human_reading.names;
+    if (!list.IsGiven("exo-unit")) o.exo_reading.mm_per_unit = o.human_reading.mm_per_unit;
   });
 }
 

@@ -258,10 +258,10 @@ std::string SimulationReport(const Json& summary) {
 }
 
 void Describe(SimulationOptions& o, OptionList& options) {
-  options.Add("stroke", o.strokes_mm, "Strokes to add to the table").Unit("mm").Value("MM,…").Repeats();
+  options.Add("stroke", o.strokes_mm, "Strokes to add to the table").Unit("mm").Value("MM,...").Repeats();
   options.Add("angles", o.angles_deg, "Knee angles to draw")
       .Unit("degrees")
-      .Value("DEG,…")
+      .Value("DEG,...")
       .Otherwise("2, 70, 110 and the largest")
       .Repeats();
   options.Add("knee-torque", o.knee_torque_nm, "Extension torque for the force column").Unit("N m");

@@ -319,7 +319,7 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   options.Add("overlay", o.overlay, "Write overlay.mp4").WithNegation();
   options
       .Add("export", o.exports, fmt::format("Also write the trial as {}", fmt::join(exchange::ExportFormats(), ", ")))
-      .Value("FORMAT,…");
+      .Value("FORMAT,...");
 }
 
 Json RunTrack(const TrackRunOptions& options, Run& run) {

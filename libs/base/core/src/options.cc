@@ -3,10 +3,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <stdexcept>
 
 #include "lake/core/csv.h"
 #include "lake/core/name_value.h"
@@ -132,7 +132,7 @@ Option::Option(std::string name, std::string help, SetOption set)
     : name_(std::move(name)), help_(std::move(help)), type_("TEXT"), set_(std::move(set)) {}
 
 Option& Option::Unit(std::string unit) {
-  assert(FindUnit(unit) && "a unit without an ending for keys");
+  if (!FindUnit(unit)) throw std::invalid_argument(fmt::format("unit '{}' has no ending for keys", unit));
   unit_ = std::move(unit);
   return *this;
 }
@@ -201,7 +201,8 @@ std::string Option::Key() const {
 
 std::string Option::Help() const {
   std::string help = help_;
-  if (!unit_.empty()) help += ", " + unit_;
+  if (!unit_.empty()) help += fmt::format(" [{}]", unit_);
+  if (!implied_.empty()) help += fmt::format(" (without a value: {})", implied_);
   if (!otherwise_.empty()) help += fmt::format(" (default: {})", otherwise_);
   return help;
 }
@@ -283,10 +284,19 @@ OptionList OptionList::Without(const std::vector<std::string_view>& names) const
   return rest;
 }
 
-const Option& OptionList::operator[](std::string_view name) const {
+const Option* OptionList::Find(std::string_view name) const {
   const auto found = std::find_if(options_.begin(), options_.end(), [&](const Option& o) { return o.Name() == name; });
-  assert(found != options_.end());
-  return *found;
+  return found == options_.end() ? nullptr : &*found;
+}
+
+const Option& OptionList::operator[](std::string_view name) const {
+  if (const Option* option = Find(name)) return *option;
+  throw std::out_of_range(fmt::format("no option '{}'", name));
+}
+
+bool OptionList::IsGiven(std::string_view name) const {
+  const Option* option = Find(name);
+  return option && option->IsGiven();
 }
 
 bool OptionList::IsAnyGiven() const {

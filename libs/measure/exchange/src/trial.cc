@@ -167,7 +167,7 @@ Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& o
 }
 
 void Describe(TrialOptions& o, OptionList& options) {
-  options.Add("map", o.names, "The file's name of each marker; A+B is the middle of two").Value("NAME=MARKER,…");
+  options.Add("map", o.names, "The file's name of each marker; A+B is the middle of two").Value("NAME=MARKER,...");
   options
       .AddChoice("up", o.up, OptionList::Choices<char>{{"x", 'x'}, {"y", 'y'}, {"z", 'z'}},
                  "Vertical axis of a 3-D file")

@@ -43,7 +43,7 @@ cv::Rect CropOf(const std::array<double, 4>& numbers, const std::string& said) {
 
 void Describe(TrackOptions& o, OptionList& options) {
   options.Add("markers", o.names, "Names of the markers to find; ankle, knee, hip, waist are understood as the leg")
-      .Value("NAME,…");
+      .Value("NAME,...");
   const auto set_seeds = [&o](const OptionTexts& texts, const std::string& said) {
     o.seeds.clear();
     for (const std::string& text : texts) o.seeds.push_back(ParseSeed(text, said));

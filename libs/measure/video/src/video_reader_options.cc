@@ -8,7 +8,7 @@ void Describe(VideoReaderOptions& o, OptionList& options) {
   options.Add("capture-rate", o.capture_rate_hz, "Rate at which a slow-motion file was recorded")
       .Unit("Hz")
       .NotNegative()
-      .Otherwise("0: the file's own times");
+      .Otherwise("the file's own times");
   options.Check([&o](const OptionList& list) {
     if (o.start_s && o.end_s && *o.end_s < *o.start_s)
       throw UsageError(fmt::format("{} is before {}", list["end"].Said(), list["start"].Said()));

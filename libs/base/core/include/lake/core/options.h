@@ -65,7 +65,7 @@ class Option {
 
   const std::string& Name() const { return name_; }
   std::string Key() const;
-  std::string Help() const;   // with unit and what holds otherwise
+  std::string Help() const;   // with unit, and what holds without the option or its value
   std::string Value() const;  // MM_S, constant|free, FILE, …; empty for a flag
   const std::string& DefaultText() const { return default_text_; }
   const std::string& ImpliedText() const { return implied_; }
@@ -282,12 +282,17 @@ class OptionList {
   // The same without these; checks stay.
   OptionList Without(const std::vector<std::string_view>& names) const;
 
-  std::deque<Option>& All() { return options_; }
-  const std::deque<Option>& All() const { return options_; }
+  std::deque<Option>& All() & { return options_; }
+  const std::deque<Option>& All() const& { return options_; }
+  const std::deque<Option>& All() && = delete;
+  // Throws std::out_of_range where there is no such option.
   const Option& operator[](std::string_view name) const;
+  // Not where there is no such option, as after Without().
+  bool IsGiven(std::string_view name) const;
   bool IsAnyGiven() const;
 
  private:
+  const Option* Find(std::string_view name) const;
   [[noreturn]] static void ThrowNoSuchChoice(const std::string& text, const OptionTexts& known,
                                              const std::string& said);
   std::deque<Option> options_;
