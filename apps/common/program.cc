@@ -37,7 +37,7 @@ std::string CommandLine(int argc, char** argv) {
 
 // A fault in what was said of an option, as CLI11 has them.
 void SetSaid(Option& option, const CLI::results_t& texts) {
-  const bool is_implied = !option.ImpliedText().empty() && texts == CLI::results_t{"true"};
+  const bool is_implied = !option.ImpliedText().empty() && texts == CLI::results_t{""};
   try {
     option.SetFromCommandLine(is_implied ? OptionTexts{option.ImpliedText()} : texts);
   } catch (const UsageError& error) {
@@ -172,6 +172,15 @@ void Program::RunChecks() const {
     if (app == &cli_ || app->parsed()) list->RunChecks();
 }
 
+Json Program::Effective() const {
+  Json options = EffectiveOptions(cli_);
+  for (const auto& [app, list] : lists_)
+    for (const Option& option : list->All())
+      if (option.IsGiven() && !option.ImpliedText().empty() && options[option.Name()] == "")
+        options[option.Name()] = option.ImpliedText();
+  return options;
+}
+
 std::vector<std::string> Program::Subject() const {
   std::vector<const CLI::App*> levels = {&cli_};
   for (const CLI::App* command : cli_.get_subcommands()) levels.push_back(command);
@@ -201,7 +210,7 @@ int Program::Work(const std::string& command, const std::string& result_name, co
                   const std::function<std::string(const Json&)>& report) {
   const bool is_default = out_.empty();
   if (is_default) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
-  Run run({name_, command, EffectiveOptions(cli_), out_, quiet_, Subject(), is_default});
+  Run run({name_, command, Effective(), out_, quiet_, Subject(), is_default});
   const Json summary = run.WriteSummary(work(run));
   WriteTextFile(run.Result("options.toml"), cli_.config_to_str(false));
   if (json_)

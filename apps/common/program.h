@@ -50,6 +50,9 @@ class Program {
 
   void RunChecks() const;
 
+  // The effective options, with the values of those that were given without one.
+  Json Effective() const;
+
   // What the results will be of: the files and folders named without an option, else those that options name; absolute.
   std::vector<std::string> Subject() const;
 
