@@ -28,8 +28,9 @@ int main(int argc, char** argv) {
       .Required();
   list.AddOperand("out", out, "The file to write").Required();
   Describe(options, list);
-  lake::AddOptions(cli, std::move(list));
+  const lake::SharedOptions given = lake::AddOptions(cli, std::move(list));
   return lake::ParseAndRun(cli, argc, argv, [&] {
+    given->Apply();
     for (const std::string& warning : lake::exchange::ConvertFile(in, out, options))
       fmt::print(stderr, "lake-convert: warning: {}\n", warning);
     return 0;

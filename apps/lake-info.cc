@@ -117,8 +117,9 @@ int main(int argc, char** argv) {
   lake::exchange::DescribeUnit("unit", mm_per_unit, options);
   lake::exchange::DescribeRate(rate_hz, options);
   options.Add("json", json, "As JSON");
-  lake::AddOptions(cli, std::move(options));
+  const lake::SharedOptions given = lake::AddOptions(cli, std::move(options));
   return lake::ParseAndRun(cli, argc, argv, [&] {
+    given->Apply();
     const lake::Json info = Describe(file, mm_per_unit, rate_hz);
     json ? fmt::print("{}\n", info.dump(2, ' ', false, lake::Json::error_handler_t::replace)) : Print(info);
     return 0;

@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   lake::commands::OptimizeRunOptions options;
   lake::commands::ReoptimizeRunOptions reoptimize;
   program.Add(lake::OptionsOf(options));
-  const auto motion = program.Add(lake::OptionsOf(reoptimize), "With --comparison or --human");
+  const auto motion = program.Add(lake::OptionsOf(reoptimize), "Re-optimisation, with --comparison or --human");
   return program.Main(
       argc, argv, [] { return std::string("optimize"); },
       [&](lake::Run& run) {

@@ -81,7 +81,8 @@ std::string ManPage(const CLI::App& cli) {
   page += "\n";
   for (const CLI::App* level : Levels(cli)) {
     const bool is_group = level->get_name().empty();
-    const std::string title = level == &cli ? "OPTIONS" : Upper(is_group ? level->get_group() : level->get_name());
+    const std::string title =
+        level == &cli ? "OPTIONS" : Troff(is_group ? level->get_group() : Upper(level->get_name()));
     page += ManSection(*level, title);
   }
   return page + fmt::format(".SH EXAMPLES\n.nf\n{}\n.fi\n", Troff(cli.get_footer()));

@@ -35,34 +35,50 @@ std::string CommandLine(int argc, char** argv) {
   return line;
 }
 
-// A fault in what was said of an option, as CLI11 has them.
-void SetSaid(Option& option, const CLI::results_t& texts) {
-  const bool is_implied = !option.ImpliedText().empty() && texts == CLI::results_t{""};
-  try {
-    option.SetFromCommandLine(is_implied ? OptionTexts{option.ImpliedText()} : texts);
-  } catch (const UsageError& error) {
-    throw CLI::ValidationError(error.what());
-  }
-}
-
 // The command line keeps the list as long as itself.
-void AddFlag(CLI::App& cli, Option& option, const std::shared_ptr<OptionList>& list) {
+void AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
   const std::string names = "--" + option.Name() + (option.HasNegation() ? ",!--no-" + option.Name() : "");
-  const auto set = [&option, list](std::int64_t count) { SetSaid(option, {count > 0 ? "true" : "false"}); };
-  cli.add_flag_function(names, set, option.Help());
+  const auto check = [name = option.Name()](const std::string& text) -> std::string {
+    try {
+      CLI::detail::to_flag_value(text);
+      return "";
+    } catch (const std::invalid_argument&) {
+      return fmt::format("--{} must be true or false, not '{}'", name, text);
+    }
+  };
+  const auto give = [&option, list](std::int64_t value) { option.Give({value > 0 ? "true" : "false"}); };
+  cli.add_flag_function(names, give, option.Help())
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+      ->check(check);
 }
 
-void AddValue(CLI::App& cli, Option& option, const std::shared_ptr<OptionList>& list) {
-  const auto set = [&option, list](const CLI::results_t& texts) {
-    SetSaid(option, texts);
+void AddValue(CLI::App& cli, Option& option, const SharedOptions& list) {
+  const auto give = [&option, list](const CLI::results_t& texts) {
+    const bool is_implied = !option.ImpliedText().empty() && texts == CLI::results_t{""};
+    option.Give(is_implied ? OptionTexts{option.ImpliedText()} : texts);
     return true;
   };
-  CLI::Option* added = cli.add_option((option.IsOperand() ? "" : "--") + option.Name(), set, option.Help());
+  CLI::Option* added = cli.add_option((option.IsOperand() ? "" : "--") + option.Name(), give, option.Help());
   added->type_name(option.Value())->type_size(1)->default_str(option.DefaultText())->required(option.IsRequired());
   if (option.IsRepeated())
     added->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args();
   else
     added->expected(option.ImpliedText().empty() ? 1 : 0, 1);
+}
+
+// The options of the command line itself, of its groups, and of the command that was given.
+std::vector<const CLI::App*> GivenLevels(const CLI::App& cli) {
+  std::vector<const CLI::App*> levels = {&cli};
+  for (const CLI::App* group : cli.get_subcommands([](const CLI::App* app) { return app->get_name().empty(); }))
+    levels.push_back(group);
+  for (const CLI::App* command : cli.get_subcommands()) levels.push_back(command);
+  return levels;
+}
+
+Json EffectiveValue(const Option& option) {
+  const OptionTexts texts = option.Split(option.Given());
+  if (texts.empty()) return option.DefaultText();
+  return option.IsRepeated() && texts.size() > 1 ? Json(texts) : Json(JoinTexts(texts));
 }
 
 void AddEffective(const CLI::Option& option, Json& options) {
@@ -97,24 +113,20 @@ void AddPages(CLI::App& cli) {
 
 }  // namespace
 
-std::shared_ptr<const OptionList> AddOptions(CLI::App& cli, OptionList options, const std::string& group) {
+SharedOptions AddOptions(CLI::App& cli, OptionList options, const std::string& group) {
   const auto list = std::make_shared<OptionList>(std::move(options));
   CLI::App& level = group.empty() ? cli : *cli.add_option_group(group);
   for (Option& option : list->All()) option.IsFlag() ? AddFlag(level, option, list) : AddValue(level, option, list);
   return list;
 }
 
-Json EffectiveOptions(const CLI::App& cli) {
+Json EffectiveOptions(const CLI::App& cli, const std::vector<SharedOptions>& lists) {
   Json options = Json::object();
-  std::vector<const CLI::App*> levels = {&cli};
-  for (const CLI::App* group : cli.get_subcommands([](const CLI::App* app) { return app->get_name().empty(); }))
-    levels.push_back(group);
-  for (const CLI::App* command : cli.get_subcommands()) {
-    options["command"] = command->get_name();
-    levels.push_back(command);
-  }
-  for (const CLI::App* level : levels)
+  for (const CLI::App* command : cli.get_subcommands()) options["command"] = command->get_name();
+  for (const CLI::App* level : GivenLevels(cli))
     for (const CLI::Option* option : level->get_options()) AddEffective(*option, options);
+  for (const SharedOptions& list : lists)
+    for (const Option& option : list->All()) options[option.Name()] = EffectiveValue(option);
   return options;
 }
 
@@ -152,7 +164,7 @@ Program::Program(std::string name, std::string what, std::string example)
   cli_.set_config("--config", "", "Take options from this file; each run writes those it was given as options.toml");
 }
 
-std::shared_ptr<const OptionList> Program::Add(OptionList options, const std::string& group) {
+SharedOptions Program::Add(OptionList options, const std::string& group) {
   lists_.push_back({&cli_, AddOptions(cli_, std::move(options), group)});
   return lists_.back().second;
 }
@@ -167,25 +179,16 @@ const CLI::App* Program::AddCommand(const std::string& name, const std::string& 
   return command;
 }
 
-void Program::RunChecks() const {
+std::vector<SharedOptions> Program::GivenLists() const {
+  std::vector<SharedOptions> lists;
   for (const auto& [app, list] : lists_)
-    if (app == &cli_ || app->parsed()) list->RunChecks();
-}
-
-Json Program::Effective() const {
-  Json options = EffectiveOptions(cli_);
-  for (const auto& [app, list] : lists_)
-    for (const Option& option : list->All())
-      if (option.IsGiven() && !option.ImpliedText().empty() && options[option.Name()] == "")
-        options[option.Name()] = option.ImpliedText();
-  return options;
+    if (app == &cli_ || app->parsed()) lists.push_back(list);
+  return lists;
 }
 
 std::vector<std::string> Program::Subject() const {
-  std::vector<const CLI::App*> levels = {&cli_};
-  for (const CLI::App* command : cli_.get_subcommands()) levels.push_back(command);
   std::vector<std::string> named, files;
-  for (const CLI::App* level : levels)
+  for (const CLI::App* level : GivenLevels(cli_))
     for (const CLI::Option* option : level->get_options())
       for (const std::string& value : option->results()) {
         std::error_code error;
@@ -201,7 +204,7 @@ int Program::Main(int argc, char** argv, const std::function<std::string()>& res
                   const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report) {
   return ParseAndRun(cli_, argc, argv, [&] {
     CatchInterrupts();
-    RunChecks();
+    for (const SharedOptions& list : GivenLists()) list->Apply();
     return Work(CommandLine(argc, argv), result_name(), work, report);
   });
 }
@@ -210,7 +213,7 @@ int Program::Work(const std::string& command, const std::string& result_name, co
                   const std::function<std::string(const Json&)>& report) {
   const bool is_default = out_.empty();
   if (is_default) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
-  Run run({name_, command, Effective(), out_, quiet_, Subject(), is_default});
+  Run run({name_, command, EffectiveOptions(cli_, GivenLists()), out_, quiet_, Subject(), is_default});
   const Json summary = run.WriteSummary(work(run));
   WriteTextFile(run.Result("options.toml"), cli_.config_to_str(false));
   if (json_)

@@ -15,11 +15,15 @@
 
 namespace lake {
 
-// Adds the options to a command line, which keeps them; `group` is a heading of their own in --help.
-std::shared_ptr<const OptionList> AddOptions(CLI::App& cli, OptionList options, const std::string& group = "");
+using SharedOptions = std::shared_ptr<OptionList>;
 
-// All options of a command line that was parsed, given or not: name → text.
-Json EffectiveOptions(const CLI::App& cli);
+// Adds the options to a command line, which keeps them; they are set by OptionList::Apply() once it is parsed. `group`
+// is a heading of their own in --help.
+SharedOptions AddOptions(CLI::App& cli, OptionList options, const std::string& group = "");
+
+// All options of a command line that was parsed, given or not: name → text, or texts where several may be given; those
+// of `lists` with the values that they have without one.
+Json EffectiveOptions(const CLI::App& cli, const std::vector<SharedOptions>& lists);
 
 // Parses (adding --version), then runs `work`, and returns the exit code that `work` returns or its error has, with one
 // line on stderr.
@@ -31,7 +35,7 @@ class Program {
   Program(std::string name, std::string what, std::string example);
 
   // The program's own options, which stay bound to their struct; and those of a command of it.
-  std::shared_ptr<const OptionList> Add(OptionList options, const std::string& group = "");
+  SharedOptions Add(OptionList options, const std::string& group = "");
   const CLI::App* AddCommand(const std::string& name, const std::string& what, const std::string& example,
                              OptionList options);
 
@@ -48,17 +52,15 @@ class Program {
   int Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work,
            const std::function<std::string(const Json&)>& report);
 
-  void RunChecks() const;
-
-  // The effective options, with the values of those that were given without one.
-  Json Effective() const;
+  // Those of the command line itself and of the command that was given.
+  std::vector<SharedOptions> GivenLists() const;
 
   // What the results will be of: the files and folders named without an option, else those that options name; absolute.
   std::vector<std::string> Subject() const;
 
   std::string name_;
   CLI::App cli_;
-  std::vector<std::pair<const CLI::App*, std::shared_ptr<const OptionList>>> lists_;
+  std::vector<std::pair<const CLI::App*, SharedOptions>> lists_;
   std::string out_;
   bool quiet_ = false;
   bool json_ = false;

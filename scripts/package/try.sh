@@ -4,11 +4,10 @@
 set -euo pipefail
 package=$(realpath "$1")
 system=$(mktemp -d)
-trap 'rm -rf "$system"' EXIT
+trap 'umount "$system/proc" 2>/dev/null; rm -rf --one-file-system "$system"' EXIT
 
-mmdebstrap --variant=apt bookworm "$system"
-cp "$package" "$system/tmp/lake.deb"
-chroot "$system" apt-get install -q -y --no-install-recommends /tmp/lake.deb
+mmdebstrap --variant=apt --hook-dir=/usr/share/mmdebstrap/hooks/file-mirror-automount --include="$package" bookworm "$system"
+mount -t proc proc "$system/proc"
 chroot "$system" lake --version
 chroot "$system" lake run /usr/share/doc/lake/examples/data/sts-study/study.yaml -o /root/study
 test -s "$system/root/study/report.html"

@@ -4,9 +4,11 @@
 #include "lake/commands/compare.h"
 #include "lake/commands/gait.h"
 #include "lake/commands/optimize.h"
+#include "lake/commands/simulate.h"
 #include "lake/commands/stroke.h"
 #include "lake/commands/track.h"
 #include "lake/core/yaml.h"
+#include "lake/exchange/convert_options.h"
 #include "pages.h"
 #include "program.h"
 
@@ -26,16 +28,18 @@ void Describe(NewOptions& o, OptionList& options) {
 TEST(AnOption, IsOneLine) {
   NewOptions options;
   CLI::App cli("A program", "lake-new");
-  AddOptions(cli, OptionsOf(options));
-  EXPECT_EQ(EffectiveOptions(cli)["knee-width"], "90") << "the summary's options";
+  const std::vector<SharedOptions> lists = {AddOptions(cli, OptionsOf(options))};
+  EXPECT_EQ(EffectiveOptions(cli, lists)["knee-width"], "90") << "the summary's options";
   EXPECT_THAT(cli.help(), HasSubstr("--knee-width MM=90"));
   EXPECT_THAT(cli.help(), HasSubstr("Width of the knee between its condyles [mm]"));
   EXPECT_THAT(ManPage(cli), HasSubstr("\\fB\\-\\-knee\\-width\\fR \\fIMM\\fR\nWidth of the knee"));
   EXPECT_THAT(BashCompletion(cli), HasSubstr("--knee-width"));
   cli.parse("--knee-width 85");
+  lists.front()->Apply();
   EXPECT_EQ(options.knee_width_mm, 85);
-  EXPECT_EQ(EffectiveOptions(cli)["knee-width"], "85");
-  EXPECT_THROW(cli.parse("--knee-width 0"), CLI::ValidationError);
+  EXPECT_EQ(EffectiveOptions(cli, lists)["knee-width"], "85");
+  cli.parse("--knee-width 0");
+  EXPECT_THROW(lists.front()->Apply(), UsageError);
 
   const TemporaryFolder folder;
   WriteTextFile(folder / "study.yaml", "knee_width_mm: 88\n");
@@ -44,6 +48,25 @@ TEST(AnOption, IsOneLine) {
   ReadOptions(section, list, {});
   section.Finish();
   EXPECT_EQ(options.knee_width_mm, 88);
+}
+
+TEST(AFlag, IsSetByItsLastMentionAndRefusesOtherWords) {
+  struct Drawing {
+    bool drawn = true;
+  } drawing;
+  CLI::App cli("A program", "lake-new");
+  OptionList described;
+  described.Add("drawn", drawing.drawn, "Draw it").WithNegation();
+  const SharedOptions list = AddOptions(cli, std::move(described));
+  EXPECT_EQ(EffectiveOptions(cli, {list})["drawn"], "true");
+  cli.parse("--no-drawn");
+  list->Apply();
+  EXPECT_FALSE(drawing.drawn);
+  EXPECT_EQ(EffectiveOptions(cli, {list})["drawn"], "false");
+  cli.parse("--no-drawn --drawn");
+  list->Apply();
+  EXPECT_TRUE(drawing.drawn);
+  EXPECT_THROW(cli.parse("--drawn=perhaps"), CLI::ValidationError);
 }
 
 template <typename Options>
@@ -74,6 +97,9 @@ TEST(Help, HasEveryDescribedOptionWithItsUnit) {
   ExpectHelp<commands::DutyRunOptions>("lake-stroke calibrate");
   ExpectHelp<commands::CalibrateRunOptions>("lake-calibrate");
   ExpectHelp<commands::PlaneRunOptions>("lake-calibrate plane");
+  ExpectHelp<commands::SheetRunOptions>("lake-calibrate board");
+  ExpectHelp<commands::SimulationOptions>("lake-simulate");
+  ExpectHelp<exchange::ConvertOptions>("lake-convert");
 }
 
 }  // namespace

@@ -72,6 +72,9 @@ TEST_F(Options, SayTheirKeyUnitAndDefault) {
   EXPECT_EQ(Named("shape").Value(), "round|square");
   EXPECT_EQ(Named("shape").DefaultText(), "round");
   EXPECT_EQ(Named("table").Value(), "FILE");
+  double rate_hz = 0;
+  OptionList rates;
+  EXPECT_EQ(rates.Add("rate", rate_hz, "Rate").Otherwise("the file's own").DefaultText(), "");
 }
 
 TEST_F(Options, AreSetFromACommandLine) {
@@ -102,8 +105,9 @@ TEST_F(Options, RefuseWhatCannotBe) {
   ExpectRefused("seed-number", {"-1"}, "whole number");
   ExpectRefused("box", {"1,2"}, "--box must have 4 numbers, not 2");
   ExpectRefused("depth", {"knee"}, "--depth 'knee'");
-  ExpectRefused("depth", {"knee=1", "knee=2"}, "stands twice");
-  ExpectRefused("shape", {"oval"}, "--shape 'oval': round, square");
+  ExpectRefused("depth", {"knee=1", "knee=2"}, "is given twice");
+  ExpectRefused("shape", {"oval"}, "--shape must be one of round, square, not 'oval'");
+  ExpectRefused("table", {""}, "--table is empty");
 }
 
 TEST_F(Options, AreSetFromAFileWithTheSameRules) {

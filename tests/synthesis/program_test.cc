@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "lake/core/atomic_file.h"
 #include "lake/core/json.h"
 #include "synthesis/program_run.h"
 #include "temporary_folder.h"
@@ -49,6 +50,18 @@ TEST(LakeOptimize, WrittenOptionsReadBack) {
     EXPECT_EQ(first[key], second[key]) << key;
   EXPECT_EQ(first["options"]["certify"], "0.1");
   EXPECT_EQ(second["starts"].size(), 3u);
+}
+
+// A file that an option names is read before the options that change what it holds, wherever these stand.
+TEST(LakeOptimize, OptionsOfAConfigurationOverruleTheProblemFileToo) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "problem.yaml", "margins: {grashof_mm: 5, singularity_mm: 5}\n");
+  WriteTextFile(folder / "options.toml", "grashof-margin=2\nsingularity-margin=2\nstarts=1\n");
+  const Ended ended = RunProgram("--config " + (folder / "options.toml").string() + " --problem " +
+                                 (folder / "problem.yaml").string() + " --quiet -o " + (folder / "out").string());
+  ASSERT_EQ(ended.exit_code, 0) << ended.text;
+  EXPECT_NEAR(ReadJsonFile(folder / "out/summary.json")["range_deg"].get<double>(), 153.770, 1e-3);
+  EXPECT_EQ(RunProgram("--problem " + (folder / "none.yaml").string() + " --help").exit_code, 0);
 }
 
 TEST(LakeOptimize, WithoutSolutionExitsWithThreeAndLeavesTheReason) {

@@ -212,10 +212,11 @@ void Describe(CalibrateRunOptions& o, OptionList& options) {
       .Repeats();
   DescribeBoard(o.board, options);
   options.AddChoice("loss", o.calibration.robust, OptionList::Choices<bool>{{"robust", true}, {"squared", false}},
-                    "robust, or squared as OpenCV");
-  options.Add("fix-k3", o.calibration.fix_k3, "k3 = 0, for views that leave the corners of the picture empty");
-  options.Add("square-pixels", o.calibration.square_pixels, "fx = fy");
-  options.Add("max-views", o.find.most_views, "Of a video: how many sharp, spread frames to use").Between(3, 200);
+                    "Loss function: robust, or squared as in OpenCV");
+  options.Add("fix-k3", o.calibration.fix_k3, "Keep k3 = 0, for views that leave the corners of the picture empty");
+  options.Add("square-pixels", o.calibration.square_pixels, "Force fx = fy");
+  options.Add("max-views", o.find.most_views, "Number of sharp, well-spread frames to use from a video")
+      .Between(3, 200);
 }
 
 void Describe(PlaneRunOptions& o, OptionList& options) {
@@ -227,8 +228,9 @@ void Describe(PlaneRunOptions& o, OptionList& options) {
     camera::ParsePlanePoints(texts.front());
     o.points = texts.front();
   };
-  options.AddCustom("points", "Pixels and millimetres, x right, y up", set_points).Value("\"X,Y=XMM,YMM; ...\"");
-  options.Add("click-sigma", o.click_sigma_px, "How well a point of --points is known").Unit("px").Positive();
+  options.AddCustom("points", "At least four points: pixel = place in the plane (mm; x right, y up)", set_points)
+      .Value("\"X,Y=XMM,YMM; ...\"");
+  options.Add("click-sigma", o.click_sigma_px, "Standard deviation of the pixels in --points").Unit("px").Positive();
 }
 
 void Describe(SheetRunOptions& o, OptionList& options) {

@@ -151,7 +151,7 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
   Describe(o.misalignment, options);
   Describe(o.human_reading, options);
-  options.Add("exo-map", o.exo_reading.names, "The same as --map for the exoskeleton trial")
+  options.Add("exo-map", o.exo_reading.names, "--map of the exoskeleton trial")
       .Value("NAME=MARKER,...")
       .Otherwise("as --map");
   exchange::DescribeUnit("exo-unit", o.exo_reading.mm_per_unit, options).Otherwise("as --unit");

@@ -133,8 +133,8 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
   options.Add("human-knee", o.human_knee, "The knee marker of --human");
   Describe(o.human_reading, options);
   options.Add("worn", o.worn, "design.yaml worn in the exoskeleton trial of --comparison");
-  options.Add("human-only", o.human_only, "Leave the exoskeleton trial of --comparison out");
-  options.Add("max-misalignment", o.max_misalignment_percent, "Greatest misalignment, RMS relative to the shank")
+  options.Add("human-only", o.human_only, "Ignore the exoskeleton trial of --comparison");
+  options.Add("max-misalignment", o.max_misalignment_percent, "Largest misalignment allowed, RMS relative to the shank")
       .Unit("percent")
       .Positive();
   options.Add("penalty", o.penalty_deg_per_mm, "Range given up for less misalignment")
@@ -142,8 +142,10 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
       .Key("penalty")
       .NotNegative();
   Describe(o.program, options);
-  options.Add("fit-placement", o.fit_placement, "Move the exoskeleton's joint on the shank too");
-  options.Add("placement-reach", o.placement_reach_mm, "How far from the knee it may sit, to either side")
+  options.Add("fit-placement", o.fit_placement, "Also move the exoskeleton's joint on the shank");
+  options
+      .Add("placement-reach", o.placement_reach_mm,
+           "Farthest that the joint may sit from the knee, to either side (with --fit-placement)")
       .Unit("mm")
       .Positive();
   options

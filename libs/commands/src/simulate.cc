@@ -272,7 +272,7 @@ void Describe(SimulationOptions& o, OptionList& options) {
   options.Add("bar-width", o.plates.bar_width_mm, "Width of the link plates").Unit("mm");
   options.Add("pin-diameter", o.plates.pin_diameter_mm, "Diameter of their holes").Unit("mm");
   options.Add("actuator-diameter", o.actuator_diameter_mm, "Diameter of the actuator").Unit("mm");
-  options.AddOff("no-animation", o.animation, "Write no animation.mp4 and .gif");
+  options.Add("animation", o.animation, "Write animation.mp4 and .gif").WithNegation();
 }
 
 }  // namespace lake::commands

@@ -350,7 +350,8 @@ void Describe(StrokeRunOptions& o, OptionList& options) {
   options.Add("validate", o.validate, "lake-track folder of a prototype's video to hold against the program")
       .IsPath(Option::Path::kFolder)
       .Value("TRACKDIR");
-  options.Add("tolerance", o.tolerance_deg, "RMS up to which a prototype follows its prediction").Unit("degrees");
+  options.Add("tolerance", o.tolerance_deg, "Largest RMS at which a prototype counts as following its prediction")
+      .Unit("degrees");
   Describe(o.firmware, options);
 }
 
@@ -364,13 +365,16 @@ void Describe(DutyRunOptions& o, OptionList& options) {
   options.Add("video", o.video, "lake-track folder of a video of the actuator, filmed while the log was written")
       .IsPath(Option::Path::kFolder)
       .Value("TRACKDIR");
-  options.Add("rod-markers", o.rod, "Its two markers: on the actuator's body, on its rod").Value("BODY,ROD");
+  options.Add("rod-markers", o.rod, "The two markers in --video: on the actuator's body and on its rod")
+      .Value("BODY,ROD")
+      .Repeats();
   Describe(o.calibrate, options);
   options.Add("write-firmware", o.write_firmware, "No logs yet: write the firmware that makes them");
-  options.Add("dead-time", o.firmware.dead_time_s, "Its brake before a reversal").Unit("s");
+  options.Add("dead-time", o.firmware.dead_time_s, "Firmware of --write-firmware: braking time before a reversal")
+      .Unit("s");
   options
       .Add("command-timeout", o.firmware.command_timeout_s,
-           "Its motion stops when the host is silent for so long; 0: never")
+           "Firmware of --write-firmware: stop after the host has been silent this long; 0: never")
       .Unit("s");
 }
 

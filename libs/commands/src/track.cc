@@ -305,11 +305,13 @@ void Describe(TrackRunOptions& o, OptionList& options) {
       .IsPath(Option::Path::kVideo);
   Describe(o.track, options);
   options.Add("camera", o.camera, "camera.yaml: intrinsics and, if it has one, the sagittal plane");
-  options.Add("scale", o.scale, "A scale bar in px, without a calibrated plane").Value("X1,Y1,X2,Y2,LENGTH_MM");
-  options.Add("vertical", o.vertical, "A plumb line in the picture, in px")
+  options.Add("scale", o.scale, "A scale bar, ends in px, where no plane is calibrated").Value("X1,Y1,X2,Y2,LENGTH_MM");
+  options.Add("vertical", o.vertical, "A plumb line in the picture")
+      .Unit("px")
+      .Key("vertical")
       .Value("X1,Y1,X2,Y2")
       .Otherwise("the picture's own up, or the plane's y");
-  options.Add("depth", o.depth_mm, "How far a marker stands proud of the calibrated plane (may be repeated)")
+  options.Add("depth", o.depth_mm, "Distance of a marker in front of the calibrated plane (may be repeated)")
       .Unit("mm")
       .Value("NAME=MM")
       .Repeats();

@@ -207,6 +207,12 @@ StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& desi
   return redesign;
 }
 
+void ReadSimulation(YamlNode node, Files& files, StudyFile& study) {
+  study.simulation_options = node.ToJson();
+  ReadSection(node, study.simulation, files);
+  node.Finish();
+}
+
 commands::StrokeRunOptions ReadStroke(YamlNode node, Files& files) {
   commands::StrokeRunOptions options;
   ReadSection(node, options, files, {"design", "motion", "validate", "tolerance"});
@@ -260,6 +266,7 @@ StudyFile ReadStudyFile(const fs::path& path) {
           "leave the trial out with human_only: true",
           where);
   }
+  if (auto simulation = root.Child("simulation")) ReadSimulation(std::move(*simulation), files, study);
   if (auto stroke = root.Child("stroke")) {
     study.stroke_options = stroke->ToJson();
     study.stroke = ReadStroke(std::move(*stroke), files);

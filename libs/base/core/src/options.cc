@@ -50,7 +50,8 @@ Integer ParseInteger(const std::string& text, const std::string& said) {
   const std::optional<double> number = ParseNumber(text);
   const bool is_negative = number && *number < 0 && std::is_unsigned_v<Integer>;
   if (!number || *number != std::round(*number) || std::abs(*number) > kMost || is_negative)
-    throw UsageError(fmt::format("{} must be a whole number, not {}", said, text));
+    throw UsageError(fmt::format("{} must be a whole number{}, not {}", said,
+                                 std::is_unsigned_v<Integer> ? " from 0 on" : "", text));
   return static_cast<Integer>(*number);
 }
 
@@ -120,9 +121,9 @@ std::vector<std::pair<std::string, std::string>> NamesAndValues(const OptionText
   std::vector<std::pair<std::string, std::string>> pairs;
   for (const std::string& text : texts) {
     const auto pair = SplitNameValue(said, text);
-    if (pair.second.empty()) throw UsageError(fmt::format("{} '{}': nothing for '{}'", said, text, pair.first));
+    if (pair.second.empty()) throw UsageError(fmt::format("{} '{}': no value for '{}'", said, text, pair.first));
     if (std::any_of(pairs.begin(), pairs.end(), [&](const auto& other) { return other.first == pair.first; }))
-      throw UsageError(fmt::format("{}: '{}' stands twice", said, pair.first));
+      throw UsageError(fmt::format("{}: '{}' is given twice", said, pair.first));
     pairs.push_back(pair);
   }
   return pairs;
@@ -234,6 +235,7 @@ OptionTexts Option::Split(const OptionTexts& texts) const {
 
 void Option::SetFromCommandLine(const OptionTexts& texts) {
   const std::string said = is_operand_ ? name_ : "--" + name_;
+  if (std::find(texts.begin(), texts.end(), "") != texts.end()) throw UsageError(fmt::format("{} is empty", said));
   Set(Split(texts), said);
   said_ = fmt::format("{} {}{}", said, JoinTexts(texts), unit_.empty() ? "" : " " + unit_);
 }
@@ -250,20 +252,9 @@ void Option::Set(const OptionTexts& texts, const std::string& said) {
     const double number = OptionValue<double>::Parse(text, said);
     const auto [low, high] = *range_;
     if (!low_is_allowed_ && !(number > low)) throw UsageError(fmt::format("{} must be positive, not {}", said, text));
-    if (number < low && low == 0) throw UsageError(fmt::format("{} must not be negative, not {}", said, text));
     if (number < low) throw UsageError(fmt::format("{} must be at least {}, not {}", said, low, text));
     if (number > high) throw UsageError(fmt::format("{} must be at most {}, not {}", said, high, text));
   }
-}
-
-Option& OptionList::AddOff(std::string name, bool& field, std::string help) {
-  const auto set = [&field](const OptionTexts& texts, const std::string& said) {
-    CheckTextCount(texts, 1, said);
-    field = !OptionValue<bool>::Parse(texts.front(), said);
-  };
-  Option& option = AddCustom(std::move(name), std::move(help), set);
-  option.is_flag_ = true;
-  return option;
 }
 
 Option& OptionList::AddCustom(std::string name, std::string help, SetOption set, std::string default_text) {
@@ -274,6 +265,12 @@ Option& OptionList::AddCustom(std::string name, std::string help, SetOption set,
 
 void OptionList::RunChecks() const {
   for (const auto& check : checks_) check(*this);
+}
+
+void OptionList::Apply() {
+  for (Option& option : options_)
+    if (!option.Given().empty()) option.SetFromCommandLine(option.Given());
+  RunChecks();
 }
 
 OptionList OptionList::Without(const std::vector<std::string_view>& names) const {
@@ -304,9 +301,7 @@ bool OptionList::IsAnyGiven() const {
 }
 
 void OptionList::ThrowNoSuchChoice(const std::string& text, const OptionTexts& known, const std::string& said) {
-  std::string name = said;
-  std::erase(name, '\'');
-  throw UsageError(fmt::format("{} '{}': {}", name, text, fmt::join(known, ", ")));
+  throw UsageError(fmt::format("{} must be one of {}, not '{}'", said, fmt::join(known, ", "), text));
 }
 
 namespace {

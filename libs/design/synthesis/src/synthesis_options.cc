@@ -6,7 +6,7 @@ namespace lake::synthesis {
 
 void Describe(OptimizeOptions& o, OptionList& options) {
   options.Add("starts", o.starts, "Number of starts; all but the first are random within the bounds").AtLeast(1);
-  options.Add("seed-number", o.seed, "Seed of everything random");
+  options.Add("seed-number", o.seed, "Random seed");
 }
 
 void Describe(SynthesisOptions& o, OptionList& options) {
@@ -17,13 +17,11 @@ void Describe(SynthesisOptions& o, OptionList& options) {
       .Implied(FormatNumber(certificate::CertificateOptions{}.gap_deg));
   options
       .Add("yield", o.yield_tolerance_mm,
-           "Evaluate the fraction of builds that work when every link, and nothing else, is off by up to this; no "
-           "constraint")
+           "Evaluate the fraction of builds that work when every link, and nothing else, deviates by up to this; not a "
+           "requirement")
       .Unit("mm")
       .Positive();
-  options.Add("round", o.round_mm, "Also give the best design with links that are multiples of this")
-      .Unit("mm")
-      .Positive();
+  options.Add("round", o.round_mm, "Also find the best design whose links are multiples of this").Unit("mm").Positive();
 }
 
 }  // namespace lake::synthesis

@@ -5,11 +5,12 @@ namespace lake::compare {
 void Describe(MisalignmentOptions& o, OptionList& options) {
   options
       .Add("replacement-sd", o.replacement_sd_mm,
-           "How well a marker is put back on the same spot between trials, per axis; 0 when both are in one recording")
+           "Standard deviation, per axis, of putting a marker back on its spot between trials; 0 if both are in one "
+           "recording")
       .Unit("mm")
       .NotNegative();
-  options.Add("resamples", o.resamples, "Of the bootstrap intervals; 0: none");
-  options.Add("seed-number", o.seed, "Of the bootstrap");
+  options.Add("resamples", o.resamples, "Number of bootstrap resamples; 0: no intervals");
+  options.Add("seed-number", o.seed, "Random seed of the bootstrap");
 }
 
 }  // namespace lake::compare

@@ -145,13 +145,8 @@ bool IsOwnTable(const fs::path& path) {
 }  // namespace
 
 std::map<std::string, std::string> ParseNameMap(const std::string& text) {
-  std::map<std::string, std::string> names;
-  for (const std::string& part : SplitText(text, ',')) {
-    const auto [name, marker] = SplitNameValue("--map", part);
-    if (marker.empty()) throw UsageError(fmt::format("--map '{}': no marker for '{}'", text, name));
-    if (!names.emplace(name, marker).second) throw UsageError(fmt::format("--map '{}': '{}' stands twice", text, name));
-  }
-  return names;
+  const auto pairs = NamesAndValues(SplitText(text, ','), "--map");
+  return {pairs.begin(), pairs.end()};
 }
 
 Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options) {
@@ -162,20 +157,27 @@ Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& o
     if (!mm || !(*mm > 0)) throw UsageError(fmt::format("{} '{}': mm, cm, m or its length in mm", said, texts.front()));
     mm_per_unit = *mm;
   };
-  return options.AddCustom(name, "Unit of files that do not say theirs (Tracker text, Kinovea's CSV)", set, "mm")
-      .Value("mm|cm|m");
+  return options
+      .AddCustom(name,
+                 "Length unit of files that state none (Tracker text, Kinovea's CSV): mm, cm, m, or its length in mm",
+                 set, "mm")
+      .Value("mm|cm|m|MM");
 }
 
 void Describe(TrialOptions& o, OptionList& options) {
-  options.Add("map", o.names, "The file's name of each marker; A+B is the middle of two").Value("NAME=MARKER,...");
-  options
-      .AddChoice("up", o.up, OptionList::Choices<char>{{"x", 'x'}, {"y", 'y'}, {"z", 'z'}},
-                 "Vertical axis of a 3-D file")
-      .Otherwise("TRC y, C3D its own or z");
-  options.Add("forward", o.forward, "Where the subject of a 3-D file faces: +x, -x, …")
+  options.Add("map", o.names, "Each marker's name in the file; A+B is the midpoint of two").Value("NAME=MARKER,...");
+  DescribeUp(o, options);
+  options.Add("forward", o.forward, "Direction in which the subject of a 3-D file faces: +x, -x, …")
       .Value("AXIS")
       .Otherwise("found from the movement");
   DescribeUnit("unit", o.mm_per_unit, options);
+}
+
+Option& DescribeUp(TrialOptions& o, OptionList& options) {
+  return options
+      .AddChoice("up", o.up, OptionList::Choices<char>{{"x", 'x'}, {"y", 'y'}, {"z", 'z'}},
+                 "Vertical axis of a 3-D file")
+      .Otherwise("TRC y, C3D its own or z");
 }
 
 PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options) {

@@ -189,8 +189,8 @@ void Describe(LegFitOptions& o, OptionList& options) {
       "filter", o.filter,
       OptionList::Choices<LegFilter>{
           {"spline", LegFilter::kSpline}, {"butterworth", LegFilter::kButterworth}, {"none", LegFilter::kNone}},
-      "How positions and angles are smoothed");
-  options.Add("cutoff", o.cutoff_hz, "Frequency up to which movement is kept")
+      "Filter of positions and angles");
+  options.Add("cutoff", o.cutoff_hz, "Cutoff frequency of the filter")
       .Unit("Hz")
       .Positive()
       .Otherwise("found from the data (spline), 6 (butterworth)");
@@ -200,7 +200,7 @@ void DescribeFacing(LegFitOptions& o, OptionList& options) {
   using motion::Facing;
   options
       .AddChoice("facing", o.facing, OptionList::Choices<Facing>{{"left", Facing::kLeft}, {"right", Facing::kRight}},
-                 "Where the subject looks, in the plane")
+                 "Direction in which the subject faces, in the plane")
       .Otherwise("found from the movement");
 }
 

@@ -48,7 +48,8 @@ void Describe(TrackOptions& o, OptionList& options) {
     o.seeds.clear();
     for (const std::string& text : texts) o.seeds.push_back(ParseSeed(text, said));
   };
-  options.AddCustom("seed", "Where a marker is, in px of a frame (may be repeated)", set_seeds)
+  options.AddCustom("seed", "Position of a marker in a frame (may be repeated)", set_seeds)
+      .Unit("px")
       .Key("seeds")
       .Value("NAME=X,Y[@FRAME]")
       .Repeats();
@@ -57,21 +58,26 @@ void Describe(TrackOptions& o, OptionList& options) {
                                                       {"color", DetectorKind::kColor},
                                                       {"template", DetectorKind::kTemplate},
                                                       {"aruco", DetectorKind::kAruco}},
-                    "What the markers are");
-  options.Add("color", o.colors, "One for all markers or one for each, for --detector color")
+                    "Kind of marker");
+  options.Add("color", o.colors, "Marker colour, one for all or one per marker, for --detector color")
       .Key("colors")
       .Value("\"#RRGGBB\"")
       .Repeats();
-  options.Add("dictionary", o.dictionary, "For --detector aruco; ids 0, 1, … are the markers in order");
+  options.Add("dictionary", o.dictionary,
+              "ArUco dictionary, for --detector aruco; ids 0, 1, … are the markers in the order of --markers");
   options.AddChoice("polarity", o.polarity,
                     OptionList::Choices<Polarity>{{"bright", Polarity::kBright}, {"dark", Polarity::kDark}},
-                    "Markers brighter or darker than what is round them");
+                    "Whether markers are brighter or darker than their surroundings");
   const auto set_crop = [&o](const OptionTexts& texts, const std::string& said) {
     std::array<double, 4> numbers;
     OptionField<std::array<double, 4>>::Set(texts, said, numbers);
     o.crop = CropOf(numbers, said);
   };
-  options.AddCustom("crop", "Look only there, px", set_crop).Value("X,Y,W,H").SplitAtCommas();
+  options.AddCustom("crop", "Search only this rectangle of the picture", set_crop)
+      .Unit("px")
+      .Key("crop")
+      .Value("X,Y,W,H")
+      .SplitAtCommas();
   Describe(o.reader, options);
   options.Check([&o](const OptionList&) { o.Check(); });
 }

@@ -67,7 +67,8 @@ class Option {
   std::string Key() const;
   std::string Help() const;   // with unit, and what holds without the option or its value
   std::string Value() const;  // MM_S, constant|free, FILE, …; empty for a flag
-  const std::string& DefaultText() const { return default_text_; }
+  // The field's value; empty where Otherwise() says what holds.
+  std::string DefaultText() const { return otherwise_.empty() ? default_text_ : ""; }
   const std::string& ImpliedText() const { return implied_; }
   Path PathKind() const { return path_; }
   bool IsOperand() const { return is_operand_; }  // given by its place, not by --NAME
@@ -76,6 +77,11 @@ class Option {
   bool IsRepeated() const { return repeats_; }
   bool IsRequired() const { return is_required_; }
   bool IsGiven() const { return !said_.empty(); }
+
+  // Keeps what a command line says until OptionList::Apply(): a file that one option names may hold what another
+  // changes, so the order of the description decides, not that of the command line.
+  void Give(OptionTexts texts) { given_ = std::move(texts); }
+  const OptionTexts& Given() const { return given_; }
 
   // Takes what a command line says: values may be lists with commas. Throws UsageError.
   void SetFromCommandLine(const OptionTexts& texts);
@@ -93,6 +99,7 @@ class Option {
 
   std::string name_, help_, key_, value_, unit_, otherwise_, default_text_, implied_, type_, said_;
   SetOption set_;
+  OptionTexts given_;
   Path path_ = Path::kNone;
   bool is_operand_ = false, is_flag_ = false, has_negation_ = false, repeats_ = false, is_required_ = false,
        splits_ = false;
@@ -269,15 +276,16 @@ class OptionList {
     return AddCustom(std::move(name), std::move(help), set, now).Value(names);
   }
 
-  // A flag that turns the field off.
-  Option& AddOff(std::string name, bool& field, std::string help);
-
   // A text of its own kind.
   Option& AddCustom(std::string name, std::string help, SetOption set, std::string default_text = "");
 
-  // What must hold between the options once they are set; `check` throws Error.
+  // What holds between the options once they are set: what follows from others, and what must hold, else `check` throws
+  // Error.
   void Check(std::function<void(const OptionList&)> check) { checks_.push_back(std::move(check)); }
   void RunChecks() const;
+
+  // Sets the options that a command line gives, in the order of the description, then runs the checks. Throws Error.
+  void Apply();
 
   // The same without these; checks stay.
   OptionList Without(const std::vector<std::string_view>& names) const;

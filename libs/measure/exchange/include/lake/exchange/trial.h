@@ -23,6 +23,9 @@ struct TrialOptions {
 // All but the rate, which only what converts asks.
 void Describe(TrialOptions& o, OptionList& options);
 // The unit of files that do not say theirs: its name, or its length in mm.
+// Which axis of a 3-D file is vertical.
+Option& DescribeUp(TrialOptions& o, OptionList& options);
+
 Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options);
 
 struct Trial {
