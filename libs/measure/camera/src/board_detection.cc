@@ -13,7 +13,6 @@
 namespace lake::camera {
 namespace {
 
-
 struct FoundCorners {
   std::vector<int> corner;
   std::vector<cv::Point2f> pixel;
