@@ -11,6 +11,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/provenance.h"
+#include "lake/core/threads.h"
 #include "pages.h"
 
 namespace lake {
@@ -159,6 +160,8 @@ Program::Program(std::string name, std::string what, std::string example)
   cli_.footer("Example:\n  " + example);
   cli_.option_defaults()->always_capture_default();
   cli_.add_option("-o,--out", out_, "Folder for the results; made if absent (default: ./lake-out/NAME)");
+  cli_.add_option("--threads", threads_, "Threads to work with; results do not depend on it (default: the machine's)")
+      ->type_name("INT");
   cli_.add_flag("--quiet", quiet_, "No progress");
   cli_.add_flag("--json", json_, "Print the summary to stdout as JSON");
   cli_.set_config("--config", "", "Take options from this file; each run writes those it was given as options.toml");
@@ -204,6 +207,7 @@ int Program::Main(int argc, char** argv, const std::function<std::string()>& res
                   const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report) {
   return ParseAndRun(cli_, argc, argv, [&] {
     CatchInterrupts();
+    if (threads_) SetThreads(*threads_);
     for (const SharedOptions& list : GivenLists()) list->Apply();
     return Work(CommandLine(argc, argv), result_name(), work, report);
   });

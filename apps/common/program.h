@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,6 +63,7 @@ class Program {
   CLI::App cli_;
   std::vector<std::pair<const CLI::App*, SharedOptions>> lists_;
   std::string out_;
+  std::optional<int> threads_;
   bool quiet_ = false;
   bool json_ = false;
 };

@@ -80,6 +80,7 @@ TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
     const char* text;
   } cases[] = {
       {"--no-such-option", 2, "no-such-option"},
+      {"--threads 0", 2, "--threads must be at least 1"},
       {"--start 1,2,3", 2, "6 numbers"},
       {"--start 0,85,85,80,80,235", 2, "l1 is 0 mm"},
       {"--start nan,85,85,80,80,235", 2, "nan"},

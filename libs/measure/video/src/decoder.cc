@@ -1,9 +1,9 @@
 #include "decoder.h"
 
 #include <algorithm>
-#include <thread>
 
 #include "lake/core/error.h"
+#include "lake/core/threads.h"
 
 namespace lake::video {
 
@@ -27,8 +27,8 @@ void Decoder::Open(bool skip_deblocking) {
   log_.Attach(*codec_);
   codec_->pkt_timebase = stream.time_base;
   // More than there are cores: each frame waits for parts of the one before.
-  constexpr unsigned kMoreThreads = 4, kMostThreads = 16;
-  codec_->thread_count = static_cast<int>(std::min(std::thread::hardware_concurrency() + kMoreThreads, kMostThreads));
+  constexpr int kMoreThreads = 4, kMostThreads = 16;
+  codec_->thread_count = Threads() == 1 ? 1 : std::min(Threads() + kMoreThreads, kMostThreads);
   codec_->thread_type = FF_THREAD_FRAME | FF_THREAD_SLICE;
   if (skip_deblocking) codec_->skip_loop_filter = AVDISCARD_ALL;
   codec_->flags |= AV_CODEC_FLAG_UNALIGNED;  // crop to the pixel

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "lake/core/threads.h"
 #include "lake/problem/problem.h"
 
 namespace lake::certificate {
@@ -24,7 +25,7 @@ namespace lake::certificate {
 struct CertificateOptions {
   double gap_deg = 0.1;             // stop once bound - range is no larger
   std::int64_t max_boxes = 200000;  // examined at most; some 20 s on two cores
-  int threads = 2;                  // the result is the same for any number
+  int threads = Threads();          // the result is the same for any number
   bool quiet = true;                // no progress
 
   void Check() const;  // throws Error
