@@ -5,9 +5,9 @@
 //   human, exo: {video, …} or {trial, …}     exo may be absent
 //   compare: {human_knee, exo_knee, replacement_sd_mm, …}
 //   design: {problem: file or map, worn: design.yaml, certify_deg, …}
-//   reoptimize: {problem, max_misalignment_percent, program, …}; with an exo trial either the worn design or
-//   human_only:
-//     true; absent: no design is fitted to the person
+//   reoptimize: {problem, max_misalignment_percent, program, …}; absent: no design is fitted to the person. With an exo
+//     trial either the worn design or human_only: true
+//   simulate: {height_cm, mass_kg, seat_edge_mm, …}   the leg's lengths are the human trial's
 //   stroke: {duty_table, speed_mm_s, …}; absent: no stroke program
 //
 // A section has the options of the program that does its work, as keys (core/options.h), but for what the study itself
@@ -24,6 +24,7 @@
 #include "lake/commands/compare.h"
 #include "lake/commands/gait.h"
 #include "lake/commands/optimize.h"
+#include "lake/commands/simulate.h"
 #include "lake/commands/stroke.h"
 #include "lake/commands/track.h"
 #include "lake/problem/problem.h"
@@ -81,6 +82,8 @@ struct StudyFile {
   std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
   Json design_options = Json::object();
   std::optional<StudyRedesign> redesign;
+  commands::SimulationOptions simulation;
+  Json simulation_options = Json::object();
   std::optional<commands::StrokeRunOptions> stroke;  // without the design and the motion's place
   Json stroke_options;
   std::vector<StudyInput> inputs;  // all files named, each once
