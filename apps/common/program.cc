@@ -60,7 +60,7 @@ void AddValue(CLI::App& cli, Option& option, const std::shared_ptr<OptionList>& 
   CLI::Option* added = cli.add_option((option.IsOperand() ? "" : "--") + option.Name(), set, option.Help());
   added->type_name(option.Value())->type_size(1)->default_str(option.DefaultText())->required(option.IsRequired());
   if (option.IsRepeated())
-    added->expected(1, CLI::detail::expected_max_vector_size);
+    added->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args();
   else
     added->expected(option.ImpliedText().empty() ? 1 : 0, 1);
 }
