@@ -55,6 +55,19 @@ TEST(Body, RefusesWhatIsNoBody) {
   EXPECT_THAT([] { linkage::BodyOf(std::nan(""), 80); }, ThrowsMessage<Error>(HasSubstr("a body of nan cm")));
 }
 
+TEST(Body, TakesTheLengthsOfAPersonsOwnLeg) {
+  const linkage::LegLengths leg{410, 400};
+  const linkage::Body average = linkage::BodyOf(linkage::HeightOf_mm(leg), 67);
+  EXPECT_NEAR(average.thigh.length_mm + average.shank.length_mm, 810, 1e-9);
+  const linkage::Body own = linkage::WithLeg(average, leg);
+  EXPECT_EQ(own.thigh.length_mm, 410);
+  EXPECT_EQ(own.shank.length_mm, 400);
+  EXPECT_NEAR(Integrate(own.thigh).volume_mm3 * 1.05e-6, 0.100 * 67, 1e-6);
+  EXPECT_NEAR(Integrate(own.shank).volume_mm3 * 1.09e-6, 0.0465 * 67, 1e-6);
+  EXPECT_DOUBLE_EQ(linkage::MassAtHeight_kg(900, 1800, 80), 20);
+  EXPECT_THAT([&] { linkage::WithLeg(average, {41, 400}); }, ThrowsMessage<Error>(HasSubstr("a thigh of 41 mm")));
+}
+
 // The same distances by hand: seated, the thigh is level and the mount is the lowest part.
 TEST(CheckWear, PublishedDesignOnThePapersBody) {
   const linkage::Body body = linkage::BodyOf(1800, 80);

@@ -133,6 +133,33 @@ TEST_F(Simulate, WarnsOfAStrokePastTheUsedRangeButNotOfRounding) {
   }
 }
 
+// The paper's mannequin carries the published design, but it collides with seat, thigh and shank in the side view.
+TEST_F(Simulate, WarnsOfWhatCollidesOnTheBodyAndSaysWhatToDo) {
+  const Outcome average = RunIt(fmt::format("{} --angles 70 --no-animation --json", kLinks));
+  ASSERT_EQ(average.exit_code, 0) << average.err;
+  const Json summary = Json::parse(average.out);
+  const std::string warnings = summary["warnings"].dump();
+  EXPECT_FALSE(summary["mannequin"]["clears_seat"].get<bool>());
+  EXPECT_FALSE(summary["mannequin"]["clears_limb"].get<bool>());
+  EXPECT_THAT(warnings, AllOf(HasSubstr("mm into the seat: use a seat that begins at least"),
+                              HasSubstr("the actuator overlaps the thigh by"), HasSubstr("mount it beside the leg")));
+  EXPECT_THAT(warnings, Not(HasSubstr("does not fit on the thigh")));
+
+  const Outcome own = RunIt(fmt::format("{} --angles 70 --thigh 330 --shank 390 --no-animation --json", kLinks));
+  ASSERT_EQ(own.exit_code, 0) << own.err;
+  const Json body = Json::parse(own.out)["mannequin"];
+  EXPECT_EQ(body["thigh_mm"], 330);
+  EXPECT_EQ(body["shank_mm"], 390);
+  EXPECT_NEAR(body["height_mm"].get<double>(), 720 / 0.491, 1e-9);
+  EXPECT_NEAR(body["mass_kg"].get<double>() / std::pow(body["height_mm"].get<double>() / 1000, 2), 80 / 1.8 / 1.8,
+              1e-9);
+  EXPECT_THAT(Json::parse(own.out)["warnings"].dump(), HasSubstr("does not fit on the thigh"));
+}
+
+TEST_F(Simulate, RefusesHalfALeg) {
+  ExpectRefusal(fmt::format("{} --thigh 400", kLinks), 2, "--thigh and --shank");
+}
+
 TEST_F(Simulate, RefusesWhatCannotBeAssembled) {
   ExpectRefusal("--links 1,1,1,1,1,1 --stroke 242", 1, "cannot be assembled at a stroke of 242 mm");
   ExpectRefusal(fmt::format("{} --stroke 241.9", kLinks), 1, "miss a triangle by 0.09776 mm");

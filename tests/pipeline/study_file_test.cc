@@ -86,6 +86,7 @@ reoptimize:
   fit_placement: true
   placement_reach_mm: 25
   pareto: 5
+simulate: {height_cm: 165, mass_kg: 60, seat_edge_mm: 150}
 stroke: {duty_table: duty.csv, margin_mm: 1, return: true, hold_s: 3, rate_hz: 20, accept_drift: true,
          speed_tolerance_percent: 3, home_stroke_mm: 244, extend_stop_mm: 0.7}
 )";
@@ -139,6 +140,9 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_TRUE(redesign.fit_placement);
   EXPECT_EQ(redesign.placement_reach_mm, 25);
   EXPECT_EQ(redesign.pareto_points, 5);
+  EXPECT_EQ(study.simulation.body_height_cm, 165);
+  EXPECT_EQ(study.simulation.body_mass_kg, 60);
+  EXPECT_EQ(study.simulation.seat_edge_mm, 150);
   ASSERT_TRUE(study.stroke);
   EXPECT_EQ(study.stroke->duty_table, folder_ / "duty.csv");
   EXPECT_EQ(study.stroke->schedule.margin_mm, 1);
@@ -158,7 +162,7 @@ TEST_F(StudyYaml, HasEveryOptionOfItsPrograms) {
       "exo: {video: exo.mp4, seeds: ['knee=1,2']}\ncompare: {resamples: 40, seed_number: 7}\n"
       "design: {starts: 5, seed_number: 3, round_mm: 0.5}\n"
       "reoptimize: {human_only: true, starts: 4, seed_number: 9, yield_mm: 0.2}\n"
-      "simulation: {angles_deg: [10, 90], knee_torque_nm: 25, animation: false}\n"
+      "simulate: {angles_deg: [10, 90], knee_torque_nm: 25, animation: false}\n"
       "stroke: {max_acceleration_mm_s2: 30, lag_s: 0.1, home_error_mm: 0.2}\n");
   const auto& human = std::get<commands::TrackRunOptions>(study.human.work);
   EXPECT_THAT(human.exports, ElementsAre("trc", "mot"));

@@ -27,6 +27,11 @@ TEST(StudyOfMarkerFiles, FindsWhatWasMadeAndIsDoneOnce) {
   EXPECT_NEAR(comparison["decomposition"]["offset_mm"][1].get<double>(), 32, 1);
   EXPECT_NEAR(comparison["metrics"]["rms_mm"].get<double>(), std::hypot(18, 32), 2);
   EXPECT_EQ(summary["human"]["sit_to_stands"].size(), 2u);
+  // The design is checked on the leg that was measured: noise of 0.1 mm at both ends of a vector.
+  const synth::StsMotionOptions human = HumanMotionOptions();
+  EXPECT_NEAR(summary["simulation"]["mannequin"]["thigh_mm"].get<double>(), human.thigh_mm, 0.1);
+  EXPECT_NEAR(summary["simulation"]["mannequin"]["shank_mm"].get<double>(), human.shank_mm, 0.1);
+  EXPECT_THAT(summary["warnings"].dump(), HasSubstr("simulation: seen from the side, the actuator overlaps"));
   for (const char* file : {"report.html", "summary.json", "human/kinematics.csv", "exo/gait.png",
                            "comparison/comparison.json", "comparison/report.html", "human/summary.json"})
     EXPECT_TRUE(fs::is_regular_file(study.Out() / file)) << file;

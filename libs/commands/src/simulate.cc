@@ -155,6 +155,43 @@ Json WearJson(const linkage::Body& body, const linkage::WearCheck& check) {
           {"clears_limb", check.ClearsLimb()}};
 }
 
+// The paper's average user.
+constexpr double kAverageHeight_mm = 1800, kAverageMass_kg = 80;
+
+linkage::Body BodyOf(const SimulationOptions& options) {
+  constexpr double kMillimetresPerCentimetre = 10;
+  std::optional<linkage::LegLengths> leg;
+  if (options.thigh_mm) leg = {*options.thigh_mm, *options.shank_mm};
+  double height_mm = leg ? linkage::HeightOf_mm(*leg) : kAverageHeight_mm;
+  if (options.body_height_cm) height_mm = *options.body_height_cm * kMillimetresPerCentimetre;
+  const double mass_kg =
+      options.body_mass_kg.value_or(linkage::MassAtHeight_kg(height_mm, kAverageHeight_mm, kAverageMass_kg));
+  const linkage::Body body = linkage::BodyOf(height_mm, mass_kg);
+  return leg ? linkage::WithLeg(body, *leg) : body;
+}
+
+// What collides on the body, each with what to do about it.
+void WarnOfBody(const linkage::WearCheck& check, Run& run) {
+  if (!check.FitsAlongThigh())
+    run.Warn(fmt::format("the mount does not fit on the thigh: its plate ends {:.1f} mm above the hip joint; limit l6",
+                         -check.mount_below_hip_mm));
+  if (!check.ClearsSeat())
+    run.Warn(fmt::format(
+        "seated at {:.1f}°, the linkage reaches {:.1f} mm into the seat: use a seat that begins at least {:.0f} mm "
+        "behind the knee, or limit l5",
+        check.seated_deg, -check.seat_clearance_mm, std::ceil(check.seat_edge_needed_mm)));
+  std::vector<std::string> overlaps;
+  const auto add = [&](const char* limb, double clearance_mm, double at_deg) {
+    if (clearance_mm < 0)
+      overlaps.push_back(fmt::format("the {} by up to {:.1f} mm (at {:.1f}°)", limb, -clearance_mm, at_deg));
+  };
+  add("thigh", check.thigh_clearance_mm, check.thigh_clearance_deg);
+  add("shank", check.shank_clearance_mm, check.shank_clearance_deg);
+  if (!overlaps.empty())
+    run.Warn(fmt::format("seen from the side, the actuator overlaps {}: mount it beside the leg, not behind it",
+                         fmt::join(overlaps, " and ")));
+}
+
 void WarnOf(const linkage::Design& design, const linkage::UsedRange& range, Run& run) {
   const double range_deg = DegreesFromRadians(range.theta_at_lower_rad);
   if (design.range_deg && std::abs(*design.range_deg - range_deg) > 0.01)
@@ -201,6 +238,8 @@ void SimulationOptions::Check() const {
   require(std::isfinite(knee_torque_nm) && knee_torque_nm != 0, "--knee-torque", knee_torque_nm);
   require(rows >= 2 && rows <= 1'000'000, "--rows", rows);
   require(seat_edge_mm >= 0 && seat_edge_mm < 5000, "--seat-edge", seat_edge_mm);
+  if (thigh_mm.has_value() != shank_mm.has_value())
+    throw UsageError("--thigh and --shank are one leg: give both or neither");
   require(actuator_diameter_mm > 0 && actuator_diameter_mm < 1000, "--actuator-diameter", actuator_diameter_mm);
 }
 
@@ -209,14 +248,13 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   options.plates.Check();
   const Request request = Resolve(design, options);
   run.Begin();
-  constexpr double kMillimetresPerCentimetre = 10;
-  const drawing::LinkageLook look{
-      design.links,
-      request.range,
-      linkage::BodyOf(options.body_height_cm * kMillimetresPerCentimetre, options.body_mass_kg),
-      {options.plates.bar_width_mm, options.actuator_diameter_mm, options.seat_edge_mm},
-      options.knee_torque_nm};
+  const drawing::LinkageLook look{design.links,
+                                  request.range,
+                                  BodyOf(options),
+                                  {options.plates.bar_width_mm, options.actuator_diameter_mm, options.seat_edge_mm},
+                                  options.knee_torque_nm};
   const linkage::WearCheck check = linkage::CheckWear(look.links, look.range, look.body, look.wear);
+  WarnOfBody(check, run);
   WarnOf(design, request.range, run);
   WriteTable(run.Result("angle_vs_stroke.csv"), look, options.rows, request.shown_mm);
   drawing::WriteLinkPlates(run.Result("design.dxf"), design.links, options.plates);
@@ -266,8 +304,10 @@ void Describe(SimulationOptions& o, OptionList& options) {
       .Repeats();
   options.Add("knee-torque", o.knee_torque_nm, "Extension torque for the force column").Unit("N m");
   options.Add("rows", o.rows, "Rows of the regular grid of angle_vs_stroke.csv");
-  options.Add("height", o.body_height_cm, "Height of the mannequin").Unit("cm");
-  options.Add("mass", o.body_mass_kg, "Mass of the mannequin").Unit("kg");
+  options.Add("thigh", o.thigh_mm, "The person's thigh, hip to knee").Unit("mm").Otherwise("by body height");
+  options.Add("shank", o.shank_mm, "The person's shank, knee to ankle").Unit("mm").Otherwise("by body height");
+  options.Add("height", o.body_height_cm, "Body height").Unit("cm").Otherwise("180, or by thigh and shank");
+  options.Add("mass", o.body_mass_kg, "Body mass").Unit("kg").Otherwise("80 at 180 cm, else of the same BMI");
   options.Add("seat-edge", o.seat_edge_mm, "Knee to the seat's front edge; 0: half the thigh").Unit("mm");
   options.Add("bar-width", o.plates.bar_width_mm, "Width of the link plates").Unit("mm");
   options.Add("pin-diameter", o.plates.pin_diameter_mm, "Diameter of their holes").Unit("mm");

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "lake/core/error.h"
+#include "lake/core/statistics.h"
+#include "lake/motion/leg_motion.h"
 #include "lake/video/video_files.h"
 #include "study_report.h"
 
@@ -144,19 +146,39 @@ steps::StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
   return step;
 }
 
+// The middle length of a vector of the leg over a trial; NaN if it is never known.
+double LengthOf(const motion::LegMotion& motion, Eigen::Vector2d motion::LegSample::*vector) {
+  std::vector<double> lengths;
+  for (const motion::LegSample& sample : motion.samples)
+    if (const double length = (sample.*vector).norm(); std::isfinite(length)) lengths.push_back(length);
+  return lengths.empty() ? std::nan("") : Median(lengths);
+}
+
+// The body that the design is checked on has the leg that was measured, if the trial knows millimetres.
+void TakeLegOf(const fs::path& kinematics, commands::SimulationOptions& options) {
+  const motion::LegMotion motion = motion::ReadKinematicsCsv(kinematics);
+  const double thigh = LengthOf(motion, &motion::LegSample::kh), shank = LengthOf(motion, &motion::LegSample::ak);
+  if (motion.unit != motion::LengthUnit::kMm || std::isnan(thigh + shank)) return;
+  options.thigh_mm = thigh, options.shank_mm = shank;
+}
+
 steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, const fs::path& out) {
+  const fs::path leg = out / "human" / "kinematics.csv";
   steps::StudyStep step{"simulation",
                         "the design's poses",
                         "lake-simulate",
                         out / "simulation",
-                        {design},
+                        {design, leg},
                         {},
                         study.simulation_options,
                         8,
                         {}};
-  step.work = [design, options = study.simulation](Run& run) {
+  step.work = [options = study.simulation, design, leg](Run& run) {
     run.AddInput(design);
-    run.WriteSummary(commands::SimulateLinkage(linkage::ReadDesign(design), options, run));
+    run.AddInput(leg);
+    commands::SimulationOptions of_person = options;
+    TakeLegOf(leg, of_person);
+    run.WriteSummary(commands::SimulateLinkage(linkage::ReadDesign(design), of_person, run));
   };
   return step;
 }

@@ -220,6 +220,13 @@ commands::StrokeRunOptions ReadStroke(YamlNode node, Files& files) {
   return options;
 }
 
+void ReadSimulation(YamlNode node, Files& files, StudyFile& study) {
+  ReadSection(node, study.simulation, files, {"thigh", "shank"});
+  node.Finish();
+  study.simulation.Check();
+  study.simulation_options = node.ToJson();
+}
+
 void ReadProblemFile(StudyProblem& problem) {
   if (problem.file) problem.problem = problem::ReadProblem(*problem.file);
 }
@@ -266,7 +273,7 @@ StudyFile ReadStudyFile(const fs::path& path) {
           "leave the trial out with human_only: true",
           where);
   }
-  if (auto simulation = root.Child("simulation")) ReadSimulation(std::move(*simulation), files, study);
+  if (auto simulate = root.Child("simulate")) ReadSimulation(std::move(*simulate), files, study);
   if (auto stroke = root.Child("stroke")) {
     study.stroke_options = stroke->ToJson();
     study.stroke = ReadStroke(std::move(*stroke), files);

@@ -34,10 +34,10 @@ double TaperOf(double centre) {
   return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
 }
 
-LimbSegment SegmentOf(const SegmentRatios& ratios, double height_mm, double mass_kg) {
-  const double length = ratios.length * height_mm, k = TaperOf(ratios.centre);
-  const double radius = std::sqrt(3 * VolumeOf(ratios, mass_kg) / (std::numbers::pi * length * (1 + k + k * k)));
-  return {length, radius, k * radius};
+LimbSegment SegmentOf(const SegmentRatios& ratios, double length_mm, double mass_kg) {
+  const double k = TaperOf(ratios.centre);
+  const double radius = std::sqrt(3 * VolumeOf(ratios, mass_kg) / (std::numbers::pi * length_mm * (1 + k + k * k)));
+  return {length_mm, radius, k * radius};
 }
 
 // A straight part of the linkage with rounded ends.
@@ -136,14 +136,32 @@ Body BodyOf(double height_mm, double mass_kg) {
   if (!(mass_kg >= 10 && mass_kg <= 400)) throw Fail("a body of {} kg is outside 10..400 kg", mass_kg);
   Body body;
   body.height_mm = height_mm, body.mass_kg = mass_kg;
-  body.thigh = SegmentOf(kThigh, height_mm, mass_kg);
-  body.shank = SegmentOf(kShank, height_mm, mass_kg);
+  body.thigh = SegmentOf(kThigh, kThigh.length * height_mm, mass_kg);
+  body.shank = SegmentOf(kShank, kShank.length * height_mm, mass_kg);
   body.foot_length_mm = kFootLength * height_mm, body.ankle_height_mm = kAnkleHeight * height_mm;
   body.trunk_length_mm = kTrunk.length * height_mm;
   // An ellipse of area pi / 4 x breadth x depth over the trunk's length.
   body.trunk_depth_mm =
       VolumeOf(kTrunk, mass_kg) / (std::numbers::pi / 4 * kShoulderBreadth * height_mm * body.trunk_length_mm);
   body.head_height_mm = kHeadHeight * height_mm, body.neck_length_mm = kNeckLength * height_mm;
+  return body;
+}
+
+double HeightOf_mm(const LegLengths& leg) {
+  return (leg.thigh_mm + leg.shank_mm) / (kThigh.length + kShank.length);
+}
+
+double MassAtHeight_kg(double height_mm, double other_height_mm, double other_mass_kg) {
+  const double ratio = height_mm / other_height_mm;
+  return other_mass_kg * ratio * ratio;
+}
+
+Body WithLeg(Body body, const LegLengths& leg) {
+  for (const double length_mm : {leg.thigh_mm, leg.shank_mm})
+    if (!(length_mm >= 100 && length_mm <= 1000))
+      throw Fail("a thigh of {} mm and a shank of {} mm: both must be within 100..1000 mm", leg.thigh_mm, leg.shank_mm);
+  body.thigh = SegmentOf(kThigh, leg.thigh_mm, body.mass_kg);
+  body.shank = SegmentOf(kShank, leg.shank_mm, body.mass_kg);
   return body;
 }
 

@@ -1,6 +1,7 @@
 // The paper's graphical simulation as one run: tables, pictures, animation, plates and the mannequin check of a design.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,10 @@ struct SimulationOptions {
   std::vector<double> angles_deg;  // poses to draw; none: 2, 70, 110 and the largest whole degree, as far as in range
   double knee_torque_nm = 40;      // for the force column, extension
   int rows = 201;                  // of the regular grid over the used range
-  double body_height_cm = 180;     // the paper's average user
-  double body_mass_kg = 80;
-  double seat_edge_mm = 0;  // knee to the seat's front edge; 0: half the thigh
+  std::optional<double> body_height_cm;      // default: of a body with this leg, else the paper's average user
+  std::optional<double> body_mass_kg;        // default: as heavy for its height as the paper's average user
+  std::optional<double> thigh_mm, shank_mm;  // the person's own, hip to knee and knee to ankle; both or none
+  double seat_edge_mm = 0;                   // knee to the seat's front edge; 0: half the thigh
   double actuator_diameter_mm = 40;
   drawing::PlateOptions plates;
   bool animation = true;

@@ -5,9 +5,9 @@
 //   human, exo: {video, …} or {trial, …}     exo may be absent
 //   compare: {human_knee, exo_knee, replacement_sd_mm, …}
 //   design: {problem: file or map, worn: design.yaml, certify_deg, …}
-//   reoptimize: {problem, max_misalignment_percent, program, …}; with an exo trial either the worn design or
-//     human_only: true; absent: no design is fitted to the person
-//   simulation: {angles_deg, knee_torque_nm, …}
+//   reoptimize: {problem, max_misalignment_percent, program, …}; absent: no design is fitted to the person. With an exo
+//     trial either the worn design or human_only: true
+//   simulate: {height_cm, mass_kg, seat_edge_mm, …}   the leg's lengths are the human trial's
 //   stroke: {duty_table, speed_mm_s, …}; absent: no stroke program
 //
 // A section has the options of the program that does its work, as keys (core/options.h), but for what the study itself

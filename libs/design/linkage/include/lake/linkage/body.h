@@ -30,6 +30,19 @@ struct Body {
 // Throws Error unless the height is within 500..2500 mm and the mass within 10..400 kg.
 Body BodyOf(double height_mm, double mass_kg);
 
+// A person's own leg: hip to knee and knee to ankle, mm.
+struct LegLengths {
+  double thigh_mm = 0, shank_mm = 0;
+};
+
+// The height of a body whose leg is as long as this one, and the mass that gives it the body mass index of another.
+double HeightOf_mm(const LegLengths& leg);
+double MassAtHeight_kg(double height_mm, double other_height_mm, double other_mass_kg);
+
+// The same body with these limbs: their masses and centres of mass stay, so shorter limbs are thicker. Throws Error
+// unless both are within 100..1000 mm.
+Body WithLeg(Body body, const LegLengths& leg);
+
 struct WearOptions {
   double bar_width_mm = 24;          // of the link plates, rounded about their pins
   double actuator_diameter_mm = 40;  // of a small linear actuator's body
