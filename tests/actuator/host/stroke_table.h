@@ -13,7 +13,7 @@
 #define LAKE_LAG_MS 50  // … and per change of speed
 #define LAKE_DRIFT_ACCEPTED 0
 #define LAKE_DRIFT_LIMITED 1  // 0: accepted, or an extend end stop comes first
-#define LAKE_SPEED_INTERVALS 16
+#define LAKE_SPEED_INTERVALS 64
 #define LAKE_LOWER_LIMIT_UM 242498L
 #define LAKE_UPPER_LIMIT_UM 374021L
 #define LAKE_START_UM 300000L
@@ -28,6 +28,10 @@
 #define LAKE_POSITION_MS 400L
 #define LAKE_BACK_OFF_MS 400L  // from the end stop, to see it release
 #define LAKE_TOUCH_TIMEOUT_MS 1800L
+#define LAKE_EXTEND_FIRST_NODE 18  // of lake_speed_um_s: below it a duty may also stand still
+#define LAKE_RETRACT_FIRST_NODE 14
+#define LAKE_EXTEND_MOST_COUNTS 4000u  // the duty table ends there
+#define LAKE_RETRACT_MOST_COUNTS 4000u
 
 typedef struct {
   uint32_t end_ms;         // since the program's start
@@ -44,9 +48,9 @@ static const lake_segment lake_segments[LAKE_SEGMENT_COUNT] PROGMEM = {
     {2100, 3000, 1976},
 };
 
-// um/s at equal steps of duty from 0 to 1: extending, retracting.
+// The greatest speed, um/s, at equal steps of duty from 0 to 1: extending, retracting.
 static const uint32_t lake_speed_um_s[2][LAKE_SPEED_INTERVALS + 1] PROGMEM = {
-    {0, 0, 0, 0, 0, 605, 1430, 2255, 3080, 3905, 4730, 5555, 6380, 7205, 8030, 8855, 9680},
-    {0, 0, 0, 0, 480, 1380, 2280, 3180, 4080, 4980, 5880, 6780, 7680, 8580, 9480, 10380, 11280}};
+    {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 192, 399, 605, 811, 1018, 1224, 1430, 1636, 1843, 2049, 2255, 2461, 2668, 2874, 3080, 3286, 3493, 3699, 3905, 4111, 4318, 4524, 4730, 4936, 5143, 5349, 5555, 5761, 5968, 6174, 6380, 6586, 6793, 6999, 7205, 7411, 7618, 7824, 8030, 8236, 8442, 8649, 8855, 9061, 9267, 9474, 9680},
+    {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 30, 255, 480, 705, 930, 1155, 1380, 1605, 1830, 2055, 2280, 2505, 2730, 2955, 3180, 3405, 3630, 3855, 4080, 4305, 4530, 4755, 4980, 5205, 5430, 5655, 5880, 6105, 6330, 6555, 6780, 7005, 7230, 7455, 7680, 7905, 8130, 8355, 8580, 8805, 9030, 9255, 9480, 9705, 9930, 10155, 10380, 10605, 10830, 11055, 11280}};
 
 #endif

@@ -10,9 +10,10 @@ typedef struct {
   int8_t direction;
   uint16_t counts;
   int32_t velocity_um_s;
+  uint32_t spread_um_s;  // by which it may be slower, beside the tolerances
 } motion_t;
 
-static const motion_t kRest = {0, 0, 0};
+static const motion_t kRest = {0, 0, 0, 0};
 
 // Shared by interrupts and main loop; the main loop touches them in ATOMICALLY blocks only, which are barriers.
 static uint32_t time_ms;
@@ -66,23 +67,36 @@ static void begin(state_t next, uint32_t duration_ms) {
   end_ms = duration_ms;
 }
 
-// The speed of a duty by the duty table, linear between its nodes.
-static int32_t speed_um_s(int8_t direction, uint16_t counts) {
 #if LAKE_SEGMENT_COUNT > 0
+// A motion with the greatest speed that its duty can give by the duty table: between two nodes the upper one's, since
+// the table rises; it may be as slow as the lower one's. Below the first duty that was measured nothing is known but
+// that it is no faster.
+static motion_t motion_of(int8_t direction, uint16_t counts) {
   const uint32_t* row = lake_speed_um_s[direction < 0];
   const uint32_t scaled = (uint32_t)counts * LAKE_SPEED_INTERVALS;
   const uint8_t node = scaled / LAKE_PWM_PERIOD;
-  const uint32_t low = pgm_read_dword(&row[node]);
-  if (node >= LAKE_SPEED_INTERVALS) return direction * (int32_t)low;
-  const uint32_t high = pgm_read_dword(&row[node + 1]);
-  const uint32_t rest = scaled % LAKE_PWM_PERIOD;
-  return direction *
-         (int32_t)(low + (high - low) * rest / LAKE_PWM_PERIOD);  // speeds are below 1 m/s, so 32 bits suffice
-#else
-  (void)counts;
-  return direction * 0;
-#endif
+  const uint8_t upper = node + (scaled % LAKE_PWM_PERIOD > 0);
+  const uint8_t first = direction < 0 ? LAKE_RETRACT_FIRST_NODE : LAKE_EXTEND_FIRST_NODE;
+  const uint32_t most = pgm_read_dword(&row[upper]);
+  const uint32_t least = node < first ? 0 : pgm_read_dword(&row[node]);
+  const motion_t motion = {direction, counts, direction * (int32_t)most, most - least};
+  return motion;
 }
+
+static uint8_t is_measured(int8_t direction, uint16_t counts) {
+  return counts <= (direction < 0 ? LAKE_RETRACT_MOST_COUNTS : LAKE_EXTEND_MOST_COUNTS);
+}
+#else
+static motion_t motion_of(int8_t direction, uint16_t counts) {
+  const motion_t motion = {direction, counts, 0, 0};
+  return motion;
+}
+
+static uint8_t is_measured(int8_t direction, uint16_t counts) {
+  (void)direction, (void)counts;
+  return 1;
+}
+#endif
 
 static uint8_t end_stop_ahead(int8_t direction) {
   const uint8_t pressed = end_stops_pressed();
@@ -166,12 +180,12 @@ static reply_t take_zero(void) {
 
 static reply_t take_jog(void) {
   const int8_t direction = request_counts < 0 ? -1 : 1;
+  const uint16_t counts = direction * request_counts;
   if (state != STATE_IDLE) return REPLY_STATE;
+  if (!is_measured(direction, counts)) return REPLY_BAD_NUMBER;
   if (end_stop_ahead(direction)) return REPLY_STOP_AHEAD;
   if (soft_limit_ahead(direction)) return REPLY_LIMIT_AHEAD;
-  jog.direction = direction;
-  jog.counts = direction * request_counts;
-  jog.velocity_um_s = speed_um_s(direction, jog.counts);
+  jog = motion_of(direction, counts);
   if (knowledge == STROKE_AT_START) knowledge = STROKE_ESTIMATED;
   begin(STATE_JOGGING, request_ms);
   return REPLY_OK;
@@ -253,7 +267,7 @@ static motion_t run(void) {
     load_segment(segment_index + 1);
   }
   const int8_t direction = (segment.velocity_um_s > 0) - (segment.velocity_um_s < 0);
-  const motion_t motion = {direction, segment.counts, segment.velocity_um_s};
+  const motion_t motion = {direction, segment.counts, segment.velocity_um_s, 0};
   return motion;
 }
 
@@ -272,7 +286,7 @@ static motion_t seek(void) {
     fault(EVENT_FAULT_HOME);
     return kRest;
   }
-  const motion_t motion = {-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S};
+  const motion_t motion = {-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S, 0};
   return motion;
 }
 
@@ -287,7 +301,7 @@ static motion_t home(void) {
       begin_homing(HOME_TOUCH, LAKE_TOUCH_TIMEOUT_MS);
     return kRest;
   }
-  const motion_t motion = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S};
+  const motion_t motion = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S, 0};
   return motion;
 }
 
@@ -296,7 +310,7 @@ static motion_t position(void) {
     finish(STROKE_AT_START);
     return kRest;
   }
-  const motion_t motion = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S};
+  const motion_t motion = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S, 0};
   return motion;
 }
 #else
@@ -364,21 +378,22 @@ static uint8_t is_allowed(const motion_t* motion) {
 }
 
 #if LAKE_SEGMENT_COUNT > 0
-// What the tolerances allow in this ms: a part of the way, and what the motor's lag loses as the speed rises, gains as
-// it falls.
-static void drift(int32_t velocity_um_s, uint32_t way_nm) {
+// What the tolerances allow in this ms: a part of the way and what it may be less, and what the motor's lag loses as
+// the speed rises, gains as it falls.
+static void drift(int32_t velocity_um_s, uint32_t way_nm, uint32_t spread_nm) {
   static int32_t last_um_s;
   const int32_t change = velocity_um_s - last_um_s;
   last_um_s = velocity_um_s;
   uint32_t* const lag = &lag_drift_nm[change < 0];
   if (*lag < LAKE_DRIFT_MOST_NM) *lag += (uint32_t)(change < 0 ? -change : change) * LAKE_LAG_MS;
-  if (way_drift_nm < LAKE_DRIFT_MOST_NM) way_drift_nm += (way_nm * LAKE_DRIFT_PER_1024 + 1023) / 1024;
+  if (way_drift_nm < LAKE_DRIFT_MOST_NM) way_drift_nm += spread_nm + (way_nm * LAKE_DRIFT_PER_1024 + 1023) / 1024;
 }
 
-static void move(int32_t velocity_um_s) {
+static void move(const motion_t* motion) {
+  const int32_t velocity_um_s = motion->velocity_um_s;
   const uint32_t way_nm = velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
   stroke_nm += velocity_um_s;
-  drift(velocity_um_s, way_nm);
+  drift(velocity_um_s, way_nm, motion->spread_um_s);
   if (way_nm == 0) return;
   if (end_stop_ahead(velocity_um_s > 0 ? -1 : 1))  // what lies behind
     pressed_way_nm += way_nm;
@@ -386,15 +401,15 @@ static void move(int32_t velocity_um_s) {
     pressed_way_nm = 0;
 }
 #else
-static void move(int32_t velocity_um_s) {
-  (void)velocity_um_s;
+static void move(const motion_t* motion) {
+  (void)motion;
 }
 #endif
 
 // What the bridge does now, and so the estimate. A motion's clock stands still until the bridge does what it asks for,
 // so that no brake costs stroke.
 static void keep_books(const motion_t* motion) {
-  move(motor_direction() == 0 ? 0 : motion->velocity_um_s);
+  move(motor_direction() == 0 ? &kRest : motion);
   if (is_moving() && motor_direction() == motion->direction) ++clock_ms;
 }
 

@@ -39,7 +39,7 @@ typedef enum {
   REPLY_NONE = -1,
   REPLY_OK = 0,
   REPLY_UNKNOWN = 1,      // no such command
-  REPLY_BAD_NUMBER = 2,   // not `jog DUTY MS` within its ranges
+  REPLY_BAD_NUMBER = 2,   // not `jog DUTY MS` within its ranges and the duty table's
   REPLY_TOO_LONG = 3,     // the line did not fit
   REPLY_STATE = 4,        // not in this state
   REPLY_POSITION = 5,     // the actuator is not at the program's start

@@ -286,11 +286,21 @@ std::string SegmentRows(const StrokeTable& stroke) {
   return text;
 }
 
+// The greatest speed of each duty: below the first row, if that moves, it may be the row's, and no speed without duty.
 std::string SpeedRow(const DutyCurve& curve) {
-  std::string text;
-  for (int i = 0; i <= kSpeedIntervals; ++i)
-    text += fmt::format("{}{}", i ? ", " : "", Um(curve.SpeedFor(i / double{kSpeedIntervals})));
+  std::string text = "0";
+  for (int i = 1; i <= kSpeedIntervals; ++i)
+    text += fmt::format(", {}", Um(std::max(curve.LeastSpeed(), curve.SpeedFor(i / double{kSpeedIntervals}))));
   return text;
+}
+
+// The first node that lies within the measured duties.
+int FirstNode(const DutyCurve& curve) {
+  return static_cast<int>(std::ceil(curve.DeadBandDuty() * kSpeedIntervals - 1e-9));
+}
+
+int MostCounts(const DutyCurve& curve) {
+  return static_cast<int>(std::lround(curve.MostDuty() * kPwmPeriod));
 }
 
 std::string Comment(const std::string& text) {
@@ -444,9 +454,14 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
   text += fmt::format(
       "#define LAKE_BACK_OFF_MS {}L  // from the end stop, to see it release\n#define LAKE_TOUCH_TIMEOUT_MS {}L\n",
       homing.back_off_ms, homing.touch_timeout_ms);
+  text += fmt::format(
+      "#define LAKE_EXTEND_FIRST_NODE {}  // of lake_speed_um_s: below it a duty may also stand still\n"
+      "#define LAKE_RETRACT_FIRST_NODE {}\n#define LAKE_EXTEND_MOST_COUNTS {}u  // the duty table ends there\n"
+      "#define LAKE_RETRACT_MOST_COUNTS {}u\n",
+      FirstNode(table.extend), FirstNode(table.retract), MostCounts(table.extend), MostCounts(table.retract));
   text += kTypes;
   text += "static const lake_segment lake_segments[LAKE_SEGMENT_COUNT] PROGMEM = {\n" + SegmentRows(stroke) + "};\n\n";
-  text += "// um/s at equal steps of duty from 0 to 1: extending, retracting.\n";
+  text += "// The greatest speed, um/s, at equal steps of duty from 0 to 1: extending, retracting.\n";
   text += fmt::format(
       "static const uint32_t lake_speed_um_s[2][LAKE_SPEED_INTERVALS + 1] PROGMEM = {{\n    {{{}}},\n    "
       "{{{}}}}};\n\n#endif\n",

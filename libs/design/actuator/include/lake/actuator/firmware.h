@@ -14,7 +14,7 @@
 namespace lake::actuator {
 
 inline constexpr int kPwmPeriod = 4000;                     // counts of timer 1 at 16 MHz: 4 kHz
-inline constexpr int kSpeedIntervals = 16;                  // of the firmware's own duty-to-speed table
+inline constexpr int kSpeedIntervals = 64;                  // of the firmware's own duty-to-speed table
 inline constexpr int kSegmentBytes = 10;                    // of a segment in flash
 inline constexpr int kFlashBytes = 32256;                   // of the ATmega328P beside the UNO's bootloader
 inline constexpr int kFirmwareBytes = 8192;                 // kept for the code, which takes less
