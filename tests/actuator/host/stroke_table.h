@@ -19,13 +19,14 @@
 #define LAKE_START_UM 300000L
 #define LAKE_UPPER_END_UM 374521L  // of the linkage: what the drift must not reach
 #define LAKE_STOP_TRAVEL_UM 2000L  // within which an end stop releases
-#define LAKE_HOME_UM 298000L  // at the retract end stop
+#define LAKE_HOME_UM 297000L  // at the retract end stop
 #define LAKE_HOME_COUNTS 2256
 #define LAKE_HOME_SPEED_UM_S 5000L
-#define LAKE_HOME_TIMEOUT_MS 24956L
-#define LAKE_POSITION_COUNTS 2582  // from the end stop to the start
+#define LAKE_HOME_TIMEOUT_MS 25256L
+#define LAKE_POSITION_COUNTS 2582  // away from the end stop
 #define LAKE_POSITION_SPEED_UM_S 5000L
-#define LAKE_POSITION_MS 400L
+#define LAKE_POSITION_MS 200L  // from where it has released on to the start, …
+#define LAKE_RETURN_MS 0L  // … or back to it
 #define LAKE_BACK_OFF_MS 400L  // from the end stop, to see it release
 #define LAKE_TOUCH_TIMEOUT_MS 1800L
 #define LAKE_EXTEND_FIRST_NODE 18  // of lake_speed_um_s: below it a duty may also stand still

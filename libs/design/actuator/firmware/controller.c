@@ -38,7 +38,7 @@ static uint32_t pressed_way_nm;  // driven away from an end stop that is pressed
 #if LAKE_SEGMENT_COUNT > 0
 static uint16_t segment_index;
 static lake_segment segment;
-enum { HOME_SEEK, HOME_BACK_OFF, HOME_TOUCH };
+enum { HOME_SEEK, HOME_BACK_OFF, HOME_TOUCH, HOME_RELEASE };
 static uint8_t home_phase;
 
 static void load_segment(uint16_t index) {
@@ -274,12 +274,8 @@ static motion_t run(void) {
 // Retracts until the end stop is pressed.
 static motion_t seek(void) {
   if (end_stop_ahead(-1)) {
-    if (home_phase == HOME_SEEK) {
-      begin_homing(HOME_BACK_OFF, LAKE_BACK_OFF_MS);
-    } else {
-      know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
-      begin(STATE_POSITIONING, LAKE_POSITION_MS);
-    }
+    if (home_phase == HOME_TOUCH) know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
+    begin_homing(home_phase == HOME_TOUCH ? HOME_RELEASE : HOME_BACK_OFF, LAKE_BACK_OFF_MS);
     return kRest;
   }
   if (clock_ms >= end_ms) {
@@ -290,19 +286,41 @@ static motion_t seek(void) {
   return motion;
 }
 
-// Only an end stop that has been seen to release and to be pressed again is home: a broken wire looks pressed
-// everywhere.
-static motion_t home(void) {
-  if (home_phase != HOME_BACK_OFF) return seek();
-  if (clock_ms >= end_ms) {
-    if (end_stop_ahead(-1))
-      fault(EVENT_FAULT_STUCK);
-    else
-      begin_homing(HOME_TOUCH, LAKE_TOUCH_TIMEOUT_MS);
+static const motion_t kExtend = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S, 0};
+
+// Extends until the end stop must have released.
+static motion_t back_off(void) {
+  if (clock_ms < end_ms) return kExtend;
+  if (end_stop_ahead(-1)) {
+    fault(EVENT_FAULT_STUCK);
     return kRest;
   }
-  const motion_t motion = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S, 0};
-  return motion;
+  if (home_phase == HOME_BACK_OFF) {
+    begin_homing(HOME_TOUCH, LAKE_TOUCH_TIMEOUT_MS);
+    return kRest;
+  }
+  begin(STATE_POSITIONING, LAKE_POSITION_MS > 0 ? LAKE_POSITION_MS : LAKE_RETURN_MS);
+  return LAKE_POSITION_MS > 0 ? kExtend : kRest;
+}
+
+// Only an end stop that has been seen to release and to be pressed again, twice, is home: a broken wire looks pressed
+// everywhere, and one that breaks after the first release like the second touch.
+static motion_t home(void) {
+  return home_phase == HOME_SEEK || home_phase == HOME_TOUCH ? seek() : back_off();
+}
+
+// Back to a start that lies before where the end stop was seen to release. There it may be pressed again, no farther
+// from it than the drift: that, too, is the start.
+static motion_t come_back(void) {
+  if (!end_stop_ahead(-1)) {
+    const motion_t motion = {-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S, 0};
+    return motion;
+  }
+  if (stroke_um() - (int32_t)drift_um() > LAKE_START_UM)
+    fault(EVENT_FAULT_STUCK);
+  else
+    finish(STROKE_AT_START);
+  return kRest;
 }
 
 static motion_t position(void) {
@@ -310,8 +328,7 @@ static motion_t position(void) {
     finish(STROKE_AT_START);
     return kRest;
   }
-  const motion_t motion = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S, 0};
-  return motion;
+  return LAKE_POSITION_MS > 0 ? kExtend : come_back();
 }
 #else
 static motion_t run(void) {
@@ -372,7 +389,7 @@ static uint8_t is_allowed(const motion_t* motion) {
     fault(EVENT_FAULT_STOP);
   else if (is_stop_stuck())
     fault(EVENT_FAULT_STUCK);
-  else if ((state == STATE_RUNNING || state == STATE_POSITIONING) && soft_limit_ahead(motion->direction))
+  else if (state != STATE_JOGGING && soft_limit_ahead(motion->direction))
     fault(EVENT_FAULT_SOFT_LIMIT);
   return state != STATE_FAULT;
 }

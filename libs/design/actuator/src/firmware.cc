@@ -114,7 +114,9 @@ std::int64_t Um(double mm) {
 struct Homing {
   double stroke_mm, speed_mm_s, position_speed_mm_s;
   int counts, position_counts;
-  std::int64_t position_ms, timeout_ms, back_off_ms, touch_timeout_ms;
+  std::int64_t timeout_ms, back_off_ms, touch_timeout_ms;
+  // From where the end stop was seen to release, one of them 0: on to the start, or back to it.
+  std::int64_t position_ms = 0, return_ms = 0;
 };
 
 Homing HomingOf(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
@@ -131,10 +133,14 @@ Homing HomingOf(const StrokeTable& stroke, const StrokeSchedule& schedule, const
   homing.position_speed_mm_s = speed(table.extend);
   homing.counts = CountsFor(table, -homing.speed_mm_s);
   homing.position_counts = CountsFor(table, homing.position_speed_mm_s);
-  homing.position_ms = std::llround(1e3 * (stroke.start_mm - homing.stroke_mm) / homing.position_speed_mm_s);
   const double travel_mm = schedule.limits.used.stroke.upper_mm - homing.stroke_mm;
   homing.timeout_ms = std::llround(1e3 * (1.5 * travel_mm / homing.speed_mm_s + 2));
   homing.back_off_ms = std::llround(1e3 * options.stop_travel_mm / homing.position_speed_mm_s);
+  const double released_mm = homing.stroke_mm + 1e-3 * homing.back_off_ms * homing.position_speed_mm_s;
+  if (stroke.start_mm >= released_mm)
+    homing.position_ms = std::llround(1e3 * (stroke.start_mm - released_mm) / homing.position_speed_mm_s);
+  else
+    homing.return_ms = std::llround(1e3 * (released_mm - stroke.start_mm) / homing.speed_mm_s);
   homing.touch_timeout_ms = std::llround(1e3 * (2 * options.stop_travel_mm / homing.speed_mm_s + 1));
   return homing;
 }
@@ -404,8 +410,14 @@ DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& sch
   // Homing ends by a stop from its speed; then to the start.
   watch.Turn(0, 0, homing.stroke_mm);
   watch.Turn(Um(homing.position_speed_mm_s), 0, homing.stroke_mm);
-  watch.Go(homing.position_ms, 0, stroke.start_mm);
+  watch.Go(homing.back_off_ms + homing.position_ms, 0,
+           std::max(stroke.start_mm, homing.stroke_mm + options.stop_travel_mm));
   watch.Turn(0, 0, stroke.start_mm);
+  if (homing.return_ms > 0) {
+    watch.Turn(-Um(homing.speed_mm_s), 0, stroke.start_mm);
+    watch.Go(homing.return_ms, 0, stroke.start_mm);
+    watch.Turn(0, 0, stroke.start_mm);
+  }
   std::int64_t now_ms = 0;
   double planned_mm = stroke.start_mm;
   for (const StrokeSegment& segment : stroke.segments) {
@@ -448,9 +460,10 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
       fmt::format("#define LAKE_HOME_COUNTS {}\n#define LAKE_HOME_SPEED_UM_S {}L\n#define LAKE_HOME_TIMEOUT_MS {}L\n",
                   homing.counts, Um(homing.speed_mm_s), homing.timeout_ms);
   text += fmt::format(
-      "#define LAKE_POSITION_COUNTS {}  // from the end stop to the start\n#define LAKE_POSITION_SPEED_UM_S {}L\n"
-      "#define LAKE_POSITION_MS {}L\n",
-      homing.position_counts, Um(homing.position_speed_mm_s), homing.position_ms);
+      "#define LAKE_POSITION_COUNTS {}  // away from the end stop\n#define LAKE_POSITION_SPEED_UM_S {}L\n"
+      "#define LAKE_POSITION_MS {}L  // from where it has released on to the start, …\n"
+      "#define LAKE_RETURN_MS {}L  // … or back to it\n",
+      homing.position_counts, Um(homing.position_speed_mm_s), homing.position_ms, homing.return_ms);
   text += fmt::format(
       "#define LAKE_BACK_OFF_MS {}L  // from the end stop, to see it release\n#define LAKE_TOUCH_TIMEOUT_MS {}L\n",
       homing.back_off_ms, homing.touch_timeout_ms);

@@ -17,7 +17,9 @@ inline constexpr int kPwmPeriod = 4000;                     // counts of timer 1
 inline constexpr int kSpeedIntervals = 64;                  // of the firmware's own duty-to-speed table
 inline constexpr int kSegmentBytes = 10;                    // of a segment in flash
 inline constexpr int kFlashBytes = 32256;                   // of the ATmega328P beside the UNO's bootloader
-inline constexpr int kFirmwareBytes = 8192;                 // kept for the code, which takes less
+// Kept for the code: half of the flash. What it takes without feedback is half of that again; the rest is room for
+// the closed loop.
+inline constexpr int kFirmwareBytes = 16128;
 inline constexpr double kUnmeasuredTolerance_percent = 10;  // of speeds, where nobody has measured it
 inline constexpr int kMostSegments = (kFlashBytes - kFirmwareBytes) / kSegmentBytes;
 
