@@ -33,8 +33,8 @@ void bridge_drive(uint16_t counts) {
 uint8_t board_end_stops(void) {
   return host_board.open;
 }
-uint16_t board_potentiometer(void) {
-  return host_board.adc[0];
+uint16_t board_analog(uint8_t channel) {
+  return host_board.adc[channel];
 }
 
 const char* serial_line(void) {

@@ -12,7 +12,7 @@ typedef struct {
   int counts;          // of ENA while it drives
   int shorted;         // the inputs were turned while the bridge drove: this must never be
   uint8_t open;        // end stops, bits as in board.h
-  uint16_t adc[3];     // A0 potentiometer, A1 current, A2 supply
+  uint16_t adc[3];     // sums of four readings: A0 potentiometer, A1 current, A2 supply
   char line[40];       // to be read next
   char said[1 << 16];  // over the serial line since it was last taken
   uint32_t said_length;

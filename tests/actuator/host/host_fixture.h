@@ -26,6 +26,7 @@ class HostFirmwareTest : public testing::Test {
     stroke_table_ = actuator::MakeStrokeTable(schedule_, table_, firmware_options_);
     actuator_.stroke_mm = schedule_.knots.front().stroke_mm;
     actuator_.retract_stop_mm = firmware_options_.home_stroke_mm;
+    actuator_.supply_v = firmware_options_.supply_v;
     if (!actuator_.table) actuator_.table = &table_;
     header_ = actuator::StrokeTableHeader(stroke_table_, schedule_, table_, firmware_options_, "test");
     rig_ = std::make_unique<HostRig>(header_, actuator_);

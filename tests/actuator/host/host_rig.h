@@ -30,7 +30,20 @@ struct HostActuator {
   std::function<double(double time_s, double stroke_mm)> load_n;  // against extension; none: 0
   double potentiometer_mm[2] = {0, 500};                          // strokes at 0 V and 5 V of A0
   double noise_counts = 0, spikes = 0;                            // SD of every reading, part of readings that are wild
+  double supply_v = 12, supply_divider = 4.9;                     // on A2
+  double idle_a = 0.3, a_per_n = 0.004, stall_a = 4;              // of the motor; an ACS712-05B on A1
   unsigned seed = 1;
+};
+
+// What may break; the end stops' wires are pulled by PullWire.
+struct HostBreaks {
+  enum class Wiper { kFine, kLost, kShorted, kFrozen };
+
+  Wiper wiper = Wiper::kFine;  // lost: pulled down to 0 V; shorted: at 5 V
+  bool supply_wire = false, current_wire = false;
+  bool is_reversed = false;   // the motor
+  bool is_blocked = false;    // the rod
+  double runs_away_mm_s = 0;  // whatever the bridge does
 };
 
 struct HostSample {
@@ -65,6 +78,7 @@ class HostRig {
   double Duty() const;  // of the bridge now, signed
   bool IsShorted() const { return board_->shorted != 0; }
   HostActuator& Actuator() { return actuator_; }
+  HostBreaks& Breaks() { return breaks_; }
   host_board_t& Board() { return *board_; }
   const std::string& Serial() const { return serial_; }
   const std::vector<HostSample>& Samples() const { return samples_; }
@@ -73,18 +87,23 @@ class HostRig {
   void TickMs();
   void Move();
   void Sense();
-  std::uint16_t Read(double share);
+  std::uint16_t Read(double volt);
+  double Current() const;
+  double Load() const;
 
   TemporaryFolder folder_;
   void* library_ = nullptr;
   host_board_t* board_ = nullptr;
   void (*motor_init_)() = nullptr;
   void (*end_stops_init_)() = nullptr;
+  void (*analog_init_)() = nullptr;
   void (*controller_init_)() = nullptr;
   void (*controller_tick_)() = nullptr;
   void (*protocol_turn_)() = nullptr;
   std::uint8_t (*protocol_realtime_)(char) = nullptr;
   HostActuator actuator_;
+  HostBreaks breaks_;
+  double target_mm_s_ = 0, free_mm_s_ = 0, frozen_v_ = 0;
   std::mt19937 random_;
   double speed_mm_s_ = 0, motor_mm_ = 0, stroke_mm_ = 0;
   bool pulled_[2] = {false, false};

@@ -8,6 +8,16 @@
 #define LAKE_DEAD_TIME_MS 100  // brake before anything else
 #define LAKE_COMMAND_TIMEOUT_MS 2000  // 0: none
 #define LAKE_SEGMENT_COUNT 6
+#define LAKE_SUPPLY_SENSE 0
+#define LAKE_SUPPLY_LEAST 0
+#define LAKE_SUPPLY_MOST 0
+#define LAKE_CURRENT_SENSE 0
+#define LAKE_CURRENT_ZERO 2046
+#define LAKE_CURRENT_UA_PER_COUNT 6605L
+#define LAKE_CURRENT_MOST_MA 3000
+#define LAKE_CURRENT_STALL_MA 2000
+#define LAKE_CURRENT_LEAST_MA 40
+#define LAKE_FEEDBACK 0
 #define LAKE_DRIFT_START_UM 101  // the bound on the drift: at first, …
 #define LAKE_DRIFT_PER_1024 103  // … per 1024 of the way, …
 #define LAKE_LAG_MS 50  // … and per change of speed
@@ -19,6 +29,11 @@
 #define LAKE_START_UM 300000L
 #define LAKE_UPPER_END_UM 374521L  // of the linkage: what the drift must not reach
 #define LAKE_STOP_TRAVEL_UM 2000L  // within which an end stop releases
+#define LAKE_EXTEND_STOP_UM 0L  // 0: there is none
+#define LAKE_EXTEND_LEAST_UM_S 440L  // that the duty table has
+#define LAKE_EXTEND_MOST_UM_S 9680L
+#define LAKE_RETRACT_LEAST_UM_S 720L
+#define LAKE_RETRACT_MOST_UM_S 11280L
 #define LAKE_HOME_UM 297000L  // at the retract end stop
 #define LAKE_HOME_COUNTS 2256
 #define LAKE_HOME_SPEED_UM_S 5000L
