@@ -124,8 +124,8 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(study.compare.misalignment.replacement_sd_mm, 1.5);
   EXPECT_EQ(study.design.problem.grashof_margin_mm, 2);
   EXPECT_EQ(study.worn, folder_ / "worn.yaml");
-  EXPECT_EQ(study.certify_gap_deg, 0.5);
-  EXPECT_EQ(study.yield_tolerance_mm, 0.1);
+  EXPECT_EQ(study.optimum.certify_gap_deg, 0.5);
+  EXPECT_EQ(study.optimum.yield_tolerance_mm, 0.1);
   ASSERT_TRUE(study.redesign);
   EXPECT_EQ(study.redesign->design.problem.grashof_margin_mm, 3);
   const commands::ReoptimizeRunOptions& redesign = study.redesign->options;
@@ -149,6 +149,29 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(study.stroke->firmware.home_stroke_mm, 244);
   EXPECT_EQ(study.stroke->firmware.extend_stop_mm, 0.7);
   EXPECT_EQ(study.inputs.size(), 6u);
+}
+
+// A section knows every option of the program that does its work.
+TEST_F(StudyYaml, HasEveryOptionOfItsPrograms) {
+  const study::StudyFile study = Read(
+      "human: {video: human.mp4, export: [trc, mot], dictionary: DICT_5X5_100}\n"
+      "exo: {video: exo.mp4, seeds: ['knee=1,2']}\ncompare: {resamples: 40, seed_number: 7}\n"
+      "design: {starts: 5, seed_number: 3, round_mm: 0.5}\n"
+      "reoptimize: {human_only: true, starts: 4, seed_number: 9}\n"
+      "stroke: {max_acceleration_mm_s2: 30, lag_s: 0.1, home_error_mm: 0.2}\n");
+  const auto& human = std::get<commands::TrackRunOptions>(study.human.work);
+  EXPECT_THAT(human.exports, ElementsAre("trc", "mot"));
+  EXPECT_EQ(human.track.dictionary, "DICT_5X5_100");
+  EXPECT_EQ(study.compare.misalignment.resamples, 40);
+  EXPECT_EQ(study.compare.misalignment.seed, 7u);
+  EXPECT_EQ(study.optimum.optimize.starts, 5);
+  EXPECT_EQ(study.optimum.optimize.seed, 3u);
+  EXPECT_EQ(study.optimum.round_mm, 0.5);
+  EXPECT_EQ(study.redesign->search.starts, 4);
+  EXPECT_EQ(study.redesign->search.seed, 9u);
+  EXPECT_EQ(study.stroke->schedule.max_acceleration_mm_s2, 30);
+  EXPECT_EQ(study.stroke->firmware.lag_s, 0.1);
+  ExpectRefused("human: {video: human.mp4}\ndesign:\n  starts: 0\n", "study.yaml:3: 'starts' must be at least 1");
 }
 
 TEST_F(StudyYaml, TakesItsProblemFromAFileToo) {

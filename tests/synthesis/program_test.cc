@@ -47,6 +47,7 @@ TEST(LakeOptimize, WrittenOptionsReadBack) {
   Json first = ReadJsonFile(folder / "first/summary.json"), second = ReadJsonFile(folder / "second/summary.json");
   for (const char* key : {"range_deg", "links", "yield", "certified_upper_bound_deg"})
     EXPECT_EQ(first[key], second[key]) << key;
+  EXPECT_EQ(first["options"]["certify"], "0.1");
   EXPECT_EQ(second["starts"].size(), 3u);
 }
 
@@ -70,14 +71,14 @@ TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
       {"--start 0,85,85,80,80,235", 2, "l1 is 0 mm"},
       {"--start nan,85,85,80,80,235", 2, "nan"},
       {"--starts 0", 2, "starts"},
-      {"--certify -1", 2, "gap"},
-      {"--certify=nan", 2, "gap"},
-      {"--yield 0", 2, "tolerance"},
-      {"--yield=-1", 2, "tolerance"},
+      {"--certify -1", 2, "--certify must be positive"},
+      {"--certify=nan", 2, "--certify"},
+      {"--yield 0", 2, "--yield must be positive"},
+      {"--yield=-1", 2, "--yield must be positive"},
       {"--round -1", 2, "--round"},
       {"--max-length 200", 2, "must exceed"},
       {"--max-force 0", 2, "above 0"},
-      {"--max-angle nan", 2, "max_angle_deg"},
+      {"--max-angle nan", 2, "--max-angle"},
       {"--problem /no/such/file.yaml", 1, "no such file"},
   };
   for (const auto& item : cases) {

@@ -117,8 +117,7 @@ steps::StudyStep OptimumStep(const StudyFile& study, const fs::path& out) {
   step.options.erase("worn");
   commands::OptimizeRunOptions options;
   AddProblem(study.design, options, step);
-  options.study.certify_gap_deg = study.certify_gap_deg;
-  options.study.yield_tolerance_mm = study.yield_tolerance_mm;
+  options.study = study.optimum;
   step.work = OptimizeWork(options);
   return step;
 }
@@ -131,6 +130,7 @@ steps::StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
                   {"human_knee", study.compare.human_knee}};
   commands::OptimizeRunOptions options;
   AddProblem(study.redesign->design, options, step);
+  options.study.optimize = study.redesign->search;
   options.reoptimize = study.redesign->options;
   if (study.exo) {
     options.reoptimize->comparison = out / "comparison";

@@ -154,9 +154,28 @@ std::map<std::string, std::string> ParseNameMap(const std::string& text) {
   return names;
 }
 
-std::optional<char> ParseUp(const std::string& text) {
-  if (text.size() > 1) throw UsageError(fmt::format("--up '{}': x, y or z", text));
-  return text.empty() ? std::nullopt : std::optional(text[0]);
+Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options) {
+  const auto set = [&mm_per_unit](const OptionTexts& texts, const std::string& said) {
+    CheckTextCount(texts, 1, said);
+    const std::optional<double> unit = FindMmPerUnit(texts.front());
+    const std::optional<double> mm = unit ? unit : ParseNumber(texts.front());
+    if (!mm || !(*mm > 0)) throw UsageError(fmt::format("{} '{}': mm, cm, m or its length in mm", said, texts.front()));
+    mm_per_unit = *mm;
+  };
+  return options.AddCustom(name, "Unit of files that do not say theirs (Tracker text, Kinovea's CSV)", set, "mm")
+      .Value("mm|cm|m");
+}
+
+void Describe(TrialOptions& o, OptionList& options) {
+  options.Add("map", o.names, "The file's name of each marker; A+B is the middle of two").Value("NAME=MARKER,...");
+  options
+      .AddChoice("up", o.up, OptionList::Choices<char>{{"x", 'x'}, {"y", 'y'}, {"z", 'z'}},
+                 "Vertical axis of a 3-D file")
+      .Otherwise("TRC y, C3D its own or z");
+  options.Add("forward", o.forward, "Where the subject of a 3-D file faces: +x, -x, …")
+      .Value("AXIS")
+      .Otherwise("found from the movement");
+  DescribeUnit("unit", o.mm_per_unit, options);
 }
 
 PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/core/options.h"
 #include "lake/exchange/formats.h"
 
 namespace lake::exchange {
@@ -19,6 +20,11 @@ struct TrialOptions {
   double rate_hz = 0;                        // of files without times (DLTdv)
 };
 
+// All but the rate, which only what converts asks.
+void Describe(TrialOptions& o, OptionList& options);
+// The unit of files that do not say theirs: its name, or its length in mm.
+Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options);
+
 struct Trial {
   std::filesystem::path file;         // that was read: of a folder, its trajectory.csv or tracks.csv
   motion::MarkerRecording recording;  // in the sagittal plane, or in px
@@ -30,9 +36,6 @@ struct Trial {
 
 // "ankle=RANK,knee=RKNE" as a map. Throws UsageError.
 std::map<std::string, std::string> ParseNameMap(const std::string& text);
-
-// The text of an option --up as TrialOptions::up; nullopt if empty. Throws UsageError.
-std::optional<char> ParseUp(const std::string& text);
 
 // Whatever ReadPoints (formats.h) reads. Three dimensions are projected onto the vertical plane that holds `forward`,
 // or that fits the movement of the segments between ankle, knee and hip best, and a warning says so; Tracker's projects

@@ -1,0 +1,29 @@
+#include "lake/synthesis/synthesis_options.h"
+
+#include "lake/core/csv.h"
+
+namespace lake::synthesis {
+
+void Describe(OptimizeOptions& o, OptionList& options) {
+  options.Add("starts", o.starts, "Number of starts; all but the first are random within the bounds").AtLeast(1);
+  options.Add("seed-number", o.seed, "Seed of everything random");
+}
+
+void Describe(SynthesisOptions& o, OptionList& options) {
+  Describe(o.optimize, options);
+  options.Add("certify", o.certify_gap_deg, "Prove an upper bound on the range to within this gap")
+      .Unit("degrees")
+      .Positive()
+      .Implied(FormatNumber(certificate::CertificateOptions{}.gap_deg));
+  options
+      .Add("yield", o.yield_tolerance_mm,
+           "Evaluate the fraction of builds that work when every link, and nothing else, is off by up to this; no "
+           "constraint")
+      .Unit("mm")
+      .Positive();
+  options.Add("round", o.round_mm, "Also give the best design with links that are multiples of this")
+      .Unit("mm")
+      .Positive();
+}
+
+}  // namespace lake::synthesis
