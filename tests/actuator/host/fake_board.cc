@@ -29,8 +29,8 @@ void bridge_drive(uint16_t counts) {
 uint8_t board_end_stops(void) {
   return fake_board.open;
 }
-uint16_t board_potentiometer(void) {
-  return fake_board.adc;
+uint16_t board_analog(uint8_t) {
+  return static_cast<uint16_t>(4 * fake_board.adc);
 }
 
 const char* serial_line(void) {

@@ -8,26 +8,46 @@
 #define LAKE_DEAD_TIME_MS 100  // brake before anything else
 #define LAKE_COMMAND_TIMEOUT_MS 2000  // 0: none
 #define LAKE_SEGMENT_COUNT 6
+#define LAKE_SUPPLY_SENSE 0
+#define LAKE_SUPPLY_LEAST 0
+#define LAKE_SUPPLY_MOST 0
+#define LAKE_CURRENT_SENSE 0
+#define LAKE_CURRENT_ZERO 2046
+#define LAKE_CURRENT_UA_PER_COUNT 6605L
+#define LAKE_CURRENT_MOST_MA 3000
+#define LAKE_CURRENT_STALL_MA 2000
+#define LAKE_CURRENT_LEAST_MA 40
+#define LAKE_FEEDBACK 0
 #define LAKE_DRIFT_START_UM 101  // the bound on the drift: at first, …
 #define LAKE_DRIFT_PER_1024 103  // … per 1024 of the way, …
 #define LAKE_LAG_MS 50  // … and per change of speed
 #define LAKE_DRIFT_ACCEPTED 0
 #define LAKE_DRIFT_LIMITED 1  // 0: accepted, or an extend end stop comes first
-#define LAKE_SPEED_INTERVALS 16
+#define LAKE_SPEED_INTERVALS 64
 #define LAKE_LOWER_LIMIT_UM 242498L
 #define LAKE_UPPER_LIMIT_UM 374021L
 #define LAKE_START_UM 300000L
 #define LAKE_UPPER_END_UM 374521L  // of the linkage: what the drift must not reach
 #define LAKE_STOP_TRAVEL_UM 2000L  // within which an end stop releases
-#define LAKE_HOME_UM 298000L  // at the retract end stop
+#define LAKE_EXTEND_STOP_UM 0L  // 0: there is none
+#define LAKE_EXTEND_LEAST_UM_S 440L  // that the duty table has
+#define LAKE_EXTEND_MOST_UM_S 9680L
+#define LAKE_RETRACT_LEAST_UM_S 720L
+#define LAKE_RETRACT_MOST_UM_S 11280L
+#define LAKE_HOME_UM 297000L  // at the retract end stop
 #define LAKE_HOME_COUNTS 2256
 #define LAKE_HOME_SPEED_UM_S 5000L
-#define LAKE_HOME_TIMEOUT_MS 24956L
-#define LAKE_POSITION_COUNTS 2582  // from the end stop to the start
+#define LAKE_HOME_TIMEOUT_MS 25256L
+#define LAKE_POSITION_COUNTS 2582  // away from the end stop
 #define LAKE_POSITION_SPEED_UM_S 5000L
-#define LAKE_POSITION_MS 400L
+#define LAKE_POSITION_MS 200L  // from where it has released on to the start, …
+#define LAKE_RETURN_MS 0L  // … or back to it
 #define LAKE_BACK_OFF_MS 400L  // from the end stop, to see it release
 #define LAKE_TOUCH_TIMEOUT_MS 1800L
+#define LAKE_EXTEND_FIRST_NODE 18  // of lake_speed_um_s: below it a duty may also stand still
+#define LAKE_RETRACT_FIRST_NODE 14
+#define LAKE_EXTEND_MOST_COUNTS 4000u  // the duty table ends there
+#define LAKE_RETRACT_MOST_COUNTS 4000u
 
 typedef struct {
   uint32_t end_ms;         // since the program's start
@@ -44,9 +64,9 @@ static const lake_segment lake_segments[LAKE_SEGMENT_COUNT] PROGMEM = {
     {2100, 3000, 1976},
 };
 
-// um/s at equal steps of duty from 0 to 1: extending, retracting.
+// The greatest speed, um/s, at equal steps of duty from 0 to 1: extending, retracting.
 static const uint32_t lake_speed_um_s[2][LAKE_SPEED_INTERVALS + 1] PROGMEM = {
-    {0, 0, 0, 0, 0, 605, 1430, 2255, 3080, 3905, 4730, 5555, 6380, 7205, 8030, 8855, 9680},
-    {0, 0, 0, 0, 480, 1380, 2280, 3180, 4080, 4980, 5880, 6780, 7680, 8580, 9480, 10380, 11280}};
+    {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 192, 399, 605, 811, 1018, 1224, 1430, 1636, 1843, 2049, 2255, 2461, 2668, 2874, 3080, 3286, 3493, 3699, 3905, 4111, 4318, 4524, 4730, 4936, 5143, 5349, 5555, 5761, 5968, 6174, 6380, 6586, 6793, 6999, 7205, 7411, 7618, 7824, 8030, 8236, 8442, 8649, 8855, 9061, 9267, 9474, 9680},
+    {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 30, 255, 480, 705, 930, 1155, 1380, 1605, 1830, 2055, 2280, 2505, 2730, 2955, 3180, 3405, 3630, 3855, 4080, 4305, 4530, 4755, 4980, 5205, 5430, 5655, 5880, 6105, 6330, 6555, 6780, 7005, 7230, 7455, 7680, 7905, 8130, 8355, 8580, 8805, 9030, 9255, 9480, 9705, 9930, 10155, 10380, 10605, 10830, 11055, 11280}};
 
 #endif

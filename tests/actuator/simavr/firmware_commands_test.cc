@@ -103,7 +103,7 @@ TEST_F(FirmwareTest, JogKeepsTheSoftLimits) {
 TEST_F(FirmwareTest, CalibrationFirmwareJogsAndHasNoProgram) {
   actuator_.table = &table_;
   actuator_.stroke_mm = 300;
-  const auto elf = BuildFirmware(folder_ / "calibration", actuator::CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR");
+  const auto elf = BuildFirmware(actuator::CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR");
   rig_ = std::make_unique<AvrRig>(elf, actuator_);
   rig_->Run(0.05);
   EXPECT_TRUE(Asks("run", "error:6")) << rig_->Serial();
@@ -119,8 +119,8 @@ TEST_F(FirmwareTest, SerialOutputOfJogsBecomesTheActuatorsDutyTable) {
   actuator_.table = &table_;
   actuator_.stroke_mm = 300;
   actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
-  rig_ = std::make_unique<AvrRig>(
-      BuildFirmware(folder_ / "calibration", actuator::CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR"), actuator_);
+  rig_ =
+      std::make_unique<AvrRig>(BuildFirmware(actuator::CalibrationHeader({}, "test"), "-DLAKE_SIMULATOR"), actuator_);
   rig_->Run(0.05);
   for (const int duty : {200, 400, 700, 1000})
     for (const int sign : {1, -1}) {

@@ -5,13 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "actuator/compiled_once.h"
 #include "actuator/model_program.h"
 #include "avr_rig.h"
 #include "lake/actuator/firmware.h"
@@ -20,16 +19,13 @@
 
 namespace lake {
 
-// The image of the firmware with this table. Throws if it does not compile without a warning.
-inline std::filesystem::path BuildFirmware(const std::filesystem::path& folder, const std::string& stroke_table,
-                                           const std::string& flags) {
-  std::filesystem::create_directories(folder);
-  WriteTextFile(folder / "stroke_table.h", stroke_table);
-  for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) WriteTextFile(folder / file.name, file.text);
-  const std::string line = "cd '" + folder.string() + "' && timeout 60 " + LAKE_AVR_GCC +
-                           " -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror " + flags + " *.c -o firmware.elf";
-  if (std::system(line.c_str()) != 0) throw std::runtime_error("avr-gcc failed in " + folder.string());
-  return folder / "firmware.elf";
+// The image of the firmware with this table, compiled once for all tests. Throws if it does not compile without a
+// warning.
+inline std::filesystem::path BuildFirmware(const std::string& stroke_table, const std::string& flags) {
+  return CompiledOnce(
+      stroke_table,
+      LAKE_AVR_GCC " -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror " + flags + " *.c -o firmware.elf",
+      "firmware.elf");
 }
 
 // Up, slower, a reversal without a pause, a rest.
@@ -45,8 +41,7 @@ class FirmwareTest : public testing::Test {
     options.home_stroke_mm = schedule_.knots.front().stroke_mm - 2;
     if (!options.speed_tolerance_percent) options.speed_tolerance_percent = 10;
     stroke_table_ = actuator::MakeStrokeTable(schedule_, table_, options);
-    elf_ = BuildFirmware(folder_ / "build",
-                         actuator::StrokeTableHeader(stroke_table_, schedule_, table_, options, "test"), flags);
+    elf_ = BuildFirmware(actuator::StrokeTableHeader(stroke_table_, schedule_, table_, options, "test"), flags);
     actuator_.table = &table_;
     actuator_.stroke_mm = schedule_.knots.front().stroke_mm;
     actuator_.retract_stop_mm = options.home_stroke_mm;

@@ -60,7 +60,8 @@ TEST_F(FirmwareImageTest, RunsAsAnArduinoSketch) {
       "-mmcu=atmega328p -DF_CPU=16000000L -DARDUINO=10819 -DARDUINO_AVR_UNO -DARDUINO_ARCH_AVR -Os "
       "-ffunction-sections -fdata-sections -I{} -I{}",
       core.string(), (avr / "variants/standard").string());
-  const std::string gcc = LAKE_AVR_GCC, build = (folder_ / "build").string();
+  const std::string gcc = LAKE_AVR_GCC, build = (folder_ / "sketch").string();
+  std::filesystem::copy(elf_.parent_path(), build);
   const std::string commands = fmt::format(
       "cd '{0}' && {1} {2} -std=gnu11 -Wall -Wextra -Werror -c *.c && "
       "{1} {2} -std=gnu++11 -Wall -Wextra -Werror -x c++ -include Arduino.h -c lake_stroke.ino -o sketch.o && "
@@ -68,7 +69,7 @@ TEST_F(FirmwareImageTest, RunsAsAnArduinoSketch) {
       "{1} -mmcu=atmega328p -Os -Wl,--gc-sections *.o -o sketch.elf",
       build, gcc, options, core.string());
   ASSERT_EQ(std::system(commands.c_str()), 0);
-  elf_ = folder_ / "build/sketch.elf";
+  elf_ = folder_ / "sketch/sketch.elf";
   PowerUp();
   Start();
   EXPECT_TRUE(rig_->RunUntil("[MSG:done]", schedule_.Duration() + 1)) << rig_->Serial();

@@ -4,7 +4,10 @@
 #include <avr/io.h>
 #include <avr/sleep.h>
 #include <avr/wdt.h>
+#include <util/atomic.h>
 #include <util/delay_basic.h>
+
+#include "config.h"
 
 // Normally closed switches to ground with the internal pull-ups. A pressed switch, a broken wire and a missing switch
 // all read high.
@@ -12,12 +15,20 @@
 #define EXTEND_STOP_BIT PD3   // D3, at the longest stroke
 #define END_STOP_READINGS 4
 
-// A0: optional potentiometer. It is reported, never used for control.
-#define ADC_CHANNEL 0
+#if LAKE_FEEDBACK || LAKE_CURRENT_SENSE || LAKE_SUPPLY_SENSE
+#define CONVERSIONS 4  // of each channel per ms, at 52 us
+#define CHANNELS ANALOG_COUNT
+#else
+#define CONVERSIONS 1  // the potentiometer is only told
+#define CHANNELS 1
+#endif
 
 static void (*on_tick)(void);
 static volatile uint8_t ticks;
 static uint8_t last_tick;
+static volatile uint16_t readings[ANALOG_COUNT];
+static uint16_t sum;
+static uint8_t channel, conversion;
 static uint8_t reset_flags __attribute__((section(".noinit")));
 
 // After a watchdog reset the watchdog runs on with its shortest time: it must be off before anything else.
@@ -28,7 +39,27 @@ void quiet_watchdog(void) {
   wdt_disable();
 }
 
+static void start_conversion(void) {
+  ADMUX = _BV(REFS0) | channel;
+  ADCSRA |= _BV(ADSC);
+}
+
+// The conversions of one ms follow upon each other: all channels are done when the next begins.
+ISR(ADC_vect) {
+  sum += ADC;
+  if (++conversion == CONVERSIONS) {
+    readings[channel] = sum * (4 / CONVERSIONS);
+    sum = 0;
+    conversion = 0;
+    if (++channel == CHANNELS) return;
+  }
+  start_conversion();
+}
+
 ISR(TIMER2_COMPA_vect) {
+  sum = 0;
+  channel = conversion = 0;
+  start_conversion();
   on_tick();
   ++ticks;
 }
@@ -36,8 +67,8 @@ ISR(TIMER2_COMPA_vect) {
 void board_init(void) {
   DDRD &= ~(_BV(RETRACT_STOP_BIT) | _BV(EXTEND_STOP_BIT));
   PORTD |= _BV(RETRACT_STOP_BIT) | _BV(EXTEND_STOP_BIT);
-  ADMUX = _BV(REFS0) | ADC_CHANNEL;
-  ADCSRA = _BV(ADEN) | _BV(ADPS2) | _BV(ADPS1) | _BV(ADPS0);
+  ADMUX = _BV(REFS0);
+  ADCSRA = _BV(ADEN) | _BV(ADIE) | _BV(ADPS2) | _BV(ADPS1);  // 250 kHz
 }
 
 void board_start(void (*tick)(void)) {
@@ -57,7 +88,6 @@ uint8_t board_wait(void) {
   if (ticks == last_tick) return 0;
   last_tick = ticks;
   wdt_reset();
-  ADCSRA |= _BV(ADSC);  // done long before the next ms
   return 1;
 }
 
@@ -73,8 +103,12 @@ uint8_t board_end_stops(void) {
   return bits;
 }
 
-uint16_t board_potentiometer(void) {
-  return ADC;
+uint16_t board_analog(uint8_t which) {
+  uint16_t reading = 0;
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+    reading = readings[which];
+  }
+  return reading;
 }
 
 reset_cause_t board_reset_cause(void) {

@@ -6,7 +6,7 @@
 
 typedef enum { RESET_BY_POWER_OR_BUTTON, RESET_BY_WATCHDOG, RESET_BY_LOW_VOLTAGE } reset_cause_t;
 
-// End stops and potentiometer; nothing runs yet.
+// End stops and analogue inputs; nothing runs yet.
 void board_init(void);
 
 // Interrupts on, `tick` once per ms inside the timer's, watchdog of 120 ms.
@@ -22,8 +22,11 @@ enum { END_STOP_RETRACT = 1, END_STOP_EXTEND = 2 };
 // bridge's spikes are shorter.
 uint8_t board_end_stops(void);
 
-// The last reading of the potentiometer, 0..1023.
-uint16_t board_potentiometer(void);
+// A0, A1, A2.
+enum { ANALOG_POTENTIOMETER, ANALOG_CURRENT, ANALOG_SUPPLY, ANALOG_COUNT };
+
+// The last reading: the sum of four conversions, 0..4092. All channels are read once per ms.
+uint16_t board_analog(uint8_t channel);
 
 reset_cause_t board_reset_cause(void);
 

@@ -4,7 +4,10 @@
 
 #include "stroke_table.h"
 
-#define END_STOP_RELEASE_MS 3  // a pressed end stop counts as released once it has been so for that long
+#define END_STOP_RELEASE_MS 3    // a pressed end stop counts as released once it has been so for that long
+#define WIRE_WRONG_MS 10         // how long end stops must contradict what is known, at rest
+#define LAKE_PLACE_UM 2000L      // how far the potentiometer may be from home and from the program's start
+#define LAKE_FOLLOWING_UM 3000L  // and from the plan
 #define STATUS_PERIOD_MS 100u
 #define JOG_MAX_MS 10000
 #define SOFT_LIMIT_SLACK_UM 50           // rounding of the table, not room to move

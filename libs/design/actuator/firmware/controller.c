@@ -1,7 +1,9 @@
 #include "controller.h"
 
+#include "analog.h"
 #include "config.h"
 #include "end_stops.h"
+#include "follow.h"
 #include "motor.h"
 #include "portable.h"
 
@@ -10,9 +12,10 @@ typedef struct {
   int8_t direction;
   uint16_t counts;
   int32_t velocity_um_s;
+  uint32_t spread_um_s;  // by which it may be slower, beside the tolerances
 } motion_t;
 
-static const motion_t kRest = {0, 0, 0};
+static const motion_t kRest = {0, 0, 0, 0};
 
 // Shared by interrupts and main loop; the main loop touches them in ATOMICALLY blocks only, which are barriers.
 static uint32_t time_ms;
@@ -22,7 +25,7 @@ static int32_t stroke_nm;         // um/s during one ms are nm
 static uint32_t way_drift_nm;     // what the tolerance of the speed allows
 static uint32_t lag_drift_nm[2];  // what lag allows: behind by speeding up, ahead by slowing down
 static reply_t reply;
-static uint8_t events;
+static uint16_t events;
 static request_t request;
 static int16_t request_counts;
 static uint16_t request_ms;
@@ -37,8 +40,13 @@ static uint32_t pressed_way_nm;  // driven away from an end stop that is pressed
 #if LAKE_SEGMENT_COUNT > 0
 static uint16_t segment_index;
 static lake_segment segment;
-enum { HOME_SEEK, HOME_BACK_OFF, HOME_TOUCH };
+enum { HOME_SEEK, HOME_BACK_OFF, HOME_TOUCH, HOME_RELEASE };
 static uint8_t home_phase;
+static int8_t start_lies;  // of where homing ended: 1 beyond, -1 before
+
+// By the potentiometer it may take longer than by the duty table.
+#define PLANNED_POSITIONING_MS (LAKE_POSITION_MS > 0 ? LAKE_POSITION_MS : LAKE_RETURN_MS)
+#define POSITIONING_MS (LAKE_FEEDBACK ? 4 * PLANNED_POSITIONING_MS + 2000 : PLANNED_POSITIONING_MS)
 
 static void load_segment(uint16_t index) {
   segment_index = index;
@@ -46,17 +54,27 @@ static void load_segment(uint16_t index) {
 }
 #endif
 
-static void fault(uint8_t what) {
+static void fault(uint16_t what) {
   state = STATE_FAULT;
   knowledge = STROKE_UNKNOWN;
   events |= what;
 }
 
-static int32_t stroke_um(void) {
+static int32_t planned_um(void) {
   return stroke_nm / 1000;
 }
 
+#if LAKE_SEGMENT_COUNT > 0
+// Where the actuator is, as well as that is known.
+static int32_t stroke_um(void) {
+  return LAKE_FEEDBACK ? analog_stroke_um() : planned_um();
+}
+#endif
+
 static uint32_t drift_um(void) {
+#if LAKE_FEEDBACK
+  return LAKE_POT_ERROR_UM;
+#endif
   return (way_drift_nm + (lag_drift_nm[0] > lag_drift_nm[1] ? lag_drift_nm[0] : lag_drift_nm[1])) / 1000;
 }
 
@@ -66,23 +84,36 @@ static void begin(state_t next, uint32_t duration_ms) {
   end_ms = duration_ms;
 }
 
-// The speed of a duty by the duty table, linear between its nodes.
-static int32_t speed_um_s(int8_t direction, uint16_t counts) {
 #if LAKE_SEGMENT_COUNT > 0
+// A motion with the greatest speed that its duty can give by the duty table: between two nodes the upper one's, since
+// the table rises; it may be as slow as the lower one's. Below the first duty that was measured nothing is known but
+// that it is no faster.
+static motion_t motion_of(int8_t direction, uint16_t counts) {
   const uint32_t* row = lake_speed_um_s[direction < 0];
   const uint32_t scaled = (uint32_t)counts * LAKE_SPEED_INTERVALS;
   const uint8_t node = scaled / LAKE_PWM_PERIOD;
-  const uint32_t low = pgm_read_dword(&row[node]);
-  if (node >= LAKE_SPEED_INTERVALS) return direction * (int32_t)low;
-  const uint32_t high = pgm_read_dword(&row[node + 1]);
-  const uint32_t rest = scaled % LAKE_PWM_PERIOD;
-  return direction *
-         (int32_t)(low + (high - low) * rest / LAKE_PWM_PERIOD);  // speeds are below 1 m/s, so 32 bits suffice
-#else
-  (void)counts;
-  return direction * 0;
-#endif
+  const uint8_t upper = node + (scaled % LAKE_PWM_PERIOD > 0);
+  const uint8_t first = direction < 0 ? LAKE_RETRACT_FIRST_NODE : LAKE_EXTEND_FIRST_NODE;
+  const uint32_t most = pgm_read_dword(&row[upper]);
+  const uint32_t least = node < first ? 0 : pgm_read_dword(&row[node]);
+  const motion_t motion = {direction, counts, direction * (int32_t)most, most - least};
+  return motion;
 }
+
+static uint8_t is_measured(int8_t direction, uint16_t counts) {
+  return counts <= (direction < 0 ? LAKE_RETRACT_MOST_COUNTS : LAKE_EXTEND_MOST_COUNTS);
+}
+#else
+static motion_t motion_of(int8_t direction, uint16_t counts) {
+  const motion_t motion = {direction, counts, 0, 0};
+  return motion;
+}
+
+static uint8_t is_measured(int8_t direction, uint16_t counts) {
+  (void)direction, (void)counts;
+  return 1;
+}
+#endif
 
 static uint8_t end_stop_ahead(int8_t direction) {
   const uint8_t pressed = end_stops_pressed();
@@ -109,9 +140,28 @@ static uint8_t soft_limit_ahead(int8_t direction) {
 }
 
 #if LAKE_SEGMENT_COUNT > 0
+#if LAKE_FEEDBACK
+// What the potentiometer has to say of a place that is known otherwise.
+static uint8_t is_away_from(int32_t um) {
+  const int32_t apart_um = analog_stroke_um() - um;
+  return apart_um > LAKE_PLACE_UM || apart_um < -LAKE_PLACE_UM;
+}
+static void begin_following(void) {
+  stroke_nm = LAKE_START_UM * 1000;
+  follow_begin();
+}
+#else
+static uint8_t is_away_from(int32_t um) {
+  (void)um;
+  return 0;
+}
+static void begin_following(void) {}
+#endif
+
 static reply_t take_run(void) {
   if (state != STATE_IDLE) return REPLY_STATE;
-  if (knowledge != STROKE_AT_START) return REPLY_POSITION;
+  if (knowledge != STROKE_AT_START || is_away_from(LAKE_START_UM)) return REPLY_POSITION;
+  begin_following();
   load_segment(0);
   knowledge = STROKE_ESTIMATED;
   begin(STATE_RUNNING, 0);
@@ -129,9 +179,19 @@ static uint8_t retract_stop_contradicts_stroke(void) {
          stroke_um() - (int32_t)drift_um() > LAKE_HOME_UM + LAKE_STOP_TRAVEL_UM;
 }
 
+// Likewise the extend end stop, where its place is known.
+static uint8_t extend_stop_contradicts_stroke(void) {
+  return LAKE_EXTEND_STOP_UM > 0 && end_stop_ahead(1) && knowledge != STROKE_UNKNOWN &&
+         stroke_um() + (int32_t)drift_um() < LAKE_EXTEND_STOP_UM - LAKE_STOP_TRAVEL_UM;
+}
+
+static uint8_t stop_contradicts_stroke(void) {
+  return retract_stop_contradicts_stroke() || extend_stop_contradicts_stroke();
+}
+
 static reply_t take_home(void) {
   if (state != STATE_IDLE) return REPLY_STATE;
-  const uint8_t stuck = retract_stop_contradicts_stroke();
+  const uint8_t stuck = stop_contradicts_stroke();
   knowledge = STROKE_UNKNOWN;
   if (stuck)
     fault(EVENT_FAULT_STUCK);
@@ -149,12 +209,16 @@ static void know_stroke(int32_t um, knowledge_t known) {
 
 static reply_t take_zero(void) {
   if (state != STATE_IDLE) return REPLY_STATE;
+  if (is_away_from(LAKE_START_UM)) return REPLY_POSITION;
   know_stroke(LAKE_START_UM, STROKE_AT_START);
   return REPLY_OK;
 }
 #else
 static reply_t take_run(void) {
   return REPLY_NO_PROGRAM;
+}
+static uint8_t stop_contradicts_stroke(void) {
+  return 0;
 }
 static reply_t take_home(void) {
   return REPLY_NO_PROGRAM;
@@ -166,12 +230,12 @@ static reply_t take_zero(void) {
 
 static reply_t take_jog(void) {
   const int8_t direction = request_counts < 0 ? -1 : 1;
+  const uint16_t counts = direction * request_counts;
   if (state != STATE_IDLE) return REPLY_STATE;
+  if (!is_measured(direction, counts)) return REPLY_BAD_NUMBER;
   if (end_stop_ahead(direction)) return REPLY_STOP_AHEAD;
   if (soft_limit_ahead(direction)) return REPLY_LIMIT_AHEAD;
-  jog.direction = direction;
-  jog.counts = direction * request_counts;
-  jog.velocity_um_s = speed_um_s(direction, jog.counts);
+  jog = motion_of(direction, counts);
   if (knowledge == STROKE_AT_START) knowledge = STROKE_ESTIMATED;
   begin(STATE_JOGGING, request_ms);
   return REPLY_OK;
@@ -237,6 +301,27 @@ static void watch_host(void) {
   heard = 0;
 }
 
+// End stops that cannot be pressed as they are, told where nothing moves: is_allowed sees to it while something does.
+static void watch_wires(void) {
+  static uint8_t wrong_ms;
+  const uint8_t both = end_stops_pressed() == (END_STOP_RETRACT | END_STOP_EXTEND);
+  if (state == STATE_FAULT || is_moving() || !(both || stop_contradicts_stroke())) {
+    wrong_ms = 0;
+  } else if (++wrong_ms >= WIRE_WRONG_MS) {
+    wrong_ms = 0;
+    fault(both ? EVENT_FAULT_BOTH_STOPS : EVENT_FAULT_STUCK);
+  }
+}
+
+static void watch_inputs(void) {
+  const uint8_t wrong = analog_faults();
+  if (state == STATE_FAULT || wrong == 0) return;
+  fault(wrong & ANALOG_NO_SUPPLY    ? EVENT_FAULT_SUPPLY
+        : wrong & ANALOG_NO_WIPER   ? EVENT_FAULT_WIPER
+        : wrong & ANALOG_NO_CURRENT ? EVENT_FAULT_NO_CURRENT
+                                    : EVENT_FAULT_OVERCURRENT);
+}
+
 static void finish(knowledge_t known) {
   state = STATE_IDLE;
   knowledge = known;
@@ -252,52 +337,93 @@ static motion_t run(void) {
     }
     load_segment(segment_index + 1);
   }
-  const int8_t direction = (segment.velocity_um_s > 0) - (segment.velocity_um_s < 0);
-  const motion_t motion = {direction, segment.counts, segment.velocity_um_s};
+#if LAKE_FEEDBACK
+  const int32_t velocity_um_s = follow_speed(planned_um(), segment.velocity_um_s, analog_stroke_um());
+  const uint16_t counts = follow_counts(velocity_um_s);
+#else
+  const int32_t velocity_um_s = segment.velocity_um_s;
+  const uint16_t counts = segment.counts;
+#endif
+  const int8_t direction = (velocity_um_s > 0) - (velocity_um_s < 0);
+  const motion_t motion = {direction, counts, velocity_um_s, 0};
   return motion;
 }
 
 // Retracts until the end stop is pressed.
 static motion_t seek(void) {
   if (end_stop_ahead(-1)) {
-    if (home_phase == HOME_SEEK) {
-      begin_homing(HOME_BACK_OFF, LAKE_BACK_OFF_MS);
-    } else {
-      know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
-      begin(STATE_POSITIONING, LAKE_POSITION_MS);
+    if (home_phase == HOME_TOUCH) know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
+    if (home_phase == HOME_TOUCH && is_away_from(LAKE_HOME_UM)) {
+      fault(EVENT_FAULT_WIPER);
+      return kRest;
     }
+    begin_homing(home_phase == HOME_TOUCH ? HOME_RELEASE : HOME_BACK_OFF, LAKE_BACK_OFF_MS);
     return kRest;
   }
   if (clock_ms >= end_ms) {
     fault(EVENT_FAULT_HOME);
     return kRest;
   }
-  const motion_t motion = {-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S};
+  const motion_t motion = {-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S, 0};
   return motion;
 }
 
-// Only an end stop that has been seen to release and to be pressed again is home: a broken wire looks pressed
-// everywhere.
-static motion_t home(void) {
-  if (home_phase != HOME_BACK_OFF) return seek();
-  if (clock_ms >= end_ms) {
-    if (end_stop_ahead(-1))
-      fault(EVENT_FAULT_STUCK);
-    else
-      begin_homing(HOME_TOUCH, LAKE_TOUCH_TIMEOUT_MS);
+static const motion_t kExtend = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S, 0};
+
+// Extends until the end stop must have released.
+static motion_t back_off(void) {
+  if (clock_ms < end_ms) return kExtend;
+  if (end_stop_ahead(-1)) {
+    fault(EVENT_FAULT_STUCK);
     return kRest;
   }
-  const motion_t motion = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S};
-  return motion;
+  if (home_phase == HOME_BACK_OFF) {
+    begin_homing(HOME_TOUCH, LAKE_TOUCH_TIMEOUT_MS);
+    return kRest;
+  }
+  start_lies = LAKE_FEEDBACK ? (analog_stroke_um() < LAKE_START_UM ? 1 : -1) : (LAKE_POSITION_MS > 0 ? 1 : -1);
+  begin(STATE_POSITIONING, POSITIONING_MS);
+  return start_lies > 0 ? kExtend : kRest;
+}
+
+// Only an end stop that has been seen to release and to be pressed again, twice, is home: a broken wire looks pressed
+// everywhere, and one that breaks after the first release like the second touch.
+static motion_t home(void) {
+  return home_phase == HOME_SEEK || home_phase == HOME_TOUCH ? seek() : back_off();
+}
+
+// Back to a start that lies before where the end stop was seen to release. There it may be pressed again, no farther
+// from it than the drift: that, too, is the start.
+static motion_t come_back(void) {
+  if (!end_stop_ahead(-1)) {
+    const motion_t motion = {-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S, 0};
+    return motion;
+  }
+  if (stroke_um() - (int32_t)drift_um() > LAKE_START_UM)
+    fault(EVENT_FAULT_STUCK);
+  else
+    finish(STROKE_AT_START);
+  return kRest;
+}
+
+static uint8_t has_arrived(void) {
+#if LAKE_FEEDBACK
+  return start_lies > 0 ? analog_stroke_um() >= LAKE_START_UM : analog_stroke_um() <= LAKE_START_UM;
+#else
+  return clock_ms >= end_ms;
+#endif
 }
 
 static motion_t position(void) {
-  if (clock_ms >= end_ms) {
+  if (has_arrived()) {
     finish(STROKE_AT_START);
     return kRest;
   }
-  const motion_t motion = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM_S};
-  return motion;
+  if (clock_ms >= end_ms) {
+    fault(EVENT_FAULT_NO_MOTION);
+    return kRest;
+  }
+  return start_lies > 0 ? kExtend : come_back();
 }
 #else
 static motion_t run(void) {
@@ -358,27 +484,28 @@ static uint8_t is_allowed(const motion_t* motion) {
     fault(EVENT_FAULT_STOP);
   else if (is_stop_stuck())
     fault(EVENT_FAULT_STUCK);
-  else if ((state == STATE_RUNNING || state == STATE_POSITIONING) && soft_limit_ahead(motion->direction))
+  else if (state != STATE_JOGGING && soft_limit_ahead(motion->direction))
     fault(EVENT_FAULT_SOFT_LIMIT);
   return state != STATE_FAULT;
 }
 
 #if LAKE_SEGMENT_COUNT > 0
-// What the tolerances allow in this ms: a part of the way, and what the motor's lag loses as the speed rises, gains as
-// it falls.
-static void drift(int32_t velocity_um_s, uint32_t way_nm) {
+// What the tolerances allow in this ms: a part of the way and what it may be less, and what the motor's lag loses as
+// the speed rises, gains as it falls.
+static void drift(int32_t velocity_um_s, uint32_t way_nm, uint32_t spread_nm) {
   static int32_t last_um_s;
   const int32_t change = velocity_um_s - last_um_s;
   last_um_s = velocity_um_s;
   uint32_t* const lag = &lag_drift_nm[change < 0];
   if (*lag < LAKE_DRIFT_MOST_NM) *lag += (uint32_t)(change < 0 ? -change : change) * LAKE_LAG_MS;
-  if (way_drift_nm < LAKE_DRIFT_MOST_NM) way_drift_nm += (way_nm * LAKE_DRIFT_PER_1024 + 1023) / 1024;
+  if (way_drift_nm < LAKE_DRIFT_MOST_NM) way_drift_nm += spread_nm + (way_nm * LAKE_DRIFT_PER_1024 + 1023) / 1024;
 }
 
-static void move(int32_t velocity_um_s) {
+static void move(const motion_t* motion) {
+  const int32_t velocity_um_s = motion->velocity_um_s;
   const uint32_t way_nm = velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
-  stroke_nm += velocity_um_s;
-  drift(velocity_um_s, way_nm);
+  if (!LAKE_FEEDBACK) stroke_nm += velocity_um_s;
+  drift(velocity_um_s, way_nm, motion->spread_um_s);
   if (way_nm == 0) return;
   if (end_stop_ahead(velocity_um_s > 0 ? -1 : 1))  // what lies behind
     pressed_way_nm += way_nm;
@@ -386,16 +513,51 @@ static void move(int32_t velocity_um_s) {
     pressed_way_nm = 0;
 }
 #else
-static void move(int32_t velocity_um_s) {
-  (void)velocity_um_s;
+static void move(const motion_t* motion) {
+  (void)motion;
 }
 #endif
 
-// What the bridge does now, and so the estimate. A motion's clock stands still until the bridge does what it asks for,
-// so that no brake costs stroke.
+#if LAKE_FEEDBACK
+// A program's plan goes on whatever the actuator does; otherwise the stroke is what the potentiometer says.
+static void keep_plan(void) {
+  if (state == STATE_RUNNING)
+    stroke_nm += segment.velocity_um_s;
+  else if (state != STATE_HOLD)
+    stroke_nm = analog_stroke_um() * 1000;
+}
+
+static void watch_motion(const motion_t* motion) {
+  if (state == STATE_FAULT) return;
+  const int32_t error_um = planned_um() - analog_stroke_um();
+  switch (follow_watch(motor_direction() == 0 ? 0 : motion->velocity_um_s, analog_stroke_um())) {
+    case FOLLOW_NO_MOTION:
+      fault(EVENT_FAULT_NO_MOTION);
+      break;
+    case FOLLOW_WRONG_WAY:
+      fault(EVENT_FAULT_WRONG_WAY);
+      break;
+    case FOLLOW_RUNAWAY:
+      fault(EVENT_FAULT_RUNAWAY);
+      break;
+    default:
+      if (state == STATE_RUNNING && (error_um > LAKE_FOLLOWING_UM || error_um < -LAKE_FOLLOWING_UM))
+        fault(EVENT_FAULT_FOLLOWING);
+      break;
+  }
+}
+#endif
+
+// What the bridge does now, and so the estimate. Without feedback a motion's clock stands still until the bridge does
+// what it asks for, so that no brake costs stroke.
 static void keep_books(const motion_t* motion) {
-  move(motor_direction() == 0 ? 0 : motion->velocity_um_s);
-  if (is_moving() && motor_direction() == motion->direction) ++clock_ms;
+  move(motor_direction() == 0 ? &kRest : motion);
+  const uint8_t follows = LAKE_FEEDBACK && state == STATE_RUNNING;
+  if (is_moving() && (follows || motor_direction() == motion->direction)) ++clock_ms;
+#if LAKE_FEEDBACK
+  keep_plan();
+  watch_motion(motion);
+#endif
 }
 
 void controller_init(void) {
@@ -410,9 +572,12 @@ void controller_init(void) {
 void controller_tick(void) {
   ++time_ms;
   end_stops_tick();
+  analog_tick(motor_counts());
   take_realtime();
   take_request();
   watch_host();
+  watch_wires();
+  watch_inputs();
   motion_t motion = wanted();
   if (!is_allowed(&motion)) motion = kRest;
   motor_tick(motion.direction, motion.counts);
@@ -444,7 +609,9 @@ status_t controller_status(void) {
   status_t now;
   ATOMICALLY {
     now.time_ms = time_ms;
-    now.stroke_um = stroke_um();
+    now.stroke_um = planned_um();
+    now.measured_um = analog_stroke_um();
+    now.current_ma = analog_current_ma();
     now.drift_um = drift_um();
     now.counts = motor_counts();
     now.direction = motor_direction();
@@ -464,8 +631,8 @@ reply_t controller_take_reply(void) {
   return taken;
 }
 
-uint8_t controller_take_events(void) {
-  uint8_t taken;
+uint16_t controller_take_events(void) {
+  uint16_t taken;
   ATOMICALLY {
     taken = events;
     events = 0;

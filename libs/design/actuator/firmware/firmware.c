@@ -1,5 +1,6 @@
 #include "firmware.h"
 
+#include "analog.h"
 #include "board.h"
 #include "controller.h"
 #include "end_stops.h"
@@ -11,6 +12,7 @@ void firmware_begin(void) {
   motor_init();
   board_init();
   end_stops_init();
+  analog_init();
   controller_init();
   serial_init(protocol_realtime);
   board_start(controller_tick);

@@ -66,7 +66,14 @@ static void tell_message(const char* flash_text) {
 }
 
 static void tell_header(void) {
-  serial_text(PSTR("time_s,planned_mm,drift_mm,duty,direction,state,adc,end_stops\n"));
+  serial_text(PSTR("time_s,planned_mm,drift_mm,duty,direction,state,adc,end_stops"));
+#if LAKE_FEEDBACK
+  serial_text(PSTR(",measured_mm,error_mm"));
+#endif
+#if LAKE_CURRENT_SENSE
+  serial_text(PSTR(",current_a"));
+#endif
+  serial_char('\n');
 }
 
 void protocol_greet(reset_cause_t cause) {
@@ -131,9 +138,19 @@ static void tell_row(const status_t* now) {
   serial_char(',');
   tell_state(now->state);
   serial_char(',');
-  tell_uint(board_potentiometer());
+  tell_uint((board_analog(ANALOG_POTENTIOMETER) + 2) / 4);
   serial_char(',');
   tell_uint(now->end_stops);
+#if LAKE_FEEDBACK
+  serial_char(',');
+  tell_decimal(now->measured_um, 3);
+  serial_char(',');
+  if (now->knowledge != STROKE_UNKNOWN) tell_decimal(now->stroke_um - now->measured_um, 3);
+#endif
+#if LAKE_CURRENT_SENSE
+  serial_char(',');
+  tell_decimal(now->current_ma, 3);
+#endif
   serial_char('\n');
 }
 
@@ -161,9 +178,9 @@ static void tell_reply(reply_t reply) {
   serial_char('\n');
 }
 
-static void tell_events(uint8_t events) {
+static void tell_events(uint16_t events) {
   for (uint8_t i = 0; i < FAULT_COUNT; ++i) {
-    if (!(events & (1 << i))) continue;
+    if (!(events & (1u << i))) continue;
     serial_text(PSTR("ALARM:"));
     tell_uint(i + 1);
     serial_char('\n');

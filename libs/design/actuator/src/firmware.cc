@@ -106,6 +106,12 @@ void MeasureErrors(StrokeTable& stroke, const StrokeSchedule& schedule, const Du
   }
 }
 
+double HighestStroke(const StrokeSchedule& schedule) {
+  double highest = 0;
+  for (const Knot& knot : schedule.knots) highest = std::max(highest, knot.stroke_mm);
+  return highest;
+}
+
 std::int64_t Um(double mm) {
   return std::llround(mm * 1e3);
 }
@@ -114,7 +120,9 @@ std::int64_t Um(double mm) {
 struct Homing {
   double stroke_mm, speed_mm_s, position_speed_mm_s;
   int counts, position_counts;
-  std::int64_t position_ms, timeout_ms, back_off_ms, touch_timeout_ms;
+  std::int64_t timeout_ms, back_off_ms, touch_timeout_ms;
+  // From where the end stop was seen to release, one of them 0: on to the start, or back to it.
+  std::int64_t position_ms = 0, return_ms = 0;
 };
 
 Homing HomingOf(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
@@ -131,10 +139,14 @@ Homing HomingOf(const StrokeTable& stroke, const StrokeSchedule& schedule, const
   homing.position_speed_mm_s = speed(table.extend);
   homing.counts = CountsFor(table, -homing.speed_mm_s);
   homing.position_counts = CountsFor(table, homing.position_speed_mm_s);
-  homing.position_ms = std::llround(1e3 * (stroke.start_mm - homing.stroke_mm) / homing.position_speed_mm_s);
   const double travel_mm = schedule.limits.used.stroke.upper_mm - homing.stroke_mm;
   homing.timeout_ms = std::llround(1e3 * (1.5 * travel_mm / homing.speed_mm_s + 2));
   homing.back_off_ms = std::llround(1e3 * options.stop_travel_mm / homing.position_speed_mm_s);
+  const double released_mm = homing.stroke_mm + 1e-3 * homing.back_off_ms * homing.position_speed_mm_s;
+  if (stroke.start_mm >= released_mm)
+    homing.position_ms = std::llround(1e3 * (stroke.start_mm - released_mm) / homing.position_speed_mm_s);
+  else
+    homing.return_ms = std::llround(1e3 * (released_mm - stroke.start_mm) / homing.speed_mm_s);
   homing.touch_timeout_ms = std::llround(1e3 * (2 * options.stop_travel_mm / homing.speed_mm_s + 1));
   return homing;
 }
@@ -221,12 +233,6 @@ double LeastExtendStop(const DutyTable& table, const FirmwareOptions& options) {
   return std::floor(10 * RunOn(table.extend.MostSpeed(), table, options) + 1) / 10;
 }
 
-double HighestStroke(const StrokeSchedule& schedule) {
-  double highest = 0;
-  for (const Knot& knot : schedule.knots) highest = std::max(highest, knot.stroke_mm);
-  return highest;
-}
-
 void RequireExtendStop(const StrokeSchedule& schedule, const DutyTable& table, const FirmwareOptions& options) {
   const double stop_mm = *ExtendStop(schedule, options), end_mm = schedule.limits.upper_end_mm;
   if (options.extend_stop_mm < LeastExtendStop(table, options) - 1e-9)
@@ -286,11 +292,21 @@ std::string SegmentRows(const StrokeTable& stroke) {
   return text;
 }
 
+// The greatest speed of each duty: below the first row, if that moves, it may be the row's, and no speed without duty.
 std::string SpeedRow(const DutyCurve& curve) {
-  std::string text;
-  for (int i = 0; i <= kSpeedIntervals; ++i)
-    text += fmt::format("{}{}", i ? ", " : "", Um(curve.SpeedFor(i / double{kSpeedIntervals})));
+  std::string text = "0";
+  for (int i = 1; i <= kSpeedIntervals; ++i)
+    text += fmt::format(", {}", Um(std::max(curve.LeastSpeed(), curve.SpeedFor(i / double{kSpeedIntervals}))));
   return text;
+}
+
+// The first node that lies within the measured duties.
+int FirstNode(const DutyCurve& curve) {
+  return static_cast<int>(std::ceil(curve.DeadBandDuty() * kSpeedIntervals - 1e-9));
+}
+
+int MostCounts(const DutyCurve& curve) {
+  return static_cast<int>(std::lround(curve.MostDuty() * kPwmPeriod));
 }
 
 std::string Comment(const std::string& text) {
@@ -299,11 +315,55 @@ std::string Comment(const std::string& text) {
   return line;
 }
 
-std::string CommonDefines(const FirmwareOptions& options, std::size_t segments) {
+// Readings are sums of four conversions of 10 bits, of 5 V.
+constexpr double kMostReading = 4092, kReference_v = 5;
+
+int ReadingOf(double volt) {
+  return static_cast<int>(std::lround(std::clamp(volt / kReference_v, 0.0, 1.0) * kMostReading));
+}
+
+std::string SupplyDefines(const FirmwareOptions& options) {
+  const double sensed_v = options.supply_v / kSupplyDivider;
+  return fmt::format("#define LAKE_SUPPLY_SENSE {}\n#define LAKE_SUPPLY_LEAST {}\n#define LAKE_SUPPLY_MOST {}\n",
+                     options.supply_v > 0 ? 1 : 0, ReadingOf(sensed_v * (1 - kSupplyTolerance)),
+                     ReadingOf(sensed_v * (1 + kSupplyTolerance)));
+}
+
+std::string CurrentDefines(const FirmwareOptions& options) {
+  constexpr int kLeast_ma = 40;  // of any motor that turns
   return fmt::format(
-      "#define LAKE_PWM_PERIOD {}  // counts: 4 kHz at 16 MHz\n#define LAKE_DEAD_TIME_MS {}  // brake before anything "
-      "else\n#define LAKE_COMMAND_TIMEOUT_MS {}  // 0: none\n#define LAKE_SEGMENT_COUNT {}\n",
-      kPwmPeriod, std::llround(1e3 * options.dead_time_s), std::llround(1e3 * options.command_timeout_s), segments);
+      "#define LAKE_CURRENT_SENSE {}\n#define LAKE_CURRENT_ZERO {}\n#define LAKE_CURRENT_UA_PER_COUNT {}L\n#define "
+      "LAKE_CURRENT_MOST_MA {}\n#define LAKE_CURRENT_STALL_MA {}\n#define LAKE_CURRENT_LEAST_MA {}\n",
+      options.current_sense ? 1 : 0, ReadingOf(options.current_zero_v),
+      std::lround(1e6 * kReference_v / kMostReading / options.current_v_per_a),
+      std::lround(1e3 * options.max_current_a), std::lround(1e3 * options.stall_current_a), kLeast_ma);
+}
+
+// The stroke of a reading, and the readings that no stroke between the ends has: 5 mm beyond them, or near a rail.
+std::string FeedbackDefines(const FirmwareOptions& options, const SoftLimits* limits) {
+  if (!options.feedback || !limits) return "#define LAKE_FEEDBACK 0\n";
+  const PotentiometerScale& scale = *options.feedback;
+  constexpr double kBeyond_mm = 5, kRail = 40;
+  const double mm_per_reading = (scale.mm_b - scale.mm_a) / (scale.counts_b - scale.counts_a) / 4;
+  const double zero_mm = scale.mm_a - 4 * scale.counts_a * mm_per_reading;
+  const double a = (limits->lower_end_mm - kBeyond_mm - zero_mm) / mm_per_reading,
+               b = (limits->upper_end_mm + kBeyond_mm - zero_mm) / mm_per_reading;
+  const auto reading = [&](double value) { return std::lround(std::clamp(value, kRail, kMostReading - kRail)); };
+  return fmt::format(
+      "#define LAKE_FEEDBACK 1\n#define LAKE_POT_ZERO_NM {}L  // the stroke of a reading of 0, …\n#define "
+      "LAKE_POT_NM_PER_COUNT {}L  // … of sums of four\n#define LAKE_POT_LEAST {}\n#define LAKE_POT_MOST {}\n#define "
+      "LAKE_POT_ERROR_UM {}L\n",
+      std::llround(1e6 * zero_mm), std::llround(1e6 * mm_per_reading), reading(std::min(a, b)), reading(std::max(a, b)),
+      Um(options.feedback_error_mm));
+}
+
+std::string CommonDefines(const FirmwareOptions& options, std::size_t segments, const SoftLimits* limits) {
+  return fmt::format(
+             "#define LAKE_PWM_PERIOD {}  // counts: 4 kHz at 16 MHz\n#define LAKE_DEAD_TIME_MS {}  // brake before "
+             "anything else\n#define LAKE_COMMAND_TIMEOUT_MS {}  // 0: none\n#define LAKE_SEGMENT_COUNT {}\n",
+             kPwmPeriod, std::llround(1e3 * options.dead_time_s), std::llround(1e3 * options.command_timeout_s),
+             segments) +
+         SupplyDefines(options) + CurrentDefines(options) + FeedbackDefines(options, limits);
 }
 
 // The tolerances behind the bound on the drift.
@@ -340,6 +400,15 @@ void FirmwareOptions::Check() const {
   require(stop_travel_mm >= 0.1 && stop_travel_mm <= 10, "--stop-travel", stop_travel_mm, "within 0.1..10 mm");
   require(lag_s >= 0 && lag_s <= 0.5, "--lag", lag_s, "within 0..0.5 s");
   require(home_error_mm >= 0 && home_error_mm <= 10, "--home-error", home_error_mm, "within 0..10 mm");
+  require(supply_v == 0 || (supply_v >= 4 && supply_v * (1 + kSupplyTolerance) / kSupplyDivider < 4.95), "--supply",
+          supply_v, "0 or within 4..17.3 V");
+  require(feedback_error_mm >= 0 && feedback_error_mm <= 10, "--feedback-error", feedback_error_mm, "within 0..10 mm");
+  require(current_zero_v >= 0 && current_zero_v <= 4, "--current-zero", current_zero_v, "within 0..4 V");
+  require(current_v_per_a >= 0.01 && current_v_per_a <= 5, "--current-scale", current_v_per_a, "within 0.01..5 V/A");
+  require(max_current_a > 0 && max_current_a * current_v_per_a + current_zero_v < 4.9, "--max-current", max_current_a,
+          "above 0 and within what the sensor reads below 4.9 V");
+  require(stall_current_a > 0 && stall_current_a <= max_current_a, "--stall-current", stall_current_a,
+          "above 0 and at most --max-current");
   require(table_tolerance_mm > 0 && table_tolerance_mm <= 10, "--table-tolerance", table_tolerance_mm,
           "above 0 and at most 10 mm");
 }
@@ -390,12 +459,24 @@ DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& sch
   forecast.tolerance_percent = ToleranceOf(table, options);
   forecast.is_measured = !options.speed_tolerance_percent && table.TolerancePercent();
   forecast.end_mm = schedule.limits.upper_end_mm;
+  if (options.feedback) {
+    forecast.planned_mm = HighestStroke(schedule);
+    forecast.drift_mm = forecast.last_drift_mm = options.feedback_error_mm + kFollowingError_mm;
+    forecast.tolerable_percent = 100;
+    return forecast;
+  }
   DriftWatch watch(DriftBound(stroke, table, options, -Um(homing.speed_mm_s)), forecast);
   // Homing ends by a stop from its speed; then to the start.
   watch.Turn(0, 0, homing.stroke_mm);
   watch.Turn(Um(homing.position_speed_mm_s), 0, homing.stroke_mm);
-  watch.Go(homing.position_ms, 0, stroke.start_mm);
+  watch.Go(homing.back_off_ms + homing.position_ms, 0,
+           std::max(stroke.start_mm, homing.stroke_mm + options.stop_travel_mm));
   watch.Turn(0, 0, stroke.start_mm);
+  if (homing.return_ms > 0) {
+    watch.Turn(-Um(homing.speed_mm_s), 0, stroke.start_mm);
+    watch.Go(homing.return_ms, 0, stroke.start_mm);
+    watch.Turn(0, 0, stroke.start_mm);
+  }
   std::int64_t now_ms = 0;
   double planned_mm = stroke.start_mm;
   for (const StrokeSegment& segment : stroke.segments) {
@@ -423,7 +504,7 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
   std::string text = options.accept_drift ? kDriftAccepted : "";
   text += fmt::format("// Stroke program for the UNO. {}\n", Comment(made_by));
   text += "#ifndef LAKE_STROKE_TABLE_H\n#define LAKE_STROKE_TABLE_H\n\n#include \"portable.h\"\n\n";
-  text += CommonDefines(options, stroke.segments.size());
+  text += CommonDefines(options, stroke.segments.size(), &schedule.limits);
   text += DriftDefines(DriftBound(stroke, table, options), options);
   text += fmt::format("#define LAKE_SPEED_INTERVALS {}\n", kSpeedIntervals);
   text += fmt::format("#define LAKE_LOWER_LIMIT_UM {}L\n#define LAKE_UPPER_LIMIT_UM {}L\n#define LAKE_START_UM {}L\n",
@@ -433,20 +514,33 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
                       Um(schedule.limits.upper_end_mm));
   text += fmt::format("#define LAKE_STOP_TRAVEL_UM {}L  // within which an end stop releases\n",
                       Um(options.stop_travel_mm));
+  text += fmt::format("#define LAKE_EXTEND_STOP_UM {}L  // 0: there is none\n",
+                      Um(ExtendStop(schedule, options).value_or(0)));
+  text += fmt::format(
+      "#define LAKE_EXTEND_LEAST_UM_S {}L  // that the duty table has\n#define LAKE_EXTEND_MOST_UM_S {}L\n#define "
+      "LAKE_RETRACT_LEAST_UM_S {}L\n#define LAKE_RETRACT_MOST_UM_S {}L\n",
+      Um(table.extend.LeastMovingSpeed()), Um(table.extend.MostSpeed()), Um(table.retract.LeastMovingSpeed()),
+      Um(table.retract.MostSpeed()));
   text += fmt::format("#define LAKE_HOME_UM {}L  // at the retract end stop\n", Um(homing.stroke_mm));
   text +=
       fmt::format("#define LAKE_HOME_COUNTS {}\n#define LAKE_HOME_SPEED_UM_S {}L\n#define LAKE_HOME_TIMEOUT_MS {}L\n",
                   homing.counts, Um(homing.speed_mm_s), homing.timeout_ms);
   text += fmt::format(
-      "#define LAKE_POSITION_COUNTS {}  // from the end stop to the start\n#define LAKE_POSITION_SPEED_UM_S {}L\n"
-      "#define LAKE_POSITION_MS {}L\n",
-      homing.position_counts, Um(homing.position_speed_mm_s), homing.position_ms);
+      "#define LAKE_POSITION_COUNTS {}  // away from the end stop\n#define LAKE_POSITION_SPEED_UM_S {}L\n"
+      "#define LAKE_POSITION_MS {}L  // from where it has released on to the start, …\n"
+      "#define LAKE_RETURN_MS {}L  // … or back to it\n",
+      homing.position_counts, Um(homing.position_speed_mm_s), homing.position_ms, homing.return_ms);
   text += fmt::format(
       "#define LAKE_BACK_OFF_MS {}L  // from the end stop, to see it release\n#define LAKE_TOUCH_TIMEOUT_MS {}L\n",
       homing.back_off_ms, homing.touch_timeout_ms);
+  text += fmt::format(
+      "#define LAKE_EXTEND_FIRST_NODE {}  // of lake_speed_um_s: below it a duty may also stand still\n"
+      "#define LAKE_RETRACT_FIRST_NODE {}\n#define LAKE_EXTEND_MOST_COUNTS {}u  // the duty table ends there\n"
+      "#define LAKE_RETRACT_MOST_COUNTS {}u\n",
+      FirstNode(table.extend), FirstNode(table.retract), MostCounts(table.extend), MostCounts(table.retract));
   text += kTypes;
   text += "static const lake_segment lake_segments[LAKE_SEGMENT_COUNT] PROGMEM = {\n" + SegmentRows(stroke) + "};\n\n";
-  text += "// um/s at equal steps of duty from 0 to 1: extending, retracting.\n";
+  text += "// The greatest speed, um/s, at equal steps of duty from 0 to 1: extending, retracting.\n";
   text += fmt::format(
       "static const uint32_t lake_speed_um_s[2][LAKE_SPEED_INTERVALS + 1] PROGMEM = {{\n    {{{}}},\n    "
       "{{{}}}}};\n\n#endif\n",
@@ -458,7 +552,7 @@ std::string CalibrationHeader(const FirmwareOptions& options, const std::string&
   return fmt::format(
       "// No program: a firmware that jogs, for the logs of lake-stroke calibrate. {}\n#ifndef LAKE_STROKE_TABLE_H\n"
       "#define LAKE_STROKE_TABLE_H\n\n{}\n#endif\n",
-      Comment(made_by), CommonDefines(options, 0));
+      Comment(made_by), CommonDefines(options, 0, nullptr));
 }
 
 }  // namespace lake::actuator

@@ -8,18 +8,26 @@
 #include <string>
 #include <vector>
 
+#include "lake/actuator/duty_calibration.h"
 #include "lake/actuator/duty_table.h"
 #include "lake/actuator/stroke_schedule.h"
 
 namespace lake::actuator {
 
-inline constexpr int kPwmPeriod = 4000;                     // counts of timer 1 at 16 MHz: 4 kHz
-inline constexpr int kSpeedIntervals = 16;                  // of the firmware's own duty-to-speed table
-inline constexpr int kSegmentBytes = 10;                    // of a segment in flash
-inline constexpr int kFlashBytes = 32256;                   // of the ATmega328P beside the UNO's bootloader
-inline constexpr int kFirmwareBytes = 8192;                 // kept for the code, which takes less
+inline constexpr int kPwmPeriod = 4000;     // counts of timer 1 at 16 MHz: 4 kHz
+inline constexpr int kSpeedIntervals = 64;  // of the firmware's own duty-to-speed table
+inline constexpr int kSegmentBytes = 10;    // of a segment in flash
+inline constexpr int kFlashBytes = 32256;   // of the ATmega328P beside the UNO's bootloader
+// Kept for the code: half of the flash. What it takes without feedback is half of that again; the rest is room for
+// the closed loop.
+inline constexpr int kFirmwareBytes = 16128;
 inline constexpr double kUnmeasuredTolerance_percent = 10;  // of speeds, where nobody has measured it
 inline constexpr int kMostSegments = (kFlashBytes - kFirmwareBytes) / kSegmentBytes;
+
+// 39 kOhm above, 10 kOhm below. Without the wire the lower one pulls A2 to 0 V.
+inline constexpr double kSupplyDivider = 4.9;
+inline constexpr double kSupplyTolerance = 0.4;  // of the nominal voltage: outside is a fault
+inline constexpr double kFollowingError_mm = 1;  // at most, in closed loop; at 3 mm the firmware stops
 
 struct FirmwareOptions {
   double home_stroke_mm = 0;                      // at which the retract end stop acts; 0: the lower soft limit
@@ -30,10 +38,17 @@ struct FirmwareOptions {
                                                   // the drift; none: the table's own, else kUnmeasuredTolerance_percent
   double lag_s = 0.05;                            // by which speed lags behind duty at most, for the bound …
   double home_error_mm = 0.1;                     // … and how well the stroke is known after homing
-  double stop_travel_mm = 2;         // within which an end stop releases when the actuator moves away from it
-  double extend_stop_mm = 0;         // the extend end stop acts so far before the linkage's end; 0: there is none
-  bool accept_drift = false;         // for a bench without a person: the drift may leave the linkage's room
-  double table_tolerance_mm = 0.05;  // allowed when a program has too many knots for the flash
+  double stop_travel_mm = 2;  // within which an end stop releases when the actuator moves away from it
+  double extend_stop_mm = 0;  // the extend end stop acts so far before the linkage's end; 0: there is none
+  bool accept_drift = false;  // for a bench without a person: the drift may leave the linkage's room
+  std::optional<PotentiometerScale> feedback;  // A0 measures the stroke: closed loop; none: open loop
+  double feedback_error_mm = 0.5;              // by which that stroke may be off: calibration, linearity, resolution
+  double supply_v = 0;                         // of the motor, seen on A2 through kSupplyDivider; 0: not wired
+  bool current_sense = false;                  // A1 measures the motor's current: an ACS712-05B, or …
+  double current_zero_v = 2.5, current_v_per_a = 0.185;  // … what reads so without current, and so much per ampere
+  double max_current_a = 3;                              // more is a short: off within 10 ms, …
+  double stall_current_a = 2;                            // … more than this for 0.3 s a stall
+  double table_tolerance_mm = 0.05;                      // allowed when a program has too many knots for the flash
 
   void Check() const;  // throws UsageError
 };

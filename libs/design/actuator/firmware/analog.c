@@ -1,0 +1,155 @@
+#include "analog.h"
+
+#include "board.h"
+#include "config.h"
+
+// How long something must be wrong, and how long nothing is said after a reset.
+#define WRONG_MS 20
+#define QUIET_MS 50
+#define WIPER_WRONG_MS 10
+#define SHORT_MS 5
+#define STALL_MS 300
+#define NO_CURRENT_MS 300
+#define WIPER_JUMP_UM 3000  // from one filtered reading to the next no actuator goes so far
+
+// A reading is the sum of four conversions. Of the last three the middle one counts, so a single wild one does not; a
+// first-order filter of 2^SMOOTHING ms follows.
+#define SMOOTHING 3
+
+typedef struct {
+  uint16_t last[2];
+  uint32_t smooth;  // << SMOOTHING
+  uint16_t middle;
+} filter_t;
+
+static filter_t filters[ANALOG_COUNT];
+static uint8_t quiet_ms;
+static uint8_t faults;
+
+static uint16_t middle_of(uint16_t a, uint16_t b, uint16_t c) {
+  const uint16_t low = a < b ? a : b;
+  const uint16_t high = a < b ? b : a;
+  return c < low ? low : c > high ? high : c;
+}
+
+static void read_channel(uint8_t channel) {
+  filter_t* f = &filters[channel];
+  const uint16_t now = board_analog(channel);
+  f->middle = middle_of(f->last[0], f->last[1], now);
+  f->last[0] = f->last[1];
+  f->last[1] = now;
+}
+
+static void settle(filter_t* f) {
+  f->smooth = (uint32_t)f->middle << SMOOTHING;
+}
+
+#if LAKE_FEEDBACK || LAKE_CURRENT_SENSE
+static void smooth(filter_t* f) {
+  f->smooth += f->middle - (f->smooth >> SMOOTHING);
+}
+#endif
+
+#if LAKE_SUPPLY_SENSE || LAKE_FEEDBACK || LAKE_CURRENT_SENSE
+// Sets the bit once something has been wrong for so long, takes it back when it is right.
+static void judge(uint8_t bit, uint8_t wrong, uint16_t* wrong_ms, uint16_t most_ms) {
+  if (!wrong)
+    *wrong_ms = 0;
+  else if (*wrong_ms < most_ms)
+    ++*wrong_ms;
+  if (*wrong_ms >= most_ms)
+    faults |= bit;
+  else
+    faults &= (uint8_t)~bit;
+}
+#endif
+
+#if LAKE_SUPPLY_SENSE
+static void watch_supply(void) {
+  static uint16_t wrong_ms;
+  const uint16_t now = filters[ANALOG_SUPPLY].middle;
+  judge(ANALOG_NO_SUPPLY, now < LAKE_SUPPLY_LEAST || now > LAKE_SUPPLY_MOST, &wrong_ms, WRONG_MS);
+}
+#endif
+
+#if LAKE_FEEDBACK
+static int32_t um_of(uint16_t reading) {
+  return (LAKE_POT_ZERO_NM + (int32_t)reading * LAKE_POT_NM_PER_COUNT) / 1000;
+}
+
+int32_t analog_stroke_um(void) {
+  // Whole readings and the rest apart, so that 32 bits suffice.
+  const uint16_t smooth = (uint16_t)filters[ANALOG_POTENTIOMETER].smooth;
+  const int32_t rest_nm = (int32_t)(smooth & ((1 << SMOOTHING) - 1)) * LAKE_POT_NM_PER_COUNT / (1 << SMOOTHING);
+  return (LAKE_POT_ZERO_NM + (int32_t)(smooth >> SMOOTHING) * LAKE_POT_NM_PER_COUNT + rest_nm) / 1000;
+}
+
+// A reading that no actuator can have come to is not taken. If it stays, the wiper is lost.
+static void watch_wiper(void) {
+  static uint16_t wrong_ms;
+  filter_t* f = &filters[ANALOG_POTENTIOMETER];
+  const int32_t jump_um = um_of(f->middle) - analog_stroke_um();
+  const uint8_t jumps = jump_um > WIPER_JUMP_UM || jump_um < -WIPER_JUMP_UM;
+  judge(ANALOG_NO_WIPER, jumps || f->middle < LAKE_POT_LEAST || f->middle > LAKE_POT_MOST, &wrong_ms, WIPER_WRONG_MS);
+  if (!jumps)
+    smooth(f);
+  else if (faults & ANALOG_NO_WIPER)
+    settle(f);
+}
+#else
+int32_t analog_stroke_um(void) {
+  return 0;
+}
+#endif
+
+#if LAKE_CURRENT_SENSE
+static int16_t ma_of(uint16_t reading) {
+  return (int16_t)(((int32_t)reading - LAKE_CURRENT_ZERO) * LAKE_CURRENT_UA_PER_COUNT / 1000);
+}
+
+int16_t analog_current_ma(void) {
+  return ma_of(filters[ANALOG_CURRENT].smooth >> SMOOTHING);
+}
+
+static void watch_current(uint16_t counts) {
+  static uint16_t short_ms, stall_ms, none_ms;
+  smooth(&filters[ANALOG_CURRENT]);
+  const int16_t signed_ma = analog_current_ma();
+  const int16_t ma = signed_ma < 0 ? -signed_ma : signed_ma;
+  judge(ANALOG_OVERCURRENT, ma > LAKE_CURRENT_MOST_MA, &short_ms, SHORT_MS);
+  judge(ANALOG_STALL_CURRENT, ma > LAKE_CURRENT_STALL_MA, &stall_ms, STALL_MS);
+  judge(ANALOG_NO_CURRENT, counts > 0 && ma < LAKE_CURRENT_LEAST_MA, &none_ms, NO_CURRENT_MS);
+}
+#else
+int16_t analog_current_ma(void) {
+  return 0;
+}
+#endif
+
+void analog_init(void) {
+  quiet_ms = QUIET_MS;
+  faults = 0;
+}
+
+void analog_tick(uint16_t counts) {
+  for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) read_channel(channel);
+  if (quiet_ms > 0) {
+    for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) settle(&filters[channel]);
+    --quiet_ms;
+    return;
+  }
+  (void)counts;
+#if LAKE_SUPPLY_SENSE
+  watch_supply();
+#endif
+#if LAKE_FEEDBACK
+  watch_wiper();
+#endif
+#if LAKE_CURRENT_SENSE
+  watch_current(counts);
+#endif
+}
+
+uint8_t analog_faults(void) {
+  return faults;
+}

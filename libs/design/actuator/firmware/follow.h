@@ -1,0 +1,21 @@
+// The closed loop on the stroke: which speed brings the actuator to its plan, which duty gives that speed, and whether
+// the actuator does what it is driven to do. Strokes in um, speeds in um/s, positive extends.
+#ifndef LAKE_FOLLOW_H
+#define LAKE_FOLLOW_H
+
+#include <stdint.h>
+
+void follow_begin(void);  // of a program: forgets what was learnt
+
+// Once per ms: feed-forward of the plan's speed and PI on the error, within what the duty table has. 0 is rest.
+int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_um);
+
+// The inverse of the duty table.
+uint16_t follow_counts(int32_t speed_um_s);
+
+enum { FOLLOW_FINE, FOLLOW_NO_MOTION, FOLLOW_WRONG_WAY, FOLLOW_RUNAWAY };
+
+// Once per ms: the speed that the bridge drives by the duty table, 0 if it does not drive.
+uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um);
+
+#endif

@@ -1,0 +1,183 @@
+// A broken wire of an end stop reads as pressed wherever the actuator is. Each wire, in each state.
+#include <fmt/format.h>
+
+#include <functional>
+
+#include "host/host_fixture.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class BrokenWiresTest : public HostFirmwareTest {
+ protected:
+  // A program from 300 mm on, the end stop so far below it.
+  void BuildAbove(double home_mm) {
+    firmware_options_.home_stroke_mm = 300 - home_mm;
+    Build(FreeDesign({{0, 300}, {2, 306}, {3, 303}}));
+    rig_->SetStroke(304);
+  }
+  void RunUntilDuty(int sign, double most_s = 10) {
+    for (double t = 0; t < most_s && rig_->Duty() * sign <= 0; t += 1e-3) rig_->Run(1e-3);
+    ASSERT_GT(rig_->Duty() * sign, 0) << rig_->Serial();
+  }
+};
+
+constexpr double kBesidesTheStart_mm[] = {0, 0.5, 1, 1.9, 2, 2.1, 5};
+
+TEST_F(BrokenWiresTest, HomingFindsAStartAtAnyDistanceFromTheEndStop) {
+  for (const double home_mm : kBesidesTheStart_mm) {
+    BuildAbove(home_mm);
+    ASSERT_TRUE(rig_->Asks("home", "ok"));
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 12)) << rig_->Serial();
+    rig_->Run(0.3);
+    // Run-on past the switch (5 mm/s x 11 ms), and what run-ups lose: 20 ms each.
+    EXPECT_NEAR(rig_->Stroke(), 300, 0.2) << home_mm;
+    EXPECT_TRUE(rig_->Asks("run", "ok")) << home_mm;
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 6)) << rig_->Serial();
+    const auto [stroke, drift] = SaidStrokeAndDrift();
+    EXPECT_LE(std::abs(rig_->Stroke() - stroke), drift) << home_mm;
+    const actuator::DriftForecast forecast =
+        actuator::ForecastDrift(stroke_table_, schedule_, table_, firmware_options_);
+    // It says whole um; 0.5 um for each ms by which the end stop shortens the way back.
+    EXPECT_NEAR(drift, forecast.last_drift_mm, 0.003) << home_mm;
+  }
+}
+
+// The second touch comes up to 2 mm early then: home is only what releases once more.
+TEST_F(BrokenWiresTest, ARetractWireThatBreaksBeforeTheSecondTouchIsNotHome) {
+  for (const double home_mm : kBesidesTheStart_mm)
+    for (const double later_s : {0.0, 0.05, 0.2}) {
+      BuildAbove(home_mm);
+      ASSERT_TRUE(rig_->Asks("home", "ok"));
+      RunUntilDuty(1), RunUntilDuty(-1);  // it has released and comes again
+      rig_->Run(later_s);
+      const double from = rig_->Stroke();
+      rig_->PullWire(true, true);
+      ASSERT_TRUE(rig_->RunUntil("ALARM:5\n", 3)) << home_mm << "\n" << rig_->Serial();
+      rig_->Run(0.3);
+      EXPECT_LE(std::abs(rig_->Stroke() - from), firmware_options_.stop_travel_mm + 0.1);
+      EXPECT_THAT(rig_->Serial(), Not(HasSubstr("[MSG:done]")));
+      EXPECT_TRUE(rig_->Asks("reset", "ok"));
+      EXPECT_TRUE(rig_->Asks("run", "error:5"));
+    }
+}
+
+// Every wire in every state: whatever is asked for afterwards, the actuator moves no farther than a stop's travel until
+// a fault is told, and then not at all.
+enum class Wire { kRetract, kExtend, kBoth, kSupply };
+constexpr Wire kWires[] = {Wire::kRetract, Wire::kExtend, Wire::kBoth, Wire::kSupply};
+constexpr const char* kWireNames[] = {"retract", "extend", "both", "supply"};
+
+struct StateCase {
+  const char* name;
+  std::function<void(HostRig&)> reach;
+};
+
+void UntilState(HostRig& rig, const char* state, int sign) {
+  for (int ms = 0; ms < 20'000; ++ms) {
+    rig.Run(1e-3);
+    const double duty = rig.Duty();
+    if (ms % 20 == 0 && rig.Status().find(state) != std::string::npos && (sign == 0 || duty * sign > 0)) return;
+  }
+  FAIL() << "never " << state << "\n" << rig.Serial();
+}
+
+const StateCase kStates[] = {
+    {"idle, stroke unknown", [](HostRig&) {}},
+    {"idle, stroke known", [](HostRig& rig) { rig.SetStroke(303), rig.Send("zero"), rig.Run(0.1); }},
+    {"homing, seeking", [](HostRig& rig) { rig.Send("home"), UntilState(rig, "<homing", -1), rig.Run(0.3); }},
+    {"homing, backing off", [](HostRig& rig) { rig.Send("home"), UntilState(rig, "<homing", 1); }},
+    {"homing, coming again",
+     [](HostRig& rig) { rig.Send("home"), UntilState(rig, "<homing", 1), UntilState(rig, "<homing", -1); }},
+    {"homing, backing off once more",
+     [](HostRig& rig) {
+       rig.Send("home"), UntilState(rig, "<homing", 1), UntilState(rig, "<homing", -1), UntilState(rig, "<homing", 1);
+     }},
+    {"positioning", [](HostRig& rig) { rig.Send("home"), UntilState(rig, "<positioning", 1); }},
+    {"running, extending",
+     [](HostRig& rig) { rig.SetStroke(303), rig.Send("zero"), rig.Run(0.1), rig.Send("run"), rig.Run(0.5); }},
+    {"running, resting",
+     [](HostRig& rig) { rig.SetStroke(303), rig.Send("zero"), rig.Run(0.1), rig.Send("run"), rig.Run(1.3); }},
+    {"running, retracting",
+     [](HostRig& rig) { rig.SetStroke(303), rig.Send("zero"), rig.Run(0.1), rig.Send("run"), rig.Run(2); }},
+    {"hold",
+     [](HostRig& rig) {
+       rig.SetStroke(303), rig.Send("zero"), rig.Run(0.1), rig.Send("run"), rig.Run(0.6), rig.SendNow('!'),
+           rig.Run(0.2);
+     }},
+    {"jogging, extending", [](HostRig& rig) { rig.Send("jog 500 3000"), rig.Run(0.4); }},
+    {"jogging, retracting", [](HostRig& rig) { rig.Send("jog -500 3000"), rig.Run(0.4); }},
+};
+
+double Way(const HostRig& rig, std::size_t from) {
+  double way = 0;
+  for (std::size_t i = from; i < rig.Samples().size(); ++i)
+    way += std::abs(rig.Samples()[i].stroke_mm - rig.Samples()[i - 1].stroke_mm);
+  return way;
+}
+
+TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
+  firmware_options_.home_stroke_mm = 299, firmware_options_.supply_v = 12;
+  int cases = 0;
+  for (const StateCase& state : kStates)
+    for (const Wire wire : kWires) {
+      const std::string what = std::string(kWireNames[static_cast<int>(wire)]) + " wire, " + state.name;
+      Build(FreeDesign({{0, 303}, {1, 308}, {1.5, 308}, {2.9, 303.5}}));
+      rig_->SetStroke(306);
+      rig_->Run(0.01);
+      state.reach(*rig_);
+      ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << what;
+      const std::size_t pulled = rig_->Samples().size();
+      if (wire == Wire::kRetract || wire == Wire::kBoth) rig_->PullWire(true, true);
+      if (wire == Wire::kExtend || wire == Wire::kBoth) rig_->PullWire(false, true);
+      if (wire == Wire::kSupply) rig_->Breaks().supply_wire = true;
+      rig_->Run(0.3);
+      // What a user would try.
+      for (const char* line : {"~", "run", "home", "jog 400 800", "jog -400 800", "home", "jog 400 2000"}) {
+        if (rig_->Serial().find("ALARM:") != std::string::npos) break;
+        if (*line == '~')
+          rig_->SendNow('~');
+        else
+          rig_->Send(line);
+        rig_->RunUntil("ALARM:", 4);
+      }
+      ASSERT_THAT(rig_->Serial(), HasSubstr("ALARM:")) << what;
+      rig_->Run(0.3);
+      // Both contradict each other, the supply the firmware's limits: told within 30 ms. A stop that stays pressed
+      // costs its travel; 0.35 mm of run-on, twice where it turns round.
+      const bool at_once = wire == Wire::kBoth || wire == Wire::kSupply;
+      EXPECT_LE(Way(*rig_, pulled), at_once ? 0.5 : firmware_options_.stop_travel_mm + 0.7) << what << "\n"
+                                                                                            << rig_->Serial();
+      const std::size_t told = rig_->Samples().size();
+      for (const char* line : {"run", "home", "jog 400 800", "jog -400 800"}) rig_->Send(line), rig_->Run(0.5);
+      rig_->SendNow('~'), rig_->Run(0.5);
+      EXPECT_LE(Way(*rig_, told), 1e-3) << what;
+      EXPECT_FALSE(rig_->IsShorted());
+      ++cases;
+    }
+  EXPECT_EQ(cases, 13 * 4);
+}
+
+// Off at the emergency stop or sagging, the supply is told, and what moves ends; within the tolerance it does not.
+TEST_F(BrokenWiresTest, TheSupplyIsTold) {
+  firmware_options_.supply_v = 12;
+  for (const double part : {0.0, 0.55, 0.65, 1.0, 1.35, 1.45}) {
+    Build(FreeDesign({{0, 300}, {2, 306}}));
+    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+    ASSERT_TRUE(rig_->Asks("run", "ok"));
+    rig_->Run(0.5);
+    const double since = rig_->Time();
+    rig_->Actuator().supply = [part](double) { return part; };
+    const bool told = rig_->RunUntil("ALARM:6\n", 1);
+    EXPECT_EQ(told, std::abs(part - 1) > 0.4) << part;
+    if (told) {
+      EXPECT_LE(rig_->Time() - since, 0.03);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lake

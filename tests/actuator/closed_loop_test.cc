@@ -1,0 +1,272 @@
+// The firmware with a potentiometer: how well it follows, and what it does when something breaks. The plant is the
+// host's model: duty and supply to speed by the duty table, a force–speed line with the shank's gravity through the
+// linkage, lag, play, noise and spikes on the readings.
+#include <fmt/format.h>
+
+#include <numbers>
+#include <tuple>
+
+#include "host/host_fixture.h"
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+using testing::ThrowsMessage;
+
+// 20 s, both ways, with rests: at most 2.4 mm/s, which the model still has at 70 % of its supply under 600 N.
+const std::vector<linkage::StrokeProgram::Knot> kProgram = {{0, 300},  {5, 312},  {8, 317}, {10, 317},
+                                                            {14, 308}, {15, 308}, {20, 320}};
+constexpr double kFullLoad_n = 600;
+
+// The force that a hanging leg's weight puts on the actuator, by virtual work: moment times dtheta/dd, scaled so that
+// the largest of the program's strokes is `most_n`.
+double GravityForce(double stroke_mm, double most_n) {
+  const auto force = [](double stroke) {
+    const double knee_deg = actuator::KneeDegAt(kPublishedLinks, stroke);
+    const double rate = std::abs(actuator::KneeDegAt(kPublishedLinks, stroke + 0.1) -
+                                 actuator::KneeDegAt(kPublishedLinks, stroke - 0.1));
+    return std::cos(knee_deg * std::numbers::pi / 180) * rate;  // a shank that is level when the knee is straight
+  };
+  static const double most = [&] {
+    double largest = 0;
+    for (double stroke = 298; stroke < 322; stroke += 0.5) largest = std::max(largest, std::abs(force(stroke)));
+    return largest;
+  }();
+  return most_n * force(std::clamp(stroke_mm, 250.0, 370.0)) / most;
+}
+
+class ClosedLoopTest : public HostFirmwareTest {
+ protected:
+  void SetUp() override {
+    firmware_options_.feedback = {0, 240, 1023, 380};
+    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    actuator_.noise_counts = 0.5, actuator_.spikes = 0.01;
+    actuator_.play_mm = 0.2, actuator_.time_constant_s = 0.04;
+    actuator_.mm_s_per_n = 0.003;
+  }
+
+  void HomeAndRun() {
+    ASSERT_TRUE(rig_->Asks("home", "ok")) << rig_->Serial();
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 60)) << rig_->Serial();
+    rig_->Run(0.3);
+    rig_->Send("run");
+    ASSERT_TRUE(rig_->RunUntil("ok\n", 0.01)) << rig_->Serial();
+    started_ = rig_->Samples().size();
+  }
+
+  // RMS and largest distance of the stroke from the program, since it runs.
+  std::pair<double, double> Errors() const {
+    double sum = 0, worst = 0;
+    std::size_t count = 0;
+    for (std::size_t i = started_; i < rig_->Samples().size(); ++i, ++count) {
+      const double time = 1e-3 * static_cast<double>(i - started_);
+      if (time > schedule_.Duration()) break;
+      const double error = rig_->Samples()[i].stroke_mm - schedule_.StrokeAt(time);
+      sum += error * error, worst = std::max(worst, std::abs(error));
+    }
+    return {std::sqrt(sum / static_cast<double>(count)), worst};
+  }
+
+  std::size_t started_ = 0;
+};
+
+TEST_F(ClosedLoopTest, FollowsUnderAnySupplyAndLoad) {
+  double worst_rms = 0, worst_most = 0;
+  unsigned seed = 0;
+  for (const double supply : {0.7, 1.0, 1.3})
+    for (const double factor : {0.9, 1.0, 1.2})
+      for (const double load_n : {0.0, kFullLoad_n, -kFullLoad_n}) {
+        actuator_.seed = ++seed, actuator_.speed_factor = factor;
+        actuator_.supply = [supply](double) { return supply; };
+        actuator_.load_n = [load_n](double, double stroke) { return GravityForce(stroke, load_n); };
+        Build(FreeDesign(kProgram));
+        HomeAndRun();
+        ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 22)) << supply << " " << factor << " " << load_n << rig_->Serial();
+        const auto [rms, most] = Errors();
+        EXPECT_LT(rms, 0.3) << supply << " of the supply, " << factor << " of the speed, " << load_n << " N";
+        EXPECT_LT(most, 1) << supply << " of the supply, " << factor << " of the speed, " << load_n << " N";
+        worst_rms = std::max(worst_rms, rms), worst_most = std::max(worst_most, most);
+        EXPECT_FALSE(rig_->IsShorted());
+      }
+  std::printf("closed loop, 27 plants: RMS %.3f mm, %.3f mm at most\n", worst_rms, worst_most);
+}
+
+TEST_F(ClosedLoopTest, FollowsThroughSagsAndLoadSteps) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    actuator_.seed = seed;
+    actuator_.supply = [](double t) { return std::fmod(t, 4) < 1 ? 0.72 : 1.05; };
+    actuator_.load_n = [](double t, double) { return std::fmod(t, 3) < 1.5 ? kFullLoad_n : -100; };
+    Build(FreeDesign(kProgram));
+    HomeAndRun();
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 22)) << rig_->Serial();
+    const auto [rms, most] = Errors();
+    EXPECT_LT(rms, 0.3) << seed;
+    EXPECT_LT(most, 1) << seed;
+  }
+}
+
+// What open loop is refused for fits: the room is the potentiometer's error and the loop's.
+TEST_F(ClosedLoopTest, NeedsNoRoomForDrift) {
+  const linkage::Design design = FreeDesign({{0, 260}, {40, 372.9}});
+  const actuator::StrokeSchedule schedule = actuator::MakeSchedule(design, {});
+  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table_, firmware_options_);
+  EXPECT_TRUE(actuator::ForecastDrift(stroke, schedule, table_, firmware_options_).Fits());
+  actuator::FirmwareOptions open_loop = firmware_options_;
+  open_loop.feedback.reset();
+  EXPECT_FALSE(actuator::ForecastDrift(stroke, schedule, table_, open_loop).Fits());
+  const actuator::StrokeSchedule farther = actuator::MakeSchedule(FreeDesign({{0, 260}, {40, 373.5}}), {});
+  EXPECT_THAT([&] { actuator::StrokeTableHeader(stroke, farther, table_, firmware_options_, "t"); },
+              ThrowsMessage<Error>(HasSubstr("--margin")));
+}
+
+TEST_F(ClosedLoopTest, TellsPlannedMeasuredAndError) {
+  Build(FreeDesign(kProgram));
+  EXPECT_THAT(header_, HasSubstr("#define LAKE_FEEDBACK 1\n"));
+  HomeAndRun();
+  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 22)) << rig_->Serial();
+  rig_->Send("header");
+  EXPECT_TRUE(
+      rig_->RunUntil("time_s,planned_mm,drift_mm,duty,direction,state,adc,end_stops,measured_mm,error_mm\n", 0.1));
+  std::istringstream lines(rig_->Serial());
+  int compared = 0;
+  for (std::string line; std::getline(lines, line);) {
+    double time = 0, planned = 0, drift = 0, duty = 0, measured = 0, error = 0;
+    int direction = 0, adc = 0, stops = 0;
+    if (std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%d,running,%d,%d,%lf,%lf", &time, &planned, &drift, &duty,
+                    &direction, &adc, &stops, &measured, &error) != 9)
+      continue;
+    EXPECT_NEAR(error, planned - measured, 0.0011) << line;
+    ++compared;
+  }
+  EXPECT_GT(compared, 190);
+}
+
+// What breaks, when, what is told, how long after, and how far the actuator goes until it rests. The speeds are the
+// program's 2.4 mm/s at most; a stop from there takes 0.1 mm.
+struct Break {
+  const char* name;
+  std::function<void(HostRig&)> act;
+  std::vector<const char*> alarms;
+  double most_s, most_mm;
+};
+
+const Break kBreaks[] = {
+    {"lost wiper", [](HostRig& rig) { rig.Breaks().wiper = HostBreaks::Wiper::kLost; }, {"ALARM:7\n"}, 0.03, 0.3},
+    {"shorted wiper", [](HostRig& rig) { rig.Breaks().wiper = HostBreaks::Wiper::kShorted; }, {"ALARM:7\n"}, 0.03, 0.3},
+    {"frozen wiper",
+     [](HostRig& rig) { rig.Breaks().wiper = HostBreaks::Wiper::kFrozen; },
+     {"ALARM:8\n", "ALARM:11\n"},
+     1.5,
+     5},
+    {"stall", [](HostRig& rig) { rig.Breaks().is_blocked = true; }, {"ALARM:8\n", "ALARM:11\n"}, 1.5, 0.1},
+    {"reversed motor",
+     [](HostRig& rig) { rig.Breaks().is_reversed = true; },
+     {"ALARM:9\n", "ALARM:8\n", "ALARM:11\n"},
+     1,
+     2},
+    {"runaway",
+     [](HostRig& rig) { rig.Breaks().runs_away_mm_s = 12; },
+     {"ALARM:10\n", "ALARM:11\n", "ALARM:8\n", "ALARM:9\n"},
+     0.6,
+     1e9},
+};
+
+TEST_F(ClosedLoopTest, WhateverBreaksWhileItRunsIsTold) {
+  unsigned seed = 0;
+  for (const Break& one : kBreaks)
+    for (const double moment_s : {0.5, 3.0, 6.5, 11.0, 16.0}) {
+      actuator_.seed = ++seed;
+      Build(FreeDesign(kProgram));
+      HomeAndRun();
+      rig_->Run(moment_s);
+      const double since = rig_->Time(), from = rig_->Stroke();
+      one.act(*rig_);
+      ASSERT_TRUE(rig_->RunUntil("ALARM:", 3)) << one.name << " after " << moment_s << " s\n" << rig_->Serial();
+      rig_->Run(0.01);
+      EXPECT_LE(rig_->Time() - since, one.most_s + 0.01) << one.name << " after " << moment_s << " s";
+      bool is_one = false;
+      for (const char* alarm : one.alarms) is_one |= rig_->Serial().find(alarm) != std::string::npos;
+      EXPECT_TRUE(is_one) << one.name << " after " << moment_s << " s\n"
+                          << rig_->Serial().substr(rig_->Serial().size() - 80);
+      rig_->Run(0.3);
+      EXPECT_EQ(rig_->Duty(), 0) << one.name;
+      EXPECT_LE(std::abs(rig_->Stroke() - from), one.most_mm) << one.name << " after " << moment_s << " s";
+      std::printf("%-14s %4.1f s: told after %.3f s\n", one.name, moment_s, rig_->Time() - 0.31 - since);
+    }
+}
+
+// Before it moves at all.
+TEST_F(ClosedLoopTest, WhatIsBrokenBeforeHomingIsTold) {
+  for (const Break& one : kBreaks) {
+    Build(FreeDesign(kProgram));
+    rig_->SetStroke(310);
+    rig_->Run(0.1);
+    one.act(*rig_);
+    rig_->Run(0.1);
+    rig_->Send("home");
+    EXPECT_TRUE(rig_->Serial().find("ALARM:") != std::string::npos || rig_->RunUntil("ALARM:", 3)) << one.name;
+    rig_->Run(0.3);
+    EXPECT_EQ(rig_->Duty(), 0) << one.name;
+    EXPECT_GT(rig_->Stroke(), 298 + 2) << one.name << ": it is far from the end stop still";
+  }
+}
+
+// A potentiometer that says another place than the end stop: slipped, or another actuator's scale.
+TEST_F(ClosedLoopTest, AWrongScaleIsFoundAtHome) {
+  actuator_.potentiometer_mm[0] = 243, actuator_.potentiometer_mm[1] = 383;
+  Build(FreeDesign(kProgram));
+  ASSERT_TRUE(rig_->Asks("zero", "error:5"));
+  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  EXPECT_TRUE(rig_->RunUntil("ALARM:7\n", 10)) << rig_->Serial();
+  EXPECT_THAT(rig_->Serial(), Not(HasSubstr("[MSG:done]")));
+}
+
+TEST_F(ClosedLoopTest, ABrownOutInMidRunIsStillAndAsksToBeHomed) {
+  Build(FreeDesign(kProgram));
+  HomeAndRun();
+  rig_->Run(3.5);
+  ASSERT_NE(rig_->Duty(), 0);
+  rig_->PowerUp();
+  rig_->Run(1);
+  const double stroke = rig_->Stroke();
+  rig_->Run(1);
+  EXPECT_NEAR(rig_->Stroke(), stroke, 1e-6);
+  EXPECT_TRUE(rig_->Asks("run", "error:5"));
+  HomeAndRun();
+  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 22)) << rig_->Serial();
+}
+
+// A million ms of random requests, wires, breaks, loads and resets: never a shorted bridge, never far past a limit.
+TEST_F(ClosedLoopTest, AMillionMillisecondsOfEverything) {
+  actuator_.load_n = [](double t, double) { return kFullLoad_n * std::sin(t); };
+  actuator_.supply = [](double t) { return 1 + 0.3 * std::sin(0.7 * t); };
+  firmware_options_.supply_v = 12;
+  Build(FreeDesign(kProgram));
+  std::mt19937 random(11);
+  const auto one_in = [&](int n) { return random() % static_cast<unsigned>(n) == 0; };
+  double highest = 0;
+  int runs = 0;
+  for (int i = 0; i < 1'000'000; ++i) {
+    if (one_in(3000)) rig_->Send("reset"), rig_->Send("home");
+    if (one_in(1500)) rig_->Send("run"), ++runs;
+    if (one_in(5000))
+      rig_->Send(fmt::format("jog {} {}", static_cast<int>(random() % 2001) - 1000, 1 + random() % 3000));
+    if (one_in(9000)) rig_->SendNow("!~\x18"[random() % 3]);
+    if (one_in(40000)) rig_->PullWire(one_in(2), true);
+    if (one_in(2000)) rig_->PullWire(true, false), rig_->PullWire(false, false);
+    if (one_in(60000)) rig_->Breaks().wiper = static_cast<HostBreaks::Wiper>(random() % 4);
+    if (one_in(4000)) rig_->Breaks() = {};
+    if (one_in(90000)) rig_->PowerUp();
+    rig_->Run(1e-3);
+    ASSERT_FALSE(rig_->IsShorted());
+    highest = std::max(highest, rig_->Stroke());
+    ASSERT_LT(rig_->Stroke(), schedule_.limits.upper_end_mm + 0.001) << i;
+  }
+  std::printf("highest stroke %.3f mm, the linkage ends at %.3f mm\n", highest, schedule_.limits.upper_end_mm);
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,21 @@
+// What the portable part of the firmware sees and does on a PC.
+#ifndef LAKE_HOST_BOARD_H
+#define LAKE_HOST_BOARD_H
+
+#include <stdint.h>
+
+enum { HOST_OFF, HOST_BRAKE, HOST_DRIVE };
+
+typedef struct {
+  int bridge;
+  int direction;       // of IN1 and IN2
+  int counts;          // of ENA while it drives
+  int shorted;         // the inputs were turned while the bridge drove: this must never be
+  uint8_t open;        // end stops, bits as in board.h
+  uint16_t adc[3];     // sums of four readings: A0 potentiometer, A1 current, A2 supply
+  char line[40];       // to be read next
+  char said[1 << 16];  // over the serial line since it was last taken
+  uint32_t said_length;
+} host_board_t;
+
+#endif

@@ -1,0 +1,191 @@
+#include "host_rig.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "actuator/compiled_once.h"
+#include "board.h"
+#include "lake/actuator/firmware.h"
+#include "lake/core/atomic_file.h"
+
+namespace lake {
+namespace {
+
+constexpr int kTalkEvery_ms = 500;
+
+// Every file of the firmware that knows nothing of the chip, the tests' board in place of those that do.
+constexpr const char* kPortable = "controller.c motor.c end_stops.c protocol.c analog.c follow.c";
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr const char* kSanitizers = "-fsanitize=address,undefined -fno-sanitize-recover=undefined";
+#else
+constexpr const char* kSanitizers = "";
+#endif
+
+std::filesystem::path Library(const std::string& stroke_table) {
+  const std::filesystem::path host = LAKE_SOURCE_DIR "/tests/actuator/host";
+  const std::string command = fmt::format(
+      "{} -std=gnu99 -O1 -g1 -fPIC -shared -Wl,-Bsymbolic -Wall -Wextra -Werror {} -I. -I'{}' {} '{}/host_board.c' "
+      "-o firmware.so",
+      LAKE_HOST_CC, kSanitizers, host.string(), kPortable, host.string());
+  return CompiledOnce(stroke_table, command, "firmware.so",
+                      ReadTextFile(host / "host_board.c") + ReadTextFile(host / "host_board.h"));
+}
+
+}  // namespace
+
+HostRig::HostRig(const std::string& stroke_table, const HostActuator& actuator)
+    : actuator_(actuator), random_(actuator.seed) {
+  // A copy: a library that is loaded twice would share its variables.
+  std::filesystem::copy_file(Library(stroke_table), folder_ / "firmware.so");
+  library_ = dlopen((folder_ / "firmware.so").c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!library_) throw std::runtime_error(dlerror());
+  const auto find = [&](auto& function, const char* name) {
+    function = reinterpret_cast<std::decay_t<decltype(function)>>(dlsym(library_, name));
+    if (!function) throw std::runtime_error(dlerror());
+  };
+  find(board_, "host_board");
+  find(motor_init_, "motor_init");
+  find(end_stops_init_, "end_stops_init");
+  find(analog_init_, "analog_init");
+  find(controller_init_, "controller_init");
+  find(controller_tick_, "controller_tick");
+  find(protocol_turn_, "protocol_turn");
+  find(protocol_realtime_, "protocol_realtime");
+  SetStroke(actuator.stroke_mm);
+  PowerUp();
+}
+
+HostRig::~HostRig() {
+  dlclose(library_);
+}
+
+void HostRig::PowerUp() {
+  std::memset(board_, 0, sizeof *board_);
+  to_send_.clear();
+  Sense();
+  motor_init_();
+  end_stops_init_();
+  analog_init_();
+  controller_init_();
+}
+
+void HostRig::SetStroke(double stroke_mm) {
+  motor_mm_ = stroke_mm_ = stroke_mm;
+  speed_mm_s_ = 0;
+}
+
+double HostRig::Duty() const {
+  return board_->bridge == HOST_DRIVE ? board_->direction * board_->counts / double{actuator::kPwmPeriod} : 0;
+}
+
+void HostRig::SendNow(char c) {
+  protocol_realtime_(c);
+}
+
+double HostRig::Load() const {
+  return actuator_.load_n ? actuator_.load_n(Time(), stroke_mm_) : 0;
+}
+
+void HostRig::Move() {
+  const double duty = breaks_.is_reversed ? -Duty() : Duty(), supply = actuator_.supply ? actuator_.supply(Time()) : 1;
+  const double direction = duty > 0 ? 1 : -1;
+  target_mm_s_ = free_mm_s_ = 0;
+  if (duty != 0) {
+    const double driven = std::min(1.0, std::abs(duty) * supply);  // a table ends at full duty
+    const double over = std::max(1.0, std::abs(duty) * supply);    // beyond it speed grows with the voltage
+    free_mm_s_ = over * actuator_.speed_factor * actuator_.table->Curve(duty > 0 ? 1 : -1).SpeedFor(driven);
+    // A screw that holds by itself has an efficiency below one half: what helps it gives back less than half.
+    const double against_n = direction * Load();
+    target_mm_s_ = direction * std::max(0.0, free_mm_s_ - (against_n < 0 ? 0.4 : 1) * against_n * actuator_.mm_s_per_n);
+  }
+  const double time_constant = board_->bridge == HOST_BRAKE ? 0.01 : duty == 0 ? 0.06 : actuator_.time_constant_s;
+  speed_mm_s_ += (target_mm_s_ - speed_mm_s_) * (1 - std::exp(-1e-3 / time_constant));
+  if (breaks_.is_blocked) speed_mm_s_ = 0;
+  motor_mm_ += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
+  stroke_mm_ = std::clamp(stroke_mm_, motor_mm_ - actuator_.play_mm / 2, motor_mm_ + actuator_.play_mm / 2);
+}
+
+// Friction and load; what the speed lacks is torque.
+double HostRig::Current() const {
+  const double duty = Duty();
+  if (duty == 0) return 0;
+  const double lacks = free_mm_s_ > 0 ? 1 - std::abs(speed_mm_s_) / free_mm_s_ : 1;
+  const double load_n = std::max(0.0, (duty > 0 ? 1 : -1) * Load());
+  return std::copysign(
+      actuator_.idle_a + actuator_.a_per_n * load_n + actuator_.stall_a * std::abs(duty) * std::max(0.0, lacks), duty);
+}
+
+std::uint16_t HostRig::Read(double volt) {
+  std::normal_distribution<double> noise(0, 1);
+  std::uniform_real_distribution<double> any(0, 1);
+  if (any(random_) < actuator_.spikes) return static_cast<std::uint16_t>(4092 * any(random_));
+  int sum = 0;
+  for (int i = 0; i < 4; ++i)
+    sum += static_cast<int>(
+        std::clamp(std::floor(1023 * volt / 5 + 0.5 + actuator_.noise_counts * noise(random_)), 0.0, 1023.0));
+  return static_cast<std::uint16_t>(sum);
+}
+
+void HostRig::Sense() {
+  board_->open =
+      static_cast<std::uint8_t>((pulled_[0] || stroke_mm_ <= actuator_.retract_stop_mm ? END_STOP_RETRACT : 0) |
+                                (pulled_[1] || stroke_mm_ >= actuator_.extend_stop_mm ? END_STOP_EXTEND : 0));
+  const auto [at_0, at_5] = actuator_.potentiometer_mm;
+  using Wiper = HostBreaks::Wiper;
+  if (breaks_.wiper != Wiper::kFrozen) frozen_v_ = 5 * (stroke_mm_ - at_0) / (at_5 - at_0);
+  const double wiper_v = breaks_.wiper == Wiper::kLost ? 0 : breaks_.wiper == Wiper::kShorted ? 5 : frozen_v_;
+  const double supply = actuator_.supply ? actuator_.supply(Time()) : 1;
+  board_->adc[0] = Read(wiper_v);
+  board_->adc[1] = Read(breaks_.current_wire ? 0 : 2.5 + 0.185 * Current());
+  board_->adc[2] = Read(breaks_.supply_wire ? 0 : supply * actuator_.supply_v / actuator_.supply_divider);
+}
+
+void HostRig::TickMs() {
+  ++now_ms_;
+  Move();
+  Sense();
+  if (talking_ && now_ms_ % kTalkEvery_ms == 0) SendNow('?');
+  if (!to_send_.empty() && !board_->line[0]) {
+    std::strncpy(board_->line, to_send_.front().c_str(), sizeof board_->line - 1);
+    to_send_.pop_front();
+  }
+  controller_tick_();
+  if (!hangs_) protocol_turn_();
+  serial_.append(board_->said, board_->said_length);
+  board_->said_length = 0;
+  samples_.push_back({Time(), stroke_mm_, Duty(), board_->bridge == HOST_BRAKE});
+}
+
+void HostRig::Run(double seconds) {
+  for (std::int64_t left = std::llround(seconds * 1e3); left > 0; --left) TickMs();
+}
+
+bool HostRig::RunUntil(const std::string& text, double most_seconds) {
+  const std::size_t from = serial_.size();
+  for (std::int64_t left = std::llround(most_seconds * 1e3); left > 0; --left) {
+    TickMs();
+    if (serial_.find(text, from) != std::string::npos) return true;
+  }
+  return false;
+}
+
+bool HostRig::Asks(const std::string& line, const std::string& answer) {
+  Send(line);
+  return RunUntil(answer + "\n", 0.2);
+}
+
+std::string HostRig::Status() {
+  const std::size_t from = serial_.size();
+  SendNow('?');
+  Run(0.002);
+  const std::size_t begin = serial_.find('<', from);
+  return begin == std::string::npos ? "" : serial_.substr(begin, serial_.find('\n', begin) - begin);
+}
+
+}  // namespace lake

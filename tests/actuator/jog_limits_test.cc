@@ -1,0 +1,88 @@
+// Where the curve of speed over duty is steep or bent, near the dead band, the stroke that a jog plans is still the
+// largest that its duty can give, and the drift has what it may be less: the limits hold, and the bound holds.
+#include <fmt/format.h>
+
+#include "host/host_fixture.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+
+// A table whose speeds rise at once behind the dead band, as those of a screw that breaks loose.
+actuator::DutyTable Steep(double dead_band, double speed_mm_s) {
+  return actuator::MakeDutyTable({{dead_band, 0, 0},
+                                  {dead_band + 0.01, speed_mm_s, speed_mm_s},
+                                  {0.6, 2 * speed_mm_s, 2 * speed_mm_s},
+                                  {1, 9.7, 9.7}},
+                                 "steep");
+}
+
+using JogLimitsTest = HostFirmwareTest;
+
+TEST_F(JogLimitsTest, TheBoundHoldsAtEveryDuty) {
+  for (const auto& [dead_band, speed] : {std::pair{0.26, 3.0}, {0.21, 4.5}, {0.32, 1.5}}) {
+    table_ = Steep(dead_band, speed);
+    Build(FreeDesign({{0, 300}, {2, 310}}));
+    for (double duty = dead_band - 0.03; duty < 1; duty += duty < dead_band + 0.03 ? 0.002 : 0.05)
+      for (const int sign : {1, -1}) {
+        ASSERT_TRUE(rig_->Asks("zero", "ok")) << rig_->Serial();
+        rig_->SetStroke(300);
+        rig_->Send(fmt::format("jog {} 3000", sign * std::lround(1000 * duty)));
+        ASSERT_TRUE(rig_->RunUntil("[MSG:", 4)) << rig_->Serial();
+        rig_->Run(0.3);
+        const auto [stroke, drift] = SaidStrokeAndDrift();
+        EXPECT_LE(std::abs(rig_->Stroke() - stroke), drift) << "jog at " << sign * duty << ", dead band " << dead_band;
+        ASSERT_TRUE(rig_->Asks("reset", "ok"));
+      }
+  }
+}
+
+TEST_F(JogLimitsTest, ALongJogKeepsTheSoftLimit) {
+  for (const int duty : {262, 265, 270, 275, 280, 300, 320}) {
+    table_ = Steep(0.26, 3);
+    Build(FreeDesign({{0, 350}, {2, 356}}));  // the upper soft limit is 374.02 mm
+    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+    for (int i = 0; i < 3 && rig_->Serial().find("at a limit") == std::string::npos; ++i) {
+      rig_->Send(fmt::format("jog {} 10000", duty));
+      ASSERT_TRUE(rig_->RunUntil("[MSG:", 11)) << rig_->Serial();
+      rig_->Run(0.2);
+    }
+    EXPECT_LT(rig_->Stroke(), schedule_.limits.upper_mm) << duty;
+    EXPECT_GT(rig_->Stroke(), 355) << duty << ": and does not end at once";
+  }
+}
+
+// What was not measured is not known to be slow.
+TEST_F(JogLimitsTest, ADutyBeyondTheTableIsRefused) {
+  table_ = actuator::MakeDutyTable({{0.2, 0, 0}, {0.5, 5, 5}, {0.8, 8, std::nan("")}}, "to 0.8");
+  Build(FreeDesign({{0, 300}, {2, 304}}));
+  for (const char* line : {"jog 810 100", "jog -510 100", "jog 1000 100"})
+    EXPECT_TRUE(rig_->Asks(line, "error:2")) << line;
+  for (const char* line : {"jog 800 100", "jog -500 100"}) {
+    EXPECT_TRUE(rig_->Asks(line, "ok")) << line;
+    rig_->Run(0.3);
+  }
+}
+
+// A first row that moves says nothing of smaller duties: they may move as fast, or not at all.
+TEST_F(JogLimitsTest, BelowAFirstRowThatMovesTheWayIsBounded) {
+  table_ = actuator::MakeDutyTable({{0.3, 3, 3}, {1, 9.7, 9.7}}, "moves from its first row on");
+  for (const auto& truth : {Steep(0.1, 2), Steep(0.28, 3)}) {
+    actuator_.table = &truth;
+    Build(FreeDesign({{0, 300}, {2, 310}}));
+    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+    rig_->Send("jog 250 1500");
+    ASSERT_TRUE(rig_->RunUntil("[MSG:done]", 4)) << rig_->Serial();
+    rig_->Run(0.3);
+    const auto [stroke, drift] = SaidStrokeAndDrift();
+    EXPECT_LE(std::abs(rig_->Stroke() - stroke), drift);
+    // A wire that breaks is found on such a jog as well.
+    rig_->PullWire(true, true);
+    rig_->Send("jog 250 4000");
+    EXPECT_TRUE(rig_->RunUntil("ALARM:5\n", 3)) << rig_->Serial();
+  }
+}
+
+}  // namespace
+}  // namespace lake
