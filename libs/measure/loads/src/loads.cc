@@ -186,7 +186,7 @@ class Drawing {
   TrunkPrior Prior(TrunkPrior prior) {
     prior.spread *= Factor(0.2);
     prior.memory_s *= Factor(0.3);
-    prior.wobble_m *= Factor(0.5);
+    prior.wobble_m *= Factor(0.5), prior.posture_m *= Factor(0.5);
     return prior;
   }
 
@@ -313,9 +313,14 @@ RiseLoads MeanOf(const std::vector<RiseLoads>& rises) {
     for (const RiseLoads& rise : rises)
       row.time_s += percent / 100.0 * (rise.standing_s - rise.onset_s) / static_cast<double>(rises.size());
     for (const auto member : {&LoadsRow::knee_deg, &LoadsRow::knee_deg_s, &LoadsRow::ankle_nm, &LoadsRow::knee_nm,
-                              &LoadsRow::hip_nm, &LoadsRow::knee_low_nm, &LoadsRow::knee_high_nm, &LoadsRow::zmp_mm,
-                              &LoadsRow::ground_force_n, &LoadsRow::knee_power_w})
+                              &LoadsRow::hip_nm, &LoadsRow::zmp_mm, &LoadsRow::ground_force_n, &LoadsRow::knee_power_w})
       row.*member = average(member);
+    if (std::isfinite(row.knee_nm)) continue;
+    for (const RiseLoads& rise : rises) {
+      const LoadsRow& one = rise.rows[static_cast<std::size_t>(percent)];
+      row.knee_low_nm = std::fmin(row.knee_low_nm, one.knee_low_nm);  // of a number and NaN: the number
+      row.knee_high_nm = std::fmax(row.knee_high_nm, one.knee_high_nm);
+    }
   }
   return mean;
 }

@@ -1,11 +1,12 @@
 // Where the trunk's centre of mass is: fitted so that the zero-moment point lies within the foot and moves slowly.
 //
-// The trunk's centre is  H + (table + along) u + across n + w(t) x,  u and n the trunk's axes, w a cubic B-spline:
-// what no rigid trunk has (the spine bends, head and arms move, markers slide on skin). With all forces from the
-// trunk down, the ground's force acts at zmp(t); a person keeps that within the foot, and does not shake it:
+// The trunk's centre is  H + (table + along + a_r) u + (across + b_r) n + w(t) x,  u and n the trunk's axes. What no
+// rigid trunk has: a_r and b_r are each rise's own (another bend of the spine, other arms), w is a cubic B-spline
+// (head and arms move, markers slide on skin). With all forces from the trunk down, the ground's force acts at zmp(t);
+// a person keeps that within the foot, and does not shake it:
 //
-//   minimise  Σ_i (z_i − ρ_i z_{i−1})² / (s² (1 − ρ_i²))  +  along²/.. + across²/.. + common²/.. + Σ w_k²/..
-//   z_i = zmp(t_i) − middle − common,    ρ_i = exp(−(t_i − t_{i−1}) / memory)
+//   minimise  Σ_i (z_i − ρ_i z_{i−1})² / (s² (1 − ρ_i²))  +  along²/.. + across²/.. + habit²/.. + Σ (a_r² + b_r²)/..
+//   + Σ w_k²/..,          z_i = zmp(t_i) − place(t_i) − habit,    ρ_i = exp(−(t_i − t_{i−1}) / memory)
 //
 // over the times when the feet alone bear the body. A Gauss–Newton solve with its covariance.
 #pragma once
@@ -24,12 +25,15 @@ namespace lake::loads {
 struct TrunkPrior {
   double along_m = 0.05, across_m = 0.03;  // of the centre, from where the table has it
   double across_from_waist_m = 0.08;       // where the hip–waist vector stands for the trunk: it leans otherwise
-  double middle = 0.45;                    // of the foot, from the heel: where the zero-moment point is on average
-  double spread = 0.20;                    // of the foot's length: how far it moves from there
-  double common_m = 0.025;                 // a person's own habit, for the whole trial
-  double memory_s = 0.3;                   // over which time it keeps its place
-  double wobble_m = 0.01;                  // of each coefficient of w
-  double wobble_step_s = 0.08;             // between them
+  // Where on the foot the zero-moment point is on average, from the heel: it lies back when the seat is left, and comes
+  // forward while rising. Between the two by the thigh's tilt.
+  double place_seated = 0.3, place_standing = 0.5;
+  double spread = 0.25;         // of the foot's length: how far it is from there: the ends are 2 SD away
+  double habit_m = 0.025;       // a person's own, for the whole trial
+  double memory_s = 0.3;        // over which time it keeps its place
+  double posture_m = 0.02;      // along and across, of each rise beside the others
+  double wobble_m = 0.01;       // of each coefficient of w
+  double wobble_step_s = 0.08;  // between them
 };
 
 // Frames [begin, end) in which the feet alone bear the body.
@@ -56,9 +60,9 @@ class TrunkFit {
   struct Piece {
     Window window;
     gait::SplineGrid grid;
-    Eigen::VectorXd wobble;
-    Eigen::LLT<Eigen::MatrixXd> factor;  // of the normal matrix of the wobble
-    Eigen::MatrixXd coupling;            // with what is common, wobble × 3
+    Eigen::VectorXd own;                 // the wobble's coefficients, then a_r and b_r
+    Eigen::LLT<Eigen::MatrixXd> factor;  // of their normal matrix
+    Eigen::MatrixXd coupling;            // of theirs with what is common, × 3
     Eigen::VectorXd right;
   };
   void Linearize(const LegPath& path, const LegBody& body, const TrunkPrior& prior);
