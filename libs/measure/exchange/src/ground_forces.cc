@@ -12,13 +12,19 @@
 namespace lake::exchange {
 namespace {
 
+// Where the `nth` column of a name is (older files of OpenSim name all plates alike).
+std::optional<std::size_t> FindColumn(const MotTable& table, const std::string& name, std::size_t nth) {
+  for (std::size_t i = 0; i < table.columns.size(); ++i)
+    if (table.columns[i] == name && nth-- == 0) return i;
+  return std::nullopt;
+}
+
 // Where a vector's three columns are; empty if the file has none of them.
-std::vector<std::size_t> FindVector(const MotTable& table, const std::string& stem, const std::filesystem::path& path) {
+std::vector<std::size_t> FindVector(const MotTable& table, const std::string& stem, std::size_t nth,
+                                    const std::filesystem::path& path) {
   std::vector<std::size_t> columns;
-  for (const char axis : {'x', 'y', 'z'}) {
-    const auto found = std::find(table.columns.begin(), table.columns.end(), stem + axis);
-    if (found != table.columns.end()) columns.push_back(static_cast<std::size_t>(found - table.columns.begin()));
-  }
+  for (const char axis : {'x', 'y', 'z'})
+    if (const auto column = FindColumn(table, stem + axis, nth)) columns.push_back(*column);
   if (!columns.empty() && columns.size() < 3) throw Fail("{}: of {}x, y and z one is missing", path.string(), stem);
   return columns;
 }
@@ -65,14 +71,16 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
   for (std::size_t i = 1; i < forces.time_s.size(); ++i)
     if (!(forces.time_s[i] > forces.time_s[i - 1]))
       throw Fail("{}: row {}: time {} s does not follow the one before", path.string(), i + 1, forces.time_s[i]);
+  std::map<std::string, std::size_t> seen;
   for (const std::string& column : table.columns) {
     if (!column.ends_with("vx")) continue;
+    const std::size_t nth = seen[column]++;
     const std::string stem = column.substr(0, column.size() - 2);
-    const std::vector<std::size_t> force = FindVector(table, stem + "v", path),
-                                   point = FindVector(table, stem + "p", path);
+    const std::vector<std::size_t> force = FindVector(table, stem + "v", nth, path),
+                                   point = FindVector(table, stem + "p", nth, path);
     if (point.empty()) throw Fail("{}: {} has a force but no point where it acts ({}px)", path.string(), stem, stem);
-    std::vector<std::size_t> moment = FindVector(table, stem + "m", path);
-    if (moment.empty() && !TorqueStem(stem).empty()) moment = FindVector(table, TorqueStem(stem), path);
+    std::vector<std::size_t> moment = FindVector(table, stem + "m", nth, path);
+    if (moment.empty() && !TorqueStem(stem).empty()) moment = FindVector(table, TorqueStem(stem), nth, path);
     const std::size_t end = stem.find_last_not_of('_');
     forces.plates.push_back({end == std::string::npos ? stem : stem.substr(0, end + 1), TakeVector(table, force),
                              TakeVector(table, point), TakeVector(table, moment)});
@@ -100,7 +108,11 @@ const PlateForces& PlateOf(const GroundForceRecording& forces, const std::map<st
   if (const auto named = plates.find(leg); named != plates.end()) {
     if (static_cast<std::size_t>(named->second) > forces.plates.size())
       throw Fail("{}: no plate {}; it has: {}", path.string(), named->second, Names(forces));
-    return forces.plates[static_cast<std::size_t>(named->second) - 1];
+    const PlateForces& plate = forces.plates[static_cast<std::size_t>(named->second) - 1];
+    if (!BearsForce(plate))
+      throw Fail("{}: plate {}, {}, bears no force; it has: {}", path.string(), named->second, plate.name,
+                 Names(forces));
+    return plate;
   }
   const PlateForces* only = nullptr;
   for (const PlateForces& plate : forces.plates) {

@@ -394,11 +394,12 @@ void WarnOfTrunk(const Model& model, const std::vector<Window>& windows, const L
         "for {} of {} frames on the feet alone the zero-moment point is outside the foot: the trunk's markers do not "
         "tell its movement, and the moments are less certain than the bands say",
         outside, count));
-  const double along_mm = kMmPerM * model.trunk->AlongM();
-  if (std::abs(along_mm) > 3 * kMmPerM * options.trunk.along_m)
-    result.warnings.push_back(fmt::format(
-        "the trunk's centre of mass is {:.0f} mm along the trunk from where the table has it: check --map and --mass",
-        along_mm));
+  const double across_sd_m = model.path.has_shoulder ? options.trunk.across_m : options.trunk.across_from_waist_m;
+  if (std::abs(model.trunk->AlongM()) > 3 * options.trunk.along_m || std::abs(model.trunk->AcrossM()) > 3 * across_sd_m)
+    result.warnings.push_back(
+        fmt::format("the trunk's centre of mass is {:.0f} mm along and {:.0f} mm across the trunk from where the table "
+                    "has it, farther than people differ: check --map, --mass and --foot",
+                    kMmPerM * model.trunk->AlongM(), kMmPerM * model.trunk->AcrossM()));
 }
 
 }  // namespace
