@@ -25,6 +25,7 @@ constexpr std::array kSteps = {
     Step{"track", "markers, leg vectors and knee angle from a video"},
     Step{"gait", "the leg fit on tracks made before, or by another program"},
     Step{"compare", "misalignment between a human trial and an exoskeleton trial"},
+    Step{"loads", "the moments at ankle, knee and hip over the rise"},
     Step{"optimize", "the links that give the largest range of rotation"},
     Step{"simulate", "poses, angle against stroke and animation of a design"},
     Step{"stroke", "stroke program and firmware for the actuator"},

@@ -56,6 +56,7 @@ TEST(SplineGrid, ReproducesCubicsAndTheirSlopes) {
   for (double t = 0.5; t <= 2.5; t += 0.07) {
     EXPECT_NEAR(gait::ValueAt(grid.At(t), coefficients), t * t, 1e-12);
     EXPECT_NEAR(gait::SlopeAt(grid.At(t), coefficients), 2 * t, 1e-11);
+    EXPECT_NEAR(gait::CurveAt(grid.At(t), coefficients), 2, 1e-9);
   }
 }
 

@@ -207,12 +207,6 @@ StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& desi
   return redesign;
 }
 
-void ReadSimulation(YamlNode node, Files& files, StudyFile& study) {
-  study.simulation_options = node.ToJson();
-  ReadSection(node, study.simulation, files);
-  node.Finish();
-}
-
 commands::StrokeRunOptions ReadStroke(YamlNode node, Files& files) {
   commands::StrokeRunOptions options;
   ReadSection(node, options, files, {"design", "motion", "validate", "tolerance"});

@@ -201,10 +201,11 @@ PointRecording RenamePoints(const PointRecording& points, const std::map<std::st
 }
 
 PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options, const fs::path& path,
-                                        double* out_of_plane_mm) {
+                                        double* out_of_plane_mm, Eigen::Matrix3d* plane_from_space) {
   const Eigen::Vector3d up = UpDirection(points, options);
   const Eigen::Vector3d forward = options.forward.empty() ? FitForward(points, up, path) : GivenForward(options, up);
   *out_of_plane_mm = OutOfPlane(points, forward.cross(up));
+  if (plane_from_space) *plane_from_space << forward.transpose(), up.transpose(), forward.cross(up).transpose();
   PointRecording plane = points;
   plane.space = PointSpace::kPlane;
   for (PointTrack& point : plane.points)
@@ -227,7 +228,8 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
         RenamePoints(ReadPoints(trial.file, options.mm_per_unit, options.rate_hz), options.names, trial.file);
     if (points.axes) points = PointsInPlane(points);
     if (points.space == PointSpace::kSpace) {
-      points = ProjectOntoSagittalPlane(points, options, trial.file, &trial.out_of_plane_mm);
+      points = ProjectOntoSagittalPlane(points, options, trial.file, &trial.out_of_plane_mm,
+                                        &trial.plane_from_space.emplace());
       if (!options.forward.empty()) trial.faces_right = true;
     }
     trial.mm_per_px = points.mm_per_px;

@@ -127,6 +127,12 @@ double RootMeanSigma(const std::vector<Sample>& samples) {
   return std::sqrt(variance / static_cast<double>(samples.size()));
 }
 
+double Combine(std::size_t first, const std::array<double, 4>& weights, std::span<const double> coefficients) {
+  double sum = 0;
+  for (std::size_t a = 0; a < 4; ++a) sum += weights[a] * coefficients[first + a];
+  return sum;
+}
+
 }  // namespace
 
 SplineGrid::Place SplineGrid::At(double time_s) const {
@@ -138,6 +144,8 @@ SplineGrid::Place SplineGrid::At(double time_s) const {
                  u * u * u / 6};
   place.slope = {-v * v / 2 / step_s, (3 * u * u - 4 * u) / 2 / step_s, (-3 * u * u + 2 * u + 1) / 2 / step_s,
                  u * u / 2 / step_s};
+  const double step2 = step_s * step_s;
+  place.curve = {v / step2, (3 * u - 2) / step2, (1 - 3 * u) / step2, u / step2};
   return place;
 }
 
@@ -151,9 +159,7 @@ SplineGrid MakeSplineGrid(std::span<const double> time_s, double step_s) {
 }
 
 double ValueAt(const SplineGrid::Place& place, std::span<const double> coefficients) {
-  double sum = 0;
-  for (std::size_t a = 0; a < 4; ++a) sum += place.value[a] * coefficients[place.first + a];
-  return sum;
+  return Combine(place.first, place.value, coefficients);
 }
 
 double VarianceAt(const SplineGrid::Place& place, const BandedMatrix& covariance) {
@@ -161,9 +167,11 @@ double VarianceAt(const SplineGrid::Place& place, const BandedMatrix& covariance
 }
 
 double SlopeAt(const SplineGrid::Place& place, std::span<const double> coefficients) {
-  double sum = 0;
-  for (std::size_t a = 0; a < 4; ++a) sum += place.slope[a] * coefficients[place.first + a];
-  return sum;
+  return Combine(place.first, place.slope, coefficients);
+}
+
+double CurveAt(const SplineGrid::Place& place, std::span<const double> coefficients) {
+  return Combine(place.first, place.curve, coefficients);
 }
 
 SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> time_s, std::span<const double> values,

@@ -67,8 +67,8 @@ class Option {
   std::string Key() const;
   std::string Help() const;   // with unit, and what holds without the option or its value
   std::string Value() const;  // MM_S, constant|free, FILE, …; empty for a flag
-  // The field's value; empty where Otherwise() says what holds.
-  std::string DefaultText() const { return otherwise_.empty() ? default_text_ : ""; }
+  // The field's value; empty where Otherwise() says what holds, or where the option must be given.
+  std::string DefaultText() const { return otherwise_.empty() && !is_required_ ? default_text_ : ""; }
   const std::string& ImpliedText() const { return implied_; }
   Path PathKind() const { return path_; }
   bool IsOperand() const { return is_operand_; }  // given by its place, not by --NAME

@@ -17,10 +17,11 @@ struct SplineGrid {
   double step_s = 1;
   std::size_t count = 4;  // coefficients
 
-  // What the four coefficients from `first` on contribute to the value at a time, and to the derivative there (per s).
+  // What the four coefficients from `first` on contribute to the value at a time, and to the first and the second
+  // derivative there (per s and s²).
   struct Place {
     std::size_t first = 0;
-    std::array<double, 4> value, slope;
+    std::array<double, 4> value, slope, curve;
   };
   Place At(double time_s) const;
 };
@@ -31,6 +32,7 @@ SplineGrid MakeSplineGrid(std::span<const double> time_s, double step_s);
 double ValueAt(const SplineGrid::Place& place, std::span<const double> coefficients);
 double VarianceAt(const SplineGrid::Place& place, const BandedMatrix& covariance);
 double SlopeAt(const SplineGrid::Place& place, std::span<const double> coefficients);
+double CurveAt(const SplineGrid::Place& place, std::span<const double> coefficients);
 
 struct SmoothingOptions {
   std::optional<double> cutoff_hz;  // fixed instead of found

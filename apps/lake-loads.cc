@@ -1,0 +1,13 @@
+// lake-loads: the moments at ankle, knee and hip over the rise from a chair.
+#include "lake/commands/loads.h"
+#include "program.h"
+
+int main(int argc, char** argv) {
+  lake::Program program("lake-loads", "The moments at ankle, knee and hip over the rise from a chair",
+                        "lake-loads lake-out/human --mass 70 --height 1750 -o loads");
+  lake::commands::LoadsRunOptions options;
+  program.Add(lake::OptionsOf(options));
+  return program.Main(
+      argc, argv, [&] { return options.trial.stem().string(); },
+      [&](lake::Run& run) { return lake::commands::RunLoads(options, run); }, lake::commands::LoadsReport);
+}

@@ -1,0 +1,37 @@
+// The work of lake-loads: the moments at ankle, knee and hip over the rise, from a trial and a body mass, with force
+// plates or without.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "lake/core/json.h"
+#include "lake/core/options.h"
+#include "lake/core/run.h"
+#include "lake/exchange/trial.h"
+#include "lake/gait/leg_fit.h"
+#include "lake/loads/loads.h"
+
+namespace lake::commands {
+
+struct LoadsRunOptions {
+  std::filesystem::path trial;  // as for lake-gait
+  exchange::TrialOptions reading;
+  gait::LegFitOptions fit;
+  loads::LoadsOptions loads;
+  std::filesystem::path forces;       // of OpenSim; empty: without force plates
+  std::map<std::string, int> plates;  // right, left: which plate, from 1
+  std::string leg;                    // right or left; empty: by the ankle marker's name in the file, else right
+};
+
+void Describe(LoadsRunOptions& o, OptionList& options);
+
+// Writes loads.csv, loads.json, loads.png; returns the results for the summary.
+Json RunLoads(const LoadsRunOptions& options, Run& run);
+
+// What a person wants to read of the summary.
+std::string LoadsReport(const Json& summary);
+
+}  // namespace lake::commands

@@ -1,0 +1,282 @@
+#include "lake/commands/loads.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <cmath>
+
+#include "lake/commands/gait.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+#include "lake/exchange/ground_forces.h"
+#include "lake/figure/loads_figure.h"
+
+namespace lake::commands {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector2d, Eigen::Vector3d;
+
+constexpr double kMmPerM = 1000;
+
+std::string LegOf(const LoadsRunOptions& options) {
+  if (!options.leg.empty()) return options.leg;
+  const auto ankle = options.reading.names.find("ankle");
+  const bool left = ankle != options.reading.names.end() && !ankle->second.empty() &&
+                    std::tolower(static_cast<unsigned char>(ankle->second.front())) == 'l';
+  return left ? "left" : "right";
+}
+
+// Where a plate's force acts on average, weighted by the force.
+std::optional<Vector3d> MeanPoint(const exchange::PlateForces& plate) {
+  constexpr double kLeast_n = 20;
+  Vector3d sum = Vector3d::Zero();
+  double weight = 0;
+  for (std::size_t i = 0; i < plate.force_n.size(); ++i)
+    if (const double force_n = plate.force_n[i].norm(); force_n > kLeast_n)
+      sum += force_n * plate.point_m[i], weight += force_n;
+  return weight > 0 ? std::optional<Vector3d>(sum / weight) : std::nullopt;
+}
+
+Vector3d MeanAnkle(const exchange::PointRecording& points) {
+  Vector3d sum = Vector3d::Zero();
+  int count = 0;
+  for (const Vector3d& position : points.Find("ankle")->positions)
+    if (position.allFinite()) sum += position / kMmPerM, ++count;
+  return sum / std::max(count, 1);
+}
+
+// Plates that were named the wrong way round: another plate's force acts under this ankle.
+void WarnOfSwappedPlates(const exchange::GroundForceRecording& forces, const exchange::PlateForces& plate,
+                         const std::string& leg, const Vector3d& ankle_m, Run& run) {
+  const auto distance_mm = [&](const exchange::PlateForces& p) {
+    const std::optional<Vector3d> point_m = MeanPoint(p);
+    return point_m ? kMmPerM * (*point_m - ankle_m).norm() : std::numeric_limits<double>::infinity();
+  };
+  const exchange::PlateForces* nearest = &plate;
+  for (const exchange::PlateForces& other : forces.plates)
+    if (distance_mm(other) < distance_mm(*nearest)) nearest = &other;
+  if (nearest != &plate)
+    run.Warn(
+        fmt::format("{} is taken for the {} foot, but its force acts {:.0f} mm from the ankle, that of {} {:.0f} mm: "
+                    "are the plates "
+                    "swapped? Name them with --plates, the leg with --leg",
+                    plate.name, leg, distance_mm(plate), nearest->name, distance_mm(*nearest)));
+}
+
+loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::Trial& trial, motion::Facing facing,
+                               Run& run) {
+  const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
+  run.AddInput(options.forces);
+  const std::string leg = LegOf(options);
+  const exchange::PlateForces& plate = exchange::PlateOf(file, options.plates, leg, options.forces);
+  WarnOfSwappedPlates(file, plate, leg,
+                      MeanAnkle(exchange::RenamePoints(
+                          exchange::ReadPoints(trial.file, options.reading.mm_per_unit, options.reading.rate_hz),
+                          options.reading.names, trial.file)),
+                      run);
+  const Eigen::Matrix3d& plane_from_space = *trial.plane_from_space;
+  const double side = facing == motion::Facing::kRight ? 1 : -1;  // the leg's x is the plane's, or its opposite
+  const auto in_leg = [&](const Vector3d& v) {
+    return gait::LegFromPlane((plane_from_space * v).head<2>(), facing, options.fit.up);
+  };
+  loads::GroundForces forces;
+  forces.time_s = file.time_s;
+  for (std::size_t i = 0; i < file.time_s.size(); ++i) {
+    const Vector2d force_n = in_leg(plate.force_n[i]);
+    const double free_nm = side * plane_from_space.row(2).dot(plate.moment_nm[i]);
+    forces.wrench.push_back({force_n, loads::Cross(in_leg(plate.point_m[i]), force_n) + free_nm});
+  }
+  return forces;
+}
+
+void WriteTable(const fs::path& path, const loads::LoadsResult& result) {
+  CsvWriter csv({"repetition", "percent", "time_s", "knee_deg", "knee_deg_s", "ankle_nm", "knee_nm", "hip_nm",
+                 "knee_sd_nm", "knee_low_nm", "knee_high_nm", "zmp_mm", "ground_force_n", "knee_power_w"});
+  const auto add = [&](const loads::RiseLoads& rise, const std::string& name) {
+    for (std::size_t percent = 0; percent < rise.rows.size(); ++percent) {
+      const loads::LoadsRow& row = rise.rows[percent];
+      csv.Add(name).Add(static_cast<int>(percent)).Add(row.time_s).Add(row.knee_deg).Add(row.knee_deg_s);
+      csv.Add(row.ankle_nm).Add(row.knee_nm).Add(row.hip_nm).Add(row.knee_sd_nm).Add(row.knee_low_nm);
+      csv.Add(row.knee_high_nm).Add(row.zmp_mm).Add(row.ground_force_n).Add(row.knee_power_w);
+      csv.EndRow();
+    }
+  };
+  for (const loads::RiseLoads& rise : result.rises) add(rise, std::to_string(rise.repetition));
+  add(result.mean, "mean");
+  csv.Write(path);
+}
+
+Json ColumnsOf(const loads::RiseLoads& rise) {
+  Json columns;
+  const auto add = [&](const char* name, double loads::LoadsRow::*member) {
+    Json& values = columns[name] = Json::array();
+    for (const loads::LoadsRow& row : rise.rows) values.push_back(row.*member);
+  };
+  add("time_s", &loads::LoadsRow::time_s);
+  add("knee_deg", &loads::LoadsRow::knee_deg);
+  add("knee_deg_s", &loads::LoadsRow::knee_deg_s);
+  add("knee_nm", &loads::LoadsRow::knee_nm);
+  add("knee_sd_nm", &loads::LoadsRow::knee_sd_nm);
+  add("knee_low_nm", &loads::LoadsRow::knee_low_nm);
+  add("knee_high_nm", &loads::LoadsRow::knee_high_nm);
+  add("ankle_nm", &loads::LoadsRow::ankle_nm);
+  add("hip_nm", &loads::LoadsRow::hip_nm);
+  add("knee_power_w", &loads::LoadsRow::knee_power_w);
+  return columns;
+}
+
+Json PeakJson(const loads::RiseLoads& rise, double mass_kg) {
+  return {{"knee_nm", rise.peak.knee_nm},
+          {"knee_nm_interval", {rise.peak.low_nm, rise.peak.high_nm}},
+          {"knee_nm_kg", rise.peak.knee_nm / mass_kg},
+          {"knee_deg", rise.peak.knee_deg},
+          {"percent", rise.peak.percent}};
+}
+
+const char* Method(const loads::LoadsResult& result) {
+  return result.from_ground ? "bottom-up" : "top-down";
+}
+
+// What a design needs: one leg's profile over the rise.
+Json ProfileJson(const loads::LoadsResult& result, const LoadsRunOptions& options) {
+  Json profile;
+  profile["method"] = Method(result);
+  profile["mass_kg"] = options.loads.body.mass_kg;
+  profile["share"] = options.loads.body.share;
+  Json& percents = profile["percent"] = Json::array();
+  for (int percent = 0; percent < loads::kPercents; ++percent) percents.push_back(percent);
+  profile.update(ColumnsOf(result.mean));
+  profile["peak"] = PeakJson(result.mean, options.loads.body.mass_kg);
+  Json& rises = profile["rises"] = Json::array();
+  for (const loads::RiseLoads& rise : result.rises) {
+    Json one = {{"repetition", rise.repetition}};
+    one.update(ColumnsOf(rise));
+    one["peak"] = PeakJson(rise, options.loads.body.mass_kg);
+    rises.push_back(std::move(one));
+  }
+  return profile;
+}
+
+Json BodyJson(const loads::LegBody& body) {
+  const auto segment = [](const loads::SegmentInertia& s) {
+    return Json{{"mass_kg", s.mass_kg},
+                {"centre_mm", kMmPerM * s.centre_m},
+                {"inertia_kg_m2", s.mass_kg * s.gyration_m * s.gyration_m}};
+  };
+  return {{"table", body.table},
+          {"source", body.source},
+          {"height_mm", kMmPerM * body.height_m},
+          {"foot_mm", {kMmPerM * body.sole.heel_m, kMmPerM * body.sole.toe_m}},
+          {"foot", segment(body.foot)},
+          {"shank", segment(body.shank)},
+          {"thigh", segment(body.thigh)},
+          {"trunk", segment(body.trunk)}};
+}
+
+// Over all rises: their peaks' mean, and the share of it that the mean curve's draws leave open.
+Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& options) {
+  const double mass_kg = options.loads.body.mass_kg;
+  std::vector<double> peaks, low, high, angles, energies;
+  Json rises = Json::array();
+  for (const loads::RiseLoads& rise : result.rises) {
+    Json one = {{"repetition", rise.repetition},   {"onset_s", rise.onset_s},
+                {"seat_off_s", rise.seat_off_s},   {"standing_s", rise.standing_s},
+                {"peak", PeakJson(rise, mass_kg)}, {"knee_energy_j", rise.knee_energy_j}};
+    rises.push_back(std::move(one));
+    if (!std::isfinite(rise.peak.knee_nm)) continue;
+    peaks.push_back(rise.peak.knee_nm), low.push_back(rise.peak.low_nm), high.push_back(rise.peak.high_nm);
+    angles.push_back(rise.peak.knee_deg), energies.push_back(rise.knee_energy_j);
+  }
+  Json json;
+  json["method"] = Method(result);
+  json["peak_knee_nm"] = Mean(peaks);
+  json["peak_knee_nm_interval"] = {Mean(low), Mean(high)};
+  json["peak_knee_nm_kg"] = Mean(peaks) / mass_kg;
+  json["peak_knee_deg"] = Mean(angles);
+  json["knee_energy_j"] = Mean(energies);
+  if (result.from_ground) {
+    json["trunk_offset_mm"] = nullptr;
+  } else {
+    json["trunk_offset_mm"] = {{"along", result.trunk_offset_mm.x()},
+                               {"across", result.trunk_offset_mm.y()},
+                               {"along_sd", result.trunk_offset_sd_mm.x()},
+                               {"across_sd", result.trunk_offset_sd_mm.y()}};
+    json["trunk_from"] = result.has_shoulder ? "shoulder" : "waist";
+  }
+  json["body"] = BodyJson(result.body);
+  json["rises"] = std::move(rises);
+  return json;
+}
+
+}  // namespace
+
+void Describe(LoadsRunOptions& o, OptionList& options) {
+  options.AddOperand("trial", o.trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
+      .Required();
+  Describe(o.loads.body, options);
+  options.Add("forces", o.forces, "Ground forces as OpenSim writes them, .mot or .sto")
+      .Otherwise("no force plates: from the trunk down");
+  const auto set_plates = [&o](const OptionTexts& texts, const std::string&) {
+    o.plates = exchange::ParsePlates(JoinTexts(texts));
+  };
+  options.AddCustom("plates", "Each foot's plate, in the order of the file", set_plates)
+      .Value("right=1,left=2")
+      .SplitAtCommas();
+  options
+      .AddChoice("leg", o.leg, OptionList::Choices<std::string>{{"right", "right"}, {"left", "left"}},
+                 "Leg that carries the markers")
+      .Otherwise("by the ankle marker's name in the file, else right");
+  Describe(o.reading, options);
+  gait::DescribeFacing(o.fit, options);
+  Describe(o.fit, options);
+  options.Add("draws", o.loads.draws, "Number of draws behind the 95 % bands").Between(20, 100000);
+  options.Add("seed-number", o.loads.seed, "Random seed of the draws");
+}
+
+Json RunLoads(const LoadsRunOptions& options, Run& run) {
+  options.loads.body.Check();
+  if (!options.plates.empty() && options.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
+  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run);
+  if (!options.forces.empty() && !trial.plane_from_space)
+    throw Fail(
+        "{}: a trial in a plane does not say where the force plates are; give the marker file of the same laboratory "
+        "(.trc, .c3d)",
+        trial.file.string());
+  run.Begin({"summary.json", "loads.csv", "loads.json", "loads.png"});
+  const gait::LegFitResult fit = FitTrial(trial, options.fit, run);
+  std::optional<loads::GroundForces> forces;
+  if (!options.forces.empty()) forces = ReadForces(options, trial, fit.motion.facing, run);
+  loads::LegPathOptions path;
+  path.facing = fit.motion.facing, path.up = options.fit.up, path.markers = options.fit.markers;
+  const loads::LoadsResult result =
+      loads::FindLoads(fit.trajectory, fit.motion, fit.events, path, options.loads, forces);
+  for (const std::string& warning : result.warnings) run.Warn(warning);
+  WriteTable(run.Result("loads.csv"), result);
+  WriteJsonFile(run.Result("loads.json"), ProfileJson(result, options));
+  figure::DrawLoads(run.Result("loads.png"), result, options.trial.filename().string());
+  return SummaryJson(result, options);
+}
+
+std::string LoadsReport(const Json& summary) {
+  const Json& interval = summary["peak_knee_nm_interval"];
+  std::string text = fmt::format(
+      "the knee of one leg extends with {:.1f} N m at most (95 %: {:.1f} to {:.1f}), {:.2f} N m/kg, at {:.0f}°; mean "
+      "of "
+      "{} rises, {}\n",
+      NumberOrNaN(summary["peak_knee_nm"]), NumberOrNaN(interval[0]), NumberOrNaN(interval[1]),
+      NumberOrNaN(summary["peak_knee_nm_kg"]), NumberOrNaN(summary["peak_knee_deg"]), summary["rises"].size(),
+      summary["method"] == "bottom-up" ? "from the ground's forces" : "without force plates");
+  if (summary["trunk_offset_mm"].is_object()) {
+    const Json& offset = summary["trunk_offset_mm"];
+    text += fmt::format(
+        "the trunk's centre of mass: {:+.0f} ± {:.0f} mm along and {:+.0f} ± {:.0f} mm across the trunk from the "
+        "table's\n",
+        NumberOrNaN(offset["along"]), NumberOrNaN(offset["along_sd"]), NumberOrNaN(offset["across"]),
+        NumberOrNaN(offset["across_sd"]));
+  }
+  return text;
+}
+
+}  // namespace lake::commands

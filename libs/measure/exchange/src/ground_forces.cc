@@ -1,0 +1,129 @@
+#include "lake/exchange/ground_forces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/name_value.h"
+#include "lake/exchange/mot.h"
+#include "text_lines.h"
+
+namespace lake::exchange {
+namespace {
+
+// Where the `nth` column of a name is (older files of OpenSim name all plates alike).
+std::optional<std::size_t> FindColumn(const MotTable& table, const std::string& name, std::size_t nth) {
+  for (std::size_t i = 0; i < table.columns.size(); ++i)
+    if (table.columns[i] == name && nth-- == 0) return i;
+  return std::nullopt;
+}
+
+// Where a vector's three columns are; empty if the file has none of them.
+std::vector<std::size_t> FindVector(const MotTable& table, const std::string& stem, std::size_t nth,
+                                    const std::filesystem::path& path) {
+  std::vector<std::size_t> columns;
+  for (const char axis : {'x', 'y', 'z'})
+    if (const auto column = FindColumn(table, stem + axis, nth)) columns.push_back(*column);
+  if (!columns.empty() && columns.size() < 3) throw Fail("{}: of {}x, y and z one is missing", path.string(), stem);
+  return columns;
+}
+
+std::vector<Eigen::Vector3d> TakeVector(const MotTable& table, const std::vector<std::size_t>& columns) {
+  std::vector<Eigen::Vector3d> vectors(table.rows.size(), Eigen::Vector3d::Zero());
+  if (columns.empty()) return vectors;
+  for (std::size_t i = 0; i < table.rows.size(); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (const double value = table.rows[i][columns[axis]]; std::isfinite(value))
+        vectors[i][static_cast<Eigen::Index>(axis)] = value;
+  return vectors;
+}
+
+// "ground_force_1_" → "ground_torque_1_"
+std::string TorqueStem(std::string stem) {
+  const std::size_t at = stem.find("force");
+  return at == std::string::npos ? "" : stem.replace(at, 5, "torque");
+}
+
+std::string Names(const GroundForceRecording& forces) {
+  std::string names;
+  for (std::size_t i = 0; i < forces.plates.size(); ++i)
+    names += fmt::format("{}{} is {}", i ? ", " : "", i + 1, forces.plates[i].name);
+  return names;
+}
+
+// Less than this is a plate's noise.
+constexpr double kLeast_n = 20;
+
+bool BearsForce(const PlateForces& plate) {
+  return std::any_of(plate.force_n.begin(), plate.force_n.end(), [](const auto& f) { return f.norm() > kLeast_n; });
+}
+
+}  // namespace
+
+GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
+  const std::string ending = Lower(path.extension().string());
+  if (ending != ".mot" && ending != ".sto")
+    throw Fail("{}: ground forces are read from OpenSim's .mot and .sto, not from '{}'", path.string(), ending);
+  const MotTable table = ReadMot(path);
+  GroundForceRecording forces;
+  forces.time_s = table.time_s;
+  for (std::size_t i = 1; i < forces.time_s.size(); ++i)
+    if (!(forces.time_s[i] > forces.time_s[i - 1]))
+      throw Fail("{}: row {}: time {} s does not follow the one before", path.string(), i + 1, forces.time_s[i]);
+  std::map<std::string, std::size_t> seen;
+  for (const std::string& column : table.columns) {
+    if (!column.ends_with("vx")) continue;
+    const std::size_t nth = seen[column]++;
+    const std::string stem = column.substr(0, column.size() - 2);
+    const std::vector<std::size_t> force = FindVector(table, stem + "v", nth, path),
+                                   point = FindVector(table, stem + "p", nth, path);
+    if (point.empty()) throw Fail("{}: {} has a force but no point where it acts ({}px)", path.string(), stem, stem);
+    std::vector<std::size_t> moment = FindVector(table, stem + "m", nth, path);
+    if (moment.empty() && !TorqueStem(stem).empty()) moment = FindVector(table, TorqueStem(stem), nth, path);
+    const std::size_t end = stem.find_last_not_of('_');
+    forces.plates.push_back({end == std::string::npos ? stem : stem.substr(0, end + 1), TakeVector(table, force),
+                             TakeVector(table, point), TakeVector(table, moment)});
+  }
+  if (forces.plates.empty())
+    throw Fail("{}: no ground forces: there is no column that ends in 'vx', as in ground_force_1_vx", path.string());
+  return forces;
+}
+
+std::map<std::string, int> ParsePlates(const std::string& text) {
+  std::map<std::string, int> plates;
+  for (const std::string& part : SplitText(text, ',')) {
+    const auto [leg, number] = SplitNameValue("--plates", part);
+    const std::optional<double> plate = ParseNumber(number);
+    if ((leg != "right" && leg != "left") || !plate || *plate < 1 || *plate > 99 || *plate != std::floor(*plate))
+      throw UsageError(fmt::format("--plates '{}': right=N,left=N, plates counted from 1", text));
+    if (!plates.emplace(leg, static_cast<int>(*plate)).second)
+      throw UsageError(fmt::format("--plates '{}': '{}' stands twice", text, leg));
+  }
+  return plates;
+}
+
+const PlateForces& PlateOf(const GroundForceRecording& forces, const std::map<std::string, int>& plates,
+                           const std::string& leg, const std::filesystem::path& path) {
+  if (const auto named = plates.find(leg); named != plates.end()) {
+    if (static_cast<std::size_t>(named->second) > forces.plates.size())
+      throw Fail("{}: no plate {}; it has: {}", path.string(), named->second, Names(forces));
+    const PlateForces& plate = forces.plates[static_cast<std::size_t>(named->second) - 1];
+    if (!BearsForce(plate))
+      throw Fail("{}: plate {}, {}, bears no force; it has: {}", path.string(), named->second, plate.name,
+                 Names(forces));
+    return plate;
+  }
+  const PlateForces* only = nullptr;
+  for (const PlateForces& plate : forces.plates) {
+    if (!BearsForce(plate)) continue;
+    if (only)
+      throw Fail("{}: several plates bear a force: say which is the {} foot's, as --plates {}=1; plate {}",
+                 path.string(), leg, leg, Names(forces));
+    only = &plate;
+  }
+  if (!only) throw Fail("{}: no plate bears a force", path.string());
+  return *only;
+}
+
+}  // namespace lake::exchange

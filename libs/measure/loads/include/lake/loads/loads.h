@@ -1,0 +1,95 @@
+// The moments at ankle, knee and hip over the rise from a chair, with 95 % bands: from the ground's forces, or
+// without force plates from the trunk down.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/loads/leg_dynamics.h"
+#include "lake/loads/trunk_fit.h"
+#include "lake/motion/leg_motion.h"
+
+namespace lake::loads {
+
+// What the ground does to the leg's foot over time, in the leg frame's axes; moments about their origin.
+struct GroundForces {
+  std::vector<double> time_s;
+  std::vector<Wrench> wrench;
+};
+
+// One standard deviation of what tables, markers and plates leave open. Each draw takes all of them anew.
+struct Uncertainty {
+  double mass = 0.01;              // share of the body's mass
+  double segment_mass = 0.10;      // share of a segment's; the trunk takes the rest
+  double segment_centre = 0.03;    // of the segment's length
+  double segment_gyration = 0.08;  // share
+  double trunk_gyration = 0.15;    // share: arms and head move
+  double trunk_share = 0.025;      // of --share: nobody stands quite evenly
+  double joint_m = 0.01;           // per axis: how far a marker is from the joint's axis (of the hip 1.5 times)
+  double ground_force = 0.01;      // share, of a plate
+  double pressure_m = 0.005;       // of a plate's centre of pressure
+};
+
+struct LoadsOptions {
+  BodyOptions body;
+  TrunkPrior trunk;
+  Uncertainty uncertainty;
+  // −3 dB of the low-pass of positions and forces. With plates the custom; without them the trunk's accelerations
+  // decide, and what markers show of them above some 4 Hz is skin and spine (the room's README).
+  double cutoff_with_forces_hz = 6, cutoff_hz = 4;
+  double seat_release_s = 0.1;   // after seat-off the seat still bears a part for so long
+  double seat_contact_s = 0.15;  // before `seated` it bears one again
+  int draws = 200;
+  std::uint64_t seed = 1;
+};
+
+constexpr int kPercents = 101;
+
+// One percent of a rise. NaN where not known. Moments of one leg, extension positive.
+struct LoadsRow {
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  double time_s = kUnknown;  // of the trial; of the mean: since the onset
+  double knee_deg = kUnknown, knee_deg_s = kUnknown;
+  double ankle_nm = kUnknown, knee_nm = kUnknown, hip_nm = kUnknown;
+  double knee_sd_nm = kUnknown;
+  // 95 % of the draws; where the seat bears an unknown part, the moments without a seat and with all weight on it.
+  double knee_low_nm = kUnknown, knee_high_nm = kUnknown;
+  double zmp_mm = kUnknown;          // where the ground's force acts, before the ankle
+  double ground_force_n = kUnknown;  // vertical, on this foot
+  double knee_power_w = kUnknown;    // positive: the knee gives
+};
+
+struct Peak {
+  double knee_nm = 0, low_nm = 0, high_nm = 0;  // of the curve, and 95 % of the draws' own peaks
+  double knee_deg = 0, percent = 0;
+};
+
+struct RiseLoads {
+  int repetition = 0;  // 0: the mean of all
+  double onset_s = 0, seat_off_s = 0, standing_s = 0;
+  std::vector<LoadsRow> rows;  // 0..100 %
+  Peak peak;
+  double knee_energy_j = 0;  // the knee's work from where its moment is known to standing
+};
+
+struct LoadsResult {
+  bool from_ground = false;
+  LegBody body;
+  std::vector<RiseLoads> rises;
+  RiseLoads mean;
+  Eigen::Vector2d trunk_offset_mm = Eigen::Vector2d::Zero();  // along and across, from where the table has the centre
+  Eigen::Vector2d trunk_offset_sd_mm = Eigen::Vector2d::Zero();
+  bool has_shoulder = false;
+  std::vector<std::string> warnings;
+};
+
+// `trajectory`, `motion` and `events`: the leg fit's, in mm. Throws Error: no seat-off in the recording, no trunk,
+// forces of another time; UsageError: a body that nobody has.
+LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::LegMotion& motion,
+                      const std::vector<motion::StsEvent>& events, const LegPathOptions& path,
+                      const LoadsOptions& options, const std::optional<GroundForces>& forces = {});
+
+}  // namespace lake::loads

@@ -1,0 +1,161 @@
+#include "lake/loads/leg_dynamics.h"
+
+#include <array>
+#include <vector>
+
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+
+namespace lake::loads {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kMmPerM = 1000;
+
+double MeanLength(const LegPath& path, Joint lower, Joint upper) {
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < path.frames.size(); ++i)
+    if (path.known[i]) lengths.push_back((path.frames[i][upper].position_m - path.frames[i][lower].position_m).norm());
+  if (lengths.empty())
+    throw Fail("loads: '{}' and '{}' are never known together", path.names[lower], path.names[upper]);
+  return Mean(lengths);
+}
+
+SegmentInertia InertiaOf(const SegmentShare& share, double mass_kg, double length_m) {
+  return {share.mass * mass_kg, share.centre * length_m, share.gyration * length_m};
+}
+
+// A segment between two joints, its centre on the line between them.
+Body SegmentBody(const SegmentInertia& inertia, const PointMotion& lower, const PointMotion& upper) {
+  const SegmentMotion motion = SegmentBetween(lower, upper);
+  const double from_upper = inertia.centre_m / motion.length_m;
+  return {inertia.mass_kg, inertia.mass_kg * inertia.gyration_m * inertia.gyration_m,
+          (1 - from_upper) * upper.position_m + from_upper * lower.position_m,
+          (1 - from_upper) * upper.acceleration_m_s2 + from_upper * lower.acceleration_m_s2,
+          -motion.tilt_acceleration_rad_s2};
+}
+
+// The foot stands still.
+Body FootBody(const LegPoints& points, const LegBody& body) {
+  return {body.foot.mass_kg, body.foot.mass_kg * body.foot.gyration_m * body.foot.gyration_m,
+          points[kAnkle].position_m + Vector2d(body.foot.centre_m, -body.ankle_height_m / 2), Vector2d::Zero(), 0};
+}
+
+}  // namespace
+
+void Describe(BodyOptions& o, OptionList& options) {
+  options.Add("mass", o.mass_kg, "Mass of the person, with what is worn").Unit("kg").Required();
+  const auto set_height = [&o](const OptionTexts& texts, const std::string& said) {
+    CheckTextCount(texts, 1, said);
+    o.height_m = OptionValue<double>::Parse(texts.front(), said) / kMmPerM;
+  };
+  options.AddCustom("height", "Stature", set_height).Unit("mm").Otherwise("from the leg's length");
+  options.AddChoice("sex", o.sex, OptionList::Choices<Sex>{{"male", Sex::kMale}, {"female", Sex::kFemale}},
+                    "Sex, for the tables of deleva");
+  options.Add("anthropometry", o.anthropometry, "Table of the segments' masses: winter, deleva or a YAML file");
+  options.Add("share", o.share, "Share of the weight of head, arms and trunk that this leg bears");
+  const auto set_foot = [&o](const OptionTexts& texts, const std::string& said) {
+    std::array<double, 2> ends_mm;
+    OptionField<std::array<double, 2>>::Set(texts, said, ends_mm);
+    o.foot = Foot{ends_mm[0] / kMmPerM, ends_mm[1] / kMmPerM};
+  };
+  options.AddCustom("foot", "The foot's ends behind and before the ankle", set_foot)
+      .Unit("mm")
+      .Value("HEEL,TOE")
+      .SplitAtCommas()
+      .Otherwise("from the stature");
+}
+
+void BodyOptions::Check() const {
+  if (mass_kg == 0) throw UsageError("--mass is missing: the person's mass in kg, with what is worn");
+  if (!(mass_kg >= 20 && mass_kg <= 300))
+    throw UsageError(fmt::format("--mass {} kg: a person weighs 20 to 300 kg", mass_kg));
+  if (height_m && !(*height_m >= 1 && *height_m <= 2.3))
+    throw UsageError(fmt::format("--height {} mm: a person is 1000 to 2300 mm tall", 1000 * *height_m));
+  if (!(share > 0 && share <= 1))
+    throw UsageError(fmt::format("--share {}: of the trunk's weight, above 0 and at most 1", share));
+  if (foot && !(foot->heel_m >= 0 && foot->toe_m > 0 && foot->Length() >= 0.1 && foot->Length() <= 0.5))
+    throw UsageError(
+        fmt::format("--foot {:g},{:g}: mm behind and before the ankle, neither negative, together 100 to 500",
+                    1000 * foot->heel_m, 1000 * foot->toe_m));
+}
+
+LegBody MakeLegBody(const BodyOptions& options, const LegPath& path) {
+  options.Check();
+  const Anthropometry table = FindAnthropometry(options.anthropometry, options.sex);
+  const double shank_m = MeanLength(path, kAnkle, kKnee), thigh_m = MeanLength(path, kKnee, kHip),
+               trunk_m = MeanLength(path, kHip, kTrunkTop);
+  LegBody body;
+  body.table = table.name, body.source = table.source;
+  body.height_m = options.height_m.value_or(StatureOfLeg(shank_m + thigh_m));
+  body.sole = options.foot.value_or(FootOfStature(body.height_m));
+  body.ankle_height_m = AnkleHeightOfStature(body.height_m);
+  body.foot = InertiaOf(table.foot, options.mass_kg, body.sole.Length());
+  body.foot.centre_m -= body.sole.heel_m;
+  body.shank = InertiaOf(table.shank, options.mass_kg, shank_m);
+  body.thigh = InertiaOf(table.thigh, options.mass_kg, thigh_m);
+  body.trunk = InertiaOf(table.trunk, options.mass_kg * options.share,
+                         path.has_shoulder ? trunk_m : TrunkOfStature(body.height_m));
+  return body;
+}
+
+Displacement FixedInTrunk(const SegmentMotion& trunk, double along_m, double across_m) {
+  const double turn2 = trunk.tilt_rate_rad_s * trunk.tilt_rate_rad_s, turning = trunk.tilt_acceleration_rad_s2;
+  return {along_m * trunk.along + across_m * trunk.across,
+          along_m * (turning * trunk.across - turn2 * trunk.along) +
+              across_m * (-turning * trunk.along - turn2 * trunk.across)};
+}
+
+Vector2d GroundPoint(const LegPoints& points, const LegBody& body) {
+  return points[kAnkle].position_m - Vector2d(0, body.ankle_height_m);
+}
+
+Body TrunkBody(const LegPoints& points, const LegBody& body, const Displacement& displacement) {
+  const SegmentMotion motion = SegmentBetween(points[kHip], points[kTrunkTop]);
+  const Displacement centre = FixedInTrunk(motion, body.trunk.centre_m, 0);
+  return {body.trunk.mass_kg, body.trunk.mass_kg * body.trunk.gyration_m * body.trunk.gyration_m,
+          points[kHip].position_m + centre.value_m + displacement.value_m,
+          points[kHip].acceleration_m_s2 + centre.acceleration_m_s2 + displacement.acceleration_m_s2,
+          -motion.tilt_acceleration_rad_s2};
+}
+
+Wrench WrenchChange(const Body& trunk, const Displacement& change, const Vector2d& about_m) {
+  const Vector2d force_per_kg = trunk.acceleration_m_s2 + kGravity_m_s2 * Vector2d::UnitY();
+  return {trunk.mass_kg * change.acceleration_m_s2,
+          trunk.mass_kg *
+              (Cross(change.value_m, force_per_kg) + Cross(trunk.centre_m - about_m, change.acceleration_m_s2))};
+}
+
+LegLoads LoadsFromTrunk(const LegPoints& points, const LegBody& body, const Displacement& displacement) {
+  const std::array<Body, 4> bodies = {TrunkBody(points, body, displacement),
+                                      SegmentBody(body.thigh, points[kKnee], points[kHip]),
+                                      SegmentBody(body.shank, points[kAnkle], points[kKnee]), FootBody(points, body)};
+  const auto above = [&](std::size_t count, Joint joint) {
+    return RequiredWrench(std::span(bodies).first(count), points[joint].position_m).moment_nm;
+  };
+  const Wrench ground = RequiredWrench(bodies, GroundPoint(points, body));
+  LegLoads loads;
+  loads.moments = {above(3, kAnkle), -above(2, kKnee), above(1, kHip)};
+  loads.ground_force_n = ground.force_n;
+  loads.zmp_m = ground.moment_nm / ground.force_n.y();
+  return loads;
+}
+
+LegLoads LoadsFromGround(const LegPoints& points, const LegBody& body, const Wrench& ground) {
+  const std::array<Body, 3> bodies = {FootBody(points, body), SegmentBody(body.shank, points[kAnkle], points[kKnee]),
+                                      SegmentBody(body.thigh, points[kKnee], points[kHip])};
+  // What the segments below a joint need, less what the ground gives, comes from above: the joint passes the opposite
+  // up.
+  const auto below = [&](std::size_t count, Joint joint) {
+    const Vector2d& at = points[joint].position_m;
+    return About(ground, Vector2d::Zero(), at).moment_nm - RequiredWrench(std::span(bodies).first(count), at).moment_nm;
+  };
+  LegLoads loads;
+  loads.moments = {below(1, kAnkle), -below(2, kKnee), below(3, kHip)};
+  loads.ground_force_n = ground.force_n;
+  loads.zmp_m = About(ground, Vector2d::Zero(), GroundPoint(points, body)).moment_nm / ground.force_n.y();
+  return loads;
+}
+
+}  // namespace lake::loads

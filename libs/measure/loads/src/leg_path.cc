@@ -1,0 +1,83 @@
+#include "lake/loads/leg_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+#include "lake/gait/smoothing_spline.h"
+
+namespace lake::loads {
+namespace {
+
+constexpr double kMmPerM = 1000;
+
+const motion::MarkerTrack& FindMarker(const motion::MarkerRecording& recording, const std::string& name) {
+  if (const motion::MarkerTrack* track = recording.Find(name)) return *track;
+  throw Fail("loads: no marker '{}' in the trial; name the markers with --map", name);
+}
+
+// Fills one point of every frame from a penalised spline of known cutoff.
+void SmoothPoint(const motion::MarkerTrack& track, const LegPathOptions& options, int joint, LegPath& path) {
+  const std::size_t n = path.time_s.size();
+  const double frame_s = (path.time_s.back() - path.time_s.front()) / static_cast<double>(n - 1);
+  const gait::SplineGrid grid = gait::MakeSplineGrid(path.time_s, frame_s);
+  gait::SmoothingOptions smoothing;
+  smoothing.cutoff_hz = options.cutoff_hz;
+  const std::vector<double> sigmas(n, 1.0);  // all alike: with a given cutoff only their ratios matter
+  for (int axis = 0; axis < 2; ++axis) {
+    std::vector<double> values(n, std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < n; ++i)
+      if (track.samples[i].IsKnown())
+        values[i] = gait::LegFromPlane(track.samples[i].position, options.facing, options.up)[axis] / kMmPerM;
+    const gait::SmoothSignal signal = gait::FitSmoothingSpline(grid, path.time_s, values, sigmas, smoothing);
+    for (std::size_t i = 0; i < n; ++i) {
+      const gait::SplineGrid::Place place = grid.At(path.time_s[i]);
+      PointMotion& point = path.frames[i][static_cast<std::size_t>(joint)];
+      point.position_m[axis] = gait::ValueAt(place, signal.coefficients);
+      point.velocity_m_s[axis] = gait::SlopeAt(place, signal.coefficients);
+      point.acceleration_m_s2[axis] = gait::CurveAt(place, signal.coefficients);
+    }
+  }
+  std::vector<double> sigmas_mm;
+  for (std::size_t i = 0; i < n; ++i) {
+    path.known[i] = path.known[i] && track.samples[i].IsKnown();
+    if (track.samples[i].IsKnown()) sigmas_mm.push_back(track.samples[i].sigma);
+  }
+  path.sigma_m[static_cast<std::size_t>(joint)] = Median(sigmas_mm) / kMmPerM;
+}
+
+}  // namespace
+
+LegPath MakeLegPath(const motion::MarkerRecording& trajectory, const LegPathOptions& options) {
+  if (trajectory.unit != motion::LengthUnit::kMm)
+    throw Fail("loads: the trial has no scale: lengths are in px; give a calibrated plane or a scale bar");
+  LegPath path;
+  path.time_s = trajectory.time_s;
+  path.frames.resize(trajectory.Frames());
+  path.known.assign(trajectory.Frames(), 1);
+  path.has_shoulder = trajectory.Find(options.shoulder) != nullptr;
+  path.names = {options.markers.ankle, options.markers.knee, options.markers.hip,
+                path.has_shoulder ? options.shoulder : options.markers.waist};
+  for (int joint = 0; joint < kJoints; ++joint)
+    SmoothPoint(FindMarker(trajectory, path.names[static_cast<std::size_t>(joint)]), options, joint, path);
+  return path;
+}
+
+SegmentMotion SegmentBetween(const PointMotion& lower, const PointMotion& upper) {
+  const Eigen::Vector2d d = upper.position_m - lower.position_m, d1 = upper.velocity_m_s - lower.velocity_m_s,
+                        d2 = upper.acceleration_m_s2 - lower.acceleration_m_s2;
+  SegmentMotion segment;
+  segment.length_m = d.norm();
+  segment.along = d / segment.length_m;
+  segment.across = {segment.along.y(), -segment.along.x()};
+  segment.tilt_rad = std::atan2(d.x(), d.y());
+  segment.length_rate_m_s = d1.dot(segment.along);
+  segment.tilt_rate_rad_s = d1.dot(segment.across) / segment.length_m;
+  segment.tilt_acceleration_rad_s2 =
+      (d2.dot(segment.across) - 2 * segment.length_rate_m_s * segment.tilt_rate_rad_s) / segment.length_m;
+  return segment;
+}
+
+}  // namespace lake::loads

@@ -1,0 +1,470 @@
+#include "lake/loads/loads.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/statistics.h"
+#include "lake/gait/butterworth.h"
+
+namespace lake::loads {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kMmPerM = 1000;
+constexpr double kLow = 0.025, kHigh = 0.975;
+
+// The events of one repetition; absent where the recording has none.
+struct Rise {
+  int repetition = 0;
+  double onset_s = 0, seat_off_s = 0, standing_s = 0;
+  std::optional<double> descent_s, seated_s;
+};
+
+std::vector<Rise> RisesOf(const std::vector<motion::StsEvent>& events) {
+  std::map<int, std::map<motion::StsEventKind, double>> times;
+  for (const motion::StsEvent& event : events) times[event.repetition][event.kind] = event.time_s;
+  std::vector<Rise> rises;
+  for (const auto& [repetition, at] : times) {
+    using enum motion::StsEventKind;
+    if (!at.contains(kOnset) || !at.contains(kSeatOff) || !at.contains(kStanding)) continue;
+    Rise rise{repetition, at.at(kOnset), at.at(kSeatOff), at.at(kStanding), {}, {}};
+    if (at.contains(kDescent)) rise.descent_s = at.at(kDescent);
+    if (at.contains(kSeated)) rise.seated_s = at.at(kSeated);
+    rises.push_back(rise);
+  }
+  if (rises.empty())
+    throw Fail(
+        "loads: no rise from a seat in the recording: there is no seat-off with a standing after it; the moments are "
+        "worked out from there on");
+  return rises;
+}
+
+std::size_t FrameFrom(const std::vector<double>& time_s, double at_s) {
+  return static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), at_s) - time_s.begin());
+}
+
+// The rise from where the seat has let go until a second after standing, and the way down until the seat is touched.
+std::vector<Window> WindowsOf(const std::vector<Rise>& rises, const std::vector<double>& time_s,
+                              const LoadsOptions& options) {
+  constexpr double kStanding_s = 1;
+  std::vector<Window> windows;
+  for (std::size_t r = 0; r < rises.size(); ++r) {
+    const Rise& rise = rises[r];
+    const double next_s = r + 1 < rises.size() ? rises[r + 1].onset_s : time_s.back() + 1;
+    double end_s = std::min(rise.standing_s + kStanding_s, next_s);
+    const double down_s = rise.seated_s ? *rise.seated_s - options.seat_contact_s : next_s;
+    if (rise.descent_s && *rise.descent_s <= end_s) end_s = down_s;
+    windows.push_back({FrameFrom(time_s, rise.seat_off_s + options.seat_release_s), FrameFrom(time_s, end_s)});
+    if (rise.descent_s && *rise.descent_s > end_s)
+      windows.push_back({FrameFrom(time_s, *rise.descent_s), FrameFrom(time_s, down_s)});
+  }
+  return windows;
+}
+
+// Where a time is between two frames.
+struct Between {
+  std::size_t before = 0;
+  double part = 0;
+};
+
+Between Locate(const std::vector<double>& time_s, double at_s) {
+  const std::size_t after = std::clamp<std::size_t>(FrameFrom(time_s, at_s), 1, time_s.size() - 1);
+  return {after - 1, std::clamp((at_s - time_s[after - 1]) / (time_s[after] - time_s[after - 1]), 0.0, 1.0)};
+}
+
+// The forces at the frames' times, low-passed as the positions are; nullopt where there are none.
+std::vector<std::optional<Wrench>> ForcesAtFrames(const GroundForces& forces, const std::vector<double>& time_s,
+                                                  double cutoff_hz) {
+  std::array<std::vector<double>, 3> parts;
+  for (const Wrench& wrench : forces.wrench) {
+    parts[0].push_back(wrench.force_n.x()), parts[1].push_back(wrench.force_n.y());
+    parts[2].push_back(wrench.moment_nm);
+  }
+  for (std::vector<double>& part : parts) part = gait::ZeroPhaseButterworthAtTimes(part, forces.time_s, cutoff_hz);
+  std::vector<std::optional<Wrench>> at_frames;
+  for (const double at_s : time_s) {
+    at_frames.emplace_back();
+    if (at_s < forces.time_s.front() || at_s > forces.time_s.back()) continue;
+    const Between b = Locate(forces.time_s, at_s);
+    const auto value = [&](std::size_t i) { return std::lerp(parts[i][b.before], parts[i][b.before + 1], b.part); };
+    at_frames.back() = Wrench{{value(0), value(1)}, value(2)};
+  }
+  return at_frames;
+}
+
+// Everything that moments at a moment are worked out from; a draw has its own.
+struct Model {
+  LegPath path;
+  LegBody body;
+  std::optional<TrunkFit> trunk;              // without plates
+  std::vector<std::optional<Wrench>> ground;  // with plates, per frame
+};
+
+LegLoads LoadsAt(const Model& model, std::size_t frame) {
+  const LegPoints& points = model.path.frames[frame];
+  return model.trunk ? LoadsFromTrunk(points, model.body, model.trunk->At(model.path, frame))
+                     : LoadsFromGround(points, model.body, *model.ground[frame]);
+}
+
+LegLoads Mix(const LegLoads& a, const LegLoads& b, double part) {
+  LegLoads mixed;
+  mixed.moments = {std::lerp(a.moments.ankle_nm, b.moments.ankle_nm, part),
+                   std::lerp(a.moments.knee_nm, b.moments.knee_nm, part),
+                   std::lerp(a.moments.hip_nm, b.moments.hip_nm, part)};
+  mixed.ground_force_n = (1 - part) * a.ground_force_n + part * b.ground_force_n;
+  mixed.zmp_m = std::lerp(a.zmp_m, b.zmp_m, part);
+  return mixed;
+}
+
+bool IsKnown(const Model& model, std::size_t frame) {
+  return model.path.known[frame] && (model.trunk || model.ground[frame]);
+}
+
+std::optional<LegLoads> LoadsAtTime(const Model& model, double at_s) {
+  const Between b = Locate(model.path.time_s, at_s);
+  if (!IsKnown(model, b.before) || !IsKnown(model, b.before + 1)) return std::nullopt;
+  return Mix(LoadsAt(model, b.before), LoadsAt(model, b.before + 1), b.part);
+}
+
+double TimeOf(const Rise& rise, int percent) {
+  return std::lerp(rise.onset_s, rise.standing_s, percent / 100.0);
+}
+
+bool SeatIsLeft(const Rise& rise, double at_s, const LoadsOptions& options) {
+  return at_s >= rise.seat_off_s + options.seat_release_s;
+}
+
+// The knee's moments of one rise, NaN where not known: what draws are compared by.
+std::vector<double> KneeCurve(const Model& model, const Rise& rise, const LoadsOptions& options) {
+  std::vector<double> curve(kPercents, LoadsRow::kUnknown);
+  for (int percent = 0; percent < kPercents; ++percent) {
+    const double at_s = TimeOf(rise, percent);
+    if (model.trunk && !SeatIsLeft(rise, at_s, options)) continue;
+    if (const auto loads = LoadsAtTime(model, at_s)) curve[static_cast<std::size_t>(percent)] = loads->moments.knee_nm;
+  }
+  return curve;
+}
+
+double Largest(const std::vector<double>& curve) {
+  double largest = LoadsRow::kUnknown;
+  for (const double value : curve)
+    if (std::isfinite(value)) largest = std::isnan(largest) ? value : std::max(largest, value);
+  return largest;
+}
+
+// Draws of all that the model takes for granted.
+class Drawing {
+ public:
+  Drawing(const Uncertainty& uncertainty, std::uint64_t seed) : u_(uncertainty), random_(seed) {}
+
+  std::mt19937_64& Random() { return random_; }
+  double Normal(double sigma) { return sigma * normal_(random_); }
+  double Factor(double sigma) { return std::exp(Normal(sigma)); }
+  std::size_t Index(std::size_t count) { return std::uniform_int_distribution<std::size_t>(0, count - 1)(random_); }
+
+  LegBody Body(LegBody body) {
+    const double leg_kg = body.foot.mass_kg + body.shank.mass_kg + body.thigh.mass_kg, all = Factor(u_.mass);
+    for (SegmentInertia* segment : {&body.foot, &body.shank, &body.thigh}) {
+      segment->mass_kg *= all * Factor(u_.segment_mass);
+      segment->gyration_m *= Factor(u_.segment_gyration);
+    }
+    // A segment's centre is a third to a half of its length from the upper end.
+    for (SegmentInertia* segment : {&body.shank, &body.thigh})
+      segment->centre_m += Normal(u_.segment_centre) * segment->centre_m / 0.43;
+    const double drawn_kg = body.foot.mass_kg + body.shank.mass_kg + body.thigh.mass_kg;
+    body.trunk.mass_kg = (body.trunk.mass_kg + leg_kg) * all * Factor(u_.trunk_share / 0.5) - drawn_kg;
+    body.trunk.gyration_m *= Factor(u_.trunk_gyration);
+    return body;
+  }
+
+  TrunkPrior Prior(TrunkPrior prior) {
+    prior.spread *= Factor(0.2);
+    prior.memory_s *= Factor(0.3);
+    prior.wobble_m *= Factor(0.5), prior.posture_m *= Factor(0.5);
+    return prior;
+  }
+
+  // Joints beside their markers, and curves beside the leg fit's by its own standard deviations, as fast as the
+  // low-pass lets them change.
+  LegPath Path(const LegPath& path, double cutoff_hz) {
+    LegPath drawn = path;
+    const gait::SplineGrid grid = gait::MakeSplineGrid(path.time_s, 1 / (2 * cutoff_hz));
+    for (std::size_t joint = 0; joint < kJoints; ++joint)
+      for (int axis = 0; axis < 2; ++axis) {
+        const double beside_m = Normal(joint == kHip ? 1.5 * u_.joint_m : u_.joint_m);
+        std::vector<double> coefficients(grid.count);
+        for (double& value : coefficients) value = Normal(1.44 * path.sigma_m[joint]);
+        for (std::size_t i = 0; i < path.frames.size(); ++i) {
+          const gait::SplineGrid::Place place = grid.At(path.time_s[i]);
+          PointMotion& point = drawn.frames[i][joint];
+          point.position_m[axis] += beside_m + gait::ValueAt(place, coefficients);
+          point.velocity_m_s[axis] += gait::SlopeAt(place, coefficients);
+          point.acceleration_m_s2[axis] += gait::CurveAt(place, coefficients);
+        }
+      }
+    return drawn;
+  }
+
+  std::vector<std::optional<Wrench>> Ground(std::vector<std::optional<Wrench>> ground) {
+    const double factor = Factor(u_.ground_force), shift_m = Normal(u_.pressure_m);
+    for (std::optional<Wrench>& wrench : ground)
+      if (wrench) {
+        wrench->force_n *= factor;
+        wrench->moment_nm = factor * wrench->moment_nm + shift_m * wrench->force_n.y();
+      }
+    return ground;
+  }
+
+ private:
+  Uncertainty u_;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+};
+
+// Angle and its speed at a time.
+void SetKnee(const motion::LegMotion& motion, double at_s, LoadsRow& row) {
+  const Between b = Locate(motion.time_s, at_s);
+  const motion::LegSample &before = motion.samples[b.before], &after = motion.samples[b.before + 1];
+  row.knee_deg = std::lerp(before.knee_deg, after.knee_deg, b.part);
+  row.knee_deg_s = std::lerp(before.knee_deg_s, after.knee_deg_s, b.part);
+}
+
+// The moments without a seat, and with all weight on it.
+void SetBounds(const Model& model, double at_s, LoadsRow& row) {
+  const std::size_t frame = Locate(model.path.time_s, at_s).before;
+  if (!model.path.known[frame]) return;
+  const double free_nm = LoadsAt(model, frame).moments.knee_nm,
+               seated_nm = LoadsFromGround(model.path.frames[frame], model.body, Wrench{}).moments.knee_nm;
+  row.knee_low_nm = std::min(free_nm, seated_nm), row.knee_high_nm = std::max(free_nm, seated_nm);
+}
+
+void SetLoads(const LegLoads& loads, bool seat_is_left, LoadsRow& row) {
+  row.ankle_nm = loads.moments.ankle_nm, row.knee_nm = loads.moments.knee_nm;
+  if (seat_is_left) row.hip_nm = loads.moments.hip_nm;
+  row.ground_force_n = loads.ground_force_n.y();
+  // A force near zero acts nowhere.
+  constexpr double kLeastForce_n = 20;
+  if (row.ground_force_n > kLeastForce_n) row.zmp_mm = kMmPerM * loads.zmp_m;
+  row.knee_power_w = -row.knee_nm * RadiansFromDegrees(row.knee_deg_s);
+}
+
+RiseLoads RiseOf(const Model& model, const motion::LegMotion& motion, const Rise& rise, const LoadsOptions& options) {
+  RiseLoads loads{rise.repetition, rise.onset_s, rise.seat_off_s, rise.standing_s, {}, {}, 0};
+  for (int percent = 0; percent < kPercents; ++percent) {
+    LoadsRow& row = loads.rows.emplace_back();
+    row.time_s = TimeOf(rise, percent);
+    SetKnee(motion, row.time_s, row);
+    const bool seat_is_left = SeatIsLeft(rise, row.time_s, options);
+    if (model.trunk && !seat_is_left)
+      SetBounds(model, row.time_s, row);
+    else if (const auto at = LoadsAtTime(model, row.time_s))
+      SetLoads(*at, seat_is_left, row);
+  }
+  return loads;
+}
+
+void SetPeak(RiseLoads& loads) {
+  loads.peak.knee_nm = LoadsRow::kUnknown;
+  for (std::size_t percent = 0; percent < loads.rows.size(); ++percent) {
+    const LoadsRow& row = loads.rows[percent];
+    if (std::isnan(row.knee_nm) || row.knee_nm <= loads.peak.knee_nm) continue;
+    loads.peak = {row.knee_nm, 0, 0, row.knee_deg, static_cast<double>(percent)};
+  }
+  for (std::size_t p = 1; p < loads.rows.size(); ++p) {
+    const double mean_w = (loads.rows[p].knee_power_w + loads.rows[p - 1].knee_power_w) / 2;
+    if (std::isfinite(mean_w)) loads.knee_energy_j += mean_w * (loads.rows[p].time_s - loads.rows[p - 1].time_s);
+  }
+}
+
+// Bands and the peak's interval from the draws' curves.
+void SetBands(const std::vector<std::vector<double>>& curves, RiseLoads& loads) {
+  for (std::size_t percent = 0; percent < loads.rows.size(); ++percent) {
+    std::vector<double> values;
+    for (const std::vector<double>& curve : curves)
+      if (std::isfinite(curve[percent])) values.push_back(curve[percent]);
+    LoadsRow& row = loads.rows[percent];
+    if (values.size() < 2 || std::isnan(row.knee_nm)) continue;
+    row.knee_sd_nm = StandardDeviation(values);
+    row.knee_low_nm = Quantile(values, kLow), row.knee_high_nm = Quantile(values, kHigh);
+  }
+  std::vector<double> peaks;
+  for (const std::vector<double>& curve : curves)
+    if (const double peak = Largest(curve); std::isfinite(peak)) peaks.push_back(peak);
+  loads.peak.low_nm = Quantile(peaks, kLow), loads.peak.high_nm = Quantile(peaks, kHigh);
+}
+
+// The mean of all rises at each percent; empty where one of them is.
+RiseLoads MeanOf(const std::vector<RiseLoads>& rises) {
+  RiseLoads mean;
+  for (int percent = 0; percent < kPercents; ++percent) {
+    LoadsRow& row = mean.rows.emplace_back();
+    const auto average = [&](auto member) {
+      double sum = 0;
+      for (const RiseLoads& rise : rises) sum += rise.rows[static_cast<std::size_t>(percent)].*member;
+      return sum / static_cast<double>(rises.size());
+    };
+    row.time_s = 0;
+    for (const RiseLoads& rise : rises)
+      row.time_s += percent / 100.0 * (rise.standing_s - rise.onset_s) / static_cast<double>(rises.size());
+    for (const auto member : {&LoadsRow::knee_deg, &LoadsRow::knee_deg_s, &LoadsRow::ankle_nm, &LoadsRow::knee_nm,
+                              &LoadsRow::hip_nm, &LoadsRow::zmp_mm, &LoadsRow::ground_force_n, &LoadsRow::knee_power_w})
+      row.*member = average(member);
+    if (std::isfinite(row.knee_nm)) continue;
+    for (const RiseLoads& rise : rises) {
+      const LoadsRow& one = rise.rows[static_cast<std::size_t>(percent)];
+      row.knee_low_nm = std::fmin(row.knee_low_nm, one.knee_low_nm);  // of a number and NaN: the number
+      row.knee_high_nm = std::fmax(row.knee_high_nm, one.knee_high_nm);
+    }
+  }
+  return mean;
+}
+
+std::vector<std::vector<double>> MeanCurves(const std::vector<std::vector<std::vector<double>>>& by_rise) {
+  std::vector<std::vector<double>> means = by_rise.front();
+  for (std::size_t draw = 0; draw < means.size(); ++draw)
+    for (std::size_t percent = 0; percent < means[draw].size(); ++percent) {
+      double sum = 0;
+      for (const auto& curves : by_rise) sum += curves[draw][percent];
+      means[draw][percent] = sum / static_cast<double>(by_rise.size());
+    }
+  return means;
+}
+
+void CheckOverlap(const GroundForces& forces, const std::vector<Rise>& rises) {
+  if (forces.time_s.size() < 3) throw Fail("loads: forces at {} times are too few", forces.time_s.size());
+  for (const Rise& rise : rises)
+    if (forces.time_s.front() <= rise.onset_s && forces.time_s.back() >= rise.standing_s) return;
+  throw Fail(
+      "loads: the forces run from {:.2f} to {:.2f} s, and hold none of the rises ({:.2f} to {:.2f} s): are they of "
+      "another trial?",
+      forces.time_s.front(), forces.time_s.back(), rises.front().onset_s, rises.back().standing_s);
+}
+
+// Forces that the motion contradicts: of another leg, another trial, other axes.
+void WarnOfForces(const Model& model, const std::vector<Rise>& rises, const LoadsOptions& options,
+                  LoadsResult& result) {
+  int outside = 0, count = 0;
+  std::vector<double> force, expected, zmp_mm;
+  for (const Rise& rise : rises)
+    for (int percent = 0; percent < kPercents; ++percent) {
+      const double at_s = TimeOf(rise, percent);
+      const auto loads = LoadsAtTime(model, at_s);
+      if (!loads || !SeatIsLeft(rise, at_s, options)) continue;
+      const LegPoints& points = model.path.frames[Locate(model.path.time_s, at_s).before];
+      const double needed_n = LoadsFromTrunk(points, model.body, {}).ground_force_n.y();
+      force.push_back(loads->ground_force_n.y()), expected.push_back(needed_n);
+      zmp_mm.push_back(kMmPerM * loads->zmp_m);
+      outside += loads->zmp_m < -model.body.sole.heel_m || loads->zmp_m > model.body.sole.toe_m;
+      ++count;
+    }
+  if (count == 0) return;
+  const double ratio = Mean(force) / Mean(expected);
+  if (ratio < 0.7 || ratio > 1.4)
+    result.warnings.push_back(fmt::format(
+        "while rising the plate bears {:.0f} N on average, the motion of {:.1f} kg on this leg needs {:.0f} N: is it "
+        "this leg's plate, and this trial's?",
+        Mean(force),
+        result.body.trunk.mass_kg + result.body.thigh.mass_kg + result.body.shank.mass_kg + result.body.foot.mass_kg,
+        Mean(expected)));
+  if (outside > count / 10)
+    result.warnings.push_back(fmt::format(
+        "the force acts outside the foot ({:.0f} to {:.0f} mm before the ankle) for {} of {} moments of the rises, at "
+        "{:.0f} mm in the median: are plates and axes right?",
+        -kMmPerM * model.body.sole.heel_m, kMmPerM * model.body.sole.toe_m, outside, count, Median(zmp_mm)));
+}
+
+void WarnOfTrunk(const Model& model, const std::vector<Window>& windows, const LoadsOptions& options,
+                 LoadsResult& result) {
+  int outside = 0, count = 0;
+  for (const Window& window : windows)
+    for (std::size_t i = window.begin; i < window.end; ++i) {
+      if (!model.path.known[i]) continue;
+      const double zmp_m = LoadsAt(model, i).zmp_m;
+      outside += zmp_m < -model.body.sole.heel_m || zmp_m > model.body.sole.toe_m;
+      ++count;
+    }
+  if (outside > count / 10)
+    result.warnings.push_back(fmt::format(
+        "for {} of {} frames on the feet alone the zero-moment point is outside the foot: the trunk's markers do not "
+        "tell its movement, and the moments are less certain than the bands say",
+        outside, count));
+  const double across_sd_m = model.path.has_shoulder ? options.trunk.across_m : options.trunk.across_from_waist_m;
+  if (std::abs(model.trunk->AlongM()) > 3 * options.trunk.along_m || std::abs(model.trunk->AcrossM()) > 3 * across_sd_m)
+    result.warnings.push_back(
+        fmt::format("the trunk's centre of mass is {:.0f} mm along and {:.0f} mm across the trunk from where the table "
+                    "has it, farther than people differ: check --map, --mass and --foot",
+                    kMmPerM * model.trunk->AlongM(), kMmPerM * model.trunk->AcrossM()));
+}
+
+}  // namespace
+
+LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::LegMotion& motion,
+                      const std::vector<motion::StsEvent>& events, const LegPathOptions& path_options,
+                      const LoadsOptions& options, const std::optional<GroundForces>& forces) {
+  options.body.Check();
+  const std::vector<Rise> rises = RisesOf(events);
+  if (forces) CheckOverlap(*forces, rises);
+  const std::vector<Window> windows = WindowsOf(rises, trajectory.time_s, options);
+
+  // Without plates the result depends on the cutoff: the draws take several.
+  const std::vector<double> factors = forces ? std::vector{1.0} : std::vector{1.0, 0.75, 0.875, 1.125, 1.25};
+  const double cutoff_hz = forces ? options.cutoff_with_forces_hz : options.cutoff_hz;
+  std::vector<LegPath> paths;
+  for (const double factor : factors) {
+    LegPathOptions with_cutoff = path_options;
+    with_cutoff.cutoff_hz = factor * cutoff_hz;
+    paths.push_back(MakeLegPath(trajectory, with_cutoff));
+  }
+
+  LoadsResult result;
+  result.from_ground = forces.has_value();
+  result.has_shoulder = paths.front().has_shoulder;
+  result.body = MakeLegBody(options.body, paths.front());
+  Model model{paths.front(), result.body, {}, {}};
+  if (forces)
+    model.ground = ForcesAtFrames(*forces, trajectory.time_s, cutoff_hz);
+  else
+    model.trunk.emplace(model.path, model.body, windows, options.trunk);
+
+  std::vector<std::vector<std::vector<double>>> curves(rises.size());
+  std::vector<double> along_m, across_m;
+  Drawing drawing(options.uncertainty, options.seed);
+  for (int draw = 0; draw < options.draws; ++draw) {
+    ThrowIfInterrupted();
+    const std::size_t which = drawing.Index(paths.size());
+    Model drawn{drawing.Path(paths[which], factors[which] * cutoff_hz), drawing.Body(result.body), {}, {}};
+    if (forces) {
+      drawn.ground = drawing.Ground(model.ground);
+    } else {
+      const TrunkFit fit(drawn.path, drawn.body, windows, drawing.Prior(options.trunk));
+      drawn.trunk = fit.Draw(drawing.Random());
+      along_m.push_back(drawn.trunk->AlongM()), across_m.push_back(drawn.trunk->AcrossM());
+    }
+    for (std::size_t r = 0; r < rises.size(); ++r) curves[r].push_back(KneeCurve(drawn, rises[r], options));
+  }
+
+  for (std::size_t r = 0; r < rises.size(); ++r) {
+    result.rises.push_back(RiseOf(model, motion, rises[r], options));
+    SetPeak(result.rises.back());
+    SetBands(curves[r], result.rises.back());
+  }
+  result.mean = MeanOf(result.rises);
+  SetPeak(result.mean);
+  SetBands(MeanCurves(curves), result.mean);
+  if (forces) {
+    WarnOfForces(model, rises, options, result);
+  } else {
+    result.trunk_offset_mm = kMmPerM * Vector2d(model.trunk->AlongM(), model.trunk->AcrossM());
+    result.trunk_offset_sd_mm = kMmPerM * Vector2d(StandardDeviation(along_m), StandardDeviation(across_m));
+    WarnOfTrunk(model, windows, options, result);
+  }
+  return result;
+}
+
+}  // namespace lake::loads

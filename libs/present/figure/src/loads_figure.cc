@@ -1,0 +1,123 @@
+#include "lake/figure/loads_figure.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "lake/core/colours.h"
+#include "lake/figure/gnuplot.h"
+
+namespace lake::figure {
+namespace {
+
+constexpr const char* kFrame =
+    "set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'";
+
+std::vector<double> Percents() {
+  std::vector<double> percents;
+  for (int percent = 0; percent < loads::kPercents; ++percent) percents.push_back(percent);
+  return percents;
+}
+
+std::vector<double> Column(const loads::RiseLoads& rise, double loads::LoadsRow::*member) {
+  std::vector<double> values;
+  for (const loads::LoadsRow& row : rise.rows) values.push_back(row.*member);
+  return values;
+}
+
+// A column where the knee's moment is known, or only where it is not.
+std::vector<double> Masked(const loads::RiseLoads& rise, double loads::LoadsRow::*member, bool known) {
+  std::vector<double> values = Column(rise, member);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (std::isfinite(rise.rows[i].knee_nm) != known) values[i] = loads::LoadsRow::kUnknown;
+  return values;
+}
+
+std::string CurveOf(GnuplotFigure& figure, const loads::RiseLoads& rise, double loads::LoadsRow::*member,
+                    const std::string& style) {
+  return fmt::format("{} using 1:2 with lines {}", figure.Data({Percents(), Column(rise, member)}), style);
+}
+
+// All rises thin, then their mean.
+std::string RisesAndMean(GnuplotFigure& figure, const loads::LoadsResult& result, double loads::LoadsRow::*member,
+                         const char* colour) {
+  std::string plot;
+  for (const loads::RiseLoads& rise : result.rises)
+    plot += CurveOf(figure, rise, member, "lw 1 lc rgb '#999999'") + ", ";
+  return plot + CurveOf(figure, result.mean, member, fmt::format("lw 4 lc rgb '{}' title 'mean'", colour));
+}
+
+void DrawKnee(GnuplotFigure& figure, const loads::LoadsResult& result) {
+  using loads::LoadsRow;
+  figure.Line(
+      "set lmargin at screen 0.06; set rmargin at screen 0.60; set tmargin at screen 0.91; set bmargin at screen 0.09");
+  figure.Line("set xlabel 'rise (%)'; set ylabel 'knee extension moment, one leg (N m)'");
+  const loads::RiseLoads& mean = result.mean;
+  const auto band = [&](bool known) {
+    return figure.Data(
+        {Percents(), Masked(mean, &LoadsRow::knee_low_nm, known), Masked(mean, &LoadsRow::knee_high_nm, known)});
+  };
+  std::string plot = fmt::format(
+      "plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.30 noborder title '95 % of the mean', ",
+      band(true), colour::kKnee);
+  if (!result.from_ground)
+    plot += fmt::format(
+        "{} using 1:2:3 with filledcurves fc rgb '{}' fs solid 1 noborder title 'seat: all weight to none', ",
+        band(false), colour::kGap);
+  plot += RisesAndMean(figure, result, &LoadsRow::knee_nm, colour::kKnee);
+  std::vector<double> percents, peaks;
+  for (const loads::RiseLoads& rise : result.rises)
+    percents.push_back(rise.peak.percent), peaks.push_back(rise.peak.knee_nm);
+  plot += fmt::format(", {} using 1:2 with points pt 7 ps 1.3 lc rgb '{}' title 'peak of each rise'",
+                      figure.Data({percents, peaks}), colour::kText);
+  figure.Line(plot + ", 0 with lines lw 1 lc rgb '#222222'");
+}
+
+void DrawJoints(GnuplotFigure& figure, const loads::LoadsResult& result) {
+  using loads::LoadsRow;
+  figure.Line(
+      "set lmargin at screen 0.68; set rmargin at screen 0.98; set tmargin at screen 0.91; set bmargin at screen 0.69");
+  figure.Line("unset xlabel; set format x ''; set ylabel 'moments, mean (N m)'");
+  const auto joint = [&](double LoadsRow::*member, const char* colour, const char* name) {
+    return CurveOf(figure, result.mean, member, fmt::format("lw 3 lc rgb '{}' title '{}'", colour, name));
+  };
+  const std::string hip = joint(&LoadsRow::hip_nm, colour::kHip, "hip"),
+                    knee = joint(&LoadsRow::knee_nm, colour::kKnee, "knee"),
+                    ankle = joint(&LoadsRow::ankle_nm, colour::kAnkle, "ankle");
+  figure.Line("plot " + hip + ", " + knee + ", " + ankle + ", 0 with lines lw 1 lc rgb '#222222'");
+}
+
+void DrawPressure(GnuplotFigure& figure, const loads::LoadsResult& result) {
+  constexpr double kMmPerM = 1000;
+  const double heel_mm = -kMmPerM * result.body.sole.heel_m, toe_mm = kMmPerM * result.body.sole.toe_m;
+  figure.Line("set tmargin at screen 0.64; set bmargin at screen 0.40; set ylabel 'ground force acts at (mm)'");
+  figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 60, toe_mm + 60));
+  figure.Line("plot " + RisesAndMean(figure, result, &loads::LoadsRow::zmp_mm, colour::kAnkle) +
+              fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'heel, toe', {} with lines lw 2 dt 2 lc rgb "
+                          "'{}', 0 with lines lw 1 lc rgb '#222222'",
+                          heel_mm, colour::kText, toe_mm, colour::kText));
+}
+
+void DrawPower(GnuplotFigure& figure, const loads::LoadsResult& result) {
+  figure.Line("set tmargin at screen 0.35; set bmargin at screen 0.09; set yrange [*:*]; set format x '%g'");
+  figure.Line("set xlabel 'rise (%)'; set ylabel 'knee power (W)'");
+  figure.Line("plot " + RisesAndMean(figure, result, &loads::LoadsRow::knee_power_w, colour::kKnee) +
+              ", 0 with lines lw 1 lc rgb '#222222'");
+}
+
+}  // namespace
+
+void DrawLoads(const std::filesystem::path& path, const loads::LoadsResult& result, const std::string& title) {
+  GnuplotFigure figure(1600, 1000);
+  figure.Line(fmt::format(
+      "set multiplot title {} noenhanced font ',14'",
+      QuoteForGnuplot(title + (result.from_ground ? ", from the ground's forces" : ", without force plates"))));
+  figure.Line(kFrame).Line("set xrange [0:100]; set key top right samplen 2.5 noautotitle");
+  DrawKnee(figure, result);
+  DrawJoints(figure, result);
+  DrawPressure(figure, result);
+  DrawPower(figure, result);
+  figure.Line("unset multiplot").Write(path);
+}
+
+}  // namespace lake::figure

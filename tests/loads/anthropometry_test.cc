@@ -1,0 +1,101 @@
+#include "lake/loads/anthropometry.h"
+
+#include <fstream>
+
+#include "lake/core/error.h"
+#include "lake/loads/leg_dynamics.h"
+#include "temporary_folder.h"
+
+namespace lake::loads {
+namespace {
+
+TEST(Anthropometry, EveryTableAddsUpToTheBody) {
+  for (const Anthropometry& table : {FindAnthropometry("winter", {}), FindAnthropometry("deleva", Sex::kMale),
+                                     FindAnthropometry("deleva", Sex::kFemale)}) {
+    EXPECT_NEAR(2 * (table.foot.mass + table.shank.mass + table.thigh.mass) + table.trunk.mass, 1, 1e-12) << table.name;
+    EXPECT_THAT(table.source, testing::HasSubstr("doi 10."));
+  }
+}
+
+// One of de Leva's segments: mass, height of its centre above the hips with hanging arms, and radius of gyration, mm.
+struct Part {
+  double mass, height_mm, gyration_mm;
+};
+
+void ExpectTrunk(const SegmentShare& trunk, const std::vector<Part>& parts, double hip_to_shoulder_mm) {
+  double mass = 0, moment = 0, inertia = 0;
+  for (const Part& part : parts) mass += part.mass, moment += part.mass * part.height_mm;
+  const double centre = moment / mass;
+  for (const Part& part : parts)
+    inertia += part.mass * (part.gyration_mm * part.gyration_mm + std::pow(part.height_mm - centre, 2));
+  EXPECT_NEAR(trunk.mass, mass, 5e-4);  // the table's own rounding
+  EXPECT_NEAR(trunk.centre, centre / hip_to_shoulder_mm, 1e-3);
+  EXPECT_NEAR(trunk.gyration, std::sqrt(inertia / mass) / hip_to_shoulder_mm, 1e-3);
+}
+
+// Trunk from mid-hip to mid-shoulder, head from the seventh cervical vertebra to the vertex, arms hanging from the
+// shoulder; lengths and shares of de Leva's table 4.
+TEST(Anthropometry, DeLevasTrunkIsTrunkHeadAndHangingArms) {
+  const double male = 515.5, female = 497.9;
+  ExpectTrunk(FindAnthropometry("deleva", Sex::kMale).trunk,
+              {{0.4346, male * (1 - 0.431), male * 0.384},
+               {0.0694, 603.3 + 242.9 * (1 - 0.5002), 242.9 * 0.303},
+               {2 * 0.0271, male - 281.7 * 0.5772, 281.7 * 0.285},
+               {2 * 0.0162, male - 281.7 - 268.9 * 0.4574, 268.9 * 0.276},
+               {2 * 0.0061, male - 281.7 - 268.9 - 86.2 * 0.79, 86.2 * 0.628}},
+              male);
+  ExpectTrunk(FindAnthropometry("deleva", Sex::kFemale).trunk,
+              {{0.4257, female * (1 - 0.3782), female * 0.379},
+               {0.0668, 614.8 + 243.7 * (1 - 0.4841), 243.7 * 0.271},
+               {2 * 0.0255, female - 275.1 * 0.5754, 275.1 * 0.278},
+               {2 * 0.0138, female - 275.1 - 264.3 * 0.4559, 264.3 * 0.261},
+               {2 * 0.0056, female - 275.1 - 264.3 - 78.0 * 0.7474, 78.0 * 0.531}},
+              female);
+}
+
+std::string ReadFailure(const std::string& text) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "table.yaml") << text;
+  try {
+    ReadAnthropometry(folder / "table.yaml");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Anthropometry, FilesAreCheckedWithTheirLine) {
+  const std::string rest =
+      "foot: {mass: 0.0145, centre: 0.5, gyration: 0.475}\nshank: {mass: 0.0465, centre: 0.433, gyration: 0.302}\n"
+      "thigh: {mass: 0.1, centre: 0.433, gyration: 0.323}\n";
+  EXPECT_EQ(ReadFailure(rest + "trunk: {mass: 0.678, centre: 0.626, gyration: 0.496}\n"), "no error");
+  EXPECT_THAT(ReadFailure(rest), testing::HasSubstr("no segment 'trunk'"));
+  EXPECT_THAT(ReadFailure(rest + "trunk: {mass: 0.5, centre: 0.626, gyration: 0.496}\n"),
+              testing::HasSubstr("add up to 0.822"));
+  EXPECT_THAT(ReadFailure(rest + "trunk: {mass: 6.78, centre: 0.626, gyration: 0.496}\n"),
+              testing::AllOf(testing::HasSubstr("table.yaml:4"), testing::HasSubstr("6.78")));
+  EXPECT_THAT(ReadFailure(rest + "trunk: {mass: 0.678, center: 0.626, gyration: 0.496}\n"),
+              testing::HasSubstr("no 'centre'"));
+  EXPECT_THROW(FindAnthropometry("deleva", {}), UsageError);
+  EXPECT_THROW(FindAnthropometry("nobody", {}), Error);
+}
+
+TEST(Anthropometry, BodiesThatNobodyHasAreRefused) {
+  BodyOptions body;
+  EXPECT_THROW(body.Check(), UsageError);  // no mass
+  for (const double mass_kg : {-70.0, 7.0, 700.0, std::numeric_limits<double>::quiet_NaN()}) {
+    body.mass_kg = mass_kg;
+    EXPECT_THROW(body.Check(), UsageError) << mass_kg;
+  }
+  body.mass_kg = 70;
+  EXPECT_NO_THROW(body.Check());
+  body.height_m = 1750;
+  EXPECT_THROW(body.Check(), UsageError);
+  body.height_m = 1.75, body.share = 0;
+  EXPECT_THROW(body.Check(), UsageError);
+  body.share = 0.5, body.foot = Foot{0.02, 0.03};
+  EXPECT_THROW(body.Check(), UsageError);
+}
+
+}  // namespace
+}  // namespace lake::loads

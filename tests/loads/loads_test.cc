@@ -1,0 +1,254 @@
+// lake-loads's work on the sit-to-stand with force plates, and on input that is wrong.
+#include "lake/commands/loads.h"
+
+#include <fstream>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/run.h"
+#include "lake/exchange/ground_forces.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kFolder = fs::path(LAKE_SHARED_DATA) / "sts_force_plates";
+
+#define REQUIRE_RECORDING() \
+  if (!fs::exists(kFolder)) GTEST_SKIP() << kFolder.string() << " is not here"
+
+commands::LoadsRunOptions OptionsFor(const std::string& side) {
+  const bool right = side == "right";
+  commands::LoadsRunOptions options;
+  options.trial = kFolder / "STS1.trc";
+  options.reading.names =
+      exchange::ParseNameMap(right ? "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS,shoulder=R_Shoulder"
+                                   : "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS,shoulder=L_Shoulder");
+  options.reading.forward = "+x";
+  options.loads.body.mass_kg = 62.6;
+  return options;
+}
+
+// The independent calculation of a knee's moment, from the same plates.
+struct Reference {
+  std::vector<double> time_s, knee_nm;
+
+  explicit Reference(const std::string& side) {
+    const CsvTable table = CsvTable::Read(kFolder / "reference_knee_moment.csv");
+    const std::size_t column = table.Column(fmt::format("knee_extension_moment_{}_nm", side[0]));
+    for (std::size_t row = 0; row < table.Rows(); ++row) {
+      time_s.push_back(table.RequiredNumber(row, table.Column("time_s")));
+      knee_nm.push_back(table.RequiredNumber(row, column));
+    }
+  }
+  double At(double at_s) const {
+    const auto after = std::clamp<std::size_t>(
+        static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), at_s) - time_s.begin()), 1,
+        time_s.size() - 1);
+    return std::lerp(knee_nm[after - 1], knee_nm[after],
+                     (at_s - time_s[after - 1]) / (time_s[after] - time_s[after - 1]));
+  }
+  double Peak(double from_s, double to_s) const {
+    double peak = -1e9;
+    for (std::size_t i = 0; i < time_s.size(); ++i)
+      if (time_s[i] >= from_s && time_s[i] <= to_s) peak = std::max(peak, knee_nm[i]);
+    return peak;
+  }
+};
+
+struct Outcome {
+  TemporaryFolder folder;
+  Json summary;
+  std::vector<std::string> warnings;
+};
+
+std::unique_ptr<Outcome> RunOn(const commands::LoadsRunOptions& options) {
+  auto outcome = std::make_unique<Outcome>();
+  Run run({"lake-loads", "", Json::object(), outcome->folder / "out", true});
+  outcome->summary = commands::RunLoads(options, run);
+  outcome->warnings = run.Warnings();
+  return outcome;
+}
+
+// Differences from the reference where a rise's knee moment is given, and how often its band holds the reference.
+struct Agreement {
+  double rms_nm = 0, cover = 0;
+  int count = 0;
+};
+
+Agreement Compare(const fs::path& table_file, const Reference& reference) {
+  const CsvTable table = CsvTable::Read(table_file);
+  Agreement agreement;
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const auto knee_nm = table.Number(row, table.Column("knee_nm"));
+    if (table.Text(row, table.Column("repetition")) == "mean" || !knee_nm) continue;
+    const double true_nm = reference.At(table.RequiredNumber(row, table.Column("time_s")));
+    agreement.rms_nm += std::pow(*knee_nm - true_nm, 2);
+    agreement.cover += table.RequiredNumber(row, table.Column("knee_low_nm")) <= true_nm &&
+                       true_nm <= table.RequiredNumber(row, table.Column("knee_high_nm"));
+    ++agreement.count;
+  }
+  agreement.rms_nm = std::sqrt(agreement.rms_nm / agreement.count);
+  agreement.cover /= agreement.count;
+  return agreement;
+}
+
+class OnForcePlates : public testing::TestWithParam<std::string> {};
+
+TEST_P(OnForcePlates, FromTheGroundItEqualsTheReferenceWithItsInertias) {
+  REQUIRE_RECORDING();
+  const TemporaryFolder folder;
+  // Of 62.6 kg and a shank of 405 mm: 3.274 kg and 0.0488 kg m² of the shank, 1.542 kg of the foot.
+  std::ofstream(folder / "body.yaml") << "source: the reference's\n"
+                                         "foot: {mass: 0.02463, centre: 0.5, gyration: 0.475}\n"
+                                         "shank: {mass: 0.0523, centre: 0.433, gyration: 0.3014}\n"
+                                         "thigh: {mass: 0.1, centre: 0.433, gyration: 0.323}\n"
+                                         "trunk: {mass: 0.646, centre: 0.626, gyration: 0.496}\n";
+  commands::LoadsRunOptions options = OptionsFor(GetParam());
+  options.loads.body.anthropometry = folder / "body.yaml";
+  options.loads.body.foot = loads::Foot{0.062, 0.154};  // the markers of heel and toe
+  options.forces = kFolder / "STS1_grf.mot";
+  options.plates = exchange::ParsePlates("right=1,left=2");
+  const auto outcome = RunOn(options);
+  const Reference reference(GetParam());
+  const Agreement agreement = Compare(outcome->folder / "out/loads.csv", reference);
+  EXPECT_EQ(agreement.count, 505);
+  EXPECT_LE(agreement.rms_nm, 1.5);  // 3 N m for both legs
+  EXPECT_GE(agreement.cover, 0.95);
+  ASSERT_EQ(outcome->summary["rises"].size(), 5u);
+  for (const Json& rise : outcome->summary["rises"]) {
+    const double peak_nm = reference.Peak(rise["seat_off_s"], rise["standing_s"]);
+    EXPECT_NEAR(rise["peak"]["knee_nm"].get<double>(), peak_nm, 0.03 * peak_nm);
+  }
+  for (const std::string& warning : outcome->warnings)
+    EXPECT_THAT(warning, testing::Not(testing::ContainsRegex("swapped|acts outside|bears")));
+}
+
+// Without the plates it is an estimate, and says how sure it is.
+TEST_P(OnForcePlates, FromTheTrunkEachPeakIsInsideItsInterval) {
+  REQUIRE_RECORDING();
+  const auto outcome = RunOn(OptionsFor(GetParam()));
+  const Reference reference(GetParam());
+  const Agreement agreement = Compare(outcome->folder / "out/loads.csv", reference);
+  EXPECT_GT(agreement.count, 250);
+  EXPECT_LE(agreement.rms_nm, 15);
+  EXPECT_GE(agreement.cover, 0.9);
+  ASSERT_EQ(outcome->summary["rises"].size(), 5u);
+  int near = 0;
+  for (const Json& rise : outcome->summary["rises"]) {
+    const double peak_nm = reference.Peak(rise["seat_off_s"], rise["standing_s"]);
+    const Json& peak = rise["peak"];
+    EXPECT_LE(peak["knee_nm_interval"][0].get<double>(), peak_nm);
+    EXPECT_GE(peak["knee_nm_interval"][1].get<double>(), peak_nm);
+    // Yoshioka 2007: 0.5 to 2.0 N m/kg.
+    EXPECT_GE(peak["knee_nm_kg"].get<double>(), 0.5);
+    EXPECT_LE(peak["knee_nm_kg"].get<double>(), 2.0);
+    near += std::abs(peak["knee_nm"].get<double>() / peak_nm - 1) < 0.25;
+  }
+  EXPECT_GE(near, 4);  // of five; the left leg's first rise is read 43 % too low
+}
+
+INSTANTIATE_TEST_SUITE_P(, OnForcePlates, testing::Values("right", "left"),
+                         [](const auto& info) { return info.param; });
+
+TEST(LoadsTables, BeforeTheSeatIsLeftThereAreBoundsAndNoMoment) {
+  REQUIRE_RECORDING();
+  const auto outcome = RunOn(OptionsFor("right"));
+  const CsvTable table = CsvTable::Read(outcome->folder / "out/loads.csv");
+  EXPECT_THAT(table.Header(), testing::ElementsAre("repetition", "percent", "time_s", "knee_deg", "knee_deg_s",
+                                                   "ankle_nm", "knee_nm", "hip_nm", "knee_sd_nm", "knee_low_nm",
+                                                   "knee_high_nm", "zmp_mm", "ground_force_n", "knee_power_w"));
+  ASSERT_EQ(table.Rows(), 6u * 101);
+  int empty = 0;
+  for (std::size_t row = 0; row < 101; ++row) {
+    const double time_s = table.RequiredNumber(row, table.Column("time_s"));
+    const bool known = table.Number(row, table.Column("knee_nm")).has_value();
+    EXPECT_EQ(known, time_s >= outcome->summary["rises"][0]["seat_off_s"].get<double>() + 0.1);
+    EXPECT_LE(table.RequiredNumber(row, table.Column("knee_low_nm")),
+              table.RequiredNumber(row, table.Column("knee_high_nm")));
+    empty += !known;
+  }
+  EXPECT_GT(empty, 20);
+  const Json profile = ReadJsonFile(outcome->folder / "out/loads.json");
+  EXPECT_EQ(profile["percent"].size(), 101u);
+  EXPECT_EQ(profile["knee_nm"].size(), 101u);
+  EXPECT_TRUE(profile["knee_nm"][0].is_null());
+  EXPECT_TRUE(profile["knee_nm"][100].is_number());
+}
+
+TEST(LoadsTables, TheSameSeedGivesTheSameBands) {
+  REQUIRE_RECORDING();
+  commands::LoadsRunOptions options = OptionsFor("right");
+  options.loads.draws = 20;
+  const Json first = RunOn(options)->summary, again = RunOn(options)->summary;
+  EXPECT_EQ(first, again);
+  options.loads.seed = 2;
+  EXPECT_NE(first, RunOn(options)->summary);
+}
+
+std::string Failure(const commands::LoadsRunOptions& options) {
+  try {
+    RunOn(options);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(LoadsOfBadInput, SwappedPlatesAreWarnedOfWithNumbers) {
+  REQUIRE_RECORDING();
+  commands::LoadsRunOptions options = OptionsFor("right");
+  options.loads.draws = 20;
+  options.forces = kFolder / "STS1_grf.mot";
+  options.plates = exchange::ParsePlates("right=2,left=1");
+  EXPECT_THAT(RunOn(options)->warnings,
+              testing::Contains(testing::AllOf(testing::HasSubstr("plates swapped"), testing::HasSubstr("354 mm"))));
+  options.plates = exchange::ParsePlates("right=3");
+  EXPECT_THAT(Failure(options), testing::HasSubstr("bears no force"));
+  options.plates.clear();
+  EXPECT_THAT(Failure(options), testing::HasSubstr("--plates right=1"));
+}
+
+TEST(LoadsOfBadInput, ForcesOfAnotherTimeAreRefused) {
+  REQUIRE_RECORDING();
+  const TemporaryFolder folder;
+  std::ofstream(folder / "other.mot") << "other\nnRows=3\nnColumns=7\nendheader\n"
+                                         "time\tf_vx\tf_vy\tf_vz\tf_px\tf_py\tf_pz\n"
+                                         "100\t0\t300\t0\t0\t0\t0\n101\t0\t300\t0\t0\t0\t0\n102\t0\t300\t0\t0\t0\t0\n";
+  commands::LoadsRunOptions options = OptionsFor("right");
+  options.forces = folder / "other.mot";
+  EXPECT_THAT(Failure(options), testing::AllOf(testing::HasSubstr("100.00 to 102.00 s"), testing::HasSubstr("trial")));
+}
+
+TEST(LoadsOfBadInput, AMotionWithoutASeatSaysSo) {
+  const fs::path walk = fs::path(LAKE_SHARED_DATA) / "opensim_walk/walking2.c3d";
+  if (!fs::exists(walk)) GTEST_SKIP() << walk.string() << " is not here";
+  commands::LoadsRunOptions options;
+  options.trial = walk;
+  options.reading.names = exchange::ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC");
+  options.loads.body.mass_kg = 70;
+  EXPECT_THAT(Failure(options), testing::HasSubstr("no rise from a seat"));
+}
+
+TEST(GroundForces, OlderFilesNameAllPlatesAlike) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "old.mot")
+      << "old\nnRows=1\nnColumns=19\nendheader\n"
+         "time\tground_force_vx\tground_force_vy\tground_force_vz\tground_force_px\tground_force_py\tground_force_pz\t"
+         "ground_force_vx\tground_force_vy\tground_force_vz\tground_force_px\tground_force_py\tground_force_pz\t"
+         "ground_torque_x\tground_torque_y\tground_torque_z\tground_torque_x\tground_torque_y\tground_torque_z\n"
+         "0\t1\t2\t3\t4\t5\t6\t11\t12\t13\t14\t15\t16\t0\t7\t0\t0\t17\t0\n";
+  const exchange::GroundForceRecording forces = exchange::ReadGroundForces(folder / "old.mot");
+  ASSERT_EQ(forces.plates.size(), 2u);
+  EXPECT_EQ(forces.plates[1].force_n[0], Eigen::Vector3d(11, 12, 13));
+  EXPECT_EQ(forces.plates[1].point_m[0], Eigen::Vector3d(14, 15, 16));
+  EXPECT_EQ(forces.plates[1].moment_nm[0], Eigen::Vector3d(0, 17, 0));
+  EXPECT_THROW(exchange::ReadGroundForces(folder / "old.c3d"), Error);
+  EXPECT_THROW(exchange::ParsePlates("right=0"), UsageError);
+  EXPECT_THROW(exchange::ParsePlates("both=1"), UsageError);
+}
+
+}  // namespace
+}  // namespace lake
