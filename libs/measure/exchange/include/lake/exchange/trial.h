@@ -25,6 +25,9 @@ struct Trial {
   std::optional<double> mm_per_px;
   std::optional<bool> faces_right;  // known if `forward` was given
   double out_of_plane_mm = 0;       // 3-D files: RMS of the leg's movement across the plane
+  // 3-D files whose points do not lie in one plane: by marker, where it is across the plane in each frame (to the
+  // right of who faces along it), NaN where missing.
+  std::map<std::string, std::vector<double>> across_mm;
   std::vector<std::string> warnings;
 };
 
