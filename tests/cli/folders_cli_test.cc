@@ -147,11 +147,15 @@ TEST_F(Folders, WithTablesInMetresAreAskedAbout) {
   Done("lake-track human.mp4 --no-overlay --quiet -o D --camera good/camera.yaml && lake-convert D mm.txt");
   Done("awk -F'\\t' -v OFS='\\t' 'NR>3{for(i=2;i<=NF;++i) if($i!=\"\") $i=$i/1000}1' mm.txt > m.txt");
   const std::string compare = "lake-compare mm.txt m.txt --exo-knee knee --resamples 0 -o ";
-  EXPECT_THAT(Shell(folder_, compare + "C").err, HasSubstr("is the file in another unit? Give it with --unit"));
+  for (const std::string& program :
+       {compare + "C", std::string("lake-gait m.txt --quiet -o G"),
+        std::string("lake-optimize --human m.txt --max-misalignment 20 --starts 1 -o O")}) {
+    const Outcome outcome = Shell(folder_, program);
+    EXPECT_EQ(outcome.exit_code, 1) << program;
+    EXPECT_THAT(outcome.err, HasSubstr("is the file in another unit? Give it with --unit")) << program;
+  }
   const Outcome right = Done(compare + "C2 --exo-unit m --json");
   EXPECT_LT(Json::parse(right.out)["metrics"]["rms_mm"].get<double>(), 0.01);  // the digits that awk keeps
-  EXPECT_THAT(Shell(folder_, "lake-optimize --human m.txt --max-misalignment 20 --starts 1 --quiet -o O").err,
-              HasSubstr("--unit"));
 }
 
 TEST_F(Folders, AreLeftAtOnceWhenAFigureIsInterrupted) {

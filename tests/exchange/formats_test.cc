@@ -79,6 +79,45 @@ TEST_F(Formats, TrcWithABomDecimalCommasAndFramesFrom0) {
   EXPECT_TRUE(points.warnings.empty());
 }
 
+TEST_F(Formats, TrcOfCortexHasMoreMarkersThanItsHeaderSays) {
+  const std::string head = std::string(kTrcHead) + "100\t100\t1\t1\tmm\t100\t1\t1\n";
+  const exchange::PointRecording points = exchange::ReadTrc(Write(
+      "c.trc", head + "Frame#\tTime\tR.Knee\t\t\tV_Hip\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n1\t0\t1\t2\t3\t4\t5\t6\n"));
+  ASSERT_EQ(points.points.size(), 2u);
+  EXPECT_EQ(points.Find("V_Hip")->positions[0], Eigen::Vector3d(4, 5, 6));
+  ASSERT_EQ(points.warnings.size(), 1u);
+  EXPECT_THAT(points.warnings[0], testing::HasSubstr("says 1 markers, but there are names and columns of 2"));
+  // Names without columns are damage.
+  EXPECT_THAT(MessageOf([&] {
+                exchange::ReadTrc(
+                    Write("d.trc", head + "Frame#\tTime\tA\t\t\tB\t\t\n\t\tX1\tY1\tZ1\n\n1\t0\t1\t2\t3\t4\t5\t6\n"));
+              }),
+              testing::HasSubstr("2 names, but NumMarkers is 1"));
+}
+
+TEST_F(Formats, NamesInLatin1AreReadByEveryFormat) {
+  const std::string knee = "Kn\xC3\xA9\xC3\xA9", latin = "Kn\xE9\xE9";
+  for (const std::string& name : {knee, latin}) {
+    EXPECT_EQ(exchange::ReadTrc(Write("n.trc", std::string(kTrcHead) + "100\t100\t1\t1\tmm\t100\t1\t1\nFrame#\tTime\t" +
+                                                   name + "\t\t\n\t\tX1\tY1\tZ1\n\n1\t0\t1\t2\t3\n"))
+                  .points[0]
+                  .name,
+              knee);
+    EXPECT_EQ(exchange::ReadTrackerText(Write("n.txt", name + "\nt\tx\ty\n0\t1\t2\n1\t3\t4\n")).points[0].name, knee);
+    EXPECT_EQ(exchange::ReadKinovea(Write("n.csv", "\"Time\";\"" + name + "/0/X\";\"" + name +
+                                                       "/0/Y\"\n\"0\";\"1,5\";\"2\"\n\"33\";\"3\";\"4\"\n"))
+                  .points[0]
+                  .name,
+              knee);
+    exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 3, 1, 1);
+    points.points[0].name = name;
+    exchange::WriteC3d(folder_ / "n.c3d", points);
+    EXPECT_EQ(exchange::ReadC3d(folder_ / "n.c3d").points[0].name, knee);
+  }
+  EXPECT_THAT(MessageOf([&] { exchange::ReadTrackerText(Write("x.txt", "a\x81\nt\tx\ty\n0\t1\t2\n")); }),
+              testing::HasSubstr("neither in UTF-8 nor in Latin-1"));
+}
+
 TEST_F(Formats, NamesThatWouldBreakATableAreRefused) {
   exchange::PointRecording points = MakePoints(exchange::PointSpace::kPlane, 3, 1, 1);
   for (const char* name : {"", "a\tb", "a\nb"}) {

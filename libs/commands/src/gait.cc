@@ -27,7 +27,8 @@ void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result,
   const double shank = result.segments.front().length;
   constexpr double kShortestMm = 100, kLongestMm = 1000;
   if (result.motion.unit == motion::LengthUnit::kMm && (shank < kShortestMm || shank > kLongestMm))
-    run.Warn(fmt::format("the shank is {:.3g} mm long: is the file in another unit? Give it with --unit", shank));
+    throw Fail("{}: the shank is {:.3g} mm long, not {:g} to {:g}: is the file in another unit? Give it with --unit",
+               trial.file.string(), shank, kShortestMm, kLongestMm);
   if (WasSmoothed(trial, result))
     run.Warn(
         "the positions were smoothed before, and the file does not say how certain they are: the standard deviations "
@@ -56,7 +57,7 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   if (trial.faces_right && !fit.facing)
     fit.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
   const gait::LegView view = gait::MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px);
-  gait::LegFitResult result = gait::FitLeg(trial.recording, view, fit);
+  gait::LegFitResult result = gait::FitLeg(trial.recording, view, fit, trial.across_mm);
   SayWarnings(trial, result, run);
   return result;
 }

@@ -9,6 +9,7 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/utf8.h"
 
 namespace lake {
 namespace {
@@ -68,6 +69,7 @@ void CheckSeparator(const std::vector<std::string>& header, char delimiter, cons
 CsvTable CsvTable::Read(const std::filesystem::path& path, char delimiter) {
   std::string text = ReadTextFile(path);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  text = Utf8FromText(std::move(text), path.string());
   Records records = ParseRecords(text, delimiter, path);
   if (records.rows.empty()) throw Fail("{}: empty, a header line was expected", path.string());
 

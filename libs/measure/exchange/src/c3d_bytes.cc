@@ -8,6 +8,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/utf8.h"
 
 namespace lake::exchange {
 namespace {
@@ -144,7 +145,9 @@ std::vector<std::string> C3dParameters::Texts(const std::string& name) const {
   if (length == 0) return {};
   bytes_.Text(value.offset, length * count);
   std::vector<std::string> texts;
-  for (std::size_t i = 0; i < count; ++i) texts.push_back(bytes_.TrimmedText(value.offset + i * length, length));
+  for (std::size_t i = 0; i < count; ++i)
+    texts.push_back(Utf8FromText(bytes_.TrimmedText(value.offset + i * length, length),
+                                 fmt::format("{}: {}", bytes_.Path(), name)));
   return texts;
 }
 

@@ -7,12 +7,14 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/utf8.h"
 
 namespace lake::exchange {
 TextLines::TextLines(const std::filesystem::path& path) : path_(path) {
   std::string text = ReadTextFile(path);
   if (text.find('\0') != std::string::npos) throw Fail("{}: not a text file", path.string());
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  text = Utf8FromText(std::move(text), path.string());
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string line = text.substr(begin, end - begin);

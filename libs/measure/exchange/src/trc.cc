@@ -22,8 +22,20 @@ struct TrcHeader {
   double mm_per_unit = 1;
   std::optional<double> rate_hz;
   std::vector<std::string> names;
+  std::vector<std::string> warnings;
   std::size_t first_row = 0;  // index of the line
 };
+
+// The markers that the line X1, Y1, Z1, X2, … has columns for; 0 if it is another line.
+std::size_t LabelledMarkers(const std::string& line) {
+  std::size_t labels = 0;
+  for (const std::string& cell : SplitCells(line, '\t')) {
+    if (cell.empty()) continue;
+    if (cell != fmt::format("{}{}", "XYZ"[labels % 3], labels / 3 + 1)) return 0;
+    ++labels;
+  }
+  return labels % 3 == 0 ? labels / 3 : 0;
+}
 
 TrcHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path) {
   if (lines.Count() < 5 || !lines[0].starts_with("PathFileType"))
@@ -44,8 +56,15 @@ TrcHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path) 
   const std::vector<std::string> names = SplitCells(lines[3], '\t');
   for (std::size_t i = 2; i < names.size(); ++i)
     if (!names[i].empty()) trc.names.push_back(names[i]);
-  if (trc.names.size() != trc.markers)
-    throw Fail("{}: {} names, but NumMarkers is {}", lines.Where(3), trc.names.size(), trc.markers);
+  if (trc.names.size() != trc.markers) {
+    // Cortex counts the markers of its template only, and writes names and columns of all.
+    if (trc.names.size() < trc.markers || trc.names.size() != LabelledMarkers(lines[4]))
+      throw Fail("{}: {} names, but NumMarkers is {}", lines.Where(3), trc.names.size(), trc.markers);
+    trc.warnings.push_back(
+        fmt::format("{}: the header says {} markers, but there are names and columns of {}: all are read",
+                    path.string(), trc.markers, trc.names.size()));
+    trc.markers = trc.names.size();
+  }
   trc.first_row = 5;
   return trc;
 }
@@ -98,6 +117,7 @@ PointRecording ReadTrc(const std::filesystem::path& path) {
   const TextLines lines(path);
   const TrcHeader header = ReadHeader(lines, path);
   PointRecording recording;
+  recording.warnings = header.warnings;
   for (const std::string& name : header.names) {
     if (recording.Find(name)) throw Fail("{}: the name '{}' stands twice", lines.Where(3), name);
     recording.points.push_back({name, {}});

@@ -138,6 +138,50 @@ Eigen::Vector3d GivenForward(const TrialOptions& options, const Eigen::Vector3d&
   return forward;
 }
 
+struct SagittalAxes {
+  Eigen::Vector3d forward, up;
+  Eigen::Vector3d Across() const { return forward.cross(up); }
+  Eigen::Matrix3d PlaneFromSpace() const {
+    Eigen::Matrix3d rows;
+    rows << forward.transpose(), up.transpose(), Across().transpose();
+    return rows;
+  }
+};
+
+SagittalAxes FindSagittalAxes(const PointRecording& points, const TrialOptions& options, const fs::path& path) {
+  const Eigen::Vector3d up = UpDirection(points, options);
+  return {options.forward.empty() ? FitForward(points, up, path) : GivenForward(options, up), up};
+}
+
+PointRecording Project(const PointRecording& points, const SagittalAxes& axes, const TrialOptions& options,
+                       const fs::path& path, double* out_of_plane_mm) {
+  *out_of_plane_mm = OutOfPlane(points, axes.Across());
+  PointRecording plane = points;
+  plane.space = PointSpace::kPlane;
+  for (PointTrack& point : plane.points)
+    for (Eigen::Vector3d& p : point.positions)
+      if (p.allFinite()) p = {p.dot(axes.forward), p.dot(axes.up), 0};
+  plane.warnings.push_back(fmt::format(
+      "{}: paths are projected onto the vertical plane {}; the leg moves {:.1f} mm RMS across it", path.string(),
+      options.forward.empty() ? "in which the leg moves most" : "along " + options.forward, *out_of_plane_mm));
+  return plane;
+}
+
+// Empty where all points lie in one plane: such a file was made of a plane's points.
+std::map<std::string, std::vector<double>> AcrossPlane(const PointRecording& points, const SagittalAxes& axes) {
+  constexpr double kSamePlane_mm = 1e-6;
+  std::map<std::string, std::vector<double>> across;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const PointTrack& point : points.points)
+    for (const Eigen::Vector3d& p : point.positions) {
+      const double value = p.dot(axes.Across());
+      across[point.name].push_back(value);
+      if (std::isfinite(value)) least = std::min(least, value), most = std::max(most, value);
+    }
+  if (most - least <= kSamePlane_mm) across.clear();
+  return across;
+}
+
 bool IsOwnTable(const fs::path& path) {
   return Lower(path.extension().string()) == ".csv" && !IsKinovea(path) && !IsDltdv(path);
 }
@@ -201,21 +245,8 @@ PointRecording RenamePoints(const PointRecording& points, const std::map<std::st
 }
 
 PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options, const fs::path& path,
-                                        double* out_of_plane_mm, Eigen::Matrix3d* plane_from_space) {
-  const Eigen::Vector3d up = UpDirection(points, options);
-  const Eigen::Vector3d forward = options.forward.empty() ? FitForward(points, up, path) : GivenForward(options, up);
-  *out_of_plane_mm = OutOfPlane(points, forward.cross(up));
-  if (plane_from_space) *plane_from_space << forward.transpose(), up.transpose(), forward.cross(up).transpose();
-  PointRecording plane = points;
-  plane.space = PointSpace::kPlane;
-  for (PointTrack& point : plane.points)
-    for (Eigen::Vector3d& p : point.positions)
-      if (p.allFinite()) p = {p.dot(forward), p.dot(up), 0};
-  plane.warnings.push_back(fmt::format(
-      "{}: three dimensions are projected onto the vertical plane {}; the leg moves {:.1f} mm RMS across it",
-      path.string(), options.forward.empty() ? "in which the leg moves most" : "along " + options.forward,
-      *out_of_plane_mm));
-  return plane;
+                                        double* out_of_plane_mm) {
+  return Project(points, FindSagittalAxes(points, options, path), options, path, out_of_plane_mm);
 }
 
 Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
@@ -228,8 +259,10 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
         RenamePoints(ReadPoints(trial.file, options.mm_per_unit, options.rate_hz), options.names, trial.file);
     if (points.axes) points = PointsInPlane(points);
     if (points.space == PointSpace::kSpace) {
-      points = ProjectOntoSagittalPlane(points, options, trial.file, &trial.out_of_plane_mm,
-                                        &trial.plane_from_space.emplace());
+      const SagittalAxes axes = FindSagittalAxes(points, options, trial.file);
+      trial.plane_from_space = axes.PlaneFromSpace();
+      trial.across_mm = AcrossPlane(points, axes);
+      points = Project(points, axes, options, trial.file, &trial.out_of_plane_mm);
       if (!options.forward.empty()) trial.faces_right = true;
     }
     trial.mm_per_px = points.mm_per_px;

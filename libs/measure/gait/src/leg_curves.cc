@@ -27,12 +27,6 @@ PointInLeg PointOf(LegMarker marker, const StateVector& state) {
   return result;
 }
 
-// Variance of θ_shank − θ_thigh.
-double KneeVariance(const StateMatrix& covariance) {
-  return covariance(kShankAngle, kShankAngle) + covariance(kThighAngle, kThighAngle) -
-         2 * covariance(kShankAngle, kThighAngle);
-}
-
 // What variances of the marker positions across the segments add to the knee angle's.
 double KneeVarianceOfMarkers(const StateVector& state, double ankle, double knee, double hip) {
   const double shank = state[kShankLength], thigh = state[kThighLength],
@@ -66,6 +60,11 @@ SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegMod
 
 }  // namespace
 
+double KneeVariance(const StateMatrix& covariance) {
+  return covariance(kShankAngle, kShankAngle) + covariance(kThighAngle, kThighAngle) -
+         2 * covariance(kShankAngle, kThighAngle);
+}
+
 std::vector<double> SlowNoise(const std::vector<NoiseSample>& samples, const std::vector<double>& time_s) {
   constexpr double kReach_s = 0.25;
   constexpr std::size_t kLeastSamples = 4;
@@ -93,7 +92,7 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
   const BandedMatrix covariance = LegCovariance(model, coefficients);
   LegCurves curves;
   curves.markers = model.states == kLegStates ? kLegMarkers : kLegMarkers - 1;
-  std::vector<StateMatrix> covariances;
+  std::vector<StateMatrix>& covariances = curves.covariance;
   for (std::size_t i = 0; i < n; ++i) {
     const SplineGrid::Place place = model.grid.At(recording.time_s[i]);
     curves.state.push_back(StateAt(model, coefficients, place.value, place.first));
@@ -123,6 +122,7 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
         KneeVariance(covariances[i]) +
         KneeVarianceOfMarkers(curves.state[i], slow_in_plane[kAnkle], slow_in_plane[kKnee], slow_in_plane[kHip]);
     curves.knee_sigma_deg.push_back(DegreesFromRadians(std::sqrt(knee_variance)));
+    curves.knee_deg_s.push_back(DegreesFromRadians(curves.rate[i][kShankAngle] - curves.rate[i][kThighAngle]));
   }
   return curves;
 }

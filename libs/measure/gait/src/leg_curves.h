@@ -12,17 +12,22 @@ namespace lake::gait {
 // A marker's fitted position in every frame.
 struct MarkerCurve {
   std::vector<Eigen::Vector2d> in_plane, recorded;
-  std::vector<double> plane_sigma, recorded_sigma;  // per axis
-  bool settled = true;                              // whether its smoothness was found
+  std::vector<double> plane_sigma, recorded_sigma;           // per axis
+  bool settled = true;                                       // whether its smoothness was found
+  std::vector<double> across, across_rate, across_variance;  // of trials in three dimensions: mm, mm/s, mm²
 };
 
 struct LegCurves {
   int markers = kLegMarkers;
   std::array<MarkerCurve, kLegMarkers> marker;
   std::vector<StateVector> state, rate;  // rate: per s
-  std::vector<double> knee_sigma_deg;
+  std::vector<StateMatrix> covariance;   // of the state, without slow noise
+  std::vector<double> knee_sigma_deg, knee_deg_s;
   std::vector<Eigen::Vector2d> hip_speed_in_leg;  // per s
 };
+
+// Variance of θ_shank − θ_thigh, rad².
+double KneeVariance(const StateMatrix& covariance);
 
 LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
                         const std::vector<double>& coefficients);

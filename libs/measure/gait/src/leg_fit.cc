@@ -11,6 +11,7 @@
 #include "leg_curves.h"
 #include "leg_problem.h"
 #include "leg_signals.h"
+#include "leg_space.h"
 
 namespace lake::gait {
 namespace {
@@ -204,12 +205,14 @@ void DescribeFacing(LegFitOptions& o, OptionList& options) {
       .Otherwise("found from the movement");
 }
 
-LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options) {
+LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
+                    const AcrossPlane& across) {
   const auto begin = std::chrono::steady_clock::now();
   CheckRecording(recording, options);
   Progress progress("leg fit", "steps", 4, options.quiet);
   LegFitResult result;
   std::array<Detections, kLegMarkers> leg = CollectLeg(recording, view, options.markers);
+  if (!across.empty()) SetAcross(across, leg);
   const FacingFound found = FindFacingOf(leg);
   const motion::Facing facing = options.facing.value_or(found.facing);
   if (!options.facing && !found.IsCertain())
@@ -223,7 +226,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   model.states = HasTrunk(leg) ? kLegStates : kLegStatesWithoutTrunk;
   model.outlier_deviations = options.outlier_deviations;
   const LegSignals signals = MakeLegSignals(leg, model.plane_from_leg.transpose(), model.states);
-  CheckLeg(signals, leg, options);
+  CheckLeg(across.empty() ? signals : WithLengthsInSpace(signals, leg), leg, options);
   progress.Advance();
   LegStart start = SmoothSignals(signals, recording.time_s, model.states, options);
   if (!start.unsettled.empty())
@@ -236,7 +239,11 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
   progress.Advance();
 
-  const LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients);
+  LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients);
+  if (!across.empty()) {
+    AddAcross(recording, leg, solution.model, options, curves);
+    result.across = ReportAcross(leg);
+  }
   FillResult(recording, leg, curves, solution.model, facing, options, result);
   for (MarkerReport& report : result.markers)
     for (std::size_t m = 0; m < leg.size(); ++m)

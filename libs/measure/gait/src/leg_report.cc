@@ -77,22 +77,27 @@ Json LegFitJson(const LegFitResult& result) {
                         {"residual_" + std::string(ToString(result.tracks.unit)), o.residual},
                         {"deviations", o.deviations}});
   const LegFitSummary& fit = result.summary;
-  return {{"facing", result.motion.facing == motion::Facing::kLeft ? "left" : "right"},
-          {"markers", MarkersJson(result)},
-          {"segments", segments},
-          {"outliers", outliers},
-          {"knee", KneeJson(result.motion)},
-          {"sit_to_stands", RepetitionsJson(result.events)},
-          {"fit",
-           {{"usable", fit.usable},
-            {"message", fit.message},
-            {"iterations", fit.iterations},
-            {"initial_cost", fit.initial_cost},
-            {"final_cost", fit.final_cost},
-            {"residual_rms_sigmas", fit.residual_rms},
-            {"knot_step_s", fit.knot_step_s},
-            {"cutoff_hz", fit.cutoff_hz},
-            {"seconds", fit.seconds}}}};
+  Json json = {{"facing", result.motion.facing == motion::Facing::kLeft ? "left" : "right"},
+               {"markers", MarkersJson(result)},
+               {"segments", segments},
+               {"outliers", outliers},
+               {"knee", KneeJson(result.motion)},
+               {"sit_to_stands", RepetitionsJson(result.events)},
+               {"fit",
+                {{"usable", fit.usable},
+                 {"message", fit.message},
+                 {"iterations", fit.iterations},
+                 {"initial_cost", fit.initial_cost},
+                 {"final_cost", fit.final_cost},
+                 {"residual_rms_sigmas", fit.residual_rms},
+                 {"knot_step_s", fit.knot_step_s},
+                 {"cutoff_hz", fit.cutoff_hz},
+                 {"seconds", fit.seconds}}}};
+  if (result.across)
+    json["across_plane"] = {{"rms_mm", result.across->rms_mm},
+                            {"largest_shank_deg", result.across->largest_shank_deg},
+                            {"largest_thigh_deg", result.across->largest_thigh_deg}};
+  return json;
 }
 
 }  // namespace lake::gait

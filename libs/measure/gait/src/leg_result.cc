@@ -1,12 +1,14 @@
 // From the solved curves to what the caller gets: tracks, trajectory, motion, events, reports.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
 #include "leg_curves.h"
+#include "leg_space.h"
 
 namespace lake::gait {
 namespace {
@@ -20,6 +22,7 @@ struct MarkerOutput {
   std::vector<motion::SampleStatus> status;
   std::vector<Eigen::Vector2d> shown;
   std::vector<double> shown_sigma;
+  std::vector<double> shown_across;  // mm across the plane, of trials in three dimensions
 };
 
 std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurve& curve, double most_sigma) {
@@ -39,12 +42,14 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, do
     if (end - begin >= 3) {
       const std::vector<double> times(time_s.begin() + static_cast<std::ptrdiff_t>(begin),
                                       time_s.begin() + static_cast<std::ptrdiff_t>(end));
-      for (int axis = 0; axis < 2; ++axis) {
+      const auto filter = [&](const auto& value_at) {
         std::vector<double> values;
-        for (std::size_t i = begin; i < end; ++i) values.push_back(output.shown[i][axis]);
+        for (std::size_t i = begin; i < end; ++i) values.push_back(value_at(i));
         const std::vector<double> filtered = ZeroPhaseButterworthAtTimes(values, times, cutoff_hz);
-        for (std::size_t i = begin; i < end; ++i) output.shown[i][axis] = filtered[i - begin];
-      }
+        for (std::size_t i = begin; i < end; ++i) value_at(i) = filtered[i - begin];
+      };
+      for (int axis = 0; axis < 2; ++axis) filter([&](std::size_t i) -> double& { return output.shown[i][axis]; });
+      if (!output.shown_across.empty()) filter([&](std::size_t i) -> double& { return output.shown_across[i]; });
     }
     if (end == begin) ++end;
   }
@@ -56,12 +61,15 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, do
 
 MarkerOutput MakeOutput(const Detections& d, MarkerCurve curve, const std::vector<double>& time_s, double most_sigma,
                         const LegFitOptions& options) {
-  MarkerOutput output{&d, std::move(curve), {}, {}, {}};
+  MarkerOutput output{&d, std::move(curve), {}, {}, {}, {}};
   output.status = StatusOf(d, output.curve, most_sigma);
   output.shown = output.curve.in_plane, output.shown_sigma = output.curve.plane_sigma;
+  output.shown_across = output.curve.across;
   if (options.filter == LegFilter::kSpline) return output;
   for (std::size_t i = 0; i < d.seen.size(); ++i)
     if (d.seen[i]) output.shown[i] = d.in_plane[i], output.shown_sigma[i] = d.plane_sigma[i];
+  for (std::size_t i = 0; i < output.shown_across.size(); ++i)
+    if (d.seen[i]) output.shown_across[i] = d.across[i];
   if (options.filter == LegFilter::kButterworth)
     FilterPositions(output, time_s, options.cutoff_hz.value_or(kCustomaryCutoffHz));
   return output;
@@ -99,12 +107,24 @@ LegPoints PointsAt(const std::vector<MarkerOutput>& leg, std::size_t frame, bool
 
 // From the markers' own sigmas, where the fit's covariance does not apply.
 double KneeSigmaDeg(const std::vector<MarkerOutput>& leg, const motion::LegSample& sample, std::size_t i) {
-  const double shank = sample.ak.norm(), thigh = sample.kh.norm();
+  const auto length = [&](LegMarker below, const Eigen::Vector2d& in_plane) {
+    const auto &from = leg[below].shown_across, &to = leg[below + 1u].shown_across;
+    return from.empty() ? in_plane.norm() : std::hypot(in_plane.norm(), to[i] - from[i]);
+  };
+  const double shank = length(kAnkle, sample.ak), thigh = length(kKnee, sample.kh);
   const double at_knee =
       1 / (shank * shank) + 1 / (thigh * thigh) + 2 * std::cos(RadiansFromDegrees(sample.knee_deg)) / (shank * thigh);
   const auto variance = [&](LegMarker m) { return leg[m].shown_sigma[i] * leg[m].shown_sigma[i]; };
   return DegreesFromRadians(
       std::sqrt(variance(kAnkle) / (shank * shank) + variance(kHip) / (thigh * thigh) + variance(kKnee) * at_knee));
+}
+
+// The knee angle in space of a sample whose vectors in the plane are known.
+double KneeInSpaceDeg(const std::vector<MarkerOutput>& leg, const motion::LegSample& sample,
+                      const std::function<double(const MarkerOutput&)>& across) {
+  if (!std::isfinite(sample.knee_deg)) return sample.knee_deg;
+  const double ankle = across(leg[kAnkle]), knee = across(leg[kKnee]), hip = across(leg[kHip]);
+  return AngleInSpaceDeg({sample.ak.x(), sample.ak.y(), knee - ankle}, {sample.kh.x(), sample.kh.y(), hip - knee});
 }
 
 void SetSpeedByDifferences(motion::LegMotion& motion) {
@@ -124,11 +144,16 @@ motion::LegMotion MakeMotion(const motion::MarkerRecording& recording, const std
   motion.frame = recording.frame, motion.time_s = recording.time_s;
   for (std::size_t i = 0; i < recording.Frames(); ++i) {
     motion::LegSample sample = MakeLegSample(PointsAt(leg, i, false), facing, options.up);
-    sample.knee_raw_deg = MakeLegSample(PointsAt(leg, i, true), facing, options.up).knee_deg;
+    const motion::LegSample raw = MakeLegSample(PointsAt(leg, i, true), facing, options.up);
+    sample.knee_raw_deg = raw.knee_deg;
+    if (!leg[kKnee].shown_across.empty()) {
+      sample.knee_deg = KneeInSpaceDeg(leg, sample, [&](const MarkerOutput& m) { return m.shown_across[i]; });
+      sample.knee_raw_deg = KneeInSpaceDeg(leg, raw, [&](const MarkerOutput& m) { return m.detections->across[i]; });
+    }
     if (std::isfinite(sample.knee_deg)) {
       sample.knee_sigma_deg =
           options.filter == LegFilter::kSpline ? curves.knee_sigma_deg[i] : KneeSigmaDeg(leg, sample, i);
-      sample.knee_deg_s = DegreesFromRadians(curves.rate[i][kShankAngle] - curves.rate[i][kThighAngle]);
+      sample.knee_deg_s = curves.knee_deg_s[i];
     }
     motion.samples.push_back(sample);
   }
@@ -151,22 +176,25 @@ StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<Mar
     signals.hip_height.push_back(value(known, curves.marker[kHip].in_plane[i].dot(up)));
     signals.hip_speed.push_back(value(known, curves.hip_speed_in_leg[i].norm()));
     signals.hip_up_speed.push_back(value(known, curves.hip_speed_in_leg[i].y()));
-    signals.knee_deg_s.push_back(
-        value(known, DegreesFromRadians(curves.rate[i][kShankAngle] - curves.rate[i][kThighAngle])));
+    signals.knee_deg_s.push_back(value(known, curves.knee_deg_s[i]));
     signals.trunk_deg_s.push_back(value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle])));
   }
   return signals;
 }
 
 SegmentReport ReportSegment(const char* name, const Detections& below, const Detections& above, const LegCurves& curves,
-                            int state) {
+                            LegMarker lower, int state) {
+  const bool across = !below.across.empty();
+  const MarkerCurve &curve_below = curves.marker[lower], &curve_above = curves.marker[lower + 1u];
   std::vector<double> lengths, variances;
   std::vector<double> fitted;
   for (std::size_t i = 0; i < below.seen.size(); ++i) {
     if (!below.trusted[i] || !above.trusted[i]) continue;
-    lengths.push_back((above.in_plane[i] - below.in_plane[i]).norm());
+    const double in_plane = (above.in_plane[i] - below.in_plane[i]).norm();
+    lengths.push_back(across ? std::hypot(in_plane, above.across[i] - below.across[i]) : in_plane);
     variances.push_back(below.plane_sigma[i] * below.plane_sigma[i] + above.plane_sigma[i] * above.plane_sigma[i]);
-    fitted.push_back(curves.state[i][state]);
+    fitted.push_back(across ? std::hypot(curves.state[i][state], curve_above.across[i] - curve_below.across[i])
+                            : curves.state[i][state]);
   }
   SegmentReport report;
   report.name = name;
@@ -207,7 +235,8 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
 
 // A marker seen too rarely for a curve: its detections as they are.
 MarkerOutput Unsmoothed(const Detections& d) {
-  MarkerOutput output{&d, {d.in_plane, {}, d.plane_sigma, d.sigma}, {}, d.in_plane, d.plane_sigma};
+  MarkerOutput output{&d, {d.in_plane, {}, d.plane_sigma, d.sigma, true, {}, {}, {}}, {}, d.in_plane, d.plane_sigma,
+                      {}};
   for (std::size_t i = 0; i < d.seen.size(); ++i) {
     output.curve.recorded.push_back(d.track->samples[i].position);
     output.status.push_back(d.seen[i] ? motion::SampleStatus::kDetected : motion::SampleStatus::kMissing);
@@ -268,10 +297,10 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
   for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
     leg.push_back(MakeOutput(detections[m], curves.marker[m], recording.time_s, most_sigma, options));
   AddMarkers(recording, leg, model.view, most_sigma, options, result);
-  result.segments.push_back(ReportSegment("ak", detections[kAnkle], detections[kKnee], curves, kShankLength));
-  result.segments.push_back(ReportSegment("kh", detections[kKnee], detections[kHip], curves, kThighLength));
+  result.segments.push_back(ReportSegment("ak", detections[kAnkle], detections[kKnee], curves, kAnkle, kShankLength));
+  result.segments.push_back(ReportSegment("kh", detections[kKnee], detections[kHip], curves, kKnee, kThighLength));
   if (curves.markers == kLegMarkers)
-    result.segments.push_back(ReportSegment("hw", detections[kHip], detections[kWaist], curves, kTrunkLength));
+    result.segments.push_back(ReportSegment("hw", detections[kHip], detections[kWaist], curves, kHip, kTrunkLength));
   result.motion = MakeMotion(recording, leg, curves, model, facing, options);
   FoundStsEvents found = FindStsEvents(MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up));
   result.events = std::move(found.events);

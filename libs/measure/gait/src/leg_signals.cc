@@ -147,7 +147,8 @@ Detections CollectDetections(const motion::MarkerRecording& recording, const mot
                {},
                std::vector<double>(n),
                std::vector<Eigen::Vector2d>(n),
-               std::vector<double>(n)};
+               std::vector<double>(n),
+               {}};
   for (std::size_t i = 0; i < n; ++i) d.seen[i] = track.samples[i].status == motion::SampleStatus::kDetected;
   for (std::size_t i = 0; i < n; ++i) {
     const motion::MarkerSample& sample = track.samples[i];

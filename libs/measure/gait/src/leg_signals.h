@@ -21,6 +21,7 @@ struct Detections {
   std::vector<double> sigma;  // recorded unit; where it was given as 0, the estimate
   std::vector<Eigen::Vector2d> in_plane;
   std::vector<double> plane_sigma;  // unit of the plane
+  std::vector<double> across;       // mm across the plane, NaN where missing; empty for a trial of two dimensions
 };
 
 // Throws Error for a sample that is not finite or lies where the camera cannot see it, naming marker and frame.

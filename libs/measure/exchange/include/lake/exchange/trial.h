@@ -37,6 +37,9 @@ struct Trial {
   double out_of_plane_mm = 0;       // 3-D files: RMS of the leg's movement across the plane
   // 3-D files: x and y of the plane from the file's axes, and its normal, towards the one who sees x to the right.
   std::optional<Eigen::Matrix3d> plane_from_space;
+  // 3-D files whose points do not lie in one plane: by marker, where it is across the plane in each frame (to the
+  // right of who faces along it), NaN where missing.
+  std::map<std::string, std::vector<double>> across_mm;
   std::vector<std::string> warnings;
 };
 
@@ -50,11 +53,9 @@ std::map<std::string, std::string> ParseNameMap(const std::string& text);
 Trial ReadTrial(const std::filesystem::path& path, const TrialOptions& options = {});
 
 // 3-D points as they are seen from the side: kPlane, x along `options.forward` or the fitted direction; the fit needs
-// the names ankle, knee and hip. The RMS movement across the plane goes to `out_of_plane_mm`, the axes (rows: forward,
-// up, the normal) to `plane_from_space`, if given.
+// the names ankle, knee and hip. The RMS movement across the plane goes to `out_of_plane_mm`.
 PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options,
-                                        const std::filesystem::path& path, double* out_of_plane_mm,
-                                        Eigen::Matrix3d* plane_from_space = nullptr);
+                                        const std::filesystem::path& path, double* out_of_plane_mm);
 
 // 3-D points in the axes that OpenSim's models stand in: x where the subject faces (`options.forward`), y up, z to the
 // right. Throws UsageError if `forward` is the vertical.

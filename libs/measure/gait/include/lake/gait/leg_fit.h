@@ -7,6 +7,7 @@
 // recording.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -86,6 +87,13 @@ struct LegFitSummary {
   std::string message;
 };
 
+// Of trials in three dimensions: how far the leg leaves the plane.
+struct AcrossReport {
+  double rms_mm = 0;             // movement of ankle, knee and hip across the plane
+  double largest_shank_deg = 0;  // between segment and plane
+  double largest_thigh_deg = 0;
+};
+
 struct LegFitResult {
   motion::MarkerRecording tracks;      // as recorded, gaps filled where the fit is certain enough
   motion::MarkerRecording trajectory;  // in the plane frame, filtered as asked; unit px without a scale
@@ -94,15 +102,25 @@ struct LegFitResult {
   std::vector<MarkerReport> markers;
   std::vector<SegmentReport> segments;
   std::vector<OutlierReport> outliers;
+  std::optional<AcrossReport> across;
   std::vector<std::string> warnings;
   LegFitSummary summary;
 };
+
+// Where the markers of a trial in three dimensions are across the plane: by marker, mm, one value per frame, NaN where
+// missing.
+using AcrossPlane = std::map<std::string, std::vector<double>>;
 
 // Markers other than the leg's are smoothed and bridged each by itself. A sigma of 0 means that it is not known: it is
 // then estimated from the marker's own fine structure. Throws Error: a marker of the leg is absent or hardly seen, a
 // position is not finite, the names contradict a leg (a segment's length varies too much, the hip lies below the
 // ankle); SolverError: no solution.
-LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options = {});
+//
+// With `across`, the recording is the projection of three dimensions onto its plane: paths, vectors and segment angles
+// are the projection's; the segments' lengths, the knee angle (between the vectors AK and KH in space, 0..180), its
+// sigma and its speed are three-dimensional. Bending to the side counts there, so hyperextension has no sign.
+LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options = {},
+                    const AcrossPlane& across = {});
 
 // What the recording says of the knee: smallest and largest angle, peak speeds, each with its time. For summary.json,
 // with the reports above, under the keys markers, segments, outliers, knee, sit_to_stands, fit.

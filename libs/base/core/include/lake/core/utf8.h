@@ -1,0 +1,15 @@
+// Text of other programs, which do not say how they write letters beyond ASCII.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace lake {
+
+bool IsUtf8(std::string_view text);
+
+// UTF-8 as it is; anything else is taken for Latin-1 (ISO 8859-1) and becomes UTF-8. Throws Error, naming `where`, for
+// bytes that are text in neither.
+std::string Utf8FromText(std::string text, std::string_view where);
+
+}  // namespace lake

@@ -1,0 +1,136 @@
+#include "leg_space.h"
+
+#include <ceres/jet.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+
+namespace lake::gait {
+namespace {
+
+// θ_shank, θ_thigh, |AK|, |KH| in the plane, and both vectors' parts across it.
+constexpr int kParts = 6;
+using PartsJet = ceres::Jet<double, kParts>;
+using Vector3Jet = Eigen::Matrix<PartsJet, 3, 1>;
+constexpr std::array<LegState, 4> kPlaneParts = {kShankAngle, kThighAngle, kShankLength, kThighLength};
+
+struct KneeAngle {
+  double value_rad;
+  Eigen::Matrix<double, kParts, 1> by_parts;
+};
+
+KneeAngle KneeAngleOf(const StateVector& state, double ak_across, double kh_across) {
+  std::array<PartsJet, kParts> part;
+  for (std::size_t k = 0; k < kPlaneParts.size(); ++k) part[k] = PartsJet(state[kPlaneParts[k]], static_cast<int>(k));
+  part[4] = PartsJet(ak_across, 4), part[5] = PartsJet(kh_across, 5);
+  const Vector3Jet ak(part[2] * sin(part[0]), part[2] * cos(part[0]), part[4]),
+      kh(part[3] * sin(part[1]), part[3] * cos(part[1]), part[5]);
+  const Vector3Jet normal(ak[1] * kh[2] - ak[2] * kh[1], ak[2] * kh[0] - ak[0] * kh[2], ak[0] * kh[1] - ak[1] * kh[0]);
+  // The root has no derivative where the leg is exactly straight.
+  constexpr double kLeast = 1e-12;
+  const PartsJet sine = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2] + kLeast),
+                 cosine = ak[0] * kh[0] + ak[1] * kh[1] + ak[2] * kh[2], angle = atan2(sine, cosine);
+  return {angle.a, angle.v};
+}
+
+void SmoothAcross(const motion::MarkerRecording& recording, const Detections& d, const SplineGrid& grid,
+                  const LegFitOptions& options, MarkerCurve& curve) {
+  std::vector<double> values = d.across;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!d.trusted[i]) values[i] = motion::LegSample::kUnknown;
+  SmoothingOptions smoothing;
+  if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
+  smoothing.max_iterations = options.most_smoothing_iterations;
+  const SmoothSignal signal = FitSmoothingSpline(grid, recording.time_s, values, d.plane_sigma, smoothing);
+  for (const double time_s : recording.time_s) {
+    const SplineGrid::Place place = grid.At(time_s);
+    curve.across.push_back(ValueAt(place, signal.coefficients));
+    curve.across_rate.push_back(SlopeAt(place, signal.coefficients));
+    curve.across_variance.push_back(VarianceAt(place, signal.covariance));
+  }
+}
+
+double LargestAngleDeg(const Detections& below, const Detections& above) {
+  double largest = 0;
+  for (std::size_t i = 0; i < below.trusted.size(); ++i)
+    if (below.trusted[i] && above.trusted[i])
+      largest = std::max(largest, std::atan2(std::abs(above.across[i] - below.across[i]),
+                                             (above.in_plane[i] - below.in_plane[i]).norm()));
+  return DegreesFromRadians(largest);
+}
+
+}  // namespace
+
+void SetAcross(const AcrossPlane& across, std::array<Detections, kLegMarkers>& leg) {
+  for (Detections& d : leg) {
+    if (!d.track) continue;
+    const auto found = across.find(d.name);
+    if (found == across.end() || found->second.size() != d.seen.size())
+      throw Fail("leg fit: marker '{}' has no places across the plane", d.name);
+    d.across = found->second;
+  }
+}
+
+LegSignals WithLengthsInSpace(LegSignals signals, const std::array<Detections, kLegMarkers>& leg) {
+  for (const auto& [length, below, above] : {std::tuple{kShankLength, kAnkle, kKnee}, {kThighLength, kKnee, kHip}})
+    for (std::size_t i = 0; i < signals.value[length].size(); ++i)
+      signals.value[length][i] = std::hypot(signals.value[length][i], leg[above].across[i] - leg[below].across[i]);
+  return signals;
+}
+
+void AddAcross(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
+               const LegModel& model, const LegFitOptions& options, LegCurves& curves) {
+  for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
+    SmoothAcross(recording, leg[m], model.grid, options, curves.marker[m]);
+  const MarkerCurve &a = curves.marker[kAnkle], &k = curves.marker[kKnee], &h = curves.marker[kHip];
+  for (std::size_t i = 0; i < recording.Frames(); ++i) {
+    const KneeAngle knee = KneeAngleOf(curves.state[i], k.across[i] - a.across[i], h.across[i] - k.across[i]);
+    Eigen::Matrix4d covariance;
+    Eigen::Vector4d rate;
+    for (int r = 0; r < 4; ++r) {
+      rate[r] = curves.rate[i][kPlaneParts[static_cast<std::size_t>(r)]];
+      for (int c = 0; c < 4; ++c)
+        covariance(r, c) =
+            curves.covariance[i](kPlaneParts[static_cast<std::size_t>(r)], kPlaneParts[static_cast<std::size_t>(c)]);
+    }
+    const Eigen::Vector4d by_plane = knee.by_parts.head<4>();
+    const double by_ak = knee.by_parts[4], by_kh = knee.by_parts[5];
+    const double across_variance = by_ak * by_ak * a.across_variance[i] +
+                                   (by_ak - by_kh) * (by_ak - by_kh) * k.across_variance[i] +
+                                   by_kh * by_kh * h.across_variance[i];
+    // What slow noise adds in the plane, it adds in space.
+    const double slow_rad2 =
+        std::max(0.0, std::pow(RadiansFromDegrees(curves.knee_sigma_deg[i]), 2) - KneeVariance(curves.covariance[i]));
+    curves.knee_sigma_deg[i] =
+        DegreesFromRadians(std::sqrt(by_plane.dot(covariance * by_plane) + across_variance + slow_rad2));
+    curves.knee_deg_s[i] = DegreesFromRadians(by_plane.dot(rate) + by_ak * (k.across_rate[i] - a.across_rate[i]) +
+                                              by_kh * (h.across_rate[i] - k.across_rate[i]));
+  }
+}
+
+double AngleInSpaceDeg(const Eigen::Vector3d& ak, const Eigen::Vector3d& kh) {
+  return DegreesFromRadians(std::atan2(ak.cross(kh).norm(), ak.dot(kh)));
+}
+
+AcrossReport ReportAcross(const std::array<Detections, kLegMarkers>& leg) {
+  AcrossReport report;
+  double square = 0;
+  std::size_t count = 0;
+  for (const LegMarker m : {kAnkle, kKnee, kHip}) {
+    double sum = 0, sum2 = 0;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < leg[m].across.size(); ++i)
+      if (leg[m].trusted[i]) sum += leg[m].across[i], sum2 += leg[m].across[i] * leg[m].across[i], ++n;
+    if (n > 0) square += sum2 - sum * sum / static_cast<double>(n), count += n;
+  }
+  report.rms_mm = std::sqrt(std::max(0.0, square / static_cast<double>(std::max<std::size_t>(count, 1))));
+  report.largest_shank_deg = LargestAngleDeg(leg[kAnkle], leg[kKnee]);
+  report.largest_thigh_deg = LargestAngleDeg(leg[kKnee], leg[kHip]);
+  return report;
+}
+
+}  // namespace lake::gait

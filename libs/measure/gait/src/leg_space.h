@@ -1,0 +1,26 @@
+// The leg's third dimension, for trials of three: lengths and the knee angle in space. Not part of the interface.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "leg_curves.h"
+
+namespace lake::gait {
+
+// Gives the leg's detections their places across the plane. Throws Error for a marker that `across` does not know.
+void SetAcross(const AcrossPlane& across, std::array<Detections, kLegMarkers>& leg);
+
+// The lengths of shank and thigh in space, in place of those in the plane.
+LegSignals WithLengthsInSpace(LegSignals signals, const std::array<Detections, kLegMarkers>& leg);
+
+// Smooths the leg's places across the plane, and makes the knee angle's sigma and speed those of the angle in space.
+void AddAcross(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
+               const LegModel& model, const LegFitOptions& options, LegCurves& curves);
+
+// Between two vectors in space, 0..180.
+double AngleInSpaceDeg(const Eigen::Vector3d& ak, const Eigen::Vector3d& kh);
+
+AcrossReport ReportAcross(const std::array<Detections, kLegMarkers>& leg);
+
+}  // namespace lake::gait
