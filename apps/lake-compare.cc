@@ -60,6 +60,8 @@ int main(int argc, char** argv) {
   cli.add_option("--forward", forward, "+x, -x, …: where the subject faces (default: found from the movement)");
   cli.add_option("--unit", unit, "mm, cm or m: of files that do not say (Tracker text, Kinovea)");
   cli.add_option("--exo-unit", exo_unit, "The same for the exoskeleton trial (default: as --unit)");
+  bool smoothed = false;
+  cli.add_flag("--smoothed", smoothed, "Start from the fit's estimates of a trajectory.csv, not from the measurements");
   cli.add_option("--resamples", options.misalignment.resamples, "of the bootstrap intervals; 0: none");
   cli.add_option("--seed-number", options.misalignment.seed, "of the bootstrap");
   return program.Main(
@@ -72,6 +74,7 @@ int main(int argc, char** argv) {
         for (lake::exchange::TrialOptions* reading : {&options.human_reading, &options.exo_reading}) {
           reading->up = lake::exchange::ParseUp(up);
           reading->forward = forward;
+          if (smoothed) reading->values = lake::motion::MarkerValues::kEstimated;
         }
         options.human_reading.mm_per_unit = lake::commands::MmPerUnit(unit);
         options.exo_reading.mm_per_unit = lake::commands::MmPerUnit(exo_unit.empty() ? unit : exo_unit);

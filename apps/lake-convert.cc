@@ -36,10 +36,13 @@ int main(int argc, char** argv) {
                  "Of inputs that do not say their unit (Tracker text, Kinovea's CSV)")
       ->capture_default_str();
   cli.add_option("--rate", options.reading.rate_hz, "Hz, of inputs without times (DLTdv)");
+  bool smoothed = false;
+  cli.add_flag("--smoothed", smoothed, "Write the fit's estimates of a trajectory.csv, not from the measurements");
   cli.add_flag("--flexion-negative", options.flexion_negative,
                "Knee angle of a .mot as OpenSim's older models have it");
   return lake::ParseAndRun(cli, argc, argv, [&] {
     options.reading.names = lake::exchange::ParseNameMap(map);
+    if (smoothed) options.reading.values = lake::motion::MarkerValues::kEstimated;
     options.reading.up = lake::exchange::ParseUp(up);
     if (!(options.reading.mm_per_unit > 0))
       throw lake::UsageError(fmt::format("--mm-per-unit {}: not positive", options.reading.mm_per_unit));

@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
   CLI::Option* cutoff =
       cli.add_option("--cutoff", cutoff_hz, "Hz (default: spline found from the data, Butterworth 6)");
   cli.add_option("--unit", unit, "mm, cm or m: of files that do not say (Tracker text, Kinovea)");
+  bool smoothed = false;
+  cli.add_flag("--smoothed", smoothed, "Start from the fit's estimates of a trajectory.csv, not from the measurements");
   return program.Main(
       argc, argv, [&] { return std::filesystem::path(trial).stem().string(); },
       [&](lake::Run& run) {
@@ -28,6 +30,7 @@ int main(int argc, char** argv) {
         options.reading.up = lake::exchange::ParseUp(up);
         options.reading.forward = forward;
         options.reading.mm_per_unit = lake::commands::MmPerUnit(unit);
+        if (smoothed) options.reading.values = lake::motion::MarkerValues::kEstimated;
         options.fit.filter = lake::gait::ParseLegFilter(filter);
         if (cutoff->count() > 0 && !(cutoff_hz > 0))
           throw lake::UsageError(fmt::format("--cutoff {}: not positive", cutoff_hz));

@@ -19,7 +19,7 @@ struct Arguments {
   std::vector<std::string> seeds, colors, depths;
   std::optional<double> start_s, end_s;
   double capture_rate_hz = 0, cutoff_hz = 0;
-  bool overlay = true;
+  bool overlay = true, smoothed = false;
 };
 
 void Declare(CLI::App& cli, Arguments& a) {
@@ -52,6 +52,7 @@ void Declare(CLI::App& cli, Arguments& a) {
                  "frame,marker,x_px,y_px rows that overrule the detector; empty: not visible");
   cli.add_flag("--overlay,!--no-overlay", a.overlay, "Write overlay.mp4");
   cli.add_option("--export", a.exports, "Also write trc,mot,c3d (mm), tracker,trk,kinovea,kva");
+  cli.add_flag("--smoothed", a.smoothed, "Export the fit's estimates, not the measurements");
 }
 
 template <std::size_t kCount>
@@ -94,6 +95,7 @@ lake::commands::TrackRunOptions MakeRunOptions(const Arguments& a) {
   }
   options.overlay = a.overlay;
   options.exports = lake::SplitText(a.exports, ',');
+  options.smoothed = a.smoothed;
   return options;
 }
 

@@ -17,6 +17,8 @@ struct TrialOptions {
   std::string forward;                       // "x", "+x", "-z", …; empty: the plane is fitted to the leg's motion
   double mm_per_unit = 1;                    // of files that do not say their unit
   double rate_hz = 0;                        // of files without times (DLTdv)
+  // Of a trajectory.csv, which holds both.
+  motion::MarkerValues values = motion::MarkerValues::kMeasured;
 };
 
 struct Trial {
