@@ -27,16 +27,24 @@ compare::TrialTables ReadTracked(const fs::path& folder, Run& run) {
   compare::TrialTables tables;
   tables.name = folder.string();
   const fs::path markers = exchange::TableOfFolder(folder);
-  tables.trajectory = motion::ReadMarkerCsv(markers);
+  // The estimates of the fit that kinematics.csv is of, which started from the measurements.
+  tables.trajectory = motion::ReadMarkerCsv(markers, motion::MarkerValues::kEstimated);
   tables.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   tables.events = motion::ReadEventsCsv(folder / "events.csv");
   for (const fs::path& file : {markers, folder / "kinematics.csv", folder / "events.csv"}) run.AddInput(file);
   return tables;
 }
 
+// A folder's markers have their names already.
+exchange::TrialOptions FolderReading(const exchange::TrialOptions& reading) {
+  exchange::TrialOptions folder;
+  folder.values = reading.values;
+  return folder;
+}
+
 compare::TrialTables FitTables(const fs::path& path, const exchange::TrialOptions& reading, const std::string& knee,
                                Run& run) {
-  const exchange::Trial trial = ReadTrialFor(path, fs::is_directory(path) ? exchange::TrialOptions{} : reading, run);
+  const exchange::Trial trial = ReadTrialFor(path, fs::is_directory(path) ? FolderReading(reading) : reading, run);
   gait::LegFitOptions fit;
   fit.facing_option = "--forward";
   if (!trial.recording.Find(kKnee)) fit.markers.knee = knee;
@@ -52,7 +60,8 @@ std::string FindExoKnee(const motion::MarkerRecording& recording, const CompareR
 
 std::string ExoKneeOf(const CompareRunOptions& options) {
   if (options.exo_knee || IsTracked(options.exo)) return options.exo_knee.value_or(kExoKnee);
-  const exchange::TrialOptions reading = fs::is_directory(options.exo) ? exchange::TrialOptions{} : options.exo_reading;
+  const exchange::TrialOptions reading =
+      fs::is_directory(options.exo) ? FolderReading(options.exo_reading) : options.exo_reading;
   return FindExoKnee(exchange::ReadTrial(options.exo, reading).recording, options);
 }
 
@@ -158,6 +167,7 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   // What is said of the human trial alone holds for both.
   options.Check([&o](const OptionList& list) {
     o.exo_reading.up = o.human_reading.up, o.exo_reading.forward = o.human_reading.forward;
+    o.exo_reading.values = o.human_reading.values;
     if (!list.IsGiven("exo-map")) o.exo_reading.names = o.human_reading.names;
     if (!list.IsGiven("exo-unit")) o.exo_reading.mm_per_unit = o.human_reading.mm_per_unit;
   });

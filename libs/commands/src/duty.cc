@@ -51,7 +51,7 @@ actuator::ActuatorFilm ReadFilm(const std::filesystem::path& folder, const std::
   if (names.size() != 2) throw UsageError("--rod-markers: give two names, BODY,ROD");
   const std::filesystem::path& file = *found;
   run.AddInput(file);
-  const motion::MarkerRecording recording = motion::ReadMarkerCsv(file);
+  const motion::MarkerRecording recording = motion::ReadMarkerCsv(file, motion::MarkerValues::kEstimated);
   const motion::MarkerTrack &body = TrackOf(recording, names[0], file.string()),
                             &rod = TrackOf(recording, names[1], file.string());
   actuator::ActuatorFilm film;

@@ -69,7 +69,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
-    motion::WriteMarkerCsv(run.Result("trajectory.csv"), result.trajectory);
+    motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
   figure::DrawLegFigure(run.Result("gait.png"), result, options.trial.filename().string());
   return gait::LegFitJson(result);

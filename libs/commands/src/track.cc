@@ -58,25 +58,20 @@ bool HasLeg(const std::vector<std::string>& names) {
                      [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); });
 }
 
-// Puts the fit's positions in the places of the detections. What lies behind a marker's edge displaces it by some
-// thousandths of a pixel that are the same in every frame, so no smoothing makes a position better than that. Where the
-// fit took a detection for an outlier (a jolt of the heel within a frame or two), what was seen stays.
-void TakeFittedPositions(const gait::LegFitResult& fit, const gait::LegFitOptions& options, const gait::LegView& view,
-                         motion::MarkerRecording& tracks) {
-  constexpr double kSystematicPx = 0.006;
-  for (std::size_t m = 0; m < tracks.markers.size(); ++m) {
-    const double depth = view.Depth(tracks.markers[m].name);
-    for (std::size_t i = 0; i < tracks.Frames(); ++i) {
-      motion::MarkerSample& sample = tracks.markers[m].samples[i];
+// The fit's estimates where the recording was made, which is what is smoothed in px.
+motion::MarkerRecording EstimatesInPicture(const gait::LegFitResult& fit, const gait::LegView& view) {
+  motion::MarkerRecording estimates = fit.tracks;
+  for (std::size_t m = 0; m < estimates.markers.size(); ++m) {
+    const double depth = view.Depth(estimates.markers[m].name);
+    for (std::size_t i = 0; i < estimates.Frames(); ++i) {
       const motion::MarkerSample& fitted = fit.trajectory.markers[m].samples[i];
-      if (sample.status != motion::SampleStatus::kDetected || !fitted.IsKnown()) continue;
-      const Eigen::Vector2d position = gait::RecordedFromPlane<double>(view, fitted.position, depth);
-      if ((position - sample.position).norm() > options.outlier_deviations * sample.sigma) continue;
-      sample.position = position;
-      sample.sigma =
-          std::hypot(fitted.sigma / gait::PlaneUnitsPerRecorded(view, fitted.position, depth), kSystematicPx);
+      if (!fitted.IsKnown()) continue;
+      motion::MarkerSample& sample = estimates.markers[m].samples[i];
+      sample.position = gait::RecordedFromPlane<double>(view, fitted.position, depth);
+      sample.sigma = fitted.sigma / gait::PlaneUnitsPerRecorded(view, fitted.position, depth);
     }
   }
+  return estimates;
 }
 
 // Of a recording without a leg: the plane positions of what was seen.
@@ -145,15 +140,26 @@ void WriteFailedSummary(const Json& results, const Error& error, Run& run) {
   run.WriteSummary(failed);
 }
 
+// What is exported: positions in the picture and in the plane.
+struct ExportedMarkers {
+  motion::MarkerRecording tracks, trajectory;
+};
+
+ExportedMarkers MarkersToExport(const TrackRunOptions& options, const gait::LegFitResult& fit,
+                                const gait::LegView& view) {
+  if (options.smoothed) return {EstimatesInPicture(fit, view), fit.trajectory};
+  return {motion::Measurements(fit.tracks), fit.measured};
+}
+
 // In mm where there is a scale; `fit` is null without a leg. Comes last: a format that cannot hold the trial takes
 // nothing else with it.
 void Export(const TrackRunOptions& options, const video::VideoInfo& video, const gait::LegView& view,
-            const motion::MarkerRecording& tracks, const motion::MarkerRecording& trajectory,
-            const gait::LegFitResult* fit, const Json& results, Run& run) {
+            const ExportedMarkers& markers, const gait::LegFitResult* fit, const Json& results, Run& run) {
   if (options.exports.empty()) return;
   exchange::ExportedTrial trial{
-      exchange::PointsFromMarkers(trajectory.unit == motion::LengthUnit::kMm ? trajectory : tracks),
-      exchange::PointsFromMarkers(tracks)};
+      exchange::PointsFromMarkers(markers.trajectory.unit == motion::LengthUnit::kMm ? markers.trajectory
+                                                                                     : markers.tracks),
+      exchange::PointsFromMarkers(markers.tracks)};
   if (fit) trial.points.events = PointEvents(fit->events), trial.motion = &fit->motion;
   trial.image.video =
       exchange::SourceVideo{std::filesystem::absolute(options.video).string(), video.width, video.height};
@@ -184,7 +190,8 @@ motion::MarkerRecording WritePoints(const TrackRunOptions& options, const tracki
                                     const gait::LegView& view, const std::string& note, Run& run) {
   motion::MarkerRecording trajectory = InPlane(tracked.recording, view);
   motion::WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
-  if (trajectory.unit == motion::LengthUnit::kMm) motion::WriteMarkerCsv(run.Result("trajectory.csv"), trajectory);
+  if (trajectory.unit == motion::LengthUnit::kMm)
+    motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), trajectory, motion::Measurements(trajectory));
   figure::DrawTracksFigure(run.Result("track.png"), trajectory,
                            options.video.filename().string() + (note.empty() ? "" : ": " + note));
   WriteOverlay(options, {.tracks = tracked.recording, .note = note}, run);
@@ -220,18 +227,15 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   const gait::LegFitOptions fit_options = FitOptions(options, view, run);
   const gait::LegFitResult fit = FitOrKeep(options, tracked, view, fit_options, results, run);
   for (const std::string& warning : fit.warnings) run.Warn(warning);
-  motion::MarkerRecording tracks = fit.tracks;
-  if (fit_options.filter == gait::LegFilter::kSpline) TakeFittedPositions(fit, fit_options, view, tracks);
-
-  motion::WriteMarkerCsv(run.Result("tracks.csv"), tracks);
+  motion::WriteMarkerCsv(run.Result("tracks.csv"), fit.tracks);
   if (fit.trajectory.unit == motion::LengthUnit::kMm)
-    motion::WriteMarkerCsv(run.Result("trajectory.csv"), fit.trajectory);
+    motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
   figure::DrawLegFigure(run.Result("track.png"), fit, options.video.filename().string());
-  WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
+  WriteOverlay(options, {fit.tracks, &fit.motion, &fit.events}, run);
   results.update(gait::LegFitJson(fit));
-  Export(options, tracked.video, view, tracks, fit.trajectory, &fit, results, run);
+  Export(options, tracked.video, view, MarkersToExport(options, fit, view), &fit, results, run);
   return results;
 }
 
@@ -239,7 +243,7 @@ Json RunPoints(const TrackRunOptions& options, const tracking::TrackResult& trac
                Json results, Run& run) {
   run.Warn("ankle, knee and hip are not all among the markers: no leg is fitted, gaps are not filled");
   const motion::MarkerRecording trajectory = WritePoints(options, tracked, view, "", run);
-  Export(options, tracked.video, view, tracked.recording, trajectory, nullptr, results, run);
+  Export(options, tracked.video, view, {tracked.recording, trajectory}, nullptr, results, run);
   return results;
 }
 
@@ -250,6 +254,8 @@ void CheckOptions(const TrackRunOptions& options) {
     if (std::find(options.track.names.begin(), options.track.names.end(), name) == options.track.names.end())
       throw UsageError(
           fmt::format("--depth {}: not one of the markers ({})", name, fmt::join(options.track.names, ", ")));
+  if (options.smoothed && !HasLeg(options.track.names))
+    throw UsageError("--smoothed: without ankle, knee and hip among the markers nothing is fitted");
   if (options.vertical && std::abs((*options.vertical)[1] - (*options.vertical)[3]) < 1)
     throw UsageError("--vertical: the ends of a plumb line must differ in height by at least 1 px");
   if (options.corrections && !std::filesystem::exists(*options.corrections))
@@ -322,6 +328,7 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   options
       .Add("export", o.exports, fmt::format("Also write the trial as {}", fmt::join(exchange::ExportFormats(), ", ")))
       .Value("FORMAT,...");
+  options.Add("smoothed", o.smoothed, "Export the fit's estimates, not the measurements");
 }
 
 Json RunTrack(const TrackRunOptions& options, Run& run) {

@@ -20,15 +20,55 @@ SampleStatus ParseStatus(const CsvTable& table, std::size_t row, std::size_t col
 // The columns of one marker.
 struct MarkerColumns {
   std::size_t x, y, sigma, status;
+  bool raw;  // a measurement's: an empty cell is a marker that was not seen
 };
 
 std::string XSuffix(LengthUnit unit) {
   return fmt::format("_x_{}", ToString(unit));
 }
 
+constexpr std::string_view kRaw = "_raw";
+
+void AddHeader(const std::string& name, std::string_view unit, std::vector<std::string>& header) {
+  for (const char* quantity : {"x", "y", "sigma"}) header.push_back(fmt::format("{}_{}_{}", name, quantity, unit));
+}
+
+void AddCells(const MarkerSample& sample, bool is_known, CsvWriter& csv) {
+  if (is_known)
+    csv.Add(sample.position.x()).Add(sample.position.y()).Add(sample.sigma);
+  else
+    csv.AddEmpty().AddEmpty().AddEmpty();
+}
+
+void WriteTable(const std::filesystem::path& path, const MarkerRecording& recording,
+                const MarkerRecording* measurements) {
+  const std::string_view unit = ToString(recording.unit);
+  std::vector<std::string> header = {"frame", "time_s"};
+  for (const MarkerTrack& marker : recording.markers) {
+    AddHeader(marker.name, unit, header);
+    header.push_back(marker.name + "_status");
+    if (measurements) AddHeader(fmt::format("{}{}", marker.name, kRaw), unit, header);
+  }
+  CsvWriter csv(header);
+  for (std::size_t i = 0; i < recording.Frames(); ++i) {
+    csv.Add(recording.frame[i]).Add(recording.time_s[i]);
+    for (std::size_t m = 0; m < recording.markers.size(); ++m) {
+      const MarkerSample& sample = recording.markers[m].samples[i];
+      AddCells(sample, sample.IsKnown(), csv);
+      csv.Add(ToString(sample.status));
+      if (!measurements) continue;
+      const MarkerSample& measured = measurements->markers[m].samples[i];
+      AddCells(measured, measured.status == SampleStatus::kDetected, csv);
+    }
+    csv.EndRow();
+  }
+  csv.Write(path);
+}
+
 MarkerSample ReadSample(const CsvTable& table, std::size_t row, const MarkerColumns& columns) {
   MarkerSample sample;
   sample.status = ParseStatus(table, row, columns.status);
+  if (columns.raw) sample.status = table.Number(row, columns.x) ? SampleStatus::kDetected : SampleStatus::kMissing;
   if (!sample.IsKnown()) return sample;
   sample.position = {table.RequiredNumber(row, columns.x), table.RequiredNumber(row, columns.y)};
   sample.sigma = table.RequiredNumber(row, columns.sigma);
@@ -67,44 +107,39 @@ const MarkerTrack* MarkerRecording::Find(std::string_view name) const {
   return nullptr;
 }
 
-void WriteMarkerCsv(const std::filesystem::path& path, const MarkerRecording& recording) {
-  const std::string_view unit = ToString(recording.unit);
-  std::vector<std::string> header = {"frame", "time_s"};
-  for (const MarkerTrack& marker : recording.markers) {
-    for (const char* quantity : {"x", "y", "sigma"})
-      header.push_back(fmt::format("{}_{}_{}", marker.name, quantity, unit));
-    header.push_back(marker.name + "_status");
-  }
-  CsvWriter csv(header);
-  for (std::size_t i = 0; i < recording.Frames(); ++i) {
-    csv.Add(recording.frame[i]).Add(recording.time_s[i]);
-    for (const MarkerTrack& marker : recording.markers) {
-      const MarkerSample& sample = marker.samples[i];
-      if (sample.IsKnown())
-        csv.Add(sample.position.x()).Add(sample.position.y()).Add(sample.sigma);
-      else
-        csv.AddEmpty().AddEmpty().AddEmpty();
-      csv.Add(ToString(sample.status));
-    }
-    csv.EndRow();
-  }
-  csv.Write(path);
+MarkerRecording Measurements(MarkerRecording recording) {
+  for (MarkerTrack& marker : recording.markers)
+    for (MarkerSample& sample : marker.samples)
+      if (sample.status != SampleStatus::kDetected) sample = MarkerSample();
+  return recording;
 }
 
-MarkerRecording ReadMarkerCsv(const std::filesystem::path& path) {
+void WriteMarkerCsv(const std::filesystem::path& path, const MarkerRecording& recording) {
+  WriteTable(path, recording, nullptr);
+}
+
+void WriteTrajectoryCsv(const std::filesystem::path& path, const MarkerRecording& estimates,
+                        const MarkerRecording& measurements) {
+  WriteTable(path, estimates, &measurements);
+}
+
+MarkerRecording ReadMarkerCsv(const std::filesystem::path& path, MarkerValues values) {
   const CsvTable table = CsvTable::Read(path);
   MarkerRecording recording;
   recording.unit = FindUnit(table, path);
   std::vector<MarkerColumns> columns;
+  const std::string_view unit = ToString(recording.unit);
   const std::string suffix = XSuffix(recording.unit);
   for (const std::string& column : table.Header()) {
     if (!column.ends_with(suffix)) continue;
     const std::string name = column.substr(0, column.size() - suffix.size());
+    if (name.ends_with(kRaw) && !table.Has(name + "_status")) continue;
     recording.markers.push_back({name, {}});
+    const bool raw = values == MarkerValues::kMeasured && table.Has(fmt::format("{}{}{}", name, kRaw, suffix));
     const auto find = [&](const char* quantity) {
-      return table.Column(fmt::format("{}_{}_{}", name, quantity, ToString(recording.unit)));
+      return table.Column(fmt::format("{}{}_{}_{}", name, raw ? kRaw : "", quantity, unit));
     };
-    columns.push_back({find("x"), find("y"), find("sigma"), table.Column(name + "_status")});
+    columns.push_back({find("x"), find("y"), find("sigma"), table.Column(name + "_status"), raw});
   }
   const std::size_t frame = table.Column("frame"), time = table.Column("time_s");
   for (std::size_t row = 0; row < table.Rows(); ++row) {

@@ -111,7 +111,8 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   if (IsAngleTable(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
   if (options.flexion_negative) throw UsageError("--flexion-negative is for a .mot that is written");
   const fs::path table = fs::is_directory(in) ? TableFor(out, in) : in;
-  PointRecording points = ReadPoints(table, options.reading.mm_per_unit, options.reading.rate_hz);
+  PointRecording points =
+      ReadPoints(table, options.reading.mm_per_unit, options.reading.rate_hz, options.reading.values);
   if (options.crop_s) CropPoints(*options.crop_s, in, points);
   points = FitToFormat(RenamePoints(points, options.reading.names, in), in, out, options);
   if (!points.events.empty() && Lower(out.extension().string()) != ".c3d")

@@ -11,6 +11,7 @@ void Describe(ConvertOptions& o, OptionList& options) {
       .Otherwise("axes as they are");
   DescribeUnit("unit", o.reading.mm_per_unit, options);
   DescribeRate(o.reading.rate_hz, options);
+  DescribeValues(o.reading, options);
   using Units = OptionList::Choices<std::string>;
   options.AddChoice("out-unit", o.unit, Units{{"mm", "mm"}, {"cm", "cm"}, {"m", "m"}}, "Length unit of a .trc output");
   options.Add("crop", o.crop_s, "Keep only this time span").Unit("s").Value("START,END");

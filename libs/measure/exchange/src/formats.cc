@@ -48,10 +48,16 @@ const WritableFormat& WritableFormatOf(const fs::path& path) {
                                path.string()));
 }
 
-PointRecording ReadCsv(const fs::path& path, double mm_per_unit, double rate_hz) {
+// Of lake's own table: what was measured, or all that a fit estimates.
+PointRecording ReadOwnPoints(const fs::path& path, motion::MarkerValues values) {
+  const motion::MarkerRecording table = ReadTable(path, values);
+  return PointsFromMarkers(values == motion::MarkerValues::kMeasured ? motion::Measurements(table) : table);
+}
+
+PointRecording ReadCsv(const fs::path& path, double mm_per_unit, double rate_hz, motion::MarkerValues values) {
   if (IsKinovea(path)) return ReadKinovea(path, mm_per_unit);
   if (IsDltdv(path)) return ReadDltdv(path, rate_hz);
-  return PointsFromMarkers(motion::ReadMarkerCsv(path));
+  return ReadOwnPoints(path, values);
 }
 
 const WritableFormat& ExportFormat(const std::string& name) {
@@ -73,8 +79,16 @@ fs::path TableOfFolder(const fs::path& folder) {
              folder.string());
 }
 
-PointRecording ReadPoints(const fs::path& path, double mm_per_unit, double rate_hz) {
-  if (fs::is_directory(path)) return PointsFromMarkers(motion::ReadMarkerCsv(TableOfFolder(path)));
+motion::MarkerRecording ReadTable(const fs::path& path, motion::MarkerValues values) {
+  motion::MarkerRecording table = motion::ReadMarkerCsv(path, values);
+  if (values == motion::MarkerValues::kEstimated && table.unit == motion::LengthUnit::kPx)
+    throw Fail("{}: holds measurements in px, and no fit's estimates (--smoothed); those are in a trajectory.csv",
+               path.string());
+  return table;
+}
+
+PointRecording ReadPoints(const fs::path& path, double mm_per_unit, double rate_hz, motion::MarkerValues values) {
+  if (fs::is_directory(path)) return ReadOwnPoints(TableOfFolder(path), values);
   if (!fs::exists(path)) throw Fail("{}: no such file", path.string());
   const std::string extension = Lower(path.extension().string());
   if (extension == ".trc") return ReadTrc(path);
@@ -82,7 +96,7 @@ PointRecording ReadPoints(const fs::path& path, double mm_per_unit, double rate_
   if (extension == ".trk" || extension == ".trz") return ReadTrk(path);
   if (extension == ".kva") return ReadKva(path);
   if (extension == ".txt") return ReadTrackerText(path, mm_per_unit);
-  if (extension == ".csv") return ReadCsv(path, mm_per_unit, rate_hz);
+  if (extension == ".csv") return ReadCsv(path, mm_per_unit, rate_hz, values);
   throw Fail(
       "{}: unknown kind of file; .trc, .c3d, .trk, .trz, .kva, .txt (Tracker), .csv (lake, Kinovea, DLTdv) are known",
       path.string());

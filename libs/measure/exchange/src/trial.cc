@@ -123,8 +123,8 @@ double OutOfPlane(const PointRecording& points, const Eigen::Vector3d& normal) {
   return count > 0 ? std::sqrt(std::max(0.0, square / static_cast<double>(count))) : 0;
 }
 
-void ReadTable(const fs::path& path, const TrialOptions& options, Trial& trial) {
-  trial.recording = Rename(motion::ReadMarkerCsv(path), options.names, path);
+void ReadOwnTable(const fs::path& path, const TrialOptions& options, Trial& trial) {
+  trial.recording = Rename(exchange::ReadTable(path, options.values), options.names, path);
 }
 
 Eigen::Vector3d UpDirection(const PointRecording& points, const TrialOptions& options) {
@@ -215,6 +215,12 @@ void Describe(TrialOptions& o, OptionList& options) {
       .Value("AXIS")
       .Otherwise("found from the movement");
   DescribeUnit("unit", o.mm_per_unit, options);
+  DescribeValues(o, options);
+}
+
+Option& DescribeValues(TrialOptions& o, OptionList& options) {
+  return options.AddFlag("smoothed", o.values, motion::MarkerValues::kEstimated,
+                         "Start from the fit's estimates of a trajectory.csv, not from the measurements");
 }
 
 Option& DescribeUp(TrialOptions& o, OptionList& options) {
@@ -253,7 +259,7 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
   Trial trial;
   trial.file = fs::is_directory(path) ? TableOfFolder(path) : path;
   if (IsOwnTable(trial.file) && fs::exists(trial.file)) {
-    ReadTable(trial.file, options, trial);
+    ReadOwnTable(trial.file, options, trial);
   } else {
     PointRecording points =
         RenamePoints(ReadPoints(trial.file, options.mm_per_unit, options.rate_hz), options.names, trial.file);

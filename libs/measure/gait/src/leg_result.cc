@@ -94,6 +94,13 @@ motion::MarkerTrack TrajectoryOf(const MarkerOutput& output) {
   return track;
 }
 
+motion::MarkerTrack MeasuredOf(const Detections& d) {
+  motion::MarkerTrack track{d.name, std::vector<motion::MarkerSample>(d.seen.size())};
+  for (std::size_t i = 0; i < d.seen.size(); ++i)
+    if (d.seen[i]) track.samples[i] = {d.in_plane[i], d.plane_sigma[i], motion::SampleStatus::kDetected};
+  return track;
+}
+
 LegPoints PointsAt(const std::vector<MarkerOutput>& leg, std::size_t frame, bool raw) {
   LegPoints points;
   const std::array<std::optional<Eigen::Vector2d>*, kLegMarkers> places = {&points.ankle, &points.knee, &points.hip,
@@ -261,10 +268,11 @@ MarkerOutput MakeExtra(const motion::MarkerRecording& recording, const Detection
 void AddMarkers(const motion::MarkerRecording& recording, const std::vector<MarkerOutput>& leg, const LegView& view,
                 double most_sigma, const LegFitOptions& options, LegFitResult& result) {
   result.tracks = {recording.unit, recording.frame, recording.time_s, {}};
-  result.trajectory = {PlaneUnit(view), recording.frame, recording.time_s, {}};
+  result.trajectory = result.measured = {PlaneUnit(view), recording.frame, recording.time_s, {}};
   const auto add = [&](const MarkerOutput& output) {
     result.tracks.markers.push_back(TrackOf(output));
     result.trajectory.markers.push_back(TrajectoryOf(output));
+    result.measured.markers.push_back(MeasuredOf(*output.detections));
     result.markers.push_back(ReportMarker(output, recording, view, options.outlier_deviations, result.outliers));
   };
   for (const motion::MarkerTrack& track : recording.markers) {

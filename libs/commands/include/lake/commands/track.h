@@ -26,14 +26,15 @@ struct TrackRunOptions {
   std::optional<std::filesystem::path> corrections;  // frame,marker,x_px,y_px
   bool overlay = true;
   std::vector<std::string> exports;  // as CheckExportFormats (exchange/formats.h) knows them
+  bool smoothed = false;             // exports hold the fit's estimates; else the measurements, with their gaps
 };
 
 void Describe(TrackRunOptions& o, OptionList& options);
 
 // Writes tracks, leg motion, events, figures, video and exports through `run` and returns the results for the summary.
 //
-// With the spline filter, the positions of detected samples in tracks.csv are those of the fit at that frame: the
-// frame's own measurement, weighed against its neighbours'. Without a filter they are each frame's own.
+// Detected samples in tracks.csv are each frame's own measurement, filled ones the fit's; trajectory.csv has the fit's
+// estimates and the measurements beside them.
 Json RunTrack(const TrackRunOptions& options, Run& run);
 
 }  // namespace lake::commands

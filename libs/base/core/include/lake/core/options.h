@@ -276,6 +276,18 @@ class OptionList {
     return AddCustom(std::move(name), std::move(help), set, now).Value(names);
   }
 
+  // A flag that gives the field this value.
+  template <typename T>
+  Option& AddFlag(std::string name, T& field, T value, std::string help) {
+    const auto set = [&field, value, otherwise = field](const OptionTexts& texts, const std::string& said) {
+      CheckTextCount(texts, 1, said);
+      field = OptionValue<bool>::Parse(texts.front(), said) ? value : otherwise;
+    };
+    Option& option = AddCustom(std::move(name), std::move(help), set, OptionValue<bool>::Format(field == value));
+    option.is_flag_ = true;
+    return option;
+  }
+
   // A text of its own kind.
   Option& AddCustom(std::string name, std::string help, SetOption set, std::string default_text = "");
 

@@ -48,11 +48,25 @@ struct MarkerRecording {
   const MarkerTrack* Find(std::string_view name) const;  // nullptr if there is none
 };
 
+// The detected samples alone: what was measured, without what was inferred.
+MarkerRecording Measurements(MarkerRecording recording);
+
 // tracks.csv or trajectory.csv, by the recording's unit: frame,time_s, then per marker M_x_U,M_y_U,M_sigma_U,M_status.
 void WriteMarkerCsv(const std::filesystem::path& path, const MarkerRecording& recording);
 
-// Reads either; the unit is taken from the columns' names. Throws Error naming file, line and column, also for times
-// that do not increase.
-MarkerRecording ReadMarkerCsv(const std::filesystem::path& path);
+// trajectory.csv: a fit's estimates in those columns, and behind each marker's the measurement that the frame itself
+// holds, M_raw_x_U,M_raw_y_U,M_raw_sigma_U, empty where there is none. Frames, markers and unit are the same in both.
+void WriteTrajectoryCsv(const std::filesystem::path& path, const MarkerRecording& estimates,
+                        const MarkerRecording& measurements);
+
+// Which of the two a reader wants of a table that holds both.
+enum class MarkerValues {
+  kMeasured,   // what further fits and filters start from; status detected or missing
+  kEstimated,  // a fit's
+};
+
+// Reads either table; the unit is taken from the columns' names. Of a table that holds one kind of values only, those.
+// Throws Error naming file, line and column, also for times that do not increase.
+MarkerRecording ReadMarkerCsv(const std::filesystem::path& path, MarkerValues values = MarkerValues::kMeasured);
 
 }  // namespace lake::motion

@@ -22,8 +22,12 @@ const PointFormat& FormatOf(const std::filesystem::path& path);
 
 // As it stands in the file, before naming and projection: a lake-track folder, .trc, .c3d, .trk, .trz, .kva, .txt
 // (Tracker), .csv (lake's own, Kinovea's, DLTdv's); endings in any case. `mm_per_unit` and `rate_hz` are for files that
-// do not say. Throws Error for others.
-PointRecording ReadPoints(const std::filesystem::path& path, double mm_per_unit = 1, double rate_hz = 0);
+// do not say, `values` for those of lake's own tables that hold both kinds. Throws Error for others.
+PointRecording ReadPoints(const std::filesystem::path& path, double mm_per_unit = 1, double rate_hz = 0,
+                          motion::MarkerValues values = motion::MarkerValues::kMeasured);
+
+// One of lake's own tables. Throws Error for estimates of a table in px: tracks.csv holds measurements.
+motion::MarkerRecording ReadTable(const std::filesystem::path& path, motion::MarkerValues values);
 
 // The table that lake-track left in its folder: trajectory.csv, or tracks.csv. Throws Error if there is neither.
 std::filesystem::path TableOfFolder(const std::filesystem::path& folder);

@@ -19,6 +19,8 @@ struct TrialOptions {
   std::string forward;                       // "x", "+x", "-z", …; empty: the plane is fitted to the leg's motion
   double mm_per_unit = 1;                    // of files that do not say their unit
   double rate_hz = 0;                        // of files without times (DLTdv)
+  // Of a trajectory.csv, which holds both.
+  motion::MarkerValues values = motion::MarkerValues::kMeasured;
 };
 
 // All but the rate, which only what converts asks.
@@ -26,6 +28,9 @@ void Describe(TrialOptions& o, OptionList& options);
 // The unit of files that do not say theirs: its name, or its length in mm.
 // Which axis of a 3-D file is vertical.
 Option& DescribeUp(TrialOptions& o, OptionList& options);
+
+// Whether a trajectory.csv's measurements or its estimates are read.
+Option& DescribeValues(TrialOptions& o, OptionList& options);
 
 Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options);
 

@@ -97,6 +97,7 @@ struct AcrossReport {
 struct LegFitResult {
   motion::MarkerRecording tracks;      // as recorded, gaps filled where the fit is certain enough
   motion::MarkerRecording trajectory;  // in the plane frame, filtered as asked; unit px without a scale
+  motion::MarkerRecording measured;    // the detections alone, in the plane frame
   motion::LegMotion motion;
   std::vector<motion::StsEvent> events;
   std::vector<MarkerReport> markers;
