@@ -171,8 +171,7 @@ void CheckCompared(const std::optional<std::string>& marker, const StudyTrial& t
 }
 
 void ReadCompare(YamlNode node, Files& files, StudyFile& study) {
-  ReadSection(node, study.compare, files,
-              {"human", "exo", "map", "up", "forward", "unit", "smoothed", "exo-map", "exo-unit"});
+  ReadSection(node, study.compare, files, {"human", "exo", "map", "up", "forward", "unit", "exo-map", "exo-unit"});
   node.Finish();
   study.compare_options = node.ToJson();
   if (!study.exo) throw Fail("{}: 'compare' needs an 'exo' trial", node.Where());
@@ -203,7 +202,7 @@ StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& desi
   ReadProblemKey(node, files, redesign.design);
   ReadSection(node, redesign.search, files);
   ReadSection(node, redesign.options, files,
-              {"comparison", "human", "human-knee", "map", "up", "forward", "unit", "smoothed", "worn"});
+              {"comparison", "human", "human-knee", "map", "up", "forward", "unit", "worn"});
   node.Finish();
   return redesign;
 }
