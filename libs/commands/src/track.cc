@@ -90,9 +90,19 @@ motion::MarkerRecording InPlane(const motion::MarkerRecording& tracks, const gai
 
 Json VideoJson(const tracking::TrackResult& tracked) {
   const video::VideoInfo& video = tracked.video;
+  Json jumps = Json::array();
+  for (const tracking::TimeJump& jump : tracked.times.jumps)
+    jumps.push_back({{"before_frame", jump.before},
+                     {"after_frame", jump.after},
+                     {"stamped_s", jump.stamped_s},
+                     {"moved_s", jump.moved_s},
+                     {"moved_sigma_s", jump.sigma_s}});
   return {{"width", video.width},
           {"height", video.height},
           {"frames", tracked.recording.Frames()},
+          {"repeated_frames", tracked.times.repeated.size()},
+          {"captured_rate_hz", tracked.times.captured_hz > 0 ? Json(tracked.times.captured_hz) : Json()},
+          {"time_jumps", jumps},
           {"frame_rate_hz", video.frame_rate_hz},
           {"codec", video.codec},
           {"rotation_deg", video.rotation_deg},
@@ -357,6 +367,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   // Only now, as a video that cannot be tracked is told of in one line.
   WarnOfUnit(view, options.camera.has_value(), run);
   WarnOfVideo(tracked.video, run);
+  for (const std::string& warning : tracking::Warnings(tracked.times)) run.Warn(warning);
   ApplyCorrections(corrections, tracked.recording);
 
   const Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}};

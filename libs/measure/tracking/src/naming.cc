@@ -250,6 +250,14 @@ class Namer {
     return *continuity < kCloseEnough ? std::optional(FitToName{true, *continuity}) : std::nullopt;
   }
 
+  double TimeOf(std::int64_t frame) const { return recording_.time_s[index_of_frame_.at(frame)]; }
+
+  bool IsBreakBetween(std::int64_t one, std::int64_t other) const {
+    return std::any_of(options_.breaks.begin(), options_.breaks.end(), [&](std::int64_t frame) {
+      return frame > std::min(one, other) && frame <= std::max(one, other);
+    });
+  }
+
   // From the nearest known samples before and after: displacement over what is possible in the time between.
   std::optional<double> ContinuityMisfit(std::size_t tracklet, std::size_t name) const {
     const Tracklet& piece = tracklets_[tracklet];
@@ -262,7 +270,10 @@ class Namer {
     std::optional<double> worst;
     const auto compare = [&](std::size_t known, const TrackletSample& end) {
       const MarkerPhysics& physics = options_.physics;
-      const double lost_s = std::min(std::abs(end.time_s - recording_.time_s[known]), physics.turns_after_s);
+      const double lost_s =
+          IsBreakBetween(recording_.frame[known], end.frame)
+              ? physics.turns_after_s
+              : std::min(std::abs(TimeOf(end.frame) - recording_.time_s[known]), physics.turns_after_s);
       const double possible = (2 + physics.SpeedRadii() * lost_s) * end.radius_px;
       const double misfit = (samples[known].position - end.position).norm() / possible;
       worst = std::max(worst.value_or(0), misfit);

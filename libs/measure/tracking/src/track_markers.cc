@@ -149,13 +149,14 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
   const std::vector<Tracklet> tracklets = builder.Finish();
   result.tracklets = tracklets.size();
   result.radius_px = MedianRadius(tracklets);
-  const NamingOptions naming{options.names,          options.seeds, Identities(options),
-                             options.metric_from_px, options.up_px, options.physics};
+  const NamingOptions naming{options.names, options.seeds,   Identities(options), options.metric_from_px,
+                             options.up_px, options.physics, builder.Breaks()};
   try {
     NameTracklets(tracklets, naming, result.recording);
   } catch (const Error& error) {
     throw Fail("{}: {}", video.string(), error.what());
   }
+  result.times = CorrectFrameTimes(builder.RepeatedFrames(), result.recording);
   result.sigma = CalibrateSigmas(result.recording);
   return result;
 }

@@ -2,10 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lake/core/statistics.h"
 #include "lake/tracking/assignment.h"
+#include "picture_repeat.h"
 
 namespace lake::tracking {
 namespace {
@@ -16,14 +18,19 @@ struct Motion {
   Eigen::Vector2d position, velocity;  // px, px/s
 };
 
-Motion Extrapolate(const std::vector<TrackletSample>& samples, double time_s) {
-  const TrackletSample& last = samples.back();
-  if (samples.size() < 2) return {last.position, Eigen::Vector2d::Zero()};
-  const TrackletSample& before = samples[samples.size() - 2];
+Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s) {
+  // The last three that were measured, the last one first.
+  std::array<const TrackletSample*, 3> samples = {};
+  std::size_t count = 0;
+  for (auto sample = all.rbegin(); sample != all.rend() && count < samples.size(); ++sample)
+    if (!sample->repeated) samples[count++] = &*sample;
+  const TrackletSample& last = *samples[0];
+  if (count < 2) return {last.position, Eigen::Vector2d::Zero()};
+  const TrackletSample& before = *samples[1];
   const Eigen::Vector2d slope = (last.position - before.position) / (last.time_s - before.time_s);
   const double ahead = time_s - last.time_s;
-  if (samples.size() < 3 || ahead > 2 * (last.time_s - before.time_s)) return {last.position + ahead * slope, slope};
-  const TrackletSample& first = samples[samples.size() - 3];
+  if (count < 3 || ahead > 2 * (last.time_s - before.time_s)) return {last.position + ahead * slope, slope};
+  const TrackletSample& first = *samples[2];
   constexpr double kStillPx = 0.25;  // from the last of three to each of the others; at a turn the first may be near
   if ((last.position - first.position).norm() < kStillPx && (last.position - before.position).norm() < kStillPx)
     return {(first.position + before.position + last.position) / 3, Eigen::Vector2d::Zero()};
@@ -31,6 +38,12 @@ Motion Extrapolate(const std::vector<TrackletSample>& samples, double time_s) {
   const Eigen::Vector2d acceleration = (slope - first_slope) / (0.5 * (last.time_s - first.time_s));
   const Eigen::Vector2d velocity = slope + acceleration * 0.5 * (last.time_s - before.time_s);
   return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration};
+}
+
+double LastMeasured(const std::vector<TrackletSample>& samples) {
+  const auto found =
+      std::find_if(samples.rbegin(), samples.rend(), [](const auto& sample) { return !sample.repeated; });
+  return found->time_s;
 }
 
 // Whether a sample is among the three before or after a gap or an end, where something comes before the marker or
@@ -96,7 +109,7 @@ double Tracklet::ExtentPx() const {
 
 MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, double frame_s) const {
   const Motion motion = Extrapolate(live.tracklet.samples, time_s);
-  const double radius = live.appearance.RadiusPx(), ahead = time_s - live.seen_s;
+  const double radius = live.appearance.RadiusPx(), ahead = time_s - LastMeasured(live.tracklet.samples);
   MarkerPrediction prediction;
   prediction.position = motion.position;
   prediction.velocity_px = motion.velocity * frame_s;
@@ -104,6 +117,8 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
   const bool young = live.tracklet.samples.size() < 3;
   prediction.gate_px = std::max(2.0, radius) + 0.5 * options_.physics.AccelerationRadii() * radius * ahead * ahead +
                        (young ? 3 * radius : 0);
+  // After repeated frames the time since the last measurement may have passed or not.
+  if (live.tracklet.samples.back().repeated) prediction.gate_px += motion.velocity.norm() * (ahead - frame_s);
   // Where identities are certain, association needs no caution.
   prediction.gate_px = detector_.KnowsIdentities() ? 8 * radius : std::min(prediction.gate_px, 8 * radius);
   if (live.tracklet.samples.size() == 1 && live.seeded) prediction.gate_px = options_.physics.FastStartRadii() * radius;
@@ -113,12 +128,12 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
   return prediction;
 }
 
-bool TrackletBuilder::SearchEverywhere(const video::VideoFrame& frame) const {
+bool TrackletBuilder::SearchEverywhere(std::int64_t frame) const {
   const bool at_seed = std::any_of(options_.seeds.begin(), options_.seeds.end(),
-                                   [&](const TrackletSeed& seed) { return seed.frame == frame.index; });
+                                   [&](const TrackletSeed& seed) { return seed.frame == frame; });
   if (at_seed || std::any_of(live_.begin(), live_.end(), [](const Live& live) { return live.IsFastStart(); }))
     return true;
-  const bool urgent = last_loss_s_ && frame.time_s - *last_loss_s_ < options_.urgent_s;
+  const bool urgent = last_loss_s_ && time_s_ - *last_loss_s_ < options_.urgent_s;
   return frames_seen_ % (urgent ? options_.urgent_interval : options_.search_interval) == 0;
 }
 
@@ -129,11 +144,11 @@ bool TrackletBuilder::IsSeed(std::int64_t frame, const MarkerDetection& detectio
   });
 }
 
-void TrackletBuilder::Extend(Live& live, const video::VideoFrame& frame, const MarkerDetection& detection) {
-  live.tracklet.samples.push_back({frame.index, frame.time_s, detection.position, detection.sigma_px,
+void TrackletBuilder::Extend(Live& live, std::int64_t frame, const MarkerDetection& detection) const {
+  live.tracklet.samples.push_back({frame, time_s_, detection.position, detection.sigma_px,
                                    detection.appearance.ApparentRadiusPx(), detection.appearance.amplitude,
-                                   detection.quality});
-  live.seen_s = frame.time_s;
+                                   detection.quality, is_repeated_});
+  live.seen_s = time_s_;
   if (!live.tracklet.identity) live.tracklet.identity = detection.identity;
   // The running mean over the last ten or so looks; all of them while there are fewer.
   const double weight = std::max(0.1, 1.0 / static_cast<double>(live.tracklet.samples.size()));
@@ -144,7 +159,7 @@ void TrackletBuilder::Extend(Live& live, const video::VideoFrame& frame, const M
   live.quality += weight * (detection.quality - live.quality);
 }
 
-void TrackletBuilder::Associate(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions,
+void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPrediction> predictions,
                                 std::vector<MarkerDetection> detections) {
   Eigen::MatrixXd cost(live_.size(), detections.size());
   for (std::size_t i = 0; i < live_.size(); ++i)
@@ -157,38 +172,130 @@ void TrackletBuilder::Associate(const video::VideoFrame& frame, std::span<const 
     taken[static_cast<std::size_t>(assigned[i])] = true;
     Extend(live_[i], frame, detections[static_cast<std::size_t>(assigned[i])]);
   }
+  if (is_repeated_) return;  // nothing new can be seen in it
   for (std::size_t j = 0; j < detections.size() && live_.size() < options_.max_live; ++j) {
     if (taken[j]) continue;
-    live_.push_back(
-        {{}, detections[j].appearance, detections[j].quality, frame.time_s, IsSeed(frame.index, detections[j])});
+    live_.push_back({{}, detections[j].appearance, detections[j].quality, time_s_, IsSeed(frame, detections[j])});
     Extend(live_.back(), frame, detections[j]);
   }
 }
 
-void TrackletBuilder::RetireLost(double time_s) {
+void TrackletBuilder::RetireLost() {
   const double coast_s = std::max(options_.max_coast_s, (options_.max_coast_frames + 0.5) * frame_s_);
   std::erase_if(live_, [&](Live& live) {
     const bool young = !live.seeded && static_cast<int>(live.tracklet.samples.size()) < options_.min_samples;
     const bool established = static_cast<int>(live.tracklet.samples.size()) >= options_.established;
-    if (established && live.seen_s < time_s) last_loss_s_ = time_s;
-    if (live.seen_s >= time_s || (!young && time_s - live.seen_s <= coast_s)) return false;
+    if (established && live.seen_s < time_s_) last_loss_s_ = time_s_;
+    if (live.seen_s >= time_s_ || (!young && time_s_ - live.seen_s <= coast_s)) return false;
     Keep(std::move(live.tracklet));
     return true;
   });
 }
 
 void TrackletBuilder::Keep(Tracklet tracklet) {
+  std::erase_if(tracklet.samples, [](const TrackletSample& sample) { return sample.repeated; });
   if (!detector_.KnowsIdentities()) RemoveUnlike(tracklet.samples);
   if (static_cast<int>(tracklet.samples.size()) >= options_.min_samples) finished_.push_back(std::move(tracklet));
 }
 
-void TrackletBuilder::Add(const video::VideoFrame& frame) {
-  frame_s_ = frames_seen_ > 0 ? frame.time_s - previous_time_s_ : 0;
+// Of all that was seen in the frame before.
+std::vector<ExpectedStep> TrackletBuilder::ExpectedSteps(std::span<const MarkerPrediction> predictions) const {
+  std::vector<ExpectedStep> steps;
+  for (std::size_t i = 0; i < predictions.size(); ++i) {
+    const TrackletSample& last = live_[i].tracklet.samples.back();
+    if (last.frame != previous_.index) continue;
+    steps.push_back({last.position, predictions[i].position - last.position, predictions[i].appearance.RadiusPx()});
+  }
+  return steps;
+}
+
+// Whether, after repeated frames, everything is where it would be had no time passed during them.
+bool TrackletBuilder::StoodStill(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions) const {
+  constexpr double kAlike = 0.35;
+  const double repeated_s = previous_.time_s - repeated_since_s_;
+  const double without = Mismatch(previous_.luma, frame.luma, ExpectedSteps(PredictAll(time_s_ - repeated_s)));
+  return without < kAlike && without < Mismatch(previous_.luma, frame.luma, ExpectedSteps(predictions));
+}
+
+// What has come to rest at once looks like a picture that stands still; that it does not move for so long decides.
+void TrackletBuilder::NoteRepeated(std::int64_t frame) {
+  constexpr double kLongest_s = 0.5;
+  if (repeated_.empty() || repeated_.back() != previous_.index) repeated_since_s_ = previous_.time_s;
+  repeated_.push_back(frame);
+  if (time_s_ + stood_still_s_ - repeated_since_s_ <= kLongest_s) return;
+  is_repeated_ = false;
+  TakeBackRepeated();
+}
+
+// Only what has moved on when the picture changes again was hidden from sight; where coding leaves things that come to
+// rest a frame behind, nothing was.
+void TrackletBuilder::ConfirmRepeated(std::int64_t frame) {
+  constexpr double kMovedPx = 0.5;
+  const auto moved = std::count_if(live_.begin(), live_.end(), [&](const Live& live) {
+    const std::vector<TrackletSample>& samples = live.tracklet.samples;
+    return samples.size() > 1 && samples.back().frame == frame && samples[samples.size() - 2].repeated &&
+           (samples.back().position - samples[samples.size() - 2].position).norm() >= kMovedPx;
+  });
+  const auto lost =
+      std::count_if(live_.begin(), live_.end(), [](const Live& live) { return live.tracklet.samples.back().repeated; });
+  if (moved + lost < 2) TakeBackRepeated();
+}
+
+// The last run of repeated frames was none.
+void TrackletBuilder::TakeBackRepeated() {
+  std::int64_t last = repeated_.back();
+  for (; !repeated_.empty() && repeated_.back() == last; --last) repeated_.pop_back();
+  for (Live& live : live_)
+    for (auto sample = live.tracklet.samples.rbegin(); sample != live.tracklet.samples.rend() && sample->frame > last;
+         ++sample)
+      sample->repeated = false;
+}
+
+void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions) {
+  constexpr double kMovingPx = 0.5;
+  int moving = 0, lost = 0;
+  for (std::size_t i = 0; i < predictions.size(); ++i) {
+    const std::vector<TrackletSample>& samples = live_[i].tracklet.samples;
+    const TrackletSample* before = live_[i].tracklet.SampleIn(previous_.index);
+    if (!before || static_cast<int>(samples.size()) < options_.established) continue;
+    if ((predictions[i].position - before->position).norm() < kMovingPx) continue;
+    ++moving;
+    lost += samples.back().frame != frame;
+  }
+  if (lost < 2 || 2 * lost < moving) return;
+  breaks_.push_back(frame);
+  last_loss_s_ = time_s_;
+}
+
+std::vector<MarkerPrediction> TrackletBuilder::PredictAll(double time_s) const {
   std::vector<MarkerPrediction> predictions;
-  for (const Live& live : live_) predictions.push_back(Predict(live, frame.time_s, frame_s_));
-  Associate(frame, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame)));
-  RetireLost(frame.time_s);
-  previous_time_s_ = frame.time_s;
+  for (const Live& live : live_) predictions.push_back(Predict(live, time_s, frame_s_));
+  return predictions;
+}
+
+void TrackletBuilder::Add(const video::VideoFrame& frame) {
+  frame_s_ = frames_seen_ > 0 ? frame.time_s - previous_.time_s : 0;
+  time_s_ = frame.time_s - stood_still_s_;
+  std::vector<MarkerPrediction> predictions = PredictAll(time_s_);
+  const bool can_compare = frames_seen_ > 0 && !frame.luma.empty();
+  is_repeated_ = can_compare && IsRepeated(previous_.luma, frame.luma, ExpectedSteps(predictions));
+  if (is_repeated_) {
+    NoteRepeated(frame.index);
+    for (std::size_t i = 0; i < predictions.size(); ++i)
+      predictions[i].position = live_[i].tracklet.samples.back().position;
+  }
+  const bool ends_repetition =
+      can_compare && !is_repeated_ && !repeated_.empty() && repeated_.back() == previous_.index;
+  if (ends_repetition && StoodStill(frame, predictions)) {
+    stood_still_s_ += previous_.time_s - repeated_since_s_;
+    time_s_ = frame.time_s - stood_still_s_;
+    predictions = PredictAll(time_s_);
+  }
+  Associate(frame.index, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame.index)));
+  if (ends_repetition) ConfirmRepeated(frame.index);
+  NoteBreak(frame.index, predictions);
+  RetireLost();
+  previous_ = frame;
   ++frames_seen_;
 }
 

@@ -26,6 +26,8 @@ struct NamingOptions {
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> metric_from_px = [](const Eigen::Vector2d& px) { return px; };
   Eigen::Vector2d up_px = {0, -1};  // the direction of a plumb line in the image, upwards
   MarkerPhysics physics;
+  // Frames before which time may be missing from the recording: a marker may then have come as far as it ever does.
+  std::vector<std::int64_t> breaks = {};
 };
 
 // Gives each name its samples over all frames: `recording` holds the frames and their times, its markers are filled in.

@@ -8,6 +8,7 @@
 #include "lake/core/options.h"
 #include "lake/core/progress.h"
 #include "lake/motion/marker_recording.h"
+#include "lake/tracking/frame_times.h"
 #include "lake/tracking/marker_detector.h"
 #include "lake/tracking/naming.h"
 #include "lake/tracking/sigma_calibration.h"
@@ -40,11 +41,12 @@ struct TrackOptions {
 void Describe(TrackOptions& o, OptionList& options);
 
 struct TrackResult {
-  motion::MarkerRecording recording;  // px; detected or missing
+  motion::MarkerRecording recording;  // px; detected or missing; times corrected as `times` says
   video::VideoInfo video;
   std::size_t tracklets = 0;  // things followed, named or not
   double radius_px = 0;       // median over what was followed
   SigmaCalibration sigma;
+  FrameTimes times;
 };
 
 // Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, of fewer than two frames, with

@@ -12,12 +12,13 @@ namespace lake::tracking {
 
 struct TrackletSample {
   std::int64_t frame = 0;
-  double time_s = 0;
+  double time_s = 0;                                   // as stamped, less what time stood still before
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px
   double sigma_px = 0;
   double radius_px = 0;  // apparent
   double amplitude = 0;
-  double quality = 0;  // as in MarkerDetection
+  double quality = 0;     // as in MarkerDetection
+  bool repeated = false;  // in a picture that is the one before it once more: no measurement of its own
 };
 
 struct Tracklet {
@@ -50,6 +51,8 @@ struct TrackletOptions {
   int established = 30;         // samples
 };
 
+struct ExpectedStep;
+
 // Follows everything that the detector sees. Feed frames in order; memory grows with what is found, not with the
 // pictures.
 class TrackletBuilder {
@@ -58,8 +61,15 @@ class TrackletBuilder {
 
   void Add(const video::VideoFrame& frame);
 
-  // All tracklets, in order of their first frame. Call once, after the last frame.
+  // All tracklets, in order of their first frame, without the samples in repeated frames. Call once, after the last
+  // frame.
   std::vector<Tracklet> Finish();
+
+  // Frames whose picture is the one before it once more while things should have moved, increasing.
+  const std::vector<std::int64_t>& RepeatedFrames() const { return repeated_; }
+
+  // Frames in which most of what was moving was not where it was expected, all at once: the subject may be elsewhere.
+  const std::vector<std::int64_t>& Breaks() const { return breaks_; }
 
  private:
   struct Live {
@@ -72,20 +82,33 @@ class TrackletBuilder {
     bool IsFastStart() const { return seeded && tracklet.samples.size() < 3; }
   };
   MarkerPrediction Predict(const Live& live, double time_s, double frame_s) const;
-  bool SearchEverywhere(const video::VideoFrame& frame) const;
+  std::vector<MarkerPrediction> PredictAll(double time_s) const;
+  std::vector<ExpectedStep> ExpectedSteps(std::span<const MarkerPrediction> predictions) const;
+  bool StoodStill(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions) const;
+  void NoteRepeated(std::int64_t frame);
+  void ConfirmRepeated(std::int64_t frame);
+  void TakeBackRepeated();
+  void NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions);
+  bool SearchEverywhere(std::int64_t frame) const;
   bool IsSeed(std::int64_t frame, const MarkerDetection& detection) const;
-  void Associate(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions,
+  void Associate(std::int64_t frame, std::span<const MarkerPrediction> predictions,
                  std::vector<MarkerDetection> detections);
-  void RetireLost(double time_s);
+  void RetireLost();
   void Keep(Tracklet tracklet);
-  static void Extend(Live& live, const video::VideoFrame& frame, const MarkerDetection& detection);
+  void Extend(Live& live, std::int64_t frame, const MarkerDetection& detection) const;
 
   MarkerDetector& detector_;
   TrackletOptions options_;
   std::vector<Live> live_;
   std::vector<Tracklet> finished_;
   std::int64_t frames_seen_ = 0;
-  double previous_time_s_ = 0, frame_s_ = 0;
+  // The frame at work: its time, as in TrackletSample, and that since the frame before.
+  double time_s_ = 0, frame_s_ = 0;
+  bool is_repeated_ = false;
+  double stood_still_s_ = 0;    // in all
+  video::VideoFrame previous_;  // its luma is compared with the next one's
+  double repeated_since_s_ = 0;
+  std::vector<std::int64_t> repeated_, breaks_;
   std::optional<double> last_loss_s_;
 };
 

@@ -1,0 +1,396 @@
+#include "lake/tracking/frame_times.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "lake/core/statistics.h"
+#include "local_path.h"
+
+namespace lake::tracking {
+namespace {
+
+constexpr double kLeastStepPx = 0.3;  // root mean square over the markers; smaller ones are no motion to speak of
+
+double MedianInterval(const std::vector<double>& time_s) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < time_s.size(); ++i) intervals.push_back(time_s[i] - time_s[i - 1]);
+  return Median(std::move(intervals));
+}
+
+// How all markers moved from one frame to another: two numbers for each marker that is seen in both.
+struct JointStep {
+  std::vector<std::optional<Eigen::Vector2d>> markers;
+  int seen = 0;
+  double rms_px = 0;
+};
+
+JointStep StepBetween(const motion::MarkerRecording& recording, std::size_t from, std::size_t to) {
+  JointStep step;
+  double squares = 0;
+  for (const motion::MarkerTrack& marker : recording.markers) {
+    step.markers.emplace_back();
+    if (!marker.samples[from].IsKnown() || !marker.samples[to].IsKnown()) continue;
+    step.markers.back() = marker.samples[to].position - marker.samples[from].position;
+    squares += step.markers.back()->squaredNorm();
+    ++step.seen;
+  }
+  if (step.seen > 0) step.rms_px = std::sqrt(squares / step.seen);
+  return step;
+}
+
+// Whether a step knows of every marker that another one knows of.
+bool SeesAll(const JointStep& step, const JointStep& other) {
+  for (std::size_t m = 0; m < step.markers.size(); ++m)
+    if (other.markers[m] && !step.markers[m]) return false;
+  return true;
+}
+
+bool IsSameWay(const JointStep& a, const JointStep& b) {
+  constexpr double kCosine = 0.7;
+  double product = 0, a_square = 0, b_square = 0;
+  for (std::size_t m = 0; m < a.markers.size(); ++m) {
+    if (!a.markers[m] || !b.markers[m]) continue;
+    product += a.markers[m]->dot(*b.markers[m]);
+    a_square += a.markers[m]->squaredNorm(), b_square += b.markers[m]->squaredNorm();
+  }
+  return product > kCosine * std::sqrt(a_square * b_square);
+}
+
+// Frames by their place in the recording.
+class FrameTimeFinder {
+ public:
+  FrameTimeFinder(const std::vector<std::int64_t>& known, motion::MarkerRecording& recording)
+      : recording_(recording), frame_s_(MedianInterval(recording.time_s)), repeated_(recording.Frames(), 0) {
+    for (std::size_t i = 0; i < repeated_.size(); ++i)
+      repeated_[i] = std::binary_search(known.begin(), known.end(), recording.frame[i]);
+  }
+
+  FrameTimes Run() {
+    FrameTimes times;
+    for (std::size_t i = 2; i < repeated_.size(); ++i)
+      if (!repeated_[i]) MarkStandstillFrom(i);
+    if (const auto rate = FindLowerRate()) times.captured_hz = TakeLowerRate(*rate);
+    RemoveRepeated();
+    FindJumps(times.jumps);
+    for (std::size_t i = 0; i < repeated_.size(); ++i)
+      if (repeated_[i]) times.repeated.push_back(recording_.frame[i]);
+    return times;
+  }
+
+ private:
+  std::optional<std::size_t> NewBefore(std::size_t i) const {
+    while (i-- > 0)
+      if (!repeated_[i]) return i;
+    return std::nullopt;
+  }
+
+  // Marks the frames from `first` on in which nothing moves, if everything moves before and after them alike.
+  void MarkStandstillFrom(std::size_t first) {
+    constexpr double kStill = 0.2;  // of what a step would be
+    const auto last_new = NewBefore(first);
+    const auto one_before = last_new ? NewBefore(*last_new) : std::nullopt;
+    if (!one_before) return;
+    const JointStep before = StepBetween(recording_, *one_before, *last_new);
+    const double elapsed_s = recording_.time_s[*last_new] - recording_.time_s[*one_before];
+    const double usual_px = before.rms_px / elapsed_s * frame_s_;
+    if (before.seen < 2 || usual_px < kLeastStepPx) return;
+    const auto is_still = [&](std::size_t from, std::size_t to) {
+      const JointStep step = StepBetween(recording_, from, to);
+      return SeesAll(step, before) && step.rms_px < kStill * usual_px;
+    };
+    std::size_t resumed = first;
+    while (resumed < repeated_.size() && (repeated_[resumed] || is_still(*last_new, resumed))) ++resumed;
+    if (resumed == first || resumed >= repeated_.size()) return;
+    std::size_t next = resumed + 1;
+    while (next < repeated_.size() && (repeated_[next] || is_still(resumed, next))) ++next;
+    if (next >= repeated_.size()) return;
+    const JointStep over = StepBetween(recording_, *last_new, resumed), after = StepBetween(recording_, resumed, next);
+    const double after_s = recording_.time_s[next] - recording_.time_s[resumed];
+    if (after.seen < 2 || after.rms_px / after_s * frame_s_ < kLeastStepPx) return;
+    if (!IsSameWay(before, over) || !IsSameWay(over, after)) return;
+    for (std::size_t i = first; i < resumed; ++i) repeated_[i] = 1;
+  }
+
+  // A lower rate: source frame floor(ratio · i + phase) is shown in frame i.
+  struct LowerRate {
+    double ratio = 1, phase = 0;
+
+    double Source(std::size_t i) const { return std::floor(ratio * static_cast<double>(i) + phase); }
+    bool Repeats(std::size_t i) const { return i > 0 && Source(i) == Source(i - 1); }
+  };
+
+  // Frames of which it can be told whether they are new.
+  std::vector<std::size_t> TellingFrames() const {
+    std::vector<std::size_t> telling;
+    for (std::size_t i = 1; i < repeated_.size(); ++i) {
+      const JointStep step = StepBetween(recording_, NewBefore(i).value_or(i), i);
+      if (repeated_[i] || (step.seen >= 2 && step.rms_px >= kLeastStepPx)) telling.push_back(i);
+    }
+    return telling;
+  }
+
+  // The rate whose repetitions are those that were found; of all that agree, the simplest ratio.
+  std::optional<LowerRate> FindLowerRate() const {
+    constexpr std::size_t kFewest = 6;
+    constexpr double kMayDisagree = 0.03, kReach = 0.04;
+    constexpr int kLargestDenominator = 60, kPhases = 24;
+    const std::vector<std::size_t> telling = TellingFrames();
+    const auto found = static_cast<std::size_t>(
+        std::count_if(telling.begin(), telling.end(), [&](std::size_t i) { return repeated_[i]; }));
+    if (found < kFewest || 25 * found < telling.size()) return std::nullopt;
+    const double about = 1 - static_cast<double>(found) / static_cast<double>(telling.size());
+    const auto most = static_cast<std::size_t>(kMayDisagree * static_cast<double>(telling.size()));
+    for (int denominator = 2; denominator <= kLargestDenominator; ++denominator)
+      for (int numerator = 1; numerator < denominator; ++numerator) {
+        if (std::gcd(numerator, denominator) != 1) continue;
+        LowerRate rate{static_cast<double>(numerator) / denominator};
+        if (std::abs(rate.ratio - about) > kReach) continue;
+        std::size_t least = telling.size();
+        double best_phase = 0;
+        for (int step = 0; step < kPhases * denominator; ++step) {
+          // Halfway between the phases at which the pattern changes, so that rounding decides nothing.
+          rate.phase = (step + 0.5) / (kPhases * denominator);
+          std::size_t disagree = 0;
+          for (const std::size_t i : telling)
+            if ((disagree += rate.Repeats(i) != static_cast<bool>(repeated_[i])) >= least) break;
+          if (disagree < least) least = disagree, best_phase = rate.phase;
+        }
+        rate.phase = best_phase;
+        if (least <= most) return rate;
+      }
+    return std::nullopt;
+  }
+
+  // How far the new frames' positions are from smooth paths at these times.
+  double Roughness(const std::vector<double>& time_s) const {
+    constexpr int kDegree = 3;
+    constexpr std::size_t kReach = 3;
+    std::vector<std::size_t> fresh;
+    for (std::size_t i = 0; i < repeated_.size(); ++i)
+      if (!repeated_[i]) fresh.push_back(i);
+    std::vector<double> off;
+    for (const motion::MarkerTrack& marker : recording_.markers)
+      for (std::size_t k = kReach; k + kReach < fresh.size(); ++k) {
+        LocalPath path(kDegree, time_s[fresh[k]]);
+        bool whole = true;
+        for (std::size_t j = k - kReach; j <= k + kReach && whole; ++j) {
+          const motion::MarkerSample& sample = marker.samples[fresh[j]];
+          whole = sample.IsKnown();
+          if (whole) path.Add(time_s[fresh[j]], sample.position);
+        }
+        const Eigen::Vector2d moved = marker.samples[fresh[k]].position - marker.samples[fresh[k - 1]].position;
+        if (!whole || moved.norm() < kLeastStepPx) continue;
+        off.push_back((marker.samples[fresh[k]].position - path.Fit().position).norm());
+      }
+    return off.empty() ? INFINITY : Median(std::move(off));
+  }
+
+  // Every repetition of the rate is one, also where nothing moves that would tell. Returns the rate if its frames are
+  // equally far apart, with their times corrected, else 0.
+  double TakeLowerRate(const LowerRate& rate) {
+    constexpr double kClearlySmoother = 0.7;
+    for (std::size_t i = 0; i < repeated_.size(); ++i) repeated_[i] |= static_cast<char>(rate.Repeats(i));
+    std::vector<double> captured = recording_.time_s;
+    double shift = 0;
+    int fresh = 0;
+    for (std::size_t i = 0; i < captured.size(); ++i) {
+      captured[i] = recording_.time_s.front() + (rate.Source(i) - rate.phase) / rate.ratio * frame_s_;
+      if (!repeated_[i]) shift += recording_.time_s[i] - captured[i], ++fresh;
+    }
+    for (double& time : captured) time += shift / fresh;
+    if (Roughness(captured) > kClearlySmoother * Roughness(recording_.time_s)) return 0;
+    recording_.time_s = std::move(captured);
+    SpreadRepeated();
+    return rate.ratio / frame_s_;
+  }
+
+  // Repeated frames have no time of their own: evenly between the new ones on either side.
+  void SpreadRepeated() {
+    std::vector<double>& time_s = recording_.time_s;
+    for (std::size_t i = 1; i < time_s.size(); ++i) {
+      if (!repeated_[i]) continue;
+      std::size_t end = i;
+      while (end < time_s.size() && repeated_[end]) ++end;
+      const double from = time_s[i - 1],
+                   step = end < time_s.size() ? (time_s[end] - from) / static_cast<double>(end - i + 1) : frame_s_;
+      for (std::size_t k = i; k < end; ++k) time_s[k] = from + static_cast<double>(k - i + 1) * step;
+      i = end;
+    }
+  }
+
+  void RemoveRepeated() {
+    for (motion::MarkerTrack& marker : recording_.markers)
+      for (std::size_t i = 0; i < repeated_.size(); ++i)
+        if (repeated_[i]) marker.samples[i] = {};
+  }
+
+  // The markers on both sides of a pair of new frames.
+  struct Sides {
+    std::vector<PathPoint> before, after;
+    std::vector<Eigen::Vector2d> apart;
+  };
+
+  std::optional<PathPoint> OneSide(const motion::MarkerTrack& marker, const std::vector<std::size_t>& fresh,
+                                   std::size_t at, int direction) const {
+    // A marker that has come far may be lost for some frames before it is followed again.
+    constexpr int kFewest = 5, kMost = 7, kMayBeLost = 4;
+    LocalPath path(2, recording_.time_s[fresh[at]]);
+    int count = 0, lost = 0;
+    for (auto k = static_cast<std::ptrdiff_t>(at); k >= 0 && k < static_cast<std::ptrdiff_t>(fresh.size());
+         k += direction) {
+      const std::size_t i = fresh[static_cast<std::size_t>(k)];
+      if (marker.samples[i].IsKnown())
+        path.Add(recording_.time_s[i], marker.samples[i].position), ++count;
+      else if (++lost > kMayBeLost)
+        break;
+      const std::size_t edge = direction > 0 ? static_cast<std::size_t>(k) + 1 : static_cast<std::size_t>(k);
+      if (count == kMost || std::find(barriers_.begin(), barriers_.end(), edge) != barriers_.end()) break;
+    }
+    return count >= kFewest ? std::optional(path.Fit()) : std::nullopt;
+  }
+
+  struct FoundJump {
+    std::size_t at = 0;  // of the fresh frames, the one after
+    double moved_s = 0, sigma_s = 0, off_px = 0;
+  };
+
+  // Whether more or less time than stamped lies between two new frames.
+  std::optional<FoundJump> JumpAt(const std::vector<std::size_t>& fresh, std::size_t at) const {
+    const double stamped_s = recording_.time_s[fresh[at]] - recording_.time_s[fresh[at - 1]];
+    Sides sides;
+    for (const motion::MarkerTrack& marker : recording_.markers) {
+      const auto before = OneSide(marker, fresh, at - 1, -1), after = OneSide(marker, fresh, at, 1);
+      if (!before || !after) continue;
+      sides.before.push_back(*before), sides.after.push_back(*after);
+      sides.apart.push_back(after->position - before->position);
+    }
+    if (sides.apart.size() < 2) return std::nullopt;
+    const auto square_off = [&](double elapsed_s) {
+      double sum = 0;
+      for (std::size_t m = 0; m < sides.apart.size(); ++m) sum += Off(sides, m, elapsed_s).squaredNorm();
+      return sum;
+    };
+    const double stamped_off = square_off(stamped_s), count = static_cast<double>(sides.apart.size());
+    constexpr double kLeastOffPx = 0.7, kExplained = 0.1, kFrames = 0.75, kDeviations = 6;
+    if (stamped_off < kLeastOffPx * kLeastOffPx * count) return std::nullopt;
+    FoundJump jump{at, stamped_s, 0, std::sqrt(stamped_off / count)};
+    double slopes = 0;
+    for (int round = 0; round < 12; ++round) {
+      double along = 0;
+      slopes = 0;
+      for (std::size_t m = 0; m < sides.apart.size(); ++m) {
+        const Eigen::Vector2d slope = 0.5 * (sides.before[m].velocity + sides.after[m].velocity) +
+                                      jump.moved_s / 6 * (sides.before[m].acceleration - sides.after[m].acceleration);
+        along += slope.dot(Off(sides, m, jump.moved_s)), slopes += slope.squaredNorm();
+      }
+      if (!(slopes > 0)) return std::nullopt;
+      jump.moved_s += along / slopes;
+    }
+    constexpr double kLongest_s = 1;
+    if (!(jump.moved_s > 0 && jump.moved_s < kLongest_s)) return std::nullopt;
+    const double off = square_off(jump.moved_s);
+    // Two numbers for each marker, one of all fitted; half of what the accelerations contribute may be wrong, and some
+    // hundredths of a frame are what a parabola does not follow.
+    constexpr double kAccelerationsWrong = 0.5, kParabolaWrong = 0.03;
+    const double by_accelerations = ByAccelerations(sides, jump.moved_s) / std::sqrt(slopes),
+                 by_scatter = std::sqrt(off / (2 * count - 1) / slopes);
+    jump.sigma_s =
+        std::hypot(by_scatter, std::hypot(kAccelerationsWrong * by_accelerations, kParabolaWrong * frame_s_));
+    if (off > kExplained * stamped_off) return std::nullopt;
+    const double least_s = std::max(kFrames * frame_s_, kDeviations * by_scatter);
+    return std::abs(jump.moved_s - stamped_s) > least_s ? std::optional(jump) : std::nullopt;
+  }
+
+  static Eigen::Vector2d Off(const Sides& sides, std::size_t m, double elapsed_s) {
+    const PathPoint &a = sides.before[m], &b = sides.after[m];
+    return sides.apart[m] - 0.5 * elapsed_s * (a.velocity + b.velocity) -
+           elapsed_s * elapsed_s / 12 * (a.acceleration - b.acceleration);
+  }
+
+  static double ByAccelerations(const Sides& sides, double elapsed_s) {
+    double sum = 0;
+    for (std::size_t m = 0; m < sides.apart.size(); ++m)
+      sum += (elapsed_s * elapsed_s / 12 * (sides.before[m].acceleration - sides.after[m].acceleration)).squaredNorm();
+    return std::sqrt(sum);
+  }
+
+  // The largest first, as it spoils the paths on which the neighbours are judged.
+  void FindJumps(std::vector<TimeJump>& jumps) {
+    constexpr std::size_t kMost = 20;
+    std::vector<std::size_t> fresh;
+    for (std::size_t i = 0; i < repeated_.size(); ++i)
+      if (!repeated_[i]) fresh.push_back(i);
+    while (jumps.size() < kMost) {
+      std::optional<FoundJump> largest;
+      for (std::size_t at = 1; at < fresh.size(); ++at) {
+        if (std::find(barriers_.begin(), barriers_.end(), at) != barriers_.end()) continue;
+        const auto jump = JumpAt(fresh, at);
+        if (jump && (!largest || jump->off_px > largest->off_px)) largest = jump;
+      }
+      if (!largest) break;
+      const std::size_t before = fresh[largest->at - 1], after = fresh[largest->at];
+      const double stamped_s = recording_.time_s[after] - recording_.time_s[before];
+      jumps.push_back(
+          {recording_.frame[before], recording_.frame[after], stamped_s, largest->moved_s, largest->sigma_s});
+      for (std::size_t i = after; i < repeated_.size(); ++i) recording_.time_s[i] += largest->moved_s - stamped_s;
+      barriers_.push_back(largest->at);
+    }
+    if (!jumps.empty()) SpreadRepeated();
+    std::sort(jumps.begin(), jumps.end(), [](const TimeJump& a, const TimeJump& b) { return a.before < b.before; });
+  }
+
+  motion::MarkerRecording& recording_;
+  double frame_s_ = 0;
+  std::vector<char> repeated_;         // 0 or 1 per frame
+  std::vector<std::size_t> barriers_;  // jumps that were found, by the fresh frame after them
+};
+
+// "3, 8, 13 to 15, …", a few of them.
+std::string FrameList(const std::vector<std::int64_t>& frames) {
+  constexpr int kShown = 12;
+  std::string text;
+  int shown = 0;
+  for (std::size_t i = 0; i < frames.size();) {
+    std::size_t end = i + 1;
+    while (end < frames.size() && frames[end] == frames[end - 1] + 1) ++end;
+    if (++shown > kShown) return text + ", …";
+    text += (text.empty() ? "" : ", ") + std::to_string(frames[i]);
+    if (end > i + 1) text += fmt::format(" to {}", frames[end - 1]);
+    i = end;
+  }
+  return text;
+}
+
+}  // namespace
+
+FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& known, motion::MarkerRecording& recording) {
+  return FrameTimeFinder(known, recording).Run();
+}
+
+std::vector<std::string> Warnings(const FrameTimes& times) {
+  std::vector<std::string> warnings;
+  if (!times.repeated.empty())
+    warnings.push_back(
+        fmt::format("repeated frames ({} in all, the picture before them once more, no measurements): {}{}",
+                    times.repeated.size(), FrameList(times.repeated),
+                    times.captured_hz > 0 ? fmt::format("; the recording was made with {:.4g} frames per second, at "
+                                                        "whose times the motion is smooth: these times are used",
+                                                        times.captured_hz)
+                                          : "; more light or a fixed frame rate avoids them"));
+  for (const TimeJump& jump : times.jumps)
+    warnings.push_back(
+        fmt::format("between frames {} and {} the motion took {:.4f} ± {:.4f} s where the time stamps say {:.4f} s: "
+                    "{}; the times of "
+                    "all later frames are set {:.4f} s {}",
+                    jump.before, jump.after, jump.moved_s, jump.sigma_s, jump.stamped_s,
+                    jump.moved_s > jump.stamped_s ? "frames are missing" : "time stands still",
+                    std::abs(jump.moved_s - jump.stamped_s), jump.moved_s > jump.stamped_s ? "later" : "earlier"));
+  return warnings;
+}
+
+}  // namespace lake::tracking
