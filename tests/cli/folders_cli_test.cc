@@ -158,6 +158,20 @@ TEST_F(Folders, WithTablesInMetresAreAskedAbout) {
   EXPECT_LT(Json::parse(right.out)["metrics"]["rms_mm"].get<double>(), 0.01);  // the digits that awk keeps
 }
 
+// A file of the user's that has a result's name is found before the work, not when its turn comes.
+TEST_F(Folders, WithAFileInTheWayAreRefusedBeforeTheWork) {
+  WriteTextFile(folder_ / "S/design.dxf", "mine");
+  WriteTextFile(folder_ / "O/margin.png", "mine");
+  for (const char* program : {"lake-simulate --links 59.081,68.840,55.964,71.849,118.630,287.310 -o S",
+                              "lake-optimize --starts 1 --quiet -o O"}) {
+    const Outcome outcome = Shell(folder_, program);
+    EXPECT_EQ(outcome.exit_code, 1) << program;
+    EXPECT_THAT(outcome.err, HasSubstr("would be overwritten")) << program;
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "S"), {}), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "O"), {}), 1);
+}
+
 TEST_F(Folders, AreLeftAtOnceWhenAFigureIsInterrupted) {
   // A gnuplot that takes its time, in the foreground group as on a terminal: the signal reaches the whole group.
   WriteTextFile(folder_ / "gnuplot", "#!/bin/sh\ntrap 'exit 3' INT\ntouch drawing\nsleep 20\n");

@@ -134,7 +134,7 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
   find.quiet = run.Quiet();
   const camera::Board board = camera::ParseBoard(options.board);
   for (const fs::path& picture : options.pictures) run.AddInput(video::FilesOfVideo(picture));
-  run.Begin();
+  run.Begin({"summary.json", "camera.yaml", "residuals.csv", "residuals.png", "cross_validation.png"});
   const camera::BoardPictures pictures = camera::FindBoards(options.pictures, board, find);
   if (!pictures.without_board.empty())
     run.Warn(fmt::format("no board seen in {} of {} images, left out: {}", pictures.without_board.size(),
