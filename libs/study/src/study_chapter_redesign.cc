@@ -127,8 +127,8 @@ LineChart AnglesChart(const fs::path& program) {
   chart.x = {"sit-to-stand (%)", 0, 100}, chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
   chart.caption = "The human's, and the design's under its stroke program.";
-  chart.series = {ColumnSeries(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine),
-                  ColumnSeries(table, "percent", "knee_deg", "new design", colour::kNew, Mark::kDashed)};
+  chart.series = {ColumnSeries(table, "percent", "knee_deg", "new design", colour::kNew, Mark::kDashed),
+                  ColumnSeries(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine)};
   return chart;
 }
 
@@ -262,11 +262,12 @@ LineChart PathsChart(const StudyResults& results) {
   chart.caption = "Seen from the side, one rise. Leg frame: origin at the seated ankle, x forward, y up.";
   chart.x.label = "anterior (mm)", chart.y.label = "up (mm)";
   chart.equal_scales = true, chart.width = Width::kHalf;
-  chart.series = {Path(predicted, "human_knee", "human", colour::kHuman, Mark::kLine)};
+  // The first is drawn on top: a new path that covers the human's is still seen.
+  chart.series = {Path(predicted, "exo_knee", "new design, predicted", colour::kNew, Mark::kDashed)};
   if (const fs::path measured = "comparison/comparison.json"; results.HasFile(measured))
-    chart.series.push_back(Path(ReadJsonFile(results.Folder() / measured).at("curves"), "exo_knee",
-                                "worn exoskeleton, measured", colour::kWorn, Mark::kDotted));
-  chart.series.push_back(Path(predicted, "exo_knee", "new design, predicted", colour::kNew, Mark::kDashed));
+    chart.series.push_back(Path(ReadJsonFile(results.Folder() / measured).at("curves"), "exo_knee", "worn, measured",
+                                colour::kWorn, Mark::kDotted));
+  chart.series.push_back(Path(predicted, "human_knee", "human", colour::kHuman, Mark::kLine));
   return chart;
 }
 

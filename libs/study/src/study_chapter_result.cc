@@ -72,8 +72,7 @@ std::string CostText(const StudyResults& results, const Json& redesign) {
     return Quantity(NumberOrNaN(after.at(key)), unit) +
            (std::isfinite(from) ? fmt::format(" instead of {}", Quantity(from, unit)) : "");
   };
-  std::string text = fmt::format("Misalignment {} of the shank length, predicted for the same movement.",
-                                 from_to("misalignment_percent", "%"));
+  std::string text = fmt::format("Misalignment {} of the shank length.", from_to("misalignment_percent", "%"));
   text += fmt::format(" It costs time: a rise takes {}", from_to("program_duration_s", "s"));
   if (results.Has("stroke"))
     if (const double rest_s = NumberOrNaN(results.Summary("stroke").at("added_rest_s")); rest_s >= 0.005)
@@ -85,21 +84,23 @@ std::string CostText(const StudyResults& results, const Json& redesign) {
 
 std::string BodyText(const StudyResults& results) {
   const Json body = results.Summary("simulation").at("mannequin");
-  std::vector<std::string> findings;
-  if (!body.at("fits_along_thigh").get<bool>())
-    findings.push_back(
-        fmt::format("the mount reaches {} past the hip", Quantity(-NumberOrNaN(body.at("mount_below_hip_mm")), "mm")));
-  if (!body.at("clears_seat").get<bool>())
-    findings.push_back(fmt::format("the linkage reaches {} into the seat",
-                                   Quantity(-NumberOrNaN(body.at("seat_clearance_mm")), "mm")));
+  std::vector<std::string> findings, overlaps;
+  const auto overlap = [&](const std::string& key) {
+    const double clearance = NumberOrNaN(body.at(key));
+    return clearance < 0 ? Quantity(-clearance, "mm") : "";
+  };
+  if (const std::string past = overlap("mount_below_hip_mm"); !past.empty())
+    findings.push_back(fmt::format("the mount reaches {} past the hip", past));
+  if (const std::string into = overlap("seat_clearance_mm"); !into.empty())
+    findings.push_back(fmt::format("the linkage reaches {} into the seat", into));
   for (const char* limb : {"thigh", "shank"})
-    if (const double clearance = NumberOrNaN(body.at(fmt::format("actuator_to_{}_mm", limb))); clearance < 0)
-      findings.push_back(
-          fmt::format("seen from the side, the actuator overlaps the {} by {}", limb, Quantity(-clearance, "mm")));
-  const std::string leg =
-      fmt::format("On a leg of {} thigh and {} shank, ", Quantity(NumberOrNaN(body.at("thigh_mm")), "mm"),
-                  Quantity(NumberOrNaN(body.at("shank_mm")), "mm"));
-  return leg + (findings.empty() ? "nothing collides." : fmt::format("{}.", fmt::join(findings, "; ")));
+    if (const std::string by = overlap(fmt::format("actuator_to_{}_mm", limb)); !by.empty())
+      overlaps.push_back(fmt::format("the {} by {}", limb, by));
+  if (!overlaps.empty())
+    findings.push_back(fmt::format("the actuator, seen from the side, overlaps {}", fmt::join(overlaps, " and ")));
+  return fmt::format("On a leg of {} thigh and {} shank {}.", Quantity(NumberOrNaN(body.at("thigh_mm")), "mm"),
+                     Quantity(NumberOrNaN(body.at("shank_mm")), "mm"),
+                     findings.empty() ? "nothing collides" : fmt::format("{}", fmt::join(findings, "; ")));
 }
 
 std::string SureText(const StudyResults& results, const Json& redesign) {
@@ -121,10 +122,10 @@ std::string NextText(const StudyResults& results) {
   const bool clear = body.at("fits_along_thigh").get<bool>() && body.at("clears_seat").get<bool>() &&
                      body.at("clears_limb").get<bool>();
   return std::string(clear ? "Cut the links"
-                           : "Decide how to mount it clear of body and seat (see the warnings), then cut the links") +
-         ", run the firmware on the bench without a person, and record the same movement with the new design: "
-         "lake compare tells whether the prediction holds, lake stroke --validate whether the actuator follows its "
-         "program.";
+                           : "Find a mount clear of body and seat (see the warnings), cut the links") +
+         ", test the firmware on the bench without a person, then record the same movement with the new design and "
+         "check "
+         "the prediction (lake compare, lake stroke --validate).";
 }
 
 KeyFigures RedesignFigures(const Json& redesign) {
@@ -139,7 +140,7 @@ KeyFigures RedesignFigures(const Json& redesign) {
   };
   return {{figure("misalignment, predicted RMS", "misalignment_percent", "%"),
            figure("time for a rise", "program_duration_s", "s"), figure("range of rotation", "range_deg", "°"),
-           figure("knee angle, RMS from the human's", "knee_rmse_deg", "°")}};
+           figure("knee angle error, RMS", "knee_rmse_deg", "°")}};
 }
 
 Files BuildFiles(const StudyResults& results) {

@@ -32,7 +32,7 @@ SceneView WholeView(const LinkageLook& look) {
   const double reach = std::max(body.thigh.length_mm + body.thigh.proximal_radius_mm,
                                 std::hypot(look.links.l5, look.links.l3 + look.links.l6) + 60);
   const double sole = body.shank.length_mm + body.ankle_height_mm;
-  return {-reach - 20, std::max(0.75 * body.foot_length_mm, 0.4 * reach) + 30, -std::max(sole, reach) - 20, reach + 20};
+  return {-reach - 90, std::max(0.75 * body.foot_length_mm, 0.4 * reach) + 30, -std::max(sole, reach) - 20, reach + 20};
 }
 
 // A square that holds the four-bar and its labels in every pose of the range.

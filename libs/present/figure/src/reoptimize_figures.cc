@@ -111,7 +111,7 @@ void DrawRelativeError(GnuplotFigure& figure, const redesign::ReoptimizeOutcome&
     plot.Add(fmt::format("{0} with lines lw 1.5 dt 3 lc rgb '{1}' title 'limit of the RMS {0:.2f} %'",
                          *outcome.problem.max_misalignment_percent, colour::kText));
   plot.Draw();
-  figure.Line("set yrange [*:*]; set offsets 0, 0, graph 0.12, graph 0.05");
+  figure.Line("set yrange [*:*]; set offsets 0, 0, graph 0.2, graph 0.05");
 }
 
 void DrawKneeAngles(GnuplotFigure& figure, const redesign::ReoptimizeOutcome& outcome) {
@@ -140,7 +140,7 @@ void DrawStrokes(GnuplotFigure& figure, const redesign::ReoptimizeOutcome& outco
   };
   const auto tracking =
       redesign::TrackingStrokes(outcome.problem.Driven(outcome.after.design.links), outcome.problem.human);
-  figure.Line("set title 'Stroke program'; set ylabel 'stroke (mm)'; set key bottom right");
+  figure.Line("set title 'Stroke program'; set ylabel 'stroke (mm)'; set key top left Left reverse");
   Plot plot(figure);
   plot.AddCurve(tracking.value_or(std::vector<double>()), kHumanStyle, "exact tracking");
   plot.AddCurve(strokes(outcome.before), kBeforeStyle, name("worn", outcome.before));
@@ -172,7 +172,7 @@ void DrawPareto(const redesign::ReoptimizeOutcome& outcome, const std::filesyste
   constexpr const char* kDashes[] = {"1", "(12,5)", "(3,4)"};
   constexpr int kMarks[] = {13, 8, 4};
   GnuplotFigure figure(1000, 700);
-  figure.Line("set key outside bottom center horizontal");
+  figure.Line("set key at screen 0.5, screen 0.02 center bottom horizontal; set bmargin 7");
   figure.Line("set xlabel 'range of rotation (°)'; set ylabel 'misalignment, RMS (% of the shank length)'");
   figure.Line("set offsets graph 0.04, graph 0.04, graph 0.06, 0; set yrange [0:*]");
   Plot plot(figure);

@@ -68,7 +68,7 @@ Range RangeOf(const std::vector<problem::SensitivityPoint>& points) {
 
 void DrawSensitivity(const synthesis::SynthesisOutcome& outcome, const std::filesystem::path& path) {
   GnuplotFigure figure(1200, 800);
-  figure.Line("set multiplot layout 2,3 margins 0.075,0.98,0.15,0.94 spacing 0.06,0.14");
+  figure.Line("set multiplot layout 2,3 margins 0.09,0.98,0.15,0.94 spacing 0.065,0.14");
   figure.Line(
       fmt::format("set label 2 'dot: the optimum    solid: feasible    dashed: outside a bound or a requirement    "
                   "grey: cannot be assembled' at screen 0.5,0.03 center textcolor rgb '{}'",
