@@ -89,7 +89,7 @@ void DrawAngleVsStroke(const std::filesystem::path& path, const LinkageLook& loo
   PlaceRow(figure, 0.075, 0.27, true);
   figure.Line(
       "unset y2tics\nunset y2label\nset border 3\nset ylabel 'angle (°)'\nset yrange [0:180]\nset ytics 0,45,180\nset "
-      "key top right");
+      "key at graph 0.5, graph 1.02 center bottom horizontal nobox");
   figure.Line(
       fmt::format("plot {0} using 1:5 with lines lw 3 lc rgb '{1}' title 'transmission angle at S', {0} using 1:6 with "
                   "lines lw 3 dt (12,5) lc rgb "
