@@ -242,7 +242,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
-  figure::DrawLegFigure(run.Result("track.png"), fit, options.video.filename().string());
+  figure::DrawLegFigure(run.Result("track.png"), fit);
   WriteOverlay(options, {fit.tracks, &fit.motion, &fit.events}, run);
   results.update(gait::LegFitJson(fit));
   Export(options, tracked.video, view, MarkersToExport(options, fit, view), &fit, results, run);
