@@ -41,7 +41,8 @@ double GravityForce(double stroke_mm, double most_n) {
 class ClosedLoopTest : public HostFirmwareTest {
  protected:
   void SetUp() override {
-    firmware_options_.feedback = {0, 240, 1023, 380};
+    firmware_options_.feedback = actuator::Feedback::kPotentiometer;
+    firmware_options_.potentiometer = {0, 240, 1023, 380};
     actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
     actuator_.noise_counts = 0.5, actuator_.spikes = 0.01;
     actuator_.play_mm = 0.2, actuator_.time_constant_s = 0.04;
@@ -115,7 +116,7 @@ TEST_F(ClosedLoopTest, NeedsNoRoomForDrift) {
   const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table_, firmware_options_);
   EXPECT_TRUE(actuator::ForecastDrift(stroke, schedule, table_, firmware_options_).Fits());
   actuator::FirmwareOptions open_loop = firmware_options_;
-  open_loop.feedback.reset();
+  open_loop.feedback = actuator::Feedback::kNone;
   EXPECT_FALSE(actuator::ForecastDrift(stroke, schedule, table_, open_loop).Fits());
   const actuator::StrokeSchedule farther = actuator::MakeSchedule(FreeDesign({{0, 260}, {40, 373.5}}), {});
   EXPECT_THAT([&] { actuator::StrokeTableHeader(stroke, farther, table_, firmware_options_, "t"); },

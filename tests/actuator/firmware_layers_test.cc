@@ -72,7 +72,7 @@ Files With(const std::string& file, const std::string& include) {
 
 TEST(FirmwareLayers, IncludesGoDown) {
   EXPECT_THAT(NotBelow(actuator::FirmwareSources()), IsEmpty());
-  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(15)) << "every module was read";
+  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(16)) << "every module was read";
   EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config"));
 }
 

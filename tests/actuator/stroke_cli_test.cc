@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cli/program_run.h"
+#include "lake/actuator/firmware.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "lake/motion/leg_motion.h"
@@ -80,6 +81,36 @@ TEST_F(StrokeProgramTest, ADriftThatLeavesTheRoomIsRefusedUnlessAccepted) {
   ASSERT_EQ(fits.exit_code, 0) << fits.err;
   EXPECT_TRUE(Json::parse(fits.out)["firmware"]["drift"]["fits"].get<bool>());
   EXPECT_THAT(ReadTextFile(folder_ / "out/lake_stroke/lake_stroke.ino"), Not(HasSubstr("DRIFT ACCEPTED")));
+}
+
+// With a potentiometer no drift needs room; the sketch's folder says what it is for.
+TEST_F(StrokeProgramTest, FeedbackCurrentAndSupplyGoIntoTheSketch) {
+  const std::string base = std::string("design.yaml --margin 2 -o out --duty-table ") + kTable + " --feedback pot";
+  const Outcome no_scale = Run(base);
+  EXPECT_EQ(no_scale.exit_code, 2);
+  EXPECT_THAT(no_scale.err, HasSubstr("--pot COUNTS=MM,COUNTS=MM"));
+  const Outcome run = Run(base + " --pot 102=242,921=372 --supply 12 --current-sense");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string header = ReadTextFile(folder_ / "out/lake_stroke/stroke_table.h");
+  for (const char* line : {"#define LAKE_FEEDBACK 1\n", "#define LAKE_SUPPLY_SENSE 1\n",
+                           "#define LAKE_CURRENT_SENSE 1\n", "#define LAKE_CURRENT_ZERO 2046\n"})
+    EXPECT_THAT(header, HasSubstr(line));
+  const std::string ino = ReadTextFile(folder_ / "out/lake_stroke/lake_stroke.ino");
+  for (const char* part : {"from design.yaml and duty_table_model.csv", "(SHA-256)", "MODEL duty table", "UNWORN ONLY"})
+    EXPECT_THAT(ino, HasSubstr(part));
+  EXPECT_THAT(ino, Not(HasSubstr("open loop")));
+  EXPECT_TRUE(std::filesystem::is_regular_file(folder_ / "out/lake_stroke/README.txt"));
+#ifdef LAKE_AVR_GCC
+  const Outcome build =
+      Shell(folder_, std::string("cd out/lake_stroke && ") + LAKE_AVR_GCC +
+                         " -mmcu=atmega328p -std=gnu99 -Os -Wall -Wextra -Werror *.c -o firmware.elf && avr-size "
+                         "firmware.elf | awk 'NR==2 {print $1+$2}'");
+  ASSERT_EQ(build.exit_code, 0) << build.err;
+  const Json summary = Json::parse(ReadTextFile(folder_ / "out/summary.json"));
+  const int code = std::stoi(build.out) - summary["firmware"]["segment_bytes"].get<int>();
+  std::printf("flash with potentiometer, current and supply: %d bytes of %d\n", code, actuator::kFirmwareBytes);
+  EXPECT_LT(code, actuator::kFirmwareBytes);
+#endif
 }
 
 TEST_F(StrokeProgramTest, WithoutADutyTableSaysSoAndWritesNoFirmware) {

@@ -111,7 +111,7 @@ struct Sketch {
   double home_stroke_mm = 0;
   std::optional<double> extend_stop_mm;
   actuator::DriftForecast drift;
-  std::string header, warning;
+  std::string header, notes;
 };
 
 Json DriftJson(const actuator::DriftForecast& drift, bool accepted) {
@@ -219,6 +219,7 @@ std::optional<Sketch> MakeSketch(const StrokeRunOptions& options, const StrokePl
   if (!plan.table) return std::nullopt;
   actuator::FirmwareOptions firmware = options.firmware;
   firmware.dead_time_s = options.schedule.dead_time_s;
+  firmware.design_hash = Sha256OfFile(options.design).substr(0, 12);
   const actuator::StrokeTable table = actuator::MakeStrokeTable(plan.schedule, *plan.table, firmware);
   const std::string from =
       fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string());
@@ -227,7 +228,7 @@ std::optional<Sketch> MakeSketch(const StrokeRunOptions& options, const StrokePl
                 actuator::ExtendStop(plan.schedule, firmware),
                 actuator::ForecastDrift(table, plan.schedule, *plan.table, firmware),
                 actuator::StrokeTableHeader(table, plan.schedule, *plan.table, firmware, MadeBy(from)),
-                firmware.accept_drift ? actuator::kDriftAccepted : ""};
+                actuator::SketchNotes(table, plan.schedule, *plan.table, firmware, MadeBy(from))};
 }
 
 Json WriteValidation(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule,
@@ -258,13 +259,13 @@ std::string DriftReport(const Json& firmware) {
 
 }  // namespace
 
-Json WriteSketch(const std::string& stroke_table, const std::string& warning, Run& run) {
+Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run) {
   const auto place = [&](const std::string& name) { return run.Result(actuator::kSketchFolder + ("/" + name)); };
   WriteTextFile(place("stroke_table.h"), stroke_table);
   WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // where the interfaces have it
   Json files = {"stroke_table.h", std::string(actuator::kSketchFolder) + "/stroke_table.h"};
   for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
-    WriteTextFile(place(file.name), file.name.ends_with(".ino") ? warning + file.text : file.text);
+    WriteTextFile(place(file.name), file.name.ends_with(".ino") ? notes + file.text : file.text);
     files.push_back(std::string(actuator::kSketchFolder) + "/" + file.name);
   }
   return files;
@@ -297,7 +298,7 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   Json summary = ProgramJson(plan.schedule, rows);
   summary["crawling"] = CrawlJson(plan.crawl);
   summary["firmware"] =
-      sketch ? FirmwareJson(WriteSketch(sketch->header, sketch->warning, run), *sketch, options.firmware.accept_drift)
+      sketch ? FirmwareJson(WriteSketch(sketch->header, sketch->notes, run), *sketch, options.firmware.accept_drift)
              : Json();
   if (validation) summary["validation"] = WriteValidation(options, plan.schedule, *validation, run);
   return summary;

@@ -34,6 +34,9 @@
 #define LAKE_EXTEND_MOST_UM_S 9680L
 #define LAKE_RETRACT_LEAST_UM_S 720L
 #define LAKE_RETRACT_MOST_UM_S 11280L
+#define LAKE_HOME_KNEE "83.2"  // degrees
+#define LAKE_DESIGN "unknown"
+#define LAKE_DUTY_TABLE "MODEL, not measured"
 #define LAKE_HOME_UM 297000L  // at the retract end stop
 #define LAKE_HOME_COUNTS 2256
 #define LAKE_HOME_SPEED_UM_S 5000L

@@ -20,6 +20,7 @@ static const motion_t kRest = {0, 0, 0, 0};
 // Shared by interrupts and main loop; the main loop touches them in ATOMICALLY blocks only, which are barriers.
 static uint32_t time_ms;
 static state_t state;
+static state_t held;  // what a hold goes on with
 static knowledge_t knowledge;
 static int32_t stroke_nm;         // um/s during one ms are nm
 static uint32_t way_drift_nm;     // what the tolerance of the speed allows
@@ -279,13 +280,29 @@ static uint8_t is_moving(void) {
   return state != STATE_IDLE && state != STATE_HOLD && state != STATE_FAULT;
 }
 
+static void hold(void) {
+  held = state;
+  state = STATE_HOLD;
+}
+
 // A program keeps its place, everything else ends.
 static void suspend(void) {
-  if (is_moving()) state = state == STATE_RUNNING ? STATE_HOLD : STATE_IDLE;
+  if (state == STATE_RUNNING)
+    hold();
+  else if (is_moving())
+    state = STATE_IDLE;
+}
+
+// Of a silent host: homing keeps its place as well, so that a person can take it in steps.
+static void suspend_silent(void) {
+  if (state == STATE_HOMING || state == STATE_POSITIONING)
+    hold();
+  else
+    suspend();
 }
 
 static void take_realtime(void) {
-  if (resume_asked && state == STATE_HOLD) state = STATE_RUNNING;
+  if (resume_asked && state == STATE_HOLD) state = held;
   if (hold_asked) suspend();
   if (abort_asked) reset();
   hold_asked = resume_asked = abort_asked = 0;
@@ -296,7 +313,7 @@ static void watch_host(void) {
     silent_ms = 0;
   } else if (LAKE_COMMAND_TIMEOUT_MS > 0 && ++silent_ms >= LAKE_COMMAND_TIMEOUT_MS) {
     events |= EVENT_TIMEOUT;
-    suspend();
+    suspend_silent();
   }
   heard = 0;
 }

@@ -86,6 +86,12 @@ void protocol_greet(reset_cause_t cause) {
 #if LAKE_SEGMENT_COUNT > 0 && LAKE_DRIFT_ACCEPTED
   tell_message(PSTR("drift accepted, no person"));
 #endif
+#if LAKE_SEGMENT_COUNT > 0
+  tell_message(PSTR("design " LAKE_DESIGN ", duty table " LAKE_DUTY_TABLE));
+#endif
+#if LAKE_SEGMENT_COUNT > 0 && !LAKE_FEEDBACK
+  tell_message(PSTR("open loop: the stroke is planned, not measured"));
+#endif
   tell_header();
 }
 
@@ -210,6 +216,9 @@ static void obey(const char* line) {
   } else if (!strcmp_P(line, PSTR("stop"))) {
     controller_request(REQUEST_STOP, 0, 0);
   } else if (!strcmp_P(line, PSTR("home"))) {
+#if LAKE_SEGMENT_COUNT > 0
+    tell_message(PSTR("unworn only: homing takes the knee to " LAKE_HOME_KNEE " degrees"));
+#endif
     controller_request(REQUEST_HOME, 0, 0);
   } else if (!strcmp_P(line, PSTR("zero"))) {
     controller_request(REQUEST_ZERO, 0, 0);

@@ -45,6 +45,33 @@ void Describe(FirmwareOptions& o, OptionList& options) {
       .Unit("mm");
   options.Add("accept-drift", o.accept_drift,
               "For a bench without a person: write a program whose drift may pass the linkage's end");
+  options.AddChoice("feedback", o.feedback,
+                    OptionList::Choices<Feedback>{{"none", Feedback::kNone}, {"pot", Feedback::kPotentiometer}},
+                    "What measures the stroke: a potentiometer on A0 closes the loop");
+  const auto set_scale = [&o](const OptionTexts& texts, const std::string&) {
+    std::string text;  // a list in a file has its parts apart
+    for (const std::string& part : texts) text += (text.empty() ? "" : ",") + part;
+    o.potentiometer = ParsePotentiometerScale(text);
+  };
+  options
+      .AddCustom("pot", "Two readings of the potentiometer with their strokes, as lake-stroke calibrate has them",
+                 set_scale)
+      .Value("COUNTS=MM,COUNTS=MM");
+  options.Add("feedback-error", o.feedback_error_mm, "By which the potentiometer's stroke may be off").Unit("mm");
+  options.Add("supply", o.supply_v, "Voltage of the motor's supply, watched on A2; 0: not wired")
+      .Value("VOLT")
+      .Key("supply_v");
+  options.Add("current-sense", o.current_sense, "The motor's current is measured on A1 (ACS712-05B)");
+  options.Add("current-zero", o.current_zero_v, "What the current sensor gives without current")
+      .Value("VOLT")
+      .Key("current_zero_v");
+  options.Add("current-scale", o.current_v_per_a, "What it gives per ampere")
+      .Value("VOLT_PER_AMPERE")
+      .Key("current_v_per_a");
+  options.Add("max-current", o.max_current_a, "More is a short: the bridge goes off at once")
+      .Value("AMPERE")
+      .Key("max_current_a");
+  options.Add("stall-current", o.stall_current_a, "More for 0.3 s is a stall").Value("AMPERE").Key("stall_current_a");
   options.Add("table-tolerance", o.table_tolerance_mm, "Stroke error allowed to fit a long program into the flash")
       .Unit("mm");
   options.Check([&o](const OptionList&) { o.Check(); });

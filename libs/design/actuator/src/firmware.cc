@@ -341,8 +341,8 @@ std::string CurrentDefines(const FirmwareOptions& options) {
 
 // The stroke of a reading, and the readings that no stroke between the ends has: 5 mm beyond them, or near a rail.
 std::string FeedbackDefines(const FirmwareOptions& options, const SoftLimits* limits) {
-  if (!options.feedback || !limits) return "#define LAKE_FEEDBACK 0\n";
-  const PotentiometerScale& scale = *options.feedback;
+  if (options.feedback == Feedback::kNone || !limits) return "#define LAKE_FEEDBACK 0\n";
+  const PotentiometerScale& scale = *options.potentiometer;
   constexpr double kBeyond_mm = 5, kRail = 40;
   const double mm_per_reading = (scale.mm_b - scale.mm_a) / (scale.counts_b - scale.counts_a) / 4;
   const double zero_mm = scale.mm_a - 4 * scale.counts_a * mm_per_reading;
@@ -355,6 +355,17 @@ std::string FeedbackDefines(const FirmwareOptions& options, const SoftLimits* li
       "LAKE_POT_ERROR_UM {}L\n",
       std::llround(1e6 * zero_mm), std::llround(1e6 * mm_per_reading), reading(std::min(a, b)), reading(std::max(a, b)),
       Um(options.feedback_error_mm));
+}
+
+// Without standard errors nobody has measured it: a model's, or a data sheet's.
+bool IsMeasured(const DutyTable& table) {
+  return std::any_of(table.rows.begin(), table.rows.end(), [](const DutyRow& row) {
+    return !std::isnan(row.extend_se_mm_s) || !std::isnan(row.retract_se_mm_s);
+  });
+}
+
+std::string DutyTableName(const DutyTable& table) {
+  return IsMeasured(table) ? "measured" : "MODEL, not measured";
 }
 
 std::string CommonDefines(const FirmwareOptions& options, std::size_t segments, const SoftLimits* limits) {
@@ -402,6 +413,9 @@ void FirmwareOptions::Check() const {
   require(home_error_mm >= 0 && home_error_mm <= 10, "--home-error", home_error_mm, "within 0..10 mm");
   require(supply_v == 0 || (supply_v >= 4 && supply_v * (1 + kSupplyTolerance) / kSupplyDivider < 4.95), "--supply",
           supply_v, "0 or within 4..17.3 V");
+  if (feedback == Feedback::kPotentiometer && !potentiometer)
+    throw UsageError(
+        "--feedback pot needs the potentiometer's scale, two readings with their strokes: --pot COUNTS=MM,COUNTS=MM");
   require(feedback_error_mm >= 0 && feedback_error_mm <= 10, "--feedback-error", feedback_error_mm, "within 0..10 mm");
   require(current_zero_v >= 0 && current_zero_v <= 4, "--current-zero", current_zero_v, "within 0..4 V");
   require(current_v_per_a >= 0.01 && current_v_per_a <= 5, "--current-scale", current_v_per_a, "within 0.01..5 V/A");
@@ -459,7 +473,7 @@ DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& sch
   forecast.tolerance_percent = ToleranceOf(table, options);
   forecast.is_measured = !options.speed_tolerance_percent && table.TolerancePercent();
   forecast.end_mm = schedule.limits.upper_end_mm;
-  if (options.feedback) {
+  if (options.feedback == Feedback::kPotentiometer) {
     forecast.planned_mm = HighestStroke(schedule);
     forecast.drift_mm = forecast.last_drift_mm = options.feedback_error_mm + kFollowingError_mm;
     forecast.tolerable_percent = 100;
@@ -521,6 +535,9 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
       "LAKE_RETRACT_LEAST_UM_S {}L\n#define LAKE_RETRACT_MOST_UM_S {}L\n",
       Um(table.extend.LeastMovingSpeed()), Um(table.extend.MostSpeed()), Um(table.retract.LeastMovingSpeed()),
       Um(table.retract.MostSpeed()));
+  text += fmt::format("#define LAKE_HOME_KNEE \"{:.1f}\"  // degrees\n", KneeDegAt(schedule.links, homing.stroke_mm));
+  text += fmt::format("#define LAKE_DESIGN \"{}\"\n#define LAKE_DUTY_TABLE \"{}\"\n", options.design_hash,
+                      DutyTableName(table));
   text += fmt::format("#define LAKE_HOME_UM {}L  // at the retract end stop\n", Um(homing.stroke_mm));
   text +=
       fmt::format("#define LAKE_HOME_COUNTS {}\n#define LAKE_HOME_SPEED_UM_S {}L\n#define LAKE_HOME_TIMEOUT_MS {}L\n",
@@ -545,6 +562,33 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
       "static const uint32_t lake_speed_um_s[2][LAKE_SPEED_INTERVALS + 1] PROGMEM = {{\n    {{{}}},\n    "
       "{{{}}}}};\n\n#endif\n",
       SpeedRow(table.extend), SpeedRow(table.retract));
+  return text;
+}
+
+std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
+                        const FirmwareOptions& options, const std::string& from) {
+  const double home_mm = HomeStroke(stroke, schedule, options);
+  const auto place = [&](double stroke_mm) {
+    return fmt::format("{:.3f} mm (knee {:.1f} degrees)", stroke_mm, KneeDegAt(schedule.links, stroke_mm));
+  };
+  std::string text = options.accept_drift ? kDriftAccepted : "";
+  text += fmt::format("// {}\n// Design {} (SHA-256), duty table: {}.\n//\n", Comment(from), options.design_hash,
+                      DutyTableName(table));
+  if (!IsMeasured(table))
+    text += "// WARNING: MODEL duty table. This actuator's speeds were not measured: lake-stroke calibrate.\n";
+  text += fmt::format("// WARNING: UNWORN ONLY: home takes the knee to {:.1f} degrees.\n",
+                      KneeDegAt(schedule.links, home_mm));
+  if (options.feedback == Feedback::kNone)
+    text += "// WARNING: open loop. The stroke that it says is planned; what the actuator does nobody measures.\n";
+  if (options.supply_v == 0) text += "// WARNING: it does not see the emergency stop: after one, reset and home.\n";
+  text += fmt::format("// Program: from {} to {} in {:.1f} s, {} segments.\n", place(stroke.start_mm),
+                      place(schedule.knots.back().stroke_mm), schedule.Duration(), stroke.segments.size());
+  text += fmt::format("// Retract end stop at {}; extend end stop {}. The linkage ends at {:.3f} and {:.3f} mm.\n",
+                      place(home_mm),
+                      options.extend_stop_mm > 0 ? "at " + place(*ExtendStop(schedule, options))
+                                                 : "before the linkage's end, as near as it can be put",
+                      schedule.limits.lower_end_mm, schedule.limits.upper_end_mm);
+  text += "// Pins, commands, error codes: README.txt in this folder.\n\n";
   return text;
 }
 

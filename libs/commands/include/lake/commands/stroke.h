@@ -10,6 +10,7 @@
 #include "lake/actuator/duty_calibration.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/stroke_schedule.h"
+#include "lake/actuator/stroke_session.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
 
@@ -29,14 +30,24 @@ struct StrokeRunOptions {
 
 void Describe(StrokeRunOptions& o, OptionList& options);
 
-// Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results, `warning` on top
+// Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results, `notes` on top
 // of the .ino; returns their names.
-Json WriteSketch(const std::string& stroke_table, const std::string& warning, Run& run);
+Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run);
 
 // Writes program.csv, program.png; with a duty table the firmware's sketch; with `validate` validation.csv and
 // validation.png. Returns the results for the summary.
 Json RunStroke(const StrokeRunOptions& options, Run& run);
 std::string StrokeReport(const Json& summary);
+
+struct StrokeSessionRunOptions {
+  std::filesystem::path folder;  // that RunStroke wrote
+  actuator::SessionOptions session;
+};
+void Describe(StrokeSessionRunOptions& options, OptionList& list);
+
+// Runs the firmware in the board and writes log.csv, the firmware's rows as they came.
+Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run);
+std::string StrokeSessionReport(const Json& summary);
 
 struct DutyRunOptions {
   std::vector<std::filesystem::path> logs;

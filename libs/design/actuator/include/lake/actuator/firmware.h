@@ -29,6 +29,8 @@ inline constexpr double kSupplyDivider = 4.9;
 inline constexpr double kSupplyTolerance = 0.4;  // of the nominal voltage: outside is a fault
 inline constexpr double kFollowingError_mm = 1;  // at most, in closed loop; at 3 mm the firmware stops
 
+enum class Feedback { kNone, kPotentiometer };
+
 struct FirmwareOptions {
   double home_stroke_mm = 0;                      // at which the retract end stop acts; 0: the lower soft limit
   double home_speed_mm_s = 5;                     // while homing, at most; less if the duty table has less
@@ -38,17 +40,20 @@ struct FirmwareOptions {
                                                   // the drift; none: the table's own, else kUnmeasuredTolerance_percent
   double lag_s = 0.05;                            // by which speed lags behind duty at most, for the bound …
   double home_error_mm = 0.1;                     // … and how well the stroke is known after homing
-  double stop_travel_mm = 2;  // within which an end stop releases when the actuator moves away from it
-  double extend_stop_mm = 0;  // the extend end stop acts so far before the linkage's end; 0: there is none
-  bool accept_drift = false;  // for a bench without a person: the drift may leave the linkage's room
-  std::optional<PotentiometerScale> feedback;  // A0 measures the stroke: closed loop; none: open loop
-  double feedback_error_mm = 0.5;              // by which that stroke may be off: calibration, linearity, resolution
-  double supply_v = 0;                         // of the motor, seen on A2 through kSupplyDivider; 0: not wired
-  bool current_sense = false;                  // A1 measures the motor's current: an ACS712-05B, or …
+  double stop_travel_mm = 2;            // within which an end stop releases when the actuator moves away from it
+  double extend_stop_mm = 0;            // the extend end stop acts so far before the linkage's end; 0: there is none
+  bool accept_drift = false;            // for a bench without a person: the drift may leave the linkage's room
+  Feedback feedback = Feedback::kNone;  // of the stroke; none: open loop
+  std::optional<PotentiometerScale> potentiometer;  // two readings on A0 with their strokes; feedback needs it
+  double feedback_error_mm = 0.5;  // by which that stroke may be off: calibration, linearity, resolution
+  double supply_v = 0;             // of the motor, seen on A2 through kSupplyDivider; 0: not wired
+  bool current_sense = false;      // A1 measures the motor's current: an ACS712-05B, or …
   double current_zero_v = 2.5, current_v_per_a = 0.185;  // … what reads so without current, and so much per ampere
   double max_current_a = 3;                              // more is a short: off within 10 ms, …
   double stall_current_a = 2;                            // … more than this for 0.3 s a stall
-  double table_tolerance_mm = 0.05;                      // allowed when a program has too many knots for the flash
+  std::string design_hash =
+      "unknown";                     // the first digits of the design file's SHA-256: no option, said in the greeting
+  double table_tolerance_mm = 0.05;  // allowed when a program has too many knots for the flash
 
   void Check() const;  // throws UsageError
 };
@@ -98,6 +103,11 @@ DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& sch
 // acts too near to the linkage's end, or UsageError if home lies below the soft limit.
 std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
                               const FirmwareOptions& options, const std::string& made_by);
+
+// What belongs to this sketch and to no other, for the top of the .ino: where it comes from, warnings, end stops,
+// sizes, as comment lines. `from` names design and duty table.
+std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
+                        const FirmwareOptions& options, const std::string& from);
 
 // The header of a firmware without a program: it jogs, for the logs that a duty table is made of.
 std::string CalibrationHeader(const FirmwareOptions& options, const std::string& made_by);

@@ -1,0 +1,46 @@
+// A run of the firmware watched from the host: it homes, runs, is kept from its time-out, and every row is in a log.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace lake::actuator {
+
+struct SessionOptions {
+  std::filesystem::path port;
+  double keep_alive_s = 0.25;  // between two signs of life
+  double greeting_s = 5;       // an UNO's boot loader takes 2
+  double silent_s = 1.5;       // without a row from the firmware: it is given up, and stops by its own time-out
+  double homing_s = 300;       // at most
+  double run_s = 3600;         // at most
+  bool home = true;            // else the actuator stands at the start already: zero
+};
+
+// What the firmware was made for, of the stroke_table.h in the folder of the sketch's results.
+struct SketchIdentity {
+  std::string design_hash;
+  double duration_s = 0;
+};
+
+// Throws Error if there is none, or one that is no program.
+SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder);
+
+struct SessionResult {
+  std::size_t rows = 0;
+  double homing_s = 0, run_s = 0;
+};
+
+// Writes the log's header first and to the disk: if that fails nothing has been sent and nothing moves. If a row cannot
+// be written, `poll` throws (Ctrl-C), the firmware tells a fault or falls silent, the actuator is told to hold and to
+// reset, and the error goes on. `poll` is called at least every 0.1 s with the state and the program's time so far, s.
+// Throws Error: the log, the port, another program in the board than the folder's, a refused command, a fault with its
+// meaning.
+SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sketch, const std::filesystem::path& log,
+                         const std::function<void(const std::string& state, double time_s)>& poll);
+
+// What ALARM:N and error:N mean.
+std::string AlarmText(int number);
+std::string ErrorText(int number);
+
+}  // namespace lake::actuator

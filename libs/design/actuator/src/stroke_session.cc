@@ -1,0 +1,251 @@
+#include "lake/actuator/stroke_session.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <regex>
+
+#include "lake/actuator/serial_port.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+
+namespace lake::actuator {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kPoll_s = 0.05, kReply_s = 1;
+constexpr const char* kReset = "!\x18";
+
+double Since(Clock::time_point when) {
+  return std::chrono::duration<double>(Clock::now() - when).count();
+}
+
+// Every line is on its way to the disk when Write returns: what was moved is known even if the computer fails.
+class LogFile {
+ public:
+  explicit LogFile(const std::filesystem::path& path) : path_(path) {
+    file_ = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file_ < 0) Refuse();
+  }
+  LogFile(const LogFile&) = delete;
+  LogFile& operator=(const LogFile&) = delete;
+  ~LogFile() { close(file_); }
+
+  void Write(const std::string& line) {
+    const std::string text = line + "\n";
+    if (write(file_, text.data(), text.size()) != static_cast<ssize_t>(text.size())) Refuse();
+  }
+  void ToDisk() {
+    if (fsync(file_) != 0 && errno != EINVAL) Refuse();
+  }
+
+ private:
+  [[noreturn]] void Refuse() const {
+    throw Fail("{}: the log cannot be written ({}): without one nothing moves", path_.string(), std::strerror(errno));
+  }
+
+  std::filesystem::path path_;
+  int file_ = -1;
+};
+
+bool IsRow(const std::string& line) {
+  return !line.empty() && line.find(',') != std::string::npos && std::isdigit(static_cast<unsigned char>(line[0]));
+}
+
+bool IsHeader(const std::string& line) {
+  return line.starts_with("time_s,");
+}
+
+std::string Field(const std::string& row, int index) {
+  std::size_t begin = 0;
+  for (; index > 0 && begin != std::string::npos; --index) begin = row.find(',', begin) + 1;
+  return row.substr(begin, row.find(',', begin) - begin);
+}
+
+class Session {
+ public:
+  Session(const SessionOptions& options, LogFile& log, const std::function<void(const std::string&, double)>& poll)
+      : options_(options), log_(log), poll_(poll), port_(options.port) {}
+
+  // Opening the port resets an UNO; a board that does not reset by it is reset by Ctrl-X.
+  void Greet(const SketchIdentity& sketch) {
+    std::string design;
+    bool reset = false, has_header = false;
+    for (const auto begin = Clock::now(); design.empty() || !has_header;) {
+      if (Since(begin) > options_.greeting_s)
+        throw Fail("{}: no greeting of lake-stroke's firmware within {} s: is it uploaded?", options_.port.string(),
+                   options_.greeting_s);
+      if (!reset && Since(begin) > options_.greeting_s / 2) port_.Write(kReset), reset = true;
+      const std::optional<std::string> line = Line();
+      if (!line) continue;
+      if (line->starts_with("[MSG:design ")) design = line->substr(12, line->find(',') - 12);
+      if (IsHeader(*line)) has_header = true, header_ = *line;
+    }
+    if (design != sketch.design_hash)
+      throw Fail("{}: the board has the program of design {}, the folder that of {}: upload the folder's sketch",
+                 options_.port.string(), design, sketch.design_hash);
+  }
+
+  void WriteHeader() {
+    log_.Write(header_);
+    log_.ToDisk();
+    is_logging_ = true;
+  }
+
+  void Ask(const std::string& command) {
+    port_.Write(command + "\n");
+    for (const auto begin = Clock::now(); Since(begin) < kReply_s;) {
+      const std::optional<std::string> line = Line();
+      if (line == "ok") return;
+      if (line && line->starts_with("error:"))
+        throw Fail("{}: '{}' was refused, {}: {}", options_.port.string(), command, *line,
+                   ErrorText(std::atoi(line->c_str() + 6)));
+    }
+    throw Fail("{}: no answer to '{}'", options_.port.string(), command);
+  }
+
+  // Until what moves says that it is done.
+  double WaitForDone(const std::string& what, double most_s) {
+    const auto begin = Clock::now();
+    while (Since(begin) < most_s) {
+      const std::optional<std::string> line = Line();
+      poll_(state_, Since(begin));
+      if (line == "[MSG:done]") return Since(begin);
+      if (line && line->starts_with("[MSG:host silent"))
+        throw Fail("{}: the firmware did not hear this program in time and stopped; is the computer too busy?",
+                   options_.port.string());
+    }
+    throw Fail("{}: {} has not ended within {:.0f} s", options_.port.string(), what, most_s);
+  }
+
+  // Whatever it does.
+  void Stop() noexcept {
+    try {
+      port_.Write(kReset);
+      for (const auto begin = Clock::now(); Since(begin) < 0.3;) buffer_ += port_.Read(kPoll_s);
+    } catch (const std::exception&) {
+      // The line is gone: the firmware stops by its time-out.
+    }
+  }
+
+  std::size_t Rows() const { return rows_; }
+
+ private:
+  // The next whole line, if one has come; meanwhile it says that it is there. Throws on a fault or long silence.
+  std::optional<std::string> Line() {
+    if (Since(last_said_) > options_.keep_alive_s) port_.Write("?"), last_said_ = Clock::now();
+    if (buffer_.find('\n') == std::string::npos) buffer_ += port_.Read(kPoll_s);
+    const std::size_t end = buffer_.find('\n');
+    if (end == std::string::npos) {
+      if (is_logging_ && Since(last_heard_) > options_.silent_s)
+        throw Fail("{}: the firmware has been silent for {} s", options_.port.string(), options_.silent_s);
+      return std::nullopt;
+    }
+    last_heard_ = Clock::now();
+    std::string line = buffer_.substr(0, end);
+    buffer_.erase(0, end + 1);
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    Take(line);
+    return line;
+  }
+
+  void Take(const std::string& line) {
+    if (line.starts_with("ALARM:"))
+      throw Fail("{}: the firmware stopped with {}: {}", options_.port.string(), line,
+                 AlarmText(std::atoi(line.c_str() + 6)));
+    if (!is_logging_) return;
+    if (line.starts_with("[MSG:lake-stroke")) throw Fail("{}: the board was reset", options_.port.string());
+    if (!IsRow(line)) return;
+    log_.Write(line);
+    ++rows_;
+    state_ = Field(line, 5);
+  }
+
+  const SessionOptions& options_;
+  LogFile& log_;
+  const std::function<void(const std::string&, double)>& poll_;
+  SerialPort port_;
+  std::string buffer_, header_, state_;
+  Clock::time_point last_said_ = Clock::now(), last_heard_ = Clock::now();
+  bool is_logging_ = false;
+  std::size_t rows_ = 0;
+};
+
+}  // namespace
+
+SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "stroke_table.h";
+  const std::string text = ReadTextFile(file);
+  SketchIdentity identity;
+  std::smatch match;
+  if (!std::regex_search(text, match, std::regex("#define LAKE_DESIGN \"([^\"]*)\"")))
+    throw Fail("{}: no program of lake-stroke with a design in it; write it again with lake-stroke", file.string());
+  identity.design_hash = match[1];
+  static const std::regex segment("\\{([0-9]+), -?[0-9]+, [0-9]+\\},");
+  for (std::sregex_iterator at(text.begin(), text.end(), segment), end; at != end; ++at)
+    identity.duration_s = std::stod((*at)[1]) / 1e3;
+  return identity;
+}
+
+SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sketch, const std::filesystem::path& log,
+                         const std::function<void(const std::string&, double)>& poll) {
+  LogFile file(log);
+  Session session(options, file, poll);
+  SessionResult result;
+  try {
+    session.Greet(sketch);
+    session.WriteHeader();
+    session.Ask(options.home ? "home" : "zero");
+    if (options.home) result.homing_s = session.WaitForDone("homing", options.homing_s);
+    session.Ask("run");
+    result.run_s = session.WaitForDone("the program", std::min(options.run_s, 2 * sketch.duration_s + 10));
+  } catch (...) {
+    session.Stop();
+    throw;
+  }
+  result.rows = session.Rows();
+  return result;
+}
+
+std::string AlarmText(int number) {
+  static const std::array<const char*, 13> texts = {
+      "an end stop in the direction of motion",
+      "both end stops at once: their wires",
+      "a limit was reached, of the program or of the linkage",
+      "no end stop met while homing",
+      "an end stop is pressed away from its place: its wire",
+      "the motor's supply is off or outside its limits: emergency stop, or the sense wire",
+      "the potentiometer reads what it cannot: wiper lost or shorted, or it contradicts home",
+      "driven, it does not move: a stall, a frozen wiper, or no supply",
+      "it moves against the drive: motor or potentiometer reversed",
+      "it moves undriven, or much faster than driven",
+      "too far from the plan",
+      "over-current: a short or a stall",
+      "driven, it takes no current: motor, supply or sense wire"};
+  return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
+                                                                 : "a fault of a newer firmware";
+}
+
+std::string ErrorText(int number) {
+  static const std::array<const char*, 8> texts = {"no such command",
+                                                   "a number out of range",
+                                                   "the line is too long",
+                                                   "not in this state",
+                                                   "it is not at the program's start",
+                                                   "the firmware has no program",
+                                                   "an end stop is pressed in that direction",
+                                                   "a soft limit is reached in that direction"};
+  return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
+                                                                 : "a reply of a newer firmware";
+}
+
+}  // namespace lake::actuator

@@ -1,0 +1,87 @@
+// What somebody with a serial monitor meets.
+#include "host/host_fixture.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+using ByHandTest = HostFirmwareTest;
+
+// Homing is longer than the time-out: each ~ is a sign of life, and takes it on from where it waits.
+TEST_F(ByHandTest, HomesInStepsWithoutAHostThatTalks) {
+  Build(FreeDesign({{0, 300}, {2, 306}}));
+  rig_->SetStroke(330);
+  rig_->KeepTalking(false);
+  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  int steps = 0;
+  while (!rig_->RunUntil("[MSG:done]", 4)) {
+    ASSERT_LT(++steps, 20) << rig_->Serial();
+    EXPECT_THAT(rig_->Status(), HasSubstr("<hold")) << "nobody looks: it waits";
+    EXPECT_EQ(rig_->Duty(), 0);
+    rig_->SendNow('~');
+  }
+  EXPECT_GE(steps, 3);
+  rig_->Run(0.3);
+  EXPECT_NEAR(rig_->Stroke(), 300, 0.3);
+  EXPECT_TRUE(rig_->Asks("run", "ok"));
+}
+
+TEST_F(ByHandTest, StopGivesHomingUpAndHoldEndsIt) {
+  Build(FreeDesign({{0, 300}, {2, 306}}));
+  rig_->SetStroke(330);
+  rig_->KeepTalking(false);
+  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  rig_->Run(3);
+  ASSERT_TRUE(rig_->Asks("stop", "ok"));
+  rig_->SendNow('~');
+  rig_->Run(1);
+  EXPECT_EQ(rig_->Duty(), 0);
+  EXPECT_TRUE(rig_->Asks("run", "error:5"));
+  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  rig_->Run(0.5);
+  rig_->SendNow('!');
+  rig_->Run(0.2);
+  EXPECT_THAT(rig_->Status(), HasSubstr("<idle"));
+}
+
+TEST_F(ByHandTest, IsToldWhoMayWearItAndWhatTheProgramIs) {
+  firmware_options_.design_hash = "0123456789ab";
+  Build(FreeDesign({{0, 300}, {2, 306}}));
+  rig_->SendNow('\x18');
+  rig_->Run(0.1);
+  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:design 0123456789ab, duty table MODEL, not measured]\n"));
+  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:open loop: the stroke is planned, not measured]\n"));
+  ASSERT_TRUE(rig_->Asks("home", "ok"));
+  EXPECT_THAT(rig_->Serial(), HasSubstr("[MSG:unworn only: homing takes the knee to "));
+}
+
+TEST(SketchNotes, SayWhatIsOfThisSketchAlone) {
+  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 300}, {2, 306}});
+  const actuator::DutyTable table = ModelTable();
+  actuator::FirmwareOptions options;
+  options.design_hash = "0123456789ab", options.extend_stop_mm = 0.6;
+  const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, options);
+  const std::string notes = actuator::SketchNotes(stroke, schedule, table, options, "from design.yaml");
+  for (const char* part : {"0123456789ab (SHA-256)", "MODEL duty table", "UNWORN ONLY: home takes the knee to 14",
+                           "open loop", "Retract end stop at 242.498 mm", "extend end stop at 373.9", "README.txt"})
+    EXPECT_THAT(notes, HasSubstr(part));
+  std::istringstream lines(notes);
+  for (std::string line; std::getline(lines, line);) EXPECT_TRUE(line.empty() || line.starts_with("//")) << line;
+  actuator::DutyTable measured = table;
+  measured.rows.front().extend_se_mm_s = 0.1;
+  EXPECT_THAT(actuator::SketchNotes(stroke, schedule, measured, options, ""), Not(HasSubstr("MODEL")));
+}
+
+// The folder needs no other: pins, commands, what the numbers mean.
+TEST(SketchNotes, TheFolderExplainsItself) {
+  std::string readme;
+  for (const actuator::FirmwareFile& file : actuator::FirmwareSources())
+    if (file.name == "README.txt") readme = file.text;
+  for (const char* part : {"D9", "D2, D3", "NORMALLY CLOSED", "A0", "115200", "jog DUTY MS", "ALARM:N", "error:N", "~"})
+    EXPECT_THAT(readme, HasSubstr(part));
+}
+
+}  // namespace
+}  // namespace lake

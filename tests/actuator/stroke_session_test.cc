@@ -1,0 +1,217 @@
+// The host's side of a run over a real pseudo-terminal, with the firmware and its plant on the other end.
+#include "lake/actuator/stroke_session.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <pty.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <thread>
+
+#include "cli/program_run.h"
+#include "host/host_fixture.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+
+namespace lake {
+namespace {
+
+using actuator::SessionOptions;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr int kTimesFaster = 8;  // the board's time runs so much faster than ours
+
+// A board on a pty: bytes go to the firmware and back, ms by ms.
+class PtyBoard {
+ public:
+  explicit PtyBoard(HostRig& rig) : rig_(rig) {
+    std::array<char, 128> name{};
+    if (openpty(&master_, &slave_, name.data(), nullptr, nullptr) != 0) throw std::runtime_error("no pty");
+    port_ = name.data();
+    termios raw{};
+    tcgetattr(slave_, &raw);
+    cfmakeraw(&raw);
+    tcsetattr(slave_, TCSANOW, &raw);
+    fcntl(master_, F_SETFL, O_NONBLOCK);
+    rig_.KeepTalking(false);
+    thread_ = std::thread([this] { Serve(); });
+  }
+  ~PtyBoard() {
+    End();
+    close(master_), close(slave_);
+  }
+  void End() {
+    ended_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  const std::string& Port() const { return port_; }
+  // Done at that time of the board since the program runs.
+  void Later(double running_s, std::function<void(HostRig&)> act) { later_s_ = running_s, act_ = std::move(act); }
+  void GoDeaf(double running_s) {
+    Later(running_s, [this](HostRig&) { mute_ = true; });
+  }
+  bool HasReceived() const { return has_received_; }
+
+ private:
+  void Take(char c) {
+    has_received_ = true;
+    if (c == '?' || c == '!' || c == '~' || c == '\x18')
+      rig_.SendNow(c);
+    else if (c == '\n')
+      rig_.Send(line_), line_.clear();
+    else
+      line_ += c;
+  }
+  void Serve() {
+    std::array<char, 256> buffer;
+    std::size_t said = rig_.Serial().size();
+    double since_s = -1;
+    while (!ended_) {
+      const ssize_t count = read(master_, buffer.data(), buffer.size());
+      for (ssize_t i = 0; i < count; ++i) Take(buffer[static_cast<std::size_t>(i)]);
+      rig_.Run(1e-3 * kTimesFaster);
+      if (since_s < 0 && rig_.Serial().find(",running,") != std::string::npos) since_s = rig_.Time();
+      if (act_ && since_s >= 0 && rig_.Time() >= since_s + later_s_) act_(rig_), act_ = nullptr;
+      if (!mute_ && rig_.Serial().size() > said)
+        if (write(master_, rig_.Serial().data() + said, rig_.Serial().size() - said) < 0) said -= 0;
+      said = rig_.Serial().size();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
+  HostRig& rig_;
+  int master_ = -1, slave_ = -1;
+  std::string port_, line_;
+  std::atomic<bool> ended_ = false, mute_ = false, has_received_ = false;
+  double later_s_ = 0;
+  std::function<void(HostRig&)> act_;
+  std::thread thread_;
+};
+
+class StrokeSessionTest : public HostFirmwareTest {
+ protected:
+  void SetUp() override {
+    firmware_options_.design_hash = "0123456789ab";
+    firmware_options_.command_timeout_s = 4;  // half a second of ours
+    Build(FreeDesign({{0, 300}, {4, 316}, {6, 310}}));
+    WriteTextFile(folder_ / "stroke_table.h", header_);
+    board_ = std::make_unique<PtyBoard>(*rig_);
+    options_.port = board_->Port();
+    options_.keep_alive_s = 0.05, options_.greeting_s = 1, options_.silent_s = 0.6;
+  }
+
+  actuator::SessionResult Run(const std::function<void(const std::string&, double)>& poll = [](const std::string&,
+                                                                                               double) {}) {
+    return actuator::RunSession(options_, actuator::ReadSketchIdentity(folder_.Path()), folder_ / "log.csv", poll);
+  }
+
+  // Whatever happened, nothing moves within a tenth of a second of ours.
+  void ExpectStill() {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    board_->End();
+    EXPECT_EQ(rig_->Duty(), 0);
+    rig_->Run(1);
+    const double stroke = rig_->Stroke();
+    rig_->Run(1);
+    EXPECT_NEAR(rig_->Stroke(), stroke, 1e-4);
+  }
+
+  TemporaryFolder folder_;
+  SessionOptions options_;
+  std::unique_ptr<PtyBoard> board_;
+};
+
+TEST_F(StrokeSessionTest, HomesRunsAndLogsEveryRow) {
+  EXPECT_EQ(actuator::ReadSketchIdentity(folder_.Path()).duration_s, schedule_.Duration());
+  std::size_t polls = 0;
+  const actuator::SessionResult result = Run([&](const std::string&, double) { ++polls; });
+  board_->End();
+  EXPECT_NEAR(rig_->Stroke(), 310, 0.3);
+  EXPECT_GT(polls, 10u);
+  const CsvTable log = CsvTable::Read(folder_ / "log.csv");
+  EXPECT_EQ(log.Rows(), result.rows);
+  // Ten rows per second of the board: homing of 5 s and the program.
+  EXPECT_GE(log.Rows(), 60u);
+  for (std::size_t i = 1; i < log.Rows(); ++i)
+    EXPECT_NEAR(log.RequiredNumber(i, 0) - log.RequiredNumber(i - 1, 0), 0.1, 0.0015) << i;
+}
+
+TEST_F(StrokeSessionTest, NothingMovesIfTheLogCannotBeWritten) {
+  EXPECT_THAT(
+      [&] {
+        actuator::RunSession(options_, actuator::ReadSketchIdentity(folder_.Path()), "/dev/full",
+                             [](const std::string&, double) {});
+      },
+      ThrowsMessage<Error>(HasSubstr("/dev/full: the log cannot be written (No space left on device)")));
+  EXPECT_THAT(
+      [&] {
+        actuator::RunSession(options_, actuator::ReadSketchIdentity(folder_.Path()), folder_ / "no/such/log.csv",
+                             [](const std::string&, double) {});
+      },
+      ThrowsMessage<Error>(HasSubstr("the log cannot be written")));
+  ExpectStill();
+  for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
+}
+
+TEST_F(StrokeSessionTest, AFaultEndsItWithItsMeaning) {
+  board_->Later(1.5, [](HostRig& rig) { rig.PullWire(false, true); });
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("ALARM:1: an end stop in the direction of motion")));
+  ExpectStill();
+  EXPECT_GT(CsvTable::Read(folder_ / "log.csv").Rows(), 20u) << "what was moved is in the log";
+}
+
+TEST_F(StrokeSessionTest, AnInterruptStopsWhateverMoves) {
+  for (const bool while_running : {false, true}) {
+    int left = 3;
+    EXPECT_THROW(Run([&](const std::string& state, double) {
+                   if (state == (while_running ? "running" : "homing") && --left == 0) throw std::runtime_error("^C");
+                 }),
+                 std::runtime_error);
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  }
+  ExpectStill();
+}
+
+TEST_F(StrokeSessionTest, ASilentBoardIsGivenUpAndStopsByItself) {
+  board_->GoDeaf(1);
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("the firmware has been silent for 0.6 s")));
+  ExpectStill();
+}
+
+TEST_F(StrokeSessionTest, AnotherProgramInTheBoardIsRefused) {
+  actuator::SketchIdentity other = actuator::ReadSketchIdentity(folder_.Path());
+  other.design_hash = "ffff";
+  EXPECT_THAT(
+      [&] { actuator::RunSession(options_, other, folder_ / "log.csv", [](const std::string&, double) {}); },
+      ThrowsMessage<Error>(HasSubstr("the board has the program of design 0123456789ab, the folder that of ffff")));
+  ExpectStill();
+  for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
+}
+
+TEST_F(StrokeSessionTest, APortThatIsNoneIsAnError) {
+  board_->End();
+  options_.port = folder_ / "stroke_table.h";
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("this is no serial line")));
+  options_.port = "/dev/no-such-tty";
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("cannot be opened")));
+}
+
+// As a user runs it; Ctrl-C in the middle of the program.
+TEST_F(StrokeSessionTest, TheProgramRunsItAndStopsOnCtrlC) {
+  const Outcome run = Shell(folder_, "lake-stroke run . --port " + board_->Port() + " --keep-alive 0.05 -o out");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("rows in log.csv"));
+  EXPECT_GT(CsvTable::Read(folder_ / "out/log.csv").Rows(), 60u);
+  const Outcome stopped = Shell(
+      folder_, "timeout -s INT 5 lake-stroke run . --port " + board_->Port() + " --keep-alive 0.05 -o second; exit $?");
+  EXPECT_TRUE(stopped.exit_code == 124 || stopped.exit_code == 130 || stopped.exit_code == 0) << stopped.err;
+  ExpectStill();
+}
+
+}  // namespace
+}  // namespace lake
