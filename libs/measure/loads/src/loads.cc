@@ -318,6 +318,7 @@ RiseLoads MeanOf(const std::vector<RiseLoads>& rises) {
     if (std::isfinite(row.knee_nm)) continue;
     for (const RiseLoads& rise : rises) {
       const LoadsRow& one = rise.rows[static_cast<std::size_t>(percent)];
+      if (std::isfinite(one.knee_nm)) continue;
       row.knee_low_nm = std::fmin(row.knee_low_nm, one.knee_low_nm);  // of a number and NaN: the number
       row.knee_high_nm = std::fmax(row.knee_high_nm, one.knee_high_nm);
     }

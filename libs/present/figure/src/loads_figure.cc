@@ -91,7 +91,7 @@ void DrawPressure(GnuplotFigure& figure, const loads::LoadsResult& result) {
   constexpr double kMmPerM = 1000;
   const double heel_mm = -kMmPerM * result.body.sole.heel_m, toe_mm = kMmPerM * result.body.sole.toe_m;
   figure.Line("set tmargin at screen 0.64; set bmargin at screen 0.40; set ylabel 'ground force acts at (mm)'");
-  figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 60, toe_mm + 60));
+  figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 60, toe_mm + 120));
   figure.Line("plot " + RisesAndMean(figure, result, &loads::LoadsRow::zmp_mm, colour::kAnkle) +
               fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'heel, toe', {} with lines lw 2 dt 2 lc rgb "
                           "'{}', 0 with lines lw 1 lc rgb '#222222'",
