@@ -20,14 +20,15 @@ namespace fs = std::filesystem;
 
 // All that a synthesis and a re-optimisation may write: what is in the way of it is said before the work.
 std::vector<std::string> ResultNames(std::initializer_list<const char*> own) {
-  std::vector<std::string> names = {"summary.json", "design.yaml",     "optimum.csv",    "constraints.csv",
-                                    "starts.csv",   "convergence.csv", "convergence.png"};
+  std::vector<std::string> names = {"summary.json", "design.yaml",     "optimum.csv",     "constraints.csv",
+                                    "starts.csv",   "convergence.csv", "convergence.png", "convergence.svg"};
   names.insert(names.end(), own.begin(), own.end());
   return names;
 }
 
 Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
-  std::vector<std::string> names = ResultNames({"sensitivity.csv", "sensitivity.png", "margin.csv", "margin.png"});
+  std::vector<std::string> names =
+      ResultNames({"sensitivity.csv", "sensitivity.png", "sensitivity.svg", "margin.csv", "margin.png", "margin.svg"});
   if (options.study.round_mm) names.push_back("rounded.yaml");
   run.Begin(names);
   const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(options.problem, options.study);
@@ -124,9 +125,9 @@ Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
   const redesign::ReoptimizeProblem problem = ProblemOf(options);
   problem.CheckOptions();
   const redesign::MeasuredMotion measured = ReadMeasured(*options.reoptimize, run);
-  std::vector<std::string> names = ResultNames(
-      {"before_after.csv", "program.csv", "knee_paths.png", "predicted/comparison.json", "predicted/misalignment.csv"});
-  if (options.reoptimize->pareto_points) names.insert(names.end(), {"pareto.csv", "pareto.png"});
+  std::vector<std::string> names = ResultNames({"before_after.csv", "program.csv", "knee_paths.png", "knee_paths.svg",
+                                                "predicted/comparison.json", "predicted/misalignment.csv"});
+  if (options.reoptimize->pareto_points) names.insert(names.end(), {"pareto.csv", "pareto.png", "pareto.svg"});
   run.Begin(names);
   const redesign::ReoptimizeOutcome outcome = redesign::RunReoptimization(problem, measured, reoptimize_options);
   Json summary = WriteReoptimization(outcome, run);

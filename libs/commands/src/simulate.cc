@@ -253,7 +253,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   options.plates.Check();
   const Request request = Resolve(design, options);
   run.Begin({"summary.json", "angle_vs_stroke.csv", "angle_vs_stroke.png", "angle_vs_stroke.svg", "schematic.svg",
-             "mannequin.png", "design.dxf", "animation.mp4", "animation.gif"});
+             "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4", "animation.gif"});
   const drawing::LinkageLook look{design.links,
                                   request.range,
                                   BodyOf(options),
