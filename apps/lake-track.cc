@@ -19,14 +19,17 @@ struct Arguments {
   std::vector<std::string> seeds, colors, depths;
   std::optional<double> start_s, end_s;
   double capture_rate_hz = 0, cutoff_hz = 0;
-  bool overlay = true, smoothed = false;
+  bool overlay = true, smoothed = false, list = false;
 };
 
 void Declare(CLI::App& cli, Arguments& a) {
   cli.add_option("video", a.video, "Video, or image sequence as frames/%05d.png")->required();
   cli.add_option("--markers", a.markers,
                  "Names of the markers to find; ankle, knee, hip, waist are understood as the leg");
-  cli.add_option("--seed", a.seeds, "NAME=X,Y[@FRAME]: where a marker is, in px of a frame (may be repeated)");
+  cli.add_option(
+      "--seed", a.seeds,
+      "NAME=X,Y[@FRAME]: where a marker is, in px of a frame; or NAME=#N of candidates.png (may be repeated)");
+  cli.add_flag("--list", a.list, "Only find and draw what is there: candidates.png, candidates.csv");
   cli.add_option("--detector", a.detector, "What the markers are")
       ->check(CLI::IsMember({"reflective", "color", "template", "aruco"}));
   cli.add_option("--color", a.colors, "\"#RRGGBB\", one for all markers or one for each, for --detector color");
@@ -96,6 +99,7 @@ lake::commands::TrackRunOptions MakeRunOptions(const Arguments& a) {
   options.overlay = a.overlay;
   options.exports = lake::SplitText(a.exports, ',');
   options.smoothed = a.smoothed;
+  options.list = a.list;
   return options;
 }
 

@@ -38,6 +38,14 @@ tracking::MarkerSeed ParseSeed(const std::string& text) {
     seed.frame = static_cast<std::int64_t>(frame);
     place.resize(at);
   }
+  if (place.starts_with('#')) {
+    const double number = ParseNumbers(place.substr(1), 1, "--seed " + name + ": number").front();
+    constexpr double kMost = 1e6;
+    if (!(number >= 1 && number <= kMost) || number != std::floor(number) || seed.frame != 0)
+      throw UsageError(fmt::format("--seed '{}': #N is the number of a candidate, a whole number from 1", text));
+    seed.candidate = static_cast<int>(number);
+    return seed;
+  }
   const std::vector<double> xy = ParseNumbers(place, 2, "--seed " + name);
   seed.position = {xy[0], xy[1]};
   return seed;

@@ -15,7 +15,7 @@ tracking::DetectorKind ParseDetector(const std::string& text);
 // bright or dark. Throws UsageError.
 tracking::Polarity ParsePolarity(const std::string& text);
 
-// NAME=X,Y[@FRAME], a place in px. Throws UsageError.
+// NAME=X,Y[@FRAME], a place in px, or NAME=#N, the number of a candidate. Throws UsageError.
 tracking::MarkerSeed ParseSeed(const std::string& text);
 
 // X,Y,W,H. Throws UsageError unless they are whole px with a positive width and height.
