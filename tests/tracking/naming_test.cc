@@ -8,6 +8,7 @@
 #include <random>
 
 #include "lake/core/error.h"
+#include "lake/tracking/candidates.h"
 
 namespace lake {
 namespace {
@@ -311,6 +312,171 @@ TEST(Naming, AnotherNameNeedsASeedAndTheErrorListsWhatIsLeft) {
   options.names.push_back("toe");
   EXPECT_THAT(ErrorOf(seen, options), AllOf(HasSubstr("'toe'"), HasSubstr("--seed toe=X,Y"),
                                             testing::ContainsRegex("100[01]\\.[0-9], 30[12]\\.")));
+}
+
+// A knee's marker, and one on an exoskeleton's joint that turns with the thigh beside it.
+constexpr std::size_t kExoTracklet = 4;
+Seen WithJoint(const LegScene& scene) {
+  Seen seen = SeenLeg(scene);
+  seen.Add([=](int frame) -> Vector2d {
+    const std::array<Vector2d, 4> leg = Leg(scene, Upright(scene, frame));
+    const Vector2d along = (leg[2] - leg[1]).normalized();
+    return leg[1] + 12 * along - 14 * Vector2d(-along.y(), along.x());
+  });
+  return seen;
+}
+
+tracking::NamingOptions ExoOptions() {
+  tracking::NamingOptions options = LegOptions();
+  options.names.emplace_back("exo_knee");
+  return options;
+}
+
+// 16 px beside its marker a seed leads to the other's.
+TEST(Seeds, ThatExchangeKneeAndJointAreContradicted) {
+  for (unsigned seed = 101; seed <= 110; ++seed) {
+    const LegScene scene{1, seed % 2 == 0, 0.05, seed};
+    const Seen seen = WithJoint(scene);
+    const Vector2d knee = seen.tracklets[kKneeTracklet].samples[0].position,
+                   joint = seen.tracklets[kExoTracklet].samples[0].position;
+    tracking::NamingOptions right = ExoOptions(), exchanged = ExoOptions(), one = ExoOptions();
+    right.seeds = {{"knee", knee, 0}, {"exo_knee", joint, 0}};
+    exchanged.seeds = {{"knee", joint, 0}, {"exo_knee", knee, 0}};
+    one.seeds = {{"exo_knee", knee, 0}};
+    ExpectIs(*Name(seen, right).Find("knee"), seen.tracklets[kKneeTracklet]);
+    EXPECT_THAT(ErrorOf(seen, exchanged),
+                AllOf(HasSubstr("--seed knee="), HasSubstr("distances"), HasSubstr("that is the knee")))
+        << "seed " << seed;
+    EXPECT_THAT(ErrorOf(seen, one), AllOf(HasSubstr("--seed exo_knee="), HasSubstr("knee"))) << "seed " << seed;
+  }
+}
+
+TEST(Seeds, OnALampAreContradicted) {
+  for (unsigned seed = 111; seed <= 115; ++seed) {
+    const LegScene scene{1, false, 0.05, seed};
+    Seen seen = WithJoint(scene);
+    const Vector2d lamp(700, 340);
+    seen.Add([=](int) { return lamp; });
+    const std::array<Vector2d, 4> leg = Leg(scene, 0);
+    const Vector2d joint = seen.tracklets[kExoTracklet].samples[0].position;
+    tracking::NamingOptions alone = LegOptions(), all = LegOptions(), exo = ExoOptions();
+    alone.seeds = {{"knee", lamp, 0}};
+    all.seeds = {{"ankle", leg[0], 0}, {"knee", leg[1], 0}, {"hip", lamp, 0}, {"waist", leg[3], 0}};
+    exo.seeds = {{"exo_knee", lamp, 0}};
+    for (const tracking::NamingOptions& options : {alone, all, exo})
+      EXPECT_THAT(ErrorOf(seen, options), AllOf(HasSubstr("--seed"), HasSubstr("lamp"))) << "seed " << seed;
+    exo.seeds = {{"exo_knee", joint, 0}};
+    EXPECT_DOUBLE_EQ(ShareNamed(Name(seen, exo), scene), 1);
+  }
+}
+
+TEST(Seeds, OnWhatIsHardlySeenAreContradicted) {
+  const LegScene scene;
+  Seen seen = SeenLeg(scene);
+  seen.Add([](int frame) { return Vector2d(900 + 3 * frame, 300); }, 0, 11);
+  tracking::NamingOptions options = ExoOptions();
+  options.seeds = {{"exo_knee", {900, 300}, 0}};
+  EXPECT_THAT(ErrorOf(seen, options),
+              AllOf(HasSubstr("--seed exo_knee="), HasSubstr("seen in 12 frames only, of 300")));
+}
+
+TEST(Seeds, TakeANumberOfTheCandidates) {
+  const LegScene scene;
+  const Seen seen = WithJoint(scene);
+  const tracking::CandidateList list = tracking::ListCandidates(seen.tracklets);
+  ASSERT_EQ(list.candidates.size(), 5u);
+  tracking::NamingOptions options = ExoOptions();
+  const Vector2d joint = seen.tracklets[kExoTracklet].SampleIn(list.frame)->position;
+  for (const tracking::Candidate& candidate : list.candidates)
+    if (candidate.position == joint) {
+      options.seeds = {{"exo_knee"}};
+      options.seeds.front().candidate = candidate.id;
+    }
+  ASSERT_EQ(options.seeds.size(), 1u);
+  ExpectIs(*Name(seen, options).Find("exo_knee"), seen.tracklets[kExoTracklet]);
+  options.seeds.front().candidate = 6;
+  EXPECT_THAT(ErrorOf(seen, options), AllOf(HasSubstr("--seed exo_knee=#6"), HasSubstr("1 to 5")));
+}
+
+Vector2d Somewhere(std::mt19937& random) {
+  return {std::uniform_real_distribution<double>(10, 1270)(random),
+          std::uniform_real_distribution<double>(5, 700)(random)};
+}
+
+// Walks in standing, for the first third; then sits down and rises.
+struct WalkIn {
+  LegScene scene;
+  Vector2d At(int frame, std::size_t marker) const {
+    const double in = std::min(1.0, frame / 100.0), away = 1 - in * in * (3 - 2 * in);
+    const double upright = frame < 130 ? 1 : Upright(scene, (frame - 130) * kFrames / 170);
+    const double stride = away > 0 ? 12 * away * std::sin(0.25 * frame) : 0;
+    return Leg(scene, upright)[marker] + Vector2d(-900 * away + (marker == 0 ? stride : 0), 0);
+  }
+};
+
+// Sixty things that rest, a glint, and a subject whose markers appear later and in pieces.
+TEST(Clutter, DoesNotHideTheLegOfWhoWalksIn) {
+  for (unsigned seed = 201; seed <= 210; ++seed) {
+    const WalkIn walk{{1, true, 0.05, seed}};
+    std::mt19937 random(seed);
+    Seen seen(seed, 0.05);
+    for (int lamp = 0; lamp < 60; ++lamp) {
+      const Vector2d place = Somewhere(random);
+      seen.Add([=](int) { return place; });
+    }
+    seen.Add([](int frame) { return Vector2d(200 + 2.5 * frame, 90 + 20 * std::sin(frame / 15.0)); }, 30, 260);
+    for (std::size_t m = 0; m < 4; ++m) {
+      const auto path = [=](int frame) { return walk.At(frame, m); };
+      const int lost = 90 + static_cast<int>(random() % 120);
+      seen.Add(path, 50, lost).Add(path, lost + 8);
+    }
+    const motion::MarkerRecording recording = Name(seen, LegOptions());
+    for (std::size_t m = 0; m < 4; ++m)
+      for (int frame = 60; frame < kFrames; ++frame) {
+        const motion::MarkerSample& sample = recording.markers[m].samples[static_cast<std::size_t>(frame)];
+        if (!sample.IsKnown()) continue;
+        ASSERT_LE((sample.position - walk.At(frame, m)).norm(), 0.5)
+            << tracking::kLegMarkers[m] << " in frame " << frame << ", seed " << seed;
+      }
+  }
+}
+
+// Somebody walks past behind the subject: their leg is as rigid, but their foot does not rest.
+TEST(Clutter, WhoWalksPastIsNotTheSubject) {
+  for (unsigned seed = 221; seed <= 230; ++seed) {
+    const LegScene scene{1, false, 0.05, seed};
+    Seen seen = SeenLeg(scene);
+    for (std::size_t m = 0; m < 4; ++m)
+      seen.Add([=](int frame) {
+        const double swing = std::sin(0.1 * frame), bend = std::max(0.0, std::sin(0.1 * frame + 1));
+        const Vector2d hip(100 + 3.5 * frame, 250);
+        const Vector2d knee = hip + 210 * Vector2d(std::sin(0.4 * swing), std::cos(0.4 * swing));
+        const Vector2d ankle =
+            knee + 205 * Vector2d(std::sin(0.4 * swing - 0.8 * bend), std::cos(0.4 * swing - 0.8 * bend));
+        return std::array<Vector2d, 4>{ankle, knee, hip, Vector2d(hip + Vector2d(0, -105))}[m];
+      });
+    EXPECT_DOUBLE_EQ(ShareNamed(Name(seen, LegOptions()), scene), 1) << "seed " << seed;
+  }
+}
+
+TEST(Clutter, TwoWhoStandUpAreAQuestion) {
+  const LegScene scene;
+  Seen seen = SeenLeg(scene);
+  for (std::size_t m = 0; m < 4; ++m)
+    seen.Add([=](int frame) { return Vector2d(Leg(scene, Upright(scene, frame))[m] + Vector2d(400, 5)); });
+  EXPECT_THAT(ErrorOf(seen, LegOptions()), AllOf(HasSubstr("certainty"), HasSubstr("--seed")));
+}
+
+TEST(Clutter, AReflectionWhoseRayMissesThePlaneIsPassedOver) {
+  const LegScene scene;
+  Seen seen = SeenLeg(scene);
+  seen.Add([](int) { return Vector2d(600, 20); });
+  tracking::NamingOptions options = LegOptions();
+  options.metric_from_px = [](const Vector2d& px) -> Vector2d {
+    if (px.y() < 50) throw Error("its ray does not meet the sagittal plane");
+    return px;
+  };
+  EXPECT_DOUBLE_EQ(ShareNamed(Name(seen, options), scene), 1);
 }
 
 }  // namespace

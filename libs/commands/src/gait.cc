@@ -76,8 +76,16 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
 }
 
 std::string GaitReport(const Json& summary) {
-  if (!summary.contains("segments")) return "";
   std::string text;
+  if (summary.contains("candidates"))
+    text += fmt::format("{} things found, {} of which move: candidates.png, candidates.csv\n",
+                        summary["candidates"]["found"].get<int>(), summary["candidates"]["moving"].get<int>());
+  if (summary.contains("seen")) {
+    for (const auto& [name, share] : summary["seen"].items())
+      text += fmt::format("{}{} {:.1f} %", text.empty() ? "seen: " : ", ", name, 100 * share.get<double>());
+    text += '\n';
+  }
+  if (!summary.contains("segments")) return text;
   for (const Json& segment : summary["segments"]) {
     const std::string unit = segment.contains("length_mm") ? "mm" : "px";
     text += fmt::format("{}  {:.1f} {}, varies by {:.1f} (SD)\n", segment["name"].get<std::string>(),

@@ -4,11 +4,13 @@
 #include <cmath>
 
 #include "corrections.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/formats.h"
 #include "lake/figure/leg_figure.h"
 #include "lake/figure/tracks_figure.h"
+#include "lake/overlay/numbered_spots.h"
 #include "lake/overlay/overlay_video.h"
 #include "lake/video/video_files.h"
 
@@ -117,6 +119,54 @@ Json TrackingJson(const tracking::TrackResult& tracked) {
           {"sigma_of_fits_px", tracked.sigma.fit_px},
           {"scatter_px", tracked.sigma.scatter_px},
           {"compression_px", tracked.sigma.compression_px}};
+}
+
+// The part of all frames in which each marker was measured.
+Json SeenJson(const motion::MarkerRecording& tracks) {
+  Json seen = Json::object();
+  for (const motion::MarkerTrack& marker : tracks.markers) {
+    const auto count = std::count_if(marker.samples.begin(), marker.samples.end(), [](const auto& sample) {
+      return sample.status == motion::SampleStatus::kDetected;
+    });
+    seen[marker.name] = static_cast<double>(count) / static_cast<double>(tracks.Frames());
+  }
+  return seen;
+}
+
+void WarnOfUnseen(const Json& seen, Run& run) {
+  constexpr double kEnough = 0.9;
+  for (const auto& [name, share] : seen.items())
+    if (share.get<double>() < kEnough)
+      run.Warn(
+          fmt::format("marker '{}' is seen in {:.0f} % of the frames only: look at the overlay; light, a hidden "
+                      "marker or a wrong name make gaps",
+                      name, 100 * share.get<double>()));
+}
+
+constexpr const char* kCandidatesPicture = "candidates.png";
+constexpr const char* kCandidatesTable = "candidates.csv";
+
+// One frame's luma.
+cv::Mat ReadPicture(const TrackRunOptions& options, std::int64_t frame) {
+  video::VideoReaderOptions reader = options.track.reader;
+  reader.first = frame, reader.last = frame;
+  video::VideoFrame picture;
+  if (!video::VideoReader::Open(options.video, reader)->Read(picture))
+    throw Fail("{}: has no frame {}", options.video.string(), frame);
+  return picture.luma.clone();
+}
+
+void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateList& list, Run& run) {
+  std::vector<overlay::NumberedSpot> spots;
+  CsvWriter csv({"id", "frame", "x_px", "y_px", "radius_px", "first_frame", "last_frame", "moves"});
+  for (const tracking::Candidate& c : list.candidates) {
+    csv.Add(c.id).Add(c.frame).Add(c.position.x()).Add(c.position.y()).Add(c.radius_px);
+    csv.Add(c.first_frame).Add(c.last_frame).Add(c.moves ? 1 : 0);
+    csv.EndRow();
+    spots.push_back({c.id, c.position, c.radius_px, c.frame == list.frame, c.moves, c.path});
+  }
+  csv.Write(run.Result(kCandidatesTable));
+  overlay::DrawNumberedSpots(ReadPicture(options, list.frame), spots, run.Result(kCandidatesPicture));
 }
 
 void WarnOfVideo(const video::VideoInfo& video, Run& run) {
@@ -257,6 +307,31 @@ Json RunPoints(const TrackRunOptions& options, const tracking::TrackResult& trac
   return results;
 }
 
+// The markers with their names; where they cannot be named, what was found is shown to the one who can.
+tracking::TrackResult TrackOrShow(const TrackRunOptions& options, const tracking::TrackOptions& track, Run& run) {
+  try {
+    return tracking::TrackMarkers(options.video, track);
+  } catch (const tracking::NamingError& error) {
+    if (error.List().candidates.empty()) throw;
+    WriteCandidates(options, error.List(), run);
+    const Error told = Fail("{}; {} shows what was found, numbered: --seed knee=#7 takes number 7", error.what(),
+                            (run.Folder() / kCandidatesPicture).string());
+    WriteFailedSummary({}, told, run);
+    throw told;
+  }
+}
+
+Json RunList(const TrackRunOptions& options, const tracking::TrackOptions& track, Run& run) {
+  const tracking::CandidateList list = tracking::FindCandidates(options.video, track);
+  if (list.candidates.empty())
+    throw Fail("{}: nothing like a marker was found; is the detector the right one (--detector, --polarity)?",
+               options.video.string());
+  WriteCandidates(options, list, run);
+  const auto moving =
+      std::count_if(list.candidates.begin(), list.candidates.end(), [](const auto& c) { return c.moves; });
+  return {{"candidates", {{"found", list.candidates.size()}, {"moving", moving}, {"frame", list.frame}}}};
+}
+
 // What can be known to be wrong before the video is read.
 void CheckOptions(const TrackRunOptions& options) {
   options.track.Check();
@@ -305,8 +380,9 @@ void CheckStamps(const TrackRunOptions& options, const std::vector<Correction>& 
 
 // Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
 std::vector<std::string> ResultNames(const TrackRunOptions& options) {
-  std::vector<std::string> names = {"summary.json",   "tracks.csv", "trajectory.csv",
-                                    "kinematics.csv", "events.csv", "track.png"};
+  if (options.list) return {"summary.json", kCandidatesTable, kCandidatesPicture};
+  std::vector<std::string> names = {"summary.json", "tracks.csv", "trajectory.csv", "kinematics.csv",
+                                    "events.csv",   "track.png",  kCandidatesTable, kCandidatesPicture};
   if (options.overlay) names.push_back("overlay.mp4");
   for (const std::string& format : options.exports)
     names.push_back(exchange::ExportName(format, options.video.stem().string()));
@@ -338,6 +414,7 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   options
       .Add("export", o.exports, fmt::format("Also write the trial as {}", fmt::join(exchange::ExportFormats(), ", ")))
       .Value("FORMAT,...");
+  options.Add("list", o.list, "Only find and draw what is there, without naming it: candidates.png, candidates.csv");
   options.Add("smoothed", o.smoothed, "Export the fit's estimates, not the measurements");
 }
 
@@ -363,14 +440,17 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
     const auto [x1, y1, x2, y2] = *options.vertical;
     track_options.up_px = Eigen::Vector2d(x1 - x2, y1 - y2) * (y1 < y2 ? 1 : -1);
   }
-  tracking::TrackResult tracked = tracking::TrackMarkers(options.video, track_options);
+  if (options.list) return RunList(options, track_options, run);
+  tracking::TrackResult tracked = TrackOrShow(options, track_options, run);
   // Only now, as a video that cannot be tracked is told of in one line.
   WarnOfUnit(view, options.camera.has_value(), run);
   WarnOfVideo(tracked.video, run);
   for (const std::string& warning : tracking::Warnings(tracked.times)) run.Warn(warning);
   ApplyCorrections(corrections, tracked.recording);
 
-  const Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}};
+  const Json seen = SeenJson(tracked.recording);
+  WarnOfUnseen(seen, run);
+  const Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}, {"seen", seen}};
   return HasLeg(options.track.names) ? RunLeg(options, tracked, view, results, run)
                                      : RunPoints(options, tracked, view, results, run);
 }

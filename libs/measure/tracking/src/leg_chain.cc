@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 
 namespace lake::tracking {
@@ -14,6 +15,10 @@ constexpr double kMaxDeviation = 0.10;
 constexpr double kDeviationFloor = 0.004;
 // Chains whose costs differ by less are not told apart: a factor of 1.8 in the deviation of one segment.
 constexpr double kAmbiguousCost = 1.2;
+
+// What is carried along by the leg moves by this share of the thigh's length at least; what rests while the hip moves
+// is a lamp.
+constexpr double kCarried = 0.04;
 
 double Square(double x) {
   return x * x;
@@ -80,7 +85,8 @@ class ChainSearch {
     }
     // The waist is above the hip and nearer to it than a thigh is long, at a distance that varies between people.
     const double thigh = tracklets_.Distance(chain[1], chain[2]).mean;
-    if (rise < 0.3 * segment.mean || segment.mean > 1.5 * thigh) return std::nullopt;
+    if (rise < 0.3 * segment.mean || segment.mean > 1.5 * thigh || extent_[last] < kCarried * thigh)
+      return std::nullopt;
     return cost + Square(std::log(segment.mean / (0.5 * thigh)) / 0.6);
   }
 
@@ -93,9 +99,27 @@ class ChainSearch {
         std::max(tracklets_.Distance(ankle, knee).deviation, tracklets_.Distance(knee, hip).deviation);
     if (leg.frames < kMinCommonFrames || leg.deviation < std::max(0.02, 1.5 * stiffness)) return std::nullopt;
     if (extent_[hip] < 0.2 * thigh || height_[hip] < height_[ankle]) return std::nullopt;
+    if (extent_[knee] < kCarried * thigh) return std::nullopt;
     constexpr double kRatioDeviation = 0.25;  // of log(shank / thigh); anatomically 0.1, markers add to it
     constexpr double kAnkleMotion = 0.15;     // ankle's extent over hip's
-    return Square(std::log(shank / thigh) / kRatioDeviation) + Square(extent_[ankle] / extent_[hip] / kAnkleMotion);
+    return Square(std::log(shank / thigh) / kRatioDeviation) + Square(AnkleOverHip(ankle, hip, thigh) / kAnkleMotion);
+  }
+
+  // The ankle's extent over the hip's while the hip moves as in a sit-to-stand, in the three seconds in which it is
+  // least: who walks in first sits down later.
+  double AnkleOverHip(std::size_t ankle, std::size_t hip, double thigh) const {
+    const auto [found, is_new] = ankle_over_hip_.try_emplace({ankle, hip}, extent_[ankle] / extent_[hip]);
+    if (!is_new) return found->second;
+    constexpr double kWindow_s = 3, kStep_s = 0.5, kMoved = 0.5;  // of the thigh's length
+    const Tracklet &a = tracklets_[ankle], &h = tracklets_[hip];
+    const double begin_s = std::max(a.samples.front().time_s, h.samples.front().time_s),
+                 end_s = std::min(a.samples.back().time_s, h.samples.back().time_s);
+    for (double from_s = begin_s; from_s + 0.5 * kWindow_s < end_s; from_s += kStep_s) {
+      const double moved = tracklets_.ExtentIn(hip, from_s, from_s + kWindow_s);
+      if (moved < kMoved * thigh) continue;
+      found->second = std::min(found->second, tracklets_.ExtentIn(ankle, from_s, from_s + kWindow_s) / moved);
+    }
+    return found->second;
   }
 
   // Longer evidence is better evidence.
@@ -108,6 +132,7 @@ class ChainSearch {
   const MetricTracklets& tracklets_;
   const LegChainOptions& options_;
   std::vector<double> extent_, height_;
+  mutable std::map<std::pair<std::size_t, std::size_t>, double> ankle_over_hip_;
   std::vector<LegChain> chains_;
 };
 

@@ -7,8 +7,11 @@
 #include <optional>
 
 #include "lake/core/error.h"
+#include "lake/tracking/candidates.h"
 #include "leg_chain.h"
 #include "rigidity.h"
+#include "seed_check.h"
+#include "stitch.h"
 
 namespace lake::tracking {
 namespace {
@@ -43,11 +46,12 @@ std::vector<std::size_t> MostSeen(const MetricTracklets& tracklets, std::size_t 
 
 class Namer {
  public:
-  Namer(const std::vector<Tracklet>& tracklets, const NamingOptions& options, motion::MarkerRecording& recording)
+  Namer(std::vector<Tracklet> tracklets, const NamingOptions& options, motion::MarkerRecording& recording)
       : options_(options),
         recording_(recording),
-        tracklets_(tracklets, options.metric_from_px),
-        owner_(tracklets.size()) {
+        pieces_(std::move(tracklets)),
+        tracklets_(pieces_, options.metric_from_px),
+        owner_(pieces_.size()) {
     anchor_.resize(options.names.size());
     recording_.markers.clear();
     for (const std::string& name : options.names)
@@ -65,13 +69,73 @@ class Namer {
     AnchorIdentities();
     AnchorLeg();
     RequireAnchors();
+    CheckSeeds();
     for (std::size_t n = 0; n < anchor_.size(); ++n) Give(n, *anchor_[n]);
     FindLinks();
     while (JoinBest()) {
     }
+    for (const MarkerSeed& seed : options_.seeds) CheckSeen(seed);
   }
 
  private:
+  // The leg's markers that are wanted, from the ground up; empty unless ankle, knee and hip are among them.
+  std::vector<std::size_t> LegNames() const {
+    std::vector<std::size_t> names;
+    for (const char* marker : kLegMarkers) {
+      const std::size_t name = IndexOf(marker);
+      if (name < options_.names.size())
+        names.push_back(name);
+      else if (marker != kLegMarkers.back())
+        return {};
+    }
+    return names;
+  }
+
+  const MarkerSeed* SeedOf(std::size_t name) const {
+    const auto seed = std::find_if(options_.seeds.begin(), options_.seeds.end(),
+                                   [&](const MarkerSeed& s) { return s.name == options_.names[name]; });
+    return seed == options_.seeds.end() ? nullptr : &*seed;
+  }
+
+  void CheckSeeds() const {
+    const std::vector<std::size_t> names = LegNames();
+    if (names.empty()) return;
+    SeededLeg leg;
+    leg.up = MetricUp();
+    for (const std::size_t name : names) {
+      leg.names.push_back(options_.names[name]);
+      leg.tracklets.push_back(*anchor_[name]);
+      leg.seeds.push_back(SeedOf(name));
+    }
+    for (const MarkerSeed& seed : options_.seeds)
+      if (const std::size_t name = IndexOf(seed.name);
+          name < options_.names.size() && std::ranges::find(leg.names, seed.name) == leg.names.end())
+        leg.others.push_back({*anchor_[name], &seed});
+    CheckSeededLeg(tracklets_, leg);
+    constexpr const char* kExoKnee = "exo_knee";
+    const std::size_t joint = IndexOf(kExoKnee);
+    if (joint < options_.names.size() && SeedOf(joint))
+      CheckSeededJoint(tracklets_, *SeedOf(joint), *anchor_[joint], *anchor_[IndexOf("knee")]);
+  }
+
+  // A marker is seen as long as the leg's others, but for what hides it; noise and glints come and go.
+  void CheckSeen(const MarkerSeed& seed) const {
+    constexpr double kLeastShare = 0.2;
+    const std::vector<std::size_t> names = LegNames();
+    if (names.empty()) return;
+    const auto seen = [&](std::size_t name) {
+      return std::ranges::count_if(recording_.markers[name].samples, [](const auto& s) { return s.IsKnown(); });
+    };
+    std::ptrdiff_t most = 0;
+    for (const std::size_t name : names) most = std::max(most, seen(name));
+    const std::ptrdiff_t own = seen(IndexOf(seed.name));
+    if (static_cast<double>(own) >= kLeastShare * static_cast<double>(most)) return;
+    throw Fail(
+        "{}: what is there is seen in {} frames only, of {} that show the leg: noise, a glint, or a marker that is "
+        "mostly hidden; put the seed on the marker, or leave it out",
+        SeedText(seed), own, most);
+  }
+
   std::size_t IndexOf(const std::string& name) const {
     return static_cast<std::size_t>(std::find(options_.names.begin(), options_.names.end(), name) -
                                     options_.names.begin());
@@ -84,6 +148,7 @@ class Namer {
   void AnchorSeeds() {
     for (const MarkerSeed& seed : options_.seeds) {
       const std::size_t name = IndexOf(seed.name);
+      if (name >= options_.names.size()) continue;
       double nearest = INFINITY;
       std::size_t best = 0;
       for (std::size_t i = 0; i < tracklets_.size(); ++i) {
@@ -93,14 +158,11 @@ class Namer {
         if (distance < nearest) nearest = distance, best = i;
       }
       if (!(nearest <= kSeedSlackPx))
-        throw Fail("--seed {}={},{}@{}: no marker is seen there{}", seed.name, seed.position.x(), seed.position.y(),
-                   seed.frame,
+        throw Fail("{}: no marker is seen there{}", SeedText(seed),
                    std::isfinite(nearest)
                        ? fmt::format("; the nearest one in that frame is at {}", DescribeAt(best, seed.frame))
                        : "");
-      if (IsAnchor(best))
-        throw Fail("--seed {}={},{}@{}: that marker has another name already", seed.name, seed.position.x(),
-                   seed.position.y(), seed.frame);
+      if (IsAnchor(best)) throw Fail("{}: that marker has another name already", SeedText(seed));
       anchor_[name] = best;
     }
   }
@@ -130,16 +192,8 @@ class Namer {
   }
 
   void AnchorLeg() {
-    std::vector<std::size_t> names;
-    for (const char* marker : kLegMarkers) {
-      const std::size_t name = IndexOf(marker);
-      if (name < options_.names.size()) names.push_back(name);
-    }
-    const bool all_known =
-        std::all_of(names.begin(), names.end(), [&](std::size_t n) { return anchor_[n].has_value(); });
-    if (all_known || names.size() < 3 || IndexOf("ankle") == options_.names.size() ||
-        IndexOf("knee") == options_.names.size() || IndexOf("hip") == options_.names.size())
-      return;
+    const std::vector<std::size_t> names = LegNames();
+    if (std::all_of(names.begin(), names.end(), [&](std::size_t n) { return anchor_[n].has_value(); })) return;
     LegChainOptions chain_options;
     chain_options.markers = names.size();
     chain_options.up = MetricUp();
@@ -147,6 +201,7 @@ class Namer {
     for (const auto& anchor : anchor_)
       if (anchor) chain_options.excluded.push_back(*anchor);
     const std::vector<LegChain> chains = FindLegChains(tracklets_, chain_options);
+    if (chains.empty()) BlameSeed(names, chain_options);
     if (chains.empty())
       throw Fail(
           "no leg was found among the {} things seen: no {} of them keep their distances while the knee flexes; say "
@@ -154,6 +209,24 @@ class Namer {
           tracklets_.size(), names.size(), DescribeAll(tracklets_, MostSeen(tracklets_, 8)));
     if (const LegChain* rival = FindRival(tracklets_, chains)) ReportAmbiguity(names, chains.front(), *rival);
     for (std::size_t m = 0; m < names.size(); ++m) anchor_[names[m]] = chains.front().tracklets[m];
+  }
+
+  // Where no leg holds all seeds, but one without one of them does: throws Error naming that seed.
+  void BlameSeed(const std::vector<std::size_t>& names, const LegChainOptions& all) const {
+    for (std::size_t m = 0; m < names.size(); ++m) {
+      const MarkerSeed* seed = SeedOf(names[m]);
+      if (!seed) continue;
+      LegChainOptions without = all;
+      without.fixed[m].reset();
+      if (FindLegChains(tracklets_, without).empty()) continue;
+      const Tracklet& own = tracklets_[*anchor_[names[m]]];
+      const bool rests = TrimmedExtentPx(own) < own.samples.front().radius_px;
+      throw Fail("{}: what is at {} makes no leg with the other markers{}; put the seed on the {}, or leave it out",
+                 SeedText(*seed), Describe(own),
+                 rests ? ", as it stays where it is while they move: a lamp or a reflection"
+                       : ", as its distances to them do not stay what they are",
+                 seed->name);
+    }
   }
 
   [[noreturn]] void ReportAmbiguity(const std::vector<std::size_t>& names, const LegChain& best,
@@ -312,6 +385,7 @@ class Namer {
 
   const NamingOptions& options_;
   motion::MarkerRecording& recording_;
+  std::vector<Tracklet> pieces_;
   MetricTracklets tracklets_;
   std::vector<std::optional<std::size_t>> owner_;   // name of each tracklet
   std::vector<std::optional<std::size_t>> anchor_;  // tracklet of each name
@@ -320,11 +394,42 @@ class Namer {
   std::vector<Link> links_;
 };
 
+// Puts the seeds that name a candidate by its number where it is.
+void PlaceCandidates(const std::vector<Tracklet>& tracklets, std::vector<MarkerSeed>& seeds) {
+  if (std::ranges::none_of(seeds, [](const MarkerSeed& seed) { return seed.candidate.has_value(); })) return;
+  const CandidateList list = ListCandidates(tracklets);
+  for (MarkerSeed& seed : seeds) {
+    if (!seed.candidate) continue;
+    const auto found = std::ranges::find(list.candidates, *seed.candidate, &Candidate::id);
+    if (found == list.candidates.end())
+      throw Fail("{}: the things found have the numbers 1 to {}", SeedText(seed), list.candidates.size());
+    seed.position = found->position, seed.frame = found->frame;
+  }
+}
+
+// Without what is seen where no ray meets the plane, such as a reflection above the horizon of an oblique one.
+std::vector<Tracklet> ThatMeetThePlane(const std::vector<Tracklet>& tracklets,
+                                       const std::function<Eigen::Vector2d(const Eigen::Vector2d&)>& metric_from_px) {
+  const auto misses = [&](const TrackletSample& sample) {
+    try {
+      return !metric_from_px(sample.position).allFinite();
+    } catch (const Error&) {
+      return true;
+    }
+  };
+  std::vector<Tracklet> meeting = tracklets;
+  for (Tracklet& tracklet : meeting) std::erase_if(tracklet.samples, misses);
+  std::erase_if(meeting, [](const Tracklet& tracklet) { return tracklet.samples.empty(); });
+  return meeting;
+}
+
 }  // namespace
 
 void NameTracklets(const std::vector<Tracklet>& tracklets, const NamingOptions& options,
                    motion::MarkerRecording& recording) {
-  Namer(tracklets, options, recording).Run();
+  NamingOptions placed = options;
+  PlaceCandidates(tracklets, placed.seeds);
+  Namer(StitchPieces(ThatMeetThePlane(tracklets, options.metric_from_px), options.physics), placed, recording).Run();
 }
 
 }  // namespace lake::tracking

@@ -1,6 +1,7 @@
 #include "rigidity.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace lake::tracking {
@@ -38,6 +39,16 @@ double MetricTracklets::Extent(std::size_t i) const {
   Eigen::AlignedBox2d box;
   for (const Eigen::Vector2d& position : metric_[i]) box.extend(position);
   return box.diagonal().norm();
+}
+
+double MetricTracklets::ExtentIn(std::size_t i, double from_s, double to_s) const {
+  const std::vector<TrackletSample>& samples = tracklets_[i].samples;
+  const auto before = [](const TrackletSample& sample, double t) { return sample.time_s < t; };
+  const auto begin = std::lower_bound(samples.begin(), samples.end(), from_s, before) - samples.begin(),
+             end = std::lower_bound(samples.begin(), samples.end(), to_s, before) - samples.begin();
+  Eigen::AlignedBox2d box;
+  for (auto k = begin; k < end; ++k) box.extend(metric_[i][static_cast<std::size_t>(k)]);
+  return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
 const PairDistance& MetricTracklets::Distance(std::size_t i, std::size_t j) const {

@@ -26,6 +26,7 @@ class MetricTracklets {
   std::size_t size() const { return tracklets_.size(); }
   const std::vector<Eigen::Vector2d>& Metric(std::size_t i) const { return metric_[i]; }  // one per sample
   double Extent(std::size_t i) const;                                                     // metric units
+  double ExtentIn(std::size_t i, double from_s, double to_s) const;                       // of those in this time
 
   const PairDistance& Distance(std::size_t i, std::size_t j) const;
 

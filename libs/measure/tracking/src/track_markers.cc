@@ -70,6 +70,7 @@ std::vector<int> Identities(const TrackOptions& options) {
 
 void CheckPlaces(const TrackOptions& options, const video::VideoInfo& video) {
   for (const MarkerSeed& seed : options.seeds) {
+    if (seed.candidate) continue;
     const auto [x, y] = std::tuple(seed.position.x(), seed.position.y());
     if (!(x >= 0 && y >= 0 && x <= video.width - 1 && y <= video.height - 1))
       throw Fail("--seed {}={},{}: outside the picture of {}x{} px", seed.name, x, y, video.width, video.height);
@@ -82,7 +83,7 @@ void CheckPlaces(const TrackOptions& options, const video::VideoInfo& video) {
 
 void CheckSeedFrames(const TrackOptions& options, const motion::MarkerRecording& recording) {
   for (const MarkerSeed& seed : options.seeds)
-    if (seed.frame < recording.frame.front() || seed.frame > recording.frame.back())
+    if (!seed.candidate && (seed.frame < recording.frame.front() || seed.frame > recording.frame.back()))
       throw Fail("--seed {}: frame {} was not looked at (frames {} to {} were)", seed.name, seed.frame,
                  recording.frame.front(), recording.frame.back());
 }
@@ -116,9 +117,22 @@ void TrackOptions::Check() const {
   if (detector != DetectorKind::kColor && !colors.empty()) throw UsageError("--color is for --detector color");
   if (detector == DetectorKind::kTemplate && seeded.size() != names.size())
     throw UsageError("--detector template needs a --seed for each marker: the patch is cut there");
+  for (const MarkerSeed& seed : seeds)
+    if (seed.candidate && detector == DetectorKind::kTemplate)
+      throw UsageError(
+          fmt::format("--seed {}=#{}: --detector template needs the place in px", seed.name, *seed.candidate));
 }
 
-TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options) {
+namespace {
+
+// What was followed over all frames, not yet named.
+struct Followed {
+  TrackResult result;
+  std::vector<Tracklet> tracklets;
+  std::vector<std::int64_t> repeated, breaks;  // frames: TrackletBuilder's
+};
+
+Followed Follow(const std::filesystem::path& video, const TrackOptions& options) {
   options.Check();
   const std::unique_ptr<MarkerDetector> detector = MakeDetector(video, options);
   video::VideoReaderOptions reader_options = options.reader;
@@ -126,39 +140,54 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
   const std::unique_ptr<video::VideoReader> reader = video::VideoReader::Open(video, reader_options);
   CheckPlaces(options, reader->Info());
 
-  TrackResult result;
+  Followed followed;
+  motion::MarkerRecording& recording = followed.result.recording;
   TrackletOptions tracklet_options;
   tracklet_options.physics = options.physics;
-  for (const MarkerSeed& seed : options.seeds) tracklet_options.seeds.push_back({seed.frame, seed.position});
+  for (const MarkerSeed& seed : options.seeds)
+    if (!seed.candidate) tracklet_options.seeds.push_back({seed.frame, seed.position});
   TrackletBuilder builder(*detector, tracklet_options);
   {
     Progress progress("tracking", "frames", reader->Info().frames, options.quiet);
     video::FrameQueue queue(*reader);
     for (video::VideoFrame frame; queue.Pop(frame); progress.Advance()) {
       ThrowIfInterrupted();
-      result.recording.frame.push_back(frame.index);
-      result.recording.time_s.push_back(frame.time_s);
+      recording.frame.push_back(frame.index);
+      recording.time_s.push_back(frame.time_s);
       builder.Add(frame);
     }
   }
-  result.video = reader->Info();
-  if (result.recording.Frames() < 2)
-    throw Fail("{}: has only {} frame; a motion needs more", video.string(), result.recording.Frames());
-  CheckSeedFrames(options, result.recording);
+  followed.result.video = reader->Info();
+  if (recording.Frames() < 2)
+    throw Fail("{}: has only {} frame; a motion needs more", video.string(), recording.Frames());
+  CheckSeedFrames(options, recording);
+  followed.tracklets = builder.Finish();
+  followed.repeated = builder.RepeatedFrames(), followed.breaks = builder.Breaks();
+  followed.result.tracklets = followed.tracklets.size();
+  followed.result.radius_px = MedianRadius(followed.tracklets);
+  return followed;
+}
 
-  const std::vector<Tracklet> tracklets = builder.Finish();
-  result.tracklets = tracklets.size();
-  result.radius_px = MedianRadius(tracklets);
-  const NamingOptions naming{options.names, options.seeds,   Identities(options), options.metric_from_px,
-                             options.up_px, options.physics, builder.Breaks()};
+}  // namespace
+
+TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options) {
+  auto [result, tracklets, repeated, breaks] = Follow(video, options);
+  const NamingOptions naming{options.names,   options.seeds, Identities(options), options.metric_from_px, options.up_px,
+                             options.physics, breaks};
   try {
     NameTracklets(tracklets, naming, result.recording);
+  } catch (const UsageError&) {
+    throw;
   } catch (const Error& error) {
-    throw Fail("{}: {}", video.string(), error.what());
+    throw NamingError(fmt::format("{}: {}", video.string(), error.what()), ListCandidates(tracklets));
   }
-  result.times = CorrectFrameTimes(builder.RepeatedFrames(), result.recording);
+  result.times = CorrectFrameTimes(repeated, result.recording);
   result.sigma = CalibrateSigmas(result.recording);
   return result;
+}
+
+CandidateList FindCandidates(const std::filesystem::path& video, const TrackOptions& options) {
+  return ListCandidates(Follow(video, options).tracklets);
 }
 
 }  // namespace lake::tracking

@@ -10,7 +10,7 @@
 namespace lake::tracking {
 namespace {
 
-// NAME=X,Y[@FRAME], a place in px.
+// NAME=X,Y[@FRAME], a place in px, or NAME=#N, the number of a candidate.
 MarkerSeed ParseSeed(const std::string& text, const std::string& said) {
   auto [name, place] = SplitNameValue(said, text);
   MarkerSeed seed{name};
@@ -21,6 +21,14 @@ MarkerSeed ParseSeed(const std::string& text, const std::string& said) {
       throw UsageError(fmt::format("{} '{}': a frame is a whole number from 0", said, text));
     seed.frame = static_cast<std::int64_t>(frame);
     place.resize(at);
+  }
+  if (place.starts_with('#')) {
+    const double number = ParseNumbers(place.substr(1), 1, said + " " + name + ": number").front();
+    constexpr double kMost = 1e6;
+    if (!(number >= 1 && number <= kMost) || number != std::floor(number) || seed.frame != 0)
+      throw UsageError(fmt::format("{} '{}': #N is the number of a candidate, a whole number from 1", said, text));
+    seed.candidate = static_cast<int>(number);
+    return seed;
   }
   const std::vector<double> xy = ParseNumbers(place, 2, said + " " + name);
   seed.position = {xy[0], xy[1]};
@@ -48,10 +56,12 @@ void Describe(TrackOptions& o, OptionList& options) {
     o.seeds.clear();
     for (const std::string& text : texts) o.seeds.push_back(ParseSeed(text, said));
   };
-  options.AddCustom("seed", "Position of a marker in a frame (may be repeated)", set_seeds)
+  options
+      .AddCustom("seed", "Position of a marker in a frame, or its number in candidates.png (may be repeated)",
+                 set_seeds)
       .Unit("px")
       .Key("seeds")
-      .Value("NAME=X,Y[@FRAME]")
+      .Value("NAME=X,Y[@FRAME]|NAME=#N")
       .Repeats();
   options.AddChoice("detector", o.detector,
                     OptionList::Choices<DetectorKind>{{"reflective", DetectorKind::kReflective},

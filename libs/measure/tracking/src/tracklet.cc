@@ -82,6 +82,16 @@ void RemoveUnlike(std::vector<TrackletSample>& samples) {
   std::erase_if(samples, [&, i = std::size_t{0}](const TrackletSample&) mutable { return unlike[i++]; });
 }
 
+// Whether a thing is where it was at first and half-way.
+bool Rests(const std::vector<TrackletSample>& samples) {
+  constexpr double kStillRadii = 0.25;
+  const TrackletSample& last = samples.back();
+  const auto is_there = [&](const TrackletSample& sample) {
+    return (sample.position - last.position).norm() < kStillRadii * last.radius_px;
+  };
+  return is_there(samples.front()) && is_there(samples[samples.size() / 2]);
+}
+
 // Grows with the distance in gates and with unlikeness; 1 or more is impossible.
 double PairCost(const MarkerPrediction& prediction, const MarkerDetection& detection) {
   if (prediction.identity && detection.identity && *prediction.identity != *detection.identity) return 2;
@@ -173,11 +183,33 @@ void TrackletBuilder::Associate(std::int64_t frame, std::span<const MarkerPredic
     Extend(live_[i], frame, detections[static_cast<std::size_t>(assigned[i])]);
   }
   if (is_repeated_) return;  // nothing new can be seen in it
-  for (std::size_t j = 0; j < detections.size() && live_.size() < options_.max_live; ++j) {
+  for (std::size_t j = 0; j < detections.size(); ++j) {
     if (taken[j]) continue;
-    live_.push_back({{}, detections[j].appearance, detections[j].quality, time_s_, IsSeed(frame, detections[j])});
+    const bool is_seed = IsSeed(frame, detections[j]);
+    if (!is_seed && live_.size() >= options_.max_live && !MakePlaceFor(detections[j])) continue;
+    live_.push_back({{}, detections[j].appearance, detections[j].quality, time_s_, is_seed});
     Extend(live_.back(), frame, detections[j]);
   }
+}
+
+// Gives up what has rested longest, a lamp most likely, so that what moves is never left out; not for another thing in
+// a place where one was given up before.
+bool TrackletBuilder::MakePlaceFor(const MarkerDetection& detection) {
+  const double radius = detection.appearance.RadiusPx();
+  if (std::any_of(evicted_.begin(), evicted_.end(),
+                  [&](const Eigen::Vector2d& place) { return (place - detection.position).norm() < radius; }))
+    return false;
+  auto longest = live_.end();
+  for (auto live = live_.begin(); live != live_.end(); ++live) {
+    const std::vector<TrackletSample>& samples = live->tracklet.samples;
+    if (live->seeded || static_cast<int>(samples.size()) < options_.established || !Rests(samples)) continue;
+    if (longest == live_.end() || samples.size() > longest->tracklet.samples.size()) longest = live;
+  }
+  if (longest == live_.end()) return false;
+  evicted_.push_back(longest->tracklet.samples.back().position);
+  Keep(std::move(longest->tracklet));
+  live_.erase(longest);
+  return true;
 }
 
 void TrackletBuilder::RetireLost() {

@@ -26,12 +26,16 @@ struct TrackRunOptions {
   std::optional<std::filesystem::path> corrections;  // frame,marker,x_px,y_px
   bool overlay = true;
   std::vector<std::string> exports;  // as CheckExportFormats (exchange/formats.h) knows them
+  bool list = false;                 // only find and draw what is there, without naming it
   bool smoothed = false;             // exports hold the fit's estimates; else the measurements, with their gaps
 };
 
 void Describe(TrackRunOptions& o, OptionList& options);
 
 // Writes tracks, leg motion, events, figures, video and exports through `run` and returns the results for the summary.
+//
+// Where the markers cannot be named, candidates.png and candidates.csv show what was found, and the Error names them.
+// With `list` they are all that is written.
 //
 // Detected samples in tracks.csv are each frame's own measurement, filled ones the fit's; trajectory.csv has the fit's
 // estimates and the measurements beside them.

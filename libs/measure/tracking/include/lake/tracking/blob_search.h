@@ -16,8 +16,8 @@ struct BlobCandidate {
 struct BlobSearchOptions {
   double min_radius_px = 1.5;
   double max_radius_px = 40;
-  double min_contrast = 10;    // grey levels
-  std::size_t max_count = 64;  // the strongest are kept
+  double min_contrast = 10;     // grey levels
+  std::size_t max_count = 128;  // the strongest are kept
 };
 
 // Bright spots that are darker all round, strongest first: maxima of centre minus surroundings over a pyramid of halved

@@ -70,6 +70,7 @@ struct MarkerSeed {
   std::string name;
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px
   std::int64_t frame = 0;
+  std::optional<int> candidate = {};  // instead of a place: the number of a candidate (candidates.h)
 };
 
 // The patches at the given places; identity = index of the seed. `pictures` holds the luma of each seed's frame. Throws

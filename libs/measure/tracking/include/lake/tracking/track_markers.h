@@ -8,6 +8,7 @@
 #include "lake/core/options.h"
 #include "lake/core/progress.h"
 #include "lake/motion/marker_recording.h"
+#include "lake/tracking/candidates.h"
 #include "lake/tracking/frame_times.h"
 #include "lake/tracking/marker_detector.h"
 #include "lake/tracking/naming.h"
@@ -49,8 +50,11 @@ struct TrackResult {
   FrameTimes times;
 };
 
-// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, of fewer than two frames, with
-// fewer markers than names, or whose markers cannot be named with certainty.
+// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read or of fewer than two frames;
+// NamingError where fewer markers than names are seen, or they cannot be named with certainty.
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options);
+
+// What a NamingError would list: all that is found, without naming it.
+CandidateList FindCandidates(const std::filesystem::path& video, const TrackOptions& options);
 
 }  // namespace lake::tracking

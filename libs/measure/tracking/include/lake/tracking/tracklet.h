@@ -44,7 +44,7 @@ struct TrackletOptions {
   double max_coast_s = 0.1;     // lost for longer: the tracklet ends …
   double max_coast_frames = 3;  // … but not before so many frames
   int min_samples = 4;          // shorter ones are chance
-  std::size_t max_live = 40;    // things followed at once; the most contrasted come first
+  std::size_t max_live = 96;    // things followed at once, besides seeded ones; the most contrasted come first
   int search_interval = 6;      // frames between searches of the whole picture …
   int urgent_interval = 2;      // … and after something well established was lost, …
   double urgent_s = 0.6;        // … for this long
@@ -93,6 +93,7 @@ class TrackletBuilder {
   bool IsSeed(std::int64_t frame, const MarkerDetection& detection) const;
   void Associate(std::int64_t frame, std::span<const MarkerPrediction> predictions,
                  std::vector<MarkerDetection> detections);
+  bool MakePlaceFor(const MarkerDetection& detection);
   void RetireLost();
   void Keep(Tracklet tracklet);
   void Extend(Live& live, std::int64_t frame, const MarkerDetection& detection) const;
@@ -101,6 +102,7 @@ class TrackletBuilder {
   TrackletOptions options_;
   std::vector<Live> live_;
   std::vector<Tracklet> finished_;
+  std::vector<Eigen::Vector2d> evicted_;  // where things rested that were given up for others
   std::int64_t frames_seen_ = 0;
   // The frame at work: its time, as in TrackletSample, and that since the frame before.
   double time_s_ = 0, frame_s_ = 0;
