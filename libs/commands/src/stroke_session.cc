@@ -45,7 +45,7 @@ void Describe(StrokeSessionRunOptions& o, OptionList& options) {
   options.Add("keep-alive", o.session.keep_alive_s, "Between two signs of life to the firmware")
       .Unit("s")
       .Between(0.02, 10);
-  options.AddOff("no-home", o.session.home, "The actuator stands at the program's start: do not home");
+  options.Add("home", o.session.home, "Home first; --no-home: the actuator stands at the program's start").WithNegation();
 }
 
 }  // namespace lake::commands
