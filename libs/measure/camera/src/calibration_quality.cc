@@ -33,11 +33,8 @@ struct RotatedRayError {
     Eigen::Matrix<T, 3, 1> turned;
     ceres::AngleAxisRotatePoint(rotation, from.data(), turned.data());
     if (!(turned.z() > T(0))) return false;
-    const T k[] = {T(b.fx), T(b.fy), T(b.cx), T(b.cy)};
-    T d[5];
-    for (int i = 0; i < 5; ++i) d[i] = T(b.distortion[static_cast<std::size_t>(i)]);
     Eigen::Map<Eigen::Matrix<T, 2, 1>> error(residual);
-    error = ProjectBrownConrady(k, d, turned) - pixel.cast<T>();
+    error = ProjectAny<T>(b, turned) - pixel.cast<T>();
     return true;
   }
 };

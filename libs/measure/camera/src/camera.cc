@@ -1,9 +1,12 @@
 #include "lake/camera/camera.h"
 
+#include <ceres/jet.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "lake/core/error.h"
@@ -57,13 +60,37 @@ double FirstRoot(const Cubic& c) {
   return std::numeric_limits<double>::infinity();
 }
 
+// The radial part of the lens at a distance r from the axis: where (r, 0) goes without the tangential terms.
+double RadialPart(const Camera& camera, double r) {
+  std::array<double, kLensCoefficients> c = {};
+  std::copy_n(camera.distortion.begin(), 5, c.begin());
+  if (camera.model == LensModel::kFisheye) return DistortFisheye(c.data(), r, 0.0).x();
+  c[2] = c[3] = 0;
+  std::copy_n(camera.more.begin(), 3, c.begin() + 5);
+  return DistortBrownConrady(c.data(), r, 0.0).x();
+}
+
+// The first r at which the radial part does not rise; it is looked for in steps of half a degree of the angle from the
+// axis, so that what happens at the very edge is not missed.
+double SearchFold(const Camera& camera) {
+  constexpr int kSteps = 178, kToTheLastBit = 60;
+  constexpr double kStep_rad = std::numbers::pi / 360, kDifference = 1e-6;
+  const auto slope = [&](double angle) {
+    return RadialPart(camera, std::tan(angle + kDifference)) - RadialPart(camera, std::tan(angle));
+  };
+  for (int i = 0; i < kSteps; ++i)
+    if (!(slope((i + 1) * kStep_rad) > 0))
+      return std::tan(Bisect(slope, i * kStep_rad, (i + 1) * kStep_rad, kToTheLastBit));
+  return std::numeric_limits<double>::infinity();
+}
+
 // The distorted normalised point of a normalised point, and its Jacobian.
 struct Distorted {
   Eigen::Vector2d point;
   Eigen::Matrix2d jacobian;
 };
 
-Distorted Distort(const std::array<double, 5>& k, const Eigen::Vector2d& p) {
+Distorted DistortPlain(const std::array<double, 5>& k, const Eigen::Vector2d& p) {
   const auto [k1, k2, p1, p2, k3] = k;
   const double x = p.x(), y = p.y(), r2 = p.squaredNorm();
   const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
@@ -76,30 +103,42 @@ Distorted Distort(const std::array<double, 5>& k, const Eigen::Vector2d& p) {
   return d;
 }
 
+Distorted Distort(const Camera& camera, const Eigen::Vector2d& p) {
+  if (camera.IsPlain()) return DistortPlain(camera.distortion, p);
+  using Jet = ceres::Jet<double, 2>;
+  Camera normalised = camera;
+  normalised.fx = normalised.fy = 1, normalised.cx = normalised.cy = 0;
+  const Eigen::Matrix<Jet, 2, 1> at = ProjectAny<Jet>(normalised, {Jet(p.x(), 0), Jet(p.y(), 1), Jet(1)});
+  Distorted d{{at.x().a, at.y().a}, {}};
+  d.jacobian << at.x().v.transpose(), at.y().v.transpose();
+  return d;
+}
+
 // About the radius inside the fold that the radial part alone moves to `distorted`; the fold itself if none does.
-double UndistortRadius(const std::array<double, 5>& k, double distorted, double fold) {
-  constexpr int kHalvings = 8;  // a start for Newton's method
-  const auto missing = [&](double r) { return distorted - r * Value({1, k[0], k[1], k[4]}, r * r); };
+double UndistortRadius(const Camera& camera, double distorted, double fold) {
+  constexpr int kHalvings = 8;       // a start for Newton's method
+  constexpr double kFarthest = 1e3;  // 89.94 degrees from the axis: a fisheye sees no further in front of itself
+  const auto missing = [&](double r) { return distorted - RadialPart(camera, r); };
   double high = std::isfinite(fold) ? fold : std::max(distorted, 1e-3);
-  while (!std::isfinite(fold) && missing(high) > 0) high *= 2;
+  while (!std::isfinite(fold) && missing(high) > 0 && high < kFarthest) high *= 2;
   return missing(high) >= 0 ? high : Bisect(missing, 0, high, kHalvings);
 }
 
 // Newton's method with the step halved while it does not help; nullopt if it ends on no solution inside the fold.
-std::optional<Eigen::Vector2d> UndistortNewton(const std::array<double, 5>& k, const Eigen::Vector2d& target,
+std::optional<Eigen::Vector2d> UndistortNewton(const Camera& camera, const Eigen::Vector2d& target,
                                                Eigen::Vector2d point) {
   constexpr int kMaxIterations = 50, kMaxHalvings = 20;
   constexpr double kTolerance = 1e-14;  // of a normalised coordinate; 1e-11 px at fx = 1000
-  Distorted now = Distort(k, point);
+  Distorted now = Distort(camera, point);
   for (int i = 0; i < kMaxIterations && now.jacobian.determinant() > 0; ++i) {
     Eigen::Vector2d step = now.jacobian.inverse() * (target - now.point);
     if (step.norm() <= kTolerance * (1 + point.norm())) return point;
-    Distorted next = Distort(k, point + step);
+    Distorted next = Distort(camera, point + step);
     int halvings = 0;
     const auto worse = [&] {
       return next.jacobian.determinant() <= 0 || (next.point - target).norm() > (now.point - target).norm();
     };
-    for (; worse() && halvings < kMaxHalvings; ++halvings) next = Distort(k, point + (step /= 2));
+    for (; worse() && halvings < kMaxHalvings; ++halvings) next = Distort(camera, point + (step /= 2));
     if (halvings == kMaxHalvings) {  // rounding keeps the residual from falling further, or there is no solution
       const double noise = 1e-13 * (1 + target.norm());
       return (now.point - target).norm() < noise ? std::optional(point) : std::nullopt;
@@ -114,23 +153,22 @@ std::optional<Eigen::Vector2d> UndistortNewton(const std::array<double, 5>& k, c
 Eigen::Vector2d Project(const Camera& camera, const Eigen::Vector3d& point_in_camera) {
   if (!(point_in_camera.z() > 0))
     throw Fail("a point at z = {:.1f} mm is not in front of the camera", point_in_camera.z());
-  const double intrinsics[] = {camera.fx, camera.fy, camera.cx, camera.cy};
-  return ProjectBrownConrady<double>(intrinsics, camera.distortion.data(), point_in_camera);
+  return ProjectAny<double>(camera, point_in_camera);
 }
 
 double FoldRadius(const Camera& camera) {
-  return std::sqrt(FirstRoot(RadialSlope(camera.distortion)));
+  return camera.IsPlain() ? std::sqrt(FirstRoot(RadialSlope(camera.distortion))) : SearchFold(camera);
 }
 
 Eigen::Vector3d RayFromPixel(const Camera& camera, const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d target((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
   const double distance = target.norm(), fold = FoldRadius(camera);
-  if (distance == 0 && camera.distortion[2] == 0 && camera.distortion[3] == 0) return {0, 0, 1};
+  if (distance == 0 && camera.IsPlain() && camera.distortion[2] == 0 && camera.distortion[3] == 0) return {0, 0, 1};
   if (std::isfinite(distance)) {
     // A little inside the fold, so that the first Jacobian is regular.
-    const double radius = std::min(UndistortRadius(camera.distortion, distance, fold), fold * (1 - 1e-3));
+    const double radius = std::min(UndistortRadius(camera, distance, fold), fold * (1 - 1e-3));
     const Eigen::Vector2d start = distance > 0 ? Eigen::Vector2d(target * (radius / distance)) : target;
-    const std::optional<Eigen::Vector2d> point = UndistortNewton(camera.distortion, target, start);
+    const std::optional<Eigen::Vector2d> point = UndistortNewton(camera, target, start);
     if (point && point->norm() <= fold) return {point->x(), point->y(), 1};
   }
   throw Fail("pixel ({:.1f}, {:.1f}): the lens distortion cannot be undone there; is the camera file the right one?",
@@ -152,8 +190,8 @@ PlanePoint PlanePointFromPixel(const Camera& camera, const PlanePose& camera_fro
   // A turn of the ray moves the point by scale (d direction), then along the ray back into the plane.
   Eigen::Matrix<double, 2, 3> position_by_direction;
   position_by_direction << scale, 0, -scale * point.mm_per_depth_mm.x(), 0, scale, -scale * point.mm_per_depth_mm.y();
-  const Eigen::Matrix2d ray_by_pixel = Distort(camera.distortion, ray.head<2>()).jacobian.inverse() *
-                                       Eigen::Vector2d(1 / camera.fx, 1 / camera.fy).asDiagonal();
+  const Eigen::Matrix2d ray_by_pixel =
+      Distort(camera, ray.head<2>()).jacobian.inverse() * Eigen::Vector2d(1 / camera.fx, 1 / camera.fy).asDiagonal();
   point.mm_per_px = position_by_direction * plane_from_camera.linear().leftCols<2>() * ray_by_pixel;
   return point;
 }
@@ -170,6 +208,19 @@ Eigen::Vector2d PlaneFromPixel(const Camera& camera, const PlanePose& camera_fro
 Eigen::Vector2d PixelFromPlane(const Camera& camera, const PlanePose& camera_from_plane,
                                const Eigen::Vector2d& point_in_plane_mm, double depth_mm) {
   return Project(camera, camera_from_plane * Eigen::Vector3d(point_in_plane_mm.x(), point_in_plane_mm.y(), depth_mm));
+}
+
+std::optional<Camera> CameraAtSize(const Camera& camera, int width_px, int height_px) {
+  const double scale_x = static_cast<double>(width_px) / camera.image_width,
+               scale_y = static_cast<double>(height_px) / camera.image_height;
+  // Heights are rounded to whole, often even pixels.
+  if (std::abs(camera.image_height * scale_x - height_px) > 1 && std::abs(camera.image_width * scale_y - width_px) > 1)
+    return std::nullopt;
+  Camera scaled = camera;
+  scaled.image_width = width_px, scaled.image_height = height_px;
+  scaled.fx *= scale_x, scaled.fy *= scale_y;
+  scaled.cx = (camera.cx + 0.5) * scale_x - 0.5, scaled.cy = (camera.cy + 0.5) * scale_y - 0.5;
+  return scaled;
 }
 
 void CheckResolution(const Camera& camera, const std::filesystem::path& camera_file, int width_px, int height_px,

@@ -73,16 +73,29 @@ void ReadIntrinsics(const Source& source, Camera& camera) {
     throw Fail("{}: 'camera_matrix' must be [fx 0 cx; 0 fy cy; 0 0 1]; skew is not understood", source.name);
 }
 
+// `distortion_model: fisheye`, or OpenCV's calibration sample's `fisheye_model: 1`.
+bool IsFisheye(const Source& source) {
+  const cv::FileNode model = source.file["distortion_model"], flag = source.file["fisheye_model"];
+  if (!model.empty()) {
+    const std::string name = model.isString() ? static_cast<std::string>(model) : "";
+    if (name != "fisheye" && name != "brown_conrady")
+      throw Fail("{}: 'distortion_model' is neither fisheye nor brown_conrady", source.name);
+    return name == "fisheye";
+  }
+  return flag.isInt() && static_cast<int>(flag) != 0;
+}
+
 void ReadDistortion(const Source& source, Camera& camera) {
   const cv::Mat1d d = ReadMatrix(source, "distortion_coefficients");
-  if (std::min(d.rows, d.cols) != 1 || d.total() < 4)
-    throw Fail("{}: 'distortion_coefficients' is {}x{}; k1 k2 p1 p2 [k3] are needed", source.name, d.rows, d.cols);
-  for (int i = 0; i < static_cast<int>(d.total()); ++i) {
-    if (i < 5)
-      camera.distortion[static_cast<std::size_t>(i)] = d.ptr<double>()[i];
-    else if (d.ptr<double>()[i] != 0)
-      throw Fail("{}: 'distortion_coefficients' has a model beyond k1 k2 p1 p2 k3; calibrate without it", source.name);
-  }
+  const bool fisheye = IsFisheye(source);
+  const std::size_t count = std::min(d.rows, d.cols) == 1 ? d.total() : 0;
+  if (fisheye ? count != 4 && count != 5 : count != 4 && count != 5 && count != 8 && count != 12 && count != 14)
+    throw Fail("{}: 'distortion_coefficients' is {}x{}; {} are needed", source.name, d.rows, d.cols,
+               fisheye ? "k1 k2 k3 k4 of a fisheye" : "k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [τx τy]]]]");
+  camera.model = fisheye ? LensModel::kFisheye : LensModel::kBrownConrady;
+  for (std::size_t i = 0; i < count; ++i) (i < 5 ? camera.distortion[i] : camera.more[i - 5]) = d.ptr<double>()[i];
+  if (fisheye && camera.distortion[4] != 0)
+    throw Fail("{}: a fisheye has four 'distortion_coefficients', and the fifth is not 0", source.name);
 }
 
 PlanePose ReadPlane(const Source& source) {
@@ -108,6 +121,13 @@ CameraProfile ReadProfile(const Source& source) {
     uncertainty.intrinsics_sd = ReadVector<4>(source, "intrinsics_sd");
     Eigen::Map<Eigen::Matrix<double, 5, 1>>(uncertainty.distortion_sd.data()) = ReadVector<5>(source, "distortion_sd");
   }
+  if (source.Has("readout_s")) {
+    profile.readout_s = ReadNumber(source, "readout_s");
+    constexpr double kLongest_s = 0.2;  // longer than any frame in which a motion could be followed
+    if (std::abs(profile.readout_s) > kLongest_s)
+      throw Fail("{}: 'readout_s' is {} s, not the time in which a picture is read ({} s at most)", source.name,
+                 profile.readout_s, kLongest_s);
+  }
   if (source.Has("plane_rvec") || source.Has("plane_tvec")) profile.camera_from_plane = ReadPlane(source);
   if (source.Has("plane_rms_px"))
     profile.plane_uncertainty = {ReadNumber(source, "plane_rms_px"), ReadVector<3>(source, "plane_rotation_sd_rad"),
@@ -123,6 +143,17 @@ cv::Mat Row(const Eigen::Vector3d& v) {
 }
 cv::Mat Row(const std::array<double, 5>& v) {
   return Row({v[0], v[1], v[2], v[3], v[4]});
+}
+
+// As many as the model has.
+cv::Mat Coefficients(const Camera& camera) {
+  std::vector<double> values(camera.distortion.begin(), camera.distortion.end());
+  if (camera.model == LensModel::kFisheye) values.resize(4);
+  if (camera.model == LensModel::kBrownConrady && !camera.IsPlain())
+    values.insert(values.end(), camera.more.begin(), camera.more.end());
+  if (values.size() == 14 && std::all_of(values.begin() + 8, values.end(), [](double v) { return v == 0; }))
+    values.resize(8);
+  return cv::Mat(values, true).t();
 }
 
 }  // namespace
@@ -143,7 +174,11 @@ void WriteCameraProfile(const std::filesystem::path& path, const CameraProfile& 
   cv::FileStorage file(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
   file << "image_width" << camera.image_width << "image_height" << camera.image_height;
   file << "camera_matrix" << cv::Mat(cv::Matx33d(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1));
-  file << "distortion_coefficients" << Row(camera.distortion);
+  if (camera.model == LensModel::kFisheye)
+    file << "distortion_model"
+         << "fisheye";
+  file << "distortion_coefficients" << Coefficients(camera);
+  if (profile.readout_s != 0) file << "readout_s" << profile.readout_s;
   if (const auto& u = profile.uncertainty) {
     const Eigen::Vector4d& sd = u->intrinsics_sd;
     file << "rms_px" << u->rms_px << "intrinsics_sd" << Row({sd[0], sd[1], sd[2], sd[3]});

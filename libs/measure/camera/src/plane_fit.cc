@@ -35,11 +35,8 @@ struct PlanePointError {
     const Eigen::Matrix<T, 3, 1> in_camera =
         start.cast<T>() * turned + Eigen::Map<const Eigen::Matrix<T, 3, 1>>(translation);
     if (!(in_camera.z() > T(0))) return false;
-    const T k[] = {T(camera.fx), T(camera.fy), T(camera.cx), T(camera.cy)};
-    T d[5];
-    for (int i = 0; i < 5; ++i) d[i] = T(camera.distortion[static_cast<std::size_t>(i)]);
     Eigen::Map<Eigen::Matrix<T, 2, 1>> error(residual);
-    error = seen.cast<T>() - ProjectBrownConrady(k, d, in_camera);
+    error = seen.cast<T>() - ProjectAny<T>(camera, in_camera);
     return true;
   }
 };

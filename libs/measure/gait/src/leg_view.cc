@@ -60,8 +60,8 @@ double PlaneUnitsPerRecorded(const LegView& view, const Eigen::Vector2d& point_i
 }
 
 Eigen::Vector2d UpFromPlumbLine(const LegView& view, const Eigen::Vector2d& one_end_px,
-                                const Eigen::Vector2d& other_end_px) {
-  const bool one_is_upper = one_end_px.y() < other_end_px.y();
+                                const Eigen::Vector2d& other_end_px, const Eigen::Vector2d& up_px) {
+  const bool one_is_upper = (one_end_px - other_end_px).dot(up_px) > 0;
   const Eigen::Vector2d upper = PlaneFromRecorded(view, one_is_upper ? one_end_px : other_end_px, 0);
   const Eigen::Vector2d lower = PlaneFromRecorded(view, one_is_upper ? other_end_px : one_end_px, 0);
   const Eigen::Vector2d up = upper - lower;

@@ -8,15 +8,21 @@
 #include <optional>
 #include <string>
 
+#include "lake/camera/lens.h"
+
 namespace lake::camera {
 
-// Pinhole with Brown–Conrady distortion, OpenCV's model and order (D. C. Brown, Close-range camera calibration, 1971).
-// Pixels are in the image frame: centre of the top-left pixel at (0, 0), x right, y down, distorted as recorded.
+// A lens in front of a pinhole, OpenCV's models and order of coefficients. Pixels are in the image frame: centre of the
+// top-left pixel at (0, 0), x right, y down, distorted as recorded.
 struct Camera {
   int image_width = 0;                    // px
   int image_height = 0;                   // px
   double fx = 0, fy = 0, cx = 0, cy = 0;  // px
-  std::array<double, 5> distortion = {};  // k1 k2 p1 p2 k3
+  std::array<double, 5> distortion = {};  // k1 k2 p1 p2 k3; of a fisheye k1 k2 k3 k4 and 0
+  LensModel model = LensModel::kBrownConrady;
+  std::array<double, 9> more = {};  // k4 k5 k6 s1 s2 s3 s4 τx τy: the rational, thin-prism and tilted-sensor terms
+
+  bool IsPlain() const { return model == LensModel::kBrownConrady && more == std::array<double, 9>{}; }
 };
 
 // The sagittal plane: z = 0 of the plane frame (mm; x right in the image, y up, z towards the camera).
@@ -42,6 +48,7 @@ struct CameraProfile {
   std::optional<PlanePose> camera_from_plane;
   std::optional<CameraUncertainty> uncertainty;
   std::optional<PlaneUncertainty> plane_uncertainty;
+  double readout_s = 0;  // of a rolling shutter: the picture's row y is read at t + (y / height − 1/2) readout_s
 };
 
 // The pixel of a point in the camera frame (x right, y down, z forward). T is double or a ceres::Jet; the point's z
@@ -57,11 +64,26 @@ Eigen::Matrix<T, 2, 1> ProjectBrownConrady(const T* intrinsics, const T* distort
   return {intrinsics[0] * xd + intrinsics[2], intrinsics[1] * yd + intrinsics[3]};
 }
 
+// The pixel of a point in the camera frame under any model; T as above.
+template <typename T>
+Eigen::Matrix<T, 2, 1> ProjectAny(const Camera& camera, const Eigen::Matrix<T, 3, 1>& point) {
+  const T intrinsics[] = {T(camera.fx), T(camera.fy), T(camera.cx), T(camera.cy)};
+  if (camera.IsPlain()) {
+    T distortion[5];
+    for (std::size_t i = 0; i < 5; ++i) distortion[i] = T(camera.distortion[i]);
+    return ProjectBrownConrady<T>(intrinsics, distortion, point);
+  }
+  T coefficients[kLensCoefficients];
+  for (std::size_t i = 0; i < 5; ++i) coefficients[i] = T(camera.distortion[i]);
+  for (std::size_t i = 0; i < 9; ++i) coefficients[5 + i] = T(camera.more[i]);
+  return ProjectLens<T>(camera.model, intrinsics, coefficients, point);
+}
+
 // Throws Error if the point is not in front of the camera.
 Eigen::Vector2d Project(const Camera& camera, const Eigen::Vector3d& point_in_camera);
 
-// Beyond some angle from the axis the radial polynomial turns back ("folds"), and a second, wrong ray has the same
-// pixel. This is that angle's tangent sqrt(x² + y²); infinite if the polynomial never turns.
+// Beyond some angle from the axis the radial part turns back ("folds"), and a second, wrong ray has the same
+// pixel. This is that angle's tangent sqrt(x² + y²); infinite if it never turns.
 double FoldRadius(const Camera& camera);
 
 // The direction (x, y, 1) in the camera frame that is seen at a pixel: Newton's method on the distortion, started and
@@ -98,11 +120,16 @@ Eigen::Vector2d PixelFromPlane(const Camera& camera, const PlanePose& camera_fro
 void CheckResolution(const Camera& camera, const std::filesystem::path& camera_file, int width_px, int height_px,
                      const std::filesystem::path& picture);
 
+// The camera of the same lens and field of view in a picture of another size and the same aspect, to a pixel: a video
+// mode that scales the whole sensor. nullopt for another aspect.
+std::optional<Camera> CameraAtSize(const Camera& camera, int width_px, int height_px);
+
 // camera.yaml: an OpenCV FileStorage file with image_width, image_height, camera_matrix, distortion_coefficients and,
-// if known, rms_px, intrinsics_sd, distortion_sd, plane_rvec, plane_tvec, plane_rms_px, plane_rotation_sd_rad,
-// plane_translation_sd_mm. Files of OpenCV's calibration sample load as they are. Throws Error naming file and key: a
-// key that is absent, not finite, of a wrong shape, a focal length that is not positive, a model with skew or more
-// coefficients, a plane seen from behind.
+// if known, distortion_model (fisheye), readout_s, rms_px, intrinsics_sd, distortion_sd, plane_rvec, plane_tvec,
+// plane_rms_px, plane_rotation_sd_rad, plane_translation_sd_mm. Files of OpenCV's calibration sample load as they are:
+// 4, 5, 8, 12 or 14 coefficients, or 4 of a fisheye (distortion_model, or fisheye_model: 1). Throws Error naming file
+// and key: a key that is absent, not finite, of a wrong shape, a focal length that is not positive, skew, another
+// number of coefficients, a plane seen from behind.
 CameraProfile ReadCameraProfile(const std::filesystem::path& path);
 
 void WriteCameraProfile(const std::filesystem::path& path, const CameraProfile& profile);

@@ -58,19 +58,15 @@ Eigen::Matrix<T, 2, 1> RecordedFromPlane(const LegView& view, const Eigen::Matri
     in_camera = {(point.x() / scale - view.camera->cx) / view.camera->fx,
                  (-point.y() / scale - view.camera->cy) / view.camera->fy, T(1)};
   }
-  const camera::Camera& c = *view.camera;
-  const T intrinsics[] = {T(c.fx), T(c.fy), T(c.cx), T(c.cy)};
-  T distortion[5];
-  for (int i = 0; i < 5; ++i) distortion[i] = T(c.distortion[i]);
-  return camera::ProjectBrownConrady<T>(intrinsics, distortion, in_camera);
+  return camera::ProjectAny<T>(*view.camera, in_camera);
 }
 
 // How far a point of the plane moves per unit of its recorded position (mm per px): the root of the area ratio there.
 double PlaneUnitsPerRecorded(const LegView& view, const Eigen::Vector2d& point_in_plane, double depth_mm);
 
-// Both ends of a plumb line in the picture give the direction up in the plane; the end that is higher in the picture is
-// up. Throws Error if the ends are one point.
+// Both ends of a plumb line in the picture give the direction up in the plane; the end farther along `up_px` in the
+// picture is the upper one. Throws Error if the ends are one point.
 Eigen::Vector2d UpFromPlumbLine(const LegView& view, const Eigen::Vector2d& one_end_px,
-                                const Eigen::Vector2d& other_end_px);
+                                const Eigen::Vector2d& other_end_px, const Eigen::Vector2d& up_px = {0, -1});
 
 }  // namespace lake::gait
