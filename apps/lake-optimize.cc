@@ -1,5 +1,5 @@
 // Finds the links that give the largest range of rotation, proves it, and says what it is worth; with a human's motion,
-// those whose knee also goes along with it.
+// those whose knee also follows it.
 #include <string>
 
 #include "lake/commands/optimize.h"
@@ -50,7 +50,7 @@ std::string Report(const Json& summary) {
 int main(int argc, char** argv) {
   lake::Program program(
       "lake-optimize",
-      "The links that give the largest range of rotation; with a human's motion, the exoskeleton that goes along.",
+      "The links that give the largest range of rotation; with a human's motion, the exoskeleton that follows it.",
       "lake-optimize --starts 20 --grashof-margin 2 --singularity-margin 2 --certify -o lake-out/design\n"
       "  lake-optimize --comparison lake-out/comparison --worn worn.yaml --max-misalignment 3 --program free "
       "--duration 25 --fit-placement --pareto 12");

@@ -151,7 +151,7 @@ void AddPictureOptions(CLI::App& cli, Arguments& a) {
   cli.add_option("--reflections", a.reflections, "Fixed bright spots");
   cli.add_flag("--glint", a.glint, "A moving bright spot");
   cli.add_option("--hide", a.hide, "NAME=START_S,LENGTH_S: a hand hides this marker (may be repeated)");
-  cli.add_flag("--colour", a.colour, "A colour video");
+  cli.add_flag("--color", a.colour, "A colour video");
   cli.add_option("--start", a.start, "Time stamp of the first frame, s");
   cli.add_option("--jitter", a.jitter, "Time stamps vary by up to this part of the frame time");
 }
@@ -172,7 +172,7 @@ int main(int argc, char** argv) {
   CLI::App& cli = program.Cli();
   cli.add_option("--scene", a.scene, "clean (720p60) or hard (1080p60, oblique, blurred, reflections, hands)")
       ->check(CLI::IsMember({"clean", "hard"}));
-  cli.add_option("--seed-number", a.seed, "Everything that is drawn by lot follows from this");
+  cli.add_option("--seed-number", a.seed, "Random seed");
   AddMotionOptions(cli, a);
   AddPictureOptions(cli, a);
   cli.add_option("--crf", a.crf, "H.264 quality, 17 (fine) to 28 (coarse) (default: 17 clean, 23 hard)")

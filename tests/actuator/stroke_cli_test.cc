@@ -265,7 +265,7 @@ TEST_F(StrokeProgramTest, ErrorsAreOneLineWithTheRightCodeAndLeaveNothing) {
       {"design.yaml --validate nowhere", 1, "no kinematics.csv"},
       {"design.yaml --motion nowhere", 1, "no kinematics.csv"},
       {"design.yaml --from-angle 175", 2, "--from-angle 175"},
-      {"calibrate", 2, "which logs"},
+      {"calibrate", 2, "no logs given"},
       {"calibrate empty.csv", 1, "empty.csv"},
       {"calibrate design.yaml", 1, "design.yaml:1"},
       {"calibrate empty.csv --pot 3", 2, "--pot"},

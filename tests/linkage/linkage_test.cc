@@ -164,8 +164,8 @@ TEST(Assembly, SaysWhichTriangleMissesByHowMuch) {
       [] {
         linkage::RequirePose({1, 1, 1, 1, 1, 1}, 242);
       },
-      ThrowsMessage<Error>(
-          AllOf(HasSubstr("cannot be assembled at a stroke of 242 mm"), HasSubstr("miss a triangle by 239"))));
+      ThrowsMessage<Error>(AllOf(HasSubstr("cannot be assembled at a stroke of 242 mm"),
+                                 HasSubstr("violate the triangle inequality by 239"))));
   EXPECT_FALSE(linkage::SolvePose(kOptimum, std::nan("")));
   EXPECT_TRUE(linkage::FindAssemblyGap(kOptimum, std::nan("")));
   EXPECT_FALSE(linkage::SolvePose(kOptimum, -242));

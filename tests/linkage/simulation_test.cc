@@ -162,7 +162,7 @@ TEST_F(Simulate, RefusesHalfALeg) {
 
 TEST_F(Simulate, RefusesWhatCannotBeAssembled) {
   ExpectRefusal("--links 1,1,1,1,1,1 --stroke 242", 1, "cannot be assembled at a stroke of 242 mm");
-  ExpectRefusal(fmt::format("{} --stroke 241.9", kLinks), 1, "miss a triangle by 0.09776 mm");
+  ExpectRefusal(fmt::format("{} --stroke 241.9", kLinks), 1, "violate the triangle inequality by 0.09776 mm");
   ExpectRefusal(fmt::format("{} --stroke 300,390", kLinks), 1, "cannot be assembled at a stroke of 390 mm");
   ExpectRefusal(fmt::format("{} --angles 70,149", kLinks), 1, "149° is outside the range of this design, 0.0°..148.6°");
   ExpectRefusal(fmt::format("{} --d-min 240", kLinks), 1, "at a stroke of 240 mm");

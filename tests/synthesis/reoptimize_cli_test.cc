@@ -188,7 +188,7 @@ TEST_F(LakeReoptimize, WrongInputIsOneLineAndNothingIsWritten) {
     const char* text;
   } cases[] = {
       {"--max-misalignment 3", 2, "--comparison DIR or from --human"},
-      {comparison + "--human x", 2, "one of both"},
+      {comparison + "--human x", 2, "exactly one"},
       {"--human x --human-only", 2, "--human-only"},
       {comparison + "--max-misalignment 0", 2, "--max-misalignment"},
       {comparison + "--max-misalignment nan", 2, "--max-misalignment"},

@@ -132,6 +132,7 @@ TEST(Infeasibility, NamesTheFightersAndTheSmallestRelaxation) {
   EXPECT_NEAR(report.relaxations[0].relaxed, -30, 1e-4);
   EXPECT_THAT(report.fighting, ::testing::IsSupersetOf({"l1 <= l4", "l1 >= 90 mm", "l4 <= 60 mm"}));
   EXPECT_THAT(report.sentence, ::testing::HasSubstr("cannot hold together"));
+  EXPECT_THAT(report.sentence, ::testing::HasSubstr(": allow l1 <= l4 + 30"));
 }
 
 TEST(Infeasibility, ForceAndMomentArmAgreeOnTheLimit) {

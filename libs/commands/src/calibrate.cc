@@ -128,8 +128,8 @@ camera::PlaneFit FitPlaneOf(const PlaneRunOptions& options, const camera::Camera
 
 Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
   if (options.pictures.empty())
-    throw UsageError("which pictures? name images or a video of the board; see lake-calibrate --help");
-  if (options.board.empty()) throw UsageError("which board? e.g. --board chessboard:9x6:25");
+    throw UsageError("no pictures given: name images or a video of the board; see lake-calibrate --help");
+  if (options.board.empty()) throw UsageError("no board given: e.g. --board chessboard:9x6:25");
   camera::BoardPicturesOptions find = options.find;
   find.quiet = run.Quiet();
   const camera::Board board = camera::ParseBoard(options.board);

@@ -10,6 +10,7 @@
 #include "lake/gait/leg_fit.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/report.h"
+#include "png_and_svg.h"
 
 namespace lake::commands {
 namespace {
@@ -104,11 +105,12 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
 void WriteComparisonReport(const std::string& title, const Json& comparison, Run& run) {
   report::Report report{"Misalignment of human and exoskeleton knee", title, run.Warnings(),
                         report::MisalignmentSections(comparison)};
-  report.sections.push_back({"Files beside this page",
-                             {report::Files{{{"misalignment.csv", "the curves, a row per percent"},
-                                             {"comparison.json", "all figures and curves, as lake-optimize reads them"},
-                                             {"overlay.png", "both paths"},
-                                             {"misalignment.png", "error, parts and angles over the rise"}}}}});
+  report.sections.push_back(
+      {"Output files",
+       {report::Files{{{"misalignment.csv", "the curves, a row per percent"},
+                       {"comparison.json", "all values and curves, as lake-optimize reads them"},
+                       {"overlay.svg", "knee paths and legs, a figure for print"},
+                       {"misalignment.svg", "error, parts and angles over the rise, for print"}}}}});
   report.sections.push_back(report::ProvenanceSection(run.Head()));
   report::WriteReport(run.Result("report.html"), report);
 }
@@ -123,14 +125,15 @@ compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::Trial
 Json RunCompare(const CompareRunOptions& options, Run& run) {
   const RegisteredPair pair = ReadPair(options, run);
   const std::string& exo_knee = pair.exo_knee;
-  run.Begin({"summary.json", "misalignment.csv", "overlay.png", "misalignment.png", "comparison.json", "report.html"});
+  run.Begin({"summary.json", "misalignment.csv", "overlay.png", "overlay.svg", "misalignment.png", "misalignment.svg",
+             "comparison.json", "report.html"});
   const compare::Misalignment misalignment = compare::CompareTrials(pair.human, pair.exo, options.misalignment);
   for (const std::string& warning : misalignment.warnings) run.Warn(warning);
   compare::WriteMisalignmentCsv(run.Result("misalignment.csv"), misalignment);
   const std::string title = fmt::format("{} ({}) against {} ({})", options.exo.filename().string(), exo_knee,
                                         options.human.filename().string(), options.human_knee);
-  figure::DrawOverlayFigure(run.Result("overlay.png"), misalignment, title);
-  figure::DrawMisalignmentFigure(run.Result("misalignment.png"), misalignment, title);
+  DrawPngAndSvg("overlay", run, [&](const fs::path& path) { figure::DrawOverlayFigure(path, misalignment); });
+  DrawPngAndSvg("misalignment", run, [&](const fs::path& path) { figure::DrawMisalignmentFigure(path, misalignment); });
   Json comparison = compare::ComparisonJson(misalignment);
   comparison["markers"] = {{"human", options.human_knee}, {"exo", exo_knee}};
   WriteJsonFile(run.Result("comparison.json"), comparison);

@@ -86,7 +86,8 @@ Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
   if (options.write_firmware && !options.logs.empty())
     throw UsageError("--write-firmware comes before there are logs; give one or the other");
   if (options.write_firmware) return WriteCalibrationFirmware(options, run);
-  if (options.logs.empty()) throw UsageError("which logs? name CSV files, or --write-firmware to make them with");
+  if (options.logs.empty())
+    throw UsageError("no logs given: name CSV files, or use --write-firmware for the firmware that makes them");
   Json alignment;
   const actuator::DutyCalibration calibration =
       actuator::CalibrateDuty(ReadLogs(options, run, alignment), options.calibrate);

@@ -70,7 +70,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteMarkerCsv(run.Result("trajectory.csv"), result.trajectory);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
-  figure::DrawLegFigure(run.Result("gait.png"), result, options.trial.filename().string());
+  figure::DrawLegFigure(run.Result("gait.png"), result);
   return gait::LegFitJson(result);
 }
 

@@ -11,6 +11,7 @@
 #include "lake/redesign/program_options.h"
 #include "lake/redesign/reoptimize_outcome.h"
 #include "lake/synthesis/synthesis_options.h"
+#include "png_and_svg.h"
 
 namespace lake::commands {
 namespace {
@@ -21,13 +22,15 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   run.Begin();
   const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(options.problem, options.study);
   Json summary = WriteSynthesis(outcome, run);
-  figure::DrawConvergence(outcome.result.BestOrFirst(), "range of rotation, deg", run.Result("convergence.png"));
+  DrawPngAndSvg("convergence", run, [&](const fs::path& path) {
+    figure::DrawConvergence(outcome.result.BestOrFirst(), "range of rotation (°)", path);
+  });
   if (!outcome.IsSolved()) {
     run.WriteSummary(summary);
     throw SolverError(outcome.infeasible->sentence);
   }
-  figure::DrawSensitivity(outcome, run.Result("sensitivity.png"));
-  figure::DrawMargins(outcome, run.Result("margin.png"));
+  DrawPngAndSvg("sensitivity", run, [&](const fs::path& path) { figure::DrawSensitivity(outcome, path); });
+  DrawPngAndSvg("margin", run, [&](const fs::path& path) { figure::DrawMargins(outcome, path); });
   return summary;
 }
 
@@ -72,15 +75,16 @@ redesign::ReoptimizeProblem ProblemOf(const OptimizeRunOptions& options) {
 void CheckReoptimize(const OptimizeRunOptions& options) {
   const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
   if (reoptimize.comparison.empty() == reoptimize.human.empty())
-    throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: give one of both");
+    throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: specify exactly one");
   if (reoptimize.comparison.empty() && reoptimize.human_only)
-    throw UsageError("--human-only leaves the exoskeleton trial of --comparison out; --human has none");
+    throw UsageError("--human-only leaves out the exoskeleton trial of --comparison, and --human has none: omit it");
   if (!reoptimize.comparison.empty() && reoptimize.worn.empty() && !reoptimize.human_only)
     throw UsageError(
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "
         "that trial out with --human-only");
   if (options.study.round_mm)
-    throw UsageError("--round is of a synthesis alone: a rounded design has another misalignment");
+    throw UsageError(
+        "--round cannot be combined with a human's motion: rounding the links would change the misalignment");
 }
 
 redesign::ReoptimizeOptions ReoptimizeOptionsOf(const OptimizeRunOptions& options) {
@@ -95,9 +99,12 @@ redesign::ReoptimizeOptions ReoptimizeOptionsOf(const OptimizeRunOptions& option
 }
 
 void DrawFigures(const redesign::ReoptimizeOutcome& outcome, Run& run) {
-  figure::DrawConvergence(outcome.result.BestOrFirst().local, "objective, deg", run.Result("convergence.png"));
-  figure::DrawKneePaths(outcome, run.Result("knee_paths.png"));
-  if (!outcome.fronts.empty()) figure::DrawPareto(outcome, run.Result("pareto.png"));
+  DrawPngAndSvg("convergence", run, [&](const fs::path& path) {
+    figure::DrawConvergence(outcome.result.BestOrFirst().local, "range less penalties (°)", path);
+  });
+  DrawPngAndSvg("knee_paths", run, [&](const fs::path& path) { figure::DrawKneePaths(outcome, path); });
+  if (!outcome.fronts.empty())
+    DrawPngAndSvg("pareto", run, [&](const fs::path& path) { figure::DrawPareto(outcome, path); });
 }
 
 Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
@@ -133,22 +140,22 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
   options.Add("human-knee", o.human_knee, "The knee marker of --human");
   Describe(o.human_reading, options);
   options.Add("worn", o.worn, "design.yaml worn in the exoskeleton trial of --comparison");
-  options.Add("human-only", o.human_only, "Leave the exoskeleton trial of --comparison out");
-  options.Add("max-misalignment", o.max_misalignment_percent, "Greatest misalignment, RMS relative to the shank")
+  options.Add("human-only", o.human_only, "Do not use the exoskeleton trial of --comparison");
+  options
+      .Add("max-misalignment", o.max_misalignment_percent,
+           "Largest misalignment allowed, RMS relative to the shank length")
       .Unit("percent")
       .Positive();
-  options.Add("penalty", o.penalty_deg_per_mm, "Range given up for less misalignment")
+  options.Add("penalty", o.penalty_deg_per_mm, "Weight of the misalignment in the objective")
       .Unit("degrees per mm RMS")
       .Key("penalty")
       .NotNegative();
   Describe(o.program, options);
-  options.Add("fit-placement", o.fit_placement, "Move the exoskeleton's joint on the shank too");
-  options.Add("placement-reach", o.placement_reach_mm, "How far from the knee it may sit, to either side")
+  options.Add("fit-placement", o.fit_placement, "Optimise the placement of the joint on the shank too");
+  options.Add("placement-reach", o.placement_reach_mm, "Largest distance of the joint from the knee along each axis")
       .Unit("mm")
       .Positive();
-  options
-      .Add("pareto", o.pareto_points,
-           "Range against misalignment in this many points, for a constant and a short free program")
+  options.Add("pareto", o.pareto_points, "Number of points of each Pareto front of range against misalignment")
       .AtLeast(2);
 }
 

@@ -203,14 +203,15 @@ void Warn(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   const redesign::ReoptimizeProblem& problem = outcome.problem;
   if (outcome.measured.exo && outcome.measured.worn && !outcome.slip)
     run.Warn(
-        "the exoskeleton trial shows no leg of its own (a marker knee beside exo_knee), so nothing is known of how its "
-        "mount slipped: the prediction is without it");
+        "the exoskeleton trial shows no leg of its own (a marker knee beside exo_knee), so the slip of its "
+        "mount is unknown and left out of the prediction");
   constexpr double kOtherAngles_deg = 10;
   if (outcome.worn_angle_off_deg && *outcome.worn_angle_off_deg > kOtherAngles_deg)
-    run.Warn(fmt::format(
-        "{}: its program bends the knee {:.0f}° RMS otherwise than its trial shows; check links and program, or leave "
-        "the program out of the file: then the trial's own knee angles are taken",
-        outcome.measured.worn_file, *outcome.worn_angle_off_deg));
+    run.Warn(
+        fmt::format("{}: the knee angle of its program differs from that of its trial by {:.0f}° RMS; check links and "
+                    "program, or leave "
+                    "the program out of the file: then the trial's own knee angles are taken",
+                    outcome.measured.worn_file, *outcome.worn_angle_off_deg));
   if (const auto& after = outcome.after.misalignment;
       after && 100 * after->metrics.relative_rms < outcome.measured.noise_floor_percent)
     run.Warn(fmt::format(
@@ -218,13 +219,17 @@ void Warn(const redesign::ReoptimizeOutcome& outcome, Run& run) {
         "recording of the new design cannot be expected to show less than that",
         100 * after->metrics.relative_rms, outcome.measured.noise_floor_percent));
   if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
-    run.Warn("neither --max-misalignment nor --penalty is given: the range alone decides");
+    run.Warn(
+        "neither --max-misalignment nor --penalty is given, so only the range is optimised; give one of them to limit "
+        "the misalignment");
   if (!outcome.IsSolved()) return;
   WarnOfMultipliers(outcome.active, run);
   if (outcome.certificate)
-    run.Warn(fmt::format(
-        "the certified bound is of the range alone, the misalignment left out: without it {:.4f}° were found",
-        *outcome.widest_deg));
+    run.Warn(
+        fmt::format("the certified bound is one on the range alone, without the limit on misalignment; the largest "
+                    "range found without "
+                    "that limit is {:.4f}°",
+                    *outcome.widest_deg));
 }
 
 Json TrialJson(const redesign::ReoptimizeOutcome& outcome) {
@@ -263,24 +268,26 @@ std::string BuildText(const redesign::ReoptimizeOutcome& outcome) {
   text += ".";
   if (const auto& range = outcome.placement_range)
     text += fmt::format(
-        " With its program adapted, {:.1f} to {:.1f} mm in front of the knee or {:.1f} to {:.1f} mm above it keep the "
-        "misalignment within {:.4g} %.",
+        " With the stroke program adapted, a joint {:.1f} to {:.1f} mm in front of the knee, or {:.1f} to {:.1f} mm "
+        "above "
+        "it, keeps the misalignment within {:.2f} %.",
         range->x_mm.lower, range->x_mm.upper, range->y_mm.lower, range->y_mm.upper, range->within_percent);
   if (outcome.range_at_knee_deg)
-    text += fmt::format(" With the joint on the knee the range would be {:.2f}°.", *outcome.range_at_knee_deg);
+    text += fmt::format(" With the joint on the knee the range would be {:.1f}°.", *outcome.range_at_knee_deg);
   return text;
 }
 
 // Where the trial with the worn design differs from the human's, and what of it the prediction keeps.
 std::string TrialText(const redesign::ReoptimizeOutcome& outcome) {
-  if (!outcome.measured_percent) return "No exoskeleton trial was used, so nothing is known of how its mount slips.";
-  std::string text =
-      fmt::format("The exoskeleton trial has a misalignment of {:.2f} % of the shank.", *outcome.measured_percent);
-  if (!outcome.slip) return text + " It shows no leg of its own, so nothing is known of how its mount slipped.";
+  if (!outcome.measured_percent)
+    return "No exoskeleton trial was used, so the slip of its mount is unknown and left out.";
+  std::string text = fmt::format("The exoskeleton trial has a misalignment of {:.2f} % of the shank length.",
+                                 *outcome.measured_percent);
+  if (!outcome.slip) return text + " It shows no leg of its own, so the slip of its mount is unknown and left out.";
   return text + fmt::format(
-                    " On its own leg the joint sat {}; {:.2g} mm RMS beside the worn placement are slip, which the new "
-                    "design is taken to have too. The rest of the difference between the trials is pace ({:.2g} mm "
-                    "RMS) and lean ({:.2g} mm RMS), which it is not.",
+                    " Relative to the leg, the joint sat {}; its mount slipped by {:.2g} mm RMS, which the prediction "
+                    "assumes for the new design too. The rest of the difference between the trials is pace ({:.2g} mm "
+                    "RMS) and lean ({:.2g} mm RMS), which the prediction leaves out.",
                     compare::DescribeJoint(outcome.slip->placement_mm), outcome.slip->slip_mm, outcome.slip->pace_mm,
                     outcome.slip->lean_mm);
 }

@@ -9,6 +9,7 @@
 #include "lake/core/interrupt.h"
 #include "lake/drawing/linkage_animation.h"
 #include "lake/drawing/linkage_figures.h"
+#include "png_and_svg.h"
 
 namespace lake::commands {
 namespace {
@@ -195,7 +196,8 @@ void WarnOfBody(const linkage::WearCheck& check, Run& run) {
 void WarnOf(const linkage::Design& design, const linkage::UsedRange& range, Run& run) {
   const double range_deg = DegreesFromRadians(range.theta_at_lower_rad);
   if (design.range_deg && std::abs(*design.range_deg - range_deg) > 0.01)
-    run.Warn(fmt::format("the design says range_deg = {}, but its links give {:.4f}°", *design.range_deg, range_deg));
+    run.Warn(
+        fmt::format("the design file says range_deg = {}, but its links give {:.4f}°", *design.range_deg, range_deg));
   constexpr double kRounding_mm = 1e-4;  // as the message shows it
   if (design.d_max_mm && *design.d_max_mm > range.stroke.upper_mm + kRounding_mm)
     run.Warn(fmt::format("d_max = {} mm is past the used range, which ends at {:.4f} mm", *design.d_max_mm,
@@ -205,7 +207,9 @@ void WarnOf(const linkage::Design& design, const linkage::UsedRange& range, Run&
           .actuator_folded_mm;
   if (slack < 1)
     run.Warn(fmt::format(
-        "at d_min the linkage is {:.3g} mm from the actuator's dead point: the force there has no bound", slack));
+        "at the shortest stroke the linkage is {:.3g} mm from the actuator's dead point, where the force has no bound; "
+        "choose a longer one, or a design with --singularity-margin",
+        slack));
 }
 
 void DrawPictures(const drawing::LinkageLook& look, const Request& request, const linkage::WearCheck& check, Run& run) {
@@ -223,7 +227,8 @@ void DrawPictures(const drawing::LinkageLook& look, const Request& request, cons
   const double middle = 0.5 * (look.range.stroke.lower_mm + look.range.stroke.upper_mm);
   drawing::DrawLinkageSchematic(run.Result("schematic.svg"), look.links, linkage::RequirePose(look.links, middle));
   progress.Advance();
-  drawing::DrawMannequin(run.Result("mannequin.png"), look, check);
+  DrawPngAndSvg("mannequin", run,
+                [&](const std::filesystem::path& path) { drawing::DrawMannequin(path, look, check); });
   progress.Advance();
 }
 
@@ -231,7 +236,7 @@ void DrawPictures(const drawing::LinkageLook& look, const Request& request, cons
 
 void SimulationOptions::Check() const {
   const auto require = [](bool good, const char* option, double value) {
-    if (!good) throw UsageError(fmt::format("{} {} makes no sense here", option, value));
+    if (!good) throw UsageError(fmt::format("{} {} is out of range", option, value));
   };
   for (const double stroke : strokes_mm) require(std::isfinite(stroke) && stroke > 0, "--stroke", stroke);
   for (const double angle : angles_deg) require(std::abs(angle) <= 360, "--angles", angle);
@@ -302,7 +307,7 @@ void Describe(SimulationOptions& o, OptionList& options) {
       .Value("DEG,...")
       .Otherwise("2, 70, 110 and the largest")
       .Repeats();
-  options.Add("knee-torque", o.knee_torque_nm, "Extension torque for the force column").Unit("N m");
+  options.Add("knee-torque", o.knee_torque_nm, "Extension torque at the knee for which the force is given").Unit("N m");
   options.Add("rows", o.rows, "Rows of the regular grid of angle_vs_stroke.csv");
   options.Add("thigh", o.thigh_mm, "The person's thigh, hip to knee").Unit("mm").Otherwise("by body height");
   options.Add("shank", o.shank_mm, "The person's shank, knee to ankle").Unit("mm").Otherwise("by body height");
@@ -310,7 +315,7 @@ void Describe(SimulationOptions& o, OptionList& options) {
   options.Add("mass", o.body_mass_kg, "Body mass").Unit("kg").Otherwise("80 at 180 cm, else of the same BMI");
   options.Add("seat-edge", o.seat_edge_mm, "Knee to the seat's front edge; 0: half the thigh").Unit("mm");
   options.Add("bar-width", o.plates.bar_width_mm, "Width of the link plates").Unit("mm");
-  options.Add("pin-diameter", o.plates.pin_diameter_mm, "Diameter of their holes").Unit("mm");
+  options.Add("pin-diameter", o.plates.pin_diameter_mm, "Diameter of the pin holes").Unit("mm");
   options.Add("actuator-diameter", o.actuator_diameter_mm, "Diameter of the actuator").Unit("mm");
   options.AddOff("no-animation", o.animation, "Write no animation.mp4 and .gif");
 }

@@ -307,10 +307,10 @@ std::string StrokeReport(const Json& summary) {
   const auto pose = [&](const Json& end) {
     return fmt::format("{:.3f} mm ({:.2f}°)", NumberOrNaN(end["stroke_mm"]), NumberOrNaN(end["knee_deg"]));
   };
-  std::string text = fmt::format("{} to {} in {:.3f} s, at most {:.3f} mm/s and {:.1f} °/s of the knee; {} reversals\n",
+  std::string text = fmt::format("{} to {} in {:.3f} s, at most {:.3f} mm/s and {:.1f} °/s of the knee; {} {}\n",
                                  pose(summary["start"]), pose(summary["end"]), NumberOrNaN(summary["duration_s"]),
                                  NumberOrNaN(summary["largest_speed_mm_s"]), NumberOrNaN(summary["largest_knee_deg_s"]),
-                                 summary["reversals"].get<int>());
+                                 summary["reversals"].get<int>(), summary["reversals"] == 1 ? "reversal" : "reversals");
   text += fmt::format("soft limits {:.3f} and {:.3f} mm\n", NumberOrNaN(summary["soft_limits_mm"][0]),
                       NumberOrNaN(summary["soft_limits_mm"][1]));
   if (const Json& crawl = summary["crawling"]; crawl["stretches"].get<int>() > 0)
@@ -347,7 +347,7 @@ void Describe(StrokeRunOptions& o, OptionList& options) {
       .IsPath(Option::Path::kFolder)
       .Value("TRACKDIR");
   options.Add("rate", o.rate_hz, "Rows per second of program.csv").Unit("Hz").Positive();
-  options.Add("validate", o.validate, "lake-track folder of a prototype's video to hold against the program")
+  options.Add("validate", o.validate, "lake-track folder of a prototype's video to compare with the program")
       .IsPath(Option::Path::kFolder)
       .Value("TRACKDIR");
   options.Add("tolerance", o.tolerance_deg, "RMS up to which a prototype follows its prediction").Unit("degrees");

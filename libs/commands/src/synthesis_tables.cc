@@ -74,17 +74,18 @@ void Warn(const synthesis::SynthesisOutcome& outcome, Run& run) {
     constexpr double kUseless_mm = 1;
     if (!(transmission.moment_arm_mm > kUseless_mm))
       run.Warn(
-          fmt::format("at d_min the moment arm is {:.2g} mm: the actuator holds no load there; ask for "
+          fmt::format("at the shortest stroke the moment arm is {:.2g} mm, so the actuator holds no load there; set "
                       "--min-moment-arm or --max-force",
                       transmission.moment_arm_mm));
   }
   if (outcome.certificate && !outcome.certificate->reached)
     run.Warn(fmt::format(
-        "the gap of the certificate is {:.3g} deg, more than asked for{}", outcome.certificate->gap_deg,
+        "the gap of the certificate is {:.3g}°, more than requested{}", outcome.certificate->gap_deg,
         outcome.certificate_ignores_used_range ? ": the bound leaves out the requirements over the used range" : ""));
   if (outcome.options.round_mm && !outcome.rounded)
-    run.Warn(fmt::format("no design with links that are multiples of {} mm near the optimum satisfies the problem",
-                         *outcome.options.round_mm));
+    run.Warn(fmt::format(
+        "near the optimum, no design whose links are multiples of {} mm satisfies the problem; try a smaller --round",
+        *outcome.options.round_mm));
 }
 
 Json RoundedJson(const problem::RoundedDesign& rounded) {

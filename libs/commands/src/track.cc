@@ -228,7 +228,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
     motion::WriteMarkerCsv(run.Result("trajectory.csv"), fit.trajectory);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
-  figure::DrawLegFigure(run.Result("track.png"), fit, options.video.filename().string());
+  figure::DrawLegFigure(run.Result("track.png"), fit);
   WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
   results.update(gait::LegFitJson(fit));
   Export(options, tracked.video, view, tracks, fit.trajectory, &fit, results, run);

@@ -81,9 +81,10 @@ std::optional<AssemblyGap> FindAssemblyGap(const Links& links, double stroke_mm)
   if (!(stroke_mm > 0) || !(actuator_gap <= kRounding_mm))
     return AssemblyGap{
         AssemblyGap::Triangle::kActuator, actuator_gap,
-        fmt::format("mount l7 = {:.6g}, slewing bar l2 = {:.6g} and actuator d = {:.6g} mm miss a triangle by "
-                    "{:.4g} mm",
-                    l7, links.l2, stroke_mm, actuator_gap)};
+        fmt::format(
+            "mount l7 = {:.6g}, slewing bar l2 = {:.6g} and actuator d = {:.6g} mm violate the triangle inequality by "
+            "{:.4g} mm",
+            l7, links.l2, stroke_mm, actuator_gap)};
   const double l8 = TipDistance(links, std::atan2(links.l5, links.l6) + TriangleAngle(l7, links.l2, stroke_mm));
   const double shank_gap = TriangleGap(l8, links.l4, links.l1);
   if (shank_gap > kRounding_mm)

@@ -26,7 +26,7 @@ void Describe(SynthesisProblem& o, OptionList& options) {
       "Least transmission angle between coupler and shank link over the used range")
       .Unit("degrees");
   add("max-angle", o.max_angle_deg, "Anatomical cap on the knee angle").Unit("degrees");
-  add("max-length", o.d_max_mm, "Longest stroke of the actuator; the knee must stand by then").Unit("mm");
+  add("max-length", o.d_max_mm, "Longest stroke of the actuator; the knee must be straight by then").Unit("mm");
   options.Check([&o](const OptionList& list) {
     if (!list.IsAnyGiven()) return;  // the file itself was checked when it was read
     try {

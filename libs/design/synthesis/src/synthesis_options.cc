@@ -6,7 +6,7 @@ namespace lake::synthesis {
 
 void Describe(OptimizeOptions& o, OptionList& options) {
   options.Add("starts", o.starts, "Number of starts; all but the first are random within the bounds").AtLeast(1);
-  options.Add("seed-number", o.seed, "Seed of everything random");
+  options.Add("seed-number", o.seed, "Random seed");
 }
 
 void Describe(SynthesisOptions& o, OptionList& options) {

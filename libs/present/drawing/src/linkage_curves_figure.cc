@@ -45,8 +45,7 @@ std::vector<double> FineGrid(const linkage::StrokeRange& range) {
 
 void PlaceRow(figure::GnuplotFigure& figure, double bottom, double top, bool lowest) {
   figure.Line(fmt::format("set bmargin at screen {}\nset tmargin at screen {}", bottom, top));
-  figure.Line(lowest ? "set xlabel '{/:Italic d}, stroke length in mm'\nset format x '%g'"
-                     : "unset xlabel\nset format x ''");
+  figure.Line(lowest ? "set xlabel 'stroke {/:Italic d} (mm)'\nset format x '%g'" : "unset xlabel\nset format x ''");
 }
 
 }  // namespace
@@ -62,38 +61,41 @@ void DrawAngleVsStroke(const std::filesystem::path& path, const LinkageLook& loo
   const double pad = 0.02 * (upper - lower);
   const std::string labels = figure.Data(Table(look, LabelledOf(marked_mm, 0.03 * (upper - lower))));
   figure.Line(fmt::format("set xrange [{}:{}]", lower - pad, upper + 2.5 * pad));
-  figure.Line(
-      "set lmargin at screen 0.09\nset rmargin at screen 0.91\nset grid lc rgb '#e6e6e6' lt 1\nset key opaque box lc "
-      "rgb '#dddddd'");
-  figure.Line("set tics nomirror\nset border lc rgb '#888888'\nset multiplot");
+  figure.Line("set lmargin at screen 0.115\nset rmargin at screen 0.88\nset key opaque box lc rgb '#dddddd'");
+  figure.Line("set multiplot");
 
-  PlaceRow(figure, 0.55, 0.97, false);
+  PlaceRow(figure, 0.57, 0.97, false);
   figure.Line(
-      "set key top right\nset ylabel '{/:Italic θ}, knee angle in degrees'\nset yrange [*:*]\nset offsets graph "
+      "set key top right\nset ylabel 'knee angle {/:Italic θ} (°)'\nset yrange [*:*]\nset offsets graph "
       "0,0,0.06,0.06");
   figure.Line(fmt::format(
       "plot {} using 1:2 with lines lw 3 lc rgb '{}' title 'knee angle', {} using 1:2 with points pt 7 ps 1.2 lc rgb "
       "'#222222' "
       "title 'poses shown', {} using 1:2:(sprintf('%.1f°', $2)) with labels left offset 0.9,0.5 font ',11' notitle",
-      curve, colour::kExoskeleton, marks, labels));
-  PlaceRow(figure, 0.31, 0.52, false);
-  // Near the singular ends the force grows without bound; the axis shows ten times its least.
-  const double least_force = *std::min_element(fine[3].begin(), fine[3].end());
-  figure.Line("unset offsets\nset ylabel 'moment arm in mm/rad'\nset yrange [0:*]\nset y2tics\nset ytics nomirror");
-  figure.Line(fmt::format("set y2label 'force in N for {:g} N m'\nset y2range [0:{}]\nset key center center",
-                          look.knee_torque_nm, 10 * least_force));
+      curve, colour::kNew, marks, labels));
+  PlaceRow(figure, 0.32, 0.52, false);
+  // Near the singular ends the force grows without bound; the axis shows at most five times its least.
+  const auto [least_force, most_force] = std::minmax_element(fine[3].begin(), fine[3].end());
+  const double top_n = std::min(1.1 * *most_force, 5 * *least_force);
+  figure.Line("unset offsets\nset ylabel 'moment arm (mm/rad)'\nset yrange [0:*]\nset y2tics\nset border 11");
+  figure.Line(
+      fmt::format("set y2label 'force for {:g} N m (N)'\nset y2range [0:{}]\nset key at graph 0.5, graph 1.02 center "
+                  "bottom horizontal nobox",
+                  look.knee_torque_nm, top_n));
   figure.Line(fmt::format(
       "plot {0} using 1:3 with lines lw 3 lc rgb '{1}' title 'moment arm', {0} using 1:4 axes x1y2 with lines "
-      "lw 2 dt (8,5) lc rgb '#CC0000' title 'actuator force (right)'",
+      "lw 2.5 dt (8,5) lc rgb '#CC0000' title 'actuator force (right)'",
       curve, colour::kHip));
-  PlaceRow(figure, 0.07, 0.28, true);
+  PlaceRow(figure, 0.075, 0.27, true);
+  figure.Line("set label '90° transmits best' at graph 0.01, first 90 left offset 0,-0.6 font ',11'");
   figure.Line(
-      "unset y2tics\nunset y2label\nset ylabel 'degrees'\nset yrange [0:180]\nset ytics 0,45,180\nset key top right");
+      "unset y2tics\nunset y2label\nset border 3\nset ylabel 'angle (°)'\nset yrange [0:180]\nset ytics 0,45,180\nset "
+      "key at graph 0.5, graph 1.02 center bottom horizontal nobox");
   figure.Line(
       fmt::format("plot {0} using 1:5 with lines lw 3 lc rgb '{1}' title 'transmission angle at S', {0} using 1:6 with "
-                  "lines lw 3 lc rgb "
-                  "'{2}' title 'actuator angle at R', 90 with lines lw 1 dt 3 lc rgb '#888888' title 'best: 90°'",
-                  curve, colour::kWaist, colour::kAnkle));
+                  "lines lw 3 dt (12,5) lc rgb "
+                  "'{2}' title 'actuator angle at R', 90 with lines lw 1 dt 3 lc rgb '#888888' notitle",
+                  curve, colour::kWaist, "#555555"));
   figure.Line("unset multiplot");
   figure.Write(path);
 }

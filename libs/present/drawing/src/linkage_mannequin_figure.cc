@@ -49,19 +49,28 @@ void DrawPanel(Scene& scene, const LinkageLook& look, const PosedLeg& leg, doubl
   scene.Stroke({{left_mm - 2000, floor}, {2000, floor}}, "#888888", 2);
   const double top = body.thigh.length_mm + body.trunk_length_mm + body.neck_length_mm + body.head_height_mm;
   scene.Draw({left_mm, left_mm + 0.64 * body.height_mm, sole - 0.04 * body.height_mm, top + 0.04 * body.height_mm},
-             place);
+             place, false);
+}
+
+std::string Finding(const char* what, double clearance_mm, const std::string& where) {
+  return clearance_mm < 0 ? fmt::format("{} overlap by {:.1f} mm{}", what, -clearance_mm, where)
+                          : fmt::format("{}: {:.1f} mm clear{}", what, clearance_mm, where);
 }
 
 std::vector<std::string> Findings(const linkage::WearCheck& check) {
-  const auto verdict = [](bool good) { return good ? "fits" : "does not fit"; };
-  return {
-      fmt::format("mount plate to hip joint {:.0f} mm: {}", check.mount_below_hip_mm, verdict(check.FitsAlongThigh())),
-      fmt::format("mount pin {:.0f} mm behind the thigh", check.mount_behind_thigh_mm),
-      fmt::format("seat clearance {:.0f} mm: {}", check.seat_clearance_mm, verdict(check.ClearsSeat())),
-      fmt::format("seat may begin {:.0f} mm behind the knee", check.seat_edge_needed_mm),
-      fmt::format("actuator to thigh {:.0f} mm (at {:.0f}°)", check.thigh_clearance_mm, check.thigh_clearance_deg),
-      fmt::format("actuator to shank {:.0f} mm (at {:.0f}°)", check.shank_clearance_mm, check.shank_clearance_deg),
-      "(negative: they overlap in this view)"};
+  const auto at = [](double knee_deg) { return fmt::format(" at {:.1f}°", knee_deg); };
+  return {Finding("mount and hip", check.mount_below_hip_mm, ""),
+          Finding("linkage and seat", check.seat_clearance_mm, at(check.seated_deg)),
+          Finding("actuator and thigh", check.thigh_clearance_mm, at(check.thigh_clearance_deg)),
+          Finding("actuator and shank", check.shank_clearance_mm, at(check.shank_clearance_deg)),
+          "(seen from the side)"};
+}
+
+// A length of 200 mm to judge by.
+void DrawScaleBar(Scene& scene, const Vector2d& from) {
+  constexpr double kLength_mm = 200;
+  scene.Stroke({from, from + Vector2d(kLength_mm, 0)}, colour::kText, 3);
+  scene.Label(from + Vector2d(kLength_mm / 2, 32), fmt::format("{:.0f} mm", kLength_mm), {.box = false});
 }
 
 // The height of titles and findings, beside the head.
@@ -74,9 +83,10 @@ void DrawStanding(Scene& scene, const LinkageLook& look, const linkage::WearChec
   DrawBody(scene, look, leg);
   constexpr double kHardlyBent_deg = 10;
   scene.Label({-0.29 * look.body.height_mm, TitleHeight(look.body)},
-              fmt::format("{}, {:.0f}°", check.standing_deg < kHardlyBent_deg ? "standing" : "straightest",
+              fmt::format("{}, {:.1f}°", check.standing_deg < kHardlyBent_deg ? "standing" : "straightest",
                           std::abs(check.standing_deg)),
-              {.align = "left", .size = 14});
+              {.align = "left", .size = 15, .box = false});
+  DrawScaleBar(scene, {-0.29 * look.body.height_mm, 0});
   DrawPanel(scene, look, leg, -0.31 * look.body.height_mm, {0.06, 0.07, 0.44, 0.86});
 }
 
@@ -85,11 +95,11 @@ void DrawSeated(Scene& scene, const LinkageLook& look, const linkage::WearCheck&
   const PosedLeg leg(pose, std::numbers::pi / 2 - pose.theta_rad);  // thigh level
   DrawSeat(scene, look, leg.FromThigh({0, look.body.thigh.length_mm}));
   DrawBody(scene, look, leg);
-  Vector2d at(-0.17 * look.body.height_mm, TitleHeight(look.body));
-  scene.Label(at, fmt::format("seated, {:.0f}°", check.seated_deg), {.align = "left", .size = 14});
+  Vector2d at(-0.33 * look.body.height_mm, TitleHeight(look.body));
+  scene.Label(at, fmt::format("seated, {:.1f}°", check.seated_deg), {.align = "left", .size = 15, .box = false});
   for (const std::string& line : Findings(check)) {
-    at.y() -= 0.027 * look.body.height_mm;
-    scene.Label(at, line, {.align = "left", .size = 11});
+    at.y() -= 0.031 * look.body.height_mm;
+    scene.Label(at, line, {.align = "left", .size = 13, .box = false});
   }
   DrawPanel(scene, look, leg, -0.4 * look.body.height_mm, {0.55, 0.07, 0.44, 0.86});
 }
@@ -99,8 +109,9 @@ void DrawSeated(Scene& scene, const LinkageLook& look, const linkage::WearCheck&
 void DrawMannequin(const std::filesystem::path& path, const LinkageLook& look, const linkage::WearCheck& check) {
   figure::GnuplotFigure figure(1200, 1000);
   figure.Line(
-      fmt::format("set label 101 'Body of {:.0f} cm, {:.0f} kg' at screen 0.5,0.97 center font ',17'\nset multiplot",
-                  look.body.height_mm / 10, look.body.mass_kg));
+      fmt::format("set label 101 'Body of {:.0f} cm and {:.0f} kg; thigh {:.1f} mm, shank {:.1f} mm' at screen "
+                  "0.5,0.97 center font ',16'\nset multiplot",
+                  look.body.height_mm / 10, look.body.mass_kg, look.body.thigh.length_mm, look.body.shank.length_mm));
   Scene scene(figure);
   DrawStanding(scene, look, check);
   figure.Line("unset label 101");

@@ -32,7 +32,7 @@ SceneView WholeView(const LinkageLook& look) {
   const double reach = std::max(body.thigh.length_mm + body.thigh.proximal_radius_mm,
                                 std::hypot(look.links.l5, look.links.l3 + look.links.l6) + 60);
   const double sole = body.shank.length_mm + body.ankle_height_mm;
-  return {-reach - 20, std::max(0.75 * body.foot_length_mm, 0.4 * reach) + 30, -std::max(sole, reach) - 20, reach + 20};
+  return {-reach - 90, std::max(0.75 * body.foot_length_mm, 0.4 * reach) + 30, -std::max(sole, reach) - 20, reach + 20};
 }
 
 // A square that holds the four-bar and its labels in every pose of the range.
@@ -56,18 +56,18 @@ void LabelWhole(Scene& scene, const LinkageLook& look, const PosedLeg& leg) {
   const Vector2d thigh_pin = leg.FromThigh(pose.thigh_pin), mount = leg.FromThigh(pose.mount),
                  tip = leg.FromThigh(pose.tip);
   const Vector2d bend = leg.FromThigh({0, pose.mount.y()});
-  const std::string l5 = fmt::format("{} = {:.2f}", Symbol(5), look.links.l5),
-                    l6 = fmt::format("{} = {:.2f}", Symbol(6), look.links.l6);
+  const std::string l5 = fmt::format("{} = {:.2f} mm", Symbol(5), look.links.l5),
+                    l6 = fmt::format("{} = {:.2f} mm", Symbol(6), look.links.l6);
   LabelLine(scene, thigh_pin, bend, 36, l6, link_colour::kThigh);
   LabelLine(scene, mount, bend, -26, l5, link_colour::kThigh);
-  LabelLine(scene, mount, tip, 46, fmt::format("{{/:Italic d}} = {:.2f}", pose.stroke_mm), link_colour::kCylinder);
+  LabelLine(scene, mount, tip, 46, fmt::format("{{/:Italic d}} = {:.2f} mm", pose.stroke_mm), link_colour::kCylinder);
   scene.Label(mount + (mount - bend).normalized() * 28, "M");
   if (std::abs(pose.theta_rad) < RadiansFromDegrees(8)) return;  // no room for an arc
-  const double radius = 0.5 * look.body.thigh.length_mm, up = std::numbers::pi / 2;
-  scene.Stroke({{0, 0}, {0, 1.25 * radius}}, "#888888", 1.5, "dashed");
+  const double radius = 0.28 * look.body.thigh.length_mm, up = std::numbers::pi / 2;
+  scene.Stroke({{0, 0}, {0, 1.5 * radius}}, "#888888", 1.5, "dashed");
   scene.Stroke(Arc({0, 0}, radius, up, up + pose.theta_rad), "#444444", 1.5);
   const double middle = up + 0.35 * pose.theta_rad;
-  scene.Label(1.14 * radius * Vector2d(std::cos(middle), std::sin(middle)), "{/:Italic θ}", {.size = 14});
+  scene.Label(1.3 * radius * Vector2d(std::cos(middle), std::sin(middle)), "{/:Italic θ}", {.size = 14});
 }
 
 void LabelFourBar(Scene& scene, const LinkageLook& look, const PosedLeg& leg, double view_half_mm) {
@@ -80,7 +80,7 @@ void LabelFourBar(Scene& scene, const LinkageLook& look, const PosedLeg& leg, do
   const bool along_thigh = pose.phi_rad < RadiansFromDegrees(50);
   const auto dimension = [&](const Vector2d& from, const Vector2d& to, int link, double length, const char* colour,
                              double aside) {
-    LabelLine(scene, from, to, aside, fmt::format("{} = {:.2f}", Symbol(link), length), colour);
+    LabelLine(scene, from, to, aside, fmt::format("{} = {:.2f} mm", Symbol(link), length), colour);
   };
   dimension(thigh_pin, knee, 3, look.links.l3, link_colour::kThigh, outside);
   dimension(knee, shank_pin, 4, look.links.l4, link_colour::kShank, outside);

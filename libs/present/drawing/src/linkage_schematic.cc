@@ -69,7 +69,7 @@ void NameAll(const Drawing& drawing, const linkage::Pose& p) {
   drawing.Name(p.mount, p.tip, "{/:Italic d}", link_colour::kCylinder, -1.6);
   drawing.Angle(p.thigh_pin, 0, p.alpha1_rad, 6, "{/:Italic α}_1");
   drawing.Angle(p.thigh_pin, p.alpha1_rad, p.phi_rad, 3, "{/:Italic α}_2");
-  drawing.Angle(p.knee, 0, p.beta1_rad, 2.8, "{/:Italic β}_1");
+  drawing.Angle(p.knee, 0, p.beta1_rad, 4.2, "{/:Italic β}_1");
   drawing.Angle(p.knee, p.beta1_rad, p.beta1_rad + p.beta2_rad, 1.9, "{/:Italic β}_2");
   drawing.Angle(p.knee, std::numbers::pi - p.theta_rad, std::numbers::pi, 2.8, "{/:Italic θ}");
   const double u = drawing.unit;

@@ -15,6 +15,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/figure/theme.h"
 
 namespace lake::figure {
 namespace {
@@ -79,8 +80,8 @@ class Scratch {
 };
 
 std::string PngTerminal(int width_px, int height_px) {
-  return fmt::format("set terminal pngcairo size {},{} font 'DejaVu Sans,12' enhanced background '#ffffff'\n", width_px,
-                     height_px);
+  return fmt::format("set terminal pngcairo size {},{} font '{}' enhanced background '#ffffff'\n", width_px, height_px,
+                     kFont);
 }
 
 // gnuplot ends with 0 even where it could not write. A picture that ends as its format does is whole.
@@ -109,6 +110,9 @@ std::string SetOutput(const std::filesystem::path& path) {
 
 }  // namespace
 
+GnuplotFigure::GnuplotFigure(int width_px, int height_px)
+    : width_px_(width_px), height_px_(height_px), pages_{kTheme} {}
+
 GnuplotFigure& GnuplotFigure::Line(std::string_view script) {
   pages_.back().append(script).append("\n");
   return *this;
@@ -127,7 +131,7 @@ std::string GnuplotFigure::Data(const std::vector<std::vector<double>>& columns)
 }
 
 GnuplotFigure& GnuplotFigure::NextPage() {
-  pages_.emplace_back("reset\n");
+  pages_.emplace_back(fmt::format("reset\n{}", kTheme));
   return *this;
 }
 
@@ -135,8 +139,8 @@ void GnuplotFigure::Write(const std::filesystem::path& path) const {
   AtomicFile picture(path);
   const bool svg = path.extension() == ".svg";
   const std::string terminal =
-      svg ? fmt::format("set terminal svg size {},{} font 'DejaVu Sans,12' enhanced background '#ffffff'\n", width_px_,
-                        height_px_)
+      svg ? fmt::format("set terminal svg size {},{} font '{}' enhanced background '#ffffff'\n", width_px_, height_px_,
+                        kFont)
           : PngTerminal(width_px_, height_px_);
   std::string script = terminal + SetOutput(picture.TemporaryPath());
   for (const std::string& page : pages_) script += page;
@@ -149,9 +153,8 @@ void GnuplotFigure::Write(const std::filesystem::path& path) const {
 void GnuplotFigure::WriteGif(const std::filesystem::path& path, double pages_per_s) const {
   AtomicFile picture(path);
   std::string script = fmt::format(
-      "set terminal gif animate delay {} loop 0 optimize size {},{} font 'DejaVu Sans,12' enhanced background "
-      "'#ffffff'\n",
-      std::lround(100 / pages_per_s), width_px_, height_px_);  // the format counts hundredths of a second
+      "set terminal gif animate delay {} loop 0 optimize size {},{} font '{}' enhanced background '#ffffff'\n",
+      std::lround(100 / pages_per_s), width_px_, height_px_, kFont);  // the format counts hundredths of a second
   script += SetOutput(picture.TemporaryPath());
   for (const std::string& page : pages_) script += page;
   Scratch(path).Draw(path, script);

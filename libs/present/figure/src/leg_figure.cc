@@ -18,11 +18,12 @@ struct EventStyle {
   const char* name;
   const char* style;
 };
-constexpr std::array kEvents = {EventStyle{motion::StsEventKind::kOnset, "onset", "lc rgb '#009E73' dt 1"},
-                                EventStyle{motion::StsEventKind::kSeatOff, "seat off", "lc rgb '#CC79A7' dt 1"},
-                                EventStyle{motion::StsEventKind::kStanding, "standing", "lc rgb '#0072B2' dt 1"},
-                                EventStyle{motion::StsEventKind::kDescent, "descent", "lc rgb '#0072B2' dt 3"},
-                                EventStyle{motion::StsEventKind::kSeated, "seated", "lc rgb '#009E73' dt 3"}};
+constexpr std::array kEvents = {
+    EventStyle{motion::StsEventKind::kOnset, "onset", "lc rgb '#009E73' dt 1 lw 2"},
+    EventStyle{motion::StsEventKind::kSeatOff, "seat-off", "lc rgb '#CC79A7' dt (12,4) lw 2"},
+    EventStyle{motion::StsEventKind::kStanding, "standing", "lc rgb '#0072B2' dt (6,4) lw 2"},
+    EventStyle{motion::StsEventKind::kDescent, "descent", "lc rgb '#555555' dt (2,4) lw 2"},
+    EventStyle{motion::StsEventKind::kSeated, "seated", "lc rgb '#555555' dt (10,4,2,4) lw 2"}};
 
 const char* ColourOf(const std::string& marker) {
   if (marker == "ankle") return colour::kAnkle;
@@ -118,8 +119,8 @@ void MarkEvents(GnuplotFigure& figure, const std::vector<motion::StsEvent>& even
   for (const motion::StsEvent& event : events)
     for (const EventStyle& style : kEvents)
       if (style.kind == event.kind)
-        figure.Line(fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead lw 1 {1} back",
-                                event.time_s, style.style));
+        figure.Line(fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead {1} back", event.time_s,
+                                style.style));
 }
 
 struct KneeColumns {
@@ -144,7 +145,7 @@ double DifferenceRange(const KneeColumns& columns) {
     if (std::isfinite(d)) sizes.push_back(std::abs(d));
   for (const double u : columns.upper)
     if (std::isfinite(u)) sizes.push_back(u);
-  return sizes.empty() ? 1 : std::max(1.3 * Quantile(sizes, 0.99), 1e-6);
+  return sizes.empty() ? 1 : std::max(1.6 * Quantile(sizes, 0.99), 1e-6);
 }
 
 // A step of 1, 2 or 5 times a power of ten that makes about four of a range.
@@ -166,10 +167,10 @@ void DrawPaths(GnuplotFigure& figure, const gait::LegFitResult& result) {
   AddPoses(figure, result, axes, parts);
   AddPaths(figure, result, axes, parts);
   figure.Line(
-      "set lmargin at screen 0.065; set rmargin at screen 0.355; set tmargin at screen 0.88; set bmargin at screen "
+      "set lmargin at screen 0.075; set rmargin at screen 0.355; set tmargin at screen 0.88; set bmargin at screen "
       "0.10");
   figure.Line(
-      "set size ratio -1; set key at screen 0.375, screen 0.86 right top samplen 1.5 spacing 1.1 noautotitle "
+      "set size ratio -1; set key at screen 0.385, screen 0.86 right top samplen 1.5 spacing 1.1 noautotitle "
       "noenhanced");
   figure.Line(fmt::format("set xtics {0}; set ytics {0}", TicStep(result.trajectory)));
   figure.Line(
@@ -183,14 +184,14 @@ void DrawPaths(GnuplotFigure& figure, const gait::LegFitResult& result) {
 void DrawAngle(GnuplotFigure& figure, const gait::LegFitResult& result, const KneeColumns& columns) {
   const std::vector<double>& time_s = result.motion.time_s;
   std::vector<std::string> parts = {
-      fmt::format("{} using 1:2 with points pt 7 ps 0.5 lc rgb '#56B4E9' title 'single frames'",
+      fmt::format("{} using 1:2 with points pt 6 ps 0.7 lc rgb '#56B4E9' title 'single frames'",
                   figure.Data({time_s, columns.raw})),
       fmt::format("{} using 1:2 with lines lw 2 lc rgb '{}' title 'fit'", figure.Data({time_s, columns.fit}),
                   colour::kText)};
   for (const EventStyle& style : kEvents)
     if (std::any_of(result.events.begin(), result.events.end(),
                     [&](const motion::StsEvent& e) { return e.kind == style.kind; }))
-      parts.push_back(fmt::format("NaN with lines lw 1 {} title '{}'", style.style, style.name));
+      parts.push_back(fmt::format("NaN with lines {} title '{}'", style.style, style.name));
   figure.Line(
       "set lmargin at screen 0.435; set rmargin at screen 0.985; set tmargin at screen 0.87; set bmargin at screen "
       "0.43");
@@ -208,18 +209,17 @@ void DrawDifference(GnuplotFigure& figure, const gait::LegFitResult& result, con
       {fmt::format(
            "{} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.45 noborder title '± 2 SD of the fit'",
            figure.Data({time_s, columns.lower, columns.upper}), colour::kHuman),
-       fmt::format("{} using 1:2 with points pt 7 ps 0.3 lc rgb '#0072B2' notitle",
+       fmt::format("{} using 1:2 with points pt 7 ps 0.4 lc rgb '#0072B2' notitle",
                    figure.Data({time_s, columns.difference}))}));
 }
 
 }  // namespace
 
-void DrawLegFigure(const std::filesystem::path& path, const gait::LegFitResult& result, const std::string& title) {
-  GnuplotFigure figure(1600, 900);
+void DrawLegFigure(const std::filesystem::path& path, const gait::LegFitResult& result) {
+  GnuplotFigure figure(1400, 800);
   const std::vector<double>& time_s = result.motion.time_s;
   const KneeColumns columns = ColumnsOf(result.motion);
-  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'", QuoteForGnuplot(title)));
-  figure.Line("set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'");
+  figure.Line("set multiplot");
   DrawPaths(figure, result);
   figure.Line(fmt::format("set xrange [{}:{}]", time_s.front(), time_s.back()));
   ShadeGaps(figure, result.motion);

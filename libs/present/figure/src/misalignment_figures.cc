@@ -9,6 +9,7 @@
 #include "lake/core/colours.h"
 #include "lake/core/statistics.h"
 #include "lake/figure/gnuplot.h"
+#include "lake/figure/theme.h"
 
 namespace lake::figure {
 namespace {
@@ -16,8 +17,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr const char* kFrame =
-    "set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'";
 
 // A figure's table of points.
 struct Points {
@@ -67,35 +66,44 @@ std::vector<double> Lengths(const std::vector<Vector2d>& vectors) {
   return lengths;
 }
 
+// The legs at 0, 50 and 100 %, each named at its hip.
 void DrawLegs(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(
-      "set lmargin at screen 0.06; set rmargin at screen 0.40; set tmargin at screen 0.90; set bmargin at screen 0.10");
+      "set lmargin at screen 0.075; set rmargin at screen 0.42; set tmargin at screen 0.93; set bmargin at screen "
+      "0.12");
   figure.Line(
-      "set size ratio -1; set offsets graph 0.08, graph 0.08, graph 0.03, graph 0.03; set key off; set xtics 200");
+      "set size ratio -1; set offsets graph 0.12, graph 0.12, graph 0.1, graph 0.03; set key off; set xtics 200; set "
+      "title 'Leg at 0, 50 and 100 %'");
+  for (const std::size_t percent : {0, 50, 100}) {
+    const Vector2d at = m.human.hip[percent];
+    figure.Line(fmt::format("set label '{} %' at {},{} right offset -1,0.4", percent, at.x(), at.y()));
+  }
   const std::string human_legs = LegsOf(m.human).In(figure), exo_legs = LegsOf(m.exo).In(figure);
   const std::string human = PathOf(m.human.knee).In(figure), exo = PathOf(m.exo.knee).In(figure);
-  figure.Line(fmt::format(
-      "plot {} using 1:2 with linespoints lw 1.5 pt 7 ps 0.6 lc rgb '{}', {} using 1:2 with linespoints lw 1.5 dt 2 pt "
-      "6 ps 0.8 lc "
-      "rgb '{}', {} using 1:2 with lines lw 3 lc rgb '{}', {} using 1:2 with lines lw 3 lc rgb '{}'",
-      human_legs, colour::kHuman, exo_legs, colour::kExoskeleton, human, colour::kHuman, exo, colour::kExoskeleton));
+  figure.Line(
+      fmt::format("plot {} using 1:2 with linespoints lw 2.5 pt 7 ps 0.8 lc rgb '{}', {} using 1:2 with linespoints lw "
+                  "2 dt {} pt 6 "
+                  "ps 1 lc rgb '{}', {} using 1:2 with lines {}, {} using 1:2 with lines {}",
+                  human_legs, kHumanLook.colour, exo_legs, kWornLook.dash, kWornLook.colour, human, LineOf(kHumanLook),
+                  exo, LineOf(kWornLook)));
+  figure.Line("unset label");
 }
 
 void DrawKneePaths(GnuplotFigure& figure, const compare::Misalignment& m) {
-  figure.Line("set lmargin at screen 0.49; set rmargin at screen 0.98; set xtics autofreq");
   figure.Line(
-      "set offsets graph 0.08, graph 0.08, graph 0.08, graph 0.22; set key top right samplen 2 spacing 1.2 "
-      "noautotitle");
+      "set lmargin at screen 0.53; set rmargin at screen 0.985; set xtics autofreq; set title 'Knees, enlarged'");
+  figure.Line(
+      "set offsets graph 0.06, graph 0.06, graph 0.06, graph 0.06; set key at screen 0.985, screen 0.9 right top width "
+      "-2");
   const std::string ties = TiesOf(m).In(figure);
   const std::string human = PathOf(m.human.knee).In(figure), exo = PathOf(m.exo.knee).In(figure);
   const std::string human_dots = PathOf(m.human.knee, 25).In(figure), exo_dots = PathOf(m.exo.knee, 25).In(figure);
   std::string plot =
-      fmt::format("plot {} using 1:2 with lines lw 1 lc rgb '#999999' title 'same percent, every 5 %'", ties);
-  plot += fmt::format(", {} using 1:2 with lines lw 4 lc rgb '{}' title 'human knee'", human, colour::kHuman);
-  plot += fmt::format(", {} using 1:2 with lines lw 4 lc rgb '{}' title 'exoskeleton knee'", exo, colour::kExoskeleton);
-  plot += fmt::format(", {} using 1:2 with points pt 7 ps 1.5 lc rgb '{}'", human_dots, colour::kHuman);
-  plot += fmt::format(", {} using 1:2 with points pt 5 ps 1.3 lc rgb '{}' title '0, 25, 50, 75, 100 %'", exo_dots,
-                      colour::kExoskeleton);
+      fmt::format("plot {} using 1:2 with lines lw 1 lc rgb '#999999' title 'same moment, every 5 %'", ties);
+  plot += fmt::format(", {} using 1:2 with lines {} title 'human knee'", human, LineOf(kHumanLook));
+  plot += fmt::format(", {} using 1:2 with lines {} title 'worn exoskeleton'", exo, LineOf(kWornLook));
+  plot += fmt::format(", {} using 1:2 with points {} title '0, 25, 50, 75, 100 %'", human_dots, MarkOf(kHumanLook));
+  plot += fmt::format(", {} using 1:2 with points {}", exo_dots, MarkOf(kWornLook));
   figure.Line(plot);
 }
 
@@ -109,8 +117,9 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
   }
   const double top = 1.25 * *std::max_element(upper.begin(), upper.end());
   figure.Line(
-      "set tmargin at screen 0.90; set bmargin at screen 0.57; set lmargin at screen 0.07; set rmargin at screen 0.98");
-  figure.Line(fmt::format("set ylabel 'relative error (% of the shank)'; set yrange [0:{}]; set format x ''",
+      "set tmargin at screen 0.95; set bmargin at screen 0.60; set lmargin at screen 0.075; set rmargin at screen "
+      "0.98");
+  figure.Line(fmt::format("set ylabel \"relative error\\n(% of the shank length)\"; set yrange [0:{}]; set xlabel ''",
                           std::max(top, 1e-3)));
   std::string plot = "plot ";
   if (!m.relative_error_sd.empty())
@@ -122,7 +131,7 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
                       colour::kExoskeleton);
   plot += fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'RMS {:.2f} %'", 100 * m.metrics.relative_rms,
                       colour::kText, 100 * m.metrics.relative_rms);
-  plot += fmt::format(", {} with lines lw 2 dt 3 lc rgb '#0072B2' title 'noise floor {:.2f} %'",
+  plot += fmt::format(", {} with lines lw 2 dt (2,4) lc rgb '#555555' title 'noise floor {:.2f} %'",
                       100 * m.noise_floor_relative, 100 * m.noise_floor_relative);
   if (std::count(m.spike.begin(), m.spike.end(), true) > 0)
     plot += fmt::format(", {} using 1:2 with points pt 6 ps 2 lw 2 lc rgb '#CC79A7' title 'spike'",
@@ -134,50 +143,48 @@ void DrawParts(GnuplotFigure& figure, const compare::Misalignment& m) {
   const compare::Decomposition& d = m.decomposition;
   const std::vector<double> percents = Percents();
   figure.Line(
-      "set tmargin at screen 0.47; set bmargin at screen 0.10; set rmargin at screen 0.48; set format x '%g'; set "
-      "xlabel 'sit-to-stand (%)'");
-  figure.Line("set ylabel 'size of the part (mm)'; set yrange [0:*]; set offsets 0, 0, graph 0.35, 0");
+      "set tmargin at screen 0.48; set bmargin at screen 0.11; set rmargin at screen 0.48; set xlabel 'sit-to-stand "
+      "(%)'");
+  // Room below zero, so that a part that is nothing is seen beside the axis.
+  figure.Line("set ylabel 'size of the part (mm)'; set yrange [*:*]; set offsets 0, 0, graph 0.35, graph 0.05");
   const auto part = [&](const std::vector<Vector2d>& vectors, const char* name, double fraction, const char* style) {
     const std::string share = std::isfinite(fraction) ? fmt::format(" {:.1f} %", 100 * fraction) : "";
     return fmt::format("{} using 1:2 with lines lw 3 {} title '{}{}'", figure.Data({percents, Lengths(vectors)}), style,
                        name, share);
   };
   const std::string placement = part(d.placement_mm, "placement", d.placement, "lc rgb '#0072B2'");
-  const std::string timing = part(d.timing_mm, "timing", d.timing, "dt 2 lc rgb '#009E73'");
-  const std::string shape = part(d.shape_mm, "shape", d.shape, "dt 4 lc rgb '#CC79A7'");
+  const std::string timing = part(d.timing_mm, "timing", d.timing, "dt (12,5) lc rgb '#009E73'");
+  const std::string shape = part(d.shape_mm, "shape", d.shape, "dt (3,4) lc rgb '#CC79A7'");
   figure.Line("plot " + placement + ", " + timing + ", " + shape);
 }
 
 void DrawAngles(GnuplotFigure& figure, const compare::Misalignment& m) {
   const std::vector<double> percents = Percents();
   figure.Line(
-      "set lmargin at screen 0.56; set rmargin at screen 0.98; set yrange [*:*]; set ylabel 'knee flexion (°)'; set "
+      "set lmargin at screen 0.565; set rmargin at screen 0.98; set yrange [*:*]; set ylabel 'knee flexion (°)'; set "
       "offsets 0, 0, graph 0.15, 0");
   const std::string human = figure.Data({percents, m.human.knee_deg}), exo = figure.Data({percents, m.exo.knee_deg});
-  figure.Line(
-      fmt::format("plot {} using 1:2 with lines lw 3 lc rgb '{}' title 'human', {} using 1:2 with lines lw 3 dt 2 lc "
-                  "rgb '{}' title "
-                  "'exoskeleton, RMSE {:.2f}°'",
-                  human, colour::kHuman, exo, colour::kExoskeleton, m.metrics.knee_rmse_deg));
+  figure.Line(fmt::format(
+      "plot {} using 1:2 with lines {} title 'human', {} using 1:2 with lines {} title 'worn exoskeleton, RMS "
+      "difference {:.1f}°'",
+      human, LineOf(kHumanLook), exo, LineOf(kWornLook), m.metrics.knee_rmse_deg));
 }
 
 }  // namespace
 
-void DrawOverlayFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment,
-                       const std::string& title) {
-  GnuplotFigure figure(1600, 900);
-  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'", QuoteForGnuplot(title)));
-  figure.Line(kFrame).Line("set xlabel 'anterior (mm)'; set ylabel 'up (mm)' offset 1,0");
+void DrawOverlayFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment) {
+  GnuplotFigure figure(1400, 760);
+  figure.Line("set multiplot");
+  figure.Line("set xlabel 'anterior (mm)'; set ylabel 'up (mm)' offset 1,0");
   DrawLegs(figure, misalignment);
   DrawKneePaths(figure, misalignment);
   figure.Line("unset multiplot").Write(path);
 }
 
-void DrawMisalignmentFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment,
-                            const std::string& title) {
-  GnuplotFigure figure(1600, 1000);
-  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'", QuoteForGnuplot(title)));
-  figure.Line(kFrame).Line("set xrange [0:100]; set key top right horizontal samplen 2.5 noautotitle");
+void DrawMisalignmentFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment) {
+  GnuplotFigure figure(1400, 900);
+  figure.Line("set multiplot");
+  figure.Line("set xrange [0:100]; set key top right horizontal");
   DrawError(figure, misalignment);
   DrawParts(figure, misalignment);
   DrawAngles(figure, misalignment);

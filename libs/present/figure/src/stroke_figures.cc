@@ -13,9 +13,6 @@ namespace lake::figure {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr const char* kFrame =
-    "set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'; set key samplen 2 "
-    "spacing 1.2 noautotitle";
 constexpr const char* kExtendColour = "#0072B2";
 constexpr const char* kRetractColour = "#D55E00";
 
@@ -142,7 +139,7 @@ void DrawStrokeProgram(const std::filesystem::path& path, const actuator::Stroke
                        const std::vector<actuator::ScheduleRow>& rows, const std::string& title) {
   GnuplotFigure figure(1200, 1000);
   const ProgramColumns columns(rows);
-  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'", QuoteForGnuplot(title))).Line(kFrame);
+  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'", QuoteForGnuplot(title)));
   figure.Line(fmt::format("set xrange [0:{}]; set format x ''", schedule.Duration()));
   Place(figure, 0.08, 0.92, 0.66, 0.93);
   DrawStroke(figure, schedule, columns);
@@ -160,7 +157,7 @@ void DrawStrokeProgram(const std::filesystem::path& path, const actuator::Stroke
 void DrawDutyCalibration(const std::filesystem::path& path, const actuator::DutyCalibration& calibration) {
   GnuplotFigure figure(1100, 700);
   const actuator::DutyTable table = actuator::MakeDutyTable(calibration.rows, "the table");
-  figure.Line(kFrame).Line("set xlabel 'duty (%)'; set ylabel 'speed (mm/s)'; set xrange [0:102]; set yrange [0:*]");
+  figure.Line("set xlabel 'duty (%)'; set ylabel 'speed (mm/s)'; set xrange [0:102]; set yrange [0:*]");
   figure.Line("set key top left; set rmargin 4; set tmargin 2; set offsets 0, 0, graph 0.06, 0");
   const auto direction = [&](const actuator::DutyCurve& curve, double actuator::DutyRow::*speed,
                              double actuator::DutyRow::*error, const char* colour, const char* name,
@@ -192,7 +189,7 @@ void DrawValidation(const std::filesystem::path& path, const actuator::StrokeSch
   const ValidationColumns c(validation);
   const std::string curve = AngleCurve(figure, schedule),
                     samples = figure.Data({c.time, c.stroke, c.predicted, c.measured, c.error});
-  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'", QuoteForGnuplot(title))).Line(kFrame);
+  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'", QuoteForGnuplot(title)));
   Place(figure, 0.06, 0.47, 0.10, 0.91);
   figure.Line(
       "set xlabel 'stroke length (mm)'; set ylabel 'knee angle (°)'; set key top right; set offsets graph 0.02, graph "

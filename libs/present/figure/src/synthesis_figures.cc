@@ -44,16 +44,15 @@ void DrawLinkPanel(GnuplotFigure& figure, const std::vector<problem::Sensitivity
   const std::string data = figure.Data({delta, infeasible, feasible});
   figure.Line("unset object");
   ShadeUnassembled(figure, points);
-  figure.Line(fmt::format("set title '{} = {:.4g} mm' font ',12' offset 0,-0.6", problem::LinkName(link),
-                          links.Values()[link]));
+  figure.Line(fmt::format("set title '{} = {:.2f} mm' offset 0,-0.6", problem::LinkName(link), links.Values()[link]));
   figure.Line(fmt::format("set yrange [{}:{}]", range.lower, range.upper));
-  figure.Line(link >= 3 ? "set xlabel 'change, mm'" : "unset xlabel");
-  figure.Line(link % 3 == 0 ? "set ylabel 'range of rotation, deg'" : "unset ylabel");
+  figure.Line(link >= 3 ? "set xlabel 'change of the link (mm)'" : "unset xlabel");
+  figure.Line(link % 3 == 0 ? "set ylabel 'range of rotation (°)'" : "unset ylabel");
   figure.Line(
-      fmt::format("plot {0} using 1:2 with lines lw 1.5 dt 2 lc rgb '{1}' notitle, "
+      fmt::format("plot {0} using 1:2 with lines lw 2.5 dt (6,5) lc rgb '{1}' notitle, "
                   "{0} using 1:3 with lines lw 3 lc rgb '{2}' notitle, "
                   "'+' every ::0::0 using (0):({3}) with points pt 7 ps 1.2 lc rgb '{4}' notitle",
-                  data, colour::kOther, colour::kAnkle, points[points.size() / 2].range_deg, colour::kExoskeleton));
+                  data, "#555555", colour::kAnkle, points[points.size() / 2].range_deg, colour::kExoskeleton));
 }
 
 Range RangeOf(const std::vector<problem::SensitivityPoint>& points) {
@@ -69,15 +68,11 @@ Range RangeOf(const std::vector<problem::SensitivityPoint>& points) {
 
 void DrawSensitivity(const synthesis::SynthesisOutcome& outcome, const std::filesystem::path& path) {
   GnuplotFigure figure(1200, 800);
-  figure.Line("set multiplot layout 2,3 margins 0.07,0.98,0.14,0.88 spacing 0.06,0.13");
+  figure.Line("set multiplot layout 2,3 margins 0.09,0.98,0.15,0.94 spacing 0.065,0.14");
   figure.Line(
-      "set label 1 'Range at the shortest stroke when one link is changed' at screen 0.5,0.965 center font ',15'");
-  figure.Line(
-      fmt::format("set label 2 'solid: feasible    dashed: can be assembled, but breaks a bound or a requirement    "
-                  "grey: cannot be assembled    "
-                  "dot: the optimum' at screen 0.5,0.03 center font ',12' textcolor rgb '{}'",
+      fmt::format("set label 2 'dot: the optimum    solid: feasible    dashed: outside a bound or a requirement    "
+                  "grey: cannot be assembled' at screen 0.5,0.03 center textcolor rgb '{}'",
                   colour::kText));
-  figure.Line("set grid lc rgb '#E8E8E8'");
   figure.Line("set xrange [-5:5]");
   const Range range = RangeOf(outcome.sensitivity);
   for (int link = 0; link < 6; ++link) {
@@ -85,7 +80,7 @@ void DrawSensitivity(const synthesis::SynthesisOutcome& outcome, const std::file
     std::ranges::copy_if(outcome.sensitivity, std::back_inserter(points),
                          [&](const problem::SensitivityPoint& point) { return point.link == link; });
     DrawLinkPanel(figure, points, outcome.BestLinks(), link, range);
-    if (link == 0) figure.Line("unset label 1").Line("unset label 2");
+    if (link == 0) figure.Line("unset label 2");
   }
   figure.Line("unset multiplot").Write(path);
 }
@@ -99,15 +94,14 @@ void DrawMargins(const synthesis::SynthesisOutcome& outcome, const std::filesyst
   }
   GnuplotFigure figure(1000, 640);
   const std::string data = figure.Data({margin, range, yield});
-  figure.Line("set title 'What distance from both singularities costs' font ',15'");
-  figure.Line("set xlabel 'margin of Grashof''s law and of the actuator singularity, mm'");
-  figure.Line("set ylabel 'range of rotation, deg'").Line("set grid lc rgb '#E8E8E8'").Line("set key right center");
-  std::string plot = fmt::format(
-      "plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.9 lc rgb '{}' title 'largest range'", data, colour::kAnkle);
+  figure.Line("set xlabel 'margin kept from Grashof''s limit and from the actuator''s singularity (mm)'");
+  figure.Line("set ylabel 'range of rotation (°)'").Line("set key right center");
+  std::string plot = fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.9 lc rgb '{}'{}", data,
+                                 colour::kAnkle, outcome.options.yield_tolerance_mm ? " title 'largest range'" : "");
   if (outcome.options.yield_tolerance_mm) {
-    figure.Line(fmt::format("set y2label 'builds that work with links at ±{} mm, all else exact, %'",
-                            *outcome.options.yield_tolerance_mm));
-    figure.Line("set y2range [0:105]").Line("set y2tics 20").Line("set ytics nomirror");
+    figure.Line(
+        fmt::format("set y2label 'builds that work, links within ±{} mm (%)'", *outcome.options.yield_tolerance_mm));
+    figure.Line("set y2range [0:105]").Line("set y2tics 20").Line("set border 11");
     plot += fmt::format(", {} using 1:3 axes x1y2 with linespoints lw 2 dt 2 pt 5 ps 0.8 lc rgb '{}' title 'yield'",
                         data, colour::kExoskeleton);
   }
@@ -125,13 +119,11 @@ void DrawConvergence(const synthesis::LocalSolve& solve, const std::string& obje
   }
   GnuplotFigure figure(1000, 720);
   const std::string data = figure.Data({number, range, violation, dual});
-  figure.Line("set multiplot layout 2,1 margins 0.1,0.97,0.1,0.93 spacing 0.1,0.09");
-  figure.Line("set grid lc rgb '#E8E8E8'")
-      .Line("set title 'Convergence from the start that gave the optimum' font ',15'");
+  figure.Line("set multiplot layout 2,1 margins 0.11,0.97,0.11,0.97 spacing 0.1,0.07");
   figure.Line(fmt::format("set ylabel {}", QuoteForGnuplot(objective))).Line("set format x ''");
   figure.Line(
       fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.8 lc rgb '{}' notitle", data, colour::kAnkle));
-  figure.Line("unset title").Line("set format x '%g'").Line("set xlabel 'iteration'");
+  figure.Line("set format x '%g'").Line("set xlabel 'iteration'");
   figure.Line("set logscale y").Line("set format y '10^{%L}'").Line("set ylabel 'error'").Line("set key top right");
   figure.Line(
       fmt::format("plot {0} using 1:3 with linespoints lw 2 pt 7 ps 0.8 lc rgb '{1}' title 'constraint violation', "

@@ -7,6 +7,8 @@ namespace lake {
 namespace colour {
 inline constexpr const char* kHuman = "#E69F00";        // yellow-orange, as in the paper
 inline constexpr const char* kExoskeleton = "#D55E00";  // orange-red
+inline constexpr const char* kWorn = kExoskeleton;      // the exoskeleton of the trial
+inline constexpr const char* kNew = "#0072B2";          // the design that is proposed
 inline constexpr const char* kAnkle = "#0072B2";
 inline constexpr const char* kKnee = "#E69F00";
 inline constexpr const char* kHip = "#009E73";

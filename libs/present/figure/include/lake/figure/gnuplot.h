@@ -12,7 +12,7 @@ namespace lake::figure {
 class GnuplotFigure {
  public:
   // Size of the PNG in px; an SVG gets the same proportions.
-  GnuplotFigure(int width_px, int height_px) : width_px_(width_px), height_px_(height_px) {}
+  GnuplotFigure(int width_px, int height_px);
 
   // Appends a line of script. Text from outside must go through QuoteForGnuplot.
   GnuplotFigure& Line(std::string_view script);
@@ -20,7 +20,7 @@ class GnuplotFigure {
   // A table to plot, columns of equal length; NaN interrupts a line. Returns its name in the script, e.g. "$data0".
   std::string Data(const std::vector<std::vector<double>>& columns);
 
-  // Starts a new page, with gnuplot's settings as at the start; tables stay known.
+  // Starts a new page, with the settings as at the start; tables stay known.
   GnuplotFigure& NextPage();
 
   // Draws, atomically. Throws Error with gnuplot's own words if it fails or is not installed.
@@ -35,7 +35,7 @@ class GnuplotFigure {
  private:
   int width_px_, height_px_;
   int tables_ = 0;
-  std::vector<std::string> pages_{1};
+  std::vector<std::string> pages_;  // each begins with the theme (theme.h)
 };
 
 // A gnuplot string literal that shows the text as it is.

@@ -13,6 +13,6 @@ namespace lake::figure {
 // repetition; right: the knee angle with the markers' own angle frame by frame, then the difference of the two with the
 // band of ± 2 SD. Events are vertical lines; frames in which ankle, knee or hip was not seen are shaded. Throws Error
 // if it cannot be drawn.
-void DrawLegFigure(const std::filesystem::path& path, const gait::LegFitResult& result, const std::string& title);
+void DrawLegFigure(const std::filesystem::path& path, const gait::LegFitResult& result);
 
 }  // namespace lake::figure

@@ -8,12 +8,10 @@
 namespace lake::figure {
 
 // Both knee paths on the sagittal plane, lines between equal percents, the legs at 0, 50 and 100 %.
-void DrawOverlayFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment,
-                       const std::string& title);
+void DrawOverlayFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment);
 
 // Relative error over percent with spikes and, with several repetitions, the ± SD band; what it is made of; the knee
 // angles.
-void DrawMisalignmentFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment,
-                            const std::string& title);
+void DrawMisalignmentFigure(const std::filesystem::path& path, const compare::Misalignment& misalignment);
 
 }  // namespace lake::figure
