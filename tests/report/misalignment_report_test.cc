@@ -48,7 +48,7 @@ TEST(MisalignmentReport, ShowsTheComparisonsNumbers) {
       HasSubstr("is placement: the joint sits 10.0 mm in front of the knee and 20.0 mm above it along the shank;"));
   // |D| = hypot(10, 20) everywhere, so RMS and largest distance agree but for the noise of 0.1 mm.
   EXPECT_NEAR(comparison["metrics"]["rms_mm"].get<double>(), std::hypot(10, 20), 0.1);
-  EXPECT_THAT(page, HasSubstr("Compared are the means of 3 repetitions"));
+  EXPECT_THAT(page, HasSubstr("We compare the means of 3 repetitions"));
 }
 
 TEST(MisalignmentReport, ASingleRepetitionHasNeitherBandNorIntervals) {
@@ -75,7 +75,7 @@ TEST(MisalignmentReport, AdviceNamesTheLargestPart) {
   Json comparison = Placed(1);
   comparison["decomposition"]["placement"]["fraction"] = 0.1;
   comparison["decomposition"]["shape"]["fraction"] = 0.9;
-  EXPECT_THAT(DecompositionAdvice(comparison), HasSubstr("90 %, is shape"));
+  EXPECT_THAT(DecompositionAdvice(comparison), HasSubstr("90.0 %, is shape"));
 }
 
 TEST(MisalignmentReport, AdviceSaysWhenPartsCannotBeToldApart) {

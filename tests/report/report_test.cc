@@ -84,8 +84,10 @@ TEST(Report, ChartDataReadBackAsTheyWere) {
   EXPECT_EQ(data["series"][0]["y"], Json::parse("[0.1, null, null]"));
 }
 
-TEST(Report, WarningsStandFirst) {
-  const std::string page = RenderReport({"T", "", {"beware"}, {{"Numbers", {Paragraph{"text"}}}}});
+TEST(Report, WarningsFollowTheMessage) {
+  const std::string page =
+      RenderReport({"T", "", {"beware"}, {{"Message", {Paragraph{"text"}}}, {"Numbers", {Paragraph{"text"}}}}});
+  EXPECT_LT(page.find("Message"), page.find("beware"));
   EXPECT_LT(page.find("beware"), page.find("Numbers"));
   EXPECT_THAT(RenderReport({"T", "", {}, {}}), Not(HasSubstr("Warnings")));
 }

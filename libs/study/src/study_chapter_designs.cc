@@ -19,25 +19,46 @@ std::vector<Cell> LinkRow(const std::string& link, const Json& summary, const pr
 }
 
 Table OptimumTable(const problem::SynthesisProblem& problem, const Json& summary) {
-  Table table{"The design problem's optimum",
-              {{"Link (mm)"}, {"Start", 3}, {"At least", 1}, {"At most", 1}, {"Optimum", 3}},
+  Table table{"Benchmark optimum: the largest range, with no person in the problem",
+              {{"Link (mm)"}, {"Start", 2}, {"At least", 1}, {"At most", 1}, {"Optimum", 2}},
               {}};
   for (std::size_t i = 0; i < problem.bounds.size(); ++i)
     table.rows.push_back(LinkRow(problem::LinkName(i), summary, problem, i));
-  table.rows.push_back({"range of rotation (°)", NumberOrNaN(summary.at("start").at("range_deg")), std::nan(""),
-                        std::nan(""), NumberOrNaN(summary.at("range_deg"))});
+  table.rows.push_back({"range of rotation (°)", Number{NumberOrNaN(summary.at("start").at("range_deg")), 1},
+                        std::nan(""), std::nan(""), Number{NumberOrNaN(summary.at("range_deg")), 1}});
   return table;
 }
 
 std::string OptimumText(const Json& summary) {
-  std::string text = fmt::format("The largest range of rotation is {:.2f}°.", NumberOrNaN(summary.at("range_deg")));
+  std::string text = fmt::format("The largest range of rotation within the links' bounds is {}.",
+                                 Quantity(NumberOrNaN(summary.at("range_deg")), "°"));
   if (const double bound = NumberOrNaN(summary.at("certified_upper_bound_deg")); std::isfinite(bound))
     text += fmt::format(" No design within the bounds has more than {:.2f}°: that is proved by interval arithmetic.",
                         bound);
   std::vector<std::string> limits;
   for (const Json& limit : summary.at("active")) limits.push_back(limit.at("limit").get<std::string>());
-  if (!limits.empty()) text += fmt::format(" At their limits are: {}.", fmt::join(limits, ", "));
+  if (!limits.empty()) text += fmt::format(" Active constraints: {}.", fmt::join(limits, ", "));
   return text;
+}
+
+// Negative: they overlap, seen from the side.
+Table FitTable(const Json& body) {
+  Table table{
+      fmt::format("Clearances on a body of {:.0f} cm and {:.0f} kg; negative: parts overlap, seen from the side",
+                  NumberOrNaN(body.at("height_mm")) / 10, NumberOrNaN(body.at("mass_kg"))),
+      {{"Quantity"}, {"mm", 1}, {"Overlap (mm)", 1}, {"at knee angle (°)", 1}},
+      {}};
+  const auto add = [&](const char* what, const char* key, double at_deg) {
+    const double clearance = NumberOrNaN(body.at(key));
+    table.rows.push_back({what, clearance, clearance < 0 ? -clearance : std::nan(""), at_deg});
+  };
+  table.rows.push_back({"thigh, hip to knee", NumberOrNaN(body.at("thigh_mm")), std::nan(""), std::nan("")});
+  table.rows.push_back({"shank, knee to ankle", NumberOrNaN(body.at("shank_mm")), std::nan(""), std::nan("")});
+  add("mount to hip, along the thigh", "mount_below_hip_mm", std::nan(""));
+  add("linkage to seat", "seat_clearance_mm", NumberOrNaN(body.at("seated_deg")));
+  add("actuator to thigh", "actuator_to_thigh_mm", NumberOrNaN(body.at("actuator_to_thigh_at_deg")));
+  add("actuator to shank", "actuator_to_shank_mm", NumberOrNaN(body.at("actuator_to_shank_at_deg")));
+  return table;
 }
 
 bool IsPose(const std::string& name) {
@@ -48,19 +69,22 @@ bool IsPose(const std::string& name) {
 
 Section OptimumChapter(const StudyFile& study, const StudyResults& results) {
   const Json summary = results.Summary("optimum");
-  Section section{"The design problem by itself",
-                  {Paragraph{OptimumText(summary)}, OptimumTable(study.design.problem, summary)}};
-  results.AddPicture("optimum/sensitivity.png", "Range of rotation against a change of each link",
-                     "Range against the change of each link; shaded where the linkage cannot be assembled.",
-                     Width::kFull, section);
+  Section section{"Benchmark optimum", {Paragraph{OptimumText(summary)}, OptimumTable(study.design.problem, summary)}};
+  results.AddPicture(
+      "optimum/sensitivity.png", "Range of rotation against a change of each link",
+      "Range of rotation when one link is changed and the others are kept; shaded where the linkage cannot be "
+      "assembled.",
+      Width::kFull, section);
   results.AddPicture("optimum/margin.png", "Range of rotation against the margin from the singularities",
-                     "What a margin from both singularities costs.", Width::kFull, section);
+                     "Largest range of rotation for each margin that is kept from both singularities.", Width::kFull,
+                     section);
   return section;
 }
 
 Section SimulationChapter(const StudyResults& results) {
   const Json summary = results.Summary("simulation");
-  Table table{"The design in its poses; the force balances the stated knee torque",
+  Table table{fmt::format("Poses; the force balances {} at the knee",
+                          Quantity(NumberOrNaN(summary.at("knee_torque_nm")), "N m")),
               {{"Knee (°)", 1},
                {"Stroke (mm)", 2},
                {"Moment arm (mm/rad)", 1},
@@ -71,7 +95,10 @@ Section SimulationChapter(const StudyResults& results) {
     table.rows.push_back({NumberOrNaN(pose.at("knee_deg")), NumberOrNaN(pose.at("stroke_mm")),
                           NumberOrNaN(pose.at("moment_arm_mm")), NumberOrNaN(pose.at("force_n")),
                           NumberOrNaN(pose.at("transmission_deg"))});
-  Section section{"The design in motion", {std::move(table)}};
+  Section section{"Fit on the body, and motion", {FitTable(summary.at("mannequin"))}};
+  results.AddPicture("simulation/mannequin.png", "The design on a body, standing and seated",
+                     "The design on a body with this person's leg, standing and seated.", Width::kFull, section);
+  section.blocks.push_back(std::move(table));
   std::vector<fs::path> poses;
   for (const std::string& name : ResultsIn(results.Folder() / "simulation"))
     if (IsPose(name)) poses.push_back(fs::path("simulation") / name);
@@ -82,9 +109,8 @@ Section SimulationChapter(const StudyResults& results) {
     results.AddPicture(pose, "The linkage on the leg", fmt::format("Knee at {}°.", pose.stem().string().substr(5)),
                        Width::kFull, section);
   results.AddPicture("simulation/angle_vs_stroke.png", "Knee angle, moment arm, force and transmission over the stroke",
-                     "What the linkage does over the stroke.", Width::kFull, section);
-  results.AddPicture("simulation/mannequin.png", "The design on a body, standing and seated",
-                     "The design on a body of average size.", Width::kFull, section);
+                     "Knee angle, moment arm, actuator force and transmission angles over the stroke.", Width::kFull,
+                     section);
   return section;
 }
 

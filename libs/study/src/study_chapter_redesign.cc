@@ -14,53 +14,82 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BeforeAfterRow {
-  const char *key, *what;
-  double factor;
+  const char *key, *what, *unit;
+  double factor = 1;
 };
 constexpr BeforeAfterRow kRows[] = {
-    {"range_deg", "range of rotation (°)", 1},
-    {"misalignment_percent", "misalignment, RMS (% of the shank)", 1},
-    {"misalignment_rms_mm", "misalignment, RMS (mm)", 1},
-    {"misalignment_max_mm", "misalignment, largest (mm)", 1},
-    {"part_placement", "of it placement (%)", 100},
-    {"part_timing", "of it timing (%)", 100},
-    {"part_shape", "of it shape (%)", 100},
-    {"knee_rmse_deg", "knee angle against the human's, RMS (°)", 1},
-    {"placement_x_mm", "joint sits in front of the knee (mm)", 1},
-    {"placement_y_mm", "joint sits above the knee, along the shank (mm)", 1},
-    {"program_duration_s", "duration of the stroke program (s)", 1},
-    {"exact_tracking_time_s", "time that following the knee exactly needs (s)", 1},
-    {"l1_mm", "l1 (mm)", 1},
-    {"l2_mm", "l2 (mm)", 1},
-    {"l3_mm", "l3 (mm)", 1},
-    {"l4_mm", "l4 (mm)", 1},
-    {"l5_mm", "l5 (mm)", 1},
-    {"l6_mm", "l6 (mm)", 1},
+    {"misalignment_percent", "misalignment, RMS (% of the shank length)", "%"},
+    {"misalignment_rms_mm", "misalignment, RMS (mm)", "mm"},
+    {"misalignment_max_mm", "misalignment, largest (mm)", "mm"},
+    {"part_placement", "placement share (%)", "share", 100},
+    {"part_timing", "timing share (%)", "share", 100},
+    {"part_shape", "shape share (%)", "share", 100},
+    {"knee_rmse_deg", "knee angle, RMS from the human's (°)", "°"},
+    {"range_deg", "range of rotation (°)", "°"},
+    {"placement_x_mm", "joint in front of the knee (mm)", "mm"},
+    {"placement_y_mm", "joint above the knee, along the shank (mm)", "mm"},
+    {"program_duration_s", "time for a rise (s)", "s"},
+    {"exact_tracking_time_s", "minimum time for exact tracking (s)", "s"},
 };
 
-Table BeforeAfterTable(const Json& summary) {
-  const Json &before = summary.at("before"), &after = summary.at("after");
-  Table table{"Before and after", {{"Quantity"}, {"Before", 2}, {"After", 2}, {"Change", 2}}, {}};
+// What the recording of the worn design showed, under the keys of the predictions.
+Json MeasuredWorn(const StudyResults& results) {
+  if (!results.Has("comparison")) return Json::object();
+  const Json comparison = results.Summary("comparison");
+  const Json &metrics = comparison.at("metrics"), &parts = comparison.at("decomposition");
+  Json measured = {{"misalignment_percent", 100 * NumberOrNaN(metrics.at("relative_rms"))},
+                   {"misalignment_rms_mm", metrics.at("rms_mm")},
+                   {"misalignment_max_mm", metrics.at("max_mm")},
+                   {"knee_rmse_deg", metrics.at("knee_rmse_deg")},
+                   {"program_duration_s", comparison.at("duration_s").at("exo")}};
+  for (const char* part : {"placement", "timing", "shape"})
+    measured[fmt::format("part_{}", part)] = parts.at(part).at("fraction");
+  if (const Json mount = comparison.value("mount_mm", Json()); mount.is_array())
+    measured["placement_x_mm"] = mount[0], measured["placement_y_mm"] = mount[1];
+  return measured;
+}
+
+// The worn design as recorded and as predicted are two things: the prediction leaves pace and lean of its trial out.
+Table BeforeAfterTable(const StudyResults& results, const Json& summary) {
+  const Json &before = summary.at("before"), &after = summary.at("after"), measured = MeasuredWorn(results);
+  Table table{
+      "Worn and new design. The predictions are for the human trial's movement, without the pace and lean of the "
+      "exoskeleton trial; change: new against worn, both predicted",
+      {{"Quantity"}, {"Worn, measured"}, {"Worn, predicted"}, {"New, predicted"}, {"Change"}},
+      {}};
   for (const BeforeAfterRow& row : kRows) {
-    const double from = row.factor * NumberOrNaN(before.at(row.key)), to = row.factor * NumberOrNaN(after.at(row.key));
-    table.rows.push_back({row.what, from, to, to - from});
+    const double from = row.factor * NumberOrNaN(before.at(row.key)), to = row.factor * NumberOrNaN(after.at(row.key)),
+                 recorded = row.factor * NumberOrNaN(measured.value(row.key, Json()));
+    const int decimals = DecimalsOf(row.unit);
+    table.rows.push_back({row.what, Number{recorded, decimals}, Number{from, decimals}, Number{to, decimals},
+                          Number{to - from, decimals}});
+  }
+  if (const double floor = NumberOrNaN(summary.at("noise_floor_percent")); results.Has("comparison")) {
+    const Number none{std::nan(""), 2};
+    table.rows.push_back({"noise floor of a recording (% of the shank length)", Number{floor, 2}, none, none, none});
   }
   return table;
 }
 
-KeyFigures BeforeAfterFigures(const Json& summary) {
-  const auto figure = [&](const char* label, const char* key, const char* unit) {
-    const double before = NumberOrNaN(summary.at("before").at(key));
-    return KeyFigure{label,
-                     NumberOrNaN(summary.at("after").at(key)),
-                     2,
-                     unit,
-                     std::nullopt,
-                     std::isnan(before) ? "" : fmt::format("before: {:.2f} {}", before, unit)};
+Table BuildTable(const StudyResults& results, const Json& summary) {
+  const Json simulation = results.Summary("simulation");
+  const Json &before = summary.at("before"), &after = summary.at("after");
+  Table table{"Links and actuator to build", {{"Quantity"}, {"Worn"}, {"New"}}, {}};
+  for (int i = 1; i <= 6; ++i) {
+    const std::string key = fmt::format("l{}_mm", i);
+    table.rows.push_back(
+        {fmt::format("l{} (mm)", i), Number{NumberOrNaN(before.at(key)), 2}, Number{NumberOrNaN(after.at(key)), 2}});
+  }
+  const auto add = [&](const char* what, double value, int decimals) {
+    table.rows.push_back({what, Number{std::nan(""), decimals}, Number{value, decimals}});
   };
-  return {{figure("misalignment, RMS", "misalignment_percent", "%"), figure("range of rotation", "range_deg", "°"),
-           figure("misalignment, RMS", "misalignment_rms_mm", "mm"),
-           figure("stroke program", "program_duration_s", "s")}};
+  add("shortest actuator, pin to pin (mm)", NumberOrNaN(simulation.at("used_stroke_mm").at(0)), 2);
+  add("longest actuator, pin to pin (mm)", NumberOrNaN(simulation.at("used_stroke_mm").at(1)), 2);
+  add("travel (mm)", NumberOrNaN(simulation.at("travel_mm")), 2);
+  add("knee torque to hold (N m)", NumberOrNaN(simulation.at("knee_torque_nm")), DecimalsOf("N m"));
+  add("largest actuator force for it (N)", LargestForce(results), DecimalsOf("N"));
+  add("largest actuator speed (mm/s)", NumberOrNaN(summary.at("program").at("max_speed_mm_s")), 1);
+  return table;
 }
 
 // What holds the design back, and what a step further would bring.
@@ -84,22 +113,6 @@ Series Path(const Json& curves, const std::string& prefix, const char* name, con
   return path;
 }
 
-LineChart PathsChart(const StudyResults& results) {
-  const Json predicted = ReadJsonFile(results.Folder() / "redesign/predicted/comparison.json").at("curves");
-  LineChart chart;
-  chart.title = "Where the knees go";
-  chart.alt = "Paths of the human knee, of the exoskeleton's knee as measured and as predicted for the new design";
-  chart.caption = "Leg frame: origin at the seated ankle, x forward, y up.";
-  chart.x.label = "anterior (mm)", chart.y.label = "up (mm)";
-  chart.equal_scales = true, chart.width = Width::kHalf;
-  chart.series = {Path(predicted, "human_knee", "human", colour::kHuman, Mark::kLine)};
-  if (const fs::path measured = "comparison/comparison.json"; results.HasFile(measured))
-    chart.series.push_back(Path(ReadJsonFile(results.Folder() / measured).at("curves"), "exo_knee",
-                                "exoskeleton as measured", colour::kExoskeleton, Mark::kDotted));
-  chart.series.push_back(Path(predicted, "exo_knee", "new design, predicted", colour::kHip, Mark::kDashed));
-  return chart;
-}
-
 Series ColumnSeries(const CsvTable& table, const char* x, const char* y, const char* name, const char* colour,
                     Mark mark) {
   Series series;
@@ -118,20 +131,25 @@ LineChart AnglesChart(const fs::path& program) {
   chart.x = {"sit-to-stand (%)", 0, 100}, chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
   chart.caption = "The human's, and the design's under its stroke program.";
-  chart.series = {ColumnSeries(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine),
-                  ColumnSeries(table, "percent", "knee_deg", "new design", colour::kHip, Mark::kDashed)};
+  chart.series = {ColumnSeries(table, "percent", "knee_deg", "new design", colour::kNew, Mark::kDashed),
+                  ColumnSeries(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine)};
   return chart;
 }
 
+constexpr Mark kFrontMarks[] = {Mark::kLine, Mark::kDashed, Mark::kDotted};
+
 LineChart ParetoChart(const Json& summary) {
   LineChart chart;
-  chart.title = "What range costs in misalignment";
+  chart.title = "Range of rotation against misalignment";
   chart.alt = "Pareto fronts: the least misalignment for each range of rotation";
-  chart.caption = "Each point is a design of its own; none has more range and less misalignment.";
-  chart.x.label = "range of rotation (°)", chart.y = {"misalignment, RMS (% of the shank)", 0, std::nullopt};
+  chart.caption =
+      "Each point is a design of its own. With the same stroke program none has more range and less misalignment; the "
+      "programs differ in the time that a rise takes.";
+  chart.x.label = "range of rotation (°)", chart.y = {"misalignment, RMS (% of the shank length)", 0, std::nullopt};
   for (const Json& front : summary.at("pareto")) {
     Series series;
     series.name = front.at("program").get<std::string>() + " program";
+    series.mark = kFrontMarks[chart.series.size() % std::size(kFrontMarks)];
     for (const Json& point : front.at("range_deg_and_misalignment_percent"))
       series.x.push_back(NumberOrNaN(point.at(0))), series.y.push_back(NumberOrNaN(point.at(1)));
     chart.series.push_back(std::move(series));
@@ -142,10 +160,21 @@ LineChart ParetoChart(const Json& summary) {
       least_deg = std::min(least_deg, range_deg), most_deg = std::max(most_deg, range_deg);
   chart.x.from = std::floor(least_deg / 5 - 0.2) * 5, chart.x.to = std::ceil(most_deg / 5 + 0.2) * 5;
   Series design;
-  design.name = "the design", design.mark = Mark::kPoints, design.colour = colour::kText;
+  design.name = "new design", design.mark = Mark::kPoints, design.colour = colour::kText;
   design.x = {NumberOrNaN(summary.at("range_deg"))}, design.y = {NumberOrNaN(summary.at("misalignment_percent"))};
   chart.series.push_back(std::move(design));
   return chart;
+}
+
+Table TradeTable(const Json& summary) {
+  Table table{
+      "What giving up range buys, with the same stroke program",
+      {{"Range of rotation (°)", 1}, {"Range given up (°)", 1}, {"Misalignment, RMS (% of the shank length)", 2}},
+      {}};
+  for (const TradePoint& point : OwnFront(summary))
+    table.rows.push_back({NumberText(point.range_deg, 1), NumberOrNaN(summary.at("range_deg")) - point.range_deg,
+                          point.misalignment_percent});
+  return table;
 }
 
 // How far the actuator may be from its plan, and whether that leaves the linkage's room.
@@ -153,8 +182,7 @@ std::string DriftText(const Json& firmware) {
   const Json &drift = firmware.at("drift"), &nearest = drift.at("nearest");
   std::string text = fmt::format(
       " With speeds within {:.3g} % of the duty table the actuator is at {:.2f} ± {:.2f} mm where it comes nearest to "
-      "the "
-      "linkage's end at {:.2f} mm.",
+      "the linkage's end at {:.2f} mm.",
       NumberOrNaN(drift.at("tolerance_percent")), NumberOrNaN(nearest.at("planned_mm")),
       NumberOrNaN(nearest.at("drift_mm")), NumberOrNaN(drift.at("end_mm")));
   text += fmt::format(" The retract end stop belongs at {:.2f} mm", NumberOrNaN(firmware.at("home_stroke_mm")));
@@ -167,21 +195,112 @@ std::string DriftText(const Json& firmware) {
   return text;
 }
 
+Table ProgramTable(const Json& summary) {
+  const double duration_s = NumberOrNaN(summary.at("duration_s")), rest_s = NumberOrNaN(summary.at("added_rest_s"));
+  const Json& limits = summary.at("soft_limits_mm");
+  return {"Stroke program",
+          {{"Quantity"}, {"Value", 2}},
+          {{"start, pin to pin (mm)", NumberOrNaN(summary.at("start").at("stroke_mm"))},
+           {"end, pin to pin (mm)", NumberOrNaN(summary.at("end").at("stroke_mm"))},
+           {"permitted stroke, from (mm)", NumberOrNaN(limits.at(0))},
+           {"permitted stroke, to (mm)", NumberOrNaN(limits.at(1))},
+           {"time in motion, as designed (s)", duration_s - rest_s},
+           {"rests that the controller adds at reversals (s)", rest_s},
+           {"time in all (s)", duration_s},
+           {"largest speed (mm/s)", NumberOrNaN(summary.at("largest_speed_mm_s"))}}};
+}
+
 }  // namespace
+
+int DecimalsOf(const std::string& unit) {
+  return unit == "%" || unit == "s" ? 2 : unit == "N" ? 0 : 1;
+}
+
+std::string Quantity(double value, const std::string& unit) {
+  return NumberText(value, DecimalsOf(unit)) + (unit == "°" ? "" : " ") + unit;
+}
+
+std::string JointText(const Json& design) {
+  const double x = NumberOrNaN(design.at("placement_x_mm")), y = NumberOrNaN(design.at("placement_y_mm"));
+  return fmt::format("{} {} the knee and {} {} it along the shank", Quantity(std::abs(x), "mm"),
+                     x < 0 ? "behind" : "in front of", Quantity(std::abs(y), "mm"), y < 0 ? "below" : "above");
+}
+
+std::string MoveText(const Json& redesign) {
+  const auto change = [&](const char* key) {
+    return NumberOrNaN(redesign.at("after").at(key)) - NumberOrNaN(redesign.at("before").at(key));
+  };
+  const double x = change("placement_x_mm"), y = change("placement_y_mm");
+  return fmt::format("{} further {} and {} {} than worn", Quantity(std::abs(x), "mm"), x < 0 ? "back" : "forward",
+                     Quantity(std::abs(y), "mm"), y < 0 ? "lower" : "higher");
+}
+
+std::vector<TradePoint> OwnFront(const Json& redesign) {
+  const Json& program = redesign.at("program");
+  std::string own = program.at("kind").get<std::string>();
+  if (own == "free" && program.at("duration_limit_s").is_number())
+    own += fmt::format(" {:.4g} s", program["duration_limit_s"].get<double>());
+  std::vector<TradePoint> points;
+  for (const Json& front : redesign.value("pareto", Json::array()))
+    if (front.at("program") == own && points.empty())
+      for (const Json& point : front.at("range_deg_and_misalignment_percent"))
+        points.push_back({NumberOrNaN(point.at(0)), NumberOrNaN(point.at(1))});
+  return points;
+}
+
+double LargestForce(const StudyResults& results) {
+  const CsvTable table = CsvTable::Read(results.Folder() / "simulation/angle_vs_stroke.csv");
+  const std::size_t column = table.Column("force_n");
+  double largest = 0;
+  for (std::size_t row = 0; row < table.Rows(); ++row)
+    largest = std::max(largest, std::abs(table.Number(row, column).value_or(std::nan(""))));
+  constexpr double kNoActuator_n = 1e6;  // at a dead point
+  return largest < kNoActuator_n ? largest : std::nan("");
+}
+
+LineChart PathsChart(const StudyResults& results) {
+  const Json predicted = ReadJsonFile(results.Folder() / "redesign/predicted/comparison.json").at("curves");
+  LineChart chart;
+  chart.title = "Knee paths";
+  chart.alt = "Paths of the human knee, of the exoskeleton's knee as measured and as predicted for the new design";
+  chart.caption = "Seen from the side, one rise. Leg frame: origin at the seated ankle, x forward, y up.";
+  chart.x.label = "anterior (mm)", chart.y.label = "up (mm)";
+  chart.equal_scales = true, chart.width = Width::kHalf;
+  // The first is drawn on top: a new path that covers the human's is still seen.
+  chart.series = {Path(predicted, "exo_knee", "new design, predicted", colour::kNew, Mark::kDashed)};
+  if (const fs::path measured = "comparison/comparison.json"; results.HasFile(measured))
+    chart.series.push_back(Path(ReadJsonFile(results.Folder() / measured).at("curves"), "exo_knee", "worn, measured",
+                                colour::kWorn, Mark::kDotted));
+  chart.series.push_back(Path(predicted, "human_knee", "human", colour::kHuman, Mark::kLine));
+  return chart;
+}
 
 Section RedesignChapter(const StudyResults& results) {
   const Json summary = results.Summary("redesign");
-  Section section{"The design for this person", {BeforeAfterFigures(summary)}};
-  section.blocks.push_back(Paragraph{summary.at("build_text").get<std::string>()});
+  Section section{"New design", {}};
+  if (summary.at("build_text").is_string())
+    section.blocks.push_back(Paragraph{summary.at("build_text").get<std::string>()});
   section.blocks.push_back(Paragraph{summary.at("trial_text").get<std::string>()});
-  section.blocks.push_back(PathsChart(results));
-  section.blocks.push_back(AnglesChart(results.Folder() / "redesign/program.csv"));
-  section.blocks.push_back(BeforeAfterTable(summary));
+  section.blocks.push_back(BeforeAfterTable(results, summary));
+  section.blocks.push_back(BuildTable(results, summary));
+  LineChart angles = AnglesChart(results.Folder() / "redesign/program.csv");
+  if (summary.contains("pareto")) {
+    LineChart pareto = ParetoChart(summary);
+    pareto.width = Width::kHalf;
+    section.blocks.push_back(std::move(angles));
+    section.blocks.push_back(std::move(pareto));
+    if (Table trade = TradeTable(summary); !trade.rows.empty()) section.blocks.push_back(std::move(trade));
+  } else {
+    angles.width = Width::kFull;
+    section.blocks.push_back(std::move(angles));
+  }
   if (List active = ActiveList(summary); !active.items.empty()) {
-    section.blocks.push_back(Paragraph{"At their limits, with what a step further would bring where that is known:"});
+    section.blocks.push_back(Paragraph{
+        summary.value("multipliers_unique", false)
+            ? "Active constraints and sensitivities (change of the range per unit by which a limit is relaxed):"
+            : "Active constraints:"});
     section.blocks.push_back(std::move(active));
   }
-  if (summary.contains("pareto")) section.blocks.push_back(ParetoChart(summary));
   return section;
 }
 
@@ -190,25 +309,20 @@ Section StrokeChapter(const StudyResults& results) {
   const CsvTable table = CsvTable::Read(results.Folder() / "stroke/program.csv");
   LineChart stroke, knee;
   stroke.title = "Stroke over time", stroke.x.label = "time (s)", stroke.y.label = "stroke (mm)";
-  stroke.series = {ColumnSeries(table, "time_s", "stroke_mm", "stroke", colour::kAnkle, Mark::kLine)};
-  knee.title = "Knee angle that it makes", knee.x.label = "time (s)", knee.y.label = "knee flexion (°)";
-  knee.series = {ColumnSeries(table, "time_s", "knee_deg", "knee", colour::kHip, Mark::kLine)};
+  stroke.series = {ColumnSeries(table, "time_s", "stroke_mm", "stroke", colour::kNew, Mark::kLine)};
+  knee.title = "Resulting knee angle", knee.x.label = "time (s)", knee.y.label = "knee flexion (°)";
+  knee.series = {ColumnSeries(table, "time_s", "knee_deg", "knee", colour::kNew, Mark::kLine)};
   stroke.width = knee.width = Width::kHalf;
-  const Json& limits = summary.at("soft_limits_mm");
-  std::string text = fmt::format(
-      "The actuator goes from {:.2f} to {:.2f} mm in {:.2f} s, at most at {:.2f} mm/s; it may be sent to {:.2f} to "
-      "{:.2f} mm.",
-      NumberOrNaN(summary.at("start").at("stroke_mm")), NumberOrNaN(summary.at("end").at("stroke_mm")),
-      NumberOrNaN(summary.at("duration_s")), NumberOrNaN(summary.at("largest_speed_mm_s")), NumberOrNaN(limits.at(0)),
-      NumberOrNaN(limits.at(1)));
-  if (const double rest_s = NumberOrNaN(summary.at("added_rest_s")); rest_s >= 0.005)
-    text += fmt::format(" Of that {:.2f} s are rests that the controller adds to the design's program.", rest_s);
+  Section section{"Stroke program", {ProgramTable(summary)}};
   if (summary.at("firmware").is_object())
-    text += fmt::format(" The firmware for the UNO lies beside, {} segments, its plan within {:.3f} mm.",
-                        summary["firmware"].at("segments").get<int>(),
-                        NumberOrNaN(summary["firmware"].at("rounding_error_mm"))) +
-            DriftText(summary["firmware"]);
-  return {"The actuator's program", {Paragraph{std::move(text)}, std::move(stroke), std::move(knee)}};
+    section.blocks.push_back(Paragraph{
+        fmt::format("The firmware for the Arduino UNO has {} segments, which are within {:.3f} mm of the program.",
+                    summary["firmware"].at("segments").get<int>(),
+                    NumberOrNaN(summary["firmware"].at("rounding_error_mm"))) +
+        DriftText(summary["firmware"])});
+  section.blocks.push_back(std::move(stroke));
+  section.blocks.push_back(std::move(knee));
+  return section;
 }
 
 }  // namespace lake::study

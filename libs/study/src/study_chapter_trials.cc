@@ -28,13 +28,19 @@ std::vector<double> RiseTimes(const Json& summary) {
   return seconds;
 }
 
-// "436.0 ± 0.1 mm"
+// "SD 0.12 mm"; a spread that rounds to nothing says so.
+std::string SpreadText(double spread, const char* unit) {
+  constexpr double kLeast = 0.005;
+  return spread < kLeast ? fmt::format("SD < {} {}", kLeast, unit) : fmt::format("SD {:.2f} {}", spread, unit);
+}
+
+// "436.0 mm, SD 0.12 mm"
 Cell SegmentCell(const Json& summary, const std::string& name) {
   for (const Json& segment : summary.at("segments"))
     for (const char* unit : {"mm", "px"})
       if (segment.at("name") == name && segment.contains(fmt::format("length_{}", unit)))
-        return fmt::format("{:.1f} {}, varies by {:.1f}", NumberOrNaN(segment[fmt::format("length_{}", unit)]), unit,
-                           NumberOrNaN(segment[fmt::format("variation_{}", unit)]));
+        return fmt::format("{:.1f} {}, {}", NumberOrNaN(segment[fmt::format("length_{}", unit)]), unit,
+                           SpreadText(NumberOrNaN(segment[fmt::format("variation_{}", unit)]), unit));
   return "–";
 }
 
@@ -50,7 +56,7 @@ Cell DetectedCell(const Json& summary) {
 Cell KneeCell(const Json& summary) {
   const Json& knee = summary.at("knee");
   if (knee.at("largest").is_null()) return "–";
-  return fmt::format("{:.2f}° to {:.2f}°, ± {:.3f}°", NumberOrNaN(knee["smallest"]["deg"]),
+  return fmt::format("{:.1f}° to {:.1f}°, SD {:.3f}°", NumberOrNaN(knee["smallest"]["deg"]),
                      NumberOrNaN(knee["largest"]["deg"]), NumberOrNaN(knee["rms_sigma_deg"]));
 }
 
@@ -74,14 +80,14 @@ std::vector<Cell> TrialColumn(const StudyTrial& trial, const Json& summary) {
 }
 
 Table TrialsTable(const StudyFile& study, const StudyResults& results) {
-  Table table{"Both trials as measured",
+  Table table{"Trials",
               {{"Quantity"}},
               {{"recording"},
-               {"sit-to-stands, time from onset to standing"},
-               {"knee angle, its range and standard deviation"},
-               {"ankle to knee"},
-               {"knee to hip"},
-               {"marker samples seen"}}};
+               {"rises, and mean time from onset to standing"},
+               {"knee angle: range, and standard deviation of a sample"},
+               {"shank, ankle to knee"},
+               {"thigh, knee to hip"},
+               {"marker samples detected"}}};
   const auto add = [&](const TrialNames& names, const StudyTrial& trial) {
     table.columns.push_back({names.what});
     const std::vector<Cell> column = TrialColumn(trial, results.Summary(names.step));
@@ -122,21 +128,12 @@ LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
   return chart;
 }
 
-void AddTrialPictures(const StudyResults& results, const TrialNames& names, Section& section) {
-  for (const char* figure : {"track.png", "gait.png"})
-    results.AddPicture(fs::path(names.step) / figure, fmt::format("Marker paths and knee angle {}", names.what),
-                       fmt::format("The trial {}: marker paths, knee angle, events.", names.what), Width::kFull,
-                       section);
-}
-
 }  // namespace
 
 Section TrialsChapter(const StudyFile& study, const StudyResults& results) {
-  Section section{"What was measured", {TrialsTable(study, results)}};
+  Section section{"Recordings", {TrialsTable(study, results)}};
   section.blocks.push_back(KneeChart(results.Folder() / kHuman.step, kHuman));
   if (study.exo) section.blocks.push_back(KneeChart(results.Folder() / kExo.step, kExo));
-  AddTrialPictures(results, kHuman, section);
-  if (study.exo) AddTrialPictures(results, kExo, section);
   return section;
 }
 
@@ -146,7 +143,7 @@ Section MisalignmentChapter(const StudyResults& results) {
   BarChart parts = DecompositionChart(comparison);
   paths.width = error.width = Width::kHalf;
   return {
-      "Where the exoskeleton's knee is not the human's",
+      "Knee misalignment",
       {MisalignmentKeyFigures(comparison), std::move(paths), std::move(error),
        Paragraph{DecompositionAdvice(comparison)}, std::move(parts),
        Paragraph{"Placement is an offset constant in the frame of the shank, which moving the joint removes; timing "

@@ -38,6 +38,26 @@ class StudyResults {
   std::vector<std::string> steps_;
 };
 
+// One rounding for each unit, in sentences and tables alike: % and s have two decimals, mm, ° and N m one, N none. What
+// is made to measure (links, strokes) has two.
+int DecimalsOf(const std::string& unit);
+std::string Quantity(double value, const std::string& unit);  // "13.3 mm", "142.2°"
+
+// Of `redesign`, or of its `before` or `after`.
+std::string JointText(const Json& design);   // "13.3 mm in front of the knee and 0.3 mm below it along the shank"
+std::string MoveText(const Json& redesign);  // "4.7 mm further back and 32.3 mm lower than worn"
+report::LineChart PathsChart(const StudyResults& results);
+
+// The Pareto front of the design's own program; empty if none was asked for.
+struct TradePoint {
+  double range_deg = 0, misalignment_percent = 0;
+};
+std::vector<TradePoint> OwnFront(const Json& redesign);
+
+// Over the used range, N; NaN where it has no bound.
+double LargestForce(const StudyResults& results);
+
+report::Section ResultChapter(const StudyResults& results);
 report::Section TrialsChapter(const StudyFile& study, const StudyResults& results);
 report::Section MisalignmentChapter(const StudyResults& results);
 report::Section OptimumChapter(const StudyFile& study, const StudyResults& results);

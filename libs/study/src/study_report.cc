@@ -14,40 +14,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What each step's warnings are about, by weight: first what is to be built, last the benchmark.
+struct WarningsFrom {
+  const char *step, *what;
+};
+constexpr WarningsFrom kByWeight[] = {
+    {"simulation", "Fit on the body"}, {"redesign", "New design"}, {"stroke", "Stroke program"},
+    {"comparison", "Misalignment"},    {"human", "Human trial"},   {"exo", "Exoskeleton trial"},
+    {"plane", "Sagittal plane"},       {"calibration", "Camera"},  {"optimum", "Benchmark optimum"}};
+
 std::vector<std::string> WarningsOf(const StudyResults& results) {
   std::vector<std::string> warnings;
-  for (const std::string& step : StudyStepNames()) {
+  for (const auto& [step, what] : kByWeight) {
     if (!results.Has(step)) continue;
     const Json summary = results.Summary(step);
     for (const Json& warning : summary.at("warnings"))
-      warnings.push_back(fmt::format("{}: {}", step, warning.get<std::string>()));
+      warnings.push_back(fmt::format("{}: {}", what, warning.get<std::string>()));
   }
   return warnings;
-}
-
-// The numbers that the story is about.
-Section OverviewChapter(const StudyResults& results) {
-  KeyFigures figures;
-  const auto add = [&](const char* label, double value, const char* unit, std::string note) {
-    figures.figures.push_back({label, value, 2, unit, std::nullopt, std::move(note)});
-  };
-  Section section{"In short", {}};
-  if (results.Has("comparison")) {
-    const Json comparison = results.Summary("comparison");
-    add("misalignment as measured", 100 * NumberOrNaN(comparison.at("metrics").at("relative_rms")), "%",
-        fmt::format("RMS of the shank; {:.1f} mm", NumberOrNaN(comparison.at("metrics").at("rms_mm"))));
-    section.blocks.push_back(Paragraph{DecompositionAdvice(comparison)});
-  }
-  const Json optimum = results.Summary("optimum");
-  add("largest range of rotation", NumberOrNaN(optimum.at("range_deg")), "°", "of the design problem by itself");
-  if (results.Has("redesign")) {
-    const Json redesign = results.Summary("redesign");
-    add("misalignment of the new design", NumberOrNaN(redesign.at("misalignment_percent")), "%",
-        fmt::format("predicted; {:.1f} mm", NumberOrNaN(redesign.at("misalignment_rms_mm"))));
-    add("its range of rotation", NumberOrNaN(redesign.at("range_deg")), "°", "under the limits asked for");
-  }
-  section.blocks.insert(section.blocks.begin(), std::move(figures));
-  return section;
 }
 
 Section MethodsChapter() {
@@ -69,22 +53,27 @@ Section MethodsChapter() {
 
 Section FilesChapter(const StudyResults& results) {
   const std::vector<Files::File> all = {{"human/overlay.mp4", "the human trial with skeleton, trails and angle"},
-                                        {"exo/overlay.mp4", "the exoskeleton trial likewise"},
+                                        {"exo/overlay.mp4", "the exoskeleton trial with skeleton, trails and angle"},
+                                        {"human/track.png", "figure of the human trial: paths, knee angle, residuals"},
+                                        {"exo/track.png", "figure of the exoskeleton trial"},
                                         {"human/kinematics.csv", "angles and vectors frame by frame"},
-                                        {"exo/kinematics.csv", "of the exoskeleton trial"},
+                                        {"exo/kinematics.csv", "the same for the exoskeleton trial"},
                                         {"comparison/report.html", "the whole comparison, all figures"},
                                         {"comparison/misalignment.csv", "its curves, a row per percent"},
                                         {"optimum/design.yaml", "the optimum of the design problem"},
                                         {"redesign/design.yaml", "the re-optimised design"},
                                         {"simulation/angle_vs_stroke.csv", "angle, moment arm and force over stroke"},
                                         {"simulation/animation.mp4", "the linkage moving"},
-                                        {"simulation/design.dxf", "its link plates, 1:1"},
+                                        {"simulation/design.dxf", "link plates, 1:1 in mm"},
+                                        {"simulation/schematic.svg", "schematic with the symbols"},
+                                        {"simulation/mannequin.png", "the design on the body"},
+                                        {"stroke/lake_stroke/lake_stroke.ino", "firmware for the Arduino UNO"},
                                         {"stroke/program.csv", "the stroke program"},
                                         {"summary.json", "every number of every step"}};
   Files files;
   for (const Files::File& file : all)
     if (file.path == "summary.json" || results.HasFile(file.path)) files.files.push_back(file);
-  return {"Files beside this page", {std::move(files)}};
+  return {"Output files", {std::move(files)}};
 }
 
 }  // namespace
@@ -111,13 +100,13 @@ void StudyResults::AddPicture(const fs::path& name, const std::string& alt, cons
 Report MakeStudyReport(const StudyFile& study, const StudyResults& results, const Json& head) {
   Report report{
       study.name, "From two recordings of a sit-to-stand to a better knee exoskeleton", WarningsOf(results), {}};
-  report.sections.push_back(OverviewChapter(results));
-  report.sections.push_back(TrialsChapter(study, results));
-  if (results.Has("comparison")) report.sections.push_back(MisalignmentChapter(results));
-  report.sections.push_back(OptimumChapter(study, results));
+  report.sections.push_back(ResultChapter(results));
   if (results.Has("redesign")) report.sections.push_back(RedesignChapter(results));
   report.sections.push_back(SimulationChapter(results));
   if (results.Has("stroke")) report.sections.push_back(StrokeChapter(results));
+  if (results.Has("comparison")) report.sections.push_back(MisalignmentChapter(results));
+  report.sections.push_back(TrialsChapter(study, results));
+  report.sections.push_back(OptimumChapter(study, results));
   report.sections.push_back(MethodsChapter());
   report.sections.push_back(FilesChapter(results));
   report.sections.push_back(ProvenanceSection(head));

@@ -1,5 +1,11 @@
 // Draws the charts of a report with Chart.js: each <figure class="chart"> holds a canvas and its data as JSON.
-const INK = '#222222', QUIET = '#666666', GRID = '#ececec', SHADE = '#f1f1f1';
+const LIGHT = {ink: '#222222', quiet: '#5f5f5f', grid: '#ececec', shade: '#f1f1f1', paper: '#ffffff'};
+const DARK = {ink: '#e6e6e6', quiet: '#a6a6a6', grid: '#333437', shade: '#2a2b2e', paper: '#1a1b1d'};
+const darkness = matchMedia('(prefers-color-scheme: dark)');
+let theme = darkness.matches ? DARK : LIGHT;
+const ink = () => theme.ink, quiet = () => theme.quiet, grid = () => theme.grid;
+// Ink of the data is that of the page.
+const shown = colour => () => colour === LIGHT.ink ? theme.ink : colour;
 const DASHES = {line: [], thin: [], dashed: [8, 5], dotted: [2, 4], points: []};
 const WIDTHS = {line: 2.25, thin: 1, dashed: 2.25, dotted: 2.25, points: 1};
 const dataOf = new WeakMap();  // of each chart's canvas
@@ -28,7 +34,7 @@ function lineOf(series) {
   const points = series.mark === 'points';
   return {
     label: series.name, data: series.x.map((x, i) => ({x, y: series.y[i]})), series, order: points ? 0 : 1,
-    borderColor: series.colour, backgroundColor: series.colour, borderDash: DASHES[series.mark],
+    borderColor: shown(series.colour), backgroundColor: shown(series.colour), borderDash: DASHES[series.mark],
     showLine: !points, borderWidth: WIDTHS[series.mark], pointHoverRadius: 5,
     pointRadius: !points ? 0 : series.x.length > MANY ? 2 : 4,
     pointStyle: points ? 'rectRot' : 'circle', borderJoinStyle: 'round',
@@ -64,10 +70,10 @@ function toggleSeries(event, item, legend) {
 function axisOf(axis, extra) {
   return {
     type: 'linear', min: axis.from ?? undefined, max: axis.to ?? undefined,
-    title: {display: axis.label !== '', text: axis.label, color: INK},
-    grid: {color: GRID, borderColor: QUIET, tickColor: QUIET, tickLength: 5},
+    title: {display: axis.label !== '', text: axis.label, color: ink},
+    grid: {color: grid, borderColor: quiet, tickColor: quiet, tickLength: 5},
     ticks: {
-      color: INK, includeBounds: false, maxRotation: 0, callback: value => minus(String(Number(value.toPrecision(9)))),
+      color: ink, includeBounds: false, maxRotation: 0, callback: value => minus(String(Number(value.toPrecision(9)))),
     },
     ...extra,
   };
@@ -122,7 +128,7 @@ function barConfig(data) {
     options: {
       ...common(), indexAxis: 'y', layout: {padding: {right: VALUE_PX}},
       interaction: {mode: 'nearest', axis: 'y', intersect: false},
-      scales: {x: axisOf(data.x, reach), y: {grid: {display: false, borderColor: QUIET}, ticks: {color: INK}}},
+      scales: {x: axisOf(data.x, reach), y: {grid: {display: false, borderColor: quiet}, ticks: {color: ink}}},
       plugins: {legend: legendOf(data.series.length > 1, () => true), tooltip: {callbacks: {label}}},
     },
   };
@@ -140,7 +146,7 @@ const common = () => ({
 const legendOf = (display, keep, onClick) => ({
   display, align: 'start', ...(onClick ? {onClick} : {}),
   labels: {
-    color: INK, usePointStyle: true, pointStyleWidth: 26, boxHeight: 6,
+    color: ink, usePointStyle: true, pointStyleWidth: 26, boxHeight: 6,
     filter: (item, data) => keep(data.datasets[item.datasetIndex]),
     sort: (a, b) => a.datasetIndex - b.datasetIndex,
     generateLabels: chart => Chart.defaults.plugins.legend.labels.generateLabels(chart).map(item => {
@@ -155,7 +161,7 @@ const background = {
   id: 'background',
   beforeDraw({ctx, width, height}) {
     ctx.save();
-    ctx.fillStyle = '#ffffff';
+    ctx.fillStyle = theme.paper;
     ctx.fillRect(0, 0, width, height);
     ctx.restore();
   },
@@ -177,9 +183,9 @@ const intervals = {
   id: 'intervals',
   beforeDatasetsDraw(chart) {
     inArea(chart, (ctx, area, pixel) => dataOf.get(chart.canvas).intervals.forEach(({from, to, label}) => {
-      ctx.fillStyle = SHADE;
+      ctx.fillStyle = theme.shade;
       ctx.fillRect(pixel(from), area.top, pixel(to) - pixel(from), area.height);
-      ctx.fillStyle = QUIET;
+      ctx.fillStyle = theme.quiet;
       ctx.fillText(label, pixel(from) + 4, area.bottom - 6);
     }));
   },
@@ -192,7 +198,7 @@ const verticalLines = {
     const rowEnds = [];
     const lines = [...dataOf.get(chart.canvas).lines].sort((a, b) => a.x - b.x);
     inArea(chart, (ctx, area, pixel) => lines.forEach(({x, label}) => {
-      ctx.strokeStyle = ctx.fillStyle = QUIET;
+      ctx.strokeStyle = ctx.fillStyle = theme.quiet;
       ctx.setLineDash([3, 3]);
       ctx.beginPath();
       ctx.moveTo(pixel(x), area.top);
@@ -234,7 +240,7 @@ const errorBars = {
       const {values, lower, upper} = chart.data.datasets[meta.index].series;
       if (values[i] === null) return;
       const known = lower.length > 0 && lower[i] !== null && upper[i] !== null;
-      ctx.strokeStyle = ctx.fillStyle = INK;
+      ctx.strokeStyle = ctx.fillStyle = theme.ink;
       if (known) whisker(ctx, pixel(lower[i]), pixel(upper[i]), bar.y, Math.min(6, bar.height / 3));
       ctx.fillText(whole(values[i]), Math.max(pixel(Math.max(values[i], 0)), known ? pixel(upper[i]) : 0) + 8, bar.y);
     }));

@@ -111,6 +111,17 @@ function listen(chart, home) {
 
 const PRINT_PX = {full: [680, 310], half: [330, 250]}, PRINT_PIXEL_RATIO = 4;
 
+// A picture for paper or another page: dark ink on white, whatever the screen has.
+function pictureOf(chart) {
+  const before = theme;
+  theme = LIGHT;
+  chart.update('none');
+  const picture = chart.toBase64Image();
+  theme = before;
+  chart.update('none');
+  return picture;
+}
+
 // On paper a chart is a picture drawn for the paper's width, as it is seen at the moment.
 function drawForPrint(figure) {
   const chart = Chart.getChart(figure.querySelector('canvas')), image = new Image();
@@ -119,7 +130,7 @@ function drawForPrint(figure) {
   chart.options.devicePixelRatio = PRINT_PIXEL_RATIO;
   resize(chart, width, dataOf.get(chart.canvas).kind === 'bar' ? chart.height : height);
   image.className = 'printed';
-  image.src = chart.toBase64Image();
+  image.src = pictureOf(chart);
   image.alt = chart.canvas.getAttribute('aria-label');
   chart.options.devicePixelRatio = ratio;
   const plot = figure.querySelector('.plot');
@@ -168,7 +179,7 @@ function addTools(figure, chart, data, home) {
   const table = () => data.kind === 'bar' ? barCsv(data) : lineCsv(data);
   const csv = () => 'data:text/csv;charset=utf-8,' + encodeURIComponent(table());
   const buttons = [
-    ['PNG', 'Save as a picture', () => save(name + '.png', chart.toBase64Image())],
+    ['PNG', 'Save as a picture', () => save(name + '.png', pictureOf(chart))],
     ['CSV', 'Save the values', () => save(name + '.csv', csv())],
   ];
   if (home) {
@@ -207,3 +218,7 @@ document.documentElement.classList.add('drawn');  // the places of the charts ha
 Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
 Chart.defaults.font.size = 12;
 document.querySelectorAll('figure.chart').forEach(draw);
+darkness.addEventListener('change', () => {
+  theme = darkness.matches ? DARK : LIGHT;
+  document.querySelectorAll('figure.chart canvas').forEach(canvas => Chart.getChart(canvas).update('none'));
+});

@@ -75,11 +75,4 @@ std::string EscapeHref(const std::filesystem::path& path) {
   return href;
 }
 
-std::string FormatNumber(double value, int decimals) {
-  if (!std::isfinite(value)) return "–";
-  const std::string digits = fmt::format("{:.{}f}", std::abs(value), decimals);
-  const bool zero = digits.find_first_not_of("0.") == digits.npos;
-  return std::signbit(value) && !zero ? "−" + digits : digits;
-}
-
 }  // namespace lake::report

@@ -20,7 +20,4 @@ std::string Base64(std::string_view bytes);
 // A relative path as the value of a quoted href.
 std::string EscapeHref(const std::filesystem::path& path);
 
-// A number with fixed decimals and a true minus sign; "–" for NaN.
-std::string FormatNumber(double value, int decimals);
-
 }  // namespace lake::report

@@ -140,8 +140,8 @@ BarChart DecompositionChart(const Json& comparison) {
     share.upper.push_back(100 * NumberOrNaN(part.at("interval").at(1)));
   }
   chart.alt = std::isfinite(share.values[0])
-                  ? fmt::format("Placement {} %, timing {} %, shape {} %", FormatNumber(share.values[0], 1),
-                                FormatNumber(share.values[1], 1), FormatNumber(share.values[2], 1))
+                  ? fmt::format("Placement {} %, timing {} %, shape {} %", NumberText(share.values[0], 1),
+                                NumberText(share.values[1], 1), NumberText(share.values[2], 1))
                   : "Both paths are one; there are no parts";
   if (!share.lower.empty()) chart.caption = "Whiskers: 95 % intervals.";
   chart.series = {std::move(share)};

@@ -17,16 +17,16 @@ namespace lake::report {
 namespace {
 
 // "95 %: 8.10 to 9.00 %", or nothing where there is none.
-std::string IntervalNote(const Json& parent, const char* name, double factor, const char* unit) {
+std::string IntervalNote(const Json& parent, const char* name, double factor, int decimals, const char* unit) {
   if (!parent.contains(name) || parent.at(name).is_null()) return "";
   const Json& interval = parent.at(name);
-  return fmt::format("95 %: {} to {} {}", FormatNumber(factor * NumberOrNaN(interval.at(0)), 2),
-                     FormatNumber(factor * NumberOrNaN(interval.at(1)), 2), unit);
+  return fmt::format("95 %: {} to {} {}", NumberText(factor * NumberOrNaN(interval.at(0)), decimals),
+                     NumberText(factor * NumberOrNaN(interval.at(1)), decimals), unit);
 }
 
 std::string OffsetNote(const Json& decomposition, std::size_t axis) {
   if (!decomposition.contains("offset_interval_mm")) return "";
-  return IntervalNote({{"axis", decomposition.at("offset_interval_mm").at(axis)}}, "axis", 1, "mm");
+  return IntervalNote({{"axis", decomposition.at("offset_interval_mm").at(axis)}}, "axis", 1, 1, "mm");
 }
 
 Section KeySection(const Json& comparison) {
@@ -34,9 +34,9 @@ Section KeySection(const Json& comparison) {
   const Json& duration = comparison.at("duration_s");
   Section section{"The misalignment", {MisalignmentKeyFigures(comparison)}};
   section.blocks.push_back(Paragraph{fmt::format(
-      "Compared are the means of {} repetitions of the human trial ({:.2f} s from onset to standing) and {} of the "
-      "exoskeleton trial ({:.2f} s). The shank is {:.0f} mm long. Recording noise and putting the marker back alone "
-      "would show {:.2f} mm RMS, or {:.2f} % of the shank.",
+      "We compare the means of {} repetitions of the human trial ({:.2f} s from onset to standing) and {} of the "
+      "exoskeleton trial ({:.2f} s). The shank is {:.0f} mm long. Recording noise and marker re-placement alone "
+      "would show {:.1f} mm RMS, or {:.2f} % of the shank length.",
       repetitions.at("human").get<int>(), NumberOrNaN(duration.at("human")), repetitions.at("exo").get<int>(),
       NumberOrNaN(duration.at("exo")), NumberOrNaN(comparison.at("shank_mm")),
       NumberOrNaN(comparison.at("noise_floor_mm")), 100 * NumberOrNaN(comparison.at("noise_floor_relative")))});
@@ -46,7 +46,7 @@ Section KeySection(const Json& comparison) {
 Section PathsSection(const Json& comparison) {
   LineChart paths = KneePathsChart(comparison), angles = KneeAnglesChart(comparison);
   paths.width = angles.width = Width::kHalf;
-  return {"Where the knees go", {std::move(paths), std::move(angles), RelativeErrorChart(comparison)}};
+  return {"Knee paths and angles", {std::move(paths), std::move(angles), RelativeErrorChart(comparison)}};
 }
 
 Section PartsSection(const Json& comparison) {
@@ -66,7 +66,7 @@ struct MetricRow {
   double factor;
 };
 constexpr MetricRow kMetricRows[] = {
-    {"relative_rms", "relative error, RMS (% of the shank)", 100},
+    {"relative_rms", "relative error, RMS (% of the shank length)", 100},
     {"relative_max", "relative error, largest (%)", 100},
     {"relative_p95", "relative error, 95th percentile (%)", 100},
     {"rms_mm", "distance, RMS (mm)", 1},
@@ -112,8 +112,8 @@ Section KneeAxisSection(const Json& comparison) {
       "In the knee model of Yamaguchi and Zajac the best hinge for this subject's {} to {}° leaves a gap of {:.2f} mm "
       "RMS and {:.2f} mm at most (at {:.0f}°). A hinge beside the best one by δ adds 2 δ sin(θ/2): 10 mm add {:.1f} mm "
       "at 90°. Where the joint sits matters, the moving axis hardly does.",
-      FormatNumber(*low, 0), FormatNumber(*high, 0), NumberOrNaN(axis.at("gap_rms_mm")),
-      NumberOrNaN(axis.at("gap_max_mm")), NumberOrNaN(axis.at("gap_max_at_deg")), compare::OffsetGap(10, 90));
+      NumberText(*low, 0), NumberText(*high, 0), NumberOrNaN(axis.at("gap_rms_mm")), NumberOrNaN(axis.at("gap_max_mm")),
+      NumberOrNaN(axis.at("gap_max_at_deg")), compare::OffsetGap(10, 90));
   return {"The knee's moving axis", {Paragraph{std::move(text)}}};
 }
 
@@ -162,7 +162,7 @@ Section MethodSection() {
           "to 100 % and a small one can be negative. Spikes are samples at which the distance vector leaves its own "
           "smooth course by "
           "more than 5 median absolute deviations. Intervals are 95 % bootstrap intervals over repetitions, marker "
-          "noise and the uncertainty of putting a marker back on the same spot; those of the shares are of the shares "
+          "noise and the uncertainty of marker re-placement; those of the shares are of the shares "
           "without noise, which the measured shape has in it."}}};
 }
 
@@ -173,25 +173,26 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   const Json& parts = comparison.at("decomposition");
   const Json intervals = comparison.value("intervals", Json::object());
   const auto share = [&](const char* name) {
-    return KeyFigure{name,         100 * NumberOrNaN(parts.at(name).at("fraction")),  1, "%",
-                     std::nullopt, IntervalNote(parts.at(name), "interval", 100, "%")};
+    return KeyFigure{name,         100 * NumberOrNaN(parts.at(name).at("fraction")),     1, "%",
+                     std::nullopt, IntervalNote(parts.at(name), "interval", 100, 1, "%")};
   };
-  const auto figure = [&](const char* label, const char* name, double factor, const char* unit) {
-    return KeyFigure{label,        factor * NumberOrNaN(metrics.at(name)),     2, unit,
-                     std::nullopt, IntervalNote(intervals, name, factor, unit)};
+  const auto figure = [&](const char* label, const char* name, double factor, int decimals, const char* unit) {
+    return KeyFigure{label,        factor * NumberOrNaN(metrics.at(name)),
+                     decimals,     unit,
+                     std::nullopt, IntervalNote(intervals, name, factor, decimals, unit)};
   };
   const Eigen::Vector2d joint = JointOf(comparison);
   return {
-      {figure("relative error, RMS", "relative_rms", 100, "%"),
-       figure("relative error, largest", "relative_max", 100, "%"),
-       figure("distance, RMS", "rms_mm", 1, "mm"),
-       figure("distance, largest", "max_mm", 1, "mm"),
+      {figure("relative error, RMS", "relative_rms", 100, 2, "%"),
+       figure("relative error, largest", "relative_max", 100, 2, "%"),
+       figure("distance, RMS", "rms_mm", 1, 1, "mm"),
+       figure("distance, largest", "max_mm", 1, 1, "mm"),
        share("placement"),
        share("timing"),
        share("shape"),
-       {"joint sits in front of the knee by", joint.x(), 2, "mm", std::nullopt, OffsetNote(parts, 0)},
-       {"joint sits above the knee by, along the shank", joint.y(), 2, "mm", std::nullopt, OffsetNote(parts, 1)},
-       {"pace differs by, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, "% of the rise", std::nullopt, ""}}};
+       {"joint in front of the knee", joint.x(), 1, "mm", std::nullopt, OffsetNote(parts, 0)},
+       {"joint above the knee, along the shank", joint.y(), 1, "mm", std::nullopt, OffsetNote(parts, 1)},
+       {"difference in pace, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, "% of the rise", std::nullopt, ""}}};
 }
 
 std::string DecompositionAdvice(const Json& comparison) {
@@ -200,7 +201,7 @@ std::string DecompositionAdvice(const Json& comparison) {
   if (std::isnan(fraction("placement"))) return "Both paths are one; there is nothing to divide.";
   const std::string largest = *std::max_element(
       kParts.begin(), kParts.end(), [&](const char* a, const char* b) { return fraction(a) < fraction(b); });
-  return fmt::format("Most of it, {:.0f} %, is {}.{}", 100 * fraction(largest), PartAdvice(largest, comparison),
+  return fmt::format("Most of it, {:.1f} %, is {}.{}", 100 * fraction(largest), PartAdvice(largest, comparison),
                      IsLargestForSure(largest, parts) ? ""
                                                       : " But the intervals of the parts overlap: another part may be "
                                                         "the largest, which more repetitions would show.");

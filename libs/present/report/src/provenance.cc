@@ -15,7 +15,7 @@ std::string Text(const Json& value) {
 }  // namespace
 
 report::Section ProvenanceSection(const Json& head) {
-  Section section{"How this came about", {}};
+  Section section{"Provenance", {}};
   Table made{"", {{"What"}, {.heading = "Value", .code = true}}, {}};
   made.rows.push_back({"program", head.at("program").get<std::string>() + " " + head.at("version").get<std::string>()});
   made.rows.push_back({"command", head.at("command").get<std::string>()});

@@ -25,15 +25,18 @@ const char* ClassOf(Width width) {
 }
 
 std::string CellHtml(const Cell& cell, const Column& column, bool first) {
-  const auto* number = std::get_if<double>(&cell);
-  const std::string text = number ? FormatNumber(*number, column.decimals) : EscapeHtml(std::get<std::string>(cell));
+  const bool is_text = std::holds_alternative<std::string>(cell);
+  std::string text;
+  if (is_text) text = EscapeHtml(std::get<std::string>(cell));
+  if (const auto* value = std::get_if<double>(&cell)) text = NumberText(*value, column.decimals);
+  if (const auto* number = std::get_if<Number>(&cell)) text = NumberText(number->value, number->decimals);
   if (first) return fmt::format("<th scope=\"row\">{}</th>", text);
-  return fmt::format("<td{}>{}</td>", number ? " class=\"number\"" : column.code ? " class=\"code\"" : "", text);
+  return fmt::format("<td{}>{}</td>", !is_text ? " class=\"number\"" : column.code ? " class=\"code\"" : "", text);
 }
 
 // A column is set as numbers if its first cell is one.
 bool IsNumeric(const Table& table, std::size_t column) {
-  return !table.rows.empty() && std::holds_alternative<double>(table.rows[0][column]);
+  return !table.rows.empty() && !std::holds_alternative<std::string>(table.rows[0][column]);
 }
 
 std::string Html(const Paragraph& paragraph) {
@@ -50,13 +53,20 @@ std::string Html(const KeyFigures& key) {
   std::string html = "<dl class=\"key\">\n";
   for (const KeyFigure& figure : key.figures) {
     html += fmt::format("<div><dt>{}</dt><dd><span class=\"value\">{}", EscapeHtml(figure.label),
-                        FormatNumber(figure.value, figure.decimals));
+                        NumberText(figure.value, figure.decimals));
     if (figure.plus_minus)
-      html += fmt::format("<span class=\"pm\"> ± {}</span>", FormatNumber(*figure.plus_minus, figure.decimals));
+      html += fmt::format("<span class=\"pm\"> ± {}</span>", NumberText(*figure.plus_minus, figure.decimals));
     html += fmt::format("<span class=\"unit\"> {}</span></span>", EscapeHtml(figure.unit));
     if (!figure.note.empty()) html += fmt::format("<span class=\"note\">{}</span>", EscapeHtml(figure.note));
     html += "</dd></div>\n";
   }
+  return html + "</dl>\n";
+}
+
+std::string Html(const Answers& answers) {
+  std::string html = fmt::format("<dl class=\"answers {}\">\n", ClassOf(answers.width));
+  for (const Answers::Answer& answer : answers.answers)
+    html += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", EscapeHtml(answer.question), EscapeHtml(answer.text));
   return html + "</dl>\n";
 }
 
@@ -130,12 +140,12 @@ std::string WarningsHtml(const std::vector<std::string>& warnings) {
   return html + "</ul>\n</section>\n";
 }
 
-// Long reports begin with their headings.
+// The headings of a long report after the first.
 std::string ContentsHtml(const std::vector<Section>& sections) {
   constexpr std::size_t kLongReport = 5;
   if (sections.size() < kLongReport) return "";
   std::string html = "<nav aria-label=\"Contents\"><ol>\n";
-  for (std::size_t i = 0; i < sections.size(); ++i)
+  for (std::size_t i = 1; i < sections.size(); ++i)
     if (!sections[i].heading.empty())
       html += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i + 1, EscapeHtml(sections[i].heading));
   return html + "</ol></nav>\n";
@@ -149,6 +159,14 @@ bool HasCharts(const std::vector<Section>& sections) {
 }
 
 }  // namespace
+
+std::string NumberText(double value, int decimals) {
+  if (!std::isfinite(value)) return "–";
+  const std::string digits = fmt::format("{:.{}f}", std::abs(value), decimals);
+  const bool zero = digits.find_first_not_of("0.") == digits.npos;
+  return std::signbit(value) && !zero ? "−" + digits : digits;
+}
+
 std::string RenderReport(const Report& report) {
   const std::string title = EscapeHtml(report.title);
   std::string html = fmt::format(
@@ -157,8 +175,10 @@ std::string RenderReport(const Report& report) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<header>\n<h1>{}</h1>\n{}</header>\n<main>\n",
       kSecurityPolicy, title, PageStyle(), title, Element("p", report.subtitle));
-  html += WarningsHtml(report.warnings) + ContentsHtml(report.sections);
-  for (std::size_t i = 0; i < report.sections.size(); ++i) html += SectionHtml(report.sections[i], i + 1);
+  for (std::size_t i = 0; i < report.sections.size(); ++i) {
+    html += SectionHtml(report.sections[i], i + 1);
+    if (i == 0) html += WarningsHtml(report.warnings) + ContentsHtml(report.sections);
+  }
   html += "</main>\n";
   if (HasCharts(report.sections))
     html +=

@@ -38,13 +38,28 @@ struct KeyFigures {
   std::vector<KeyFigure> figures{};
 };
 
+// Questions that a reader has, each with its answer.
+struct Answers {
+  struct Answer {
+    std::string question{}, text{};
+  };
+  std::vector<Answer> answers{};
+  Width width = Width::kFull;
+};
+
 struct Column {
   std::string heading{};
   int decimals = 2;   // of the numbers in it
   bool code = false;  // set in a fixed-width face: hashes, command lines
 };
 
-using Cell = std::variant<std::string, double>;  // NaN: "–"
+// A number with decimals of its own, where a column has several units.
+struct Number {
+  double value = 0;
+  int decimals = 2;
+};
+
+using Cell = std::variant<std::string, double, Number>;  // NaN: "–"
 
 struct Table {
   std::string caption{};
@@ -129,7 +144,7 @@ struct Files {
   std::vector<File> files{};
 };
 
-using Block = std::variant<Paragraph, List, KeyFigures, Table, Picture, LineChart, BarChart, Files>;
+using Block = std::variant<Paragraph, List, KeyFigures, Answers, Table, Picture, LineChart, BarChart, Files>;
 
 struct Section {
   std::string heading{};  // empty: none
@@ -139,9 +154,12 @@ struct Section {
 struct Report {
   std::string title{};
   std::string subtitle{};
-  std::vector<std::string> warnings{};  // shown first
-  std::vector<report::Section> sections{};
+  std::vector<std::string> warnings{};      // by weight
+  std::vector<report::Section> sections{};  // the first is the message: warnings and contents follow it
 };
+
+// As in tables: fixed decimals, a true minus sign, "–" for NaN.
+std::string NumberText(double value, int decimals);
 
 // The page. Throws Error: a picture that cannot be read, is of no known kind or larger than 64 MB; columns of a series
 // or table of unequal length.

@@ -1,0 +1,193 @@
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/csv.h"
+#include "lake/report/misalignment_sections.h"
+#include "study_chapters.h"
+
+namespace lake::study {
+
+using namespace report;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string IntervalText(const Json& comparison) {
+  const Json interval = comparison.value("intervals", Json::object()).value("relative_rms", Json());
+  if (interval.is_null()) return "";
+  return fmt::format(" (95 % interval {} to {})", NumberText(100 * NumberOrNaN(interval.at(0)), 2),
+                     Quantity(100 * NumberOrNaN(interval.at(1)), "%"));
+}
+
+std::string WrongText(const Json& comparison) {
+  const Json& metrics = comparison.at("metrics");
+  return fmt::format("The exoskeleton's knee is {} RMS from the human knee: {} of the shank length{}. {}",
+                     Quantity(NumberOrNaN(metrics.at("rms_mm")), "mm"),
+                     Quantity(100 * NumberOrNaN(metrics.at("relative_rms")), "%"), IntervalText(comparison),
+                     DecompositionAdvice(comparison));
+}
+
+std::string BuildText(const StudyResults& results, const Json& redesign) {
+  std::vector<std::string> links;
+  for (const auto& [name, length] : redesign.at("links").items())
+    links.push_back(fmt::format("{} {}", name, NumberText(NumberOrNaN(length), 2)));
+  const Json simulation = results.Summary("simulation");
+  const Json& stroke = simulation.at("used_stroke_mm");
+  std::string text = fmt::format("Links {} mm; joint {}", fmt::join(links, ", "), JointText(redesign.at("after")));
+  if (results.Has("exo")) text += fmt::format(" ({})", MoveText(redesign));
+  text += fmt::format("; actuator from {} to {} mm pin to pin ({} of travel)", NumberText(NumberOrNaN(stroke.at(0)), 2),
+                      NumberText(NumberOrNaN(stroke.at(1)), 2),
+                      fmt::format("{} mm", NumberText(NumberOrNaN(simulation.at("travel_mm")), 2)));
+  if (const double force_n = LargestForce(results); std::isfinite(force_n))
+    text += fmt::format(", {} for {} at the knee", Quantity(force_n, "N"),
+                        Quantity(NumberOrNaN(simulation.at("knee_torque_nm")), "N m"));
+  return text + ".";
+}
+
+// What range buys: the design of the same program with the least range given up whose misalignment a recording could
+// not tell from none, or else the one with the least.
+std::string TradeText(const Json& redesign) {
+  const std::vector<TradePoint> front = OwnFront(redesign);
+  const double range_deg = NumberOrNaN(redesign.at("range_deg")),
+               percent = NumberOrNaN(redesign.at("misalignment_percent")),
+               floor = NumberOrNaN(redesign.at("noise_floor_percent"));
+  const TradePoint* best = nullptr;
+  for (const TradePoint& point : front) {
+    if (point.range_deg >= range_deg || point.misalignment_percent >= percent) continue;
+    const bool enough = best && best->misalignment_percent <= floor;
+    if (!best || (point.misalignment_percent <= floor && (!enough || point.range_deg > best->range_deg)) ||
+        (!enough && point.misalignment_percent < best->misalignment_percent))
+      best = &point;
+  }
+  if (!best) return "";
+  return fmt::format(" Giving up {} more range would lower the misalignment to {}.",
+                     Quantity(range_deg - best->range_deg, "°"), Quantity(best->misalignment_percent, "%"));
+}
+
+std::string CostText(const StudyResults& results, const Json& redesign) {
+  const Json &before = redesign.at("before"), &after = redesign.at("after");
+  const auto from_to = [&](const char* key, const char* unit) {
+    const double from = NumberOrNaN(before.at(key));
+    return Quantity(NumberOrNaN(after.at(key)), unit) +
+           (std::isfinite(from) ? fmt::format(" instead of {}", Quantity(from, unit)) : "");
+  };
+  std::string text = fmt::format("Misalignment {} of the shank length.", from_to("misalignment_percent", "%"));
+  text += fmt::format(" It costs time: a rise takes {}", from_to("program_duration_s", "s"));
+  if (results.Has("stroke"))
+    if (const double rest_s = NumberOrNaN(results.Summary("stroke").at("added_rest_s")); rest_s >= 0.005)
+      text += fmt::format(", and {} of rests at reversals", Quantity(rest_s, "s"));
+  text += fmt::format(". Range of rotation {}; knee angle {} RMS from the human's.", from_to("range_deg", "°"),
+                      from_to("knee_rmse_deg", "°"));
+  return text + TradeText(redesign);
+}
+
+std::string BodyText(const StudyResults& results) {
+  const Json body = results.Summary("simulation").at("mannequin");
+  std::vector<std::string> findings, overlaps;
+  const auto overlap = [&](const std::string& key) {
+    const double clearance = NumberOrNaN(body.at(key));
+    return clearance < 0 ? Quantity(-clearance, "mm") : "";
+  };
+  if (const std::string past = overlap("mount_below_hip_mm"); !past.empty())
+    findings.push_back(fmt::format("the mount reaches {} past the hip", past));
+  if (const std::string into = overlap("seat_clearance_mm"); !into.empty())
+    findings.push_back(fmt::format("the linkage reaches {} into the seat", into));
+  for (const char* limb : {"thigh", "shank"})
+    if (const std::string by = overlap(fmt::format("actuator_to_{}_mm", limb)); !by.empty())
+      overlaps.push_back(fmt::format("the {} by {}", limb, by));
+  if (!overlaps.empty())
+    findings.push_back(fmt::format("the actuator, seen from the side, overlaps {}", fmt::join(overlaps, " and ")));
+  return fmt::format("On a leg of {} thigh and {} shank {}.", Quantity(NumberOrNaN(body.at("thigh_mm")), "mm"),
+                     Quantity(NumberOrNaN(body.at("shank_mm")), "mm"),
+                     findings.empty() ? "nothing collides" : fmt::format("{}", fmt::join(findings, "; ")));
+}
+
+std::string SureText(const StudyResults& results, const Json& redesign) {
+  std::string text = "The new design is predicted, not recorded.";
+  if (results.Has("comparison")) {
+    const Json trial = redesign.at("trial");
+    const double worn = NumberOrNaN(redesign.at("before").at("misalignment_percent"));
+    if (trial.is_object() && std::isfinite(worn))
+      text += fmt::format(" For the worn design the same prediction gives {} where {} was measured.",
+                          Quantity(worn, "%"), Quantity(NumberOrNaN(trial.at("misalignment_percent")), "%"));
+    text += fmt::format(" A recording resolves no less than {} (noise floor: recording noise and marker re-placement).",
+                        Quantity(NumberOrNaN(redesign.at("noise_floor_percent")), "%"));
+  }
+  return text + " " + BodyText(results);
+}
+
+std::string NextText(const StudyResults& results) {
+  const Json body = results.Summary("simulation").at("mannequin");
+  const bool clear = body.at("fits_along_thigh").get<bool>() && body.at("clears_seat").get<bool>() &&
+                     body.at("clears_limb").get<bool>();
+  return std::string(clear ? "Cut the links"
+                           : "Find a mount clear of body and seat (see the warnings), cut the links") +
+         ", test the firmware on the bench without a person, then record the same movement with the new design and "
+         "check "
+         "the prediction (lake compare, lake stroke --validate).";
+}
+
+KeyFigures RedesignFigures(const Json& redesign) {
+  const auto figure = [&](const char* label, const char* key, const char* unit) {
+    const double worn = NumberOrNaN(redesign.at("before").at(key));
+    return KeyFigure{label,
+                     NumberOrNaN(redesign.at("after").at(key)),
+                     DecimalsOf(unit),
+                     unit,
+                     std::nullopt,
+                     std::isnan(worn) ? "" : fmt::format("worn: {}", Quantity(worn, unit))};
+  };
+  return {{figure("misalignment, predicted RMS", "misalignment_percent", "%"),
+           figure("time for a rise", "program_duration_s", "s"), figure("range of rotation", "range_deg", "°"),
+           figure("knee angle error, RMS", "knee_rmse_deg", "°")}};
+}
+
+Files BuildFiles(const StudyResults& results) {
+  const std::vector<Files::File> all = {{"simulation/design.dxf", "link plates to cut, 1:1 in mm"},
+                                        {"simulation/schematic.svg", "schematic: what each symbol is"},
+                                        {"redesign/design.yaml", "links, placement and stroke program"},
+                                        {"stroke/lake_stroke/lake_stroke.ino", "firmware for the Arduino UNO"},
+                                        {"stroke/program.csv", "stroke program as a table"}};
+  Files files;
+  for (const Files::File& file : all)
+    if (results.HasFile(file.path)) files.files.push_back(file);
+  return files;
+}
+
+// Without a design for the person: what was measured, and the benchmark.
+Section MeasuredResult(const StudyResults& results) {
+  Section section{"Result", {}};
+  Answers answers;
+  if (results.Has("comparison")) answers.answers.push_back({"What is wrong", WrongText(results.Summary("comparison"))});
+  answers.answers.push_back(
+      {"What is possible",
+       fmt::format("The design problem allows a range of rotation of {} (benchmark, no person in it).",
+                   Quantity(NumberOrNaN(results.Summary("optimum").at("range_deg")), "°"))});
+  answers.answers.push_back({"What fits", BodyText(results)});
+  answers.answers.push_back({"What next", "Add a section reoptimize: to the study file for a design for this person."});
+  if (results.Has("comparison")) answers.width = Width::kHalf;
+  section.blocks.push_back(std::move(answers));
+  if (results.Has("comparison")) {
+    LineChart paths = KneePathsChart(ReadJsonFile(results.Folder() / "comparison/comparison.json"));
+    paths.width = Width::kHalf;
+    section.blocks.push_back(std::move(paths));
+  }
+  return section;
+}
+
+}  // namespace
+
+Section ResultChapter(const StudyResults& results) {
+  if (!results.Has("redesign")) return MeasuredResult(results);
+  const Json redesign = results.Summary("redesign");
+  Answers answers{{}, Width::kHalf};
+  if (results.Has("comparison")) answers.answers.push_back({"What is wrong", WrongText(results.Summary("comparison"))});
+  answers.answers.push_back({"What to build", BuildText(results, redesign)});
+  answers.answers.push_back({"What it gives, what it costs", CostText(results, redesign)});
+  answers.answers.push_back({"How sure it is", SureText(results, redesign)});
+  answers.answers.push_back({"What next", NextText(results)});
+  return {"Result", {RedesignFigures(redesign), std::move(answers), PathsChart(results), BuildFiles(results)}};
+}
+
+}  // namespace lake::study
