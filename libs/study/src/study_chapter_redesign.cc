@@ -64,6 +64,10 @@ Table BeforeAfterTable(const StudyResults& results, const Json& summary) {
     table.rows.push_back({row.what, Number{recorded, decimals}, Number{from, decimals}, Number{to, decimals},
                           Number{to - from, decimals}});
   }
+  if (const double floor = NumberOrNaN(summary.at("noise_floor_percent")); results.Has("comparison")) {
+    const Number none{std::nan(""), 2};
+    table.rows.push_back({"noise floor of a recording (% of the shank length)", Number{floor, 2}, none, none, none});
+  }
   return table;
 }
 

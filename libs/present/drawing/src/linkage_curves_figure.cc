@@ -87,13 +87,14 @@ void DrawAngleVsStroke(const std::filesystem::path& path, const LinkageLook& loo
       "lw 2.5 dt (8,5) lc rgb '#CC0000' title 'actuator force (right)'",
       curve, colour::kHip));
   PlaceRow(figure, 0.075, 0.27, true);
+  figure.Line("set label '90° transmits best' at graph 0.01, first 90 left offset 0,-0.6 font ',11'");
   figure.Line(
       "unset y2tics\nunset y2label\nset border 3\nset ylabel 'angle (°)'\nset yrange [0:180]\nset ytics 0,45,180\nset "
       "key at graph 0.5, graph 1.02 center bottom horizontal nobox");
   figure.Line(
       fmt::format("plot {0} using 1:5 with lines lw 3 lc rgb '{1}' title 'transmission angle at S', {0} using 1:6 with "
                   "lines lw 3 dt (12,5) lc rgb "
-                  "'{2}' title 'actuator angle at R', 90 with lines lw 1 dt 3 lc rgb '#888888' title 'best: 90°'",
+                  "'{2}' title 'actuator angle at R', 90 with lines lw 1 dt 3 lc rgb '#888888' notitle",
                   curve, colour::kWaist, "#555555"));
   figure.Line("unset multiplot");
   figure.Write(path);

@@ -95,7 +95,7 @@ void DrawSeated(Scene& scene, const LinkageLook& look, const linkage::WearCheck&
   const PosedLeg leg(pose, std::numbers::pi / 2 - pose.theta_rad);  // thigh level
   DrawSeat(scene, look, leg.FromThigh({0, look.body.thigh.length_mm}));
   DrawBody(scene, look, leg);
-  Vector2d at(-0.25 * look.body.height_mm, TitleHeight(look.body));
+  Vector2d at(-0.33 * look.body.height_mm, TitleHeight(look.body));
   scene.Label(at, fmt::format("seated, {:.1f}°", check.seated_deg), {.align = "left", .size = 15, .box = false});
   for (const std::string& line : Findings(check)) {
     at.y() -= 0.031 * look.body.height_mm;
