@@ -30,42 +30,6 @@ std::string Report(const Json& s) {
           : "");
 }
 
-constexpr const char* kBoardHelp =
-    "chessboard:COLSxROWS:SQUARE_MM (inner corners) or charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT (squares)";
-
-void BindCalibrate(CLI::App& cli, commands::CalibrateRunOptions& a, std::string& loss) {
-  cli.add_option("pictures", a.pictures, "Images of the board, or one video of a moving board")
-      ->type_name("IMAGES|VIDEO");
-  cli.add_option("--board", a.board, kBoardHelp);
-  cli.add_option("--loss", loss, "robust, or squared as OpenCV")->check(CLI::IsMember({"robust", "squared"}));
-  cli.add_flag("--fix-k3", a.calibration.fix_k3, "k3 = 0, for views that leave the corners of the picture empty");
-  cli.add_flag("--square-pixels", a.calibration.square_pixels, "fx = fy");
-  cli.add_option("--max-views", a.find.most_views, "Of a video: how many sharp, spread frames to use")
-      ->check(CLI::Range(3, 200));
-}
-
-CLI::App* BindPlane(CLI::App& cli, commands::PlaneRunOptions& a) {
-  CLI::App* sub = cli.add_subcommand("plane", "The sagittal plane from one board image or four and more known points");
-  sub->add_option("image", a.picture, "The picture")->required()->type_name("IMAGE");
-  sub->add_option("--camera", a.camera, "camera.yaml of this camera")->required()->type_name("FILE");
-  sub->add_option("--board", a.board, kBoardHelp);
-  sub->add_option("--points", a.points, "\"X,Y=XMM,YMM; …\": pixels and millimetres, x right, y up");
-  sub->add_option("--click-sigma", a.click_sigma_px, "How well a point of --points is known, px")
-      ->check(CLI::PositiveNumber);
-  sub->footer("Example:\n  lake-calibrate plane board.png --camera camera.yaml --board chessboard:9x6:25 -o plane");
-  sub->fallthrough();
-  return sub;
-}
-
-CLI::App* BindSheet(CLI::App& cli, commands::SheetRunOptions& a) {
-  CLI::App* sub = cli.add_subcommand("board", "A board to print, as PDF 1:1");
-  sub->add_option("--board", a.board, kBoardHelp)->required();
-  sub->add_option("--paper", a.paper, "a4, a3 or letter");
-  sub->footer("Example:\n  lake-calibrate board --board chessboard:9x6:25 --paper a4 -o print");
-  sub->fallthrough();
-  return sub;
-}
-
 }  // namespace
 }  // namespace lake
 
@@ -74,19 +38,20 @@ int main(int argc, char** argv) {
   Program program("lake-calibrate", "A camera from pictures of a board, with error bars",
                   "lake-calibrate board/*.jpg --board chessboard:9x6:25 -o camera");
   commands::CalibrateRunOptions calibrate;
-  std::string loss = "robust";
   commands::PlaneRunOptions plane;
   commands::SheetRunOptions sheet;
-  BindCalibrate(program.Cli(), calibrate, loss);
-  const CLI::App* plane_command = BindPlane(program.Cli(), plane);
-  const CLI::App* sheet_command = BindSheet(program.Cli(), sheet);
-  program.Cli().require_subcommand(0, 1);
+  program.Add(OptionsOf(calibrate));
+  const CLI::App* plane_command = program.AddCommand(
+      "plane", "The sagittal plane from one board image or four and more known points",
+      "lake-calibrate plane board.png --camera camera.yaml --board chessboard:9x6:25 -o plane", OptionsOf(plane));
+  const CLI::App* sheet_command =
+      program.AddCommand("board", "A board to print, as PDF 1:1",
+                         "lake-calibrate board --board chessboard:9x6:25 --paper a4 -o print", OptionsOf(sheet));
   return program.Main(
       argc, argv, [] { return "calibrate"; },
       [&](Run& run) {
         if (plane_command->parsed()) return commands::RunPlane(plane, run);
         if (sheet_command->parsed()) return commands::RunSheet(sheet, run);
-        calibrate.calibration.robust = loss == "robust";
         return commands::RunCalibrate(calibrate, run);
       },
       Report);

@@ -1,12 +1,9 @@
 // lake-compare: the misalignment between a human's and an exoskeleton's knee in sit-to-stand.
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "lake/commands/compare.h"
-#include "lake/commands/gait.h"
 #include "lake/compare/misalignment.h"
-#include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "program.h"
 
@@ -41,41 +38,8 @@ int main(int argc, char** argv) {
   lake::Program program("lake-compare", "The misalignment between a human's and an exoskeleton's knee in sit-to-stand",
                         "lake-compare track/human track/exo --human-knee knee --exo-knee exo_knee -o comparison");
   lake::commands::CompareRunOptions options;
-  std::string human, exo, map, exo_map, up, forward, exo_knee, unit = "mm", exo_unit;
-  CLI::App& cli = program.Cli();
-  cli.add_option(
-         "human", human,
-         "A lake-track folder, .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker), or a comparison's folder")
-      ->required();
-  cli.add_option("exo", exo, "The trial with the exoskeleton, likewise, or lake-optimize's predicted/")->required();
-  cli.add_option("--human-knee", options.human_knee, "The compared marker of the human trial");
-  cli.add_option("--exo-knee", exo_knee, "The compared marker of the exoskeleton trial (default: exo_knee, else knee)");
-  cli.add_option(
-      "--replacement-sd", options.misalignment.replacement_sd_mm,
-      "mm per axis: how well a marker is put back on the same spot between trials; 0 when both are in one recording");
-  cli.add_option("--map", map,
-                 "ankle=NAME,knee=NAME,hip=NAME,waist=NAME: the markers of files; A+B is the middle of two");
-  cli.add_option("--exo-map", exo_map, "The same for the exoskeleton trial (default: as --map)");
-  cli.add_option("--up", up, "x, y or z: vertical axis of 3-D files (default: TRC y, C3D its own or z)");
-  cli.add_option("--forward", forward, "+x, -x, …: where the subject faces (default: found from the movement)");
-  cli.add_option("--unit", unit, "mm, cm or m: of files that do not say (Tracker text, Kinovea)");
-  cli.add_option("--exo-unit", exo_unit, "The same for the exoskeleton trial (default: as --unit)");
-  cli.add_option("--resamples", options.misalignment.resamples, "of the bootstrap intervals; 0: none");
-  cli.add_option("--seed-number", options.misalignment.seed, "of the bootstrap");
+  program.Add(lake::OptionsOf(options));
   return program.Main(
       argc, argv, [] { return std::string("comparison"); },
-      [&](lake::Run& run) {
-        options.human = human, options.exo = exo;
-        if (!exo_knee.empty()) options.exo_knee = exo_knee;
-        options.human_reading.names = lake::exchange::ParseNameMap(map);
-        options.exo_reading.names = lake::exchange::ParseNameMap(exo_map.empty() ? map : exo_map);
-        for (lake::exchange::TrialOptions* reading : {&options.human_reading, &options.exo_reading}) {
-          reading->up = lake::exchange::ParseUp(up);
-          reading->forward = forward;
-        }
-        options.human_reading.mm_per_unit = lake::commands::MmPerUnit(unit);
-        options.exo_reading.mm_per_unit = lake::commands::MmPerUnit(exo_unit.empty() ? unit : exo_unit);
-        return lake::commands::RunCompare(options, run);
-      },
-      Report);
+      [&](lake::Run& run) { return lake::commands::RunCompare(options, run); }, Report);
 }

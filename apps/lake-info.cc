@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "lake/core/json.h"
-#include "lake/exchange/convert.h"
+#include "lake/exchange/convert_options.h"
 #include "lake/exchange/mot.h"
 #include "program.h"
 
@@ -108,16 +108,18 @@ void Print(const lake::Json& info) {
 int main(int argc, char** argv) {
   CLI::App cli("What is inside a trial file: frames, rate, unit, markers and their gaps", "lake-info");
   cli.footer("Example:\n  lake-info walking.c3d");
-  std::string file;
+  std::filesystem::path file;
   double mm_per_unit = 1, rate_hz = 0;
   bool json = false;
-  cli.add_option("file", file, "A lake-track folder, or .trc, .c3d, .trk, .trz, .kva, .txt, .csv, .mot, .sto")
-      ->required();
-  cli.add_option("--mm-per-unit", mm_per_unit, "Of files that do not say their unit (Tracker text, Kinovea's CSV)")
-      ->capture_default_str();
-  cli.add_option("--rate", rate_hz, "Hz, of files without times (DLTdv)");
-  cli.add_flag("--json", json, "As JSON");
+  lake::OptionList options;
+  options.AddOperand("file", file, "A lake-track folder, or .trc, .c3d, .trk, .trz, .kva, .txt, .csv, .mot, .sto")
+      .Required();
+  lake::exchange::DescribeUnit("unit", mm_per_unit, options);
+  lake::exchange::DescribeRate(rate_hz, options);
+  options.Add("json", json, "As JSON");
+  const lake::SharedOptions given = lake::AddOptions(cli, std::move(options));
   return lake::ParseAndRun(cli, argc, argv, [&] {
+    given->Apply();
     const lake::Json info = Describe(file, mm_per_unit, rate_hz);
     json ? fmt::print("{}\n", info.dump(2, ' ', false, lake::Json::error_handler_t::replace)) : Print(info);
     return 0;

@@ -45,6 +45,17 @@ void PrintHelp(const fs::path& folder) {
   fmt::print("\n`lake STEP --help` tells of a step; each is also a program of its own, lake-STEP.\n");
 }
 
+// The manual page, for man(1); each step has its own.
+void PrintManPage(const fs::path& folder) {
+  fmt::print(
+      ".TH LAKE 1 \"\" \"lake {}\" \"lake\"\n.SH NAME\nlake \\- from two videos of a sit\\-to\\-stand to a better knee "
+      "exoskeleton\n.SH SYNOPSIS\n\\fBlake\\fR \\fISTEP\\fR [OPTIONS]\n.SH STEPS\n",
+      lake::VersionAndCommit());
+  for (const Step& step : kSteps)
+    if (IsInstalled(folder, step.name))
+      fmt::print(".TP\n\\fB{}\\fR\n{}; see lake\\-{}(1)\n", step.name, step.what, step.name);
+}
+
 int Complain(const std::string& text) {
   fmt::print(stderr, "lake: {}; see lake --help\n", text);
   return 2;
@@ -58,6 +69,10 @@ int main(int argc, char** argv) {
   const std::string_view step = argv[1];
   if (step == "--help" || step == "-h" || step == "help") {
     PrintHelp(folder);
+    return 0;
+  }
+  if (step == "--help-man") {
+    PrintManPage(folder);
     return 0;
   }
   if (step == "--version") {

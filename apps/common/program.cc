@@ -11,6 +11,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/provenance.h"
+#include "pages.h"
 
 namespace lake {
 namespace {
@@ -34,9 +35,55 @@ std::string CommandLine(int argc, char** argv) {
   return line;
 }
 
-void AddOption(const CLI::Option& option, Json& options) {
+// The command line keeps the list as long as itself.
+void AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
+  const std::string names = "--" + option.Name() + (option.HasNegation() ? ",!--no-" + option.Name() : "");
+  const auto check = [name = option.Name()](const std::string& text) -> std::string {
+    try {
+      CLI::detail::to_flag_value(text);
+      return "";
+    } catch (const std::invalid_argument&) {
+      return fmt::format("--{} must be true or false, not '{}'", name, text);
+    }
+  };
+  const auto give = [&option, list](std::int64_t value) { option.Give({value > 0 ? "true" : "false"}); };
+  cli.add_flag_function(names, give, option.Help())
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+      ->check(check);
+}
+
+void AddValue(CLI::App& cli, Option& option, const SharedOptions& list) {
+  const auto give = [&option, list](const CLI::results_t& texts) {
+    const bool is_implied = !option.ImpliedText().empty() && texts == CLI::results_t{""};
+    option.Give(is_implied ? OptionTexts{option.ImpliedText()} : texts);
+    return true;
+  };
+  CLI::Option* added = cli.add_option((option.IsOperand() ? "" : "--") + option.Name(), give, option.Help());
+  added->type_name(option.Value())->type_size(1)->default_str(option.DefaultText())->required(option.IsRequired());
+  if (option.IsRepeated())
+    added->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args();
+  else
+    added->expected(option.ImpliedText().empty() ? 1 : 0, 1);
+}
+
+// The options of the command line itself, of its groups, and of the command that was given.
+std::vector<const CLI::App*> GivenLevels(const CLI::App& cli) {
+  std::vector<const CLI::App*> levels = {&cli};
+  for (const CLI::App* group : cli.get_subcommands([](const CLI::App* app) { return app->get_name().empty(); }))
+    levels.push_back(group);
+  for (const CLI::App* command : cli.get_subcommands()) levels.push_back(command);
+  return levels;
+}
+
+Json EffectiveValue(const Option& option) {
+  const OptionTexts texts = option.Split(option.Given());
+  if (texts.empty()) return option.DefaultText();
+  return option.IsRepeated() && texts.size() > 1 ? Json(texts) : Json(JoinTexts(texts));
+}
+
+void AddEffective(const CLI::Option& option, Json& options) {
   const std::string name = option.get_lnames().empty() ? option.get_name() : option.get_lnames().front();
-  if (name == "help" || name == "version" || name == "config") return;
+  if (!option.get_configurable() || name == "help" || name == "version" || name == "config") return;
   if (option.count() == 0)
     options[name] = option.get_default_str();
   else if (option.results().size() == 1)
@@ -45,19 +92,54 @@ void AddOption(const CLI::Option& option, Json& options) {
     options[name] = option.results();
 }
 
+// Prints a page and ends, as --help does.
+void AddPages(CLI::App& cli) {
+  const auto print = [](const std::string& page) {
+    fmt::print("{}", page);
+    throw CLI::Success();
+  };
+  cli.add_flag_callback(
+         "--help-man", [&cli, print] { print(ManPage(cli)); }, "This manual page")
+      ->configurable(false)
+      ->group("");
+  const auto complete = [&cli, print](const std::string& shell) {
+    if (shell != "bash") throw CLI::ValidationError(fmt::format("--completion '{}': bash", shell));
+    print(BashCompletion(cli));
+  };
+  cli.add_option_function<std::string>("--completion", complete, "For this shell: bash")
+      ->configurable(false)
+      ->group("");
+}
+
 }  // namespace
+
+SharedOptions AddOptions(CLI::App& cli, OptionList options, const std::string& group) {
+  const auto list = std::make_shared<OptionList>(std::move(options));
+  CLI::App& level = group.empty() ? cli : *cli.add_option_group(group);
+  for (Option& option : list->All()) option.IsFlag() ? AddFlag(level, option, list) : AddValue(level, option, list);
+  return list;
+}
+
+Json EffectiveOptions(const CLI::App& cli, const std::vector<SharedOptions>& lists) {
+  Json options = Json::object();
+  for (const CLI::App* command : cli.get_subcommands()) options["command"] = command->get_name();
+  for (const CLI::App* level : GivenLevels(cli))
+    for (const CLI::Option* option : level->get_options()) AddEffective(*option, options);
+  for (const SharedOptions& list : lists)
+    for (const Option& option : list->All()) options[option.Name()] = EffectiveValue(option);
+  return options;
+}
 
 int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>& work) {
   const std::string name = cli.get_name();
   cli.set_version_flag("--version", fmt::format("{} {}", name, VersionAndCommit()));
+  AddPages(cli);
   try {
     cli.parse(argc, argv);
+    return work();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return cli.exit(error);  // --help, --version
     return Complain(name, fmt::format("{}; see {} --help", error.what(), name), kWrongUsage);
-  }
-  try {
-    return work();
   } catch (const UsageError& error) {
     return Complain(name, error.what(), kWrongUsage);
   } catch (const SolverError& error) {
@@ -82,23 +164,31 @@ Program::Program(std::string name, std::string what, std::string example)
   cli_.set_config("--config", "", "Take options from this file; each run writes those it was given as options.toml");
 }
 
-Json Program::EffectiveOptions() const {
-  Json options = Json::object();
-  std::vector<const CLI::App*> levels = {&cli_};
-  for (const CLI::App* command : cli_.get_subcommands()) {
-    options["command"] = command->get_name();
-    levels.push_back(command);
-  }
-  for (const CLI::App* level : levels)
-    for (const CLI::Option* option : level->get_options()) AddOption(*option, options);
-  return options;
+SharedOptions Program::Add(OptionList options, const std::string& group) {
+  lists_.push_back({&cli_, AddOptions(cli_, std::move(options), group)});
+  return lists_.back().second;
+}
+
+const CLI::App* Program::AddCommand(const std::string& name, const std::string& what, const std::string& example,
+                                    OptionList options) {
+  CLI::App* command = cli_.add_subcommand(name, what);
+  lists_.push_back({command, AddOptions(*command, std::move(options))});
+  command->footer("Example:\n  " + example);
+  command->fallthrough();
+  cli_.require_subcommand(0, 1);
+  return command;
+}
+
+std::vector<SharedOptions> Program::GivenLists() const {
+  std::vector<SharedOptions> lists;
+  for (const auto& [app, list] : lists_)
+    if (app == &cli_ || app->parsed()) lists.push_back(list);
+  return lists;
 }
 
 std::vector<std::string> Program::Subject() const {
-  std::vector<const CLI::App*> levels = {&cli_};
-  for (const CLI::App* command : cli_.get_subcommands()) levels.push_back(command);
   std::vector<std::string> named, files;
-  for (const CLI::App* level : levels)
+  for (const CLI::App* level : GivenLevels(cli_))
     for (const CLI::Option* option : level->get_options())
       for (const std::string& value : option->results()) {
         std::error_code error;
@@ -114,6 +204,7 @@ int Program::Main(int argc, char** argv, const std::function<std::string()>& res
                   const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report) {
   return ParseAndRun(cli_, argc, argv, [&] {
     CatchInterrupts();
+    for (const SharedOptions& list : GivenLists()) list->Apply();
     return Work(CommandLine(argc, argv), result_name(), work, report);
   });
 }
@@ -122,7 +213,7 @@ int Program::Work(const std::string& command, const std::string& result_name, co
                   const std::function<std::string(const Json&)>& report) {
   const bool is_default = out_.empty();
   if (is_default) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
-  Run run({name_, command, EffectiveOptions(), out_, quiet_, Subject(), is_default});
+  Run run({name_, command, EffectiveOptions(cli_, GivenLists()), out_, quiet_, Subject(), is_default});
   const Json summary = run.WriteSummary(work(run));
   WriteTextFile(run.Result("options.toml"), cli_.config_to_str(false));
   if (json_)

@@ -1,15 +1,29 @@
-// What all programs share: the common options, the effective options beside the results, one-line errors, exit codes.
+// What all programs share: options from their descriptions, the effective options beside the results, one-line errors,
+// exit codes.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lake/core/json.h"
+#include "lake/core/options.h"
 #include "lake/core/run.h"
 
 namespace lake {
+
+using SharedOptions = std::shared_ptr<OptionList>;
+
+// Adds the options to a command line, which keeps them; they are set by OptionList::Apply() once it is parsed. `group`
+// is a heading of their own in --help.
+SharedOptions AddOptions(CLI::App& cli, OptionList options, const std::string& group = "");
+
+// All options of a command line that was parsed, given or not: name → text, or texts where several may be given; those
+// of `lists` with the values that they have without one.
+Json EffectiveOptions(const CLI::App& cli, const std::vector<SharedOptions>& lists);
 
 // Parses (adding --version), then runs `work`, and returns the exit code that `work` returns or its error has, with one
 // line on stderr.
@@ -20,7 +34,11 @@ class Program {
   // `example` is a command line that --help shows.
   Program(std::string name, std::string what, std::string example);
 
-  // Bind the program's own options to this; a default is what the bound variable holds.
+  // The program's own options, which stay bound to their struct; and those of a command of it.
+  SharedOptions Add(OptionList options, const std::string& group = "");
+  const CLI::App* AddCommand(const std::string& name, const std::string& what, const std::string& example,
+                             OptionList options);
+
   CLI::App& Cli() { return cli_; }
 
   // Parses, runs `work`, and returns the exit code. `result_name` names the folder under ./lake-out (or is an absolute
@@ -33,13 +51,16 @@ class Program {
  private:
   int Work(const std::string& command, const std::string& result_name, const std::function<Json(Run&)>& work,
            const std::function<std::string(const Json&)>& report);
-  Json EffectiveOptions() const;
+
+  // Those of the command line itself and of the command that was given.
+  std::vector<SharedOptions> GivenLists() const;
 
   // What the results will be of: the files and folders named without an option, else those that options name; absolute.
   std::vector<std::string> Subject() const;
 
   std::string name_;
   CLI::App cli_;
+  std::vector<std::pair<const CLI::App*, SharedOptions>> lists_;
   std::string out_;
   bool quiet_ = false;
   bool json_ = false;

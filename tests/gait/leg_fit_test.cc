@@ -334,7 +334,9 @@ TEST_F(LegFitErrors, TooShortAndBadOptions) {
   gait::LegFitOptions options;
   options.cutoff_hz = -1;
   EXPECT_THAT(MessageOf(tracks_, ScaledView(), options), testing::HasSubstr("cutoff"));
-  EXPECT_THROW(gait::ParseLegFilter("kalman"), UsageError);
+  OptionList list;
+  Describe(options, list);
+  EXPECT_THROW(list.All().front().SetFromCommandLine({"kalman"}), UsageError);
   EXPECT_THAT(MessageOf({}, ScaledView()), testing::HasSubstr("too short"));
   EXPECT_THROW(gait::MakeLegView(motion::LengthUnit::kPx, {}, -1.0), Error);
   EXPECT_THROW(gait::MakeLegView(motion::LengthUnit::kPx, {}, 2.0, {{"knee", 40}}), Error);

@@ -148,7 +148,7 @@ TEST_F(Simulate, RefusesWrongUsage) {
   ExpectRefusal("", 2, "give either a design file or --links");
   ExpectRefusal("--links 59,68,55,71,118", 2, "--links");
   ExpectRefusal("--links 59,68,55,71,118,nan", 2, "--links");
-  ExpectRefusal(fmt::format("{} --stroke nan", kLinks), 2, "--stroke nan");
+  ExpectRefusal(fmt::format("{} --stroke nan", kLinks), 2, "--stroke: 'nan' is not a finite number");
   ExpectRefusal(fmt::format("{} --rows 1", kLinks), 2, "--rows 1");
   ExpectRefusal(fmt::format("{} --knee-torque 0", kLinks), 2, "--knee-torque 0");
   ExpectRefusal(fmt::format("{} --height 18", kLinks), 1, "a body of 18 cm");

@@ -124,8 +124,8 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(study.compare.misalignment.replacement_sd_mm, 1.5);
   EXPECT_EQ(study.design.problem.grashof_margin_mm, 2);
   EXPECT_EQ(study.worn, folder_ / "worn.yaml");
-  EXPECT_EQ(study.certify_gap_deg, 0.5);
-  EXPECT_EQ(study.yield_tolerance_mm, 0.1);
+  EXPECT_EQ(study.optimum.certify_gap_deg, 0.5);
+  EXPECT_EQ(study.optimum.yield_tolerance_mm, 0.1);
   ASSERT_TRUE(study.redesign);
   EXPECT_EQ(study.redesign->design.problem.grashof_margin_mm, 3);
   const commands::ReoptimizeRunOptions& redesign = study.redesign->options;
@@ -149,6 +149,34 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(study.stroke->firmware.home_stroke_mm, 244);
   EXPECT_EQ(study.stroke->firmware.extend_stop_mm, 0.7);
   EXPECT_EQ(study.inputs.size(), 6u);
+}
+
+// A section knows every option of the program that does its work.
+TEST_F(StudyYaml, HasEveryOptionOfItsPrograms) {
+  const study::StudyFile study = Read(
+      "human: {video: human.mp4, export: [trc, mot], dictionary: DICT_5X5_100}\n"
+      "exo: {video: exo.mp4, seeds: ['knee=1,2']}\ncompare: {resamples: 40, seed_number: 7}\n"
+      "design: {starts: 5, seed_number: 3, round_mm: 0.5}\n"
+      "reoptimize: {human_only: true, starts: 4, seed_number: 9, yield_mm: 0.2}\n"
+      "simulation: {angles_deg: [10, 90], knee_torque_nm: 25, animation: false}\n"
+      "stroke: {max_acceleration_mm_s2: 30, lag_s: 0.1, home_error_mm: 0.2}\n");
+  const auto& human = std::get<commands::TrackRunOptions>(study.human.work);
+  EXPECT_THAT(human.exports, ElementsAre("trc", "mot"));
+  EXPECT_EQ(human.track.dictionary, "DICT_5X5_100");
+  EXPECT_EQ(study.compare.misalignment.resamples, 40);
+  EXPECT_EQ(study.compare.misalignment.seed, 7u);
+  EXPECT_EQ(study.optimum.optimize.starts, 5);
+  EXPECT_EQ(study.optimum.optimize.seed, 3u);
+  EXPECT_EQ(study.optimum.round_mm, 0.5);
+  EXPECT_EQ(study.redesign->search.optimize.starts, 4);
+  EXPECT_EQ(study.redesign->search.optimize.seed, 9u);
+  EXPECT_EQ(study.redesign->search.yield_tolerance_mm, 0.2);
+  EXPECT_THAT(study.simulation.angles_deg, ElementsAre(10, 90));
+  EXPECT_EQ(study.simulation.knee_torque_nm, 25);
+  EXPECT_FALSE(study.simulation.animation);
+  EXPECT_EQ(study.stroke->schedule.max_acceleration_mm_s2, 30);
+  EXPECT_EQ(study.stroke->firmware.lag_s, 0.1);
+  ExpectRefused("human: {video: human.mp4}\ndesign:\n  starts: 0\n", "study.yaml:3: 'starts' must be at least 1");
 }
 
 TEST_F(StudyYaml, TakesItsProblemFromAFileToo) {
@@ -203,7 +231,7 @@ TEST_F(StudyYaml, RefusesWithTheLine) {
   ExpectRefused("human: {video: human.mp4, trial: trial.trc}\n", "either 'video' or 'trial'");
   ExpectRefused("human:\n  video: human.mp4\n  seeds: [\"knee=1\"]\n", "study.yaml:3: ");
   ExpectRefused("human:\n  video: human.mp4\n  seeds: [\"toe=1,2\"]\n", "toe");
-  ExpectRefused("human:\n  video: human.mp4\n  detector: magic\n", "study.yaml:3: detector 'magic'");
+  ExpectRefused("human:\n  video: human.mp4\n  detector: magic\n", "study.yaml:3: 'detector' must be one of");
   ExpectRefused("human: {video: human.mp4, scale: [1, 2]}\n", "'scale' must have 5 numbers, not 2");
   ExpectRefused("human: {video: human.mp4, start_s: 5, end_s: 3}\n", "'end_s' is before 'start_s'");
   ExpectRefused("human: {video: human.mp4, start_s: early}\n", "'early' is not a finite number");
@@ -213,7 +241,7 @@ TEST_F(StudyYaml, RefusesWithTheLine) {
   ExpectRefused("- human\n", "a study is a map");
   ExpectRefused("human: {video: human.mp4\n", "not YAML");
   ExpectRefused("human: {video: human.mp4}\nexo: {video: exo.mp4}\ncompare: {replacement_sd_mm: -1}\n",
-                "study.yaml:3: 'replacement_sd_mm' must not be negative");
+                "study.yaml:3: 'replacement_sd_mm' must be at least 0");
   ExpectRefused("human: {video: human.mp4}\ncompare: {human_knee: knee}\n", "'compare' needs an 'exo' trial");
 }
 
@@ -226,7 +254,7 @@ TEST_F(StudyYaml, RefusesMarkersThatAreNotLookedFor) {
 
 TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
   const std::string trial = "human: {video: human.mp4}\n";
-  ExpectRefused(trial + "reoptimize:\n  program: slow\n", "study.yaml:3: program 'slow'");
+  ExpectRefused(trial + "reoptimize:\n  program: slow\n", "study.yaml:3: 'program' must be one of");
   ExpectRefused(trial + "reoptimize: {pareto: 1}\n", "'pareto' must be at least 2");
   ExpectRefused(trial + "reoptimize: {max_misalignment: 1}\n", "study.yaml:2: unknown key 'max_misalignment'");
   ExpectRefused(trial + "reoptimize: {duration_s: -1}\n", "'duration_s' must be positive");

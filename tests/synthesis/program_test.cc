@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "lake/core/atomic_file.h"
 #include "lake/core/json.h"
 #include "synthesis/program_run.h"
 #include "temporary_folder.h"
@@ -47,7 +48,20 @@ TEST(LakeOptimize, WrittenOptionsReadBack) {
   Json first = ReadJsonFile(folder / "first/summary.json"), second = ReadJsonFile(folder / "second/summary.json");
   for (const char* key : {"range_deg", "links", "yield", "certified_upper_bound_deg"})
     EXPECT_EQ(first[key], second[key]) << key;
+  EXPECT_EQ(first["options"]["certify"], "0.1");
   EXPECT_EQ(second["starts"].size(), 3u);
+}
+
+// A file that an option names is read before the options that change what it holds, wherever these stand.
+TEST(LakeOptimize, OptionsOfAConfigurationOverruleTheProblemFileToo) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "problem.yaml", "margins: {grashof_mm: 5, singularity_mm: 5}\n");
+  WriteTextFile(folder / "options.toml", "grashof-margin=2\nsingularity-margin=2\nstarts=1\n");
+  const Ended ended = RunProgram("--config " + (folder / "options.toml").string() + " --problem " +
+                                 (folder / "problem.yaml").string() + " --quiet -o " + (folder / "out").string());
+  ASSERT_EQ(ended.exit_code, 0) << ended.text;
+  EXPECT_NEAR(ReadJsonFile(folder / "out/summary.json")["range_deg"].get<double>(), 153.770, 1e-3);
+  EXPECT_EQ(RunProgram("--problem " + (folder / "none.yaml").string() + " --help").exit_code, 0);
 }
 
 TEST(LakeOptimize, WithoutSolutionExitsWithThreeAndLeavesTheReason) {
@@ -70,14 +84,14 @@ TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
       {"--start 0,85,85,80,80,235", 2, "l1 is 0 mm"},
       {"--start nan,85,85,80,80,235", 2, "nan"},
       {"--starts 0", 2, "starts"},
-      {"--certify -1", 2, "gap"},
-      {"--certify=nan", 2, "gap"},
-      {"--yield 0", 2, "tolerance"},
-      {"--yield=-1", 2, "tolerance"},
+      {"--certify -1", 2, "--certify must be positive"},
+      {"--certify=nan", 2, "--certify"},
+      {"--yield 0", 2, "--yield must be positive"},
+      {"--yield=-1", 2, "--yield must be positive"},
       {"--round -1", 2, "--round"},
       {"--max-length 200", 2, "must exceed"},
       {"--max-force 0", 2, "above 0"},
-      {"--max-angle nan", 2, "max_angle_deg"},
+      {"--max-angle nan", 2, "--max-angle"},
       {"--problem /no/such/file.yaml", 1, "no such file"},
   };
   for (const auto& item : cases) {

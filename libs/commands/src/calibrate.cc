@@ -189,4 +189,53 @@ Json RunSheet(const SheetRunOptions& options, Run& run) {
   return {{"board", camera::ToString(board)}, {"paper", paper.name}, {"file", (run.Folder() / "board.pdf").string()}};
 }
 
+namespace {
+
+Option& DescribeBoard(std::string& board, OptionList& options) {
+  const auto set = [&board](const OptionTexts& texts, const std::string& said) {
+    CheckTextCount(texts, 1, said);
+    camera::ParseBoard(texts.front());
+    board = texts.front();
+  };
+  return options
+      .AddCustom(
+          "board",
+          "chessboard:COLSxROWS:SQUARE_MM (inner corners) or charuco:COLSxROWS:SQUARE_MM:MARKER_MM:DICT (squares)", set)
+      .Value("BOARD");
+}
+
+}  // namespace
+
+void Describe(CalibrateRunOptions& o, OptionList& options) {
+  options.AddOperand("pictures", o.pictures, "Images of the board, or one video of a moving board")
+      .Value("IMAGES|VIDEO")
+      .Repeats();
+  DescribeBoard(o.board, options);
+  options.AddChoice("loss", o.calibration.robust, OptionList::Choices<bool>{{"robust", true}, {"squared", false}},
+                    "Loss function: robust, or squared as in OpenCV");
+  options.Add("fix-k3", o.calibration.fix_k3, "Keep k3 = 0, for views that leave the corners of the picture empty");
+  options.Add("square-pixels", o.calibration.square_pixels, "Force fx = fy");
+  options.Add("max-views", o.find.most_views, "Number of sharp, well-spread frames to use from a video")
+      .Between(3, 200);
+}
+
+void Describe(PlaneRunOptions& o, OptionList& options) {
+  options.AddOperand("image", o.picture, "The picture").Value("IMAGE").Required();
+  options.Add("camera", o.camera, "camera.yaml of this camera").Required();
+  DescribeBoard(o.board, options);
+  const auto set_points = [&o](const OptionTexts& texts, const std::string& said) {
+    CheckTextCount(texts, 1, said);
+    camera::ParsePlanePoints(texts.front());
+    o.points = texts.front();
+  };
+  options.AddCustom("points", "At least four points: pixel = place in the plane (mm; x right, y up)", set_points)
+      .Value("\"X,Y=XMM,YMM; ...\"");
+  options.Add("click-sigma", o.click_sigma_px, "Standard deviation of the pixels in --points").Unit("px").Positive();
+}
+
+void Describe(SheetRunOptions& o, OptionList& options) {
+  DescribeBoard(o.board, options).Required();
+  options.Add("paper", o.paper, "a4, a3 or letter").Value("a4|a3|letter");
+}
+
 }  // namespace lake::commands

@@ -1,7 +1,10 @@
 #include "lake/commands/compare.h"
 
+#include <algorithm>
+
 #include "lake/commands/gait.h"
 #include "lake/compare/comparison_file.h"
+#include "lake/compare/misalignment_options.h"
 #include "lake/core/error.h"
 #include "lake/figure/misalignment_figures.h"
 #include "lake/gait/leg_fit.h"
@@ -134,6 +137,30 @@ Json RunCompare(const CompareRunOptions& options, Run& run) {
   WriteComparisonReport(title, comparison, run);
   comparison.erase("curves");
   return comparison;
+}
+
+void Describe(CompareRunOptions& o, OptionList& options) {
+  options
+      .AddOperand(
+          "human", o.human,
+          "A lake-track folder, .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker), or a comparison's folder")
+      .Required();
+  options.AddOperand("exo", o.exo, "The trial with the exoskeleton, likewise, or lake-optimize's predicted/")
+      .Required();
+  options.Add("human-knee", o.human_knee, "The compared marker of the human trial");
+  options.Add("exo-knee", o.exo_knee, "The compared marker of the exoskeleton trial").Otherwise("exo_knee, else knee");
+  Describe(o.misalignment, options);
+  Describe(o.human_reading, options);
+  options.Add("exo-map", o.exo_reading.names, "--map of the exoskeleton trial")
+      .Value("NAME=MARKER,...")
+      .Otherwise("as --map");
+  exchange::DescribeUnit("exo-unit", o.exo_reading.mm_per_unit, options).Otherwise("as --unit");
+  // What is said of the human trial alone holds for both.
+  options.Check([&o](const OptionList& list) {
+    o.exo_reading.up = o.human_reading.up, o.exo_reading.forward = o.human_reading.forward;
+    if (!list.IsGiven("exo-map")) o.exo_reading.names = o.human_reading.names;
+    if (!list.IsGiven("exo-unit")) o.exo_reading.mm_per_unit = o.human_reading.mm_per_unit;
+  });
 }
 
 }  // namespace lake::commands

@@ -37,15 +37,12 @@ void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result,
 
 }  // namespace
 
-double MmPerUnit(const std::string& unit) {
-  const std::optional<double> mm_per_unit = exchange::FindMmPerUnit(unit);
-  if (!mm_per_unit) throw UsageError(fmt::format("--unit '{}': mm, cm or m", unit));
-  return *mm_per_unit;
-}
-
-motion::Facing ParseFacing(const std::string& text) {
-  if (text != "left" && text != "right") throw UsageError(fmt::format("--facing '{}': left or right", text));
-  return text == "left" ? motion::Facing::kLeft : motion::Facing::kRight;
+void Describe(GaitRunOptions& o, OptionList& options) {
+  options.AddOperand("trial", o.trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
+      .Required();
+  Describe(o.reading, options);
+  gait::DescribeFacing(o.fit, options);
+  Describe(o.fit, options);
 }
 
 exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run) {

@@ -6,7 +6,11 @@
 #include "lake/core/error.h"
 #include "lake/figure/reoptimize_figures.h"
 #include "lake/figure/synthesis_figures.h"
+#include "lake/problem/problem_file.h"
+#include "lake/problem/problem_options.h"
+#include "lake/redesign/program_options.h"
 #include "lake/redesign/reoptimize_outcome.h"
+#include "lake/synthesis/synthesis_options.h"
 
 namespace lake::commands {
 namespace {
@@ -120,6 +124,44 @@ Json RunOptimize(const OptimizeRunOptions& options, Run& run) {
   options.study.Check();
   if (!options.problem_file.empty()) run.AddInput(options.problem_file);
   return options.reoptimize ? RunReoptimize(options, run) : RunSynthesis(options, run);
+}
+
+void Describe(ReoptimizeRunOptions& o, OptionList& options) {
+  options.Add("comparison", o.comparison, "Folder that lake-compare wrote: human and exoskeleton trial")
+      .IsPath(Option::Path::kFolder);
+  options.Add("human", o.human, "A human trial alone, as lake-compare reads it");
+  options.Add("human-knee", o.human_knee, "The knee marker of --human");
+  Describe(o.human_reading, options);
+  options.Add("worn", o.worn, "design.yaml worn in the exoskeleton trial of --comparison");
+  options.Add("human-only", o.human_only, "Ignore the exoskeleton trial of --comparison");
+  options.Add("max-misalignment", o.max_misalignment_percent, "Largest misalignment allowed, RMS relative to the shank")
+      .Unit("percent")
+      .Positive();
+  options.Add("penalty", o.penalty_deg_per_mm, "Range given up for less misalignment")
+      .Unit("degrees per mm RMS")
+      .Key("penalty")
+      .NotNegative();
+  Describe(o.program, options);
+  options.Add("fit-placement", o.fit_placement, "Also move the exoskeleton's joint on the shank");
+  options
+      .Add("placement-reach", o.placement_reach_mm,
+           "Farthest that the joint may sit from the knee, to either side (with --fit-placement)")
+      .Unit("mm")
+      .Positive();
+  options
+      .Add("pareto", o.pareto_points,
+           "Range against misalignment in this many points, for a constant and a short free program")
+      .AtLeast(2);
+}
+
+void Describe(OptimizeRunOptions& o, OptionList& options) {
+  const auto read = [&o](const OptionTexts& texts, const std::string&) {
+    o.problem_file = texts.front();
+    o.problem = problem::ReadProblem(o.problem_file);
+  };
+  options.AddCustom("problem", "Problem file", read).Otherwise("the paper's problem").IsPath(Option::Path::kFile);
+  Describe(o.problem, options);  // after the file, which these change
+  Describe(o.study, options);
 }
 
 }  // namespace lake::commands

@@ -257,4 +257,22 @@ std::string SimulationReport(const Json& summary) {
   return text;
 }
 
+void Describe(SimulationOptions& o, OptionList& options) {
+  options.Add("stroke", o.strokes_mm, "Strokes to add to the table").Unit("mm").Value("MM,...").Repeats();
+  options.Add("angles", o.angles_deg, "Knee angles to draw")
+      .Unit("degrees")
+      .Value("DEG,...")
+      .Otherwise("2, 70, 110 and the largest")
+      .Repeats();
+  options.Add("knee-torque", o.knee_torque_nm, "Extension torque for the force column").Unit("N m");
+  options.Add("rows", o.rows, "Rows of the regular grid of angle_vs_stroke.csv");
+  options.Add("height", o.body_height_cm, "Height of the mannequin").Unit("cm");
+  options.Add("mass", o.body_mass_kg, "Mass of the mannequin").Unit("kg");
+  options.Add("seat-edge", o.seat_edge_mm, "Knee to the seat's front edge; 0: half the thigh").Unit("mm");
+  options.Add("bar-width", o.plates.bar_width_mm, "Width of the link plates").Unit("mm");
+  options.Add("pin-diameter", o.plates.pin_diameter_mm, "Diameter of their holes").Unit("mm");
+  options.Add("actuator-diameter", o.actuator_diameter_mm, "Diameter of the actuator").Unit("mm");
+  options.Add("animation", o.animation, "Write animation.mp4 and .gif").WithNegation();
+}
+
 }  // namespace lake::commands

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/actuator/actuator_options.h"
 #include "lake/actuator/prototype_validation.h"
 #include "lake/core/angles.h"
 #include "lake/core/atomic_file.h"
@@ -336,6 +337,45 @@ std::string StrokeReport(const Json& summary) {
         NumberOrNaN(v["travel_factor"]), NumberOrNaN(v["drift_mm"]), NumberOrNaN(v["rms_with_factor_deg"]));
   }
   return text;
+}
+
+void Describe(StrokeRunOptions& o, OptionList& options) {
+  options.AddOperand("design", o.design, "design.yaml, as lake-optimize writes it").Value("DESIGN");
+  options.Add("duty-table", o.duty_table, "duty_table.csv of this actuator, bridge and supply; without it no firmware");
+  Describe(o.schedule, options);
+  options.Add("motion", o.motion, "Folder of a human trial: its seated and standing angles are the program's")
+      .IsPath(Option::Path::kFolder)
+      .Value("TRACKDIR");
+  options.Add("rate", o.rate_hz, "Rows per second of program.csv").Unit("Hz").Positive();
+  options.Add("validate", o.validate, "lake-track folder of a prototype's video to hold against the program")
+      .IsPath(Option::Path::kFolder)
+      .Value("TRACKDIR");
+  options.Add("tolerance", o.tolerance_deg, "Largest RMS at which a prototype counts as following its prediction")
+      .Unit("degrees");
+  Describe(o.firmware, options);
+}
+
+void Describe(DutyRunOptions& o, OptionList& options) {
+  options.AddOperand("logs", o.logs, "CSV logs, or the firmware's serial output").Value("LOGS").Repeats();
+  const auto set_scale = [&o](const OptionTexts& texts, const std::string& said) {
+    CheckTextCount(texts, 1, said);
+    o.potentiometer = actuator::ParsePotentiometerScale(texts.front());
+  };
+  options.AddCustom("pot", "Scale of the adc column", set_scale).Value("COUNTS=MM,COUNTS=MM");
+  options.Add("video", o.video, "lake-track folder of a video of the actuator, filmed while the log was written")
+      .IsPath(Option::Path::kFolder)
+      .Value("TRACKDIR");
+  options.Add("rod-markers", o.rod, "The two markers in --video: on the actuator's body and on its rod")
+      .Value("BODY,ROD")
+      .Repeats();
+  Describe(o.calibrate, options);
+  options.Add("write-firmware", o.write_firmware, "No logs yet: write the firmware that makes them");
+  options.Add("dead-time", o.firmware.dead_time_s, "Firmware of --write-firmware: braking time before a reversal")
+      .Unit("s");
+  options
+      .Add("command-timeout", o.firmware.command_timeout_s,
+           "Firmware of --write-firmware: stop after the host has been silent this long; 0: never")
+      .Unit("s");
 }
 
 }  // namespace lake::commands

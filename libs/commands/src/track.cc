@@ -299,6 +299,31 @@ std::vector<std::string> ResultNames(const TrackRunOptions& options) {
 
 }  // namespace
 
+void Describe(TrackRunOptions& o, OptionList& options) {
+  options.AddOperand("video", o.video, "Video, or image sequence as frames/%05d.png")
+      .Required()
+      .IsPath(Option::Path::kVideo);
+  Describe(o.track, options);
+  options.Add("camera", o.camera, "camera.yaml: intrinsics and, if it has one, the sagittal plane");
+  options.Add("scale", o.scale, "A scale bar, ends in px, where no plane is calibrated").Value("X1,Y1,X2,Y2,LENGTH_MM");
+  options.Add("vertical", o.vertical, "A plumb line in the picture")
+      .Unit("px")
+      .Key("vertical")
+      .Value("X1,Y1,X2,Y2")
+      .Otherwise("the picture's own up, or the plane's y");
+  options.Add("depth", o.depth_mm, "Distance of a marker in front of the calibrated plane (may be repeated)")
+      .Unit("mm")
+      .Value("NAME=MM")
+      .Repeats();
+  Describe(o.fit, options);
+  options.Add("corrections", o.corrections,
+              "frame,marker,x_px,y_px rows that overrule the detector; empty: not visible");
+  options.Add("overlay", o.overlay, "Write overlay.mp4").WithNegation();
+  options
+      .Add("export", o.exports, fmt::format("Also write the trial as {}", fmt::join(exchange::ExportFormats(), ", ")))
+      .Value("FORMAT,...");
+}
+
 Json RunTrack(const TrackRunOptions& options, Run& run) {
   CheckOptions(options);
   const video::VideoInfo video = video::VideoReader::Open(options.video, options.track.reader)->Info();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lake/commands/simulate.h"
 #include "lake/core/error.h"
 #include "lake/video/video_files.h"
 #include "study_report.h"
@@ -117,8 +116,7 @@ steps::StudyStep OptimumStep(const StudyFile& study, const fs::path& out) {
   step.options.erase("worn");
   commands::OptimizeRunOptions options;
   AddProblem(study.design, options, step);
-  options.study.certify_gap_deg = study.certify_gap_deg;
-  options.study.yield_tolerance_mm = study.yield_tolerance_mm;
+  options.study = study.optimum;
   step.work = OptimizeWork(options);
   return step;
 }
@@ -131,6 +129,7 @@ steps::StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
                   {"human_knee", study.compare.human_knee}};
   commands::OptimizeRunOptions options;
   AddProblem(study.redesign->design, options, step);
+  options.study = study.redesign->search;
   options.reoptimize = study.redesign->options;
   if (study.exo) {
     options.reoptimize->comparison = out / "comparison";
@@ -145,12 +144,19 @@ steps::StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
   return step;
 }
 
-steps::StudyStep SimulationStep(const fs::path& design, const fs::path& out) {
-  steps::StudyStep step{
-      "simulation", "the design's poses", "lake-simulate", out / "simulation", {design}, {}, Json::object(), 8, {}};
-  step.work = [design](Run& run) {
+steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, const fs::path& out) {
+  steps::StudyStep step{"simulation",
+                        "the design's poses",
+                        "lake-simulate",
+                        out / "simulation",
+                        {design},
+                        {},
+                        study.simulation_options,
+                        8,
+                        {}};
+  step.work = [design, options = study.simulation](Run& run) {
     run.AddInput(design);
-    run.WriteSummary(commands::SimulateLinkage(linkage::ReadDesign(design), {}, run));
+    run.WriteSummary(commands::SimulateLinkage(linkage::ReadDesign(design), options, run));
   };
   return step;
 }
@@ -215,7 +221,7 @@ std::vector<steps::StudyStep> StudySteps(const StudyFile& study, const fs::path&
   steps.push_back(OptimumStep(study, out));
   if (study.redesign) steps.push_back(RedesignStep(study, out));
   const fs::path design = out / (study.redesign ? "redesign" : "optimum") / "design.yaml";
-  steps.push_back(SimulationStep(design, out));
+  steps.push_back(SimulationStep(study, design, out));
   if (study.stroke) steps.push_back(StrokeStep(study, design, out));
   steps.push_back(ReportStep(study, out, head, steps));
   return steps;

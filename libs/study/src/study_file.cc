@@ -3,32 +3,20 @@
 #include <glob.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
-#include <functional>
 #include <memory>
 
-#include "lake/camera/plane_fit.h"
-#include "lake/commands/track_text.h"
 #include "lake/core/error.h"
+#include "lake/core/options.h"
 #include "lake/core/yaml.h"
 #include "lake/problem/problem_file.h"
+#include "lake/synthesis/synthesis_options.h"
 #include "lake/video/video_files.h"
 
 namespace lake::study {
 namespace {
 
 namespace fs = std::filesystem;
-
-// What `read` complains of, with the line it stands in.
-template <typename Read>
-auto At(const YamlNode& node, Read read) {
-  try {
-    return read();
-  } catch (const Error& error) {
-    throw Fail("{}: {}", node.Where(), error.what());
-  }
-}
 
 // A folder as a part of a wildcard that stands for itself.
 std::string EscapedForGlob(const fs::path& folder) {
@@ -98,76 +86,18 @@ class Files {
   std::vector<std::string> missing_;
 };
 
-std::vector<std::string> Texts(const YamlNode& list) {
-  std::vector<std::string> texts;
-  for (const YamlNode& element : list.Elements()) texts.push_back(element.AsText());
-  return texts;
+// The files behind an option, for ReadOptions.
+ResolvePath FilesOf(Files& files) {
+  return [&files](const YamlNode& node, const Option& option) -> OptionTexts {
+    return {(option.PathKind() == Option::Path::kVideo ? files.TakePictures(node) : files.Take(node)).string()};
+  };
 }
 
-template <std::size_t kCount>
-void ReadNumbers(YamlNode& node, const char* key, std::optional<std::array<double, kCount>>& field) {
-  const auto numbers = node.Numbers(key, kCount);
-  if (numbers) std::copy(numbers->begin(), numbers->end(), field.emplace().begin());
-}
-
-void ReadFilter(YamlNode& node, gait::LegFitOptions& fit) {
-  if (const auto filter = node.Child("filter"))
-    fit.filter = At(*filter, [&] { return gait::ParseLegFilter(filter->AsText()); });
-  fit.cutoff_hz = node.Number("cutoff_hz");
-  if (fit.cutoff_hz && !(*fit.cutoff_hz > 0)) throw Fail("{}: 'cutoff_hz' must be positive", node.Where());
-}
-
-void ReadDetector(YamlNode& node, tracking::TrackOptions& track) {
-  if (const auto markers = node.Child("markers")) track.names = Texts(*markers);
-  if (const auto seeds = node.Child("seeds"))
-    for (const YamlNode& seed : seeds->Elements())
-      track.seeds.push_back(At(seed, [&] { return commands::ParseSeed(seed.AsText()); }));
-  if (const auto detector = node.Child("detector"))
-    track.detector = At(*detector, [&] { return commands::ParseDetector(detector->AsText()); });
-  if (const auto polarity = node.Child("polarity"))
-    track.polarity = At(*polarity, [&] { return commands::ParsePolarity(polarity->AsText()); });
-  if (const auto colors = node.Child("colors")) track.colors = Texts(*colors);
-  if (const auto dictionary = node.Text("dictionary")) track.dictionary = *dictionary;
-  if (const auto crop = node.Numbers("crop", 4)) track.crop = At(node, [&] { return commands::CropOf(*crop); });
-}
-
-commands::TrackRunOptions ReadVideo(YamlNode& node, const YamlNode& video, Files& files) {
-  commands::TrackRunOptions options;
-  options.video = files.TakePictures(video);
-  ReadDetector(node, options.track);
-  video::VideoReaderOptions& reader = options.track.reader;
-  reader.start_s = node.Number("start_s"), reader.end_s = node.Number("end_s");
-  if (reader.start_s && reader.end_s && *reader.end_s < *reader.start_s)
-    throw Fail("{}: 'end_s' is before 'start_s'", node.Where());
-  reader.capture_rate_hz = node.Number("capture_rate_hz").value_or(0);
-  if (const auto camera = node.Child("camera")) options.camera = files.Take(*camera);
-  ReadNumbers(node, "scale", options.scale);
-  ReadNumbers(node, "vertical", options.vertical);
-  if (auto depths = node.Child("depth_mm"))
-    for (const auto& [name, depth] : depths->Pairs()) options.depth_mm[name] = depth.AsNumber();
-  if (const auto corrections = node.Child("corrections")) options.corrections = files.Take(*corrections);
-  options.overlay = node.Boolean("overlay").value_or(options.overlay);
-  ReadFilter(node, options.fit);
-  At(node, [&] { options.track.Check(); });
-  return options;
-}
-
-commands::GaitRunOptions ReadRecordedTrial(YamlNode& node, const YamlNode& trial, Files& files) {
-  commands::GaitRunOptions options;
-  options.trial = files.Take(trial);
-  if (auto map = node.Child("map"))
-    for (const auto& [name, marker] : map->Pairs()) options.reading.names[name] = marker.AsText();
-  if (const auto up = node.Text("up")) {
-    if (up->size() != 1) throw Fail("{}: 'up' must be x, y or z, not '{}'", node.Where(), *up);
-    options.reading.up = up->front();
-  }
-  options.reading.forward = node.Text("forward").value_or("");
-  if (const auto unit = node.Child("unit"))
-    options.reading.mm_per_unit = At(*unit, [&] { return commands::MmPerUnit(unit->AsText()); });
-  if (const auto facing = node.Child("facing"))
-    options.fit.facing = At(*facing, [&] { return commands::ParseFacing(facing->AsText()); });
-  ReadFilter(node, options.fit);
-  return options;
+// All options of `options` but those that the study itself gives.
+template <typename Options>
+void ReadSection(YamlNode& node, Options& options, Files& files, const std::vector<std::string_view>& given = {}) {
+  OptionList list = OptionsOf(options).Without(given);
+  ReadOptions(node, list, FilesOf(files));
 }
 
 StudyTrial ReadTrialSection(YamlNode node, Files& files) {
@@ -176,9 +106,9 @@ StudyTrial ReadTrialSection(YamlNode node, Files& files) {
     throw Fail("{}: give either 'video' or 'trial' (a file of markers that were tracked before)", node.Where());
   StudyTrial trial;
   if (video)
-    trial.work = ReadVideo(node, *video, files);
+    ReadSection(node, trial.work.emplace<commands::TrackRunOptions>(), files);
   else
-    trial.work = ReadRecordedTrial(node, *recorded, files);
+    ReadSection(node, trial.work.emplace<commands::GaitRunOptions>(), files);
   node.Finish();
   trial.options = node.ToJson();
   return trial;
@@ -186,25 +116,19 @@ StudyTrial ReadTrialSection(YamlNode node, Files& files) {
 
 commands::PlaneRunOptions ReadPlane(YamlNode& node, Files& files) {
   commands::PlaneRunOptions plane;
-  const auto image = node.Child("image");
-  if (!image) throw Fail("{}: the plane needs an 'image'", node.Where());
-  plane.picture = files.Take(*image);
-  plane.board = node.Text("board").value_or(""), plane.points = node.Text("points").value_or("");
+  if (!node.Has("image")) throw Fail("{}: the plane needs an 'image'", node.Where());
+  ReadSection(node, plane, files, {"camera"});
   if (plane.board.empty() == plane.points.empty()) throw Fail("{}: give either 'board' or 'points'", node.Where());
-  At(node, [&] {
-    plane.board.empty() ? void(camera::ParsePlanePoints(plane.points)) : void(camera::ParseBoard(plane.board));
-  });
-  plane.click_sigma_px = node.Number("click_sigma_px").value_or(plane.click_sigma_px);
   node.Finish();
   return plane;
 }
 
 StudyCalibration ReadCalibration(YamlNode node, Files& files) {
   StudyCalibration calibration;
-  const auto images = node.Child("images"), video = node.Child("video"), board = node.Child("board");
+  const auto images = node.Child("images"), video = node.Child("video");
   if (images.has_value() == video.has_value())
     throw Fail("{}: give either 'images' or 'video' of the board", node.Where());
-  if (!board) throw Fail("{}: 'board' is missing, e.g. chessboard:9x6:25", node.Where());
+  if (!node.Has("board")) throw Fail("{}: 'board' is missing, e.g. chessboard:9x6:25", node.Where());
   if (video) calibration.camera.pictures = {files.TakePictures(*video)};
   if (images && images->IsList()) {
     for (const YamlNode& image : images->Elements())
@@ -212,10 +136,7 @@ StudyCalibration ReadCalibration(YamlNode node, Files& files) {
   } else if (images) {
     calibration.camera.pictures = files.TakeAll(*images);
   }
-  calibration.camera.board = board->AsText();
-  At(*board, [&] { camera::ParseBoard(calibration.camera.board); });
-  calibration.camera.calibration.fix_k3 = node.Boolean("fix_k3").value_or(false);
-  calibration.camera.calibration.square_pixels = node.Boolean("square_pixels").value_or(false);
+  ReadSection(node, calibration.camera, files, {"pictures"});
   if (auto plane = node.Child("plane")) {
     calibration.plane = ReadPlane(*plane, files);
     calibration.plane_options = plane->ToJson();
@@ -249,23 +170,13 @@ void CheckCompared(const std::optional<std::string>& marker, const StudyTrial& t
                fmt::join(names, ", "));
 }
 
-void ReadCompare(YamlNode node, StudyFile& study) {
-  study.compare.human_knee = node.Text("human_knee").value_or(study.compare.human_knee);
-  study.compare.exo_knee = node.Text("exo_knee");
-  double& replacement_mm = study.compare.misalignment.replacement_sd_mm;
-  replacement_mm = node.Number("replacement_sd_mm").value_or(replacement_mm);
-  if (replacement_mm < 0) throw Fail("{}: 'replacement_sd_mm' must not be negative", node.Where());
+void ReadCompare(YamlNode node, Files& files, StudyFile& study) {
+  ReadSection(node, study.compare, files, {"human", "exo", "map", "up", "forward", "unit", "exo-map", "exo-unit"});
   node.Finish();
   study.compare_options = node.ToJson();
   if (!study.exo) throw Fail("{}: 'compare' needs an 'exo' trial", node.Where());
   CheckCompared(study.compare.human_knee, study.human, node);
   CheckCompared(study.compare.exo_knee, *study.exo, node);
-}
-
-std::optional<double> PositiveNumber(YamlNode& node, const char* key) {
-  const std::optional<double> value = node.Number(key);
-  if (value && !(*value > 0)) throw Fail("{}: '{}' must be positive", node.Where(), key);
-  return value;
 }
 
 // A file is only named here; it is read when it is known that none is missing.
@@ -281,58 +192,31 @@ void ReadDesignSection(YamlNode node, Files& files, StudyFile& study) {
   study.design_options = node.ToJson();
   ReadProblemKey(node, files, study.design);
   if (const auto worn = node.Child("worn")) study.worn = files.Take(*worn);
-  study.certify_gap_deg = PositiveNumber(node, "certify_deg");
-  study.yield_tolerance_mm = PositiveNumber(node, "yield_mm");
+  ReadSection(node, study.optimum, files);
   node.Finish();
   if (study.worn && !study.exo) throw Fail("{}: 'worn' needs an 'exo' trial", node.Where());
 }
 
-linkage::StrokeProgram::Kind ParseProgram(const YamlNode& node) {
-  const std::string text = node.AsText();
-  if (text != "constant" && text != "free") throw Fail("{}: program '{}': constant or free", node.Where(), text);
-  return text == "free" ? linkage::StrokeProgram::Kind::kFree : linkage::StrokeProgram::Kind::kConstant;
-}
-
 StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& design) {
-  StudyRedesign redesign{{}, design, node.ToJson()};
+  StudyRedesign redesign{{}, {}, design, node.ToJson()};
   ReadProblemKey(node, files, redesign.design);
-  commands::ReoptimizeRunOptions& options = redesign.options;
-  options.max_misalignment_percent = PositiveNumber(node, "max_misalignment_percent");
-  options.penalty_deg_per_mm = PositiveNumber(node, "penalty").value_or(options.penalty_deg_per_mm);
-  if (const auto program = node.Child("program")) options.program.kind = ParseProgram(*program);
-  options.program.max_speed_mm_s = PositiveNumber(node, "max_speed_mm_s").value_or(options.program.max_speed_mm_s);
-  options.program.duration_s = PositiveNumber(node, "duration_s");
-  options.program.monotone = node.Boolean("monotone").value_or(options.program.monotone);
-  options.program.knots = node.Integer("knots").value_or(options.program.knots);
-  options.fit_placement = node.Boolean("fit_placement").value_or(options.fit_placement);
-  options.placement_reach_mm = PositiveNumber(node, "placement_reach_mm").value_or(options.placement_reach_mm);
-  options.human_only = node.Boolean("human_only").value_or(options.human_only);
-  options.pareto_points = node.Integer("pareto");
-  if (options.pareto_points && *options.pareto_points < 2)
-    throw Fail("{}: 'pareto' must be at least 2 points", node.Where());
+  ReadSection(node, redesign.search, files);
+  ReadSection(node, redesign.options, files,
+              {"comparison", "human", "human-knee", "map", "up", "forward", "unit", "worn"});
   node.Finish();
   return redesign;
 }
 
+void ReadSimulation(YamlNode node, Files& files, StudyFile& study) {
+  study.simulation_options = node.ToJson();
+  ReadSection(node, study.simulation, files);
+  node.Finish();
+}
+
 commands::StrokeRunOptions ReadStroke(YamlNode node, Files& files) {
   commands::StrokeRunOptions options;
-  if (const auto table = node.Child("duty_table")) options.duty_table = files.Take(*table);
-  actuator::ScheduleOptions& schedule = options.schedule;
-  schedule.speed_mm_s = node.Number("speed_mm_s");
-  schedule.from_deg = node.Number("from_deg"), schedule.to_deg = node.Number("to_deg");
-  schedule.margin_mm = node.Number("margin_mm").value_or(schedule.margin_mm);
-  schedule.max_speed_mm_s = node.Number("max_speed_mm_s");
-  schedule.return_trip = node.Boolean("return").value_or(schedule.return_trip);
-  schedule.hold_s = node.Number("hold_s").value_or(schedule.hold_s);
-  schedule.dead_time_s = node.Number("dead_time_s").value_or(schedule.dead_time_s);
-  actuator::FirmwareOptions& firmware = options.firmware;
-  firmware.home_stroke_mm = PositiveNumber(node, "home_stroke_mm").value_or(firmware.home_stroke_mm);
-  firmware.extend_stop_mm = PositiveNumber(node, "extend_stop_mm").value_or(firmware.extend_stop_mm);
-  firmware.speed_tolerance_percent = PositiveNumber(node, "speed_tolerance_percent");
-  firmware.accept_drift = node.Boolean("accept_drift").value_or(firmware.accept_drift);
-  options.rate_hz = PositiveNumber(node, "rate_hz").value_or(options.rate_hz);
+  ReadSection(node, options, files, {"design", "motion", "validate", "tolerance"});
   node.Finish();
-  At(node, [&] { schedule.Check(), firmware.Check(); });
   return options;
 }
 
@@ -371,7 +255,7 @@ StudyFile ReadStudyFile(const fs::path& path) {
   ReadCamera(root, files, study);
   study.human = ReadTrialSection(Required(root, "human"), files);
   if (auto exo = root.Child("exo")) study.exo = ReadTrialSection(std::move(*exo), files);
-  if (auto compare = root.Child("compare")) ReadCompare(std::move(*compare), study);
+  if (auto compare = root.Child("compare")) ReadCompare(std::move(*compare), files, study);
   if (auto design = root.Child("design")) ReadDesignSection(std::move(*design), files, study);
   if (auto reoptimize = root.Child("reoptimize")) {
     const std::string where = reoptimize->Where();
@@ -382,6 +266,7 @@ StudyFile ReadStudyFile(const fs::path& path) {
           "leave the trial out with human_only: true",
           where);
   }
+  if (auto simulation = root.Child("simulation")) ReadSimulation(std::move(*simulation), files, study);
   if (auto stroke = root.Child("stroke")) {
     study.stroke_options = stroke->ToJson();
     study.stroke = ReadStroke(std::move(*stroke), files);

@@ -13,8 +13,6 @@
 namespace lake::camera {
 namespace {
 
-constexpr int kLeastSidePx = 32;  // smaller pictures hold no board, and OpenCV's windows do not fit them
-
 struct FoundCorners {
   std::vector<int> corner;
   std::vector<cv::Point2f> pixel;

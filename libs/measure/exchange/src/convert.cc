@@ -45,7 +45,8 @@ void CropTable(const std::array<double, 2>& crop_s, const fs::path& path, MotTab
 
 void CheckNoPointOptions(const fs::path& out, const ConvertOptions& options) {
   if (!options.reading.names.empty() || options.reading.up || !options.reading.forward.empty() || options.unit != "mm")
-    throw UsageError(fmt::format("{}: holds angles: --map, --up, --forward and --units are for points", out.string()));
+    throw UsageError(
+        fmt::format("{}: holds angles: --map, --up, --forward and --out-unit are for points", out.string()));
 }
 
 void ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions& options) {

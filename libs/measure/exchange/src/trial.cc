@@ -145,18 +145,39 @@ bool IsOwnTable(const fs::path& path) {
 }  // namespace
 
 std::map<std::string, std::string> ParseNameMap(const std::string& text) {
-  std::map<std::string, std::string> names;
-  for (const std::string& part : SplitText(text, ',')) {
-    const auto [name, marker] = SplitNameValue("--map", part);
-    if (marker.empty()) throw UsageError(fmt::format("--map '{}': no marker for '{}'", text, name));
-    if (!names.emplace(name, marker).second) throw UsageError(fmt::format("--map '{}': '{}' stands twice", text, name));
-  }
-  return names;
+  const auto pairs = NamesAndValues(SplitText(text, ','), "--map");
+  return {pairs.begin(), pairs.end()};
 }
 
-std::optional<char> ParseUp(const std::string& text) {
-  if (text.size() > 1) throw UsageError(fmt::format("--up '{}': x, y or z", text));
-  return text.empty() ? std::nullopt : std::optional(text[0]);
+Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options) {
+  const auto set = [&mm_per_unit](const OptionTexts& texts, const std::string& said) {
+    CheckTextCount(texts, 1, said);
+    const std::optional<double> unit = FindMmPerUnit(texts.front());
+    const std::optional<double> mm = unit ? unit : ParseNumber(texts.front());
+    if (!mm || !(*mm > 0)) throw UsageError(fmt::format("{} '{}': mm, cm, m or its length in mm", said, texts.front()));
+    mm_per_unit = *mm;
+  };
+  return options
+      .AddCustom(name,
+                 "Length unit of files that state none (Tracker text, Kinovea's CSV): mm, cm, m, or its length in mm",
+                 set, "mm")
+      .Value("mm|cm|m|MM");
+}
+
+void Describe(TrialOptions& o, OptionList& options) {
+  options.Add("map", o.names, "Each marker's name in the file; A+B is the midpoint of two").Value("NAME=MARKER,...");
+  DescribeUp(o, options);
+  options.Add("forward", o.forward, "Direction in which the subject of a 3-D file faces: +x, -x, …")
+      .Value("AXIS")
+      .Otherwise("found from the movement");
+  DescribeUnit("unit", o.mm_per_unit, options);
+}
+
+Option& DescribeUp(TrialOptions& o, OptionList& options) {
+  return options
+      .AddChoice("up", o.up, OptionList::Choices<char>{{"x", 'x'}, {"y", 'y'}, {"z", 'z'}},
+                 "Vertical axis of a 3-D file")
+      .Otherwise("TRC y, C3D its own or z");
 }
 
 PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options) {

@@ -184,11 +184,24 @@ LegFitSummary Summarize(const Solution& solution, const LegStart& start, double 
 
 }  // namespace
 
-LegFilter ParseLegFilter(std::string_view text) {
-  if (text == "spline") return LegFilter::kSpline;
-  if (text == "butterworth") return LegFilter::kButterworth;
-  if (text == "none") return LegFilter::kNone;
-  throw UsageError(fmt::format("filter '{}': spline, butterworth or none", text));
+void Describe(LegFitOptions& o, OptionList& options) {
+  options.AddChoice(
+      "filter", o.filter,
+      OptionList::Choices<LegFilter>{
+          {"spline", LegFilter::kSpline}, {"butterworth", LegFilter::kButterworth}, {"none", LegFilter::kNone}},
+      "Filter of positions and angles");
+  options.Add("cutoff", o.cutoff_hz, "Cutoff frequency of the filter")
+      .Unit("Hz")
+      .Positive()
+      .Otherwise("found from the data (spline), 6 (butterworth)");
+}
+
+void DescribeFacing(LegFitOptions& o, OptionList& options) {
+  using motion::Facing;
+  options
+      .AddChoice("facing", o.facing, OptionList::Choices<Facing>{{"left", Facing::kLeft}, {"right", Facing::kRight}},
+                 "Direction in which the subject faces, in the plane")
+      .Otherwise("found from the movement");
 }
 
 LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options) {

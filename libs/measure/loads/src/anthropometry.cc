@@ -49,12 +49,6 @@ SegmentShare ReadShare(YamlNode& file, const char* name) {
 
 }  // namespace
 
-Sex ParseSex(std::string_view text) {
-  if (text == "male") return Sex::kMale;
-  if (text == "female") return Sex::kFemale;
-  throw UsageError(fmt::format("--sex '{}': male or female", text));
-}
-
 Anthropometry FindAnthropometry(const std::string& name_or_file, std::optional<Sex> sex) {
   if (name_or_file == "winter") return Winter();
   if (name_or_file != "deleva") return ReadAnthropometry(name_or_file);

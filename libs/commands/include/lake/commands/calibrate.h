@@ -8,6 +8,7 @@
 #include "lake/camera/board_pictures.h"
 #include "lake/camera/calibration.h"
 #include "lake/core/json.h"
+#include "lake/core/options.h"
 #include "lake/core/run.h"
 
 namespace lake::commands {
@@ -28,6 +29,10 @@ struct PlaneRunOptions {
 struct SheetRunOptions {
   std::string board, paper = "a4";
 };
+
+void Describe(CalibrateRunOptions& o, OptionList& options);
+void Describe(PlaneRunOptions& o, OptionList& options);
+void Describe(SheetRunOptions& o, OptionList& options);
 
 // Writes camera.yaml, residuals.csv, residuals.png and, from enough views, cross_validation.png; returns the results
 // for the summary. Throws UsageError without pictures or board, Error for pictures that cannot be used, SolverError.

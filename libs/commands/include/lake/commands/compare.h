@@ -7,6 +7,7 @@
 
 #include "lake/compare/misalignment.h"
 #include "lake/core/json.h"
+#include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
 
@@ -21,6 +22,8 @@ struct CompareRunOptions {
   exchange::TrialOptions human_reading, exo_reading;  // of files; a folder's markers have their names already
   compare::MisalignmentOptions misalignment;
 };
+
+void Describe(CompareRunOptions& o, OptionList& options);
 
 // Of a lake-track folder its tables, of another trial those of a leg fit. `knee` is the compared marker; where the
 // trial has no marker `knee`, it is the leg's knee as well.

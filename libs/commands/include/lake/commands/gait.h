@@ -17,11 +17,7 @@ struct GaitRunOptions {
   gait::LegFitOptions fit;
 };
 
-// mm, cm or m. Throws UsageError.
-double MmPerUnit(const std::string& unit);
-
-// left or right. Throws UsageError.
-motion::Facing ParseFacing(const std::string& text);
+void Describe(GaitRunOptions& o, OptionList& options);
 
 // The one way in which lake-gait, lake-compare and lake-optimize read a trial and fit a leg to it. Warnings (of the
 // file, of lengths that no leg has, of positions that were smoothed) are said through `run`, inputs recorded in it.

@@ -25,8 +25,7 @@ struct LoadsRunOptions {
   std::string leg;                    // right or left; empty: by the ankle marker's name in the file, else right
 };
 
-// HEEL,TOE in mm, behind and before the ankle. Throws UsageError.
-loads::Foot ParseFoot(const std::string& text);
+void Describe(LoadsRunOptions& o, OptionList& options);
 
 // Writes loads.csv, loads.json, loads.png; returns the results for the summary.
 Json RunLoads(const LoadsRunOptions& options, Run& run);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "lake/core/json.h"
+#include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
 #include "lake/redesign/reoptimize_problem.h"
@@ -29,12 +30,17 @@ struct ReoptimizeRunOptions {
   std::optional<int> pareto_points;
 };
 
+void Describe(ReoptimizeRunOptions& o, OptionList& options);
+
 struct OptimizeRunOptions {
   problem::SynthesisProblem problem;
   std::filesystem::path problem_file;  // that it was read from, for the record; empty: none
   synthesis::SynthesisOptions study;
   std::optional<ReoptimizeRunOptions> reoptimize;
 };
+
+// The problem, its file and how its optimum is sought; the re-optimisation's stand by themselves.
+void Describe(OptimizeRunOptions& o, OptionList& options);
 
 // Writes design.yaml, the tables and figures of the study; returns the results for the summary. Where no design
 // satisfies the problem, the nearest and the reason are written, summary.json included, and SolverError is thrown.

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/drawing/linkage_dxf.h"
 #include "lake/linkage/body.h"
@@ -25,6 +26,8 @@ struct SimulationOptions {
 
   void Check() const;  // throws UsageError
 };
+
+void Describe(SimulationOptions& o, OptionList& options);
 
 // Writes angle_vs_stroke.csv/.png/.svg, pose_ANGLE.png/.svg, schematic.svg, animation.mp4/.gif, design.dxf and
 // mannequin.png through the run and returns what goes into the summary. Throws Error naming stroke and gap if the

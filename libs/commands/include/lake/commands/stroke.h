@@ -10,6 +10,7 @@
 #include "lake/actuator/duty_calibration.h"
 #include "lake/actuator/firmware.h"
 #include "lake/actuator/stroke_schedule.h"
+#include "lake/core/options.h"
 #include "lake/core/run.h"
 
 namespace lake::commands {
@@ -25,6 +26,8 @@ struct StrokeRunOptions {
   actuator::ScheduleOptions schedule;
   actuator::FirmwareOptions firmware;
 };
+
+void Describe(StrokeRunOptions& o, OptionList& options);
 
 // Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results, `warning` on top
 // of the .ino; returns their names.
@@ -44,6 +47,8 @@ struct DutyRunOptions {
   actuator::CalibrateOptions calibrate;
   actuator::FirmwareOptions firmware;
 };
+
+void Describe(DutyRunOptions& o, OptionList& options);
 
 // Writes duty_table.csv, plateaus.csv, duty_table.png; or the calibration firmware.
 Json RunDutyCalibration(const DutyRunOptions& options, Run& run);

@@ -28,6 +28,8 @@ struct TrackRunOptions {
   std::vector<std::string> exports;  // as CheckExportFormats (exchange/formats.h) knows them
 };
 
+void Describe(TrackRunOptions& o, OptionList& options);
+
 // Writes tracks, leg motion, events, figures, video and exports through `run` and returns the results for the summary.
 //
 // With the spline filter, the positions of detected samples in tracks.csv are those of the fit at that frame: the

@@ -2,14 +2,16 @@
 //
 //   name, out: texts
 //   camera: camera.yaml   or   {calibrate: {images | video, board, plane: {image, board | points}}}
-//   human, exo: {video, markers, seeds, detector, …}   or   {trial, map, up, forward, …}     exo may be absent
-//   compare: {human_knee, exo_knee, replacement_sd_mm}
-//   design: {problem: file or map, worn: design.yaml, certify_deg}
-//   reoptimize: {max_misalignment_percent, penalty, program, max_speed_mm_s, duration_s, fit_placement, human_only,
-//   pareto, …};
-//     with an exo trial either the worn design or human_only: true;
-//     absent: no design is fitted to the person
-//   stroke: {duty_table, speed_mm_s, margin_mm, return, …}; absent: no stroke program
+//   human, exo: {video, …} or {trial, …}     exo may be absent
+//   compare: {human_knee, exo_knee, replacement_sd_mm, …}
+//   design: {problem: file or map, worn: design.yaml, certify_deg, …}
+//   reoptimize: {problem, max_misalignment_percent, program, …}; with an exo trial either the worn design or
+//     human_only: true; absent: no design is fitted to the person
+//   simulation: {angles_deg, knee_torque_nm, …}
+//   stroke: {duty_table, speed_mm_s, …}; absent: no stroke program
+//
+// A section has the options of the program that does its work, as keys (core/options.h), but for what the study itself
+// gives: the places of trials and designs.
 #pragma once
 
 #include <filesystem>
@@ -22,9 +24,11 @@
 #include "lake/commands/compare.h"
 #include "lake/commands/gait.h"
 #include "lake/commands/optimize.h"
+#include "lake/commands/simulate.h"
 #include "lake/commands/stroke.h"
 #include "lake/commands/track.h"
 #include "lake/problem/problem.h"
+#include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::study {
 
@@ -58,8 +62,9 @@ struct StudyProblem {
 // A design fitted to the person.
 struct StudyRedesign {
   commands::ReoptimizeRunOptions options;  // without the places of trials and worn design
-  StudyProblem design;                     // default: the study's own
-  Json said;                               // what the study says about it
+  synthesis::SynthesisOptions search;
+  StudyProblem design;  // default: the study's own
+  Json said;            // what the study says about it
 };
 
 struct StudyFile {
@@ -73,12 +78,12 @@ struct StudyFile {
   commands::CompareRunOptions compare;  // without the trials' places
   Json compare_options = Json::object();
   StudyProblem design;
-  std::optional<double> certify_gap_deg;  // prove an upper bound on the range to within this
-  std::optional<double>
-      yield_tolerance_mm;  // fraction of builds that work when every link, and nothing else, is off by up to this
+  synthesis::SynthesisOptions optimum;        // how the design's optimum is sought, proved and judged
   std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
   Json design_options = Json::object();
   std::optional<StudyRedesign> redesign;
+  commands::SimulationOptions simulation;
+  Json simulation_options = Json::object();
   std::optional<commands::StrokeRunOptions> stroke;  // without the design and the motion's place
   Json stroke_options;
   std::vector<StudyInput> inputs;  // all files named, each once

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/core/options.h"
 #include "lake/exchange/formats.h"
 
 namespace lake::exchange {
@@ -19,6 +20,14 @@ struct TrialOptions {
   double mm_per_unit = 1;                    // of files that do not say their unit
   double rate_hz = 0;                        // of files without times (DLTdv)
 };
+
+// All but the rate, which only what converts asks.
+void Describe(TrialOptions& o, OptionList& options);
+// The unit of files that do not say theirs: its name, or its length in mm.
+// Which axis of a 3-D file is vertical.
+Option& DescribeUp(TrialOptions& o, OptionList& options);
+
+Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options);
 
 struct Trial {
   std::filesystem::path file;         // that was read: of a folder, its trajectory.csv or tracks.csv
@@ -33,9 +42,6 @@ struct Trial {
 
 // "ankle=RANK,knee=RKNE" as a map. Throws UsageError.
 std::map<std::string, std::string> ParseNameMap(const std::string& text);
-
-// The text of an option --up as TrialOptions::up; nullopt if empty. Throws UsageError.
-std::optional<char> ParseUp(const std::string& text);
 
 // Whatever ReadPoints (formats.h) reads. Three dimensions are projected onto the vertical plane that holds `forward`,
 // or that fits the movement of the segments between ankle, knee and hip best, and a warning says so; Tracker's projects

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lake/core/json.h"
+#include "lake/core/options.h"
 #include "lake/gait/leg_angles.h"
 #include "lake/gait/leg_view.h"
 #include "lake/gait/smoothing_spline.h"
@@ -26,9 +27,6 @@ enum class LegFilter {
   kButterworth,  // marker positions (gaps from the fit) through ZeroPhaseButterworth
   kNone,         // each frame by itself (gaps from the fit)
 };
-
-// "spline", "butterworth", "none". Throws UsageError.
-LegFilter ParseLegFilter(std::string_view text);
 
 struct LegFitOptions {
   LegFilter filter = LegFilter::kSpline;
@@ -46,6 +44,10 @@ struct LegFitOptions {
   // By what the program at work says which way is up and where the subject faces, for messages.
   std::string vertical_option = "--up", facing_option = "--facing";
 };
+
+// All but where the subject faces, which not every program asks.
+void Describe(LegFitOptions& o, OptionList& options);
+void DescribeFacing(LegFitOptions& o, OptionList& options);
 
 // A marker's record in the fit. Lengths in the recorded unit.
 struct MarkerReport {

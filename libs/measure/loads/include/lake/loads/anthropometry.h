@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace lake::loads {
 
@@ -23,9 +22,6 @@ struct Anthropometry {
 };
 
 enum class Sex { kMale, kFemale };
-
-// male or female. Throws UsageError.
-Sex ParseSex(std::string_view text);
 
 // "winter", "deleva" (by sex), else a YAML file: `source` and, for foot, shank, thigh and trunk each, {mass, centre,
 // gyration}. Throws UsageError for deleva without a sex; Error naming file and line for shares out of range, or masses

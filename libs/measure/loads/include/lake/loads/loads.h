@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/core/options.h"
 #include "lake/loads/leg_dynamics.h"
 #include "lake/loads/trunk_fit.h"
 #include "lake/motion/leg_motion.h"
@@ -45,6 +46,9 @@ struct LoadsOptions {
   int draws = 200;
   std::uint64_t seed = 1;
 };
+
+// Those of a user: of the body, how many draws, their seed.
+void Describe(LoadsOptions& o, OptionList& options);
 
 constexpr int kPercents = 101;
 

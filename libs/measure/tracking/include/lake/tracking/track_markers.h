@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/core/options.h"
 #include "lake/core/progress.h"
 #include "lake/motion/marker_recording.h"
 #include "lake/tracking/marker_detector.h"
@@ -34,6 +35,9 @@ struct TrackOptions {
   // match, physics that is not positive.
   void Check() const;
 };
+
+// With the reader's.
+void Describe(TrackOptions& o, OptionList& options);
 
 struct TrackResult {
   motion::MarkerRecording recording;  // px; detected or missing

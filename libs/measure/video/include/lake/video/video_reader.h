@@ -8,6 +8,8 @@
 #include <optional>
 #include <string>
 
+#include "lake/core/options.h"
+
 namespace lake::video {
 
 struct VideoInfo {
@@ -54,6 +56,8 @@ struct VideoReaderOptions {
   std::optional<std::int64_t> last = {};           // last frame to hand out
   std::optional<double> start_s = {}, end_s = {};  // only frames with time stamps from … to …, both included
 };
+
+void Describe(VideoReaderOptions& o, OptionList& options);
 
 class VideoReader {
  public:

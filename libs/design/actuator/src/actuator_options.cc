@@ -1,0 +1,60 @@
+#include "lake/actuator/actuator_options.h"
+
+namespace lake::actuator {
+
+void Describe(ScheduleOptions& o, OptionList& options) {
+  options.Add("speed", o.speed_mm_s, "Constant speed instead of the design's program").Unit("mm/s");
+  options.Add("from-angle", o.from_deg, "Constant program: knee angle at its start")
+      .Unit("degrees")
+      .Key("from_deg")
+      .Otherwise("at d_min");
+  options.Add("to-angle", o.to_deg, "Constant program: knee angle at its end")
+      .Unit("degrees")
+      .Key("to_deg")
+      .Otherwise("standing");
+  options.Add("return", o.return_trip, "Then return to the start the same way");
+  options.Add("hold", o.hold_s, "Pause before returning (with --return)").Unit("s");
+  options.Add("margin", o.margin_mm, "Margin of stroke kept before standing and before the linkage's ends").Unit("mm");
+  options.Add("max-speed", o.max_speed_mm_s, "Speed limit of the actuator").Unit("mm/s");
+  options.Add("max-acceleration", o.max_acceleration_mm_s2, "Acceleration limit of the actuator")
+      .Unit("mm/s²")
+      .Otherwise("speeds change at once");
+  options.Add("dead-time", o.dead_time_s, "Braking time before a reversal").Unit("s");
+  options.Check([&o](const OptionList&) { o.Check(); });
+}
+
+void Describe(FirmwareOptions& o, OptionList& options) {
+  options.Add("home-stroke", o.home_stroke_mm, "Stroke at which the retract end stop acts; 0: the lower soft limit")
+      .Unit("mm");
+  options.Add("home-speed", o.home_speed_mm_s, "Homing speed, limited by the duty table").Unit("mm/s");
+  options.Add("command-timeout", o.command_timeout_s, "Stop after the host has been silent this long; 0: never")
+      .Unit("s");
+  options
+      .Add("speed-tolerance", o.speed_tolerance_percent,
+           "How far speeds may differ from the duty table: part of the drift bound")
+      .Unit("percent")
+      .Otherwise("the table's tolerance_percent, else 10");
+  options.Add("home-error", o.home_error_mm, "How well the stroke is known after homing: part of the drift bound")
+      .Unit("mm");
+  options.Add("lag", o.lag_s, "Time by which the speed may lag behind the duty: part of the drift bound").Unit("s");
+  options
+      .Add("stop-travel", o.stop_travel_mm, "Travel within which an end stop must release when the actuator moves away")
+      .Unit("mm");
+  options
+      .Add("extend-stop", o.extend_stop_mm, "Distance of the extend end stop before the linkage's end; 0: no such stop")
+      .Unit("mm");
+  options.Add("accept-drift", o.accept_drift,
+              "For a bench without a person: write a program whose drift may pass the linkage's end");
+  options.Add("table-tolerance", o.table_tolerance_mm, "Stroke error allowed to fit a long program into the flash")
+      .Unit("mm");
+  options.Check([&o](const OptionList&) { o.Check(); });
+}
+
+void Describe(CalibrateOptions& o, OptionList& options) {
+  options.Add("settle", o.settle_s, "Time ignored at the start of each plateau").Unit("s");
+  options.Add("min-plateau", o.min_plateau_s, "Shortest plateau of constant duty").Unit("s");
+  options.Add("still", o.still_mm_s, "Speed below which the actuator counts as standing still").Unit("mm/s");
+  options.Add("steady", o.steady_fraction, "How much the speeds of a plateau's halves may differ, as a fraction");
+}
+
+}  // namespace lake::actuator

@@ -1,0 +1,12 @@
+// The options of a synthesis problem.
+#pragma once
+
+#include "lake/core/options.h"
+#include "lake/problem/problem.h"
+
+namespace lake::problem {
+
+// What a command line changes of a problem that was read from a file or is the paper's.
+void Describe(SynthesisProblem& o, OptionList& options);
+
+}  // namespace lake::problem

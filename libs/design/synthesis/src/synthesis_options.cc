@@ -1,0 +1,27 @@
+#include "lake/synthesis/synthesis_options.h"
+
+#include "lake/core/csv.h"
+
+namespace lake::synthesis {
+
+void Describe(OptimizeOptions& o, OptionList& options) {
+  options.Add("starts", o.starts, "Number of starts; all but the first are random within the bounds").AtLeast(1);
+  options.Add("seed-number", o.seed, "Random seed");
+}
+
+void Describe(SynthesisOptions& o, OptionList& options) {
+  Describe(o.optimize, options);
+  options.Add("certify", o.certify_gap_deg, "Prove an upper bound on the range to within this gap")
+      .Unit("degrees")
+      .Positive()
+      .Implied(FormatNumber(certificate::CertificateOptions{}.gap_deg));
+  options
+      .Add("yield", o.yield_tolerance_mm,
+           "Evaluate the fraction of builds that work when every link, and nothing else, deviates by up to this; not a "
+           "requirement")
+      .Unit("mm")
+      .Positive();
+  options.Add("round", o.round_mm, "Also find the best design whose links are multiples of this").Unit("mm").Positive();
+}
+
+}  // namespace lake::synthesis

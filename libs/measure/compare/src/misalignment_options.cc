@@ -1,0 +1,16 @@
+#include "lake/compare/misalignment_options.h"
+
+namespace lake::compare {
+
+void Describe(MisalignmentOptions& o, OptionList& options) {
+  options
+      .Add("replacement-sd", o.replacement_sd_mm,
+           "Standard deviation, per axis, of putting a marker back on its spot between trials; 0 if both are in one "
+           "recording")
+      .Unit("mm")
+      .NotNegative();
+  options.Add("resamples", o.resamples, "Number of bootstrap resamples; 0: no intervals");
+  options.Add("seed-number", o.seed, "Random seed of the bootstrap");
+}
+
+}  // namespace lake::compare

@@ -1,0 +1,108 @@
+// One line that describes an option is all that is needed for it; and every program's help has what is described.
+#include "cli/program_run.h"
+#include "lake/commands/calibrate.h"
+#include "lake/commands/compare.h"
+#include "lake/commands/gait.h"
+#include "lake/commands/loads.h"
+#include "lake/commands/optimize.h"
+#include "lake/commands/simulate.h"
+#include "lake/commands/stroke.h"
+#include "lake/commands/track.h"
+#include "lake/core/yaml.h"
+#include "lake/exchange/convert_options.h"
+#include "pages.h"
+#include "program.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+
+struct NewOptions {
+  double knee_width_mm = 90;
+};
+
+void Describe(NewOptions& o, OptionList& options) {
+  options.Add("knee-width", o.knee_width_mm, "Width of the knee between its condyles").Unit("mm").Positive();
+}
+
+TEST(AnOption, IsOneLine) {
+  NewOptions options;
+  CLI::App cli("A program", "lake-new");
+  const std::vector<SharedOptions> lists = {AddOptions(cli, OptionsOf(options))};
+  EXPECT_EQ(EffectiveOptions(cli, lists)["knee-width"], "90") << "the summary's options";
+  EXPECT_THAT(cli.help(), HasSubstr("--knee-width MM=90"));
+  EXPECT_THAT(cli.help(), HasSubstr("Width of the knee between its condyles [mm]"));
+  EXPECT_THAT(ManPage(cli), HasSubstr("\\fB\\-\\-knee\\-width\\fR \\fIMM\\fR\nWidth of the knee"));
+  EXPECT_THAT(BashCompletion(cli), HasSubstr("--knee-width"));
+  cli.parse("--knee-width 85");
+  lists.front()->Apply();
+  EXPECT_EQ(options.knee_width_mm, 85);
+  EXPECT_EQ(EffectiveOptions(cli, lists)["knee-width"], "85");
+  cli.parse("--knee-width 0");
+  EXPECT_THROW(lists.front()->Apply(), UsageError);
+
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "study.yaml", "knee_width_mm: 88\n");
+  YamlNode section = YamlNode::ReadFile(folder / "study.yaml");
+  OptionList list = OptionsOf(options);
+  ReadOptions(section, list, {});
+  section.Finish();
+  EXPECT_EQ(options.knee_width_mm, 88);
+}
+
+TEST(AFlag, IsSetByItsLastMentionAndRefusesOtherWords) {
+  struct Drawing {
+    bool drawn = true;
+  } drawing;
+  CLI::App cli("A program", "lake-new");
+  OptionList described;
+  described.Add("drawn", drawing.drawn, "Draw it").WithNegation();
+  const SharedOptions list = AddOptions(cli, std::move(described));
+  EXPECT_EQ(EffectiveOptions(cli, {list})["drawn"], "true");
+  cli.parse("--no-drawn");
+  list->Apply();
+  EXPECT_FALSE(drawing.drawn);
+  EXPECT_EQ(EffectiveOptions(cli, {list})["drawn"], "false");
+  cli.parse("--no-drawn --drawn");
+  list->Apply();
+  EXPECT_TRUE(drawing.drawn);
+  EXPECT_THROW(cli.parse("--drawn=perhaps"), CLI::ValidationError);
+}
+
+template <typename Options>
+void ExpectHelp(const std::string& program) {
+  const TemporaryFolder folder;
+  Options options;
+  const std::string help = Shell(folder, program + " --help").out, man = Shell(folder, program + " --help-man").out,
+                    completion = Shell(folder, program + " --completion bash").out;
+  const OptionList list = OptionsOf(options);
+  for (const Option& option : list.All()) {
+    const std::string name = option.IsOperand() ? option.Name() : "--" + option.Name();
+    EXPECT_THAT(help, HasSubstr(name)) << program;
+    EXPECT_THAT(help, HasSubstr(option.Help())) << program;
+    EXPECT_THAT(help, HasSubstr(option.Value())) << program;
+    if (option.IsOperand()) continue;
+    EXPECT_THAT(completion, HasSubstr(name)) << program;
+  }
+  EXPECT_THAT(man, testing::StartsWith(".TH LAKE"));
+}
+
+TEST(Help, HasEveryDescribedOptionWithItsUnit) {
+  ExpectHelp<commands::TrackRunOptions>("lake-track");
+  ExpectHelp<commands::GaitRunOptions>("lake-gait");
+  ExpectHelp<commands::LoadsRunOptions>("lake-loads");
+  ExpectHelp<commands::CompareRunOptions>("lake-compare");
+  ExpectHelp<commands::OptimizeRunOptions>("lake-optimize");
+  ExpectHelp<commands::ReoptimizeRunOptions>("lake-optimize");
+  ExpectHelp<commands::StrokeRunOptions>("lake-stroke");
+  ExpectHelp<commands::DutyRunOptions>("lake-stroke calibrate");
+  ExpectHelp<commands::CalibrateRunOptions>("lake-calibrate");
+  ExpectHelp<commands::PlaneRunOptions>("lake-calibrate plane");
+  ExpectHelp<commands::SheetRunOptions>("lake-calibrate board");
+  ExpectHelp<commands::SimulationOptions>("lake-simulate");
+  ExpectHelp<exchange::ConvertOptions>("lake-convert");
+}
+
+}  // namespace
+}  // namespace lake
