@@ -43,7 +43,7 @@ struct LoadsOptions {
   double cutoff_with_forces_hz = 6, cutoff_hz = 4;
   double seat_release_s = 0.1;   // after seat-off the seat still bears a part for so long
   double seat_contact_s = 0.15;  // before `seated` it bears one again
-  int draws = 200;
+  int draws = 400;
   std::uint64_t seed = 1;
 };
 
