@@ -3,6 +3,7 @@
 #include "lake/commands/calibrate.h"
 #include "lake/commands/compare.h"
 #include "lake/commands/gait.h"
+#include "lake/commands/loads.h"
 #include "lake/commands/optimize.h"
 #include "lake/commands/simulate.h"
 #include "lake/commands/stroke.h"
@@ -90,6 +91,7 @@ void ExpectHelp(const std::string& program) {
 TEST(Help, HasEveryDescribedOptionWithItsUnit) {
   ExpectHelp<commands::TrackRunOptions>("lake-track");
   ExpectHelp<commands::GaitRunOptions>("lake-gait");
+  ExpectHelp<commands::LoadsRunOptions>("lake-loads");
   ExpectHelp<commands::CompareRunOptions>("lake-compare");
   ExpectHelp<commands::OptimizeRunOptions>("lake-optimize");
   ExpectHelp<commands::ReoptimizeRunOptions>("lake-optimize");

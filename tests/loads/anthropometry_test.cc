@@ -89,11 +89,11 @@ TEST(Anthropometry, BodiesThatNobodyHasAreRefused) {
   }
   body.mass_kg = 70;
   EXPECT_NO_THROW(body.Check());
-  body.height_m = 1750;
+  body.height_mm = 1.75;
   EXPECT_THROW(body.Check(), UsageError);
-  body.height_m = 1.75, body.share = 0;
+  body.height_mm = 1750, body.share = 0;
   EXPECT_THROW(body.Check(), UsageError);
-  body.share = 0.5, body.foot = Foot{0.02, 0.03};
+  body.share = 0.5, body.foot_mm = std::array<double, 2>{20, 30};
   EXPECT_THROW(body.Check(), UsageError);
 }
 

@@ -108,9 +108,9 @@ TEST_P(OnForcePlates, FromTheGroundItEqualsTheReferenceWithItsInertias) {
                                          "trunk: {mass: 0.646, centre: 0.626, gyration: 0.496}\n";
   commands::LoadsRunOptions options = OptionsFor(GetParam());
   options.loads.body.anthropometry = folder / "body.yaml";
-  options.loads.body.foot = loads::Foot{0.062, 0.154};  // the markers of heel and toe
+  options.loads.body.foot_mm = std::array<double, 2>{62, 154};  // the markers of heel and toe
   options.forces = kFolder / "STS1_grf.mot";
-  options.plates = exchange::ParsePlates("right=1,left=2");
+  options.plates = {{"right", 1}, {"left", 2}};
   const auto outcome = RunOn(options);
   const Reference reference(GetParam());
   const Agreement agreement = Compare(outcome->folder / "out/loads.csv", reference);
@@ -202,10 +202,11 @@ TEST(LoadsOfBadInput, SwappedPlatesAreWarnedOfWithNumbers) {
   commands::LoadsRunOptions options = OptionsFor("right");
   options.loads.draws = 20;
   options.forces = kFolder / "STS1_grf.mot";
-  options.plates = exchange::ParsePlates("right=2,left=1");
+  options.plates = {{"right", 2}, {"left", 1}};
   EXPECT_THAT(RunOn(options)->warnings,
-              testing::Contains(testing::AllOf(testing::HasSubstr("plates swapped"), testing::HasSubstr("354 mm"))));
-  options.plates = exchange::ParsePlates("right=3");
+              testing::Contains(testing::AllOf(testing::HasSubstr("plates swapped"), testing::HasSubstr("343 mm"),
+                                               testing::HasSubstr("43 mm:"))));
+  options.plates = {{"right", 3}};
   EXPECT_THAT(Failure(options), testing::HasSubstr("bears no force"));
   options.plates.clear();
   EXPECT_THAT(Failure(options), testing::HasSubstr("--plates right=1"));
@@ -245,9 +246,44 @@ TEST(GroundForces, OlderFilesNameAllPlatesAlike) {
   EXPECT_EQ(forces.plates[1].force_n[0], Eigen::Vector3d(11, 12, 13));
   EXPECT_EQ(forces.plates[1].point_m[0], Eigen::Vector3d(14, 15, 16));
   EXPECT_EQ(forces.plates[1].moment_nm[0], Eigen::Vector3d(0, 17, 0));
-  EXPECT_THROW(exchange::ReadGroundForces(folder / "old.c3d"), Error);
-  EXPECT_THROW(exchange::ParsePlates("right=0"), UsageError);
-  EXPECT_THROW(exchange::ParsePlates("both=1"), UsageError);
+  EXPECT_THROW(exchange::ReadGroundForces(folder / "old.txt"), Error);
+  EXPECT_THROW(exchange::CheckPlates({{"right", 0}}), UsageError);
+  EXPECT_THROW(exchange::CheckPlates({{"both", 1}}), UsageError);
+}
+
+// Someone walks over two plates: each step bears about the body's weight, and the force acts within a foot's length of
+// an ankle.
+TEST(GroundForces, OfAC3dFileActUnderTheFoot) {
+  const fs::path walk = fs::path(LAKE_SHARED_DATA) / "opensim_walk/walking2.c3d";
+  if (!fs::exists(walk)) GTEST_SKIP() << walk.string() << " is not here";
+  const exchange::GroundForceRecording forces = exchange::ReadGroundForces(walk);
+  const exchange::PointRecording points = exchange::ReadPoints(walk);
+  ASSERT_EQ(forces.plates.size(), 2u);
+  ASSERT_EQ(forces.up_axis, 'z');
+  ASSERT_EQ(forces.time_s.size(), 8 * points.time_s.size());  // 2000 and 250 Hz
+  for (const exchange::PlateForces& plate : forces.plates) {
+    double largest_n = 0, least_n = 0;
+    for (const Eigen::Vector3d& force_n : plate.force_n)
+      largest_n = std::max(largest_n, force_n.z()), least_n = std::min(least_n, force_n.z());
+    EXPECT_GT(least_n, -30);  // the plates' own zero is off by up to 27 N
+    EXPECT_GT(largest_n, 700);
+    EXPECT_LT(largest_n, 1200);
+    int stands = 0, under = 0;
+    for (std::size_t i = 0; i < points.time_s.size(); ++i) {
+      const Eigen::Vector3d force_n = plate.force_n[8 * i];
+      if (force_n.z() < 300) continue;
+      const Eigen::Vector3d at_mm =
+          1000 * (plate.point_m[8 * i] + Eigen::Vector3d::UnitZ().cross(plate.moment_nm[8 * i]) / force_n.z());
+      double least_mm = 1e9;
+      for (const char* ankle : {"RAJC", "LAJC"}) {
+        const Eigen::Vector3d apart_mm = points.Find(ankle)->positions[i] - at_mm;
+        if (apart_mm.allFinite()) least_mm = std::min(least_mm, apart_mm.head<2>().norm());
+      }
+      ++stands, under += least_mm < 250;
+    }
+    EXPECT_GT(stands, 100);
+    EXPECT_EQ(under, stands);
+  }
 }
 
 }  // namespace

@@ -28,14 +28,17 @@ std::string LegOf(const LoadsRunOptions& options) {
   return left ? "left" : "right";
 }
 
-// Where a plate's force acts on average, weighted by the force.
-std::optional<Vector3d> MeanPoint(const exchange::PlateForces& plate) {
+// Where a plate's force acts at the height of the point that its moment is about, on average, weighted by the force.
+std::optional<Vector3d> MeanPoint(const exchange::PlateForces& plate, const Vector3d& up) {
   constexpr double kLeast_n = 20;
   Vector3d sum = Vector3d::Zero();
   double weight = 0;
-  for (std::size_t i = 0; i < plate.force_n.size(); ++i)
-    if (const double force_n = plate.force_n[i].norm(); force_n > kLeast_n)
-      sum += force_n * plate.point_m[i], weight += force_n;
+  for (std::size_t i = 0; i < plate.force_n.size(); ++i) {
+    const double force_n = plate.force_n[i].dot(up);
+    if (force_n < kLeast_n) continue;
+    sum += force_n * plate.point_m[i] + up.cross(plate.moment_nm[i]);
+    weight += force_n;
+  }
   return weight > 0 ? std::optional<Vector3d>(sum / weight) : std::nullopt;
 }
 
@@ -49,10 +52,12 @@ Vector3d MeanAnkle(const exchange::PointRecording& points) {
 
 // Plates that were named the wrong way round: another plate's force acts under this ankle.
 void WarnOfSwappedPlates(const exchange::GroundForceRecording& forces, const exchange::PlateForces& plate,
-                         const std::string& leg, const Vector3d& ankle_m, Run& run) {
+                         const std::string& leg, const Vector3d& ankle_m, const Vector3d& up, Run& run) {
   const auto distance_mm = [&](const exchange::PlateForces& p) {
-    const std::optional<Vector3d> point_m = MeanPoint(p);
-    return point_m ? kMmPerM * (*point_m - ankle_m).norm() : std::numeric_limits<double>::infinity();
+    const std::optional<Vector3d> point_m = MeanPoint(p, up);
+    if (!point_m) return std::numeric_limits<double>::infinity();
+    const Vector3d apart_m = *point_m - ankle_m;
+    return kMmPerM * (apart_m - apart_m.dot(up) * up).norm();
   };
   const exchange::PlateForces* nearest = &plate;
   for (const exchange::PlateForces& other : forces.plates)
@@ -69,14 +74,18 @@ loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::T
                                Run& run) {
   const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
   run.AddInput(options.forces);
+  const Eigen::Matrix3d& plane_from_space = *trial.plane_from_space;
+  const Vector3d up = plane_from_space.row(1);
+  if (up != Vector3d::Unit(file.up_axis - 'x'))
+    throw Fail("{}: its vertical is {}, and that of the markers is another: give both in the same axes",
+               options.forces.string(), file.up_axis);
   const std::string leg = LegOf(options);
   const exchange::PlateForces& plate = exchange::PlateOf(file, options.plates, leg, options.forces);
   WarnOfSwappedPlates(file, plate, leg,
                       MeanAnkle(exchange::RenamePoints(
                           exchange::ReadPoints(trial.file, options.reading.mm_per_unit, options.reading.rate_hz),
                           options.reading.names, trial.file)),
-                      run);
-  const Eigen::Matrix3d& plane_from_space = *trial.plane_from_space;
+                      up, run);
   const double side = facing == motion::Facing::kRight ? 1 : -1;  // the leg's x is the plane's, or its opposite
   const auto in_leg = [&](const Vector3d& v) {
     return gait::LegFromPlane((plane_from_space * v).head<2>(), facing, options.fit.up);
@@ -215,29 +224,25 @@ Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& option
 void Describe(LoadsRunOptions& o, OptionList& options) {
   options.AddOperand("trial", o.trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
       .Required();
-  Describe(o.loads.body, options);
-  options.Add("forces", o.forces, "Ground forces as OpenSim writes them, .mot or .sto")
-      .Otherwise("no force plates: from the trunk down");
-  const auto set_plates = [&o](const OptionTexts& texts, const std::string&) {
-    o.plates = exchange::ParsePlates(JoinTexts(texts));
-  };
-  options.AddCustom("plates", "Each foot's plate, in the order of the file", set_plates)
-      .Value("right=1,left=2")
-      .SplitAtCommas();
+  Describe(o.loads, options);
+  options.Add("forces", o.forces, "Ground forces: OpenSim's .mot or .sto, or a .c3d")
+      .Otherwise("none: from the trunk down");
+  options.Add("plates", o.plates, "The feet's force plates, in the file's order").Value("right=N,left=N");
   options
       .AddChoice("leg", o.leg, OptionList::Choices<std::string>{{"right", "right"}, {"left", "left"}},
-                 "Leg that carries the markers")
-      .Otherwise("by the ankle marker's name in the file, else right");
+                 "Leg whose markers these are")
+      .Otherwise("by the ankle marker's name");
   Describe(o.reading, options);
   gait::DescribeFacing(o.fit, options);
   Describe(o.fit, options);
-  options.Add("draws", o.loads.draws, "Number of draws behind the 95 % bands").Between(20, 100000);
-  options.Add("seed-number", o.loads.seed, "Random seed of the draws");
+  options.Check([&o](const OptionList&) {
+    exchange::CheckPlates(o.plates);
+    if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
+  });
 }
 
 Json RunLoads(const LoadsRunOptions& options, Run& run) {
   options.loads.body.Check();
-  if (!options.plates.empty() && options.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
   const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run);
   if (!options.forces.empty() && !trial.plane_from_space)
     throw Fail(

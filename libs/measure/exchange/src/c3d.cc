@@ -1,6 +1,7 @@
 #include "lake/exchange/c3d.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <set>
@@ -200,6 +201,132 @@ PointRecording ReadC3d(const std::filesystem::path& path) {
           ReadPoint(bytes, layout.data_offset + i * layout.FrameBytes() + 4 * p * layout.WordBytes(), layout));
   }
   return recording;
+}
+
+namespace {
+
+// The analogue channels: every sample of a frame has one value of each.
+struct AnalogLayout {
+  std::size_t channels = 0, samples = 0;  // of each frame
+  std::vector<double> scale, offset;      // of each channel: (stored − offset) × scale
+  bool is_unsigned = false;               // 16-bit words without a sign
+};
+
+AnalogLayout ReadAnalogLayout(const C3dParameters& parameters, const C3dLayout& layout, const std::string& path) {
+  AnalogLayout analog;
+  analog.channels = parameters.Has("ANALOG:USED") ? parameters.Count("ANALOG:USED") : 0;
+  if (analog.channels == 0 || layout.analog_per_frame == 0 || layout.analog_per_frame % analog.channels != 0)
+    throw Fail("{}: no analogue channels, and so no forces", path);
+  analog.samples = layout.analog_per_frame / analog.channels;
+  analog.scale = parameters.Numbers("ANALOG:SCALE"), analog.offset = parameters.Numbers("ANALOG:OFFSET");
+  if (analog.scale.size() < analog.channels || analog.offset.size() < analog.channels)
+    throw Fail("{}: ANALOG:SCALE or OFFSET has fewer values than the {} channels", path, analog.channels);
+  const double general = parameters.Has("ANALOG:GEN_SCALE") ? parameters.Number("ANALOG:GEN_SCALE") : 1;
+  for (double& scale : analog.scale) scale *= general;
+  if (parameters.Has("ANALOG:FORMAT")) {
+    const std::vector<std::string> format = parameters.Texts("ANALOG:FORMAT");
+    analog.is_unsigned = !format.empty() && Lower(format[0]) == "unsigned";
+  }
+  return analog;
+}
+
+// A plate: its channels (from 0), where it lies, and what its channels are multiplied with.
+struct C3dPlate {
+  std::array<std::size_t, 6> channel = {};
+  Eigen::Matrix3d lab_from_plate;
+  Eigen::Vector3d origin_m;  // of its moments, in the laboratory
+  double m_per_moment = 1;   // newton metres per unit of its moments
+  Eigen::Matrix<double, 6, 6> calibration = Eigen::Matrix<double, 6, 6>::Identity();
+};
+
+C3dPlate ReadPlate(const C3dParameters& parameters, const C3dLayout& layout, const AnalogLayout& analog,
+                   std::size_t index, const std::string& path) {
+  const auto numbers = [&](const char* name, std::size_t of_each) {
+    const std::vector<double> all = parameters.Numbers(fmt::format("FORCE_PLATFORM:{}", name));
+    if (all.size() < (index + 1) * of_each)
+      throw Fail("{}: FORCE_PLATFORM:{} has {} values, too few for plate {}", path, name, all.size(), index + 1);
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(index * of_each);
+    return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(of_each));
+  };
+  const double type = numbers("TYPE", 1)[0];
+  if (type != 2 && type != 4)
+    throw Fail("{}: force plate {} is of type {}; types 2 and 4 are read", path, index + 1, type);
+  C3dPlate plate;
+  const std::vector<double> channels = numbers("CHANNEL", 6);
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (!(channels[i] >= 1 && channels[i] <= static_cast<double>(analog.channels)))
+      throw Fail("{}: force plate {} has channel {}, of {}", path, index + 1, channels[i], analog.channels);
+    plate.channel[i] = static_cast<std::size_t>(channels[i]) - 1;
+  }
+  const double m_per_unit = layout.mm_per_unit / 1000;
+  const std::vector<double> corners = numbers("CORNERS", 12);
+  const auto corner = [&](std::size_t i) { return Eigen::Vector3d(&corners[3 * i]); };
+  // Seen in the plate's axes the corners are (+,+), (−,+), (−,−), (+,−).
+  const Eigen::Vector3d x = (corner(0) + corner(3) - corner(1) - corner(2)).normalized(),
+                        z = x.cross(corner(0) + corner(1) - corner(2) - corner(3)).normalized();
+  plate.lab_from_plate << x, z.cross(x), z;
+  if (!plate.lab_from_plate.allFinite()) throw Fail("{}: force plate {} has no corners", path, index + 1);
+  const std::vector<double> origin = numbers("ORIGIN", 3);
+  // From the middle of the surface to the origin, which lies below it; some writers have the opposite sign.
+  Eigen::Vector3d below(origin.data());
+  const Eigen::Vector3d up = Eigen::Vector3d::Unit(layout.up_axis - 'x');
+  if (up.dot(plate.lab_from_plate * below) > 0) below = -below;
+  plate.origin_m = m_per_unit * ((corner(0) + corner(1) + corner(2) + corner(3)) / 4 + plate.lab_from_plate * below);
+  if (parameters.Has("ANALOG:UNITS")) {
+    const std::vector<std::string> units = parameters.Texts("ANALOG:UNITS");
+    if (plate.channel[3] < units.size() && Lower(units[plate.channel[3]]).ends_with("mm")) plate.m_per_moment = 1e-3;
+  }
+  if (type == 4) {
+    const std::vector<double> matrix = numbers("CAL_MATRIX", 36);
+    plate.calibration = Eigen::Map<const Eigen::Matrix<double, 6, 6>>(matrix.data());  // by columns, as stored
+  }
+  return plate;
+}
+
+}  // namespace
+
+GroundForceRecording ReadC3dForces(const std::filesystem::path& path) {
+  const C3dBytes bytes(ReadTextFile(path), path.string());
+  const C3dParameters parameters(bytes);
+  const C3dLayout layout = ReadLayout(bytes, parameters, path.string());
+  const std::size_t count = parameters.Has("FORCE_PLATFORM:USED") ? parameters.Count("FORCE_PLATFORM:USED") : 0;
+  if (count == 0) throw Fail("{}: no force plates (FORCE_PLATFORM:USED)", path.string());
+  const AnalogLayout analog = ReadAnalogLayout(parameters, layout, path.string());
+  const auto value = [&](std::size_t frame, std::size_t sample, std::size_t channel) {
+    const std::size_t at = layout.data_offset + frame * layout.FrameBytes() +
+                           layout.WordBytes() * (4 * layout.points + sample * analog.channels + channel);
+    const double stored = layout.IsFloat()     ? bytes.Float(at)
+                          : analog.is_unsigned ? bytes.Unsigned16(at)
+                                               : bytes.Signed16(at);
+    return (stored - analog.offset[channel]) * analog.scale[channel];
+  };
+  GroundForceRecording forces;
+  forces.up_axis = layout.up_axis;
+  const int up = layout.up_axis - 'x';
+  for (std::size_t frame = 0; frame < layout.frames; ++frame)
+    for (std::size_t sample = 0; sample < analog.samples; ++sample)
+      forces.time_s.push_back((static_cast<double>(layout.first_frame - 1 + frame) +
+                               static_cast<double>(sample) / static_cast<double>(analog.samples)) /
+                              layout.rate_hz);
+  for (std::size_t index = 0; index < count; ++index) {
+    const C3dPlate plate = ReadPlate(parameters, layout, analog, index, path.string());
+    PlateForces& read = forces.plates.emplace_back();
+    read.name = fmt::format("plate {}", index + 1);
+    double upward_n = 0;
+    for (std::size_t frame = 0; frame < layout.frames; ++frame)
+      for (std::size_t sample = 0; sample < analog.samples; ++sample) {
+        Eigen::Matrix<double, 6, 1> six;
+        for (std::size_t i = 0; i < 6; ++i) six[static_cast<Eigen::Index>(i)] = value(frame, sample, plate.channel[i]);
+        six = plate.calibration * six;
+        read.force_n.push_back(plate.lab_from_plate * six.head<3>());
+        read.moment_nm.push_back(plate.m_per_moment * (plate.lab_from_plate * six.tail<3>()));
+        read.point_m.push_back(plate.origin_m);
+        upward_n += read.force_n.back()[up];
+      }
+    if (upward_n < 0)
+      for (std::size_t i = 0; i < read.force_n.size(); ++i) read.force_n[i] *= -1, read.moment_nm[i] *= -1;
+  }
+  return forces;
 }
 
 namespace {

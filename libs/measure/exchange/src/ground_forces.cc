@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/name_value.h"
+#include "lake/exchange/c3d.h"
 #include "lake/exchange/mot.h"
 #include "text_lines.h"
 
@@ -63,8 +62,9 @@ bool BearsForce(const PlateForces& plate) {
 
 GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
   const std::string ending = Lower(path.extension().string());
+  if (ending == ".c3d") return ReadC3dForces(path);
   if (ending != ".mot" && ending != ".sto")
-    throw Fail("{}: ground forces are read from OpenSim's .mot and .sto, not from '{}'", path.string(), ending);
+    throw Fail("{}: ground forces are read from .mot, .sto and .c3d, not from '{}'", path.string(), ending);
   const MotTable table = ReadMot(path);
   GroundForceRecording forces;
   forces.time_s = table.time_s;
@@ -90,17 +90,10 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path) {
   return forces;
 }
 
-std::map<std::string, int> ParsePlates(const std::string& text) {
-  std::map<std::string, int> plates;
-  for (const std::string& part : SplitText(text, ',')) {
-    const auto [leg, number] = SplitNameValue("--plates", part);
-    const std::optional<double> plate = ParseNumber(number);
-    if ((leg != "right" && leg != "left") || !plate || *plate < 1 || *plate > 99 || *plate != std::floor(*plate))
-      throw UsageError(fmt::format("--plates '{}': right=N,left=N, plates counted from 1", text));
-    if (!plates.emplace(leg, static_cast<int>(*plate)).second)
-      throw UsageError(fmt::format("--plates '{}': '{}' stands twice", text, leg));
-  }
-  return plates;
+void CheckPlates(const std::map<std::string, int>& plates) {
+  for (const auto& [leg, number] : plates)
+    if ((leg != "right" && leg != "left") || number < 1)
+      throw UsageError(fmt::format("--plates {}={}: right=N,left=N, plates counted from 1", leg, number));
 }
 
 const PlateForces& PlateOf(const GroundForceRecording& forces, const std::map<std::string, int>& plates,

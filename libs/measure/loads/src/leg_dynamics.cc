@@ -44,41 +44,34 @@ Body FootBody(const LegPoints& points, const LegBody& body) {
 
 }  // namespace
 
-void Describe(BodyOptions& o, OptionList& options) {
-  options.Add("mass", o.mass_kg, "Mass of the person, with what is worn").Unit("kg").Required();
-  const auto set_height = [&o](const OptionTexts& texts, const std::string& said) {
-    CheckTextCount(texts, 1, said);
-    o.height_m = OptionValue<double>::Parse(texts.front(), said) / kMmPerM;
-  };
-  options.AddCustom("height", "Stature", set_height).Unit("mm").Otherwise("from the leg's length");
-  options.AddChoice("sex", o.sex, OptionList::Choices<Sex>{{"male", Sex::kMale}, {"female", Sex::kFemale}},
-                    "Sex, for the tables of deleva");
-  options.Add("anthropometry", o.anthropometry, "Table of the segments' masses: winter, deleva or a YAML file");
-  options.Add("share", o.share, "Share of the weight of head, arms and trunk that this leg bears");
-  const auto set_foot = [&o](const OptionTexts& texts, const std::string& said) {
-    std::array<double, 2> ends_mm;
-    OptionField<std::array<double, 2>>::Set(texts, said, ends_mm);
-    o.foot = Foot{ends_mm[0] / kMmPerM, ends_mm[1] / kMmPerM};
-  };
-  options.AddCustom("foot", "The foot's ends behind and before the ankle", set_foot)
-      .Unit("mm")
-      .Value("HEEL,TOE")
-      .SplitAtCommas()
-      .Otherwise("from the stature");
-}
-
 void BodyOptions::Check() const {
   if (mass_kg == 0) throw UsageError("--mass is missing: the person's mass in kg, with what is worn");
   if (!(mass_kg >= 20 && mass_kg <= 300))
     throw UsageError(fmt::format("--mass {} kg: a person weighs 20 to 300 kg", mass_kg));
-  if (height_m && !(*height_m >= 1 && *height_m <= 2.3))
-    throw UsageError(fmt::format("--height {} mm: a person is 1000 to 2300 mm tall", 1000 * *height_m));
+  if (height_mm && !(*height_mm >= 1000 && *height_mm <= 2300))
+    throw UsageError(fmt::format("--height {} mm: a person is 1000 to 2300 mm tall", *height_mm));
   if (!(share > 0 && share <= 1))
     throw UsageError(fmt::format("--share {}: of the trunk's weight, above 0 and at most 1", share));
-  if (foot && !(foot->heel_m >= 0 && foot->toe_m > 0 && foot->Length() >= 0.1 && foot->Length() <= 0.5))
-    throw UsageError(
-        fmt::format("--foot {:g},{:g}: mm behind and before the ankle, neither negative, together 100 to 500",
-                    1000 * foot->heel_m, 1000 * foot->toe_m));
+  if (!foot_mm) return;
+  const auto [heel_mm, toe_mm] = *foot_mm;
+  if (!(heel_mm >= 0 && toe_mm > 0 && heel_mm + toe_mm >= 100 && heel_mm + toe_mm <= 500))
+    throw UsageError(fmt::format("--foot {},{}: mm behind and before the ankle, neither negative, together 100 to 500",
+                                 heel_mm, toe_mm));
+}
+
+void Describe(BodyOptions& o, OptionList& options) {
+  options.Add("mass", o.mass_kg, "The person's mass, with what is worn").Unit("kg").Required();
+  options.Add("height", o.height_mm, "The person's stature").Unit("mm").Otherwise("from the leg's length");
+  options.AddChoice("sex", o.sex, OptionList::Choices<Sex>{{"male", Sex::kMale}, {"female", Sex::kFemale}},
+                    "Which of the tables that differ by sex (deleva)");
+  options.Add("anthropometry", o.anthropometry, "Table of the segments' masses, or a YAML file with one")
+      .Value("winter|deleva|FILE");
+  options.Add("share", o.share, "Share of head, arms and trunk that this leg bears");
+  options.Add("foot", o.foot_mm, "How far heel and toe are behind and before the ankle")
+      .Unit("mm")
+      .Value("HEEL,TOE")
+      .Otherwise("from the stature");
+  options.Check([&o](const OptionList&) { o.Check(); });
 }
 
 LegBody MakeLegBody(const BodyOptions& options, const LegPath& path) {
@@ -88,8 +81,9 @@ LegBody MakeLegBody(const BodyOptions& options, const LegPath& path) {
                trunk_m = MeanLength(path, kHip, kTrunkTop);
   LegBody body;
   body.table = table.name, body.source = table.source;
-  body.height_m = options.height_m.value_or(StatureOfLeg(shank_m + thigh_m));
-  body.sole = options.foot.value_or(FootOfStature(body.height_m));
+  body.height_m = options.height_mm ? *options.height_mm / kMmPerM : StatureOfLeg(shank_m + thigh_m);
+  body.sole = FootOfStature(body.height_m);
+  if (options.foot_mm) body.sole = {(*options.foot_mm)[0] / kMmPerM, (*options.foot_mm)[1] / kMmPerM};
   body.ankle_height_m = AnkleHeightOfStature(body.height_m);
   body.foot = InertiaOf(table.foot, options.mass_kg, body.sole.Length());
   body.foot.centre_m -= body.sole.heel_m;

@@ -405,6 +405,12 @@ void WarnOfTrunk(const Model& model, const std::vector<Window>& windows, const L
 
 }  // namespace
 
+void Describe(LoadsOptions& o, OptionList& options) {
+  Describe(o.body, options);
+  options.Add("draws", o.draws, "Draws that the 95 % bands are taken from").Between(20, 100'000);
+  options.Add("seed-number", o.seed, "Seed of the draws");
+}
+
 LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::LegMotion& motion,
                       const std::vector<motion::StsEvent>& events, const LegPathOptions& path_options,
                       const LoadsOptions& options, const std::optional<GroundForces>& forces) {

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "lake/core/json.h"
-#include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"

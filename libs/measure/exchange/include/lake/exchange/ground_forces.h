@@ -1,4 +1,4 @@
-// What force plates measured, as OpenSim's tables have it.
+// What force plates measured, as OpenSim's tables and C3D files have it.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,28 +7,31 @@
 #include <string>
 #include <vector>
 
-#include "lake/exchange/trial.h"
-
 namespace lake::exchange {
 
-// One plate over time, in the axes of the laboratory: the force on the foot, where it acts, and the free moment.
+// One plate over time, in the axes of the laboratory: the force on the foot, a point, and the moment about that point
+// (of a table where the force acts, of a C3D file the plate's origin).
 struct PlateForces {
   std::string name;  // as the columns begin, without the last underscore: "ground_force_1"
   std::vector<Eigen::Vector3d> force_n, point_m, moment_nm;
 };
 
 struct GroundForceRecording {
+  char up_axis = 'y';  // of the laboratory: x, y or z
   std::vector<double> time_s;
   std::vector<PlateForces> plates;  // in the order of the file's columns
 };
 
 // A .mot or .sto file with columns NAMEvx, NAMEvy, NAMEvz and NAMEpx … (m), and the moments as NAMEmx … or as OpenSim
-// has them, with `torque` for `force` and x, y, z. Missing cells are zero force. Throws Error naming the file: no such
-// columns, some of a plate's absent, another ending.
+// has them, with `torque` for `force` and x, y, z. Missing cells are zero force. Or a .c3d file with force plates that
+// give six channels, forces and moments about the plate's origin (types 2 and 4 of the user guide, whose calibration
+// matrix type 4 applies), at the rate of its analogue channels; the ground pushes, so whichever sign the file has, it
+// becomes that of the force on the foot. Throws Error naming the file: no forces, some of a plate's absent, plates of
+// another type, another ending.
 GroundForceRecording ReadGroundForces(const std::filesystem::path& path);
 
-// "right=1,left=2" as plates by leg, counted from 1. Throws UsageError.
-std::map<std::string, int> ParsePlates(const std::string& text);
+// Plates by leg, right and left, counted from 1. Throws UsageError for other legs and numbers.
+void CheckPlates(const std::map<std::string, int>& plates);
 
 // The plate that --plates names for this leg, or the only one that bears a force. Throws Error listing what the
 // file has.

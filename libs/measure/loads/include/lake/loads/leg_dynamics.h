@@ -1,7 +1,9 @@
 // One leg with its share of head, arms and trunk: joint moments from the trunk down, or from the ground up.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <string>
 
 #include "lake/core/options.h"
 #include "lake/loads/anthropometry.h"
@@ -12,11 +14,13 @@ namespace lake::loads {
 
 struct BodyOptions {
   double mass_kg = 0;                    // of the whole body
-  std::optional<double> height_m;        // stature; else from the leg's length
+  std::optional<double> height_mm;       // stature; else from the leg's length
+                                         // stature; else from the leg's length
   std::optional<Sex> sex;                // which table of deleva
   std::string anthropometry = "winter";  // or deleva, or a file
   double share = 0.5;                    // of head, arms and trunk that this leg bears
-  std::optional<Foot> foot;              // else from the stature
+  std::optional<std::array<double, 2>>
+      foot_mm;  // how far heel and toe are behind and before the ankle; else from the stature
 
   // Throws UsageError: a mass that is not given or that nobody has (20 to 300 kg), a stature outside 1 to 2.3 m, a
   // share outside 0 to 1, a foot that does not lie under the ankle or is not 0.1 to 0.5 m long.

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/core/options.h"
 #include "lake/loads/leg_dynamics.h"
 #include "lake/loads/trunk_fit.h"
 #include "lake/motion/leg_motion.h"
@@ -42,9 +43,12 @@ struct LoadsOptions {
   double cutoff_with_forces_hz = 6, cutoff_hz = 4;
   double seat_release_s = 0.1;   // after seat-off the seat still bears a part for so long
   double seat_contact_s = 0.15;  // before `seated` it bears one again
-  int draws = 200;
+  int draws = 400;
   std::uint64_t seed = 1;
 };
+
+// Those of a user: of the body, how many draws, their seed.
+void Describe(LoadsOptions& o, OptionList& options);
 
 constexpr int kPercents = 101;
 

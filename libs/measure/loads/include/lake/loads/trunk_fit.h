@@ -23,7 +23,7 @@ namespace lake::loads {
 
 // Standard deviations of what is not known beforehand.
 struct TrunkPrior {
-  double along_m = 0.05, across_m = 0.03;  // of the centre, from where the table has it
+  double along_m = 0.06, across_m = 0.03;  // of the centre, from where the table has it (a shoulder marker is no joint)
   double across_from_waist_m = 0.08;       // where the hip–waist vector stands for the trunk: it leans otherwise
   // Where on the foot the zero-moment point is on average, from the heel: it lies back when the seat is left, and comes
   // forward while rising. Between the two by the thigh's tilt.
