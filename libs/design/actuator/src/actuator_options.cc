@@ -13,6 +13,10 @@ void Describe(ScheduleOptions& o, OptionList& options) {
       .Key("to_deg")
       .Otherwise("standing");
   options.Add("return", o.return_trip, "Afterwards back to the start, the same way");
+  options
+      .Add("smooth", o.smooth_mm,
+           "How far taking away reversals that the actuator's play swallows may move the program; 0: as it is")
+      .Unit("mm");
   options.Add("hold", o.hold_s, "Rest before --return").Unit("s");
   options.Add("margin", o.margin_mm, "Stroke kept from standing and from the linkage's ends").Unit("mm");
   options.Add("max-speed", o.max_speed_mm_s, "Speed limit of the actuator").Unit("mm/s");
