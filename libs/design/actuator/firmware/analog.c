@@ -77,11 +77,18 @@ static int32_t um_of(uint16_t reading) {
   return (LAKE_POT_ZERO_NM + (int32_t)reading * LAKE_POT_NM_PER_COUNT) / 1000;
 }
 
+// Worked out once per ms: a division takes the chip 40 us.
+static int32_t stroke_um;
+
 int32_t analog_stroke_um(void) {
+  return stroke_um;
+}
+
+static void tell_stroke(void) {
   // Whole readings and the rest apart, so that 32 bits suffice.
   const uint16_t smooth = (uint16_t)filters[ANALOG_POTENTIOMETER].smooth;
   const int32_t rest_nm = (int32_t)(smooth & ((1 << SMOOTHING) - 1)) * LAKE_POT_NM_PER_COUNT / (1 << SMOOTHING);
-  return (LAKE_POT_ZERO_NM + (int32_t)(smooth >> SMOOTHING) * LAKE_POT_NM_PER_COUNT + rest_nm) / 1000;
+  stroke_um = (LAKE_POT_ZERO_NM + (int32_t)(smooth >> SMOOTHING) * LAKE_POT_NM_PER_COUNT + rest_nm) / 1000;
 }
 
 // A reading that no actuator can have come to is not taken. If it stays, the wiper is lost.
@@ -95,6 +102,7 @@ static void watch_wiper(void) {
     smooth(f);
   else if (faults & ANALOG_NO_WIPER)
     settle(f);
+  tell_stroke();
 }
 #else
 int32_t analog_stroke_um(void) {
@@ -135,6 +143,9 @@ void analog_tick(uint16_t counts) {
   for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) read_channel(channel);
   if (quiet_ms > 0) {
     for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) settle(&filters[channel]);
+#if LAKE_FEEDBACK
+    tell_stroke();
+#endif
     --quiet_ms;
     return;
   }
