@@ -10,7 +10,8 @@
 #define SHORT_MS 5
 #define STALL_MS 300
 #define NO_CURRENT_MS 300
-#define WIPER_JUMP_UM 3000  // from one filtered reading to the next no actuator goes so far
+// From one filtered reading to the next no actuator goes 3 mm.
+#define WIPER_JUMP (3000000L / (LAKE_POT_NM_PER_COUNT < 0 ? -LAKE_POT_NM_PER_COUNT : LAKE_POT_NM_PER_COUNT))
 
 // A reading is the sum of four conversions. Of the last three the middle one counts, so a single wild one does not; a
 // first-order filter of 2^SMOOTHING ms follows.
@@ -73,10 +74,6 @@ static void watch_supply(void) {
 #endif
 
 #if LAKE_FEEDBACK
-static int32_t um_of(uint16_t reading) {
-  return (LAKE_POT_ZERO_NM + (int32_t)reading * LAKE_POT_NM_PER_COUNT) / 1000;
-}
-
 // Worked out once per ms: a division takes the chip 40 us.
 static int32_t stroke_um;
 
@@ -95,8 +92,8 @@ static void tell_stroke(void) {
 static void watch_wiper(void) {
   static uint16_t wrong_ms;
   filter_t* f = &filters[ANALOG_POTENTIOMETER];
-  const int32_t jump_um = um_of(f->middle) - analog_stroke_um();
-  const uint8_t jumps = jump_um > WIPER_JUMP_UM || jump_um < -WIPER_JUMP_UM;
+  const int16_t jump = (int16_t)f->middle - (int16_t)(f->smooth >> SMOOTHING);
+  const uint8_t jumps = jump > WIPER_JUMP || jump < -WIPER_JUMP;
   judge(ANALOG_NO_WIPER, jumps || f->middle < LAKE_POT_LEAST || f->middle > LAKE_POT_MOST, &wrong_ms, WIPER_WRONG_MS);
   if (!jumps)
     smooth(f);
