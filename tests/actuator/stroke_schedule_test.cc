@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "lake/core/error.h"
 #include "model_program.h"
@@ -148,6 +149,59 @@ TEST(StrokeSchedule, WhatCannotBeDoneIsNamed) {
       },
       ThrowsMessage<Error>(HasSubstr("more than 1000000 rows")));
   EXPECT_THROW(actuator::SampleSchedule(FreeSchedule({{0, 300}, {1, 302}}), NAN, nullptr), UsageError);
+}
+
+// A program as an optimiser leaves it: wiggles that the actuator's play swallows. What is left keeps the ends and the
+// large turns.
+TEST(Smoothing, SmallReversalsBecomeRests) {
+  actuator::ScheduleOptions how;
+  how.smooth_mm = 0.15;
+  const linkage::Design small = FreeDesign({{0, 300}, {4, 310}, {5, 309.88}, {9, 318}, {10, 318}, {14, 312}});
+  const actuator::StrokeSchedule as_it_is = actuator::MakeSchedule(small, {});
+  const actuator::StrokeSchedule smooth = actuator::MakeSchedule(small, how);
+  EXPECT_EQ(as_it_is.reversals, 3);
+  EXPECT_EQ(smooth.reversals, 1);
+  EXPECT_NEAR(smooth.smoothed_mm, 0.06, 1e-9);
+  EXPECT_EQ(as_it_is.smoothed_mm, 0);
+}
+
+TEST(Smoothing, KeepsItsWordForAnyProgram) {
+  int taken_away = 0;
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> pause(0.3, 2), step(-0.6, 1);
+    std::vector<linkage::StrokeProgram::Knot> knots = {{0, 300}};
+    for (int i = 0; i < 40; ++i)
+      knots.push_back({knots.back().time_s + pause(random),
+                       knots.back().stroke_mm + (random() % 4 == 0 ? 0.05 : 1) * step(random)});
+    actuator::ScheduleOptions how;
+    how.smooth_mm = 0.05 + 0.3 * (seed % 7) / 7;
+    const actuator::StrokeSchedule smooth = actuator::MakeSchedule(FreeDesign(knots), how);
+    const actuator::StrokeSchedule plan = actuator::MakeSchedule(FreeDesign(knots), {});
+    EXPECT_LE(smooth.reversals, plan.reversals) << seed;
+    EXPECT_LE(smooth.smoothed_mm, how.smooth_mm) << seed;
+    EXPECT_NEAR(smooth.knots.back().stroke_mm, knots.back().stroke_mm, 1e-9) << seed;
+    EXPECT_NEAR(smooth.knots.front().stroke_mm, 300, 1e-9) << seed;
+    taken_away += plan.reversals - smooth.reversals;
+    // Without the brakes' rests the clocks agree.
+    for (std::size_t i = 1; i < smooth.knots.size(); ++i)
+      ASSERT_GT(smooth.knots[i].time_s, smooth.knots[i - 1].time_s) << seed;
+    int small = 0;
+    std::vector<double> turns;
+    int last = 0;
+    for (std::size_t i = 1; i < smooth.knots.size(); ++i) {
+      const auto &a = smooth.knots[i - 1], &b = smooth.knots[i];
+      const int direction = actuator::DirectionOf((b.stroke_mm - a.stroke_mm) / (b.time_s - a.time_s));
+      if (direction == 0) continue;
+      if (direction == -last) turns.push_back(a.stroke_mm);
+      last = direction;
+    }
+    for (std::size_t i = 1; i < turns.size(); ++i)
+      small += std::abs(turns[i] - turns[i - 1]) < 2 * how.smooth_mm - 1e-9;
+    // Ever larger ones from the program's first stroke on, or to its last, have nothing to rest between.
+    EXPECT_LE(small, 6) << seed;
+  }
+  EXPECT_GT(taken_away, 300);
 }
 
 }  // namespace

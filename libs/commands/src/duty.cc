@@ -6,7 +6,7 @@
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 #include "lake/figure/stroke_figures.h"
-#include "lake/motion/marker_recording.h"
+#include "rod_film.h"
 
 namespace lake::commands {
 namespace {
@@ -36,35 +36,6 @@ Json WriteCalibrationFirmware(const DutyRunOptions& options, Run& run) {
   return {{"firmware", {{"files", WriteSketch(header, "", run)}, {"segments", 0}}}};
 }
 
-const motion::MarkerTrack& TrackOf(const motion::MarkerRecording& recording, const std::string& name,
-                                   const std::string& file) {
-  if (const motion::MarkerTrack* track = recording.Find(name)) return *track;
-  throw Fail("{}: no marker '{}'; --rod-markers BODY,ROD names the two on the actuator", file, name);
-}
-
-// The distance of the two markers in the frames that show both.
-actuator::ActuatorFilm ReadFilm(const std::filesystem::path& folder, const std::vector<std::string>& names, Run& run) {
-  const std::optional<std::filesystem::path> found = FindResult(folder, "trajectory.csv");
-  if (!found)
-    throw Fail("{}: no trajectory.csv in it; track the video with --scale or a calibrated plane, lengths in mm",
-               folder.string());
-  if (names.size() != 2) throw UsageError("--rod-markers: give two names, BODY,ROD");
-  const std::filesystem::path& file = *found;
-  run.AddInput(file);
-  const motion::MarkerRecording recording = motion::ReadMarkerCsv(file, motion::MarkerValues::kEstimated);
-  const motion::MarkerTrack &body = TrackOf(recording, names[0], file.string()),
-                            &rod = TrackOf(recording, names[1], file.string());
-  actuator::ActuatorFilm film;
-  for (std::size_t i = 0; i < recording.Frames(); ++i) {
-    if (body.samples[i].status != motion::SampleStatus::kDetected ||
-        rod.samples[i].status != motion::SampleStatus::kDetected)
-      continue;
-    film.time_s.push_back(recording.time_s[i]);
-    film.length_mm.push_back((rod.samples[i].position - body.samples[i].position).norm());
-  }
-  return film;
-}
-
 std::vector<actuator::DutyLog> ReadLogs(const DutyRunOptions& options, Run& run, Json& alignment) {
   std::vector<actuator::DutyLog> logs;
   for (const auto& path : options.logs) run.AddInput(path);
@@ -72,7 +43,7 @@ std::vector<actuator::DutyLog> ReadLogs(const DutyRunOptions& options, Run& run,
     if (options.logs.size() != 1 || options.potentiometer)
       throw UsageError("--video: give the one log that was written while it was filmed, and no --pot");
     actuator::AlignedLog aligned = actuator::AlignWithFilm(actuator::ReadDutyCommands(options.logs[0]),
-                                                           ReadFilm(*options.video, options.rod, run));
+                                                           ReadRodFilm(*options.video, options.rod, run));
     alignment = {{"shift_s", aligned.shift_s}, {"correlation", aligned.correlation}};
     return {std::move(aligned.log)};
   }

@@ -5,6 +5,7 @@
 
 #include "lake/actuator/actuator_options.h"
 #include "lake/actuator/prototype_validation.h"
+#include "lake/actuator/separated_errors.h"
 #include "lake/core/angles.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
@@ -12,6 +13,7 @@
 #include "lake/core/statistics.h"
 #include "lake/figure/stroke_figures.h"
 #include "lake/motion/leg_motion.h"
+#include "rod_film.h"
 
 namespace lake::commands {
 namespace {
@@ -87,6 +89,7 @@ Json ProgramJson(const actuator::StrokeSchedule& schedule, const std::vector<act
           {"largest_speed_mm_s", fastest},
           {"largest_knee_deg_s", FastestKnee(rows)},
           {"reversals", schedule.reversals},
+          {"smoothed_mm", schedule.smoothed_mm},
           {"added_rest_s", schedule.added_rest_s},
           {"soft_limits_mm", {schedule.limits.lower_mm, schedule.limits.upper_mm}},
           {"used_stroke_mm", {schedule.limits.used.stroke.lower_mm, schedule.limits.used.stroke.upper_mm}}};
@@ -167,11 +170,44 @@ Json ValidationJson(const actuator::Validation& v, double tolerance_deg) {
           {"program_seen", v.covered}};
 }
 
-actuator::Validation Validate(const actuator::StrokeSchedule& schedule, const fs::path& folder, Run& run) {
+std::vector<actuator::AngleSample> KneeAngles(const fs::path& folder, Run& run) {
   const motion::LegMotion motion = ReadMotion(folder, run);
   std::vector<actuator::AngleSample> samples;
   for (std::size_t i = 0; i < motion.samples.size(); ++i)
     if (!std::isnan(motion.samples[i].knee_deg)) samples.push_back({motion.time_s[i], motion.samples[i].knee_deg});
+  return samples;
+}
+
+Json SeparatedJson(const actuator::SeparatedErrors& errors, const char* strokes) {
+  return {{"strokes", strokes},
+          {"linkage_rms_deg", errors.linkage_rms_deg},
+          {"linkage_max_deg", errors.linkage_max_deg},
+          {"stroke_offset_mm", errors.stroke_offset_mm},
+          {"actuator_rms_mm", errors.actuator_rms_mm},
+          {"actuator_max_mm", errors.actuator_max_mm},
+          {"actuator_end_mm", errors.actuator_end_mm},
+          {"program_start_s", errors.program_start_s}};
+}
+
+// None unless something measured the stroke.
+Json Separate(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule, Run& run) {
+  if (!options.stroke_log && options.rod.empty()) return Json();
+  if (options.stroke_log && !options.rod.empty())
+    throw UsageError("--stroke-log and --rod-markers both measure the stroke: give one");
+  const std::vector<actuator::AngleSample> angles = KneeAngles(*options.validate, run);
+  if (options.stroke_log) {
+    run.AddInput(*options.stroke_log);
+    return SeparatedJson(
+        actuator::SeparateErrorsByLog(schedule, actuator::ReadMeasuredStrokes(*options.stroke_log), angles), "log");
+  }
+  const actuator::ActuatorFilm film = ReadRodFilm(*options.validate, options.rod, run);
+  return SeparatedJson(
+      actuator::SeparateErrorsByVideo(schedule, {options.validate->string(), film.time_s, film.length_mm}, angles),
+      "video");
+}
+
+actuator::Validation Validate(const actuator::StrokeSchedule& schedule, const fs::path& folder, Run& run) {
+  const std::vector<actuator::AngleSample> samples = KneeAngles(folder, run);
   try {
     return actuator::ValidatePrototype(schedule, samples);
   } catch (const Error& error) {
@@ -274,6 +310,8 @@ Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run&
 Json RunStroke(const StrokeRunOptions& options, Run& run) {
   if (!(options.tolerance_deg > 0 && options.tolerance_deg <= 90))
     throw UsageError(fmt::format("--tolerance must be above 0 and at most 90 degrees, not {}", options.tolerance_deg));
+  if (!options.validate && (options.stroke_log || !options.rod.empty()))
+    throw UsageError("--stroke-log and --rod-markers belong to --validate TRACKDIR");
   const linkage::Design design = linkage::ReadDesign(options.design);
   run.AddInput(options.design);
   const StrokePlan plan = MakePlan(options, design, run);
@@ -282,6 +320,8 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
       actuator::SampleSchedule(plan.schedule, options.rate_hz, plan.table ? &*plan.table : nullptr);
   std::optional<actuator::Validation> validation;
   if (options.validate) validation = Validate(plan.schedule, *options.validate, run);
+
+  const Json separated = options.validate ? Separate(options, plan.schedule, run) : Json();
 
   if (!sketch && !validation)
     run.Warn(
@@ -300,7 +340,10 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   summary["firmware"] =
       sketch ? FirmwareJson(WriteSketch(sketch->header, sketch->notes, run), *sketch, options.firmware.accept_drift)
              : Json();
-  if (validation) summary["validation"] = WriteValidation(options, plan.schedule, *validation, run);
+  if (validation) {
+    summary["validation"] = WriteValidation(options, plan.schedule, *validation, run);
+    summary["validation"]["separated"] = separated;
+  }
   return summary;
 }
 
@@ -336,6 +379,14 @@ std::string StrokeReport(const Json& summary) {
         "{:+.2f} mm, then RMS {:.3f}°\n",
         v["verdict"].get<std::string>(), NumberOrNaN(v["tolerance_deg"]), NumberOrNaN(v["start_with_factor_s"]),
         NumberOrNaN(v["travel_factor"]), NumberOrNaN(v["drift_mm"]), NumberOrNaN(v["rms_with_factor_deg"]));
+    if (const Json& apart = v["separated"]; apart.is_object())
+      text += fmt::format(
+          "apart, by the {}'s strokes: linkage RMS {:.3f}° (largest {:.3f}°), actuator RMS {:.3f} mm (largest {:.3f}, "
+          "at "
+          "the end {:+.3f})\n",
+          apart["strokes"].get<std::string>(), NumberOrNaN(apart["linkage_rms_deg"]),
+          NumberOrNaN(apart["linkage_max_deg"]), NumberOrNaN(apart["actuator_rms_mm"]),
+          NumberOrNaN(apart["actuator_max_mm"]), NumberOrNaN(apart["actuator_end_mm"]));
   }
   return text;
 }
@@ -351,6 +402,11 @@ void Describe(StrokeRunOptions& o, OptionList& options) {
   options.Add("validate", o.validate, "lake-track folder of a prototype's video to compare with the program")
       .IsPath(Option::Path::kFolder)
       .Value("TRACKDIR");
+  options.Add("stroke-log", o.stroke_log,
+              "With --validate: log of that run with measured strokes, to tell linkage and actuator apart");
+  options.Add("rod-markers", o.rod, "Likewise: two markers of that video, on the actuator's body and on its rod")
+      .Value("BODY,ROD")
+      .Repeats();
   options.Add("tolerance", o.tolerance_deg, "Largest RMS at which a prototype counts as following its prediction")
       .Unit("degrees");
   Describe(o.firmware, options);

@@ -4,11 +4,14 @@
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_elf.h>
+#include <simavr/sim_interrupts.h>
 #include <simavr/sim_irq.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "lake/actuator/firmware.h"
 
 // simavr does not free what avr_make_mcu_by_name and elf_read_firmware allocate; the leak check of the asan preset asks
 // here.
@@ -25,6 +28,7 @@ constexpr std::uint32_t kSupply_mv = 5000;
 // Registers of the ATmega328P in data space.
 constexpr std::uint16_t kDdrB = 0x24, kPortB = 0x25, kDdrD = 0x2A, kPortD = 0x2B, kTccr1a = 0x80, kIcr1 = 0x86,
                         kOcr1a = 0x88, kSpl = 0x5D, kSph = 0x5E;
+constexpr std::uint8_t kTimer2CompareA = 7;  // its vector
 constexpr int kRamEnd = 0x8FF;
 constexpr std::size_t kTalkEvery_ms = 500;
 constexpr int kCom1a1 = 7;  // of TCCR1A: the timer drives the pin
@@ -48,6 +52,7 @@ AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) 
   firmware.vcc = firmware.avcc = firmware.aref = kSupply_mv;
   avr_load_firmware(avr_, &firmware);
   avr_irq_register_notify(avr_io_getirq(avr_, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), OnSerial, this);
+  avr_irq_register_notify(avr_get_interrupt_irq(avr_, kTimer2CompareA) + AVR_INT_IRQ_RUNNING, OnTick, this);
   std::uint32_t flags = 0;
   avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);  // nothing to the test's own output
   SetEndStopPins();
@@ -88,6 +93,14 @@ void AvrRig::CountOnTime() {
 
 void AvrRig::OnSerial(avr_irq_t*, std::uint32_t value, void* self) {
   static_cast<AvrRig*>(self)->serial_.push_back(static_cast<char>(value));
+}
+
+void AvrRig::OnTick(avr_irq_t*, std::uint32_t runs, void* self) {
+  AvrRig& rig = *static_cast<AvrRig*>(self);
+  if (runs)
+    rig.tick_began_ = rig.avr_->cycle;
+  else if (rig.tick_began_ > 0)
+    rig.longest_tick_ = std::max(rig.longest_tick_, rig.avr_->cycle - rig.tick_began_);
 }
 
 void AvrRig::Send(const std::string& line) {
@@ -137,6 +150,10 @@ void AvrRig::EndMillisecond() {
   const double wiper = std::clamp((actuator_.stroke_mm - at_0) / (at_5 - at_0), 0.0, 1.0);
   avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0),
                 static_cast<std::uint32_t>(wiper * kSupply_mv));
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC1),
+                static_cast<std::uint32_t>(duty == 0 ? 2500 : 2500 + 185 * 0.5 * duty / std::abs(duty)));
+  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC2),
+                static_cast<std::uint32_t>(1e3 * actuator_.supply_v / actuator::kSupplyDivider));
 }
 
 void AvrRig::Run(double seconds) {

@@ -46,6 +46,7 @@ struct ActuatorModel {
   double stroke_mm = 0;
   double retract_stop_mm = 0, extend_stop_mm = 1000;  // where the switches act
   double time_constant_s = 0.03;
+  double supply_v = 12;
   double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
 };
 
@@ -71,6 +72,9 @@ class AvrRig {
   const std::string& Serial() const { return serial_; }
   const std::vector<RigSample>& Samples() const { return samples_; }
   const std::vector<DriveChange>& Changes() const { return changes_; }
+  double LongestTick_us() const {
+    return static_cast<double>(longest_tick_) / 16;
+  }                                                    // of the interrupt in which all is decided
   int DeepestStack() const { return deepest_stack_; }  // bytes, interrupts included
 
  private:
@@ -90,6 +94,8 @@ class AvrRig {
   std::string serial_;
   std::deque<char> to_send_;
   bool talking_ = false;
+  static void OnTick(avr_irq_t* irq, uint32_t runs, void* rig);
+  std::uint64_t tick_began_ = 0, longest_tick_ = 0;
   int deepest_stack_ = 0;
   std::vector<RigSample> samples_;
   std::vector<DriveChange> changes_;

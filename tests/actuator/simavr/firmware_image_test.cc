@@ -39,6 +39,32 @@ TEST_F(FirmwareImageTest, FlashRamAndStackFitWithRoom) {
               actuator::kSegmentBytes, actuator::kFlashBytes, ram, rig_->DeepestStack(), kRamBytes);
 }
 
+// All is decided in one interrupt per ms: it must leave the ms to the others. With everything that there is, closed
+// loop and serial traffic, and as in open loop.
+TEST_F(FirmwareImageTest, TheTickLeavesMostOfAMillisecond) {
+  for (const bool closed_loop : {false, true}) {
+    actuator::FirmwareOptions& options = firmware_options_;
+    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    if (closed_loop) {
+      options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
+      options.supply_v = 12, options.current_sense = true;
+    }
+    Build(FreeDesign(kKnots), "");
+    rig_->Run(0.1);
+    Start();
+    for (int i = 0; i < 20; ++i) rig_->SendNow('?'), rig_->Run(0.05);
+    EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 5)) << rig_->Serial();
+    rig_->Run(0.2);
+    // The lags of five changes of speed, as in ClosedLoopStrokeFollowsTheProgram; closed, they are taken back.
+    EXPECT_NEAR(rig_->Stroke(), schedule_.knots.back().stroke_mm, closed_loop ? 0.4 : 0.2 + 5 * 0.13);
+    EXPECT_GT(rig_->LongestTick_us(), 30);
+    EXPECT_LT(rig_->LongestTick_us(), 500) << "half of the ms";
+    EXPECT_LT(rig_->DeepestStack(), kRamBytes / 4);
+    std::printf("%s: the tick takes %.0f us at most, stack %d bytes\n", closed_loop ? "closed loop" : "open loop",
+                rig_->LongestTick_us(), rig_->DeepestStack());
+  }
+}
+
 // Not in the interrupt, and nowhere else: libgcc's routines for it are not linked.
 TEST_F(FirmwareImageTest, NoFloatingPoint) {
   Build(FreeDesign(kKnots), "");

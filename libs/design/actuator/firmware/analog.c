@@ -10,7 +10,8 @@
 #define SHORT_MS 5
 #define STALL_MS 300
 #define NO_CURRENT_MS 300
-#define WIPER_JUMP_UM 3000  // from one filtered reading to the next no actuator goes so far
+// From one filtered reading to the next no actuator goes 3 mm.
+#define WIPER_JUMP (3000000L / (LAKE_POT_NM_PER_COUNT < 0 ? -LAKE_POT_NM_PER_COUNT : LAKE_POT_NM_PER_COUNT))
 
 // A reading is the sum of four conversions. Of the last three the middle one counts, so a single wild one does not; a
 // first-order filter of 2^SMOOTHING ms follows.
@@ -73,28 +74,32 @@ static void watch_supply(void) {
 #endif
 
 #if LAKE_FEEDBACK
-static int32_t um_of(uint16_t reading) {
-  return (LAKE_POT_ZERO_NM + (int32_t)reading * LAKE_POT_NM_PER_COUNT) / 1000;
-}
+// Worked out once per ms: a division takes the chip 40 us.
+static int32_t stroke_um;
 
 int32_t analog_stroke_um(void) {
+  return stroke_um;
+}
+
+static void tell_stroke(void) {
   // Whole readings and the rest apart, so that 32 bits suffice.
   const uint16_t smooth = (uint16_t)filters[ANALOG_POTENTIOMETER].smooth;
   const int32_t rest_nm = (int32_t)(smooth & ((1 << SMOOTHING) - 1)) * LAKE_POT_NM_PER_COUNT / (1 << SMOOTHING);
-  return (LAKE_POT_ZERO_NM + (int32_t)(smooth >> SMOOTHING) * LAKE_POT_NM_PER_COUNT + rest_nm) / 1000;
+  stroke_um = (LAKE_POT_ZERO_NM + (int32_t)(smooth >> SMOOTHING) * LAKE_POT_NM_PER_COUNT + rest_nm) / 1000;
 }
 
 // A reading that no actuator can have come to is not taken. If it stays, the wiper is lost.
 static void watch_wiper(void) {
   static uint16_t wrong_ms;
   filter_t* f = &filters[ANALOG_POTENTIOMETER];
-  const int32_t jump_um = um_of(f->middle) - analog_stroke_um();
-  const uint8_t jumps = jump_um > WIPER_JUMP_UM || jump_um < -WIPER_JUMP_UM;
+  const int16_t jump = (int16_t)f->middle - (int16_t)(f->smooth >> SMOOTHING);
+  const uint8_t jumps = jump > WIPER_JUMP || jump < -WIPER_JUMP;
   judge(ANALOG_NO_WIPER, jumps || f->middle < LAKE_POT_LEAST || f->middle > LAKE_POT_MOST, &wrong_ms, WIPER_WRONG_MS);
   if (!jumps)
     smooth(f);
   else if (faults & ANALOG_NO_WIPER)
     settle(f);
+  tell_stroke();
 }
 #else
 int32_t analog_stroke_um(void) {
@@ -135,6 +140,9 @@ void analog_tick(uint16_t counts) {
   for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) read_channel(channel);
   if (quiet_ms > 0) {
     for (uint8_t channel = 0; channel < ANALOG_COUNT; ++channel) settle(&filters[channel]);
+#if LAKE_FEEDBACK
+    tell_stroke();
+#endif
     --quiet_ms;
     return;
   }

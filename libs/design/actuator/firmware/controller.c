@@ -61,8 +61,16 @@ static void fault(uint16_t what) {
   events |= what;
 }
 
+#if LAKE_FEEDBACK
+static int32_t planned_now_um;  // of stroke_nm, divided once per ms
+#endif
+
 static int32_t planned_um(void) {
+#if LAKE_FEEDBACK
+  return planned_now_um;
+#else
   return stroke_nm / 1000;
+#endif
 }
 
 #if LAKE_SEGMENT_COUNT > 0
@@ -149,6 +157,7 @@ static uint8_t is_away_from(int32_t um) {
 }
 static void begin_following(void) {
   stroke_nm = LAKE_START_UM * 1000;
+  planned_now_um = LAKE_START_UM;
   follow_begin();
 }
 #else
@@ -506,7 +515,7 @@ static uint8_t is_allowed(const motion_t* motion) {
   return state != STATE_FAULT;
 }
 
-#if LAKE_SEGMENT_COUNT > 0
+#if LAKE_SEGMENT_COUNT > 0 && !LAKE_FEEDBACK
 // What the tolerances allow in this ms: a part of the way and what it may be less, and what the motor's lag loses as
 // the speed rises, gains as it falls.
 static void drift(int32_t velocity_um_s, uint32_t way_nm, uint32_t spread_nm) {
@@ -518,11 +527,16 @@ static void drift(int32_t velocity_um_s, uint32_t way_nm, uint32_t spread_nm) {
   if (way_drift_nm < LAKE_DRIFT_MOST_NM) way_drift_nm += spread_nm + (way_nm * LAKE_DRIFT_PER_1024 + 1023) / 1024;
 }
 
+#endif
+
+#if LAKE_SEGMENT_COUNT > 0
 static void move(const motion_t* motion) {
   const int32_t velocity_um_s = motion->velocity_um_s;
   const uint32_t way_nm = velocity_um_s < 0 ? -velocity_um_s : velocity_um_s;
-  if (!LAKE_FEEDBACK) stroke_nm += velocity_um_s;
+#if !LAKE_FEEDBACK
+  stroke_nm += velocity_um_s;
   drift(velocity_um_s, way_nm, motion->spread_um_s);
+#endif
   if (way_nm == 0) return;
   if (end_stop_ahead(velocity_um_s > 0 ? -1 : 1))  // what lies behind
     pressed_way_nm += way_nm;
@@ -542,6 +556,7 @@ static void keep_plan(void) {
     stroke_nm += segment.velocity_um_s;
   else if (state != STATE_HOLD)
     stroke_nm = analog_stroke_um() * 1000;
+  planned_now_um = stroke_nm / 1000;
 }
 
 static void watch_motion(const motion_t* motion) {

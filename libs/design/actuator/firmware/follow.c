@@ -54,7 +54,7 @@ static int32_t at_rest(int32_t error_um) {
   if (correcting != direction || magnitude(error_um) < CLOSE_UM) correcting = 0;
   if (!correcting) return 0;
   summed_at_rest += error_um;
-  return within_table(direction, PROPORTIONAL * error_um + summed_at_rest / 1000 * INTEGRAL);
+  return within_table(direction, PROPORTIONAL * error_um + summed_at_rest / 1024 * INTEGRAL);
 }
 
 int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_um) {
@@ -65,7 +65,7 @@ int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_
   correcting = 0;
   if (behind_um < -AHEAD_UM) is_waiting = 1;
   if (behind_um > -CLOSE_UM) is_waiting = 0;
-  const int32_t wanted = planned_um_s + PROPORTIONAL * error_um + summed_error / 1000 * INTEGRAL;
+  const int32_t wanted = planned_um_s + PROPORTIONAL * error_um + summed_error / 1024 * INTEGRAL;
   const int32_t speed = within_table(direction, wanted);
   // The sum stands still while it could only drive the speed farther out of its range.
   if (speed == wanted || (wanted > speed) == (error_um < 0)) summed_error += error_um;
@@ -127,9 +127,9 @@ uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um) {
   allowed_nm += 2 * magnitude(driven_um_s) + SUPPLY_UM_S;
   const int32_t seen_um = direction * (measured_um - from_um);
   if (seen_um < -WRONG_WAY_UM) return FOLLOW_WRONG_WAY;
-  if (seen_um > allowed_nm / 1000 + TOO_FAR_UM) return FOLLOW_RUNAWAY;
+  if (seen_um > allowed_nm / 1024 + TOO_FAR_UM) return FOLLOW_RUNAWAY;
   if (driven_nm < WATCH_NM) return FOLLOW_FINE;
-  if (seen_um * LEAST_PART < driven_nm / 1000) return FOLLOW_NO_MOTION;
+  if (seen_um * LEAST_PART < driven_nm / 1024) return FOLLOW_NO_MOTION;
   from_um = measured_um;
   driven_nm = allowed_nm = 0;
   return FOLLOW_FINE;

@@ -13,6 +13,10 @@ void Describe(ScheduleOptions& o, OptionList& options) {
       .Key("to_deg")
       .Otherwise("standing");
   options.Add("return", o.return_trip, "Then return to the start the same way");
+  options
+      .Add("smooth", o.smooth_mm,
+           "How far the program may move when reversals within the actuator's play are removed; 0: as it is")
+      .Unit("mm");
   options.Add("hold", o.hold_s, "Pause before returning (with --return)").Unit("s");
   options.Add("margin", o.margin_mm, "Margin of stroke kept before standing and before the linkage's ends").Unit("mm");
   options.Add("max-speed", o.max_speed_mm_s, "Speed limit of the actuator").Unit("mm/s");

@@ -81,6 +81,62 @@ void AppendReturn(Knots& knots, double hold_s) {
       knots.push_back({begin + there.back().time_s - knot->time_s, knot->stroke_mm});
 }
 
+// The knots at which the direction changes, and both ends; of a rest at an extreme its first knot.
+std::vector<std::size_t> Extremes(const Knots& knots) {
+  std::vector<std::size_t> extremes = {0};
+  int last_direction = 0;
+  std::size_t arrived = 0;
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const int direction = DirectionOf(SpeedOf(knots[i - 1], knots[i]));
+    if (direction == 0) continue;
+    if (last_direction == -direction) extremes.push_back(arrived);
+    last_direction = direction;
+    arrived = i;
+  }
+  extremes.push_back(knots.size() - 1);
+  return extremes;
+}
+
+// When the plan is at a stroke between two knots, from which on it runs towards the second without turning.
+double CrossingTime(const Knots& knots, std::size_t first, std::size_t last, double stroke_mm) {
+  for (std::size_t i = first; i < last; ++i) {
+    const double a = knots[i].stroke_mm - stroke_mm, b = knots[i + 1].stroke_mm - stroke_mm;
+    if (a * b <= 0 && a != b) return std::lerp(knots[i].time_s, knots[i + 1].time_s, a / (a - b));
+  }
+  return knots[last].time_s;
+}
+
+// The smallest reversal there and back becomes a rest half way between its two extremes, over and over: that moves the
+// program by half of it.
+void RestInsteadOfSmallReversals(StrokeSchedule& schedule, double most_mm) {
+  Knots& knots = schedule.knots;
+  for (;;) {
+    const std::vector<std::size_t> extremes = Extremes(knots);
+    std::size_t smallest = 0;
+    double least = 2 * most_mm;
+    for (std::size_t i = 1; i + 2 < extremes.size(); ++i) {
+      const double way = std::abs(knots[extremes[i + 1]].stroke_mm - knots[extremes[i]].stroke_mm);
+      const double before = std::abs(knots[extremes[i]].stroke_mm - knots[extremes[i - 1]].stroke_mm),
+                   after = std::abs(knots[extremes[i + 2]].stroke_mm - knots[extremes[i + 1]].stroke_mm);
+      if (way <= least && before > way / 2 && after > way / 2) least = way, smallest = i;
+    }
+    if (smallest == 0) return;
+    const std::size_t from = extremes[smallest - 1], a = extremes[smallest], b = extremes[smallest + 1],
+                      to = extremes[smallest + 2];
+    const double level = (knots[a].stroke_mm + knots[b].stroke_mm) / 2;
+    const double arrives_s = CrossingTime(knots, from, a, level), leaves_s = CrossingTime(knots, b, to, level);
+    Knots rested;
+    for (const Knot& knot : knots)
+      if (knot.time_s < arrives_s) rested.push_back(knot);
+    rested.push_back({arrives_s, level});
+    rested.push_back({leaves_s, level});
+    for (const Knot& knot : knots)
+      if (knot.time_s > leaves_s) rested.push_back(knot);
+    schedule.smoothed_mm = std::max(schedule.smoothed_mm, least / 2);
+    knots = std::move(rested);
+  }
+}
+
 // Puts in what is missing to a rest of `dead_time_s` before each change of direction.
 void RestBeforeReversals(StrokeSchedule& schedule, double dead_time_s) {
   Knots rested = {schedule.knots.front()};
@@ -124,6 +180,7 @@ void ScheduleOptions::Check() const {
             *max_acceleration_mm_s2, "above 0 and at most 1e6 mm/s²");
   if (from_deg) require(*from_deg >= 0 && *from_deg <= 360, "--from-angle", *from_deg, "within 0..360 degrees");
   if (to_deg) require(*to_deg >= 0 && *to_deg <= 360, "--to-angle", *to_deg, "within 0..360 degrees");
+  require(smooth_mm >= 0 && smooth_mm <= 5, "--smooth", smooth_mm, "within 0..5 mm");
   require(hold_s >= 0 && hold_s <= 3600, "--hold", hold_s, "within 0..3600 s");
   require(dead_time_s >= kLeastDeadTime_s && dead_time_s <= 5, "--dead-time", dead_time_s, "within 0.1..5 s");
 }
@@ -170,6 +227,7 @@ StrokeSchedule MakeSchedule(const linkage::Design& design, const ScheduleOptions
   StrokeSchedule schedule{design.links, SoftLimitsOf(design, options.margin_mm), {}};
   schedule.knots = BaseKnots(design, schedule.limits, options);
   CheckLimits(schedule.knots, schedule.limits, options.margin_mm);
+  if (options.smooth_mm > 0) RestInsteadOfSmallReversals(schedule, options.smooth_mm);
   if (options.max_speed_mm_s) CheckMaxSpeed(schedule.knots, *options.max_speed_mm_s);
   if (options.return_trip) AppendReturn(schedule.knots, options.hold_s);
   RestBeforeReversals(schedule, options.dead_time_s);

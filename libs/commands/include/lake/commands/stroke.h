@@ -17,13 +17,17 @@
 namespace lake::commands {
 
 struct StrokeRunOptions {
+  StrokeRunOptions() { schedule.smooth_mm = actuator::kStrokeResolution_mm; }
+
   std::filesystem::path design;
   std::optional<std::filesystem::path> duty_table;  // none: no duty, no firmware
   std::optional<std::filesystem::path> motion;    // lake-track or lake-gait folder: a constant program runs between its
                                                   // seated and standing knee angles
   std::optional<std::filesystem::path> validate;  // lake-track folder of a prototype
-  double tolerance_deg = 2;                       // RMS up to which a prototype follows its prediction
-  double rate_hz = 50;                            // of program.csv
+  std::optional<std::filesystem::path> stroke_log;  // of that prototype's run, with measured strokes: errors apart, …
+  std::vector<std::string> rod;                     // … as by the same video's markers on the actuator's body and rod
+  double tolerance_deg = 2;                         // RMS up to which a prototype follows its prediction
+  double rate_hz = 50;                              // of program.csv
   actuator::ScheduleOptions schedule;
   actuator::FirmwareOptions firmware;
 };

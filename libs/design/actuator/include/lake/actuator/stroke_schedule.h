@@ -12,6 +12,10 @@ namespace lake::actuator {
 
 inline constexpr double kLeastDeadTime_s = 0.1;
 
+// Of an actuator with a screw: the play between its nut and its bearings is some 0.2 mm, so a smaller reversal does not
+// arrive at the rod.
+inline constexpr double kStrokeResolution_mm = 0.15;
+
 struct ScheduleOptions {
   double margin_mm = 0.5;            // kept from standing (theta = 0) and from the ends of the assembled branch
   std::optional<double> speed_mm_s;  // constant speed instead of the design's program
@@ -20,6 +24,7 @@ struct ScheduleOptions {
   std::optional<double> max_speed_mm_s;          // of the actuator
   std::optional<double> max_acceleration_mm_s2;  // likewise; none: speeds change at once
   bool return_trip = false;                      // afterwards back to the start, the same way
+  double smooth_mm = 0;                          // reversals of at most twice that become rests half way between
   double hold_s = 2;                             // rest before the return trip
   double dead_time_s = 0.1;                      // brake before a reversal: at least so long a rest
 
@@ -43,6 +48,7 @@ struct StrokeSchedule {
   SoftLimits limits;
   std::vector<linkage::StrokeProgram::Knot> knots;
   int reversals = 0;
+  double smoothed_mm = 0;   // the farthest that taking small reversals away has moved the program
   double added_rest_s = 0;  // by the pauses that were put in before reversals
 
   double Duration() const { return knots.back().time_s; }

@@ -1,0 +1,82 @@
+// The motor's current: a short, a stall and a motor that takes none are told and stopped, within the time stated.
+#include "host/host_fixture.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class CurrentSenseTest : public HostFirmwareTest {
+ protected:
+  void SetUp() override {
+    firmware_options_.current_sense = true;
+    actuator_.noise_counts = 1, actuator_.spikes = 0.01;
+  }
+  void Start() {
+    Build(FreeDesign({{0, 300}, {8, 340}}));
+    ASSERT_TRUE(rig_->Asks("zero", "ok"));
+    ASSERT_TRUE(rig_->Asks("run", "ok"));
+    rig_->Run(1);
+    ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
+  }
+  void ExpectAlarm(const char* alarm, double within_s) {
+    const double since = rig_->Time();
+    EXPECT_TRUE(rig_->RunUntil(alarm, 2)) << rig_->Serial();
+    EXPECT_LE(rig_->Time() - since, within_s);
+    rig_->Run(0.2);
+    EXPECT_EQ(rig_->Duty(), 0);
+  }
+};
+
+TEST_F(CurrentSenseTest, RunsUnderLoadAndSaysTheCurrent) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    actuator_.seed = seed;
+    actuator_.load_n = [](double, double) { return 200; };
+    Start();
+    rig_->Run(0.2);
+    EXPECT_THAT(rig_->Serial(), Not(HasSubstr("ALARM")));
+    const std::size_t row = rig_->Serial().rfind(",running,");
+    int adc = 0, stops = 0;
+    double current_a = 0;
+    ASSERT_EQ(std::sscanf(rig_->Serial().c_str() + row, ",running,%d,%d,%lf", &adc, &stops, &current_a), 3);
+    // 0.3 A and 0.8 A of load; noise of a count is 26 mA, smoothed over 4 x 8 readings; the lag's share is gone by 1 s.
+    EXPECT_NEAR(current_a, 1.1, 0.1) << seed;
+    EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 8)) << rig_->Serial();
+  }
+}
+
+TEST_F(CurrentSenseTest, AShortIsOffAtOnce) {
+  Start();
+  rig_->Actuator().idle_a = 6;
+  ExpectAlarm("ALARM:12\n", 0.03);
+}
+
+// At 5 mm/s the model draws 0.3 A and 4 A times its duty of 0.65: 2.9 A, less than a short.
+TEST_F(CurrentSenseTest, AStallIsToldWithinAThirdOfASecond) {
+  Start();
+  rig_->Breaks().is_blocked = true;
+  ExpectAlarm("ALARM:12\n", 0.35);
+}
+
+TEST_F(CurrentSenseTest, AMotorWithoutCurrentIsTold) {
+  Start();
+  rig_->Actuator().idle_a = 0, rig_->Actuator().stall_a = 0;
+  ExpectAlarm("ALARM:13\n", 0.35);
+}
+
+// Pulled down it reads what no motor takes.
+TEST_F(CurrentSenseTest, ALostSenseWireIsTold) {
+  Start();
+  rig_->Breaks().current_wire = true;
+  ExpectAlarm("ALARM:12\n", 0.03);
+}
+
+TEST_F(CurrentSenseTest, AnInrushIsNoStall) {
+  actuator_.time_constant_s = 0.12;
+  Start();
+  EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 8)) << rig_->Serial();
+}
+
+}  // namespace
+}  // namespace lake
