@@ -10,6 +10,8 @@
 #include "lake/core/error.h"
 #include "lake/core/name_value.h"
 #include "lake/synth/recording.h"
+#include "lake/synth/staging.h"
+#include "lake/synth/sts_motion.h"
 #include "program.h"
 
 namespace {
@@ -23,6 +25,7 @@ struct Arguments {
   std::optional<std::uint64_t> motion_seed;
   std::string motion_table, exo, camera, distortion;
   std::vector<std::string> hide, depth;
+  std::optional<double> walk_in, second_person;
   std::optional<int> repetitions, width, height, crf, reflections;
   std::optional<double> duration, rate, radius_px, shutter, flicker, psf, read_noise, shot_gain, level, brightness,
       exposure, pace, rest, distance, yaw, pitch, roll;
@@ -110,6 +113,9 @@ void AddMotionOptions(CLI::App& cli, Arguments& a) {
       ->check(CLI::IsMember({"left", "right"}));
   cli.add_option("--repetitions", a.repetitions, "Stand-ups; the video becomes as long as they take");
   cli.add_option("--motion-seed", a.motion_seed, "Seed of the motion (default: --seed-number)");
+  cli.add_option("--walk-in", a.walk_in, "The subject walks in for so many s before the motion begins");
+  cli.add_option("--second-person", a.second_person,
+                 "Markers of a second person who stands up, so many mm to the right: other_ankle, …");
   cli.add_flag("--standing", a.standing, "Begin upright instead of seated");
   cli.add_option("--pace", a.pace, "Movements take this many times as long");
   cli.add_option("--rest", a.rest, "Longest rest between movements, s");
@@ -156,6 +162,25 @@ void AddPictureOptions(CLI::App& cli, Arguments& a) {
   cli.add_option("--jitter", a.jitter, "Time stamps vary by up to this part of the frame time");
 }
 
+// With whoever walks in or stands beside; the camera stays where it is without them.
+synth::Scene StagedScene(const Arguments& a) {
+  synth::SceneOptions options = SceneOf(a);
+  if (!a.walk_in && !a.second_person) return synth::Scene(options);
+  if (!options.motion_table.empty()) throw UsageError("--walk-in, --second-person: not with --motion-table");
+  options.camera = synth::Scene(options).Profile();
+  std::shared_ptr<const synth::MarkerMotion> motion = std::make_shared<synth::StsMotion>(options.motion);
+  if (a.walk_in) {
+    motion = synth::MakeWalkIn(motion, *a.walk_in);
+    if (options.duration_s > 0) options.duration_s += *a.walk_in;
+  }
+  if (a.second_person) {
+    synth::StsMotionOptions other = options.motion;
+    ++other.seed;
+    motion = synth::MakeTwoPeople(motion, std::make_shared<synth::StsMotion>(other), *a.second_person);
+  }
+  return synth::Scene(options, motion);
+}
+
 std::string Report(const Json& summary) {
   std::string hidden;
   for (const auto& [name, frames] : summary["hidden_frames"].items())
@@ -185,7 +210,7 @@ int main(int argc, char** argv) {
       [&](Run& run) {
         for (const std::string& file : {a.motion_table, a.camera})
           if (!file.empty()) run.AddInput(file);
-        const synth::Scene scene(SceneOf(a));
+        const synth::Scene scene = StagedScene(a);
         synth::RecordingOptions recording{a.crf.value_or(a.scene == "hard" ? 23 : 17), a.lossless, a.pictures,
                                           "veryfast", run.Quiet()};
         std::vector<std::string> names = {"truth.csv", "camera.yaml", "scene.json"};

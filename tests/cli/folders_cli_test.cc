@@ -2,7 +2,9 @@
 #include <fstream>
 
 #include "cli/program_run.h"
+#include "lake/core/csv.h"
 #include "lake/core/json.h"
+#include "lake/motion/marker_recording.h"
 
 namespace lake {
 namespace {
@@ -93,30 +95,59 @@ TEST_F(Folders, AreNotBegunWithWhatCannotEndWell) {
   EXPECT_FALSE(Has("D"));
 }
 
-// Knee and hip by each other's names, by the user's own seeds.
+// Knee and hip in each other's places from half-way on, by the user's own corrections.
 TEST_F(Folders, KeepWhatWasTrackedWhereNoLegCanBeFitted) {
   Render("--still");
   Done("lake-track human.mp4 --no-overlay --quiet -o right");
-  std::ifstream tracks(folder_ / "right/tracks.csv");
-  std::string header, row;
-  std::getline(tracks, header), std::getline(tracks, row);
-  std::vector<std::string> cells;
-  for (std::size_t begin = 0; begin <= row.size();) {
-    const std::size_t end = std::min(row.find(',', begin), row.size());
-    cells.push_back(row.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  ASSERT_GE(cells.size(), 18u);
-  const Outcome outcome =
-      Refused(fmt::format("lake-track human.mp4 --quiet -o D --seed ankle={},{} --seed hip={},{} --seed knee={},{} "
-                          "--seed waist={},{}",
-                          cells[14], cells[15], cells[2], cells[3], cells[6], cells[7], cells[10], cells[11]),
-              1, "what was tracked, without a leg, is in D");
+  const motion::MarkerRecording right = motion::ReadMarkerCsv(folder_ / "right/tracks.csv");
+  std::string rows = "frame,marker,x_px,y_px\n";
+  for (std::size_t i = right.Frames() / 2; i < right.Frames(); ++i)
+    for (const auto& [name, other] : {std::pair("knee", "hip"), std::pair("hip", "knee")}) {
+      const Eigen::Vector2d place = right.Find(other)->samples[i].position;
+      rows += fmt::format("{},{},{},{}\n", right.frame[i], name, place.x(), place.y());
+    }
+  WriteTextFile(folder_ / "swapped.csv", rows);
+  const Outcome outcome = Refused("lake-track human.mp4 --quiet -o D --corrections swapped.csv", 1,
+                                  "what was tracked, without a leg, is in D");
   EXPECT_THAT(outcome.err, Not(HasSubstr("--up")));
   for (const char* name : {"D/tracks.csv", "D/track.png", "D/overlay.mp4"}) EXPECT_TRUE(Has(name)) << name;
   EXPECT_FALSE(Has("D/kinematics.csv"));
   const Json summary = ReadJsonFile(folder_ / "D/summary.json");
   EXPECT_THAT(summary["failed"].get<std::string>(), HasSubstr("leg fit"));
+}
+
+// Knee and hip by each other's names, by the user's own seeds; and what is shown then.
+TEST_F(Folders, ShowWhatWasFoundWhereTheMarkersCannotBeNamed) {
+  Render("--still");
+  Done("lake-track human.mp4 --no-overlay --quiet -o right");
+  const motion::MarkerRecording right = motion::ReadMarkerCsv(folder_ / "right/tracks.csv");
+  const auto seed = [&](const char* name, const char* at) {
+    const Eigen::Vector2d place = right.Find(at)->samples.front().position;
+    return fmt::format(" --seed {}={:.1f},{:.1f}", name, place.x(), place.y());
+  };
+  const std::string track = "lake-track human.mp4 --no-overlay --quiet";
+  Refused(track + " -o D" + seed("hip", "knee") + seed("knee", "hip"), 1, "D/candidates.png shows what was found");
+  EXPECT_EQ(ReadTextFile(folder_ / "D/candidates.png").substr(1, 3), "PNG");
+  EXPECT_THAT(ReadTextFile(folder_ / "D/candidates.csv"),
+              testing::StartsWith("id,frame,x_px,y_px,radius_px,first_frame,last_frame,moves\n1,"));
+  for (const char* name : {"D/tracks.csv", "D/kinematics.csv", "D/track.png"}) EXPECT_FALSE(Has(name)) << name;
+
+  Done(track + " --list -o list");
+  EXPECT_EQ(ReadTextFile(folder_ / "list/candidates.csv"), ReadTextFile(folder_ / "D/candidates.csv"));
+  const CsvTable list = CsvTable::Read(folder_ / "list/candidates.csv");
+  std::string numbers;
+  for (std::size_t row = 0; row < list.Rows(); ++row)
+    for (const motion::MarkerTrack& marker : right.markers) {
+      const auto frame = static_cast<std::size_t>(list.RequiredNumber(row, list.Column("frame")));
+      const Eigen::Vector2d place(list.RequiredNumber(row, list.Column("x_px")),
+                                  list.RequiredNumber(row, list.Column("y_px")));
+      if ((marker.samples[frame].position - place).norm() < 1)
+        numbers += fmt::format(" --seed {}=#{}", marker.name, list.Text(row, list.Column("id")));
+    }
+  Done(track + " -o numbered" + numbers);
+  EXPECT_EQ(ReadTextFile(folder_ / "numbered/tracks.csv"), ReadTextFile(folder_ / "right/tracks.csv"));
+  Refused(track + " -o none --seed knee=#77", 1, "--seed knee=#77");
+  Refused(track + " -o none --seed knee=#0", 2, "#N");
 }
 
 TEST_F(Folders, AreConvertedAsTheirTables) {

@@ -74,10 +74,23 @@ TEST_F(TrackProgram, RefusesATruncatedVideo) {
   }
 }
 
+// Names that cannot be given: nothing is written but what was found.
+TEST_F(TrackProgram, ShowsWhatItCannotName) {
+  Render();
+  for (const auto& [names, text] : {std::pair("a,b,c,d,e,f,g,h,i,j,k,l,m,n,o,p,q,r,s,t", "20 markers are wanted"),
+                                    {"ankle,knee,hip,waist,toe", "toe"}}) {
+    const Outcome outcome = Track(std::string("good.mp4 --markers ") + names);
+    EXPECT_EQ(outcome.exit_code, 1) << names;
+    EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr(text), HasSubstr("results/candidates.png"))) << names;
+    EXPECT_EQ(outcome.ErrorLines(), 1) << outcome.err;
+    for (const char* name : {"candidates.png", "candidates.csv", "summary.json"})
+      EXPECT_TRUE(fs::exists(folder_ / "results" / name)) << name;
+    EXPECT_FALSE(fs::exists(folder_ / "results" / "tracks.csv"));
+  }
+}
+
 TEST_F(TrackProgram, RefusesOptionsThatDoNotFitTheVideo) {
   Render();
-  ExpectRefused("good.mp4 --markers a,b,c,d,e,f,g,h,i,j,k,l,m,n,o,p,q,r,s,t", 1, "20 markers are wanted");
-  ExpectRefused("good.mp4 --markers ankle,knee,hip,waist,toe", 1, "toe");
   ExpectRefused("good.mp4 --seed knee=5000,10", 1, "outside the picture");
   ExpectRefused("good.mp4 --seed knee=-1,10", 1, "outside the picture");
   ExpectRefused("good.mp4 --seed knee=640,360@99999", 1, "99999");

@@ -12,6 +12,7 @@ synth::SceneOptions OneRise(std::uint64_t seed) {
   return scene;
 }
 
+// Errors of the estimates, after the tracks themselves were looked at.
 TrackErrors TrackAndCompare(RenderedTrial& trial, const char* what, std::uint64_t seed,
                             const std::function<void(commands::TrackRunOptions&)>& change) {
   trial.Track("trial", change);
@@ -20,7 +21,9 @@ TrackErrors TrackAndCompare(RenderedTrial& trial, const char* what, std::uint64_
   EXPECT_EQ(errors.false_samples, 0);
   EXPECT_LE(errors.worst_px, 2) << "a marker took another's place";
   EXPECT_GE(errors.recall, 0.995);
-  return errors;
+  const TrackErrors estimates = CompareTracks(trial.EstimatesInPicture(), trial.scene);
+  EXPECT_LE(estimates.rms_px, errors.rms_px) << "the fit's estimate is worse than the measurement it started from";
+  return estimates;
 }
 
 std::string HexColour(const cv::Vec3f& bgr) {

@@ -144,6 +144,21 @@ struct RenderedTrial {
     return motion::ReadMarkerCsv(folder / name / "tracks.csv");
   }
 
+  // The fit's estimates where they lie in the picture, at the frames and with the statuses of the tracks.
+  motion::MarkerRecording EstimatesInPicture(const std::string& name = "trial") const {
+    motion::MarkerRecording estimates =
+        motion::ReadMarkerCsv(folder / name / "trajectory.csv", motion::MarkerValues::kEstimated);
+    const gait::LegView view = gait::MakeLegView(motion::LengthUnit::kPx, scene.Profile());
+    for (motion::MarkerTrack& marker : estimates.markers)
+      for (motion::MarkerSample& sample : marker.samples) {
+        if (!sample.IsKnown()) continue;
+        sample.sigma /= gait::PlaneUnitsPerRecorded(view, sample.position, 0);
+        sample.position = gait::RecordedFromPlane<double>(view, sample.position, 0);
+      }
+    estimates.unit = motion::LengthUnit::kPx;
+    return estimates;
+  }
+
   TemporaryFolder folder;
   synth::Scene scene;
 };

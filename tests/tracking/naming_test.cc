@@ -424,6 +424,8 @@ TEST(Clutter, DoesNotHideTheLegOfWhoWalksIn) {
       const Vector2d place = Somewhere(random);
       seen.Add([=](int) { return place; });
     }
+    for (std::size_t m = 0; m < 4; ++m)  // beside the place where each marker appears, until it does
+      seen.Add([=](int) { return Vector2d(walk.At(50, m) + Vector2d(-14, 9)); }, 0, 48);
     seen.Add([](int frame) { return Vector2d(200 + 2.5 * frame, 90 + 20 * std::sin(frame / 15.0)); }, 30, 260);
     for (std::size_t m = 0; m < 4; ++m) {
       const auto path = [=](int frame) { return walk.At(frame, m); };
@@ -432,7 +434,7 @@ TEST(Clutter, DoesNotHideTheLegOfWhoWalksIn) {
     }
     const motion::MarkerRecording recording = Name(seen, LegOptions());
     for (std::size_t m = 0; m < 4; ++m)
-      for (int frame = 60; frame < kFrames; ++frame) {
+      for (int frame = 0; frame < kFrames; ++frame) {
         const motion::MarkerSample& sample = recording.markers[m].samples[static_cast<std::size_t>(frame)];
         if (!sample.IsKnown()) continue;
         ASSERT_LE((sample.position - walk.At(frame, m)).norm(), 0.5)
@@ -456,6 +458,24 @@ TEST(Clutter, WhoWalksPastIsNotTheSubject) {
         return std::array<Vector2d, 4>{ankle, knee, hip, Vector2d(hip + Vector2d(0, -105))}[m];
       });
     EXPECT_DOUBLE_EQ(ShareNamed(Name(seen, LegOptions()), scene), 1) << "seed " << seed;
+  }
+}
+
+// A marker that says itself which it is comes back displaced along the shank, as skin and cuff are: 6 % of its length.
+TEST(Identities, AreNotOverruledByLengthsThatSkinChanges) {
+  for (unsigned seed = 231; seed <= 235; ++seed) {
+    const LegScene scene{1, false, 0.05, seed};
+    Seen seen(seed, scene.noise_px);
+    for (const std::size_t m : {0u, 2u, 3u}) seen.AddMarker(scene, m);
+    seen.AddMarker(scene, 1, 0, 149);
+    seen.Add([=](int frame) { return Vector2d(Leg(scene, Upright(scene, frame))[1] + Vector2d(0, 13)); }, 170);
+    const int identities[] = {0, 2, 3, 1, 1};
+    for (std::size_t t = 0; t < seen.tracklets.size(); ++t) seen.tracklets[t].identity = identities[t];
+    tracking::NamingOptions options = LegOptions();
+    options.identities = {0, 1, 2, 3};
+    const motion::MarkerRecording recording = Name(seen, options);
+    ExpectIs(*recording.Find("knee"), seen.tracklets[4]);
+    ExpectIs(*recording.Find("knee"), seen.tracklets[3]);
   }
 }
 

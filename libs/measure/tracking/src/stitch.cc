@@ -10,34 +10,43 @@ namespace {
 constexpr double kLongest_s = 0.25;
 constexpr std::size_t kSlopeSamples = 5;
 
-// px/s over the samples beside an end.
-Eigen::Vector2d Velocity(const TrackletSample& from, const TrackletSample& to) {
-  if (from.frame == to.frame) return Eigen::Vector2d::Zero();
-  return (to.position - from.position) / (to.time_s - from.time_s);
+// How a thing moved beside an end of its tracklet: mean velocity over the last few samples, px/s, and their span.
+struct EndMotion {
+  Eigen::Vector2d velocity;
+  double span_s;
+};
+
+EndMotion MotionOver(const TrackletSample& from, const TrackletSample& to) {
+  const double span_s = to.time_s - from.time_s;
+  if (from.frame == to.frame) return {Eigen::Vector2d::Zero(), 0};
+  return {(to.position - from.position) / span_s, span_s};
 }
 
-Eigen::Vector2d VelocityAtEnd(const Tracklet& tracklet) {
-  const std::size_t n = tracklet.samples.size(), back = std::min(n, kSlopeSamples);
-  return Velocity(tracklet.samples[n - back], tracklet.samples[n - 1]);
+EndMotion MotionAtEnd(const Tracklet& tracklet) {
+  const std::size_t n = tracklet.samples.size();
+  return MotionOver(tracklet.samples[n - std::min(n, kSlopeSamples)], tracklet.samples[n - 1]);
 }
 
-Eigen::Vector2d VelocityAtStart(const Tracklet& tracklet) {
-  return Velocity(tracklet.samples.front(), tracklet.samples[std::min(tracklet.samples.size(), kSlopeSamples) - 1]);
+EndMotion MotionAtStart(const Tracklet& tracklet) {
+  return MotionOver(tracklet.samples.front(), tracklet.samples[std::min(tracklet.samples.size(), kSlopeSamples) - 1]);
 }
 
-// Whether what ended may be what begins: each met half-way from its own side.
+// Whether what ended may be what begins: of the same size, each met half-way from its own side, and no faster or slower
+// than it can have become: a lamp does not go on as the marker that appears beside it.
 bool MayGoOnAs(const Tracklet& ended, const Tracklet& begun, const MarkerPhysics& physics) {
   const TrackletSample &last = ended.samples.back(), &first = begun.samples.front();
   const double gap_s = first.time_s - last.time_s;
   if (first.frame <= last.frame || gap_s > kLongest_s) return false;
   if (ended.identity != begun.identity) return false;
-  const double ratio = first.radius_px / last.radius_px;
+  const double ratio = first.radius_px / last.radius_px, radius = std::max(first.radius_px, last.radius_px);
   if (ratio < 0.7 || ratio > 1.4) return false;
-  const Eigen::Vector2d from_end = last.position + 0.5 * gap_s * VelocityAtEnd(ended),
-                        from_start = first.position - 0.5 * gap_s * VelocityAtStart(begun);
-  const double radius = std::max(first.radius_px, last.radius_px), half_s = 0.5 * gap_s;
+  const EndMotion before = MotionAtEnd(ended), after = MotionAtStart(begun);
+  const double between_s = gap_s + 0.5 * (before.span_s + after.span_s);
+  if ((after.velocity - before.velocity).norm() > physics.AccelerationRadii() * radius * between_s) return false;
+  const double half_s = 0.5 * gap_s;
+  const Eigen::Vector2d apart = (last.position + half_s * before.velocity) - (first.position - half_s * after.velocity);
   const double reach = 2 + std::min(physics.AccelerationRadii() * half_s * half_s, 6.0);  // radii
-  return (from_end - from_start).norm() < reach * radius;
+  return apart.norm() < reach * radius;
 }
 
 }  // namespace
