@@ -5,6 +5,7 @@
 #include "lake/core/error.h"
 #include "lake/figure/misalignment_figures.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/plausibility.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/report.h"
 
@@ -27,6 +28,11 @@ compare::TrialTables ReadTracked(const fs::path& folder, Run& run) {
   tables.trajectory = motion::ReadMarkerCsv(markers);
   tables.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   tables.events = motion::ReadEventsCsv(folder / "events.csv");
+  try {
+    gait::CheckPlausible(tables.motion, tables.trajectory);
+  } catch (const Error& error) {
+    throw Fail("{}: {}", folder.string(), error.what());
+  }
   for (const fs::path& file : {markers, folder / "kinematics.csv", folder / "events.csv"}) run.AddInput(file);
   return tables;
 }

@@ -99,7 +99,7 @@ struct LegFitResult {
 // Markers other than the leg's are smoothed and bridged each by itself. A sigma of 0 means that it is not known: it is
 // then estimated from the marker's own fine structure. Throws Error: a marker of the leg is absent or hardly seen, a
 // position is not finite, the names contradict a leg (a segment's length varies too much, the hip lies below the
-// ankle); SolverError: no solution.
+// ankle), the result is none of a person's (plausibility.h); SolverError: no solution.
 LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options = {});
 
 // What the recording says of the knee: smallest and largest angle, peak speeds, each with its time. For summary.json,
