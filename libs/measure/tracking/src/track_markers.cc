@@ -124,6 +124,11 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
   video::VideoReaderOptions reader_options = options.reader;
   reader_options.colour = detector->NeedsColour();
   const std::unique_ptr<video::VideoReader> reader = video::VideoReader::Open(video, reader_options);
+  if (reader->Info().interlaced)
+    throw Fail(
+        "{}: is interlaced: each frame holds two fields that were taken at different times; make a frame of each field "
+        "(ffmpeg -i {} -vf bwdif=mode=send_field -crf 15 progressive.mp4), or record progressively",
+        video.string(), video.string());
   CheckPlaces(options, reader->Info());
 
   TrackResult result;
@@ -153,10 +158,10 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
                              options.up_px, options.physics, builder.Breaks()};
   try {
     NameTracklets(tracklets, naming, result.recording);
+    result.times = CorrectFrameTimes(builder.RepeatedFrames(), result.recording);
   } catch (const Error& error) {
     throw Fail("{}: {}", video.string(), error.what());
   }
-  result.times = CorrectFrameTimes(builder.RepeatedFrames(), result.recording);
   result.sigma = CalibrateSigmas(result.recording);
   return result;
 }

@@ -45,8 +45,8 @@ struct TrackResult {
   FrameTimes times;
 };
 
-// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, of fewer than two frames, with
-// fewer markers than names, or whose markers cannot be named with certainty.
+// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, is interlaced, of fewer than two
+// frames, with fewer markers than names, or whose markers cannot be named with certainty.
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options);
 
 }  // namespace lake::tracking
