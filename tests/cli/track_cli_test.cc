@@ -58,6 +58,10 @@ TEST_F(TrackProgram, RefusesWhatIsNoVideo) {
   ExpectRefused("audio.mp4", 1, "audio.mp4");
   ExpectRefused("one.mp4", 1, "1 frame");
   ExpectRefused("black.mp4", 1, "only 0 were seen");
+  Ffmpeg(
+      "-f lavfi -i testsrc2=size=320x240:rate=50:duration=0.5 -vf interlace -flags +ilme+ildct -c:v libx264 "
+      "fields.mp4");
+  ExpectRefused("fields.mp4", 1, "interlaced");
   ExpectRefused("absent/%05d.png", 1, "absent");
 }
 

@@ -66,6 +66,24 @@ INSTANTIATE_TEST_SUITE_P(
                     FitCase{"FrozenByVideoCoding", {.repetitions = 4}, true, NoiseKind::kFrozen}),
     [](const auto& info) { return info.param.name; });
 
+TEST(LegFit, FillsNothingBeforeAMarkerIsFirstSeenOrAfterItsLast) {
+  const SyntheticLeg leg = MakeSyntheticLeg({});
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
+  std::vector<motion::MarkerSample>& ankle = tracks.markers[0].samples;
+  const std::size_t first = 40, gap = 100, last = ankle.size() - 30;
+  std::fill(ankle.begin(), ankle.begin() + first, motion::MarkerSample{});
+  std::fill(ankle.begin() + last + 1, ankle.end(), motion::MarkerSample{});
+  std::fill(ankle.begin() + gap, ankle.begin() + gap + 5, motion::MarkerSample{});
+  const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView());
+  for (std::size_t i = 0; i < ankle.size(); ++i) {
+    const auto expected = i < first || i > last     ? motion::SampleStatus::kMissing
+                          : i >= gap && i < gap + 5 ? motion::SampleStatus::kFilled
+                                                    : motion::SampleStatus::kDetected;
+    EXPECT_EQ(result.trajectory.markers[0].samples[i].status, expected) << "frame " << i;
+    EXPECT_EQ(std::isfinite(result.motion.samples[i].knee_deg), expected != motion::SampleStatus::kMissing) << i;
+  }
+}
+
 TEST(LegFit, SegmentLengthsAreExactThroughACalibratedPlane) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
   const gait::LegView view = CalibratedView();

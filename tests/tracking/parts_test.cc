@@ -256,15 +256,17 @@ TEST(NoiseEstimator, KnowsWhereTheVideoSaturates) {
 
 // Four markers on slow curves at more than half a pixel a frame, with white noise of this deviation and fits that state
 // `sigma`.
-motion::MarkerRecording Curves(double noise_px, double sigma_px, unsigned seed) {
+motion::MarkerRecording Curves(double noise_px, double sigma_px, unsigned seed, double jitter = 0) {
   std::mt19937 random(seed);
+  std::uniform_real_distribution<double> early_late(-jitter, jitter);
   std::normal_distribution<double> noise(0, noise_px);
   motion::MarkerRecording recording;
   recording.markers.resize(4);
   for (int f = 0; f < 400; ++f) {
-    recording.frame.push_back(f), recording.time_s.push_back(f / 60.0);
+    const double t = (f + early_late(random)) / 60;
+    recording.frame.push_back(f), recording.time_s.push_back(t);
     for (std::size_t m = 0; m < 4; ++m) {
-      const double t = f / 60.0, a = 0.9 * t + static_cast<double>(m);
+      const double a = 0.9 * t + static_cast<double>(m);
       const Vector2d place = Vector2d(500, 400) + 120 * Vector2d(std::cos(a), std::sin(a));
       recording.markers[m].samples.push_back(
           {place + Vector2d(noise(random), noise(random)), sigma_px, motion::SampleStatus::kDetected});
@@ -295,6 +297,15 @@ TEST(SigmaCalibration, FindsAKnownExtraScatter) {
     EXPECT_FALSE(recording.markers[1].samples[50].IsKnown());
     EXPECT_EQ(recording.markers[1].samples[50].sigma, 0);
   }
+}
+
+// Times that scatter by 0.3 frames are no noise of the positions, nor is a frame in four that is not there.
+TEST(SigmaCalibration, GoesByTime) {
+  motion::MarkerRecording recording = Curves(std::hypot(0.02, 0.05), 0.02, 12, 0.3);
+  for (motion::MarkerTrack& marker : recording.markers)
+    for (std::size_t i = 0; i < marker.samples.size(); i += 4) marker.samples[i] = {};
+  const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(recording);
+  EXPECT_NEAR(calibration.compression_px, 0.05, 0.08 * 0.05);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/figure/misalignment_figures.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/plausibility.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/report.h"
 #include "png_and_svg.h"
@@ -32,6 +33,11 @@ compare::TrialTables ReadTracked(const fs::path& folder, Run& run) {
   tables.trajectory = motion::ReadMarkerCsv(markers, motion::MarkerValues::kEstimated);
   tables.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   tables.events = motion::ReadEventsCsv(folder / "events.csv");
+  try {
+    gait::CheckPlausible(tables.motion, tables.trajectory);
+  } catch (const Error& error) {
+    throw Fail("{}: {}", folder.string(), error.what());
+  }
   for (const fs::path& file : {markers, folder / "kinematics.csv", folder / "events.csv"}) run.AddInput(file);
   return tables;
 }

@@ -182,8 +182,6 @@ void WarnOfVideo(const video::VideoInfo& video, Run& run) {
         "the video's pixels are not square ({:.3g} wide to 1 high): positions are in its own pixels; only a "
         "camera calibrated on such pictures makes lengths and angles of them right",
         video.pixel_aspect));
-  if (video.interlaced)
-    run.Warn("the video is interlaced: its two fields were taken at different times; record progressively");
 }
 
 std::vector<exchange::PointEvent> PointEvents(const std::vector<motion::StsEvent>& events) {

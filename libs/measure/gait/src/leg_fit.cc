@@ -8,6 +8,7 @@
 #include "lake/core/progress.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
+#include "lake/gait/plausibility.h"
 #include "leg_curves.h"
 #include "leg_problem.h"
 #include "leg_signals.h"
@@ -250,6 +251,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
       if (report.name == leg[m].name) report.noise_scale = solution.noise_scales[m];
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   result.summary = Summarize(solution, start, elapsed.count());
+  CheckPlausible(result);
   progress.Advance();
   return result;
 }

@@ -25,12 +25,18 @@ struct MarkerOutput {
   std::vector<double> shown_across;  // mm across the plane, of trials in three dimensions
 };
 
+// Before a marker is first seen and after it is last seen nothing is known of it: it may not have been there.
 std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurve& curve, double most_sigma) {
+  const auto first = std::find(d.seen.begin(), d.seen.end(), 1) - d.seen.begin();
+  const auto last = d.seen.rend() - std::find(d.seen.rbegin(), d.seen.rend(), 1) - 1;
   std::vector<motion::SampleStatus> status;
-  for (std::size_t i = 0; i < d.seen.size(); ++i)
-    status.push_back(d.seen[i]                            ? motion::SampleStatus::kDetected
-                     : curve.plane_sigma[i] <= most_sigma ? motion::SampleStatus::kFilled
-                                                          : motion::SampleStatus::kMissing);
+  for (std::size_t i = 0; i < d.seen.size(); ++i) {
+    const auto frame = static_cast<std::ptrdiff_t>(i);
+    const bool is_between = frame >= first && frame <= last;
+    status.push_back(d.seen[i]                                          ? motion::SampleStatus::kDetected
+                     : is_between && curve.plane_sigma[i] <= most_sigma ? motion::SampleStatus::kFilled
+                                                                        : motion::SampleStatus::kMissing);
+  }
   return status;
 }
 

@@ -31,17 +31,21 @@ double NoiseFromDifferences(const motion::MarkerTrack& track, const std::vector<
 // The steps of a marker between the frames in which it is seen.
 struct Steps {
   std::vector<std::size_t> frames;
-  std::vector<Eigen::Vector2d> step;  // from the frame before, per frame; of the first: 0
+  std::vector<Eigen::Vector2d> step;  // from the frame before, per usual interval; of the first: 0
+  double interval_s = 0;              // between frames, usually
 };
 
-Steps FindSteps(const Detections& d) {
+Steps FindSteps(const Detections& d, const std::vector<double>& time_s) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < time_s.size(); ++i) intervals.push_back(time_s[i] - time_s[i - 1]);
   Steps steps;
+  steps.interval_s = Median(std::move(intervals));
   for (std::size_t i = 0; i < d.seen.size(); ++i)
     if (d.seen[i]) steps.frames.push_back(i);
   steps.step.assign(steps.frames.size(), Eigen::Vector2d::Zero());
   for (std::size_t k = 1; k < steps.frames.size(); ++k)
-    steps.step[k] = (d.in_plane[steps.frames[k]] - d.in_plane[steps.frames[k - 1]]) /
-                    static_cast<double>(steps.frames[k] - steps.frames[k - 1]);
+    steps.step[k] = (d.in_plane[steps.frames[k]] - d.in_plane[steps.frames[k - 1]]) * steps.interval_s /
+                    (time_s[steps.frames[k]] - time_s[steps.frames[k - 1]]);
   return steps;
 }
 
@@ -66,7 +70,7 @@ UsualStep UsualStepAround(const Steps& steps, std::size_t k) {
 // where it would have been without them. More than half a second away is not an outlier but a question of naming.
 void MistrustExcursions(Detections& d, const std::vector<double>& time_s) {
   constexpr double kLongest_s = 0.5;
-  const Steps steps = FindSteps(d);
+  const Steps steps = FindSteps(d, time_s);
   const std::vector<std::size_t>& frames = steps.frames;
   const auto is_jump = [&](std::size_t k, const UsualStep& usual) {
     return (steps.step[k] - usual.median).norm() > 5 * usual.spread + 12 * d.plane_sigma[frames[k]];
@@ -77,7 +81,7 @@ void MistrustExcursions(Detections& d, const std::vector<double>& time_s) {
     const double jump = (steps.step[k] - usual.median).norm(), noise = 12 * d.plane_sigma[frames[k]];
     for (std::size_t back = k + 1; back < frames.size() && time_s[frames[back]] - time_s[frames[k]] <= kLongest_s;
          ++back) {
-      const auto gap = static_cast<double>(frames[back] - frames[k - 1]);
+      const double gap = (time_s[frames[back]] - time_s[frames[k - 1]]) / steps.interval_s;
       const double away = (d.in_plane[frames[back]] - d.in_plane[frames[k - 1]] - gap * usual.median).norm();
       if (away > std::min(3 * usual.spread * gap + noise, jump / 2) || !is_jump(back, UsualStepAround(steps, back)))
         continue;

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "local_path.h"
 
@@ -75,6 +76,7 @@ class FrameTimeFinder {
     for (std::size_t i = 2; i < repeated_.size(); ++i)
       if (!repeated_[i]) MarkStandstillFrom(i);
     if (const auto rate = FindLowerRate()) times.captured_hz = TakeLowerRate(*rate);
+    has_lower_rate_ = times.captured_hz > 0;
     RemoveRepeated();
     FindJumps(times.jumps);
     for (std::size_t i = 0; i < repeated_.size(); ++i)
@@ -238,18 +240,21 @@ class FrameTimeFinder {
   std::optional<PathPoint> OneSide(const motion::MarkerTrack& marker, const std::vector<std::size_t>& fresh,
                                    std::size_t at, int direction) const {
     // A marker that has come far may be lost for some frames before it is followed again.
-    constexpr int kFewest = 5, kMost = 7, kMayBeLost = 4;
+    constexpr int kFewest = 4, kMayBeLost = 4;
+    constexpr double kReach_s = 0.11;  // a leg's path is a parabola for about as long
     LocalPath path(2, recording_.time_s[fresh[at]]);
     int count = 0, lost = 0;
     for (auto k = static_cast<std::ptrdiff_t>(at); k >= 0 && k < static_cast<std::ptrdiff_t>(fresh.size());
          k += direction) {
       const std::size_t i = fresh[static_cast<std::size_t>(k)];
+      const bool is_far = std::abs(recording_.time_s[i] - recording_.time_s[fresh[at]]) > kReach_s;
+      if (is_far && count >= kFewest) break;
       if (marker.samples[i].IsKnown())
         path.Add(recording_.time_s[i], marker.samples[i].position), ++count;
       else if (++lost > kMayBeLost)
         break;
       const std::size_t edge = direction > 0 ? static_cast<std::size_t>(k) + 1 : static_cast<std::size_t>(k);
-      if (count == kMost || std::find(barriers_.begin(), barriers_.end(), edge) != barriers_.end()) break;
+      if (std::find(barriers_.begin(), barriers_.end(), edge) != barriers_.end()) break;
     }
     return count >= kFewest ? std::optional(path.Fit()) : std::nullopt;
   }
@@ -276,7 +281,8 @@ class FrameTimeFinder {
       return sum;
     };
     const double stamped_off = square_off(stamped_s), count = static_cast<double>(sides.apart.size());
-    constexpr double kLeastOffPx = 0.7, kExplained = 0.1, kFrames = 0.75, kDeviations = 6;
+    constexpr double kLeastOffPx = 0.7, kExplained = 0.1, kDeviations = 6;
+    const double frames = has_lower_rate_ ? 2 : 0.75;
     if (stamped_off < kLeastOffPx * kLeastOffPx * count) return std::nullopt;
     FoundJump jump{at, stamped_s, 0, std::sqrt(stamped_off / count)};
     double slopes = 0;
@@ -300,9 +306,9 @@ class FrameTimeFinder {
     const double by_accelerations = ByAccelerations(sides, jump.moved_s) / std::sqrt(slopes),
                  by_scatter = std::sqrt(off / (2 * count - 1) / slopes);
     jump.sigma_s =
-        std::hypot(by_scatter, std::hypot(kAccelerationsWrong * by_accelerations, kParabolaWrong * frame_s_));
+        std::hypot(by_scatter, std::hypot(kAccelerationsWrong * by_accelerations, kParabolaWrong * fresh_s_));
     if (off > kExplained * stamped_off) return std::nullopt;
-    const double least_s = std::max(kFrames * frame_s_, kDeviations * by_scatter);
+    const double least_s = std::max(frames * fresh_s_, kDeviations * by_scatter);
     return std::abs(jump.moved_s - stamped_s) > least_s ? std::optional(jump) : std::nullopt;
   }
 
@@ -323,9 +329,11 @@ class FrameTimeFinder {
   void FindJumps(std::vector<TimeJump>& jumps) {
     constexpr std::size_t kMost = 20;
     std::vector<std::size_t> fresh;
+    std::vector<double> fresh_time_s;
     for (std::size_t i = 0; i < repeated_.size(); ++i)
-      if (!repeated_[i]) fresh.push_back(i);
-    while (jumps.size() < kMost) {
+      if (!repeated_[i]) fresh.push_back(i), fresh_time_s.push_back(recording_.time_s[i]);
+    fresh_s_ = MedianInterval(fresh_time_s);
+    while (true) {
       std::optional<FoundJump> largest;
       for (std::size_t at = 1; at < fresh.size(); ++at) {
         if (std::find(barriers_.begin(), barriers_.end(), at) != barriers_.end()) continue;
@@ -333,6 +341,12 @@ class FrameTimeFinder {
         if (jump && (!largest || jump->off_px > largest->off_px)) largest = jump;
       }
       if (!largest) break;
+      if (jumps.size() == kMost)
+        throw Fail(
+            "the motion jumps in more than {} places (frames {} and {} are one of them): the frames' times are not "
+            "those "
+            "at which they were taken; record at a fixed frame rate, and track the camera's own file",
+            kMost, recording_.frame[fresh[largest->at - 1]], recording_.frame[fresh[largest->at]]);
       const std::size_t before = fresh[largest->at - 1], after = fresh[largest->at];
       const double stamped_s = recording_.time_s[after] - recording_.time_s[before];
       jumps.push_back(
@@ -345,8 +359,9 @@ class FrameTimeFinder {
   }
 
   motion::MarkerRecording& recording_;
-  double frame_s_ = 0;
+  double frame_s_ = 0, fresh_s_ = 0;   // between frames, between new ones; usually
   std::vector<char> repeated_;         // 0 or 1 per frame
+  bool has_lower_rate_ = false;        // and times of ours, from which frames may be off by a part of their interval
   std::vector<std::size_t> barriers_;  // jumps that were found, by the fresh frame after them
 };
 

@@ -1,23 +1,19 @@
 #include "lake/tracking/sigma_calibration.h"
 
-#include <array>
 #include <cmath>
 #include <optional>
 
 #include "lake/core/statistics.h"
+#include "local_path.h"
 
 namespace lake::tracking {
 namespace {
 
 constexpr std::size_t kHalfWindow = 4;
-constexpr double kFastPx = 0.5;  // per frame
+constexpr double kFastPx = 0.5;  // per usual frame
 // What is frozen at rest over what moves: 0.57 to 0.78 on rendered recordings of known truth (x264, medium and
 // veryfast).
 constexpr double kAtRest = 0.65;
-// Weights of the value at the centre of a fourth-degree polynomial through nine samples (Savitzky & Golay 1964, table).
-constexpr std::array<double, 9> kSmooth = {15. / 429,  -55. / 429, 30. / 429,  135. / 429, 179. / 429,
-                                           135. / 429, 30. / 429,  -55. / 429, 15. / 429};
-
 struct Scatter {
   std::vector<double> residuals;  // px, of both axes, scaled to the deviation of one sample
   std::vector<double> sigmas;     // px, of the fits
@@ -28,23 +24,36 @@ struct Scatter {
   }
 };
 
-// The residual of the middle of nine detected samples, scaled; nullopt if one is missing.
-std::optional<Eigen::Vector2d> Residual(const std::vector<motion::MarkerSample>& samples, std::size_t middle) {
-  if (middle < kHalfWindow || middle + kHalfWindow >= samples.size()) return std::nullopt;
-  Eigen::Vector2d smooth(0, 0);
-  for (std::size_t i = 0; i < kSmooth.size(); ++i) {
-    const motion::MarkerSample& sample = samples[middle - kHalfWindow + i];
-    if (sample.status != motion::SampleStatus::kDetected) return std::nullopt;
-    smooth += kSmooth[i] * sample.position;
-  }
-  // White noise of variance 1 leaves a residual of variance 1 − the centre's own weight.
-  return (samples[middle].position - smooth) / std::sqrt(1 - kSmooth[kHalfWindow]);
+// What a marker's samples are compared by: the detected ones, in order.
+struct Seen {
+  const std::vector<motion::MarkerSample>& samples;
+  const std::vector<double>& time_s;
+  double frame_s;  // between frames, usually
+  std::vector<std::size_t> frames;
+
+  double Time(std::size_t k) const { return time_s[frames[k]]; }
+  const motion::MarkerSample& Sample(std::size_t k) const { return samples[frames[k]]; }
+};
+
+// The residual of the middle of nine detected samples, scaled; nullopt if too many between them are missing.
+std::optional<Eigen::Vector2d> Residual(const Seen& seen, std::size_t middle) {
+  constexpr int kDegree = 4;
+  constexpr double kLongest = 2;  // of nine frames in a row
+  if (middle < kHalfWindow || middle + kHalfWindow >= seen.frames.size()) return std::nullopt;
+  const double span_s = seen.Time(middle + kHalfWindow) - seen.Time(middle - kHalfWindow);
+  if (span_s > kLongest * 2 * kHalfWindow * seen.frame_s) return std::nullopt;
+  LocalPath path(kDegree, seen.Time(middle));
+  for (std::size_t k = middle - kHalfWindow; k <= middle + kHalfWindow; ++k)
+    path.Add(seen.Time(k), seen.Sample(k).position);
+  const PathPoint smooth = path.Fit();
+  // White noise of variance 1 leaves a residual of variance 1 − the sample's own weight.
+  return (seen.Sample(middle).position - smooth.position) / std::sqrt(1 - smooth.own_weight);
 }
 
-bool IsFast(const std::vector<motion::MarkerSample>& samples, std::size_t i) {
-  const std::size_t a = i > 0 && samples[i - 1].IsKnown() ? i - 1 : i,
-                    b = i + 1 < samples.size() && samples[i + 1].IsKnown() ? i + 1 : i;
-  return a != b && (samples[b].position - samples[a].position).norm() > kFastPx * static_cast<double>(b - a);
+bool IsFast(const Seen& seen, std::size_t k) {
+  const std::size_t a = k > 0 ? k - 1 : k, b = std::min(k + 1, seen.frames.size() - 1);
+  return a != b && (seen.Sample(b).position - seen.Sample(a).position).norm() >
+                       kFastPx * (seen.Time(b) - seen.Time(a)) / seen.frame_s;
 }
 
 // The standard deviation of the residuals, those beyond four robust deviations left out.
@@ -60,13 +69,23 @@ double TrimmedDeviation(const std::vector<double>& residuals) {
 
 SigmaCalibration CalibrateSigmas(motion::MarkerRecording& recording) {
   constexpr std::size_t kEnough = 60;
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < recording.Frames(); ++i)
+    intervals.push_back(recording.time_s[i] - recording.time_s[i - 1]);
+  const double frame_s = Median(std::move(intervals));
+  std::vector<Seen> markers;
+  for (const motion::MarkerTrack& marker : recording.markers) {
+    markers.push_back({marker.samples, recording.time_s, frame_s, {}});
+    for (std::size_t i = 0; i < marker.samples.size(); ++i)
+      if (marker.samples[i].status == motion::SampleStatus::kDetected) markers.back().frames.push_back(i);
+  }
   Scatter fast, all;
-  for (const motion::MarkerTrack& marker : recording.markers)
-    for (std::size_t i = 0; i < marker.samples.size(); ++i) {
-      const auto residual = Residual(marker.samples, i);
+  for (const Seen& seen : markers)
+    for (std::size_t k = 0; k < seen.frames.size(); ++k) {
+      const auto residual = Residual(seen, k);
       if (!residual) continue;
-      all.Add(*residual, marker.samples[i].sigma);
-      if (IsFast(marker.samples, i)) fast.Add(*residual, marker.samples[i].sigma);
+      all.Add(*residual, seen.Sample(k).sigma);
+      if (IsFast(seen, k)) fast.Add(*residual, seen.Sample(k).sigma);
     }
   const Scatter& scatter = fast.sigmas.size() < kEnough ? all : fast;
   if (scatter.sigmas.size() < kEnough) return {};
@@ -76,13 +95,12 @@ SigmaCalibration CalibrateSigmas(motion::MarkerRecording& recording) {
   calibration.scatter_px = TrimmedDeviation(scatter.residuals);
   calibration.compression_px =
       std::sqrt(std::max(0.0, std::pow(calibration.scatter_px, 2) - std::pow(calibration.fit_px, 2)));
-  for (motion::MarkerTrack& marker : recording.markers) {
-    std::vector<double> added;
-    for (std::size_t i = 0; i < marker.samples.size(); ++i)
-      added.push_back(calibration.compression_px * (IsFast(marker.samples, i) ? 1 : kAtRest));
-    for (std::size_t i = 0; i < marker.samples.size(); ++i)
-      if (marker.samples[i].IsKnown()) marker.samples[i].sigma = std::hypot(marker.samples[i].sigma, added[i]);
-  }
+  for (std::size_t m = 0; m < markers.size(); ++m)
+    for (std::size_t k = 0; k < markers[m].frames.size(); ++k) {
+      const double added = calibration.compression_px * (IsFast(markers[m], k) ? 1 : kAtRest);
+      double& sigma = recording.markers[m].samples[markers[m].frames[k]].sigma;
+      sigma = std::hypot(sigma, added);
+    }
   return calibration;
 }
 

@@ -138,6 +138,11 @@ Followed Follow(const std::filesystem::path& video, const TrackOptions& options)
   video::VideoReaderOptions reader_options = options.reader;
   reader_options.colour = detector->NeedsColour();
   const std::unique_ptr<video::VideoReader> reader = video::VideoReader::Open(video, reader_options);
+  if (reader->Info().interlaced)
+    throw Fail(
+        "{}: is interlaced: each frame holds two fields that were taken at different times; make a frame of each field "
+        "(ffmpeg -i {} -vf bwdif=mode=send_field -crf 15 progressive.mp4), or record progressively",
+        video.string(), video.string());
   CheckPlaces(options, reader->Info());
 
   Followed followed;
@@ -181,7 +186,11 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
   } catch (const Error& error) {
     throw NamingError(fmt::format("{}: {}", video.string(), error.what()), ListCandidates(tracklets));
   }
-  result.times = CorrectFrameTimes(repeated, result.recording);
+  try {
+    result.times = CorrectFrameTimes(repeated, result.recording);
+  } catch (const Error& error) {
+    throw Fail("{}: {}", video.string(), error.what());
+  }
   result.sigma = CalibrateSigmas(result.recording);
   return result;
 }

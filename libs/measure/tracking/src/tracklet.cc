@@ -128,7 +128,8 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
   prediction.gate_px = std::max(2.0, radius) + 0.5 * options_.physics.AccelerationRadii() * radius * ahead * ahead +
                        (young ? 3 * radius : 0);
   // After repeated frames the time since the last measurement may have passed or not.
-  if (live.tracklet.samples.back().repeated) prediction.gate_px += motion.velocity.norm() * (ahead - frame_s);
+  if (live.tracklet.samples.back().repeated)
+    prediction.gate_px += motion.velocity.norm() * std::max(ahead - frame_s, 0.0);
   // Where identities are certain, association needs no caution.
   prediction.gate_px = detector_.KnowsIdentities() ? 8 * radius : std::min(prediction.gate_px, 8 * radius);
   if (live.tracklet.samples.size() == 1 && live.seeded) prediction.gate_px = options_.physics.FastStartRadii() * radius;
@@ -305,8 +306,19 @@ std::vector<MarkerPrediction> TrackletBuilder::PredictAll(double time_s) const {
   return predictions;
 }
 
+// The shutter does not stay open for longer where frames were dropped.
+void TrackletBuilder::NoteInterval(double interval_s) {
+  constexpr double kAlike = 0.1, kStep = 1.02;
+  if (frame_s_ == 0)
+    frame_s_ = interval_s;
+  else if (std::abs(interval_s / frame_s_ - 1) < kAlike)
+    frame_s_ += kAlike * (interval_s - frame_s_);
+  else
+    frame_s_ *= interval_s > frame_s_ ? kStep : 1 / kStep;  // a running median
+}
+
 void TrackletBuilder::Add(const video::VideoFrame& frame) {
-  frame_s_ = frames_seen_ > 0 ? frame.time_s - previous_.time_s : 0;
+  if (frames_seen_ > 0) NoteInterval(frame.time_s - previous_.time_s);
   time_s_ = frame.time_s - stood_still_s_;
   std::vector<MarkerPrediction> predictions = PredictAll(time_s_);
   const bool can_compare = frames_seen_ > 0 && !frame.luma.empty();

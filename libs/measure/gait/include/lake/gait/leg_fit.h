@@ -115,7 +115,7 @@ using AcrossPlane = std::map<std::string, std::vector<double>>;
 // Markers other than the leg's are smoothed and bridged each by itself. A sigma of 0 means that it is not known: it is
 // then estimated from the marker's own fine structure. Throws Error: a marker of the leg is absent or hardly seen, a
 // position is not finite, the names contradict a leg (a segment's length varies too much, the hip lies below the
-// ankle); SolverError: no solution.
+// ankle), the result is none of a person's (plausibility.h); SolverError: no solution.
 //
 // With `across`, the recording is the projection of three dimensions onto its plane: paths, vectors and segment angles
 // are the projection's; the segments' lengths, the knee angle (between the vectors AK and KH in space, 0..180), its

@@ -13,10 +13,10 @@ struct SigmaCalibration {
 
 // A fit's sigma knows the noise of its own pixels. A compressed frame is made by shifting blocks of earlier ones by
 // quarter pixels, which displaces a marker without leaving a trace in its picture. Of a marker that moves, it shows in
-// the scatter of positions about a smooth path (the residual of a local fourth-degree polynomial over nine frames,
-// Savitzky & Golay 1964); while it rests the displacement is frozen and does not show, though it is there. So what fast
-// samples scatter beyond the fits' own sigma is added to all, two thirds of it to those at rest. Without compression
-// nothing is. Detected samples' sigmas become sqrt(fit² + compression²).
+// the scatter of positions about a smooth path (the residual of a local fourth-degree polynomial in time through nine
+// samples, Savitzky & Golay 1964); while it rests the displacement is frozen and does not show, though it is there. So
+// what fast samples scatter beyond the fits' own sigma is added to all, two thirds of it to those at rest. Without
+// compression nothing is. Detected samples' sigmas become sqrt(fit² + compression²).
 SigmaCalibration CalibrateSigmas(motion::MarkerRecording& recording);
 
 }  // namespace lake::tracking

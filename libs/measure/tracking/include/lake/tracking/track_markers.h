@@ -50,8 +50,8 @@ struct TrackResult {
   FrameTimes times;
 };
 
-// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read or of fewer than two frames;
-// NamingError where fewer markers than names are seen, or they cannot be named with certainty.
+// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, is interlaced or of fewer than two
+// frames; NamingError where fewer markers than names are seen, or they cannot be named with certainty.
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options);
 
 // What a NamingError would list: all that is found, without naming it.

@@ -84,6 +84,7 @@ class TrackletBuilder {
   MarkerPrediction Predict(const Live& live, double time_s, double frame_s) const;
   std::vector<MarkerPrediction> PredictAll(double time_s) const;
   std::vector<ExpectedStep> ExpectedSteps(std::span<const MarkerPrediction> predictions) const;
+  void NoteInterval(double interval_s);
   bool StoodStill(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions) const;
   void NoteRepeated(std::int64_t frame);
   void ConfirmRepeated(std::int64_t frame);
@@ -104,8 +105,9 @@ class TrackletBuilder {
   std::vector<Tracklet> finished_;
   std::vector<Eigen::Vector2d> evicted_;  // where things rested that were given up for others
   std::int64_t frames_seen_ = 0;
-  // The frame at work: its time, as in TrackletSample, and that since the frame before.
-  double time_s_ = 0, frame_s_ = 0;
+  double frame_s_ = 0;  // between frames, usually; 0: not known yet
+  // The frame at work: its time, as in TrackletSample.
+  double time_s_ = 0;
   bool is_repeated_ = false;
   double stood_still_s_ = 0;    // in all
   video::VideoFrame previous_;  // its luma is compared with the next one's
