@@ -19,6 +19,8 @@ struct Arguments {
   std::vector<std::string> seeds, colors, depths;
   std::optional<double> start_s, end_s;
   double capture_rate_hz = 0, cutoff_hz = 0;
+  int rotate_deg = 0;
+  std::optional<double> readout_s;
   bool overlay = true;
 };
 
@@ -41,7 +43,14 @@ void Declare(CLI::App& cli, Arguments& a) {
   cli.add_option("--end", a.end_s, "Look only up to this time, s (default: the file's end)");
   cli.add_option("--capture-rate", a.capture_rate_hz, "Hz at which a slow-motion file was recorded")
       ->check(CLI::PositiveNumber);
-  cli.add_option("--vertical", a.vertical, "X1,Y1,X2,Y2: a plumb line in the picture, in px");
+  cli.add_option("--rotate", a.rotate_deg, "Turn the pictures clockwise by 90, 180 or 270, beyond what the file says")
+      ->check(CLI::IsMember({0, 90, 180, 270}));
+  cli.add_option(
+      "--readout", a.readout_s,
+      "s in which a rolling shutter reads the picture from top to bottom (default: the camera file's, else 0)");
+  cli.add_option(
+      "--vertical", a.vertical,
+      "X1,Y1,X2,Y2: a plumb line in the picture, in px, in any direction; or auto: from the leg as it stands");
   cli.add_option("--depth", a.depths,
                  "NAME=MM: how far a marker stands proud of the calibrated plane (may be repeated)");
   cli.add_option("--filter", a.filter, "How positions and angles are smoothed")
@@ -75,6 +84,7 @@ lake::tracking::TrackOptions MakeTrackOptions(const Arguments& a) {
   if (a.start_s && a.end_s && *a.end_s < *a.start_s)
     throw lake::UsageError(fmt::format("--end {} s is before --start {} s", *a.end_s, *a.start_s));
   options.reader.capture_rate_hz = a.capture_rate_hz;
+  options.reader.rotate_deg = a.rotate_deg;
   return options;
 }
 
@@ -87,7 +97,9 @@ lake::commands::TrackRunOptions MakeRunOptions(const Arguments& a) {
   if (!a.camera.empty()) options.camera = a.camera;
   if (!a.corrections.empty()) options.corrections = a.corrections;
   options.scale = ParseOptional<5>("--scale", a.scale);
-  options.vertical = ParseOptional<4>("--vertical", a.vertical);
+  options.vertical_from_leg = a.vertical == "auto";
+  if (!options.vertical_from_leg) options.vertical = ParseOptional<4>("--vertical", a.vertical);
+  options.readout_s = a.readout_s;
   for (const std::string& depth : a.depths) {
     const auto [name, mm] = lake::SplitNameValue("--depth", depth);
     options.depth_mm[name] = lake::ParseNumbers(mm, 1, "--depth " + name).front();

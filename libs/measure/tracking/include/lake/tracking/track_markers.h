@@ -9,6 +9,7 @@
 #include "lake/motion/marker_recording.h"
 #include "lake/tracking/marker_detector.h"
 #include "lake/tracking/naming.h"
+#include "lake/tracking/recording_quality.h"
 #include "lake/tracking/sigma_calibration.h"
 #include "lake/video/video_reader.h"
 
@@ -27,6 +28,7 @@ struct TrackOptions {
   video::VideoReaderOptions reader;        // start, end, rates
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> metric_from_px = [](const Eigen::Vector2d& px) { return px; };
   Eigen::Vector2d up_px = {0, -1};
+  std::vector<Eigen::Vector2d> other_ups_px;  // which way is up may also be one of these: as the leg shows
   MarkerPhysics physics;
   bool quiet = false;  // no progress
 
@@ -41,6 +43,8 @@ struct TrackResult {
   std::size_t tracklets = 0;  // things followed, named or not
   double radius_px = 0;       // median over what was followed
   SigmaCalibration sigma;
+  std::optional<MarkerFigures> figures;  // of a detector that measures blobs in the luma
+  Eigen::Vector2d up_px = {0, -1};       // with which the markers were named
 };
 
 // Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, of fewer than two frames, with
