@@ -27,8 +27,8 @@ struct Arguments {
   std::vector<std::string> hide, depth;
   std::optional<double> walk_in, second_person;
   std::optional<int> repetitions, width, height, crf, reflections;
-  std::optional<double> duration, rate, radius_px, shutter, flicker, psf, read_noise, shot_gain, level, brightness,
-      exposure, pace, rest, distance, yaw, pitch, roll;
+  std::optional<double> duration, rate, radius_px, shutter, readout, flicker, psf, read_noise, shot_gain, level,
+      brightness, exposure, pace, rest, distance, yaw, pitch, roll;
   double warp = 0, skin = 0, start = 0, jitter = 0;
   bool standing = false, exoskeleton = false, colour = false, bright_room = false, glint = false, still = false,
        lossless = false, pictures = false;
@@ -64,8 +64,8 @@ void TakeMotion(const Arguments& a, synth::SceneOptions& scene) {
 void TakePicture(const Arguments& a, synth::SceneOptions& scene) {
   Take(a.duration, scene.duration_s), Take(a.rate, scene.frame_rate_hz), Take(a.width, scene.width_px),
       Take(a.height, scene.height_px);
-  Take(a.radius_px, scene.marker_radius_px), Take(a.shutter, scene.shutter), Take(a.flicker, scene.flicker),
-      Take(a.psf, scene.psf_sigma_px);
+  Take(a.radius_px, scene.marker_radius_px), Take(a.shutter, scene.shutter), Take(a.readout, scene.readout_s),
+      Take(a.flicker, scene.flicker), Take(a.psf, scene.psf_sigma_px);
   Take(a.read_noise, scene.noise.read_sd), Take(a.shot_gain, scene.noise.gain), Take(a.level, scene.marker_level);
   Take(a.brightness, scene.brightness), Take(a.exposure, scene.exposure), Take(a.reflections, scene.reflections);
   Take(a.distance, scene.distance_mm), Take(a.yaw, scene.yaw_deg), Take(a.pitch, scene.pitch_deg),
@@ -150,6 +150,7 @@ void AddPictureOptions(CLI::App& cli, Arguments& a) {
   cli.add_flag("--bright-room", a.bright_room, "Light wall and clothes, dark markers");
   cli.add_option("--exposure", a.exposure, "Factor on everything");
   cli.add_option("--shutter", a.shutter, "Exposure time as a part of the frame time");
+  cli.add_option("--readout", a.readout, "s in which a rolling shutter reads the picture from top to bottom");
   cli.add_option("--flicker", a.flicker, "Amplitude of the changes in brightness");
   cli.add_option("--psf", a.psf, "Standard deviation of the point-spread, px");
   cli.add_option("--read-noise", a.read_noise, "Standard deviation, grey values");

@@ -22,6 +22,7 @@ struct Step {
 constexpr std::array kSteps = {
     Step{"run", "a whole study, from two videos to a better exoskeleton"},
     Step{"calibrate", "camera and sagittal plane from pictures of a board"},
+    Step{"check", "in seconds: is a recording fit, and what to change"},
     Step{"track", "markers, leg vectors and knee angle from a video"},
     Step{"gait", "the leg fit on tracks made before, or by another program"},
     Step{"compare", "misalignment between a human trial and an exoskeleton trial"},

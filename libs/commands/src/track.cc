@@ -4,12 +4,16 @@
 #include <cmath>
 
 #include "corrections.h"
+#include "lake/commands/check.h"
+#include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/formats.h"
 #include "lake/figure/leg_figure.h"
 #include "lake/figure/tracks_figure.h"
+#include "lake/gait/rolling_shutter.h"
+#include "lake/gait/standing_leg.h"
 #include "lake/overlay/numbered_spots.h"
 #include "lake/overlay/overlay_video.h"
 #include "lake/video/video_files.h"
@@ -17,13 +21,20 @@
 namespace lake::commands {
 namespace {
 
-std::optional<camera::CameraProfile> ReadCamera(const TrackRunOptions& options, const video::VideoInfo& video) {
+// Of another size of the same aspect it is scaled, and `note` says so.
+std::optional<camera::CameraProfile> ReadCamera(const TrackRunOptions& options, const video::VideoInfo& video,
+                                                std::string& note) {
   if (!options.camera) return std::nullopt;
   camera::CameraProfile profile = camera::ReadCameraProfile(*options.camera);
-  if (profile.camera.image_width != video.width || profile.camera.image_height != video.height)
-    throw Fail("{}: calibrated at {}x{} px, but {} is {}x{} px; calibrate at the resolution that is recorded",
-               options.camera->string(), profile.camera.image_width, profile.camera.image_height,
-               options.video.string(), video.width, video.height);
+  const camera::Camera as_calibrated = profile.camera;
+  if (as_calibrated.image_width == video.width && as_calibrated.image_height == video.height) return profile;
+  const std::optional<camera::Camera> scaled = camera::CameraAtSize(as_calibrated, video.width, video.height);
+  if (!scaled) camera::CheckResolution(as_calibrated, *options.camera, video.width, video.height, options.video);
+  profile.camera = *scaled;
+  note = fmt::format(
+      "{}: calibrated at {}x{} px and scaled to the video's {}x{}; right if this video mode shows the whole of that "
+      "picture, uncropped",
+      options.camera->string(), as_calibrated.image_width, as_calibrated.image_height, video.width, video.height);
   return profile;
 }
 
@@ -44,8 +55,7 @@ std::optional<double> MmPerPx(const TrackRunOptions& options, const std::optiona
   return length_mm / length_px;
 }
 
-gait::LegView MakeView(const TrackRunOptions& options, const video::VideoInfo& video, Run& run) {
-  const std::optional<camera::CameraProfile> profile = ReadCamera(options, video);
+gait::LegView MakeView(const TrackRunOptions& options, const std::optional<camera::CameraProfile>& profile, Run& run) {
   return gait::MakeLegView(motion::LengthUnit::kPx, profile, MmPerPx(options, profile, run), options.depth_mm);
 }
 
@@ -74,6 +84,14 @@ motion::MarkerRecording EstimatesInPicture(const gait::LegFitResult& fit, const 
     }
   }
   return estimates;
+}
+
+// Under a rolling shutter: what was seen, where it was seen; the fit is at the frames' own times.
+void TakeSeenPositions(const motion::MarkerRecording& seen, motion::MarkerRecording& tracks) {
+  for (motion::MarkerTrack& marker : tracks.markers)
+    for (std::size_t i = 0; i < tracks.Frames(); ++i)
+      if (marker.samples[i].status == motion::SampleStatus::kDetected)
+        marker.samples[i].position = seen.Find(marker.name)->samples[i].position;
 }
 
 // Of a recording without a leg: the plane positions of what was seen.
@@ -118,7 +136,8 @@ Json TrackingJson(const tracking::TrackResult& tracked) {
           {"median_radius_px", tracked.radius_px},
           {"sigma_of_fits_px", tracked.sigma.fit_px},
           {"scatter_px", tracked.sigma.scatter_px},
-          {"compression_px", tracked.sigma.compression_px}};
+          {"compression_px", tracked.sigma.compression_px},
+          {"quality", tracked.figures ? FiguresJson(*tracked.figures) : Json()}};
 }
 
 // The part of all frames in which each marker was measured.
@@ -245,8 +264,9 @@ void WriteOverlay(const TrackRunOptions& options, const overlay::OverlayContent&
 
 // Where the markers were, and nothing more; returns their positions in the plane.
 motion::MarkerRecording WritePoints(const TrackRunOptions& options, const tracking::TrackResult& tracked,
-                                    const gait::LegView& view, const std::string& note, Run& run) {
-  motion::MarkerRecording trajectory = InPlane(tracked.recording, view);
+                                    const gait::LegView& view, const gait::RollingShutter& shutter,
+                                    const std::string& note, Run& run) {
+  motion::MarkerRecording trajectory = InPlane(gait::AtFrameTimes(tracked.recording, shutter), view);
   motion::WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
   if (trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), trajectory, motion::Measurements(trajectory));
@@ -256,24 +276,40 @@ motion::MarkerRecording WritePoints(const TrackRunOptions& options, const tracki
   return trajectory;
 }
 
-gait::LegFitOptions FitOptions(const TrackRunOptions& options, const gait::LegView& view, const Run& run) {
+// What is up in the plane, where it is not the plane's own y.
+std::optional<Eigen::Vector2d> UpInPlane(const TrackRunOptions& options, const tracking::TrackResult& tracked,
+                                         const gait::LegView& view, Run& run) {
+  if (options.vertical_from_leg) {
+    const Eigen::Vector2d up = gait::UpFromStandingLeg(tracked.recording, view);
+    run.Warn(
+        fmt::format("the vertical is that of the leg as it stands, {:.1f}° clockwise from the picture's (or the "
+                    "plane's) own; a leg "
+                    "that stands leans by some 3°, and the segments' angles with it, not the knee's",
+                    DegreesFromRadians(std::atan2(up.x(), up.y()))));
+    return up;
+  }
+  if (!options.vertical) return std::nullopt;
+  const auto [x1, y1, x2, y2] = *options.vertical;
+  return gait::UpFromPlumbLine(view, {x1, y1}, {x2, y2}, tracked.up_px);
+}
+
+gait::LegFitOptions FitOptions(const TrackRunOptions& options, const tracking::TrackResult& tracked,
+                               const gait::LegView& view, Run& run) {
   gait::LegFitOptions fit = options.fit;
   fit.quiet = run.Quiet();
   fit.vertical_option = "--vertical", fit.facing_option = "lake gait --facing";
-  if (!options.vertical) return fit;
-  const auto [x1, y1, x2, y2] = *options.vertical;
-  fit.up = gait::UpFromPlumbLine(view, {x1, y1}, {x2, y2});
+  if (const std::optional<Eigen::Vector2d> up = UpInPlane(options, tracked, view, run)) fit.up = *up;
   return fit;
 }
 
 // The fit; where there is none, what was tracked is kept, marked as not fitted, so that one can see why.
 gait::LegFitResult FitOrKeep(const TrackRunOptions& options, const tracking::TrackResult& tracked,
-                             const gait::LegView& view, const gait::LegFitOptions& fit_options, const Json& results,
-                             Run& run) {
+                             const gait::LegView& view, const gait::RollingShutter& shutter,
+                             const gait::LegFitOptions& fit_options, const Json& results, Run& run) {
   try {
-    return gait::FitLeg(tracked.recording, view, fit_options);
+    return gait::FitLeg(gait::AtFrameTimes(tracked.recording, shutter), view, fit_options);
   } catch (const Error& error) {
-    WritePoints(options, tracked, view, "no leg fitted", run);
+    WritePoints(options, tracked, view, shutter, "no leg fitted", run);
     const Error told = Fail("{}; what was tracked, without a leg, is in {}", error.what(), run.Folder().string());
     WriteFailedSummary(results, told, run);
     throw told;
@@ -281,26 +317,28 @@ gait::LegFitResult FitOrKeep(const TrackRunOptions& options, const tracking::Tra
 }
 
 Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked, const gait::LegView& view,
-            Json results, Run& run) {
-  const gait::LegFitOptions fit_options = FitOptions(options, view, run);
-  const gait::LegFitResult fit = FitOrKeep(options, tracked, view, fit_options, results, run);
+            const gait::RollingShutter& shutter, Json results, Run& run) {
+  const gait::LegFitOptions fit_options = FitOptions(options, tracked, view, run);
+  const gait::LegFitResult fit = FitOrKeep(options, tracked, view, shutter, fit_options, results, run);
   for (const std::string& warning : fit.warnings) run.Warn(warning);
-  motion::WriteMarkerCsv(run.Result("tracks.csv"), fit.tracks);
+  motion::MarkerRecording tracks = fit.tracks;
+  if (shutter.readout_s != 0) TakeSeenPositions(tracked.recording, tracks);
+  motion::WriteMarkerCsv(run.Result("tracks.csv"), tracks);
   if (fit.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
   figure::DrawLegFigure(run.Result("track.png"), fit);
-  WriteOverlay(options, {fit.tracks, &fit.motion, &fit.events}, run);
+  WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
   results.update(gait::LegFitJson(fit));
   Export(options, tracked.video, view, MarkersToExport(options, fit, view), &fit, results, run);
   return results;
 }
 
 Json RunPoints(const TrackRunOptions& options, const tracking::TrackResult& tracked, const gait::LegView& view,
-               Json results, Run& run) {
+               const gait::RollingShutter& shutter, Json results, Run& run) {
   run.Warn("ankle, knee and hip are not all among the markers: no leg is fitted, gaps are not filled");
-  const motion::MarkerRecording trajectory = WritePoints(options, tracked, view, "", run);
+  const motion::MarkerRecording trajectory = WritePoints(options, tracked, view, shutter, "", run);
   Export(options, tracked.video, view, {tracked.recording, trajectory}, nullptr, results, run);
   return results;
 }
@@ -339,8 +377,8 @@ void CheckOptions(const TrackRunOptions& options) {
           fmt::format("--depth {}: not one of the markers ({})", name, fmt::join(options.track.names, ", ")));
   if (options.smoothed && !HasLeg(options.track.names))
     throw UsageError("--smoothed: without ankle, knee and hip among the markers nothing is fitted");
-  if (options.vertical && std::abs((*options.vertical)[1] - (*options.vertical)[3]) < 1)
-    throw UsageError("--vertical: the ends of a plumb line must differ in height by at least 1 px");
+  if (const auto& line = options.vertical; line && std::hypot((*line)[0] - (*line)[2], (*line)[1] - (*line)[3]) < 1)
+    throw UsageError("--vertical: the ends of a plumb line must be at least 1 px apart");
   if (options.corrections && !std::filesystem::exists(*options.corrections))
     throw Fail("{}: no such file", options.corrections->string());
 }
@@ -387,6 +425,22 @@ std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   return names;
 }
 
+// In which directions of the picture up may be. Of a line that lies flatter than it stands, either end may be the upper
+// one: the leg tells.
+void SetUps(const TrackRunOptions& options, tracking::TrackOptions& track) {
+  if (options.vertical_from_leg) track.other_ups_px = {{1, 0}, {0, 1}, {-1, 0}};
+  if (!options.vertical) return;
+  const auto [x1, y1, x2, y2] = *options.vertical;
+  const Eigen::Vector2d line(x1 - x2, y1 - y2);
+  track.up_px = line.y() < 0 ? line : Eigen::Vector2d(-line);
+  if (std::abs(line.x()) > std::abs(line.y())) track.other_ups_px = {-track.up_px};
+}
+
+double ReadoutOf(const TrackRunOptions& options, const std::optional<camera::CameraProfile>& profile) {
+  if (options.readout_s) return *options.readout_s;
+  return profile ? profile->readout_s : 0;
+}
+
 }  // namespace
 
 void Describe(TrackRunOptions& o, OptionList& options) {
@@ -396,11 +450,20 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   Describe(o.track, options);
   options.Add("camera", o.camera, "camera.yaml: intrinsics and, if it has one, the sagittal plane");
   options.Add("scale", o.scale, "A scale bar, ends in px, where no plane is calibrated").Value("X1,Y1,X2,Y2,LENGTH_MM");
-  options.Add("vertical", o.vertical, "A plumb line in the picture")
+  const auto set_vertical = [&o](const OptionTexts& texts, const std::string& said) {
+    o.vertical_from_leg = texts == OptionTexts{"auto"};
+    if (!o.vertical_from_leg) OptionField<decltype(o.vertical)>::Set(texts, said, o.vertical);
+  };
+  options.AddCustom("vertical", "A plumb line in the picture, in any direction; auto: as the leg stands", set_vertical)
       .Unit("px")
       .Key("vertical")
-      .Value("X1,Y1,X2,Y2")
+      .Value("X1,Y1,X2,Y2|auto")
+      .SplitAtCommas()
       .Otherwise("the picture's own up, or the plane's y");
+  options.Add("readout", o.readout_s, "Time in which a rolling shutter reads the picture from top to bottom")
+      .Unit("s")
+      .NotNegative()
+      .Otherwise("the camera file's, else 0");
   options.Add("depth", o.depth_mm, "Distance of a marker in front of the calibrated plane (may be repeated)")
       .Unit("mm")
       .Value("NAME=MM")
@@ -422,7 +485,9 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   run.AddInput(video::FilesOfVideo(options.video));
   if (options.camera) run.AddInput(*options.camera);
   if (options.corrections) run.AddInput(*options.corrections);
-  const gait::LegView view = MakeView(options, video, run);
+  std::string scaled;
+  const std::optional<camera::CameraProfile> profile = ReadCamera(options, video, scaled);
+  const gait::LegView view = MakeView(options, profile, run);
   exchange::CheckExportFormats(options.exports, gait::PlaneUnit(view) == motion::LengthUnit::kMm,
                                HasLeg(options.track.names));
   std::vector<Correction> corrections;
@@ -434,23 +499,25 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   tracking::TrackOptions track_options = options.track;
   track_options.quiet = run.Quiet();
   track_options.metric_from_px = [&view](const Eigen::Vector2d& px) { return gait::PlaneFromRecorded(view, px, 0); };
-  if (options.vertical) {
-    const auto [x1, y1, x2, y2] = *options.vertical;
-    track_options.up_px = Eigen::Vector2d(x1 - x2, y1 - y2) * (y1 < y2 ? 1 : -1);
-  }
+  SetUps(options, track_options);
   if (options.list) return RunList(options, track_options, run);
   tracking::TrackResult tracked = TrackOrShow(options, track_options, run);
   // Only now, as a video that cannot be tracked is told of in one line.
+  if (!scaled.empty()) run.Warn(scaled);
   WarnOfUnit(view, options.camera.has_value(), run);
   WarnOfVideo(tracked.video, run);
   for (const std::string& warning : tracking::Warnings(tracked.times)) run.Warn(warning);
   ApplyCorrections(corrections, tracked.recording);
+  const double readout_s = ReadoutOf(options, profile);
+  const gait::RollingShutter shutter =
+      gait::ShutterOf(readout_s, video.width, video.height, video.rotation_deg, video.mirrored);
 
   const Json seen = SeenJson(tracked.recording);
   WarnOfUnseen(seen, run);
-  const Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}, {"seen", seen}};
-  return HasLeg(options.track.names) ? RunLeg(options, tracked, view, results, run)
-                                     : RunPoints(options, tracked, view, results, run);
+  Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}, {"seen", seen}};
+  results["video"]["readout_s"] = readout_s;
+  return HasLeg(options.track.names) ? RunLeg(options, tracked, view, shutter, results, run)
+                                     : RunPoints(options, tracked, view, shutter, results, run);
 }
 
 }  // namespace lake::commands

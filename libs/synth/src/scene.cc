@@ -132,13 +132,27 @@ struct Scene::Impl {
     return longest;
   }
 
+  // Each marker where it is when its row is read. A row's time depends on where the marker is then; it moves by less
+  // than a hundredth of the picture in the meantime, so this settles at once.
+  std::vector<Vector2d> AsRead(double time_s) const {
+    std::vector<Vector2d> mm = motion->At(time_s);
+    if (options.readout_s == 0) return mm;
+    constexpr int kRounds = 4;
+    for (std::size_t m = 0; m < mm.size(); ++m)
+      for (int round = 0; round < kRounds; ++round) {
+        const double row = sprites.Centres(mm)[m].y();
+        mm[m] = motion->At(time_s + (row / view.Size().height - 0.5) * options.readout_s)[m];
+      }
+    return mm;
+  }
+
   FrameState StateOf(int frame) const {
     FrameState state;
     state.time_s = TimeS(frame) - options.start_s;
     const double blur = LongestBlurPx(state.time_s);
     const int count = OpenS() == 0 ? 1 : std::min(64, 4 + static_cast<int>(std::ceil(3 * blur)));
     state.fine_s = Instants(state.time_s, OpenS(), count);
-    for (const double t : state.fine_s) state.fine_mm.push_back(motion->At(t));
+    for (const double t : state.fine_s) state.fine_mm.push_back(AsRead(t));
     for (const Hand& hand : hands) {
       std::vector<Layer> layers = hand.At(state.fine_s);
       if (!layers.empty()) state.hands.push_back(std::move(layers));

@@ -25,6 +25,7 @@ void SceneOptions::Check() const {
   Require(std::isfinite(start_s) && start_s >= 0, "the first time stamp must not be negative");
   Require(time_jitter >= 0 && time_jitter < 0.5, "the jitter of time stamps must be 0 to 0.5 of the frame time");
   Require(shutter >= 0 && shutter <= 1, "the shutter must be 0 to 1 of the frame time");
+  Require(std::abs(readout_s) <= 0.2, "the readout must be within ±0.2 s");
   Require(marker_radius_mm > 0 && marker_radius_px > 0 && marker_radius_px < 200,
           "the marker radius must be positive, below 200 px");
   Require(distance_mm > 100, "the camera must be more than 100 mm away");
@@ -131,6 +132,7 @@ Json ToJson(const SceneOptions& o) {
                    {"start_s", o.start_s},
                    {"time_jitter", o.time_jitter},
                    {"shutter", o.shutter},
+                   {"readout_s", o.readout_s},
                    {"width_px", o.width_px},
                    {"height_px", o.height_px},
                    {"marker_radius_mm", o.marker_radius_mm}});

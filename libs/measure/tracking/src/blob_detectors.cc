@@ -22,6 +22,8 @@ class ReflectiveDetector : public MarkerDetector {
     return finder_.Detect(inverted_, predictions, everywhere);
   }
 
+  std::optional<ImageFigures> Figures() const override { return finder_.Figures(); }
+
  private:
   Polarity polarity_;
   BlobFinder finder_;

@@ -42,6 +42,11 @@ class BlobFinder {
   std::vector<MarkerDetection> Detect(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
                                       bool everywhere);
 
+  ImageFigures Figures() const {
+    return {fit_options_.noise, fit_options_.saturation_level,
+            shutter_.IsKnown() ? std::optional(shutter_.Fraction()) : std::nullopt};
+  }
+
  private:
   void LearnNoise(const cv::Mat& grey);
   void LearnFromFits(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,

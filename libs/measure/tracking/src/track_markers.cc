@@ -1,5 +1,6 @@
 #include "lake/tracking/track_markers.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
 #include <set>
@@ -95,6 +96,63 @@ double MedianRadius(const std::vector<Tracklet>& tracklets) {
   return Median(std::move(radii));
 }
 
+// How much the first leg marker moves, as a part of what the third does: feet stay, hips move.
+double FootMotion(const motion::MarkerRecording& recording) {
+  const auto extent = [&](const char* name) {
+    const motion::MarkerTrack* track = recording.Find(name);
+    if (!track) return 1.0;
+    Eigen::AlignedBox2d box;
+    for (const motion::MarkerSample& sample : track->samples)
+      if (sample.IsKnown()) box.extend(sample.position);
+    return box.isEmpty() ? 1.0 : box.diagonal().norm();
+  };
+  return extent(kLegMarkers[0]) / std::max(extent(kLegMarkers[2]), 1.0);
+}
+
+// Where several directions may be up, that with which the markers can be named and the foot rests best.
+void NameWithEachUp(const std::vector<Tracklet>& tracklets, const TrackOptions& options,
+                    const std::vector<std::int64_t>& breaks, TrackResult& result) {
+  std::vector<Eigen::Vector2d> ups = {options.up_px};
+  ups.insert(ups.end(), options.other_ups_px.begin(), options.other_ups_px.end());
+  std::optional<motion::MarkerRecording> best;
+  std::optional<Error> first_error;
+  for (const Eigen::Vector2d& up : ups) {
+    motion::MarkerRecording named = result.recording;
+    try {
+      NameTracklets(
+          tracklets,
+          {options.names, options.seeds, Identities(options), options.metric_from_px, up, options.physics, breaks},
+          named);
+    } catch (const UsageError&) {
+      throw;
+    } catch (const Error& error) {
+      if (!first_error) first_error = error;
+      continue;
+    }
+    if (best && FootMotion(named) >= FootMotion(*best)) continue;
+    best = std::move(named);
+    result.up_px = up;
+  }
+  if (!best) throw *first_error;
+  result.recording = std::move(*best);
+}
+
+// Those that markers' positions come from.
+std::vector<const Tracklet*> NamedTracklets(const std::vector<Tracklet>& tracklets,
+                                            const motion::MarkerRecording& recording) {
+  std::vector<const Tracklet*> named;
+  for (const Tracklet& tracklet : tracklets) {
+    const TrackletSample& first = tracklet.samples.front();
+    const auto frame = static_cast<std::size_t>(
+        std::lower_bound(recording.frame.begin(), recording.frame.end(), first.frame) - recording.frame.begin());
+    if (std::any_of(recording.markers.begin(), recording.markers.end(), [&](const motion::MarkerTrack& marker) {
+          return marker.samples[frame].IsKnown() && marker.samples[frame].position == first.position;
+        }))
+      named.push_back(&tracklet);
+  }
+  return named;
+}
+
 }  // namespace
 
 void TrackOptions::Check() const {
@@ -130,6 +188,7 @@ struct Followed {
   TrackResult result;
   std::vector<Tracklet> tracklets;
   std::vector<std::int64_t> repeated, breaks;  // frames: TrackletBuilder's
+  std::optional<ImageFigures> image;           // the detector's
 };
 
 Followed Follow(const std::filesystem::path& video, const TrackOptions& options) {
@@ -168,6 +227,7 @@ Followed Follow(const std::filesystem::path& video, const TrackOptions& options)
   CheckSeedFrames(options, recording);
   followed.tracklets = builder.Finish();
   followed.repeated = builder.RepeatedFrames(), followed.breaks = builder.Breaks();
+  followed.image = detector->Figures();
   followed.result.tracklets = followed.tracklets.size();
   followed.result.radius_px = MedianRadius(followed.tracklets);
   return followed;
@@ -176,11 +236,9 @@ Followed Follow(const std::filesystem::path& video, const TrackOptions& options)
 }  // namespace
 
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options) {
-  auto [result, tracklets, repeated, breaks] = Follow(video, options);
-  const NamingOptions naming{options.names,   options.seeds, Identities(options), options.metric_from_px, options.up_px,
-                             options.physics, breaks};
+  auto [result, tracklets, repeated, breaks, image] = Follow(video, options);
   try {
-    NameTracklets(tracklets, naming, result.recording);
+    NameWithEachUp(tracklets, options, breaks, result);
   } catch (const UsageError&) {
     throw;
   } catch (const Error& error) {
@@ -191,6 +249,7 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
   } catch (const Error& error) {
     throw Fail("{}: {}", video.string(), error.what());
   }
+  if (image) result.figures = FiguresOf(NamedTracklets(tracklets, result.recording), *image);
   result.sigma = CalibrateSigmas(result.recording);
   return result;
 }

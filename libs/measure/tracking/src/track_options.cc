@@ -75,21 +75,29 @@ void Describe(TrackOptions& o, OptionList& options) {
       .Repeats();
   options.Add("dictionary", o.dictionary,
               "ArUco dictionary, for --detector aruco; ids 0, 1, … are the markers in the order of --markers");
-  options.AddChoice("polarity", o.polarity,
-                    OptionList::Choices<Polarity>{{"bright", Polarity::kBright}, {"dark", Polarity::kDark}},
-                    "Whether markers are brighter or darker than their surroundings");
-  const auto set_crop = [&o](const OptionTexts& texts, const std::string& said) {
+  DescribePolarity(o.polarity, options);
+  DescribeCrop(o.crop, options);
+  Describe(o.reader, options);
+  options.Check([&o](const OptionList&) { o.Check(); });
+}
+
+Option& DescribePolarity(Polarity& polarity, OptionList& options) {
+  return options.AddChoice("polarity", polarity,
+                           OptionList::Choices<Polarity>{{"bright", Polarity::kBright}, {"dark", Polarity::kDark}},
+                           "Whether markers are brighter or darker than their surroundings");
+}
+
+Option& DescribeCrop(cv::Rect& crop, OptionList& options) {
+  const auto set = [&crop](const OptionTexts& texts, const std::string& said) {
     std::array<double, 4> numbers;
     OptionField<std::array<double, 4>>::Set(texts, said, numbers);
-    o.crop = CropOf(numbers, said);
+    crop = CropOf(numbers, said);
   };
-  options.AddCustom("crop", "Search only this rectangle of the picture", set_crop)
+  return options.AddCustom("crop", "Search only this rectangle of the picture", set)
       .Unit("px")
       .Key("crop")
       .Value("X,Y,W,H")
       .SplitAtCommas();
-  Describe(o.reader, options);
-  options.Check([&o](const OptionList&) { o.Check(); });
 }
 
 }  // namespace lake::tracking

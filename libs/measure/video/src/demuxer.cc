@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <new>
 #include <string_view>
 #include <vector>
@@ -109,6 +110,12 @@ std::optional<std::int64_t> Demuxer::FramesPromised() const {
   if (sequence_) return sequence_->Files();
   if (packets_promised_ && *packets_promised_ >= stream_->nb_frames) return CountIndex(*stream_, true);
   return stream_->nb_frames > 0 ? std::optional(stream_->nb_frames) : std::nullopt;
+}
+
+void Demuxer::SeekKeyFrame(double time_s) {
+  const std::int64_t ticks = std::llround(time_s / av_q2d(stream_->time_base));
+  av_seek_frame(input_.get(), stream_->index, ticks, AVSEEK_FLAG_BACKWARD);  // where that fails: from the beginning
+  packets_promised_.reset();  // the end may come sooner than is promised of the whole
 }
 
 bool Demuxer::Read(AVPacket& packet) {

@@ -22,6 +22,9 @@ class Demuxer {
   // Frames to be shown, as the container says (an edit list leaves some out).
   std::optional<std::int64_t> FramesPromised() const;
 
+  // Goes to the key frame at or before this time; where the file cannot be searched, nowhere.
+  void SeekKeyFrame(double time_s);
+
   // False at the end. When the file ends too early or a packet is damaged, this is the end, and Damage() says why.
   bool Read(AVPacket& packet);
 

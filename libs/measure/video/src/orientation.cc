@@ -11,6 +11,13 @@ int Orientation::RotationDeg() const {
   return left_right_last ? 180 : 0;
 }
 
+Orientation Orientation::TurnedOn(int quarters) const {
+  Orientation turned = *this;
+  for (int i = 0; i < quarters; ++i)
+    turned = {.transpose = !turned.transpose, .flip_x = !turned.flip_y, .flip_y = turned.flip_x};
+  return turned;
+}
+
 cv::Mat Orientation::Apply(const cv::Mat& stored) const {
   if (IsIdentity()) return stored;
   cv::Mat turned;

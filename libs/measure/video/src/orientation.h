@@ -19,6 +19,9 @@ struct Orientation {
   // Clockwise, 0, 90, 180 or 270; of a mirrored picture: the rotation before left and right are exchanged.
   int RotationDeg() const;
 
+  // Turned on by quarters of a turn, clockwise.
+  Orientation TurnedOn(int quarters) const;
+
   // The turned picture; the stored one itself if there is nothing to turn.
   cv::Mat Apply(const cv::Mat& stored) const;
 };

@@ -78,11 +78,14 @@ class LibavReader : public VideoReader {
 
 LibavReader::LibavReader(const std::filesystem::path& path, const VideoReaderOptions& options)
     : options_(options),
-      decoder_(path, options.sequence_rate_hz, options.skip_deblocking),
+      decoder_(path, options.sequence_rate_hz, options.skip_deblocking, options.seek_s),
       first_frame_(decoder_.Next()),
       stamps_(decoder_.Source().Stream().time_base, UsualTicks(decoder_.Source().Stream())) {
   if (!first_frame_) throw Fail("{}: holds no frame", path.string());
-  orientation_ = FindOrientation(decoder_.Source().Stream(), *first_frame_, path.string());
+  if (options.rotate_deg % 90 != 0 || options.rotate_deg < 0 || options.rotate_deg >= 360)
+    throw UsageError(fmt::format("--rotate {}: 0, 90, 180 or 270", options.rotate_deg));
+  orientation_ =
+      FindOrientation(decoder_.Source().Stream(), *first_frame_, path.string()).TurnedOn(options.rotate_deg / 90);
   try {
     converter_.emplace(*first_frame_);
   } catch (const Error& error) {

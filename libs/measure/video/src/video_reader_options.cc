@@ -9,10 +9,17 @@ void Describe(VideoReaderOptions& o, OptionList& options) {
       .Unit("Hz")
       .Positive()
       .Otherwise("the file's own times");
+  DescribeRotation(o, options);
   options.Check([&o](const OptionList& list) {
     if (o.start_s && o.end_s && *o.end_s < *o.start_s)
       throw UsageError(fmt::format("{} is before {}", list["end"].Said(), list["start"].Said()));
   });
+}
+
+Option& DescribeRotation(VideoReaderOptions& o, OptionList& options) {
+  using Turns = OptionList::Choices<int>;
+  return options.AddChoice("rotate", o.rotate_deg, Turns{{"0", 0}, {"90", 90}, {"180", 180}, {"270", 270}},
+                           "Turn the pictures clockwise, beyond what the file says [degrees]");
 }
 
 }  // namespace lake::video

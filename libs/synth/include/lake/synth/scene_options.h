@@ -41,6 +41,7 @@ struct SceneOptions {
   double start_s = 0;      // time stamp of the first frame, at which the motion begins
   double time_jitter = 0;  // time stamps are moved by up to ± this part of the frame time (variable frame rate)
   double shutter = 0.3;    // exposure time as a part of the frame time
+  double readout_s = 0;    // rolling shutter: a marker in row y is exposed (y / height − 1/2) readout_s later
 
   // --- camera ---
   int width_px = 1280, height_px = 720;

@@ -32,6 +32,13 @@ struct MarkerPrediction {
   std::optional<int> identity;
 };
 
+// What a detector has learnt of the pictures.
+struct ImageFigures {
+  NoiseModel noise;
+  double saturation_level = 255;           // grey level
+  std::optional<double> shutter_fraction;  // part of the frame time during which the shutter is open, if it showed
+};
+
 class MarkerDetector {
  public:
   virtual ~MarkerDetector() = default;
@@ -41,6 +48,9 @@ class MarkerDetector {
                                               std::span<const MarkerPrediction> predictions, bool everywhere) = 0;
 
   virtual bool NeedsColour() const { return false; }
+
+  // nullopt of a detector that does not measure blobs in the luma.
+  virtual std::optional<ImageFigures> Figures() const { return std::nullopt; }
 
   // Whether identities tell markers apart, so that association need not.
   virtual bool KnowsIdentities() const { return false; }

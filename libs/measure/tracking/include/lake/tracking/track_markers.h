@@ -12,6 +12,7 @@
 #include "lake/tracking/frame_times.h"
 #include "lake/tracking/marker_detector.h"
 #include "lake/tracking/naming.h"
+#include "lake/tracking/recording_quality.h"
 #include "lake/tracking/sigma_calibration.h"
 #include "lake/video/video_reader.h"
 
@@ -30,6 +31,7 @@ struct TrackOptions {
   video::VideoReaderOptions reader;        // start, end, rates
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> metric_from_px = [](const Eigen::Vector2d& px) { return px; };
   Eigen::Vector2d up_px = {0, -1};
+  std::vector<Eigen::Vector2d> other_ups_px;  // which way is up may also be one of these: as the leg shows
   MarkerPhysics physics;
   bool quiet = false;  // no progress
 
@@ -40,6 +42,8 @@ struct TrackOptions {
 
 // With the reader's.
 void Describe(TrackOptions& o, OptionList& options);
+Option& DescribePolarity(Polarity& polarity, OptionList& options);
+Option& DescribeCrop(cv::Rect& crop, OptionList& options);
 
 struct TrackResult {
   motion::MarkerRecording recording;  // px; detected or missing; times corrected as `times` says
@@ -48,10 +52,12 @@ struct TrackResult {
   double radius_px = 0;       // median over what was followed
   SigmaCalibration sigma;
   FrameTimes times;
+  std::optional<MarkerFigures> figures;  // of a detector that measures blobs in the luma
+  Eigen::Vector2d up_px = {0, -1};       // with which the markers were named
 };
 
-// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, is interlaced or of fewer than two
-// frames; NamingError where fewer markers than names are seen, or they cannot be named with certainty.
+// Decoding runs ahead in its own threads. Throws Error on a video that cannot be read, is interlaced or of fewer than
+// two frames; NamingError where fewer markers than names are seen, or they cannot be named with certainty.
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options);
 
 // What a NamingError would list: all that is found, without naming it.

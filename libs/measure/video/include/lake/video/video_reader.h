@@ -19,7 +19,7 @@ struct VideoInfo {
   std::optional<std::int64_t> frames;  // about how many are handed out, if the container says; for progress only
   std::string codec;
   std::string pixel_format;  // as stored, in libav's name, e.g. "yuv420p"
-  int rotation_deg = 0;      // clockwise, applied by the reader
+  int rotation_deg = 0;      // clockwise, applied by the reader: the file's own and what was asked for
   bool mirrored = false;     // left and right exchanged after the rotation, applied by the reader
   double pixel_aspect = 1;   // width / height of a pixel as shown; frames are handed out unstretched
   bool bt709 = false;        // colours of previews: BT.709, else BT.601; the stream's own if it is one of them
@@ -50,14 +50,19 @@ struct VideoReaderOptions {
   int preview_max_width_px = 0;  // if set: give `preview`, at most this wide, and neither luma nor bgr
   bool skip_deblocking = false;  // leave out the decoder's loop filter: quicker, but block edges show and errors
                                  // grow until the next key frame. For looking at, never for measuring
+  int rotate_deg = 0;            // turn the pictures clockwise by 90, 180 or 270, beyond what the file says of itself
   double capture_rate_hz = 0;    // if set: time = (first time) + index / rate, for slow-motion files
   double sequence_rate_hz = 30;  // time stamps of an image sequence
   std::int64_t first = 0;        // first frame to hand out
   std::optional<std::int64_t> last = {};           // last frame to hand out
   std::optional<double> start_s = {}, end_s = {};  // only frames with time stamps from … to …, both included
+  // Begin at the key frame at or before this time, without decoding what comes before it; frames count from there. For
+  // looking into long files; where a file cannot be searched, at its beginning.
+  std::optional<double> seek_s = {};
 };
 
 void Describe(VideoReaderOptions& o, OptionList& options);
+Option& DescribeRotation(VideoReaderOptions& o, OptionList& options);
 
 class VideoReader {
  public:
@@ -65,7 +70,8 @@ class VideoReader {
 
   // A video, one picture, or an image sequence given as a printf pattern (frames/%05d.png), which begins at its lowest
   // number. Throws Error: absent, a folder, not a video, no video stream, no frame, larger than 16384 px a side or 200
-  // Mpx, turned by an angle that is no multiple of 90°, a gap in the numbers of a sequence.
+  // Mpx, turned by an angle that is no multiple of 90°, a `rotate_deg` that is none of 0, 90, 180, 270 (UsageError), a
+  // gap in the numbers of a sequence.
   static std::unique_ptr<VideoReader> Open(const std::filesystem::path& path, const VideoReaderOptions& options = {});
 
   virtual const VideoInfo& Info() const = 0;

@@ -1,0 +1,83 @@
+// What a recording is worth for tracking: figures of its markers, its pictures and its time stamps.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "lake/tracking/marker_detector.h"
+#include "lake/tracking/tracklet.h"
+#include "lake/video/video_reader.h"
+
+namespace lake::tracking {
+
+// Of the markers that were followed; medians over all their samples unless said otherwise. Lengths in px, levels in
+// grey levels.
+struct MarkerFigures {
+  std::size_t samples = 0;
+  double radius_px = 0;
+  double contrast = 0;                     // above what is round them
+  double noise = 0;                        // standard deviation of a pixel as bright as a marker
+  double contrast_over_noise = 0;          // of the faintest tenth of the samples
+  double saturated_share = 0;              // of the samples
+  double sigma_px = 0;                     // root mean square of what the fits state, per axis
+  double fastest_px = 0;                   // per frame, 98 % quantile
+  std::optional<double> shutter_fraction;  // of the frame time; unknown where nothing moves fast
+  double blur_px = 0;                      // of the fastest, during the exposure (half a frame where it is not known)
+};
+
+MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFigures& image);
+
+struct RecordingCheckOptions {
+  int markers = 4;  // that should be seen
+  Polarity polarity = Polarity::kBright;
+  cv::Rect crop;  // px; empty: the whole picture
+  video::VideoReaderOptions reader;
+  double budget_s = 3.5;    // for decoding and looking; then only middle and end are still seen
+  int runs = 8;             // places over the whole file, …
+  int frames_per_run = 30;  // … each of so many neighbouring frames
+};
+
+// A bright spot in the frame that is shown.
+struct CheckedSpot {
+  Eigen::Vector2d position;  // px
+  double radius_px = 0;
+  double contrast = 0;
+  bool is_marker = false;  // among the strongest, of as many as there should be
+};
+
+struct RecordingCheck {
+  video::VideoInfo video;
+  std::int64_t frames_in_file = 0;  // from the container's stamps; 0 where it does not say
+  int frames_seen = 0, places_seen = 0;
+  double bits_per_pixel = 0;  // of the file, per pixel and frame
+
+  double all_seen_share = 0;     // of the frames: at least as many spots as there are markers
+  double spots = 0;              // marker-like things in a frame, median
+  double clutter = 0;            // of these, more than there are markers
+  double strongest_clutter = 0;  // its contrast over the faintest marker's
+  MarkerFigures markers;
+  double compression_px = 0;  // that coding adds to a position's error
+  double position_sd_px = 0;  // of one frame, per axis, with it
+  double segment_px = 0;      // about the length of shank and thigh
+  double knee_sd_deg = 0;     // expected of one frame's knee angle
+
+  double flicker = 0;               // brightness from frame to frame, relative standard deviation
+  int repeated_frames = 0;          // of those seen
+  std::int64_t dropped_frames = 0;  // of the whole file, by its stamps
+  std::optional<double> tilt_deg;   // clockwise; of what should stand upright in the room, where enough of it is seen
+
+  std::int64_t shown_frame_ms = 0;  // when the frame that is shown was
+  cv::Mat frame;                    // CV_8UC1
+  std::vector<CheckedSpot> spots_shown;
+  double seconds = 0;
+};
+
+// Looks into the recording at places over its whole length, for about `budget_s`. Markers are not named: of the bright
+// spots in a place the strongest, as many as there should be, are taken for them. Throws Error as VideoReader does.
+RecordingCheck CheckRecording(const std::filesystem::path& video, const RecordingCheckOptions& options = {});
+
+}  // namespace lake::tracking

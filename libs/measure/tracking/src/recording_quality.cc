@@ -1,0 +1,331 @@
+#include "lake/tracking/recording_quality.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/statistics.h"
+#include "lake/motion/marker_recording.h"
+#include "lake/tracking/sigma_calibration.h"
+#include "lake/video/video_files.h"
+
+namespace lake::tracking {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+// What one place in the file showed.
+struct Place {
+  std::vector<double> time_s, brightness;  // per frame
+  std::vector<double> changes;             // mean absolute difference to the frame before; one fewer
+  std::vector<Tracklet> tracklets;
+  std::vector<std::size_t> by_contrast;  // tracklets of most of its frames, strongest first
+  cv::Mat middle;                        // the frame in its middle
+  double middle_s = 0;
+};
+
+// Quarter-size pictures: what coding changes in a picture that stands still averages out.
+cv::Mat Small(const cv::Mat& luma) {
+  cv::Mat small;
+  cv::resize(luma, small, {}, 0.25, 0.25, cv::INTER_AREA);
+  return small;
+}
+
+double MedianContrast(const Tracklet& tracklet) {
+  std::vector<double> contrast;
+  for (const TrackletSample& sample : tracklet.samples) contrast.push_back(sample.amplitude);
+  return Median(std::move(contrast));
+}
+
+void SortSpots(Place& place) {
+  std::vector<double> contrast;
+  for (std::size_t i = 0; i < place.tracklets.size(); ++i) {
+    contrast.push_back(MedianContrast(place.tracklets[i]));
+    if (2 * place.tracklets[i].samples.size() >= place.time_s.size()) place.by_contrast.push_back(i);
+  }
+  std::sort(place.by_contrast.begin(), place.by_contrast.end(),
+            [&](std::size_t a, std::size_t b) { return contrast[a] > contrast[b]; });
+}
+
+// Until `deadline`, but at least eight frames.
+Place LookAt(const std::filesystem::path& path, const RecordingCheckOptions& options, double from_s, double after_s,
+             MarkerDetector& detector, const Clock::time_point& deadline, video::VideoInfo& info) {
+  video::VideoReaderOptions reader_options = options.reader;
+  if (from_s > 0) reader_options.seek_s = from_s;
+  const auto reader = video::VideoReader::Open(path, reader_options);
+  TrackletBuilder builder(detector, TrackletOptions{});
+  Place place;
+  cv::Mat before;
+  constexpr std::size_t kLeastFrames = 8;
+  for (video::VideoFrame frame; place.time_s.size() < static_cast<std::size_t>(options.frames_per_run);) {
+    ThrowIfInterrupted();
+    if (Clock::now() > deadline && place.time_s.size() >= kLeastFrames) break;
+    if (!reader->Read(frame)) break;
+    if (frame.time_s <= after_s) continue;  // the key frame before lies in the last place
+    builder.Add(frame);
+    const cv::Mat small = Small(frame.luma);
+    place.time_s.push_back(frame.time_s);
+    place.brightness.push_back(cv::mean(small)[0]);
+    if (!before.empty())
+      place.changes.push_back(cv::norm(small, before, cv::NORM_L1) / static_cast<double>(small.total()));
+    before = small;
+    if (place.time_s.size() == static_cast<std::size_t>(options.frames_per_run) / 2 || place.middle.empty())
+      place.middle = frame.luma.clone(), place.middle_s = frame.time_s;
+  }
+  info = reader->Info();
+  place.tracklets = builder.Finish();
+  SortSpots(place);
+  return place;
+}
+
+// A frame like the one before it, while its neighbours changed, is that frame again.
+int RepeatedFrames(const Place& place) {
+  constexpr double kSame = 0.1;   // of the usual change
+  constexpr double kLeast = 0.1;  // grey levels: below that the picture may stand still
+  const double usual = place.changes.empty() ? 0 : Quantile(place.changes, 0.75);
+  if (usual < kLeast) return 0;
+  return static_cast<int>(
+      std::count_if(place.changes.begin(), place.changes.end(), [&](double change) { return change < kSame * usual; }));
+}
+
+// Of the brightness about a straight line.
+double Flicker(const Place& place) {
+  const std::size_t n = place.brightness.size();
+  if (n < 4) return 0;
+  double sum = 0, level = 0;
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double bend = place.brightness[i] - (place.brightness[i - 1] + place.brightness[i + 1]) / 2;
+    sum += bend * bend, level += place.brightness[i];
+  }
+  const auto count = static_cast<double>(n - 2);
+  // White noise bends by √1.5 of itself.
+  return std::sqrt(sum / count / 1.5) / std::max(level / count, 1.0);
+}
+
+std::int64_t DroppedFrames(const std::vector<double>& stamps_s) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < stamps_s.size(); ++i) steps.push_back(stamps_s[i] - stamps_s[i - 1]);
+  if (steps.size() < 3) return 0;
+  const double usual = Median(steps);
+  std::int64_t dropped = 0;
+  for (const double step : steps)
+    if (step > 1.5 * usual) dropped += std::llround(step / usual) - 1;
+  return dropped;
+}
+
+// How far what stands nearly upright in the room leans: the mode of the edges' directions about the vertical, each
+// weighed by its strength. nullopt where no direction stands out.
+std::optional<double> TiltDeg(const cv::Mat& grey) {
+  constexpr double kReach_deg = 12, kBin_deg = 0.5, kLeastEdge = 40;
+  cv::Mat smooth, dx, dy;
+  cv::GaussianBlur(grey, smooth, {5, 5}, 1.2);
+  cv::Sobel(smooth, dx, CV_32F, 1, 0);
+  cv::Sobel(smooth, dy, CV_32F, 0, 1);
+  std::vector<double> weight(static_cast<std::size_t>(2 * kReach_deg / kBin_deg) + 1, 0.0);
+  for (int y = 0; y < grey.rows; y += 2)
+    for (int x = 0; x < grey.cols; x += 2) {
+      const double gx = dx.at<float>(y, x), gy = dy.at<float>(y, x), strength = std::hypot(gx, gy);
+      if (strength < kLeastEdge) continue;
+      // The edge runs across its gradient; it leans clockwise where the gradient turns with it.
+      const double lean = DegreesFromRadians(std::atan(gy / (std::abs(gx) < 1e-6 ? 1e-6 : gx)));
+      if (std::abs(lean) < kReach_deg)
+        weight[static_cast<std::size_t>(std::lround((lean + kReach_deg) / kBin_deg))] += strength;
+    }
+  const auto peak = static_cast<std::size_t>(std::max_element(weight.begin(), weight.end()) - weight.begin());
+  const double usual = Median(weight), enough = kLeastEdge * 0.2 * grey.rows;
+  if (weight[peak] < 3 * usual || weight[peak] < enough) return std::nullopt;
+  double sum = 0, at = 0;
+  for (std::size_t k = peak > 1 ? peak - 2 : 0; k <= std::min(peak + 2, weight.size() - 1); ++k)
+    sum += weight[k], at += weight[k] * (static_cast<double>(k) * kBin_deg - kReach_deg);
+  return at / sum;
+}
+
+// The spots of a place that are taken for the markers.
+std::vector<const Tracklet*> MarkersOf(const Place& place, std::size_t count) {
+  std::vector<const Tracklet*> markers;
+  for (std::size_t i = 0; i < std::min(count, place.by_contrast.size()); ++i)
+    markers.push_back(&place.tracklets[place.by_contrast[i]]);
+  return markers;
+}
+
+// What coding adds, from those that move in a place.
+double CompressionPx(const std::vector<const Tracklet*>& markers, const Place& place) {
+  motion::MarkerRecording recording;
+  for (const Tracklet* marker : markers) {
+    motion::MarkerTrack track{fmt::format("m{}", recording.markers.size()), {}};
+    for (std::size_t i = 0; i < place.time_s.size(); ++i) {
+      const auto sample = std::find_if(marker->samples.begin(), marker->samples.end(), [&](const TrackletSample& s) {
+        return std::abs(s.time_s - place.time_s[i]) < 1e-9;
+      });
+      track.samples.push_back(sample == marker->samples.end() ? motion::MarkerSample{}
+                                                              : motion::MarkerSample{sample->position, sample->sigma_px,
+                                                                                     motion::SampleStatus::kDetected});
+    }
+    recording.markers.push_back(std::move(track));
+  }
+  for (std::size_t i = 0; i < place.time_s.size(); ++i)
+    recording.frame.push_back(static_cast<std::int64_t>(i)), recording.time_s.push_back(place.time_s[i]);
+  return recording.markers.empty() ? 0 : CalibrateSigmas(recording).compression_px;
+}
+
+// The box that holds a leg's markers is about two and a half segments long, whatever the leg does.
+double SegmentPx(const std::vector<const Tracklet*>& markers) {
+  constexpr double kSegments = 2.2;
+  Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9), high = -low;
+  for (const Tracklet* marker : markers) {
+    const Eigen::Vector2d& at = marker->samples[marker->samples.size() / 2].position;
+    low = low.cwiseMin(at), high = high.cwiseMax(at);
+  }
+  return markers.size() < 2 ? 0 : (high - low).norm() / kSegments;
+}
+
+// Ankle, knee and hip with the same error: σ²/a² + σ²/b² + σ² (1/a² + 1/b² + 2 cos θ/(a b)), for a = b at its largest.
+double KneeSdDeg(double position_sd_px, double segment_px) {
+  return segment_px > 0 ? DegreesFromRadians(position_sd_px / segment_px * std::sqrt(6.0)) : 0;
+}
+
+void CountSpots(const std::vector<Place>& places, std::size_t markers, RecordingCheck& check) {
+  std::vector<double> spots, clutter;
+  int all = 0;
+  for (const Place& place : places) {
+    for (const double time_s : place.time_s) {
+      const auto seen = std::count_if(place.tracklets.begin(), place.tracklets.end(), [&](const Tracklet& tracklet) {
+        return std::any_of(tracklet.samples.begin(), tracklet.samples.end(),
+                           [&](const TrackletSample& sample) { return sample.time_s == time_s; });
+      });
+      spots.push_back(static_cast<double>(seen));
+      all += seen >= static_cast<std::ptrdiff_t>(markers);
+    }
+    const std::size_t more = place.by_contrast.size() > markers ? place.by_contrast.size() - markers : 0;
+    clutter.push_back(static_cast<double>(more));
+    if (more > 0)
+      check.strongest_clutter =
+          std::max(check.strongest_clutter, MedianContrast(place.tracklets[place.by_contrast[markers]]) /
+                                                MedianContrast(place.tracklets[place.by_contrast[markers - 1]]));
+  }
+  check.spots = spots.empty() ? 0 : Median(spots), check.clutter = clutter.empty() ? 0 : Median(clutter);
+  check.all_seen_share = spots.empty() ? 0 : static_cast<double>(all) / static_cast<double>(spots.size());
+}
+
+void ShowFrame(const Place& place, std::size_t markers, RecordingCheck& check) {
+  check.frame = place.middle, check.shown_frame_ms = std::llround(1000 * place.middle_s);
+  for (std::size_t i = 0; i < place.tracklets.size(); ++i) {
+    const auto sample = std::find_if(place.tracklets[i].samples.begin(), place.tracklets[i].samples.end(),
+                                     [&](const TrackletSample& s) { return s.time_s == place.middle_s; });
+    if (sample == place.tracklets[i].samples.end()) continue;
+    const auto rank = std::find(place.by_contrast.begin(), place.by_contrast.end(), i) - place.by_contrast.begin();
+    check.spots_shown.push_back(
+        {sample->position, sample->radius_px, sample->amplitude, rank < static_cast<std::ptrdiff_t>(markers)});
+  }
+}
+
+// When to look: at the beginnings of equal parts of the file.
+std::vector<double> Starts(const std::vector<double>& stamps_s, const RecordingCheckOptions& options) {
+  const auto frames = static_cast<double>(stamps_s.size());
+  if (stamps_s.size() <= static_cast<std::size_t>(options.frames_per_run)) return {0};
+  std::vector<double> starts;
+  for (int i = 0; i < options.runs; ++i) {
+    const double last = frames - options.frames_per_run;
+    starts.push_back(stamps_s[static_cast<std::size_t>(last * i / std::max(options.runs - 1, 1))]);
+  }
+  return starts;
+}
+
+}  // namespace
+
+MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFigures& image) {
+  constexpr double kSaturated = 0.9;  // of the level at which the video saturates
+  MarkerFigures figures;
+  figures.shutter_fraction = image.shutter_fraction;
+  std::vector<double> radius, contrast, over_noise, steps;
+  double variance = 0, saturated = 0;
+  for (const Tracklet* marker : markers)
+    for (std::size_t i = 0; i < marker->samples.size(); ++i) {
+      const TrackletSample& sample = marker->samples[i];
+      radius.push_back(sample.radius_px), contrast.push_back(sample.amplitude);
+      const double level = std::min(sample.amplitude, image.saturation_level);
+      over_noise.push_back(level / std::sqrt(image.noise.Variance(level)));
+      saturated += sample.amplitude >= kSaturated * image.saturation_level;
+      variance += sample.sigma_px * sample.sigma_px;
+      if (i > 0 && sample.frame == marker->samples[i - 1].frame + 1)
+        steps.push_back((sample.position - marker->samples[i - 1].position).norm());
+    }
+  figures.samples = radius.size();
+  if (radius.empty()) return figures;
+  const auto n = static_cast<double>(radius.size());
+  figures.radius_px = Median(radius), figures.contrast = Median(contrast);
+  figures.noise = std::sqrt(image.noise.Variance(std::min(figures.contrast, image.saturation_level)));
+  figures.contrast_over_noise = Quantile(over_noise, 0.1);
+  figures.saturated_share = saturated / n;
+  figures.sigma_px = std::sqrt(variance / n);
+  if (!steps.empty()) figures.fastest_px = Quantile(steps, 0.98);
+  constexpr double kUsualShutter = 0.5;
+  figures.blur_px = figures.fastest_px * image.shutter_fraction.value_or(kUsualShutter);
+  return figures;
+}
+
+RecordingCheck CheckRecording(const std::filesystem::path& video, const RecordingCheckOptions& options) {
+  const Clock::time_point begin = Clock::now();
+  RecordingCheck check;
+  const std::vector<double> stamps_s = video::StampsInContainer(video, options.reader).value_or(std::vector<double>{});
+  check.frames_in_file = static_cast<std::int64_t>(stamps_s.size());
+  check.dropped_frames = DroppedFrames(stamps_s);
+  const auto detector = MakeReflectiveDetector(options.polarity, {options.crop});
+  std::vector<Place> places;
+  double after_s = -1;
+  const std::vector<double> starts = Starts(stamps_s, options);
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    // A slow or busy machine still sees the beginning, the middle and the end.
+    const bool is_needed = i == 0 || i == starts.size() / 2 || i + 1 == starts.size();
+    if (!places.empty() && (starts[i] <= after_s || (!is_needed && SecondsSince(begin) > options.budget_s))) continue;
+    // Each place has its share of the time, and what those before left of theirs.
+    const double share = options.budget_s * static_cast<double>(i + 1) / static_cast<double>(starts.size());
+    const auto deadline = begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(share));
+    Place place = LookAt(video, options, starts[i], after_s, *detector, deadline, check.video);
+    if (place.time_s.empty()) continue;
+    after_s = place.time_s.back();
+    check.frames_seen += static_cast<int>(place.time_s.size());
+    check.repeated_frames += RepeatedFrames(place);
+    check.flicker = std::max(check.flicker, Flicker(place));
+    places.push_back(std::move(place));
+  }
+  if (places.empty()) throw Fail("{}: holds no frame that can be looked at", video.string());
+  check.places_seen = static_cast<int>(places.size());
+
+  CountSpots(places, options.markers, check);
+  std::vector<const Tracklet*> markers;
+  std::vector<double> segments, tilts, compression;
+  for (const Place& place : places) {
+    const std::vector<const Tracklet*> own = MarkersOf(place, options.markers);
+    markers.insert(markers.end(), own.begin(), own.end());
+    if (own.size() >= std::min<std::size_t>(options.markers, 3)) segments.push_back(SegmentPx(own));
+    if (const double added = CompressionPx(own, place); added > 0) compression.push_back(added);
+    if (const auto tilt = TiltDeg(place.middle)) tilts.push_back(*tilt);
+  }
+  check.markers = FiguresOf(markers, detector->Figures().value_or(ImageFigures{}));
+  check.compression_px = compression.empty() ? 0 : Median(compression);
+  check.position_sd_px = std::hypot(check.markers.sigma_px, check.compression_px);
+  check.segment_px = segments.empty() ? 0 : Median(segments);
+  check.knee_sd_deg = KneeSdDeg(check.position_sd_px, check.segment_px);
+  if (2 * tilts.size() > places.size()) check.tilt_deg = Median(tilts);
+  std::error_code error;
+  const auto bytes = static_cast<double>(
+      std::filesystem::is_regular_file(video, error) ? std::filesystem::file_size(video, error) : 0);
+  if (check.frames_in_file > 0)
+    check.bits_per_pixel =
+        8 * bytes / static_cast<double>(check.frames_in_file) / check.video.width / check.video.height;
+  ShowFrame(places[places.size() / 2], options.markers, check);
+  check.seconds = SecondsSince(begin);
+  return check;
+}
+
+}  // namespace lake::tracking

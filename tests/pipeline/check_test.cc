@@ -1,0 +1,92 @@
+// What lake-check says of recordings that are fit, and of those that are not.
+#include "lake/commands/check.h"
+
+#include <chrono>
+
+#include "lake/video/video_writer.h"
+#include "pipeline/rendered_trial.h"
+
+namespace lake {
+namespace {
+
+synth::SceneOptions Short(std::uint64_t seed) {
+  synth::SceneOptions scene = synth::CleanScene(seed);
+  scene.duration_s = 4;
+  return scene;
+}
+
+Json CheckVideo(const std::filesystem::path& video, const std::filesystem::path& out) {
+  commands::CheckRunOptions options;
+  options.video = video;
+  Run run({"lake-check", "test", Json::object(), out, true});
+  return run.WriteSummary(commands::RunCheck(options, run));
+}
+
+std::string VerdictOf(const Json& summary, const std::string& name) {
+  for (const Json& item : summary["checks"])
+    if (item["name"] == name) return item["verdict"].get<std::string>();
+  return "absent";
+}
+
+TEST(Check, SaysThatAGoodRecordingIsFitWithTheFiguresOfTheRendering) {
+  for (const std::uint64_t seed : {1u, 2u}) {
+    const synth::SceneOptions options = Short(seed);
+    RenderedTrial trial(options, {});
+    const Json summary = CheckVideo(trial.folder / "video.mp4", trial.folder / "check");
+    const Json& figures = summary["figures"];
+    EXPECT_TRUE(summary["fit"].get<bool>()) << summary["checks"].dump(1);
+    EXPECT_GT(figures["all_seen_share"].get<double>(), 0.98);
+    EXPECT_NEAR(figures["quality"]["radius_px"].get<double>(), options.marker_radius_px, 0.6);
+    EXPECT_NEAR(figures["quality"]["contrast"].get<double>(), 200, 60);  // 235 over trousers and wall
+    EXPECT_EQ(figures["repeated_frames"], 0);
+    EXPECT_EQ(figures["dropped_frames"], 0);
+    EXPECT_LT(figures["seconds"].get<double>(), 5);
+    EXPECT_TRUE(std::filesystem::exists(trial.folder / "check" / "check.png"));
+    // The figures of lake-track's own markers are the same.
+    const Json tracked = trial.Track();
+    EXPECT_NEAR(tracked["tracking"]["quality"]["radius_px"].get<double>(),
+                figures["quality"]["radius_px"].get<double>(), 0.3);
+    EXPECT_NEAR(tracked["tracking"]["quality"]["contrast"].get<double>(), figures["quality"]["contrast"].get<double>(),
+                30);
+  }
+}
+
+TEST(Check, NamesWhatMakesARecordingUnfit) {
+  synth::SceneOptions dark = Short(3);
+  dark.exposure = 0.12, dark.noise.read_sd = 6;
+  RenderedTrial trial(dark, {});
+  const Json unlit = CheckVideo(trial.folder / "video.mp4", trial.folder / "check");
+  EXPECT_FALSE(unlit["fit"].get<bool>());
+  EXPECT_THAT(unlit["checks"].dump(), testing::HasSubstr("lamp beside the lens"));
+
+  synth::SceneOptions small = Short(4);
+  small.marker_radius_px = 1.6;
+  RenderedTrial far(small, {});
+  EXPECT_EQ(VerdictOf(CheckVideo(far.folder / "video.mp4", far.folder / "check"), "radius_px"), "unfit");
+}
+
+TEST(Check, CountsRepeatedAndDroppedFrames) {
+  const synth::Scene scene(Short(5));
+  const TemporaryFolder folder;
+  video::VideoWriterOptions options;
+  options.width = 1280, options.height = 720, options.frame_rate_hz = 60, options.grey = true, options.crf = 18;
+  {
+    video::VideoWriter repeating(folder / "repeated.mp4", options), dropping(folder / "dropped.mp4", options);
+    for (int i = 0; i < 150; ++i) {
+      const cv::Mat picture = scene.Render(60 + (i % 5 == 4 ? i - 1 : i));
+      repeating.Write(picture, i / 60.0);
+      if (i < 40 || i % 10 != 0) dropping.Write(scene.Render(60 + i), i / 60.0);
+    }
+    repeating.Finish(), dropping.Finish();
+  }
+  const Json repeated = CheckVideo(folder / "repeated.mp4", folder / "a"),
+             dropped = CheckVideo(folder / "dropped.mp4", folder / "b");
+  EXPECT_EQ(VerdictOf(repeated, "repeated_frames"), "unfit");
+  EXPECT_FALSE(repeated["fit"].get<bool>());
+  EXPECT_EQ(VerdictOf(dropped, "dropped_frames"), "unfit");
+  EXPECT_EQ(dropped["figures"]["dropped_frames"], 11);
+  EXPECT_EQ(VerdictOf(dropped, "repeated_frames"), "good");
+}
+
+}  // namespace
+}  // namespace lake
