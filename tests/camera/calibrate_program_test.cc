@@ -91,8 +91,8 @@ TEST_F(CalibrateProgram, BadInputIsOneLineAndTheRightExitCode) {
   camera::Camera other = kCamera;
   other.image_width = 1280;
   camera::WriteCameraProfile(folder_ / "other.yaml", {other, {}, {}, {}});
-  ExpectOneLine(Run(""), 2, "no pictures given?");
-  ExpectOneLine(Run("00.png"), 2, "no board given?");
+  ExpectOneLine(Run(""), 2, "no pictures given");
+  ExpectOneLine(Run("00.png"), 2, "no board given");
   ExpectOneLine(Run("00.png --board chess:9x6:25"), 2, "board 'chess:9x6:25'");
   ExpectOneLine(Run("00.png --board chessboard:9x6:25 --loss huber"), 2, "huber");
   ExpectOneLine(Run("--no-such-option"), 2, "--no-such-option");
