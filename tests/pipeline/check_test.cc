@@ -65,6 +65,17 @@ TEST(Check, NamesWhatMakesARecordingUnfit) {
   EXPECT_EQ(VerdictOf(CheckVideo(far.folder / "video.mp4", far.folder / "check"), "radius_px"), "unfit");
 }
 
+// A subject at rest repeats nothing, however well the picture is compressed.
+TEST(Check, FindsTheSampleStudyFit) {
+  const TemporaryFolder folder;
+  const std::filesystem::path study = std::filesystem::path(LAKE_SOURCE_DIR) / "data/sts-study";
+  for (const char* video : {"human.mp4", "exo.mp4"}) {
+    const Json check = CheckVideo(study / video, folder / video);
+    EXPECT_EQ(check["figures"]["repeated_frames"], 0) << video;
+    EXPECT_TRUE(check["fit"].get<bool>()) << video << ": " << check["checks"].dump();
+  }
+}
+
 TEST(Check, CountsRepeatedAndDroppedFrames) {
   const synth::Scene scene(Short(5));
   const TemporaryFolder folder;

@@ -17,7 +17,7 @@ constexpr double kDeviationFloor = 0.004;
 constexpr double kAmbiguousCost = 1.2;
 
 // What is carried along by the leg moves by this share of the thigh's length at least; what rests while the hip moves
-// is a lamp.
+// is a lamp, where there is more than the leg to be seen. A prototype on a bench has its shank clamped.
 constexpr double kCarried = 0.04;
 
 double Square(double x) {
@@ -33,6 +33,7 @@ class ChainSearch {
       double height = 0;
       for (const Eigen::Vector2d& position : tracklets.Metric(i)) height += options.up.dot(position);
       height_.push_back(height / static_cast<double>(tracklets.Metric(i).size()));
+      things_ += IsLongEnough(i) ? 1 : 0;
     }
   }
 
@@ -46,7 +47,14 @@ class ChainSearch {
   bool MayBe(std::size_t tracklet, std::size_t marker) const {
     if (marker < options_.fixed.size() && options_.fixed[marker]) return *options_.fixed[marker] == tracklet;
     return std::find(options_.excluded.begin(), options_.excluded.end(), tracklet) == options_.excluded.end() &&
-           tracklets_[tracklet].samples.size() >= kMinCommonFrames;
+           IsLongEnough(tracklet);
+  }
+
+  bool IsLongEnough(std::size_t tracklet) const { return tracklets_[tracklet].samples.size() >= kMinCommonFrames; }
+
+  // Not a lamp.
+  bool IsCarried(std::size_t tracklet, double thigh) const {
+    return things_ <= options_.markers || extent_[tracklet] >= kCarried * thigh;
   }
 
   bool IsSegment(std::size_t lower, std::size_t upper) const {
@@ -85,8 +93,7 @@ class ChainSearch {
     }
     // The waist is above the hip and nearer to it than a thigh is long, at a distance that varies between people.
     const double thigh = tracklets_.Distance(chain[1], chain[2]).mean;
-    if (rise < 0.3 * segment.mean || segment.mean > 1.5 * thigh || extent_[last] < kCarried * thigh)
-      return std::nullopt;
+    if (rise < 0.3 * segment.mean || segment.mean > 1.5 * thigh || !IsCarried(last, thigh)) return std::nullopt;
     return cost + Square(std::log(segment.mean / (0.5 * thigh)) / 0.6);
   }
 
@@ -99,7 +106,7 @@ class ChainSearch {
         std::max(tracklets_.Distance(ankle, knee).deviation, tracklets_.Distance(knee, hip).deviation);
     if (leg.frames < kMinCommonFrames || leg.deviation < std::max(0.02, 1.5 * stiffness)) return std::nullopt;
     if (extent_[hip] < 0.2 * thigh || height_[hip] < height_[ankle]) return std::nullopt;
-    if (extent_[knee] < kCarried * thigh) return std::nullopt;
+    if (!IsCarried(knee, thigh)) return std::nullopt;
     constexpr double kRatioDeviation = 0.25;  // of log(shank / thigh); anatomically 0.1, markers add to it
     constexpr double kAnkleMotion = 0.15;     // ankle's extent over hip's
     return Square(std::log(shank / thigh) / kRatioDeviation) + Square(AnkleOverHip(ankle, hip, thigh) / kAnkleMotion);
@@ -132,6 +139,7 @@ class ChainSearch {
   const MetricTracklets& tracklets_;
   const LegChainOptions& options_;
   std::vector<double> extent_, height_;
+  std::size_t things_ = 0;  // that were seen for long enough to be a marker
   mutable std::map<std::pair<std::size_t, std::size_t>, double> ankle_over_hip_;
   std::vector<LegChain> chains_;
 };

@@ -26,7 +26,7 @@ double SecondsSince(Clock::time_point begin) {
 // What one place in the file showed.
 struct Place {
   std::vector<double> time_s, brightness;  // per frame
-  std::vector<double> changes;             // mean absolute difference to the frame before; one fewer
+  int repeated = 0;                        // frames in which nothing moved that should have (TrackletBuilder)
   std::vector<Tracklet> tracklets;
   std::vector<std::size_t> by_contrast;  // tracklets of most of its frames, strongest first
   cv::Mat middle;                        // the frame in its middle
@@ -64,7 +64,6 @@ Place LookAt(const std::filesystem::path& path, const RecordingCheckOptions& opt
   const auto reader = video::VideoReader::Open(path, reader_options);
   TrackletBuilder builder(detector, TrackletOptions{});
   Place place;
-  cv::Mat before;
   constexpr std::size_t kLeastFrames = 8;
   for (video::VideoFrame frame; place.time_s.size() < static_cast<std::size_t>(options.frames_per_run);) {
     ThrowIfInterrupted();
@@ -75,26 +74,14 @@ Place LookAt(const std::filesystem::path& path, const RecordingCheckOptions& opt
     const cv::Mat small = Small(frame.luma);
     place.time_s.push_back(frame.time_s);
     place.brightness.push_back(cv::mean(small)[0]);
-    if (!before.empty())
-      place.changes.push_back(cv::norm(small, before, cv::NORM_L1) / static_cast<double>(small.total()));
-    before = small;
     if (place.time_s.size() == static_cast<std::size_t>(options.frames_per_run) / 2 || place.middle.empty())
       place.middle = frame.luma.clone(), place.middle_s = frame.time_s;
   }
   info = reader->Info();
   place.tracklets = builder.Finish();
+  place.repeated = static_cast<int>(builder.RepeatedFrames().size());
   SortSpots(place);
   return place;
-}
-
-// A frame like the one before it, while its neighbours changed, is that frame again.
-int RepeatedFrames(const Place& place) {
-  constexpr double kSame = 0.1;   // of the usual change
-  constexpr double kLeast = 0.1;  // grey levels: below that the picture may stand still
-  const double usual = place.changes.empty() ? 0 : Quantile(place.changes, 0.75);
-  if (usual < kLeast) return 0;
-  return static_cast<int>(
-      std::count_if(place.changes.begin(), place.changes.end(), [&](double change) { return change < kSame * usual; }));
 }
 
 // Of the brightness about a straight line.
@@ -294,7 +281,7 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
     if (place.time_s.empty()) continue;
     after_s = place.time_s.back();
     check.frames_seen += static_cast<int>(place.time_s.size());
-    check.repeated_frames += RepeatedFrames(place);
+    check.repeated_frames += place.repeated;
     check.flicker = std::max(check.flicker, Flicker(place));
     places.push_back(std::move(place));
   }
