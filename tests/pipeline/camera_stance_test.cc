@@ -28,7 +28,7 @@ double SmallestThighDeg(const RenderedTrial& trial, const std::string& name) {
 }
 
 TEST(CameraStance, SidewaysRecordingsAreTurnedByOptionOrToldTheirVertical) {
-  for (const auto& [roll_deg, rotate_deg, seed] : {std::tuple{90.0, 90, 3u}, {-90.0, 270, 4u}}) {
+  for (const auto& [roll_deg, rotate_deg, seed] : {std::tuple{90.0, 270, 3u}, {-90.0, 90, 4u}}) {
     synth::SceneOptions scene = OneRise(seed);
     scene.roll_deg = roll_deg;
     RenderedTrial trial(scene, {});

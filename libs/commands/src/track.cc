@@ -140,14 +140,15 @@ Json TrackingJson(const tracking::TrackResult& tracked) {
           {"quality", tracked.figures ? FiguresJson(*tracked.figures) : Json()}};
 }
 
-// The part of all frames in which each marker was measured.
-Json SeenJson(const motion::MarkerRecording& tracks) {
+// The part of the frames in which each marker was measured; repeated ones show nothing new.
+Json SeenJson(const motion::MarkerRecording& tracks, std::size_t repeated) {
   Json seen = Json::object();
+  const auto frames = static_cast<double>(tracks.Frames() - repeated);
   for (const motion::MarkerTrack& marker : tracks.markers) {
     const auto count = std::count_if(marker.samples.begin(), marker.samples.end(), [](const auto& sample) {
       return sample.status == motion::SampleStatus::kDetected;
     });
-    seen[marker.name] = static_cast<double>(count) / static_cast<double>(tracks.Frames());
+    seen[marker.name] = static_cast<double>(count) / frames;
   }
   return seen;
 }
@@ -512,7 +513,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   const gait::RollingShutter shutter =
       gait::ShutterOf(readout_s, video.width, video.height, video.rotation_deg, video.mirrored);
 
-  const Json seen = SeenJson(tracked.recording);
+  const Json seen = SeenJson(tracked.recording, tracked.times.repeated.size());
   WarnOfUnseen(seen, run);
   Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}, {"seen", seen}};
   results["video"]["readout_s"] = readout_s;

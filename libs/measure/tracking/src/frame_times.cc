@@ -264,6 +264,21 @@ class FrameTimeFinder {
     double moved_s = 0, sigma_s = 0, off_px = 0;
   };
 
+  // Whether the way between both sides can be made in this time at a speed between theirs: an actuator starts and stops
+  // at once.
+  static bool IsWithinItsSpeeds(const Sides& sides, double elapsed_s) {
+    constexpr double kTolerance =
+        0.3;  // of what a parabola knows of a speed; one frame more or less is a factor of two
+    double way = 0, before = 0, after = 0;
+    for (std::size_t m = 0; m < sides.apart.size(); ++m) {
+      way += sides.apart[m].squaredNorm();
+      before += sides.before[m].velocity.squaredNorm(), after += sides.after[m].velocity.squaredNorm();
+    }
+    const double speed = std::sqrt(way) / elapsed_s, slow = std::sqrt(std::min(before, after)),
+                 fast = std::sqrt(std::max(before, after));
+    return speed > (1 - kTolerance) * slow && speed < (1 + kTolerance) * fast;
+  }
+
   // Whether more or less time than stamped lies between two new frames.
   std::optional<FoundJump> JumpAt(const std::vector<std::size_t>& fresh, std::size_t at) const {
     const double stamped_s = recording_.time_s[fresh[at]] - recording_.time_s[fresh[at - 1]];
@@ -283,7 +298,7 @@ class FrameTimeFinder {
     const double stamped_off = square_off(stamped_s), count = static_cast<double>(sides.apart.size());
     constexpr double kLeastOffPx = 0.7, kExplained = 0.1, kDeviations = 6;
     const double frames = has_lower_rate_ ? 2 : 0.75;
-    if (stamped_off < kLeastOffPx * kLeastOffPx * count) return std::nullopt;
+    if (stamped_off < kLeastOffPx * kLeastOffPx * count || IsWithinItsSpeeds(sides, stamped_s)) return std::nullopt;
     FoundJump jump{at, stamped_s, 0, std::sqrt(stamped_off / count)};
     double slopes = 0;
     for (int round = 0; round < 12; ++round) {

@@ -52,9 +52,11 @@ class ChainSearch {
 
   bool IsLongEnough(std::size_t tracklet) const { return tracklets_[tracklet].samples.size() >= kMinCommonFrames; }
 
-  // Not a lamp.
-  bool IsCarried(std::size_t tracklet, double thigh) const {
-    return things_ <= options_.markers || extent_[tracklet] >= kCarried * thigh;
+  bool IsCarried(std::size_t tracklet, double thigh) const { return extent_[tracklet] >= kCarried * thigh; }
+
+  // On a bench, with nothing else in sight.
+  bool IsClamped(std::size_t ankle, std::size_t knee, double thigh) const {
+    return things_ <= options_.markers && !IsCarried(ankle, thigh) && !IsCarried(knee, thigh);
   }
 
   bool IsSegment(std::size_t lower, std::size_t upper) const {
@@ -106,7 +108,7 @@ class ChainSearch {
         std::max(tracklets_.Distance(ankle, knee).deviation, tracklets_.Distance(knee, hip).deviation);
     if (leg.frames < kMinCommonFrames || leg.deviation < std::max(0.02, 1.5 * stiffness)) return std::nullopt;
     if (extent_[hip] < 0.2 * thigh || height_[hip] < height_[ankle]) return std::nullopt;
-    if (!IsCarried(knee, thigh)) return std::nullopt;
+    if (!IsCarried(knee, thigh) && !IsClamped(ankle, knee, thigh)) return std::nullopt;
     constexpr double kRatioDeviation = 0.25;  // of log(shank / thigh); anatomically 0.1, markers add to it
     constexpr double kAnkleMotion = 0.15;     // ankle's extent over hip's
     return Square(std::log(shank / thigh) / kRatioDeviation) + Square(AnkleOverHip(ankle, hip, thigh) / kAnkleMotion);
