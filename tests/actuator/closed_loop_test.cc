@@ -240,6 +240,23 @@ TEST_F(ClosedLoopTest, ABrownOutInMidRunIsStillAndAsksToBeHomed) {
   EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 22)) << rig_->Serial();
 }
 
+// An emergency stop, the rod pushed to free somebody: that is told, and over with a reset.
+TEST_F(ClosedLoopTest, WhatWasMovedAtRestCanBeReset) {
+  Build(FreeDesign(kProgram));
+  HomeAndRun();
+  rig_->Run(30);
+  rig_->Breaks().runs_away_mm_s = 12;
+  ASSERT_TRUE(rig_->RunUntil("ALARM:10", 3)) << rig_->Serial();
+  rig_->Run(0.5);
+  rig_->Breaks().runs_away_mm_s = 0;
+  rig_->Run(0.5);
+  const std::size_t told = rig_->Serial().size();
+  rig_->Send("reset");
+  rig_->Run(1);
+  EXPECT_EQ(rig_->Serial().find("ALARM", told), std::string::npos) << rig_->Serial().substr(told);
+  EXPECT_TRUE(rig_->Asks("home", "ok"));
+}
+
 // A million ms of random requests, wires, breaks, loads and resets: never a shorted bridge, never far past a limit.
 TEST_F(ClosedLoopTest, AMillionMillisecondsOfEverything) {
   actuator_.load_n = [](double t, double) { return kFullLoad_n * std::sin(t); };

@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include "lake/camera/camera.h"
+#include "lake/commands/gait.h"
 #include "lake/commands/track.h"
 #include "lake/core/error.h"
 #include "pipeline/rendered_trial.h"
@@ -51,6 +52,12 @@ TEST(CameraStance, SidewaysRecordingsAreTurnedByOptionOrToldTheirVertical) {
       EXPECT_EQ(lined["sit_to_stands"].size(), 1u);
       EXPECT_LT(KneeOf(trial, "lined").fitted_deg, 0.03);
       EXPECT_LT(SmallestThighDeg(trial, "lined"), 5);
+
+      // What fits the folder again stands on the same ground.
+      commands::GaitRunOptions again;
+      again.trial = trial.folder / "lined";
+      Run run({"lake-gait", "test", Json::object(), trial.folder / "again", true});
+      EXPECT_EQ(commands::RunGait(again, run)["sit_to_stands"].size(), 1u);
     }
   }
 }

@@ -73,7 +73,7 @@ void JudgePictures(const tracking::RecordingCheck& c, int markers, std::vector<C
                    Judge(c.compression_px, 0.1, 0.5),
                    "the camera's highest bit rate, and its own file rather than one sent on"});
   if (c.tilt_deg)
-    items.push_back({"tilt_deg", fmt::format("the room leans by {:.1f} degrees", *c.tilt_deg),
+    items.push_back({"tilt_deg", fmt::format("the camera is rolled by {:.1f} degrees", *c.tilt_deg),
                      Judge(std::abs(*c.tilt_deg), 2, 45),
                      "level the camera at knee height, or give lake-track a plumb line (--vertical)"});
 }

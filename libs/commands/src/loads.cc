@@ -254,7 +254,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   std::optional<loads::GroundForces> forces;
   if (!options.forces.empty()) forces = ReadForces(options, trial, fit.motion.facing, run);
   loads::LegPathOptions path;
-  path.facing = fit.motion.facing, path.up = options.fit.up, path.markers = options.fit.markers;
+  path.facing = fit.motion.facing, path.up = FitOptionsFor(trial, options.fit).up, path.markers = options.fit.markers;
   const loads::LoadsResult result =
       loads::FindLoads(fit.trajectory, fit.motion, fit.events, path, options.loads, forces);
   for (const std::string& warning : result.warnings) run.Warn(warning);
@@ -267,7 +267,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
 std::string LoadsReport(const Json& summary) {
   const Json& interval = summary["peak_knee_nm_interval"];
   std::string text = fmt::format(
-      "the knee of one leg extends with {:.1f} N m at most (95 %: {:.1f} to {:.1f}), {:.2f} N m/kg, at {:.0f}°; mean "
+      "peak knee extension moment of one leg: {:.1f} N m (95 %: {:.1f} to {:.1f}), {:.2f} N m/kg, at {:.0f}°; mean "
       "of "
       "{} rises, {}\n",
       NumberOrNaN(summary["peak_knee_nm"]), NumberOrNaN(interval[0]), NumberOrNaN(interval[1]),

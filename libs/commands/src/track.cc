@@ -224,9 +224,9 @@ struct ExportedMarkers {
 };
 
 ExportedMarkers MarkersToExport(const TrackRunOptions& options, const gait::LegFitResult& fit,
-                                const gait::LegView& view) {
+                                const motion::MarkerRecording& tracks, const gait::LegView& view) {
   if (options.smoothed) return {EstimatesInPicture(fit, view), fit.trajectory};
-  return {motion::Measurements(fit.tracks), fit.measured};
+  return {motion::Measurements(tracks), fit.measured};
 }
 
 // In mm where there is a scale; `fit` is null without a leg. Comes last: a format that cannot hold the trial takes
@@ -332,7 +332,8 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   figure::DrawLegFigure(run.Result("track.png"), fit);
   WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
   results.update(gait::LegFitJson(fit));
-  Export(options, tracked.video, view, MarkersToExport(options, fit, view), &fit, results, run);
+  results["up_in_plane"] = {fit_options.up.x(), fit_options.up.y()};
+  Export(options, tracked.video, view, MarkersToExport(options, fit, tracks, view), &fit, results, run);
   return results;
 }
 
@@ -426,6 +427,15 @@ std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   return names;
 }
 
+// A repeated frame shows an earlier time: a position in it would be one of a wrong time.
+void CheckNotRepeated(const std::vector<Correction>& corrections, const tracking::FrameTimes& times) {
+  for (const Correction& correction : corrections)
+    if (correction.sample.IsKnown() &&
+        std::binary_search(times.repeated.begin(), times.repeated.end(), correction.frame))
+      throw Fail("{}: frame {} repeats the picture before it and is no measurement; correct that one instead",
+                 correction.where, correction.frame);
+}
+
 // In which directions of the picture up may be. Of a line that lies flatter than it stands, either end may be the upper
 // one: the leg tells.
 void SetUps(const TrackRunOptions& options, tracking::TrackOptions& track) {
@@ -508,6 +518,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   WarnOfUnit(view, options.camera.has_value(), run);
   WarnOfVideo(tracked.video, run);
   for (const std::string& warning : tracking::Warnings(tracked.times)) run.Warn(warning);
+  CheckNotRepeated(corrections, tracked.times);
   ApplyCorrections(corrections, tracked.recording);
   const double readout_s = ReadoutOf(options, profile);
   const gait::RollingShutter shutter =

@@ -255,6 +255,9 @@ static void reset(void) {
   state = STATE_IDLE;
   knowledge = STROKE_UNKNOWN;
   pressed_way_nm = 0;
+#if LAKE_FEEDBACK
+  follow_watch_begin();
+#endif
 }
 
 static reply_t answer(request_t asked) {

@@ -2,6 +2,7 @@
 // loop cannot keep it from an end stop. Without feedback the stroke is the plan's, integrated from the speeds of the
 // tables while the bridge drives, with a bound on how far the actuator may be from it; the limits hold for the plan and
 // for what the bound allows. With a potentiometer it follows the plan, and the limits hold for what that says.
+// Before homing no limit holds but the end stops.
 #ifndef LAKE_CONTROLLER_H
 #define LAKE_CONTROLLER_H
 

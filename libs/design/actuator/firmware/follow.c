@@ -103,11 +103,16 @@ uint16_t follow_counts(int32_t speed_um_s) {
 #define UNDRIVEN_UM 1000  // with the bridge off
 #define RUN_DOWN_MS 250   // after which the motor must be at rest
 
+static uint16_t rest_ms;
+
+void follow_watch_begin(void) {
+  rest_ms = 0;
+}
+
 uint8_t follow_watch(int32_t driven_um_s, int32_t measured_um) {
   static int8_t last_direction;
   static int32_t from_um;
   static int32_t driven_nm, allowed_nm;
-  static uint16_t rest_ms;
   const int8_t direction = (driven_um_s > 0) - (driven_um_s < 0);
   if (direction == 0) {
     if (rest_ms < RUN_DOWN_MS) {

@@ -7,6 +7,9 @@
 
 void follow_begin(void);  // of a program: forgets what was learnt
 
+// Takes the place where the rod is now for the one to watch from: a fault was seen to, by hand perhaps.
+void follow_watch_begin(void);
+
 // Once per ms: feed-forward of the plan's speed and PI on the error, within what the duty table has. 0 is rest.
 int32_t follow_speed(int32_t planned_um, int32_t planned_um_s, int32_t measured_um);
 

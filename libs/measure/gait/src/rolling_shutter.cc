@@ -23,11 +23,11 @@ Eigen::Vector2d ValueAt(const std::vector<TimedPlace>& places, double time_s) {
   return value;
 }
 
-// The sample and up to two detected ones on each side, as long as no more than a frame is missing between them.
+// The sample and up to two detected ones on each side, as long as they are near in time.
 std::vector<TimedPlace> PlacesAround(const motion::MarkerRecording& recording, const motion::MarkerTrack& marker,
                                      std::size_t i, const RollingShutter& shutter) {
   constexpr int kEachSide = 2;
-  constexpr std::size_t kFarthest = 2;
+  constexpr double kFarthest_s = 0.1;  // a leg's path is a parabola for about as long
   const auto place = [&](std::size_t k) {
     const Eigen::Vector2d& position = marker.samples[k].position;
     return TimedPlace{recording.time_s[k] + shutter.DelayS(position), position};
@@ -38,9 +38,10 @@ std::vector<TimedPlace> PlacesAround(const motion::MarkerRecording& recording, c
     for (int found = 0; found < kEachSide;) {
       std::size_t next = last;
       bool seen = false;
-      for (std::size_t step = 1; step <= kFarthest && !seen; ++step) {
+      for (std::size_t step = 1; !seen; ++step) {
         if (forward ? last + step >= marker.samples.size() : last < step) break;
         next = forward ? last + step : last - step;
+        if (std::abs(recording.time_s[next] - recording.time_s[last]) > kFarthest_s) break;
         seen = marker.samples[next].status == motion::SampleStatus::kDetected;
       }
       if (!seen) break;

@@ -46,8 +46,7 @@ Body FootBody(const LegPoints& points, const LegBody& body) {
 
 void BodyOptions::Check() const {
   if (mass_kg == 0) throw UsageError("--mass is missing: the person's mass in kg, with what is worn");
-  if (!(mass_kg >= 20 && mass_kg <= 300))
-    throw Fail("--mass {} kg: a person weighs 20 to 300 kg", mass_kg);
+  if (!(mass_kg >= 20 && mass_kg <= 300)) throw Fail("--mass {} kg: a person weighs 20 to 300 kg", mass_kg);
   if (height_mm && !(*height_mm >= 1000 && *height_mm <= 2300))
     throw Fail("--height {} mm: a person is 1000 to 2300 mm tall", *height_mm);
   if (!(share > 0 && share <= 1))

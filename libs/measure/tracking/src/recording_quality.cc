@@ -26,11 +26,13 @@ double SecondsSince(Clock::time_point begin) {
 // What one place in the file showed.
 struct Place {
   std::vector<double> time_s, brightness;  // per frame
-  int repeated = 0;                        // frames in which nothing moved that should have (TrackletBuilder)
+  std::vector<std::int64_t> frame;         // likewise, as the tracklets' samples count them
+  std::vector<std::int64_t> repeated;      // frames in which nothing moved that should have (TrackletBuilder)
   std::vector<Tracklet> tracklets;
   std::vector<std::size_t> by_contrast;  // tracklets of most of its frames, strongest first
   cv::Mat middle;                        // the frame in its middle
   double middle_s = 0;
+  std::int64_t middle_frame = 0;
 };
 
 // Quarter-size pictures: what coding changes in a picture that stands still averages out.
@@ -72,14 +74,14 @@ Place LookAt(const std::filesystem::path& path, const RecordingCheckOptions& opt
     if (frame.time_s <= after_s) continue;  // the key frame before lies in the last place
     builder.Add(frame);
     const cv::Mat small = Small(frame.luma);
-    place.time_s.push_back(frame.time_s);
+    place.time_s.push_back(frame.time_s), place.frame.push_back(frame.index);
     place.brightness.push_back(cv::mean(small)[0]);
     if (place.time_s.size() == static_cast<std::size_t>(options.frames_per_run) / 2 || place.middle.empty())
-      place.middle = frame.luma.clone(), place.middle_s = frame.time_s;
+      place.middle = frame.luma.clone(), place.middle_s = frame.time_s, place.middle_frame = frame.index;
   }
   info = reader->Info();
   place.tracklets = builder.Finish();
-  place.repeated = static_cast<int>(builder.RepeatedFrames().size());
+  place.repeated = builder.RepeatedFrames();
   SortSpots(place);
   return place;
 }
@@ -150,12 +152,10 @@ double CompressionPx(const std::vector<const Tracklet*>& markers, const Place& p
   for (const Tracklet* marker : markers) {
     motion::MarkerTrack track{fmt::format("m{}", recording.markers.size()), {}};
     for (std::size_t i = 0; i < place.time_s.size(); ++i) {
-      const auto sample = std::find_if(marker->samples.begin(), marker->samples.end(), [&](const TrackletSample& s) {
-        return std::abs(s.time_s - place.time_s[i]) < 1e-9;
-      });
-      track.samples.push_back(sample == marker->samples.end() ? motion::MarkerSample{}
-                                                              : motion::MarkerSample{sample->position, sample->sigma_px,
-                                                                                     motion::SampleStatus::kDetected});
+      const TrackletSample* sample = marker->SampleIn(place.frame[i]);
+      track.samples.push_back(
+          sample ? motion::MarkerSample{sample->position, sample->sigma_px, motion::SampleStatus::kDetected}
+                 : motion::MarkerSample{});
     }
     recording.markers.push_back(std::move(track));
   }
@@ -184,11 +184,10 @@ void CountSpots(const std::vector<Place>& places, std::size_t markers, Recording
   std::vector<double> spots, clutter;
   int all = 0;
   for (const Place& place : places) {
-    for (const double time_s : place.time_s) {
-      const auto seen = std::count_if(place.tracklets.begin(), place.tracklets.end(), [&](const Tracklet& tracklet) {
-        return std::any_of(tracklet.samples.begin(), tracklet.samples.end(),
-                           [&](const TrackletSample& sample) { return sample.time_s == time_s; });
-      });
+    for (const std::int64_t frame : place.frame) {
+      if (std::find(place.repeated.begin(), place.repeated.end(), frame) != place.repeated.end()) continue;
+      const auto seen = std::count_if(place.tracklets.begin(), place.tracklets.end(),
+                                      [&](const Tracklet& tracklet) { return tracklet.SampleIn(frame) != nullptr; });
       spots.push_back(static_cast<double>(seen));
       all += seen >= static_cast<std::ptrdiff_t>(markers);
     }
@@ -206,9 +205,8 @@ void CountSpots(const std::vector<Place>& places, std::size_t markers, Recording
 void ShowFrame(const Place& place, std::size_t markers, RecordingCheck& check) {
   check.frame = place.middle, check.shown_frame_ms = std::llround(1000 * place.middle_s);
   for (std::size_t i = 0; i < place.tracklets.size(); ++i) {
-    const auto sample = std::find_if(place.tracklets[i].samples.begin(), place.tracklets[i].samples.end(),
-                                     [&](const TrackletSample& s) { return s.time_s == place.middle_s; });
-    if (sample == place.tracklets[i].samples.end()) continue;
+    const TrackletSample* sample = place.tracklets[i].SampleIn(place.middle_frame);
+    if (!sample) continue;
     const auto rank = std::find(place.by_contrast.begin(), place.by_contrast.end(), i) - place.by_contrast.begin();
     check.spots_shown.push_back(
         {sample->position, sample->radius_px, sample->amplitude, rank < static_cast<std::ptrdiff_t>(markers)});
@@ -281,7 +279,7 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
     if (place.time_s.empty()) continue;
     after_s = place.time_s.back();
     check.frames_seen += static_cast<int>(place.time_s.size());
-    check.repeated_frames += place.repeated;
+    check.repeated_frames += static_cast<int>(place.repeated.size());
     check.flicker = std::max(check.flicker, Flicker(place));
     places.push_back(std::move(place));
   }
