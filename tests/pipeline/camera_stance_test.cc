@@ -56,7 +56,7 @@ TEST(CameraStance, SidewaysRecordingsAreTurnedByOptionOrToldTheirVertical) {
       // What fits the folder again stands on the same ground.
       commands::GaitRunOptions again;
       again.trial = trial.folder / "lined";
-      Run run({"lake-gait", "test", Json::object(), trial.folder / "again", true});
+      lake::Run run({"lake-gait", "test", Json::object(), trial.folder / "again", true});
       EXPECT_EQ(commands::RunGait(again, run)["sit_to_stands"].size(), 1u);
     }
   }
