@@ -283,12 +283,11 @@ TEST(LegFit, SmoothnessThatIsNotSettledIsAWarning) {
                                     testing::HasSubstr("marker 'exo_knee': how smooth")));
 }
 
-TEST(LegFit, FiveMinutesFitInSeconds) {
+TEST(LegFit, FiveMinutesAreFittedWhole) {
   const SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 54, .skin_mm = 12});
   ASSERT_GT(leg.time_s.size(), 18000u);
   const gait::LegFitResult result =
       gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, CalibratedView(), {}, 1), CalibratedView());
-  EXPECT_LT(result.summary.seconds, 30);  // 2 to 5 s on an idle machine of two cores
   ExpectHonest(CompareKnee(result.motion, leg.truth));
   EXPECT_EQ(result.events.size(), 54u * 5);
 }
