@@ -20,9 +20,8 @@ struct Size {
 };
 
 Size SizeOf(const std::vector<double>& errors) {
-  Size size;
-  for (const double error : errors) size.rms += error * error, size.most = std::max(size.most, std::abs(error));
-  size.rms = std::sqrt(size.rms / static_cast<double>(errors.size()));
+  Size size{RootMeanSquare(errors)};
+  for (const double error : errors) size.most = std::max(size.most, std::abs(error));
   return size;
 }
 

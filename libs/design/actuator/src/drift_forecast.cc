@@ -1,0 +1,193 @@
+// Homing, and how far the actuator may be from its plan.
+#include <algorithm>
+#include <cmath>
+
+#include "homing.h"
+#include "lake/core/error.h"
+
+namespace lake::actuator {
+namespace {
+
+double HighestStroke(const StrokeSchedule& schedule) {
+  double highest = 0;
+  for (const linkage::StrokeProgram::Knot& knot : schedule.knots) highest = std::max(highest, knot.stroke_mm);
+  return highest;
+}
+
+// Follows the bound to the linkage's upper end.
+class DriftWatch {
+ public:
+  DriftWatch(DriftBound bound, DriftForecast& forecast) : bound_(bound), forecast_(forecast) {}
+
+  void Turn(std::int64_t velocity_um_s, double time_s, double planned_mm) {
+    bound_.Turn(velocity_um_s);
+    Look(time_s, planned_mm);
+  }
+  void Go(std::int64_t ms, double time_s, double planned_mm) {
+    bound_.Go(ms);
+    Look(time_s, planned_mm);
+  }
+  double Drift() const { return bound_.Drift(); }
+  double TolerablePercent() const { return std::floor(10 * tolerable_per_1024_ / 10.24) / 10; }
+
+ private:
+  void Look(double time_s, double planned_mm) {
+    tolerable_per_1024_ = std::min(tolerable_per_1024_, bound_.TolerablePer1024(forecast_.end_mm - planned_mm));
+    if (planned_mm + bound_.Drift() <= forecast_.planned_mm + forecast_.drift_mm) return;
+    forecast_.time_s = time_s, forecast_.planned_mm = planned_mm, forecast_.drift_mm = bound_.Drift();
+  }
+
+  DriftBound bound_;
+  DriftForecast& forecast_;
+  double tolerable_per_1024_ = 1024;
+};
+
+// How far past an end stop the actuator may come to rest, faster than planned by the speeds' tolerance.
+double RunOn(double speed_mm_s, const DutyTable& table, const FirmwareOptions& options) {
+  return options.home_error_mm + options.lag_s * speed_mm_s * (1 + ToleranceOf(table, options) / 100);
+}
+
+// The least --extend-stop, in 0.1 mm: of the fastest jog.
+double LeastExtendStop(const DutyTable& table, const FirmwareOptions& options) {
+  return std::floor(10 * RunOn(table.extend.MostSpeed(), table, options) + 1) / 10;
+}
+
+void RequireExtendStop(const StrokeSchedule& schedule, const DutyTable& table, const FirmwareOptions& options) {
+  const double stop_mm = *ExtendStop(schedule, options), end_mm = schedule.limits.upper_end_mm;
+  if (options.extend_stop_mm < LeastExtendStop(table, options) - 1e-9)
+    throw Fail(
+        "past an extend end stop at {:.3f} mm the actuator may run on by {:.3f} mm, to the linkage's end at {:.3f} mm: "
+        "give --extend-stop {:.1f} or more",
+        stop_mm, RunOn(table.extend.MostSpeed(), table, options), end_mm, LeastExtendStop(table, options));
+  if (HighestStroke(schedule) >= stop_mm)
+    throw Fail(
+        "the program goes to {:.3f} mm, and the extend end stop acts at {:.3f} mm: a smaller --extend-stop, or a "
+        "program that ends earlier",
+        HighestStroke(schedule), stop_mm);
+}
+
+void RequireRoom(const DriftForecast& forecast, const StrokeSchedule& schedule, const DutyTable& table,
+                 const FirmwareOptions& options) {
+  if (forecast.Fits()) return;
+  std::string stop;
+  if (const double least_mm = LeastExtendStop(table, options); HighestStroke(schedule) < forecast.end_mm - least_mm)
+    stop = fmt::format("an extend end stop before it (--extend-stop {:.1f}), ", least_mm);
+  std::string tolerance;
+  if (forecast.tolerable_percent > 0)
+    tolerance = fmt::format(
+        "a duty table with a measured tolerance of at most {:.1f} % (lake-stroke calibrate; now {:.3g} %{}), ",
+        forecast.tolerable_percent, forecast.tolerance_percent, forecast.is_measured ? "" : ", not measured");
+  throw Fail(
+      "the drift may carry the actuator past the linkage's end at {:.3f} mm: {:.3f} ± {:.3f} mm are planned at {:.2f} "
+      "s. Ways out: {}{}a program that ends at least {:.1f} mm earlier (--margin or --to-angle, if its speed is "
+      "constant), or --accept-drift on a bench without a person",
+      forecast.end_mm, forecast.planned_mm, forecast.drift_mm, forecast.time_s, stop, tolerance,
+      std::ceil(10 * (forecast.drift_mm - forecast.Room()) + 0.01) / 10);
+}
+
+// Homing keeps the lower soft limit, run-on past the switch and all.
+void RequireHome(const Homing& homing, const SoftLimits& limits, const DutyTable& table,
+                 const FirmwareOptions& options) {
+  if (homing.stroke_mm < limits.lower_mm - 1e-3)
+    throw UsageError(fmt::format(
+        "--home-stroke {:.3f} mm is below the soft limit {:.3f} mm: put the retract end stop there, or give "
+        "--accept-drift on a bench without a person",
+        homing.stroke_mm, limits.lower_mm));
+  const double run_on_mm = RunOn(homing.speed_mm_s, table, options);
+  if (homing.stroke_mm - run_on_mm <= limits.lower_end_mm)
+    throw Fail(
+        "homing to {:.3f} mm may run on by {:.3f} mm, past the linkage's end at {:.3f} mm: raise --margin or "
+        "--home-stroke, lower --home-speed, or give --accept-drift on a bench without a person",
+        homing.stroke_mm, run_on_mm, limits.lower_end_mm);
+}
+
+}  // namespace
+
+Homing HomingOf(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
+                const FirmwareOptions& options) {
+  Homing homing{};
+  homing.stroke_mm = HomeStroke(stroke, schedule, options);
+  if (homing.stroke_mm > stroke.start_mm + 1e-3)
+    throw UsageError(
+        fmt::format("--home-stroke {} mm is past the program's start at {:.3f} mm", homing.stroke_mm, stroke.start_mm));
+  const auto speed = [&](const DutyCurve& curve) {
+    return std::clamp(options.home_speed_mm_s, curve.LeastMovingSpeed(), curve.MostSpeed());
+  };
+  homing.speed_mm_s = speed(table.retract);
+  homing.position_speed_mm_s = speed(table.extend);
+  homing.counts = CountsFor(table, -homing.speed_mm_s);
+  homing.position_counts = CountsFor(table, homing.position_speed_mm_s);
+  const double travel_mm = schedule.limits.used.stroke.upper_mm - homing.stroke_mm;
+  homing.timeout_ms = std::llround(1e3 * (1.5 * travel_mm / homing.speed_mm_s + 2));
+  homing.back_off_ms = std::llround(1e3 * options.stop_travel_mm / homing.position_speed_mm_s);
+  const double released_mm = homing.stroke_mm + 1e-3 * homing.back_off_ms * homing.position_speed_mm_s;
+  if (stroke.start_mm >= released_mm)
+    homing.position_ms = std::llround(1e3 * (stroke.start_mm - released_mm) / homing.position_speed_mm_s);
+  else
+    homing.return_ms = std::llround(1e3 * (released_mm - stroke.start_mm) / homing.speed_mm_s);
+  homing.touch_timeout_ms = std::llround(1e3 * (2 * options.stop_travel_mm / homing.speed_mm_s + 1));
+  return homing;
+}
+
+double ToleranceOf(const DutyTable& table, const FirmwareOptions& options) {
+  return options.speed_tolerance_percent.value_or(table.TolerancePercent().value_or(kUnmeasuredTolerance_percent));
+}
+
+std::optional<double> ExtendStop(const StrokeSchedule& schedule, const FirmwareOptions& options) {
+  if (options.extend_stop_mm == 0) return std::nullopt;
+  return schedule.limits.upper_end_mm - options.extend_stop_mm;
+}
+
+double HomeStroke(const StrokeTable& stroke, const StrokeSchedule& schedule, const FirmwareOptions& options) {
+  return options.home_stroke_mm > 0 ? options.home_stroke_mm : std::min(schedule.limits.lower_mm, stroke.start_mm);
+}
+
+DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
+                            const FirmwareOptions& options) {
+  const Homing homing = HomingOf(stroke, schedule, table, options);
+  DriftForecast forecast;
+  forecast.tolerance_percent = ToleranceOf(table, options);
+  forecast.is_measured = !options.speed_tolerance_percent && table.TolerancePercent();
+  forecast.end_mm = schedule.limits.upper_end_mm;
+  if (options.feedback == Feedback::kPotentiometer) {
+    forecast.planned_mm = HighestStroke(schedule);
+    forecast.drift_mm = forecast.last_drift_mm = options.feedback_error_mm + kFollowingError_mm;
+    forecast.tolerable_percent = 100;
+    return forecast;
+  }
+  DriftWatch watch(DriftBound(stroke, table, options, -Um(homing.speed_mm_s)), forecast);
+  // Homing ends by a stop from its speed; then to the start.
+  watch.Turn(0, 0, homing.stroke_mm);
+  watch.Turn(Um(homing.position_speed_mm_s), 0, homing.stroke_mm);
+  watch.Go(homing.back_off_ms + homing.position_ms, 0,
+           std::max(stroke.start_mm, homing.stroke_mm + options.stop_travel_mm));
+  watch.Turn(0, 0, stroke.start_mm);
+  if (homing.return_ms > 0) {
+    watch.Turn(-Um(homing.speed_mm_s), 0, stroke.start_mm);
+    watch.Go(homing.return_ms, 0, stroke.start_mm);
+    watch.Turn(0, 0, stroke.start_mm);
+  }
+  std::int64_t now_ms = 0;
+  double planned_mm = stroke.start_mm;
+  for (const StrokeSegment& segment : stroke.segments) {
+    watch.Turn(segment.velocity_um_s, 1e-3 * static_cast<double>(now_ms), planned_mm);
+    planned_mm += 1e-6 * static_cast<double>(segment.velocity_um_s * (segment.end_ms - now_ms));
+    watch.Go(segment.end_ms - now_ms, 1e-3 * static_cast<double>(segment.end_ms), planned_mm);
+    now_ms = segment.end_ms;
+  }
+  watch.Turn(0, 1e-3 * static_cast<double>(now_ms), planned_mm);
+  forecast.last_drift_mm = watch.Drift();
+  forecast.tolerable_percent = watch.TolerablePercent();
+  return forecast;
+}
+
+void RequireRoomForDrift(const Homing& homing, const StrokeTable& stroke, const StrokeSchedule& schedule,
+                         const DutyTable& table, const FirmwareOptions& options) {
+  RequireHome(homing, schedule.limits, table, options);
+  if (options.extend_stop_mm > 0)
+    RequireExtendStop(schedule, table, options);
+  else
+    RequireRoom(ForecastDrift(stroke, schedule, table, options), schedule, table, options);
+}
+
+}  // namespace lake::actuator
