@@ -39,12 +39,12 @@ std::string CommandLine(int argc, char** argv) {
 // The command line keeps the list as long as itself.
 void AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
   const std::string names = "--" + option.Name() + (option.HasNegation() ? ",!--no-" + option.Name() : "");
-  const auto check = [name = option.Name()](const std::string& text) -> std::string {
+  const auto check = [](const std::string& text) -> std::string {
     try {
       CLI::detail::to_flag_value(text);
       return "";
     } catch (const std::invalid_argument&) {
-      return fmt::format("--{} must be true or false, not '{}'", name, text);
+      return fmt::format("must be true or false, not '{}'", text);
     }
   };
   const auto give = [&option, list](std::int64_t value) { option.Give({value > 0 ? "true" : "false"}); };

@@ -128,6 +128,7 @@ TEST_F(Options, AreSetFromAFileWithTheSameRules) {
   EXPECT_EQ(tool_.table, "there/t.csv");
   EXPECT_THAT([&] { read("knots: 5\nmax_speed_mm_s: -1\n"); },
               ThrowsMessage<Error>(HasSubstr("tool.yaml:2: 'max_speed_mm_s' must be positive")));
+  EXPECT_THAT([&] { read("knots: 1.5\n"); }, ThrowsMessage<Error>(HasSubstr("'knots' must be a whole number")));
   EXPECT_THAT([&] { read("max_speed: 1\n"); }, ThrowsMessage<Error>(HasSubstr("tool.yaml:1: unknown key 'max_speed'")));
 }
 

@@ -44,6 +44,12 @@ double Median(std::vector<double> values) {
   return Quantile(std::move(values), 0.5);
 }
 
+double MedianInterval(std::span<const double> time_s) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < time_s.size(); ++i) intervals.push_back(time_s[i] - time_s[i - 1]);
+  return Median(std::move(intervals));
+}
+
 double RobustDeviation(const std::vector<double>& values) {
   const double median = Median(values);
   std::vector<double> distances(values.size());

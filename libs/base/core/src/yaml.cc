@@ -3,7 +3,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "lake/core/atomic_file.h"
@@ -99,24 +98,6 @@ std::optional<YamlNode> YamlNode::Child(std::string_view key) {
 std::optional<double> YamlNode::Number(std::string_view key) {
   const auto child = Child(key);
   return child ? std::optional(child->AsNumber()) : std::nullopt;
-}
-
-std::optional<int> YamlNode::Integer(std::string_view key) {
-  const auto child = Child(key);
-  if (!child) return std::nullopt;
-  const double value = child->AsNumber();
-  if (value != std::round(value) || std::abs(value) > 1e9)
-    throw Fail("{}: '{}' must be a whole number, not {}", child->Where(), key, child->AsText());
-  return static_cast<int>(value);
-}
-
-std::optional<bool> YamlNode::Boolean(std::string_view key) {
-  const auto child = Child(key);
-  if (!child) return std::nullopt;
-  bool value = false;
-  if (!YAML::convert<bool>::decode(child->impl_->node, value))
-    throw Fail("{}: '{}' must be true or false", child->Where(), key);
-  return value;
 }
 
 std::optional<std::string> YamlNode::Text(std::string_view key) {

@@ -100,11 +100,8 @@ void ReadRow(const TextLines& lines, std::size_t line, const TrcHeader& header, 
 void CheckRate(const std::filesystem::path& path, const TrcHeader& header, PointRecording& recording) {
   constexpr double kTolerance = 0.02;
   if (recording.time_s.size() < 3 || !header.rate_hz) return;
-  std::vector<double> steps_s;
-  for (std::size_t i = 1; i < recording.time_s.size(); ++i)
-    steps_s.push_back(recording.time_s[i] - recording.time_s[i - 1]);
   // Steps rounded to a millisecond spoil the median, a gap in the recording the mean: both must contradict the header.
-  const double step_s = Median(steps_s), rate_hz = FrameRate(recording.time_s);
+  const double step_s = MedianInterval(recording.time_s), rate_hz = FrameRate(recording.time_s);
   if (std::abs(*header.rate_hz * step_s - 1) > kTolerance && std::abs(*header.rate_hz / rate_hz - 1) > kTolerance)
     recording.warnings.push_back(fmt::format(
         "{}: the header says {:g} Hz, but the rows are {:.4g} s apart ({:.4g} Hz); the time column is believed",

@@ -36,10 +36,8 @@ struct Steps {
 };
 
 Steps FindSteps(const Detections& d, const std::vector<double>& time_s) {
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < time_s.size(); ++i) intervals.push_back(time_s[i] - time_s[i - 1]);
   Steps steps;
-  steps.interval_s = Median(std::move(intervals));
+  steps.interval_s = MedianInterval(time_s);
   for (std::size_t i = 0; i < d.seen.size(); ++i)
     if (d.seen[i]) steps.frames.push_back(i);
   steps.step.assign(steps.frames.size(), Eigen::Vector2d::Zero());
@@ -227,8 +225,7 @@ void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarker
     if (range > options.most_length_range)
       throw Fail(
           "leg fit: the distance from '{}' to '{}' changes by {:.0f} % of itself, which no limb does (at most {:.0f} "
-          "%): are the "
-          "markers' names right, not swapped on the way, and is the vertical ({})?",
+          "%): are the markers' names right, not swapped on the way, and is the vertical ({})?",
           leg[below].name, leg[below + 1].name, 100 * range, 100 * options.most_length_range, options.vertical_option);
   }
   std::vector<double> rises;
@@ -249,9 +246,7 @@ std::string UnsettledWarning(const std::string& what) {
 
 LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
                        const LegFitOptions& options) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
-  const double frame_step_s = Median(steps);
+  const double frame_step_s = MedianInterval(time_s);
   // The coarsest grid that predicts the true curves as well as one knot per frame does.
   constexpr double kRiskTolerance = 4;
   SmoothedSignals best = SmoothOn(frame_step_s, signals, time_s, states, options);

@@ -2,30 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "lake/core/error.h"
+#include "lake/core/frames_where.h"
 #include "lake/core/statistics.h"
 
 namespace lake::gait {
 namespace {
 
-// "3, 8, 13 to 15, …": the frames of which something is true, a few of them.
-std::string FramesWhere(const std::vector<std::int64_t>& frame, const std::function<bool(std::size_t)>& is_true) {
-  constexpr int kShown = 6;
-  std::string text;
-  int shown = 0;
-  for (std::size_t i = 0; i < frame.size(); ++i) {
-    if (!is_true(i)) continue;
-    std::size_t last = i;
-    while (last + 1 < frame.size() && is_true(last + 1)) ++last;
-    if (++shown > kShown) return text + ", …";
-    text += (text.empty() ? "" : ", ") + std::to_string(frame[i]);
-    if (last > i) text += fmt::format(" to {}", frame[last]);
-    i = last;
-  }
-  return text;
-}
+constexpr int kShown = 6;  // runs of frames in a message
 
 // The value farthest beyond the limits decides the message; NaN is never beyond.
 void CheckColumn(const std::vector<double>& values, double least, double most, const std::string& what,
@@ -41,7 +26,8 @@ void CheckColumn(const std::vector<double>& values, double least, double most, c
         "were taken to be there, or the frames not when; look at these frames, leave them out (--start, --end) or say "
         "where the markers are (--seed, --corrections)",
         what, worst, unit, least, most,
-        FramesWhere(frame, [&](std::size_t i) { return values[i] > most || values[i] < least; }));
+        FramesWhere(
+            frame, [&](std::size_t i) { return values[i] > most || values[i] < least; }, kShown));
 }
 
 std::vector<double> Column(const motion::LegMotion& motion, double motion::LegSample::*value) {
@@ -115,7 +101,8 @@ void CheckPlausible(const motion::LegMotion& motion, const motion::MarkerRecordi
         "the knee angle's standard deviation is {:.3g} deg (root mean square), where {} are the most that say anything "
         "(frames {}): the markers' paths fit no moving leg; look at these frames, or leave them out (--start, --end)",
         RootMeanSquare(sigmas), limits.most_knee_sigma_deg,
-        FramesWhere(motion.frame, [&](std::size_t i) { return all[i] > limits.most_knee_sigma_deg; }));
+        FramesWhere(
+            motion.frame, [&](std::size_t i) { return all[i] > limits.most_knee_sigma_deg; }, kShown));
   const double leg =
       MedianOfKnown(Lengths(motion, &motion::LegSample::ak)) + MedianOfKnown(Lengths(motion, &motion::LegSample::kh));
   const double mm_per_unit = trajectory.unit == motion::LengthUnit::kMm ? 1 : limits.leg_mm / leg;
@@ -138,11 +125,14 @@ void CheckPlausible(const LegFitResult& result, const PlausibilityLimits& limits
         "{} of the {} detections of marker '{}' are outliers of the fit, at most {:.0f} % may be (frames {}): what was "
         "seen there is no leg's motion; look at these frames, or leave them out (--start, --end)",
         marker.outliers, marker.detected, marker.name, 100 * limits.most_outliers,
-        FramesWhere(result.motion.frame, [&](std::size_t i) {
-          return std::any_of(result.outliers.begin(), result.outliers.end(), [&](const OutlierReport& outlier) {
-            return outlier.marker == marker.name && outlier.frame == result.motion.frame[i];
-          });
-        }));
+        FramesWhere(
+            result.motion.frame,
+            [&](std::size_t i) {
+              return std::any_of(result.outliers.begin(), result.outliers.end(), [&](const OutlierReport& outlier) {
+                return outlier.marker == marker.name && outlier.frame == result.motion.frame[i];
+              });
+            },
+            kShown));
   }
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "lake/core/error.h"
+#include "lake/core/frames_where.h"
 #include "lake/core/statistics.h"
 #include "local_path.h"
 
@@ -16,12 +17,6 @@ namespace lake::tracking {
 namespace {
 
 constexpr double kLeastStepPx = 0.3;  // root mean square over the markers; smaller ones are no motion to speak of
-
-double MedianInterval(const std::vector<double>& time_s) {
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < time_s.size(); ++i) intervals.push_back(time_s[i] - time_s[i - 1]);
-  return Median(std::move(intervals));
-}
 
 // How all markers moved from one frame to another: two numbers for each marker that is seen in both.
 struct JointStep {
@@ -359,8 +354,7 @@ class FrameTimeFinder {
       if (jumps.size() == kMost)
         throw Fail(
             "the motion jumps in more than {} places (frames {} and {} are one of them): the frames' times are not "
-            "those "
-            "at which they were taken; record at a fixed frame rate, and track the camera's own file",
+            "those at which they were taken; record at a fixed frame rate, and track the camera's own file",
             kMost, recording_.frame[fresh[largest->at - 1]], recording_.frame[fresh[largest->at]]);
       const std::size_t before = fresh[largest->at - 1], after = fresh[largest->at];
       const double stamped_s = recording_.time_s[after] - recording_.time_s[before];
@@ -380,34 +374,22 @@ class FrameTimeFinder {
   std::vector<std::size_t> barriers_;  // jumps that were found, by the fresh frame after them
 };
 
-// "3, 8, 13 to 15, …", a few of them.
-std::string FrameList(const std::vector<std::int64_t>& frames) {
-  constexpr int kShown = 12;
-  std::string text;
-  int shown = 0;
-  for (std::size_t i = 0; i < frames.size();) {
-    std::size_t end = i + 1;
-    while (end < frames.size() && frames[end] == frames[end - 1] + 1) ++end;
-    if (++shown > kShown) return text + ", …";
-    text += (text.empty() ? "" : ", ") + std::to_string(frames[i]);
-    if (end > i + 1) text += fmt::format(" to {}", frames[end - 1]);
-    i = end;
-  }
-  return text;
-}
-
 }  // namespace
 
 FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& known, motion::MarkerRecording& recording) {
   return FrameTimeFinder(known, recording).Run();
 }
 
-std::vector<std::string> Warnings(const FrameTimes& times) {
+std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std::int64_t>& frame) {
+  constexpr int kShown = 12;  // runs of frames
+  const auto is_repeated = [&](std::size_t i) {
+    return std::binary_search(times.repeated.begin(), times.repeated.end(), frame[i]);
+  };
   std::vector<std::string> warnings;
   if (!times.repeated.empty())
     warnings.push_back(
         fmt::format("repeated frames ({} in all, the picture before them once more, no measurements): {}{}",
-                    times.repeated.size(), FrameList(times.repeated),
+                    times.repeated.size(), FramesWhere(frame, is_repeated, kShown),
                     times.captured_hz > 0 ? fmt::format("; the recording was made with {:.4g} frames per second, at "
                                                         "whose times the motion is smooth: these times are used",
                                                         times.captured_hz)
@@ -415,8 +397,7 @@ std::vector<std::string> Warnings(const FrameTimes& times) {
   for (const TimeJump& jump : times.jumps)
     warnings.push_back(
         fmt::format("between frames {} and {} the motion took {:.4f} ± {:.4f} s where the time stamps say {:.4f} s: "
-                    "{}; the times of "
-                    "all later frames are set {:.4f} s {}",
+                    "{}; the times of all later frames are set {:.4f} s {}",
                     jump.before, jump.after, jump.moved_s, jump.sigma_s, jump.stamped_s,
                     jump.moved_s > jump.stamped_s ? "frames are missing" : "time stands still",
                     std::abs(jump.moved_s - jump.stamped_s), jump.moved_s > jump.stamped_s ? "later" : "earlier"));

@@ -101,13 +101,12 @@ double Flicker(const Place& place) {
 }
 
 std::int64_t DroppedFrames(const std::vector<double>& stamps_s) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < stamps_s.size(); ++i) steps.push_back(stamps_s[i] - stamps_s[i - 1]);
-  if (steps.size() < 3) return 0;
-  const double usual = Median(steps);
+  if (stamps_s.size() < 4) return 0;
+  const double usual = MedianInterval(stamps_s);
   std::int64_t dropped = 0;
-  for (const double step : steps)
-    if (step > 1.5 * usual) dropped += std::llround(step / usual) - 1;
+  for (std::size_t i = 1; i < stamps_s.size(); ++i)
+    if (const double step = stamps_s[i] - stamps_s[i - 1]; step > 1.5 * usual)
+      dropped += std::llround(step / usual) - 1;
   return dropped;
 }
 

@@ -69,10 +69,7 @@ double TrimmedDeviation(const std::vector<double>& residuals) {
 
 SigmaCalibration CalibrateSigmas(motion::MarkerRecording& recording) {
   constexpr std::size_t kEnough = 60;
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < recording.Frames(); ++i)
-    intervals.push_back(recording.time_s[i] - recording.time_s[i - 1]);
-  const double frame_s = Median(std::move(intervals));
+  const double frame_s = MedianInterval(recording.time_s);
   std::vector<Seen> markers;
   for (const motion::MarkerTrack& marker : recording.markers) {
     markers.push_back({marker.samples, recording.time_s, frame_s, {}});

@@ -21,14 +21,6 @@ bool IsName(const std::string& name) {
   });
 }
 
-// The luma of one frame of a video.
-cv::Mat ReadLuma(const std::filesystem::path& video, std::int64_t frame, video::VideoReaderOptions options) {
-  options.first = frame, options.last = frame;
-  video::VideoFrame read;
-  if (!video::VideoReader::Open(video, options)->Read(read)) throw Fail("{}: has no frame {}", video.string(), frame);
-  return read.luma.clone();
-}
-
 std::unique_ptr<MarkerDetector> MakeDetector(const std::filesystem::path& video, const TrackOptions& options) {
   const DetectorRegion region{options.crop};
   switch (options.detector) {
@@ -38,7 +30,8 @@ std::unique_ptr<MarkerDetector> MakeDetector(const std::filesystem::path& video,
       return MakeColorDetector(options.colors, region);
     case DetectorKind::kTemplate: {
       std::vector<cv::Mat> pictures;
-      for (const MarkerSeed& seed : options.seeds) pictures.push_back(ReadLuma(video, seed.frame, options.reader));
+      for (const MarkerSeed& seed : options.seeds)
+        pictures.push_back(video::ReadLuma(video, seed.frame, options.reader));
       return MakeTemplateDetector(options.seeds, pictures, region);
     }
     case DetectorKind::kAruco:

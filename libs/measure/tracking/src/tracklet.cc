@@ -1,6 +1,5 @@
 #include "lake/tracking/tracklet.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -109,12 +108,6 @@ const TrackletSample* Tracklet::SampleIn(std::int64_t frame) const {
   const auto found = std::lower_bound(samples.begin(), samples.end(), frame,
                                       [](const TrackletSample& sample, std::int64_t f) { return sample.frame < f; });
   return found != samples.end() && found->frame == frame ? &*found : nullptr;
-}
-
-double Tracklet::ExtentPx() const {
-  Eigen::AlignedBox2d box;
-  for (const TrackletSample& sample : samples) box.extend(sample.position);
-  return box.diagonal().norm();
 }
 
 MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, double frame_s) const {

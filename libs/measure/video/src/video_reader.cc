@@ -200,4 +200,11 @@ std::unique_ptr<VideoReader> VideoReader::Open(const std::filesystem::path& path
   return std::make_unique<LibavReader>(path, options);
 }
 
+cv::Mat ReadLuma(const std::filesystem::path& path, std::int64_t frame, VideoReaderOptions options) {
+  options.first = frame, options.last = frame;
+  VideoFrame read;
+  if (!VideoReader::Open(path, options)->Read(read)) throw Fail("{}: has no frame {}", path.string(), frame);
+  return read.luma.clone();
+}
+
 }  // namespace lake::video

@@ -19,6 +19,9 @@ double Quantile(std::vector<double> values, double fraction);
 
 double Median(std::vector<double> values);
 
+// The median time from each value to the next, as times are recorded; NaN of fewer than two.
+double MedianInterval(std::span<const double> time_s);
+
 // 1.4826 × median |v − median|: for normal values an estimate of their standard deviation that half of them cannot
 // spoil.
 double RobustDeviation(const std::vector<double>& values);

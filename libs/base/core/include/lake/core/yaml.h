@@ -30,8 +30,6 @@ class YamlNode {
 
   // A scalar child; nullopt when the key is absent. Throws Error if it has another type or is not finite.
   std::optional<double> Number(std::string_view key);
-  std::optional<int> Integer(std::string_view key);
-  std::optional<bool> Boolean(std::string_view key);
   std::optional<std::string> Text(std::string_view key);
 
   // A list of numbers, of exactly `count` if given.

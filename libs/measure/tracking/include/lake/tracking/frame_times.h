@@ -37,7 +37,7 @@ struct FrameTimes {
 // times can be trusted.
 FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& known, motion::MarkerRecording& recording);
 
-// One line for each thing found, with frame numbers.
-std::vector<std::string> Warnings(const FrameTimes& times);
+// One line for each thing found, with frame numbers; `frame`: the recording's.
+std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std::int64_t>& frame);
 
 }  // namespace lake::tracking

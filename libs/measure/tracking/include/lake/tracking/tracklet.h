@@ -28,7 +28,6 @@ struct Tracklet {
   std::int64_t FirstFrame() const { return samples.front().frame; }
   std::int64_t LastFrame() const { return samples.back().frame; }
   const TrackletSample* SampleIn(std::int64_t frame) const;  // nullptr if not seen in that frame
-  double ExtentPx() const;                                   // diagonal of the box that holds all positions
 };
 
 // Where a thing that matters certainly is, in px of a frame.

@@ -82,4 +82,7 @@ class VideoReader {
   virtual bool Read(VideoFrame& frame) = 0;
 };
 
+// The luma of one frame. Throws Error as VideoReader does, or where there is no such frame.
+cv::Mat ReadLuma(const std::filesystem::path& path, std::int64_t frame, VideoReaderOptions options = {});
+
 }  // namespace lake::video
