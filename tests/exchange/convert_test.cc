@@ -11,6 +11,7 @@
 #include "lake/exchange/mot.h"
 #include "lake/exchange/tracker.h"
 #include "lake/exchange/trc.h"
+#include "name_map.h"
 #include "recordings.h"
 #include "temporary_folder.h"
 
@@ -59,7 +60,7 @@ TEST(Convert, ForwardGivesTheAxesOfAModel) {
   exchange::WriteC3d(folder / "a.c3d", lab);
   exchange::ConvertOptions options;
   options.reading.forward = "-y";
-  options.reading.names = exchange::ParseNameMap("knee=RKNE,pelvis=RHIP+RASI");
+  options.reading.names = NameMap("knee=RKNE,pelvis=RHIP+RASI");
   options.unit = "m";
   exchange::ConvertFile(folder / "a.c3d", folder / "a.trc", options);
   EXPECT_THAT(ReadTextFile(folder / "a.trc"), testing::HasSubstr("\tm\t"));

@@ -8,6 +8,7 @@
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/tracker.h"
 #include "lake/exchange/trc.h"
+#include "name_map.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -45,8 +46,7 @@ TEST(Trial, TheSagittalPlaneIsFittedToTheLegsMovement) {
       const exchange::PointRecording points = BendingLeg(heading_deg, up);
       const fs::path file = folder / (up == 'y' ? "a.trc" : "a.c3d");
       exchange::WritePoints(file, points);
-      const exchange::Trial trial =
-          exchange::ReadTrial(file, {exchange::ParseNameMap("ankle=RANK, knee=RKNE, hip=RHIP"), {}, ""});
+      const exchange::Trial trial = exchange::ReadTrial(file, {NameMap("ankle=RANK, knee=RKNE, hip=RHIP"), {}, ""});
       ASSERT_EQ(trial.recording.unit, motion::LengthUnit::kMm);
       const auto vector = [&](const char* from, const char* to, std::size_t i) {
         return Eigen::Vector2d(trial.recording.Find(to)->samples[i].position -
@@ -65,7 +65,7 @@ TEST(Trial, ForwardAndUpAreTakenAsGiven) {
   exchange::PointRecording points = BendingLeg(0, 'z');
   points.up_axis = 'y';  // TRC is y up by custom, this one is not and does not know it
   exchange::WritePoints(folder / "a.trc", points);
-  const auto names = exchange::ParseNameMap("ankle=RANK,knee=RKNE,hip=RHIP");
+  const auto names = NameMap("ankle=RANK,knee=RKNE,hip=RHIP");
   const exchange::Trial right = exchange::ReadTrial(folder / "a.trc", {names, 'z', "+x"}),
                         left = exchange::ReadTrial(folder / "a.trc", {names, 'z', "-x"});
   EXPECT_NEAR(right.recording.Find("ankle")->samples[0].position.y(), 90, 1e-9);
@@ -81,18 +81,18 @@ TEST(Trial, NamesAreMappedAndMiddlesTaken) {
   const TemporaryFolder folder;
   exchange::WritePoints(folder / "a.trc", BendingLeg(0, 'y'));
   const exchange::Trial trial =
-      exchange::ReadTrial(folder / "a.trc", {exchange::ParseNameMap("ankle=RANK,knee=RKNE,hip=RHIP+RHIP2"), {}, "x"});
+      exchange::ReadTrial(folder / "a.trc", {NameMap("ankle=RANK,knee=RKNE,hip=RHIP+RHIP2"), {}, "x"});
   ASSERT_EQ(trial.recording.markers.size(), 3u);
   EXPECT_NEAR(trial.recording.Find("hip")->samples[0].position.y(), 90 + 430 + 410 + 10, 1e-9);
   try {
-    exchange::ReadTrial(folder / "a.trc", {exchange::ParseNameMap("ankle=LANK"), {}, "x"});
+    exchange::ReadTrial(folder / "a.trc", {NameMap("ankle=LANK"), {}, "x"});
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(),
                 testing::AllOf(testing::HasSubstr("'LANK' (for ankle)"), testing::HasSubstr("RANK, RKNE, RHIP")));
   }
-  EXPECT_THROW(exchange::ParseNameMap("ankle"), UsageError);
-  EXPECT_THROW(exchange::ParseNameMap("ankle=A,ankle=B"), UsageError);
+  EXPECT_THROW(NameMap("ankle"), UsageError);
+  EXPECT_THROW(NameMap("ankle=A,ankle=B"), UsageError);
 }
 
 TEST(Trial, OwnTablesKeepSigmasAndFoldersAreUnderstood) {
@@ -104,7 +104,7 @@ TEST(Trial, OwnTablesKeepSigmasAndFoldersAreUnderstood) {
       {"k", {{{1, 2}, 0.3, motion::SampleStatus::kDetected}, {{4, 5}, 0.6, motion::SampleStatus::kFilled}}}};
   fs::create_directory(folder / "trial");
   motion::WriteMarkerCsv(folder / "trial" / "trajectory.csv", markers);
-  const exchange::Trial trial = exchange::ReadTrial(folder / "trial", {exchange::ParseNameMap("knee=k"), {}, ""});
+  const exchange::Trial trial = exchange::ReadTrial(folder / "trial", {NameMap("knee=k"), {}, ""});
   EXPECT_EQ(trial.file.filename(), "trajectory.csv");
   EXPECT_EQ(trial.recording.Find("knee")->samples[1].status, motion::SampleStatus::kFilled);
   EXPECT_EQ(trial.recording.Find("knee")->samples[0].sigma, 0.3);

@@ -10,6 +10,7 @@
 #include "lake/exchange/trc.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
+#include "name_map.h"
 #include "synthetic_leg.h"
 
 namespace lake {
@@ -60,7 +61,7 @@ struct OpticalLeg {
 
 OpticalLeg ReadOpticalLeg(const fs::path& file, char side, bool mirrored) {
   OpticalLeg leg;
-  leg.trial = exchange::ReadTrial(file, {exchange::ParseNameMap(LegNames(side)), 'y', mirrored ? "-x" : "+x"});
+  leg.trial = exchange::ReadTrial(file, {NameMap(LegNames(side)), 'y', mirrored ? "-x" : "+x"});
   for (std::size_t i = 0; i < leg.trial.recording.Frames(); ++i) {
     const auto at = [&](const char* name) { return leg.trial.recording.Find(name)->samples[i].position; };
     leg.points_mm.push_back({at("ankle"), at("knee"), at("hip"), at("waist")});
@@ -157,8 +158,8 @@ TEST(OpticalSitToStandFile, TheSagittalPlaneIsFound) {
   const fs::path file = SharedData("opencap_sts/sts_default_markers.trc");
   REQUIRE_RECORDING(file);
   for (const char side : {'r', 'l'}) {
-    const exchange::Trial fitted = exchange::ReadTrial(file, {exchange::ParseNameMap(LegNames(side)), {}, ""});
-    const exchange::Trial along_x = exchange::ReadTrial(file, {exchange::ParseNameMap(LegNames(side)), {}, "x"});
+    const exchange::Trial fitted = exchange::ReadTrial(file, {NameMap(LegNames(side)), {}, ""});
+    const exchange::Trial along_x = exchange::ReadTrial(file, {NameMap(LegNames(side)), {}, "x"});
     const auto& a = fitted.recording.Find("hip")->samples;
     const auto& b = along_x.recording.Find("hip")->samples;
     const double turned = (a.back().position.x() - a[90].position.x()) / (b.back().position.x() - b[90].position.x());
@@ -214,8 +215,7 @@ TEST_P(OpticalWalk, TrcAndC3dHoldTheSameAngles) {
 TEST_P(OpticalWalk, IsFittedWithoutStandUps) {
   const fs::path file = SharedData(std::string("opensim_walk/") + GetParam().c3d);
   REQUIRE_RECORDING(file);
-  const exchange::Trial trial =
-      exchange::ReadTrial(file, {exchange::ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
+  const exchange::Trial trial = exchange::ReadTrial(file, {NameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
   const gait::LegFitResult result = gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}));
   EXPECT_TRUE(result.events.empty());
   for (const motion::LegSample& sample : result.motion.samples) EXPECT_FALSE(sample.repetition);
@@ -232,16 +232,14 @@ INSTANTIATE_TEST_SUITE_P(, OpticalWalk,
 TEST(OpticalWalkFiles, AWrongVerticalIsAnErrorThatSaysSo) {
   const fs::path file = SharedData("opensim_walk/std_walking2_markers.trc");  // z up, though TRC is y up by custom
   REQUIRE_RECORDING(file);
-  const exchange::Trial wrong =
-      exchange::ReadTrial(file, {exchange::ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
+  const exchange::Trial wrong = exchange::ReadTrial(file, {NameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), {}, ""});
   try {
     gait::FitLeg(wrong.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}));
     ADD_FAILURE() << "no error";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("--up"));
   }
-  const exchange::Trial right =
-      exchange::ReadTrial(file, {exchange::ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), 'z', ""});
+  const exchange::Trial right = exchange::ReadTrial(file, {NameMap("ankle=RAJC,knee=RKJC,hip=RHJC"), 'z', ""});
   EXPECT_NO_THROW(gait::FitLeg(right.recording, gait::MakeLegView(motion::LengthUnit::kMm, {})));
 }
 

@@ -7,6 +7,7 @@
 #include "lake/core/error.h"
 #include "lake/core/run.h"
 #include "lake/exchange/ground_forces.h"
+#include "name_map.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -24,8 +25,8 @@ commands::LoadsRunOptions OptionsFor(const std::string& side) {
   commands::LoadsRunOptions options;
   options.trial = kFolder / "STS1.trc";
   options.reading.names =
-      exchange::ParseNameMap(right ? "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS,shoulder=R_Shoulder"
-                                   : "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS,shoulder=L_Shoulder");
+      NameMap(right ? "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS,shoulder=R_Shoulder"
+                    : "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS,shoulder=L_Shoulder");
   options.reading.forward = "+x";
   options.loads.body.mass_kg = 62.6;
   return options;
@@ -228,7 +229,7 @@ TEST(LoadsOfBadInput, AMotionWithoutASeatSaysSo) {
   if (!fs::exists(walk)) GTEST_SKIP() << walk.string() << " is not here";
   commands::LoadsRunOptions options;
   options.trial = walk;
-  options.reading.names = exchange::ParseNameMap("ankle=RAJC,knee=RKJC,hip=RHJC");
+  options.reading.names = NameMap("ankle=RAJC,knee=RKJC,hip=RHJC");
   options.loads.body.mass_kg = 70;
   EXPECT_THAT(Failure(options), testing::HasSubstr("no rise from a seat"));
 }

@@ -7,6 +7,7 @@
 #include "lake/compare/misalignment.h"
 #include "lake/core/provenance.h"
 #include "lake/report/misalignment_sections.h"
+#include "name_map.h"
 
 namespace lake {
 namespace {
@@ -128,8 +129,8 @@ TEST(MisalignmentReport, LakeCompareWritesItForARealRecording) {
   lake::Run run(info);
   commands::CompareRunOptions options;
   options.human = options.exo = trc, options.exo_knee = "knee";
-  options.human_reading.names = exchange::ParseNameMap("ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS");
-  options.exo_reading.names = exchange::ParseNameMap("ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS");
+  options.human_reading.names = NameMap("ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS");
+  options.exo_reading.names = NameMap("ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS");
   commands::RunCompare(options, run);
   const std::string page = ReadTextFile(out / "cmp" / "report.html");
   EXPECT_THAT(page, HasSubstr(Sha256OfFile(trc)));

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 
 #include "lake/core/error.h"
 #include "lake/figure/leg_figure.h"
@@ -37,21 +36,6 @@ void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result,
   if (result.events.empty()) run.Warn("no sit-to-stand found: repetition and percent are left empty");
 }
 
-constexpr const char* kUp = "up_in_plane";
-
-// Where the picture or the plane does not stand upright, the summary beside a folder's tables says what is up in them.
-std::optional<Eigen::Vector2d> UpOfFolder(const std::filesystem::path& table) {
-  const std::filesystem::path file = table.parent_path() / "summary.json";
-  const std::string name = table.filename().string();
-  const bool in_mm = std::filesystem::exists(table.parent_path() / "trajectory.csv");
-  if (name != (in_mm ? "trajectory.csv" : "tracks.csv") || !std::filesystem::is_regular_file(file)) return std::nullopt;
-  const Json summary = ReadJsonFile(file);
-  if (!summary.contains(kUp)) return std::nullopt;
-  const Eigen::Vector2d up(NumberOrNaN(summary[kUp].at(0)), NumberOrNaN(summary[kUp].at(1)));
-  if (!(std::abs(up.norm() - 1) < 1e-6)) throw Fail("{}: '{}' is no unit vector", file.string(), kUp);
-  return up;
-}
-
 }  // namespace
 
 void Describe(GaitRunOptions& o, OptionList& options) {
@@ -68,16 +52,11 @@ exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::
   return trial;
 }
 
-gait::LegFitOptions FitOptionsFor(const exchange::Trial& trial, gait::LegFitOptions fit) {
-  if (const auto up = UpOfFolder(trial.file)) fit.up = *up;
+gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run) {
+  fit.quiet = run.Quiet();
+  if (trial.up) fit.up = *trial.up;
   if (trial.faces_right && !fit.facing)
     fit.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
-  return fit;
-}
-
-gait::LegFitResult FitTrial(const exchange::Trial& trial, const gait::LegFitOptions& options, Run& run) {
-  gait::LegFitOptions fit = FitOptionsFor(trial, options);
-  fit.quiet = run.Quiet();
   const gait::LegView view = gait::MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px);
   gait::LegFitResult result = gait::FitLeg(trial.recording, view, fit, trial.across_mm);
   SayWarnings(trial, result, run);
@@ -94,10 +73,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
   figure::DrawLegFigure(run.Result("gait.png"), result);
-  Json summary = gait::LegFitJson(result);
-  const Eigen::Vector2d up = FitOptionsFor(trial, options.fit).up;
-  summary[kUp] = {up.x(), up.y()};
-  return summary;
+  return gait::LegFitJson(result);
 }
 
 std::string GaitReport(const Json& summary) {

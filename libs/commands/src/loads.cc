@@ -65,13 +65,12 @@ void WarnOfSwappedPlates(const exchange::GroundForceRecording& forces, const exc
   if (nearest != &plate)
     run.Warn(
         fmt::format("{} is taken for the {} foot, but its force acts {:.0f} mm from the ankle, that of {} {:.0f} mm: "
-                    "are the plates "
-                    "swapped? Name them with --plates, the leg with --leg",
+                    "are the plates swapped? Name them with --plates, the leg with --leg",
                     plate.name, leg, distance_mm(plate), nearest->name, distance_mm(*nearest)));
 }
 
-loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::Trial& trial, motion::Facing facing,
-                               Run& run) {
+loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::Trial& trial,
+                               const gait::LegFitResult& fit, Run& run) {
   const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
   run.AddInput(options.forces);
   const Eigen::Matrix3d& plane_from_space = *trial.plane_from_space;
@@ -86,9 +85,10 @@ loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::T
                           exchange::ReadPoints(trial.file, options.reading.mm_per_unit, options.reading.rate_hz),
                           options.reading.names, trial.file)),
                       up, run);
+  const motion::Facing facing = fit.motion.facing;
   const double side = facing == motion::Facing::kRight ? 1 : -1;  // the leg's x is the plane's, or its opposite
   const auto in_leg = [&](const Vector3d& v) {
-    return gait::LegFromPlane((plane_from_space * v).head<2>(), facing, options.fit.up);
+    return gait::LegFromPlane((plane_from_space * v).head<2>(), facing, fit.up);
   };
   loads::GroundForces forces;
   forces.time_s = file.time_s;
@@ -222,8 +222,7 @@ Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& option
 }  // namespace
 
 void Describe(LoadsRunOptions& o, OptionList& options) {
-  options.AddOperand("trial", o.trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
-      .Required();
+  Describe(static_cast<GaitRunOptions&>(o), options);
   Describe(o.loads, options);
   options.Add("forces", o.forces, "Ground forces: OpenSim's .mot or .sto, or a .c3d")
       .Otherwise("none: from the trunk down");
@@ -232,9 +231,6 @@ void Describe(LoadsRunOptions& o, OptionList& options) {
       .AddChoice("leg", o.leg, OptionList::Choices<std::string>{{"right", "right"}, {"left", "left"}},
                  "Leg whose markers these are")
       .Otherwise("by the ankle marker's name");
-  Describe(o.reading, options);
-  gait::DescribeFacing(o.fit, options);
-  Describe(o.fit, options);
   options.Check([&o](const OptionList&) {
     exchange::CheckPlates(o.plates);
     if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
@@ -252,9 +248,9 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   run.Begin({"summary.json", "loads.csv", "loads.json", "loads.png"});
   const gait::LegFitResult fit = FitTrial(trial, options.fit, run);
   std::optional<loads::GroundForces> forces;
-  if (!options.forces.empty()) forces = ReadForces(options, trial, fit.motion.facing, run);
+  if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
   loads::LegPathOptions path;
-  path.facing = fit.motion.facing, path.up = FitOptionsFor(trial, options.fit).up, path.markers = options.fit.markers;
+  path.facing = fit.motion.facing, path.up = fit.up, path.markers = options.fit.markers;
   const loads::LoadsResult result =
       loads::FindLoads(fit.trajectory, fit.motion, fit.events, path, options.loads, forces);
   for (const std::string& warning : result.warnings) run.Warn(warning);
@@ -267,8 +263,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
 std::string LoadsReport(const Json& summary) {
   const Json& interval = summary["peak_knee_nm_interval"];
   std::string text = fmt::format(
-      "peak knee extension moment of one leg: {:.1f} N m (95 %: {:.1f} to {:.1f}), {:.2f} N m/kg, at {:.0f}°; mean "
-      "of "
+      "peak knee extension moment of one leg: {:.1f} N m (95 %: {:.1f} to {:.1f}), {:.2f} N m/kg, at {:.0f}°; mean of "
       "{} rises, {}\n",
       NumberOrNaN(summary["peak_knee_nm"]), NumberOrNaN(interval[0]), NumberOrNaN(interval[1]),
       NumberOrNaN(summary["peak_knee_nm_kg"]), NumberOrNaN(summary["peak_knee_deg"]), summary["rises"].size(),

@@ -209,8 +209,7 @@ void Warn(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   if (outcome.worn_angle_off_deg && *outcome.worn_angle_off_deg > kOtherAngles_deg)
     run.Warn(
         fmt::format("{}: the knee angle of its program differs from that of its trial by {:.0f}° RMS; check links and "
-                    "program, or leave "
-                    "the program out of the file: then the trial's own knee angles are taken",
+                    "program, or leave the program out of the file: then the trial's own knee angles are taken",
                     outcome.measured.worn_file, *outcome.worn_angle_off_deg));
   if (const auto& after = outcome.after.misalignment;
       after && 100 * after->metrics.relative_rms < outcome.measured.noise_floor_percent)
@@ -227,8 +226,7 @@ void Warn(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   if (outcome.certificate)
     run.Warn(
         fmt::format("the certified bound is one on the range alone, without the limit on misalignment; the largest "
-                    "range found without "
-                    "that limit is {:.4f}°",
+                    "range found without that limit is {:.4f}°",
                     *outcome.widest_deg));
 }
 
@@ -269,8 +267,7 @@ std::string BuildText(const redesign::ReoptimizeOutcome& outcome) {
   if (const auto& range = outcome.placement_range)
     text += fmt::format(
         " With the stroke program adapted, a joint {:.1f} to {:.1f} mm in front of the knee, or {:.1f} to {:.1f} mm "
-        "above "
-        "it, keeps the misalignment within {:.2f} %.",
+        "above it, keeps the misalignment within {:.2f} %.",
         range->x_mm.lower, range->x_mm.upper, range->y_mm.lower, range->y_mm.upper, range->within_percent);
   if (outcome.range_at_knee_deg)
     text += fmt::format(" With the joint on the knee the range would be {:.1f}°.", *outcome.range_at_knee_deg);

@@ -382,8 +382,7 @@ std::string StrokeReport(const Json& summary) {
     if (const Json& apart = v["separated"]; apart.is_object())
       text += fmt::format(
           "apart, by the {}'s strokes: linkage RMS {:.3f}° (largest {:.3f}°), actuator RMS {:.3f} mm (largest {:.3f}, "
-          "at "
-          "the end {:+.3f})\n",
+          "at the end {:+.3f})\n",
           apart["strokes"].get<std::string>(), NumberOrNaN(apart["linkage_rms_deg"]),
           NumberOrNaN(apart["linkage_max_deg"]), NumberOrNaN(apart["actuator_rms_mm"]),
           NumberOrNaN(apart["actuator_max_mm"]), NumberOrNaN(apart["actuator_end_mm"]));

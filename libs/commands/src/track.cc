@@ -166,16 +166,6 @@ void WarnOfUnseen(const Json& seen, Run& run) {
 constexpr const char* kCandidatesPicture = "candidates.png";
 constexpr const char* kCandidatesTable = "candidates.csv";
 
-// One frame's luma.
-cv::Mat ReadPicture(const TrackRunOptions& options, std::int64_t frame) {
-  video::VideoReaderOptions reader = options.track.reader;
-  reader.first = frame, reader.last = frame;
-  video::VideoFrame picture;
-  if (!video::VideoReader::Open(options.video, reader)->Read(picture))
-    throw Fail("{}: has no frame {}", options.video.string(), frame);
-  return picture.luma.clone();
-}
-
 void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateList& list, Run& run) {
   std::vector<overlay::NumberedSpot> spots;
   CsvWriter csv({"id", "frame", "x_px", "y_px", "radius_px", "first_frame", "last_frame", "moves"});
@@ -186,7 +176,8 @@ void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateLi
     spots.push_back({c.id, c.position, c.radius_px, c.frame == list.frame, c.moves, c.path});
   }
   csv.Write(run.Result(kCandidatesTable));
-  overlay::DrawNumberedSpots(ReadPicture(options, list.frame), spots, run.Result(kCandidatesPicture));
+  overlay::DrawNumberedSpots(video::ReadLuma(options.video, list.frame, options.track.reader), spots,
+                             run.Result(kCandidatesPicture));
 }
 
 void WarnOfVideo(const video::VideoInfo& video, Run& run) {
@@ -282,11 +273,10 @@ std::optional<Eigen::Vector2d> UpInPlane(const TrackRunOptions& options, const t
                                          const gait::LegView& view, Run& run) {
   if (options.vertical_from_leg) {
     const Eigen::Vector2d up = gait::UpFromStandingLeg(tracked.recording, view);
-    run.Warn(
-        fmt::format("the vertical is that of the leg as it stands, {:.1f}° clockwise from the picture's (or the "
-                    "plane's) own; a leg "
-                    "that stands leans by some 3°, and the segments' angles with it, not the knee's",
-                    DegreesFromRadians(std::atan2(up.x(), up.y()))));
+    run.Warn(fmt::format(
+        "the vertical is that of the leg as it stands, {:.1f}° clockwise from the picture's (or the plane's) own; a "
+        "leg that stands leans by some 3°, and the segments' angles with it, not the knee's",
+        DegreesFromRadians(std::atan2(up.x(), up.y()))));
     return up;
   }
   if (!options.vertical) return std::nullopt;
@@ -332,7 +322,6 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   figure::DrawLegFigure(run.Result("track.png"), fit);
   WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
   results.update(gait::LegFitJson(fit));
-  results["up_in_plane"] = {fit_options.up.x(), fit_options.up.y()};
   Export(options, tracked.video, view, MarkersToExport(options, fit, tracks, view), &fit, results, run);
   return results;
 }
@@ -517,7 +506,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   if (!scaled.empty()) run.Warn(scaled);
   WarnOfUnit(view, options.camera.has_value(), run);
   WarnOfVideo(tracked.video, run);
-  for (const std::string& warning : tracking::Warnings(tracked.times)) run.Warn(warning);
+  for (const std::string& warning : tracking::Warnings(tracked.times, tracked.recording.frame)) run.Warn(warning);
   CheckNotRepeated(corrections, tracked.times);
   ApplyCorrections(corrections, tracked.recording);
   const double readout_s = ReadoutOf(options, profile);

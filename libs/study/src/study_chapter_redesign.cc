@@ -220,12 +220,6 @@ std::string Quantity(double value, const std::string& unit) {
   return NumberText(value, DecimalsOf(unit)) + (unit == "°" ? "" : " ") + unit;
 }
 
-std::string JointText(const Json& design) {
-  const double x = NumberOrNaN(design.at("placement_x_mm")), y = NumberOrNaN(design.at("placement_y_mm"));
-  return fmt::format("{} {} the knee and {} {} it along the shank", Quantity(std::abs(x), "mm"),
-                     x < 0 ? "behind" : "in front of", Quantity(std::abs(y), "mm"), y < 0 ? "below" : "above");
-}
-
 std::string MoveText(const Json& redesign) {
   const auto change = [&](const char* key) {
     return NumberOrNaN(redesign.at("after").at(key)) - NumberOrNaN(redesign.at("before").at(key));

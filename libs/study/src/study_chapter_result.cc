@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/compare/misalignment.h"
 #include "lake/core/csv.h"
 #include "lake/report/misalignment_sections.h"
 #include "study_chapters.h"
@@ -34,7 +35,10 @@ std::string BuildText(const StudyResults& results, const Json& redesign) {
     links.push_back(fmt::format("{} {}", name, NumberText(NumberOrNaN(length), 2)));
   const Json simulation = results.Summary("simulation");
   const Json& stroke = simulation.at("used_stroke_mm");
-  std::string text = fmt::format("Links {} mm; joint {}", fmt::join(links, ", "), JointText(redesign.at("after")));
+  const Json& after = redesign.at("after");
+  std::string text = fmt::format(
+      "Links {} mm; joint {}", fmt::join(links, ", "),
+      compare::DescribeJoint({NumberOrNaN(after.at("placement_x_mm")), NumberOrNaN(after.at("placement_y_mm"))}));
   if (results.Has("exo")) text += fmt::format(" ({})", MoveText(redesign));
   text += fmt::format("; actuator from {} to {} mm pin to pin ({} of travel)", NumberText(NumberOrNaN(stroke.at(0)), 2),
                       NumberText(NumberOrNaN(stroke.at(1)), 2),
@@ -124,8 +128,7 @@ std::string NextText(const StudyResults& results) {
   return std::string(clear ? "Cut the links"
                            : "Find a mount clear of body and seat (see the warnings), cut the links") +
          ", test the firmware on the bench without a person, then record the same movement with the new design and "
-         "check "
-         "the prediction (lake compare, lake stroke --validate).";
+         "check the prediction (lake compare, lake stroke --validate).";
 }
 
 KeyFigures RedesignFigures(const Json& redesign) {

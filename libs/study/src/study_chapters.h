@@ -43,9 +43,7 @@ class StudyResults {
 int DecimalsOf(const std::string& unit);
 std::string Quantity(double value, const std::string& unit);  // "13.3 mm", "142.2°"
 
-// Of `redesign`, or of its `before` or `after`.
-std::string JointText(const Json& design);   // "13.3 mm in front of the knee and 0.3 mm below it along the shank"
-std::string MoveText(const Json& redesign);  // "4.7 mm further back and 32.3 mm lower than worn"
+std::string MoveText(const Json& redesign);  // of the joint: "4.7 mm further back and 32.3 mm lower than worn"
 report::LineChart PathsChart(const StudyResults& results);
 
 // The Pareto front of the design's own program; empty if none was asked for.

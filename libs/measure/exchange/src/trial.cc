@@ -6,7 +6,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/name_value.h"
+#include "lake/core/json.h"
 #include "lake/exchange/dltdv.h"
 #include "lake/exchange/kinovea.h"
 #include "text_lines.h"
@@ -123,8 +123,22 @@ double OutOfPlane(const PointRecording& points, const Eigen::Vector3d& normal) {
   return count > 0 ? std::sqrt(std::max(0.0, square / static_cast<double>(count))) : 0;
 }
 
+// Where the picture or the plane does not stand upright, the summary beside a folder's tables says what is up in them.
+std::optional<Eigen::Vector2d> UpOfTable(const fs::path& table) {
+  constexpr const char* kUp = "up_in_plane";
+  const fs::path file = table.parent_path() / "summary.json";
+  const bool in_mm = fs::exists(table.parent_path() / "trajectory.csv");
+  if (table.filename() != (in_mm ? "trajectory.csv" : "tracks.csv") || !fs::is_regular_file(file)) return std::nullopt;
+  const Json summary = ReadJsonFile(file);
+  if (!summary.contains(kUp)) return std::nullopt;
+  const Eigen::Vector2d up(NumberOrNaN(summary[kUp].at(0)), NumberOrNaN(summary[kUp].at(1)));
+  if (!(std::abs(up.norm() - 1) < 1e-6)) throw Fail("{}: '{}' is no unit vector", file.string(), kUp);
+  return up;
+}
+
 void ReadOwnTable(const fs::path& path, const TrialOptions& options, Trial& trial) {
   trial.recording = Rename(exchange::ReadTable(path, options.values), options.names, path);
+  trial.up = UpOfTable(path);
 }
 
 Eigen::Vector3d UpDirection(const PointRecording& points, const TrialOptions& options) {
@@ -187,11 +201,6 @@ bool IsOwnTable(const fs::path& path) {
 }
 
 }  // namespace
-
-std::map<std::string, std::string> ParseNameMap(const std::string& text) {
-  const auto pairs = NamesAndValues(SplitText(text, ','), "--map");
-  return {pairs.begin(), pairs.end()};
-}
 
 Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options) {
   const auto set = [&mm_per_unit](const OptionTexts& texts, const std::string& said) {

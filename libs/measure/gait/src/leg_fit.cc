@@ -212,6 +212,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   CheckRecording(recording, options);
   Progress progress("leg fit", "steps", 4, options.quiet);
   LegFitResult result;
+  result.up = options.up;
   std::array<Detections, kLegMarkers> leg = CollectLeg(recording, view, options.markers);
   if (!across.empty()) SetAcross(across, leg);
   const FacingFound found = FindFacingOf(leg);

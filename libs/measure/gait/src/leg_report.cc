@@ -78,6 +78,7 @@ Json LegFitJson(const LegFitResult& result) {
                         {"deviations", o.deviations}});
   const LegFitSummary& fit = result.summary;
   Json json = {{"facing", result.motion.facing == motion::Facing::kLeft ? "left" : "right"},
+               {"up_in_plane", {result.up.x(), result.up.y()}},
                {"markers", MarkersJson(result)},
                {"segments", segments},
                {"outliers", outliers},

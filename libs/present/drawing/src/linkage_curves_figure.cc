@@ -68,11 +68,11 @@ void DrawAngleVsStroke(const std::filesystem::path& path, const LinkageLook& loo
   figure.Line(
       "set key top right\nset ylabel 'knee angle {/:Italic θ} (°)'\nset yrange [*:*]\nset offsets graph "
       "0,0,0.06,0.06");
-  figure.Line(fmt::format(
-      "plot {} using 1:2 with lines lw 3 lc rgb '{}' title 'knee angle', {} using 1:2 with points pt 7 ps 1.2 lc rgb "
-      "'#222222' "
-      "title 'poses shown', {} using 1:2:(sprintf('%.1f°', $2)) with labels left offset 0.9,0.5 font ',11' notitle",
-      curve, colour::kNew, marks, labels));
+  figure.Line(
+      fmt::format("plot {} using 1:2 with lines lw 3 lc rgb '{}' title 'knee angle', {} using 1:2 with points pt 7 ps "
+                  "1.2 lc rgb '#222222' title 'poses shown', {} using 1:2:(sprintf('%.1f°', $2)) with labels left "
+                  "offset 0.9,0.5 font ',11' notitle",
+                  curve, colour::kNew, marks, labels));
   PlaceRow(figure, 0.32, 0.52, false);
   // Near the singular ends the force grows without bound; the axis shows at most five times its least.
   const auto [least_force, most_force] = std::minmax_element(fine[3].begin(), fine[3].end());
@@ -91,11 +91,10 @@ void DrawAngleVsStroke(const std::filesystem::path& path, const LinkageLook& loo
   figure.Line(
       "unset y2tics\nunset y2label\nset border 3\nset ylabel 'angle (°)'\nset yrange [0:180]\nset ytics 0,45,180\nset "
       "key at graph 0.5, graph 1.02 center bottom horizontal nobox");
-  figure.Line(
-      fmt::format("plot {0} using 1:5 with lines lw 3 lc rgb '{1}' title 'transmission angle at S', {0} using 1:6 with "
-                  "lines lw 3 dt (12,5) lc rgb "
-                  "'{2}' title 'actuator angle at R', 90 with lines lw 1 dt 3 lc rgb '#888888' notitle",
-                  curve, colour::kWaist, "#555555"));
+  figure.Line(fmt::format(
+      "plot {0} using 1:5 with lines lw 3 lc rgb '{1}' title 'transmission angle at S', {0} using 1:6 with lines lw 3 "
+      "dt (12,5) lc rgb '{2}' title 'actuator angle at R', 90 with lines lw 1 dt 3 lc rgb '#888888' notitle",
+      curve, colour::kWaist, "#555555"));
   figure.Line("unset multiplot");
   figure.Write(path);
 }

@@ -82,8 +82,7 @@ void DrawLegs(GnuplotFigure& figure, const compare::Misalignment& m) {
   const std::string human = PathOf(m.human.knee).In(figure), exo = PathOf(m.exo.knee).In(figure);
   figure.Line(
       fmt::format("plot {} using 1:2 with linespoints lw 2.5 pt 7 ps 0.8 lc rgb '{}', {} using 1:2 with linespoints lw "
-                  "2 dt {} pt 6 "
-                  "ps 1 lc rgb '{}', {} using 1:2 with lines {}, {} using 1:2 with lines {}",
+                  "2 dt {} pt 6 ps 1 lc rgb '{}', {} using 1:2 with lines {}, {} using 1:2 with lines {}",
                   human_legs, kHumanLook.colour, exo_legs, kWornLook.dash, kWornLook.colour, human, LineOf(kHumanLook),
                   exo, LineOf(kWornLook)));
   figure.Line("unset label");

@@ -196,15 +196,13 @@ void DrawValidation(const std::filesystem::path& path, const actuator::StrokeSch
       "0.02, graph 0.05, graph 0.05");
   figure.Line(
       fmt::format("plot {} using 2:4 with points pt 7 ps 0.7 lc rgb '{}' title 'prototype, tracked', {} using 1:2 with "
-                  "lines lw 2 lc "
-                  "rgb '{}' title 'simulation'",
+                  "lines lw 2 lc rgb '{}' title 'simulation'",
                   samples, colour::kHuman, curve, colour::kText));
   Place(figure, 0.55, 0.98, 0.42, 0.91);
   figure.Line("set format x ''; unset xlabel");
   figure.Line(
       fmt::format("plot {} using 1:4 with points pt 7 ps 0.7 lc rgb '{}' title 'prototype, tracked', {} using 1:3 with "
-                  "lines lw 2 lc "
-                  "rgb '{}' title 'simulation'",
+                  "lines lw 2 lc rgb '{}' title 'simulation'",
                   samples, colour::kHuman, samples, colour::kText));
   Place(figure, 0.55, 0.98, 0.10, 0.37);
   figure.Line(

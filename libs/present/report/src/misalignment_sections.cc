@@ -150,20 +150,18 @@ bool IsLargestForSure(const std::string& part, const Json& parts) {
 }
 
 Section MethodSection() {
-  return {
-      "Method",
-      {Paragraph{
-          "Each repetition runs from 0 % (onset: hip or trunk leaves rest) to 100 % (standing: the knee's extension "
-          "speed falls below 5 % of its peak) and is sampled at every percent in the leg frame. The relative error "
-          "is the distance between the knees divided by the human's distance from ankle to knee at the same sample; "
-          "its RMS is the root of the mean square. Placement, timing and shape are fitted together: an offset "
-          "constant in the shank's frame, a monotone piecewise linear registration of time with 9 knots, and the "
-          "rest; a share is the part's projection on the distance vector over its mean square, so the shares add up "
-          "to 100 % and a small one can be negative. Spikes are samples at which the distance vector leaves its own "
-          "smooth course by "
-          "more than 5 median absolute deviations. Intervals are 95 % bootstrap intervals over repetitions, marker "
-          "noise and the uncertainty of marker re-placement; those of the shares are of the shares "
-          "without noise, which the measured shape has in it."}}};
+  return {"Method",
+          {Paragraph{
+              "Each repetition runs from 0 % (onset: hip or trunk leaves rest) to 100 % (standing: the knee's "
+              "extension speed falls below 5 % of its peak) and is sampled at every percent in the leg frame. The "
+              "relative error is the distance between the knees divided by the human's distance from ankle to knee at "
+              "the same sample; its RMS is the root of the mean square. Placement, timing and shape are fitted "
+              "together: an offset constant in the shank's frame, a monotone piecewise linear registration of time "
+              "with 9 knots, and the rest; a share is the part's projection on the distance vector over its mean "
+              "square, so the shares add up to 100 % and a small one can be negative. Spikes are samples at which the "
+              "distance vector leaves its own smooth course by more than 5 median absolute deviations. Intervals are "
+              "95 % bootstrap intervals over repetitions, marker noise and the uncertainty of marker re-placement; "
+              "those of the shares are of the shares without noise, which the measured shape has in it."}}};
 }
 
 }  // namespace

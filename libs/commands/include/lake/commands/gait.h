@@ -22,10 +22,7 @@ void Describe(GaitRunOptions& o, OptionList& options);
 // The one way in which lake-gait, lake-compare and lake-optimize read a trial and fit a leg to it. Warnings (of the
 // file, of lengths that no leg has, of positions that were smoothed) are said through `run`, inputs recorded in it.
 exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run);
-gait::LegFitResult FitTrial(const exchange::Trial& trial, const gait::LegFitOptions& options, Run& run);
-
-// The options with the vertical and the side that the trial itself knows.
-gait::LegFitOptions FitOptionsFor(const exchange::Trial& trial, gait::LegFitOptions fit);
+gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run);
 
 // Writes kinematics.csv, events.csv, trajectory.csv (tracks.csv for a trial in px), gait.png; returns the results for
 // the summary.

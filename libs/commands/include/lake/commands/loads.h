@@ -4,21 +4,17 @@
 
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
 
+#include "lake/commands/gait.h"
 #include "lake/core/json.h"
 #include "lake/core/run.h"
-#include "lake/exchange/trial.h"
-#include "lake/gait/leg_fit.h"
 #include "lake/loads/loads.h"
 
 namespace lake::commands {
 
-struct LoadsRunOptions {
-  std::filesystem::path trial;  // as for lake-gait
-  exchange::TrialOptions reading;
-  gait::LegFitOptions fit;
+// The trial and its fit are lake-gait's.
+struct LoadsRunOptions : GaitRunOptions {
   loads::LoadsOptions loads;
   std::filesystem::path forces;       // of OpenSim; empty: without force plates
   std::map<std::string, int> plates;  // right, left: which plate, from 1

@@ -38,8 +38,9 @@ struct Trial {
   std::filesystem::path file;         // that was read: of a folder, its trajectory.csv or tracks.csv
   motion::MarkerRecording recording;  // in the sagittal plane, or in px
   std::optional<double> mm_per_px;
-  std::optional<bool> faces_right;  // known if `forward` was given
-  double out_of_plane_mm = 0;       // 3-D files: RMS of the leg's movement across the plane
+  std::optional<bool> faces_right;    // known if `forward` was given
+  std::optional<Eigen::Vector2d> up;  // in the plane, where a folder's own summary says it; else the plane's y
+  double out_of_plane_mm = 0;         // 3-D files: RMS of the leg's movement across the plane
   // 3-D files: x and y of the plane from the file's axes, and its normal, towards the one who sees x to the right.
   std::optional<Eigen::Matrix3d> plane_from_space;
   // 3-D files whose points do not lie in one plane: by marker, where it is across the plane in each frame (to the
@@ -47,9 +48,6 @@ struct Trial {
   std::map<std::string, std::vector<double>> across_mm;
   std::vector<std::string> warnings;
 };
-
-// "ankle=RANK,knee=RKNE" as a map. Throws UsageError.
-std::map<std::string, std::string> ParseNameMap(const std::string& text);
 
 // Whatever ReadPoints (formats.h) reads. Three dimensions are projected onto the vertical plane that holds `forward`,
 // or that fits the movement of the segments between ankle, knee and hip best, and a warning says so; Tracker's projects

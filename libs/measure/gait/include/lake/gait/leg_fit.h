@@ -104,6 +104,7 @@ struct LegFitResult {
   std::vector<SegmentReport> segments;
   std::vector<OutlierReport> outliers;
   std::optional<AcrossReport> across;
+  Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // in the plane, as the options had it
   std::vector<std::string> warnings;
   LegFitSummary summary;
 };
