@@ -39,8 +39,8 @@ TEST(MarkerKinds, ColouredLightsAreFoundByTheirColours) {
   RenderedTrial trial(scene, {.crf = 20});
   const TrackErrors errors = TrackAndCompare(trial, "lights", seed, [](commands::TrackRunOptions& options) {
     options.track.detector = tracking::DetectorKind::kColor;
-    for (const char* marker : tracking::kLegMarkers)
-      options.track.colors.push_back(HexColour(synth::LedColours().at(marker)));
+    for (std::string_view marker : tracking::kLegMarkers)
+      options.track.colors.push_back(HexColour(synth::LedColours().at(std::string(marker))));
   });
   // Colour has half the resolution of brightness in H.264's 4:2:0.
   EXPECT_LE(errors.rms_px, 0.10);
@@ -78,7 +78,7 @@ TEST(MarkerKinds, PatchesThatWerePointedAt) {
     options.track.detector = tracking::DetectorKind::kTemplate;
     for (std::size_t i = 0; i < tracking::kLegMarkers.size(); ++i)
       options.track.seeds.push_back(
-          {tracking::kLegMarkers[i],
+          {std::string(tracking::kLegMarkers[i]),
            first.markers[static_cast<std::size_t>(synth::IndexOfMarker(trial.scene.Motion(), tracking::kLegMarkers[i]))]
                .px,
            0});

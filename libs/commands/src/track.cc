@@ -67,7 +67,7 @@ void WarnOfUnit(const gait::LegView& view, bool has_camera, Run& run) {
 
 bool HasLeg(const std::vector<std::string>& names) {
   return std::all_of(tracking::kLegMarkers.begin(), tracking::kLegMarkers.begin() + 3,
-                     [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); });
+                     [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); });
 }
 
 // The fit's estimates where the recording was made, which is what is smoothed in px.
