@@ -97,13 +97,9 @@ Json RoundedJson(const problem::RoundedDesign& rounded) {
 // What the summary has behind its head.
 Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
   const synthesis::LocalSolve& best = outcome.result.Best();
-  Json json = {{"links", LinksJson(best.end)},
-               {"iterations", best.iterations},
-               {"exchanges", best.exchanges},
-               {"time_s", best.seconds},
-               {"multipliers_unique", outcome.active.multipliers_unique},
-               {"active", ActiveJson(outcome.active)},
-               {"optimum", EvaluationJson(best.evaluation)}};
+  Json json = {{"links", LinksJson(best.end)},         {"iterations", best.iterations},
+               {"exchanges", best.exchanges},          {"multipliers_unique", outcome.active.multipliers_unique},
+               {"active", ActiveJson(outcome.active)}, {"optimum", EvaluationJson(best.evaluation)}};
   if (outcome.certificate)
     json["certificate"] = CertificateJson(*outcome.certificate, outcome.certificate_ignores_used_range);
   if (outcome.yield) json["yield"] = YieldJson(*outcome.yield);

@@ -2,7 +2,6 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <random>
@@ -16,7 +15,6 @@
 namespace lake::synthesis {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 
 // Gradients of the rows and bounds that hold with equality, in columns scaled to length one.
 class ActiveGradients {
@@ -91,7 +89,6 @@ std::optional<double> LocalSolve::PriceOf(const LimitId& id) const {
 
 LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuilder& builder,
                            const OptimizeOptions& options) {
-  const auto begin = Clock::now();
   LocalSolve result;
   result.start = builder.Links();
   result.fractions = FirstFractions();
@@ -110,7 +107,6 @@ LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuil
     nlp.start_push = 1e-6, nlp.start_barrier = 1e-4;  // warm
   }
   result.evaluation = problem::Evaluate(result.end, problem);
-  result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return result;
 }
 

@@ -1,6 +1,7 @@
 // Solves a re-optimisation from one or many starts, and along its Pareto front of range against misalignment.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -73,10 +74,14 @@ struct ParetoPoint {
 
 // The least misalignment for each of `count` least ranges, evenly spaced from that of the least misalignment to the
 // largest range: ends first and last. Swept warm from both ends, and the better of both kept, so the misalignment never
-// falls with the range. Without penalty and limit. Empty if an end could not be solved; points in between that could
-// not be solved are left out.
-std::vector<ParetoPoint> ParetoFront(const ReoptimizeProblem& problem, int count,
-                                     const std::vector<linkage::Links>& links,
-                                     const synthesis::OptimizeOptions& options = {});
+// falls with the range. Without penalty and limit. Each end is sought from `links` and then from random ones until all
+// optima are likely to have been met, options.starts at most. Empty if an end could not be solved; points in between
+// that could not be solved are left out. `step` is called after each of the SolvesOfSweeps(count) in between.
+std::vector<ParetoPoint> ParetoFront(
+    const ReoptimizeProblem& problem, int count, const std::vector<linkage::Links>& links,
+    const synthesis::OptimizeOptions& options = {}, const std::function<void()>& step = [] {});
+inline int SolvesOfSweeps(int count) {
+  return 2 * (count - 2);
+}
 
 }  // namespace lake::redesign

@@ -35,7 +35,6 @@ struct LocalSolve {
   int exchanges = 0;
   int iterations = 0;  // Ipopt's, over all exchanges
   std::vector<nlp::NlpIteration> history;
-  double seconds = 0;
   problem::DesignEvaluation evaluation;  // of `end`, by the closed form
 
   // The price of a limit, whether active or not: what raising it by one unit does to what is maximised, in units of the
