@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <new>
+#include <system_error>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
@@ -150,6 +151,13 @@ int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>
     return kSignalBase + interrupted.Signal();
   } catch (const std::bad_alloc&) {
     return Complain(name, "not enough memory for this input", kFailed);
+  } catch (const std::system_error& error) {
+    const bool starved = error.code() == std::errc::resource_unavailable_try_again;
+    return Complain(name,
+                    starved ? "the system gives this program no more threads or memory; close others, or raise its "
+                              "limits (ulimit -u, ulimit -v)"
+                            : error.what(),
+                    kFailed);
   } catch (const std::exception& error) {
     return Complain(name, error.what(), kFailed);
   }
