@@ -36,7 +36,7 @@ TEST(MarkerKinds, ColouredLightsAreFoundByTheirColours) {
   synth::SceneOptions scene = OneRise(seed);
   scene.colour = true;
   scene.marker_bgr = synth::LedColours();
-  RenderedTrial trial(scene, {.crf = 20});
+  RenderedTrial trial(scene, {.crf = 20, .preset = "medium"});  // for which the limit holds
   const TrackErrors errors = TrackAndCompare(trial, "lights", seed, [](commands::TrackRunOptions& options) {
     options.track.detector = tracking::DetectorKind::kColor;
     for (std::string_view marker : tracking::kLegMarkers)
@@ -51,7 +51,7 @@ TEST(MarkerKinds, DarkMarkersInABrightRoom) {
   synth::SceneOptions scene = OneRise(seed);
   scene.bright_room = true;
   scene.marker_level = 15;
-  RenderedTrial trial(scene, {.crf = 17});
+  RenderedTrial trial(scene, {.crf = 17, .preset = "medium"});
   const TrackErrors errors = TrackAndCompare(trial, "dark", seed, [](commands::TrackRunOptions& options) {
     options.track.polarity = tracking::Polarity::kDark;
   });
@@ -62,7 +62,7 @@ TEST(MarkerKinds, ArucoMarkersNameThemselves) {
   const std::uint64_t seed = SeedOfThisTest();
   synth::SceneOptions scene = OneRise(seed);
   scene.marker_kind = synth::MarkerKind::kAruco;
-  RenderedTrial trial(scene, {.crf = 17});
+  RenderedTrial trial(scene, {.crf = 17, .preset = "medium"});
   const TrackErrors errors = TrackAndCompare(trial, "aruco", seed, [](commands::TrackRunOptions& options) {
     options.track.detector = tracking::DetectorKind::kAruco;
   });
