@@ -181,7 +181,7 @@ void LibavReader::HandOut(const SharedFrame& decoded, double time_s, VideoFrame&
   frame.time_s = time_s;
   if (options_.preview_max_width_px > 0) {
     frame.preview = converter_->Preview(*decoded, options_.preview_max_width_px, orientation_);
-    return;
+    if (!options_.luma_too) return;
   }
   frame.luma = orientation_.Apply(converter_->Luma(*decoded));
   frame.bgr = options_.colour ? orientation_.Apply(converter_->Bgr(*decoded)) : cv::Mat();
