@@ -17,6 +17,7 @@
 #include "lake/overlay/numbered_spots.h"
 #include "lake/overlay/overlay_video.h"
 #include "lake/video/video_files.h"
+#include "png_and_svg.h"
 
 namespace lake::commands {
 namespace {
@@ -262,8 +263,9 @@ motion::MarkerRecording WritePoints(const TrackRunOptions& options, const tracki
   motion::WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
   if (trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), trajectory, motion::Measurements(trajectory));
-  figure::DrawTracksFigure(run.Result("track.png"), trajectory,
-                           options.video.filename().string() + (note.empty() ? "" : ": " + note));
+  const std::string title = options.video.filename().string() + (note.empty() ? "" : ": " + note);
+  DrawPngAndSvg("track", run,
+                [&](const std::filesystem::path& path) { figure::DrawTracksFigure(path, trajectory, title); });
   WriteOverlay(options, {.tracks = tracked.recording, .note = note}, run);
   return trajectory;
 }
@@ -319,8 +321,10 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
-  figure::DrawLegFigure(run.Result("track.png"), fit);
-  WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
+  DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
+  const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
+  const bool comparable = shutter.readout_s == 0;  // else what was seen is of another time than the estimate
+  WriteOverlay(options, {tracks, &fit.motion, &fit.events, comparable ? &estimates : nullptr}, run);
   results.update(gait::LegFitJson(fit));
   Export(options, tracked.video, view, MarkersToExport(options, fit, tracks, view), &fit, results, run);
   return results;
@@ -408,8 +412,8 @@ void CheckStamps(const TrackRunOptions& options, const std::vector<Correction>& 
 // Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
 std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   if (options.list) return {"summary.json", kCandidatesTable, kCandidatesPicture};
-  std::vector<std::string> names = {"summary.json", "tracks.csv", "trajectory.csv", "kinematics.csv",
-                                    "events.csv",   "track.png",  kCandidatesTable, kCandidatesPicture};
+  std::vector<std::string> names = {"summary.json", "tracks.csv", "trajectory.csv", "kinematics.csv",  "events.csv",
+                                    "track.png",    "track.svg",  kCandidatesTable, kCandidatesPicture};
   if (options.overlay) names.push_back("overlay.mp4");
   for (const std::string& format : options.exports)
     names.push_back(exchange::ExportName(format, options.video.stem().string()));

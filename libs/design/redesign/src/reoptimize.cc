@@ -86,21 +86,6 @@ std::vector<linkage::Links> StartsOf(const ReoptimizeProblem& problem, const std
   return starts;
 }
 
-// An end of a front: the best from as many starts as it takes to have met every optimum.
-std::optional<ReoptimizeSolve> SolveEnd(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
-                                        const synthesis::OptimizeOptions& options) {
-  std::optional<ReoptimizeSolve> best;
-  Optima optima;
-  for (const linkage::Links& start : StartsOf(problem, links, options)) {
-    ThrowIfInterrupted();
-    ReoptimizeSolve solve = SolveFrom(problem, StartPoint(problem, start), options);
-    optima.Add(solve);
-    if (solve.IsUsable() && (!best || IsBetter(solve, *best))) best = std::move(solve);
-    if (optima.AreAll()) break;
-  }
-  return best;
-}
-
 ParetoPoint ParetoPointOf(const ReoptimizeSolve& solve, double least_range_deg) {
   return {least_range_deg, solve.point, solve.Range_deg(), solve.Misalignment_percent(), solve.prediction->rms_mm};
 }
@@ -190,6 +175,28 @@ ReoptimizeResult Reoptimize(const ReoptimizeProblem& problem, const std::vector<
   return result;
 }
 
+std::optional<ReoptimizeSolve> FindOptimum(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
+                                           const synthesis::OptimizeOptions& options) {
+  std::optional<ReoptimizeSolve> best;
+  Optima optima;
+  for (const linkage::Links& start : StartsOf(problem, links, options)) {
+    ThrowIfInterrupted();
+    ReoptimizeSolve solve = SolveFrom(problem, StartPoint(problem, start), options);
+    optima.Add(solve);
+    if (solve.IsUsable() && (!best || IsBetter(solve, *best))) best = std::move(solve);
+    if (optima.AreAll()) break;
+  }
+  return best;
+}
+
+bool HasSolution(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
+                 const synthesis::OptimizeOptions& options) {
+  return std::ranges::any_of(StartsOf(problem, links, options), [&](const linkage::Links& start) {
+    ThrowIfInterrupted();
+    return SolveFrom(problem, StartPoint(problem, start), options).IsUsable();
+  });
+}
+
 ReoptimizePoint NearestToKnee(const ReoptimizeProblem& problem, const ReoptimizeSolve& optimum,
                               const synthesis::OptimizeOptions& options) {
   if (!problem.fit_placement) return optimum.point;
@@ -233,8 +240,8 @@ std::vector<ParetoPoint> ParetoFront(const ReoptimizeProblem& problem, int count
                                      const std::vector<linkage::Links>& links,
                                      const synthesis::OptimizeOptions& options, const std::function<void()>& step) {
   if (count < 2 || count > 1000) throw UsageError(fmt::format("--pareto {}: 2 to 1000 points", count));
-  const auto least = SolveEnd(WithGoal(problem, Goal::kMisalignment), links, options);
-  const auto widest = SolveEnd(WithGoal(problem, Goal::kRange), links, options);
+  const auto least = FindOptimum(WithGoal(problem, Goal::kMisalignment), links, options);
+  const auto widest = FindOptimum(WithGoal(problem, Goal::kRange), links, options);
   if (!least || !widest) return {};
   std::vector<double> ranges;
   std::vector<std::size_t> up;
