@@ -15,7 +15,6 @@
 namespace lake::synthesis {
 namespace {
 
-
 // Gradients of the rows and bounds that hold with equality, in columns scaled to length one.
 class ActiveGradients {
  public:

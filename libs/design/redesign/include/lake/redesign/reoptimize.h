@@ -49,8 +49,8 @@ struct ReoptimizeResult {
 ReoptimizeResult Reoptimize(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
                             const synthesis::OptimizeOptions& options = {});
 
-// The best from the same starts, but no more of them than it takes for all optima to be likely to have been met; nullopt
-// if none is usable.
+// The best from the same starts, but no more of them than it takes for all optima to be likely to have been met;
+// nullopt if none is usable.
 std::optional<ReoptimizeSolve> FindOptimum(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
                                            const synthesis::OptimizeOptions& options);
 
