@@ -1,0 +1,68 @@
+#include "lake/commands/review.h"
+
+#include <spawn.h>
+
+#include <csignal>
+#include <cstdio>
+
+#include "lake/core/error.h"
+#include "lake/review/review.h"
+#include "review_naming.h"
+#include "tracked_folder.h"
+
+extern char** environ;
+
+namespace lake::commands {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// With the desktop's own program for addresses.
+void OpenInBrowser(std::string address) {
+  std::signal(SIGCHLD, SIG_DFL);
+  std::string program = "xdg-open";
+  char* const words[] = {program.data(), address.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, program.c_str(), nullptr, nullptr, words, environ) != 0)
+    fmt::print(stderr, "lake-review: xdg-open is not there; open the address yourself\n");
+}
+
+void Announce(const std::string& address, bool open) {
+  fmt::print("{}\nOpen this address in a browser; closing the page or Ctrl-C ends it.\n", address);
+  std::fflush(stdout);
+  if (open) OpenInBrowser(address);
+}
+
+// What is measured near a click as the tracker did it; nullopt for markers that are no blobs in the luma.
+std::optional<tracking::Polarity> BlobsOf(const tracking::TrackOptions& track) {
+  return track.detector == tracking::DetectorKind::kReflective ? std::optional(track.polarity) : std::nullopt;
+}
+
+}  // namespace
+
+void Describe(ReviewRunOptions& o, OptionList& options) {
+  options.AddOperand("subject", o.subject, "A lake-track folder, or a video whose markers are to be named")
+      .Required()
+      .IsPath(Option::Path::kVideo);
+  options.Add("port", o.port, "Port on 127.0.0.1").Between(0, 65535).Otherwise("any that is free");
+  options.Add("open", o.open, "Open the page in the browser");
+}
+
+void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
+  review::ReviewOptions page;
+  page.port = options.port;
+  page.ready = [&options](const std::string& address) { Announce(address, options.open); };
+  if (!fs::is_directory(options.subject)) {
+    page.video = options.subject;
+    page.snap_to = tracking::Polarity::kBright;
+    return review::ServeReview(page, std::nullopt, NamingOf(options.subject, programs));
+  }
+  TrackedFolder folder = ReadTrackedFolder(options.subject);
+  page.video = folder.options.video;
+  page.reader = folder.options.track.reader;
+  page.snap_to = BlobsOf(folder.options.track);
+  review::ServeReview(page, ReviewedTrialOf(std::move(folder)), std::nullopt);
+}
+
+}  // namespace lake::commands
