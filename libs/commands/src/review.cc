@@ -4,11 +4,11 @@
 
 #include <csignal>
 #include <cstdio>
+#include <memory>
 
 #include "lake/core/error.h"
 #include "lake/review/review.h"
 #include "review_naming.h"
-#include "tracked_folder.h"
 
 extern char** environ;
 
@@ -47,6 +47,28 @@ void Describe(ReviewRunOptions& o, OptionList& options) {
       .IsPath(Option::Path::kVideo);
   options.Add("port", o.port, "Port on 127.0.0.1").Between(0, 65535).Otherwise("any that is free");
   options.Add("open", o.open, "Open the page in the browser");
+}
+
+review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
+  const auto folder = std::make_shared<TrackedFolder>(std::move(tracked_folder));
+  const auto fit = [folder](const motion::MarkerRecording& corrected) {
+    tracking::TrackResult tracked = folder->tracked;
+    tracked.recording = corrected;
+    TrackFit fitted = FitTracked(folder->options, tracked);
+    return review::TrialFit{std::move(fitted.leg), std::move(fitted.tracks), std::move(fitted.estimates),
+                            std::move(fitted.warnings)};
+  };
+  const auto save = [folder](const review::CorrectionBook& book) { SaveCorrections(*folder, book.Corrections()); };
+  const video::VideoInfo& video = folder->tracked.video;
+  const std::vector<std::int64_t>& repeated = folder->tracked.times.repeated;
+  return {review::CorrectionBook(folder->tracked.recording, repeated, folder->made),
+          repeated,
+          {fit, save},
+          {{"name", folder->options.video.filename().string()},
+           {"folder", folder->folder.string()},
+           {"command", folder->command},
+           {"width", video.width},
+           {"height", video.height}}};
 }
 
 void RunReview(const ReviewRunOptions& options, const fs::path& programs) {

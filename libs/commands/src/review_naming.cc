@@ -13,10 +13,10 @@
 #include <memory>
 #include <mutex>
 
+#include "lake/commands/review.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/tracking/track_markers.h"
-#include "tracked_folder.h"
 
 extern char** environ;
 
@@ -139,28 +139,6 @@ review::ReviewedTrial Track(const fs::path& video, const fs::path& programs, con
 }
 
 }  // namespace
-
-review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
-  const auto folder = std::make_shared<TrackedFolder>(std::move(tracked_folder));
-  const auto fit = [folder](const motion::MarkerRecording& corrected) {
-    tracking::TrackResult tracked = folder->tracked;
-    tracked.recording = corrected;
-    TrackFit fitted = FitTracked(folder->options, tracked);
-    return review::TrialFit{std::move(fitted.leg), std::move(fitted.tracks), std::move(fitted.estimates),
-                            std::move(fitted.warnings)};
-  };
-  const auto save = [folder](const review::CorrectionBook& book) { SaveCorrections(*folder, book.Corrections()); };
-  const video::VideoInfo& video = folder->tracked.video;
-  const std::vector<std::int64_t>& repeated = folder->tracked.times.repeated;
-  return {review::CorrectionBook(folder->tracked.recording, repeated, folder->made),
-          repeated,
-          {fit, save},
-          {{"name", folder->options.video.filename().string()},
-           {"folder", folder->folder.string()},
-           {"command", folder->command},
-           {"width", video.width},
-           {"height", video.height}}};
-}
 
 review::NamingWork NamingOf(const fs::path& video, const fs::path& programs) {
   struct Found {

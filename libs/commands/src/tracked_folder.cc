@@ -1,4 +1,4 @@
-#include "tracked_folder.h"
+#include "lake/commands/tracked_folder.h"
 
 #include <algorithm>
 #include <map>

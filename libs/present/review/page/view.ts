@@ -28,7 +28,7 @@ export class PictureView {
   private pinch = 0;
 
   constructor(private canvas: HTMLCanvasElement, private size: Point, private actions: ViewActions) {
-    this.centre = { x: size.x / 2, y: size.y / 2 };
+    this.centre = this.wholeCentre();
     canvas.style.aspectRatio = `${size.x} / ${size.y}`;
     canvas.addEventListener("pointerdown", (event) => this.down(event));
     canvas.addEventListener("pointermove", (event) => this.move(event));
@@ -83,7 +83,7 @@ export class PictureView {
 
   fit(): void {
     this.zoom = 1;
-    this.centreOn({ x: this.size.x / 2, y: this.size.y / 2 });
+    this.centreOn(this.wholeCentre());
   }
 
   redraw(): void {
@@ -110,8 +110,12 @@ export class PictureView {
       x: Math.min(Math.max(at.x, 0), this.size.x - 1),
       y: Math.min(Math.max(at.y, 0), this.size.y - 1),
     };
-    if (this.zoom === 1) this.centre = { x: (this.size.x - 1) / 2, y: (this.size.y - 1) / 2 };
+    if (this.zoom === 1) this.centre = this.wholeCentre();
     this.redraw();
+  }
+
+  private wholeCentre(): Point {
+    return { x: (this.size.x - 1) / 2, y: (this.size.y - 1) / 2 };
   }
 
   private place(event: MouseEvent): Point {

@@ -3,7 +3,9 @@
 
 #include <filesystem>
 
+#include "lake/commands/tracked_folder.h"
 #include "lake/core/options.h"
+#include "lake/review/review.h"
 
 namespace lake::commands {
 
@@ -14,6 +16,9 @@ struct ReviewRunOptions {
 };
 
 void Describe(ReviewRunOptions& o, OptionList& options);
+
+// The trial of a folder, for the page: its fit is lake-track's, and each correction is saved in the folder.
+review::ReviewedTrial ReviewedTrialOf(TrackedFolder folder);
 
 // Prints the page's address and serves it until its last window is closed. Corrections are written into the folder:
 // corrections.csv and review.json. Of a video, tracking runs `programs`/lake-track into its default folder. Throws
