@@ -61,6 +61,12 @@ class Review:
         self.process.send_signal(sign)
         return self.wait()
 
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+        self.process.stderr.close()
+
     def wait(self):
         err = self.process.communicate(timeout=WAIT_S)[1]
         return self.process.returncode, err
@@ -100,9 +106,7 @@ class ReviewPage(unittest.TestCase):
 
     def open(self, subject):
         review = Review(self.folder, subject)
-        self.addCleanup(review.process.stdout.close)
-        self.addCleanup(review.process.stderr.close)
-        self.addCleanup(review.process.kill)
+        self.addCleanup(review.close)
         self.browser.get(review.address)
         return review
 
@@ -130,13 +134,15 @@ class ReviewPage(unittest.TestCase):
         return None if number is None else int(number)
 
     def marker(self, name):
-        return self.browser.find_element(By.CSS_SELECTOR, f"#markers [data-marker={name}]")
+        return self.browser.execute_script(
+            "const m = document.querySelector(`#markers [data-marker=${arguments[0]}]`); return m && {...m.dataset}",
+            name) or {}
 
     def status(self, name):
-        return self.marker(name).get_attribute("data-status")
+        return self.marker(name).get("status")
 
     def is_corrected(self, name):
-        return self.marker(name).get_attribute("data-corrected") == "true"
+        return self.marker(name).get("corrected") == "true"
 
     # What a person does
 
@@ -190,12 +196,15 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: self.frame() == 11)
         self.press(Keys.ARROW_LEFT)
         self.until(lambda: self.frame() == 10)
-        self.press("]")
+        while "knee not seen, frames 47 to 58" not in self.text("said"):
+            self.press("]")
+            self.assertNotIn("no further problem", self.text("said"))
         self.until(lambda: self.frame() == 47)
         self.assertEqual((self.status("knee"), self.status("ankle")), ("filled", "detected"))
-        self.assertIn("knee not seen, frames 47 to 58", self.text("said"))
+        self.seek(0)
         self.press("[")
         self.assertIn("no further problem", self.text("said"))
+        self.seek(47)
         self.press(" ")
         self.until(lambda: self.frame() > 49)
         self.press(" ")
@@ -278,9 +287,10 @@ class ReviewPage(unittest.TestCase):
             writer.writerows(rows)
         review = self.open(self.trial)
         self.until(lambda: "No leg can be fitted" in self.text("warnings"))
-        self.browser.find_element(By.CSS_SELECTOR, "#problems button").click()
-        self.until(lambda: self.frame() == 47)
-        Select(self.part("swap-with")).select_by_value("hip")
+        # Where the later of the two vanishes: before that, its name is right.
+        self.browser.find_element(By.XPATH, "//*[@id='problems']//button[contains(., 'hip not seen')]").click()
+        self.until(lambda: self.frame() == 48)
+        Select(self.part("swap-with")).select_by_value("knee")
         self.part("swap").click()
         self.until(lambda: self.text("warnings") == "" and "saved" in self.text("state"))
         repaired = review.ask("trial")["leg"]["knee"]

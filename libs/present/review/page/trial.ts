@@ -198,32 +198,36 @@ export class TrialPage {
   // --- markers
 
   private showMarkers(): void {
-    const list = part("markers");
-    const lines = this.trial.markers.map((marker, index) => {
-      const made = button("", () => this.select(index));
-      made.setAttribute("aria-pressed", String(index === this.selected));
-      made.style.setProperty("--marker", `var(${colourOfMarker(index)})`);
-      made.dataset.marker = marker.name;
-      const at = this.placeOf(marker), isCorrected = marker.corrected.includes(this.row);
-      const name = document.createElement("b"), what = document.createElement("span");
-      name.textContent = marker.name;
-      const status = TEXTS.status[marker.status[this.row]];
-      made.dataset.status = status;
-      made.dataset.corrected = String(isCorrected);
-      what.textContent =
-        `${status}${isCorrected ? ", " + TEXTS.corrected : ""}` +
-        (at ? ` ${TEXTS.position(at.x, at.y, marker.sigma[this.row] ?? 0)}` : "");
-      made.append(name, what);
-      return made;
-    });
-    const focused = [...list.children].indexOf(document.activeElement as Element);
-    list.replaceChildren(...lines);
-    if (focused >= 0) lines[focused]?.focus();
+    const list = part("markers"), { markers } = this.trial;
+    if (list.children.length !== markers.length)
+      list.replaceChildren(...markers.map((marker, index) => this.markerButton(marker.name, index)));
+    markers.forEach((marker, index) => this.showMarker(marker, index, list.children[index] as HTMLElement));
     const other = part<HTMLSelectElement>("swap-with"), before = other.value;
-    const names = this.trial.markers.map((marker) => marker.name).filter((_, index) => index !== this.selected);
+    const names = markers.map((marker) => marker.name).filter((_, index) => index !== this.selected);
     if (names.join() === [...other.options].map((option) => option.value).join()) return;
     other.replaceChildren(...names.map((name) => new Option(name, name)));
     if (names.includes(before)) other.value = before;
+  }
+
+  private markerButton(name: string, index: number): HTMLButtonElement {
+    const made = button("", () => this.select(index));
+    made.style.setProperty("--marker", `var(${colourOfMarker(index)})`);
+    made.dataset.marker = name;
+    const title = document.createElement("b");
+    title.textContent = name;
+    made.append(title, document.createElement("span"));
+    return made;
+  }
+
+  private showMarker(marker: MarkerMessage, index: number, shown: HTMLElement): void {
+    const at = this.placeOf(marker), isCorrected = marker.corrected.includes(this.row);
+    const status = TEXTS.status[marker.status[this.row]];
+    shown.setAttribute("aria-pressed", String(index === this.selected));
+    shown.dataset.status = status;
+    shown.dataset.corrected = String(isCorrected);
+    shown.querySelector("span")!.textContent =
+      `${status}${isCorrected ? ", " + TEXTS.corrected : ""}` +
+      (at ? ` ${TEXTS.position(at.x, at.y, marker.sigma[this.row] ?? 0)}` : "");
   }
 
   private select(index: number): void {
