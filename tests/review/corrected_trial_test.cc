@@ -1,10 +1,8 @@
 // A tracked trial is corrected as lake-review does it: lake-track with these corrections gives the same numbers.
-#include <sys/resource.h>
-
 #include <chrono>
-#include <csignal>
 #include <thread>
 
+#include "file_limit.h"
 #include "lake/commands/review.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
@@ -18,26 +16,6 @@ using review::CorrectionBook;
 using review::ReviewedTrial;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-// Files end after so many bytes, as on a full disk.
-class FileLimit {
- public:
-  explicit FileLimit(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  FileLimit(const FileLimit&) = delete;
-  FileLimit& operator=(const FileLimit&) = delete;
-  ~FileLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = std::signal(SIGXFSZ, SIG_IGN);
-};
 
 class CorrectedTrial : public testing::Test {
  protected:

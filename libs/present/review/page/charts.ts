@@ -155,7 +155,7 @@ export class Chart extends Strip {
   }
 
   private drawAxis(context: CanvasRenderingContext2D, low: number, high: number, y: (value: number) => number): void {
-    const rough = (high - low) / 3, power = 10 ** Math.floor(Math.log10(rough));
+    const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough));
     const step = [1, 2, 5, 10].map((part) => part * power).find((candidate) => candidate >= rough) ?? rough;
     const digits = Math.max(0, -Math.floor(Math.log10(step)));
     context.textBaseline = "middle";

@@ -13,6 +13,7 @@ const REACH = 14; // screen px in which a marker is taken hold of
 const SNAP = 20; // screen px in which the detector looks for a marker
 
 const colourOfMarker = (index: number) => `--marker-${index % 7}`;
+const colourOverPicture = (index: number) => `--over-${index % 7}`;
 
 export class TrialPage {
   private rowOf = new Map<number, number>();
@@ -361,8 +362,7 @@ export class TrialPage {
   }
 
   private drawMarker(context: CanvasRenderingContext2D, marker: MarkerMessage, index: number): void {
-    const colour = colourOf(colourOfMarker(index));
-    context.strokeStyle = context.fillStyle = colour;
+    context.strokeStyle = context.fillStyle = colourOf(colourOverPicture(index));
     this.drawTrail(context, marker);
     const at = this.shownPlace(marker);
     if (!at) return;
