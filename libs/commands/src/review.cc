@@ -64,6 +64,7 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
   return {review::CorrectionBook(folder->tracked.recording, repeated, folder->made),
           repeated,
           {fit, save},
+          BlobsOf(folder->options.track),
           {{"name", folder->options.video.filename().string()},
            {"folder", folder->folder.string()},
            {"command", folder->command},
@@ -77,13 +78,11 @@ void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
   page.ready = [&options](const std::string& address) { Announce(address, options.open); };
   if (!fs::is_directory(options.subject)) {
     page.video = options.subject;
-    page.snap_to = tracking::Polarity::kBright;
     return review::ServeReview(page, std::nullopt, NamingOf(options.subject, programs));
   }
   TrackedFolder folder = ReadTrackedFolder(options.subject);
   page.video = folder.options.video;
   page.reader = folder.options.track.reader;
-  page.snap_to = BlobsOf(folder.options.track);
   review::ServeReview(page, ReviewedTrialOf(std::move(folder)), std::nullopt);
 }
 

@@ -30,21 +30,39 @@ fs::path OutputOf(const fs::path& video) {
   return fs::path("lake-out") / video.stem();
 }
 
+// Those of lake-track's options that the page asks for, beside markers and seeds.
+constexpr std::array kAsked = {"camera", "scale", "vertical", "crop", "detector", "polarity", "color", "start", "end"};
+
+// lake-track's options as they were chosen; `words` are what its command line says. Throws UsageError for a choice that
+// cannot be.
+TrackRunOptions Chosen(const fs::path& video, const Json& choices, std::vector<std::string>& words) {
+  TrackRunOptions options;
+  OptionList list = OptionsOf(options);
+  words = {(video.string().starts_with('-') ? "./" : "") + video.string()};
+  const auto give = [&](const std::string& name, const OptionTexts& texts) {
+    for (Option& option : list.All())
+      if (option.Name() == name) option.Give(texts);
+    for (const std::string& text : texts) words.push_back(fmt::format("--{}={}", name, text));
+  };
+  give("markers", {fmt::format("{}", fmt::join(choices.at("markers").get<OptionTexts>(), ","))});
+  OptionTexts seeds;
+  for (const auto& [name, spot] : choices.at("seeds").items())
+    seeds.push_back(fmt::format("{}=#{}", name, spot.get<int>()));
+  if (!seeds.empty()) give("seed", seeds);
+  for (const char* name : kAsked)
+    if (const std::string text = choices.at("options").value(name, ""); !text.empty()) give(name, {text});
+  list.Apply();
+  options.video = video;
+  return options;
+}
+
 // What lake-track is told, one word each.
 std::vector<std::string> ArgumentsOf(const fs::path& video, const Json& choices) {
-  tracking::TrackOptions options;
-  options.names = choices.at("markers").get<std::vector<std::string>>();
-  std::vector<std::string> arguments = {video.string(), fmt::format("--markers={}", fmt::join(options.names, ","))};
-  for (const auto& [name, spot] : choices.at("seeds").items()) {
-    const int id = spot.get<int>();
-    if (id < 1) throw Fail("there is no spot #{}", id);
-    options.seeds.push_back({name, {}, 0, id});
-    arguments.push_back(fmt::format("--seed={}=#{}", name, id));
-  }
-  options.Check();
-  arguments.push_back("-o");
-  arguments.push_back(OutputOf(video).string());
-  return arguments;
+  std::vector<std::string> words;
+  Chosen(video, choices, words);
+  words.push_back("-o");
+  words.push_back(OutputOf(video).string());
+  return words;
 }
 
 Json SpotsJson(const fs::path& video, const tracking::CandidateList& list, const video::VideoInfo& info) {
@@ -61,7 +79,7 @@ Json SpotsJson(const fs::path& video, const tracking::CandidateList& list, const
           {"width", info.width},
           {"height", info.height},
           {"spots", spots},
-          {"choices", {{"markers", tracking::kLegMarkers}, {"seeds", Json::object()}}}};
+          {"choices", {{"markers", tracking::kLegMarkers}, {"seeds", Json::object()}, {"options", Json::object()}}}};
 }
 
 // A program whose stderr is read; ended with this object if it still runs.
@@ -141,19 +159,15 @@ review::ReviewedTrial Track(const fs::path& video, const fs::path& programs, con
 }  // namespace
 
 review::NamingWork NamingOf(const fs::path& video, const fs::path& programs) {
-  struct Found {
-    std::once_flag once;
-    Json message;
-  };
   review::NamingWork work;
-  work.find = [video, found = std::make_shared<Found>()] {
-    std::call_once(found->once, [&] {
-      tracking::TrackOptions options;
-      options.quiet = true;
-      const video::VideoInfo info = video::VideoReader::Open(video, options.reader)->Info();
-      found->message = SpotsJson(video, tracking::FindCandidates(video, options), info);
-    });
-    return found->message;
+  work.find = [video, busy = std::make_shared<std::mutex>()](const Json& options) {
+    const std::lock_guard one_at_a_time(*busy);
+    std::vector<std::string> words;
+    const Json choices = {{"markers", tracking::kLegMarkers}, {"seeds", Json::object()}, {"options", options}};
+    tracking::TrackOptions track = Chosen(video, choices, words).track;
+    track.quiet = true;
+    const video::VideoInfo info = video::VideoReader::Open(video, track.reader)->Info();
+    return SpotsJson(video, tracking::FindCandidates(video, track), info);
   };
   work.said = [video](const Json& choices) {
     std::vector<std::string> words = {"lake", "track"};

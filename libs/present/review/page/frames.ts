@@ -11,7 +11,7 @@ export class Frames {
   private step = 1;
 
   constructor(
-    private last: number,
+    private last: number, // nothing behind it is loaded ahead
     private loaded: (frame: number, picture: ImageBitmap) => void,
     private failed: (why: unknown) => void,
   ) {}

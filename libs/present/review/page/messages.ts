@@ -101,8 +101,22 @@ export interface NamingMessage {
   choices: Choices; // to begin with
 }
 
+/** Other options of `lake track`, as its command line has them; empty where not given. */
+export interface TrackOptions {
+  camera?: string;
+  scale?: string;
+  vertical?: string;
+  crop?: string;
+  detector?: string;
+  polarity?: string;
+  color?: string;
+  start?: string;
+  end?: string;
+}
+
 /** What `lake track` is told. */
 export interface Choices {
   markers: string[];
+  options: TrackOptions;
   seeds: { [name: string]: number }; // numbers of spots
 }

@@ -1,28 +1,42 @@
 // A video alone: click the names onto the spots that the tracker sees, and let it track.
 import { button, onClick, part, say, sayWhy } from "./dom";
 import { Frames } from "./frames";
-import { Choices, NamingMessage, SpotMessage, StateMessage } from "./messages";
+import { Choices, NamingMessage, SpotMessage, StateMessage, TrackOptions } from "./messages";
 import { server } from "./server";
 import { TEXTS } from "./texts";
 import { PictureView, Point, distance } from "./view";
 
 const REACH = 25; // screen px
 
+type Pointed = keyof typeof TEXTS.pointAt;
+
+// Options that change which spots there are.
+const OF_SPOTS = ["crop", "start", "end", "detector", "polarity", "color"];
+
 export class NamingPage {
   private message: NamingMessage | null = null;
   private view: PictureView | null = null;
-  private choices: Choices = { markers: [], seeds: {} };
+  private choices: Choices = { markers: [], seeds: {}, options: {} };
+  private pointing: { option: Pointed; first: Point | null } | null = null;
+  private frames: Frames | null = null;
   private selected = 0;
   private isTracking = false;
 
   constructor() {
     part("naming").hidden = false;
     part("state").textContent = TEXTS.finding;
-    server.naming().then((message) => this.open(message), sayWhy);
+    void this.find();
     onClick("start-tracking", () => void this.track());
     onClick("copy", () => void this.copy());
     const names = part<HTMLInputElement>("names");
     names.addEventListener("change", () => this.rename(names.value));
+    for (const field of document.querySelectorAll<HTMLInputElement>("[data-option]"))
+      field.addEventListener("change", () => this.setOption(field.dataset.option as keyof TrackOptions, field.value));
+    for (const pointer of document.querySelectorAll<HTMLElement>("[data-point]"))
+      pointer.addEventListener("click", () => this.point(pointer.dataset.point as Pointed));
+    document.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") this.pointing = null;
+    });
   }
 
   close(): void {
@@ -30,27 +44,79 @@ export class NamingPage {
   }
 
   update(state: StateMessage): void {
-    if (state.mode === "tracking") part("state").textContent = state.progress || TEXTS.tracking;
+    if (state.mode === "tracking") this.showProgress(state.progress);
     else if (this.isTracking && state.failed) say(TEXTS.trackingFailed(state.failed), true);
     this.isTracking = state.mode === "tracking";
+    part("progress").hidden = !this.isTracking;
     part<HTMLButtonElement>("start-tracking").disabled = this.isTracking || !this.message;
     if (!this.isTracking && this.message) part("state").textContent = this.message.name;
   }
 
+  // The tracker's own lines: "tracking: 120/1010 frames, …".
+  private showProgress(line: string): void {
+    part("state").textContent = line || TEXTS.tracking;
+    const numbers = /(\d+)\/(\d+)/.exec(line), bar = part<HTMLProgressElement>("progress");
+    if (numbers) bar.value = Number(numbers[1]) / Number(numbers[2]);
+    else bar.removeAttribute("value");
+  }
+
+  private async find(): Promise<void> {
+    part("state").textContent = TEXTS.finding;
+    try {
+      this.open(await server.naming(this.choices.options));
+    } catch (why) {
+      sayWhy(why);
+    }
+  }
+
+  private setOption(option: keyof TrackOptions, text: string): void {
+    this.choices.options[option] = text.trim();
+    if (!OF_SPOTS.includes(option)) return this.showChoices();
+    this.choices.seeds = {}; // their numbers are of other spots
+    this.selected = 0;
+    void this.find();
+  }
+
+  private point(option: Pointed): void {
+    this.pointing = { option, first: null };
+    say(TEXTS.pointAt[option][0]);
+  }
+
+  private pointed(at: Point): void {
+    const { option, first } = this.pointing!;
+    if (!first) {
+      this.pointing = { option, first: at };
+      return say(TEXTS.pointAt[option][1]);
+    }
+    this.pointing = null;
+    const round = (value: number) => Number(value.toFixed(1));
+    let text = [first.x, first.y, at.x, at.y].map(round).join();
+    if (option === "crop") {
+      const [x, y] = [Math.min(first.x, at.x), Math.min(first.y, at.y)].map((value) => Math.max(Math.floor(value), 0));
+      text = [x, y, Math.ceil(Math.max(first.x, at.x)) - x, Math.ceil(Math.max(first.y, at.y)) - y].join();
+    } else if (option === "scale") {
+      text += `,${window.prompt(TEXTS.barLength) ?? ""}`;
+    }
+    document.querySelector<HTMLInputElement>(`input[data-option=${option}]`)!.value = text;
+    this.setOption(option, text);
+  }
+
   private open(message: NamingMessage): void {
+    const isFirst = !this.message;
     this.message = message;
-    this.choices = message.choices;
+    if (isFirst) this.choices = message.choices;
     part("name").textContent = message.name;
     document.title = `${message.name} – lake review`;
     part<HTMLInputElement>("names").value = this.choices.markers.join(", ");
-    this.view = new PictureView(part("naming-picture"), { x: message.width, y: message.height }, {
+    this.view ??= new PictureView(part("naming-picture"), { x: message.width, y: message.height }, {
       draw: (context) => this.draw(context),
       grab: () => false,
       drag: () => undefined,
       drop: () => undefined,
       click: (at) => this.click(at),
     });
-    new Frames(message.frame, (_, picture) => this.view!.show(picture), sayWhy).want(message.frame);
+    this.frames ??= new Frames(-1, (_, picture) => this.view!.show(picture), sayWhy);
+    this.frames.want(message.frame);
     this.showChoices();
   }
 
@@ -58,13 +124,14 @@ export class NamingPage {
     const names = text.split(",").map((name) => name.trim()).filter((name) => name !== "");
     const seeds: Choices["seeds"] = {};
     for (const name of names) if (name in this.choices.seeds) seeds[name] = this.choices.seeds[name];
-    this.choices = { markers: names, seeds };
+    this.choices = { ...this.choices, markers: names, seeds };
     this.selected = 0;
     this.showChoices();
   }
 
   private click(at: Point): void {
     if (!this.message || this.isTracking) return;
+    if (this.pointing) return this.pointed(at);
     const reach = REACH / this.view!.scale();
     const near = this.message.spots
       .map((spot) => ({ spot, away: distance(spot, at) }))

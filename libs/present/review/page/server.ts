@@ -1,6 +1,6 @@
 // Questions to the server that served this page; addresses are relative, so the token stays in them.
 import {
-  Choices, EditMessage, NamingMessage, SnapAnswer, SnapQuestion, StateMessage, TrialMessage,
+  Choices, EditMessage, NamingMessage, SnapAnswer, SnapQuestion, StateMessage, TrackOptions, TrialMessage,
 } from "./messages";
 
 /** The server's own words on why not. */
@@ -31,7 +31,7 @@ export const server = {
   trial: () => get<TrialMessage>("trial"),
   edit: (edit: EditMessage) => post<StateMessage>("edit", edit),
   snap: (question: SnapQuestion) => post<SnapAnswer>("snap", question),
-  naming: () => get<NamingMessage>("naming"),
+  naming: (options: TrackOptions) => post<NamingMessage>("naming", options),
   command: (choices: Choices) => post<{ command: string }>("command", choices),
   track: (choices: Choices) => post<StateMessage>("track", choices),
   frame: async (frame: number): Promise<ImageBitmap> => {

@@ -64,6 +64,12 @@ export const TEXTS = {
   spot: (id: number, x: number, y: number, moves: boolean) =>
     `#${id} at (${x.toFixed(0)}, ${y.toFixed(0)})${moves ? "" : ", does not move"}`,
   choose: (name: string) => `Click ${name}`,
+  pointAt: {
+    scale: ["Click one end of the scale bar", "Click its other end"],
+    vertical: ["Click one end of the plumb line", "Click its other end"],
+    crop: ["Click one corner of the part to search", "Click the corner across"],
+  },
+  barLength: "Length of the scale bar (mm)",
   chooseDone: "All markers have their spots",
   tracking: "Tracking",
   trackingFailed: (why: string) => `Tracking ended without a result: ${why}`,

@@ -86,7 +86,8 @@ class ReviewServer {
     server_.Get("trial", [this](const LocalRequest&) { return LocalReply{kJson, Session().Trial()}; });
     server_.Post("edit",
                  [this](const LocalRequest& request) { return JsonReply(Session().Edit(Json::parse(request.body))); });
-    server_.Get("naming", [this](const LocalRequest&) { return JsonReply(Naming().find()); });
+    server_.Post("naming",
+                 [this](const LocalRequest& request) { return JsonReply(Naming().find(Json::parse(request.body))); });
     server_.Post("command", [this](const LocalRequest& request) {
       return JsonReply({{"command", Naming().said(Json::parse(request.body))}});
     });
@@ -107,8 +108,9 @@ class ReviewServer {
 
   Json Snap(std::int64_t frame, const Eigen::Vector2d& place, double reach_px, const std::string& marker) {
     constexpr double kFarthest = 100;
-    if (!options_.snap_to || !place.allFinite() || !(reach_px > 0 && reach_px <= kFarthest)) return Json();
-    const auto found = SnapToMarker(frames_.Frame(frame).luma, place, reach_px, *options_.snap_to);
+    const std::optional<tracking::Polarity> snap_to = SnapTo();
+    if (!snap_to || !place.allFinite() || !(reach_px > 0 && reach_px <= kFarthest)) return Json();
+    const auto found = SnapToMarker(frames_.Frame(frame).luma, place, reach_px, *snap_to);
     if (!found) return Json();
     // Compression displaces what it does not show in a single frame.
     const double sigma = std::max(found->sigma_px, marker.empty() ? 0 : Session().UsualSigma(marker));
@@ -121,6 +123,11 @@ class ReviewServer {
     return *session_;
   }
 
+  std::optional<tracking::Polarity> SnapTo() const {
+    const std::lock_guard lock(mutex_);
+    return snap_to_;
+  }
+
   const NamingWork& Naming() const {
     if (!naming_) throw Error("the markers of this trial have their names");
     return *naming_;
@@ -130,7 +137,7 @@ class ReviewServer {
     auto session = std::make_unique<TrialSession>(std::move(trial.book), std::move(trial.repeated),
                                                   std::move(trial.work), std::move(trial.about));
     const std::lock_guard lock(mutex_);
-    session_ = std::move(session);
+    session_ = std::move(session), snap_to_ = trial.snap_to;
   }
 
   bool IsTracking() const {
@@ -168,6 +175,7 @@ class ReviewServer {
   Windows windows_;
   mutable std::mutex mutex_;
   std::unique_ptr<TrialSession> session_;  // never replaced once it is there
+  std::optional<tracking::Polarity> snap_to_;
   bool is_tracking_ = false;
   std::string progress_, failed_;
   std::thread tracking_;

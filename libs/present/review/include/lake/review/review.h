@@ -19,12 +19,14 @@ struct ReviewedTrial {
   CorrectionBook book;
   std::vector<std::int64_t> repeated;  // frames whose picture is that of the frame before
   TrialWork work;
-  Json about;  // AboutMessage in page/messages.ts
+  std::optional<tracking::Polarity> snap_to;  // nullopt: markers of a kind that is not measured as a blob
+  Json about;                                 // AboutMessage in page/messages.ts
 };
 
 // A recording of which markers are still to be named.
 struct NamingWork {
-  std::function<Json()> find;                    // what is there, NamingMessage in page/messages.ts; throws Error
+  // What is there with these options, NamingMessage in page/messages.ts. Throws Error.
+  std::function<Json(const Json& options)> find;
   std::function<std::string(const Json&)> said;  // the command line that tracks with these choices; throws Error
   // Tracks with these choices and gives the trial; progress is told as a line of text. Throws Error.
   std::function<ReviewedTrial(const Json& choices, const std::function<void(const std::string&)>& progress)> track;
@@ -33,8 +35,7 @@ struct NamingWork {
 struct ReviewOptions {
   std::filesystem::path video;
   video::VideoReaderOptions reader;
-  std::optional<tracking::Polarity> snap_to;  // nullopt: markers of a kind that is not measured as a blob
-  int port = 0;                               // 0: any that is free
+  int port = 0;  // 0: any that is free
   std::function<void(const std::string& address)> ready;
 };
 
