@@ -182,6 +182,11 @@ const CLI::App* Program::AddCommand(const std::string& name, const std::string& 
   return command;
 }
 
+void Program::TakeOutByPlace() {
+  cli_.remove_option(cli_.get_option("--out"));
+  cli_.add_option("out", out_, "Folder for the results; made if absent");
+}
+
 std::vector<SharedOptions> Program::GivenLists() const {
   std::vector<SharedOptions> lists;
   for (const auto& [app, list] : lists_)

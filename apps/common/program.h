@@ -42,6 +42,9 @@ class Program {
 
   CLI::App& Cli() { return cli_; }
 
+  // The folder for the results is given by its place on the command line, after what was added before, not by --out.
+  void TakeOutByPlace();
+
   // Parses, runs `work`, and returns the exit code. `result_name` names the folder under ./lake-out (or is an absolute
   // path) when --out is not given; it is called after parsing. `work` writes its files through the Run and returns the
   // results for summary.json; with --json the summary goes to stdout, else `report`, if given, says the main numbers
