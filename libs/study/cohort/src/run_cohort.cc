@@ -6,11 +6,11 @@
 
 #include "group_results.h"
 #include "lake/cohort/cohort_file.h"
+#include "lake/cohort/motion_files.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 #include "lake/core/threads.h"
-#include "lake/cohort/motion_files.h"
 #include "program_files.h"
 #include "workflow.h"
 
@@ -120,18 +120,19 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   for (const char* file : {"participants.tsv", "cohort.yaml"}) run.AddInput(cohort.folder / file);
   WriteDatasetFiles(cohort, run);
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
+  const WorkflowLock lock(out, run.Quiet());
   const Json workflow = PrepareWorkflow(cohort, out);
   if (workflow["recordings"].empty())
     throw Fail("{}: no study can be done: {}", cohort.folder.string(), FailuresOf(workflow, out).front().Text());
   const std::vector<std::string> arguments = SnakemakeArguments(options);
-  const bool all_well = RunSnakemake(out, "participant", arguments, run.Quiet());
+  const bool all_well = RunSnakemake(out, "participant", arguments, run.Quiet(), lock);
   const std::vector<Failure> failures = FailuresOf(workflow, out);
   if (!all_well && failures.empty()) throw Fail("snakemake failed; see {}", (out / "logs/.snakemake/log").string());
   for (const Failure& failure : failures) run.Warn(failure.Text());
   Json summary = {{"recordings", workflow["recordings"].size()}, {"failures", Json::array()}};
   for (const Failure& failure : failures) summary["failures"].push_back(failure.Text());
   if (options.level == "group") {
-    if (!RunSnakemake(out, "group", arguments, run.Quiet()))
+    if (!RunSnakemake(out, "group", arguments, run.Quiet(), lock))
       throw Fail("the group's tables were not made: {}", ReadTextFile(out / "logs" / "group.log"));
     summary["group"] = ReadJsonFile(out / "group" / "summary.json");
   } else if (!failures.empty()) {

@@ -3,12 +3,14 @@
 #include <fcntl.h>
 #include <fmt/ranges.h>
 #include <spawn.h>
+#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <set>
 #include <thread>
@@ -129,10 +131,12 @@ int WaitFor(pid_t child) {
   }
 }
 
-int Spawn(std::vector<std::string> words) {
+// `lock` becomes the children's standard input, which every descendant inherits: so the lock is held until all have
+// ended. When this program is killed, snakemake is told to end too (setpriv).
+int Spawn(std::vector<std::string> words, int lock) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, lock, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);  // stdout is for results
   // A process group of its own: Ctrl-C is for this program, which then ends snakemake and its jobs.
   posix_spawnattr_t attributes;
@@ -146,9 +150,16 @@ int Spawn(std::vector<std::string> words) {
   const int error = posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
-  if (error != 0)
-    throw Fail("{} cannot be started ({}); install the package snakemake", words.front(), std::strerror(error));
+  if (error != 0) throw Fail("{} cannot be started: {}", words.front(), std::strerror(error));
   return WaitFor(child);
+}
+
+// Whether a program is in PATH.
+bool IsInstalled(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  for (const std::string& folder : SplitText(path ? path : "", ':'))
+    if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
+  return false;
 }
 
 // The error that a step's log ends with.
@@ -167,6 +178,27 @@ std::string ErrorIn(const fs::path& log) {
 
 std::string Failure::Text() const {
   return fmt::format("{}: {}", Recordings{participant, session, run, {}, {}}.Name(), error);
+}
+
+WorkflowLock::WorkflowLock(const fs::path& out, bool quiet) {
+  constexpr std::chrono::milliseconds kNap(100);
+  const fs::path path = out / "logs" / "lock";
+  fs::create_directories(path.parent_path());
+  descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor_ < 0) throw Fail("{}: {}", path.string(), std::strerror(errno));
+  bool is_told = quiet;
+  while (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK && errno != EINTR)
+      throw Fail("{}: cannot be locked: {}", path.string(), std::strerror(errno));
+    if (!is_told) fmt::print(stderr, "waiting for steps that outlived an earlier run in {}\n", out.string());
+    is_told = true;
+    ThrowIfInterrupted();
+    std::this_thread::sleep_for(kNap);
+  }
+}
+
+WorkflowLock::~WorkflowLock() {
+  close(descriptor_);
 }
 
 Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
@@ -203,10 +235,14 @@ Json ReadWorkflow(const fs::path& out) {
   return ReadJsonFile(out / "logs" / "cohort.json");
 }
 
-bool RunSnakemake(const fs::path& out, const std::string& target, const std::vector<std::string>& arguments,
-                  bool quiet) {
+bool RunSnakemake(const fs::path& out, const std::string& target, const std::vector<std::string>& arguments, bool quiet,
+                  const WorkflowLock& lock) {
+  if (!IsInstalled("snakemake")) throw Error("snakemake is not installed; install the package snakemake");
   const fs::path logs = out / "logs";
-  std::vector<std::string> words = {"snakemake",
+  std::vector<std::string> words = {"setpriv",
+                                    "--pdeathsig",
+                                    "TERM",
+                                    "snakemake",
                                     "--snakefile",
                                     SharedFile("Snakefile").string(),
                                     "--configfile",
@@ -223,7 +259,7 @@ bool RunSnakemake(const fs::path& out, const std::string& target, const std::vec
   words.insert(words.end(), arguments.begin(), arguments.end());
   if (target == "group") words.insert(words.end(), {"--forcerun", target, "--"});
   words.push_back(target);
-  const int status = Spawn(words);
+  const int status = Spawn(words, lock.Descriptor());
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
