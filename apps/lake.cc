@@ -21,6 +21,7 @@ struct Step {
 };
 constexpr std::array kSteps = {
     Step{"run", "a whole study, from two videos to a better exoskeleton"},
+    Step{"cohort", "the studies of many people, and what they say as a group"},
     Step{"calibrate", "camera and sagittal plane from pictures of a board"},
     Step{"check", "in seconds: is a recording fit, and what to change"},
     Step{"track", "markers, leg vectors and knee angle from a video"},

@@ -190,6 +190,11 @@ const CLI::App* Program::AddCommand(const std::string& name, const std::string& 
   return command;
 }
 
+void Program::TakeOutByPlace() {
+  cli_.remove_option(cli_.get_option("--out"));
+  cli_.add_option("out", out_, "Folder for the results; made if absent");
+}
+
 std::vector<SharedOptions> Program::GivenLists() const {
   std::vector<SharedOptions> lists;
   for (const auto& [app, list] : lists_)
@@ -226,7 +231,9 @@ int Program::Work(const std::string& command, const std::string& result_name, co
   const bool is_default = out_.empty();
   if (is_default) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
   Run run({name_, command, EffectiveOptions(cli_, GivenLists()), out_, quiet_, Subject(), is_default});
-  const Json summary = run.WriteSummary(work(run));
+  const Json results = work(run);
+  if (results.is_null()) return kDone;
+  const Json summary = run.WriteSummary(results);
   WriteTextFile(run.Result("options.toml"), cli_.config_to_str(false));
   if (json_)
     fmt::print("{}\n", summary.dump(2, ' ', false, Json::error_handler_t::replace));

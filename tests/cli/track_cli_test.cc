@@ -198,7 +198,7 @@ TEST_P(Programs, AnswerHelpVersionAndUnknownOptions) {
 
 INSTANTIATE_TEST_SUITE_P(All, Programs,
                          testing::Values("lake", "lake-track", "lake-check", "lake-gait", "lake-loads", "lake-review",
-                                         "lake-convert", "lake-info", "lake-simulate", "lake-calibrate",
+                                         "lake-cohort", "lake-convert", "lake-info", "lake-simulate", "lake-calibrate",
                                          "lake-optimize", "lake-stroke", "lake-synth", "lake-run"),
                          [](const auto& info) {
                            std::string name = info.param;
