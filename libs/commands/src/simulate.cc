@@ -9,7 +9,10 @@
 #include "lake/core/interrupt.h"
 #include "lake/drawing/linkage_animation.h"
 #include "lake/drawing/linkage_figures.h"
+#include "lake/figure/pin_forces_figure.h"
+#include "lake/linkage/statics.h"
 #include "png_and_svg.h"
+#include "torque_table.h"
 
 namespace lake::commands {
 namespace {
@@ -74,18 +77,21 @@ Request Resolve(const linkage::Design& design, const SimulationOptions& options)
   return request;
 }
 
-void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& look, int grid_rows,
-                const std::vector<double>& asked_mm) {
+// The regular grid and the strokes asked for, ascending.
+std::vector<double> StrokesOf(const linkage::StrokeRange& range, int grid_rows, const std::vector<double>& asked_mm) {
   std::vector<double> strokes = asked_mm;
   for (int i = 0; i < grid_rows; ++i)
-    strokes.push_back(i + 1 == grid_rows
-                          ? look.range.stroke.upper_mm
-                          : look.range.stroke.lower_mm + look.range.stroke.Travel() * i / (grid_rows - 1));
+    strokes.push_back(i + 1 == grid_rows ? range.upper_mm : range.lower_mm + range.Travel() * i / (grid_rows - 1));
   std::sort(strokes.begin(), strokes.end());
   strokes.erase(std::unique(strokes.begin(), strokes.end()), strokes.end());
+  return strokes;
+}
+
+void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& look,
+                const std::vector<double>& strokes_mm) {
   CsvWriter table({"stroke_mm", "knee_deg", "deg_per_mm", "moment_arm_mm", "force_n", "transmission_deg",
                    "actuator_angle_deg", "branch"});
-  for (const double stroke : strokes) {
+  for (const double stroke : strokes_mm) {
     const Row row(look.links, stroke, look.knee_torque_nm);
     table.Add(stroke)
         .Add(DegreesFromRadians(row.pose.theta_rad))
@@ -96,6 +102,56 @@ void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& l
     table.Add(static_cast<int>(row.pose.branch)).EndRow();
   }
   table.Write(path);
+}
+
+TorqueTable ReadTorques(const SimulationOptions& options, Run& run) {
+  if (options.torques.empty()) return TorqueTable(options.knee_torque_nm);
+  run.AddInput(options.torques);
+  return TorqueTable::Read(options.torques);
+}
+
+// Forces where the torque is known: everywhere, or as far as its table goes.
+std::vector<figure::PinForcesRow> PinForcesOf(const linkage::Links& links, const std::vector<double>& strokes_mm,
+                                              const TorqueTable& torque) {
+  std::vector<figure::PinForcesRow> rows;
+  for (const double stroke : strokes_mm) {
+    const linkage::Pose pose = linkage::RequirePose(links, stroke);
+    rows.push_back({stroke, DegreesFromRadians(pose.theta_rad), linkage::MemberForcesOf(pose, torque.At(pose))});
+  }
+  return rows;
+}
+
+void WritePinForces(const std::filesystem::path& path, const std::vector<figure::PinForcesRow>& rows) {
+  CsvWriter table({"stroke_mm", "knee_deg", "actuator_n", "coupler_n", "bar_n", "knee_pin_n", "thigh_pin_n",
+                   "tip_pin_n", "shank_pin_n", "mount_n"});
+  for (const auto& [stroke, knee_deg, forces] : rows) {
+    table.Add(stroke).Add(knee_deg);
+    for (const double force : {forces.actuator_n, forces.coupler_n, forces.bar_n, forces.KneePin(), forces.ThighPin(),
+                               forces.TipPin(), forces.ShankPin(), forces.Mount()})
+      table.Add(Finite(force));
+    table.EndRow();
+  }
+  table.Write(path);
+}
+
+// Each pin's largest force, and where.
+Json PinForcesJson(const std::vector<figure::PinForcesRow>& rows) {
+  const std::pair<const char*, double (linkage::MemberForces::*)() const> kPins[] = {
+      {"knee_pin", &linkage::MemberForces::KneePin},
+      {"thigh_pin", &linkage::MemberForces::ThighPin},
+      {"tip_pin", &linkage::MemberForces::TipPin},
+      {"shank_pin", &linkage::MemberForces::ShankPin},
+      {"mount", &linkage::MemberForces::Mount}};
+  Json json = Json::object();
+  for (const auto& [name, force] : kPins) {
+    const figure::PinForcesRow* largest = nullptr;
+    for (const figure::PinForcesRow& row : rows) {
+      const double force_n = (row.forces.*force)();
+      if (std::isfinite(force_n) && (!largest || force_n > (largest->forces.*force)())) largest = &row;
+    }
+    if (largest) json[name] = {{"largest_n", (largest->forces.*force)()}, {"at_deg", largest->knee_deg}};
+  }
+  return json;
 }
 
 Json RowJson(const Row& row) {
@@ -252,8 +308,10 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   options.Check();
   options.plates.Check();
   const Request request = Resolve(design, options);
+  const TorqueTable torque = ReadTorques(options, run);
   run.Begin({"summary.json", "angle_vs_stroke.csv", "angle_vs_stroke.png", "angle_vs_stroke.svg", "schematic.svg",
-             "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4", "animation.gif"});
+             "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4", "animation.gif", "pin_forces.csv",
+             "pin_forces.png", "pin_forces.svg"});
   const drawing::LinkageLook look{design.links,
                                   request.range,
                                   BodyOf(options),
@@ -262,7 +320,11 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   const linkage::WearCheck check = linkage::CheckWear(look.links, look.range, look.body, look.wear);
   WarnOfBody(check, run);
   WarnOf(design, request.range, run);
-  WriteTable(run.Result("angle_vs_stroke.csv"), look, options.rows, request.shown_mm);
+  const std::vector<double> strokes_mm = StrokesOf(request.range.stroke, options.rows, request.shown_mm);
+  WriteTable(run.Result("angle_vs_stroke.csv"), look, strokes_mm);
+  const std::vector<figure::PinForcesRow> pin_forces = PinForcesOf(look.links, strokes_mm, torque);
+  WritePinForces(run.Result("pin_forces.csv"), pin_forces);
+  DrawPngAndSvg("pin_forces", run, [&](const std::filesystem::path& path) { figure::DrawPinForces(path, pin_forces); });
   drawing::WriteLinkPlates(run.Result("design.dxf"), design.links, options.plates);
   DrawPictures(look, request, check, run);
   if (options.animation) drawing::WriteLinkageAnimation(run.Result("animation.mp4"), run.Result("animation.gif"), look);
@@ -275,6 +337,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   summary["singularities"] = {SingularityJson(design.links, request.range.stroke.lower_mm),
                               SingularityJson(design.links, request.range.stroke.upper_mm)};
   summary["knee_torque_nm"] = options.knee_torque_nm;
+  summary["pin_forces"] = PinForcesJson(pin_forces);
   summary["poses"] = Json::array();
   for (const double stroke : request.shown_mm)
     summary["poses"].push_back(RowJson(Row(design.links, stroke, options.knee_torque_nm)));
@@ -309,6 +372,10 @@ void Describe(SimulationOptions& o, OptionList& options) {
       .Otherwise("2, 70, 110 and the largest")
       .Repeats();
   options.Add("knee-torque", o.knee_torque_nm, "Extension torque at the knee for which the force is given").Unit("N m");
+  options
+      .Add("torques", o.torques,
+           "Table of extension torques for pin_forces, instead: stroke_mm or knee_deg, then knee_torque_nm")
+      .Otherwise("--knee-torque");
   options.Add("rows", o.rows, "Rows of the regular grid of angle_vs_stroke.csv");
   options.Add("thigh", o.thigh_mm, "The person's thigh, hip to knee").Unit("mm").Otherwise("by body height");
   options.Add("shank", o.shank_mm, "The person's shank, knee to ankle").Unit("mm").Otherwise("by body height");
