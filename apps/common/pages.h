@@ -9,8 +9,8 @@ namespace lake {
 // For man(1), section 1.
 std::string ManPage(const CLI::App& cli);
 
-// For a shell, bash, zsh or fish: completes options, the choices of those that have some, and files. Throws UsageError for
-// another shell.
+// For a shell, bash, zsh or fish: completes options, the choices of those that have some, and files. Throws UsageError
+// for another shell.
 std::string Completion(const CLI::App& cli, const std::string& shell);
 
 }  // namespace lake

@@ -7,6 +7,7 @@
 
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
+#include "lake/overlay/head_blur.h"
 #include "lake/video/video_reader.h"
 
 namespace lake::overlay {
@@ -16,6 +17,7 @@ struct OverlayContent {
   const motion::MarkerRecording& tracks;                  // px
   const motion::LegMotion* motion = nullptr;              // angles and repetitions; may be absent
   const std::vector<motion::StsEvent>* events = nullptr;  // may be absent
+  const HeadBlur* anonymise = nullptr;                    // blurs the head; may be absent
   std::string note = {};                                  // a line in the panel of every frame
 };
 
