@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,7 @@ constexpr std::array kSteps = {
     Step{"check", "in seconds: is a recording fit, and what to change"},
     Step{"track", "markers, leg vectors and knee angle from a video"},
     Step{"review", "in the browser: look at a trial, correct it, name markers"},
+    Step{"anonymise", "a copy of a recording with the head blurred"},
     Step{"gait", "the leg fit on tracks made before, or by another program"},
     Step{"compare", "misalignment between a human trial and an exoskeleton trial"},
     Step{"loads", "the moments at ankle, knee and hip over the rise"},
@@ -59,6 +61,35 @@ void PrintManPage(const fs::path& folder) {
       fmt::print(".TP\n\\fB{}\\fR\n{}; see lake\\-{}(1)\n", step.name, step.what, step.name);
 }
 
+// Completes the steps; what follows is completed as lake-STEP completes it.
+std::optional<std::string> Completion(const fs::path& folder, std::string_view shell) {
+  std::string names, zsh, fish;
+  for (const Step& step : kSteps) {
+    if (!IsInstalled(folder, step.name)) continue;
+    names += fmt::format("{}{}", names.empty() ? "" : " ", step.name);
+    zsh += fmt::format("    '{}:{}'\n", step.name, step.what);
+    fish += fmt::format("complete -c lake -n __fish_use_subcommand -f -a {} -d '{}'\n", step.name, step.what);
+  }
+  if (shell == "bash")
+    return fmt::format(
+        "_lake() {{\n  local word=${{COMP_WORDS[COMP_CWORD]}}\n  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
+        "    COMPREPLY=($(compgen -W '{}' -- \"$word\"))\n    return\n  fi\n  local step=lake-${{COMP_WORDS[1]}}\n"
+        "  declare -F \"_${{step//-/_}}\" >/dev/null || _completion_loader \"$step\"\n"
+        "  COMP_WORDS=(\"$step\" \"${{COMP_WORDS[@]:2}}\") COMP_CWORD=$((COMP_CWORD - 1))\n"
+        "  \"_${{step//-/_}}\"\n}}\ncomplete -o filenames -F _lake lake\n",
+        names);
+  if (shell == "zsh")
+    return fmt::format(
+        "#compdef lake\nif (( CURRENT == 2 )); then\n  local -a steps=(\n{}  )\n  _describe step steps\nelse\n"
+        "  words=(\"lake-$words[2]\" \"${{(@)words[3,-1]}}\")\n  (( CURRENT-- ))\n  _normal\nfi\n",
+        zsh);
+  if (shell == "fish")
+    return fish +
+           "complete -c lake -n 'not __fish_use_subcommand' -a "
+           "'(complete -C (string replace -r \"^lake +\" lake- -- (commandline -cp)))'\n";
+  return std::nullopt;
+}
+
 int Complain(const std::string& text) {
   fmt::print(stderr, "lake: {}; see lake --help\n", text);
   return 2;
@@ -76,6 +107,12 @@ int main(int argc, char** argv) {
   }
   if (step == "--help-man") {
     PrintManPage(folder);
+    return 0;
+  }
+  if (step == "--completion") {
+    const auto completion = Completion(folder, argc > 2 ? argv[2] : "");
+    if (!completion) return Complain("--completion takes bash, zsh or fish");
+    fmt::print("{}", *completion);
     return 0;
   }
   if (step == "--version") {

@@ -9,7 +9,8 @@ namespace lake {
 // For man(1), section 1.
 std::string ManPage(const CLI::App& cli);
 
-// For bash: completes options, the choices of those that have some, and files.
-std::string BashCompletion(const CLI::App& cli);
+// For a shell, bash, zsh or fish: completes options, the choices of those that have some, and files. Throws UsageError
+// for another shell.
+std::string Completion(const CLI::App& cli, const std::string& shell);
 
 }  // namespace lake

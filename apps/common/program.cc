@@ -104,11 +104,8 @@ void AddPages(CLI::App& cli) {
          "--help-man", [&cli, print] { print(ManPage(cli)); }, "This manual page")
       ->configurable(false)
       ->group("");
-  const auto complete = [&cli, print](const std::string& shell) {
-    if (shell != "bash") throw CLI::ValidationError(fmt::format("--completion '{}': bash", shell));
-    print(BashCompletion(cli));
-  };
-  cli.add_option_function<std::string>("--completion", complete, "For this shell: bash")
+  const auto complete = [&cli, print](const std::string& shell) { print(Completion(cli, shell)); };
+  cli.add_option_function<std::string>("--completion", complete, "For this shell: bash, zsh, fish")
       ->configurable(false)
       ->group("");
 }
@@ -230,7 +227,9 @@ int Program::Work(const std::string& command, const std::string& result_name, co
                   const std::function<std::string(const Json&)>& report) {
   const bool is_default = out_.empty();
   if (is_default) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
-  Run run({name_, command, EffectiveOptions(cli_, GivenLists()), out_, quiet_, Subject(), is_default});
+  Json options = EffectiveOptions(cli_, GivenLists());
+  options["out"] = out_;
+  Run run({name_, command, options, out_, quiet_, Subject(), is_default});
   const Json results = work(run);
   if (results.is_null()) return kDone;
   const Json summary = run.WriteSummary(results);

@@ -7,6 +7,10 @@ install(FILES ${CMAKE_BINARY_DIR}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDI
 # study.yaml finds ../../calibration from where it stands here, too.
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/data/sts-study DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/data)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/calibration DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
+# The Python package, where Debian's interpreter looks for it, and what there is to begin with.
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/apps/python/lake DESTINATION lib/python3/dist-packages PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/apps/python/notebooks ${CMAKE_SOURCE_DIR}/apps/python/examples/
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples/python PATTERN .ipynb_checkpoints EXCLUDE)
 
 set(CPACK_PACKAGE_NAME lake)
 set(CPACK_PACKAGE_CONTACT "lake maintainers <maintainers@users.noreply.github.com>")
@@ -22,8 +26,9 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "gnuplot-nox | gnuplot, fonts-dejavu-core")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "snakemake (>= 7.19)")  # lake cohort
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "gnuplot-nox | gnuplot, fonts-dejavu-core, python3")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-pandas, python3-matplotlib, python3-yaml")
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
   OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 include(CPack)

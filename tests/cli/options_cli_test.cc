@@ -35,7 +35,7 @@ TEST(AnOption, IsOneLine) {
   EXPECT_THAT(cli.help(), HasSubstr("--knee-width MM=90"));
   EXPECT_THAT(cli.help(), HasSubstr("Width of the knee between its condyles [mm]"));
   EXPECT_THAT(ManPage(cli), HasSubstr("\\fB\\-\\-knee\\-width\\fR \\fIMM\\fR\nWidth of the knee"));
-  EXPECT_THAT(BashCompletion(cli), HasSubstr("--knee-width"));
+  EXPECT_THAT(Completion(cli, "bash"), HasSubstr("--knee-width"));
   cli.parse("--knee-width 85");
   lists.front()->Apply();
   EXPECT_EQ(options.knee_width_mm, 85);

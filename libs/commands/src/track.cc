@@ -186,8 +186,9 @@ void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateLi
     spots.push_back({c.id, c.position, c.radius_px, c.frame == list.frame, c.moves, c.path});
   }
   csv.Write(run.Result(kCandidatesTable));
-  overlay::DrawNumberedSpots(video::ReadLuma(options.video, list.frame, options.track.reader), spots,
-                             run.Result(kCandidatesPicture));
+  cv::Mat luma = video::ReadLuma(options.video, list.frame, options.track.reader);
+  if (options.anonymise) overlay::BlurWhole(luma);  // nobody knows yet which spot is whose
+  overlay::DrawNumberedSpots(luma, spots, run.Result(kCandidatesPicture));
 }
 
 void WarnOfVideo(const video::VideoInfo& video, Run& run) {
@@ -256,8 +257,14 @@ void Export(const TrackRunOptions& options, const video::VideoInfo& video, const
   throw *first_error;
 }
 
-void WriteOverlay(const TrackRunOptions& options, const overlay::OverlayContent& content, Run& run) {
+void WriteOverlay(const TrackRunOptions& options, overlay::OverlayContent content, Run& run) {
   if (!options.overlay) return;
+  std::optional<overlay::HeadBlur> blur;
+  if (options.anonymise) {
+    content.anonymise = &blur.emplace(content.tracks);
+    if (!blur->IsKnown())
+      run.Warn("nobody stands in this recording, so nobody knows where the head is: overlay.mp4 is blurred as a whole");
+  }
   overlay::OverlayOptions overlay;
   overlay.quiet = run.Quiet();
   overlay.reader = options.track.reader;
@@ -383,6 +390,12 @@ void CheckOptions(const TrackRunOptions& options) {
     throw UsageError("--smoothed: without ankle, knee and hip among the markers nothing is fitted");
   if (const auto& line = options.vertical; line && std::hypot((*line)[0] - (*line)[2], (*line)[1] - (*line)[3]) < 1)
     throw UsageError("--vertical: the ends of a plumb line must be at least 1 px apart");
+  const auto tracks = [&](const char* name) {
+    return std::find(options.track.names.begin(), options.track.names.end(), name) != options.track.names.end();
+  };
+  if (options.anonymise && !options.list && (!HasLeg(options.track.names) || !(tracks("waist") || tracks("shoulder"))))
+    throw UsageError(
+        "--anonymise: takes ankle, knee, hip and waist or shoulder among the markers, to know where the head is");
   if (options.corrections && !std::filesystem::exists(*options.corrections))
     throw Fail("{}: no such file", options.corrections->string());
 }
@@ -505,6 +518,8 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   options.Add("corrections", o.corrections,
               "frame,marker,x_px,y_px rows that overrule the detector; empty: not visible");
   options.Add("overlay", o.overlay, "Write overlay.mp4").WithNegation();
+  options.Add("anonymise", o.anonymise,
+              "Blur the subject's head in overlay.mp4, and the picture behind candidates.png");
   options
       .Add("export", o.exports, fmt::format("Also write the trial as {}", fmt::join(exchange::ExportFormats(), ", ")))
       .Value("FORMAT,...");

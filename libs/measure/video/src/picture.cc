@@ -102,11 +102,18 @@ libav::Scaler MakePreviewScaler(const AVFrame& like, int width, int height) {
   return scaler;
 }
 
+bool IsPlanar420(const AVFrame& frame) {
+  return frame.format == AV_PIX_FMT_YUV420P || frame.format == AV_PIX_FMT_YUVJ420P;
+}
+
+bool HasEvenSides(const AVFrame& frame) {
+  return frame.width % 2 == 0 && frame.height % 2 == 0;
+}
+
 // Usual video that becomes half as wide and high: the mean of four samples, several times as quick as swscale.
 bool CanBeHalved(const AVFrame& frame, int width, int height) {
-  const bool planar_420 = frame.format == AV_PIX_FMT_YUV420P || frame.format == AV_PIX_FMT_YUVJ420P;
   const int* matrix = sws_getCoefficients(IsBt709(frame) ? SWS_CS_ITU709 : SWS_CS_ITU601);
-  return planar_420 && frame.width == 2 * width && frame.height == 2 * height &&
+  return IsPlanar420(frame) && frame.width == 2 * width && frame.height == 2 * height &&
          std::equal(matrix, matrix + 4, YuvMatrix(frame));
 }
 
@@ -190,7 +197,12 @@ void PictureConverter::ScalePreview(const AVFrame& frame, const cv::Mat& i420) {
     throw Fail("a picture of {}×{} px cannot be scaled", frame.width, frame.height);
 }
 
-cv::Mat PictureConverter::Preview(const AVFrame& frame, int max_width_px, const Orientation& orientation) {
+bool KeepsFullRange(const AVFrame& frame) {
+  return IsPlanar420(frame) && HasEvenSides(frame) && IsFullRange(frame);
+}
+
+cv::Mat PictureConverter::Preview(const AVFrame& frame, int max_width_px, bool as_stored,
+                                  const Orientation& orientation) {
   const int shown_width = orientation.transpose ? frame.height : frame.width;
   const double scale = std::min(1.0, static_cast<double>(max_width_px) / shown_width);
   const auto even = [&](int side) { return std::max(2, static_cast<int>(side * scale / 2 + 0.5) * 2); };
@@ -199,7 +211,12 @@ cv::Mat PictureConverter::Preview(const AVFrame& frame, int max_width_px, const 
   // swscale's vector code writes whole registers, past the end of a row.
   constexpr int kSpareBytes = 128;
   const cv::Mat i420 = cv::Mat(height / 2 * 3 + 1 + kSpareBytes / width, width, CV_8UC1).rowRange(0, height / 2 * 3);
-  if (CanBeHalved(frame, width, height))
+  if (as_stored && IsPlanar420(frame) && width == frame.width && height == frame.height)
+    for (const int plane : {0, 1, 2}) {
+      const cv::Mat kept = I420Plane(i420, plane);
+      Plane(frame, plane, kept.size(), CV_8UC1).copyTo(kept);
+    }
+  else if (CanBeHalved(frame, width, height))
     for (const int plane : {0, 1, 2}) HalvePlane(frame, plane, I420Plane(i420, plane));
   else
     ScalePreview(frame, i420);

@@ -28,6 +28,9 @@ bool IsHighDefinition(int width, int height);
 // VideoInfo::bt709.
 bool IsBt709(const AVFrame& frame);
 
+// Whether a preview as stored keeps levels of 0..255.
+bool KeepsFullRange(const AVFrame& frame);
+
 // All frames must be of one size and format.
 class PictureConverter {
  public:
@@ -40,8 +43,8 @@ class PictureConverter {
   // 576, else BT.601.
   cv::Mat Bgr(const AVFrame& frame);
 
-  // VideoFrame::preview of the turned picture.
-  cv::Mat Preview(const AVFrame& frame, int max_width_px, const Orientation& orientation);
+  // VideoFrame::preview of the turned picture; `as_stored` as in VideoReaderOptions.
+  cv::Mat Preview(const AVFrame& frame, int max_width_px, bool as_stored, const Orientation& orientation);
 
  private:
   void ScalePreview(const AVFrame& frame, const cv::Mat& i420);

@@ -118,6 +118,7 @@ void LibavReader::FillInfo() {
   const AVRational aspect = av_guess_sample_aspect_ratio(nullptr, const_cast<AVStream*>(&stream), &first);
   if (aspect.num > 0 && aspect.den > 0) info_.pixel_aspect = av_q2d(orientation_.transpose ? av_inv_q(aspect) : aspect);
   info_.bt709 = IsBt709(first);
+  info_.full_range = options_.preview_as_stored && KeepsFullRange(first);
   info_.interlaced = first.interlaced_frame;
 }
 
@@ -180,7 +181,8 @@ void LibavReader::HandOut(const SharedFrame& decoded, double time_s, VideoFrame&
   frame.index = next_index_;
   frame.time_s = time_s;
   if (options_.preview_max_width_px > 0) {
-    frame.preview = converter_->Preview(*decoded, options_.preview_max_width_px, orientation_);
+    frame.preview =
+        converter_->Preview(*decoded, options_.preview_max_width_px, options_.preview_as_stored, orientation_);
     if (!options_.luma_too) return;
   }
   frame.luma = orientation_.Apply(converter_->Luma(*decoded));

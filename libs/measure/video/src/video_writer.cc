@@ -90,8 +90,9 @@ void VideoWriter::Impl::OpenEncoder() {
   codec = libav::NewCodec(encoder);
   codec->width = options.width;
   codec->height = options.height;
-  codec->pix_fmt = options.grey ? AV_PIX_FMT_YUVJ420P : AV_PIX_FMT_YUV420P;
-  codec->color_range = options.grey ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
+  const bool full_range = options.grey || (options.i420 && options.full_range);
+  codec->pix_fmt = full_range ? AV_PIX_FMT_YUVJ420P : AV_PIX_FMT_YUV420P;
+  codec->color_range = full_range ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
   const bool bt709 = options.bt709.value_or(IsHighDefinition(options.width, options.height));
   codec->colorspace = bt709 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
   codec->color_primaries = bt709 ? AVCOL_PRI_BT709 : AVCOL_PRI_SMPTE170M;

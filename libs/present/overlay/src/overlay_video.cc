@@ -51,6 +51,7 @@ void WriteOverlayVideo(const std::filesystem::path& video, const OverlayContent&
       scene.emplace(content, options, info, shown);
       writer.emplace(MakeWriter(out, shown, info));
     }
+    if (content.anonymise) content.anonymise->Blur(frame.preview, frame.index, info.width);
     scene->DrawOnto(frame);
     writer->Write(frame.preview, frame.time_s);
   }

@@ -27,6 +27,7 @@ struct TrackRunOptions {
   std::map<std::string, double> depth_mm;            // by marker: how far it stands proud of the plane
   std::optional<std::filesystem::path> corrections;  // frame,marker,x_px,y_px
   bool overlay = true;
+  bool anonymise = false;            // no face in overlay.mp4 and candidates.png
   std::vector<std::string> exports;  // as CheckExportFormats (exchange/formats.h) knows them
   bool list = false;                 // only find and draw what is there, without naming it
   bool smoothed = false;             // exports hold the fit's estimates; else the measurements, with their gaps

@@ -23,6 +23,7 @@ struct VideoInfo {
   bool mirrored = false;     // left and right exchanged after the rotation, applied by the reader
   double pixel_aspect = 1;   // width / height of a pixel as shown; frames are handed out unstretched
   bool bt709 = false;        // colours of previews: BT.709, else BT.601; the stream's own if it is one of them
+  bool full_range = false;   // levels of previews given as stored: 0..255, else 16..235
   bool interlaced = false;   // the first frame consists of two fields taken at different times
 
   // Of the frames decoded so far; whole when Read() has returned false.
@@ -46,15 +47,16 @@ struct VideoFrame {
 };
 
 struct VideoReaderOptions {
-  bool colour = false;           // also give bgr
-  int preview_max_width_px = 0;  // if set: give `preview`, at most this wide, and neither luma nor bgr …
-  bool luma_too = false;         // … but luma if this is set
-  bool skip_deblocking = false;  // leave out the decoder's loop filter: quicker, but block edges show and errors
-                                 // grow until the next key frame. For looking at, never for measuring
-  int rotate_deg = 0;            // turn the pictures clockwise by 90, 180 or 270, beyond what the file says of itself
-  double capture_rate_hz = 0;    // if set: time = (first time) + index / rate, for slow-motion files
-  double sequence_rate_hz = 30;  // time stamps of an image sequence
-  std::int64_t first = 0;        // first frame to hand out
+  bool colour = false;             // also give bgr
+  int preview_max_width_px = 0;    // if set: give `preview`, at most this wide, and neither luma nor bgr …
+  bool luma_too = false;           // … but luma if this is set
+  bool preview_as_stored = false;  // 8-bit 4:2:0 video that is not made smaller keeps its samples: for a copy
+  bool skip_deblocking = false;    // leave out the decoder's loop filter: quicker, but block edges show and errors
+                                   // grow until the next key frame. For looking at, never for measuring
+  int rotate_deg = 0;              // turn the pictures clockwise by 90, 180 or 270, beyond what the file says of itself
+  double capture_rate_hz = 0;      // if set: time = (first time) + index / rate, for slow-motion files
+  double sequence_rate_hz = 30;    // time stamps of an image sequence
+  std::int64_t first = 0;          // first frame to hand out
   std::optional<std::int64_t> last = {};           // last frame to hand out
   std::optional<double> start_s = {}, end_s = {};  // only frames with time stamps from … to …, both included
   // Begin at the key frame at or before this time, without decoding what comes before it; frames count from there. For

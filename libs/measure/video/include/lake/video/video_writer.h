@@ -16,6 +16,7 @@ struct VideoWriterOptions {
   bool lossless = false;            // H.264 with QP 0, luma kept to the bit (full-range 8 bit)
   bool grey = false;                // frames are CV_8UC1, written as full-range luma: the reader gives the same levels
   bool i420 = false;                // frames are YUV 4:2:0 as VideoFrame::preview, written without conversion
+  bool full_range = false;          // levels of i420 frames: 0..255, else 16..235
   std::optional<bool> bt709 = {};   // matrix of colours, BT.709 or BT.601; unset: by the size
   const char* preset = "veryfast";  // x264's speed, "ultrafast" … "placebo"
   int threads = 0;                  // 0: the encoder's own choice

@@ -8,6 +8,7 @@
 
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
+#include "lake/overlay/head_blur.h"
 #include "lake/video/video_reader.h"
 
 namespace lake::overlay {
@@ -18,6 +19,7 @@ struct OverlayContent {
   const motion::LegMotion* motion = nullptr;              // angles and repetitions; may be absent
   const std::vector<motion::StsEvent>* events = nullptr;  // may be absent
   const motion::MarkerRecording* estimates = nullptr;     // the leg fit's, px, same frames and markers; may be absent
+  const HeadBlur* anonymise = nullptr;                    // blurs the head; may be absent
   std::string note = {};                                  // a line in the panel of every frame
 };
 

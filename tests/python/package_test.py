@@ -1,0 +1,216 @@
+"""The Python package: programs run with keyword arguments, and every table read with its units."""
+import csv
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import unittest.mock
+import warnings
+
+from study import ROOT, SAMPLE, lake, notebooks, results
+
+
+def written_tables():
+    """All that the notebooks made, and what tracking leaves where it must ask which marker is which."""
+    with tempfile.TemporaryDirectory() as listed:
+        folders = [*results().values(), lake.run("track", SAMPLE / "human.mp4", list_=True, end=1, out=pathlib.Path(listed) / "listed")]
+        yield from (path for folder in folders for path in sorted(folder.path.rglob("*.csv")))
+
+
+class Arguments(unittest.TestCase):
+    def test_keywords_become_options(self):
+        self.assertEqual(lake.arguments(max_misalignment=2, overlay=False, list_=True, camera=None), ["--max-misalignment=2", "--no-overlay", "--list"])
+        self.assertEqual(lake.arguments(crop=(0, 0, 640, 480), seed={"exo_knee": (740, 415)}), ["--crop=0,0,640,480", "--seed=exo_knee=740,415"])
+        self.assertEqual(lake.arguments(depth=["knee=3", "hip=5"], out=pathlib.Path("a b")), ["--depth=knee=3", "--depth=hip=5", "--out=a b"])
+
+    def test_a_failure_has_the_message_and_the_exit_code_of_the_program(self):
+        with self.assertRaises(lake.LakeError) as caught:
+            lake.run("gait", "no-such-folder")
+        self.assertEqual(caught.exception.exit_code, 1)
+        self.assertRegex(str(caught.exception), r"\Alake-gait: .*no-such-folder")
+        with self.assertRaises(lake.LakeError) as caught:
+            lake.run("gait", SAMPLE, no_such_option=1)
+        self.assertEqual(caught.exception.exit_code, 2)
+
+    def test_a_program_that_is_not_there_is_named(self):
+        with unittest.mock.patch.dict("os.environ", {"LAKE": "/nowhere/lake"}), self.assertRaisesRegex(FileNotFoundError, "/nowhere/lake"):
+            lake.run("info", SAMPLE / "human.mp4")
+
+
+class Results(unittest.TestCase):
+    def test_warnings_of_a_program_are_warnings(self):
+        with tempfile.TemporaryDirectory() as out, self.assertWarns(lake.LakeWarning):
+            lake.run("optimize", starts=1, out=pathlib.Path(out) / "optimum")
+
+    def test_without_out_the_folder_is_the_one_that_the_program_chose(self):
+        with tempfile.TemporaryDirectory() as folder:
+            code = ("import lake, sys; found = lake.run('gait', sys.argv[1]); print(found.path); print(found.program)")
+            done = subprocess.run([sys.executable, "-c", code, str(results()["human"].path)], cwd=folder, text=True, stdout=subprocess.PIPE, check=True,
+                                  env={**os.environ, "PYTHONPATH": str(ROOT / "apps/python")})
+            path, program = done.stdout.split()
+            self.assertTrue((pathlib.Path(folder) / path / "kinematics.csv").is_file())
+            self.assertEqual(program, "lake-gait")
+
+    def test_info_and_convert(self):
+        with tempfile.TemporaryDirectory() as folder:
+            trc = lake.run("convert", results()["human"].path, pathlib.Path(folder) / "human.trc")
+            self.assertEqual([m["name"] for m in lake.run("info", trc)["markers"]], ["ankle", "knee", "hip", "waist"])
+
+    def test_a_recording_that_is_not_fit_is_a_result(self):
+        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+            warnings.simplefilter("ignore", lake.LakeWarning)
+            subprocess.run(["ffmpeg", "-v", "error", "-f", "lavfi", "-i", "color=gray:size=320x240:rate=30", "-t", "2", f"{folder}/empty.mp4"], check=True)
+            checked = lake.run("check", f"{folder}/empty.mp4", out=pathlib.Path(folder) / "check")
+            self.assertIs(checked.summary["fit"], False)
+
+    def test_yaml_and_json(self):
+        design = results()["design"].yaml("design")
+        self.assertEqual(sorted(design["links"]), ["l1", "l2", "l3", "l4", "l5", "l6"])
+        camera = lake.read_yaml(SAMPLE / "camera.yaml")
+        self.assertEqual([len(row) for row in camera["camera_matrix"]], [3, 3, 3])
+        self.assertEqual(camera["camera_matrix"][2], [0, 0, 1])
+        comparison = results()["comparison"]
+        self.assertEqual(comparison.json("comparison")["metrics"]["rms_mm"], comparison.summary["metrics"]["rms_mm"])
+        self.assertEqual(comparison.program, "lake-compare")
+
+
+class Notebooks(unittest.TestCase):
+    def test_what_they_print_and_show(self):
+        said = {}
+        for name, notebook in notebooks().items():
+            parts = [part for cell in notebook.cells for part in cell.get("outputs", [])]
+            said[name] = "".join(part.get("text", "") for part in parts)
+            pictures = sum("image/png" in part.get("data", {}) for part in parts)
+            self.assertEqual(pictures, {"analysis": 3, "design": 2}[name])
+        self.assertIn("unit of knee_deg: deg", said["analysis"])
+        # What the sample study was rendered with: 18 mm before the knee and 32 mm above it, 36.7 mm in all.
+        self.assertRegex(said["analysis"], r"RMS 3\d\.\d mm")
+        self.assertIn("holds no load", said["design"])
+        self.assertRegex(said["design"], r"170\.5\d degrees")
+        self.assertRegex(said["design"], r"1 %: exit code 3, lake-optimize: no design has")
+
+
+class Tables(unittest.TestCase):
+    def test_every_column_of_every_table_is_described(self):
+        seen = set()
+        for path in written_tables():
+            with path.open(encoding="utf-8", newline="") as file:
+                header = next(csv.reader(file))
+            seen.add(path.stem)
+            for column in header:
+                with self.subTest(table=path.name, column=column):
+                    self.assertIsNotNone(lake.tables.describe(path.stem, column))
+        self.assertLessEqual({"kinematics", "tracks", "trajectory", "events", "misalignment", "loads", "optimum", "pareto", "program", "candidates",
+                              "angle_vs_stroke", "before_after", "constraints", "starts", "convergence"}, seen)
+
+    def test_a_unit_agrees_with_the_ending_of_the_name(self):
+        endings = {"_mm": "mm", "_px": "px", "_deg": "deg", "_deg_s": "deg/s", "_mm_s": "mm/s", "_nm": "N m", "_n": "N", "_w": "W"}
+        for column in lake.columns_of():
+            for ending, unit in endings.items():
+                if re.search(f"[a-z}}]{ending}$", column.column) and not column.column.endswith(("_per_mm",)):
+                    with self.subTest(column=column):
+                        self.assertEqual(column.unit, unit)
+
+    def test_the_raw_measurement_is_no_marker_of_its_own(self):
+        self.assertEqual(lake.tables.describe("trajectory", "knee_raw_x_mm").column, "{marker}_raw_x_mm")
+        self.assertEqual(lake.units("kinematics", ["knee_deg_s", "percent", "new_force_n"]), {"knee_deg_s": "deg/s", "percent": "%", "new_force_n": "N"})
+
+    def test_a_table_without_pandas(self):
+        events = results()["human"].table("events")
+        self.assertEqual(events["event"][:2], ["onset", "seat_off"])
+        self.assertEqual(events["repetition"][0], 1.0)
+        self.assertEqual(events.units["time_s"], "s")
+
+    def test_a_line_that_is_too_short_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "events.csv"
+            path.write_text("repetition,event\n1,onset\n2\n")
+            with self.assertRaisesRegex(ValueError, r"events\.csv:3: 1 cells, where the header has 2"):
+                lake.read_table(path)
+
+    def test_frames_hold_the_very_numbers_that_were_written(self):
+        for path in written_tables():
+            table, frame = lake.read_table(path), lake.frame(path)
+            self.assertEqual(list(frame.columns), list(table))
+            self.assertEqual(frame.attrs["units"], table.units)
+            for name, cells in table.items():
+                if all(isinstance(cell, (float, type(None))) for cell in cells):
+                    read = frame[name].to_list()
+                    with self.subTest(table=path.name, column=name):
+                        self.assertTrue(all(a == b or (a is None and math.isnan(b)) for a, b in zip(cells, read)))
+
+    def test_a_table_that_is_not_there_names_those_that_are(self):
+        with self.assertRaisesRegex(KeyError, "kinematics"):
+            results()["human"]["misalignment"]
+
+    def test_the_knee_angle_is_the_true_one(self):
+        frame, truth = results()["human"]["kinematics"], lake.frame(SAMPLE / "human-truth.csv")
+        both = frame.merge(truth, on="frame", suffixes=("", "_true"))
+        self.assertEqual(len(both), len(truth))
+        # As in the README: 0.016° over all frames.
+        self.assertLess(((both["knee_deg"] - both["knee_deg_true"]) ** 2).mean() ** 0.5, 0.02)
+
+
+class Figures(unittest.TestCase):
+    def test_each_folder_has_a_figure_that_shows_its_table(self):
+        folders = results()
+        import lake.plot
+        import matplotlib
+
+        matplotlib.use("Agg")
+        import matplotlib.pyplot
+
+        self.addCleanup(matplotlib.pyplot.close, "all")
+        for name, y in {"human": ("kinematics", "knee_deg"), "comparison": ("misalignment", "distance_mm"), "stroke": ("program", "stroke_mm"),
+                        "simulation": ("angle_vs_stroke", "knee_deg")}.items():
+            with self.subTest(folder=name):
+                axes, (table, column) = lake.plot.plot(folders[name]), y
+                self.assertEqual(axes.lines[0].get_ydata().tolist(), folders[name][table][column].to_list())
+                self.assertRegex(axes.get_xlabel(), r", (s|mm|%)$")
+        knee = lake.plot.plot(folders["loads"]).lines[1].get_ydata()
+        self.assertAlmostEqual(max(v for v in knee if v == v), folders["loads"].summary["peak_knee_nm"], delta=1)
+        self.assertEqual(len(lake.plot.plot(folders["design"]).lines), folders["design"]["pareto"]["program"].nunique())
+        self.assertEqual(len(lake.plot.marker_paths(folders["human"]).lines), 4)
+
+
+class OtherLanguages(unittest.TestCase):
+    def test_r_reads_the_tables(self):
+        if shutil.which("Rscript") is None:
+            self.skipTest("R is not installed (r-base-core)")
+        done = subprocess.run(["Rscript", "--vanilla", ROOT / "apps/python/examples/read_tables.R", results()["human"].path], text=True,
+                              stdout=subprocess.PIPE, check=True)
+        knee = results()["human"]["kinematics"]["knee_deg"]
+        self.assertIn(f"knee angle from {knee.min():.1f} to {knee.max():.1f} degrees", done.stdout)
+        self.assertRegex(done.stdout, r"3 +3 +1\.\d+")  # the third of three rises
+
+    def test_matlab_names_columns_that_there_are(self):
+        script = (ROOT / "apps/python/examples/read_tables.m").read_text()
+        for name in re.findall(r"\b(?:knee|events)\.(\w+)", re.sub("%.*|.*fullfile.*", "", script)):
+            with self.subTest(column=name):
+                self.assertTrue(name in results()["human"]["kinematics"] or name in results()["human"]["events"])
+
+
+class Package(unittest.TestCase):
+    def test_the_version_is_that_of_the_programs(self):
+        version = re.search(r"^project\(lake VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.M).group(1)
+        self.assertEqual(lake.__version__, version)
+        self.assertIn(f'version = "{version}"', (ROOT / "apps/python/pyproject.toml").read_text())
+
+    def test_pip_installs_it(self):
+        if subprocess.run([sys.executable, "-c", "import pip, setuptools, wheel"], stderr=subprocess.DEVNULL, check=False).returncode:
+            self.skipTest("pip, setuptools and wheel are not installed (python3-pip, python3-wheel)")
+        with tempfile.TemporaryDirectory() as folder:
+            shutil.copytree(ROOT / "apps/python", pathlib.Path(folder) / "python")
+            subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--no-index", "--no-build-isolation", "--no-deps", "--target",
+                            f"{folder}/here", f"{folder}/python"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.assertTrue((pathlib.Path(folder) / "here/lake/columns.csv").is_file())
+
+
+if __name__ == "__main__":
+    unittest.main()
