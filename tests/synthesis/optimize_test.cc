@@ -231,7 +231,7 @@ TEST(Optimize, ExchangeFindsTheWorstPoseBetweenCollocationPoints) {
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
   EXPECT_GT(solve.exchanges, 1);
-  EXPECT_GT(solve.fractions.size(), 3u);
+  EXPECT_GT(solve.poses.fractions.size(), 3u);
   ExpectHoldsOnAFineGrid(problem, solve.end);
 }
 

@@ -191,12 +191,12 @@ void WriteConvergence(const synthesis::LocalSolve& solve, const std::string& obj
   table.Write(run.Result("convergence.csv"));
 }
 
-Json ActiveJson(const synthesis::ActiveSet& active) {
+Json ActiveJson(const synthesis::ActiveSet& active, const std::string& gained) {
   Json entries = Json::array();
   for (const synthesis::ActiveSet::Entry& entry : active.entries)
     entries.push_back({{"limit", entry.name},
                        {"multiplier", active.multipliers_unique ? Json(entry.price) : Json()},
-                       {"unit", fmt::format("deg per {}", entry.unit)}});
+                       {"unit", fmt::format("{} per {}", gained, entry.unit)}});
   return entries;
 }
 

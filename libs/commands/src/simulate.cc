@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assistance_tables.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -11,6 +12,8 @@
 #include "lake/drawing/linkage_figures.h"
 #include "lake/figure/pin_forces_figure.h"
 #include "lake/linkage/statics.h"
+#include "lake/problem/assistance.h"
+#include "lake/problem/problem_options.h"
 #include "png_and_svg.h"
 #include "torque_table.h"
 
@@ -268,6 +271,34 @@ void WarnOf(const linkage::Design& design, const linkage::UsedRange& range, Run&
         slack));
 }
 
+// The actuator is as long as the design says; what does not fit its maker's lengths is a warning.
+void WarnOfActuator(const problem::LinearActuator& actuator, const linkage::StrokeRange& used, Run& run) {
+  constexpr double kRounding_mm = 1e-3;
+  if (actuator.closed_mm && *actuator.closed_mm > used.lower_mm + kRounding_mm)
+    run.Warn(fmt::format("{} is {:.6g} mm long when closed, and the design goes down to {:.6g} mm", actuator.name,
+                         *actuator.closed_mm, used.lower_mm));
+  if (actuator.closed_mm && actuator.stroke_mm &&
+      *actuator.closed_mm + *actuator.stroke_mm < used.upper_mm - kRounding_mm)
+    run.Warn(fmt::format("{} reaches {:.6g} mm, and the design goes up to {:.6g} mm", actuator.name,
+                         *actuator.closed_mm + *actuator.stroke_mm, used.upper_mm));
+}
+
+// What the design's actuator does along the load profile; null without one.
+Json Assist(const linkage::Design& design, const linkage::UsedRange& range, problem::SynthesisProblem load, Run& run) {
+  if (!load.HasLoadProfile()) return nullptr;
+  run.AddInput(load.profile->file);
+  load.d_min_mm = design.d_min_mm, load.d_max_mm = range.stroke.upper_mm;
+  load.standing_deg = DegreesFromRadians(range.theta_at_upper_rad);
+  if (load.actuator) WarnOfActuator(*load.actuator, range.stroke, run);
+  const problem::Assistance assistance = problem::FindAssistance(design.links, load);
+  if (load.profile->LargestAngle() > range.theta_at_lower_rad)
+    run.Warn(
+        fmt::format("the load profile bends the knee to {:.1f}°, and this design to {:.1f}°: beyond that no force, "
+                    "speed or duration is known",
+                    DegreesFromRadians(load.profile->LargestAngle()), DegreesFromRadians(range.theta_at_lower_rad)));
+  return WriteAssistance(assistance, load, run);
+}
+
 void DrawPictures(const drawing::LinkageLook& look, const Request& request, const linkage::WearCheck& check, Run& run) {
   Progress progress("pictures", "files", static_cast<std::int64_t>(2 * request.angles_deg.size() + 4), run.Quiet());
   for (const char* ending : {"png", "svg"}) {
@@ -299,6 +330,7 @@ void SimulationOptions::Check() const {
   require(std::isfinite(knee_torque_nm) && knee_torque_nm != 0, "--knee-torque", knee_torque_nm);
   require(rows >= 2 && rows <= 1'000'000, "--rows", rows);
   require(seat_edge_mm >= 0 && seat_edge_mm < 5000, "--seat-edge", seat_edge_mm);
+  load.CheckLoad();
   if (thigh_mm.has_value() != shank_mm.has_value())
     throw UsageError("--thigh and --shank are one leg: give both or neither");
   require(actuator_diameter_mm > 0 && actuator_diameter_mm < 1000, "--actuator-diameter", actuator_diameter_mm);
@@ -309,9 +341,12 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   options.plates.Check();
   const Request request = Resolve(design, options);
   const TorqueTable torque = ReadTorques(options, run);
-  run.Begin({"summary.json", "angle_vs_stroke.csv", "angle_vs_stroke.png", "angle_vs_stroke.svg", "schematic.svg",
-             "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4", "animation.gif", "pin_forces.csv",
-             "pin_forces.png", "pin_forces.svg"});
+  std::vector<std::string> names = {"assistance.csv", "assistance.png"};
+  if (!options.load.HasLoadProfile()) names.clear();
+  names.insert(names.end(), {"summary.json", "angle_vs_stroke.csv", "angle_vs_stroke.png", "angle_vs_stroke.svg",
+                             "schematic.svg", "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4",
+                             "animation.gif", "pin_forces.csv", "pin_forces.png", "pin_forces.svg"});
+  run.Begin(names);
   const drawing::LinkageLook look{design.links,
                                   request.range,
                                   BodyOf(options),
@@ -342,6 +377,8 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   for (const double stroke : request.shown_mm)
     summary["poses"].push_back(RowJson(Row(design.links, stroke, options.knee_torque_nm)));
   summary["mannequin"] = WearJson(look.body, check);
+  if (Json assistance = Assist(design, request.range, options.load, run); !assistance.is_null())
+    summary["assistance"] = std::move(assistance);
   return summary;
 }
 
@@ -361,6 +398,7 @@ std::string SimulationReport(const Json& summary) {
                         NumberOrNaN(pose["stroke_mm"]), NumberOrNaN(pose["knee_deg"]), NumberOrNaN(pose["deg_per_mm"]),
                         NumberOrNaN(pose["moment_arm_mm"]), NumberOrNaN(pose["force_n"]),
                         NumberOrNaN(pose["transmission_deg"]), NumberOrNaN(pose["actuator_angle_deg"]));
+  if (summary.contains("assistance")) text += summary["assistance"]["text"].get<std::string>() + "\n";
   return text;
 }
 
@@ -385,6 +423,7 @@ void Describe(SimulationOptions& o, OptionList& options) {
   options.Add("bar-width", o.plates.bar_width_mm, "Width of the link plates").Unit("mm");
   options.Add("pin-diameter", o.plates.pin_diameter_mm, "Diameter of the pin holes").Unit("mm");
   options.Add("actuator-diameter", o.actuator_diameter_mm, "Diameter of the actuator").Unit("mm");
+  problem::DescribeLoad(o.load, options);
   options.Add("animation", o.animation, "Write animation.mp4 and .gif").WithNegation();
 }
 

@@ -97,9 +97,12 @@ Json RoundedJson(const problem::RoundedDesign& rounded) {
 // What the summary has behind its head.
 Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
   const synthesis::LocalSolve& best = outcome.result.Best();
-  Json json = {{"links", LinksJson(best.end)},         {"iterations", best.iterations},
-               {"exchanges", best.exchanges},          {"multipliers_unique", outcome.active.multipliers_unique},
-               {"active", ActiveJson(outcome.active)}, {"optimum", EvaluationJson(best.evaluation)}};
+  Json json = {{"links", LinksJson(best.end)},
+               {"iterations", best.iterations},
+               {"exchanges", best.exchanges},
+               {"multipliers_unique", outcome.active.multipliers_unique},
+               {"active", ActiveJson(outcome.active, outcome.problem.SeeksDuration() ? "s gained" : "deg")},
+               {"optimum", EvaluationJson(best.evaluation)}};
   if (outcome.certificate)
     json["certificate"] = CertificateJson(*outcome.certificate, outcome.certificate_ignores_used_range);
   if (outcome.yield) json["yield"] = YieldJson(*outcome.yield);
@@ -134,7 +137,7 @@ void WriteTables(const synthesis::SynthesisOutcome& outcome, const OptimumView& 
   WriteConvergence(outcome.result.BestOrFirst(), "range_deg", run);
   if (!outcome.IsSolved()) return;
   WriteSensitivity(outcome, run);
-  WriteMargins(outcome, run);
+  if (!outcome.margins.empty()) WriteMargins(outcome, run);
   if (outcome.rounded) WriteRounded(*outcome.rounded, outcome.problem, run);
 }
 

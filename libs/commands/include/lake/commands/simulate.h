@@ -11,6 +11,7 @@
 #include "lake/drawing/linkage_dxf.h"
 #include "lake/linkage/body.h"
 #include "lake/linkage/design_file.h"
+#include "lake/problem/problem.h"
 
 namespace lake::commands {
 
@@ -27,16 +28,17 @@ struct SimulationOptions {
   double actuator_diameter_mm = 40;
   drawing::PlateOptions plates;
   bool animation = true;
+  problem::SynthesisProblem load;  // of which the profile, the share of it, the actuator and the duration count
 
   void Check() const;  // throws UsageError
 };
 
 void Describe(SimulationOptions& o, OptionList& options);
 
-// Writes angle_vs_stroke.csv/.png/.svg, pin_forces.csv/.png/.svg, pose_ANGLE.png/.svg, schematic.svg,
-// animation.mp4/.gif, design.dxf and mannequin.png through the run and returns what goes into the summary. Throws Error
-// naming stroke and gap if the design cannot be assembled at d_min or a stroke asked for, or an angle is out of its
-// range.
+// With a load profile also assistance.csv/.png. Writes angle_vs_stroke.csv/.png/.svg, pin_forces.csv/.png/.svg,
+// pose_ANGLE.png/.svg, schematic.svg, animation.mp4/.gif, design.dxf and mannequin.png through the run and returns what
+// goes into the summary. Throws Error naming stroke and gap if the design cannot be assembled at d_min or a stroke
+// asked for, or an angle is out of its range.
 Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& options, Run& run);
 
 // The main numbers and the table of the poses asked for, as text.
