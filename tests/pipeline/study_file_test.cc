@@ -256,6 +256,31 @@ TEST_F(StudyYaml, RefusesMarkersThatAreNotLookedFor) {
                 "'knee' is not among the markers of human.mp4");
 }
 
+TEST_F(StudyYaml, TakesLoadsAndAnActuator) {
+  const std::string trial = "human: {video: human.mp4}\n", loads = trial + "loads: {mass_kg: 70, height_mm: 1750}\n";
+  WriteTextFile(folder_ / "problem.yaml", "load: {max_force_n: 900}\n");
+  WriteTextFile(folder_ / "own.csv", "name,max_force_n,no_load_speed_mm_s\nslow,300,2\nfast,200,90\n");
+  const study::StudyFile study = Read(
+      loads +
+      "assistance: {problem: problem.yaml, actuator: 'own.csv:fast', assist: 0.3, duration_s: 4, rest: standing}\n");
+  EXPECT_EQ(study.loads->loads.body.mass_kg, 70);
+  EXPECT_EQ(study.loads->loads.body.height_mm, 1750);
+  const problem::SynthesisProblem& problem = study.assistance->options.problem;
+  EXPECT_EQ(problem.max_force_n, 900);
+  EXPECT_EQ(problem.actuator->no_load_speed_mm_s, 90);
+  EXPECT_EQ(problem.assist, 0.3);
+  EXPECT_EQ(problem.duration_s, 4);
+  EXPECT_FALSE(problem.rests_anywhere);
+  EXPECT_EQ(Read(loads + "assistance: {actuators: own.csv}\n").assistance->options.actuators, folder_ / "own.csv");
+  ExpectRefused(trial + "loads: {height_mm: 1750}\n", "mass");
+  ExpectRefused(trial + "loads: {mass_kg: 700}\n", "mass");
+  ExpectRefused(trial + "assistance: {actuator: LA31-1000}\n", "study.yaml:2: 'assistance' is a share");
+  ExpectRefused(loads + "assistance: {assist: 0.4}\n", "study.yaml:3: 'assistance' needs an 'actuator'");
+  ExpectRefused(loads + "assistance: {actuator: L17}\n", "study.yaml:3: there is no actuator 'L17'");
+  ExpectRefused(loads + "assistance: {actuator: LA31-1000, assist: 3}\n", "between 0 and 1");
+  ExpectRefused(loads + "assistance: {actuators: none.csv}\n", "none.csv");
+}
+
 TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
   const std::string trial = "human: {video: human.mp4}\n";
   ExpectRefused(trial + "reoptimize:\n  program: slow\n", "study.yaml:3: 'program' must be one of");

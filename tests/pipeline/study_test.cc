@@ -77,9 +77,16 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   WriteTextFile(study.Folder() / "study.yaml",
                 "human: {trial: human.csv}\n"
                 "reoptimize: {problem: {margins: {grashof_mm: 2, singularity_mm: 2}}, max_misalignment_percent: 5, "
-                "program: free, duration_s: 40}\nstroke: {}\n");
+                "program: free, duration_s: 40}\nstroke: {}\n"
+                "loads: {mass_kg: 70, draws: 40}\nassistance: {actuator: LA31-1000, assist: 0.4, duration_s: free, "
+                "starts: 3, problem: {margins: {grashof_mm: 2, singularity_mm: 2}, standing_deg: 8}}\n");
   const Json summary = study.Go();
-  EXPECT_THAT(study.Done(summary), ElementsAre("human", "optimum", "redesign", "simulation", "stroke", "report"));
+  EXPECT_THAT(study.Done(summary),
+              ElementsAre("human", "loads", "optimum", "redesign", "assistance", "simulation", "stroke", "report"));
+  // The design that was made for the actuator is no slower than the one made for the person's path.
+  const Json &lift = summary["assistance"]["assistance"], &redesign = summary["simulation"]["assistance"];
+  EXPECT_GT(lift["shortest_duration_s"].get<double>(), lift["any_linkage_duration_s"].get<double>());
+  EXPECT_LT(lift["shortest_duration_s"].get<double>(), redesign["shortest_duration_s"].get<double>());
   EXPECT_LE(summary["redesign"]["misalignment_percent"].get<double>(), 5 * (1 + 1e-4));
   EXPECT_LE(summary["redesign"]["program"]["duration_s"].get<double>(), 40 + 1e-3);
   EXPECT_NEAR(summary["stroke"]["duration_s"].get<double>(), summary["redesign"]["program"]["duration_s"].get<double>(),

@@ -82,7 +82,7 @@ std::string AssistanceText(const problem::Assistance& assistance, const problem:
   if (!assistance.speed_under_load_is_known)
     text += "; its speed under load is not known, so this is a lower bound";
   else if (std::isfinite(assistance.bound_s))
-    text += fmt::format("; its power allows {:.2f} s with no linkage at all", assistance.bound_s);
+    text += fmt::format("; with its power no linkage could be faster than {:.2f} s", assistance.bound_s);
   return text;
 }
 

@@ -146,6 +146,45 @@ steps::StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
   return step;
 }
 
+steps::StudyStep LoadsStep(const StudyFile& study, const fs::path& out) {
+  commands::LoadsRunOptions options = *study.loads;
+  options.trial = out / "human";
+  steps::StudyStep step{"loads",
+                        "what the knee needs",
+                        "lake-loads",
+                        out / "loads",
+                        TrialTables(out / "human"),
+                        {},
+                        study.loads_options,
+                        2,
+                        {}};
+  if (!options.forces.empty()) step.inputs.push_back(options.forces);
+  step.work = [options](Run& run) { run.WriteSummary(commands::RunLoads(options, run)); };
+  return step;
+}
+
+steps::StudyStep AssistanceStep(const StudyFile& study, const fs::path& out) {
+  commands::OptimizeRunOptions options = study.assistance->options;
+  const fs::path profile = out / "loads" / "loads.json";
+  steps::StudyStep step{"assistance",
+                        "what an actuator gives of it",
+                        "lake-optimize",
+                        out / "assistance",
+                        {profile},
+                        {},
+                        study.assistance->said,
+                        5,
+                        {}};
+  for (const fs::path& file : {options.problem_file, options.actuators})
+    if (!file.empty()) step.inputs.push_back(file);
+  step.work = [options, profile](Run& run) {
+    commands::OptimizeRunOptions with_profile = options;
+    with_profile.problem.profile = problem::ReadLoadProfile(profile);
+    OptimizeWork(with_profile)(run);
+  };
+  return step;
+}
+
 // The middle length of a vector of the leg over a trial; NaN if it is never known.
 double LengthOf(const motion::LegMotion& motion, Eigen::Vector2d motion::LegSample::*vector) {
   std::vector<double> lengths;
@@ -162,6 +201,20 @@ void TakeLegOf(const fs::path& kinematics, commands::SimulationOptions& options)
   options.thigh_mm = thigh, options.shank_mm = shank;
 }
 
+// What the knee needs, where the study has one actuator to give it.
+std::optional<fs::path> ProfileOfOneActuator(const StudyFile& study, const fs::path& out) {
+  if (!study.assistance || !study.assistance->options.actuators.empty()) return std::nullopt;
+  return out / "loads" / "loads.json";
+}
+
+// The design that is simulated with the same actuator and share.
+void TakeLoadOf(const fs::path& profile, const problem::SynthesisProblem& problem,
+                commands::SimulationOptions& options) {
+  options.load.profile = problem::ReadLoadProfile(profile);
+  options.load.assist = problem.assist, options.load.actuator = problem.actuator;
+  options.load.rests_anywhere = problem.rests_anywhere;
+}
+
 steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, const fs::path& out) {
   const fs::path leg = out / "human" / "kinematics.csv";
   steps::StudyStep step{"simulation",
@@ -173,11 +226,14 @@ steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, 
                         study.simulation_options,
                         8,
                         {}};
-  step.work = [options = study.simulation, design, leg](Run& run) {
+  const std::optional<fs::path> profile = ProfileOfOneActuator(study, out);
+  if (profile) step.inputs.push_back(*profile), step.options["assistance"] = study.assistance->said;
+  step.work = [options = study.simulation, assistance = study.assistance, profile, design, leg](Run& run) {
     run.AddInput(design);
     run.AddInput(leg);
     commands::SimulationOptions of_person = options;
     TakeLegOf(leg, of_person);
+    if (profile) TakeLoadOf(*profile, assistance->options.problem, of_person);
     run.WriteSummary(commands::SimulateLinkage(linkage::ReadDesign(design), of_person, run));
   };
   return step;
@@ -247,8 +303,10 @@ std::vector<steps::StudyStep> StudySteps(const StudyFile& study, const fs::path&
     steps.push_back(TrialStep("exo", "the trial with exoskeleton", *study.exo, camera, out));
     steps.push_back(ComparisonStep(study, out));
   }
+  if (study.loads) steps.push_back(LoadsStep(study, out));
   steps.push_back(OptimumStep(study, out));
   if (study.redesign) steps.push_back(RedesignStep(study, out));
+  if (study.assistance) steps.push_back(AssistanceStep(study, out));
   const fs::path design = out / (study.redesign ? "redesign" : "optimum") / "design.yaml";
   steps.push_back(SimulationStep(study, design, out));
   if (study.stroke) steps.push_back(StrokeStep(study, design, out));

@@ -61,6 +61,7 @@ report::Section MisalignmentChapter(const StudyResults& results);
 report::Section OptimumChapter(const StudyFile& study, const StudyResults& results);
 report::Section RedesignChapter(const StudyResults& results);
 report::Section StrokeChapter(const StudyResults& results);
+report::Section LoadsChapter(const StudyResults& results);
 report::Section SimulationChapter(const StudyResults& results);
 
 }  // namespace lake::study

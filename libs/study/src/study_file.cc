@@ -65,6 +65,7 @@ class Files {
   }
 
   const std::vector<StudyInput>& Found() const { return found_; }
+  const fs::path& Folder() const { return folder_; }
 
  private:
   fs::path Resolve(const YamlNode& node) const {
@@ -183,7 +184,7 @@ void ReadCompare(YamlNode node, Files& files, StudyFile& study) {
 void ReadProblemKey(YamlNode& node, Files& files, StudyProblem& problem) {
   auto child = node.Child("problem");
   if (child && child->IsMap())
-    problem = {std::nullopt, problem::ReadProblem(std::move(*child))};
+    problem = {std::nullopt, problem::ReadProblem(std::move(*child), files.Folder())};
   else if (child)
     problem = {files.Take(*child), {}};
 }
@@ -197,6 +198,14 @@ void ReadDesignSection(YamlNode node, Files& files, StudyFile& study) {
   if (study.worn && !study.exo) throw Fail("{}: 'worn' needs an 'exo' trial", node.Where());
 }
 
+problem::LinearActuator ActuatorOf(const YamlNode& node, const Files& files) {
+  try {
+    return problem::FindActuator(node.AsText(), files.Folder());
+  } catch (const Error& error) {
+    throw Fail("{}: {}", node.Where(), error.what());
+  }
+}
+
 StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& design) {
   StudyRedesign redesign{{}, {}, design, node.ToJson()};
   ReadProblemKey(node, files, redesign.design);
@@ -205,6 +214,34 @@ StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& desi
               {"comparison", "human", "human-knee", "map", "up", "forward", "unit", "worn"});
   node.Finish();
   return redesign;
+}
+
+commands::LoadsRunOptions ReadLoads(YamlNode node, Files& files) {
+  commands::LoadsRunOptions options;
+  ReadSection(node, options, files, {"trial", "map", "up", "forward", "unit", "rate"});
+  node.Finish();
+  try {
+    options.loads.body.Check();
+  } catch (const Error& error) {
+    throw Fail("{}: {}", node.Where(), error.what());
+  }
+  return options;
+}
+
+StudyAssistance ReadAssistance(YamlNode node, Files& files) {
+  StudyAssistance assistance{{}, node.ToJson()};
+  problem::SynthesisProblem& problem = assistance.options.problem;
+  StudyProblem named;
+  ReadProblemKey(node, files, named);
+  if (named.file && fs::exists(*named.file)) named.problem = problem::ReadProblem(*named.file);
+  problem = named.problem;
+  if (named.file) assistance.options.problem_file = *named.file;
+  if (const auto actuator = node.Child("actuator")) problem.actuator = ActuatorOf(*actuator, files);
+  ReadSection(node, assistance.options, files, {"problem", "profile", "actuator"});
+  node.Finish();
+  if (assistance.options.actuators.empty() && !problem.actuator)
+    throw Fail("{}: 'assistance' needs an 'actuator', or a catalogue of 'actuators'", node.Where());
+  return assistance;
 }
 
 commands::StrokeRunOptions ReadStroke(YamlNode node, Files& files) {
@@ -266,6 +303,15 @@ StudyFile ReadStudyFile(const fs::path& path) {
           "{}: 'reoptimize' uses the exo trial: name the design that was worn in it with design: {{worn: FILE}}, or "
           "leave the trial out with human_only: true",
           where);
+  }
+  if (auto loads = root.Child("loads")) {
+    study.loads_options = loads->ToJson();
+    study.loads = ReadLoads(std::move(*loads), files);
+  }
+  if (auto assistance = root.Child("assistance")) {
+    if (!study.loads)
+      throw Fail("{}: 'assistance' is a share of what the knee needs: add loads: {{mass_kg: …}}", assistance->Where());
+    study.assistance = ReadAssistance(std::move(*assistance), files);
   }
   if (auto simulate = root.Child("simulate")) ReadSimulation(std::move(*simulate), files, study);
   if (auto stroke = root.Child("stroke")) {

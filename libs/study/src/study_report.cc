@@ -18,10 +18,17 @@ namespace fs = std::filesystem;
 struct WarningsFrom {
   const char *step, *what;
 };
-constexpr WarningsFrom kByWeight[] = {
-    {"simulation", "Fit on the body"}, {"redesign", "New design"}, {"stroke", "Stroke program"},
-    {"comparison", "Misalignment"},    {"human", "Human trial"},   {"exo", "Exoskeleton trial"},
-    {"plane", "Sagittal plane"},       {"calibration", "Camera"},  {"optimum", "Benchmark optimum"}};
+constexpr WarningsFrom kByWeight[] = {{"simulation", "Fit on the body"},
+                                      {"redesign", "New design"},
+                                      {"stroke", "Stroke program"},
+                                      {"assistance", "Assistance"},
+                                      {"loads", "Loads"},
+                                      {"comparison", "Misalignment"},
+                                      {"human", "Human trial"},
+                                      {"exo", "Exoskeleton trial"},
+                                      {"plane", "Sagittal plane"},
+                                      {"calibration", "Camera"},
+                                      {"optimum", "Benchmark optimum"}};
 
 std::vector<std::string> WarningsOf(const StudyResults& results) {
   std::vector<std::string> warnings;
@@ -52,24 +59,29 @@ Section MethodsChapter() {
 }
 
 Section FilesChapter(const StudyResults& results) {
-  const std::vector<Files::File> all = {{"human/overlay.mp4", "the human trial with skeleton, trails and angle"},
-                                        {"exo/overlay.mp4", "the exoskeleton trial with skeleton, trails and angle"},
-                                        {"human/track.png", "figure of the human trial: paths, knee angle, residuals"},
-                                        {"exo/track.png", "figure of the exoskeleton trial"},
-                                        {"human/kinematics.csv", "angles and vectors frame by frame"},
-                                        {"exo/kinematics.csv", "the same for the exoskeleton trial"},
-                                        {"comparison/report.html", "the whole comparison, all figures"},
-                                        {"comparison/misalignment.csv", "its curves, a row per percent"},
-                                        {"optimum/design.yaml", "the optimum of the design problem"},
-                                        {"redesign/design.yaml", "the re-optimised design"},
-                                        {"simulation/angle_vs_stroke.csv", "angle, moment arm and force over stroke"},
-                                        {"simulation/animation.mp4", "the linkage moving"},
-                                        {"simulation/design.dxf", "link plates, 1:1 in mm"},
-                                        {"simulation/schematic.svg", "schematic with the symbols"},
-                                        {"simulation/mannequin.png", "the design on the body"},
-                                        {"stroke/lake_stroke/lake_stroke.ino", "firmware for the Arduino UNO"},
-                                        {"stroke/program.csv", "the stroke program"},
-                                        {"summary.json", "every number of every step"}};
+  const std::vector<Files::File> all = {
+      {"human/overlay.mp4", "the human trial with skeleton, trails and angle"},
+      {"exo/overlay.mp4", "the exoskeleton trial with skeleton, trails and angle"},
+      {"human/track.png", "figure of the human trial: paths, knee angle, residuals"},
+      {"exo/track.png", "figure of the exoskeleton trial"},
+      {"human/kinematics.csv", "angles and vectors frame by frame"},
+      {"exo/kinematics.csv", "the same for the exoskeleton trial"},
+      {"comparison/report.html", "the whole comparison, all figures"},
+      {"comparison/misalignment.csv", "its curves, a row per percent"},
+      {"loads/loads.csv", "moments at ankle, knee and hip of each rise"},
+      {"assistance/design.yaml", "the links for the actuator and what the knee needs"},
+      {"assistance/assistance.csv", "its force, speed and power over the rise"},
+      {"assistance/actuators_front.csv", "each actuator's shortest rise and links"},
+      {"optimum/design.yaml", "the optimum of the design problem"},
+      {"redesign/design.yaml", "the re-optimised design"},
+      {"simulation/angle_vs_stroke.csv", "angle, moment arm and force over stroke"},
+      {"simulation/animation.mp4", "the linkage moving"},
+      {"simulation/design.dxf", "link plates, 1:1 in mm"},
+      {"simulation/schematic.svg", "schematic with the symbols"},
+      {"simulation/mannequin.png", "the design on the body"},
+      {"stroke/lake_stroke/lake_stroke.ino", "firmware for the Arduino UNO"},
+      {"stroke/program.csv", "the stroke program"},
+      {"summary.json", "every number of every step"}};
   Files files;
   for (const Files::File& file : all)
     if (file.path == "summary.json" || results.HasFile(file.path)) files.files.push_back(file);
@@ -79,8 +91,9 @@ Section FilesChapter(const StudyResults& results) {
 }  // namespace
 
 const std::vector<std::string>& StudyStepNames() {
-  static const std::vector<std::string> kInOrder = {"calibration", "plane",    "human",      "exo",   "comparison",
-                                                    "optimum",     "redesign", "simulation", "stroke"};
+  static const std::vector<std::string> kInOrder = {"calibration", "plane",      "human",   "exo",
+                                                    "comparison",  "loads",      "optimum", "redesign",
+                                                    "assistance",  "simulation", "stroke"};
   return kInOrder;
 }
 
@@ -102,6 +115,7 @@ Report MakeStudyReport(const StudyFile& study, const StudyResults& results, cons
       study.name, "From two recordings of a sit-to-stand to a better knee exoskeleton", WarningsOf(results), {}};
   report.sections.push_back(ResultChapter(results));
   if (results.Has("redesign")) report.sections.push_back(RedesignChapter(results));
+  if (results.Has("loads")) report.sections.push_back(LoadsChapter(results));
   report.sections.push_back(SimulationChapter(results));
   if (results.Has("stroke")) report.sections.push_back(StrokeChapter(results));
   if (results.Has("comparison")) report.sections.push_back(MisalignmentChapter(results));

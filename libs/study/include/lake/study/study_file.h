@@ -9,6 +9,9 @@
 //   reoptimize: {problem, max_misalignment_percent, program, …}; absent: no design is fitted to the person. With an exo
 //     trial either the worn design or human_only: true
 //   simulate: {height_cm, mass_kg, seat_edge_mm, …}   the leg's lengths are the human trial's
+//   loads: {mass_kg, height_mm, …}; absent: no moments. Of the human trial
+//   assistance: {problem, actuator, assist, duration_s, …, or actuators: a catalogue}; absent: no design for what the
+//     knee needs; with it `loads`
 //   stroke: {duty_table, speed_mm_s, …}; absent: no stroke program
 //
 // A section has the options of the program that does its work, as keys (core/options.h), but for what the study itself
@@ -24,6 +27,7 @@
 #include "lake/commands/calibrate.h"
 #include "lake/commands/compare.h"
 #include "lake/commands/gait.h"
+#include "lake/commands/loads.h"
 #include "lake/commands/optimize.h"
 #include "lake/commands/simulate.h"
 #include "lake/commands/stroke.h"
@@ -68,6 +72,12 @@ struct StudyRedesign {
   Json said;            // what the study says about it
 };
 
+// What the knee needs, and the links with which an actuator gives it.
+struct StudyAssistance {
+  commands::OptimizeRunOptions options;  // without the profile
+  Json said;
+};
+
 struct StudyFile {
   std::filesystem::path file;
   std::string name;
@@ -83,6 +93,9 @@ struct StudyFile {
   std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
   Json design_options = Json::object();
   std::optional<StudyRedesign> redesign;
+  std::optional<commands::LoadsRunOptions> loads;  // without the trial's place
+  Json loads_options;
+  std::optional<StudyAssistance> assistance;
   commands::SimulationOptions simulation;
   Json simulation_options = Json::object();
   std::optional<commands::StrokeRunOptions> stroke;  // without the design and the motion's place

@@ -1,0 +1,111 @@
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "study_chapters.h"
+
+namespace lake::study {
+
+using namespace report;
+
+namespace {
+
+std::string NeedText(const Json& loads) {
+  const Json& interval = loads.at("peak_knee_nm_interval");
+  return fmt::format(
+      "One leg extends its knee with {} at most (95 % interval {} to {}), {} N m per kg of body mass, at a knee "
+      "angle of {}; mean of {} rises, {}.",
+      Quantity(NumberOrNaN(loads.at("peak_knee_nm")), "N m"), NumberText(NumberOrNaN(interval.at(0)), 1),
+      Quantity(NumberOrNaN(interval.at(1)), "N m"), NumberText(NumberOrNaN(loads.at("peak_knee_nm_kg")), 2),
+      Quantity(NumberOrNaN(loads.at("peak_knee_deg")), "°"), loads.at("rises").size(),
+      loads.at("method") == "bottom-up" ? "from the ground's forces" : "without force plates");
+}
+
+// Of a summary of one actuator.
+std::string LiftText(const Json& assistance) {
+  const Json &actuator = assistance.at("actuator"), &force = assistance.at("force_n");
+  const double lifts_n = NumberOrNaN(actuator.at("lifting_force_n"));
+  return fmt::format(
+      "{} gives {:.0f} % of that with {}; {}.", actuator.at("name").get<std::string>(),
+      100 * NumberOrNaN(assistance.at("assist")),
+      force.is_object() ? "at most " + Quantity(std::abs(NumberOrNaN(force.at("value"))), "N") : "no force",
+      std::isfinite(lifts_n) ? "it lifts " + Quantity(lifts_n, "N") : "what it lifts is not known");
+}
+
+std::string SpeedText(const Json& assistance) {
+  const double shortest_s = NumberOrNaN(assistance.at("shortest_duration_s")),
+               any_s = NumberOrNaN(assistance.at("any_linkage_duration_s"));
+  if (!std::isfinite(shortest_s)) return "Its speed is not known.";
+  std::string text =
+      fmt::format("In {} or longer, where the person takes {}: its speed decides at {:.0f} % of the rise.",
+                  Quantity(shortest_s, "s"), Quantity(NumberOrNaN(assistance.at("own_duration_s")), "s"),
+                  NumberOrNaN(assistance.at("limiting_percent")));
+  if (assistance.at("shortest_is_lower_bound").get<bool>())
+    text += " Its speed under load is not known, so this is a lower bound.";
+  else if (std::isfinite(any_s))
+    text += fmt::format(" With its power no linkage could be faster than {}.", Quantity(any_s, "s"));
+  return text;
+}
+
+// With the links that are the best for the actuator, and with those of the study's design.
+Answers LiftAnswers(const StudyResults& results, const Json& assistance, const std::string& need) {
+  Answers answers{{{"What the knee needs", need},
+                   {"Will it lift me?", LiftText(assistance)},
+                   {"How fast?", SpeedText(assistance)}}};
+  const Json simulation = results.Summary("simulation");
+  if (results.Has("redesign") && simulation.contains("assistance"))
+    answers.answers.push_back(
+        {"And with the new design?", simulation.at("assistance").at("text").get<std::string>() + "."});
+  return answers;
+}
+
+std::string ReasonOf(const Json& actuator) {
+  std::vector<std::string> limits = actuator.at("limits").get<std::vector<std::string>>();
+  if (!limits.empty()) return fmt::format("fails: {}", fmt::join(limits, ", "));
+  if (!actuator.at("speed_is_known").get<bool>()) return "its speed is not known";
+  return actuator.at("speed_under_load_is_known").get<bool>() ? "" : "lower bound: its speed under load is not known";
+}
+
+// Of a summary of a catalogue.
+Table ActuatorsTable(const Json& assistance) {
+  Table table{fmt::format("Actuators; the person's own rise takes {}",
+                          Quantity(NumberOrNaN(assistance.at("own_duration_s")), "s")),
+              {{"Actuator"}, {"Largest share (%)", 0}, {"Rise in (s)", 2}, {"Beyond that share"}},
+              {}};
+  for (const Json& actuator : assistance.at("actuators")) {
+    const Json& points = actuator.at("points");
+    const Json last = points.empty() ? Json() : points.back();
+    table.rows.push_back(
+        {actuator.at("name").get<std::string>(), last.is_null() ? std::nan("") : 100 * NumberOrNaN(last.at("assist")),
+         last.is_null() ? std::nan("") : NumberOrNaN(last.at("shortest_duration_s")), ReasonOf(actuator)});
+  }
+  return table;
+}
+
+}  // namespace
+
+Section LoadsChapter(const StudyResults& results) {
+  const std::string need = NeedText(results.Summary("loads"));
+  Section section{"Loads", {}};
+  const Json assistance = results.Has("assistance") ? results.Summary("assistance") : Json();
+  if (assistance.contains("assistance"))
+    section.blocks.push_back(LiftAnswers(results, assistance.at("assistance"), need));
+  else
+    section.blocks.push_back(Paragraph{need});
+  results.AddPicture(
+      "loads/loads.png", "Moments over the rise",
+      "The knee's moment over the rises with its 95 % band; grey, until the seat is left: between all "
+      "weight on it and none. Right: the joints' means, where the ground's force acts, the knee's power.",
+      Width::kFull, section);
+  results.AddPicture("assistance/assistance.png", "Force, speed and power of the actuator over the rise",
+                     "The actuator's force, speed and power in the shortest rise, with what it can.", Width::kFull,
+                     section);
+  if (assistance.contains("actuators")) section.blocks.push_back(ActuatorsTable(assistance));
+  results.AddPicture("assistance/actuators_front.png", "Shortest rise against the share of the knee's moment",
+                     "The shortest rise with each actuator, its links the best for it, against the share of the knee's "
+                     "moment that it gives.",
+                     Width::kFull, section);
+  return section;
+}
+
+}  // namespace lake::study
