@@ -33,6 +33,7 @@ constexpr std::array kSteps = {
     Step{"loads", "the moments at ankle, knee and hip over the rise"},
     Step{"optimize", "the links that give the largest range of rotation"},
     Step{"simulate", "poses, angle against stroke and animation of a design"},
+    Step{"export", "a design for simulators, CAD and cutters"},
     Step{"stroke", "stroke program and firmware for the actuator"},
     Step{"convert", "a trial file in another format"},
     Step{"info", "what is inside a trial file"},

@@ -2,6 +2,7 @@
 #include "cli/program_run.h"
 #include "lake/commands/calibrate.h"
 #include "lake/commands/compare.h"
+#include "lake/commands/export.h"
 #include "lake/commands/gait.h"
 #include "lake/commands/loads.h"
 #include "lake/commands/optimize.h"
@@ -103,6 +104,7 @@ TEST(Help, HasEveryDescribedOptionWithItsUnit) {
   ExpectHelp<commands::PlaneRunOptions>("lake-calibrate plane");
   ExpectHelp<commands::SheetRunOptions>("lake-calibrate board");
   ExpectHelp<commands::SimulationOptions>("lake-simulate");
+  ExpectHelp<commands::ExportOptions>("lake-export");
   ExpectHelp<exchange::ConvertOptions>("lake-convert");
 }
 

@@ -22,39 +22,40 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
-struct Edge {
-  Vector2d from, to;
-  double radius;  // 0: straight
+struct Vertex {
+  Vector2d at;
+  double bulge;  // of the edge that begins here: the tangent of a quarter of its turn, 0 straight
 };
 
 class Reader : public DL_CreationAdapter {
  public:
-  void addLine(const DL_LineData& line) override {
+  void addPolyline(const DL_PolylineData& line) override {
     EXPECT_EQ(attributes.getLayer(), "OUTLINE");
-    edges.push_back({{line.x1, line.y1}, {line.x2, line.y2}, 0});
+    EXPECT_EQ(line.flags & 1, 1) << "an open outline";
+    outlines.emplace_back();
   }
-  void addArc(const DL_ArcData& arc) override {
-    EXPECT_EQ(attributes.getLayer(), "OUTLINE");
-    const auto at = [&](double degrees) {
-      const double angle = RadiansFromDegrees(degrees);
-      return Vector2d(arc.cx + arc.radius * std::cos(angle), arc.cy + arc.radius * std::sin(angle));
-    };
-    edges.push_back({at(arc.angle1), at(arc.angle2), arc.radius});
+  void addVertex(const DL_VertexData& vertex) override {
+    outlines.back().push_back({{vertex.x, vertex.y}, vertex.bulge});
   }
+  void addLine(const DL_LineData&) override { ADD_FAILURE() << "a line outside an outline"; }
+  void addArc(const DL_ArcData&) override { ADD_FAILURE() << "an arc outside an outline"; }
   void addCircle(const DL_CircleData& circle) override {
     EXPECT_EQ(attributes.getLayer(), "HOLES");
-    holes.emplace_back(circle.cx, circle.cy);
+    (circle.radius == 2.75 ? cuff_holes : holes).emplace_back(circle.cx, circle.cy);
     hole_radii.push_back(circle.radius);
   }
   void addText(const DL_TextData& text) override {
-    EXPECT_EQ(attributes.getLayer(), "LABELS");
-    labels.push_back(text.text);
+    (attributes.getLayer() == "LABELS" ? labels : engravings).push_back(text.text);
+    if (attributes.getLayer() != "LABELS") {
+      EXPECT_EQ(attributes.getLayer(), "ENGRAVING");
+      engraved_at.emplace_back(text.apx, text.apy);
+    }
   }
 
-  std::vector<Edge> edges;
-  std::vector<Vector2d> holes;
+  std::vector<std::vector<Vertex>> outlines;
+  std::vector<Vector2d> holes, cuff_holes, engraved_at;
   std::vector<double> hole_radii;
-  std::vector<std::string> labels;
+  std::vector<std::string> labels, engravings;
 };
 
 Reader ReadBack(const std::filesystem::path& path) {
@@ -79,55 +80,80 @@ TEST(LinkPlates, HolesAreAsFarApartAsTheLinksAreLong) {
     EXPECT_NEAR(distance(0, 1), links.l1, kWritten_mm);
     EXPECT_NEAR(distance(2, 3), links.l2, kWritten_mm);
     EXPECT_NEAR(distance(4, 5), links.l4, kWritten_mm);
-    // The thigh plate: K, M, P.
-    EXPECT_NEAR(distance(6, 8), links.l3, kWritten_mm);
+    // The thigh plate: K, P, M.
+    EXPECT_NEAR(distance(6, 7), links.l3, kWritten_mm);
     EXPECT_NEAR(distance(7, 8), links.L7(), kWritten_mm);
-    EXPECT_NEAR(distance(6, 7), std::hypot(links.l5, links.l3 + links.l6), kWritten_mm);
-    for (const double radius : plates.hole_radii) EXPECT_DOUBLE_EQ(radius, 4);
+    EXPECT_NEAR(distance(6, 8), std::hypot(links.l5, links.l3 + links.l6), kWritten_mm);
+    for (const double radius : plates.hole_radii) EXPECT_TRUE(radius == 2.75 || std::abs(radius - 4.05) < 1e-12);
   }
+}
+
+// The heading of an outline as it leaves a vertex, and as it reaches the next.
+std::pair<double, double> HeadingsOf(const Vertex& from, const Vertex& to) {
+  const Vector2d chord = to.at - from.at;
+  const double heading = std::atan2(chord.y(), chord.x()), half_turn = 2 * std::atan(from.bulge);
+  return {heading - half_turn, heading + half_turn};
 }
 
 TEST(LinkPlates, OutlinesAreClosedAndSmooth) {
   const TemporaryFolder folder;
   drawing::WriteLinkPlates(folder / "design.dxf", kOptimum);
   const Reader plates = ReadBack(folder / "design.dxf");
-  ASSERT_EQ(plates.edges.size(), 3 * 4 + 6u);  // a bar: two lines and two arcs
-  for (const Edge& edge : plates.edges)
-    for (const Vector2d& end : {edge.from, edge.to}) {
-      const auto meets = [&](const Edge& other) {
-        return std::min((other.from - end).norm(), (other.to - end).norm()) < kWritten_mm;
-      };
-      EXPECT_EQ(std::count_if(plates.edges.begin(), plates.edges.end(), meets), 2);
+  ASSERT_EQ(plates.outlines.size(), 4u);
+  for (const std::vector<Vertex>& outline : plates.outlines) {
+    double turn = 0;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      const Vertex &vertex = outline[i], &next = outline[(i + 1) % outline.size()];
+      const Vertex& after = outline[(i + 2) % outline.size()];
+      turn += 4 * std::atan(vertex.bulge);
+      const double kink = HeadingsOf(vertex, next).second - HeadingsOf(next, after).first;
+      EXPECT_NEAR(std::remainder(kink, 2 * M_PI), 0, 1e-9);
+      // An arc about a pin passes through the ends of the lines beside it: every end is half a width from a pin, but
+      // at the end of the shank link, which is about the outer cuff hole.
+      double nearest = HUGE_VAL;
+      for (const auto& ends : {plates.holes, plates.cuff_holes})
+        for (const Vector2d& hole : ends) nearest = std::min(nearest, (hole - vertex.at).norm());
+      EXPECT_NEAR(nearest, 12, kWritten_mm);
     }
-  // An arc about a pin passes through the ends of the lines beside it: every end is half a width from its pin.
-  for (const Edge& edge : plates.edges) {
-    double nearest = HUGE_VAL;
-    for (const Vector2d& hole : plates.holes) nearest = std::min(nearest, (hole - edge.from).norm());
-    EXPECT_NEAR(nearest, 12, kWritten_mm);
+    EXPECT_NEAR(turn, 2 * M_PI, 1e-9);  // once round, anticlockwise
   }
 }
 
-TEST(LinkPlates, AreLabelledAndDoNotOverlap) {
+TEST(LinkPlates, AreLabelledEngravedAndDoNotOverlap) {
   const TemporaryFolder folder;
   drawing::WriteLinkPlates(folder / "design.dxf", kOptimum);
   const Reader plates = ReadBack(folder / "design.dxf");
   EXPECT_THAT(plates.labels, ::testing::ElementsAre("RS l1 = 59.081", "PR l2 = 68.840", "KS l4 = 71.849",
                                                     "KPM l3 = 55.964", "l5 = 118.630 l6 = 287.310"));
-  // Plates lie one below the other: the lowest point of each above the highest of the next.
-  for (int plate = 0; plate + 1 < 4; ++plate) {
+  EXPECT_THAT(plates.engravings, ::testing::ElementsAre("RS 4 mm", "PR 4 mm", "KS 4 mm", "KPM 4 mm"));
+  // Plates lie one below the other: the lowest point of each above the highest of the next. The round ends reach no
+  // farther than half a width beyond the vertices, which are half a width from the pins.
+  for (std::size_t plate = 0; plate + 1 < 4; ++plate) {
     double lowest = HUGE_VAL, highest_below = -HUGE_VAL;
-    const auto first = plates.edges.begin() + 4 * plate;
-    for (auto edge = first; edge != first + 4; ++edge) lowest = std::min({lowest, edge->from.y(), edge->to.y()});
-    const auto next_end = plate == 2 ? plates.edges.end() : first + 8;
-    for (auto edge = first + 4; edge != next_end; ++edge)
-      highest_below = std::max({highest_below, edge->from.y(), edge->to.y()});
+    for (const Vertex& vertex : plates.outlines[plate]) lowest = std::min(lowest, vertex.at.y());
+    for (const Vertex& vertex : plates.outlines[plate + 1]) highest_below = std::max(highest_below, vertex.at.y());
     EXPECT_GT(lowest, highest_below + 10);
+    EXPECT_GT(plates.engraved_at[plate].y(), lowest);
   }
+}
+
+// Two on the thigh plate between P and M, two on the shank link beyond S: one plate's width from the pin, and 30 mm on.
+TEST(LinkPlates, HaveHolesForTheCuffs) {
+  const TemporaryFolder folder;
+  drawing::WriteLinkPlates(folder / "design.dxf", kOptimum);
+  const Reader plates = ReadBack(folder / "design.dxf");
+  ASSERT_EQ(plates.cuff_holes.size(), 4u);
+  const Vector2d shank_pin = plates.holes[5], thigh_pin = plates.holes[7], mount = plates.holes[8];
+  EXPECT_NEAR((plates.cuff_holes[0] - shank_pin).norm(), 24, kWritten_mm);
+  EXPECT_NEAR((plates.cuff_holes[1] - shank_pin).norm(), 54, kWritten_mm);
+  const Vector2d along = (mount - thigh_pin).normalized();
+  EXPECT_NEAR((plates.cuff_holes[2] - thigh_pin - 24 * along).norm(), 0, kWritten_mm);
+  EXPECT_NEAR((plates.cuff_holes[3] - thigh_pin - 54 * along).norm(), 0, kWritten_mm);
 }
 
 TEST(LinkPlates, RefuseWhatCannotBeCut) {
   const TemporaryFolder folder;
-  drawing::PlateOptions thin;
+  parts::PartOptions thin;
   thin.bar_width_mm = 6;
   EXPECT_THAT([&] { drawing::WriteLinkPlates(folder / "x.dxf", kOptimum, thin); },
               ThrowsMessage<Error>(HasSubstr("a pin of 8 mm does not fit")));

@@ -103,7 +103,14 @@ TEST_F(Simulate, WritesTheForcesInMembersAndPins) {
     EXPECT_EQ(table.RequiredNumber(row, 9), table.RequiredNumber(row, 2));
     largest_n = std::max(largest_n, table.RequiredNumber(row, 7));
   }
-  EXPECT_EQ(Json::parse(outcome.out)["pin_forces"]["tip_pin"]["largest_n"], largest_n);
+  const Json summary = Json::parse(outcome.out);
+  EXPECT_EQ(summary["pin_forces"]["tip_pin"]["largest_n"], largest_n);
+  const CsvTable strength = CsvTable::Read(Out() / "strength.csv");
+  double least = HUGE_VAL;
+  for (std::size_t row = 0; row < strength.Rows(); ++row)
+    least = std::min(least, strength.RequiredNumber(row, strength.Column("safety")));
+  EXPECT_EQ(summary["weakest"]["safety"], least);
+  EXPECT_EQ(CsvTable::Read(Out() / "parts.csv").Text(0, 0), "thigh plate KPM");
   for (const char* name : {"pin_forces.png", "pin_forces.svg"}) EXPECT_TRUE(std::filesystem::exists(Out() / name));
 }
 

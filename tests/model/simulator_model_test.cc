@@ -4,10 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <pugixml.hpp>
 
 #include "lake/core/angles.h"
-#include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
 #include "model/mujoco_model.h"
 #include "temporary_folder.h"
 
@@ -88,6 +90,41 @@ TEST(Mjcf, BodiesHaveTheMassAndInertiaOfTheirParts) {
   }
 }
 
+// With the joints where the closed form has them, the two cuts of the tree meet.
+TEST(Urdf, LoopsCloseAtTheClosedFormsJointPositions) {
+  const TemporaryFolder folder;
+  for (int number = 0; number < 3; ++number) {
+    const parts::Mechanism mechanism = DesignNumber(number);
+    model::WriteUrdf(folder / "design.urdf", mechanism);
+    testing::MujocoModel simulation(folder / "design.urdf");
+    for (const double part : {0.1, 0.6, 0.9}) {
+      const linkage::Pose pose = linkage::RequirePose(
+          mechanism.links, mechanism.range.stroke.lower_mm + part * mechanism.range.stroke.Travel());
+      const auto turn = [&](parts::Body body) { return parts::PlacementOf(body, pose).turn_rad; };
+      simulation.Position("knee") = pose.theta_rad;
+      simulation.Position("thigh_pin") = turn(parts::Body::kBar);
+      simulation.Position("tip") = turn(parts::Body::kCoupler) - turn(parts::Body::kBar);
+      simulation.Position("mount") = turn(parts::Body::kActuator);
+      simulation.Position("stroke") = 1e-3 * pose.stroke_mm;
+      mj_kinematics(simulation.Model(), simulation.Data());
+      const auto place = [&](const char* body, double x_mm) {
+        const int id = simulation.Id(mjOBJ_BODY, body);
+        const double in_body[3] = {1e-3 * x_mm, 0, 0};
+        Eigen::Vector3d at;
+        mju_rotVecMat(at.data(), in_body, simulation.Data()->xmat + 9 * id);
+        return Eigen::Vector3d(at + Eigen::Map<Eigen::Vector3d>(simulation.Data()->xpos + 3 * id));
+      };
+      const linkage::Links& links = mechanism.links;
+      EXPECT_NEAR((place("coupler", links.l1) - place("shank_link", links.l4)).norm(), 0, 1e-12);
+      EXPECT_NEAR((place("actuator_rod", 0) - place("slewing_bar", links.l2)).norm(), 0, 1e-12);
+      const Eigen::Vector3d shank_pin(-1e-3 * pose.shank_pin.x(), 0, 1e-3 * pose.shank_pin.y());
+      EXPECT_NEAR((place("shank_link", links.l4) - shank_pin).norm(), 0, 1e-12);
+    }
+    EXPECT_NEAR(simulation.Model()->body_mass[simulation.Id(mjOBJ_BODY, "shank_link")],
+                parts::MassOf(mechanism.plates[1]).mass_kg, 1e-12);
+  }
+}
+
 #else
 
 TEST(Mjcf, IsSimulated) {
@@ -95,6 +132,52 @@ TEST(Mjcf, IsSimulated) {
 }
 
 #endif
+
+// "x y z roll pitch yaw", as SDFormat has it.
+Eigen::Isometry3d PoseFrom(const char* text) {
+  const std::vector<std::string> parts = SplitText(text, ' ');
+  std::vector<double> numbers;
+  for (const std::string& part : parts) numbers.push_back(ParseNumber(part).value());
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() << numbers.at(0), numbers.at(1), numbers.at(2);
+  pose.linear() = (Eigen::AngleAxisd(numbers.at(5), Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(numbers.at(4), Eigen::Vector3d::UnitY()) *
+                   Eigen::AngleAxisd(numbers.at(3), Eigen::Vector3d::UnitX()))
+                      .toRotationMatrix();
+  return pose;
+}
+
+// All seven joints, loops included, are where the pins of the reference pose are, with their axes along +y.
+TEST(Sdf, JointsAreAtThePins) {
+  const TemporaryFolder folder;
+  const parts::Mechanism mechanism = DesignNumber(0);
+  const linkage::Pose pose = model::ReferencePose(mechanism);
+  model::WriteSdf(folder / "design.sdf", mechanism);
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_file((folder / "design.sdf").c_str()));
+  const pugi::xml_node sdf = document.child("sdf").child("model");
+  const std::pair<const char*, Eigen::Vector2d> kPins[] = {
+      {"knee", pose.knee},   {"thigh_pin", pose.thigh_pin}, {"tip", pose.tip},    {"shank_pin", pose.shank_pin},
+      {"mount", pose.mount}, {"stroke", pose.tip},          {"rod_end", pose.tip}};
+  for (const auto& [name, pin] : kPins) {
+    const pugi::xml_node joint = sdf.find_child_by_attribute("joint", "name", name);
+    ASSERT_TRUE(joint) << name;
+    ASSERT_TRUE(sdf.find_child_by_attribute("link", "name", joint.child_value("parent"))) << name;
+    const pugi::xml_node child = sdf.find_child_by_attribute("link", "name", joint.child_value("child"));
+    const Eigen::Isometry3d model_from_child = PoseFrom(child.child_value("pose"));
+    const Eigen::Vector3d at = model_from_child * PoseFrom(joint.child_value("pose")).translation();
+    EXPECT_NEAR((1e3 * at - Eigen::Vector3d(-pin.x(), 0, pin.y())).norm(), 0, 1e-9) << name;
+    if (std::string_view(name) == "stroke") continue;
+    EXPECT_STREQ(joint.child("axis").child_value("xyz"), "0 0 1");
+    EXPECT_NEAR((model_from_child.linear() * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitY()).norm(), 0, 1e-12);
+  }
+  double mass_kg = mechanism.options.actuator_mass_kg, written_kg = 0;
+  for (const parts::Plate& plate : mechanism.plates) mass_kg += parts::MassOf(plate).mass_kg;
+  for (const pugi::xml_node& link : sdf.children("link"))
+    if (std::string_view(link.attribute("name").value()) != "actuator_rod")
+      written_kg += ParseNumber(link.child("inertial").child_value("mass")).value();
+  EXPECT_NEAR(written_kg, mass_kg, 1e-12);
+}
 
 }  // namespace
 }  // namespace lake

@@ -11,6 +11,8 @@
 #include "lake/core/json.h"
 #include "lake/drawing/linkage_dxf.h"
 #include "lake/figure/gnuplot.h"
+#include "lake/model/simulator_model.h"
+#include "lake/model/step_file.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -35,6 +37,14 @@ TEST(FullDisk, LinkPlates) {
     ExpectRefused("plates.dxf", bytes, [](const auto& path) {
       drawing::WriteLinkPlates(path, {59.081, 68.840, 55.964, 71.849, 118.630, 287.310});
     });
+}
+
+TEST(FullDisk, Solids) {
+  const linkage::Links links{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
+  const parts::Mechanism mechanism = parts::MakeMechanism(links, linkage::FindUsedRange(links, 245, {}), {});
+  for (const rlim_t bytes : {0, 1000, 100'000})
+    ExpectRefused("solids.step", bytes,
+                  [&](const auto& path) { model::WriteStep(path, mechanism, model::ReferencePose(mechanism)); });
 }
 
 TEST(FullDisk, Tables) {

@@ -9,11 +9,14 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/drawing/linkage_animation.h"
+#include "lake/drawing/linkage_dxf.h"
 #include "lake/drawing/linkage_figures.h"
 #include "lake/figure/pin_forces_figure.h"
 #include "lake/linkage/statics.h"
+#include "lake/parts/strength.h"
 #include "lake/problem/assistance.h"
 #include "lake/problem/problem_options.h"
+#include "part_tables.h"
 #include "png_and_svg.h"
 #include "torque_table.h"
 
@@ -114,13 +117,20 @@ TorqueTable ReadTorques(const SimulationOptions& options, Run& run) {
 }
 
 // Forces where the torque is known: everywhere, or as far as its table goes.
-std::vector<figure::PinForcesRow> PinForcesOf(const linkage::Links& links, const std::vector<double>& strokes_mm,
-                                              const TorqueTable& torque) {
-  std::vector<figure::PinForcesRow> rows;
+std::vector<parts::LoadedPose> LoadedPosesOf(const linkage::Links& links, const std::vector<double>& strokes_mm,
+                                             const TorqueTable& torque) {
+  std::vector<parts::LoadedPose> poses;
   for (const double stroke : strokes_mm) {
     const linkage::Pose pose = linkage::RequirePose(links, stroke);
-    rows.push_back({stroke, DegreesFromRadians(pose.theta_rad), linkage::MemberForcesOf(pose, torque.At(pose))});
+    poses.push_back({pose, torque.At(pose), linkage::MemberForcesOf(pose, torque.At(pose))});
   }
+  return poses;
+}
+
+std::vector<figure::PinForcesRow> PinForcesOf(const std::vector<parts::LoadedPose>& poses) {
+  std::vector<figure::PinForcesRow> rows;
+  for (const parts::LoadedPose& at : poses)
+    rows.push_back({at.pose.stroke_mm, DegreesFromRadians(at.pose.theta_rad), at.forces});
   return rows;
 }
 
@@ -135,6 +145,24 @@ void WritePinForces(const std::filesystem::path& path, const std::vector<figure:
     table.EndRow();
   }
   table.Write(path);
+}
+
+void WriteStrength(const std::filesystem::path& path, const std::vector<parts::StrengthCheck>& checks) {
+  CsvWriter table({"part", "check", "knee_deg", "load", "unit", "stress_mpa", "allowed", "safety"});
+  for (const parts::StrengthCheck& check : checks) {
+    table.Add(check.part).Add(check.check).Add(check.knee_deg).Add(check.load);
+    table.Add(parts::UnitOf(check)).Add(check.stress_mpa).Add(check.allowed).Add(check.Safety()).EndRow();
+  }
+  table.Write(path);
+}
+
+// The check with the least safety factor; null without a load.
+Json WeakestJson(const std::vector<parts::StrengthCheck>& checks) {
+  const auto weakest = std::min_element(checks.begin(), checks.end(),
+                                        [](const auto& a, const auto& b) { return a.Safety() < b.Safety(); });
+  if (weakest == checks.end()) return nullptr;
+  return {
+      {"safety", weakest->Safety()}, {"part", weakest->part}, {"check", weakest->check}, {"at_deg", weakest->knee_deg}};
 }
 
 // Each pin's largest force, and where.
@@ -333,34 +361,41 @@ void SimulationOptions::Check() const {
   load.CheckLoad();
   if (thigh_mm.has_value() != shank_mm.has_value())
     throw UsageError("--thigh and --shank are one leg: give both or neither");
-  require(actuator_diameter_mm > 0 && actuator_diameter_mm < 1000, "--actuator-diameter", actuator_diameter_mm);
 }
 
 Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& options, Run& run) {
   options.Check();
-  options.plates.Check();
+  options.parts.Check();
   const Request request = Resolve(design, options);
   const TorqueTable torque = ReadTorques(options, run);
   std::vector<std::string> names = {"assistance.csv", "assistance.png"};
   if (!options.load.HasLoadProfile()) names.clear();
-  names.insert(names.end(), {"summary.json", "angle_vs_stroke.csv", "angle_vs_stroke.png", "angle_vs_stroke.svg",
-                             "schematic.svg", "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4",
-                             "animation.gif", "pin_forces.csv", "pin_forces.png", "pin_forces.svg"});
+  names.insert(names.end(),
+               {"summary.json", "angle_vs_stroke.csv", "angle_vs_stroke.png", "angle_vs_stroke.svg", "schematic.svg",
+                "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4", "animation.gif", "pin_forces.csv",
+                "pin_forces.png", "pin_forces.svg", "parts.csv", "strength.csv"});
   run.Begin(names);
-  const drawing::LinkageLook look{design.links,
-                                  request.range,
-                                  BodyOf(options),
-                                  {options.plates.bar_width_mm, options.actuator_diameter_mm, options.seat_edge_mm},
-                                  options.knee_torque_nm};
+  const drawing::LinkageLook look{
+      design.links,
+      request.range,
+      BodyOf(options),
+      {options.parts.bar_width_mm, options.parts.actuator_diameter_mm, options.seat_edge_mm},
+      options.knee_torque_nm};
   const linkage::WearCheck check = linkage::CheckWear(look.links, look.range, look.body, look.wear);
   WarnOfBody(check, run);
   WarnOf(design, request.range, run);
   const std::vector<double> strokes_mm = StrokesOf(request.range.stroke, options.rows, request.shown_mm);
   WriteTable(run.Result("angle_vs_stroke.csv"), look, strokes_mm);
-  const std::vector<figure::PinForcesRow> pin_forces = PinForcesOf(look.links, strokes_mm, torque);
+  const std::vector<parts::LoadedPose> loaded = LoadedPosesOf(look.links, strokes_mm, torque);
+  const std::vector<figure::PinForcesRow> pin_forces = PinForcesOf(loaded);
   WritePinForces(run.Result("pin_forces.csv"), pin_forces);
   DrawPngAndSvg("pin_forces", run, [&](const std::filesystem::path& path) { figure::DrawPinForces(path, pin_forces); });
-  drawing::WriteLinkPlates(run.Result("design.dxf"), design.links, options.plates);
+  drawing::WriteLinkPlates(run.Result("design.dxf"), design.links, options.parts);
+  const parts::Mechanism mechanism = parts::MakeMechanism(design.links, request.range, options.parts);
+  WarnOfStack(mechanism, run);
+  WritePartList(run.Result("parts.csv"), mechanism);
+  const std::vector<parts::StrengthCheck> strength = parts::CheckStrength(mechanism, loaded);
+  WriteStrength(run.Result("strength.csv"), strength);
   DrawPictures(look, request, check, run);
   if (options.animation) drawing::WriteLinkageAnimation(run.Result("animation.mp4"), run.Result("animation.gif"), look);
 
@@ -372,6 +407,8 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   summary["singularities"] = {SingularityJson(design.links, request.range.stroke.lower_mm),
                               SingularityJson(design.links, request.range.stroke.upper_mm)};
   summary["knee_torque_nm"] = options.knee_torque_nm;
+  summary["parts"] = PartsJson(mechanism);
+  summary["weakest"] = WeakestJson(strength);
   summary["pin_forces"] = PinForcesJson(pin_forces);
   summary["poses"] = Json::array();
   for (const double stroke : request.shown_mm)
@@ -391,6 +428,10 @@ std::string SimulationReport(const Json& summary) {
   text += fmt::format("Grashof: {}, slack {:.4g} mm; actuator {:.4g} mm from its dead point at d_min\n",
                       summary["grashof"]["class"].get<std::string>(), NumberOrNaN(summary["grashof"]["slack_mm"]),
                       NumberOrNaN(summary["singularities"][0]["actuator_folded_mm"]));
+  if (const Json& weakest = summary["weakest"]; !weakest.is_null())
+    text += fmt::format("least safety factor {:.3g}: {} of the {} at {:.1f}°\n", NumberOrNaN(weakest["safety"]),
+                        weakest["check"].get<std::string>(), weakest["part"].get<std::string>(),
+                        NumberOrNaN(weakest["at_deg"]));
   text += fmt::format("{:>10} {:>9} {:>9} {:>10} {:>9} {:>13} {:>11}\n", "stroke mm", "knee °", "° per mm",
                       "arm mm/rad", "force N", "transmission °", "actuator °");
   for (const Json& pose : summary["poses"])
@@ -420,10 +461,8 @@ void Describe(SimulationOptions& o, OptionList& options) {
   options.Add("height", o.body_height_cm, "Body height").Unit("cm").Otherwise("180, or by thigh and shank");
   options.Add("mass", o.body_mass_kg, "Body mass").Unit("kg").Otherwise("80 at 180 cm, else of the same BMI");
   options.Add("seat-edge", o.seat_edge_mm, "Knee to the seat's front edge; 0: half the thigh").Unit("mm");
-  options.Add("bar-width", o.plates.bar_width_mm, "Width of the link plates").Unit("mm");
-  options.Add("pin-diameter", o.plates.pin_diameter_mm, "Diameter of the pin holes").Unit("mm");
-  options.Add("actuator-diameter", o.actuator_diameter_mm, "Diameter of the actuator").Unit("mm");
   problem::DescribeLoad(o.load, options);
+  Describe(o.parts, options);
   options.Add("animation", o.animation, "Write animation.mp4 and .gif").WithNegation();
 }
 

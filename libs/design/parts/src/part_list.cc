@@ -60,7 +60,7 @@ std::vector<PartRow> PartList(const Mechanism& mechanism) {
   ring.bore_mm = options.pin_diameter_mm;
   rows.push_back(ring);
   PartRow screw{"cuff screw, countersunk", "steel"};
-  screw.quantity = mechanism.has_thigh_cuff_holes ? 4 : 2;
+  screw.quantity = mechanism.HasThighCuffHoles() ? 4 : 2;
   screw.bore_mm = options.cuff_hole_diameter_mm;
   rows.push_back(screw);
   PartRow actuator{"linear actuator", ""};

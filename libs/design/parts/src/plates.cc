@@ -1,4 +1,3 @@
-#include "plates.h"
 
 #include <fmt/format.h>
 
@@ -65,12 +64,11 @@ struct PlateMaker {
     return plate;
   }
 
-  Plate Thigh(const linkage::Links& l, bool& has_cuff_holes) const {
+  Plate Thigh(const linkage::Links& l) const {
     const Vector2d thigh_pin(0, l.l3), mount(l.l5, l.l3 + l.l6);
     Plate plate = Make(Body::kThigh, "KPM", {{0, 0}, mount, thigh_pin});
     for (const Vector2d& pin : {Vector2d(0, 0), thigh_pin, mount}) AddPinHole(plate, pin);
-    has_cuff_holes = l.L7() >= CuffReach() + options.bar_width_mm;
-    if (has_cuff_holes) AddCuffHoles(plate, thigh_pin, (mount - thigh_pin).normalized());
+    if (l.L7() >= CuffReach() + options.bar_width_mm) AddCuffHoles(plate, thigh_pin, (mount - thigh_pin).normalized());
     return plate;
   }
 };
@@ -173,9 +171,11 @@ Placement PlacementOf(Body body, const linkage::Pose& pose) {
   return between(pose.mount, pose.tip);
 }
 
-std::array<Plate, kPlates> PlatesOf(const linkage::Links& links, const PartOptions& options, bool& has_thigh_holes) {
+std::array<Plate, kPlates> PlatesOf(const linkage::Links& links, const PartOptions& options) {
+  linkage::CheckLinks(links, "links");
+  options.Check();
   const PlateMaker maker{options};
-  return {maker.Thigh(links, has_thigh_holes), maker.Shank(links.l4), maker.Bar(Body::kCoupler, "RS", links.l1),
+  return {maker.Thigh(links), maker.Shank(links.l4), maker.Bar(Body::kCoupler, "RS", links.l1),
           maker.Bar(Body::kBar, "PR", links.l2)};
 }
 

@@ -8,7 +8,6 @@
 #include <tuple>
 
 #include "lake/core/angles.h"
-#include "plates.h"
 
 namespace lake::parts {
 namespace {
@@ -118,7 +117,11 @@ double CornerMotion(const Mechanism& mechanism, const linkage::Pose& from, const
 struct Meeting {
   double least_deg = kInfinity, most_deg = -kInfinity;
   bool Happens() const { return least_deg <= most_deg; }
-  void Take(double deg) { least_deg = std::min(least_deg, deg), most_deg = std::max(most_deg, deg); }
+  void Take(double deg) {
+    constexpr double kTenth = 0.1;                  // as it is told
+    deg = kTenth * std::round(deg / kTenth) + 0.0;  // no -0
+    least_deg = std::min(least_deg, deg), most_deg = std::max(most_deg, deg);
+  }
 };
 
 struct Meetings {
@@ -291,10 +294,7 @@ Stack FindStack(const Mechanism& mechanism) {
 }
 
 Mechanism MakeMechanism(const linkage::Links& links, const linkage::UsedRange& range, const PartOptions& options) {
-  linkage::CheckLinks(links, "links");
-  options.Check();
-  Mechanism mechanism{links, range, options, {}, {}, true};
-  mechanism.plates = PlatesOf(links, options, mechanism.has_thigh_cuff_holes);
+  Mechanism mechanism{links, range, options, PlatesOf(links, options), {}};
   mechanism.stack = FindStack(mechanism);
   return mechanism;
 }

@@ -4,12 +4,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "lake/core/angles.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -19,8 +19,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-struct Plate {
-  std::vector<Vector2d> pins;  // counter-clockwise; their hull is the plate's middle line
+// A plate as it lies on the sheet.
+struct Drawn {
+  parts::Plate plate;
   std::vector<std::string> label;
 };
 
@@ -35,20 +36,27 @@ class Sheet {
     writer_->sectionEntities();
   }
 
-  void Line(const Vector2d& from, const Vector2d& to) {
-    dxf_.writeLine(*writer_, DL_LineData(from.x(), from.y(), 0, to.x(), to.y(), 0), kOutline);
-  }
-  void Arc(const Vector2d& centre, double radius, double from_rad, double to_rad) {
-    const DL_ArcData arc(centre.x(), centre.y(), 0, radius, DegreesFromRadians(from_rad), DegreesFromRadians(to_rad));
-    dxf_.writeArc(*writer_, arc, kOutline);
+  // Arcs as bulges: the tangent of a quarter of their turn.
+  void Outline(const std::vector<parts::OutlinePiece>& pieces, const Vector2d& at) {
+    constexpr int kClosed = 1;
+    dxf_.writePolyline(*writer_, DL_PolylineData(static_cast<int>(pieces.size()), 0, 0, kClosed), kOutline);
+    for (const parts::OutlinePiece& piece : pieces) {
+      const Vector2d from = at + piece.from;
+      const double bulge = piece.is_arc ? std::tan((piece.to_rad - piece.from_rad) / 4) : 0;
+      dxf_.writeVertex(*writer_, DL_VertexData(from.x(), from.y(), 0, bulge));
+    }
+    dxf_.writePolylineEnd(*writer_);
   }
   void Hole(const Vector2d& centre, double radius) {
     dxf_.writeCircle(*writer_, DL_CircleData(centre.x(), centre.y(), 0, radius), kHole);
   }
-  void Text(const Vector2d& at, double height, const std::string& text) {
+  void Label(const Vector2d& at, double height, const std::string& text) {
     constexpr int kLeft = 0, kBaseline = 0;
-    const DL_TextData data(at.x(), at.y(), 0, at.x(), at.y(), 0, height, 1, 0, kLeft, kBaseline, text, "Standard", 0);
-    dxf_.writeText(*writer_, data, kLabel);
+    Text(at, height, text, kLeft, kBaseline, kLabel);
+  }
+  void Engraving(const Vector2d& middle, double height, const std::string& text) {
+    constexpr int kCentre = 1, kMiddle = 2;
+    Text(middle, height, text, kCentre, kMiddle, kEngraving);
   }
 
   void Finish() {
@@ -60,6 +68,12 @@ class Sheet {
   }
 
  private:
+  void Text(const Vector2d& at, double height, const std::string& text, int across, int upright,
+            const DL_Attributes& layer) {
+    const DL_TextData data(at.x(), at.y(), 0, at.x(), at.y(), 0, height, 1, 0, across, upright, text, "Standard", 0);
+    dxf_.writeText(*writer_, data, layer);
+  }
+
   void WriteTables() {
     writer_->sectionTables();
     dxf_.writeVPort(*writer_);
@@ -67,11 +81,11 @@ class Sheet {
     for (const char* type : {"BYBLOCK", "BYLAYER", "CONTINUOUS"})
       dxf_.writeLinetype(*writer_, DL_LinetypeData(type, "", 0, 0, 0));
     writer_->tableEnd();
-    writer_->tableLayers(4);
+    writer_->tableLayers(5);
     const auto layer = [&](const char* name, int colour) {
       dxf_.writeLayer(*writer_, DL_LayerData(name, 0), DL_Attributes("", colour, -1, "CONTINUOUS", 1.0));
     };
-    layer("0", 7), layer("OUTLINE", 7), layer("HOLES", 1), layer("LABELS", 5);
+    layer("0", 7), layer("OUTLINE", 7), layer("HOLES", 1), layer("ENGRAVING", 3), layer("LABELS", 5);
     writer_->tableEnd();
     writer_->tableStyle(1);
     dxf_.writeStyle(*writer_, DL_StyleData("Standard", 0, 0, 1, 0, 0, 2.5, "txt", ""));
@@ -95,40 +109,55 @@ class Sheet {
 
   const DL_Attributes kOutline{"OUTLINE", 256, -1, "BYLAYER", 1.0};
   const DL_Attributes kHole{"HOLES", 256, -1, "BYLAYER", 1.0};
+  const DL_Attributes kEngraving{"ENGRAVING", 256, -1, "BYLAYER", 1.0};
   const DL_Attributes kLabel{"LABELS", 256, -1, "BYLAYER", 1.0};
   DL_Dxf dxf_;
   std::unique_ptr<DL_WriterA> writer_;
 };
 
-std::vector<Plate> PlatesOf(const linkage::Links& l) {
-  const auto bar = [](const char* joints, const char* symbol, double length) {
-    return Plate{{{0, 0}, {length, 0}}, {fmt::format("{} {} = {:.3f}", joints, symbol, length)}};
-  };
-  // The thigh plate lies down: y of the thigh along x of the sheet, so M is to its left.
-  const Plate thigh{{{0, 0}, {l.l3 + l.l6, -l.l5}, {l.l3, 0}},
-                    {fmt::format("KPM l3 = {:.3f}", l.l3), fmt::format("l5 = {:.3f} l6 = {:.3f}", l.l5, l.l6)}};
-  return {bar("RS", "l1", l.l1), bar("PR", "l2", l.l2), bar("KS", "l4", l.l4), thigh};
+// The thigh plate lies down: y of the thigh along x of the sheet, so M is to its left.
+parts::Plate LyingDown(parts::Plate plate) {
+  const auto turn = [](Vector2d& at) { at = Vector2d(at.y(), -at.x()); };
+  for (Vector2d& corner : plate.corners) turn(corner);
+  for (parts::Hole& hole : plate.holes) turn(hole.at_mm);
+  return plate;
 }
 
-// The outline is the middle line's hull, moved out by the radius: a line along each side, an arc about each pin.
-void DrawPlate(Sheet& sheet, const Plate& plate, const Vector2d& at, const PlateOptions& options) {
-  const double radius = options.bar_width_mm / 2;
-  const std::size_t count = plate.pins.size();
-  std::vector<double> outward(count);  // heading of the normal of the side that starts at each pin
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vector2d side = plate.pins[(i + 1) % count] - plate.pins[i];
-    outward[i] = std::atan2(-side.x(), side.y());
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vector2d out = radius * Vector2d(std::cos(outward[i]), std::sin(outward[i]));
-    sheet.Line(at + plate.pins[i] + out, at + plate.pins[(i + 1) % count] + out);
-    sheet.Arc(at + plate.pins[i], radius, outward[(i + count - 1) % count], outward[i]);
-    sheet.Hole(at + plate.pins[i], options.pin_diameter_mm / 2);
-  }
-  constexpr double kTextHeight_mm = 4;
-  for (std::size_t i = 0; i < plate.label.size(); ++i)
-    sheet.Text(at + Vector2d(0, radius + 2 + (plate.label.size() - 1 - i) * 1.5 * kTextHeight_mm), kTextHeight_mm,
-               plate.label[i]);
+std::vector<Drawn> DrawnPlates(const linkage::Links& l, const parts::PartOptions& options) {
+  const std::array<parts::Plate, parts::kPlates> plates = parts::PlatesOf(l, options);
+  const auto bar = [&](parts::Body body, const char* symbol, double length) {
+    const parts::Plate& plate = plates[static_cast<std::size_t>(body)];
+    return Drawn{plate, {fmt::format("{} {} = {:.3f}", plate.label, symbol, length)}};
+  };
+  const parts::Plate thigh = LyingDown(plates[static_cast<std::size_t>(parts::Body::kThigh)]);
+  return {
+      bar(parts::Body::kCoupler, "l1", l.l1),
+      bar(parts::Body::kBar, "l2", l.l2),
+      bar(parts::Body::kShank, "l4", l.l4),
+      {thigh, {fmt::format("{} l3 = {:.3f}", thigh.label, l.l3), fmt::format("l5 = {:.3f} l6 = {:.3f}", l.l5, l.l6)}}};
+}
+
+constexpr double kTextHeight_mm = 4;
+
+// On the first hole's right, as large as there is room up to the next hole.
+void Engrave(Sheet& sheet, const parts::Plate& plate, const Vector2d& at) {
+  const std::string text = fmt::format("{} {:g} mm", plate.label, plate.thickness_mm);
+  const parts::Hole &first = plate.holes[0], &second = plate.holes[1];
+  const double room = second.at_mm.x() - first.at_mm.x() - first.diameter_mm;
+  constexpr double kWidthPerHeight = 1.2;  // of a character with its space, at most
+  const double height =
+      std::min({kTextHeight_mm, plate.radius_mm / 2, room / (kWidthPerHeight * static_cast<double>(text.size()))});
+  if (height > 0) sheet.Engraving(at + (first.at_mm + second.at_mm) / 2, height, text);
+}
+
+void Draw(Sheet& sheet, const Drawn& drawn, const Vector2d& at) {
+  const parts::Plate& plate = drawn.plate;
+  sheet.Outline(parts::OutlineOf(plate), at);
+  for (const parts::Hole& hole : plate.holes) sheet.Hole(at + hole.at_mm, hole.diameter_mm / 2);
+  Engrave(sheet, plate, at);
+  for (std::size_t i = 0; i < drawn.label.size(); ++i)
+    sheet.Label(at + Vector2d(0, plate.radius_mm + 2 + (drawn.label.size() - 1 - i) * 1.5 * kTextHeight_mm),
+                kTextHeight_mm, drawn.label[i]);
 }
 
 // dxflib does not tell whether it could write. Its stream writes nothing more once a write has failed, so a file that
@@ -140,24 +169,18 @@ void CheckWhole(const std::filesystem::path& written, const std::filesystem::pat
 
 }  // namespace
 
-void PlateOptions::Check() const {
-  if (!(bar_width_mm > 0 && bar_width_mm < 1000)) throw Fail("a plate width of {} mm cannot be cut", bar_width_mm);
-  if (!(pin_diameter_mm > 0 && pin_diameter_mm < bar_width_mm))
-    throw Fail("a pin of {} mm does not fit a plate of {} mm", pin_diameter_mm, bar_width_mm);
-}
-
-void WriteLinkPlates(const std::filesystem::path& path, const linkage::Links& links, const PlateOptions& options) {
-  linkage::CheckLinks(links, path.string());
-  options.Check();
+void WriteLinkPlates(const std::filesystem::path& path, const linkage::Links& links,
+                     const parts::PartOptions& options) {
+  const std::vector<Drawn> plates = DrawnPlates(links, options);
   AtomicFile file(path);
   Sheet sheet(file.TemporaryPath());
   Vector2d at(0, 0);
-  for (const Plate& plate : PlatesOf(links)) {
-    DrawPlate(sheet, plate, at, options);
+  for (const Drawn& drawn : plates) {
+    Draw(sheet, drawn, at);
     double lowest = 0;
-    for (const Vector2d& pin : plate.pins) lowest = std::min(lowest, pin.y());
-    constexpr double kLabels_mm = 14;
-    at.y() += lowest - options.bar_width_mm - options.gap_mm - kLabels_mm;
+    for (const Vector2d& corner : drawn.plate.corners) lowest = std::min(lowest, corner.y());
+    constexpr double kGapAndLabels_mm = 29;
+    at.y() += lowest - options.bar_width_mm - kGapAndLabels_mm;
   }
   sheet.Finish();
   CheckWhole(file.TemporaryPath(), path);

@@ -77,6 +77,9 @@ void AddTree(pugi::xml_node model, const RigidBodies& bodies, const linkage::Str
   const RigidBody& actuator = bodies[BodyIndex::kActuatorBody];
   const pugi::xml_node cylinder = AddBody(frame, actuator, thigh.thigh_from_body);
   AddJoint(cylinder, "mount", 0);
+  AddComment(cylinder,
+             "Not of the design: damping and armature, 20 kg of motor and screw as the rod feels them, keep the servo "
+             "calm; they leave forces at rest as they are. Put your actuator's own here.");
   const pugi::xml_node rod = AddBody(cylinder, bodies[BodyIndex::kActuatorRod], actuator.thigh_from_body);
   Add(rod, "joint",
       {{"name", "stroke"},

@@ -29,6 +29,7 @@
 #include <gp_Vec.hxx>
 
 #include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 
@@ -102,7 +103,9 @@ class Assembly {
     header.SetName(new TCollection_HAsciiString("knee exoskeleton"));
     header.SetOriginatingSystem(new TCollection_HAsciiString(("lake " + VersionAndCommit()).c_str()));
     AtomicFile file(path);
-    if (writer.Write(file.TemporaryPath().c_str()) != IFSelect_RetDone)
+    const bool done = writer.Write(file.TemporaryPath().c_str()) == IFSelect_RetDone;
+    // A full disk is told only by what is missing at the end.
+    if (!done || !Trim(ReadTextFile(file.TemporaryPath())).ends_with("END-ISO-10303-21;"))
       throw Fail("{}: cannot be written; is the disk full?", path.string());
     file.Commit();
   }

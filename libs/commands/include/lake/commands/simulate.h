@@ -8,9 +8,9 @@
 
 #include "lake/core/options.h"
 #include "lake/core/run.h"
-#include "lake/drawing/linkage_dxf.h"
 #include "lake/linkage/body.h"
 #include "lake/linkage/design_file.h"
+#include "lake/parts/mechanism.h"
 #include "lake/problem/problem.h"
 
 namespace lake::commands {
@@ -25,8 +25,7 @@ struct SimulationOptions {
   std::optional<double> body_mass_kg;        // default: as heavy for its height as the paper's average user
   std::optional<double> thigh_mm, shank_mm;  // the person's own, hip to knee and knee to ankle; both or none
   double seat_edge_mm = 0;                   // knee to the seat's front edge; 0: half the thigh
-  double actuator_diameter_mm = 40;
-  drawing::PlateOptions plates;
+  parts::PartOptions parts;
   bool animation = true;
   problem::SynthesisProblem load;  // of which the profile, the share of it, the actuator and the duration count
 
@@ -36,9 +35,9 @@ struct SimulationOptions {
 void Describe(SimulationOptions& o, OptionList& options);
 
 // With a load profile also assistance.csv/.png. Writes angle_vs_stroke.csv/.png/.svg, pin_forces.csv/.png/.svg,
-// pose_ANGLE.png/.svg, schematic.svg, animation.mp4/.gif, design.dxf and mannequin.png through the run and returns what
-// goes into the summary. Throws Error naming stroke and gap if the design cannot be assembled at d_min or a stroke
-// asked for, or an angle is out of its range.
+// pose_ANGLE.png/.svg, schematic.svg, animation.mp4/.gif, design.dxf, parts.csv, strength.csv and mannequin.png through
+// the run and returns what goes into the summary. Throws Error naming stroke and gap if the design cannot be assembled
+// at d_min or a stroke asked for, or an angle is out of its range.
 Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& options, Run& run);
 
 // The main numbers and the table of the poses asked for, as text.

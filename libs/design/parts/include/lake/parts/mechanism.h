@@ -71,6 +71,10 @@ struct Span {
   double Middle() const { return (from_mm + to_mm) / 2; }
 };
 
+// By Body. The thigh plate joins K, P and M and so holds l3, l5 and l6; the shank link reaches beyond S for its cuff.
+// Throws Error: links that CheckLinks refuses, options that cannot be made.
+std::array<Plate, kPlates> PlatesOf(const linkage::Links& links, const PartOptions& options);
+
 struct Pin {
   Joint joint;
   std::vector<Body> bodies;  // it joins, upwards
@@ -99,7 +103,9 @@ struct Mechanism {
   PartOptions options;
   std::array<Plate, kPlates> plates;  // by Body
   Stack stack;
-  bool has_thigh_cuff_holes = true;  // false: P and M are too near to each other
+
+  // Not where P and M are too near to each other for them.
+  bool HasThighCuffHoles() const { return plates[0].holes.size() > 3; }
 };
 
 Mechanism MakeMechanism(const linkage::Links& links, const linkage::UsedRange& range, const PartOptions& options);

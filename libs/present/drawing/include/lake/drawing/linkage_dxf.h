@@ -3,20 +3,13 @@
 
 #include <filesystem>
 
-#include "lake/linkage/linkage.h"
+#include "lake/parts/mechanism.h"
 
 namespace lake::drawing {
 
-struct PlateOptions {
-  double bar_width_mm = 24;    // of all plates, rounded about their pins (the paper: all links of one width)
-  double pin_diameter_mm = 8;  // of the holes
-  double gap_mm = 15;          // between plates on the sheet
-
-  void Check() const;  // throws Error
-};
-
-// Plates of the coupler l1, the slewing bar l2, the shank link l4, and the thigh plate that joins K, P and M and so
-// holds l3, l5 and l6. Layers: OUTLINE (closed, lines and arcs), HOLES, LABELS.
-void WriteLinkPlates(const std::filesystem::path& path, const linkage::Links& links, const PlateOptions& options = {});
+// Layers: OUTLINE and HOLES to cut (a closed polyline with arcs, and circles), ENGRAVING (each plate's name and
+// thickness, on it), LABELS (what it is, beside it).
+void WriteLinkPlates(const std::filesystem::path& path, const linkage::Links& links,
+                     const parts::PartOptions& options = {});
 
 }  // namespace lake::drawing

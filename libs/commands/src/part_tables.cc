@@ -1,0 +1,49 @@
+#include "part_tables.h"
+
+#include <algorithm>
+
+#include "lake/core/csv.h"
+
+namespace lake::commands {
+
+void WritePartList(const std::filesystem::path& path, const parts::Mechanism& mechanism) {
+  CsvWriter table({"part", "quantity", "material", "length_mm", "width_mm", "thickness_mm", "diameter_mm", "bore_mm",
+                   "mass_g", "from_mm", "to_mm"});
+  for (const parts::PartRow& row : parts::PartList(mechanism)) {
+    table.Add(row.part).Add(row.quantity).Add(row.material);
+    for (const auto& number : {row.length_mm, row.width_mm, row.thickness_mm, row.diameter_mm, row.bore_mm, row.mass_g})
+      table.Add(number);
+    if (row.span)
+      table.Add(row.span->from_mm).Add(row.span->to_mm);
+    else
+      table.AddEmpty().AddEmpty();
+    table.EndRow();
+  }
+  table.Write(path);
+}
+
+Json PartsJson(const parts::Mechanism& mechanism) {
+  const parts::Stack& stack = mechanism.stack;
+  Json layers = Json::array();
+  for (int layer = 0; layer <= *std::max_element(stack.layer.begin(), stack.layer.end()); ++layer) {
+    Json names = Json::array();
+    for (std::size_t i = 0; i < parts::kBodies; ++i)
+      if (stack.layer[i] == layer) names.push_back(parts::NameOf(static_cast<parts::Body>(i)));
+    layers.push_back(names);
+  }
+  double mass_g = 0;
+  for (const parts::PartRow& row : parts::PartList(mechanism)) mass_g += row.quantity * row.mass_g.value_or(0);
+  return {{"layers", layers}, {"conflicts", stack.conflicts}, {"mass_g", mass_g}};
+}
+
+void WarnOfStack(const parts::Mechanism& mechanism, Run& run) {
+  if (!mechanism.stack.conflicts.empty())
+    run.Warn(
+        fmt::format("no order of the plates keeps all parts apart: at best {}; narrower plates, thinner pins or a "
+                    "shorter range would help",
+                    fmt::join(mechanism.stack.conflicts, ", ")));
+  if (!mechanism.HasThighCuffHoles())
+    run.Warn("P and M are too near to each other for a thigh cuff's holes: the thigh plate has none");
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,21 @@
+// The parts of a mechanism, as a table and for the summary.
+#pragma once
+
+#include <filesystem>
+
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+#include "lake/parts/mechanism.h"
+
+namespace lake::commands {
+
+// parts.csv: a row per part, a bill of materials.
+void WritePartList(const std::filesystem::path& path, const parts::Mechanism& mechanism);
+
+// The stack, and the mass of plates, pins and spacers.
+Json PartsJson(const parts::Mechanism& mechanism);
+
+// Of what the stacking order does not keep apart.
+void WarnOfStack(const parts::Mechanism& mechanism, Run& run);
+
+}  // namespace lake::commands

@@ -1,0 +1,48 @@
+// Whether plates and the actuator's rod bear the forces of the range: nominal stresses against the yield strength.
+//
+// - Bearing of a hole, F / (pin diameter x thickness), and net section of coupler and slewing bar, F / ((width - hole)
+// x
+//   thickness): Budynas & Nisbett, Shigley's Mechanical Engineering Design, 9th ed. 2011, sec. 8-12. Held against the
+//   yield strength; stress concentrations, wear and fatigue are left out.
+// - Bending of the shank link at S, where its moment is the knee torque: torque x half width / second moment of the net
+//   section (ibid., sec. 3-10).
+// - Buckling of the actuator's rod: Euler's load of a steel rod that is pinned at M and R and as long as they are apart
+//   (ibid., sec. 4-12). That leaves out that the cylinder stiffens it.
+//
+// The thigh plate's bending, and what pins and plates suffer because they lie beside each other, are not looked at.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lake/linkage/statics.h"
+#include "lake/parts/mechanism.h"
+
+namespace lake::parts {
+
+struct LoadedPose {
+  linkage::Pose pose;
+  double knee_torque_nm = 0;  // NaN: unknown, left out
+  linkage::MemberForces forces;
+};
+
+// One check at the pose where it is nearest to its limit.
+struct StrengthCheck {
+  std::string part, check;
+  double knee_deg = 0;
+  double load = 0;                   // N, or N m for bending
+  std::optional<double> stress_mpa;  // not for buckling
+  double allowed = 0;                // the load at the limit
+  double Safety() const { return allowed / load; }
+};
+
+inline const char* UnitOf(const StrengthCheck& check) {
+  return check.check.starts_with("bending") ? "N m" : "N";
+}
+
+// Checks without any load (a rod that only pulls) are left out.
+std::vector<StrengthCheck> CheckStrength(const Mechanism& mechanism, std::span<const LoadedPose> poses);
+
+}  // namespace lake::parts

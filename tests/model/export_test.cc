@@ -1,0 +1,61 @@
+// lake-export as a user runs it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cli/program_run.h"
+#include "lake/core/csv.h"
+#include "lake/core/json.h"
+
+namespace lake {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+constexpr const char* kDesign =
+    "links: {l1: 59.081, l2: 68.840, l3: 55.964, l4: 71.849, l5: 118.630, l6: 287.310}\nd_min_mm: 245\n";
+
+class Export : public ::testing::Test {
+ protected:
+  Export() { WriteTextFile(folder_ / "design.yaml", kDesign); }
+
+  void Refused(const std::string& arguments, int exit_code, const std::string& message) {
+    const Outcome outcome = Shell(folder_, "lake-export " + arguments + " -o out");
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+    EXPECT_EQ(outcome.ErrorLines(), 1) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Export, WritesEachFormatWithItsPartsAndNothingElseToStdout) {
+  const std::pair<const char*, std::pair<const char*, const char*>> kFormats[] = {
+      {"mjcf", {"design.xml", "<?xml version=\"1.0\"?>\n<mujoco"}},
+      {"sdf", {"design.sdf", "<?xml version=\"1.0\"?>\n<sdf version=\"1.9\">"}},
+      {"urdf", {"design.urdf", "<?xml version=\"1.0\"?>\n<robot"}},
+      {"step", {"design.step", "ISO-10303-21;"}},
+      {"dxf", {"design.dxf", "999\ndxflib"}}};
+  for (const auto& [format, file] : kFormats) {
+    const Outcome outcome =
+        Shell(folder_, fmt::format("lake-export design.yaml {0} -o {0} --plate 5mm,PLA --json --quiet", format));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(Json::parse(outcome.out)["file"], file.first);
+    EXPECT_THAT(ReadTextFile(folder_ / format / file.first), StartsWith(file.second)) << format;
+    const CsvTable parts = CsvTable::Read(folder_ / format / "parts.csv");
+    EXPECT_EQ(parts.Text(1, parts.Column("part")), "shank link KS");
+    EXPECT_EQ(parts.Text(1, parts.Column("material")), "PLA");
+    EXPECT_EQ(parts.RequiredNumber(1, parts.Column("thickness_mm")), 5);
+  }
+}
+
+TEST_F(Export, RefusesWhatItCannotWrite) {
+  Refused("design.yaml stl", 2, "no format 'stl': there are mjcf, sdf, urdf, step, dxf");
+  Refused("none.yaml step", 1, "none.yaml");
+  Refused("design.yaml step --plate 4mm,cheese", 2, "no material 'cheese'");
+  Refused("design.yaml step --plate PLA", 2, "a thickness and a material, such as 4mm,PLA");
+  Refused("design.yaml dxf --pin-diameter 30", 1, "a pin of 30 mm does not fit");
+}
+
+}  // namespace
+}  // namespace lake
