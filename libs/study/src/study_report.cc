@@ -58,7 +58,9 @@ Section MethodsChapter() {
                  "own motion; its error is the comparison's."}}}};
 }
 
-Section FilesChapter(const StudyResults& results) {
+// A step alone writes no summary of all.
+Section FilesChapter(const StudyResults& results, const Json& head) {
+  const bool has_summary = head.at("options").value("only", "").empty();
   const std::vector<Files::File> all = {
       {"human/overlay.mp4", "the human trial with skeleton, trails and angle"},
       {"exo/overlay.mp4", "the exoskeleton trial with skeleton, trails and angle"},
@@ -84,7 +86,7 @@ Section FilesChapter(const StudyResults& results) {
       {"summary.json", "every number of every step"}};
   Files files;
   for (const Files::File& file : all)
-    if (file.path == "summary.json" || results.HasFile(file.path)) files.files.push_back(file);
+    if (file.path == "summary.json" ? has_summary : results.HasFile(file.path)) files.files.push_back(file);
   return {"Output files", {std::move(files)}};
 }
 
@@ -122,7 +124,7 @@ Report MakeStudyReport(const StudyFile& study, const StudyResults& results, cons
   report.sections.push_back(TrialsChapter(study, results));
   report.sections.push_back(OptimumChapter(study, results));
   report.sections.push_back(MethodsChapter());
-  report.sections.push_back(FilesChapter(results));
+  report.sections.push_back(FilesChapter(results, head));
   report.sections.push_back(ProvenanceSection(head));
   return report;
 }

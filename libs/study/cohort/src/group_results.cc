@@ -100,6 +100,11 @@ void WriteFailures(const std::vector<Failure>& failures, Run& run) {
 
 Json WriteGroup(const Json& workflow, const std::filesystem::path& out, Run& run) {
   const GroupData group = ReadGroup(workflow, out);
+  if (group.rows.empty()) {
+    const std::vector<Failure> failures = FailuresOf(workflow, out);
+    throw Fail("{}: no study has left anything{}", out.string(),
+               failures.empty() ? "" : "; " + failures.front().Text());
+  }
   const GroupFindings findings{CurvesOf(group), ReliabilityOf(group), DifferencesOf(group), OutliersOf(group),
                                FailuresOf(workflow, out)};
   run.Begin(

@@ -127,7 +127,9 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   const std::vector<std::string> arguments = SnakemakeArguments(options);
   const bool all_well = RunSnakemake(out, "participant", arguments, run.Quiet(), lock);
   const std::vector<Failure> failures = FailuresOf(workflow, out);
-  if (!all_well && failures.empty()) throw Fail("snakemake failed; see {}", (out / "logs/.snakemake/log").string());
+  if (!all_well && (failures.empty() || !AllWereTried(failures)))
+    throw Fail("snakemake ended before every step was tried; it says why above and in {}",
+               (out / "logs/.snakemake/log").string());
   for (const Failure& failure : failures) run.Warn(failure.Text());
   Json summary = {{"recordings", workflow["recordings"].size()}, {"failures", Json::array()}};
   for (const Failure& failure : failures) summary["failures"].push_back(failure.Text());

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/ranges.h>
+#include <pwd.h>
 #include <spawn.h>
 #include <sys/file.h>
 #include <sys/wait.h>
@@ -33,6 +34,16 @@ fs::path LogFolder(const fs::path& out, const std::string& recordings) {
 
 fs::path MarkOf(const fs::path& out, const std::string& recordings, const std::string& step) {
   return LogFolder(out, recordings) / (step + ".done");
+}
+
+fs::path LogOf(const fs::path& out, const std::string& recordings, const std::string& step) {
+  return LogFolder(out, recordings) / (step + ".log");
+}
+
+// That a step was done or failed.
+void Forget(const fs::path& out, const std::string& recordings, const std::string& step) {
+  fs::remove(MarkOf(out, recordings, step));
+  fs::remove(LogOf(out, recordings, step));
 }
 
 // A file that says the same keeps its times: nothing that reads it is to be done again.
@@ -103,13 +114,13 @@ void PlanStudy(const Recordings& recordings, const std::vector<std::string>& ask
     if (!wanted.contains(name)) continue;
     of["steps"][name] = StepOf(step, file.parent_path());
     const bool is_due = !step["due"].is_null();
-    if (is_due) fs::remove(MarkOf(out, recordings.Name(), name));
+    if (is_due) Forget(out, recordings.Name(), name);
     if (name == "human" || name == "exo") trials.push_back(name), trials_due |= is_due;
   }
   if (trials.empty()) return;
   of["steps"][kMotionStep] = {{"after", trials}, {"inputs", Json::array()}};
   if (trials_due || !fs::is_directory(out / recordings.participant / recordings.session / kMotionStep))
-    fs::remove(MarkOf(out, recordings.Name(), kMotionStep));
+    Forget(out, recordings.Name(), kMotionStep);
 }
 
 // The exit status of a child. Interrupted, it ends the child first: snakemake waits for its jobs to end.
@@ -143,6 +154,8 @@ int Spawn(std::vector<std::string> words, int lock) {
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   posix_spawnattr_setpgroup(&attributes, 0);
+  if (const passwd* user = getpwuid(geteuid()))
+    setenv("USER", user->pw_name, false);  // for Slurm, where nobody logged in
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -162,9 +175,11 @@ bool IsInstalled(const std::string& program) {
   return false;
 }
 
+constexpr const char* kNotBegun = "not begun";
+
 // The error that a step's log ends with.
 std::string ErrorIn(const fs::path& log) {
-  if (!fs::is_regular_file(log)) return "not begun";
+  if (!fs::is_regular_file(log)) return kNotBegun;
   std::string last;
   for (const std::string& line : SplitText(ReadTextFile(log), '\n'))
     if (!line.empty()) last = line;
@@ -273,10 +288,14 @@ std::vector<Failure> FailuresOf(const Json& workflow, const fs::path& out) {
           std::all_of(plan["after"].begin(), plan["after"].end(),
                       [&, &name = name](const Json& before) { return IsDone(out, name, before); });
       if (could_be_done && !IsDone(out, name, step))
-        failures.push_back(
-            {of["participant"], of["session"], of["run"], step, ErrorIn(LogFolder(out, name) / (step + ".log"))});
+        failures.push_back({of["participant"], of["session"], of["run"], step, ErrorIn(LogOf(out, name, step))});
     }
   return failures;
+}
+
+bool AllWereTried(const std::vector<Failure>& failures) {
+  return std::none_of(failures.begin(), failures.end(),
+                      [](const Failure& failure) { return failure.error == kNotBegun; });
 }
 
 bool IsDone(const fs::path& out, const std::string& recordings, const std::string& step) {

@@ -47,6 +47,9 @@ struct Failure {
 };
 std::vector<Failure> FailuresOf(const Json& workflow, const std::filesystem::path& out);
 
+// Not if snakemake ended before it came to a step that could be done.
+bool AllWereTried(const std::vector<Failure>& failures);
+
 // Whether this step of a study has been done.
 bool IsDone(const std::filesystem::path& out, const std::string& recordings, const std::string& step);
 
