@@ -1,4 +1,6 @@
 // A tracked trial is corrected as lake-review does it: lake-track with these corrections gives the same numbers.
+#include <gmock/gmock.h>
+
 #include <chrono>
 #include <thread>
 
@@ -6,7 +8,7 @@
 #include "lake/commands/review.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
-#include "pipeline/rendered_trial.h"
+#include "temporary_folder.h"
 
 namespace lake {
 namespace {
@@ -19,20 +21,18 @@ using testing::ThrowsMessage;
 
 class CorrectedTrial : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    synth::SceneOptions scene = synth::CleanScene(4711);
-    scene.duration_s = 4, scene.frame_rate_hz = 30;
-    rendered_ = std::make_unique<RenderedTrial>(scene, synth::RecordingOptions{.crf = 17});
-    Track("trial");
-  }
-  static void TearDownTestSuite() { rendered_.reset(); }
+  CorrectedTrial() { Track("trial"); }
 
-  static fs::path Folder(const std::string& name) { return rendered_->folder / name; }
+  // The recording that ctest has rendered (lake_add_recording).
+  static fs::path Recording(const std::string& name) {
+    return fs::path(LAKE_BIN_DIR).parent_path() / "recordings/short_recording" / name;
+  }
+  fs::path Folder(const std::string& name) const { return folder_ / name; }
 
   // As the program does it, with what it keeps of its command line.
-  static void Track(const std::string& name, const std::optional<fs::path>& corrections = {}) {
+  void Track(const std::string& name, const std::optional<fs::path>& corrections = {}) const {
     commands::TrackRunOptions options;
-    options.video = Folder("video.mp4"), options.camera = Folder("camera.yaml");
+    options.video = Recording("video.mp4"), options.camera = Recording("camera.yaml");
     options.overlay = false, options.track.quiet = true, options.corrections = corrections;
     const Json said = {{"out", Folder(name).string()},
                        {"video", options.video.string()},
@@ -43,8 +43,7 @@ class CorrectedTrial : public testing::Test {
     run.WriteSummary(commands::RunTrack(options, run));
   }
 
-  // A folder of a test's own with the results of the one that all share.
-  static fs::path Copy(const std::string& name) {
+  fs::path Copy(const std::string& name) const {
     fs::copy(Folder("trial"), Folder(name));
     return Folder(name);
   }
@@ -58,8 +57,8 @@ class CorrectedTrial : public testing::Test {
     const Eigen::Vector2d knee = book.Detected().Find("knee")->samples[20].position;
     book.Place(20, "knee", knee + Eigen::Vector2d(0.75, -0.5), 0.5);
     book.Hide(50, "hip");
-    book.SwapFrom(100, "hip", "waist");
-    book.SwapFrom(103, "hip", "waist");
+    book.SwapFrom(80, "hip", "waist");
+    book.SwapFrom(83, "hip", "waist");
   }
 
   static void ExpectSameTables(const review::TrialFit& fit, const fs::path& folder) {
@@ -71,7 +70,7 @@ class CorrectedTrial : public testing::Test {
       EXPECT_EQ(ReadTextFile(tables / name), ReadTextFile(folder / name)) << name;
   }
 
-  static inline std::unique_ptr<RenderedTrial> rendered_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(CorrectedTrial, IsTheFoldersOwnBeforeAnyCorrection) {
@@ -102,8 +101,8 @@ TEST_F(CorrectedTrial, TrackedAgainCanStillBeTakenBack) {
   EXPECT_EQ(again.book.Count(), trial.book.Count());
   again.book.Restore(20, "knee");
   again.book.Restore(50, "hip");
-  again.book.SwapFrom(100, "hip", "waist");
-  again.book.SwapFrom(103, "hip", "waist");
+  again.book.SwapFrom(80, "hip", "waist");
+  again.book.SwapFrom(83, "hip", "waist");
   EXPECT_EQ(again.book.Count(), 0u);
   ExpectSameTables(again.work.fit(again.book.Corrected()), Folder("trial"));
 }
@@ -115,6 +114,18 @@ TEST_F(CorrectedTrial, WithForeignCorrectionsIsRefused) {
               ThrowsMessage<Error>(HasSubstr("with corrections that lake review did not make")));
 }
 
+TEST_F(CorrectedTrial, OfAStudyIsReadToo) {
+  const fs::path folder = Copy("study");
+  Json summary = ReadJsonFile(folder / "summary.json");
+  // As a study's step keeps its section; the camera stands in another one.
+  summary["options"] = {{"markers", {"ankle", "knee", "hip", "waist"}}, {"video", "video.mp4"}};
+  WriteJsonFile(folder / "summary.json", summary);
+  const ReviewedTrial trial = Open(folder);
+  ExpectSameTables(trial.work.fit(trial.book.Corrected()), folder);
+  EXPECT_THAT(trial.about["command"].get<std::string>(),
+              HasSubstr("corrections: " + (folder / "corrections.csv").string()));
+}
+
 TEST_F(CorrectedTrial, NeedsItsOwnVideo) {
   const fs::path folder = Copy("moved");
   Json summary = ReadJsonFile(folder / "summary.json");
@@ -124,7 +135,7 @@ TEST_F(CorrectedTrial, NeedsItsOwnVideo) {
   summary["inputs"][0]["path"] = "elsewhere/video.mp4";
   WriteJsonFile(folder / "summary.json", summary);
   EXPECT_THAT([&] { commands::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("is not to be found")));
-  EXPECT_THAT([&] { commands::ReadTrackedFolder(rendered_->folder.Path()); },
+  EXPECT_THAT([&] { commands::ReadTrackedFolder(folder_.Path()); },
               ThrowsMessage<Error>(HasSubstr("is not a folder of lake track's")));
 }
 

@@ -315,7 +315,13 @@ class ReviewPage(unittest.TestCase):
             ActionChains(self.browser).move_to_element_with_offset(self.part("naming-picture"), x, y).click().perform()
         chosen = [button.text for button in self.browser.find_elements(By.CSS_SELECTOR, "#choices button")]
         self.assertEqual(chosen, [f"{name}: #{spot}" for name, spot in SEEDS.items()])
-        self.until(lambda: "--seed=waist=#1" in self.text("naming-command") or "waist=#1" in self.text("naming-command"))
+        self.until(lambda: "--seed=waist=#1" in self.text("naming-command"))
+        self.part("options").find_element(By.TAG_NAME, "summary").click()
+        self.browser.find_element(By.CSS_SELECTOR, "[data-point=vertical]").click()
+        for place in ((300, 100), (304, 500)):
+            x, y, _ = self.on_screen("naming-picture", *place)
+            ActionChains(self.browser).move_to_element_with_offset(self.part("naming-picture"), x, y).click().perform()
+        self.until(lambda: "--vertical=30" in self.text("naming-command"))
         self.part("start-tracking").click()
         self.until(lambda: self.part("trial").is_displayed() and self.frame() == 0)
         self.until(lambda: "No corrections" in self.text("state"))

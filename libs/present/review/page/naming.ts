@@ -49,7 +49,7 @@ export class NamingPage {
     this.isTracking = state.mode === "tracking";
     part("progress").hidden = !this.isTracking;
     part<HTMLButtonElement>("start-tracking").disabled = this.isTracking || !this.message;
-    if (!this.isTracking && this.message) part("state").textContent = this.message.name;
+    if (!this.isTracking && this.message) part("state").textContent = TEXTS.spots(this.message.spots.length);
   }
 
   // The tracker's own lines: "tracking: 120/1010 frames, …".
@@ -167,7 +167,7 @@ export class NamingPage {
     );
     part("spots").replaceChildren(
       ...(this.message?.spots ?? []).map((spot) => {
-        const made = button(TEXTS.spot(spot.id, spot.x, spot.y, spot.moves), () => this.assign(spot));
+        const made = button(TEXTS.spot(spot.id, spot.x, spot.y, spot.frame, spot.moves), () => this.assign(spot));
         made.dataset.spot = String(spot.id);
         return made;
       }),
@@ -208,9 +208,11 @@ export class NamingPage {
       const radius = Math.max(spot.radius * this.view!.scale() + 4, 8);
       context.lineWidth = name ? 3 : 1.5;
       context.strokeStyle = context.fillStyle = name ? "#56B4E9" : spot.moves ? "#F0E442" : "#BBBBBB";
+      context.setLineDash(spot.frame === this.message!.frame ? [] : [3, 4]); // seen there in another frame
       context.beginPath();
       context.arc(x, y, radius, 0, 2 * Math.PI);
       context.stroke();
+      context.setLineDash([]);
       const label = name ? `${name} #${spot.id}` : `${spot.id}`;
       context.lineWidth = 3;
       context.strokeStyle = "rgba(0, 0, 0, 0.75)";

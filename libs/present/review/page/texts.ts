@@ -61,8 +61,9 @@ export const TEXTS = {
 
   // Naming
   finding: "Looking for markers",
-  spot: (id: number, x: number, y: number, moves: boolean) =>
-    `#${id} at (${x.toFixed(0)}, ${y.toFixed(0)})${moves ? "" : ", does not move"}`,
+  spots: (count: number) => (count === 1 ? "1 spot" : `${count} spots`),
+  spot: (id: number, x: number, y: number, frame: number, moves: boolean) =>
+    `#${id} at (${x.toFixed(0)}, ${y.toFixed(0)}) in frame ${frame}${moves ? "" : ", does not move"}`,
   choose: (name: string) => `Click ${name}`,
   pointAt: {
     scale: ["Click one end of the scale bar", "Click its other end"],
