@@ -7,6 +7,7 @@ The site needs no network. Pages are Markdown in pages/, in the order of mkdocs.
     ```sh                          commands, which are run, page after page, in one folder with data/ and calibration/
     {{figure FILE | caption}}      a picture that a command wrote
     {{frame VIDEO SECONDS | caption}}   a frame of a video that a command wrote
+    {{story | caption}}            the picture story of story.py
     {{columns}} {{options}} {{rooms}} {{file PATH}}   references made of columns.csv, --help, the rooms' READMEs, a file of the project"""
 import argparse
 import os
@@ -19,8 +20,9 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
-sys.path.insert(0, str(ROOT / "apps/python"))
+sys.path[:0] = [str(ROOT / "apps/python"), str(HERE)]
 import lake  # noqa: E402
+import story  # noqa: E402
 
 PROGRAMS = ["check", "track", "anonymise", "gait", "compare", "loads", "optimize", "simulate", "stroke", "calibrate", "convert", "info", "run", "synth"]
 # What the rooms say of their methods, in the order in which data goes through them.
@@ -66,6 +68,10 @@ class Manual:
                        check=True)
         return self.picture(self.work / name, name, match[3])
 
+    def story(self, match):
+        story.draw(self.work, self.work / "story.png")
+        return self.picture(self.work / "story.png", "story.png", match[1])
+
     def options(self, _):
         parts = []
         for program in PROGRAMS:
@@ -91,6 +97,7 @@ class Manual:
             self.run(page, block)
         text = re.sub(r"^\{\{figure (\S+) \| (.*)\}\}$", self.figure, text, flags=re.M)
         text = re.sub(r"^\{\{frame (\S+) (\S+) \| (.*)\}\}$", self.frame, text, flags=re.M)
+        text = re.sub(r"^\{\{story \| (.*)\}\}$", self.story, text, flags=re.M)
         text = re.sub(r"^\{\{columns\}\}$", lambda _: columns(), text, flags=re.M)
         text = re.sub(r"^\{\{options\}\}$", self.options, text, flags=re.M)
         text = re.sub(r"^\{\{rooms\}\}$", lambda _: "\n".join(self.room(folder) for folder in ROOMS), text, flags=re.M)
