@@ -1,6 +1,9 @@
 // Finds the links that give the largest range of rotation, proves it, and says what it is worth; with a human's motion,
 // those whose knee also follows it.
+#include <fmt/ranges.h>
+
 #include <string>
+#include <vector>
 
 #include "lake/commands/optimize.h"
 #include "program.h"
@@ -28,11 +31,34 @@ std::string ReportMotion(const Json& summary) {
          summary["build_text"].get<std::string>() + "\n";
 }
 
+std::string ReportFront(const Json& summary) {
+  std::string text;
+  for (const Json& actuator : summary["actuators"]) {
+    text += fmt::format("{:<16}", actuator["name"].get<std::string>());
+    for (const Json& point : actuator["points"])
+      if (const Json& duration = point["shortest_duration_s"]; duration.is_number())
+        text += fmt::format("  {:.0f} %: {:.2f} s{}", 100 * point["assist"].get<double>(), duration.get<double>(),
+                            point["on_front"].get<bool>() ? " *" : "");
+    if (!actuator["speed_is_known"].get<bool>())
+      text += "  speed not known";
+    else if (!actuator["speed_under_load_is_known"].get<bool>())
+      text += "  (lower bounds: speed under load not known)";
+    if (actuator["points"].empty())
+      text += fmt::format("  no design: {}", fmt::join(actuator["limits"].get<std::vector<std::string>>(), ", "));
+    text += "\n";
+  }
+  return text +
+         fmt::format("shortest rise at a share of what the knee needs; * none is faster; the person's own: {:.2f} s\n",
+                     summary["own_duration_s"].get<double>());
+}
+
 std::string Report(const Json& summary) {
+  if (summary.contains("actuators")) return ReportFront(summary);
   std::string text = fmt::format("range {:.4f} deg", summary["range_deg"].get<double>());
   if (const Json& bound = summary["certified_upper_bound_deg"]; bound.is_number())
     text += fmt::format(", proved to be at most {:.4f} deg for any design", bound.get<double>());
   text += "\n";
+  if (summary.contains("assistance")) text += summary["assistance"]["text"].get<std::string>() + "\n";
   text += ReportMotion(summary);
   for (const auto& [name, length] : summary["links"].items())
     text += fmt::format("  {} {:9.4f} mm\n", name, length.get<double>());
@@ -52,12 +78,15 @@ int main(int argc, char** argv) {
       "lake-optimize",
       "The links that give the largest range of rotation; with a human's motion, the exoskeleton that follows it.",
       "lake-optimize --starts 20 --grashof-margin 2 --singularity-margin 2 --certify -o lake-out/design\n"
+      "  lake-optimize --profile lake-out/loads --assist 0.4 --actuator LA31-1000 --duration free\n"
       "  lake-optimize --comparison lake-out/comparison --worn worn.yaml --max-misalignment 3 --program free "
       "--duration 25 --fit-placement --pareto 12");
   lake::commands::OptimizeRunOptions options;
   lake::commands::ReoptimizeRunOptions reoptimize;
   program.Add(lake::OptionsOf(options));
-  const auto motion = program.Add(lake::OptionsOf(reoptimize), "Re-optimisation, with --comparison or --human");
+  // The duration stands among the problem's options.
+  const auto motion =
+      program.Add(lake::OptionsOf(reoptimize).Without({"duration"}), "Re-optimisation, with --comparison or --human");
   return program.Main(
       argc, argv, [] { return std::string("optimize"); },
       [&](lake::Run& run) {

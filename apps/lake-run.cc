@@ -8,8 +8,16 @@
 int main(int argc, char** argv) {
   lake::Program program("lake-run", "A whole study: both trials, misalignment, designs, simulation, one report",
                         "lake-run data/sts-study/study.yaml");
-  std::string file;
+  std::string file, only;
+  bool plan = false;
   program.Cli().add_option("study", file, "study.yaml")->required();
+  CLI::Option* plan_option = program.Cli().add_flag(
+      "--plan", plan,
+      "Print the steps with their inputs, outputs and resources, and what is to be done, as JSON; do nothing");
+  program.Cli()
+      .add_option("--only", only, "Do this step alone, if it is to be done; those before it must have been done")
+      ->type_name("STEP")
+      ->excludes(plan_option);
   std::optional<lake::study::StudyFile> study;
   return program.Main(
       argc, argv,
@@ -17,5 +25,10 @@ int main(int argc, char** argv) {
         study = lake::study::ReadStudyFile(file);
         return study->ResultName();
       },
-      [&](lake::Run& run) { return lake::study::RunStudyFile(*study, run); }, lake::study::StudyText);
+      [&](lake::Run& run) {
+        if (plan) fmt::print("{}\n", lake::study::StudyPlan(*study, run.Folder()).dump(2));
+        if (!only.empty()) lake::study::RunStudyStep(*study, only, run);
+        return plan || !only.empty() ? lake::Json() : lake::study::RunStudyFile(*study, run);
+      },
+      lake::study::StudyText);
 }

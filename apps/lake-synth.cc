@@ -9,6 +9,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/name_value.h"
+#include "lake/synth/population.h"
 #include "lake/synth/recording.h"
 #include "lake/synth/staging.h"
 #include "lake/synth/sts_motion.h"
@@ -26,7 +27,8 @@ struct Arguments {
   std::string motion_table, exo, camera, distortion;
   std::vector<std::string> hide, depth;
   std::optional<double> walk_in, second_person;
-  std::optional<int> repetitions, width, height, crf, reflections;
+  std::optional<int> repetitions, width, height, crf, reflections, population;
+  int sessions = 1;
   std::optional<double> duration, rate, radius_px, shutter, readout, flicker, psf, read_noise, shot_gain, level,
       brightness, exposure, pace, rest, distance, yaw, pitch, roll;
   double warp = 0, skin = 0, start = 0, jitter = 0;
@@ -182,7 +184,25 @@ synth::Scene StagedScene(const Arguments& a) {
   return synth::Scene(options, motion);
 }
 
+// A cohort instead of a recording.
+Json RenderPopulation(const Arguments& a, Run& run) {
+  synth::PopulationOptions options;
+  options.seed = a.seed, options.people = *a.population, options.sessions = a.sessions;
+  const synth::SceneOptions scene = SceneOf(a);
+  const std::vector<synth::Session> sessions = synth::DrawPopulation(options, scene.motion);
+  std::vector<std::string> names = {"participants.tsv", "cohort.yaml", "truth.csv"};
+  for (const synth::Session& session : sessions)
+    for (const char* trial : {"human", "exo"})
+      for (const char* file : {"video.mp4", "truth.csv", "camera.yaml", "scene.json"})
+        names.push_back((session.Folder() / trial / file).string());
+  run.Begin(names);
+  synth::WritePopulation(sessions, scene, run.Folder());
+  return {{"people", options.people}, {"sessions", options.sessions}};
+}
+
 std::string Report(const Json& summary) {
+  if (summary.contains("people"))
+    return fmt::format("{} people, {} sessions each\n", summary["people"].get<int>(), summary["sessions"].get<int>());
   std::string hidden;
   for (const auto& [name, frames] : summary["hidden_frames"].items())
     if (frames.get<int>() > 0) hidden += fmt::format(", {} hidden in {}", name, frames.get<int>());
@@ -204,6 +224,10 @@ int main(int argc, char** argv) {
   cli.add_option("--crf", a.crf, "H.264 quality, 17 (fine) to 28 (coarse) (default: 17 clean, 23 hard)")
       ->check(CLI::Range(0, 51));
   cli.add_flag("--lossless", a.lossless, "Keep every grey value");
+  cli.add_option("--population", a.population,
+                 "A cohort for lake cohort instead: so many people, drawn by lot, with and without exoskeleton")
+      ->check(CLI::PositiveNumber);
+  cli.add_option("--sessions", a.sessions, "With --population: sessions of each")->check(CLI::PositiveNumber);
   cli.add_flag("--pictures", a.pictures, "frames/00000.png … instead of a video");
 
   return program.Main(
@@ -211,6 +235,7 @@ int main(int argc, char** argv) {
       [&](Run& run) {
         for (const std::string& file : {a.motion_table, a.camera})
           if (!file.empty()) run.AddInput(file);
+        if (a.population) return RenderPopulation(a, run);
         const synth::Scene scene = StagedScene(a);
         synth::RecordingOptions recording{a.crf.value_or(a.scene == "hard" ? 23 : 17), a.lossless, a.pictures,
                                           "veryfast", run.Quiet()};

@@ -13,8 +13,9 @@ namespace lake {
 inline std::map<std::string, std::string> NameMap(const std::string& text) {
   exchange::TrialOptions options;
   OptionList list = OptionsOf(options);
-  std::find_if(list.All().begin(), list.All().end(), [](const Option& option) { return option.Name() == "map"; })
-      ->SetFromCommandLine({text});
+  std::find_if(list.All().begin(), list.All().end(), [](const Option& option) {
+    return option.Name() == "map";
+  })->SetFromCommandLine({text});
   return options.names;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <new>
+#include <system_error>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
@@ -147,6 +148,13 @@ int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>
     return kSignalBase + interrupted.Signal();
   } catch (const std::bad_alloc&) {
     return Complain(name, "not enough memory for this input", kFailed);
+  } catch (const std::system_error& error) {
+    const bool starved = error.code() == std::errc::resource_unavailable_try_again;
+    return Complain(name,
+                    starved ? "the system gives this program no more threads or memory; close others, or raise its "
+                              "limits (ulimit -u, ulimit -v)"
+                            : error.what(),
+                    kFailed);
   } catch (const std::exception& error) {
     return Complain(name, error.what(), kFailed);
   }
@@ -177,6 +185,11 @@ const CLI::App* Program::AddCommand(const std::string& name, const std::string& 
   command->fallthrough();
   cli_.require_subcommand(0, 1);
   return command;
+}
+
+void Program::TakeOutByPlace() {
+  cli_.remove_option(cli_.get_option("--out"));
+  cli_.add_option("out", out_, "Folder for the results; made if absent");
 }
 
 std::vector<SharedOptions> Program::GivenLists() const {
@@ -217,7 +230,9 @@ int Program::Work(const std::string& command, const std::string& result_name, co
   Json options = EffectiveOptions(cli_, GivenLists());
   options["out"] = out_;
   Run run({name_, command, options, out_, quiet_, Subject(), is_default});
-  const Json summary = run.WriteSummary(work(run));
+  const Json results = work(run);
+  if (results.is_null()) return kDone;
+  const Json summary = run.WriteSummary(results);
   WriteTextFile(run.Result("options.toml"), cli_.config_to_str(false));
   if (json_)
     fmt::print("{}\n", summary.dump(2, ' ', false, Json::error_handler_t::replace));

@@ -5,6 +5,7 @@
 #include "lake/commands/gait.h"
 #include "lake/commands/loads.h"
 #include "lake/commands/optimize.h"
+#include "lake/commands/review.h"
 #include "lake/commands/simulate.h"
 #include "lake/commands/stroke.h"
 #include "lake/commands/track.h"
@@ -92,6 +93,7 @@ TEST(Help, HasEveryDescribedOptionWithItsUnit) {
   ExpectHelp<commands::TrackRunOptions>("lake-track");
   ExpectHelp<commands::GaitRunOptions>("lake-gait");
   ExpectHelp<commands::LoadsRunOptions>("lake-loads");
+  ExpectHelp<commands::ReviewRunOptions>("lake-review");
   ExpectHelp<commands::CompareRunOptions>("lake-compare");
   ExpectHelp<commands::OptimizeRunOptions>("lake-optimize");
   ExpectHelp<commands::ReoptimizeRunOptions>("lake-optimize");

@@ -103,5 +103,23 @@ TEST_F(RunProgram, EndsAsTheStepThatFailed) {
   EXPECT_FALSE(fs::exists(folder_ / "results/simulation"));
 }
 
+// What a scheduler asks and does: the plan writes nothing, and a step alone neither the study's summary nor another
+// step.
+TEST_F(RunProgram, PlansAndDoesStepsOneByOne) {
+  WriteStudy();
+  const Outcome planned = Shell(folder_, "lake-run study.yaml --plan -o results");
+  ASSERT_EQ(planned.exit_code, 0) << planned.err;
+  EXPECT_EQ(FilesIn(folder_ / "results"), 0u);
+  const Json plan = Json::parse(planned.out);
+  EXPECT_EQ(plan["steps"][3]["name"], "optimum");
+  ExpectRefused("study.yaml --only report", 1, "step human leaves, which has not been done");
+  ExpectRefused("study.yaml --only stroke", 1, "no step 'stroke' in this study");
+  ExpectRefused("study.yaml --only human --plan", 2, "excludes");
+  ASSERT_EQ(Shell(folder_, "lake-run study.yaml --quiet -o results --only optimum").exit_code, 0);
+  EXPECT_TRUE(fs::is_regular_file(plan["steps"][3]["outputs"][0].get<std::string>()));
+  EXPECT_FALSE(fs::exists(folder_ / "results/summary.json"));
+  EXPECT_FALSE(fs::exists(folder_ / "results/human"));
+}
+
 }  // namespace
 }  // namespace lake

@@ -198,8 +198,9 @@ TEST_P(Programs, AnswerHelpVersionAndUnknownOptions) {
 
 INSTANTIATE_TEST_SUITE_P(All, Programs,
                          testing::Values("lake", "lake-track", "lake-anonymise", "lake-check", "lake-gait",
-                                         "lake-loads", "lake-convert", "lake-info", "lake-simulate", "lake-calibrate",
-                                         "lake-optimize", "lake-stroke", "lake-synth", "lake-run"),
+                                         "lake-loads", "lake-review", "lake-cohort", "lake-convert", "lake-info",
+                                         "lake-simulate", "lake-calibrate", "lake-optimize", "lake-stroke",
+                                         "lake-synth", "lake-run"),
                          [](const auto& info) {
                            std::string name = info.param;
                            std::replace(name.begin(), name.end(), '-', '_');

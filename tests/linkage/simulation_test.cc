@@ -81,6 +81,43 @@ TEST_F(Simulate, WritesTheTableOnTheAssembledBranch) {
   EXPECT_THAT(summary["warnings"].dump(), HasSubstr("0.00224 mm from the actuator's dead point"));
 }
 
+// Each row against virtual work; the largest pin force is told in the summary.
+TEST_F(Simulate, WritesTheForcesInMembersAndPins) {
+  WriteTextFile(folder_ / "torques.csv", "knee_deg,knee_torque_nm\n90,50\n10,20\n");
+  const Outcome outcome = RunIt(fmt::format("{} --angles 50 --rows 41 --no-animation --torques '{}' --json", kLinks,
+                                            (folder_ / "torques.csv").string()));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const CsvTable table = CsvTable::Read(Out() / "pin_forces.csv");
+  EXPECT_THAT(table.Header(),
+              ::testing::ElementsAre("stroke_mm", "knee_deg", "actuator_n", "coupler_n", "bar_n", "knee_pin_n",
+                                     "thigh_pin_n", "tip_pin_n", "shank_pin_n", "mount_n"));
+  double largest_n = 0;
+  for (std::size_t row = 0; row < table.Rows(); ++row) {
+    const double knee_deg = table.RequiredNumber(row, 1);
+    ASSERT_EQ(table.Number(row, 2).has_value(), knee_deg >= 10 && knee_deg <= 90) << knee_deg;
+    if (!table.Number(row, 2)) continue;
+    const linkage::Pose pose = linkage::RequirePose(kOptimum, table.RequiredNumber(row, 0));
+    const double torque_nm = 20 + 30 * (knee_deg - 10) / 80;
+    const double force_n = linkage::ActuatorForce(linkage::TransmissionOf(kOptimum, pose), torque_nm);
+    EXPECT_NEAR(table.RequiredNumber(row, 2), force_n, 1e-9 * force_n);
+    EXPECT_EQ(table.RequiredNumber(row, 9), table.RequiredNumber(row, 2));
+    largest_n = std::max(largest_n, table.RequiredNumber(row, 7));
+  }
+  EXPECT_EQ(Json::parse(outcome.out)["pin_forces"]["tip_pin"]["largest_n"], largest_n);
+  for (const char* name : {"pin_forces.png", "pin_forces.svg"}) EXPECT_TRUE(std::filesystem::exists(Out() / name));
+}
+
+TEST_F(Simulate, RefusesATableOfTorquesThatIsNone) {
+  const auto torques = folder_ / "torques.csv";
+  const auto expect = [&](const char* text, const char* message) {
+    WriteTextFile(torques, text);
+    ExpectRefusal(fmt::format("{} --torques '{}'", kLinks, torques.string()), 1, message);
+  };
+  expect("time_s,knee_torque_nm\n0,1\n1,2\n", "needs a column stroke_mm or knee_deg");
+  expect("knee_deg,knee_torque_nm\n0,1\n0,2\n", "torques.csv:3: a second torque for knee_deg 0");
+  expect("stroke_mm,knee_torque_nm\n250,1\n", "needs two rows or more");
+}
+
 TEST_F(Simulate, DrawsEverything) {
   ASSERT_EQ(RunIt(fmt::format("{} --angles 2,70,12.5 --quiet", kLinks)).exit_code, 0);
   for (const char* name : {"angle_vs_stroke.png", "pose_2.png", "pose_70.png", "pose_12.5.png", "mannequin.png"})

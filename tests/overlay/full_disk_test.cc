@@ -1,11 +1,10 @@
 // A disk that takes no more: every writer says so, and leaves no half file under the final name.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
-#include <csignal>
 #include <functional>
 
+#include "file_limit.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -19,26 +18,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-// Files of this process and its children end after so many bytes, as on a full disk; put back when it goes.
-class FileLimit {
- public:
-  explicit FileLimit(rlim_t bytes) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  FileLimit(const FileLimit&) = delete;
-  FileLimit& operator=(const FileLimit&) = delete;
-  ~FileLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int) = std::signal(SIGXFSZ, SIG_IGN);  // writing fails instead of ending the process
-};
 
 void ExpectRefused(const char* name, rlim_t bytes, const std::function<void(const std::filesystem::path&)>& write) {
   const TemporaryFolder folder;

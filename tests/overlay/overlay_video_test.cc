@@ -66,15 +66,27 @@ Decoded Decode(const std::filesystem::path& path) {
   return decoded;
 }
 
-// Of 360 places on a circle, how many are coloured rather than grey (the colour's channels differ by more than 60).
+bool IsColoured(const cv::Mat& bgr, const Eigen::Vector2d& place) {
+  const cv::Vec3b& p = bgr.at<cv::Vec3b>(cv::Point(cvRound(place.x()), cvRound(place.y())));
+  return std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > 40;  // thinned by chroma of half resolution
+}
+
+// How many of a cross's four arms are there: coloured half-way from its open middle to its end.
+int ArmsOfCross(const cv::Mat& bgr, const Eigen::Vector2d& centre) {
+  constexpr double kHalfWay_px = 10;  // at 720 px height
+  int arms = 0;
+  for (const Eigen::Vector2d& arm :
+       {Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0), Eigen::Vector2d(0, 1), Eigen::Vector2d(0, -1)})
+    arms += IsColoured(bgr, centre + kHalfWay_px * arm);
+  return arms;
+}
+
+// Of 360 places on a circle, how many are coloured rather than grey.
 int ColouredOnCircle(const cv::Mat& bgr, const Eigen::Vector2d& centre, double radius_px) {
   int coloured = 0;
   for (int degree = 0; degree < 360; ++degree) {
     const double angle = degree * CV_PI / 180;
-    const cv::Point at(cvRound(centre.x() + radius_px * std::cos(angle)),
-                       cvRound(centre.y() + radius_px * std::sin(angle)));
-    const cv::Vec3b& p = bgr.at<cv::Vec3b>(at);
-    coloured += std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > 60;
+    coloured += IsColoured(bgr, centre + radius_px * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
   }
   return coloured;
 }
@@ -92,7 +104,7 @@ class OverlayVideoTest : public testing::Test {
   std::filesystem::path video_ = folder_ / "video.mp4", out_ = folder_ / "overlay.mp4";
 };
 
-// At 720 px height a ring has a radius of 10 px.
+// At 720 px height the ring of a filled sample has a radius of 10 px.
 constexpr double kRing_px = 10;
 
 TEST_F(OverlayVideoTest, KeepsFramesSizeAndTimeStamps) {
@@ -105,21 +117,24 @@ TEST_F(OverlayVideoTest, KeepsFramesSizeAndTimeStamps) {
     EXPECT_NEAR(decoded.time_s[static_cast<std::size_t>(i)], IrregularTime_s(i), 0.5 / 90000);  // the writer's ticks
 }
 
-TEST_F(OverlayVideoTest, RingHasTheMarkersColourAtItsPlace) {
+TEST_F(OverlayVideoTest, CrossHasTheMarkersColourAndLeavesTheMarkerFree) {
   const motion::MarkerRecording tracks = Leg();
   const cv::Mat picture = Overlay(960, 720, {tracks}).last;
-  // The hip's green #009E73: right of the centre no bone begins. Chroma of 2 px and compression: 40 levels.
-  const cv::Vec3b ring = picture.at<cv::Vec3b>(290 - 10, 300);
-  EXPECT_NEAR(ring[0], 0x73, 40);
-  EXPECT_NEAR(ring[1], 0x9E, 40);
-  EXPECT_NEAR(ring[2], 0x00, 40);
-  for (const motion::MarkerTrack& marker : tracks.markers)
-    EXPECT_GT(ColouredOnCircle(picture, marker.samples[0].position, kRing_px), 300) << marker.name;
+  // The hip's green #009E73: right of the centre no bone begins.
+  const cv::Vec3b arm = picture.at<cv::Vec3b>(290, 310);
+  EXPECT_GT(arm[1], arm[2] + 60);
+  EXPECT_GT(arm[1], arm[0]);
+  for (const motion::MarkerTrack& marker : tracks.markers) {
+    const Eigen::Vector2d place = marker.samples[0].position;
+    EXPECT_EQ(ArmsOfCross(picture, place), 4) << marker.name;
+    for (const double radius_px : {0.0, 3.0})
+      EXPECT_EQ(ColouredOnCircle(picture, place, radius_px), 0) << marker.name << " at " << radius_px << " px";
+  }
   const cv::Vec3b untouched = picture.at<cv::Vec3b>(600, 700);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(untouched[c], 60, 3);  // limited range and compression
 }
 
-TEST_F(OverlayVideoTest, FilledIsABrokenRingAndMissingNone) {
+TEST_F(OverlayVideoTest, FilledIsABrokenRingAndMissingNothing) {
   motion::MarkerRecording tracks = Leg();
   const Eigen::Vector2d ankle = tracks.markers[0].samples[0].position, waist = tracks.markers[3].samples[0].position;
   SetStatus(tracks, 0, motion::SampleStatus::kFilled);
@@ -127,8 +142,37 @@ TEST_F(OverlayVideoTest, FilledIsABrokenRingAndMissingNone) {
   const cv::Mat picture = Overlay(960, 720, {tracks}).last;
   const int filled = ColouredOnCircle(picture, ankle, kRing_px);
   EXPECT_GT(filled, 80);
-  EXPECT_LT(filled, 290);  // half of it is gaps, which chroma at half resolution narrows
+  EXPECT_LT(filled, 300);  // half of it is gaps, which chroma at half resolution narrows
   EXPECT_EQ(ColouredOnCircle(picture, waist, kRing_px), 0);
+  EXPECT_EQ(ArmsOfCross(picture, waist), 0);
+}
+
+// A bright dot on grey, and a track a pixel beside it: the inset shows the dot that much off its middle, magnified.
+TEST_F(OverlayVideoTest, InsetShowsTheRecordingMagnified) {
+  cv::Mat frame(720, 960, CV_8UC1, cv::Scalar(60));
+  frame(cv::Rect(296, 287, 8, 8)) = 230;  // its middle at (299.5, 290.5)
+  video::VideoWriter writer(video_, {.width = 960, .height = 720, .lossless = true, .grey = true});
+  for (int i = 0; i < kFrames; ++i) writer.Write(frame, IrregularTime_s(i));
+  writer.Finish();
+  motion::MarkerRecording tracks = Leg();
+  for (motion::MarkerSample& sample : tracks.markers[2].samples) sample.position = {298.5, 290.5};
+  const cv::Mat picture = Overlay(960, 720, {tracks}).last;
+  // In the corner below the leg: the third inset, behind the panel of 246 px and two insets of 120, 6 px between them;
+  // an inset and its two lines of text are 160 px high, and 12 px stay free at the picture's edge.
+  const cv::Point corner(12 + 246 + 6 + 2 * (120 + 6), 720 - 12 - 160);
+  const double magnified = 120 / 24.0;
+  const auto at = [&](double x_px, double y_px) {  // about the track's position
+    const cv::Vec3b& p =
+        picture.at<cv::Vec3b>(corner + cv::Point(cvRound(60 + x_px * magnified), cvRound(60 + y_px * magnified)));
+    return (p[0] + p[1] + p[2]) / 3;
+  };
+  // The dot reaches from -3 to 5 px about the position, up and down 4 px; a pixel's width for interpolation.
+  EXPECT_GT(at(4, 2), 190);
+  EXPECT_LT(at(6, 2), 90);
+  EXPECT_GT(at(-2, 2), 190);
+  EXPECT_LT(at(-4, 2), 90);
+  EXPECT_GT(at(2, 3), 190);
+  EXPECT_LT(at(2, 5), 90);
 }
 
 TEST_F(OverlayVideoTest, AngleIsDrawnWithMotionOnly) {
@@ -155,7 +199,7 @@ TEST_F(OverlayVideoTest, WideVideosAreScaledDownAndTheDrawingWithThem) {
   const Decoded decoded = Overlay(1920, 1440, {tracks}, {.max_width_px = 960});
   EXPECT_EQ(decoded.info.width, 960);
   EXPECT_EQ(decoded.info.height, 720);
-  EXPECT_GT(ColouredOnCircle(decoded.last, tracks.markers[2].samples[0].position / 2, kRing_px), 300);
+  EXPECT_EQ(ArmsOfCross(decoded.last, tracks.markers[2].samples[0].position / 2), 4);
 }
 
 TEST_F(OverlayVideoTest, OddSidesBecomeEven) {
@@ -185,7 +229,7 @@ TEST_F(OverlayVideoTest, TurnedVideosAreShownUpright) {
   EXPECT_EQ(decoded.info.height, 720);
   EXPECT_EQ(decoded.info.rotation_deg, 0);
   for (const motion::MarkerTrack& marker : tracks.markers)
-    EXPECT_GT(ColouredOnCircle(decoded.last, marker.samples[0].position, kRing_px), 300) << marker.name;
+    EXPECT_EQ(ArmsOfCross(decoded.last, marker.samples[0].position), 4) << marker.name;
 }
 
 // The whole way through the preview: a colour comes out as the reader's own BGR of the recording has it.
@@ -203,7 +247,7 @@ TEST_F(OverlayVideoTest, FramesBesideTheTracksAreShownAsTheyAre) {
   motion::MarkerRecording tracks = Leg();
   for (std::int64_t& frame : tracks.frame) frame += 1000;
   const cv::Mat picture = Overlay(960, 720, {tracks}).last;
-  EXPECT_EQ(ColouredOnCircle(picture, tracks.markers[2].samples[0].position, kRing_px), 0);
+  EXPECT_EQ(ArmsOfCross(picture, tracks.markers[2].samples[0].position), 0);
 }
 
 TEST_F(OverlayVideoTest, UnwritableOutputIsAnErrorWithoutAFile) {

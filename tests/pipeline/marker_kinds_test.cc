@@ -36,11 +36,11 @@ TEST(MarkerKinds, ColouredLightsAreFoundByTheirColours) {
   synth::SceneOptions scene = OneRise(seed);
   scene.colour = true;
   scene.marker_bgr = synth::LedColours();
-  RenderedTrial trial(scene, {.crf = 20});
+  RenderedTrial trial(scene, {.crf = 20, .preset = "medium"});  // for which the limit holds
   const TrackErrors errors = TrackAndCompare(trial, "lights", seed, [](commands::TrackRunOptions& options) {
     options.track.detector = tracking::DetectorKind::kColor;
-    for (const char* marker : tracking::kLegMarkers)
-      options.track.colors.push_back(HexColour(synth::LedColours().at(marker)));
+    for (std::string_view marker : tracking::kLegMarkers)
+      options.track.colors.push_back(HexColour(synth::LedColours().at(std::string(marker))));
   });
   // Colour has half the resolution of brightness in H.264's 4:2:0.
   EXPECT_LE(errors.rms_px, 0.10);
@@ -51,7 +51,7 @@ TEST(MarkerKinds, DarkMarkersInABrightRoom) {
   synth::SceneOptions scene = OneRise(seed);
   scene.bright_room = true;
   scene.marker_level = 15;
-  RenderedTrial trial(scene, {.crf = 17});
+  RenderedTrial trial(scene, {.crf = 17, .preset = "medium"});
   const TrackErrors errors = TrackAndCompare(trial, "dark", seed, [](commands::TrackRunOptions& options) {
     options.track.polarity = tracking::Polarity::kDark;
   });
@@ -62,7 +62,7 @@ TEST(MarkerKinds, ArucoMarkersNameThemselves) {
   const std::uint64_t seed = SeedOfThisTest();
   synth::SceneOptions scene = OneRise(seed);
   scene.marker_kind = synth::MarkerKind::kAruco;
-  RenderedTrial trial(scene, {.crf = 17});
+  RenderedTrial trial(scene, {.crf = 17, .preset = "medium"});
   const TrackErrors errors = TrackAndCompare(trial, "aruco", seed, [](commands::TrackRunOptions& options) {
     options.track.detector = tracking::DetectorKind::kAruco;
   });
@@ -78,7 +78,7 @@ TEST(MarkerKinds, PatchesThatWerePointedAt) {
     options.track.detector = tracking::DetectorKind::kTemplate;
     for (std::size_t i = 0; i < tracking::kLegMarkers.size(); ++i)
       options.track.seeds.push_back(
-          {tracking::kLegMarkers[i],
+          {std::string(tracking::kLegMarkers[i]),
            first.markers[static_cast<std::size_t>(synth::IndexOfMarker(trial.scene.Motion(), tracking::kLegMarkers[i]))]
                .px,
            0});

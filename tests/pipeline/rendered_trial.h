@@ -100,7 +100,7 @@ inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const
     const synth::FrameTruth frame_truth = scene.Truth(static_cast<int>(table.RequiredNumber(row, frame)));
     const double truth = frame_truth.knee_deg;
     const bool seen =
-        std::all_of(tracking::kLegMarkers.begin(), tracking::kLegMarkers.begin() + 3, [&](const char* marker) {
+        std::all_of(tracking::kLegMarkers.begin(), tracking::kLegMarkers.begin() + 3, [&](std::string_view marker) {
           return frame_truth.markers[static_cast<std::size_t>(synth::IndexOfMarker(scene.Motion(), marker))].visible;
         });
     true_least = std::min(true_least, truth), true_most = std::max(true_most, truth);

@@ -238,5 +238,31 @@ TEST_F(Steps, InterruptedGoOnWhereTheyWere) {
   EXPECT_THAT(Go(), ElementsAre("a", "b", "join"));
 }
 
+// One at a time, as a scheduler does them: the same files as all at once, and what is missing before it is said.
+TEST_F(Steps, AreDoneOneByOne) {
+  const std::vector<steps::StudyStep> all = {Copy("a"), Copy("b"), Join(), Report()};
+  const steps::StepRunOptions options{"this build", "test", true};
+  EXPECT_THAT(steps::StepsBefore(all, all[2]), ElementsAre("a", "b"));
+  EXPECT_THAT(steps::StepsBefore(all, all[3]), ElementsAre("a", "b", "join"));
+  EXPECT_THAT([&] { steps::RunStep(all, "report", options); },
+              testing::ThrowsMessage<Error>(HasSubstr("step a leaves, which has not been done")));
+  EXPECT_THAT([&] { steps::RunStep(all, "walk", options); }, testing::ThrowsMessage<Error>(HasSubstr("it has a, b")));
+  for (const char* name : {"b", "a", "join", "report"}) EXPECT_TRUE(steps::RunStep(all, name, options).done) << name;
+  EXPECT_FALSE(steps::RunStep(all, "join", options).done);
+  EXPECT_THAT(Go(), IsEmpty()) << "done one by one is done";
+}
+
+TEST_F(Steps, SayWhyTheyWouldBeDone) {
+  const std::vector<steps::StudyStep> all = {Copy("a"), Copy("b"), Join(), Report()};
+  const auto why = [&] { return steps::WhyDoSteps(all, "this build"); };
+  EXPECT_THAT(why(), testing::Each("not made yet"));
+  EXPECT_FALSE(fs::exists(folder_ / "out")) << "nothing is written";
+  Go();
+  EXPECT_THAT(why(), testing::Each(""));
+  WriteTextFile(folder_ / "b.txt", "gamma");
+  EXPECT_THAT(why(), ElementsAre("", "b.txt changed", "step b is to be done before", "step b is to be done before"));
+  EXPECT_THAT(steps::WhyDoSteps(all, "another"), testing::Contains("made by another build of lake"));
+}
+
 }  // namespace
 }  // namespace lake

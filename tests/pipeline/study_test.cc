@@ -18,6 +18,17 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::ThrowsMessage;
 
+// The plan's outputs are what the steps leave, its order what they read, and it knows what is to be done.
+void ExpectPlanHolds(const StudyFolder& study) {
+  const Json plan = study::StudyPlan(study::ReadStudyFile(study.Folder() / "study.yaml"), study.Out());
+  for (const Json& step : plan["steps"]) {
+    EXPECT_TRUE(step["due"].is_null()) << step;
+    for (const Json& output : step["outputs"]) EXPECT_TRUE(fs::is_regular_file(output.get<std::string>())) << output;
+  }
+  EXPECT_EQ(plan["steps"][2]["after"], (Json{"human", "exo"}));
+  EXPECT_EQ(plan["steps"].back()["after"].size(), plan["steps"].size() - 1) << "the report is of all steps";
+}
+
 TEST(StudyOfMarkerFiles, FindsWhatWasMadeAndIsDoneOnce) {
   StudyFolder study;
   const Json summary = study.Go();
@@ -36,6 +47,7 @@ TEST(StudyOfMarkerFiles, FindsWhatWasMadeAndIsDoneOnce) {
                            "comparison/comparison.json", "comparison/report.html", "human/summary.json"})
     EXPECT_TRUE(fs::is_regular_file(study.Out() / file)) << file;
 
+  ExpectPlanHolds(study);
   const auto start = std::chrono::steady_clock::now();
   EXPECT_THAT(study.Done(study.Go()), IsEmpty());
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));

@@ -108,8 +108,8 @@ TEST(Lossless, ComesWithinFifteenPercentOfTheCramerRaoBound) {
   double variance_sum = 0;
   int bounds = 0;
   for (int frame = 5; frame < trial.scene.Frames(); frame += 40)
-    for (const char* marker : tracking::kLegMarkers) {
-      variance_sum += synth::CramerRaoBound(trial.scene, frame, marker).squaredNorm() / 2;
+    for (std::string_view marker : tracking::kLegMarkers) {
+      variance_sum += synth::CramerRaoBound(trial.scene, frame, std::string(marker)).squaredNorm() / 2;
       ++bounds;
     }
   const double bound_px = std::sqrt(variance_sum / bounds);

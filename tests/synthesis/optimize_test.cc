@@ -24,7 +24,6 @@ TEST(Optimize, PapersStartAloneReachesTheSupremum) {
   EXPECT_LE(solve.solution.violation, 1e-6);
   EXPECT_LE(solve.solution.kkt_error, 1e-6);
   EXPECT_LE(solve.iterations, 60);  // 14..51 known
-  EXPECT_LT(solve.seconds, 1);
   // The face of change-point parallelograms: l1 = l3, l2 = l4 = 62.138, l5 = 50, l6 = 300.
   EXPECT_NEAR(solve.end.l1, solve.end.l3, 1e-5);
   EXPECT_NEAR(solve.end.l2, 62.138, 5e-4);
@@ -232,7 +231,7 @@ TEST(Optimize, ExchangeFindsTheWorstPoseBetweenCollocationPoints) {
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
   EXPECT_GT(solve.exchanges, 1);
-  EXPECT_GT(solve.fractions.size(), 3u);
+  EXPECT_GT(solve.poses.fractions.size(), 3u);
   ExpectHoldsOnAFineGrid(problem, solve.end);
 }
 

@@ -77,8 +77,6 @@ TEST(Reoptimize, TheLimitHoldsWhenTheComparisonReEvaluatesThePredictedPath) {
 
 // What a search may vary, as a point; a constant program's strokes follow from the links.
 std::optional<double> Objective(const redesign::ReoptimizeProblem& problem, const redesign::ReoptimizePoint& point) {
-  const problem::DesignEvaluation evaluation = problem::Evaluate(point.links, problem.design);
-  if (!evaluation.IsFeasible()) return std::nullopt;
   const auto prediction = redesign::PredictPoint(problem, point);
   if (!prediction) return std::nullopt;
   if (problem.max_misalignment_percent && 100 * prediction->relative_rms > *problem.max_misalignment_percent)
@@ -86,6 +84,8 @@ std::optional<double> Objective(const redesign::ReoptimizeProblem& problem, cons
   if (problem.program.duration_s &&
       redesign::NeededDuration(point.knots_mm, problem.program.max_speed_mm_s) > *problem.program.duration_s)
     return std::nullopt;
+  const problem::DesignEvaluation evaluation = problem::Evaluate(point.links, problem.design);  // takes longest
+  if (!evaluation.IsFeasible()) return std::nullopt;
   return redesign::ObjectiveOf(problem, point, evaluation.range_deg, *prediction);
 }
 

@@ -12,6 +12,7 @@
 #include "lake/figure/calibration_figures.h"
 #include "lake/video/image.h"
 #include "lake/video/video_files.h"
+#include "png_and_svg.h"
 
 namespace lake::commands {
 namespace {
@@ -134,7 +135,8 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
   find.quiet = run.Quiet();
   const camera::Board board = camera::ParseBoard(options.board);
   for (const fs::path& picture : options.pictures) run.AddInput(video::FilesOfVideo(picture));
-  run.Begin({"summary.json", "camera.yaml", "residuals.csv", "residuals.png", "cross_validation.png"});
+  run.Begin({"summary.json", "camera.yaml", "residuals.csv", "residuals.png", "residuals.svg", "cross_validation.png",
+             "cross_validation.svg"});
   const camera::BoardPictures pictures = camera::FindBoards(options.pictures, board, find);
   if (!pictures.without_board.empty())
     run.Warn(fmt::format("no board seen in {} of {} images, left out: {}", pictures.without_board.size(),
@@ -149,10 +151,12 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
 
   camera::WriteCameraProfile(run.Result("camera.yaml"), {result.camera, {}, camera::UncertaintyOf(result), {}});
   WriteResiduals(run.Result("residuals.csv"), pictures.views, result);
-  figure::WriteResidualFigure(run.Result("residuals.png"), pictures.views, result);
+  DrawPngAndSvg("residuals", run,
+                [&](const fs::path& path) { figure::WriteResidualFigure(path, pictures.views, result); });
   if (quality.cross_validation)
-    figure::WriteCrossValidationFigure(run.Result("cross_validation.png"), *quality.cross_validation, pictures.width_px,
-                                       pictures.height_px);
+    DrawPngAndSvg("cross_validation", run, [&](const fs::path& path) {
+      figure::WriteCrossValidationFigure(path, *quality.cross_validation, pictures.width_px, pictures.height_px);
+    });
   return ResultJson(pictures, result, quality);
 }
 

@@ -6,6 +6,7 @@
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 #include "lake/figure/stroke_figures.h"
+#include "png_and_svg.h"
 #include "rod_film.h"
 
 namespace lake::commands {
@@ -65,7 +66,8 @@ Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
   for (const std::string& warning : calibration.warnings) run.Warn(warning);
   actuator::WriteDutyTable(run.Result("duty_table.csv"), calibration.rows);
   WritePlateaus(run.Result("plateaus.csv"), calibration.plateaus);
-  figure::DrawDutyCalibration(run.Result("duty_table.png"), calibration);
+  DrawPngAndSvg("duty_table", run,
+                [&](const std::filesystem::path& path) { figure::DrawDutyCalibration(path, calibration); });
   const actuator::DutyTable table = actuator::MakeDutyTable(calibration.rows, "duty_table.csv");
   return {{"plateaus", calibration.plateaus.size()},
           {"video", alignment},

@@ -6,6 +6,7 @@
 
 #include "lake/core/error.h"
 #include "lake/figure/leg_figure.h"
+#include "png_and_svg.h"
 
 namespace lake::commands {
 namespace {
@@ -65,14 +66,14 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
 
 Json RunGait(const GaitRunOptions& options, Run& run) {
   const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run);
-  run.Begin({"summary.json", "kinematics.csv", "events.csv", "trajectory.csv", "tracks.csv", "gait.png"});
+  run.Begin({"summary.json", "kinematics.csv", "events.csv", "trajectory.csv", "tracks.csv", "gait.png", "gait.svg"});
   const gait::LegFitResult result = FitTrial(trial, options.fit, run);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
-  figure::DrawLegFigure(run.Result("gait.png"), result);
+  DrawPngAndSvg("gait", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, result); });
   return gait::LegFitJson(result);
 }
 

@@ -11,6 +11,7 @@
 #include "lake/core/statistics.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/figure/loads_figure.h"
+#include "png_and_svg.h"
 
 namespace lake::commands {
 namespace {
@@ -245,7 +246,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
         "{}: a trial in a plane does not say where the force plates are; give the marker file of the same laboratory "
         "(.trc, .c3d)",
         trial.file.string());
-  run.Begin({"summary.json", "loads.csv", "loads.json", "loads.png"});
+  run.Begin({"summary.json", "loads.csv", "loads.json", "loads.png", "loads.svg"});
   const gait::LegFitResult fit = FitTrial(trial, options.fit, run);
   std::optional<loads::GroundForces> forces;
   if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
@@ -256,7 +257,8 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   for (const std::string& warning : result.warnings) run.Warn(warning);
   WriteTable(run.Result("loads.csv"), result);
   WriteJsonFile(run.Result("loads.json"), ProfileJson(result, options));
-  figure::DrawLoads(run.Result("loads.png"), result, options.trial.filename().string());
+  DrawPngAndSvg("loads", run,
+                [&](const fs::path& path) { figure::DrawLoads(path, result, options.trial.filename().string()); });
   return SummaryJson(result, options);
 }
 

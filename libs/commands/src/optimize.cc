@@ -1,9 +1,14 @@
 #include "lake/commands/optimize.h"
 
+#include <algorithm>
+
+#include "actuator_front_tables.h"
+#include "assistance_tables.h"
 #include "lake/commands/compare.h"
 #include "lake/commands/optimize_tables.h"
 #include "lake/compare/comparison_file.h"
 #include "lake/core/error.h"
+#include "lake/figure/assistance_figures.h"
 #include "lake/figure/reoptimize_figures.h"
 #include "lake/figure/synthesis_figures.h"
 #include "lake/problem/problem_file.h"
@@ -26,22 +31,72 @@ std::vector<std::string> ResultNames(std::initializer_list<const char*> own) {
   return names;
 }
 
+void CheckSynthesis(const OptimizeRunOptions& options) {
+  options.problem.CheckLoad();
+  if (options.study.certify_gap_deg && options.problem.SeeksDuration())
+    throw UsageError("--certify bounds the range, and --duration free seeks the shortest duration: omit one");
+}
+
 Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
+  CheckSynthesis(options);
+  const problem::SynthesisProblem problem = problem::WithActuator(options.problem);
   std::vector<std::string> names =
       ResultNames({"sensitivity.csv", "sensitivity.png", "sensitivity.svg", "margin.csv", "margin.png", "margin.svg"});
   if (options.study.round_mm) names.push_back("rounded.yaml");
+  if (problem.HasLoadProfile()) names.insert(names.end(), {"assistance.csv", "assistance.png"});
   run.Begin(names);
-  const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(options.problem, options.study);
+  const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(problem, options.study);
   Json summary = WriteSynthesis(outcome, run);
   DrawPngAndSvg("convergence", run, [&](const fs::path& path) {
-    figure::DrawConvergence(outcome.result.BestOrFirst(), "range of rotation (°)", path);
+    figure::DrawConvergence(outcome.result.BestOrFirst(),
+                            problem.SeeksDuration() ? "duration, negative (s)" : "range of rotation (°)", path);
   });
   if (!outcome.IsSolved()) {
     run.WriteSummary(summary);
     throw SolverError(outcome.infeasible->sentence);
   }
   DrawPngAndSvg("sensitivity", run, [&](const fs::path& path) { figure::DrawSensitivity(outcome, path); });
-  DrawPngAndSvg("margin", run, [&](const fs::path& path) { figure::DrawMargins(outcome, path); });
+  if (!outcome.margins.empty())
+    DrawPngAndSvg("margin", run, [&](const fs::path& path) { figure::DrawMargins(outcome, path); });
+  if (problem.HasLoadProfile())
+    summary["assistance"] = WriteAssistance(problem::FindAssistance(outcome.BestLinks(), problem), problem, run);
+  return summary;
+}
+
+// Those of a catalogue, and between them that of the problem.
+std::vector<double> SharesOf(const problem::SynthesisProblem& problem) {
+  std::vector<double> shares = {0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1};
+  if (problem.assist && *problem.assist > 0) shares.push_back(*problem.assist);
+  std::ranges::sort(shares);
+  shares.erase(std::unique(shares.begin(), shares.end()), shares.end());
+  return shares;
+}
+
+void CheckFront(const OptimizeRunOptions& options) {
+  if (!options.problem.profile)
+    throw UsageError("--actuators compares by what the knee needs: give that with --profile loads.json");
+  if (options.problem.actuator)
+    throw UsageError("--actuators takes each actuator of its file, and --actuator is a single one: omit one");
+  if (options.problem.duration_s)
+    throw UsageError("--actuators finds the shortest duration of each actuator: omit --duration");
+  if (options.reoptimize) throw UsageError("--actuators cannot be combined with a human's motion yet: omit one");
+}
+
+Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
+  CheckFront(options);
+  const std::vector<problem::LinearActuator> actuators = problem::ReadActuators(options.actuators);
+  run.AddInput(options.actuators);
+  run.Begin({"summary.json", "actuators_front.csv", "actuators_front.png"});
+  const std::vector<synthesis::ActuatorCurve> curves =
+      synthesis::FindActuatorFront(options.problem, actuators, SharesOf(options.problem), options.study.optimize);
+  WriteActuatorFront(curves, run.Result("actuators_front.csv"));
+  figure::DrawActuatorFront(run.Result("actuators_front.png"), curves, options.problem.profile->duration_s);
+  const Json summary = ActuatorFrontJson(curves, options.problem);
+  if (std::ranges::none_of(curves, &synthesis::ActuatorCurve::Last)) {
+    run.WriteSummary(summary);
+    throw SolverError(
+        "none of the actuators can be built in within the problem's limits; actuators_front.csv says why");
+  }
   return summary;
 }
 
@@ -74,8 +129,11 @@ redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, Run& 
 redesign::ReoptimizeProblem ProblemOf(const OptimizeRunOptions& options) {
   redesign::ReoptimizeProblem problem;
   const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
-  problem.design = options.problem;
+  problem.design = problem::WithActuator(options.problem);
   problem.program = reoptimize.program;
+  // The program's own duration, not that of the profile's motion.
+  if (problem.design.duration_s) problem.program.duration_s = problem.design.duration_s;
+  problem.design.duration_s.reset();
   problem.max_misalignment_percent = reoptimize.max_misalignment_percent;
   problem.penalty_deg_per_mm = reoptimize.penalty_deg_per_mm;
   problem.fit_placement = reoptimize.fit_placement;
@@ -85,6 +143,14 @@ redesign::ReoptimizeProblem ProblemOf(const OptimizeRunOptions& options) {
 
 void CheckReoptimize(const OptimizeRunOptions& options) {
   const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
+  if (options.problem.assist && !options.problem.profile)
+    throw UsageError("--assist is a share of what the knee needs: give that with --profile loads.json");
+  if (options.problem.SeeksDuration())
+    throw UsageError("--duration free cannot be combined with a human's motion: there the range is sought");
+  if (const auto& actuator = options.problem.actuator;
+      actuator && reoptimize.program.max_speed_mm_s > actuator->SpeedAt(0))
+    throw UsageError(fmt::format("--max-speed {} mm/s is more than {} has, {} mm/s", reoptimize.program.max_speed_mm_s,
+                                 actuator->name, actuator->SpeedAt(0)));
   if (reoptimize.comparison.empty() == reoptimize.human.empty())
     throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: specify exactly one");
   if (reoptimize.comparison.empty() && reoptimize.human_only)
@@ -144,6 +210,8 @@ Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
 Json RunOptimize(const OptimizeRunOptions& options, Run& run) {
   options.study.Check();
   if (!options.problem_file.empty()) run.AddInput(options.problem_file);
+  if (options.problem.profile) run.AddInput(options.problem.profile->file);
+  if (!options.actuators.empty()) return RunActuatorFront(options, run);
   return options.reoptimize ? RunReoptimize(options, run) : RunSynthesis(options, run);
 }
 
@@ -181,6 +249,12 @@ void Describe(OptimizeRunOptions& o, OptionList& options) {
   options.AddCustom("problem", "Problem file", read).Otherwise("the paper's problem").IsPath(Option::Path::kFile);
   Describe(o.problem, options);  // after the file, which these change
   Describe(o.study, options);
+  options
+      .Add(
+          "actuators", o.actuators,
+          "A catalogue, as calibration/actuators.csv: the shortest duration of each of its actuators against the share "
+          "that it gives, instead of one design")
+      .Otherwise("none");
 }
 
 }  // namespace lake::commands

@@ -74,7 +74,7 @@ void WriteStarts(const std::vector<StartRow>& starts, Run& run) {
     add({"status", "usable", "objective_deg", "range_deg", "misalignment_percent"});
   else
     add({"basin", "status", "range_deg"});
-  add({"constraint_violation", "kkt_error", "iterations", "time_s"});
+  add({"constraint_violation", "kkt_error", "iterations"});
   add(LinkColumns("end_"));
   CsvWriter table(header);
   for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -87,7 +87,7 @@ void WriteStarts(const std::vector<StartRow>& starts, Run& run) {
     if (row.motion) table.Add(row.motion->is_usable ? 1 : 0).Add(row.motion->objective_deg);
     table.Add(solve.evaluation.range_deg);
     if (row.motion) table.Add(row.motion->misalignment_percent);
-    table.Add(solve.evaluation.violation).Add(solve.solution.kkt_error).Add(solve.iterations).Add(solve.seconds);
+    table.Add(solve.evaluation.violation).Add(solve.solution.kkt_error).Add(solve.iterations);
     AddLinkCells(table, solve.end);
     table.EndRow();
   }
@@ -191,12 +191,12 @@ void WriteConvergence(const synthesis::LocalSolve& solve, const std::string& obj
   table.Write(run.Result("convergence.csv"));
 }
 
-Json ActiveJson(const synthesis::ActiveSet& active) {
+Json ActiveJson(const synthesis::ActiveSet& active, const std::string& gained) {
   Json entries = Json::array();
   for (const synthesis::ActiveSet::Entry& entry : active.entries)
     entries.push_back({{"limit", entry.name},
                        {"multiplier", active.multipliers_unique ? Json(entry.price) : Json()},
-                       {"unit", fmt::format("deg per {}", entry.unit)}});
+                       {"unit", fmt::format("{} per {}", gained, entry.unit)}});
   return entries;
 }
 

@@ -70,7 +70,8 @@ Json HeadJson(const OptimumView& optimum, double violation, const std::optional<
 Json LinksJson(const linkage::Links& links);
 Json EvaluationJson(const problem::DesignEvaluation& evaluation);
 Json YieldJson(const problem::Yield& yield);
-Json ActiveJson(const synthesis::ActiveSet& active);
+// `gained`: what is maximised, in its unit: "deg", "s gained".
+Json ActiveJson(const synthesis::ActiveSet& active, const std::string& gained = "deg");
 Json CertificateJson(const certificate::Certificate& certificate, bool ignores_used_range);
 Json NumberOrNull(double value);
 Json NumberOrNull(std::optional<double> value);

@@ -2,16 +2,21 @@
 #pragma once
 
 #include <filesystem>
+#include <future>
 #include <string>
 
 #include "lake/core/run.h"
 
 namespace lake::commands {
 
-// Calls draw(path) for NAME.png and NAME.svg among the run's results.
+// Calls draw(path) for NAME.png and NAME.svg among the run's results, both at the same time: gnuplot draws them in
+// processes of its own.
 template <typename Draw>
 void DrawPngAndSvg(const std::string& name, Run& run, const Draw& draw) {
-  for (const char* ending : {".png", ".svg"}) draw(run.Result(name + ending));
+  const std::filesystem::path png = run.Result(name + ".png"), svg = run.Result(name + ".svg");
+  std::future<void> vector = std::async(std::launch::async, [&] { draw(svg); });
+  draw(png);
+  vector.get();
 }
 
 }  // namespace lake::commands

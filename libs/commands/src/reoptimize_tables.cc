@@ -323,8 +323,7 @@ Json MotionJson(const redesign::ReoptimizeOutcome& outcome) {
 Json SolvedJson(const synthesis::LocalSolve& best, const synthesis::ActiveSet& active) {
   return {{"multipliers_unique", active.multipliers_unique},
           {"active", ActiveJson(active)},
-          {"iterations", best.iterations},
-          {"time_s", best.seconds}};
+          {"iterations", best.iterations}};
 }
 
 }  // namespace

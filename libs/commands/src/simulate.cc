@@ -3,13 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assistance_tables.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/drawing/linkage_animation.h"
 #include "lake/drawing/linkage_figures.h"
+#include "lake/figure/pin_forces_figure.h"
+#include "lake/linkage/statics.h"
+#include "lake/problem/assistance.h"
+#include "lake/problem/problem_options.h"
 #include "png_and_svg.h"
+#include "torque_table.h"
 
 namespace lake::commands {
 namespace {
@@ -74,18 +80,21 @@ Request Resolve(const linkage::Design& design, const SimulationOptions& options)
   return request;
 }
 
-void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& look, int grid_rows,
-                const std::vector<double>& asked_mm) {
+// The regular grid and the strokes asked for, ascending.
+std::vector<double> StrokesOf(const linkage::StrokeRange& range, int grid_rows, const std::vector<double>& asked_mm) {
   std::vector<double> strokes = asked_mm;
   for (int i = 0; i < grid_rows; ++i)
-    strokes.push_back(i + 1 == grid_rows
-                          ? look.range.stroke.upper_mm
-                          : look.range.stroke.lower_mm + look.range.stroke.Travel() * i / (grid_rows - 1));
+    strokes.push_back(i + 1 == grid_rows ? range.upper_mm : range.lower_mm + range.Travel() * i / (grid_rows - 1));
   std::sort(strokes.begin(), strokes.end());
   strokes.erase(std::unique(strokes.begin(), strokes.end()), strokes.end());
+  return strokes;
+}
+
+void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& look,
+                const std::vector<double>& strokes_mm) {
   CsvWriter table({"stroke_mm", "knee_deg", "deg_per_mm", "moment_arm_mm", "force_n", "transmission_deg",
                    "actuator_angle_deg", "branch"});
-  for (const double stroke : strokes) {
+  for (const double stroke : strokes_mm) {
     const Row row(look.links, stroke, look.knee_torque_nm);
     table.Add(stroke)
         .Add(DegreesFromRadians(row.pose.theta_rad))
@@ -96,6 +105,56 @@ void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& l
     table.Add(static_cast<int>(row.pose.branch)).EndRow();
   }
   table.Write(path);
+}
+
+TorqueTable ReadTorques(const SimulationOptions& options, Run& run) {
+  if (options.torques.empty()) return TorqueTable(options.knee_torque_nm);
+  run.AddInput(options.torques);
+  return TorqueTable::Read(options.torques);
+}
+
+// Forces where the torque is known: everywhere, or as far as its table goes.
+std::vector<figure::PinForcesRow> PinForcesOf(const linkage::Links& links, const std::vector<double>& strokes_mm,
+                                              const TorqueTable& torque) {
+  std::vector<figure::PinForcesRow> rows;
+  for (const double stroke : strokes_mm) {
+    const linkage::Pose pose = linkage::RequirePose(links, stroke);
+    rows.push_back({stroke, DegreesFromRadians(pose.theta_rad), linkage::MemberForcesOf(pose, torque.At(pose))});
+  }
+  return rows;
+}
+
+void WritePinForces(const std::filesystem::path& path, const std::vector<figure::PinForcesRow>& rows) {
+  CsvWriter table({"stroke_mm", "knee_deg", "actuator_n", "coupler_n", "bar_n", "knee_pin_n", "thigh_pin_n",
+                   "tip_pin_n", "shank_pin_n", "mount_n"});
+  for (const auto& [stroke, knee_deg, forces] : rows) {
+    table.Add(stroke).Add(knee_deg);
+    for (const double force : {forces.actuator_n, forces.coupler_n, forces.bar_n, forces.KneePin(), forces.ThighPin(),
+                               forces.TipPin(), forces.ShankPin(), forces.Mount()})
+      table.Add(Finite(force));
+    table.EndRow();
+  }
+  table.Write(path);
+}
+
+// Each pin's largest force, and where.
+Json PinForcesJson(const std::vector<figure::PinForcesRow>& rows) {
+  const std::pair<const char*, double (linkage::MemberForces::*)() const> kPins[] = {
+      {"knee_pin", &linkage::MemberForces::KneePin},
+      {"thigh_pin", &linkage::MemberForces::ThighPin},
+      {"tip_pin", &linkage::MemberForces::TipPin},
+      {"shank_pin", &linkage::MemberForces::ShankPin},
+      {"mount", &linkage::MemberForces::Mount}};
+  Json json = Json::object();
+  for (const auto& [name, force] : kPins) {
+    const figure::PinForcesRow* largest = nullptr;
+    for (const figure::PinForcesRow& row : rows) {
+      const double force_n = (row.forces.*force)();
+      if (std::isfinite(force_n) && (!largest || force_n > (largest->forces.*force)())) largest = &row;
+    }
+    if (largest) json[name] = {{"largest_n", (largest->forces.*force)()}, {"at_deg", largest->knee_deg}};
+  }
+  return json;
 }
 
 Json RowJson(const Row& row) {
@@ -212,6 +271,34 @@ void WarnOf(const linkage::Design& design, const linkage::UsedRange& range, Run&
         slack));
 }
 
+// The actuator is as long as the design says; what does not fit its maker's lengths is a warning.
+void WarnOfActuator(const problem::LinearActuator& actuator, const linkage::StrokeRange& used, Run& run) {
+  constexpr double kRounding_mm = 1e-3;
+  if (actuator.closed_mm && *actuator.closed_mm > used.lower_mm + kRounding_mm)
+    run.Warn(fmt::format("{} is {:.6g} mm long when closed, and the design goes down to {:.6g} mm", actuator.name,
+                         *actuator.closed_mm, used.lower_mm));
+  if (actuator.closed_mm && actuator.stroke_mm &&
+      *actuator.closed_mm + *actuator.stroke_mm < used.upper_mm - kRounding_mm)
+    run.Warn(fmt::format("{} reaches {:.6g} mm, and the design goes up to {:.6g} mm", actuator.name,
+                         *actuator.closed_mm + *actuator.stroke_mm, used.upper_mm));
+}
+
+// What the design's actuator does along the load profile; null without one.
+Json Assist(const linkage::Design& design, const linkage::UsedRange& range, problem::SynthesisProblem load, Run& run) {
+  if (!load.HasLoadProfile()) return nullptr;
+  run.AddInput(load.profile->file);
+  load.d_min_mm = design.d_min_mm, load.d_max_mm = range.stroke.upper_mm;
+  load.standing_deg = DegreesFromRadians(range.theta_at_upper_rad);
+  if (load.actuator) WarnOfActuator(*load.actuator, range.stroke, run);
+  const problem::Assistance assistance = problem::FindAssistance(design.links, load);
+  if (load.profile->LargestAngle() > range.theta_at_lower_rad)
+    run.Warn(
+        fmt::format("the load profile bends the knee to {:.1f}°, and this design to {:.1f}°: beyond that no force, "
+                    "speed or duration is known",
+                    DegreesFromRadians(load.profile->LargestAngle()), DegreesFromRadians(range.theta_at_lower_rad)));
+  return WriteAssistance(assistance, load, run);
+}
+
 void DrawPictures(const drawing::LinkageLook& look, const Request& request, const linkage::WearCheck& check, Run& run) {
   Progress progress("pictures", "files", static_cast<std::int64_t>(2 * request.angles_deg.size() + 4), run.Quiet());
   for (const char* ending : {"png", "svg"}) {
@@ -243,6 +330,7 @@ void SimulationOptions::Check() const {
   require(std::isfinite(knee_torque_nm) && knee_torque_nm != 0, "--knee-torque", knee_torque_nm);
   require(rows >= 2 && rows <= 1'000'000, "--rows", rows);
   require(seat_edge_mm >= 0 && seat_edge_mm < 5000, "--seat-edge", seat_edge_mm);
+  load.CheckLoad();
   if (thigh_mm.has_value() != shank_mm.has_value())
     throw UsageError("--thigh and --shank are one leg: give both or neither");
   require(actuator_diameter_mm > 0 && actuator_diameter_mm < 1000, "--actuator-diameter", actuator_diameter_mm);
@@ -252,8 +340,13 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   options.Check();
   options.plates.Check();
   const Request request = Resolve(design, options);
-  run.Begin({"summary.json", "angle_vs_stroke.csv", "angle_vs_stroke.png", "angle_vs_stroke.svg", "schematic.svg",
-             "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4", "animation.gif"});
+  const TorqueTable torque = ReadTorques(options, run);
+  std::vector<std::string> names = {"assistance.csv", "assistance.png"};
+  if (!options.load.HasLoadProfile()) names.clear();
+  names.insert(names.end(), {"summary.json", "angle_vs_stroke.csv", "angle_vs_stroke.png", "angle_vs_stroke.svg",
+                             "schematic.svg", "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4",
+                             "animation.gif", "pin_forces.csv", "pin_forces.png", "pin_forces.svg"});
+  run.Begin(names);
   const drawing::LinkageLook look{design.links,
                                   request.range,
                                   BodyOf(options),
@@ -262,7 +355,11 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   const linkage::WearCheck check = linkage::CheckWear(look.links, look.range, look.body, look.wear);
   WarnOfBody(check, run);
   WarnOf(design, request.range, run);
-  WriteTable(run.Result("angle_vs_stroke.csv"), look, options.rows, request.shown_mm);
+  const std::vector<double> strokes_mm = StrokesOf(request.range.stroke, options.rows, request.shown_mm);
+  WriteTable(run.Result("angle_vs_stroke.csv"), look, strokes_mm);
+  const std::vector<figure::PinForcesRow> pin_forces = PinForcesOf(look.links, strokes_mm, torque);
+  WritePinForces(run.Result("pin_forces.csv"), pin_forces);
+  DrawPngAndSvg("pin_forces", run, [&](const std::filesystem::path& path) { figure::DrawPinForces(path, pin_forces); });
   drawing::WriteLinkPlates(run.Result("design.dxf"), design.links, options.plates);
   DrawPictures(look, request, check, run);
   if (options.animation) drawing::WriteLinkageAnimation(run.Result("animation.mp4"), run.Result("animation.gif"), look);
@@ -275,10 +372,13 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   summary["singularities"] = {SingularityJson(design.links, request.range.stroke.lower_mm),
                               SingularityJson(design.links, request.range.stroke.upper_mm)};
   summary["knee_torque_nm"] = options.knee_torque_nm;
+  summary["pin_forces"] = PinForcesJson(pin_forces);
   summary["poses"] = Json::array();
   for (const double stroke : request.shown_mm)
     summary["poses"].push_back(RowJson(Row(design.links, stroke, options.knee_torque_nm)));
   summary["mannequin"] = WearJson(look.body, check);
+  if (Json assistance = Assist(design, request.range, options.load, run); !assistance.is_null())
+    summary["assistance"] = std::move(assistance);
   return summary;
 }
 
@@ -298,6 +398,7 @@ std::string SimulationReport(const Json& summary) {
                         NumberOrNaN(pose["stroke_mm"]), NumberOrNaN(pose["knee_deg"]), NumberOrNaN(pose["deg_per_mm"]),
                         NumberOrNaN(pose["moment_arm_mm"]), NumberOrNaN(pose["force_n"]),
                         NumberOrNaN(pose["transmission_deg"]), NumberOrNaN(pose["actuator_angle_deg"]));
+  if (summary.contains("assistance")) text += summary["assistance"]["text"].get<std::string>() + "\n";
   return text;
 }
 
@@ -309,6 +410,10 @@ void Describe(SimulationOptions& o, OptionList& options) {
       .Otherwise("2, 70, 110 and the largest")
       .Repeats();
   options.Add("knee-torque", o.knee_torque_nm, "Extension torque at the knee for which the force is given").Unit("N m");
+  options
+      .Add("torques", o.torques,
+           "Table of extension torques for pin_forces, instead: stroke_mm or knee_deg, then knee_torque_nm")
+      .Otherwise("--knee-torque");
   options.Add("rows", o.rows, "Rows of the regular grid of angle_vs_stroke.csv");
   options.Add("thigh", o.thigh_mm, "The person's thigh, hip to knee").Unit("mm").Otherwise("by body height");
   options.Add("shank", o.shank_mm, "The person's shank, knee to ankle").Unit("mm").Otherwise("by body height");
@@ -318,6 +423,7 @@ void Describe(SimulationOptions& o, OptionList& options) {
   options.Add("bar-width", o.plates.bar_width_mm, "Width of the link plates").Unit("mm");
   options.Add("pin-diameter", o.plates.pin_diameter_mm, "Diameter of the pin holes").Unit("mm");
   options.Add("actuator-diameter", o.actuator_diameter_mm, "Diameter of the actuator").Unit("mm");
+  problem::DescribeLoad(o.load, options);
   options.Add("animation", o.animation, "Write animation.mp4 and .gif").WithNegation();
 }
 

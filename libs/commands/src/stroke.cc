@@ -13,6 +13,7 @@
 #include "lake/core/statistics.h"
 #include "lake/figure/stroke_figures.h"
 #include "lake/motion/leg_motion.h"
+#include "png_and_svg.h"
 #include "rod_film.h"
 
 namespace lake::commands {
@@ -271,9 +272,10 @@ Json WriteValidation(const StrokeRunOptions& options, const actuator::StrokeSche
                      const actuator::Validation& validation, Run& run) {
   WarnOfValidation(validation, schedule, run);
   actuator::WriteValidationCsv(run.Result("validation.csv"), validation);
-  figure::DrawValidation(run.Result("validation.png"), schedule, validation,
-                         fmt::format("Prototype {} against {}", options.validate->filename().string(),
-                                     options.design.filename().string()));
+  const std::string title =
+      fmt::format("Prototype {} against {}", options.validate->filename().string(), options.design.filename().string());
+  DrawPngAndSvg("validation", run,
+                [&](const fs::path& path) { figure::DrawValidation(path, schedule, validation, title); });
   return ValidationJson(validation, options.tolerance_deg);
 }
 
@@ -333,8 +335,9 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
                     "without a person",
                     sketch->drift.planned_mm, sketch->drift.drift_mm, sketch->drift.end_mm));
   actuator::WriteScheduleCsv(run.Result("program.csv"), rows);
-  figure::DrawStrokeProgram(run.Result("program.png"), plan.schedule, rows,
-                            "Stroke program of " + options.design.filename().string());
+  const std::string title = "Stroke program of " + options.design.filename().string();
+  DrawPngAndSvg("program", run,
+                [&](const fs::path& path) { figure::DrawStrokeProgram(path, plan.schedule, rows, title); });
   Json summary = ProgramJson(plan.schedule, rows);
   summary["crawling"] = CrawlJson(plan.crawl);
   summary["firmware"] =

@@ -100,9 +100,8 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
   Json json = {{"links", LinksJson(best.end)},
                {"iterations", best.iterations},
                {"exchanges", best.exchanges},
-               {"time_s", best.seconds},
                {"multipliers_unique", outcome.active.multipliers_unique},
-               {"active", ActiveJson(outcome.active)},
+               {"active", ActiveJson(outcome.active, outcome.problem.SeeksDuration() ? "s gained" : "deg")},
                {"optimum", EvaluationJson(best.evaluation)}};
   if (outcome.certificate)
     json["certificate"] = CertificateJson(*outcome.certificate, outcome.certificate_ignores_used_range);
@@ -138,7 +137,7 @@ void WriteTables(const synthesis::SynthesisOutcome& outcome, const OptimumView& 
   WriteConvergence(outcome.result.BestOrFirst(), "range_deg", run);
   if (!outcome.IsSolved()) return;
   WriteSensitivity(outcome, run);
-  WriteMargins(outcome, run);
+  if (!outcome.margins.empty()) WriteMargins(outcome, run);
   if (outcome.rounded) WriteRounded(*outcome.rounded, outcome.problem, run);
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "corrections.h"
 #include "lake/commands/check.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
@@ -14,9 +13,11 @@
 #include "lake/figure/tracks_figure.h"
 #include "lake/gait/rolling_shutter.h"
 #include "lake/gait/standing_leg.h"
+#include "lake/motion/corrections.h"
 #include "lake/overlay/numbered_spots.h"
 #include "lake/overlay/overlay_video.h"
 #include "lake/video/video_files.h"
+#include "png_and_svg.h"
 
 namespace lake::commands {
 namespace {
@@ -38,12 +39,18 @@ std::optional<camera::CameraProfile> ReadCamera(const TrackRunOptions& options, 
   return profile;
 }
 
+using Warn = std::function<void(const std::string&)>;
+
+Warn WarnThrough(Run& run) {
+  return [&run](const std::string& text) { run.Warn(text); };
+}
+
 // mm per px of the scale bar, its ends freed from the lens's distortion if that is known.
 std::optional<double> MmPerPx(const TrackRunOptions& options, const std::optional<camera::CameraProfile>& profile,
-                              Run& run) {
+                              const Warn& warn) {
   if (!options.scale) return std::nullopt;
   if (profile && profile->camera_from_plane) {
-    run.Warn("--scale is not used: the camera file has a calibrated plane");
+    warn("--scale is not used: the camera file has a calibrated plane");
     return std::nullopt;
   }
   const auto [x1, y1, x2, y2, length_mm] = *options.scale;
@@ -55,8 +62,9 @@ std::optional<double> MmPerPx(const TrackRunOptions& options, const std::optiona
   return length_mm / length_px;
 }
 
-gait::LegView MakeView(const TrackRunOptions& options, const std::optional<camera::CameraProfile>& profile, Run& run) {
-  return gait::MakeLegView(motion::LengthUnit::kPx, profile, MmPerPx(options, profile, run), options.depth_mm);
+gait::LegView MakeView(const TrackRunOptions& options, const std::optional<camera::CameraProfile>& profile,
+                       const Warn& warn) {
+  return gait::MakeLegView(motion::LengthUnit::kPx, profile, MmPerPx(options, profile, warn), options.depth_mm);
 }
 
 void WarnOfUnit(const gait::LegView& view, bool has_camera, Run& run) {
@@ -67,7 +75,7 @@ void WarnOfUnit(const gait::LegView& view, bool has_camera, Run& run) {
 
 bool HasLeg(const std::vector<std::string>& names) {
   return std::all_of(tracking::kLegMarkers.begin(), tracking::kLegMarkers.begin() + 3,
-                     [&](const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); });
+                     [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); });
 }
 
 // The fit's estimates where the recording was made, which is what is smoothed in px.
@@ -121,6 +129,7 @@ Json VideoJson(const tracking::TrackResult& tracked) {
           {"height", video.height},
           {"frames", tracked.recording.Frames()},
           {"repeated_frames", tracked.times.repeated.size()},
+          {"repeated_frame_numbers", tracked.times.repeated},
           {"captured_rate_hz", tracked.times.captured_hz > 0 ? Json(tracked.times.captured_hz) : Json()},
           {"time_jumps", jumps},
           {"frame_rate_hz", video.frame_rate_hz},
@@ -137,6 +146,7 @@ Json TrackingJson(const tracking::TrackResult& tracked) {
           {"sigma_of_fits_px", tracked.sigma.fit_px},
           {"scatter_px", tracked.sigma.scatter_px},
           {"compression_px", tracked.sigma.compression_px},
+          {"up_px", {tracked.up_px.x(), tracked.up_px.y()}},
           {"quality", tracked.figures ? FiguresJson(*tracked.figures) : Json()}};
 }
 
@@ -269,18 +279,19 @@ motion::MarkerRecording WritePoints(const TrackRunOptions& options, const tracki
   motion::WriteMarkerCsv(run.Result("tracks.csv"), tracked.recording);
   if (trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), trajectory, motion::Measurements(trajectory));
-  figure::DrawTracksFigure(run.Result("track.png"), trajectory,
-                           options.video.filename().string() + (note.empty() ? "" : ": " + note));
+  const std::string title = options.video.filename().string() + (note.empty() ? "" : ": " + note);
+  DrawPngAndSvg("track", run,
+                [&](const std::filesystem::path& path) { figure::DrawTracksFigure(path, trajectory, title); });
   WriteOverlay(options, {.tracks = tracked.recording, .note = note}, run);
   return trajectory;
 }
 
 // What is up in the plane, where it is not the plane's own y.
 std::optional<Eigen::Vector2d> UpInPlane(const TrackRunOptions& options, const tracking::TrackResult& tracked,
-                                         const gait::LegView& view, Run& run) {
+                                         const gait::LegView& view, const Warn& warn) {
   if (options.vertical_from_leg) {
     const Eigen::Vector2d up = gait::UpFromStandingLeg(tracked.recording, view);
-    run.Warn(fmt::format(
+    warn(fmt::format(
         "the vertical is that of the leg as it stands, {:.1f}° clockwise from the picture's (or the plane's) own; a "
         "leg that stands leans by some 3°, and the segments' angles with it, not the knee's",
         DegreesFromRadians(std::atan2(up.x(), up.y()))));
@@ -292,11 +303,11 @@ std::optional<Eigen::Vector2d> UpInPlane(const TrackRunOptions& options, const t
 }
 
 gait::LegFitOptions FitOptions(const TrackRunOptions& options, const tracking::TrackResult& tracked,
-                               const gait::LegView& view, Run& run) {
+                               const gait::LegView& view, bool quiet, const Warn& warn) {
   gait::LegFitOptions fit = options.fit;
-  fit.quiet = run.Quiet();
+  fit.quiet = quiet;
   fit.vertical_option = "--vertical", fit.facing_option = "lake gait --facing";
-  if (const std::optional<Eigen::Vector2d> up = UpInPlane(options, tracked, view, run)) fit.up = *up;
+  if (const std::optional<Eigen::Vector2d> up = UpInPlane(options, tracked, view, warn)) fit.up = *up;
   return fit;
 }
 
@@ -316,7 +327,7 @@ gait::LegFitResult FitOrKeep(const TrackRunOptions& options, const tracking::Tra
 
 Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked, const gait::LegView& view,
             const gait::RollingShutter& shutter, Json results, Run& run) {
-  const gait::LegFitOptions fit_options = FitOptions(options, tracked, view, run);
+  const gait::LegFitOptions fit_options = FitOptions(options, tracked, view, run.Quiet(), WarnThrough(run));
   const gait::LegFitResult fit = FitOrKeep(options, tracked, view, shutter, fit_options, results, run);
   for (const std::string& warning : fit.warnings) run.Warn(warning);
   motion::MarkerRecording tracks = fit.tracks;
@@ -326,8 +337,10 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
-  figure::DrawLegFigure(run.Result("track.png"), fit);
-  WriteOverlay(options, {tracks, &fit.motion, &fit.events}, run);
+  DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
+  const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
+  const bool comparable = shutter.readout_s == 0;  // else what was seen is of another time than the estimate
+  WriteOverlay(options, {tracks, &fit.motion, &fit.events, comparable ? &estimates : nullptr}, run);
   results.update(gait::LegFitJson(fit));
   Export(options, tracked.video, view, MarkersToExport(options, fit, tracks, view), &fit, results, run);
   return results;
@@ -388,9 +401,9 @@ void CheckOptions(const TrackRunOptions& options) {
 }
 
 // Frames that the container knows not to be there, or not to be looked at.
-void CheckCorrectedFrames(const std::vector<Correction>& corrections, const video::VideoReaderOptions& reader,
+void CheckCorrectedFrames(const std::vector<motion::Correction>& corrections, const video::VideoReaderOptions& reader,
                           const std::vector<double>& time_s) {
-  for (const Correction& correction : corrections) {
+  for (const motion::Correction& correction : corrections) {
     const auto frame = static_cast<std::size_t>(correction.frame);
     if (frame >= time_s.size())
       throw Fail("{}: frame {} is not in the recording; its frames are 0 to {}", correction.where, frame,
@@ -407,7 +420,7 @@ bool Exports(const TrackRunOptions& options, const char* format) {
 }
 
 // What the frames' stamps tell before any is decoded.
-void CheckStamps(const TrackRunOptions& options, const std::vector<Correction>& corrections) {
+void CheckStamps(const TrackRunOptions& options, const std::vector<motion::Correction>& corrections) {
   video::VideoReaderOptions whole = options.track.reader;
   whole.start_s = whole.end_s = std::nullopt;
   if (!corrections.empty())
@@ -421,8 +434,8 @@ void CheckStamps(const TrackRunOptions& options, const std::vector<Correction>& 
 // Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
 std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   if (options.list) return {"summary.json", kCandidatesTable, kCandidatesPicture};
-  std::vector<std::string> names = {"summary.json", "tracks.csv", "trajectory.csv", "kinematics.csv",
-                                    "events.csv",   "track.png",  kCandidatesTable, kCandidatesPicture};
+  std::vector<std::string> names = {"summary.json", "tracks.csv", "trajectory.csv", "kinematics.csv",  "events.csv",
+                                    "track.png",    "track.svg",  kCandidatesTable, kCandidatesPicture};
   if (options.overlay) names.push_back("overlay.mp4");
   for (const std::string& format : options.exports)
     names.push_back(exchange::ExportName(format, options.video.stem().string()));
@@ -430,8 +443,8 @@ std::vector<std::string> ResultNames(const TrackRunOptions& options) {
 }
 
 // A repeated frame shows an earlier time: a position in it would be one of a wrong time.
-void CheckNotRepeated(const std::vector<Correction>& corrections, const tracking::FrameTimes& times) {
-  for (const Correction& correction : corrections)
+void CheckNotRepeated(const std::vector<motion::Correction>& corrections, const tracking::FrameTimes& times) {
+  for (const motion::Correction& correction : corrections)
     if (correction.sample.IsKnown() &&
         std::binary_search(times.repeated.begin(), times.repeated.end(), correction.frame))
       throw Fail("{}: frame {} repeats the picture before it and is no measurement; correct that one instead",
@@ -455,6 +468,26 @@ double ReadoutOf(const TrackRunOptions& options, const std::optional<camera::Cam
 }
 
 }  // namespace
+
+TrackFit FitTracked(const TrackRunOptions& options, const tracking::TrackResult& tracked) {
+  TrackFit result;
+  const Warn warn = [&result](const std::string& text) { result.warnings.push_back(text); };
+  std::string note;
+  const std::optional<camera::CameraProfile> profile = ReadCamera(options, tracked.video, note);
+  const gait::LegView view = MakeView(options, profile, warn);
+  result.tracks = tracked.recording;
+  if (!HasLeg(options.track.names)) return result;
+  const gait::RollingShutter shutter =
+      gait::ShutterOf(ReadoutOf(options, profile), tracked.video.width, tracked.video.height,
+                      tracked.video.rotation_deg, tracked.video.mirrored);
+  result.leg = gait::FitLeg(gait::AtFrameTimes(tracked.recording, shutter), view,
+                            FitOptions(options, tracked, view, true, warn));
+  result.warnings.insert(result.warnings.end(), result.leg->warnings.begin(), result.leg->warnings.end());
+  result.tracks = result.leg->tracks;
+  result.estimates = EstimatesInPicture(*result.leg, view);
+  if (shutter.readout_s != 0) TakeSeenPositions(tracked.recording, result.tracks);
+  return result;
+}
 
 void Describe(TrackRunOptions& o, OptionList& options) {
   options.AddOperand("video", o.video, "Video, or image sequence as frames/%05d.png")
@@ -502,12 +535,12 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   if (options.corrections) run.AddInput(*options.corrections);
   std::string scaled;
   const std::optional<camera::CameraProfile> profile = ReadCamera(options, video, scaled);
-  const gait::LegView view = MakeView(options, profile, run);
+  const gait::LegView view = MakeView(options, profile, WarnThrough(run));
   exchange::CheckExportFormats(options.exports, gait::PlaneUnit(view) == motion::LengthUnit::kMm,
                                HasLeg(options.track.names));
-  std::vector<Correction> corrections;
+  std::vector<motion::Correction> corrections;
   if (options.corrections)
-    corrections = ReadCorrections(*options.corrections, options.track.names, video.width, video.height);
+    corrections = motion::ReadCorrections(*options.corrections, options.track.names, video.width, video.height);
   CheckStamps(options, corrections);
   run.Begin(ResultNames(options));
 
@@ -523,7 +556,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   WarnOfVideo(tracked.video, run);
   for (const std::string& warning : tracking::Warnings(tracked.times, tracked.recording.frame)) run.Warn(warning);
   CheckNotRepeated(corrections, tracked.times);
-  ApplyCorrections(corrections, tracked.recording);
+  motion::ApplyCorrections(corrections, tracked.recording);
   const double readout_s = ReadoutOf(options, profile);
   const gait::RollingShutter shutter =
       gait::ShutterOf(readout_s, video.width, video.height, video.rotation_deg, video.mirrored);

@@ -1,14 +1,14 @@
-# Writes SOURCE: a function lake::report::NAME() that returns the bytes of FILE.
+# Writes SOURCE: a function lake::ROOM::NAME() that returns the bytes of FILE.
 file(READ ${FILE} bytes HEX)
 string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${bytes}")
 file(WRITE ${SOURCE} "#include \"page_files.h\"
 
-namespace lake::report {
+namespace lake::${ROOM} {
 namespace {
 constexpr char kBytes[] = {${bytes}};
 }  // namespace
 
 std::string_view ${NAME}() { return {kBytes, sizeof kBytes}; }
 
-}  // namespace lake::report
+}  // namespace lake::${ROOM}
 ")

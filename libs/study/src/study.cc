@@ -230,6 +230,13 @@ void CheckInputsLieOutside(const StudyFile& study, const fs::path& out) {
     }
 }
 
+steps::StepRunOptions StepOptions(const StudyFile& study, const Run& run) {
+  steps::StepRunOptions options;
+  options.command = run.Head()["command"], options.quiet = run.Quiet();
+  options.subject = {fs::weakly_canonical(study.file).string()};
+  return options;
+}
+
 }  // namespace
 
 std::vector<steps::StudyStep> StudySteps(const StudyFile& study, const fs::path& out, const Json& head) {
@@ -249,6 +256,11 @@ std::vector<steps::StudyStep> StudySteps(const StudyFile& study, const fs::path&
   return steps;
 }
 
+void RunStudyStep(const StudyFile& study, const std::string& step, const Run& run) {
+  CheckInputsLieOutside(study, run.Folder());
+  steps::RunStep(StudySteps(study, run.Folder(), run.Head()), step, StepOptions(study, run));
+}
+
 Json RunStudyFile(const StudyFile& study, Run& run) {
   CheckInputsLieOutside(study, run.Folder());
   run.AddInput(study.file);
@@ -256,10 +268,7 @@ Json RunStudyFile(const StudyFile& study, Run& run) {
   const std::vector<steps::StudyStep> steps = StudySteps(study, run.Folder(), run.Head());
   run.Begin({kSummary});
   RetireOtherSteps(steps, run.Folder());
-  steps::StepRunOptions options;
-  options.command = run.Head()["command"], options.quiet = run.Quiet();
-  options.subject = {fs::weakly_canonical(study.file).string()};
-  const std::vector<steps::StepOutcome> outcomes = steps::RunSteps(steps, options);
+  const std::vector<steps::StepOutcome> outcomes = steps::RunSteps(steps, StepOptions(study, run));
 
   Json summary = {{"name", study.name}, {"warnings", Json::array()}, {"steps", Json::array()}};
   for (std::size_t i = 0; i < steps.size(); ++i) {

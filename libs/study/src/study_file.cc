@@ -248,7 +248,7 @@ std::string StudyFile::ResultName() const {
 StudyFile ReadStudyFile(const fs::path& path) {
   YamlNode root = YamlNode::ReadFile(path);
   if (!root.IsMap()) throw Fail("{}: a study is a map with the keys human, exo, camera, …", path.string());
-  Files files(path.parent_path());
+  Files files((path.parent_path() / root.Text("folder").value_or("")).lexically_normal());
   StudyFile study;
   study.file = path;
   study.name = root.Text("name").value_or(path.stem().string());

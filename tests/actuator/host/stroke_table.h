@@ -4,8 +4,8 @@
 
 #include "portable.h"
 
-#define LAKE_PWM_PERIOD 4000  // counts: 4 kHz at 16 MHz
-#define LAKE_DEAD_TIME_MS 100  // brake before anything else
+#define LAKE_PWM_PERIOD 4000          // counts: 4 kHz at 16 MHz
+#define LAKE_DEAD_TIME_MS 100         // brake before anything else
 #define LAKE_COMMAND_TIMEOUT_MS 2000  // 0: none
 #define LAKE_SEGMENT_COUNT 6
 #define LAKE_SUPPLY_SENSE 0
@@ -20,16 +20,16 @@
 #define LAKE_FEEDBACK 0
 #define LAKE_DRIFT_START_UM 101  // the bound on the drift: at first, …
 #define LAKE_DRIFT_PER_1024 103  // … per 1024 of the way, …
-#define LAKE_LAG_MS 50  // … and per change of speed
+#define LAKE_LAG_MS 50           // … and per change of speed
 #define LAKE_DRIFT_ACCEPTED 0
 #define LAKE_DRIFT_LIMITED 1  // 0: accepted, or an extend end stop comes first
 #define LAKE_SPEED_INTERVALS 64
 #define LAKE_LOWER_LIMIT_UM 242498L
 #define LAKE_UPPER_LIMIT_UM 374021L
 #define LAKE_START_UM 300000L
-#define LAKE_UPPER_END_UM 374521L  // of the linkage: what the drift must not reach
-#define LAKE_STOP_TRAVEL_UM 2000L  // within which an end stop releases
-#define LAKE_EXTEND_STOP_UM 0L  // 0: there is none
+#define LAKE_UPPER_END_UM 374521L    // of the linkage: what the drift must not reach
+#define LAKE_STOP_TRAVEL_UM 2000L    // within which an end stop releases
+#define LAKE_EXTEND_STOP_UM 0L       // 0: there is none
 #define LAKE_EXTEND_LEAST_UM_S 440L  // that the duty table has
 #define LAKE_EXTEND_MOST_UM_S 9680L
 #define LAKE_RETRACT_LEAST_UM_S 720L
@@ -44,7 +44,7 @@
 #define LAKE_POSITION_COUNTS 2582  // away from the end stop
 #define LAKE_POSITION_SPEED_UM_S 5000L
 #define LAKE_POSITION_MS 200L  // from where it has released on to the start, …
-#define LAKE_RETURN_MS 0L  // … or back to it
+#define LAKE_RETURN_MS 0L      // … or back to it
 #define LAKE_BACK_OFF_MS 400L  // from the end stop, to see it release
 #define LAKE_TOUCH_TIMEOUT_MS 1800L
 #define LAKE_EXTEND_FIRST_NODE 18  // of lake_speed_um_s: below it a duty may also stand still
@@ -53,23 +53,24 @@
 #define LAKE_RETRACT_MOST_COUNTS 4000u
 
 typedef struct {
-  uint32_t end_ms;         // since the program's start
-  int32_t velocity_um_s;   // positive extends
-  uint16_t counts;         // PWM
+  uint32_t end_ms;        // since the program's start
+  int32_t velocity_um_s;  // positive extends
+  uint16_t counts;        // PWM
 } lake_segment;
 
 static const lake_segment lake_segments[LAKE_SEGMENT_COUNT] PROGMEM = {
-    {500, 5000, 2582},
-    {1000, 2000, 1673},
-    {1100, 0, 0},
-    {1600, -4000, 1978},
-    {1900, 0, 0},
-    {2100, 3000, 1976},
+    {500, 5000, 2582}, {1000, 2000, 1673}, {1100, 0, 0}, {1600, -4000, 1978}, {1900, 0, 0}, {2100, 3000, 1976},
 };
 
 // The greatest speed, um/s, at equal steps of duty from 0 to 1: extending, retracting.
 static const uint32_t lake_speed_um_s[2][LAKE_SPEED_INTERVALS + 1] PROGMEM = {
-    {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 192, 399, 605, 811, 1018, 1224, 1430, 1636, 1843, 2049, 2255, 2461, 2668, 2874, 3080, 3286, 3493, 3699, 3905, 4111, 4318, 4524, 4730, 4936, 5143, 5349, 5555, 5761, 5968, 6174, 6380, 6586, 6793, 6999, 7205, 7411, 7618, 7824, 8030, 8236, 8442, 8649, 8855, 9061, 9267, 9474, 9680},
-    {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 30, 255, 480, 705, 930, 1155, 1380, 1605, 1830, 2055, 2280, 2505, 2730, 2955, 3180, 3405, 3630, 3855, 4080, 4305, 4530, 4755, 4980, 5205, 5430, 5655, 5880, 6105, 6330, 6555, 6780, 7005, 7230, 7455, 7680, 7905, 8130, 8355, 8580, 8805, 9030, 9255, 9480, 9705, 9930, 10155, 10380, 10605, 10830, 11055, 11280}};
+    {0,    0,    0,    0,    0,    0,    0,    0,    0,    0,    0,    0,    0,    0,    0,    0,    0,
+     0,    192,  399,  605,  811,  1018, 1224, 1430, 1636, 1843, 2049, 2255, 2461, 2668, 2874, 3080, 3286,
+     3493, 3699, 3905, 4111, 4318, 4524, 4730, 4936, 5143, 5349, 5555, 5761, 5968, 6174, 6380, 6586, 6793,
+     6999, 7205, 7411, 7618, 7824, 8030, 8236, 8442, 8649, 8855, 9061, 9267, 9474, 9680},
+    {0,    0,    0,    0,    0,    0,    0,    0,    0,     0,     0,     0,     0,     0,    30,   255,  480,
+     705,  930,  1155, 1380, 1605, 1830, 2055, 2280, 2505,  2730,  2955,  3180,  3405,  3630, 3855, 4080, 4305,
+     4530, 4755, 4980, 5205, 5430, 5655, 5880, 6105, 6330,  6555,  6780,  7005,  7230,  7455, 7680, 7905, 8130,
+     8355, 8580, 8805, 9030, 9255, 9480, 9705, 9930, 10155, 10380, 10605, 10830, 11055, 11280}};
 
 #endif

@@ -67,7 +67,10 @@ void CheckSeparator(const std::vector<std::string>& header, char delimiter, cons
 }  // namespace
 
 CsvTable CsvTable::Read(const std::filesystem::path& path, char delimiter) {
-  std::string text = ReadTextFile(path);
+  return Parse(ReadTextFile(path), path, delimiter);
+}
+
+CsvTable CsvTable::Parse(std::string text, const std::filesystem::path& path, char delimiter) {
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   text = Utf8FromText(std::move(text), path.string());
   Records records = ParseRecords(text, delimiter, path);

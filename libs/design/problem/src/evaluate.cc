@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "lake/core/angles.h"
+#include "lake/problem/assistance.h"
 
 namespace lake::problem {
 namespace {
@@ -28,6 +29,12 @@ std::optional<linkage::UsedRange> StandingRange(const linkage::Links& links, con
   return stands ? std::optional(range) : std::nullopt;
 }
 
+// At a stroke; nullopt where there is none or no pose.
+std::optional<linkage::Transmission> TransmissionAt(const linkage::Links& links, std::optional<double> stroke_mm) {
+  const std::optional<linkage::Pose> pose = stroke_mm ? linkage::SolvePose(links, *stroke_mm) : std::nullopt;
+  return pose ? std::optional(linkage::TransmissionOf(links, *pose)) : std::nullopt;
+}
+
 // The family's value at a fraction of the used range; NaN where there is no pose.
 double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem, const linkage::UsedRange& range,
                    Kind kind, double fraction) {
@@ -35,18 +42,57 @@ double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem,
   const std::optional<double> stroke = fraction <= 0   ? range.stroke.upper_mm
                                        : fraction >= 1 ? range.stroke.lower_mm
                                                        : linkage::StrokeForAngle(links, range, theta);
-  const std::optional<linkage::Pose> pose = stroke ? linkage::SolvePose(links, *stroke) : std::nullopt;
-  if (!pose) return kNaN;
-  const linkage::Transmission transmission = linkage::TransmissionOf(links, *pose);
+  const std::optional<linkage::Transmission> transmission = TransmissionAt(links, stroke);
+  if (!transmission) return kNaN;
   switch (kind) {
     case Kind::kMomentArm:
-      return transmission.moment_arm_mm;
+      return transmission->moment_arm_mm;
     case Kind::kForce:
-      return std::abs(linkage::ActuatorForce(transmission, problem.knee_torque_nm));
+    case Kind::kHolding:
+      return std::abs(linkage::ActuatorForce(*transmission, problem.knee_torque_nm));
     default:
       return DegreesFromRadians(
-          std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
+          std::min(transmission->transmission_rad, std::numbers::pi - transmission->transmission_rad));
   }
+}
+
+// The family's value at a sample of the load profile; NaN where there is no pose.
+double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem, const linkage::UsedRange& range,
+                   Kind kind, const LoadSample& sample) {
+  const std::optional<linkage::Transmission> transmission =
+      TransmissionAt(links, ProfileStroke(links, range, sample.knee_rad));
+  if (!transmission) return kNaN;
+  return kind == Kind::kDuration ? DurationAt(*transmission, problem, sample)
+                                 : std::abs(linkage::ActuatorForce(*transmission, problem.TorqueAt(sample)));
+}
+
+// Those of the profile's samples that a requirement is on.
+std::vector<int> SamplesOf(const SynthesisProblem& problem, const Requirement& requirement) {
+  const std::vector<int> samples = SamplesInUse(problem);
+  const bool at_the_end = requirement.id.kind == Kind::kHolding && !problem.rests_anywhere;
+  return at_the_end && !samples.empty() ? std::vector<int>{samples.back()} : samples;
+}
+
+void SortBySlack(std::vector<WorstPoint>& worst, const Requirement& requirement) {
+  std::stable_sort(worst.begin(), worst.end(), [&](const WorstPoint& a, const WorstPoint& b) {
+    return requirement.Slack(a.value) < requirement.Slack(b.value);
+  });
+}
+
+std::vector<WorstPoint> WorstSamples(const linkage::Links& links, const SynthesisProblem& problem,
+                                     const linkage::UsedRange& range, const Requirement& requirement) {
+  std::vector<WorstPoint> points;
+  for (const int i : SamplesOf(problem, requirement)) {
+    const LoadSample& sample = problem.profile->samples[i];
+    points.push_back({sample.percent / 100, FamilyValue(links, problem, range, requirement.id.kind, sample), i});
+  }
+  const auto slack = [&](std::size_t i) { return requirement.Slack(points[i].value); };
+  std::vector<WorstPoint> worst;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if ((i == 0 || slack(i) <= slack(i - 1)) && (i + 1 == points.size() || slack(i) < slack(i + 1)))
+      worst.push_back(points[i]);
+  SortBySlack(worst, requirement);
+  return worst;
 }
 
 RequirementCheck CheckRequirement(const linkage::Links& links, const SynthesisProblem& problem,
@@ -64,6 +110,7 @@ RequirementCheck CheckRequirement(const linkage::Links& links, const SynthesisPr
       check.value = links.l2 + problem.d_min_mm - links.L7();
       break;
     case Kind::kMaxAngle:
+    case Kind::kReach:
       check.value = evaluation.range_deg;
       break;
     case Kind::kMaxStroke:
@@ -92,6 +139,7 @@ std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const Synthesis
                                     const Requirement& requirement) {
   const std::optional<linkage::UsedRange> range = StandingRange(links, problem);
   if (!range) return {};
+  if (requirement.along_profile) return WorstSamples(links, problem, *range, requirement);
   const auto value = [&](double fraction) {
     return FamilyValue(links, problem, *range, requirement.id.kind, fraction);
   };
@@ -113,9 +161,7 @@ std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const Synthesis
     }
     worst.push_back({fraction, value(fraction)});
   }
-  std::stable_sort(worst.begin(), worst.end(), [&](const WorstPoint& a, const WorstPoint& b) {
-    return requirement.Slack(a.value) < requirement.Slack(b.value);
-  });
+  SortBySlack(worst, requirement);
   return worst;
 }
 
@@ -141,6 +187,11 @@ DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& p
   evaluation.bound_violation_mm = BoundViolation(links, problem);
   evaluation.violation = std::max(evaluation.violation, evaluation.bound_violation_mm);
   return evaluation;
+}
+
+double GoalOf(const SynthesisProblem& problem, const DesignEvaluation& evaluation) {
+  if (problem.goal == SynthesisProblem::Goal::kRange) return evaluation.range_deg;
+  return -evaluation.CheckOf({Kind::kDuration}).value;
 }
 
 bool MeetsLinkRequirements(const linkage::Links& links, const SynthesisProblem& problem,

@@ -1,8 +1,10 @@
 #include "lake/problem/problem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "lake/core/angles.h"
 #include "lake/core/error.h"
 
 namespace lake::problem {
@@ -54,8 +56,49 @@ void SynthesisProblem::Check() const {
     throw Fail("min_transmission_deg = {} must lie between 0 and 90", *min_transmission_deg);
   if (!(standing_deg >= -30 && standing_deg < 90))
     throw Fail("standing_deg = {} must lie between -30 and 90", standing_deg);
+  if (assist && !(*assist >= 0 && *assist <= 1)) throw Fail("assist = {} must lie between 0 and 1", *assist);
+  if (profile && !(DegreesFromRadians(profile->LargestAngle()) > standing_deg))
+    throw Fail("the load profile ends before standing_deg = {}: its largest knee angle is {:.4g}°", standing_deg,
+               DegreesFromRadians(profile->LargestAngle()));
+  if (actuator) actuator->Check();
+  if (duration_s && !(*duration_s > 0 && *duration_s <= kLongestDuration_s))
+    throw Fail("duration_s = {} must lie above 0, and not beyond {}", *duration_s, kLongestDuration_s);
   if (max_angle_deg && !(*max_angle_deg > standing_deg && *max_angle_deg <= 180))
     throw Fail("max_angle_deg = {} must lie above standing_deg = {} and not beyond 180", *max_angle_deg, standing_deg);
+}
+
+double SynthesisProblem::TorqueAt(const LoadSample& sample) const {
+  return std::isnan(sample.knee_nm) ? 0 : assist.value_or(1) * sample.knee_nm;
+}
+
+void SynthesisProblem::CheckLoad() const {
+  if (assist && !profile)
+    throw UsageError("assist is a share of what the knee needs: give that with --profile loads.json");
+  if (!duration_s && goal == Goal::kRange) return;
+  if (!HasLoadProfile())
+    throw UsageError("a duration depends on what the knee needs: give --profile loads.json, and an --assist above 0");
+  if (!actuator) throw UsageError("a duration depends on how fast the actuator is: give --actuator");
+  if (!actuator->HasSpeed())
+    throw UsageError(
+        fmt::format("the speed of the actuator {} is not known, so there is no duration for it", actuator->name));
+}
+
+SynthesisProblem WithActuator(SynthesisProblem problem) {
+  if (!problem.actuator) return problem;
+  const LinearActuator& actuator = *problem.actuator;
+  if (actuator.closed_mm) problem.d_min_mm = *actuator.closed_mm;
+  if (actuator.closed_mm && actuator.stroke_mm) {
+    const double longest_mm = *actuator.closed_mm + *actuator.stroke_mm;
+    problem.d_max_mm = std::min(problem.d_max_mm.value_or(longest_mm), longest_mm);
+  }
+  if (const std::optional<double> force_n = actuator.LiftingForce())
+    problem.max_force_n = std::min(problem.max_force_n.value_or(*force_n), *force_n);
+  try {
+    problem.Check();
+  } catch (const Error& error) {
+    throw Fail("the problem with the actuator {}: {}", actuator.name, error.what());
+  }
+  return problem;
 }
 
 double Requirement::Slack(double value) const {
@@ -77,10 +120,29 @@ std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
   all.push_back({{Kind::kSingularity}, "singularity", {}, true, problem.singularity_margin_mm, "mm"});
   if (problem.min_moment_arm_mm)
     all.push_back({{Kind::kMomentArm}, "moment arm", {}, true, *problem.min_moment_arm_mm, "mm/rad"});
-  if (problem.max_force_n) all.push_back({{Kind::kForce}, "force", {}, false, *problem.max_force_n, "N"});
+  if (problem.max_force_n)
+    all.push_back({{Kind::kForce}, "force", {}, false, *problem.max_force_n, "N", problem.HasLoadProfile()});
   if (problem.min_transmission_deg)
     all.push_back({{Kind::kTransmission}, "transmission angle", {}, true, *problem.min_transmission_deg, "deg"});
   if (problem.d_max_mm) all.push_back({{Kind::kMaxStroke}, "stroke when standing", {}, false, *problem.d_max_mm, "mm"});
+  if (problem.actuator && problem.actuator->holding_force_n)
+    all.push_back({{Kind::kHolding},
+                   "holding force",
+                   {},
+                   false,
+                   *problem.actuator->holding_force_n,
+                   "N",
+                   problem.HasLoadProfile()});
+  if (problem.HasLoadProfile() && (problem.duration_s || problem.SeeksDuration()))
+    all.push_back({{Kind::kDuration},
+                   "duration",
+                   {},
+                   false,
+                   problem.duration_s.value_or(SynthesisProblem::kLongestDuration_s),
+                   "s",
+                   true});
+  if (problem.HasLoadProfile())
+    all.push_back({{Kind::kReach}, "range", {}, true, DegreesFromRadians(problem.profile->LargestAngle()), "deg"});
   if (problem.max_angle_deg) all.push_back({{Kind::kMaxAngle}, "angle", {}, false, *problem.max_angle_deg, "deg"});
   return all;
 }

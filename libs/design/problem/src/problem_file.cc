@@ -1,9 +1,13 @@
 #include "lake/problem/problem_file.h"
 
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "load_texts.h"
 
 namespace lake::problem {
 namespace {
+
+namespace fs = std::filesystem;
 
 // Checks the problem as it now stands, so that an error is told with the line that brought it.
 void CheckAt(const std::string& where, const SynthesisProblem& problem) {
@@ -55,9 +59,48 @@ void ReadStart(YamlNode node, SynthesisProblem& problem) {
   node.Finish();
 }
 
+// Sets what a text says, so that an error is told with its line.
+template <typename Set>
+void SetAt(const YamlNode& node, const SynthesisProblem& problem, const Set& set) {
+  try {
+    set(node.AsText());
+  } catch (const Error& error) {
+    throw Fail("{}: {}", node.Where(), error.what());
+  }
+  CheckAt(node.Where(), problem);
+}
+
+void ReadLoad(YamlNode node, const fs::path& folder, SynthesisProblem& problem) {
+  Reader(node, problem)
+      .Number("knee_torque_nm", problem.knee_torque_nm)
+      .Number("max_force_n", problem.max_force_n)
+      .Number("assist", problem.assist);
+  if (const auto profile = node.Child("profile"))
+    SetAt(*profile, problem, [&](const std::string& text) { problem.profile = ReadLoadProfile(folder / text); });
+  if (const auto rest = node.Child("rest"))
+    SetAt(*rest, problem, [&](const std::string& text) { SetRest(text, problem); });
+  if (const auto duration = node.Child("duration_s"))
+    SetAt(*duration, problem, [&](const std::string& text) { SetDuration(text, problem); });
+  node.Finish();
+}
+
 }  // namespace
 
-SynthesisProblem ReadProblem(YamlNode node) {
+void SetRest(const std::string& text, SynthesisProblem& problem) {
+  if (text != "anywhere" && text != "standing")
+    throw UsageError(fmt::format("rest is anywhere or standing, not '{}'", text));
+  problem.rests_anywhere = text == "anywhere";
+}
+
+void SetDuration(const std::string& text, SynthesisProblem& problem) {
+  const bool is_free = text == "free";
+  const std::optional<double> number = is_free ? std::nullopt : ParseNumber(text);
+  if (!is_free && !number) throw UsageError(fmt::format("a duration is free or a number of seconds, not '{}'", text));
+  problem.duration_s = number;
+  problem.goal = is_free ? SynthesisProblem::Goal::kDuration : SynthesisProblem::Goal::kRange;
+}
+
+SynthesisProblem ReadProblem(YamlNode node, const fs::path& folder) {
   if (!node.IsMap()) throw Fail("{}: a problem is a map with the keys d_min_mm, bounds, margins, …", node.Where());
   SynthesisProblem problem;
   Reader(node, problem)
@@ -75,16 +118,15 @@ SynthesisProblem ReadProblem(YamlNode node) {
         .Number("singularity_mm", problem.singularity_margin_mm);
     margins->Finish();
   }
-  if (auto load = node.Child("load")) {
-    Reader(*load, problem).Number("knee_torque_nm", problem.knee_torque_nm).Number("max_force_n", problem.max_force_n);
-    load->Finish();
-  }
+  if (auto load = node.Child("load")) ReadLoad(std::move(*load), folder, problem);
+  if (const auto actuator = node.Child("actuator"))
+    SetAt(*actuator, problem, [&](const std::string& text) { problem.actuator = FindActuator(text, folder); });
   node.Finish();
   return problem;
 }
 
 SynthesisProblem ReadProblem(const std::filesystem::path& path) {
-  return ReadProblem(YamlNode::ReadFile(path));
+  return ReadProblem(YamlNode::ReadFile(path), path.parent_path());
 }
 
 }  // namespace lake::problem

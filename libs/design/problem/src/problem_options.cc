@@ -1,8 +1,41 @@
 #include "lake/problem/problem_options.h"
 
 #include "lake/core/error.h"
+#include "load_texts.h"
 
 namespace lake::problem {
+
+void DescribeLoad(SynthesisProblem& o, OptionList& options) {
+  const auto add = [&](const char* name, const char* help, auto set) -> Option& {
+    return options.AddCustom(name, help, [&o, set](const OptionTexts& texts, const std::string& said) {
+      CheckTextCount(texts, 1, said);
+      set(texts.front(), o);
+    });
+  };
+  add("profile", "What the knee needs over a rise: loads.json, or the folder of lake-loads",
+      [](const std::string& text, SynthesisProblem& problem) { problem.profile = ReadLoadProfile(text); })
+      .Value("FILE")
+      .Otherwise("a constant torque")
+      .IsPath(Option::Path::kFile);
+  options
+      .AddCustom("assist", "The actuator's share of the moment of --profile, 0 to 1",
+                 [&o](const OptionTexts& texts, const std::string& said) {
+                   OptionField<std::optional<double>>::Set(texts, said, o.assist);
+                 })
+      .Value("SHARE")
+      .Otherwise("1");
+  add("actuator", "Actuator of the catalogue, or FILE.csv:NAME of another: lengths, force, speed, holding force",
+      [](const std::string& text, SynthesisProblem& problem) { problem.actuator = FindActuator(text); })
+      .Value("NAME|FILE");
+  add("rest", "Where the actuator must hold its share at rest, if its holding force is known", SetRest)
+      .Value("anywhere|standing")
+      .Otherwise("anywhere");
+  add("duration",
+      "Longest duration of a rise; free: the shortest at which the actuator gives its share is sought, not the range",
+      SetDuration)
+      .Value("SECONDS|free")
+      .Key("duration_s");
+}
 
 void Describe(SynthesisProblem& o, OptionList& options) {
   // The default is the problem's own, so none is shown.
@@ -31,6 +64,7 @@ void Describe(SynthesisProblem& o, OptionList& options) {
       .Unit("degrees");
   add("max-angle", o.max_angle_deg, "Anatomical cap on the knee angle").Unit("degrees");
   add("max-length", o.d_max_mm, "Longest stroke of the actuator; the knee must be straight by then").Unit("mm");
+  DescribeLoad(o, options);
   options.Check([&o](const OptionList&) {
     try {
       o.Check();

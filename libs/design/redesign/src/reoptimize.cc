@@ -51,6 +51,41 @@ ReoptimizeProblem WithGoal(ReoptimizeProblem problem, Goal goal, std::optional<d
   return problem;
 }
 
+// Of local searches from random starts whose n ends are w different optima, w (n - 1) / (n - w - 2) optima are to be
+// expected in all; the search is over when that is not half a one more than was found (Boender & Rinnooy Kan, Math.
+// Program. 37, 1987).
+bool HasFoundAll(int ends, int optima) {
+  return ends > optima + 2 && optima * (ends - 1) < (optima + 0.5) * (ends - optima - 2);
+}
+
+// The different optima among usable ends.
+class Optima {
+ public:
+  void Add(const ReoptimizeSolve& solve) {
+    constexpr double kSame = 1e-3;  // deg or percent: ends of one optimum agree to 1e-6
+    if (!solve.IsUsable()) return;
+    ++ends_;
+    if (std::ranges::none_of(objectives_, [&](double other) { return std::abs(other - solve.objective) < kSame; }))
+      objectives_.push_back(solve.objective);
+  }
+  bool AreAll() const { return HasFoundAll(ends_, static_cast<int>(objectives_.size())); }
+
+ private:
+  int ends_ = 0;
+  std::vector<double> objectives_;
+};
+
+// Where the solves of a problem start: `links` in turn, then random ones within the bounds.
+std::vector<linkage::Links> StartsOf(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
+                                     const synthesis::OptimizeOptions& options) {
+  std::vector<linkage::Links> starts = links;
+  const int random = std::max(0, options.starts - static_cast<int>(links.size()));
+  for (const linkage::Links& start : synthesis::RandomStarts(problem.design, random, options.seed))
+    starts.push_back(start);
+  starts.resize(std::min(starts.size(), static_cast<std::size_t>(options.starts)));
+  return starts;
+}
+
 ParetoPoint ParetoPointOf(const ReoptimizeSolve& solve, double least_range_deg) {
   return {least_range_deg, solve.point, solve.Range_deg(), solve.Misalignment_percent(), solve.prediction->rms_mm};
 }
@@ -59,7 +94,7 @@ using Front = std::vector<std::optional<ParetoPoint>>;
 
 // Solves each problem between the ends from the solution before it, in this order, and keeps what is better than known.
 void Sweep(const ReoptimizeProblem& problem, const std::vector<std::size_t>& order, const std::vector<double>& ranges,
-           const synthesis::OptimizeOptions& options, Progress& progress, Front& front) {
+           const synthesis::OptimizeOptions& options, const std::function<void()>& step, Front& front) {
   ReoptimizePoint start = front[order.front()]->point;
   for (std::size_t k = 1; k + 1 < order.size(); ++k) {
     ThrowIfInterrupted();
@@ -67,7 +102,7 @@ void Sweep(const ReoptimizeProblem& problem, const std::vector<std::size_t>& ord
     const ReoptimizeProblem at = WithGoal(problem, Goal::kMisalignment, ranges[i]);
     ReoptimizeSolve solve = SolveFrom(at, start, options, true);
     if (!solve.IsUsable()) solve = SolveFrom(at, start, options);
-    progress.Advance();
+    step();
     if (!solve.IsUsable()) continue;
     if (!front[i] || solve.Misalignment_percent() < front[i]->misalignment_percent)
       front[i] = ParetoPointOf(solve, ranges[i]);
@@ -126,11 +161,7 @@ ReoptimizeResult Reoptimize(const ReoptimizeProblem& problem, const std::vector<
                             const synthesis::OptimizeOptions& options) {
   problem.Check();
   options.Check();
-  std::vector<linkage::Links> starts = links;
-  const int random = std::max(0, options.starts - static_cast<int>(links.size()));
-  for (const linkage::Links& start : synthesis::RandomStarts(problem.design, random, options.seed))
-    starts.push_back(start);
-  starts.resize(std::min(starts.size(), static_cast<std::size_t>(options.starts)));
+  const std::vector<linkage::Links> starts = StartsOf(problem, links, options);
   ReoptimizeResult result;
   Progress progress("re-optimise", "starts", static_cast<std::int64_t>(starts.size()), options.quiet);
   for (const linkage::Links& start : starts) {
@@ -142,6 +173,28 @@ ReoptimizeResult Reoptimize(const ReoptimizeProblem& problem, const std::vector<
     progress.Advance();
   }
   return result;
+}
+
+std::optional<ReoptimizeSolve> FindOptimum(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
+                                           const synthesis::OptimizeOptions& options) {
+  std::optional<ReoptimizeSolve> best;
+  Optima optima;
+  for (const linkage::Links& start : StartsOf(problem, links, options)) {
+    ThrowIfInterrupted();
+    ReoptimizeSolve solve = SolveFrom(problem, StartPoint(problem, start), options);
+    optima.Add(solve);
+    if (solve.IsUsable() && (!best || IsBetter(solve, *best))) best = std::move(solve);
+    if (optima.AreAll()) break;
+  }
+  return best;
+}
+
+bool HasSolution(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
+                 const synthesis::OptimizeOptions& options) {
+  return std::ranges::any_of(StartsOf(problem, links, options), [&](const linkage::Links& start) {
+    ThrowIfInterrupted();
+    return SolveFrom(problem, StartPoint(problem, start), options).IsUsable();
+  });
 }
 
 ReoptimizePoint NearestToKnee(const ReoptimizeProblem& problem, const ReoptimizeSolve& optimum,
@@ -185,23 +238,21 @@ std::optional<PlacementRange> FindPlacementRange(const ReoptimizeProblem& proble
 
 std::vector<ParetoPoint> ParetoFront(const ReoptimizeProblem& problem, int count,
                                      const std::vector<linkage::Links>& links,
-                                     const synthesis::OptimizeOptions& options) {
+                                     const synthesis::OptimizeOptions& options, const std::function<void()>& step) {
   if (count < 2 || count > 1000) throw UsageError(fmt::format("--pareto {}: 2 to 1000 points", count));
-  const ReoptimizeResult least = Reoptimize(WithGoal(problem, Goal::kMisalignment), links, options);
-  const ReoptimizeResult widest = Reoptimize(WithGoal(problem, Goal::kRange), links, options);
-  if (!least.IsSolved() || !widest.IsSolved()) return {};
+  const auto least = FindOptimum(WithGoal(problem, Goal::kMisalignment), links, options);
+  const auto widest = FindOptimum(WithGoal(problem, Goal::kRange), links, options);
+  if (!least || !widest) return {};
   std::vector<double> ranges;
   std::vector<std::size_t> up;
   for (int i = 0; i < count; ++i) {
-    ranges.push_back(std::lerp(least.Best().Range_deg(), widest.Best().Range_deg(), i / (count - 1.0)));
+    ranges.push_back(std::lerp(least->Range_deg(), widest->Range_deg(), i / (count - 1.0)));
     up.push_back(static_cast<std::size_t>(i));
   }
   Front found(count);
-  found.front() = ParetoPointOf(least.Best(), ranges.front()),
-  found.back() = ParetoPointOf(widest.Best(), ranges.back());
-  Progress progress("Pareto front", "solves", 2 * (count - 2), options.quiet);
-  Sweep(problem, up, ranges, options, progress, found);
-  Sweep(problem, {up.rbegin(), up.rend()}, ranges, options, progress, found);
+  found.front() = ParetoPointOf(*least, ranges.front()), found.back() = ParetoPointOf(*widest, ranges.back());
+  Sweep(problem, up, ranges, options, step, found);
+  Sweep(problem, {up.rbegin(), up.rend()}, ranges, options, step, found);
   std::vector<ParetoPoint> front;
   for (const auto& point : found)
     if (point) front.push_back(*point);

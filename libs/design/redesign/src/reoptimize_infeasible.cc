@@ -25,20 +25,20 @@ class Explainer {
       : problem_(problem), links_(links), options_(options) {}
 
   MisalignmentInfeasibility Explain() {
-    const ReoptimizeResult least = Least(problem_);
-    if (!least.IsSolved()) {
+    const std::optional<ReoptimizeSolve> least = Least(problem_);
+    if (!least) {
       ExplainWithoutMisalignment();
       return std::move(report_);
     }
-    report_.nearest = least.Best().point;
-    report_.least_percent = least.Best().Misalignment_percent();
+    report_.nearest = least->point;
+    report_.least_percent = least->Misalignment_percent();
     constexpr double kHolds = 1 + 1e-5;
     if (!problem_.max_misalignment_percent || *report_.least_percent <= *problem_.max_misalignment_percent * kHolds) {
       report_.within_reach = true;
       report_.sentence = "the limits can be held, but the solver did not reach an optimum; ask for more --starts";
       return std::move(report_);
     }
-    CollectBlocking(least.Best());
+    CollectBlocking(*least);
     report_.working_percent = Working(*report_.least_percent, problem_,
                                       [](ReoptimizeProblem& p, double value) { p.max_misalignment_percent = value; });
     TryPlacement();
@@ -49,26 +49,26 @@ class Explainer {
   }
 
  private:
-  ReoptimizeResult Least(ReoptimizeProblem problem) const {
+  std::optional<ReoptimizeSolve> Least(ReoptimizeProblem problem) const {
     problem.goal = Goal::kMisalignment;
     problem.max_misalignment_percent.reset();
-    return Reoptimize(problem, links_, options_);
+    return FindOptimum(problem, links_, options_);
   }
 
   // The shortest sit-to-stand that holds the limit on misalignment, if the problem has one.
   std::optional<double> LeastDuration(ReoptimizeProblem problem) const {
     problem.goal = Goal::kDuration;
     problem.program.duration_s.reset();
-    const ReoptimizeResult result = Reoptimize(problem, links_, options_);
-    if (!result.IsSolved()) return std::nullopt;
-    return NeededDuration(result.Best().point.knots_mm, problem.program.max_speed_mm_s);
+    const auto shortest = FindOptimum(problem, links_, options_);
+    if (!shortest) return std::nullopt;
+    return NeededDuration(shortest->point.knots_mm, problem.program.max_speed_mm_s);
   }
 
   // Does a run of this problem find a design?
   bool CanBeSolved(const ReoptimizeProblem& problem) const {
-    if (Reoptimize(problem, links_, options_).IsSolved()) return true;
-    const ReoptimizeResult least = Least(problem);
-    return least.IsSolved() && SolveFrom(problem, least.Best().point, options_, true).IsUsable();
+    if (HasSolution(problem, links_, options_)) return true;
+    const auto least = Least(problem);
+    return least && SolveFrom(problem, least->point, options_, true).IsUsable();
   }
 
   // A rounded value from the least one upwards at which `set` makes a problem that can be solved.
@@ -123,12 +123,12 @@ class Explainer {
   }
 
   void AddLeast(const std::string& text, const ReoptimizeProblem& problem) {
-    const ReoptimizeResult result = Least(problem);
-    if (!result.IsSolved()) return;
-    const double percent = result.Best().Misalignment_percent();
+    const auto least = Least(problem);
+    if (!least) return;
+    const double percent = least->Misalignment_percent();
     ReoptimizeProblem limited = problem;
     limited.max_misalignment_percent = problem_.max_misalignment_percent;
-    const bool enough = SolveFrom(limited, result.Best().point, options_, true).IsUsable();
+    const bool enough = SolveFrom(limited, least->point, options_, true).IsUsable();
     report_.ways.push_back({text, enough, percent, {}});
   }
 

@@ -5,6 +5,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/processes.h"
 #include "lake/core/statistics.h"
 #include "lake/synthesis/synthesis_outcome.h"
 
@@ -91,27 +92,72 @@ double ProgramDuration(const linkage::Design& design, const Prediction& predicti
   return std::abs(prediction.stroke_mm.back() - prediction.stroke_mm.front()) / design.program->speed_mm_s;
 }
 
-NamedFront FrontOf(ReoptimizeProblem problem, const std::vector<linkage::Links>& links,
-                   const ReoptimizeOutcome& outcome) {
-  NamedFront front;
-  front.program = problem.program;
-  front.name = ProgramName(problem.program.kind);
+// Fronts come from other processes as JSON, whose numbers read back as the same double.
+nlohmann::json JsonOf(const ParetoPoint& point) {
+  return {{"least_range_deg", point.least_range_deg},
+          {"links", point.point.links.Values()},
+          {"knots_mm", point.point.knots_mm},
+          {"placement_mm", {point.point.placement_mm.x(), point.point.placement_mm.y()}},
+          {"duration_s", point.point.duration_s},
+          {"range_deg", point.range_deg},
+          {"misalignment_percent", point.misalignment_percent},
+          {"rms_mm", point.rms_mm}};
+}
+
+ParetoPoint ParetoPointOf(const nlohmann::json& json) {
+  ParetoPoint point;
+  json.at("least_range_deg").get_to(point.least_range_deg);
+  point.point.links = linkage::Links::FromValues(json.at("links").get<std::array<double, 6>>());
+  json.at("knots_mm").get_to(point.point.knots_mm);
+  point.point.placement_mm = {json.at("placement_mm").at(0).get<double>(), json.at("placement_mm").at(1).get<double>()};
+  json.at("duration_s").get_to(point.point.duration_s);
+  json.at("range_deg").get_to(point.range_deg);
+  json.at("misalignment_percent").get_to(point.misalignment_percent);
+  json.at("rms_mm").get_to(point.rms_mm);
+  return point;
+}
+
+std::string PackedFront(const ReoptimizeProblem& problem, const ReoptimizeOptions& options,
+                        const std::vector<linkage::Links>& links, const std::function<void()>& step) {
+  nlohmann::json points = nlohmann::json::array();
+  for (const ParetoPoint& point : ParetoFront(problem, *options.pareto_points, links, options.optimize, step))
+    points.push_back(JsonOf(point));
+  return points.dump();
+}
+
+NamedFront UnpackedFront(const ReoptimizeProblem& problem, const std::string& packed) {
+  NamedFront front{ProgramName(problem.program.kind), problem.program, {}};
   if (problem.program.duration_s) front.name += fmt::format(" {:.4g} s", *problem.program.duration_s);
-  front.points = ParetoFront(problem, *outcome.options.pareto_points, links, outcome.options.optimize);
+  for (const nlohmann::json& point : nlohmann::json::parse(packed)) front.points.push_back(ParetoPointOf(point));
   return front;
 }
 
 // The constant program, a short free one, and the problem's own if it is another.
-std::vector<NamedFront> Fronts(const ReoptimizeOutcome& outcome, const std::vector<linkage::Links>& links) {
+std::vector<ReoptimizeProblem> FrontProblems(const ReoptimizeOutcome& outcome) {
   ReoptimizeProblem constant = outcome.problem, brief = outcome.problem;
   if (constant.program.kind == Kind::kFree) constant.program.duration_s.reset();
   constant.program.kind = Kind::kConstant;
   brief.program.kind = Kind::kFree;
   brief.program.duration_s = outcome.options.short_program_s;
-  std::vector<NamedFront> fronts{FrontOf(constant, links, outcome), FrontOf(brief, links, outcome)};
+  std::vector<ReoptimizeProblem> problems{constant, brief};
   const ProgramLimits& own = outcome.problem.program;
-  if (own.kind == Kind::kFree && own.duration_s != brief.program.duration_s)
-    fronts.push_back(FrontOf(outcome.problem, links, outcome));
+  if (own.kind == Kind::kFree && own.duration_s != brief.program.duration_s) problems.push_back(outcome.problem);
+  return problems;
+}
+
+std::vector<NamedFront> Fronts(const ReoptimizeOutcome& outcome, const std::vector<linkage::Links>& links) {
+  const std::vector<ReoptimizeProblem> problems = FrontProblems(outcome);
+  Progress progress("Pareto fronts", "solves",
+                    static_cast<std::int64_t>(problems.size()) * SolvesOfSweeps(*outcome.options.pareto_points),
+                    outcome.options.optimize.quiet);
+  const std::vector<std::string> packed = InProcesses(
+      problems.size(),
+      [&](std::size_t i, const std::function<void()>& step) {
+        return PackedFront(problems[i], outcome.options, links, step);
+      },
+      progress);
+  std::vector<NamedFront> fronts;
+  for (std::size_t i = 0; i < problems.size(); ++i) fronts.push_back(UnpackedFront(problems[i], packed[i]));
   return fronts;
 }
 

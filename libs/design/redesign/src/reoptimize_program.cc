@@ -187,10 +187,10 @@ class Extender {
 
 }  // namespace
 
-synthesis::SynthesisProgram ReoptimizeBuilder::Build(const std::vector<double>& fractions) {
+synthesis::SynthesisProgram ReoptimizeBuilder::Build(const synthesis::Collocation& poses) {
   const double range_weight = problem_.goal == Goal::kRange ? 1 : kRangeTie;
   synthesis::SynthesisProgram program =
-      synthesis::BuildProgram(problem_.design, point_.links, fractions, synthesis::Elasticity::kNone, range_weight);
+      synthesis::BuildProgram(problem_.design, point_.links, poses, synthesis::Elasticity::kNone, range_weight);
   variables_ = Extender(problem_, point_, constant_start_, program).Extend();
   return program;
 }

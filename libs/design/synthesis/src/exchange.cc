@@ -3,12 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/problem/assistance.h"
 #include "lake/problem/evaluate.h"
 
 namespace lake::synthesis {
 
-std::vector<double> FirstFractions() {
-  return {0.25, 0.5, 0.75};
+Collocation FirstPoses(const problem::SynthesisProblem& problem) {
+  Collocation poses{0.25, 0.5, 0.75};
+  if (!problem.HasLoadProfile()) return poses;
+  constexpr std::size_t kSteps = 8;
+  const std::vector<int> samples = problem::SamplesInUse(problem);
+  for (std::size_t i = 0; i <= kSteps; ++i) {
+    const int sample = samples[i * (samples.size() - 1) / kSteps];
+    if (poses.samples.empty() || poses.samples.back() != sample) poses.samples.push_back(sample);
+  }
+  return poses;
 }
 
 namespace {
@@ -24,15 +33,18 @@ void HalveGaps(std::vector<double>& fractions) {
 }  // namespace
 
 bool AddViolatedPoses(const problem::SynthesisProblem& problem, const linkage::Links& links, double tolerance,
-                      std::vector<double>& fractions) {
+                      Collocation& poses) {
   constexpr double kSamePose = 1e-6;
+  std::vector<double>& fractions = poses.fractions;
   constexpr std::size_t kMostPoses = 200;
-  const auto is_known = [&](double fraction) {
+  const auto is_known = [&](const problem::WorstPoint& point) {
+    if (point.sample >= 0) return std::ranges::find(poses.samples, point.sample) != poses.samples.end();
+    const double fraction = point.fraction;
     return fraction < kSamePose || fraction > 1 - kSamePose ||
            std::any_of(fractions.begin(), fractions.end(),
                        [&](double known) { return std::abs(known - fraction) < kSamePose; });
   };
-  const std::size_t before = fractions.size();
+  const std::size_t before = poses.Size();
   for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
     if (!requirement.NeedsStanding()) continue;
     const std::vector<problem::WorstPoint> worst = problem::WorstPoints(links, problem, requirement);
@@ -41,11 +53,15 @@ bool AddViolatedPoses(const problem::SynthesisProblem& problem, const linkage::L
       return true;
     }
     if (!requirement.IsFamily()) continue;
-    for (const problem::WorstPoint& point : worst)
-      if (requirement.Slack(point.value) < -tolerance * requirement.limit && !is_known(point.fraction))
+    for (const problem::WorstPoint& point : worst) {
+      if (requirement.Slack(point.value) >= -tolerance * requirement.limit || is_known(point)) continue;
+      if (point.sample >= 0)
+        poses.samples.push_back(point.sample);
+      else
         fractions.push_back(point.fraction);
+    }
   }
-  return fractions.size() > before;
+  return poses.Size() > before;
 }
 
 }  // namespace lake::synthesis

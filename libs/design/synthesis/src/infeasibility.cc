@@ -28,10 +28,12 @@ problem::SynthesisProblem Relaxed(problem::SynthesisProblem problem, const Elast
   const std::vector<double>& x = solve.solution.x;
   problem.d_min_mm = x[solve.program.shortest_stroke];
   for (const RequirementRow& limit : solve.program.requirements) {
-    const double slack = x[limit.slack];
+    const double slack = limit.SlackAt(x);
     if (limit.requirement.id.kind == Kind::kMomentArm) *problem.min_moment_arm_mm -= slack;
     if (limit.requirement.id.kind == Kind::kForce) *problem.max_force_n += slack;
     if (limit.requirement.id.kind == Kind::kTransmission) *problem.min_transmission_deg -= slack;
+    if (limit.requirement.id.kind == Kind::kHolding) *problem.actuator->holding_force_n += slack;
+    if (limit.requirement.id.kind == Kind::kDuration) problem.duration_s = limit.requirement.limit + slack;
   }
   return problem;
 }
@@ -50,14 +52,13 @@ bool FamiliesHold(const problem::SynthesisProblem& problem, const linkage::Links
 ElasticSolve SolveElastic(const problem::SynthesisProblem& problem, const linkage::Links& start, Elasticity elasticity,
                           const OptimizeOptions& options) {
   ElasticSolve solve;
-  std::vector<double> fractions = FirstFractions();
+  Collocation poses = FirstPoses(problem);
   linkage::Links from = start;
   for (int exchange = 0; exchange < options.max_exchanges; ++exchange) {
-    solve.program = BuildProgram(problem, from, fractions, elasticity);
+    solve.program = BuildProgram(problem, from, poses, elasticity);
     solve.solution = nlp::SolveNlp(solve.program.program, options.nlp);
     from = LinksAt(solve.program.links, solve.solution.x);
-    if (!solve.solution.IsUsable() ||
-        !AddViolatedPoses(Relaxed(problem, solve), from, options.family_tolerance, fractions))
+    if (!solve.solution.IsUsable() || !AddViolatedPoses(Relaxed(problem, solve), from, options.family_tolerance, poses))
       break;
   }
   solve.holds = solve.solution.IsUsable() && FamiliesHold(Relaxed(problem, solve), from);
@@ -82,7 +83,7 @@ void CollectRelaxations(const ElasticSolve& solve, InfeasibilityReport& report) 
   const std::vector<double>& x = solve.solution.x;
   for (const RequirementRow& limit : solve.program.requirements) {
     const problem::Requirement& requirement = limit.requirement;
-    const double slack = x[limit.slack];
+    const double slack = limit.SlackAt(x);
     if (slack > kNoSlack * SlackUnit(requirement))
       report.relaxations.push_back({requirement.Text(), requirement.limit,
                                     requirement.limit + (requirement.is_lower_limit ? -slack : slack),

@@ -2,7 +2,6 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <random>
@@ -15,8 +14,6 @@
 
 namespace lake::synthesis {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Gradients of the rows and bounds that hold with equality, in columns scaled to length one.
 class ActiveGradients {
@@ -54,17 +51,19 @@ bool IsActive(double value, double limit) {
   return std::isfinite(limit) && std::abs(value - limit) <= kTouching * std::max(1.0, std::abs(limit));
 }
 
-std::vector<int> Basins(const std::vector<LocalSolve>& starts) {
-  constexpr double kSameRange_deg = 0.01;
+std::vector<int> Basins(const problem::SynthesisProblem& problem, const std::vector<LocalSolve>& starts) {
+  constexpr double kSameRange_deg = 0.01, kSameDuration = 1e-3;
   std::vector<int> basin(starts.size(), -1);
-  std::vector<double> ranges;
+  std::vector<double> goals;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     if (!starts[i].IsUsable()) continue;
-    const double range = starts[i].evaluation.range_deg;
-    const auto known = std::find_if(ranges.begin(), ranges.end(),
-                                    [&](double other) { return std::abs(other - range) < kSameRange_deg; });
-    basin[i] = static_cast<int>(known - ranges.begin());
-    if (known == ranges.end()) ranges.push_back(range);
+    const double goal = problem::GoalOf(problem, starts[i].evaluation);
+    const double same =
+        problem.goal == problem::SynthesisProblem::Goal::kRange ? kSameRange_deg : kSameDuration * std::abs(goal);
+    const auto known =
+        std::find_if(goals.begin(), goals.end(), [&](double other) { return std::abs(other - goal) < same; });
+    basin[i] = static_cast<int>(known - goals.begin());
+    if (known == goals.end()) goals.push_back(goal);
   }
   return basin;
 }
@@ -89,15 +88,28 @@ std::optional<double> LocalSolve::PriceOf(const LimitId& id) const {
   return limit ? std::optional(PriceOf(*limit)) : std::nullopt;
 }
 
+namespace {
+
+// Held against the duration that was found, where that is what is sought.
+problem::SynthesisProblem AsSolved(const problem::SynthesisProblem& problem, const LocalSolve& solve) {
+  problem::SynthesisProblem solved = problem;
+  if (problem.goal != problem::SynthesisProblem::Goal::kDuration) return solved;
+  for (const RequirementRow& entry : solve.program.requirements)
+    if (entry.requirement.id.kind == problem::Requirement::Kind::kDuration)
+      solved.duration_s = solve.solution.x[entry.family_limit];
+  return solved;
+}
+
+}  // namespace
+
 LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuilder& builder,
                            const OptimizeOptions& options) {
-  const auto begin = Clock::now();
   LocalSolve result;
   result.start = builder.Links();
-  result.fractions = FirstFractions();
+  result.poses = FirstPoses(problem);
   nlp::NlpOptions nlp = options.nlp;
   while (true) {
-    result.program = builder.Build(result.fractions);
+    result.program = builder.Build(result.poses);
     ++result.exchanges;
     result.solution = nlp::SolveNlp(result.program.program, nlp);
     result.iterations += static_cast<int>(result.solution.iterations.size());
@@ -105,12 +117,11 @@ LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuil
     builder.MoveTo(result.solution.x);
     result.end = builder.Links();
     if (!result.solution.IsUsable() || result.exchanges >= options.max_exchanges ||
-        !AddViolatedPoses(problem, result.end, options.family_tolerance, result.fractions))
+        !AddViolatedPoses(AsSolved(problem, result), result.end, options.family_tolerance, result.poses))
       break;
     nlp.start_push = 1e-6, nlp.start_barrier = 1e-4;  // warm
   }
   result.evaluation = problem::Evaluate(result.end, problem);
-  result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return result;
 }
 
@@ -122,8 +133,8 @@ class LinkProgramBuilder : public ProgramBuilder {
   LinkProgramBuilder(const problem::SynthesisProblem& problem, const linkage::Links& start)
       : problem_(problem), links_(start) {}
 
-  SynthesisProgram Build(const std::vector<double>& fractions) override {
-    SynthesisProgram program = BuildProgram(problem_, links_, fractions);
+  SynthesisProgram Build(const Collocation& poses) override {
+    SynthesisProgram program = BuildProgram(problem_, links_, poses);
     variables_ = program.links;
     return program;
   }
@@ -236,13 +247,13 @@ SynthesisResult Optimize(const problem::SynthesisProblem& problem, const Optimiz
     ThrowIfInterrupted();
     result.starts.push_back(SolveFrom(problem, start, options));
     const LocalSolve& solve = result.starts.back();
-    constexpr double kBetter_deg = 1e-5;  // of equals the first is kept
-    if (solve.IsUsable() &&
-        (result.best < 0 || solve.evaluation.range_deg > result.Best().evaluation.range_deg + kBetter_deg))
+    constexpr double kBetter = 1e-5;  // deg or s: of equals the first is kept
+    if (solve.IsUsable() && (result.best < 0 || problem::GoalOf(problem, solve.evaluation) >
+                                                    problem::GoalOf(problem, result.Best().evaluation) + kBetter))
       result.best = static_cast<int>(result.starts.size()) - 1;
     progress.Advance();
   }
-  result.basin = Basins(result.starts);
+  result.basin = Basins(problem, result.starts);
   return result;
 }
 

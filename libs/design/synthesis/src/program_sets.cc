@@ -12,6 +12,7 @@ namespace {
 
 // Of products of three lengths divided by a length: brings rows near one.
 constexpr double kAreaScale_mm2 = 1e4;
+constexpr double kMillimetresPerMetre = 1000;
 
 // What the rows of a pose are made of; a length or angle that a row does not read is zero.
 template <typename T>
@@ -150,6 +151,21 @@ struct ForceTerm : OnUsedRange {
   }
 };
 
+// v[9] is the duration; in units in which the row is of order one.
+struct DurationTerm : OnUsedRange {
+  double at_rest_mm_s, lost_nmm_mm_s, rad_per_rise, scale;
+  template <typename T>
+  T operator()(const T* v) const {
+    const auto vectors = Vectors(v);
+    const T numerator =
+        linkage::Dot(vectors.coupler, vectors.shank_motion) * linkage::Dot(vectors.actuator, vectors.tip_motion) / v[6];
+    const T denominator = linkage::Dot(vectors.coupler, vectors.tip_motion);
+    return (v[9] * denominator * (numerator * at_rest_mm_s - denominator * lost_nmm_mm_s) -
+            numerator * numerator * rad_per_rise) /
+           scale;
+  }
+};
+
 struct TransmissionTerm : OnUsedRange {
   template <typename T>
   T operator()(const T* v) const {
@@ -157,6 +173,15 @@ struct TransmissionTerm : OnUsedRange {
     return linkage::SinCosTransmission(v, v[7], Theta(v))[0] - sin(v[9] / kDegreesPerRadian);
   }
 };
+
+// The variables of a pose and one more.
+std::array<int, 10> With(const PoseVariables& pose, int variable) {
+  const auto pose_variables = pose.All();
+  std::array<int, 10> variables{};
+  std::copy(pose_variables.begin(), pose_variables.end(), variables.begin());
+  variables[9] = variable;
+  return variables;
+}
 
 struct LinearTerm {
   std::array<double, 6> coefficients;
@@ -207,7 +232,7 @@ std::array<int, 9> PoseVariables::All() const {
 PoseVariables AddPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links, int stroke,
                       int range, double fraction, double standing_rad, double phi_start_rad) {
   const int phi = AddBarAngle(program, name, phi_start_rad);
-  const PoseVariables pose{links, stroke, phi, range, fraction, standing_rad};
+  const PoseVariables pose{links, stroke, phi, range, fraction, standing_rad, name};
   const Reading<9, OnUsedRange> all{pose.All(), {fraction, standing_rad}};
   AddPoseRows(program, name, all, all, all, all);
   return pose;
@@ -225,19 +250,14 @@ void AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, con
 
 void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose) {
   const OnUsedRange at{pose.fraction, pose.standing_rad};
-  program.AddConstraint(fmt::format("no turning at {:.4g}", pose.fraction), 0, nlp::kUnbounded, pose.All(),
-                        NoTurningTerm{at});
+  program.AddConstraint("no turning" + pose.place, 0, nlp::kUnbounded, pose.All(), NoTurningTerm{at});
 }
 
 void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
                   int limit, double knee_torque_nm) {
-  constexpr double kMillimetresPerMetre = 1000;
   const OnUsedRange at{pose.fraction, pose.standing_rad};
-  const std::string name = fmt::format("{} at {:.4g}", requirement.name, pose.fraction);
-  const auto pose_variables = pose.All();
-  std::array<int, 10> variables{};
-  std::copy(pose_variables.begin(), pose_variables.end(), variables.begin());
-  variables[9] = limit;
+  const std::string name = requirement.name + pose.place;
+  const std::array<int, 10> variables = With(pose, limit);
   if (requirement.id.kind == problem::Requirement::Kind::kTransmission) {
     program.AddConstraint(name, 0, nlp::kUnbounded, variables, TransmissionTerm{at});
     return;
@@ -247,6 +267,19 @@ void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& re
   else
     program.AddConstraint(name, 0, nlp::kUnbounded, variables,
                           ForceTerm{at, knee_torque_nm * kMillimetresPerMetre, requirement.limit});
+}
+
+void AddDurationRow(nlp::NonlinearProgram& program, const PoseVariables& pose, int duration,
+                    const problem::SpeedLine& line, double knee_torque_nm, double rad_per_rise) {
+  constexpr double kArm_mm = 50;  // usual
+  const double torque_nmm = knee_torque_nm * kMillimetresPerMetre;
+  const double scale = kAreaScale_mm2 * kAreaScale_mm2 * kArm_mm * line.at_rest_mm_s;
+  program.AddConstraint("duration" + pose.place, 0, nlp::kUnbounded, With(pose, duration),
+                        DurationTerm{{pose.fraction, pose.standing_rad},
+                                     line.at_rest_mm_s,
+                                     line.per_newton_mm_s * torque_nmm,
+                                     rad_per_rise,
+                                     scale});
 }
 
 void AddLinearTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links,

@@ -26,6 +26,10 @@ problem::SynthesisProblem OnlyLinkRequirements(problem::SynthesisProblem problem
   problem.min_moment_arm_mm.reset();
   problem.min_transmission_deg.reset();
   problem.max_angle_deg.reset();
+  problem.profile.reset();
+  problem.actuator.reset();
+  problem.duration_s.reset();
+  problem.goal = problem::SynthesisProblem::Goal::kRange;
   return problem;
 }
 
@@ -39,7 +43,8 @@ LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Li
   for (const linkage::Links& start : starts) {
     ThrowIfInterrupted();
     LocalSolve solve = SolveFrom(problem, start, options);
-    if (solve.IsUsable() && (!best.IsUsable() || solve.evaluation.range_deg > best.evaluation.range_deg))
+    if (solve.IsUsable() &&
+        (!best.IsUsable() || problem::GoalOf(problem, solve.evaluation) > problem::GoalOf(problem, best.evaluation)))
       best = std::move(solve);
   }
   return best;
@@ -147,7 +152,7 @@ SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const Sy
     outcome.certificate =
         Certify(problem, best.evaluation.range_deg, *options.certify_gap_deg, options.certify_boxes, options.quiet);
   outcome.sensitivity = problem::Sensitivity(best.end, problem);
-  outcome.margins = SweepMargins(outcome);
+  if (problem.goal == problem::SynthesisProblem::Goal::kRange) outcome.margins = SweepMargins(outcome);
   if (options.yield_tolerance_mm) outcome.yield = yield_of(best.end);
   if (options.round_mm) outcome.rounded = problem::RoundLinks(best.end, problem, *options.round_mm);
   return outcome;

@@ -6,6 +6,8 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/problem/assistance.h"
+#include "lake/problem/evaluate.h"
 
 namespace lake::synthesis {
 namespace {
@@ -26,9 +28,8 @@ PoseStart StartAtRange(const problem::SynthesisProblem& problem, const linkage::
 }
 
 PoseStart StartAt(const problem::SynthesisProblem& problem, const linkage::Links& start, const PoseStart& at_range,
-                  double fraction) {
+                  double theta) {
   const double standing = RadiansFromDegrees(problem.standing_deg);
-  const double theta = std::lerp(standing, at_range.theta_rad, fraction);
   if (linkage::SolvePose(start, problem.d_min_mm)) {
     const linkage::UsedRange range = linkage::FindUsedRange(start, problem.d_min_mm, std::nullopt, standing);
     const auto stroke = linkage::StrokeForAngle(start, range, theta);
@@ -36,6 +37,7 @@ PoseStart StartAt(const problem::SynthesisProblem& problem, const linkage::Links
     if (pose) return {*stroke, pose->phi_rad, theta};
   }
   constexpr double kPlausibleTravel_mm = 120;
+  const double fraction = (theta - standing) / (at_range.theta_rad - standing);
   return {problem.d_min_mm + (1 - fraction) * kPlausibleTravel_mm,
           std::lerp(std::numbers::pi, at_range.phi_rad, fraction), theta};
 }
@@ -50,13 +52,13 @@ class Builder {
         range_weight_(range_weight),
         at_range_(StartAtRange(problem, start)) {}
 
-  SynthesisProgram Build(const std::vector<double>& fractions) {
+  SynthesisProgram Build(const Collocation& poses) {
     AddLinksAndStroke();
     AddShortestPose();
     for (const problem::Requirement& requirement : problem::RequirementsOf(problem_)) AddRequirement(requirement);
-    AddUsedRange(fractions);
-    if (elasticity_ == Elasticity::kNone)
-      AddScaledTerm(nlp(), nlp::NlpTerm::kCost, result_.range, -range_weight_ * kDegreesPerRadian);
+    AddUsedRange(poses.fractions);
+    AddProfile(poses.samples);
+    if (!IsElastic()) AddGoal();
     return std::move(result_);
   }
 
@@ -110,7 +112,8 @@ class Builder {
     // The loop implies it; as a row of its own it would have the loop's gradient and multipliers without bound.
     if (requirement.id.kind == Kind::kSingularity && limit == 0 && !IsElastic()) return;
     // The limit of a family is a variable of the program, so that its row carries the one price of all poses.
-    entry.row = requirement.IsFamily()       ? nlp().AddRow(requirement.Text(), limit, limit)
+    const double least = IsSought(requirement) ? 0 : limit;
+    entry.row = requirement.IsFamily()       ? nlp().AddRow(requirement.Text(), least, limit)
                 : requirement.is_lower_limit ? nlp().AddRow(requirement.Text(), limit, nlp::kUnbounded)
                                              : nlp().AddRow(requirement.Text(), -nlp::kUnbounded, limit);
     result_.limits.push_back({LimitOn(requirement.id), requirement.unit, entry.row});
@@ -118,14 +121,73 @@ class Builder {
       AddLinearTerm(nlp(), entry.row, result_.links, requirement.coefficients);
     else if (requirement.id.kind == Kind::kSingularity)
       AddSingularityTerm(nlp(), entry.row, result_.links, result_.shortest_stroke);
-    else if (requirement.id.kind == Kind::kMaxAngle)
+    else if (requirement.id.kind == Kind::kMaxAngle || requirement.id.kind == Kind::kReach)
       AddScaledTerm(nlp(), entry.row, result_.range, kDegreesPerRadian);
     if (requirement.IsFamily()) {
-      entry.family_limit = nlp().AddVariable("limit of " + requirement.name, limit, -nlp::kUnbounded, nlp::kUnbounded);
+      const double start = IsSought(requirement) ? StartDuration() : limit;
+      entry.family_limit = nlp().AddVariable("limit of " + requirement.name, start, -nlp::kUnbounded, nlp::kUnbounded);
       AddScaledTerm(nlp(), entry.row, entry.family_limit, 1);
     }
-    if (IsElastic())
+    // Angles that the linkage does not reach have no force that could be held against a limit.
+    if (IsElastic() && requirement.id.kind != Kind::kReach)
       entry.slack = AddSlack(entry.row, requirement.name, requirement.is_lower_limit, SlackUnit(requirement));
+  }
+
+  // The duration is what is minimised, and its limit no more than a bound.
+  bool IsSought(const problem::Requirement& requirement) const {
+    return requirement.id.kind == Kind::kDuration && problem_.SeeksDuration() && !IsElastic();
+  }
+
+  // The links' own, where they can make the motion at all.
+  double StartDuration() const {
+    constexpr double kPlausible_s = 20, kLeast_s = 0.1, kMost_s = 600;
+    for (const problem::Requirement& requirement : problem::RequirementsOf(problem_)) {
+      if (requirement.id.kind != Kind::kDuration) continue;
+      const auto worst = problem::WorstPoints(start_, problem_, requirement);
+      if (!worst.empty() && std::isfinite(worst.front().value))
+        return std::clamp(worst.front().value, kLeast_s, kMost_s);
+    }
+    return kPlausible_s;
+  }
+
+  void AddGoal() {
+    constexpr double kTie = 1e-6;  // s per deg
+    const bool is_duration = problem_.SeeksDuration();
+    AddScaledTerm(nlp(), nlp::NlpTerm::kCost, result_.range,
+                  -range_weight_ * (is_duration ? kTie : 1) * kDegreesPerRadian);
+    for (const RequirementRow& entry : result_.requirements)
+      if (IsSought(entry.requirement)) AddScaledTerm(nlp(), nlp::NlpTerm::kCost, entry.family_limit, 1);
+  }
+
+  // Poses at samples of the load profile, whose knee angles are given, with the families that hold there.
+  void AddProfile(const std::vector<int>& samples) {
+    for (const int i : samples) {
+      const problem::LoadSample& sample = problem_.profile->samples[i];
+      const std::string name = fmt::format(" at {:.4g} %", sample.percent);
+      const PoseStart start = StartAt(problem_, start_, at_range_, sample.knee_rad);
+      const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
+      const PoseVariables pose =
+          AddPose(nlp(), name, result_.links, stroke, result_.range, /*fraction=*/0, sample.knee_rad, start.phi_rad);
+      AddNoTurningRow(nlp(), pose);
+      for (const RequirementRow& entry : result_.requirements)
+        if (entry.requirement.along_profile) AddProfileRow(entry, sample, pose);
+    }
+  }
+
+  void AddProfileRow(const RequirementRow& entry, const problem::LoadSample& sample, const PoseVariables& pose) {
+    const double torque_nm = std::abs(problem_.TorqueAt(sample));
+    if (entry.requirement.id.kind == Kind::kDuration) {
+      for (const problem::SpeedLine& line : problem_.actuator->SpeedLines())
+        AddDurationRow(nlp(), pose, entry.family_limit, line, torque_nm, std::abs(sample.rad_per_rise));
+      return;
+    }
+    const bool may_rest = problem_.rests_anywhere || &sample == &LastSampleInUse();
+    if (torque_nm > 0 && (entry.requirement.id.kind != Kind::kHolding || may_rest))
+      AddFamilyRow(nlp(), entry.requirement, pose, entry.family_limit, torque_nm);
+  }
+
+  const problem::LoadSample& LastSampleInUse() const {
+    return problem_.profile->samples[problem::SamplesInUse(problem_).back()];
   }
 
   void AddUsedRange(std::vector<double> fractions) {
@@ -138,16 +200,16 @@ class Builder {
     fractions.erase(std::unique(fractions.begin(), fractions.end()), fractions.end());
     for (const double fraction : fractions) {
       const std::string name = fmt::format(" at {:.4g}", fraction);
-      const PoseStart start = StartAt(problem_, start_, at_range_, fraction);
+      const double standing = RadiansFromDegrees(problem_.standing_deg);
+      const PoseStart start = StartAt(problem_, start_, at_range_, std::lerp(standing, at_range_.theta_rad, fraction));
       const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
-      poses_.push_back(AddPose(nlp(), name, result_.links, stroke, result_.range, fraction,
-                               RadiansFromDegrees(problem_.standing_deg), start.phi_rad));
+      poses_.push_back(AddPose(nlp(), name, result_.links, stroke, result_.range, fraction, standing, start.phi_rad));
     }
     for (const PoseVariables& pose : poses_) AddNoTurningRow(nlp(), pose);
     const PoseVariables& standing = *std::ranges::find(poses_, kStanding, &PoseVariables::fraction);
     for (const RequirementRow& entry : result_.requirements) {
       if (entry.requirement.id.kind == Kind::kMaxStroke) AddScaledTerm(nlp(), entry.row, standing.stroke, 1);
-      if (!entry.requirement.IsFamily()) continue;
+      if (!entry.requirement.IsFamily() || entry.requirement.along_profile) continue;
       for (const PoseVariables& pose : poses_)
         AddFamilyRow(nlp(), entry.requirement, pose, entry.family_limit, problem_.knee_torque_nm);
     }
@@ -174,12 +236,14 @@ const Limit* SynthesisProgram::Find(const LimitId& id) const {
 }
 
 double SlackUnit(const problem::Requirement& requirement) {
-  return requirement.id.kind == Kind::kForce ? requirement.limit / 100 : 1;
+  const bool is_relative = requirement.id.kind == Kind::kForce || requirement.id.kind == Kind::kHolding ||
+                           requirement.id.kind == Kind::kDuration;
+  return is_relative ? requirement.limit / 100 : 1;
 }
 
 SynthesisProgram BuildProgram(const problem::SynthesisProblem& problem, const linkage::Links& start,
-                              const std::vector<double>& fractions, Elasticity elasticity, double range_weight) {
-  return Builder(problem, start, elasticity, range_weight).Build(fractions);
+                              const Collocation& poses, Elasticity elasticity, double range_weight) {
+  return Builder(problem, start, elasticity, range_weight).Build(poses);
 }
 
 }  // namespace lake::synthesis

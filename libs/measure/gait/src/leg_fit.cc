@@ -1,7 +1,6 @@
 #include "lake/gait/leg_fit.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "lake/core/error.h"
@@ -162,7 +161,7 @@ Solution SolveLeg(LegModel model, std::vector<double> coefficients) {
   return solution;
 }
 
-LegFitSummary Summarize(const Solution& solution, const LegStart& start, double seconds) {
+LegFitSummary Summarize(const Solution& solution, const LegStart& start) {
   LegFitSummary summary;
   summary.usable = solution.solve.usable;
   summary.iterations = solution.solve.iterations;
@@ -180,7 +179,6 @@ LegFitSummary Summarize(const Solution& solution, const LegStart& start, double 
     count += 2;
   }
   summary.residual_rms = std::sqrt(square / count);
-  summary.seconds = seconds;
   return summary;
 }
 
@@ -208,7 +206,6 @@ void DescribeFacing(LegFitOptions& o, OptionList& options) {
 
 LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
                     const AcrossPlane& across) {
-  const auto begin = std::chrono::steady_clock::now();
   CheckRecording(recording, options);
   Progress progress("leg fit", "steps", 4, options.quiet);
   LegFitResult result;
@@ -250,8 +247,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   for (MarkerReport& report : result.markers)
     for (std::size_t m = 0; m < leg.size(); ++m)
       if (report.name == leg[m].name) report.noise_scale = solution.noise_scales[m];
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  result.summary = Summarize(solution, start, elapsed.count());
+  result.summary = Summarize(solution, start);
   CheckPlausible(result);
   progress.Advance();
   return result;

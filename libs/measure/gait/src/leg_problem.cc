@@ -166,9 +166,8 @@ LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coef
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   ThrowIfInterrupted();
-  return {summary.IsSolutionUsable(),    static_cast<int>(summary.iterations.size()),
-          summary.initial_cost,          summary.final_cost,
-          summary.total_time_in_seconds, summary.message};
+  return {summary.IsSolutionUsable(), static_cast<int>(summary.iterations.size()), summary.initial_cost,
+          summary.final_cost, summary.message};
 }
 
 double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, double sigma) {

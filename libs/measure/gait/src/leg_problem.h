@@ -79,7 +79,6 @@ struct LegSolveSummary {
   bool usable = false;
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;
-  double seconds = 0;
   std::string message;
 };
 

@@ -92,8 +92,7 @@ Json LegFitJson(const LegFitResult& result) {
                  {"final_cost", fit.final_cost},
                  {"residual_rms_sigmas", fit.residual_rms},
                  {"knot_step_s", fit.knot_step_s},
-                 {"cutoff_hz", fit.cutoff_hz},
-                 {"seconds", fit.seconds}}}};
+                 {"cutoff_hz", fit.cutoff_hz}}}};
   if (result.across)
     json["across_plane"] = {{"rms_mm", result.across->rms_mm},
                             {"largest_shank_deg", result.across->largest_shank_deg},

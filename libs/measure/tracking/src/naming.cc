@@ -81,7 +81,7 @@ class Namer {
   // The leg's markers that are wanted, from the ground up; empty unless ankle, knee and hip are among them.
   std::vector<std::size_t> LegNames() const {
     std::vector<std::size_t> names;
-    for (const char* marker : kLegMarkers) {
+    for (std::string_view marker : kLegMarkers) {
       const std::size_t name = IndexOf(marker);
       if (name < options_.names.size())
         names.push_back(name);
@@ -136,7 +136,7 @@ class Namer {
         SeedText(seed), own, most);
   }
 
-  std::size_t IndexOf(const std::string& name) const {
+  std::size_t IndexOf(std::string_view name) const {
     return static_cast<std::size_t>(std::find(options_.names.begin(), options_.names.end(), name) -
                                     options_.names.begin());
   }

@@ -91,7 +91,7 @@ double MedianRadius(const std::vector<Tracklet>& tracklets) {
 
 // How much the first leg marker moves, as a part of what the third does: feet stay, hips move.
 double FootMotion(const motion::MarkerRecording& recording) {
-  const auto extent = [&](const char* name) {
+  const auto extent = [&](std::string_view name) {
     const motion::MarkerTrack* track = recording.Find(name);
     if (!track) return 1.0;
     Eigen::AlignedBox2d box;

@@ -183,7 +183,7 @@ void LibavReader::HandOut(const SharedFrame& decoded, double time_s, VideoFrame&
   if (options_.preview_max_width_px > 0) {
     frame.preview =
         converter_->Preview(*decoded, options_.preview_max_width_px, options_.preview_as_stored, orientation_);
-    return;
+    if (!options_.luma_too) return;
   }
   frame.luma = orientation_.Apply(converter_->Luma(*decoded));
   frame.bgr = options_.colour ? orientation_.Apply(converter_->Bgr(*decoded)) : cv::Mat();

@@ -9,6 +9,7 @@
 
 #include "lake/core/colours.h"
 #include "lake/core/error.h"
+#include "overlay_inset.h"
 
 namespace lake::overlay {
 namespace {
@@ -16,7 +17,12 @@ namespace {
 constexpr std::array<std::pair<const char*, const char*>, 3> kBones = {
     {{"ankle", "knee"}, {"knee", "hip"}, {"hip", "waist"}}};
 constexpr double kEventShown_s = 1.0;
-constexpr double kRing = 10, kPanelWidth = 236, kPanelPadding = 10;  // in units
+// In units.
+constexpr double kMark = 10;          // what stays free about a marker
+constexpr double kCross[] = {6, 15};  // a cross's arms begin and end so far from its centre
+constexpr double kPanelWidth = 246, kPanelPadding = 10, kInsetSide = 120, kGap = 6;
+constexpr double kLeastTold_px =
+    0.05;  // a background that slopes, lens and compression leave as much: below it no SD is told
 
 cv::Rect2d Around(cv::Point2d a, cv::Point2d b, double margin) {
   return {std::min(a.x, b.x) - margin, std::min(a.y, b.y) - margin, std::abs(a.x - b.x) + 2 * margin,
@@ -40,34 +46,37 @@ OverlayScene::OverlayScene(const OverlayContent& content, const OverlayOptions& 
       draw_(layer_.Context()),
       labels_(shown),
       unit_px_(std::max(0.55, std::min(shown.width, shown.height) / 720.0)),
-      line_height_px_(20 * unit_px_) {
+      line_height_px_(20 * unit_px_),
+      inset_half_px_(std::max(8.0, std::min(recorded.width, recorded.height) / 60.0)) {
   cairo_select_font_face(draw_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(draw_, 14 * unit_px_);
   cairo_font_extents_t font;
   cairo_font_extents(draw_, &font);
   middle_to_base_px_ = (font.ascent - font.descent) / 2;
   ChooseDecimals();
-  PlacePanel();
+  PlacePanelAndInsets();
 }
 
-void OverlayScene::DrawOnto(cv::Mat& i420, std::int64_t frame, double time_s) {
-  const std::optional<std::size_t> row = TrackRow(frame);
-  const motion::LegSample* leg = Leg(frame);
+void OverlayScene::DrawOnto(video::VideoFrame& frame) {
+  const std::optional<std::size_t> row = TrackRow(frame.index);
+  const motion::LegSample* leg = Leg(frame.index);
+  const auto& markers = content_.tracks.markers;
   labels_.Begin();
   labels_.Avoid(panel_);
+  for (const cv::Rect2d& inset : insets_) labels_.Avoid(inset);
   if (row) {
-    const auto& markers = content_.tracks.markers;
     for (const motion::MarkerTrack& marker : markers) DrawTrail(marker, *row);
     DrawSkeleton(*row);
     for (const motion::MarkerTrack& marker : markers)
-      if (marker.samples[*row].IsKnown()) DrawRing(marker, marker.samples[*row]);
+      if (marker.samples[*row].IsKnown()) DrawMark(marker, marker.samples[*row]);
     if (leg) DrawAngle(*row, *leg);
     for (const motion::MarkerTrack& marker : markers)
       if (marker.samples[*row].IsKnown())
-        DrawLabel(marker.name, Shown(marker.samples[*row].position), (kRing + 6) * unit_px_, 0.45);
+        DrawLabel(marker.name, Shown(marker.samples[*row].position), (kCross[1] + 2) * unit_px_, 0.45);
   }
-  DrawPanel(row, frame, time_s, leg);
-  layer_.BlendOnto(i420);
+  DrawPanel(frame.index, frame.time_s, leg);
+  for (std::size_t m = 0; m < markers.size(); ++m) DrawInset(m, row, frame.luma);
+  layer_.BlendOnto(frame.preview);
 }
 
 OverlayScene::Colour OverlayScene::MarkerColour(const std::string& name) {
@@ -130,23 +139,51 @@ void OverlayScene::ChooseDecimals() {
   decimals_ = *middle < 0.1 ? 2 : 1;
 }
 
-// In the corner through which the fewest markers go.
-void OverlayScene::PlacePanel() {
-  const std::size_t lines = 2 + (content_.motion ? 2 : 0) + content_.tracks.markers.size();
-  const cv::Size2d size(kPanelWidth * unit_px_,
-                        static_cast<double>(lines) * line_height_px_ + 2 * kPanelPadding * unit_px_);
-  const double margin = 12 * unit_px_, right = layer_.Size().width - size.width - margin,
-               bottom = layer_.Size().height - size.height - margin;
+// Panel and insets as one row or as one column, in the corner through which the fewest markers go.
+void OverlayScene::PlacePanelAndInsets() {
+  const double margin = 12 * unit_px_;
+  const cv::Size2d picture(layer_.Size().width - 2 * margin, layer_.Size().height - 2 * margin);
   std::size_t fewest = std::numeric_limits<std::size_t>::max();
-  for (const cv::Point2d corner : {cv::Point2d(margin, margin), cv::Point2d(right, margin), cv::Point2d(margin, bottom),
-                                   cv::Point2d(right, bottom)}) {
-    std::size_t hits = 0;
-    for (const motion::MarkerTrack& marker : content_.tracks.markers)
-      for (const motion::MarkerSample& sample : marker.samples)
-        hits += sample.IsKnown() && Around(corner, corner + cv::Point2d(size.width, size.height), 2 * kRing * unit_px_)
-                                        .contains(Shown(sample.position));
-    if (hits < fewest) fewest = hits, panel_ = cv::Rect2d(corner, size);
+  for (const double width : {picture.width, kPanelWidth * unit_px_}) {
+    const std::vector<cv::Rect2d> areas = LayOut(width);
+    cv::Rect2d block;
+    for (const cv::Rect2d& area : areas) block |= area;
+    for (const double right : {0.0, picture.width - block.width})
+      for (const double below : {0.0, picture.height - block.height}) {
+        const cv::Point2d corner(margin + right, margin + std::max(0.0, below));
+        const std::size_t hits = MarkersWithin(block + corner);
+        if (hits >= fewest) continue;
+        fewest = hits, panel_ = areas.front() + corner;
+        insets_.assign(areas.begin() + 1, areas.end());
+        for (cv::Rect2d& inset : insets_) inset += corner;
+      }
   }
+}
+
+// The panel and the insets after it, in rows of this width at most.
+std::vector<cv::Rect2d> OverlayScene::LayOut(double width) const {
+  const double gap = kGap * unit_px_, side = kInsetSide * unit_px_;
+  const cv::Size2d inset(side, side + 2 * line_height_px_);
+  std::vector<cv::Rect2d> areas = {
+      {0, 0, kPanelWidth * unit_px_, (content_.motion ? 4 : 2) * line_height_px_ + 2 * kPanelPadding * unit_px_}};
+  double left = areas.front().width + gap, top = 0, bottom = areas.front().height;
+  for (std::size_t m = 0; m < content_.tracks.markers.size(); ++m) {
+    if (left + inset.width > width + 1) left = 0, top = bottom + gap;
+    areas.emplace_back(cv::Point2d(left, top), inset);
+    bottom = std::max(bottom, top + inset.height);
+    left += inset.width + gap;
+  }
+  return areas;
+}
+
+// How often a marker of the recording is there.
+std::size_t OverlayScene::MarkersWithin(const cv::Rect2d& block) const {
+  const cv::Rect2d area = Around(block.tl(), block.br(), 2 * kMark * unit_px_);
+  std::size_t hits = 0;
+  for (const motion::MarkerTrack& marker : content_.tracks.markers)
+    for (const motion::MarkerSample& sample : marker.samples)
+      hits += sample.IsKnown() && area.contains(Shown(sample.position));
+  return hits;
 }
 
 // In steps of equal age, each with one strength.
@@ -178,7 +215,7 @@ void OverlayScene::DrawTrail(const motion::MarkerTrack& marker, std::size_t row)
 
 void OverlayScene::DrawSkeleton(std::size_t row) {
   cairo_set_line_cap(draw_, CAIRO_LINE_CAP_ROUND);
-  const double ring = (kRing + 1.5) * unit_px_;
+  const double ring = (kMark + 1.5) * unit_px_;
   for (const auto& [lower, upper] : kBones) {
     const auto a = Place(lower, row), b = Place(upper, row);
     if (!a || !b) continue;
@@ -193,24 +230,34 @@ void OverlayScene::DrawSkeleton(std::size_t row) {
   }
 }
 
-void OverlayScene::DrawRing(const motion::MarkerTrack& marker, const motion::MarkerSample& sample) {
+// Thin, and open where the marker is, so that one sees what was measured.
+void OverlayScene::DrawMark(const motion::MarkerTrack& marker, const motion::MarkerSample& sample) {
   const cv::Point2d centre = Shown(sample.position);
-  const double radius = kRing * unit_px_;
-  const bool detected = sample.status == motion::SampleStatus::kDetected;
-  cairo_new_path(draw_);
+  const Colour colour = MarkerColour(marker.name);
+  if (sample.status == motion::SampleStatus::kDetected) {
+    DrawCross(centre, kCross[0], kCross[1], colour);
+  } else {
+    const double radius = kMark * unit_px_, dash = 2 * CV_PI * radius / 16;
+    cairo_new_path(draw_);
+    cairo_set_line_cap(draw_, CAIRO_LINE_CAP_BUTT);
+    cairo_arc(draw_, centre.x, centre.y, radius, 0, 2 * CV_PI);
+    SetColour(colour);
+    cairo_set_line_width(draw_, 1.8 * unit_px_);
+    cairo_set_dash(draw_, &dash, 1, 0);
+    cairo_stroke(draw_);
+    cairo_set_dash(draw_, nullptr, 0, 0);
+    layer_.Touch(Around(centre, centre, radius + 2 * unit_px_));
+  }
+  labels_.Avoid(Around(centre, centre, (kCross[1] + 1) * unit_px_));
+}
+
+void OverlayScene::DrawCross(cv::Point2d centre, double inner, double outer, const Colour& colour) {
   cairo_set_line_cap(draw_, CAIRO_LINE_CAP_BUTT);
-  cairo_arc(draw_, centre.x, centre.y, radius, 0, 2 * CV_PI);
-  SetColour({0, 0, 0}, 0.4);
-  cairo_set_line_width(draw_, (detected ? 5 : 3.5) * unit_px_);
-  cairo_stroke_preserve(draw_);
-  SetColour(MarkerColour(marker.name));
-  cairo_set_line_width(draw_, (detected ? 3 : 1.8) * unit_px_);
-  const double dash = 2 * CV_PI * radius / 16;
-  if (!detected) cairo_set_dash(draw_, &dash, 1, 0);
-  cairo_stroke(draw_);
-  cairo_set_dash(draw_, nullptr, 0, 0);
-  layer_.Touch(Around(centre, centre, radius + 4 * unit_px_));
-  labels_.Avoid(Around(centre, centre, radius + 3 * unit_px_));
+  for (const bool halo : {true, false}) {
+    halo ? SetColour({0, 0, 0}, 0.45) : SetColour(colour);
+    for (const cv::Point2d& arm : {cv::Point2d(1, 0), cv::Point2d(-1, 0), cv::Point2d(0, 1), cv::Point2d(0, -1)})
+      Stroke(centre + arm * (inner * unit_px_), centre + arm * (outer * unit_px_), (halo ? 3.6 : 1.8) * unit_px_);
+  }
 }
 
 // Flexion: from the shank's own line beyond the knee to the thigh.
@@ -221,7 +268,7 @@ void OverlayScene::DrawAngle(std::size_t row, const motion::LegSample& leg) {
   const double radius = std::clamp(0.35 * std::min(cv::norm(shank), cv::norm(thigh)), 18 * unit_px_, 52 * unit_px_);
   if (cv::norm(shank) < 1 || cv::norm(thigh) < 1) return;
   const cv::Point2d beyond = shank * (1.25 * radius / cv::norm(shank)),
-                    inside = shank * ((kRing + 1.5) * unit_px_ / cv::norm(shank));
+                    inside = shank * ((kMark + 1.5) * unit_px_ / cv::norm(shank));
   const double from = std::atan2(shank.y, shank.x),
                turn = std::remainder(std::atan2(thigh.y, thigh.x) - from, 2 * CV_PI);
 
@@ -261,8 +308,7 @@ void OverlayScene::DrawLabel(const std::string& text, cv::Point2d centre, double
   Text(text, {box.x + padding, box.y + box.height / 2}, {1, 1, 1});
 }
 
-void OverlayScene::DrawPanel(std::optional<std::size_t> row, std::int64_t frame, double time_s,
-                             const motion::LegSample* leg) {
+void OverlayScene::DrawPanel(std::int64_t frame, double time_s, const motion::LegSample* leg) {
   constexpr Colour kWhite = {1, 1, 1}, kDim = {0.72, 0.72, 0.72};
   Box(panel_, {0.05, 0.05, 0.07}, 0.62);
   const double left = panel_.x + kPanelPadding * unit_px_, right = panel_.x + panel_.width - kPanelPadding * unit_px_;
@@ -286,11 +332,6 @@ void OverlayScene::DrawPanel(std::optional<std::size_t> row, std::int64_t frame,
   } else if (!content_.note.empty()) {
     Text(content_.note, {left, y}, {1, 0.85, 0.35});
   }
-  y += line_height_px_;
-  for (const motion::MarkerTrack& marker : content_.tracks.markers) {
-    DrawState(marker, row ? marker.samples[*row] : motion::MarkerSample{}, y);
-    y += line_height_px_;
-  }
 }
 
 void OverlayScene::DrawProgress(double y, const motion::LegSample* leg) {
@@ -310,21 +351,57 @@ void OverlayScene::DrawProgress(double y, const motion::LegSample* leg) {
   Box({bar.x, bar.y, std::max(height, bar.width * done), height}, MarkerColour("knee"), 1);
 }
 
-void OverlayScene::DrawState(const motion::MarkerTrack& marker, const motion::MarkerSample& sample, double y) {
-  constexpr Colour kDim = {0.72, 0.72, 0.72};
-  const double left = panel_.x + kPanelPadding * unit_px_, right = panel_.x + panel_.width - kPanelPadding * unit_px_;
-  const double radius = 4.5 * unit_px_;
+void OverlayScene::DrawInset(std::size_t marker, std::optional<std::size_t> row, const cv::Mat& luma) {
+  constexpr Colour kWhite = {1, 1, 1}, kDim = {0.72, 0.72, 0.72}, kWarning = {1, 0.85, 0.35};
+  const motion::MarkerTrack& track = content_.tracks.markers[marker];
+  const motion::MarkerSample sample = row ? track.samples[*row] : motion::MarkerSample{};
+  const cv::Rect2d& area = insets_[marker];
+  const cv::Rect2d square(area.x, area.y, area.width, area.width);
+  Box(area, {0.05, 0.05, 0.07}, 0.62);
+  const double left = area.x + 4 * unit_px_;
+  double y = square.y + square.height + line_height_px_ / 2;
+  if (sample.IsKnown()) {
+    DrawMagnified(layer_, luma, sample.position, inset_half_px_, square);
+    const cv::Point2d middle(square.x + square.width / 2, square.y + square.height / 2);
+    DrawCross(middle, sample.status == motion::SampleStatus::kDetected ? 12 : 30, 50, MarkerColour(track.name));
+    DrawEstimate(marker, *row, square);
+  }
+  const bool detected = sample.status == motion::SampleStatus::kDetected;
+  Text(track.name, {left, y}, MarkerColour(track.name));
+  if (!detected) {
+    const std::string state(motion::ToString(sample.status));
+    Text(state, {area.x + area.width - 4 * unit_px_ - TextWidth(state), y}, kWarning);
+  }
+  y += line_height_px_;
+  if (sample.IsKnown()) Text(Accuracy(marker, *row), {left, y}, detected ? kWhite : kDim);
+}
+
+// The leg fit's estimate, where it lies in the inset.
+void OverlayScene::DrawEstimate(std::size_t marker, std::size_t row, const cv::Rect2d& square) {
+  if (!content_.estimates || !content_.estimates->markers[marker].samples[row].IsKnown()) return;
+  const Eigen::Vector2d off =
+      content_.estimates->markers[marker].samples[row].position - content_.tracks.markers[marker].samples[row].position;
+  const double magnified = square.width / (2 * inset_half_px_), radius = 4 * unit_px_;
+  const cv::Point2d centre(square.x + square.width / 2 + off.x() * magnified,
+                           square.y + square.height / 2 + off.y() * magnified);
+  if (!square.contains(centre)) return;
   cairo_new_path(draw_);
-  cairo_arc(draw_, left + radius, y, radius, 0, 2 * CV_PI);
-  SetColour(MarkerColour(marker.name), sample.IsKnown() ? 1 : 0.3);
-  cairo_set_line_width(draw_, 1.5 * unit_px_);
-  sample.status == motion::SampleStatus::kDetected ? cairo_fill(draw_) : cairo_stroke(draw_);
-  const bool missing = !sample.IsKnown();
-  Text(marker.name, {left + 3.2 * radius, y}, missing ? kDim : Colour{1, 1, 1});
-  const std::string state =
-      missing ? "missing" : fmt::format("{} ±{:.2f} px", motion::ToString(sample.status), sample.sigma);
-  Text(state, {right - TextWidth(state), y},
-       sample.status == motion::SampleStatus::kDetected ? kDim : Colour{1, 0.85, 0.35});
+  cairo_arc(draw_, centre.x, centre.y, radius, 0, 2 * CV_PI);
+  SetColour({1, 1, 1}, 0.9);
+  cairo_set_line_width(draw_, 1.2 * unit_px_);
+  cairo_stroke(draw_);
+}
+
+// How far the position is from the leg fit's estimate, and its standard deviation.
+std::string OverlayScene::Accuracy(std::size_t marker, std::size_t row) const {
+  const motion::MarkerSample& sample = content_.tracks.markers[marker].samples[row];
+  const std::string deviation =
+      sample.sigma < kLeastTold_px ? fmt::format("±<{} px", kLeastTold_px) : fmt::format("±{:.2f} px", sample.sigma);
+  if (sample.status != motion::SampleStatus::kDetected || !content_.estimates ||
+      !content_.estimates->markers[marker].samples[row].IsKnown())
+    return deviation;
+  const double off_px = (content_.estimates->markers[marker].samples[row].position - sample.position).norm();
+  return fmt::format("{:.2f} {}", off_px, deviation);
 }
 
 void OverlayScene::Stroke(cv::Point2d from, cv::Point2d to, double width_px) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lake/overlay/overlay_video.h"
+#include "lake/video/video_reader.h"
 #include "overlay_labels.h"
 #include "overlay_layer.h"
 
@@ -19,8 +20,8 @@ class OverlayScene {
   OverlayScene(const OverlayContent& content, const OverlayOptions& options, const video::VideoInfo& recorded,
                cv::Size shown);
 
-  // Lays the drawing for this frame of the file over its picture (VideoFrame::preview).
-  void DrawOnto(cv::Mat& i420, std::int64_t frame, double time_s);
+  // Lays the drawing for this frame of the file over its preview; the insets show its luma.
+  void DrawOnto(video::VideoFrame& frame);
 
  private:
   struct Colour {
@@ -36,16 +37,21 @@ class OverlayScene {
 
   // Sizes that hold for the whole recording.
   void ChooseDecimals();
-  void PlacePanel();
+  void PlacePanelAndInsets();
+  std::vector<cv::Rect2d> LayOut(double width) const;
+  std::size_t MarkersWithin(const cv::Rect2d& block) const;
 
   void DrawTrail(const motion::MarkerTrack& marker, std::size_t row);
   void DrawSkeleton(std::size_t row);
-  void DrawRing(const motion::MarkerTrack& marker, const motion::MarkerSample& sample);
+  void DrawMark(const motion::MarkerTrack& marker, const motion::MarkerSample& sample);
   void DrawAngle(std::size_t row, const motion::LegSample& leg);
   void DrawLabel(const std::string& text, cv::Point2d centre, double radius_px, double alpha);
-  void DrawPanel(std::optional<std::size_t> row, std::int64_t frame, double time_s, const motion::LegSample* leg);
+  void DrawPanel(std::int64_t frame, double time_s, const motion::LegSample* leg);
   void DrawProgress(double y, const motion::LegSample* leg);
-  void DrawState(const motion::MarkerTrack& marker, const motion::MarkerSample& sample, double y);
+  void DrawInset(std::size_t marker, std::optional<std::size_t> row, const cv::Mat& luma);
+  void DrawCross(cv::Point2d centre, double inner, double outer, const Colour& colour);  // radii in units
+  void DrawEstimate(std::size_t marker, std::size_t row, const cv::Rect2d& square);
+  std::string Accuracy(std::size_t marker, std::size_t row) const;  // "0.04 px off the fit, ± 0.05 px"
 
   void Stroke(cv::Point2d from, cv::Point2d to, double width_px);
   void Box(const cv::Rect2d& area, const Colour& colour, double alpha);  // with rounded corners
@@ -64,7 +70,9 @@ class OverlayScene {
   double line_height_px_;         // of text
   double middle_to_base_px_ = 0;  // from the middle of a line of text to its baseline
   int decimals_ = 1;              // of angles
+  double inset_half_px_;          // of the recording, to either side of the marker
   cv::Rect2d panel_;
+  std::vector<cv::Rect2d> insets_;  // one a marker, its lines of text below the square included
 };
 
 }  // namespace lake::overlay

@@ -15,7 +15,7 @@ namespace {
 video::VideoReaderOptions PreviewOptions(const OverlayOptions& options) {
   video::VideoReaderOptions reader = options.reader;
   reader.colour = false;
-  reader.preview_max_width_px = options.max_width_px;
+  reader.preview_max_width_px = options.max_width_px, reader.luma_too = true;
   reader.skip_deblocking = true;
   return reader;
 }
@@ -52,7 +52,7 @@ void WriteOverlayVideo(const std::filesystem::path& video, const OverlayContent&
       writer.emplace(MakeWriter(out, shown, info));
     }
     if (content.anonymise) content.anonymise->Blur(frame.preview, frame.index, info.width);
-    scene->DrawOnto(frame.preview, frame.index, frame.time_s);
+    scene->DrawOnto(frame);
     writer->Write(frame.preview, frame.time_s);
   }
   if (!writer) throw Fail("{}: no frame to draw on", video.string());

@@ -1,8 +1,11 @@
 #include "lake/steps/study_steps.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <utility>
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -126,22 +129,42 @@ class StepProgress {
   double expected_done_s_ = 0, took_s_ = 0;
 };
 
-}  // namespace
-
-void RetireStudyStep(const fs::path& folder, const std::string& step) {
-  RemoveStamp(folder, step);
-  RetireStep(folder, step);
-  std::error_code not_empty;
-  fs::remove(folder, not_empty);
+bool ReadsAllOf(const StudyStep& step, const std::string& earlier) {
+  return std::find(step.whole_steps.begin(), step.whole_steps.end(), earlier) != step.whole_steps.end();
 }
 
-std::string StepRunOptions::ThisProgram() {
-  return fmt::format("lake {} {}", Version(), Sha256OfProgram("/proc/self/exe"));
-}
-
-std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options) {
-  StepProgress progress(steps, options.quiet);
+// The stamps of the steps all outputs of which a step reads.
+std::map<std::string, StepStamp> StampsBefore(const std::vector<StudyStep>& steps, const StudyStep& step) {
   std::map<std::string, StepStamp> stamps;
+  for (const StudyStep& earlier : steps) {
+    if (!ReadsAllOf(step, earlier.name)) continue;
+    std::optional<StepStamp> stamp = ReadStamp(earlier.folder, earlier.name);
+    if (!stamp)
+      throw Fail("step {} ({}): reads what step {} leaves, which has not been done; do that first", step.name,
+                 step.what, earlier.name);
+    stamps[earlier.name] = std::move(*stamp);
+  }
+  return stamps;
+}
+
+bool LiesBelow(const fs::path& path, const fs::path& folder) {
+  const fs::path below = path.lexically_normal().lexically_relative(folder.lexically_normal());
+  return !below.empty() && *below.begin() != "..";
+}
+
+const StudyStep& StepOfName(const std::vector<StudyStep>& steps, const std::string& name) {
+  std::vector<std::string> names;
+  for (const StudyStep& step : steps) {
+    if (step.name == name) return step;
+    names.push_back(step.name);
+  }
+  throw Fail("no step '{}' in this study; it has {}", name, fmt::join(names, ", "));
+}
+
+// `stamps` are those of steps done before.
+std::vector<StepOutcome> RunInOrder(const std::vector<StudyStep>& steps, const StepRunOptions& options,
+                                    std::map<std::string, StepStamp> stamps) {
+  StepProgress progress(steps, options.quiet);
   std::vector<StepOutcome> outcomes;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     ThrowIfInterrupted();
@@ -161,6 +184,56 @@ std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const Ste
     stamps[step.name] = std::move(*stamp);
   }
   return outcomes;
+}
+
+}  // namespace
+
+void RetireStudyStep(const fs::path& folder, const std::string& step) {
+  RemoveStamp(folder, step);
+  RetireStep(folder, step);
+  std::error_code not_empty;
+  fs::remove(folder, not_empty);
+}
+
+std::string StepRunOptions::ThisProgram(const fs::path& program) {
+  return fmt::format("lake {} {}", Version(), Sha256OfProgram(program));
+}
+
+std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options) {
+  return RunInOrder(steps, options, {});
+}
+
+StepOutcome RunStep(const std::vector<StudyStep>& steps, const std::string& name, const StepRunOptions& options) {
+  const StudyStep& step = StepOfName(steps, name);
+  return RunInOrder({step}, options, StampsBefore(steps, step)).front();
+}
+
+std::vector<std::string> StepsBefore(const std::vector<StudyStep>& steps, const StudyStep& step) {
+  std::vector<std::string> names;
+  for (const StudyStep& earlier : steps) {
+    if (earlier.name == step.name) break;
+    const bool reads = std::any_of(step.inputs.begin(), step.inputs.end(),
+                                   [&](const fs::path& input) { return LiesBelow(input, earlier.folder); });
+    if (reads || ReadsAllOf(step, earlier.name)) names.push_back(earlier.name);
+  }
+  return names;
+}
+
+std::vector<std::string> WhyDoSteps(const std::vector<StudyStep>& steps, const std::string& made_by) {
+  std::vector<std::string> reasons;
+  std::map<std::string, StepStamp> done;
+  for (const StudyStep& step : steps) {
+    const std::vector<std::string> before = StepsBefore(steps, step);
+    const auto due =
+        std::find_if(before.begin(), before.end(), [&](const std::string& name) { return !done.contains(name); });
+    std::optional<StepStamp> stamp = ReadStamp(step.folder, step.name);
+    if (due != before.end())
+      reasons.push_back(stamp ? fmt::format("step {} is to be done before", *due) : "not made yet");
+    else
+      reasons.push_back(WhyDoIt(step, stamp, InputsNow(step, stamp, done), made_by));
+    if (reasons.back().empty()) done[step.name] = std::move(*stamp);
+  }
+  return reasons;
 }
 
 }  // namespace lake::steps

@@ -36,14 +36,16 @@ struct OptimizeRunOptions {
   problem::SynthesisProblem problem;
   std::filesystem::path problem_file;  // that it was read from, for the record; empty: none
   synthesis::SynthesisOptions study;
+  std::filesystem::path actuators;  // a catalogue: each of its actuators instead of one problem; empty: none
   std::optional<ReoptimizeRunOptions> reoptimize;
 };
 
 // The problem, its file and how its optimum is sought; the re-optimisation's stand by themselves.
 void Describe(OptimizeRunOptions& o, OptionList& options);
 
-// Writes design.yaml, the tables and figures of the study; returns the results for the summary. Where no design
-// satisfies the problem, the nearest and the reason are written, summary.json included, and SolverError is thrown.
+// Writes design.yaml, the tables and figures of the study, with a load profile assistance.csv and .png; of a catalogue
+// of actuators actuators_front.csv and .png alone. Returns the results for the summary. Where no design satisfies the
+// problem, the nearest and the reason are written, summary.json included, and SolverError is thrown.
 Json RunOptimize(const OptimizeRunOptions& options, Run& run);
 
 }  // namespace lake::commands

@@ -1,6 +1,7 @@
 // The paper's graphical simulation as one run: tables, pictures, animation, plates and the mannequin check of a design.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "lake/drawing/linkage_dxf.h"
 #include "lake/linkage/body.h"
 #include "lake/linkage/design_file.h"
+#include "lake/problem/problem.h"
 
 namespace lake::commands {
 
@@ -17,6 +19,7 @@ struct SimulationOptions {
   std::vector<double> strokes_mm;  // asked for, added to the table
   std::vector<double> angles_deg;  // poses to draw; none: 2, 70, 110 and the largest whole degree, as far as in range
   double knee_torque_nm = 40;      // for the force column, extension
+  std::filesystem::path torques;   // for pin_forces, a torque per stroke or per knee angle; none: knee_torque_nm
   int rows = 201;                  // of the regular grid over the used range
   std::optional<double> body_height_cm;      // default: of a body with this leg, else the paper's average user
   std::optional<double> body_mass_kg;        // default: as heavy for its height as the paper's average user
@@ -25,15 +28,17 @@ struct SimulationOptions {
   double actuator_diameter_mm = 40;
   drawing::PlateOptions plates;
   bool animation = true;
+  problem::SynthesisProblem load;  // of which the profile, the share of it, the actuator and the duration count
 
   void Check() const;  // throws UsageError
 };
 
 void Describe(SimulationOptions& o, OptionList& options);
 
-// Writes angle_vs_stroke.csv/.png/.svg, pose_ANGLE.png/.svg, schematic.svg, animation.mp4/.gif, design.dxf and
-// mannequin.png through the run and returns what goes into the summary. Throws Error naming stroke and gap if the
-// design cannot be assembled at d_min or a stroke asked for, or an angle is out of its range.
+// With a load profile also assistance.csv/.png. Writes angle_vs_stroke.csv/.png/.svg, pin_forces.csv/.png/.svg,
+// pose_ANGLE.png/.svg, schematic.svg, animation.mp4/.gif, design.dxf and mannequin.png through the run and returns what
+// goes into the summary. Throws Error naming stroke and gap if the design cannot be assembled at d_min or a stroke
+// asked for, or an angle is out of its range.
 Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& options, Run& run);
 
 // The main numbers and the table of the poses asked for, as text.

@@ -44,4 +44,16 @@ void Describe(TrackRunOptions& o, OptionList& options);
 // estimates and the measurements beside them.
 Json RunTrack(const TrackRunOptions& options, Run& run);
 
+// The leg fitted to what was tracked.
+struct TrackFit {
+  std::optional<gait::LegFitResult> leg;  // nullopt without ankle, knee and hip among the markers
+  motion::MarkerRecording tracks;         // as tracks.csv has them
+  motion::MarkerRecording estimates;      // the fit's, where they lie in the picture; empty without a leg
+  std::vector<std::string> warnings;
+};
+
+// What RunTrack does once the markers are tracked and corrected, without writing anything: the same detections give the
+// same numbers. Throws as FitLeg does.
+TrackFit FitTracked(const TrackRunOptions& options, const tracking::TrackResult& tracked);
+
 }  // namespace lake::commands

@@ -19,6 +19,18 @@ std::vector<steps::StudyStep> StudySteps(const StudyFile& study, const std::file
 // says, under its name. Throws what a step throws, with the step's name.
 Json RunStudyFile(const StudyFile& study, Run& run);
 
+// One step of the study in its folder, if something that it is made of has changed: those before it must have been
+// done. Writes nothing beside the step's own results, so several may be under way at the same time. Throws as
+// RunStudyFile.
+void RunStudyStep(const StudyFile& study, const std::string& step, const Run& run);
+
+// What would be done, for programs that order the steps themselves (Snakemake): {name, study, out, steps: [{name, what,
+// program, folder, after: names of steps, inputs, outputs: what every run of the step leaves and others go by,
+// due: why it would be done, or null, resources: {threads, memory_mb, minutes}}]}; all paths absolute. `made_by` is
+// lake-run as StepRunOptions has it. Nothing is written.
+Json StudyPlan(const StudyFile& study, const std::filesystem::path& out,
+               const std::string& made_by = steps::StepRunOptions::ThisProgram());
+
 // The main numbers and where the report is, as text.
 std::string StudyText(const Json& summary);
 

@@ -1,6 +1,7 @@
-// study.yaml: a whole study, from the recordings to a better exoskeleton. Paths are relative to the study file.
+// study.yaml: a whole study, from the recordings to a better exoskeleton. Paths are relative to the study file, or to
+// `folder` if there is one.
 //
-//   name, out: texts
+//   name, out, folder: texts
 //   camera: camera.yaml   or   {calibrate: {images | video, board, plane: {image, board | points}}}
 //   human, exo: {video, …} or {trial, …}     exo may be absent
 //   compare: {human_knee, exo_knee, replacement_sd_mm, …}

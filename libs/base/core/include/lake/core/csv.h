@@ -18,6 +18,9 @@ class CsvTable {
   // width, a duplicate column.
   static CsvTable Read(const std::filesystem::path& path, char delimiter = ',');
 
+  // The same of a text; `path` is where messages say it stands.
+  static CsvTable Parse(std::string text, const std::filesystem::path& path, char delimiter = ',');
+
   const std::vector<std::string>& Header() const { return header_; }
   std::size_t Rows() const { return rows_.size(); }
   bool Has(std::string_view column) const;

@@ -12,12 +12,15 @@ namespace lake::problem {
 // A pose of the used range is named by its fraction: 0 standing, 1 at d_min; theta = standing + fraction (range -
 // standing).
 struct WorstPoint {
-  double fraction = 0;
-  double value = 0;  // in the requirement's unit
+  double fraction = 0;  // along the load profile: of the rise, percent / 100
+  double value = 0;     // in the requirement's unit
+  int sample = -1;      // of the load profile
 };
 
-// The local worst points of a requirement of the family kind over the used range, the global one first: the grid's,
-// refined by Brent's minimisation. Empty if the linkage cannot be assembled at d_min or does not reach standing.
+// The local worst points of a requirement of the family kind, the global one first: over the used range the grid's,
+// refined by Brent's minimisation; along the load profile those of its samples that are not straighter than standing,
+// NaN where they are bent more than the linkage can be. Empty if the linkage cannot be assembled at d_min or does not
+// reach standing.
 std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const SynthesisProblem& problem,
                                     const Requirement& requirement);
 
@@ -25,7 +28,7 @@ struct RequirementCheck {
   Requirement requirement;
   double value = 0;     // NaN if it cannot be evaluated: not assembled at d_min, or not able to stand
   double slack = 0;     // distance to the limit, positive if satisfied; -infinity if it cannot be evaluated
-  double fraction = 1;  // where in the used range a family is worst
+  double fraction = 1;  // where in the used range, or in the rise, a family is worst
 };
 
 struct DesignEvaluation {
@@ -45,6 +48,10 @@ struct DesignEvaluation {
 };
 
 DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& problem);
+
+// What the problem's goal makes as large as can be: the range in deg, or the duration in s, negative. NaN where it
+// cannot be had.
+double GoalOf(const SynthesisProblem& problem, const DesignEvaluation& evaluation);
 
 // Fast: bounds and the requirements that are closed form in X (linear, singularity, assembly at d_min, cap), no used
 // range.

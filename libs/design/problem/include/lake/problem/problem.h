@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "lake/linkage/linkage.h"
+#include "lake/problem/linear_actuator.h"
+#include "lake/problem/load_profile.h"
 
 namespace lake::problem {
 
@@ -31,7 +33,7 @@ struct SynthesisProblem {
   double singularity_margin_mm = 0;  // l7 <= l2 + d_min - margin
 
   // Over the whole used range, from d_min until the knee stands at `standing_deg`:
-  double knee_torque_nm = 40;                  // constant load that max_force_n refers to
+  double knee_torque_nm = 40;                  // constant load that max_force_n refers to, without a profile
   std::optional<double> max_force_n;           // actuator force that balances it: the force limit, Kind::kForce below
   std::optional<double> min_moment_arm_mm;     // |dd/dtheta|, mm per rad
   std::optional<double> min_transmission_deg;  // angle between coupler and shank link, and its supplement
@@ -39,8 +41,34 @@ struct SynthesisProblem {
 
   std::optional<double> max_angle_deg;  // anatomical cap on theta(d_min)
 
+  // What the knee needs over a rise, and the actuator's share of it: max_force_n then holds at each of its percents,
+  // for assist x moment / moment arm, and the range reaches its largest angle. A share of 0 is as no profile.
+  std::optional<LoadProfile> profile;
+  std::optional<double> assist;  // 0..1; absent: 1
+
+  // Its force and speed along the profile, and the force that it holds, are limits; its lengths and its largest force
+  // are d_min_mm, d_max_mm and max_force_n once WithActuator() has set them.
+  std::optional<LinearActuator> actuator;
+  bool rests_anywhere = true;        // its holding force at every sample of the profile, else at standing alone
+  std::optional<double> duration_s;  // of the profile's motion, run through evenly; needs profile and actuator
+
+  enum class Goal {
+    kRange,    // the largest range
+    kDuration  // the shortest duration that the actuator allows
+  } goal = Goal::kRange;
+  static constexpr double kLongestDuration_s = 3600;
+
+  bool HasLoadProfile() const { return profile && assist != 0; }
+  bool SeeksDuration() const { return goal == Goal::kDuration; }
+  // Torque in N m, positive in extension, that the actuator balances at a sample of the profile; 0 where the moment is
+  // not known.
+  double TorqueAt(const LoadSample& sample) const;
+
   // Throws Error naming key and value: not finite, not positive, contradictory bounds, negative margins, ...
   void Check() const;
+  // Throws UsageError where a share or a duration is asked for, but no load profile or, for a duration, no actuator
+  // with a known speed is there.
+  void CheckLoad() const;
 };
 
 // One thing a design must satisfy: value >= limit, or value <= limit.
@@ -50,10 +78,13 @@ struct Requirement {
     kOrder,         // larger - smaller link, mm
     kSingularity,   // l2 + d_min - l7, mm
     kMomentArm,     // smallest moment arm over the used range, mm per rad
-    kForce,         // largest actuator force over the used range, N
+    kForce,         // largest actuator force over the used range, or over the load profile, N
     kTransmission,  // smallest transmission angle over the used range, deg
     kMaxStroke,     // stroke at standing_deg, mm
-    kMaxAngle       // theta(d_min), deg
+    kMaxAngle,      // theta(d_min), deg
+    kReach,         // the same, not less than the profile's largest angle
+    kHolding,       // largest force where the actuator may rest, N
+    kDuration       // longest duration that a sample of the profile asks for at the actuator's speed under its force, s
   };
   // Tells it from the others of a problem.
   struct Id {
@@ -67,10 +98,12 @@ struct Requirement {
   bool is_lower_limit = true;            // value >= limit
   double limit = 0;
   std::string unit = "mm";
+  bool along_profile = false;  // of a family: at the samples of the load profile, else over the used range
 
-  // Must hold at every pose of the used range.
+  // Must hold at many poses.
   bool IsFamily() const {
-    return id.kind == Kind::kMomentArm || id.kind == Kind::kForce || id.kind == Kind::kTransmission;
+    return id.kind == Kind::kMomentArm || id.kind == Kind::kForce || id.kind == Kind::kTransmission ||
+           id.kind == Kind::kHolding || id.kind == Kind::kDuration;
   }
   // coefficients . X >= limit
   bool IsLinear() const { return id.kind == Kind::kGrashof || id.kind == Kind::kOrder; }
@@ -85,6 +118,10 @@ struct Requirement {
 // Those that the problem switches on, the paper's fixed ones first. Grashof and singularity are always among them.
 // Evaluate() holds designs against this list; the nonlinear program takes its rows from it (synthesis_program.h).
 std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem);
+
+// The problem with its actuator's lengths and largest force, as far as these are known; tighter limits stay. Throws
+// Error where the actuator's lengths contradict the problem.
+SynthesisProblem WithActuator(SynthesisProblem problem);
 
 // "l1".."l6".
 std::string LinkName(std::size_t index);

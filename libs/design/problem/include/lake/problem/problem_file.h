@@ -2,7 +2,10 @@
 //
 //   d_min_mm, d_max_mm, standing_deg, min_moment_arm_mm, min_transmission_deg, max_angle_deg: numbers
 //   bounds: {l1: [50, 100], ...}     start: {l1: 85, ...}
-//   margins: {grashof_mm, singularity_mm}     load: {knee_torque_nm, max_force_n}
+//   margins: {grashof_mm, singularity_mm}     actuator: NAME or FILE (linear_actuator.h)
+//   load: {knee_torque_nm, max_force_n, profile: loads.json, assist, rest: anywhere|standing, duration_s: number or
+//   free}
+// Paths are relative to the file.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +18,7 @@ namespace lake::problem {
 // Throws Error with file and line: unknown keys, values of another type, what SynthesisProblem::Check() refuses.
 SynthesisProblem ReadProblem(const std::filesystem::path& path);
 
-// As above, from a map inside another file.
-SynthesisProblem ReadProblem(YamlNode node);
+// As above, from a map inside a file in this folder.
+SynthesisProblem ReadProblem(YamlNode node, const std::filesystem::path& folder);
 
 }  // namespace lake::problem

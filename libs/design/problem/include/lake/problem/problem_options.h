@@ -9,4 +9,7 @@ namespace lake::problem {
 // What a command line changes of a problem that was read from a file or is the paper's.
 void Describe(SynthesisProblem& o, OptionList& options);
 
+// Of these what the knee needs, and the actuator that gives it.
+void DescribeLoad(SynthesisProblem& o, OptionList& options);
+
 }  // namespace lake::problem

@@ -1,6 +1,7 @@
 // Solves a re-optimisation from one or many starts, and along its Pareto front of range against misalignment.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +49,15 @@ struct ReoptimizeResult {
 ReoptimizeResult Reoptimize(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
                             const synthesis::OptimizeOptions& options = {});
 
+// The best from the same starts, but no more of them than it takes for all optima to be likely to have been met;
+// nullopt if none is usable.
+std::optional<ReoptimizeSolve> FindOptimum(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
+                                           const synthesis::OptimizeOptions& options);
+
+// Does one of these starts end in a usable solution?
+bool HasSolution(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
+                 const synthesis::OptimizeOptions& options);
+
 // Designs count as equal that differ by no more than this.
 inline constexpr double kEqualRange_deg = 0.01, kEqualMisalignment_percent = 0.1;
 
@@ -73,10 +83,13 @@ struct ParetoPoint {
 
 // The least misalignment for each of `count` least ranges, evenly spaced from that of the least misalignment to the
 // largest range: ends first and last. Swept warm from both ends, and the better of both kept, so the misalignment never
-// falls with the range. Without penalty and limit. Empty if an end could not be solved; points in between that could
-// not be solved are left out.
-std::vector<ParetoPoint> ParetoFront(const ReoptimizeProblem& problem, int count,
-                                     const std::vector<linkage::Links>& links,
-                                     const synthesis::OptimizeOptions& options = {});
+// falls with the range. Without penalty and limit. Empty if an end could not be solved; points in between
+// that could not be solved are left out. `step` is called after each of the SolvesOfSweeps(count) in between.
+std::vector<ParetoPoint> ParetoFront(
+    const ReoptimizeProblem& problem, int count, const std::vector<linkage::Links>& links,
+    const synthesis::OptimizeOptions& options = {}, const std::function<void()>& step = [] {});
+inline int SolvesOfSweeps(int count) {
+  return 2 * (count - 2);
+}
 
 }  // namespace lake::redesign

@@ -35,7 +35,7 @@ class ReoptimizeBuilder : public synthesis::ProgramBuilder {
   ReoptimizeBuilder(const ReoptimizeProblem& problem, const ReoptimizePoint& start, ConstantStart constant_start)
       : problem_(problem), constant_start_(constant_start), point_(start) {}
 
-  synthesis::SynthesisProgram Build(const std::vector<double>& fractions) override;
+  synthesis::SynthesisProgram Build(const synthesis::Collocation& poses) override;
   void MoveTo(const std::vector<double>& x) override;
   const linkage::Links& Links() const override { return point_.links; }
   const ReoptimizePoint& Point() const { return point_; }

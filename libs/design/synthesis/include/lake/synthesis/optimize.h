@@ -31,15 +31,14 @@ struct LocalSolve {
   linkage::Links start, end;
   nlp::NlpSolution solution;  // of the last program
   SynthesisProgram program;
-  std::vector<double> fractions;  // of the used range, collocated in the end
+  Collocation poses;  // collocated in the end
   int exchanges = 0;
   int iterations = 0;  // Ipopt's, over all exchanges
   std::vector<nlp::NlpIteration> history;
-  double seconds = 0;
   problem::DesignEvaluation evaluation;  // of `end`, by the closed form
 
-  // The price of a limit, whether active or not: what raising it by one unit does to what is maximised, in units of the
-  // cost. nullopt where the program has no such limit.
+  // The price of a limit, whether active or not: what raising it by one unit does to what is maximised (the range, or
+  // the duration as a negative number), in units of the cost. nullopt where the program has no such limit.
   std::optional<double> PriceOf(const LimitId& id) const;
   double PriceOf(const Limit& limit) const;
   // Solved, and feasible by the closed form within 1e-6.
@@ -50,8 +49,8 @@ struct LocalSolve {
 class ProgramBuilder {
  public:
   virtual ~ProgramBuilder() = default;
-  // With poses at these fractions of the used range, besides its ends.
-  virtual SynthesisProgram Build(const std::vector<double>& fractions) = 0;
+  // With these poses besides the ends of the used range.
+  virtual SynthesisProgram Build(const Collocation& poses) = 0;
   // The next program starts at x, where the last one ended.
   virtual void MoveTo(const std::vector<double>& x) = 0;
   virtual const linkage::Links& Links() const = 0;  // at which the next program starts
@@ -83,8 +82,9 @@ ActiveSet FindActiveSet(const LocalSolve& solve);
 
 struct SynthesisResult {
   std::vector<LocalSolve> starts;  // in order of starting
-  std::vector<int> basin;          // of each start: the same number for the same range within 0.01 deg; -1 unusable
-  int best = -1;                   // index of the best usable start; -1: none
+  std::vector<int> basin;  // of each start: the same number for the same range within 0.01 deg, or duration within 0.1
+                           // %; -1 unusable
+  int best = -1;           // index of the best usable start; -1: none
 
   const LocalSolve& Best() const { return starts.at(best); }
   const LocalSolve& BestOrFirst() const { return starts.at(best >= 0 ? best : 0); }

@@ -27,6 +27,7 @@ struct PoseVariables {
   LinkVariables links;
   int stroke, phi, range;
   double fraction = 1, standing_rad = 0;
+  std::string place;  // as its rows are named: " at 0.25"
 
   // l1..l6, stroke, phi, range: what the terms of a pose take.
   std::array<int, 9> All() const;
@@ -50,13 +51,20 @@ void AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, con
 // u.R' > 0: bar and coupler are not in line, where the knee angle turns back and poses of two branches meet.
 void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose);
 
-// The requirement at one pose, against the variable `limit`: kMomentArm, kForce or kTransmission.
+// The requirement at one pose, against the variable `limit`: kMomentArm, kForce, kHolding or kTransmission.
 //   moment arm  (u.S')(w.R') / d >= limit (u.R')
 //   force       limit (u.S')(w.R') / d >= torque (u.R')
 //   sine of the transmission angle >= sin(limit)
 // w = R - M, u = S - R; R' and S' by phi and kappa. Multiplied out, so smooth also where the moment arm is infinite.
 void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
                   int limit, double knee_torque_nm);
+
+// A speed line of the actuator at one pose, r = (u.S')(w.R') / (d (u.R')) its moment arm, against the variable
+// `duration`:
+//   duration (at_rest r - per_newton torque) >= rad_per_rise r^2      times (u.R')^2
+// torque and rad_per_rise are magnitudes.
+void AddDurationRow(nlp::NonlinearProgram& program, const PoseVariables& pose, int duration,
+                    const problem::SpeedLine& line, double knee_torque_nm, double rad_per_rise);
 
 // coefficients . X, as a term of `row`.
 void AddLinearTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links,

@@ -45,7 +45,7 @@ struct SynthesisOutcome {
   std::optional<certificate::Certificate> certificate;
   bool certificate_ignores_used_range = false;  // the bound leaves requirements over the used range out
   std::vector<problem::SensitivityPoint> sensitivity;
-  std::vector<MarginPoint> margins;
+  std::vector<MarginPoint> margins;  // none where the duration is what is sought
   std::optional<problem::Yield> yield, start_yield;
   std::optional<problem::RoundedDesign> rounded;
 

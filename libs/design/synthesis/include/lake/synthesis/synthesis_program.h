@@ -1,19 +1,21 @@
 // The nonlinear program of a synthesis problem, in standard form:
 //
-//   min   -(180 / pi) theta                                       cost, deg
+//   min   -(180 / pi) theta                                       cost, deg; or the duration, s
 //    x
 //   s.t.  |R - M|^2 = d_min^2,  |R - S|^2 = l1^2                  loops, as equations: smooth on the singular surfaces
 //         alpha2 >= 0, beta2 >= 0                                 the assembled branch
 //         coefficients . X >= limit                               Grashof, order
 //         l2 + d_min - l7 >= m                                    singularity; left out at m = 0, where the loop
-//         implies it family(X, pose_k) >= limit          k = 1..K            at fractions of the used range, each with
-//         its own loops no turning between coupler and bar at these poses lower <= X <= upper
+//         implies it family(X, pose_k) >= limit          k = 1..K            at fractions of the used range, and at
+//         samples of the load profile, each with its own loops no turning between coupler and bar at these poses lower
+//         <= X <= upper
 //   x = (l1..l6, theta, d, phi; d_k, phi_k)
 //
-// Elastic: every limit may be moved by a slack >= 0, and the cost is the sum of the slacks in mm, deg or 1 % of a force
-// limit (an l1 penalty: few limits move).
+// Elastic: every limit may be moved by a slack >= 0, and the cost is the sum of the slacks in mm, deg or 1 % of a
+// force or duration limit (an l1 penalty: few limits move).
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -29,12 +31,24 @@ enum class Elasticity {
   kEverything     // bounds and d_min too
 };
 
+// The poses, besides d_min itself, that carry rows: fractions of the used range, and samples of the load profile.
+struct Collocation {
+  std::vector<double> fractions;
+  std::vector<int> samples;
+
+  Collocation() = default;
+  Collocation(std::initializer_list<double> fractions) : fractions(fractions) {}
+  std::size_t Size() const { return fractions.size() + samples.size(); }
+};
+
 // A requirement, and where the program keeps it.
 struct RequirementRow {
   problem::Requirement requirement;
   int row = -1;           // its limit; -1: left out (singularity at m = 0)
-  int slack = -1;         // variable, if elastic
+  int slack = -1;         // variable, if elastic; -1: does not give way
   int family_limit = -1;  // variable, of a family: the limit that all its poses refer to
+
+  double SlackAt(const std::vector<double>& x) const { return slack < 0 ? 0 : x[slack]; }
 };
 
 // A link bound or d_min that gives way (Elasticity::kEverything).
@@ -85,13 +99,13 @@ struct SynthesisProgram {
   const Limit* Find(const LimitId& id) const;
 };
 
-// `fractions` of the used range at which families are collocated, besides d_min itself; standing (0) is added where it
-// is needed. `range_weight`: of -range in the cost, unless it is elastic.
+// Families are collocated at `poses`; standing (0) is added where it is needed. `range_weight`: of -range in the cost,
+// unless it is elastic; where the duration is what is sought, it only decides between equals.
 SynthesisProgram BuildProgram(const problem::SynthesisProblem& problem, const linkage::Links& start,
-                              const std::vector<double>& fractions, Elasticity elasticity = Elasticity::kNone,
+                              const Collocation& poses, Elasticity elasticity = Elasticity::kNone,
                               double range_weight = 1);
 
-// The size of slack that costs 1: a millimetre, a degree, 1 % of a force.
+// The size of slack that costs 1: a millimetre, a degree, 1 % of a force or a duration.
 double SlackUnit(const problem::Requirement& requirement);
 
 }  // namespace lake::synthesis

@@ -80,7 +80,6 @@ struct LegFitSummary {
   bool usable = false;
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;
-  double seconds = 0;  // of everything
   double knot_step_s = 0;
   double cutoff_hz = 0;     // of the low-pass that the knee's smoothing amounts to
   double residual_rms = 0;  // in sigmas, outliers apart

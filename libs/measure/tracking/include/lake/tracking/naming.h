@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "lake/motion/marker_recording.h"
@@ -15,7 +16,7 @@
 namespace lake::tracking {
 
 // The markers of the leg, from the ground up.
-inline constexpr std::array<const char*, 4> kLegMarkers = {"ankle", "knee", "hip", "waist"};
+inline constexpr std::array<std::string_view, 4> kLegMarkers = {"ankle", "knee", "hip", "waist"};
 
 struct NamingOptions {
   std::vector<std::string> names;

@@ -48,7 +48,8 @@ struct VideoFrame {
 
 struct VideoReaderOptions {
   bool colour = false;             // also give bgr
-  int preview_max_width_px = 0;    // if set: give `preview`, at most this wide, and neither luma nor bgr
+  int preview_max_width_px = 0;    // if set: give `preview`, at most this wide, and neither luma nor bgr …
+  bool luma_too = false;           // … but luma if this is set
   bool preview_as_stored = false;  // 8-bit 4:2:0 video that is not made smaller keeps its samples: for a copy
   bool skip_deblocking = false;    // leave out the decoder's loop filter: quicker, but block edges show and errors
                                    // grow until the next key frame. For looking at, never for measuring

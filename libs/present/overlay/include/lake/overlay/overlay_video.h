@@ -1,4 +1,5 @@
-// The recording with what was found in it drawn on top: skeleton, markers, trails, knee angle, state.
+// The recording with what was found in it drawn on top: skeleton, markers, trails, knee angle, and each marker
+// magnified.
 #pragma once
 
 #include <filesystem>
@@ -17,6 +18,7 @@ struct OverlayContent {
   const motion::MarkerRecording& tracks;                  // px
   const motion::LegMotion* motion = nullptr;              // angles and repetitions; may be absent
   const std::vector<motion::StsEvent>* events = nullptr;  // may be absent
+  const motion::MarkerRecording* estimates = nullptr;     // the leg fit's, px, same frames and markers; may be absent
   const HeadBlur* anonymise = nullptr;                    // blurs the head; may be absent
   std::string note = {};                                  // a line in the panel of every frame
 };
@@ -28,9 +30,11 @@ struct OverlayOptions {
   video::VideoReaderOptions reader = {};  // which frames, and their time; as for tracking
 };
 
-// Decodes the video again and writes H.264 in MP4 with the video's own time stamps. Marker: solid ring = detected,
-// dashed ring = filled, none = missing; arc: knee flexion, 0° straight, ± one standard deviation. Throws Error as
-// VideoReader and VideoWriter do, and if the tracks are in mm; then there is no file.
+// Decodes the video again and writes H.264 in MP4 with the video's own time stamps. Marker: thin cross, open
+// where the marker is = detected, dashed ring = filled, none = missing; arc: knee flexion, 0° straight, ± one standard
+// deviation. Insets: each marker as it was recorded, magnified; the cross is its position, the small ring the leg fit's
+// estimate, and below stand their distance and the position's standard deviation. Throws Error as VideoReader and
+// VideoWriter do, and if the tracks are in mm; then there is no file.
 void WriteOverlayVideo(const std::filesystem::path& video, const OverlayContent& content, const OverlayOptions& options,
                        const std::filesystem::path& out);
 

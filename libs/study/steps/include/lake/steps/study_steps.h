@@ -32,9 +32,9 @@ struct StepRunOptions {
   bool quiet = false;                     // no progress
   std::vector<std::string> subject = {};  // the study file, for the folders' lists of results
 
-  // Version and content hash of the running program, but for the commit that it names: a commit that changes nothing
-  // in the program makes no step be done again.
-  static std::string ThisProgram();
+  // Version and content hash of a program, by default the running one, but for the commit that it names: a commit that
+  // changes nothing in the program makes no step be done again.
+  static std::string ThisProgram(const std::filesystem::path& program = "/proc/self/exe");
 };
 
 struct StepOutcome {
@@ -51,5 +51,18 @@ void RetireStudyStep(const std::filesystem::path& folder, const std::string& ste
 // of the cause's type, its text names the step and what it is about; steps before it stay, those after it are not
 // begun. While a step is under way it has no stamp, and the outputs of its last time are gone.
 std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options);
+
+// One of them, if something that it is made of has changed; those before it must have been done and are not looked at.
+// Several steps may be under way at the same time, each in a process of its own. Throws as RunSteps, Error if there is
+// no such step or if one all outputs of which it reads has not been done.
+StepOutcome RunStep(const std::vector<StudyStep>& steps, const std::string& name, const StepRunOptions& options);
+
+// The earlier steps that a step reads outputs of.
+std::vector<std::string> StepsBefore(const std::vector<StudyStep>& steps, const StudyStep& step);
+
+// Why each step would be done by RunSteps, empty if it would not be: what has changed, or that a step before it is to
+// be done (whose outputs may come out the same). Nothing is done or written.
+std::vector<std::string> WhyDoSteps(const std::vector<StudyStep>& steps,
+                                    const std::string& made_by = StepRunOptions::ThisProgram());
 
 }  // namespace lake::steps

@@ -1,0 +1,15 @@
+// lake-cohort: the studies of many people, and what they say as a group.
+#include "lake/cohort/run_cohort.h"
+#include "program.h"
+
+int main(int argc, char** argv) {
+  lake::Program program("lake-cohort", "The studies of many people, and what they say as a group",
+                        "lake-cohort my-cohort my-cohort/derivatives/lake group --cores 4");
+  lake::cohort::CohortRunOptions options;
+  program.Cli().add_option("folder", options.source, "The cohort: participants.tsv, cohort.yaml, sourcedata/");
+  program.TakeOutByPlace();
+  program.Add(lake::OptionsOf(options));
+  return program.Main(
+      argc, argv, [] { return std::string("cohort"); },
+      [&](lake::Run& run) { return lake::cohort::RunCohort(options, run); }, lake::cohort::CohortText);
+}

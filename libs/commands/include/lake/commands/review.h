@@ -1,0 +1,28 @@
+// The work of lake-review: a local page on which a trial is looked at and corrected, or a video's markers are named.
+#pragma once
+
+#include <filesystem>
+
+#include "lake/commands/tracked_folder.h"
+#include "lake/core/options.h"
+#include "lake/review/review.h"
+
+namespace lake::commands {
+
+struct ReviewRunOptions {
+  std::filesystem::path subject;  // a lake-track folder, or a video
+  int port = 0;                   // 0: any that is free
+  bool open = false;              // in the person's browser
+};
+
+void Describe(ReviewRunOptions& o, OptionList& options);
+
+// The trial of a folder, for the page: its fit is lake-track's, and each correction is saved in the folder.
+review::ReviewedTrial ReviewedTrialOf(TrackedFolder folder);
+
+// Prints the page's address and serves it until its last window is closed. Corrections are written into the folder:
+// corrections.csv and review.json. Of a video, tracking runs `programs`/lake-track into its default folder. Throws
+// Error, also where the port is taken; Interrupted once a signal has arrived.
+void RunReview(const ReviewRunOptions& options, const std::filesystem::path& programs);
+
+}  // namespace lake::commands

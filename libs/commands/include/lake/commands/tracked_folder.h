@@ -1,0 +1,34 @@
+// A lake-track folder as it was made: its recording, what it was told, and what a person corrected in it since.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lake/commands/track.h"
+#include "lake/motion/corrections.h"
+#include "lake/tracking/track_markers.h"
+
+namespace lake::commands {
+
+struct TrackedFolder {
+  std::filesystem::path folder;
+  TrackRunOptions options;                // with the inputs where they are now
+  tracking::TrackResult tracked;          // what the detector measured, before any correction
+  std::vector<motion::Correction> made;   // corrections.csv in the folder
+  std::vector<motion::Correction> known;  // detector's samples of all that lake-review ever corrected there
+  std::string command;                    // tracks again with corrections.csv
+};
+
+// Throws Error: not such a folder, a file of it or its video is not to be found or has changed, or it was tracked with
+// corrections that lake-review did not make.
+TrackedFolder ReadTrackedFolder(const std::filesystem::path& folder);
+
+// Writes corrections.csv, and review.json, which keeps what they and those before them replaced. Throws Error (a full
+// disk, a folder that cannot be written); each file is either the new one or the old one then.
+void SaveCorrections(TrackedFolder& folder, const std::vector<motion::Correction>& corrections);
+
+// A word as a shell takes it for one.
+std::string ShellWord(const std::string& word);
+
+}  // namespace lake::commands

@@ -1,0 +1,90 @@
+#include "actuator_front_tables.h"
+
+#include <cmath>
+
+#include "lake/core/csv.h"
+#include "optimum_tables.h"
+
+namespace lake::commands {
+namespace {
+
+using problem::AssistanceRow;
+
+const char* StatusOf(const synthesis::ActuatorCurve& curve, const synthesis::FrontPoint& point) {
+  if (!point.solved) return "no design";
+  if (!curve.Actuator().HasSpeed()) return "speed not known";
+  return curve.Actuator().HasForceSpeedLaw() ? "solved" : "lower bound";
+}
+
+std::optional<double> Finite(double value) {
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+double Magnitude(const problem::Assistance& assistance, double AssistanceRow::*column) {
+  const AssistanceRow* row = assistance.Largest(column);
+  return row ? std::abs(row->*column) : AssistanceRow::kUnknown;
+}
+
+void AddSolved(const synthesis::ActuatorCurve& curve, const synthesis::FrontPoint& point, CsvWriter& table) {
+  const problem::Assistance& assistance = point.assistance;
+  table.Add(Finite(assistance.shortest_s)).Add(Finite(assistance.bound_s));
+  table.Add(Finite(assistance.limiting_percent)).Add(point.is_on_front ? 1 : 0).Add(point.range_deg);
+  table.Add(Finite(Magnitude(assistance, &AssistanceRow::force_n)));
+  if (curve.Actuator().HasSpeed())
+    table.Add(Finite(Magnitude(assistance, &AssistanceRow::speed_mm_s)))
+        .Add(Finite(Magnitude(assistance, &AssistanceRow::power_w)));
+  else
+    table.AddEmpty().AddEmpty();
+  table.Add(curve.problem.d_min_mm);
+  AddLinkCells(table, point.links);
+}
+
+}  // namespace
+
+void WriteActuatorFront(const std::vector<synthesis::ActuatorCurve>& curves, const std::filesystem::path& path) {
+  std::vector<std::string> header = {
+      "actuator", "assist",    "status",       "duration_s",      "any_linkage_duration_s", "limiting_percent",
+      "on_front", "range_deg", "peak_force_n", "peak_speed_mm_s", "peak_power_w",           "d_min_mm"};
+  for (const std::string& link : LinkColumns("")) header.push_back(link);
+  header.push_back("reason");
+  CsvWriter table(header);
+  constexpr int kOfSolved = 15;
+  for (const synthesis::ActuatorCurve& curve : curves)
+    for (const synthesis::FrontPoint& point : curve.points) {
+      table.Add(curve.Actuator().name).Add(point.assist).Add(StatusOf(curve, point));
+      if (point.solved)
+        AddSolved(curve, point, table);
+      else
+        for (int i = 0; i < kOfSolved; ++i) table.AddEmpty();
+      point.solved ? table.AddEmpty() : table.Add(curve.failing);
+      table.EndRow();
+    }
+  table.Write(path);
+}
+
+Json ActuatorFrontJson(const std::vector<synthesis::ActuatorCurve>& curves, const problem::SynthesisProblem& problem) {
+  Json actuators = Json::array();
+  for (const synthesis::ActuatorCurve& curve : curves) {
+    Json points = Json::array();
+    for (const synthesis::FrontPoint& point : curve.points)
+      if (point.solved)
+        points.push_back({{"assist", point.assist},
+                          {"shortest_duration_s", NumberOrNull(point.assistance.shortest_s)},
+                          {"limiting_percent", NumberOrNull(point.assistance.limiting_percent)},
+                          {"on_front", point.is_on_front}});
+    actuators.push_back({{"name", curve.Actuator().name},
+                         {"source", curve.Actuator().source},
+                         {"speed_is_known", curve.Actuator().HasSpeed()},
+                         {"speed_under_load_is_known", curve.Actuator().HasForceSpeedLaw()},
+                         {"mass_g", NumberOrNull(curve.Actuator().mass_g)},
+                         {"points", points},
+                         {"largest_assist", curve.Last() ? Json(curve.Last()->assist) : Json()},
+                         {"reason", curve.failing.empty() ? Json() : Json(curve.failing)},
+                         {"limits", curve.limits}});
+  }
+  return {{"profile", problem.profile->file.string()},
+          {"own_duration_s", problem.profile->duration_s},
+          {"actuators", actuators}};
+}
+
+}  // namespace lake::commands

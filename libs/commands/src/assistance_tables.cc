@@ -1,0 +1,110 @@
+#include "assistance_tables.h"
+
+#include <cmath>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/figure/assistance_figures.h"
+#include "optimum_tables.h"
+
+namespace lake::commands {
+namespace {
+
+using problem::AssistanceRow;
+
+void WriteTable(const problem::Assistance& assistance, const std::filesystem::path& path) {
+  CsvWriter table({"percent", "time_s", "knee_deg", "knee_nm", "stroke_mm", "moment_arm_mm", "force_n", "speed_mm_s",
+                   "power_w", "least_duration_s"});
+  for (const AssistanceRow& row : assistance.rows) {
+    for (const double value : {row.percent, row.time_s, row.knee_deg, row.knee_nm, row.stroke_mm, row.moment_arm_mm,
+                               row.force_n, row.speed_mm_s, row.power_w, row.least_duration_s})
+      table.Add(std::isfinite(value) ? std::optional(value) : std::nullopt);
+    table.EndRow();
+  }
+  table.Write(path);
+}
+
+Json PeakJson(const problem::Assistance& assistance, double AssistanceRow::*column) {
+  const AssistanceRow* row = assistance.Largest(column);
+  if (!row) return nullptr;
+  return {{"value", NumberOrNull(row->*column)}, {"percent", row->percent}, {"knee_deg", row->knee_deg}};
+}
+
+// Work of the actuator where it drives, trapezoids over the rows known.
+double DrivenEnergy(const problem::Assistance& assistance) {
+  double energy_j = 0;
+  for (std::size_t i = 1; i < assistance.rows.size(); ++i) {
+    const AssistanceRow &from = assistance.rows[i - 1], &to = assistance.rows[i];
+    if (std::isfinite(from.power_w) && std::isfinite(to.power_w))
+      energy_j += (std::max(0.0, from.power_w) + std::max(0.0, to.power_w)) / 2 * (to.time_s - from.time_s);
+  }
+  return energy_j;
+}
+
+Json ActuatorJson(const problem::LinearActuator& actuator, double duration_s) {
+  Json json = {{"name", actuator.name},
+               {"maker", actuator.maker},
+               {"source", actuator.source},
+               {"closed_mm", NumberOrNull(actuator.closed_mm)},
+               {"stroke_mm", NumberOrNull(actuator.stroke_mm)},
+               {"lifting_force_n", NumberOrNull(actuator.LiftingForce())},
+               {"no_load_speed_mm_s", NumberOrNull(actuator.no_load_speed_mm_s)},
+               {"speed_under_load_is_known", actuator.HasForceSpeedLaw()},
+               {"holding_force_n", NumberOrNull(actuator.holding_force_n)},
+               {"mass_g", NumberOrNull(actuator.mass_g)},
+               {"duty_cycle_percent", NumberOrNull(actuator.duty_cycle_percent)}};
+  // After a rise it must not run for so long.
+  json["pause_s"] = actuator.duty_cycle_percent && std::isfinite(duration_s)
+                        ? Json(duration_s * (100 / *actuator.duty_cycle_percent - 1))
+                        : Json();
+  return json;
+}
+
+}  // namespace
+
+std::string AssistanceText(const problem::Assistance& assistance, const problem::SynthesisProblem& problem) {
+  const double share = 100 * problem.assist.value_or(1), own_s = problem.profile->duration_s;
+  const AssistanceRow* force = assistance.Largest(&AssistanceRow::force_n);
+  const std::string most =
+      force ? fmt::format("at most {:.0f} N, at {:.0f} % of the rise", std::abs(force->force_n), force->percent) : "";
+  if (!problem.actuator) return fmt::format("{:.0f} % of what the knee needs take {}", share, most);
+  const std::string& name = problem.actuator->name;
+  if (std::isnan(assistance.shortest_s))
+    return fmt::format("{}: {:.0f} % of what the knee needs take {}; how fast it is is not known", name, share, most);
+  if (std::isinf(assistance.shortest_s))
+    return fmt::format("{} cannot give {:.0f} % of what the knee needs with this linkage: that takes {}", name, share,
+                       most);
+  std::string text = fmt::format(
+      "{} gives {:.0f} % of what the knee needs in a rise of {:.2f} s or longer (the person's own: {:.2f} s); its "
+      "speed "
+      "decides at {:.0f} %, {}",
+      name, share, assistance.shortest_s, own_s, assistance.limiting_percent, most);
+  if (!assistance.speed_under_load_is_known)
+    text += "; its speed under load is not known, so this is a lower bound";
+  else if (std::isfinite(assistance.bound_s))
+    text += fmt::format("; its power allows {:.2f} s with no linkage at all", assistance.bound_s);
+  return text;
+}
+
+Json WriteAssistance(const problem::Assistance& assistance, const problem::SynthesisProblem& problem, Run& run) {
+  WriteTable(assistance, run.Result("assistance.csv"));
+  figure::DrawAssistance(run.Result("assistance.png"), assistance, problem);
+  Json json = {{"text", AssistanceText(assistance, problem)},
+               {"profile", problem.profile->file.string()},
+               {"assist", problem.assist.value_or(1)},
+               {"actuator", problem.actuator ? ActuatorJson(*problem.actuator, assistance.duration_s) : Json()},
+               {"own_duration_s", problem.profile->duration_s},
+               {"duration_s", assistance.duration_s},
+               {"shortest_duration_s", NumberOrNull(assistance.shortest_s)},
+               {"shortest_is_lower_bound", problem.actuator && !assistance.speed_under_load_is_known},
+               {"limiting_percent", NumberOrNull(assistance.limiting_percent)},
+               {"any_linkage_duration_s", NumberOrNull(assistance.bound_s)},
+               {"any_linkage_percent", NumberOrNull(assistance.bound_percent)}};
+  json["force_n"] = PeakJson(assistance, &AssistanceRow::force_n);
+  json["speed_mm_s"] = PeakJson(assistance, &AssistanceRow::speed_mm_s);
+  json["power_w"] = PeakJson(assistance, &AssistanceRow::power_w);
+  json["driven_energy_j"] = DrivenEnergy(assistance);
+  return json;
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,218 @@
+#include "lake/commands/tracked_folder.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "lake/core/error.h"
+#include "lake/core/provenance.h"
+#include "lake/core/yaml.h"
+#include "lake/video/video_files.h"
+
+namespace lake::commands {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kCorrections = "corrections.csv";
+constexpr const char* kReview = "review.json";
+
+Json ReadSummary(const fs::path& folder) {
+  const std::optional<fs::path> path = FindResult(folder, "summary.json");
+  Json summary = path ? ReadJsonFile(*path) : Json::object();
+  if (summary.value("program", "") != "lake-track")
+    throw Fail("{}: is not a folder of lake track's (no summary.json of it)", folder.string());
+  if (!FindResult(folder, "tracks.csv"))
+    throw Fail("{}: holds no tracks.csv; start with the video instead, and name the markers there", folder.string());
+  return summary;
+}
+
+// A run of its own keeps the options of its command line, a study's step those of its section of the study file.
+void ReadOptionsOf(const fs::path& folder, const Json& said, OptionList& list) {
+  if (!said.contains("out")) {
+    YamlNode summary = YamlNode::ReadFile(folder / "summary.json");
+    YamlNode options = *summary.Child("options");
+    return ReadOptions(options, list, [](const YamlNode& node, const Option&) { return OptionTexts{node.AsText()}; });
+  }
+  for (Option& option : list.All()) {
+    const auto value = said.find(option.Name());
+    if (value == said.end()) continue;
+    const OptionTexts texts = value->is_array() ? value->get<OptionTexts>() : OptionTexts{value->get<std::string>()};
+    if (texts != OptionTexts{""} && texts != OptionTexts{option.DefaultText()}) option.Give(texts);
+  }
+  list.Apply();
+}
+
+// Inputs are named as from the folder in which the run was started: the present one, or one above the results.
+fs::path FindInput(const Json& input, const fs::path& results) {
+  const fs::path path = input.at("path").get<std::string>();
+  std::vector<fs::path> places = {fs::current_path()};
+  for (fs::path place = fs::absolute(results).lexically_normal(); place.has_relative_path();
+       place = place.parent_path())
+    places.push_back(place);
+  bool is_there = false;
+  for (const fs::path& place : places) {
+    const fs::path candidate = place / path;
+    std::error_code error;
+    if (!fs::exists(candidate, error)) continue;
+    is_there = true;
+    if (Sha256OfFile(candidate) == input.at("sha256")) return candidate.lexically_normal();
+  }
+  throw is_there ? Fail("{}: has changed since {} was tracked; track it again", path.string(), results.string())
+                 : Fail("{}: is not to be found; start lake review in the folder in which {} was tracked",
+                        path.string(), results.string());
+}
+
+void ResolveInputs(const Json& inputs, const fs::path& folder, bool is_study, TrackRunOptions& options) {
+  const std::string file = options.video.filename().string();
+  const fs::path found = FindInput(inputs.at(0), folder);
+  options.video = fs::is_directory(found) ? found / file : found;
+  const bool has_camera = options.camera || (is_study && inputs.size() > (options.corrections ? 2 : 1));
+  if (has_camera) options.camera = FindInput(inputs.at(1), folder);
+}
+
+std::string CommandOf(const OptionList& list, const TrackRunOptions& options, const fs::path& folder) {
+  const fs::path corrections = folder / kCorrections;
+  std::string command = "lake track " + ShellWord(options.video.string());
+  if (options.camera) command += " --camera " + ShellWord(options.camera->string());
+  for (const Option& option : list.All()) {
+    const std::string& name = option.Name();
+    if (option.Given().empty() || option.IsOperand() || name == "camera" || name == "corrections") continue;
+    if (option.IsFlag()) {
+      const bool is_on = option.Given().front() == "true";
+      if (is_on || option.HasNegation()) command += (is_on ? " --" : " --no-") + name;
+      continue;
+    }
+    for (const std::string& text : option.Given()) command += " --" + name + " " + ShellWord(text);
+  }
+  return fmt::format("{} --corrections {} -o {}", command, ShellWord(corrections.string()), ShellWord(folder.string()));
+}
+
+using Cell = std::pair<std::int64_t, std::string>;
+
+Json SampleJson(const motion::Correction& correction) {
+  Json json = {{"frame", correction.frame}, {"marker", correction.marker}};
+  const motion::MarkerSample& sample = correction.sample;
+  json["x_px"] = sample.IsKnown() ? Json(sample.position.x()) : Json();
+  json["y_px"] = sample.IsKnown() ? Json(sample.position.y()) : Json();
+  json["sigma_px"] = sample.IsKnown() ? Json(sample.sigma) : Json();
+  return json;
+}
+
+motion::Correction SampleFrom(const Json& json) {
+  motion::Correction correction{json.at("frame"), json.at("marker"), {}};
+  if (!json.at("x_px").is_null())
+    correction.sample = {{json.at("x_px").get<double>(), json.at("y_px").get<double>()},
+                         json.at("sigma_px").get<double>(),
+                         motion::SampleStatus::kDetected};
+  return correction;
+}
+
+std::vector<motion::Correction> ReadReplaced(const fs::path& folder) {
+  const fs::path path = folder / kReview;
+  if (!fs::exists(path)) return {};
+  std::vector<motion::Correction> replaced;
+  try {
+    const Json review = ReadJsonFile(path);
+    for (const Json& json : review.at("replaced")) replaced.push_back(SampleFrom(json));
+  } catch (const nlohmann::json::exception& error) {
+    throw Fail("{}: is not what lake review writes ({})", path.string(), error.what());
+  }
+  return replaced;
+}
+
+// What the tracks were corrected with must be known to lake-review, or the detector's own positions are lost.
+void CheckAreKnown(const TrackedFolder& result) {
+  if (!result.options.corrections) return;
+  std::map<Cell, bool> known;
+  for (const motion::Correction& correction : result.known) known[{correction.frame, correction.marker}] = true;
+  for (const motion::Correction& correction : result.made)
+    if (!known.contains({correction.frame, correction.marker}))
+      throw Fail(
+          "{}: was tracked with corrections that lake review did not make, and does not hold what they replaced; track "
+          "it without --corrections, put that file into the folder as {}, and review it then",
+          result.folder.string(), kCorrections);
+}
+
+std::vector<motion::Correction> ReadMade(const TrackedFolder& result) {
+  const fs::path path = result.folder / kCorrections;
+  const fs::path file = fs::exists(path) ? path : result.options.corrections.value_or(path);
+  if (!fs::exists(file)) return {};
+  return motion::ReadCorrections(file, result.options.track.names, result.tracked.video.width,
+                                 result.tracked.video.height);
+}
+
+void ReadTracked(const fs::path& folder, const Json& summary, TrackedFolder& result) {
+  tracking::TrackResult& tracked = result.tracked;
+  tracked.recording = motion::Measurements(motion::ReadMarkerCsv(folder / "tracks.csv"));
+  tracked.video = video::VideoReader::Open(result.options.video, result.options.track.reader)->Info();
+  const Json& video = summary.at("video");
+  const bool is_told = video.contains("repeated_frame_numbers") && summary.at("tracking").contains("up_px");
+  if (!is_told) throw Fail("{}: was made by an older version of lake track; track it again", folder.string());
+  tracked.times.repeated = video.at("repeated_frame_numbers").get<std::vector<std::int64_t>>();
+  const Json& up = summary.at("tracking").at("up_px");
+  tracked.up_px = {up.at(0).get<double>(), up.at(1).get<double>()};
+}
+
+}  // namespace
+
+std::string ShellWord(const std::string& word) {
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
+TrackedFolder ReadTrackedFolder(const fs::path& folder) {
+  TrackedFolder result;
+  result.folder = folder;
+  const Json summary = ReadSummary(folder);
+  try {
+    const Json& said = summary.at("options");
+    const bool is_study = !said.contains("out");
+    OptionList list = OptionsOf(result.options);
+    ReadOptionsOf(folder, said, list);
+    ResolveInputs(summary.at("inputs"), folder, is_study, result.options);
+    ReadTracked(folder, summary, result);
+    result.command = is_study ? fmt::format("in its section of the study file: corrections: {}",
+                                            fs::absolute(folder / kCorrections).lexically_normal().string())
+                              : CommandOf(list, result.options, folder);
+  } catch (const nlohmann::json::exception& error) {
+    throw Fail("{}: is not a summary as lake track writes it ({})", (folder / "summary.json").string(), error.what());
+  }
+  result.known = ReadReplaced(folder);
+  result.made = ReadMade(result);
+  CheckAreKnown(result);
+  motion::ApplyCorrections(result.known, result.tracked.recording);
+  return result;
+}
+
+void SaveCorrections(TrackedFolder& folder, const std::vector<motion::Correction>& corrections) {
+  std::map<Cell, motion::Correction> replaced;
+  for (const motion::Correction& known : folder.known) replaced[{known.frame, known.marker}] = known;
+  const motion::MarkerRecording& detected = folder.tracked.recording;
+  for (const motion::Correction& made : corrections) {
+    const auto row =
+        std::lower_bound(detected.frame.begin(), detected.frame.end(), made.frame) - detected.frame.begin();
+    const motion::MarkerSample& sample = detected.Find(made.marker)->samples[static_cast<std::size_t>(row)];
+    replaced.try_emplace({made.frame, made.marker}, motion::Correction{made.frame, made.marker, sample});
+  }
+  Json review = {{"program", "lake-review"},
+                 {"version", Version()},
+                 {"video", folder.options.video.string()},
+                 {"corrections", corrections.size()},
+                 {"replaced", Json::array()}};
+  std::vector<motion::Correction> known;
+  for (const auto& [cell, correction] : replaced) {
+    review["replaced"].push_back(SampleJson(correction));
+    known.push_back(correction);
+  }
+  // First what can be more than there is use for.
+  WriteJsonFile(folder.folder / kReview, review);
+  motion::WriteCorrections(folder.folder / kCorrections, corrections);
+  folder.known = std::move(known);
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,139 @@
+#include "lake/reliability/reliability.h"
+
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+
+namespace lake::reliability {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUpperTail = 0.975;  // of intervals of 95 %
+constexpr double kNormalQuantile = 1.96;
+
+double FQuantile(double numerator_df, double denominator_df) {
+  return quantile(boost::math::fisher_f(numerator_df, denominator_df), kUpperTail);
+}
+
+double TQuantile(double df) {
+  return quantile(boost::math::students_t(df), kUpperTail);
+}
+
+Estimate Around(double value, double half_width) {
+  return {value, {value - half_width, value + half_width}};
+}
+
+// a / b, NaN where nothing varies.
+double Ratio(double a, double b) {
+  return b > 0 ? a / b : kNaN;
+}
+
+}  // namespace
+
+MeanSquares MeanSquaresOf(const Eigen::MatrixXd& values) {
+  const Eigen::Index n = values.rows(), k = values.cols();
+  if (n < 2 || k < 2) throw Fail("{} targets by {} judges: two of each are needed at least", n, k);
+  if (!values.allFinite()) throw Error("a table of measurements has a gap");
+  const Eigen::VectorXd of_target = values.rowwise().mean();
+  const Eigen::RowVectorXd of_judge = values.colwise().mean();
+  const double mean = values.mean();
+  const Eigen::MatrixXd within = values.colwise() - of_target;
+  const Eigen::MatrixXd residual = within.rowwise() - (of_judge.array() - mean).matrix();
+  MeanSquares ms;
+  ms.targets = n, ms.judges = k;
+  ms.between_targets = static_cast<double>(k) * (of_target.array() - mean).square().sum() / static_cast<double>(n - 1);
+  ms.within_targets = within.squaredNorm() / static_cast<double>(n * (k - 1));
+  ms.between_judges = static_cast<double>(n) * (of_judge.array() - mean).square().sum() / static_cast<double>(k - 1);
+  ms.residual = residual.squaredNorm() / static_cast<double>((n - 1) * (k - 1));
+  return ms;
+}
+
+double Icc1Single(const MeanSquares& ms) {
+  const auto k = static_cast<double>(ms.judges);
+  return Ratio(ms.between_targets - ms.within_targets, ms.between_targets + (k - 1) * ms.within_targets);
+}
+
+Estimate Icc2Single(const MeanSquares& ms) {
+  const auto n = static_cast<double>(ms.targets), k = static_cast<double>(ms.judges);
+  const double bms = ms.between_targets, jms = ms.between_judges, ems = ms.residual;
+  const double icc = Ratio(bms - ems, bms + (k - 1) * ems + k * (jms - ems) / n);
+  if (!std::isfinite(icc) || ems == 0) return {icc, {kNaN, kNaN}};
+  // Satterthwaite's degrees of freedom (Shrout & Fleiss, p. 424).
+  const double f = jms / ems, a = n * (1 + (k - 1) * icc) - k * icc;
+  const double b = k * icc * f;
+  const double df = (k - 1) * (n - 1) * (b + a) * (b + a) / ((n - 1) * b * b + a * a);
+  const double rest = k * jms + (k * n - k - n) * ems;
+  const double f_low = FQuantile(n - 1, df), f_high = FQuantile(df, n - 1);
+  return {icc,
+          {n * (bms - f_low * ems) / (f_low * rest + n * bms), n * (f_high * bms - ems) / (rest + n * f_high * bms)}};
+}
+
+Estimate Icc3Single(const MeanSquares& ms) {
+  const auto n = static_cast<double>(ms.targets), k = static_cast<double>(ms.judges);
+  const double icc = Ratio(ms.between_targets - ms.residual, ms.between_targets + (k - 1) * ms.residual);
+  if (!std::isfinite(icc) || ms.residual == 0) return {icc, {kNaN, kNaN}};
+  const double f = ms.between_targets / ms.residual, df = (n - 1) * (k - 1);
+  const double low = f / FQuantile(n - 1, df), high = f * FQuantile(df, n - 1);
+  return {icc, {(low - 1) / (low + k - 1), (high - 1) / (high + k - 1)}};
+}
+
+double Icc2Mean(const MeanSquares& ms) {
+  const auto n = static_cast<double>(ms.targets);
+  return Ratio(ms.between_targets - ms.residual, ms.between_targets + (ms.between_judges - ms.residual) / n);
+}
+
+double Icc3Mean(const MeanSquares& ms) {
+  return Ratio(ms.between_targets - ms.residual, ms.between_targets);
+}
+
+Estimate StandardErrorOfMeasurement(const MeanSquares& ms) {
+  const auto df = static_cast<double>((ms.targets - 1) * (ms.judges - 1));
+  const boost::math::chi_squared chi_squared(df);
+  const double sum = df * ms.residual;
+  return {std::sqrt(ms.residual),
+          {std::sqrt(sum / quantile(chi_squared, kUpperTail)), std::sqrt(sum / quantile(chi_squared, 1 - kUpperTail))}};
+}
+
+double MinimalDetectableChange(double standard_error) {
+  return kNormalQuantile * std::sqrt(2.0) * standard_error;
+}
+
+LimitsOfAgreement LimitsOfAgreementOf(const std::vector<double>& first, const std::vector<double>& second) {
+  if (first.size() != second.size()) throw Fail("{} values against {}", first.size(), second.size());
+  std::vector<double> difference;
+  for (std::size_t i = 0; i < first.size(); ++i) difference.push_back(second[i] - first[i]);
+  const MeanOfSubjects mean = MeanOf(difference);
+  const double sd = mean.standard_deviation, bias = mean.mean.value;
+  if (mean.subjects < 2) return {mean.mean, {kNaN, {kNaN, kNaN}}, {kNaN, {kNaN, kNaN}}};
+  const auto n = static_cast<double>(mean.subjects);
+  const double half_width =
+      TQuantile(n - 1) * sd * std::sqrt(1 / n + kNormalQuantile * kNormalQuantile / (2 * (n - 1)));
+  return {mean.mean, Around(bias - kNormalQuantile * sd, half_width), Around(bias + kNormalQuantile * sd, half_width)};
+}
+
+MeanOfSubjects MeanOf(const std::vector<double>& values) {
+  MeanOfSubjects of;
+  of.subjects = values.size();
+  of.mean = {Mean(values), {kNaN, kNaN}};
+  of.standard_deviation = values.size() < 2 ? kNaN : StandardDeviation(values);
+  if (values.size() < 2) return of;
+  const auto n = static_cast<double>(values.size());
+  of.mean = Around(of.mean.value, TQuantile(n - 1) * of.standard_deviation / std::sqrt(n));
+  return of;
+}
+
+std::vector<double> RobustScores(const std::vector<double>& values) {
+  constexpr std::size_t kFewest = 5;
+  const double middle = Median(values), deviation = RobustDeviation(values);
+  std::vector<double> scores;
+  for (const double value : values)
+    scores.push_back(values.size() < kFewest || deviation == 0 ? kNaN : (value - middle) / deviation);
+  return scores;
+}
+
+}  // namespace lake::reliability

@@ -1,0 +1,174 @@
+#include "lake/figure/assistance_figures.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <cmath>
+
+#include "lake/core/colours.h"
+#include "lake/figure/gnuplot.h"
+
+namespace lake::figure {
+namespace {
+
+using problem::AssistanceRow;
+
+constexpr const char* kFrame =
+    "set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'; set key noautotitle";
+
+std::vector<double> Column(const problem::Assistance& assistance, double AssistanceRow::*member) {
+  std::vector<double> values;
+  for (const AssistanceRow& row : assistance.rows) values.push_back(row.*member);
+  return values;
+}
+
+void PlaceRow(GnuplotFigure& figure, int row) {
+  constexpr double kHeight = 0.30;
+  const double top = 0.93 - row * kHeight;
+  figure.Line(fmt::format("set tmargin at screen {}; set bmargin at screen {}", top, top - kHeight + 0.06));
+}
+
+// Over percent: a column, and limits beside it.
+void PlotColumn(GnuplotFigure& figure, const problem::Assistance& assistance, double AssistanceRow::*member,
+                const char* title, const std::vector<std::string>& others) {
+  const std::vector<double> percents = Column(assistance, &AssistanceRow::percent);
+  std::string plot =
+      fmt::format("plot 0 with lines lw 1 lc rgb '{}', {} using 1:2 with lines lw 4 lc rgb '{}' title '{}'",
+                  colour::kText, figure.Data({percents, Column(assistance, member)}), colour::kNew, title);
+  for (const std::string& other : others) plot += ", " + other;
+  figure.Line(plot);
+}
+
+std::string LimitLine(double value, const std::string& title) {
+  return fmt::format("{} with lines lw 2 dt (8,4) lc rgb '{}' title {}", value, colour::kExoskeleton,
+                     QuoteForGnuplot(title));
+}
+
+// The speed that the actuator reaches under the force of each row, in the direction `sign`.
+std::vector<double> ReachedSpeeds(const problem::Assistance& assistance, const problem::LinearActuator& actuator,
+                                  int sign) {
+  std::vector<double> speeds;
+  for (const AssistanceRow& row : assistance.rows) {
+    const double speed = actuator.SpeedAt(std::isnan(row.force_n) ? 0 : std::abs(row.force_n));
+    speeds.push_back(std::isnan(row.speed_mm_s) ? AssistanceRow::kUnknown : sign * speed);
+  }
+  return speeds;
+}
+
+// The theme's colours are of things; these are of any eight actuators.
+constexpr std::array kCurveColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
+                                      "#8B6914", "#56B4E9", "#222222", "#777777"};
+constexpr std::array kMarks = {7, 5, 9, 11, 13, 7, 5, 9};
+
+// As a text of its own in a figure, not too long.
+std::string Shortened(const std::string& text, std::size_t most) {
+  return text.size() <= most ? text : text.substr(0, most - 1) + "…";
+}
+
+struct Line {
+  std::vector<double> assist, duration;
+};
+
+Line LineOf(const synthesis::ActuatorCurve& curve) {
+  Line line;
+  for (const synthesis::FrontPoint& point : curve.points)
+    if (point.solved && std::isfinite(point.assistance.shortest_s))
+      line.assist.push_back(100 * point.assist), line.duration.push_back(point.assistance.shortest_s);
+  return line;
+}
+
+// Why a curve ends, or that it is no curve.
+std::string EndOf(const synthesis::ActuatorCurve& curve) {
+  const synthesis::FrontPoint* last = curve.Last();
+  const std::string limits = fmt::format("{}", fmt::join(curve.limits, ", "));
+  if (!last) return "no design: " + limits;
+  std::string text;
+  if (!curve.Actuator().HasSpeed()) text = fmt::format("speed not known; designs up to {:.0f} %", 100 * last->assist);
+  if (curve.failing.empty()) return text;
+  return text + (text.empty() ? "" : "; ") + fmt::format("no design beyond {:.0f} %: ", 100 * last->assist) + limits;
+}
+
+// Of all durations, with room around them.
+std::string YRange(const std::vector<synthesis::ActuatorCurve>& curves, double own_duration_s) {
+  double least = own_duration_s, most = own_duration_s;
+  for (const synthesis::ActuatorCurve& curve : curves)
+    for (const double duration : LineOf(curve).duration)
+      least = std::min(least, duration), most = std::max(most, duration);
+  constexpr double kRoom = 1.6;
+  return fmt::format("set yrange [{}:{}]", least / kRoom, most * kRoom * kRoom);
+}
+
+}  // namespace
+
+void DrawAssistance(const std::filesystem::path& path, const problem::Assistance& assistance,
+                    const problem::SynthesisProblem& problem) {
+  GnuplotFigure figure(1100, 1100);
+  const std::string name = problem.actuator ? problem.actuator->name + ", " : "";
+  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'",
+                          QuoteForGnuplot(fmt::format("{}{:.0f} % of the knee's moment, a rise in {:.2f} s", name,
+                                                      100 * problem.assist.value_or(1), assistance.duration_s))));
+  figure.Line(kFrame).Line("set xrange [0:100]; set lmargin at screen 0.10; set rmargin at screen 0.97");
+  figure.Line("set key top right opaque samplen 2.5; set offsets 0, 0, graph 0.25, graph 0.05; set format x ''");
+  std::vector<std::string> force_limits, speed_limits;
+  if (problem.actuator) {
+    if (const auto force_n = problem.actuator->LiftingForce())
+      force_limits.push_back(LimitLine(*force_n, fmt::format("lifts {:.0f} N", *force_n)));
+    const char* const title =
+        problem.actuator->HasForceSpeedLaw() ? "title 'reaches under this force'" : "title 'reaches without load'";
+    const std::vector<double> percents = Column(assistance, &AssistanceRow::percent);
+    for (const int sign : {1, -1})
+      if (problem.actuator->HasSpeed())
+        speed_limits.push_back(fmt::format("{} using 1:2 with lines lw 2 dt (8,4) lc rgb '{}' {}",
+                                           figure.Data({percents, ReachedSpeeds(assistance, *problem.actuator, sign)}),
+                                           colour::kExoskeleton, sign > 0 ? title : ""));
+  }
+  PlaceRow(figure, 0);
+  figure.Line("set ylabel 'force (N)'");
+  PlotColumn(figure, assistance, &AssistanceRow::force_n, "actuator, pushing", force_limits);
+  PlaceRow(figure, 1);
+  figure.Line("set ylabel 'speed (mm/s)'");
+  PlotColumn(figure, assistance, &AssistanceRow::speed_mm_s, "actuator, growing", speed_limits);
+  PlaceRow(figure, 2);
+  figure.Line("set ylabel 'power (W)'; set xlabel 'rise (%)'; set format x '%g'");
+  PlotColumn(figure, assistance, &AssistanceRow::power_w, "actuator, driving", {});
+  figure.Line("unset multiplot").Write(path);
+}
+
+void DrawActuatorFront(const std::filesystem::path& path, const std::vector<synthesis::ActuatorCurve>& curves,
+                       double own_duration_s) {
+  constexpr int kNoteHeight_px = 22, kPlotHeight_px = 800;
+  std::vector<std::string> notes;
+  for (const synthesis::ActuatorCurve& curve : curves)
+    if (const std::string end = EndOf(curve); !end.empty())
+      notes.push_back(Shortened(curve.Actuator().name + ": " + end, 150));
+  const int height_px = kPlotHeight_px + kNoteHeight_px * static_cast<int>(notes.size());
+  GnuplotFigure figure(1300, height_px);
+  figure.Line(kFrame);
+  figure.Line(
+      fmt::format("set lmargin at screen 0.08; set rmargin at screen 0.80; set tmargin at screen 0.96; "
+                  "set bmargin at screen {}",
+                  1 - (kPlotHeight_px - 80.0) / height_px));
+  figure.Line("set logscale y; set xlabel 'share of what the knee needs (%)'; set ylabel 'shortest rise (s)'");
+  figure.Line(fmt::format("set xrange [0:105]; set key top left samplen 2.5; {}", YRange(curves, own_duration_s)));
+  for (std::size_t i = 0; i < notes.size(); ++i)
+    figure.Line(fmt::format("set label {} at screen 0.02, screen {} left noenhanced font ',9'",
+                            QuoteForGnuplot(notes[i]), (kNoteHeight_px * (notes.size() - i) - 8.0) / height_px));
+  std::string plot = fmt::format("{} with lines lw 2 dt (8,4) lc rgb '{}' title 'the person{} own rise'",
+                                 own_duration_s, colour::kHuman, "''s");
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const Line line = LineOf(curves[i]);
+    if (line.assist.empty()) continue;
+    const bool known = curves[i].Actuator().HasForceSpeedLaw();
+    const char* const colour = kCurveColours[i % kCurveColours.size()];
+    figure.Line(fmt::format("set label {} at first {}, first {} left offset 1,0 noenhanced tc rgb '{}'",
+                            QuoteForGnuplot(curves[i].Actuator().name + (known ? "" : " (at least)")),
+                            line.assist.back(), line.duration.back(), colour));
+    plot += fmt::format(", {} using 1:2 with linespoints lw 2.5 pt {} ps 1.5 lc rgb '{}'{}",
+                        figure.Data({line.assist, line.duration}), kMarks[i % kMarks.size()] - (known ? 0 : 1), colour,
+                        known ? "" : " dt (3,4)");
+  }
+  figure.Line("plot " + plot).Write(path);
+}
+
+}  // namespace lake::figure

@@ -1,0 +1,66 @@
+// What a person changed in a recording's tracks, step by step, so that each step can be taken back.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lake/core/json.h"
+#include "lake/motion/corrections.h"
+#include "lake/motion/marker_recording.h"
+
+namespace lake::review {
+
+class CorrectionBook {
+ public:
+  // `detected`: what the tracker measured, px, before any correction. `repeated`: frames whose picture is that of the
+  // frame before, which hold no measurement. `made`: corrections from before; they cannot be taken back as steps.
+  // Throws Error for a correction of a marker or frame that the recording does not have.
+  CorrectionBook(motion::MarkerRecording detected, std::vector<std::int64_t> repeated,
+                 const std::vector<motion::Correction>& made = {});
+
+  // Each is one step. They throw Error for a marker, frame or place that is not there, and where nothing would change.
+  void Place(std::int64_t frame, const std::string& marker, const Eigen::Vector2d& px, double sigma_px);
+  void Hide(std::int64_t frame, const std::string& marker);
+  void Restore(std::int64_t frame, const std::string& marker);  // to what the tracker measured
+  void SwapFrom(std::int64_t frame, const std::string& one, const std::string& other);
+  void Undo();
+  void Redo();
+
+  bool CanUndo() const { return done_ > 0; }
+  bool CanRedo() const { return done_ < steps_.size(); }
+
+  const motion::MarkerRecording& Detected() const { return detected_; }
+  motion::MarkerRecording Corrected() const;
+
+  // In the order of frames, then of the recording's markers. What equals the tracker's measurement is none.
+  std::vector<motion::Correction> Corrections() const;
+  bool IsCorrected(std::size_t row, std::size_t marker) const { return made_.contains({row, marker}); }
+  std::size_t Count() const { return made_.size(); }
+
+ private:
+  using Cell = std::pair<std::size_t, std::size_t>;  // row of the recording, marker
+  struct Change {
+    Cell cell;
+    std::optional<motion::MarkerSample> before, after;  // nullopt: as the tracker measured
+  };
+  using Step = std::vector<Change>;
+
+  std::size_t Row(std::int64_t frame) const;
+  std::size_t Marker(const std::string& name) const;
+  const motion::MarkerSample& Now(Cell cell) const;
+  Change ChangeTo(Cell cell, const motion::MarkerSample& sample) const;
+  void Do(Step step);
+  void Set(Cell cell, const std::optional<motion::MarkerSample>& sample);
+
+  motion::MarkerRecording detected_;
+  std::vector<std::int64_t> repeated_;
+  std::map<Cell, motion::MarkerSample> made_;
+  std::vector<Step> steps_;
+  std::size_t done_ = 0;  // of the steps; those behind can be done again
+};
+
+}  // namespace lake::review

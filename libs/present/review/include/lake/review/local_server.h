@@ -1,0 +1,52 @@
+// A web server for the person at this machine alone.
+//
+// It listens at 127.0.0.1 only. An address begins with a random token; whatever else is asked for is refused, as is a
+// request by another name of the machine (DNS rebinding), one that another page's script sends, and every method but
+// GET, HEAD and POST. It serves what its handlers return and no files.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+namespace lake::review {
+
+struct LocalRequest {
+  std::string rest;                          // of the path, behind the handler's own: "12.jpg" for frame/12.jpg
+  std::map<std::string, std::string> query;  // the last of each name
+  std::string body;                          // of a POST: JSON, 1 MB at most
+};
+
+struct LocalReply {
+  std::string type;  // text/html; charset=utf-8, application/json, …
+  std::string body;
+  int status = 200;
+  bool may_keep = false;  // the browser may keep it as long as it shows the page
+};
+
+class LocalServer {
+ public:
+  // An Error that it throws is told to the page, with status 400.
+  using Handler = std::function<LocalReply(const LocalRequest&)>;
+
+  // Takes the port, any free one if 0. Throws Error where it is in use.
+  explicit LocalServer(int port);
+  ~LocalServer();
+
+  // http://127.0.0.1:PORT/TOKEN/
+  std::string Address() const;
+
+  // A path below the address, "trial"; all that begins with it if it ends in '/'. To be called before Serve().
+  void Get(const std::string& path, Handler handler);
+  void Post(const std::string& path, Handler handler);
+
+  // Answers until `is_done` says true. Handlers run in several threads. Throws Interrupted once a signal has arrived.
+  void Serve(const std::function<bool()>& is_done);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lake::review

@@ -1,0 +1,229 @@
+// Curves over the frames of a recording, in step with the frame that is shown. Each chart is as wide as the timeline, a
+// column of pixels shows the range of all values in it, so a long recording hides no spike.
+import { Column } from "./messages";
+
+export interface Curve {
+  name: string;
+  colour: string;
+  values: Column;
+  sigma?: Column; // drawn as a band of two of them on either side
+}
+
+export interface Mark {
+  first: number; // rows
+  last: number;
+  colour: string;
+  lane: number; // from the top
+}
+
+export interface Tick {
+  row: number;
+  label: string;
+}
+
+const LEFT = 46, RIGHT = 6; // px beside the curves
+
+export const colourOf = (name: string) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+/** A canvas over the rows of the recording: where one clicks or drags, there the frame is shown. */
+abstract class Strip {
+  protected row = 0;
+
+  constructor(protected canvas: HTMLCanvasElement, protected rows: number, seek: (row: number) => void) {
+    const follow = (event: PointerEvent) => {
+      if (event.buttons === 0) return;
+      const x = event.clientX - canvas.getBoundingClientRect().left;
+      seek(Math.round(Math.min(Math.max((x - LEFT) / this.width(), 0), 1) * (this.rows - 1)));
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      follow(event);
+    });
+    canvas.addEventListener("pointermove", follow);
+    new ResizeObserver(() => this.redraw()).observe(canvas);
+  }
+
+  showRow(row: number): void {
+    this.row = row;
+    this.redraw();
+  }
+
+  redraw(): void {
+    const ratio = window.devicePixelRatio || 1, canvas = this.canvas;
+    if (canvas.clientWidth === 0) return;
+    canvas.width = Math.round(canvas.clientWidth * ratio);
+    canvas.height = Math.round(canvas.clientHeight * ratio);
+    const context = canvas.getContext("2d")!;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.font = "11px system-ui, sans-serif";
+    this.draw(context);
+    context.strokeStyle = colourOf("--accent");
+    context.lineWidth = 1.5;
+    line(context, this.x(this.row), 0, this.x(this.row), canvas.clientHeight);
+  }
+
+  protected abstract draw(context: CanvasRenderingContext2D): void;
+
+  protected width(): number {
+    return Math.max(this.canvas.clientWidth - LEFT - RIGHT, 1);
+  }
+
+  protected x(row: number): number {
+    return LEFT + (this.rows > 1 ? row / (this.rows - 1) : 0) * this.width();
+  }
+}
+
+function line(context: CanvasRenderingContext2D, x1: number, y1: number, x2: number, y2: number): void {
+  context.beginPath();
+  context.moveTo(x1, y1);
+  context.lineTo(x2, y2);
+  context.stroke();
+}
+
+/** Where the problems are, a lane for each marker, and the events. */
+export class Timeline extends Strip {
+  private lanes: string[] = [];
+  private marks: Mark[] = [];
+  private ticks: Tick[] = [];
+
+  show(lanes: string[], marks: Mark[], ticks: Tick[]): void {
+    this.lanes = lanes;
+    this.marks = marks;
+    this.ticks = ticks;
+    this.canvas.style.height = `${lanes.length * 13 + 18}px`;
+    this.redraw();
+  }
+
+  protected draw(context: CanvasRenderingContext2D): void {
+    context.fillStyle = colourOf("--quiet");
+    context.textBaseline = "middle";
+    context.strokeStyle = colourOf("--rule");
+    context.lineWidth = 1;
+    this.lanes.forEach((name, lane) => {
+      const y = lane * 13 + 7;
+      context.fillText(name, 0, y, LEFT - 4);
+      line(context, LEFT, y, LEFT + this.width(), y);
+    });
+    for (const mark of this.marks) {
+      const from = this.x(mark.first - 0.5);
+      context.fillStyle = mark.colour;
+      context.fillRect(from, mark.lane * 13 + 2, Math.max(this.x(mark.last + 0.5) - from, 3), 10);
+    }
+    const below = this.lanes.length * 13;
+    let free = 0; // labels do not cover each other
+    for (const tick of this.ticks) {
+      const x = this.x(tick.row), width = context.measureText(tick.label).width;
+      context.strokeStyle = colourOf("--quiet");
+      line(context, x, 0, x, below + 4);
+      if (x < free) continue;
+      context.fillStyle = colourOf("--quiet");
+      context.fillText(tick.label, Math.min(x + 2, this.canvas.clientWidth - width), below + 10);
+      free = x + width + 8;
+    }
+  }
+}
+
+export class Chart extends Strip {
+  private curves: Curve[] = [];
+
+  show(curves: Curve[]): void {
+    this.curves = curves;
+    this.redraw();
+  }
+
+  protected draw(context: CanvasRenderingContext2D): void {
+    const [low, high] = this.range();
+    const height = this.canvas.clientHeight - 8;
+    const y = (value: number) => 4 + (1 - (value - low) / (high - low)) * height;
+    this.drawAxis(context, low, high, y);
+    for (const curve of this.curves) {
+      if (curve.sigma) this.drawBand(context, curve, curve.sigma, y);
+      this.drawCurve(context, curve, y);
+    }
+    this.drawNames(context);
+  }
+
+  // Of all values, a little wider; a single outlier does not flatten the rest.
+  private range(): [number, number] {
+    const values: number[] = [];
+    for (const curve of this.curves) for (const value of curve.values) if (value !== null) values.push(value);
+    if (values.length === 0) return [0, 1];
+    values.sort((a, b) => a - b);
+    const [low, high] = [0.002, 0.998].map((part) => values[Math.round(part * (values.length - 1))]);
+    const margin = 0.06 * (high - low) || Math.abs(high) * 0.01 || 1;
+    return [low - margin, high + margin];
+  }
+
+  private drawAxis(context: CanvasRenderingContext2D, low: number, high: number, y: (value: number) => number): void {
+    const rough = (high - low) / 5, power = 10 ** Math.floor(Math.log10(rough));
+    const step = [1, 2, 5, 10].map((part) => part * power).find((candidate) => candidate >= rough) ?? rough;
+    const digits = Math.max(0, -Math.floor(Math.log10(step)));
+    context.textBaseline = "middle";
+    context.lineWidth = 1;
+    for (let value = Math.ceil(low / step) * step; value <= high; value += step) {
+      context.strokeStyle = colourOf("--rule");
+      line(context, LEFT, y(value), LEFT + this.width(), y(value));
+      context.fillStyle = colourOf("--quiet");
+      context.fillText(value.toFixed(digits), 0, y(value), LEFT - 4);
+    }
+  }
+
+  // Within a column of pixels a vertical line from the least to the largest value, between columns the curve.
+  private drawCurve(context: CanvasRenderingContext2D, curve: Curve, y: (value: number) => number): void {
+    context.strokeStyle = colourOf(curve.colour);
+    context.lineWidth = 1.5;
+    context.beginPath();
+    let isDown = false;
+    let column: { x: number; least: number; most: number; last: number } | null = null;
+    const end = () => {
+      if (!column) return;
+      context.moveTo(column.x, y(column.least));
+      context.lineTo(column.x, y(column.most) - 0.5); // a value that stands alone is a dot
+      context.moveTo(column.x, y(column.last));
+    };
+    for (let row = 0; row < curve.values.length; ++row) {
+      const value = curve.values[row], x = Math.round(this.x(row));
+      if (value === null) {
+        isDown = false;
+        continue;
+      }
+      if (column && column.x === x) {
+        column.least = Math.min(column.least, value);
+        column.most = Math.max(column.most, value);
+        column.last = value;
+      } else {
+        end();
+        if (isDown) context.lineTo(x, y(value));
+        column = { x, least: value, most: value, last: value };
+      }
+      isDown = true;
+    }
+    end();
+    context.stroke();
+  }
+
+  private drawBand(context: CanvasRenderingContext2D, curve: Curve, sigma: Column, y: (value: number) => number): void {
+    context.strokeStyle = colourOf(curve.colour);
+    context.globalAlpha = 0.3;
+    context.lineWidth = Math.max(this.width() / this.rows, 1);
+    context.beginPath();
+    curve.values.forEach((value, row) => {
+      const band = sigma[row];
+      if (value === null || band === null) return;
+      context.moveTo(this.x(row), y(value - 2 * band));
+      context.lineTo(this.x(row), y(value + 2 * band));
+    });
+    context.stroke();
+    context.globalAlpha = 1;
+  }
+
+  private drawNames(context: CanvasRenderingContext2D): void {
+    if (this.curves.length < 2) return;
+    let x = LEFT + 6;
+    for (const curve of this.curves) {
+      context.fillStyle = colourOf(curve.colour);
+      context.fillText(curve.name, x, 10);
+      x += context.measureText(curve.name).width + 12;
+    }
+  }
+}

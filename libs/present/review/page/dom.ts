@@ -1,0 +1,33 @@
+// Parts of the page by their id.
+
+export function part<T extends HTMLElement = HTMLElement>(id: string): T {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`the page has no part '${id}'`);
+  return found as T;
+}
+
+export const onClick = (id: string, action: () => void) => part(id).addEventListener("click", action);
+
+/** A button, named by text only: names come from files. */
+export function button(text: string, action: () => void): HTMLButtonElement {
+  const made = document.createElement("button");
+  made.type = "button";
+  made.textContent = text;
+  made.addEventListener("click", action);
+  return made;
+}
+
+/** What has just been done or cannot be, also for those who do not see it. */
+export function say(text: string, isError = false): void {
+  const line = part("said");
+  line.textContent = text;
+  line.classList.toggle("error", isError);
+}
+
+export function sayWhy(why: unknown): void {
+  say(why instanceof Error ? why.message : String(why), true);
+}
+
+/** Keys that are typed into a field are no commands. */
+export const isTyping = (event: KeyboardEvent) =>
+  event.target instanceof HTMLInputElement && event.target.type !== "range" || event.target instanceof HTMLSelectElement;

@@ -1,0 +1,221 @@
+// A video alone: click the names onto the spots that the tracker sees, and let it track.
+import { button, onClick, part, say, sayWhy } from "./dom";
+import { Frames } from "./frames";
+import { Choices, NamingMessage, SpotMessage, StateMessage, TrackOptions } from "./messages";
+import { server } from "./server";
+import { TEXTS } from "./texts";
+import { PictureView, Point, distance } from "./view";
+
+const REACH = 25; // screen px
+
+type Pointed = keyof typeof TEXTS.pointAt;
+
+// Options that change which spots there are.
+const OF_SPOTS = ["crop", "start", "end", "detector", "polarity", "color"];
+
+export class NamingPage {
+  private message: NamingMessage | null = null;
+  private view: PictureView | null = null;
+  private choices: Choices = { markers: [], seeds: {}, options: {} };
+  private pointing: { option: Pointed; first: Point | null } | null = null;
+  private frames: Frames | null = null;
+  private selected = 0;
+  private isTracking = false;
+
+  constructor() {
+    part("naming").hidden = false;
+    part("state").textContent = TEXTS.finding;
+    void this.find();
+    onClick("start-tracking", () => void this.track());
+    onClick("copy", () => void this.copy());
+    const names = part<HTMLInputElement>("names");
+    names.addEventListener("change", () => this.rename(names.value));
+    for (const field of document.querySelectorAll<HTMLInputElement>("[data-option]"))
+      field.addEventListener("change", () => this.setOption(field.dataset.option as keyof TrackOptions, field.value));
+    for (const pointer of document.querySelectorAll<HTMLElement>("[data-point]"))
+      pointer.addEventListener("click", () => this.point(pointer.dataset.point as Pointed));
+    document.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") this.pointing = null;
+    });
+  }
+
+  close(): void {
+    part("naming").hidden = true;
+  }
+
+  update(state: StateMessage): void {
+    if (state.mode === "tracking") this.showProgress(state.progress);
+    else if (this.isTracking && state.failed) say(TEXTS.trackingFailed(state.failed), true);
+    this.isTracking = state.mode === "tracking";
+    part("progress").hidden = !this.isTracking;
+    part<HTMLButtonElement>("start-tracking").disabled = this.isTracking || !this.message;
+    if (!this.isTracking && this.message) part("state").textContent = this.message.name;
+  }
+
+  // The tracker's own lines: "tracking: 120/1010 frames, …".
+  private showProgress(line: string): void {
+    part("state").textContent = line || TEXTS.tracking;
+    const numbers = /(\d+)\/(\d+)/.exec(line), bar = part<HTMLProgressElement>("progress");
+    if (numbers) bar.value = Number(numbers[1]) / Number(numbers[2]);
+    else bar.removeAttribute("value");
+  }
+
+  private async find(): Promise<void> {
+    part("state").textContent = TEXTS.finding;
+    try {
+      this.open(await server.naming(this.choices.options));
+    } catch (why) {
+      sayWhy(why);
+    }
+  }
+
+  private setOption(option: keyof TrackOptions, text: string): void {
+    this.choices.options[option] = text.trim();
+    if (!OF_SPOTS.includes(option)) return this.showChoices();
+    this.choices.seeds = {}; // their numbers are of other spots
+    this.selected = 0;
+    void this.find();
+  }
+
+  private point(option: Pointed): void {
+    this.pointing = { option, first: null };
+    say(TEXTS.pointAt[option][0]);
+  }
+
+  private pointed(at: Point): void {
+    const { option, first } = this.pointing!;
+    if (!first) {
+      this.pointing = { option, first: at };
+      return say(TEXTS.pointAt[option][1]);
+    }
+    this.pointing = null;
+    const round = (value: number) => Number(value.toFixed(1));
+    let text = [first.x, first.y, at.x, at.y].map(round).join();
+    if (option === "crop") {
+      const [x, y] = [Math.min(first.x, at.x), Math.min(first.y, at.y)].map((value) => Math.max(Math.floor(value), 0));
+      text = [x, y, Math.ceil(Math.max(first.x, at.x)) - x, Math.ceil(Math.max(first.y, at.y)) - y].join();
+    } else if (option === "scale") {
+      text += `,${window.prompt(TEXTS.barLength) ?? ""}`;
+    }
+    document.querySelector<HTMLInputElement>(`input[data-option=${option}]`)!.value = text;
+    this.setOption(option, text);
+  }
+
+  private open(message: NamingMessage): void {
+    const isFirst = !this.message;
+    this.message = message;
+    if (isFirst) this.choices = message.choices;
+    part("name").textContent = message.name;
+    document.title = `${message.name} – lake review`;
+    part<HTMLInputElement>("names").value = this.choices.markers.join(", ");
+    this.view ??= new PictureView(part("naming-picture"), { x: message.width, y: message.height }, {
+      draw: (context) => this.draw(context),
+      grab: () => false,
+      drag: () => undefined,
+      drop: () => undefined,
+      click: (at) => this.click(at),
+    });
+    this.frames ??= new Frames(-1, (_, picture) => this.view!.show(picture), sayWhy);
+    this.frames.want(message.frame);
+    this.showChoices();
+  }
+
+  private rename(text: string): void {
+    const names = text.split(",").map((name) => name.trim()).filter((name) => name !== "");
+    const seeds: Choices["seeds"] = {};
+    for (const name of names) if (name in this.choices.seeds) seeds[name] = this.choices.seeds[name];
+    this.choices = { ...this.choices, markers: names, seeds };
+    this.selected = 0;
+    this.showChoices();
+  }
+
+  private click(at: Point): void {
+    if (!this.message || this.isTracking) return;
+    if (this.pointing) return this.pointed(at);
+    const reach = REACH / this.view!.scale();
+    const near = this.message.spots
+      .map((spot) => ({ spot, away: distance(spot, at) }))
+      .filter(({ away }) => away < reach)
+      .sort((a, b) => a.away - b.away)[0];
+    if (near) this.assign(near.spot);
+  }
+
+  private assign(spot: SpotMessage): void {
+    const name = this.choices.markers[this.selected];
+    if (name === undefined) return;
+    for (const other of this.choices.markers) if (this.choices.seeds[other] === spot.id) delete this.choices.seeds[other];
+    this.choices.seeds[name] = spot.id;
+    const next = this.choices.markers.findIndex((marker) => !(marker in this.choices.seeds));
+    if (next >= 0) this.selected = next;
+    this.showChoices();
+  }
+
+  private showChoices(): void {
+    const { markers, seeds } = this.choices;
+    const spotOf = (name: string) => this.message?.spots.find((spot) => spot.id === seeds[name]);
+    part("choices").replaceChildren(
+      ...markers.map((name, index) => {
+        const spot = spotOf(name);
+        const made = button(spot ? `${name}: #${spot.id}` : name, () => {
+          this.selected = index;
+          this.showChoices();
+        });
+        made.setAttribute("aria-pressed", String(index === this.selected));
+        made.dataset.name = name;
+        return made;
+      }),
+    );
+    part("spots").replaceChildren(
+      ...(this.message?.spots ?? []).map((spot) => {
+        const made = button(TEXTS.spot(spot.id, spot.x, spot.y, spot.moves), () => this.assign(spot));
+        made.dataset.spot = String(spot.id);
+        return made;
+      }),
+    );
+    const isDone = markers.every((name) => name in seeds);
+    part("ask").textContent = isDone ? TEXTS.chooseDone : TEXTS.choose(markers[this.selected]);
+    part<HTMLButtonElement>("start-tracking").disabled = this.isTracking;
+    this.view?.redraw();
+    server.command(this.choices).then(({ command }) => {
+      part("naming-command").textContent = command;
+      say("");
+    }, sayWhy);
+  }
+
+  private async track(): Promise<void> {
+    try {
+      say("");
+      this.update(await server.track(this.choices));
+    } catch (why) {
+      sayWhy(why);
+    }
+  }
+
+  private async copy(): Promise<void> {
+    try {
+      await navigator.clipboard.writeText(part("naming-command").textContent ?? "");
+      say(TEXTS.copied);
+    } catch (why) {
+      sayWhy(why);
+    }
+  }
+
+  private draw(context: CanvasRenderingContext2D): void {
+    const names = new Map(Object.entries(this.choices.seeds).map(([name, id]) => [id, name]));
+    context.font = "bold 13px system-ui, sans-serif";
+    for (const spot of this.message?.spots ?? []) {
+      const { x, y } = this.view!.toScreen(spot), name = names.get(spot.id);
+      const radius = Math.max(spot.radius * this.view!.scale() + 4, 8);
+      context.lineWidth = name ? 3 : 1.5;
+      context.strokeStyle = context.fillStyle = name ? "#56B4E9" : spot.moves ? "#F0E442" : "#BBBBBB";
+      context.beginPath();
+      context.arc(x, y, radius, 0, 2 * Math.PI);
+      context.stroke();
+      const label = name ? `${name} #${spot.id}` : `${spot.id}`;
+      context.lineWidth = 3;
+      context.strokeStyle = "rgba(0, 0, 0, 0.75)";
+      context.strokeText(label, x + radius + 2, y - 4);
+      context.fillText(label, x + radius + 2, y - 4);
+    }
+  }
+}

@@ -1,0 +1,512 @@
+// A tracked trial: look at it, go from problem to problem, put right what is wrong.
+import { Chart, Mark, Tick, Timeline, colourOf } from "./charts";
+import { button, isTyping, onClick, part, say, sayWhy } from "./dom";
+import { Frames } from "./frames";
+import { Column, EditMessage, MarkerMessage, ProblemMessage, StateMessage, TrialMessage } from "./messages";
+import { server } from "./server";
+import { TEXTS } from "./texts";
+import { PictureView, Point, distance } from "./view";
+
+const TRAIL = 25; // rows before and after
+const SKELETON = ["ankle", "knee", "hip", "waist"];
+const REACH = 14; // screen px in which a marker is taken hold of
+const SNAP = 20; // screen px in which the detector looks for a marker
+
+const colourOfMarker = (index: number) => `--marker-${index % 7}`;
+const colourOverPicture = (index: number) => `--over-${index % 7}`;
+
+export class TrialPage {
+  private rowOf = new Map<number, number>();
+  private row = 0; // of the picture that is shown
+  private wantedRow = 0;
+  private selected = 0;
+  private dragged: Point | null = null;
+  private isPlacing = false;
+  private isPlaying = false;
+  private frames: Frames;
+  private view: PictureView;
+  private timeline: Timeline;
+  private charts: { knee: Chart; lengths: Chart; residuals: Chart };
+  private isReloading = false;
+
+  constructor(private trial: TrialMessage) {
+    part("trial").hidden = false;
+    const last = trial.frame[trial.frame.length - 1];
+    this.frames = new Frames(last, (frame, picture) => this.shown(frame, picture), sayWhy);
+    this.view = new PictureView(part("picture"), { x: trial.about.width, y: trial.about.height }, {
+      draw: (context) => this.draw(context),
+      grab: (at) => this.grab(at),
+      drag: (at) => this.drag(at),
+      drop: (at, free) => void this.place(at, free),
+      click: (at, free) => this.click(at, free),
+    });
+    const rows = trial.frame.length, seek = (row: number) => this.seek(row);
+    this.timeline = new Timeline(part("timeline"), rows, seek);
+    this.charts = {
+      knee: new Chart(part("knee-chart"), rows, seek),
+      lengths: new Chart(part("lengths-chart"), rows, seek),
+      residuals: new Chart(part("residuals-chart"), rows, seek),
+    };
+    this.connect();
+    this.take(trial);
+    this.seek(0);
+  }
+
+  /** The server's state, asked for regularly; another window may have changed the trial. */
+  update(state: StateMessage): void {
+    if (state.revision === this.trial.state.revision && state.fitted === this.trial.state.fitted) return;
+    void this.reload();
+  }
+
+  private async reload(): Promise<void> {
+    if (this.isReloading) return;
+    this.isReloading = true;
+    try {
+      this.take(await server.trial());
+    } catch (why) {
+      sayWhy(why);
+    } finally {
+      this.isReloading = false;
+    }
+  }
+
+  private take(trial: TrialMessage): void {
+    this.trial = trial;
+    this.rowOf = new Map(trial.frame.map((frame, row) => [frame, row]));
+    document.title = `${trial.about.name} – lake review`;
+    part("name").textContent = trial.about.name;
+    part("command").textContent = trial.about.command;
+    this.showState(trial.state);
+    this.showProblems();
+    this.showCharts();
+    this.showMarkers();
+    this.view.redraw();
+  }
+
+  private showState(state: StateMessage): void {
+    const isFitting = state.fitted !== state.revision;
+    part("state").textContent = isFitting ? TEXTS.fitting : TEXTS.saved(state.corrections ?? 0);
+    part("state").dataset.fitted = String(state.fitted);
+    const why = !isFitting && state.fit_error ? [TEXTS.noFit(state.fit_error)] : [];
+    part("warnings").replaceChildren(
+      ...[...why, ...this.trial.warnings].map((text) => {
+        const line = document.createElement("li");
+        line.textContent = text;
+        return line;
+      }),
+    );
+    part<HTMLButtonElement>("undo").disabled = !state.can_undo;
+    part<HTMLButtonElement>("redo").disabled = !state.can_redo;
+  }
+
+  // --- frames
+
+  private seek(row: number): void {
+    this.wantedRow = Math.min(Math.max(row, 0), this.trial.frame.length - 1);
+    part<HTMLInputElement>("scrub").value = String(this.wantedRow);
+    this.frames.want(this.trial.frame[this.wantedRow]);
+  }
+
+  // What is drawn over a picture is always that of the same frame.
+  private shown(frame: number, picture: ImageBitmap): void {
+    this.row = this.rowOf.get(frame) ?? this.row;
+    this.dragged = null;
+    this.view.show(picture);
+    const last = this.trial.frame[this.trial.frame.length - 1];
+    part("frame").textContent = TEXTS.frame(frame, last, this.trial.time_s[this.row]);
+    part("frame").dataset.frame = String(frame);
+    part<HTMLInputElement>("scrub").setAttribute("aria-valuetext", part("frame").textContent!);
+    this.timeline.showRow(this.row);
+    for (const chart of Object.values(this.charts)) chart.showRow(this.row);
+    this.showMarkers();
+  }
+
+  private play(): void {
+    this.isPlaying = !this.isPlaying;
+    part("play").textContent = this.isPlaying ? TEXTS.pause : TEXTS.play;
+    if (!this.isPlaying) return;
+    if (this.row === this.trial.frame.length - 1) this.seek(0);
+    let began = performance.now();
+    let from = this.row;
+    const step = (now: number) => {
+      if (!this.isPlaying) return;
+      const next = this.row + 1;
+      if (next >= this.trial.frame.length) return this.play();
+      const due = (this.trial.time_s[next] - this.trial.time_s[from]) * 1000;
+      if (now - began >= due && this.wantedRow === this.row) {
+        // Late pictures slow it down: none is left out.
+        if (now - began > due + 250) {
+          began = now;
+          from = next;
+        }
+        this.seek(next);
+      }
+      requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+
+  // --- problems
+
+  private showProblems(): void {
+    const { problems, markers, leg } = this.trial;
+    const lane = new Map(markers.map((marker, index) => [marker.name, index]));
+    const marks: Mark[] = problems.map((problem) => ({
+      first: this.rowAt(problem.first),
+      last: this.rowAt(problem.last),
+      colour: colourOf(`--${problem.kind}`),
+      lane: lane.get(problem.marker) ?? 0,
+    }));
+    const ticks: Tick[] = (leg?.events ?? []).map((event) => ({
+      row: this.rowAt(event.frame),
+      label: TEXTS.event(event.event, event.repetition),
+    }));
+    this.timeline.show(markers.map((marker) => marker.name), marks, ticks);
+    part("problem-count").textContent = TEXTS.problems(problems.length);
+    const MOST = 200;
+    part("problems").replaceChildren(
+      ...problems.slice(0, MOST).map((problem) => {
+        const line = document.createElement("li");
+        line.append(button(this.problemText(problem), () => this.goTo(problem)));
+        line.className = problem.kind;
+        return line;
+      }),
+    );
+  }
+
+  private problemText(problem: ProblemMessage): string {
+    return TEXTS.problem(problem.kind, problem.marker, problem.first, problem.last, problem.value);
+  }
+
+  private goTo(problem: ProblemMessage): void {
+    this.seek(this.rowAt(problem.first));
+    this.select(this.trial.markers.findIndex((marker) => marker.name === problem.marker));
+    say(this.problemText(problem));
+  }
+
+  private nextProblem(step: 1 | -1): void {
+    const here = this.trial.frame[this.wantedRow];
+    const beyond = this.trial.problems.filter((problem) => (problem.first - here) * step > 0);
+    const next = step > 0 ? beyond[0] : beyond[beyond.length - 1];
+    if (next) this.goTo(next);
+    else say(TEXTS.noProblem);
+  }
+
+  private rowAt(frame: number): number {
+    return this.rowOf.get(frame) ?? 0;
+  }
+
+  // --- markers
+
+  private showMarkers(): void {
+    const list = part("markers"), { markers } = this.trial;
+    if (list.children.length !== markers.length)
+      list.replaceChildren(...markers.map((marker, index) => this.markerButton(marker.name, index)));
+    markers.forEach((marker, index) => this.showMarker(marker, index, list.children[index] as HTMLElement));
+    const other = part<HTMLSelectElement>("swap-with"), before = other.value;
+    const names = markers.map((marker) => marker.name).filter((_, index) => index !== this.selected);
+    if (names.join() === [...other.options].map((option) => option.value).join()) return;
+    other.replaceChildren(...names.map((name) => new Option(name, name)));
+    if (names.includes(before)) other.value = before;
+  }
+
+  private markerButton(name: string, index: number): HTMLButtonElement {
+    const made = button("", () => this.select(index));
+    made.style.setProperty("--marker", `var(${colourOfMarker(index)})`);
+    made.dataset.marker = name;
+    const title = document.createElement("b");
+    title.textContent = name;
+    made.append(title, document.createElement("span"));
+    return made;
+  }
+
+  private showMarker(marker: MarkerMessage, index: number, shown: HTMLElement): void {
+    const at = this.placeOf(marker), isCorrected = marker.corrected.includes(this.row);
+    const status = TEXTS.status[marker.status[this.row]];
+    shown.setAttribute("aria-pressed", String(index === this.selected));
+    shown.dataset.status = status;
+    shown.dataset.corrected = String(isCorrected);
+    shown.querySelector("span")!.textContent =
+      `${status}${isCorrected ? ", " + TEXTS.corrected : ""}` +
+      (at ? ` ${TEXTS.position(at.x, at.y, marker.sigma[this.row] ?? 0)}` : "");
+  }
+
+  private select(index: number): void {
+    if (index < 0 || index >= this.trial.markers.length) return;
+    this.selected = index;
+    this.showMarkers();
+    this.view.redraw();
+  }
+
+  private marker(): MarkerMessage {
+    return this.trial.markers[this.selected];
+  }
+
+  private placeOf(marker: MarkerMessage, row = this.row): Point | null {
+    const x = marker.x[row], y = marker.y[row];
+    return x === null || y === null || x === undefined || y === undefined ? null : { x, y };
+  }
+
+  private grab(at: Point): boolean {
+    if (this.isPlacing) return false;
+    const reach = REACH / this.view.scale();
+    let nearest = -1, least = reach;
+    this.trial.markers.forEach((marker, index) => {
+      const there = this.placeOf(marker), away = there ? distance(there, at) : Infinity;
+      if (away > least || (away === least && index !== this.selected)) return;
+      nearest = index;
+      least = away;
+    });
+    if (nearest < 0) return false;
+    this.select(nearest);
+    return true;
+  }
+
+  private drag(at: Point): void {
+    this.dragged = at;
+    this.view.redraw();
+  }
+
+  private click(at: Point, free: boolean): void {
+    if (!this.isPlacing) return;
+    this.endPlacing();
+    void this.place(at, free);
+  }
+
+  private startPlacing(): void {
+    this.isPlacing = true;
+    part("picture").classList.add("placing");
+    say(TEXTS.placing(this.marker().name));
+  }
+
+  private endPlacing(): void {
+    this.isPlacing = false;
+    part("picture").classList.remove("placing");
+  }
+
+  // --- changes
+
+  private async edit(edit: EditMessage): Promise<boolean> {
+    try {
+      this.showState(await server.edit(edit));
+      await this.reload();
+      return true;
+    } catch (why) {
+      this.dragged = null;
+      this.view.redraw();
+      sayWhy(why);
+      return false;
+    }
+  }
+
+  private async place(at: Point, free: boolean): Promise<void> {
+    const name = this.marker().name, frame = this.trial.frame[this.row];
+    try {
+      const reach = Math.min(Math.max(SNAP / this.view.scale(), 2), 100);
+      const snapped = free ? null : await server.snap({ frame, marker: name, x: at.x, y: at.y, reach });
+      const done = await this.edit({ op: "place", frame, marker: name, ...(snapped ?? { x: at.x, y: at.y }) });
+      if (done) say(snapped ? TEXTS.snapped(name, snapped.x, snapped.y) : TEXTS.placedFree(name));
+    } catch (why) {
+      sayWhy(why);
+    } finally {
+      this.dragged = null;
+      this.view.redraw();
+    }
+  }
+
+  private here(): { frame: number; marker: string } {
+    return { frame: this.trial.frame[this.row], marker: this.marker().name };
+  }
+
+  private async swap(): Promise<void> {
+    const other = part<HTMLSelectElement>("swap-with").value, { frame, marker } = this.here();
+    if (await this.edit({ op: "swap", frame, marker, other })) say(TEXTS.swapped(marker, other, frame));
+  }
+
+  // By keys: a screen px in each step, nothing snaps.
+  private nudge(x: number, y: number): void {
+    const at = this.placeOf(this.marker()) ?? this.view.middle(), step = 1 / this.view.scale();
+    void this.place({ x: at.x + x * step, y: at.y + y * step }, true);
+  }
+
+  // --- drawing
+
+  private draw(context: CanvasRenderingContext2D): void {
+    this.drawSkeleton(context);
+    this.trial.markers.forEach((marker, index) => this.drawMarker(context, marker, index));
+  }
+
+  private shownPlace(marker: MarkerMessage): Point | null {
+    const isDragged = this.dragged && marker === this.marker();
+    return isDragged ? this.dragged : this.placeOf(marker);
+  }
+
+  private drawSkeleton(context: CanvasRenderingContext2D): void {
+    const joints = SKELETON.map((name) => this.trial.markers.find((marker) => marker.name === name));
+    context.strokeStyle = "rgba(255, 255, 255, 0.7)";
+    context.lineWidth = 1.5;
+    context.beginPath();
+    let isDown = false;
+    for (const joint of joints) {
+      const at = joint ? this.shownPlace(joint) : null;
+      if (!at) {
+        isDown = false;
+        continue;
+      }
+      const { x, y } = this.view.toScreen(at);
+      if (isDown) context.lineTo(x, y);
+      else context.moveTo(x, y);
+      isDown = true;
+    }
+    context.stroke();
+  }
+
+  private drawMarker(context: CanvasRenderingContext2D, marker: MarkerMessage, index: number): void {
+    context.strokeStyle = context.fillStyle = colourOf(colourOverPicture(index));
+    this.drawTrail(context, marker);
+    const at = this.shownPlace(marker);
+    if (!at) return;
+    const { x, y } = this.view.toScreen(at), status = marker.status[this.row];
+    const isSelected = index === this.selected, size = isSelected ? 12 : 9;
+    context.lineWidth = isSelected ? 2.5 : 1.5;
+    context.setLineDash(status === "f" ? [3, 3] : []);
+    context.beginPath();
+    context.arc(x, y, size, 0, 2 * Math.PI);
+    context.stroke();
+    // The place itself: two deviations, where they are large enough to be seen.
+    context.beginPath();
+    context.arc(x, y, Math.max(2 * (marker.sigma[this.row] ?? 0) * this.view.scale(), 1), 0, 2 * Math.PI);
+    context.stroke();
+    context.setLineDash([]);
+    context.font = `${isSelected ? "bold " : ""}12px system-ui, sans-serif`;
+    context.lineWidth = 3;
+    context.strokeStyle = "rgba(0, 0, 0, 0.7)";
+    context.strokeText(marker.name, x + size + 3, y - size);
+    context.fillText(marker.name, x + size + 3, y - size);
+  }
+
+  private drawTrail(context: CanvasRenderingContext2D, marker: MarkerMessage): void {
+    context.globalAlpha = 0.7;
+    context.lineWidth = 1;
+    context.beginPath();
+    let isDown = false;
+    const from = Math.max(this.row - TRAIL, 0), to = Math.min(this.row + TRAIL, this.trial.frame.length - 1);
+    for (let row = from; row <= to; ++row) {
+      const at = this.placeOf(marker, row);
+      if (!at) {
+        isDown = false;
+        continue;
+      }
+      const { x, y } = this.view.toScreen(at);
+      if (isDown) context.lineTo(x, y);
+      else context.moveTo(x, y);
+      isDown = true;
+    }
+    context.stroke();
+    context.globalAlpha = 1;
+  }
+
+  private showCharts(): void {
+    const { leg, markers } = this.trial;
+    part("knee-title").textContent = TEXTS.knee;
+    part("lengths-title").textContent = TEXTS.lengths;
+    part("residuals-title").textContent = TEXTS.residuals;
+    this.charts.knee.show(leg ? [{ name: "", colour: "--accent", values: leg.knee, sigma: leg.knee_sigma }] : []);
+    this.charts.lengths.show(
+      [TEXTS.shank, TEXTS.thigh, TEXTS.trunk]
+        .map((name, index) => ({ name, colour: colourOfMarker(index), values: this.lengths(index) }))
+        .filter((curve) => curve.values.some((value) => value !== null)),
+    );
+    this.charts.residuals.show(
+      markers.map((marker, index) => ({ name: marker.name, colour: colourOfMarker(index), values: marker.residual })),
+    );
+  }
+
+  // Of the skeleton's segment, also where no leg can be fitted: exchanged names show here.
+  private lengths(segment: number): Column {
+    const [lower, upper] = [segment, segment + 1].map((joint) =>
+      this.trial.markers.find((marker) => marker.name === SKELETON[joint]),
+    );
+    if (!lower || !upper) return [];
+    const lengths = this.trial.frame.map((_, row) => {
+      const a = this.placeOf(lower, row), b = this.placeOf(upper, row);
+      return a && b ? distance(a, b) : null;
+    });
+    const known = lengths.filter((length): length is number => length !== null).sort((a, b) => a - b);
+    const median = known[known.length >> 1];
+    return lengths.map((length) => (length === null ? null : 100 * (length / median - 1)));
+  }
+
+  // --- keys and buttons
+
+  private connect(): void {
+    const scrub = part<HTMLInputElement>("scrub");
+    scrub.max = String(this.trial.frame.length - 1);
+    scrub.addEventListener("input", () => this.seek(Number(scrub.value)));
+    part("play").textContent = TEXTS.play;
+    onClick("play", () => this.play());
+    onClick("back", () => this.seek(this.wantedRow - 1));
+    onClick("on", () => this.seek(this.wantedRow + 1));
+    onClick("problem-back", () => this.nextProblem(-1));
+    onClick("problem-on", () => this.nextProblem(1));
+    onClick("zoom-in", () => this.zoomToMarker());
+    onClick("zoom-out", () => this.view.zoomBy(0.5));
+    onClick("zoom-fit", () => this.view.fit());
+    onClick("add", () => this.startPlacing());
+    onClick("hide", () => void this.edit({ op: "hide", ...this.here() }));
+    onClick("restore", () => void this.edit({ op: "restore", ...this.here() }));
+    onClick("swap", () => void this.swap());
+    onClick("undo", () => void this.edit({ op: "undo" }));
+    onClick("redo", () => void this.edit({ op: "redo" }));
+    document.addEventListener("keydown", (event) => this.key(event));
+    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.take(this.trial));
+  }
+
+  private zoomToMarker(): void {
+    const at = this.placeOf(this.marker());
+    if (at) this.view.focus(at, 2);
+    this.view.zoomBy(2);
+  }
+
+  private key(event: KeyboardEvent): void {
+    if (isTyping(event)) return;
+    const action = this.actionOf(event);
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+
+  private actionOf(event: KeyboardEvent): (() => void) | null {
+    if (event.ctrlKey || event.metaKey) {
+      const key = event.key.toLowerCase();
+      if (key === "z" && !event.shiftKey) return () => void this.edit({ op: "undo" });
+      if (key === "y" || (key === "z" && event.shiftKey)) return () => void this.edit({ op: "redo" });
+      return null;
+    }
+    const arrows: { [key: string]: [number, number] } = {
+      ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1],
+    };
+    const arrow = arrows[event.key];
+    if (arrow && event.altKey) return () => this.nudge(...arrow);
+    if (arrow && arrow[0] !== 0) return () => this.seek(this.wantedRow + arrow[0] * (event.shiftKey ? 10 : 1));
+    // A button that has the focus is pressed by the space bar.
+    if (event.key === " ") return event.target instanceof HTMLButtonElement ? null : () => this.play();
+    const number = Number(event.key);
+    if (number >= 1 && number <= this.trial.markers.length) return () => this.select(number - 1);
+    const keys: { [key: string]: () => void } = {
+      "[": () => this.nextProblem(-1),
+      "]": () => this.nextProblem(1),
+      "+": () => this.zoomToMarker(),
+      "-": () => this.view.zoomBy(0.5),
+      "0": () => this.view.fit(),
+      a: () => this.startPlacing(),
+      h: () => void this.edit({ op: "hide", ...this.here() }),
+      r: () => void this.edit({ op: "restore", ...this.here() }),
+      x: () => void this.swap(),
+      Escape: () => this.endPlacing(),
+      Enter: () => void this.place(this.placeOf(this.marker()) ?? this.view.middle(), false),
+    };
+    if (event.key === "Enter" && event.target instanceof HTMLButtonElement) return null;
+    return keys[event.key] ?? null;
+  }
+}

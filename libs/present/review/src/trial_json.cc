@@ -1,0 +1,102 @@
+#include "trial_json.h"
+
+#include <cmath>
+#include <functional>
+
+#include "lake/review/problems.h"
+
+namespace lake::review {
+namespace {
+
+using motion::MarkerSample;
+using motion::SampleStatus;
+
+// Four digits behind the point are far below what a page can show.
+Json Rounded(double value) {
+  constexpr double kSteps = 1e4;
+  return std::isfinite(value) ? Json(std::round(value * kSteps) / kSteps) : Json();
+}
+
+Json Column(std::size_t rows, const std::function<double(std::size_t)>& value) {
+  Json column = Json::array();
+  for (std::size_t row = 0; row < rows; ++row) column.push_back(Rounded(value(row)));
+  return column;
+}
+
+// What is measured now, else what the last fit filled in.
+const MarkerSample& Shown(const MarkerSample& measured, const MarkerSample* fitted) {
+  const bool is_filled = fitted && fitted->status == SampleStatus::kFilled;
+  return !measured.IsKnown() && is_filled ? *fitted : measured;
+}
+
+char StatusLetter(const MarkerSample& sample) {
+  return sample.status == SampleStatus::kDetected ? 'd' : sample.status == SampleStatus::kFilled ? 'f' : 'm';
+}
+
+Json MarkerJson(const CorrectionBook& book, const motion::MarkerRecording& measured, std::size_t marker,
+                const TrialFit* fit) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const motion::MarkerTrack& track = measured.markers[marker];
+  const motion::MarkerTrack* fitted = fit ? fit->tracks.Find(track.name) : nullptr;
+  const motion::MarkerTrack* estimated = fit ? fit->estimates.Find(track.name) : nullptr;
+  const auto shown = [&](std::size_t row) -> const MarkerSample& {
+    return Shown(track.samples[row], fitted ? &fitted->samples[row] : nullptr);
+  };
+  const auto of_known = [&](const std::function<double(const MarkerSample&)>& value) {
+    return Column(measured.Frames(), [&](std::size_t row) { return shown(row).IsKnown() ? value(shown(row)) : kNone; });
+  };
+  std::string status;
+  Json corrected = Json::array();
+  for (std::size_t row = 0; row < measured.Frames(); ++row) {
+    status += StatusLetter(shown(row));
+    if (book.IsCorrected(row, marker)) corrected.push_back(row);
+  }
+  const auto residual = [&](std::size_t row) {
+    const MarkerSample& sample = track.samples[row];
+    if (!sample.IsKnown() || !estimated || !estimated->samples[row].IsKnown()) return kNone;
+    return (sample.position - estimated->samples[row].position).norm();
+  };
+  return {{"name", track.name},
+          {"x", of_known([](const MarkerSample& sample) { return sample.position.x(); })},
+          {"y", of_known([](const MarkerSample& sample) { return sample.position.y(); })},
+          {"sigma", of_known([](const MarkerSample& sample) { return sample.sigma; })},
+          {"status", status},
+          {"corrected", corrected},
+          {"residual", Column(measured.Frames(), residual)}};
+}
+
+Json LegJson(const gait::LegFitResult& leg) {
+  const std::vector<motion::LegSample>& samples = leg.motion.samples;
+  const auto column = [&](const std::function<double(const motion::LegSample&)>& value) {
+    return Column(samples.size(), [&](std::size_t row) { return value(samples[row]); });
+  };
+  Json events = Json::array();
+  for (const motion::StsEvent& event : leg.events)
+    events.push_back({{"repetition", event.repetition}, {"event", ToString(event.kind)}, {"frame", event.frame}});
+  return {{"knee", column([](const motion::LegSample& s) { return s.knee_deg; })},
+          {"knee_sigma", column([](const motion::LegSample& s) { return s.knee_sigma_deg; })},
+          {"events", events}};
+}
+
+}  // namespace
+
+Json TrialJson(const CorrectionBook& book, const TrialFit* fit, const std::vector<std::int64_t>& repeated) {
+  const motion::MarkerRecording measured = book.Corrected();
+  const gait::LegFitResult* leg = fit && fit->leg ? &*fit->leg : nullptr;
+  Json markers = Json::array(), problems = Json::array();
+  for (std::size_t m = 0; m < measured.markers.size(); ++m) markers.push_back(MarkerJson(book, measured, m, fit));
+  for (const Problem& problem : FindProblems(measured, leg, repeated))
+    problems.push_back({{"kind", ToString(problem.kind)},
+                        {"marker", problem.marker},
+                        {"first", problem.first},
+                        {"last", problem.last},
+                        {"value", Rounded(problem.value)}});
+  return {{"frame", measured.frame},
+          {"time_s", Column(measured.Frames(), [&](std::size_t row) { return measured.time_s[row]; })},
+          {"markers", markers},
+          {"leg", leg ? LegJson(*leg) : Json()},
+          {"warnings", fit ? Json(fit->warnings) : Json::array()},
+          {"problems", problems}};
+}
+
+}  // namespace lake::review

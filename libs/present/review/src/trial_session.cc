@@ -1,0 +1,108 @@
+#include "lake/review/trial_session.h"
+
+#include <algorithm>
+#include <exception>
+
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+#include "trial_json.h"
+
+namespace lake::review {
+namespace {
+
+void Do(const Json& edit, CorrectionBook& book) {
+  const std::string op = edit.at("op");
+  if (op == "undo") return book.Undo();
+  if (op == "redo") return book.Redo();
+  const std::int64_t frame = edit.at("frame");
+  const std::string marker = edit.at("marker");
+  if (op == "place")
+    return book.Place(frame, marker, {edit.at("x").get<double>(), edit.at("y").get<double>()},
+                      edit.value("sigma", motion::kClickSigmaPx));
+  if (op == "hide") return book.Hide(frame, marker);
+  if (op == "restore") return book.Restore(frame, marker);
+  if (op == "swap") return book.SwapFrom(frame, marker, edit.at("other"));
+  throw Fail("'{}' is no change that can be made", op);
+}
+
+}  // namespace
+
+TrialSession::TrialSession(CorrectionBook book, std::vector<std::int64_t> repeated, TrialWork work, Json about)
+    : book_(std::move(book)),
+      repeated_(std::move(repeated)),
+      work_(std::move(work)),
+      about_(std::move(about)),
+      thread_([this] { FitAgain(); }) {}
+
+TrialSession::~TrialSession() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void TrialSession::FitAgain() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return stop_ || fitted_ != revision_; });
+    if (stop_) return;
+    const std::int64_t revision = revision_;
+    const motion::MarkerRecording corrected = book_.Corrected();
+    lock.unlock();
+    std::optional<TrialFit> fit;
+    std::string failure;
+    try {
+      fit = work_.fit(corrected);
+    } catch (const std::exception& error) {
+      failure = error.what();
+    }
+    lock.lock();
+    fit_ = std::move(fit), fit_error_ = failure, fitted_ = revision;
+  }
+}
+
+Json TrialSession::State() const {
+  const std::lock_guard lock(mutex_);
+  return StateNow();
+}
+
+Json TrialSession::StateNow() const {
+  return {{"revision", revision_},       {"fitted", fitted_},           {"fit_error", fit_error_},
+          {"can_undo", book_.CanUndo()}, {"can_redo", book_.CanRedo()}, {"corrections", book_.Count()}};
+}
+
+std::string TrialSession::Trial() const {
+  Json message;
+  {
+    const std::lock_guard lock(mutex_);
+    message = TrialJson(book_, fit_ ? &*fit_ : nullptr, repeated_);
+    message["state"] = StateNow();
+  }
+  message["about"] = about_;
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json TrialSession::Edit(const Json& edit) {
+  const std::lock_guard lock(mutex_);
+  CorrectionBook changed = book_;
+  Do(edit, changed);
+  work_.save(changed);
+  book_ = std::move(changed);
+  ++revision_;
+  changed_.notify_all();
+  return StateNow();
+}
+
+double TrialSession::UsualSigma(const std::string& marker) const {
+  const std::lock_guard lock(mutex_);
+  const motion::MarkerTrack* track = book_.Detected().Find(marker);
+  if (!track) throw Fail("there is no marker '{}'", marker);
+  std::vector<double> sigmas;
+  for (const motion::MarkerSample& sample : track->samples)
+    if (sample.IsKnown()) sigmas.push_back(sample.sigma);
+  return sigmas.empty() ? 0 : Median(std::move(sigmas));
+}
+
+}  // namespace lake::review

@@ -1,0 +1,57 @@
+// What a group's rows and curves say: means, reliability, differences between the trials, who stands out.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lake/cohort/group_data.h"
+#include "lake/reliability/reliability.h"
+
+namespace lake::cohort {
+
+// What the page shows and outliers are sought in: one quantity for each thing that is measured.
+struct MainQuantity {
+  const char *trial, *name, *label, *unit;
+  int decimals;
+};
+const std::vector<MainQuantity>& MainQuantities();
+
+// A repeated measurement. Judges are the sessions that half of the participants have at least, or the repetitions of
+// each one's first recording; only participants with a value in each count.
+struct ReliabilityRow {
+  std::string trial, quantity;
+  std::string across;  // session, repetition
+  double mean = 0;
+  reliability::MeanSquares squares;
+  reliability::Estimate icc2, icc3, sem;
+  double mdc95 = 0;
+  reliability::LimitsOfAgreement agreement;  // of the second judge with the first
+};
+std::vector<ReliabilityRow> ReliabilityOf(const GroupData& group);
+
+// Exoskeleton minus human, in those who have both.
+struct DifferenceRow {
+  std::string quantity;
+  double human = 0, exo = 0;  // means
+  reliability::MeanOfSubjects difference;
+};
+std::vector<DifferenceRow> DifferencesOf(const GroupData& group);
+
+struct OutlierRow {
+  std::string participant;
+  MainQuantity quantity;
+  double value = 0, median = 0, score = 0;
+
+  std::string Why() const;
+};
+std::vector<OutlierRow> OutliersOf(const GroupData& group);
+
+// Over the participants' own mean curves.
+struct CurveRow {
+  std::string trial, quantity;
+  std::vector<reliability::MeanOfSubjects> percent;  // kPercents of them
+  std::vector<std::pair<std::string, Curve>> participants;
+};
+std::vector<CurveRow> CurvesOf(const GroupData& group);
+
+}  // namespace lake::cohort

@@ -1,0 +1,185 @@
+#include "lake/cohort/group_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lake/core/csv.h"
+#include "lake/core/statistics.h"
+#include "lake/motion/leg_motion.h"
+#include "workflow.h"
+
+namespace lake::cohort {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+struct Angle {
+  const char* name;
+  double motion::LegSample::*field;
+};
+constexpr std::array kAngles = {
+    Angle{"knee_deg", &motion::LegSample::knee_deg}, Angle{"trunk_deg", &motion::LegSample::trunk_deg},
+    Angle{"thigh_deg", &motion::LegSample::thigh_deg}, Angle{"shank_deg", &motion::LegSample::shank_deg}};
+
+// The samples of one rise, from onset to standing.
+using Rise = std::vector<const motion::LegSample*>;
+
+std::map<int, Rise> RisesOf(const motion::LegMotion& leg) {
+  std::map<int, Rise> rises;
+  for (const motion::LegSample& sample : leg.samples)
+    if (sample.repetition && std::isfinite(sample.percent)) rises[*sample.repetition].push_back(&sample);
+  return rises;
+}
+
+double Largest(const Rise& rise, double motion::LegSample::*field, double sign = 1) {
+  double largest = kNaN;
+  for (const motion::LegSample* sample : rise)
+    if (const double value = sign * (sample->*field); !(value <= largest) && std::isfinite(value)) largest = value;
+  return sign * largest;
+}
+
+// Straight between samples; at the ends the nearest sample, which is less than a frame away.
+Curve OverPercent(const Rise& rise, double motion::LegSample::*field) {
+  Curve curve;
+  std::size_t next = 0;
+  for (int percent = 0; percent < kPercents; ++percent) {
+    while (next < rise.size() && rise[next]->percent < percent) ++next;
+    const motion::LegSample& right = *rise[std::min(next, rise.size() - 1)];
+    const motion::LegSample& left = *rise[next == 0 ? 0 : next - 1];
+    const double span = right.percent - left.percent;
+    const double part = span > 0 ? std::clamp((percent - left.percent) / span, 0.0, 1.0) : 0;
+    curve[static_cast<std::size_t>(percent)] = (1 - part) * left.*field + part * right.*field;
+  }
+  return curve;
+}
+
+double EventTime(const std::vector<motion::StsEvent>& events, int repetition, motion::StsEventKind kind) {
+  for (const motion::StsEvent& event : events)
+    if (event.repetition == repetition && event.kind == kind) return event.time_s;
+  return kNaN;
+}
+
+// The quantities of rows, in the order in which they first appear.
+class Table {
+ public:
+  Table(GroupData& group, const Json& of) : group_(group), of_(of) {}
+
+  void Begin(const std::string& trial, std::optional<int> repetition) {
+    group_.rows.push_back({of_["participant"], of_["session"], of_["run"], trial, repetition, {}});
+  }
+  void Add(const std::string& quantity, double value) {
+    if (!std::isfinite(value)) return;
+    group_.rows.back().values[quantity] = value;
+    auto& known = group_.quantities;
+    if (std::find(known.begin(), known.end(), quantity) == known.end()) known.push_back(quantity);
+  }
+  void AddCurve(const std::string& trial, const std::string& quantity, const Curve& curve) {
+    group_.curves.push_back({of_["participant"], trial, quantity, curve});
+  }
+
+ private:
+  GroupData& group_;
+  const Json& of_;
+};
+
+double LengthOf(const motion::LegMotion& leg, Eigen::Vector2d motion::LegSample::*vector) {
+  std::vector<double> lengths;
+  for (const motion::LegSample& sample : leg.samples)
+    if ((sample.*vector).allFinite()) lengths.push_back((sample.*vector).norm());
+  return Median(lengths);
+}
+
+void AddTrial(const fs::path& folder, const std::string& trial, Table& table) {
+  using motion::LegSample;
+  using motion::StsEventKind;
+  const motion::LegMotion leg = motion::ReadKinematicsCsv(folder / "kinematics.csv");
+  const std::vector<motion::StsEvent> events = motion::ReadEventsCsv(folder / "events.csv");
+  for (const auto& [repetition, rise] : RisesOf(leg)) {
+    const double onset_s = EventTime(events, repetition, StsEventKind::kOnset);
+    table.Begin(trial, repetition);
+    table.Add("rise_s", EventTime(events, repetition, StsEventKind::kStanding) - onset_s);
+    table.Add("seat_off_s", EventTime(events, repetition, StsEventKind::kSeatOff) - onset_s);
+    const double most = Largest(rise, &LegSample::knee_deg), least = Largest(rise, &LegSample::knee_deg, -1);
+    table.Add("knee_largest_deg", most);
+    table.Add("knee_smallest_deg", least);
+    table.Add("knee_range_deg", most - least);
+    table.Add("knee_extension_deg_s", -Largest(rise, &LegSample::knee_deg_s, -1));
+    table.Add("trunk_largest_deg", Largest(rise, &LegSample::trunk_deg));
+    table.Add("shank_largest_deg", Largest(rise, &LegSample::shank_deg));
+    for (const Angle& angle : kAngles) table.AddCurve(trial, angle.name, OverPercent(rise, angle.field));
+  }
+  if (leg.unit != motion::LengthUnit::kMm) return;
+  table.Begin(trial, {});
+  table.Add("shank_mm", LengthOf(leg, &LegSample::ak));
+  table.Add("thigh_mm", LengthOf(leg, &LegSample::kh));
+}
+
+void AddComparison(const fs::path& folder, Table& table) {
+  const Json comparison = ReadJsonFile(folder / "comparison.json");
+  table.Begin("comparison", {});
+  for (const auto& [name, value] : comparison.at("metrics").items()) table.Add(name, NumberOrNaN(value));
+  const Json& parts = comparison.at("decomposition");
+  for (const char* part : {"placement", "timing", "shape"})
+    table.Add(fmt::format("{}_fraction", part), NumberOrNaN(parts.at(part).at("fraction")));
+  for (const int axis : {0, 1})
+    table.Add(axis ? "offset_y_mm" : "offset_x_mm",
+              NumberOrNaN(parts.at("offset_mm").at(static_cast<std::size_t>(axis))));
+  const CsvTable curves = CsvTable::Read(folder / "misalignment.csv");
+  for (const char* quantity : {"distance_mm", "relative_error"}) {
+    Curve curve;
+    curve.fill(kNaN);
+    for (std::size_t row = 0; row < std::min<std::size_t>(curves.Rows(), kPercents); ++row)
+      curve[row] = curves.Number(row, curves.Column(quantity)).value_or(kNaN);
+    table.AddCurve("comparison", quantity, curve);
+  }
+}
+
+// The design for this person, or the best of the problem.
+void AddDesign(const fs::path& folder, Table& table) {
+  const Json summary = ReadJsonFile(folder / "summary.json");
+  table.Begin("design", {});
+  for (const char* name : {"range_deg", "misalignment_percent", "misalignment_rms_mm", "certified_upper_bound_deg"})
+    if (summary.contains(name)) table.Add(name, NumberOrNaN(summary[name]));
+}
+
+}  // namespace
+
+GroupData ReadGroup(const Json& workflow, const fs::path& out) {
+  GroupData group;
+  for (const auto& [name, of] : workflow["recordings"].items()) {
+    Table table(group, of);
+    const fs::path folder = of["folder"].get<std::string>();
+    const auto has = [&, &name = name, &of = of](const char* step) {
+      return of["steps"].contains(step) && IsDone(out, name, step);
+    };
+    for (const char* trial : {"human", "exo"})
+      if (has(trial)) AddTrial(folder / trial, trial, table);
+    if (has("comparison")) AddComparison(folder / "comparison", table);
+    if (has("redesign"))
+      AddDesign(folder / "redesign", table);
+    else if (has("optimum") && !of["steps"].contains("redesign"))
+      AddDesign(folder / "optimum", table);
+  }
+  return group;
+}
+
+std::optional<double> ValueOf(const GroupData& group, const std::string& participant, const std::string& trial,
+                              const std::string& quantity, const std::optional<std::string>& session) {
+  std::vector<double> values;
+  for (const GroupRow& row : group.rows)
+    if (row.participant == participant && row.trial == trial && (!session || row.session == *session))
+      if (const auto found = row.values.find(quantity); found != row.values.end()) values.push_back(found->second);
+  return values.empty() ? std::nullopt : std::optional(Mean(values));
+}
+
+std::vector<std::string> ParticipantsOf(const GroupData& group) {
+  std::vector<std::string> names;
+  for (const GroupRow& row : group.rows)
+    if (std::find(names.begin(), names.end(), row.participant) == names.end()) names.push_back(row.participant);
+  return names;
+}
+
+}  // namespace lake::cohort

@@ -1,0 +1,239 @@
+#include "group_page.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/colours.h"
+#include "lake/core/error.h"
+
+namespace lake::cohort {
+
+using namespace report;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const MainQuantity* FindMain(const std::string& trial, const std::string& name) {
+  for (const MainQuantity& main : MainQuantities())
+    if (main.trial == trial && main.name == name) return &main;
+  return nullptr;
+}
+
+std::string IntervalText(const reliability::Interval& interval, int decimals) {
+  return fmt::format("{} to {}", NumberText(interval.low, decimals), NumberText(interval.high, decimals));
+}
+
+std::string EstimateText(const reliability::Estimate& estimate, int decimals) {
+  return fmt::format("{} ({})", NumberText(estimate.value, decimals), IntervalText(estimate.interval, decimals));
+}
+
+KeyFigure MeanFigure(const GroupData& group, const char* trial, const char* name) {
+  const MainQuantity& main = *FindMain(trial, name);
+  std::vector<double> values;
+  for (const std::string& participant : ParticipantsOf(group))
+    if (const auto value = ValueOf(group, participant, trial, name)) values.push_back(*value);
+  const reliability::MeanOfSubjects of = reliability::MeanOf(values);
+  KeyFigure figure{main.label, of.mean.value, main.decimals, main.unit, {}, ""};
+  if (of.subjects > 1)
+    figure.plus_minus = of.standard_deviation,
+    figure.note = fmt::format("mean ± SD of {}; 95 % interval of the mean {} {}", of.subjects,
+                              IntervalText(of.mean.interval, main.decimals), main.unit);
+  return figure;
+}
+
+Section ResultSection(const Json& workflow, const GroupData& group, const GroupFindings& findings) {
+  Section section{"Result", {}};
+  KeyFigures figures;
+  figures.figures.push_back({"participants", static_cast<double>(ParticipantsOf(group).size()), 0, "", {}, ""});
+  figures.figures.push_back(
+      {"recordings",
+       static_cast<double>(workflow["recordings"].size()),
+       0,
+       "",
+       {},
+       findings.failures.empty() ? "all done" : fmt::format("{} not done", findings.failures.size())});
+  for (const auto& [trial, name] : {std::pair{"human", "rise_s"},
+                                    {"exo", "rise_s"},
+                                    {"human", "knee_range_deg"},
+                                    {"exo", "knee_range_deg"},
+                                    {"comparison", "rms_mm"},
+                                    {"design", "range_deg"}}) {
+    KeyFigure figure = MeanFigure(group, trial, name);
+    if (std::isfinite(figure.value)) figures.figures.push_back(std::move(figure));
+  }
+  section.blocks.push_back(std::move(figures));
+  return section;
+}
+
+Section FailuresSection(const std::vector<Failure>& failures) {
+  Table table{"What was not done", {{"Recordings"}, {"Step"}, {"Error"}}, {}, Width::kFull};
+  for (const Failure& failure : failures)
+    table.rows.push_back({Recordings{failure.participant, failure.session, failure.run, {}, {}}.Name(),
+                          failure.step.empty() ? "study" : failure.step, failure.error});
+  return {"Failures", {std::move(table), Paragraph{"The steps after these were not begun; all others count."}}};
+}
+
+const CurveRow* FindCurve(const GroupFindings& findings, const std::string& trial, const std::string& quantity) {
+  for (const CurveRow& row : findings.curves)
+    if (row.trial == trial && row.quantity == quantity) return &row;
+  return nullptr;
+}
+
+// The mean with its band; with `all` each participant's own curve too.
+void AddCurve(const CurveRow* row, const std::string& name, const char* colour, bool all, LineChart& chart) {
+  if (!row) return;
+  Series mean;
+  mean.name = name, mean.colour = colour;
+  for (int percent = 0; percent < kPercents; ++percent) {
+    const reliability::Estimate& of = row->percent[static_cast<std::size_t>(percent)].mean;
+    mean.x.push_back(percent), mean.y.push_back(of.value);
+    mean.lower.push_back(of.interval.low), mean.upper.push_back(of.interval.high);
+  }
+  if (row->participants.size() < 2) mean.lower.clear(), mean.upper.clear();
+  chart.series.push_back(mean);
+  if (!all) return;
+  for (const auto& [participant, curve] : row->participants) {
+    Series own;
+    own.name = participant, own.mark = Mark::kThin;
+    own.x = mean.x, own.y.assign(curve.begin(), curve.end());
+    chart.series.push_back(std::move(own));
+  }
+}
+
+LineChart CurveChart(const GroupFindings& findings, const char* quantity, const char* title, const char* axis) {
+  LineChart chart;
+  chart.title = title;
+  chart.caption = "Mean over participants; band: 95 % interval of the mean at each percent.";
+  chart.x = {"rise (%)", 0, 100}, chart.y.label = axis, chart.width = Width::kHalf;
+  AddCurve(FindCurve(findings, "human", quantity), "without exoskeleton", colour::kHuman, false, chart);
+  AddCurve(FindCurve(findings, "exo", quantity), "with exoskeleton", colour::kExoskeleton, false, chart);
+  return chart;
+}
+
+LineChart EveryoneChart(const CurveRow* row, const char* title, const char* axis) {
+  LineChart chart;
+  chart.title = title;
+  chart.caption = "Thin: each participant; a click on a name hides it.";
+  chart.x = {"rise (%)", 0, 100}, chart.y.label = axis, chart.width = Width::kHalf;
+  AddCurve(row, "mean", colour::kText, true, chart);
+  return chart;
+}
+
+Section CurvesSection(const GroupFindings& findings) {
+  Section section{"Over the rise", {}};
+  const auto add = [&](LineChart chart) {
+    if (!chart.series.empty()) section.blocks.push_back(std::move(chart));
+  };
+  add(CurveChart(findings, "knee_deg", "Knee angle", "knee flexion (°)"));
+  add(CurveChart(findings, "trunk_deg", "Trunk lean", "trunk from the vertical (°)"));
+  add(EveryoneChart(FindCurve(findings, "human", "knee_deg"), "Knee angle without exoskeleton, everyone",
+                    "knee flexion (°)"));
+  add(EveryoneChart(FindCurve(findings, "exo", "knee_deg"), "Knee angle with exoskeleton, everyone",
+                    "knee flexion (°)"));
+  add(EveryoneChart(FindCurve(findings, "comparison", "distance_mm"), "Misalignment of the knees, everyone",
+                    "distance (mm)"));
+  return section;
+}
+
+Section DifferencesSection(const std::vector<DifferenceRow>& rows) {
+  Table table{"With exoskeleton minus without, in the same participants",
+              {{"Quantity"}, {"Participants"}, {"Without"}, {"With"}, {"Difference"}, {"95 % interval"}},
+              {},
+              Width::kFull};
+  for (const DifferenceRow& row : rows) {
+    const int decimals = row.quantity.ends_with("_s") && !row.quantity.ends_with("deg_s") ? 2 : 1;
+    table.rows.push_back({row.quantity, fmt::format("{}", row.difference.subjects), Number{row.human, decimals},
+                          Number{row.exo, decimals}, Number{row.difference.mean.value, decimals},
+                          IntervalText(row.difference.mean.interval, decimals)});
+  }
+  return {"Differences", {std::move(table)}};
+}
+
+Section ReliabilitySection(const std::vector<ReliabilityRow>& rows) {
+  Table table{"Repeated measurements",
+              {{"Quantity"},
+               {"Across"},
+               {"Participants"},
+               {"ICC(2,1)"},
+               {"ICC(3,1)"},
+               {"SEM"},
+               {"MDC95"},
+               {"Bias"},
+               {"Limits of agreement"}},
+              {},
+              Width::kFull};
+  for (const ReliabilityRow& row : rows) {
+    const MainQuantity* main = FindMain(row.trial, row.quantity);
+    if (!main) continue;
+    const int decimals = main->decimals + 1;
+    table.rows.push_back({fmt::format("{} ({})", main->label, main->unit),
+                          fmt::format("{} {}s", row.squares.judges, row.across), fmt::format("{}", row.squares.targets),
+                          EstimateText(row.icc2, 2), EstimateText(row.icc3, 2), EstimateText(row.sem, decimals),
+                          Number{row.mdc95, decimals}, EstimateText(row.agreement.bias, decimals),
+                          fmt::format("{} to {}", NumberText(row.agreement.lower.value, decimals),
+                                      NumberText(row.agreement.upper.value, decimals))});
+  }
+  return {"Reliability",
+          {std::move(table),
+           Paragraph{"In brackets 95 % intervals. ICC(2,1): agreement, systematic differences between sessions or "
+                     "repetitions count; ICC(3,1): consistency, they do not (Shrout & Fleiss 1979). SEM: the standard "
+                     "error of one measurement; MDC95 = 1.96 √2 SEM: the least change of one person that is not error "
+                     "(Weir 2005). Bias: the second minus the first; 95 % of such differences lie between the limits "
+                     "(Bland & Altman 1999). reliability.csv has all quantities."}}};
+}
+
+Section OutliersSection(const std::vector<OutlierRow>& rows) {
+  Table table{"Participants far from the others", {{"Participant"}, {"Why"}}, {}, Width::kFull};
+  for (const OutlierRow& row : rows) table.rows.push_back({row.participant, row.Why()});
+  return {"Outliers",
+          {std::move(table), Paragraph{"More than 3.5 robust standard deviations from the median (Iglewicz & Hoaglin "
+                                       "1993). They count in all tables above."}}};
+}
+
+Section StudiesSection(const Json& workflow, const fs::path& out) {
+  Files files;
+  for (const auto& [name, of] : workflow["recordings"].items()) {
+    const fs::path folder = fs::path(of["folder"].get<std::string>());
+    for (const auto& [file, what] : {std::pair{"report.html", "the whole study"},
+                                     {"comparison/report.html", "the misalignment"},
+                                     {"human/track.png", "the trial without exoskeleton"},
+                                     {"human/gait.png", "the trial without exoskeleton"}})
+      if (fs::is_regular_file(folder / file)) {
+        files.files.push_back(
+            {fs::path("..") / (folder / file).lexically_relative(out), fmt::format("{}, {}", name, what)});
+        break;
+      }
+  }
+  return {"Each participant", {std::move(files)}};
+}
+
+Section TablesSection() {
+  return {"Tables",
+          {Files{{{"trials.csv", "every number of every trial and repetition"},
+                  {"curves.csv", "mean, standard deviation and 95 % interval over the rise"},
+                  {"reliability.csv", "ICC, SEM, MDC95, limits of agreement"},
+                  {"differences.csv", "with exoskeleton minus without"},
+                  {"outliers.csv", "who is far from the others, and in what"},
+                  {"failures.csv", "what was not done, and why"}}}}};
+}
+
+}  // namespace
+
+Report MakeGroupPage(const Json& workflow, const fs::path& out, const GroupData& group, const GroupFindings& findings,
+                     const Json& head) {
+  Report page{workflow["name"], "Sit-to-stand with and without exoskeleton, over a group", {}, {}};
+  for (const Failure& failure : findings.failures) page.warnings.push_back(failure.Text());
+  page.sections.push_back(ResultSection(workflow, group, findings));
+  page.sections.push_back(CurvesSection(findings));
+  if (!findings.differences.empty()) page.sections.push_back(DifferencesSection(findings.differences));
+  if (!findings.reliability.empty()) page.sections.push_back(ReliabilitySection(findings.reliability));
+  if (!findings.outliers.empty()) page.sections.push_back(OutliersSection(findings.outliers));
+  if (!findings.failures.empty()) page.sections.push_back(FailuresSection(findings.failures));
+  page.sections.push_back(StudiesSection(workflow, out));
+  page.sections.push_back(TablesSection());
+  page.sections.push_back(ProvenanceSection(head));
+  return page;
+}
+
+}  // namespace lake::cohort

@@ -1,0 +1,120 @@
+#include "group_results.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "group_page.h"
+#include "lake/cohort/group_statistics.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "workflow.h"
+
+namespace lake::cohort {
+namespace {
+
+using reliability::Estimate;
+
+void WriteTrials(const GroupData& group, Run& run) {
+  std::vector<std::string> header = {"participant_id", "session", "run", "trial", "repetition"};
+  header.insert(header.end(), group.quantities.begin(), group.quantities.end());
+  CsvWriter csv(header);
+  for (const GroupRow& row : group.rows) {
+    csv.Add(row.participant).Add(row.session).Add(row.run).Add(row.trial);
+    if (row.repetition)
+      csv.Add(*row.repetition);
+    else
+      csv.AddEmpty();
+    for (const std::string& quantity : group.quantities) {
+      const auto found = row.values.find(quantity);
+      csv.Add(found == row.values.end() ? std::nullopt : std::optional(found->second));
+    }
+    csv.EndRow();
+  }
+  csv.Write(run.Result("trials.csv"));
+}
+
+void AddEstimate(const Estimate& estimate, CsvWriter& csv) {
+  csv.Add(estimate.value).Add(estimate.interval.low).Add(estimate.interval.high);
+}
+
+void WriteCurves(const std::vector<CurveRow>& rows, Run& run) {
+  CsvWriter csv({"trial", "quantity", "percent", "participants", "mean", "sd", "low", "high"});
+  for (const CurveRow& row : rows)
+    for (int percent = 0; percent < kPercents; ++percent) {
+      const reliability::MeanOfSubjects& of = row.percent[static_cast<std::size_t>(percent)];
+      csv.Add(row.trial).Add(row.quantity).Add(percent).Add(static_cast<std::int64_t>(of.subjects));
+      csv.Add(of.mean.value).Add(of.standard_deviation).Add(of.mean.interval.low).Add(of.mean.interval.high);
+      csv.EndRow();
+    }
+  csv.Write(run.Result("curves.csv"));
+}
+
+void WriteReliability(const std::vector<ReliabilityRow>& rows, Run& run) {
+  std::vector<std::string> header = {"trial", "quantity", "across", "participants", "judges", "mean"};
+  for (const char* estimate : {"icc_2_1", "icc_3_1", "sem"})
+    for (const char* end : {"", "_low", "_high"}) header.push_back(std::string(estimate) + end);
+  header.push_back("mdc95");
+  for (const char* estimate : {"bias", "lower_limit", "upper_limit"})
+    for (const char* end : {"", "_low", "_high"}) header.push_back(std::string(estimate) + end);
+  CsvWriter csv(header);
+  for (const ReliabilityRow& row : rows) {
+    csv.Add(row.trial).Add(row.quantity).Add(row.across);
+    csv.Add(static_cast<std::int64_t>(row.squares.targets)).Add(static_cast<std::int64_t>(row.squares.judges));
+    csv.Add(row.mean);
+    for (const Estimate& estimate : {row.icc2, row.icc3, row.sem}) AddEstimate(estimate, csv);
+    csv.Add(row.mdc95);
+    for (const Estimate& estimate : {row.agreement.bias, row.agreement.lower, row.agreement.upper})
+      AddEstimate(estimate, csv);
+    csv.EndRow();
+  }
+  csv.Write(run.Result("reliability.csv"));
+}
+
+void WriteDifferences(const std::vector<DifferenceRow>& rows, Run& run) {
+  CsvWriter csv({"quantity", "participants", "human", "exo", "difference", "sd", "low", "high"});
+  for (const DifferenceRow& row : rows) {
+    csv.Add(row.quantity).Add(static_cast<std::int64_t>(row.difference.subjects)).Add(row.human).Add(row.exo);
+    csv.Add(row.difference.mean.value).Add(row.difference.standard_deviation);
+    csv.Add(row.difference.mean.interval.low).Add(row.difference.mean.interval.high).EndRow();
+  }
+  csv.Write(run.Result("differences.csv"));
+}
+
+void WriteOutliers(const std::vector<OutlierRow>& rows, Run& run) {
+  CsvWriter csv({"participant_id", "trial", "quantity", "value", "median", "robust_score", "why"});
+  for (const OutlierRow& row : rows) {
+    csv.Add(row.participant).Add(row.quantity.trial).Add(row.quantity.name);
+    csv.Add(row.value).Add(row.median).Add(row.score).Add(row.Why()).EndRow();
+  }
+  csv.Write(run.Result("outliers.csv"));
+}
+
+void WriteFailures(const std::vector<Failure>& failures, Run& run) {
+  CsvWriter csv({"participant_id", "session", "run", "step", "error"});
+  for (const Failure& of : failures)
+    csv.Add(of.participant).Add(of.session).Add(of.run).Add(of.step).Add(of.error).EndRow();
+  csv.Write(run.Result("failures.csv"));
+}
+
+}  // namespace
+
+Json WriteGroup(const Json& workflow, const std::filesystem::path& out, Run& run) {
+  const GroupData group = ReadGroup(workflow, out);
+  const GroupFindings findings{CurvesOf(group), ReliabilityOf(group), DifferencesOf(group), OutliersOf(group),
+                               FailuresOf(workflow, out)};
+  run.Begin(
+      {"trials.csv", "curves.csv", "reliability.csv", "differences.csv", "outliers.csv", "failures.csv", "group.html"});
+  WriteTrials(group, run);
+  WriteCurves(findings.curves, run);
+  WriteReliability(findings.reliability, run);
+  WriteDifferences(findings.differences, run);
+  WriteOutliers(findings.outliers, run);
+  WriteFailures(findings.failures, run);
+  report::WriteReport(run.Result("group.html"), MakeGroupPage(workflow, out, group, findings, run.Head()));
+  return {{"participants", ParticipantsOf(group).size()},
+          {"rows", group.rows.size()},
+          {"failures", findings.failures.size()},
+          {"outliers", findings.outliers.size()}};
+}
+
+}  // namespace lake::cohort

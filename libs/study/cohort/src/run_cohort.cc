@@ -1,0 +1,165 @@
+#include "lake/cohort/run_cohort.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "group_results.h"
+#include "lake/cohort/cohort_file.h"
+#include "lake/cohort/motion_files.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "lake/core/provenance.h"
+#include "lake/core/threads.h"
+#include "program_files.h"
+#include "workflow.h"
+
+namespace lake::cohort {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kBidsVersion = "1.9.0";
+
+// What BIDS does not know of, for its validators.
+constexpr const char* kIgnored =
+    ".*\nlogs/\ngroup/\nsummary.json\noptions.toml\n**/study.yaml\n**/report.html\n**/run-*/\n**/calibration/\n**/"
+    "plane/\n"
+    "**/human/\n**/exo/\n**/comparison/\n**/optimum/\n**/redesign/\n**/simulation/\n**/stroke/\n";
+
+constexpr const char* kReadme =
+    "Results of `lake cohort`: a derivative in the order of BIDS.\n\n"
+    "sub-*/[ses-*/]motion/   the trials as motion data: positions, knee angle, events\n"
+    "sub-*/[ses-*/[run-*/]]  the study of each recording, in lake's own folders (see .bidsignore)\n"
+    "group/                  trials.csv, curves.csv, reliability.csv, group.html\n"
+    "logs/                   what each step said, and cohort.json, which Snakemake is run with\n";
+
+void WriteDatasetFiles(const Cohort& cohort, Run& run) {
+  run.Begin({"dataset_description.json", "participants.tsv", "participants.json", "README", ".bidsignore"});
+  WriteJsonFile(run.Result("dataset_description.json"),
+                {{"Name", cohort.name + ", results of lake"},
+                 {"BIDSVersion", kBidsVersion},
+                 {"DatasetType", "derivative"},
+                 {"GeneratedBy", Json::array({{{"Name", "lake"}, {"Version", std::string(Version())}}})},
+                 {"SourceDatasets", Json::array({{{"URL", "file://" + cohort.folder.string()}}})}});
+  WriteTextFile(run.Result("README"), kReadme);
+  WriteTextFile(run.Result(".bidsignore"), kIgnored);
+  for (const char* table : {"participants.tsv", "participants.json"})
+    if (fs::is_regular_file(cohort.folder / table))
+      WriteTextFile(run.Result(table), ReadTextFile(cohort.folder / table));
+}
+
+std::vector<std::string> SnakemakeArguments(const CohortRunOptions& options) {
+  if (options.profile) {
+    const bool is_folder = fs::is_directory(*options.profile);
+    return {"--profile", is_folder ? fs::absolute(*options.profile).string() : options.profile->string()};
+  }
+  if (options.slurm) return {"--slurm", "--jobs", std::to_string(options.jobs), "--latency-wait", "60"};
+  return {"--cores", std::to_string(options.cores.value_or(Threads()))};
+}
+
+// What a job of the workflow does with the results, by the workflow's own configuration.
+void RunJob(const CohortRunOptions& options, const Run& run) {
+  const fs::path out = fs::absolute(run.Folder()).lexically_normal();
+  const Json workflow = ReadWorkflow(out);
+  if (*options.only == "tables") {
+    Run tables({"lake-cohort", run.Head()["command"], run.Head()["options"], out / "group", run.Quiet()});
+    tables.WriteSummary(WriteGroup(workflow, out, tables));
+    return;
+  }
+  if (!workflow["recordings"].contains(options.recordings))
+    throw UsageError(
+        fmt::format("--recordings {}: not in {}", options.recordings, (out / "logs/cohort.json").string()));
+  const Json& of = workflow["recordings"][options.recordings];
+  const std::string participant = of["participant"], session = of["session"];
+  WriteMotionFiles(of["folder"].get<std::string>(),
+                   {Recordings{participant, session, "", {}, {}}.Name(), of["run"], workflow["task"]},
+                   out / participant / session / kMotionStep);
+}
+
+void CheckLevel(const CohortRunOptions& options) {
+  if (options.make_template) return;
+  if (options.source.empty()) throw UsageError("the cohort's folder is missing; --template FOLDER makes one");
+  if (options.level != "participant" && options.level != "group")
+    throw UsageError(options.level.empty() ? "say participant or group behind the folders"
+                                           : fmt::format("'{}': participant or group", options.level));
+  if (options.only && *options.only != "motion" && *options.only != "tables")
+    throw UsageError(fmt::format("--only {}: motion or tables", *options.only));
+  if (options.cores && (options.slurm || options.profile)) throw UsageError("--cores: not with --slurm or --profile");
+  if (options.slurm && options.profile) throw UsageError("--slurm: not with --profile, which can say so itself");
+}
+
+}  // namespace
+
+void Describe(CohortRunOptions& o, OptionList& options) {
+  options
+      .AddOperand("level", o.level, "participant: every study; group: those missing, then the group's tables and page")
+      .Value("participant|group");
+  options.Add("participant-label", o.participants, "These participants only: 01 02 …").Value("LABEL").Repeats();
+  options.Add("cores", o.cores, "Cores of this machine to work with").AtLeast(1).Otherwise("--threads");
+  options.Add("slurm", o.slurm, "Hand the steps to Slurm");
+  options.Add("jobs", o.jobs, "With --slurm: so many at a time").AtLeast(1);
+  options.Add("profile", o.profile, "A Snakemake profile: any other cluster, or accounts and partitions of Slurm");
+  options.Add("template", o.make_template, "Make a folder to fill with recordings, and do nothing else")
+      .IsPath(Option::Path::kFolder);
+  options.Add("only", o.only, "Do this alone, here and now, as a job of the workflow does").Value("motion|tables");
+  options.Add("recordings", o.recordings, "With --only motion: of these, e.g. sub-01_ses-1").Value("NAME");
+  options.Check([&o](const OptionList&) { CheckLevel(o); });
+}
+
+Json RunCohort(const CohortRunOptions& options, Run& run) {
+  if (options.make_template) {
+    WriteTemplate(*options.make_template);
+    return {};
+  }
+  if (options.only) {
+    RunJob(options, run);
+    return {};
+  }
+  const Cohort cohort = ReadCohort(options.source, options.participants);
+  for (const char* file : {"participants.tsv", "cohort.yaml"}) run.AddInput(cohort.folder / file);
+  WriteDatasetFiles(cohort, run);
+  const fs::path out = fs::absolute(run.Folder()).lexically_normal();
+  const WorkflowLock lock(out, run.Quiet());
+  const Json workflow = PrepareWorkflow(cohort, out);
+  if (workflow["recordings"].empty())
+    throw Fail("{}: no study can be done: {}", cohort.folder.string(), FailuresOf(workflow, out).front().Text());
+  const std::vector<std::string> arguments = SnakemakeArguments(options);
+  const bool all_well = RunSnakemake(out, "participant", arguments, run.Quiet(), lock);
+  const std::vector<Failure> failures = FailuresOf(workflow, out);
+  if (!all_well && failures.empty()) throw Fail("snakemake failed; see {}", (out / "logs/.snakemake/log").string());
+  for (const Failure& failure : failures) run.Warn(failure.Text());
+  Json summary = {{"recordings", workflow["recordings"].size()}, {"failures", Json::array()}};
+  for (const Failure& failure : failures) summary["failures"].push_back(failure.Text());
+  if (options.level == "group") {
+    if (!RunSnakemake(out, "group", arguments, run.Quiet(), lock))
+      throw Fail("the group's tables were not made: {}", ReadTextFile(out / "logs" / "group.log"));
+    summary["group"] = ReadJsonFile(out / "group" / "summary.json");
+  } else if (!failures.empty()) {
+    throw Fail("{} of {} studies failed: {}", failures.size(), cohort.recordings.size() + cohort.absent.size(),
+               failures.front().Text());
+  }
+  return summary;
+}
+
+std::string CohortText(const Json& summary) {
+  std::string text =
+      fmt::format("{} recordings, {} failures\n", summary["recordings"].get<int>(), summary["failures"].size());
+  if (summary.contains("group"))
+    text += fmt::format("{} participants, {} outliers: group/group.html\n", summary["group"]["participants"].get<int>(),
+                        summary["group"]["outliers"].get<int>());
+  return text;
+}
+
+void WriteTemplate(const fs::path& folder) {
+  const fs::path from = SharedFile("template");
+  for (const auto& entry : fs::directory_iterator(from))
+    if (fs::exists(folder / entry.path().filename()))
+      throw Fail("{}: is there already; choose another folder", (folder / entry.path().filename()).string());
+  for (const char* participant : {"sub-01", "sub-02"})
+    fs::create_directories(folder / "sourcedata" / participant / "ses-1");
+  for (const auto& entry : fs::directory_iterator(from))
+    WriteTextFile(folder / entry.path().filename(), ReadTextFile(entry.path()));
+}
+
+}  // namespace lake::cohort

@@ -1,0 +1,286 @@
+#include "workflow.h"
+
+#include <fcntl.h>
+#include <fmt/ranges.h>
+#include <spawn.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <set>
+#include <thread>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/study/study.h"
+#include "program_files.h"
+
+namespace lake::cohort {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path LogFolder(const fs::path& out, const std::string& recordings) {
+  return out / "logs" / recordings;
+}
+
+fs::path MarkOf(const fs::path& out, const std::string& recordings, const std::string& step) {
+  return LogFolder(out, recordings) / (step + ".done");
+}
+
+// A file that says the same keeps its times: nothing that reads it is to be done again.
+void WriteIfChanged(const fs::path& path, const std::string& text) {
+  if (fs::is_regular_file(path) && ReadTextFile(path) == text) return;
+  fs::create_directories(path.parent_path());
+  WriteTextFile(path, text);
+}
+
+// JSON is YAML.
+void WriteStudy(const Recordings& recordings, const fs::path& file) {
+  Json study = recordings.study;
+  study["folder"] = recordings.source.lexically_relative(file.parent_path()).string();
+  WriteIfChanged(file, "# Written by lake cohort; change cohort.yaml instead.\n" + study.dump(2) + "\n");
+}
+
+const Json* Find(const Json& steps, const std::string& name) {
+  const auto found = std::find_if(steps.begin(), steps.end(), [&](const Json& step) { return step["name"] == name; });
+  return found == steps.end() ? nullptr : &*found;
+}
+
+// The steps that were asked for and those that they come after.
+std::set<std::string> WantedSteps(const Json& steps, const std::vector<std::string>& asked) {
+  std::set<std::string> wanted;
+  std::vector<std::string> next = asked;
+  if (asked.empty())
+    for (const Json& step : steps) next.push_back(step["name"]);
+  while (!next.empty()) {
+    const std::string name = next.back();
+    next.pop_back();
+    const Json* step = Find(steps, name);
+    if (!step) {
+      std::vector<std::string> names;
+      for (const Json& known : steps) names.push_back(known["name"]);
+      throw Fail("cohort.yaml: 'steps' has '{}', which this study has not: {}", name, fmt::join(names, ", "));
+    }
+    if (wanted.insert(name).second)
+      for (const Json& before : (*step)["after"]) next.push_back(before);
+  }
+  return wanted;
+}
+
+bool LiesIn(const std::string& path, const fs::path& folder) {
+  return path.starts_with((folder / "").string());
+}
+
+Json StepOf(const Json& plan, const fs::path& folder) {
+  Json step = plan["resources"];
+  step["after"] = plan["after"];
+  step["inputs"] = Json::array();
+  for (const Json& input : plan["inputs"])
+    if (!LiesIn(input, folder)) step["inputs"].push_back(input);
+  return step;
+}
+
+// The plan of one study, and no mark for what is to be done.
+void PlanStudy(const Recordings& recordings, const std::vector<std::string>& asked, const fs::path& out,
+               const std::string& made_by, Json& of) {
+  const fs::path file = out / recordings.Folder() / "study.yaml";
+  WriteStudy(recordings, file);
+  of["study"] = file.string(), of["folder"] = file.parent_path().string();
+  const Json plan = study::StudyPlan(study::ReadStudyFile(file), file.parent_path(), made_by);
+  const std::set<std::string> wanted = WantedSteps(plan["steps"], asked);
+  Json trials = Json::array();
+  bool trials_due = false;
+  for (const Json& step : plan["steps"]) {
+    const std::string name = step["name"];
+    if (!wanted.contains(name)) continue;
+    of["steps"][name] = StepOf(step, file.parent_path());
+    const bool is_due = !step["due"].is_null();
+    if (is_due) fs::remove(MarkOf(out, recordings.Name(), name));
+    if (name == "human" || name == "exo") trials.push_back(name), trials_due |= is_due;
+  }
+  if (trials.empty()) return;
+  of["steps"][kMotionStep] = {{"after", trials}, {"inputs", Json::array()}};
+  if (trials_due || !fs::is_directory(out / recordings.participant / recordings.session / kMotionStep))
+    fs::remove(MarkOf(out, recordings.Name(), kMotionStep));
+}
+
+// The exit status of a child. Interrupted, it ends the child first: snakemake waits for its jobs to end.
+int WaitFor(pid_t child) {
+  constexpr std::chrono::milliseconds kNap(50);
+  int status = 0;
+  for (;;) {
+    const pid_t ended = waitpid(child, &status, WNOHANG);
+    if (ended == child) return status;
+    if (ended < 0 && errno != EINTR) throw Fail("snakemake: {}", std::strerror(errno));
+    try {
+      ThrowIfInterrupted();
+    } catch (const Interrupted&) {
+      kill(-child, SIGTERM);
+      waitpid(child, &status, 0);
+      throw;
+    }
+    std::this_thread::sleep_for(kNap);
+  }
+}
+
+// `lock` becomes the children's standard input, which every descendant inherits: so the lock is held until all have
+// ended. When this program is killed, snakemake is told to end too (setpriv).
+int Spawn(std::vector<std::string> words, int lock) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, lock, STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);  // stdout is for results
+  // A process group of its own: Ctrl-C is for this program, which then ends snakemake and its jobs.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) throw Fail("{} cannot be started: {}", words.front(), std::strerror(error));
+  return WaitFor(child);
+}
+
+// Whether a program is in PATH.
+bool IsInstalled(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  for (const std::string& folder : SplitText(path ? path : "", ':'))
+    if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+// The error that a step's log ends with.
+std::string ErrorIn(const fs::path& log) {
+  if (!fs::is_regular_file(log)) return "not begun";
+  std::string last;
+  for (const std::string& line : SplitText(ReadTextFile(log), '\n'))
+    if (!line.empty()) last = line;
+  if (last.empty() || last.find(": warning: ") != std::string::npos)
+    return fmt::format("it ended without a word; was it out of memory or time? See {}", log.string());
+  const std::size_t program = last.starts_with("lake-") ? last.find(": ") : std::string::npos;
+  return program == std::string::npos ? last : last.substr(program + 2);
+}
+
+}  // namespace
+
+std::string Failure::Text() const {
+  return fmt::format("{}: {}", Recordings{participant, session, run, {}, {}}.Name(), error);
+}
+
+WorkflowLock::WorkflowLock(const fs::path& out, bool quiet) {
+  constexpr std::chrono::milliseconds kNap(100);
+  const fs::path path = out / "logs" / "lock";
+  fs::create_directories(path.parent_path());
+  descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor_ < 0) throw Fail("{}: {}", path.string(), std::strerror(errno));
+  bool is_told = quiet;
+  while (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK && errno != EINTR)
+      throw Fail("{}: cannot be locked: {}", path.string(), std::strerror(errno));
+    if (!is_told) fmt::print(stderr, "waiting for steps that outlived an earlier run in {}\n", out.string());
+    is_told = true;
+    ThrowIfInterrupted();
+    std::this_thread::sleep_for(kNap);
+  }
+}
+
+WorkflowLock::~WorkflowLock() {
+  close(descriptor_);
+}
+
+Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
+  const std::string made_by = steps::StepRunOptions::ThisProgram(ProgramFolder() / "lake-run");
+  Json workflow = {{"bin", ProgramFolder().string()},
+                   {"source", cohort.folder.string()},
+                   {"out", out.string()},
+                   {"name", cohort.name},
+                   {"task", cohort.task},
+                   {"recordings", Json::object()},
+                   {"failed", Json::array()}};
+  const auto fail = [&](const Recordings& of, const std::string& error) {
+    workflow["failed"].push_back(
+        {{"participant", of.participant}, {"session", of.session}, {"run", of.run}, {"error", error}});
+  };
+  for (const std::string& participant : cohort.absent) fail({participant, "", "", {}, {}}, "there are no recordings");
+  for (const Recordings& recordings : cohort.recordings) {
+    Json of = {{"participant", recordings.participant},
+               {"session", recordings.session},
+               {"run", recordings.run},
+               {"steps", Json::object()}};
+    try {
+      PlanStudy(recordings, cohort.steps, out, made_by, of);
+      workflow["recordings"][recordings.Name()] = std::move(of);
+    } catch (const Error& error) {
+      fail(recordings, error.what());
+    }
+  }
+  WriteIfChanged(out / "logs" / "cohort.json", workflow.dump(1) + "\n");
+  return workflow;
+}
+
+Json ReadWorkflow(const fs::path& out) {
+  return ReadJsonFile(out / "logs" / "cohort.json");
+}
+
+bool RunSnakemake(const fs::path& out, const std::string& target, const std::vector<std::string>& arguments, bool quiet,
+                  const WorkflowLock& lock) {
+  if (!IsInstalled("snakemake")) throw Error("snakemake is not installed; install the package snakemake");
+  const fs::path logs = out / "logs";
+  std::vector<std::string> words = {"setpriv",
+                                    "--pdeathsig",
+                                    "TERM",
+                                    "snakemake",
+                                    "--snakefile",
+                                    SharedFile("Snakefile").string(),
+                                    "--configfile",
+                                    (logs / "cohort.json").string(),
+                                    "--directory",
+                                    logs.string(),
+                                    "--keep-going",
+                                    "--rerun-incomplete",
+                                    "--nolock",
+                                    "--rerun-triggers",
+                                    "mtime",
+                                    "--quiet",
+                                    quiet ? "all" : "rules"};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  if (target == "group") words.insert(words.end(), {"--forcerun", target, "--"});
+  words.push_back(target);
+  const int status = Spawn(words, lock.Descriptor());
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+std::vector<Failure> FailuresOf(const Json& workflow, const fs::path& out) {
+  std::vector<Failure> failures;
+  for (const Json& of : workflow["failed"])
+    failures.push_back({of["participant"], of["session"], of["run"], "", of["error"]});
+  for (const auto& [name, of] : workflow["recordings"].items())
+    for (const auto& [step, plan] : of["steps"].items()) {
+      const bool could_be_done =
+          std::all_of(plan["after"].begin(), plan["after"].end(),
+                      [&, &name = name](const Json& before) { return IsDone(out, name, before); });
+      if (could_be_done && !IsDone(out, name, step))
+        failures.push_back(
+            {of["participant"], of["session"], of["run"], step, ErrorIn(LogFolder(out, name) / (step + ".log"))});
+    }
+  return failures;
+}
+
+bool IsDone(const fs::path& out, const std::string& recordings, const std::string& step) {
+  return fs::exists(MarkOf(out, recordings, step));
+}
+
+}  // namespace lake::cohort

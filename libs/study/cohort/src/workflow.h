@@ -1,0 +1,53 @@
+// The cohort's work as Snakemake is given it: OUT/logs/cohort.json, which names the studies, their steps and what each
+// step reads and needs; and what became of them.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lake/cohort/cohort_file.h"
+#include "lake/core/json.h"
+
+namespace lake::cohort {
+
+inline constexpr const char* kMotionStep = "motion";
+
+// Held while a workflow is at work in a folder, and by each of its jobs until it ends, whatever becomes of the programs
+// that began it: steps that outlive a killed `lake cohort` are waited for.
+class WorkflowLock {
+ public:
+  WorkflowLock(const std::filesystem::path& out, bool quiet);
+  WorkflowLock(const WorkflowLock&) = delete;
+  WorkflowLock& operator=(const WorkflowLock&) = delete;
+  ~WorkflowLock();
+
+  int Descriptor() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+// Writes each study.yaml and logs/cohort.json, and takes back the marks of steps that are to be done, so that Snakemake
+// does them: those whose inputs, options, outputs or program are not as they were. A study that cannot be read stands
+// in the configuration with its error.
+Json PrepareWorkflow(const Cohort& cohort, const std::filesystem::path& out);
+Json ReadWorkflow(const std::filesystem::path& out);
+
+// Runs snakemake for `target` with the given further arguments, its words on stderr. Returns whether all went well.
+// Throws Error if it cannot be started.
+bool RunSnakemake(const std::filesystem::path& out, const std::string& target,
+                  const std::vector<std::string>& arguments, bool quiet, const WorkflowLock& lock);
+
+// A step that was not done although those before it were.
+struct Failure {
+  std::string participant, session, run, step, error;
+
+  std::string Text() const;  // "sub-03_ses-1: step exo (…): …"
+};
+std::vector<Failure> FailuresOf(const Json& workflow, const std::filesystem::path& out);
+
+// Whether this step of a study has been done.
+bool IsDone(const std::filesystem::path& out, const std::string& recordings, const std::string& step);
+
+}  // namespace lake::cohort

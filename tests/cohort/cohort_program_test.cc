@@ -1,0 +1,120 @@
+// lake-cohort as a user runs it: rendered people, from their folder to the group's page.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "cli/program_run.h"
+#include "cohort/bids_rules.h"
+#include "lake/core/provenance.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+bool HasSnakemake() {
+  return std::system("command -v snakemake >/dev/null 2>&1") == 0;
+}
+
+// The content of all results; what steps took and said is in logs/ and in the hidden files beside results.
+std::map<std::string, std::string> Contents(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().lexically_relative(folder).string();
+    if (entry.is_regular_file() && !name.starts_with("logs/") && !entry.path().filename().string().starts_with("."))
+      contents[name] = Sha256OfFile(entry.path());
+  }
+  return contents;
+}
+
+class CohortProgram : public testing::Test {
+ protected:
+  void ExpectRefused(const std::string& arguments, int exit_code, const std::string& text) {
+    const Outcome outcome = Shell(folder_, "lake-cohort " + arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    EXPECT_THAT(outcome.err, testing::AllOf(StartsWith("lake-cohort: "), HasSubstr(text)));
+    EXPECT_EQ(outcome.ErrorLines(), 1) << outcome.err;
+  }
+
+  // The joint is where the population's exoskeleton has it: 4 px per 15 mm, and no more than 12 s of one rise.
+  void ExpectTruth() {
+    const CsvTable truth = CsvTable::Read(folder_ / "people/truth.csv"),
+                   trials = CsvTable::Read(folder_ / "out/group/trials.csv");
+    constexpr double kToleranceMm = 3;  // timing and placement are told apart with one rise only
+    int compared = 0;
+    for (std::size_t i = 0; i < trials.Rows(); ++i)
+      for (std::size_t j = 0; j < truth.Rows(); ++j) {
+        if (trials.Text(i, 0) != truth.Text(j, 0) || trials.Text(i, trials.Column("trial")) != "comparison") continue;
+        ++compared;
+        for (const auto& [measured, true_one] :
+             {std::pair{"offset_x_mm", "exo_knee_x_mm"}, {"offset_y_mm", "exo_knee_y_mm"}})
+          EXPECT_NEAR(trials.RequiredNumber(i, trials.Column(measured)),
+                      truth.RequiredNumber(j, truth.Column(true_one)), kToleranceMm)
+              << trials.Text(i, 0);
+      }
+    EXPECT_EQ(compared, 2);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(CohortProgram, MakesATemplateAndSaysWhatIsMissing) {
+  ASSERT_EQ(Shell(folder_, "lake cohort --template mine").exit_code, 0);
+  for (const char* file : {"participants.tsv", "participants.json", "cohort.yaml", "README"})
+    EXPECT_TRUE(fs::is_regular_file(folder_ / "mine" / file)) << file;
+  ExpectRefused("--template mine", 1, "is there already");
+  ExpectRefused("mine out participant", 1, "there are no recordings");
+  ExpectRefused("mine out", 2, "participant or group");
+  ExpectRefused("mine out everything", 2, "'everything': participant or group");
+  ExpectRefused("mine out group --slurm --cores 2", 2, "--cores: not with --slurm");
+  ExpectRefused("mine out group --participant-label 01 09", 2, "not in participants.tsv, which has sub-01, sub-02");
+  ExpectRefused("nowhere out group", 1, "nowhere: no such folder");
+}
+
+// Two people as they must be; of a third one trial cannot be read, of a fourth there is none.
+TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
+  if (!HasSnakemake()) GTEST_SKIP() << "snakemake is not installed";
+  ASSERT_EQ(Shell(folder_,
+                  "lake-synth --population 3 --seed-number 11 --repetitions 1 --rest 0.7 --rate 20 "
+                  "--width 640 --height 360 --radius-px 2 --quiet -o people")
+                .exit_code,
+            0);
+  fs::remove(folder_ / "people/sourcedata/sub-03/exo/video.mp4");
+  WriteTextFile(folder_ / "people/sourcedata/sub-03/exo/video.mp4", "no video");
+  WriteTextFile(folder_ / "people/participants.tsv",
+                ReadTextFile(folder_ / "people/participants.tsv") + "sub-04\tn/a\tn/a\n");
+
+  // Killed when one trial of two people is done; what it had started outlives it, and is waited for.
+  const std::string run = "lake-cohort people out group --cores 2 --quiet";
+  const Outcome killed = Shell(
+      folder_,
+      run + " & while kill -0 $! && [ ! -e out/logs/sub-01/human.done ]; do sleep 0.05; done; kill -KILL $!; wait $!");
+  EXPECT_EQ(killed.exit_code, 137) << killed.err;
+  EXPECT_FALSE(fs::exists(folder_ / "out/group/group.html"));
+
+  const Outcome again = Shell(folder_, run);
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(ExpectDerivativeHolds(folder_ / "out"), 4) << "two people, two trials";
+  const std::string page = ReadTextFile(folder_ / "out/group/group.html");
+  EXPECT_THAT(page, HasSubstr("../sub-02/comparison/report.html"));
+  const CsvTable failures = CsvTable::Read(folder_ / "out/group/failures.csv");
+  ASSERT_EQ(failures.Rows(), 2u);
+  EXPECT_EQ(failures.Text(0, failures.Column("participant_id")), "sub-04");
+  EXPECT_THAT(failures.Text(0, failures.Column("error")), HasSubstr("no recordings"));
+  EXPECT_EQ(failures.Text(1, failures.Column("step")), "exo");
+  EXPECT_THAT(failures.Text(1, failures.Column("error")), HasSubstr("sub-03/exo/video.mp4"));
+  EXPECT_THAT(page, HasSubstr("sub-03/exo/video.mp4"));
+  ExpectTruth();
+
+  // Without a kill the same comes out, byte by byte.
+  const auto with_kill = Contents(folder_ / "out");
+  fs::rename(folder_ / "out", folder_ / "killed");
+  ASSERT_EQ(Shell(folder_, run).exit_code, 0);
+  EXPECT_EQ(Contents(folder_ / "out"), with_kill);
+}
+
+}  // namespace
+}  // namespace lake

@@ -1,0 +1,173 @@
+// A tracked trial is corrected as lake-review does it: lake-track with these corrections gives the same numbers.
+#include <chrono>
+#include <thread>
+
+#include "file_limit.h"
+#include "lake/commands/review.h"
+#include "lake/core/atomic_file.h"
+#include "lake/core/error.h"
+#include "pipeline/rendered_trial.h"
+
+namespace lake {
+namespace {
+
+namespace fs = std::filesystem;
+using review::CorrectionBook;
+using review::ReviewedTrial;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+class CorrectedTrial : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    synth::SceneOptions scene = synth::CleanScene(4711);
+    scene.duration_s = 4, scene.frame_rate_hz = 30;
+    rendered_ = std::make_unique<RenderedTrial>(scene, synth::RecordingOptions{.crf = 17});
+    Track("trial");
+  }
+  static void TearDownTestSuite() { rendered_.reset(); }
+
+  static fs::path Folder(const std::string& name) { return rendered_->folder / name; }
+
+  // As the program does it, with what it keeps of its command line.
+  static void Track(const std::string& name, const std::optional<fs::path>& corrections = {}) {
+    commands::TrackRunOptions options;
+    options.video = Folder("video.mp4"), options.camera = Folder("camera.yaml");
+    options.overlay = false, options.track.quiet = true, options.corrections = corrections;
+    const Json said = {{"out", Folder(name).string()},
+                       {"video", options.video.string()},
+                       {"camera", options.camera->string()},
+                       {"corrections", corrections ? corrections->string() : ""},
+                       {"overlay", "false"}};
+    lake::Run run({"lake-track", "test", said, Folder(name), true});
+    run.WriteSummary(commands::RunTrack(options, run));
+  }
+
+  // A folder of a test's own with the results of the one that all share.
+  static fs::path Copy(const std::string& name) {
+    fs::copy(Folder("trial"), Folder(name));
+    return Folder(name);
+  }
+
+  static ReviewedTrial Open(const fs::path& folder) {
+    return commands::ReviewedTrialOf(commands::ReadTrackedFolder(folder));
+  }
+
+  // Moved, hidden, and names that were exchanged for three frames.
+  static void Correct(CorrectionBook& book) {
+    const Eigen::Vector2d knee = book.Detected().Find("knee")->samples[20].position;
+    book.Place(20, "knee", knee + Eigen::Vector2d(0.75, -0.5), 0.5);
+    book.Hide(50, "hip");
+    book.SwapFrom(100, "hip", "waist");
+    book.SwapFrom(103, "hip", "waist");
+  }
+
+  static void ExpectSameTables(const review::TrialFit& fit, const fs::path& folder) {
+    const TemporaryFolder tables;
+    motion::WriteKinematicsCsv(tables / "kinematics.csv", fit.leg->motion);
+    motion::WriteEventsCsv(tables / "events.csv", fit.leg->events);
+    motion::WriteMarkerCsv(tables / "tracks.csv", fit.tracks);
+    for (const char* name : {"kinematics.csv", "events.csv", "tracks.csv"})
+      EXPECT_EQ(ReadTextFile(tables / name), ReadTextFile(folder / name)) << name;
+  }
+
+  static inline std::unique_ptr<RenderedTrial> rendered_;
+};
+
+TEST_F(CorrectedTrial, IsTheFoldersOwnBeforeAnyCorrection) {
+  const ReviewedTrial trial = Open(Folder("trial"));
+  ExpectSameTables(trial.work.fit(trial.book.Corrected()), Folder("trial"));
+  EXPECT_THAT(trial.about["command"].get<std::string>(),
+              testing::AllOf(testing::StartsWith("lake track "), HasSubstr("--camera"), HasSubstr("--no-overlay"),
+                             HasSubstr("--corrections " + (Folder("trial") / "corrections.csv").string())));
+}
+
+TEST_F(CorrectedTrial, IsWhatLakeTrackMakesOfTheCorrections) {
+  ReviewedTrial trial = Open(Copy("exact"));
+  Correct(trial.book);
+  trial.work.save(trial.book);
+  const review::TrialFit fit = trial.work.fit(trial.book.Corrected());
+  Track("tracked", Folder("exact") / "corrections.csv");
+  ExpectSameTables(fit, Folder("tracked"));
+  EXPECT_NE(ReadTextFile(Folder("tracked") / "kinematics.csv"), ReadTextFile(Folder("trial") / "kinematics.csv"));
+}
+
+TEST_F(CorrectedTrial, TrackedAgainCanStillBeTakenBack) {
+  const fs::path folder = Copy("again");
+  ReviewedTrial trial = Open(folder);
+  Correct(trial.book);
+  trial.work.save(trial.book);
+  Track("again", folder / "corrections.csv");
+  ReviewedTrial again = Open(folder);
+  EXPECT_EQ(again.book.Count(), trial.book.Count());
+  again.book.Restore(20, "knee");
+  again.book.Restore(50, "hip");
+  again.book.SwapFrom(100, "hip", "waist");
+  again.book.SwapFrom(103, "hip", "waist");
+  EXPECT_EQ(again.book.Count(), 0u);
+  ExpectSameTables(again.work.fit(again.book.Corrected()), Folder("trial"));
+}
+
+TEST_F(CorrectedTrial, WithForeignCorrectionsIsRefused) {
+  WriteTextFile(Folder("foreign.csv"), "frame,marker,x_px,y_px\n50,hip,,\n");
+  Track("foreign", Folder("foreign.csv"));
+  EXPECT_THAT([&] { commands::ReadTrackedFolder(Folder("foreign")); },
+              ThrowsMessage<Error>(HasSubstr("with corrections that lake review did not make")));
+}
+
+TEST_F(CorrectedTrial, NeedsItsOwnVideo) {
+  const fs::path folder = Copy("moved");
+  Json summary = ReadJsonFile(folder / "summary.json");
+  summary["inputs"][0]["sha256"] = "00";
+  WriteJsonFile(folder / "summary.json", summary);
+  EXPECT_THAT([&] { commands::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("has changed since")));
+  summary["inputs"][0]["path"] = "elsewhere/video.mp4";
+  WriteJsonFile(folder / "summary.json", summary);
+  EXPECT_THAT([&] { commands::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("is not to be found")));
+  EXPECT_THAT([&] { commands::ReadTrackedFolder(rendered_->folder.Path()); },
+              ThrowsMessage<Error>(HasSubstr("is not a folder of lake track's")));
+}
+
+TEST_F(CorrectedTrial, OnAFullDiskKeepsWhatWasSaved) {
+  const fs::path folder = Copy("full");
+  ReviewedTrial trial = Open(folder);
+  review::TrialSession session(std::move(trial.book), trial.repeated, trial.work, trial.about);
+  session.Edit({{"op", "hide"}, {"frame", 50}, {"marker", "hip"}});
+  const std::string saved = ReadTextFile(folder / "corrections.csv"), kept = ReadTextFile(folder / "review.json");
+  const Json before = session.State();
+  {
+    const FileLimit full(10);
+    EXPECT_THAT(
+        [&] {
+          session.Edit({{"op", "hide"}, {"frame", 51}, {"marker", "hip"}});
+        },
+        ThrowsMessage<Error>(HasSubstr("review.json")));
+  }
+  EXPECT_EQ(session.State()["revision"], before["revision"]);
+  EXPECT_EQ(session.State()["corrections"], 1);
+  EXPECT_EQ(ReadTextFile(folder / "corrections.csv"), saved);
+  EXPECT_EQ(ReadTextFile(folder / "review.json"), kept);
+  session.Edit({{"op", "hide"}, {"frame", 51}, {"marker", "hip"}});
+  EXPECT_EQ(session.State()["corrections"], 2);
+}
+
+TEST_F(CorrectedTrial, IsFittedAnewInTheBackground) {
+  ReviewedTrial trial = Open(Copy("session"));
+  review::TrialSession session(std::move(trial.book), trial.repeated, trial.work, trial.about);
+  const auto fitted = [&] {
+    for (int i = 0; i < 600 && session.State()["fitted"] != session.State()["revision"]; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return Json::parse(session.Trial());
+  };
+  const Json before = fitted();
+  for (int frame = 60; frame < 75; ++frame) session.Edit({{"op", "hide"}, {"frame", frame}, {"marker", "knee"}});
+  const Json after = fitted();
+  EXPECT_EQ(after["state"]["corrections"], 15);
+  EXPECT_EQ(after["markers"][1]["status"].get<std::string>().substr(59, 17), "dfffffffffffffffd");
+  EXPECT_GT(after["leg"]["knee_sigma"][67].get<double>(), before["leg"]["knee_sigma"][67].get<double>());
+  EXPECT_EQ(after["problems"][0]["kind"], "gap");
+  EXPECT_THROW(session.Edit({{"op", "erase"}, {"frame", 1}, {"marker", "knee"}}), Error);
+}
+
+}  // namespace
+}  // namespace lake

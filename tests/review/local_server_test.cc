@@ -1,0 +1,122 @@
+// Who is answered, and who is not.
+#include "lake/review/local_server.h"
+
+#include <gmock/gmock.h>
+#include <httplib.h>
+
+#include <atomic>
+#include <thread>
+
+#include "lake/core/error.h"
+
+namespace lake::review {
+namespace {
+
+using testing::HasSubstr;
+
+// A server at work, asked by a client that may say anything.
+class Server : public testing::Test {
+ protected:
+  Server() : server_(0) {
+    server_.Get("", [](const LocalRequest&) { return LocalReply{"text/html", "page"}; });
+    server_.Get("frame/", [](const LocalRequest& request) { return LocalReply{"text/plain", request.rest}; });
+    server_.Post("edit", [](const LocalRequest& request) -> LocalReply {
+      if (request.body == "{}") throw Error("that changes nothing");
+      return {"application/json", request.body};
+    });
+    const std::string address = server_.Address();
+    const std::size_t host = address.find("//") + 2, path = address.find('/', host);
+    host_ = address.substr(host, path - host), path_ = address.substr(path);
+    thread_ = std::thread([this] { server_.Serve([this] { return done_.load(); }); });
+  }
+  ~Server() override {
+    done_ = true;
+    thread_.join();
+  }
+
+  httplib::Headers Headers(const std::string& host) const { return {{"Host", host}}; }
+  int Status(const std::string& path, const httplib::Headers& headers = {}) {
+    const auto result = Client().Get(path, headers);
+    return result ? result->status : 0;
+  }
+  httplib::Client Client() const { return httplib::Client("http://" + host_); }
+
+  LocalServer server_;
+  std::string host_, path_;
+  std::atomic<bool> done_ = false;
+  std::thread thread_;
+};
+
+TEST_F(Server, AnswersToItsOwnAddressOnly) {
+  EXPECT_EQ(Client().Get(path_)->body, "page");
+  EXPECT_EQ(Status("/"), 403);
+  std::string wrong = path_;
+  wrong[3] = wrong[3] == '0' ? '1' : '0';
+  EXPECT_EQ(Status(wrong), 403);
+  EXPECT_EQ(Status(path_.substr(0, path_.size() - 1)), 403);
+  EXPECT_EQ(Status(path_, {{"Host", "evil.example"}}), 403) << "a name that is rebound to 127.0.0.1";
+  EXPECT_EQ(Status(path_, {{"Host", host_ + ".evil.example"}}), 403);
+  EXPECT_EQ(Status(path_, {{"Host", "127.0.0.1"}}), 403) << "of another port";
+  EXPECT_EQ(Status(path_, {{"Origin", "http://evil.example"}}), 403);
+  EXPECT_EQ(Status(path_, {{"Origin", "null"}}), 403);
+  EXPECT_EQ(Status(path_, {{"Origin", "http://" + host_}}), 200);
+}
+
+TEST_F(Server, ServesNoFiles) {
+  for (const char* path : {"frame/../../../../etc/passwd", "../etc/passwd", "%2e%2e/%2e%2e/etc/passwd",
+                           "..%2f..%2fetc/passwd", "frame/%00", "/etc/passwd"}) {
+    const auto result = Client().Get(path_ + path);
+    ASSERT_TRUE(result) << path;
+    EXPECT_THAT(result->body, testing::Not(HasSubstr("root:"))) << path;
+  }
+  EXPECT_EQ(Status(path_ + "nothing"), 404);
+  EXPECT_EQ(Client().Get(path_ + "frame/12.jpg")->body, "12.jpg");
+}
+
+TEST_F(Server, TakesJsonFromItsOwnPageOnly) {
+  EXPECT_EQ(Client().Post(path_ + "edit", R"({"op":"undo"})", "application/json")->status, 200);
+  EXPECT_EQ(Client().Post(path_ + "edit", "op=undo", "application/x-www-form-urlencoded")->status, 415);
+  EXPECT_EQ(Client().Post(path_ + "edit", "{\"op\":1}", "text/plain")->status, 415);
+  const auto foreign =
+      Client().Post(path_ + "edit", {{"Origin", "http://evil.example"}}, R"({"a":1})", "application/json");
+  EXPECT_EQ(foreign->status, 403);
+  EXPECT_EQ(Client().Get(path_ + "edit")->status, 404);
+  EXPECT_EQ(Client().Put(path_ + "edit", "{}", "application/json")->status, 405);
+  EXPECT_EQ(Client().Delete(path_)->status, 405);
+  EXPECT_EQ(Client().Options(path_)->status, 405);
+  EXPECT_EQ(Client().Post(path_ + "edit", std::string(2 << 20, 'x'), "application/json")->status, 413);
+}
+
+TEST_F(Server, SaysWhyNot) {
+  const auto result = Client().Post(path_ + "edit", "{}", "application/json");
+  EXPECT_EQ(result->status, 400);
+  EXPECT_EQ(result->body, R"({"error":"that changes nothing"})");
+}
+
+TEST_F(Server, LetsNothingInFromElsewhere) {
+  const auto result = Client().Get(path_);
+  EXPECT_THAT(result->get_header_value("Content-Security-Policy"), HasSubstr("default-src 'none'"));
+  EXPECT_EQ(result->get_header_value("Referrer-Policy"), "no-referrer");
+  EXPECT_EQ(result->get_header_value("X-Content-Type-Options"), "nosniff");
+}
+
+TEST_F(Server, RefusesAPortInUse) {
+  const int port = std::stoi(host_.substr(host_.find(':') + 1));
+  try {
+    const LocalServer second(port);
+    FAIL() << "the port was shared";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr(host_ + ": the port is in use"));
+    EXPECT_THAT(error.what(), HasSubstr("--port"));
+  }
+}
+
+TEST(ServerToken, IsAnotherEachTime) {
+  const LocalServer one(0), other(0);
+  const auto token = [](const LocalServer& server) { return server.Address().substr(server.Address().size() - 33); };
+  EXPECT_NE(token(one), token(other));
+  EXPECT_THAT(token(one), testing::MatchesRegex("[0-9a-f]{32}/"));
+}
+
+}  // namespace
+}  // namespace lake::review

@@ -1,0 +1,358 @@
+"""lake review as a person uses it: the built program, a rendered recording, headless Chromium.
+
+One browser and one recording serve all tests. LAKE_BIN_DIR: where the programs are."""
+import csv
+import json
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
+    from selenium.webdriver.support.ui import Select
+except ImportError:
+    webdriver = None
+
+BIN = pathlib.Path(os.environ.get("LAKE_BIN_DIR", "build/test/bin")).resolve()
+DRIVER = shutil.which("chromedriver")
+WAIT_S = 60  # a loaded machine; what is waited for takes a second
+SIZE = (1280, 720)  # of the recording, px
+# lake track needs to be told: a hand hides knee and hip at once, and before and after it the leg bends too little.
+SEEDS = {"ankle": 6, "knee": 5, "hip": 4, "waist": 1}
+
+
+def run(*words, **options):
+    return subprocess.run([str(word) for word in words], check=True, capture_output=True, text=True, **options)
+
+
+def read_table(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+class Review:
+    """The program at work; its page's address once it has said it."""
+
+    def __init__(self, folder, subject, *options):
+        self.process = subprocess.Popen(
+            [BIN / "lake-review", subject, *options], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            text=True)
+        self.address = self.process.stdout.readline().strip()
+
+    def ask(self, path, message=None, **headers):
+        data = None if message is None else json.dumps(message).encode()
+        request = urllib.request.Request(self.address + path, data, {"Content-Type": "application/json", **headers})
+        with urllib.request.urlopen(request, timeout=WAIT_S) as response:
+            return json.load(response)
+
+    def end(self, sign=signal.SIGINT):
+        self.process.send_signal(sign)
+        return self.wait()
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+        self.process.stderr.close()
+
+    def wait(self):
+        err = self.process.communicate(timeout=WAIT_S)[1]
+        return self.process.returncode, err
+
+
+@unittest.skipIf(webdriver is None or DRIVER is None, "no chromedriver and selenium for this Python "
+                 "(Debian packages chromium-driver and python3-selenium)")
+class ReviewPage(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory(prefix="lake-test-")
+        cls.addClassCleanup(cls.temporary.cleanup)
+        cls.folder = pathlib.Path(cls.temporary.name)
+        run(BIN / "lake-synth", "--duration", 4, "--rate", 30, "--seed-number", 31, "--hide", "knee=1.6,0.3",
+            "--hide", "hip=1.6,0.3", "--quiet", "-o", cls.folder / "recording")
+        run(BIN / "lake-track", "recording/video.mp4", "--camera", "recording/camera.yaml", "--no-overlay", "--quiet",
+            "-o", "trial", *[f"--seed={name}=#{spot}" for name, spot in SEEDS.items()], cwd=cls.folder)
+        options = webdriver.ChromeOptions()
+        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+                         "--window-size=1300,1100", f"--user-data-dir={cls.folder / 'profile'}"):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        cls.browser = webdriver.Chrome(options=options, service=Service(DRIVER))
+        cls.addClassCleanup(cls.browser.quit)
+
+    def setUp(self):
+        self.trial = self.folder / self.id().rsplit(".", 1)[1]
+
+    def tearDown(self):
+        log = [line for line in self.browser.get_log("browser") if line["level"] == "SEVERE"]
+        self.browser.get("about:blank")
+        self.assertEqual(log, [])
+
+    def copy_trial(self):
+        shutil.copytree(self.folder / "trial", self.trial)
+        return self.trial
+
+    def start(self, subject):
+        review = Review(self.folder, subject)
+        self.addCleanup(review.close)
+        return review
+
+    def open(self, subject):
+        review = self.start(subject)
+        self.browser.get(review.address)
+        return review
+
+    def open_trial(self):
+        review = self.open(self.copy_trial())
+        self.until(lambda: self.frame() == 0)
+        return review
+
+    # What the page shows
+
+    def part(self, name):
+        return self.browser.find_element(By.ID, name)
+
+    def text(self, name):
+        return self.part(name).text
+
+    def until(self, condition, what=None):
+        end = time.monotonic() + WAIT_S
+        while not condition():
+            self.assertLess(time.monotonic(), end, what or f"{self.text('state')} {self.text('said')}")
+            time.sleep(0.03)
+
+    def frame(self):
+        number = self.part("frame").get_attribute("data-frame")
+        return None if number is None else int(number)
+
+    def marker(self, name):
+        return self.browser.execute_script(
+            "const m = document.querySelector(`#markers [data-marker=${arguments[0]}]`); return m && {...m.dataset}",
+            name) or {}
+
+    def status(self, name):
+        return self.marker(name).get("status")
+
+    def is_corrected(self, name):
+        return self.marker(name).get("corrected") == "true"
+
+    # What a person does
+
+    def press(self, *keys, holding=None):
+        chain = ActionChains(self.browser)
+        if holding:
+            chain.key_down(holding)
+        chain.send_keys(*keys)
+        if holding:
+            chain.key_up(holding)
+        chain.perform()
+
+    def seek(self, frame):
+        self.browser.execute_script(
+            "const s = arguments[0]; s.value = arguments[1]; s.dispatchEvent(new Event('input'))", self.part("scrub"),
+            frame)
+        self.until(lambda: self.frame() == frame)
+
+    def on_screen(self, canvas, x, y):
+        """Where a place of the picture is, from the canvas's middle."""
+        box = self.part(canvas).rect
+        scale = min(box["width"] / SIZE[0], box["height"] / SIZE[1])
+        return round((x - (SIZE[0] - 1) / 2) * scale), round((y - (SIZE[1] - 1) / 2) * scale), scale
+
+    def drag(self, start, by, holding=None):
+        x, y, _ = self.on_screen("picture", *start)
+        chain = ActionChains(self.browser, duration=20)
+        if holding:
+            chain.key_down(holding)
+        chain.move_to_element_with_offset(self.part("picture"), x, y).click_and_hold()
+        chain.move_by_offset(*by).release()
+        if holding:
+            chain.key_up(holding)
+        chain.perform()
+
+    def place(self, name, frame, folder=None):
+        row = read_table((folder or self.folder / "trial") / "tracks.csv")[frame]
+        return float(row[f"{name}_x_px"]), float(row[f"{name}_y_px"])
+
+    def corrections(self):
+        path = self.trial / "corrections.csv"
+        return read_table(path) if path.exists() else []
+
+    # Tests
+
+    def test_goes_through_frames_and_problems(self):
+        self.open_trial()
+        self.press(Keys.ARROW_RIGHT)
+        self.until(lambda: self.frame() == 1)
+        self.press(Keys.ARROW_RIGHT, holding=Keys.SHIFT)
+        self.until(lambda: self.frame() == 11)
+        self.press(Keys.ARROW_LEFT)
+        self.until(lambda: self.frame() == 10)
+        while "knee not seen, frames 47 to 58" not in self.text("said"):
+            self.press("]")
+            self.assertNotIn("no further problem", self.text("said"))
+        self.until(lambda: self.frame() == 47)
+        self.assertEqual((self.status("knee"), self.status("ankle")), ("filled", "detected"))
+        self.seek(0)
+        self.press("[")
+        self.assertIn("no further problem", self.text("said"))
+        self.seek(47)
+        self.press(" ")
+        self.until(lambda: self.frame() > 49)
+        self.press(" ")
+        elsewhere = self.browser.execute_script(
+            "return performance.getEntriesByType('resource').map(e => e.name).filter(n => !n.startsWith(location.href))")
+        self.assertEqual(elsewhere, [], "fetched from elsewhere")
+
+    def test_drags_snaps_and_takes_back(self):
+        review = self.open_trial()
+        self.seek(20)
+        ankle = self.place("ankle", 20)
+        self.drag(ankle, (7, -5))
+        self.until(lambda: "ankle snapped" in self.text("said"))
+        row, = self.corrections()
+        self.assertEqual((row["frame"], row["marker"]), ("20", "ankle"))
+        # The same spot, found in one picture alone: within the noise of a marker there.
+        self.assertLess(abs(float(row["x_px"]) - ankle[0]) + abs(float(row["y_px"]) - ankle[1]), 0.3)
+        self.drag(ankle, (30, 0), holding=Keys.ALT)
+        self.until(lambda: "± 0.5 px" in self.text("said"))
+        row, = self.corrections()
+        self.assertAlmostEqual(float(row["x_px"]), ankle[0] + 30 / self.on_screen("picture", 0, 0)[2], delta=2)
+        self.assertEqual(float(row["sigma_px"]), 0.5)
+        self.until(lambda: "1 correction, saved" in self.text("state"), "not fitted anew")
+        self.part("undo").click()
+        self.press("z", holding=Keys.CONTROL)
+        self.until(lambda: self.text("state") == "No corrections")
+        self.assertEqual(self.corrections(), [])
+        self.press("y", holding=Keys.CONTROL)
+        self.until(lambda: self.is_corrected("ankle"))
+        self.assertEqual(len(self.corrections()), 1)
+        self.assertEqual(review.end(), (130, "lake-review: interrupted\n"))
+        self.until(lambda: "lake review has ended" in self.text("said"))
+        self.browser.get_log("browser")  # that nobody answers any more is on the console too
+
+    def test_hides_places_and_restores(self):
+        self.open_trial()
+        self.seek(30)
+        self.press("2", "h")
+        self.until(lambda: self.status("knee") == "filled" and self.is_corrected("knee"))
+        x, y, _ = self.on_screen("picture", *self.place("knee", 30))
+        self.press("a")
+        ActionChains(self.browser).move_to_element_with_offset(self.part("picture"), x + 3, y).click().perform()
+        self.until(lambda: self.status("knee") == "detected")
+        self.press("r")
+        self.until(lambda: not self.is_corrected("knee"))
+        self.press(Keys.ARROW_UP, holding=Keys.ALT)
+        self.until(lambda: self.is_corrected("knee"))
+        self.assertEqual(len(self.corrections()), 1)
+
+    def test_two_windows_show_the_same_trial(self):
+        review = self.open_trial()
+        first = self.browser.current_window_handle
+        self.browser.switch_to.new_window("tab")
+        self.browser.get(review.address)
+        self.until(lambda: self.frame() == 0)
+        self.press("1", "h")
+        self.until(lambda: self.is_corrected("ankle"))
+        self.browser.switch_to.window(first)
+        self.until(lambda: self.is_corrected("ankle"))
+        self.part("undo").click()
+        self.until(lambda: not self.is_corrected("ankle"))
+        self.browser.switch_to.window(self.browser.window_handles[1])
+        self.until(lambda: not self.is_corrected("ankle"))
+        self.browser.close()
+        self.browser.switch_to.window(first)
+        time.sleep(3.5)
+        self.assertIsNone(review.process.poll(), "ended with the first of two windows")
+        self.browser.get("about:blank")
+        self.assertEqual(review.wait(), (0, ""))
+
+    def test_names_exchanged_behind_a_hand_are_repaired_with_three_clicks(self):
+        self.copy_trial()
+        rows = read_table(self.trial / "tracks.csv")
+        for row in rows[59:]:  # the hand has gone
+            for column in ("x_px", "y_px", "sigma_px", "status"):
+                row[f"knee_{column}"], row[f"hip_{column}"] = row[f"hip_{column}"], row[f"knee_{column}"]
+        with open(self.trial / "tracks.csv", "w", newline="") as file:
+            writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+        review = self.open(self.trial)
+        self.until(lambda: "No leg can be fitted" in self.text("warnings"))
+        # Where the later of the two vanishes: before that, its name is right.
+        self.browser.find_element(By.XPATH, "//*[@id='problems']//button[contains(., 'hip not seen')]").click()
+        self.until(lambda: self.frame() == 48)
+        Select(self.part("swap-with")).select_by_value("knee")
+        self.part("swap").click()
+        self.until(lambda: self.text("warnings") == "" and "saved" in self.text("state"))
+        repaired = review.ask("trial")["leg"]["knee"]
+        tracked = [float(row["knee_deg"]) for row in read_table(self.trial / "kinematics.csv")]
+        self.assertEqual(len(repaired), len(tracked))
+        # As it was before the names were exchanged; the page's numbers have four digits behind the point.
+        self.assertLess(max(abs(a - b) for a, b in zip(repaired, tracked)), 1e-4)
+
+    def test_a_video_is_named_by_clicks(self):
+        name = "<b>&'\" sit.mp4"
+        shutil.copy(self.folder / "recording/video.mp4", self.folder / name)
+        spots = {"ankle": (705.5, 648.9), "knee": (725.8, 429.2), "hip": (500.7, 407.1), "waist": (507.0, 297.0)}
+        self.open(name)
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        self.assertEqual(self.text("name"), name)
+        for spot in spots.values():
+            x, y, _ = self.on_screen("naming-picture", *spot)
+            ActionChains(self.browser).move_to_element_with_offset(self.part("naming-picture"), x, y).click().perform()
+        chosen = [button.text for button in self.browser.find_elements(By.CSS_SELECTOR, "#choices button")]
+        self.assertEqual(chosen, [f"{name}: #{spot}" for name, spot in SEEDS.items()])
+        self.until(lambda: "--seed=waist=#1" in self.text("naming-command") or "waist=#1" in self.text("naming-command"))
+        self.part("start-tracking").click()
+        self.until(lambda: self.part("trial").is_displayed() and self.frame() == 0)
+        self.until(lambda: "No corrections" in self.text("state"))
+        self.assertEqual(self.status("waist"), "detected")
+        self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, "h1 b"), [], "a name became part of the page")
+
+    def test_fits_a_narrow_window_in_the_dark(self):
+        self.open_trial()
+        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia",
+                                     {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                     {"width": 400, "height": 850, "deviceScaleFactor": 1, "mobile": True})
+        self.addCleanup(self.browser.execute_cdp_cmd, "Emulation.clearDeviceMetricsOverride", {})
+        self.addCleanup(self.browser.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"features": []})
+        self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400)
+        self.assertEqual(self.browser.execute_script("return getComputedStyle(document.body).backgroundColor"),
+                         "rgb(26, 27, 29)")
+
+    def test_refuses_strangers(self):
+        review = self.start(self.copy_trial())
+        host = review.address.split("/")[2]
+        for path, headers in (("trial", {"Host": "evil.example"}), ("trial", {"Origin": "http://evil.example"}),
+                              ("../trial", {}), ("frame/../../../etc/passwd", {})):
+            with self.assertRaises(urllib.error.HTTPError, msg=path) as refused:
+                review.ask(path, **headers)
+            self.assertIn(refused.exception.code, (400, 403, 404))
+            refused.exception.close()
+        port = host.split(":")[1]
+        second = subprocess.run([BIN / "lake-review", self.trial, "--port", port], cwd=self.folder, capture_output=True,
+                                text=True, timeout=WAIT_S)
+        self.assertEqual(second.returncode, 1)
+        self.assertIn(f"{host}: the port is in use", second.stderr)
+        self.assertEqual(len(second.stderr.splitlines()), 1)
+        with socket.create_connection(("127.0.0.1", int(port))) as idle:  # says nothing, and must not hold up the end
+            self.assertEqual(review.end(signal.SIGTERM)[0], 143)
+            idle.close()
+
+
+if __name__ == "__main__":
+    unittest.main()
