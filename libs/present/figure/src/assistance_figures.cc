@@ -109,7 +109,9 @@ void DrawAssistance(const std::filesystem::path& path, const problem::Assistance
                           QuoteForGnuplot(fmt::format("{}{:.0f} % of the knee's moment, a rise in {:.2f} s", name,
                                                       100 * problem.assist.value_or(1), assistance.duration_s))));
   figure.Line(kFrame).Line("set xrange [0:100]; set lmargin at screen 0.10; set rmargin at screen 0.97");
-  figure.Line("set key at graph 1, graph 1.15 right top horizontal samplen 2.5; set offsets 0, 0, graph 0.05, graph 0.05; set format x ''");
+  figure.Line(
+      "set key at graph 1, graph 1.15 right top horizontal samplen 2.5; set offsets 0, 0, graph 0.05, graph 0.05; set "
+      "format x ''");
   std::vector<std::string> force_limits, speed_limits;
   if (problem.actuator) {
     if (const auto force_n = problem.actuator->LiftingForce())
