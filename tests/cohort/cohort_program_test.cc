@@ -72,6 +72,7 @@ TEST_F(CohortProgram, MakesATemplateAndSaysWhatIsMissing) {
   ExpectRefused("mine out group --slurm --cores 2", 2, "--cores: not with --slurm");
   ExpectRefused("mine out group --participant-label 01 09", 2, "not in participants.tsv, which has sub-01, sub-02");
   ExpectRefused("nowhere out group", 1, "nowhere: no such folder");
+  ExpectRefused("mine 'out{1}' group", 1, "cannot work with braces");
 }
 
 // Two people as they must be; of a third one trial cannot be read, of a fourth there is none.

@@ -128,8 +128,8 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   const bool all_well = RunSnakemake(out, "participant", arguments, run.Quiet(), lock);
   const std::vector<Failure> failures = FailuresOf(workflow, out);
   if (!all_well && (failures.empty() || !AllWereTried(failures)))
-    throw Fail("snakemake ended before every step was tried; it says why above and in {}",
-               (out / "logs/.snakemake/log").string());
+    throw Fail("snakemake ended before every step was tried; it says why {}",
+               run.Quiet() ? "in " + (out / "logs" / kSnakemakeLog).string() : "above");
   for (const Failure& failure : failures) run.Warn(failure.Text());
   Json summary = {{"recordings", workflow["recordings"].size()}, {"failures", Json::array()}};
   for (const Failure& failure : failures) summary["failures"].push_back(failure.Text());

@@ -13,6 +13,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -90,12 +91,18 @@ bool LiesIn(const std::string& path, const fs::path& folder) {
   return path.starts_with((folder / "").string());
 }
 
+// Braces are wildcards to Snakemake.
+void CheckHasNoBraces(const std::string& path) {
+  if (path.find_first_of("{}") != std::string::npos)
+    throw Fail("{}: Snakemake cannot work with braces in the name of a file or folder; rename it", path);
+}
+
 Json StepOf(const Json& plan, const fs::path& folder) {
   Json step = plan["resources"];
   step["after"] = plan["after"];
   step["inputs"] = Json::array();
   for (const Json& input : plan["inputs"])
-    if (!LiesIn(input, folder)) step["inputs"].push_back(input);
+    if (!LiesIn(input, folder)) CheckHasNoBraces(input), step["inputs"].push_back(input);
   return step;
 }
 
@@ -144,10 +151,11 @@ int WaitFor(pid_t child) {
 
 // `lock` becomes the children's standard input, which every descendant inherits: so the lock is held until all have
 // ended. When this program is killed, snakemake is told to end too (setpriv).
-int Spawn(std::vector<std::string> words, int lock) {
+int Spawn(std::vector<std::string> words, int lock, const std::optional<fs::path>& log) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, lock, STDIN_FILENO);
+  if (log) posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, log->c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);  // stdout is for results
   // A process group of its own: Ctrl-C is for this program, which then ends snakemake and its jobs.
   posix_spawnattr_t attributes;
@@ -217,6 +225,7 @@ WorkflowLock::~WorkflowLock() {
 }
 
 Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
+  CheckHasNoBraces(out.string());
   const std::string made_by = steps::StepRunOptions::ThisProgram(ProgramFolder() / "lake-run");
   Json workflow = {{"bin", ProgramFolder().string()},
                    {"source", cohort.folder.string()},
@@ -254,27 +263,19 @@ bool RunSnakemake(const fs::path& out, const std::string& target, const std::vec
                   const WorkflowLock& lock) {
   if (!IsInstalled("snakemake")) throw Error("snakemake is not installed; install the package snakemake");
   const fs::path logs = out / "logs";
-  std::vector<std::string> words = {"setpriv",
-                                    "--pdeathsig",
-                                    "TERM",
-                                    "snakemake",
-                                    "--snakefile",
-                                    SharedFile("Snakefile").string(),
-                                    "--configfile",
-                                    (logs / "cohort.json").string(),
-                                    "--directory",
-                                    logs.string(),
-                                    "--keep-going",
-                                    "--rerun-incomplete",
-                                    "--nolock",
-                                    "--rerun-triggers",
-                                    "mtime",
-                                    "--quiet",
-                                    quiet ? "all" : "rules"};
+  std::vector<std::string> words = {"setpriv",      "--pdeathsig",
+                                    "TERM",         "snakemake",
+                                    "--snakefile",  SharedFile("Snakefile").string(),
+                                    "--configfile", (logs / "cohort.json").string(),
+                                    "--directory",  logs.string(),
+                                    "--keep-going", "--rerun-incomplete",
+                                    "--nolock",     "--rerun-triggers",
+                                    "mtime",        "--quiet",
+                                    "rules"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   if (target == "group") words.insert(words.end(), {"--forcerun", target, "--"});
   words.push_back(target);
-  const int status = Spawn(words, lock.Descriptor());
+  const int status = Spawn(words, lock.Descriptor(), quiet ? std::optional(logs / kSnakemakeLog) : std::nullopt);
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 

@@ -12,6 +12,7 @@
 namespace lake::cohort {
 
 inline constexpr const char* kMotionStep = "motion";
+inline constexpr const char* kSnakemakeLog = "snakemake.log";  // in logs/, of a quiet run
 
 // Held while a workflow is at work in a folder, and by each of its jobs until it ends, whatever becomes of the programs
 // that began it: steps that outlive a killed `lake cohort` are waited for.
@@ -34,8 +35,8 @@ class WorkflowLock {
 Json PrepareWorkflow(const Cohort& cohort, const std::filesystem::path& out);
 Json ReadWorkflow(const std::filesystem::path& out);
 
-// Runs snakemake for `target` with the given further arguments, its words on stderr. Returns whether all went well.
-// Throws Error if it cannot be started.
+// Runs snakemake for `target` with the given further arguments, its words on stderr, or in its log. Returns whether all
+// went well. Throws Error if it cannot be started.
 bool RunSnakemake(const std::filesystem::path& out, const std::string& target,
                   const std::vector<std::string>& arguments, bool quiet, const WorkflowLock& lock);
 
