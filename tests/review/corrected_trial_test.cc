@@ -178,6 +178,8 @@ TEST_F(CorrectedTrial, IsFittedAnewInTheBackground) {
   EXPECT_GT(after["leg"]["knee_sigma"][67].get<double>(), before["leg"]["knee_sigma"][67].get<double>());
   EXPECT_EQ(after["problems"][0]["kind"], "gap");
   EXPECT_THROW(session.Edit({{"op", "erase"}, {"frame", 1}, {"marker", "knee"}}), Error);
+  EXPECT_THROW(session.Edit({{"op", "hide"}, {"frame", 1e300}, {"marker", "ankle"}}), Error);
+  EXPECT_THROW(session.Edit({{"op", "place"}, {"frame", 1}, {"marker", "ankle"}, {"x", -1e9}, {"y", 0}}), Error);
 }
 
 }  // namespace

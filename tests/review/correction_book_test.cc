@@ -31,7 +31,7 @@ const MarkerSample& At(const motion::MarkerRecording& recording, int frame, int 
 }
 
 TEST(CorrectionBook, ChangesWhatItWasToldAndNothingElse) {
-  CorrectionBook book(Recording(), {});
+  CorrectionBook book(Recording(), 640, 480, {});
   book.Place(12, "knee", {50, 60}, 0.5);
   book.Hide(14, "ankle");
   book.Place(13, "knee", {70, 80}, 0.2);
@@ -50,7 +50,7 @@ TEST(CorrectionBook, ChangesWhatItWasToldAndNothingElse) {
 }
 
 TEST(CorrectionBook, TakesEachStepBack) {
-  CorrectionBook book(Recording(), {});
+  CorrectionBook book(Recording(), 640, 480, {});
   EXPECT_FALSE(book.CanUndo());
   book.Place(12, "knee", {50, 60}, 0.5);
   book.Place(12, "knee", {51, 61}, 0.5);
@@ -69,7 +69,7 @@ TEST(CorrectionBook, TakesEachStepBack) {
 }
 
 TEST(CorrectionBook, SwapsNamesWithTheirSigmasFromHereOn) {
-  CorrectionBook book(Recording(), {});
+  CorrectionBook book(Recording(), 640, 480, {});
   book.SwapFrom(12, "ankle", "knee");
   const motion::MarkerRecording before = Recording(), after = book.Corrected();
   EXPECT_EQ(At(after, 11, 0).position, At(before, 11, 0).position);
@@ -82,7 +82,8 @@ TEST(CorrectionBook, SwapsNamesWithTheirSigmasFromHereOn) {
 }
 
 TEST(CorrectionBook, RestoresWhatWasDetected) {
-  CorrectionBook book(Recording(), {}, {{12, "knee", {}}, {13, "knee", {{1, 2}, 0.5, SampleStatus::kDetected}}});
+  CorrectionBook book(Recording(), 640, 480, {},
+                      {{12, "knee", {}}, {13, "knee", {{1, 2}, 0.5, SampleStatus::kDetected}}});
   EXPECT_EQ(book.Count(), 2u);
   EXPECT_FALSE(book.CanUndo()) << "made before";
   book.Restore(12, "knee");
@@ -92,11 +93,13 @@ TEST(CorrectionBook, RestoresWhatWasDetected) {
 }
 
 TEST(CorrectionBook, RefusesWhatCannotBe) {
-  CorrectionBook book(Recording(), {15});
+  CorrectionBook book(Recording(), 640, 480, {15});
   EXPECT_THROW(book.Place(9, "knee", {1, 1}, 0.5), Error);
   EXPECT_THROW(book.Place(12, "elbow", {1, 1}, 0.5), Error);
   EXPECT_THROW(book.Place(12, "knee", {NAN, 1}, 0.5), Error);
   EXPECT_THROW(book.Place(12, "knee", {1, 1}, 0), Error);
+  EXPECT_THROW(book.Place(12, "knee", {639.5, 1}, 0.5), Error) << "outside the picture; its reader would refuse it";
+  EXPECT_THROW(book.Place(12, "knee", {1, -0.1}, 0.5), Error);
   EXPECT_THROW(book.Place(15, "knee", {1, 1}, 0.5), Error) << "a repeated frame holds no measurement";
   EXPECT_THROW(book.Restore(12, "knee"), Error) << "changes nothing";
   EXPECT_THROW(book.Hide(13, "knee"), Error) << "is not seen anyway";
@@ -106,7 +109,7 @@ TEST(CorrectionBook, RefusesWhatCannotBe) {
 
 TEST(Corrections, AreReadAsTheyWereWritten) {
   const TemporaryFolder folder;
-  CorrectionBook book(Recording(), {});
+  CorrectionBook book(Recording(), 640, 480, {});
   book.Place(12, "knee", {50.123456789012345, 60}, 0.0123);
   book.Hide(14, "ankle");
   motion::WriteCorrections(folder / "corrections.csv", book.Corrections());

@@ -61,7 +61,7 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
   const auto save = [folder](const review::CorrectionBook& book) { SaveCorrections(*folder, book.Corrections()); };
   const video::VideoInfo& video = folder->tracked.video;
   const std::vector<std::int64_t>& repeated = folder->tracked.times.repeated;
-  return {review::CorrectionBook(folder->tracked.recording, repeated, folder->made),
+  return {review::CorrectionBook(folder->tracked.recording, video.width, video.height, repeated, folder->made),
           repeated,
           {fit, save},
           BlobsOf(folder->options.track),

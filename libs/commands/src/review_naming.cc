@@ -46,8 +46,10 @@ TrackRunOptions Chosen(const fs::path& video, const Json& choices, std::vector<s
   };
   give("markers", {fmt::format("{}", fmt::join(choices.at("markers").get<OptionTexts>(), ","))});
   OptionTexts seeds;
-  for (const auto& [name, spot] : choices.at("seeds").items())
-    seeds.push_back(fmt::format("{}=#{}", name, spot.get<int>()));
+  for (const auto& [name, spot] : choices.at("seeds").items()) {
+    if (!spot.is_number_unsigned()) throw UsageError(fmt::format("marker '{}': that is no number of a spot", name));
+    seeds.push_back(fmt::format("{}=#{}", name, spot.get<std::uint64_t>()));
+  }
   if (!seeds.empty()) give("seed", seeds);
   for (const char* name : kAsked)
     if (const std::string text = choices.at("options").value(name, ""); !text.empty()) give(name, {text});

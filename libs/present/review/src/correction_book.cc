@@ -18,9 +18,12 @@ bool IsSame(const MarkerSample& a, const MarkerSample& b) {
 
 }  // namespace
 
-CorrectionBook::CorrectionBook(motion::MarkerRecording detected, std::vector<std::int64_t> repeated,
-                               const std::vector<motion::Correction>& made)
-    : detected_(motion::Measurements(std::move(detected))), repeated_(std::move(repeated)) {
+CorrectionBook::CorrectionBook(motion::MarkerRecording detected, int width, int height,
+                               std::vector<std::int64_t> repeated, const std::vector<motion::Correction>& made)
+    : detected_(motion::Measurements(std::move(detected))),
+      width_(width),
+      height_(height),
+      repeated_(std::move(repeated)) {
   for (const motion::Correction& correction : made) {
     const Cell cell{Row(correction.frame), Marker(correction.marker)};
     Set(cell, ChangeTo(cell, correction.sample).after);
@@ -79,6 +82,9 @@ void CorrectionBook::Place(std::int64_t frame, const std::string& marker, const 
     throw Fail("frame {} repeats the picture before it and is no measurement; correct that one instead", frame);
   if (!px.allFinite() || !(sigma_px > 0) || !std::isfinite(sigma_px))
     throw Fail("marker '{}', frame {}: that is no place", marker, frame);
+  if (px.x() < 0 || px.y() < 0 || px.x() > width_ - 1 || px.y() > height_ - 1)
+    throw Fail("marker '{}', frame {}: ({:.1f}, {:.1f}) is outside the picture of {}x{} px", marker, frame, px.x(),
+               px.y(), width_, height_);
   Do({ChangeTo(cell, {px, sigma_px, SampleStatus::kDetected})});
 }
 

@@ -130,7 +130,8 @@ struct LocalServer::Impl {
 };
 
 LocalServer::LocalServer(int port) : impl_(std::make_unique<Impl>()) {
-  constexpr std::size_t kMostBytes = 1 << 20;
+  constexpr std::size_t kMostBytes = 1 << 20, kMostRequests = 1000;
+  constexpr std::size_t kThreads = 16;  // one for each connection; a browser opens six
   httplib::Server& server = impl_->server;
   // The library's default shares a port with whoever else asks for that.
   server.set_socket_options([](int socket) {
@@ -140,6 +141,9 @@ LocalServer::LocalServer(int port) : impl_(std::make_unique<Impl>()) {
   server.set_default_headers(DefaultHeaders());
   server.set_payload_max_length(kMostBytes);
   server.set_keep_alive_timeout(1);  // a connection that waits delays the end by as long
+  server.set_keep_alive_max_count(kMostRequests);
+  server.set_tcp_nodelay(true);
+  server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };  // the library's own way; it deletes it
   server.set_pre_routing_handler(
       [this](const auto& request, auto& response) { return impl_->Answer(request, response); });
   server.Post("/.*", [this](const auto& request, auto& response) { impl_->AnswerPost(request, response); });

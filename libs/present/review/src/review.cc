@@ -10,6 +10,7 @@
 #include "lake/review/local_server.h"
 #include "page_files.h"
 #include "snap.h"
+#include "whole_number.h"
 #include "windows.h"
 
 namespace lake::review {
@@ -77,7 +78,7 @@ class ReviewServer {
     });
     server_.Post("snap", [this](const LocalRequest& request) {
       const Json said = Json::parse(request.body);
-      return JsonReply(Snap(said.at("frame"), {said.at("x").get<double>(), said.at("y").get<double>()},
+      return JsonReply(Snap(WholeNumber(said.at("frame")), {said.at("x").get<double>(), said.at("y").get<double>()},
                             said.at("reach"), said.at("marker")));
     });
   }

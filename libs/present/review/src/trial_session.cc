@@ -6,6 +6,7 @@
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "trial_json.h"
+#include "whole_number.h"
 
 namespace lake::review {
 namespace {
@@ -14,7 +15,7 @@ void Do(const Json& edit, CorrectionBook& book) {
   const std::string op = edit.at("op");
   if (op == "undo") return book.Undo();
   if (op == "redo") return book.Redo();
-  const std::int64_t frame = edit.at("frame");
+  const std::int64_t frame = WholeNumber(edit.at("frame"));
   const std::string marker = edit.at("marker");
   if (op == "place")
     return book.Place(frame, marker, {edit.at("x").get<double>(), edit.at("y").get<double>()},

@@ -16,10 +16,10 @@ namespace lake::review {
 
 class CorrectionBook {
  public:
-  // `detected`: what the tracker measured, px, before any correction. `repeated`: frames whose picture is that of the
-  // frame before, which hold no measurement. `made`: corrections from before; they cannot be taken back as steps.
-  // Throws Error for a correction of a marker or frame that the recording does not have.
-  CorrectionBook(motion::MarkerRecording detected, std::vector<std::int64_t> repeated,
+  // `detected`: what the tracker measured, px, before any correction, in pictures of this size. `repeated`: frames
+  // whose picture is that of the frame before, which hold no measurement. `made`: corrections from before; they cannot
+  // be taken back as steps. Throws Error for a correction of a marker or frame that the recording does not have.
+  CorrectionBook(motion::MarkerRecording detected, int width, int height, std::vector<std::int64_t> repeated,
                  const std::vector<motion::Correction>& made = {});
 
   // Each is one step. They throw Error for a marker, frame or place that is not there, and where nothing would change.
@@ -57,6 +57,7 @@ class CorrectionBook {
   void Set(Cell cell, const std::optional<motion::MarkerSample>& sample);
 
   motion::MarkerRecording detected_;
+  int width_, height_;  // px
   std::vector<std::int64_t> repeated_;
   std::map<Cell, motion::MarkerSample> made_;
   std::vector<Step> steps_;

@@ -1,0 +1,17 @@
+// Whole numbers in messages; others would be cut to some number, or to none.
+#pragma once
+
+#include <cstdint>
+
+#include "lake/core/error.h"
+#include "lake/core/json.h"
+
+namespace lake::review {
+
+inline std::int64_t WholeNumber(const Json& json) {
+  if (!json.is_number_integer())
+    throw Fail("{} is not a whole number", json.dump(-1, ' ', true, Json::error_handler_t::replace));
+  return json.get<std::int64_t>();
+}
+
+}  // namespace lake::review
