@@ -30,6 +30,8 @@ class Files {
  public:
   explicit Files(fs::path folder) : folder_(std::move(folder)) {}
 
+  const fs::path& Folder() const { return folder_; }
+
   fs::path Take(const YamlNode& node) {
     const fs::path path = Resolve(node);
     Add(path, node);
@@ -183,7 +185,7 @@ void ReadCompare(YamlNode node, Files& files, StudyFile& study) {
 void ReadProblemKey(YamlNode& node, Files& files, StudyProblem& problem) {
   auto child = node.Child("problem");
   if (child && child->IsMap())
-    problem = {std::nullopt, problem::ReadProblem(std::move(*child))};
+    problem = {std::nullopt, problem::ReadProblem(std::move(*child), files.Folder())};
   else if (child)
     problem = {files.Take(*child), {}};
 }
