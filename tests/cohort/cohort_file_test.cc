@@ -87,7 +87,7 @@ TEST_F(CohortFile, BlursHeadsUnlessToldOtherwise) {
   const cohort::Cohort cohort = ReadCohort(folder_.Path());
   EXPECT_EQ(cohort.recordings[0].study["human"]["anonymise"], true);
   EXPECT_EQ(cohort.recordings[0].study["exo"]["anonymise"], true);
-  EXPECT_EQ(cohort.recordings[3].study["human"]["anonymise"], false);
+  EXPECT_EQ(cohort.recordings[3].study["human"]["anonymise"], "false");
   WriteYaml("  exo: {trial: exo.trc}\n");
   EXPECT_FALSE(ReadCohort(folder_.Path()).recordings[0].study["exo"].contains("anonymise")) << "no pictures";
   WriteYaml("  exo: {video: exo.mp4, markers: [ankle, knee, hip]}\n");
