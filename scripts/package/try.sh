@@ -11,3 +11,4 @@ mount -t proc proc "$system/proc"
 chroot "$system" lake --version
 chroot "$system" lake run /usr/share/doc/lake/examples/data/sts-study/study.yaml -o /root/study
 test -s "$system/root/study/report.html"
+chroot "$system" python3 -c "import lake; assert lake.read('/root/study/human').table('events')['event'][0] == 'onset'"

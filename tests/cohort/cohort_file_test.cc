@@ -72,11 +72,26 @@ TEST_F(CohortFile, SaysWhatIsDifferentForOne) {
       "people:\n  sub-01_ses-2_run-2: {human: {end_s: 9}}\n"
       "  sub-01: {human: {end_s: 5, start_s: 1}, simulate: ~}\n");
   const cohort::Cohort cohort = ReadCohort(folder_.Path());
-  EXPECT_EQ(cohort.recordings[0].study["human"], (Json{{"end_s", 5.0}, {"video", "human.mp4"}, {"start_s", 1.0}}));
+  EXPECT_EQ(cohort.recordings[0].study["human"],
+            (Json{{"end_s", 5.0}, {"video", "human.mp4"}, {"start_s", 1.0}, {"anonymise", true}}));
   EXPECT_EQ(cohort.recordings[2].study["human"]["end_s"], 9.0) << "the recording's own counts most";
   EXPECT_EQ(cohort.recordings[2].study["human"]["start_s"], 1.0);
   EXPECT_FALSE(cohort.recordings[0].study.contains("simulate"));
   EXPECT_EQ(cohort.recordings[3].study["human"]["end_s"], 4.0);
+}
+
+TEST_F(CohortFile, BlursHeadsUnlessToldOtherwise) {
+  WriteYaml(
+      "  exo: {video: exo.mp4, markers: [ankle, knee, hip, shoulder, exo_knee]}\n"
+      "people:\n  sub-02: {human: {anonymise: false}}\n");
+  const cohort::Cohort cohort = ReadCohort(folder_.Path());
+  EXPECT_EQ(cohort.recordings[0].study["human"]["anonymise"], true);
+  EXPECT_EQ(cohort.recordings[0].study["exo"]["anonymise"], true);
+  EXPECT_EQ(cohort.recordings[3].study["human"]["anonymise"], "false");
+  WriteYaml("  exo: {trial: exo.trc}\n");
+  EXPECT_FALSE(ReadCohort(folder_.Path()).recordings[0].study["exo"].contains("anonymise")) << "no pictures";
+  WriteYaml("  exo: {video: exo.mp4, markers: [ankle, knee, hip]}\n");
+  ExpectRefused("'exo' has neither waist nor shoulder");
 }
 
 TEST_F(CohortFile, RefusesWhatCannotBe) {

@@ -203,7 +203,7 @@ class Package(unittest.TestCase):
         self.assertIn(f'version = "{version}"', (ROOT / "apps/python/pyproject.toml").read_text())
 
     def test_pip_installs_it(self):
-        if subprocess.run([sys.executable, "-c", "import pip, setuptools, wheel"], stderr=subprocess.DEVNULL, check=False).returncode:
+        if subprocess.run([sys.executable, "-c", "import setuptools, wheel, pip"], stderr=subprocess.DEVNULL, check=False).returncode:
             self.skipTest("pip, setuptools and wheel are not installed (python3-pip, python3-wheel)")
         with tempfile.TemporaryDirectory() as folder:
             shutil.copytree(ROOT / "apps/python", pathlib.Path(folder) / "python")

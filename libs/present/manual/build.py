@@ -24,10 +24,9 @@ sys.path[:0] = [str(ROOT / "apps/python"), str(HERE)]
 import lake  # noqa: E402
 import story  # noqa: E402
 
-PROGRAMS = ["check", "track", "anonymise", "gait", "compare", "loads", "optimize", "simulate", "stroke", "calibrate", "convert", "info", "run", "synth"]
 # What the rooms say of their methods, in the order in which data goes through them.
 ROOMS = ["measure/video", "measure/camera", "measure/tracking", "measure/gait", "measure/loads", "measure/compare", "design/linkage", "design/problem",
-         "design/nlp", "design/certificate", "design/synthesis", "design/redesign", "design/actuator", "present/overlay", "measure/exchange", "study"]
+         "design/nlp", "design/certificate", "design/synthesis", "design/redesign", "design/actuator", "measure/reliability", "study/cohort", "present/overlay", "measure/exchange", "study"]
 
 
 def pages():
@@ -42,6 +41,7 @@ def commands(text):
 class Manual:
     def __init__(self, programs, work, docs):
         self.work, self.docs = work, docs
+        self.programs = sorted(path.name.removeprefix("lake-") for path in programs.glob("lake-*") if os.access(path, os.X_OK))
         self.environment = {**os.environ, "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}", "PYTHONPATH": str(ROOT / "apps/python")}
         for name in ("data", "calibration"):
             (work / name).symlink_to(ROOT / name)
@@ -74,7 +74,7 @@ class Manual:
 
     def options(self, _):
         parts = []
-        for program in PROGRAMS:
+        for program in self.programs:
             said = subprocess.run(["lake", program, "--help"], env=self.environment, text=True, stdout=subprocess.PIPE, check=True).stdout
             parts.append(f"## lake {program}\n\n```text\n{said.strip()}\n```\n")
         return "\n".join(parts)
@@ -88,8 +88,16 @@ class Manual:
             return self.picture(ROOT / "libs" / folder / match[2], name, match[1]).split("\n")[0]
 
         text = re.sub(r"!\[([^\]]*)\]\(([^)]+)\)", image, text)
-        text = re.sub(r"(?<!!)\[([^\]]*)\]\((?!\w+:)[^)]*\)", r"\1", text)
+        text = self.unlinked(text)
         return re.sub(r"^(#+ )", r"#\1", text, flags=re.M)
+
+    @staticmethod
+    def unlinked(text):
+        return re.sub(r"(?<!!)\[([^\]]*)\]\((?!\w+:)[^)]*\)", r"\1", text)
+
+    def file(self, match):
+        text = (ROOT / match[1]).read_text(encoding="utf-8").rstrip()
+        return self.unlinked(text) if match[1].endswith(".md") else text
 
     def write(self, page):
         text = (HERE / "pages" / page).read_text(encoding="utf-8")
@@ -101,7 +109,7 @@ class Manual:
         text = re.sub(r"^\{\{columns\}\}$", lambda _: columns(), text, flags=re.M)
         text = re.sub(r"^\{\{options\}\}$", self.options, text, flags=re.M)
         text = re.sub(r"^\{\{rooms\}\}$", lambda _: "\n".join(self.room(folder) for folder in ROOMS), text, flags=re.M)
-        text = re.sub(r"^\{\{file (\S+)\}\}$", lambda match: (ROOT / match[1]).read_text(encoding="utf-8").rstrip(), text, flags=re.M)
+        text = re.sub(r"^\{\{file (\S+)\}\}$", self.file, text, flags=re.M)
         left = re.findall(r"\{\{.*?\}\}", text)
         if left:
             sys.exit(f"build.py: {page}: {left[0]}: not understood")

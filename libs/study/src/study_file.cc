@@ -30,6 +30,8 @@ class Files {
  public:
   explicit Files(fs::path folder) : folder_(std::move(folder)) {}
 
+  const fs::path& Folder() const { return folder_; }
+
   fs::path Take(const YamlNode& node) {
     const fs::path path = Resolve(node);
     Add(path, node);

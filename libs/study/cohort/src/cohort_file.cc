@@ -202,6 +202,27 @@ std::map<std::string, std::vector<Recordings>> FindRecordings(const fs::path& so
   return found;
 }
 
+// Whether markers as a study file has them (absent: the usual four) show where the trunk is.
+bool ShowTrunk(const Json& trial) {
+  if (!trial.contains("markers")) return true;
+  const std::string markers = trial["markers"].dump();
+  return markers.find("waist") != std::string::npos || markers.find("shoulder") != std::string::npos;
+}
+
+// Pictures of people have their heads blurred, unless the study says otherwise.
+void Anonymise(Json& study, const std::string& of) {
+  for (const char* trial : {"human", "exo"}) {
+    if (!study.contains(trial) || !study[trial].is_object() || !study[trial].contains("video")) continue;
+    if (study[trial].contains("anonymise")) continue;
+    if (!ShowTrunk(study[trial]))
+      throw Fail(
+          "{}: '{}' has neither waist nor shoulder among its markers, so nobody knows where the head is: add one, or "
+          "say 'anonymise: false'",
+          of, trial);
+    study[trial]["anonymise"] = true;
+  }
+}
+
 struct Difference {
   std::string of, where;
   Json study;
@@ -265,6 +286,7 @@ Cohort ReadCohort(const fs::path& folder, const std::vector<std::string>& asked)
             Override(recordings.study, difference.study);
       Names(people, recordings, cohort.folder.lexically_relative(recordings.source).string())
           .ReplaceIn(recordings.study);
+      Anonymise(recordings.study, recordings.Name());
       if (!recordings.study.contains("name")) recordings.study["name"] = recordings.Name();
       cohort.recordings.push_back(std::move(recordings));
     }
