@@ -95,7 +95,10 @@ void SetRest(const std::string& text, SynthesisProblem& problem) {
 void SetDuration(const std::string& text, SynthesisProblem& problem) {
   const bool is_free = text == "free";
   const std::optional<double> number = is_free ? std::nullopt : ParseNumber(text);
-  if (!is_free && !number) throw UsageError(fmt::format("a duration is free or a number of seconds, not '{}'", text));
+  if (!is_free && !(number && *number > 0 && *number <= SynthesisProblem::kLongestDuration_s))
+    throw UsageError(
+        fmt::format("a duration (--duration, duration_s) is free or a number of seconds above 0, at most {}, not '{}'",
+                    SynthesisProblem::kLongestDuration_s, text));
   problem.duration_s = number;
   problem.goal = is_free ? SynthesisProblem::Goal::kDuration : SynthesisProblem::Goal::kRange;
 }
