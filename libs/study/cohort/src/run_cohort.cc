@@ -25,7 +25,8 @@ constexpr const char* kBidsVersion = "1.9.0";
 constexpr const char* kIgnored =
     ".*\nlogs/\ngroup/\nsummary.json\noptions.toml\n**/study.yaml\n**/report.html\n**/run-*/\n**/calibration/\n**/"
     "plane/\n"
-    "**/human/\n**/exo/\n**/comparison/\n**/optimum/\n**/redesign/\n**/simulation/\n**/stroke/\n";
+    "**/human/\n**/exo/\n**/comparison/\n**/loads/\n**/assistance/\n**/optimum/\n**/redesign/\n**/simulation/\n**/"
+    "stroke/\n";
 
 constexpr const char* kReadme =
     "Results of `lake cohort`: a derivative in the order of BIDS.\n\n"
