@@ -89,6 +89,7 @@ TEST_F(Frames, TakeBoundedMemory) {
 
 TEST_F(Frames, ThatAreNotThereAreErrors) {
   FrameStore store(Video(), {});
+  Expect(store, kFrames - 1);
   for (const std::int64_t frame : {std::int64_t{kFrames}, std::int64_t{1} << 60, std::int64_t{-1}}) {
     EXPECT_THROW(store.Frame(frame), Error) << frame;
   }

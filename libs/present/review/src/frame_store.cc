@@ -67,7 +67,7 @@ class FrameSeeker {
   // False behind the last frame. Frames come in order, from one at or before `target` on: the one after the last that
   // was read, unless another place is nearer.
   bool ReadTowards(std::int64_t target, video::VideoFrame& frame) {
-    if (!reader_ || target < next_ || target > next_ + kWorthSeeking) Approach(target);
+    if ((!reader_ || target < next_ || target > next_ + kWorthSeeking) && !Approach(target)) return false;
     if (held_) {
       frame = *std::exchange(held_, std::nullopt);
     } else if (!Read(frame)) {
@@ -93,18 +93,24 @@ class FrameSeeker {
 
   bool Read(video::VideoFrame& frame) {
     if (!reader_->Read(frame)) return false;
-    if (!counts_from_start_) frame.index = IndexOf(frame.time_s);
-    return true;
+    if (counts_from_start_) return true;
+    frame.index = IndexOf(frame.time_s);
+    if (frame.index >= 0) return true;
+    stamps_->clear();  // the container's stamps are not the frames' own
+    OpenAtStart();
+    return reader_->Read(frame);
   }
 
-  void Approach(std::int64_t target) {
+  // False where the container knows that there is no such frame.
+  bool Approach(std::int64_t target) {
     if (!stamps_) FindStamps();
-    const bool jumps_back = !reader_ || target < next_;
+    if (!stamps_->empty() && target >= static_cast<std::int64_t>(stamps_->size())) return false;
     for (const double back_s : {0.0, 2.0, 10.0}) {
-      if (target < kWorthSeeking || target >= static_cast<std::int64_t>(stamps_->size())) break;
-      if (SeekTo((*stamps_)[static_cast<std::size_t>(target)] - back_s, target)) return;
+      if (target < kWorthSeeking || stamps_->empty()) break;
+      if (SeekTo((*stamps_)[static_cast<std::size_t>(target)] - back_s, target)) return true;
     }
-    if (jumps_back || !reader_ || next_ > target) OpenAtStart();
+    if (!reader_ || target < next_) OpenAtStart();
+    return true;
   }
 
   // Whether the reader now stands at or before the frame.
