@@ -67,7 +67,6 @@ class Files {
   }
 
   const std::vector<StudyInput>& Found() const { return found_; }
-  const fs::path& Folder() const { return folder_; }
 
  private:
   fs::path Resolve(const YamlNode& node) const {
