@@ -76,8 +76,7 @@ std::string AssistanceText(const problem::Assistance& assistance, const problem:
                        most);
   std::string text = fmt::format(
       "{} gives {:.0f} % of what the knee needs in a rise of {:.2f} s or longer (the person's own: {:.2f} s); its "
-      "speed "
-      "decides at {:.0f} %, {}",
+      "speed decides at {:.0f} %, {}",
       name, share, assistance.shortest_s, own_s, assistance.limiting_percent, most);
   if (!assistance.speed_under_load_is_known)
     text += "; its speed under load is not known, so this is a lower bound";

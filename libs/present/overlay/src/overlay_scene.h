@@ -51,7 +51,7 @@ class OverlayScene {
   void DrawInset(std::size_t marker, std::optional<std::size_t> row, const cv::Mat& luma);
   void DrawCross(cv::Point2d centre, double inner, double outer, const Colour& colour);  // radii in units
   void DrawEstimate(std::size_t marker, std::size_t row, const cv::Rect2d& square);
-  std::string Accuracy(std::size_t marker, std::size_t row) const;  // "0.04 px off the fit, ± 0.05 px"
+  std::string Accuracy(std::size_t marker, std::size_t row) const;  // "0.04 ±0.05 px"
 
   void Stroke(cv::Point2d from, cv::Point2d to, double width_px);
   void Box(const cv::Rect2d& area, const Colour& colour, double alpha);  // with rounded corners

@@ -1,8 +1,8 @@
 // A linkage as parts that can be made: plates in layers that pass each other over the whole range, pins, spacers.
 //
 // Layers are stacked along z, which with the thigh frame's x (posterior) and y (up) makes a right-handed frame: flexion
-// turns anticlockwise about z. The thigh plate's side is the leg's. The
-// actuator stands in a layer of its own thickness.
+// turns anticlockwise about z. The thigh plate's side is the leg's. The actuator stands in a layer of its own
+// thickness.
 //
 // A stacking order is found among all that there are: none in which two parts of one layer, or a pin and a plate that
 // it crosses, come nearer than the clearance asked for in any pose of the used range; then the one with the shortest

@@ -1,9 +1,9 @@
 // Whether plates and the actuator's rod bear the forces of the range: nominal stresses against the yield strength.
 //
-// - Bearing of a hole, F / (pin diameter x thickness), and net section of coupler and slewing bar, F / ((width - hole)
-// x
-//   thickness): Budynas & Nisbett, Shigley's Mechanical Engineering Design, 9th ed. 2011, sec. 8-12. Held against the
-//   yield strength; stress concentrations, wear and fatigue are left out.
+// - Bearing of a hole, F / (pin diameter x thickness), and net section of coupler and slewing bar,
+//   F / ((width - hole) x thickness): Budynas & Nisbett, Shigley's Mechanical Engineering Design, 9th ed. 2011,
+//   sec. 8-12. Held against the yield strength; stress concentrations, wear and
+//   fatigue are left out.
 // - Bending of the shank link at S, where its moment is the knee torque: torque x half width / second moment of the net
 //   section (ibid., sec. 3-10).
 // - Buckling of the actuator's rod: Euler's load of a steel rod that is pinned at M and R and as long as they are apart

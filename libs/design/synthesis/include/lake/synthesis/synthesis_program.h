@@ -5,10 +5,10 @@
 //   s.t.  |R - M|^2 = d_min^2,  |R - S|^2 = l1^2                  loops, as equations: smooth on the singular surfaces
 //         alpha2 >= 0, beta2 >= 0                                 the assembled branch
 //         coefficients . X >= limit                               Grashof, order
-//         l2 + d_min - l7 >= m                                    singularity; left out at m = 0, where the loop
-//         implies it family(X, pose_k) >= limit          k = 1..K            at fractions of the used range, and at
-//         samples of the load profile, each with its own loops no turning between coupler and bar at these poses lower
-//         <= X <= upper
+//         l2 + d_min - l7 >= m                                    singularity; left out at m = 0: the loop implies it
+//         family(X, pose_k) >= limit          k = 1..K   at fractions of the used range and samples of the load profile
+//         loops, and no turning between coupler and bar, at each of these poses
+//         lower <= X <= upper
 //   x = (l1..l6, theta, d, phi; d_k, phi_k)
 //
 // Elastic: every limit may be moved by a slack >= 0, and the cost is the sum of the slacks in mm, deg or 1 % of a
