@@ -138,5 +138,18 @@ TEST(Problems, AreGapsOutliersUncertainAndStretchedSegments) {
   EXPECT_EQ(FindProblems(recording, &leg, {13}).size(), 3u) << "in a repeated frame nothing is missed";
 }
 
+// Standard deviations are far below 1 px in good recordings.
+TEST(Problems, TellTheLargestUncertainty) {
+  motion::MarkerRecording recording = Recording();
+  recording.markers[0].samples[7].sigma = 0.1, recording.markers[0].samples[8].sigma = 0.9;
+  for (std::size_t row = 0; row < recording.Frames(); ++row)
+    if (row != 7 && row != 8) recording.markers[0].samples[row].sigma = 0.02;
+  const std::vector<Problem> problems = FindProblems(recording, nullptr, {});
+  const auto found = std::find_if(problems.begin(), problems.end(),
+                                  [](const Problem& problem) { return problem.kind == ProblemKind::kUncertain; });
+  ASSERT_NE(found, problems.end());
+  EXPECT_EQ(found->value, 0.9);
+}
+
 }  // namespace
 }  // namespace lake::review

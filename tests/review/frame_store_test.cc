@@ -90,7 +90,8 @@ TEST_F(Frames, TakeBoundedMemory) {
 TEST_F(Frames, ThatAreNotThereAreErrors) {
   FrameStore store(Video(), {});
   Expect(store, kFrames - 1);
-  for (const std::int64_t frame : {std::int64_t{kFrames}, std::int64_t{1} << 60, std::int64_t{-1}}) {
+  for (const std::int64_t frame :
+       {std::int64_t{kFrames}, std::int64_t{1} << 60, std::numeric_limits<std::int64_t>::max(), std::int64_t{-1}}) {
     EXPECT_THROW(store.Frame(frame), Error) << frame;
   }
   Expect(store, kFrames - 1);

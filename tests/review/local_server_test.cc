@@ -5,6 +5,7 @@
 #include <httplib.h>
 
 #include <atomic>
+#include <stdexcept>
 #include <thread>
 
 #include "lake/core/error.h"
@@ -24,6 +25,7 @@ class Server : public testing::Test {
       if (request.body == "{}") throw Error("that changes nothing");
       return {"application/json", request.body};
     });
+    server_.Get("broken", [](const LocalRequest&) -> LocalReply { throw std::length_error("too long"); });
     const std::string address = server_.Address();
     const std::size_t host = address.find("//") + 2, path = address.find('/', host);
     host_ = address.substr(host, path - host), path_ = address.substr(path);
@@ -91,6 +93,9 @@ TEST_F(Server, SaysWhyNot) {
   const auto result = Client().Post(path_ + "edit", "{}", "application/json");
   EXPECT_EQ(result->status, 400);
   EXPECT_EQ(result->body, R"({"error":"that changes nothing"})");
+  const auto broken = Client().Get(path_ + "broken");
+  EXPECT_EQ(broken->status, 500);
+  EXPECT_EQ(broken->body, R"({"error":"too long"})") << "a library's exception is told to the page too";
 }
 
 TEST_F(Server, LetsNothingInFromElsewhere) {

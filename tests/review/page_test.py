@@ -328,6 +328,15 @@ class ReviewPage(unittest.TestCase):
         self.assertEqual(self.status("waist"), "detected")
         self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, "h1 b"), [], "a name became part of the page")
 
+    def test_a_tracking_that_fails_does_not_show_an_earlier_one(self):
+        shutil.copy(self.folder / "recording/video.mp4", self.folder / "again.mp4")
+        shutil.copytree(self.folder / "trial", self.folder / "lake-out/again")
+        review = self.start("again.mp4")
+        review.ask("track", {"markers": list(SEEDS), "seeds": SEEDS, "options": {"camera": "none.yaml"}})
+        self.until(lambda: review.ask("state")["mode"] != "tracking", "still tracking")
+        self.assertEqual(review.ask("state")["mode"], "naming")
+        self.assertIn("none.yaml", review.ask("state")["failed"])
+
     def test_fits_a_narrow_window_in_the_dark(self):
         self.open_trial()
         self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia",

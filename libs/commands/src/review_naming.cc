@@ -12,6 +12,8 @@
 #include <cstring>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <utility>
 
 #include "lake/commands/review.h"
 #include "lake/core/error.h"
@@ -125,7 +127,7 @@ class Child {
     while (true) {
       ThrowIfInterrupted();
       pollfd waiting{read_, POLLIN, 0};
-      if (poll(&waiting, 1, 100) == 0) continue;
+      if (poll(&waiting, 1, 100) <= 0) continue;
       const ssize_t count = read(read_, bytes.data(), bytes.size());
       if (count < 0 && errno == EINTR) continue;
       if (count <= 0) break;
@@ -147,15 +149,20 @@ class Child {
 
 review::ReviewedTrial Track(const fs::path& video, const fs::path& programs, const Json& choices,
                             const std::function<void(const std::string&)>& progress) {
+  const fs::path tracks = OutputOf(video) / "tracks.csv";
+  const auto time_written = [&] {
+    return fs::exists(tracks) ? std::optional(fs::last_write_time(tracks)) : std::nullopt;
+  };
+  const auto before = time_written();
   std::string last;
   const int code = Child(programs / "lake-track", ArgumentsOf(video, choices)).Follow([&](const std::string& line) {
     last = line;
     progress(line);
   });
-  if (code != 0 && !fs::exists(OutputOf(video) / "tracks.csv"))
-    throw Fail("lake-track ended with code {}: {}", code, last);
-  return ReviewedTrialOf(
-      ReadTrackedFolder(OutputOf(video)));  // also where no leg could be fitted: that may be put right
+  // Its tracks are there also where no leg could be fitted: that may be put right. Those of an earlier run do not
+  // count.
+  if (code != 0 && time_written() == before) throw Fail("lake-track ended with code {}: {}", code, last);
+  return ReviewedTrialOf(ReadTrackedFolder(OutputOf(video)));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@ export class Frames {
   private kept = new Map<number, ImageBitmap>();
   private loading = new Set<number>();
   private wanted = 0;
+  private shown = -1; // the page may still draw it
   private step = 1;
 
   constructor(
@@ -24,8 +25,13 @@ export class Frames {
     this.step = frame < this.wanted ? -1 : 1;
     this.wanted = frame;
     const picture = this.kept.get(frame);
-    if (picture) this.loaded(frame, picture);
+    if (picture) this.show(frame, picture);
     this.load();
+  }
+
+  private show(frame: number, picture: ImageBitmap): void {
+    this.shown = frame;
+    this.loaded(frame, picture);
   }
 
   // One picture at a time but when playing: while one scrubs, what was passed over is not asked for.
@@ -37,7 +43,7 @@ export class Frames {
       .frame(next)
       .then((picture) => {
         this.keep(next, picture);
-        if (next === this.wanted) this.loaded(next, picture);
+        if (next === this.wanted) this.show(next, picture);
       })
       .catch((why) => {
         if (next === this.wanted) this.failed(why);
@@ -59,7 +65,7 @@ export class Frames {
   private keep(frame: number, picture: ImageBitmap): void {
     this.kept.set(frame, picture);
     while (this.kept.size > MOST_KEPT) {
-      const farthest = [...this.kept.keys()].reduce((a, b) =>
+      const farthest = [...this.kept.keys()].filter((one) => one !== this.shown).reduce((a, b) =>
         Math.abs(a - this.wanted) > Math.abs(b - this.wanted) ? a : b,
       );
       this.kept.get(farthest)?.close();

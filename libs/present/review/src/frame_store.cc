@@ -62,7 +62,7 @@ class FrameSeeker {
   }
 
   const video::VideoInfo& Info() const { return info_; }
-  const std::string Name() const { return video_.string(); }
+  std::string Name() const { return video_.string(); }
 
   // False behind the last frame. Frames come in order, from one at or before `target` on: the one after the last that
   // was read, unless another place is nearer.
@@ -214,17 +214,17 @@ class FrameStore::Impl {
       const std::int64_t target = *Target();
       lock.unlock();
       std::optional<video::VideoFrame> frame;
+      std::optional<StoredFrame> stored;
       std::string error;
       try {
         frame.emplace();
         if (!seeker_.ReadTowards(target, *frame)) frame.reset();
+        if (frame && frame->index >= target - options_.behind) stored = Store(*frame);
       } catch (const std::exception& failure) {
         frame.reset();
         error = failure.what();
         seeker_.Close();
       }
-      std::optional<StoredFrame> stored;
-      if (frame && frame->index >= target - options_.behind) stored = Store(*frame);
       lock.lock();
       if (!frame)
         FailFrom(target, error);
@@ -240,7 +240,7 @@ class FrameStore::Impl {
     for (auto request = requests_.rbegin(); request != requests_.rend(); ++request)
       if (request->IsOpen()) return request->frame;
     const std::int64_t next = seeker_.Next();
-    if (next <= focus_ || next > focus_ + options_.ahead || (end_ && next >= *end_)) return std::nullopt;
+    if (next <= focus_ || next - focus_ > options_.ahead || (end_ && next >= *end_)) return std::nullopt;
     return next;
   }
 

@@ -120,6 +120,8 @@ struct LocalServer::Impl {
       Refuse(400, "what was sent is not what is understood here", response);
     } catch (const Interrupted&) {
       Refuse(503, "the program is ending", response);
+    } catch (const std::exception& error) {
+      Refuse(500, error.what(), response);
     }
   }
 

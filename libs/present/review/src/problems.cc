@@ -13,11 +13,23 @@ namespace {
 
 using motion::SampleStatus;
 
-// Whether a row has the problem, and how much of it.
+// Whether a row has the problem, and its value.
 using Rate = std::function<std::optional<double>(std::size_t row)>;
 
+// Of a problem, whether the first value is worse than the second.
+using IsWorse = std::function<bool(double, double)>;
+
+bool IsLarger(double a, double b) {
+  return a > b;
+}
+
+// Of ratios, which may be too large or too small.
+bool IsFartherFromOne(double a, double b) {
+  return std::abs(a - 1) > std::abs(b - 1);
+}
+
 // Runs of rows that have it, as one problem each with its worst value; a few rows without it do not end a run.
-void AddRuns(const motion::MarkerRecording& recording, const Problem& like, const Rate& rate,
+void AddRuns(const motion::MarkerRecording& recording, const Problem& like, const Rate& rate, const IsWorse& is_worse,
              std::vector<Problem>& problems) {
   constexpr std::int64_t kBridged = 3;
   bool is_open = false;
@@ -32,7 +44,7 @@ void AddRuns(const motion::MarkerRecording& recording, const Problem& like, cons
     }
     Problem& run = problems.back();
     run.last = frame;
-    if (std::abs(*value - 1) > std::abs(run.value - 1)) run.value = *value;
+    if (is_worse(*value, run.value)) run.value = *value;
   }
 }
 
@@ -53,7 +65,7 @@ void AddUncertain(const motion::MarkerRecording& measured, const motion::MarkerT
         const motion::MarkerSample& sample = marker.samples[row];
         return sample.IsKnown() && sample.sigma > limit ? std::optional(sample.sigma) : std::nullopt;
       },
-      problems);
+      IsLarger, problems);
 }
 
 // Of the leg's segments: their length over its median.
@@ -75,7 +87,7 @@ void AddLengths(const motion::MarkerRecording& measured, const motion::MarkerTra
         const auto here = length(row);
         return here && std::abs(*here / usual - 1) > kUnusual ? std::optional(*here / usual) : std::nullopt;
       },
-      problems);
+      IsFartherFromOne, problems);
 }
 
 }  // namespace
@@ -96,7 +108,7 @@ std::vector<Problem> FindProblems(const motion::MarkerRecording& measured, const
                                  !std::binary_search(repeated.begin(), repeated.end(), measured.frame[row]);
           return is_missed ? std::optional(0.0) : std::nullopt;
         },
-        problems);
+        IsLarger, problems);
     AddUncertain(measured, marker, problems);
   }
   constexpr std::array<const char*, 3> kLeg = {"ankle", "knee", "hip"};

@@ -9,8 +9,7 @@
 namespace lake::review {
 
 inline std::int64_t WholeNumber(const Json& json) {
-  if (!json.is_number_integer())
-    throw Fail("{} is not a whole number", json.dump(-1, ' ', true, Json::error_handler_t::replace));
+  if (!json.is_number_integer()) throw Fail("a whole number is asked for, not {}", json.type_name());
   return json.get<std::int64_t>();
 }
 
