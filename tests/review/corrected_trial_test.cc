@@ -107,6 +107,19 @@ TEST_F(CorrectedTrial, TrackedAgainCanStillBeTakenBack) {
   ExpectSameTables(again.work.fit(again.book.Corrected()), Folder("trial"));
 }
 
+// review.json is of the tracking before.
+TEST_F(CorrectedTrial, TrackedAnewIsWhatIsDetectedNow) {
+  const fs::path folder = Copy("anew");
+  ReviewedTrial trial = Open(folder);
+  Correct(trial.book);
+  trial.work.save(trial.book);
+  Json review = ReadJsonFile(folder / "review.json");
+  review["replaced"][0]["x_px"] = 1.5;  // knee in frame 20
+  WriteJsonFile(folder / "review.json", review);
+  EXPECT_EQ(Open(folder).book.Detected().Find("knee")->samples[20].position,
+            trial.book.Detected().Find("knee")->samples[20].position);
+}
+
 TEST_F(CorrectedTrial, WithForeignCorrectionsIsRefused) {
   WriteTextFile(Folder("foreign.csv"), "frame,marker,x_px,y_px\n50,hip,,\n");
   Track("foreign", Folder("foreign.csv"));

@@ -182,7 +182,8 @@ TrackedFolder ReadTrackedFolder(const fs::path& folder) {
   } catch (const nlohmann::json::exception& error) {
     throw Fail("{}: is not a summary as lake track writes it ({})", (folder / "summary.json").string(), error.what());
   }
-  result.known = ReadReplaced(folder);
+  // Tracks without corrections are the detector's own; what an earlier run detected does not count then.
+  if (result.options.corrections) result.known = ReadReplaced(folder);
   result.made = ReadMade(result);
   CheckAreKnown(result);
   motion::ApplyCorrections(result.known, result.tracked.recording);

@@ -16,7 +16,7 @@ struct TrackedFolder {
   TrackRunOptions options;                // with the inputs where they are now
   tracking::TrackResult tracked;          // what the detector measured, before any correction
   std::vector<motion::Correction> made;   // corrections.csv in the folder
-  std::vector<motion::Correction> known;  // detector's samples of all that lake-review ever corrected there
+  std::vector<motion::Correction> known;  // detector's samples of all that lake-review corrected in these tracks
   std::string command;                    // tracks again with corrections.csv
 };
 
