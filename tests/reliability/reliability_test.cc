@@ -67,6 +67,15 @@ TEST(Icc, OfWhatDoesNotVaryIsUnknown) {
   EXPECT_EQ(StandardErrorOfMeasurement(MeanSquaresOf(same)).value, 0);
 }
 
+// Repetitions counted in frames make such tables: then the approximate degrees of freedom vanish.
+TEST(Icc, OfTargetsWithTheSameMeanHasNoInterval) {
+  Eigen::MatrixXd values(2, 2);
+  values << 1, 3, 1.5, 2.5;
+  const Estimate icc = Icc2Single(MeanSquaresOf(values));
+  EXPECT_NEAR(icc.value, -1.0 / 9, 1e-12);  // − residual / between judges
+  EXPECT_TRUE(std::isnan(icc.interval.low) && std::isnan(icc.interval.high));
+}
+
 TEST(Icc, RefusesTablesWithGapsOrWithoutTwoOfEach) {
   EXPECT_THAT([] { MeanSquaresOf(Eigen::MatrixXd::Zero(5, 1)); }, ThrowsMessage<Error>(HasSubstr("5 targets by 1")));
   Eigen::MatrixXd gap = ShroutFleiss();

@@ -16,8 +16,11 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kUpperTail = 0.975;  // of intervals of 95 %
 constexpr double kNormalQuantile = 1.96;
 
+// Not finite where there are hardly any degrees of freedom.
 double FQuantile(double numerator_df, double denominator_df) {
-  return quantile(boost::math::fisher_f(numerator_df, denominator_df), kUpperTail);
+  using namespace boost::math::policies;
+  using Quiet = policy<domain_error<ignore_error>, overflow_error<ignore_error>, evaluation_error<ignore_error>>;
+  return quantile(boost::math::fisher_f_distribution<double, Quiet>(numerator_df, denominator_df), kUpperTail);
 }
 
 double TQuantile(double df) {
@@ -69,6 +72,7 @@ Estimate Icc2Single(const MeanSquares& ms) {
   const double df = (k - 1) * (n - 1) * (b + a) * (b + a) / ((n - 1) * b * b + a * a);
   const double rest = k * jms + (k * n - k - n) * ems;
   const double f_low = FQuantile(n - 1, df), f_high = FQuantile(df, n - 1);
+  if (!std::isfinite(f_low) || !std::isfinite(f_high)) return {icc, {kNaN, kNaN}};
   return {icc,
           {n * (bms - f_low * ems) / (f_low * rest + n * bms), n * (f_high * bms - ems) / (rest + n * f_high * bms)}};
 }
