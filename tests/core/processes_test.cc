@@ -1,8 +1,10 @@
 #include "lake/core/processes.h"
 
 #include <gmock/gmock.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 
 #include "lake/core/error.h"
@@ -55,6 +57,22 @@ TEST_P(Processes, NothingIsComputedForNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, Processes, testing::Values(1, 2, 5));
+
+// A piece that would go on for long is ended when another fails.
+TEST(FailedPiece, LeavesNoProcessBehind) {
+  const int before = Threads();
+  SetThreads(2);
+  Progress progress("pieces", "steps", std::nullopt, true);
+  const auto fail = [](std::size_t i, const std::function<void()>&) -> std::string {
+    if (i == 1) throw Error("cannot be");
+    pause();
+    return "";
+  };
+  EXPECT_THAT([&] { InProcesses(2, fail, progress); }, ThrowsMessage<Error>("cannot be"));
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
+  EXPECT_EQ(errno, ECHILD);
+  SetThreads(before);
+}
 
 TEST(KilledProcess, IsAnErrorThatSaysSo) {
   const int before = Threads();
