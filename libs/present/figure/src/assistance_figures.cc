@@ -63,7 +63,10 @@ constexpr std::array kMarks = {7, 5, 9, 11, 13, 7, 5, 9};
 
 // As a text of its own in a figure, not too long.
 std::string Shortened(const std::string& text, std::size_t most) {
-  return text.size() <= most ? text : text.substr(0, most - 1) + "…";
+  if (text.size() <= most) return text;
+  std::size_t end = most - 1;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // not within a character of UTF-8
+  return text.substr(0, end) + "…";
 }
 
 struct Line {

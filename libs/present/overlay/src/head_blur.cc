@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "lake/core/error.h"
+#include "lake/core/statistics.h"
 
 namespace lake::overlay {
 namespace {
@@ -35,12 +36,6 @@ std::optional<Eigen::Vector2d> Segment(const motion::MarkerRecording& tracks, st
 // By which the second must be turned to point as the first, (−π, π].
 double Turn(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
-}
-
-double Quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 // Cells of one grey each, then smooth between them.
