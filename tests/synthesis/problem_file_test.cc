@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "lake/core/error.h"
+#include "lake/problem/load_profile.h"
 
 namespace lake {
 namespace {
@@ -99,6 +101,20 @@ TEST_F(ProblemFile, ErrorsNameFileLineAndReason) {
         << item.text;
     EXPECT_THAT(error, ::testing::Not(::testing::HasSubstr("\n")));
   }
+}
+
+TEST(LoadProfile, PercentsAscend) {
+  const auto refused = [](const std::vector<double>& percent) {
+    EXPECT_THAT(
+        [&] {
+          problem::MakeLoadProfile(percent, {90, 50, 30, 5}, {40, 30, 20, 0}, 2);
+        },
+        ::testing::ThrowsMessage<Error>(::testing::HasSubstr("must ascend from 0 to 100")));
+  };
+  refused({0, 50, 50, 100});
+  refused({0, 60, 40, 100});
+  refused({0, NAN, 60, 100});
+  refused({0, 30, 60, 90});
 }
 
 }  // namespace

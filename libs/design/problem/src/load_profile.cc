@@ -26,7 +26,8 @@ std::vector<double> ReadColumn(const Json& json, const char* key, const fs::path
 void CheckPercents(const std::vector<double>& percent) {
   constexpr double kRounding = 1e-9;
   const bool ends = std::abs(percent.front()) < kRounding && std::abs(percent.back() - 100) < kRounding;
-  if (!ends || !std::ranges::is_sorted(percent, std::less_equal<>{}))
+  const auto does_not_ascend = [](double a, double b) { return !(a < b); };  // NaN neither
+  if (!ends || std::ranges::adjacent_find(percent, does_not_ascend) != percent.end())
     throw Fail("the percents of a load profile must ascend from 0 to 100");
 }
 
