@@ -4,8 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/study/study.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -279,6 +282,27 @@ TEST_F(StudyYaml, TakesLoadsAndAnActuator) {
   ExpectRefused(loads + "assistance: {actuator: L17}\n", "study.yaml:3: there is no actuator 'L17'");
   ExpectRefused(loads + "assistance: {actuator: LA31-1000, assist: 3}\n", "between 0 and 1");
   ExpectRefused(loads + "assistance: {actuators: none.csv}\n", "none.csv");
+}
+
+// A catalogue of one's own that changes makes those steps due that its actuator counts in.
+TEST_F(StudyYaml, StepsKnowTheirActuator) {
+  const std::string trial = "human: {video: human.mp4}\nloads: {mass_kg: 70}\n";
+  const auto options = [&](const std::string& yaml, int speed_mm_s) {
+    WriteTextFile(folder_ / "own.csv", fmt::format("name,max_force_n,no_load_speed_mm_s\nfast,200,{}\n", speed_mm_s));
+    std::map<std::string, Json> of;
+    for (const steps::StudyStep& step : study::StudySteps(Read(yaml), folder_ / "out", Json::object()))
+      of[step.name] = step.options;
+    return of;
+  };
+  const auto changed = [&](const std::string& yaml) {
+    std::vector<std::string> names;
+    const auto after = options(yaml, 80);
+    for (const auto& [name, before] : options(yaml, 90))
+      if (before != after.at(name)) names.push_back(name);
+    return names;
+  };
+  EXPECT_THAT(changed(trial + "assistance: {actuator: 'own.csv:fast'}\n"), ElementsAre("assistance", "simulation"));
+  EXPECT_THAT(changed(trial + "design: {problem: {actuator: 'own.csv:fast'}}\n"), ElementsAre("optimum"));
 }
 
 TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {

@@ -96,11 +96,29 @@ steps::StudyStep ComparisonStep(const StudyFile& study, const fs::path& out) {
   return step;
 }
 
+// What is known of an actuator: the study only names it, and its catalogue may change.
+Json ActuatorJson(const problem::LinearActuator& actuator) {
+  Json json = Json::array();
+  for (const auto& number : {actuator.closed_mm, actuator.stroke_mm, actuator.max_force_n, actuator.no_load_speed_mm_s,
+                             actuator.holding_force_n, actuator.mass_g, actuator.duty_cycle_percent})
+    json.push_back(number ? Json(*number) : Json());
+  for (const problem::LinearActuator::ForceSpeed& point : actuator.force_speed)
+    json.push_back({point.force_n, point.speed_mm_s});
+  return json;
+}
+
+// All that a design is made of, but for what is known of the person.
+void AddProblemOf(const commands::OptimizeRunOptions& options, steps::StudyStep& step) {
+  for (const fs::path& file : {options.problem_file, options.actuators})
+    if (!file.empty()) step.inputs.push_back(file);
+  if (options.problem.profile) step.inputs.push_back(options.problem.profile->file);
+  if (options.problem.actuator) step.options["known of the actuator"] = ActuatorJson(*options.problem.actuator);
+}
+
 void AddProblem(const StudyProblem& problem, commands::OptimizeRunOptions& options, steps::StudyStep& step) {
   options.problem = problem.problem;
-  if (!problem.file) return;
-  options.problem_file = *problem.file;
-  step.inputs.push_back(*problem.file);
+  if (problem.file) options.problem_file = *problem.file;
+  AddProblemOf(options, step);
 }
 
 std::function<void(Run&)> OptimizeWork(const commands::OptimizeRunOptions& options) {
@@ -175,8 +193,7 @@ steps::StudyStep AssistanceStep(const StudyFile& study, const fs::path& out) {
                         study.assistance->said,
                         5,
                         {}};
-  for (const fs::path& file : {options.problem_file, options.actuators})
-    if (!file.empty()) step.inputs.push_back(file);
+  AddProblemOf(options, step);
   step.work = [options, profile](Run& run) {
     commands::OptimizeRunOptions with_profile = options;
     with_profile.problem.profile = problem::ReadLoadProfile(profile);
@@ -227,7 +244,10 @@ steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, 
                         8,
                         {}};
   const std::optional<fs::path> profile = ProfileOfOneActuator(study, out);
-  if (profile) step.inputs.push_back(*profile), step.options["assistance"] = study.assistance->said;
+  if (profile) {
+    step.inputs.push_back(*profile), step.options["assistance"] = study.assistance->said;
+    AddProblemOf(study.assistance->options, step);
+  }
   step.work = [options = study.simulation, assistance = study.assistance, profile, design, leg](Run& run) {
     run.AddInput(design);
     run.AddInput(leg);
