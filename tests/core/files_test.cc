@@ -8,6 +8,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/json.h"
 #include "lake/core/provenance.h"
 #include "lake/core/run.h"
 #include "lake/core/statistics.h"
@@ -154,6 +155,15 @@ TEST(Interrupt, ThrowsOnceASignalHasArrived) {
         }
       },
       testing::ExitedWithCode(SIGTERM), "");
+}
+
+TEST(Json, ThatIsNestedWithoutEndIsRefused) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "deep.json", "{\"a\": " + std::string(200'000, '[') + std::string(200'000, ']') + "}");
+  EXPECT_THAT([&] { ReadJsonFile(folder / "deep.json"); },
+              ThrowsMessage<Error>(HasSubstr("deep.json: lists and maps")));
+  WriteTextFile(folder / "text.json", "{\"a\": \"\\\"" + std::string(300, '[') + "\"}");
+  EXPECT_EQ(ReadJsonFile(folder / "text.json")["a"].get<std::string>().size(), 301u) << "brackets of a text";
 }
 
 }  // namespace

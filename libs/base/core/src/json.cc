@@ -6,10 +6,34 @@
 #include "lake/core/error.h"
 
 namespace lake {
+namespace {
+
+// The library writes values by recursion, a level of the stack each.
+void CheckDepth(const std::string& text, const std::filesystem::path& path) {
+  constexpr int kDeepest = 200;  // far beyond any file of ours
+  int depth = 0;
+  bool is_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (is_string && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      is_string = !is_string;
+    } else if (!is_string) {
+      depth += (c == '[' || c == '{') - (c == ']' || c == '}');
+      if (depth > kDeepest)
+        throw Fail("{}: lists and maps stand more than {} deep in each other", path.string(), kDeepest);
+    }
+  }
+}
+
+}  // namespace
 
 Json ReadJsonFile(const std::filesystem::path& path) {
+  const std::string text = ReadTextFile(path);
+  CheckDepth(text, path);
   try {
-    return Json::parse(ReadTextFile(path));
+    return Json::parse(text);
   } catch (const Json::parse_error& error) {
     throw Fail("{}: not JSON: {}", path.string(), error.what());
   }
