@@ -94,7 +94,7 @@ TEST_F(RunProgram, WritesWhatTheProgramsWrite) {
 
 TEST_F(RunProgram, EndsAsTheStepThatFailed) {
   // No design comes near 0.001 % of the shank at one speed.
-  WriteStudy("reoptimize: {max_misalignment_percent: 0.001, human_only: true}\n");
+  WriteStudy("reoptimize: {max_misalignment_percent: 0.001, human_only: true, starts: 3}\n");
   const Outcome outcome = Shell(folder_, "lake-run study.yaml --quiet -o results");
   EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("lake-run: step redesign (the design for this person): "));
