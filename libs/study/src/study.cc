@@ -173,6 +173,7 @@ steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, 
                         study.simulation_options,
                         8,
                         {}};
+  if (!study.simulation.torques.empty()) step.inputs.push_back(study.simulation.torques);
   step.work = [options = study.simulation, design, leg](Run& run) {
     run.AddInput(design);
     run.AddInput(leg);
