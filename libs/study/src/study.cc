@@ -227,6 +227,7 @@ steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, 
                         8,
                         {}};
   const std::optional<fs::path> profile = ProfileOfOneActuator(study, out);
+  if (!study.simulation.torques.empty()) step.inputs.push_back(study.simulation.torques);
   if (profile) step.inputs.push_back(*profile), step.options["assistance"] = study.assistance->said;
   step.work = [options = study.simulation, assistance = study.assistance, profile, design, leg](Run& run) {
     run.AddInput(design);
