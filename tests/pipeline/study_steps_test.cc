@@ -6,9 +6,15 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <thread>
+
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/threads.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -20,19 +26,21 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 // Two sources a, b; their copies; the join of both copies; a report of everything.
-class Steps : public testing::Test {
+class Steps : public testing::TestWithParam<int> {
  protected:
   Steps() {
+    SetThreads(GetParam());
     WriteTextFile(folder_ / "a.txt", "alpha");
     WriteTextFile(folder_ / "b.txt", "beta");
   }
+  ~Steps() override { SetThreads(before_); }
 
   steps::StudyStep Copy(const std::string& name) {
     steps::StudyStep step{name, "a copy of " + name + ".txt", "copy", Out(name), {folder_ / (name + ".txt")}, {}, {}, 1,
                           {}};
     step.options = {{"suffix", suffix_}};
     step.work = [this, name](lake::Run& run) {
-      done_.push_back(name);
+      NoteDone(name);
       WriteTextFile(run.Result("copy.txt"), ReadTextFile(folder_ / (name + ".txt")).substr(0, 4) + suffix_);
     };
     return step;
@@ -42,7 +50,7 @@ class Steps : public testing::Test {
     steps::StudyStep step{
         "join", "both copies", "join", Out("join"), {Out("a") / "copy.txt", Out("b") / "copy.txt"}, {}, {}, 1, {}};
     step.work = [this](lake::Run& run) {
-      done_.push_back("join");
+      NoteDone("join");
       if (fail_) fail_();
       WriteTextFile(run.Result("join.txt"), ReadTextFile(Out("a") / "copy.txt") + ReadTextFile(Out("b") / "copy.txt"));
     };
@@ -52,7 +60,7 @@ class Steps : public testing::Test {
   steps::StudyStep Report() {
     steps::StudyStep step{"report", "all of it", "report", folder_ / "out", {}, {"a", "b", "join"}, {}, 1, {}};
     step.work = [this](lake::Run& run) {
-      done_.push_back("report");
+      NoteDone("report");
       WriteTextFile(run.Result("report.html"), "report");
     };
     return step;
@@ -62,26 +70,38 @@ class Steps : public testing::Test {
 
   // The names of the steps that were done.
   std::vector<std::string> Go(const std::string& maker = "this build") {
-    done_.clear();
+    fs::remove(folder_ / "done.txt");
     outcomes_ = steps::RunSteps({Copy("a"), Copy("b"), Join(), Report()}, {maker, "test", true});
-    return done_;
+    return Done();
+  }
+
+  // Steps work in processes of their own: what they did stands in a file, and those of the same time in either order.
+  void NoteDone(const std::string& name) const {
+    std::ofstream(folder_ / "done.txt", std::ios::app) << name << std::endl;
+  }
+  std::vector<std::string> Done() const {
+    std::vector<std::string> names;
+    std::ifstream file(folder_ / "done.txt");
+    for (std::string name; std::getline(file, name);) names.push_back(name);
+    std::ranges::sort(names);
+    return names;
   }
 
   TemporaryFolder folder_;
   std::string suffix_ = "!";
   std::function<void()> fail_;
-  std::vector<std::string> done_;
+  const int before_ = Threads();
   std::vector<steps::StepOutcome> outcomes_;
 };
 
-TEST_F(Steps, AreDoneOnceAndThenLeftAlone) {
+TEST_P(Steps, AreDoneOnceAndThenLeftAlone) {
   EXPECT_THAT(Go(), ElementsAre("a", "b", "join", "report"));
   EXPECT_THAT(Go(), IsEmpty());
   for (const steps::StepOutcome& outcome : outcomes_) EXPECT_FALSE(outcome.done) << outcome.why;
   EXPECT_EQ(ReadTextFile(Out("join") / "join.txt"), "alph!beta!");
 }
 
-TEST_F(Steps, AreDoneAgainWhereAnInputChangedAndWhatReadsThem) {
+TEST_P(Steps, AreDoneAgainWhereAnInputChangedAndWhatReadsThem) {
   Go();
   WriteTextFile(folder_ / "b.txt", "gamma");
   EXPECT_THAT(Go(), ElementsAre("b", "join", "report"));
@@ -90,13 +110,13 @@ TEST_F(Steps, AreDoneAgainWhereAnInputChangedAndWhatReadsThem) {
 }
 
 // Only the first four letters are copied.
-TEST_F(Steps, AreNotDoneWhereAChangeComesToNothing) {
+TEST_P(Steps, AreNotDoneWhereAChangeComesToNothing) {
   Go();
   WriteTextFile(folder_ / "b.txt", "beta and more");
   EXPECT_THAT(Go(), ElementsAre("b"));
 }
 
-TEST_F(Steps, KnowAChangeByContentNotByTime) {
+TEST_P(Steps, KnowAChangeByContentNotByTime) {
   Go();
   WriteTextFile(folder_ / "a.txt", "alpha");
   EXPECT_THAT(Go(), IsEmpty());
@@ -111,7 +131,7 @@ TEST_F(Steps, KnowAChangeByContentNotByTime) {
   EXPECT_THAT(Go(), ElementsAre("a", "join", "report"));
 }
 
-TEST_F(Steps, AreDoneAgainForOtherOptionsAndByAnotherBuild) {
+TEST_P(Steps, AreDoneAgainForOtherOptionsAndByAnotherBuild) {
   Go();
   suffix_ = "?";
   EXPECT_THAT(Go(), ElementsAre("a", "b", "join", "report"));
@@ -120,7 +140,7 @@ TEST_F(Steps, AreDoneAgainForOtherOptionsAndByAnotherBuild) {
   EXPECT_THAT(outcomes_[0].why, HasSubstr("another build"));
 }
 
-TEST_F(Steps, AreDoneAgainWhereAnOutputIsMissingOrWasChanged) {
+TEST_P(Steps, AreDoneAgainWhereAnOutputIsMissingOrWasChanged) {
   Go();
   fs::remove(Out("b") / "copy.txt");
   EXPECT_THAT(Go(), ElementsAre("b")) << "the same comes out, so nothing that reads it need be done";
@@ -132,13 +152,13 @@ TEST_F(Steps, AreDoneAgainWhereAnOutputIsMissingOrWasChanged) {
   EXPECT_THAT(Go(), ElementsAre("a", "b", "join", "report"));
 }
 
-TEST_F(Steps, WithAnUnreadableStampAreDoneAgain) {
+TEST_P(Steps, WithAnUnreadableStampAreDoneAgain) {
   Go();
   WriteTextFile(Out("a") / ".a.lake-step.json", "{\"maker\": 3}");
   EXPECT_THAT(Go(), ElementsAre("a"));
 }
 
-TEST_F(Steps, NeverTouchFilesThatAreNotTheirs) {
+TEST_P(Steps, NeverTouchFilesThatAreNotTheirs) {
   fs::create_directories(Out("a"));
   WriteTextFile(Out("a") / "notes.txt", "mine");
   Go();
@@ -158,7 +178,7 @@ TEST_F(Steps, NeverTouchFilesThatAreNotTheirs) {
 }
 
 // What appears in a step's folder while it is at work is not its output for that.
-TEST_F(Steps, KeepWhatAUserWritesWhileTheyAreDone) {
+TEST_P(Steps, KeepWhatAUserWritesWhileTheyAreDone) {
   fail_ = [&] { WriteTextFile(Out("join") / "notes.txt", "mine"); };
   Go();
   EXPECT_EQ(ReadTextFile(Out("join") / "notes.txt"), "mine");
@@ -168,7 +188,7 @@ TEST_F(Steps, KeepWhatAUserWritesWhileTheyAreDone) {
   EXPECT_EQ(ReadTextFile(Out("join") / "join.txt"), "alph?beta?");
 }
 
-TEST_F(Steps, ThatAStudyDoesNotHaveAnyMoreAreRetired) {
+TEST_P(Steps, ThatAStudyDoesNotHaveAnyMoreAreRetired) {
   Go();
   WriteTextFile(Out("b") / "notes.txt", "mine");
   steps::RetireStudyStep(Out("a"), "a");
@@ -180,7 +200,7 @@ TEST_F(Steps, ThatAStudyDoesNotHaveAnyMoreAreRetired) {
 }
 
 // A program run by hand in the step's folder: its results are its own, whatever the stamp beside them says.
-TEST_F(Steps, ThatAreRetiredLeaveWhatWasMadeByHand) {
+TEST_P(Steps, ThatAreRetiredLeaveWhatWasMadeByHand) {
   Go();
   {
     lake::Run by_hand({"copy", "by hand", Json::object(), Out("a"), true});
@@ -191,7 +211,7 @@ TEST_F(Steps, ThatAreRetiredLeaveWhatWasMadeByHand) {
   EXPECT_EQ(ReadTextFile(Out("a") / "copy.txt"), "by hand");
 }
 
-TEST_F(Steps, OfACopiedFolderAreItsOwn) {
+TEST_P(Steps, OfACopiedFolderAreItsOwn) {
   Go();
   fs::copy(folder_ / "out", folder_ / "copy", fs::copy_options::recursive);
   fs::rename(folder_ / "out", folder_ / "first");
@@ -213,25 +233,25 @@ std::string MessageOf(const std::function<void()>& action) {
   return "nothing was thrown";
 }
 
-TEST_F(Steps, ThatFailSayWhichAndKeepWhatIsFinished) {
+TEST_P(Steps, ThatFailSayWhichAndKeepWhatIsFinished) {
   fail_ = [] { throw SolverError("no solution"); };
   EXPECT_EQ(MessageOf<SolverError>([&] { Go(); }), "step join (both copies): no solution");
-  EXPECT_THAT(done_, ElementsAre("a", "b", "join")) << "the report is not begun";
+  EXPECT_THAT(Done(), ElementsAre("a", "b", "join")) << "the report is not begun";
   fail_ = [] { throw UsageError("not so"); };
   EXPECT_EQ(MessageOf<UsageError>([&] { Go(); }), "step join (both copies): not so");
-  EXPECT_THAT(done_, ElementsAre("join"));
+  EXPECT_THAT(Done(), ElementsAre("join"));
   fail_ = [] { throw std::runtime_error("bad"); };
   EXPECT_EQ(MessageOf<Error>([&] { Go(); }), "step join (both copies): bad");
   fail_ = nullptr;
   EXPECT_THAT(Go(), ElementsAre("join", "report"));
 }
 
-TEST_F(Steps, InterruptedGoOnWhereTheyWere) {
+TEST_P(Steps, InterruptedGoOnWhereTheyWere) {
   Go();
   suffix_ = "?";
   fail_ = [] { throw Interrupted(2); };
   EXPECT_THROW(Go(), Interrupted);
-  EXPECT_THAT(done_, ElementsAre("a", "b", "join"));
+  EXPECT_THAT(Done(), ElementsAre("a", "b", "join"));
   EXPECT_FALSE(fs::exists(Out("join") / "join.txt")) << "what does not belong to the copies any more";
   // Even if the copies come back to what they were; the report, of what comes out again, need not be made.
   suffix_ = "!", fail_ = nullptr;
@@ -239,7 +259,7 @@ TEST_F(Steps, InterruptedGoOnWhereTheyWere) {
 }
 
 // One at a time, as a scheduler does them: the same files as all at once, and what is missing before it is said.
-TEST_F(Steps, AreDoneOneByOne) {
+TEST_P(Steps, AreDoneOneByOne) {
   const std::vector<steps::StudyStep> all = {Copy("a"), Copy("b"), Join(), Report()};
   const steps::StepRunOptions options{"this build", "test", true};
   EXPECT_THAT(steps::StepsBefore(all, all[2]), ElementsAre("a", "b"));
@@ -252,7 +272,7 @@ TEST_F(Steps, AreDoneOneByOne) {
   EXPECT_THAT(Go(), IsEmpty()) << "done one by one is done";
 }
 
-TEST_F(Steps, SayWhyTheyWouldBeDone) {
+TEST_P(Steps, SayWhyTheyWouldBeDone) {
   const std::vector<steps::StudyStep> all = {Copy("a"), Copy("b"), Join(), Report()};
   const auto why = [&] { return steps::WhyDoSteps(all, "this build"); };
   EXPECT_THAT(why(), testing::Each("not made yet"));
@@ -262,6 +282,59 @@ TEST_F(Steps, SayWhyTheyWouldBeDone) {
   WriteTextFile(folder_ / "b.txt", "gamma");
   EXPECT_THAT(why(), ElementsAre("", "b.txt changed", "step b is to be done before", "step b is to be done before"));
   EXPECT_THAT(steps::WhyDoSteps(all, "another"), testing::Contains("made by another build of lake"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, Steps, testing::Values(1, 2, 5));
+
+bool AppearsWithin(const fs::path& file, std::chrono::seconds patience) {
+  const auto end = std::chrono::steady_clock::now() + patience;
+  while (!fs::exists(file) && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return fs::exists(file);
+}
+
+class StepsAtOnce : public testing::Test {
+ protected:
+  StepsAtOnce() { SetThreads(2); }
+  ~StepsAtOnce() override { SetThreads(before_); }
+
+  steps::StudyStep Step(const std::string& name, const std::function<void(lake::Run&)>& work) {
+    return {name, name, "lake-track", folder_ / name, {}, {}, {}, 1, work};
+  }
+
+  const int before_ = Threads();
+  TemporaryFolder folder_;
+};
+
+// Each waits for the other: one after the other they would wait in vain.
+TEST_F(StepsAtOnce, AreUnderWayWhereNeitherReadsTheOther) {
+  const auto meet = [&](const std::string& own, const std::string& other) {
+    return Step(own, [=, this](lake::Run& run) {
+      WriteTextFile(run.Result("here.txt"), own);
+      if (!AppearsWithin(folder_ / other / "here.txt", std::chrono::seconds(20))) throw Fail("{} never came", other);
+    });
+  };
+  EXPECT_EQ(steps::RunSteps({meet("a", "b"), meet("b", "a")}, {"this build", "test", true}).size(), 2u);
+}
+
+TEST_F(StepsAtOnce, AreEndedWhereOneFails) {
+  const steps::StudyStep patient = Step("patient", [&](lake::Run& run) {
+    WriteTextFile(run.Result("begun.txt"), "");
+    AppearsWithin(folder_ / "never", std::chrono::seconds(60));
+    WriteTextFile(run.Result("end.txt"), "");
+  });
+  const steps::StudyStep failing = Step("failing", [&](lake::Run&) {
+    AppearsWithin(folder_ / "patient/begun.txt", std::chrono::seconds(20));
+    throw UsageError("not so");
+  });
+  EXPECT_THAT(
+      [&] {
+        steps::RunSteps({patient, failing}, {"this build", "test", true});
+      },
+      testing::ThrowsMessage<UsageError>("step failing (failing): not so"));
+  EXPECT_TRUE(fs::exists(folder_ / "patient/begun.txt"));
+  EXPECT_FALSE(fs::exists(folder_ / "patient/end.txt"));
+  EXPECT_EQ(steps::WhyDoSteps({patient}, "this build").front(), "not made yet");
 }
 
 }  // namespace

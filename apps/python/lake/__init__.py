@@ -9,6 +9,6 @@ from .files import Folder, read, read_yaml
 from .programs import LakeError, LakeWarning, arguments, program, run
 from .tables import Column, Table, columns_of, frame, read_table, units
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = ["Column", "Folder", "LakeError", "LakeWarning", "Table", "arguments", "columns_of", "frame", "program", "read",
            "read_table", "read_yaml", "run", "units"]

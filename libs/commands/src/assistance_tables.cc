@@ -6,6 +6,7 @@
 #include "lake/core/error.h"
 #include "lake/figure/assistance_figures.h"
 #include "optimum_tables.h"
+#include "png_and_svg.h"
 
 namespace lake::commands {
 namespace {
@@ -87,7 +88,8 @@ std::string AssistanceText(const problem::Assistance& assistance, const problem:
 
 Json WriteAssistance(const problem::Assistance& assistance, const problem::SynthesisProblem& problem, Run& run) {
   WriteTable(assistance, run.Result("assistance.csv"));
-  figure::DrawAssistance(run.Result("assistance.png"), assistance, problem);
+  DrawPngAndSvg("assistance", run,
+                [&](const std::filesystem::path& path) { figure::DrawAssistance(path, assistance, problem); });
   Json json = {{"text", AssistanceText(assistance, problem)},
                {"profile", problem.profile->file.string()},
                {"assist", problem.assist.value_or(1)},

@@ -9,7 +9,7 @@
 
 namespace lake::commands {
 
-// Writes assistance.csv and assistance.png; returns the part of the summary. Warns of what is not known.
+// Writes assistance.csv and assistance.png/.svg; returns the part of the summary. Warns of what is not known.
 Json WriteAssistance(const problem::Assistance& assistance, const problem::SynthesisProblem& problem, Run& run);
 
 // How fast, what decides, and how fast any linkage could be.

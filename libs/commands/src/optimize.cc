@@ -43,7 +43,7 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   std::vector<std::string> names =
       ResultNames({"sensitivity.csv", "sensitivity.png", "sensitivity.svg", "margin.csv", "margin.png", "margin.svg"});
   if (options.study.round_mm) names.push_back("rounded.yaml");
-  if (problem.HasLoadProfile()) names.insert(names.end(), {"assistance.csv", "assistance.png"});
+  if (problem.HasLoadProfile()) names.insert(names.end(), {"assistance.csv", "assistance.png", "assistance.svg"});
   run.Begin(names);
   const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(problem, options.study);
   Json summary = WriteSynthesis(outcome, run);
@@ -86,11 +86,13 @@ Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
   CheckFront(options);
   const std::vector<problem::LinearActuator> actuators = problem::ReadActuators(options.actuators);
   run.AddInput(options.actuators);
-  run.Begin({"summary.json", "actuators_front.csv", "actuators_front.png"});
+  run.Begin({"summary.json", "actuators_front.csv", "actuators_front.png", "actuators_front.svg"});
   const std::vector<synthesis::ActuatorCurve> curves =
       synthesis::FindActuatorFront(options.problem, actuators, SharesOf(options.problem), options.study.optimize);
   WriteActuatorFront(curves, run.Result("actuators_front.csv"));
-  figure::DrawActuatorFront(run.Result("actuators_front.png"), curves, options.problem.profile->duration_s);
+  DrawPngAndSvg("actuators_front", run, [&](const fs::path& path) {
+    figure::DrawActuatorFront(path, curves, options.problem.profile->duration_s);
+  });
   const Json summary = ActuatorFrontJson(curves, options.problem);
   if (std::ranges::none_of(curves, &synthesis::ActuatorCurve::Last)) {
     run.WriteSummary(summary);

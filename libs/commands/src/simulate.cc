@@ -368,7 +368,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   options.parts.Check();
   const Request request = Resolve(design, options);
   const TorqueTable torque = ReadTorques(options, run);
-  std::vector<std::string> names = {"assistance.csv", "assistance.png"};
+  std::vector<std::string> names = {"assistance.csv", "assistance.png", "assistance.svg"};
   if (!options.load.HasLoadProfile()) names.clear();
   names.insert(names.end(),
                {"summary.json", "angle_vs_stroke.csv", "angle_vs_stroke.png", "angle_vs_stroke.svg", "schematic.svg",

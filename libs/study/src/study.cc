@@ -244,6 +244,7 @@ steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, 
                         8,
                         {}};
   const std::optional<fs::path> profile = ProfileOfOneActuator(study, out);
+  if (!study.simulation.torques.empty()) step.inputs.push_back(study.simulation.torques);
   if (profile) {
     step.inputs.push_back(*profile), step.options["assistance"] = study.assistance->said;
     AddProblemOf(study.assistance->options, step);

@@ -9,7 +9,9 @@
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/processes.h"
 #include "lake/core/provenance.h"
+#include "lake/core/threads.h"
 #include "step_stamp.h"
 
 namespace lake::steps {
@@ -104,19 +106,24 @@ class StepProgress {
     for (const StudyStep& step : steps) {
       const auto stamp = ReadStamp(step.folder, step.name);
       expected_s_.push_back(stamp ? stamp->seconds : step.expected_s);
+      left_s_ += expected_s_.back();
     }
   }
 
-  void Unchanged(std::size_t step) const { Say(step, "unchanged"); }
-
-  void Begin(std::size_t step, const std::string& why) const {
-    double left_s = 0;
-    for (std::size_t i = step; i < steps_.size(); ++i) left_s += expected_s_[i];
-    if (expected_done_s_ > 0) left_s *= std::clamp(took_s_ / expected_done_s_, 0.1, 10.0);
-    Say(step, fmt::format("{} ({}), {:.0f} s left", steps_[step].what, why, std::max(1.0, left_s)));
+  void Unchanged(std::size_t step) {
+    left_s_ -= expected_s_[step];
+    Say(step, "unchanged");
   }
 
-  void Done(std::size_t step, double seconds) { expected_done_s_ += expected_s_[step], took_s_ += seconds; }
+  void Begin(std::size_t step, const std::string& why) const {
+    const double pace = done_s_ > 0 ? std::clamp(SecondsSince(begin_) / done_s_, 0.1, 10.0) : 1;
+    Say(step, fmt::format("{} ({}), {:.0f} s left", steps_[step].what, why, std::max(1.0, pace * left_s_)));
+  }
+
+  void Done(std::size_t step, double seconds, bool told) {
+    left_s_ -= expected_s_[step], done_s_ += expected_s_[step];
+    if (told) Say(step, fmt::format("done in {:.1f} s", seconds));
+  }
 
  private:
   void Say(std::size_t step, const std::string& text) const {
@@ -126,7 +133,8 @@ class StepProgress {
   const std::vector<StudyStep>& steps_;
   bool quiet_;
   std::vector<double> expected_s_;
-  double expected_done_s_ = 0, took_s_ = 0;
+  double left_s_ = 0, done_s_ = 0;  // as expected
+  Clock::time_point begin_ = Clock::now();
 };
 
 bool ReadsAllOf(const StudyStep& step, const std::string& earlier) {
@@ -161,30 +169,131 @@ const StudyStep& StepOfName(const std::vector<StudyStep>& steps, const std::stri
   throw Fail("no step '{}' in this study; it has {}", name, fmt::join(names, ", "));
 }
 
-// `stamps` are those of steps done before.
-std::vector<StepOutcome> RunInOrder(const std::vector<StudyStep>& steps, const StepRunOptions& options,
-                                    std::map<std::string, StepStamp> stamps) {
-  StepProgress progress(steps, options.quiet);
-  std::vector<StepOutcome> outcomes;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    ThrowIfInterrupted();
-    const StudyStep& step = steps[i];
-    std::optional<StepStamp> stamp = ReadStamp(step.folder, step.name);
-    const std::vector<FileState> inputs = InputsNow(step, stamp, stamps);
-    const std::string why = WhyDoIt(step, stamp, inputs, options.made_by);
-    if (why.empty()) {
-      progress.Unchanged(i);
-    } else {
-      progress.Begin(i, why);
-      RemoveStamp(step.folder, step.name);
-      stamp = Do(step, inputs, options);
-      progress.Done(i, stamp->seconds);
+// Each step is begun when those that it reads from are done, as many at the same time as there are threads, every one
+// in a process of its own; where only one may be, in this process.
+class StepRunner {
+ public:
+  // `stamps` are those of steps done before.
+  StepRunner(const std::vector<StudyStep>& steps, const StepRunOptions& options,
+             std::map<std::string, StepStamp> stamps)
+      : steps_(steps), options_(options), stamps_(std::move(stamps)), progress_(steps, options.quiet) {
+    for (const StudyStep& step : steps) {
+      std::vector<std::string> before = StepsBefore(steps, step);
+      std::erase_if(before, [&](const std::string& name) { return stamps_.contains(name); });
+      before_.push_back(std::move(before));
+      outcomes_.push_back({step.name, false, "", 0});
     }
-    outcomes.push_back({step.name, !why.empty(), why, stamp->seconds});
-    stamps[step.name] = std::move(*stamp);
+    state_.resize(steps.size(), State::kWaiting);
+    workers_.resize(steps.size());
   }
-  return outcomes;
-}
+
+  std::vector<StepOutcome> Run() {
+    while (!std::ranges::all_of(state_, [](State state) { return state == State::kDone; })) {
+      ThrowIfInterrupted();
+      BeginWhatCanBe();
+      TakeWhatEnded();
+    }
+    return std::move(outcomes_);
+  }
+
+ private:
+  enum class State { kWaiting, kDue, kWorking, kDone };
+
+  bool CanBegin(std::size_t i) const {
+    return state_[i] == State::kWaiting &&
+           std::ranges::all_of(before_[i], [&](const std::string& name) { return stamps_.contains(name); });
+  }
+
+  std::vector<std::size_t> Working() const {
+    std::vector<std::size_t> working;
+    for (std::size_t i = 0; i < steps_.size(); ++i)
+      if (state_[i] == State::kWorking) working.push_back(i);
+    return working;
+  }
+
+  // Why a step is to be done, and the inputs that it finds.
+  struct Due {
+    std::size_t step;
+    std::string why;
+    std::vector<FileState> inputs;
+  };
+
+  // A step that can begin is either done with, as nothing has changed, or due.
+  void Examine(std::size_t i) {
+    std::optional<StepStamp> stamp = ReadStamp(steps_[i].folder, steps_[i].name);
+    std::vector<FileState> inputs = InputsNow(steps_[i], stamp, stamps_);
+    std::string why = WhyDoIt(steps_[i], stamp, inputs, options_.made_by);
+    if (why.empty()) {
+      progress_.Unchanged(i);
+      return Finish(i, std::move(*stamp));
+    }
+    state_[i] = State::kDue;
+    due_.push_back({i, std::move(why), std::move(inputs)});
+  }
+
+  void BeginWhatCanBe() {
+    for (std::size_t i = 0; i < steps_.size(); ++i)  // in order: a step comes after those that it reads from
+      if (CanBegin(i)) Examine(i);
+    const std::size_t working = Working().size(), most = static_cast<std::size_t>(Threads());
+    const std::size_t count = std::min(due_.size(), most - std::min(most, working));
+    for (std::size_t k = 0; k < count; ++k) Begin(due_[k], count + working == 1);
+    due_.erase(due_.begin(), due_.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+
+  void Begin(const Due& due, bool alone) {
+    const StudyStep& step = steps_[due.step];
+    progress_.Begin(due.step, due.why);
+    RemoveStamp(step.folder, step.name);
+    outcomes_[due.step].done = true, outcomes_[due.step].why = due.why;
+    if (Threads() == 1) {
+      StepStamp stamp = Do(step, due.inputs, options_);
+      progress_.Done(due.step, stamp.seconds, false);
+      return Finish(due.step, std::move(stamp));
+    }
+    StepRunOptions options = options_;
+    if (!alone) options.quiet = true;  // two lines of progress would write over each other
+    state_[due.step] = State::kWorking;
+    workers_[due.step] = std::make_unique<WorkerProcess>([&](const std::function<void()>&) {
+      Do(step, due.inputs, options);
+      return std::string();
+    });
+  }
+
+  void TakeWhatEnded() {
+    const std::vector<std::size_t> working = Working();
+    if (working.empty()) return;
+    std::vector<const WorkerProcess*> workers;
+    for (const std::size_t i : working) workers.push_back(workers_[i].get());
+    const std::vector<bool> ready = WaitForWorkers(workers);
+    Progress no_progress("", "", std::nullopt, true);  // steps tell their own
+    for (std::size_t w = 0; w < working.size(); ++w) {
+      const std::size_t i = working[w];
+      if (!ready[w] || workers_[i]->Read(no_progress)) continue;
+      workers_[i]->Take();
+      workers_[i].reset();
+      std::optional<StepStamp> stamp = ReadStamp(steps_[i].folder, steps_[i].name);
+      if (!stamp) throw Fail("step {} ({}): its outputs were changed while it worked", steps_[i].name, steps_[i].what);
+      progress_.Done(i, stamp->seconds, working.size() > 1);
+      Finish(i, std::move(*stamp));
+    }
+  }
+
+  void Finish(std::size_t i, StepStamp stamp) {
+    outcomes_[i].seconds = stamp.seconds;
+    stamps_[steps_[i].name] = std::move(stamp);
+    state_[i] = State::kDone;
+  }
+
+  const std::vector<StudyStep>& steps_;
+  const StepRunOptions& options_;
+  std::map<std::string, StepStamp> stamps_;
+  StepProgress progress_;
+  std::vector<std::vector<std::string>> before_;
+  std::vector<State> state_;
+  std::vector<Due> due_;
+  std::vector<StepOutcome> outcomes_;
+  std::vector<std::unique_ptr<WorkerProcess>> workers_;
+};
 
 }  // namespace
 
@@ -200,12 +309,13 @@ std::string StepRunOptions::ThisProgram(const fs::path& program) {
 }
 
 std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options) {
-  return RunInOrder(steps, options, {});
+  return StepRunner(steps, options, {}).Run();
 }
 
 StepOutcome RunStep(const std::vector<StudyStep>& steps, const std::string& name, const StepRunOptions& options) {
   const StudyStep& step = StepOfName(steps, name);
-  return RunInOrder({step}, options, StampsBefore(steps, step)).front();
+  const std::vector<StudyStep> alone = {step};
+  return StepRunner(alone, options, StampsBefore(steps, step)).Run().front();
 }
 
 std::vector<std::string> StepsBefore(const std::vector<StudyStep>& steps, const StudyStep& step) {

@@ -15,7 +15,7 @@ std::string_view Commit();
 // Whether the programs' sources were as in that commit: "clean", "changed" or "unknown".
 std::string_view SourceTree();
 
-// For --version: "0.1.0 (commit 3cc32445d0f1, clean)".
+// For --version: "0.2.0 (commit 3cc32445d0f1, clean)".
 std::string VersionAndCommit();
 
 // Lower-case hexadecimal SHA-256 of a file's content; of a folder, the hash of its files' sorted names and hashes.
