@@ -73,6 +73,11 @@ TEST_F(CohortProgram, MakesATemplateAndSaysWhatIsMissing) {
   ExpectRefused("mine out group --participant-label 01 09", 2, "not in participants.tsv, which has sub-01, sub-02");
   ExpectRefused("nowhere out group", 1, "nowhere: no such folder");
   ExpectRefused("mine 'out{1}' group", 1, "cannot work with braces");
+  ExpectRefused("mine mine group", 2, "a folder of their own");
+  ExpectRefused("mine mine/sourcedata/results group", 2, "a folder of their own");
+  ExpectRefused("mine . group", 2, "a folder of their own");
+  ExpectRefused("mine out group --profile nowhere", 2, "no config.yaml");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "mine/sourcedata"), fs::directory_iterator()), 2);
 }
 
 // Two people as they must be; of a third one trial cannot be read, of a fourth there is none.
@@ -101,6 +106,7 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   EXPECT_EQ(ExpectDerivativeHolds(folder_ / "out"), 4) << "two people, two trials";
   const std::string page = ReadTextFile(folder_ / "out/group/group.html");
   EXPECT_THAT(page, HasSubstr("../sub-02/comparison/report.html"));
+  EXPECT_THAT(page, HasSubstr("onset to seat-off (s)")) << "names in words, with units";
   const CsvTable failures = CsvTable::Read(folder_ / "out/group/failures.csv");
   ASSERT_EQ(failures.Rows(), 2u);
   EXPECT_EQ(failures.Text(0, failures.Column("participant_id")), "sub-04");

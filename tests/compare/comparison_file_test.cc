@@ -90,7 +90,8 @@ TEST_F(ComparisonFile, OtherFilesAreRefused) {
   ExpectRefused([](Json& j) { j = Json::array({1, 2}); }, "not a comparison");
   ExpectRefused([](Json& j) { j = {{"program", "lake-track"}}; }, "not a comparison");
   WriteTextFile(folder_ / "comparison.json", "{\"format\": 1,");
-  EXPECT_THAT([&] { compare::ReadComparison(folder_.Path()); }, testing::ThrowsMessage<Error>(HasSubstr("not JSON")));
+  EXPECT_THAT([&] { compare::ReadComparison(folder_.Path()); },
+              testing::ThrowsMessage<Error>(HasSubstr("not JSON: parse error")));
   EXPECT_THAT(
       [&] { compare::ReadComparison(folder_ / "absent"); },
       testing::ThrowsMessage<Error>(HasSubstr("not there; a comparison is the folder that lake-compare wrote")));

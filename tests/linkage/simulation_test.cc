@@ -20,6 +20,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 constexpr const char* kLinks = "--links 59.081,68.840,55.964,71.849,118.630,287.310";
@@ -78,7 +79,9 @@ TEST_F(Simulate, WritesTheTableOnTheAssembledBranch) {
   EXPECT_NEAR(summary["range_deg"].get<double>(), 148.5715, 5e-5);
   EXPECT_NEAR(summary["mannequin"]["mount_below_hip_mm"].get<double>(), 85.726, 1e-9);
   EXPECT_EQ(summary["poses"].size(), 6u);
-  EXPECT_THAT(summary["warnings"].dump(), HasSubstr("0.00224 mm from the actuator's dead point"));
+  EXPECT_THAT(summary["warnings"].dump(), AllOf(HasSubstr("0.00224 mm from the actuator's dead point"),
+                                                HasSubstr("exceeds what it bears at 148.6°")));
+  EXPECT_LT(summary["weakest"]["safety"], 1);
 }
 
 // Each row against virtual work; the largest pin force is told in the summary.
@@ -198,6 +201,36 @@ TEST_F(Simulate, WarnsOfWhatCollidesOnTheBodyAndSaysWhatToDo) {
   EXPECT_NEAR(body["mass_kg"].get<double>() / std::pow(body["height_mm"].get<double>() / 1000, 2), 80 / 1.8 / 1.8,
               1e-9);
   EXPECT_THAT(Json::parse(own.out)["warnings"].dump(), HasSubstr("does not fit on the thigh"));
+}
+
+// With a load profile its share is what counts, without one the constant torque.
+TEST_F(Simulate, HoldsTheDesignAgainstAnActuator) {
+  WriteTextFile(folder_ / "own.csv",
+                "name,closed_mm,stroke_mm,max_force_n,no_load_speed_mm_s,holding_force_n\n"
+                "short,250,100,300,20,100\nweak,240,140,20,20,\n");
+  Json profile;
+  for (int percent = 0; percent <= 100; ++percent) {
+    profile["percent"].push_back(percent), profile["time_s"].push_back(0.02 * percent);
+    profile["knee_deg"].push_back(90 - 0.6 * percent), profile["knee_nm"].push_back(12);
+  }
+  WriteJsonFile(folder_ / "loads.json", profile);
+  const auto with = [&](const char* actuator, const std::string& more) {
+    const Outcome outcome = RunIt(fmt::format("{} --angles 70 --rows 41 --no-animation --actuator '{}:{}' {}", kLinks,
+                                              (folder_ / "own.csv").string(), actuator, more));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.out + outcome.err;
+  };
+  const std::string loaded = fmt::format("--profile '{}'", (folder_ / "loads.json").string());
+  EXPECT_THAT(with("short", ""), AllOf(HasSubstr("short is 250 mm long when closed"), HasSubstr("short reaches 350 mm"),
+                                       HasSubstr("short lifts 300 N, and the torque at the knee takes")));
+  // 12 N m at a moment arm below 0.1 m are more than 100 N; 60° over 1.0 s at more than 40 mm/rad more than 20 mm/s.
+  const std::string share = with("short", loaded + " --duration 1");
+  EXPECT_THAT(share, AllOf(HasSubstr("short is 250 mm long when closed"), HasSubstr("short holds 100 N at rest"),
+                           HasSubstr("a rise in 1 s is asked for, and short takes")));
+  EXPECT_THAT(share, Not(HasSubstr("torque at the knee takes"))) << "the share counts";
+  EXPECT_THAT(with("weak", loaded), HasSubstr("and it lifts 20 N"));
+  std::filesystem::remove_all(Out());
+  ExpectRefusal(fmt::format("{} --rest standing", kLinks), 2, "give --actuator, --profile");
 }
 
 TEST_F(Simulate, RefusesHalfALeg) {

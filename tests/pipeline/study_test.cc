@@ -87,6 +87,7 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   const Json &lift = summary["assistance"]["assistance"], &redesign = summary["simulation"]["assistance"];
   EXPECT_GT(lift["shortest_duration_s"].get<double>(), lift["any_linkage_duration_s"].get<double>());
   EXPECT_LT(lift["shortest_duration_s"].get<double>(), redesign["shortest_duration_s"].get<double>());
+  EXPECT_EQ(summary["simulation"]["mannequin"]["mass_kg"], 70) << "as the loads have it";
   EXPECT_LE(summary["redesign"]["misalignment_percent"].get<double>(), 5 * (1 + 1e-4));
   EXPECT_LE(summary["redesign"]["program"]["duration_s"].get<double>(), 40 + 1e-3);
   EXPECT_NEAR(summary["stroke"]["duration_s"].get<double>(), summary["redesign"]["program"]["duration_s"].get<double>(),

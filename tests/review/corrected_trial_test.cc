@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "file_limit.h"
 #include "lake/commands/review.h"
@@ -142,12 +143,18 @@ TEST_F(CorrectedTrial, OfAStudyIsReadToo) {
 TEST_F(CorrectedTrial, NeedsItsOwnVideo) {
   const fs::path folder = Copy("moved");
   Json summary = ReadJsonFile(folder / "summary.json");
-  summary["inputs"][0]["sha256"] = "00";
+  const Json content = std::exchange(summary["inputs"][0]["sha256"], "00");
   WriteJsonFile(folder / "summary.json", summary);
   EXPECT_THAT([&] { commands::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("has changed since")));
   summary["inputs"][0]["path"] = "elsewhere/video.mp4";
   WriteJsonFile(folder / "summary.json", summary);
   EXPECT_THAT([&] { commands::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("is not to be found")));
+  // Moved beside its results: another of its name is not taken for it.
+  fs::copy_file(Recording("video.mp4"), folder / "video.mp4");
+  EXPECT_THAT([&] { commands::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("is not to be found")));
+  summary["inputs"][0]["sha256"] = content;
+  WriteJsonFile(folder / "summary.json", summary);
+  EXPECT_EQ(commands::ReadTrackedFolder(folder).options.video, folder / "video.mp4");
   EXPECT_THAT([&] { commands::ReadTrackedFolder(folder_.Path()); },
               ThrowsMessage<Error>(HasSubstr("is not a folder of lake track's")));
 }

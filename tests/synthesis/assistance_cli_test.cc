@@ -101,6 +101,7 @@ TEST_F(LakeOptimizeWithLoads, WrongInputIsOneLine) {
       {"--profile @loads.json --actuator LA23-2500 --duration free", "not known", 2},
       {"--profile @loads.json --actuator LA31-1000 --duration 0", "above 0", 2},
       {"--profile @loads.json --actuator LA31-1000 --duration free --certify", "--certify", 2},
+      {"--profile @loads.json --rest standing", "--actuator", 2},
       {"--actuators @own.csv", "--profile", 2},
       {"--profile @loads.json --actuators @none.csv", "none.csv", 1},
       {"--profile @loads.json --actuators @own.csv --duration free --actuator LA31-1000", "omit one", 2},

@@ -13,6 +13,8 @@ namespace {
 
 using problem::AssistanceRow;
 
+constexpr double kRounding = 1e-6;  // a solver leaves a force this much above its limit
+
 void WriteTable(const problem::Assistance& assistance, const std::filesystem::path& path) {
   CsvWriter table({"percent", "time_s", "knee_deg", "knee_nm", "stroke_mm", "moment_arm_mm", "force_n", "speed_mm_s",
                    "power_w", "least_duration_s"});
@@ -70,6 +72,11 @@ std::string AssistanceText(const problem::Assistance& assistance, const problem:
       force ? fmt::format("at most {:.0f} N, at {:.0f} % of the rise", std::abs(force->force_n), force->percent) : "";
   if (!problem.actuator) return fmt::format("{:.0f} % of what the knee needs take {}", share, most);
   const std::string& name = problem.actuator->name;
+  if (const auto lifts_n = problem.actuator->LiftingForce();
+      force && lifts_n && std::abs(force->force_n) > *lifts_n * (1 + kRounding))
+    return fmt::format(
+        "{} cannot give {:.0f} % of what the knee needs with this linkage: that takes {}, and it lifts {:.0f} N", name,
+        share, most, *lifts_n);
   if (std::isnan(assistance.shortest_s))
     return fmt::format("{}: {:.0f} % of what the knee needs take {}; how fast it is is not known", name, share, most);
   if (std::isinf(assistance.shortest_s))

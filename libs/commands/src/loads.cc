@@ -266,9 +266,10 @@ std::string LoadsReport(const Json& summary) {
   const Json& interval = summary["peak_knee_nm_interval"];
   std::string text = fmt::format(
       "peak knee extension moment of one leg: {:.1f} N m (95 %: {:.1f} to {:.1f}), {:.2f} N m/kg, at {:.0f}°; mean of "
-      "{} rises, {}\n",
+      "{} rise{}, {}\n",
       NumberOrNaN(summary["peak_knee_nm"]), NumberOrNaN(interval[0]), NumberOrNaN(interval[1]),
       NumberOrNaN(summary["peak_knee_nm_kg"]), NumberOrNaN(summary["peak_knee_deg"]), summary["rises"].size(),
+      summary["rises"].size() == 1 ? "" : "s",
       summary["method"] == "bottom-up" ? "from the ground's forces" : "without force plates");
   if (summary["trunk_offset_mm"].is_object()) {
     const Json& offset = summary["trunk_offset_mm"];

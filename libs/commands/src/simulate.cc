@@ -165,6 +165,15 @@ Json WeakestJson(const std::vector<parts::StrengthCheck>& checks) {
       {"safety", weakest->Safety()}, {"part", weakest->part}, {"check", weakest->check}, {"at_deg", weakest->knee_deg}};
 }
 
+void WarnOfStrength(const Json& weakest, Run& run) {
+  if (weakest.is_null() || !(weakest["safety"].get<double>() < 1)) return;
+  run.Warn(
+      fmt::format("{} of the {} exceeds what it bears at {:.1f}° (safety factor {:.2g}): thicker or wider plates, "
+                  "thicker pins or a smaller torque would help",
+                  weakest["check"].get<std::string>(), weakest["part"].get<std::string>(),
+                  weakest["at_deg"].get<double>(), weakest["safety"].get<double>()));
+}
+
 // Each pin's largest force, and where.
 Json PinForcesJson(const std::vector<figure::PinForcesRow>& rows) {
   const std::pair<const char*, double (linkage::MemberForces::*)() const> kPins[] = {
@@ -311,14 +320,50 @@ void WarnOfActuator(const problem::LinearActuator& actuator, const linkage::Stro
                          *actuator.closed_mm + *actuator.stroke_mm, used.upper_mm));
 }
 
+bool IsAbove(double value, const std::optional<double>& limit) {
+  constexpr double kRounding = 1e-6;  // a solver leaves a value this much above its limit
+  return limit && value > *limit * (1 + kRounding);
+}
+
+// Without a load profile: the largest force of the torques given, over the used range.
+void WarnOfForce(const problem::LinearActuator& actuator, const linkage::StrokeRange& used,
+                 const std::vector<figure::PinForcesRow>& rows, Run& run) {
+  double most_n = 0, at_deg = 0;
+  for (const figure::PinForcesRow& row : rows)
+    if (used.lower_mm <= row.stroke_mm && row.stroke_mm <= used.upper_mm && std::abs(row.forces.actuator_n) > most_n)
+      most_n = std::abs(row.forces.actuator_n), at_deg = row.knee_deg;
+  if (IsAbove(most_n, actuator.LiftingForce()))
+    run.Warn(fmt::format("{} lifts {:.0f} N, and the torque at the knee takes {:.0f} N at {:.1f}°", actuator.name,
+                         *actuator.LiftingForce(), most_n, at_deg));
+}
+
+// Where it may rest: the force that it must hold there.
+double RestingForce(const problem::Assistance& assistance, bool rests_anywhere) {
+  double force_n = 0;
+  for (const problem::AssistanceRow& row : assistance.rows)
+    if (!std::isnan(row.force_n)) force_n = std::max(rests_anywhere ? force_n : 0, std::abs(row.force_n));
+  return force_n;
+}
+
+// What it cannot although it lifts its share.
+void WarnOfShare(const problem::LinearActuator& actuator, const problem::Assistance& assistance,
+                 const problem::SynthesisProblem& load, Run& run) {
+  if (const double force_n = RestingForce(assistance, load.rests_anywhere); IsAbove(force_n, actuator.holding_force_n))
+    run.Warn(fmt::format("{} holds {:.0f} N at rest, and its share takes {:.0f} N{}", actuator.name,
+                         *actuator.holding_force_n, force_n, load.rests_anywhere ? "" : " when standing"));
+  if (std::isfinite(assistance.shortest_s) && IsAbove(assistance.shortest_s, load.duration_s))
+    run.Warn(fmt::format("a rise in {:.6g} s is asked for, and {} takes {:.2f} s or longer with this linkage",
+                         *load.duration_s, actuator.name, assistance.shortest_s));
+}
+
 // What the design's actuator does along the load profile; null without one.
 Json Assist(const linkage::Design& design, const linkage::UsedRange& range, problem::SynthesisProblem load, Run& run) {
   if (!load.HasLoadProfile()) return nullptr;
   run.AddInput(load.profile->file);
   load.d_min_mm = design.d_min_mm, load.d_max_mm = range.stroke.upper_mm;
   load.standing_deg = DegreesFromRadians(range.theta_at_upper_rad);
-  if (load.actuator) WarnOfActuator(*load.actuator, range.stroke, run);
   const problem::Assistance assistance = problem::FindAssistance(design.links, load);
+  if (load.actuator) WarnOfShare(*load.actuator, assistance, load, run);
   if (load.profile->LargestAngle() > range.theta_at_lower_rad)
     run.Warn(
         fmt::format("the load profile bends the knee to {:.1f}°, and this design to {:.1f}°: beyond that no force, "
@@ -359,6 +404,7 @@ void SimulationOptions::Check() const {
   require(rows >= 2 && rows <= 1'000'000, "--rows", rows);
   require(seat_edge_mm >= 0 && seat_edge_mm < 5000, "--seat-edge", seat_edge_mm);
   load.CheckLoad();
+  problem::CheckRest(load);
   if (thigh_mm.has_value() != shank_mm.has_value())
     throw UsageError("--thigh and --shank are one leg: give both or neither");
 }
@@ -384,11 +430,14 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   const linkage::WearCheck check = linkage::CheckWear(look.links, look.range, look.body, look.wear);
   WarnOfBody(check, run);
   WarnOf(design, request.range, run);
+  if (options.load.actuator) WarnOfActuator(*options.load.actuator, request.range.stroke, run);
   const std::vector<double> strokes_mm = StrokesOf(request.range.stroke, options.rows, request.shown_mm);
   WriteTable(run.Result("angle_vs_stroke.csv"), look, strokes_mm);
   const std::vector<parts::LoadedPose> loaded = LoadedPosesOf(look.links, strokes_mm, torque);
   const std::vector<figure::PinForcesRow> pin_forces = PinForcesOf(loaded);
   WritePinForces(run.Result("pin_forces.csv"), pin_forces);
+  if (options.load.actuator && !options.load.HasLoadProfile())
+    WarnOfForce(*options.load.actuator, request.range.stroke, pin_forces, run);
   DrawPngAndSvg("pin_forces", run, [&](const std::filesystem::path& path) { figure::DrawPinForces(path, pin_forces); });
   drawing::WriteLinkPlates(run.Result("design.dxf"), design.links, options.parts);
   const parts::Mechanism mechanism = parts::MakeMechanism(design.links, request.range, options.parts);
@@ -409,6 +458,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   summary["knee_torque_nm"] = options.knee_torque_nm;
   summary["parts"] = PartsJson(mechanism);
   summary["weakest"] = WeakestJson(strength);
+  WarnOfStrength(summary["weakest"], run);
   summary["pin_forces"] = PinForcesJson(pin_forces);
   summary["poses"] = Json::array();
   for (const double stroke : request.shown_mm)

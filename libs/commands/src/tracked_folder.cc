@@ -44,7 +44,8 @@ void ReadOptionsOf(const fs::path& folder, const Json& said, OptionList& list) {
   list.Apply();
 }
 
-// Inputs are named as from the folder in which the run was started: the present one, or one above the results.
+// Inputs are named as from the folder in which the run was started: the present one, or one above the results. One that
+// was moved is known by its content, if it lies in one of these.
 fs::path FindInput(const Json& input, const fs::path& results) {
   const fs::path path = input.at("path").get<std::string>();
   std::vector<fs::path> places = {fs::current_path()};
@@ -52,16 +53,19 @@ fs::path FindInput(const Json& input, const fs::path& results) {
        place = place.parent_path())
     places.push_back(place);
   bool is_there = false;
-  for (const fs::path& place : places) {
-    const fs::path candidate = place / path;
-    std::error_code error;
-    if (!fs::exists(candidate, error)) continue;
-    is_there = true;
-    if (Sha256OfFile(candidate) == input.at("sha256")) return candidate.lexically_normal();
-  }
+  for (const fs::path& named : {path, path.filename()})
+    for (const fs::path& place : places) {
+      const fs::path candidate = place / named;
+      std::error_code error;
+      if (!fs::exists(candidate, error)) continue;
+      is_there = is_there || named == path;
+      if (Sha256OfFile(candidate) == input.at("sha256")) return candidate.lexically_normal();
+    }
   throw is_there ? Fail("{}: has changed since {} was tracked; track it again", path.string(), results.string())
-                 : Fail("{}: is not to be found; start lake review in the folder in which {} was tracked",
-                        path.string(), results.string());
+                 : Fail(
+                       "{}: is not to be found; start lake review in the folder in which {} was tracked, or in the one "
+                       "that the file lies in now",
+                       path.string(), results.string());
 }
 
 void ResolveInputs(const Json& inputs, const fs::path& folder, bool is_study, TrackRunOptions& options) {

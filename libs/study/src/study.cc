@@ -218,6 +218,13 @@ void TakeLegOf(const fs::path& kinematics, commands::SimulationOptions& options)
   options.thigh_mm = thigh, options.shank_mm = shank;
 }
 
+// Its stature and mass are those that the loads are of, where `simulate` says no others.
+void TakeBodyOf(const loads::BodyOptions& body, commands::SimulationOptions& options) {
+  constexpr double kMillimetresPerCentimetre = 10;
+  if (!options.body_mass_kg) options.body_mass_kg = body.mass_kg;
+  if (!options.body_height_cm && body.height_mm) options.body_height_cm = *body.height_mm / kMillimetresPerCentimetre;
+}
+
 // What the knee needs, where the study has one actuator to give it.
 std::optional<fs::path> ProfileOfOneActuator(const StudyFile& study, const fs::path& out) {
   if (!study.assistance || !study.assistance->options.actuators.empty()) return std::nullopt;
@@ -229,7 +236,7 @@ void TakeLoadOf(const fs::path& profile, const problem::SynthesisProblem& proble
                 commands::SimulationOptions& options) {
   options.load.profile = problem::ReadLoadProfile(profile);
   options.load.assist = problem.assist, options.load.actuator = problem.actuator;
-  options.load.rests_anywhere = problem.rests_anywhere;
+  options.load.rests_anywhere = problem.rests_anywhere, options.load.duration_s = problem.duration_s;
 }
 
 steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, const fs::path& out) {
@@ -249,7 +256,13 @@ steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, 
     step.inputs.push_back(*profile), step.options["assistance"] = study.assistance->said;
     AddProblemOf(study.assistance->options, step);
   }
-  step.work = [options = study.simulation, assistance = study.assistance, profile, design, leg](Run& run) {
+  commands::SimulationOptions options = study.simulation;
+  if (study.loads) {
+    TakeBodyOf(study.loads->loads.body, options);
+    step.options["body"] = {{"mass_kg", options.body_mass_kg.value_or(0)},
+                            {"height_cm", options.body_height_cm.value_or(0)}};
+  }
+  step.work = [options, assistance = study.assistance, profile, design, leg](Run& run) {
     run.AddInput(design);
     run.AddInput(leg);
     commands::SimulationOptions of_person = options;

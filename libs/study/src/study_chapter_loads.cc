@@ -14,10 +14,11 @@ std::string NeedText(const Json& loads) {
   const Json& interval = loads.at("peak_knee_nm_interval");
   return fmt::format(
       "One leg extends its knee with {} at most (95 % interval {} to {}), {} N m per kg of body mass, at a knee "
-      "angle of {}; mean of {} rises, {}.",
+      "angle of {}; mean of {} rise{}, {}.",
       Quantity(NumberOrNaN(loads.at("peak_knee_nm")), "N m"), NumberText(NumberOrNaN(interval.at(0)), 1),
       Quantity(NumberOrNaN(interval.at(1)), "N m"), NumberText(NumberOrNaN(loads.at("peak_knee_nm_kg")), 2),
       Quantity(NumberOrNaN(loads.at("peak_knee_deg")), "°"), loads.at("rises").size(),
+      loads.at("rises").size() == 1 ? "" : "s",
       loads.at("method") == "bottom-up" ? "from the ground's forces" : "without force plates");
 }
 
@@ -98,8 +99,8 @@ Section LoadsChapter(const StudyResults& results) {
       "weight on it and none. Right: the joints' means, where the ground's force acts, the knee's power.",
       Width::kFull, section);
   results.AddPicture("assistance/assistance.png", "Force, speed and power of the actuator over the rise",
-                     "The actuator's force, speed and power in the shortest rise, with what it can.", Width::kFull,
-                     section);
+                     "The actuator's force, speed and power in a rise as long as its title says, with its limits.",
+                     Width::kFull, section);
   if (assistance.contains("actuators")) section.blocks.push_back(ActuatorsTable(assistance));
   results.AddPicture("assistance/actuators_front.png", "Shortest rise against the share of the knee's moment",
                      "The shortest rise with each actuator, its links the best for it, against the share of the knee's "

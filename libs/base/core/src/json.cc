@@ -1,6 +1,7 @@
 #include "lake/core/json.h"
 
 #include <limits>
+#include <string_view>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
@@ -29,13 +30,23 @@ void CheckDepth(const std::string& text, const std::filesystem::path& path) {
 
 }  // namespace
 
+namespace {
+
+// The library's words without its number, "[json.exception.parse_error.101] ".
+std::string_view PlainWords(std::string_view what) {
+  const std::size_t end = what.find("] ");
+  return what.starts_with('[') && end != std::string_view::npos ? what.substr(end + 2) : what;
+}
+
+}  // namespace
+
 Json ReadJsonFile(const std::filesystem::path& path) {
   const std::string text = ReadTextFile(path);
   CheckDepth(text, path);
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& error) {
-    throw Fail("{}: not JSON: {}", path.string(), error.what());
+    throw Fail("{}: not JSON: {}", path.string(), PlainWords(error.what()));
   }
 }
 

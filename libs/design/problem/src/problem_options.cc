@@ -37,6 +37,13 @@ void DescribeLoad(SynthesisProblem& o, OptionList& options) {
       .Key("duration_s");
 }
 
+void CheckRest(const SynthesisProblem& problem) {
+  if (!problem.rests_anywhere && !(problem.actuator && problem.HasLoadProfile()))
+    throw UsageError(
+        "rest says where an actuator must hold its share: give --actuator, --profile loads.json, and an --assist above "
+        "0");
+}
+
 void Describe(SynthesisProblem& o, OptionList& options) {
   // The default is the problem's own, so none is shown.
   const auto add = [&options](const char* name, auto& field, const char* help) -> Option& {

@@ -120,7 +120,7 @@ void DrawAssistance(const std::filesystem::path& path, const problem::Assistance
     if (const auto force_n = problem.actuator->LiftingForce())
       force_limits.push_back(LimitLine(*force_n, fmt::format("lifts {:.0f} N", *force_n)));
     const char* const title =
-        problem.actuator->HasForceSpeedLaw() ? "title 'reaches under this force'" : "title 'reaches without load'";
+        problem.actuator->HasForceSpeedLaw() ? "title 'its limit under this force'" : "title 'its limit without load'";
     const std::vector<double> percents = Column(assistance, &AssistanceRow::percent);
     for (const int sign : {1, -1})
       if (problem.actuator->HasSpeed())
@@ -133,7 +133,7 @@ void DrawAssistance(const std::filesystem::path& path, const problem::Assistance
   PlotColumn(figure, assistance, &AssistanceRow::force_n, "actuator, pushing", force_limits);
   PlaceRow(figure, 1);
   figure.Line("set ylabel 'speed (mm/s)'");
-  PlotColumn(figure, assistance, &AssistanceRow::speed_mm_s, "actuator, growing", speed_limits);
+  PlotColumn(figure, assistance, &AssistanceRow::speed_mm_s, "actuator, extending", speed_limits);
   PlaceRow(figure, 2);
   figure.Line("set ylabel 'power (W)'; set xlabel 'rise (%)'; set format x '%g'");
   PlotColumn(figure, assistance, &AssistanceRow::power_w, "actuator, driving", {});
@@ -143,6 +143,7 @@ void DrawAssistance(const std::filesystem::path& path, const problem::Assistance
 void DrawActuatorFront(const std::filesystem::path& path, const std::vector<synthesis::ActuatorCurve>& curves,
                        double own_duration_s) {
   constexpr int kNoteHeight_px = 22, kPlotHeight_px = 800;
+  constexpr double kWholeShare = 100;  // percent
   std::vector<std::string> notes;
   for (const synthesis::ActuatorCurve& curve : curves)
     if (const std::string end = EndOf(curve); !end.empty())
@@ -166,9 +167,10 @@ void DrawActuatorFront(const std::filesystem::path& path, const std::vector<synt
     if (line.assist.empty()) continue;
     const bool known = curves[i].Actuator().HasForceSpeedLaw();
     const char* const colour = kCurveColours[i % kCurveColours.size()];
-    figure.Line(fmt::format("set label {} at first {}, first {} left offset 1,0 noenhanced tc rgb '{}'",
+    const bool ends_early = line.assist.back() < kWholeShare;  // beside it others may go on, so its name stands above
+    figure.Line(fmt::format("set label {} at first {}, first {} left offset 1,{} noenhanced tc rgb '{}'",
                             QuoteForGnuplot(curves[i].Actuator().name + (known ? "" : " (at least)")),
-                            line.assist.back(), line.duration.back(), colour));
+                            line.assist.back(), line.duration.back(), ends_early ? 0.8 : 0, colour));
     plot += fmt::format(", {} using 1:2 with linespoints lw 2.5 pt {} ps 1.5 lc rgb '{}'{}",
                         figure.Data({line.assist, line.duration}), kMarks[i % kMarks.size()] - (known ? 0 : 1), colour,
                         known ? "" : " dt (3,4)");

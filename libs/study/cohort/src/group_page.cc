@@ -14,6 +14,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// In words, with the unit: a column of trials.csv that both trials have.
+std::string NameOf(const std::string& column) {
+  constexpr std::pair<std::string_view, const char*> kNames[] = {
+      {"rise_s", "time to rise (s)"},
+      {"seat_off_s", "onset to seat-off (s)"},
+      {"knee_largest_deg", "largest knee angle (°)"},
+      {"knee_smallest_deg", "smallest knee angle (°)"},
+      {"knee_range_deg", "knee range (°)"},
+      {"knee_extension_deg_s", "fastest knee extension (°/s)"},
+      {"trunk_largest_deg", "largest trunk lean (°)"},
+      {"shank_largest_deg", "largest shank lean (°)"},
+      {"shank_mm", "shank, knee to ankle (mm)"},
+      {"thigh_mm", "thigh, hip to knee (mm)"}};
+  for (const auto& [known, name] : kNames)
+    if (column == known) return name;
+  return column;
+}
+
 const MainQuantity* FindMain(const std::string& trial, const std::string& name) {
   for (const MainQuantity& main : MainQuantities())
     if (main.trial == trial && main.name == name) return &main;
@@ -21,6 +39,7 @@ const MainQuantity* FindMain(const std::string& trial, const std::string& name) 
 }
 
 std::string IntervalText(const reliability::Interval& interval, int decimals) {
+  if (std::isnan(interval.low) && std::isnan(interval.high)) return "–";  // of a single participant
   return fmt::format("{} to {}", NumberText(interval.low, decimals), NumberText(interval.high, decimals));
 }
 
@@ -143,7 +162,7 @@ Section DifferencesSection(const std::vector<DifferenceRow>& rows) {
               Width::kFull};
   for (const DifferenceRow& row : rows) {
     const int decimals = row.quantity.ends_with("_s") && !row.quantity.ends_with("deg_s") ? 2 : 1;
-    table.rows.push_back({row.quantity, fmt::format("{}", row.difference.subjects), Number{row.human, decimals},
+    table.rows.push_back({NameOf(row.quantity), fmt::format("{}", row.difference.subjects), Number{row.human, decimals},
                           Number{row.exo, decimals}, Number{row.difference.mean.value, decimals},
                           IntervalText(row.difference.mean.interval, decimals)});
   }

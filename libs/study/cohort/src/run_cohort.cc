@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "group_results.h"
 #include "lake/cohort/cohort_file.h"
@@ -48,6 +49,30 @@ void WriteDatasetFiles(const Cohort& cohort, Run& run) {
   for (const char* table : {"participants.tsv", "participants.json"})
     if (fs::is_regular_file(cohort.folder / table))
       WriteTextFile(run.Result(table), ReadTextFile(cohort.folder / table));
+}
+
+bool LiesIn(const fs::path& folder, const fs::path& other) {
+  const fs::path relative = fs::weakly_canonical(fs::absolute(folder)).lexically_relative(fs::weakly_canonical(other));
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+// What was recorded stays as it is: no result lies among the recordings, or beside the cohort's own tables.
+void CheckFolder(const Cohort& cohort, const fs::path& out) {
+  if (LiesIn(out, cohort.folder / "sourcedata") || LiesIn(cohort.folder, out))
+    throw UsageError(fmt::format("{}: the results need a folder of their own, outside the recordings; such as {}",
+                                 out.string(), (cohort.folder / "derivatives/lake").string()));
+}
+
+// Snakemake looks for a profile in its own folders, too.
+void CheckProfile(const fs::path& profile) {
+  std::vector<fs::path> folders = {"", "/etc/xdg/snakemake"};
+  if (const char* config = std::getenv("XDG_CONFIG_HOME")) folders.push_back(fs::path(config) / "snakemake");
+  if (const char* home = std::getenv("HOME")) folders.push_back(fs::path(home) / ".config/snakemake");
+  for (const fs::path& folder : folders)
+    for (const char* name : {"config.yaml", "config.v8+.yaml"})
+      if (fs::is_regular_file(folder / profile / name)) return;
+  throw UsageError(fmt::format("--profile {}: there is no config.yaml in it; a Snakemake profile is a folder with one",
+                               profile.string()));
 }
 
 std::vector<std::string> SnakemakeArguments(const CohortRunOptions& options) {
@@ -100,7 +125,8 @@ void Describe(CohortRunOptions& o, OptionList& options) {
   options.Add("cores", o.cores, "Cores of this machine to work with").AtLeast(1).Otherwise("--threads");
   options.Add("slurm", o.slurm, "Hand the steps to Slurm");
   options.Add("jobs", o.jobs, "With --slurm: so many at a time").AtLeast(1);
-  options.Add("profile", o.profile, "A Snakemake profile: any other cluster, or accounts and partitions of Slurm");
+  options.Add("profile", o.profile, "A Snakemake profile: any other cluster, or accounts and partitions of Slurm")
+      .Value("DIR|NAME");
   options.Add("template", o.make_template, "Make a folder to fill with recordings, and do nothing else")
       .IsPath(Option::Path::kFolder);
   options.Add("only", o.only, "Do this alone, here and now, as a job of the workflow does").Value("motion|tables");
@@ -119,6 +145,8 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   }
   const Cohort cohort = ReadCohort(options.source, options.participants);
   for (const char* file : {"participants.tsv", "cohort.yaml"}) run.AddInput(cohort.folder / file);
+  CheckFolder(cohort, run.Folder());
+  if (options.profile) CheckProfile(*options.profile);
   WriteDatasetFiles(cohort, run);
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
   const WorkflowLock lock(out, run.Quiet());
@@ -146,11 +174,15 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
 }
 
 std::string CohortText(const Json& summary) {
-  std::string text =
-      fmt::format("{} recordings, {} failures\n", summary["recordings"].get<int>(), summary["failures"].size());
+  const auto counted = [](std::size_t number, const char* what) {
+    return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+  };
+  std::string text = fmt::format("{}, {}\n", counted(summary["recordings"].get<std::size_t>(), "recording"),
+                                 counted(summary["failures"].size(), "failure"));
   if (summary.contains("group"))
-    text += fmt::format("{} participants, {} outliers: group/group.html\n", summary["group"]["participants"].get<int>(),
-                        summary["group"]["outliers"].get<int>());
+    text += fmt::format("{}, {}: group/group.html\n",
+                        counted(summary["group"]["participants"].get<std::size_t>(), "participant"),
+                        counted(summary["group"]["outliers"].get<std::size_t>(), "outlier"));
   return text;
 }
 

@@ -12,4 +12,7 @@ void Describe(SynthesisProblem& o, OptionList& options);
 // Of these what the knee needs, and the actuator that gives it.
 void DescribeLoad(SynthesisProblem& o, OptionList& options);
 
+// Throws UsageError where --rest was changed, but no actuator has a share to hold.
+void CheckRest(const SynthesisProblem& problem);
+
 }  // namespace lake::problem

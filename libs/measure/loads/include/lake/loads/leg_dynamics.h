@@ -15,7 +15,6 @@ namespace lake::loads {
 struct BodyOptions {
   double mass_kg = 0;                    // of the whole body
   std::optional<double> height_mm;       // stature; else from the leg's length
-                                         // stature; else from the leg's length
   std::optional<Sex> sex;                // which table of deleva
   std::string anthropometry = "winter";  // or deleva, or a file
   double share = 0.5;                    // of head, arms and trunk that this leg bears
