@@ -74,6 +74,21 @@ TEST(FailedPiece, LeavesNoProcessBehind) {
   SetThreads(before);
 }
 
+// It is asked to end while it writes more than a pipe holds, and nobody reads that any more.
+TEST(FailedPiece, DoesNotWaitForAResultThatNobodyReads) {
+  const auto before_signal = std::signal(SIGTERM, [](int) {});  // as programs do that end cleanly
+  const int before = Threads();
+  SetThreads(2);
+  Progress progress("pieces", "steps", std::nullopt, true);
+  const auto fail = [](std::size_t i, const std::function<void()>&) -> std::string {
+    if (i == 1) throw Error("cannot be");
+    return std::string(std::size_t{64} << 20, 'x');
+  };
+  EXPECT_THAT([&] { InProcesses(2, fail, progress); }, ThrowsMessage<Error>("cannot be"));
+  SetThreads(before);
+  std::signal(SIGTERM, before_signal);
+}
+
 TEST(KilledProcess, IsAnErrorThatSaysSo) {
   const int before = Threads();
   SetThreads(2);

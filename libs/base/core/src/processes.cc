@@ -86,6 +86,9 @@ WorkerProcess::WorkerProcess(const Work& work) {
 WorkerProcess::~WorkerProcess() {
   if (process_ > 0) {
     kill(process_, SIGTERM);
+    char unread[1 << 14];  // it may wait for a reader before it can end
+    while (const ssize_t count = read(pipe_, unread, sizeof unread))
+      if (count < 0 && errno != EINTR) break;
     Wait();
   }
   close(pipe_);
