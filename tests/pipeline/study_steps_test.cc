@@ -317,24 +317,28 @@ TEST_F(StepsAtOnce, AreUnderWayWhereNeitherReadsTheOther) {
   EXPECT_EQ(steps::RunSteps({meet("a", "b"), meet("b", "a")}, {"this build", "test", true}).size(), 2u);
 }
 
-TEST_F(StepsAtOnce, AreEndedWhereOneFails) {
+TEST_F(StepsAtOnce, ComeToTheirEndWhereAnotherFails) {
   const steps::StudyStep patient = Step("patient", [&](lake::Run& run) {
     WriteTextFile(run.Result("begun.txt"), "");
-    AppearsWithin(folder_ / "never", std::chrono::seconds(60));
+    AppearsWithin(folder_ / "failed.txt", std::chrono::seconds(20));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
     WriteTextFile(run.Result("end.txt"), "");
   });
   const steps::StudyStep failing = Step("failing", [&](lake::Run&) {
     AppearsWithin(folder_ / "patient/begun.txt", std::chrono::seconds(20));
+    WriteTextFile(folder_ / "failed.txt", "");
     throw UsageError("not so");
   });
+  steps::StudyStep later = Step("later", [&](lake::Run& run) { WriteTextFile(run.Result("later.txt"), ""); });
+  later.inputs = {folder_ / "patient/end.txt"};
   EXPECT_THAT(
       [&] {
-        steps::RunSteps({patient, failing}, {"this build", "test", true});
+        steps::RunSteps({patient, failing, later}, {"this build", "test", true});
       },
       testing::ThrowsMessage<UsageError>("step failing (failing): not so"));
-  EXPECT_TRUE(fs::exists(folder_ / "patient/begun.txt"));
-  EXPECT_FALSE(fs::exists(folder_ / "patient/end.txt"));
-  EXPECT_EQ(steps::WhyDoSteps({patient}, "this build").front(), "not made yet");
+  EXPECT_TRUE(fs::exists(folder_ / "patient/end.txt"));
+  EXPECT_EQ(steps::WhyDoSteps({patient}, "this build").front(), "") << "it is done";
+  EXPECT_FALSE(fs::exists(folder_ / "later/later.txt")) << "no other is begun";
 }
 
 }  // namespace

@@ -190,14 +190,15 @@ class StepRunner {
   std::vector<StepOutcome> Run() {
     while (!std::ranges::all_of(state_, [](State state) { return state == State::kDone; })) {
       ThrowIfInterrupted();
-      BeginWhatCanBe();
+      if (failures_.empty()) BeginWhatCanBe();
       TakeWhatEnded();
+      if (!failures_.empty() && Working().empty()) std::rethrow_exception(failures_.begin()->second);
     }
     return std::move(outcomes_);
   }
 
  private:
-  enum class State { kWaiting, kDue, kWorking, kDone };
+  enum class State { kWaiting, kDue, kWorking, kDone, kFailed };
 
   bool CanBegin(std::size_t i) const {
     return state_[i] == State::kWaiting &&
@@ -269,13 +270,23 @@ class StepRunner {
     for (std::size_t w = 0; w < working.size(); ++w) {
       const std::size_t i = working[w];
       if (!ready[w] || workers_[i]->Read(no_progress)) continue;
+      TakeStep(i, working.size() > 1);
+    }
+  }
+
+  // A failure is kept until the others that are under way have ended: what they do is not lost.
+  void TakeStep(std::size_t i, bool told) {
+    try {
       workers_[i]->Take();
-      workers_[i].reset();
       std::optional<StepStamp> stamp = ReadStamp(steps_[i].folder, steps_[i].name);
       if (!stamp) throw Fail("step {} ({}): its outputs were changed while it worked", steps_[i].name, steps_[i].what);
-      progress_.Done(i, stamp->seconds, working.size() > 1);
+      progress_.Done(i, stamp->seconds, told);
       Finish(i, std::move(*stamp));
+    } catch (const Error&) {
+      failures_[i] = std::current_exception();
+      state_[i] = State::kFailed;
     }
+    workers_[i].reset();
   }
 
   void Finish(std::size_t i, StepStamp stamp) {
@@ -291,6 +302,7 @@ class StepRunner {
   std::vector<std::vector<std::string>> before_;
   std::vector<State> state_;
   std::vector<Due> due_;
+  std::map<std::size_t, std::exception_ptr> failures_;  // by step: the first of them is told
   std::vector<StepOutcome> outcomes_;
   std::vector<std::unique_ptr<WorkerProcess>> workers_;
 };

@@ -50,8 +50,8 @@ void RetireStudyStep(const std::filesystem::path& folder, const std::string& ste
 // Given in an order in which a step comes after those whose outputs it reads. Each begins when those are done: as many
 // at the same time as there are threads, in processes of their own, with the same outputs as one after the other. A
 // step that fails ends the run: the exception is of the cause's type, its text names the step and what it is about;
-// steps that are done stay, those under way are ended, no other is begun. While a step is under way it has no stamp,
-// and the outputs of its last time are gone.
+// steps that are done stay, those under way come to their end first, no other is begun. While a step is under way it
+// has no stamp, and the outputs of its last time are gone.
 std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options);
 
 // One of them, if something that it is made of has changed; those before it must have been done and are not looked at.
