@@ -345,18 +345,20 @@ export class TrialPage {
     const joints = SKELETON.map((name) => this.trial.markers.find((marker) => marker.name === name));
     context.strokeStyle = "rgba(255, 255, 255, 0.7)";
     context.lineWidth = 1.5;
+    this.strokeLine(context, joints.map((joint) => (joint ? this.shownPlace(joint) : null)));
+  }
+
+  // A line through these places, interrupted where one is not known.
+  private strokeLine(context: CanvasRenderingContext2D, places: (Point | null)[]): void {
     context.beginPath();
     let isDown = false;
-    for (const joint of joints) {
-      const at = joint ? this.shownPlace(joint) : null;
-      if (!at) {
-        isDown = false;
-        continue;
+    for (const at of places) {
+      if (at) {
+        const { x, y } = this.view.toScreen(at);
+        if (isDown) context.lineTo(x, y);
+        else context.moveTo(x, y);
       }
-      const { x, y } = this.view.toScreen(at);
-      if (isDown) context.lineTo(x, y);
-      else context.moveTo(x, y);
-      isDown = true;
+      isDown = at !== null;
     }
     context.stroke();
   }
@@ -388,21 +390,10 @@ export class TrialPage {
   private drawTrail(context: CanvasRenderingContext2D, marker: MarkerMessage): void {
     context.globalAlpha = 0.7;
     context.lineWidth = 1;
-    context.beginPath();
-    let isDown = false;
     const from = Math.max(this.row - TRAIL, 0), to = Math.min(this.row + TRAIL, this.trial.frame.length - 1);
-    for (let row = from; row <= to; ++row) {
-      const at = this.placeOf(marker, row);
-      if (!at) {
-        isDown = false;
-        continue;
-      }
-      const { x, y } = this.view.toScreen(at);
-      if (isDown) context.lineTo(x, y);
-      else context.moveTo(x, y);
-      isDown = true;
-    }
-    context.stroke();
+    const places: (Point | null)[] = [];
+    for (let row = from; row <= to; ++row) places.push(this.placeOf(marker, row));
+    this.strokeLine(context, places);
     context.globalAlpha = 1;
   }
 
