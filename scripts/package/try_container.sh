@@ -23,5 +23,5 @@ container=$(buildah "${store[@]}" from --pull-never localhost/lake)
 [ "$(buildah "${store[@]}" inspect --format '{{index .OCIv1.Config.Entrypoint 0}}' "$container")" = lake ]
 inside() { buildah "${store[@]}" run --isolation chroot "$container" -- lake "$@"; }
 inside --version
-inside track /usr/share/doc/lake/examples/data/sts-study/human.mp4 --camera /usr/share/doc/lake/examples/data/sts-study/camera.yaml --end 4 -o /work/human
-inside info /work/human
+inside track /usr/share/doc/lake/examples/data/sts-study/human.mp4 --camera /usr/share/doc/lake/examples/data/sts-study/camera.yaml --end 4 -o /tmp/human
+inside info /tmp/human
