@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstring>
 #include <memory>
+#include <thread>
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -131,6 +132,23 @@ int WorkerProcess::Wait() {
   }
   process_ = -1;
   return status;
+}
+
+int WaitForChild(pid_t child, const std::string& program, std::chrono::milliseconds nap) {
+  int status = 0;
+  for (;;) {
+    const pid_t ended = waitpid(child, &status, WNOHANG);
+    if (ended == child) return status;
+    if (ended < 0 && errno != EINTR) throw Fail("{}: {}", program, std::strerror(errno));
+    try {
+      ThrowIfInterrupted();
+    } catch (const Interrupted&) {
+      kill(-child, SIGTERM);
+      waitpid(child, &status, 0);
+      throw;
+    }
+    std::this_thread::sleep_for(nap);
+  }
 }
 
 std::vector<bool> WaitForWorkers(const std::vector<const WorkerProcess*>& workers) {

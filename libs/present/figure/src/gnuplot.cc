@@ -2,42 +2,20 @@
 
 #include <fcntl.h>
 #include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstring>
-#include <thread>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/interrupt.h"
+#include "lake/core/processes.h"
 #include "lake/figure/theme.h"
 
 namespace lake::figure {
 namespace {
-
-// The exit status of a child. Interrupted, it ends the child, and with it what the child has started, first.
-int WaitFor(pid_t child) {
-  constexpr std::chrono::milliseconds kNap(2);  // drawing takes a hundred of them
-  int status = 0;
-  for (;;) {
-    const pid_t ended = waitpid(child, &status, WNOHANG);
-    if (ended == child) return status;
-    if (ended < 0 && errno != EINTR) throw Fail("gnuplot: {}", std::strerror(errno));
-    try {
-      ThrowIfInterrupted();
-    } catch (const Interrupted&) {
-      kill(-child, SIGTERM);
-      waitpid(child, &status, 0);
-      throw;
-    }
-    std::this_thread::sleep_for(kNap);
-  }
-}
 
 // Runs `gnuplot SCRIPT`; what it says goes to `log`. Returns its exit status, or throws if it cannot be started.
 int RunGnuplot(const std::filesystem::path& script, const std::filesystem::path& log) {
@@ -58,7 +36,7 @@ int RunGnuplot(const std::filesystem::path& script, const std::filesystem::path&
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) throw Fail("gnuplot cannot be started ({}); install the package gnuplot-nox", std::strerror(error));
-  return WaitFor(child);
+  return WaitForChild(child, "gnuplot", std::chrono::milliseconds(2));  // drawing takes a hundred
 }
 
 // Scratch files of one drawing, named after the result; never committed, so they vanish with the scope.

@@ -21,6 +21,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/processes.h"
 #include "lake/study/study.h"
 #include "program_files.h"
 
@@ -130,25 +131,6 @@ void PlanStudy(const Recordings& recordings, const std::vector<std::string>& ask
     Forget(out, recordings.Name(), kMotionStep);
 }
 
-// The exit status of a child. Interrupted, it ends the child first: snakemake waits for its jobs to end.
-int WaitFor(pid_t child) {
-  constexpr std::chrono::milliseconds kNap(50);
-  int status = 0;
-  for (;;) {
-    const pid_t ended = waitpid(child, &status, WNOHANG);
-    if (ended == child) return status;
-    if (ended < 0 && errno != EINTR) throw Fail("snakemake: {}", std::strerror(errno));
-    try {
-      ThrowIfInterrupted();
-    } catch (const Interrupted&) {
-      kill(-child, SIGTERM);
-      waitpid(child, &status, 0);
-      throw;
-    }
-    std::this_thread::sleep_for(kNap);
-  }
-}
-
 // `lock` becomes the children's standard input, which every descendant inherits: so the lock is held until all have
 // ended. When this program is killed, snakemake is told to end too (setpriv).
 int Spawn(std::vector<std::string> words, int lock, const std::optional<fs::path>& log) {
@@ -172,7 +154,7 @@ int Spawn(std::vector<std::string> words, int lock, const std::optional<fs::path
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) throw Fail("{} cannot be started: {}", words.front(), std::strerror(error));
-  return WaitFor(child);
+  return WaitForChild(child, "snakemake", std::chrono::milliseconds(50));  // which waits for its jobs to end
 }
 
 // Whether a program is in PATH.

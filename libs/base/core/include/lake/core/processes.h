@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -43,6 +44,11 @@ class WorkerProcess {
   int pipe_ = -1;
   std::string ending_;
 };
+
+// The exit status of another program that was started in a process group of its own; looked at every `nap`.
+// Interrupted, it ends the program, and with it what that has started, before it throws. Throws Error naming the
+// program.
+int WaitForChild(pid_t child, const std::string& program, std::chrono::milliseconds nap);
 
 // Waits until one of these has something to be read, or for a tenth of a second; returns which. Throws Interrupted on a
 // signal.
