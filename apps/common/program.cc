@@ -27,10 +27,11 @@ int Complain(const std::string& program, std::string text, ExitCode code) {
   return code;
 }
 
+// As it was given, but for the folder of the program.
 std::string CommandLine(int argc, char** argv) {
   std::string line;
   for (int i = 0; i < argc; ++i) {
-    const std::string word = argv[i];
+    const std::string word = i ? std::string(argv[i]) : std::filesystem::path(argv[i]).filename().string();
     const bool plain = !word.empty() && word.find_first_of(" \t\n\"'\\$&;|<>()*?#") == std::string::npos;
     line += (i ? " " : "") + (plain ? word : fmt::format("'{}'", word));
   }

@@ -48,7 +48,8 @@ TEST_F(Folders, OfAReusedNameHoldOneRun) {
   Done("cp human.mp4 exo.mp4 && lake-track exo.mp4 --no-overlay --quiet -o D");
   for (const char* name : {"D/overlay.mp4", "D/human.trc", "D/human.c3d", "D/trajectory.csv"})
     EXPECT_FALSE(Has(name)) << name << " is of another video";
-  const Json gait = Json::parse(Done("lake-gait D --quiet --json -o G").out);
+  const Json gait = Json::parse(Done("$(command -v lake-gait) D --quiet --json -o G").out);
+  EXPECT_EQ(gait["command"], "lake-gait D --quiet --json -o G");
   EXPECT_EQ(gait["inputs"][0]["path"], "D/tracks.csv");
 }
 

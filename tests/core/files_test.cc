@@ -5,6 +5,7 @@
 #include <csignal>
 #include <fstream>
 
+#include "home_folder.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -71,6 +72,26 @@ TEST(Run, SummaryHoldsWhatMadeTheResult) {
   EXPECT_EQ(summary["answer"], 42);
   // FIPS 180-2, appendix B.1.
   EXPECT_EQ(summary["inputs"][0]["sha256"], "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Provenance, DoesNotNameTheHomeFolder) {
+  const TemporaryFolder folder;
+  const std::filesystem::path home = folder / "anna";
+  const HomeFolder there(home.string() + "/");
+  std::filesystem::create_directory(home);
+  WriteTextFile(home / "in.txt", "abc");
+  const std::string input = (home / "in.txt").string(), other = (folder / "annabel/in.txt").string();
+  EXPECT_EQ(WithoutHome(home.string()), "~");
+  EXPECT_EQ(WithoutHome("lake-x " + input + " --camera='" + input + "' " + other),
+            "lake-x ~/in.txt --camera='~/in.txt' " + other);
+  EXPECT_EQ(FromHome("~/in.txt"), input);
+  EXPECT_EQ(FromHome("~anna/in.txt"), "~anna/in.txt");
+
+  lake::Run run({"lake-x", "lake-x " + input, {{"files", {input, input}}}, home / "out", true, {input}});
+  run.AddInput(input);
+  run.WriteSummary(Json::object());
+  for (const auto& file : std::filesystem::directory_iterator(home / "out"))
+    EXPECT_THAT(ReadTextFile(file.path()), testing::Not(HasSubstr("anna"))) << file.path();
 }
 
 TEST(Provenance, CommitIsKnownInACloneAndUnknownElsewhere) {

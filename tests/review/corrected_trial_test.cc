@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "file_limit.h"
+#include "home_folder.h"
 #include "lake/commands/review.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
@@ -138,6 +139,15 @@ TEST_F(CorrectedTrial, OfAStudyIsReadToo) {
   ExpectSameTables(trial.work.fit(trial.book.Corrected()), folder);
   EXPECT_THAT(trial.about["command"].get<std::string>(),
               HasSubstr("corrections: " + (folder / "corrections.csv").string()));
+}
+
+TEST_F(CorrectedTrial, OfAVideoInTheHomeFolderIsReadToo) {
+  const HomeFolder home(Recording("video.mp4").parent_path());
+  Track("home");
+  EXPECT_EQ(ReadJsonFile(Folder("home") / "summary.json")["inputs"][0]["path"], "~/video.mp4");
+  const commands::TrackedFolder folder = commands::ReadTrackedFolder(Folder("home"));
+  EXPECT_EQ(folder.options.video, Recording("video.mp4"));
+  EXPECT_EQ(folder.options.camera, Recording("camera.yaml"));
 }
 
 TEST_F(CorrectedTrial, NeedsItsOwnVideo) {

@@ -33,12 +33,15 @@ void ReadOptionsOf(const fs::path& folder, const Json& said, OptionList& list) {
   if (!said.contains("out")) {
     YamlNode summary = YamlNode::ReadFile(folder / "summary.json");
     YamlNode options = *summary.Child("options");
-    return ReadOptions(options, list, [](const YamlNode& node, const Option&) { return OptionTexts{node.AsText()}; });
+    return ReadOptions(options, list, [](const YamlNode& node, const Option&) {
+      return OptionTexts{FromHome(node.AsText()).string()};
+    });
   }
   for (Option& option : list.All()) {
     const auto value = said.find(option.Name());
     if (value == said.end()) continue;
-    const OptionTexts texts = value->is_array() ? value->get<OptionTexts>() : OptionTexts{value->get<std::string>()};
+    OptionTexts texts = value->is_array() ? value->get<OptionTexts>() : OptionTexts{value->get<std::string>()};
+    for (std::string& text : texts) text = FromHome(text).string();
     if (texts != OptionTexts{""} && texts != OptionTexts{option.DefaultText()}) option.Give(texts);
   }
   list.Apply();
@@ -47,7 +50,7 @@ void ReadOptionsOf(const fs::path& folder, const Json& said, OptionList& list) {
 // Inputs are named as from the folder in which the run was started: the present one, or one above the results. One that
 // was moved is known by its content, if it lies in one of these.
 fs::path FindInput(const Json& input, const fs::path& results) {
-  const fs::path path = input.at("path").get<std::string>();
+  const fs::path path = FromHome(input.at("path").get<std::string>());
   std::vector<fs::path> places = {fs::current_path()};
   for (fs::path place = fs::absolute(results).lexically_normal(); place.has_relative_path();
        place = place.parent_path())

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <vector>
@@ -44,6 +46,18 @@ std::string Sha256OfFolder(const fs::path& folder) {
   Sha256 hash;
   for (const fs::path& file : files) hash.Update(fmt::format("{} {}\n", file.filename().string(), Sha256OfFile(file)));
   return hash.Hex();
+}
+
+// Empty if there is none that tells one user from another.
+std::string Home() {
+  const char* home = std::getenv("HOME");
+  const std::string path = home ? fs::path(home).lexically_normal().string() : "";
+  const std::size_t end = path.find_last_not_of('/');
+  return end == std::string::npos ? "" : path.substr(0, end + 1);
+}
+
+bool IsInName(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.' || (c & 0x80);
 }
 
 }  // namespace
@@ -91,6 +105,27 @@ std::string Sha256OfText(std::string_view text) {
   Sha256 hash;
   hash.Update(text);
   return hash.Hex();
+}
+
+std::string WithoutHome(const std::string& text) {
+  const std::string home = Home();
+  if (home.empty()) return text;
+  std::string short_text;
+  std::size_t done = 0;
+  for (std::size_t at = text.find(home); at != std::string::npos; at = text.find(home, at + 1)) {
+    const std::size_t end = at + home.size();
+    const bool begins_path = at == 0 || !(IsInName(text[at - 1]) || text[at - 1] == '/');
+    const bool ends_name = end == text.size() || !IsInName(text[end]);
+    if (!begins_path || !ends_name) continue;
+    short_text += text.substr(done, at - done) + "~";
+    done = end;
+  }
+  return short_text + text.substr(done);
+}
+
+fs::path FromHome(const fs::path& path) {
+  const std::string home = Home(), text = path.string();
+  return home.empty() || (text != "~" && !text.starts_with("~/")) ? path : fs::path(home + text.substr(1));
 }
 
 }  // namespace lake

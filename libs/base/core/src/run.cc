@@ -33,9 +33,21 @@ std::string OwnerOf(const fs::path& folder, const std::string& name) {
   return name == kSummary && !made.program.empty() ? "a result of " + made.Describe() : "not a result of lake's";
 }
 
+// In every text that it holds.
+Json WithoutHome(Json json) {
+  if (json.is_string()) return lake::WithoutHome(json.get<std::string>());
+  if (json.is_structured())
+    for (Json& value : json) value = WithoutHome(std::move(value));
+  return json;
+}
+
 }  // namespace
 
-Run::Run(Info info) : info_(std::move(info)) {}
+Run::Run(Info info) : info_(std::move(info)) {
+  info_.command = lake::WithoutHome(info_.command);
+  info_.options = WithoutHome(std::move(info_.options));
+  for (std::string& file : info_.subject) file = lake::WithoutHome(file);
+}
 
 Run::~Run() {
   std::error_code ignored;  // a folder that holds anything stays
@@ -75,7 +87,7 @@ void Run::Retire(ResultsList old) {
   for (const Json& input : inputs_)
     std::erase_if(old.files, [&](const std::string& name) {
       std::error_code error;
-      const bool is_read = fs::equivalent(input["path"].get<std::string>(), info_.out / name, error);
+      const bool is_read = fs::equivalent(FromHome(input["path"].get<std::string>()), info_.out / name, error);
       if (is_read) files_.insert(name);
       return is_read;
     });
@@ -129,7 +141,7 @@ void Run::Warn(const std::string& text) {
 }
 
 void Run::AddInput(const fs::path& path) {
-  inputs_.push_back({{"path", path.string()}, {"sha256", Sha256OfFile(path)}});
+  inputs_.push_back({{"path", lake::WithoutHome(path.string())}, {"sha256", Sha256OfFile(path)}});
 }
 
 Json Run::Head() const {
