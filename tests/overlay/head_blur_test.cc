@@ -53,6 +53,17 @@ TEST(HeadBlur, FindsTheHeadWhereverTheWaistMarkerSitsOnThePelvis) {
     }
 }
 
+// Leaning by 43°, the head is 0.6 of the leg from thigh and waist; by 86° it is 0.3 from the knee.
+TEST(HeadBlur, SaysWhereTheLegMayHideTheFace) {
+  for (const auto& [lean, done] :
+       {std::pair{0.6, overlay::HeadBlur::Done::kHead}, std::pair{1.2, overlay::HeadBlur::Done::kHeadBesideLeg}}) {
+    const overlay::HeadBlur blur(StandThenLean(lean, 0, 1));
+    cv::Mat picture(800 * 3 / 2, 640, CV_8UC1, cv::Scalar(100));
+    EXPECT_EQ(blur.Blur(picture, 0, 640), overlay::HeadBlur::Done::kHead) << "standing";
+    EXPECT_EQ(blur.Blur(picture, 15, 640), done) << lean;
+  }
+}
+
 // Head and neck of the real person: the head's middle a tenth of the stature beyond the seventh vertebra, the neck 25°
 // before the trunk's line and nodding by 45° either way, the head 0.15 of the stature across (Drillis & Contini).
 TEST(HeadBlur, CoversTheHeadInEveryFrameOfRealRises) {

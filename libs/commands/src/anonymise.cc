@@ -67,9 +67,10 @@ Json RunAnonymise(const AnonymiseRunOptions& options, Run& run) {
     run.Warn(fmt::format("in {} of {} frames nobody knows where the head is: there the whole picture is blurred",
                          done.whole, done.frames));
   if (done.beside_leg > 0)
-    run.Warn(fmt::format(
-        "in {} of {} frames leg or markers are within the head's disc, and are left as they are: look at them",
-        done.beside_leg, done.frames));
+    run.Warn(
+        fmt::format("in {} of {} frames leg or markers, which are left as they are, are where the face may be: look at "
+                    "these frames",
+                    done.beside_leg, done.frames));
   return {{"frames", done.frames},
           {"frames_blurred_whole", done.whole},
           {"frames_beside_leg", done.beside_leg},

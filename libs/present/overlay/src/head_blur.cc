@@ -181,13 +181,14 @@ HeadBlur::Done HeadBlur::Blur(cv::Mat& i420, std::int64_t frame, int recorded_wi
       cv::circle(blurred, centre, radius, 255, cv::FILLED);
       area &= cv::Rect(centre.x - radius, centre.y - radius, 2 * radius + 1, 2 * radius + 1);
       cell_px = std::max(1.0, radius / 4.0);
+      cv::Mat face = cv::Mat::zeros(picture.size(), CV_8UC1);
+      cv::circle(face, centre, static_cast<int>(std::ceil(kRadiusShoulder * leg_px_ * scale)), 255, cv::FILLED);
+      cv::bitwise_and(face, kept, face);
+      beside_leg |= cv::countNonZero(face) > 0;
     } else {
       blurred.setTo(255);
     }
     if (area.empty()) continue;
-    cv::Mat overlap;
-    cv::bitwise_and(blurred, kept, overlap);
-    beside_leg |= cv::countNonZero(overlap) > 0;
     blurred.setTo(0, kept);
     Coarse(picture(area), cell_px).copyTo(picture(area), blurred(area));
   }

@@ -40,7 +40,7 @@ class HeadBlur {
 
   // Blurs a frame of the file, a picture as VideoFrame::preview of a recording of this width: the head's disc, the
   // whole picture where nobody knows where the head is. The shank, the thigh and what surrounds the markers are left as
-  // they are: kHeadBesideLeg says that the disc reached them.
+  // they are: kHeadBesideLeg says that the head may reach them, if the spine bends as most do.
   Done Blur(cv::Mat& i420, std::int64_t frame, int recorded_width) const;
 
  private:
@@ -62,9 +62,8 @@ class HeadBlur {
 void BlurWhole(cv::Mat& luma);
 
 struct AnonymisedCopy {
-  std::int64_t frames = 0, whole = 0,
-               beside_leg = 0;  // all; with the whole picture blurred; where the disc reached the leg
-  bool is_exact = false;        // what was not blurred is the recording's to the bit
+  std::int64_t frames = 0, whole = 0, beside_leg = 0;  // all; with the whole picture blurred; kHeadBesideLeg
+  bool is_exact = false;                               // what was not blurred is the recording's to the bit
 };
 
 struct AnonymiseOptions {
