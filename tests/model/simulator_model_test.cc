@@ -28,15 +28,20 @@ parts::Mechanism DesignNumber(int number) {
 
 #ifdef LAKE_HAS_MUJOCO
 
+testing::MujocoModel Weightless(const parts::Mechanism& mechanism) {
+  const TemporaryFolder folder;
+  model::WriteMjcf(folder / "design.xml", mechanism);
+  testing::MujocoModel simulation(folder / "design.xml");
+  mju_zero(simulation.Model()->opt.gravity, 3);
+  return simulation;
+}
+
 // The stroke is commanded over its range without load or gravity; what the loops then make of the knee is the closed
 // form's angle. 0.01 degrees: MuJoCo's loops yield to forces and inertia.
 TEST(Mjcf, KneeFollowsTheStrokeAsInClosedForm) {
-  const TemporaryFolder folder;
   for (int number = 0; number < 3; ++number) {
     const parts::Mechanism mechanism = DesignNumber(number);
-    model::WriteMjcf(folder / "design.xml", mechanism);
-    testing::MujocoModel simulation(folder / "design.xml");
-    mju_zero(simulation.Model()->opt.gravity, 3);
+    testing::MujocoModel simulation = Weightless(mechanism);
     for (const double part : {0.5, 0.8, 0.95, 0.3, 0.05}) {
       const double stroke_mm = mechanism.range.stroke.lower_mm + part * mechanism.range.stroke.Travel();
       simulation.MoveTo(1e-3 * stroke_mm);
@@ -50,12 +55,9 @@ TEST(Mjcf, KneeFollowsTheStrokeAsInClosedForm) {
 
 // 40 N m flex the knee; the actuator holds. Force and angle at the stroke to which the servo yields.
 TEST(Mjcf, ActuatorBearsAKneeTorqueAsInClosedForm) {
-  const TemporaryFolder folder;
   for (int number = 0; number < 3; ++number) {
     const parts::Mechanism mechanism = DesignNumber(number);
-    model::WriteMjcf(folder / "design.xml", mechanism);
-    testing::MujocoModel simulation(folder / "design.xml");
-    mju_zero(simulation.Model()->opt.gravity, 3);
+    testing::MujocoModel simulation = Weightless(mechanism);
     simulation.AppliedForce("knee") = 40;
     for (const double part : {0.5, 0.8, 0.25}) {
       simulation.MoveTo(1e-3 * (mechanism.range.stroke.lower_mm + part * mechanism.range.stroke.Travel()));
