@@ -49,8 +49,9 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   const synthesis::SynthesisOutcome outcome = synthesis::RunSynthesis(problem, options.study);
   Json summary = WriteSynthesis(outcome, run);
   DrawPngAndSvg("convergence", run, [&](const fs::path& path) {
-    figure::DrawConvergence(outcome.result.BestOrFirst(),
-                            problem.SeeksDuration() ? "duration, negative (s)" : "range of rotation (°)", path);
+    const bool is_duration = problem.SeeksDuration();
+    figure::DrawConvergence(outcome.result.BestOrFirst(), is_duration ? "duration (s)" : "range of rotation (°)",
+                            is_duration ? 1 : -1, path);
   });
   if (!outcome.IsSolved()) {
     run.WriteSummary(summary);
@@ -180,7 +181,7 @@ redesign::ReoptimizeOptions ReoptimizeOptionsOf(const OptimizeRunOptions& option
 
 void DrawFigures(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   DrawPngAndSvg("convergence", run, [&](const fs::path& path) {
-    figure::DrawConvergence(outcome.result.BestOrFirst().local, "range less penalties (°)", path);
+    figure::DrawConvergence(outcome.result.BestOrFirst().local, "range less penalties (°)", -1, path);
   });
   DrawPngAndSvg("knee_paths", run, [&](const fs::path& path) { figure::DrawKneePaths(outcome, path); });
   if (!outcome.fronts.empty())

@@ -272,10 +272,7 @@ Json WriteValidation(const StrokeRunOptions& options, const actuator::StrokeSche
                      const actuator::Validation& validation, Run& run) {
   WarnOfValidation(validation, schedule, run);
   actuator::WriteValidationCsv(run.Result("validation.csv"), validation);
-  const std::string title =
-      fmt::format("Prototype {} against {}", options.validate->filename().string(), options.design.filename().string());
-  DrawPngAndSvg("validation", run,
-                [&](const fs::path& path) { figure::DrawValidation(path, schedule, validation, title); });
+  DrawPngAndSvg("validation", run, [&](const fs::path& path) { figure::DrawValidation(path, schedule, validation); });
   return ValidationJson(validation, options.tolerance_deg);
 }
 
@@ -335,9 +332,7 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
                     "without a person",
                     sketch->drift.planned_mm, sketch->drift.drift_mm, sketch->drift.end_mm));
   actuator::WriteScheduleCsv(run.Result("program.csv"), rows);
-  const std::string title = "Stroke program of " + options.design.filename().string();
-  DrawPngAndSvg("program", run,
-                [&](const fs::path& path) { figure::DrawStrokeProgram(path, plan.schedule, rows, title); });
+  DrawPngAndSvg("program", run, [&](const fs::path& path) { figure::DrawStrokeProgram(path, plan.schedule, rows); });
   Json summary = ProgramJson(plan.schedule, rows);
   summary["crawling"] = CrawlJson(plan.crawl);
   summary["firmware"] =

@@ -136,16 +136,16 @@ std::string AngleCurve(GnuplotFigure& figure, const actuator::StrokeSchedule& sc
 }  // namespace
 
 void DrawStrokeProgram(const std::filesystem::path& path, const actuator::StrokeSchedule& schedule,
-                       const std::vector<actuator::ScheduleRow>& rows, const std::string& title) {
+                       const std::vector<actuator::ScheduleRow>& rows) {
   GnuplotFigure figure(1200, 1000);
   const ProgramColumns columns(rows);
-  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'", QuoteForGnuplot(title)));
+  figure.Line("set multiplot");
   figure.Line(fmt::format("set xrange [0:{}]; set format x ''", schedule.Duration()));
-  Place(figure, 0.08, 0.92, 0.66, 0.93);
+  Place(figure, 0.08, 0.92, 0.68, 0.97);
   DrawStroke(figure, schedule, columns);
-  Place(figure, 0.08, 0.92, 0.37, 0.62);
+  Place(figure, 0.08, 0.92, 0.38, 0.64);
   DrawSpeed(figure, columns);
-  Place(figure, 0.08, 0.92, 0.07, 0.33);
+  Place(figure, 0.08, 0.92, 0.07, 0.34);
   figure.Line(
       "set format x '%g'; set xlabel 'time (s)'; set ylabel 'knee angle (°)'; set yrange [0:*]; set offsets 0, 0, "
       "graph 0.08, 0");
@@ -184,13 +184,13 @@ void DrawDutyCalibration(const std::filesystem::path& path, const actuator::Duty
 }
 
 void DrawValidation(const std::filesystem::path& path, const actuator::StrokeSchedule& schedule,
-                    const actuator::Validation& validation, const std::string& title) {
+                    const actuator::Validation& validation) {
   GnuplotFigure figure(1600, 800);
   const ValidationColumns c(validation);
   const std::string curve = AngleCurve(figure, schedule),
                     samples = figure.Data({c.time, c.stroke, c.predicted, c.measured, c.error});
-  figure.Line(fmt::format("set multiplot title {} noenhanced font ',14'", QuoteForGnuplot(title)));
-  Place(figure, 0.06, 0.47, 0.10, 0.91);
+  figure.Line("set multiplot");
+  Place(figure, 0.06, 0.47, 0.10, 0.97);
   figure.Line(
       "set xlabel 'stroke length (mm)'; set ylabel 'knee angle (°)'; set key top right; set offsets graph 0.02, graph "
       "0.02, graph 0.05, graph 0.05");
@@ -198,7 +198,7 @@ void DrawValidation(const std::filesystem::path& path, const actuator::StrokeSch
       fmt::format("plot {} using 2:4 with points pt 7 ps 0.7 lc rgb '{}' title 'prototype, tracked', {} using 1:2 with "
                   "lines lw 2 lc rgb '{}' title 'simulation'",
                   samples, colour::kHuman, curve, colour::kText));
-  Place(figure, 0.55, 0.98, 0.42, 0.91);
+  Place(figure, 0.55, 0.98, 0.43, 0.97);
   figure.Line("set format x ''; unset xlabel");
   figure.Line(
       fmt::format("plot {} using 1:4 with points pt 7 ps 0.7 lc rgb '{}' title 'prototype, tracked', {} using 1:3 with "

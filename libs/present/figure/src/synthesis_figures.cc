@@ -108,12 +108,12 @@ void DrawMargins(const synthesis::SynthesisOutcome& outcome, const std::filesyst
   figure.Line(plot).Write(path);
 }
 
-void DrawConvergence(const synthesis::LocalSolve& solve, const std::string& objective,
+void DrawConvergence(const synthesis::LocalSolve& solve, const std::string& objective, double per_cost,
                      const std::filesystem::path& path) {
   std::vector<double> number, range, violation, dual;
   for (const nlp::NlpIteration& step : solve.history) {
     number.push_back(static_cast<double>(number.size()));
-    range.push_back(-step.cost);
+    range.push_back(per_cost * step.cost);
     violation.push_back(std::max(kFloor, step.violation));
     dual.push_back(std::max(kFloor, step.dual_infeasibility));
   }
@@ -124,7 +124,7 @@ void DrawConvergence(const synthesis::LocalSolve& solve, const std::string& obje
   figure.Line(
       fmt::format("plot {} using 1:2 with linespoints lw 3 pt 7 ps 0.8 lc rgb '{}' notitle", data, colour::kAnkle));
   figure.Line("set format x '%g'").Line("set xlabel 'iteration'");
-  figure.Line("set logscale y").Line("set format y '10^{%L}'").Line("set ylabel 'error'").Line("set key top right");
+  figure.Line("set logscale y").Line("set format y '10^{%L}'").Line("set ylabel 'error'").Line("set key bottom left");
   figure.Line(
       fmt::format("plot {0} using 1:3 with linespoints lw 2 pt 7 ps 0.8 lc rgb '{1}' title 'constraint violation', "
                   "{0} using 1:4 with linespoints lw 2 pt 5 ps 0.8 lc rgb '{2}' title 'dual infeasibility'",

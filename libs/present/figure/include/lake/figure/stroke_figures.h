@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "lake/actuator/duty_calibration.h"
@@ -13,7 +12,7 @@ namespace lake::figure {
 
 // Stroke with its soft limits, speed with duty (if known), and knee angle over time.
 void DrawStrokeProgram(const std::filesystem::path& path, const actuator::StrokeSchedule& schedule,
-                       const std::vector<actuator::ScheduleRow>& rows, const std::string& title);
+                       const std::vector<actuator::ScheduleRow>& rows);
 
 // Speed over duty in both directions: plateaus, table with errors, the curve the program uses, dead band.
 void DrawDutyCalibration(const std::filesystem::path& path, const actuator::DutyCalibration& calibration);
@@ -21,6 +20,6 @@ void DrawDutyCalibration(const std::filesystem::path& path, const actuator::Duty
 // The paper's last figure: knee angle over stroke, predicted and measured; beside it both over time, and their
 // difference.
 void DrawValidation(const std::filesystem::path& path, const actuator::StrokeSchedule& schedule,
-                    const actuator::Validation& validation, const std::string& title);
+                    const actuator::Validation& validation);
 
 }  // namespace lake::figure

@@ -15,8 +15,8 @@ void DrawSensitivity(const synthesis::SynthesisOutcome& outcome, const std::file
 // Range (and yield, if estimated) against the margin from both singularities.
 void DrawMargins(const synthesis::SynthesisOutcome& outcome, const std::filesystem::path& path);
 
-// The cost's negative and the errors over Ipopt's iterations; `objective` names the first, with its unit.
-void DrawConvergence(const synthesis::LocalSolve& solve, const std::string& objective,
+// What Ipopt's cost stands for, `per_cost` of it and `objective` with its unit, and the errors over its iterations.
+void DrawConvergence(const synthesis::LocalSolve& solve, const std::string& objective, double per_cost,
                      const std::filesystem::path& path);
 
 }  // namespace lake::figure
