@@ -57,6 +57,9 @@ std::string Report(const Json& summary) {
   std::string text = fmt::format("range {:.4f} deg", summary["range_deg"].get<double>());
   if (const Json& bound = summary["certified_upper_bound_deg"]; bound.is_number())
     text += fmt::format(", proved to be at most {:.4f} deg for any design", bound.get<double>());
+  if (const auto robust = summary.find("robust"); robust != summary.end())
+    text += fmt::format(", at least {:.4f} deg for every build within {:.4g} mm",
+                        (*robust)["worst_range_deg"].get<double>(), (*robust)["tolerance_mm"].get<double>());
   text += "\n";
   if (summary.contains("assistance")) text += summary["assistance"]["text"].get<std::string>() + "\n";
   text += ReportMotion(summary);

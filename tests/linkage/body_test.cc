@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -143,6 +144,114 @@ TEST(CheckWear, AMountFarBehindClearsTheThigh) {
   EXPECT_NEAR(check.thigh_clearance_mm, least_mm - options.actuator_diameter_mm / 2, 0.1);
   EXPECT_NEAR(check.thigh_clearance_deg, at_deg, 1);
   EXPECT_GE(check.thigh_clearance_mm, 0);
+}
+
+// Between the outlines' sides, sampled; `apart` are the corners of a convex outline, a part by its two ends.
+double LeastDistance(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& from,
+                     const Eigen::Vector2d& to) {
+  double least_mm = HUGE_VAL;
+  constexpr int kPoints = 400;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d &a = outline[i], &b = outline[(i + 1) % outline.size()];
+    for (int j = 0; j <= kPoints; ++j) {
+      least_mm = std::min(least_mm, DistanceToSegment(a + (b - a) * j / kPoints, from, to));
+      least_mm = std::min(least_mm, DistanceToSegment(from + (to - from) * j / kPoints, a, b));
+    }
+  }
+  return least_mm;
+}
+
+bool IsInside(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& point) {
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d side = outline[(i + 1) % outline.size()] - outline[i], to = point - outline[i];
+    if (side.x() * to.y() - side.y() * to.x() < 0) return false;
+  }
+  return true;
+}
+
+bool Overlap(const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  for (int i = 0; i <= 2000; ++i)
+    if (IsInside(outline, from + (to - from) * i / 2000)) return true;
+  return false;
+}
+
+// A pose with M and R anywhere about the knee, and any knee angle.
+linkage::Pose RandomPlace(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> across(-150, 250), along(-200, 600), angle(0, 2.8);
+  linkage::Pose pose;
+  pose.mount = {across(random), along(random)}, pose.tip = {across(random), along(random)};
+  pose.theta_rad = angle(random);
+  return pose;
+}
+
+TEST(LimbSeparation, IsTheDistanceApartAndTheShortestWayOut) {
+  std::mt19937_64 random(7);
+  const linkage::Body body = linkage::BodyOf(1750, 70);
+  const linkage::WearOptions options;
+  int apart = 0, overlapping = 0;
+  for (int i = 0; i < 60; ++i) {
+    const linkage::Pose pose = RandomPlace(random);
+    for (const linkage::Limb limb : {linkage::Limb::kThigh, linkage::Limb::kShank}) {
+      const auto corners = linkage::OutlineOf(limb, body);
+      const std::vector<Eigen::Vector2d> outline(corners.begin(), corners.end());
+      const auto from = linkage::InLimb(limb, pose.mount, pose.theta_rad),
+                 to = linkage::InLimb(limb, pose.tip, pose.theta_rad);
+      const linkage::Separation separation = linkage::LimbSeparation(limb, pose, body, options);
+      const double bare_mm = separation.distance_mm + options.actuator_diameter_mm / 2;
+      if (!Overlap(outline, from, to)) {
+        ++apart;
+        EXPECT_NEAR(bare_mm, LeastDistance(outline, from, to), 0.05);  // sampled: 2 mm steps, along smooth distances
+        continue;
+      }
+      ++overlapping;
+      ASSERT_LE(bare_mm, 0);
+      // Moved so far in the direction it just touches; 2 % less in any of 90 directions is not enough.
+      const auto moved = [&](double heading_rad, double by_mm) {
+        const Eigen::Vector2d shift = by_mm * Eigen::Vector2d(std::cos(heading_rad), std::sin(heading_rad));
+        return Overlap(outline, from + shift, to + shift);
+      };
+      EXPECT_FALSE(moved(separation.heading_rad, -bare_mm + 0.01));
+      if (bare_mm > -5) continue;  // points are up to 0.4 mm apart, and may pass by a corner that hardly overlaps
+      for (int k = 0; k < 90; ++k) EXPECT_TRUE(moved(k * std::numbers::pi / 45, -0.98 * bare_mm)) << k;
+    }
+  }
+  EXPECT_GT(apart, 20);
+  EXPECT_GT(overlapping, 20);
+}
+
+TEST(SeatClearance, IsTheDistanceToTheSeatsCorner) {
+  const linkage::Body body = linkage::BodyOf(1750, 70);
+  linkage::WearOptions options;
+  options.seat_edge_mm = 200;
+  const linkage::Seat seat = linkage::SeatOf(body, options);
+  EXPECT_EQ(seat.edge_mm, 200);
+  linkage::Pose pose;  // a bar that passes before the corner and below the surface: 45 degrees, 10 mm off
+  const Eigen::Vector2d corner(seat.surface_mm, seat.edge_mm), off = Eigen::Vector2d(-1, -1).normalized();
+  const Eigen::Vector2d along = Eigen::Vector2d(1, -1).normalized();
+  pose.mount = corner + 10 * off + 40 * along, pose.tip = corner + 10 * off - 40 * along;
+  const auto parts = linkage::WornPartsOf(options);
+  const linkage::Separation apart = linkage::SeparationFrom(seat, parts[0], pose);
+  EXPECT_NEAR(apart.distance_mm, 10 - 20, 1e-9);
+  EXPECT_NEAR(apart.heading_rad, 1.25 * std::numbers::pi, 1e-9);
+}
+
+// By hand: seated, forward is away from the hip, and up the shank is away from the seat.
+TEST(PutOnBody, MovesThePinsWithThePlacement) {
+  linkage::Pose pose = linkage::RequirePose(
+      kOptimum, *linkage::StrokeForAngle(kOptimum, linkage::FindUsedRange(kOptimum, 242, {}), std::numbers::pi / 2));
+  const linkage::Pose placed = linkage::PutOnBody(pose, {13, 2});
+  EXPECT_NEAR(placed.mount.x(), pose.mount.x() - 2, 1e-9);
+  EXPECT_NEAR(placed.mount.y(), pose.mount.y() - 13, 1e-9);
+  linkage::WearOptions options;
+  options.placement_mm = {13, 2};
+  const linkage::Body body = linkage::BodyOf(1800, 80);
+  const auto check = [&] {
+    return linkage::CheckWear(kOptimum, linkage::FindUsedRange(kOptimum, 242, {}), body, options);
+  };
+  const linkage::WearCheck moved = check();
+  options.placement_mm = {0, 0};
+  EXPECT_NEAR(moved.seat_clearance_mm, check().seat_clearance_mm + 2, 1e-9);
+  EXPECT_NEAR(moved.mount_below_hip_mm, check().mount_below_hip_mm + 13, 1e-9);
 }
 
 }  // namespace

@@ -310,6 +310,8 @@ TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
   ExpectRefused(trial + "reoptimize:\n  program: slow\n", "study.yaml:3: 'program' must be one of");
   ExpectRefused(trial + "reoptimize: {pareto: 1}\n", "'pareto' must be at least 2");
   ExpectRefused(trial + "reoptimize: {max_misalignment: 1}\n", "study.yaml:2: unknown key 'max_misalignment'");
+  ExpectRefused(trial + "reoptimize: {clearances: {seat: 5}}\n", "study.yaml:2: unknown key 'seat'");
+  ExpectRefused(trial + "reoptimize: {clearances: {limb_mm: -5}}\n", "study.yaml:2: limb_mm = -5");
   ExpectRefused(trial + "reoptimize: {duration_s: -1}\n", "'duration_s' must be positive");
   const std::string both = trial + "exo: {video: exo.mp4}\n";
   ExpectRefused(both + "reoptimize: {pareto: 3}\n", "human_only: true");
@@ -327,6 +329,19 @@ TEST_F(StudyYaml, KeepsWhatASectionSays) {
   const Json other = Read("human:\n  # a comment\n  start_s: 5.0\n  filter: none\n  video: human.mp4\n").human.options;
   EXPECT_EQ(one, other);
   EXPECT_NE(one, Read("human: {video: human.mp4, start_s: 6, filter: none}\n").human.options);
+}
+
+// What the study asks for stands above its problem, for each design by itself.
+TEST_F(StudyYaml, ClearancesOfTheStudyStandAboveThoseOfTheProblem) {
+  const study::StudyFile study = Read(
+      "human: {trial: trial.trc}\ndesign: {problem: {clearances: {seat_mm: 1}, body: {mass_kg: 60}}}\n"
+      "reoptimize: {clearances: {seat_mm: 5, limb_mm: 10}}\n");
+  EXPECT_EQ(study.design.problem.clearances.seat_mm, 1);
+  EXPECT_EQ(study.design.problem.clearances.body.mass_kg, 60);
+  const problem::Clearances& redesign = study.redesign->design.problem.clearances;
+  EXPECT_EQ(redesign.seat_mm, 5);
+  EXPECT_EQ(redesign.thigh_mm, 10);
+  EXPECT_EQ(redesign.shank_mm, 10);
 }
 
 }  // namespace

@@ -52,6 +52,7 @@ TEST(StudyPage, AnswersTheReadersQuestionsFirst) {
     EXPECT_THAT(first, HasSubstr(file));
   // What collides on the body stands there in words, and first among the warnings.
   EXPECT_THAT(first, HasSubstr("overlaps the thigh by"));
+  EXPECT_THAT(first, HasSubstr("No clearance was required of the design."));
   EXPECT_THAT(page.substr(warnings, 200), HasSubstr("Fit on the body: "));
 }
 

@@ -77,7 +77,7 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   WriteTextFile(study.Folder() / "study.yaml",
                 "human: {trial: human.csv}\n"
                 "reoptimize: {problem: {margins: {grashof_mm: 2, singularity_mm: 2}}, max_misalignment_percent: 5, "
-                "program: free, duration_s: 40}\nstroke: {}\n"
+                "program: free, duration_s: 40, clearances: {seat_mm: 5}}\nstroke: {}\n"
                 "loads: {mass_kg: 70, draws: 40}\nassistance: {actuator: LA31-1000, assist: 0.4, duration_s: free, "
                 "starts: 3, problem: {margins: {grashof_mm: 2, singularity_mm: 2}, standing_deg: 8}}\n");
   const Json summary = study.Go();
@@ -87,7 +87,11 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   const Json &lift = summary["assistance"]["assistance"], &redesign = summary["simulation"]["assistance"];
   EXPECT_GT(lift["shortest_duration_s"].get<double>(), lift["any_linkage_duration_s"].get<double>());
   EXPECT_LT(lift["shortest_duration_s"].get<double>(), redesign["shortest_duration_s"].get<double>());
-  EXPECT_EQ(summary["simulation"]["mannequin"]["mass_kg"], 70) << "as the loads have it";
+  const Json &body = summary["simulation"]["mannequin"], &asked = summary["redesign"]["clearances"];
+  EXPECT_EQ(body["mass_kg"], 70) << "as the loads have it";
+  // What was required is held by the check, on the same body.
+  for (const char* key : {"mass_kg", "height_mm", "thigh_mm", "shank_mm"}) EXPECT_EQ(asked[key], body[key]) << key;
+  EXPECT_GE(body["seat_clearance_mm"].get<double>(), 5 - 1e-4);
   EXPECT_LE(summary["redesign"]["misalignment_percent"].get<double>(), 5 * (1 + 1e-4));
   EXPECT_LE(summary["redesign"]["program"]["duration_s"].get<double>(), 40 + 1e-3);
   EXPECT_NEAR(summary["stroke"]["duration_s"].get<double>(), summary["redesign"]["program"]["duration_s"].get<double>(),
@@ -96,6 +100,7 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   for (const char* chapter : {"Result", "New design", "Fit on the body, and motion", "Stroke program", "Recordings",
                               "Benchmark optimum", "Methods"})
     EXPECT_THAT(page, HasSubstr(chapter));
+  EXPECT_THAT(page, HasSubstr("The design was required to keep 5.0 mm from the seat."));
   for (const Json& warning : summary["warnings"]) {
     // As far as the first character that HTML escapes.
     const std::string whole = warning, text = whole.substr(whole.find(": ") + 2);  // the page has the step's own words

@@ -117,5 +117,24 @@ TEST(LoadProfile, PercentsAscend) {
   refused({0, 30, 60, 90});
 }
 
+TEST_F(ProblemFile, WearableAsksForClearancesAndStrength) {
+  const problem::SynthesisProblem read =
+      problem::ReadProblem(std::filesystem::path(LAKE_SOURCE_DIR "/calibration/problems/wearable.yaml"));
+  EXPECT_EQ(read.clearances.seat_mm, 5);
+  EXPECT_FALSE(read.clearances.thigh_mm);
+  EXPECT_EQ(read.clearances.body.leg->thigh_mm, 410);
+  EXPECT_EQ(read.safety_factor, 1.5);
+  EXPECT_EQ(read.max_pin_force_n, 4000);
+  EXPECT_EQ(read.parts.material, "6061-T6");
+}
+
+TEST_F(ProblemFile, RefusesBodiesPartsAndTolerancesWithTheirLine) {
+  EXPECT_THAT(ErrorOf("d_min_mm: 242\nclearances: {seat_mm: -5}\n"), ::testing::HasSubstr(":2: seat_mm = -5"));
+  EXPECT_THAT(ErrorOf("clearances: {leg_mm: 5}\n"), ::testing::HasSubstr("unknown key 'leg_mm'"));
+  EXPECT_THAT(ErrorOf("body: {thigh_mm: 410}\n"), ::testing::HasSubstr("give both or neither"));
+  EXPECT_THAT(ErrorOf("parts: {plate: \"4mm,butter\"}\n"), ::testing::HasSubstr("butter"));
+  EXPECT_THAT(ErrorOf("robust_mm: 6\n"), ::testing::HasSubstr("robust_mm"));
+}
+
 }  // namespace
 }  // namespace lake

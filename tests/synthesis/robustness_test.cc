@@ -50,13 +50,24 @@ TEST(Yield, SafeMarginsAreJustEnough) {
   EXPECT_EQ(problem::EstimateYield(full.end, problem, options).assembled_and_grashof.value, 1);
 }
 
-// Why the yield says that it is of the links alone: an actuator 0.3 mm too short uses up what margin is left.
-TEST(Yield, SaysNothingOfAnActuatorThatIsTooShort) {
-  problem::SynthesisProblem problem = WithMargins(0.3);
+// A margin of 0.33 mm holds links that are off by 0.1 mm each (0.1 (1 + (l5 + l6) / l7) = 0.216 mm), with an actuator
+// that is too (0.316), but not the play of bar and actuator on top of that (4 x 0.05).
+TEST(Yield, CountsTheActuatorsLengthAndThePlayOfThePins) {
+  const problem::SynthesisProblem problem = WithMargins(0.33);
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
-  EXPECT_EQ(problem::EstimateYield(solve.end, problem).assembled.value, 1);
-  problem.d_min_mm -= 0.3;
-  EXPECT_LT(problem::EstimateYield(solve.end, problem).assembled.value, 0.6);
+  problem::YieldOptions options;
+  const problem::Yield exact_pins = problem::EstimateYield(solve.end, problem, options);
+  EXPECT_NEAR(exact_pins.safe_singularity_margin_mm, 0.316, 0.002);
+  EXPECT_EQ(exact_pins.assembled.value, 1);
+  options.pin_clearance_mm = 0.1;
+  const problem::Yield with_play = problem::EstimateYield(solve.end, problem, options);
+  EXPECT_NEAR(with_play.safe_singularity_margin_mm, exact_pins.safe_singularity_margin_mm + 0.2, 1e-12);
+  options.pin_clearance_mm = 0.4;
+  EXPECT_LT(problem::EstimateYield(solve.end, problem, options).assembled.value, 1);
+  // An actuator too short by the margin leaves about half of the builds.
+  problem::SynthesisProblem shorter = problem;
+  shorter.d_min_mm -= 0.33;
+  EXPECT_NEAR(problem::EstimateYield(solve.end, shorter).assembled.value, 0.5, 0.05);
   EXPECT_THAT(problem::kYieldScope, ::testing::HasSubstr("actuator's shortest length"));
 }
 
@@ -68,12 +79,13 @@ TEST(Yield, RefusesSenselessTolerances) {
 
 TEST(Sensitivity, IsTwoSidedAndMarksWhatCannotBeAssembled) {
   const auto points = problem::Sensitivity(kPublished, problem::SynthesisProblem{}, 2, 50);
-  ASSERT_EQ(points.size(), 6u * 101u);
+  ASSERT_EQ(points.size(), 7u * 101u);
   int unassembled = 0;
   for (const problem::SensitivityPoint& point : points) {
     auto values = kPublished.Values();
-    values[point.link] += point.delta_mm;
-    const auto pose = linkage::SolvePose(linkage::Links::FromValues(values), 242);
+    double d_min_mm = 242;
+    (point.link < 6 ? values[point.link] : d_min_mm) += point.delta_mm;
+    const auto pose = linkage::SolvePose(linkage::Links::FromValues(values), d_min_mm);
     EXPECT_EQ(pose.has_value(), !std::isnan(point.range_deg));
     unassembled += !pose;
     EXPECT_FALSE(std::isnan(point.range_deg) && point.feasible);

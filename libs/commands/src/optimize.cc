@@ -155,6 +155,8 @@ void CheckReoptimize(const OptimizeRunOptions& options) {
       actuator && reoptimize.program.max_speed_mm_s > actuator->SpeedAt(0))
     throw UsageError(fmt::format("--max-speed {} mm/s is more than {} has, {} mm/s", reoptimize.program.max_speed_mm_s,
                                  actuator->name, actuator->SpeedAt(0)));
+  if (options.problem.robust_mm)
+    throw UsageError("--robust is of the links alone, and cannot be combined with a human's motion yet: omit one");
   if (reoptimize.comparison.empty() == reoptimize.human.empty())
     throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: specify exactly one");
   if (reoptimize.comparison.empty() && reoptimize.human_only)
@@ -215,6 +217,7 @@ Json RunOptimize(const OptimizeRunOptions& options, Run& run) {
   options.study.Check();
   if (!options.problem_file.empty()) run.AddInput(options.problem_file);
   if (options.problem.profile) run.AddInput(options.problem.profile->file);
+  if (options.problem.actuator && !options.problem.actuator->file.empty()) run.AddInput(options.problem.actuator->file);
   if (!options.actuators.empty()) return RunActuatorFront(options, run);
   return options.reoptimize ? RunReoptimize(options, run) : RunSynthesis(options, run);
 }

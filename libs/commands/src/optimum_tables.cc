@@ -138,6 +138,18 @@ Json NumberOrNull(std::optional<double> value) {
   return value ? NumberOrNull(*value) : Json();
 }
 
+Json ClearancesJson(const problem::SynthesisProblem& problem) {
+  const problem::Clearances& clearances = problem.clearances;
+  if (!clearances.AreAsked()) return nullptr;
+  const linkage::Body body = linkage::BodyOf(clearances.body);
+  return {{"seat_mm", NumberOrNull(clearances.seat_mm)},
+          {"limb_mm", NumberOrNull(clearances.thigh_mm)},
+          {"height_mm", body.height_mm},
+          {"mass_kg", body.mass_kg},
+          {"thigh_mm", body.thigh.length_mm},
+          {"shank_mm", body.shank.length_mm}};
+}
+
 Json EvaluationJson(const problem::DesignEvaluation& evaluation) {
   Json requirements = Json::array();
   for (const problem::RequirementCheck& check : evaluation.checks)

@@ -68,6 +68,8 @@ void WarnOfMultipliers(const synthesis::ActiveSet& active, Run& run);
 // The first entries of the summary. `violation` of a solution may count more than the evaluation's.
 Json HeadJson(const OptimumView& optimum, double violation, const std::optional<certificate::Certificate>& certificate);
 Json LinksJson(const linkage::Links& links);
+// What was asked for, and on which body; null if nothing was.
+Json ClearancesJson(const problem::SynthesisProblem& problem);
 Json EvaluationJson(const problem::DesignEvaluation& evaluation);
 Json YieldJson(const problem::Yield& yield);
 // `gained`: what is maximised, in its unit: "deg", "s gained".

@@ -340,6 +340,7 @@ Json WriteReoptimization(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   Json summary = HeadJson(optimum, after.evaluation.violation, outcome.certificate);
   summary.update(MotionJson(outcome));
   summary.update(best ? SolvedJson(*best, outcome.active) : InfeasibleJson(*outcome.infeasible));
+  summary["clearances"] = ClearancesJson(outcome.problem.design);
   summary["optimum"] = EvaluationJson(after.evaluation);
   if (outcome.certificate) summary["certificate"] = CertificateJson(*outcome.certificate, true);
   if (outcome.yield) summary["yield"] = YieldJson(*outcome.yield);

@@ -165,13 +165,41 @@ Json WeakestJson(const std::vector<parts::StrengthCheck>& checks) {
       {"safety", weakest->Safety()}, {"part", weakest->part}, {"check", weakest->check}, {"at_deg", weakest->knee_deg}};
 }
 
-void WarnOfStrength(const Json& weakest, Run& run) {
+// How far from in line: coupler and shank link, actuator and slewing bar.
+double DeadPointAngle_deg(const linkage::Links& links, const linkage::Pose& pose) {
+  const linkage::Transmission transmission = linkage::TransmissionOf(links, pose);
+  const auto off = [](double angle_rad) {
+    return DegreesFromRadians(std::min(angle_rad, std::numbers::pi - angle_rad));
+  };
+  return std::min(off(transmission.transmission_rad), off(transmission.actuator_rad));
+}
+
+// What would help. Near a dead point forces grow without bound, and no plate is thick enough.
+std::string AdviceOn(const Json& weakest, const linkage::Links& links, const std::vector<parts::LoadedPose>& loaded) {
+  const double at_deg = weakest["at_deg"].get<double>();
+  const bool is_rod = weakest["check"].get<std::string>().starts_with("buckling");
+  const bool is_bending = weakest["check"].get<std::string>().starts_with("bending");
+  constexpr double kNear_deg = 10;
+  for (const parts::LoadedPose& at : loaded) {
+    if (is_bending || DegreesFromRadians(at.pose.theta_rad) != at_deg) continue;
+    if (const double off_deg = DeadPointAngle_deg(links, at.pose); off_deg < kNear_deg)
+      return fmt::format(
+          "the linkage is {:.2g}° from a dead point there, where forces grow without bound: end its range before that, "
+          "or optimise with a transmission angle or a safety factor (lake optimize --min-transmission, "
+          "--safety-factor)",
+          off_deg);
+  }
+  return is_rod ? "a thicker rod, a shorter actuator or a smaller torque would help"
+                : "thicker or wider plates, thicker pins or a smaller torque would help";
+}
+
+void WarnOfStrength(const Json& weakest, const linkage::Links& links, const std::vector<parts::LoadedPose>& loaded,
+                    Run& run) {
   if (weakest.is_null() || !(weakest["safety"].get<double>() < 1)) return;
-  run.Warn(
-      fmt::format("{} of the {} exceeds what it bears at {:.1f}° (safety factor {:.2g}): thicker or wider plates, "
-                  "thicker pins or a smaller torque would help",
-                  weakest["check"].get<std::string>(), weakest["part"].get<std::string>(),
-                  weakest["at_deg"].get<double>(), weakest["safety"].get<double>()));
+  run.Warn(fmt::format("{} of the {} exceeds what it bears at {:.1f}° (safety factor {:.2g}): {}",
+                       weakest["check"].get<std::string>(), weakest["part"].get<std::string>(),
+                       weakest["at_deg"].get<double>(), weakest["safety"].get<double>(),
+                       AdviceOn(weakest, links, loaded)));
 }
 
 // Each pin's largest force, and where.
@@ -252,19 +280,13 @@ Json WearJson(const linkage::Body& body, const linkage::WearCheck& check) {
           {"clears_limb", check.ClearsLimb()}};
 }
 
-// The paper's average user.
-constexpr double kAverageHeight_mm = 1800, kAverageMass_kg = 80;
-
 linkage::Body BodyOf(const SimulationOptions& options) {
   constexpr double kMillimetresPerCentimetre = 10;
-  std::optional<linkage::LegLengths> leg;
-  if (options.thigh_mm) leg = {*options.thigh_mm, *options.shank_mm};
-  double height_mm = leg ? linkage::HeightOf_mm(*leg) : kAverageHeight_mm;
-  if (options.body_height_cm) height_mm = *options.body_height_cm * kMillimetresPerCentimetre;
-  const double mass_kg =
-      options.body_mass_kg.value_or(linkage::MassAtHeight_kg(height_mm, kAverageHeight_mm, kAverageMass_kg));
-  const linkage::Body body = linkage::BodyOf(height_mm, mass_kg);
-  return leg ? linkage::WithLeg(body, *leg) : body;
+  linkage::BodySize size;
+  if (options.body_height_cm) size.height_mm = *options.body_height_cm * kMillimetresPerCentimetre;
+  size.mass_kg = options.body_mass_kg;
+  if (options.thigh_mm) size.leg = {*options.thigh_mm, *options.shank_mm};
+  return linkage::BodyOf(size);
 }
 
 // What collides on the body, each with what to do about it.
@@ -412,6 +434,7 @@ void SimulationOptions::Check() const {
 Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& options, Run& run) {
   options.Check();
   options.parts.Check();
+  if (options.load.actuator && !options.load.actuator->file.empty()) run.AddInput(options.load.actuator->file);
   const Request request = Resolve(design, options);
   const TorqueTable torque = ReadTorques(options, run);
   std::vector<std::string> names = {"assistance.csv", "assistance.png", "assistance.svg"};
@@ -425,7 +448,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
       design.links,
       request.range,
       BodyOf(options),
-      {options.parts.bar_width_mm, options.parts.actuator_diameter_mm, options.seat_edge_mm},
+      {options.parts.bar_width_mm, options.parts.actuator_diameter_mm, options.seat_edge_mm, design.placement_mm},
       options.knee_torque_nm};
   const linkage::WearCheck check = linkage::CheckWear(look.links, look.range, look.body, look.wear);
   WarnOfBody(check, run);
@@ -458,7 +481,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   summary["knee_torque_nm"] = options.knee_torque_nm;
   summary["parts"] = PartsJson(mechanism);
   summary["weakest"] = WeakestJson(strength);
-  WarnOfStrength(summary["weakest"], run);
+  WarnOfStrength(summary["weakest"], design.links, loaded, run);
   summary["pin_forces"] = PinForcesJson(pin_forces);
   summary["poses"] = Json::array();
   for (const double stroke : request.shown_mm)

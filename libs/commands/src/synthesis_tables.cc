@@ -28,14 +28,14 @@ std::vector<LimitedRow> PoseRows(const problem::DesignEvaluation& before, const 
 void WriteSensitivity(const synthesis::SynthesisOutcome& outcome, Run& run) {
   CsvWriter table({"link", "delta_mm", "range_deg", "assembled", "feasible"});
   for (const problem::SensitivityPoint& point : outcome.sensitivity) {
-    table.Add(problem::LinkName(point.link)).Add(point.delta_mm).Add(point.range_deg);
+    table.Add(problem::LengthName(point.link)).Add(point.delta_mm).Add(point.range_deg);
     table.Add(std::isnan(point.range_deg) ? 0 : 1).Add(point.feasible ? 1 : 0).EndRow();
   }
   table.Write(run.Result("sensitivity.csv"));
 }
 
 void WriteMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
-  std::vector<std::string> header{"margin_mm", "status", "range_deg", "certified_upper_bound_deg", "yield_links_alone"};
+  std::vector<std::string> header{"margin_mm", "status", "range_deg", "certified_upper_bound_deg", "yield"};
   std::ranges::copy(LinkColumns(""), std::back_inserter(header));
   CsvWriter table(header);
   for (const synthesis::MarginPoint& point : outcome.margins) {
@@ -81,7 +81,10 @@ void Warn(const synthesis::SynthesisOutcome& outcome, Run& run) {
   if (outcome.certificate && !outcome.certificate->reached)
     run.Warn(fmt::format(
         "the gap of the certificate is {:.3g}°, more than requested{}", outcome.certificate->gap_deg,
-        outcome.certificate_ignores_used_range ? ": the bound leaves out the requirements over the used range" : ""));
+        outcome.certificate_ignores_used_range
+            ? ": the bound is of the requirements on the links alone, without those over the used range, on the body "
+              "and on strength, and without the tolerance"
+            : ""));
   if (outcome.options.round_mm && !outcome.rounded)
     run.Warn(fmt::format(
         "near the optimum, no design whose links are multiples of {} mm satisfies the problem; try a smaller --round",
@@ -102,7 +105,12 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
                {"exchanges", best.exchanges},
                {"multipliers_unique", outcome.active.multipliers_unique},
                {"active", ActiveJson(outcome.active, outcome.problem.SeeksDuration() ? "s gained" : "deg")},
+               {"clearances", ClearancesJson(outcome.problem)},
                {"optimum", EvaluationJson(best.evaluation)}};
+  if (outcome.problem.robust_mm)
+    json["robust"] = {{"tolerance_mm", *outcome.problem.robust_mm},
+                      {"worst_range_deg", NumberOrNull(best.evaluation.worst_range_deg)},
+                      {"builds", best.poses.builds.size()}};
   if (outcome.certificate)
     json["certificate"] = CertificateJson(*outcome.certificate, outcome.certificate_ignores_used_range);
   if (outcome.yield) json["yield"] = YieldJson(*outcome.yield);

@@ -112,6 +112,8 @@ void AddProblemOf(const commands::OptimizeRunOptions& options, steps::StudyStep&
   for (const fs::path& file : {options.problem_file, options.actuators})
     if (!file.empty()) step.inputs.push_back(file);
   if (options.problem.profile) step.inputs.push_back(options.problem.profile->file);
+  if (options.problem.actuator && !options.problem.actuator->file.empty())
+    step.inputs.push_back(options.problem.actuator->file);
   if (options.problem.actuator) step.options["known of the actuator"] = ActuatorJson(*options.problem.actuator);
 }
 
@@ -121,9 +123,58 @@ void AddProblem(const StudyProblem& problem, commands::OptimizeRunOptions& optio
   AddProblemOf(options, step);
 }
 
-std::function<void(Run&)> OptimizeWork(const commands::OptimizeRunOptions& options) {
-  return [options](Run& run) {
+// The middle length of a vector of the leg over a trial; NaN if it is never known.
+double LengthOf(const motion::LegMotion& motion, Eigen::Vector2d motion::LegSample::*vector) {
+  std::vector<double> lengths;
+  for (const motion::LegSample& sample : motion.samples)
+    if (const double length = (sample.*vector).norm(); std::isfinite(length)) lengths.push_back(length);
+  return lengths.empty() ? std::nan("") : Median(lengths);
+}
+
+// The leg that was measured, if the trial knows millimetres.
+std::optional<linkage::LegLengths> LegOf(const fs::path& kinematics) {
+  const motion::LegMotion motion = motion::ReadKinematicsCsv(kinematics);
+  const double thigh = LengthOf(motion, &motion::LegSample::kh), shank = LengthOf(motion, &motion::LegSample::ak);
+  if (motion.unit != motion::LengthUnit::kMm || std::isnan(thigh + shank)) return std::nullopt;
+  return linkage::LegLengths{thigh, shank};
+}
+
+constexpr double kMillimetresPerCentimetre = 10;
+
+// The person that clearances are of, but for the leg, where the problem does not say: as the design is checked.
+linkage::BodySize BodyOf(const StudyFile& study, linkage::BodySize body) {
+  const commands::SimulationOptions& simulation = study.simulation;
+  if (!body.mass_kg) body.mass_kg = simulation.body_mass_kg;
+  if (!body.height_mm && simulation.body_height_cm)
+    body.height_mm = *simulation.body_height_cm * kMillimetresPerCentimetre;
+  if (!study.loads) return body;
+  if (!body.mass_kg) body.mass_kg = study.loads->loads.body.mass_kg;
+  if (!body.height_mm) body.height_mm = study.loads->loads.body.height_mm;
+  return body;
+}
+
+// Clearances are on the body of the person, with the parts that are simulated.
+void AddBody(const StudyFile& study, const fs::path& out, commands::OptimizeRunOptions& options,
+             steps::StudyStep& step) {
+  problem::SynthesisProblem& problem = options.problem;
+  if (!study.simulation_options.empty()) problem.parts = study.simulation.parts;
+  problem::Clearances& clearances = problem.clearances;
+  if (!clearances.AreAsked()) return;
+  clearances.body = BodyOf(study, clearances.body);
+  if (clearances.seat_edge_mm == 0) clearances.seat_edge_mm = study.simulation.seat_edge_mm;
+  step.options["body"] = {{"mass_kg", clearances.body.mass_kg.value_or(0)},
+                          {"height_mm", clearances.body.height_mm.value_or(0)},
+                          {"seat_edge_mm", clearances.seat_edge_mm},
+                          {"parts", study.simulation_options}};
+  const fs::path leg = out / "human" / "kinematics.csv";
+  if (!clearances.body.leg && std::ranges::find(step.inputs, leg) == step.inputs.end()) step.inputs.push_back(leg);
+}
+
+std::function<void(Run&)> OptimizeWork(const commands::OptimizeRunOptions& options, const fs::path& out) {
+  return [options, leg = out / "human" / "kinematics.csv"](Run& run) {
     commands::OptimizeRunOptions work = options;
+    problem::Clearances& clearances = work.problem.clearances;
+    if (clearances.AreAsked() && !clearances.body.leg) clearances.body.leg = LegOf(leg);
     work.study.quiet = work.study.optimize.quiet = run.Quiet();
     run.WriteSummary(commands::RunOptimize(work, run));
   };
@@ -137,7 +188,8 @@ steps::StudyStep OptimumStep(const StudyFile& study, const fs::path& out) {
   commands::OptimizeRunOptions options;
   AddProblem(study.design, options, step);
   options.study = study.optimum;
-  step.work = OptimizeWork(options);
+  AddBody(study, out, options, step);
+  step.work = OptimizeWork(options, out);
   return step;
 }
 
@@ -160,7 +212,8 @@ steps::StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
     for (const fs::path& table : TrialTables(out / "human")) step.inputs.push_back(table);
   }
   if (study.worn) options.reoptimize->worn = *study.worn, step.inputs.push_back(*study.worn);
-  step.work = OptimizeWork(options);
+  AddBody(study, out, options, step);
+  step.work = OptimizeWork(options, out);
   return step;
 }
 
@@ -194,33 +247,17 @@ steps::StudyStep AssistanceStep(const StudyFile& study, const fs::path& out) {
                         5,
                         {}};
   AddProblemOf(options, step);
-  step.work = [options, profile](Run& run) {
+  AddBody(study, out, options, step);
+  step.work = [options, profile, out](Run& run) {
     commands::OptimizeRunOptions with_profile = options;
     with_profile.problem.profile = problem::ReadLoadProfile(profile);
-    OptimizeWork(with_profile)(run);
+    OptimizeWork(with_profile, out)(run);
   };
   return step;
 }
 
-// The middle length of a vector of the leg over a trial; NaN if it is never known.
-double LengthOf(const motion::LegMotion& motion, Eigen::Vector2d motion::LegSample::*vector) {
-  std::vector<double> lengths;
-  for (const motion::LegSample& sample : motion.samples)
-    if (const double length = (sample.*vector).norm(); std::isfinite(length)) lengths.push_back(length);
-  return lengths.empty() ? std::nan("") : Median(lengths);
-}
-
-// The body that the design is checked on has the leg that was measured, if the trial knows millimetres.
-void TakeLegOf(const fs::path& kinematics, commands::SimulationOptions& options) {
-  const motion::LegMotion motion = motion::ReadKinematicsCsv(kinematics);
-  const double thigh = LengthOf(motion, &motion::LegSample::kh), shank = LengthOf(motion, &motion::LegSample::ak);
-  if (motion.unit != motion::LengthUnit::kMm || std::isnan(thigh + shank)) return;
-  options.thigh_mm = thigh, options.shank_mm = shank;
-}
-
 // Its stature and mass are those that the loads are of, where `simulate` says no others.
 void TakeBodyOf(const loads::BodyOptions& body, commands::SimulationOptions& options) {
-  constexpr double kMillimetresPerCentimetre = 10;
   if (!options.body_mass_kg) options.body_mass_kg = body.mass_kg;
   if (!options.body_height_cm && body.height_mm) options.body_height_cm = *body.height_mm / kMillimetresPerCentimetre;
 }
@@ -266,7 +303,8 @@ steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, 
     run.AddInput(design);
     run.AddInput(leg);
     commands::SimulationOptions of_person = options;
-    TakeLegOf(leg, of_person);
+    if (const auto measured = LegOf(leg))
+      of_person.thigh_mm = measured->thigh_mm, of_person.shank_mm = measured->shank_mm;
     if (profile) TakeLoadOf(*profile, assistance->options.problem, of_person);
     run.WriteSummary(commands::SimulateLinkage(linkage::ReadDesign(design), of_person, run));
   };

@@ -86,6 +86,20 @@ std::string CostText(const StudyResults& results, const Json& redesign) {
   return text + TradeText(redesign);
 }
 
+// What the design was asked to clear.
+Json AskedClearances(const StudyResults& results) {
+  return results.Summary(results.Has("redesign") ? "redesign" : "optimum").value("clearances", Json());
+}
+
+std::string AskedText(const Json& asked) {
+  if (asked.is_null()) return "No clearance was required of the design.";
+  std::vector<std::string> parts;
+  for (const auto& [key, what] : {std::pair{"seat_mm", "the seat"}, {"limb_mm", "thigh and shank"}})
+    if (const double clearance_mm = NumberOrNaN(asked.at(key)); std::isfinite(clearance_mm))
+      parts.push_back(fmt::format("{} from {}", Quantity(clearance_mm, "mm"), what));
+  return fmt::format("The design was required to keep {}.", fmt::join(parts, " and "));
+}
+
 std::string BodyText(const StudyResults& results) {
   const Json body = results.Summary("simulation").at("mannequin");
   std::vector<std::string> findings, overlaps;
@@ -102,9 +116,10 @@ std::string BodyText(const StudyResults& results) {
       overlaps.push_back(fmt::format("the {} by {}", limb, by));
   if (!overlaps.empty())
     findings.push_back(fmt::format("the actuator, seen from the side, overlaps {}", fmt::join(overlaps, " and ")));
-  return fmt::format("On a leg of {} thigh and {} shank {}.", Quantity(NumberOrNaN(body.at("thigh_mm")), "mm"),
+  return fmt::format("On a leg of {} thigh and {} shank {}. {}", Quantity(NumberOrNaN(body.at("thigh_mm")), "mm"),
                      Quantity(NumberOrNaN(body.at("shank_mm")), "mm"),
-                     findings.empty() ? "nothing collides" : fmt::format("{}", fmt::join(findings, "; ")));
+                     findings.empty() ? "nothing collides" : fmt::format("{}", fmt::join(findings, "; ")),
+                     AskedText(AskedClearances(results)));
 }
 
 std::string SureText(const StudyResults& results, const Json& redesign) {
@@ -125,8 +140,12 @@ std::string NextText(const StudyResults& results) {
   const Json body = results.Summary("simulation").at("mannequin");
   const bool clear = body.at("fits_along_thigh").get<bool>() && body.at("clears_seat").get<bool>() &&
                      body.at("clears_limb").get<bool>();
-  return std::string(clear ? "Cut the links"
-                           : "Find a mount clear of body and seat (see the warnings), cut the links") +
+  const char* mount =
+      AskedClearances(results).is_null()
+          ? "Require clearances of the design (study file, reoptimize: clearances) or find a mount clear "
+          : "Find a mount clear ";
+  return (clear ? std::string("Cut the links")
+                : mount + std::string("of body and seat (see the warnings), cut the links")) +
          ", test the firmware on the bench without a person, then record the same movement with the new design and "
          "check the prediction (lake compare, lake stroke --validate).";
 }

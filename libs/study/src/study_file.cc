@@ -185,9 +185,17 @@ void ReadCompare(YamlNode node, Files& files, StudyFile& study) {
 void ReadProblemKey(YamlNode& node, Files& files, StudyProblem& problem) {
   auto child = node.Child("problem");
   if (child && child->IsMap())
-    problem = {std::nullopt, problem::ReadProblem(std::move(*child), files.Folder())};
+    problem.file.reset(), problem.problem = problem::ReadProblem(std::move(*child), files.Folder());
   else if (child)
-    problem = {files.Take(*child), {}};
+    problem.file = files.Take(*child), problem.problem = {};
+  problem::SynthesisProblem asked;
+  problem::ReadClearances(node, asked);
+  if (asked.clearances.AreAsked()) problem.clearances = asked.clearances;
+}
+
+// What the study asks for stands above the problem's own.
+void TakeClearances(StudyProblem& problem) {
+  if (problem.clearances.AreAsked()) problem.problem.clearances = problem.clearances;
 }
 
 void ReadDesignSection(YamlNode node, Files& files, StudyFile& study) {
@@ -235,6 +243,7 @@ StudyAssistance ReadAssistance(YamlNode node, Files& files) {
   StudyProblem named;
   ReadProblemKey(node, files, named);
   if (named.file && fs::exists(*named.file)) named.problem = problem::ReadProblem(*named.file);
+  TakeClearances(named);
   problem = named.problem;
   if (named.file) assistance.options.problem_file = *named.file;
   if (const auto actuator = node.Child("actuator")) problem.actuator = ActuatorOf(*actuator, files);
@@ -261,6 +270,7 @@ void ReadSimulation(YamlNode node, Files& files, StudyFile& study) {
 
 void ReadProblemFile(StudyProblem& problem) {
   if (problem.file) problem.problem = problem::ReadProblem(*problem.file);
+  TakeClearances(problem);
 }
 
 YamlNode Required(YamlNode& root, const char* key) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -40,45 +41,36 @@ LimbSegment SegmentOf(const SegmentRatios& ratios, double length_mm, double mass
   return {length_mm, radius, k * radius};
 }
 
-// A straight part of the linkage with rounded ends.
-struct Bar {
-  Vector2d from, to;
-  double radius;
-};
+constexpr int kSamples = 100;  // along a part
 
-constexpr int kSamples = 100;  // along a bar; distances are convex or nearly so between them, far below a millimetre
-Vector2d PointOf(const Bar& bar, int sample) {
-  return bar.from + (bar.to - bar.from) * sample / double{kSamples};
+Vector2d AtHeading(double heading_rad) {
+  return {std::cos(heading_rad), std::sin(heading_rad)};
 }
 
-Bar ActuatorOf(const Pose& pose, const WearOptions& options) {
-  return {pose.mount, pose.tip, options.actuator_diameter_mm / 2};
-}
-
-std::vector<Bar> PartsOf(const Pose& pose, const WearOptions& options) {
-  const double half_width = options.bar_width_mm / 2;
-  return {ActuatorOf(pose, options),
-          {pose.knee, pose.thigh_pin, half_width},
-          {pose.thigh_pin, pose.mount, half_width},
-          {pose.thigh_pin, pose.tip, half_width},
-          {pose.tip, pose.shank_pin, half_width},
-          {pose.knee, pose.shank_pin, half_width}};
-}
-
-// From a point to a limb's side view; `along` from its distal end, `across` its axis. Negative inside.
-double DistanceToLimb(const LimbSegment& limb, double along, double across) {
-  const double slope = (limb.proximal_radius_mm - limb.distal_radius_mm) / limb.length_mm;
-  const double to_side = (std::abs(across) - limb.RadiusAt(along)) / std::hypot(1, slope);
-  const double to_end = std::max(-along, along - limb.length_mm);
-  if (to_end <= 0) return to_side <= 0 ? std::max(to_side, to_end) : to_side;
-  return std::hypot(to_end, std::max(0.0, std::abs(across) - limb.RadiusAt(along)));
-}
-
-// The seat is all that lies below its surface and behind its front edge; thigh frame, thigh level.
-double DistanceToSeat(const Vector2d& point, double surface_mm, double edge_mm) {
-  const double above = surface_mm - point.x(), before = edge_mm - point.y();
-  if (above <= 0 && before <= 0) return std::max(above, before);
-  return std::hypot(std::max(0.0, above), std::max(0.0, before));
+// Of all directions that `allowed` takes, that in which the hull of these points is farthest from the origin. The
+// points are the differences of two outlines' corners, so that is how far the outlines are apart. Where the outlines
+// are apart it points to a corner of the hull or stands on a side, where they overlap it stands on a side.
+template <typename Allowed>
+Separation FarthestFromOrigin(const std::vector<Vector2d>& points, const std::vector<double>& ends,
+                              const Allowed& allowed) {
+  Separation best{-std::numeric_limits<double>::infinity(), 0};
+  const auto attempt = [&](double heading_rad) {
+    if (!allowed(heading_rad)) return;
+    const Vector2d direction = AtHeading(heading_rad);
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector2d& point : points) least = std::min(least, direction.dot(point));
+    if (least > best.distance_mm) best = {least, heading_rad};
+  };
+  for (const double end : ends) attempt(end);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    attempt(std::atan2(points[i].y(), points[i].x()));
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vector2d side = points[i] - points[j];
+      attempt(std::atan2(side.x(), -side.y()));
+      attempt(std::atan2(-side.x(), side.y()));
+    }
+  }
+  return best;
 }
 
 struct Least {
@@ -89,36 +81,36 @@ struct Least {
   }
 };
 
-void CheckSeat(const std::vector<Bar>& parts, double surface_mm, double edge_mm, WearCheck& check) {
-  check.seat_clearance_mm = std::numeric_limits<double>::infinity();
-  for (const Bar& part : parts)
-    for (int i = 0; i <= kSamples; ++i) {
-      const Vector2d point = PointOf(part, i);
-      check.seat_clearance_mm =
-          std::min(check.seat_clearance_mm, DistanceToSeat(point, surface_mm, edge_mm) - part.radius);
-      const double below = point.x() + part.radius - surface_mm;
-      if (below <= 0) continue;
-      // How far the round part reaches along the thigh where it crosses the surface, or at its widest.
-      const double reach = below >= part.radius ? part.radius : std::sqrt(below * (2 * part.radius - below));
-      check.seat_edge_needed_mm = std::max(check.seat_edge_needed_mm, point.y() + reach);
-    }
+// Calls with points along a part.
+template <typename Use>
+void Sample(const WornPart& part, const Pose& pose, const Use& use) {
+  const Vector2d from = PlaceOf(part.from, pose), to = PlaceOf(part.to, pose);
+  for (int i = 0; i <= kSamples; ++i) use(Vector2d(from + (to - from) * i / double{kSamples}));
 }
 
-void CheckLimb(const Links& links, const UsedRange& range, const Body& body, const WearOptions& options,
-               WearCheck& check) {
+// Knee to the front edge of a seat that would just clear the parts, 0 if none lies below its surface.
+double SeatEdgeNeeded(const Pose& seated, const Seat& seat, const WearOptions& options) {
+  double needed_mm = 0;
+  for (const WornPart& part : WornPartsOf(options))
+    Sample(part, seated, [&](const Vector2d& point) {
+      const double radius = part.radius_mm, below = point.x() + radius - seat.surface_mm;
+      if (below <= 0) return;
+      // How far the round part reaches along the thigh where it crosses the surface, or at its widest.
+      const double reach = below >= radius ? radius : std::sqrt(below * (2 * radius - below));
+      needed_mm = std::max(needed_mm, point.y() + reach);
+    });
+  return needed_mm;
+}
+
+void CheckLimbs(const Links& links, const UsedRange& range, const Body& body, const WearOptions& options,
+                WearCheck& check) {
   constexpr int kPoses = 100;
   Least thigh, shank;
   for (int i = 0; i <= kPoses; ++i) {
-    const Pose pose = RequirePose(links, range.stroke.lower_mm + range.stroke.Travel() * i / kPoses);
-    const Vector2d down_shank(std::sin(pose.theta_rad), -std::cos(pose.theta_rad));
-    const Bar actuator = ActuatorOf(pose, options);
-    for (int j = 0; j <= kSamples; ++j) {
-      const Vector2d point = PointOf(actuator, j);
-      thigh.Take(DistanceToLimb(body.thigh, point.y(), point.x()) - actuator.radius, pose.theta_rad);
-      const double across = point.x() * down_shank.y() - point.y() * down_shank.x();
-      const double from_ankle = body.shank.length_mm - point.dot(down_shank);
-      shank.Take(DistanceToLimb(body.shank, from_ankle, across) - actuator.radius, pose.theta_rad);
-    }
+    const Pose pose =
+        PutOnBody(RequirePose(links, range.stroke.lower_mm + range.stroke.Travel() * i / kPoses), options.placement_mm);
+    thigh.Take(LimbSeparation(Limb::kThigh, pose, body, options).distance_mm, pose.theta_rad);
+    shank.Take(LimbSeparation(Limb::kShank, pose, body, options).distance_mm, pose.theta_rad);
   }
   check.thigh_clearance_mm = thigh.distance_mm, check.thigh_clearance_deg = thigh.at_deg;
   check.shank_clearance_mm = shank.distance_mm, check.shank_clearance_deg = shank.at_deg;
@@ -165,30 +157,115 @@ Body WithLeg(Body body, const LegLengths& leg) {
   return body;
 }
 
+Body BodyOf(const BodySize& size) {
+  constexpr double kAverageHeight_mm = 1800, kAverageMass_kg = 80;
+  const double height_mm = size.height_mm.value_or(size.leg ? HeightOf_mm(*size.leg) : kAverageHeight_mm);
+  const double mass_kg = size.mass_kg.value_or(MassAtHeight_kg(height_mm, kAverageHeight_mm, kAverageMass_kg));
+  const Body body = BodyOf(height_mm, mass_kg);
+  return size.leg ? WithLeg(body, *size.leg) : body;
+}
+
+Pose PutOnBody(Pose pose, const std::array<double, 2>& placement_mm) {
+  const double sine = std::sin(pose.theta_rad), cosine = std::cos(pose.theta_rad);
+  const Vector2d anterior(-cosine, -sine), up_shank(-sine, cosine);
+  const Vector2d shift = placement_mm[0] * anterior + placement_mm[1] * up_shank;
+  for (Vector2d* pin : {&pose.knee, &pose.thigh_pin, &pose.tip, &pose.shank_pin, &pose.mount}) *pin += shift;
+  return pose;
+}
+
+std::array<WornPart, 6> WornPartsOf(const WearOptions& options) {
+  const double half_width = options.bar_width_mm / 2;
+  return {{{kPinM, kPinR, options.actuator_diameter_mm / 2},
+           {kPinK, kPinP, half_width},
+           {kPinP, kPinM, half_width},
+           {kPinP, kPinR, half_width},
+           {kPinR, kPinS, half_width},
+           {kPinK, kPinS, half_width}}};
+}
+
+Vector2d PlaceOf(Pin pin, const Pose& pose) {
+  switch (pin) {
+    case kPinK:
+      return pose.knee;
+    case kPinP:
+      return pose.thigh_pin;
+    case kPinR:
+      return pose.tip;
+    case kPinS:
+      return pose.shank_pin;
+    default:
+      return pose.mount;
+  }
+}
+
+Seat SeatOf(const Body& body, const WearOptions& options) {
+  return {body.thigh.proximal_radius_mm, options.seat_edge_mm > 0 ? options.seat_edge_mm : body.thigh.length_mm / 2};
+}
+
+Separation SeparationFrom(const Seat& seat, const WornPart& part, const Pose& pose) {
+  const Vector2d corner(seat.surface_mm, seat.edge_mm);
+  constexpr double kUp_rad = -std::numbers::pi, kForward_rad = -std::numbers::pi / 2;
+  Separation apart =
+      FarthestFromOrigin({PlaceOf(part.from, pose) - corner, PlaceOf(part.to, pose) - corner}, {kUp_rad, kForward_rad},
+                         [](double heading_rad) { return heading_rad >= kUp_rad && heading_rad <= kForward_rad; });
+  apart.distance_mm -= part.radius_mm;
+  apart.heading_rad += 2 * std::numbers::pi;
+  return apart;
+}
+
+double SeatClearance(const Pose& pose, const Body& body, const WearOptions& options) {
+  double least_mm = std::numeric_limits<double>::infinity();
+  for (const WornPart& part : WornPartsOf(options))
+    least_mm = std::min(least_mm, SeparationFrom(SeatOf(body, options), part, pose).distance_mm);
+  return least_mm;
+}
+
+std::array<Vector2d, 4> OutlineOf(Limb limb, const Body& body) {
+  const bool is_thigh = limb == Limb::kThigh;
+  const LimbSegment& segment = is_thigh ? body.thigh : body.shank;
+  const double at_knee = is_thigh ? segment.distal_radius_mm : segment.proximal_radius_mm;
+  const double at_end = is_thigh ? segment.proximal_radius_mm : segment.distal_radius_mm;
+  return {Vector2d(at_knee, 0), {at_end, segment.length_mm}, {-at_end, segment.length_mm}, {-at_knee, 0}};
+}
+
+Vector2d InLimb(Limb limb, const Vector2d& point, double theta_rad) {
+  if (limb == Limb::kThigh) return point;
+  const Vector2d posterior = AtHeading(theta_rad);
+  return {point.dot(posterior), point.x() * posterior.y() - point.y() * posterior.x()};
+}
+
+Separation LimbSeparation(Limb limb, const Pose& pose, const Body& body, const WearOptions& options) {
+  const WornPart actuator = WornPartsOf(options)[0];
+  std::vector<Vector2d> differences;
+  for (const Pin pin : {actuator.from, actuator.to})
+    for (const Vector2d& corner : OutlineOf(limb, body))
+      differences.push_back(InLimb(limb, PlaceOf(pin, pose), pose.theta_rad) - corner);
+  Separation apart = FarthestFromOrigin(differences, {}, [](double) { return true; });
+  apart.distance_mm -= actuator.radius_mm;
+  return apart;
+}
+
 WearCheck CheckWear(const Links& links, const UsedRange& range, const Body& body, const WearOptions& options) {
-  constexpr double kSeated_rad = std::numbers::pi / 2;
-  const double seat_edge = options.seat_edge_mm > 0 ? options.seat_edge_mm : body.thigh.length_mm / 2;
-  const Pose lower = RequirePose(links, range.stroke.lower_mm), upper = RequirePose(links, range.stroke.upper_mm);
+  const auto pose_at = [&](double stroke_mm) { return PutOnBody(RequirePose(links, stroke_mm), options.placement_mm); };
+  const Pose lower = pose_at(range.stroke.lower_mm), upper = pose_at(range.stroke.upper_mm);
   const Pose& flexed = lower.theta_rad > upper.theta_rad ? lower : upper;
   const Pose& standing = lower.theta_rad > upper.theta_rad ? upper : lower;
   const auto at_right_angle = StrokeForAngle(links, range, kSeated_rad);
-  const Pose seated = at_right_angle                   ? RequirePose(links, *at_right_angle)
-                      : flexed.theta_rad < kSeated_rad ? flexed
-                                                       : standing;
+  const Pose seated = at_right_angle ? pose_at(*at_right_angle) : flexed.theta_rad < kSeated_rad ? flexed : standing;
 
   WearCheck check;
   check.seated_stroke_mm = seated.stroke_mm, check.seated_deg = DegreesFromRadians(seated.theta_rad);
   check.standing_stroke_mm = standing.stroke_mm, check.standing_deg = DegreesFromRadians(standing.theta_rad);
   check.mount_below_hip_mm = body.thigh.length_mm - seated.mount.y() - options.bar_width_mm / 2;
   check.mount_behind_thigh_mm = seated.mount.x() - body.thigh.RadiusAt(seated.mount.y());
-  CheckSeat(PartsOf(seated, options), body.thigh.proximal_radius_mm, seat_edge, check);
-  CheckLimb(links, range, body, options, check);
-  for (const Bar& part : PartsOf(standing, options))
-    for (int i = 0; i <= kSamples; ++i) {
-      const Vector2d point = PointOf(part, i);
-      const double behind = point.x() + part.radius - body.thigh.RadiusAt(point.y());
+  check.seat_clearance_mm = SeatClearance(seated, body, options);
+  check.seat_edge_needed_mm = SeatEdgeNeeded(seated, SeatOf(body, options), options);
+  CheckLimbs(links, range, body, options, check);
+  for (const WornPart& part : WornPartsOf(options))
+    Sample(part, standing, [&](const Vector2d& point) {
+      const double behind = point.x() + part.radius_mm - body.thigh.RadiusAt(point.y());
       check.reach_behind_standing_mm = std::max(check.reach_behind_standing_mm, behind);
-    }
+    });
   return check;
 }
 

@@ -68,11 +68,12 @@ double Links::L7() const {
 }
 
 void CheckLinks(const Links& links, std::string_view where) {
-  constexpr double kLongest_mm = 1e4;
+  constexpr double kShortest_mm = 1, kLongest_mm = 1e4;
   const auto values = links.Values();
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (!(values[i] > 0 && values[i] <= kLongest_mm))
-      throw Fail("{}: link l{} is {} mm; it must be above 0 and at most {}", where, i + 1, values[i], kLongest_mm);
+    if (!(values[i] >= kShortest_mm && values[i] <= kLongest_mm))
+      throw Fail("{}: link l{} is {} mm; it must be within {} and {} mm{}", where, i + 1, values[i], kShortest_mm,
+                 kLongest_mm, values[i] > 0 && values[i] < kShortest_mm ? ": write lengths in mm, not in m" : "");
 }
 
 std::optional<AssemblyGap> FindAssemblyGap(const Links& links, double stroke_mm) {

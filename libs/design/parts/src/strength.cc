@@ -1,7 +1,9 @@
 #include "lake/parts/strength.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 #include "lake/core/angles.h"
@@ -17,6 +19,30 @@ struct Rule {
   std::optional<double> stress_per_load;  // MPa per N or N m
   std::function<double(const LoadedPose&)> allowed;
 };
+
+double HoleOf(const PartOptions& options) {
+  return options.pin_diameter_mm + options.bore_clearance_mm;
+}
+double BearingAreaOf(const PartOptions& options) {
+  return options.pin_diameter_mm * options.thickness_mm;
+}
+double NetAreaOf(const PartOptions& options) {
+  return (options.bar_width_mm - HoleOf(options)) * options.thickness_mm;
+}
+
+// MPa per N m.
+double BendingStressPerTorqueOf(const PartOptions& options) {
+  constexpr double kMillimetresPerMetre = 1000;
+  const double second_moment =
+      options.thickness_mm * (std::pow(options.bar_width_mm, 3) - std::pow(HoleOf(options), 3)) / 12;
+  return kMillimetresPerMetre * options.bar_width_mm / 2 / second_moment;
+}
+
+// Euler's load times the square of the length, N mm^2.
+double RodStrengthOf(const PartOptions& options) {
+  const double second_moment = std::numbers::pi * std::pow(options.rod_diameter_mm, 4) / 64;
+  return std::pow(std::numbers::pi, 2) * kSteelModulus_mpa * second_moment;
+}
 
 class Rules {
  public:
@@ -50,27 +76,34 @@ class Rules {
         {part, std::move(check), std::move(load), stress_per_load, [allowed](const LoadedPose&) { return allowed; }});
   }
 
-  double Hole() const { return options_.pin_diameter_mm + options_.bore_clearance_mm; }
-  double BearingArea() const { return options_.pin_diameter_mm * options_.thickness_mm; }
-  double NetArea() const { return (options_.bar_width_mm - Hole()) * options_.thickness_mm; }
-
-  double BendingStressPerTorque() const {
-    constexpr double kMillimetresPerMetre = 1000;
-    const double second_moment =
-        options_.thickness_mm * (std::pow(options_.bar_width_mm, 3) - std::pow(Hole(), 3)) / 12;
-    return kMillimetresPerMetre * options_.bar_width_mm / 2 / second_moment;
-  }
-
-  double EulerLoad_n(double length_mm) const {
-    const double second_moment = std::numbers::pi * std::pow(options_.rod_diameter_mm, 4) / 64;
-    return std::pow(std::numbers::pi / length_mm, 2) * kSteelModulus_mpa * second_moment;
-  }
+  double BearingArea() const { return BearingAreaOf(options_); }
+  double NetArea() const { return NetAreaOf(options_); }
+  double BendingStressPerTorque() const { return BendingStressPerTorqueOf(options_); }
+  double EulerLoad_n(double length_mm) const { return RodStrengthOf(options_) / (length_mm * length_mm); }
 
   PartOptions options_;
   std::vector<Rule> rules_;
 };
 
 }  // namespace
+
+Capacity CapacityOf(const PartOptions& options) {
+  const double yield_mpa = MaterialOf(options.material).yield_mpa;
+  const double bearing_n = yield_mpa * BearingAreaOf(options), net_n = yield_mpa * NetAreaOf(options);
+  return {std::min(bearing_n, net_n), std::min(bearing_n, net_n), bearing_n, RodStrengthOf(options),
+          yield_mpa / BendingStressPerTorqueOf(options)};
+}
+
+double LeastSafety(const Capacity& capacity, const LoadedPose& at) {
+  const auto safety = [](double allowed, double load) {
+    return load == 0 ? std::numeric_limits<double>::infinity() : allowed / std::abs(load);
+  };
+  const double rod_n = capacity.rod_nmm2 / (at.pose.stroke_mm * at.pose.stroke_mm);
+  return std::min({safety(capacity.coupler_n, at.forces.coupler_n), safety(capacity.bar_n, at.forces.bar_n),
+                   safety(capacity.actuator_n, at.forces.actuator_n),
+                   safety(rod_n, std::max(0.0, at.forces.actuator_n)),
+                   safety(capacity.knee_torque_nm, at.knee_torque_nm)});
+}
 
 std::vector<StrengthCheck> CheckStrength(const Mechanism& mechanism, std::span<const LoadedPose> poses) {
   const Rules rules(mechanism);

@@ -7,6 +7,8 @@
 #include <stdexcept>
 
 #include "lake/core/angles.h"
+#include "lake/linkage/statics.h"
+#include "lake/parts/strength.h"
 #include "lake/problem/assistance.h"
 
 namespace lake::problem {
@@ -30,9 +32,29 @@ std::optional<linkage::UsedRange> StandingRange(const linkage::Links& links, con
 }
 
 // At a stroke; nullopt where there is none or no pose.
-std::optional<linkage::Transmission> TransmissionAt(const linkage::Links& links, std::optional<double> stroke_mm) {
-  const std::optional<linkage::Pose> pose = stroke_mm ? linkage::SolvePose(links, *stroke_mm) : std::nullopt;
-  return pose ? std::optional(linkage::TransmissionOf(links, *pose)) : std::nullopt;
+std::optional<linkage::Pose> PoseAt(const linkage::Links& links, std::optional<double> stroke_mm) {
+  return stroke_mm ? linkage::SolvePose(links, *stroke_mm) : std::nullopt;
+}
+
+// mm, of a pose on the body.
+double ClearanceOf(const linkage::Pose& pose, const SynthesisProblem& problem, Kind kind) {
+  const linkage::Body body = linkage::BodyOf(problem.clearances.body);
+  const linkage::WearOptions wear = problem.Wear();
+  const linkage::Pose on_body = linkage::PutOnBody(pose, wear.placement_mm);
+  if (kind == Kind::kSeat) return linkage::SeatClearance(on_body, body, wear);
+  const linkage::Limb limb = kind == Kind::kThigh ? linkage::Limb::kThigh : linkage::Limb::kShank;
+  return linkage::LimbSeparation(limb, on_body, body, wear).distance_mm;
+}
+
+// What a knee torque asks of the linkage: forces in N, or the safety factor.
+double LoadOf(const linkage::Links& links, const linkage::Pose& pose, const SynthesisProblem& problem, Kind kind,
+              double knee_torque_nm) {
+  if (kind == Kind::kForce || kind == Kind::kHolding)
+    return std::abs(linkage::ActuatorForce(linkage::TransmissionOf(links, pose), knee_torque_nm));
+  const linkage::MemberForces forces = linkage::MemberForcesOf(pose, knee_torque_nm);
+  if (kind == Kind::kPinForce) return forces.TipPin();  // bears the largest of all
+  if (kind == Kind::kMountForce) return forces.Mount();
+  return parts::LeastSafety(parts::CapacityOf(problem.parts), {pose, knee_torque_nm, forces});
 }
 
 // The family's value at a fraction of the used range; NaN where there is no pose.
@@ -42,28 +64,31 @@ double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem,
   const std::optional<double> stroke = fraction <= 0   ? range.stroke.upper_mm
                                        : fraction >= 1 ? range.stroke.lower_mm
                                                        : linkage::StrokeForAngle(links, range, theta);
-  const std::optional<linkage::Transmission> transmission = TransmissionAt(links, stroke);
-  if (!transmission) return kNaN;
+  const std::optional<linkage::Pose> pose = PoseAt(links, stroke);
+  if (!pose) return kNaN;
+  const linkage::Transmission transmission = linkage::TransmissionOf(links, *pose);
   switch (kind) {
     case Kind::kMomentArm:
-      return transmission->moment_arm_mm;
-    case Kind::kForce:
-    case Kind::kHolding:
-      return std::abs(linkage::ActuatorForce(*transmission, problem.knee_torque_nm));
-    default:
+      return transmission.moment_arm_mm;
+    case Kind::kTransmission:
       return DegreesFromRadians(
-          std::min(transmission->transmission_rad, std::numbers::pi - transmission->transmission_rad));
+          std::min(transmission.transmission_rad, std::numbers::pi - transmission.transmission_rad));
+    case Kind::kSeat:
+    case Kind::kThigh:
+    case Kind::kShank:
+      return ClearanceOf(*pose, problem, kind);
+    default:
+      return LoadOf(links, *pose, problem, kind, problem.knee_torque_nm);
   }
 }
 
 // The family's value at a sample of the load profile; NaN where there is no pose.
 double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem, const linkage::UsedRange& range,
                    Kind kind, const LoadSample& sample) {
-  const std::optional<linkage::Transmission> transmission =
-      TransmissionAt(links, ProfileStroke(links, range, sample.knee_rad));
-  if (!transmission) return kNaN;
-  return kind == Kind::kDuration ? DurationAt(*transmission, problem, sample)
-                                 : std::abs(linkage::ActuatorForce(*transmission, problem.TorqueAt(sample)));
+  const std::optional<linkage::Pose> pose = PoseAt(links, ProfileStroke(links, range, sample.knee_rad));
+  if (!pose) return kNaN;
+  return kind == Kind::kDuration ? DurationAt(linkage::TransmissionOf(links, *pose), problem, sample)
+                                 : LoadOf(links, *pose, problem, kind, problem.TorqueAt(sample));
 }
 
 // Those of the profile's samples that a requirement is on.
@@ -143,6 +168,12 @@ std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const Synthesis
   const auto value = [&](double fraction) {
     return FamilyValue(links, problem, *range, requirement.id.kind, fraction);
   };
+  if (requirement.id.kind == Kind::kSeat) {
+    const double seated = (problem.SeatedAngle_rad() - range->theta_at_upper_rad) /
+                          (range->theta_at_lower_rad - range->theta_at_upper_rad);
+    const double fraction = std::min(1.0, seated);
+    return {{fraction, value(fraction)}};
+  }
   const auto slack = [&](double fraction) { return requirement.Slack(value(fraction)); };
   std::vector<double> grid(kGridPoints);
   for (int i = 0; i < kGridPoints; ++i) grid[i] = slack(i / (kGridPoints - 1.0));
@@ -172,7 +203,9 @@ const RequirementCheck& DesignEvaluation::CheckOf(const Requirement::Id& id) con
   return *found;
 }
 
-DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& problem) {
+namespace {
+
+DesignEvaluation EvaluateAsMade(const linkage::Links& links, const SynthesisProblem& problem) {
   DesignEvaluation evaluation;
   evaluation.pose = linkage::SolvePose(links, problem.d_min_mm);
   evaluation.range_deg = evaluation.pose ? DegreesFromRadians(evaluation.pose->theta_rad) : kNaN;
@@ -186,11 +219,30 @@ DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& p
   }
   evaluation.bound_violation_mm = BoundViolation(links, problem);
   evaluation.violation = std::max(evaluation.violation, evaluation.bound_violation_mm);
+  evaluation.worst_range_deg = evaluation.range_deg;
+  return evaluation;
+}
+
+// Takes what is worse of a build.
+void TakeWorst(const DesignEvaluation& build, DesignEvaluation& worst) {
+  for (std::size_t i = 0; i < worst.checks.size(); ++i)
+    if (build.checks[i].slack < worst.checks[i].slack) worst.checks[i] = build.checks[i];
+  worst.violation = std::max(worst.violation, build.violation);
+  worst.worst_range_deg = std::min(worst.worst_range_deg, std::isnan(build.range_deg) ? -kInfinity : build.range_deg);
+}
+
+}  // namespace
+
+DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& problem) {
+  DesignEvaluation evaluation = EvaluateAsMade(links, problem);
+  if (problem.robust_mm)
+    for (const BuildError& build : Corners(*problem.robust_mm))
+      TakeWorst(EvaluateAsMade(LinksOf(build, links), ProblemOf(build, problem)), evaluation);
   return evaluation;
 }
 
 double GoalOf(const SynthesisProblem& problem, const DesignEvaluation& evaluation) {
-  if (problem.goal == SynthesisProblem::Goal::kRange) return evaluation.range_deg;
+  if (problem.goal == SynthesisProblem::Goal::kRange) return evaluation.worst_range_deg;
   return -evaluation.CheckOf({Kind::kDuration}).value;
 }
 

@@ -200,13 +200,17 @@ LinearActuator FindActuator(const std::string& text, const fs::path& folder) {
   const std::size_t colon = text.rfind(".csv:");
   if (colon != std::string::npos) {
     const std::string file = (folder / text.substr(0, colon + 4)).string();
-    return Named(ReadActuators(file), text.substr(colon + 5), file);
+    LinearActuator actuator = Named(ReadActuators(file), text.substr(colon + 5), file);
+    actuator.file = file;
+    return actuator;
   }
   if (!text.ends_with(".csv")) return Named(KnownActuators(), text, "lake's catalogue");
   const std::vector<LinearActuator> actuators = ReadActuators(folder / text);
   if (actuators.size() > 1)
     throw Fail("{} has {} actuators: name one, {}:{}", text, actuators.size(), text, actuators.front().name);
-  return actuators.front();
+  LinearActuator actuator = actuators.front();
+  actuator.file = folder / text;
+  return actuator;
 }
 
 }  // namespace lake::problem

@@ -41,6 +41,14 @@ std::string LinkName(std::size_t index) {
   return fmt::format("l{}", index + 1);
 }
 
+void Clearances::Check() const {
+  for (const auto& [clearance_mm, key] : {std::pair{seat_mm, "seat_mm"}, {thigh_mm, "limb_mm"}, {shank_mm, "limb_mm"}})
+    if (clearance_mm) CheckMargin(*clearance_mm, key);
+  if (AreAsked()) linkage::BodyOf(body);
+  if (!(seat_edge_mm >= 0 && seat_edge_mm < 5000))
+    throw Fail("seat_edge_mm = {} must lie between 0 and 5000", seat_edge_mm);
+}
+
 void SynthesisProblem::Check() const {
   CheckPositive(d_min_mm, "d_min_mm");
   if (d_max_mm && !(std::isfinite(*d_max_mm) && *d_max_mm > d_min_mm))
@@ -61,6 +69,14 @@ void SynthesisProblem::Check() const {
     throw Fail("the load profile ends before standing_deg = {}: its largest knee angle is {:.4g}°", standing_deg,
                DegreesFromRadians(profile->LargestAngle()));
   if (actuator) actuator->Check();
+  clearances.Check();
+  parts.Check();
+  if (max_pin_force_n) CheckPositive(*max_pin_force_n, "max_pin_force_n");
+  if (max_mount_force_n) CheckPositive(*max_mount_force_n, "max_mount_force_n");
+  constexpr double kMostTolerance_mm = 5;
+  if (robust_mm && !(*robust_mm > 0 && *robust_mm <= kMostTolerance_mm))
+    throw Fail("a tolerance (robust_mm) of {} mm must lie above 0, and not beyond {}", *robust_mm, kMostTolerance_mm);
+  if (safety_factor) CheckPositive(*safety_factor, "safety_factor");
   if (duration_s && !(*duration_s > 0 && *duration_s <= kLongestDuration_s))
     throw Fail("duration_s = {} must lie above 0, and not beyond {}", *duration_s, kLongestDuration_s);
   if (max_angle_deg && !(*max_angle_deg > standing_deg && *max_angle_deg <= 180))
@@ -69,6 +85,14 @@ void SynthesisProblem::Check() const {
 
 double SynthesisProblem::TorqueAt(const LoadSample& sample) const {
   return std::isnan(sample.knee_nm) ? 0 : assist.value_or(1) * sample.knee_nm;
+}
+
+linkage::WearOptions SynthesisProblem::Wear() const {
+  return {parts.bar_width_mm, parts.actuator_diameter_mm, clearances.seat_edge_mm, clearances.placement_mm};
+}
+
+double SynthesisProblem::SeatedAngle_rad() const {
+  return max_angle_deg ? std::min(linkage::kSeated_rad, RadiansFromDegrees(*max_angle_deg)) : linkage::kSeated_rad;
 }
 
 void SynthesisProblem::CheckLoad() const {
@@ -101,6 +125,30 @@ SynthesisProblem WithActuator(SynthesisProblem problem) {
   return problem;
 }
 
+std::vector<BuildError> Corners(double tolerance_mm) {
+  constexpr unsigned kCorners = 1u << std::tuple_size_v<BuildError>;
+  std::vector<BuildError> corners(kCorners);
+  for (unsigned corner = 0; corner < kCorners; ++corner)
+    for (std::size_t i = 0; i < corners[corner].size(); ++i)
+      corners[corner][i] = corner >> i & 1u ? tolerance_mm : -tolerance_mm;
+  return corners;
+}
+
+SynthesisProblem ProblemOf(const BuildError& build, SynthesisProblem problem) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  problem.d_min_mm += build.back();
+  if (problem.d_max_mm) *problem.d_max_mm += build.back();
+  problem.robust_mm.reset();
+  problem.bounds.fill({-kInfinity, kInfinity});
+  return problem;
+}
+
+linkage::Links LinksOf(const BuildError& build, const linkage::Links& links) {
+  auto values = links.Values();
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] += build[i];
+  return linkage::Links::FromValues(values);
+}
+
 double Requirement::Slack(double value) const {
   if (std::isnan(value)) return -std::numeric_limits<double>::infinity();
   return is_lower_limit ? value - limit : limit - value;
@@ -108,7 +156,8 @@ double Requirement::Slack(double value) const {
 
 std::string Requirement::Text() const {
   if (IsLinear() && limit == 0) return id.kind == Kind::kGrashof ? "Grashof's law" : name;
-  return fmt::format("{} {} {:.6g} {}", name, is_lower_limit ? ">=" : "<=", limit, unit);
+  const std::string text = fmt::format("{} {} {:.6g}", name, is_lower_limit ? ">=" : "<=", limit);
+  return unit == "1" ? text : text + " " + unit;
 }
 
 std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
@@ -122,6 +171,13 @@ std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
     all.push_back({{Kind::kMomentArm}, "moment arm", {}, true, *problem.min_moment_arm_mm, "mm/rad"});
   if (problem.max_force_n)
     all.push_back({{Kind::kForce}, "force", {}, false, *problem.max_force_n, "N", problem.HasLoadProfile()});
+  const bool along_profile = problem.HasLoadProfile();
+  if (problem.max_pin_force_n)
+    all.push_back({{Kind::kPinForce}, "pin force", {}, false, *problem.max_pin_force_n, "N", along_profile});
+  if (problem.max_mount_force_n)
+    all.push_back({{Kind::kMountForce}, "mount force", {}, false, *problem.max_mount_force_n, "N", along_profile});
+  if (problem.safety_factor)
+    all.push_back({{Kind::kSafety}, "safety factor", {}, true, *problem.safety_factor, "1", along_profile});
   if (problem.min_transmission_deg)
     all.push_back({{Kind::kTransmission}, "transmission angle", {}, true, *problem.min_transmission_deg, "deg"});
   if (problem.d_max_mm) all.push_back({{Kind::kMaxStroke}, "stroke when standing", {}, false, *problem.d_max_mm, "mm"});
@@ -141,8 +197,14 @@ std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
                    problem.duration_s.value_or(SynthesisProblem::kLongestDuration_s),
                    "s",
                    true});
-  if (problem.HasLoadProfile())
-    all.push_back({{Kind::kReach}, "range", {}, true, DegreesFromRadians(problem.profile->LargestAngle()), "deg"});
+  const Clearances& clearances = problem.clearances;
+  const double profile_rad = problem.HasLoadProfile() ? problem.profile->LargestAngle() : 0;
+  const double seated_rad = clearances.seat_mm ? problem.SeatedAngle_rad() : 0;
+  if (problem.HasLoadProfile() || clearances.seat_mm)
+    all.push_back({{Kind::kReach}, "range", {}, true, DegreesFromRadians(std::max(profile_rad, seated_rad)), "deg"});
+  if (clearances.seat_mm) all.push_back({{Kind::kSeat}, "seat clearance", {}, true, *clearances.seat_mm, "mm"});
+  if (clearances.thigh_mm) all.push_back({{Kind::kThigh}, "thigh clearance", {}, true, *clearances.thigh_mm, "mm"});
+  if (clearances.shank_mm) all.push_back({{Kind::kShank}, "shank clearance", {}, true, *clearances.shank_mm, "mm"});
   if (problem.max_angle_deg) all.push_back({{Kind::kMaxAngle}, "angle", {}, false, *problem.max_angle_deg, "deg"});
   return all;
 }

@@ -74,6 +74,9 @@ void ReadLoad(YamlNode node, const fs::path& folder, SynthesisProblem& problem) 
   Reader(node, problem)
       .Number("knee_torque_nm", problem.knee_torque_nm)
       .Number("max_force_n", problem.max_force_n)
+      .Number("max_pin_force_n", problem.max_pin_force_n)
+      .Number("max_mount_force_n", problem.max_mount_force_n)
+      .Number("safety_factor", problem.safety_factor)
       .Number("assist", problem.assist);
   if (const auto profile = node.Child("profile"))
     SetAt(*profile, problem, [&](const std::string& text) { problem.profile = ReadLoadProfile(folder / text); });
@@ -84,7 +87,49 @@ void ReadLoad(YamlNode node, const fs::path& folder, SynthesisProblem& problem) 
   node.Finish();
 }
 
+// Sets a number if the node has it.
+void SetNumber(YamlNode& node, std::string_view key, std::optional<double>& field) {
+  if (const auto child = node.Child(key)) field = child->AsNumber();
+}
+
+void ReadBody(YamlNode node, SynthesisProblem& problem) {
+  linkage::BodySize& body = problem.clearances.body;
+  std::optional<double> thigh_mm, shank_mm, seat_edge_mm;
+  SetNumber(node, "height_mm", body.height_mm);
+  SetNumber(node, "mass_kg", body.mass_kg);
+  SetNumber(node, "thigh_mm", thigh_mm);
+  SetNumber(node, "shank_mm", shank_mm);
+  SetNumber(node, "seat_edge_mm", seat_edge_mm);
+  if (thigh_mm.has_value() != shank_mm.has_value())
+    throw Fail("{}: thigh_mm and shank_mm are one leg: give both or neither", node.Where());
+  if (thigh_mm) body.leg = {*thigh_mm, *shank_mm};
+  if (seat_edge_mm) problem.clearances.seat_edge_mm = *seat_edge_mm;
+  CheckAt(node.Where(), problem);
+  node.Finish();
+}
+
+// By the keys of the options that describe them.
+void ReadParts(YamlNode node, SynthesisProblem& problem) {
+  OptionList options;
+  parts::Describe(problem.parts, options);
+  ReadOptions(node, options, [](const YamlNode& path, const Option&) { return OptionTexts{path.AsText()}; });
+  CheckAt(node.Where(), problem);
+  node.Finish();
+}
+
 }  // namespace
+
+void ReadClearances(YamlNode& node, SynthesisProblem& problem) {
+  if (auto body = node.Child("body")) ReadBody(std::move(*body), problem);
+  auto clearances = node.Child("clearances");
+  if (!clearances) return;
+  Clearances& asked = problem.clearances;
+  SetNumber(*clearances, "seat_mm", asked.seat_mm);
+  SetNumber(*clearances, "limb_mm", asked.thigh_mm);
+  asked.shank_mm = asked.thigh_mm;
+  CheckAt(clearances->Where(), problem);
+  clearances->Finish();
+}
 
 void SetRest(const std::string& text, SynthesisProblem& problem) {
   if (text != "anywhere" && text != "standing")
@@ -112,7 +157,8 @@ SynthesisProblem ReadProblem(YamlNode node, const fs::path& folder) {
       .Number("standing_deg", problem.standing_deg)
       .Number("min_moment_arm_mm", problem.min_moment_arm_mm)
       .Number("min_transmission_deg", problem.min_transmission_deg)
-      .Number("max_angle_deg", problem.max_angle_deg);
+      .Number("max_angle_deg", problem.max_angle_deg)
+      .Number("robust_mm", problem.robust_mm);
   if (auto bounds = node.Child("bounds")) ReadBounds(std::move(*bounds), problem);
   if (auto start = node.Child("start")) ReadStart(std::move(*start), problem);
   if (auto margins = node.Child("margins")) {
@@ -121,6 +167,8 @@ SynthesisProblem ReadProblem(YamlNode node, const fs::path& folder) {
         .Number("singularity_mm", problem.singularity_margin_mm);
     margins->Finish();
   }
+  ReadClearances(node, problem);
+  if (auto parts = node.Child("parts")) ReadParts(std::move(*parts), problem);
   if (auto load = node.Child("load")) ReadLoad(std::move(*load), folder, problem);
   if (const auto actuator = node.Child("actuator"))
     SetAt(*actuator, problem, [&](const std::string& text) { problem.actuator = FindActuator(text, folder); });

@@ -37,6 +37,46 @@ void DescribeLoad(SynthesisProblem& o, OptionList& options) {
       .Key("duration_s");
 }
 
+void DescribeClearances(SynthesisProblem& o, OptionList& options) {
+  Clearances& asked = o.clearances;
+  const auto add = [&options](const char* name, const char* help, auto set) -> Option& {
+    return options.AddCustom(name, help, [set](const OptionTexts& texts, const std::string& said) {
+      double number = 0;
+      OptionField<double>::Set(texts, said, number);
+      set(number);
+    });
+  };
+  add("clear-seat", "Least distance of the linkage from the seat, the knee bent by 90 degrees", [&asked](double mm) {
+    asked.seat_mm = mm;
+  }).Unit("mm");
+  add("clear-limb", "Least distance of the actuator from thigh and shank over the used range, seen from the side",
+      [&asked](double mm) { asked.thigh_mm = asked.shank_mm = mm; })
+      .Unit("mm");
+  add("thigh", "The person's thigh, hip to knee, for --clear-*",
+      [&asked](double mm) {
+        asked.body.leg = {mm, asked.body.leg.value_or(linkage::LegLengths{}).shank_mm};
+      })
+      .Unit("mm")
+      .Otherwise("by body height");
+  add("shank", "The person's shank, knee to ankle, for --clear-*",
+      [&asked](double mm) {
+        asked.body.leg = {asked.body.leg.value_or(linkage::LegLengths{}).thigh_mm, mm};
+      })
+      .Unit("mm")
+      .Otherwise("by body height");
+  constexpr double kMillimetresPerCentimetre = 10;
+  add("height", "Body height, for --clear-*",
+      [&asked](double cm) { asked.body.height_mm = cm * kMillimetresPerCentimetre; })
+      .Unit("cm")
+      .Otherwise("180, or by thigh and shank");
+  add("mass", "Body mass, for --clear-*", [&asked](double kg) { asked.body.mass_kg = kg; })
+      .Unit("kg")
+      .Otherwise("80 at 180 cm, else of the same BMI");
+  add("seat-edge", "Knee to the seat's front edge, for --clear-seat", [&asked](double mm) { asked.seat_edge_mm = mm; })
+      .Unit("mm")
+      .Otherwise("half the thigh");
+}
+
 void CheckRest(const SynthesisProblem& problem) {
   if (!problem.rests_anywhere && !(problem.actuator && problem.HasLoadProfile()))
     throw UsageError(
@@ -64,6 +104,10 @@ void Describe(SynthesisProblem& o, OptionList& options) {
   add("grashof-margin", o.grashof_margin_mm, "Margin of Grashof's law").Unit("mm");
   add("singularity-margin", o.singularity_margin_mm, "Margin from the actuator singularity").Unit("mm");
   add("max-force", o.max_force_n, "Largest actuator force over the used range").Unit("N");
+  add("max-pin-force", o.max_pin_force_n, "Largest force in a pin, at K, P, R and S").Unit("N");
+  add("max-mount-force", o.max_mount_force_n, "Largest force of the mount on the thigh, at M").Unit("N");
+  add("safety-factor", o.safety_factor, "Least safety factor of plates, pins and the actuator's rod, as strength.csv")
+      .Key("safety_factor");
   add("knee-torque", o.knee_torque_nm, "Knee torque that the actuator balances").Unit("N m");
   add("min-moment-arm", o.min_moment_arm_mm, "Smallest moment arm over the used range").Unit("mm per rad");
   add("min-transmission", o.min_transmission_deg,
@@ -71,7 +115,13 @@ void Describe(SynthesisProblem& o, OptionList& options) {
       .Unit("degrees");
   add("max-angle", o.max_angle_deg, "Anatomical cap on the knee angle").Unit("degrees");
   add("max-length", o.d_max_mm, "Longest stroke of the actuator; the knee must be straight by then").Unit("mm");
+  add("robust", o.robust_mm,
+      "Tolerance of every link and of the shortest stroke, play of the pins included: what is optimised is the worst "
+      "such build, and requirements hold for all")
+      .Unit("mm");
   DescribeLoad(o, options);
+  DescribeClearances(o, options);
+  Describe(o.parts, options);
   options.Check([&o](const OptionList&) {
     try {
       o.Check();

@@ -14,6 +14,8 @@
 namespace lake::problem {
 namespace {
 
+constexpr int kLinks = 6;
+
 double RangeOf(const linkage::Links& links, double d_min_mm) {
   const std::optional<linkage::Pose> pose = linkage::SolvePose(links, d_min_mm);
   return pose ? DegreesFromRadians(pose->theta_rad) : std::numeric_limits<double>::quiet_NaN();
@@ -66,21 +68,27 @@ std::vector<Candidate> Candidates(const std::array<std::vector<double>, 6>& grid
 
 }  // namespace
 
+std::string LengthName(int link) {
+  return link < kLinks ? LinkName(link) : "d_min";
+}
+
 std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const SynthesisProblem& problem, double span_mm,
                                           int steps) {
   std::vector<SensitivityPoint> points;
   const std::vector<Requirement> requirements = RequirementsOf(problem);
   // The optimum itself sits on its limits to within what a solver leaves.
   constexpr double kTolerance_mm = 1e-6;
-  for (int link = 0; link < 6; ++link)
+  for (int link = 0; link <= kLinks; ++link)
     for (int i = -steps; i <= steps; ++i) {
       auto values = links.Values();
+      SynthesisProblem changed = problem;
       SensitivityPoint point{link, span_mm * i / steps, 0, false};
-      values[link] += point.delta_mm;
-      if (values[link] <= 0) continue;
-      const linkage::Links changed = linkage::Links::FromValues(values);
-      point.range_deg = RangeOf(changed, problem.d_min_mm);
-      point.feasible = MeetsLinkRequirements(changed, problem, requirements, kTolerance_mm);
+      double& length = link < kLinks ? values[link] : changed.d_min_mm;
+      length += point.delta_mm;
+      if (length <= 0) continue;
+      const linkage::Links build = linkage::Links::FromValues(values);
+      point.range_deg = RangeOf(build, changed.d_min_mm);
+      point.feasible = MeetsLinkRequirements(build, changed, requirements, kTolerance_mm);
       points.push_back(point);
     }
   return points;
@@ -89,8 +97,40 @@ std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const Syn
 void YieldOptions::Check() const {
   if (!(std::isfinite(tolerance_mm) && tolerance_mm > 0))
     throw Fail("the tolerance of the yield must be above 0 mm, not {}", tolerance_mm);
+  if (!(std::isfinite(pin_clearance_mm) && pin_clearance_mm >= 0))
+    throw Fail("the clearance of the pins must be 0 mm or above, not {}", pin_clearance_mm);
   if (samples < 1) throw Fail("the yield needs at least one sample, not {}", samples);
 }
+
+namespace {
+
+// In how many holes play makes a member longer or shorter. Coupler, bar and actuator have two each; the knee's pin
+// bears the coupler's force along the coupler's line, as a third.
+constexpr int kCouplerHoles = 3, kBarHoles = 2, kActuatorHoles = 2;
+
+struct Build {
+  linkage::Links links;
+  double d_min_mm;
+};
+
+Build RandomBuild(const linkage::Links& links, double d_min_mm, const YieldOptions& options, std::mt19937_64& random) {
+  const auto within = [&](double half_width) {
+    const double unit = static_cast<double>(random() >> 11) * 0x1p-53;
+    return half_width * (2 * unit - 1);
+  };
+  const auto play = [&](int holes) {
+    double sum = 0;
+    for (int i = 0; i < holes && options.pin_clearance_mm > 0; ++i) sum += within(options.pin_clearance_mm / 2);
+    return sum;
+  };
+  auto values = links.Values();
+  for (double& value : values) value += within(options.tolerance_mm);
+  Build build{linkage::Links::FromValues(values), d_min_mm + within(options.tolerance_mm)};
+  build.links.l1 += play(kCouplerHoles), build.links.l2 += play(kBarHoles), build.d_min_mm += play(kActuatorHoles);
+  return build;
+}
+
+}  // namespace
 
 Yield EstimateYield(const linkage::Links& links, const SynthesisProblem& problem, const YieldOptions& options) {
   options.Check();
@@ -99,13 +139,9 @@ Yield EstimateYield(const linkage::Links& links, const SynthesisProblem& problem
   std::vector<double> ranges;
   for (int sample = 0; sample < options.samples; ++sample) {
     if (sample % 1024 == 0) ThrowIfInterrupted();
-    auto values = links.Values();
-    for (double& value : values) {
-      const double unit = static_cast<double>(random() >> 11) * 0x1p-53;
-      value += options.tolerance_mm * (2 * unit - 1);
-    }
-    const linkage::Links build = linkage::Links::FromValues(values);
-    const double range = RangeOf(build, problem.d_min_mm);
+    const Build built = RandomBuild(links, problem.d_min_mm, options, random);
+    const linkage::Links& build = built.links;
+    const double range = RangeOf(build, built.d_min_mm);
     if (std::isnan(range)) continue;
     ++assembled;
     assembled_and_grashof += build.l3 + build.l4 <= build.l1 + build.l2;
@@ -118,8 +154,10 @@ Yield EstimateYield(const linkage::Links& links, const SynthesisProblem& problem
   yield.range_p5_deg = Quantile(ranges, 0.05);
   yield.range_median_deg = Quantile(ranges, 0.5);
   yield.range_p95_deg = Quantile(ranges, 0.95);
-  yield.safe_singularity_margin_mm = options.tolerance_mm * (1 + (links.l5 + links.l6) / links.L7());
-  yield.safe_grashof_margin_mm = options.tolerance_mm * 4;
+  const double play_mm = options.pin_clearance_mm / 2;
+  yield.safe_singularity_margin_mm =
+      options.tolerance_mm * (2 + (links.l5 + links.l6) / links.L7()) + play_mm * (kBarHoles + kActuatorHoles);
+  yield.safe_grashof_margin_mm = options.tolerance_mm * 4 + play_mm * (kCouplerHoles + kBarHoles);
   return yield;
 }
 

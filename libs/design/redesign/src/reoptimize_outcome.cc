@@ -223,7 +223,9 @@ void ReoptimizeOptions::Check() const {
 
 DesignInMotion PutInMotion(const ReoptimizeProblem& problem, const compare::StsCurve& human,
                            const linkage::Design& design) {
-  DesignInMotion in_motion{design, problem::Evaluate(design.links, problem.design), {}, {}, {}, 0};
+  problem::SynthesisProblem placed = problem.design;
+  placed.clearances.placement_mm = design.placement_mm;
+  DesignInMotion in_motion{design, problem::Evaluate(design.links, placed), {}, {}, {}, 0};
   const double standing_deg = problem.design.standing_deg;
   const Vector2d placement = PlacementOf(design);
   if (const auto strokes = ProgramStrokes(design, standing_deg, problem.human))
@@ -242,6 +244,7 @@ ReoptimizeOutcome RunReoptimization(ReoptimizeProblem problem, const MeasuredMot
   options.Check();
   problem.human = MakeHumanMotion(measured.human);
   if (measured.worn) problem.placement_mm = PlacementOf(*measured.worn);
+  problem.design = problem.DesignAt(problem.placement_mm);
   problem.Check();
   ReoptimizeOutcome outcome;
   outcome.problem = problem, outcome.options = options, outcome.measured = measured;
@@ -262,8 +265,10 @@ ReoptimizeOutcome RunReoptimization(ReoptimizeProblem problem, const MeasuredMot
   if (problem.fit_placement) AssessPlacement(end, outcome);
   if (options.certify_gap_deg) CertifyWidest(outcome);
   if (options.yield_tolerance_mm)
-    outcome.yield = problem::EstimateYield(
-        end.links, problem.design, {.tolerance_mm = *options.yield_tolerance_mm, .seed = options.optimize.seed});
+    outcome.yield = problem::EstimateYield(end.links, problem.design,
+                                           {.tolerance_mm = *options.yield_tolerance_mm,
+                                            .pin_clearance_mm = problem.design.parts.bore_clearance_mm,
+                                            .seed = options.optimize.seed});
   return outcome;
 }
 

@@ -41,6 +41,16 @@ problem::Bounds ReoptimizeProblem::PlacementBounds(int axis) const {
   return {-placement_reach_mm, placement_reach_mm};
 }
 
+problem::SynthesisProblem ReoptimizeProblem::DesignAt(const Eigen::Vector2d& placement) const {
+  problem::SynthesisProblem placed = design;
+  for (int axis = 0; axis < 2; ++axis) {
+    const auto [lower, upper] = PlacementBounds(axis);
+    placed.clearances.placement_mm[axis] = std::clamp(placement[axis], lower, upper);
+  }
+  placed.clearances.placement_reach_mm = fit_placement ? std::optional(placement_reach_mm) : std::nullopt;
+  return placed;
+}
+
 void ReoptimizeProblem::CheckOptions() const {
   CheckPositive(program.max_speed_mm_s, "--max-speed", "mm/s");
   if (program.duration_s) CheckPositive(*program.duration_s, "--duration", "s");

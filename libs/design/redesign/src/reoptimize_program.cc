@@ -77,8 +77,11 @@ class Extender {
   void AddPlacement() {
     for (int axis = 0; axis < 2; ++axis) {
       const auto [lower, upper] = problem_.PlacementBounds(axis);
+      const double start = std::clamp(start_.placement_mm[axis], lower, upper);
+      // Clearances have it among the variables already.
+      const bool is_there = synthesis_.placement[axis] >= 0;
       variables_.placement[axis] =
-          nlp().AddVariable(PlacementName(axis), std::clamp(start_.placement_mm[axis], lower, upper), lower, upper);
+          is_there ? synthesis_.placement[axis] : nlp().AddVariable(PlacementName(axis), start, lower, upper);
       if (!problem_.fit_placement) continue;
       const double square = problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * MisalignmentWeight();
       nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{square});
@@ -189,8 +192,8 @@ class Extender {
 
 synthesis::SynthesisProgram ReoptimizeBuilder::Build(const synthesis::Collocation& poses) {
   const double range_weight = problem_.goal == Goal::kRange ? 1 : kRangeTie;
-  synthesis::SynthesisProgram program =
-      synthesis::BuildProgram(problem_.design, point_.links, poses, synthesis::Elasticity::kNone, range_weight);
+  synthesis::SynthesisProgram program = synthesis::BuildProgram(problem_.DesignAt(point_.placement_mm), point_.links,
+                                                                poses, synthesis::Elasticity::kNone, range_weight);
   variables_ = Extender(problem_, point_, constant_start_, program).Extend();
   return program;
 }

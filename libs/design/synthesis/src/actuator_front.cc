@@ -44,6 +44,15 @@ void Explain(const SynthesisProblem& problem, const OptimizeOptions& options, Ac
   for (const Relaxation& relaxation : report.relaxations) curve.limits.push_back(relaxation.text);
 }
 
+// Without its lengths and its force, of which one contradicts the problem.
+ActuatorCurve ContradictingCurve(SynthesisProblem problem, const problem::LinearActuator& actuator,
+                                 const std::vector<double>& shares, const std::string& contradiction) {
+  problem.actuator = actuator;
+  ActuatorCurve curve{std::move(problem), {}, contradiction, {contradiction}};
+  for (const double share : shares) curve.points.emplace_back().assist = share;
+  return curve;
+}
+
 ActuatorCurve FindCurve(SynthesisProblem problem, const std::vector<double>& shares, const OptimizeOptions& options) {
   ActuatorCurve curve{problem, {}, "", {}};
   std::optional<linkage::Links> last;
@@ -100,8 +109,17 @@ std::vector<ActuatorCurve> FindActuatorFront(const SynthesisProblem& problem,
   quiet.quiet = true;
   std::vector<ActuatorCurve> curves;
   Progress progress("actuators", "actuators", static_cast<std::int64_t>(actuators.size()), options.quiet);
+  problem.Check();
   for (const problem::LinearActuator& actuator : actuators) {
-    curves.push_back(FindCurve(ProblemOf(problem, actuator), shares, quiet));
+    std::optional<SynthesisProblem> own;
+    std::string contradiction;
+    try {
+      own = ProblemOf(problem, actuator);
+    } catch (const Error& error) {
+      contradiction = error.what();
+    }
+    curves.push_back(own ? FindCurve(*own, shares, quiet)
+                         : ContradictingCurve(problem, actuator, shares, contradiction));
     progress.Advance();
   }
   MarkFront(curves);

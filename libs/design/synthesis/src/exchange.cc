@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "lake/problem/assistance.h"
 #include "lake/problem/evaluate.h"
@@ -30,38 +31,75 @@ void HalveGaps(std::vector<double>& fractions) {
   for (std::size_t i = 1; i < all.size(); ++i) fractions.push_back((all[i - 1] + all[i]) / 2);
 }
 
+constexpr std::size_t kMostPoses = 200;
+
+bool IsKnown(const problem::WorstPoint& point, const Collocation& poses) {
+  constexpr double kSamePose = 1e-6;
+  if (point.sample >= 0) return std::ranges::find(poses.samples, point.sample) != poses.samples.end();
+  return point.fraction < kSamePose || point.fraction > 1 - kSamePose ||
+         std::ranges::any_of(poses.fractions,
+                             [&](double known) { return std::abs(known - point.fraction) < kSamePose; });
+}
+
+// The poses at which one linkage violates the problem; false where it turns back or comes apart between two poses.
+bool AddPosesOf(const problem::SynthesisProblem& problem, const linkage::Links& links, double tolerance,
+                Collocation& poses) {
+  for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
+    if (!requirement.NeedsStanding()) continue;
+    const std::vector<problem::WorstPoint> worst = problem::WorstPoints(links, problem, requirement);
+    if (worst.empty()) return false;
+    // The seat is one pose, which the program has already.
+    if (!requirement.IsFamily() || requirement.id.kind == problem::Requirement::Kind::kSeat) continue;
+    for (const problem::WorstPoint& point : worst) {
+      const double allowed = tolerance * std::max(requirement.limit, requirement.IsClearance() ? 1.0 : 0.0);
+      if (requirement.Slack(point.value) >= -allowed || IsKnown(point, poses)) continue;
+      if (point.sample >= 0)
+        poses.samples.push_back(point.sample);
+      else
+        poses.fractions.push_back(point.fraction);
+    }
+  }
+  return true;
+}
+
+// The corner of the tolerance that violates the problem most, or else the one whose goal is less than that of all
+// builds known.
+bool AddWorstBuild(const problem::SynthesisProblem& problem, const linkage::Links& links, double tolerance,
+                   Collocation& poses) {
+  constexpr double kWorse_deg = 1e-6;
+  const problem::BuildError* worst = nullptr;
+  double worst_violation = 10 * tolerance, known_deg = std::numeric_limits<double>::infinity(), least_deg = known_deg;
+  const problem::BuildError* least = nullptr;
+  const std::vector<problem::BuildError> corners = problem::Corners(*problem.robust_mm);
+  for (const problem::BuildError& corner : corners) {
+    const problem::DesignEvaluation build =
+        problem::Evaluate(problem::LinksOf(corner, links), problem::ProblemOf(corner, problem));
+    const double range_deg = build.pose ? build.range_deg : -std::numeric_limits<double>::infinity();
+    if (std::ranges::find(poses.builds, corner) != poses.builds.end()) {
+      known_deg = std::min(known_deg, range_deg);
+      continue;
+    }
+    if (build.violation > worst_violation) worst_violation = build.violation, worst = &corner;
+    if (range_deg < least_deg) least_deg = range_deg, least = &corner;
+  }
+  if (!worst && least && least_deg < known_deg - kWorse_deg) worst = least;
+  if (worst) poses.builds.push_back(*worst);
+  return worst;
+}
+
 }  // namespace
 
 bool AddViolatedPoses(const problem::SynthesisProblem& problem, const linkage::Links& links, double tolerance,
                       Collocation& poses) {
-  constexpr double kSamePose = 1e-6;
-  std::vector<double>& fractions = poses.fractions;
-  constexpr std::size_t kMostPoses = 200;
-  const auto is_known = [&](const problem::WorstPoint& point) {
-    if (point.sample >= 0) return std::ranges::find(poses.samples, point.sample) != poses.samples.end();
-    const double fraction = point.fraction;
-    return fraction < kSamePose || fraction > 1 - kSamePose ||
-           std::any_of(fractions.begin(), fractions.end(),
-                       [&](double known) { return std::abs(known - fraction) < kSamePose; });
-  };
   const std::size_t before = poses.Size();
-  for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
-    if (!requirement.NeedsStanding()) continue;
-    const std::vector<problem::WorstPoint> worst = problem::WorstPoints(links, problem, requirement);
-    if (worst.empty() && before < kMostPoses) {  // between two poses the linkage turns back or comes apart
-      HalveGaps(fractions);
-      return true;
-    }
-    if (!requirement.IsFamily()) continue;
-    for (const problem::WorstPoint& point : worst) {
-      if (requirement.Slack(point.value) >= -tolerance * requirement.limit || is_known(point)) continue;
-      if (point.sample >= 0)
-        poses.samples.push_back(point.sample);
-      else
-        fractions.push_back(point.fraction);
-    }
-  }
-  return poses.Size() > before;
+  bool stand = AddPosesOf(problem, links, tolerance, poses);
+  for (std::size_t i = 0; i < poses.builds.size(); ++i)
+    stand = AddPosesOf(problem::ProblemOf(poses.builds[i], problem), problem::LinksOf(poses.builds[i], links),
+                       tolerance, poses) &&
+            stand;
+  if (!stand && before < kMostPoses) HalveGaps(poses.fractions);
+  if (poses.Size() > before) return true;
+  return problem.robust_mm && AddWorstBuild(problem, links, tolerance, poses);
 }
 
 }  // namespace lake::synthesis

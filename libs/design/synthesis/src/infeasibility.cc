@@ -26,12 +26,19 @@ struct ElasticSolve {
 // The problem with its limits moved by the slacks, as far as the families over the used range need it.
 problem::SynthesisProblem Relaxed(problem::SynthesisProblem problem, const ElasticSolve& solve) {
   const std::vector<double>& x = solve.solution.x;
+  problem = Placed(std::move(problem), solve.program, x);
   problem.d_min_mm = x[solve.program.shortest_stroke];
   for (const RequirementRow& limit : solve.program.requirements) {
     const double slack = limit.SlackAt(x);
     if (limit.requirement.id.kind == Kind::kMomentArm) *problem.min_moment_arm_mm -= slack;
     if (limit.requirement.id.kind == Kind::kForce) *problem.max_force_n += slack;
     if (limit.requirement.id.kind == Kind::kTransmission) *problem.min_transmission_deg -= slack;
+    if (limit.requirement.id.kind == Kind::kSeat) *problem.clearances.seat_mm -= slack;
+    if (limit.requirement.id.kind == Kind::kThigh) *problem.clearances.thigh_mm -= slack;
+    if (limit.requirement.id.kind == Kind::kShank) *problem.clearances.shank_mm -= slack;
+    if (limit.requirement.id.kind == Kind::kPinForce) *problem.max_pin_force_n += slack;
+    if (limit.requirement.id.kind == Kind::kMountForce) *problem.max_mount_force_n += slack;
+    if (limit.requirement.id.kind == Kind::kSafety) *problem.safety_factor -= slack;
     if (limit.requirement.id.kind == Kind::kHolding) *problem.actuator->holding_force_n += slack;
     if (limit.requirement.id.kind == Kind::kDuration) problem.duration_s = limit.requirement.limit + slack;
   }
@@ -61,7 +68,11 @@ ElasticSolve SolveElastic(const problem::SynthesisProblem& problem, const linkag
     if (!solve.solution.IsUsable() || !AddViolatedPoses(Relaxed(problem, solve), from, options.family_tolerance, poses))
       break;
   }
-  solve.holds = solve.solution.IsUsable() && FamiliesHold(Relaxed(problem, solve), from);
+  const problem::SynthesisProblem relaxed = Relaxed(problem, solve);
+  solve.holds = solve.solution.IsUsable() && FamiliesHold(relaxed, from) &&
+                std::ranges::all_of(poses.builds, [&](const problem::BuildError& build) {
+                  return FamiliesHold(problem::ProblemOf(build, relaxed), problem::LinksOf(build, from));
+                });
   return solve;
 }
 

@@ -90,9 +90,9 @@ std::optional<double> LocalSolve::PriceOf(const LimitId& id) const {
 
 namespace {
 
-// Held against the duration that was found, where that is what is sought.
+// With the placement that was found, and held against the duration, where that is what is sought.
 problem::SynthesisProblem AsSolved(const problem::SynthesisProblem& problem, const LocalSolve& solve) {
-  problem::SynthesisProblem solved = problem;
+  problem::SynthesisProblem solved = Placed(problem, solve.program, solve.solution.x);
   if (problem.goal != problem::SynthesisProblem::Goal::kDuration) return solved;
   for (const RequirementRow& entry : solve.program.requirements)
     if (entry.requirement.id.kind == problem::Requirement::Kind::kDuration)
@@ -121,7 +121,7 @@ LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuil
       break;
     nlp.start_push = 1e-6, nlp.start_barrier = 1e-4;  // warm
   }
-  result.evaluation = problem::Evaluate(result.end, problem);
+  result.evaluation = problem::Evaluate(result.end, Placed(problem, result.program, result.solution.x));
   return result;
 }
 

@@ -1,11 +1,13 @@
 #include "lake/synthesis/program_sets.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/linkage/loop_equations.h"
+#include "lake/parts/strength.h"
 
 namespace lake::synthesis {
 namespace {
@@ -20,23 +22,35 @@ struct PoseValues {
   T links[6]{}, stroke{}, phi{}, theta{};
 };
 
-// A pose of the used range; v = l1..l6, stroke, phi, range.
+// A pose of the used range; v = l1..l6, stroke, phi, range. A build's links are off by `shift`.
 struct OnUsedRange {
   double fraction, standing_rad;
+  std::array<double, 6> shift;
 
   template <typename T>
   T Theta(const T* v) const {
     return v[8] * fraction + standing_rad * (1 - fraction);
   }
   template <typename T>
+  std::array<T, 6> Links(const T* v) const {
+    std::array<T, 6> links;
+    for (std::size_t i = 0; i < links.size(); ++i) links[i] = v[i] + shift[i];
+    return links;
+  }
+  template <typename T>
   linkage::LoopVectors<T> Vectors(const T* v) const {
-    return linkage::LoopVectorsOf(v, v[7], Theta(v));
+    return linkage::LoopVectorsOf(Links(v).data(), v[7], Theta(v));
   }
   template <typename T>
   PoseValues<T> operator()(const T* v) const {
-    return {{v[0], v[1], v[2], v[3], v[4], v[5]}, v[6], v[7], Theta(v)};
+    const std::array<T, 6> links = Links(v);
+    return {{links[0], links[1], links[2], links[3], links[4], links[5]}, v[6], v[7], Theta(v)};
   }
 };
+
+OnUsedRange PlaceOf(const PoseVariables& pose) {
+  return {pose.fraction, pose.standing_rad, pose.shift};
+}
 
 // A pose of a stroke program. There are many of these, so a row takes the variables that it reads and no others:
 // v = l2, l5, l6, phi and, for the loop, the strokes of two knots.
@@ -151,6 +165,63 @@ struct ForceTerm : OnUsedRange {
   }
 };
 
+// What a member bears against the limit v[9]: a largest force in N, or a safety factor of what it bears.
+struct Bearing {
+  bool is_safety;
+  double capacity_n, scale_n;
+  template <typename T>
+  T Allowed(const T& limit) const {  // what multiplies the load is the safety factor, else the force is what is allowed
+    return is_safety ? limit * 0.0 + capacity_n : limit;
+  }
+  template <typename T>
+  T Factor(const T& limit) const {
+    return is_safety ? limit : limit * 0.0 + 1.0;
+  }
+};
+
+struct CouplerTerm : OnUsedRange {
+  Bearing bearing;
+  double torque_nmm;
+  template <typename T>
+  T operator()(const T* v) const {
+    const auto vectors = Vectors(v);
+    return (bearing.Allowed(v[9]) * linkage::Dot(vectors.coupler, vectors.shank_motion) -
+            bearing.Factor(v[9]) * Links(v)[0] * torque_nmm) /
+           (kAreaScale_mm2 * bearing.scale_n);
+  }
+};
+
+// `side` is the sign of the force.
+struct BarTerm : OnUsedRange {
+  Bearing bearing;
+  double torque_nmm, side;
+  template <typename T>
+  T operator()(const T* v) const {
+    const auto vectors = Vectors(v);
+    const T cross = vectors.coupler.x * vectors.actuator.y - vectors.coupler.y * vectors.actuator.x;
+    return (bearing.Allowed(v[9]) * linkage::Dot(vectors.coupler, vectors.shank_motion) *
+                linkage::Dot(vectors.actuator, vectors.tip_motion) -
+            bearing.Factor(v[9]) * Links(v)[1] * cross * (side * torque_nmm)) /
+           (kAreaScale_mm2 * kAreaScale_mm2 * bearing.scale_n);
+  }
+};
+
+// A capacity of a member of any length, or in N mm^2 of a rod: of the length that it has.
+struct ActuatorTerm : OnUsedRange {
+  Bearing bearing;
+  double torque_nmm;
+  bool is_rod;
+  template <typename T>
+  T operator()(const T* v) const {
+    const auto vectors = Vectors(v);
+    const T arm =
+        linkage::Dot(vectors.coupler, vectors.shank_motion) * linkage::Dot(vectors.actuator, vectors.tip_motion) / v[6];
+    const T allowed = is_rod ? bearing.Allowed(v[9]) / (v[6] * v[6]) : bearing.Allowed(v[9]);
+    return (allowed * arm - bearing.Factor(v[9]) * linkage::Dot(vectors.coupler, vectors.tip_motion) * torque_nmm) /
+           (kAreaScale_mm2 * bearing.scale_n);
+  }
+};
+
 // v[9] is the duration; in units in which the row is of order one.
 struct DurationTerm : OnUsedRange {
   double at_rest_mm_s, lost_nmm_mm_s, rad_per_rise, scale;
@@ -170,9 +241,97 @@ struct TransmissionTerm : OnUsedRange {
   template <typename T>
   T operator()(const T* v) const {
     using std::sin;
-    return linkage::SinCosTransmission(v, v[7], Theta(v))[0] - sin(v[9] / kDegreesPerRadian);
+    return linkage::SinCosTransmission(Links(v).data(), v[7], Theta(v))[0] - sin(v[9] / kDegreesPerRadian);
   }
 };
+
+using linkage::Planar;
+
+// The pins in the thigh frame of the exoskeleton; v = l1..l6, phi.
+template <typename T>
+Planar<T> PinAt(linkage::Pin pin, const T* l, const T& phi, const T& theta) {
+  using std::cos, std::sin;
+  switch (pin) {
+    case linkage::kPinK:
+      return {T{}, T{}};
+    case linkage::kPinP:
+      return {T{}, l[2]};
+    case linkage::kPinR:
+      return {l[1] * sin(phi), l[2] + l[1] * cos(phi)};
+    case linkage::kPinS:
+      return {l[3] * sin(theta), -l[3] * cos(theta)};
+    default:
+      return {l[4], l[2] + l[5]};
+  }
+}
+
+// A pin as linkage::PutOnBody and InLimb have it; v = l1..l6, stroke, phi, range, limit, placement x and y.
+struct PinOnBody : OnUsedRange {
+  linkage::Pin pin;
+
+  // In the axes of the shank the placement is what it is, mirrored.
+  template <typename T>
+  Planar<T> InShank(const T* v) const {
+    using std::cos, std::sin;
+    const T theta = Theta(v), sine = sin(theta), cosine = cos(theta);
+    const Planar<T> at = PinAt(pin, Links(v).data(), v[7], theta);
+    return {at.x * cosine + at.y * sine - v[10], at.x * sine - at.y * cosine - v[11]};
+  }
+  template <typename T>
+  Planar<T> InThigh(const T* v) const {
+    using std::cos, std::sin;
+    const T theta = Theta(v), sine = sin(theta), cosine = cos(theta);
+    const Planar<T> at = PinAt(pin, Links(v).data(), v[7], theta);
+    return {at.x - v[10] * cosine - v[11] * sine, at.y - v[10] * sine + v[11] * cosine};
+  }
+};
+
+// Of lengths: brings rows near one.
+constexpr double kClearanceScale_mm = 100;
+
+// v[12] is the heading.
+struct SeatTerm : PinOnBody {
+  double corner_x, corner_y, radius_mm;
+  template <typename T>
+  T operator()(const T* v) const {
+    using std::cos, std::sin;
+    const Planar<T> at = InThigh(v);
+    return ((at.x - corner_x) * cos(v[12]) + (at.y - corner_y) * sin(v[12]) - radius_mm - v[9]) / kClearanceScale_mm;
+  }
+};
+
+// v[12] is the heading, v[13] the limb's reach in its direction.
+struct LimbTerm : PinOnBody {
+  linkage::Limb limb;
+  double radius_mm;
+  template <typename T>
+  T operator()(const T* v) const {
+    using std::cos, std::sin;
+    const Planar<T> at = limb == linkage::Limb::kThigh ? InThigh(v) : InShank(v);
+    return (at.x * cos(v[12]) + at.y * sin(v[12]) - v[13] - radius_mm - v[9]) / kClearanceScale_mm;
+  }
+};
+
+// v = heading, reach.
+struct CornerTerm {
+  double x, y;
+  template <typename T>
+  T operator()(const T* v) const {
+    using std::cos, std::sin;
+    return (v[1] - cos(v[0]) * x - sin(v[0]) * y) / kClearanceScale_mm;
+  }
+};
+
+// l1..l6, stroke, phi, range, limit, placement, and others.
+template <std::size_t N>
+std::array<int, 12 + N> With(const ClearancePose& at, const std::array<int, N>& others) {
+  const auto pose = at.pose.All();
+  std::array<int, 12 + N> variables{};
+  auto next = std::copy(pose.begin(), pose.end(), variables.begin());
+  *next++ = at.limit, *next++ = at.placement[0], *next++ = at.placement[1];
+  std::copy(others.begin(), others.end(), next);
+  return variables;
+}
 
 // The variables of a pose and one more.
 std::array<int, 10> With(const PoseVariables& pose, int variable) {
@@ -194,10 +353,12 @@ struct LinearTerm {
 };
 
 struct SingularityTerm {
+  double off_mm;
   template <typename T>
   T operator()(const T* v) const {  // l2, l5, l6, d
     using std::sqrt;
-    return v[0] + v[3] - sqrt(v[1] * v[1] + v[2] * v[2]);
+    const T l5 = v[1] + off_mm, l6 = v[2] + off_mm;
+    return v[0] + v[3] - 2 * off_mm - sqrt(l5 * l5 + l6 * l6);
   }
 };
 
@@ -230,10 +391,11 @@ std::array<int, 9> PoseVariables::All() const {
 }
 
 PoseVariables AddPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links, int stroke,
-                      int range, double fraction, double standing_rad, double phi_start_rad) {
+                      int range, double fraction, double standing_rad, double phi_start_rad,
+                      const std::array<double, 6>& shift) {
   const int phi = AddBarAngle(program, name, phi_start_rad);
-  const PoseVariables pose{links, stroke, phi, range, fraction, standing_rad, name};
-  const Reading<9, OnUsedRange> all{pose.All(), {fraction, standing_rad}};
+  const PoseVariables pose{links, stroke, phi, range, fraction, standing_rad, name, shift};
+  const Reading<9, OnUsedRange> all{pose.All(), PlaceOf(pose)};
   AddPoseRows(program, name, all, all, all, all);
   return pose;
 }
@@ -249,13 +411,13 @@ void AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, con
 }
 
 void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose) {
-  const OnUsedRange at{pose.fraction, pose.standing_rad};
+  const OnUsedRange at = PlaceOf(pose);
   program.AddConstraint("no turning" + pose.place, 0, nlp::kUnbounded, pose.All(), NoTurningTerm{at});
 }
 
 void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
                   int limit, double knee_torque_nm) {
-  const OnUsedRange at{pose.fraction, pose.standing_rad};
+  const OnUsedRange at = PlaceOf(pose);
   const std::string name = requirement.name + pose.place;
   const std::array<int, 10> variables = With(pose, limit);
   if (requirement.id.kind == problem::Requirement::Kind::kTransmission) {
@@ -269,17 +431,76 @@ void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& re
                           ForceTerm{at, knee_torque_nm * kMillimetresPerMetre, requirement.limit});
 }
 
+void AddStrengthRows(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
+                     int limit, double knee_torque_nm, const parts::PartOptions& parts) {
+  const OnUsedRange at = PlaceOf(pose);
+  const bool is_safety = requirement.id.kind == problem::Requirement::Kind::kSafety;
+  const parts::Capacity capacity = parts::CapacityOf(parts);
+  const double torque_nmm = std::abs(knee_torque_nm) * kMillimetresPerMetre;
+  const auto bearing = [&](double capacity_n, double typical_n) {
+    return Bearing{is_safety, capacity_n, is_safety ? typical_n : requirement.limit};
+  };
+  const auto add = [&](const char* member, const auto& term) {
+    program.AddConstraint(fmt::format("{} of the {}{}", requirement.name, member, pose.place), 0, nlp::kUnbounded,
+                          With(pose, limit), term);
+  };
+  add("coupler", CouplerTerm{at, bearing(capacity.coupler_n, capacity.coupler_n), torque_nmm});
+  for (const double side : {1.0, -1.0})
+    add("slewing bar", BarTerm{at, bearing(capacity.bar_n, capacity.bar_n), torque_nmm, side});
+  add("actuator", ActuatorTerm{at, bearing(capacity.actuator_n, capacity.actuator_n), torque_nmm, false});
+  if (!is_safety) return;
+  constexpr double kUsualLength_mm = 300;
+  if (knee_torque_nm > 0)
+    add("rod", ActuatorTerm{at, bearing(capacity.rod_nmm2, capacity.rod_nmm2 / (kUsualLength_mm * kUsualLength_mm)),
+                            torque_nmm, true});
+  // Whatever the links: without a solution it is what has to give way.
+  const int bending = program.AddRow("safety factor of the shank link" + pose.place, -nlp::kUnbounded,
+                                     capacity.knee_torque_nm / std::abs(knee_torque_nm));
+  AddScaledTerm(program, bending, limit, 1);
+}
+
 void AddDurationRow(nlp::NonlinearProgram& program, const PoseVariables& pose, int duration,
                     const problem::SpeedLine& line, double knee_torque_nm, double rad_per_rise) {
   constexpr double kArm_mm = 50;  // usual
   const double torque_nmm = knee_torque_nm * kMillimetresPerMetre;
   const double scale = kAreaScale_mm2 * kAreaScale_mm2 * kArm_mm * line.at_rest_mm_s;
-  program.AddConstraint("duration" + pose.place, 0, nlp::kUnbounded, With(pose, duration),
-                        DurationTerm{{pose.fraction, pose.standing_rad},
-                                     line.at_rest_mm_s,
-                                     line.per_newton_mm_s * torque_nmm,
-                                     rad_per_rise,
-                                     scale});
+  program.AddConstraint(
+      "duration" + pose.place, 0, nlp::kUnbounded, With(pose, duration),
+      DurationTerm{PlaceOf(pose), line.at_rest_mm_s, line.per_newton_mm_s * torque_nmm, rad_per_rise, scale});
+}
+
+void AddSeatRows(nlp::NonlinearProgram& program, const ClearancePose& at, const linkage::Seat& seat,
+                 const linkage::WearOptions& wear) {
+  const OnUsedRange place = PlaceOf(at.pose);
+  for (const linkage::WornPart& part : linkage::WornPartsOf(wear)) {
+    const linkage::Separation start = linkage::SeparationFrom(seat, part, at.start);
+    const int heading =
+        program.AddVariable("heading from the seat", start.heading_rad, std::numbers::pi, 1.5 * std::numbers::pi);
+    for (const linkage::Pin pin : {part.from, part.to})
+      program.AddConstraint("seat clearance", 0, nlp::kUnbounded, With(at, std::array{heading}),
+                            SeatTerm{{place, pin}, seat.surface_mm, seat.edge_mm, part.radius_mm});
+  }
+}
+
+void AddLimbRows(nlp::NonlinearProgram& program, const ClearancePose& at, linkage::Limb limb, const linkage::Body& body,
+                 const linkage::WearOptions& wear) {
+  const std::string name = (limb == linkage::Limb::kThigh ? "thigh clearance" : "shank clearance") + at.pose.place;
+  const linkage::WornPart actuator = linkage::WornPartsOf(wear)[0];
+  const linkage::Separation start = linkage::LimbSeparation(limb, at.start, body, wear);
+  const auto corners = linkage::OutlineOf(limb, body);
+  double reach_mm = -nlp::kUnbounded;
+  for (const Eigen::Vector2d& corner : corners)
+    reach_mm = std::max(reach_mm, std::cos(start.heading_rad) * corner.x() + std::sin(start.heading_rad) * corner.y());
+  const int heading = program.AddVariable("heading" + name, start.heading_rad, start.heading_rad - std::numbers::pi,
+                                          start.heading_rad + std::numbers::pi);
+  const int reach = program.AddVariable("reach" + name, reach_mm, -nlp::kUnbounded, nlp::kUnbounded);
+  const OnUsedRange place = PlaceOf(at.pose);
+  for (const linkage::Pin pin : {actuator.from, actuator.to})
+    program.AddConstraint(name, 0, nlp::kUnbounded, With(at, std::array{heading, reach}),
+                          LimbTerm{{place, pin}, limb, actuator.radius_mm});
+  for (const Eigen::Vector2d& corner : corners)
+    program.AddConstraint("reach for " + name, 0, nlp::kUnbounded, std::array{heading, reach},
+                          CornerTerm{corner.x(), corner.y()});
 }
 
 void AddLinearTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links,
@@ -287,8 +508,9 @@ void AddLinearTerm(nlp::NonlinearProgram& program, int row, const LinkVariables&
   program.AddTerm(row, links, LinearTerm{coefficients});
 }
 
-void AddSingularityTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links, int stroke) {
-  program.AddTerm(row, std::array{links[1], links[4], links[5], stroke}, SingularityTerm{});
+void AddSingularityTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links, int stroke,
+                        double off_mm) {
+  program.AddTerm(row, std::array{links[1], links[4], links[5], stroke}, SingularityTerm{off_mm});
 }
 
 void AddScaledTerm(nlp::NonlinearProgram& program, int row, int variable, double factor) {

@@ -26,6 +26,11 @@ problem::SynthesisProblem OnlyLinkRequirements(problem::SynthesisProblem problem
   problem.min_moment_arm_mm.reset();
   problem.min_transmission_deg.reset();
   problem.max_angle_deg.reset();
+  problem.clearances = {};
+  problem.max_pin_force_n.reset();
+  problem.max_mount_force_n.reset();
+  problem.safety_factor.reset();
+  problem.robust_mm.reset();
   problem.profile.reset();
   problem.actuator.reset();
   problem.duration_s.reset();
@@ -53,7 +58,7 @@ LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Li
 problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem, double tolerance_mm,
                        std::uint64_t seed) {
   problem::YieldOptions options;
-  options.tolerance_mm = tolerance_mm;
+  options.tolerance_mm = tolerance_mm, options.pin_clearance_mm = problem.parts.bore_clearance_mm;
   options.seed = seed;
   return problem::EstimateYield(links, problem, options);
 }
@@ -114,7 +119,7 @@ certificate::Certificate Certify(const problem::SynthesisProblem& problem, doubl
                                  std::int64_t max_boxes, bool quiet) {
   const problem::SynthesisProblem simpler = OnlyLinkRequirements(problem);
   double aim_deg = range_deg;
-  if (NeedsStanding(problem) || problem.max_angle_deg) {
+  if (NeedsStanding(problem) || problem.max_angle_deg || problem.robust_mm) {
     const LocalSolve best = BestOfFew(simpler, problem.start, {});
     if (best.IsUsable()) aim_deg = std::max(aim_deg, best.evaluation.range_deg);
   }
@@ -147,12 +152,14 @@ SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const Sy
   if (!outcome.IsSolved()) return outcome;
   const LocalSolve& best = outcome.result.Best();
   outcome.active = FindActiveSet(best);
-  outcome.certificate_ignores_used_range = NeedsStanding(problem);
+  outcome.certificate_ignores_used_range = NeedsStanding(problem) || problem.robust_mm;
   if (options.certify_gap_deg)
     outcome.certificate =
         Certify(problem, best.evaluation.range_deg, *options.certify_gap_deg, options.certify_boxes, options.quiet);
   outcome.sensitivity = problem::Sensitivity(best.end, problem);
-  if (problem.goal == problem::SynthesisProblem::Goal::kRange) outcome.margins = SweepMargins(outcome);
+  // A tolerance takes the place of margins.
+  if (problem.goal == problem::SynthesisProblem::Goal::kRange && !problem.robust_mm)
+    outcome.margins = SweepMargins(outcome);
   if (options.yield_tolerance_mm) outcome.yield = yield_of(best.end);
   if (options.round_mm) outcome.rounded = problem::RoundLinks(best.end, problem, *options.round_mm);
   return outcome;

@@ -50,19 +50,70 @@ class Builder {
         start_(start),
         elasticity_(elasticity),
         range_weight_(range_weight),
-        at_range_(StartAtRange(problem, start)) {}
+        at_range_(StartAtRange(problem, start)) {
+    current_.links = start;
+  }
 
   SynthesisProgram Build(const Collocation& poses) {
     AddLinksAndStroke();
+    if (problem_.clearances.AreAsked()) AddPlacement();
     AddShortestPose();
     for (const problem::Requirement& requirement : problem::RequirementsOf(problem_)) AddRequirement(requirement);
-    AddUsedRange(poses.fractions);
-    AddProfile(poses.samples);
+    AddPoses(poses);
+    for (const problem::BuildError& error : poses.builds) AddBuild(error, poses);
     if (!IsElastic()) AddGoal();
     return std::move(result_);
   }
 
  private:
+  // What the poses that are added are of: the design as asked for, or a build.
+  struct Current {
+    linkage::Links links;  // where the program starts
+    double d_min_off_mm = 0;
+    std::array<double, 6> shift{};
+    int range = -1;
+    std::string name;
+    bool is_build = false;
+  };
+
+  void AddPoses(const Collocation& poses) {
+    AddUsedRange(poses.fractions);
+    AddSeated();
+    AddProfile(poses.samples);
+  }
+
+  // A build's own shortest stroke and range, and everything that poses have to satisfy.
+  void AddBuild(const problem::BuildError& error, const Collocation& poses) {
+    const problem::SynthesisProblem of_build = problem::ProblemOf(error, problem_);
+    current_ = {problem::LinksOf(error, start_), error.back(), {}, -1, fmt::format(" of build {}", ++builds_), true};
+    std::copy_n(error.begin(), current_.shift.size(), current_.shift.begin());
+    at_range_ = StartAtRange(of_build, current_.links);
+    const std::string& name = current_.name;
+    const int stroke = nlp().AddVariable("d_min" + name, of_build.d_min_mm, kShortest_mm, kLongest_mm);
+    const int row = nlp().AddRow("d_min" + name, error.back(), error.back());
+    AddScaledTerm(nlp(), row, stroke, 1);
+    AddScaledTerm(nlp(), row, result_.shortest_stroke, -1);
+    current_.range = nlp().AddVariable("theta" + name, at_range_.theta_rad, -std::numbers::pi, std::numbers::pi);
+    poses_ = {AddPose(nlp(), name, result_.links, stroke, current_.range, 1, RadiansFromDegrees(problem_.standing_deg),
+                      at_range_.phi_rad, current_.shift)};
+    const int worst = nlp().AddRow("range" + name, 0, nlp::kUnbounded);
+    AddScaledTerm(nlp(), worst, current_.range, 1);
+    AddScaledTerm(nlp(), worst, result_.worst_range, -1);
+    for (const RequirementRow& entry : result_.requirements)
+      if (entry.requirement.id.kind == Kind::kMaxAngle || entry.requirement.id.kind == Kind::kReach)
+        AddLimitedRow(entry, current_.range, kDegreesPerRadian, 0);
+    AddPoses(poses);
+  }
+
+  // factor x variable + offset against the limit of a requirement that has it as a variable.
+  void AddLimitedRow(const RequirementRow& entry, int variable, double factor, double offset) {
+    const bool is_lower = entry.requirement.is_lower_limit;
+    const int row = nlp().AddRow(entry.requirement.Text() + current_.name, is_lower ? -offset : -nlp::kUnbounded,
+                                 is_lower ? nlp::kUnbounded : -offset);
+    AddScaledTerm(nlp(), row, variable, factor);
+    AddScaledTerm(nlp(), row, entry.family_limit, -1);
+  }
+
   nlp::NonlinearProgram& nlp() { return result_.program; }
   bool IsElastic() const { return elasticity_ != Elasticity::kNone; }
 
@@ -100,33 +151,69 @@ class Builder {
     AddElasticBound(result_.shortest_stroke, "d_min", d, false);
   }
 
+  void AddPlacement() {
+    const problem::Clearances& clearances = problem_.clearances;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double start = clearances.placement_mm[axis];
+      const double reach = clearances.placement_reach_mm.value_or(0);
+      result_.placement[axis] = nlp().AddVariable(axis == 0 ? "placement_x" : "placement_y", start,
+                                                  reach > 0 ? -reach : start, reach > 0 ? reach : start);
+    }
+  }
+
   void AddShortestPose() {
     result_.range = nlp().AddVariable("theta", at_range_.theta_rad, -std::numbers::pi, std::numbers::pi);
+    current_.range = result_.range;
+    if (problem_.robust_mm) AddWorstRange();
     poses_.push_back(AddPose(nlp(), "", result_.links, result_.shortest_stroke, result_.range, 1,
                              RadiansFromDegrees(problem_.standing_deg), at_range_.phi_rad));
   }
 
+  void AddWorstRange() {
+    result_.worst_range = nlp().AddVariable("worst theta", at_range_.theta_rad, -std::numbers::pi, std::numbers::pi);
+    const int row = nlp().AddRow("range as asked for", 0, nlp::kUnbounded);
+    AddScaledTerm(nlp(), row, result_.range, 1);
+    AddScaledTerm(nlp(), row, result_.worst_range, -1);
+  }
+
+  // Builds have rows of their own against the limit, which then is a variable as that of a family is.
+  bool HasLimitVariable(const problem::Requirement& requirement) const {
+    const Kind kind = requirement.id.kind;
+    return requirement.IsFamily() ||
+           (problem_.robust_mm && (kind == Kind::kMaxAngle || kind == Kind::kReach || kind == Kind::kMaxStroke));
+  }
+
+  // By how much the worst build is worse in a requirement on the links.
+  double Loss(const problem::Requirement& requirement) const {
+    double sum = 0;
+    for (const double coefficient : requirement.coefficients) sum += std::abs(coefficient);
+    return sum * problem_.robust_mm.value_or(0);
+  }
+
   void AddRequirement(const problem::Requirement& requirement) {
-    const double limit = requirement.limit;
+    const double limit = requirement.limit + (requirement.IsLinear() ? Loss(requirement) : 0);
     RequirementRow& entry = result_.requirements.emplace_back(RequirementRow{requirement});
     // The loop implies it; as a row of its own it would have the loop's gradient and multipliers without bound.
-    if (requirement.id.kind == Kind::kSingularity && limit == 0 && !IsElastic()) return;
+    if (requirement.id.kind == Kind::kSingularity && limit == 0 && !problem_.robust_mm && !IsElastic()) return;
     // The limit of a family is a variable of the program, so that its row carries the one price of all poses.
     const double least = IsSought(requirement) ? 0 : limit;
-    entry.row = requirement.IsFamily()       ? nlp().AddRow(requirement.Text(), least, limit)
+    const bool has_variable = HasLimitVariable(requirement);
+    entry.row = has_variable                 ? nlp().AddRow(requirement.Text(), least, limit)
                 : requirement.is_lower_limit ? nlp().AddRow(requirement.Text(), limit, nlp::kUnbounded)
                                              : nlp().AddRow(requirement.Text(), -nlp::kUnbounded, limit);
     result_.limits.push_back({LimitOn(requirement.id), requirement.unit, entry.row});
     if (requirement.IsLinear())
       AddLinearTerm(nlp(), entry.row, result_.links, requirement.coefficients);
     else if (requirement.id.kind == Kind::kSingularity)
-      AddSingularityTerm(nlp(), entry.row, result_.links, result_.shortest_stroke);
-    else if (requirement.id.kind == Kind::kMaxAngle || requirement.id.kind == Kind::kReach)
+      AddSingularityTerm(nlp(), entry.row, result_.links, result_.shortest_stroke, problem_.robust_mm.value_or(0));
+    else if (!has_variable && (requirement.id.kind == Kind::kMaxAngle || requirement.id.kind == Kind::kReach))
       AddScaledTerm(nlp(), entry.row, result_.range, kDegreesPerRadian);
-    if (requirement.IsFamily()) {
+    if (has_variable) {
       const double start = IsSought(requirement) ? StartDuration() : limit;
       entry.family_limit = nlp().AddVariable("limit of " + requirement.name, start, -nlp::kUnbounded, nlp::kUnbounded);
       AddScaledTerm(nlp(), entry.row, entry.family_limit, 1);
+      if (requirement.id.kind == Kind::kMaxAngle || requirement.id.kind == Kind::kReach)
+        AddLimitedRow(entry, result_.range, kDegreesPerRadian, 0);
     }
     // Angles that the linkage does not reach have no force that could be held against a limit.
     if (IsElastic() && requirement.id.kind != Kind::kReach)
@@ -153,7 +240,7 @@ class Builder {
   void AddGoal() {
     constexpr double kTie = 1e-6;  // s per deg
     const bool is_duration = problem_.SeeksDuration();
-    AddScaledTerm(nlp(), nlp::NlpTerm::kCost, result_.range,
+    AddScaledTerm(nlp(), nlp::NlpTerm::kCost, problem_.robust_mm ? result_.worst_range : result_.range,
                   -range_weight_ * (is_duration ? kTie : 1) * kDegreesPerRadian);
     for (const RequirementRow& entry : result_.requirements)
       if (IsSought(entry.requirement)) AddScaledTerm(nlp(), nlp::NlpTerm::kCost, entry.family_limit, 1);
@@ -163,11 +250,11 @@ class Builder {
   void AddProfile(const std::vector<int>& samples) {
     for (const int i : samples) {
       const problem::LoadSample& sample = problem_.profile->samples[i];
-      const std::string name = fmt::format(" at {:.4g} %", sample.percent);
-      const PoseStart start = StartAt(problem_, start_, at_range_, sample.knee_rad);
+      const std::string name = fmt::format(" at {:.4g} %{}", sample.percent, current_.name);
+      const PoseStart start = StartOf(sample.knee_rad);
       const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
-      const PoseVariables pose =
-          AddPose(nlp(), name, result_.links, stroke, result_.range, /*fraction=*/0, sample.knee_rad, start.phi_rad);
+      const PoseVariables pose = AddPose(nlp(), name, result_.links, stroke, current_.range, /*fraction=*/0,
+                                         sample.knee_rad, start.phi_rad, current_.shift);
       AddNoTurningRow(nlp(), pose);
       for (const RequirementRow& entry : result_.requirements)
         if (entry.requirement.along_profile) AddProfileRow(entry, sample, pose);
@@ -183,7 +270,15 @@ class Builder {
     }
     const bool may_rest = problem_.rests_anywhere || &sample == &LastSampleInUse();
     if (torque_nm > 0 && (entry.requirement.id.kind != Kind::kHolding || may_rest))
-      AddFamilyRow(nlp(), entry.requirement, pose, entry.family_limit, torque_nm);
+      AddLoadedRow(entry, pose, problem_.TorqueAt(sample));
+  }
+
+  void AddLoadedRow(const RequirementRow& entry, const PoseVariables& pose, double torque_nm) {
+    const Kind kind = entry.requirement.id.kind;
+    if (kind == Kind::kPinForce || kind == Kind::kSafety)
+      AddStrengthRows(nlp(), entry.requirement, pose, entry.family_limit, torque_nm, problem_.parts);
+    else
+      AddFamilyRow(nlp(), entry.requirement, pose, entry.family_limit, std::abs(torque_nm));
   }
 
   const problem::LoadSample& LastSampleInUse() const {
@@ -199,27 +294,84 @@ class Builder {
     std::sort(fractions.begin(), fractions.end());
     fractions.erase(std::unique(fractions.begin(), fractions.end()), fractions.end());
     for (const double fraction : fractions) {
-      const std::string name = fmt::format(" at {:.4g}", fraction);
+      const std::string name = fmt::format(" at {:.4g}{}", fraction, current_.name);
       const double standing = RadiansFromDegrees(problem_.standing_deg);
-      const PoseStart start = StartAt(problem_, start_, at_range_, std::lerp(standing, at_range_.theta_rad, fraction));
+      const PoseStart start = StartOf(std::lerp(standing, at_range_.theta_rad, fraction));
       const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
-      poses_.push_back(AddPose(nlp(), name, result_.links, stroke, result_.range, fraction, standing, start.phi_rad));
+      poses_.push_back(AddPose(nlp(), name, result_.links, stroke, current_.range, fraction, standing, start.phi_rad,
+                               current_.shift));
     }
     for (const PoseVariables& pose : poses_) AddNoTurningRow(nlp(), pose);
     const PoseVariables& standing = *std::ranges::find(poses_, kStanding, &PoseVariables::fraction);
     for (const RequirementRow& entry : result_.requirements) {
-      if (entry.requirement.id.kind == Kind::kMaxStroke) AddScaledTerm(nlp(), entry.row, standing.stroke, 1);
+      if (entry.requirement.id.kind == Kind::kMaxStroke) AddStanding(entry, standing);
       if (!entry.requirement.IsFamily() || entry.requirement.along_profile) continue;
-      for (const PoseVariables& pose : poses_)
-        AddFamilyRow(nlp(), entry.requirement, pose, entry.family_limit, problem_.knee_torque_nm);
+      if (entry.requirement.id.kind == Kind::kSeat) continue;
+      for (const PoseVariables& pose : poses_) AddFamilyAt(entry, pose);
     }
+  }
+
+  // An actuator that is longer at its shortest is so at its longest.
+  void AddStanding(const RequirementRow& entry, const PoseVariables& standing) {
+    if (HasLimitVariable(entry.requirement))
+      AddLimitedRow(entry, standing.stroke, 1, -current_.d_min_off_mm);
+    else
+      AddScaledTerm(nlp(), entry.row, standing.stroke, 1);
+  }
+
+  // On the linkage that the current poses are of.
+  PoseStart StartOf(double theta_rad) const {
+    problem::SynthesisProblem of_build = problem_;
+    of_build.d_min_mm += current_.d_min_off_mm;
+    return StartAt(of_build, current_.links, at_range_, theta_rad);
+  }
+
+  void AddFamilyAt(const RequirementRow& entry, const PoseVariables& pose) {
+    if (!entry.requirement.IsClearance()) {
+      AddLoadedRow(entry, pose, problem_.knee_torque_nm);
+      return;
+    }
+    const linkage::Limb limb =
+        entry.requirement.id.kind == Kind::kThigh ? linkage::Limb::kThigh : linkage::Limb::kShank;
+    AddLimbRows(nlp(), At(pose, entry), limb, linkage::BodyOf(problem_.clearances.body), problem_.Wear());
+  }
+
+  // The pose of sitting, with the rows of the seat.
+  void AddSeated() {
+    const auto entry = std::ranges::find_if(
+        result_.requirements, [](const RequirementRow& row) { return row.requirement.id.kind == Kind::kSeat; });
+    if (entry == result_.requirements.end()) return;
+    const double seated = problem_.SeatedAngle_rad();
+    const PoseStart start = StartOf(seated);
+    const std::string name = " seated" + current_.name;
+    const int stroke = nlp().AddVariable("d" + name, start.stroke_mm, kShortest_mm, kLongest_mm);
+    const PoseVariables pose = AddPose(nlp(), name, result_.links, stroke, current_.range, /*fraction=*/0, seated,
+                                       start.phi_rad, current_.shift);
+    AddNoTurningRow(nlp(), pose);
+    const linkage::WearOptions wear = problem_.Wear();
+    AddSeatRows(nlp(), At(pose, *entry), linkage::SeatOf(linkage::BodyOf(problem_.clearances.body), wear), wear);
+  }
+
+  // The pose as the program starts, on the body.
+  ClearancePose At(const PoseVariables& pose, const RequirementRow& entry) const {
+    const auto start_of = [&](int variable) { return result_.program.Variables()[variable].start; };
+    const double phi = start_of(pose.phi);
+    linkage::Pose start;
+    start.theta_rad = std::lerp(pose.standing_rad, start_of(pose.range), pose.fraction);
+    start.knee = {0, 0}, start.thigh_pin = {0, current_.links.l3};
+    start.tip = start.thigh_pin + current_.links.l2 * Eigen::Vector2d(std::sin(phi), std::cos(phi));
+    start.shank_pin = current_.links.l4 * Eigen::Vector2d(std::sin(start.theta_rad), -std::cos(start.theta_rad));
+    start.mount = start.thigh_pin + Eigen::Vector2d(current_.links.l5, current_.links.l6);
+    return {pose, entry.family_limit, result_.placement, linkage::PutOnBody(start, problem_.clearances.placement_mm)};
   }
 
   const problem::SynthesisProblem& problem_;
   const linkage::Links start_;
   const Elasticity elasticity_;
   const double range_weight_;
-  const PoseStart at_range_;
+  PoseStart at_range_;  // of what the current poses are of
+  Current current_;
+  int builds_ = 0;
   SynthesisProgram result_;
   std::vector<PoseVariables> poses_;
 };
@@ -235,9 +387,16 @@ const Limit* SynthesisProgram::Find(const LimitId& id) const {
   return found == limits.end() ? nullptr : &*found;
 }
 
+problem::SynthesisProblem Placed(problem::SynthesisProblem problem, const SynthesisProgram& program,
+                                 const std::vector<double>& x) {
+  if (program.placement[0] < 0) return problem;
+  for (int axis = 0; axis < 2; ++axis) problem.clearances.placement_mm[axis] = x[program.placement[axis]];
+  return problem;
+}
+
 double SlackUnit(const problem::Requirement& requirement) {
   const bool is_relative = requirement.id.kind == Kind::kForce || requirement.id.kind == Kind::kHolding ||
-                           requirement.id.kind == Kind::kDuration;
+                           requirement.id.kind == Kind::kDuration || requirement.IsStrength();
   return is_relative ? requirement.limit / 100 : 1;
 }
 

@@ -79,7 +79,8 @@ double TitleHeight(const linkage::Body& body) {
 }
 
 void DrawStanding(Scene& scene, const LinkageLook& look, const linkage::WearCheck& check) {
-  const PosedLeg leg(linkage::RequirePose(look.links, check.standing_stroke_mm));
+  const PosedLeg leg(
+      linkage::PutOnBody(linkage::RequirePose(look.links, check.standing_stroke_mm), look.wear.placement_mm));
   DrawBody(scene, look, leg);
   constexpr double kHardlyBent_deg = 10;
   scene.Label({-0.29 * look.body.height_mm, TitleHeight(look.body)},
@@ -91,7 +92,8 @@ void DrawStanding(Scene& scene, const LinkageLook& look, const linkage::WearChec
 }
 
 void DrawSeated(Scene& scene, const LinkageLook& look, const linkage::WearCheck& check) {
-  const linkage::Pose pose = linkage::RequirePose(look.links, check.seated_stroke_mm);
+  const linkage::Pose pose =
+      linkage::PutOnBody(linkage::RequirePose(look.links, check.seated_stroke_mm), look.wear.placement_mm);
   const PosedLeg leg(pose, std::numbers::pi / 2 - pose.theta_rad);  // thigh level
   DrawSeat(scene, look, leg.FromThigh({0, look.body.thigh.length_mm}));
   DrawBody(scene, look, leg);

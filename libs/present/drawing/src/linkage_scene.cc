@@ -48,9 +48,10 @@ void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body) {
 
 void DrawLinkage(Scene& scene, const PosedLeg& leg, double d_min_mm, double half_width, double pin_size) {
   const linkage::Pose& pose = leg.ThePose();
-  const Vector2d knee(0, 0), thigh_pin = leg.FromThigh(pose.thigh_pin), tip = leg.FromThigh(pose.tip);
+  const Vector2d knee = leg.FromThigh(pose.knee), thigh_pin = leg.FromThigh(pose.thigh_pin),
+                 tip = leg.FromThigh(pose.tip);
   const Vector2d shank_pin = leg.FromThigh(pose.shank_pin), mount = leg.FromThigh(pose.mount);
-  const Vector2d bend = leg.FromThigh({0, pose.mount.y()});
+  const Vector2d bend = leg.FromThigh({pose.knee.x(), pose.mount.y()});
   const auto bar = [&](const Vector2d& from, const Vector2d& to, const char* colour, double width) {
     scene.Fill(CapsulePath(from, to, width, width), colour);
   };

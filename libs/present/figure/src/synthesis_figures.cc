@@ -33,8 +33,12 @@ void ShadeUnassembled(GnuplotFigure& figure, const std::vector<problem::Sensitiv
   }
 }
 
-void DrawLinkPanel(GnuplotFigure& figure, const std::vector<problem::SensitivityPoint>& points,
-                   const linkage::Links& links, int link, Range range) {
+constexpr int kLengths = 7;  // l1..l6 and d_min
+constexpr int kColumns = 4;
+
+void DrawLengthPanel(GnuplotFigure& figure, const std::vector<problem::SensitivityPoint>& points,
+                     const synthesis::SynthesisOutcome& outcome, int link, Range range) {
+  const double length_mm = link + 1 < kLengths ? outcome.BestLinks().Values()[link] : outcome.problem.d_min_mm;
   std::vector<double> delta, feasible, infeasible;
   for (const problem::SensitivityPoint& point : points) {
     delta.push_back(point.delta_mm);
@@ -44,10 +48,11 @@ void DrawLinkPanel(GnuplotFigure& figure, const std::vector<problem::Sensitivity
   const std::string data = figure.Data({delta, infeasible, feasible});
   figure.Line("unset object");
   ShadeUnassembled(figure, points);
-  figure.Line(fmt::format("set title '{} = {:.2f} mm' offset 0,-0.6", problem::LinkName(link), links.Values()[link]));
+  const std::string name = link + 1 < kLengths ? problem::LengthName(link) : "shortest stroke";
+  figure.Line(fmt::format("set title '{} = {:.2f} mm' offset 0,-0.6", name, length_mm));
   figure.Line(fmt::format("set yrange [{}:{}]", range.lower, range.upper));
-  figure.Line(link >= 3 ? "set xlabel 'change of the link (mm)'" : "unset xlabel");
-  figure.Line(link % 3 == 0 ? "set ylabel 'range of rotation (°)'" : "unset ylabel");
+  figure.Line(link + kColumns >= kLengths ? "set xlabel 'change of the length (mm)'" : "unset xlabel");
+  figure.Line(link % kColumns == 0 ? "set ylabel 'range of rotation (°)'" : "unset ylabel");
   figure.Line(
       fmt::format("plot {0} using 1:2 with lines lw 2.5 dt (6,5) lc rgb '{1}' notitle, "
                   "{0} using 1:3 with lines lw 3 lc rgb '{2}' notitle, "
@@ -67,19 +72,19 @@ Range RangeOf(const std::vector<problem::SensitivityPoint>& points) {
 }  // namespace
 
 void DrawSensitivity(const synthesis::SynthesisOutcome& outcome, const std::filesystem::path& path) {
-  GnuplotFigure figure(1200, 800);
-  figure.Line("set multiplot layout 2,3 margins 0.09,0.98,0.15,0.94 spacing 0.065,0.14");
+  GnuplotFigure figure(1500, 800);
+  figure.Line("set multiplot layout 2,4 margins 0.09,0.98,0.15,0.94 spacing 0.065,0.14");
   figure.Line(
       fmt::format("set label 2 'dot: the optimum    solid: feasible    dashed: outside a bound or a requirement    "
                   "grey: cannot be assembled' at screen 0.5,0.03 center textcolor rgb '{}'",
                   colour::kText));
   figure.Line("set xrange [-5:5]");
   const Range range = RangeOf(outcome.sensitivity);
-  for (int link = 0; link < 6; ++link) {
+  for (int link = 0; link < kLengths; ++link) {
     std::vector<problem::SensitivityPoint> points;
     std::ranges::copy_if(outcome.sensitivity, std::back_inserter(points),
                          [&](const problem::SensitivityPoint& point) { return point.link == link; });
-    DrawLinkPanel(figure, points, outcome.BestLinks(), link, range);
+    DrawLengthPanel(figure, points, outcome, link, range);
     if (link == 0) figure.Line("unset label 2");
   }
   figure.Line("unset multiplot").Write(path);

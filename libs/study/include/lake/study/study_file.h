@@ -6,7 +6,8 @@
 //   human, exo: {video, …} or {trial, …}     exo may be absent
 //   compare: {human_knee, exo_knee, replacement_sd_mm, …}
 //   design: {problem: file or map, worn: design.yaml, certify_deg, …}
-//   reoptimize: {problem, max_misalignment_percent, program, …}; absent: no design is fitted to the person. With an exo
+//   reoptimize: {problem, clearances, max_misalignment_percent, program, …}; absent: no design is fitted to the person.
+//   With an exo
 //     trial either the worn design or human_only: true
 //   simulate: {height_cm, mass_kg, seat_edge_mm, …}   the leg's lengths are the human trial's
 //   loads: {mass_kg, height_mm, …}; absent: no moments. Of the human trial
@@ -62,6 +63,7 @@ struct StudyCalibration {
 struct StudyProblem {
   std::optional<std::filesystem::path> file;
   problem::SynthesisProblem problem;  // of the file, or as it stands in the study; default: the paper's
+  problem::Clearances clearances;     // of the study, which these of the problem give way to
 };
 
 // A design fitted to the person.

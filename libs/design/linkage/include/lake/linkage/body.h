@@ -6,6 +6,10 @@
 // the straight circular frustum that has this length, volume and centre of mass.
 #pragma once
 
+#include <array>
+#include <numbers>
+#include <optional>
+
 #include "lake/linkage/linkage.h"
 
 namespace lake::linkage {
@@ -43,14 +47,66 @@ double MassAtHeight_kg(double height_mm, double other_height_mm, double other_ma
 // unless both are within 100..1000 mm.
 Body WithLeg(Body body, const LegLengths& leg);
 
+// What is known of a person.
+struct BodySize {
+  std::optional<double> height_mm;  // else of a body with this leg, else the paper's average user's, 1800
+  std::optional<double> mass_kg;    // else as heavy for its height as the paper's average user, 80 kg at 1800 mm
+  std::optional<LegLengths> leg;
+};
+// Throws Error as the functions above.
+Body BodyOf(const BodySize& size);
+
 struct WearOptions {
   double bar_width_mm = 24;          // of the link plates, rounded about their pins
   double actuator_diameter_mm = 40;  // of a small linear actuator's body
   double seat_edge_mm = 0;           // knee to the front edge of the seat; 0: a seat that carries half the thigh
+  std::array<double, 2> placement_mm{0, 0};  // of the exoskeleton's knee, as in Design
 };
 
-// Distances in the sagittal plane, mm. A negative clearance is an overlap: parts can share that place only side by
-// side.
+// A pose with its pins where a placement puts them: in the thigh frame of the leg, whose origin is the human's knee.
+Pose PutOnBody(Pose pose, const std::array<double, 2>& placement_mm);
+
+// Clearances are of poses put on the body, and those of convex outlines in the sagittal plane: the distance of two that
+// are apart, and, negative, the shortest way by which one would have to be moved out of the other. That is the most
+// that they are apart in any direction (u = cos heading, sin heading), so a solver that varies the heading finds the
+// same.
+struct Separation {
+  double distance_mm = 0;
+  double heading_rad = 0;  // of the direction
+};
+
+// The pins K, P, R, S and M by these indices, and the straight parts between them, each with rounded ends; the actuator
+// is the first.
+enum Pin : int { kPinK, kPinP, kPinR, kPinS, kPinM };
+struct WornPart {
+  Pin from, to;
+  double radius_mm;
+};
+std::array<WornPart, 6> WornPartsOf(const WearOptions& options);
+Eigen::Vector2d PlaceOf(Pin pin, const Pose& pose);  // thigh frame
+
+// A seat, the thigh level on it: all that lies below its surface and behind its front edge. Thigh frame.
+struct Seat {
+  double surface_mm = 0, edge_mm = 0;
+};
+Seat SeatOf(const Body& body, const WearOptions& options);
+inline constexpr double kSeated_rad = std::numbers::pi / 2;
+
+// Of one part; heading within [pi, 3 pi / 2], upwards and forwards.
+Separation SeparationFrom(const Seat& seat, const WornPart& part, const Pose& pose);
+// The least of mount, links and actuator in a pose with the thigh level, mm.
+double SeatClearance(const Pose& pose, const Body& body, const WearOptions& options);
+
+enum class Limb { kThigh, kShank };
+// A limb's outline from the side, in axes of its own: x posterior, y from the knee along the limb.
+std::array<Eigen::Vector2d, 4> OutlineOf(Limb limb, const Body& body);
+// A point of the thigh frame in the axes of a limb.
+Eigen::Vector2d InLimb(Limb limb, const Eigen::Vector2d& point, double theta_rad);
+// Of the actuator; the heading is in the limb's axes.
+Separation LimbSeparation(Limb limb, const Pose& pose, const Body& body, const WearOptions& options);
+
+// Distances in the sagittal plane, mm. A negative clearance is an overlap: parts
+// can share that place only side by side.
 struct WearCheck {
   // The two poses looked at: 90 degrees or the nearest there is, thigh level; and the straightest.
   double seated_stroke_mm = 0, seated_deg = 0;

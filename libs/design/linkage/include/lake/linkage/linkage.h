@@ -32,7 +32,7 @@ struct Links {
   double L7() const;  // PM = hypot(l5, l6)
 };
 
-// Throws Error naming `where`, the link and its value if a length is not finite and positive, or exceeds 10 m.
+// Throws Error naming `where`, the link and its value if a length is not within 1 mm (less: metres) and 10 m.
 void CheckLinks(const Links& links, std::string_view where);
 
 // Which of the four ways to close the two loops. The paper's mechanism is always kAssembled: alpha2 >= 0 and beta2 >=

@@ -42,6 +42,16 @@ inline const char* UnitOf(const StrengthCheck& check) {
   return check.check.starts_with("bending") ? "N m" : "N";
 }
 
+// The loads at which the checks reach their limits, whatever the linkage and its pose.
+struct Capacity {
+  double coupler_n = 0, bar_n = 0, actuator_n = 0;  // bearing and net section
+  double rod_nmm2 = 0;                              // of a rod that pushes: force x length^2
+  double knee_torque_nm = 0;                        // bending of the shank link
+};
+Capacity CapacityOf(const PartOptions& options);
+// The least safety factor of all checks; infinite without a load.
+double LeastSafety(const Capacity& capacity, const LoadedPose& at);
+
 // Checks without any load (a rod that only pulls) are left out.
 std::vector<StrengthCheck> CheckStrength(const Mechanism& mechanism, std::span<const LoadedPose> poses);
 

@@ -18,9 +18,9 @@ struct WorstPoint {
 };
 
 // The local worst points of a requirement of the family kind, the global one first: over the used range the grid's,
-// refined by Brent's minimisation; along the load profile those of its samples that are not straighter than standing,
-// NaN where they are bent more than the linkage can be. Empty if the linkage cannot be assembled at d_min or does not
-// reach standing.
+// refined by Brent's minimisation, of the seat the seated pose alone; along the load profile those of its samples that
+// are not straighter than standing, NaN where they are bent more than the linkage can be. Empty if the linkage cannot
+// be assembled at d_min or does not reach standing.
 std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const SynthesisProblem& problem,
                                     const Requirement& requirement);
 
@@ -35,9 +35,11 @@ struct DesignEvaluation {
   std::optional<linkage::Pose> pose;  // at d_min; nullopt if it cannot be assembled there
   std::string gap;                    // then: what does not close, one sentence
   double range_deg = 0;               // theta(d_min), NaN without a pose
-  std::optional<double> stands_mm;    // the stroke at standing_deg, if the used range reaches it
-  std::vector<RequirementCheck> checks;
-  double bound_violation_mm = 0;  // the worst link outside its bounds
+  double worst_range_deg = 0;  // of the builds within problem.robust_mm, -infinity if one cannot be assembled; else
+                               // range_deg
+  std::optional<double> stands_mm;       // the stroke at standing_deg, if the used range reaches it
+  std::vector<RequirementCheck> checks;  // with problem.robust_mm each of the build that is worst in it
+  double bound_violation_mm = 0;         // the worst link outside its bounds
   // Worst violation over requirements and bounds, in units of the limit where that exceeds one; infinite if it cannot
   // be assembled.
   double violation = 0;
@@ -49,8 +51,8 @@ struct DesignEvaluation {
 
 DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& problem);
 
-// What the problem's goal makes as large as can be: the range in deg, or the duration in s, negative. NaN where it
-// cannot be had.
+// What the problem's goal makes as large as can be: the range in deg, with a tolerance that of the worst build, or the
+// duration in s, negative. NaN where it cannot be had.
 double GoalOf(const SynthesisProblem& problem, const DesignEvaluation& evaluation);
 
 // Fast: bounds and the requirements that are closed form in X (linear, singularity, assembly at d_min, cap), no used

@@ -13,7 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "lake/linkage/linkage.h"
+#include "lake/linkage/body.h"
+#include "lake/parts/mechanism.h"
 #include "lake/problem/linear_actuator.h"
 #include "lake/problem/load_profile.h"
 
@@ -21,6 +22,20 @@ namespace lake::problem {
 
 struct Bounds {
   double lower = 0, upper = 0;
+};
+
+// How far the linkage is to stay clear of the person who wears it, in the sagittal plane (linkage/body.h).
+struct Clearances {
+  std::optional<double> seat_mm;             // mount, links and actuator from the seat, at kSeated_rad
+  std::optional<double> thigh_mm, shank_mm;  // the actuator from the limb, over the whole used range
+  linkage::BodySize body;
+  double seat_edge_mm = 0;                   // as linkage::WearOptions has it
+  std::array<double, 2> placement_mm{0, 0};  // of the exoskeleton's knee, where a design is held against them …
+  std::optional<double> placement_reach_mm;  // … and within this of the knee, on both axes, a program may vary it
+
+  bool AreAsked() const { return seat_mm || thigh_mm || shank_mm; }
+  // Throws Error for a clearance that is not 0 or above, or a body that BodyOf refuses.
+  void Check() const;
 };
 
 struct SynthesisProblem {
@@ -41,6 +56,14 @@ struct SynthesisProblem {
 
   std::optional<double> max_angle_deg;  // anatomical cap on theta(d_min)
 
+  Clearances clearances;
+
+  // Under knee_torque_nm over the used range, or along the profile, as max_force_n:
+  std::optional<double> max_pin_force_n;    // at K, P, R and S
+  std::optional<double> max_mount_force_n;  // of the mount on the thigh, at M
+  std::optional<double> safety_factor;      // least of plates, pins and rod (parts/strength.h)
+  parts::PartOptions parts;                 // of these, and of the linkage on the body
+
   // What the knee needs over a rise, and the actuator's share of it: max_force_n then holds at each of its percents,
   // for assist x moment / moment arm, and the range reaches its largest angle. A share of 0 is as no profile.
   std::optional<LoadProfile> profile;
@@ -51,6 +74,10 @@ struct SynthesisProblem {
   std::optional<LinearActuator> actuator;
   bool rests_anywhere = true;        // its holding force at every sample of the profile, else at standing alone
   std::optional<double> duration_s;  // of the profile's motion, run through evenly; needs profile and actuator
+
+  // Every link and the shortest stroke, with it the longest, may be off by up to this, the play of the pins included:
+  // requirements hold for all such builds, and the goal is that of the worst. Bounds are on what is asked to be made.
+  std::optional<double> robust_mm;
 
   enum class Goal {
     kRange,    // the largest range
@@ -63,6 +90,9 @@ struct SynthesisProblem {
   // Torque in N m, positive in extension, that the actuator balances at a sample of the profile; 0 where the moment is
   // not known.
   double TorqueAt(const LoadSample& sample) const;
+  linkage::WearOptions Wear() const;
+  // The knee angle at which a person sits: kSeated_rad, or the cap if that is less.
+  double SeatedAngle_rad() const;
 
   // Throws Error naming key and value: not finite, not positive, contradictory bounds, negative margins, ...
   void Check() const;
@@ -70,6 +100,14 @@ struct SynthesisProblem {
   // with a known speed is there.
   void CheckLoad() const;
 };
+
+// By what a build is off: l1..l6 and the strokes, mm.
+using BuildError = std::array<double, 7>;
+// All 128 builds with every length off by the whole tolerance, either way.
+std::vector<BuildError> Corners(double tolerance_mm);
+// What a build is held against: the problem with its strokes, no tolerance and no bounds on the links.
+SynthesisProblem ProblemOf(const BuildError& build, SynthesisProblem problem);
+linkage::Links LinksOf(const BuildError& build, const linkage::Links& links);
 
 // One thing a design must satisfy: value >= limit, or value <= limit.
 struct Requirement {
@@ -82,9 +120,15 @@ struct Requirement {
     kTransmission,  // smallest transmission angle over the used range, deg
     kMaxStroke,     // stroke at standing_deg, mm
     kMaxAngle,      // theta(d_min), deg
-    kReach,         // the same, not less than the profile's largest angle
-    kHolding,       // largest force where the actuator may rest, N
-    kDuration       // longest duration that a sample of the profile asks for at the actuator's speed under its force, s
+    kReach,       // the same, not less than the profile's largest angle, and than that of sitting with a seat to clear
+    kHolding,     // largest force where the actuator may rest, N
+    kSeat,        // least distance of the linkage to the seat, seated, mm
+    kThigh,       // least distance of the actuator to the thigh over the used range, mm
+    kShank,       // and to the shank
+    kPinForce,    // largest force in a pin, N; where kForce is
+    kMountForce,  // largest force of the mount on the thigh, N
+    kSafety,      // least safety factor
+    kDuration     // longest duration that a sample of the profile asks for at the actuator's speed under its force, s
   };
   // Tells it from the others of a problem.
   struct Id {
@@ -100,11 +144,15 @@ struct Requirement {
   std::string unit = "mm";
   bool along_profile = false;  // of a family: at the samples of the load profile, else over the used range
 
-  // Must hold at many poses.
+  // Must hold at many poses, or for many parts.
   bool IsFamily() const {
     return id.kind == Kind::kMomentArm || id.kind == Kind::kForce || id.kind == Kind::kTransmission ||
-           id.kind == Kind::kHolding || id.kind == Kind::kDuration;
+           id.kind == Kind::kHolding || id.kind == Kind::kDuration || IsClearance() || IsStrength();
   }
+  bool IsStrength() const {
+    return id.kind == Kind::kPinForce || id.kind == Kind::kMountForce || id.kind == Kind::kSafety;
+  }
+  bool IsClearance() const { return id.kind == Kind::kSeat || id.kind == Kind::kThigh || id.kind == Kind::kShank; }
   // coefficients . X >= limit
   bool IsLinear() const { return id.kind == Kind::kGrashof || id.kind == Kind::kOrder; }
   // Concerns poses other than the one at d_min, so the linkage must be able to stand.

@@ -1,10 +1,12 @@
 // problem.yaml: a synthesis problem; what a key does not say is as in the paper.
 //
-//   d_min_mm, d_max_mm, standing_deg, min_moment_arm_mm, min_transmission_deg, max_angle_deg: numbers
+//   d_min_mm, d_max_mm, standing_deg, min_moment_arm_mm, min_transmission_deg, max_angle_deg, robust_mm: numbers
 //   bounds: {l1: [50, 100], ...}     start: {l1: 85, ...}
 //   margins: {grashof_mm, singularity_mm}     actuator: NAME or FILE (linear_actuator.h)
-//   load: {knee_torque_nm, max_force_n, profile: loads.json, assist, rest: anywhere|standing, duration_s: number or
-//   free}
+//   load: {knee_torque_nm, max_force_n, max_pin_force_n, max_mount_force_n, safety_factor, profile: loads.json, assist,
+//   rest: anywhere|standing, duration_s: number or free} clearances: {seat_mm, limb_mm}: least distances on the body
+//   parts: {plate: "4mm,6061-T6", pin_diameter_mm, rod_diameter_mm, …}: as the options of lake-simulate
+//   body: {height_mm, mass_kg, thigh_mm, shank_mm, seat_edge_mm}
 // Paths are relative to the file.
 #pragma once
 
@@ -17,6 +19,9 @@ namespace lake::problem {
 
 // Throws Error with file and line: unknown keys, values of another type, what SynthesisProblem::Check() refuses.
 SynthesisProblem ReadProblem(const std::filesystem::path& path);
+
+// The maps `clearances` and `body` of a map, if it has them. Throws as above.
+void ReadClearances(YamlNode& node, SynthesisProblem& problem);
 
 // As above, from a map inside a file in this folder.
 SynthesisProblem ReadProblem(YamlNode node, const std::filesystem::path& folder);

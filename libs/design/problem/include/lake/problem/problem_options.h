@@ -9,6 +9,9 @@ namespace lake::problem {
 // What a command line changes of a problem that was read from a file or is the paper's.
 void Describe(SynthesisProblem& o, OptionList& options);
 
+// Of these the clearances, and the body that they are on.
+void DescribeClearances(SynthesisProblem& o, OptionList& options);
+
 // Of these what the knee needs, and the actuator that gives it.
 void DescribeLoad(SynthesisProblem& o, OptionList& options);
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "lake/problem/evaluate.h"
@@ -10,27 +11,31 @@
 namespace lake::problem {
 
 struct SensitivityPoint {
-  int link = 0;          // 0..5: l1..l6
-  double delta_mm = 0;   // change of that link alone
+  int link = 0;          // 0..5: l1..l6; 6: the actuator's shortest length, d_min
+  double delta_mm = 0;   // change of that length alone
   double range_deg = 0;  // NaN: cannot be assembled at d_min
   bool feasible =
       false;  // within the bounds and satisfies the requirements on the links; the used range is not looked at
 };
 
-// Each link changed from -span to +span in 2 steps + 1 points: the paper's figure of its "local minimum", on both
+// "l1".."l6", "d_min".
+std::string LengthName(int link);
+
+// Each length changed from -span to +span in 2 steps + 1 points: the paper's figure of its "local minimum", on both
 // sides.
 std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const SynthesisProblem& problem,
                                           double span_mm = 5, int steps = 100);
 
 // What a yield is of, for whoever reads it.
 inline constexpr const char* kYieldScope =
-    "links alone: the actuator's shortest length and the play of the pins are taken as exact, yet the distance to the "
-    "actuator singularity, l2 + d_min - l7, shrinks with them too";
+    "links and the actuator's shortest length, each within the tolerance, and the play of the pins: coupler, slewing "
+    "bar and actuator bear forces along their own lines, so play makes them longer or shorter";
 
-// Random builds: every link is off, d_min and the pins are not.
+// Random builds: every link and d_min are off, and in each hole its pin lies to one side or the other.
 struct YieldOptions {
-  double tolerance_mm = 0.1;  // every link uniform within +- this
-  int samples = 50000;        // standard error of a fraction below 0.23 %
+  double tolerance_mm = 0.1;      // every link and d_min uniform within +- this
+  double pin_clearance_mm = 0.0;  // by which a hole is wider than its pin: half of it is play to either side
+  int samples = 50000;            // standard error of a fraction below 0.23 %
   std::uint64_t seed = 1;
 
   void Check() const;  // throws Error
@@ -46,8 +51,7 @@ struct Yield {
   Fraction assembled;                                                // can be assembled at d_min
   Fraction assembled_and_grashof;                                    // and satisfies Grashof's law (without margin)
   double range_p5_deg = 0, range_median_deg = 0, range_p95_deg = 0;  // of those that can be assembled; NaN if none
-  // Margins that no build with its links within the tolerance can use up: sum of tolerance x |derivative|. An error of
-  // d_min comes on top of the first, millimetre by millimetre.
+  // Margins that no such build can use up: sum of tolerance and play x |derivative|.
   double safe_singularity_margin_mm = 0, safe_grashof_margin_mm = 0;
 };
 

@@ -49,6 +49,9 @@ struct ReoptimizeProblem {
   DrivenLinks Driven(const linkage::Links& links) const { return {links, design.d_min_mm, design.standing_deg}; }
   problem::Bounds PlacementBounds(int axis) const;  // both the same where it is not fitted
 
+  // The synthesis problem with its clearances at a placement, free where it is fitted.
+  problem::SynthesisProblem DesignAt(const Eigen::Vector2d& placement) const;
+
   // Throws UsageError naming the option; the motion is not looked at.
   void CheckOptions() const;
   // Throws also Error for the synthesis problem and the motion.

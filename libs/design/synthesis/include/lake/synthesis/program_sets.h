@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/linkage/body.h"
 #include "lake/nlp/nonlinear_program.h"
 #include "lake/problem/problem.h"
 
@@ -27,7 +28,8 @@ struct PoseVariables {
   LinkVariables links;
   int stroke, phi, range;
   double fraction = 1, standing_rad = 0;
-  std::string place;  // as its rows are named: " at 0.25"
+  std::string place;              // as its rows are named: " at 0.25"
+  std::array<double, 6> shift{};  // of a build whose links are off by this
 
   // l1..l6, stroke, phi, range: what the terms of a pose take.
   std::array<int, 9> All() const;
@@ -35,7 +37,8 @@ struct PoseVariables {
 
 // Adds phi and the rows of a pose; stroke and range are there already.
 PoseVariables AddPose(nlp::NonlinearProgram& program, const std::string& name, const LinkVariables& links, int stroke,
-                      int range, double fraction, double standing_rad, double phi_start_rad);
+                      int range, double fraction, double standing_rad, double phi_start_rad,
+                      const std::array<double, 6>& shift = {});
 
 // A stroke between those of two knots: (1 - weight) from + weight to.
 struct StrokeBetween {
@@ -51,13 +54,22 @@ void AddProgramPose(nlp::NonlinearProgram& program, const std::string& name, con
 // u.R' > 0: bar and coupler are not in line, where the knee angle turns back and poses of two branches meet.
 void AddNoTurningRow(nlp::NonlinearProgram& program, const PoseVariables& pose);
 
-// The requirement at one pose, against the variable `limit`: kMomentArm, kForce, kHolding or kTransmission.
+// The requirement at one pose, against the variable `limit`: kMomentArm, kForce, kHolding, kMountForce or
+// kTransmission.
 //   moment arm  (u.S')(w.R') / d >= limit (u.R')
 //   force       limit (u.S')(w.R') / d >= torque (u.R')
 //   sine of the transmission angle >= sin(limit)
 // w = R - M, u = S - R; R' and S' by phi and kappa. Multiplied out, so smooth also where the moment arm is infinite.
 void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
                   int limit, double knee_torque_nm);
+
+// The forces of coupler, slewing bar and actuator at one pose, as linkage/statics.h has them: each at most the variable
+// `limit` (kPinForce), or what it bears over that (kSafety).
+//   coupler     allowed (u.S') >= torque l1
+//   bar         allowed (u.S')(w.R') >= torque l2 |u x w|
+//   actuator    as the force; a rod that pushes bears the less the longer it is
+void AddStrengthRows(nlp::NonlinearProgram& program, const problem::Requirement& requirement, const PoseVariables& pose,
+                     int limit, double knee_torque_nm, const parts::PartOptions& parts);
 
 // A speed line of the actuator at one pose, r = (u.S')(w.R') / (d (u.R')) its moment arm, against the variable
 // `duration`:
@@ -66,12 +78,31 @@ void AddFamilyRow(nlp::NonlinearProgram& program, const problem::Requirement& re
 void AddDurationRow(nlp::NonlinearProgram& program, const PoseVariables& pose, int duration,
                     const problem::SpeedLine& line, double knee_torque_nm, double rad_per_rise);
 
+// What clears what at one pose: the variables of the pose, the limit and the placement of the exoskeleton's knee, and
+// the pose where the program starts, on the body.
+struct ClearancePose {
+  PoseVariables pose;
+  int limit;
+  std::array<int, 2> placement;
+  linkage::Pose start;
+};
+
+// Two convex outlines are `limit` apart if in some direction u = (cos, sin) of a heading they are; the heading is a
+// variable, so that the rows are smooth and hold exactly where the distance does (linkage/body.h).
+//   u . (pin - corner) - radius >= limit                        for both pins of each part
+void AddSeatRows(nlp::NonlinearProgram& program, const ClearancePose& at, const linkage::Seat& seat,
+                 const linkage::WearOptions& wear);
+//   u . pin - h - radius >= limit,  h >= u . corner             for the actuator's pins and the limb's corners
+void AddLimbRows(nlp::NonlinearProgram& program, const ClearancePose& at, linkage::Limb limb, const linkage::Body& body,
+                 const linkage::WearOptions& wear);
+
 // coefficients . X, as a term of `row`.
 void AddLinearTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links,
                    const std::array<double, 6>& coefficients);
 
-// l2 + d - l7, as a term of `row`.
-void AddSingularityTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links, int stroke);
+// l2 + d - l7, as a term of `row`; of the build for which it is least, if each length may be off by `off_mm`.
+void AddSingularityTerm(nlp::NonlinearProgram& program, int row, const LinkVariables& links, int stroke,
+                        double off_mm = 0);
 
 // factor x variable, as a term of `row` (NlpTerm::kCost: of the cost).
 void AddScaledTerm(nlp::NonlinearProgram& program, int row, int variable, double factor);

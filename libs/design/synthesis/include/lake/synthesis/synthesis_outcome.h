@@ -31,7 +31,7 @@ struct MarginPoint {
   linkage::Links links;
   double range_deg = 0;                   // NaN if not solved
   std::optional<double> upper_bound_deg;  // if a certificate is asked for
-  std::optional<double> yield;            // of the links alone: assembled and Grashof, if a yield is asked for
+  std::optional<double> yield;            // assembled and Grashof, if a yield is asked for
 };
 
 struct SynthesisOutcome {
@@ -43,9 +43,10 @@ struct SynthesisOutcome {
   // The rest is there if a start is usable.
   ActiveSet active;
   std::optional<certificate::Certificate> certificate;
-  bool certificate_ignores_used_range = false;  // the bound leaves requirements over the used range out
+  bool certificate_ignores_used_range =
+      false;  // the bound leaves out requirements over the used range, clearances, strength and tolerance
   std::vector<problem::SensitivityPoint> sensitivity;
-  std::vector<MarginPoint> margins;  // none where the duration is what is sought
+  std::vector<MarginPoint> margins;  // none where the duration is what is sought, or with a tolerance
   std::optional<problem::Yield> yield, start_yield;
   std::optional<problem::RoundedDesign> rounded;
 

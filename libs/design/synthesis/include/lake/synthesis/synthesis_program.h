@@ -9,12 +9,14 @@
 //         family(X, pose_k) >= limit          k = 1..K   at fractions of the used range and samples of the load profile
 //         loops, and no turning between coupler and bar, at each of these poses
 //         lower <= X <= upper
+//         all but that again for builds X + e of the tolerance, |e_i| <= t; then the cost is that of the worst
 //   x = (l1..l6, theta, d, phi; d_k, phi_k)
 //
 // Elastic: every limit may be moved by a slack >= 0, and the cost is the sum of the slacks in mm, deg or 1 % of a
 // force or duration limit (an l1 penalty: few limits move).
 #pragma once
 
+#include <array>
 #include <initializer_list>
 #include <string>
 #include <vector>
@@ -35,10 +37,11 @@ enum class Elasticity {
 struct Collocation {
   std::vector<double> fractions;
   std::vector<int> samples;
+  std::vector<problem::BuildError> builds;  // with a tolerance: those that stand at each of these poses too
 
   Collocation() = default;
   Collocation(std::initializer_list<double> fractions) : fractions(fractions) {}
-  std::size_t Size() const { return fractions.size() + samples.size(); }
+  std::size_t Size() const { return fractions.size() + samples.size() + builds.size(); }
 };
 
 // A requirement, and where the program keeps it.
@@ -91,6 +94,8 @@ struct SynthesisProgram {
   nlp::NonlinearProgram program;
   LinkVariables links{};
   int shortest_stroke = -1, range = -1;  // variables: d_min, theta at d_min
+  int worst_range = -1;                  // variable, with a tolerance: no more than that of any build
+  std::array<int, 2> placement{-1, -1};  // variables, x and y; with clearances only
   std::vector<RequirementRow> requirements;
   std::vector<ElasticBound> elastic_bounds;
   std::vector<Limit> limits;
@@ -104,6 +109,10 @@ struct SynthesisProgram {
 SynthesisProgram BuildProgram(const problem::SynthesisProblem& problem, const linkage::Links& start,
                               const Collocation& poses, Elasticity elasticity = Elasticity::kNone,
                               double range_weight = 1);
+
+// The problem with the exoskeleton's knee where a solution x has it.
+problem::SynthesisProblem Placed(problem::SynthesisProblem problem, const SynthesisProgram& program,
+                                 const std::vector<double>& x);
 
 // The size of slack that costs 1: a millimetre, a degree, 1 % of a force or a duration.
 double SlackUnit(const problem::Requirement& requirement);
