@@ -52,8 +52,45 @@ std::string ReportFront(const Json& summary) {
                      summary["own_duration_s"].get<double>());
 }
 
+// Whom the design is for, and what it costs each.
+std::string ReportPeople(const Json& summary) {
+  if (!summary.contains("people")) return "";
+  const auto cell = [](const Json& value, int digits) {
+    return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : std::string("-");
+  };
+  std::string text = fmt::format("  {:<20}{:>16}{:>22}\n", "person", "misalignment", "costs, against their own");
+  for (const Json& person : summary["people"])
+    text += fmt::format("  {:<20}{:>14} %{:>20} °\n", person["person"].get<std::string>(),
+                        cell(person["misalignment_percent"], 2), cell(person["cost_deg"], 1));
+  if (summary.contains("across"))
+    text += fmt::format("{} misalignment {} % of the shank, RMS\n", summary["across"].get<std::string>(),
+                        cell(summary["misalignment_percent"], 3));
+  return text;
+}
+
+// Each size, who gets it by which rule, and how that went for those who were left out.
+std::string ReportSizes(const Json& summary) {
+  std::string text;
+  for (const Json& size : summary["sizes"])
+    text += fmt::format("size {}: range {:.2f} deg, {} people\n", size["size"].get<int>(),
+                        size["range_deg"].get<double>(), size["people"].get<int>());
+  const Json& rule = summary["rule"];
+  for (const Json& range : rule["ranges"])
+    if (range["to_mm"].is_number())
+      text += fmt::format("  {} up to {:.1f}: size {}\n", rule["quantity"].get<std::string>(),
+                          range["to_mm"].get<double>(), range["size"].get<int>());
+    else
+      text +=
+          fmt::format("  {}: size {}\n", rule["ranges"].size() > 1 ? "else" : "everybody", range["size"].get<int>());
+  return text +
+         fmt::format("leaving one out: the rule gives {} of {} the size that they wear, and {} keep the limits\n",
+                     rule["left_out_same_size"].get<int>(), rule["left_out"].get<int>(),
+                     rule["left_out_hold"].get<int>());
+}
+
 std::string Report(const Json& summary) {
   if (summary.contains("actuators")) return ReportFront(summary);
+  if (summary.contains("sizes")) return ReportSizes(summary) + ReportPeople(summary);
   std::string text = fmt::format("range {:.4f} deg", summary["range_deg"].get<double>());
   if (const Json& bound = summary["certified_upper_bound_deg"]; bound.is_number())
     text += fmt::format(", proved to be at most {:.4f} deg for any design", bound.get<double>());
@@ -62,10 +99,10 @@ std::string Report(const Json& summary) {
                         (*robust)["worst_range_deg"].get<double>(), (*robust)["tolerance_mm"].get<double>());
   text += "\n";
   if (summary.contains("assistance")) text += summary["assistance"]["text"].get<std::string>() + "\n";
-  text += ReportMotion(summary);
+  text += ReportMotion(summary) + ReportPeople(summary);
   for (const auto& [name, length] : summary["links"].items())
     text += fmt::format("  {} {:9.4f} mm\n", name, length.get<double>());
-  for (const Json& limit : summary["active"]) {
+  for (const Json& limit : summary.value("active", Json::array())) {
     text += fmt::format("  at its limit: {}", limit["limit"].get<std::string>());
     if (limit["multiplier"].is_number())
       text += fmt::format(", {:.4g} {}", limit["multiplier"].get<double>(), limit["unit"].get<std::string>());
@@ -83,7 +120,9 @@ int main(int argc, char** argv) {
       "lake-optimize --starts 20 --grashof-margin 2 --singularity-margin 2 --certify -o lake-out/design\n"
       "  lake-optimize --profile lake-out/loads --assist 0.4 --actuator LA31-1000 --duration free\n"
       "  lake-optimize --comparison lake-out/comparison --worn worn.yaml --max-misalignment 3 --program free "
-      "--duration 25 --fit-placement --pareto 12");
+      "--duration 25 --fit-placement --pareto 12\n"
+      "  lake-optimize --comparison sub-01/comparison sub-02/comparison sub-03/comparison --human-only "
+      "--max-misalignment 3 --program free --duration 25 --fit-placement");
   lake::commands::OptimizeRunOptions options;
   lake::commands::ReoptimizeRunOptions reoptimize;
   program.Add(lake::OptionsOf(options));

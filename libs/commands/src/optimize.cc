@@ -4,9 +4,11 @@
 
 #include "actuator_front_tables.h"
 #include "assistance_tables.h"
+#include "group_tables.h"
 #include "lake/commands/compare.h"
 #include "lake/commands/optimize_tables.h"
 #include "lake/compare/comparison_file.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/figure/assistance_figures.h"
 #include "lake/figure/reoptimize_figures.h"
@@ -113,19 +115,27 @@ compare::StsCurve ReadHuman(const ReoptimizeRunOptions& options, Run& run) {
   return compare::MeanCurve(trial.repetitions);
 }
 
-redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, Run& run) {
+// Of one comparison, and the design worn in it.
+redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::size_t i, Run& run) {
   redesign::MeasuredMotion measured;
-  if (options.comparison.empty()) {
+  const fs::path& comparison = options.comparisons[i];
+  const compare::ComparedCurves curves = compare::ReadComparison(comparison);
+  run.AddInput(fs::is_directory(comparison) ? comparison / "comparison.json" : comparison);
+  measured.human = curves.human, measured.noise_floor_percent = 100 * curves.noise_floor_relative;
+  if (!options.human_only) measured.exo = curves.exo, measured.spike = curves.spike;
+  return measured;
+}
+
+redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::size_t i, Run& run) {
+  redesign::MeasuredMotion measured;
+  if (options.comparisons.empty())
     measured.human = ReadHuman(options, run);
-  } else {
-    const compare::ComparedCurves curves = compare::ReadComparison(options.comparison);
-    run.AddInput(fs::is_directory(options.comparison) ? options.comparison / "comparison.json" : options.comparison);
-    measured.human = curves.human, measured.noise_floor_percent = 100 * curves.noise_floor_relative;
-    if (!options.human_only) measured.exo = curves.exo, measured.spike = curves.spike;
-  }
+  else
+    measured = ReadCompared(options, i, run);
   if (!options.worn.empty()) {
-    measured.worn = linkage::ReadDesign(options.worn), measured.worn_file = options.worn.string();
-    run.AddInput(options.worn);
+    const fs::path& worn = options.worn[options.worn.size() == 1 ? 0 : i];
+    measured.worn = linkage::ReadDesign(worn), measured.worn_file = worn.string();
+    if (i == 0 || options.worn.size() > 1) run.AddInput(worn);
   }
   return measured;
 }
@@ -157,14 +167,17 @@ void CheckReoptimize(const OptimizeRunOptions& options) {
                                  actuator->name, actuator->SpeedAt(0)));
   if (options.problem.robust_mm)
     throw UsageError("--robust is of the links alone, and cannot be combined with a human's motion yet: omit one");
-  if (reoptimize.comparison.empty() == reoptimize.human.empty())
+  if (reoptimize.comparisons.empty() == reoptimize.human.empty())
     throw UsageError("a re-optimisation starts from --comparison DIR or from --human TRIAL: specify exactly one");
-  if (reoptimize.comparison.empty() && reoptimize.human_only)
+  if (reoptimize.comparisons.empty() && reoptimize.human_only)
     throw UsageError("--human-only leaves out the exoskeleton trial of --comparison, and --human has none: omit it");
-  if (!reoptimize.comparison.empty() && reoptimize.worn.empty() && !reoptimize.human_only)
+  if (!reoptimize.comparisons.empty() && reoptimize.worn.empty() && !reoptimize.human_only)
     throw UsageError(
         "--comparison has an exoskeleton trial: name the design that was worn in it with --worn DESIGN.yaml, or leave "
         "that trial out with --human-only");
+  if (const std::size_t worn = reoptimize.worn.size(); worn > 1 && worn != reoptimize.comparisons.size())
+    throw UsageError(fmt::format("--worn names {} designs for {} comparisons: name one for all, or one for each", worn,
+                                 reoptimize.comparisons.size()));
   if (options.study.round_mm)
     throw UsageError(
         "--round cannot be combined with a human's motion: rounding the links would change the misalignment");
@@ -190,13 +203,62 @@ void DrawFigures(const redesign::ReoptimizeOutcome& outcome, Run& run) {
     DrawPngAndSvg("pareto", run, [&](const fs::path& path) { figure::DrawPareto(outcome, path); });
 }
 
+// What a design for one person has and one for many has not.
+void CheckForGroup(const OptimizeRunOptions& options) {
+  for (const auto& [is_given, name] : {std::pair{options.reoptimize->pareto_points.has_value(), "--pareto"},
+                                       std::pair{options.study.certify_gap_deg.has_value(), "--certify"},
+                                       std::pair{options.study.yield_tolerance_mm.has_value(), "--yield"}})
+    if (is_given) throw UsageError(fmt::format("{} is for one person: omit it, or give one --comparison", name));
+}
+
+// Throws Error for a person without a height.
+std::vector<double> ReadHeights(const fs::path& participants, const std::vector<std::string>& names, Run& run) {
+  const CsvTable table = CsvTable::Read(participants, '\t');
+  run.AddInput(participants);
+  std::vector<double> heights_mm;
+  for (const std::string& name : names) {
+    std::size_t row = 0;
+    while (row < table.Rows() && table.Text(row, table.Column("participant_id")) != name) ++row;
+    if (row == table.Rows()) throw Fail("{}: no participant_id is '{}'", participants.string(), name);
+    heights_mm.push_back(table.RequiredNumber(row, table.Column("height_mm")));
+  }
+  return heights_mm;
+}
+
+Json RunForGroup(const OptimizeRunOptions& options, const redesign::ReoptimizeProblem& shared, Run& run) {
+  CheckForGroup(options);
+  ReoptimizeRunOptions reoptimize = *options.reoptimize;
+  redesign::GroupProblem problem{shared, {}, reoptimize.across, reoptimize.quantile};
+  problem.CheckOptions();
+  if (reoptimize.sizes) redesign::CheckSizes(problem, *reoptimize.sizes, reoptimize.comparisons.size());
+  const std::vector<std::string> names =
+      reoptimize.people.empty() ? NamesOfFolders(reoptimize.comparisons) : reoptimize.people;
+  std::vector<redesign::PersonMeasured> people;
+  for (std::size_t i = 0; i < names.size(); ++i) people.push_back({names[i], ReadMeasured(reoptimize, i, run)});
+  if (!reoptimize.participants.empty()) reoptimize.heights_mm = ReadHeights(reoptimize.participants, names, run);
+  run.Begin(GroupResultNames(names, reoptimize.sizes));
+  const auto finish = [&](const auto& outcome, Json summary, const std::string& reason) {
+    if (outcome.IsSolved()) return summary;
+    run.WriteSummary(summary);
+    throw SolverError(reason);
+  };
+  if (reoptimize.sizes) {
+    const redesign::SizesOutcome outcome =
+        redesign::RunSizes(problem, people, *reoptimize.sizes, reoptimize.heights_mm, options.study.optimize);
+    return finish(outcome, WriteSizes(outcome, run), outcome.Reason());
+  }
+  const redesign::GroupOutcome outcome = redesign::RunGroup(problem, people, options.study.optimize);
+  return finish(outcome, WriteGroup(outcome, run), outcome.reason);
+}
+
 Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
   CheckReoptimize(options);
   const redesign::ReoptimizeOptions reoptimize_options = ReoptimizeOptionsOf(options);
   reoptimize_options.Check();
   const redesign::ReoptimizeProblem problem = ProblemOf(options);
   problem.CheckOptions();
-  const redesign::MeasuredMotion measured = ReadMeasured(*options.reoptimize, run);
+  if (options.reoptimize->comparisons.size() > 1) return RunForGroup(options, problem, run);
+  const redesign::MeasuredMotion measured = ReadMeasured(*options.reoptimize, 0, run);
   std::vector<std::string> names = ResultNames({"before_after.csv", "program.csv", "knee_paths.png", "knee_paths.svg",
                                                 "predicted/comparison.json", "predicted/misalignment.csv"});
   if (options.reoptimize->pareto_points) names.insert(names.end(), {"pareto.csv", "pareto.png", "pareto.svg"});
@@ -223,12 +285,18 @@ Json RunOptimize(const OptimizeRunOptions& options, Run& run) {
 }
 
 void Describe(ReoptimizeRunOptions& o, OptionList& options) {
-  options.Add("comparison", o.comparison, "Folder that lake-compare wrote: human and exoskeleton trial")
-      .IsPath(Option::Path::kFolder);
+  options
+      .Add("comparison", o.comparisons,
+           "Folder that lake-compare wrote: human and exoskeleton trial; several: one design for all these people")
+      .IsPath(Option::Path::kFolder)
+      .Repeats();
   options.Add("human", o.human, "A human trial alone, as lake-compare reads it");
   options.Add("human-knee", o.human_knee, "The knee marker of --human");
   Describe(o.human_reading, options);
-  options.Add("worn", o.worn, "design.yaml worn in the exoskeleton trial of --comparison");
+  options
+      .Add("worn", o.worn,
+           "design.yaml worn in the exoskeleton trial of --comparison; of several one for all, or one for each")
+      .Repeats();
   options.Add("human-only", o.human_only, "Do not use the exoskeleton trial of --comparison");
   options
       .Add("max-misalignment", o.max_misalignment_percent,
@@ -244,6 +312,23 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
   options.Add("placement-reach", o.placement_reach_mm, "Largest distance of the joint from the knee along each axis")
       .Unit("mm")
       .Positive();
+  options.AddChoice("across", o.across,
+                    OptionList::Choices<redesign::Across>{{"worst", redesign::Across::kWorst},
+                                                          {"mean", redesign::Across::kMean},
+                                                          {"quantile", redesign::Across::kQuantile}},
+                    "With several comparisons: which of the people's misalignments limit and penalty are on");
+  options.Add("quantile", o.quantile, "With --across quantile: the part of the people whose misalignment counts")
+      .Between(0, 1);
+  options
+      .Add("sizes", o.sizes,
+           "With several comparisons: so many designs, who wears which, and a rule for the next person")
+      .AtLeast(2)
+      .Otherwise("one design");
+  options
+      .Add("participants", o.participants,
+           "With --sizes: participants.tsv, whose height_mm the rule may use; participant_id is what tells the "
+           "comparisons' folders apart")
+      .Otherwise("segment lengths alone");
   options.Add("pareto", o.pareto_points, "Number of points of each Pareto front of range against misalignment")
       .AtLeast(2);
 }

@@ -3,11 +3,11 @@
 #include <functional>
 
 #include "lake/commands/optimize_tables.h"
-#include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/redesign/reoptimize_outcome.h"
 #include "optimum_tables.h"
+#include "program_table.h"
 
 namespace lake::commands {
 namespace {
@@ -111,19 +111,6 @@ std::vector<StartRow> StartRows(const redesign::ReoptimizeResult& result) {
          {},
          StartRow::Motion{solve.IsUsable(), solve.prediction ? solve.objective : kNaN, solve.Misalignment_percent()}});
   return rows;
-}
-
-// The program sample by sample, and the knee angles that it is to follow.
-void WriteProgram(const redesign::ReoptimizeOutcome& outcome, Run& run) {
-  CsvWriter table({"percent", "time_s", "stroke_mm", "knee_deg", "human_knee_deg"});
-  const redesign::DesignInMotion& after = outcome.after;
-  for (std::size_t i = 0; after.prediction && i < outcome.problem.human.size(); ++i) {
-    const double percent = static_cast<double>(i);
-    table.Add(static_cast<int>(i)).Add(after.duration_s * percent / 100).Add(after.prediction->stroke_mm[i]);
-    table.Add(DegreesFromRadians(after.prediction->theta_rad[i]));
-    table.Add(DegreesFromRadians(outcome.problem.human[i].knee_rad)).EndRow();
-  }
-  table.Write(run.Result("program.csv"));
 }
 
 void WritePredicted(const redesign::ReoptimizeOutcome& outcome, Run& run) {
@@ -296,7 +283,7 @@ void WriteTables(const redesign::ReoptimizeOutcome& outcome, const OptimumView& 
   WriteStarts(StartRows(outcome.result), run);
   WriteConvergence(outcome.result.BestOrFirst().local, "objective_deg", run);
   WriteBeforeAfter(outcome, run);
-  WriteProgram(outcome, run);
+  WriteProgramTable(outcome.after, outcome.problem.human, run.Result("program.csv"));
   WritePredicted(outcome, run);
   if (!outcome.fronts.empty()) WritePareto(outcome, run);
 }

@@ -204,14 +204,14 @@ steps::StudyStep RedesignStep(const StudyFile& study, const fs::path& out) {
   options.study = study.redesign->search;
   options.reoptimize = study.redesign->options;
   if (study.exo) {
-    options.reoptimize->comparison = out / "comparison";
+    options.reoptimize->comparisons = {out / "comparison"};
     step.inputs.push_back(out / "comparison" / "comparison.json");
   } else {
     options.reoptimize->human = out / "human";
     options.reoptimize->human_knee = study.compare.human_knee;
     for (const fs::path& table : TrialTables(out / "human")) step.inputs.push_back(table);
   }
-  if (study.worn) options.reoptimize->worn = *study.worn, step.inputs.push_back(*study.worn);
+  if (study.worn) options.reoptimize->worn = {*study.worn}, step.inputs.push_back(*study.worn);
   AddBody(study, out, options, step);
   step.work = OptimizeWork(options, out);
   return step;

@@ -215,12 +215,18 @@ problem::LinearActuator ActuatorOf(const YamlNode& node, const Files& files) {
   }
 }
 
-StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& design) {
+// What the study gives itself, of the options of a redesign.
+constexpr std::string_view kGivenToRedesign[] = {"comparison", "human", "human-knee", "map",         "up",
+                                                 "forward",    "unit",  "worn",       "participants"};
+
+StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& design,
+                           const std::vector<std::string_view>& without) {
   StudyRedesign redesign{{}, {}, design, node.ToJson()};
   ReadProblemKey(node, files, redesign.design);
   ReadSection(node, redesign.search, files);
-  ReadSection(node, redesign.options, files,
-              {"comparison", "human", "human-knee", "map", "up", "forward", "unit", "worn"});
+  std::vector<std::string_view> given(std::begin(kGivenToRedesign), std::end(kGivenToRedesign));
+  given.insert(given.end(), without.begin(), without.end());
+  ReadSection(node, redesign.options, files, given);
   node.Finish();
   return redesign;
 }
@@ -293,6 +299,15 @@ std::string StudyFile::ResultName() const {
   return (stem == "study" ? absolute.parent_path().filename() : stem).string();
 }
 
+StudyRedesign ReadPopulation(YamlNode node, const fs::path& folder) {
+  Files files(folder);
+  const std::string where = node.Where();
+  StudyRedesign population = ReadRedesign(std::move(node), files, {}, {"pareto"});
+  files.ThrowIfMissing(where);
+  ReadProblemFile(population.design);
+  return population;
+}
+
 StudyFile ReadStudyFile(const fs::path& path) {
   YamlNode root = YamlNode::ReadFile(path);
   if (!root.IsMap()) throw Fail("{}: a study is a map with the keys human, exo, camera, …", path.string());
@@ -308,7 +323,7 @@ StudyFile ReadStudyFile(const fs::path& path) {
   if (auto design = root.Child("design")) ReadDesignSection(std::move(*design), files, study);
   if (auto reoptimize = root.Child("reoptimize")) {
     const std::string where = reoptimize->Where();
-    study.redesign = ReadRedesign(std::move(*reoptimize), files, study.design);
+    study.redesign = ReadRedesign(std::move(*reoptimize), files, study.design, {"across", "quantile", "sizes"});
     if (study.exo && !study.worn && !study.redesign->options.human_only)
       throw Fail(
           "{}: 'reoptimize' uses the exo trial: name the design that was worn in it with design: {{worn: FILE}}, or "

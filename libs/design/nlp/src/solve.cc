@@ -104,6 +104,10 @@ NlpSolution SolveNlp(const NonlinearProgram& program, const NlpOptions& options)
   Set(*ipopt, "bound_push", options.start_push);
   Set(*ipopt, "bound_frac", options.start_push);
   Set(*ipopt, "mu_init", options.start_barrier);
+  // Ipopt has MUMPS take eleven times the memory that it expects to need: of a hundred people's program 4 GB. Twice is
+  // enough, and Ipopt gives more where it is not.
+  constexpr std::size_t kLarge = 2000;
+  if (program.Variables().size() > kLarge) Set(*ipopt, "mumps_mem_percent", 100);
 
   NlpSolution solution;
   const SmartPtr<IpoptProgram> bridge = new IpoptProgram(program, solution);

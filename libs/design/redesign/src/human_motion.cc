@@ -75,6 +75,13 @@ HumanMotion MakeHumanMotion(const compare::StsCurve& human) {
   return motion;
 }
 
+SegmentLengths SegmentsOf(const HumanMotion& motion) {
+  SegmentLengths mean;
+  for (const HumanSample& sample : motion) mean.shank_mm += sample.shank_mm, mean.thigh_mm += sample.thigh_mm;
+  const auto samples = static_cast<double>(motion.size());
+  return {mean.shank_mm / samples, mean.thigh_mm / samples};
+}
+
 DrivenLinks DrivenLinksOf(const linkage::Design& design, double standing_deg) {
   return {design.links, design.d_min_mm, standing_deg, design.d_max_mm};
 }

@@ -14,76 +14,53 @@ namespace {
 
 using Goal = ReoptimizeProblem::Goal;
 
-// Do the limits hold on the path that the closed form predicts?
-bool HoldsOnPath(const ReoptimizeProblem& problem, const ReoptimizeSolve& solve) {
+double Percent(const std::optional<Prediction>& prediction) {
+  return prediction ? 100 * prediction->relative_rms : std::numeric_limits<double>::quiet_NaN();
+}
+
+// Do the limits hold on the paths that the closed form predicts?
+bool HoldsOnPath(const GroupProblem& group, const GroupSolve& solve) {
   constexpr double kTolerance = 1e-5;  // relative
-  if (!solve.prediction) return false;
+  const ReoptimizeProblem& problem = group.shared;
+  if (!std::ranges::all_of(solve.predictions, [](const auto& prediction) { return prediction.has_value(); }))
+    return false;
   if (problem.max_misalignment_percent &&
-      solve.Misalignment_percent() > *problem.max_misalignment_percent * (1 + kTolerance))
+      group.Combine(solve.Misalignments_percent()) > *problem.max_misalignment_percent * (1 + kTolerance))
     return false;
   if (problem.min_range_deg && solve.Range_deg() < *problem.min_range_deg * (1 - kTolerance)) return false;
-  const double needed_s = NeededDuration(solve.point.knots_mm, problem.program.max_speed_mm_s);
-  return !problem.program.duration_s || needed_s <= *problem.program.duration_s * (1 + kTolerance);
+  return !problem.program.duration_s || std::ranges::all_of(solve.points, [&](const ReoptimizePoint& point) {
+    return NeededDuration(point.knots_mm, problem.program.max_speed_mm_s) <=
+           *problem.program.duration_s * (1 + kTolerance);
+  });
 }
 
-ReoptimizeSolve SolveOneSide(const ReoptimizeProblem& problem, const ReoptimizePoint& start,
-                             ConstantStart constant_start, const synthesis::OptimizeOptions& options) {
-  ReoptimizeSolve solve;
-  ReoptimizeBuilder builder(problem, start, constant_start);
-  solve.local = synthesis::SolveByExchange(problem.design, builder, options);
-  solve.point = builder.Point();
-  solve.prediction = PredictPoint(problem, solve.point);
-  solve.holds_on_path = HoldsOnPath(problem, solve);
-  if (solve.prediction) solve.objective = ObjectiveOf(problem, solve.point, solve.Range_deg(), *solve.prediction);
-  return solve;
+// The goal's value for a group; of one person it is the person's own.
+double ObjectiveOf(const GroupProblem& group, const GroupSolve& solve) {
+  const ReoptimizeProblem& problem = group.shared;
+  if (group.people.size() == 1)
+    return ObjectiveOf(problem, solve.points.front(), solve.Range_deg(), *solve.predictions.front());
+  if (problem.goal == Goal::kMisalignment) return -group.Combine(solve.Misalignments_percent());
+  std::vector<double> rms_mm;
+  for (const auto& prediction : solve.predictions) rms_mm.push_back(prediction->rms_mm);
+  return solve.Range_deg() - problem.penalty_deg_per_mm * group.Combine(rms_mm);
 }
 
-bool IsBetter(const ReoptimizeSolve& a, const ReoptimizeSolve& b) {
-  constexpr double kBetter = 1e-5;  // of equals the first is kept
-  return a.IsUsable() && (!b.IsUsable() || a.objective > b.objective + kBetter);
-}
-
-ReoptimizeProblem WithGoal(ReoptimizeProblem problem, Goal goal, std::optional<double> min_range_deg = {}) {
-  problem.goal = goal;
-  problem.min_range_deg = min_range_deg;
-  problem.max_misalignment_percent.reset();
-  problem.penalty_deg_per_mm = 0;
-  return problem;
-}
-
-// Of local searches from random starts whose n ends are w different optima, w (n - 1) / (n - w - 2) optima are to be
-// expected in all; the search is over when that is not half a one more than was found (Boender & Rinnooy Kan, Math.
-// Program. 37, 1987).
-bool HasFoundAll(int ends, int optima) {
-  return ends > optima + 2 && optima * (ends - 1) < (optima + 0.5) * (ends - optima - 2);
-}
-
-// The different optima among usable ends.
-class Optima {
- public:
-  void Add(const ReoptimizeSolve& solve) {
-    constexpr double kSame = 1e-3;  // deg or percent: ends of one optimum agree to 1e-6
-    if (!solve.IsUsable()) return;
-    ++ends_;
-    if (std::ranges::none_of(objectives_, [&](double other) { return std::abs(other - solve.objective) < kSame; }))
-      objectives_.push_back(solve.objective);
+GroupSolve SolveOneSide(const GroupProblem& problem, const std::vector<ReoptimizePoint>& start,
+                        const std::vector<ConstantStart>& sides, const synthesis::OptimizeOptions& options) {
+  GroupSolve solve;
+  ReoptimizeBuilder builder(problem, start, sides);
+  solve.local = synthesis::SolveByExchange(problem.shared.design, builder, options);
+  solve.points = builder.Points();
+  for (std::size_t i = 0; i < problem.people.size(); ++i) {
+    solve.predictions.push_back(PredictPoint(problem.Of(i), solve.points[i]));
+    const int row = builder.Variables()[i].misalignment_row;
+    const std::vector<double>& costs = solve.local.solution.row_marginal_costs;
+    solve.prices.push_back(row >= 0 && !costs.empty() ? std::abs(costs[static_cast<std::size_t>(row)]) : 0);
   }
-  bool AreAll() const { return HasFoundAll(ends_, static_cast<int>(objectives_.size())); }
-
- private:
-  int ends_ = 0;
-  std::vector<double> objectives_;
-};
-
-// Where the solves of a problem start: `links` in turn, then random ones within the bounds.
-std::vector<linkage::Links> StartsOf(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
-                                     const synthesis::OptimizeOptions& options) {
-  std::vector<linkage::Links> starts = links;
-  const int random = std::max(0, options.starts - static_cast<int>(links.size()));
-  for (const linkage::Links& start : synthesis::RandomStarts(problem.design, random, options.seed))
-    starts.push_back(start);
-  starts.resize(std::min(starts.size(), static_cast<std::size_t>(options.starts)));
-  return starts;
+  solve.holds_on_path = HoldsOnPath(problem, solve);
+  const bool all = std::ranges::all_of(solve.predictions, [](const auto& of) { return of.has_value(); });
+  if (all) solve.objective = ObjectiveOf(problem, solve);
+  return solve;
 }
 
 ParetoPoint ParetoPointOf(const ReoptimizeSolve& solve, double least_range_deg) {
@@ -123,7 +100,49 @@ void MakeMonotone(std::vector<ParetoPoint>& front) {
 }  // namespace
 
 double ReoptimizeSolve::Misalignment_percent() const {
-  return prediction ? 100 * prediction->relative_rms : std::numeric_limits<double>::quiet_NaN();
+  return Percent(prediction);
+}
+
+std::vector<double> GroupSolve::Misalignments_percent() const {
+  std::vector<double> of_people;
+  for (const auto& prediction : predictions) of_people.push_back(Percent(prediction));
+  return of_people;
+}
+
+bool IsBetter(const SolveInMotion& a, const SolveInMotion& b) {
+  constexpr double kBetter = 1e-5;  // of equals the first is kept
+  return a.IsUsable() && (!b.IsUsable() || a.objective > b.objective + kBetter);
+}
+
+std::vector<linkage::Links> StartsOf(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
+                                     const synthesis::OptimizeOptions& options) {
+  std::vector<linkage::Links> starts = links;
+  const int random = std::max(0, options.starts - static_cast<int>(links.size()));
+  for (const linkage::Links& start : synthesis::RandomStarts(problem.design, random, options.seed))
+    starts.push_back(start);
+  starts.resize(std::min(starts.size(), static_cast<std::size_t>(options.starts)));
+  return starts;
+}
+
+void Optima::Add(bool is_usable, double objective) {
+  constexpr double kSame = 1e-3;  // deg or percent: ends of one optimum agree to 1e-6
+  if (!is_usable) return;
+  ++ends_;
+  if (std::ranges::none_of(objectives_, [&](double other) { return std::abs(other - objective) < kSame; }))
+    objectives_.push_back(objective);
+}
+
+bool Optima::AreAll() const {
+  const auto optima = static_cast<int>(objectives_.size());
+  return ends_ > optima + 2 && optima * (ends_ - 1) < (optima + 0.5) * (ends_ - optima - 2);
+}
+
+ReoptimizeProblem WithGoal(ReoptimizeProblem problem, Goal goal, std::optional<double> min_range_deg) {
+  problem.goal = goal;
+  problem.min_range_deg = min_range_deg;
+  problem.max_misalignment_percent.reset();
+  problem.penalty_deg_per_mm = 0;
+  return problem;
 }
 
 double ObjectiveOf(const ReoptimizeProblem& problem, const ReoptimizePoint& point, double range_deg,
@@ -142,19 +161,32 @@ double ObjectiveOf(const ReoptimizeProblem& problem, const ReoptimizePoint& poin
   }
 }
 
-ReoptimizeSolve SolveFrom(const ReoptimizeProblem& problem, const ReoptimizePoint& start,
-                          const synthesis::OptimizeOptions& options, bool warm) {
+GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<ReoptimizePoint>& start,
+                     const synthesis::OptimizeOptions& options, bool warm) {
   synthesis::OptimizeOptions inner = options;
   constexpr int kMostIterations = 150;  // solves that succeed take 12 to 60; the others wander until stopped
   inner.nlp.max_iterations = std::min(inner.nlp.max_iterations, kMostIterations);
+  inner.nlp.max_cpu_s *= static_cast<double>(problem.people.size());
   if (warm) inner.nlp.start_push = 1e-6, inner.nlp.start_barrier = 1e-4;
-  ReoptimizeSolve solve = SolveOneSide(problem, start, ConstantStart::kAtHumanAngle, inner);
-  if (problem.program.kind == linkage::StrokeProgram::Kind::kFree) return solve;
+  std::vector<ConstantStart> sides(problem.people.size(), ConstantStart::kAtHumanAngle);
+  GroupSolve solve = SolveOneSide(problem, start, sides, inner);
+  if (problem.shared.program.kind == linkage::StrokeProgram::Kind::kFree) return solve;
   constexpr double kTouching_mm = 1e-3;
-  if (solve.IsUsable() && solve.point.knots_mm.front() > problem.design.d_min_mm + kTouching_mm) return solve;
-  const ReoptimizePoint& from = solve.IsUsable() ? solve.point : start;
-  ReoptimizeSolve other = SolveOneSide(problem, from, ConstantStart::kAtShortestStroke, inner);
+  bool touches = false;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (solve.IsUsable() && solve.points[i].knots_mm.front() > problem.shared.design.d_min_mm + kTouching_mm) continue;
+    sides[i] = ConstantStart::kAtShortestStroke, touches = true;
+  }
+  if (!touches) return solve;
+  const std::vector<ReoptimizePoint>& from = solve.IsUsable() ? solve.points : start;
+  GroupSolve other = SolveOneSide(problem, from, sides, inner);
   return IsBetter(other, solve) ? std::move(other) : std::move(solve);
+}
+
+ReoptimizeSolve SolveFrom(const ReoptimizeProblem& problem, const ReoptimizePoint& start,
+                          const synthesis::OptimizeOptions& options, bool warm) {
+  GroupSolve solve = SolveFrom(GroupProblem::OfOne(problem), std::vector{start}, options, warm);
+  return {std::move(solve), std::move(solve.points.front()), std::move(solve.predictions.front())};
 }
 
 ReoptimizeResult Reoptimize(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
@@ -182,7 +214,7 @@ std::optional<ReoptimizeSolve> FindOptimum(const ReoptimizeProblem& problem, con
   for (const linkage::Links& start : StartsOf(problem, links, options)) {
     ThrowIfInterrupted();
     ReoptimizeSolve solve = SolveFrom(problem, StartPoint(problem, start), options);
-    optima.Add(solve);
+    optima.Add(solve.IsUsable(), solve.objective);
     if (solve.IsUsable() && (!best || IsBetter(solve, *best))) best = std::move(solve);
     if (optima.AreAll()) break;
   }
@@ -211,16 +243,10 @@ ReoptimizePoint NearestToKnee(const ReoptimizeProblem& problem, const Reoptimize
 
 std::optional<PlacementRange> FindPlacementRange(const ReoptimizeProblem& problem, const ReoptimizePoint& point,
                                                  const synthesis::OptimizeOptions& options) {
-  constexpr double kSameLinks_mm = 0.01;  // a machinist's; wide enough for an interior point to move in
   const auto prediction = PredictPoint(problem, point);
   if (!prediction) return std::nullopt;
-  ReoptimizeProblem farthest = WithGoal(problem, Goal::kFarthest);
+  ReoptimizeProblem farthest = WithLinks(WithGoal(problem, Goal::kFarthest), point.links);
   farthest.fit_placement = true;
-  for (std::size_t i = 0; i < 6; ++i) {
-    problem::Bounds& bounds = farthest.design.bounds[i];
-    const double length = point.links.Values()[i];
-    bounds = {std::max(bounds.lower, length - kSameLinks_mm), std::min(bounds.upper, length + kSameLinks_mm)};
-  }
   PlacementRange range;
   range.within_percent = std::max(problem.max_misalignment_percent.value_or(0),
                                   100 * prediction->relative_rms + kEqualMisalignment_percent);

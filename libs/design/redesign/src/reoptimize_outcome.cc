@@ -8,6 +8,7 @@
 #include "lake/core/processes.h"
 #include "lake/core/statistics.h"
 #include "lake/synthesis/synthesis_outcome.h"
+#include "point_json.h"
 
 namespace lake::redesign {
 namespace {
@@ -92,13 +93,9 @@ double ProgramDuration(const linkage::Design& design, const Prediction& predicti
   return std::abs(prediction.stroke_mm.back() - prediction.stroke_mm.front()) / design.program->speed_mm_s;
 }
 
-// Fronts come from other processes as JSON, whose numbers read back as the same double.
 nlohmann::json JsonOf(const ParetoPoint& point) {
-  return {{"least_range_deg", point.least_range_deg},
-          {"links", point.point.links.Values()},
-          {"knots_mm", point.point.knots_mm},
-          {"placement_mm", {point.point.placement_mm.x(), point.point.placement_mm.y()}},
-          {"duration_s", point.point.duration_s},
+  return {{"point", JsonOf(point.point)},
+          {"least_range_deg", point.least_range_deg},
           {"range_deg", point.range_deg},
           {"misalignment_percent", point.misalignment_percent},
           {"rms_mm", point.rms_mm}};
@@ -106,11 +103,8 @@ nlohmann::json JsonOf(const ParetoPoint& point) {
 
 ParetoPoint ParetoPointOf(const nlohmann::json& json) {
   ParetoPoint point;
+  point.point = PointOf(json.at("point"));
   json.at("least_range_deg").get_to(point.least_range_deg);
-  point.point.links = linkage::Links::FromValues(json.at("links").get<std::array<double, 6>>());
-  json.at("knots_mm").get_to(point.point.knots_mm);
-  point.point.placement_mm = {json.at("placement_mm").at(0).get<double>(), json.at("placement_mm").at(1).get<double>()};
-  json.at("duration_s").get_to(point.point.duration_s);
   json.at("range_deg").get_to(point.range_deg);
   json.at("misalignment_percent").get_to(point.misalignment_percent);
   json.at("rms_mm").get_to(point.rms_mm);
@@ -239,17 +233,23 @@ DesignInMotion PutInMotion(const ReoptimizeProblem& problem, const compare::StsC
   return in_motion;
 }
 
-ReoptimizeOutcome RunReoptimization(ReoptimizeProblem problem, const MeasuredMotion& measured,
-                                    const ReoptimizeOptions& options) {
-  options.Check();
+ReoptimizeOutcome PutMotionInto(ReoptimizeProblem problem, const MeasuredMotion& measured) {
   problem.human = MakeHumanMotion(measured.human);
   if (measured.worn) problem.placement_mm = PlacementOf(*measured.worn);
   problem.design = problem.DesignAt(problem.placement_mm);
   problem.Check();
   ReoptimizeOutcome outcome;
-  outcome.problem = problem, outcome.options = options, outcome.measured = measured;
+  outcome.problem = std::move(problem), outcome.measured = measured;
   TakeTrial(outcome);
-  problem.human = outcome.problem.human;
+  return outcome;
+}
+
+ReoptimizeOutcome RunReoptimization(ReoptimizeProblem problem, const MeasuredMotion& measured,
+                                    const ReoptimizeOptions& options) {
+  options.Check();
+  ReoptimizeOutcome outcome = PutMotionInto(std::move(problem), measured);
+  outcome.options = options;
+  problem = outcome.problem;
   const std::vector<linkage::Links> links = StartLinks(outcome);
   outcome.before = PutInMotion(problem, measured.human, Before(problem, measured));
   CheckBefore(outcome);

@@ -28,6 +28,16 @@ std::vector<double> PlausibleStrokes(const ReoptimizeProblem& problem) {
 
 }  // namespace
 
+ReoptimizeProblem WithLinks(ReoptimizeProblem problem, const linkage::Links& links) {
+  constexpr double kSameLinks_mm = 0.01;
+  for (std::size_t i = 0; i < 6; ++i) {
+    problem::Bounds& bounds = problem.design.bounds[i];
+    const double length = links.Values()[i];
+    bounds = {std::max(bounds.lower, length - kSameLinks_mm), std::min(bounds.upper, length + kSameLinks_mm)};
+  }
+  return problem;
+}
+
 std::string PlacementName(int axis) {
   return axis == 0 ? "placement_x" : "placement_y";
 }

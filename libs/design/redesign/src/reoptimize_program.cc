@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "lake/compare/pointwise_error.h"
 #include "lake/core/angles.h"
@@ -41,36 +42,54 @@ struct SquareTerm {
   }
 };
 
-class Extender {
+// What one person adds.
+class PersonExtender {
  public:
-  Extender(const ReoptimizeProblem& problem, const ReoptimizePoint& start, ConstantStart constant_start,
-           synthesis::SynthesisProgram& synthesis)
-      : problem_(problem), start_(start), constant_start_(constant_start), synthesis_(synthesis) {}
+  // `weight` of the misalignment in the cost.
+  PersonExtender(const ReoptimizeProblem& problem, const ReoptimizePoint& start, ConstantStart constant_start,
+                 std::size_t person, const std::string& name, double weight, synthesis::SynthesisProgram& synthesis)
+      : problem_(problem),
+        start_(start),
+        constant_start_(constant_start),
+        person_(static_cast<int>(person)),
+        prefix_(name.empty() ? "" : name + ": "),
+        weight_(weight),
+        synthesis_(synthesis) {}
 
-  ReoptimizeVariables Extend() {
+  void Extend() {
     variables_.links = synthesis_.links;
     AddKnots();
     AddPlacement();
     AddDuration();
     AddPoses();
-    AddMisalignmentLimit();
-    AddPenalty();
-    AddGoal();
-    return std::move(variables_);
   }
+
+  // `factor` x the mean squared relative error (of L) or squared distance (of 1), as terms of a row or the cost.
+  void AddMeanSquare(int row, bool relative, double factor) {
+    for (std::size_t i = 0; i < problem_.human.size(); ++i) {
+      const HumanSample& human = problem_.human[i];
+      nlp().AddTerm(row, std::array{variables_.theta[i], variables_.placement[0], variables_.placement[1]},
+                    SquaredErrorTerm{human, relative ? human.shank_mm : 1.0, factor / compare::kPercentSamples});
+    }
+  }
+
+  // At the start; nullopt where the linkage cannot make the motion.
+  std::optional<Prediction> Predicted() const { return PredictPoint(problem_, start_); }
+  std::string Named(const std::string& name) const { return prefix_ + name; }
+  int Person() const { return person_; }
+  ReoptimizeVariables& Variables() { return variables_; }
 
  private:
   nlp::NonlinearProgram& nlp() { return synthesis_.program; }
   bool IsFree() const { return problem_.program.kind == linkage::StrokeProgram::Kind::kFree; }
-  double MisalignmentWeight() const { return problem_.goal == Goal::kMisalignment ? 1 : kMisalignmentTie; }
   double Standing_rad() const { return RadiansFromDegrees(problem_.design.standing_deg); }
 
   void AddKnots() {
     const double d_min = problem_.design.d_min_mm;
     for (std::size_t k = 0; k < start_.knots_mm.size(); ++k) {
       const bool fixed = !IsFree() && k == 0 && constant_start_ == ConstantStart::kAtShortestStroke;
-      variables_.knots.push_back(nlp().AddVariable(fmt::format("knot {}", k), std::max(d_min, start_.knots_mm[k]),
-                                                   d_min, fixed ? d_min : kLongest_mm));
+      variables_.knots.push_back(nlp().AddVariable(
+          Named(fmt::format("knot {}", k)), std::max(d_min, start_.knots_mm[k]), d_min, fixed ? d_min : kLongest_mm));
     }
   }
 
@@ -81,21 +100,22 @@ class Extender {
       // Clearances have it among the variables already.
       const bool is_there = synthesis_.placement[axis] >= 0;
       variables_.placement[axis] =
-          is_there ? synthesis_.placement[axis] : nlp().AddVariable(PlacementName(axis), start, lower, upper);
+          is_there ? synthesis_.placement[axis] : nlp().AddVariable(Named(PlacementName(axis)), start, lower, upper);
       if (!problem_.fit_placement) continue;
-      const double square = problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * MisalignmentWeight();
+      const double square = problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * weight_;
       nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{square});
       if (problem_.goal == Goal::kFarthest)
         synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.placement[axis], -problem_.farthest[axis]);
-      synthesis_.limits.push_back({{On::kPlacement, axis}, "mm", -1, variables_.placement[axis]});
+      synthesis_.limits.push_back({{On::kPlacement, 2 * person_ + axis}, "mm", -1, variables_.placement[axis]});
     }
   }
 
   void AddDuration() {
     const double speed = problem_.program.max_speed_mm_s;
     const double longest = problem_.program.duration_s.value_or(kLongest_s);
-    variables_.duration = nlp().AddVariable("duration", start_.duration_s, 0, longest);
-    if (problem_.program.duration_s) synthesis_.limits.push_back({{On::kDuration}, "s", -1, variables_.duration});
+    variables_.duration = nlp().AddVariable(Named("duration"), start_.duration_s, 0, longest);
+    if (problem_.program.duration_s)
+      synthesis_.limits.push_back({{On::kDuration, person_}, "s", -1, variables_.duration});
     const double share = speed / static_cast<double>(variables_.knots.size() - 1);
     const bool may_turn_back = IsFree() && !problem_.program.monotone;
     for (std::size_t k = 1; k < variables_.knots.size(); ++k) {
@@ -108,7 +128,7 @@ class Extender {
 
   // direction (d_k - d_k-1) <= share T.
   void AddSpeedRow(std::size_t knot, double direction, double share) {
-    const int row = nlp().AddRow(fmt::format("speed {:+} at knot {}", direction, knot), -nlp::kUnbounded, 0);
+    const int row = nlp().AddRow(Named(fmt::format("speed {:+} at knot {}", direction, knot)), -nlp::kUnbounded, 0);
     synthesis::AddScaledTerm(nlp(), row, variables_.knots[knot], direction);
     synthesis::AddScaledTerm(nlp(), row, variables_.knots[knot - 1], -direction);
     if (share > 0) synthesis::AddScaledTerm(nlp(), row, variables_.duration, -share);
@@ -125,7 +145,7 @@ class Extender {
       constexpr double kPlausiblePhi_rad = 0.6;
       const double phi_start =
           pose ? pose->phi_rad : std::lerp(std::numbers::pi, kPlausiblePhi_rad, theta_start / std::numbers::pi);
-      variables_.theta.push_back(nlp().AddVariable("theta" + name, theta_start, lower, upper));
+      variables_.theta.push_back(nlp().AddVariable(Named("theta" + name), theta_start, lower, upper));
       synthesis::AddProgramPose(nlp(), name, synthesis_.links,
                                 {variables_.knots[span.from], variables_.knots[span.from + 1], span.weight},
                                 variables_.theta.back(), phi_start);
@@ -140,70 +160,178 @@ class Extender {
     return {standing, std::numbers::pi};
   }
 
-  // `factor` x the mean squared relative error (of L) or squared distance (of 1), as terms of a row or the cost.
-  void AddMeanSquare(int row, bool relative, double factor) {
-    for (std::size_t i = 0; i < problem_.human.size(); ++i) {
-      const HumanSample& human = problem_.human[i];
-      nlp().AddTerm(row, std::array{variables_.theta[i], variables_.placement[0], variables_.placement[1]},
-                    SquaredErrorTerm{human, relative ? human.shank_mm : 1.0, factor / compare::kPercentSamples});
+  const ReoptimizeProblem& problem_;
+  const ReoptimizePoint& start_;
+  const ConstantStart constant_start_;
+  const int person_;
+  const std::string prefix_;
+  const double weight_;
+  synthesis::SynthesisProgram& synthesis_;
+  ReoptimizeVariables variables_;
+};
+
+// What holds of all: limit, penalty and goal.
+class GroupExtender {
+ public:
+  GroupExtender(const GroupProblem& problem, std::vector<PersonExtender>& people,
+                synthesis::SynthesisProgram& synthesis)
+      : problem_(problem), shared_(problem.shared), people_(people), synthesis_(synthesis) {}
+
+  void Extend() {
+    for (PersonExtender& person : people_) person.Extend();
+    AddMisalignmentLimit();
+    AddPenalty();
+    AddGoal();
+  }
+
+  static double MisalignmentWeight(const GroupProblem& problem) {
+    return problem.shared.goal == Goal::kMisalignment && problem.people.size() == 1 ? 1 : kMisalignmentTie;
+  }
+
+ private:
+  nlp::NonlinearProgram& nlp() { return synthesis_.program; }
+  bool IsMean() const { return problem_.across == Across::kMean && people_.size() > 1; }
+
+  void AddMisalignmentLimit() {
+    if (!shared_.max_misalignment_percent) return;
+    const double limit = *shared_.max_misalignment_percent;
+    const std::string text = fmt::format("misalignment <= {:.6g} %", limit);
+    if (IsMean()) {
+      const int row = nlp().AddRow("mean " + text, -nlp::kUnbounded, limit);
+      for (const int root : Roots())
+        synthesis::AddScaledTerm(nlp(), row, root, 1 / static_cast<double>(people_.size()));
+      synthesis_.limits.push_back({{On::kMisalignment}, "%", row});
+      return;
+    }
+    for (PersonExtender& person : people_) {
+      if (!Counts(person)) continue;
+      const int row = nlp().AddRow(person.Named(text), -nlp::kUnbounded, limit * limit);
+      person.AddMeanSquare(row, true, kPercentSquared);
+      person.Variables().misalignment_row = row;
+      // d(limit^2) = 2 limit d(limit): the price is published per percent.
+      synthesis_.limits.push_back({{On::kMisalignment, person.Person()}, "%", row, -1, 2 * limit});
     }
   }
 
-  void AddMisalignmentLimit() {
-    if (!problem_.max_misalignment_percent) return;
-    const double limit = *problem_.max_misalignment_percent;
-    const int row = nlp().AddRow(fmt::format("misalignment <= {:.6g} %", limit), -nlp::kUnbounded, limit * limit);
-    AddMeanSquare(row, true, kPercentSquared);
-    // d(limit^2) = 2 limit d(limit): the price is published per percent.
-    synthesis_.limits.push_back({{On::kMisalignment}, "%", row, -1, 2 * limit});
-  }
-
   void AddPenalty() {
-    if (problem_.penalty_deg_per_mm == 0 || problem_.goal != Goal::kRange) return;
-    const auto prediction = PredictPoint(problem_, start_);
+    if (shared_.penalty_deg_per_mm == 0 || shared_.goal != Goal::kRange) return;
     constexpr double kPlausible_mm = 30, kScale_mm2 = 100;
-    const double rms = prediction ? prediction->rms_mm : kPlausible_mm;
-    const int distance = nlp().AddVariable("rms distance", rms, kLeastDistance_mm, nlp::kUnbounded);
-    const int row = nlp().AddRow("rms distance", -nlp::kUnbounded, 0);
-    AddMeanSquare(row, false, 1 / kScale_mm2);
-    nlp().AddTerm(row, std::array{distance}, SquareTerm{-1 / kScale_mm2});
-    synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, distance, problem_.penalty_deg_per_mm);
+    const auto start = [](const PersonExtender& person) {
+      const auto prediction = person.Predicted();
+      return prediction ? prediction->rms_mm : kPlausible_mm;
+    };
+    AddRoots("rms distance", start, false, 1 / kScale_mm2, shared_.penalty_deg_per_mm);
   }
 
   void AddGoal() {
-    AddMeanSquare(nlp::NlpTerm::kCost, true, kPercentSquared * MisalignmentWeight());
-    if (!problem_.min_range_deg) return;
-    const int row = nlp().AddRow(fmt::format("range >= {:.6g} deg", *problem_.min_range_deg), *problem_.min_range_deg,
+    for (PersonExtender& person : people_)
+      person.AddMeanSquare(nlp::NlpTerm::kCost, true, kPercentSquared * MisalignmentWeight(problem_));
+    if (shared_.goal == Goal::kMisalignment && people_.size() > 1) AddLeastMisalignment();
+    if (!shared_.min_range_deg) return;
+    const int row = nlp().AddRow(fmt::format("range >= {:.6g} deg", *shared_.min_range_deg), *shared_.min_range_deg,
                                  nlp::kUnbounded);
     synthesis::AddScaledTerm(nlp(), row, synthesis_.range, kDegreesPerRadian);
     synthesis_.limits.push_back({{On::kLeastRange}, "deg", row});
   }
 
+  // The percentage itself is the cost.
+  void AddLeastMisalignment() {
+    if (IsMean())
+      for (const int root : Roots())
+        synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, root, 1 / static_cast<double>(people_.size()));
+    else
+      AddRoots("misalignment", StartPercent, true, kPercentSquared, 1);
+  }
+
+  static double StartPercent(const PersonExtender& person) {
+    constexpr double kPlausible_percent = 8;
+    const auto prediction = person.Predicted();
+    return prediction ? 100 * prediction->relative_rms : kPlausible_percent;
+  }
+
+  // Each person's RMS relative error in percent, of which the mean is taken.
+  const std::vector<int>& Roots() {
+    if (roots_.empty()) roots_ = AddRoots("misalignment", StartPercent, true, kPercentSquared, 0);
+    return roots_;
+  }
+
+  // Variables r with factor x mean square <= factor_r r^2: one for all who count, of the mean one for each; `weight` x
+  // the largest or the mean r is added to the cost.
+  std::vector<int> AddRoots(const std::string& name, double (*start)(const PersonExtender&), bool relative,
+                            double factor, double weight) {
+    const double own_factor = relative ? factor / kPercentSquared : factor;
+    std::vector<int> roots;
+    const auto add = [&](const std::string& of, double value) {
+      roots.push_back(nlp().AddVariable(of, value, kLeastDistance_mm, nlp::kUnbounded));
+    };
+    if (!IsMean()) {
+      double largest = 0;
+      for (const PersonExtender& person : people_)
+        if (Counts(person)) largest = std::max(largest, start(person));
+      add(name, largest);
+    }
+    for (PersonExtender& person : people_) {
+      if (!IsMean() && !Counts(person)) continue;
+      if (IsMean()) add(person.Named(name), start(person));
+      const int row = nlp().AddRow(person.Named(name), -nlp::kUnbounded, 0);
+      person.AddMeanSquare(row, relative, factor);
+      nlp().AddTerm(row, std::array{roots.back()}, SquareTerm{-own_factor});
+      if (person.Variables().misalignment_row < 0) person.Variables().misalignment_row = row;
+    }
+    if (weight > 0)
+      for (const int root : roots)
+        synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, root, weight / static_cast<double>(roots.size()));
+    return roots;
+  }
+
+  bool Counts(const PersonExtender& person) const {
+    return problem_.people[static_cast<std::size_t>(person.Person())].counts;
+  }
+
   static constexpr double kPercentSquared = 1e4;
 
-  const ReoptimizeProblem& problem_;
-  const ReoptimizePoint& start_;
-  const ConstantStart constant_start_;
+  const GroupProblem& problem_;
+  const ReoptimizeProblem& shared_;
+  std::vector<PersonExtender>& people_;
   synthesis::SynthesisProgram& synthesis_;
-  ReoptimizeVariables variables_;
+  std::vector<int> roots_;
 };
 
 }  // namespace
 
+ReoptimizeBuilder::ReoptimizeBuilder(const GroupProblem& problem, std::vector<ReoptimizePoint> start,
+                                     std::vector<ConstantStart> constant_start)
+    : problem_(problem), constant_start_(std::move(constant_start)), points_(std::move(start)) {
+  for (std::size_t i = 0; i < problem.people.size(); ++i) people_.push_back(problem.Of(i));
+}
+
 synthesis::SynthesisProgram ReoptimizeBuilder::Build(const synthesis::Collocation& poses) {
-  const double range_weight = problem_.goal == Goal::kRange ? 1 : kRangeTie;
-  synthesis::SynthesisProgram program = synthesis::BuildProgram(problem_.DesignAt(point_.placement_mm), point_.links,
-                                                                poses, synthesis::Elasticity::kNone, range_weight);
-  variables_ = Extender(problem_, point_, constant_start_, program).Extend();
+  const double range_weight = problem_.shared.goal == Goal::kRange ? 1 : kRangeTie;
+  // Clearances are on one person's body, at its placement.
+  const problem::SynthesisProblem design =
+      people_.size() == 1 ? people_.front().DesignAt(points_.front().placement_mm) : problem_.shared.design;
+  synthesis::SynthesisProgram program =
+      synthesis::BuildProgram(design, Links(), poses, synthesis::Elasticity::kNone, range_weight);
+  std::vector<PersonExtender> people;
+  people.reserve(people_.size());
+  for (std::size_t i = 0; i < people_.size(); ++i)
+    people.emplace_back(people_[i], points_[i], constant_start_[i], i, problem_.people[i].name,
+                        GroupExtender::MisalignmentWeight(problem_), program);
+  GroupExtender(problem_, people, program).Extend();
+  variables_.clear();
+  for (PersonExtender& person : people) variables_.push_back(std::move(person.Variables()));
   return program;
 }
 
 void ReoptimizeBuilder::MoveTo(const std::vector<double>& x) {
-  point_.links = synthesis::LinksAt(variables_.links, x);
-  point_.knots_mm.clear();
-  for (const int knot : variables_.knots) point_.knots_mm.push_back(x[knot]);
-  point_.placement_mm = {x[variables_.placement[0]], x[variables_.placement[1]]};
-  point_.duration_s = x[variables_.duration];
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const ReoptimizeVariables& variables = variables_[i];
+    points_[i].links = synthesis::LinksAt(variables.links, x);
+    points_[i].knots_mm.clear();
+    for (const int knot : variables.knots) points_[i].knots_mm.push_back(x[knot]);
+    points_[i].placement_mm = {x[variables.placement[0]], x[variables.placement[1]]};
+    points_[i].duration_s = x[variables.duration];
+  }
 }
 
 }  // namespace lake::redesign

@@ -5,29 +5,38 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
-#include "lake/redesign/reoptimize_problem.h"
+#include "lake/redesign/group_problem.h"
 #include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::commands {
 
 struct ReoptimizeRunOptions {
-  std::filesystem::path comparison;      // folder of lake-compare: human and exoskeleton trial …
-  std::filesystem::path human;           // … or a human trial alone, as lake-compare reads it; one of both
-  std::string human_knee = "knee";       // the compared marker of the human trial
-  exchange::TrialOptions human_reading;  // of files; a folder's markers have their names already
-  std::filesystem::path worn;            // design.yaml worn in the exoskeleton trial; required with one
-  bool human_only = false;               // the exoskeleton trial of the comparison is left out
+  std::vector<std::filesystem::path> comparisons;  // folders of lake-compare: human and exoskeleton trial; several:
+                                                   // one design for all …
+  std::filesystem::path human;                     // … or a human trial alone, as lake-compare reads it; one of both
+  std::string human_knee = "knee";                 // the compared marker of the human trial
+  exchange::TrialOptions human_reading;            // of files; a folder's markers have their names already
+  std::vector<std::filesystem::path> worn;  // design.yaml worn in the exoskeleton trial, one of all or one for each;
+                                            // required with one
+  bool human_only = false;                  // the exoskeleton trial of the comparison is left out
   redesign::ProgramLimits program;
   std::optional<double> max_misalignment_percent;
   double penalty_deg_per_mm = 0;
   bool fit_placement = false;
   double placement_reach_mm = redesign::ReoptimizeProblem{}.placement_reach_mm;
   std::optional<int> pareto_points;
+  redesign::Across across = redesign::Across::kWorst;
+  double quantile = redesign::GroupProblem{}.quantile;
+  std::optional<int> sizes;            // so many designs instead of one for all
+  std::filesystem::path participants;  // participants.tsv with heights for the rule; empty: none
+  std::vector<double> heights_mm;      // of `comparisons`, or empty
+  std::vector<std::string> people;     // whose comparisons these are; empty: named after their folders
 };
 
 void Describe(ReoptimizeRunOptions& o, OptionList& options);

@@ -33,6 +33,7 @@
 #include "lake/commands/simulate.h"
 #include "lake/commands/stroke.h"
 #include "lake/commands/track.h"
+#include "lake/core/yaml.h"
 #include "lake/problem/problem.h"
 #include "lake/synthesis/synthesis_outcome.h"
 
@@ -111,5 +112,9 @@ struct StudyFile {
 // Throws Error in one line with file and line: an unknown key, a value that cannot be, markers that do not fit; or with
 // all files that are missing.
 StudyFile ReadStudyFile(const std::filesystem::path& path);
+
+// A design for the people of a cohort: a section like `reoptimize` with across, quantile and sizes too, its paths
+// relative to `folder`. Throws Error with file and line.
+StudyRedesign ReadPopulation(YamlNode node, const std::filesystem::path& folder);
 
 }  // namespace lake::study

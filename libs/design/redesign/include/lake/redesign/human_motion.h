@@ -32,6 +32,12 @@ using HumanMotion = std::vector<HumanSample>;  // kPercentSamples of them
 // From the curve's compared knee; delta is zero. Throws Error where a segment or the leg has no length.
 HumanMotion MakeHumanMotion(const compare::StsCurve& human);
 
+// Means over the motion, mm.
+struct SegmentLengths {
+  double shank_mm = 0, thigh_mm = 0;
+};
+SegmentLengths SegmentsOf(const HumanMotion& motion);
+
 template <typename T>
 Eigen::Matrix<T, 2, 1> PredictKnee(const HumanSample& human, const T& theta_rad, const T& placement_x_mm,
                                    const T& placement_y_mm) {

@@ -6,16 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "lake/redesign/reoptimize_problem.h"
+#include "lake/redesign/group_problem.h"
 #include "lake/synthesis/optimize.h"
 
 namespace lake::redesign {
 
 // One local solve, exchange included.
-struct ReoptimizeSolve {
+struct SolveInMotion {
   synthesis::LocalSolve local;
-  ReoptimizePoint point;                 // the end
-  std::optional<Prediction> prediction;  // of the end, by the closed form and the comparison's error
   // Of the goal, larger is better: RoR - w RMS in deg; -percent; -s; -|p| or farthest . p in mm.
   double objective = 0;
   bool holds_on_path = false;  // the limits on misalignment, range and time, within 1e-5
@@ -23,7 +21,22 @@ struct ReoptimizeSolve {
   // Solved; feasible by the closed form; the limits hold on the predicted path.
   bool IsUsable() const { return local.IsUsable() && holds_on_path; }
   double Range_deg() const { return local.evaluation.range_deg; }
+};
+
+struct ReoptimizeSolve : SolveInMotion {
+  ReoptimizePoint point;                 // the end
+  std::optional<Prediction> prediction;  // of the end, by the closed form and the comparison's error
+
   double Misalignment_percent() const;  // NaN without a prediction
+};
+
+// The same for a group: ends and predictions of each person, all with the same links.
+struct GroupSolve : SolveInMotion {
+  std::vector<ReoptimizePoint> points;
+  std::vector<std::optional<Prediction>> predictions;
+  std::vector<double> prices;  // of what bounds each person's misalignment, 0 where nothing does
+
+  std::vector<double> Misalignments_percent() const;  // NaN without a prediction
 };
 
 // The goal's value at a design and its path, as ReoptimizeSolve::objective.
@@ -34,6 +47,33 @@ double ObjectiveOf(const ReoptimizeProblem& problem, const ReoptimizePoint& poin
 // start is a solution of a problem close by.
 ReoptimizeSolve SolveFrom(const ReoptimizeProblem& problem, const ReoptimizePoint& start,
                           const synthesis::OptimizeOptions& options = {}, bool warm = false);
+// The same for a group, from a point for each person.
+GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<ReoptimizePoint>& start,
+                     const synthesis::OptimizeOptions& options = {}, bool warm = false);
+
+// Is `a` usable, and `b` not or worse? Of equals neither is better.
+bool IsBetter(const SolveInMotion& a, const SolveInMotion& b);
+
+// Where the solves of a problem start: `links` in turn, then random ones within the bounds.
+std::vector<linkage::Links> StartsOf(const ReoptimizeProblem& problem, const std::vector<linkage::Links>& links,
+                                     const synthesis::OptimizeOptions& options);
+
+// The different optima among usable ends of local searches.
+class Optima {
+ public:
+  void Add(bool is_usable, double objective);
+  // Of n ends at w different optima, w (n - 1) / (n - w - 2) optima are to be expected in all; the search is over when
+  // that is not half a one more than was found (Boender & Rinnooy Kan, Math. Program. 37, 1987).
+  bool AreAll() const;
+
+ private:
+  int ends_ = 0;
+  std::vector<double> objectives_;
+};
+
+// The same problem with another goal, without penalty and limit on the misalignment.
+ReoptimizeProblem WithGoal(ReoptimizeProblem problem, ReoptimizeProblem::Goal goal,
+                           std::optional<double> min_range_deg = {});
 
 struct ReoptimizeResult {
   std::vector<ReoptimizeSolve> starts;  // in order of starting

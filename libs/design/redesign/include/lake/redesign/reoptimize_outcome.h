@@ -98,6 +98,10 @@ struct ReoptimizeOutcome {
   bool IsSolved() const { return result.IsSolved(); }
 };
 
+// The problem with the measured motion, delta if a worn design is known, and what the exoskeleton trial tells of it;
+// nothing is solved. Throws as RunReoptimization.
+ReoptimizeOutcome PutMotionInto(ReoptimizeProblem problem, const MeasuredMotion& measured);
+
 // The human's motion of the problem is set here: from the measured curves, with delta if a worn design is known. Throws
 // Error for input that cannot be used, which a worn design is that leaves most of its trial's joint unexplained,
 // UsageError for options, Interrupted on a signal.

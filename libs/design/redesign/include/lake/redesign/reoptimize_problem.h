@@ -58,6 +58,9 @@ struct ReoptimizeProblem {
   void Check() const;
 };
 
+// The same problem with these links, within what a machinist holds: wide enough for an interior point to move in.
+ReoptimizeProblem WithLinks(ReoptimizeProblem problem, const linkage::Links& links);
+
 // "placement_x", "placement_y"; "constant", "free".
 std::string PlacementName(int axis);
 std::string ProgramName(linkage::StrokeProgram::Kind kind);

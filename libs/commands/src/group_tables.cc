@@ -1,0 +1,330 @@
+#include "group_tables.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/statistics.h"
+#include "optimum_tables.h"
+#include "program_table.h"
+
+namespace lake::commands {
+namespace {
+
+namespace fs = std::filesystem;
+using redesign::PersonOutcome;
+
+std::vector<std::string> PartsOf(const fs::path& path) {
+  std::vector<std::string> parts;
+  fs::path whole = fs::absolute(path).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();  // "folder/"
+  for (const fs::path& part : whole) parts.push_back(part.string());
+  return parts;
+}
+
+std::string FileOf(const std::string& person, const char* file) {
+  return fmt::format("people/{}/{}", person, file);
+}
+
+double MisalignmentPercent(const redesign::DesignInMotion& design) {
+  return design.prediction ? 100 * design.prediction->relative_rms : std::nan("");
+}
+
+double MisalignmentRms(const redesign::DesignInMotion& design) {
+  return design.prediction ? design.prediction->rms_mm : std::nan("");
+}
+
+void AddNothing(CsvWriter& table, int cells) {
+  for (int i = 0; i < cells; ++i) table.AddEmpty();
+}
+
+// A row of people.csv.
+struct PersonRow {
+  const redesign::GroupOutcome& group;  // of the size that is worn, or of all
+  std::size_t index;                    // in it
+  std::size_t size = 0;
+};
+
+void AddPerson(const PersonRow& row, CsvWriter& table) {
+  const PersonOutcome& person = row.group.people[row.index];
+  const redesign::DesignInMotion& design = person.with_group;
+  const redesign::SegmentLengths leg = redesign::SegmentsOf(row.group.problem.people[row.index].human);
+  double prices = 0;
+  for (const PersonOutcome& other : row.group.people) prices += other.price;
+  table.Add(person.name).Add(static_cast<int>(row.size) + 1).Add(person.counts ? 1 : 0);
+  table.Add(leg.shank_mm).Add(leg.thigh_mm);
+  table.Add(design.evaluation.range_deg).Add(MisalignmentPercent(design)).Add(MisalignmentRms(design));
+  table.Add(prices > 0 ? person.price / prices : 0);
+  table.Add(design.design.placement_mm[0]).Add(design.design.placement_mm[1]);
+  if (design.prediction)
+    table.Add(design.duration_s).Add(design.prediction->stroke_mm.front()).Add(design.prediction->stroke_mm.back());
+  else
+    AddNothing(table, 3);
+  table.Add(person.cost_deg);
+  if (!person.own) {
+    AddNothing(table, 9);
+    return;
+  }
+  table.Add(person.own->evaluation.range_deg).Add(MisalignmentPercent(*person.own)).Add(MisalignmentRms(*person.own));
+  AddLinkCells(table, person.own->design.links);
+}
+
+void WritePeople(const std::vector<PersonRow>& rows, Run& run) {
+  std::vector<std::string> header = {"person",
+                                     "size",
+                                     "counts",
+                                     "shank_mm",
+                                     "thigh_mm",
+                                     "range_deg",
+                                     "misalignment_percent",
+                                     "misalignment_rms_mm",
+                                     "price_share",
+                                     "placement_x_mm",
+                                     "placement_y_mm",
+                                     "program_duration_s",
+                                     "stroke_from_mm",
+                                     "stroke_to_mm",
+                                     "cost_deg",
+                                     "own_range_deg",
+                                     "own_misalignment_percent",
+                                     "own_misalignment_rms_mm"};
+  std::ranges::copy(LinkColumns("own_"), std::back_inserter(header));
+  CsvWriter table(header);
+  for (const PersonRow& row : rows) AddPerson(row, table), table.EndRow();
+  table.Write(run.Result("people.csv"));
+}
+
+std::vector<PersonRow> RowsOf(const redesign::GroupOutcome& outcome) {
+  std::vector<PersonRow> rows;
+  for (std::size_t i = 0; i < outcome.people.size(); ++i) rows.push_back({outcome, i});
+  return rows;
+}
+
+// In the order in which people were given.
+std::vector<PersonRow> RowsOf(const redesign::SizesOutcome& outcome) {
+  std::vector<PersonRow> rows;
+  for (std::size_t i = 0; i < outcome.size_of.size(); ++i) {
+    const std::size_t size = outcome.size_of[i];
+    const auto place = std::ranges::find(outcome.members[size], i);
+    rows.push_back({outcome.sizes[size], static_cast<std::size_t>(place - outcome.members[size].begin()), size});
+  }
+  return rows;
+}
+
+// The links, and of each who wears them placement and program.
+void WriteDesigns(const redesign::GroupOutcome& outcome, const std::string& name, Run& run) {
+  const std::string remark = outcome.IsSolved() ? "" : ": NOT A SOLUTION: " + outcome.reason;
+  linkage::Design common;
+  common.links = outcome.nearest.Links(), common.d_min_mm = outcome.problem.shared.design.d_min_mm;
+  WriteOptimumDesign(common, outcome.evaluation, remark, run.Result(name));
+  for (std::size_t i = 0; i < outcome.people.size(); ++i) {
+    const PersonOutcome& person = outcome.people[i];
+    WriteOptimumDesign(person.with_group.design, outcome.evaluation, remark,
+                       run.Result(FileOf(person.name, "design.yaml")));
+    WriteProgramTable(person.with_group, outcome.problem.people[i].human,
+                      run.Result(FileOf(person.name, "program.csv")));
+  }
+}
+
+std::string SizeFile(std::size_t size) {
+  return fmt::format("sizes/{}/design.yaml", size + 1);
+}
+
+void WriteSizeTables(const redesign::SizesOutcome& outcome, Run& run) {
+  std::vector<std::string> header = {"size", "people", "range_deg", "misalignment_percent"};
+  std::ranges::copy(LinkColumns(""), std::back_inserter(header));
+  CsvWriter sizes(header);
+  for (std::size_t k = 0; k < outcome.sizes.size(); ++k) {
+    const redesign::GroupOutcome& size = outcome.sizes[k];
+    sizes.Add(static_cast<int>(k) + 1).Add(static_cast<int>(size.people.size())).Add(size.evaluation.range_deg);
+    sizes.Add(size.Misalignment_percent());
+    AddLinkCells(sizes, size.nearest.Links());
+    sizes.EndRow();
+  }
+  sizes.Write(run.Result("sizes.csv"));
+  CsvWriter rule({"quantity", "from_mm", "to_mm", "size"});
+  const auto finite = [](double mm) { return std::isfinite(mm) ? std::optional(mm) : std::nullopt; };
+  for (const redesign::RuleRange& range : outcome.rule.ranges) {
+    rule.Add(outcome.rule.quantity).Add(finite(range.from_mm)).Add(finite(range.to_mm));
+    rule.Add(static_cast<int>(range.size) + 1).EndRow();
+  }
+  rule.Write(run.Result("size_rule.csv"));
+  CsvWriter left_out({"person", "size", "size_by_rule", "holds", "misalignment_percent", "range_deg"});
+  const std::vector<PersonRow> rows = RowsOf(outcome);
+  for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
+    const redesign::LeftOut& of = outcome.left_out[i];
+    left_out.Add(rows[i].group.people[rows[i].index].name).Add(static_cast<int>(outcome.size_of[i]) + 1);
+    left_out.Add(static_cast<int>(of.size) + 1).Add(of.fit.holds ? 1 : 0).Add(finite(of.fit.percent));
+    left_out.Add(of.fit.range_deg).EndRow();
+  }
+  left_out.Write(run.Result("left_out.csv"));
+}
+
+const char* NameOf(redesign::Across across) {
+  switch (across) {
+    case redesign::Across::kWorst:
+      return "worst";
+    case redesign::Across::kMean:
+      return "mean";
+    case redesign::Across::kQuantile:
+      return "quantile";
+  }
+  return "";
+}
+
+// Who would gain most by a design of their own.
+Json CostJson(const std::vector<PersonRow>& rows) {
+  std::vector<double> costs;
+  const PersonOutcome* most = nullptr;
+  for (const PersonRow& row : rows) {
+    const PersonOutcome& person = row.group.people[row.index];
+    if (!person.cost_deg) continue;
+    costs.push_back(*person.cost_deg);
+    if (!most || *person.cost_deg > *most->cost_deg) most = &person;
+  }
+  if (!most) return nullptr;
+  return {{"mean_deg", Mean(costs)}, {"largest_deg", *most->cost_deg}, {"largest_of", most->name}};
+}
+
+Json PeopleJson(const std::vector<PersonRow>& rows) {
+  Json people = Json::array();
+  for (const PersonRow& row : rows) {
+    const PersonOutcome& person = row.group.people[row.index];
+    people.push_back({{"person", person.name},
+                      {"size", row.size + 1},
+                      {"counts", person.counts},
+                      {"misalignment_percent", NumberOrNull(MisalignmentPercent(person.with_group))},
+                      {"cost_deg", NumberOrNull(person.cost_deg)},
+                      {"placement_mm", person.with_group.design.placement_mm},
+                      {"program_duration_s", person.with_group.duration_s}});
+  }
+  return people;
+}
+
+void Warn(const std::vector<PersonRow>& rows, Run& run) {
+  const redesign::ReoptimizeProblem& shared = rows.front().group.problem.shared;
+  if (!shared.max_misalignment_percent && shared.penalty_deg_per_mm == 0)
+    run.Warn(
+        "neither --max-misalignment nor --penalty is given, so only the range is optimised; give one of them to limit "
+        "the misalignment");
+  std::vector<std::string> without_own, left_out;
+  for (const PersonRow& row : rows) {
+    const PersonOutcome& person = row.group.people[row.index];
+    if (!person.own) without_own.push_back(person.name);
+    if (!person.counts) left_out.push_back(person.name);
+  }
+  if (!without_own.empty())
+    run.Warn(fmt::format("for {} no design of their own was found, so what the common one costs them is not known",
+                         fmt::join(without_own, ", ")));
+  if (!left_out.empty())
+    run.Warn(fmt::format("the misalignment of {} does not count in the quantile", fmt::join(left_out, ", ")));
+}
+
+// By which quantity, and what became of those who were left out.
+Json RuleJson(const redesign::SizesOutcome& outcome) {
+  Json ranges = Json::array();
+  for (const redesign::RuleRange& range : outcome.rule.ranges)
+    ranges.push_back(
+        {{"from_mm", NumberOrNull(range.from_mm)}, {"to_mm", NumberOrNull(range.to_mm)}, {"size", range.size + 1}});
+  std::size_t same = 0, holds = 0;
+  for (std::size_t i = 0; i < outcome.left_out.size(); ++i)
+    same += outcome.left_out[i].size == outcome.size_of[i], holds += outcome.left_out[i].fit.holds;
+  return {{"quantity", outcome.rule.quantity},   {"ranges", ranges},           {"loss_deg", outcome.rule.loss_deg},
+          {"left_out", outcome.left_out.size()}, {"left_out_same_size", same}, {"left_out_hold", holds}};
+}
+
+}  // namespace
+
+std::vector<std::string> NamesOfFolders(const std::vector<fs::path>& folders) {
+  std::vector<std::vector<std::string>> all;
+  for (const fs::path& folder : folders) all.push_back(PartsOf(folder));
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (std::find(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(i), all[i]) !=
+        all.begin() + static_cast<std::ptrdiff_t>(i))
+      throw UsageError(fmt::format("--comparison {}: is named twice", folders[i].string()));
+  const auto common = [&](bool from_end) {
+    for (std::size_t k = 0;; ++k)
+      for (const auto& parts : all) {
+        const auto& first = all.front();
+        if (k >= parts.size() || k >= first.size()) return k;
+        if (parts[from_end ? parts.size() - 1 - k : k] != first[from_end ? first.size() - 1 - k : k]) return k;
+      }
+  };
+  const std::size_t before = common(false), after = common(true);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::size_t end = std::max(before + 1, all[i].size() - after);
+    std::vector<std::string> own;
+    for (std::size_t k = before; k < std::min(end, all[i].size()); ++k) own.push_back(all[i][k]);
+    names.push_back(own.empty() ? all[i].back() : fmt::format("{}", fmt::join(own, "_")));
+  }
+  return names;
+}
+
+std::vector<std::string> GroupResultNames(const std::vector<std::string>& people, std::optional<int> sizes) {
+  std::vector<std::string> names = {"summary.json", "people.csv"};
+  if (!sizes) names.push_back("design.yaml");
+  if (sizes) names.insert(names.end(), {"sizes.csv", "size_rule.csv", "left_out.csv"});
+  for (int k = 0; k < sizes.value_or(0); ++k) names.push_back(SizeFile(static_cast<std::size_t>(k)));
+  for (const std::string& person : people)
+    for (const char* file : {"design.yaml", "program.csv"}) names.push_back(FileOf(person, file));
+  return names;
+}
+
+Json WriteGroup(const redesign::GroupOutcome& outcome, Run& run) {
+  const std::vector<PersonRow> rows = RowsOf(outcome);
+  WriteDesigns(outcome, "design.yaml", run);
+  WritePeople(rows, run);
+  Warn(rows, run);
+  const redesign::GroupProblem& problem = outcome.problem;
+  Json summary = {{"range_deg", NumberOrNull(outcome.evaluation.range_deg)},
+                  {"status", outcome.IsSolved() ? "solved" : "infeasible"},
+                  {"constraint_violation", NumberOrNull(outcome.evaluation.violation)},
+                  {"links", LinksJson(outcome.nearest.Links())},
+                  {"across", NameOf(problem.across)},
+                  {"quantile", problem.across == redesign::Across::kQuantile ? Json(problem.quantile) : Json()},
+                  {"misalignment_percent", NumberOrNull(outcome.Misalignment_percent())},
+                  {"max_misalignment_percent", NumberOrNull(problem.shared.max_misalignment_percent)},
+                  {"penalty_deg_per_mm", problem.shared.penalty_deg_per_mm},
+                  {"starts", outcome.nearest.starts},
+                  {"usable_starts", outcome.nearest.usable_starts},
+                  {"cost", CostJson(rows)},
+                  {"people", PeopleJson(rows)},
+                  {"optimum", EvaluationJson(outcome.evaluation)}};
+  if (!outcome.IsSolved()) summary["reason"] = outcome.reason;
+  return summary;
+}
+
+Json WriteSizes(const redesign::SizesOutcome& outcome, Run& run) {
+  const std::vector<PersonRow> rows = RowsOf(outcome);
+  Json sizes = Json::array();
+  for (std::size_t k = 0; k < outcome.sizes.size(); ++k) {
+    const redesign::GroupOutcome& size = outcome.sizes[k];
+    WriteDesigns(size, SizeFile(k), run);
+    sizes.push_back({{"size", k + 1},
+                     {"people", size.people.size()},
+                     {"range_deg", NumberOrNull(size.evaluation.range_deg)},
+                     {"misalignment_percent", NumberOrNull(size.Misalignment_percent())},
+                     {"links", LinksJson(size.nearest.Links())}});
+  }
+  WritePeople(rows, run);
+  WriteSizeTables(outcome, run);
+  Warn(rows, run);
+  const redesign::ReoptimizeProblem& shared = outcome.sizes.front().problem.shared;
+  Json summary = {{"status", outcome.IsSolved() ? "solved" : "infeasible"},
+                  {"mean_value_deg", NumberOrNull(outcome.mean_value_deg)},
+                  {"max_misalignment_percent", NumberOrNull(shared.max_misalignment_percent)},
+                  {"penalty_deg_per_mm", shared.penalty_deg_per_mm},
+                  {"sizes", sizes},
+                  {"rule", RuleJson(outcome)},
+                  {"cost", CostJson(rows)},
+                  {"people", PeopleJson(rows)}};
+  if (!outcome.IsSolved()) summary["reason"] = outcome.Reason();
+  return summary;
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,20 @@
+#include "program_table.h"
+
+#include "lake/core/angles.h"
+#include "lake/core/csv.h"
+
+namespace lake::commands {
+
+void WriteProgramTable(const redesign::DesignInMotion& design, const redesign::HumanMotion& human,
+                       const std::filesystem::path& path) {
+  CsvWriter table({"percent", "time_s", "stroke_mm", "knee_deg", "human_knee_deg"});
+  for (std::size_t i = 0; design.prediction && i < human.size(); ++i) {
+    const double percent = static_cast<double>(i);
+    table.Add(static_cast<int>(i)).Add(design.duration_s * percent / 100).Add(design.prediction->stroke_mm[i]);
+    table.Add(DegreesFromRadians(design.prediction->theta_rad[i]));
+    table.Add(DegreesFromRadians(human[i].knee_rad)).EndRow();
+  }
+  table.Write(path);
+}
+
+}  // namespace lake::commands

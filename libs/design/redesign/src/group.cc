@@ -1,0 +1,319 @@
+#include "lake/redesign/group.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "group_parts.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/processes.h"
+#include "lake/core/progress.h"
+#include "point_json.h"
+
+namespace lake::redesign {
+namespace {
+
+using Goal = ReoptimizeProblem::Goal;
+
+// An end of a group's local solve, as it comes from another process.
+struct End {
+  std::vector<ReoptimizePoint> points;
+  std::vector<double> prices;
+  double objective = 0;
+  bool is_usable = false;
+
+  bool IsBetterThan(const End& other) const {
+    constexpr double kBetter = 1e-5;  // of equals the first is kept
+    return is_usable && (!other.is_usable || objective > other.objective + kBetter);
+  }
+};
+
+End EndOf(GroupSolve solve) {
+  const bool is_usable = solve.IsUsable();
+  return {std::move(solve.points), std::move(solve.prices), solve.objective, is_usable};
+}
+
+std::string Packed(const End& end) {
+  nlohmann::json points = nlohmann::json::array();
+  for (const ReoptimizePoint& point : end.points) points.push_back(JsonOf(point));
+  const nlohmann::json packed = {
+      {"points", points}, {"prices", end.prices}, {"objective", end.objective}, {"is_usable", end.is_usable}};
+  return packed.dump();
+}
+
+End Unpacked(const std::string& text) {
+  const nlohmann::json packed = nlohmann::json::parse(text);
+  End end;
+  for (const nlohmann::json& point : packed.at("points")) end.points.push_back(PointOf(point));
+  packed.at("prices").get_to(end.prices);
+  packed.at("objective").get_to(end.objective);
+  packed.at("is_usable").get_to(end.is_usable);
+  return end;
+}
+
+GroupProblem WithGoal(GroupProblem problem, Goal goal) {
+  problem.shared = WithGoal(problem.shared, goal);
+  return problem;
+}
+
+}  // namespace
+
+std::vector<ReoptimizePoint> StartPoints(const GroupProblem& problem, const linkage::Links& links) {
+  std::vector<ReoptimizePoint> points;
+  for (std::size_t i = 0; i < problem.people.size(); ++i) points.push_back(StartPoint(problem.Of(i), links));
+  return points;
+}
+
+namespace {
+
+// The best of the ends from many starts.
+struct Search {
+  End best;
+  int starts = 0, usable_starts = 0;
+};
+
+// Ends of starts that are solved at the same time: few enough that none is for nothing, and the same number whatever
+// the machine, as what follows depends on all of them.
+constexpr std::size_t kBatch = 4;
+
+// Where no start of the first few is usable the limit cannot be held, or hardly: the least misalignment tells more than
+// further starts.
+Search FindBest(const GroupProblem& problem, const std::vector<linkage::Links>& links,
+                const synthesis::OptimizeOptions& options, const std::string& what) {
+  const std::vector<linkage::Links> starts = StartsOf(problem.shared, links, options);
+  Progress progress(what, "starts", static_cast<std::int64_t>(starts.size()), options.quiet);
+  Search search;
+  Optima optima;
+  for (std::size_t first = 0; first < starts.size() && !optima.AreAll(); first += kBatch) {
+    const std::vector<std::string> ends = InProcesses(
+        std::min(kBatch, starts.size() - first),
+        [&](std::size_t i, const std::function<void()>& step) {
+          const End end = EndOf(SolveFrom(problem, StartPoints(problem, starts[first + i]), options));
+          step();
+          return Packed(end);
+        },
+        progress);
+    for (const std::string& text : ends) {
+      End end = Unpacked(text);
+      optima.Add(end.is_usable, end.objective);
+      ++search.starts, search.usable_starts += end.is_usable;
+      if (search.starts == 1 || end.IsBetterThan(search.best)) search.best = std::move(end);
+    }
+    if (search.usable_starts == 0) break;
+  }
+  return search;
+}
+
+std::vector<double> Misalignments_percent(const GroupProblem& problem, const std::vector<ReoptimizePoint>& points) {
+  std::vector<double> of_people;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto prediction = PredictPoint(problem.Of(i), points[i]);
+    of_people.push_back(prediction ? 100 * prediction->relative_rms : std::numeric_limits<double>::infinity());
+  }
+  return of_people;
+}
+
+// Those whose misalignment costs most do not count any more; `count` of them.
+void LeaveOut(std::size_t count, const End& end, GroupProblem& problem) {
+  const std::vector<double> percent = Misalignments_percent(problem, end.points);
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < problem.people.size(); ++i)
+    if (problem.people[i].counts) order.push_back(i);
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    constexpr double kNoPrice = 1e-6;  // of the solver's rounding
+    const double price_a = end.prices[a] > kNoPrice ? end.prices[a] : 0;
+    const double price_b = end.prices[b] > kNoPrice ? end.prices[b] : 0;
+    return std::pair(price_a, percent[a]) > std::pair(price_b, percent[b]);
+  });
+  for (std::size_t k = 0; k < count; ++k) problem.people[order[k]].counts = false;
+}
+
+// Whose misalignment counts in a quantile: of all, those are left out whose limits cost most (the greedy discarding of
+// constraints of Campi & Garatti, J. Optim. Theory Appl. 148, 2011).
+void ChooseCounting(const std::vector<linkage::Links>& links, const synthesis::OptimizeOptions& options,
+                    GroupProblem& problem) {
+  constexpr std::size_t kRounds = 10;
+  std::size_t left = problem.people.size() - problem.Counting();
+  if (left == 0) return;
+  Search all = FindBest(problem, links, options, "design for all");
+  for (std::size_t round = 0; left > 0; ++round) {
+    ThrowIfInterrupted();
+    End end = all.best;
+    if (round > 0) end = EndOf(SolveFrom(problem, all.best.points, options, true));
+    if (!end.is_usable) end = EndOf(SolveFrom(WithGoal(problem, Goal::kMisalignment), all.best.points, options));
+    const std::size_t rounds = std::max<std::size_t>(1, kRounds - std::min(round, kRounds));
+    const std::size_t count = (left + rounds - 1) / rounds;
+    LeaveOut(count, end, problem);
+    left -= count;
+    if (end.is_usable) all.best = std::move(end);
+  }
+}
+
+GroupDesign DesignOf(const GroupProblem& problem, Search search) {
+  GroupDesign design;
+  design.points = std::move(search.best.points), design.prices = std::move(search.best.prices);
+  design.objective = search.best.objective, design.is_usable = search.best.is_usable;
+  design.starts = search.starts, design.usable_starts = search.usable_starts;
+  for (const Wearer& person : problem.people) design.counts.push_back(person.counts);
+  return design;
+}
+
+// Of the goal, for one person.
+std::optional<double> ObjectiveFor(const ReoptimizeProblem& problem, const DesignInMotion& design) {
+  if (!design.prediction) return std::nullopt;
+  return design.evaluation.range_deg - problem.penalty_deg_per_mm * design.prediction->rms_mm;
+}
+
+// Of those whose misalignment is the largest, or holds the design.
+std::string NamesOfBlocking(const GroupOutcome& outcome) {
+  std::vector<std::string> names;
+  constexpr double kShare = 0.05;  // of all prices
+  const std::vector<double>& prices = outcome.nearest.prices;
+  const double all = std::accumulate(prices.begin(), prices.end(), 0.0);
+  for (std::size_t i = 0; i < prices.size(); ++i)
+    if (prices[i] > kShare * all) names.push_back(outcome.problem.people[i].name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string AcrossText(const GroupProblem& problem) {
+  if (problem.across == Across::kMean) return "the mean misalignment";
+  if (problem.across == Across::kWorst) return "the worst misalignment";
+  return fmt::format("the worst misalignment of {} of {} people", problem.Counting(), problem.people.size());
+}
+
+// The least misalignment, where no start held the limit; from there the design once more.
+void SolveFromNearest(const std::vector<linkage::Links>& links, const synthesis::OptimizeOptions& options,
+                      GroupOutcome& outcome) {
+  const GroupProblem least = WithGoal(outcome.problem, Goal::kMisalignment);
+  GroupDesign nearest = DesignOf(least, FindBest(least, links, options, "least misalignment"));
+  End end = EndOf(SolveFrom(outcome.problem, nearest.points, options, true));
+  if (end.is_usable) {
+    outcome.nearest = DesignOf(outcome.problem, {std::move(end), nearest.starts + 1, 1});
+    outcome.design = outcome.nearest;
+    return;
+  }
+  outcome.nearest = std::move(nearest);
+  if (!outcome.nearest.is_usable) {
+    outcome.reason = fmt::format("no design was found that {} people can wear", outcome.problem.people.size());
+    return;
+  }
+  outcome.reason = fmt::format(
+      "no design for {} people keeps {} within {:.6g} %: the least found is {:.4g} %, and {} hold it there; allow "
+      "more, "
+      "more time or a free program, fit the placement, or make more sizes",
+      outcome.problem.people.size(), AcrossText(outcome.problem),
+      outcome.problem.shared.max_misalignment_percent.value_or(0), outcome.Misalignment_percent(),
+      NamesOfBlocking(outcome));
+}
+
+}  // namespace
+
+std::vector<linkage::Links> StartLinks(const GroupProblem& problem, const std::vector<PersonMeasured>& people,
+                                       const synthesis::OptimizeOptions& options) {
+  std::vector<linkage::Links> links{problem.shared.design.start};
+  const auto add = [&](const linkage::Links& more) {
+    if (std::ranges::none_of(links, [&](const auto& known) { return known.Values() == more.Values(); }))
+      links.push_back(more);
+  };
+  const synthesis::LocalSolve widest = SolveFrom(problem.shared.design, problem.shared.design.start, options);
+  if (widest.IsUsable()) add(widest.end);
+  for (const PersonMeasured& person : people)
+    if (person.motion.worn) add(person.motion.worn->links);
+  return links;
+}
+
+GroupProblem PutMotionsInto(GroupProblem problem, const std::vector<PersonMeasured>& people) {
+  problem.people.clear();
+  for (const PersonMeasured& person : people) {
+    try {
+      const ReoptimizeProblem own = PutMotionInto(problem.shared, person.motion).problem;
+      problem.people.push_back({person.name, own.human, own.placement_mm});
+    } catch (const UsageError&) {
+      throw;
+    } catch (const Error& error) {
+      throw Fail("{}: {}", person.name, error.what());
+    }
+  }
+  return problem;
+}
+
+std::vector<std::optional<ReoptimizePoint>> OwnPoints(const GroupProblem& problem,
+                                                      const std::vector<linkage::Links>& links,
+                                                      const synthesis::OptimizeOptions& options) {
+  Progress progress("design for each alone", "people", static_cast<std::int64_t>(problem.people.size()), options.quiet);
+  const std::vector<std::string> packed = InProcesses(
+      problem.people.size(),
+      [&](std::size_t i, const std::function<void()>& step) {
+        const auto optimum = FindOptimum(problem.Of(i), links, options);
+        step();
+        return optimum ? JsonOf(optimum->point).dump() : std::string();
+      },
+      progress);
+  std::vector<std::optional<ReoptimizePoint>> points;
+  for (const std::string& text : packed)
+    points.push_back(text.empty() ? std::nullopt : std::optional(PointOf(nlohmann::json::parse(text))));
+  return points;
+}
+
+PersonOutcome OutcomeOf(const GroupOutcome& outcome, std::size_t i, const std::optional<ReoptimizePoint>& own) {
+  const ReoptimizeProblem problem = outcome.problem.Of(i);
+  PersonOutcome person{outcome.problem.people[i].name,
+                       PutInMotion(problem, outcome.human[i], DesignOf(problem, outcome.nearest.points[i])),
+                       outcome.nearest.counts[i],
+                       outcome.nearest.prices.empty() ? 0 : outcome.nearest.prices[i],
+                       {},
+                       {}};
+  if (!own) return person;
+  person.own = PutInMotion(problem, outcome.human[i], DesignOf(problem, *own));
+  const auto with_group = ObjectiveFor(problem, person.with_group), alone = ObjectiveFor(problem, *person.own);
+  if (with_group && alone) person.cost_deg = *alone - *with_group;
+  return person;
+}
+
+double GroupOutcome::Misalignment_percent() const {
+  GroupProblem counted = problem;
+  for (std::size_t i = 0; i < counted.people.size(); ++i) counted.people[i].counts = nearest.counts[i];
+  return counted.Combine(Misalignments_percent(counted, nearest.points));
+}
+
+GroupDesign FindGroupDesign(const GroupProblem& asked, const std::vector<linkage::Links>& links,
+                            const synthesis::OptimizeOptions& options) {
+  asked.Check();
+  options.Check();
+  GroupProblem problem = asked;
+  ChooseCounting(links, options, problem);
+  return DesignOf(problem, FindBest(problem, links, options, "design for all"));
+}
+
+GroupOutcome DesignGroup(const GroupProblem& problem, const std::vector<compare::StsCurve>& human,
+                         const std::vector<linkage::Links>& links, const synthesis::OptimizeOptions& options) {
+  GroupOutcome outcome;
+  outcome.problem = problem, outcome.human = human;
+  outcome.nearest = FindGroupDesign(outcome.problem, links, options);
+  for (std::size_t i = 0; i < human.size(); ++i) outcome.problem.people[i].counts = outcome.nearest.counts[i];
+  if (outcome.nearest.is_usable)
+    outcome.design = outcome.nearest;
+  else
+    SolveFromNearest(links, options, outcome);
+  outcome.evaluation = problem::Evaluate(outcome.nearest.Links(), outcome.problem.shared.design);
+  return outcome;
+}
+
+GroupOutcome RunGroup(const GroupProblem& shared, const std::vector<PersonMeasured>& people,
+                      const synthesis::OptimizeOptions& options) {
+  shared.CheckOptions();
+  const GroupProblem problem = PutMotionsInto(shared, people);
+  std::vector<compare::StsCurve> human;
+  for (const PersonMeasured& person : people) human.push_back(person.motion.human);
+  std::vector<linkage::Links> links = StartLinks(problem, people, options);
+  GroupOutcome outcome = DesignGroup(problem, human, links, options);
+  links.insert(links.begin(), outcome.nearest.Links());
+  const std::vector<std::optional<ReoptimizePoint>> own = OwnPoints(problem, links, options);
+  for (std::size_t i = 0; i < people.size(); ++i) outcome.people.push_back(OutcomeOf(outcome, i, own[i]));
+  return outcome;
+}
+
+}  // namespace lake::redesign
