@@ -51,6 +51,7 @@ TEST_F(LakeOptimizeWithLoads, FindsTheShortestDurationOfAnActuator) {
   ASSERT_EQ(ended.exit_code, 0) << ended.text;
   EXPECT_THAT(ended.text, HasSubstr("strong gives 40 % of what the knee needs in a rise of"));
   const Json summary = ReadJsonFile(folder_ / "out/summary.json"), &assistance = summary["assistance"];
+  EXPECT_THAT(summary["inputs"].dump(), HasSubstr("own.csv")) << "what is known of the actuator stands there";
   EXPECT_FALSE(fs::exists(folder_ / "out/margin.csv")) << "margins of a range that nobody sought";
   const CsvTable table = CsvTable::Read(folder_ / "out/assistance.csv");
   ASSERT_EQ(table.Rows(), 101u);
