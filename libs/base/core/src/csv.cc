@@ -150,6 +150,11 @@ CsvWriter& CsvWriter::Add(std::int64_t value) {
 
 CsvWriter& CsvWriter::Add(std::string_view text) {
   StartCell();
+  std::string replaced;
+  if (!IsUtf8(text)) {  // a file's name may be any bytes
+    for (const char c : text) replaced += static_cast<unsigned char>(c) < 0x80 ? std::string(1, c) : "\uFFFD";
+    text = replaced;
+  }
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
     text_ += text;
     return *this;
