@@ -18,8 +18,8 @@ void ExpectSame(const char* file, const std::function<void(const std::filesystem
   const TemporaryFolder folder;
   write(folder / file);
   const std::string plain = ReadTextFile(folder / file);
-  for (const char* name :
-       {"a b 'c' \"d\" $HOME `id` \\n", "a\nb\tc", "-rf", "100%d %s {}", "[0-9]*", "J\xFCrgen", "膝"}) {
+  for (const char* name : {"a b 'c' \"d\" $HOME `id` \\n", "a\nb\tc", "-rf", "100%d %s {}", "<b>&alert(1)07", "[0-9]*",
+                           "J\xFCrgen", "膝"}) {
     std::filesystem::create_directory(folder / name);
     write(folder / name / file);
     EXPECT_EQ(ReadTextFile(folder / name / file), plain) << name;

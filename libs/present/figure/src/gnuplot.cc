@@ -84,11 +84,12 @@ void SmoothEdges(const std::filesystem::path& svg) {
 }
 
 // In double quotes, where \ooo is a byte: a path may hold any but 0, and in single quotes gnuplot has no newline.
+// Digits too: gnuplot would add one that follows to the number before it.
 std::string QuotePath(const std::filesystem::path& path) {
   std::string quoted = "\"";
   for (const char c : path.string()) {
     const auto byte = static_cast<unsigned char>(c);
-    const bool is_plain = byte >= 0x80 || std::isalnum(byte) || c == '/' || c == '.' || c == '-' || c == '_';
+    const bool is_plain = byte >= 0x80 || std::isalpha(byte) || c == '/' || c == '.' || c == '-' || c == '_';
     quoted += is_plain ? std::string(1, c) : fmt::format("\\{:03o}", byte);
   }
   return quoted + "\"";
