@@ -78,6 +78,23 @@ TEST_F(ResultFolder, OfARunThatWasKilledHoldsNoTemporaryFiles) {
   for (const std::string& name : users) EXPECT_TRUE(Has(name)) << name;
 }
 
+TEST_F(ResultFolder, OfARunWhoseInputChangedHasNoSummary) {
+  WriteTextFile(folder_ / "in.csv", "1");
+  WriteTextFile(folder_ / "gone.csv", "1");
+  for (const char* name : {"in.csv", "gone.csv"}) {
+    lake::Run run(Info("lake-x"));
+    run.AddInput(folder_ / name);
+    Write(run, "a.csv");
+    if (name == std::string("in.csv"))
+      WriteTextFile(folder_ / name, "2");
+    else
+      fs::remove(folder_ / name);
+    EXPECT_THAT([&] { run.WriteSummary(Json::object()); },
+                ThrowsMessage<Error>(HasSubstr("changed while it was read")));
+  }
+  EXPECT_FALSE(Has("summary.json"));
+}
+
 TEST_F(ResultFolder, OfAnotherProgramIsNotTouched) {
   Do("lake-track", {"kinematics.csv"}, "/data/human.mp4");
   EXPECT_THAT([&] { lake::Run(Info("lake-gait")).Result("gait.png"); },

@@ -33,6 +33,16 @@ std::string OwnerOf(const fs::path& folder, const std::string& name) {
   return name == kSummary && !made.program.empty() ? "a result of " + made.Describe() : "not a result of lake's";
 }
 
+// A run may replace what it reads in its own folder; all else must be at its end what it was when it was added.
+void CheckIsAsItWas(const Json& input, const fs::path& out) {
+  const fs::path path = input.at("path").get<std::string>();
+  if (const fs::path inside = fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(out));
+      !inside.empty() && *inside.begin() != "..")
+    return;
+  if (!fs::exists(path) || Sha256OfFile(path) != input.at("sha256"))
+    throw Fail("{}: changed while it was read; do it again", path.string());
+}
+
 }  // namespace
 
 Run::Run(Info info) : info_(std::move(info)) {}
@@ -138,6 +148,7 @@ Json Run::Head() const {
 }
 
 Json Run::WriteSummary(const Json& results) {
+  for (const Json& input : inputs_) CheckIsAsItWas(input, info_.out);
   Json summary = Head();
   summary.update(results);
   WriteJsonFile(Result(kSummary), summary);
