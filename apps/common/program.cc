@@ -1,9 +1,12 @@
 #include "program.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <new>
 #include <system_error>
@@ -25,6 +28,24 @@ int Complain(const std::string& program, std::string text, ExitCode code) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   fmt::print(stderr, "{}: {}\n", program, text);
   return code;
+}
+
+// What is said when a library calls abort(), as some do when they get no memory. A signal handler may only write.
+char last_words[512];
+
+void SayLastWords(int) {
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, last_words, std::strlen(last_words));
+  _exit(kFailed);
+}
+
+void PrepareLastWords(const std::string& program) {
+  const auto end = fmt::format_to_n(last_words, sizeof last_words - 1,
+                                    "{}: a library gave up; too little memory is the usual reason (ulimit -v), and "
+                                    "with --threads 1 less is needed\n",
+                                    program)
+                       .out;
+  *end = '\0';
+  std::signal(SIGABRT, SayLastWords);
 }
 
 // As it was given, but for the folder of the program.
@@ -134,6 +155,7 @@ int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>
   const std::string name = cli.get_name();
   cli.set_version_flag("--version", fmt::format("{} {}", name, VersionAndCommit()));
   AddPages(cli);
+  PrepareLastWords(name);
   try {
     cli.parse(argc, argv);
     return work();

@@ -137,6 +137,20 @@ TEST_F(CameraProfileTest, HostileFilesAreErrorsNotCrashes) {
   EXPECT_THROW(camera::ReadCameraProfile(folder_ / "none.yaml"), Error);
 }
 
+TEST_F(CameraProfileTest, FilesOfManyLevelsAreErrorsNotCrashes) {
+  using testing::HasSubstr;
+  const auto repeated = [](const std::string& text) {
+    std::string all;
+    for (int i = 0; i < 100'000; ++i) all += text;
+    return all;
+  };
+  for (const char* opening : {"[", "{b: ", "\n- - - - ", "- ", "b: ", "b:\n ", "? ", "-\n"})
+    EXPECT_THAT(Complaint("%YAML:1.0\n---\na: " + repeated(opening)), HasSubstr("more than 1000 keys")) << opening;
+  EXPECT_THAT(Complaint("%YAML:1.0\n---\na:\n" + repeated(" ") + "b: 1\n"), HasSubstr("columns to the right"));
+  EXPECT_THAT(Complaint("{\"a\": " + repeated("[")), HasSubstr("more than 1000 keys"));
+  EXPECT_THAT(Complaint("<?xml version=\"1.0\"?><opencv_storage>" + repeated("<a>")), HasSubstr("more than 1000"));
+}
+
 TEST(CameraProfile, LoadsTheFilesOfOpenCvsOwnSamples) {
   const fs::path folder = fs::path(LAKE_SHARED_DATA) / "opencv_leftright";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is absent";

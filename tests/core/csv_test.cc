@@ -105,6 +105,14 @@ TEST(Csv, WritesAndReadsBack) {
   EXPECT_THAT([&] { table.Column("e"); }, ThrowsMessage<Error>(HasSubstr("no column 'e'")));
 }
 
+TEST(Csv, TextThatIsNotUtf8HasReplacementCharacters) {
+  CsvWriter table({"name"});
+  table.Add(std::string_view("J\xFCrgen, b")).EndRow();
+  const TemporaryFolder folder;
+  table.Write(folder / "t.csv");
+  EXPECT_EQ(ReadTextFile(folder / "t.csv"), "name\n\"J\uFFFDrgen, b\"\n");
+}
+
 TEST(Csv, NamesTheLineOfABadTable) {
   const TemporaryFolder folder;
   const auto read = [&](const char* text) {

@@ -141,6 +141,8 @@ TEST(Yaml, NamesFileLineAndKey) {
   node.Finish();
   EXPECT_THAT([&] { root("a: .nan\n").Number("a"); },
               ThrowsMessage<Error>(HasSubstr("p.yaml:1: '.nan' is not a finite number")));
+  EXPECT_EQ(root("a: 1e-320\n").Number("a"), 0.0) << "no solver can work with it";
+  EXPECT_EQ(root("a: 1e-300\n").Number("a"), 1e-300);
   EXPECT_THAT([&] { root("a: [1\n"); }, ThrowsMessage<Error>(HasSubstr("not YAML")));
   EXPECT_THAT([&] { root("- 1\n").Number("a"); }, ThrowsMessage<Error>(HasSubstr("a map with 'a' was expected")));
 }
@@ -150,6 +152,31 @@ TEST(Yaml, RefusesAKeyThatStandsTwice) {
   WriteTextFile(folder / "p.yaml", "a: 1\nb:\n  - c: 1\n    d: 2\n    c: 3\n");
   EXPECT_THAT([&] { YamlNode::ReadFile(folder / "p.yaml"); },
               ThrowsMessage<Error>(HasSubstr("p.yaml:5: key 'c' stands twice, first in line 3")));
+}
+
+std::string Repeated(const std::string& text, int count) {
+  std::string all;
+  for (int i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+// Small files that would keep a reader busy for years, or end its stack.
+TEST(Yaml, RefusesBombs) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    WriteTextFile(folder / "p.yaml", text);
+    YamlNode::ReadFile(folder / "p.yaml");
+  };
+  std::string laughs = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 12; ++i)
+    laughs += fmt::format("a{}: &a{} [{}x]\n", i, i, Repeated(fmt::format("*a{}, ", i - 1), 9));
+  EXPECT_THAT([&] { read(laughs); }, ThrowsMessage<Error>(HasSubstr("more than 100000 values")));
+  EXPECT_THAT([&] { read("a: &a [*a]\n"); }, ThrowsMessage<Error>(HasSubstr("more than 100 deep")));
+  EXPECT_THAT([&] { read("a: &a {b: *a}\n"); }, ThrowsMessage<Error>(HasSubstr("more than 100 deep")));
+  EXPECT_THAT([&] { read("a: [" + Repeated("x,", 1 << 20) + "x]"); }, ThrowsMessage<Error>(HasSubstr("larger than")));
+  for (const char* opening : {"[", "{b: ", "- ", "? "})
+    EXPECT_THAT([&] { read("a:\n " + Repeated(opening, 100'000) + "x\n"); }, ThrowsMessage<Error>(HasSubstr("p.yaml")));
+  EXPECT_NO_THROW(read("a: &a {b: 1}\nc: *a\nd: *a\n"));
 }
 
 TEST(Statistics, KnownValues) {

@@ -89,6 +89,21 @@ TEST(FailedPiece, DoesNotWaitForAResultThatNobodyReads) {
   std::signal(SIGTERM, before_signal);
 }
 
+// Nor for one that does not look whether it is to end.
+TEST(FailedPiece, DoesNotWaitForEverForAPieceThatDoesNotEnd) {
+  const int before = Threads();
+  SetThreads(2);
+  Progress progress("pieces", "steps", std::nullopt, true);
+  const auto fail = [](std::size_t i, const std::function<void()>&) -> std::string {
+    std::signal(SIGTERM, SIG_IGN);
+    if (i == 1) throw Error("cannot be");
+    for (;;) pause();
+  };
+  EXPECT_THAT([&] { InProcesses(2, fail, progress); }, ThrowsMessage<Error>("cannot be"));
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
+  SetThreads(before);
+}
+
 TEST(KilledProcess, IsAnErrorThatSaysSo) {
   const int before = Threads();
   SetThreads(2);

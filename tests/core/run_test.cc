@@ -67,6 +67,34 @@ TEST_F(ResultFolder, OfARunThatWasInterruptedHoldsNoOldSummary) {
   EXPECT_FALSE(Has("tracks.csv")) << "what the interrupted run left goes too";
 }
 
+TEST_F(ResultFolder, OfARunThatWasKilledHoldsNoTemporaryFiles) {
+  Do("lake-x", {"a.csv", "sub/b.png"});
+  const std::vector<std::string> temporary = {".a.lake-Xy3z01.csv", "sub/.b.png.lake-000aaa.log", ".c.lake-abcdef"};
+  const std::vector<std::string> users = {".a.csv", ".lake-notes", ".a.lake-notes of mine.csv", "a.lake-abcdef.csv"};
+  for (const std::string& name : temporary) WriteTextFile(Out() / name, "half");
+  for (const std::string& name : users) WriteTextFile(Out() / name, "whole");
+  Do("lake-x", {"a.csv"});
+  for (const std::string& name : temporary) EXPECT_FALSE(Has(name)) << name;
+  for (const std::string& name : users) EXPECT_TRUE(Has(name)) << name;
+}
+
+TEST_F(ResultFolder, OfARunWhoseInputChangedHasNoSummary) {
+  WriteTextFile(folder_ / "in.csv", "1");
+  WriteTextFile(folder_ / "gone.csv", "1");
+  for (const char* name : {"in.csv", "gone.csv"}) {
+    lake::Run run(Info("lake-x"));
+    run.AddInput(folder_ / name);
+    Write(run, "a.csv");
+    if (name == std::string("in.csv"))
+      WriteTextFile(folder_ / name, "2");
+    else
+      fs::remove(folder_ / name);
+    EXPECT_THAT([&] { run.WriteSummary(Json::object()); },
+                ThrowsMessage<Error>(HasSubstr("changed while it was read")));
+  }
+  EXPECT_FALSE(Has("summary.json"));
+}
+
 TEST_F(ResultFolder, OfAnotherProgramIsNotTouched) {
   Do("lake-track", {"kinematics.csv"}, "/data/human.mp4");
   EXPECT_THAT([&] { lake::Run(Info("lake-gait")).Result("gait.png"); },

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "lake/core/atomic_file.h"
+#include "lake/core/utf8.h"
 #include "lake/exchange/dltdv.h"
 #include "lake/exchange/kinovea.h"
 #include "lake/exchange/tracker.h"
@@ -174,6 +175,19 @@ TEST(KinoveaAnnotations, ErrorsSayWhatIsWrong) {
   EXPECT_THAT(message(Kva(kKvaHead, "", "<TrackPoint>1;2;-9002</TrackPoint>")), testing::HasSubstr("outside"));
   EXPECT_THAT(message(Kva(kKvaHead, "", "<TrackPoint>1;2;9009009000</TrackPoint>")),
               testing::HasSubstr("such long video"));
+}
+
+TEST(Projects, AreUtf8WhateverTheVideosNameIs) {
+  exchange::PointRecording points = MakeImagePoints(0, 0, 30);
+  points.video = exchange::SourceVideo{"J\xFCrgen <&\"a\">.mp4", 640, 480};
+  const TemporaryFolder folder;
+  exchange::WriteTrk(folder / "a.trk", points);
+  exchange::WriteKva(folder / "a.kva", points);
+  for (const char* name : {"a.trk", "a.kva"}) {
+    const std::string text = ReadTextFile(folder / name);
+    EXPECT_TRUE(IsUtf8(text)) << name;
+    EXPECT_THAT(text, testing::HasSubstr("J\uFFFDrgen &lt;&amp;\"a\"&gt;")) << name;
+  }
 }
 
 TEST(Dltdv, PointsOfOneCameraAndOfTwo) {

@@ -148,6 +148,7 @@ TEST_F(StepFile, PinsStandInTheirHoles) {
 
 TEST_F(StepFile, SaysWhatMadeItAndItsUnit) {
   EXPECT_THAT(text_, ::testing::HasSubstr("lake "));
+  EXPECT_THAT(text_, ::testing::HasSubstr("'2000-01-01T00:00:00'")) << "the clock is in the file";
   EXPECT_THAT(text_, ::testing::HasSubstr("SI_UNIT(.MILLI.,.METRE.)"));
   EXPECT_THROW(model::WriteStep("/no/such/folder/x.step", mechanism_, pose_), Error);
 }

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "file_limit.h"
+#include "lake/camera/board_sheet.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -45,6 +46,13 @@ TEST(FullDisk, Solids) {
   for (const rlim_t bytes : {0, 1000, 100'000})
     ExpectRefused("solids.step", bytes,
                   [&](const auto& path) { model::WriteStep(path, mechanism, model::ReferencePose(mechanism)); });
+}
+
+TEST(FullDisk, BoardSheets) {
+  for (const rlim_t bytes : {0, 1000, 4000})
+    ExpectRefused("board.pdf", bytes, [](const auto& path) {
+      camera::WriteBoardSheet(path, camera::ParseBoard("chessboard:9x6:25"), camera::ParsePaper("a4"));
+    });
 }
 
 TEST(FullDisk, Tables) {

@@ -32,7 +32,7 @@ mode_t NewFileMode() {
 AtomicFile::AtomicFile(fs::path final_path) : final_path_(std::move(final_path)) {
   const std::string extension = final_path_.extension().string();
   temporary_path_ = final_path_;
-  temporary_path_.replace_filename(fmt::format(".{}.XXXXXX{}", final_path_.stem().string(), extension));
+  temporary_path_.replace_filename(fmt::format(".{}.lake-XXXXXX{}", final_path_.stem().string(), extension));
   std::string name = temporary_path_.string();
   const int file = mkostemps(name.data(), static_cast<int>(extension.size()), O_CLOEXEC);
   if (file < 0) throw Fail("{}: cannot be written: {}", final_path_.string(), std::strerror(errno));

@@ -148,9 +148,10 @@ CsvWriter& CsvWriter::Add(std::int64_t value) {
   return *this;
 }
 
-CsvWriter& CsvWriter::Add(std::string_view text) {
+CsvWriter& CsvWriter::Add(std::string_view any_text) {
   StartCell();
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
+  const std::string text = ReadableUtf8(any_text);
+  if (text.find_first_of(",\"\r\n") == std::string::npos) {
     text_ += text;
     return *this;
   }

@@ -87,12 +87,23 @@ WorkerProcess::WorkerProcess(const Work& work) {
 WorkerProcess::~WorkerProcess() {
   if (process_ > 0) {
     kill(process_, SIGTERM);
-    char unread[1 << 14];  // it may wait for a reader before it can end
-    while (const ssize_t count = read(pipe_, unread, sizeof unread))
-      if (count < 0 && errno != EINTR) break;
+    if (!HasEnded()) kill(process_, SIGKILL);
     Wait();
   }
   close(pipe_);
+}
+
+bool WorkerProcess::HasEnded() const {
+  constexpr std::chrono::seconds kPatience{10};
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  pollfd pipe{pipe_, POLLIN, 0};
+  char unread[1 << 14];  // it may wait for a reader before it can end
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (poll(&pipe, 1, 100) <= 0) continue;
+    const ssize_t count = read(pipe_, unread, sizeof unread);
+    if (count == 0 || (count < 0 && errno != EINTR)) return true;
+  }
+  return false;
 }
 
 bool WorkerProcess::Read(Progress& progress) {

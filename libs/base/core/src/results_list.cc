@@ -1,7 +1,9 @@
 #include "results_list.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <string_view>
 
 #include "lake/core/error.h"
 #include "lake/core/json.h"
@@ -75,6 +77,26 @@ void RemoveFile(const fs::path& path) {
   if (error) throw Fail("{}: an earlier result cannot be removed: {}", path.string(), error.message());
 }
 
+// AtomicFile's names; what bears one when nobody is at work in the folder was left by a process that was killed.
+bool IsTemporary(const std::string& name) {
+  constexpr std::string_view kMark = ".lake-";
+  constexpr std::size_t kLetters = 6;
+  const std::size_t mark = name.rfind(kMark), letters = mark + kMark.size();
+  return name.starts_with('.') && mark != std::string::npos && mark > 0 && letters + kLetters <= name.size() &&
+         std::all_of(name.begin() + static_cast<std::ptrdiff_t>(letters),
+                     name.begin() + static_cast<std::ptrdiff_t>(letters + kLetters),
+                     [](unsigned char c) { return std::isalnum(c); }) &&
+         (letters + kLetters == name.size() || name[letters + kLetters] == '.');
+}
+
+void RemoveTemporaries(const fs::path& folder) {
+  std::error_code absent;
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(folder, absent))
+    if (IsTemporary(entry.path().filename().string())) left.push_back(entry.path());
+  for (const fs::path& path : left) RemoveFile(path);
+}
+
 }  // namespace
 
 std::string ResultsList::Describe() const {
@@ -115,11 +137,13 @@ void WriteResultsList(const fs::path& folder, const ResultsList& list) {
 void RemoveResults(const fs::path& folder, const ResultsList& list) {
   if (list.files.contains(kSummary)) RemoveFile(folder / kSummary);
   std::set<fs::path> folders;
+  RemoveTemporaries(folder);
   for (const std::string& name : list.files) {
     RemoveFile(folder / name);
     for (fs::path parent = fs::path(name).parent_path(); !parent.empty(); parent = parent.parent_path())
       folders.insert(parent);
   }
+  for (const fs::path& sub : folders) RemoveTemporaries(folder / sub);
   std::error_code not_empty;
   for (auto sub = folders.rbegin(); sub != folders.rend(); ++sub) fs::remove(folder / *sub, not_empty);
   RemoveFile(ResultsListPath(folder, list.program));

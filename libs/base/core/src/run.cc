@@ -41,6 +41,16 @@ Json WithoutHome(Json json) {
   return json;
 }
 
+// A run may replace what it reads in its own folder; all else must be at its end what it was when it was added.
+void CheckIsAsItWas(const Json& input, const fs::path& out) {
+  const fs::path path = FromHome(input.at("path").get<std::string>());
+  if (const fs::path inside = fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(out));
+      !inside.empty() && *inside.begin() != "..")
+    return;
+  if (!fs::exists(path) || Sha256OfFile(path) != input.at("sha256"))
+    throw Fail("{}: changed while it was read; do it again", path.string());
+}
+
 }  // namespace
 
 Run::Run(Info info) : info_(std::move(info)) {
@@ -150,6 +160,7 @@ Json Run::Head() const {
 }
 
 Json Run::WriteSummary(const Json& results) {
+  for (const Json& input : inputs_) CheckIsAsItWas(input, info_.out);
   Json summary = Head();
   summary.update(results);
   WriteJsonFile(Result(kSummary), summary);

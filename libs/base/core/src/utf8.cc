@@ -36,6 +36,13 @@ bool IsUtf8(std::string_view text) {
   return true;
 }
 
+std::string ReadableUtf8(std::string_view text) {
+  if (IsUtf8(text)) return std::string(text);
+  std::string readable;
+  for (const char c : text) readable += static_cast<unsigned char>(c) < 0x80 ? std::string(1, c) : "\uFFFD";
+  return readable;
+}
+
 std::string Utf8FromText(std::string text, std::string_view where) {
   if (IsUtf8(text)) return text;
   std::string utf8;

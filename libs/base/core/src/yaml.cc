@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "lake/core/atomic_file.h"
@@ -43,18 +44,40 @@ Json JsonOf(const YAML::Node& node) {
   return map;
 }
 
+// Looks at each value once, and again for each alias (*name) of it.
+class Checker {
+ public:
+  explicit Checker(std::string file) : file_(std::move(file)) {}
+
+  void Check(const YAML::Node& node) {
+    if (++values_ > kMostValues)
+      throw Fail("{}: more than {} values, those of aliases included", Place(file_, node.Mark()), kMostValues);
+    if (++depth_ > kDeepest)
+      throw Fail("{}: lists and maps stand more than {} deep in each other", Place(file_, node.Mark()), kDeepest);
+    if (node.IsSequence())
+      for (const YAML::Node& element : node) Check(element);
+    if (node.IsMap()) CheckMap(node);
+    --depth_;
+  }
+
+ private:
+  static constexpr int kMostValues = 100'000, kDeepest = 100;  // far beyond any file of ours
+
+  void CheckMap(const YAML::Node& map);
+
+  std::string file_;
+  int values_ = 0, depth_ = 0;
+};
+
 // A key that stands twice would be read once, whichever is meant.
-void CheckKeysOnce(const YAML::Node& node, const std::string& file) {
-  if (node.IsSequence())
-    for (const YAML::Node& element : node) CheckKeysOnce(element, file);
-  if (!node.IsMap()) return;
+void Checker::CheckMap(const YAML::Node& map) {
   std::map<std::string, int> lines;
-  for (const auto& pair : node) {
-    CheckKeysOnce(pair.second, file);
-    if (!pair.first.IsScalar()) throw Fail("{}: a key must be a single value", Place(file, pair.first.Mark()));
+  for (const auto& pair : map) {
+    Check(pair.second);
+    if (!pair.first.IsScalar()) throw Fail("{}: a key must be a single value", Place(file_, pair.first.Mark()));
     const auto [found, is_new] = lines.try_emplace(pair.first.Scalar(), pair.first.Mark().line + 1);
     if (!is_new)
-      throw Fail("{}: key '{}' stands twice, first in line {}; keep one", Place(file, pair.first.Mark()), found->first,
+      throw Fail("{}: key '{}' stands twice, first in line {}; keep one", Place(file_, pair.first.Mark()), found->first,
                  found->second);
   }
 }
@@ -67,10 +90,11 @@ YamlNode::YamlNode(YamlNode&&) noexcept = default;
 YamlNode& YamlNode::operator=(YamlNode&&) noexcept = default;
 
 YamlNode YamlNode::ReadFile(const std::filesystem::path& path) {
-  const std::string text = ReadTextFile(path);
+  constexpr std::size_t kMostBytes = 1 << 20;
+  const std::string text = ReadTextFile(path, kMostBytes);
   try {
     const YAML::Node root = YAML::Load(text);
-    CheckKeysOnce(root, path.string());
+    Checker(path.string()).Check(root);
     return YamlNode(std::unique_ptr<Impl>(new Impl{root, path.string(), {}}));
   } catch (const YAML::Exception& error) {
     throw Fail("{}: not YAML: {}", Place(path.string(), error.mark), error.msg);
@@ -137,7 +161,7 @@ std::vector<std::pair<std::string, YamlNode>> YamlNode::Pairs() {
 double YamlNode::AsNumber() const {
   const std::optional<double> value = ParseNumber(AsText());
   if (!value) throw Fail("{}: '{}' is not a finite number", Where(), AsText());
-  return *value;
+  return std::fpclassify(*value) == FP_SUBNORMAL ? 0 : *value;  // Ipopt does not come to an end with 1e-320
 }
 
 std::string YamlNode::AsText() const {

@@ -89,6 +89,11 @@ void DrawPage(cairo_t* context, const Board& board, const Layout& layout) {
            fmt::format("{:.0f} mm. Glue it on a flat, stiff plate.", layout.ruler_mm));
 }
 
+cairo_status_t Append(void* text, const unsigned char* bytes, unsigned count) {
+  static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(bytes), count);
+  return CAIRO_STATUS_SUCCESS;
+}
+
 }  // namespace
 
 Paper ParsePaper(std::string_view name) {
@@ -100,10 +105,10 @@ Paper ParsePaper(std::string_view name) {
 
 void WriteBoardSheet(const std::filesystem::path& path, const Board& board, const Paper& paper) {
   const Layout layout = LayOut(board, paper);
-  AtomicFile file(path);
-  const Surface surface(cairo_pdf_surface_create(file.TemporaryPath().c_str(), paper.width_mm * kPointsPerMm,
-                                                 paper.height_mm * kPointsPerMm),
-                        cairo_surface_destroy);
+  std::string pdf;  // in memory first: cairo writes files without looking whether the disk took them
+  const Surface surface(
+      cairo_pdf_surface_create_for_stream(Append, &pdf, paper.width_mm * kPointsPerMm, paper.height_mm * kPointsPerMm),
+      cairo_surface_destroy);
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, ToString(board).c_str());
   // A fixed date: the same board is the same file.
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
@@ -113,7 +118,7 @@ void WriteBoardSheet(const std::filesystem::path& path, const Board& board, cons
   cairo_surface_finish(surface.get());
   if (const cairo_status_t status = cairo_surface_status(surface.get()); status != CAIRO_STATUS_SUCCESS)
     throw Fail("{}: the board cannot be written: {}", path.string(), cairo_status_to_string(status));
-  file.Commit();
+  WriteTextFile(path, pdf);
 }
 
 }  // namespace lake::camera

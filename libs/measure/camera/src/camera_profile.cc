@@ -1,5 +1,6 @@
 #include <Eigen/LU>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <opencv2/core.hpp>
 
@@ -156,10 +157,31 @@ cv::Mat Coefficients(const Camera& camera) {
   return cv::Mat(values, true).t();
 }
 
+// OpenCV reads what stands inside another thing by recursion without a bound, in YAML, JSON and XML alike. No camera
+// file holds more than some hundred keys, lists, maps or elements, or begins a line far to the right.
+void CheckDepth(const std::string& text, const std::filesystem::path& path) {
+  constexpr int kMostOpened = 1000;
+  constexpr std::size_t kFarthestColumn = 200;
+  int opened = 0;
+  std::size_t column = 0;  // of the first character that is no blank
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i], next = i + 1 < text.size() ? text[i + 1] : '\n';
+    const bool opens_block = (c == '-' || c == ':' || c == '?') && std::isspace(static_cast<unsigned char>(next));
+    opened += c == '[' || c == '{' || c == '<' || opens_block;
+    column = c == '\n' ? 0 : column + (c == ' ' || c == '\t' ? 1 : text.size());
+    if (opened > kMostOpened)
+      throw Fail("{}: not a camera file: more than {} keys, lists, maps or elements", path.string(), kMostOpened);
+    if (column < text.size() && column > kFarthestColumn)
+      throw Fail("{}: not a camera file: a line begins more than {} columns to the right", path.string(),
+                 kFarthestColumn);
+  }
+}
+
 }  // namespace
 
 CameraProfile ReadCameraProfile(const std::filesystem::path& path) {
   const std::string text = ReadTextFile(path, 1 << 24);
+  CheckDepth(text, path);
   try {
     const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
     if (!file.isOpened()) throw Fail("{}: not an OpenCV FileStorage file", path.string());

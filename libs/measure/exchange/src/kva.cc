@@ -7,6 +7,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/utf8.h"
 #include "lake/exchange/kinovea.h"
 #include "text_lines.h"
 
@@ -94,7 +95,7 @@ FramePoints ReadTrack(const pugi::xml_node& track, const KvaClock& clock, const 
 constexpr double kStampsPerFrame = 100'000;
 
 void AddText(pugi::xml_node node, const char* name, const std::string& text) {
-  node.append_child(name).text() = text.c_str();
+  node.append_child(name).text() = ReadableUtf8(text).c_str();
 }
 
 void AddTrack(pugi::xml_node tracks, const PointRecording& recording, const PointTrack& point, double rate_hz) {

@@ -9,6 +9,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/utf8.h"
 #include "lake/exchange/tracker.h"
 #include "text_lines.h"
 
@@ -82,7 +83,7 @@ pugi::xml_node AddProperty(pugi::xml_node object, const std::string& name, const
 }
 
 void AddText(pugi::xml_node object, const char* name, const char* type, const std::string& text) {
-  AddProperty(object, name, type).text() = text.c_str();
+  AddProperty(object, name, type).text() = ReadableUtf8(text).c_str();
 }
 
 void AddNumber(pugi::xml_node object, const char* name, double value) {

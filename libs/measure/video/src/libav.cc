@@ -20,6 +20,7 @@ Codec NewCodec(const AVCodec* codec) {
 }
 
 std::string ErrorText(int error) {
+  if (error == AVERROR_EXTERNAL) return "the codec's library gave up; too little memory is the usual reason";
   char text[AV_ERROR_MAX_STRING_SIZE] = {};
   av_strerror(error, text, sizeof(text));
   return text;

@@ -1,7 +1,6 @@
 #include "lake/drawing/linkage_animation.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <opencv2/core/mat.hpp>
 
@@ -15,10 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder beside the result that vanishes with the scope.
+// A folder beside the result that vanishes with the scope; what a killed process left of one vanishes first.
 class ScratchFolder {
  public:
-  explicit ScratchFolder(fs::path path) : path_(std::move(path)) { fs::create_directories(path_); }
+  explicit ScratchFolder(fs::path path) : path_(std::move(path)) {
+    fs::remove_all(path_);
+    fs::create_directories(path_);
+  }
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
   ~ScratchFolder() {
@@ -51,7 +53,7 @@ void AddWayBack(const fs::path& folder, int poses) {
 void WriteMp4(const fs::path& path, const LinkageLook& look) {
   constexpr double kFrameRate_hz = 20;
   constexpr int kPoses = 40;
-  const ScratchFolder frames(path.parent_path() / fmt::format("{}.{}.frames", path.stem().string(), getpid()));
+  const ScratchFolder frames(path.parent_path() / fmt::format(".{}.frames", path.stem().string()));
   PagesOut(look, kPoses).WritePages(frames.Path());
   AddWayBack(frames.Path(), kPoses);
   video::VideoReaderOptions reading;

@@ -4,6 +4,7 @@
 #include <spawn.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -82,8 +83,20 @@ void SmoothEdges(const std::filesystem::path& svg) {
   WriteTextFile(svg, text);
 }
 
+// In double quotes, where \ooo is a byte: a path may hold any but 0, and in single quotes gnuplot has no newline.
+// Digits too: gnuplot would add one that follows to the number before it.
+std::string QuotePath(const std::filesystem::path& path) {
+  std::string quoted = "\"";
+  for (const char c : path.string()) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool is_plain = byte >= 0x80 || std::isalpha(byte) || c == '/' || c == '.' || c == '-' || c == '_';
+    quoted += is_plain ? std::string(1, c) : fmt::format("\\{:03o}", byte);
+  }
+  return quoted + "\"";
+}
+
 std::string SetOutput(const std::filesystem::path& path) {
-  return fmt::format("set output {}\n", QuoteForGnuplot(path.string()));
+  return fmt::format("set output {}\n", QuotePath(path));
 }
 
 }  // namespace

@@ -14,6 +14,9 @@
 #include <STEPCAFControl_Writer.hxx>
 #include <STEPControl_Controller.hxx>
 #include <Standard_Failure.hxx>
+#include <StepData_Protocol.hxx>
+#include <StepData_StepModel.hxx>
+#include <StepData_StepWriter.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopLoc_Location.hxx>
@@ -22,14 +25,15 @@
 #include <TopoDS_Wire.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <XSControl_WorkSession.hxx>
 #include <cmath>
 #include <gp_Ax2.hxx>
 #include <gp_Circ.hxx>
 #include <gp_Trsf.hxx>
 #include <gp_Vec.hxx>
+#include <sstream>
 
 #include "lake/core/atomic_file.h"
-#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 
@@ -101,13 +105,14 @@ class Assembly {
     if (!writer.Transfer(document_, STEPControl_AsIs)) throw Fail("{}: the solids cannot be written", path.string());
     APIHeaderSection_MakeHeader header(writer.ChangeWriter().Model());
     header.SetName(new TCollection_HAsciiString("knee exoskeleton"));
+    header.SetTimeStamp(new TCollection_HAsciiString("2000-01-01T00:00:00"));  // the same design is the same file
     header.SetOriginatingSystem(new TCollection_HAsciiString(("lake " + VersionAndCommit()).c_str()));
-    AtomicFile file(path);
-    const bool done = writer.Write(file.TemporaryPath().c_str()) == IFSelect_RetDone;
-    // A full disk is told only by what is missing at the end.
-    if (!done || !Trim(ReadTextFile(file.TemporaryPath())).ends_with("END-ISO-10303-21;"))
-      throw Fail("{}: cannot be written; is the disk full?", path.string());
-    file.Commit();
+    // In memory first: OpenCASCADE opens no file whose name is not UTF-8, and does not see that a disk is full.
+    StepData_StepWriter text(writer.ChangeWriter().Model());
+    text.SendModel(Handle(StepData_Protocol)::DownCast(writer.ChangeWriter().WS()->Protocol()));
+    std::ostringstream stream;
+    if (!text.Print(stream)) throw Fail("{}: the solids cannot be written", path.string());
+    WriteTextFile(path, stream.str());
   }
 
  private:

@@ -26,7 +26,7 @@ class WorkerProcess {
   explicit WorkerProcess(const Work& work);
   WorkerProcess(const WorkerProcess&) = delete;
   WorkerProcess& operator=(const WorkerProcess&) = delete;
-  ~WorkerProcess();
+  ~WorkerProcess();  // asks it to end, and ends it if it has not done so within 10 s
 
   int Pipe() const { return pipe_; }  // to be read from when it has something
 
@@ -39,6 +39,7 @@ class WorkerProcess {
 
  private:
   int Wait();
+  bool HasEnded() const;  // within that time
 
   pid_t process_ = -1;
   int pipe_ = -1;

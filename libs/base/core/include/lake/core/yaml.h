@@ -16,7 +16,8 @@ namespace lake {
 // A node of a YAML file. Take what is known from it, then call Finish(): it throws for keys that were not taken.
 class YamlNode {
  public:
-  // Throws Error if the file cannot be read, is not YAML, or a key stands twice in a map.
+  // Throws Error if the file cannot be read, is not YAML, is larger than 1 MiB, holds more than 100 000 values (those
+  // of aliases counted each time) or more than 100 levels, or a key stands twice in a map.
   static YamlNode ReadFile(const std::filesystem::path& path);
 
   ~YamlNode();
@@ -42,7 +43,7 @@ class YamlNode {
   bool IsMap() const;
   bool IsList() const;
 
-  // This node itself as a scalar.
+  // This node itself as a scalar; a number nearer to 0 than 2.3e-308 is 0.
   double AsNumber() const;
   std::string AsText() const;
 

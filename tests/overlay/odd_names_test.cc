@@ -1,0 +1,47 @@
+// Folders with names that other programs and libraries understand otherwise.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+
+#include "lake/core/atomic_file.h"
+#include "lake/figure/gnuplot.h"
+#include "lake/model/simulator_model.h"
+#include "lake/model/step_file.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+void ExpectSame(const char* file, const std::function<void(const std::filesystem::path&)>& write) {
+  const TemporaryFolder folder;
+  write(folder / file);
+  const std::string plain = ReadTextFile(folder / file);
+  for (const char* name : {"a b 'c' \"d\" $HOME `id` \\n", "a\nb\tc", "-rf", "100%d %s {}", "<b>&alert(1)07", "[0-9]*",
+                           "J\xFCrgen", "膝"}) {
+    std::filesystem::create_directory(folder / name);
+    write(folder / name / file);
+    EXPECT_EQ(ReadTextFile(folder / name / file), plain) << name;
+  }
+}
+
+TEST(OddNames, Figures) {
+  figure::GnuplotFigure figure(200, 100);
+  figure.Line("plot x");
+  ExpectSame("figure.svg", [&](const auto& path) { figure.Write(path); });
+}
+
+TEST(OddNames, Solids) {
+  const linkage::Links links{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
+  const parts::Mechanism mechanism = parts::MakeMechanism(links, linkage::FindUsedRange(links, 245, {}), {});
+  const TemporaryFolder folder;
+  for (const char* name : {"a\nb", "J\xFCrgen"}) {
+    std::filesystem::create_directory(folder / name);
+    model::WriteStep(folder / name / "solids.step", mechanism, model::ReferencePose(mechanism));
+    EXPECT_THAT(ReadTextFile(folder / name / "solids.step"), testing::EndsWith("END-ISO-10303-21;\n")) << name;
+  }
+}
+
+}  // namespace
+}  // namespace lake
