@@ -128,6 +128,11 @@ struct RenderedTrial {
     synth::WriteRecording(scene, folder.Path(), recording);
   }
 
+  // Without a video yet: for a test that makes its own in `folder`.
+  explicit RenderedTrial(synth::Scene rendered) : scene(std::move(rendered)) {
+    camera::WriteCameraProfile(folder / "camera.yaml", scene.Profile());
+  }
+
   // Tracks the video with the recording's own camera, without an overlay, into a folder of this name.
   Json Track(const std::string& name = "trial", const std::function<void(commands::TrackRunOptions&)>& change = {}) {
     commands::TrackRunOptions options;

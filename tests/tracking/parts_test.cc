@@ -288,7 +288,7 @@ TEST(SigmaCalibration, AddsNothingToWhiteNoise) {
 }
 
 TEST(SigmaCalibration, FindsAKnownExtraScatter) {
-  for (const double extra_px : {0.02, 0.05, 0.1}) {
+  for (const double extra_px : {0.02, 0.05}) {
     motion::MarkerRecording recording = Curves(std::hypot(0.02, extra_px), 0.02, 9);
     recording.markers[1].samples[50] = {};
     const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(recording);
@@ -297,6 +297,25 @@ TEST(SigmaCalibration, FindsAKnownExtraScatter) {
     EXPECT_FALSE(recording.markers[1].samples[50].IsKnown());
     EXPECT_EQ(recording.markers[1].samples[50].sigma, 0);
   }
+}
+
+// So strong is compression only where its errors last for some frames, which scatter does not show.
+TEST(SigmaCalibration, StrongCompressionIsMoreThanItsScatter) {
+  motion::MarkerRecording recording = Curves(0.1, 0.01, 4);
+  const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(recording);
+  EXPECT_NEAR(calibration.scatter_px, 0.1, 0.004);
+  EXPECT_GE(calibration.compression_px, 0.12);
+  EXPECT_LE(calibration.compression_px, 0.15);
+}
+
+// One of little contrast is displaced farther than the others.
+TEST(SigmaCalibration, IsOfEachMarker) {
+  motion::MarkerRecording recording = Curves(0.02, 0.02, 6);
+  const motion::MarkerRecording scattered = Curves(0.05, 0.02, 6);
+  recording.markers[1] = scattered.markers[1];
+  tracking::CalibrateSigmas(recording);
+  EXPECT_NEAR(recording.markers[1].samples[100].sigma, 0.05, 0.005);
+  EXPECT_NEAR(recording.markers[2].samples[100].sigma, 0.02, 0.003);
 }
 
 // Times that scatter by 0.3 frames are no noise of the positions, nor is a frame in four that is not there.

@@ -174,18 +174,22 @@ class Namer {
 
   void AnchorIdentities() {
     for (std::size_t n = 0; n < options_.identities.size(); ++n)
-      if (!anchor_[n]) anchor_[n] = MostSeenOf(options_.identities[n]);
+      if (!anchor_[n]) anchor_[n] = MostSeenOf(n);
   }
 
-  // The tracklet that shows an identity longest and largest.
-  std::optional<std::size_t> MostSeenOf(int identity) const {
+  // The tracklet that shows a name's identity longest and most strongly. What is no disc (a face, a wall) is less
+  // likely a marker, and what rests (a lamp) is not likely one that moves with the leg.
+  std::optional<std::size_t> MostSeenOf(std::size_t name) const {
+    constexpr double kNoDisc = 0.25, kRests = 0.01, kMarkerQuality = 0.12;
+    const bool stays = options_.names[name] == kLegMarkers[0];
     std::optional<std::size_t> best;
     double most = 0;
     for (std::size_t i = 0; i < tracklets_.size(); ++i) {
-      if (tracklets_[i].identity != identity || IsAnchor(i)) continue;
+      if (tracklets_[i].identity != options_.identities[name] || IsAnchor(i)) continue;
       double seen = 0;
       for (const TrackletSample& sample : tracklets_[i].samples)
-        seen += sample.amplitude * sample.radius_px * sample.radius_px;
+        seen += sample.amplitude * sample.amplitude * (sample.quality < kMarkerQuality ? 1 : kNoDisc);
+      if (!stays && TrimmedExtentPx(tracklets_[i]) < tracklets_[i].samples.front().radius_px) seen *= kRests;
       if (seen > most) most = seen, best = i;
     }
     return best;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -21,13 +22,46 @@ bool IsName(const std::string& name) {
   });
 }
 
+// For the detector of colours: the decoder's own chroma beside the luma.
+video::VideoReaderOptions WithChroma(video::VideoReaderOptions options) {
+  options.preview_max_width_px = std::numeric_limits<int>::max();
+  options.luma_too = options.preview_as_stored = true;
+  return options;
+}
+
+MarkerHue FindHue(const std::filesystem::path& video, const MarkerColor& color, bool bt709,
+                  const video::VideoReaderOptions& options) {
+  if (color.bgr) return HueOfColor(color, bt709);
+  video::VideoReaderOptions one = WithChroma(options);
+  one.first = one.last.emplace(color.frame);
+  one.start_s = one.end_s = std::nullopt;
+  video::VideoFrame frame;
+  if (!video::VideoReader::Open(video, one)->Read(frame))
+    throw Fail("--color {}: {} has no frame {}", color.text, video.string(), color.frame);
+  return HueAt(frame, color);
+}
+
+std::vector<MarkerHue> FindHues(const std::filesystem::path& video, const TrackOptions& options) {
+  const bool bt709 = video::VideoReader::Open(video, options.reader)->Info().bt709;
+  std::vector<MarkerHue> hues;
+  for (const std::string& text : options.colors) {
+    hues.push_back(FindHue(video, ParseMarkerColor(text), bt709, options.reader));
+    constexpr double kAlike = 0.98;  // cosine of 11°
+    for (std::size_t other = 0; other + 1 < hues.size(); ++other)
+      if (hues[other].direction.dot(hues.back().direction) > kAlike)
+        throw Fail("--color {} and {}: hardly differ in hue; give one colour for all markers", options.colors[other],
+                   text);
+  }
+  return hues;
+}
+
 std::unique_ptr<MarkerDetector> MakeDetector(const std::filesystem::path& video, const TrackOptions& options) {
   const DetectorRegion region{options.crop};
   switch (options.detector) {
     case DetectorKind::kReflective:
       return MakeReflectiveDetector(options.polarity, region);
     case DetectorKind::kColor:
-      return MakeColorDetector(options.colors, region);
+      return MakeColorDetector(FindHues(video, options), region);
     case DetectorKind::kTemplate: {
       std::vector<cv::Mat> pictures;
       for (const MarkerSeed& seed : options.seeds)
@@ -166,6 +200,9 @@ void TrackOptions::Check() const {
     throw UsageError(fmt::format("--color: {} colours for {} markers; give one for all or one for each", colors.size(),
                                  names.size()));
   if (detector != DetectorKind::kColor && !colors.empty()) throw UsageError("--color is for --detector color");
+  if (detector == DetectorKind::kColor && colors.empty())
+    throw UsageError("--detector color needs at least one --color: \"#RRGGBB\", or @X,Y where a marker is");
+  for (const std::string& color : colors) ParseMarkerColor(color);
   if (detector == DetectorKind::kTemplate && seeded.size() != names.size())
     throw UsageError("--detector template needs a --seed for each marker: the patch is cut there");
   for (const MarkerSeed& seed : seeds)
@@ -187,8 +224,8 @@ struct Followed {
 Followed Follow(const std::filesystem::path& video, const TrackOptions& options) {
   options.Check();
   const std::unique_ptr<MarkerDetector> detector = MakeDetector(video, options);
-  video::VideoReaderOptions reader_options = options.reader;
-  reader_options.colour = detector->NeedsColour();
+  const video::VideoReaderOptions reader_options =
+      detector->NeedsColour() ? WithChroma(options.reader) : options.reader;
   const std::unique_ptr<video::VideoReader> reader = video::VideoReader::Open(video, reader_options);
   if (reader->Info().interlaced)
     throw Fail(

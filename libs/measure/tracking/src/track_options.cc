@@ -35,6 +35,22 @@ MarkerSeed ParseSeed(const std::string& text, const std::string& said) {
   return seed;
 }
 
+// Lists with commas, of which a place has one itself.
+std::vector<std::string> SplitColors(const OptionTexts& texts) {
+  std::vector<std::string> colors;
+  for (const std::string& text : texts) {
+    bool is_place = false;
+    for (const std::string& part : SplitText(text, ',')) {
+      if (is_place)
+        colors.back() += "," + part;
+      else
+        colors.push_back(part);
+      is_place = !is_place && part.starts_with('@');
+    }
+  }
+  return colors;
+}
+
 cv::Rect CropOf(const std::array<double, 4>& numbers, const std::string& said) {
   constexpr double kMostPx = 1e5;
   const auto is_whole = [](double value) { return value == std::floor(value) && std::abs(value) <= kMostPx; };
@@ -69,9 +85,15 @@ void Describe(TrackOptions& o, OptionList& options) {
                                                       {"template", DetectorKind::kTemplate},
                                                       {"aruco", DetectorKind::kAruco}},
                     "Kind of marker");
-  options.Add("color", o.colors, "Marker colour, one for all or one per marker, for --detector color")
+  const auto set_colors = [&o](const OptionTexts& texts, const std::string&) { o.colors = SplitColors(texts); };
+  options
+      .AddCustom(
+          "color",
+          "Marker colour, one for all or one per marker, for --detector color: its levels, or a place in a frame "
+          "where a marker shows it",
+          set_colors)
       .Key("colors")
-      .Value("\"#RRGGBB\"")
+      .Value("\"#RRGGBB\"|@X,Y[@FRAME]")
       .Repeats();
   options.Add("dictionary", o.dictionary,
               "ArUco dictionary, for --detector aruco; ids 0, 1, … are the markers in the order of --markers");

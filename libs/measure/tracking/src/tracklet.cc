@@ -220,16 +220,18 @@ void TrackletBuilder::RetireLost() {
 
 void TrackletBuilder::Keep(Tracklet tracklet) {
   std::erase_if(tracklet.samples, [](const TrackletSample& sample) { return sample.repeated; });
-  if (!detector_.KnowsIdentities()) RemoveUnlike(tracklet.samples);
+  // Of what is measured in the chroma, size is too uncertain to tell.
+  if (!detector_.KnowsIdentities() && !detector_.NeedsColour()) RemoveUnlike(tracklet.samples);
   if (static_cast<int>(tracklet.samples.size()) >= options_.min_samples) finished_.push_back(std::move(tracklet));
 }
 
-// Of all that was seen in the frame before.
+// Of all that was seen in the frame before and has a certain place, as a face that is followed by its hue has not.
 std::vector<ExpectedStep> TrackletBuilder::ExpectedSteps(std::span<const MarkerPrediction> predictions) const {
+  constexpr double kVague = 0.5;
   std::vector<ExpectedStep> steps;
   for (std::size_t i = 0; i < predictions.size(); ++i) {
     const TrackletSample& last = live_[i].tracklet.samples.back();
-    if (last.frame != previous_.index) continue;
+    if (last.frame != previous_.index || live_[i].quality > kVague) continue;
     steps.push_back({last.position, predictions[i].position - last.position, predictions[i].appearance.RadiusPx()});
   }
   return steps;

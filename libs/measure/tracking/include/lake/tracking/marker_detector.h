@@ -72,8 +72,31 @@ struct DetectorRegion {
 // Bright blobs on anything darker (or dark ones on anything brighter), in the luma.
 std::unique_ptr<MarkerDetector> MakeReflectiveDetector(Polarity polarity, const DetectorRegion& region);
 
-// Blobs of the given colours ("#RRGGBB"); identity = index of the colour. Throws UsageError for another spelling.
-std::unique_ptr<MarkerDetector> MakeColorDetector(const std::vector<std::string>& colors, const DetectorRegion& region);
+// A marker's colour as it is told: by its levels, or by a place in a frame where it is to be seen.
+struct MarkerColor {
+  std::string text;  // as it was written
+  std::optional<cv::Vec3b> bgr = {};
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px; where there is no bgr
+  std::int64_t frame = 0;
+};
+
+// "#RRGGBB" or "@X,Y[@FRAME]". Throws UsageError for another spelling.
+MarkerColor ParseMarkerColor(const std::string& text);
+
+// A colour as a direction in the plane of Cr and Cb: its hue, which stays when the light changes.
+struct MarkerHue {
+  cv::Vec2d direction;  // of (Cr, Cb), unit length
+  double gain = 2;      // strength per level of chroma along the direction; 40 are needed to be seen
+  double across = 0.5;  // by how much chroma across it weakens it
+};
+
+// Of a colour told by its levels, in video of BT.709 or else BT.601. Throws UsageError for a grey.
+MarkerHue HueOfColor(const MarkerColor& color, bool bt709);
+// Of a colour told by a place, in its frame (luma and preview, unreduced). Throws Error where that is outside or grey.
+MarkerHue HueAt(const video::VideoFrame& frame, const MarkerColor& color);
+
+// Discs and lamps of these hues, in frames with luma and an unreduced preview; identity = index of the hue.
+std::unique_ptr<MarkerDetector> MakeColorDetector(const std::vector<MarkerHue>& hues, const DetectorRegion& region);
 
 // A place in a frame, to start from.
 struct MarkerSeed {

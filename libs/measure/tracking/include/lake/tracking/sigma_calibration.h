@@ -8,15 +8,17 @@ namespace lake::tracking {
 struct SigmaCalibration {
   double fit_px = 0;          // root mean square of the fits' own sigmas, of the samples that were compared
   double scatter_px = 0;      // root mean square scatter about smooth motion, per axis
-  double compression_px = 0;  // what is added to the fits' sigmas, in quadrature
+  double compression_px = 0;  // what is added to the fits' sigmas, in quadrature; of all fast samples
 };
 
 // A fit's sigma knows the noise of its own pixels. A compressed frame is made by shifting blocks of earlier ones by
 // quarter pixels, which displaces a marker without leaving a trace in its picture. Of a marker that moves, it shows in
-// the scatter of positions about a smooth path (the residual of a local fourth-degree polynomial in time through nine
-// samples, Savitzky & Golay 1964); while it rests the displacement is frozen and does not show, though it is there. So
-// what fast samples scatter beyond the fits' own sigma is added to all, two thirds of it to those at rest. Without
-// compression nothing is. Detected samples' sigmas become sqrt(fit² + compression²).
+// the scatter of positions about a smooth path (the residual of a local fourth-degree polynomial in time, Savitzky &
+// Golay 1964, through 0.13 s and nine samples at least); while it rests the displacement is frozen and does not show,
+// though it is there. So what a marker's fast samples scatter beyond the fits' own sigma is added to all of it, less to
+// those at rest; of a marker with fewer than 60 fast samples, what all markers' do. Where compression is strong, more
+// is added, as errors then last for some frames and a smooth path follows them. Without compression nothing is.
+// Detected samples' sigmas become sqrt(fit² + compression²).
 SigmaCalibration CalibrateSigmas(motion::MarkerRecording& recording);
 
 }  // namespace lake::tracking

@@ -25,7 +25,7 @@ struct TrackOptions {
   std::vector<MarkerSeed> seeds;
   DetectorKind detector = DetectorKind::kReflective;
   Polarity polarity = Polarity::kBright;
-  std::vector<std::string> colors;         // "#RRGGBB", one for all or one per name
+  std::vector<std::string> colors;         // as ParseMarkerColor reads them, one for all or one per name
   std::string dictionary = "DICT_4X4_50";  // ArUco; ids 0, 1, … are the names in order
   cv::Rect crop;                           // px; empty: the whole picture
   video::VideoReaderOptions reader;        // start, end, rates
