@@ -1,4 +1,5 @@
-// lake-review: a local page to look at a trial and put right what was tracked wrongly.
+// lake-review: a local page to look at results: a trial to be corrected, a design to be explored, a comparison, a
+// study.
 #include <filesystem>
 
 #include "lake/commands/review.h"
@@ -6,9 +7,10 @@
 #include "program.h"
 
 int main(int argc, char** argv) {
-  CLI::App cli("Look at a tracked trial in the browser and correct it; or name a video's markers by clicks",
-               "lake-review");
-  cli.footer("Example:\n  lake-review lake-out/human --open");
+  CLI::App cli(
+      "In the browser: correct a trial, name a video's markers, explore a design, see two trials or a study's steps",
+      "lake-review");
+  cli.footer("Example:\n  lake-review lake-out/human --open\n  lake-review lake-out/buildable --open");
   lake::commands::ReviewRunOptions options;
   const lake::SharedOptions given = lake::AddOptions(cli, lake::OptionsOf(options));
   return lake::ParseAndRun(cli, argc, argv, [&] {

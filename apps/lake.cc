@@ -26,7 +26,7 @@ constexpr std::array kSteps = {
     Step{"calibrate", "camera and sagittal plane from pictures of a board"},
     Step{"check", "in seconds: is a recording fit, and what to change"},
     Step{"track", "markers, leg vectors and knee angle from a video"},
-    Step{"review", "in the browser: look at a trial, correct it, name markers"},
+    Step{"review", "in the browser: correct a trial, name markers, explore a design"},
     Step{"anonymise", "a copy of a recording with the head blurred"},
     Step{"gait", "the leg fit on tracks made before, or by another program"},
     Step{"compare", "misalignment between a human trial and an exoskeleton trial"},

@@ -109,6 +109,18 @@ TEST_F(CorrectedTrial, TrackedAgainCanStillBeTakenBack) {
   ExpectSameTables(again.work.fit(again.book.Corrected()), Folder("trial"));
 }
 
+TEST_F(CorrectedTrial, IsTakenBackInALaterSession) {
+  const fs::path folder = Copy("later");
+  ReviewedTrial trial = Open(folder);
+  Correct(trial.book);
+  trial.work.save(trial.book);
+  ReviewedTrial later = Open(folder);
+  EXPECT_EQ(later.book.Count(), trial.book.Count());
+  for (int i = 0; i < 4; ++i) later.book.Undo();
+  EXPECT_EQ(later.book.Count(), 0u);
+  EXPECT_FALSE(later.book.CanUndo());
+}
+
 // review.json is of the tracking before.
 TEST_F(CorrectedTrial, TrackedAnewIsWhatIsDetectedNow) {
   const fs::path folder = Copy("anew");

@@ -49,6 +49,46 @@ TEST(CorrectionBook, ChangesWhatItWasToldAndNothingElse) {
   EXPECT_EQ(book.Corrections().size(), 3u);
 }
 
+TEST(CorrectionBook, ALaterSessionTakesStepsBack) {
+  CorrectionBook book(Recording(), 640, 480, {}, {{11, "ankle", {}}});
+  book.Place(12, "knee", {50.125, 60}, 0.5);
+  book.SwapFrom(15, "ankle", "knee");
+  book.Hide(18, "knee");
+  book.Undo();
+  const Json history = Json::parse(book.History().dump());
+
+  CorrectionBook later(Recording(), 640, 480, {}, book.Corrections());
+  EXPECT_FALSE(later.CanUndo());
+  later.TakeHistory(history);
+  EXPECT_TRUE(later.CanRedo());
+  later.Redo();
+  EXPECT_FALSE(At(later.Corrected(), 18, 1).IsKnown());
+  for (int i = 0; i < 3; ++i) later.Undo();
+  EXPECT_FALSE(later.CanUndo());
+  ASSERT_EQ(later.Count(), 1u) << "what was there before the first step";
+  EXPECT_EQ(later.Corrections().front().frame, 11);
+  later.Redo();
+  later.Hide(10, "ankle");
+  EXPECT_FALSE(later.CanRedo()) << "another step has taken its place";
+  EXPECT_EQ(later.History().at("steps").size(), 2u);
+}
+
+TEST(CorrectionBook, TakesNoStepsOfOtherCorrections) {
+  CorrectionBook book(Recording(), 640, 480, {});
+  book.Hide(12, "knee");
+  const Json history = book.History();
+  CorrectionBook edited(Recording(), 640, 480, {}, {{12, "knee", {}}, {13, "ankle", {}}});  // corrections.csv by hand
+  EXPECT_THAT([&] { edited.TakeHistory(history); }, testing::ThrowsMessage<Error>(testing::HasSubstr("were changed")));
+  EXPECT_EQ(edited.Count(), 2u);
+  EXPECT_FALSE(edited.CanUndo());
+  Json damaged = history;
+  damaged["done"] = 1.5;
+  EXPECT_THROW(edited.TakeHistory(damaged), Error);
+  damaged = history;
+  damaged["steps"][0]["frame"] = 99;
+  EXPECT_THROW(edited.TakeHistory(damaged), Error);
+}
+
 TEST(CorrectionBook, TakesEachStepBack) {
   CorrectionBook book(Recording(), 640, 480, {});
   EXPECT_FALSE(book.CanUndo());

@@ -25,6 +25,9 @@ class Server : public testing::Test {
       if (request.body == "{}") throw Error("that changes nothing");
       return {"application/json", request.body};
     });
+    server_.Get("report", [](const LocalRequest&) {
+      return LocalReply{.type = "text/html", .body = "<h1>report</h1>", .is_framed = true};
+    });
     server_.Get("broken", [](const LocalRequest&) -> LocalReply { throw std::length_error("too long"); });
     const std::string address = server_.Address();
     const std::size_t host = address.find("//") + 2, path = address.find('/', host);
@@ -103,6 +106,16 @@ TEST_F(Server, LetsNothingInFromElsewhere) {
   EXPECT_THAT(result->get_header_value("Content-Security-Policy"), HasSubstr("default-src 'none'"));
   EXPECT_EQ(result->get_header_value("Referrer-Policy"), "no-referrer");
   EXPECT_EQ(result->get_header_value("X-Content-Type-Options"), "nosniff");
+}
+
+TEST_F(Server, AFramedDocumentMayAskForNothing) {
+  const auto result = Client().Get(path_ + "report");
+  ASSERT_EQ(result->get_header_value_count("Content-Security-Policy"), 1u) << "two of them are both in force";
+  const std::string policy = result->get_header_value("Content-Security-Policy");
+  EXPECT_THAT(policy, testing::StartsWith("sandbox allow-scripts; default-src 'none'"));
+  EXPECT_THAT(policy, testing::Not(HasSubstr("connect-src")));
+  EXPECT_THAT(policy, testing::Not(HasSubstr("allow-same-origin")));
+  EXPECT_EQ(Client().Get(path_)->get_header_value_count("Content-Security-Policy"), 1u);
 }
 
 TEST_F(Server, RefusesAPortInUse) {

@@ -33,7 +33,17 @@ SIZE = (1280, 720)  # of the recording, px
 SEEDS = {"ankle": 6, "knee": 5, "hip": 4, "waist": 1}
 
 
-def run(*words, **options):
+# With the limits of calibration/problems/buildable.yaml.
+PROBLEM = """standing_deg: 5
+margins: {grashof_mm: 2, singularity_mm: 2}
+load: {knee_torque_nm: 40, max_force_n: 2000}
+min_transmission_deg: 10
+"""
+
+
+def run(*words, files=None, **options):
+    for path, text in (files or {}).items():
+        path.write_text(text)
     return subprocess.run([str(word) for word in words], check=True, capture_output=True, text=True, **options)
 
 
@@ -84,6 +94,8 @@ class ReviewPage(unittest.TestCase):
             "--hide", "hip=1.6,0.3", "--quiet", "-o", cls.folder / "recording")
         run(BIN / "lake-track", "recording/video.mp4", "--camera", "recording/camera.yaml", "--no-overlay", "--quiet",
             "-o", "trial", *[f"--seed={name}=#{spot}" for name, spot in SEEDS.items()], cwd=cls.folder)
+        run(BIN / "lake-optimize", "--problem", "problem.yaml", "--starts", 1, "--quiet", "-o", "optimum", cwd=cls.folder,
+            files={cls.folder / "problem.yaml": PROBLEM})
         options = webdriver.ChromeOptions()
         for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
                          "--window-size=1300,1100", f"--user-data-dir={cls.folder / 'profile'}"):
@@ -104,8 +116,8 @@ class ReviewPage(unittest.TestCase):
         shutil.copytree(self.folder / "trial", self.trial)
         return self.trial
 
-    def start(self, subject):
-        review = Review(self.folder, subject)
+    def start(self, subject, *options):
+        review = Review(self.folder, subject, *options)
         self.addCleanup(review.close)
         return review
 
@@ -239,6 +251,16 @@ class ReviewPage(unittest.TestCase):
         self.press("y", holding=Keys.CONTROL)
         self.until(lambda: self.is_corrected("ankle"))
         self.assertEqual(len(self.corrections()), 1)
+        review.close()  # killed: nothing of what was saved is lost
+        self.until(lambda: "lake review has ended" in self.text("said"))
+        review = self.open(self.trial)
+        self.until(lambda: self.text("state") == "1 correction, saved")
+        self.part("undo").click()
+        self.part("undo").click()
+        self.until(lambda: self.text("state") == "No corrections")
+        self.press("y", holding=Keys.CONTROL)
+        self.until(lambda: self.text("state") == "1 correction, saved")
+        self.assertEqual(len(self.corrections()), 1)
         self.assertEqual(review.end(), (130, "lake-review: interrupted\n"))
         self.until(lambda: "lake review has ended" in self.text("said"))
         self.browser.get_log("browser")  # that nobody answers any more is on the console too
@@ -335,19 +357,177 @@ class ReviewPage(unittest.TestCase):
         review.ask("track", {"markers": list(SEEDS), "seeds": SEEDS, "options": {"camera": "none.yaml"}})
         self.until(lambda: review.ask("state")["mode"] != "tracking", "still tracking")
         self.assertEqual(review.ask("state")["mode"], "naming")
-        self.assertIn("none.yaml", review.ask("state")["failed"])
+        self.assertIn("none.yaml", review.ask("state")["job"]["failed"])
+
+    # A design
+
+    def open_design(self, subject="optimum", *options):
+        self.browser.get("about:blank")
+        review = self.start(subject, *options)
+        self.browser.get(review.address)
+        self.until(lambda: self.part("design").get_attribute("data-range"), "no design")
+        return review
+
+    def length(self, link):
+        return float(self.browser.find_element(By.CSS_SELECTOR, f"[data-link='{link}'] [type=number]").get_attribute("value"))
+
+    def set_length(self, link, length):
+        field = self.browser.find_element(By.CSS_SELECTOR, f"[data-link='{link}'] [type=number]")
+        field.send_keys(Keys.CONTROL, "a")
+        field.send_keys(str(length), Keys.TAB)
+
+    def failing(self):
+        return [line.text for line in self.browser.find_elements(By.CSS_SELECTOR, "#checks [data-holds=false]")]
+
+    def drag_pin(self, pin, by):
+        canvas = self.part("linkage")
+        x, y = map(float, canvas.get_attribute(f"data-{pin}").split(","))
+        chain = ActionChains(self.browser, duration=20)
+        chain.move_to_element_with_offset(canvas, round(x - canvas.rect["width"] / 2), round(y - canvas.rect["height"] / 2))
+        chain.click_and_hold().move_by_offset(*by).release().perform()
+
+    def test_a_design_is_explored_and_saved(self):
+        shutil.copytree(self.folder / "optimum", self.trial)
+        saved = (self.trial / "design.yaml").read_bytes()
+        self.open_design(self.trial)
+        self.until(lambda: "meets all" in self.text("state"))
+        self.set_length(6, 301)
+        self.until(lambda: any("l6 ≤ 300 mm" in line and "fails by 1 mm" in line for line in self.failing()))
+        self.until(lambda: "fails" in self.text("state"))
+        self.press("z", holding=Keys.CONTROL)
+        self.until(lambda: self.length(6) == 300 and not self.failing())
+        before = [self.length(link) for link in range(1, 7)]
+        for _ in range(40):
+            self.press(Keys.ARROW_RIGHT)
+        self.drag_pin("tip", (-4, 3))
+        self.until(lambda: self.length(2) != before[1] and self.length(1) != before[0])
+        self.assertEqual([self.length(link) for link in (3, 4, 5, 6)], before[2:], "the other pins do not stay")
+        self.assertEqual(self.text("said"), "")
+        dragged = self.length(2)
+        self.part("design-save").click()
+        self.until(lambda: "explored.yaml" in self.text("said"))
+        self.assertIn(f"l2: {dragged:.1f}", (self.trial / "explored.yaml").read_text())
+        self.part("design-save").click()
+        self.until(lambda: "explored-2.yaml" in self.text("said"))
+        self.assertEqual((self.trial / "design.yaml").read_bytes(), saved)
+        self.browser.refresh()
+        self.until_there("[data-link='2']")
+        self.until(lambda: self.length(2) == dragged, "the links are lost when the page is loaded again")
+
+    def test_a_design_is_optimised_from_here(self):
+        review = self.open_design()
+        best = [self.length(link) for link in range(1, 7)]
+        self.set_length(1, 60)
+        self.until(lambda: "139.50°" in self.text("state"))
+        self.until(lambda: "--start 60," in self.text("optimise-command"))
+        self.assertRegex(self.text("optimise-command"), r"^lake optimize --problem \S*problem.yaml --start 60,")
+        self.part("optimise").click()
+        self.until(lambda: "The optimum from these links" in self.text("said"))
+        self.until(lambda: not self.failing())
+        # The solver's own tolerance, and the two digits of the page.
+        self.assertLess(max(abs(self.length(link) - best[link - 1]) for link in range(1, 7)), 0.02)
+        self.assertTrue((self.folder / "lake-out/optimum-optimised/design.yaml").exists())
+        self.press("z", holding=Keys.CONTROL)
+        self.until(lambda: self.length(1) == 60)
+        self.browser.get("about:blank")
+        self.assertEqual(review.wait(), (0, ""))
+
+    def test_a_design_file_is_held_against_a_problem(self):
+        self.trial.mkdir()
+        shutil.copy(self.folder / "optimum/design.yaml", self.trial / "<i>.yaml")
+        strict = PROBLEM.replace("2000", "1500")
+        (self.trial / "strict.yaml").write_text(strict)
+        self.open_design(self.trial / "<i>.yaml", "--problem", self.trial / "strict.yaml")
+        line, = self.failing()
+        self.assertRegex(line, "Force ≤ 1500 N: 2000 N\\s*fails by 500 N at 5.0°")
+        self.assertEqual(self.text("name"), "<i>.yaml")
+        self.set_length(2, 20)
+        self.until(lambda: "cannot be assembled" in self.text("state").lower() or "242" in self.text("state"))
+        self.part("design-save").click()
+        self.until(lambda: "cannot be saved" in self.text("said"))
+        self.browser.get_log("browser")  # that it was refused is on the console too
+
+    # A comparison and a study
+
+    def compared(self):
+        """The recording as both trials: its hip stands for the exoskeleton's joint."""
+        if not (self.folder / "comparison").exists():
+            run(BIN / "lake-compare", "trial", "trial", "--exo-knee", "hip", "--quiet", "-o", "comparison", cwd=self.folder)
+        return "comparison"
+
+    def test_two_trials_run_side_by_side(self):
+        self.open(self.compared())
+        self.until(lambda: self.part("comparison").is_displayed() and "0 % of the rise" in self.text("percent"))
+        kinematics = read_table(self.folder / "trial/kinematics.csv")
+        rise = [row for row in kinematics if row["repetition"] == "1" and row["percent"]]
+        rows = read_table(self.folder / "comparison/misalignment.csv")
+        for percent in (0, 40, 100):
+            self.browser.execute_script(
+                "const s = arguments[0]; s.value = arguments[1]; s.dispatchEvent(new Event('input'))",
+                self.part("percent-scrub"), percent)
+            nearest = min(rise, key=lambda row: abs(float(row["percent"]) - percent))["frame"]
+            for trial in ("human", "exo"):
+                self.until(lambda: self.part(f"{trial}-picture").get_attribute("data-frame") == nearest,
+                           f"{trial} does not show frame {nearest}")
+            self.assertIn(f"{float(rows[percent]['distance_mm']):.1f} mm apart", self.text("percent"))
+        self.press(Keys.ARROW_LEFT)
+        self.until(lambda: "99 % of the rise" in self.text("percent"))
+
+    def test_a_study_is_shown_and_a_step_done_again(self):
+        self.trial.mkdir()
+        trial = self.folder / "trial"
+        study = self.trial / "study.yaml"
+        study.write_text(f"name: Two <b>trials</b>\nhuman: {{trial: {trial}}}\nexo: {{trial: {trial}}}\n"
+                         "compare: {exo_knee: hip}\n")
+        run(BIN / "lake-run", study, "--quiet", "-o", self.trial / "out", cwd=self.folder)
+        review = self.open(self.trial / "out")
+        self.until(lambda: "steps are up to date" in self.text("state"))
+        self.assertEqual(self.text("name"), "Two <b>trials</b>")
+        self.browser.switch_to.frame(self.part("report"))
+        self.until_there("h1")
+        self.assertEqual(self.browser.execute_script("return window.origin"), "null", "the report may ask the server")
+        self.browser.switch_to.default_content()
+        study.write_text(study.read_text().replace("exo_knee: hip", "exo_knee: waist"))
+        self.browser.refresh()
+        self.until_there("[data-step=comparison]")
+        step = lambda: self.browser.find_element(By.CSS_SELECTOR, "[data-step=comparison]")
+        self.until(lambda: "to be done" in step().text)
+        step().find_element(By.TAG_NAME, "button").click()
+        self.until(lambda: "comparison: done" in self.text("said"))
+        self.until(lambda: "up to date" in step().text)
+        summary = json.loads((self.trial / "out/comparison/summary.json").read_text())
+        self.assertEqual(summary["markers"]["exo"], "waist")
+        self.assertEqual(review.end()[0], 130)
+        self.until(lambda: "lake review has ended" in self.text("said"))
+        self.browser.get_log("browser")
+
+    def until_there(self, selector):
+        end = time.monotonic() + WAIT_S
+        while not self.browser.find_elements(By.CSS_SELECTOR, selector):
+            self.assertLess(time.monotonic(), end, selector)
+            time.sleep(0.03)
 
     def test_fits_a_narrow_window_in_the_dark(self):
         self.open_trial()
+        self.narrow_and_dark()
+        self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400)
+        self.assertEqual(self.browser.execute_script("return getComputedStyle(document.body).backgroundColor"),
+                         "rgb(26, 27, 29)")
+        for subject in self.other_subjects():
+            self.browser.get(self.start(subject).address)
+            self.until(lambda: self.text("state") not in ("", "Loading"))
+            self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400, subject)
+
+    def other_subjects(self):
+        return ["optimum", self.compared()]
+
+    def narrow_and_dark(self):
         self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia",
                                      {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
         self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                      {"width": 400, "height": 850, "deviceScaleFactor": 1, "mobile": True})
         self.addCleanup(self.browser.execute_cdp_cmd, "Emulation.clearDeviceMetricsOverride", {})
         self.addCleanup(self.browser.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"features": []})
-        self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400)
-        self.assertEqual(self.browser.execute_script("return getComputedStyle(document.body).backgroundColor"),
-                         "rgb(26, 27, 29)")
 
     def test_refuses_strangers(self):
         review = self.start(self.copy_trial())

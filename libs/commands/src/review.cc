@@ -8,7 +8,11 @@
 
 #include "lake/core/error.h"
 #include "lake/review/review.h"
+#include "result_inputs.h"
+#include "review_comparison.h"
+#include "review_design.h"
 #include "review_naming.h"
+#include "review_study.h"
 
 extern char** environ;
 
@@ -34,18 +38,58 @@ void Announce(const std::string& address, bool open) {
   if (open) OpenInBrowser(address);
 }
 
-// What is measured near a click as the tracker did it; nullopt for markers that are no blobs in the luma.
-std::optional<tracking::Polarity> BlobsOf(const tracking::TrackOptions& track) {
-  return track.detector == tracking::DetectorKind::kReflective ? std::optional(track.polarity) : std::nullopt;
+// With the steps of the last session, unless its corrections were changed by hand since.
+review::CorrectionBook BookOf(const TrackedFolder& folder) {
+  const video::VideoInfo& video = folder.tracked.video;
+  review::CorrectionBook book(folder.tracked.recording, video.width, video.height, folder.tracked.times.repeated,
+                              folder.made);
+  if (folder.history.is_null()) return book;
+  std::string why;
+  try {
+    book.TakeHistory(folder.history);
+  } catch (const Error& error) {
+    why = error.what();
+  } catch (const nlohmann::json::exception& error) {
+    why = error.what();
+  }
+  if (!why.empty())
+    fmt::print(stderr, "lake-review: warning: {}: earlier steps cannot be undone: {}\n", folder.folder.string(), why);
+  return book;
+}
+
+// What measures a marker near a click as the tracker did it. A patch is looked for where it was before, and an ArUco
+// marker may be larger than what is near.
+review::SnapDetector DetectorOf(const tracking::TrackOptions& track) {
+  using tracking::DetectorRegion;
+  switch (track.detector) {
+    case tracking::DetectorKind::kReflective:
+      return [polarity = track.polarity](const DetectorRegion& near) {
+        return tracking::MakeReflectiveDetector(polarity, near);
+      };
+    case tracking::DetectorKind::kColor:
+      return [colors = track.colors](const DetectorRegion& near) { return tracking::MakeColorDetector(colors, near); };
+    case tracking::DetectorKind::kAruco:
+      return [dictionary = track.dictionary](const DetectorRegion&) {
+        return tracking::MakeArucoDetector(dictionary, {});
+      };
+    case tracking::DetectorKind::kTemplate:
+      break;
+  }
+  return {};
 }
 
 }  // namespace
 
 void Describe(ReviewRunOptions& o, OptionList& options) {
-  options.AddOperand("subject", o.subject, "A lake-track folder, or a video whose markers are to be named")
+  options
+      .AddOperand("subject", o.subject,
+                  "A folder of lake-track, lake-compare, lake-optimize, lake-simulate or lake-run; a design.yaml; or a "
+                  "video whose markers are to be named")
       .Required()
       .IsPath(Option::Path::kVideo);
   options.Add("port", o.port, "Port on 127.0.0.1").Between(0, 65535).Otherwise("any that is free");
+  options.Add("problem", o.problem, "Of a design: the problem file with its limits")
+      .Otherwise("those that it was optimised with, else the paper's");
   options.Add("open", o.open, "Open the page in the browser");
 }
 
@@ -58,13 +102,13 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
     return review::TrialFit{std::move(fitted.leg), std::move(fitted.tracks), std::move(fitted.estimates),
                             std::move(fitted.warnings)};
   };
-  const auto save = [folder](const review::CorrectionBook& book) { SaveCorrections(*folder, book.Corrections()); };
+  const auto save = [folder](const review::CorrectionBook& book) { SaveCorrections(*folder, book); };
   const video::VideoInfo& video = folder->tracked.video;
   const std::vector<std::int64_t>& repeated = folder->tracked.times.repeated;
-  return {review::CorrectionBook(folder->tracked.recording, video.width, video.height, repeated, folder->made),
+  return {BookOf(*folder),
           repeated,
           {fit, save},
-          BlobsOf(folder->options.track),
+          DetectorOf(folder->options.track),
           {{"name", folder->options.video.filename().string()},
            {"folder", folder->folder.string()},
            {"command", folder->command},
@@ -72,18 +116,47 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
            {"height", video.height}}};
 }
 
+namespace {
+
+void ReviewDesign(const ReviewRunOptions& options, const review::PageOptions& page, const fs::path& programs) {
+  const DesignSubject subject = ReadDesignSubject(options.subject, options.problem);
+  review::ServeDesign(page, subject.explored, DesignWorkOf(subject, programs));
+}
+
+void ReviewVideo(const ReviewRunOptions& options, const review::PageOptions& page, const fs::path& programs) {
+  review::ReviewOptions video;
+  video.page = page, video.video = options.subject;
+  review::ServeReview(video, std::nullopt, NamingOf(options.subject, programs));
+}
+
+void ReviewTrial(const ReviewRunOptions& options, const review::PageOptions& page) {
+  TrackedFolder folder = ReadTrackedFolder(options.subject);
+  review::ReviewOptions trial;
+  trial.page = page, trial.video = folder.options.video, trial.reader = folder.options.track.reader;
+  review::ServeReview(trial, ReviewedTrialOf(std::move(folder)), std::nullopt);
+}
+
+bool IsDesignFile(const fs::path& file) {
+  return file.extension() == ".yaml" || file.extension() == ".yml";
+}
+
+}  // namespace
+
 void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
-  review::ReviewOptions page;
+  review::PageOptions page;
   page.port = options.port;
   page.ready = [&options](const std::string& address) { Announce(address, options.open); };
-  if (!fs::is_directory(options.subject)) {
-    page.video = options.subject;
-    return review::ServeReview(page, std::nullopt, NamingOf(options.subject, programs));
-  }
-  TrackedFolder folder = ReadTrackedFolder(options.subject);
-  page.video = folder.options.video;
-  page.reader = folder.options.track.reader;
-  review::ServeReview(page, ReviewedTrialOf(std::move(folder)), std::nullopt);
+  const bool is_folder = fs::is_directory(options.subject);
+  const std::string maker = is_folder ? MakerOf(options.subject) : "";
+  const bool is_design =
+      is_folder ? maker == "lake-optimize" || maker == "lake-simulate" : IsDesignFile(options.subject);
+  if (!is_design && !options.problem.empty())
+    throw UsageError("--problem has the limits of a design, and this is none");
+  if (is_design) return ReviewDesign(options, page, programs);
+  if (maker == "lake-compare") return review::ServeComparison(page, ReadComparedPair(options.subject));
+  if (maker == "lake-run") return review::ServeStudy(page, StudyWorkOf(options.subject, programs));
+  if (is_folder) return ReviewTrial(options, page);
+  ReviewVideo(options, page, programs);
 }
 
 }  // namespace lake::commands

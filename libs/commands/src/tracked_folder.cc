@@ -8,6 +8,7 @@
 #include "lake/core/provenance.h"
 #include "lake/core/yaml.h"
 #include "lake/video/video_files.h"
+#include "result_inputs.h"
 
 namespace lake::commands {
 
@@ -47,30 +48,6 @@ void ReadOptionsOf(const fs::path& folder, const Json& said, OptionList& list) {
   list.Apply();
 }
 
-// Inputs are named as from the folder in which the run was started: the present one, or one above the results. One that
-// was moved is known by its content, if it lies in one of these.
-fs::path FindInput(const Json& input, const fs::path& results) {
-  const fs::path path = FromHome(input.at("path").get<std::string>());
-  std::vector<fs::path> places = {fs::current_path()};
-  for (fs::path place = fs::absolute(results).lexically_normal(); place.has_relative_path();
-       place = place.parent_path())
-    places.push_back(place);
-  bool is_there = false;
-  for (const fs::path& named : {path, path.filename()})
-    for (const fs::path& place : places) {
-      const fs::path candidate = place / named;
-      std::error_code error;
-      if (!fs::exists(candidate, error)) continue;
-      is_there = is_there || named == path;
-      if (Sha256OfFile(candidate) == input.at("sha256")) return candidate.lexically_normal();
-    }
-  throw is_there ? Fail("{}: has changed since {} was tracked; track it again", path.string(), results.string())
-                 : Fail(
-                       "{}: is not to be found; start lake review in the folder in which {} was tracked, or in the one "
-                       "that the file lies in now",
-                       path.string(), results.string());
-}
-
 void ResolveInputs(const Json& inputs, const fs::path& folder, bool is_study, TrackRunOptions& options) {
   const std::string file = options.video.filename().string();
   const fs::path found = FindInput(inputs.at(0), folder);
@@ -98,33 +75,19 @@ std::string CommandOf(const OptionList& list, const TrackRunOptions& options, co
 
 using Cell = std::pair<std::int64_t, std::string>;
 
-Json SampleJson(const motion::Correction& correction) {
-  Json json = {{"frame", correction.frame}, {"marker", correction.marker}};
-  const motion::MarkerSample& sample = correction.sample;
-  json["x_px"] = sample.IsKnown() ? Json(sample.position.x()) : Json();
-  json["y_px"] = sample.IsKnown() ? Json(sample.position.y()) : Json();
-  json["sigma_px"] = sample.IsKnown() ? Json(sample.sigma) : Json();
-  return json;
-}
-
-motion::Correction SampleFrom(const Json& json) {
-  motion::Correction correction{json.at("frame"), json.at("marker"), {}};
-  if (!json.at("x_px").is_null())
-    correction.sample = {{json.at("x_px").get<double>(), json.at("y_px").get<double>()},
-                         json.at("sigma_px").get<double>(),
-                         motion::SampleStatus::kDetected};
-  return correction;
-}
-
-std::vector<motion::Correction> ReadReplaced(const fs::path& folder) {
+// review.json; empty where lake-review has not been at work.
+Json ReadReview(const fs::path& folder) {
   const fs::path path = folder / kReview;
-  if (!fs::exists(path)) return {};
+  return fs::exists(path) ? ReadJsonFile(path) : Json::object();
+}
+
+std::vector<motion::Correction> ReadReplaced(const fs::path& folder, const Json& kept) {
   std::vector<motion::Correction> replaced;
+  if (kept.empty()) return replaced;
   try {
-    const Json review = ReadJsonFile(path);
-    for (const Json& json : review.at("replaced")) replaced.push_back(SampleFrom(json));
+    for (const Json& json : kept.at("replaced")) replaced.push_back(review::CorrectionFrom(json));
   } catch (const nlohmann::json::exception& error) {
-    throw Fail("{}: is not what lake review writes ({})", path.string(), error.what());
+    throw Fail("{}: is not what lake review writes ({})", (folder / kReview).string(), error.what());
   }
   return replaced;
 }
@@ -164,14 +127,6 @@ void ReadTracked(const fs::path& folder, const Json& summary, TrackedFolder& res
 
 }  // namespace
 
-std::string ShellWord(const std::string& word) {
-  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
-}
-
 TrackedFolder ReadTrackedFolder(const fs::path& folder) {
   TrackedFolder result;
   result.folder = folder;
@@ -190,14 +145,17 @@ TrackedFolder ReadTrackedFolder(const fs::path& folder) {
     throw Fail("{}: is not a summary as lake track writes it ({})", (folder / "summary.json").string(), error.what());
   }
   // Tracks without corrections are the detector's own; what an earlier run detected does not count then.
-  if (result.options.corrections) result.known = ReadReplaced(folder);
+  const Json kept = ReadReview(folder);
+  if (result.options.corrections) result.known = ReadReplaced(folder, kept);
+  result.history = kept.value("history", Json());
   result.made = ReadMade(result);
   CheckAreKnown(result);
   motion::ApplyCorrections(result.known, result.tracked.recording);
   return result;
 }
 
-void SaveCorrections(TrackedFolder& folder, const std::vector<motion::Correction>& corrections) {
+void SaveCorrections(TrackedFolder& folder, const review::CorrectionBook& book) {
+  const std::vector<motion::Correction> corrections = book.Corrections();
   std::map<Cell, motion::Correction> replaced;
   for (const motion::Correction& known : folder.known) replaced[{known.frame, known.marker}] = known;
   const motion::MarkerRecording& detected = folder.tracked.recording;
@@ -207,18 +165,16 @@ void SaveCorrections(TrackedFolder& folder, const std::vector<motion::Correction
     const motion::MarkerSample& sample = detected.Find(made.marker)->samples[static_cast<std::size_t>(row)];
     replaced.try_emplace({made.frame, made.marker}, motion::Correction{made.frame, made.marker, sample});
   }
-  Json review = {{"program", "lake-review"},
-                 {"version", Version()},
-                 {"video", folder.options.video.string()},
-                 {"corrections", corrections.size()},
-                 {"replaced", Json::array()}};
+  Json kept = {
+      {"program", "lake-review"},          {"version", Version()},      {"video", folder.options.video.string()},
+      {"corrections", corrections.size()}, {"replaced", Json::array()}, {"history", book.History()}};
   std::vector<motion::Correction> known;
   for (const auto& [cell, correction] : replaced) {
-    review["replaced"].push_back(SampleJson(correction));
+    kept["replaced"].push_back(review::CorrectionJson(correction));
     known.push_back(correction);
   }
   // First what can be more than there is use for.
-  WriteJsonFile(folder.folder / kReview, review);
+  WriteJsonFile(folder.folder / kReview, kept);
   motion::WriteCorrections(folder.folder / kCorrections, corrections);
   folder.known = std::move(known);
 }

@@ -1,4 +1,5 @@
 // Parts of the page by their id.
+import { TEXTS } from "./texts";
 
 export function part<T extends HTMLElement = HTMLElement>(id: string): T {
   const found = document.getElementById(id);
@@ -31,3 +32,20 @@ export function sayWhy(why: unknown): void {
 /** Keys that are typed into a field are no commands. */
 export const isTyping = (event: KeyboardEvent) =>
   event.target instanceof HTMLInputElement && event.target.type !== "range" || event.target instanceof HTMLSelectElement;
+
+/** A program's own line, "tracking: 120/1010 frames, …", as a bar. */
+export function showProgress(bar: HTMLProgressElement, line: string): void {
+  const numbers = /(\d+)\/(\d+)/.exec(line);
+  if (numbers) bar.value = Number(numbers[1]) / Number(numbers[2]);
+  else bar.removeAttribute("value");
+}
+
+/** To the clipboard. */
+export async function copyText(id: string): Promise<void> {
+  try {
+    await navigator.clipboard.writeText(part(id).textContent ?? "");
+    say(TEXTS.copied);
+  } catch (why) {
+    sayWhy(why);
+  }
+}

@@ -1,6 +1,4 @@
 // Pictures of frames as the browser keeps them: the one asked for last comes first, those after it follow.
-import { server } from "./server";
-
 const MOST_KEPT = 48;
 const AHEAD = 6;
 
@@ -12,6 +10,7 @@ export class Frames {
   private step = 1;
 
   constructor(
+    private fetched: (frame: number) => Promise<ImageBitmap>,
     private last: number, // nothing behind it is loaded ahead
     private loaded: (frame: number, picture: ImageBitmap) => void,
     private failed: (why: unknown) => void,
@@ -39,8 +38,7 @@ export class Frames {
     const next = this.kept.has(this.wanted) ? this.firstMissing() : this.wanted;
     if (next === null || this.loading.has(next) || this.loading.size >= 2) return;
     this.loading.add(next);
-    server
-      .frame(next)
+    this.fetched(next)
       .then((picture) => {
         this.keep(next, picture);
         if (next === this.wanted) this.show(next, picture);

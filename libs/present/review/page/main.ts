@@ -1,8 +1,11 @@
-// Opens what the server has: a tracked trial, or a video whose markers are to be named.
+// Opens what the server has: a tracked trial, a video whose markers are to be named, a design, a comparison, a study.
+import { ComparisonPage } from "./comparison";
+import { DesignPage } from "./design";
 import { part, say, sayWhy } from "./dom";
 import { StateMessage } from "./messages";
 import { NamingPage } from "./naming";
 import { server } from "./server";
+import { StudyPage } from "./study";
 import { TEXTS } from "./texts";
 import { TrialPage } from "./trial";
 
@@ -10,10 +13,22 @@ const POLL_MS = 400;
 
 let trial: TrialPage | null = null;
 let naming: NamingPage | null = null;
+let design: DesignPage | null = null;
+let isComparing = false;
+let study: StudyPage | null = null;
 let isEnded = false;
 
 async function update(state: StateMessage): Promise<void> {
-  if (state.mode === "trial") {
+  if (state.mode === "design") {
+    design ??= new DesignPage(await server.design());
+    design.update(state);
+  } else if (state.mode === "comparison") {
+    if (!isComparing) new ComparisonPage(await server.comparison());
+    isComparing = true;
+  } else if (state.mode === "study") {
+    study ??= new StudyPage(await server.study());
+    study.update(state);
+  } else if (state.mode === "trial") {
     naming?.close();
     naming = null;
     if (trial) return trial.update(state);

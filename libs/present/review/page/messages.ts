@@ -1,5 +1,5 @@
-// What the page and the server tell each other. The server's side is src/review.cc, trial_session.cc and trial_json.cc;
-// the naming of markers comes from lake::commands (review_naming.cc).
+// What the page and the server tell each other. The server's side is src/review.cc, trial_session.cc, trial_json.cc and
+// design_explorer.cc; the naming of markers comes from lake::commands (review_naming.cc).
 
 /** A column has one value per row of the recording; null where there is none. */
 export type Column = (number | null)[];
@@ -36,10 +36,17 @@ export interface ProblemMessage {
   value: number;
 }
 
+export interface JobMessage {
+  running: boolean;
+  progress: string; // the last line that it said
+  failed: string; // why the last one failed, or empty
+}
+
 export interface StateMessage {
-  mode: "trial" | "naming" | "tracking";
-  progress: string; // of tracking
-  failed: string; // why tracking ended without a trial
+  mode: "trial" | "naming" | "tracking" | "design" | "comparison" | "study";
+  job?: JobMessage; // tracking, optimising, a step of a study
+  step?: string; // of a study: the one that is under way or was the last
+  optimum?: { number: number; links: number[] } | null; // of a design: the last one found
   revision?: number; // counts changes
   fitted?: number; // the revision that the curves are of
   fit_error?: string;
@@ -119,4 +126,119 @@ export interface Choices {
   markers: string[];
   options: TrackOptions;
   seeds: { [name: string]: number }; // numbers of spots
+}
+
+/** A part of a leg, mm: a frustum along it. */
+export interface LimbMessage {
+  length: number;
+  proximal_radius: number;
+  distal_radius: number;
+}
+
+export interface DesignMessage {
+  name: string;
+  links: number[]; // l1 to l6, mm, as saved
+  bounds: [number, number][];
+  d_min: number; // mm
+  standing_deg: number;
+  torque_nm: number; // that the force balances
+  limits: string; // where they are from
+  notes: string[];
+  body: { thigh: LimbMessage; shank: LimbMessage };
+}
+
+export type PinName = "thigh_pin" | "tip" | "shank_pin" | "mount";
+
+/** [x, y], mm: origin at the knee, x anterior, y up; the shank hangs upright. */
+export type Place = [number, number];
+
+export type PoseMessage = { [pin in PinName]: Place } & {
+  elbow: Place; // where the mount's arm leaves the thigh's axis
+  thigh: Place; // from knee to hip, of length 1
+};
+
+export interface DesignColumns {
+  knee: Column; // degrees
+  arm: Column; // mm per rad
+  force: Column; // N
+  transmission: Column; // degrees
+}
+
+export interface DesignCurves {
+  stroke: number[]; // mm, of each row
+  now: DesignColumns;
+  saved: DesignColumns;
+  poses: (PoseMessage | null)[];
+}
+
+export interface CheckMessage {
+  name: string;
+  unit: string;
+  is_lower_limit: boolean;
+  limit: number;
+  value: number | null; // null: it cannot be evaluated
+  slack: number | null; // to the limit, negative where it fails
+  holds: boolean;
+  worst: { knee_deg?: number; percent?: number } | null; // the pose in which it is nearest to its limit
+}
+
+export interface ExploreQuestion {
+  links: number[];
+  drag?: { pin: PinName; x: number; y: number; stroke: number };
+}
+
+export interface ExploredMessage {
+  links: number[]; // after the pin was dragged
+  stroke: number | null; // at which the other pins are where they were …
+  pose: PoseMessage | null; // … and the pose there
+  range_deg: number | null;
+  stands: number | null; // stroke, mm
+  gap: string; // why it cannot be assembled, or empty
+  checks: CheckMessage[];
+  curves: DesignCurves | null; // null: it cannot be assembled
+}
+
+export interface ComparedVideoMessage {
+  name: string;
+  marker: string; // that is compared
+  width: number; // px
+  height: number;
+  frame: number[]; // of each row
+  repetition: Column;
+  percent: Column;
+  markers: { name: string; x: Column; y: Column }[];
+}
+
+/** A row per percent of the rise. */
+export interface ComparisonCurves {
+  percent: number[];
+  distance_mm: Column;
+  human_knee_deg: Column;
+  exo_knee_deg: Column;
+  spike: Column; // 1: left out of some metrics
+  rms_mm: number;
+  parts: { placement: number; timing: number; shape: number }; // of the whole, 0 to 1
+}
+
+export interface ComparisonMessage {
+  name: string;
+  human: ComparedVideoMessage;
+  exo: ComparedVideoMessage;
+  curves: ComparisonCurves;
+}
+
+export interface StepMessage {
+  name: string;
+  what: string;
+  program: string;
+  after: string[]; // steps that must have been done
+  due: string | null; // why it would be done; null: it is up to date
+}
+
+export interface StudyMessage {
+  name: string;
+  command: string; // does all that is due, and writes the report
+  steps: StepMessage[];
+  report: string; // its file
+  has_report: boolean;
 }

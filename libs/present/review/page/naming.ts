@@ -1,5 +1,5 @@
 // A video alone: click the names onto the spots that the tracker sees, and let it track.
-import { button, onClick, part, say, sayWhy } from "./dom";
+import { button, copyText, onClick, part, say, sayWhy, showProgress } from "./dom";
 import { Frames } from "./frames";
 import { Choices, NamingMessage, SpotMessage, StateMessage, TrackOptions } from "./messages";
 import { server } from "./server";
@@ -27,7 +27,7 @@ export class NamingPage {
     part("state").textContent = TEXTS.finding;
     void this.find();
     onClick("start-tracking", () => void this.track());
-    onClick("copy", () => void this.copy());
+    onClick("copy", () => void copyText("naming-command"));
     const names = part<HTMLInputElement>("names");
     names.addEventListener("change", () => this.rename(names.value));
     for (const field of document.querySelectorAll<HTMLInputElement>("[data-option]"))
@@ -44,20 +44,17 @@ export class NamingPage {
   }
 
   update(state: StateMessage): void {
-    if (state.mode === "tracking") this.showProgress(state.progress);
-    else if (this.isTracking && state.failed) say(TEXTS.trackingFailed(state.failed), true);
+    if (state.mode === "tracking") this.showProgress(state.job?.progress ?? "");
+    else if (this.isTracking && state.job?.failed) say(TEXTS.trackingFailed(state.job.failed), true);
     this.isTracking = state.mode === "tracking";
     part("progress").hidden = !this.isTracking;
     part<HTMLButtonElement>("start-tracking").disabled = this.isTracking || !this.message;
     if (!this.isTracking && this.message) part("state").textContent = TEXTS.spots(this.message.spots.length);
   }
 
-  // The tracker's own lines: "tracking: 120/1010 frames, …".
   private showProgress(line: string): void {
     part("state").textContent = line || TEXTS.tracking;
-    const numbers = /(\d+)\/(\d+)/.exec(line), bar = part<HTMLProgressElement>("progress");
-    if (numbers) bar.value = Number(numbers[1]) / Number(numbers[2]);
-    else bar.removeAttribute("value");
+    showProgress(part<HTMLProgressElement>("progress"), line);
   }
 
   private async find(): Promise<void> {
@@ -115,7 +112,7 @@ export class NamingPage {
       drop: () => undefined,
       click: (at) => this.click(at),
     });
-    this.frames ??= new Frames(-1, (_, picture) => this.view!.show(picture), sayWhy);
+    this.frames ??= new Frames(server.frame, -1, (_, picture) => this.view!.show(picture), sayWhy);
     this.frames.want(message.frame);
     this.showChoices();
   }
@@ -186,15 +183,6 @@ export class NamingPage {
     try {
       say("");
       this.update(await server.track(this.choices));
-    } catch (why) {
-      sayWhy(why);
-    }
-  }
-
-  private async copy(): Promise<void> {
-    try {
-      await navigator.clipboard.writeText(part("naming-command").textContent ?? "");
-      say(TEXTS.copied);
     } catch (why) {
       sayWhy(why);
     }

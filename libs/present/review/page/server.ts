@@ -1,6 +1,7 @@
 // Questions to the server that served this page; addresses are relative, so the token stays in them.
 import {
-  Choices, EditMessage, NamingMessage, SnapAnswer, SnapQuestion, StateMessage, TrackOptions, TrialMessage,
+  Choices, ComparisonMessage, DesignMessage, EditMessage, ExploreQuestion, ExploredMessage, NamingMessage, SnapAnswer,
+  SnapQuestion, StateMessage, StudyMessage, TrackOptions, TrialMessage,
 } from "./messages";
 
 /** The server's own words on why not. */
@@ -23,6 +24,12 @@ const post = async <T>(path: string, message: unknown): Promise<T> =>
     }),
   );
 
+async function picture(path: string): Promise<ImageBitmap> {
+  const response = await fetch(path);
+  if (!response.ok) throw new Refused((await response.json()).error);
+  return createImageBitmap(await response.blob());
+}
+
 const newWindow = () => crypto.getRandomValues(new Uint32Array(2)).join("-");
 let thisWindow = newWindow();
 
@@ -34,11 +41,17 @@ export const server = {
   naming: (options: TrackOptions) => post<NamingMessage>("naming", options),
   command: (choices: Choices) => post<{ command: string }>("command", choices),
   track: (choices: Choices) => post<StateMessage>("track", choices),
-  frame: async (frame: number): Promise<ImageBitmap> => {
-    const response = await fetch(`frame/${frame}.jpg`);
-    if (!response.ok) throw new Refused((await response.json()).error);
-    return createImageBitmap(await response.blob());
-  },
+  design: () => get<DesignMessage>("design"),
+  explore: (question: ExploreQuestion) => post<ExploredMessage>("explore", question),
+  save: (links: number[]) => post<{ saved: string }>("save", { links }),
+  optimiseCommand: (links: number[]) => post<{ command: string }>("optimise-command", { links }),
+  optimise: (links: number[]) => post<StateMessage>("optimise", { links }),
+  stop: () => post<StateMessage>("stop", {}),
+  comparison: () => get<ComparisonMessage>("comparison"),
+  study: () => get<StudyMessage>("study"),
+  runStep: (step: string) => post<StateMessage>("run", { step }), // empty: all that is due
+  frame: (frame: number) => picture(`frame/${frame}.jpg`),
+  frameOf: (trial: "human" | "exo") => (frame: number) => picture(`${trial}/${frame}.jpg`),
 };
 
 // The program ends with its last window.

@@ -1,5 +1,5 @@
 // Every text of the page, in one place.
-import { ProblemKind } from "./messages";
+import { CheckMessage, PinName, ProblemKind } from "./messages";
 
 const EVENTS: { [event: string]: string } = {
   onset: "onset",
@@ -9,9 +9,16 @@ const EVENTS: { [event: string]: string } = {
   seated: "seated",
 };
 
+const short = (value: number) => String(Number(value.toPrecision(4)));
+const fixed = (value: number | null, digits: number) => (value === null ? "–" : value.toFixed(digits));
+
+const capitalised = (name: string) => (/^l\d/.test(name) ? name : name[0].toUpperCase() + name.slice(1));
+const unitOf = (unit: string) => (unit === "deg" ? "°" : unit);
+const percentage = (part: number) => `${(100 * part).toFixed(0)} %`;
+
 export const TEXTS = {
   // What the program is doing
-  loading: "Loading the trial",
+  loading: "Loading",
   fitting: "Fitting the leg",
   saved: (corrections: number) =>
     corrections === 0 ? "No corrections" : corrections === 1 ? "1 correction, saved" : `${corrections} corrections, saved`,
@@ -75,4 +82,64 @@ export const TEXTS = {
   tracking: "Tracking",
   trackingFailed: (why: string) => `Tracking ended without a result: ${why}`,
   copied: "Copied",
+
+  // Comparison
+  role: { human: "Without exoskeleton", exo: "With exoskeleton" },
+  compared: (role: string, video: string, marker: string) => `${role}: ${video}, ${marker}`,
+  rise: (repetition: number) => `rise ${repetition}`,
+  noRise: "There is no rise in this trial",
+  ofRise: (percent: number, distance: number | null, human: number | null, exo: number | null) =>
+    `${percent} % of the rise: ${fixed(distance, 1)} mm apart, knee ${fixed(human, 1)}° and ${fixed(exo, 1)}°`,
+  misalignment: "Misalignment of the knees (mm) over the rise, 0 to 100 %",
+  knees: "Knee angles (°)",
+  human: "without",
+  exo: "with",
+  comparisonState: (rms: number, placement: number, timing: number, shape: number) =>
+    `${rms.toFixed(1)} mm RMS: placement ${percentage(placement)}, timing ${percentage(timing)}, shape ${percentage(shape)}`,
+
+  // Study
+  studyState: (due: number, all: number) =>
+    due === 0 ? `All ${all} steps are up to date` : due === 1 ? `1 of ${all} steps is to be done` : `${due} of ${all} steps are to be done`,
+  upToDate: "up to date",
+  due: (why: string) => `to be done: ${why}`,
+  waits: (steps: string[]) => `after ${steps.join(", ")}`,
+  runStep: "Run",
+  running: (step: string) => `Running ${step || "the study"}`,
+  ran: (step: string) => `${step || "The study"}: done`,
+  stepFailed: (step: string, why: string) => `${step || "The study"} failed: ${why}`,
+  reportFile: (path: string) => `Links to files work in the report itself: ${path}`,
+  noReport: "There is no report yet: run all that is due",
+
+  // Design
+  links: ["coupler RS", "slewing bar PR", "thigh link KP", "shank link KS", "mount behind thigh", "mount above P"],
+  bounds: (lower: number, upper: number) => `${lower} to ${upper} mm`,
+  pins: { thigh_pin: "P", tip: "R", shank_pin: "S", mount: "M" } as { [pin in PinName]: string },
+  knee_pin: "K",
+  range: (degrees: number | null) => (degrees === null ? "Cannot be assembled" : `Range ${degrees.toFixed(2)}°`),
+  failing: (failed: number, all: number) =>
+    failed === 0 ? `meets all ${all} requirements` : failed === 1 ? "fails 1 requirement" : `fails ${failed} requirements`,
+  check: ({ name, is_lower_limit, limit, unit, value }: CheckMessage) => {
+    const shown = value === null ? "cannot be evaluated" : `${short(value)} ${unitOf(unit)}`;
+    // The order of two links says its limit by its name.
+    if (name.includes("<=")) return `${name.replace("<=", "≤")}${value === null ? `: ${shown}` : ""}`;
+    return `${capitalised(name)} ${is_lower_limit ? "≥" : "≤"} ${short(limit)} ${unitOf(unit)}: ${shown}`;
+  },
+  slack: ({ slack, holds, unit }: CheckMessage) =>
+    slack === null ? ""
+    : !holds ? `fails by ${short(-slack)} ${unitOf(unit)}`
+    : slack < 0.005 ? "at its limit" : `${short(slack)} ${unitOf(unit)} to spare`,
+  worst: ({ worst }: CheckMessage) =>
+    worst?.knee_deg !== undefined ? `at ${worst.knee_deg.toFixed(1)}°`
+    : worst?.percent !== undefined ? `at ${worst.percent.toFixed(0)} % of the rise` : "",
+  pose: (stroke: number, knee: number | null, arm: number | null, force: number | null) =>
+    `d ${stroke.toFixed(1)} mm, θ ${fixed(knee, 1)}°, moment arm ${fixed(arm, 1)} mm/rad, force ${fixed(force, 0)} N`,
+  kneeOverStroke: (first: number, last: number) => `Knee angle θ (°) over the stroke d, ${first.toFixed(1)} to ${last.toFixed(1)} mm`,
+  arm: "Moment arm (mm/rad)",
+  force: (torque: number) => `Actuator force (N) for a knee torque of ${torque} N m`,
+  now: "now",
+  saved_design: "saved",
+  savedAs: (path: string) => `Saved as ${path}`,
+  optimising: "Optimising",
+  optimiseFailed: (why: string) => `No optimum: ${why}`,
+  optimised: "The optimum from these links; Undo goes back to them",
 };

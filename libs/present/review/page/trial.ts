@@ -32,7 +32,7 @@ export class TrialPage {
   constructor(private trial: TrialMessage) {
     part("trial").hidden = false;
     const last = trial.frame[trial.frame.length - 1];
-    this.frames = new Frames(last, (frame, picture) => this.shown(frame, picture), sayWhy);
+    this.frames = new Frames(server.frame, last, (frame, picture) => this.shown(frame, picture), sayWhy);
     this.view = new PictureView(part("picture"), { x: trial.about.width, y: trial.about.height }, {
       draw: (context) => this.draw(context),
       grab: (at) => this.grab(at),

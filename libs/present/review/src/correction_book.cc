@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lake/core/error.h"
+#include "whole_number.h"
 
 namespace lake::review {
 namespace {
@@ -28,6 +29,7 @@ CorrectionBook::CorrectionBook(motion::MarkerRecording detected, int width, int 
     const Cell cell{Row(correction.frame), Marker(correction.marker)};
     Set(cell, ChangeTo(cell, correction.sample).after);
   }
+  base_ = Corrections();
 }
 
 std::size_t CorrectionBook::Row(std::int64_t frame) const {
@@ -64,7 +66,7 @@ void CorrectionBook::Set(Cell cell, const std::optional<MarkerSample>& sample) {
     made_.erase(cell);
 }
 
-void CorrectionBook::Do(Step step) {
+void CorrectionBook::Do(Step step, Json edit) {
   std::erase_if(step, [](const Change& change) {
     return change.before.has_value() == change.after.has_value() &&
            (!change.before || IsSame(*change.before, *change.after));
@@ -73,6 +75,8 @@ void CorrectionBook::Do(Step step) {
   for (const Change& change : step) Set(change.cell, change.after);
   steps_.resize(done_);
   steps_.push_back(std::move(step));
+  edits_.erase(edits_.begin() + static_cast<std::ptrdiff_t>(done_), edits_.end());
+  edits_.push_back(std::move(edit));
   ++done_;
 }
 
@@ -85,16 +89,18 @@ void CorrectionBook::Place(std::int64_t frame, const std::string& marker, const 
   if (px.x() < 0 || px.y() < 0 || px.x() > width_ - 1 || px.y() > height_ - 1)
     throw Fail("marker '{}', frame {}: ({:.1f}, {:.1f}) is outside the picture of {}x{} px", marker, frame, px.x(),
                px.y(), width_, height_);
-  Do({ChangeTo(cell, {px, sigma_px, SampleStatus::kDetected})});
+  Do({ChangeTo(cell, {px, sigma_px, SampleStatus::kDetected})},
+     {{"op", "place"}, {"frame", frame}, {"marker", marker}, {"x", px.x()}, {"y", px.y()}, {"sigma", sigma_px}});
 }
 
 void CorrectionBook::Hide(std::int64_t frame, const std::string& marker) {
-  Do({ChangeTo({Row(frame), Marker(marker)}, {})});
+  Do({ChangeTo({Row(frame), Marker(marker)}, {})}, {{"op", "hide"}, {"frame", frame}, {"marker", marker}});
 }
 
 void CorrectionBook::Restore(std::int64_t frame, const std::string& marker) {
   const Cell cell{Row(frame), Marker(marker)};
-  Do({ChangeTo(cell, detected_.markers[cell.second].samples[cell.first])});
+  Do({ChangeTo(cell, detected_.markers[cell.second].samples[cell.first])},
+     {{"op", "restore"}, {"frame", frame}, {"marker", marker}});
 }
 
 void CorrectionBook::SwapFrom(std::int64_t frame, const std::string& one, const std::string& other) {
@@ -105,7 +111,7 @@ void CorrectionBook::SwapFrom(std::int64_t frame, const std::string& one, const 
     step.push_back(ChangeTo({row, a}, Now({row, b})));
     step.push_back(ChangeTo({row, b}, Now({row, a})));
   }
-  Do(std::move(step));
+  Do(std::move(step), {{"op", "swap"}, {"frame", frame}, {"marker", one}, {"other", other}});
 }
 
 void CorrectionBook::Undo() {
@@ -116,6 +122,60 @@ void CorrectionBook::Undo() {
 void CorrectionBook::Redo() {
   if (!CanRedo()) throw Error("there is nothing to redo");
   for (const Change& change : steps_[done_++]) Set(change.cell, change.after);
+}
+
+void CorrectionBook::Make(const Json& edit) {
+  const std::string op = edit.at("op");
+  if (op == "undo") return Undo();
+  if (op == "redo") return Redo();
+  const std::int64_t frame = WholeNumber(edit.at("frame"));
+  const std::string marker = edit.at("marker");
+  if (op == "place")
+    return Place(frame, marker, {edit.at("x").get<double>(), edit.at("y").get<double>()},
+                 edit.value("sigma", motion::kClickSigmaPx));
+  if (op == "hide") return Hide(frame, marker);
+  if (op == "restore") return Restore(frame, marker);
+  if (op == "swap") return SwapFrom(frame, marker, edit.at("other"));
+  throw Fail("'{}' is no change that can be made", op);
+}
+
+Json CorrectionBook::History() const {
+  Json base = Json::array();
+  for (const motion::Correction& correction : base_) base.push_back(CorrectionJson(correction));
+  return {{"base", base}, {"steps", edits_}, {"done", done_}};
+}
+
+void CorrectionBook::TakeHistory(const Json& history) {
+  std::vector<motion::Correction> base;
+  for (const Json& correction : history.at("base")) base.push_back(CorrectionFrom(correction));
+  CorrectionBook then(detected_, width_, height_, repeated_, base);
+  for (const Json& edit : history.at("steps")) then.Make(edit);
+  const std::int64_t done = WholeNumber(history.at("done"));
+  while (then.CanUndo() && static_cast<std::int64_t>(then.done_) > done) then.Undo();
+  const auto is_same = [](const auto& one, const auto& other) {
+    return one.first == other.first && IsSame(one.second, other.second);
+  };
+  if (!std::ranges::equal(then.made_, made_, is_same))
+    throw Error("the corrections were changed since they were made step by step");
+  *this = std::move(then);
+}
+
+Json CorrectionJson(const motion::Correction& correction) {
+  Json json = {{"frame", correction.frame}, {"marker", correction.marker}};
+  const MarkerSample& sample = correction.sample;
+  json["x_px"] = sample.IsKnown() ? Json(sample.position.x()) : Json();
+  json["y_px"] = sample.IsKnown() ? Json(sample.position.y()) : Json();
+  json["sigma_px"] = sample.IsKnown() ? Json(sample.sigma) : Json();
+  return json;
+}
+
+motion::Correction CorrectionFrom(const Json& json) {
+  motion::Correction correction{json.at("frame"), json.at("marker"), {}};
+  if (!json.at("x_px").is_null())
+    correction.sample = {{json.at("x_px").get<double>(), json.at("y_px").get<double>()},
+                         json.at("sigma_px").get<double>(),
+                         SampleStatus::kDetected};
+  return correction;
 }
 
 motion::MarkerRecording CorrectionBook::Corrected() const {

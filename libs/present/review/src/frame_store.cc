@@ -304,4 +304,14 @@ std::size_t FrameStore::BytesKept() const {
   return impl_->BytesKept();
 }
 
+cv::Mat ColoursOf(const StoredFrame& frame) {
+  cv::Mat bgr(frame.luma.size(), CV_8UC3);
+  const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
+  const auto* bytes = reinterpret_cast<const unsigned char*>(frame.jpeg->data());
+  if (!decoder || tjDecompress2(decoder.get(), bytes, frame.jpeg->size(), bgr.data, bgr.cols,
+                                static_cast<int>(bgr.step), bgr.rows, TJPF_BGR, TJFLAG_ACCURATEDCT) != 0)
+    throw Fail("a frame cannot be read back: {}", tjGetErrorStr2(decoder.get()));
+  return bgr;
+}
+
 }  // namespace lake::review

@@ -43,10 +43,18 @@ void Refuse(int status, const std::string& why, httplib::Response& response) {
   response.set_content(Json{{"error", why}}.dump(-1, ' ', false, Json::error_handler_t::replace), kJson);
 }
 
+constexpr const char* kPolicy = "Content-Security-Policy";
+
+// As if it came from nowhere: what it asks of this server has no origin, and is refused.
+constexpr const char* kFramedPolicy =
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
+
 // Nothing from elsewhere, in no other page's frame, kept nowhere.
 httplib::Headers DefaultHeaders() {
-  return {{"Content-Security-Policy",
+  return {{kPolicy,
            "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
+           "frame-src 'self'; "
            "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
           {"Cross-Origin-Resource-Policy", "same-origin"},
           {"Cross-Origin-Opener-Policy", "same-origin"},
@@ -112,6 +120,7 @@ struct LocalServer::Impl {
     try {
       LocalReply reply = route.handler(local);
       response.status = reply.status;
+      if (reply.is_framed) response.headers.erase(kPolicy), response.set_header(kPolicy, kFramedPolicy);
       response.set_header("Cache-Control", reply.may_keep ? "private, max-age=86400" : "no-store");
       response.set_content(std::move(reply.body), reply.type);
     } catch (const Error& error) {

@@ -1,8 +1,9 @@
 #include "trial_json.h"
 
-#include <cmath>
 #include <functional>
+#include <limits>
 
+#include "column.h"
 #include "lake/review/problems.h"
 
 namespace lake::review {
@@ -10,18 +11,6 @@ namespace {
 
 using motion::MarkerSample;
 using motion::SampleStatus;
-
-// Four digits behind the point are far below what a page can show.
-Json Rounded(double value) {
-  constexpr double kSteps = 1e4;
-  return std::isfinite(value) ? Json(std::round(value * kSteps) / kSteps) : Json();
-}
-
-Json Column(std::size_t rows, const std::function<double(std::size_t)>& value) {
-  Json column = Json::array();
-  for (std::size_t row = 0; row < rows; ++row) column.push_back(Rounded(value(row)));
-  return column;
-}
 
 // What is measured now, else what the last fit filled in.
 const MarkerSample& Shown(const MarkerSample& measured, const MarkerSample* fitted) {

@@ -6,28 +6,8 @@
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "trial_json.h"
-#include "whole_number.h"
 
 namespace lake::review {
-namespace {
-
-void Do(const Json& edit, CorrectionBook& book) {
-  const std::string op = edit.at("op");
-  if (op == "undo") return book.Undo();
-  if (op == "redo") return book.Redo();
-  const std::int64_t frame = WholeNumber(edit.at("frame"));
-  const std::string marker = edit.at("marker");
-  if (op == "place")
-    return book.Place(frame, marker, {edit.at("x").get<double>(), edit.at("y").get<double>()},
-                      edit.value("sigma", motion::kClickSigmaPx));
-  if (op == "hide") return book.Hide(frame, marker);
-  if (op == "restore") return book.Restore(frame, marker);
-  if (op == "swap") return book.SwapFrom(frame, marker, edit.at("other"));
-  throw Fail("'{}' is no change that can be made", op);
-}
-
-}  // namespace
-
 TrialSession::TrialSession(CorrectionBook book, std::vector<std::int64_t> repeated, TrialWork work, Json about)
     : book_(std::move(book)),
       repeated_(std::move(repeated)),
@@ -88,7 +68,7 @@ std::string TrialSession::Trial() const {
 Json TrialSession::Edit(const Json& edit) {
   const std::lock_guard lock(mutex_);
   CorrectionBook changed = book_;
-  Do(edit, changed);
+  changed.Make(edit);
   work_.save(changed);
   book_ = std::move(changed);
   ++revision_;

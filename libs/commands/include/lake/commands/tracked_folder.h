@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "lake/commands/track.h"
+#include "lake/core/json.h"
 #include "lake/motion/corrections.h"
+#include "lake/review/correction_book.h"
 #include "lake/tracking/track_markers.h"
 
 namespace lake::commands {
@@ -17,6 +19,7 @@ struct TrackedFolder {
   tracking::TrackResult tracked;          // what the detector measured, before any correction
   std::vector<motion::Correction> made;   // corrections.csv in the folder
   std::vector<motion::Correction> known;  // detector's samples of all that lake-review corrected in these tracks
+  Json history;                           // CorrectionBook's, of the last session; null: none
   std::string command;                    // tracks again with corrections.csv
 };
 
@@ -24,11 +27,9 @@ struct TrackedFolder {
 // corrections that lake-review did not make.
 TrackedFolder ReadTrackedFolder(const std::filesystem::path& folder);
 
-// Writes corrections.csv, and review.json, which keeps what they and those before them replaced. Throws Error (a full
+// Writes corrections.csv, and review.json, which keeps what they and those before them replaced, and the steps in which
+// they were made. Throws Error (a full
 // disk, a folder that cannot be written); each file is either the new one or the old one then.
-void SaveCorrections(TrackedFolder& folder, const std::vector<motion::Correction>& corrections);
-
-// A word as a shell takes it for one.
-std::string ShellWord(const std::string& word);
+void SaveCorrections(TrackedFolder& folder, const review::CorrectionBook& book);
 
 }  // namespace lake::commands

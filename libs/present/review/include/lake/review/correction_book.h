@@ -17,8 +17,9 @@ namespace lake::review {
 class CorrectionBook {
  public:
   // `detected`: what the tracker measured, px, before any correction, in pictures of this size. `repeated`: frames
-  // whose picture is that of the frame before, which hold no measurement. `made`: corrections from before; they cannot
-  // be taken back as steps. Throws Error for a correction of a marker or frame that the recording does not have.
+  // whose picture is that of the frame before, which hold no measurement. `made`: corrections from before; only
+  // TakeHistory() lets them be taken back as steps. Throws Error for a correction of a marker or frame that the
+  // recording does not have.
   CorrectionBook(motion::MarkerRecording detected, int width, int height, std::vector<std::int64_t> repeated,
                  const std::vector<motion::Correction>& made = {});
 
@@ -29,6 +30,16 @@ class CorrectionBook {
   void SwapFrom(std::int64_t frame, const std::string& one, const std::string& other);
   void Undo();
   void Redo();
+  // The same by a message: {op: place|hide|restore|swap|undo|redo, frame, marker, x, y, sigma, other}; EditMessage in
+  // page/messages.ts.
+  void Make(const Json& edit);
+
+  // All steps, for a later session to take them back: {base: corrections before the first, steps: as Make() has them,
+  // done}.
+  Json History() const;
+  // Takes over the steps of an earlier session. Throws Error, and changes nothing, where they do not lead to the
+  // corrections that are made now.
+  void TakeHistory(const Json& history);
 
   bool CanUndo() const { return done_ > 0; }
   bool CanRedo() const { return done_ < steps_.size(); }
@@ -53,15 +64,21 @@ class CorrectionBook {
   std::size_t Marker(const std::string& name) const;
   const motion::MarkerSample& Now(Cell cell) const;
   Change ChangeTo(Cell cell, const motion::MarkerSample& sample) const;
-  void Do(Step step);
+  void Do(Step step, Json edit);
   void Set(Cell cell, const std::optional<motion::MarkerSample>& sample);
 
   motion::MarkerRecording detected_;
   int width_, height_;  // px
   std::vector<std::int64_t> repeated_;
   std::map<Cell, motion::MarkerSample> made_;
+  std::vector<motion::Correction> base_;
   std::vector<Step> steps_;
-  std::size_t done_ = 0;  // of the steps; those behind can be done again
+  Json edits_ = Json::array();  // one for each step
+  std::size_t done_ = 0;        // of the steps; those behind can be done again
 };
+
+// {frame, marker, x_px, y_px, sigma_px}, null where it is not visible.
+Json CorrectionJson(const motion::Correction& correction);
+motion::Correction CorrectionFrom(const Json& json);
 
 }  // namespace lake::review

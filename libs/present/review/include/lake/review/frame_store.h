@@ -24,6 +24,9 @@ struct StoredFrame {
   cv::Mat luma;  // CV_8UC1, as the tracker measures in it
 };
 
+// CV_8UC3, blue green red: its colours as the page shows them. Throws Error.
+cv::Mat ColoursOf(const StoredFrame& frame);
+
 // One thread decodes, and goes on behind the frame that was asked for last. May be asked by several threads.
 class FrameStore {
  public:

@@ -23,6 +23,8 @@ struct LocalReply {
   std::string body;
   int status = 200;
   bool may_keep = false;  // the browser may keep it as long as it shows the page
+  // A document of its own, shown in a frame of the page: its scripts may run, but may ask for nothing.
+  bool is_framed = false;
 };
 
 class LocalServer {

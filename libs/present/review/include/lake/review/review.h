@@ -8,8 +8,10 @@
 #include <string>
 
 #include "lake/core/json.h"
+#include "lake/review/background_job.h"
+#include "lake/review/page_options.h"
+#include "lake/review/snap.h"
 #include "lake/review/trial_session.h"
-#include "lake/tracking/marker_detector.h"
 #include "lake/video/video_reader.h"
 
 namespace lake::review {
@@ -19,8 +21,8 @@ struct ReviewedTrial {
   CorrectionBook book;
   std::vector<std::int64_t> repeated;  // frames whose picture is that of the frame before
   TrialWork work;
-  std::optional<tracking::Polarity> snap_to;  // nullopt: markers of a kind that is not measured as a blob
-  Json about;                                 // AboutMessage in page/messages.ts
+  SnapDetector snap_to;  // empty: markers of a kind that is not measured in one picture alone
+  Json about;            // AboutMessage in page/messages.ts
 };
 
 // A recording of which markers are still to be named.
@@ -28,15 +30,14 @@ struct NamingWork {
   // What is there with these options, NamingMessage in page/messages.ts. Throws Error.
   std::function<Json(const Json& options)> find;
   std::function<std::string(const Json&)> said;  // the command line that tracks with these choices; throws Error
-  // Tracks with these choices and gives the trial; progress is told as a line of text. Throws Error.
-  std::function<ReviewedTrial(const Json& choices, const std::function<void(const std::string&)>& progress)> track;
+  // Tracks with these choices and gives the trial. Throws Error.
+  std::function<ReviewedTrial(const Json& choices, const BackgroundJob::Control& control)> track;
 };
 
 struct ReviewOptions {
   std::filesystem::path video;
   video::VideoReaderOptions reader;
-  int port = 0;  // 0: any that is free
-  std::function<void(const std::string& address)> ready;
+  PageOptions page;
 };
 
 // Serves the page until its last window is closed; one of `trial` and `naming` is there. Throws Error where the port is

@@ -44,8 +44,7 @@ class TrialSession {
   // Which change is the last, and which the curves are of; StateMessage there.
   Json State() const;
 
-  // {op: place|hide|restore|swap|undo|redo, frame, marker, x, y, sigma, other}; EditMessage there. Throws Error where
-  // it cannot be done or cannot be saved: then nothing has changed.
+  // As CorrectionBook::Make(). Throws Error where it cannot be done or cannot be saved: then nothing has changed.
   Json Edit(const Json& edit);
 
   // The standard deviation that this marker's measurements usually have, px; 0 if it was never seen.

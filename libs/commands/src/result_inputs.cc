@@ -1,0 +1,53 @@
+#include "result_inputs.h"
+
+#include <vector>
+
+#include "lake/core/error.h"
+#include "lake/core/provenance.h"
+
+namespace lake::commands {
+
+namespace fs = std::filesystem;
+
+fs::path FindInput(const Json& input, const fs::path& results) {
+  const fs::path path = FromHome(input.at("path").get<std::string>());
+  std::vector<fs::path> places = {fs::current_path()};
+  for (fs::path place = fs::absolute(results).lexically_normal(); place.has_relative_path();
+       place = place.parent_path())
+    places.push_back(place);
+  bool is_there = false;
+  for (const fs::path& named : {path, path.filename()})
+    for (const fs::path& place : places) {
+      const fs::path candidate = place / named;
+      std::error_code error;
+      if (!fs::exists(candidate, error)) continue;
+      is_there = is_there || named == path;
+      if (Sha256OfFile(candidate) == input.at("sha256")) return candidate.lexically_normal();
+    }
+  throw is_there ? Fail("{}: has changed since {} was made; make it again", path.string(), results.string())
+                 : Fail(
+                       "{}: is not to be found; start lake review in the folder in which {} was made, or in the one "
+                       "that the file lies in now",
+                       path.string(), results.string());
+}
+
+std::string MakerOf(const fs::path& folder) {
+  const fs::path path = folder / "summary.json";
+  if (!fs::exists(path)) return {};
+  const Json summary = ReadJsonFile(path);
+  const auto program = summary.find("program");
+  if (program == summary.end()) return {};
+  if (program->is_string()) return *program;
+  // A re-optimisation has its stroke program under that name.
+  return summary.contains("misalignment_percent") ? "lake-optimize" : "";
+}
+
+std::string ShellWord(const std::string& word) {
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace lake::commands

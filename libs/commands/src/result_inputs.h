@@ -1,0 +1,22 @@
+// What a folder of results was made of, as its summary names it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "lake/core/json.h"
+
+namespace lake::commands {
+
+// The file that an entry of a summary's `inputs` names. Inputs are named as from the folder in which the run was
+// started: the present one, or one above the results. One that was moved is known by its content, if it lies in one of
+// these. Throws Error: not to be found, or changed.
+std::filesystem::path FindInput(const Json& input, const std::filesystem::path& results);
+
+// The program whose results are in a folder; empty if none.
+std::string MakerOf(const std::filesystem::path& folder);
+
+// A word as a shell takes it for one.
+std::string ShellWord(const std::string& word);
+
+}  // namespace lake::commands

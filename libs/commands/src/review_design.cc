@@ -1,0 +1,250 @@
+#include "review_design.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "child_program.h"
+#include "lake/commands/optimize.h"
+#include "lake/commands/simulate.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+#include "lake/core/yaml.h"
+#include "lake/problem/problem_file.h"
+#include "result_inputs.h"
+
+namespace lake::commands {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// Those of lake-optimize's options that judge an optimum, or that the page gives itself.
+constexpr std::array kLeftOut = {"start", "starts", "certify", "yield", "round", "pareto", "actuators"};
+
+// As a command line says them; none for a map, which a command line cannot say.
+OptionTexts TextsOf(const Json& value) {
+  if (value.is_string()) return {value.get<std::string>()};
+  if (value.is_number()) return {FormatNumber(value.get<double>())};
+  OptionTexts texts;
+  if (value.is_array())
+    for (const Json& element : value)
+      for (const std::string& text : TextsOf(element)) texts.push_back(text);
+  return texts;
+}
+
+bool IsSameFolder(const fs::path& one, const fs::path& other) {
+  return (one / "").lexically_normal() == (other / "").lexically_normal();
+}
+
+// A folder of results and what its summary says.
+struct Folder {
+  fs::path path;
+  Json summary;
+
+  // A run of its own keeps the options of its command line, a study's step those of its section of the study file.
+  bool IsOfStudy() const { return !summary.at("options").contains("out"); }
+
+  // Where a file or folder that an option names is now; as it was named, if it is among no inputs.
+  std::string Find(const fs::path& named) const {
+    for (const Json& input : summary.at("inputs")) {
+      const fs::path path_then = input.at("path").get<std::string>();
+      if (IsSameFolder(path_then.parent_path(), named)) return FindInput(input, path).parent_path().string();
+      if (path_then == named || (IsOfStudy() && path_then.filename() == named.filename()))
+        return FindInput(input, path).string();
+    }
+    return named.string();
+  }
+
+  // Gives the options their values there, unless these are the default.
+  void Give(const Json& said, OptionList& list) const {
+    for (Option& option : list.All()) {
+      const auto value = said.find(IsOfStudy() ? option.Key() : option.Name());
+      if (value == said.end()) continue;
+      OptionTexts texts = TextsOf(*value);
+      if (texts.empty() || texts == OptionTexts{""} || texts == OptionTexts{option.DefaultText()}) continue;
+      if (option.PathKind() != Option::Path::kNone)
+        for (std::string& text : texts) text = Find(text);
+      option.Give(texts);
+    }
+  }
+};
+
+std::optional<Folder> FolderOf(const fs::path& path, std::string_view program) {
+  if (MakerOf(path) != program) return std::nullopt;
+  return Folder{path, ReadJsonFile(path / "summary.json")};
+}
+
+void AddWords(const OptionList& list, std::vector<std::string>& words) {
+  for (const Option& option : list.All()) {
+    if (option.Given().empty() || std::ranges::count(kLeftOut, option.Name())) continue;
+    if (option.IsFlag()) {
+      if (option.Given().front() == "true") words.push_back(fmt::format("--{}", option.Name()));
+      continue;
+    }
+    words.push_back(fmt::format("--{}", option.Name()));
+    words.insert(words.end(), option.Given().begin(), option.Given().end());
+  }
+}
+
+// The problem of a study's step that stands in its section of the study file.
+void ReadInlineProblem(const Folder& folder, problem::SynthesisProblem& problem) {
+  YamlNode summary = YamlNode::ReadFile(folder.path / "summary.json");
+  YamlNode options = *summary.Child("options");
+  if (auto inline_problem = options.Child("problem"); inline_problem && inline_problem->IsMap())
+    problem = problem::ReadProblem(std::move(*inline_problem), folder.path);
+}
+
+// Limits as lake-optimize had them.
+void TakeLimits(const Folder& folder, DesignSubject& subject) {
+  OptimizeRunOptions options;
+  ReoptimizeRunOptions motion;
+  OptionList list = OptionsOf(options), motion_list = OptionsOf(motion).Without({"duration"});
+  Json said = folder.summary.at("options");
+  const bool has_motion = folder.summary.contains("misalignment_percent");
+  if (folder.IsOfStudy()) {
+    ReadInlineProblem(folder, options.problem);
+    if (said.contains("reoptimize")) said.update(said.at("reoptimize"));
+    if (has_motion || said.at("problem").is_object())
+      subject.no_command = "this is a step of a study: change its section of the study file, and run lake run again";
+    for (const Json& input : folder.summary.at("inputs"))
+      if (fs::path(input.at("path").get<std::string>()).filename() == "loads.json") said["profile"] = input.at("path");
+  }
+  folder.Give(said, list);
+  list.Apply();
+  AddWords(list, subject.limit_words);
+  subject.explored.problem = problem::WithActuator(options.problem);
+  subject.explored.limits = fmt::format("the limits of {}", folder.path.string());
+  if (!has_motion) return;
+  if (!folder.IsOfStudy()) folder.Give(said, motion_list);
+  AddWords(motion_list, subject.limit_words);
+  subject.explored.notes.push_back(
+      "the misalignment with the person's motion is not evaluated here: lake optimize and lake compare do that");
+}
+
+linkage::Design DesignOfSimulation(const Folder& folder) {
+  linkage::Design design;
+  const Json& options = folder.summary.at("options");
+  const std::string links = options.value("links", "");
+  if (!links.empty()) {
+    design.links = linkage::Links::FromValues([&] {
+      std::array<double, 6> values{};
+      const Json& said = folder.summary.at("links");
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = said.at(problem::LinkName(i));
+      return values;
+    }());
+  } else {
+    design = linkage::ReadDesign(FindInput(folder.summary.at("inputs").at(0), folder.path));
+  }
+  const Json& used = folder.summary.at("used_stroke_mm");
+  design.d_min_mm = used.at(0), design.d_max_mm = used.at(1);
+  return design;
+}
+
+// The paper's limits, at the design's shortest stroke.
+void TakePapersLimits(DesignSubject& subject) {
+  problem::SynthesisProblem problem;
+  if (problem.d_min_mm != subject.explored.design.d_min_mm)
+    subject.no_command = "the design's shortest stroke is not that of the paper's problem: give limits with --problem";
+  problem.d_min_mm = subject.explored.design.d_min_mm;
+  subject.explored.problem = problem;
+  subject.explored.limits = "the limits of the paper's problem; --problem gives others";
+}
+
+void TakeProblem(const fs::path& file, DesignSubject& subject) {
+  subject.explored.problem = problem::WithActuator(problem::ReadProblem(file));
+  subject.explored.limits = fmt::format("the limits of {}", file.string());
+  subject.limit_words = {"--problem", file.string()};
+}
+
+void ReadSubject(const fs::path& subject, DesignSubject& result) {
+  const bool is_folder = fs::is_directory(subject);
+  result.folder = is_folder ? subject : subject.parent_path();
+  result.explored.name = (is_folder && !subject.has_filename() ? subject.parent_path() : subject).filename().string();
+  const auto optimum = FolderOf(result.folder, "lake-optimize");
+  const auto simulation = is_folder ? FolderOf(subject, "lake-simulate") : std::nullopt;
+  result.explored.design =
+      simulation ? DesignOfSimulation(*simulation) : linkage::ReadDesign(is_folder ? subject / "design.yaml" : subject);
+  if (optimum)
+    TakeLimits(*optimum, result);
+  else
+    TakePapersLimits(result);
+  if (simulation && simulation->summary.contains("knee_torque_nm"))
+    result.explored.problem.knee_torque_nm = simulation->summary.at("knee_torque_nm");
+}
+
+// `stem` + `ending`, or the first of `stem`-2, -3, … that is not there yet.
+fs::path FirstFree(const fs::path& stem, const std::string& ending) {
+  constexpr int kMost = 10000;
+  for (int i = 1; i < kMost; ++i) {
+    fs::path path = stem;
+    path += i == 1 ? ending : fmt::format("-{}{}", i, ending);
+    if (!fs::exists(fs::symlink_status(path))) return path;
+  }
+  throw Fail("{}{}: there are {} of these already", stem.string(), ending, kMost);
+}
+
+std::vector<std::string> ArgumentsOf(const DesignSubject& subject, const linkage::Links& links, const fs::path& out) {
+  if (!subject.no_command.empty()) throw Error(subject.no_command);
+  std::vector<std::string> texts;
+  constexpr double kSteps = 1e4;  // finer than anybody chooses a start
+  for (const double length : links.Values()) texts.push_back(FormatNumber(std::round(kSteps * length) / kSteps));
+  std::vector<std::string> words = subject.limit_words;
+  words.insert(words.end(), {"--start", fmt::format("{}", fmt::join(texts, ",")), "--starts", "1", "-o", out.string()});
+  return words;
+}
+
+fs::path OptimumOf(const DesignSubject& subject) {
+  const std::string name = fs::path(subject.explored.name).stem().string();
+  return FirstFree(fs::path("lake-out") / (name + "-optimised"), "");
+}
+
+linkage::Design Optimise(const DesignSubject& subject, const fs::path& programs, const linkage::Links& links,
+                         const review::BackgroundJob::Control& control) {
+  const fs::path out = OptimumOf(subject);
+  const ChildEnd end = RunChild(programs / "lake-optimize", ArgumentsOf(subject, links, out), control);
+  if (end.code != 0) throw Fail("lake-optimize ended with code {}: {}", end.code, end.last_line);
+  return linkage::ReadDesign(out / "design.yaml");
+}
+
+}  // namespace
+
+DesignSubject ReadDesignSubject(const fs::path& subject, const fs::path& problem_file) {
+  DesignSubject result;
+  try {
+    ReadSubject(subject, result);
+  } catch (const nlohmann::json::exception& error) {
+    throw Fail("{}: is not a summary as lake writes it ({})", (result.folder / "summary.json").string(), error.what());
+  }
+  if (!problem_file.empty()) {
+    result.no_command.clear();
+    TakeProblem(problem_file, result);
+  }
+  return result;
+}
+
+review::DesignWork DesignWorkOf(const DesignSubject& subject, const fs::path& programs) {
+  review::DesignWork work;
+  work.save = [subject](const linkage::Design& design) {
+    const fs::path path = FirstFree(subject.folder / "explored", ".yaml");
+    linkage::WriteDesign(path, design);
+    return path;
+  };
+  work.command = [subject](const linkage::Links& links) {
+    std::string command = "lake optimize";
+    for (const std::string& word : ArgumentsOf(subject, links, OptimumOf(subject)))
+      command += fmt::format(" {}", ShellWord(word));
+    return command;
+  };
+  work.optimise = [subject, programs](const linkage::Links& links, const review::BackgroundJob::Control& control) {
+    return Optimise(subject, programs, links, control);
+  };
+  return work;
+}
+
+}  // namespace lake::commands

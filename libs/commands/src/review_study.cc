@@ -1,0 +1,67 @@
+#include "review_study.h"
+
+#include <utility>
+#include <vector>
+
+#include "child_program.h"
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/json.h"
+#include "result_inputs.h"
+
+namespace lake::commands {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The study file may have been edited since: that is what the steps are then done for.
+fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
+  const fs::path named = summary.at("options").at("study").get<std::string>();
+  for (fs::path place = fs::absolute(folder).lexically_normal(); place.has_relative_path(); place = place.parent_path())
+    if (fs::exists(place / named)) return place / named;
+  if (fs::exists(named)) return named;
+  throw Fail("{}: is not to be found; start lake review in the folder in which {} was made", named.string(),
+             folder.string());
+}
+
+Json PlanOf(const fs::path& program, const std::vector<std::string>& words) {
+  std::vector<std::string> asked = words;
+  asked.push_back("--plan");
+  std::string text;
+  const ChildEnd end =
+      RunChild(program, asked, {[&](const std::string& line) { text += line + "\n"; }, [] { ThrowIfInterrupted(); }},
+               ChildSays::kAll);
+  if (end.code != 0) throw Fail("lake-run ended with code {}: {}", end.code, end.last_line);
+  const std::size_t begin = text.find("{\n");  // behind its warnings
+  if (begin == std::string::npos) throw Fail("lake-run --plan said what is no plan: {}", end.last_line);
+  return Json::parse(text.substr(begin));
+}
+
+}  // namespace
+
+review::StudyWork StudyWorkOf(const fs::path& folder, const fs::path& programs) {
+  const fs::path program = programs / "lake-run";
+  review::StudyWork work;
+  std::vector<std::string> words;
+  try {
+    const Json summary = ReadJsonFile(folder / "summary.json");
+    work.name = summary.at("name");
+    words = {StudyFileOf(summary, folder).string(), "-o", folder.string()};
+  } catch (const nlohmann::json::exception& error) {
+    throw Fail("{}: is not a summary as lake run writes it ({})", (folder / "summary.json").string(), error.what());
+  }
+  work.report = folder / "report.html";
+  work.command = "lake run";
+  for (const std::string& word : words) work.command += fmt::format(" {}", ShellWord(word));
+  work.plan = [program, words] { return PlanOf(program, words); };
+  work.run = [program, words](const std::string& step, const review::BackgroundJob::Control& control) {
+    std::vector<std::string> asked = words;
+    if (!step.empty()) asked.insert(asked.end(), {"--only", step});
+    const ChildEnd end = RunChild(program, asked, control);
+    if (end.code != 0) throw Fail("lake-run ended with code {}: {}", end.code, end.last_line);
+  };
+  return work;
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,13 @@
+// A study to be looked at: its steps by lake-run --plan, one of them by lake-run --only.
+#pragma once
+
+#include <filesystem>
+
+#include "lake/review/study_page.h"
+
+namespace lake::commands {
+
+// Of a folder of lake-run's. Throws Error: its study file is not to be found or has changed.
+review::StudyWork StudyWorkOf(const std::filesystem::path& folder, const std::filesystem::path& programs);
+
+}  // namespace lake::commands

@@ -1,0 +1,21 @@
+// The marker near a place that somebody pointed at, measured as the tracker measures it.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "lake/tracking/marker_detector.h"
+
+namespace lake::review {
+
+// The tracker's detector for a part of the picture.
+using SnapDetector = std::function<std::unique_ptr<tracking::MarkerDetector>(const tracking::DetectorRegion& near)>;
+
+// The nearest detection within `reach_px`; nullopt if there is none. `frame` has its luma; its colours are asked for if
+// the detector needs them.
+std::optional<tracking::MarkerDetection> SnapToMarker(video::VideoFrame frame, const Eigen::Vector2d& place,
+                                                      double reach_px, const SnapDetector& make_detector,
+                                                      const std::function<cv::Mat()>& colours);
+
+}  // namespace lake::review

@@ -1,0 +1,384 @@
+// A design: links changed by sliders, numbers and dragged pins; the server says at once what becomes of it.
+import { Chart, Curve } from "./charts";
+import { button, copyText, isTyping, onClick, part, say, sayWhy, showProgress } from "./dom";
+import { LinkageView } from "./linkage";
+import {
+  CheckMessage, DesignColumns, DesignMessage, ExploreQuestion, ExploredMessage, PinName, Place, PoseMessage, StateMessage,
+} from "./messages";
+import { server } from "./server";
+import { TEXTS } from "./texts";
+
+const LINK_COLOURS = ["--l1", "--l2", "--l3", "--l4", "--l3", "--l3"];
+const ROWS = 181; // of the server's curves
+const PLAY_MS = 25;
+
+export class DesignPage {
+  private links: number[];
+  private past: number[][] = [];
+  private future: number[][] = [];
+  private explored: ExploredMessage | null = null;
+  private row = 0;
+  private exact: { stroke: number; pose: PoseMessage } | null = null; // that a pin was dragged in, between two rows
+  private pending: ExploreQuestion | null = null;
+  private isAsking = false;
+  private isDragging = false;
+  private startedOptimum: number | null = null; // the number of the last one when this window asked for another
+  private timer: number | undefined;
+  private view: LinkageView;
+  private sliders: { range: HTMLInputElement; number: HTMLInputElement; label: HTMLElement }[] = [];
+  private charts: { theta: Chart; arm: Chart; force: Chart };
+
+  constructor(private about: DesignMessage) {
+    part("design").hidden = false;
+    part("name").textContent = about.name;
+    document.title = `${about.name} – lake review`;
+    part("limits").textContent = about.limits;
+    part("design-notes").replaceChildren(
+      ...about.notes.map((note) => {
+        const line = document.createElement("li");
+        line.textContent = note;
+        return line;
+      }),
+    );
+    this.links = linksOfAddress() ?? [...about.links];
+    this.view = new LinkageView(part("linkage"), about.body, {
+      drag: (pin, to) => this.drag(pin, to),
+      drop: () => {
+        this.isDragging = false;
+        this.showCommand();
+      },
+    });
+    const seek = (row: number) => this.seek(row);
+    this.charts = {
+      theta: new Chart(part("theta-chart"), ROWS, seek),
+      arm: new Chart(part("arm-chart"), ROWS, seek),
+      force: new Chart(part("force-chart"), ROWS, seek),
+    };
+    this.makeSliders();
+    this.connect();
+    this.ask({ links: this.links });
+    this.showCommand();
+  }
+
+  update(state: StateMessage): void {
+    const { running, progress, failed } = state.job!, bar = part<HTMLProgressElement>("design-progress");
+    if (running) showProgress(bar, progress);
+    bar.hidden = part("design-stop").hidden = !running;
+    part<HTMLButtonElement>("optimise").disabled = running;
+    if (running) return say(progress || TEXTS.optimising);
+    if (this.startedOptimum === null) return;
+    const number = state.optimum?.number ?? 0;
+    if (number > this.startedOptimum) {
+      this.change(state.optimum!.links);
+      say(TEXTS.optimised);
+    } else {
+      say(TEXTS.optimiseFailed(failed), true);
+    }
+    this.startedOptimum = null;
+  }
+
+  // --- links
+
+  private makeSliders(): void {
+    this.sliders = this.links.map((_, link) => {
+      const name = document.createElement("span"), label = document.createElement("label"), short = document.createElement("b");
+      const range = document.createElement("input"), number = document.createElement("input");
+      const [lower, upper] = this.about.bounds[link];
+      short.textContent = `l${link + 1}`;
+      name.append(short, ` ${TEXTS.links[link]}, ${TEXTS.bounds(lower, upper)}`);
+      name.className = "name";
+      name.title = name.textContent!;
+      range.type = "range";
+      number.type = "number";
+      number.step = range.step = "0.1";
+      range.setAttribute("aria-label", `l${link + 1}`);
+      label.style.setProperty("--link", `var(${LINK_COLOURS[link]})`);
+      label.dataset.link = String(link + 1);
+      label.append(name, range, number);
+      // A slide is one step, however far it goes.
+      range.addEventListener("pointerdown", () => this.remember());
+      range.addEventListener("keydown", () => this.remember());
+      range.addEventListener("input", () => this.setLink(link, Number(range.value)));
+      range.addEventListener("change", () => this.showCommand());
+      number.addEventListener("blur", () => this.showLinks());
+      number.addEventListener("change", () => {
+        if (!(Number(number.value) > 0)) return; // nothing, or not yet a length
+        this.remember();
+        this.setLink(link, Number(number.value));
+        this.showCommand();
+      });
+      return { range, number, label };
+    });
+    part("links").replaceChildren(...this.sliders.map(({ label }) => label));
+    this.showLinks();
+  }
+
+  private showLinks(): void {
+    this.sliders.forEach(({ range, number, label }, link) => {
+      const [lower, upper] = this.about.bounds[link], value = this.links[link];
+      // As far as the bounds, and further where the link is.
+      range.min = String(Math.min(lower, Math.floor(value)));
+      range.max = String(Math.max(upper, Math.ceil(value)));
+      range.value = String(value);
+      if (document.activeElement !== number) number.value = value.toFixed(2);
+      label.classList.toggle("outside", value < lower - 1e-6 || value > upper + 1e-6);
+    });
+    part<HTMLButtonElement>("design-undo").disabled = this.past.length === 0;
+    part<HTMLButtonElement>("design-redo").disabled = this.future.length === 0;
+    // So that the page can be loaded again, and the address be kept.
+    history.replaceState(null, "", `#${this.links.map((length) => Number(length.toFixed(4))).join()}`);
+  }
+
+  private remember(): void {
+    const last = this.past[this.past.length - 1];
+    if (last && last.every((length, link) => length === this.links[link])) return;
+    this.past.push([...this.links]);
+    this.future = [];
+  }
+
+  private setLink(link: number, length: number): void {
+    this.links = this.links.map((old, other) => (other === link ? length : old));
+    this.ask({ links: this.links });
+  }
+
+  private change(links: number[]): void {
+    this.remember();
+    this.go(links);
+  }
+
+  private go(links: number[]): void {
+    this.links = [...links];
+    this.ask({ links: this.links });
+    this.showCommand();
+  }
+
+  private step(from: number[][], to: number[][]): void {
+    const links = from.pop();
+    if (!links) return;
+    to.push([...this.links]);
+    this.go(links);
+  }
+
+  private drag(pin: PinName, to: Place): void {
+    const curves = this.explored?.curves;
+    if (!curves) return;
+    if (!this.isDragging) this.remember();
+    this.isDragging = true;
+    this.ask({ links: this.links, drag: { pin, x: to[0], y: to[1], stroke: this.exact?.stroke ?? curves.stroke[this.row] } });
+  }
+
+  // One question at a time; of those that come meanwhile the last counts.
+  private ask(question: ExploreQuestion): void {
+    this.pending = question;
+    this.showLinks();
+    if (!this.isAsking) void this.askPending();
+  }
+
+  private async askPending(): Promise<void> {
+    this.isAsking = true;
+    while (this.pending) {
+      const question = this.pending;
+      this.pending = null;
+      try {
+        const explored = await server.explore(question);
+        this.take(explored);
+        say("");
+      } catch (why) {
+        sayWhy(why);
+      }
+    }
+    this.isAsking = false;
+  }
+
+  // --- what is shown
+
+  private take(explored: ExploredMessage): void {
+    const isFirst = !this.explored?.curves && explored.curves;
+    this.explored = explored;
+    if (explored.stroke !== null) this.links = explored.links;
+    this.showLinks();
+    this.showChecks();
+    const { curves } = explored;
+    if (curves && explored.stroke !== null) this.row = nearestRow(curves.stroke, explored.stroke);
+    const exact = explored.stroke !== null && explored.pose ? { stroke: explored.stroke, pose: explored.pose } : null;
+    this.charts.theta.show(this.curves((columns) => columns.knee));
+    this.charts.arm.show(this.curves((columns) => columns.arm));
+    this.charts.force.show(this.curves((columns) => columns.force));
+    const strokes = curves?.stroke ?? [0, 0];
+    part("theta-title").textContent = TEXTS.kneeOverStroke(strokes[0], strokes[strokes.length - 1]);
+    part("arm-title").textContent = TEXTS.arm;
+    part("force-title").textContent = TEXTS.force(this.about.torque_nm);
+    this.seek(this.row, exact);
+    if (isFirst) this.fit();
+    part("design").dataset.range = String(explored.range_deg);
+  }
+
+  private curves(pick: (columns: DesignColumns) => Curve["values"]): Curve[] {
+    const curves = this.explored?.curves;
+    if (!curves) return [];
+    const isChanged = this.links.some((length, link) => Math.abs(length - this.about.links[link]) > 1e-6);
+    const saved: Curve = { name: TEXTS.saved_design, colour: "--quiet", values: pick(curves.saved) };
+    return [...(isChanged ? [saved] : []), { name: TEXTS.now, colour: "--accent", values: pick(curves.now) }];
+  }
+
+  private showChecks(): void {
+    const { checks, range_deg, gap } = this.explored!, failed = checks.filter((check) => !check.holds).length;
+    part("state").textContent = gap || `${TEXTS.range(range_deg)}, ${TEXTS.failing(failed, checks.length)}`;
+    part("state").classList.toggle("error", failed > 0);
+    part("check-count").textContent = TEXTS.failing(failed, checks.length);
+    part("checks").replaceChildren(...checks.map((check) => this.checkLine(check)));
+  }
+
+  // One that is worst in a pose leads there.
+  private checkLine(check: CheckMessage): HTMLElement {
+    const line = document.createElement("li"), detail = document.createElement("small"), at = check.worst?.knee_deg;
+    const shown = at === undefined ? line : button("", () => this.seekAngle(at));
+    shown.textContent = TEXTS.check(check);
+    detail.textContent = [TEXTS.slack(check), TEXTS.worst(check)].filter((text) => text !== "").join(" ");
+    shown.append(detail);
+    shown.classList.toggle("fails", !check.holds);
+    line.dataset.check = check.name;
+    line.dataset.holds = String(check.holds);
+    if (shown !== line) line.append(shown);
+    return line;
+  }
+
+  private seekAngle(degrees: number): void {
+    const knee = this.explored?.curves?.now.knee;
+    if (knee) this.seek(nearestRow(knee, degrees));
+  }
+
+  private seek(row: number, exact: DesignPage["exact"] = null): void {
+    const curves = this.explored?.curves;
+    let last = ROWS - 1;
+    while (curves && last > 0 && curves.poses[last] === null) --last;
+    this.row = Math.min(Math.max(row, 0), last);
+    const scrub = part<HTMLInputElement>("stroke");
+    scrub.max = String(last);
+    scrub.value = String(this.row);
+    this.exact = exact;
+    this.view.show(curves ? (exact?.pose ?? curves.poses[this.row]) : null);
+    for (const chart of Object.values(this.charts)) chart.showRow(this.row);
+    const { knee, arm, force } = curves?.now ?? { knee: [], arm: [], force: [] };
+    part("pose").textContent = curves ? TEXTS.pose(curves.stroke[this.row], knee[this.row], arm[this.row], force[this.row]) : "";
+  }
+
+  private fit(): void {
+    const poses = this.explored?.curves?.poses.filter((pose) => pose !== null) ?? [];
+    this.view.fit(poses as NonNullable<(typeof poses)[number]>[]);
+  }
+
+  private play(): void {
+    const isPlaying = this.timer !== undefined;
+    window.clearInterval(this.timer);
+    this.timer = undefined;
+    part("design-play").textContent = isPlaying ? TEXTS.play : TEXTS.pause;
+    if (isPlaying) return;
+    let by = this.row > 0 ? -1 : 1; // stands up and sits down
+    this.timer = window.setInterval(() => {
+      const before = this.row;
+      this.seek(this.row + by);
+      if (this.row === before) by = -by;
+    }, PLAY_MS);
+  }
+
+  // --- saving and optimising
+
+  private showCommand(): void {
+    server.optimiseCommand(this.links).then(
+      ({ command }) => this.allowCommand(command, true),
+      (why) => this.allowCommand(why instanceof Error ? why.message : String(why), false),
+    );
+  }
+
+  private allowCommand(text: string, isThere: boolean): void {
+    part("optimise-command").textContent = text;
+    part("optimise").hidden = part("design-copy").hidden = !isThere;
+  }
+
+  private async save(): Promise<void> {
+    try {
+      say(TEXTS.savedAs((await server.save(this.links)).saved));
+    } catch (why) {
+      sayWhy(why);
+    }
+  }
+
+  private async optimise(): Promise<void> {
+    try {
+      const number = (await server.state()).optimum?.number ?? 0;
+      const state = await server.optimise(this.links);
+      this.startedOptimum = number;
+      this.update(state);
+    } catch (why) {
+      sayWhy(why);
+    }
+  }
+
+  // --- keys and buttons
+
+  private connect(): void {
+    const scrub = part<HTMLInputElement>("stroke");
+    scrub.addEventListener("input", () => this.seek(Number(scrub.value)));
+    part("design-play").textContent = TEXTS.play;
+    onClick("design-play", () => this.play());
+    onClick("design-zoom-in", () => this.view.zoomBy(1.5));
+    onClick("design-zoom-out", () => this.view.zoomBy(1 / 1.5));
+    onClick("design-zoom-fit", () => this.fit());
+    onClick("design-undo", () => this.step(this.past, this.future));
+    onClick("design-redo", () => this.step(this.future, this.past));
+    onClick("design-reset", () => this.change(this.about.links));
+    onClick("design-save", () => void this.save());
+    onClick("optimise", () => void this.optimise());
+    onClick("design-stop", () => void server.stop().catch(sayWhy));
+    onClick("design-copy", () => void copyText("optimise-command"));
+    document.addEventListener("keydown", (event) => this.key(event));
+    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.explored && this.take(this.explored));
+  }
+
+  private key(event: KeyboardEvent): void {
+    const isSlider = event.target instanceof HTMLInputElement && event.target.type === "range";
+    if (isTyping(event)) return;
+    const action = this.actionOf(event, isSlider);
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+
+  private actionOf(event: KeyboardEvent, isSlider: boolean): (() => void) | null {
+    if (event.ctrlKey || event.metaKey) {
+      const key = event.key.toLowerCase();
+      if (key === "z" && !event.shiftKey) return () => this.step(this.past, this.future);
+      if (key === "y" || (key === "z" && event.shiftKey)) return () => this.step(this.future, this.past);
+      return null;
+    }
+    if (event.key === " ") return event.target instanceof HTMLButtonElement ? null : () => this.play();
+    if (isSlider) return null; // moves by itself
+    const keys: { [key: string]: () => void } = {
+      ArrowLeft: () => this.seek(this.row - (event.shiftKey ? 10 : 1)),
+      ArrowRight: () => this.seek(this.row + (event.shiftKey ? 10 : 1)),
+      "+": () => this.view.zoomBy(1.5),
+      "-": () => this.view.zoomBy(1 / 1.5),
+      "0": () => this.fit(),
+    };
+    return keys[event.key] ?? null;
+  }
+}
+
+function nearestRow(values: (number | null)[], wanted: number): number {
+  let nearest = 0, least = Infinity;
+  values.forEach((value, row) => {
+    const away = value === null ? Infinity : Math.abs(value - wanted);
+    if (away < least) {
+      nearest = row;
+      least = away;
+    }
+  });
+  return nearest;
+}
+
+/** Links that the address ends with. */
+function linksOfAddress(): number[] | null {
+  const links = window.location.hash.slice(1).split(",").map(Number);
+  return links.length === 6 && links.every((length) => length > 0 && Number.isFinite(length)) ? links : null;
+}

@@ -1,0 +1,89 @@
+// A study: its report, its steps with their state, and one of them run again.
+import { button, copyText, onClick, part, say, sayWhy, showProgress } from "./dom";
+import { StateMessage, StepMessage, StudyMessage } from "./messages";
+import { server } from "./server";
+import { TEXTS } from "./texts";
+
+export class StudyPage {
+  private running: string | null = null; // step that is under way; empty: all
+
+  constructor(private study: StudyMessage) {
+    part("study").hidden = false;
+    part("name").textContent = study.name;
+    document.title = `${study.name} – lake review`;
+    part("no-report").textContent = TEXTS.noReport;
+    part("study-command").textContent = study.command;
+    part("report-file").textContent = TEXTS.reportFile(study.report);
+    onClick("run-all", () => void this.run(""));
+    onClick("study-stop", () => void server.stop().catch(sayWhy));
+    onClick("study-copy", () => void copyText("study-command"));
+    this.show();
+    this.showReport();
+  }
+
+  update(state: StateMessage): void {
+    const { running, progress, failed } = state.job!, bar = part<HTMLProgressElement>("study-progress");
+    const step = state.step ?? "", was = this.running;
+    bar.hidden = part("study-stop").hidden = !running;
+    if (running) {
+      showProgress(bar, progress);
+      say(progress || TEXTS.running(step));
+    }
+    this.running = running ? step : null;
+    if (was === this.running) return;
+    this.show();
+    if (running) return;
+    if (failed) say(TEXTS.stepFailed(step, failed), true);
+    else say(TEXTS.ran(step));
+    void this.refresh();
+  }
+
+  private async refresh(): Promise<void> {
+    try {
+      this.study = await server.study();
+      this.show();
+      this.showReport();
+    } catch (why) {
+      sayWhy(why);
+    }
+  }
+
+  private async run(step: string): Promise<void> {
+    try {
+      this.update(await server.runStep(step));
+    } catch (why) {
+      sayWhy(why);
+    }
+  }
+
+  private show(): void {
+    const { steps } = this.study, due = steps.filter((step) => step.due !== null);
+    part("state").textContent = TEXTS.studyState(due.length, steps.length);
+    part("steps").replaceChildren(...steps.map((step) => this.stepLine(step)));
+    part<HTMLButtonElement>("run-all").disabled = this.running !== null;
+  }
+
+  private stepLine(step: StepMessage): HTMLElement {
+    const line = document.createElement("li"), name = document.createElement("b"), detail = document.createElement("small");
+    const waits = step.after.filter((other) => this.study.steps.some(({ name, due }) => name === other && due !== null));
+    name.textContent = step.name;
+    detail.textContent = `${step.what}; ${step.due === null ? TEXTS.upToDate : TEXTS.due(step.due)}`;
+    line.classList.toggle("due", step.due !== null);
+    line.classList.toggle("running", this.running === step.name);
+    line.dataset.step = step.name;
+    line.append(name, detail);
+    if (step.due === null) return line;
+    const run = button(TEXTS.runStep, () => void this.run(step.name));
+    run.disabled = this.running !== null || waits.length > 0;
+    if (waits.length > 0) run.title = TEXTS.waits(waits);
+    line.append(run);
+    return line;
+  }
+
+  private showReport(): void {
+    const frame = part<HTMLIFrameElement>("report");
+    frame.hidden = !this.study.has_report;
+    part("no-report").hidden = this.study.has_report;
+    if (this.study.has_report) frame.src = `report?${Date.now()}`;
+  }
+}

@@ -1,0 +1,256 @@
+#include "lake/review/design_explorer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "column.h"
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "lake/core/provenance.h"
+#include "lake/linkage/body.h"
+#include "lake/problem/evaluate.h"
+
+namespace lake::review {
+namespace {
+
+using Eigen::Vector2d;
+using linkage::Links;
+using linkage::Pose;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kRows = 181;  // of the curves, evenly over the strokes
+
+// The thigh's axes in the picture: it is turned back by the knee angle.
+struct ThighAxes {
+  explicit ThighAxes(double theta_rad)
+      : up(-std::sin(theta_rad), std::cos(theta_rad)), posterior(-std::cos(theta_rad), -std::sin(theta_rad)) {}
+
+  Vector2d ToPicture(const Vector2d& in_thigh) const { return posterior * in_thigh.x() + up * in_thigh.y(); }
+  Vector2d FromPicture(const Vector2d& in_picture) const { return {posterior.dot(in_picture), up.dot(in_picture)}; }
+
+  Vector2d up, posterior;
+};
+
+// The pins of a pose; a design has the links that its pins are apart.
+struct Pins {
+  Vector2d thigh_pin, tip, shank_pin, mount;  // P, R, S, M in the thigh frame
+
+  static Pins Of(const Pose& pose) { return {pose.thigh_pin, pose.tip, pose.shank_pin, pose.mount}; }
+
+  Vector2d& Named(const std::string& name) {
+    if (name == "thigh_pin") return thigh_pin;
+    if (name == "tip") return tip;
+    if (name == "shank_pin") return shank_pin;
+    if (name == "mount") return mount;
+    throw Fail("'{}' is no pin that can be moved", name);
+  }
+  Links Between() const {
+    return {(tip - shank_pin).norm(), (tip - thigh_pin).norm(), thigh_pin.y(), shank_pin.norm(), mount.x(),
+            mount.y() - thigh_pin.y()};
+  }
+  double Stroke() const { return (tip - mount).norm(); }
+};
+
+// What the linkage does at one stroke; NaN where there is no pose.
+struct At {
+  At(const Links& links, double stroke_mm, double knee_torque_nm) : pose(linkage::SolvePose(links, stroke_mm)) {
+    if (!pose) return;
+    const linkage::Transmission transmission = linkage::TransmissionOf(links, *pose);
+    knee_deg = DegreesFromRadians(pose->theta_rad), arm_mm = transmission.moment_arm_mm;
+    force_n = linkage::ActuatorForce(transmission, knee_torque_nm);
+    transmission_deg = DegreesFromRadians(transmission.transmission_rad);
+  }
+
+  std::optional<Pose> pose;
+  double knee_deg = kNaN, arm_mm = kNaN, force_n = kNaN, transmission_deg = kNaN;
+};
+
+std::optional<linkage::UsedRange> RangeOf(const Links& links, double d_min_mm) {
+  if (!linkage::SolvePose(links, d_min_mm)) return std::nullopt;
+  return linkage::FindUsedRange(links, d_min_mm, std::nullopt);
+}
+
+Json PlaceJson(const Vector2d& place) {
+  return {Rounded(place.x()), Rounded(place.y())};
+}
+
+// What is drawn of a pose; null where there is none.
+Json PoseJson(const std::optional<Pose>& pose) {
+  if (!pose) return {};
+  const ThighAxes thigh(pose->theta_rad);
+  return {{"thigh_pin", PlaceJson(thigh.ToPicture(pose->thigh_pin))},
+          {"tip", PlaceJson(thigh.ToPicture(pose->tip))},
+          {"shank_pin", PlaceJson(thigh.ToPicture(pose->shank_pin))},
+          {"mount", PlaceJson(thigh.ToPicture(pose->mount))},
+          // Where the mount's arm leaves the thigh's axis.
+          {"elbow", PlaceJson(thigh.ToPicture({0, pose->mount.y()}))},
+          {"thigh", PlaceJson(thigh.up)}};
+}
+
+// The link lengths that a dragged pin gives, and the stroke at which the other pins are where they were.
+std::pair<Links, double> Dragged(const Links& links, const Json& drag) {
+  const double stroke_mm = drag.at("stroke");
+  const std::optional<Pose> pose = linkage::SolvePose(links, stroke_mm);
+  if (!pose) throw Fail("there is no pose at a stroke of {:.2f} mm", stroke_mm);
+  const ThighAxes thigh(pose->theta_rad);
+  Pins pins = Pins::Of(*pose);
+  const std::string name = drag.at("pin");
+  Vector2d place{drag.at("x").get<double>(), drag.at("y").get<double>()};
+  if (name == "shank_pin") place.x() = 0;
+  place = thigh.FromPicture(place);
+  if (name == "thigh_pin") place.x() = 0;
+  pins.Named(name) = place;
+  const Links dragged = pins.Between();
+  linkage::CheckLinks(dragged, "there the linkage ends");
+  // The same four places must be those of the closed form, not of another way to close the loops.
+  const std::optional<Pose> now = linkage::SolvePose(dragged, pins.Stroke());
+  constexpr double kSame_mm = 1e-3, kSame_rad = 1e-5;
+  if (!now || (now->tip - pins.tip).norm() > kSame_mm || std::abs(now->theta_rad - pose->theta_rad) > kSame_rad)
+    throw Error("there the linkage would fold over");
+  return {dragged, pins.Stroke()};
+}
+
+// Where a family of requirements is worst.
+Json WorstJson(const problem::RequirementCheck& check, const problem::SynthesisProblem& problem, double range_deg) {
+  if (!check.requirement.IsFamily() || std::isnan(check.value)) return {};
+  if (check.requirement.along_profile) return {{"percent", Rounded(100 * check.fraction)}};
+  return {{"knee_deg", Rounded(std::lerp(problem.standing_deg, range_deg, check.fraction))}};
+}
+
+constexpr double kTolerance = 1e-6;  // as DesignEvaluation::IsFeasible has it
+
+Json CheckJson(const problem::RequirementCheck& check, const problem::SynthesisProblem& problem, double range_deg) {
+  const problem::Requirement& requirement = check.requirement;
+  return {{"name", requirement.name},
+          {"unit", requirement.unit},
+          {"is_lower_limit", requirement.is_lower_limit},
+          {"limit", Rounded(requirement.limit)},
+          {"value", Rounded(check.value)},
+          {"slack", Rounded(check.slack)},
+          {"holds", -check.slack / std::max(1.0, requirement.limit) <= kTolerance},
+          {"worst", WorstJson(check, problem, range_deg)}};
+}
+
+Json BoundJson(std::size_t link, double value, double limit, bool is_lower_limit) {
+  return {{"name", problem::LinkName(link)},
+          {"unit", "mm"},
+          {"is_lower_limit", is_lower_limit},
+          {"limit", limit},
+          {"value", Rounded(value)},
+          {"slack", Rounded(is_lower_limit ? value - limit : limit - value)},
+          {"holds", false},
+          {"worst", Json()}};
+}
+
+}  // namespace
+
+Links LinksFrom(const Json& json) {
+  if (!json.is_array() || json.size() != 6) throw Error("six links are asked for, l1 to l6");
+  const Links links = Links::FromValues(json.get<std::array<double, 6>>());
+  linkage::CheckLinks(links, "the page");
+  return links;
+}
+
+DesignExplorer::DesignExplorer(ExploredDesign explored) : explored_(std::move(explored)) {}
+
+Json DesignExplorer::About() const {
+  constexpr double kHeight_mm = 1800, kMass_kg = 80;  // the paper's average user
+  const linkage::Body body = linkage::BodyOf(kHeight_mm, kMass_kg);
+  const auto segment = [](const linkage::LimbSegment& limb) -> Json {
+    return {{"length", limb.length_mm},
+            {"proximal_radius", limb.proximal_radius_mm},
+            {"distal_radius", limb.distal_radius_mm}};
+  };
+  Json bounds = Json::array();
+  for (const problem::Bounds& bound : explored_.problem.bounds) bounds.push_back({bound.lower, bound.upper});
+  return {{"name", explored_.name},
+          {"links", explored_.design.links.Values()},
+          {"bounds", bounds},
+          {"d_min", explored_.problem.d_min_mm},
+          {"standing_deg", explored_.problem.standing_deg},
+          {"torque_nm", explored_.problem.knee_torque_nm},
+          {"limits", explored_.limits},
+          {"notes", explored_.notes},
+          {"body", {{"thigh", segment(body.thigh)}, {"shank", segment(body.shank)}}}};
+}
+
+Json DesignExplorer::CurvesJson(const Links& links) const {
+  const double d_min_mm = explored_.problem.d_min_mm;
+  const auto range = RangeOf(links, d_min_mm), saved_range = RangeOf(explored_.design.links, d_min_mm);
+  if (!range) return {};
+  // As long as the longer of both, so that they can be compared.
+  const double last_mm = std::max(range->stroke.upper_mm, saved_range ? saved_range->stroke.upper_mm : 0);
+  const auto stroke = [&](std::size_t row) { return std::lerp(d_min_mm, last_mm, row / (kRows - 1.0)); };
+  std::vector<At> now, saved;
+  for (std::size_t row = 0; row < kRows; ++row) {
+    const auto at = [&](const Links& of, const std::optional<linkage::UsedRange>& within) {
+      const bool is_within = within && within->stroke.Contains(stroke(row));
+      return At(of, is_within ? std::min(stroke(row), within->stroke.upper_mm) : kNaN,
+                explored_.problem.knee_torque_nm);
+    };
+    now.push_back(at(links, range)), saved.push_back(at(explored_.design.links, saved_range));
+  }
+  const auto columns = [&](const std::vector<At>& rows) -> Json {
+    const auto column = [&](double At::*value) {
+      return Column(kRows, [&](std::size_t row) { return rows[row].*value; });
+    };
+    return {{"knee", column(&At::knee_deg)},
+            {"arm", column(&At::arm_mm)},
+            {"force", column(&At::force_n)},
+            {"transmission", column(&At::transmission_deg)}};
+  };
+  Json poses = Json::array();
+  for (const At& at : now) poses.push_back(PoseJson(at.pose));
+  return {{"stroke", Column(kRows, stroke)}, {"now", columns(now)}, {"saved", columns(saved)}, {"poses", poses}};
+}
+
+Json DesignExplorer::ChecksJson(const Links& links) const {
+  const problem::DesignEvaluation evaluation = problem::Evaluate(links, explored_.problem);
+  Json checks = Json::array();
+  for (const problem::RequirementCheck& check : evaluation.checks)
+    checks.push_back(CheckJson(check, explored_.problem, evaluation.range_deg));
+  const auto values = links.Values();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const problem::Bounds& bound = explored_.problem.bounds[i];
+    if (values[i] < bound.lower - kTolerance) checks.push_back(BoundJson(i, values[i], bound.lower, true));
+    if (values[i] > bound.upper + kTolerance) checks.push_back(BoundJson(i, values[i], bound.upper, false));
+  }
+  return {{"range_deg", Rounded(evaluation.range_deg)},
+          {"stands", evaluation.stands_mm ? Rounded(*evaluation.stands_mm) : Json()},
+          {"gap", evaluation.gap},
+          {"checks", checks}};
+}
+
+Json DesignExplorer::Explore(const Json& question) const {
+  Links links = LinksFrom(question.at("links"));
+  Json stroke, pose;
+  if (const auto drag = question.find("drag"); drag != question.end() && !drag->is_null()) {
+    double stroke_mm = 0;
+    std::tie(links, stroke_mm) = Dragged(links, *drag);
+    stroke = stroke_mm, pose = PoseJson(linkage::SolvePose(links, stroke_mm));
+  }
+  Json message = ChecksJson(links);
+  message["links"] = links.Values();
+  message["stroke"] = stroke, message["pose"] = pose;
+  message["curves"] = CurvesJson(links);
+  return message;
+}
+
+linkage::Design DesignExplorer::With(const Links& links) const {
+  const problem::DesignEvaluation evaluation = problem::Evaluate(links, explored_.problem);
+  if (!evaluation.pose) throw Fail("cannot be saved: {}", evaluation.gap);
+  linkage::Design design = explored_.design;
+  design.links = links, design.d_min_mm = explored_.problem.d_min_mm;
+  design.range_deg = evaluation.range_deg;
+  design.d_max_mm.reset();
+  if (evaluation.stands_mm && *evaluation.stands_mm > design.d_min_mm) design.d_max_mm = evaluation.stands_mm;
+  if (design.program && design.program->kind == linkage::StrokeProgram::Kind::kFree) design.program.reset();
+  const bool is_feasible = evaluation.IsFeasible();
+  design.made_by = fmt::format("lake-review {}{}", Version(), is_feasible ? "" : ": does not meet all requirements");
+  return design;
+}
+
+}  // namespace lake::review

@@ -1,0 +1,63 @@
+#include "page_server.h"
+
+#include <charconv>
+#include <utility>
+
+#include "lake/core/error.h"
+#include "page_files.h"
+
+namespace lake::review {
+namespace {
+
+LocalReply JsonReply(const Json& message) {
+  return {"application/json", message.dump(-1, ' ', false, Json::error_handler_t::replace)};
+}
+
+LocalServer::Handler File(const std::string& type, std::string_view text) {
+  return [type, text](const LocalRequest&) { return LocalReply{type, std::string(text)}; };
+}
+
+}  // namespace
+
+PageServer::PageServer(const PageOptions& options, std::function<Json()> state)
+    : options_(options), server_(options.port) {
+  server_.Get("", File("text/html; charset=utf-8", PageHtml()));
+  server_.Get("review.css", File("text/css; charset=utf-8", PageStyle()));
+  server_.Get("review.js", File("text/javascript; charset=utf-8", PageScript()));
+  server_.Get("state", [this, state = std::move(state)](const LocalRequest& request) {
+    if (const auto window = request.query.find("window"); window != request.query.end())
+      windows_.Opened(window->second);
+    return JsonReply(state());
+  });
+  Post("closed", [this](const Json& message) {
+    windows_.Closed(message.at("window"));
+    return Json();
+  });
+}
+
+void PageServer::Get(const std::string& path, std::function<Json()> answer) {
+  server_.Get(path, [answer = std::move(answer)](const LocalRequest&) { return JsonReply(answer()); });
+}
+
+void PageServer::Post(const std::string& path, std::function<Json(const Json& message)> answer) {
+  server_.Post(path, [answer = std::move(answer)](const LocalRequest& request) {
+    return JsonReply(answer(Json::parse(request.body)));
+  });
+}
+
+void PageServer::Serve(const std::function<bool()>& is_busy) {
+  if (options_.ready) options_.ready(server_.Address());
+  server_.Serve([&] { return windows_.AllClosed() && !is_busy(); });
+}
+
+std::int64_t FrameNumber(std::string text) {
+  constexpr std::string_view kEnding = ".jpg";
+  std::int64_t number = -1;
+  if (text.ends_with(kEnding)) text.resize(text.size() - kEnding.size());
+  const char* end = text.data() + text.size();
+  const auto [last, problem] = std::from_chars(text.data(), end, number);
+  if (problem != std::errc() || last != end || number < 0) throw Fail("'{}' is not the number of a frame", text);
+  return number;
+}
+
+}  // namespace lake::review

@@ -1,0 +1,67 @@
+// A marker of each kind, pointed at beside its place.
+#include "lake/review/snap.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/aruco.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace lake::review {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr double kNear_px = 0.2;  // drawn without noise; what antialiasing and the fit's model of a disc differ by
+
+// A disc in the middle of this pixel, drawn eight times larger.
+cv::Mat Disc(const cv::Point& middle, double radius_px, const cv::Scalar& colour, const cv::Scalar& ground) {
+  constexpr int kFiner = 8;
+  cv::Mat fine(200 * kFiner, 300 * kFiner, CV_8UC3, ground), picture;
+  const cv::Point centre(kFiner * middle.x + kFiner / 2, kFiner * middle.y + kFiner / 2);
+  cv::circle(fine, centre, static_cast<int>(kFiner * radius_px), colour, cv::FILLED);
+  cv::resize(fine, picture, {300, 200}, 0, 0, cv::INTER_AREA);
+  return picture;
+}
+
+std::optional<tracking::MarkerDetection> Snap(const cv::Mat& bgr, const Vector2d& place, const SnapDetector& detector) {
+  video::VideoFrame frame;
+  cv::cvtColor(bgr, frame.luma, cv::COLOR_BGR2GRAY);
+  return SnapToMarker(frame, place, 20, detector, [&] { return bgr; });
+}
+
+SnapDetector Reflective() {
+  return [](const auto& near) { return tracking::MakeReflectiveDetector(tracking::Polarity::kBright, near); };
+}
+
+TEST(Snap, ToABrightDisc) {
+  const cv::Mat picture = Disc({120, 80}, 6, {250, 250, 250}, {40, 40, 40});
+  const auto found = Snap(picture, {131, 72}, Reflective());
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->position - Vector2d(120, 80)).norm(), kNear_px);
+  EXPECT_FALSE(Snap(picture, {145, 80}, Reflective())) << "out of reach";
+  EXPECT_FALSE(Snap(picture, {1e9, 80}, Reflective())) << "out of the picture";
+}
+
+TEST(Snap, ToAColouredDisc) {
+  const SnapDetector green = [](const auto& near) { return tracking::MakeColorDetector({"#00C832"}, near); };
+  const cv::Mat picture = Disc({120, 80}, 6, {50, 200, 0}, {110, 110, 110});
+  const auto found = Snap(picture, {131, 72}, green);
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->position - Vector2d(120, 80)).norm(), kNear_px);
+  EXPECT_FALSE(Snap(Disc({120, 80}, 6, {50, 50, 220}, {110, 110, 110}), {131, 72}, green)) << "red";
+}
+
+TEST(Snap, ToAnArucoMarker) {
+  const SnapDetector aruco = [](const auto&) { return tracking::MakeArucoDetector("4X4_50", {}); };
+  cv::Mat marker, picture(200, 300, CV_8UC3, cv::Scalar(220, 220, 220));
+  cv::aruco::drawMarker(cv::aruco::getPredefinedDictionary(cv::aruco::DICT_4X4_50), 7, 60, marker);
+  cv::cvtColor(marker, marker, cv::COLOR_GRAY2BGR);
+  marker.copyTo(picture(cv::Rect(90, 50, 60, 60)));
+  const auto found = Snap(picture, {128, 70}, aruco);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->identity, 7);
+  EXPECT_LT((found->position - Vector2d(119.5, 79.5)).norm(), kNear_px) << "pixels 90 to 149";
+}
+
+}  // namespace
+}  // namespace lake::review
