@@ -43,7 +43,8 @@ TEST(Snap, ToABrightDisc) {
 }
 
 TEST(Snap, ToAColouredDisc) {
-  const SnapDetector green = [](const auto& near) { return tracking::MakeColorDetector({"#00C832"}, near); };
+  const tracking::MarkerHue hue = tracking::HueOfColor(tracking::ParseMarkerColor("#00C832"), false);
+  const SnapDetector green = [&](const auto& near) { return tracking::MakeColorDetector({hue}, near); };
   const cv::Mat picture = Disc({120, 80}, 6, {50, 200, 0}, {110, 110, 110});
   const auto found = Snap(picture, {131, 72}, green);
   ASSERT_TRUE(found);

@@ -59,7 +59,7 @@ review::CorrectionBook BookOf(const TrackedFolder& folder) {
 
 // What measures a marker near a click as the tracker did it. A patch is looked for where it was before, and an ArUco
 // marker may be larger than what is near.
-review::SnapDetector DetectorOf(const tracking::TrackOptions& track) {
+review::SnapDetector DetectorOf(const fs::path& video, const tracking::TrackOptions& track) {
   using tracking::DetectorRegion;
   switch (track.detector) {
     case tracking::DetectorKind::kReflective:
@@ -67,7 +67,9 @@ review::SnapDetector DetectorOf(const tracking::TrackOptions& track) {
         return tracking::MakeReflectiveDetector(polarity, near);
       };
     case tracking::DetectorKind::kColor:
-      return [colors = track.colors](const DetectorRegion& near) { return tracking::MakeColorDetector(colors, near); };
+      return [hues = tracking::FindHues(video, track)](const DetectorRegion& near) {
+        return tracking::MakeColorDetector(hues, near);
+      };
     case tracking::DetectorKind::kAruco:
       return [dictionary = track.dictionary](const DetectorRegion&) {
         return tracking::MakeArucoDetector(dictionary, {});
@@ -108,7 +110,7 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
   return {BookOf(*folder),
           repeated,
           {fit, save},
-          DetectorOf(folder->options.track),
+          DetectorOf(folder->options.video, folder->options.track),
           {{"name", folder->options.video.filename().string()},
            {"folder", folder->folder.string()},
            {"command", folder->command},

@@ -12,6 +12,7 @@
 #include "lake/commands/simulate.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/provenance.h"
 #include "lake/core/json.h"
 #include "lake/core/run.h"
 #include "lake/core/yaml.h"
@@ -58,7 +59,7 @@ struct Folder {
       if (path_then == named || (IsOfStudy() && path_then.filename() == named.filename()))
         return FindInput(input, path).string();
     }
-    return named.string();
+    return FromHome(named).string();
   }
 
   // Gives the options their values there, unless these are the default.

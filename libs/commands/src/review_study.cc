@@ -5,6 +5,7 @@
 
 #include "child_program.h"
 #include "lake/core/error.h"
+#include "lake/core/provenance.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/json.h"
 #include "result_inputs.h"
@@ -17,7 +18,7 @@ namespace {
 
 // The study file may have been edited since: that is what the steps are then done for.
 fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
-  const fs::path named = summary.at("options").at("study").get<std::string>();
+  const fs::path named = FromHome(summary.at("options").at("study").get<std::string>());
   for (fs::path place = fs::absolute(folder).lexically_normal(); place.has_relative_path(); place = place.parent_path())
     if (fs::exists(place / named)) return place / named;
   if (fs::exists(named)) return named;

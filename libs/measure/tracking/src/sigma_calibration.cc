@@ -89,13 +89,19 @@ double TrimmedDeviation(const std::vector<double>& residuals) {
 
 constexpr std::size_t kEnough = 60;  // samples
 
+// An encoder leaves a marker displaced only as long as what that leaves in its picture is less than it quantises, so
+// what it displaces stays within a multiple of the fit's own sigma, which that coarseness makes larger too: of the same
+// recordings 3 to 8 times. A person's jitter does not.
+constexpr double kMostOfFit = 9;
+
 // What compression adds to the scatter; nullopt where too few samples show it.
 std::optional<SigmaCalibration> CompressionIn(const Scatter& scatter) {
   if (scatter.sigmas.size() < kEnough) return std::nullopt;
   SigmaCalibration found;
   found.fit_px = RootMeanSquare(scatter.sigmas);
   found.scatter_px = TrimmedDeviation(scatter.residuals);
-  found.compression_px = std::sqrt(std::max(0.0, std::pow(found.scatter_px, 2) - std::pow(found.fit_px, 2)));
+  found.compression_px = std::min(std::sqrt(std::max(0.0, std::pow(found.scatter_px, 2) - std::pow(found.fit_px, 2))),
+                                  kMostOfFit * found.fit_px);
   return found;
 }
 

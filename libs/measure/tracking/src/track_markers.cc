@@ -41,20 +41,6 @@ MarkerHue FindHue(const std::filesystem::path& video, const MarkerColor& color, 
   return HueAt(frame, color);
 }
 
-std::vector<MarkerHue> FindHues(const std::filesystem::path& video, const TrackOptions& options) {
-  const bool bt709 = video::VideoReader::Open(video, options.reader)->Info().bt709;
-  std::vector<MarkerHue> hues;
-  for (const std::string& text : options.colors) {
-    hues.push_back(FindHue(video, ParseMarkerColor(text), bt709, options.reader));
-    constexpr double kAlike = 0.98;  // cosine of 11°
-    for (std::size_t other = 0; other + 1 < hues.size(); ++other)
-      if (hues[other].direction.dot(hues.back().direction) > kAlike)
-        throw Fail("--color {} and {}: hardly differ in hue; give one colour for all markers", options.colors[other],
-                   text);
-  }
-  return hues;
-}
-
 std::unique_ptr<MarkerDetector> MakeDetector(const std::filesystem::path& video, const TrackOptions& options) {
   const DetectorRegion region{options.crop};
   switch (options.detector) {
@@ -181,6 +167,20 @@ std::vector<const Tracklet*> NamedTracklets(const std::vector<Tracklet>& trackle
 }
 
 }  // namespace
+
+std::vector<MarkerHue> FindHues(const std::filesystem::path& video, const TrackOptions& options) {
+  const bool bt709 = video::VideoReader::Open(video, options.reader)->Info().bt709;
+  std::vector<MarkerHue> hues;
+  for (const std::string& text : options.colors) {
+    hues.push_back(FindHue(video, ParseMarkerColor(text), bt709, options.reader));
+    constexpr double kAlike = 0.98;  // cosine of 11°
+    for (std::size_t other = 0; other + 1 < hues.size(); ++other)
+      if (hues[other].direction.dot(hues.back().direction) > kAlike)
+        throw Fail("--color {} and {}: hardly differ in hue; give one colour for all markers", options.colors[other],
+                   text);
+  }
+  return hues;
+}
 
 void TrackOptions::Check() const {
   physics.Check();

@@ -34,6 +34,8 @@ void Decoder::Open(bool skip_deblocking) {
   codec_->thread_type = FF_THREAD_FRAME | FF_THREAD_SLICE;
   if (skip_deblocking) codec_->skip_loop_filter = AVDISCARD_ALL;
   codec_->flags |= AV_CODEC_FLAG_UNALIGNED;  // crop to the pixel
+  // HEVC slices that fail, and pictures that are not what their hash says, are passed over otherwise.
+  if (decoder->id == AV_CODEC_ID_HEVC) codec_->err_recognition |= AV_EF_CRCCHECK | AV_EF_EXPLODE;
   codec_->max_pixels = libav::kMaxPixels;
   const int result = avcodec_open2(codec_.get(), decoder, nullptr);
   if (result < 0)

@@ -1,9 +1,21 @@
 #include "lake/review/snap.h"
 
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 namespace lake::review {
+namespace {
+
+// I420, as a colour video's preview; of odd sides the last column or row stands twice.
+cv::Mat PreviewOf(const cv::Mat& bgr) {
+  cv::Mat even, preview;
+  cv::copyMakeBorder(bgr, even, 0, bgr.rows % 2, 0, bgr.cols % 2, cv::BORDER_REPLICATE);
+  cv::cvtColor(even, preview, cv::COLOR_BGR2YUV_I420);
+  return preview;
+}
+
+}  // namespace
 
 std::optional<tracking::MarkerDetection> SnapToMarker(video::VideoFrame frame, const Eigen::Vector2d& place,
                                                       double reach_px, const SnapDetector& make_detector,
@@ -16,7 +28,7 @@ std::optional<tracking::MarkerDetection> SnapToMarker(video::VideoFrame frame, c
   const cv::Rect near(static_cast<int>(std::lround(place.x())) - half, static_cast<int>(std::lround(place.y())) - half,
                       2 * half + 1, 2 * half + 1);
   const auto detector = make_detector({near & cv::Rect({0, 0}, size)});
-  if (detector->NeedsColour()) frame.bgr = colours();
+  if (detector->NeedsColour()) frame.preview = PreviewOf(colours());
   std::optional<tracking::MarkerDetection> nearest;
   double least = reach_px;
   for (const tracking::MarkerDetection& found : detector->Detect(frame, {}, true)) {

@@ -60,6 +60,9 @@ struct TrackResult {
 // two frames; NamingError where fewer markers than names are seen, or they cannot be named with certainty.
 TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions& options);
 
+// The hues that options.colors name, in this video. Throws Error where a place has none, or two hardly differ.
+std::vector<MarkerHue> FindHues(const std::filesystem::path& video, const TrackOptions& options);
+
 // What a NamingError would list: all that is found, without naming it.
 CandidateList FindCandidates(const std::filesystem::path& video, const TrackOptions& options);
 
