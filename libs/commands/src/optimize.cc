@@ -277,6 +277,7 @@ Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
 
 Json RunOptimize(const OptimizeRunOptions& options, Run& run) {
   options.study.Check();
+  problem::CheckBody(options.problem);
   if (!options.problem_file.empty()) run.AddInput(options.problem_file);
   if (options.problem.profile) run.AddInput(options.problem.profile->file);
   if (options.problem.actuator && !options.problem.actuator->file.empty()) run.AddInput(options.problem.actuator->file);

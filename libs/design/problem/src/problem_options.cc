@@ -77,6 +77,15 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
       .Otherwise("half the thigh");
 }
 
+void CheckBody(const SynthesisProblem& problem) {
+  const Clearances& clearances = problem.clearances;
+  const linkage::BodySize& body = clearances.body;
+  if (!clearances.AreAsked() && (body.height_mm || body.mass_kg || body.leg || clearances.seat_edge_mm > 0))
+    throw UsageError(
+        "a body (--height, --mass, --thigh, --shank, --seat-edge) is what clearances are to: give --clear-seat or "
+        "--clear-limb too");
+}
+
 void CheckRest(const SynthesisProblem& problem) {
   if (!problem.rests_anywhere && !(problem.actuator && problem.HasLoadProfile()))
     throw UsageError(
@@ -107,7 +116,8 @@ void Describe(SynthesisProblem& o, OptionList& options) {
   add("max-pin-force", o.max_pin_force_n, "Largest force in a pin, at K, P, R and S").Unit("N");
   add("max-mount-force", o.max_mount_force_n, "Largest force of the mount on the thigh, at M").Unit("N");
   add("safety-factor", o.safety_factor, "Least safety factor of plates, pins and the actuator's rod, as strength.csv")
-      .Key("safety_factor");
+      .Key("safety_factor")
+      .Value("FACTOR");
   add("knee-torque", o.knee_torque_nm, "Knee torque that the actuator balances").Unit("N m");
   add("min-moment-arm", o.min_moment_arm_mm, "Smallest moment arm over the used range").Unit("mm per rad");
   add("min-transmission", o.min_transmission_deg,

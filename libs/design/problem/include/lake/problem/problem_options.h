@@ -15,6 +15,9 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options);
 // Of these what the knee needs, and the actuator that gives it.
 void DescribeLoad(SynthesisProblem& o, OptionList& options);
 
+// Throws UsageError where a body is given, but no clearance is asked for.
+void CheckBody(const SynthesisProblem& problem);
+
 // Throws UsageError where --rest was changed, but no actuator has a share to hold.
 void CheckRest(const SynthesisProblem& problem);
 
