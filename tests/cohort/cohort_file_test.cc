@@ -124,5 +124,20 @@ TEST_F(CohortFile, RefusesTablesOfNobodyOrOfOneTwice) {
   ExpectRefused("the first column must be participant_id");
 }
 
+TEST_F(CohortFile, ReadsWhatTheDesignForAllIs) {
+  EXPECT_FALSE(ReadCohort(folder_.Path()).population);
+  WriteYaml("population: {human_only: true, max_misalignment_percent: 3, across: quantile, quantile: 0.8, sizes: 3}\n");
+  const cohort::Cohort cohort = ReadCohort(folder_.Path());
+  ASSERT_TRUE(cohort.population);
+  EXPECT_EQ(cohort.population->options.across, redesign::Across::kQuantile);
+  EXPECT_EQ(cohort.population->options.quantile, 0.8);
+  EXPECT_EQ(cohort.population->options.sizes, 3);
+  EXPECT_FALSE(cohort.has_heights) << "sub-03's is n/a";
+  WriteYaml("population: {pareto: 5}\n");
+  ExpectRefused("cohort.yaml:5: unknown key 'pareto'");
+  WriteYaml("population: {problem: nowhere.yaml}\n");
+  ExpectRefused("nowhere.yaml");
+}
+
 }  // namespace
 }  // namespace lake

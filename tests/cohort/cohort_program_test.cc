@@ -6,6 +6,7 @@
 
 #include "cli/program_run.h"
 #include "cohort/bids_rules.h"
+#include "lake/core/json.h"
 #include "lake/core/provenance.h"
 
 namespace lake {
@@ -58,10 +59,22 @@ class CohortProgram : public testing::Test {
     EXPECT_EQ(compared, 2);
   }
 
+  // One design for the two people whose comparison is there.
+  void ExpectOneDesignForBoth(const std::string& page) {
+    const CsvTable people = CsvTable::Read(folder_ / "out/group/population/people.csv");
+    ASSERT_EQ(people.Rows(), 2u);
+    EXPECT_EQ(people.Text(0, 0), "sub-01");
+    EXPECT_EQ(people.Text(1, 0), "sub-02");
+    // Small costs are counted once for each: nobody's own design is worse by more.
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_GE(people.RequiredNumber(i, people.Column("cost_deg")), -2e-3);
+    EXPECT_THAT(page, HasSubstr("One design for all"));
+  }
+
   TemporaryFolder folder_;
 };
 
 TEST_F(CohortProgram, MakesATemplateAndSaysWhatIsMissing) {
+  fs::create_directories(folder_ / "bin");
   ASSERT_EQ(Shell(folder_, "lake cohort --template mine").exit_code, 0);
   for (const char* file : {"participants.tsv", "participants.json", "cohort.yaml", "README"})
     EXPECT_TRUE(fs::is_regular_file(folder_ / "mine" / file)) << file;
@@ -77,6 +90,14 @@ TEST_F(CohortProgram, MakesATemplateAndSaysWhatIsMissing) {
   ExpectRefused("mine mine/sourcedata/results group", 2, "a folder of their own");
   ExpectRefused("mine . group", 2, "a folder of their own");
   ExpectRefused("mine out group --profile nowhere", 2, "no config.yaml");
+  // A Slurm that does not answer is one line, whatever its programs say.
+  WriteTextFile(folder_ / "bin/sinfo", "#!/bin/sh\necho 'sinfo: error: no controller' >&2\necho more >&2\nexit 1\n");
+  WriteTextFile(folder_ / "bin/sbatch", "#!/bin/sh\nexit 1\n");
+  for (const char* program : {"sinfo", "sbatch"}) fs::permissions(folder_ / "bin" / program, fs::perms::owner_all);
+  WriteTextFile(folder_ / "mine/sourcedata/sub-01/ses-1/human.mp4", "");
+  const Outcome slurm = Shell(folder_, "PATH=$PWD/bin:$PATH lake-cohort mine out group --slurm");
+  EXPECT_EQ(slurm.exit_code, 1);
+  EXPECT_EQ(slurm.err, "lake-cohort: --slurm: Slurm does not answer: sinfo: error: no controller\n");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "mine/sourcedata"), fs::directory_iterator()), 2);
 }
 
@@ -92,6 +113,10 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   WriteTextFile(folder_ / "people/sourcedata/sub-03/exo/video.mp4", "no video");
   WriteTextFile(folder_ / "people/participants.tsv",
                 ReadTextFile(folder_ / "people/participants.tsv") + "sub-04\tn/a\tn/a\n");
+
+  Json cohort = ReadJsonFile(folder_ / "people/cohort.yaml");
+  cohort["population"] = {{"human_only", true}, {"penalty", 0.3}, {"fit_placement", true}, {"starts", 1}};
+  WriteJsonFile(folder_ / "people/cohort.yaml", cohort);
 
   // Killed when one trial of two people is done; what it had started outlives it, and is waited for.
   const std::string run = "lake-cohort people out group --cores 2 --quiet";
@@ -110,11 +135,13 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   const CsvTable failures = CsvTable::Read(folder_ / "out/group/failures.csv");
   ASSERT_EQ(failures.Rows(), 2u);
   EXPECT_EQ(failures.Text(0, failures.Column("participant_id")), "sub-04");
+  EXPECT_EQ(failures.Text(0, failures.Column("step")), "recordings");
   EXPECT_THAT(failures.Text(0, failures.Column("error")), HasSubstr("no recordings"));
   EXPECT_EQ(failures.Text(1, failures.Column("step")), "exo");
   EXPECT_THAT(failures.Text(1, failures.Column("error")), HasSubstr("sub-03/exo/video.mp4"));
   EXPECT_THAT(page, HasSubstr("sub-03/exo/video.mp4"));
   ExpectTruth();
+  ExpectOneDesignForBoth(page);
 
   // Without a kill the same comes out, byte by byte.
   const auto with_kill = Contents(folder_ / "out");

@@ -5,9 +5,9 @@
 
 #include "child_program.h"
 #include "lake/core/error.h"
-#include "lake/core/provenance.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/json.h"
+#include "lake/core/provenance.h"
 #include "result_inputs.h"
 
 namespace lake::commands {

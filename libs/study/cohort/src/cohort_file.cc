@@ -44,6 +44,15 @@ class Participants {
   const std::vector<std::string>& Names() const { return names_; }
   bool Has(const std::string& id) const { return rows_.contains(id); }
 
+  // Of everybody.
+  bool HasNumbers(const std::string& column) const {
+    if (!table_.Has(column)) return false;
+    for (std::size_t row = 0; row < table_.Rows(); ++row)
+      if (table_.Text(row, table_.Column(column)) == kNotKnown || !table_.Number(row, table_.Column(column)))
+        return false;
+    return true;
+  }
+
   // nullopt where it is not known.
   std::optional<std::string> Cell(const std::string& id, const std::string& column) const {
     if (!table_.Has(column))
@@ -273,8 +282,11 @@ Cohort ReadCohort(const fs::path& folder, const std::vector<std::string>& asked)
     throw Fail("{}: 'study' is missing: what study.yaml says for each person", root.Where());
   const Json of_all = study->ToJson();
   const std::vector<Difference> differences = ReadPeople(root, found);
+  if (auto population = root.Child("population"))
+    cohort.population = study::ReadPopulation(std::move(*population), cohort.folder);
   root.Finish();
 
+  cohort.has_heights = people.HasNumbers("height_mm");
   for (const std::string& participant : Chosen(people, asked)) {
     if (found[participant].empty()) cohort.absent.push_back(participant);
     for (Recordings& recordings : found[participant]) {

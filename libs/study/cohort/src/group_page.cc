@@ -88,8 +88,8 @@ Section ResultSection(const Json& workflow, const GroupData& group, const GroupF
 Section FailuresSection(const std::vector<Failure>& failures) {
   Table table{"What was not done", {{"Recordings"}, {"Step"}, {"Error"}}, {}, Width::kFull};
   for (const Failure& failure : failures)
-    table.rows.push_back({Recordings{failure.participant, failure.session, failure.run, {}, {}}.Name(),
-                          failure.step.empty() ? "study" : failure.step, failure.error});
+    table.rows.push_back(
+        {Recordings{failure.participant, failure.session, failure.run, {}, {}}.Name(), failure.step, failure.error});
   return {"Failures", {std::move(table), Paragraph{"The steps after these were not begun; all others count."}}};
 }
 
@@ -202,6 +202,64 @@ Section ReliabilitySection(const std::vector<ReliabilityRow>& rows) {
                      "(Bland & Altman 1999). reliability.csv has all quantities."}}};
 }
 
+std::string RuleText(const Json& rule) {
+  const auto name = [&] {
+    for (const auto& [known, text] : {std::pair{"height_mm", "body height"},
+                                      {"leg_mm", "shank and thigh together"},
+                                      {"shank_mm", "shank, knee to ankle"},
+                                      {"thigh_mm", "thigh, hip to knee"}})
+      if (rule["quantity"] == known) return text;
+    return "";
+  };
+  std::string text;
+  if (rule["ranges"].size() == 1)
+    text = fmt::format("No quantity of the body tells who needs which size: the next participant gets size {}.",
+                       rule["ranges"][0]["size"].get<int>());
+  else
+    for (const Json& range : rule["ranges"])
+      text += fmt::format(
+          "{}size {}{}", text.empty() ? fmt::format("The next participant gets, by {}, ", name()) : ", ",
+          range["size"].get<int>(),
+          range["to_mm"].is_number() ? fmt::format(" up to {:.0f} mm", range["to_mm"].get<double>()) : " beyond.");
+  return fmt::format("{} With each left out in turn it gives {} of {} the size that they wear, and {} keep the limits.",
+                     text, rule["left_out_same_size"].get<int>(), rule["left_out"].get<int>(),
+                     rule["left_out_hold"].get<int>());
+}
+
+// What the design for all, or each size, is to whom.
+Section PopulationSection(const Json& summary) {
+  const bool has_sizes = summary.contains("sizes");
+  Section section{has_sizes ? "Sizes for all" : "One design for all", {}};
+  Table designs{"Designs", {{"Size"}, {"Range (°)"}, {"Largest misalignment (% of the shank)"}}, {}, Width::kFull};
+  const auto add = [&](const std::string& name, const Json& design) {
+    designs.rows.push_back(
+        {name, Number{NumberOrNaN(design["range_deg"]), 1}, Number{NumberOrNaN(design["misalignment_percent"]), 2}});
+  };
+  if (has_sizes) {
+    for (const Json& size : summary["sizes"]) add(fmt::format("{}", size["size"].get<int>()), size);
+    section.blocks.push_back(std::move(designs));
+    section.blocks.push_back(Paragraph{RuleText(summary["rule"])});
+  }
+  Table people{has_sizes ? "Who wears which" : "What it is to each",
+               {{"Participant"}, {"Size"}, {"Misalignment (% of the shank)"}, {"Costs, against their own (°)"}},
+               {},
+               Width::kFull};
+  for (const Json& person : summary["people"])
+    people.rows.push_back({person["person"].get<std::string>(), fmt::format("{}", person["size"].get<int>()),
+                           Number{NumberOrNaN(person["misalignment_percent"]), 2},
+                           Number{NumberOrNaN(person["cost_deg"]), 1}});
+  if (!has_sizes)
+    section.blocks.push_back(Paragraph{fmt::format(
+        "The links with the largest range that all wear, each with placement and program of their own: {:.1f}°. "
+        "population/design.yaml has them.",
+        NumberOrNaN(summary["range_deg"]))});
+  section.blocks.push_back(std::move(people));
+  section.blocks.push_back(Paragraph{
+      "The cost is the range of the best design for this participant alone, under the same limits, less that of the "
+      "common one. population/people.csv has placement, program and those designs."});
+  return section;
+}
+
 Section OutliersSection(const std::vector<OutlierRow>& rows) {
   Table table{"Participants far from the others", {{"Participant"}, {"Why"}}, {}, Width::kFull};
   for (const OutlierRow& row : rows) table.rows.push_back({row.participant, row.Why()});
@@ -247,6 +305,9 @@ Report MakeGroupPage(const Json& workflow, const fs::path& out, const GroupData&
   page.sections.push_back(CurvesSection(findings));
   if (!findings.differences.empty()) page.sections.push_back(DifferencesSection(findings.differences));
   if (!findings.reliability.empty()) page.sections.push_back(ReliabilitySection(findings.reliability));
+  if (const fs::path summary = out / "group" / "population" / "summary.json";
+      workflow.value("population", false) && fs::is_regular_file(out / "logs" / "population.done"))
+    page.sections.push_back(PopulationSection(ReadJsonFile(summary)));
   if (!findings.outliers.empty()) page.sections.push_back(OutliersSection(findings.outliers));
   if (!findings.failures.empty()) page.sections.push_back(FailuresSection(findings.failures));
   page.sections.push_back(StudiesSection(workflow, out));

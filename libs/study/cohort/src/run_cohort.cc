@@ -12,6 +12,7 @@
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 #include "lake/core/threads.h"
+#include "population.h"
 #include "program_files.h"
 #include "workflow.h"
 
@@ -88,6 +89,10 @@ std::vector<std::string> SnakemakeArguments(const CohortRunOptions& options) {
 void RunJob(const CohortRunOptions& options, const Run& run) {
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
   const Json workflow = ReadWorkflow(out);
+  if (*options.only == kPopulationStep) {
+    RunPopulation(ReadCohort(workflow["source"].get<std::string>()), workflow, out, run);
+    return;
+  }
   if (*options.only == "tables") {
     Run tables({"lake-cohort", run.Head()["command"], run.Head()["options"], out / "group", run.Quiet()});
     tables.WriteSummary(WriteGroup(workflow, out, tables));
@@ -109,8 +114,8 @@ void CheckLevel(const CohortRunOptions& options) {
   if (options.level != "participant" && options.level != "group")
     throw UsageError(options.level.empty() ? "say participant or group behind the folders"
                                            : fmt::format("'{}': participant or group", options.level));
-  if (options.only && *options.only != "motion" && *options.only != "tables")
-    throw UsageError(fmt::format("--only {}: motion or tables", *options.only));
+  if (options.only && *options.only != "motion" && *options.only != kPopulationStep && *options.only != "tables")
+    throw UsageError(fmt::format("--only {}: motion, population or tables", *options.only));
   if (options.cores && (options.slurm || options.profile)) throw UsageError("--cores: not with --slurm or --profile");
   if (options.slurm && options.profile) throw UsageError("--slurm: not with --profile, which can say so itself");
 }
@@ -129,7 +134,8 @@ void Describe(CohortRunOptions& o, OptionList& options) {
       .Value("DIR|NAME");
   options.Add("template", o.make_template, "Make a folder to fill with recordings, and do nothing else")
       .IsPath(Option::Path::kFolder);
-  options.Add("only", o.only, "Do this alone, here and now, as a job of the workflow does").Value("motion|tables");
+  options.Add("only", o.only, "Do this alone, here and now, as a job of the workflow does")
+      .Value("motion|population|tables");
   options.Add("recordings", o.recordings, "With --only motion: of these, e.g. sub-01_ses-1").Value("NAME");
   options.Check([&o](const OptionList&) { CheckLevel(o); });
 }
@@ -147,6 +153,7 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   for (const char* file : {"participants.tsv", "cohort.yaml"}) run.AddInput(cohort.folder / file);
   CheckFolder(cohort, run.Folder());
   if (options.profile) CheckProfile(*options.profile);
+  if (options.slurm) CheckSlurm();
   WriteDatasetFiles(cohort, run);
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
   const WorkflowLock lock(out, run.Quiet());
@@ -154,11 +161,15 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   if (workflow["recordings"].empty())
     throw Fail("{}: no study can be done: {}", cohort.folder.string(), FailuresOf(workflow, out).front().Text());
   const std::vector<std::string> arguments = SnakemakeArguments(options);
+  ForgetPopulation(out);
   const bool all_well = RunSnakemake(out, "participant", arguments, run.Quiet(), lock);
-  const std::vector<Failure> failures = FailuresOf(workflow, out);
+  std::vector<Failure> failures = FailuresOf(workflow, out);
   if (!all_well && (failures.empty() || !AllWereTried(failures)))
     throw Fail("snakemake ended before every step was tried; it says why {}",
                run.Quiet() ? "in " + (out / "logs" / kSnakemakeLog).string() : "above");
+  if (options.level == "group" && cohort.population &&
+      !RunSnakemake(out, kPopulationStep, arguments, run.Quiet(), lock))
+    failures = FailuresOf(workflow, out);
   for (const Failure& failure : failures) run.Warn(failure.Text());
   Json summary = {{"recordings", workflow["recordings"].size()}, {"failures", Json::array()}};
   for (const Failure& failure : failures) summary["failures"].push_back(failure.Text());

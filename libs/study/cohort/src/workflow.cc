@@ -23,6 +23,7 @@
 #include "lake/core/interrupt.h"
 #include "lake/core/processes.h"
 #include "lake/study/study.h"
+#include "population.h"
 #include "program_files.h"
 
 namespace lake::cohort {
@@ -182,6 +183,7 @@ std::string ErrorIn(const fs::path& log) {
 }  // namespace
 
 std::string Failure::Text() const {
+  if (participant.empty()) return fmt::format("{}: {}", step, error);
   return fmt::format("{}: {}", Recordings{participant, session, run, {}, {}}.Name(), error);
 }
 
@@ -214,13 +216,16 @@ Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
                    {"out", out.string()},
                    {"name", cohort.name},
                    {"task", cohort.task},
+                   {"population", cohort.population.has_value()},
                    {"recordings", Json::object()},
                    {"failed", Json::array()}};
-  const auto fail = [&](const Recordings& of, const std::string& error) {
+  // Before any of the study's steps: what was to be found, or read.
+  const auto fail = [&](const Recordings& of, const char* step, const std::string& error) {
     workflow["failed"].push_back(
-        {{"participant", of.participant}, {"session", of.session}, {"run", of.run}, {"error", error}});
+        {{"participant", of.participant}, {"session", of.session}, {"run", of.run}, {"step", step}, {"error", error}});
   };
-  for (const std::string& participant : cohort.absent) fail({participant, "", "", {}, {}}, "there are no recordings");
+  for (const std::string& participant : cohort.absent)
+    fail({participant, "", "", {}, {}}, "recordings", "there are no recordings");
   for (const Recordings& recordings : cohort.recordings) {
     Json of = {{"participant", recordings.participant},
                {"session", recordings.session},
@@ -230,7 +235,7 @@ Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
       PlanStudy(recordings, cohort.steps, out, made_by, of);
       workflow["recordings"][recordings.Name()] = std::move(of);
     } catch (const Error& error) {
-      fail(recordings, error.what());
+      fail(recordings, "study", error.what());
     }
   }
   WriteIfChanged(out / "logs" / "cohort.json", workflow.dump(1) + "\n");
@@ -239,6 +244,18 @@ Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
 
 Json ReadWorkflow(const fs::path& out) {
   return ReadJsonFile(out / "logs" / "cohort.json");
+}
+
+void CheckSlurm() {
+  for (const char* program : {"sbatch", "sinfo"})
+    if (!IsInstalled(program))
+      throw Fail("--slurm: {} is not installed here; start where jobs are submitted, or work with --cores", program);
+  std::string said;
+  FILE* pipe = popen("sinfo -h -o %P 2>&1", "r");
+  if (!pipe) throw Fail("--slurm: sinfo cannot be started: {}", std::strerror(errno));
+  char line[1024];
+  while (std::fgets(line, sizeof line, pipe)) said += line;
+  if (pclose(pipe) != 0) throw Fail("--slurm: Slurm does not answer: {}", said.substr(0, said.find('\n')));
 }
 
 bool RunSnakemake(const fs::path& out, const std::string& target, const std::vector<std::string>& arguments, bool quiet,
@@ -255,7 +272,8 @@ bool RunSnakemake(const fs::path& out, const std::string& target, const std::vec
                                     "mtime",        "--quiet",
                                     "rules"};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  if (target == "group") words.insert(words.end(), {"--forcerun", target, "--"});
+  // Of what is there now: a step's own stamp, where it has one, says whether it is done again.
+  if (target != "participant") words.insert(words.end(), {"--forcerun", target, "--"});
   words.push_back(target);
   const int status = Spawn(words, lock.Descriptor(), quiet ? std::optional(logs / kSnakemakeLog) : std::nullopt);
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
@@ -264,7 +282,7 @@ bool RunSnakemake(const fs::path& out, const std::string& target, const std::vec
 std::vector<Failure> FailuresOf(const Json& workflow, const fs::path& out) {
   std::vector<Failure> failures;
   for (const Json& of : workflow["failed"])
-    failures.push_back({of["participant"], of["session"], of["run"], "", of["error"]});
+    failures.push_back({of["participant"], of["session"], of["run"], of["step"], of["error"]});
   for (const auto& [name, of] : workflow["recordings"].items())
     for (const auto& [step, plan] : of["steps"].items()) {
       const bool could_be_done =
@@ -273,7 +291,14 @@ std::vector<Failure> FailuresOf(const Json& workflow, const fs::path& out) {
       if (could_be_done && !IsDone(out, name, step))
         failures.push_back({of["participant"], of["session"], of["run"], step, ErrorIn(LogOf(out, name, step))});
     }
+  if (workflow.value("population", false) && !fs::exists(out / "logs" / "population.done"))
+    if (const fs::path log = out / "logs" / "population.log"; fs::exists(log))
+      failures.push_back({"", "", "", kPopulationStep, ErrorIn(log)});
   return failures;
+}
+
+void ForgetPopulation(const fs::path& out) {
+  for (const char* file : {"population.done", "population.log"}) fs::remove(out / "logs" / file);
 }
 
 bool AllWereTried(const std::vector<Failure>& failures) {

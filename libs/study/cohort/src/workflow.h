@@ -35,18 +35,24 @@ class WorkflowLock {
 Json PrepareWorkflow(const Cohort& cohort, const std::filesystem::path& out);
 Json ReadWorkflow(const std::filesystem::path& out);
 
+// Throws Error in one line where there is no Slurm that answers.
+void CheckSlurm();
+
 // Runs snakemake for `target` with the given further arguments, its words on stderr, or in its log. Returns whether all
 // went well. Throws Error if it cannot be started.
 bool RunSnakemake(const std::filesystem::path& out, const std::string& target,
                   const std::vector<std::string>& arguments, bool quiet, const WorkflowLock& lock);
 
-// A step that was not done although those before it were.
+// A step that was not done although those before it were; of the design for all there is no participant.
 struct Failure {
   std::string participant, session, run, step, error;
 
   std::string Text() const;  // "sub-03_ses-1: step exo (…): …"
 };
 std::vector<Failure> FailuresOf(const Json& workflow, const std::filesystem::path& out);
+
+// That the design for all was made, or failed.
+void ForgetPopulation(const std::filesystem::path& out);
 
 // Not if snakemake ended before it came to a step that could be done.
 bool AllWereTried(const std::vector<Failure>& failures);

@@ -7,6 +7,7 @@
 //     steps: [comparison, …]             which of the study's steps are done, with those before them; absent: all
 //     study: a study.yaml (study_file.h), its paths relative to the folder of recordings
 //     people: {sub-01: …, sub-01_ses-2: …}   what is different in the study of one person or recording; ~ takes a key
+//     population: one design for all of them, or several sizes; absent: none
 //     out
 //
 // In texts of the study $cohort stands for the cohort's folder and $COLUMN for the person's cell of participants.tsv; a
@@ -14,10 +15,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "lake/core/json.h"
+#include "lake/study/study_file.h"
 
 namespace lake::cohort {
 
@@ -36,8 +39,10 @@ struct Cohort {
   std::filesystem::path folder;  // absolute
   std::string name, task;
   std::vector<std::string> steps;
-  std::vector<Recordings> recordings;  // in the order of participants.tsv, then of sessions and runs
-  std::vector<std::string> absent;     // participants without recordings
+  std::vector<Recordings> recordings;              // in the order of participants.tsv, then of sessions and runs
+  std::vector<std::string> absent;                 // participants without recordings
+  std::optional<study::StudyRedesign> population;  // one design for all of them, or several sizes
+  bool has_heights = false;                        // participants.tsv has everybody's height_mm
 };
 
 // Those of the given participants ("01" or "sub-01"), or of all. Throws Error in one line with file and line: labels
