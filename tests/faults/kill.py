@@ -62,7 +62,7 @@ def kill_after(seconds, folder):
         time.sleep(seconds)
         was_at_work = study.poll() is None
         study.send_signal(signal.SIGKILL)
-    for _ in range(100):  # what it had started ends a moment later
+    for _ in range(600):  # gnuplot ends with its figure, all else a moment later
         if not (left := still_there(folder)):
             return was_at_work, []
         time.sleep(0.05)
