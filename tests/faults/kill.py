@@ -4,7 +4,6 @@ with the bytes of a run that nobody disturbed.
 kill.py INPUTS [--count 200] [--seed 1]     INPUTS as programs.py makes them
 """
 import argparse
-import json
 import os
 import pathlib
 import random
@@ -16,25 +15,9 @@ import tempfile
 import time
 
 import programs
-from limits import files_in
+from limits import files_in, is_hidden, results_in
 
 WORDS = ["lake-run", "study.yaml", "--quiet", "-o", "out"]
-
-
-def is_hidden(name):
-    return any(part.startswith(".") for part in pathlib.PurePath(name).parts)
-
-
-def results_in(folder):
-    """The files under final names, as bytes; of the study's summary what does not say which steps this run did, and how fast."""
-    files = {name: content for name, content in files_in(folder).items() if not is_hidden(name)}
-    if "summary.json" in files:
-        summary = json.loads(files["summary.json"])
-        for step in summary["steps"]:
-            for key in ("done", "why", "seconds"):
-                step.pop(key)
-        files["summary.json"] = json.dumps(summary).encode()
-    return files
 
 
 def is_leftover(name):

@@ -4,7 +4,7 @@ line that says what went wrong, exit code 1, and no half-written file.
 limits.py INPUTS disk|memory [--quick] [--only NAME]     INPUTS as programs.py makes them
 """
 import argparse
-import os
+import json
 import pathlib
 import re
 import resource
@@ -38,6 +38,22 @@ def files_in(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
+def is_hidden(name):
+    return any(part.startswith(".") for part in pathlib.PurePath(name).parts)
+
+
+def results_in(folder):
+    """The files under final names, as bytes; of the study's summary what does not say which steps this run did, and how fast."""
+    files = {name: content for name, content in files_in(folder).items() if not is_hidden(name)}
+    if "summary.json" in files:
+        summary = json.loads(files["summary.json"])
+        for step in summary.get("steps", []):
+            for key in ("done", "why", "seconds"):
+                step.pop(key, None)
+        files["summary.json"] = json.dumps(summary).encode()
+    return files
+
+
 def is_error_line(line, program):
     return line.startswith(program + ": ") and not line.startswith(program + ": warning: ")
 
@@ -45,7 +61,7 @@ def is_error_line(line, program):
 def faults_of(ended, program, out, usual_code, whole):
     """What is wrong with how a limited run ended, one text each."""
     errors = [line for line in ended.stderr.splitlines() if is_error_line(line, program)]
-    files = files_in(out) if out.is_dir() else {}
+    results = results_in(out) if out.is_dir() else {}
     done = ended.returncode == usual_code and not errors
     if ended.returncode == 127 and "error while loading shared libraries" in ended.stderr:
         return  # the system's words: nothing of the program has begun
@@ -53,14 +69,14 @@ def faults_of(ended, program, out, usual_code, whole):
         yield f"ended with {ended.returncode}: {ended.stderr[-300:]!r}"
     elif not done and len(errors) != 1:
         yield f"{len(errors)} error lines: {ended.stderr[-400:]!r}"
-    elif done and files != whole:
+    elif done and results != whole:
         yield "says that all went well, and differs in " + ", ".join(
-            sorted(name for name in set(files) | set(whole) if files.get(name) != whole.get(name)))
-    for name, content in files.items():
-        base = pathlib.PurePath(name).name
-        if TEMPORARY.match(base):
+            sorted(name for name in set(results) | set(whole) if results.get(name) != whole.get(name)))
+    for name in files_in(out) if out.is_dir() else ():
+        if TEMPORARY.match(pathlib.PurePath(name).name):
             yield f"left {name}"
-        elif not done and content != whole.get(name) and not base.startswith("."):
+    for name, content in results.items():
+        if not done and content != whole.get(name):
             yield f"{name} is not that of a whole run"
 
 
@@ -69,7 +85,7 @@ def try_program(name, words, folder, what, values):
     words = words + ["--quiet", "-o", "out"]
     shutil.rmtree(out, ignore_errors=True)
     usual_code = programs.run(words, folder).returncode  # 1 if lake-check says that the recording is not fit
-    whole, faults = files_in(out), 0
+    whole, faults = results_in(out), 0
     for value in values:
         shutil.rmtree(out, ignore_errors=True)
         ended = programs.run(words, folder, preexec_fn=limited(what, value), timeout=300)
