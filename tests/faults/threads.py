@@ -16,19 +16,22 @@ import programs
 from limits import files_in
 
 
+def without(value, keys):
+    """A JSON value without these keys, at any depth."""
+    if isinstance(value, dict):
+        return {key: without(inner, keys) for key, inner in value.items() if key not in keys}
+    return [without(inner, keys) for inner in value] if isinstance(value, list) else value
+
+
 def comparable(files):
-    """Without what says how many threads were asked for."""
+    """Without what says how many threads were asked for, and how long a study's steps took."""
     kept = {}
     for name, content in files.items():
         base = pathlib.PurePath(name).name
         if base == "options.toml":
             content = b"\n".join(line for line in content.splitlines() if not line.startswith(b"threads="))
         if base == "summary.json":
-            summary = json.loads(content)
-            summary.pop("command")
-            summary["options"].pop("threads", None)
-            for step in summary.get("steps", []):
-                step.pop("seconds", None)  # lake-run says how long each took
+            summary = without(json.loads(content), ("command", "threads", "seconds"))
             content = json.dumps(summary).encode()
         if base == "report.html":
             content = b"\n".join(line for line in content.splitlines() if b"--threads" not in line and b">option threads<" not in line)
