@@ -72,9 +72,12 @@ TEST_F(ResultFolder, OfARunThatWasKilledHoldsNoTemporaryFiles) {
   const std::vector<std::string> temporary = {".a.lake-Xy3z01.csv", "sub/.b.png.lake-000aaa.log", ".c.lake-abcdef"};
   const std::vector<std::string> users = {".a.csv", ".lake-notes", ".a.lake-notes of mine.csv", "a.lake-abcdef.csv"};
   for (const std::string& name : temporary) WriteTextFile(Out() / name, "half");
+  fs::create_directory(Out() / ".d.lake-012345");
+  WriteTextFile(Out() / ".d.lake-012345/0.png", "half");
   for (const std::string& name : users) WriteTextFile(Out() / name, "whole");
   Do("lake-x", {"a.csv"});
   for (const std::string& name : temporary) EXPECT_FALSE(Has(name)) << name;
+  EXPECT_FALSE(Has(".d.lake-012345"));
   for (const std::string& name : users) EXPECT_TRUE(Has(name)) << name;
 }
 

@@ -94,7 +94,7 @@ void RemoveTemporaries(const fs::path& folder) {
   std::vector<fs::path> left;
   for (const auto& entry : fs::directory_iterator(folder, absent))
     if (IsTemporary(entry.path().filename().string())) left.push_back(entry.path());
-  for (const fs::path& path : left) RemoveFile(path);
+  for (const fs::path& path : left) fs::remove_all(path, absent);
 }
 
 }  // namespace

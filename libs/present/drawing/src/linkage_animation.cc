@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <opencv2/core/mat.hpp>
 
+#include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/video/video_reader.h"
 #include "lake/video/video_writer.h"
@@ -14,12 +18,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder beside the result that vanishes with the scope; what a killed process left of one vanishes first.
+// A folder beside the result that vanishes with the scope. It is named as AtomicFile's files are, so that the next run
+// takes away what a killed process left, and no other process writes into it.
 class ScratchFolder {
  public:
-  explicit ScratchFolder(fs::path path) : path_(std::move(path)) {
-    fs::remove_all(path_);
-    fs::create_directories(path_);
+  explicit ScratchFolder(const fs::path& result) {
+    std::string name = (result.parent_path() / fmt::format(".{}.lake-XXXXXX", result.stem().string())).string();
+    if (!mkdtemp(name.data()))
+      throw Fail("{}: no folder for its pictures can be made: {}", result.string(), std::strerror(errno));
+    path_ = name;
   }
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;
@@ -53,7 +60,7 @@ void AddWayBack(const fs::path& folder, int poses) {
 void WriteMp4(const fs::path& path, const LinkageLook& look) {
   constexpr double kFrameRate_hz = 20;
   constexpr int kPoses = 40;
-  const ScratchFolder frames(path.parent_path() / fmt::format(".{}.frames", path.stem().string()));
+  const ScratchFolder frames(path);
   PagesOut(look, kPoses).WritePages(frames.Path());
   AddWayBack(frames.Path(), kPoses);
   video::VideoReaderOptions reading;

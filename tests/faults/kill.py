@@ -1,0 +1,104 @@
+"""`lake run` killed at random moments: no half-written file under a final name, no process left behind, and the next run completes
+with the bytes of a run that nobody disturbed.
+
+kill.py INPUTS [--count 200] [--seed 1]     INPUTS as programs.py makes them
+"""
+import argparse
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import programs
+from limits import files_in, is_hidden, results_in
+
+WORDS = ["lake-run", "study.yaml", "--quiet", "-o", "out"]
+
+
+def is_leftover(name):
+    """Hidden, and none of the lists and stamps that belong there."""
+    return is_hidden(name) and not name.endswith(
+        (".lake-files.json", ".lake-step.json", ".lake-lock"))
+
+
+def still_there(folder):
+    """Processes that work in this folder."""
+    found = []
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if os.readlink(process / "cwd") == str(folder):
+                found.append((process / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace"))
+        except OSError:
+            pass
+    return found
+
+
+def kill_after(seconds, folder):
+    """Whether the study was still at work."""
+    with subprocess.Popen([str(programs.BIN / WORDS[0])] + WORDS[1:], cwd=folder, stdin=subprocess.DEVNULL,
+                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as study:
+        time.sleep(seconds)
+        was_at_work = study.poll() is None
+        study.send_signal(signal.SIGKILL)
+    for _ in range(600):  # gnuplot ends with its figure, all else a moment later
+        if not (left := still_there(folder)):
+            return was_at_work, []
+        time.sleep(0.05)
+    return was_at_work, left
+
+
+def differences(results, whole):
+    return sorted(name for name, content in results.items() if content != whole.get(name))
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("inputs", type=pathlib.Path)
+    parser.add_argument("--count", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    asked = parser.parse_args()
+    rng, faults, killed, completed = random.Random(asked.seed), 0, 0, 0
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary).resolve() / "in"
+        shutil.copytree(asked.inputs, folder)
+        out = folder / "out"
+        shutil.rmtree(out, ignore_errors=True)
+        began = time.monotonic()
+        programs.must_run(WORDS, folder)
+        usual_s, whole = time.monotonic() - began, results_in(out)
+        shutil.rmtree(out)
+
+        def say(fault):
+            nonlocal faults
+            faults += 1
+            print(f"FAULT {fault}", flush=True)
+
+        for number in range(asked.count):
+            was_at_work, left = kill_after(rng.uniform(0, usual_s), folder)
+            killed += was_at_work
+            if left:
+                say(f"{number}: still at work: {left}")
+            if out.is_dir() and (wrong := differences(results_in(out), whole)):
+                say(f"{number}: not those of a whole run: {', '.join(wrong)}")
+            if rng.random() < 0.25 or number + 1 == asked.count:
+                ended, completed = programs.run(WORDS, folder), completed + 1
+                results = results_in(out)
+                if ended.returncode:
+                    say(f"{number}: run again, it ended with {ended.returncode}: {ended.stderr[-500:]}")
+                elif results != whole:
+                    missing = sorted(set(whole) - set(results))
+                    say(f"{number}: run again, it differs in {', '.join(differences(results, whole) + missing)}")
+                if hidden := [name for name in files_in(out) if is_leftover(name)]:
+                    say(f"{number}: run again, it left {', '.join(hidden)}")
+                shutil.rmtree(out)
+    print(f"{killed} of {asked.count} runs killed at work, {completed} completed by the next run, {faults} faults")
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main()
