@@ -285,15 +285,10 @@ export class DesignPage {
   // --- saving and optimising
 
   private showCommand(): void {
-    server.optimiseCommand(this.links).then(
-      ({ command }) => this.allowCommand(command, true),
-      (why) => this.allowCommand(why instanceof Error ? why.message : String(why), false),
-    );
-  }
-
-  private allowCommand(text: string, isThere: boolean): void {
-    part("optimise-command").textContent = text;
-    part("optimise").hidden = part("design-copy").hidden = !isThere;
+    server.optimiseCommand(this.links).then(({ command, why_not }) => {
+      part("optimise-command").textContent = command ?? why_not ?? "";
+      part("optimise").hidden = part("design-copy").hidden = command === undefined;
+    }, sayWhy);
   }
 
   private async save(): Promise<void> {

@@ -13,7 +13,7 @@ const short = (value: number) => String(Number(value.toPrecision(4)));
 const fixed = (value: number | null, digits: number) => (value === null ? "–" : value.toFixed(digits));
 
 const capitalised = (name: string) => (/^l\d/.test(name) ? name : name[0].toUpperCase() + name.slice(1));
-const unitOf = (unit: string) => (unit === "deg" ? "°" : unit);
+const withUnit = (value: number, unit: string) => short(value) + (unit === "deg" ? "°" : ` ${unit}`);
 const percentage = (part: number) => `${(100 * part).toFixed(0)} %`;
 
 export const TEXTS = {
@@ -119,15 +119,15 @@ export const TEXTS = {
   failing: (failed: number, all: number) =>
     failed === 0 ? `meets all ${all} requirements` : failed === 1 ? "fails 1 requirement" : `fails ${failed} requirements`,
   check: ({ name, is_lower_limit, limit, unit, value }: CheckMessage) => {
-    const shown = value === null ? "cannot be evaluated" : `${short(value)} ${unitOf(unit)}`;
+    const shown = value === null ? "cannot be evaluated" : withUnit(value, unit);
     // The order of two links says its limit by its name.
     if (name.includes("<=")) return `${name.replace("<=", "≤")}${value === null ? `: ${shown}` : ""}`;
-    return `${capitalised(name)} ${is_lower_limit ? "≥" : "≤"} ${short(limit)} ${unitOf(unit)}: ${shown}`;
+    return `${capitalised(name)} ${is_lower_limit ? "≥" : "≤"} ${withUnit(limit, unit)}: ${shown}`;
   },
   slack: ({ slack, holds, unit }: CheckMessage) =>
     slack === null ? ""
-    : !holds ? `fails by ${short(-slack)} ${unitOf(unit)}`
-    : slack < 0.005 ? "at its limit" : `${short(slack)} ${unitOf(unit)} to spare`,
+    : !holds ? `fails by ${withUnit(-slack, unit)}`
+    : slack < 0.005 ? "at its limit" : `${withUnit(slack, unit)} to spare`,
   worst: ({ worst }: CheckMessage) =>
     worst?.knee_deg !== undefined ? `at ${worst.knee_deg.toFixed(1)}°`
     : worst?.percent !== undefined ? `at ${worst.percent.toFixed(0)} % of the rise` : "",

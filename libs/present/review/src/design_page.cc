@@ -3,6 +3,7 @@
 #include <mutex>
 #include <utility>
 
+#include "lake/core/error.h"
 #include "page_server.h"
 
 namespace lake::review {
@@ -15,9 +16,7 @@ class DesignServer {
     page_.Get("design", [this] { return explorer_.About(); });
     page_.Post("explore", [this](const Json& question) { return explorer_.Explore(question); });
     page_.Post("save", [this](const Json& message) { return Save(LinksFrom(message.at("links"))); });
-    page_.Post("optimise-command", [this](const Json& message) {
-      return Json{{"command", work_.command(LinksFrom(message.at("links")))}};
-    });
+    page_.Post("optimise-command", [this](const Json& message) { return Command(LinksFrom(message.at("links"))); });
     page_.Post("optimise", [this](const Json& message) { return Optimise(LinksFrom(message.at("links"))); });
     page_.Post("stop", [this](const Json&) {
       optimising_.Stop();
@@ -41,6 +40,15 @@ class DesignServer {
     const linkage::Design design = explorer_.With(links);
     const std::lock_guard one_at_a_time(saving_);
     return {{"saved", work_.save(design).string()}};
+  }
+
+  // That there is no such command line is an answer too.
+  Json Command(const linkage::Links& links) const {
+    try {
+      return {{"command", work_.command(links)}};
+    } catch (const Error& error) {
+      return {{"why_not", error.what()}};
+    }
   }
 
   Json Optimise(const linkage::Links& links) {
