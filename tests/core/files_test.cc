@@ -62,6 +62,7 @@ TEST(Run, SummaryHoldsWhatMadeTheResult) {
   lake::Run run({"lake-x", "lake-x in.txt", {{"a", "1"}}, folder / "out", true});
   run.AddInput(folder / "in.txt");
   run.Warn("dim");
+  EXPECT_THROW(run.WriteSummary({{"answer", 42}, {"program", "of the stroke"}}), std::logic_error);
   run.WriteSummary({{"answer", 42}});
   const Json summary = ReadJsonFile(folder / "out" / "summary.json");
   EXPECT_EQ(summary["program"], "lake-x");

@@ -93,8 +93,8 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   for (const char* key : {"mass_kg", "height_mm", "thigh_mm", "shank_mm"}) EXPECT_EQ(asked[key], body[key]) << key;
   EXPECT_GE(body["seat_clearance_mm"].get<double>(), 5 - 1e-4);
   EXPECT_LE(summary["redesign"]["misalignment_percent"].get<double>(), 5 * (1 + 1e-4));
-  EXPECT_LE(summary["redesign"]["program"]["duration_s"].get<double>(), 40 + 1e-3);
-  EXPECT_NEAR(summary["stroke"]["duration_s"].get<double>(), summary["redesign"]["program"]["duration_s"].get<double>(),
+  EXPECT_LE(summary["redesign"]["stroke_program"]["duration_s"].get<double>(), 40 + 1e-3);
+  EXPECT_NEAR(summary["stroke"]["duration_s"].get<double>(), summary["redesign"]["stroke_program"]["duration_s"].get<double>(),
               1);  // pauses before reversals
   const std::string page = ReadTextFile(study.Out() / "report.html");
   for (const char* chapter : {"Result", "New design", "Fit on the body, and motion", "Stroke program", "Recordings",

@@ -297,7 +297,7 @@ Json MotionJson(const redesign::ReoptimizeOutcome& outcome) {
           {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
           {"links", LinksJson(outcome.after.design.links)},
           {"placement_mm", outcome.after.design.placement_mm},
-          {"program", ProgramJson(outcome)},
+          {"stroke_program", ProgramJson(outcome)},
           {"trial", TrialJson(outcome)},
           {"trial_text", TrialText(outcome)},
           {"placement_range", PlacementRangeJson(outcome)},

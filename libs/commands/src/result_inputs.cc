@@ -36,10 +36,7 @@ std::string MakerOf(const fs::path& folder) {
   if (!fs::exists(path)) return {};
   const Json summary = ReadJsonFile(path);
   const auto program = summary.find("program");
-  if (program == summary.end()) return {};
-  if (program->is_string()) return *program;
-  // A re-optimisation has its stroke program under that name.
-  return summary.contains("misalignment_percent") ? "lake-optimize" : "";
+  return program != summary.end() && program->is_string() ? program->get<std::string>() : "";
 }
 
 std::string ShellWord(const std::string& word) {

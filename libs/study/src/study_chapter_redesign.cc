@@ -88,7 +88,7 @@ Table BuildTable(const StudyResults& results, const Json& summary) {
   add("travel (mm)", NumberOrNaN(simulation.at("travel_mm")), 2);
   add("knee torque to hold (N m)", NumberOrNaN(simulation.at("knee_torque_nm")), DecimalsOf("N m"));
   add("largest actuator force for it (N)", LargestForce(results), DecimalsOf("N"));
-  add("largest actuator speed (mm/s)", NumberOrNaN(summary.at("program").at("max_speed_mm_s")), 1);
+  add("largest actuator speed (mm/s)", NumberOrNaN(summary.at("stroke_program").at("max_speed_mm_s")), 1);
   return table;
 }
 
@@ -230,7 +230,7 @@ std::string MoveText(const Json& redesign) {
 }
 
 std::vector<TradePoint> OwnFront(const Json& redesign) {
-  const Json& program = redesign.at("program");
+  const Json& program = redesign.at("stroke_program");
   std::string own = program.at("kind").get<std::string>();
   if (own == "free" && program.at("duration_limit_s").is_number())
     own += fmt::format(" {:.4g} s", program["duration_limit_s"].get<double>());

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <stdexcept>
 
 #include "folder_lock.h"
 #include "lake/core/error.h"
@@ -162,7 +163,11 @@ Json Run::Head() const {
 Json Run::WriteSummary(const Json& results) {
   for (const Json& input : inputs_) CheckIsAsItWas(input, info_.out);
   Json summary = Head();
-  summary.update(results);
+  for (const auto& [name, result] : results.items()) {
+    if (summary.contains(name) && name != "warnings")  // a study's are those of its steps, too
+      throw std::logic_error(fmt::format("a summary's '{}' is no result's", name));
+    summary[name] = result;
+  }
   WriteJsonFile(Result(kSummary), summary);
   return summary;
 }
