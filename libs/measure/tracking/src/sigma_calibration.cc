@@ -135,8 +135,9 @@ SigmaCalibration CalibrateSigmas(motion::MarkerRecording& recording) {
   if (!pooled) return {};
 
   for (std::size_t m = 0; m < markers.size(); ++m) {
-    // A marker of little contrast is displaced farther before the encoder finds it worth a correction.
-    const double scatter_px = CompressionIn(fast[m]).value_or(*pooled).compression_px;
+    // A marker of little contrast is displaced farther before the encoder finds it worth a correction. One that is
+    // slow stays displaced for some frames, and its smooth path goes along, so its own scatter may show too little.
+    const double scatter_px = std::max(CompressionIn(fast[m]).value_or(*pooled).compression_px, pooled->compression_px);
     for (std::size_t k = 0; k < markers[m].frames.size(); ++k) {
       const double share = IsFast(markers[m], k) ? 1 : ShareAtRest(scatter_px);
       double& sigma = recording.markers[m].samples[markers[m].frames[k]].sigma;

@@ -167,8 +167,9 @@ export class DesignPage {
     this.ask({ links: this.links, drag: { pin, x: to[0], y: to[1], stroke: this.exact?.stroke ?? curves.stroke[this.row] } });
   }
 
-  // One question at a time; of those that come meanwhile the last counts.
+  // One question at a time; of those that come meanwhile the last counts. What was said is of the links before.
   private ask(question: ExploreQuestion): void {
+    say("");
     this.pending = question;
     this.showLinks();
     if (!this.isAsking) void this.askPending();
@@ -182,7 +183,6 @@ export class DesignPage {
       try {
         const explored = await server.explore(question);
         this.take(explored);
-        say("");
       } catch (why) {
         sayWhy(why);
       }
