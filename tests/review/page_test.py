@@ -19,6 +19,7 @@ try:
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.common.exceptions import StaleElementReferenceException
     from selenium.webdriver.common.by import By
     from selenium.webdriver.common.keys import Keys
     from selenium.webdriver.support.ui import Select
@@ -140,8 +141,14 @@ class ReviewPage(unittest.TestCase):
         return self.part(name).text
 
     def until(self, condition, what=None):
+        def holds():
+            try:
+                return condition()
+            except StaleElementReferenceException:  # the page replaced an element between two questions
+                return False
+
         end = time.monotonic() + WAIT_S
-        while not condition():
+        while not holds():
             self.assertLess(time.monotonic(), end, what or f"{self.text('state')} {self.text('said')}")
             time.sleep(0.03)
 
@@ -377,9 +384,7 @@ class ReviewPage(unittest.TestCase):
         field.send_keys(str(length), Keys.TAB)
 
     def failing(self):
-        # At once: the page may replace the lines between two questions.
-        return self.browser.execute_script(
-            "return [...document.querySelectorAll('#checks [data-holds=false]')].map(line => line.innerText)")
+        return [line.text for line in self.browser.find_elements(By.CSS_SELECTOR, "#checks [data-holds=false]")]
 
     def drag_pin(self, pin, by):
         canvas = self.part("linkage")

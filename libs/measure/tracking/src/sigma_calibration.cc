@@ -137,11 +137,12 @@ SigmaCalibration CalibrateSigmas(motion::MarkerRecording& recording) {
   for (std::size_t m = 0; m < markers.size(); ++m) {
     // A marker of little contrast is displaced farther before the encoder finds it worth a correction. One that is
     // slow stays displaced for some frames, and its smooth path goes along, so its own scatter may show too little.
-    const double scatter_px = std::max(CompressionIn(fast[m]).value_or(*pooled).compression_px, pooled->compression_px);
+    const double fast_px = CompressionIn(fast[m]).value_or(*pooled).compression_px;
+    const double slow_px = std::max(fast_px, pooled->compression_px);
     for (std::size_t k = 0; k < markers[m].frames.size(); ++k) {
-      const double share = IsFast(markers[m], k) ? 1 : ShareAtRest(scatter_px);
       double& sigma = recording.markers[m].samples[markers[m].frames[k]].sigma;
-      sigma = std::hypot(sigma, share * WithSlowPart(scatter_px));
+      sigma = std::hypot(sigma,
+                         IsFast(markers[m], k) ? WithSlowPart(fast_px) : ShareAtRest(slow_px) * WithSlowPart(slow_px));
     }
   }
   SigmaCalibration calibration = *pooled;
