@@ -101,6 +101,14 @@ void ReadInlineProblem(const Folder& folder, problem::SynthesisProblem& problem)
     problem = problem::ReadProblem(std::move(*inline_problem), folder.path);
 }
 
+// The body that clearances were held against: a study takes it from the person.
+void TakeBody(const Json& summary, problem::Clearances& clearances) {
+  const Json used = summary.value("clearances", Json());
+  if (!clearances.AreAsked() || !used.is_object()) return;
+  clearances.body.height_mm = used.at("height_mm"), clearances.body.mass_kg = used.at("mass_kg");
+  clearances.body.leg = {used.at("thigh_mm").get<double>(), used.at("shank_mm").get<double>()};
+}
+
 // Limits as lake-optimize had them.
 void TakeLimits(const Folder& folder, DesignSubject& subject) {
   OptimizeRunOptions options;
@@ -120,6 +128,7 @@ void TakeLimits(const Folder& folder, DesignSubject& subject) {
   list.Apply();
   AddWords(list, subject.limit_words);
   subject.explored.problem = problem::WithActuator(options.problem);
+  TakeBody(folder.summary, subject.explored.problem.clearances);
   subject.explored.limits = fmt::format("the limits of {}", folder.path.string());
   if (!has_motion) return;
   if (!folder.IsOfStudy()) folder.Give(said, motion_list);
