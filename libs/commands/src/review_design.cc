@@ -175,7 +175,8 @@ void TakeProblem(const fs::path& file, DesignSubject& subject) {
 void ReadSubject(const fs::path& subject, DesignSubject& result) {
   const bool is_folder = fs::is_directory(subject);
   result.folder = is_folder ? subject : subject.parent_path();
-  result.explored.name = (is_folder && !subject.has_filename() ? subject.parent_path() : subject).filename().string();
+  const fs::path named = fs::absolute(subject).lexically_normal();  // "." has a name
+  result.explored.name = (named.has_filename() ? named : named.parent_path()).filename().string();
   const auto optimum = FolderOf(result.folder, "lake-optimize");
   const auto simulation = is_folder ? FolderOf(subject, "lake-simulate") : std::nullopt;
   result.explored.design =
