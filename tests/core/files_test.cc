@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <csignal>
@@ -93,6 +94,34 @@ TEST(Provenance, DoesNotNameTheHomeFolder) {
   run.WriteSummary(Json::object());
   for (const auto& file : std::filesystem::directory_iterator(home / "out"))
     EXPECT_THAT(ReadTextFile(file.path()), testing::Not(HasSubstr("anna"))) << file.path();
+}
+
+// A summary names an input so that FromHome() finds it again, whatever it is called.
+TEST(Provenance, InputsWithOddNamesAreFoundAgain) {
+  const TemporaryFolder folder;
+  const std::filesystem::path home = folder.Path() / "anna", before = std::filesystem::current_path();
+  const HomeFolder anna(home);
+  const std::filesystem::path within = folder.Path().string() + "/odd:" + home.string() + "/in.txt";
+  for (const std::filesystem::path& file : {folder.Path() / "~/in.txt", within}) {
+    std::filesystem::create_directories(file.parent_path());
+    WriteTextFile(file, "x");
+  }
+  std::filesystem::current_path(folder.Path());
+  for (const std::filesystem::path& file : {std::filesystem::path("~/in.txt"), within}) {
+    lake::Run run({"lake-x", "lake-x", Json::object(), folder.Path() / "out", true});
+    run.AddInput(file);
+    const Json summary = run.WriteSummary(Json::object());
+    EXPECT_TRUE(std::filesystem::equivalent(FromHome(summary["inputs"][0]["path"].get<std::string>()), file)) << file;
+  }
+  std::filesystem::current_path(before);
+}
+
+TEST(Provenance, OfAPipeCannotBeTold) {
+  const TemporaryFolder folder;
+  const std::filesystem::path pipe = folder / "pipe.csv";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  lake::Run run({"lake-x", "lake-x", Json::object(), folder / "out", true});
+  EXPECT_THAT([&] { run.AddInput(pipe); }, ThrowsMessage<Error>(HasSubstr("save it as a file")));
 }
 
 TEST(Provenance, CommitIsKnownInACloneAndUnknownElsewhere) {

@@ -94,7 +94,8 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   EXPECT_GE(body["seat_clearance_mm"].get<double>(), 5 - 1e-4);
   EXPECT_LE(summary["redesign"]["misalignment_percent"].get<double>(), 5 * (1 + 1e-4));
   EXPECT_LE(summary["redesign"]["stroke_program"]["duration_s"].get<double>(), 40 + 1e-3);
-  EXPECT_NEAR(summary["stroke"]["duration_s"].get<double>(), summary["redesign"]["stroke_program"]["duration_s"].get<double>(),
+  EXPECT_NEAR(summary["stroke"]["duration_s"].get<double>(),
+              summary["redesign"]["stroke_program"]["duration_s"].get<double>(),
               1);  // pauses before reversals
   const std::string page = ReadTextFile(study.Out() / "report.html");
   for (const char* chapter : {"Result", "New design", "Fit on the body, and motion", "Stroke program", "Recordings",

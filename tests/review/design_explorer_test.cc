@@ -109,6 +109,18 @@ TEST(DesignExplorer, SaysWhereTheForceIsLargest) {
   EXPECT_NEAR(knee_deg, largest_deg, 2) << "the curve's rows are up to 2 degrees apart";
 }
 
+// A joint further forward takes the linkage with it.
+TEST(DesignExplorer, HoldsClearancesWhereTheJointSits) {
+  ExploredDesign explored = Published();
+  explored.problem.clearances.thigh_mm = 10;
+  explored.design.placement_mm = {13, -4};
+  const Json message = DesignExplorer(explored).Explore(Question(explored.design.links));
+  problem::SynthesisProblem placed = explored.problem;
+  placed.clearances.placement_mm = explored.design.placement_mm;
+  const auto& check = problem::Evaluate(explored.design.links, placed).CheckOf({problem::Requirement::Kind::kThigh});
+  EXPECT_NEAR(CheckNamed(message, "thigh clearance").at("value").get<double>(), check.value, kRounding);
+}
+
 class Dragged : public testing::TestWithParam<const char*> {};
 
 TEST_P(Dragged, IsWhereItWasPutAndTheOtherPinsStay) {

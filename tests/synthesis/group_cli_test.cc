@@ -80,6 +80,10 @@ TEST_F(LakeOptimizeGroup, SaysWhatDoesNotGoTogether) {
   ExpectRefused(both + "--human-only --quantile 0 --across quantile", "--quantile 0");
   ExpectRefused(both + "--human-only --sizes 2", "at least two people for each; there are 2");
   ExpectRefused(both + "--human-only --sizes 2 --across mean", "omit --across");
+  ExpectRefused(Comparison("sub-01") + "--human-only --sizes 2", "at least two people for each; there are 1");
+  ExpectRefused(both + "--human-only --participants people.tsv", "--participants is for the rule of --sizes");
+  ExpectRefused(both + "--human-only --quantile 0.5", "--quantile is for --across quantile");
+  ExpectRefused(Comparison("a_b/c") + Comparison("a/b_c") + "--human-only", "both would be called a_b_c");
   ExpectRefused(both + "--worn a.yaml --worn b.yaml --worn c.yaml", "names 3 designs for 2 comparisons");
 }
 

@@ -262,6 +262,12 @@ std::vector<std::string> NamesOfFolders(const std::vector<fs::path>& folders) {
     for (std::size_t k = before; k < std::min(end, all[i].size()); ++k) own.push_back(all[i][k]);
     names.push_back(own.empty() ? all[i].back() : fmt::format("{}", fmt::join(own, "_")));
   }
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (const auto same = std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(i), names[i]);
+        same != names.begin() + static_cast<std::ptrdiff_t>(i))
+      throw UsageError(fmt::format("--comparison {} and {}: both would be called {}; rename a folder",
+                                   folders[static_cast<std::size_t>(same - names.begin())].string(),
+                                   folders[i].string(), names[i]));
   return names;
 }
 

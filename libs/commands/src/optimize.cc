@@ -178,6 +178,10 @@ void CheckReoptimize(const OptimizeRunOptions& options) {
   if (const std::size_t worn = reoptimize.worn.size(); worn > 1 && worn != reoptimize.comparisons.size())
     throw UsageError(fmt::format("--worn names {} designs for {} comparisons: name one for all, or one for each", worn,
                                  reoptimize.comparisons.size()));
+  if (!reoptimize.participants.empty() && !reoptimize.sizes)
+    throw UsageError("--participants is for the rule of --sizes: give that too, or omit it");
+  if (reoptimize.quantile != redesign::GroupProblem{}.quantile && reoptimize.across != redesign::Across::kQuantile)
+    throw UsageError("--quantile is for --across quantile: give that too, or omit it");
   if (options.study.round_mm)
     throw UsageError(
         "--round cannot be combined with a human's motion: rounding the links would change the misalignment");
@@ -257,7 +261,8 @@ Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
   reoptimize_options.Check();
   const redesign::ReoptimizeProblem problem = ProblemOf(options);
   problem.CheckOptions();
-  if (options.reoptimize->comparisons.size() > 1) return RunForGroup(options, problem, run);
+  if (options.reoptimize->comparisons.size() > 1 || options.reoptimize->sizes)
+    return RunForGroup(options, problem, run);
   const redesign::MeasuredMotion measured = ReadMeasured(*options.reoptimize, 0, run);
   std::vector<std::string> names = ResultNames({"before_after.csv", "program.csv", "knee_paths.png", "knee_paths.svg",
                                                 "predicted/comparison.json", "predicted/misalignment.csv"});

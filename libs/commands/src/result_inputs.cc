@@ -1,5 +1,6 @@
 #include "result_inputs.h"
 
+#include <set>
 #include <vector>
 
 #include "lake/core/error.h"
@@ -16,13 +17,14 @@ fs::path FindInput(const Json& input, const fs::path& results) {
        place = place.parent_path())
     places.push_back(place);
   bool is_there = false;
-  for (const fs::path& named : {path, path.filename()})
+  std::set<fs::path> seen;  // a long video is not hashed twice
+  for (const fs::path& named : {path, path.has_filename() ? path.filename() : path.parent_path().filename()})
     for (const fs::path& place : places) {
-      const fs::path candidate = place / named;
+      const fs::path candidate = (place / named).lexically_normal();
       std::error_code error;
-      if (!fs::exists(candidate, error)) continue;
+      if (!seen.insert(candidate).second || !fs::exists(candidate, error)) continue;
       is_there = is_there || named == path;
-      if (Sha256OfFile(candidate) == input.at("sha256")) return candidate.lexically_normal();
+      if (Sha256OfFile(candidate) == input.at("sha256")) return candidate;
     }
   throw is_there ? Fail("{}: has changed since {} was made; make it again", path.string(), results.string())
                  : Fail(

@@ -101,6 +101,14 @@ void ReadInlineProblem(const Folder& folder, problem::SynthesisProblem& problem)
     problem = problem::ReadProblem(std::move(*inline_problem), folder.path);
 }
 
+// The body that clearances were held against: a study takes it from the person.
+void TakeBody(const Json& summary, problem::Clearances& clearances) {
+  const Json used = summary.value("clearances", Json());
+  if (!clearances.AreAsked() || !used.is_object()) return;
+  clearances.body.height_mm = used.at("height_mm"), clearances.body.mass_kg = used.at("mass_kg");
+  clearances.body.leg = {used.at("thigh_mm").get<double>(), used.at("shank_mm").get<double>()};
+}
+
 // Limits as lake-optimize had them.
 void TakeLimits(const Folder& folder, DesignSubject& subject) {
   OptimizeRunOptions options;
@@ -120,6 +128,7 @@ void TakeLimits(const Folder& folder, DesignSubject& subject) {
   list.Apply();
   AddWords(list, subject.limit_words);
   subject.explored.problem = problem::WithActuator(options.problem);
+  TakeBody(folder.summary, subject.explored.problem.clearances);
   subject.explored.limits = fmt::format("the limits of {}", folder.path.string());
   if (!has_motion) return;
   if (!folder.IsOfStudy()) folder.Give(said, motion_list);
@@ -166,7 +175,8 @@ void TakeProblem(const fs::path& file, DesignSubject& subject) {
 void ReadSubject(const fs::path& subject, DesignSubject& result) {
   const bool is_folder = fs::is_directory(subject);
   result.folder = is_folder ? subject : subject.parent_path();
-  result.explored.name = (is_folder && !subject.has_filename() ? subject.parent_path() : subject).filename().string();
+  const fs::path named = fs::absolute(subject).lexically_normal();  // "." has a name
+  result.explored.name = (named.has_filename() ? named : named.parent_path()).filename().string();
   const auto optimum = FolderOf(result.folder, "lake-optimize");
   const auto simulation = is_folder ? FolderOf(subject, "lake-simulate") : std::nullopt;
   result.explored.design =

@@ -42,6 +42,13 @@ Json WithoutHome(Json json) {
   return json;
 }
 
+// As a summary names it: FromHome() finds it again, also where "~" is the name of a folder.
+std::string NameOf(const fs::path& path) {
+  const fs::path plain = path.string().starts_with('~') ? fs::path(".") / path : path;
+  std::string name = lake::WithoutHome(plain.string());
+  return FromHome(name) == plain ? name : plain.string();
+}
+
 // A run may replace what it reads in its own folder; all else must be at its end what it was when it was added.
 void CheckIsAsItWas(const Json& input, const fs::path& out) {
   const fs::path path = FromHome(input.at("path").get<std::string>());
@@ -152,7 +159,9 @@ void Run::Warn(const std::string& text) {
 }
 
 void Run::AddInput(const fs::path& path) {
-  inputs_.push_back({{"path", lake::WithoutHome(path.string())}, {"sha256", Sha256OfFile(path)}});
+  if (fs::exists(path) && !fs::is_regular_file(path) && !fs::is_directory(path))
+    throw Fail("{}: is read only once, so its content cannot be told in the summary; save it as a file", path.string());
+  inputs_.push_back({{"path", NameOf(path)}, {"sha256", Sha256OfFile(path)}});
 }
 
 Json Run::Head() const {

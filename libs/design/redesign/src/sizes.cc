@@ -112,7 +112,8 @@ Fits FitsOf(const GroupProblem& problem, const std::vector<linkage::Links>& size
   return fits;
 }
 
-// Each person's best size; of equals the present one. A size that nobody chose gets the person with the least value.
+// Each person's best size; of equals the present one. A size that nobody chose gets the person with the least value of
+// those who are not the only one of their size.
 Assignment BestOf(const Fits& fits, const Assignment& present, std::size_t sizes) {
   constexpr double kEqual_deg = 1e-2;  // a fit is found within its links' tolerance
   Assignment best = present;
@@ -121,10 +122,11 @@ Assignment BestOf(const Fits& fits, const Assignment& present, std::size_t sizes
       if (fits[i][k].value > fits[i][best[i]].value + kEqual_deg) best[i] = k;
   for (std::size_t k = 0; k < sizes; ++k) {
     if (!MembersOf(best, k).empty()) continue;
-    std::size_t least = 0;
-    for (std::size_t i = 1; i < best.size(); ++i)
-      if (fits[i][best[i]].value < fits[least][best[least]].value) least = i;
-    best[least] = k;
+    std::optional<std::size_t> least;
+    for (std::size_t i = 0; i < best.size(); ++i)
+      if (MembersOf(best, best[i]).size() > 1 && (!least || fits[i][best[i]].value < fits[*least][best[*least]].value))
+        least = i;
+    best[*least] = k;
   }
   return best;
 }

@@ -154,7 +154,9 @@ Links LinksFrom(const Json& json) {
   return links;
 }
 
-DesignExplorer::DesignExplorer(ExploredDesign explored) : explored_(std::move(explored)) {}
+DesignExplorer::DesignExplorer(ExploredDesign explored) : explored_(std::move(explored)) {
+  explored_.problem.clearances.placement_mm = explored_.design.placement_mm;
+}
 
 Json DesignExplorer::About() const {
   constexpr double kHeight_mm = 1800, kMass_kg = 80;  // the paper's average user

@@ -17,7 +17,8 @@ namespace lake::review {
 struct ExploredDesign {
   std::string name;                   // for the page
   linkage::Design design;             // as it was saved
-  problem::SynthesisProblem problem;  // its limits; `d_min_mm` is where the strokes begin
+  problem::SynthesisProblem problem;  // its limits; `d_min_mm` is where the strokes begin. Clearances are at the
+                                      // design's placement
   std::string limits;                 // where they are from, one phrase
   std::vector<std::string> notes;     // what a reader must know
 };
