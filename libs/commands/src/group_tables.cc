@@ -233,8 +233,15 @@ Json RuleJson(const redesign::SizesOutcome& outcome) {
   std::size_t same = 0, holds = 0;
   for (std::size_t i = 0; i < outcome.left_out.size(); ++i)
     same += outcome.left_out[i].size == outcome.size_of[i], holds += outcome.left_out[i].fit.holds;
-  return {{"quantity", outcome.rule.quantity},   {"ranges", ranges},           {"loss_deg", outcome.rule.loss_deg},
-          {"left_out", outcome.left_out.size()}, {"left_out_same_size", same}, {"left_out_hold", holds}};
+  // Where somebody's limit is not held there is no mean in degrees.
+  const Json loss_deg = outcome.rule_not_held ? Json() : Json(outcome.rule.loss_deg);
+  return {{"quantity", outcome.rule.quantity},
+          {"ranges", ranges},
+          {"loss_deg", loss_deg},
+          {"not_held", outcome.rule_not_held},
+          {"left_out", outcome.left_out.size()},
+          {"left_out_same_size", same},
+          {"left_out_hold", holds}};
 }
 
 }  // namespace

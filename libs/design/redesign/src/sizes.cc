@@ -332,6 +332,21 @@ class RangesOfOneQuantity {
   std::vector<std::vector<Step>> best_;
 };
 
+// How many people's limits the size that is theirs does not hold.
+std::size_t NotHeld(const std::vector<std::vector<Fit>>& fits, const std::vector<std::size_t>& size_of) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < fits.size(); ++i) count += !fits[i][size_of[i]].holds;
+  return count;
+}
+
+// What the rule gives to each.
+std::vector<std::size_t> SizesBy(const SizeRule& rule, const std::vector<BodyQuantity>& quantities) {
+  std::vector<std::size_t> sizes;
+  for (const double mm : std::ranges::find(quantities, rule.quantity, &BodyQuantity::name)->mm)
+    sizes.push_back(rule.SizeFor(mm));
+  return sizes;
+}
+
 }  // namespace
 
 Fit FitOf(const ReoptimizeProblem& person, const linkage::Links& links, const synthesis::OptimizeOptions& options) {
@@ -410,12 +425,15 @@ SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<PersonMeasur
   best.designs = DesignSizes(problem, human, best.assignment, best.designs, links, count, options);
   best.fits = FitsOf(problem, LinksOf(best.designs), options);
   Sort(leg_mm, best);
-  outcome.sizes = std::move(best.designs), outcome.size_of = best.assignment, outcome.mean_value_deg = best.Value();
+  outcome.sizes = std::move(best.designs), outcome.size_of = best.assignment;
+  outcome.mean_value_deg =
+      NotHeld(best.fits, best.assignment) ? std::numeric_limits<double>::quiet_NaN() : best.Value();
   for (std::size_t k = 0; k < count; ++k) outcome.members.push_back(MembersOf(outcome.size_of, k));
   AddPeople(problem, links, options, outcome);
   std::vector<std::size_t> everybody(people.size());
   std::iota(everybody.begin(), everybody.end(), std::size_t{0});
   outcome.rule = FindRule(outcome.quantities, LossesOf(best.fits), everybody);
+  outcome.rule_not_held = NotHeld(best.fits, SizesBy(outcome.rule, outcome.quantities));
   if (outcome.IsSolved()) outcome.left_out = LeaveEachOut(outcome, problem, best.fits, options);
   return outcome;
 }

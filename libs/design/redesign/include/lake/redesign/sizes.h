@@ -56,8 +56,9 @@ struct SizesOutcome {
   std::vector<std::size_t> size_of;               // of each person
   std::vector<BodyQuantity> quantities;
   SizeRule rule;
+  std::size_t rule_not_held = 0;  // how many people's limits the size that the rule gives them does not hold
   std::vector<LeftOut> left_out;  // per person; empty where a size has no design
-  double mean_value_deg = 0;      // of what is maximised, over people
+  double mean_value_deg = 0;      // of what is maximised, over people; NaN where a limit is not held
   int assignments = 0;            // from how many the search began
 
   bool IsSolved() const;
