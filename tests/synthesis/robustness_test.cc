@@ -101,6 +101,27 @@ TEST(Sensitivity, IsTwoSidedAndMarksWhatCannotBeAssembled) {
   EXPECT_NEAR(shorter.range_deg, 149.51, 5e-3);
 }
 
+// At an optimum no single length can be changed for a larger range: what seems to do so breaks a limit, be it one over
+// the used range.
+TEST(Sensitivity, CallsNothingFeasibleThatBreaksALimitOverTheUsedRange) {
+  problem::SynthesisProblem problem = WithMargins(2);
+  problem.max_force_n = 2000;
+  problem.clearances.seat_mm = 5;
+  const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);
+  const double optimum_deg = problem::Evaluate(solve.end, problem).range_deg;
+  const int steps = 5;
+  int feasible = 0, tempting = 0;
+  for (const problem::SensitivityPoint& point : problem::Sensitivity(solve.end, problem, 5, steps)) {
+    feasible += point.feasible;
+    tempting += point.range_deg > optimum_deg + 0.1;
+    if (point.link < 6 && point.feasible) {
+      EXPECT_LE(point.range_deg, optimum_deg + 1e-6) << problem::LengthName(point.link) << " " << point.delta_mm;
+    }
+  }
+  EXPECT_GT(feasible, 7);  // more than the optimum itself, once for each length
+  EXPECT_GT(tempting, 2 * steps);
+}
+
 TEST(RoundLinks, GivesTheBestFeasibleGridPoint) {
   const problem::SynthesisProblem problem = WithMargins(2);
   const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start);

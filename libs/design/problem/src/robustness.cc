@@ -80,6 +80,7 @@ std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const Syn
   constexpr double kTolerance_mm = 1e-6;
   for (int link = 0; link <= kLinks; ++link)
     for (int i = -steps; i <= steps; ++i) {
+      ThrowIfInterrupted();
       auto values = links.Values();
       SynthesisProblem changed = problem;
       SensitivityPoint point{link, span_mm * i / steps, 0, false};
@@ -88,7 +89,8 @@ std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const Syn
       if (length <= 0) continue;
       const linkage::Links build = linkage::Links::FromValues(values);
       point.range_deg = RangeOf(build, changed.d_min_mm);
-      point.feasible = MeetsLinkRequirements(build, changed, requirements, kTolerance_mm);
+      point.feasible = MeetsLinkRequirements(build, changed, requirements, kTolerance_mm) &&
+                       Evaluate(build, changed).IsFeasible(kTolerance_mm);
       points.push_back(point);
     }
   return points;

@@ -11,18 +11,17 @@
 namespace lake::problem {
 
 struct SensitivityPoint {
-  int link = 0;          // 0..5: l1..l6; 6: the actuator's shortest length, d_min
-  double delta_mm = 0;   // change of that length alone
-  double range_deg = 0;  // NaN: cannot be assembled at d_min
-  bool feasible =
-      false;  // within the bounds and satisfies the requirements on the links; the used range is not looked at
+  int link = 0;           // 0..5: l1..l6; 6: the actuator's shortest length, d_min
+  double delta_mm = 0;    // change of that length alone
+  double range_deg = 0;   // NaN: cannot be assembled at d_min
+  bool feasible = false;  // within the bounds and satisfies all requirements, those over the used range too
 };
 
 // "l1".."l6", "d_min".
 std::string LengthName(int link);
 
 // Each length changed from -span to +span in 2 steps + 1 points: the paper's figure of its "local minimum", on both
-// sides.
+// sides. Throws Interrupted on a signal.
 std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const SynthesisProblem& problem,
                                           double span_mm = 5, int steps = 100);
 
