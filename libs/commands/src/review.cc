@@ -157,6 +157,8 @@ void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
   if (is_design) return ReviewDesign(options, page, programs);
   if (maker == "lake-compare") return review::ServeComparison(page, ReadComparedPair(options.subject));
   if (maker == "lake-run") return review::ServeStudy(page, StudyWorkOf(options.subject, programs));
+  if (is_folder && maker.empty())
+    throw Fail("{}: holds no results of lake track, compare, optimize, simulate or run", options.subject.string());
   if (is_folder) return ReviewTrial(options, page);
   ReviewVideo(options, page, programs);
 }

@@ -136,18 +136,18 @@ std::string Sentence(const InfeasibilityReport& report) {
   if (!report.solved) return "no design was found that satisfies the problem, and none that nearly does";
   if (report.relaxations.empty()) return "the problem can be satisfied, but the solver did not reach an optimum";
   std::string text =
-      fmt::format("no design satisfies all limits: {} cannot hold together; the smallest change found that suffices:",
-                  fmt::join(report.fighting, ", "));
+      fmt::format("no design satisfies all limits: {} cannot hold{}; the smallest change found that suffices:",
+                  fmt::join(report.fighting, ", "), report.fighting.size() > 1 ? " together" : "");
   for (std::size_t i = 0; i < report.relaxations.size(); ++i) {
     const Relaxation& relaxation = report.relaxations[i];
     const double by = RoundedRelaxation(relaxation), sign = relaxation.relaxed < relaxation.limit ? -1 : 1;
+    const std::string unit = relaxation.unit == "1" ? "" : " " + relaxation.unit;
     text += i ? ", " : " ";
     // An order of two lengths, l2 <= l4, has no number of its own.
     if (relaxation.limit == 0 && sign < 0)
-      text += fmt::format("allow {} + {:.4g} {}", relaxation.text, by, relaxation.unit);
+      text += fmt::format("allow {} + {:.4g}{}", relaxation.text, by, unit);
     else
-      text += fmt::format("relax {} by {:.4g} {} to {:.8g}", relaxation.text, by, relaxation.unit,
-                          relaxation.limit + sign * by);
+      text += fmt::format("relax {} by {:.4g}{} to {:.8g}", relaxation.text, by, unit, relaxation.limit + sign * by);
   }
   return text;
 }

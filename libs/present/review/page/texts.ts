@@ -13,7 +13,7 @@ const short = (value: number) => String(Number(value.toPrecision(4)));
 const fixed = (value: number | null, digits: number) => (value === null ? "–" : value.toFixed(digits));
 
 const capitalised = (name: string) => (/^l\d/.test(name) ? name : name[0].toUpperCase() + name.slice(1));
-const withUnit = (value: number, unit: string) => short(value) + (unit === "deg" ? "°" : ` ${unit}`);
+const withUnit = (value: number, unit: string) => short(value) + (unit === "deg" ? "°" : unit === "1" ? "" : ` ${unit}`);
 const percentage = (part: number) => `${(100 * part).toFixed(0)} %`;
 
 export const TEXTS = {
@@ -112,7 +112,7 @@ export const TEXTS = {
 
   // Design
   links: ["coupler RS", "slewing bar PR", "thigh link KP", "shank link KS", "mount behind thigh", "mount above P"],
-  bounds: (lower: number, upper: number) => `${lower} to ${upper} mm`,
+  bounds: (lower: number, upper: number) => `${lower}–${upper} mm`,
   pins: { thigh_pin: "P", tip: "R", shank_pin: "S", mount: "M" } as { [pin in PinName]: string },
   knee_pin: "K",
   range: (degrees: number | null) => (degrees === null ? "Cannot be assembled" : `Range ${degrees.toFixed(2)}°`),
