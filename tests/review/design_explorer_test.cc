@@ -117,8 +117,9 @@ TEST(DesignExplorer, HoldsClearancesWhereTheJointSits) {
   const Json message = DesignExplorer(explored).Explore(Question(explored.design.links));
   problem::SynthesisProblem placed = explored.problem;
   placed.clearances.placement_mm = explored.design.placement_mm;
-  const auto& check = problem::Evaluate(explored.design.links, placed).CheckOf({problem::Requirement::Kind::kThigh});
-  EXPECT_NEAR(CheckNamed(message, "thigh clearance").at("value").get<double>(), check.value, kRounding);
+  const problem::DesignEvaluation evaluation = problem::Evaluate(explored.design.links, placed);
+  const double clearance_mm = evaluation.CheckOf({problem::Requirement::Kind::kThigh}).value;
+  EXPECT_NEAR(CheckNamed(message, "thigh clearance").at("value").get<double>(), clearance_mm, kRounding);
 }
 
 class Dragged : public testing::TestWithParam<const char*> {};
