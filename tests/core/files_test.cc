@@ -11,6 +11,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/json.h"
+#include "lake/core/paths.h"
 #include "lake/core/provenance.h"
 #include "lake/core/run.h"
 #include "lake/core/statistics.h"
@@ -74,6 +75,21 @@ TEST(Run, SummaryHoldsWhatMadeTheResult) {
   EXPECT_EQ(summary["answer"], 42);
   // FIPS 180-2, appendix B.1.
   EXPECT_EQ(summary["inputs"][0]["sha256"], "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Paths, LieInAFolder) {
+  const TemporaryFolder folder;
+  const std::filesystem::path out = folder / "out";
+  std::filesystem::create_directories(out / "human");
+  std::filesystem::create_symlink(out, folder / "link");
+  EXPECT_TRUE(LiesIn(out / "human/absent.csv", out));
+  EXPECT_TRUE(LiesIn(out, out));
+  EXPECT_TRUE(LiesIn(out, out / ""));
+  EXPECT_TRUE(LiesIn(out / "human/../a.csv", out));
+  EXPECT_TRUE(LiesIn(folder / "link/human", out));
+  EXPECT_FALSE(LiesIn(folder / "outside", out)) << "begins with its name";
+  EXPECT_FALSE(LiesIn(folder.Path(), out));
+  EXPECT_FALSE(LiesIn(out / "../a.csv", out));
 }
 
 TEST(Provenance, DoesNotNameTheHomeFolder) {

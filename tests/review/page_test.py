@@ -1,6 +1,6 @@
 """lake review as a person uses it: the built program, a rendered recording, headless Chromium.
 
-One browser and one recording serve all tests. LAKE_BIN_DIR: where the programs are."""
+One browser and one recording serve all tests. LAKE_BIN: where the programs are."""
 import csv
 import json
 import os
@@ -26,7 +26,7 @@ try:
 except ImportError:
     webdriver = None
 
-BIN = pathlib.Path(os.environ.get("LAKE_BIN_DIR", "build/test/bin")).resolve()
+BIN = pathlib.Path(os.environ.get("LAKE_BIN", "build/test/bin")).resolve()
 DRIVER = shutil.which("chromedriver")
 WAIT_S = 60  # a loaded machine; what is waited for takes a second
 SIZE = (1280, 720)  # of the recording, px

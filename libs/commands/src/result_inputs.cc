@@ -10,8 +10,26 @@ namespace lake::commands {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// Of each text in it that begins with the home folder.
+void PutHomeInto(Json& json) {
+  if (json.is_string()) json = FromHome(json.get<std::string>()).string();
+  if (json.is_structured())
+    for (Json& value : json) PutHomeInto(value);
+}
+
+}  // namespace
+
+Json ReadSummary(const fs::path& file) {
+  Json summary = ReadJsonFile(file);
+  for (const char* part : {"options", "inputs"})
+    if (const auto found = summary.find(part); found != summary.end()) PutHomeInto(*found);
+  return summary;
+}
+
 fs::path FindInput(const Json& input, const fs::path& results) {
-  const fs::path path = FromHome(input.at("path").get<std::string>());
+  const fs::path path = input.at("path").get<std::string>();
   std::vector<fs::path> places = {fs::current_path()};
   for (fs::path place = fs::absolute(results).lexically_normal(); place.has_relative_path();
        place = place.parent_path())
@@ -39,6 +57,18 @@ std::string MakerOf(const fs::path& folder) {
   const Json summary = ReadJsonFile(path);
   const auto program = summary.find("program");
   return program != summary.end() && program->is_string() ? program->get<std::string>() : "";
+}
+
+std::vector<std::string> WordsOf(const Option& option) {
+  std::vector<std::string> words;
+  if (option.IsFlag()) {
+    const bool is_on = !option.Given().empty() && option.Given().front() == "true";
+    if (is_on || (option.HasNegation() && !option.Given().empty()))
+      words.push_back(fmt::format("--{}{}", is_on ? "" : "no-", option.Name()));
+    return words;
+  }
+  for (const std::string& text : option.Given()) words.insert(words.end(), {fmt::format("--{}", option.Name()), text});
+  return words;
 }
 
 std::string ShellWord(const std::string& word) {

@@ -58,7 +58,7 @@ Json CurvesOf(const fs::path& folder, const Json& summary) {
 }  // namespace
 
 review::ComparedPair ReadComparedPair(const fs::path& folder) {
-  const Json summary = ReadJsonFile(folder / "summary.json");
+  const Json summary = ReadSummary(folder / "summary.json");
   try {
     const std::vector<fs::path> trials = TrialFolders(summary.at("inputs"), folder);
     const Json& markers = summary.at("markers");

@@ -13,7 +13,6 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
-#include "lake/core/provenance.h"
 #include "lake/core/run.h"
 #include "lake/core/yaml.h"
 #include "lake/problem/problem_file.h"
@@ -59,7 +58,7 @@ struct Folder {
       if (path_then == named || (IsOfStudy() && path_then.filename() == named.filename()))
         return FindInput(input, path).string();
     }
-    return FromHome(named).string();
+    return named.string();
   }
 
   // Gives the options their values there, unless these are the default.
@@ -78,18 +77,14 @@ struct Folder {
 
 std::optional<Folder> FolderOf(const fs::path& path, std::string_view program) {
   if (MakerOf(path) != program) return std::nullopt;
-  return Folder{path, ReadJsonFile(path / "summary.json")};
+  return Folder{path, ReadSummary(path / "summary.json")};
 }
 
 void AddWords(const OptionList& list, std::vector<std::string>& words) {
   for (const Option& option : list.All()) {
-    if (option.Given().empty() || std::ranges::count(kLeftOut, option.Name())) continue;
-    if (option.IsFlag()) {
-      if (option.Given().front() == "true") words.push_back(fmt::format("--{}", option.Name()));
-      continue;
-    }
-    words.push_back(fmt::format("--{}", option.Name()));
-    words.insert(words.end(), option.Given().begin(), option.Given().end());
+    if (std::ranges::count(kLeftOut, option.Name())) continue;
+    const std::vector<std::string> more = WordsOf(option);
+    words.insert(words.end(), more.begin(), more.end());
   }
 }
 

@@ -7,7 +7,6 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/json.h"
-#include "lake/core/provenance.h"
 #include "result_inputs.h"
 
 namespace lake::commands {
@@ -18,7 +17,7 @@ namespace {
 
 // The study file may have been edited since: that is what the steps are then done for.
 fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
-  const fs::path named = FromHome(summary.at("options").at("study").get<std::string>());
+  const fs::path named = summary.at("options").at("study").get<std::string>();
   for (fs::path place = fs::absolute(folder).lexically_normal(); place.has_relative_path(); place = place.parent_path())
     if (fs::exists(place / named)) return place / named;
   if (fs::exists(named)) return named;
@@ -46,7 +45,7 @@ review::StudyWork StudyWorkOf(const fs::path& folder, const fs::path& programs) 
   review::StudyWork work;
   std::vector<std::string> words;
   try {
-    const Json summary = ReadJsonFile(folder / "summary.json");
+    const Json summary = ReadSummary(folder / "summary.json");
     work.name = summary.at("name");
     words = {StudyFileOf(summary, folder).string(), "-o", folder.string()};
   } catch (const nlohmann::json::exception& error) {

@@ -19,9 +19,9 @@ namespace {
 constexpr const char* kCorrections = "corrections.csv";
 constexpr const char* kReview = "review.json";
 
-Json ReadSummary(const fs::path& folder) {
+Json ReadSummaryOf(const fs::path& folder) {
   const std::optional<fs::path> path = FindResult(folder, "summary.json");
-  Json summary = path ? ReadJsonFile(*path) : Json::object();
+  Json summary = path ? ReadSummary(*path) : Json::object();
   if (summary.value("program", "") != "lake-track")
     throw Fail("{}: is not a folder of lake track's (no summary.json of it)", folder.string());
   if (!FindResult(folder, "tracks.csv"))
@@ -41,8 +41,7 @@ void ReadOptionsOf(const fs::path& folder, const Json& said, OptionList& list) {
   for (Option& option : list.All()) {
     const auto value = said.find(option.Name());
     if (value == said.end()) continue;
-    OptionTexts texts = value->is_array() ? value->get<OptionTexts>() : OptionTexts{value->get<std::string>()};
-    for (std::string& text : texts) text = FromHome(text).string();
+    const OptionTexts texts = value->is_array() ? value->get<OptionTexts>() : OptionTexts{value->get<std::string>()};
     if (texts != OptionTexts{""} && texts != OptionTexts{option.DefaultText()}) option.Give(texts);
   }
   list.Apply();
@@ -62,13 +61,8 @@ std::string CommandOf(const OptionList& list, const TrackRunOptions& options, co
   if (options.camera) command += " --camera " + ShellWord(options.camera->string());
   for (const Option& option : list.All()) {
     const std::string& name = option.Name();
-    if (option.Given().empty() || option.IsOperand() || name == "camera" || name == "corrections") continue;
-    if (option.IsFlag()) {
-      const bool is_on = option.Given().front() == "true";
-      if (is_on || option.HasNegation()) command += (is_on ? " --" : " --no-") + name;
-      continue;
-    }
-    for (const std::string& text : option.Given()) command += " --" + name + " " + ShellWord(text);
+    if (option.IsOperand() || name == "camera" || name == "corrections") continue;
+    for (const std::string& word : WordsOf(option)) command += fmt::format(" {}", ShellWord(word));
   }
   return fmt::format("{} --corrections {} -o {}", command, ShellWord(corrections.string()), ShellWord(folder.string()));
 }
@@ -130,7 +124,7 @@ void ReadTracked(const fs::path& folder, const Json& summary, TrackedFolder& res
 TrackedFolder ReadTrackedFolder(const fs::path& folder) {
   TrackedFolder result;
   result.folder = folder;
-  const Json summary = ReadSummary(folder);
+  const Json summary = ReadSummaryOf(folder);
   try {
     const Json& said = summary.at("options");
     const bool is_study = !said.contains("out");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lake/core/error.h"
+#include "lake/core/paths.h"
 #include "lake/core/statistics.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/video/video_files.h"
@@ -349,13 +350,11 @@ void RetireOtherSteps(const std::vector<steps::StudyStep>& steps, const fs::path
 // A step's folder is emptied before the step begins, so nothing that the study reads may lie there.
 void CheckInputsLieOutside(const StudyFile& study, const fs::path& out) {
   for (const StudyInput& input : study.inputs)
-    for (const std::string& name : StudyStepNames()) {
-      const fs::path below = fs::weakly_canonical(input.path).lexically_relative(fs::weakly_canonical(out / name));
-      if (!below.empty() && *below.begin() != "..")
+    for (const std::string& name : StudyStepNames())
+      if (LiesIn(input.path, out / name))
         throw Fail(
             "{}: {} lies among the study's own results, which are made anew; copy it elsewhere and name the copy",
             input.where, input.path.string());
-    }
 }
 
 steps::StepRunOptions StepOptions(const StudyFile& study, const Run& run) {

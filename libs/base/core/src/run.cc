@@ -7,6 +7,7 @@
 
 #include "folder_lock.h"
 #include "lake/core/error.h"
+#include "lake/core/paths.h"
 #include "lake/core/provenance.h"
 #include "results_list.h"
 
@@ -52,9 +53,7 @@ std::string NameOf(const fs::path& path) {
 // A run may replace what it reads in its own folder; all else must be at its end what it was when it was added.
 void CheckIsAsItWas(const Json& input, const fs::path& out) {
   const fs::path path = FromHome(input.at("path").get<std::string>());
-  if (const fs::path inside = fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(out));
-      !inside.empty() && *inside.begin() != "..")
-    return;
+  if (LiesIn(path, out)) return;
   if (!fs::exists(path) || Sha256OfFile(path) != input.at("sha256"))
     throw Fail("{}: changed while it was read; do it again", path.string());
 }

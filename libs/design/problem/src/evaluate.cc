@@ -214,8 +214,7 @@ DesignEvaluation EvaluateAsMade(const linkage::Links& links, const SynthesisProb
   evaluation.violation = evaluation.pose ? 0 : kInfinity;
   for (const Requirement& requirement : RequirementsOf(problem)) {
     evaluation.checks.push_back(CheckRequirement(links, problem, requirement, evaluation));
-    evaluation.violation =
-        std::max(evaluation.violation, -evaluation.checks.back().slack / std::max(1.0, requirement.limit));
+    evaluation.violation = std::max(evaluation.violation, evaluation.checks.back().Violation());
   }
   evaluation.bound_violation_mm = BoundViolation(links, problem);
   evaluation.violation = std::max(evaluation.violation, evaluation.bound_violation_mm);

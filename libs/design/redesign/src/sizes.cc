@@ -333,15 +333,15 @@ class RangesOfOneQuantity {
 };
 
 // How many people's limits the size that is theirs does not hold.
-std::size_t NotHeld(const std::vector<std::vector<Fit>>& fits, const std::vector<std::size_t>& size_of) {
+std::size_t NotHeld(const Fits& fits, const Assignment& size_of) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < fits.size(); ++i) count += !fits[i][size_of[i]].holds;
   return count;
 }
 
 // What the rule gives to each.
-std::vector<std::size_t> SizesBy(const SizeRule& rule, const std::vector<BodyQuantity>& quantities) {
-  std::vector<std::size_t> sizes;
+Assignment SizesBy(const SizeRule& rule, const std::vector<BodyQuantity>& quantities) {
+  Assignment sizes;
   for (const double mm : std::ranges::find(quantities, rule.quantity, &BodyQuantity::name)->mm)
     sizes.push_back(rule.SizeFor(mm));
   return sizes;

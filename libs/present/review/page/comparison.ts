@@ -1,8 +1,9 @@
 // Two trials side by side, each at the same percent of its rise, with their misalignment in step.
 import { Chart, colourOf } from "./charts";
-import { isTyping, onClick, part, sayWhy } from "./dom";
+import { isTyping, part, sayWhy } from "./dom";
 import { Frames } from "./frames";
 import { Column, ComparedVideoMessage, ComparisonMessage } from "./messages";
+import { Player } from "./player";
 import { server } from "./server";
 import { TEXTS } from "./texts";
 import { PictureView } from "./view";
@@ -78,7 +79,7 @@ class ComparedView {
 
 export class ComparisonPage {
   private percent = 0;
-  private timer: number | undefined;
+  private player: Player;
   private views: ComparedView[];
   private charts: Chart[];
 
@@ -107,8 +108,7 @@ export class ComparisonPage {
     if (!this.views.every((view) => view.hasRise())) sayWhy(TEXTS.noRise);
     const scrub = part<HTMLInputElement>("percent-scrub");
     scrub.addEventListener("input", () => this.seek(Number(scrub.value)));
-    part("comparison-play").textContent = TEXTS.play;
-    onClick("comparison-play", () => this.play());
+    this.player = new Player("comparison-play", PLAY_MS, () => () => this.seek(this.percent === 100 ? 0 : this.percent + 1));
     document.addEventListener("keydown", (event) => this.key(event));
     this.seek(0);
   }
@@ -123,20 +123,11 @@ export class ComparisonPage {
       this.percent, curves.distance_mm[this.percent], curves.human_knee_deg[this.percent], curves.exo_knee_deg[this.percent]);
   }
 
-  private play(): void {
-    const isPlaying = this.timer !== undefined;
-    window.clearInterval(this.timer);
-    this.timer = undefined;
-    part("comparison-play").textContent = isPlaying ? TEXTS.play : TEXTS.pause;
-    if (isPlaying) return;
-    this.timer = window.setInterval(() => this.seek(this.percent === 100 ? 0 : this.percent + 1), PLAY_MS);
-  }
-
   private key(event: KeyboardEvent): void {
     const isSlider = event.target instanceof HTMLInputElement;
     if (isTyping(event) || event.ctrlKey || event.metaKey) return;
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (event.key === " " && !(event.target instanceof HTMLButtonElement)) this.play();
+    if (event.key === " " && !(event.target instanceof HTMLButtonElement)) this.player.toggle();
     else if (by && !isSlider) this.seek(this.percent + by * (event.shiftKey ? 10 : 1));
     else return;
     event.preventDefault();

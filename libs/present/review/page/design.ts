@@ -5,6 +5,7 @@ import { LinkageView } from "./linkage";
 import {
   CheckMessage, DesignColumns, DesignMessage, ExploreQuestion, ExploredMessage, PinName, Place, PoseMessage, StateMessage,
 } from "./messages";
+import { Player } from "./player";
 import { server } from "./server";
 import { TEXTS } from "./texts";
 
@@ -23,7 +24,7 @@ export class DesignPage {
   private isAsking = false;
   private isDragging = false;
   private startedOptimum: number | null = null; // the number of the last one when this window asked for another
-  private timer: number | undefined;
+  private player = new Player("design-play", PLAY_MS, () => this.standingUpAndSittingDown());
   private view: LinkageView;
   private sliders: { range: HTMLInputElement; number: HTMLInputElement; label: HTMLElement }[] = [];
   private charts: { theta: Chart; arm: Chart; force: Chart };
@@ -268,18 +269,13 @@ export class DesignPage {
     this.view.fit(poses as NonNullable<(typeof poses)[number]>[]);
   }
 
-  private play(): void {
-    const isPlaying = this.timer !== undefined;
-    window.clearInterval(this.timer);
-    this.timer = undefined;
-    part("design-play").textContent = isPlaying ? TEXTS.play : TEXTS.pause;
-    if (isPlaying) return;
-    let by = this.row > 0 ? -1 : 1; // stands up and sits down
-    this.timer = window.setInterval(() => {
+  private standingUpAndSittingDown(): () => void {
+    let by = this.row > 0 ? -1 : 1;
+    return () => {
       const before = this.row;
       this.seek(this.row + by);
       if (this.row === before) by = -by;
-    }, PLAY_MS);
+    };
   }
 
   // --- saving and optimising
@@ -315,8 +311,6 @@ export class DesignPage {
   private connect(): void {
     const scrub = part<HTMLInputElement>("stroke");
     scrub.addEventListener("input", () => this.seek(Number(scrub.value)));
-    part("design-play").textContent = TEXTS.play;
-    onClick("design-play", () => this.play());
     onClick("design-zoom-in", () => this.view.zoomBy(1.5));
     onClick("design-zoom-out", () => this.view.zoomBy(1 / 1.5));
     onClick("design-zoom-fit", () => this.fit());
@@ -347,7 +341,7 @@ export class DesignPage {
       if (key === "y" || (key === "z" && event.shiftKey)) return () => this.step(this.future, this.past);
       return null;
     }
-    if (event.key === " ") return event.target instanceof HTMLButtonElement ? null : () => this.play();
+    if (event.key === " ") return event.target instanceof HTMLButtonElement ? null : () => this.player.toggle();
     if (isSlider) return null; // moves by itself
     const keys: { [key: string]: () => void } = {
       ArrowLeft: () => this.seek(this.row - (event.shiftKey ? 10 : 1)),

@@ -120,8 +120,6 @@ Json WorstJson(const problem::RequirementCheck& check, const problem::SynthesisP
   return {{"knee_deg", Rounded(std::lerp(problem.standing_deg, range_deg, check.fraction))}};
 }
 
-constexpr double kTolerance = 1e-6;  // as DesignEvaluation::IsFeasible has it
-
 Json CheckJson(const problem::RequirementCheck& check, const problem::SynthesisProblem& problem, double range_deg) {
   const problem::Requirement& requirement = check.requirement;
   return {{"name", requirement.name},
@@ -130,7 +128,7 @@ Json CheckJson(const problem::RequirementCheck& check, const problem::SynthesisP
           {"limit", Rounded(requirement.limit)},
           {"value", Rounded(check.value)},
           {"slack", Rounded(check.slack)},
-          {"holds", -check.slack / std::max(1.0, requirement.limit) <= kTolerance},
+          {"holds", check.Holds()},
           {"worst", WorstJson(check, problem, range_deg)}};
 }
 
@@ -217,8 +215,8 @@ Json DesignExplorer::ChecksJson(const Links& links) const {
   const auto values = links.Values();
   for (std::size_t i = 0; i < values.size(); ++i) {
     const problem::Bounds& bound = explored_.problem.bounds[i];
-    if (values[i] < bound.lower - kTolerance) checks.push_back(BoundJson(i, values[i], bound.lower, true));
-    if (values[i] > bound.upper + kTolerance) checks.push_back(BoundJson(i, values[i], bound.upper, false));
+    if (values[i] < bound.lower - problem::kHoldsTo) checks.push_back(BoundJson(i, values[i], bound.lower, true));
+    if (values[i] > bound.upper + problem::kHoldsTo) checks.push_back(BoundJson(i, values[i], bound.upper, false));
   }
   return {{"range_deg", Rounded(evaluation.range_deg)},
           {"stands", evaluation.stands_mm ? Rounded(*evaluation.stands_mm) : Json()},

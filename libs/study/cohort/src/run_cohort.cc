@@ -10,6 +10,7 @@
 #include "lake/cohort/motion_files.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/paths.h"
 #include "lake/core/provenance.h"
 #include "lake/core/threads.h"
 #include "population.h"
@@ -50,11 +51,6 @@ void WriteDatasetFiles(const Cohort& cohort, Run& run) {
   for (const char* table : {"participants.tsv", "participants.json"})
     if (fs::is_regular_file(cohort.folder / table))
       WriteTextFile(run.Result(table), ReadTextFile(cohort.folder / table));
-}
-
-bool LiesIn(const fs::path& folder, const fs::path& other) {
-  const fs::path relative = fs::weakly_canonical(fs::absolute(folder)).lexically_relative(fs::weakly_canonical(other));
-  return !relative.empty() && *relative.begin() != "..";
 }
 
 // What was recorded stays as it is: no result lies among the recordings, or beside the cohort's own tables.

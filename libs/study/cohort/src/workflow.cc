@@ -21,6 +21,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/paths.h"
 #include "lake/core/processes.h"
 #include "lake/study/study.h"
 #include "population.h"
@@ -89,10 +90,6 @@ std::set<std::string> WantedSteps(const Json& steps, const std::vector<std::stri
   return wanted;
 }
 
-bool LiesIn(const std::string& path, const fs::path& folder) {
-  return path.starts_with((folder / "").string());
-}
-
 // Braces are wildcards to Snakemake.
 void CheckHasNoBraces(const std::string& path) {
   if (path.find_first_of("{}") != std::string::npos)
@@ -104,7 +101,7 @@ Json StepOf(const Json& plan, const fs::path& folder) {
   step["after"] = plan["after"];
   step["inputs"] = Json::array();
   for (const Json& input : plan["inputs"])
-    if (!LiesIn(input, folder)) CheckHasNoBraces(input), step["inputs"].push_back(input);
+    if (!LiesIn(input.get<std::string>(), folder)) CheckHasNoBraces(input), step["inputs"].push_back(input);
   return step;
 }
 

@@ -9,6 +9,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/paths.h"
 #include "lake/core/processes.h"
 #include "lake/core/provenance.h"
 #include "lake/core/threads.h"
@@ -153,11 +154,6 @@ std::map<std::string, StepStamp> StampsBefore(const std::vector<StudyStep>& step
     stamps[earlier.name] = std::move(*stamp);
   }
   return stamps;
-}
-
-bool LiesBelow(const fs::path& path, const fs::path& folder) {
-  const fs::path below = path.lexically_normal().lexically_relative(folder.lexically_normal());
-  return !below.empty() && *below.begin() != "..";
 }
 
 const StudyStep& StepOfName(const std::vector<StudyStep>& steps, const std::string& name) {
@@ -335,7 +331,7 @@ std::vector<std::string> StepsBefore(const std::vector<StudyStep>& steps, const 
   for (const StudyStep& earlier : steps) {
     if (earlier.name == step.name) break;
     const bool reads = std::any_of(step.inputs.begin(), step.inputs.end(),
-                                   [&](const fs::path& input) { return LiesBelow(input, earlier.folder); });
+                                   [&](const fs::path& input) { return LiesIn(input, earlier.folder); });
     if (reads || ReadsAllOf(step, earlier.name)) names.push_back(earlier.name);
   }
   return names;

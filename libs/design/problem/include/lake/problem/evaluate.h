@@ -1,6 +1,7 @@
 // Holds a design against a problem, by the closed form and on a fine grid of the used range; independent of any solver.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,11 +25,17 @@ struct WorstPoint {
 std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const SynthesisProblem& problem,
                                     const Requirement& requirement);
 
+constexpr double kHoldsTo = 1e-6;  // of a limit: within this violation a design counts as feasible
+
 struct RequirementCheck {
   Requirement requirement;
   double value = 0;     // NaN if it cannot be evaluated: not assembled at d_min, or not able to stand
   double slack = 0;     // distance to the limit, positive if satisfied; -infinity if it cannot be evaluated
   double fraction = 1;  // where in the used range, or in the rise, a family is worst
+
+  // In units of the limit where that exceeds one; negative if satisfied.
+  double Violation() const { return -slack / std::max(1.0, requirement.limit); }
+  bool Holds() const { return Violation() <= kHoldsTo; }
 };
 
 struct DesignEvaluation {
@@ -46,7 +53,7 @@ struct DesignEvaluation {
 
   // Throws std::out_of_range where the problem has no such requirement.
   const RequirementCheck& CheckOf(const Requirement::Id& id) const;
-  bool IsFeasible(double tolerance = 1e-6) const { return violation <= tolerance; }
+  bool IsFeasible(double tolerance = kHoldsTo) const { return violation <= tolerance; }
 };
 
 DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& problem);
