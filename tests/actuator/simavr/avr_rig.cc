@@ -1,6 +1,7 @@
 #include "avr_rig.h"
 
 #include <simavr/avr_adc.h>
+#include <simavr/avr_extint.h>
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_elf.h>
@@ -53,6 +54,9 @@ AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) 
   avr_load_firmware(avr_, &firmware);
   avr_irq_register_notify(avr_io_getirq(avr_, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT), OnSerial, this);
   avr_irq_register_notify(avr_get_interrupt_irq(avr_, kTimer2CompareA) + AVR_INT_IRQ_RUNNING, OnTick, this);
+  // The firmware reads its end stops' pins and never asks for their interrupts; simavr would poll each of them in every
+  // cycle while it is low, and the processor would never sleep.
+  for (const std::uint8_t external_interrupt : {0, 1}) avr_extint_set_strict_lvl_trig(avr_, external_interrupt, 0);
   std::uint32_t flags = 0;
   avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);  // nothing to the test's own output
   SetEndStopPins();
