@@ -1,6 +1,7 @@
 // lake-calibrate: a camera from pictures of a board; the sagittal plane from one picture; boards to print.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <string>
 
 #include "lake/commands/calibrate.h"

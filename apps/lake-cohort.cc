@@ -1,4 +1,6 @@
 // lake-cohort: the studies of many people, and what they say as a group.
+#include <CLI/CLI.hpp>
+
 #include "lake/cohort/run_cohort.h"
 #include "program.h"
 

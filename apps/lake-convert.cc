@@ -1,6 +1,7 @@
 // lake-convert: a trial in another program's format. Writes one file, so it has no folder of results.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "lake/exchange/convert_options.h"

@@ -1,6 +1,7 @@
 // lake-info: what is inside a trial file.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 

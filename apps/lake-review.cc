@@ -1,5 +1,6 @@
 // lake-review: a local page to look at results: a trial to be corrected, a design to be explored, a comparison, a
 // study.
+#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "lake/commands/review.h"

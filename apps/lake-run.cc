@@ -1,4 +1,5 @@
 // lake-run: a whole study, from the recordings to a better exoskeleton and a report.
+#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 

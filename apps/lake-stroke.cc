@@ -1,5 +1,6 @@
 // lake-stroke: a design's stroke program with the firmware that runs it; a duty table from logs; a prototype's video
 // against its prediction; the program in the board, watched.
+#include <CLI/CLI.hpp>
 #include <string>
 
 #include "lake/commands/stroke.h"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
@@ -184,47 +185,49 @@ int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>
 }
 
 Program::Program(std::string name, std::string what, std::string example)
-    : name_(std::move(name)), cli_(std::move(what), name_) {
-  cli_.footer("Example:\n  " + example);
-  cli_.option_defaults()->always_capture_default();
-  cli_.add_option("-o,--out", out_, "Folder for the results; made if absent (default: ./lake-out/NAME)");
-  cli_.add_option("--threads", threads_, "Threads to work with; results do not depend on it (default: the machine's)")
+    : name_(std::move(name)), cli_(std::make_unique<CLI::App>(std::move(what), name_)) {
+  cli_->footer("Example:\n  " + example);
+  cli_->option_defaults()->always_capture_default();
+  cli_->add_option("-o,--out", out_, "Folder for the results; made if absent (default: ./lake-out/NAME)");
+  cli_->add_option("--threads", threads_, "Threads to work with; results do not depend on it (default: the machine's)")
       ->type_name("INT");
-  cli_.add_flag("--quiet", quiet_, "No progress");
-  cli_.add_flag("--json", json_, "Print the summary to stdout as JSON");
-  cli_.set_config("--config", "", "Take options from this file; each run writes those it was given as options.toml");
+  cli_->add_flag("--quiet", quiet_, "No progress");
+  cli_->add_flag("--json", json_, "Print the summary to stdout as JSON");
+  cli_->set_config("--config", "", "Take options from this file; each run writes those it was given as options.toml");
 }
 
+Program::~Program() = default;
+
 SharedOptions Program::Add(OptionList options, const std::string& group) {
-  lists_.push_back({&cli_, AddOptions(cli_, std::move(options), group)});
+  lists_.push_back({cli_.get(), AddOptions(*cli_, std::move(options), group)});
   return lists_.back().second;
 }
 
 const CLI::App* Program::AddCommand(const std::string& name, const std::string& what, const std::string& example,
                                     OptionList options) {
-  CLI::App* command = cli_.add_subcommand(name, what);
+  CLI::App* command = cli_->add_subcommand(name, what);
   lists_.push_back({command, AddOptions(*command, std::move(options))});
   command->footer("Example:\n  " + example);
   command->fallthrough();
-  cli_.require_subcommand(0, 1);
+  cli_->require_subcommand(0, 1);
   return command;
 }
 
 void Program::TakeOutByPlace() {
-  cli_.remove_option(cli_.get_option("--out"));
-  cli_.add_option("out", out_, "Folder for the results; made if absent");
+  cli_->remove_option(cli_->get_option("--out"));
+  cli_->add_option("out", out_, "Folder for the results; made if absent");
 }
 
 std::vector<SharedOptions> Program::GivenLists() const {
   std::vector<SharedOptions> lists;
   for (const auto& [app, list] : lists_)
-    if (app == &cli_ || app->parsed()) lists.push_back(list);
+    if (app == cli_.get() || app->parsed()) lists.push_back(list);
   return lists;
 }
 
 std::vector<std::string> Program::Subject() const {
   std::vector<std::string> named, files;
-  for (const CLI::App* level : GivenLevels(cli_))
+  for (const CLI::App* level : GivenLevels(*cli_))
     for (const CLI::Option* option : level->get_options())
       for (const std::string& value : option->results()) {
         std::error_code error;
@@ -238,7 +241,7 @@ std::vector<std::string> Program::Subject() const {
 
 int Program::Main(int argc, char** argv, const std::function<std::string()>& result_name,
                   const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report) {
-  return ParseAndRun(cli_, argc, argv, [&] {
+  return ParseAndRun(*cli_, argc, argv, [&] {
     CatchInterrupts();
     if (threads_) SetThreads(*threads_);
     for (const SharedOptions& list : GivenLists()) list->Apply();
@@ -250,13 +253,13 @@ int Program::Work(const std::string& command, const std::string& result_name, co
                   const std::function<std::string(const Json&)>& report) {
   const bool is_default = out_.empty();
   if (is_default) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
-  Json options = EffectiveOptions(cli_, GivenLists());
+  Json options = EffectiveOptions(*cli_, GivenLists());
   options["out"] = out_;
   Run run({name_, command, options, out_, quiet_, Subject(), is_default});
   const Json results = work(run);
   if (results.is_null()) return kDone;
   const Json summary = run.WriteSummary(results);
-  WriteTextFile(run.Result("options.toml"), cli_.config_to_str(false));
+  WriteTextFile(run.Result("options.toml"), cli_->config_to_str(false));
   if (json_)
     fmt::print("{}\n", summary.dump(2, ' ', false, Json::error_handler_t::replace));
   else if (report)

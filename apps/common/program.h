@@ -2,7 +2,6 @@
 // exit codes.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,6 +12,11 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/core/run.h"
+
+// CLI11, which takes a compiler seconds: what programs see of it is this name, but for those that build on it.
+namespace CLI {
+class App;
+}
 
 namespace lake {
 
@@ -34,13 +38,14 @@ class Program {
  public:
   // `example` is a command line that --help shows.
   Program(std::string name, std::string what, std::string example);
+  ~Program();
 
   // The program's own options, which stay bound to their struct; and those of a command of it.
   SharedOptions Add(OptionList options, const std::string& group = "");
   const CLI::App* AddCommand(const std::string& name, const std::string& what, const std::string& example,
                              OptionList options);
 
-  CLI::App& Cli() { return cli_; }
+  CLI::App& Cli() { return *cli_; }
 
   // The folder for the results is given by its place on the command line, after what was added before, not by --out.
   void TakeOutByPlace();
@@ -63,7 +68,7 @@ class Program {
   std::vector<std::string> Subject() const;
 
   std::string name_;
-  CLI::App cli_;
+  std::unique_ptr<CLI::App> cli_;
   std::vector<std::pair<const CLI::App*, SharedOptions>> lists_;
   std::string out_;
   std::optional<int> threads_;

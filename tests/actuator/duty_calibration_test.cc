@@ -186,23 +186,24 @@ TEST(DutyCalibration, WhatIsWrongIsNamed) {
   EXPECT_THROW(actuator::CalibrateDuty({few.log}, options), UsageError);
 }
 
-actuator::DutyLog ReadText(const std::string& text, const std::optional<actuator::PotentiometerScale>& scale = {}) {
+actuator::DutyLog ReadLogText(const std::string& text, const std::optional<actuator::PotentiometerScale>& scale = {}) {
   const TemporaryFolder folder;
   WriteTextFile(folder / "log.csv", text);
   return actuator::ReadDutyLog(folder / "log.csv", scale);
 }
 
 TEST(DutyLog, ReadsCsvAndSerialOutput) {
-  EXPECT_EQ(ReadText("time_s,stroke_mm,duty\n0,300,0\n0.1,,0.5\n0.2,301,0.5\n").stroke_mm, (std::vector{300.0, 301.0}));
+  EXPECT_EQ(ReadLogText("time_s,stroke_mm,duty\n0,300,0\n0.1,,0.5\n0.2,301,0.5\n").stroke_mm,
+            (std::vector{300.0, 301.0}));
   const std::string serial =
       "# lake-stroke\r\ntime_s,planned_mm,duty,direction,state,adc,end_stops\r\n0.100,,0.0000,0,idle,102,0\r\n# ok\r\n"
       "0.200,,-0.5000,-1,jogging,512,0\r\n\r\n";
-  const actuator::DutyLog log = ReadText(serial, actuator::ParsePotentiometerScale("102=242,921=372"));
+  const actuator::DutyLog log = ReadLogText(serial, actuator::ParsePotentiometerScale("102=242,921=372"));
   ASSERT_EQ(log.time_s.size(), 2u);
   EXPECT_NEAR(log.stroke_mm[0], 242, 1e-12);
   EXPECT_NEAR(log.stroke_mm[1], 242 + 410 * 130.0 / 819, 1e-9);
   EXPECT_EQ(log.duty[1], -0.5);
-  EXPECT_THAT([&] { ReadText(serial); }, ThrowsMessage<Error>(HasSubstr("measured strokes")))
+  EXPECT_THAT([&] { ReadLogText(serial); }, ThrowsMessage<Error>(HasSubstr("measured strokes")))
       << "planned is not measured";
 }
 
@@ -219,7 +220,7 @@ TEST(DutyLog, BadLogsSayWhere) {
       {"time_s,stroke_mm,duty\n0,300\n", "log.csv:2: 2 cells under a header of 3"},
   };
   for (const auto& [text, message] : cases)
-    EXPECT_THAT([&] { ReadText(text); }, ThrowsMessage<Error>(HasSubstr(message))) << text;
+    EXPECT_THAT([&] { ReadLogText(text); }, ThrowsMessage<Error>(HasSubstr(message))) << text;
   for (const char* scale : {"", "1=2", "1=2,1=3", "1=2,3=2", "a=2,3=4", "1=2,3=4,5=6"})
     EXPECT_THROW(actuator::ParsePotentiometerScale(scale), UsageError) << scale;
 }

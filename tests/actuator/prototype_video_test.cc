@@ -14,15 +14,15 @@
 namespace lake {
 namespace {
 
-constexpr double kStart_s = 1.2;  // of the program in the film
+constexpr double kProgramStart_s = 1.2;  // of the program in the film
 
 // Markers on a prototype whose shank stands upright on a bench: knee and hip swing about the ankle's side of the joint.
 void WritePrototypeMotion(const std::filesystem::path& path, const actuator::StrokeSchedule& schedule,
                           double travel_factor) {
   CsvWriter table({"time_s", "ankle_x_mm", "ankle_y_mm", "knee_x_mm", "knee_y_mm", "hip_x_mm", "hip_y_mm"});
   const double start_mm = schedule.knots.front().stroke_mm;
-  for (double t = 0; t <= kStart_s + schedule.Duration() + 1; t += 0.02) {
-    const double stroke = start_mm + travel_factor * (schedule.StrokeAt(t - kStart_s) - start_mm);
+  for (double t = 0; t <= kProgramStart_s + schedule.Duration() + 1; t += 0.02) {
+    const double stroke = start_mm + travel_factor * (schedule.StrokeAt(t - kProgramStart_s) - start_mm);
     const double knee = actuator::KneeDegAt(kPublishedLinks, stroke) * std::numbers::pi / 180;
     table.Add(t)
         .Add(0.0)
@@ -36,15 +36,15 @@ void WritePrototypeMotion(const std::filesystem::path& path, const actuator::Str
   table.Write(path);
 }
 
-struct Film {
+struct FilmedRuns {
   double travel_factor;
   const char* verdict;
 };
 
-class PrototypeVideoTest : public testing::TestWithParam<Film> {};
+class PrototypeVideoTest : public testing::TestWithParam<FilmedRuns> {};
 
 TEST_P(PrototypeVideoTest, TellsStartSpeedDriftAndVerdict) {
-  const Film& film = GetParam();
+  const FilmedRuns& film = GetParam();
   TemporaryFolder folder;
   WriteTextFile(folder / "design.yaml",
                 "links: {l1: 59.081, l2: 68.840, l3: 55.964, l4: 71.849, l5: 118.630, l6: 287.310}\nd_min_mm: 242\n");
@@ -74,7 +74,7 @@ TEST_P(PrototypeVideoTest, TellsStartSpeedDriftAndVerdict) {
   // end (7 deg/s) over a frame or two of 0.05 s, which are a few of 500 frames.
   EXPECT_LT(v["rms_with_factor_deg"].get<double>(), 0.1);
   EXPECT_NEAR(v["speed_mm_s"].get<double>(), 5 * film.travel_factor, 0.01);
-  EXPECT_NEAR(v["start_with_factor_s"].get<double>(), kStart_s, 0.01);  // a fifth of a frame
+  EXPECT_NEAR(v["start_with_factor_s"].get<double>(), kProgramStart_s, 0.01);  // a fifth of a frame
   EXPECT_NEAR(v["travel_factor"].get<double>(), film.travel_factor, 0.002);
   const double travel = schedule.knots.back().stroke_mm - schedule.knots.front().stroke_mm;
   EXPECT_NEAR(v["drift_mm"].get<double>(), (film.travel_factor - 1) * travel, 0.002 * travel);
@@ -83,8 +83,8 @@ TEST_P(PrototypeVideoTest, TellsStartSpeedDriftAndVerdict) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Prototypes, PrototypeVideoTest,
-                         testing::Values(Film{1, "follows the prediction"},
-                                         Film{0.9, "has the predicted angles at another speed"}),
+                         testing::Values(FilmedRuns{1, "follows the prediction"},
+                                         FilmedRuns{0.9, "has the predicted angles at another speed"}),
                          [](const auto& info) {
                            return info.param.travel_factor == 1 ? "AsPlanned" : "TenPercentSlow";
                          });

@@ -21,10 +21,10 @@ using actuator::StrokeSeries;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr double kStart_s = 2, kAngleNoise_deg = 0.05, kStrokeNoise_mm = 0.05, kMarkers_mm = 37.5;
+constexpr double kRestBefore_s = 2, kAngleNoise_deg = 0.05, kStrokeNoise_mm = 0.05, kMarkers_mm = 37.5;
 
-// Filmed at 30 Hz from kStart_s before the program on, with rests on both sides; the log at 10 Hz only while it runs,
-// on a clock of its own.
+// Filmed at 30 Hz from kRestBefore_s before the program on, with rests on both sides; the log at 10 Hz only while it
+// runs, on a clock of its own.
 struct Prototype {
   actuator::StrokeSchedule plan = FreeSchedule({{0, 300}, {5, 325}, {6, 325}, {10, 309}});
   StrokeSeries log{"log.csv", {}, {}}, lengths{"trajectory.csv", {}, {}};
@@ -38,10 +38,10 @@ struct Prototype {
     std::normal_distribution<double> noise(0, 1);
     const auto stroke_at = [&](double t) { return 300 + travel_factor * (plan.StrokeAt(t) - 300); };
     int moving = 0;
-    for (double t = -kStart_s; t < plan.Duration() + 2; t += 1 / 30.0) {
+    for (double t = -kRestBefore_s; t < plan.Duration() + 2; t += 1 / 30.0) {
       const double stroke = stroke_at(t), angle = actuator::KneeDegAt(links, stroke);
-      angles.push_back({t + kStart_s, angle + kAngleNoise_deg * noise(random)});
-      lengths.time_s.push_back(t + kStart_s);
+      angles.push_back({t + kRestBefore_s, angle + kAngleNoise_deg * noise(random)});
+      lengths.time_s.push_back(t + kRestBefore_s);
       lengths.stroke_mm.push_back(stroke + kMarkers_mm + kStrokeNoise_mm * noise(random));
       if (t < 0 || t > plan.Duration()) continue;
       linkage_rms_deg += std::pow(angle - actuator::KneeDegAt(kPublishedLinks, stroke), 2), ++moving;
@@ -86,7 +86,7 @@ TEST(SeparatedErrors, AWrongLinkIsNoErrorOfTheActuator) {
     const SeparatedErrors by_video = SeparateErrorsByVideo(prototype.plan, prototype.lengths, prototype.angles);
     EXPECT_LT(by_video.actuator_max_mm - by_video.actuator_rms_mm, 2);
     // The markers' place takes the constant part of it, 0.35 mm; at 5 mm/s that is 0.07 s.
-    EXPECT_NEAR(by_video.program_start_s, kStart_s, 0.1);
+    EXPECT_NEAR(by_video.program_start_s, kRestBefore_s, 0.1);
     // The constant part of it is hidden in the markers' place, as the header says.
     EXPECT_LT(by_video.linkage_rms_deg, prototype.linkage_rms_deg);
   }

@@ -18,16 +18,13 @@ namespace lake {
 namespace {
 namespace fs = std::filesystem;
 
-const camera::Board kBoard = camera::ParseBoard("chessboard:9x6:25");
-const camera::Camera kCamera{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
-
 class BoardPicturesTest : public testing::Test {
  protected:
   BoardPicturesTest() { options_.quiet = true; }
 
   cv::Mat1b Board(double x, double tilt_deg) {
-    return scene::Render(kCamera, kBoard, scene::PoseAt(kCamera, kBoard, {x, 240}, 260, tilt_deg, 40, 5), random_,
-                         {0.6, 1.5, 3});
+    return scene::Render(kSmallCamera, kBoard, scene::PoseAt(kSmallCamera, kBoard, {x, 240}, 260, tilt_deg, 40, 5),
+                         random_, {0.6, 1.5, 3});
   }
   fs::path Save(const std::string& name, const cv::Mat& image) {
     video::WriteImage(folder_ / name, image);
@@ -101,7 +98,8 @@ TEST(ChooseSpreadViews, OfNoneOrFewGivesThemAll) {
   EXPECT_TRUE(camera::ChooseSpreadViews(kBoard, {}, 5).empty());
   std::mt19937_64 random(1);
   std::vector<camera::BoardView> views(
-      3, scene::NoisyView(kCamera, kBoard, scene::PoseAt(kCamera, kBoard, {300, 240}, 260, 10, 0, 0), 0.1, random));
+      3, scene::NoisyView(kSmallCamera, kBoard, scene::PoseAt(kSmallCamera, kBoard, {300, 240}, 260, 10, 0, 0), 0.1,
+                          random));
   EXPECT_EQ(camera::ChooseSpreadViews(kBoard, views, 5).size(), 3u);
 }
 

@@ -11,6 +11,13 @@
 #include "lake/camera/board.h"
 #include "lake/camera/camera.h"
 
+namespace lake {
+
+inline const camera::Board kBoard = camera::ParseBoard("chessboard:9x6:25");
+inline const camera::Camera kSmallCamera{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
+
+}  // namespace lake
+
 namespace lake::scene {
 
 inline camera::Camera Lens() {

@@ -20,9 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-const camera::Board kBoard = camera::ParseBoard("chessboard:9x6:25");
-const camera::Camera kCamera{640, 480, 610, 606, 331, 236, {-0.24, 0.09, 4e-4, -3e-4, 0}};
-
 struct Outcome {
   int exit_code;
   std::string out, err;
@@ -41,10 +38,10 @@ class CalibrateProgram : public testing::Test {
   void Photograph(int count) {
     std::mt19937_64 random(9);
     for (int i = 0; i < count;) {
-      const auto pose = scene::RandomPose(kCamera, kBoard, random, 40);
-      if (!scene::InsidePicture(kCamera, scene::CornerPixels(kCamera, kBoard, pose), 25)) continue;
+      const auto pose = scene::RandomPose(kSmallCamera, kBoard, random, 40);
+      if (!scene::InsidePicture(kSmallCamera, scene::CornerPixels(kSmallCamera, kBoard, pose), 25)) continue;
       video::WriteImage(folder_ / fmt::format("{:02}.png", i++),
-                        scene::Render(kCamera, kBoard, pose, random, {0.6, 1.5, 3}));
+                        scene::Render(kSmallCamera, kBoard, pose, random, {0.6, 1.5, 3}));
     }
   }
 
@@ -73,7 +70,7 @@ TEST_F(CalibrateProgram, FromPicturesToThePlane) {
     EXPECT_TRUE(fs::exists(folder_ / "camera" / file)) << file;
   const camera::CameraProfile profile = camera::ReadCameraProfile(folder_ / "camera/camera.yaml");
   ASSERT_TRUE(profile.uncertainty);
-  EXPECT_LT(std::abs(profile.camera.fx - kCamera.fx), 5 * profile.uncertainty->intrinsics_sd[0]);
+  EXPECT_LT(std::abs(profile.camera.fx - kSmallCamera.fx), 5 * profile.uncertainty->intrinsics_sd[0]);
   EXPECT_EQ(profile.uncertainty->rms_px, summary["rms_px"].get<double>());
 
   const Outcome plane = Run("plane 03.png --camera camera/camera.yaml --board chessboard:9x6:25 -o camera --json");
@@ -87,8 +84,8 @@ TEST_F(CalibrateProgram, FromPicturesToThePlane) {
 TEST_F(CalibrateProgram, BadInputIsOneLineAndTheRightExitCode) {
   Photograph(3);
   video::WriteImage(folder_ / "small.png", cv::Mat1b(240, 320, uchar{90}));
-  camera::WriteCameraProfile(folder_ / "camera.yaml", {kCamera, {}, {}, {}});
-  camera::Camera other = kCamera;
+  camera::WriteCameraProfile(folder_ / "camera.yaml", {kSmallCamera, {}, {}, {}});
+  camera::Camera other = kSmallCamera;
   other.image_width = 1280;
   camera::WriteCameraProfile(folder_ / "other.yaml", {other, {}, {}, {}});
   ExpectOneLine(Run(""), 2, "no pictures given");

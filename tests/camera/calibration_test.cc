@@ -16,8 +16,6 @@ namespace lake {
 namespace {
 namespace fs = std::filesystem;
 
-const camera::Board kBoard = camera::ParseBoard("chessboard:9x6:25");
-
 struct Recording {
   std::vector<camera::BoardView> views;
   std::vector<Eigen::Isometry3d> poses;

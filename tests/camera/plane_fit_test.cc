@@ -15,11 +15,12 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-const camera::Board kBoard = camera::ParseBoard("chessboard:9x6:60");  // near enough and large: its tilt is unambiguous
+const camera::Board kLargeBoard =
+    camera::ParseBoard("chessboard:9x6:60");  // near enough and large: its tilt is unambiguous
 
-std::vector<camera::PlaneCorrespondence> Points(const camera::Camera& camera, const camera::PlanePose& pose,
-                                                const std::vector<Eigen::Vector2d>& mm, double sigma_px = 0,
-                                                std::uint64_t seed = 1) {
+std::vector<camera::PlaneCorrespondence> SeenPoints(const camera::Camera& camera, const camera::PlanePose& pose,
+                                                    const std::vector<Eigen::Vector2d>& mm, double sigma_px = 0,
+                                                    std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0, 1);
   std::vector<camera::PlaneCorrespondence> points;
@@ -30,15 +31,15 @@ std::vector<camera::PlaneCorrespondence> Points(const camera::Camera& camera, co
 }
 
 camera::PlanePose TiltedPlane(double tilt_deg, double roll_deg = 0, double width_px = 500) {
-  return scene::PoseAt(scene::Lens(), kBoard, {600, 380}, width_px, tilt_deg, 80, roll_deg);
+  return scene::PoseAt(scene::Lens(), kLargeBoard, {600, 380}, width_px, tilt_deg, 80, roll_deg);
 }
 
 const std::vector<Eigen::Vector2d> kFour = {{0, 0}, {400, 0}, {400, 300}, {0, 300}};
 
 TEST(FitPlane, ExactPointsGiveTheExactPose) {
   const camera::Camera camera = scene::Lens();
-  for (const auto& mm : {kFour, camera::BoardCorners(kBoard)}) {
-    const camera::PlaneFit fit = camera::FitPlane(camera, Points(camera, TiltedPlane(25), mm));
+  for (const auto& mm : {kFour, camera::BoardCorners(kLargeBoard)}) {
+    const camera::PlaneFit fit = camera::FitPlane(camera, SeenPoints(camera, TiltedPlane(25), mm));
     EXPECT_LT((fit.camera_from_plane.matrix() - TiltedPlane(25).matrix()).cwiseAbs().maxCoeff(), 1e-6);
     EXPECT_LT(fit.uncertainty.rms_px, 1e-8);
     EXPECT_THAT(fit.warnings, testing::IsEmpty());
@@ -53,7 +54,7 @@ TEST(FitPlane, StandardDeviationsAreHonest) {
   double rms = 0;
   for (int seed = 0; seed < kSeeds; ++seed) {
     const camera::PlaneFit fit = camera::FitPlane(
-        camera, Points(camera, truth, camera::BoardCorners(kBoard), 0.1, static_cast<std::uint64_t>(seed)));
+        camera, SeenPoints(camera, truth, camera::BoardCorners(kLargeBoard), 0.1, static_cast<std::uint64_t>(seed)));
     const Eigen::AngleAxisd turn(truth.linear().transpose() * fit.camera_from_plane.linear());
     Eigen::Matrix<double, 6, 1> error;
     error << turn.angle() * turn.axis(), fit.camera_from_plane.translation() - truth.translation();
@@ -82,8 +83,8 @@ TEST_P(TurnedBoard, PlaneIsUprightWithItsOriginAtTheLowerLeft) {
     const Eigen::Vector2d lower_left[] = {{0, 0}, {height, 0}, {width, height}, {0, width}};
     hung = upright * Eigen::Translation3d(lower_left[turns].x(), lower_left[turns].y(), 0) *
            Eigen::AngleAxisd(turns * std::numbers::pi / 2, Eigen::Vector3d::UnitZ());
-    const camera::BoardView view = scene::NoisyView(camera, kBoard, hung, 0, random);
-    const camera::PlaneFit fit = camera::FitPlaneToBoard(camera, kBoard, view);
+    const camera::BoardView view = scene::NoisyView(camera, kLargeBoard, hung, 0, random);
+    const camera::PlaneFit fit = camera::FitPlaneToBoard(camera, kLargeBoard, view);
     EXPECT_LT((fit.camera_from_plane.matrix() - upright.matrix()).cwiseAbs().maxCoeff(), 1e-5) << "roll " << roll;
     EXPECT_NEAR(fit.roll_deg, roll, 3);                     // of the projected axis, which the tilt turns a little
     EXPECT_GT(fit.camera_from_plane.linear()(0, 0), 0.7);   // x right
@@ -122,13 +123,13 @@ TEST(FitPlane, SaysWhenTheTwoPosesCannotBeToldApart) {
   // Far away and small, 40 px across: the near half is larger by 0.7 % of 20 px, which 54 corners at 0.2 px do not
   // show.
   const camera::PlaneFit far =
-      camera::FitPlane(camera, Points(camera, TiltedPlane(10, 0, 40), camera::BoardCorners(kBoard), 0.2));
+      camera::FitPlane(camera, SeenPoints(camera, TiltedPlane(10, 0, 40), camera::BoardCorners(kLargeBoard), 0.2));
   ASSERT_TRUE(far.other);
   EXPECT_TRUE(far.other->as_likely);
   EXPECT_GT(far.other->apart_deg, 10);
   EXPECT_THAT(far.warnings, Contains(HasSubstr("ambiguous")));
   const camera::PlaneFit near =
-      camera::FitPlane(camera, Points(camera, TiltedPlane(25, 0, 600), camera::BoardCorners(kBoard), 0.1));
+      camera::FitPlane(camera, SeenPoints(camera, TiltedPlane(25, 0, 600), camera::BoardCorners(kLargeBoard), 0.1));
   EXPECT_THAT(near.warnings, Not(Contains(HasSubstr("ambiguous"))));
   EXPECT_FALSE(near.other && near.other->as_likely);
 }
@@ -142,7 +143,7 @@ TEST(FitPlane, TakesTheRightPoseWhereItClaimsToKnow) {
     const camera::PlanePose truth =
         TiltedPlane(10 + 0.3 * static_cast<double>(seed), 0, 150 + 2 * static_cast<double>(seed));
     const camera::PlaneFit fit =
-        camera::FitPlane(camera, Points(camera, truth, camera::BoardCorners(kBoard), 0.1, seed));
+        camera::FitPlane(camera, SeenPoints(camera, truth, camera::BoardCorners(kLargeBoard), 0.1, seed));
     if (fit.other && fit.other->as_likely) continue;
     ++claimed;
     EXPECT_GT(fit.camera_from_plane.linear().col(2).dot(truth.linear().col(2)), std::cos(0.1)) << "seed " << seed;
@@ -152,7 +153,7 @@ TEST(FitPlane, TakesTheRightPoseWhereItClaimsToKnow) {
 
 TEST(FitPlane, KnownPointsDefineTheFrame) {
   const camera::Camera camera = scene::Lens();
-  const auto points = Points(camera, TiltedPlane(20), kFour, 0.2);
+  const auto points = SeenPoints(camera, TiltedPlane(20), kFour, 0.2);
   const camera::PlaneFit fit = camera::FitPlane(camera, points, {0.5});
   EXPECT_GE(fit.sigma_px, 0.5);
   for (const auto& p : points)
@@ -169,19 +170,19 @@ TEST(FitPlane, MirroredAndImpossiblePointsAreErrors) {
     }
     return std::string("none");
   };
-  auto points = Points(camera, TiltedPlane(20), kFour);
+  auto points = SeenPoints(camera, TiltedPlane(20), kFour);
   for (auto& p : points) p.point_in_plane.y() *= -1;
   EXPECT_THAT(complaint(points), HasSubstr("mirrored"));
-  points = Points(camera, TiltedPlane(20), {{0, 0}, {100, 0}, {200, 0}, {300, 0}});
+  points = SeenPoints(camera, TiltedPlane(20), {{0, 0}, {100, 0}, {200, 0}, {300, 0}});
   EXPECT_THAT(complaint(points), HasSubstr("line"));
 }
 
 TEST(FitPlane, WarnsOfBadPointsAndALeaningFrame) {
   const camera::Camera camera = scene::Lens();
-  auto points = Points(camera, TiltedPlane(20), camera::BoardCorners(kBoard));
+  auto points = SeenPoints(camera, TiltedPlane(20), camera::BoardCorners(kLargeBoard));
   points[3].pixel += Eigen::Vector2d(40, 0);
   EXPECT_THAT(camera::FitPlane(camera, points).warnings, Contains(HasSubstr("miss the plane by")));
-  EXPECT_THAT(camera::FitPlane(camera, Points(camera, TiltedPlane(20, 20), kFour)).warnings,
+  EXPECT_THAT(camera::FitPlane(camera, SeenPoints(camera, TiltedPlane(20, 20), kFour)).warnings,
               Contains(HasSubstr("turned by")));
 }
 

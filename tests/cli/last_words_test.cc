@@ -1,6 +1,7 @@
 // A library that calls abort(), as some do for want of memory: the program says what happened, and ends with 1.
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdlib>
 
 #include "program.h"

@@ -12,13 +12,8 @@ using testing::HasSubstr;
 // A short recording that can be tracked, and files that cannot.
 class TrackProgram : public testing::Test {
  protected:
-  // The recording that ctest had rendered for all tests of this kind; else one of its own.
   void Render() {
-    const fs::path shared = fs::path(LAKE_BIN_DIR).parent_path() / "recordings/short_recording";
-    if (fs::exists(shared / "summary.json"))
-      fs::copy(shared, folder_ / "good", fs::copy_options::recursive);
-    else
-      ASSERT_EQ(Shell(folder_, "lake-synth -o good --duration 3 --rate 30 --quiet").exit_code, 0);
+    ASSERT_EQ(RenderShort(folder_).exit_code, 0);
     fs::copy_file(folder_ / "good/video.mp4", folder_ / "good.mp4");
   }
 

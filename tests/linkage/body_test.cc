@@ -10,13 +10,13 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "linkage/optimum.h"
 
 namespace lake {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
 // Volume and centre of mass of a frustum, integrated in slices.
 struct Solid {

@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-constexpr const char* kLinks = "links: {l1: 59.081, l2: 68.84, l3: 55.964, l4: 71.849, l5: 118.63, l6: 287.31}\n";
+constexpr const char* kLinksLine = "links: {l1: 59.081, l2: 68.84, l3: 55.964, l4: 71.849, l5: 118.63, l6: 287.31}\n";
 
 class DesignFile : public ::testing::Test {
  protected:
@@ -68,8 +68,8 @@ TEST_F(DesignFile, ReadsBackWhatWasWritten) {
 TEST_F(DesignFile, SaysWhatIsWrongAndWhere) {
   ExpectError("links: {l1: 1, l2: 2, l3: 3, l4: 4, l5: 5}\nd_min_mm: 242\n", ":1: the key 'links: l6' is missing");
   ExpectError("d_min_mm: 242\n", ":1: the key 'links' is missing");
-  ExpectError(kLinks, "the key 'd_min_mm' is missing");
-  ExpectError(std::string(kLinks) + "d_min_mm: 242\ncolour: red\n", ":3: unknown key 'colour'");
+  ExpectError(kLinksLine, "the key 'd_min_mm' is missing");
+  ExpectError(std::string(kLinksLine) + "d_min_mm: 242\ncolour: red\n", ":3: unknown key 'colour'");
   ExpectError("d_min_mm: 242\nlinks:\n  l1: 59\n  l2: 68\n  l3: 55\n  l4: 71\n  l5: 118\n  l6: 287\n  l7: 9\n",
               ":9: unknown key 'l7'");
   ExpectError("d_min_mm: 242\nlinks:\n  l1: 59\n  l2: -68\n  l3: 55\n  l4: 71\n  l5: 118\n  l6: 287\n",
@@ -78,10 +78,10 @@ TEST_F(DesignFile, SaysWhatIsWrongAndWhere) {
               ":1: '.nan' is not a finite number");
   ExpectError("links: {l1: 59, l2: 0, l3: 55, l4: 71, l5: 118, l6: 287}\nd_min_mm: 242\n", "link l2 is 0 mm");
   ExpectError("links: [1, 2]\nd_min_mm: 242\n", ":1: a map with 'l1' was expected");
-  ExpectError(std::string(kLinks) + "d_min_mm: -1\n", "d_min_mm must be above 0, not -1");
-  ExpectError(std::string(kLinks) + "d_min_mm: long\n", ":2: 'long' is not a finite number");
-  ExpectError(std::string(kLinks) + "d_min_mm: 242\nd_max_mm: 240\n", "d_max_mm = 240 must exceed d_min_mm = 242");
-  ExpectError(std::string(kLinks) + "d_min_mm: 242\nplacement_mm: [1]\n",
+  ExpectError(std::string(kLinksLine) + "d_min_mm: -1\n", "d_min_mm must be above 0, not -1");
+  ExpectError(std::string(kLinksLine) + "d_min_mm: long\n", ":2: 'long' is not a finite number");
+  ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nd_max_mm: 240\n", "d_max_mm = 240 must exceed d_min_mm = 242");
+  ExpectError(std::string(kLinksLine) + "d_min_mm: 242\nplacement_mm: [1]\n",
               ":3: 'placement_mm' must have 2 numbers, not 1");
   ExpectError("- a\n- b\n", "a design is a map");
   ExpectError("", "a design is a map");
@@ -89,7 +89,7 @@ TEST_F(DesignFile, SaysWhatIsWrongAndWhere) {
 }
 
 TEST_F(DesignFile, SaysWhatIsWrongInAProgram) {
-  const std::string head = std::string(kLinks) + "d_min_mm: 242\n";
+  const std::string head = std::string(kLinksLine) + "d_min_mm: 242\n";
   ExpectError(head + "program: {kind: dance}\n", ":3: program kind 'dance' is neither");
   ExpectError(head + "program: {kind: constant}\n", ":3: the key 'program: speed_mm_s' is missing");
   ExpectError(head + "program: {kind: constant, speed_mm_s: 0}\n", ":3: speed_mm_s must be above 0, not 0");

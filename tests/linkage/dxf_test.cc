@@ -11,6 +11,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/drawing/linkage_dxf.h"
+#include "linkage/optimum.h"
 #include "linkage/random_links.h"
 #include "temporary_folder.h"
 
@@ -20,7 +21,6 @@ namespace {
 using Eigen::Vector2d;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
 struct Vertex {
   Vector2d at;

@@ -7,11 +7,11 @@
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/linkage/linkage.h"
+#include "linkage/optimum.h"
 
 namespace lake {
 namespace {
 
-constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};  // Table 1
 constexpr linkage::Links kInitial{85, 85, 85, 80, 80, 235};
 constexpr double kDMin_mm = 242;
 

@@ -11,6 +11,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/linkage/loop_equations.h"
+#include "linkage/optimum.h"
 #include "linkage/random_links.h"
 
 namespace lake {
@@ -18,7 +19,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 constexpr int kDesigns = 2000;
 
 // Sine of the sharpest of the two angles that decide how well conditioned a pose is.

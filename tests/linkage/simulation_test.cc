@@ -13,6 +13,7 @@
 #include "lake/core/json.h"
 #include "lake/linkage/linkage.h"
 #include "lake/video/video_reader.h"
+#include "linkage/optimum.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -22,8 +23,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
-constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
-constexpr const char* kLinks = "--links 59.081,68.840,55.964,71.849,118.630,287.310";
+constexpr const char* kLinksOption = "--links 59.081,68.840,55.964,71.849,118.630,287.310";
 
 struct Outcome {
   int exit_code;
@@ -54,8 +54,8 @@ class Simulate : public ::testing::Test {
 };
 
 TEST_F(Simulate, WritesTheTableOnTheAssembledBranch) {
-  const Outcome outcome =
-      RunIt(fmt::format("{} --stroke 242 377 --angles 2,70,110,148 --rows 51 --knee-torque 40 --no-animation", kLinks));
+  const Outcome outcome = RunIt(
+      fmt::format("{} --stroke 242 377 --angles 2,70,110,148 --rows 51 --knee-torque 40 --no-animation", kLinksOption));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const CsvTable table = CsvTable::Read(Out() / "angle_vs_stroke.csv");
   EXPECT_THAT(table.Header(), ::testing::ElementsAre("stroke_mm", "knee_deg", "deg_per_mm", "moment_arm_mm", "force_n",
@@ -88,8 +88,8 @@ TEST_F(Simulate, WritesTheTableOnTheAssembledBranch) {
 // Each row against virtual work; the largest pin force is told in the summary.
 TEST_F(Simulate, WritesTheForcesInMembersAndPins) {
   WriteTextFile(folder_ / "torques.csv", "knee_deg,knee_torque_nm\n90,50\n10,20\n");
-  const Outcome outcome = RunIt(fmt::format("{} --angles 50 --rows 41 --no-animation --torques '{}' --json", kLinks,
-                                            (folder_ / "torques.csv").string()));
+  const Outcome outcome = RunIt(fmt::format("{} --angles 50 --rows 41 --no-animation --torques '{}' --json",
+                                            kLinksOption, (folder_ / "torques.csv").string()));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const CsvTable table = CsvTable::Read(Out() / "pin_forces.csv");
   EXPECT_THAT(table.Header(),
@@ -122,7 +122,7 @@ TEST_F(Simulate, RefusesATableOfTorquesThatIsNone) {
   const auto torques = folder_ / "torques.csv";
   const auto expect = [&](const char* text, const char* message) {
     WriteTextFile(torques, text);
-    ExpectRefusal(fmt::format("{} --torques '{}'", kLinks, torques.string()), 1, message);
+    ExpectRefusal(fmt::format("{} --torques '{}'", kLinksOption, torques.string()), 1, message);
   };
   expect("time_s,knee_torque_nm\n0,1\n1,2\n", "needs a column stroke_mm or knee_deg");
   expect("knee_deg,knee_torque_nm\n0,1\n0,2\n", "torques.csv:3: a second torque for knee_deg 0");
@@ -130,7 +130,7 @@ TEST_F(Simulate, RefusesATableOfTorquesThatIsNone) {
 }
 
 TEST_F(Simulate, DrawsEverything) {
-  ASSERT_EQ(RunIt(fmt::format("{} --angles 2,70,12.5 --quiet", kLinks)).exit_code, 0);
+  ASSERT_EQ(RunIt(fmt::format("{} --angles 2,70,12.5 --quiet", kLinksOption)).exit_code, 0);
   for (const char* name : {"angle_vs_stroke.png", "pose_2.png", "pose_70.png", "pose_12.5.png", "mannequin.png"})
     EXPECT_THAT(ReadTextFile(Out() / name), StartsWith("\x89PNG")) << name;
   EXPECT_THAT(ReadTextFile(Out() / "pose_70.svg"),
@@ -174,7 +174,7 @@ TEST_F(Simulate, WarnsOfAStrokePastTheUsedRangeButNotOfRounding) {
   const double end_mm = linkage::FindUsedRange(kOptimum, 242, {}).stroke.upper_mm;
   for (const double past_mm : {0.0, 1e-12, -1e-12, 377 - end_mm}) {
     const Outcome outcome =
-        RunIt(fmt::format("{} --d-max {} --angles 70 --no-animation --json", kLinks, end_mm + past_mm));
+        RunIt(fmt::format("{} --d-max {} --angles 70 --no-animation --json", kLinksOption, end_mm + past_mm));
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const std::string warnings = Json::parse(outcome.out)["warnings"].dump();
     EXPECT_EQ(warnings.find("past the used range") != std::string::npos, past_mm > 1) << past_mm << ": " << warnings;
@@ -183,7 +183,7 @@ TEST_F(Simulate, WarnsOfAStrokePastTheUsedRangeButNotOfRounding) {
 
 // The paper's mannequin carries the published design, but it collides with seat, thigh and shank in the side view.
 TEST_F(Simulate, WarnsOfWhatCollidesOnTheBodyAndSaysWhatToDo) {
-  const Outcome average = RunIt(fmt::format("{} --angles 70 --no-animation --json", kLinks));
+  const Outcome average = RunIt(fmt::format("{} --angles 70 --no-animation --json", kLinksOption));
   ASSERT_EQ(average.exit_code, 0) << average.err;
   const Json summary = Json::parse(average.out);
   const std::string warnings = summary["warnings"].dump();
@@ -193,7 +193,7 @@ TEST_F(Simulate, WarnsOfWhatCollidesOnTheBodyAndSaysWhatToDo) {
                               HasSubstr("the actuator overlaps the thigh by"), HasSubstr("mount it beside the leg")));
   EXPECT_THAT(warnings, Not(HasSubstr("does not fit on the thigh")));
 
-  const Outcome own = RunIt(fmt::format("{} --angles 70 --thigh 330 --shank 390 --no-animation --json", kLinks));
+  const Outcome own = RunIt(fmt::format("{} --angles 70 --thigh 330 --shank 390 --no-animation --json", kLinksOption));
   ASSERT_EQ(own.exit_code, 0) << own.err;
   const Json body = Json::parse(own.out)["mannequin"];
   EXPECT_EQ(body["thigh_mm"], 330);
@@ -216,8 +216,8 @@ TEST_F(Simulate, HoldsTheDesignAgainstAnActuator) {
   }
   WriteJsonFile(folder_ / "loads.json", profile);
   const auto with = [&](const char* actuator, const std::string& more) {
-    const Outcome outcome = RunIt(fmt::format("{} --angles 70 --rows 41 --no-animation --actuator '{}:{}' {}", kLinks,
-                                              (folder_ / "own.csv").string(), actuator, more));
+    const Outcome outcome = RunIt(fmt::format("{} --angles 70 --rows 41 --no-animation --actuator '{}:{}' {}",
+                                              kLinksOption, (folder_ / "own.csv").string(), actuator, more));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return outcome.out + outcome.err;
   };
@@ -231,20 +231,21 @@ TEST_F(Simulate, HoldsTheDesignAgainstAnActuator) {
   EXPECT_THAT(share, Not(HasSubstr("torque at the knee takes"))) << "the share counts";
   EXPECT_THAT(with("weak", loaded), HasSubstr("and it lifts 20 N"));
   std::filesystem::remove_all(Out());
-  ExpectRefusal(fmt::format("{} --rest standing", kLinks), 2, "give --actuator, --profile");
+  ExpectRefusal(fmt::format("{} --rest standing", kLinksOption), 2, "give --actuator, --profile");
 }
 
 TEST_F(Simulate, RefusesHalfALeg) {
-  ExpectRefusal(fmt::format("{} --thigh 400", kLinks), 2, "--thigh and --shank");
+  ExpectRefusal(fmt::format("{} --thigh 400", kLinksOption), 2, "--thigh and --shank");
 }
 
 TEST_F(Simulate, RefusesWhatCannotBeAssembled) {
   ExpectRefusal("--links 1,1,1,1,1,1 --stroke 242", 1, "cannot be assembled at a stroke of 242 mm");
-  ExpectRefusal(fmt::format("{} --stroke 241.9", kLinks), 1, "violate the triangle inequality by 0.09776 mm");
-  ExpectRefusal(fmt::format("{} --stroke 300,390", kLinks), 1, "cannot be assembled at a stroke of 390 mm");
-  ExpectRefusal(fmt::format("{} --angles 70,149", kLinks), 1, "149° is outside the range of this design, 0.0°..148.6°");
-  ExpectRefusal(fmt::format("{} --d-min 240", kLinks), 1, "at a stroke of 240 mm");
-  ExpectRefusal(fmt::format("{} --d-max 200", kLinks), 1, "d_max = 200 mm must exceed d_min = 242 mm");
+  ExpectRefusal(fmt::format("{} --stroke 241.9", kLinksOption), 1, "violate the triangle inequality by 0.09776 mm");
+  ExpectRefusal(fmt::format("{} --stroke 300,390", kLinksOption), 1, "cannot be assembled at a stroke of 390 mm");
+  ExpectRefusal(fmt::format("{} --angles 70,149", kLinksOption), 1,
+                "149° is outside the range of this design, 0.0°..148.6°");
+  ExpectRefusal(fmt::format("{} --d-min 240", kLinksOption), 1, "at a stroke of 240 mm");
+  ExpectRefusal(fmt::format("{} --d-max 200", kLinksOption), 1, "d_max = 200 mm must exceed d_min = 242 mm");
   ExpectRefusal("--links 59,68,55,71,118,-287", 1, "--links: link l6 is -287 mm");
   ExpectRefusal("--links 59,68,55,0,118,287", 1, "--links: link l4 is 0 mm");
 }
@@ -253,11 +254,11 @@ TEST_F(Simulate, RefusesWrongUsage) {
   ExpectRefusal("", 2, "give either a design file or --links");
   ExpectRefusal("--links 59,68,55,71,118", 2, "--links");
   ExpectRefusal("--links 59,68,55,71,118,nan", 2, "--links");
-  ExpectRefusal(fmt::format("{} --stroke nan", kLinks), 2, "--stroke: 'nan' is not a finite number");
-  ExpectRefusal(fmt::format("{} --rows 1", kLinks), 2, "--rows 1");
-  ExpectRefusal(fmt::format("{} --knee-torque 0", kLinks), 2, "--knee-torque 0");
-  ExpectRefusal(fmt::format("{} --height 18", kLinks), 1, "a body of 18 cm");
-  ExpectRefusal(fmt::format("{} --pin-diameter 30", kLinks), 1, "a pin of 30 mm does not fit");
+  ExpectRefusal(fmt::format("{} --stroke nan", kLinksOption), 2, "--stroke: 'nan' is not a finite number");
+  ExpectRefusal(fmt::format("{} --rows 1", kLinksOption), 2, "--rows 1");
+  ExpectRefusal(fmt::format("{} --knee-torque 0", kLinksOption), 2, "--knee-torque 0");
+  ExpectRefusal(fmt::format("{} --height 18", kLinksOption), 1, "a body of 18 cm");
+  ExpectRefusal(fmt::format("{} --pin-diameter 30", kLinksOption), 1, "a pin of 30 mm does not fit");
   ExpectRefusal("--no-such-option", 2, "--no-such-option");
 }
 

@@ -8,6 +8,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/linkage/linkage.h"
+#include "linkage/optimum.h"
 #include "linkage/random_links.h"
 
 namespace lake {
@@ -15,7 +16,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
 TEST(StrokesForAngle, FindTheStrokeThatMadeTheAngle) {
   testing::RandomLinks random;

@@ -11,7 +11,7 @@ using Eigen::Vector2d;
 
 constexpr double kRate_hz = 100, kStill_s = 6;
 
-LegBody SomeBody() {
+LegBody BodyOfTheScene() {
   LegBody body;
   body.foot = {1.1, 0.05, 0.07};
   body.shank = {3.1, 0.433 * 0.41, 0.302 * 0.41};
@@ -65,7 +65,8 @@ class SlowBend {
       const auto positions = At(bend, lean_rad);
       for (std::size_t joint = 0; joint < kJoints; ++joint) points[joint].position_m = positions[joint];
       const SegmentMotion trunk = SegmentBetween(points[kHip], points[kTrunkTop]);
-      const double zmp_m = LoadsFromTrunk(points, SomeBody(), FixedInTrunk(trunk, offset_m_.x(), offset_m_.y())).zmp_m;
+      const double zmp_m =
+          LoadsFromTrunk(points, BodyOfTheScene(), FixedInTrunk(trunk, offset_m_.x(), offset_m_.y())).zmp_m;
       (zmp_m < place_m_ ? low_rad : high_rad) = lean_rad;
     }
     return At(bend, (low_rad + high_rad) / 2);
@@ -84,7 +85,7 @@ TEST(TrunkFit, FindsACentreThatIsElsewhereThanInTheTable) {
   const double place_m = 0.45 * 0.25 - 0.06;
   for (const Vector2d& offset_m : {Vector2d(0, 0), Vector2d(-0.08, 0), Vector2d(0.06, 0), Vector2d(0, -0.05)}) {
     const SlowBend bend(offset_m, place_m);
-    const TrunkFit fit(bend.Path(), SomeBody(), {{0, bend.Path().frames.size()}}, prior);
+    const TrunkFit fit(bend.Path(), BodyOfTheScene(), {{0, bend.Path().frames.size()}}, prior);
     EXPECT_NEAR(fit.AlongM(), offset_m.x(), 2 * fit.SigmaM().x());
     EXPECT_NEAR(fit.AcrossM(), offset_m.y(), 2 * fit.SigmaM().y());
     // The knee's moment over the bend, with the fit and with the table alone.
@@ -92,7 +93,9 @@ TEST(TrunkFit, FindsACentreThatIsElsewhereThanInTheTable) {
     for (std::size_t i = 0; i < bend.Path().frames.size(); ++i) {
       const LegPoints& points = bend.Path().frames[i];
       const SegmentMotion trunk = SegmentBetween(points[kHip], points[kTrunkTop]);
-      const auto knee_nm = [&](const Displacement& d) { return LoadsFromTrunk(points, SomeBody(), d).moments.knee_nm; };
+      const auto knee_nm = [&](const Displacement& d) {
+        return LoadsFromTrunk(points, BodyOfTheScene(), d).moments.knee_nm;
+      };
       const double true_nm = knee_nm(FixedInTrunk(trunk, offset_m.x(), offset_m.y()));
       fitted = std::max(fitted, std::abs(knee_nm(fit.At(bend.Path(), i)) - true_nm));
       table = std::max(table, std::abs(knee_nm({}) - true_nm));
@@ -106,7 +109,7 @@ TEST(TrunkFit, FindsACentreThatIsElsewhereThanInTheTable) {
 
 TEST(TrunkFit, DrawsScatterAsTheFitSays) {
   const SlowBend bend({-0.05, 0.02}, 0.05);
-  const TrunkFit fit(bend.Path(), SomeBody(), {{0, bend.Path().frames.size()}}, {});
+  const TrunkFit fit(bend.Path(), BodyOfTheScene(), {{0, bend.Path().frames.size()}}, {});
   std::mt19937_64 random(1);
   Vector2d sum = Vector2d::Zero(), square = Vector2d::Zero();
   constexpr int kDraws = 2000;

@@ -9,7 +9,7 @@
 namespace lake {
 namespace {
 
-synth::SceneOptions OneRise(std::uint64_t seed) {
+synth::SceneOptions ThreeSeconds(std::uint64_t seed) {
   synth::SceneOptions scene = synth::CleanScene(seed);
   scene.duration_s = 3;
   return scene;
@@ -61,7 +61,7 @@ struct ColourRecordings {
   }
 
   static synth::SceneOptions Options(std::uint64_t seed) {
-    synth::SceneOptions scene = OneRise(seed);
+    synth::SceneOptions scene = ThreeSeconds(seed);
     scene.colour = true;
     scene.marker_bgr = synth::LedColours();
     return scene;
@@ -132,7 +132,7 @@ TEST(MarkerKinds, ColoursTakenFromAProcessedPicture) {
 
 TEST(MarkerKinds, DarkMarkersInABrightRoom) {
   const std::uint64_t seed = SeedOfThisTest();
-  synth::SceneOptions scene = OneRise(seed);
+  synth::SceneOptions scene = ThreeSeconds(seed);
   scene.bright_room = true;
   scene.marker_level = 15;
   RenderedTrial trial(scene, {.crf = 17, .preset = "medium"});
@@ -144,7 +144,7 @@ TEST(MarkerKinds, DarkMarkersInABrightRoom) {
 
 TEST(MarkerKinds, ArucoMarkersNameThemselves) {
   const std::uint64_t seed = SeedOfThisTest();
-  synth::SceneOptions scene = OneRise(seed);
+  synth::SceneOptions scene = ThreeSeconds(seed);
   scene.marker_kind = synth::MarkerKind::kAruco;
   RenderedTrial trial(scene, {.crf = 17, .preset = "medium"});
   const TrackErrors errors = TrackAndCompare(trial, "aruco", seed, [](commands::TrackRunOptions& options) {
@@ -156,7 +156,7 @@ TEST(MarkerKinds, ArucoMarkersNameThemselves) {
 
 TEST(MarkerKinds, PatchesThatWerePointedAt) {
   const std::uint64_t seed = SeedOfThisTest();
-  RenderedTrial trial(OneRise(seed), {.crf = 17});
+  RenderedTrial trial(ThreeSeconds(seed), {.crf = 17});
   const synth::FrameTruth first = trial.scene.Truth(0);
   const TrackErrors errors = TrackAndCompare(trial, "template", seed, [&](commands::TrackRunOptions& options) {
     options.track.detector = tracking::DetectorKind::kTemplate;

@@ -146,7 +146,8 @@ TEST(TimeStamps, OfTheFramesThemselvesAreUsed) {
 }
 
 TEST(ImageSequence, GivesTheSameAsTheLosslessVideo) {
-  const synth::SceneOptions options = Plain(SeedOfThisTest());
+  synth::SceneOptions options = Plain(SeedOfThisTest());
+  options.duration_s = 1.5;
   RenderedTrial video(options, {.lossless = true}), pictures(options, {.pictures = true});
   video.Track();
   pictures.Track("trial", [&](commands::TrackRunOptions& run) {

@@ -8,6 +8,7 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/colours.h"
+#include "lake/core/numbers.h"
 #include "lake/report/report.h"
 #include "lake/video/image.h"
 
@@ -18,7 +19,6 @@ using namespace report;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 const std::string kHostile = "<b>knee</b></script><script>throw 'inside'</script>\"'&";
 
 // A square path of 100 mm by 60 mm, so that unequal scales would show.

@@ -6,6 +6,7 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -15,8 +16,7 @@ using namespace report;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-const std::string kHostile = "</script><img src=x onerror=\"alert('1')\">&\x01\xFF";
+const std::string kHostileText = "</script><img src=x onerror=\"alert('1')\">&\x01\xFF";
 
 LineChart SmallChart() {
   LineChart chart;
@@ -55,19 +55,19 @@ TEST(Report, CarriesTheLicenceOfItsChartLibrary) {
 
 TEST(Report, EscapesEveryText) {
   BarChart bars;
-  bars.title = bars.alt = bars.value_axis.label = kHostile;
-  bars.categories = {kHostile}, bars.series = {{.name = kHostile, .values = {1}}};
+  bars.title = bars.alt = bars.value_axis.label = kHostileText;
+  bars.categories = {kHostileText}, bars.series = {{.name = kHostileText, .values = {1}}};
   LineChart lines = SmallChart();
-  lines.title = lines.caption = lines.x.label = lines.series[0].name = kHostile;
-  lines.series[0].labels = {kHostile, "", ""};
-  const std::vector<Block> blocks = {Paragraph{kHostile},
-                                     List{{kHostile}},
-                                     KeyFigures{{{kHostile, 1, 2, kHostile, {}, kHostile}}},
-                                     Table{kHostile, {{kHostile}}, {{kHostile}}},
-                                     Files{{{kHostile, kHostile}}},
+  lines.title = lines.caption = lines.x.label = lines.series[0].name = kHostileText;
+  lines.series[0].labels = {kHostileText, "", ""};
+  const std::vector<Block> blocks = {Paragraph{kHostileText},
+                                     List{{kHostileText}},
+                                     KeyFigures{{{kHostileText, 1, 2, kHostileText, {}, kHostileText}}},
+                                     Table{kHostileText, {{kHostileText}}, {{kHostileText}}},
+                                     Files{{{kHostileText, kHostileText}}},
                                      bars,
                                      lines};
-  const std::string page = RenderReport({kHostile, kHostile, {kHostile}, {{kHostile, blocks}}});
+  const std::string page = RenderReport({kHostileText, kHostileText, {kHostileText}, {{kHostileText, blocks}}});
   EXPECT_THAT(page, Not(HasSubstr("<img src=x")));
   EXPECT_THAT(page, Not(HasSubstr("</script><img")));
   EXPECT_THAT(page, Not(HasSubstr("\x01")));

@@ -18,15 +18,9 @@
 namespace lake {
 namespace {
 
-using Kind = problem::Requirement::Kind;
+using Requires = problem::Requirement::Kind;
 
 // calibration/problems/buildable.yaml
-problem::SynthesisProblem Buildable() {
-  problem::SynthesisProblem problem = WithMargins(2);
-  problem.standing_deg = 5, problem.max_force_n = 2000, problem.min_transmission_deg = 10;
-  return problem;
-}
-
 problem::LinearActuator Known(const std::string& name) {
   return problem::FindActuator(name);
 }
@@ -68,8 +62,8 @@ TEST(LoadedDesign, ConstantProfileHasTheForceOfTheConstantTorque) {
     // Three quarters of a moment are the torque; the samples are those of the constant form's grid.
     loaded.profile = ConstantProfile(evaluation.range_deg, 5, 37 / 0.75, 721);
     loaded.assist = 0.75;
-    const double constant = evaluation.CheckOf({Kind::kForce}).value,
-                 profile = problem::Evaluate(links, loaded).CheckOf({Kind::kForce}).value;
+    const double constant = evaluation.CheckOf({Requires::kForce}).value,
+                 profile = problem::Evaluate(links, loaded).CheckOf({Requires::kForce}).value;
     // Between two samples a smooth force is higher by its curvature, a pole by more.
     if (constant < 5000) {
       EXPECT_NEAR(profile, constant, 1e-3 * constant);
@@ -85,7 +79,7 @@ TEST(LoadedDesign, ConstantProfileHasTheOptimumOfTheConstantTorque) {
   plain.standing_deg = 5, plain.max_force_n = 1200;
   const synthesis::LocalSolve constant = synthesis::SolveFrom(plain, plain.start);
   ASSERT_TRUE(constant.IsUsable());
-  const problem::RequirementCheck& force = constant.evaluation.CheckOf({Kind::kForce});
+  const problem::RequirementCheck& force = constant.evaluation.CheckOf({Requires::kForce});
   ASSERT_NEAR(force.slack, 0, 1e-3) << "the limit is to be active …";
   ASSERT_NEAR(force.fraction, 0, 1e-6) << "… at standing";
   problem::SynthesisProblem loaded = plain;
@@ -137,7 +131,7 @@ TEST(LoadedDesign, ShortestDurationIsTheOneThatTheForceSpeedLawJustAllows) {
   EXPECT_NEAR(excess(1), 0, 1e-9);
   EXPECT_GT(excess(0.99), 0.01);
   EXPECT_LT(excess(1.01), -0.01);
-  EXPECT_NEAR(problem::Evaluate(links, timed).CheckOf({Kind::kDuration}).slack, 0, 1e-9);
+  EXPECT_NEAR(problem::Evaluate(links, timed).CheckOf({Requires::kDuration}).slack, 0, 1e-9);
 }
 
 TEST(LoadedDesign, WhatIsNotThereIsSaid) {
@@ -167,9 +161,9 @@ TEST(LoadedDesign, ActuatorSetsLengthsAndForces) {
   EXPECT_EQ(problem.max_force_n, 175);  // of 200, its speed is known up to 175
   problem::SynthesisProblem resting = problem;
   const linkage::Links links{60, 60, 55, 60, 50, 215};
-  const double anywhere = problem::Evaluate(links, resting).CheckOf({Kind::kHolding}).value;
+  const double anywhere = problem::Evaluate(links, resting).CheckOf({Requires::kHolding}).value;
   resting.rests_anywhere = false;
-  const problem::RequirementCheck standing = problem::Evaluate(links, resting).CheckOf({Kind::kHolding});
+  const problem::RequirementCheck standing = problem::Evaluate(links, resting).CheckOf({Requires::kHolding});
   EXPECT_GT(anywhere, standing.value);
   EXPECT_EQ(standing.fraction, 1);
   const problem::Assistance assistance = problem::FindAssistance(links, problem);

@@ -46,12 +46,6 @@ std::vector<redesign::PersonMeasured> People(const std::vector<ClosedFormLeg>& l
 
 const std::vector<ClosedFormLeg> kThree = {Leg(400, 88), Leg(420, 98), Leg(440, 92)};
 
-synthesis::OptimizeOptions Starts(int count) {
-  synthesis::OptimizeOptions options;
-  options.starts = count;
-  return options;
-}
-
 redesign::GroupProblem WithPeople(redesign::GroupProblem problem, const std::vector<ClosedFormLeg>& legs) {
   for (const redesign::PersonMeasured& person : People(legs))
     problem.people.push_back({person.name, redesign::MakeHumanMotion(person.motion.human)});

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "lake/problem/evaluate.h"
+#include "lake/synthesis/optimize.h"
 
 namespace lake {
 
@@ -31,6 +32,19 @@ inline linkage::Links RandomFeasible(const problem::SynthesisProblem& problem, s
     const linkage::Links links = linkage::Links::FromValues(values);
     if (problem::MeetsLinkRequirements(links, problem, requirements)) return links;
   }
+}
+
+// With what a builder asks beside the margins.
+inline problem::SynthesisProblem Buildable() {
+  problem::SynthesisProblem problem = WithMargins(2);
+  problem.standing_deg = 5, problem.max_force_n = 2000, problem.min_transmission_deg = 10;
+  return problem;
+}
+
+inline synthesis::OptimizeOptions Starts(int count) {
+  synthesis::OptimizeOptions options;
+  options.starts = count;
+  return options;
 }
 
 }  // namespace lake

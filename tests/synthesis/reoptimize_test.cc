@@ -30,12 +30,6 @@ redesign::ReoptimizeProblem Free(double duration_s, const ClosedFormLeg& leg = {
   return problem;
 }
 
-synthesis::OptimizeOptions Starts(int count) {
-  synthesis::OptimizeOptions options;
-  options.starts = count;
-  return options;
-}
-
 redesign::ReoptimizeResult Solve(const redesign::ReoptimizeProblem& problem, int starts = 4) {
   return redesign::Reoptimize(problem, {problem.design.start, kPublished}, Starts(starts));
 }

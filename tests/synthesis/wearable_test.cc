@@ -22,15 +22,9 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using Kind = problem::Requirement::Kind;
+using Requires = problem::Requirement::Kind;
 
 // calibration/problems/buildable.yaml.
-problem::SynthesisProblem Buildable() {
-  problem::SynthesisProblem problem = WithMargins(2);
-  problem.standing_deg = 5, problem.max_force_n = 2000, problem.min_transmission_deg = 10;
-  return problem;
-}
-
 // On the leg of the sample study.
 problem::SynthesisProblem OnALeg(problem::SynthesisProblem problem) {
   problem.clearances.body.leg = {410, 400};
@@ -58,12 +52,12 @@ TEST(Clearance, OfTheSeatIsThatOfTheClosedFormAndHasItsPrice) {
   EXPECT_LT(WearOf(without.end, problem).seat_clearance_mm, kSeat_mm);
   EXPECT_NEAR(WearOf(solve.end, problem).seat_clearance_mm, kSeat_mm, 1e-5);
   EXPECT_LT(solve.evaluation.range_deg, without.evaluation.range_deg);
-  const auto price = solve.PriceOf(synthesis::LimitOn({Kind::kSeat}));
+  const auto price = solve.PriceOf(synthesis::LimitOn({Requires::kSeat}));
   ASSERT_TRUE(price);
   const double more = SolveAtSeat(kSeat_mm + kStep_mm).evaluation.range_deg,
                less = SolveAtSeat(kSeat_mm - kStep_mm).evaluation.range_deg;
   EXPECT_NEAR(*price, (more - less) / (2 * kStep_mm), 0.01 * std::abs(*price));
-  EXPECT_TRUE(synthesis::FindActiveSet(solve).Find(synthesis::LimitOn({Kind::kSeat})));
+  EXPECT_TRUE(synthesis::FindActiveSet(solve).Find(synthesis::LimitOn({Requires::kSeat})));
 }
 
 // A joint that sits higher on the shank lifts the seated linkage off the seat.
@@ -77,7 +71,7 @@ TEST(Clearance, IsTakenWhereTheJointSits) {
   problem.clearances.placement_mm = {0, 0}, problem.clearances.placement_reach_mm = 3;
   const synthesis::LocalSolve free = synthesis::SolveFrom(problem, problem.start);
   EXPECT_GT(free.evaluation.range_deg, on_the_knee + 0.1);
-  EXPECT_NEAR(free.evaluation.CheckOf({Kind::kSeat}).value, 5, 1e-5);
+  EXPECT_NEAR(free.evaluation.CheckOf({Requires::kSeat}).value, 5, 1e-5);
 }
 
 // The paper's links are too short to bring the bar's tip, which passes the knee, out of the leg.
@@ -145,8 +139,8 @@ TEST(Strength, SafetyFactorIsThatOfTheTable) {
   ASSERT_TRUE(solve.IsUsable()) << solve.solution.message;
   // The worst pose lies between two of the 2001.
   EXPECT_NEAR(LeastSafety(solve.end, problem), asked, 1e-3);
-  EXPECT_NEAR(solve.evaluation.CheckOf({Kind::kSafety}).value, asked, 1e-5);
-  ASSERT_NE(synthesis::FindActiveSet(solve).Find(synthesis::LimitOn({Kind::kSafety})), nullptr);
+  EXPECT_NEAR(solve.evaluation.CheckOf({Requires::kSafety}).value, asked, 1e-5);
+  ASSERT_NE(synthesis::FindActiveSet(solve).Find(synthesis::LimitOn({Requires::kSafety})), nullptr);
 }
 
 // A thin rod buckles before any plate gives way, and bending of the shank link has nothing to do with the links.
@@ -194,7 +188,7 @@ TEST(Strength, AlongAProfileOfConstantMomentIsThatOfTheTorque) {
   ASSERT_TRUE(expected.IsUsable());
   problem::SynthesisProblem profile = constant;
   profile.profile = ConstantProfile(expected.evaluation.range_deg - 1e-6, 5, constant.knee_torque_nm, 301);
-  const auto check = problem::Evaluate(expected.end, profile).CheckOf({Kind::kPinForce});
+  const auto check = problem::Evaluate(expected.end, profile).CheckOf({Requires::kPinForce});
   EXPECT_TRUE(check.requirement.along_profile);
   EXPECT_NEAR(check.value, 2500, 25);  // of 301 angles, near the worst
 }
@@ -239,11 +233,11 @@ TEST(Program, ClearanceRowsMeanWhatTheClosedFormSays) {
   const problem::DesignEvaluation evaluation = problem::Evaluate(kPublished, problem);
   for (const double off_mm : {-0.01, 0.01}) {
     problem::SynthesisProblem asked = problem;
-    asked.clearances.seat_mm = evaluation.CheckOf({Kind::kSeat}).value + off_mm;
-    asked.clearances.thigh_mm = evaluation.CheckOf({Kind::kThigh}).value + off_mm;
-    asked.clearances.shank_mm = evaluation.CheckOf({Kind::kShank}).value + off_mm;
-    const synthesis::Collocation poses{evaluation.CheckOf({Kind::kThigh}).fraction,
-                                       evaluation.CheckOf({Kind::kShank}).fraction};
+    asked.clearances.seat_mm = evaluation.CheckOf({Requires::kSeat}).value + off_mm;
+    asked.clearances.thigh_mm = evaluation.CheckOf({Requires::kThigh}).value + off_mm;
+    asked.clearances.shank_mm = evaluation.CheckOf({Requires::kShank}).value + off_mm;
+    const synthesis::Collocation poses{evaluation.CheckOf({Requires::kThigh}).fraction,
+                                       evaluation.CheckOf({Requires::kShank}).fraction};
     const synthesis::SynthesisProgram program = synthesis::BuildProgram(asked, kPublished, poses);
     std::vector<double> x;
     for (const nlp::NlpVariable& variable : program.program.Variables()) x.push_back(variable.start);

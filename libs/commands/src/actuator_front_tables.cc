@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lake/core/csv.h"
+#include "lake/core/numbers.h"
 #include "optimum_tables.h"
 
 namespace lake::commands {
@@ -14,10 +15,6 @@ const char* StatusOf(const synthesis::ActuatorCurve& curve, const synthesis::Fro
   if (!point.solved) return "no design";
   if (!curve.Actuator().HasSpeed()) return "speed not known";
   return curve.Actuator().HasForceSpeedLaw() ? "solved" : "lower bound";
-}
-
-std::optional<double> Finite(double value) {
-  return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 double Magnitude(const problem::Assistance& assistance, double AssistanceRow::*column) {

@@ -205,7 +205,7 @@ Json PeopleJson(const std::vector<PersonRow>& rows) {
   return people;
 }
 
-void Warn(const std::vector<PersonRow>& rows, Run& run) {
+void WarnOfGroup(const std::vector<PersonRow>& rows, Run& run) {
   const redesign::ReoptimizeProblem& shared = rows.front().group.problem.shared;
   if (!shared.max_misalignment_percent && shared.penalty_deg_per_mm == 0)
     run.Warn(
@@ -292,7 +292,7 @@ Json WriteGroup(const redesign::GroupOutcome& outcome, Run& run) {
   const std::vector<PersonRow> rows = RowsOf(outcome);
   WriteDesigns(outcome, "design.yaml", run);
   WritePeople(rows, run);
-  Warn(rows, run);
+  WarnOfGroup(rows, run);
   const redesign::GroupProblem& problem = outcome.problem;
   Json summary = {{"range_deg", NumberOrNull(outcome.evaluation.range_deg)},
                   {"status", outcome.IsSolved() ? "solved" : "infeasible"},
@@ -326,7 +326,7 @@ Json WriteSizes(const redesign::SizesOutcome& outcome, Run& run) {
   }
   WritePeople(rows, run);
   WriteSizeTables(outcome, run);
-  Warn(rows, run);
+  WarnOfGroup(rows, run);
   const redesign::ReoptimizeProblem& shared = outcome.sizes.front().problem.shared;
   Json summary = {{"status", outcome.IsSolved() ? "solved" : "infeasible"},
                   {"mean_value_deg", NumberOrNull(outcome.mean_value_deg)},

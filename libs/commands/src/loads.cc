@@ -8,6 +8,7 @@
 #include "lake/commands/gait.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/exchange/ground_forces.h"
 #include "lake/figure/loads_figure.h"
@@ -18,8 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Vector2d, Eigen::Vector3d;
-
-constexpr double kMmPerM = 1000;
 
 std::string LegOf(const LoadsRunOptions& options) {
   if (!options.leg.empty()) return options.leg;

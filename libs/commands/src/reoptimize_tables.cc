@@ -4,6 +4,7 @@
 
 #include "lake/commands/optimize_tables.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/redesign/reoptimize_outcome.h"
 #include "optimum_tables.h"
@@ -13,7 +14,6 @@ namespace lake::commands {
 namespace {
 
 using On = synthesis::LimitId::On;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // What the table of before and after has of a design; NaN where it cannot make the motion.
 struct Quantity {
@@ -186,7 +186,7 @@ Json ProgramJson(const redesign::ReoptimizeOutcome& outcome) {
   return json;
 }
 
-void Warn(const redesign::ReoptimizeOutcome& outcome, Run& run) {
+void WarnOfRedesign(const redesign::ReoptimizeOutcome& outcome, Run& run) {
   const redesign::ReoptimizeProblem& problem = outcome.problem;
   if (outcome.measured.exo && outcome.measured.worn && !outcome.slip)
     run.Warn(
@@ -323,7 +323,7 @@ Json WriteReoptimization(const redesign::ReoptimizeOutcome& outcome, Run& run) {
                             after.evaluation,       best,
                             outcome.active,         best ? "" : outcome.infeasible->sentence};
   WriteTables(outcome, optimum, run);
-  Warn(outcome, run);
+  WarnOfRedesign(outcome, run);
   Json summary = HeadJson(optimum, after.evaluation.violation, outcome.certificate);
   summary.update(MotionJson(outcome));
   summary.update(best ? SolvedJson(*best, outcome.active) : InfeasibleJson(*outcome.infeasible));

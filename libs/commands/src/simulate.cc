@@ -8,6 +8,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/numbers.h"
 #include "lake/drawing/linkage_animation.h"
 #include "lake/drawing/linkage_dxf.h"
 #include "lake/drawing/linkage_figures.h"
@@ -34,11 +35,6 @@ struct Row {
         transmission(linkage::TransmissionOf(links, pose)),
         force_n(linkage::ActuatorForce(transmission, knee_torque_nm)) {}
 };
-
-// nullopt at a dead point, where a rate has no finite value.
-std::optional<double> Finite(double value) {
-  return std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
 
 // The paper's poses as far as this design has them, and its own largest whole degree.
 std::vector<double> DefaultAngles(const linkage::Links& links, const linkage::UsedRange& range) {

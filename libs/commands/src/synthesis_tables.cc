@@ -1,18 +1,16 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lake/commands/optimize_tables.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/synthesis/synthesis_outcome.h"
 #include "optimum_tables.h"
 
 namespace lake::commands {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The angles of a pose as rows of optimum.csv; they follow from the links.
 std::vector<LimitedRow> PoseRows(const problem::DesignEvaluation& before, const problem::DesignEvaluation& after) {
@@ -67,7 +65,7 @@ Json StartsJson(const synthesis::SynthesisResult& result) {
   return starts;
 }
 
-void Warn(const synthesis::SynthesisOutcome& outcome, Run& run) {
+void WarnOfDesign(const synthesis::SynthesisOutcome& outcome, Run& run) {
   WarnOfMultipliers(outcome.active, run);
   if (const auto& pose = outcome.result.Best().evaluation.pose) {
     const linkage::Transmission transmission = linkage::TransmissionOf(outcome.BestLinks(), *pose);
@@ -166,7 +164,7 @@ Json WriteSynthesis(const synthesis::SynthesisOutcome& outcome, Run& run) {
   const double violation = best ? std::max(best->solution.violation, after.violation) : after.violation;
   Json summary = HeadJson(optimum, violation, outcome.certificate);
   summary.update(best ? SolvedJson(outcome) : InfeasibleJson(*outcome.infeasible, after));
-  if (best) Warn(outcome, run);
+  if (best) WarnOfDesign(outcome, run);
   summary["start"] = EvaluationJson(outcome.start);
   if (outcome.start_yield) summary["start"]["yield"] = YieldJson(*outcome.start_yield);
   summary["starts"] = StartsJson(outcome.result);

@@ -4,11 +4,11 @@ string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${bytes}")
 file(WRITE ${SOURCE} "#include \"page_files.h\"
 
 namespace lake::${ROOM} {
-namespace {
-constexpr char kBytes[] = {${bytes}};
-}  // namespace
 
-std::string_view ${NAME}() { return {kBytes, sizeof kBytes}; }
+std::string_view ${NAME}() {
+  static constexpr char kBytes[] = {${bytes}};
+  return {kBytes, sizeof kBytes};
+}
 
 }  // namespace lake::${ROOM}
 ")

@@ -26,9 +26,9 @@ std::string EscapedForGlob(const fs::path& folder) {
 }
 
 // Collects the files that a study names, so that all missing ones can be told of at once.
-class Files {
+class InputFiles {
  public:
-  explicit Files(fs::path folder) : folder_(std::move(folder)) {}
+  explicit InputFiles(fs::path folder) : folder_(std::move(folder)) {}
 
   const fs::path& Folder() const { return folder_; }
 
@@ -89,7 +89,7 @@ class Files {
 };
 
 // The files behind an option, for ReadOptions.
-ResolvePath FilesOf(Files& files) {
+ResolvePath FilesOf(InputFiles& files) {
   return [&files](const YamlNode& node, const Option& option) -> OptionTexts {
     return {(option.PathKind() == Option::Path::kVideo ? files.TakePictures(node) : files.Take(node)).string()};
   };
@@ -97,12 +97,12 @@ ResolvePath FilesOf(Files& files) {
 
 // All options of `options` but those that the study itself gives.
 template <typename Options>
-void ReadSection(YamlNode& node, Options& options, Files& files, const std::vector<std::string_view>& given = {}) {
+void ReadSection(YamlNode& node, Options& options, InputFiles& files, const std::vector<std::string_view>& given = {}) {
   OptionList list = OptionsOf(options).Without(given);
   ReadOptions(node, list, FilesOf(files));
 }
 
-StudyTrial ReadTrialSection(YamlNode node, Files& files) {
+StudyTrial ReadTrialSection(YamlNode node, InputFiles& files) {
   const auto video = node.Child("video"), recorded = node.Child("trial");
   if (video.has_value() == recorded.has_value())
     throw Fail("{}: give either 'video' or 'trial' (a file of markers that were tracked before)", node.Where());
@@ -116,7 +116,7 @@ StudyTrial ReadTrialSection(YamlNode node, Files& files) {
   return trial;
 }
 
-commands::PlaneRunOptions ReadPlane(YamlNode& node, Files& files) {
+commands::PlaneRunOptions ReadPlane(YamlNode& node, InputFiles& files) {
   commands::PlaneRunOptions plane;
   if (!node.Has("image")) throw Fail("{}: the plane needs an 'image'", node.Where());
   ReadSection(node, plane, files, {"camera"});
@@ -125,7 +125,7 @@ commands::PlaneRunOptions ReadPlane(YamlNode& node, Files& files) {
   return plane;
 }
 
-StudyCalibration ReadCalibration(YamlNode node, Files& files) {
+StudyCalibration ReadCalibration(YamlNode node, InputFiles& files) {
   StudyCalibration calibration;
   const auto images = node.Child("images"), video = node.Child("video");
   if (images.has_value() == video.has_value())
@@ -149,7 +149,7 @@ StudyCalibration ReadCalibration(YamlNode node, Files& files) {
   return calibration;
 }
 
-void ReadCamera(YamlNode& root, Files& files, StudyFile& study) {
+void ReadCamera(YamlNode& root, InputFiles& files, StudyFile& study) {
   auto camera = root.Child("camera");
   if (!camera) return;
   if (!camera->IsMap()) {
@@ -172,7 +172,7 @@ void CheckCompared(const std::optional<std::string>& marker, const StudyTrial& t
                fmt::join(names, ", "));
 }
 
-void ReadCompare(YamlNode node, Files& files, StudyFile& study) {
+void ReadCompare(YamlNode node, InputFiles& files, StudyFile& study) {
   ReadSection(node, study.compare, files, {"human", "exo", "map", "up", "forward", "unit", "exo-map", "exo-unit"});
   node.Finish();
   study.compare_options = node.ToJson();
@@ -182,7 +182,7 @@ void ReadCompare(YamlNode node, Files& files, StudyFile& study) {
 }
 
 // A file is only named here; it is read when it is known that none is missing.
-void ReadProblemKey(YamlNode& node, Files& files, StudyProblem& problem) {
+void ReadProblemKey(YamlNode& node, InputFiles& files, StudyProblem& problem) {
   auto child = node.Child("problem");
   if (child && child->IsMap())
     problem.file.reset(), problem.problem = problem::ReadProblem(std::move(*child), files.Folder());
@@ -198,7 +198,7 @@ void TakeClearances(StudyProblem& problem) {
   if (problem.clearances.AreAsked()) problem.problem.clearances = problem.clearances;
 }
 
-void ReadDesignSection(YamlNode node, Files& files, StudyFile& study) {
+void ReadDesignSection(YamlNode node, InputFiles& files, StudyFile& study) {
   study.design_options = node.ToJson();
   ReadProblemKey(node, files, study.design);
   if (const auto worn = node.Child("worn")) study.worn = files.Take(*worn);
@@ -207,7 +207,7 @@ void ReadDesignSection(YamlNode node, Files& files, StudyFile& study) {
   if (study.worn && !study.exo) throw Fail("{}: 'worn' needs an 'exo' trial", node.Where());
 }
 
-problem::LinearActuator ActuatorOf(const YamlNode& node, const Files& files) {
+problem::LinearActuator ActuatorOf(const YamlNode& node, const InputFiles& files) {
   try {
     return problem::FindActuator(node.AsText(), files.Folder());
   } catch (const Error& error) {
@@ -219,7 +219,7 @@ problem::LinearActuator ActuatorOf(const YamlNode& node, const Files& files) {
 constexpr std::string_view kGivenToRedesign[] = {"comparison", "human", "human-knee", "map",         "up",
                                                  "forward",    "unit",  "worn",       "participants"};
 
-StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& design,
+StudyRedesign ReadRedesign(YamlNode node, InputFiles& files, const StudyProblem& design,
                            const std::vector<std::string_view>& without) {
   StudyRedesign redesign{{}, {}, design, node.ToJson()};
   ReadProblemKey(node, files, redesign.design);
@@ -231,7 +231,7 @@ StudyRedesign ReadRedesign(YamlNode node, Files& files, const StudyProblem& desi
   return redesign;
 }
 
-commands::LoadsRunOptions ReadLoads(YamlNode node, Files& files) {
+commands::LoadsRunOptions ReadLoads(YamlNode node, InputFiles& files) {
   commands::LoadsRunOptions options;
   ReadSection(node, options, files, {"trial", "map", "up", "forward", "unit", "rate"});
   node.Finish();
@@ -243,7 +243,7 @@ commands::LoadsRunOptions ReadLoads(YamlNode node, Files& files) {
   return options;
 }
 
-StudyAssistance ReadAssistance(YamlNode node, Files& files) {
+StudyAssistance ReadAssistance(YamlNode node, InputFiles& files) {
   StudyAssistance assistance{{}, node.ToJson()};
   problem::SynthesisProblem& problem = assistance.options.problem;
   StudyProblem named;
@@ -260,14 +260,14 @@ StudyAssistance ReadAssistance(YamlNode node, Files& files) {
   return assistance;
 }
 
-commands::StrokeRunOptions ReadStroke(YamlNode node, Files& files) {
+commands::StrokeRunOptions ReadStroke(YamlNode node, InputFiles& files) {
   commands::StrokeRunOptions options;
   ReadSection(node, options, files, {"design", "motion", "validate", "tolerance"});
   node.Finish();
   return options;
 }
 
-void ReadSimulation(YamlNode node, Files& files, StudyFile& study) {
+void ReadSimulation(YamlNode node, InputFiles& files, StudyFile& study) {
   ReadSection(node, study.simulation, files, {"thigh", "shank"});
   node.Finish();
   study.simulation.Check();
@@ -300,7 +300,7 @@ std::string StudyFile::ResultName() const {
 }
 
 StudyRedesign ReadPopulation(YamlNode node, const fs::path& folder) {
-  Files files(folder);
+  InputFiles files(folder);
   const std::string where = node.Where();
   StudyRedesign population = ReadRedesign(std::move(node), files, {}, {"pareto"});
   files.ThrowIfMissing(where);
@@ -311,7 +311,7 @@ StudyRedesign ReadPopulation(YamlNode node, const fs::path& folder) {
 StudyFile ReadStudyFile(const fs::path& path) {
   YamlNode root = YamlNode::ReadFile(path);
   if (!root.IsMap()) throw Fail("{}: a study is a map with the keys human, exo, camera, …", path.string());
-  Files files((path.parent_path() / root.Text("folder").value_or("")).lexically_normal());
+  InputFiles files((path.parent_path() / root.Text("folder").value_or("")).lexically_normal());
   StudyFile study;
   study.file = path;
   study.name = root.Text("name").value_or(path.stem().string());

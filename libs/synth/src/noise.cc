@@ -10,13 +10,14 @@
 namespace lake::synth {
 namespace {
 
-constexpr int kTile = 2048;
+constexpr int kNoiseTile = 2048;
 
 cv::Mat NormalTile(std::uint64_t seed) {
   Random random(seed, "noise tile");
-  cv::Mat tile(kTile, kTile, CV_32FC1);
-  for (int row = 0; row < kTile; ++row)
-    for (int column = 0; column < kTile; ++column) tile.at<float>(row, column) = static_cast<float>(random.Normal());
+  cv::Mat tile(kNoiseTile, kNoiseTile, CV_32FC1);
+  for (int row = 0; row < kNoiseTile; ++row)
+    for (int column = 0; column < kNoiseTile; ++column)
+      tile.at<float>(row, column) = static_cast<float>(random.Normal());
   return tile;
 }
 
@@ -47,12 +48,12 @@ cv::Mat Sensor::Record(const cv::Mat& image, int frame) const {
   const float read_variance = static_cast<float>(noise_.read_sd * noise_.read_sd),
               gain = static_cast<float>(noise_.gain);
   for (int channel = 0; channel < channels; ++channel) {
-    const int left = random.Integer(0, kTile - 1), top = random.Integer(0, kTile - 1);
+    const int left = random.Integer(0, kNoiseTile - 1), top = random.Integer(0, kNoiseTile - 1);
     const float sign = random.Uniform() < 0.5 ? -1.0f : 1.0f;
     for (int row = 0; row < image.rows; ++row) {
-      const float* const normal = tile_.ptr<float>((top + row) % kTile);
+      const float* const normal = tile_.ptr<float>((top + row) % kNoiseTile);
       for (int column = 0; column < image.cols;) {
-        const int place = (left + column) % kTile, count = std::min(image.cols - column, kTile - place);
+        const int place = (left + column) % kNoiseTile, count = std::min(image.cols - column, kNoiseTile - place);
         RecordRun(image.ptr<float>(row) + column * channels + channel, normal + place,
                   out.ptr<std::uint8_t>(row) + column * channels + channel, count, channels, read_variance, gain, sign);
         column += count;

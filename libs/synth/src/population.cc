@@ -8,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/json.h"
+#include "lake/core/numbers.h"
 #include "lake/synth/recording.h"
 #include "lake/synth/scene.h"
 
@@ -114,7 +115,6 @@ std::vector<Session> DrawPopulation(const PopulationOptions& of, const StsMotion
     Session person;
     person.participant = fmt::format("sub-{:02}", i);
     person.height_mm = lot(of.height_mm, of.height_sd_mm);
-    constexpr double kMmPerM = 1000;
     const double height_m = person.height_mm / kMmPerM;
     person.mass_kg = lot(of.mass_index_kg_m2, of.mass_index_sd) * height_m * height_m;
     StsMotionOptions human = motion;

@@ -31,7 +31,7 @@ constexpr std::uint16_t kDdrB = 0x24, kPortB = 0x25, kDdrD = 0x2A, kPortD = 0x2B
                         kOcr1a = 0x88, kSpl = 0x5D, kSph = 0x5E;
 constexpr std::uint8_t kTimer2CompareA = 7;  // its vector
 constexpr int kRamEnd = 0x8FF;
-constexpr std::size_t kTalkEvery_ms = 500;
+constexpr std::size_t kTalkEverySamples = 500;
 constexpr int kCom1a1 = 7;  // of TCCR1A: the timer drives the pin
 enum Pin { kIn2 = 0, kEna = 1, kRetractStop = 2, kExtendStop = 3, kIn1 = 7 };
 
@@ -175,7 +175,7 @@ void AvrRig::Run(double seconds) {
     if (avr_->cycle < next_ms) continue;
     next_ms += kCyclesPerMs;
     EndMillisecond();
-    if (talking_ && samples_.size() % kTalkEvery_ms == 0) SendNow('?');
+    if (talking_ && samples_.size() % kTalkEverySamples == 0) SendNow('?');
     if (!to_send_.empty()) {  // one character per ms: slower than 115200 baud, never too fast
       avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT),
                     static_cast<std::uint8_t>(to_send_.front()));

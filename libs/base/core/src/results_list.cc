@@ -14,7 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".lake-files.json";
-constexpr const char* kSummary = "summary.json";
 
 bool IsInside(const std::string& name) {
   const fs::path path = fs::path(name).lexically_normal();

@@ -8,6 +8,8 @@
 
 namespace lake {
 
+inline constexpr const char* kSummary = "summary.json";
+
 struct ResultsList {
   std::string program, command;
   std::vector<std::string> subject;

@@ -15,8 +15,6 @@ namespace lake {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kSummary = "summary.json";
-
 // Who a summary says it is of; empty if it does not.
 ResultsList ReadSummaryHead(const fs::path& folder) {
   try {

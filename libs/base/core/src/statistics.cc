@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
+#include "lake/core/numbers.h"
+
 namespace lake {
-namespace {
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-}
+namespace {}
 
 double Mean(std::span<const double> values) {
   if (values.empty()) return kNaN;

@@ -2,20 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <span>
 
 #include "lake/actuator/robust_slope.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 
 namespace lake::actuator {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSameDuty = 1e-6;
-constexpr std::size_t kFewestSamples = 6;  // of a plateau: three in each half
+constexpr std::size_t kFewestOfPlateau = 6;  // of a plateau: three in each half
 
 // Speed at one duty in one direction, from all its plateaus; speeds positive in the duty's direction.
 struct DutySpeed {
@@ -42,7 +41,7 @@ Plateau MeasurePlateau(const DutyLog& log, std::size_t first, std::size_t last, 
   Plateau plateau{log.name, log.time_s[first], log.time_s[last - 1], log.duty[first]};
   if (plateau.end_s - plateau.begin_s < options.min_plateau_s) return plateau;
   while (first < last && log.time_s[first] < plateau.begin_s + options.settle_s) ++first;
-  if (last - first < kFewestSamples) {
+  if (last - first < kFewestOfPlateau) {
     warnings.push_back(fmt::format("{}: the plateau of duty {:.4g} at {:.3f} s has {} samples after settling; left out",
                                    log.name, plateau.duty, plateau.begin_s, last - first));
     return plateau;

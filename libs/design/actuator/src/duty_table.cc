@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 
 namespace lake::actuator {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Fritsch & Carlson's slopes by Brodlie's weighted harmonic mean; one-sided at the ends, limited so that the ends stay
 // monotone. Boost's pchip has the same inner slopes, but takes four points or more, where a table may have two, and the

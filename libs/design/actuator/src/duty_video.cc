@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/numbers.h"
 
 namespace lake::actuator {
 namespace {
@@ -15,7 +15,6 @@ constexpr double kShiftStep_s = 0.005;
 constexpr double kSpeedWindow_s = 0.1;  // to either side, for the film's speed
 constexpr double kLeastCorrelation = 0.7;
 constexpr double kLongestGap_s = 1;  // between rows of the log, across which a duty is taken to last
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The duty that rows before and after a time share; NaN where they do not, or there is none.
 double DutyAt(const DutyCommands& commands, double time_s) {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 
 namespace lake::actuator {
@@ -55,7 +55,6 @@ RobustSlope LeastSquares(const std::vector<double>& x, const std::vector<double>
 }  // namespace
 
 RobustSlope FitRobustSlope(std::span<const double> all_x, std::span<const double> all_y) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kDeviations = 4;
   if (all_x.size() < 3) return {kNaN, kNaN};
   const std::vector<double> x = Thinned(all_x, kMostSlopePoints), y = Thinned(all_y, kMostSlopePoints);

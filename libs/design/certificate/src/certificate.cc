@@ -10,6 +10,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/numbers.h"
 #include "lake/core/progress.h"
 #include "range_bound.h"
 
@@ -143,7 +144,6 @@ void CertificateOptions::Check() const {
 
 Certificate CertifyRange(const problem::SynthesisProblem& problem, std::optional<double> range_deg,
                          const CertificateOptions& options) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   problem.Check();
   options.Check();
   if (range_deg && !std::isfinite(*range_deg)) throw Fail("certificate: a known range of {} deg", *range_deg);

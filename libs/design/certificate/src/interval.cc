@@ -1,5 +1,7 @@
 #include "lake/certificate/interval.h"
 
+#include "lake/core/numbers.h"
+
 namespace lake::certificate {
 
 using interval_detail::kLibmUlps;
@@ -26,7 +28,6 @@ Interval ArcCos(const Interval& a) {
 }
 
 Interval Cos(const Interval& a) {
-  constexpr double kPi = std::numbers::pi;
   if (!(a.Width() < 2 * kPi) || std::abs(a.lower) > 1e6) return {-1, 1};
   Interval value = Widened(std::min(std::cos(a.lower), std::cos(a.upper)),
                            std::max(std::cos(a.lower), std::cos(a.upper)), kLibmUlps);

@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/linkage/loop_equations.h"
 
 namespace lake::linkage {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kPi = std::numbers::pi;
 
 // Rounding of lengths of some 100 mm; a triangle that misses closing by less is taken as closed and flat.
 constexpr double kRounding_mm = 1e-10;

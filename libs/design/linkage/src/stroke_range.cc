@@ -1,16 +1,15 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/linkage/linkage.h"
 
 namespace lake::linkage {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kPi = std::numbers::pi;
 constexpr double kAngleRounding_rad = 1e-9;
 constexpr double kPointRounding = 1e-12;  // relative to a link
 

@@ -8,13 +8,12 @@
 #include <tuple>
 
 #include "lake/core/angles.h"
+#include "lake/core/numbers.h"
 
 namespace lake::parts {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr std::array<Body, kBodies> kAllBodies = {Body::kThigh, Body::kShank, Body::kCoupler, Body::kBar,
                                                   Body::kActuator};

@@ -4,12 +4,12 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 
 namespace lake::problem {
 namespace {
 
 constexpr double kMillimetresPerMetre = 1000;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A solver leaves a force this much above its limit.
 bool Lifts(const LinearActuator& actuator, double force_n) {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "lake/core/angles.h"
+#include "lake/core/numbers.h"
 #include "lake/linkage/statics.h"
 #include "lake/parts/strength.h"
 #include "lake/problem/assistance.h"
@@ -15,8 +16,6 @@ namespace lake::problem {
 namespace {
 
 using Kind = Requirement::Kind;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kGridPoints = 721;  // a quarter of a degree or finer over any range of a knee
 
 // The used range of a design that can stand; nullopt otherwise. An optimum may stand exactly where the actuator is

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 
 namespace lake::problem {
 
@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using ForceSpeed = LinearActuator::ForceSpeed;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr std::array kColumns = {"name",
                                  "maker",
@@ -33,7 +32,7 @@ constexpr std::array kColumns = {"name",
                                  "duty_cycle_percent",
                                  "source"};
 
-void CheckPositive(std::optional<double> value, const char* what) {
+void CheckWithinReason(std::optional<double> value, const char* what) {
   constexpr double kMost = 1e6;
   if (value && !(*value > 0 && *value <= kMost))
     throw Fail("{} = {} must lie above 0, and not beyond 1e6", what, *value);
@@ -165,17 +164,17 @@ double LinearActuator::LargestPower() const {
 
 void LinearActuator::Check() const {
   if (name.empty()) throw Fail("an actuator needs a name");
-  CheckPositive(closed_mm, "closed_mm");
-  CheckPositive(stroke_mm, "stroke_mm");
-  CheckPositive(max_force_n, "max_force_n");
-  CheckPositive(no_load_speed_mm_s, "no_load_speed_mm_s");
-  CheckPositive(holding_force_n, "holding_force_n");
-  CheckPositive(mass_g, "mass_g");
+  CheckWithinReason(closed_mm, "closed_mm");
+  CheckWithinReason(stroke_mm, "stroke_mm");
+  CheckWithinReason(max_force_n, "max_force_n");
+  CheckWithinReason(no_load_speed_mm_s, "no_load_speed_mm_s");
+  CheckWithinReason(holding_force_n, "holding_force_n");
+  CheckWithinReason(mass_g, "mass_g");
   if (duty_cycle_percent && !(*duty_cycle_percent > 0 && *duty_cycle_percent <= 100))
     throw Fail("duty_cycle_percent = {} must lie above 0, and not beyond 100", *duty_cycle_percent);
   for (const ForceSpeed& point : force_speed) {
-    CheckPositive(point.force_n, "a force of force_speed_points");
-    CheckPositive(point.speed_mm_s, "a speed of force_speed_points");
+    CheckWithinReason(point.force_n, "a force of force_speed_points");
+    CheckWithinReason(point.speed_mm_s, "a speed of force_speed_points");
   }
   const std::vector<ForceSpeed> points = KnownPoints(*this);
   for (std::size_t i = 1; i < points.size(); ++i) {

@@ -6,6 +6,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 
 namespace lake::problem {
 namespace {
@@ -135,7 +136,6 @@ std::vector<BuildError> Corners(double tolerance_mm) {
 }
 
 SynthesisProblem ProblemOf(const BuildError& build, SynthesisProblem problem) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   problem.d_min_mm += build.back();
   if (problem.d_max_mm) *problem.d_max_mm += build.back();
   problem.robust_mm.reset();

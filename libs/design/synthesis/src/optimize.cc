@@ -36,7 +36,7 @@ class ActiveGradients {
     if (columns_.size() > x_.size()) return 0;
     Eigen::MatrixXd matrix(x_.size(), columns_.size());
     for (std::size_t i = 0; i < columns_.size(); ++i) matrix.col(i) = columns_[i].normalized();
-    return Eigen::BDCSVD<Eigen::MatrixXd>(matrix).singularValues().tail(1)[0];
+    return Eigen::JacobiSVD<Eigen::MatrixXd>(matrix).singularValues().tail(1)[0];
   }
 
  private:

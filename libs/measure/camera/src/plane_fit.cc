@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kTellApart = 25;     // sigma²
 constexpr double kSamePoseDeg = 0.1;  // two minima closer than this are one
-constexpr double kHighRmsPx = 2;
+constexpr double kHighPlaneRmsPx = 2;
 constexpr double kLargestRollDeg = 5;
 
 // residual = seen - project(start * exp(turn) * point + translation), px; turn in the plane's own axes
@@ -129,7 +129,7 @@ void AddWarnings(PlaneFit& fit) {
         fmt::format("the plane's tilt is ambiguous: another pose, {:.1f} degrees away, fits as well ({:.3f} px "
                     "against {:.3f} px RMS); use a larger board or points farther apart, or a closer camera",
                     fit.other->apart_deg, fit.other->rms_px, fit.uncertainty.rms_px));
-  if (fit.uncertainty.rms_px > kHighRmsPx)
+  if (fit.uncertainty.rms_px > kHighPlaneRmsPx)
     fit.warnings.push_back(
         fmt::format("the known points miss the plane by {:.1f} px RMS: a point is wrong, or the camera file is "
                     "not this camera's",

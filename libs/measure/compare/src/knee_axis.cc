@@ -9,11 +9,10 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 
 namespace lake::compare {
 namespace {
-
-constexpr double kMmPerM = 1000;
 
 struct Node {
   double knee_rad, value_m;  // flexion negative

@@ -5,14 +5,13 @@
 #include <limits>
 
 #include "lake/compare/pointwise_error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 
 namespace lake::compare {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 template <typename T>
 std::vector<T> Select(const std::vector<T>& values, const std::vector<bool>& use) {

@@ -40,7 +40,7 @@ void Check(std::span<const double> values, double rate_hz, double cutoff_hz) {
     if (!std::isfinite(values[i])) throw Fail("filter: value {} is not finite; fill the gaps first", i);
 }
 
-std::vector<double> Steps(std::span<const double> time_s) {
+std::vector<double> Intervals(std::span<const double> time_s) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
   return steps;
@@ -99,7 +99,7 @@ std::vector<double> ZeroPhaseButterworth(std::span<const double> values, double 
 std::vector<double> ZeroPhaseButterworthAtTimes(std::span<const double> values, std::span<const double> time_s,
                                                 double cutoff_hz) {
   if (values.size() < 3) return {values.begin(), values.end()};
-  const std::vector<double> steps = Steps(time_s);
+  const std::vector<double> steps = Intervals(time_s);
   const double step = Median(steps);
   const auto [shortest, longest] = std::minmax_element(steps.begin(), steps.end());
   if (*longest - *shortest < 0.01 * step) return ZeroPhaseButterworth(values, 1 / step, cutoff_hz);

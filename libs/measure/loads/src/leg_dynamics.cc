@@ -4,14 +4,13 @@
 #include <vector>
 
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 
 namespace lake::loads {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kMmPerM = 1000;
 
 double MeanLength(const LegPath& path, Joint lower, Joint upper) {
   std::vector<double> lengths;

@@ -5,13 +5,12 @@
 #include <limits>
 
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/smoothing_spline.h"
 
 namespace lake::loads {
 namespace {
-
-constexpr double kMmPerM = 1000;
 
 const motion::MarkerTrack& FindMarker(const motion::MarkerRecording& recording, const std::string& name) {
   if (const motion::MarkerTrack* track = recording.Find(name)) return *track;

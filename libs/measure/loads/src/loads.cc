@@ -8,6 +8,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
 
@@ -16,7 +17,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kMmPerM = 1000;
 constexpr double kLow = 0.025, kHigh = 0.975;
 
 // The events of one repetition; absent where the recording has none.

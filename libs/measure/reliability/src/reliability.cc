@@ -4,15 +4,14 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
-#include <limits>
 
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 
 namespace lake::reliability {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kUpperTail = 0.975;  // of intervals of 95 %
 constexpr double kNormalQuantile = 1.96;
 

@@ -20,7 +20,7 @@ constexpr double kAmbiguousCost = 1.2;
 // is a lamp, where there is more than the leg to be seen. A prototype on a bench has its shank clamped.
 constexpr double kCarried = 0.04;
 
-double Square(double x) {
+double Squared(double x) {
   return x * x;
 }
 
@@ -86,7 +86,7 @@ class ChainSearch {
     const std::size_t before = chain[chain.size() - 2];
     const PairDistance& segment = tracklets_.Distance(before, last);
     double cost =
-        std::log(Square(segment.deviation) + Square(kDeviationFloor)) - 2 * std::log(CommonShare(before, last));
+        std::log(Squared(segment.deviation) + Squared(kDeviationFloor)) - 2 * std::log(CommonShare(before, last));
     const double rise = height_[last] - height_[before];
     if (chain.size() == 2) return rise > 0.3 * segment.mean ? std::optional(cost) : std::nullopt;
     if (chain.size() == 3) {
@@ -96,7 +96,7 @@ class ChainSearch {
     // The waist is above the hip and nearer to it than a thigh is long, at a distance that varies between people.
     const double thigh = tracklets_.Distance(chain[1], chain[2]).mean;
     if (rise < 0.3 * segment.mean || segment.mean > 1.5 * thigh || !IsCarried(last, thigh)) return std::nullopt;
-    return cost + Square(std::log(segment.mean / (0.5 * thigh)) / 0.6);
+    return cost + Squared(std::log(segment.mean / (0.5 * thigh)) / 0.6);
   }
 
   // Ankle, knee and hip: the knee flexes, the hip moves, the ankle hardly; shank and thigh are about as long.
@@ -111,7 +111,7 @@ class ChainSearch {
     if (!IsCarried(knee, thigh) && !IsClamped(ankle, knee, thigh)) return std::nullopt;
     constexpr double kRatioDeviation = 0.25;  // of log(shank / thigh); anatomically 0.1, markers add to it
     constexpr double kAnkleMotion = 0.15;     // ankle's extent over hip's
-    return Square(std::log(shank / thigh) / kRatioDeviation) + Square(AnkleOverHip(ankle, hip, thigh) / kAnkleMotion);
+    return Squared(std::log(shank / thigh) / kRatioDeviation) + Squared(AnkleOverHip(ankle, hip, thigh) / kAnkleMotion);
   }
 
   // The ankle's extent over the hip's while the hip moves as in a sit-to-stand, in the three seconds in which it is

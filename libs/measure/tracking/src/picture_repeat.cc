@@ -15,12 +15,12 @@ cv::Mat PatchAt(const cv::Mat& picture, const Eigen::Vector2d& center, const cv:
   return patch;
 }
 
-constexpr double kLeastStepPx = 0.5;
+constexpr double kLeastPictureStepPx = 0.5;
 
 // Of the patch that shows a thing and a little of what is round it; nullopt if it does not move or leaves the picture.
 std::optional<cv::Size> PatchSize(const cv::Mat& picture, const ExpectedStep& e) {
   constexpr double kMarginPx = 2;
-  if (e.step.norm() < kLeastStepPx) return std::nullopt;
+  if (e.step.norm() < kLeastPictureStepPx) return std::nullopt;
   const int side = 2 * static_cast<int>(std::ceil(e.radius_px + kMarginPx)) + 1;
   const cv::Rect inner(side, side, picture.cols - 2 * side, picture.rows - 2 * side);
   const Eigen::Vector2d to = e.position + e.step;

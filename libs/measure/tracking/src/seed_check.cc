@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kLeastFrames = 12;
 
-std::string Place(const Tracklet& tracklet) {
+std::string PlaceText(const Tracklet& tracklet) {
   const TrackletSample& first = tracklet.samples.front();
   return fmt::format("({:.1f}, {:.1f}) in frame {}", first.position.x(), first.position.y(), first.frame);
 }
@@ -54,7 +54,7 @@ class SeedChecker {
     throw Fail(
         "{}: what is at {} stays where it is (within {:.1f} px) while the {} moves by {:.0f} px: a lamp or a "
         "reflection, no part of the leg; put the seed on the marker, or leave it out",
-        SeedText(*leg_.seeds[marker]), Place(own), extent, leg_.names[mover], most);
+        SeedText(*leg_.seeds[marker]), PlaceText(own), extent, leg_.names[mover], most);
   }
 
   double LogVariation(std::size_t tracklet, std::size_t marker) const {
@@ -82,7 +82,7 @@ class SeedChecker {
     const std::size_t own = leg_.tracklets[marker];
     const std::string contradiction =
         fmt::format("the distances of what is at {} change by {}, those of what is at {} by {}: that is the {}",
-                    Place(tracklets_[own]), Variations(own, marker), Place(tracklets_[*better]),
+                    PlaceText(tracklets_[own]), Variations(own, marker), PlaceText(tracklets_[*better]),
                     Variations(*better, marker), leg_.names[marker]);
     const TrackletSample& first = tracklets_[*better].samples.front();
     const std::string remedy = fmt::format("--seed {}={:.0f},{:.0f}@{}", leg_.names[marker], first.position.x(),
@@ -128,7 +128,7 @@ class SeedChecker {
       throw Fail(
           "{}: the distance of what is at {} to the {} changes by {:.0f} % (SD), which no limb's does: put the seed on "
           "the marker, or leave it out",
-          SeedText(*leg_.seeds[marker]), Place(tracklets_[leg_.tracklets[marker]]), leg_.names[other],
+          SeedText(*leg_.seeds[marker]), PlaceText(tracklets_[leg_.tracklets[marker]]), leg_.names[other],
           100 * pair.deviation);
     }
   }
@@ -155,7 +155,7 @@ void CheckSeededJoint(const MetricTracklets& tracklets, const MarkerSeed& seed, 
   throw Fail(
       "{}: what is at {} stays where it is (within {:.1f} px) while the knee moves by {:.0f} px: a lamp or a "
       "reflection, no joint on the leg; put the seed on the marker",
-      SeedText(seed), Place(tracklets[joint]), moved, knee_moved);
+      SeedText(seed), PlaceText(tracklets[joint]), moved, knee_moved);
 }
 
 }  // namespace lake::tracking

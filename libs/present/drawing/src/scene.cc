@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "lake/core/numbers.h"
 
 namespace lake::drawing {
 namespace {
 
 using Eigen::Vector2d;
-constexpr double kPi = std::numbers::pi;
 
 std::vector<std::vector<double>> Columns(const PlanePath& path) {
   std::vector<std::vector<double>> columns(2);

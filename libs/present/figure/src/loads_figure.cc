@@ -5,19 +5,15 @@
 #include <cmath>
 
 #include "lake/core/colours.h"
+#include "lake/core/numbers.h"
 #include "lake/figure/gnuplot.h"
+#include "percents.h"
 
 namespace lake::figure {
 namespace {
 
-constexpr const char* kFrame =
+constexpr const char* kLoadsFrame =
     "set border 3 lc rgb '#222222'; set tics nomirror out scale 0.6; set grid lc rgb '#EEEEEE'";
-
-std::vector<double> Percents() {
-  std::vector<double> percents;
-  for (int percent = 0; percent < loads::kPercents; ++percent) percents.push_back(percent);
-  return percents;
-}
 
 std::vector<double> Column(const loads::RiseLoads& rise, double loads::LoadsRow::*member) {
   std::vector<double> values;
@@ -35,7 +31,8 @@ std::vector<double> Masked(const loads::RiseLoads& rise, double loads::LoadsRow:
 
 std::string CurveOf(GnuplotFigure& figure, const loads::RiseLoads& rise, double loads::LoadsRow::*member,
                     const std::string& style) {
-  return fmt::format("{} using 1:2 with lines {}", figure.Data({Percents(), Column(rise, member)}), style);
+  return fmt::format("{} using 1:2 with lines {}", figure.Data({Percents(loads::kPercents), Column(rise, member)}),
+                     style);
 }
 
 // All rises thin, then their mean.
@@ -54,8 +51,8 @@ void DrawKnee(GnuplotFigure& figure, const loads::LoadsResult& result) {
   figure.Line("set xlabel 'rise (%)'; set ylabel 'knee extension moment, one leg (N m)'");
   const loads::RiseLoads& mean = result.mean;
   const auto band = [&](bool known) {
-    return figure.Data(
-        {Percents(), Masked(mean, &LoadsRow::knee_low_nm, known), Masked(mean, &LoadsRow::knee_high_nm, known)});
+    return figure.Data({Percents(loads::kPercents), Masked(mean, &LoadsRow::knee_low_nm, known),
+                        Masked(mean, &LoadsRow::knee_high_nm, known)});
   };
   std::string plot = fmt::format(
       "plot {} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.30 noborder title '95 % of the mean', ",
@@ -88,7 +85,6 @@ void DrawJoints(GnuplotFigure& figure, const loads::LoadsResult& result) {
 }
 
 void DrawPressure(GnuplotFigure& figure, const loads::LoadsResult& result) {
-  constexpr double kMmPerM = 1000;
   const double heel_mm = -kMmPerM * result.body.sole.heel_m, toe_mm = kMmPerM * result.body.sole.toe_m;
   figure.Line("set tmargin at screen 0.64; set bmargin at screen 0.40; set ylabel 'ground force acts at (mm)'");
   figure.Line(fmt::format("set yrange [{}:{}]", heel_mm - 60, toe_mm + 120));
@@ -112,7 +108,7 @@ void DrawLoads(const std::filesystem::path& path, const loads::LoadsResult& resu
   figure.Line(fmt::format(
       "set multiplot title {} noenhanced font ',14'",
       QuoteForGnuplot(title + (result.from_ground ? ", from the ground's forces" : ", without force plates"))));
-  figure.Line(kFrame).Line("set xrange [0:100]; set key top right samplen 2.5 noautotitle");
+  figure.Line(kLoadsFrame).Line("set xrange [0:100]; set key top right samplen 2.5 noautotitle");
   DrawKnee(figure, result);
   DrawJoints(figure, result);
   DrawPressure(figure, result);

@@ -4,19 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lake/core/colours.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/figure/gnuplot.h"
 #include "lake/figure/theme.h"
+#include "percents.h"
 
 namespace lake::figure {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // A figure's table of points.
 struct Points {
@@ -46,12 +45,6 @@ Points LegsOf(const compare::StsCurve& curve) {
   for (const std::size_t i : {0, 50, 100})
     points.Add(curve.ankle[i]), points.Add(curve.knee[i]), points.Add(curve.hip[i]), points.Break();
   return points;
-}
-
-std::vector<double> Percents() {
-  std::vector<double> percents;
-  for (int i = 0; i < compare::kPercentSamples; ++i) percents.push_back(i);
-  return percents;
 }
 
 std::vector<double> Scaled(const std::vector<double>& values, double factor) {
@@ -107,7 +100,7 @@ void DrawKneePaths(GnuplotFigure& figure, const compare::Misalignment& m) {
 }
 
 void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
-  const std::vector<double> percents = Percents(), error = Scaled(m.relative_error, 100);
+  const std::vector<double> percents = Percents(compare::kPercentSamples), error = Scaled(m.relative_error, 100);
   std::vector<double> lower, upper, spikes;
   for (std::size_t i = 0; i < compare::kPercentSamples; ++i) {
     const double sd = m.relative_error_sd.empty() ? 0 : 100 * m.relative_error_sd[i];
@@ -140,7 +133,7 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
 
 void DrawParts(GnuplotFigure& figure, const compare::Misalignment& m) {
   const compare::Decomposition& d = m.decomposition;
-  const std::vector<double> percents = Percents();
+  const std::vector<double> percents = Percents(compare::kPercentSamples);
   figure.Line(
       "set tmargin at screen 0.48; set bmargin at screen 0.11; set rmargin at screen 0.48; set xlabel 'sit-to-stand "
       "(%)'");
@@ -158,7 +151,7 @@ void DrawParts(GnuplotFigure& figure, const compare::Misalignment& m) {
 }
 
 void DrawAngles(GnuplotFigure& figure, const compare::Misalignment& m) {
-  const std::vector<double> percents = Percents();
+  const std::vector<double> percents = Percents(compare::kPercentSamples);
   figure.Line(
       "set lmargin at screen 0.565; set rmargin at screen 0.98; set yrange [*:*]; set ylabel 'knee flexion (°)'; set "
       "offsets 0, 0, graph 0.15, 0");

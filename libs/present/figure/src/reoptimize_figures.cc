@@ -10,15 +10,10 @@
 #include "lake/core/colours.h"
 #include "lake/figure/gnuplot.h"
 #include "lake/figure/theme.h"
+#include "percents.h"
 
 namespace lake::figure {
 namespace {
-
-std::vector<double> Percents() {
-  std::vector<double> percents;
-  for (int i = 0; i < compare::kPercentSamples; ++i) percents.push_back(i);
-  return percents;
-}
 
 // The curves of one panel, drawn together.
 class Plot {
@@ -39,7 +34,8 @@ class Plot {
   }
   // One value per percent; none, no curve.
   void AddCurve(const std::vector<double>& values, const std::string& style, const std::string& title) {
-    if (!values.empty()) AddData(Percents(), values, fmt::format("lines {} title '{}'", style, title));
+    if (!values.empty())
+      AddData(Percents(compare::kPercentSamples), values, fmt::format("lines {} title '{}'", style, title));
   }
 
   void Draw() {

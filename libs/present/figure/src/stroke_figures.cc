@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lake/core/colours.h"
+#include "lake/core/numbers.h"
 #include "lake/figure/gnuplot.h"
 
 namespace lake::figure {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kExtendColour = "#0072B2";
 constexpr const char* kRetractColour = "#D55E00";
 

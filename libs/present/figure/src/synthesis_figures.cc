@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lake/core/colours.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/figure/gnuplot.h"
 
 namespace lake::figure {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Zero on a logarithmic axis.
 constexpr double kFloor = 1e-16;
 

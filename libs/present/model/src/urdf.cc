@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 constexpr const char* kOrigin = "origin";
 constexpr const char* kNoLimit = "1e9";  // URDF asks for a number; the design has none
 
-void AddInertial(pugi::xml_node link, const RigidBody& body) {
+void AddMassAndInertia(pugi::xml_node link, const RigidBody& body) {
   const pugi::xml_node inertial = Add(link, "inertial");
   Add(inertial, kOrigin, {{"xyz", TextOf(body.centre_m)}});
   Add(inertial, "mass", {{"value", NumberText(body.mass_kg)}});
@@ -52,7 +52,7 @@ void AddPlateShape(pugi::xml_node link, const parts::Plate& plate, const RigidBo
 
 void AddLink(pugi::xml_node robot, const RigidBody& body, const parts::Plate* plate) {
   const pugi::xml_node link = Add(robot, "link", {{"name", body.name}});
-  AddInertial(link, body);
+  AddMassAndInertia(link, body);
   if (plate) {
     AddPlateShape(link, *plate, body);
     return;

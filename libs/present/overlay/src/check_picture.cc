@@ -16,7 +16,7 @@
 namespace lake::overlay {
 namespace {
 
-constexpr double kFrameWidth = 960, kPanelWidth = 640, kMargin = 16, kLineHeight = 20, kTextSize = 15, kRingWidth = 2;
+constexpr double kFrameWidth = 960, kAdviceWidth = 640, kMargin = 16, kLineHeight = 20, kTextSize = 15, kRingWidth = 2;
 
 struct Colour {
   double red, green, blue;
@@ -121,7 +121,7 @@ double WriteLines(const std::vector<CheckPicture::Line>& lines, double left, boo
   for (const CheckPicture::Line& line : lines) {
     if (draws) page.Circle(left + kDot, y - kDot, kDot, kGrades.at(static_cast<std::size_t>(line.grade)), true);
     for (const auto& [text, colour] : {std::pair(line.text, kInk), {line.advice, kAdvice}})
-      for (const std::string& part : Wrapped(page, text, kPanelWidth - 2 * kMargin - kIndent)) {
+      for (const std::string& part : Wrapped(page, text, kAdviceWidth - 2 * kMargin - kIndent)) {
         if (draws) page.Write(part, left + kIndent, y, colour);
         y += kLineHeight;
       }
@@ -137,7 +137,7 @@ cv::Mat DrawCheckPicture(const CheckPicture& picture) {
   Page measure(1, 1);
   const double height =
       std::max(frame_height + 2 * kLineHeight + kMargin, WriteLines(picture.lines, 0, false, measure) + kMargin);
-  Page page(static_cast<int>(kFrameWidth + kPanelWidth), static_cast<int>(std::ceil(height)));
+  Page page(static_cast<int>(kFrameWidth + kAdviceWidth), static_cast<int>(std::ceil(height)));
   page.Paint(picture.frame, scale);
   for (const CheckPicture::Spot& spot : picture.spots)
     page.Circle((spot.position.x() + 0.5) * scale, (spot.position.y() + 0.5) * scale,

@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "html.h"
 #include "lake/core/colours.h"
 #include "lake/core/json.h"
+#include "lake/core/numbers.h"
 #include "lake/report/misalignment_sections.h"
 
 namespace lake::report {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kPlacement = colour::kAnkle;
 constexpr const char* kTiming = colour::kHip;
 constexpr const char* kShape = colour::kWaist;

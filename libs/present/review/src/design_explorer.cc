@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
 #include "column.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/provenance.h"
 #include "lake/linkage/body.h"
 #include "lake/problem/evaluate.h"
@@ -20,7 +20,6 @@ using Eigen::Vector2d;
 using linkage::Links;
 using linkage::Pose;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kRows = 181;  // of the curves, evenly over the strokes
 
 // The thigh's axes in the picture: it is turned back by the knee angle.

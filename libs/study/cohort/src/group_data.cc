@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lake/core/csv.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/motion/leg_motion.h"
 #include "workflow.h"
@@ -13,8 +13,6 @@ namespace lake::cohort {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Angle {
   const char* name;
@@ -63,9 +61,9 @@ double EventTime(const std::vector<motion::StsEvent>& events, int repetition, mo
 }
 
 // The quantities of rows, in the order in which they first appear.
-class Table {
+class ResultTable {
  public:
-  Table(GroupData& group, const Json& of) : group_(group), of_(of) {}
+  ResultTable(GroupData& group, const Json& of) : group_(group), of_(of) {}
 
   void Begin(const std::string& trial, std::optional<int> repetition) {
     group_.rows.push_back({of_["participant"], of_["session"], of_["run"], trial, repetition, {}});
@@ -92,7 +90,7 @@ double LengthOf(const motion::LegMotion& leg, Eigen::Vector2d motion::LegSample:
   return Median(lengths);
 }
 
-void AddTrial(const fs::path& folder, const std::string& trial, Table& table) {
+void AddTrial(const fs::path& folder, const std::string& trial, ResultTable& table) {
   using motion::LegSample;
   using motion::StsEventKind;
   const motion::LegMotion leg = motion::ReadKinematicsCsv(folder / "kinematics.csv");
@@ -117,7 +115,7 @@ void AddTrial(const fs::path& folder, const std::string& trial, Table& table) {
   table.Add("thigh_mm", LengthOf(leg, &LegSample::kh));
 }
 
-void AddComparison(const fs::path& folder, Table& table) {
+void AddComparison(const fs::path& folder, ResultTable& table) {
   const Json comparison = ReadJsonFile(folder / "comparison.json");
   table.Begin("comparison", {});
   for (const auto& [name, value] : comparison.at("metrics").items()) table.Add(name, NumberOrNaN(value));
@@ -138,7 +136,7 @@ void AddComparison(const fs::path& folder, Table& table) {
 }
 
 // The design for this person, or the best of the problem.
-void AddDesign(const fs::path& folder, Table& table) {
+void AddDesign(const fs::path& folder, ResultTable& table) {
   const Json summary = ReadJsonFile(folder / "summary.json");
   table.Begin("design", {});
   for (const char* name : {"range_deg", "misalignment_percent", "misalignment_rms_mm", "certified_upper_bound_deg"})
@@ -150,7 +148,7 @@ void AddDesign(const fs::path& folder, Table& table) {
 GroupData ReadGroup(const Json& workflow, const fs::path& out) {
   GroupData group;
   for (const auto& [name, of] : workflow["recordings"].items()) {
-    Table table(group, of);
+    ResultTable table(group, of);
     const fs::path folder = of["folder"].get<std::string>();
     const auto has = [&, &name = name, &of = of](const char* step) {
       return of["steps"].contains(step) && IsDone(out, name, step);

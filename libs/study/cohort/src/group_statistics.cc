@@ -6,13 +6,12 @@
 #include <set>
 
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/report/report.h"
 
 namespace lake::cohort {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<std::string> TrialsOf(const GroupData& group) {
   std::vector<std::string> trials;

@@ -13,7 +13,8 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numbers>
+
+#include "lake/core/numbers.h"
 
 namespace lake::certificate {
 
@@ -69,7 +70,6 @@ inline Interval operator*(const Interval& a, const Interval& b) {
 }
 // The whole line if the divisor contains zero.
 inline Interval operator/(const Interval& a, const Interval& b) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (b.Contains(0)) return {-kInfinity, kInfinity};
   const double quotients[] = {a.lower / b.lower, a.lower / b.upper, a.upper / b.lower, a.upper / b.upper};
   const auto [least, most] = std::minmax_element(std::begin(quotients), std::end(quotients));
