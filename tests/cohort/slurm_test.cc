@@ -1,6 +1,5 @@
 // lake-cohort on a real Slurm: controller, node and authentication as processes of this test, in a folder of its own.
 #include <arpa/inet.h>
-#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
