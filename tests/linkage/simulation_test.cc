@@ -256,7 +256,7 @@ TEST_F(Simulate, RefusesWrongUsage) {
   ExpectRefusal(fmt::format("{} --stroke nan", kLinks), 2, "--stroke: 'nan' is not a finite number");
   ExpectRefusal(fmt::format("{} --rows 1", kLinks), 2, "--rows 1");
   ExpectRefusal(fmt::format("{} --knee-torque 0", kLinks), 2, "--knee-torque 0");
-  ExpectRefusal(fmt::format("{} --height 18", kLinks), 1, "a body of 18 cm");
+  ExpectRefusal(fmt::format("{} --height 180", kLinks), 1, "a body of 180 mm");
   ExpectRefusal(fmt::format("{} --pin-diameter 30", kLinks), 1, "a pin of 30 mm does not fit");
   ExpectRefusal("--no-such-option", 2, "--no-such-option");
 }
