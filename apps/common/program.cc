@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <new>
+#include <regex>
 #include <system_error>
 
 #include "lake/core/atomic_file.h"
@@ -133,6 +134,15 @@ void AddPages(CLI::App& cli) {
       ->group("");
 }
 
+// What CLI11 says of an option that ends the line, or that another follows: "--starts: 1 required INT missing".
+std::string TextOf(const CLI::ParseError& error) {
+  static const std::regex kNoValue(R"((\S+): \d+ required (\S+) missing)");
+  const std::string text = error.what();
+  std::smatch parts;
+  return std::regex_match(text, parts, kNoValue) ? fmt::format("{} needs a value: {}", parts.str(1), parts.str(2))
+                                                 : text;
+}
+
 }  // namespace
 
 SharedOptions AddOptions(CLI::App& cli, OptionList options, const std::string& group) {
@@ -162,7 +172,7 @@ int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>
     return work();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return cli.exit(error);  // --help, --version
-    return Complain(name, fmt::format("{}; see {} --help", error.what(), name), kWrongUsage);
+    return Complain(name, fmt::format("{}; see {} --help", TextOf(error), name), kWrongUsage);
   } catch (const UsageError& error) {
     return Complain(name, error.what(), kWrongUsage);
   } catch (const SolverError& error) {

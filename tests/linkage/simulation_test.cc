@@ -257,7 +257,7 @@ TEST_F(Simulate, RefusesWrongUsage) {
   ExpectRefusal(fmt::format("{} --stroke nan", kLinksOption), 2, "--stroke: 'nan' is not a finite number");
   ExpectRefusal(fmt::format("{} --rows 1", kLinksOption), 2, "--rows 1");
   ExpectRefusal(fmt::format("{} --knee-torque 0", kLinksOption), 2, "--knee-torque 0");
-  ExpectRefusal(fmt::format("{} --height 18", kLinksOption), 1, "a body of 18 cm");
+  ExpectRefusal(fmt::format("{} --height 180", kLinksOption), 1, "a body of 180 mm");
   ExpectRefusal(fmt::format("{} --pin-diameter 30", kLinksOption), 1, "a pin of 30 mm does not fit");
   ExpectRefusal("--no-such-option", 2, "--no-such-option");
 }

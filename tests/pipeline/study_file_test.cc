@@ -89,7 +89,7 @@ reoptimize:
   fit_placement: true
   placement_reach_mm: 25
   pareto: 5
-simulate: {height_cm: 165, mass_kg: 60, seat_edge_mm: 150}
+simulate: {height_mm: 1650, mass_kg: 60, seat_edge_mm: 150}
 stroke: {duty_table: duty.csv, margin_mm: 1, return: true, hold_s: 3, rate_hz: 20, accept_drift: true,
          speed_tolerance_percent: 3, home_stroke_mm: 244, extend_stop_mm: 0.7}
 )";
@@ -143,7 +143,7 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_TRUE(redesign.fit_placement);
   EXPECT_EQ(redesign.placement_reach_mm, 25);
   EXPECT_EQ(redesign.pareto_points, 5);
-  EXPECT_EQ(study.simulation.body_height_cm, 165);
+  EXPECT_EQ(study.simulation.body_height_mm, 1650);
   EXPECT_EQ(study.simulation.body_mass_kg, 60);
   EXPECT_EQ(study.simulation.seat_edge_mm, 150);
   ASSERT_TRUE(study.stroke);
@@ -329,6 +329,19 @@ TEST_F(StudyYaml, KeepsWhatASectionSays) {
   const Json other = Read("human:\n  # a comment\n  start_s: 5.0\n  filter: none\n  video: human.mp4\n").human.options;
   EXPECT_EQ(one, other);
   EXPECT_NE(one, Read("human: {video: human.mp4, start_s: 6, filter: none}\n").human.options);
+}
+
+// The optimum of a problem without a person in it, and nothing else.
+TEST_F(StudyYaml, StepsKnowWhetherTheyAreNobodys) {
+  const auto nobodys = [&](const std::string& yaml) {
+    std::vector<std::string> names;
+    for (const steps::StudyStep& step : study::StudySteps(Read(yaml), folder_ / "out", Json::object()))
+      if (step.is_nobodys) names.push_back(step.name);
+    return names;
+  };
+  const std::string trial = "human: {video: human.mp4}\n";
+  EXPECT_THAT(nobodys(trial + "reoptimize: {max_misalignment_percent: 3}\n"), ElementsAre("optimum"));
+  EXPECT_THAT(nobodys(trial + "design: {problem: {clearances: {seat_mm: 1}}}\n"), ElementsAre());
 }
 
 // What the study asks for stands above its problem, for each design by itself.

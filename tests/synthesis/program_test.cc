@@ -80,11 +80,13 @@ TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
     const char* text;
   } cases[] = {
       {"--no-such-option", 2, "no-such-option"},
+      {"--starts", 2, "--starts needs a value: INT"},
+      {"--comparison --human-only", 2, "--comparison needs a value: DIR"},
       {"--threads 0", 2, "--threads must be at least 1"},
       {"--start 1,2,3", 2, "6 numbers"},
-      {"--height 175", 2, "give --clear-seat or --clear-limb too"},
+      {"--height 1750", 2, "give --clear-seat or --clear-limb too"},
       {"--clear-seat 5 --thigh 410", 2, "a shank of 0 mm"},
-      {"--clear-limb -1", 2, "limb_mm = -1"},
+      {"--clear-limb -1", 2, "--clear-limb must be at least 0, not -1"},
       {"--robust 7", 2, "robust_mm"},
       {"--start 0,85,85,80,80,235", 2, "l1 is 0 mm"},
       {"--start nan,85,85,80,80,235", 2, "nan"},
@@ -95,7 +97,7 @@ TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
       {"--yield=-1", 2, "--yield must be positive"},
       {"--round -1", 2, "--round"},
       {"--max-length 200", 2, "must exceed"},
-      {"--max-force 0", 2, "above 0"},
+      {"--max-force 0", 2, "--max-force must be positive"},
       {"--max-angle nan", 2, "--max-angle"},
       {"--problem /no/such/file.yaml", 1, "no such file"},
   };

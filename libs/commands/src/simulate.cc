@@ -277,9 +277,8 @@ Json WearJson(const linkage::Body& body, const linkage::WearCheck& check) {
 }
 
 linkage::Body BodyOf(const SimulationOptions& options) {
-  constexpr double kMillimetresPerCentimetre = 10;
   linkage::BodySize size;
-  if (options.body_height_cm) size.height_mm = *options.body_height_cm * kMillimetresPerCentimetre;
+  size.height_mm = options.body_height_mm;
   size.mass_kg = options.body_mass_kg;
   if (options.thigh_mm) size.leg = {*options.thigh_mm, *options.shank_mm};
   return linkage::BodyOf(size);
@@ -527,8 +526,8 @@ void Describe(SimulationOptions& o, OptionList& options) {
   options.Add("rows", o.rows, "Rows of the regular grid of angle_vs_stroke.csv");
   options.Add("thigh", o.thigh_mm, "The person's thigh, hip to knee").Unit("mm").Otherwise("by body height");
   options.Add("shank", o.shank_mm, "The person's shank, knee to ankle").Unit("mm").Otherwise("by body height");
-  options.Add("height", o.body_height_cm, "Body height").Unit("cm").Otherwise("180, or by thigh and shank");
-  options.Add("mass", o.body_mass_kg, "Body mass").Unit("kg").Otherwise("80 at 180 cm, else of the same BMI");
+  options.Add("height", o.body_height_mm, "Body height").Unit("mm").Otherwise("1800, or by thigh and shank");
+  options.Add("mass", o.body_mass_kg, "Body mass").Unit("kg").Otherwise("80 at 1800 mm, else of the same BMI");
   options.Add("seat-edge", o.seat_edge_mm, "Knee to the seat's front edge; 0: half the thigh").Unit("mm");
   problem::DescribeLoad(o.load, options);
   Describe(o.parts, options);

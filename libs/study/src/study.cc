@@ -140,14 +140,11 @@ std::optional<linkage::LegLengths> LegOf(const fs::path& kinematics) {
   return linkage::LegLengths{thigh, shank};
 }
 
-constexpr double kMillimetresPerCentimetre = 10;
-
 // The person that clearances are of, but for the leg, where the problem does not say: as the design is checked.
 linkage::BodySize BodyOf(const StudyFile& study, linkage::BodySize body) {
   const commands::SimulationOptions& simulation = study.simulation;
   if (!body.mass_kg) body.mass_kg = simulation.body_mass_kg;
-  if (!body.height_mm && simulation.body_height_cm)
-    body.height_mm = *simulation.body_height_cm * kMillimetresPerCentimetre;
+  if (!body.height_mm) body.height_mm = simulation.body_height_mm;
   if (!study.loads) return body;
   if (!body.mass_kg) body.mass_kg = study.loads->loads.body.mass_kg;
   if (!body.height_mm) body.height_mm = study.loads->loads.body.height_mm;
@@ -191,6 +188,7 @@ steps::StudyStep OptimumStep(const StudyFile& study, const fs::path& out) {
   options.study = study.optimum;
   AddBody(study, out, options, step);
   step.work = OptimizeWork(options, out);
+  step.is_nobodys = !options.problem.clearances.AreAsked();
   return step;
 }
 
@@ -260,7 +258,7 @@ steps::StudyStep AssistanceStep(const StudyFile& study, const fs::path& out) {
 // Its stature and mass are those that the loads are of, where `simulate` says no others.
 void TakeBodyOf(const loads::BodyOptions& body, commands::SimulationOptions& options) {
   if (!options.body_mass_kg) options.body_mass_kg = body.mass_kg;
-  if (!options.body_height_cm && body.height_mm) options.body_height_cm = *body.height_mm / kMillimetresPerCentimetre;
+  if (!options.body_height_mm) options.body_height_mm = body.height_mm;
 }
 
 // What the knee needs, where the study has one actuator to give it.
@@ -298,7 +296,7 @@ steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, 
   if (study.loads) {
     TakeBodyOf(study.loads->loads.body, options);
     step.options["body"] = {{"mass_kg", options.body_mass_kg.value_or(0)},
-                            {"height_cm", options.body_height_cm.value_or(0)}};
+                            {"height_mm", options.body_height_mm.value_or(0)}};
   }
   step.work = [options, assistance = study.assistance, profile, design, leg](Run& run) {
     run.AddInput(design);

@@ -124,7 +124,7 @@ double LimbSegment::RadiusAt(double from_distal_mm) const {
 }
 
 Body BodyOf(double height_mm, double mass_kg) {
-  if (!(height_mm >= 500 && height_mm <= 2500)) throw Fail("a body of {} cm is outside 50..250 cm", height_mm / 10);
+  if (!(height_mm >= 500 && height_mm <= 2500)) throw Fail("a body of {} mm is outside 500..2500 mm", height_mm);
   if (!(mass_kg >= 10 && mass_kg <= 400)) throw Fail("a body of {} kg is outside 10..400 kg", mass_kg);
   Body body;
   body.height_mm = height_mm, body.mass_kg = mass_kg;

@@ -46,34 +46,39 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
       set(number);
     });
   };
-  add("clear-seat", "Least distance of the linkage from the seat, the knee bent by 90 degrees", [&asked](double mm) {
-    asked.seat_mm = mm;
-  }).Unit("mm");
+  add("clear-seat", "Least distance of the linkage from the seat, the knee bent by 90 degrees",
+      [&asked](double mm) { asked.seat_mm = mm; })
+      .Unit("mm")
+      .NotNegative();
   add("clear-limb", "Least distance of the actuator from thigh and shank over the used range, seen from the side",
       [&asked](double mm) { asked.thigh_mm = asked.shank_mm = mm; })
-      .Unit("mm");
+      .Unit("mm")
+      .NotNegative();
   add("thigh", "The person's thigh, hip to knee, for --clear-*",
       [&asked](double mm) {
         asked.body.leg = {mm, asked.body.leg.value_or(linkage::LegLengths{}).shank_mm};
       })
       .Unit("mm")
+      .Positive()
       .Otherwise("by body height");
   add("shank", "The person's shank, knee to ankle, for --clear-*",
       [&asked](double mm) {
         asked.body.leg = {asked.body.leg.value_or(linkage::LegLengths{}).thigh_mm, mm};
       })
       .Unit("mm")
+      .Positive()
       .Otherwise("by body height");
-  constexpr double kMillimetresPerCentimetre = 10;
-  add("height", "Body height, for --clear-*",
-      [&asked](double cm) { asked.body.height_mm = cm * kMillimetresPerCentimetre; })
-      .Unit("cm")
-      .Otherwise("180, or by thigh and shank");
+  add("height", "Body height, for --clear-*", [&asked](double mm) { asked.body.height_mm = mm; })
+      .Unit("mm")
+      .Positive()
+      .Otherwise("1800, or by thigh and shank");
   add("mass", "Body mass, for --clear-*", [&asked](double kg) { asked.body.mass_kg = kg; })
       .Unit("kg")
-      .Otherwise("80 at 180 cm, else of the same BMI");
+      .Positive()
+      .Otherwise("80 at 1800 mm, else of the same BMI");
   add("seat-edge", "Knee to the seat's front edge, for --clear-seat", [&asked](double mm) { asked.seat_edge_mm = mm; })
       .Unit("mm")
+      .NotNegative()
       .Otherwise("half the thigh");
 }
 
@@ -110,16 +115,17 @@ void Describe(SynthesisProblem& o, OptionList& options) {
       .Key("start")
       .Value("l1,l2,l3,l4,l5,l6")
       .SplitAtCommas();
-  add("grashof-margin", o.grashof_margin_mm, "Margin of Grashof's law").Unit("mm");
-  add("singularity-margin", o.singularity_margin_mm, "Margin from the actuator singularity").Unit("mm");
-  add("max-force", o.max_force_n, "Largest actuator force over the used range").Unit("N");
-  add("max-pin-force", o.max_pin_force_n, "Largest force in a pin, at K, P, R and S").Unit("N");
-  add("max-mount-force", o.max_mount_force_n, "Largest force of the mount on the thigh, at M").Unit("N");
+  add("grashof-margin", o.grashof_margin_mm, "Margin of Grashof's law").Unit("mm").NotNegative();
+  add("singularity-margin", o.singularity_margin_mm, "Margin from the actuator singularity").Unit("mm").NotNegative();
+  add("max-force", o.max_force_n, "Largest actuator force over the used range").Unit("N").Positive();
+  add("max-pin-force", o.max_pin_force_n, "Largest force in a pin, at K, P, R and S").Unit("N").Positive();
+  add("max-mount-force", o.max_mount_force_n, "Largest force of the mount on the thigh, at M").Unit("N").Positive();
   add("safety-factor", o.safety_factor, "Least safety factor of plates, pins and the actuator's rod, as strength.csv")
       .Key("safety_factor")
-      .Value("FACTOR");
-  add("knee-torque", o.knee_torque_nm, "Knee torque that the actuator balances").Unit("N m");
-  add("min-moment-arm", o.min_moment_arm_mm, "Smallest moment arm over the used range").Unit("mm per rad");
+      .Value("FACTOR")
+      .Positive();
+  add("knee-torque", o.knee_torque_nm, "Knee torque that the actuator balances").Unit("N m").Positive();
+  add("min-moment-arm", o.min_moment_arm_mm, "Smallest moment arm over the used range").Unit("mm per rad").Positive();
   add("min-transmission", o.min_transmission_deg,
       "Smallest transmission angle between coupler and shank link over the used range")
       .Unit("degrees");

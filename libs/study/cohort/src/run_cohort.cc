@@ -104,6 +104,10 @@ void RunJob(const CohortRunOptions& options, const Run& run) {
                    out / participant / session / kMotionStep);
 }
 
+std::string SnakemakeSays(const fs::path& out, const Run& run) {
+  return "snakemake says why " + (run.Quiet() ? "in " + (out / "logs" / kSnakemakeLog).string() : "above");
+}
+
 void CheckLevel(const CohortRunOptions& options) {
   if (options.make_template) return;
   if (options.source.empty()) throw UsageError("the cohort's folder is missing; --template FOLDER makes one");
@@ -157,12 +161,11 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   if (workflow["recordings"].empty())
     throw Fail("{}: no study can be done: {}", cohort.folder.string(), FailuresOf(workflow, out).front().Text());
   const std::vector<std::string> arguments = SnakemakeArguments(options);
-  ForgetPopulation(out);
+  ForgetGroup(out);
   const bool all_well = RunSnakemake(out, "participant", arguments, run.Quiet(), lock);
   std::vector<Failure> failures = FailuresOf(workflow, out);
   if (!all_well && (failures.empty() || !AllWereTried(failures)))
-    throw Fail("snakemake ended before every step was tried; it says why {}",
-               run.Quiet() ? "in " + (out / "logs" / kSnakemakeLog).string() : "above");
+    throw Fail("snakemake ended before every step was tried; {}", SnakemakeSays(out, run));
   if (options.level == "group" && cohort.population &&
       !RunSnakemake(out, kPopulationStep, arguments, run.Quiet(), lock))
     failures = FailuresOf(workflow, out);
@@ -171,7 +174,7 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   for (const Failure& failure : failures) summary["failures"].push_back(failure.Text());
   if (options.level == "group") {
     if (!RunSnakemake(out, "group", arguments, run.Quiet(), lock))
-      throw Fail("the group's tables were not made: {}", ReadTextFile(out / "logs" / "group.log"));
+      throw Fail("the group's tables were not made: {}", GroupError(out).value_or(SnakemakeSays(out, run)));
     summary["group"] = ReadJsonFile(out / "group" / "summary.json");
   } else if (!failures.empty()) {
     throw Fail("{} of {} studies failed: {}", failures.size(), cohort.recordings.size() + cohort.absent.size(),

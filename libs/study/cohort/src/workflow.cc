@@ -105,6 +105,12 @@ Json StepOf(const Json& plan, const fs::path& folder) {
   return step;
 }
 
+// Where steps that are no one person's leave what they found for all.
+fs::path CacheFolder(const fs::path& out) {
+  const char* said = std::getenv("LAKE_CACHE");
+  return said && *said ? fs::absolute(said).lexically_normal() : out / "logs" / "cache";
+}
+
 // The plan of one study, and no mark for what is to be done.
 void PlanStudy(const Recordings& recordings, const std::vector<std::string>& asked, const fs::path& out,
                const std::string& made_by, Json& of) {
@@ -163,6 +169,7 @@ bool IsInstalled(const std::string& program) {
   return false;
 }
 
+constexpr const char* kGroupLog = "group.log";
 constexpr const char* kNotBegun = "not begun";
 
 // The error that a step's log ends with.
@@ -211,6 +218,7 @@ Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
   Json workflow = {{"bin", ProgramFolder().string()},
                    {"source", cohort.folder.string()},
                    {"out", out.string()},
+                   {"cache", CacheFolder(out).string()},
                    {"name", cohort.name},
                    {"task", cohort.task},
                    {"population", cohort.population.has_value()},
@@ -268,9 +276,10 @@ bool RunSnakemake(const fs::path& out, const std::string& target, const std::vec
                                     "--nolock",     "--rerun-triggers",
                                     "mtime",        "--quiet",
                                     "rules"};
+  // Of what is there now: a step's own stamp, where it has one, says whether it is done again. Before other options, as
+  // it takes several words, and without "--", behind which Snakemake would lose what a profile says.
+  if (target != "participant") words.insert(words.end(), {"--forcerun", target});
   words.insert(words.end(), arguments.begin(), arguments.end());
-  // Of what is there now: a step's own stamp, where it has one, says whether it is done again.
-  if (target != "participant") words.insert(words.end(), {"--forcerun", target, "--"});
   words.push_back(target);
   const int status = Spawn(words, lock.Descriptor(), quiet ? std::optional(logs / kSnakemakeLog) : std::nullopt);
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
@@ -294,8 +303,13 @@ std::vector<Failure> FailuresOf(const Json& workflow, const fs::path& out) {
   return failures;
 }
 
-void ForgetPopulation(const fs::path& out) {
-  for (const char* file : {"population.done", "population.log"}) fs::remove(out / "logs" / file);
+void ForgetGroup(const fs::path& out) {
+  for (const char* file : {"population.done", "population.log", kGroupLog}) fs::remove(out / "logs" / file);
+}
+
+std::optional<std::string> GroupError(const fs::path& out) {
+  const fs::path log = out / "logs" / kGroupLog;
+  return fs::exists(log) ? std::optional(ErrorIn(log)) : std::nullopt;
 }
 
 bool AllWereTried(const std::vector<Failure>& failures) {

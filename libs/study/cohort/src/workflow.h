@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,8 +52,11 @@ struct Failure {
 };
 std::vector<Failure> FailuresOf(const Json& workflow, const std::filesystem::path& out);
 
-// That the design for all was made, or failed.
-void ForgetPopulation(const std::filesystem::path& out);
+// That the design for all was made, or failed, and what the group's tables were made with.
+void ForgetGroup(const std::filesystem::path& out);
+
+// What the group's tables ended with; nullopt where they were not begun.
+std::optional<std::string> GroupError(const std::filesystem::path& out);
 
 // Not if snakemake ended before it came to a step that could be done.
 bool AllWereTried(const std::vector<Failure>& failures);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <map>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "lake/core/processes.h"
 #include "lake/core/provenance.h"
 #include "lake/core/threads.h"
+#include "step_cache.h"
 #include "step_stamp.h"
 
 namespace lake::steps {
@@ -85,12 +87,22 @@ std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp
   }
 }
 
+// The step's work, or what it left elsewhere of the same: of LAKE_CACHE.
+void Work(const StudyStep& step, const std::vector<FileState>& inputs, const StepRunOptions& options, Run& run) {
+  const char* cache = std::getenv("LAKE_CACHE");
+  if (!step.is_nobodys || !cache || *cache == '\0') return step.work(run);
+  const CacheEntry entry(cache, step, inputs, options.made_by);
+  if (entry.Restore(run)) return;
+  step.work(run);
+  entry.Store(run);
+}
+
 StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const StepRunOptions& options) {
   const Clock::time_point start = Clock::now();
   Run run({step.program, options.command, step.options, step.folder, options.quiet, options.subject, false, step.name});
   try {
     run.Begin();
-    step.work(run);
+    Work(step, inputs, options, run);
   } catch (...) {
     RethrowAbout(step);
   }

@@ -9,7 +9,7 @@
 //   reoptimize: {problem, clearances, max_misalignment_percent, program, …}; absent: no design is fitted to the person.
 //   With an exo
 //     trial either the worn design or human_only: true
-//   simulate: {height_cm, mass_kg, seat_edge_mm, …}   the leg's lengths are the human trial's
+//   simulate: {height_mm, mass_kg, seat_edge_mm, …}   the leg's lengths are the human trial's
 //   loads: {mass_kg, height_mm, …}; absent: no moments. Of the human trial
 //   assistance: {problem, actuator, assist, duration_s, …, or actuators: a catalogue}; absent: no design for what the
 //     knee needs; with it `loads`

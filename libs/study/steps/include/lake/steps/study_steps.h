@@ -24,6 +24,7 @@ struct StudyStep {
   Json options = Json::object();              // what else its outputs depend on
   double expected_s = 1;                      // how long it takes, until its stamp says so; for the time left
   std::function<void(Run&)> work;  // writes through the run: its outputs are what the run has given out as results
+  bool is_nobodys = false;         // of no one person: where LAKE_CACHE names a folder, done once for all studies
 };
 
 struct StepRunOptions {
