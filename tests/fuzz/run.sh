@@ -8,7 +8,7 @@ seconds=${1:-60}
 shift || true
 command -v clang++ > /dev/null || { echo "tests/fuzz/run.sh: clang++ is not installed (Debian: clang libclang-rt-dev)" >&2; exit 1; }
 cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ \
-  -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g -fsanitize=fuzzer-no-link" -DLAKE_SANITIZE=ON -DLAKE_BUILD_BENCHMARKS=OFF > /dev/null
+  -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g -fsanitize=fuzzer-no-link" -DLAKE_SANITIZE=address,undefined -DLAKE_BUILD_BENCHMARKS=OFF > /dev/null
 cmake --build build/fuzz -j 2 --target lake_fuzz
 
 bin=build/fuzz/bin
