@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fuzzes every reader of trial files with libFuzzer and the sanitizers, led by coverage: run.sh [SECONDS each, 60] [NAME…].
+# Fuzzes every reader (trial files, YAML, comparison.json, duty logs, corrections) with libFuzzer and the sanitizers, led by coverage: run.sh [SECONDS each, 60] [NAME…].
 # Needs clang and its run-time libraries (Debian: clang libclang-rt-dev). Ends with 1 at the first input that crashes, hangs for 10 s or takes 1 GiB; it is kept in build/fuzz/findings.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
