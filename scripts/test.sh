@@ -2,7 +2,8 @@
 # Installs what is needed, builds everything (warnings are errors) in build/test, whatever is configured elsewhere, and passes
 # all tests; none found is a failure.
 # --asan: the same in build/asan with the address and undefined-behaviour sanitizers.
-# --fuzz: afterwards fuzzes every reader of trial files for a minute (about 15 minutes in all).
+# --tsan: in build/tsan with the thread sanitizer, the tests of what has threads of its own (the testPreset names them).
+# --fuzz: afterwards fuzzes every reader for a minute (about 25 minutes in all, without the build).
 # Other arguments go to ctest: -R NAME, -L fast, …
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,6 +12,7 @@ preset=test fuzz=
 while [ $# -gt 0 ]; do
   case $1 in
     --asan) preset=asan ;;
+    --tsan) preset=tsan ;;
     --fuzz) fuzz=yes ;;
     *) break ;;
   esac

@@ -207,6 +207,11 @@ TEST(DutyLog, ReadsCsvAndSerialOutput) {
       << "planned is not measured";
 }
 
+TEST(DutyLog, LinesOfBlanksAreNoRows) {
+  const actuator::DutyLog log = ReadText("  \ntime_s,stroke_mm,duty\n0,300,0\n \t\n ok \n1,301,0.5\n \r\n");
+  EXPECT_EQ(log.time_s, (std::vector<double>{0, 1}));
+}
+
 TEST(DutyLog, BadLogsSayWhere) {
   const std::pair<const char*, const char*> cases[] = {
       {"", "empty"},

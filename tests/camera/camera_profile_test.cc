@@ -129,6 +129,7 @@ TEST_F(CameraProfileTest, HostileFilesAreErrorsNotCrashes) {
         kHead + kSize +
             "camera_matrix: !!opencv-matrix\n   rows: 1000000000\n   cols: 1000000000\n   dt: d\n   data: [ 1. ]\n",
         kHead + kSize + "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: zz\n   data: [ 1. ]\n",
+        std::string("%YAML:1.0\n---\na: !!b\n   rows: 3\n   : 7\n"),  // std::length_error in OpenCV
         kHead + kSize + Matrix("camera_matrix", 3, 3, "1., 2.")})
     EXPECT_NE(Complaint(text), "no error") << text;
   const std::string good = kHead + kSize + kMatrix + kDistortion;

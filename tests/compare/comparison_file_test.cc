@@ -71,6 +71,7 @@ TEST_F(ComparisonFile, OtherVersionsAreNamed) {
   ExpectRefused([](Json& j) { j["format"] = 0; }, "made by an older version of lake-compare");
   ExpectRefused([](Json& j) { j["format"] = "one"; }, "made by an older version of lake-compare");
   ExpectRefused([](Json& j) { j["format"] = 2; }, "made by a newer version of lake-compare");
+  ExpectRefused([](Json& j) { j["format"] = 4294967297; }, "made by a newer version of lake-compare");
 }
 
 TEST_F(ComparisonFile, DamagedCurvesAreNamed) {
@@ -84,6 +85,9 @@ TEST_F(ComparisonFile, DamagedCurvesAreNamed) {
   ExpectRefused([](Json& j) { j["curves"]["percent"][3] = 3.5; }, "does not run from 0 to 100");
   ExpectRefused([](Json& j) { j["curves"]["shank_mm"][50] = 1; }, "curves.shank_mm[50] = 1 contradicts");
   ExpectRefused([](Json& j) { j["duration_s"].erase("exo"); }, "duration_s.exo is missing");
+  ExpectRefused([](Json& j) { j["duration_s"] = {1, 2}; }, "duration_s.human is missing");
+  ExpectRefused([](Json& j) { j["duration_s"]["exo"] = 0; }, "duration_s.exo = 0 is not above 0");
+  ExpectRefused([](Json& j) { j["noise_floor_mm"] = -1; }, "noise_floor_mm = -1 is below 0");
 }
 
 TEST_F(ComparisonFile, OtherFilesAreRefused) {

@@ -251,6 +251,12 @@ TEST(Interrupt, ThrowsOnceASignalHasArrived) {
       testing::ExitedWithCode(SIGTERM), "");
 }
 
+TEST(Json, RefusesNumbersBeyondAllNumbers) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "huge.json", "{\"a\": 1e999}");
+  EXPECT_THAT([&] { ReadJsonFile(folder / "huge.json"); }, ThrowsMessage<Error>(HasSubstr("huge.json: not JSON: ")));
+}
+
 TEST(Json, ThatIsNestedWithoutEndIsRefused) {
   const TemporaryFolder folder;
   WriteTextFile(folder / "deep.json", "{\"a\": " + std::string(200'000, '[') + std::string(200'000, ']') + "}");

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <fstream>
 
+#include "exchange/recordings.h"
+#include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
+#include "lake/exchange/formats.h"
 #include "lake/exchange/tracker.h"
 #include "lake/exchange/trc.h"
 #include "name_map.h"
@@ -184,6 +187,19 @@ TEST(Trial, TrackerProjectsThatAreDamagedAreErrors) {
                            "</property></object>"}) {
     std::ofstream(folder / "a.trk") << text;
     EXPECT_THROW(exchange::ReadTrk(folder / "a.trk"), Error) << text;
+  }
+}
+
+TEST(Trial, ASummaryWhoseVerticalIsNoUnitVectorIsNamed) {
+  const TemporaryFolder folder;
+  exchange::WritePoints(folder / "trajectory.csv", MakePoints(exchange::PointSpace::kPlane, 9, 3, 1));
+  for (const char* up : {"[0, 1]", "[0, 2]", "[0]", "[\"0\", 1]", "5", "{}", "null"}) {
+    WriteTextFile(folder / "summary.json", fmt::format("{{\"up_in_plane\": {}}}", up));
+    const auto read = [&] { exchange::ReadTrial(folder / "trajectory.csv"); };
+    if (up == std::string("[0, 1]"))
+      EXPECT_NO_THROW(read());
+    else
+      EXPECT_THAT(read, testing::ThrowsMessage<Error>(testing::HasSubstr("summary.json: 'up_in_plane' is no unit")));
   }
 }
 

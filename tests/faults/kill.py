@@ -2,11 +2,14 @@
 with the bytes of a run that nobody disturbed.
 
 kill.py INPUTS [--count 200] [--seed 1]     INPUTS as programs.py makes them
+
+A moment is an amount of processor time, so that a busy machine does not move all of them to the study's beginning or past its end.
 """
 import argparse
 import os
 import pathlib
 import random
+import resource
 import shutil
 import signal
 import subprocess
@@ -26,24 +29,39 @@ def is_leftover(name):
         (".lake-files.json", ".lake-step.json", ".lake-lock"))
 
 
-def still_there(folder):
-    """Processes that work in this folder."""
+def of_processes(folder, name):
+    """This file in /proc of each process that works in this folder."""
     found = []
     for process in pathlib.Path("/proc").glob("[0-9]*"):
         try:
             if os.readlink(process / "cwd") == str(folder):
-                found.append((process / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace"))
+                found.append((process / name).read_bytes())
         except OSError:
             pass
     return found
 
 
-def kill_after(seconds, folder):
-    """Whether the study was still at work."""
+def still_there(folder):
+    return [words.replace(b"\0", b" ").decode(errors="replace") for words in of_processes(folder, "cmdline")]
+
+
+def spent_s(folder):
+    """Processor time of the processes that work in this folder, and of those they have waited for."""
+    ticks = [sum(map(int, stat.rpartition(b")")[2].split()[11:15])) for stat in of_processes(folder, "stat")]
+    return sum(ticks) / os.sysconf("SC_CLK_TCK")
+
+
+def children_s():
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def kill_after(seconds, folder, rng):
+    """Whether the study was still at work after so much processor time; afterwards none of its processes is to be left."""
     with subprocess.Popen([str(programs.BIN / WORDS[0])] + WORDS[1:], cwd=folder, stdin=subprocess.DEVNULL,
                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as study:
-        time.sleep(seconds)
-        was_at_work = study.poll() is None
+        while (was_at_work := study.poll() is None) and spent_s(folder) < seconds:
+            time.sleep(rng.uniform(0.01, 0.03))
         study.send_signal(signal.SIGKILL)
     for _ in range(600):  # gnuplot ends with its figure, all else a moment later
         if not (left := still_there(folder)):
@@ -68,9 +86,11 @@ def main():
         shutil.copytree(asked.inputs, folder)
         out = folder / "out"
         shutil.rmtree(out, ignore_errors=True)
-        began = time.monotonic()
+        with open(folder / "study.yaml", "a", encoding="utf-8") as study:
+            study.write("simulate: {animation: false}\n")  # half of the time, in one file
+        began_s = children_s()
         programs.must_run(WORDS, folder)
-        usual_s, whole = time.monotonic() - began, results_in(out)
+        usual_s, whole = children_s() - began_s, results_in(out)
         shutil.rmtree(out)
 
         def say(fault):
@@ -79,8 +99,10 @@ def main():
             print(f"FAULT {fault}", flush=True)
 
         for number in range(asked.count):
-            was_at_work, left = kill_after(rng.uniform(0, usual_s), folder)
+            was_at_work, left = kill_after(rng.uniform(0, usual_s), folder, rng)
             killed += was_at_work
+            if number % 20 == 19:
+                print(f"{number + 1} killed", flush=True)
             if left:
                 say(f"{number}: still at work: {left}")
             if out.is_dir() and (wrong := differences(results_in(out), whole)):

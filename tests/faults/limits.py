@@ -1,10 +1,11 @@
-"""Every program on a disk that is full and with little memory: the results are those of a run without limits, or there is one
-line that says what went wrong, exit code 1, and no half-written file.
+"""Every program on a disk that is full, with little memory, and where it may not write: the results are those of a run without
+limits, or there is one line that says what went wrong, exit code 1, and no half-written file.
 
-limits.py INPUTS disk|memory [--quick] [--only NAME]     INPUTS as programs.py makes them
+limits.py INPUTS disk|memory|folder [--quick] [--only NAME]     INPUTS as programs.py makes them
 """
 import argparse
 import json
+import os
 import pathlib
 import re
 import resource
@@ -19,6 +20,8 @@ MIB = 2**20
 DISK = {"quick": (0, 30_000), "long": (0, 100, 1000, 4096, 10_000, 30_000, 60_000, 100_000, 200_000, 400_000)}
 MEMORY = {"quick": (300_000 * 1024,), "long": tuple(kib * 1024 for kib in (60_000, 120_000, 200_000, 300_000, 400_000, 500_000,
                                                                           600_000, 700_000, 800_000, 1_000_000))}
+FOLDER = {"quick": ("out",), "long": ("out", ".")}  # which may be read only
+NOBODY = 65534
 TEMPORARY = re.compile(r"^\..*\.lake-[A-Za-z0-9]{6}(\.[A-Za-z0-9]+)?$")  # AtomicFile's names
 
 
@@ -29,6 +32,10 @@ def limited(what, value):
             resource.setrlimit(resource.RLIMIT_FSIZE, (value, value))
         if what == "memory":
             resource.setrlimit(resource.RLIMIT_AS, (value, value))
+        if what == "folder" and os.getuid() == 0:  # who may write everywhere
+            os.setgroups([])
+            os.setgid(NOBODY)
+            os.setuid(NOBODY)
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
     return apply
@@ -88,7 +95,12 @@ def try_program(name, words, folder, what, values):
     whole, faults = results_in(out), 0
     for value in values:
         shutil.rmtree(out, ignore_errors=True)
+        if what == "folder":
+            (folder / value).mkdir(exist_ok=True)
+            (folder / value).chmod(0o555)
         ended = programs.run(words, folder, preexec_fn=limited(what, value), timeout=300)
+        if what == "folder":
+            (folder / value).chmod(0o755)
         last = (ended.stderr.strip().splitlines() or [""])[-1]
         print(f"{name} {what} {value}: {ended.returncode} {last[:200]}", flush=True)
         for fault in faults_of(ended, words[0], out, usual_code, whole):
@@ -100,13 +112,14 @@ def try_program(name, words, folder, what, values):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("inputs", type=pathlib.Path)
-    parser.add_argument("what", choices=("disk", "memory"))
+    parser.add_argument("what", choices=("disk", "memory", "folder"))
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--only", nargs="*")
     asked = parser.parse_args()
-    values = {"disk": DISK, "memory": MEMORY}[asked.what]["quick" if asked.quick else "long"]
+    values = {"disk": DISK, "memory": MEMORY, "folder": FOLDER}[asked.what]["quick" if asked.quick else "long"]
     faults = 0
     with tempfile.TemporaryDirectory() as temporary:
+        pathlib.Path(temporary).chmod(0o755)
         folder = pathlib.Path(temporary) / "in"
         shutil.copytree(asked.inputs, folder)
         for name, words in programs.commands(folder).items():

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "home_folder.h"
 #include "lake/core/atomic_file.h"
 #include "lake/figure/gnuplot.h"
 #include "lake/model/simulator_model.h"
@@ -30,6 +31,17 @@ TEST(OddNames, Figures) {
   figure::GnuplotFigure figure(200, 100);
   figure.Line("plot x");
   ExpectSame("figure.svg", [&](const auto& path) { figure.Write(path); });
+}
+
+TEST(Figures, AreTheSameWhateverTheUsersOwnSettingsSay) {
+  const TemporaryFolder folder;
+  figure::GnuplotFigure figure(200, 100);
+  figure.Line("plot x");
+  figure.Write(folder / "before.svg");
+  WriteTextFile(folder / ".gnuplot", "set title 'mine'\nset xrange [0:1]\n");
+  const HomeFolder home(folder.Path());
+  figure.Write(folder / "after.svg");
+  EXPECT_EQ(ReadTextFile(folder / "after.svg"), ReadTextFile(folder / "before.svg"));
 }
 
 TEST(OddNames, Solids) {

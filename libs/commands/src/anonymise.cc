@@ -53,8 +53,12 @@ Json RunAnonymise(const AnonymiseRunOptions& options, Run& run) {
   const fs::path tracks = TrialFile(options.trial, "tracks.csv"),
                  summary_file = TrialFile(options.trial, "summary.json");
   const Json summary = ReadJsonFile(summary_file);
-  CheckIsTrialOf(options.video, summary, options.trial);
-  CheckSize(options.video, options.copy.reader, summary.value("video", Json::object()));
+  try {
+    CheckIsTrialOf(options.video, summary, options.trial);
+    CheckSize(options.video, options.copy.reader, summary.value("video", Json::object()));
+  } catch (const Json::exception& error) {
+    throw Fail("{}: not a summary of lake-track ({})", summary_file.string(), error.what());
+  }
   run.AddInput(video::FilesOfVideo(options.video));
   run.AddInput(tracks);
   const overlay::HeadBlur blur(motion::ReadMarkerCsv(tracks));

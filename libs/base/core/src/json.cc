@@ -28,10 +28,6 @@ void CheckDepth(const std::string& text, const std::filesystem::path& path) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 // The library's words without its number, "[json.exception.parse_error.101] ".
 std::string_view PlainWords(std::string_view what) {
   const std::size_t end = what.find("] ");
@@ -45,7 +41,7 @@ Json ReadJsonFile(const std::filesystem::path& path) {
   CheckDepth(text, path);
   try {
     return Json::parse(text);
-  } catch (const Json::parse_error& error) {
+  } catch (const Json::exception& error) {  // also a number beyond all numbers
     throw Fail("{}: not JSON: {}", path.string(), PlainWords(error.what()));
   }
 }

@@ -7,11 +7,15 @@
 #include <cctype>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/file_stamp.h"
 #include "source_stamp.h"
 
 namespace lake {
@@ -36,6 +40,46 @@ class Sha256 {
 
  private:
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
+std::string Sha256OfContent(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw Fail("{}: cannot be read", path.string());
+  Sha256 hash;
+  std::vector<char> buffer(1 << 20);
+  while (stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || stream.gcount() > 0)
+    hash.Update({buffer.data(), static_cast<std::size_t>(stream.gcount())});
+  if (stream.bad()) throw Fail("{}: cannot be read", path.string());
+  return hash.Hex();
+}
+
+// What this process, or the one that it was forked from, has read: a recording that stays as it is is read once.
+class KnownHashes {
+ public:
+  std::string Of(const fs::path& path) {
+    const std::optional<FileStamp> now = FileStamp::Of(path);
+    std::error_code error;
+    const std::string name = fs::absolute(path, error).string();
+    if (now && !error) {
+      const std::lock_guard lock(mutex_);
+      if (const auto known = hashes_.find(name); known != hashes_.end() && IsUntouched(*now, known->second.stamp))
+        return known->second.sha256;
+    }
+    std::string sha256 = Sha256OfContent(path);
+    if (now && !error) {
+      const std::lock_guard lock(mutex_);
+      hashes_[name] = {*now, sha256};
+    }
+    return sha256;
+  }
+
+ private:
+  struct Known {
+    FileStamp stamp;
+    std::string sha256;
+  };
+  std::mutex mutex_;
+  std::map<std::string, Known> hashes_;  // by absolute path
 };
 
 std::string Sha256OfFolder(const fs::path& folder) {
@@ -81,14 +125,8 @@ std::string VersionAndCommit() {
 
 std::string Sha256OfFile(const fs::path& path) {
   if (fs::is_directory(path)) return Sha256OfFolder(path);
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw Fail("{}: cannot be read", path.string());
-  Sha256 hash;
-  std::vector<char> buffer(1 << 20);
-  while (stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size())) || stream.gcount() > 0)
-    hash.Update({buffer.data(), static_cast<std::size_t>(stream.gcount())});
-  if (stream.bad()) throw Fail("{}: cannot be read", path.string());
-  return hash.Hex();
+  static KnownHashes known;
+  return known.Of(path);
 }
 
 std::string Sha256OfProgram(const fs::path& program) {

@@ -65,7 +65,7 @@ std::vector<std::string> Cells(std::string line) {
 
 // What stands between the firmware's rows: replies, alarms, messages and status; and comments.
 bool IsRemark(const std::string& line) {
-  if (line.empty() || line == "\r" || line == "ok" || line == "ok\r") return true;
+  if (const std::string_view word = Trim(line); word.empty() || word == "ok") return true;
   return std::string_view("#<[").find(line.front()) != std::string_view::npos || line.starts_with("error:") ||
          line.starts_with("ALARM:");
 }

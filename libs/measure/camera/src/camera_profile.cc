@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <stdexcept>
 
 #include "lake/camera/camera.h"
 #include "lake/core/atomic_file.h"
@@ -188,6 +189,8 @@ CameraProfile ReadCameraProfile(const std::filesystem::path& path) {
     return ReadProfile({file, path.string()});
   } catch (const cv::Exception& error) {
     throw Fail("{}: not an OpenCV FileStorage file: {}", path.string(), error.err);
+  } catch (const std::logic_error& error) {  // as std::length_error, of its reader
+    throw Fail("{}: not an OpenCV FileStorage file: {}", path.string(), error.what());
   }
 }
 

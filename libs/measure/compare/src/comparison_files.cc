@@ -115,7 +115,8 @@ class ComparisonReader {
       if (percent[i] != static_cast<double>(i)) throw Fail("{}: curves.percent does not run from 0 to 100", file_);
     ComparedCurves curves{Leg("human"), Leg("exo"), Spikes()};
     if (!Entry("exo_leg_knee_x_mm").empty()) curves.exo.leg_knee = Path("exo_leg_knee");
-    curves.noise_floor_mm = Number("noise_floor_mm"), curves.noise_floor_relative = Number("noise_floor_relative");
+    curves.noise_floor_mm = NoiseFloor("noise_floor_mm");
+    curves.noise_floor_relative = NoiseFloor("noise_floor_relative");
     CheckShank(curves.human);
     return curves;
   }
@@ -125,7 +126,7 @@ class ComparisonReader {
     if (!json_.is_object() || !json_.contains("metrics"))
       throw Fail("{}: not a comparison: lake-compare writes such a file", file_);
     const Json format = json_.value("format", Json());
-    const int number = format.is_number_integer() ? format.get<int>() : 0;
+    const double number = format.is_number_integer() ? format.get<double>() : 0;
     if (number < kFormat)
       throw Fail("{}: made by an older version of lake-compare (format {}, needed {}): run lake-compare again", file_,
                  format.is_null() ? "none" : format.dump(), kFormat);
@@ -140,8 +141,21 @@ class ComparisonReader {
     return json_["curves"][name];
   }
 
-  double Number(const std::string& name) const {
-    const Json number = json_.value(name, Json());
+  double NoiseFloor(const char* name) const {
+    const double floor = Number(json_, name, name);
+    if (!(floor >= 0)) throw Fail("{}: {} = {} is below 0: run lake-compare again", file_, name, floor);
+    return floor;
+  }
+
+  double Duration(const std::string& who) const {
+    const std::string name = "duration_s." + who;
+    const double duration = Number(json_.value("duration_s", Json()), who, name);
+    if (!(duration > 0)) throw Fail("{}: {} = {} is not above 0: run lake-compare again", file_, name, duration);
+    return duration;
+  }
+
+  double Number(const Json& map, const std::string& key, const std::string& name) const {
+    const Json number = map.is_object() ? map.value(key, Json()) : Json();
     if (!number.is_number()) throw Fail("{}: {} is missing: run lake-compare again", file_, name);
     return number.get<double>();
   }
@@ -185,9 +199,7 @@ class ComparisonReader {
     StsCurve curve;
     curve.ankle = Path(who + "_ankle"), curve.knee = Path(who + "_knee"), curve.hip = Path(who + "_hip");
     curve.knee_deg = Curve(who + "_knee_deg"), curve.knee_sigma_mm = Curve(who + "_knee_sigma_mm");
-    const Json duration = json_.value(Json::json_pointer("/duration_s/" + who), Json());
-    if (!duration.is_number()) throw Fail("{}: duration_s.{} is missing: run lake-compare again", file_, who);
-    curve.duration_s = duration.get<double>();
+    curve.duration_s = Duration(who);
     return curve;
   }
 

@@ -131,7 +131,9 @@ std::optional<Eigen::Vector2d> UpOfTable(const fs::path& table) {
   if (table.filename() != (in_mm ? "trajectory.csv" : "tracks.csv") || !fs::is_regular_file(file)) return std::nullopt;
   const Json summary = ReadJsonFile(file);
   if (!summary.contains(kUp)) return std::nullopt;
-  const Eigen::Vector2d up(NumberOrNaN(summary[kUp].at(0)), NumberOrNaN(summary[kUp].at(1)));
+  const Json& said = summary[kUp];
+  const bool is_pair = said.is_array() && said.size() == 2 && said[0].is_number() && said[1].is_number();
+  const Eigen::Vector2d up = is_pair ? Eigen::Vector2d(said[0], said[1]) : Eigen::Vector2d::Zero();
   if (!(std::abs(up.norm() - 1) < 1e-6)) throw Fail("{}: '{}' is no unit vector", file.string(), kUp);
   return up;
 }
