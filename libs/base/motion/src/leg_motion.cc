@@ -5,12 +5,10 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/motion/event_corrections.h"
 
 namespace lake::motion {
 namespace {
-
-constexpr std::array kEventKinds = {StsEventKind::kOnset, StsEventKind::kSeatOff, StsEventKind::kStanding,
-                                    StsEventKind::kDescent, StsEventKind::kSeated};
 
 struct VectorColumn {
   const char* name;
@@ -108,10 +106,8 @@ std::vector<StsEvent> ReadEventsCsv(const std::filesystem::path& path) {
   for (std::size_t row = 0; row < table.Rows(); ++row) {
     StsEvent read;
     read.repetition = static_cast<int>(table.RequiredNumber(row, repetition));
-    const auto kind = std::find_if(kEventKinds.begin(), kEventKinds.end(), [&](StsEventKind candidate) {
-      return table.Text(row, event) == ToString(candidate);
-    });
-    if (kind == kEventKinds.end()) throw Fail("{}: '{}' is not an event", table.Where(row), table.Text(row, event));
+    const std::optional<StsEventKind> kind = FindEventKind(table.Text(row, event));
+    if (!kind) throw Fail("{}: '{}' is not an event", table.Where(row), table.Text(row, event));
     read.kind = *kind;
     read.frame = static_cast<std::int64_t>(table.RequiredNumber(row, frame));
     read.time_s = table.RequiredNumber(row, time);

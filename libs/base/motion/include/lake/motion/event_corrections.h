@@ -1,0 +1,46 @@
+// What a person says of the events: rows as events.csv has them, each with time_s, frame or both; they replace what was
+// found. A row with neither says that there is no such event.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lake/motion/leg_motion.h"
+
+namespace lake::motion {
+
+struct EventCorrection {
+  int repetition = 1;  // from 1
+  StsEventKind kind = StsEventKind::kOnset;
+  std::optional<std::int64_t> frame;  // without a time, the event is at this frame's
+  std::optional<double> time_s;       // without a frame, the event's is the one nearest to this
+  std::string where = {};             // "events.csv:3"
+};
+
+// nullopt for a name that is none of an event's.
+std::optional<StsEventKind> FindEventKind(std::string_view name);
+
+// Throws Error naming file and line: an event that is none, a repetition or frame that is no whole number, the same
+// event twice.
+std::vector<EventCorrection> ReadEventCorrections(const std::filesystem::path& path);
+
+// Throws Error if the file cannot be written.
+void WriteEventCorrections(const std::filesystem::path& path, const std::vector<EventCorrection>& corrections);
+
+// Throws Error naming file and line for a row that is outside a recording with these frames and times, or whose frame
+// is not the one nearest to its time.
+void CheckAreInside(const std::vector<EventCorrection>& corrections, const std::vector<std::int64_t>& frame,
+                    const std::vector<double>& time_s);
+
+// The found events with those of the corrections in their places, in the order of events.csv. Throws Error naming file
+// and line as CheckAreInside, and where events are not in their order (onset, seat_off, standing, descent, seated, then
+// the next repetition's), a rise takes no time, or a repetition has no onset.
+std::vector<StsEvent> ApplyEventCorrections(const std::vector<EventCorrection>& corrections,
+                                            const std::vector<std::int64_t>& frame, const std::vector<double>& time_s,
+                                            const std::vector<StsEvent>& found);
+
+}  // namespace lake::motion
