@@ -292,6 +292,29 @@ TEST(LegFit, FiveMinutesAreFittedWhole) {
   EXPECT_EQ(result.events.size(), 54u * 5);
 }
 
+// Each stops where a step is worth a hundredth of the sum's unit, √0.02 of a standard deviation; steps shrink slowly
+// where an outlier's weight settles, so the sums end within some ten of these. One marker is hidden and one is wrong
+// for a while, so that the first steps are long.
+TEST(LegFit, BandsFindTheMinimumThatCeresFinds) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 1, .skin_mm = 12});
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, CalibratedView(), {0.03}, 21);
+  for (std::size_t i = 95; i < 125; ++i) tracks.markers[1].samples[i] = {};
+  for (std::size_t i = 200; i < 204; ++i) tracks.markers[2].samples[i].position += Eigen::Vector2d(20, -9);
+  gait::LegFitOptions in_bands;
+  in_bands.most_frames_in_ceres = tracks.Frames() - 1;
+  const gait::LegFitResult ceres = gait::FitLeg(tracks, CalibratedView()),
+                           bands = gait::FitLeg(tracks, CalibratedView(), in_bands);
+  const double step = std::sqrt(0.02);
+  EXPECT_EQ(bands.summary.message, "converged");
+  EXPECT_NEAR(bands.summary.final_cost, ceres.summary.final_cost, 0.1);
+  for (std::size_t i = 0; i < tracks.Frames(); ++i) {
+    const motion::LegSample &a = ceres.motion.samples[i], &b = bands.motion.samples[i];
+    EXPECT_LT(std::abs(a.knee_deg - b.knee_deg), step * a.knee_sigma_deg) << i;
+    EXPECT_NEAR(b.knee_sigma_deg / a.knee_sigma_deg, 1, 1e-3) << i;
+  }
+  EXPECT_EQ(bands.outliers.size(), ceres.outliers.size());
+}
+
 std::string MessageOf(const motion::MarkerRecording& tracks, const gait::LegView& view,
                       const gait::LegFitOptions& options = {}) {
   try {

@@ -7,7 +7,9 @@
 #include <fstream>
 #include <opencv2/core.hpp>
 
+#include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/threads.h"
 #include "lake/video/video_writer.h"
 #include "temporary_folder.h"
 
@@ -115,6 +117,20 @@ TEST_F(OverlayVideoTest, KeepsFramesSizeAndTimeStamps) {
   ASSERT_EQ(decoded.time_s.size(), std::size_t{kFrames});
   for (int i = 0; i < kFrames; ++i)
     EXPECT_NEAR(decoded.time_s[static_cast<std::size_t>(i)], IrregularTime_s(i), 0.5 / 90000);  // the writer's ticks
+}
+
+TEST_F(OverlayVideoTest, IsTheSameOnOneThreadAndOnTwo) {
+  const motion::MarkerRecording tracks = Leg();
+  const motion::LegMotion motion = Motion(tracks);
+  const int usual = Threads();
+  std::vector<std::string> files;
+  for (const int threads : {1, 2}) {
+    SetThreads(threads);
+    Overlay(960, 720, {tracks, &motion});
+    files.push_back(ReadTextFile(out_));
+  }
+  SetThreads(usual);
+  EXPECT_TRUE(files[0] == files[1]);
 }
 
 TEST_F(OverlayVideoTest, CrossHasTheMarkersColourAndLeavesTheMarkerFree) {

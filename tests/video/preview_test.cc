@@ -1,7 +1,9 @@
 // Small previews against means of the luma plane and the reader's own BGR; writing them unconverted.
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
+#include "lake/video/halve.h"
 #include "lake/video/video_writer.h"
 #include "video_files.h"
 
@@ -43,6 +45,40 @@ TEST(PreviewTest, FullRangeBecomesLimited) {
   Ffmpeg(TestPicture() + "-c:v libx264 -pix_fmt yuvj420p " + Quote(path));
   const auto whole = ReadAll(path), small = ReadAll(path, {.preview_max_width_px = 160});
   EXPECT_LE(WorstOfHalved(small.frames[7].preview, whole.frames[7].luma, 219 / 255.0, 16), 0.52);
+}
+
+cv::Mat Noise(int rows, int cols) {
+  cv::Mat picture(rows, cols, CV_8UC1);
+  cv::RNG rng(4321);
+  rng.fill(picture, cv::RNG::UNIFORM, 0, 256);
+  return picture;
+}
+
+// To the last bit; widths that no vector divides, and a part of a picture, whose rows begin anywhere.
+TEST(HalveTest, IsTheMeanOfAreas) {
+  for (const auto& [rows, cols] : {std::pair(2, 2), std::pair(7, 33), std::pair(48, 130), std::pair(9, 301)}) {
+    const cv::Mat picture = Noise(rows + 1, cols + 3)(cv::Rect(3, 1, cols, rows));
+    cv::Mat half, expected;
+    video::Halve(picture, half);
+    cv::resize(picture(cv::Rect(0, 0, cols / 2 * 2, rows / 2 * 2)), expected, {}, 0.5, 0.5, cv::INTER_AREA);
+    EXPECT_EQ(cv::norm(half, expected, cv::NORM_INF), 0) << rows << "x" << cols;
+  }
+}
+
+// The nearest level; 16 bits hold 1/256 of one, which halves may fall within.
+TEST(HalveTest, LimitedRangeIsTheNearestLevel) {
+  const cv::Mat picture = Noise(64, 162);
+  for (const bool is_luma : {true, false}) {
+    cv::Mat half;
+    video::HalveToLimitedRange(picture, is_luma ? video::Sample::kLuma : video::Sample::kChroma, half);
+    const double factor = (is_luma ? 219 : 224) / 255.0, offset = is_luma ? 16 : 128 * (1 - factor);
+    EXPECT_LE(WorstOfHalved(half, picture, factor, offset), 0.5 + 1.5 / 256) << is_luma;
+  }
+  cv::Mat half;
+  for (const auto& [level, expected] : {std::pair(0, 16), std::pair(255, 235)}) {
+    video::HalveToLimitedRange(cv::Mat(4, 4, CV_8UC1, cv::Scalar(level)), video::Sample::kLuma, half);
+    EXPECT_EQ(cv::norm(half, cv::Mat(2, 2, CV_8UC1, cv::Scalar(expected)), cv::NORM_INF), 0) << level;
+  }
 }
 
 // Any other ratio is swscale's: the mean level stays, sides are even.

@@ -22,9 +22,10 @@ void Solve(const BandedMatrix& factor, std::span<double> x) {
 
 // Σ L = L⁻ᵀ, whose strict lower triangle is zero, read from the last column to the first:
 //   Σ_ji = −(1/L_ii) Σ_k>i Σ_jk L_ki   (j > i),   Σ_ii = 1/L_ii² − (1/L_ii) Σ_k>i L_ki Σ_ki
-BandedMatrix SelectedInverse(const BandedMatrix& factor) {
+// A column of L is read before Σ's takes its place, and none of those before it is needed again.
+BandedMatrix SelectedInverse(BandedMatrix factor) {
   const std::size_t n = factor.Size(), band = factor.HalfBandwidth();
-  BandedMatrix inverse(n, band);
+  BandedMatrix& inverse = factor;
   std::vector<double> column(band + 1), product(band + 1);
   for (std::size_t i = n; i-- > 0;) {
     const std::size_t below = std::min(band, n - 1 - i);
@@ -46,7 +47,7 @@ BandedMatrix SelectedInverse(const BandedMatrix& factor) {
     }
     inverse.Lower(i, i) = 1 / (diagonal * diagonal) - sum / diagonal;
   }
-  return inverse;
+  return factor;
 }
 
 }  // namespace lake::gait

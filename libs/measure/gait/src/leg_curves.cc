@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "lake/core/angles.h"
 
@@ -38,14 +39,18 @@ double KneeVarianceOfMarkers(const StateVector& state, double ankle, double knee
 using SlowNoises = std::array<std::vector<double>, kLegMarkers>;  // variances, recorded unit, per frame
 
 SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegModel& model,
-                          const std::vector<double>& coefficients, const std::vector<StateMatrix>& covariances) {
+                          const std::vector<double>& coefficients, const BandedMatrix& covariance) {
   std::array<std::vector<NoiseSample>, kLegMarkers> samples;
   std::array<double, kLegMarkers> variance = {};
+  StateMatrix of_state;
+  std::optional<std::size_t> frame;  // whose it is
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
     const double sigma2 = o.sigma * o.sigma;
     if (!IsOrdinary(model, residual.value, o.sigma)) continue;
-    const double used = (residual.by_state * covariances[o.frame] * residual.by_state.transpose()).trace() / sigma2;
+    if (frame != o.frame) of_state = StateCovariance(model, covariance, o.weights, o.first);
+    frame = o.frame;
+    const double used = (residual.by_state * of_state * residual.by_state.transpose()).trace() / sigma2;
     samples[o.marker].push_back({o.frame, 1 - used / 2, residual.value.squaredNorm() / sigma2 / 2});
     variance[o.marker] += sigma2;
   }
@@ -87,23 +92,24 @@ std::vector<double> SlowNoise(const std::vector<NoiseSample>& samples, const std
 }
 
 LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
-                        const std::vector<double>& coefficients) {
+                        const std::vector<double>& coefficients, bool with_covariance) {
   const std::size_t n = recording.Frames();
   const BandedMatrix covariance = LegCovariance(model, coefficients);
   LegCurves curves;
   curves.markers = model.states == kLegStates ? kLegMarkers : kLegMarkers - 1;
-  std::vector<StateMatrix>& covariances = curves.covariance;
   for (std::size_t i = 0; i < n; ++i) {
     const SplineGrid::Place place = model.grid.At(recording.time_s[i]);
     curves.state.push_back(StateAt(model, coefficients, place.value, place.first));
     curves.rate.push_back(StateAt(model, coefficients, place.slope, place.first));
-    covariances.push_back(StateCovariance(model, covariance, place));
     curves.hip_speed_in_leg.push_back(PointOf(kHip, curves.state[i]).by_state * curves.rate[i]);
   }
-  const SlowNoises slow = FindSlowNoises(recording, model, coefficients, covariances);
+  const SlowNoises slow = FindSlowNoises(recording, model, coefficients, covariance);
   std::array<double, kLegMarkers> depth = {};
   for (const LegObservation& o : model.observations) depth[o.marker] = o.depth_mm;
   for (std::size_t i = 0; i < n; ++i) {
+    const SplineGrid::Place place = model.grid.At(recording.time_s[i]);
+    const StateMatrix of_state = StateCovariance(model, covariance, place.value, place.first);
+    if (with_covariance) curves.covariance.push_back(of_state);
     std::array<double, kLegMarkers> slow_in_plane = {};
     for (int m = 0; m < curves.markers; ++m) {
       const auto index = static_cast<std::size_t>(m);
@@ -114,12 +120,12 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
       const double scale = PlaneUnitsPerRecorded(model.view, curve.in_plane[i], depth[index]);
       slow_in_plane[index] = slow[index][i] * scale * scale;
       const double variance =
-          (point.by_state * covariances[i] * point.by_state.transpose()).trace() / 2 + slow_in_plane[index];
+          (point.by_state * of_state * point.by_state.transpose()).trace() / 2 + slow_in_plane[index];
       curve.plane_sigma.push_back(std::sqrt(variance));
       curve.recorded_sigma.push_back(curve.plane_sigma[i] / scale);
     }
     const double knee_variance =
-        KneeVariance(covariances[i]) +
+        KneeVariance(of_state) +
         KneeVarianceOfMarkers(curves.state[i], slow_in_plane[kAnkle], slow_in_plane[kKnee], slow_in_plane[kHip]);
     curves.knee_sigma_deg.push_back(DegreesFromRadians(std::sqrt(knee_variance)));
     curves.knee_deg_s.push_back(DegreesFromRadians(curves.rate[i][kShankAngle] - curves.rate[i][kThighAngle]));

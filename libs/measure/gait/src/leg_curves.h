@@ -21,7 +21,7 @@ struct LegCurves {
   int markers = kLegMarkers;
   std::array<MarkerCurve, kLegMarkers> marker;
   std::vector<StateVector> state, rate;  // rate: per s
-  std::vector<StateMatrix> covariance;   // of the state, without slow noise
+  std::vector<StateMatrix> covariance;   // of the state, without slow noise; if asked for
   std::vector<double> knee_sigma_deg, knee_deg_s;
   std::vector<Eigen::Vector2d> hip_speed_in_leg;  // per s
 };
@@ -30,7 +30,7 @@ struct LegCurves {
 double KneeVariance(const StateMatrix& covariance);
 
 LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
-                        const std::vector<double>& coefficients);
+                        const std::vector<double>& coefficients, bool with_covariance);
 
 // A marker that is not the leg's, smoothed and bridged by itself.
 MarkerCurve SmoothMarker(const motion::MarkerRecording& recording, const Detections& detections, const LegView& view,

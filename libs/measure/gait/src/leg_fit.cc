@@ -76,11 +76,13 @@ Eigen::Matrix2d PlaneFromLegAxes(motion::Facing facing, const Eigen::Vector2d& u
 std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMarkers>& leg,
                                              const std::vector<double>& time_s, const SplineGrid& grid, int markers) {
   std::vector<LegObservation> observations;
+  observations.reserve(time_s.size() * static_cast<std::size_t>(markers));
   for (std::size_t i = 0; i < time_s.size(); ++i)
     for (int m = 0; m < markers; ++m) {
       const Detections& d = leg[static_cast<std::size_t>(m)];
       if (!d.seen[i]) continue;
-      observations.push_back({static_cast<LegMarker>(m), i, grid.At(time_s[i]), d.track->samples[i].position,
+      const SplineGrid::Place place = grid.At(time_s[i]);
+      observations.push_back({static_cast<LegMarker>(m), i, place.first, place.value, d.track->samples[i].position,
                               d.sigma[i], d.depth_mm, d.trusted[i] != 0});
     }
   return observations;
@@ -97,7 +99,7 @@ std::array<double, kLegMarkers> NoiseScales(const LegModel& model, const std::ve
   std::array<std::vector<Residual>, kLegMarkers> residuals;
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
-    const StateMatrix state = StateCovariance(model, covariance, o.place);
+    const StateMatrix state = StateCovariance(model, covariance, o.weights, o.first);
     const double variance = o.sigma * o.sigma;
     const double used = (residual.by_state * state * residual.by_state.transpose()).trace() / variance;
     residuals[o.marker].push_back({residual.value.squaredNorm() / variance, std::max(2 - used, 0.0)});
@@ -224,6 +226,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   model.plane_from_leg = PlaneFromLegAxes(facing, options.up);
   model.states = HasTrunk(leg) ? kLegStates : kLegStatesWithoutTrunk;
   model.outlier_deviations = options.outlier_deviations;
+  model.in_bands = recording.Frames() > options.most_frames_in_ceres;
   const LegSignals signals = MakeLegSignals(leg, model.plane_from_leg.transpose(), model.states);
   CheckLeg(across.empty() ? signals : WithLengthsInSpace(signals, leg), leg, options);
   progress.Advance();
@@ -238,7 +241,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
   progress.Advance();
 
-  LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients);
+  LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients, !across.empty());
   if (!across.empty()) {
     AddAcross(recording, leg, solution.model, options, curves);
     result.across = ReportAcross(leg);

@@ -3,7 +3,9 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
+#include <utility>
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -42,15 +44,14 @@ class MarkerCost : public ceres::CostFunction {
   bool Evaluate(const double* const* coefficients, double* residuals, double** jacobians) const override {
     StateVector state = StateVector::Zero();
     for (std::size_t k = 0; k < 4; ++k)
-      for (int s = 0; s < model_.states; ++s) state[s] += observation_.place.value[k] * coefficients[k][s];
+      for (int s = 0; s < model_.states; ++s) state[s] += observation_.weights[k] * coefficients[k][s];
     const LegResidual residual = EvaluateAt(model_, observation_, state);
     for (int i = 0; i < 2; ++i) residuals[i] = residual.value[i] / observation_.sigma;
     if (!jacobians) return true;
     for (std::size_t k = 0; k < 4; ++k)
       for (int i = 0; jacobians[k] && i < 2; ++i)
         for (int s = 0; s < model_.states; ++s)
-          jacobians[k][i * model_.states + s] =
-              observation_.place.value[k] / observation_.sigma * residual.by_state(i, s);
+          jacobians[k][i * model_.states + s] = observation_.weights[k] / observation_.sigma * residual.by_state(i, s);
     return true;
   }
 
@@ -76,6 +77,15 @@ std::vector<PriorTerm> PriorTerms(const LegModel& model, std::size_t k) {
     terms.push_back({s, {-slope, slope, 0, 0}});
   }
   return terms;
+}
+
+double PriorResidual(const LegModel& model, const PriorTerm& term, std::size_t k,
+                     const std::vector<double>& coefficients) {
+  const auto states = static_cast<std::size_t>(model.states);
+  double residual = 0;
+  for (std::size_t a = 0; a < 4; ++a)
+    residual += term.row[a] * coefficients[(k + a) * states + static_cast<std::size_t>(term.state)];
+  return residual;
 }
 
 // r_j = row_j · (c_k, …, c_k+3) for all terms of the prior.
@@ -119,12 +129,18 @@ class InterruptCallback : public ceres::IterationCallback {
   }
 };
 
+constexpr int kMostIterations = 50;
+
+// Relative. The sum is about one per observation: stop at steps worth a hundredth of one.
+double CostTolerance(std::size_t observations) {
+  return 0.01 / static_cast<double>(std::max<std::size_t>(observations, 1));
+}
+
 ceres::Solver::Options SolverOptions(std::size_t observations) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = 50;
-  // The sum is about one per observation: stop at steps worth a hundredth of one.
-  options.function_tolerance = 0.01 / static_cast<double>(std::max<std::size_t>(observations, 1));
+  options.max_num_iterations = kMostIterations;
+  options.function_tolerance = CostTolerance(observations);
   options.initial_trust_region_radius = 1e8;  // the start is good and the problem nearly linear: full steps
   options.num_threads = 1;  // more add up the cost in the order in which they end: other last digits from run to run
   options.logging_type = ceres::SILENT;
@@ -135,10 +151,110 @@ ceres::Solver::Options SolverOptions(std::size_t observations) {
 
 LegResidual EvaluateObservation(const LegModel& model, const LegObservation& observation,
                                 const std::vector<double>& coefficients) {
-  return EvaluateAt(model, observation, StateAt(model, coefficients, observation.place.value, observation.place.first));
+  return EvaluateAt(model, observation, StateAt(model, coefficients, observation.weights, observation.first));
 }
 
+namespace {
+
+// The Gauss–Newton matrix within its band, and half the sum's gradient.
+BandedMatrix NormalMatrix(const LegModel& model, const std::vector<double>& coefficients) {
+  const auto states = static_cast<std::size_t>(model.states);
+  BandedMatrix normal(model.grid.count * states, 4 * states - 1);
+  for (const LegObservation& observation : model.observations) {
+    const LegResidual residual = EvaluateObservation(model, observation, coefficients);
+    const double weight =
+        RobustWeight(model, residual.value, observation.sigma) / (observation.sigma * observation.sigma);
+    const StateMatrix square = weight * residual.by_state.transpose() * residual.by_state;
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b <= a; ++b)
+        for (std::size_t i = 0; i < states; ++i)
+          for (std::size_t j = 0; j < (a == b ? i + 1 : states); ++j)
+            normal.Lower((observation.first + a) * states + i, (observation.first + b) * states + j) +=
+                observation.weights[a] * observation.weights[b] *
+                square(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+  }
+  for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
+    for (const PriorTerm& term : PriorTerms(model, k))
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = 0; b <= a; ++b)
+          normal.Lower((k + a) * states + static_cast<std::size_t>(term.state),
+                       (k + b) * states + static_cast<std::size_t>(term.state)) += term.row[a] * term.row[b];
+  return normal;
+}
+
+std::vector<double> Gradient(const LegModel& model, const std::vector<double>& coefficients) {
+  const auto states = static_cast<std::size_t>(model.states);
+  std::vector<double> gradient(coefficients.size(), 0.0);
+  for (const LegObservation& observation : model.observations) {
+    const LegResidual residual = EvaluateObservation(model, observation, coefficients);
+    const double weight =
+        RobustWeight(model, residual.value, observation.sigma) / (observation.sigma * observation.sigma);
+    const StateVector by_state = weight * residual.by_state.transpose() * residual.value;
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t s = 0; s < states; ++s)
+        gradient[(observation.first + a) * states + s] +=
+            observation.weights[a] * by_state[static_cast<Eigen::Index>(s)];
+  }
+  for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
+    for (const PriorTerm& term : PriorTerms(model, k)) {
+      const double residual = PriorResidual(model, term, k, coefficients);
+      for (std::size_t a = 0; a < 4; ++a)
+        gradient[(k + a) * states + static_cast<std::size_t>(term.state)] += term.row[a] * residual;
+    }
+  return gradient;
+}
+
+// Half the sum.
+double CostOf(const LegModel& model, const std::vector<double>& coefficients) {
+  const double limit2 = model.outlier_deviations * model.outlier_deviations;
+  double sum = 0;
+  for (const LegObservation& observation : model.observations) {
+    const Eigen::Vector2d residual = EvaluateObservation(model, observation, coefficients).value;
+    const double left = 1 - std::min(1.0, residual.squaredNorm() / (observation.sigma * observation.sigma * limit2));
+    sum += limit2 / 3 * (1 - left * left * left);
+  }
+  for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
+    for (const PriorTerm& term : PriorTerms(model, k)) sum += std::pow(PriorResidual(model, term, k, coefficients), 2);
+  return sum / 2;
+}
+
+// Levenberg and Marquardt's steps, almost Gauss and Newton's as long as they lead downhill.
+LegSolveSummary SolveInBands(const LegModel& model, std::vector<double>& coefficients) {
+  constexpr double kLeastDamping = 1e-8, kMostDamping = 1e8, kFactor = 10;
+  const double tolerance = CostTolerance(model.observations.size());
+  LegSolveSummary summary;
+  summary.initial_cost = summary.final_cost = CostOf(model, coefficients);
+  summary.message = "too many steps";
+  for (double damping = kLeastDamping; damping < kMostDamping && summary.iterations < kMostIterations;) {
+    ++summary.iterations;
+    BandedMatrix normal = NormalMatrix(model, coefficients);
+    for (std::size_t i = 0; i < normal.Size(); ++i) normal.Lower(i, i) *= 1 + damping;
+    std::vector<double> step = Gradient(model, coefficients);
+    ThrowIfInterrupted();
+    if (!Factorize(normal)) {
+      summary.message = "the markers do not determine the leg";
+      return summary;
+    }
+    Solve(normal, step);
+    std::vector<double> next = coefficients;
+    for (std::size_t i = 0; i < next.size(); ++i) next[i] -= step[i];
+    const double cost = CostOf(model, next), gain = summary.final_cost - cost;
+    const bool has_converged = std::abs(gain) <= tolerance * summary.final_cost;
+    if (gain > 0) coefficients = std::move(next), summary.final_cost = cost;
+    if (has_converged) {
+      summary.message = "converged";
+      break;
+    }
+    damping = gain > 0 ? std::max(damping / kFactor, kLeastDamping) : damping * kFactor * kFactor;
+  }
+  summary.usable = std::isfinite(summary.final_cost);
+  return summary;
+}
+
+}  // namespace
+
 LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients) {
+  if (model.in_bands) return SolveInBands(model, coefficients);
   ceres::TukeyLoss loss(model.outlier_deviations);
   ceres::Problem::Options ownership;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -149,7 +265,7 @@ LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coef
   const auto block = [&](std::size_t k) { return coefficients.data() + k * static_cast<std::size_t>(model.states); };
   std::deque<MarkerCost> costs;
   for (const LegObservation& observation : model.observations) {
-    const std::size_t k = observation.place.first;
+    const std::size_t k = observation.first;
     costs.emplace_back(model, observation);
     problem.AddResidualBlock(&costs.back(), &loss, block(k), block(k + 1), block(k + 2), block(k + 3));
   }
@@ -183,33 +299,13 @@ bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double s
 }
 
 BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coefficients) {
-  const auto states = static_cast<std::size_t>(model.states);
-  BandedMatrix normal(model.grid.count * states, 4 * states - 1);
-  for (const LegObservation& observation : model.observations) {
-    const LegResidual residual = EvaluateObservation(model, observation, coefficients);
-    const double weight =
-        RobustWeight(model, residual.value, observation.sigma) / (observation.sigma * observation.sigma);
-    const StateMatrix square = weight * residual.by_state.transpose() * residual.by_state;
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = 0; b <= a; ++b)
-        for (std::size_t i = 0; i < states; ++i)
-          for (std::size_t j = 0; j < (a == b ? i + 1 : states); ++j)
-            normal.Lower((observation.place.first + a) * states + i, (observation.place.first + b) * states + j) +=
-                observation.place.value[a] * observation.place.value[b] *
-                square(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-  }
-  for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
-    for (const PriorTerm& term : PriorTerms(model, k))
-      for (std::size_t a = 0; a < 4; ++a)
-        for (std::size_t b = 0; b <= a; ++b)
-          normal.Lower((k + a) * states + static_cast<std::size_t>(term.state),
-                       (k + b) * states + static_cast<std::size_t>(term.state)) += term.row[a] * term.row[b];
+  BandedMatrix normal = NormalMatrix(model, coefficients);
   ThrowIfInterrupted();
   if (!Factorize(normal))
     throw SolverError(
         "leg fit: the markers do not determine the leg; is one of ankle, knee, hip missing in most frames?");
   ThrowIfInterrupted();
-  return SelectedInverse(normal);
+  return SelectedInverse(std::move(normal));
 }
 
 StateVector StateAt(const LegModel& model, const std::vector<double>& coefficients,
@@ -222,7 +318,8 @@ StateVector StateAt(const LegModel& model, const std::vector<double>& coefficien
   return state;
 }
 
-StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covariance, const SplineGrid::Place& place) {
+StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covariance, const std::array<double, 4>& weights,
+                            std::size_t first) {
   const auto states = static_cast<std::size_t>(model.states);
   StateMatrix result = StateMatrix::Zero();
   for (std::size_t a = 0; a < 4; ++a)
@@ -230,8 +327,7 @@ StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covarianc
       for (std::size_t i = 0; i < states; ++i)
         for (std::size_t j = 0; j < states; ++j)
           result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) +=
-              place.value[a] * place.value[b] *
-              covariance.At((place.first + a) * states + i, (place.first + b) * states + j);
+              weights[a] * weights[b] * covariance.At((first + a) * states + i, (first + b) * states + j);
   return result;
 }
 

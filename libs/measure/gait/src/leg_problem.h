@@ -29,10 +29,11 @@ inline constexpr int kLegMarkers = 4;
 
 struct LegObservation {
   LegMarker marker = kAnkle;
-  std::size_t frame = 0;  // index into the recording
-  SplineGrid::Place place;
-  Eigen::Vector2d seen;  // as recorded
-  double sigma = 1;      // per axis
+  std::size_t frame = 0;          // index into the recording
+  std::size_t first = 0;          // of the four coefficients that reach its time, …
+  std::array<double, 4> weights;  // … and what each contributes
+  Eigen::Vector2d seen;           // as recorded
+  double sigma = 1;               // per axis
   double depth_mm = 0;
   bool trusted = true;  // false: in an excursion, which the robust loss alone decides about
 };
@@ -50,6 +51,7 @@ struct LegModel {
   std::array<LegPrior, kLegStates> priors;
   std::vector<LegObservation> observations;
   double outlier_deviations = 7;  // where the biweight reaches zero
+  bool in_bands = false;          // see SolveLegProblem
 };
 
 // A marker's position in the leg's axes from a state, for T = double or a Jet.
@@ -82,7 +84,8 @@ struct LegSolveSummary {
   std::string message;
 };
 
-// Ceres, from the given coefficients (grid.count × states) to the solution.
+// From the given coefficients (grid.count × states) to the solution: by Ceres, which keeps every derivative (9 kB per
+// frame), or by Levenberg and Marquardt's steps with nothing but the normal matrix within its band.
 LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients);
 
 // ρ'(|r|²/σ²) of an observation: 1 for an ordinary one, 0 for an outlier.
@@ -102,6 +105,7 @@ using StateVector = Eigen::Matrix<double, kLegStates, 1>;
 using StateMatrix = Eigen::Matrix<double, kLegStates, kLegStates>;
 StateVector StateAt(const LegModel& model, const std::vector<double>& coefficients,
                     const std::array<double, 4>& weights, std::size_t first);
-StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covariance, const SplineGrid::Place& place);
+StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covariance, const std::array<double, 4>& weights,
+                            std::size_t first);
 
 }  // namespace lake::gait

@@ -133,6 +133,7 @@ SmoothedSignals SmoothOn(double step_s, const LegSignals& signals, const std::ve
     smoothed.signals.push_back(
         FitSmoothingSpline(smoothed.grid, time_s, signals.value[s], signals.sigma[s], smoothing));
     smoothed.risk += smoothed.signals.back().risk;
+    smoothed.signals.back().covariance = BandedMatrix(0, 3);  // nobody asks for it here
   }
   return smoothed;
 }

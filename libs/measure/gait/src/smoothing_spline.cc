@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -70,7 +71,7 @@ Round RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, doubl
   if (!Factorize(normal)) throw Fail("smoothing: the samples do not determine a curve (too few, or all at one time)");
   Solve(normal, round.coefficients);
 
-  round.covariance = SelectedInverse(normal);
+  round.covariance = SelectedInverse(std::move(normal));
   for (std::size_t k = 0; k + 3 < grid.count; ++k) {
     double jerk = 0;
     for (std::size_t a = 0; a < 4; ++a) jerk += kThirdDifference[a] * round.coefficients[k + a];

@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "lake/core/wide_vectors.h"
+#include "lake/video/halve.h"
 
 namespace lake::tracking {
 namespace {
@@ -41,54 +44,72 @@ bool IsDarkAllRound(const cv::Mat& grey, const cv::Point& place) {
   return sorted[kRing.size() - 1 - kMaxBright] < half;
 }
 
+// The row that comes into the sums over columns, and the one that leaves them.
+LAKE_WIDE_VECTORS void SlideSums(const uchar* entering, const uchar* leaving, std::size_t width, std::int16_t* sums) {
+  for (std::size_t x = 0; x < width; ++x) sums[x] = static_cast<std::int16_t>(sums[x] + entering[x] - leaving[x]);
+}
+
+// Sums over three neighbours; those at the ends stay as they are.
+LAKE_WIDE_VECTORS void SumThrees(const std::int16_t* sums, std::size_t width, std::int16_t* threes) {
+  for (std::size_t x = 1; x + 1 < width; ++x)
+    threes[x] = static_cast<std::int16_t>(sums[x - 1] + sums[x] + sums[x + 1]);
+}
+
+LAKE_WIDE_VECTORS void Subtract(const std::int16_t* center, const std::int16_t* surround3, std::size_t width,
+                                std::int16_t* contrast) {
+  for (std::size_t x = kSurroundReach; x + kSurroundReach < width; ++x)
+    contrast[x] = static_cast<std::int16_t>(9 * (center[x - 1] + center[x] + center[x + 1]) -
+                                            (surround3[x - 3] + surround3[x] + surround3[x + 3]));
+}
+
+LAKE_WIDE_VECTORS std::int16_t Greatest(const std::int16_t* values, std::size_t count) {
+  std::int16_t greatest = 0;
+  for (std::size_t x = 0; x < count; ++x) greatest = std::max(greatest, values[x]);
+  return greatest;
+}
+
 // Centre minus surroundings, row by row from kSurroundReach on: 81 × (mean of the 3 × 3 box − mean of the 9 × 9 box),
-// which fits 16 bits, so that the processor works on eight pixels at once.
+// which fits 16 bits, so that the processor works on many pixels at once.
 class ContrastRows {
  public:
   using Row = std::vector<std::int16_t>;
 
-  explicit ContrastRows(const cv::Mat& grey) : grey_(grey), center_(Width()), surround_(Width()), surround3_(Width()) {
-    for (int y = 0; y < 2 * kSurroundReach; ++y) Add(grey_.ptr(y), 1, surround_);
-    for (int y = kSurroundReach - kCenterReach; y < kSurroundReach + kCenterReach; ++y) Add(grey_.ptr(y), 1, center_);
+  // The sums stand one row before the first, with rows of zeros to leave them.
+  explicit ContrastRows(const cv::Mat& grey)
+      : grey_(grey), nothing_(Width()), center_(Width()), surround_(Width()), surround3_(Width()) {
+    for (int y = 0; y < 2 * kSurroundReach; ++y) SlideSums(grey_.ptr(y), nothing_.data(), Width(), surround_.data());
+    for (int y = kSurroundReach - kCenterReach; y < kSurroundReach + kCenterReach; ++y)
+      SlideSums(grey_.ptr(y), nothing_.data(), Width(), center_.data());
   }
 
   // Columns nearer than kSurroundReach to the sides stay as they are.
   void Next(Row& contrast) {
-    Add(grey_.ptr(y_ + kSurroundReach), 1, surround_);
-    Add(grey_.ptr(y_ + kCenterReach), 1, center_);
-    const std::size_t width = Width();
-    for (std::size_t x = 1; x + 1 < width; ++x)
-      surround3_[x] = static_cast<std::int16_t>(surround_[x - 1] + surround_[x] + surround_[x + 1]);
-    for (std::size_t x = kSurroundReach; x + kSurroundReach < width; ++x)
-      contrast[x] = static_cast<std::int16_t>(9 * (center_[x - 1] + center_[x] + center_[x + 1]) -
-                                              (surround3_[x - 3] + surround3_[x] + surround3_[x + 3]));
-    Add(grey_.ptr(y_ - kSurroundReach), -1, surround_);
-    Add(grey_.ptr(y_ - kCenterReach), -1, center_);
+    const bool is_first = y_ == kSurroundReach;
+    const auto leaving = [&](int reach) { return is_first ? nothing_.data() : grey_.ptr(y_ - reach - 1); };
+    SlideSums(grey_.ptr(y_ + kSurroundReach), leaving(kSurroundReach), Width(), surround_.data());
+    SlideSums(grey_.ptr(y_ + kCenterReach), leaving(kCenterReach), Width(), center_.data());
+    SumThrees(surround_.data(), Width(), surround3_.data());
+    Subtract(center_.data(), surround3_.data(), Width(), contrast.data());
     ++y_;
   }
 
  private:
   std::size_t Width() const { return static_cast<std::size_t>(grey_.cols); }
 
-  static void Add(const uchar* row, int sign, Row& sums) {
-    for (std::size_t x = 0; x < sums.size(); ++x) sums[x] = static_cast<std::int16_t>(sums[x] + sign * row[x]);
-  }
-
   const cv::Mat& grey_;
   int y_ = kSurroundReach;
+  const std::vector<uchar> nothing_;
   Row center_, surround_, surround3_;  // sums over columns of 3 and 9 pixels; of the latter, over three columns
 };
 
 // Columns of a row that reach the threshold; whole stretches below it are passed over at once.
 void FindReaching(const ContrastRows::Row& contrast, int threshold, std::vector<int>& columns) {
-  constexpr std::size_t kStretch = 64;
+  constexpr std::size_t kStretch = 256;
   columns.clear();
   const std::size_t end = contrast.size() - kBorder;
   for (std::size_t begin = kBorder; begin < end; begin += kStretch) {
     const std::size_t stop = std::min(end, begin + kStretch);
-    std::int16_t most = 0;
-    for (std::size_t x = begin; x < stop; ++x) most = std::max(most, contrast[x]);
-    if (most < threshold) continue;
+    if (Greatest(&contrast[begin], stop - begin) < threshold) continue;
     for (std::size_t x = begin; x < stop; ++x)
       if (contrast[x] >= threshold) columns.push_back(static_cast<int>(x));
   }
@@ -135,7 +156,7 @@ std::vector<BlobCandidate> FindBlobs(const cv::Mat& grey, const cv::Rect& region
     if (2.6 * scale >= options.min_radius_px) SearchLevel(level, scale, region, options.min_contrast, found);
     if (level.cols < 2 || level.rows < 2) break;
     cv::Mat half;
-    cv::resize(level(cv::Rect(0, 0, level.cols / 2 * 2, level.rows / 2 * 2)), half, {}, 0.5, 0.5, cv::INTER_AREA);
+    video::Halve(level, half);
     level = half;
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.contrast > b.contrast; });

@@ -28,9 +28,11 @@ void Decoder::Open(bool skip_deblocking) {
   avcodec_parameters_to_context(codec_.get(), stream.codecpar);
   log_.Attach(*codec_);
   codec_->pkt_timebase = stream.time_base;
-  // More than there are cores: each frame waits for parts of the one before.
+  // More than there are cores, as each frame waits for parts of the one before; not for pictures that are only looked
+  // at, where others have work meanwhile and more frames at once than the cache holds cost a tenth.
   constexpr int kMoreThreads = 4, kMostThreads = 16;
-  codec_->thread_count = Threads() == 1 ? 1 : std::min(Threads() + kMoreThreads, kMostThreads);
+  const int more = Threads() == 1 || skip_deblocking ? 0 : kMoreThreads;
+  codec_->thread_count = std::min(Threads() + more, kMostThreads);
   codec_->thread_type = FF_THREAD_FRAME | FF_THREAD_SLICE;
   if (skip_deblocking) codec_->skip_loop_filter = AVDISCARD_ALL;
   codec_->flags |= AV_CODEC_FLAG_UNALIGNED;  // crop to the pixel

@@ -11,6 +11,7 @@ extern "C" {
 #include <opencv2/imgproc.hpp>
 
 #include "lake/core/error.h"
+#include "lake/video/halve.h"
 
 namespace lake::video {
 namespace {
@@ -120,13 +121,10 @@ bool CanBeHalved(const AVFrame& frame, int width, int height) {
 // From either range to 16..235 (chroma: 16..240).
 void HalvePlane(const AVFrame& frame, int plane, cv::Mat half) {
   const cv::Mat whole = Plane(frame, plane, half.size() * 2, CV_8UC1);
-  if (!IsFullRange(frame)) return cv::resize(whole, half, half.size(), 0, 0, cv::INTER_AREA);
-  constexpr double kSteps = 256;  // of a level, so that only the last step rounds
-  const double factor = (plane == 0 ? 219 : 224) / 255.0, shift = plane == 0 ? 16 : 128 * (1 - factor);
-  cv::Mat fine, fine_half;
-  whole.convertTo(fine, CV_16U, kSteps * factor, kSteps * shift);
-  cv::resize(fine, fine_half, half.size(), 0, 0, cv::INTER_AREA);
-  fine_half.convertTo(half, CV_8U, 1 / kSteps);
+  if (IsFullRange(frame))
+    HalveToLimitedRange(whole, plane == 0 ? Sample::kLuma : Sample::kChroma, half);
+  else
+    Halve(whole, half);
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <new>
+
+#include "lake/core/wide_vectors.h"
 
 namespace lake::overlay {
 namespace {
@@ -17,21 +19,36 @@ std::array<int, 3> Weights(double b, double g, double r, double range) {
           static_cast<int>(std::lround(r * scale))};
 }
 
-int Dot(const std::array<int, 3>& weights, int b, int g, int r) {
-  return weights[0] * b + weights[1] * g + weights[2] * r;
+// A plane's own and what is laid over it: (under (full − alpha) + offset alpha) / full + colour, rounded; colour is
+// 16.16. `full` is 255 or its fourfold, 2^shift of it. 65536 / 255 is 257 + 1/255, to which 1/256 is near enough.
+inline std::uint8_t Mix(int under, int offset, int alpha, int shift, int colour) {
+  const int sum = under * ((255 << shift) - alpha) + offset * alpha;
+  const int mixed = ((sum * 257 + (sum >> 8)) >> shift) + colour + kOne / 2;
+  return static_cast<std::uint8_t>(std::clamp(mixed >> 16, 0, 255));
 }
 
-// under (1 − alpha) + offset alpha + colour, rounded; alpha counts to `full`, colour is 16.16.
-std::uint8_t Mix(int under, int offset, int alpha, int full, int colour) {
-  const std::int64_t sum = std::int64_t{under * (full - alpha) + offset * alpha} * kOne / full + colour + kOne / 2;
-  return cv::saturate_cast<std::uint8_t>(static_cast<int>(sum >> 16));
+// Pixels as cairo has them: alpha in the upper eight bits, then red, green, blue.
+LAKE_WIDE_VECTORS void BlendLuma(const std::uint32_t* over, int width, int b, int g, int r, std::uint8_t* luma) {
+  for (int x = 0; x < width; ++x) {
+    const auto p = static_cast<int>(over[x] & 0xFFFFFF);
+    const int colour = b * (p & 0xFF) + g * (p >> 8 & 0xFF) + r * (p >> 16);
+    luma[x] = Mix(luma[x], 16, static_cast<int>(over[x] >> 24), 0, colour);
+  }
 }
 
-// Two neighbours at once: most of a tile is empty.
-bool IsClear(const cv::Mat& argb, int x, int y) {
-  std::uint64_t pair;
-  std::memcpy(&pair, argb.ptr(y, x), sizeof pair);
-  return pair == 0;
+// Of the same pixels, two rows of them, for one row of Cb or Cr.
+LAKE_WIDE_VECTORS void BlendChroma(const std::uint32_t* above, const std::uint32_t* below, int width, int b, int g,
+                                   int r, std::uint8_t* chroma) {
+  constexpr std::uint32_t kEveryOther = 0x00FF00FF;  // two channels' sums in one number
+  for (int x = 0; x < width; ++x) {
+    const std::uint32_t p = above[2 * x], q = above[2 * x + 1], s = below[2 * x], t = below[2 * x + 1];
+    const std::uint32_t red_blue = (p & kEveryOther) + (q & kEveryOther) + (s & kEveryOther) + (t & kEveryOther);
+    const std::uint32_t alpha_green =
+        (p >> 8 & kEveryOther) + (q >> 8 & kEveryOther) + (s >> 8 & kEveryOther) + (t >> 8 & kEveryOther);
+    const int colour = b * static_cast<int>(red_blue & 0xFFFF) + g * static_cast<int>(alpha_green & 0xFFFF) +
+                       r * static_cast<int>(red_blue >> 16);
+    chroma[x] = Mix(chroma[x], 128, static_cast<int>(alpha_green >> 16), 2, colour >> 2);
+  }
 }
 
 }  // namespace
@@ -65,37 +82,36 @@ void OverlayLayer::Touch(const cv::Rect2d& area) {
 
 void OverlayLayer::BlendOnto(cv::Mat& i420) {
   cairo_surface_flush(surface_.get());
-  for (int y = 0; y < tiles_.height; ++y)
-    for (int x = 0; x < tiles_.width; ++x) {
-      const auto index = static_cast<std::size_t>(y * tiles_.width + x);
-      if (!touched_[index]) continue;
-      const cv::Rect tile = cv::Rect(x * kTile_px, y * kTile_px, kTile_px, kTile_px) & cv::Rect({}, size_);
-      BlendTile(tile, i420);
-      argb_(tile).setTo(cv::Scalar::all(0));
-      touched_[index] = false;
+  for (int y = 0; y < tiles_.height; ++y) {
+    const auto row = touched_.begin() + std::ptrdiff_t{y} * tiles_.width, end = row + tiles_.width;
+    for (auto first = std::find(row, end, true); first != end; first = std::find(first, end, true)) {
+      const auto last = std::find(first, end, false);
+      const cv::Rect run(static_cast<int>(first - row) * kTile_px, y * kTile_px,
+                         static_cast<int>(last - first) * kTile_px, kTile_px);
+      Blend(run & cv::Rect({}, size_), i420);
+      first = last;
     }
+    std::fill(row, end, false);
+  }
   cairo_surface_mark_dirty(surface_.get());
 }
 
-void OverlayLayer::BlendTile(const cv::Rect& tile, cv::Mat& i420) const {
-  const std::size_t chroma_width = static_cast<std::size_t>(size_.width) / 2;
-  std::uint8_t* const u_plane = i420.data + static_cast<std::size_t>(size_.area());
-  std::uint8_t* const v_plane = u_plane + static_cast<std::size_t>(size_.area()) / 4;
-  for (int y = tile.y; y < tile.y + tile.height; y += 2)
-    for (int x = tile.x; x < tile.x + tile.width; x += 2) {
-      if (IsClear(argb_, x, y) && IsClear(argb_, x, y + 1)) continue;
-      int sum[4] = {};
-      for (const int dy : {0, 1})
-        for (const int dx : {0, 1}) {
-          const cv::Vec4b& p = argb_.at<cv::Vec4b>(y + dy, x + dx);
-          std::uint8_t& luma = i420.at<std::uint8_t>(y + dy, x + dx);
-          luma = Mix(luma, 16, p[3], 255, Dot(matrix_.y, p[0], p[1], p[2]));
-          for (int c = 0; c < 4; ++c) sum[c] += p[c];
-        }
-      const std::size_t at = static_cast<std::size_t>(y / 2) * chroma_width + static_cast<std::size_t>(x / 2);
-      u_plane[at] = Mix(u_plane[at], 128, sum[3], 4 * 255, Dot(matrix_.u, sum[0], sum[1], sum[2]) / 4);
-      v_plane[at] = Mix(v_plane[at], 128, sum[3], 4 * 255, Dot(matrix_.v, sum[0], sum[1], sum[2]) / 4);
-    }
+void OverlayLayer::Blend(const cv::Rect& area, cv::Mat& i420) {
+  const std::ptrdiff_t chroma_width = size_.width / 2;
+  std::uint8_t* const cb = i420.data + size_.area();
+  std::uint8_t* const cr = cb + size_.area() / 4;
+  for (int y = area.y; y < area.y + area.height; y += 2) {
+    auto *above = argb_.ptr<std::uint32_t>(y) + area.x, *below = argb_.ptr<std::uint32_t>(y + 1) + area.x;
+    const auto& [yb, yg, yr] = matrix_.y;
+    BlendLuma(above, area.width, yb, yg, yr, i420.ptr(y) + area.x);
+    BlendLuma(below, area.width, yb, yg, yr, i420.ptr(y + 1) + area.x);
+    const std::ptrdiff_t at = y / 2 * chroma_width + area.x / 2;
+    const auto& [ub, ug, ur] = matrix_.u;
+    BlendChroma(above, below, area.width / 2, ub, ug, ur, cb + at);
+    const auto& [vb, vg, vr] = matrix_.v;
+    BlendChroma(above, below, area.width / 2, vb, vg, vr, cr + at);
+    std::fill_n(above, area.width, 0), std::fill_n(below, area.width, 0);
+  }
 }
 
 }  // namespace lake::overlay

@@ -35,7 +35,8 @@ class OverlayLayer {
   struct YuvMatrix {
     std::array<int, 3> y, u, v;  // 16.16 fixed point
   };
-  void BlendTile(const cv::Rect& tile, cv::Mat& i420) const;
+  // Of even sides, as all are; leaves it clear.
+  void Blend(const cv::Rect& area, cv::Mat& i420);
 
   cv::Size size_, tiles_;
   cv::Mat argb_;  // CV_8UC4 B, G, R, A, colours already multiplied by alpha

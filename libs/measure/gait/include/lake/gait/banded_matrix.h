@@ -41,6 +41,7 @@ class BandedMatrix {
 void Solve(const BandedMatrix& factor, std::span<double> right_hand_side);
 
 // The elements of (L Lᵀ)⁻¹ within the band, exactly, in size · bandwidth² operations (Takahashi, Fagan & Chin 1973).
-BandedMatrix SelectedInverse(const BandedMatrix& factor);
+// In the factor's own memory.
+BandedMatrix SelectedInverse(BandedMatrix factor);
 
 }  // namespace lake::gait

@@ -40,7 +40,10 @@ struct LegFitOptions {
       0.30;  // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5 and more
   double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
   int most_smoothing_iterations = SmoothingOptions{}.max_iterations;  // of the search for each component's smoothness
-  bool quiet = true;                                                  // no progress
+  // Longer recordings are solved with the normal matrix alone, in a sixth of the memory: to the same minimum, and to
+  // other last digits.
+  std::size_t most_frames_in_ceres = 15000;
+  bool quiet = true;  // no progress
 
   // By what the program at work says which way is up and where the subject faces, for messages.
   std::string vertical_option = "--up", facing_option = "--facing";
