@@ -184,6 +184,34 @@ TEST(LegFit, SigmasThatAreTooSmallAreNoticed) {
   ExpectHonest(CompareKnee(result.motion, leg.truth), kCautious);
 }
 
+// Real markers jitter on the skin by more than a camera's noise, from frame to frame. Where the noise is known, that is
+// motion: with white jitter of twice the noise the best estimate is off by 2/√5 of the noise, what takes it for noise
+// by twice the noise.
+TEST(LegFit, WhatScattersBeyondKnownSigmasIsMotion) {
+  constexpr double kNoise_px = 0.05, kMmPerPx = 2;
+  for (const unsigned seed : {1u, 2u}) {
+    SyntheticLeg leg = MakeSyntheticLeg({}, seed);
+    std::mt19937 random(seed + 50);
+    std::normal_distribution<double> jitter(0, 2 * kNoise_px * kMmPerPx);
+    for (std::size_t i = 0; i < leg.points_mm.size(); ++i) {
+      gait::LegPoints& points = leg.points_mm[i];
+      for (auto* point : {&points.ankle, &points.knee, &points.hip, &points.waist})
+        **point += Eigen::Vector2d(jitter(random), jitter(random));
+      leg.truth[i] = gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY());
+    }
+    const auto tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {kNoise_px}, seed);
+    gait::LegFitOptions options;
+    options.known_sigmas = true;
+    const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), options);
+    const KneeErrors known = CompareKnee(result.motion, leg.truth);
+    EXPECT_LE(known.rms_deg, known.raw_rms_deg) << seed;
+    EXPECT_LE(known.normalized, 1.5) << seed;
+    for (const gait::MarkerReport& marker : result.markers) EXPECT_GE(marker.noise_scale, 2) << marker.name;  // √5
+    const KneeErrors smoothed = CompareKnee(gait::FitLeg(tracks, ScaledView()).motion, leg.truth);
+    EXPECT_GE(smoothed.rms_deg, 1.2 * smoothed.raw_rms_deg) << "this would show nothing";
+  }
+}
+
 TEST(LegFit, SigmasThatAreNotKnownAreEstimated) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
   motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.05}, 5);

@@ -301,7 +301,7 @@ TEST(SigmaCalibration, FindsAKnownExtraScatter) {
 
 // So strong is compression only where its errors last for some frames, which scatter does not show.
 TEST(SigmaCalibration, StrongCompressionIsMoreThanItsScatter) {
-  motion::MarkerRecording recording = Curves(0.1, 0.02, 4);
+  motion::MarkerRecording recording = Curves(0.1, 0.025, 4);  // as at crf 40
   const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(recording);
   EXPECT_NEAR(calibration.scatter_px, 0.1, 0.004);
   EXPECT_GE(calibration.compression_px, 0.12);
@@ -311,7 +311,10 @@ TEST(SigmaCalibration, StrongCompressionIsMoreThanItsScatter) {
 // Real markers jitter on the skin. Fits as good as these tell that it is not compression.
 TEST(SigmaCalibration, JitterOfThePersonIsNoCompression) {
   motion::MarkerRecording recording = Curves(0.15, 0.005, 8);
-  EXPECT_LE(tracking::CalibrateSigmas(recording).compression_px, 0.05);
+  // On rendered recordings the error was 3.2 to 6.0 times the fits' sigma.
+  EXPECT_LE(tracking::CalibrateSigmas(recording).compression_px, 6 * 0.005);
+  for (const motion::MarkerTrack& marker : recording.markers)
+    for (const motion::MarkerSample& sample : marker.samples) ASSERT_LE(sample.sigma, std::hypot(6.0, 1.0) * 0.005);
 }
 
 // One of little contrast is displaced farther than the others.

@@ -56,6 +56,7 @@ exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::
 gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run) {
   fit.quiet = run.Quiet();
   if (trial.up) fit.up = *trial.up;
+  fit.known_sigmas = trial.known_sigmas;
   if (trial.faces_right && !fit.facing)
     fit.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
   const gait::LegView view = gait::MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px);

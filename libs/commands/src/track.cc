@@ -305,7 +305,7 @@ std::optional<Eigen::Vector2d> UpInPlane(const TrackRunOptions& options, const t
 gait::LegFitOptions FitOptions(const TrackRunOptions& options, const tracking::TrackResult& tracked,
                                const gait::LegView& view, bool quiet, const Warn& warn) {
   gait::LegFitOptions fit = options.fit;
-  fit.quiet = quiet;
+  fit.quiet = quiet, fit.known_sigmas = true;
   fit.vertical_option = "--vertical", fit.facing_option = "lake gait --facing";
   if (const std::optional<Eigen::Vector2d> up = UpInPlane(options, tracked, view, warn)) fit.up = *up;
   return fit;

@@ -123,24 +123,28 @@ double OutOfPlane(const PointRecording& points, const Eigen::Vector3d& normal) {
   return count > 0 ? std::sqrt(std::max(0.0, square / static_cast<double>(count))) : 0;
 }
 
-// Where the picture or the plane does not stand upright, the summary beside a folder's tables says what is up in them.
-std::optional<Eigen::Vector2d> UpOfTable(const fs::path& table) {
+// Where the picture or the plane does not stand upright, the summary beside a folder's tables says what is up in them;
+// it also says whether the measurements' sigmas are known to hold.
+void TakeFromSummary(const fs::path& table, motion::MarkerValues values, Trial& trial) {
   constexpr const char* kUp = "up_in_plane";
   const fs::path file = table.parent_path() / "summary.json";
   const bool in_mm = fs::exists(table.parent_path() / "trajectory.csv");
-  if (table.filename() != (in_mm ? "trajectory.csv" : "tracks.csv") || !fs::is_regular_file(file)) return std::nullopt;
+  if (table.filename() != (in_mm ? "trajectory.csv" : "tracks.csv") || !fs::is_regular_file(file)) return;
   const Json summary = ReadJsonFile(file);
-  if (!summary.contains(kUp)) return std::nullopt;
+  const Json::json_pointer known("/fit/known_sigmas");
+  trial.known_sigmas =
+      values == motion::MarkerValues::kMeasured && summary.contains(known) && summary[known] == Json(true);
+  if (!summary.contains(kUp)) return;
   const Json& said = summary[kUp];
   const bool is_pair = said.is_array() && said.size() == 2 && said[0].is_number() && said[1].is_number();
   const Eigen::Vector2d up = is_pair ? Eigen::Vector2d(said[0], said[1]) : Eigen::Vector2d::Zero();
   if (!(std::abs(up.norm() - 1) < 1e-6)) throw Fail("{}: '{}' is no unit vector", file.string(), kUp);
-  return up;
+  trial.up = up;
 }
 
 void ReadOwnTable(const fs::path& path, const TrialOptions& options, Trial& trial) {
   trial.recording = Rename(exchange::ReadTable(path, options.values), options.names, path);
-  trial.up = UpOfTable(path);
+  TakeFromSummary(path, options.values, trial);
 }
 
 Eigen::Vector3d UpDirection(const PointRecording& points, const TrialOptions& options) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "lake/core/angles.h"
+#include "lake/core/statistics.h"
 
 namespace lake::gait {
 namespace {
@@ -63,6 +64,54 @@ SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegMod
   return slow;
 }
 
+// Moves of the markers off the smooth paths in one frame, in the leg's axes, and their variances per axis.
+struct MarkerMoves {
+  std::array<Eigen::Vector2d, kLegMarkers> move;
+  std::array<double, kLegMarkers> variance = {};
+};
+
+// Of hidden markers the jitter is not known, but there. Outliers are no measurement of it.
+std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<double>& coefficients,
+                                   const std::vector<StateVector>& states,
+                                   const std::array<Jitter, kLegMarkers>& jitters) {
+  std::array<std::vector<double>, kLegMarkers> variances;
+  std::vector<MarkerMoves> moves(states.size());
+  std::vector<std::array<bool, kLegMarkers>> known(states.size());
+  for (const LegObservation& o : model.observations) {
+    const LegResidual residual = EvaluateObservation(model, o, coefficients);
+    if (jitters[o.marker].share == 0 || !IsOrdinary(model, residual.value, o.sigma)) continue;
+    const Eigen::Vector2d seen = PlaneFromRecorded(model.view, o.seen, o.depth_mm);
+    const double scatter_variance = std::pow(o.sigma * PlaneUnitsPerRecorded(model.view, seen, o.depth_mm), 2);
+    const Eigen::Vector2d smooth = PointOf(o.marker, states[o.frame]).position;
+    moves[o.frame].move[o.marker] = jitters[o.marker].share * (model.plane_from_leg.transpose() * seen - smooth);
+    moves[o.frame].variance[o.marker] = jitters[o.marker].VarianceWhereSeen(scatter_variance);
+    known[o.frame][o.marker] = true;
+    variances[o.marker].push_back(scatter_variance);
+  }
+  for (std::size_t m = 0; m < kLegMarkers; ++m) {
+    const double hidden = variances[m].empty() ? 0 : jitters[m].VarianceWhereHidden(Median(variances[m]));
+    for (std::size_t i = 0; i < moves.size(); ++i)
+      if (!known[i][m]) moves[i].move[m].setZero(), moves[i].variance[m] = hidden;
+  }
+  return moves;
+}
+
+// The state whose markers lie where the moves put them.
+void MoveMarkers(const MarkerMoves& moves, int states, StateVector& state, StateMatrix& covariance) {
+  const int markers = states / 2;
+  Eigen::MatrixXd by_state(states, states), variance = Eigen::MatrixXd::Zero(states, states);
+  Eigen::VectorXd move(states);
+  for (int m = 0; m < markers; ++m) {
+    const auto index = static_cast<std::size_t>(m);
+    by_state.middleRows<2>(2 * m) = PointOf(static_cast<LegMarker>(m), state).by_state.leftCols(states);
+    move.segment<2>(2 * m) = moves.move[index];
+    variance.diagonal().segment<2>(2 * m).setConstant(moves.variance[index]);
+  }
+  const Eigen::MatrixXd by_markers = by_state.inverse();
+  state.head(states) += by_markers * move;
+  covariance.topLeftCorner(states, states) += by_markers * variance * by_markers.transpose();
+}
+
 }  // namespace
 
 double KneeVariance(const StateMatrix& covariance) {
@@ -92,7 +141,8 @@ std::vector<double> SlowNoise(const std::vector<NoiseSample>& samples, const std
 }
 
 LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
-                        const std::vector<double>& coefficients, bool with_covariance) {
+                        const std::vector<double>& coefficients, const std::array<Jitter, kLegMarkers>& jitters,
+                        bool with_covariance) {
   const std::size_t n = recording.Frames();
   const BandedMatrix covariance = LegCovariance(model, coefficients);
   LegCurves curves;
@@ -104,11 +154,16 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
     curves.hip_speed_in_leg.push_back(PointOf(kHip, curves.state[i]).by_state * curves.rate[i]);
   }
   const SlowNoises slow = FindSlowNoises(recording, model, coefficients, covariance);
+  const bool any_jitters =
+      std::any_of(jitters.begin(), jitters.end(), [](const Jitter& jitter) { return jitter.share > 0; });
+  const std::vector<MarkerMoves> moves =
+      any_jitters ? FindMoves(model, coefficients, curves.state, jitters) : std::vector<MarkerMoves>();
   std::array<double, kLegMarkers> depth = {};
   for (const LegObservation& o : model.observations) depth[o.marker] = o.depth_mm;
   for (std::size_t i = 0; i < n; ++i) {
     const SplineGrid::Place place = model.grid.At(recording.time_s[i]);
-    const StateMatrix of_state = StateCovariance(model, covariance, place.value, place.first);
+    StateMatrix of_state = StateCovariance(model, covariance, place.value, place.first);
+    if (!moves.empty()) MoveMarkers(moves[i], model.states, curves.state[i], of_state);
     if (with_covariance) curves.covariance.push_back(of_state);
     std::array<double, kLegMarkers> slow_in_plane = {};
     for (int m = 0; m < curves.markers; ++m) {
@@ -151,14 +206,17 @@ MarkerCurve SmoothMarker(const motion::MarkerRecording& recording, const Detecti
       if (d.trusted[i]) values[i] = d.in_plane[i][axis];
     const SmoothSignal signal = FitSmoothingSpline(grid, recording.time_s, values, d.plane_sigma, smoothing);
     curve.settled &= signal.converged;
+    const Jitter jitter = options.known_sigmas ? Jitter(signal.noise_scale) : Jitter();
     for (std::size_t i = 0; i < n; ++i) {
       const SplineGrid::Place place = grid.At(recording.time_s[i]);
-      curve.in_plane[i][axis] = ValueAt(place, signal.coefficients);
-      const double own = VarianceAt(place, signal.covariance);
+      const double smooth = ValueAt(place, signal.coefficients), own = VarianceAt(place, signal.covariance);
+      curve.in_plane[i][axis] = smooth;
       variance[i] += own / 2;
       if (!d.trusted[i]) continue;
       const double sigma2 = std::pow(signal.noise_scale * d.plane_sigma[i], 2);
-      samples.push_back({i, 1 - own / sigma2, std::pow(values[i] - curve.in_plane[i][axis], 2) / sigma2});
+      samples.push_back({i, 1 - own / sigma2, std::pow(values[i] - smooth, 2) / sigma2});
+      curve.in_plane[i][axis] += jitter.share * (values[i] - smooth);
+      variance[i] += jitter.VarianceWhereSeen(sigma2) / 2;
     }
   }
   std::stable_sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });

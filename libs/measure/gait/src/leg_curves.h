@@ -29,8 +29,22 @@ struct LegCurves {
 // Variance of θ_shank − θ_thigh, rad².
 double KneeVariance(const StateMatrix& covariance);
 
+// What a marker itself scatters about its smooth path, from frame to frame, where the noise is known: of a scatter with
+// `scale` times the noise's deviation, 1/scale² of the variance is noise. The best estimate of a frame's jitter is that
+// share of its residual which is none (Wiener), with the variance that this leaves.
+struct Jitter {
+  Jitter() = default;
+  explicit Jitter(double scale) : share(1 - 1 / (scale * scale)) {}
+
+  double share = 0;  // of the residual's variance
+  double VarianceWhereSeen(double scatter_variance) const { return share * (1 - share) * scatter_variance; }
+  double VarianceWhereHidden(double scatter_variance) const { return share * scatter_variance; }
+};
+
+// Smooth paths, and on them the markers' jitters.
 LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
-                        const std::vector<double>& coefficients, bool with_covariance);
+                        const std::vector<double>& coefficients, const std::array<Jitter, kLegMarkers>& jitters,
+                        bool with_covariance);
 
 // A marker that is not the leg's, smoothed and bridged by itself.
 MarkerCurve SmoothMarker(const motion::MarkerRecording& recording, const Detections& detections, const LegView& view,

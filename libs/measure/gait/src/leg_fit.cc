@@ -163,6 +163,15 @@ Solution SolveLeg(LegModel model, std::vector<double> coefficients) {
   return solution;
 }
 
+std::array<Jitter, kLegMarkers> JittersOf(const std::array<double, kLegMarkers>& noise_scales,
+                                          const LegFitOptions& options) {
+  std::array<Jitter, kLegMarkers> jitters;
+  if (options.known_sigmas)
+    std::transform(noise_scales.begin(), noise_scales.end(), jitters.begin(),
+                   [](double scale) { return Jitter(scale); });
+  return jitters;
+}
+
 LegFitSummary Summarize(const Solution& solution, const LegStart& start) {
   LegFitSummary summary;
   summary.usable = solution.solve.usable;
@@ -241,7 +250,8 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
   progress.Advance();
 
-  LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients, !across.empty());
+  LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients,
+                                   JittersOf(solution.noise_scales, options), !across.empty());
   if (!across.empty()) {
     AddAcross(recording, leg, solution.model, options, curves);
     result.across = ReportAcross(leg);
@@ -251,6 +261,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
     for (std::size_t m = 0; m < leg.size(); ++m)
       if (report.name == leg[m].name) report.noise_scale = solution.noise_scales[m];
   result.summary = Summarize(solution, start);
+  result.summary.known_sigmas = options.known_sigmas;
   CheckPlausible(result);
   progress.Advance();
   return result;

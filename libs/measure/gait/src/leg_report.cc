@@ -87,6 +87,7 @@ Json LegFitJson(const LegFitResult& result) {
                {"fit",
                 {{"usable", fit.usable},
                  {"message", fit.message},
+                 {"known_sigmas", fit.known_sigmas},
                  {"iterations", fit.iterations},
                  {"initial_cost", fit.initial_cost},
                  {"final_cost", fit.final_cost},

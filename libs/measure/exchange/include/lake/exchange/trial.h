@@ -40,6 +40,7 @@ struct Trial {
   std::optional<double> mm_per_px;
   std::optional<bool> faces_right;    // known if `forward` was given
   std::optional<Eigen::Vector2d> up;  // in the plane, where a folder's own summary says it; else the plane's y
+  bool known_sigmas = false;          // measurements whose sigmas hold, as a folder's own summary says
   double out_of_plane_mm = 0;         // 3-D files: RMS of the leg's movement across the plane
   // 3-D files: x and y of the plane from the file's axes, and its normal, towards the one who sees x to the right.
   std::optional<Eigen::Matrix3d> plane_from_space;

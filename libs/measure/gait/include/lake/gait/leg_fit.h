@@ -43,6 +43,9 @@ struct LegFitOptions {
   // Longer recordings are solved with the normal matrix alone, in a sixth of the memory: to the same minimum, and to
   // other last digits.
   std::size_t most_frames_in_ceres = 15000;
+  // The sigmas hold, as the tracker's: what markers scatter beyond them about smooth paths is the person's own jitter,
+  // and is followed. Else it is noise that the sigmas did not know of.
+  bool known_sigmas = false;
   bool quiet = true;  // no progress
 
   // By what the program at work says which way is up and where the subject faces, for messages.
@@ -60,7 +63,7 @@ struct MarkerReport {
   double rms = 0;    // per axis, of the detections that are no outliers
   double worst = 0;  // 2-D, among all detections
   std::int64_t worst_frame = 0;
-  double noise_scale = 1;  // ≥ 1: how much larger the noise is than the detections' sigmas
+  double noise_scale = 1;  // ≥ 1: how much larger the scatter about smooth paths is than the detections' sigmas
   double parallax_per_depth =
       0;  // mm of error per mm that the marker stands off the calibrated plane (median); 0 without one
 };
@@ -81,6 +84,7 @@ struct OutlierReport {
 
 struct LegFitSummary {
   bool usable = false;
+  bool known_sigmas = false;  // as in the options
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;
   double knot_step_s = 0;

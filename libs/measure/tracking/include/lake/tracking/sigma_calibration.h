@@ -17,9 +17,9 @@ struct SigmaCalibration {
 // Golay 1964, through 0.13 s and nine samples at least); while it rests the displacement is frozen and does not show,
 // though it is there. So what a marker's fast samples scatter beyond the fits' own sigma is added to all of it, less to
 // those at rest; of a marker with fewer than 60 fast samples, what all markers' do. Where compression is strong, more
-// is added, as errors then last for some frames and a smooth path follows them. What shows as scatter counts up to nine
-// times the fits' own sigma: what scatters more is the person's own jitter. Without compression nothing is.
-// Detected samples' sigmas become sqrt(fit² + compression²).
+// is added, as errors then last for some frames and a smooth path follows them. What is added is at most 5.5
+// times the fits' own sigma (root mean square): what scatters more is the person's own jitter. Without compression
+// nothing is. Detected samples' sigmas become sqrt(fit² + compression²).
 SigmaCalibration CalibrateSigmas(motion::MarkerRecording& recording);
 
 }  // namespace lake::tracking
