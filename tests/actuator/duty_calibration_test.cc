@@ -208,7 +208,7 @@ TEST(DutyLog, ReadsCsvAndSerialOutput) {
 }
 
 TEST(DutyLog, LinesOfBlanksAreNoRows) {
-  const actuator::DutyLog log = ReadText("  \ntime_s,stroke_mm,duty\n0,300,0\n \t\n ok \n1,301,0.5\n \r\n");
+  const actuator::DutyLog log = ReadLogText("  \ntime_s,stroke_mm,duty\n0,300,0\n \t\n ok \n1,301,0.5\n \r\n");
   EXPECT_EQ(log.time_s, (std::vector<double>{0, 1}));
 }
 

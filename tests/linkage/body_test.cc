@@ -51,9 +51,9 @@ TEST(Body, SegmentsHaveThePublishedLengthMassAndCentre) {
 }
 
 TEST(Body, RefusesWhatIsNoBody) {
-  EXPECT_THAT([] { linkage::BodyOf(180, 80); }, ThrowsMessage<Error>(HasSubstr("a body of 18 cm")));
+  EXPECT_THAT([] { linkage::BodyOf(180, 80); }, ThrowsMessage<Error>(HasSubstr("a body of 180 mm")));
   EXPECT_THAT([] { linkage::BodyOf(1800, 0); }, ThrowsMessage<Error>(HasSubstr("a body of 0 kg")));
-  EXPECT_THAT([] { linkage::BodyOf(std::nan(""), 80); }, ThrowsMessage<Error>(HasSubstr("a body of nan cm")));
+  EXPECT_THAT([] { linkage::BodyOf(std::nan(""), 80); }, ThrowsMessage<Error>(HasSubstr("a body of nan mm")));
 }
 
 TEST(Body, TakesTheLengthsOfAPersonsOwnLeg) {

@@ -13,6 +13,7 @@ namespace {
 synth::SceneOptions OneRise(std::uint64_t seed) {
   synth::SceneOptions scene = synth::CleanScene(seed);
   scene.motion.repetitions = 1, scene.duration_s = 0;
+  scene.frame_rate_hz = 30;
   return scene;
 }
 

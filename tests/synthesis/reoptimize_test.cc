@@ -117,8 +117,9 @@ TEST(Reoptimize, NoRandomSearchFindsABetterObjective) {
     double best = -1e9;
     constexpr int kFeasible = 3400;  // three problems: 10^4 together
     for (; feasible < kFeasible && tried < 100 * kFeasible; ++tried) {
-      constexpr double kSpreads_mm[] = {0.05, 0.5, 3, 100};
-      const redesign::ReoptimizePoint point = RandomPoint(problem, result.Best().point, kSpreads_mm[tried % 4], random);
+      // Mostly near by, where most are feasible; from the whole of the bounds few are.
+      constexpr double kSpreads_mm[] = {0.05, 0.5, 0.05, 3, 0.05, 0.5, 0.05, 100};
+      const redesign::ReoptimizePoint point = RandomPoint(problem, result.Best().point, kSpreads_mm[tried % 8], random);
       if (const auto objective = Objective(problem, point)) ++feasible, best = std::max(best, *objective);
     }
     EXPECT_GE(feasible, kFeasible);
