@@ -132,6 +132,8 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   const std::string page = ReadTextFile(folder_ / "out/group/group.html");
   EXPECT_THAT(page, HasSubstr("../sub-02/comparison/report.html"));
   EXPECT_THAT(page, HasSubstr("onset to seat-off (s)")) << "names in words, with units";
+  EXPECT_THAT(page, HasSubstr("<a href=\"./../sub-01/comparison/report.html\">sub-01</a>"));
+  EXPECT_THAT(page, HasSubstr("data-filters=\"0 1 2 3\""));
   const CsvTable failures = CsvTable::Read(folder_ / "out/group/failures.csv");
   ASSERT_EQ(failures.Rows(), 2u);
   EXPECT_EQ(failures.Text(0, failures.Column("participant_id")), "sub-04");

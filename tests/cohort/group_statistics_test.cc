@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+
+#include "lake/synth/population.h"
 
 namespace lake::cohort {
 namespace {
@@ -42,6 +45,55 @@ TEST(Group, ComparesSessionsByTheirMeans) {
   EXPECT_EQ(rows[1].across, "repetition");
   EXPECT_NEAR(rows[1].agreement.bias.value, 0, 1e-12) << "up in odd, down in even ones";
   EXPECT_GT(rows[1].sem.value, 0.05);
+}
+
+// What a rendered cohort would measure without error: 20 people, two sessions.
+GroupData DrawnGroup(const synth::PopulationOptions& population) {
+  GroupData group;
+  group.quantities = {"offset_x_mm", "offset_y_mm", "knee_largest_deg", "rise_s"};
+  for (const synth::Session& session : DrawPopulation(population, {}))
+    group.rows.push_back({session.participant,
+                          session.session,
+                          "",
+                          "comparison",
+                          {},
+                          {{"offset_x_mm", session.exo.exo_knee_mm->x()},
+                           {"offset_y_mm", session.exo.exo_knee_mm->y()},
+                           {"knee_largest_deg", session.human.seated_knee_deg},
+                           {"rise_s", session.human.rise_s}}});
+  return group;
+}
+
+// The population's own variances say the ICC, its means the offsets: 95 % intervals hold them in 95 % of populations.
+TEST(Group, RecoversThePopulationItWasDrawnFrom) {
+  synth::PopulationOptions of;
+  of.people = 20, of.sessions = 2;
+  const auto icc = [](double between_sd, double session_sd) {
+    return between_sd * between_sd / (between_sd * between_sd + session_sd * session_sd);
+  };
+  const std::map<std::string, double> truth = {
+      {"offset_x_mm", icc(of.exo_knee_sd_mm, of.exo_knee_session_sd_mm)},
+      {"offset_y_mm", icc(of.exo_knee_sd_mm, of.exo_knee_session_sd_mm)},
+      {"knee_largest_deg", icc(of.seated_knee_sd_deg, of.seated_knee_session_sd_deg)},
+      {"rise_s", icc(of.rise_sd_s, of.rise_session_sd_s)}};
+  constexpr int kPopulations = 200;
+  int icc2_holds = 0, icc3_holds = 0, offset_holds = 0;
+  for (of.seed = 1; of.seed <= kPopulations; ++of.seed) {
+    const GroupData group = DrawnGroup(of);
+    for (const ReliabilityRow& row : ReliabilityOf(group)) {
+      icc2_holds += row.icc2.interval.low <= truth.at(row.quantity) && truth.at(row.quantity) <= row.icc2.interval.high;
+      icc3_holds += row.icc3.interval.low <= truth.at(row.quantity) && truth.at(row.quantity) <= row.icc3.interval.high;
+    }
+    std::vector<double> offsets;
+    for (const std::string& participant : ParticipantsOf(group))
+      offsets.push_back(*ValueOf(group, participant, "comparison", "offset_x_mm"));
+    const reliability::Interval mean = reliability::MeanOf(offsets).mean.interval;
+    offset_holds += mean.low <= of.exo_knee_mm.x() && of.exo_knee_mm.x() <= mean.high;
+  }
+  // Three standard errors of a rate of 0.95 in 800 and in 200.
+  EXPECT_NEAR(icc2_holds / (4.0 * kPopulations), 0.95, 0.023);
+  EXPECT_NEAR(icc3_holds / (4.0 * kPopulations), 0.95, 0.023);
+  EXPECT_NEAR(offset_holds / (1.0 * kPopulations), 0.95, 0.046);
 }
 
 TEST(Group, LeavesOutWhoMissesASession) {

@@ -243,6 +243,41 @@ TEST(ReportInBrowser, ANameInTheLegendHidesItsLineAndItsBand) {
   EXPECT_EQ(hidden, Json({false, false, false, true}));
 }
 
+// By session, then by name, which takes the others' curves away and brings them back; no choice where there is none.
+TEST(ReportInBrowser, AReaderChoosesRowsAndTheirCurves) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  LineChart chart{.title = "Everyone", .x = {"percent"}, .y = {"mm"}};
+  for (const char* name : {"mean", "sub-01", "sub-02"})
+    chart.series.push_back({.name = name, .x = {0, 1}, .y = {1, 2}, .mark = Mark::kThin});
+  chart.series[0].mark = Mark::kLine;
+  const Table table{"Each",
+                    {{"Who"}, {"Session"}, {"Run"}, {"mm", 1}},
+                    {{Link{"a.html", "sub-01"}, "ses-1", "", 1.0},
+                     {Link{"b.html", "sub-01"}, "ses-2", "", 2.0},
+                     {Link{"c.html", "sub-02"}, "", "", 3.0}},
+                    Width::kFull,
+                    {0, 1, 2}};
+  const Json answer = Browser().Ask(RenderReport({"T", "", {}, {{"S", {chart, table}}}}), kProbe + R"(
+    const selects = [...document.querySelectorAll('.filters select')];
+    const rows = () => [...document.querySelectorAll('tbody tr')].map(row => row.offsetHeight > 0 ? 1 : 0).join('');
+    const curves = () => [0, 1, 2].map(i => charts[0].isDatasetVisible(i) ? 1 : 0).join('');
+    const choose = (i, value) => {
+      selects[i].value = value;
+      selects[i].dispatchEvent(new Event('change'));
+      return [rows(), curves(), document.querySelector('.filters output').textContent];
+    };
+    return [selects.length, rows(), choose(1, 'ses-2'), choose(1, '\u2013'), choose(1, ''), choose(0, 'sub-02'),
+            choose(0, '')];)");
+  EXPECT_EQ(answer, Json({2,
+                          "111",
+                          {"010", "111", "1 of 3 rows"},
+                          {"001", "111", "1 of 3 rows"},
+                          {"111", "111", "3 of 3 rows"},
+                          {"001", "101", "1 of 3 rows"},
+                          {"111", "111", "3 of 3 rows"}}))
+      << answer;
+}
+
 TEST(ReportInBrowser, PrintsPicturesOfTheCharts) {
   LAKE_SKIP_WITHOUT_BROWSER();
   Browser browser;

@@ -84,6 +84,15 @@ TEST(Report, ChartDataReadBackAsTheyWere) {
   EXPECT_EQ(data["series"][0]["y"], Json::parse("[0.1, null, null]"));
 }
 
+TEST(Report, ATableMayLinkAndBeFiltered) {
+  Table table{"Everyone", {{"Who"}, {"mm", 1}}, {{Link{"../sub 1/a\"b.html", "<sub-01>"}, 1.25}}};
+  const std::string plain = RenderReport({"T", "", {}, {{"S", {table}}}});
+  EXPECT_THAT(plain, HasSubstr("<th scope=\"row\"><a href=\"./../sub%201/a%22b.html\">&lt;sub-01&gt;</a></th>"));
+  EXPECT_THAT(plain, Not(HasSubstr("<script>")));
+  table.filters = {0, 1};
+  EXPECT_THAT(RenderReport({"T", "", {}, {{"S", {table}}}}), HasSubstr("data-filters=\"0 1\""));
+}
+
 TEST(Report, WarningsFollowTheMessage) {
   const std::string page =
       RenderReport({"T", "", {"beware"}, {{"Message", {Paragraph{"text"}}}, {"Numbers", {Paragraph{"text"}}}}});

@@ -90,6 +90,21 @@ TEST(GroupProgram, PeopleShareNothingButTheLinks) {
   }
 }
 
+// Whatever names a row or a variable, such as a message, means one.
+TEST(GroupProgram, NamesAreUnique) {
+  redesign::GroupProblem problem = WithPeople(Problem(), kThree);
+  problem.shared.penalty_deg_per_mm = 0.5;
+  for (const Across across : {Across::kWorst, Across::kMean}) {
+    problem.across = across;
+    redesign::ReoptimizeBuilder builder = BuilderOf(problem);
+    const nlp::NonlinearProgram program = builder.Build({}).program;
+    std::set<std::string> rows, variables;
+    for (const nlp::NlpRow& row : program.Rows()) EXPECT_TRUE(rows.insert(row.name).second) << row.name;
+    for (const nlp::NlpVariable& variable : program.Variables())
+      EXPECT_TRUE(variables.insert(variable.name).second) << variable.name;
+  }
+}
+
 // The rows of a group mean what the closed form says of each person.
 TEST(GroupProgram, RowsAgreeWithTheClosedForm) {
   redesign::GroupProblem problem = WithPeople(Problem(), kThree);

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -71,6 +72,17 @@ TEST(SizeRule, IsTheBestOfAllRules) {
   }
 }
 
+// No other size is better for a person than theirs, but for what a solve is within.
+void ExpectWearsTheBest(redesign::GroupProblem problem, const std::vector<redesign::PersonMeasured>& people,
+                        const redesign::SizesOutcome& outcome, std::size_t person,
+                        const synthesis::OptimizeOptions& options) {
+  const redesign::ReoptimizeProblem own = redesign::PutMotionInto(problem.shared, people[person].motion).problem;
+  std::vector<double> values;
+  for (const redesign::GroupOutcome& size : outcome.sizes)
+    values.push_back(redesign::FitOf(own, size.nearest.Links(), options).value);
+  EXPECT_GE(values[outcome.size_of[person]], *std::ranges::max_element(values) - 0.02);
+}
+
 // Short people who bend far, and tall ones who do not: the sizes are theirs, better than one for all, and whoever is
 // left out gets their own by the length of the leg.
 TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
@@ -91,6 +103,8 @@ TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
   const redesign::SizesOutcome outcome = redesign::RunSizes(problem, people, 2, {}, options);
   ASSERT_TRUE(outcome.IsSolved()) << outcome.Reason();
   EXPECT_THAT(outcome.size_of, ElementsAre(0, 1, 0, 1));
+  EXPECT_TRUE(outcome.is_settled);
+  for (std::size_t i = 0; i < 4; ++i) ExpectWearsTheBest(problem, people, outcome, i, options);
   EXPECT_GT(outcome.sizes[1].evaluation.range_deg, outcome.sizes[0].evaluation.range_deg + 0.5);
   for (const redesign::GroupOutcome& size : outcome.sizes) EXPECT_LE(size.Misalignment_percent(), 2.5 * (1 + 1e-4));
   EXPECT_EQ(outcome.rule.quantity, "leg_mm");

@@ -327,9 +327,14 @@ Json WriteSizes(const redesign::SizesOutcome& outcome, Run& run) {
   WritePeople(rows, run);
   WriteSizeTables(outcome, run);
   WarnOfGroup(rows, run);
+  if (!outcome.is_settled)
+    run.Warn(
+        "who wears which size had not settled after ten rounds of designs and assignments: some would be better off "
+        "with another size; more --starts or fewer --sizes help");
   const redesign::ReoptimizeProblem& shared = outcome.sizes.front().problem.shared;
   Json summary = {{"status", outcome.IsSolved() ? "solved" : "infeasible"},
                   {"mean_value_deg", NumberOrNull(outcome.mean_value_deg)},
+                  {"settled", outcome.is_settled},
                   {"max_misalignment_percent", NumberOrNull(shared.max_misalignment_percent)},
                   {"penalty_deg_per_mm", shared.penalty_deg_per_mm},
                   {"sizes", sizes},

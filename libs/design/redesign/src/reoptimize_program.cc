@@ -53,6 +53,7 @@ class PersonExtender {
         constant_start_(constant_start),
         person_(static_cast<int>(person)),
         prefix_(name.empty() ? "" : name + ": "),
+        whose_(name.empty() ? "" : " of " + name),
         weight_(weight),
         synthesis_(synthesis) {}
 
@@ -136,7 +137,7 @@ class PersonExtender {
 
   void AddPoses() {
     for (int percent = 0; percent < compare::kPercentSamples; ++percent) {
-      const std::string name = fmt::format(" at {} %", percent);
+      const std::string place = fmt::format(" at {} %", percent);
       const KnotSpan span = SpanOf(variables_.knots.size(), percent);
       const auto pose = linkage::SolvePose(start_.links, start_.StrokeAt(percent));
       const double human = problem_.human[percent].knee_rad;
@@ -145,8 +146,8 @@ class PersonExtender {
       constexpr double kPlausiblePhi_rad = 0.6;
       const double phi_start =
           pose ? pose->phi_rad : std::lerp(std::numbers::pi, kPlausiblePhi_rad, theta_start / std::numbers::pi);
-      variables_.theta.push_back(nlp().AddVariable(Named("theta" + name), theta_start, lower, upper));
-      synthesis::AddProgramPose(nlp(), name, synthesis_.links,
+      variables_.theta.push_back(nlp().AddVariable(Named("theta" + place), theta_start, lower, upper));
+      synthesis::AddProgramPose(nlp(), place + whose_, synthesis_.links,
                                 {variables_.knots[span.from], variables_.knots[span.from + 1], span.weight},
                                 variables_.theta.back(), phi_start);
     }
@@ -164,7 +165,7 @@ class PersonExtender {
   const ReoptimizePoint& start_;
   const ConstantStart constant_start_;
   const int person_;
-  const std::string prefix_;
+  const std::string prefix_, whose_;
   const double weight_;
   synthesis::SynthesisProgram& synthesis_;
   ReoptimizeVariables variables_;

@@ -187,6 +187,24 @@ Alternation Alternate(const GroupProblem& problem, const std::vector<compare::St
   return best;
 }
 
+// Designs from all starts, and on from there until everybody wears the size that is best for them; whether it came to
+// that.
+bool Settle(const GroupProblem& problem, const std::vector<compare::StsCurve>& human,
+            const std::vector<linkage::Links>& links, std::size_t sizes, const synthesis::OptimizeOptions& options,
+            Alternation& found) {
+  constexpr int kMostRounds = 10;
+  synthesis::OptimizeOptions search = options;
+  for (int round = 1;; ++round) {
+    found.designs = DesignSizes(problem, human, found.assignment, found.designs, links, sizes, search);
+    found.fits = FitsOf(problem, LinksOf(found.designs), options);
+    Assignment next = BestOf(found.fits, found.assignment, sizes);
+    if (next == found.assignment) return true;
+    if (round == kMostRounds) return false;
+    found.assignment = std::move(next);
+    search.starts = 1;  // the design before
+  }
+}
+
 // Sizes in the order of their wearers' legs.
 void Sort(const std::vector<double>& leg_mm, Alternation& found) {
   const std::size_t sizes = found.designs.size();
@@ -422,8 +440,7 @@ SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<PersonMeasur
     Alternation found = Alternate(problem, human, first, links, count, options);
     if (outcome.assignments++ == 0 || found.Value() > best.Value()) best = std::move(found);
   }
-  best.designs = DesignSizes(problem, human, best.assignment, best.designs, links, count, options);
-  best.fits = FitsOf(problem, LinksOf(best.designs), options);
+  outcome.is_settled = Settle(problem, human, links, count, options, best);
   Sort(leg_mm, best);
   outcome.sizes = std::move(best.designs), outcome.size_of = best.assignment;
   outcome.mean_value_deg =

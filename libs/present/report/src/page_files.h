@@ -9,6 +9,7 @@ std::string_view ChartLibrary();  // Chart.js
 std::string_view ChartLicence();  // of the chart library, in words
 std::string_view PageCharts();    // page/charts.js
 std::string_view PageControls();  // page/controls.js
+std::string_view PageFilters();   // page/filters.js
 std::string_view PageStyle();     // page/report.css
 
 }  // namespace lake::report

@@ -1,6 +1,8 @@
 #include "lake/report/report.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include "chart_data.h"
 #include "html.h"
@@ -24,10 +26,16 @@ const char* ClassOf(Width width) {
   return width == Width::kHalf ? "half" : "full";
 }
 
+bool IsText(const Cell& cell) {
+  return std::holds_alternative<std::string>(cell) || std::holds_alternative<Link>(cell);
+}
+
 std::string CellHtml(const Cell& cell, const Column& column, bool first) {
-  const bool is_text = std::holds_alternative<std::string>(cell);
+  const bool is_text = IsText(cell);
   std::string text;
-  if (is_text) text = EscapeHtml(std::get<std::string>(cell));
+  if (const auto* words = std::get_if<std::string>(&cell)) text = EscapeHtml(*words);
+  if (const auto* link = std::get_if<Link>(&cell))
+    text = fmt::format("<a href=\"{}\">{}</a>", EscapeHref(link->path), EscapeHtml(link->text));
   if (const auto* value = std::get_if<double>(&cell)) text = NumberText(*value, column.decimals);
   if (const auto* number = std::get_if<Number>(&cell)) text = NumberText(number->value, number->decimals);
   if (first) return fmt::format("<th scope=\"row\">{}</th>", text);
@@ -36,7 +44,7 @@ std::string CellHtml(const Cell& cell, const Column& column, bool first) {
 
 // A column is set as numbers if its first cell is one.
 bool IsNumeric(const Table& table, std::size_t column) {
-  return !table.rows.empty() && !std::holds_alternative<std::string>(table.rows[0][column]);
+  return !table.rows.empty() && !IsText(table.rows[0][column]);
 }
 
 std::string Html(const Paragraph& paragraph) {
@@ -75,7 +83,9 @@ std::string Html(const Table& table) {
     if (row.size() != table.columns.size())
       throw Fail("report: table '{}': a row of {} cells under {} columns", table.caption, row.size(),
                  table.columns.size());
-  std::string html = fmt::format("<div class=\"table {}\"><table>\n", ClassOf(table.width));
+  const std::string filters =
+      table.filters.empty() ? "" : fmt::format(" data-filters=\"{}\"", fmt::join(table.filters, " "));
+  std::string html = fmt::format("<div class=\"table {}\"{}><table>\n", ClassOf(table.width), filters);
   html += Element("caption", table.caption) + "<thead><tr>";
   for (std::size_t i = 0; i < table.columns.size(); ++i)
     html += fmt::format("<th scope=\"col\"{}>{}</th>", IsNumeric(table, i) ? " class=\"number\"" : "",
@@ -151,11 +161,18 @@ std::string ContentsHtml(const std::vector<Section>& sections) {
   return html + "</ol></nav>\n";
 }
 
-bool HasCharts(const std::vector<Section>& sections) {
-  for (const Section& section : sections)
-    for (const Block& block : section.blocks)
-      if (std::holds_alternative<LineChart>(block) || std::holds_alternative<BarChart>(block)) return true;
-  return false;
+template <typename Predicate>
+bool HasBlock(const std::vector<Section>& sections, Predicate is) {
+  return std::ranges::any_of(sections, [&](const Section& section) { return std::ranges::any_of(section.blocks, is); });
+}
+
+bool IsChart(const Block& block) {
+  return std::holds_alternative<LineChart>(block) || std::holds_alternative<BarChart>(block);
+}
+
+bool HasFilters(const Block& block) {
+  const auto* table = std::get_if<Table>(&block);
+  return table && !table->filters.empty();
 }
 
 }  // namespace
@@ -180,10 +197,12 @@ std::string RenderReport(const Report& report) {
     if (i == 0) html += WarningsHtml(report.warnings) + ContentsHtml(report.sections);
   }
   html += "</main>\n";
-  if (HasCharts(report.sections))
+  if (HasBlock(report.sections, IsChart))
     html +=
         fmt::format("<script>\n/*!\n{}*/\n{}\n</script>\n<script>\n'use strict';\n(() => {{\n{}\n{}}})();\n</script>\n",
                     ChartLicence(), ChartLibrary(), PageCharts(), PageControls());
+  if (HasBlock(report.sections, HasFilters))
+    html += fmt::format("<script>\n'use strict';\n(() => {{\n{}}})();\n</script>\n", PageFilters());
   return html + "</body>\n</html>\n";
 }
 

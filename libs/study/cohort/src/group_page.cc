@@ -1,10 +1,13 @@
 #include "group_page.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "lake/core/colours.h"
 #include "lake/core/error.h"
+#include "lake/core/statistics.h"
 
 namespace lake::cohort {
 
@@ -268,21 +271,55 @@ Section OutliersSection(const std::vector<OutlierRow>& rows) {
                                        "1993). They count in all tables above."}}};
 }
 
-Section StudiesSection(const Json& workflow, const fs::path& out) {
-  Files files;
+// A participant's own page, or the picture that tells most; without either the name alone.
+Cell LinkTo(const fs::path& study, const fs::path& out, const std::string& participant) {
+  for (const char* file : {"report.html", "comparison/report.html", "human/track.png", "human/gait.png"})
+    if (fs::is_regular_file(study / file))
+      return Link{fs::path("..") / (study / file).lexically_relative(out), participant};
+  return participant;
+}
+
+// Of one trial of one recording, over its repetitions; NaN where nothing is known.
+double MeanIn(const std::vector<const GroupRow*>& rows, const char* trial, const char* quantity) {
+  std::vector<double> values;
+  for (const GroupRow* row : rows)
+    if (row->trial == trial)
+      if (const auto found = row->values.find(quantity); found != row->values.end()) values.push_back(found->second);
+  return values.empty() ? std::nan("") : Mean(values);
+}
+
+// A row each recording and condition.
+Section StudiesSection(const Json& workflow, const fs::path& out, const GroupData& group) {
+  std::map<std::array<std::string, 3>, std::vector<const GroupRow*>> of_recordings;
+  for (const GroupRow& row : group.rows) of_recordings[{row.participant, row.session, row.run}].push_back(&row);
+  Table table{"Means over the repetitions of each recording",
+              {{"Participant"},
+               {"Session"},
+               {"Run"},
+               {"Exoskeleton"},
+               {"Time to rise (s)", 2},
+               {"Knee range (°)", 1},
+               {"Trunk lean (°)", 1},
+               {"Misalignment, RMS (mm)", 1}},
+              {},
+              Width::kFull,
+              {0, 1, 2, 3}};
   for (const auto& [name, of] : workflow["recordings"].items()) {
-    const fs::path folder = fs::path(of["folder"].get<std::string>());
-    for (const auto& [file, what] : {std::pair{"report.html", "the whole study"},
-                                     {"comparison/report.html", "the misalignment"},
-                                     {"human/track.png", "the trial without exoskeleton"},
-                                     {"human/gait.png", "the trial without exoskeleton"}})
-      if (fs::is_regular_file(folder / file)) {
-        files.files.push_back(
-            {fs::path("..") / (folder / file).lexically_relative(out), fmt::format("{}, {}", name, what)});
-        break;
-      }
+    const std::string participant = of["participant"], session = of["session"], run = of["run"];
+    const std::vector<const GroupRow*>& rows = of_recordings[{participant, session, run}];
+    for (const auto& [trial, condition] : {std::pair{"human", "without"}, {"exo", "with"}}) {
+      if (std::ranges::none_of(rows, [&](const GroupRow* row) { return row->trial == trial; })) continue;
+      const bool is_exo = std::string_view(trial) == "exo";
+      table.rows.push_back({LinkTo(of["folder"].get<std::string>(), out, participant), session, run, condition,
+                            MeanIn(rows, trial, "rise_s"), MeanIn(rows, trial, "knee_range_deg"),
+                            MeanIn(rows, trial, "trunk_largest_deg"),
+                            is_exo ? MeanIn(rows, "comparison", "rms_mm") : std::nan("")});
+    }
   }
-  return {"Each participant", {std::move(files)}};
+  return {"Each participant",
+          {Paragraph{"A name leads to the participant's own page. With one chosen, the charts of everyone show that "
+                     "participant's curve alone beside the mean."},
+           std::move(table)}};
 }
 
 Section TablesSection() {
@@ -310,7 +347,7 @@ Report MakeGroupPage(const Json& workflow, const fs::path& out, const GroupData&
     page.sections.push_back(PopulationSection(ReadJsonFile(summary)));
   if (!findings.outliers.empty()) page.sections.push_back(OutliersSection(findings.outliers));
   if (!findings.failures.empty()) page.sections.push_back(FailuresSection(findings.failures));
-  page.sections.push_back(StudiesSection(workflow, out));
+  page.sections.push_back(StudiesSection(workflow, out, group));
   page.sections.push_back(TablesSection());
   page.sections.push_back(ProvenanceSection(head));
   return page;

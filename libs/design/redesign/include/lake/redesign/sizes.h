@@ -60,6 +60,7 @@ struct SizesOutcome {
   std::vector<LeftOut> left_out;  // per person; empty where a size has no design
   double mean_value_deg = 0;      // of what is maximised, over people; NaN where a limit is not held
   int assignments = 0;            // from how many the search began
+  bool is_settled = false;        // everybody wears the size that is best for them
 
   bool IsSolved() const;
   std::string Reason() const;  // why a size has no design
@@ -69,7 +70,7 @@ struct SizesOutcome {
 void CheckSizes(const GroupProblem& shared, int sizes, std::size_t people);
 
 // `heights_mm`: of all people, or empty. Designs and people are assigned to each other in turn, which never makes the
-// mean over people worse, from several first assignments; each person wears the size that is best for them. Throws as
+// mean over people worse, from several first assignments, until nobody changes or for ten rounds at most. Throws as
 // CheckSizes() and RunGroup().
 SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<PersonMeasured>& people, int sizes,
                       const std::vector<double>& heights_mm, const synthesis::OptimizeOptions& options);

@@ -59,13 +59,20 @@ struct Number {
   int decimals = 2;
 };
 
-using Cell = std::variant<std::string, double, Number>;  // NaN: "–"
+// A text that leads to a file beside the report.
+struct Link {
+  std::filesystem::path path{};  // relative to the report
+  std::string text{};
+};
+
+using Cell = std::variant<std::string, double, Number, Link>;  // NaN: "–"
 
 struct Table {
   std::string caption{};
   std::vector<Column> columns{};
   std::vector<std::vector<Cell>> rows{};  // the first cell of a row names it
   Width width = Width::kFull;
+  std::vector<std::size_t> filters{};  // columns by whose values a reader chooses rows; of the first also thin curves
 };
 
 // PNG, JPEG, GIF, SVG (as <img>, so that no script in it runs), MP4 (with controls); told apart by their content.
