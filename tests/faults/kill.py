@@ -98,16 +98,18 @@ def main():
             faults += 1
             print(f"FAULT {fault}", flush=True)
 
-        for number in range(asked.count):
+        number = -1
+        while killed < asked.count:
+            number += 1
             was_at_work, left = kill_after(rng.uniform(0, usual_s), folder, rng)
             killed += was_at_work
-            if number % 20 == 19:
-                print(f"{number + 1} killed", flush=True)
+            if was_at_work and killed % 20 == 0:
+                print(f"{killed} killed", flush=True)
             if left:
                 say(f"{number}: still at work: {left}")
             if out.is_dir() and (wrong := differences(results_in(out), whole)):
                 say(f"{number}: not those of a whole run: {', '.join(wrong)}")
-            if rng.random() < 0.25 or number + 1 == asked.count:
+            if rng.random() < 0.25 or killed == asked.count:
                 ended, completed = programs.run(WORDS, folder), completed + 1
                 results = results_in(out)
                 if ended.returncode:
@@ -118,7 +120,7 @@ def main():
                 if hidden := [name for name in files_in(out) if is_leftover(name)]:
                     say(f"{number}: run again, it left {', '.join(hidden)}")
                 shutil.rmtree(out)
-    print(f"{killed} of {asked.count} runs killed at work, {completed} completed by the next run, {faults} faults")
+    print(f"{killed} of {number + 1} runs killed at work, {completed} completed by the next run, {faults} faults")
     sys.exit(1 if faults else 0)
 
 

@@ -87,19 +87,34 @@ std::vector<std::vector<cv::Point3f>> PointsInBoard(const Board& board, const st
   return points;
 }
 
+// Spread over all views: OpenCV solves densely for all poses together, in a time that grows with the cube of their
+// number, and thirty views fix a camera as well as a start needs it.
+std::vector<std::size_t> ViewsForSeed(std::size_t views) {
+  constexpr std::size_t kMost = 30;
+  const std::size_t count = std::min(views, kMost);
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < count; ++i) chosen.push_back(i * views / count);
+  return chosen;
+}
+
 Seed SeedOfOpenCv(const Board& board, const std::vector<BoardView>& views, cv::Size size,
                   const CalibrationOptions& options) {
+  const std::vector<std::vector<cv::Point3f>> points = PointsInBoard(board, views);
   std::vector<std::vector<cv::Point2f>> pixels;
   for (const BoardView& view : views) {
     auto& list = pixels.emplace_back();
     for (const auto& p : view.pixel) list.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
   }
+  const std::vector<std::size_t> chosen = ViewsForSeed(views.size());
+  std::vector<std::vector<cv::Point3f>> chosen_points;
+  std::vector<std::vector<cv::Point2f>> chosen_pixels;
+  for (const std::size_t view : chosen) chosen_points.push_back(points[view]), chosen_pixels.push_back(pixels[view]);
   const int flags = (options.fix_k3 ? cv::CALIB_FIX_K3 : 0) | (options.square_pixels ? cv::CALIB_FIX_ASPECT_RATIO : 0);
   cv::Mat k = cv::Mat::eye(3, 3, CV_64F), d = cv::Mat::zeros(1, 5, CV_64F);
   std::vector<cv::Mat> r, t;
   Seed seed;
   try {
-    seed.rms_px = cv::calibrateCamera(PointsInBoard(board, views), pixels, size, k, d, r, t, flags);
+    seed.rms_px = cv::calibrateCamera(chosen_points, chosen_pixels, size, k, d, r, t, flags);
   } catch (const cv::Exception&) {
     seed.rms_px = std::nan("");
   }
@@ -108,10 +123,15 @@ Seed SeedOfOpenCv(const Board& board, const std::vector<BoardView>& views, cv::S
                views.size());
   seed.unknowns.intrinsics = {k.at<double>(0, 0), k.at<double>(1, 1), k.at<double>(0, 2), k.at<double>(1, 2)};
   std::copy_n(d.ptr<double>(), 5, seed.unknowns.distortion.begin());
-  for (std::size_t i = 0; i < views.size(); ++i) {
+  for (std::size_t i = 0, next = 0; i < views.size(); ++i) {
+    cv::Mat rotation, translation;
+    if (next < chosen.size() && chosen[next] == i)
+      rotation = r[next], translation = t[next], ++next;
+    else
+      cv::solvePnP(points[i], pixels[i], k, d, rotation, translation);
     Unknowns::Pose& pose = seed.unknowns.poses.emplace_back();
-    std::copy_n(r[i].ptr<double>(), 3, pose.rotation.begin());
-    std::copy_n(t[i].ptr<double>(), 3, pose.translation.begin());
+    std::copy_n(rotation.ptr<double>(), 3, pose.rotation.begin());
+    std::copy_n(translation.ptr<double>(), 3, pose.translation.begin());
   }
   return seed;
 }
@@ -135,7 +155,7 @@ std::unique_ptr<ceres::Problem> MakeProblem(const Board& board, const std::vecto
 
 SolveSummary Solve(ceres::Problem& problem) {
   ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.linear_solver_type = ceres::SPARSE_SCHUR;  // what is left of a view's pose touches no other view's
   options.max_num_iterations = 200;
   options.function_tolerance = 1e-12;
   options.gradient_tolerance = 1e-12;

@@ -19,7 +19,7 @@ std::string_view SourceTree();
 std::string VersionAndCommit();
 
 // Lower-case hexadecimal SHA-256 of a file's content; of a folder, the hash of its files' sorted names and hashes.
-// A file that this process has hashed and nobody has touched since is not read again. Throws Error if it cannot be read.
+// A file hashed before by this process and untouched since is not read again. Throws Error if it cannot be read.
 std::string Sha256OfFile(const std::filesystem::path& path);
 
 // Lower-case hexadecimal SHA-256 of one of the project's programs, but for the commit that it names: programs of

@@ -43,7 +43,7 @@ struct CalibrationResult {
   double rms_px = 0;                    // of all corners, 2-D
   double inlier_rms_px = 0;             // without the outliers
   double sigma_px = 0;                  // noise of one coordinate, from the median residual
-  double seed_rms_px = 0;               // OpenCV's own, on the same corners and model
+  double seed_rms_px = 0;               // OpenCV's own, same model, of 30 of the views at most
   SolveSummary summary;
 };
 
