@@ -98,6 +98,10 @@ TEST_F(Folders, AreNotBegunWithWhatCannotEndWell) {
   corrected("100000,knee,3,4\n", "c.csv:2: frame 100000 is not in the recording");
   corrected("1,knee,3,\n", "c.csv:2: x_px and y_px");
   corrected("1,knee,3,99999\n", "outside the picture");
+  WriteTextFile(folder_ / "e.csv", "repetition,event,time_s\n1,onset,1\n1,standing,1000\n");
+  Refused(track + "--events e.csv", 1, "e.csv:3: 1000 s is outside the recording");
+  Refused(track + "--events none.csv", 1, "none.csv: no such file");
+  Refused(track + "--events e.csv --markers ankle,knee,waist", 2, "--events: without ankle, knee and hip");
   EXPECT_FALSE(Has("D"));
 }
 

@@ -24,8 +24,8 @@ using testing::ThrowsMessage;
 class StudyYaml : public testing::Test {
  protected:
   StudyYaml() {
-    for (const char* name :
-         {"human.mp4", "exo.mp4", "camera.yaml", "corrections.csv", "trial.trc", "board.png", "worn.yaml", "duty.csv"})
+    for (const char* name : {"human.mp4", "exo.mp4", "camera.yaml", "corrections.csv", "events.csv", "trial.trc",
+                             "board.png", "worn.yaml", "duty.csv"})
       WriteTextFile(folder_ / name, "");
     fs::create_directory(folder_ / "frames");
     fs::create_directory(folder_ / "boards");
@@ -63,6 +63,7 @@ human:
   filter: butterworth
   cutoff_hz: 6
   corrections: corrections.csv
+  events: events.csv
   overlay: false
 exo:
   trial: trial.trc
@@ -71,6 +72,7 @@ exo:
   forward: -x
   unit: m
   facing: left
+  events: events.csv
 compare: {human_knee: knee, exo_knee: exo_knee, replacement_sd_mm: 1.5}
 design:
   problem: {margins: {grashof_mm: 2}}
@@ -116,9 +118,11 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(video.fit.filter, gait::LegFilter::kButterworth);
   EXPECT_EQ(video.fit.cutoff_hz, 6);
   EXPECT_EQ(video.corrections, folder_ / "corrections.csv");
+  EXPECT_EQ(video.events, folder_ / "events.csv");
   EXPECT_FALSE(video.overlay);
   const auto& trial = std::get<commands::GaitRunOptions>(study.exo->work);
   EXPECT_EQ(trial.trial, folder_ / "trial.trc");
+  EXPECT_EQ(trial.events, folder_ / "events.csv");
   EXPECT_EQ(trial.reading.names.at("exo_knee"), "E_K");
   EXPECT_EQ(trial.reading.up, 'y');
   EXPECT_EQ(trial.reading.forward, "-x");

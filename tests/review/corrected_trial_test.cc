@@ -2,14 +2,17 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <map>
 #include <thread>
 #include <utility>
 
 #include "file_limit.h"
 #include "home_folder.h"
+#include "lake/commands/gait.h"
 #include "lake/commands/review.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/gait/corrected_events.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -32,14 +35,17 @@ class CorrectedTrial : public testing::Test {
   fs::path Folder(const std::string& name) const { return folder_ / name; }
 
   // As the program does it, with what it keeps of its command line.
-  void Track(const std::string& name, const std::optional<fs::path>& corrections = {}) const {
+  void Track(const std::string& name, const std::optional<fs::path>& corrections = {},
+             const std::optional<fs::path>& events = {}) const {
     commands::TrackRunOptions options;
     options.video = Recording("video.mp4"), options.camera = Recording("camera.yaml");
     options.overlay = false, options.track.quiet = true, options.corrections = corrections;
+    options.events = events;
     const Json said = {{"out", Folder(name).string()},
                        {"video", options.video.string()},
                        {"camera", options.camera->string()},
                        {"corrections", corrections ? corrections->string() : ""},
+                       {"events", events ? events->string() : ""},
                        {"overlay", "false"}};
     lake::Run run({"lake-track", "test", said, Folder(name), true});
     run.WriteSummary(commands::RunTrack(options, run));
@@ -91,6 +97,95 @@ TEST_F(CorrectedTrial, IsWhatLakeTrackMakesOfTheCorrections) {
   Track("tracked", Folder("exact") / "corrections.csv");
   ExpectSameTables(fit, Folder("tracked"));
   EXPECT_NE(ReadTextFile(Folder("tracked") / "kinematics.csv"), ReadTextFile(Folder("trial") / "kinematics.csv"));
+}
+
+// Frames of the events as a page would show them.
+std::map<std::string, int> EventFrames(const Json& trial) {
+  std::map<std::string, int> frames;
+  for (const Json& event : trial["leg"]["events"])
+    frames[event["event"].get<std::string>()] = event["frame"].get<int>();
+  return frames;
+}
+
+TEST_F(CorrectedTrial, HasMovedEventsAsLakeTrackPutsThem) {
+  const fs::path folder = Copy("moved_events");
+  ReviewedTrial trial = Open(folder);
+  const review::TrialFit fit = trial.work.fit(trial.book.Corrected());
+  ASSERT_GE(fit.leg->events.size(), 3u);
+  const motion::StsEvent& seat_off = fit.leg->events[1];
+  ASSERT_EQ(seat_off.kind, motion::StsEventKind::kSeatOff);
+  EXPECT_FALSE(fs::exists(folder / "events_corrected.csv"));
+  trial.book.MoveEvent(1, motion::StsEventKind::kOnset, fit.leg->events[0].frame - 5);
+  trial.book.MoveEvent(1, motion::StsEventKind::kSeatOff, seat_off.frame + 3);
+  trial.book.Hide(50, "hip");
+  trial.work.save(trial.book);
+  review::TrialFit refitted = trial.work.fit(trial.book.Corrected());
+  gait::CorrectEvents(trial.book.Events(), *refitted.leg);
+  Track("tracked", folder / "corrections.csv", folder / "events_corrected.csv");
+  ExpectSameTables(refitted, Folder("tracked"));
+  const Json summary = ReadJsonFile(Folder("tracked") / "summary.json");
+  EXPECT_EQ(summary["options"]["events"], (folder / "events_corrected.csv").string());
+  EXPECT_THAT(summary["inputs"].back()["path"].get<std::string>(), HasSubstr("events_corrected.csv"));
+  EXPECT_EQ(motion::ReadEventsCsv(Folder("tracked") / "events.csv")[1].frame, seat_off.frame + 3);
+  EXPECT_THAT(trial.about["command_with_events"].get<std::string>(),
+              HasSubstr("--events " + (folder / "events_corrected.csv").string()));
+  // What was found is not lost, wherever the events came from.
+  Track("events_alone", {}, folder / "events_corrected.csv");
+  for (const fs::path& reviewed : {folder, Folder("events_alone")}) {
+    ReviewedTrial later = Open(reviewed);
+    EXPECT_TRUE(later.book.IsMoved(1, motion::StsEventKind::kSeatOff));
+    later.book.RestoreEvent(1, motion::StsEventKind::kSeatOff);
+    EXPECT_EQ(later.work.fit(later.book.Corrected()).leg->events[1].frame, seat_off.frame);
+  }
+}
+
+// Further fits of a trial whose events were moved do not find them again.
+TEST_F(CorrectedTrial, KeepsMovedEventsInWhatIsMadeOfIt) {
+  WriteTextFile(Folder("events.csv"), "repetition,event,time_s\n1,seat_off,1.21\n");
+  Track("plates", {}, Folder("events.csv"));
+  const auto gait = [&](const std::string& from, const std::string& to, const std::optional<fs::path>& events) {
+    commands::GaitRunOptions options;
+    options.trial = Folder(from), options.events = events;
+    lake::Run run({"lake-gait", "test", {}, Folder(to), true});
+    run.WriteSummary(commands::RunGait(options, run));
+    return motion::ReadEventsCsv(Folder(to) / "events.csv")[1].time_s;
+  };
+  EXPECT_EQ(gait("plates", "again", {}), 1.21);
+  EXPECT_EQ(gait("again", "thrice", {}), 1.21);
+  EXPECT_NE(gait("trial", "found", {}), 1.21);
+  EXPECT_EQ(gait("trial", "said", Folder("events.csv")), 1.21);
+  WriteTextFile(Folder("late.csv"), "repetition,event,time_s\n1,seat_off,99\n");
+  EXPECT_THAT([&] { gait("trial", "late", Folder("late.csv")); },
+              ThrowsMessage<Error>(HasSubstr("late.csv:2: 99 s is outside the recording")));
+  EXPECT_FALSE(fs::exists(Folder("late") / "summary.json"));
+}
+
+TEST_F(CorrectedTrial, TakesNoEventOutOfItsOrder) {
+  const fs::path folder = Copy("order");
+  ReviewedTrial trial = Open(folder);
+  review::TrialSession session(std::move(trial.book), trial.repeated, trial.work, trial.about);
+  const auto fitted = [&] {
+    for (int i = 0; i < 600 && session.State()["fitted"] != session.State()["revision"]; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return Json::parse(session.Trial());
+  };
+  const std::map<std::string, int> found = EventFrames(fitted());
+  const auto move = [&](const char* event, int frame) {
+    session.Edit({{"op", "move_event"}, {"repetition", 1}, {"event", event}, {"frame", frame}});
+  };
+  EXPECT_THAT([&] { move("standing", found.at("onset")); }, ThrowsMessage<Error>(HasSubstr("is before seat_off")));
+  EXPECT_THROW(move("standing", 1'000'000), Error);
+  EXPECT_THROW(move("sitting", 20), Error);
+  EXPECT_FALSE(fs::exists(folder / "events_corrected.csv"));
+  move("onset", found.at("onset") + 2);
+  const Json moved = Json::parse(session.Trial());
+  EXPECT_EQ(EventFrames(moved).at("onset"), found.at("onset") + 2) << "at once, without a fit";
+  EXPECT_EQ(moved["state"]["corrections"], 1);
+  session.Edit({{"op", "undo"}});
+  EXPECT_EQ(EventFrames(Json::parse(session.Trial())), found);
+  EXPECT_TRUE(motion::ReadEventCorrections(folder / "events_corrected.csv").empty());
+  session.Edit({{"op", "redo"}});
+  EXPECT_EQ(motion::ReadEventCorrections(folder / "events_corrected.csv").size(), 1u);
 }
 
 TEST_F(CorrectedTrial, TrackedAgainCanStillBeTakenBack) {
@@ -202,6 +297,21 @@ TEST_F(CorrectedTrial, OnAFullDiskKeepsWhatWasSaved) {
   EXPECT_EQ(ReadTextFile(folder / "review.json"), kept);
   session.Edit({{"op", "hide"}, {"frame", 51}, {"marker", "hip"}});
   EXPECT_EQ(session.State()["corrections"], 2);
+}
+
+// Two programs on one folder: the second's step is refused, not the first's lost.
+TEST_F(CorrectedTrial, OverwritesNoCorrectionsOfAnotherProgram) {
+  const fs::path folder = Copy("twice");
+  ReviewedTrial first = Open(folder), second = Open(folder);
+  first.book.Hide(50, "hip");
+  first.work.save(first.book);
+  const std::string saved = ReadTextFile(folder / "corrections.csv");
+  second.book.Hide(51, "hip");
+  EXPECT_THAT([&] { second.work.save(second.book); }, ThrowsMessage<Error>(HasSubstr("changed by another program")));
+  EXPECT_EQ(ReadTextFile(folder / "corrections.csv"), saved);
+  first.book.Hide(52, "hip");
+  first.work.save(first.book);
+  EXPECT_EQ(Open(folder).book.Count(), 2u);
 }
 
 TEST_F(CorrectedTrial, IsFittedAnewInTheBackground) {

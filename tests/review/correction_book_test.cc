@@ -73,6 +73,36 @@ TEST(CorrectionBook, ALaterSessionTakesStepsBack) {
   EXPECT_EQ(later.History().at("steps").size(), 2u);
 }
 
+TEST(CorrectionBook, MovesEventsAmongItsOtherSteps) {
+  using motion::StsEventKind;
+  CorrectionBook book(Recording(), 640, 480, {}, {}, {{1, StsEventKind::kOnset, {}, 0.05, {}}});
+  EXPECT_EQ(book.Count(), 1u);
+  book.MoveEvent(1, StsEventKind::kSeatOff, 14);
+  book.Hide(12, "knee");
+  book.MoveEvent(1, StsEventKind::kSeatOff, 15);
+  EXPECT_THROW(book.MoveEvent(1, StsEventKind::kSeatOff, 15), Error) << "changes nothing";
+  EXPECT_THROW(book.MoveEvent(1, StsEventKind::kSeatOff, 9), Error) << "outside";
+  EXPECT_THROW(book.MoveEvent(0, StsEventKind::kSeatOff, 15), Error);
+  EXPECT_THROW(book.RestoreEvent(2, StsEventKind::kSeatOff), Error) << "was not moved";
+  EXPECT_EQ(book.Events()[1].time_s, 5 / 30.0);
+  book.RestoreEvent(1, StsEventKind::kOnset);
+  const Json history = Json::parse(book.History().dump());
+  CorrectionBook later(Recording(), 640, 480, {}, book.Corrections(), book.Events());
+  later.TakeHistory(history);
+  later.Undo();
+  EXPECT_EQ(later.Events().front().time_s, 0.05) << "what was there before the first step";
+  later.Undo();
+  EXPECT_EQ(later.Events()[1].frame, 14);
+  later.Undo();
+  later.Undo();
+  EXPECT_FALSE(later.CanUndo());
+  EXPECT_FALSE(later.IsMoved(1, StsEventKind::kSeatOff));
+  later.Redo();
+  EXPECT_EQ(later.Events()[1].frame, 14);
+  CorrectionBook by_hand(Recording(), 640, 480, {}, book.Corrections());
+  EXPECT_THAT([&] { by_hand.TakeHistory(history); }, testing::ThrowsMessage<Error>(testing::HasSubstr("were changed")));
+}
+
 TEST(CorrectionBook, TakesNoStepsOfOtherCorrections) {
   CorrectionBook book(Recording(), 640, 480, {});
   book.Hide(12, "knee");

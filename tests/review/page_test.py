@@ -5,11 +5,14 @@ import csv
 import json
 import os
 import pathlib
+import resource
+import shlex
 import shutil
 import signal
 import socket
 import subprocess
 import tempfile
+import threading
 import time
 import unittest
 import urllib.error
@@ -59,7 +62,7 @@ class Review:
     def __init__(self, folder, subject, *options):
         self.process = subprocess.Popen(
             [BIN / "lake-review", subject, *options], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            text=True)
+            text=True, restore_signals=False)  # a file beyond its limit is an error, as on a full disk, not the end
         self.address = self.process.stdout.readline().strip()
 
     def ask(self, path, message=None, **headers):
@@ -286,6 +289,109 @@ class ReviewPage(unittest.TestCase):
         self.press(Keys.ARROW_UP, holding=Keys.ALT)
         self.until(lambda: self.is_corrected("knee"))
         self.assertEqual(len(self.corrections()), 1)
+        Select(self.part("swap-with")).select_by_value("hip")
+        self.part("frame").click()
+        self.press("x")
+        self.until(lambda: "knee and hip swapped from frame 30 on" in self.text("said"))
+        self.assertEqual({row["marker"] for row in self.corrections()}, {"knee", "hip"})
+
+    def test_zooms_to_a_marker_and_pans(self):
+        self.open_trial()
+        self.seek(20)
+        knee, (_, _, scale) = self.place("knee", 20), self.on_screen("picture", 0, 0)
+        self.press("2", "+")  # the knee in the middle, four times as large
+        self.drag_from_middle((0, 0), (40, 0), holding=Keys.ALT)
+        self.until(lambda: self.is_corrected("knee"))
+        row, = self.corrections()
+        self.assertAlmostEqual(float(row["x_px"]), knee[0] + 40 / (4 * scale), delta=2 / (4 * scale))
+        self.press("r")
+        self.until(lambda: not self.is_corrected("knee"))
+        self.drag_from_middle((0, 120), (-60, 30))  # nothing is there to be moved but the picture
+        self.drag_from_middle((-60, 30), (0, -40), holding=Keys.ALT)
+        self.until(lambda: self.is_corrected("knee"))
+        row, = self.corrections()
+        self.assertAlmostEqual(float(row["y_px"]), knee[1] - 40 / (4 * scale), delta=2 / (4 * scale))
+        self.press("r", "0")
+        self.until(lambda: not self.is_corrected("knee"))
+        self.drag(knee, (0, 25), holding=Keys.ALT)  # the whole picture again
+        self.until(lambda: self.is_corrected("knee"))
+        self.assertAlmostEqual(float(self.corrections()[0]["y_px"]), knee[1] + 25 / scale, delta=2 / scale)
+
+    def drag_from_middle(self, start, by, holding=None):
+        chain = ActionChains(self.browser, duration=20)
+        if holding:
+            chain.key_down(holding)
+        chain.move_to_element_with_offset(self.part("picture"), *start).click_and_hold().move_by_offset(*by).release()
+        if holding:
+            chain.key_up(holding)
+        chain.perform()
+
+    def test_a_full_disk_is_told_and_nothing_is_lost(self):
+        review = self.open_trial()
+        self.press("1", "h")
+        self.until(lambda: self.is_corrected("ankle"))
+        saved = (self.trial / "corrections.csv").read_bytes()
+        limits = resource.prlimit(review.process.pid, resource.RLIMIT_FSIZE)
+        resource.prlimit(review.process.pid, resource.RLIMIT_FSIZE, (10, limits[1]))
+        self.press("2", "h")
+        self.until(lambda: "review.json" in self.text("said"))
+        self.assertFalse(self.is_corrected("knee"), "is shown though it is not saved")
+        self.assertEqual((self.trial / "corrections.csv").read_bytes(), saved)
+        resource.prlimit(review.process.pid, resource.RLIMIT_FSIZE, limits)
+        self.press("h")
+        self.until(lambda: self.is_corrected("knee"))
+        self.assertEqual(len(self.corrections()), 2)
+        self.browser.get_log("browser")  # that it was refused is on the console too
+
+    def events(self, name="events_corrected.csv"):
+        """Frames by (repetition, event)."""
+        return {(int(row["repetition"]), row["event"]): int(row["frame"]) for row in read_table(self.trial / name)}
+
+    def drag_event(self, frame, to):
+        """On the timeline, by its circle; what is left of the frames' axis is the markers' names."""
+        canvas = self.part("timeline")
+        self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", canvas)
+        rows, width, height = len(read_table(self.trial / "tracks.csv")), canvas.rect["width"], canvas.rect["height"]
+        x = lambda row: round(46 + row / (rows - 1) * (width - 52) - width / 2)
+        ActionChains(self.browser, duration=20).move_to_element_with_offset(
+            canvas, x(frame), round(height / 2) - 9).click_and_hold().move_by_offset(
+            x(to) - x(frame), 0).release().perform()
+
+    def test_an_event_is_moved(self):
+        self.open_trial()
+        self.until(lambda: self.text("state") == "No corrections")
+        found = self.events("events.csv")
+        onset, seat_off, standing = (found[1, name] for name in ("onset", "seat_off", "standing"))
+        self.assertNotIn("--events", self.text("command"))
+        # By keys: the second event, three frames later.
+        self.press("e", "e")
+        self.until(lambda: self.frame() == seat_off)
+        for step in (1, 2, 3):
+            self.press(Keys.ARROW_RIGHT)
+            self.until(lambda: self.frame() == seat_off + step)
+        self.press("m")
+        self.until(lambda: f"seat-off 1 moved to frame {seat_off + 3}" in self.text("said"))
+        self.assertEqual(self.events(), {(1, "seat_off"): seat_off + 3})
+        self.assertTrue(self.part("event-restore").is_enabled())
+        # By mouse.
+        self.drag_event(standing, standing - 8)
+        self.until(lambda: "standing 1 moved to frame" in self.text("said"))
+        dragged = self.events()[1, "standing"]
+        self.assertLess(abs(dragged - (standing - 8)), 2)
+        self.drag_event(onset, standing + 10)
+        self.until(lambda: "is before onset of repetition 1" in self.text("said"))
+        self.browser.get_log("browser")  # that it was refused is on the console too
+        self.assertEqual(self.events(), {(1, "seat_off"): seat_off + 3, (1, "standing"): dragged})
+        self.part("undo").click()
+        self.until(lambda: (1, "standing") not in self.events())
+        self.press("y", holding=Keys.CONTROL)
+        self.until(lambda: (1, "standing") in self.events())
+        self.browser.find_element(By.CSS_SELECTOR, "#events [data-event='seat_off 1']").click()
+        self.part("event-restore").click()
+        self.until(lambda: self.events() == {(1, "standing"): dragged})
+        self.until(lambda: "--events" in self.text("command"))
+        run(BIN / "lake", *shlex.split(self.text("command"))[1:], "--quiet", cwd=self.folder)
+        self.assertEqual(self.events("events.csv"), {**found, (1, "standing"): dragged})
 
     def test_two_windows_show_the_same_trial(self):
         review = self.open_trial()
@@ -351,11 +457,71 @@ class ReviewPage(unittest.TestCase):
             x, y, _ = self.on_screen("naming-picture", *place)
             ActionChains(self.browser).move_to_element_with_offset(self.part("naming-picture"), x, y).click().perform()
         self.until(lambda: "--vertical=30" in self.text("naming-command"))
+        self.browser.execute_script(
+            "const bar = arguments[0]; window.seen = [];"
+            "new MutationObserver(() => window.seen.push(bar.value)).observe(bar, {attributes: true})",
+            self.part("progress"))
         self.part("start-tracking").click()
         self.until(lambda: self.part("trial").is_displayed() and self.frame() == 0)
+        progress = self.browser.execute_script("return window.seen")
+        self.assertTrue(any(0 < value <= 1 for value in progress), progress)
         self.until(lambda: "No corrections" in self.text("state"))
         self.assertEqual(self.status("waist"), "detected")
         self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, "h1 b"), [], "a name became part of the page")
+
+    def click_picture(self, *place):
+        x, y, _ = self.on_screen("naming-picture", *place)
+        ActionChains(self.browser).move_to_element_with_offset(self.part("naming-picture"), x, y).click().perform()
+
+    def point(self, option, *places):
+        self.browser.find_element(By.CSS_SELECTOR, f"[data-point={option}]").click()
+        for place in places:
+            self.click_picture(*place)
+
+    def test_scale_part_and_colour_are_pointed_at(self):
+        self.open("recording/video.mp4")
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        self.part("options").find_element(By.TAG_NAME, "summary").click()
+        self.point("scale", (200, 100), (600, 100))
+        self.browser.switch_to.alert.send_keys("400")
+        self.browser.switch_to.alert.accept()
+        self.until(lambda: ",400" in self.text("naming-command"))
+        x1, y1, x2, y2, length = self.said_numbers("scale")
+        # A click is at a whole pixel of the screen.
+        for said, asked in ((x1, 200), (y1, 100), (x2, 600), (y2, 100)):
+            self.assertAlmostEqual(said, asked, delta=2)
+        self.point("crop", (1000, 690), (300, 200))
+        self.until(lambda: "--crop=" in self.text("naming-command"))
+        for said, asked in zip(self.said_numbers("crop"), (300, 200, 700, 490)):
+            self.assertAlmostEqual(said, asked, delta=3)
+        self.until(lambda: "spots" in self.text("state"))
+        # A reflective marker is no coloured one, which is said.
+        self.point("color", self.place("ankle", 0))
+        colour = self.browser.find_element(By.CSS_SELECTOR, "input[data-option=color]").get_attribute("value")
+        self.assertRegex(colour, "^#([c-f][0-9a-f]){3}$")
+        self.until(lambda: "error" in self.part("said").get_attribute("class"))
+        self.browser.get_log("browser")  # that it was refused is on the console too
+
+    def said_numbers(self, option):
+        return [float(number) for number in self.text("naming-command").split(f"--{option}=")[1].split()[0].split(",")]
+
+    def test_markers_are_named_without_a_mouse(self):
+        review = self.open("recording/video.mp4")
+        self.narrow_and_dark()
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400)
+        self.browser.execute_script("document.querySelectorAll('#naming details').forEach(d => d.open = true)")
+        for spot in SEEDS.values():
+            self.browser.find_element(By.CSS_SELECTOR, f"#spots [data-spot='{spot}']").send_keys(Keys.ENTER)
+            focused = self.browser.execute_script("return document.activeElement.dataset.spot")
+            self.assertEqual(focused, str(spot), "Tab begins at the top again")
+        self.until(lambda: "--seed=waist=#1" in self.text("naming-command"))
+        self.browser.execute_cdp_cmd("Browser.grantPermissions", {
+            "permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"], "origin": review.address.rsplit("/", 2)[0]})
+        self.part("copy").send_keys(Keys.ENTER)
+        self.until(lambda: self.text("said") == "Copied")
+        copied = self.browser.execute_async_script("navigator.clipboard.readText().then(arguments[0], arguments[0])")
+        self.assertEqual(copied, self.text("naming-command"))
 
     def test_a_tracking_that_fails_does_not_show_an_earlier_one(self):
         shutil.copy(self.folder / "recording/video.mp4", self.folder / "again.mp4")
@@ -420,6 +586,72 @@ class ReviewPage(unittest.TestCase):
         self.browser.refresh()
         self.until_there("[data-link='2']")
         self.until(lambda: self.length(2) == dragged, "the links are lost when the page is loaded again")
+
+    def test_a_link_slides_by_keys(self):
+        self.open_design()
+        before = self.length(2)
+        slider = self.browser.find_element(By.CSS_SELECTOR, "[data-link='2'] [type=range]")
+        for _ in range(5):
+            slider.send_keys(Keys.ARROW_RIGHT)
+        self.until(lambda: abs(self.length(2) - before - 0.5) < 0.06)  # its steps are 0.1 mm, the first to the grid
+        self.part("design-reset").send_keys(Keys.ENTER)
+        self.until(lambda: self.length(2) == before)
+
+    def test_builds_within_a_tolerance_follow(self):
+        self.trial.mkdir()
+        (self.trial / "robust.yaml").write_text(PROBLEM + "robust_mm: 0.2\n")
+        review = self.open_design("optimum", "--problem", self.trial / "robust.yaml")
+        links = review.ask("design")["links"]
+        as_drawn, builds = (review.ask("explore", {"links": links, "builds": of}) for of in (False, True))
+        self.assertEqual((as_drawn["of_builds"], builds["of_builds"]), (False, True))
+        fails = lambda said: [check["name"] for check in said["checks"] if not check["holds"]]
+        self.assertEqual(fails(as_drawn), [])
+        # At its limits as it is drawn, so a build that is off breaks them.
+        self.assertIn("force", fails(builds))
+        self.until(lambda: "also with every length off by up to 0.2 mm" in self.text("state"))
+        self.assertEqual(len(self.failing()), len(fails(builds)))
+        self.set_length(1, 60)
+        self.until(lambda: "builds within ± 0.2 mm follow" in self.text("state"))
+        self.until(lambda: "also with every length off" in self.text("state"))
+
+    def test_two_programs_save_under_their_own_names(self):
+        self.trial.mkdir()
+        shutil.copy(self.folder / "optimum/design.yaml", self.trial)
+        both = [self.start(self.trial / "design.yaml") for _ in range(2)]
+        links, saved = both[0].ask("design")["links"], []
+
+        def save(review):
+            for _ in range(20):
+                saved.append(review.ask("save", {"links": links})["saved"])
+
+        threads = [threading.Thread(target=save, args=[review]) for review in both]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(len(set(saved)), 40)
+        self.assertEqual(len(list(self.trial.glob("explored*.yaml"))), 40)
+
+    def test_a_studys_design_has_the_studys_limits(self):
+        """Seat and plates are those of the study's other sections, files are named from the study file."""
+        self.trial.mkdir()
+        (self.trial / "mine.csv").write_text("name,closed_mm,stroke_mm\nmine,242,140\n")
+        inline = "standing_deg: 5\nactuator: mine.csv\nclearances: {seat_mm: 1}\n"
+        step = self.trial / "out/optimum"
+        run(BIN / "lake-optimize", "--problem", "full.yaml", "--starts", 1, "--quiet", "-o", step, cwd=self.trial,
+            files={self.trial / "full.yaml": inline + "body: {seat_edge_mm: 150}\nparts: {bar_width_mm: 40}\n"})
+        summary = json.loads((step / "summary.json").read_text())
+        summary["options"] = {"problem": {"standing_deg": 5, "actuator": "mine.csv", "clearances": {"seat_mm": 1}}}
+        (step / "summary.json").write_text(json.dumps(summary))
+        (self.trial / "study.yaml").write_text("name: x\n")
+        (self.trial / "out/summary.json").write_text(
+            json.dumps({"program": "lake-run", "options": {"study": "study.yaml"}}))
+        review = self.start(step)
+        told = review.ask("explore", {"links": review.ask("design")["links"]})["checks"]
+        for requirement in summary["optimum"]["requirements"]:
+            check, = [check for check in told if check["name"] == requirement["name"]]
+            self.assertAlmostEqual(check["value"], requirement["value"], delta=1e-3, msg=requirement["name"])
+        self.assertIn("seat clearance", [check["name"] for check in told])
 
     def test_a_design_is_optimised_from_here(self):
         review = self.open_design()
@@ -513,6 +745,8 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: "up to date" in step().text)
         summary = json.loads((self.trial / "out/comparison/summary.json").read_text())
         self.assertEqual(summary["markers"]["exo"], "waist")
+        self.narrow_and_dark()
+        self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400)
         self.assertEqual(review.end()[0], 130)
         self.until(lambda: "lake review has ended" in self.text("said"))
         self.browser.get_log("browser")
@@ -554,6 +788,13 @@ class ReviewPage(unittest.TestCase):
                 review.ask(path, **headers)
             self.assertIn(refused.exception.code, (400, 403, 404))
             refused.exception.close()
+        address = review.address
+        review.address = address[:-2] + ("0" if address[-2] != "0" else "1") + "/"
+        with self.assertRaises(urllib.error.HTTPError) as refused:
+            review.ask("trial")
+        self.assertIn(refused.exception.code, (403, 404))
+        refused.exception.close()
+        review.address = address
         port = host.split(":")[1]
         second = subprocess.run([BIN / "lake-review", self.trial, "--port", port], cwd=self.folder, capture_output=True,
                                 text=True, timeout=WAIT_S)

@@ -6,6 +6,8 @@
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "lake/core/error.h"
+
 namespace lake::review {
 namespace {
 
@@ -50,6 +52,29 @@ TEST(Snap, ToAColouredDisc) {
   ASSERT_TRUE(found);
   EXPECT_LT((found->position - Vector2d(120, 80)).norm(), kNear_px);
   EXPECT_FALSE(Snap(Disc({120, 80}, 6, {50, 50, 220}, {110, 110, 110}), {131, 72}, green)) << "red";
+}
+
+// Smooth noise, as of a cloth; its part round (120, 80) is the marker.
+TEST(Snap, ToAPatchAsItWasInAnotherFrame) {
+  cv::Mat noise(200, 300, CV_8UC1), before, now;
+  cv::RNG random(5);
+  random.fill(noise, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(noise, before, {}, 2);
+  const Vector2d moved(6, -5);  // whole pixels: the same picture, not interpolated
+  const cv::Mat by = (cv::Mat_<double>(2, 3) << 1, 0, moved.x(), 0, 1, moved.y());
+  cv::warpAffine(before, now, by, before.size(), cv::INTER_NEAREST, cv::BORDER_REFLECT);
+  video::VideoFrame frame;
+  frame.index = 7, frame.luma = now;
+  const auto snap = [&](const Vector2d& place) {
+    return SnapToMarker(frame, place, 20, DetectorOfPatch(before, {120, 80}), [] { return cv::Mat(); });
+  };
+  const auto found = snap({118, 83});
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->position - Vector2d(120, 80) - moved).norm(), 0.01) << "its fit ends at 0.001 px";
+  EXPECT_FALSE(snap({150, 80})) << "out of reach";
+  frame.luma = cv::Mat(200, 300, CV_8UC1, cv::Scalar(90));
+  EXPECT_FALSE(snap({118, 83})) << "it is not there";
+  EXPECT_THROW(DetectorOfPatch(frame.luma, {120, 80})({}), Error) << "nothing to be found again";
 }
 
 TEST(Snap, ToAnArucoMarker) {

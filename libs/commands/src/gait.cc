@@ -6,6 +6,7 @@
 
 #include "lake/core/error.h"
 #include "lake/figure/leg_figure.h"
+#include "lake/gait/corrected_events.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {
@@ -37,6 +38,27 @@ void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result,
   if (result.events.empty()) run.Warn("no sit-to-stand found: repetition and percent are left empty");
 }
 
+// Of summaries, true where a person moved events.
+constexpr const char* kEventsCorrected = "events_corrected";
+
+// events.csv of the folder that the trial is from, if a person moved events there: to be found again, they would be
+// lost.
+std::optional<std::filesystem::path> CorrectedEventsOf(const exchange::Trial& trial) {
+  const std::filesystem::path folder = trial.file.parent_path(), events = folder / "events.csv";
+  const std::string table = trial.file.filename().string();
+  if ((table != "trajectory.csv" && table != "tracks.csv") || !std::filesystem::is_regular_file(events)) return {};
+  const std::filesystem::path summary = folder / "summary.json";
+  if (!std::filesystem::is_regular_file(summary)) return {};
+  const Json said = ReadJsonFile(summary);
+  return said.contains(kEventsCorrected) && said[kEventsCorrected] == true ? std::optional(events) : std::nullopt;
+}
+
+void TakeEvents(const std::filesystem::path& file, gait::LegFitResult& result, Run& run) {
+  run.AddInput(file);
+  result.events = motion::ReadEventsCsv(file);
+  gait::SetRepetitions(result.events, result.motion);
+}
+
 }  // namespace
 
 void Describe(GaitRunOptions& o, OptionList& options) {
@@ -45,6 +67,7 @@ void Describe(GaitRunOptions& o, OptionList& options) {
   Describe(o.reading, options);
   gait::DescribeFacing(o.fit, options);
   Describe(o.fit, options);
+  gait::DescribeEvents(o.events, options);
 }
 
 exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run) {
@@ -61,21 +84,36 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
     fit.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
   const gait::LegView view = gait::MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px);
   gait::LegFitResult result = gait::FitLeg(trial.recording, view, fit, trial.across_mm);
+  if (const auto events = CorrectedEventsOf(trial)) TakeEvents(*events, result, run);
   SayWarnings(trial, result, run);
   return result;
 }
 
+Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit) {
+  gait::CorrectEvents(motion::ReadEventCorrections(file), fit);
+  return {{kEventsCorrected, true}};
+}
+
 Json RunGait(const GaitRunOptions& options, Run& run) {
   const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run);
+  if (options.events) {
+    run.AddInput(*options.events);
+    motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
+                           trial.recording.time_s);
+  }
   run.Begin({"summary.json", "kinematics.csv", "events.csv", "trajectory.csv", "tracks.csv", "gait.png", "gait.svg"});
-  const gait::LegFitResult result = FitTrial(trial, options.fit, run);
+  gait::LegFitResult result = FitTrial(trial, options.fit, run);
+  Json results = Json::object();
+  if (CorrectedEventsOf(trial)) results = {{kEventsCorrected, true}};
+  if (options.events) results = CorrectEventsBy(*options.events, result);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
   DrawPngAndSvg("gait", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, result); });
-  return gait::LegFitJson(result);
+  results.update(gait::LegFitJson(result));
+  return results;
 }
 
 std::string GaitReport(const Json& summary) {

@@ -147,7 +147,10 @@ Json ClearancesJson(const problem::SynthesisProblem& problem) {
           {"height_mm", body.height_mm},
           {"mass_kg", body.mass_kg},
           {"thigh_mm", body.thigh.length_mm},
-          {"shank_mm", body.shank.length_mm}};
+          {"shank_mm", body.shank.length_mm},
+          {"seat_edge_mm", clearances.seat_edge_mm},
+          {"bar_width_mm", problem.parts.bar_width_mm},
+          {"actuator_diameter_mm", problem.parts.actuator_diameter_mm}};
 }
 
 Json EvaluationJson(const problem::DesignEvaluation& evaluation) {

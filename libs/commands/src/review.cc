@@ -42,7 +42,7 @@ void Announce(const std::string& address, bool open) {
 review::CorrectionBook BookOf(const TrackedFolder& folder) {
   const video::VideoInfo& video = folder.tracked.video;
   review::CorrectionBook book(folder.tracked.recording, video.width, video.height, folder.tracked.times.repeated,
-                              folder.made);
+                              folder.made, folder.events);
   if (folder.history.is_null()) return book;
   std::string why;
   try {
@@ -57,8 +57,8 @@ review::CorrectionBook BookOf(const TrackedFolder& folder) {
   return book;
 }
 
-// What measures a marker near a click as the tracker did it. A patch is looked for where it was before, and an ArUco
-// marker may be larger than what is near.
+// What measures a marker near a click as the tracker did it; none for patches. An ArUco marker may be larger than what
+// is near.
 review::SnapDetector DetectorOf(const fs::path& video, const tracking::TrackOptions& track) {
   using tracking::DetectorRegion;
   switch (track.detector) {
@@ -114,6 +114,7 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
           {{"name", folder->options.video.filename().string()},
            {"folder", folder->folder.string()},
            {"command", folder->command},
+           {"command_with_events", folder->command_with_events},
            {"width", video.width},
            {"height", video.height}}};
 }

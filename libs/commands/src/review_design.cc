@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <functional>
 #include <optional>
 
 #include "child_program.h"
@@ -17,6 +21,7 @@
 #include "lake/core/yaml.h"
 #include "lake/problem/problem_file.h"
 #include "result_inputs.h"
+#include "review_study.h"
 
 namespace lake::commands {
 
@@ -88,20 +93,36 @@ void AddWords(const OptionList& list, std::vector<std::string>& words) {
   }
 }
 
-// The problem of a study's step that stands in its section of the study file.
+// The folder of the study file whose step has its results here; that of the results, where it is not to be found.
+fs::path StudyFolderOf(const fs::path& results) {
+  const fs::path above = (fs::absolute(results) / "").lexically_normal().parent_path().parent_path();
+  if (MakerOf(above) != "lake-run") return results;
+  return StudyFileOf(ReadSummary(above / "summary.json"), above).parent_path();
+}
+
+// The problem of a study's step that stands in its section of the study file, which its files are named from.
 void ReadInlineProblem(const Folder& folder, problem::SynthesisProblem& problem) {
   YamlNode summary = YamlNode::ReadFile(folder.path / "summary.json");
   YamlNode options = *summary.Child("options");
   if (auto inline_problem = options.Child("problem"); inline_problem && inline_problem->IsMap())
-    problem = problem::ReadProblem(std::move(*inline_problem), folder.path);
+    problem = problem::ReadProblem(std::move(*inline_problem), StudyFolderOf(folder.path));
 }
 
-// The body that clearances were held against: a study takes it from the person.
-void TakeBody(const Json& summary, problem::Clearances& clearances) {
+// The clearances that a design was held to, the body and the parts: a study takes them from its sections and the
+// person.
+void TakeClearances(const Json& summary, problem::SynthesisProblem& problem) {
   const Json used = summary.value("clearances", Json());
-  if (!clearances.AreAsked() || !used.is_object()) return;
+  if (!used.is_object()) return;
+  problem::Clearances& clearances = problem.clearances;
+  const auto limit = [&](const char* key, std::optional<double>& mm) {
+    if (used.at(key).is_number()) mm = used.at(key).get<double>();
+  };
+  limit("seat_mm", clearances.seat_mm), limit("limb_mm", clearances.thigh_mm), limit("limb_mm", clearances.shank_mm);
   clearances.body.height_mm = used.at("height_mm"), clearances.body.mass_kg = used.at("mass_kg");
   clearances.body.leg = {used.at("thigh_mm").get<double>(), used.at("shank_mm").get<double>()};
+  clearances.seat_edge_mm = used.value("seat_edge_mm", clearances.seat_edge_mm);
+  problem.parts.bar_width_mm = used.value("bar_width_mm", problem.parts.bar_width_mm);
+  problem.parts.actuator_diameter_mm = used.value("actuator_diameter_mm", problem.parts.actuator_diameter_mm);
 }
 
 // Limits as lake-optimize had them.
@@ -114,7 +135,7 @@ void TakeLimits(const Folder& folder, DesignSubject& subject) {
   if (folder.IsOfStudy()) {
     ReadInlineProblem(folder, options.problem);
     if (said.contains("reoptimize")) said.update(said.at("reoptimize"));
-    if (has_motion || said.at("problem").is_object())
+    if (has_motion || said.at("problem").is_object() || said.contains("clearances"))
       subject.no_command = "this is a step of a study: change its section of the study file, and run lake run again";
     for (const Json& input : folder.summary.at("inputs"))
       if (fs::path(input.at("path").get<std::string>()).filename() == "loads.json") said["profile"] = input.at("path");
@@ -123,7 +144,7 @@ void TakeLimits(const Folder& folder, DesignSubject& subject) {
   list.Apply();
   AddWords(list, subject.limit_words);
   subject.explored.problem = problem::WithActuator(options.problem);
-  TakeBody(folder.summary, subject.explored.problem.clearances);
+  TakeClearances(folder.summary, subject.explored.problem);
   subject.explored.limits = fmt::format("the limits of {}", folder.path.string());
   if (!has_motion) return;
   if (!folder.IsOfStudy()) folder.Give(said, motion_list);
@@ -184,15 +205,38 @@ void ReadSubject(const fs::path& subject, DesignSubject& result) {
     result.explored.problem.knee_torque_nm = simulation->summary.at("knee_torque_nm");
 }
 
-// `stem` + `ending`, or the first of `stem`-2, -3, … that is not there yet.
-fs::path FirstFree(const fs::path& stem, const std::string& ending) {
+// `stem` + `ending`, or the first of `stem`-2, -3, … that `take` takes.
+fs::path FirstFree(const fs::path& stem, const std::string& ending, const std::function<bool(const fs::path&)>& take) {
   constexpr int kMost = 10000;
   for (int i = 1; i < kMost; ++i) {
     fs::path path = stem;
     path += i == 1 ? ending : fmt::format("-{}{}", i, ending);
-    if (!fs::exists(fs::symlink_status(path))) return path;
+    if (take(path)) return path;
   }
   throw Fail("{}{}: there are {} of these already", stem.string(), ending, kMost);
+}
+
+bool IsFree(const fs::path& path) {
+  return !fs::exists(fs::symlink_status(path));
+}
+
+// Makes the file, unless there is one: two programs never get the same name.
+bool MakeEmpty(const fs::path& path) {
+  if (std::FILE* const file = std::fopen(path.c_str(), "wx")) return std::fclose(file) == 0;
+  if (errno == EEXIST) return false;
+  throw Fail("{}: {}", path.string(), std::strerror(errno));
+}
+
+// As explored.yaml, or the first of explored-2.yaml, … that is free.
+fs::path SaveExplored(const fs::path& folder, const linkage::Design& design) {
+  const fs::path path = FirstFree(folder / "explored", ".yaml", MakeEmpty);
+  try {
+    linkage::WriteDesign(path, design);
+  } catch (const Error&) {
+    fs::remove(path);
+    throw;
+  }
+  return path;
 }
 
 std::vector<std::string> ArgumentsOf(const DesignSubject& subject, const linkage::Links& links, const fs::path& out) {
@@ -207,7 +251,7 @@ std::vector<std::string> ArgumentsOf(const DesignSubject& subject, const linkage
 
 fs::path OptimumOf(const DesignSubject& subject) {
   const std::string name = fs::path(subject.explored.name).stem().string();
-  return FirstFree(fs::path("lake-out") / (name + "-optimised"), "");
+  return FirstFree(fs::path("lake-out") / (name + "-optimised"), "", IsFree);
 }
 
 linkage::Design Optimise(const DesignSubject& subject, const fs::path& programs, const linkage::Links& links,
@@ -236,11 +280,7 @@ DesignSubject ReadDesignSubject(const fs::path& subject, const fs::path& problem
 
 review::DesignWork DesignWorkOf(const DesignSubject& subject, const fs::path& programs) {
   review::DesignWork work;
-  work.save = [subject](const linkage::Design& design) {
-    const fs::path path = FirstFree(subject.folder / "explored", ".yaml");
-    linkage::WriteDesign(path, design);
-    return path;
-  };
+  work.save = [subject](const linkage::Design& design) { return SaveExplored(subject.folder, design); };
   work.command = [subject](const linkage::Links& links) {
     std::string command = "lake optimize";
     for (const std::string& word : ArgumentsOf(subject, links, OptimumOf(subject)))

@@ -13,9 +13,6 @@ namespace lake::commands {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-// The study file may have been edited since: that is what the steps are then done for.
 fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
   const fs::path named = summary.at("options").at("study").get<std::string>();
   for (fs::path place = fs::absolute(folder).lexically_normal(); place.has_relative_path(); place = place.parent_path())
@@ -24,6 +21,8 @@ fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
   throw Fail("{}: is not to be found; start lake review in the folder in which {} was made", named.string(),
              folder.string());
 }
+
+namespace {
 
 Json PlanOf(const fs::path& program, const std::vector<std::string>& words) {
   std::vector<std::string> asked = words;

@@ -3,9 +3,14 @@
 
 #include <filesystem>
 
+#include "lake/core/json.h"
 #include "lake/review/study_page.h"
 
 namespace lake::commands {
+
+// The study file of a folder of lake-run's with this summary, as it is now: it may have been edited since. Throws Error
+// where it is not to be found.
+std::filesystem::path StudyFileOf(const Json& summary, const std::filesystem::path& folder);
 
 // Of a folder of lake-run's. Throws Error: its study file is not to be found or has changed.
 review::StudyWork StudyWorkOf(const std::filesystem::path& folder, const std::filesystem::path& programs);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lake/commands/check.h"
+#include "lake/commands/gait.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -11,6 +12,7 @@
 #include "lake/exchange/formats.h"
 #include "lake/figure/leg_figure.h"
 #include "lake/figure/tracks_figure.h"
+#include "lake/gait/corrected_events.h"
 #include "lake/gait/rolling_shutter.h"
 #include "lake/gait/standing_leg.h"
 #include "lake/motion/corrections.h"
@@ -328,7 +330,8 @@ gait::LegFitResult FitOrKeep(const TrackRunOptions& options, const tracking::Tra
 Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked, const gait::LegView& view,
             const gait::RollingShutter& shutter, Json results, Run& run) {
   const gait::LegFitOptions fit_options = FitOptions(options, tracked, view, run.Quiet(), WarnThrough(run));
-  const gait::LegFitResult fit = FitOrKeep(options, tracked, view, shutter, fit_options, results, run);
+  gait::LegFitResult fit = FitOrKeep(options, tracked, view, shutter, fit_options, results, run);
+  if (options.events) results.update(CorrectEventsBy(*options.events, fit));
   for (const std::string& warning : fit.warnings) run.Warn(warning);
   motion::MarkerRecording tracks = fit.tracks;
   if (shutter.readout_s != 0) TakeSeenPositions(tracked.recording, tracks);
@@ -396,9 +399,13 @@ void CheckOptions(const TrackRunOptions& options) {
   if (options.anonymise && !options.list && (!HasLeg(options.track.names) || !(tracks("waist") || tracks("shoulder"))))
     throw UsageError(
         "--anonymise: takes ankle, knee, hip and waist or shoulder among the markers, to know where the head is");
-  if (options.corrections && !std::filesystem::exists(*options.corrections))
-    throw Fail("{}: no such file", options.corrections->string());
+  if (options.events && !HasLeg(options.track.names))
+    throw UsageError("--events: without ankle, knee and hip among the markers there are no sit-to-stands");
+  for (const auto& file : {options.corrections, options.events})
+    if (file && !std::filesystem::exists(*file)) throw Fail("{}: no such file", file->string());
 }
+
+constexpr double kStampRounding_s = 1e-6;
 
 // Frames that the container knows not to be there, or not to be looked at.
 void CheckCorrectedFrames(const std::vector<motion::Correction>& corrections, const video::VideoReaderOptions& reader,
@@ -408,9 +415,9 @@ void CheckCorrectedFrames(const std::vector<motion::Correction>& corrections, co
     if (frame >= time_s.size())
       throw Fail("{}: frame {} is not in the recording; its frames are 0 to {}", correction.where, frame,
                  static_cast<std::int64_t>(time_s.size()) - 1);
-    constexpr double kRounding_s = 1e-6;
     const double t = time_s[frame];
-    if ((reader.start_s && t < *reader.start_s - kRounding_s) || (reader.end_s && t > *reader.end_s + kRounding_s))
+    if ((reader.start_s && t < *reader.start_s - kStampRounding_s) ||
+        (reader.end_s && t > *reader.end_s + kStampRounding_s))
       throw Fail("{}: frame {} at {:.3f} s is outside what --start and --end leave", correction.where, frame, t);
   }
 }
@@ -419,13 +426,29 @@ bool Exports(const TrackRunOptions& options, const char* format) {
   return std::find(options.exports.begin(), options.exports.end(), format) != options.exports.end();
 }
 
+// Events beside what the container knows to be there and is looked at.
+void CheckEventTimes(const std::vector<motion::EventCorrection>& events, const video::VideoReaderOptions& reader,
+                     const std::vector<double>& stamps) {
+  std::vector<std::int64_t> frame;
+  std::vector<double> time_s;
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    if (reader.start_s && stamps[i] < *reader.start_s - kStampRounding_s) continue;
+    if (reader.end_s && stamps[i] > *reader.end_s + kStampRounding_s) continue;
+    frame.push_back(static_cast<std::int64_t>(i)), time_s.push_back(stamps[i]);
+  }
+  if (!frame.empty()) motion::CheckAreInside(events, frame, time_s);
+}
+
 // What the frames' stamps tell before any is decoded.
-void CheckStamps(const TrackRunOptions& options, const std::vector<motion::Correction>& corrections) {
+void CheckStamps(const TrackRunOptions& options, const std::vector<motion::Correction>& corrections,
+                 const std::vector<motion::EventCorrection>& events) {
   video::VideoReaderOptions whole = options.track.reader;
   whole.start_s = whole.end_s = std::nullopt;
-  if (!corrections.empty())
-    if (const auto time_s = video::StampsInContainer(options.video, whole))
+  if (!corrections.empty() || !events.empty())
+    if (const auto time_s = video::StampsInContainer(options.video, whole)) {
       CheckCorrectedFrames(corrections, options.track.reader, *time_s);
+      CheckEventTimes(events, options.track.reader, *time_s);
+    }
   if (Exports(options, "c3d"))
     if (const auto time_s = video::StampsInContainer(options.video, options.track.reader); time_s && time_s->size() > 1)
       exchange::CheckC3dTimes(options.video, *time_s);
@@ -517,6 +540,7 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   Describe(o.fit, options);
   options.Add("corrections", o.corrections,
               "frame,marker,x_px,y_px rows that overrule the detector; empty: not visible");
+  gait::DescribeEvents(o.events, options);
   options.Add("overlay", o.overlay, "Write overlay.mp4").WithNegation();
   options.Add("anonymise", o.anonymise,
               "Blur the subject's head in overlay.mp4, and the picture behind candidates.png");
@@ -533,6 +557,7 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   run.AddInput(video::FilesOfVideo(options.video));
   if (options.camera) run.AddInput(*options.camera);
   if (options.corrections) run.AddInput(*options.corrections);
+  if (options.events) run.AddInput(*options.events);
   std::string scaled;
   const std::optional<camera::CameraProfile> profile = ReadCamera(options, video, scaled);
   const gait::LegView view = MakeView(options, profile, WarnThrough(run));
@@ -541,7 +566,9 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   std::vector<motion::Correction> corrections;
   if (options.corrections)
     corrections = motion::ReadCorrections(*options.corrections, options.track.names, video.width, video.height);
-  CheckStamps(options, corrections);
+  std::vector<motion::EventCorrection> events;
+  if (options.events) events = motion::ReadEventCorrections(*options.events);
+  CheckStamps(options, corrections, events);
   run.Begin(ResultNames(options));
 
   tracking::TrackOptions track_options = options.track;

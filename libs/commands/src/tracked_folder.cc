@@ -1,9 +1,11 @@
 #include "lake/commands/tracked_folder.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <utility>
 
+#include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 #include "lake/core/yaml.h"
@@ -17,6 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kCorrections = "corrections.csv";
+constexpr const char* kEvents = "events_corrected.csv";
 constexpr const char* kReview = "review.json";
 
 Json ReadSummaryOf(const fs::path& folder) {
@@ -51,23 +54,51 @@ void ResolveInputs(const Json& inputs, const fs::path& folder, bool is_study, Tr
   const std::string file = options.video.filename().string();
   const fs::path found = FindInput(inputs.at(0), folder);
   options.video = fs::is_directory(found) ? found / file : found;
-  const bool has_camera = options.camera || (is_study && inputs.size() > (options.corrections ? 2 : 1));
+  const std::size_t others = (options.corrections ? 1u : 0u) + (options.events ? 1u : 0u);
+  const bool has_camera = options.camera || (is_study && inputs.size() > 1 + others);
   if (has_camera) options.camera = FindInput(inputs.at(1), folder);
+  // Events come last; what lake review keeps in the folder takes their place.
+  if (options.events && !fs::exists(folder / kEvents)) options.events = FindInput(inputs.back(), folder);
 }
 
-std::string CommandOf(const OptionList& list, const TrackRunOptions& options, const fs::path& folder) {
-  const fs::path corrections = folder / kCorrections;
+// `events`: with those that were moved.
+std::string CommandOf(const OptionList& list, const TrackRunOptions& options, const fs::path& folder, bool events) {
   std::string command = "lake track " + ShellWord(options.video.string());
   if (options.camera) command += " --camera " + ShellWord(options.camera->string());
   for (const Option& option : list.All()) {
     const std::string& name = option.Name();
-    if (option.IsOperand() || name == "camera" || name == "corrections") continue;
+    if (option.IsOperand() || name == "camera" || name == "corrections" || name == "events") continue;
     for (const std::string& word : WordsOf(option)) command += fmt::format(" {}", ShellWord(word));
   }
-  return fmt::format("{} --corrections {} -o {}", command, ShellWord(corrections.string()), ShellWord(folder.string()));
+  command += " --corrections " + ShellWord((folder / kCorrections).string());
+  if (events) command += " --events " + ShellWord((folder / kEvents).string());
+  return fmt::format("{} -o {}", command, ShellWord(folder.string()));
+}
+
+// The same in a study.
+std::string SectionOf(const fs::path& folder, bool events) {
+  const auto path = [&](const char* name) { return fs::absolute(folder / name).lexically_normal().string(); };
+  std::string section = "in its section of the study file: corrections: " + path(kCorrections);
+  return events ? section + ", events: " + path(kEvents) : section;
 }
 
 using Cell = std::pair<std::int64_t, std::string>;
+
+// lake-review's files by their names; empty where they are not there.
+std::map<std::string, std::string> KeptIn(const fs::path& folder) {
+  std::map<std::string, std::string> kept;
+  for (const char* name : {kReview, kCorrections, kEvents})
+    kept[name] = fs::exists(folder / name) ? ReadTextFile(folder / name) : "";
+  return kept;
+}
+
+// Corrections that another lake-review, or an editor, saved meanwhile are not overwritten.
+void CheckNotChanged(const TrackedFolder& folder) {
+  for (const auto& [name, text] : KeptIn(folder.folder))
+    if (text != folder.kept.at(name))
+      throw Fail("{}: was changed by another program since this lake review read it; start lake review again to go on",
+                 (folder.folder / name).string());
+}
 
 // review.json; empty where lake-review has not been at work.
 Json ReadReview(const fs::path& folder) {
@@ -107,6 +138,12 @@ std::vector<motion::Correction> ReadMade(const TrackedFolder& result) {
                                  result.tracked.video.height);
 }
 
+std::vector<motion::EventCorrection> ReadEvents(const TrackedFolder& result) {
+  const fs::path path = result.folder / kEvents;
+  const fs::path file = fs::exists(path) ? path : result.options.events.value_or(path);
+  return fs::exists(file) ? motion::ReadEventCorrections(file) : std::vector<motion::EventCorrection>{};
+}
+
 void ReadTracked(const fs::path& folder, const Json& summary, TrackedFolder& result) {
   tracking::TrackResult& tracked = result.tracked;
   tracked.recording = motion::Measurements(motion::ReadMarkerCsv(folder / "tracks.csv"));
@@ -132,23 +169,26 @@ TrackedFolder ReadTrackedFolder(const fs::path& folder) {
     ReadOptionsOf(folder, said, list);
     ResolveInputs(summary.at("inputs"), folder, is_study, result.options);
     ReadTracked(folder, summary, result);
-    result.command = is_study ? fmt::format("in its section of the study file: corrections: {}",
-                                            fs::absolute(folder / kCorrections).lexically_normal().string())
-                              : CommandOf(list, result.options, folder);
+    const auto command = [&](bool events) {
+      return is_study ? SectionOf(folder, events) : CommandOf(list, result.options, folder, events);
+    };
+    result.command = command(false), result.command_with_events = command(true);
   } catch (const nlohmann::json::exception& error) {
     throw Fail("{}: is not a summary as lake track writes it ({})", (folder / "summary.json").string(), error.what());
   }
   // Tracks without corrections are the detector's own; what an earlier run detected does not count then.
+  result.kept = KeptIn(folder);
   const Json kept = ReadReview(folder);
   if (result.options.corrections) result.known = ReadReplaced(folder, kept);
   result.history = kept.value("history", Json());
-  result.made = ReadMade(result);
+  result.made = ReadMade(result), result.events = ReadEvents(result);
   CheckAreKnown(result);
   motion::ApplyCorrections(result.known, result.tracked.recording);
   return result;
 }
 
 void SaveCorrections(TrackedFolder& folder, const review::CorrectionBook& book) {
+  CheckNotChanged(folder);
   const std::vector<motion::Correction> corrections = book.Corrections();
   std::map<Cell, motion::Correction> replaced;
   for (const motion::Correction& known : folder.known) replaced[{known.frame, known.marker}] = known;
@@ -159,17 +199,23 @@ void SaveCorrections(TrackedFolder& folder, const review::CorrectionBook& book) 
     const motion::MarkerSample& sample = detected.Find(made.marker)->samples[static_cast<std::size_t>(row)];
     replaced.try_emplace({made.frame, made.marker}, motion::Correction{made.frame, made.marker, sample});
   }
-  Json kept = {
-      {"program", "lake-review"},          {"version", Version()},      {"video", folder.options.video.string()},
-      {"corrections", corrections.size()}, {"replaced", Json::array()}, {"history", book.History()}};
+  Json kept = {{"program", "lake-review"},    {"version", Version()},      {"video", folder.options.video.string()},
+               {"corrections", book.Count()}, {"replaced", Json::array()}, {"history", book.History()}};
   std::vector<motion::Correction> known;
   for (const auto& [cell, correction] : replaced) {
     kept["replaced"].push_back(review::CorrectionJson(correction));
     known.push_back(correction);
   }
-  // First what can be more than there is use for.
-  WriteJsonFile(folder.folder / kReview, kept);
-  motion::WriteCorrections(folder.folder / kCorrections, corrections);
+  // First what can be more than there is use for. Of one that cannot be written, those before it are known to be new.
+  const auto write = [&folder](const char* name, const std::function<void(const fs::path&)>& to) {
+    to(folder.folder / name);
+    folder.kept[name] = ReadTextFile(folder.folder / name);
+  };
+  write(kReview, [&](const fs::path& path) { WriteJsonFile(path, kept); });
+  write(kCorrections, [&](const fs::path& path) { motion::WriteCorrections(path, corrections); });
+  const std::vector<motion::EventCorrection> events = book.Events();
+  if (!events.empty() || fs::exists(folder.folder / kEvents))
+    write(kEvents, [&](const fs::path& path) { motion::WriteEventCorrections(path, events); });
   folder.known = std::move(known);
 }
 

@@ -56,7 +56,8 @@ steps::StudyStep TrackStep(commands::TrackRunOptions options, const std::optiona
   step.program = "lake-track", step.expected_s = 20;
   step.inputs = {video::FilesOfVideo(options.video)};
   if (options.camera) step.inputs.push_back(*options.camera);
-  if (options.corrections) step.inputs.push_back(*options.corrections);
+  for (const auto& file : {options.corrections, options.events})
+    if (file) step.inputs.push_back(*file);
   step.work = [options](Run& run) { run.WriteSummary(commands::RunTrack(options, run)); };
   return step;
 }
@@ -65,6 +66,7 @@ steps::StudyStep GaitStep(const commands::GaitRunOptions& options) {
   steps::StudyStep step;
   step.program = "lake-gait", step.expected_s = 3;
   step.inputs = {options.trial};
+  if (options.events) step.inputs.push_back(*options.events);
   step.work = [options](Run& run) { run.WriteSummary(commands::RunGait(options, run)); };
   return step;
 }

@@ -27,7 +27,10 @@ std::vector<StsInterval> FindStsIntervals(const TrialTables& trial) {
           trial.name, repetition, onset_s, standing_s, time_s.front(), time_s.back());
     const std::size_t first = FrameAfter(time_s, onset_s), last = FrameAfter(time_s, standing_s);
     if (last < first + 3) throw Fail("{}: repetition {} has only {} frames", trial.name, repetition, last - first + 1);
-    intervals.push_back({repetition, crossings.OnsetSeconds(first), crossings.StandingSeconds(first, last)});
+    // Found events are at a frame; one between two frames is somebody's own measurement.
+    const double begin_s = onset_s < time_s[first] ? onset_s : crossings.OnsetSeconds(first),
+                 end_s = standing_s < time_s[last] ? standing_s : crossings.StandingSeconds(first, last);
+    intervals.push_back({repetition, begin_s, end_s});
   }
   if (intervals.empty())
     throw Fail(

@@ -19,6 +19,7 @@ export interface Mark {
 export interface Tick {
   row: number;
   label: string;
+  moved: boolean; // by a person
 }
 
 const LEFT = 46, RIGHT = 6; // px beside the curves
@@ -29,18 +30,34 @@ export const colourOf = (name: string) => getComputedStyle(document.documentElem
 abstract class Strip {
   protected row = 0;
 
-  constructor(protected canvas: HTMLCanvasElement, protected rows: number, seek: (row: number) => void) {
-    const follow = (event: PointerEvent) => {
-      if (event.buttons === 0) return;
-      const x = event.clientX - canvas.getBoundingClientRect().left;
-      seek(Math.round(Math.min(Math.max((x - LEFT) / this.width(), 0), 1) * (this.rows - 1)));
-    };
+  constructor(protected canvas: HTMLCanvasElement, protected rows: number, protected seek: (row: number) => void) {
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);
-      follow(event);
+      this.down(event);
     });
-    canvas.addEventListener("pointermove", follow);
+    canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons !== 0) this.drag(event);
+    });
+    canvas.addEventListener("pointerup", () => this.drop());
+    canvas.addEventListener("pointercancel", () => this.cancel());
     new ResizeObserver(() => this.redraw()).observe(canvas);
+  }
+
+  protected down(event: PointerEvent): void {
+    this.seek(this.rowAt(event));
+  }
+
+  protected drag(event: PointerEvent): void {
+    this.seek(this.rowAt(event));
+  }
+
+  protected drop(): void {}
+
+  protected cancel(): void {}
+
+  protected rowAt(event: PointerEvent): number {
+    const x = event.clientX - this.canvas.getBoundingClientRect().left;
+    return Math.round(Math.min(Math.max((x - LEFT) / this.width(), 0), 1) * (this.rows - 1));
   }
 
   showRow(row: number): void {
@@ -80,18 +97,73 @@ function line(context: CanvasRenderingContext2D, x1: number, y1: number, x2: num
   context.stroke();
 }
 
-/** Where the problems are, a lane for each marker, and the events. */
+const LANE = 13, HANDLES = 18; // px, of a marker's lane and of the strip with the events below the lanes
+const HOLD = 9; // px beside an event in which it is taken hold of
+
+/** Where the problems are, a lane for each marker, and the events, which can be dragged by what is below the lanes. */
 export class Timeline extends Strip {
   private lanes: string[] = [];
   private marks: Mark[] = [];
   private ticks: Tick[] = [];
+  private selected = -1;
+  private held: { tick: number; row: number } | null = null;
+
+  constructor(
+    canvas: HTMLCanvasElement, rows: number, seek: (row: number) => void,
+    private take: (tick: number) => void,
+    private move: (tick: number, row: number) => void,
+  ) {
+    super(canvas, rows, seek);
+    canvas.addEventListener("pointermove", (event) => {
+      canvas.style.cursor = this.held || this.tickAt(event) >= 0 ? "ew-resize" : "";
+    });
+  }
 
   show(lanes: string[], marks: Mark[], ticks: Tick[]): void {
     this.lanes = lanes;
     this.marks = marks;
     this.ticks = ticks;
-    this.canvas.style.height = `${lanes.length * 13 + 18}px`;
+    this.held = null;
+    this.canvas.style.height = `${lanes.length * LANE + HANDLES}px`;
     this.redraw();
+  }
+
+  select(tick: number): void {
+    this.selected = tick;
+    this.redraw();
+  }
+
+  protected down(event: PointerEvent): void {
+    const tick = this.tickAt(event);
+    if (tick < 0) return super.down(event);
+    this.held = { tick, row: this.ticks[tick].row };
+    this.take(tick);
+  }
+
+  // The frame that is shown goes with the event.
+  protected drag(event: PointerEvent): void {
+    super.drag(event);
+    if (this.held) this.held.row = this.rowAt(event);
+  }
+
+  protected drop(): void {
+    const held = this.held;
+    this.held = null;
+    if (held && held.row !== this.ticks[held.tick].row) this.move(held.tick, held.row);
+  }
+
+  protected cancel(): void {
+    this.held = null;
+    this.redraw();
+  }
+
+  // The nearest within reach, or -1.
+  private tickAt(event: PointerEvent): number {
+    const box = this.canvas.getBoundingClientRect();
+    if (event.clientY - box.top < this.lanes.length * LANE) return -1;
+    const away = this.ticks.map((tick) => Math.abs(this.x(tick.row) - (event.clientX - box.left)));
+    const nearest = away.indexOf(Math.min(...away));
+    return nearest >= 0 && away[nearest] <= HOLD ? nearest : -1;
   }
 
   protected draw(context: CanvasRenderingContext2D): void {
@@ -100,26 +172,36 @@ export class Timeline extends Strip {
     context.strokeStyle = colourOf("--rule");
     context.lineWidth = 1;
     this.lanes.forEach((name, lane) => {
-      const y = lane * 13 + 7;
+      const y = lane * LANE + 7;
       context.fillText(name, 0, y, LEFT - 4);
       line(context, LEFT, y, LEFT + this.width(), y);
     });
     for (const mark of this.marks) {
       const from = this.x(mark.first - 0.5);
       context.fillStyle = mark.colour;
-      context.fillRect(from, mark.lane * 13 + 2, Math.max(this.x(mark.last + 0.5) - from, 3), 10);
+      context.fillRect(from, mark.lane * LANE + 2, Math.max(this.x(mark.last + 0.5) - from, 3), 10);
     }
-    const below = this.lanes.length * 13;
+    this.drawTicks(context);
+  }
+
+  private drawTicks(context: CanvasRenderingContext2D): void {
+    const below = this.lanes.length * LANE;
     let free = 0; // labels do not cover each other
-    for (const tick of this.ticks) {
-      const x = this.x(tick.row), width = context.measureText(tick.label).width;
-      context.strokeStyle = colourOf("--quiet");
+    this.ticks.forEach((tick, index) => {
+      const isHeld = this.held?.tick === index;
+      const x = this.x(isHeld ? this.held!.row : tick.row), width = context.measureText(tick.label).width;
+      const colour = colourOf(isHeld || index === this.selected ? "--accent" : tick.moved ? "--ink" : "--quiet");
+      context.strokeStyle = context.fillStyle = colour;
+      context.lineWidth = isHeld || index === this.selected ? 2 : 1;
       line(context, x, 0, x, below + 4);
-      if (x < free) continue;
-      context.fillStyle = colourOf("--quiet");
-      context.fillText(tick.label, Math.min(x + 2, this.canvas.clientWidth - width), below + 10);
-      free = x + width + 8;
-    }
+      context.beginPath();
+      context.arc(x, below + 9, 4, 0, 2 * Math.PI);
+      if (tick.moved) context.fill();
+      context.stroke();
+      if (x < free) return;
+      context.fillText(tick.label, Math.min(x + 7, this.canvas.clientWidth - width), below + 10);
+      free = x + width + 13;
+    });
   }
 }
 
@@ -164,7 +246,9 @@ export class Chart extends Strip {
       context.strokeStyle = colourOf("--rule");
       line(context, LEFT, y(value), LEFT + this.width(), y(value));
       context.fillStyle = colourOf("--quiet");
-      context.fillText(value.toFixed(digits), 0, y(value), LEFT - 4);
+      // A label at the edge stays whole.
+      const middle = Math.min(Math.max(y(value), 6), this.canvas.clientHeight - 6);
+      context.fillText(value.toFixed(digits), 0, middle, LEFT - 4);
     }
   }
 

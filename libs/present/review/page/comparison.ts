@@ -6,7 +6,7 @@ import { Column, ComparedVideoMessage, ComparisonMessage } from "./messages";
 import { Player } from "./player";
 import { server } from "./server";
 import { TEXTS } from "./texts";
-import { PictureView } from "./view";
+import { PictureView, Point } from "./view";
 
 type Role = "human" | "exo";
 const ROLES: Role[] = ["human", "exo"];
@@ -55,12 +55,12 @@ class ComparedView {
       context.strokeStyle = context.fillStyle = colourOf(`--over-${index % 7}`);
       context.lineWidth = isCompared ? 2.5 : 1.2;
       context.globalAlpha = isCompared ? 1 : 0.7;
-      context.beginPath();
-      for (let row = Math.max(this.shownRow - TRAIL, 0); row <= this.shownRow; ++row) this.lineTo(context, x[row], y[row]);
-      context.stroke();
-      const [left, top] = [x[this.shownRow], y[this.shownRow]];
-      if (left === null || top === null) return;
-      const at = this.view.toScreen({ x: left, y: top });
+      const trail: (Point | null)[] = [];
+      for (let row = Math.max(this.shownRow - TRAIL, 0); row <= this.shownRow; ++row) trail.push(pointOf(x[row], y[row]));
+      this.view.strokeLine(context, trail);
+      const here = pointOf(x[this.shownRow], y[this.shownRow]);
+      if (!here) return;
+      const at = this.view.toScreen(here);
       context.beginPath();
       context.arc(at.x, at.y, isCompared ? 10 : 6, 0, 2 * Math.PI);
       context.stroke();
@@ -68,12 +68,6 @@ class ComparedView {
       context.fillText(name, at.x + 12, at.y - 8);
     });
     context.globalAlpha = 1;
-  }
-
-  private lineTo(context: CanvasRenderingContext2D, x: number | null, y: number | null): void {
-    if (x === null || y === null) return;
-    const at = this.view.toScreen({ x, y });
-    context.lineTo(at.x, at.y);
   }
 }
 
@@ -133,6 +127,8 @@ export class ComparisonPage {
     event.preventDefault();
   }
 }
+
+const pointOf = (x: number | null, y: number | null): Point | null => (x === null || y === null ? null : { x, y });
 
 /** The row of this rise whose percent is nearest. */
 function nearest(trial: ComparedVideoMessage, repetition: number, percent: number): number | null {

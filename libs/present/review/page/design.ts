@@ -12,6 +12,7 @@ import { TEXTS } from "./texts";
 const LINK_COLOURS = ["--l1", "--l2", "--l3", "--l4", "--l3", "--l3"];
 const ROWS = 181; // of the server's curves
 const PLAY_MS = 25;
+const REST_MS = 150; // after the last change
 
 export class DesignPage {
   private links: number[];
@@ -23,6 +24,7 @@ export class DesignPage {
   private pending: ExploreQuestion | null = null;
   private isAsking = false;
   private isDragging = false;
+  private isAskingBuilds = false;
   private startedOptimum: number | null = null; // the number of the last one when this window asked for another
   private player = new Player("design-play", PLAY_MS, () => this.standingUpAndSittingDown());
   private view: LinkageView;
@@ -189,6 +191,26 @@ export class DesignPage {
       }
     }
     this.isAsking = false;
+    if (this.about.tolerance_mm !== null) void this.followWithBuilds();
+  }
+
+  // All builds within a tolerance take a second, for which a slide does not wait: they follow once the links rest.
+  private async followWithBuilds(): Promise<void> {
+    if (this.isAskingBuilds) return;
+    this.isAskingBuilds = true;
+    for (let links: number[] | null = null; links !== this.links; ) {
+      links = this.links;
+      await new Promise((rested) => setTimeout(rested, REST_MS));
+      if (links !== this.links || this.isAsking) continue;
+      try {
+        const { checks, of_builds } = await server.explore({ links, builds: true });
+        if (links === this.links && this.explored) this.explored = { ...this.explored, checks, of_builds };
+        this.showChecks();
+      } catch (why) {
+        sayWhy(why);
+      }
+    }
+    this.isAskingBuilds = false;
   }
 
   // --- what is shown
@@ -223,8 +245,10 @@ export class DesignPage {
   }
 
   private showChecks(): void {
-    const { checks, range_deg, gap } = this.explored!, failed = checks.filter((check) => !check.holds).length;
-    part("state").textContent = gap || `${TEXTS.range(range_deg)}, ${TEXTS.failing(failed, checks.length)}`;
+    const { checks, range_deg, gap, of_builds } = this.explored!, tolerance = this.about.tolerance_mm;
+    const failed = checks.filter((check) => !check.holds).length;
+    const of = tolerance === null ? "" : of_builds ? TEXTS.ofBuilds(tolerance) : TEXTS.asDrawn(tolerance);
+    part("state").textContent = gap || `${TEXTS.range(range_deg)}, ${TEXTS.failing(failed, checks.length)}${of}`;
     part("state").classList.toggle("error", failed > 0);
     part("check-count").textContent = TEXTS.failing(failed, checks.length);
     part("checks").replaceChildren(...checks.map((check) => this.checkLine(check)));

@@ -18,6 +18,7 @@ export interface EventMessage {
   repetition: number;
   event: string;
   frame: number;
+  moved: boolean; // by a person, from where it was found
 }
 
 export interface LegMessage {
@@ -58,7 +59,8 @@ export interface StateMessage {
 export interface AboutMessage {
   name: string;
   folder: string;
-  command: string; // tracks with the corrections
+  command: string; // tracks with the corrections …
+  command_with_events: string; // … and with events that were moved
   width: number; // px
   height: number;
 }
@@ -78,6 +80,8 @@ export type EditMessage =
   | { op: "place"; frame: number; marker: string; x: number; y: number; sigma?: number }
   | { op: "hide" | "restore"; frame: number; marker: string }
   | { op: "swap"; frame: number; marker: string; other: string }
+  | { op: "move_event"; repetition: number; event: string; frame: number }
+  | { op: "restore_event"; repetition: number; event: string }
   | { op: "undo" | "redo" };
 
 export interface SnapQuestion {
@@ -142,6 +146,7 @@ export interface DesignMessage {
   d_min: number; // mm
   standing_deg: number;
   torque_nm: number; // that the force balances
+  tolerance_mm: number | null; // by which a build may be off in each length and still meet the limits
   limits: string; // where they are from
   notes: string[];
   body: { thigh: LimbMessage; shank: LimbMessage };
@@ -185,6 +190,7 @@ export interface CheckMessage {
 export interface ExploreQuestion {
   links: number[];
   drag?: { pin: PinName; x: number; y: number; stroke: number };
+  builds?: boolean; // of the worst build within the tolerance, which takes a second
 }
 
 export interface ExploredMessage {
@@ -195,6 +201,7 @@ export interface ExploredMessage {
   stands: number | null; // stroke, mm
   gap: string; // why it cannot be assembled, or empty
   checks: CheckMessage[];
+  of_builds: boolean; // the checks are of the worst build within the tolerance, else of the links as they are
   curves: DesignCurves | null; // null: it cannot be assembled
 }
 

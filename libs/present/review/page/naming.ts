@@ -81,6 +81,7 @@ export class NamingPage {
 
   private pointed(at: Point): void {
     const { option, first } = this.pointing!;
+    if (option === "color") return this.pointedColour(at);
     if (!first) {
       this.pointing = { option, first: at };
       return say(TEXTS.pointAt[option][1]);
@@ -94,8 +95,22 @@ export class NamingPage {
     } else if (option === "scale") {
       text += `,${window.prompt(TEXTS.barLength) ?? ""}`;
     }
-    document.querySelector<HTMLInputElement>(`input[data-option=${option}]`)!.value = text;
+    this.fill(option, text);
     this.setOption(option, text);
+  }
+
+  // A colour is that of markers that are found by their colours.
+  private pointedColour(at: Point): void {
+    this.pointing = null;
+    const colour = this.view!.colourAt(at);
+    this.fill("color", colour);
+    this.fill("detector", "color");
+    this.choices.options.detector = "color";
+    this.setOption("color", colour);
+  }
+
+  private fill(option: keyof TrackOptions, text: string): void {
+    document.querySelector<HTMLInputElement | HTMLSelectElement>(`[data-option=${option}]`)!.value = text;
   }
 
   private open(message: NamingMessage): void {
@@ -150,6 +165,7 @@ export class NamingPage {
   private showChoices(): void {
     const { markers, seeds } = this.choices;
     const spotOf = (name: string) => this.message?.spots.find((spot) => spot.id === seeds[name]);
+    const { spot: focusedSpot, name: focusedName } = (document.activeElement as HTMLElement | null)?.dataset ?? {};
     part("choices").replaceChildren(
       ...markers.map((name, index) => {
         const spot = spotOf(name);
@@ -169,6 +185,10 @@ export class NamingPage {
         return made;
       }),
     );
+    // Who has no mouse goes on from the same button.
+    [...document.querySelectorAll<HTMLElement>("#choices button, #spots button")]
+      .find(({ dataset }) => dataset.spot === focusedSpot && dataset.name === focusedName)
+      ?.focus();
     const isDone = markers.every((name) => name in seeds);
     part("ask").textContent = isDone ? TEXTS.chooseDone : TEXTS.choose(markers[this.selected]);
     part<HTMLButtonElement>("start-tracking").disabled = this.isTracking;

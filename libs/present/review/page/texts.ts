@@ -31,6 +31,13 @@ export const TEXTS = {
   pause: "Pause",
   event: (event: string, repetition: number) => `${EVENTS[event] ?? event} ${repetition}`,
 
+  // Events
+  events: (count: number) => (count === 0 ? "No sit-to-stand found" : count === 1 ? "1 event" : `${count} events`),
+  eventAt: (name: string, frame: number, isMoved: boolean) => `${name}, frame ${frame}${isMoved ? ", moved" : ""}`,
+  eventMoved: (name: string, frame: number) => `${name} moved to frame ${frame}`,
+  eventRestored: (name: string) => `${name} is where it was found`,
+  chooseEvent: "Choose an event first (E)",
+
   // Markers
   status: { d: "detected", f: "filled", m: "missing" } as { [status: string]: string },
   corrected: "corrected",
@@ -76,6 +83,7 @@ export const TEXTS = {
     scale: ["Click one end of the scale bar", "Click its other end"],
     vertical: ["Click one end of the plumb line", "Click its other end"],
     crop: ["Click one corner of the part to search", "Click the corner across"],
+    color: ["Click a marker of the colour"],
   },
   barLength: "Length of the scale bar (mm)",
   chooseDone: "All markers have their spots",
@@ -118,6 +126,8 @@ export const TEXTS = {
   range: (degrees: number | null) => (degrees === null ? "Cannot be assembled" : `Range ${degrees.toFixed(2)}°`),
   failing: (failed: number, all: number) =>
     failed === 0 ? `meets all ${all} requirements` : failed === 1 ? "fails 1 requirement" : `fails ${failed} requirements`,
+  asDrawn: (tolerance: number) => ` as drawn; builds within ± ${tolerance} mm follow`,
+  ofBuilds: (tolerance: number) => `, also with every length off by up to ${tolerance} mm`,
   check: ({ name, is_lower_limit, limit, unit, value }: CheckMessage) => {
     const shown = value === null ? "cannot be evaluated" : withUnit(value, unit);
     // The order of two links says its limit by its name.

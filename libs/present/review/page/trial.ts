@@ -2,7 +2,7 @@
 import { Chart, Mark, Tick, Timeline, colourOf } from "./charts";
 import { button, isTyping, onClick, part, say, sayWhy } from "./dom";
 import { Frames } from "./frames";
-import { Column, EditMessage, MarkerMessage, ProblemMessage, StateMessage, TrialMessage } from "./messages";
+import { Column, EditMessage, EventMessage, MarkerMessage, ProblemMessage, StateMessage, TrialMessage } from "./messages";
 import { server } from "./server";
 import { TEXTS } from "./texts";
 import { PictureView, Point, distance } from "./view";
@@ -20,6 +20,7 @@ export class TrialPage {
   private row = 0; // of the picture that is shown
   private wantedRow = 0;
   private selected = 0;
+  private event = -1; // that was chosen
   private dragged: Point | null = null;
   private isPlacing = false;
   private isPlaying = false;
@@ -41,7 +42,8 @@ export class TrialPage {
       click: (at, free) => this.click(at, free),
     });
     const rows = trial.frame.length, seek = (row: number) => this.seek(row);
-    this.timeline = new Timeline(part("timeline"), rows, seek);
+    this.timeline = new Timeline(part("timeline"), rows, seek, (event) => this.chooseEvent(event),
+      (event, row) => void this.moveEvent(event, row));
     this.charts = {
       knee: new Chart(part("knee-chart"), rows, seek),
       lengths: new Chart(part("lengths-chart"), rows, seek),
@@ -75,9 +77,11 @@ export class TrialPage {
     this.rowOf = new Map(trial.frame.map((frame, row) => [frame, row]));
     document.title = `${trial.about.name} – lake review`;
     part("name").textContent = trial.about.name;
-    part("command").textContent = trial.about.command;
+    const isMoved = this.events().some((event) => event.moved);
+    part("command").textContent = isMoved ? trial.about.command_with_events : trial.about.command;
     this.showState(trial.state);
     this.showProblems();
+    this.showEvents();
     this.showCharts();
     this.showMarkers();
     this.view.redraw();
@@ -149,7 +153,7 @@ export class TrialPage {
   // --- problems
 
   private showProblems(): void {
-    const { problems, markers, leg } = this.trial;
+    const { problems, markers } = this.trial;
     const lane = new Map(markers.map((marker, index) => [marker.name, index]));
     const marks: Mark[] = problems.map((problem) => ({
       first: this.rowAt(problem.first),
@@ -157,9 +161,10 @@ export class TrialPage {
       colour: colourOf(`--${problem.kind}`),
       lane: lane.get(problem.marker) ?? 0,
     }));
-    const ticks: Tick[] = (leg?.events ?? []).map((event) => ({
+    const ticks: Tick[] = this.events().map((event) => ({
       row: this.rowAt(event.frame),
       label: TEXTS.event(event.event, event.repetition),
+      moved: event.moved,
     }));
     this.timeline.show(markers.map((marker) => marker.name), marks, ticks);
     part("problem-count").textContent = TEXTS.problems(problems.length);
@@ -194,6 +199,69 @@ export class TrialPage {
 
   private rowAt(frame: number): number {
     return this.rowOf.get(frame) ?? 0;
+  }
+
+  // --- events
+
+  private events(): EventMessage[] {
+    return this.trial.leg?.events ?? [];
+  }
+
+  private eventName({ event, repetition }: EventMessage): string {
+    return TEXTS.event(event, repetition);
+  }
+
+  private showEvents(): void {
+    const events = this.events();
+    if (this.event >= events.length) this.event = -1;
+    part("event-count").textContent = TEXTS.events(events.length);
+    const list = part("events");
+    if (list.children.length !== events.length)
+      list.replaceChildren(...events.map((_, index) => button("", () => this.goToEvent(index))));
+    events.forEach((event, index) => {
+      const shown = list.children[index] as HTMLElement;
+      shown.textContent = TEXTS.eventAt(this.eventName(event), event.frame, event.moved);
+      shown.setAttribute("aria-pressed", String(index === this.event));
+      shown.dataset.event = `${event.event} ${event.repetition}`;
+    });
+    part<HTMLButtonElement>("event-here").disabled = this.event < 0;
+    part<HTMLButtonElement>("event-restore").disabled = !events[this.event]?.moved;
+    this.timeline.select(this.event);
+  }
+
+  private chooseEvent(index: number): void {
+    this.event = index;
+    this.showEvents();
+  }
+
+  private goToEvent(index: number): void {
+    const event = this.events()[index];
+    if (!event) return;
+    this.chooseEvent(index);
+    this.seek(this.rowAt(event.frame));
+    say(TEXTS.eventAt(this.eventName(event), event.frame, event.moved));
+  }
+
+  // From the chosen one round to the first; the first or the last where none is chosen.
+  private nextEvent(step: 1 | -1): void {
+    const count = this.events().length;
+    if (count === 0) return say(TEXTS.events(0));
+    this.goToEvent(this.event < 0 ? (step > 0 ? 0 : count - 1) : (this.event + step + count) % count);
+  }
+
+  private async moveEvent(index: number, row: number): Promise<void> {
+    const chosen = this.events()[index];
+    if (!chosen) return say(TEXTS.chooseEvent);
+    const { repetition, event } = chosen, frame = this.trial.frame[row];
+    if (await this.edit({ op: "move_event", repetition, event, frame })) say(TEXTS.eventMoved(this.eventName(chosen), frame));
+    else this.timeline.redraw();
+  }
+
+  private async restoreEvent(): Promise<void> {
+    const chosen = this.events()[this.event];
+    if (!chosen) return say(TEXTS.chooseEvent);
+    const { repetition, event } = chosen;
+    if (await this.edit({ op: "restore_event", repetition, event })) say(TEXTS.eventRestored(this.eventName(chosen)));
   }
 
   // --- markers
@@ -345,22 +413,7 @@ export class TrialPage {
     const joints = SKELETON.map((name) => this.trial.markers.find((marker) => marker.name === name));
     context.strokeStyle = "rgba(255, 255, 255, 0.7)";
     context.lineWidth = 1.5;
-    this.strokeLine(context, joints.map((joint) => (joint ? this.shownPlace(joint) : null)));
-  }
-
-  // A line through these places, interrupted where one is not known.
-  private strokeLine(context: CanvasRenderingContext2D, places: (Point | null)[]): void {
-    context.beginPath();
-    let isDown = false;
-    for (const at of places) {
-      if (at) {
-        const { x, y } = this.view.toScreen(at);
-        if (isDown) context.lineTo(x, y);
-        else context.moveTo(x, y);
-      }
-      isDown = at !== null;
-    }
-    context.stroke();
+    this.view.strokeLine(context, joints.map((joint) => (joint ? this.shownPlace(joint) : null)));
   }
 
   private drawMarker(context: CanvasRenderingContext2D, marker: MarkerMessage, index: number): void {
@@ -393,7 +446,7 @@ export class TrialPage {
     const from = Math.max(this.row - TRAIL, 0), to = Math.min(this.row + TRAIL, this.trial.frame.length - 1);
     const places: (Point | null)[] = [];
     for (let row = from; row <= to; ++row) places.push(this.placeOf(marker, row));
-    this.strokeLine(context, places);
+    this.view.strokeLine(context, places);
     context.globalAlpha = 1;
   }
 
@@ -447,6 +500,8 @@ export class TrialPage {
     onClick("hide", () => void this.edit({ op: "hide", ...this.here() }));
     onClick("restore", () => void this.edit({ op: "restore", ...this.here() }));
     onClick("swap", () => void this.swap());
+    onClick("event-here", () => void this.moveEvent(this.event, this.row));
+    onClick("event-restore", () => void this.restoreEvent());
     onClick("undo", () => void this.edit({ op: "undo" }));
     onClick("redo", () => void this.edit({ op: "redo" }));
     document.addEventListener("keydown", (event) => this.key(event));
@@ -494,6 +549,9 @@ export class TrialPage {
       h: () => void this.edit({ op: "hide", ...this.here() }),
       r: () => void this.edit({ op: "restore", ...this.here() }),
       x: () => void this.swap(),
+      e: () => this.nextEvent(1),
+      E: () => this.nextEvent(-1),
+      m: () => void this.moveEvent(this.event, this.row),
       Escape: () => this.endPlacing(),
       Enter: () => void this.place(this.placeOf(this.marker()) ?? this.view.middle(), false),
     };

@@ -43,6 +43,18 @@ export class PictureView {
     this.redraw();
   }
 
+  /** The mean colour of the nine pixels there, #RRGGBB. */
+  colourAt(at: Point): string {
+    const one = document.createElement("canvas"), context = one.getContext("2d")!;
+    one.width = one.height = 3;
+    context.drawImage(this.picture!, 1 - Math.round(at.x), 1 - Math.round(at.y));
+    const { data } = context.getImageData(0, 0, 3, 3), levels = [0, 0, 0];
+    data.forEach((level, index) => {
+      if (index % 4 < 3) levels[index % 4] += level / 9;
+    });
+    return `#${levels.map((level) => Math.round(level).toString(16).padStart(2, "0")).join("")}`;
+  }
+
   /** Screen px per px of the picture. */
   scale(): number {
     return this.zoom * Math.min(this.canvas.clientWidth / this.size.x, this.canvas.clientHeight / this.size.y);
@@ -62,6 +74,21 @@ export class PictureView {
       x: (at.x - this.canvas.clientWidth / 2) / scale + this.centre.x,
       y: (at.y - this.canvas.clientHeight / 2) / scale + this.centre.y,
     };
+  }
+
+  /** A line through these places of the picture, interrupted where one is not known. */
+  strokeLine(context: CanvasRenderingContext2D, places: (Point | null)[]): void {
+    context.beginPath();
+    let isDown = false;
+    for (const at of places) {
+      if (at) {
+        const { x, y } = this.toScreen(at);
+        if (isDown) context.lineTo(x, y);
+        else context.moveTo(x, y);
+      }
+      isDown = at !== null;
+    }
+    context.stroke();
   }
 
   middle(): Point {

@@ -17,10 +17,49 @@ bool IsSame(const MarkerSample& a, const MarkerSample& b) {
   return !a.IsKnown() || (a.position == b.position && a.sigma == b.sigma);
 }
 
+bool IsSame(const motion::EventCorrection& a, const motion::EventCorrection& b) {
+  return a.frame == b.frame && a.time_s == b.time_s;
+}
+
+template <typename T>
+bool IsSame(const std::optional<T>& a, const std::optional<T>& b) {
+  return a.has_value() == b.has_value() && (!a || IsSame(*a, *b));
+}
+
+// Of two maps: the same keys, and the same under each.
+template <typename Map>
+bool AreSame(const Map& a, const Map& b) {
+  return std::ranges::equal(a, b, [](const auto& one, const auto& other) {
+    return one.first == other.first && IsSame(one.second, other.second);
+  });
+}
+
+motion::StsEventKind EventKind(const std::string& name) {
+  const std::optional<motion::StsEventKind> kind = motion::FindEventKind(name);
+  if (!kind) throw Fail("'{}' is not an event", name);
+  return *kind;
+}
+
+Json EventJson(const motion::EventCorrection& event) {
+  return {{"repetition", event.repetition},
+          {"event", motion::ToString(event.kind)},
+          {"frame", event.frame ? Json(*event.frame) : Json()},
+          {"time_s", event.time_s ? Json(*event.time_s) : Json()}};
+}
+
+motion::EventCorrection EventFrom(const Json& json) {
+  const auto repetition = static_cast<int>(WholeNumber(json.at("repetition")));
+  motion::EventCorrection event{repetition, EventKind(json.at("event")), {}, {}, {}};
+  if (!json.at("frame").is_null()) event.frame = WholeNumber(json.at("frame"));
+  if (!json.at("time_s").is_null()) event.time_s = json.at("time_s").get<double>();
+  return event;
+}
+
 }  // namespace
 
 CorrectionBook::CorrectionBook(motion::MarkerRecording detected, int width, int height,
-                               std::vector<std::int64_t> repeated, const std::vector<motion::Correction>& made)
+                               std::vector<std::int64_t> repeated, const std::vector<motion::Correction>& made,
+                               const std::vector<motion::EventCorrection>& events)
     : detected_(motion::Measurements(std::move(detected))),
       width_(width),
       height_(height),
@@ -29,7 +68,9 @@ CorrectionBook::CorrectionBook(motion::MarkerRecording detected, int width, int 
     const Cell cell{Row(correction.frame), Marker(correction.marker)};
     Set(cell, ChangeTo(cell, correction.sample).after);
   }
-  base_ = Corrections();
+  motion::CheckAreInside(events, detected_.frame, detected_.time_s);
+  for (const motion::EventCorrection& event : events) events_[{event.repetition, event.kind}] = event;
+  base_ = Corrections(), base_events_ = Events();
 }
 
 std::size_t CorrectionBook::Row(std::int64_t frame) const {
@@ -66,13 +107,30 @@ void CorrectionBook::Set(Cell cell, const std::optional<MarkerSample>& sample) {
     made_.erase(cell);
 }
 
-void CorrectionBook::Do(Step step, Json edit) {
-  std::erase_if(step, [](const Change& change) {
-    return change.before.has_value() == change.after.has_value() &&
-           (!change.before || IsSame(*change.before, *change.after));
-  });
-  if (step.empty()) throw Error("that changes nothing");
-  for (const Change& change : step) Set(change.cell, change.after);
+void CorrectionBook::SetEvent(EventKey key, const std::optional<motion::EventCorrection>& event) {
+  if (event)
+    events_[key] = *event;
+  else
+    events_.erase(key);
+}
+
+void CorrectionBook::Do(std::vector<Change> cells, Json edit) {
+  std::erase_if(cells, [](const Change& change) { return IsSame(change.before, change.after); });
+  if (cells.empty()) throw Error("that changes nothing");
+  for (const Change& change : cells) Set(change.cell, change.after);
+  Append({std::move(cells), {}}, std::move(edit));
+}
+
+void CorrectionBook::DoEvent(EventKey key, const std::optional<motion::EventCorrection>& after, Json edit) {
+  const auto made = events_.find(key);
+  EventChange change{key, {}, after};
+  if (made != events_.end()) change.before = made->second;
+  if (IsSame(change.before, change.after)) throw Error("that changes nothing");
+  SetEvent(key, after);
+  Append({{}, std::move(change)}, std::move(edit));
+}
+
+void CorrectionBook::Append(Step step, Json edit) {
   steps_.resize(done_);
   steps_.push_back(std::move(step));
   edits_.erase(edits_.begin() + static_cast<std::ptrdiff_t>(done_), edits_.end());
@@ -106,7 +164,7 @@ void CorrectionBook::Restore(std::int64_t frame, const std::string& marker) {
 void CorrectionBook::SwapFrom(std::int64_t frame, const std::string& one, const std::string& other) {
   const std::size_t a = Marker(one), b = Marker(other);
   if (a == b) throw Fail("'{}' cannot be swapped with itself", one);
-  Step step;
+  std::vector<Change> step;
   for (std::size_t row = Row(frame); row < detected_.Frames(); ++row) {
     step.push_back(ChangeTo({row, a}, Now({row, b})));
     step.push_back(ChangeTo({row, b}, Now({row, a})));
@@ -114,20 +172,37 @@ void CorrectionBook::SwapFrom(std::int64_t frame, const std::string& one, const 
   Do(std::move(step), {{"op", "swap"}, {"frame", frame}, {"marker", one}, {"other", other}});
 }
 
+void CorrectionBook::MoveEvent(int repetition, motion::StsEventKind kind, std::int64_t frame) {
+  if (repetition < 1) throw Fail("repetition {} is none: they are counted from 1", repetition);
+  const double time_s = detected_.time_s[Row(frame)];
+  DoEvent({repetition, kind}, motion::EventCorrection{repetition, kind, frame, time_s, "the new place"},
+          {{"op", "move_event"}, {"repetition", repetition}, {"event", motion::ToString(kind)}, {"frame", frame}});
+}
+
+void CorrectionBook::RestoreEvent(int repetition, motion::StsEventKind kind) {
+  DoEvent({repetition, kind}, {},
+          {{"op", "restore_event"}, {"repetition", repetition}, {"event", motion::ToString(kind)}});
+}
+
 void CorrectionBook::Undo() {
   if (!CanUndo()) throw Error("there is nothing to undo");
-  for (const Change& change : steps_[--done_]) Set(change.cell, change.before);
+  const Step& step = steps_[--done_];
+  for (const Change& change : step.cells) Set(change.cell, change.before);
+  if (step.event) SetEvent(step.event->key, step.event->before);
 }
 
 void CorrectionBook::Redo() {
   if (!CanRedo()) throw Error("there is nothing to redo");
-  for (const Change& change : steps_[done_++]) Set(change.cell, change.after);
+  const Step& step = steps_[done_++];
+  for (const Change& change : step.cells) Set(change.cell, change.after);
+  if (step.event) SetEvent(step.event->key, step.event->after);
 }
 
 void CorrectionBook::Make(const Json& edit) {
   const std::string op = edit.at("op");
   if (op == "undo") return Undo();
   if (op == "redo") return Redo();
+  if (op == "move_event" || op == "restore_event") return MakeEvent(op, edit);
   const std::int64_t frame = WholeNumber(edit.at("frame"));
   const std::string marker = edit.at("marker");
   if (op == "place")
@@ -139,23 +214,31 @@ void CorrectionBook::Make(const Json& edit) {
   throw Fail("'{}' is no change that can be made", op);
 }
 
+void CorrectionBook::MakeEvent(const std::string& op, const Json& edit) {
+  constexpr std::int64_t kMost = 1'000'000;
+  const auto repetition = static_cast<int>(std::clamp<std::int64_t>(WholeNumber(edit.at("repetition")), 0, kMost));
+  const motion::StsEventKind kind = EventKind(edit.at("event"));
+  if (op == "restore_event") return RestoreEvent(repetition, kind);
+  MoveEvent(repetition, kind, WholeNumber(edit.at("frame")));
+}
+
 Json CorrectionBook::History() const {
-  Json base = Json::array();
+  Json base = Json::array(), base_events = Json::array();
   for (const motion::Correction& correction : base_) base.push_back(CorrectionJson(correction));
-  return {{"base", base}, {"steps", edits_}, {"done", done_}};
+  for (const motion::EventCorrection& event : base_events_) base_events.push_back(EventJson(event));
+  return {{"base", base}, {"base_events", base_events}, {"steps", edits_}, {"done", done_}};
 }
 
 void CorrectionBook::TakeHistory(const Json& history) {
   std::vector<motion::Correction> base;
   for (const Json& correction : history.at("base")) base.push_back(CorrectionFrom(correction));
-  CorrectionBook then(detected_, width_, height_, repeated_, base);
+  std::vector<motion::EventCorrection> base_events;
+  for (const Json& event : history.value("base_events", Json::array())) base_events.push_back(EventFrom(event));
+  CorrectionBook then(detected_, width_, height_, repeated_, base, base_events);
   for (const Json& edit : history.at("steps")) then.Make(edit);
   const std::int64_t done = WholeNumber(history.at("done"));
   while (then.CanUndo() && static_cast<std::int64_t>(then.done_) > done) then.Undo();
-  const auto is_same = [](const auto& one, const auto& other) {
-    return one.first == other.first && IsSame(one.second, other.second);
-  };
-  if (!std::ranges::equal(then.made_, made_, is_same))
+  if (!AreSame(then.made_, made_) || !AreSame(then.events_, events_))
     throw Error("the corrections were changed since they were made step by step");
   *this = std::move(then);
 }
@@ -176,6 +259,12 @@ motion::Correction CorrectionFrom(const Json& json) {
                          json.at("sigma_px").get<double>(),
                          SampleStatus::kDetected};
   return correction;
+}
+
+std::vector<motion::EventCorrection> CorrectionBook::Events() const {
+  std::vector<motion::EventCorrection> events;
+  for (const auto& [key, event] : events_) events.push_back(event);
+  return events;
 }
 
 motion::MarkerRecording CorrectionBook::Corrected() const {

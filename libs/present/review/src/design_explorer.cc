@@ -171,6 +171,7 @@ Json DesignExplorer::About() const {
           {"d_min", explored_.problem.d_min_mm},
           {"standing_deg", explored_.problem.standing_deg},
           {"torque_nm", explored_.problem.knee_torque_nm},
+          {"tolerance_mm", explored_.problem.robust_mm ? Json(*explored_.problem.robust_mm) : Json()},
           {"limits", explored_.limits},
           {"notes", explored_.notes},
           {"body", {{"thigh", segment(body.thigh)}, {"shank", segment(body.shank)}}}};
@@ -206,11 +207,13 @@ Json DesignExplorer::CurvesJson(const Links& links) const {
   return {{"stroke", Column(kRows, stroke)}, {"now", columns(now)}, {"saved", columns(saved)}, {"poses", poses}};
 }
 
-Json DesignExplorer::ChecksJson(const Links& links) const {
-  const problem::DesignEvaluation evaluation = problem::Evaluate(links, explored_.problem);
+Json DesignExplorer::ChecksJson(const Links& links, bool of_builds) const {
+  problem::SynthesisProblem problem = explored_.problem;
+  if (!of_builds) problem.robust_mm.reset();
+  const problem::DesignEvaluation evaluation = problem::Evaluate(links, problem);
   Json checks = Json::array();
   for (const problem::RequirementCheck& check : evaluation.checks)
-    checks.push_back(CheckJson(check, explored_.problem, evaluation.range_deg));
+    checks.push_back(CheckJson(check, problem, evaluation.range_deg));
   const auto values = links.Values();
   for (std::size_t i = 0; i < values.size(); ++i) {
     const problem::Bounds& bound = explored_.problem.bounds[i];
@@ -220,7 +223,8 @@ Json DesignExplorer::ChecksJson(const Links& links) const {
   return {{"range_deg", Rounded(evaluation.range_deg)},
           {"stands", evaluation.stands_mm ? Rounded(*evaluation.stands_mm) : Json()},
           {"gap", evaluation.gap},
-          {"checks", checks}};
+          {"checks", checks},
+          {"of_builds", problem.robust_mm.has_value()}};
 }
 
 Json DesignExplorer::Explore(const Json& question) const {
@@ -231,7 +235,7 @@ Json DesignExplorer::Explore(const Json& question) const {
     std::tie(links, stroke_mm) = Dragged(links, *drag);
     stroke = stroke_mm, pose = PoseJson(linkage::SolvePose(links, stroke_mm));
   }
-  Json message = ChecksJson(links);
+  Json message = ChecksJson(links, question.value("builds", false));
   message["links"] = links.Values();
   message["stroke"] = stroke, message["pose"] = pose;
   message["curves"] = CurvesJson(links);

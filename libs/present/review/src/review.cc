@@ -1,5 +1,7 @@
 #include "lake/review/review.h"
 
+#include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <utility>
 
@@ -64,16 +66,18 @@ class ReviewServer {
 
   Json Snap(std::int64_t frame, const Eigen::Vector2d& place, double reach_px, const std::string& marker) {
     constexpr double kFarthest = 100;
-    const SnapDetector snap_to = SnapTo();
-    if (!snap_to || !place.allFinite() || !(reach_px > 0 && reach_px <= kFarthest)) return Json();
+    if (!place.allFinite() || !(reach_px > 0 && reach_px <= kFarthest)) return Json();
+    const Snapping snapping = SnapTo(marker, frame);
+    if (!snapping.detector) return Json();
     const StoredFrame stored = frames_.Frame(frame);
     video::VideoFrame picture;
     picture.index = frame, picture.luma = stored.luma;
     const auto colours = [&stored] { return ColoursOf(stored); };
-    const auto found = SnapToMarker(picture, place, reach_px, snap_to, colours);
+    const auto found = SnapToMarker(picture, place, reach_px, snapping.detector, colours);
     if (!found) return Json();
     // Compression displaces what it does not show in a single frame.
-    const double sigma = std::max(found->sigma_px, marker.empty() ? 0 : Session().UsualSigma(marker));
+    const double sigma =
+        std::max(std::hypot(found->sigma_px, snapping.sigma_px), marker.empty() ? 0 : Session().UsualSigma(marker));
     return {{"x", found->position.x()}, {"y", found->position.y()}, {"sigma", sigma}};
   }
 
@@ -83,9 +87,20 @@ class ReviewServer {
     return *session_;
   }
 
-  SnapDetector SnapTo() const {
-    const std::lock_guard lock(mutex_);
-    return snap_to_;
+  // What measures a marker in a frame; `sigma_px`: how well the patch that it is compared with is known to be centred.
+  struct Snapping {
+    SnapDetector detector;
+    double sigma_px = 0;
+  };
+
+  Snapping SnapTo(const std::string& marker, std::int64_t frame) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (snap_to_) return {snap_to_};
+    }
+    const auto measured = marker.empty() ? std::nullopt : Session().NearestMeasured(marker, frame);
+    if (!measured) return {};
+    return {DetectorOfPatch(frames_.Frame(measured->frame).luma, measured->sample.position), measured->sample.sigma};
   }
 
   const NamingWork& Naming() const {

@@ -4,6 +4,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "lake/core/error.h"
+
 namespace lake::review {
 namespace {
 
@@ -16,6 +18,19 @@ cv::Mat PreviewOf(const cv::Mat& bgr) {
 }
 
 }  // namespace
+
+SnapDetector DetectorOfPatch(const cv::Mat& luma, const Eigen::Vector2d& place) {
+  constexpr std::int64_t kNoFrame = -1;  // it is looked for in others
+  return [luma, seed = tracking::MarkerSeed{"patch", place, kNoFrame}](const tracking::DetectorRegion& near) {
+    try {
+      return tracking::MakeTemplateDetector({seed}, {luma}, near);
+    } catch (const Error&) {
+      throw Error(
+          "the picture is even where the marker was measured last: nothing can be found "
+          "again; with Alt the marker stays where it is left");
+    }
+  };
+}
 
 std::optional<tracking::MarkerDetection> SnapToMarker(video::VideoFrame frame, const Eigen::Vector2d& place,
                                                       double reach_px, const SnapDetector& make_detector,

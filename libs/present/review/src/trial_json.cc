@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "column.h"
+#include "lake/core/error.h"
 #include "lake/review/problems.h"
 
 namespace lake::review {
@@ -54,17 +55,32 @@ Json MarkerJson(const CorrectionBook& book, const motion::MarkerRecording& measu
           {"residual", Column(measured.Frames(), residual)}};
 }
 
-Json LegJson(const gait::LegFitResult& leg) {
+// With those that a person moved in their places; where these do not suit what is found now, as found, and `warnings`
+// say why.
+Json EventsJson(const CorrectionBook& book, const gait::LegFitResult& leg, Json& warnings) {
+  std::vector<motion::StsEvent> events = leg.events;
+  try {
+    events = motion::ApplyEventCorrections(book.Events(), leg.motion.frame, leg.motion.time_s, leg.events);
+  } catch (const Error& error) {
+    warnings.push_back(fmt::format("the moved events do not suit those found: {}", error.what()));
+  }
+  Json list = Json::array();
+  for (const motion::StsEvent& event : events)
+    list.push_back({{"repetition", event.repetition},
+                    {"event", ToString(event.kind)},
+                    {"frame", event.frame},
+                    {"moved", book.IsMoved(event.repetition, event.kind)}});
+  return list;
+}
+
+Json LegJson(const CorrectionBook& book, const gait::LegFitResult& leg, Json& warnings) {
   const std::vector<motion::LegSample>& samples = leg.motion.samples;
   const auto column = [&](const std::function<double(const motion::LegSample&)>& value) {
     return Column(samples.size(), [&](std::size_t row) { return value(samples[row]); });
   };
-  Json events = Json::array();
-  for (const motion::StsEvent& event : leg.events)
-    events.push_back({{"repetition", event.repetition}, {"event", ToString(event.kind)}, {"frame", event.frame}});
   return {{"knee", column([](const motion::LegSample& s) { return s.knee_deg; })},
           {"knee_sigma", column([](const motion::LegSample& s) { return s.knee_sigma_deg; })},
-          {"events", events}};
+          {"events", EventsJson(book, leg, warnings)}};
 }
 
 }  // namespace
@@ -72,7 +88,7 @@ Json LegJson(const gait::LegFitResult& leg) {
 Json TrialJson(const CorrectionBook& book, const TrialFit* fit, const std::vector<std::int64_t>& repeated) {
   const motion::MarkerRecording measured = book.Corrected();
   const gait::LegFitResult* leg = fit && fit->leg ? &*fit->leg : nullptr;
-  Json markers = Json::array(), problems = Json::array();
+  Json markers = Json::array(), problems = Json::array(), warnings = fit ? Json(fit->warnings) : Json::array();
   for (std::size_t m = 0; m < measured.markers.size(); ++m) markers.push_back(MarkerJson(book, measured, m, fit));
   for (const Problem& problem : FindProblems(measured, leg, repeated))
     problems.push_back({{"kind", ToString(problem.kind)},
@@ -80,11 +96,12 @@ Json TrialJson(const CorrectionBook& book, const TrialFit* fit, const std::vecto
                         {"first", problem.first},
                         {"last", problem.last},
                         {"value", Rounded(problem.value)}});
+  const Json leg_json = leg ? LegJson(book, *leg, warnings) : Json();
   return {{"frame", measured.frame},
           {"time_s", Column(measured.Frames(), [&](std::size_t row) { return measured.time_s[row]; })},
           {"markers", markers},
-          {"leg", leg ? LegJson(*leg) : Json()},
-          {"warnings", fit ? Json(fit->warnings) : Json::array()},
+          {"leg", leg_json},
+          {"warnings", warnings},
           {"problems", problems}};
 }
 

@@ -1,6 +1,7 @@
 #include "lake/review/trial_session.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
 
 #include "lake/core/error.h"
@@ -69,11 +70,34 @@ Json TrialSession::Edit(const Json& edit) {
   const std::lock_guard lock(mutex_);
   CorrectionBook changed = book_;
   changed.Make(edit);
+  if (edit.at("op") == "move_event") CheckEvents(changed);
   work_.save(changed);
   book_ = std::move(changed);
   ++revision_;
   changed_.notify_all();
   return StateNow();
+}
+
+void TrialSession::CheckEvents(const CorrectionBook& changed) const {
+  if (!fit_ || !fit_->leg) throw Error("there is no leg, so there are no events to be moved");
+  const motion::LegMotion& motion = fit_->leg->motion;
+  motion::ApplyEventCorrections(changed.Events(), motion.frame, motion.time_s, fit_->leg->events);
+}
+
+std::optional<TrialSession::Measured> TrialSession::NearestMeasured(const std::string& marker,
+                                                                    std::int64_t frame) const {
+  const std::lock_guard lock(mutex_);
+  const motion::MarkerRecording recording = book_.Corrected();
+  const motion::MarkerTrack* track = recording.Find(marker);
+  if (!track) throw Fail("there is no marker '{}'", marker);
+  std::optional<Measured> nearest;
+  for (std::size_t row = 0; row < recording.Frames(); ++row) {
+    const std::int64_t there = recording.frame[row];
+    if (there == frame || !track->samples[row].IsKnown()) continue;
+    if (!nearest || std::abs(there - frame) < std::abs(nearest->frame - frame))
+      nearest = Measured{there, track->samples[row]};
+  }
+  return nearest;
 }
 
 double TrialSession::UsualSigma(const std::string& marker) const {

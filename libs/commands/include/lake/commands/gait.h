@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "lake/core/json.h"
@@ -15,14 +16,20 @@ struct GaitRunOptions {
   std::filesystem::path trial;  // a lake-track folder or a file that ReadTrial knows
   exchange::TrialOptions reading;
   gait::LegFitOptions fit;
+  std::optional<std::filesystem::path> events;  // repetition,event,time_s or frame: overrule those found
 };
 
 void Describe(GaitRunOptions& o, OptionList& options);
 
 // The one way in which lake-gait, lake-compare and lake-optimize read a trial and fit a leg to it. Warnings (of the
 // file, of lengths that no leg has, of positions that were smoothed) are said through `run`, inputs recorded in it.
+// Events that a person moved in a folder are those of every fit of its trial.
 exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run);
 gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run);
+
+// Puts the rows of this file in the places of the fit's events, and returns what a summary says of that. Throws Error
+// naming file and line.
+Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit);
 
 // Writes kinematics.csv, events.csv, trajectory.csv (tracks.csv for a trial in px), gait.png; returns the results for
 // the summary.

@@ -22,8 +22,8 @@ void Describe(ReviewRunOptions& o, OptionList& options);
 review::ReviewedTrial ReviewedTrialOf(TrackedFolder folder);
 
 // Prints the page's address and serves it until its last window is closed. Corrections are written into the folder:
-// corrections.csv and review.json. Of a video, tracking runs `programs`/lake-track into its default folder. Throws
-// Error, also where the port is taken; Interrupted once a signal has arrived.
+// corrections.csv, events_corrected.csv and review.json. Of a video, tracking runs `programs`/lake-track into its
+// default folder. Throws Error, also where the port is taken; Interrupted once a signal has arrived.
 void RunReview(const ReviewRunOptions& options, const std::filesystem::path& programs);
 
 }  // namespace lake::commands

@@ -26,6 +26,7 @@ struct TrackRunOptions {
   std::optional<double> readout_s;                   // rolling shutter; default: the camera file's, else 0
   std::map<std::string, double> depth_mm;            // by marker: how far it stands proud of the plane
   std::optional<std::filesystem::path> corrections;  // frame,marker,x_px,y_px
+  std::optional<std::filesystem::path> events;       // repetition,event,time_s or frame: overrule those found
   bool overlay = true;
   bool anonymise = false;            // no face in overlay.mp4 and candidates.png
   std::vector<std::string> exports;  // as CheckExportFormats (exchange/formats.h) knows them

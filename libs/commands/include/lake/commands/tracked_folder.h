@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "lake/commands/track.h"
 #include "lake/core/json.h"
 #include "lake/motion/corrections.h"
+#include "lake/motion/event_corrections.h"
 #include "lake/review/correction_book.h"
 #include "lake/tracking/track_markers.h"
 
@@ -15,21 +17,24 @@ namespace lake::commands {
 
 struct TrackedFolder {
   std::filesystem::path folder;
-  TrackRunOptions options;                // with the inputs where they are now
-  tracking::TrackResult tracked;          // what the detector measured, before any correction
-  std::vector<motion::Correction> made;   // corrections.csv in the folder
-  std::vector<motion::Correction> known;  // detector's samples of all that lake-review corrected in these tracks
-  Json history;                           // CorrectionBook's, of the last session; null: none
-  std::string command;                    // tracks again with corrections.csv
+  TrackRunOptions options;                      // with the inputs where they are now
+  tracking::TrackResult tracked;                // what the detector measured, before any correction
+  std::vector<motion::Correction> made;         // corrections.csv in the folder
+  std::vector<motion::EventCorrection> events;  // events_corrected.csv in the folder
+  std::vector<motion::Correction> known;        // detector's samples of all that lake-review corrected in these tracks
+  Json history;                                 // CorrectionBook's, of the last session; null: none
+  std::map<std::string, std::string> kept;      // what lake-review's files in the folder last held
+  std::string command;                          // tracks again with corrections.csv …
+  std::string command_with_events;              // … and with events_corrected.csv
 };
 
 // Throws Error: not such a folder, a file of it or its video is not to be found or has changed, or it was tracked with
 // corrections that lake-review did not make.
 TrackedFolder ReadTrackedFolder(const std::filesystem::path& folder);
 
-// Writes corrections.csv, and review.json, which keeps what they and those before them replaced, and the steps in which
-// they were made. Throws Error (a full
-// disk, a folder that cannot be written); each file is either the new one or the old one then.
+// Writes corrections.csv, events_corrected.csv once an event was moved, and review.json, which keeps what they and
+// those before them replaced, and the steps in which they were made. Throws Error (a full disk, a folder that cannot be
+// written, files that somebody else changed since they were read); each file is either the new one or the old one then.
 void SaveCorrections(TrackedFolder& folder, const review::CorrectionBook& book);
 
 }  // namespace lake::commands

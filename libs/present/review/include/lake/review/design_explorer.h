@@ -31,9 +31,11 @@ class DesignExplorer {
   // DesignMessage in page/messages.ts.
   Json About() const;
 
-  // {links: l1..l6 in mm; drag: {pin, x, y, stroke}, a pin that is dragged to a place, if any}. The other pins stay
-  // where they are at that stroke, and those on thigh and shank stay on their axes. The answer has the links then;
-  // ExploredMessage there. Throws Error for what are no links, or where the linkage would fold over.
+  // {links: l1..l6 in mm; drag: {pin, x, y, stroke}, a pin that is dragged to a place, if any; builds: whether the
+  // requirements are those of the worst build within the problem's tolerance, 128 times as much work, else of the
+  // links as they are}. The other pins stay where they are at that stroke, and those on thigh and shank stay on their
+  // axes. The answer has the links then; ExploredMessage there. Throws Error for what are no links, or where the
+  // linkage would fold over.
   Json Explore(const Json& question) const;
 
   // The design with these links, to be saved: its strokes begin at the problem's d_min and end where the knee stands. A
@@ -42,7 +44,7 @@ class DesignExplorer {
 
  private:
   Json CurvesJson(const linkage::Links& links) const;
-  Json ChecksJson(const linkage::Links& links) const;
+  Json ChecksJson(const linkage::Links& links, bool of_builds) const;
 
   ExploredDesign explored_;
 };

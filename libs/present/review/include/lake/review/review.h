@@ -21,7 +21,7 @@ struct ReviewedTrial {
   CorrectionBook book;
   std::vector<std::int64_t> repeated;  // frames whose picture is that of the frame before
   TrialWork work;
-  SnapDetector snap_to;  // empty: markers of a kind that is not measured in one picture alone
+  SnapDetector snap_to;  // empty: each marker is a patch, looked for as it is where it was measured last
   Json about;            // AboutMessage in page/messages.ts
 };
 

@@ -12,6 +12,10 @@ namespace lake::review {
 // The tracker's detector for a part of the picture.
 using SnapDetector = std::function<std::unique_ptr<tracking::MarkerDetector>(const tracking::DetectorRegion& near)>;
 
+// Of a marker that has no kind: the patch that it is in this picture, at this place. Throws Error where the picture is
+// even there.
+SnapDetector DetectorOfPatch(const cv::Mat& luma, const Eigen::Vector2d& place);
+
 // The nearest detection within `reach_px`; nullopt if there is none. `frame` has its luma; its colours are asked for if
 // the detector needs them.
 std::optional<tracking::MarkerDetection> SnapToMarker(video::VideoFrame frame, const Eigen::Vector2d& place,

@@ -19,7 +19,7 @@ namespace lake::review {
 
 // What a fit tells the page.
 struct TrialFit {
-  std::optional<gait::LegFitResult> leg;  // nullopt where the markers are no leg's
+  std::optional<gait::LegFitResult> leg;  // nullopt where the markers are no leg's; its events are those found
   motion::MarkerRecording tracks;         // px, gaps filled
   motion::MarkerRecording estimates;      // px, the fit's own; empty without a leg
   std::vector<std::string> warnings;
@@ -47,12 +47,20 @@ class TrialSession {
   // As CorrectionBook::Make(). Throws Error where it cannot be done or cannot be saved: then nothing has changed.
   Json Edit(const Json& edit);
 
+  // The nearest frame but this one in which the marker is measured, and where; nullopt if there is none.
+  struct Measured {
+    std::int64_t frame = 0;
+    motion::MarkerSample sample;
+  };
+  std::optional<Measured> NearestMeasured(const std::string& marker, std::int64_t frame) const;
+
   // The standard deviation that this marker's measurements usually have, px; 0 if it was never seen.
   double UsualSigma(const std::string& marker) const;
 
  private:
   void FitAgain();
   Json StateNow() const;
+  void CheckEvents(const CorrectionBook& changed) const;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
