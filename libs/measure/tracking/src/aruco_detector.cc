@@ -1,7 +1,10 @@
 // ArUco markers: identity by their code, position where the diagonals cross.
+#include "aruco_detector.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/aruco.hpp>
@@ -11,7 +14,6 @@
 
 #include "lake/camera/aruco_dictionary.h"
 #include "lake/core/error.h"
-#include "lake/tracking/marker_detector.h"
 
 namespace lake::tracking {
 namespace {
@@ -124,32 +126,70 @@ std::optional<Square> FitSquare(const cv::Mat& grey, const std::vector<cv::Point
 
 class ArucoDetector : public MarkerDetector {
  public:
-  ArucoDetector(const std::string& dictionary, const DetectorRegion& region)
+  ArucoDetector(const std::string& dictionary, const DetectorRegion& region, int markers)
       : dictionary_(DictionaryByName(dictionary)),
         parameters_(cv::aruco::DetectorParameters::create()),
-        region_(region) {
+        region_(region),
+        markers_(markers),
+        least_perimeter_(parameters_->minMarkerPerimeterRate) {
     parameters_->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   }
 
   bool KnowsIdentities() const override { return true; }
 
-  std::vector<MarkerDetection> Detect(const video::VideoFrame& frame, std::span<const MarkerPrediction> /*predictions*/,
-                                      bool /*everywhere*/) override {
-    const cv::Rect box = region_.Of(frame.luma);
+  std::vector<MarkerDetection> Detect(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions,
+                                      bool everywhere) override {
+    if (!everywhere && AreAllFollowed(predictions))
+      if (auto found = FindWhereExpected(frame.luma, predictions)) return *std::move(found);
+    return FindIn(frame.luma, region_.Of(frame.luma));
+  }
+
+ private:
+  bool AreAllFollowed(std::span<const MarkerPrediction> predictions) const {
+    for (int id = 0; id < markers_; ++id)
+      if (std::none_of(predictions.begin(), predictions.end(), [&](const auto& p) { return p.identity == id; }))
+        return false;
+    return markers_ > 0;
+  }
+
+  // nullopt if one of them is not there.
+  std::optional<std::vector<MarkerDetection>> FindWhereExpected(const cv::Mat& grey,
+                                                                std::span<const MarkerPrediction> predictions) {
+    constexpr double kReachRadii = 3, kMarginPx = 12;  // a square's corner is 1.25 of its disc's radii from the middle
+    std::vector<MarkerDetection> all;
+    for (const MarkerPrediction& prediction : predictions) {
+      const double reach = kReachRadii * prediction.appearance.RadiusPx() + kMarginPx;
+      const cv::Rect box(static_cast<int>(prediction.position.x() - reach),
+                         static_cast<int>(prediction.position.y() - reach), static_cast<int>(2 * reach),
+                         static_cast<int>(2 * reach));
+      const std::vector<MarkerDetection> there = FindIn(grey, box & region_.Of(grey));
+      const auto own = std::find_if(there.begin(), there.end(),
+                                    [&](const MarkerDetection& d) { return d.identity == prediction.identity; });
+      if (own == there.end()) return std::nullopt;
+      all.push_back(*own);
+    }
+    return all;
+  }
+
+  // A square is as large as it must be in the whole picture.
+  std::vector<MarkerDetection> FindIn(const cv::Mat& grey, const cv::Rect& box) {
+    if (box.empty()) return {};
+    const cv::Rect whole = region_.Of(grey);
+    parameters_->minMarkerPerimeterRate =
+        least_perimeter_ * std::max(whole.width, whole.height) / std::max(box.width, box.height);
     std::vector<std::vector<cv::Point2f>> corners;
     std::vector<int> ids;
-    cv::aruco::detectMarkers(frame.luma(box), dictionary_, corners, ids, parameters_);
+    cv::aruco::detectMarkers(grey(box), dictionary_, corners, ids, parameters_);
     std::vector<MarkerDetection> found;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       for (cv::Point2f& corner : corners[i])
         corner += cv::Point2f(static_cast<float>(box.x), static_cast<float>(box.y));
-      if (const auto square = FitSquare(frame.luma, corners[i], dictionary_->markerSize + 2))
+      if (const auto square = FitSquare(grey, corners[i], dictionary_->markerSize + 2))
         found.push_back(Measure(*square, corners[i], ids[i]));
     }
     return found;
   }
 
- private:
   static MarkerDetection Measure(const Square& square, const std::vector<cv::Point2f>& corners, int id) {
     MarkerDetection detection;
     detection.position = Cross(square.corners);
@@ -163,12 +203,19 @@ class ArucoDetector : public MarkerDetector {
   cv::Ptr<cv::aruco::Dictionary> dictionary_;
   cv::Ptr<cv::aruco::DetectorParameters> parameters_;
   DetectorRegion region_;
+  int markers_;
+  double least_perimeter_;  // as a part of the picture's longer side
 };
 
 }  // namespace
 
+std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region,
+                                                  int markers) {
+  return std::make_unique<ArucoDetector>(dictionary, region, markers);
+}
+
 std::unique_ptr<MarkerDetector> MakeArucoDetector(const std::string& dictionary, const DetectorRegion& region) {
-  return std::make_unique<ArucoDetector>(dictionary, region);
+  return MakeArucoDetector(dictionary, region, 0);
 }
 
 }  // namespace lake::tracking

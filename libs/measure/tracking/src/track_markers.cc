@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 
+#include "aruco_detector.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
@@ -55,7 +56,7 @@ std::unique_ptr<MarkerDetector> MakeDetector(const std::filesystem::path& video,
       return MakeTemplateDetector(options.seeds, pictures, region);
     }
     case DetectorKind::kAruco:
-      return MakeArucoDetector(options.dictionary, region);
+      return MakeArucoDetector(options.dictionary, region, static_cast<int>(options.names.size()));
   }
   throw UsageError("no such detector");
 }
