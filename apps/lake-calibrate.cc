@@ -21,14 +21,15 @@ std::string Report(const Json& s) {
   return fmt::format(
       "{} views, RMS {:.3f} px (inliers {:.3f} px, {} outliers), worst view {} {:.3f} px\n"
       "fx {:.2f} ± {:.2f}  fy {:.2f} ± {:.2f}  cx {:.2f} ± {:.2f}  cy {:.2f} ± {:.2f} px\n"
-      "coverage {:.0f} %, largest tilt {:.0f}°{}\n",
+      "coverage {:.0f} %, largest tilt {:.0f}°{}; lens model {}\n",
       s["views"].size(), number(s, "rms_px"), number(s, "inlier_rms_px"), s["outliers"].size(),
       s["worst_view"].get<std::string>(), number(s, "worst_view_rms_px"), number(camera, "fx"), number(sd, "fx"),
       number(camera, "fy"), number(sd, "fy"), number(camera, "cx"), number(sd, "cx"), number(camera, "cy"),
       number(sd, "cy"), 100 * number(s, "coverage"), number(s, "largest_tilt_deg"),
       s.contains("cross_validation")
           ? fmt::format(", odd and even views differ by {:.3f} px RMS", number(s["cross_validation"], "rms_px"))
-          : "");
+          : "",
+      s["lens"]["model"].get<std::string>());
 }
 
 }  // namespace

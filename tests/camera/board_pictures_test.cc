@@ -94,6 +94,26 @@ TEST_F(BoardPicturesTest, OfAVideoSharpSpreadFramesAreChosen) {
   for (std::size_t i = 1; i < frames.size(); ++i) EXPECT_GE(frames[i] - frames[i - 1], 2);
 }
 
+// Twenty looks over the whole of it: searching every picture thoroughly took minutes.
+TEST_F(BoardPicturesTest, AVideoWithoutTheBoardIsToldOfAfterAFewLooks) {
+  video::VideoWriterOptions writer_options;
+  writer_options.width = 640, writer_options.height = 480, writer_options.grey = true;
+  writer_options.frame_rate_hz = 60;
+  const auto write = [&](const char* name, const cv::Mat1b& early, const cv::Mat1b& late) {
+    video::VideoWriter writer(folder_ / name, writer_options);
+    for (int i = 0; i < 240; ++i) writer.Write(i < 180 ? early : late, i / 60.0);
+    writer.Finish();
+    return folder_ / name;
+  };
+  cv::Mat1b room(480, 640, uchar{90});
+  cv::rectangle(room, {200, 100, 150, 250}, 190, cv::FILLED);
+  EXPECT_THAT(Complaint({write("without.mp4", room, room)}), testing::HasSubstr("seen in none of 20 frames"));
+  options_.attempts_per_s = 5;
+  const camera::BoardPictures late = camera::FindBoards({write("late.mp4", room, Board(300, 20))}, kBoard, options_);
+  EXPECT_EQ(late.attempts, 20);
+  EXPECT_GE(late.seen, 4);  // of 5; the frame at the cut is coded from the room
+}
+
 TEST(ChooseSpreadViews, OfNoneOrFewGivesThemAll) {
   EXPECT_TRUE(camera::ChooseSpreadViews(kBoard, {}, 5).empty());
   std::mt19937_64 random(1);

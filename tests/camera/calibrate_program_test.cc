@@ -81,6 +81,23 @@ TEST_F(CalibrateProgram, FromPicturesToThePlane) {
   EXPECT_EQ(with_plane.camera.fx, profile.camera.fx);
 }
 
+// Ten pictures, one of them squeezed, as of a bent board.
+TEST_F(CalibrateProgram, AViewThatDoesNotFitIsLeftOutByNameAndTheLensModelIsSaid) {
+  Photograph(10);
+  cv::Mat squeezed = video::ReadImage(folder_ / "07.png", false);
+  cv::resize(squeezed(cv::Rect(0, 0, 640, 400)).clone(), squeezed, {640, 480});
+  video::WriteImage(folder_ / "07.png", squeezed);
+  const Outcome run = Run("*.png --board chessboard:9x6:25 --quiet -o camera");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("07.png does not fit the other views"));
+  EXPECT_THAT(run.out, HasSubstr("lens model "));
+  const Json summary = ReadJsonFile(folder_ / "camera/summary.json");
+  EXPECT_EQ(summary["views"].size(), 9u);
+  EXPECT_EQ(summary["lens"]["chosen"], true);
+  EXPECT_TRUE(summary["lens"]["left_out_error_px"].contains("polynomial"));
+  EXPECT_LT(summary["rms_px"].get<double>(), 0.1);  // a corner is found within 0.043 px
+}
+
 TEST_F(CalibrateProgram, BadInputIsOneLineAndTheRightExitCode) {
   Photograph(3);
   video::WriteImage(folder_ / "small.png", cv::Mat1b(240, 320, uchar{90}));

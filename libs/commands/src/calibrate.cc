@@ -9,6 +9,7 @@
 #include "lake/camera/plane_fit.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/statistics.h"
 #include "lake/figure/calibration_figures.h"
 #include "lake/video/image.h"
 #include "lake/video/video_files.h"
@@ -24,8 +25,12 @@ std::vector<double> List(const auto& values) {
 }
 
 Json CameraJson(const camera::Camera& camera) {
-  return {
-      {"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}, {"distortion", camera.distortion}};
+  return {{"fx", camera.fx},
+          {"fy", camera.fy},
+          {"cx", camera.cx},
+          {"cy", camera.cy},
+          {"distortion", camera.distortion},
+          {"more_distortion", camera.more}};
 }
 
 Json OutlierJson(const std::vector<camera::BoardView>& views, const camera::CalibrationResult& result) {
@@ -125,6 +130,33 @@ camera::PlaneFit FitPlaneOf(const PlaneRunOptions& options, const camera::Camera
   return camera::FitPlaneToBoard(camera, board, *view);
 }
 
+// The family asked for, or the one that predicts best.
+camera::LensChoice TakeLens(const CalibrateRunOptions& options, const camera::Board& board,
+                            const camera::BoardPictures& pictures) {
+  if (options.lens) return {*options.lens, {}};
+  return camera::ChooseLens(board, pictures.views, pictures.width_px, pictures.height_px, options.calibration);
+}
+
+// Leaves out, one after the other and by name, views that are far worse than the others: corners of which were taken
+// for their neighbours, or a board that was bent.
+camera::CalibrationResult CalibrateWithViewsThatFit(const camera::Board& board,
+                                                    const camera::CalibrationOptions& calibration,
+                                                    camera::BoardPictures& pictures, Run& run) {
+  constexpr double kTimesTheMedian = 5, kLeastPx = 0.5;
+  constexpr std::size_t kLeastViews = 6;
+  while (true) {
+    camera::CalibrationResult result =
+        camera::CalibrateCamera(board, pictures.views, pictures.width_px, pictures.height_px, calibration);
+    const auto worst = std::max_element(result.view_rms_px.begin(), result.view_rms_px.end());
+    const double median = Median(result.view_rms_px), limit = std::max(kTimesTheMedian * median, kLeastPx);
+    if (pictures.views.size() <= kLeastViews || *worst <= limit) return result;
+    const auto view = pictures.views.begin() + (worst - result.view_rms_px.begin());
+    run.Warn(fmt::format("{} does not fit the other views ({:.2f} px RMS, theirs {:.2f}) and is left out", view->name,
+                         *worst, median));
+    pictures.views.erase(view);
+  }
+}
+
 }  // namespace
 
 Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
@@ -137,16 +169,17 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
   for (const fs::path& picture : options.pictures) run.AddInput(video::FilesOfVideo(picture));
   run.Begin({"summary.json", "camera.yaml", "residuals.csv", "residuals.png", "residuals.svg", "cross_validation.png",
              "cross_validation.svg"});
-  const camera::BoardPictures pictures = camera::FindBoards(options.pictures, board, find);
+  camera::BoardPictures pictures = camera::FindBoards(options.pictures, board, find);
   if (!pictures.without_board.empty())
     run.Warn(fmt::format("no board seen in {} of {} images, left out: {}", pictures.without_board.size(),
                          pictures.attempts, fmt::join(pictures.without_board, ", ")));
 
-  const camera::CalibrationResult result =
-      camera::CalibrateCamera(board, pictures.views, pictures.width_px, pictures.height_px, options.calibration);
+  const camera::LensChoice choice = TakeLens(options, board, pictures);
+  camera::CalibrationOptions calibration = options.calibration;
+  calibration.lens = choice.lens;
+  const camera::CalibrationResult result = CalibrateWithViewsThatFit(board, calibration, pictures, run);
   if (!result.summary.usable) throw SolverError("the bundle adjustment did not converge: " + result.summary.message);
-  const camera::CalibrationQuality quality =
-      camera::AssessCalibration(board, pictures.views, result, options.calibration);
+  const camera::CalibrationQuality quality = camera::AssessCalibration(board, pictures.views, result, calibration);
   for (const std::string& warning : quality.warnings) run.Warn(warning);
 
   camera::WriteCameraProfile(run.Result("camera.yaml"), {result.camera, {}, camera::UncertaintyOf(result), {}});
@@ -157,7 +190,11 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
     DrawPngAndSvg("cross_validation", run, [&](const fs::path& path) {
       figure::WriteCrossValidationFigure(path, *quality.cross_validation, pictures.width_px, pictures.height_px);
     });
-  return ResultJson(pictures, result, quality);
+  Json json = ResultJson(pictures, result, quality);
+  json["lens"] = {{"model", camera::ToString(calibration.lens)}, {"chosen", !options.lens}};
+  for (const auto& [lens, error_px] : choice.error_px)
+    json["lens"]["left_out_error_px"][camera::ToString(lens)] = error_px;
+  return json;
 }
 
 Json RunPlane(const PlaneRunOptions& options, Run& run) {
@@ -217,6 +254,14 @@ void Describe(CalibrateRunOptions& o, OptionList& options) {
   DescribeBoard(o.board, options);
   options.AddChoice("loss", o.calibration.robust, OptionList::Choices<bool>{{"robust", true}, {"squared", false}},
                     "Loss function: robust, or squared as in OpenCV");
+  using camera::LensFamily;
+  options
+      .AddChoice("lens", o.lens,
+                 OptionList::Choices<LensFamily>{{"polynomial", LensFamily::kPolynomial},
+                                                 {"rational", LensFamily::kRational},
+                                                 {"fisheye", LensFamily::kFisheye}},
+                 "Lens model: k1 k2 p1 p2 k3, these and k4 k5 k6, or an odd polynomial of the angle")
+      .Otherwise("what predicts left-out views best");
   options.Add("fix-k3", o.calibration.fix_k3, "Keep k3 = 0, for views that leave the corners of the picture empty");
   options.Add("square-pixels", o.calibration.square_pixels, "Force fx = fy");
   options.Add("max-views", o.find.most_views, "Number of sharp, well-spread frames to use from a video")

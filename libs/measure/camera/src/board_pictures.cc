@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 
 #include "lake/camera/homography.h"
@@ -56,10 +57,49 @@ BoardPictures FindInImages(const std::vector<fs::path>& files, const Board& boar
   return pictures;
 }
 
+// Small enough to be searched within milliseconds, large enough for a chessboard's squares; the codes of a ChArUco
+// board need their pixels.
+cv::Mat ForALook(const cv::Mat& grey, const Board& board) {
+  constexpr int kWidth = 800;
+  if (board.kind == BoardKind::kCharuco || grey.cols <= kWidth) return grey;
+  cv::Mat small;
+  cv::resize(grey, small, {kWidth, grey.rows * kWidth / grey.cols}, 0, 0, cv::INTER_AREA);
+  return small;
+}
+
+bool SeenAtALook(const cv::Mat& grey, const Board& board, bool thorough) {
+  BoardDetectionOptions options;
+  options.thorough = thorough;
+  return DetectBoard(ForALook(grey, board), board, options).has_value();
+}
+
+// Looks at frames over the whole video, so that one without the board is told of within seconds. How the board has to
+// be looked for: nullopt if it is in none of them, else whether it takes the thorough search to see it.
+std::optional<bool> LookThrough(const fs::path& file, const Board& board, int& looked_at) {
+  constexpr int kPlaces = 20, kWorthIt = 200;
+  const std::vector<double> stamps_s = video::StampsInContainer(file).value_or(std::vector<double>{});
+  if (stamps_s.size() < kWorthIt) return true;
+  std::optional<bool> thorough;
+  for (int place = 0; place < kPlaces; ++place) {
+    ThrowIfInterrupted();
+    video::VideoReaderOptions at;
+    at.seek_s = stamps_s[stamps_s.size() * static_cast<std::size_t>(2 * place + 1) / (2 * kPlaces)];
+    video::VideoFrame frame;
+    if (!video::VideoReader::Open(file, at)->Read(frame)) continue;
+    ++looked_at;
+    if (SeenAtALook(frame.luma, board, false)) return false;
+    if (!thorough && SeenAtALook(frame.luma, board, true)) thorough = true;
+  }
+  return thorough;
+}
+
 BoardPictures FindInVideo(const fs::path& file, const Board& board, const BoardPicturesOptions& options) {
+  BoardPictures pictures;
+  const std::optional<bool> thorough = LookThrough(file, board, pictures.attempts);
+  if (!thorough) return pictures;
+  pictures.attempts = 0;
   const auto reader = video::VideoReader::Open(file);
   Progress progress("looking for the board", "frames", reader->Info().frames, options.quiet);
-  BoardPictures pictures;
   double next_attempt_s = -std::numeric_limits<double>::infinity();
   for (video::VideoFrame frame; reader->Read(frame); progress.Advance()) {
     ThrowIfInterrupted();
@@ -69,6 +109,7 @@ BoardPictures FindInVideo(const fs::path& file, const Board& board, const BoardP
     CheckSize(pictures, frame.luma.cols, frame.luma.rows, fmt::format("{}: frame {}", file.string(), frame.index),
               file);
     ++pictures.attempts;
+    if (!*thorough && !SeenAtALook(frame.luma, board, false)) continue;
     if (std::optional<BoardView> view = DetectBoard(frame.luma, board)) {
       view->name = fmt::format("frame {}", frame.index);
       pictures.views.push_back(std::move(*view));
@@ -137,7 +178,7 @@ BoardPictures FindBoards(const std::vector<fs::path>& files, const Board& board,
     throw Fail(
         "{}: the board {} was seen in none of {} {}; is it the board that was printed, whole in the picture and lit "
         "evenly?",
-        files.front().string(), ToString(board), pictures.attempts, video ? "frames" : "images");
+        files.front().string(), ToString(board), pictures.attempts, video ? "frames spread over it" : "images");
   const double missing = static_cast<double>(pictures.without_board.size()) / pictures.attempts;
   if (missing > options.most_missing)
     throw Fail("the board {} was not seen in {} of {} images: {}; take them anew or name only those that show it",

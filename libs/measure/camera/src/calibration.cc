@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <opencv2/calib3d.hpp>
 
+#include "lake/camera/plane_fit.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
@@ -23,7 +25,7 @@ constexpr double kMedianOfRayleigh =
 // The unknowns as Ceres sees them.
 struct Unknowns {
   std::array<double, 4> intrinsics;  // fx fy cx cy
-  std::array<double, 5> distortion;  // k1 k2 p1 p2 k3
+  std::array<double, kLensCoefficients> distortion = {};
   struct Pose {
     std::array<double, 3> rotation;  // angle-axis
     std::array<double, 3> translation;
@@ -31,7 +33,17 @@ struct Unknowns {
   std::vector<Pose> poses;  // camera from board
 };
 
+// The coefficients that a family has, in the order of lens.h.
+constexpr int CoefficientsOf(LensFamily lens) {
+  return lens == LensFamily::kRational ? 8 : lens == LensFamily::kFisheye ? 4 : 5;
+}
+
+LensModel ModelOf(LensFamily lens) {
+  return lens == LensFamily::kFisheye ? LensModel::kFisheye : LensModel::kBrownConrady;
+}
+
 // residual = seen - project(camera_from_board * point), px
+template <LensFamily kLens>
 struct CornerError {
   Eigen::Vector2d seen, point_in_board;
 
@@ -44,14 +56,36 @@ struct CornerError {
     in_camera += Eigen::Map<const Eigen::Matrix<T, 3, 1>>(translation);
     if (!(in_camera.z() > T(0))) return false;
     Eigen::Map<Eigen::Matrix<T, 2, 1>> error(residual);
-    error = seen.cast<T>() - ProjectBrownConrady(intrinsics, distortion, in_camera);
+    error = seen.cast<T>() - Project(intrinsics, distortion, in_camera);
     return true;
   }
 
+  template <typename T>
+  static Eigen::Matrix<T, 2, 1> Project(const T* intrinsics, const T* distortion, const Eigen::Matrix<T, 3, 1>& point) {
+    if constexpr (kLens == LensFamily::kPolynomial) return ProjectBrownConrady(intrinsics, distortion, point);
+    T all[kLensCoefficients];
+    for (int i = 0; i < static_cast<int>(kLensCoefficients); ++i)
+      all[i] = i < CoefficientsOf(kLens) ? distortion[i] : T(0);
+    return ProjectLens<T>(ModelOf(kLens), intrinsics, all, point);
+  }
+
   static ceres::CostFunction* Create(const Eigen::Vector2d& seen, const Eigen::Vector2d& point) {
-    return new ceres::AutoDiffCostFunction<CornerError, 2, 4, 5, 3, 3>(new CornerError{seen, point});
+    return new ceres::AutoDiffCostFunction<CornerError, 2, 4, CoefficientsOf(kLens), 3, 3>(
+        new CornerError{seen, point});
   }
 };
+
+ceres::CostFunction* CreateCornerError(LensFamily lens, const Eigen::Vector2d& seen, const Eigen::Vector2d& point) {
+  switch (lens) {
+    case LensFamily::kRational:
+      return CornerError<LensFamily::kRational>::Create(seen, point);
+    case LensFamily::kFisheye:
+      return CornerError<LensFamily::kFisheye>::Create(seen, point);
+    case LensFamily::kPolynomial:
+      break;
+  }
+  return CornerError<LensFamily::kPolynomial>::Create(seen, point);
+}
 
 // fx and fy move together: (f, cx, cy) of (fx, fy, cx, cy).
 struct SquarePixels {
@@ -122,7 +156,7 @@ Seed SeedOfOpenCv(const Board& board, const std::vector<BoardView>& views, cv::S
     throw Fail("no camera explains these {} views: are they of one rigid board, tilted in different ways?",
                views.size());
   seed.unknowns.intrinsics = {k.at<double>(0, 0), k.at<double>(1, 1), k.at<double>(0, 2), k.at<double>(1, 2)};
-  std::copy_n(d.ptr<double>(), 5, seed.unknowns.distortion.begin());
+  if (options.lens != LensFamily::kFisheye) std::copy_n(d.ptr<double>(), 5, seed.unknowns.distortion.begin());
   for (std::size_t i = 0, next = 0; i < views.size(); ++i) {
     cv::Mat rotation, translation;
     if (next < chosen.size() && chosen[next] == i)
@@ -146,10 +180,11 @@ std::unique_ptr<ceres::Problem> MakeProblem(const Board& board, const std::vecto
   for (std::size_t v = 0; v < views.size(); ++v)
     for (std::size_t i = 0; i < views[v].corner.size(); ++i)
       problem->AddResidualBlock(
-          CornerError::Create(views[v].pixel[i], corners[static_cast<std::size_t>(views[v].corner[i])]), loss,
-          u.intrinsics.data(), u.distortion.data(), u.poses[v].rotation.data(), u.poses[v].translation.data());
+          CreateCornerError(options.lens, views[v].pixel[i], corners[static_cast<std::size_t>(views[v].corner[i])]),
+          loss, u.intrinsics.data(), u.distortion.data(), u.poses[v].rotation.data(), u.poses[v].translation.data());
   if (options.square_pixels) problem->SetManifold(u.intrinsics.data(), new ceres::AutoDiffManifold<SquarePixels, 4, 3>);
-  if (options.fix_k3) problem->SetManifold(u.distortion.data(), new ceres::SubsetManifold(5, {4}));
+  if (options.fix_k3)
+    problem->SetManifold(u.distortion.data(), new ceres::SubsetManifold(CoefficientsOf(options.lens), {4}));
   return problem;
 }
 
@@ -220,16 +255,58 @@ double EffectiveVariance(const std::vector<Eigen::Vector2d>& residuals, const ce
   return psi_squared / (n - parameters) / (slope * slope);
 }
 
-IntrinsicCovariance Covariance(ceres::Problem& problem, const Unknowns& u, double variance) {
+IntrinsicCovariance Covariance(ceres::Problem& problem, const Unknowns& u, LensFamily lens, double variance) {
   ceres::Covariance::Options options;
   options.apply_loss_function = false;
   ceres::Covariance covariance(options);
   const std::vector<const double*> blocks = {u.intrinsics.data(), u.distortion.data()};
-  Eigen::Matrix<double, 9, 9, Eigen::RowMajor> values;
+  const int size = 4 + CoefficientsOf(lens), shared = std::min(size, 9);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values(size, size);
   if (!covariance.Compute(blocks, &problem) || !covariance.GetCovarianceMatrix(blocks, values.data()) ||
       !values.allFinite())
     throw Fail("the views do not fix the camera: tilt the board by 30 to 45 degrees in different directions");
-  return variance * values;
+  IntrinsicCovariance result = IntrinsicCovariance::Zero();
+  result.topLeftCorner(shared, shared) = variance * values.topLeftCorner(shared, shared);
+  return result;
+}
+
+// What the options ask of a family that has no k3.
+void CheckLens(const CalibrationOptions& options) {
+  if (options.fix_k3 && options.lens == LensFamily::kFisheye)
+    throw UsageError("--fix-k3: a fisheye has no such k3; give --lens polynomial");
+}
+
+Camera CameraOf(const Unknowns& u, LensFamily lens, int width_px, int height_px) {
+  const auto [fx, fy, cx, cy] = u.intrinsics;
+  Camera camera = {width_px, height_px, fx, fy, cx, cy, {}};
+  camera.model = ModelOf(lens);
+  std::copy_n(u.distortion.begin(), 5, camera.distortion.begin());
+  std::copy_n(u.distortion.begin() + 5, 9, camera.more.begin());
+  return camera;
+}
+
+// The corners' errors in a view that took no part in the calibration: only the board's pose is free.
+std::vector<double> ErrorsOf(const Camera& camera, const Board& board, const BoardView& view) {
+  std::vector<double> errors;
+  for (const Eigen::Vector2d& residual : FitPlaneToBoard(camera, board, view).residual_px)
+    errors.push_back(residual.norm());
+  return errors;
+}
+
+double CrossValidationError(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
+                            const CalibrationOptions& options) {
+  std::vector<double> errors;
+  for (const std::size_t left_out : {0u, 1u}) {
+    std::vector<BoardView> used;
+    for (std::size_t v = 0; v < views.size(); ++v)
+      if (v % 2 != left_out) used.push_back(views[v]);
+    const Camera camera = CalibrateCamera(board, used, width_px, height_px, options).camera;
+    for (std::size_t v = left_out; v < views.size(); v += 2) {
+      const std::vector<double> own = ErrorsOf(camera, board, views[v]);
+      errors.insert(errors.end(), own.begin(), own.end());
+    }
+  }
+  return Median(std::move(errors));
 }
 
 Eigen::Isometry3d PoseOf(const Unknowns::Pose& pose) {
@@ -267,11 +344,37 @@ void FillResiduals(const std::vector<BoardView>& views, const std::vector<Eigen:
 
 }  // namespace
 
+std::string ToString(LensFamily lens) {
+  return lens == LensFamily::kPolynomial ? "polynomial" : lens == LensFamily::kRational ? "rational" : "fisheye";
+}
+
+LensChoice ChooseLens(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
+                      const CalibrationOptions& options) {
+  constexpr std::size_t kLeastForChoice = 10;
+  constexpr double kBetter = 0.97;
+  LensChoice choice;
+  if (views.size() < kLeastForChoice || options.fix_k3) return choice;
+  double best = std::numeric_limits<double>::infinity();
+  for (const LensFamily lens : {LensFamily::kPolynomial, LensFamily::kFisheye, LensFamily::kRational}) {
+    CalibrationOptions tried = options;
+    tried.lens = lens;
+    try {
+      const double error = CrossValidationError(board, views, width_px, height_px, tried);
+      choice.error_px.emplace_back(lens, error);
+      if (error < kBetter * best) best = error, choice.lens = lens;
+    } catch (const Error&) {
+      continue;  // a family that these views do not fix is no choice
+    }
+  }
+  return choice;
+}
+
 CalibrationResult CalibrateCamera(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
                                   const CalibrationOptions& options) {
   if (views.size() < kLeastViews)
     throw Fail("the board was given in {} view{}; at least {} are needed, 12 to 25 are good", views.size(),
                views.size() == 1 ? "" : "s", kLeastViews);
+  CheckLens(options);
   Seed seed = SeedOfOpenCv(board, views, {width_px, height_px}, options);
   ceres::LossFunctionWrapper loss(nullptr, ceres::TAKE_OWNERSHIP);
   const auto problem = MakeProblem(board, views, options, &loss, seed.unknowns);
@@ -280,16 +383,16 @@ CalibrationResult CalibrateCamera(const Board& board, const std::vector<BoardVie
   result.seed_rms_px = seed.rms_px;
   result.summary = options.robust ? SolveRobustly(*problem, loss) : Solve(*problem);
   const Unknowns& u = seed.unknowns;
-  const auto [fx, fy, cx, cy] = u.intrinsics;
-  result.camera = {width_px, height_px, fx, fy, cx, cy, u.distortion};
+  result.camera = CameraOf(u, options.lens, width_px, height_px);
   for (const auto& pose : u.poses) result.camera_from_board.push_back(PoseOf(pose));
 
   const std::vector<Eigen::Vector2d> residuals = Residuals(*problem);
   result.sigma_px = SigmaFromMedian(residuals);
   FillResiduals(views, residuals, result);
-  const int parameters = 9 - options.fix_k3 - options.square_pixels + 6 * static_cast<int>(views.size());
+  const int parameters =
+      4 + CoefficientsOf(options.lens) - options.fix_k3 - options.square_pixels + 6 * static_cast<int>(views.size());
   if (result.summary.usable)
-    result.covariance = Covariance(*problem, u, EffectiveVariance(residuals, loss, parameters));
+    result.covariance = Covariance(*problem, u, options.lens, EffectiveVariance(residuals, loss, parameters));
   return result;
 }
 

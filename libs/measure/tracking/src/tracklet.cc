@@ -56,8 +56,10 @@ bool IsNearGap(const std::vector<TrackletSample>& samples, std::ptrdiff_t i) {
 
 // Removes samples that do not look like their neighbours in time: a marker that is half behind a hand is measured in a
 // wrong place. A tracklet that begins so would pass for the marker's look, so this waits until all of it is known.
+// Where all sizes scatter (strong compression of long streaks), a sample within must differ by more than that.
 void RemoveUnlike(std::vector<TrackletSample>& samples) {
   constexpr std::ptrdiff_t kNeighbours = 15;
+  constexpr double kOfScatter = 4, kMostOfSize = 0.15;  // robust deviations; of the size
   struct Tolerance {
     double size, quality_factor, quality_slack;
   };
@@ -73,9 +75,13 @@ void RemoveUnlike(std::vector<TrackletSample>& samples) {
       qualities.push_back(samples[static_cast<std::size_t>(j)].quality);
     }
     const TrackletSample& sample = samples[static_cast<std::size_t>(i)];
+    const double scatter = RobustDeviation(radii);
     const double radius = Median(std::move(radii)), quality = Median(std::move(qualities));
-    const Tolerance& tolerance = IsNearGap(samples, i) ? kNearGap : kWithin;
-    unlike[static_cast<std::size_t>(i)] = std::abs(sample.radius_px / radius - 1) > tolerance.size + 0.1 / radius ||
+    const bool near_gap = IsNearGap(samples, i);
+    const Tolerance& tolerance = near_gap ? kNearGap : kWithin;
+    const double scatter_px = near_gap ? 0 : std::min(kOfScatter * scatter, kMostOfSize * radius);
+    const double size_px = std::max(tolerance.size * radius + 0.1, scatter_px);
+    unlike[static_cast<std::size_t>(i)] = std::abs(sample.radius_px - radius) > size_px ||
                                           sample.quality > tolerance.quality_factor * quality + tolerance.quality_slack;
   }
   std::erase_if(samples, [&, i = std::size_t{0}](const TrackletSample&) mutable { return unlike[i++]; });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct CalibrateRunOptions {
   std::vector<std::filesystem::path> pictures;  // images of the board, or one video of a moving board
   std::string board;                            // as ParseBoard reads it
   camera::CalibrationOptions calibration;
+  std::optional<camera::LensFamily> lens;  // chosen by cross-validation
   camera::BoardPicturesOptions find;
 };
 

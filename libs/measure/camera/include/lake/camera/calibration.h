@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lake/camera/board.h"
@@ -11,7 +12,18 @@
 
 namespace lake::camera {
 
+// Which of the models' coefficients are free.
+enum class LensFamily {
+  kPolynomial,  // k1 k2 p1 p2 k3
+  kRational,    // these and k4 k5 k6
+  kFisheye,     // k1 k2 k3 k4 of the angle from the axis
+};
+
+// "polynomial", "rational", "fisheye".
+std::string ToString(LensFamily lens);
+
 struct CalibrationOptions {
+  LensFamily lens = LensFamily::kPolynomial;
   bool robust = true;          // Cauchy loss, its scale from the residuals; else least squares
   bool fix_k3 = false;         // k3 = 0: for views that do not reach the corners of the picture
   bool square_pixels = false;  // fx = fy
@@ -31,7 +43,8 @@ struct CornerOutlier {
   double error_px = 0;
 };
 
-using IntrinsicCovariance = Eigen::Matrix<double, 9, 9>;  // fx fy cx cy k1 k2 p1 p2 k3
+// fx fy cx cy and the first five coefficients: k1 k2 p1 p2 k3; of a fisheye k1 k2 k3 k4 and zeros.
+using IntrinsicCovariance = Eigen::Matrix<double, 9, 9>;
 
 struct CalibrationResult {
   Camera camera;
@@ -54,6 +67,18 @@ struct CalibrationResult {
 // Throws Error: fewer than 3 views, views that do not fix the parameters.
 CalibrationResult CalibrateCamera(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
                                   const CalibrationOptions& options = {});
+
+// How well each family of lenses predicts views that it was not fitted to.
+struct LensChoice {
+  LensFamily lens = LensFamily::kPolynomial;
+  std::vector<std::pair<LensFamily, double>> error_px;  // median corner error of the views left out; of those that fit
+};
+
+// Every family is fitted to the odd and to the even views in turn, and tried on the others with only the board's pose
+// free. The least error wins, but a family of more coefficients, or another kind, must be better by 3 %. With fewer
+// than 10 views, or where k3 is to stay fixed, the polynomial.
+LensChoice ChooseLens(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
+                      const CalibrationOptions& options = {});
 
 // The standard deviations for camera.yaml.
 CameraUncertainty UncertaintyOf(const CalibrationResult& result);
