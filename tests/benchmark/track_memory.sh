@@ -1,7 +1,7 @@
 #!/bin/sh
 # How much memory lake-track takes, and how that grows: the sample study's human trial (720p60) looped to 5, 10 and 20 minutes,
 # and a recording of 1080p60 and of 2160p60 of 20 and 100 s. Prints frames, the largest resident set in MB, and processor time
-# per frame. lake-track promises less than 400 MB at 1080p and less than 1 GB at 2160p over half an hour.
+# per frame. The aim is less than 400 MB at 1080p and less than 1 GB at 2160p over half an hour.
 #
 # Usage: tests/benchmark/track_memory.sh [FOLDER OF THE PROGRAMS]   (default: build/release/bin)
 set -eu
