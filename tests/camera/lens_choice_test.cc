@@ -20,7 +20,8 @@ camera::Camera Fisheye() {
   return camera;
 }
 
-std::vector<camera::BoardView> Record(const camera::Camera& camera, int views, double sigma_px, std::uint64_t seed) {
+std::vector<camera::BoardView> RecordThrough(const camera::Camera& camera, int views, double sigma_px,
+                                             std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<camera::BoardView> recording;
   for (int i = 0; i < views; ++i) {
@@ -33,8 +34,9 @@ std::vector<camera::BoardView> Record(const camera::Camera& camera, int views, d
 TEST(LensChoice, APolynomialLensStaysOneAndAFisheyeIsFound) {
   for (const std::uint64_t seed : {1u}) {
     const camera::Camera mild = scene::Lens(), strong = Fisheye();
-    EXPECT_EQ(camera::ChooseLens(kBoard, Record(mild, 20, 0.1, seed), 1280, 720).lens, camera::LensFamily::kPolynomial);
-    const std::vector<camera::BoardView> views = Record(strong, 20, 0.1, 10 + seed);
+    EXPECT_EQ(camera::ChooseLens(kBoard, RecordThrough(mild, 20, 0.1, seed), 1280, 720).lens,
+              camera::LensFamily::kPolynomial);
+    const std::vector<camera::BoardView> views = RecordThrough(strong, 20, 0.1, 10 + seed);
     const camera::LensChoice choice = camera::ChooseLens(kBoard, views, 1280, 720);
     EXPECT_NE(choice.lens, camera::LensFamily::kPolynomial);
     camera::CalibrationOptions options;
@@ -57,14 +59,14 @@ TEST(LensChoice, FisheyeParametersComeOutWithTheirErrors) {
   camera::CalibrationOptions options;
   options.lens = camera::LensFamily::kFisheye;
   const camera::CalibrationResult result =
-      camera::CalibrateCamera(kBoard, Record(truth, 20, 0.1, 5), 1280, 720, options);
+      camera::CalibrateCamera(kBoard, RecordThrough(truth, 20, 0.1, 5), 1280, 720, options);
   ASSERT_TRUE(result.summary.usable);
   EXPECT_EQ(result.camera.model, camera::LensModel::kFisheye);
   EXPECT_LT(std::abs(result.camera.fx - truth.fx), 4 * std::sqrt(result.covariance(0, 0)));
   EXPECT_LT(std::abs(result.camera.distortion[0] - truth.distortion[0]), 4 * std::sqrt(result.covariance(4, 4)));
   EXPECT_GT(result.covariance(4, 4), 0);
   options.fix_k3 = true;
-  EXPECT_THROW(camera::CalibrateCamera(kBoard, Record(truth, 12, 0.1, 5), 1280, 720, options), UsageError);
+  EXPECT_THROW(camera::CalibrateCamera(kBoard, RecordThrough(truth, 12, 0.1, 5), 1280, 720, options), UsageError);
 }
 
 TEST(LensChoice, CornersOfAStronglyBentBoardAreGoodInRenderedPictures) {
