@@ -78,8 +78,18 @@ void AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
       ->check(check);
 }
 
+// Whether the text is an option of this level or of those above.
+bool IsOption(const CLI::App* level, const std::string& text) {
+  for (; level; level = level->get_parent())
+    if (text.starts_with('-') && level->get_option_no_throw(text)) return true;
+  return false;
+}
+
 void AddValue(CLI::App& cli, Option& option, const SharedOptions& list) {
-  const auto give = [&option, list](const CLI::results_t& texts) {
+  const auto give = [&cli, &option, list](const CLI::results_t& texts) {
+    // CLI11 takes an option that follows for the value that is missing.
+    if (std::ranges::any_of(texts, [&](const std::string& text) { return IsOption(&cli, text); }))
+      throw CLI::ArgumentMismatch(fmt::format("--{} needs a value: {}", option.Name(), option.Value()));
     const bool is_implied = !option.ImpliedText().empty() && texts == CLI::results_t{""};
     option.Give(is_implied ? OptionTexts{option.ImpliedText()} : texts);
     return true;

@@ -159,7 +159,7 @@ TEST_F(StudyYaml, IsRead) {
   EXPECT_EQ(study.stroke->firmware.speed_tolerance_percent, 3);
   EXPECT_EQ(study.stroke->firmware.home_stroke_mm, 244);
   EXPECT_EQ(study.stroke->firmware.extend_stop_mm, 0.7);
-  EXPECT_EQ(study.inputs.size(), 6u);
+  EXPECT_EQ(study.inputs.size(), 7u);
 }
 
 // A section knows every option of the program that does its work.

@@ -120,10 +120,10 @@ export class Timeline extends Strip {
   }
 
   show(lanes: string[], marks: Mark[], ticks: Tick[]): void {
+    if (ticks.length !== this.ticks.length) this.held = null; // else the new fit does not take an event out of the hand
     this.lanes = lanes;
     this.marks = marks;
     this.ticks = ticks;
-    this.held = null;
     this.canvas.style.height = `${lanes.length * LANE + HANDLES}px`;
     this.redraw();
   }
