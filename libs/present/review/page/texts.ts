@@ -14,7 +14,7 @@ const fixed = (value: number | null, digits: number) => (value === null ? "–" 
 
 const capitalised = (name: string) => (/^l\d/.test(name) ? name : name[0].toUpperCase() + name.slice(1));
 const withUnit = (value: number, unit: string) => short(value) + (unit === "deg" ? "°" : unit === "1" ? "" : ` ${unit}`);
-const percentage = (part: number) => `${(100 * part).toFixed(0)} %`;
+const percentage = (part: number) => `${Math.round(100 * part)} %`;
 
 export const TEXTS = {
   // What the program is doing
