@@ -10,7 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <new>
-#include <regex>
+#include <string_view>
 #include <system_error>
 
 #include "lake/core/atomic_file.h"
@@ -146,11 +146,13 @@ void AddPages(CLI::App& cli) {
 
 // What CLI11 says of an option that ends the line, or that another follows: "--starts: 1 required INT missing".
 std::string TextOf(const CLI::ParseError& error) {
-  static const std::regex kNoValue(R"((\S+): \d+ required (\S+) missing)");
+  constexpr std::string_view kRequired = " required ", kMissing = " missing";
   const std::string text = error.what();
-  std::smatch parts;
-  return std::regex_match(text, parts, kNoValue) ? fmt::format("{} needs a value: {}", parts.str(1), parts.str(2))
-                                                 : text;
+  const std::size_t name_end = text.find(": "), required = text.find(kRequired);
+  if (name_end == std::string::npos || required == std::string::npos || !text.ends_with(kMissing)) return text;
+  const std::size_t value = required + kRequired.size();
+  return fmt::format("{} needs a value: {}", text.substr(0, name_end),
+                     text.substr(value, text.size() - kMissing.size() - value));
 }
 
 }  // namespace
