@@ -147,7 +147,7 @@ void AddPages(CLI::App& cli) {
 // What CLI11 says of an option that ends the line, or that another follows: "--starts: 1 required INT missing".
 std::string TextOf(const CLI::ParseError& error) {
   constexpr std::string_view kRequired = " required ", kMissing = " missing";
-  const std::string text = error.what();
+  std::string text = error.what();
   const std::size_t name_end = text.find(": "), required = text.find(kRequired);
   if (name_end == std::string::npos || required == std::string::npos || !text.ends_with(kMissing)) return text;
   const std::size_t value = required + kRequired.size();
