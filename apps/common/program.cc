@@ -78,6 +78,10 @@ void AddFlag(CLI::App& cli, Option& option, const SharedOptions& list) {
       ->check(check);
 }
 
+std::string NeedsValue(std::string_view option, std::string_view value) {
+  return fmt::format("{} needs a value: {}", option, value);
+}
+
 // Whether the text is an option of this level or of those above.
 bool IsOption(const CLI::App* level, const std::string& text) {
   for (; level; level = level->get_parent())
@@ -89,7 +93,7 @@ void AddValue(CLI::App& cli, Option& option, const SharedOptions& list) {
   const auto give = [&cli, &option, list](const CLI::results_t& texts) {
     // CLI11 takes an option that follows for the value that is missing.
     if (std::ranges::any_of(texts, [&](const std::string& text) { return IsOption(&cli, text); }))
-      throw CLI::ArgumentMismatch(fmt::format("--{} needs a value: {}", option.Name(), option.Value()));
+      throw CLI::ArgumentMismatch(NeedsValue("--" + option.Name(), option.Value()));
     const bool is_implied = !option.ImpliedText().empty() && texts == CLI::results_t{""};
     option.Give(is_implied ? OptionTexts{option.ImpliedText()} : texts);
     return true;
@@ -144,15 +148,15 @@ void AddPages(CLI::App& cli) {
       ->group("");
 }
 
-// What CLI11 says of an option that ends the line, or that another follows: "--starts: 1 required INT missing".
+// What CLI11 says of an option that ends the line: "--starts: 1 required INT missing".
 std::string TextOf(const CLI::ParseError& error) {
   constexpr std::string_view kRequired = " required ", kMissing = " missing";
-  std::string text = error.what();
+  const std::string_view text = error.what();
   const std::size_t name_end = text.find(": "), required = text.find(kRequired);
-  if (name_end == std::string::npos || required == std::string::npos || !text.ends_with(kMissing)) return text;
+  if (name_end == std::string::npos || required == std::string::npos || !text.ends_with(kMissing))
+    return std::string(text);
   const std::size_t value = required + kRequired.size();
-  return fmt::format("{} needs a value: {}", text.substr(0, name_end),
-                     text.substr(value, text.size() - kMissing.size() - value));
+  return NeedsValue(text.substr(0, name_end), text.substr(value, text.size() - kMissing.size() - value));
 }
 
 }  // namespace

@@ -6,11 +6,9 @@
 
 #include "lake/actuator/duty_table.h"
 #include "lake/actuator/stroke_schedule.h"
+#include "published_links.h"
 
 namespace lake {
-
-// Gautam, Singla & Singla, table 1.
-inline constexpr linkage::Links kPublishedLinks = {59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
 inline actuator::DutyTable ModelTable() {
   return actuator::ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");

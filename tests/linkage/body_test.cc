@@ -10,7 +10,7 @@
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
-#include "linkage/optimum.h"
+#include "published_links.h"
 
 namespace lake {
 namespace {
@@ -74,10 +74,10 @@ TEST(CheckWear, PublishedDesignOnThePapersBody) {
   const linkage::Body body = linkage::BodyOf(1800, 80);
   const linkage::WearOptions options;
   const linkage::WearCheck check =
-      linkage::CheckWear(kOptimum, linkage::FindUsedRange(kOptimum, 242, {}), body, options);
+      linkage::CheckWear(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, 242, {}), body, options);
   EXPECT_NEAR(check.seated_deg, 90, 1e-9);
   EXPECT_NEAR(check.standing_deg, 0, 1e-9);
-  const double mount_y = kOptimum.l3 + kOptimum.l6;
+  const double mount_y = kPublishedLinks.l3 + kPublishedLinks.l6;
   EXPECT_NEAR(check.mount_below_hip_mm, 441 - mount_y - 12, 1e-9);
   EXPECT_NEAR(check.mount_behind_thigh_mm, 118.63 - body.thigh.RadiusAt(mount_y), 1e-9);
   // The actuator's round end lies this much below the seat's surface, far behind the seat's front edge at 220.5 mm.
@@ -89,20 +89,20 @@ TEST(CheckWear, PublishedDesignOnThePapersBody) {
 }
 
 TEST(CheckWear, ASeatThatEndsEarlierIsCleared) {
-  const linkage::UsedRange range = linkage::FindUsedRange(kOptimum, 242, {});
+  const linkage::UsedRange range = linkage::FindUsedRange(kPublishedLinks, 242, {});
   const linkage::Body body = linkage::BodyOf(1800, 80);
   linkage::WearOptions options;
-  const double needed = linkage::CheckWear(kOptimum, range, body, options).seat_edge_needed_mm;
+  const double needed = linkage::CheckWear(kPublishedLinks, range, body, options).seat_edge_needed_mm;
   options.seat_edge_mm = needed + 1;
-  EXPECT_NEAR(linkage::CheckWear(kOptimum, range, body, options).seat_clearance_mm, 1,
+  EXPECT_NEAR(linkage::CheckWear(kPublishedLinks, range, body, options).seat_clearance_mm, 1,
               0.05);  // sampled: 3 mm steps along a bar
   options.seat_edge_mm = needed - 1;
-  EXPECT_LT(linkage::CheckWear(kOptimum, range, body, options).seat_clearance_mm, 0);
+  EXPECT_LT(linkage::CheckWear(kPublishedLinks, range, body, options).seat_clearance_mm, 0);
 }
 
 TEST(CheckWear, AShortBodyHasNoRoomForTheMount) {
-  const linkage::WearCheck check =
-      linkage::CheckWear(kOptimum, linkage::FindUsedRange(kOptimum, 242, {}), linkage::BodyOf(1350, 40), {});
+  const linkage::WearCheck check = linkage::CheckWear(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, 242, {}),
+                                                      linkage::BodyOf(1350, 40), {});
   EXPECT_FALSE(check.FitsAlongThigh());
 }
 
@@ -238,7 +238,8 @@ TEST(SeatClearance, IsTheDistanceToTheSeatsCorner) {
 // By hand: seated, forward is away from the hip, and up the shank is away from the seat.
 TEST(PutOnBody, MovesThePinsWithThePlacement) {
   linkage::Pose pose = linkage::RequirePose(
-      kOptimum, *linkage::StrokeForAngle(kOptimum, linkage::FindUsedRange(kOptimum, 242, {}), std::numbers::pi / 2));
+      kPublishedLinks, *linkage::StrokeForAngle(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, 242, {}),
+                                                std::numbers::pi / 2));
   const linkage::Pose placed = linkage::PutOnBody(pose, {13, 2});
   EXPECT_NEAR(placed.mount.x(), pose.mount.x() - 2, 1e-9);
   EXPECT_NEAR(placed.mount.y(), pose.mount.y() - 13, 1e-9);
@@ -246,7 +247,7 @@ TEST(PutOnBody, MovesThePinsWithThePlacement) {
   options.placement_mm = {13, 2};
   const linkage::Body body = linkage::BodyOf(1800, 80);
   const auto check = [&] {
-    return linkage::CheckWear(kOptimum, linkage::FindUsedRange(kOptimum, 242, {}), body, options);
+    return linkage::CheckWear(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, 242, {}), body, options);
   };
   const linkage::WearCheck moved = check();
   options.placement_mm = {0, 0};

@@ -11,8 +11,8 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/drawing/linkage_dxf.h"
-#include "linkage/optimum.h"
 #include "linkage/random_links.h"
+#include "published_links.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -72,7 +72,7 @@ TEST(LinkPlates, HolesAreAsFarApartAsTheLinksAreLong) {
   testing::RandomLinks random;
   const TemporaryFolder folder;
   for (int i = 0; i < 20; ++i) {
-    const linkage::Links links = i == 0 ? kOptimum : random.Next();
+    const linkage::Links links = i == 0 ? kPublishedLinks : random.Next();
     drawing::WriteLinkPlates(folder / "design.dxf", links);
     const Reader plates = ReadBack(folder / "design.dxf");
     ASSERT_EQ(plates.holes.size(), 9u);
@@ -97,7 +97,7 @@ std::pair<double, double> HeadingsOf(const Vertex& from, const Vertex& to) {
 
 TEST(LinkPlates, OutlinesAreClosedAndSmooth) {
   const TemporaryFolder folder;
-  drawing::WriteLinkPlates(folder / "design.dxf", kOptimum);
+  drawing::WriteLinkPlates(folder / "design.dxf", kPublishedLinks);
   const Reader plates = ReadBack(folder / "design.dxf");
   ASSERT_EQ(plates.outlines.size(), 4u);
   for (const std::vector<Vertex>& outline : plates.outlines) {
@@ -121,7 +121,7 @@ TEST(LinkPlates, OutlinesAreClosedAndSmooth) {
 
 TEST(LinkPlates, AreLabelledEngravedAndDoNotOverlap) {
   const TemporaryFolder folder;
-  drawing::WriteLinkPlates(folder / "design.dxf", kOptimum);
+  drawing::WriteLinkPlates(folder / "design.dxf", kPublishedLinks);
   const Reader plates = ReadBack(folder / "design.dxf");
   EXPECT_THAT(plates.labels, ::testing::ElementsAre("RS l1 = 59.081", "PR l2 = 68.840", "KS l4 = 71.849",
                                                     "KPM l3 = 55.964", "l5 = 118.630 l6 = 287.310"));
@@ -140,7 +140,7 @@ TEST(LinkPlates, AreLabelledEngravedAndDoNotOverlap) {
 // Two on the thigh plate between P and M, two on the shank link beyond S: one plate's width from the pin, and 30 mm on.
 TEST(LinkPlates, HaveHolesForTheCuffs) {
   const TemporaryFolder folder;
-  drawing::WriteLinkPlates(folder / "design.dxf", kOptimum);
+  drawing::WriteLinkPlates(folder / "design.dxf", kPublishedLinks);
   const Reader plates = ReadBack(folder / "design.dxf");
   ASSERT_EQ(plates.cuff_holes.size(), 4u);
   const Vector2d shank_pin = plates.holes[5], thigh_pin = plates.holes[7], mount = plates.holes[8];
@@ -155,14 +155,14 @@ TEST(LinkPlates, RefuseWhatCannotBeCut) {
   const TemporaryFolder folder;
   parts::PartOptions thin;
   thin.bar_width_mm = 6;
-  EXPECT_THAT([&] { drawing::WriteLinkPlates(folder / "x.dxf", kOptimum, thin); },
+  EXPECT_THAT([&] { drawing::WriteLinkPlates(folder / "x.dxf", kPublishedLinks, thin); },
               ThrowsMessage<Error>(HasSubstr("a pin of 8 mm does not fit")));
   EXPECT_THAT(
       [&] {
         drawing::WriteLinkPlates(folder / "x.dxf", {1, 2, 3, 4, 5, -6});
       },
       ThrowsMessage<Error>(HasSubstr("link l6 is -6")));
-  EXPECT_THAT([&] { drawing::WriteLinkPlates("/no/such/folder/x.dxf", kOptimum); },
+  EXPECT_THAT([&] { drawing::WriteLinkPlates("/no/such/folder/x.dxf", kPublishedLinks); },
               ThrowsMessage<Error>(HasSubstr("/no/such/folder")));
   EXPECT_FALSE(std::filesystem::exists(folder / "x.dxf"));
 }

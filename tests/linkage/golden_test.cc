@@ -7,7 +7,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/linkage/linkage.h"
-#include "linkage/optimum.h"
+#include "published_links.h"
 
 namespace lake {
 namespace {
@@ -20,10 +20,10 @@ double AngleDeg(const linkage::Links& links, double stroke_mm) {
 }
 
 linkage::Pose PoseAt(double theta_deg) {
-  const linkage::UsedRange range = linkage::FindUsedRange(kOptimum, kDMin_mm, {});
-  const auto stroke = linkage::StrokeForAngle(kOptimum, range, RadiansFromDegrees(theta_deg));
+  const linkage::UsedRange range = linkage::FindUsedRange(kPublishedLinks, kDMin_mm, {});
+  const auto stroke = linkage::StrokeForAngle(kPublishedLinks, range, RadiansFromDegrees(theta_deg));
   if (!stroke) throw std::runtime_error("no stroke for this angle");
-  return linkage::RequirePose(kOptimum, *stroke);
+  return linkage::RequirePose(kPublishedLinks, *stroke);
 }
 
 // Eqs. (1)-(6) as the paper prints them: unsigned arccos for both beta.
@@ -41,7 +41,7 @@ TEST(PaperTables, HoldTheLinksUsedHere) {
   ASSERT_EQ(table.Rows(), 6u);
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(table.RequiredNumber(i, table.Column("initial_mm")), kInitial.Values()[i]);
-    EXPECT_EQ(table.RequiredNumber(i, table.Column("optimum_mm")), kOptimum.Values()[i]);
+    EXPECT_EQ(table.RequiredNumber(i, table.Column("optimum_mm")), kPublishedLinks.Values()[i]);
   }
 }
 
@@ -63,7 +63,7 @@ TEST(CheckPose, ParallelogramAtARightAngle) {
 
 // Half a unit of the last printed digit.
 TEST(PublishedDesign, RangeOfRotation) {
-  EXPECT_NEAR(AngleDeg(kOptimum, kDMin_mm), 148.5715, 5e-5);
+  EXPECT_NEAR(AngleDeg(kPublishedLinks, kDMin_mm), 148.5715, 5e-5);
 }
 
 TEST(PublishedDesign, InitialPointAndItsViolation) {
@@ -72,10 +72,11 @@ TEST(PublishedDesign, InitialPointAndItsViolation) {
 }
 
 TEST(PublishedDesign, GrashofAndSingularitySlack) {
-  const linkage::Grashof grashof = linkage::GrashofOf(kOptimum);
+  const linkage::Grashof grashof = linkage::GrashofOf(kPublishedLinks);
   EXPECT_EQ(grashof.type, linkage::GrashofClass::kCrankRocker);
   EXPECT_NEAR(grashof.slack_mm, 0.108, 5e-4);
-  EXPECT_NEAR(linkage::DistancesToSingularities(kOptimum, linkage::RequirePose(kOptimum, kDMin_mm)).actuator_folded_mm,
+  EXPECT_NEAR(linkage::DistancesToSingularities(kPublishedLinks, linkage::RequirePose(kPublishedLinks, kDMin_mm))
+                  .actuator_folded_mm,
               0.00224, 5e-6);
 }
 
@@ -84,24 +85,24 @@ TEST(PublishedDesign, StrokesAndTravel) {
   EXPECT_NEAR(PoseAt(0).stroke_mm, 374.5205, 5e-5);
   EXPECT_NEAR(PoseAt(2).stroke_mm - kDMin_mm, 131.96, 5e-3);
   EXPECT_NEAR((PoseAt(2).stroke_mm - kDMin_mm) / 5, 26.4, 0.05);  // s at 5 mm/s
-  const linkage::UsedRange range = linkage::FindUsedRange(kOptimum, kDMin_mm, {});
+  const linkage::UsedRange range = linkage::FindUsedRange(kPublishedLinks, kDMin_mm, {});
   EXPECT_NEAR(range.stroke.Travel(), 132.52, 5e-3);
   EXPECT_EQ(range.end, linkage::UsedRange::End::kStanding);
 }
 
 TEST(PublishedDesign, ContinuesWhereTheArccosFormFoldsBack) {
   // phi passes 180 degrees where the slewing bar points straight down: |(0, l3 - l2) - M| by Pythagoras.
-  const double fold_mm = std::hypot(kOptimum.l5, kOptimum.l6 + kOptimum.l2);
+  const double fold_mm = std::hypot(kPublishedLinks.l5, kPublishedLinks.l6 + kPublishedLinks.l2);
   EXPECT_NEAR(fold_mm, 375.3877, 5e-5);
-  EXPECT_NEAR(AngleDeg(kOptimum, 377), -44.84, 5e-3);
-  EXPECT_NEAR(PaperAngleDeg(kOptimum, 377), 3.57, 5e-3);
+  EXPECT_NEAR(AngleDeg(kPublishedLinks, 377), -44.84, 5e-3);
+  EXPECT_NEAR(PaperAngleDeg(kPublishedLinks, 377), 3.57, 5e-3);
   for (double d = kDMin_mm; d < fold_mm; d += 0.37)
-    EXPECT_NEAR(AngleDeg(kOptimum, d), PaperAngleDeg(kOptimum, d), 1e-6) << d;
+    EXPECT_NEAR(AngleDeg(kPublishedLinks, d), PaperAngleDeg(kPublishedLinks, d), 1e-6) << d;
 }
 
 TEST(PublishedDesign, ActuatorForceForFortyNewtonMetres) {
   const auto force = [](double theta_deg) {
-    return linkage::ActuatorForce(linkage::TransmissionOf(kOptimum, PoseAt(theta_deg)), 40);
+    return linkage::ActuatorForce(linkage::TransmissionOf(kPublishedLinks, PoseAt(theta_deg)), 40);
   };
   EXPECT_NEAR(force(90), 571, 0.5);
   EXPECT_NEAR(force(100), 604, 0.5);
@@ -112,7 +113,7 @@ TEST(PublishedDesign, ActuatorForceForFortyNewtonMetres) {
 
 TEST(PublishedDesign, TransmissionAngle) {
   const auto transmission = [](double theta_deg) {
-    return DegreesFromRadians(linkage::TransmissionOf(kOptimum, PoseAt(theta_deg)).transmission_rad);
+    return DegreesFromRadians(linkage::TransmissionOf(kPublishedLinks, PoseAt(theta_deg)).transmission_rad);
   };
   EXPECT_NEAR(transmission(90), 87.0, 0.05);
   EXPECT_NEAR(transmission(2), 3.6, 0.05);

@@ -11,8 +11,8 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/linkage/loop_equations.h"
-#include "linkage/optimum.h"
 #include "linkage/random_links.h"
+#include "published_links.h"
 
 namespace lake {
 namespace {
@@ -85,16 +85,16 @@ TEST(ClosedForm, AgreesWithNewtonOnRandomLinkages) {
 TEST(ClosedForm, AgreesWithNewtonContinuationAlongThePublishedDesign) {
   constexpr double kLongest_mm = 378, kShortest_mm = 242;
   constexpr int kSteps = 2720;
-  const linkage::Pose first = linkage::RequirePose(kOptimum, kLongest_mm);
+  const linkage::Pose first = linkage::RequirePose(kPublishedLinks, kLongest_mm);
   double phi = first.phi_rad, theta = first.theta_rad;
   for (int step = 0; step <= kSteps; ++step) {
     const double stroke = kLongest_mm + (kShortest_mm - kLongest_mm) * step / kSteps;
-    const linkage::NewtonPose newton = linkage::SolvePoseNewton(kOptimum, stroke, phi, theta);
-    const linkage::Pose pose = linkage::RequirePose(kOptimum, stroke);
+    const linkage::NewtonPose newton = linkage::SolvePoseNewton(kPublishedLinks, stroke, phi, theta);
+    const linkage::Pose pose = linkage::RequirePose(kPublishedLinks, stroke);
     ASSERT_TRUE(newton.converged) << stroke;
     ASSERT_NEAR(newton.phi_rad, pose.phi_rad, 1e-9) << stroke;
     ASSERT_NEAR(newton.theta_rad, pose.theta_rad, 1e-9) << stroke;
-    ExpectLoopsClose(kOptimum, pose);
+    ExpectLoopsClose(kPublishedLinks, pose);
     phi = newton.phi_rad, theta = newton.theta_rad;
   }
 }
@@ -150,12 +150,12 @@ TEST(Assembly, RangesAreWhereThePoseExists) {
 }
 
 TEST(Assembly, SaysWhichTriangleMissesByHowMuch) {
-  const double shortest = kOptimum.L7() - kOptimum.l2;
-  const auto actuator = linkage::FindAssemblyGap(kOptimum, shortest - 0.5);
+  const double shortest = kPublishedLinks.L7() - kPublishedLinks.l2;
+  const auto actuator = linkage::FindAssemblyGap(kPublishedLinks, shortest - 0.5);
   ASSERT_TRUE(actuator);
   EXPECT_EQ(actuator->triangle, linkage::AssemblyGap::Triangle::kActuator);
   EXPECT_NEAR(actuator->gap_mm, 0.5, 1e-9);
-  linkage::Links short_coupler = kOptimum;
+  linkage::Links short_coupler = kPublishedLinks;
   short_coupler.l1 = 5;
   const auto shank = linkage::FindAssemblyGap(short_coupler, 300);
   ASSERT_TRUE(shank);
@@ -166,21 +166,21 @@ TEST(Assembly, SaysWhichTriangleMissesByHowMuch) {
       },
       ThrowsMessage<Error>(AllOf(HasSubstr("cannot be assembled at a stroke of 242 mm"),
                                  HasSubstr("violate the triangle inequality by 239"))));
-  EXPECT_FALSE(linkage::SolvePose(kOptimum, std::nan("")));
-  EXPECT_TRUE(linkage::FindAssemblyGap(kOptimum, std::nan("")));
-  EXPECT_FALSE(linkage::SolvePose(kOptimum, -242));
+  EXPECT_FALSE(linkage::SolvePose(kPublishedLinks, std::nan("")));
+  EXPECT_TRUE(linkage::FindAssemblyGap(kPublishedLinks, std::nan("")));
+  EXPECT_FALSE(linkage::SolvePose(kPublishedLinks, -242));
 }
 
 TEST(Assembly, BadLinksAreNamed) {
   const auto with_l3 = [](double value) {
-    linkage::Links links = kOptimum;
+    linkage::Links links = kPublishedLinks;
     links.l3 = value;
     return links;
   };
   for (const double bad : {0.0, -1.0, std::nan(""), 1e9, HUGE_VAL})
     EXPECT_THAT([&] { linkage::CheckLinks(with_l3(bad), "here"); },
                 ThrowsMessage<Error>(HasSubstr("here: link l3 is")));
-  linkage::CheckLinks(kOptimum, "here");
+  linkage::CheckLinks(kPublishedLinks, "here");
 }
 
 // Free-body statics, an independent route to the force: the bar turns about P under actuator and coupler, the shank

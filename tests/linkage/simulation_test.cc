@@ -13,7 +13,7 @@
 #include "lake/core/json.h"
 #include "lake/linkage/linkage.h"
 #include "lake/video/video_reader.h"
-#include "linkage/optimum.h"
+#include "published_links.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -63,8 +63,8 @@ TEST_F(Simulate, WritesTheTableOnTheAssembledBranch) {
   ASSERT_EQ(table.Rows(), 51 + 1 + 4u);  // 242 is the grid's first row
   for (std::size_t row = 0; row < table.Rows(); ++row) {
     const double stroke = table.RequiredNumber(row, 0);
-    const linkage::Pose pose = linkage::RequirePose(kOptimum, stroke);
-    const linkage::Transmission transmission = linkage::TransmissionOf(kOptimum, pose);
+    const linkage::Pose pose = linkage::RequirePose(kPublishedLinks, stroke);
+    const linkage::Transmission transmission = linkage::TransmissionOf(kPublishedLinks, pose);
     EXPECT_EQ(table.RequiredNumber(row, 1), DegreesFromRadians(pose.theta_rad));
     EXPECT_EQ(table.RequiredNumber(row, 4), linkage::ActuatorForce(transmission, 40));
     EXPECT_NEAR(table.RequiredNumber(row, 4) * table.RequiredNumber(row, 3), 40000, 1e-6);
@@ -100,9 +100,9 @@ TEST_F(Simulate, WritesTheForcesInMembersAndPins) {
     const double knee_deg = table.RequiredNumber(row, 1);
     ASSERT_EQ(table.Number(row, 2).has_value(), knee_deg >= 10 && knee_deg <= 90) << knee_deg;
     if (!table.Number(row, 2)) continue;
-    const linkage::Pose pose = linkage::RequirePose(kOptimum, table.RequiredNumber(row, 0));
+    const linkage::Pose pose = linkage::RequirePose(kPublishedLinks, table.RequiredNumber(row, 0));
     const double torque_nm = 20 + 30 * (knee_deg - 10) / 80;
-    const double force_n = linkage::ActuatorForce(linkage::TransmissionOf(kOptimum, pose), torque_nm);
+    const double force_n = linkage::ActuatorForce(linkage::TransmissionOf(kPublishedLinks, pose), torque_nm);
     EXPECT_NEAR(table.RequiredNumber(row, 2), force_n, 1e-9 * force_n);
     EXPECT_EQ(table.RequiredNumber(row, 9), table.RequiredNumber(row, 2));
     largest_n = std::max(largest_n, table.RequiredNumber(row, 7));
@@ -171,7 +171,7 @@ TEST_F(Simulate, TakesADesignFileAndDefaultAngles) {
 
 // A design's own d_max is the end of its range to the last digit or but one; 377 mm is past standing.
 TEST_F(Simulate, WarnsOfAStrokePastTheUsedRangeButNotOfRounding) {
-  const double end_mm = linkage::FindUsedRange(kOptimum, 242, {}).stroke.upper_mm;
+  const double end_mm = linkage::FindUsedRange(kPublishedLinks, 242, {}).stroke.upper_mm;
   for (const double past_mm : {0.0, 1e-12, -1e-12, 377 - end_mm}) {
     const Outcome outcome =
         RunIt(fmt::format("{} --d-max {} --angles 70 --no-animation --json", kLinksOption, end_mm + past_mm));

@@ -8,8 +8,8 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/linkage/linkage.h"
-#include "linkage/optimum.h"
 #include "linkage/random_links.h"
+#include "published_links.h"
 
 namespace lake {
 namespace {
@@ -46,8 +46,8 @@ TEST(StrokesForAngle, LeavesOutTheFreeShankOfARhombus) {
 }
 
 TEST(StrokesForAngle, NoneBeyondTheReach) {
-  EXPECT_TRUE(linkage::StrokesForAngle(kOptimum, RadiansFromDegrees(175)).empty());
-  EXPECT_TRUE(linkage::StrokesForAngle(kOptimum, RadiansFromDegrees(-400)).empty());
+  EXPECT_TRUE(linkage::StrokesForAngle(kPublishedLinks, RadiansFromDegrees(175)).empty());
+  EXPECT_TRUE(linkage::StrokesForAngle(kPublishedLinks, RadiansFromDegrees(-400)).empty());
 }
 
 // Sign changes of the slope on a fine grid; the closed form must find the same.
@@ -122,14 +122,14 @@ TEST(UsedRange, EndsWhereTheShankOfARhombusIsFree) {
 }
 
 TEST(UsedRange, RefusesWhatCannotBe) {
-  EXPECT_THAT([] { linkage::FindUsedRange(kOptimum, 241, {}); },
+  EXPECT_THAT([] { linkage::FindUsedRange(kPublishedLinks, 241, {}); },
               ThrowsMessage<Error>(HasSubstr("cannot be assembled at a stroke of 241 mm")));
-  EXPECT_THAT([] { linkage::FindUsedRange(kOptimum, 250, 249); },
+  EXPECT_THAT([] { linkage::FindUsedRange(kPublishedLinks, 250, 249); },
               ThrowsMessage<Error>(HasSubstr("d_max = 249 mm must exceed d_min = 250 mm")));
 }
 
 TEST(UsedRange, HyperextensionOnRequest) {
-  const linkage::UsedRange range = linkage::FindUsedRange(kOptimum, 242, {}, RadiansFromDegrees(-5));
+  const linkage::UsedRange range = linkage::FindUsedRange(kPublishedLinks, 242, {}, RadiansFromDegrees(-5));
   EXPECT_NEAR(range.theta_at_upper_rad, RadiansFromDegrees(-5), 1e-12);
   EXPECT_GT(range.stroke.upper_mm, 374.5205);
 }

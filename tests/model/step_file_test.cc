@@ -27,12 +27,11 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/model/simulator_model.h"
+#include "published_links.h"
 #include "temporary_folder.h"
 
 namespace lake {
 namespace {
-
-constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
 // Solids by name, where they lie.
 std::map<std::string, TopoDS_Shape> ReadBack(const std::filesystem::path& path) {
@@ -86,7 +85,7 @@ class StepFile : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     const TemporaryFolder folder;
-    mechanism_ = parts::MakeMechanism(kOptimum, linkage::FindUsedRange(kOptimum, 242, {}), {});
+    mechanism_ = parts::MakeMechanism(kPublishedLinks, linkage::FindUsedRange(kPublishedLinks, 242, {}), {});
     pose_ = model::ReferencePose(mechanism_);
     model::WriteStep(folder / "design.step", mechanism_, pose_);
     text_ = ReadTextFile(folder / "design.step");
@@ -119,9 +118,9 @@ TEST_F(StepFile, HolesAreAsFarApartAsTheLinksAreLong) {
     EXPECT_EQ(holes.size(), 2u) << plate;
     return (holes.at(0) - holes.at(1)).norm();
   };
-  EXPECT_NEAR(distance("coupler"), kOptimum.l1, kWritten_mm);
-  EXPECT_NEAR(distance("slewing bar"), kOptimum.l2, kWritten_mm);
-  EXPECT_NEAR(distance("shank link"), kOptimum.l4, kWritten_mm);
+  EXPECT_NEAR(distance("coupler"), kPublishedLinks.l1, kWritten_mm);
+  EXPECT_NEAR(distance("slewing bar"), kPublishedLinks.l2, kWritten_mm);
+  EXPECT_NEAR(distance("shank link"), kPublishedLinks.l4, kWritten_mm);
   // The thigh plate is in its own frame: K, P and M.
   for (const Eigen::Vector2d& joint : {pose_.knee, pose_.thigh_pin, pose_.mount}) {
     double nearest = HUGE_VAL;

@@ -8,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/parts/mechanism.h"
 #include "linkage/random_links.h"
+#include "published_links.h"
 
 namespace lake {
 namespace {
@@ -16,7 +17,6 @@ using Eigen::Vector2d;
 using parts::Body;
 using parts::Joint;
 using ::testing::ThrowsMessage;
-constexpr linkage::Links kOptimum{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
 parts::Mechanism Make(const linkage::Links& links, double d_min_mm, const parts::PartOptions& options = {}) {
   return parts::MakeMechanism(links, linkage::FindUsedRange(links, d_min_mm, {}), options);
@@ -58,7 +58,7 @@ void ExpectPinsClear(const parts::Mechanism& mechanism) {
 }
 
 TEST(Stack, OfThePublishedDesignKeepsAllApart) {
-  const parts::Mechanism mechanism = Make(kOptimum, 242);
+  const parts::Mechanism mechanism = Make(kPublishedLinks, 242);
   EXPECT_THAT(mechanism.stack.conflicts, ::testing::IsEmpty());
   ExpectPinsClear(mechanism);
   // All share a pin with a neighbour in the plane, so no two plates lie in one layer but those that never meet.
@@ -72,7 +72,7 @@ TEST(Stack, OfThePublishedDesignKeepsAllApart) {
 // The knee pin between thigh plate and shank link is met by the slewing bar, which passes over it when standing: an
 // order that puts the bar between them is refused, so the two are neighbours.
 TEST(Stack, PutsNothingBetweenThighAndShankThatSweepsTheKneePin) {
-  const parts::Mechanism mechanism = Make(kOptimum, 242);
+  const parts::Mechanism mechanism = Make(kPublishedLinks, 242);
   const auto& layer = mechanism.stack.layer;
   const auto between = [&](Body body) {
     const int at = layer[static_cast<std::size_t>(body)];
@@ -81,14 +81,14 @@ TEST(Stack, PutsNothingBetweenThighAndShankThatSweepsTheKneePin) {
   };
   EXPECT_FALSE(between(Body::kBar));
   EXPECT_FALSE(between(Body::kCoupler));
-  const linkage::Pose standing = linkage::RequirePose(kOptimum, mechanism.range.stroke.upper_mm);
+  const linkage::Pose standing = linkage::RequirePose(kPublishedLinks, mechanism.range.stroke.upper_mm);
   EXPECT_LT(parts::DistanceBetween(mechanism, Joint::kKnee, Body::kBar, standing), 0);
 }
 
 TEST(Stack, SpacersAndPlatesFillEachPin) {
   testing::RandomLinks random;
   for (int i = 0; i < 5; ++i) {
-    const linkage::Links links = i == 0 ? kOptimum : random.Next();
+    const linkage::Links links = i == 0 ? kPublishedLinks : random.Next();
     const double from_mm = i == 0 ? 242 : linkage::AssemblyRanges(links).front().lower_mm + 1;
     parts::PartOptions options;
     options.thickness_mm = random.Uniform(2, 8);
@@ -110,13 +110,13 @@ TEST(Stack, SpacersAndPlatesFillEachPin) {
 
 // Between poses that the search looks at nothing moves farther than it adds to the clearance.
 TEST(Stack, SweepsInSmallSteps) {
-  const parts::Mechanism mechanism = Make(kOptimum, 242);
+  const parts::Mechanism mechanism = Make(kPublishedLinks, 242);
   const std::vector<double> strokes = parts::SweepStrokes(mechanism);
   EXPECT_EQ(strokes.front(), mechanism.range.stroke.lower_mm);
   EXPECT_EQ(strokes.back(), mechanism.range.stroke.upper_mm);
   for (std::size_t i = 1; i < strokes.size(); ++i) {
-    const linkage::Pose from = linkage::RequirePose(kOptimum, strokes[i - 1]);
-    const linkage::Pose to = linkage::RequirePose(kOptimum, strokes[i]);
+    const linkage::Pose from = linkage::RequirePose(kPublishedLinks, strokes[i - 1]);
+    const linkage::Pose to = linkage::RequirePose(kPublishedLinks, strokes[i]);
     EXPECT_LE((from.tip - to.tip).norm(), parts::kSweepStep_mm);
     EXPECT_LE((from.shank_pin - to.shank_pin).norm(), parts::kSweepStep_mm);
   }
@@ -126,14 +126,14 @@ TEST(Stack, SweepsInSmallSteps) {
 TEST(Stack, SaysWhatNoOrderKeepsApart) {
   parts::PartOptions options;
   options.bar_width_mm = 110;
-  const parts::Mechanism mechanism = Make(kOptimum, 242, options);
+  const parts::Mechanism mechanism = Make(kPublishedLinks, 242, options);
   ASSERT_FALSE(mechanism.stack.conflicts.empty());
   EXPECT_THAT(mechanism.stack.conflicts,
               ::testing::Each(::testing::ContainsRegex("meet between [0-9.]+° and [0-9.]+°")));
 }
 
 TEST(PartList, HasEveryPartWithItsMass) {
-  const parts::Mechanism mechanism = Make(kOptimum, 242);
+  const parts::Mechanism mechanism = Make(kPublishedLinks, 242);
   double plates_g = 0;
   int pins = 0;
   for (const parts::PartRow& row : parts::PartList(mechanism)) {

@@ -213,7 +213,7 @@ TEST(Certificate, FixedLinksHaveTheirOwnRangeAsBound) {
   std::mt19937_64 random(20260505);
   for (int trial = 0; trial < 50; ++trial) {
     const problem::SynthesisProblem open = WithMargins(trial % 3);
-    const linkage::Links links = trial == 0 ? kPublished : RandomFeasible(open, random);
+    const linkage::Links links = trial == 0 ? kPublishedLinks : RandomFeasible(open, random);
     const problem::SynthesisProblem problem = Fixed(open, links, {0, 1, 2, 3, 4, 5});
     const double range = RangeOf(links, problem);
     for (const std::optional<double> known :
@@ -252,8 +252,8 @@ TEST(Certificate, ABoundBelowAKnownRangeIsAnError) {
   empty.bounds[0] = {90, 100};
   empty.bounds[3] = {50, 60};  // l1 <= l4 is impossible
   EXPECT_THROW(certificate::CertifyRange(empty, 100), Error);
-  const problem::SynthesisProblem fixed = Fixed(problem::SynthesisProblem{}, kPublished, {0, 1, 2, 3, 4, 5});
-  EXPECT_THROW(certificate::CertifyRange(fixed, RangeOf(kPublished, fixed) + 0.01), Error);
+  const problem::SynthesisProblem fixed = Fixed(problem::SynthesisProblem{}, kPublishedLinks, {0, 1, 2, 3, 4, 5});
+  EXPECT_THROW(certificate::CertifyRange(fixed, RangeOf(kPublishedLinks, fixed) + 0.01), Error);
 }
 
 TEST(Certificate, IsTheSameForAnyNumberOfThreads) {

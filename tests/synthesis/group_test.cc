@@ -55,7 +55,7 @@ redesign::GroupProblem WithPeople(redesign::GroupProblem problem, const std::vec
 redesign::ReoptimizeBuilder BuilderOf(const redesign::GroupProblem& problem) {
   std::vector<redesign::ReoptimizePoint> points;
   for (std::size_t i = 0; i < problem.people.size(); ++i)
-    points.push_back(redesign::StartPoint(problem.Of(i), kPublished));
+    points.push_back(redesign::StartPoint(problem.Of(i), kPublishedLinks));
   return {problem, points, std::vector(problem.people.size(), redesign::ConstantStart::kAtHumanAngle)};
 }
 

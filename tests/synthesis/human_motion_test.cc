@@ -77,11 +77,11 @@ TEST(HumanMotion, RefusesALegWithoutLength) {
 
 TEST(HumanMotion, TrackingStrokesGiveTheHumansAngles) {
   const redesign::HumanMotion human = redesign::MakeHumanMotion(MakeCurve({}));
-  const auto strokes = redesign::TrackingStrokes({kPublished}, human);
+  const auto strokes = redesign::TrackingStrokes({kPublishedLinks}, human);
   ASSERT_TRUE(strokes);
   for (std::size_t i = 0; i < human.size(); ++i)
-    EXPECT_NEAR(linkage::SolvePose(kPublished, (*strokes)[i])->theta_rad, human[i].knee_rad, 1e-9);
-  const auto prediction = redesign::Predict({kPublished}, {0, 0}, *strokes, human);
+    EXPECT_NEAR(linkage::SolvePose(kPublishedLinks, (*strokes)[i])->theta_rad, human[i].knee_rad, 1e-9);
+  const auto prediction = redesign::Predict({kPublishedLinks}, {0, 0}, *strokes, human);
   ASSERT_TRUE(prediction);
   EXPECT_LT(prediction->relative_rms, 1e-10);
 }
@@ -90,7 +90,7 @@ TEST(HumanMotion, AnglesBeyondTheUsedRangeAreClamped) {
   ClosedFormLeg leg;
   leg.seated_knee_deg = 160, leg.standing_knee_deg = -5;
   const redesign::HumanMotion human = redesign::MakeHumanMotion(MakeCurve(leg));
-  const auto strokes = redesign::TrackingStrokes({kPublished}, human);
+  const auto strokes = redesign::TrackingStrokes({kPublishedLinks}, human);
   ASSERT_TRUE(strokes);
   EXPECT_EQ(strokes->front(), 242);              // the published design bends to 148.57 degrees
   EXPECT_NEAR(strokes->back(), 374.5205, 1e-4);  // its stroke at 0 degrees
@@ -107,8 +107,8 @@ TEST(HumanMotion, TrackingTimeIsThatOfTheSteepestPart) {
 TEST(HumanMotion, ProgramsBecomeStrokesPerPercent) {
   const redesign::HumanMotion human = redesign::MakeHumanMotion(MakeCurve({}));
   linkage::Design design;
-  design.links = kPublished;
-  const auto tracking = redesign::TrackingStrokes({kPublished}, human);
+  design.links = kPublishedLinks;
+  const auto tracking = redesign::TrackingStrokes({kPublishedLinks}, human);
   const auto constant = redesign::ProgramStrokes(design, 0, human);
   ASSERT_TRUE(constant);
   for (int i = 0; i < compare::kPercentSamples; ++i)
@@ -125,11 +125,11 @@ TEST(HumanMotion, ProgramsBecomeStrokesPerPercent) {
 TEST(HumanMotion, StrokesOutsideTheUsedRangeHaveNoPrediction) {
   const redesign::HumanMotion human = redesign::MakeHumanMotion(MakeCurve({}));
   std::vector<double> strokes(compare::kPercentSamples, 300);
-  EXPECT_TRUE(redesign::Predict({kPublished}, {0, 0}, strokes, human));
+  EXPECT_TRUE(redesign::Predict({kPublishedLinks}, {0, 0}, strokes, human));
   strokes[40] = 241.9;
-  EXPECT_FALSE(redesign::Predict({kPublished}, {0, 0}, strokes, human));
+  EXPECT_FALSE(redesign::Predict({kPublishedLinks}, {0, 0}, strokes, human));
   strokes[40] = 375;  // beyond standing, where the knee would bend backward
-  EXPECT_FALSE(redesign::Predict({kPublished}, {0, 0}, strokes, human));
+  EXPECT_FALSE(redesign::Predict({kPublishedLinks}, {0, 0}, strokes, human));
 }
 
 // A leg of another pace and lean, its joint on a mount that slips along and across the shank.
@@ -208,7 +208,7 @@ TEST(HumanMotion, APredictedTrialShowsItsSlip) {
   redesign::HumanMotion human = redesign::MakeHumanMotion(SoftLeg(4)), other = redesign::MakeHumanMotion(MakeCurve({}));
   for (std::size_t i = 0; i < human.size(); ++i) human[i].slip_mm = {0.03 * static_cast<double>(i), -1};
   const auto prediction =
-      redesign::Predict({kPublished}, {6, -3}, *redesign::TrackingStrokes({kPublished}, other), human);
+      redesign::Predict({kPublishedLinks}, {6, -3}, *redesign::TrackingStrokes({kPublishedLinks}, other), human);
   ASSERT_TRUE(prediction);
   ASSERT_TRUE(redesign::SetSlip(prediction->exo, {}, {6, -3}, other));
   for (std::size_t i = 0; i < human.size(); ++i) EXPECT_LT((other[i].slip_mm - human[i].slip_mm).norm(), 1e-9);
@@ -216,11 +216,11 @@ TEST(HumanMotion, APredictedTrialShowsItsSlip) {
 
 TEST(HumanMotion, ALongestStrokeEndsTheUsedRange) {
   const redesign::HumanMotion human = redesign::MakeHumanMotion(MakeCurve({}));
-  redesign::DrivenLinks driven{kPublished};
+  redesign::DrivenLinks driven{kPublishedLinks};
   driven.d_max_mm = 340;
   EXPECT_EQ(redesign::TrackingStrokes(driven, human)->back(), 340);
   const std::vector<double> strokes(compare::kPercentSamples, 341);
-  EXPECT_TRUE(redesign::Predict({kPublished}, {0, 0}, strokes, human));
+  EXPECT_TRUE(redesign::Predict({kPublishedLinks}, {0, 0}, strokes, human));
   EXPECT_FALSE(redesign::Predict(driven, {0, 0}, strokes, human));
 }
 

@@ -57,7 +57,7 @@ TEST(Optimize, SeedDecidesTheStarts) {
 }
 
 TEST(Optimize, PublishedPointIsFeasibleButNotOptimal) {
-  const problem::DesignEvaluation published = problem::Evaluate(kPublished, problem::SynthesisProblem{});
+  const problem::DesignEvaluation published = problem::Evaluate(kPublishedLinks, problem::SynthesisProblem{});
   EXPECT_TRUE(published.IsFeasible(0));
   EXPECT_NEAR(published.range_deg, 148.5715, 5e-5);
   for (const problem::RequirementCheck& check : published.checks) {
@@ -68,7 +68,7 @@ TEST(Optimize, PublishedPointIsFeasibleButNotOptimal) {
       EXPECT_NEAR(check.slack, 0.00224, 5e-6);
     }
   }
-  linkage::Links better = kPublished;
+  linkage::Links better = kPublishedLinks;
   better.l4 -= 1;
   const problem::DesignEvaluation shorter = problem::Evaluate(better, problem::SynthesisProblem{});
   EXPECT_TRUE(shorter.IsFeasible(0));

@@ -5,11 +5,9 @@
 
 #include "lake/problem/evaluate.h"
 #include "lake/synthesis/optimize.h"
+#include "published_links.h"
 
 namespace lake {
-
-// Table 1 of Gautam, Singla & Singla.
-inline const linkage::Links kPublished{59.081, 68.840, 55.964, 71.849, 118.630, 287.310};
 
 inline problem::SynthesisProblem WithMargins(double margin_mm) {
   problem::SynthesisProblem problem;

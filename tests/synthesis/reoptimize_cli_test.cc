@@ -34,7 +34,7 @@ class LakeReoptimize : public testing::Test {
     const compare::Misalignment misalignment = compare::CompareTrials({{MakeCurve({})}, {}}, {{exo}, {}}, options);
     WriteJsonFile(folder_ / "comparison.json", compare::ComparisonJson(misalignment));
     linkage::Design worn;
-    worn.links = kPublished;
+    worn.links = kPublishedLinks;
     linkage::WriteDesign(folder_ / "worn.yaml", worn);
   }
 
@@ -105,7 +105,7 @@ TEST_F(LakeReoptimize, TheSlipIsTheKnownOffset) {
     EXPECT_GT(summary["trial"]["lean_rms_mm"].get<double>(), 5);
     EXPECT_NEAR(summary["trial"]["misalignment_percent"].get<double>(),
                 100 * ReadJsonFile(folder_ / "comparison.json")["metrics"]["relative_rms"].get<double>(), 1e-9);
-    EXPECT_EQ(summary["before"]["l1_mm"], kPublished.l1);
+    EXPECT_EQ(summary["before"]["l1_mm"], kPublishedLinks.l1);
     // Without a program the linkage went along with its trial's own knee, which is late.
     if (!with_program) {
       EXPECT_LT(summary["trial"]["worn_angle_off_deg"].get<double>(), 0.01);

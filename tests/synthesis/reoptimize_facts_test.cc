@@ -19,21 +19,22 @@ class RealMotion : public testing::Test {
     const auto human = RealSitToStand();
     if (!human) GTEST_SKIP() << "the recording opencap_sts is not in " << LAKE_SHARED_DATA;
     problem_.human = *human;
-    problem_.design.start = kPublished;
+    problem_.design.start = kPublishedLinks;
     problem_.goal = Goal::kMisalignment;
   }
 
   // Links held at the published ones.
   redesign::ReoptimizeProblem Published() const {
     redesign::ReoptimizeProblem problem = problem_;
-    for (std::size_t i = 0; i < 6; ++i) problem.design.bounds[i] = {kPublished.Values()[i], kPublished.Values()[i]};
+    for (std::size_t i = 0; i < 6; ++i)
+      problem.design.bounds[i] = {kPublishedLinks.Values()[i], kPublishedLinks.Values()[i]};
     return problem;
   }
 
   static double Least(const redesign::ReoptimizeProblem& problem, int starts) {
     synthesis::OptimizeOptions options;
     options.starts = starts;
-    const redesign::ReoptimizeResult result = redesign::Reoptimize(problem, {kPublished}, options);
+    const redesign::ReoptimizeResult result = redesign::Reoptimize(problem, {kPublishedLinks}, options);
     return result.IsSolved() ? result.Best().Misalignment_percent() : NAN;
   }
 
@@ -45,7 +46,7 @@ class RealMotion : public testing::Test {
 };
 
 TEST_F(RealMotion, ConstantProgram) {
-  const auto prediction = redesign::PredictPoint(problem_, redesign::StartPoint(problem_, kPublished));
+  const auto prediction = redesign::PredictPoint(problem_, redesign::StartPoint(problem_, kPublishedLinks));
   ASSERT_TRUE(prediction);
   EXPECT_NEAR(100 * prediction->relative_rms, 8.61, kPercent);
   EXPECT_NEAR(prediction->rms_mm, 42.3, 1.0);  // 0.2 % of the shank
@@ -61,7 +62,7 @@ TEST_F(RealMotion, ParetoFrontIsNearlyFlat) {
   problem_.fit_placement = true;
   synthesis::OptimizeOptions options;
   options.starts = 10;
-  const auto front = redesign::ParetoFront(problem_, 5, {kPublished}, options);
+  const auto front = redesign::ParetoFront(problem_, 5, {kPublishedLinks}, options);
   ASSERT_EQ(front.size(), 5u);
   EXPECT_NEAR(front.front().range_deg, 93, 1.5);
   EXPECT_NEAR(front.front().misalignment_percent, 7.02, kPercent);
@@ -79,9 +80,9 @@ TEST_F(RealMotion, FreeProgramOfThePublishedDesign) {
 }
 
 TEST_F(RealMotion, TrackingTimes) {
-  EXPECT_NEAR(TrackingTimeOf(kPublished), 35.7, 0.02 * 35.7);
+  EXPECT_NEAR(TrackingTimeOf(kPublishedLinks), 35.7, 0.02 * 35.7);
   problem_.goal = Goal::kRange;
-  const redesign::ReoptimizeSolve widest = SolveFrom(problem_, redesign::StartPoint(problem_, kPublished));
+  const redesign::ReoptimizeSolve widest = SolveFrom(problem_, redesign::StartPoint(problem_, kPublishedLinks));
   ASSERT_TRUE(widest.IsUsable());
   EXPECT_NEAR(TrackingTimeOf(widest.point.links), 28.3, 0.02 * 28.3);
   // The linkage that tracks fastest: none of a search found less than 23.4 s.
@@ -90,7 +91,7 @@ TEST_F(RealMotion, TrackingTimes) {
   problem_.max_misalignment_percent = 0.1;
   synthesis::OptimizeOptions options;
   options.starts = 6;
-  const redesign::ReoptimizeResult fastest = redesign::Reoptimize(problem_, {kPublished}, options);
+  const redesign::ReoptimizeResult fastest = redesign::Reoptimize(problem_, {kPublishedLinks}, options);
   ASSERT_TRUE(fastest.IsSolved());
   EXPECT_NEAR(TrackingTimeOf(fastest.Best().point.links), 23.4, 0.02 * 23.4);
 }

@@ -37,7 +37,7 @@ TEST(ReoptimizeProgram, DerivativesAreThoseOfTheValues) {
   for (const Kind kind : {Kind::kConstant, Kind::kFree})
     for (const Goal goal : {Goal::kRange, Goal::kMisalignment, Goal::kDuration}) {
       const redesign::ReoptimizeProblem problem = Problem(kind, goal);
-      const nlp::NonlinearProgram program = Build(problem, redesign::StartPoint(problem, kPublished));
+      const nlp::NonlinearProgram program = Build(problem, redesign::StartPoint(problem, kPublishedLinks));
       std::vector<double> x;
       for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start + 0.05 * unit(random));
       for (const nlp::NlpTerm& term : program.Terms()) {
@@ -72,7 +72,7 @@ TEST(ReoptimizeProgram, RowsAndCostAgreeWithTheClosedForm) {
   for (const Kind kind : {Kind::kConstant, Kind::kFree}) {
     redesign::ReoptimizeProblem problem = Problem(kind, Goal::kRange);
     problem.program.duration_s = 30;
-    redesign::ReoptimizePoint point = redesign::StartPoint(problem, kPublished);
+    redesign::ReoptimizePoint point = redesign::StartPoint(problem, kPublishedLinks);
     point.placement_mm = {9, -4};
     const nlp::NonlinearProgram nlp = Build(problem, point);
     std::vector<double> x;
@@ -91,7 +91,7 @@ TEST(ReoptimizeProgram, RowsAndCostAgreeWithTheClosedForm) {
       }
     }
     EXPECT_EQ(loops, 2 * (compare::kPercentSamples + 1));
-    const double range_deg = DegreesFromRadians(linkage::SolvePose(kPublished, 242)->theta_rad);
+    const double range_deg = DegreesFromRadians(linkage::SolvePose(kPublishedLinks, 242)->theta_rad);
     // The small costs: 1e-5 of some tens of percent^2, 1e-6 of seconds.
     EXPECT_NEAR(nlp.Cost(x), -range_deg + 0.3 * prediction->rms_mm, 2e-3);
   }
@@ -99,7 +99,7 @@ TEST(ReoptimizeProgram, RowsAndCostAgreeWithTheClosedForm) {
 
 TEST(ReoptimizeProgram, PointsSurviveTheProgram) {
   const redesign::ReoptimizeProblem problem = Problem(Kind::kFree, Goal::kRange);
-  const redesign::ReoptimizePoint point = redesign::StartPoint(problem, kPublished);
+  const redesign::ReoptimizePoint point = redesign::StartPoint(problem, kPublishedLinks);
   redesign::ReoptimizeBuilder builder(problem, point, redesign::ConstantStart::kAtHumanAngle);
   const nlp::NonlinearProgram program = builder.Build({}).program;
   std::vector<double> x;

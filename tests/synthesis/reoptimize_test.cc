@@ -31,7 +31,7 @@ redesign::ReoptimizeProblem Free(double duration_s, const ClosedFormLeg& leg = {
 }
 
 redesign::ReoptimizeResult Solve(const redesign::ReoptimizeProblem& problem, int starts = 4) {
-  return redesign::Reoptimize(problem, {problem.design.start, kPublished}, Starts(starts));
+  return redesign::Reoptimize(problem, {problem.design.start, kPublishedLinks}, Starts(starts));
 }
 
 redesign::ReoptimizeResult Least(redesign::ReoptimizeProblem problem, int starts = 6) {
@@ -160,7 +160,7 @@ TEST(Reoptimize, ParetoFrontIsMonotoneAndEndsAtTheSingleObjectiveOptima) {
   placed.fit_placement = true;
   for (const redesign::ReoptimizeProblem& problem : {placed, Free(14)}) {
     const std::vector<redesign::ParetoPoint> front =
-        redesign::ParetoFront(problem, 6, {problem.design.start, kPublished}, Starts(6));
+        redesign::ParetoFront(problem, 6, {problem.design.start, kPublishedLinks}, Starts(6));
     ASSERT_EQ(front.size(), 6u);
     for (std::size_t i = 1; i < front.size(); ++i) {
       EXPECT_GT(front[i].range_deg, front[i - 1].range_deg - 1e-9);
@@ -300,7 +300,7 @@ TEST(Reoptimize, SaysWhatBlocksAndWhatWouldFreeIt) {
   const double least = Least(problem).Best().Misalignment_percent();
   problem.max_misalignment_percent = least / 3;
   EXPECT_FALSE(Solve(problem).IsSolved());
-  const std::vector<linkage::Links> links{problem.design.start, kPublished};
+  const std::vector<linkage::Links> links{problem.design.start, kPublishedLinks};
   const redesign::MisalignmentInfeasibility report = redesign::ExplainInfeasible(problem, links, Starts(6));
   ASSERT_TRUE(report.least_percent);
   EXPECT_NEAR(*report.least_percent, least, 1e-5);
@@ -330,7 +330,7 @@ TEST(Reoptimize, BlockingPricesAreDifferenceQuotients) {
   const redesign::ReoptimizeResult result = Least(problem);
   problem.max_misalignment_percent = result.Best().Misalignment_percent() / 2;
   const redesign::MisalignmentInfeasibility report =
-      redesign::ExplainInfeasible(problem, {problem.design.start, kPublished}, Starts(6));
+      redesign::ExplainInfeasible(problem, {problem.design.start, kPublishedLinks}, Starts(6));
   const auto least_with = [&](double duration_s) {
     redesign::ReoptimizeProblem changed = problem;
     changed.program.duration_s = duration_s;
@@ -348,7 +348,7 @@ TEST(Reoptimize, SaysThatTheTimeOrTheDesignIsWhatFails) {
   redesign::ReoptimizeProblem hurried = Problem();
   hurried.program.duration_s = 0.4;
   hurried.max_misalignment_percent = 20;
-  const std::vector<linkage::Links> links{hurried.design.start, kPublished};
+  const std::vector<linkage::Links> links{hurried.design.start, kPublishedLinks};
   const redesign::MisalignmentInfeasibility time = redesign::ExplainInfeasible(hurried, links, Starts(4));
   EXPECT_THAT(time.sentence, HasSubstr("no design stands up within 0.4 s"));
   ASSERT_EQ(time.ways.size(), 1u);

@@ -17,7 +17,7 @@ TEST(Yield, HalfOfThePublishedDesignsBuildsCannotBeAssembled) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     problem::YieldOptions options;
     options.seed = seed;
-    const problem::Yield yield = problem::EstimateYield(kPublished, problem::SynthesisProblem{}, options);
+    const problem::Yield yield = problem::EstimateYield(kPublishedLinks, problem::SynthesisProblem{}, options);
     EXPECT_NEAR(yield.assembled.value, 0.510, 0.02);
     EXPECT_NEAR(yield.assembled_and_grashof.value, 0.457, 0.02);
     EXPECT_LT(yield.assembled.lower, yield.assembled.value);
@@ -39,7 +39,7 @@ TEST(Yield, MarginsMakeARobustDesign) {
 TEST(Yield, SafeMarginsAreJustEnough) {
   problem::YieldOptions options;
   options.tolerance_mm = 0.2;
-  const problem::Yield probe = problem::EstimateYield(kPublished, problem::SynthesisProblem{}, options);
+  const problem::Yield probe = problem::EstimateYield(kPublishedLinks, problem::SynthesisProblem{}, options);
   problem::SynthesisProblem problem;
   problem.grashof_margin_mm = probe.safe_grashof_margin_mm;
   problem.singularity_margin_mm = 0.5 * probe.safe_singularity_margin_mm;
@@ -74,15 +74,15 @@ TEST(Yield, CountsTheActuatorsLengthAndThePlayOfThePins) {
 TEST(Yield, RefusesSenselessTolerances) {
   problem::YieldOptions options;
   options.tolerance_mm = NAN;
-  EXPECT_THROW(problem::EstimateYield(kPublished, problem::SynthesisProblem{}, options), Error);
+  EXPECT_THROW(problem::EstimateYield(kPublishedLinks, problem::SynthesisProblem{}, options), Error);
 }
 
 TEST(Sensitivity, IsTwoSidedAndMarksWhatCannotBeAssembled) {
-  const auto points = problem::Sensitivity(kPublished, problem::SynthesisProblem{}, 2, 50);
+  const auto points = problem::Sensitivity(kPublishedLinks, problem::SynthesisProblem{}, 2, 50);
   ASSERT_EQ(points.size(), 7u * 101u);
   int unassembled = 0;
   for (const problem::SensitivityPoint& point : points) {
-    auto values = kPublished.Values();
+    auto values = kPublishedLinks.Values();
     double d_min_mm = 242;
     (point.link < 6 ? values[point.link] : d_min_mm) += point.delta_mm;
     const auto pose = linkage::SolvePose(linkage::Links::FromValues(values), d_min_mm);
@@ -149,8 +149,8 @@ TEST(RoundLinks, ReEvaluatesTheUsedRange) {
 }
 
 TEST(RoundLinks, RefusesStepsThatMissTheBounds) {
-  EXPECT_THROW(problem::RoundLinks(kPublished, problem::SynthesisProblem{}, 110), Error);
-  EXPECT_THROW(problem::RoundLinks(kPublished, problem::SynthesisProblem{}, 0), Error);
+  EXPECT_THROW(problem::RoundLinks(kPublishedLinks, problem::SynthesisProblem{}, 110), Error);
+  EXPECT_THROW(problem::RoundLinks(kPublishedLinks, problem::SynthesisProblem{}, 0), Error);
 }
 
 TEST(Infeasibility, NamesTheFightersAndTheSmallestRelaxation) {

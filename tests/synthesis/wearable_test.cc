@@ -202,7 +202,7 @@ TEST(Program, DerivativesOfClearancesStrengthAndBuilds) {
   problem.robust_mm = 0.1;
   synthesis::Collocation poses{0.5};
   poses.builds = {problem::Corners(0.1)[37]};
-  const synthesis::SynthesisProgram program = synthesis::BuildProgram(problem, kPublished, poses);
+  const synthesis::SynthesisProgram program = synthesis::BuildProgram(problem, kPublishedLinks, poses);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   std::vector<double> x;
@@ -230,7 +230,7 @@ TEST(Program, ClearanceRowsMeanWhatTheClosedFormSays) {
   problem::SynthesisProblem problem = OnALeg(Buildable());
   problem.clearances.placement_mm = {13, 2};
   problem.clearances.seat_mm = problem.clearances.thigh_mm = problem.clearances.shank_mm = 0;
-  const problem::DesignEvaluation evaluation = problem::Evaluate(kPublished, problem);
+  const problem::DesignEvaluation evaluation = problem::Evaluate(kPublishedLinks, problem);
   for (const double off_mm : {-0.01, 0.01}) {
     problem::SynthesisProblem asked = problem;
     asked.clearances.seat_mm = evaluation.CheckOf({Requires::kSeat}).value + off_mm;
@@ -238,7 +238,7 @@ TEST(Program, ClearanceRowsMeanWhatTheClosedFormSays) {
     asked.clearances.shank_mm = evaluation.CheckOf({Requires::kShank}).value + off_mm;
     const synthesis::Collocation poses{evaluation.CheckOf({Requires::kThigh}).fraction,
                                        evaluation.CheckOf({Requires::kShank}).fraction};
-    const synthesis::SynthesisProgram program = synthesis::BuildProgram(asked, kPublished, poses);
+    const synthesis::SynthesisProgram program = synthesis::BuildProgram(asked, kPublishedLinks, poses);
     std::vector<double> x;
     for (const nlp::NlpVariable& variable : program.program.Variables()) x.push_back(variable.start);
     const std::vector<double> values = program.program.RowValues(x);

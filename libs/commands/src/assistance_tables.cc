@@ -4,6 +4,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/figure/assistance_figures.h"
 #include "optimum_tables.h"
 #include "png_and_svg.h"
@@ -21,7 +22,7 @@ void WriteTable(const problem::Assistance& assistance, const std::filesystem::pa
   for (const AssistanceRow& row : assistance.rows) {
     for (const double value : {row.percent, row.time_s, row.knee_deg, row.knee_nm, row.stroke_mm, row.moment_arm_mm,
                                row.force_n, row.speed_mm_s, row.power_w, row.least_duration_s})
-      table.Add(std::isfinite(value) ? std::optional(value) : std::nullopt);
+      table.Add(Finite(value));
     table.EndRow();
   }
   table.Write(path);

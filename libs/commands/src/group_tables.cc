@@ -8,6 +8,7 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "optimum_tables.h"
 #include "program_table.h"
@@ -147,9 +148,8 @@ void WriteSizeTables(const redesign::SizesOutcome& outcome, Run& run) {
   }
   sizes.Write(run.Result("sizes.csv"));
   CsvWriter rule({"quantity", "from_mm", "to_mm", "size"});
-  const auto finite = [](double mm) { return std::isfinite(mm) ? std::optional(mm) : std::nullopt; };
   for (const redesign::RuleRange& range : outcome.rule.ranges) {
-    rule.Add(outcome.rule.quantity).Add(finite(range.from_mm)).Add(finite(range.to_mm));
+    rule.Add(outcome.rule.quantity).Add(Finite(range.from_mm)).Add(Finite(range.to_mm));
     rule.Add(static_cast<int>(range.size) + 1).EndRow();
   }
   rule.Write(run.Result("size_rule.csv"));
@@ -158,7 +158,7 @@ void WriteSizeTables(const redesign::SizesOutcome& outcome, Run& run) {
   for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
     const redesign::LeftOut& of = outcome.left_out[i];
     left_out.Add(rows[i].group.people[rows[i].index].name).Add(static_cast<int>(outcome.size_of[i]) + 1);
-    left_out.Add(static_cast<int>(of.size) + 1).Add(of.fit.holds ? 1 : 0).Add(finite(of.fit.percent));
+    left_out.Add(static_cast<int>(of.size) + 1).Add(of.fit.holds ? 1 : 0).Add(Finite(of.fit.percent));
     left_out.Add(of.fit.range_deg).EndRow();
   }
   left_out.Write(run.Result("left_out.csv"));

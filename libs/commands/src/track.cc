@@ -405,7 +405,12 @@ void CheckOptions(const TrackRunOptions& options) {
     if (file && !std::filesystem::exists(*file)) throw Fail("{}: no such file", file->string());
 }
 
-constexpr double kStampRounding_s = 1e-6;
+// Whether --start and --end leave a frame of this time.
+bool IsLookedAt(const video::VideoReaderOptions& reader, double time_s) {
+  constexpr double kRounding_s = 1e-6;
+  return !(reader.start_s && time_s < *reader.start_s - kRounding_s) &&
+         !(reader.end_s && time_s > *reader.end_s + kRounding_s);
+}
 
 // Frames that the container knows not to be there, or not to be looked at.
 void CheckCorrectedFrames(const std::vector<motion::Correction>& corrections, const video::VideoReaderOptions& reader,
@@ -416,8 +421,7 @@ void CheckCorrectedFrames(const std::vector<motion::Correction>& corrections, co
       throw Fail("{}: frame {} is not in the recording; its frames are 0 to {}", correction.where, frame,
                  static_cast<std::int64_t>(time_s.size()) - 1);
     const double t = time_s[frame];
-    if ((reader.start_s && t < *reader.start_s - kStampRounding_s) ||
-        (reader.end_s && t > *reader.end_s + kStampRounding_s))
+    if (!IsLookedAt(reader, t))
       throw Fail("{}: frame {} at {:.3f} s is outside what --start and --end leave", correction.where, frame, t);
   }
 }
@@ -431,11 +435,8 @@ void CheckEventTimes(const std::vector<motion::EventCorrection>& events, const v
                      const std::vector<double>& stamps) {
   std::vector<std::int64_t> frame;
   std::vector<double> time_s;
-  for (std::size_t i = 0; i < stamps.size(); ++i) {
-    if (reader.start_s && stamps[i] < *reader.start_s - kStampRounding_s) continue;
-    if (reader.end_s && stamps[i] > *reader.end_s + kStampRounding_s) continue;
-    frame.push_back(static_cast<std::int64_t>(i)), time_s.push_back(stamps[i]);
-  }
+  for (std::size_t i = 0; i < stamps.size(); ++i)
+    if (IsLookedAt(reader, stamps[i])) frame.push_back(static_cast<std::int64_t>(i)), time_s.push_back(stamps[i]);
   if (!frame.empty()) motion::CheckAreInside(events, frame, time_s);
 }
 

@@ -7,8 +7,6 @@
 #include "lake/core/numbers.h"
 
 namespace lake {
-namespace {}
-
 double Mean(std::span<const double> values) {
   if (values.empty()) return kNaN;
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());

@@ -156,52 +156,44 @@ LegResidual EvaluateObservation(const LegModel& model, const LegObservation& obs
 
 namespace {
 
-// The Gauss–Newton matrix within its band, and half the sum's gradient.
-BandedMatrix NormalMatrix(const LegModel& model, const std::vector<double>& coefficients) {
+// Gauss and Newton's: the matrix within its band, and half the sum's gradient.
+struct NormalEquations {
+  BandedMatrix matrix;
+  std::vector<double> gradient;
+};
+
+NormalEquations MakeNormalEquations(const LegModel& model, const std::vector<double>& coefficients) {
   const auto states = static_cast<std::size_t>(model.states);
-  BandedMatrix normal(model.grid.count * states, 4 * states - 1);
+  NormalEquations normal{BandedMatrix(model.grid.count * states, 4 * states - 1),
+                         std::vector<double>(coefficients.size(), 0.0)};
   for (const LegObservation& observation : model.observations) {
     const LegResidual residual = EvaluateObservation(model, observation, coefficients);
     const double weight =
         RobustWeight(model, residual.value, observation.sigma) / (observation.sigma * observation.sigma);
     const StateMatrix square = weight * residual.by_state.transpose() * residual.by_state;
-    for (std::size_t a = 0; a < 4; ++a)
+    const StateVector by_state = weight * residual.by_state.transpose() * residual.value;
+    for (std::size_t a = 0; a < 4; ++a) {
       for (std::size_t b = 0; b <= a; ++b)
         for (std::size_t i = 0; i < states; ++i)
           for (std::size_t j = 0; j < (a == b ? i + 1 : states); ++j)
-            normal.Lower((observation.first + a) * states + i, (observation.first + b) * states + j) +=
+            normal.matrix.Lower((observation.first + a) * states + i, (observation.first + b) * states + j) +=
                 observation.weights[a] * observation.weights[b] *
                 square(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-  }
-  for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
-    for (const PriorTerm& term : PriorTerms(model, k))
-      for (std::size_t a = 0; a < 4; ++a)
-        for (std::size_t b = 0; b <= a; ++b)
-          normal.Lower((k + a) * states + static_cast<std::size_t>(term.state),
-                       (k + b) * states + static_cast<std::size_t>(term.state)) += term.row[a] * term.row[b];
-  return normal;
-}
-
-std::vector<double> Gradient(const LegModel& model, const std::vector<double>& coefficients) {
-  const auto states = static_cast<std::size_t>(model.states);
-  std::vector<double> gradient(coefficients.size(), 0.0);
-  for (const LegObservation& observation : model.observations) {
-    const LegResidual residual = EvaluateObservation(model, observation, coefficients);
-    const double weight =
-        RobustWeight(model, residual.value, observation.sigma) / (observation.sigma * observation.sigma);
-    const StateVector by_state = weight * residual.by_state.transpose() * residual.value;
-    for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t s = 0; s < states; ++s)
-        gradient[(observation.first + a) * states + s] +=
+        normal.gradient[(observation.first + a) * states + s] +=
             observation.weights[a] * by_state[static_cast<Eigen::Index>(s)];
+    }
   }
   for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
     for (const PriorTerm& term : PriorTerms(model, k)) {
       const double residual = PriorResidual(model, term, k, coefficients);
-      for (std::size_t a = 0; a < 4; ++a)
-        gradient[(k + a) * states + static_cast<std::size_t>(term.state)] += term.row[a] * residual;
+      const auto place = [&](std::size_t a) { return (k + a) * states + static_cast<std::size_t>(term.state); };
+      for (std::size_t a = 0; a < 4; ++a) {
+        for (std::size_t b = 0; b <= a; ++b) normal.matrix.Lower(place(a), place(b)) += term.row[a] * term.row[b];
+        normal.gradient[place(a)] += term.row[a] * residual;
+      }
     }
-  return gradient;
+  return normal;
 }
 
 // Half the sum.
@@ -227,9 +219,8 @@ LegSolveSummary SolveInBands(const LegModel& model, std::vector<double>& coeffic
   summary.message = "too many steps";
   for (double damping = kLeastDamping; damping < kMostDamping && summary.iterations < kMostIterations;) {
     ++summary.iterations;
-    BandedMatrix normal = NormalMatrix(model, coefficients);
+    auto [normal, step] = MakeNormalEquations(model, coefficients);
     for (std::size_t i = 0; i < normal.Size(); ++i) normal.Lower(i, i) *= 1 + damping;
-    std::vector<double> step = Gradient(model, coefficients);
     ThrowIfInterrupted();
     if (!Factorize(normal)) {
       summary.message = "the markers do not determine the leg";
@@ -299,7 +290,7 @@ bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double s
 }
 
 BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coefficients) {
-  BandedMatrix normal = NormalMatrix(model, coefficients);
+  BandedMatrix normal = MakeNormalEquations(model, coefficients).matrix;
   ThrowIfInterrupted();
   if (!Factorize(normal))
     throw SolverError(
