@@ -156,7 +156,7 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   if (options.slurm) CheckSlurm();
   WriteDatasetFiles(cohort, run);
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
-  const WorkflowLock lock(out, run.Quiet());
+  const FileLock lock = LockWorkflow(out, run.Quiet());
   const Json workflow = PrepareWorkflow(cohort, out);
   if (workflow["recordings"].empty())
     throw Fail("{}: no study can be done: {}", cohort.folder.string(), FailuresOf(workflow, out).front().Text());

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 #include <pwd.h>
 #include <spawn.h>
-#include <sys/file.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,12 +14,10 @@
 #include <cstring>
 #include <optional>
 #include <set>
-#include <thread>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/interrupt.h"
 #include "lake/core/paths.h"
 #include "lake/core/processes.h"
 #include "lake/study/study.h"
@@ -191,25 +188,12 @@ std::string Failure::Text() const {
   return fmt::format("{}: {}", Recordings{participant, session, run, {}, {}}.Name(), error);
 }
 
-WorkflowLock::WorkflowLock(const fs::path& out, bool quiet) {
-  constexpr std::chrono::milliseconds kNap(100);
+FileLock LockWorkflow(const fs::path& out, bool quiet) {
   const fs::path path = out / "logs" / "lock";
   fs::create_directories(path.parent_path());
-  descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor_ < 0) throw Fail("{}: {}", path.string(), std::strerror(errno));
-  bool is_told = quiet;
-  while (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-    if (errno != EWOULDBLOCK && errno != EINTR)
-      throw Fail("{}: cannot be locked: {}", path.string(), std::strerror(errno));
-    if (!is_told) fmt::print(stderr, "waiting for steps that outlived an earlier run in {}\n", out.string());
-    is_told = true;
-    ThrowIfInterrupted();
-    std::this_thread::sleep_for(kNap);
-  }
-}
-
-WorkflowLock::~WorkflowLock() {
-  close(descriptor_);
+  return FileLock(path, [&] {
+    if (!quiet) fmt::print(stderr, "waiting for steps that outlived an earlier run in {}\n", out.string());
+  });
 }
 
 Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
@@ -264,7 +248,7 @@ void CheckSlurm() {
 }
 
 bool RunSnakemake(const fs::path& out, const std::string& target, const std::vector<std::string>& arguments, bool quiet,
-                  const WorkflowLock& lock) {
+                  const FileLock& lock) {
   if (!IsInstalled("snakemake")) throw Error("snakemake is not installed; install the package snakemake");
   const fs::path logs = out / "logs";
   std::vector<std::string> words = {"setpriv",      "--pdeathsig",

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lake/cohort/cohort_file.h"
+#include "lake/core/file_lock.h"
 #include "lake/core/json.h"
 
 namespace lake::cohort {
@@ -16,19 +17,8 @@ inline constexpr const char* kMotionStep = "motion";
 inline constexpr const char* kSnakemakeLog = "snakemake.log";  // in logs/, of a quiet run
 
 // Held while a workflow is at work in a folder, and by each of its jobs until it ends, whatever becomes of the programs
-// that began it: steps that outlive a killed `lake cohort` are waited for.
-class WorkflowLock {
- public:
-  WorkflowLock(const std::filesystem::path& out, bool quiet);
-  WorkflowLock(const WorkflowLock&) = delete;
-  WorkflowLock& operator=(const WorkflowLock&) = delete;
-  ~WorkflowLock();
-
-  int Descriptor() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
+// that began it: steps that outlive a killed `lake cohort` are waited for, said on stderr unless quiet.
+FileLock LockWorkflow(const std::filesystem::path& out, bool quiet);
 
 // Writes each study.yaml and logs/cohort.json, and takes back the marks of steps that are to be done, so that Snakemake
 // does them: those whose inputs, options, outputs or program are not as they were. A study that cannot be read stands
@@ -42,7 +32,7 @@ void CheckSlurm();
 // Runs snakemake for `target` with the given further arguments, its words on stderr, or in its log. Returns whether all
 // went well. Throws Error if it cannot be started.
 bool RunSnakemake(const std::filesystem::path& out, const std::string& target,
-                  const std::vector<std::string>& arguments, bool quiet, const WorkflowLock& lock);
+                  const std::vector<std::string>& arguments, bool quiet, const FileLock& lock);
 
 // A step that was not done although those before it were; of the design for all there is no participant.
 struct Failure {

@@ -1,18 +1,9 @@
 #include "step_cache.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <chrono>
-#include <cstring>
-#include <thread>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
-#include "lake/core/interrupt.h"
 #include "lake/core/paths.h"
 #include "lake/core/provenance.h"
 
@@ -27,25 +18,6 @@ std::string KeyOf(const StudyStep& step, const std::vector<FileState>& inputs, c
   Json all = {{"maker", made_by}, {"step", step.name}, {"options", step.options}, {"inputs", Json::array()}};
   for (const FileState& input : inputs) all["inputs"].push_back(input.sha256);
   return Sha256OfText(all.dump());
-}
-
-int LockedFile(const fs::path& path) {
-  constexpr std::chrono::milliseconds kNap(100);
-  const int descriptor = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor < 0) throw Fail("LAKE_CACHE: {}: {}", path.string(), std::strerror(errno));
-  while (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    const int error = errno;
-    try {
-      if (error != EWOULDBLOCK && error != EINTR)
-        throw Fail("LAKE_CACHE: {}: cannot be locked: {}", path.string(), std::strerror(error));
-      ThrowIfInterrupted();
-    } catch (...) {
-      close(descriptor);
-      throw;
-    }
-    std::this_thread::sleep_for(kNap);
-  }
-  return descriptor;
 }
 
 // Which of the step's inputs each of a summary's is; empty where one is none of them: the entry could not say then
@@ -80,19 +52,17 @@ std::optional<Json> ReadEntry(const fs::path& path) {
 
 }  // namespace
 
-CacheEntry::CacheEntry(const fs::path& folder, const StudyStep& step, const std::vector<FileState>& inputs,
-                       const std::string& made_by)
-    : step_(step) {
+fs::path CacheEntry::PathIn(const fs::path& folder, const StudyStep& step, const std::vector<FileState>& inputs,
+                            const std::string& made_by) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw Fail("LAKE_CACHE: {}: the folder cannot be made: {}", folder.string(), error.message());
-  path_ = folder / KeyOf(step, inputs, made_by);
-  lock_ = LockedFile(path_.string() + ".lock");
+  return folder / KeyOf(step, inputs, made_by);
 }
 
-CacheEntry::~CacheEntry() {
-  close(lock_);
-}
+CacheEntry::CacheEntry(const fs::path& folder, const StudyStep& step, const std::vector<FileState>& inputs,
+                       const std::string& made_by)
+    : step_(step), path_(PathIn(folder, step, inputs, made_by)), lock_(path_.string() + ".lock") {}
 
 bool CacheEntry::Restore(Run& run) const {
   const std::optional<Json> entry = ReadEntry(path_);

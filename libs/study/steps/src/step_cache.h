@@ -5,6 +5,7 @@
 #include <string>
 
 #include "file_state.h"
+#include "lake/core/file_lock.h"
 #include "lake/steps/study_steps.h"
 
 namespace lake::steps {
@@ -18,9 +19,6 @@ class CacheEntry {
   // Interrupted.
   CacheEntry(const std::filesystem::path& folder, const StudyStep& step, const std::vector<FileState>& inputs,
              const std::string& made_by);
-  CacheEntry(const CacheEntry&) = delete;
-  CacheEntry& operator=(const CacheEntry&) = delete;
-  ~CacheEntry();
 
   // Writes the outputs through the run as the step's work would, with the run's own summary. false, and nothing is
   // written, where there is no entry or one that is not as it was stored.
@@ -30,9 +28,12 @@ class CacheEntry {
   void Store(const Run& run) const;
 
  private:
+  static std::filesystem::path PathIn(const std::filesystem::path& folder, const StudyStep& step,
+                                      const std::vector<FileState>& inputs, const std::string& made_by);
+
   const StudyStep& step_;
   std::filesystem::path path_;
-  int lock_ = -1;
+  FileLock lock_;
 };
 
 }  // namespace lake::steps
