@@ -1,4 +1,7 @@
 // lake-anonymise on a rendering that shows a head.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 

@@ -1,4 +1,7 @@
 // Folders of results as users come to mix them up, and commands as they are typed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <fstream>
 
 #include "cli/program_run.h"

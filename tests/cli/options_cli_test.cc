@@ -1,4 +1,7 @@
 // One line that describes an option is all that is needed for it; and every program's help has what is described.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "cli/program_run.h"
 #include "lake/commands/calibrate.h"
 #include "lake/commands/compare.h"

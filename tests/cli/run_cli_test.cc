@@ -1,4 +1,7 @@
 // lake-run as a user runs it: exit codes, one-line errors, interrupted and gone on with.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <set>
 
 #include "cli/program_run.h"

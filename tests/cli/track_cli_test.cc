@@ -1,5 +1,8 @@
 // lake-track and its fellows on bad input, on a full disk, interrupted: one line, the right exit code, nothing
 // half-written.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "cli/program_run.h"
 #include "lake/core/json.h"
 

@@ -1,6 +1,9 @@
 // comparison.json: what was written is read back; what is not such a file is refused in one line.
 #include "lake/compare/comparison_file.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <functional>
 
 #include "closed_form.h"

@@ -1,4 +1,6 @@
 // Every format: what is written reads back, dialects are understood, hostile files give one clear error.
+#include <gmock/gmock.h>
+
 #include <cmath>
 #include <fstream>
 

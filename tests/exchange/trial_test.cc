@@ -1,5 +1,7 @@
 #include "lake/exchange/trial.h"
 
+#include <gmock/gmock.h>
+
 #include <Eigen/LU>
 #include <cmath>
 #include <fstream>

@@ -1,5 +1,7 @@
 #include "lake/gait/butterworth.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
 #include <random>

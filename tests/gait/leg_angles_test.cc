@@ -1,5 +1,7 @@
 #include "lake/gait/leg_angles.h"
 
+#include <gtest/gtest.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <random>

@@ -1,5 +1,8 @@
 #include "lake/gait/leg_fit.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <set>
 

@@ -1,5 +1,8 @@
 #include "lake/gait/plausibility.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "lake/core/error.h"
 #include "synthetic_leg.h"
 

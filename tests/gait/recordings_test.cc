@@ -1,4 +1,7 @@
 // The leg fit and the readers on recordings that nobody of this project made.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>

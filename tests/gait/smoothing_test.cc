@@ -1,3 +1,5 @@
+#include <gtest/gtest.h>
+
 #include <Eigen/Dense>
 #include <cmath>
 #include <numbers>

@@ -1,5 +1,7 @@
 #include "lake/gait/sts_events.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
 

@@ -1,5 +1,7 @@
 // Two people's sit-to-stands: knee and thigh markers in a video without intrinsics and without an ankle, and a
 // thigh-worn IMU.
+#include <gtest/gtest.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,8 @@
 #include "lake/loads/anthropometry.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <fstream>
 
 #include "lake/core/error.h"

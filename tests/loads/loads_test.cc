@@ -1,6 +1,9 @@
 // lake-loads's work on the sit-to-stand with force plates, and on input that is wrong.
 #include "lake/commands/loads.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <fstream>
 
 #include "lake/core/csv.h"

@@ -1,6 +1,8 @@
 // The trunk's centre of mass found again from a motion whose true centre is known.
 #include "lake/loads/trunk_fit.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
 

@@ -1,6 +1,9 @@
 // Where the head is, of made-up bodies and of a real one; and what a copy leaves as it is.
 #include "lake/overlay/head_blur.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 

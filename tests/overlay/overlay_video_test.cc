@@ -1,6 +1,8 @@
 // Overlays of small made-up recordings; what a decoded frame shows is compared with what was to be drawn.
 #include "lake/overlay/overlay_video.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>

@@ -1,4 +1,6 @@
 // Cameras that stand, lie or are set otherwise than the calibration: turned, tilted, of another size, read row by row.
+#include <gmock/gmock.h>
+
 #include <fstream>
 
 #include "lake/camera/camera.h"
@@ -35,7 +37,7 @@ TEST(CameraStance, SidewaysRecordingsAreTurnedByOptionOrToldTheirVertical) {
     scene.roll_deg = roll_deg;
     RenderedTrial trial(scene, {});
     const auto uncalibrated = [](commands::TrackRunOptions& options) { options.camera.reset(); };
-    const Json turned = trial.Track("turned", [&](commands::TrackRunOptions& options) {
+    const Json turned = trial.Track("turned", [&, rotate_deg = rotate_deg](commands::TrackRunOptions& options) {
       uncalibrated(options);
       options.track.reader.rotate_deg = rotate_deg;
     });

@@ -1,6 +1,8 @@
 // What lake-check says of recordings that are fit, and of those that are not.
 #include "lake/commands/check.h"
 
+#include <gmock/gmock.h>
+
 #include <chrono>
 
 #include "lake/video/video_writer.h"

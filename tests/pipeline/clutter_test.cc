@@ -1,4 +1,6 @@
 // Rooms as laboratories have them: lamps and reflections, a subject who walks in, a second person.
+#include <gmock/gmock.h>
+
 #include "lake/core/error.h"
 #include "lake/synth/staging.h"
 #include "lake/synth/sts_motion.h"

@@ -1,5 +1,6 @@
 // Recordings whose frames are not what their time stamps say: repeated, cut out, frozen, shown at another rate.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include "lake/core/error.h"
 #include "lake/video/video_writer.h"

@@ -1,5 +1,7 @@
 // lake-track's work from the video to its tables, on rendered recordings with known truth: the limits are those that
 // the program promises.
+#include <gmock/gmock.h>
+
 #include "lake/commands/track.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"

@@ -1,6 +1,8 @@
 // Reports as a browser shows them.
 #include "browser.h"
 
+#include <gmock/gmock.h>
+
 #include <cmath>
 #include <limits>
 #include <numbers>

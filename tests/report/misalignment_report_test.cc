@@ -1,4 +1,6 @@
 // The comparison's report: its numbers are those of the comparison, and a browser draws it.
+#include <gmock/gmock.h>
+
 #include <limits>
 
 #include "browser.h"

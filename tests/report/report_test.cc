@@ -1,5 +1,8 @@
 #include "lake/report/report.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
 #include <regex>

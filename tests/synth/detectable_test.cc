@@ -1,5 +1,7 @@
 // Renderings for the other detectors: ArUco markers that OpenCV reads, dark markers that are the darkest, and the
 // exoskeleton.
+#include <gtest/gtest.h>
+
 #include <opencv2/aruco.hpp>
 #include <opencv2/core.hpp>
 

@@ -1,3 +1,5 @@
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
 #include <opencv2/core.hpp>

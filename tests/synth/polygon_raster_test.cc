@@ -1,5 +1,7 @@
 #include "lake/synth/polygon_raster.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <numbers>
 #include <opencv2/core.hpp>

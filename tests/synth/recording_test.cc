@@ -1,5 +1,8 @@
 #include "lake/synth/recording.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <filesystem>
 #include <opencv2/core.hpp>
 

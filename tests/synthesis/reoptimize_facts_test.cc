@@ -1,6 +1,8 @@
 // The published design in a real sit-to-stand: figures worked out independently of this code, for the right leg of
 // opencap_sts. Misalignments agree within 0.2 % of the shank's length, the bound; times within 2 %, as the
 // steepest part of a motion depends on how it is filtered and sampled.
+#include <gtest/gtest.h>
+
 #include "lake/core/angles.h"
 #include "lake/redesign/reoptimize.h"
 #include "synthesis/paper.h"

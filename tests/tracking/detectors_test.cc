@@ -1,5 +1,6 @@
 // The other detectors through TrackMarkers, on real recordings and on a patch that is followed for long.
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>

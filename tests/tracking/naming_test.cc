@@ -1,6 +1,9 @@
 // Which of the things seen is which marker: tracklets made by a leg's geometry, without pictures.
 #include "lake/tracking/naming.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

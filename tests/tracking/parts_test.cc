@@ -1,4 +1,7 @@
 // The parts of tracking, each against what it must find: assignment, association, search, noise, sigma.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <Eigen/Geometry>
 #include <functional>
 #include <numeric>

@@ -1,5 +1,8 @@
 #include "lake/video/image.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <boost/crc.hpp>
 
 #include "video_files.h"

@@ -1,4 +1,6 @@
 // Small previews against means of the luma plane and the reader's own BGR; writing them unconverted.
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>

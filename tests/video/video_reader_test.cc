@@ -1,5 +1,8 @@
 #include "lake/video/video_reader.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include <csignal>
 
 #include "lake/core/error.h"

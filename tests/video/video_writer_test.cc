@@ -1,5 +1,7 @@
 #include "lake/video/video_writer.h"
 
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <csignal>

@@ -1,5 +1,6 @@
 #include "lake/exchange/c3d.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cctype>

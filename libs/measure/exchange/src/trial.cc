@@ -1,6 +1,7 @@
 #include "lake/exchange/trial.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

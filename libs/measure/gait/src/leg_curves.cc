@@ -2,6 +2,7 @@
 
 #include <ceres/jet.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>

@@ -1,5 +1,6 @@
 #include "lake/loads/trunk_fit.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 

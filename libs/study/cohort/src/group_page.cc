@@ -308,7 +308,7 @@ Section StudiesSection(const Json& workflow, const fs::path& out, const GroupDat
     const std::string participant = of["participant"], session = of["session"], run = of["run"];
     const std::vector<const GroupRow*>& rows = of_recordings[{participant, session, run}];
     for (const auto& [trial, condition] : {std::pair{"human", "without"}, {"exo", "with"}}) {
-      if (std::ranges::none_of(rows, [&](const GroupRow* row) { return row->trial == trial; })) continue;
+      if (std::ranges::none_of(rows, [&, trial = trial](const GroupRow* row) { return row->trial == trial; })) continue;
       const bool is_exo = std::string_view(trial) == "exo";
       table.rows.push_back({LinkTo(of["folder"].get<std::string>(), out, participant), session, run, condition,
                             MeanIn(rows, trial, "rise_s"), MeanIn(rows, trial, "knee_range_deg"),
