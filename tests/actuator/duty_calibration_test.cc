@@ -225,7 +225,7 @@ TEST(DutyLog, BadLogsSayWhere) {
       {"time_s,stroke_mm,duty\n0,300\n", "log.csv:2: 2 cells under a header of 3"},
   };
   for (const auto& [text, message] : cases)
-    EXPECT_THAT([&] { ReadLogText(text); }, ThrowsMessage<Error>(HasSubstr(message))) << text;
+    EXPECT_THAT([text = text] { ReadLogText(text); }, ThrowsMessage<Error>(HasSubstr(message))) << text;
   for (const char* scale : {"", "1=2", "1=2,1=3", "1=2,3=2", "a=2,3=4", "1=2,3=4,5=6"})
     EXPECT_THROW(actuator::ParsePotentiometerScale(scale), UsageError) << scale;
 }

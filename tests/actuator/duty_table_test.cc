@@ -104,8 +104,10 @@ TEST(DutyTable, BadTablesSayWhatIsWrong) {
       {"0.2,0,\n0.5,5,\n", "retract_mm_s: 0 different speeds"},
       {"", "different speeds"},
   };
-  for (const auto& [rows, message] : cases)
-    EXPECT_THAT([&] { ReadText(header + rows); }, ThrowsMessage<Error>(HasSubstr(message))) << rows;
+  for (const auto& [rows, message] : cases) {
+    const std::string table = header + rows;
+    EXPECT_THAT([&] { ReadText(table); }, ThrowsMessage<Error>(HasSubstr(message))) << rows;
+  }
   EXPECT_THAT([] { ReadText("duty,extend_mm_s,retract_mm_s,tolerance_percent\n0.2,0,0,\n0.5,5,5,-1\n"); },
               ThrowsMessage<Error>(HasSubstr("the tolerance -1 % at duty 0.5 is not within 0..100")));
   EXPECT_THAT([] { ReadText("duty,speed\n0.1,1\n"); }, ThrowsMessage<Error>(HasSubstr("extend_mm_s")));

@@ -104,7 +104,7 @@ TEST(Lens, ACameraIsTheSameAtAnotherSizeOfTheSameAspect) {
     const std::optional<camera::Camera> scaled = camera::CameraAtSize(camera, width, height);
     ASSERT_TRUE(scaled) << width;
     // The picture's corners are the pixels' outer edges.
-    const auto scale = [&](const Eigen::Vector2d& p) {
+    const auto scale = [width = width, height = height](const Eigen::Vector2d& p) {
       return Eigen::Vector2d((p.x() + 0.5) * width / 1280 - 0.5, (p.y() + 0.5) * height / 720 - 0.5);
     };
     const Eigen::Vector3d point(300, -150, 1000);

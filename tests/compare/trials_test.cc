@@ -111,9 +111,9 @@ TEST(Trials, FiguresAgreeWithTheTruth) {
     exo_options.facing = c.exo_facing, exo_options.pace = c.pace, exo_options.seed = 7;
     exo_options.exo_knee_mm = Eigen::Vector2d(9, -6);
     const synth::StsMotion human(human_options), exo(exo_options);
-    const compare::Misalignment m =
-        compare::CompareTrials(Register(Fit(human, {c.human_hz, 0.1, INFINITY, seed++})),
-                               Register(Fit(exo, {c.exo_hz, 0.1, INFINITY, seed++}), "exo_knee"));
+    const auto human_leg = Fit(human, {c.human_hz, 0.1, INFINITY, seed++});
+    const auto exo_leg = Fit(exo, {c.exo_hz, 0.1, INFINITY, seed++});
+    const compare::Misalignment m = compare::CompareTrials(Register(human_leg), Register(exo_leg, "exo_knee"));
     EXPECT_EQ(m.human_repetitions, c.human_repetitions);
     EXPECT_EQ(m.exo_repetitions, c.exo_repetitions);
     EXPECT_NEAR(m.metrics.rms_mm, Rms(TrueCurve(human), TrueCurve(exo, "exo_knee")), 0.3)

@@ -85,8 +85,9 @@ TEST(Clearance, OfTheLimbThatCannotBeHadSaysByHowMuch) {
   const linkage::WearCheck nearest = WearOf(report.links, problem);
   for (const auto& [name, clearance_mm] :
        {std::pair{"thigh", nearest.thigh_clearance_mm}, {"shank", nearest.shank_clearance_mm}}) {
-    const auto found = std::ranges::find_if(
-        report.relaxations, [&](const synthesis::Relaxation& relaxation) { return relaxation.text.starts_with(name); });
+    const auto found = std::ranges::find_if(report.relaxations, [name = name](const synthesis::Relaxation& relaxation) {
+      return relaxation.text.starts_with(name);
+    });
     ASSERT_NE(found, report.relaxations.end());
     EXPECT_NEAR(found->relaxed, clearance_mm, 0.05);  // CheckWear looks at 101 poses
   }
