@@ -126,7 +126,8 @@ std::optional<StsEventKind> FindEventKind(std::string_view name) {
 
 std::vector<EventCorrection> ReadEventCorrections(const std::filesystem::path& path) {
   const CsvTable table = CsvTable::Read(path);
-  if (!table.Has("frame")) table.Column("time_s");  // says that there is neither
+  if (!table.Has("frame") && !table.Has("time_s"))
+    throw Fail("{}: no column 'frame' or 'time_s': one of them says when an event is", path.string());
   std::vector<EventCorrection> corrections;
   std::set<Key> seen;
   for (std::size_t row = 0; row < table.Rows(); ++row) {
