@@ -270,8 +270,10 @@ TEST_F(ClosedLoopTest, AMillionMillisecondsOfEverything) {
   for (int i = 0; i < 1'000'000; ++i) {
     if (one_in(3000)) rig_->Send("reset"), rig_->Send("home");
     if (one_in(1500)) rig_->Send("run"), ++runs;
-    if (one_in(5000))
-      rig_->Send(fmt::format("jog {} {}", static_cast<int>(random() % 2001) - 1000, 1 + random() % 3000));
+    if (one_in(5000)) {
+      const int rate = static_cast<int>(random() % 2001) - 1000;
+      rig_->Send(fmt::format("jog {} {}", rate, 1 + random() % 3000));
+    }
     if (one_in(9000)) rig_->SendNow("!~\x18"[random() % 3]);
     if (one_in(40000)) rig_->PullWire(one_in(2), true);
     if (one_in(2000)) rig_->PullWire(true, false), rig_->PullWire(false, false);

@@ -178,9 +178,11 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
     // it.
     const bool calm = i / 20'000 % 2 == 1;
     const int rare = calm ? 20 : 1;
-    if (one_in(300 * rare))
-      controller_request(static_cast<request_t>(1 + random() % 7), static_cast<int16_t>(random() % 8001) - 4000,
-                         static_cast<uint16_t>(random() % 2000));
+    if (one_in(300 * rare)) {
+      const auto request = static_cast<request_t>(1 + random() % 7);
+      const auto rate = static_cast<int16_t>(static_cast<int>(random() % 8001) - 4000);
+      controller_request(request, rate, static_cast<uint16_t>(random() % 2000));
+    }
     if (one_in(700 * rare)) controller_hold();
     if (one_in(300)) controller_resume();
     if (one_in(3000 * rare)) controller_abort();

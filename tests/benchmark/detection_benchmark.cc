@@ -43,7 +43,7 @@ Scene MakeScene(double radius_px, unsigned seed) {
   cv::Mat grey(1080, 1920, CV_32F), noise(grey.size(), CV_32F);
   for (int x = 0; x < grey.cols; ++x) grey.col(x) = 40 + 0.01F * static_cast<float>(x);
   for (int i = 0; i < 8; ++i) {
-    const Eigen::Vector2d place(200 + 200 * i + offset(random), 300 + 60 * i + offset(random));
+    const Eigen::Vector2d place{200 + 200 * i + offset(random), 300 + 60 * i + offset(random)};
     scene.truth.push_back(place);
     const int reach = static_cast<int>(radius_px) + 2, middle_x = 200 + 200 * i, middle_y = 300 + 60 * i;
     for (int y = middle_y - reach; y <= middle_y + reach; ++y)

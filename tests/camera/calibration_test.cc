@@ -113,7 +113,7 @@ TEST(CalibrateCamera, RobustLossWithstandsCornersThatAreFarOff) {
     std::vector<std::pair<std::size_t, int>> spoilt;
     for (std::size_t v = 0; v < recording.views.size(); ++v) {  // one corner in eighteen
       for (int c = static_cast<int>(v) % 18; c < 54; c += 18) {
-        recording.views[v].pixel[static_cast<std::size_t>(c)] += Eigen::Vector2d(4 + far(random), 4 + far(random));
+        recording.views[v].pixel[static_cast<std::size_t>(c)] += Eigen::Vector2d{4 + far(random), 4 + far(random)};
         spoilt.emplace_back(v, c);
       }
     }

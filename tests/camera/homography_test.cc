@@ -49,7 +49,7 @@ TEST(PlaneHomography, NoiseAveragesOutAndTheRmsIsThatOfTheNoise) {
   for (int y = 0; y < 12; ++y)
     for (int x = 0; x < 12; ++x) plane.emplace_back(50 * x, 50 * y);
   Points points = Seen(SomeView(), plane);
-  for (auto& p : points) p.pixel += Eigen::Vector2d(noise(random), noise(random));
+  for (auto& p : points) p.pixel += Eigen::Vector2d{noise(random), noise(random)};
   const camera::HomographyFit fit = camera::PlaneHomography(points);
   // 2-D RMS of 288 residuals with 8 unknowns: 0.2 sqrt(2) sqrt(280/288) = 0.279, relative sd 1/sqrt(2*280) = 4 %: three
   // of them.
@@ -69,7 +69,7 @@ TEST(PlaneHomography, RefinementIsBetterThanItsStartForUnequalWeights) {
   std::vector<Eigen::Vector2d> plane;
   for (int i = 0; i < 40; ++i) plane.emplace_back(std::fmod(137.0 * i, 600), std::fmod(211.0 * i, 700));
   Points points = Seen(view, plane);
-  for (auto& p : points) p.pixel += Eigen::Vector2d(noise(random), noise(random));
+  for (auto& p : points) p.pixel += Eigen::Vector2d{noise(random), noise(random)};
   const camera::HomographyFit fit = camera::PlaneHomography(points);
   const Eigen::Matrix3d back = fit.plane_from_image.inverse() / fit.plane_from_image.inverse().norm();
   for (int i = 0; i < 9; ++i) {

@@ -26,7 +26,7 @@ std::vector<camera::PlaneCorrespondence> SeenPoints(const camera::Camera& camera
   std::vector<camera::PlaneCorrespondence> points;
   for (const auto& p : mm)
     points.push_back(
-        {camera::PixelFromPlane(camera, pose, p) + sigma_px * Eigen::Vector2d(noise(random), noise(random)), p});
+        {camera::PixelFromPlane(camera, pose, p) + sigma_px * Eigen::Vector2d{noise(random), noise(random)}, p});
   return points;
 }
 

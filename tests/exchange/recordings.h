@@ -27,8 +27,8 @@ inline exchange::PointRecording MakePoints(exchange::PointSpace space, std::size
   for (std::size_t p = 0; p < points; ++p) {
     recording.points.push_back({"marker " + std::to_string(p + 1), {}});
     for (std::size_t i = 0; i < frames; ++i) {
-      Eigen::Vector3d place(position(random), position(random),
-                            space == exchange::PointSpace::kSpace ? position(random) : 0);
+      Eigen::Vector3d place{position(random), position(random),
+                            space == exchange::PointSpace::kSpace ? position(random) : 0};
       // The first and the last marker are missing now and then, also at the end of a row.
       if ((p == 0 || p + 1 == points) && i % 7 == 3) place = exchange::PointTrack::Missing();
       recording.points.back().positions.push_back(place);

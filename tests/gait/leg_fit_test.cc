@@ -13,10 +13,10 @@ namespace lake {
 namespace {
 
 // Synthetic recordings with the detections' noise alone. Errors over sigmas: 1 is right. Errors of a smooth curve are
-// few independent ones, so a single recording scatters; kCautious is for those whose sigma is known to be up to 1.6
-// times too large.
-constexpr double kCautious = 0.6;
-void ExpectHonest(const KneeErrors& errors, double least = 0.8) {
+// few independent ones, so a single recording scatters: over 12 seeds by 0.05 about 0.83, at 240 Hz by 0.04 about 0.77.
+// kCautious is for those whose sigma is known to be up to 1.6 times too large.
+constexpr double kCautious = 0.6, kSingle = 0.7;
+void ExpectHonest(const KneeErrors& errors, double least = kSingle) {
   EXPECT_GE(errors.cover, 0.90);
   EXPECT_GE(errors.normalized, least);
   EXPECT_LE(errors.normalized, 1.25);
@@ -28,12 +28,13 @@ struct FitCase {
   SyntheticLegOptions leg;
   bool calibrated;
   NoiseKind noise;
-  double least_normalized = 0.8;
+  double least_normalized = 0.8;  // of the three recordings together
 };
 
 class LegFitAccuracy : public testing::TestWithParam<FitCase> {};
 
 TEST_P(LegFitAccuracy, KneeAngleIsRightAndItsSigmaHonest) {
+  double square = 0;
   for (const unsigned seed : {1u, 2u, 3u}) {
     const SyntheticLeg leg = MakeSyntheticLeg(GetParam().leg, seed);
     const gait::LegView view = GetParam().calibrated ? CalibratedView() : ScaledView();
@@ -41,7 +42,8 @@ TEST_P(LegFitAccuracy, KneeAngleIsRightAndItsSigmaHonest) {
     const gait::LegFitResult result = gait::FitLeg(tracks, view);
     const KneeErrors errors = CompareKnee(result.motion, leg.truth);
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", rms " << errors.rms_deg << ", raw " << errors.raw_rms_deg);
-    ExpectHonest(errors, GetParam().least_normalized);
+    ExpectHonest(errors, std::min(kSingle, GetParam().least_normalized));
+    square += errors.normalized * errors.normalized / 3;
     // Noise that changes slowly cannot be told from motion: then the fit is only required not to be worse than single
     // frames.
     EXPECT_LE(errors.rms_deg, GetParam().noise == NoiseKind::kWhite ? 0.02 : 1.02 * errors.raw_rms_deg);
@@ -50,23 +52,20 @@ TEST_P(LegFitAccuracy, KneeAngleIsRightAndItsSigmaHonest) {
     EXPECT_TRUE(result.outliers.empty());
     EXPECT_TRUE(result.warnings.empty());
   }
+  EXPECT_GE(std::sqrt(square), GetParam().least_normalized);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     , LegFitAccuracy,
-    testing::Values(FitCase{"Rigid", {}, false, NoiseKind::kWhite},
-                    FitCase{"RigidThroughLens", {}, true, NoiseKind::kWhite},
-                    FitCase{"Skin", {.skin_mm = 12}, true, NoiseKind::kWhite},
-                    FitCase{"FacingLeft", {.skin_mm = 12, .facing = motion::Facing::kLeft}, true, NoiseKind::kWhite},
-                    FitCase{"StartsStanding",
-                            {.starts_standing = true, .facing = motion::Facing::kLeft},
-                            false,
-                            NoiseKind::kWhite,
-                            kCautious},
-                    FitCase{"IrregularStamps", {.time_jitter = 0.8}, false, NoiseKind::kWhite},
-                    FitCase{"SlowMotion240Hz", {.rate_hz = 240, .repetitions = 1}, false, NoiseKind::kWhite, kCautious},
-                    FitCase{"Autoregressive", {.skin_mm = 6}, false, NoiseKind::kAutoregressive},
-                    FitCase{"FrozenByVideoCoding", {.repetitions = 4}, true, NoiseKind::kFrozen}),
+    testing::Values(
+        FitCase{"Rigid", {}, false, NoiseKind::kWhite}, FitCase{"RigidThroughLens", {}, true, NoiseKind::kWhite},
+        FitCase{"Skin", {.skin_mm = 12}, true, NoiseKind::kWhite},
+        FitCase{"FacingLeft", {.skin_mm = 12, .facing = motion::Facing::kLeft}, true, NoiseKind::kWhite},
+        FitCase{"StartsStanding", {.starts_standing = true, .facing = motion::Facing::kLeft}, false, NoiseKind::kWhite},
+        FitCase{"IrregularStamps", {.time_jitter = 0.8}, false, NoiseKind::kWhite},
+        FitCase{"SlowMotion240Hz", {.rate_hz = 240, .repetitions = 1}, false, NoiseKind::kWhite, kCautious},
+        FitCase{"Autoregressive", {.skin_mm = 6}, false, NoiseKind::kAutoregressive},
+        FitCase{"FrozenByVideoCoding", {.repetitions = 4}, true, NoiseKind::kFrozen}),
     [](const auto& info) { return info.param.name; });
 
 TEST(LegFit, FillsNothingBeforeAMarkerIsFirstSeenOrAfterItsLast) {
@@ -199,7 +198,7 @@ TEST(LegFit, WhatScattersBeyondKnownSigmasIsMotion) {
     for (std::size_t i = 0; i < leg.points_mm.size(); ++i) {
       gait::LegPoints& points = leg.points_mm[i];
       for (auto* point : {&points.ankle, &points.knee, &points.hip, &points.waist})
-        **point += Eigen::Vector2d(jitter(random), jitter(random));
+        **point += Eigen::Vector2d{jitter(random), jitter(random)};
       leg.truth[i] = gait::MakeLegSample(points, motion::Facing::kRight, Eigen::Vector2d::UnitY());
     }
     const auto tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {kNoise_px}, seed);

@@ -27,7 +27,7 @@ motion::MarkerRecording Record(double rate_hz, const gait::RollingShutter& shutt
   recording.markers = {{"hip", {}}};
   for (int i = 0; i < static_cast<int>(3 * rate_hz); ++i) {
     recording.frame.push_back(i), recording.time_s.push_back(i / rate_hz);
-    const Eigen::Vector2d error = sigma_px * Eigen::Vector2d(noise(random), noise(random));
+    const Eigen::Vector2d error = sigma_px * Eigen::Vector2d{noise(random), noise(random)};
     recording.markers[0].samples.push_back(
         {SeenPx(i / rate_hz, shutter) + error, sigma_px, motion::SampleStatus::kDetected});
   }

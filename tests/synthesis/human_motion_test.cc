@@ -24,7 +24,7 @@ compare::StsCurve SoftLeg(unsigned seed) {
   compare::StsCurve curve = MakeCurve(leg);
   for (int i = 0; i < compare::kPercentSamples; ++i)
     for (std::vector<Vector2d>* path : {&curve.ankle, &curve.knee, &curve.hip})
-      (*path)[i] += 5 * Vector2d(unit(random), unit(random));
+      (*path)[i] += 5 * Vector2d{unit(random), unit(random)};
   return curve;
 }
 

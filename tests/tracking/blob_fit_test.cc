@@ -70,7 +70,7 @@ TEST_P(BlobFitTest, ReachesTheCramerRaoBoundWithAnHonestSigma) {
   Eigen::Vector2d error_sum(0, 0);
   for (int i = 0; i < trials; ++i) {
     SceneMarker marker = GetParam().marker;
-    marker.center = Eigen::Vector2d(23, 20) + Eigen::Vector2d(fraction(generator), fraction(generator));
+    marker.center = Eigen::Vector2d(23, 20) + Eigen::Vector2d{fraction(generator), fraction(generator)};
     const cv::Mat grey = AddNoise(DrawMarkers(kSize, {marker}, kPsf, kBackground), noise, generator);
     tracking::Blob start = tracking::DiscBlob(marker.center + Eigen::Vector2d(0.6, -0.7), marker.radius_px * 1.1);
     start.blur_px = marker.blur_px;
@@ -118,7 +118,7 @@ TEST(BlobFit, ApparentRadiusDoesNotDependOnTheExposure) {
   std::vector<double> apparent;
   for (int i = 0; i < 100; ++i) {
     SceneMarker marker = Disc(6, amplitude(generator));
-    marker.center = Eigen::Vector2d(23 + fraction(generator), 20 + fraction(generator));
+    marker.center = Eigen::Vector2d{23 + fraction(generator), 20 + fraction(generator)};
     const cv::Mat grey = AddNoise(DrawMarkers(kSize, {marker}, kPsf, kBackground), noise, generator);
     const tracking::Blob start = tracking::DiscBlob(marker.center, 6.5);
     const auto fits = tracking::FitBlobs(grey, std::span(&start, 1), Options(noise));

@@ -68,7 +68,7 @@ class Seen {
   Seen& Add(Path path, int first = 0, int last = kFrames - 1) {
     tracking::Tracklet tracklet;
     for (int frame = first; frame <= last; ++frame)
-      tracklet.samples.push_back(Sample(frame, path(frame) + Vector2d(noise_(random_), noise_(random_))));
+      tracklet.samples.push_back(Sample(frame, path(frame) + Vector2d{noise_(random_), noise_(random_)}));
     tracklets.push_back(std::move(tracklet));
     return *this;
   }

@@ -71,7 +71,7 @@ class PointDetector : public tracking::MarkerDetector {
     std::vector<tracking::MarkerDetection> detections;
     for (const Vector2d& place : places_(frame.index)) {
       tracking::MarkerDetection detection;
-      detection.position = place + Vector2d(noise_(random_), noise_(random_));
+      detection.position = place + Vector2d{noise_(random_), noise_(random_)};
       detection.sigma_px = 0.05;
       detection.appearance = tracking::DiscBlob(detection.position, 4);
       detection.appearance.amplitude = 150;
@@ -153,7 +153,7 @@ TEST(BlobSearch, FindsDiscsOfAllSizesAndNothingElse) {
   std::uniform_real_distribution<double> fraction(-0.5, 0.5);
   for (const double radius : {2.0, 3.0, 4.5, 6.0, 9.0, 13.0, 20.0, 30.0}) {
     SceneMarker marker;
-    marker.center = Vector2d(170, 120) + Vector2d(fraction(random), fraction(random));
+    marker.center = Vector2d(170, 120) + Vector2d{fraction(random), fraction(random)};
     marker.radius_px = radius;
     const cv::Mat grey = AddNoise(DrawMarkers(size, {marker}, 0.7, 40), noise, random);
     const auto found = tracking::FindBlobs(grey, {{0, 0}, size}, {});
@@ -272,7 +272,7 @@ motion::MarkerRecording Curves(double noise_px, double sigma_px, unsigned seed, 
       const double a = 0.9 * t + static_cast<double>(m);
       const Vector2d place = Vector2d(500, 400) + 120 * Vector2d(std::cos(a), std::sin(a));
       recording.markers[m].samples.push_back(
-          {place + Vector2d(noise(random), noise(random)), sigma_px, motion::SampleStatus::kDetected});
+          {place + Vector2d{noise(random), noise(random)}, sigma_px, motion::SampleStatus::kDetected});
     }
   }
   return recording;
