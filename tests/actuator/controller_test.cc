@@ -174,8 +174,8 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
   int last_direction = 0, undriven_ms = 0;
   std::set<std::pair<state_t, int>> driven;  // in which state, which way
   for (int i = 0; i < 1'000'000; ++i) {
-    // Every other 20 s is calm, so that homing and programs come to their ends, with the end stop where homing expects
-    // it.
+    // Every other 20 s is calm, so that homing and programs are begun and come to their ends, with the end stop where
+    // homing expects it.
     const bool calm = i / 20'000 % 2 == 1;
     const int rare = calm ? 20 : 1;
     if (one_in(300 * rare)) {
@@ -183,6 +183,8 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
       const auto rate = static_cast<int16_t>(static_cast<int>(random() % 8001) - 4000);
       controller_request(request, rate, static_cast<uint16_t>(random() % 2000));
     }
+    if (calm && controller_status().state == STATE_IDLE && one_in(100))
+      controller_request(one_in(2) ? REQUEST_HOME : REQUEST_RUN, 0, 0);
     if (one_in(700 * rare)) controller_hold();
     if (one_in(300)) controller_resume();
     if (one_in(3000 * rare)) controller_abort();
