@@ -1,7 +1,7 @@
 // lake-calibrate: a camera from pictures of a board; the sagittal plane from one picture; boards to print.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
 
 #include "lake/commands/calibrate.h"
@@ -43,17 +43,17 @@ int main(int argc, char** argv) {
   commands::PlaneRunOptions plane;
   commands::SheetRunOptions sheet;
   program.Add(OptionsOf(calibrate));
-  const CLI::App* plane_command = program.AddCommand(
+  const std::function<bool()> plane_command = program.AddCommand(
       "plane", "The sagittal plane from one board image or four and more known points",
       "lake-calibrate plane board.png --camera camera.yaml --board chessboard:9x6:25 -o plane", OptionsOf(plane));
-  const CLI::App* sheet_command =
+  const std::function<bool()> sheet_command =
       program.AddCommand("board", "A board to print, as PDF 1:1",
                          "lake-calibrate board --board chessboard:9x6:25 --paper a4 -o print", OptionsOf(sheet));
   return program.Main(
       argc, argv, [] { return "calibrate"; },
       [&](Run& run) {
-        if (plane_command->parsed()) return commands::RunPlane(plane, run);
-        if (sheet_command->parsed()) return commands::RunSheet(sheet, run);
+        if (plane_command()) return commands::RunPlane(plane, run);
+        if (sheet_command()) return commands::RunSheet(sheet, run);
         return commands::RunCalibrate(calibrate, run);
       },
       Report);

@@ -1,6 +1,6 @@
 // lake-stroke: a design's stroke program with the firmware that runs it; a duty table from logs; a prototype's video
 // against its prediction; the program in the board, watched.
-#include <CLI/CLI.hpp>
+#include <functional>
 #include <string>
 
 #include "lake/commands/stroke.h"
@@ -14,27 +14,27 @@ int main(int argc, char** argv) {
   commands::StrokeRunOptions stroke;
   commands::DutyRunOptions duty;
   program.Add(OptionsOf(stroke));
-  const CLI::App* calibrate =
+  const std::function<bool()> calibrate =
       program.AddCommand("calibrate", "A duty table from logs of time_s,stroke_mm,duty",
                          "lake-stroke calibrate serial.csv --pot 102=242,921=372 -o actuator", OptionsOf(duty));
   commands::StrokeSessionRunOptions session;
-  const CLI::App* run_command =
+  const std::function<bool()> run_command =
       program.AddCommand("run", "The program in the board: home, run, watch, log",
                          "lake-stroke run stroke --port /dev/ttyACM0 -o log", OptionsOf(session));
   return program.Main(
       argc, argv,
       [&]() -> std::string {
-        if (run_command->parsed()) return "stroke-run";
-        return calibrate->parsed() ? "duty" : "stroke-" + stroke.design.stem().string();
+        if (run_command()) return "stroke-run";
+        return calibrate() ? "duty" : "stroke-" + stroke.design.stem().string();
       },
       [&](Run& run) {
-        if (run_command->parsed()) return commands::RunStrokeSession(session, run);
-        if (calibrate->parsed()) return commands::RunDutyCalibration(duty, run);
+        if (run_command()) return commands::RunStrokeSession(session, run);
+        if (calibrate()) return commands::RunDutyCalibration(duty, run);
         if (stroke.design.empty()) throw UsageError("which design? see lake-stroke --help");
         return commands::RunStroke(stroke, run);
       },
       [&](const Json& summary) {
-        if (run_command->parsed()) return commands::StrokeSessionReport(summary);
-        return calibrate->parsed() ? commands::DutyReport(summary) : commands::StrokeReport(summary);
+        if (run_command()) return commands::StrokeSessionReport(summary);
+        return calibrate() ? commands::DutyReport(summary) : commands::StrokeReport(summary);
       });
 }

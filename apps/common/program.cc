@@ -229,14 +229,14 @@ SharedOptions Program::Add(OptionList options, const std::string& group) {
   return lists_.back().second;
 }
 
-const CLI::App* Program::AddCommand(const std::string& name, const std::string& what, const std::string& example,
-                                    OptionList options) {
+std::function<bool()> Program::AddCommand(const std::string& name, const std::string& what, const std::string& example,
+                                          OptionList options) {
   CLI::App* command = cli_->add_subcommand(name, what);
   lists_.push_back({command, AddOptions(*command, std::move(options))});
   command->footer("Example:\n  " + example);
   command->fallthrough();
   cli_->require_subcommand(0, 1);
-  return command;
+  return [command] { return command->parsed(); };
 }
 
 void Program::TakeOutByPlace() {

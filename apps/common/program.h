@@ -40,10 +40,11 @@ class Program {
   Program(std::string name, std::string what, std::string example);
   ~Program();
 
-  // The program's own options, which stay bound to their struct; and those of a command of it.
+  // The program's own options, which stay bound to their struct; and those of a command of it, with the question, once
+  // the command line is parsed, whether that command was given.
   SharedOptions Add(OptionList options, const std::string& group = "");
-  const CLI::App* AddCommand(const std::string& name, const std::string& what, const std::string& example,
-                             OptionList options);
+  std::function<bool()> AddCommand(const std::string& name, const std::string& what, const std::string& example,
+                                   OptionList options);
 
   CLI::App& Cli() { return *cli_; }
 

@@ -28,22 +28,33 @@ inline cv::Mat DrawMarkers(const cv::Size& size, const std::vector<SceneMarker>&
                            double background) {
   constexpr int kCells = 8;  // per pixel and axis
   cv::Mat fine(size * kCells, CV_64F, cv::Scalar(0));
+  cv::Rect lit;  // where there is light, in cells
   for (const SceneMarker& marker : markers) {
     const int exposures = marker.blur_px.norm() > 0 ? 200 : 1;
     for (int e = 0; e < exposures; ++e) {
       const Eigen::Vector2d center = marker.center + ((e + 0.5) / exposures - 0.5) * marker.blur_px;
-      const double reach = marker.radius_px + 2;
+      const double reach = marker.radius_px + 2, inside = std::max(0.0, marker.radius_px - 1.0 / kCells),
+                   outside = marker.radius_px + 1.0 / kCells;
+      const double left = (center.x() - reach) * kCells, top = (center.y() - reach) * kCells, side = 2 * reach * kCells;
+      lit |= cv::Rect(cv::Rect2d(left, top, side, side));
       for (int y = int((center.y() - reach) * kCells); y < int((center.y() + reach) * kCells); ++y)
         for (int x = int((center.x() - reach) * kCells); x < int((center.x() + reach) * kCells); ++x) {
           if (x < 0 || y < 0 || x >= fine.cols || y >= fine.rows) continue;
           const double u = (x + 0.5) / kCells - 0.5 - center.x(),
                        v = ((y + 0.5) / kCells - 0.5 - center.y()) / marker.aspect;
-          const double coverage = std::clamp((marker.radius_px - std::hypot(u, v)) * kCells + 0.5, 0.0, 1.0);
+          const double squared = u * u + v * v;  // whose root only cells at the edge need
+          if (squared > outside * outside) continue;
+          const double coverage = squared < inside * inside
+                                      ? 1
+                                      : std::clamp((marker.radius_px - std::sqrt(squared)) * kCells + 0.5, 0.0, 1.0);
           fine.at<double>(y, x) += marker.amplitude * coverage / exposures;
         }
     }
   }
-  if (psf_px > 0) cv::GaussianBlur(fine, fine, {}, psf_px * kCells);
+  const int spread = static_cast<int>(std::ceil(4 * psf_px * kCells)) + 2;  // beyond the end of OpenCV's kernel
+  const cv::Rect touched =
+      cv::Rect(lit.tl() - cv::Point(spread, spread), lit.br() + cv::Point(spread, spread)) & cv::Rect({}, fine.size());
+  if (psf_px > 0 && !touched.empty()) cv::GaussianBlur(fine(touched), fine(touched), {}, psf_px * kCells);
   cv::Mat grey;
   cv::resize(fine, grey, size, 0, 0, cv::INTER_AREA);
   return grey + background;
