@@ -13,14 +13,14 @@ namespace lake {
 namespace {
 
 synth::SceneOptions OneRise(std::uint64_t seed) {
-  synth::SceneOptions scene = synth::CleanScene(seed);
+  synth::SceneOptions scene = CleanLeg(seed);
   scene.motion.repetitions = 1, scene.duration_s = 0;
   scene.frame_rate_hz = 30;
   return scene;
 }
 
 KneeErrors KneeOf(const RenderedTrial& trial, const std::string& name) {
-  return CompareKnee(trial.folder / name / "kinematics.csv", trial.scene);
+  return CompareKnee(trial.folder / name / "kinematics.csv", trial);
 }
 
 // A standing leg's thigh is upright.
@@ -35,7 +35,8 @@ TEST(CameraStance, SidewaysRecordingsAreTurnedByOptionOrToldTheirVertical) {
   for (const auto& [roll_deg, rotate_deg, seed] : {std::tuple{90.0, 270, 3u}, {-90.0, 90, 4u}}) {
     synth::SceneOptions scene = OneRise(seed);
     scene.roll_deg = roll_deg;
-    RenderedTrial trial(scene, {});
+    scene.width_px = 800;  // not its height
+    RenderedTrial trial(scene, {.preset = kQuickEncoder});
     const auto uncalibrated = [](commands::TrackRunOptions& options) { options.camera.reset(); };
     const Json turned = trial.Track("turned", [&, rotate_deg = rotate_deg](commands::TrackRunOptions& options) {
       uncalibrated(options);
@@ -47,7 +48,7 @@ TEST(CameraStance, SidewaysRecordingsAreTurnedByOptionOrToldTheirVertical) {
     EXPECT_LT(SmallestThighDeg(trial, "turned"), 5);
 
     // A horizontal plumb line: which of its ends is up shows in the leg.
-    for (const std::array<double, 4>& line : {std::array<double, 4>{100, 300, 900, 300}, {900, 300, 100, 300}}) {
+    for (const std::array<double, 4>& line : {std::array<double, 4>{100, 300, 700, 300}, {700, 300, 100, 300}}) {
       const Json lined = trial.Track("lined", [&](commands::TrackRunOptions& options) {
         uncalibrated(options);
         options.vertical = line;
@@ -69,7 +70,7 @@ TEST(CameraStance, TheVerticalIsFoundFromTheLegItself) {
   for (const auto& [roll_deg, seed] : {std::pair{90.0, 5u}, {180.0, 6u}, {-35.0, 7u}, {20.0, 8u}}) {
     synth::SceneOptions scene = OneRise(seed);
     scene.roll_deg = roll_deg;
-    RenderedTrial trial(scene, {});
+    RenderedTrial trial(scene, {.preset = kQuickEncoder});
     const Json found = trial.Track("auto", [](commands::TrackRunOptions& options) {
       options.camera.reset();
       options.vertical_from_leg = true;
@@ -82,15 +83,15 @@ TEST(CameraStance, TheVerticalIsFoundFromTheLegItself) {
 }
 
 TEST(CameraStance, ACameraOfAnotherSizeIsScaledAndSaidToBe) {
-  RenderedTrial trial(OneRise(9), {});
+  RenderedTrial trial(OneRise(9), {.preset = kQuickEncoder});
   camera::CameraProfile profile = camera::ReadCameraProfile(trial.folder / "camera.yaml");
-  profile.camera = *camera::CameraAtSize(profile.camera, 1920, 1080);
+  profile.camera = *camera::CameraAtSize(profile.camera, 1080, 1080);
   camera::WriteCameraProfile(trial.folder / "large.yaml", profile);
   trial.Track();
   const Json scaled =
       trial.Track("scaled", [&](commands::TrackRunOptions& options) { options.camera = trial.folder / "large.yaml"; });
   EXPECT_THAT(scaled["warnings"].dump(),
-              testing::HasSubstr("calibrated at 1920x1080 px and scaled to the video's 1280x720"));
+              testing::HasSubstr("calibrated at 1080x1080 px and scaled to the video's 720x720"));
   const auto own = motion::ReadMarkerCsv(trial.folder / "trial" / "trajectory.csv"),
              other = motion::ReadMarkerCsv(trial.folder / "scaled" / "trajectory.csv");
   for (std::size_t i = 0; i < own.Frames(); i += 10)

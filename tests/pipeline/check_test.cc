@@ -12,7 +12,7 @@ namespace lake {
 namespace {
 
 synth::SceneOptions Short(std::uint64_t seed) {
-  synth::SceneOptions scene = synth::CleanScene(seed);
+  synth::SceneOptions scene = CleanLeg(seed);
   scene.duration_s = 4;
   return scene;
 }
@@ -56,14 +56,14 @@ TEST(Check, SaysThatAGoodRecordingIsFitWithTheFiguresOfTheRendering) {
 TEST(Check, NamesWhatMakesARecordingUnfit) {
   synth::SceneOptions dark = Short(3);
   dark.exposure = 0.12, dark.noise.read_sd = 6;
-  RenderedTrial trial(dark, {});
+  RenderedTrial trial(dark, {.preset = kQuickEncoder});
   const Json unlit = CheckVideo(trial.folder / "video.mp4", trial.folder / "check");
   EXPECT_FALSE(unlit["fit"].get<bool>());
   EXPECT_THAT(unlit["checks"].dump(), testing::HasSubstr("lamp beside the lens"));
 
   synth::SceneOptions small = Short(4);
   small.marker_radius_px = 1.6;
-  RenderedTrial far(small, {});
+  RenderedTrial far(small, {.preset = kQuickEncoder});
   EXPECT_EQ(VerdictOf(CheckVideo(far.folder / "video.mp4", far.folder / "check"), "radius_px"), "unfit");
 }
 
@@ -82,7 +82,8 @@ TEST(Check, CountsRepeatedAndDroppedFrames) {
   const synth::Scene scene(Short(5));
   const TemporaryFolder folder;
   video::VideoWriterOptions options;
-  options.width = 1280, options.height = 720, options.frame_rate_hz = 60, options.grey = true, options.crf = 18;
+  options.width = scene.Options().width_px, options.height = scene.Options().height_px, options.frame_rate_hz = 60,
+  options.grey = true, options.crf = 18;
   {
     video::VideoWriter repeating(folder / "repeated.mp4", options), dropping(folder / "dropped.mp4", options);
     for (int i = 0; i < 150; ++i) {

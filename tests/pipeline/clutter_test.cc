@@ -26,7 +26,7 @@ TEST(ClutteredRoom, SubjectWhoWalksInIsNamed) {
   RenderedTrial trial(synth::Scene(scene, synth::MakeWalkIn(std::make_shared<synth::StsMotion>(scene.motion), 2.5)),
                       {.crf = 20});
   trial.Track();
-  const TrackErrors errors = CompareTracks(trial.Tracks(), trial.scene);
+  const TrackErrors errors = CompareTracks(trial.Tracks(), trial);
   Print("walks in", seed, errors, {});
   EXPECT_LE(errors.worst_px, 1);
   EXPECT_EQ(errors.false_samples, 0) << "something was taken for a marker that is not in the picture";

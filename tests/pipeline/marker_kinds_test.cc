@@ -10,7 +10,7 @@ namespace lake {
 namespace {
 
 synth::SceneOptions ThreeSeconds(std::uint64_t seed) {
-  synth::SceneOptions scene = synth::CleanScene(seed);
+  synth::SceneOptions scene = CleanLeg(seed);
   scene.duration_s = 3;
   return scene;
 }
@@ -19,12 +19,12 @@ synth::SceneOptions ThreeSeconds(std::uint64_t seed) {
 TrackErrors TrackAndCompare(RenderedTrial& trial, const char* what, std::uint64_t seed,
                             const std::function<void(commands::TrackRunOptions&)>& change) {
   trial.Track("trial", change);
-  const TrackErrors errors = CompareTracks(trial.Tracks(), trial.scene);
-  Print(what, seed, errors, CompareKnee(trial.folder / "trial" / "kinematics.csv", trial.scene));
+  const TrackErrors errors = CompareTracks(trial.Tracks(), trial);
+  Print(what, seed, errors, CompareKnee(trial.folder / "trial" / "kinematics.csv", trial));
   EXPECT_EQ(errors.false_samples, 0);
   EXPECT_LE(errors.worst_px, 2) << "a marker took another's place";
   EXPECT_GE(errors.recall, 0.995);
-  const TrackErrors estimates = CompareTracks(trial.EstimatesInPicture(), trial.scene);
+  const TrackErrors estimates = CompareTracks(trial.EstimatesInPicture(), trial);
   EXPECT_LE(estimates.rms_px, errors.rms_px) << "the fit's estimate is worse than the measurement it started from";
   return estimates;
 }
@@ -44,20 +44,27 @@ cv::Mat AsACameraProcesses(const cv::Mat& picture) {
   return vivid;
 }
 
-// Lights of four colours on a clothed leg, rendered once: as it is, and as a camera would have processed and coded it.
+// A recording as it is, or as a camera would have processed it before it coded it.
+struct ColourVideo {
+  const char *name, *preset;
+  bool processed;
+};
+constexpr ColourVideo kPlain{"plain.mp4", "medium", false}, kMedium{"medium.mp4", "medium", true},
+    kQuick{"veryfast.mp4", "veryfast", true};
+
+// Lights of four colours on a clothed leg, rendered once and coded as each of the videos.
 struct ColourRecordings {
   RenderedTrial trial;
-  static constexpr const char *kPlain = "plain.mp4", *kMedium = "medium.mp4", *kQuick = "veryfast.mp4";
 
-  explicit ColourRecordings(std::uint64_t seed) : trial(synth::Scene(Options(seed))) {
-    video::VideoWriter plain = Writer(kPlain, "medium"), medium = Writer(kMedium, "medium"),
-                       quick = Writer(kQuick, "veryfast");
+  ColourRecordings(std::uint64_t seed, const std::vector<ColourVideo>& videos) : trial(synth::Scene(Options(seed))) {
+    std::vector<video::VideoWriter> writers;
+    for (const ColourVideo& video : videos) writers.push_back(Writer(video));
     for (int frame = 0; frame < trial.scene.Frames(); ++frame) {
       const cv::Mat picture = trial.scene.Render(frame), processed = AsACameraProcesses(picture);
-      const double time_s = trial.scene.Truth(frame).time_s;
-      plain.Write(picture, time_s), medium.Write(processed, time_s), quick.Write(processed, time_s);
+      for (std::size_t i = 0; i < videos.size(); ++i)
+        writers[i].Write(videos[i].processed ? processed : picture, trial.scene.TimeS(frame));
     }
-    plain.Finish(), medium.Finish(), quick.Finish();
+    for (video::VideoWriter& writer : writers) writer.Finish();
   }
 
   static synth::SceneOptions Options(std::uint64_t seed) {
@@ -67,31 +74,26 @@ struct ColourRecordings {
     return scene;
   }
 
-  video::VideoWriter Writer(const char* name, const char* preset) const {
+  video::VideoWriter Writer(const ColourVideo& video) const {
     video::VideoWriterOptions options;
     options.width = trial.scene.Profile().camera.image_width,
     options.height = trial.scene.Profile().camera.image_height;
     options.frame_rate_hz = trial.scene.Options().frame_rate_hz;
-    options.preset = preset;
-    return {trial.folder / name, options};
+    options.preset = video.preset;
+    return {trial.folder / video.name, options};
   }
 
   // `color` makes what is told of each marker's colour.
-  TrackErrors Track(const char* video, const std::function<std::string(std::string_view)>& color) {
-    trial.Track(video + std::string("-tracked"), [&](commands::TrackRunOptions& options) {
-      options.video = trial.folder / video;
+  TrackErrors Track(const ColourVideo& video, const std::function<std::string(std::string_view)>& color) {
+    const std::string name = video.name + std::string("-tracked");
+    trial.Track(name, [&](commands::TrackRunOptions& options) {
+      options.video = trial.folder / video.name;
       options.track.detector = tracking::DetectorKind::kColor;
       for (const std::string_view marker : tracking::kLegMarkers) options.track.colors.push_back(color(marker));
     });
-    const TrackErrors errors = CompareTracks(trial.Tracks(video + std::string("-tracked")), trial.scene);
-    Print(video, trial.scene.Options().seed, errors,
-          CompareKnee(trial.folder / (video + std::string("-tracked")) / "kinematics.csv", trial.scene));
+    const TrackErrors errors = CompareTracks(trial.Tracks(name), trial);
+    Print(video.name, trial.scene.Options().seed, errors, CompareKnee(trial.folder / name / "kinematics.csv", trial));
     return errors;
-  }
-
-  static ColourRecordings& OfThisRun() {
-    static ColourRecordings recordings(SeedOfThisTest());
-    return recordings;
   }
 };
 
@@ -111,12 +113,12 @@ std::string HexColour(std::string_view marker) {
 }
 
 TEST(MarkerKinds, ColouredLightsAreFoundByTheirColours) {
-  const TrackErrors errors = ColourRecordings::OfThisRun().Track(ColourRecordings::kPlain, HexColour);
+  const TrackErrors errors = ColourRecordings(SeedOfThisTest(), {kPlain}).Track(kPlain, HexColour);
   ExpectColourLimits(errors, 0.08);
 }
 
 TEST(MarkerKinds, ColoursTakenFromAProcessedPicture) {
-  ColourRecordings& recordings = ColourRecordings::OfThisRun();
+  ColourRecordings recordings(SeedOfThisTest(), {kMedium, kQuick});
   constexpr int kFrame = 10;
   const synth::FrameTruth truth = recordings.trial.scene.Truth(kFrame);
   // As a person clicks: within a pixel and a half.
@@ -125,9 +127,9 @@ TEST(MarkerKinds, ColoursTakenFromAProcessedPicture) {
         truth.markers[static_cast<std::size_t>(synth::IndexOfMarker(recordings.trial.scene.Motion(), marker))].px;
     return fmt::format("@{:.0f},{:.0f}@{}", at.x() + 1, at.y() - 1, kFrame);
   };
-  ExpectColourLimits(recordings.Track(ColourRecordings::kMedium, picked), 0.08);
+  ExpectColourLimits(recordings.Track(kMedium, picked), 0.08);
   // x264's quickest usual preset leaves larger errors; what matters is that sigma says so.
-  ExpectColourLimits(recordings.Track(ColourRecordings::kQuick, picked), 0.10);
+  ExpectColourLimits(recordings.Track(kQuick, picked), 0.10);
 }
 
 TEST(MarkerKinds, DarkMarkersInABrightRoom) {

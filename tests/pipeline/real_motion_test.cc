@@ -23,12 +23,12 @@ TEST_P(RealMotionVideo, GivesTheRecordingsOwnKneeAngle) {
   if (!leg) GTEST_SKIP() << "no recording in " << LAKE_SHARED_DATA << "/opencap_sts";
   const std::uint64_t seed = SeedOfThisTest();
   const bool mirror = GetParam().facing == motion::Facing::kLeft;  // the subject of the recording faces right
-  synth::SceneOptions scene = synth::CleanScene(seed);
+  synth::SceneOptions scene = CleanLeg(seed);
   scene.duration_s = 0;  // as long as the recording
   RenderedTrial trial(synth::Scene(scene, synth::MakeTableMotion(*leg, mirror)), {.crf = 17});
   const Json summary = trial.Track();
-  const TrackErrors tracks = CompareTracks(trial.Tracks(), trial.scene);
-  const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial.scene);
+  const TrackErrors tracks = CompareTracks(trial.Tracks(), trial);
+  const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial);
   Print(GetParam().side, seed, tracks, knee);
   EXPECT_EQ(summary["facing"], mirror ? "left" : "right");
   EXPECT_LE(tracks.worst_px, 2) << "a marker took another's place";

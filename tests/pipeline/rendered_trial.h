@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,9 +28,76 @@ inline std::uint64_t SeedOfThisTest() {
   return hash % 100000;
 }
 
+// CleanScene without the room on both sides of the person: the leg is as large, and a picture has half as many pixels.
+inline synth::SceneOptions CleanLeg(std::uint64_t seed) {
+  synth::SceneOptions scene = synth::CleanScene(seed);
+  scene.width_px = 720;
+  return scene;
+}
+
+// For what does not ask how large the errors are that the encoder leaves: what x264 does in half the time.
+inline constexpr const char* kQuickEncoder = "ultrafast";
+
 // A hand that covers 10 to 15 % of a marker makes the truth call it hidden, though most of its rim is to be seen:
 // detecting it there is no false detection, but its error does not count either.
 inline constexpr double kBorderCovered = 0.15;
+
+// A scene, its recording and a run on it, in a folder that vanishes with it.
+struct RenderedTrial {
+  RenderedTrial(const synth::SceneOptions& options, const synth::RecordingOptions& recording)
+      : RenderedTrial(synth::Scene(options), recording) {}
+  RenderedTrial(synth::Scene rendered, const synth::RecordingOptions& recording) : scene(std::move(rendered)) {
+    synth::WriteRecording(scene, folder.Path(), recording);
+  }
+
+  // Without a video yet: for a test that makes its own in `folder`.
+  explicit RenderedTrial(synth::Scene rendered) : scene(std::move(rendered)) {
+    camera::WriteCameraProfile(folder / "camera.yaml", scene.Profile());
+  }
+
+  // Tracks the video with the recording's own camera, without an overlay, into a folder of this name.
+  Json Track(const std::string& name = "trial", const std::function<void(commands::TrackRunOptions&)>& change = {}) {
+    commands::TrackRunOptions options;
+    options.video = folder / "video.mp4";
+    options.camera = folder / "camera.yaml";
+    options.overlay = false;
+    options.track.quiet = true;
+    if (change) change(options);
+    Run run({"lake-track", "test", Json::object(), folder / name, true});
+    return run.WriteSummary(commands::RunTrack(options, run));
+  }
+
+  // Of a frame; made once, as several comparisons ask for it.
+  const synth::FrameTruth& Truth(int frame) const {
+    const auto known = truth_.find(frame);
+    return known != truth_.end() ? known->second : truth_.emplace(frame, scene.Truth(frame)).first->second;
+  }
+
+  motion::MarkerRecording Tracks(const std::string& name = "trial") const {
+    return motion::ReadMarkerCsv(folder / name / "tracks.csv");
+  }
+
+  // The fit's estimates where they lie in the picture, at the frames and with the statuses of the tracks.
+  motion::MarkerRecording EstimatesInPicture(const std::string& name = "trial") const {
+    motion::MarkerRecording estimates =
+        motion::ReadMarkerCsv(folder / name / "trajectory.csv", motion::MarkerValues::kEstimated);
+    const gait::LegView view = gait::MakeLegView(motion::LengthUnit::kPx, scene.Profile());
+    for (motion::MarkerTrack& marker : estimates.markers)
+      for (motion::MarkerSample& sample : marker.samples) {
+        if (!sample.IsKnown()) continue;
+        sample.sigma /= gait::PlaneUnitsPerRecorded(view, sample.position, 0);
+        sample.position = gait::RecordedFromPlane<double>(view, sample.position, 0);
+      }
+    estimates.unit = motion::LengthUnit::kPx;
+    return estimates;
+  }
+
+  TemporaryFolder folder;
+  synth::Scene scene;
+
+ private:
+  mutable std::map<int, synth::FrameTruth> truth_;
+};
 
 struct TrackErrors {
   double rms_px = 0;       // 2-D, of what was detected while visible
@@ -47,15 +115,15 @@ inline double RootMean(double sum, int count) {
   return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
-inline TrackErrors CompareTracks(const motion::MarkerRecording& tracks, const synth::Scene& scene) {
+inline TrackErrors CompareTracks(const motion::MarkerRecording& tracks, const RenderedTrial& trial) {
   TrackErrors errors;
   int visible = 0, detected = 0;
   double square_sum = 0, z_sum = 0, filled_sum = 0;
   for (std::size_t i = 0; i < tracks.Frames(); ++i) {
-    const synth::FrameTruth truth = scene.Truth(static_cast<int>(tracks.frame[i]));
+    const synth::FrameTruth& truth = trial.Truth(static_cast<int>(tracks.frame[i]));
     for (const motion::MarkerTrack& marker : tracks.markers) {
       const synth::MarkerTruth& true_marker =
-          truth.markers[static_cast<std::size_t>(synth::IndexOfMarker(scene.Motion(), marker.name))];
+          truth.markers[static_cast<std::size_t>(synth::IndexOfMarker(trial.scene.Motion(), marker.name))];
       const motion::MarkerSample& sample = marker.samples[i];
       const double error = (sample.position - true_marker.px).norm();
       visible += true_marker.visible;
@@ -88,7 +156,7 @@ struct KneeErrors {
   int frames = 0, raw_frames = 0;
 };
 
-inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const synth::Scene& scene) {
+inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const RenderedTrial& trial) {
   const CsvTable table = CsvTable::Read(kinematics_csv);
   const std::size_t frame = table.Column("frame"), fitted = table.Column("knee_deg"),
                     sigma = table.Column("knee_sigma_deg"), raw = table.Column("knee_raw_deg");
@@ -97,11 +165,12 @@ inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const
   double least = INFINITY, most = -INFINITY, true_least = INFINITY, true_most = -INFINITY;
   int within = 0, seen_frames = 0;
   for (std::size_t row = 0; row < table.Rows(); ++row) {
-    const synth::FrameTruth frame_truth = scene.Truth(static_cast<int>(table.RequiredNumber(row, frame)));
+    const synth::FrameTruth& frame_truth = trial.Truth(static_cast<int>(table.RequiredNumber(row, frame)));
     const double truth = frame_truth.knee_deg;
     const bool seen =
         std::all_of(tracking::kLegMarkers.begin(), tracking::kLegMarkers.begin() + 3, [&](std::string_view marker) {
-          return frame_truth.markers[static_cast<std::size_t>(synth::IndexOfMarker(scene.Motion(), marker))].visible;
+          return frame_truth.markers[static_cast<std::size_t>(synth::IndexOfMarker(trial.scene.Motion(), marker))]
+              .visible;
         });
     true_least = std::min(true_least, truth), true_most = std::max(true_most, truth);
     if (const auto angle = table.Number(row, fitted)) {
@@ -119,54 +188,6 @@ inline KneeErrors CompareKnee(const std::filesystem::path& kinematics_csv, const
   errors.within_2_sd = errors.frames > 0 ? static_cast<double>(within) / errors.frames : 0;
   return errors;
 }
-
-// A scene, its recording and a run on it, in a folder that vanishes with it.
-struct RenderedTrial {
-  RenderedTrial(const synth::SceneOptions& options, const synth::RecordingOptions& recording)
-      : RenderedTrial(synth::Scene(options), recording) {}
-  RenderedTrial(synth::Scene rendered, const synth::RecordingOptions& recording) : scene(std::move(rendered)) {
-    synth::WriteRecording(scene, folder.Path(), recording);
-  }
-
-  // Without a video yet: for a test that makes its own in `folder`.
-  explicit RenderedTrial(synth::Scene rendered) : scene(std::move(rendered)) {
-    camera::WriteCameraProfile(folder / "camera.yaml", scene.Profile());
-  }
-
-  // Tracks the video with the recording's own camera, without an overlay, into a folder of this name.
-  Json Track(const std::string& name = "trial", const std::function<void(commands::TrackRunOptions&)>& change = {}) {
-    commands::TrackRunOptions options;
-    options.video = folder / "video.mp4";
-    options.camera = folder / "camera.yaml";
-    options.overlay = false;
-    options.track.quiet = true;
-    if (change) change(options);
-    Run run({"lake-track", "test", Json::object(), folder / name, true});
-    return run.WriteSummary(commands::RunTrack(options, run));
-  }
-
-  motion::MarkerRecording Tracks(const std::string& name = "trial") const {
-    return motion::ReadMarkerCsv(folder / name / "tracks.csv");
-  }
-
-  // The fit's estimates where they lie in the picture, at the frames and with the statuses of the tracks.
-  motion::MarkerRecording EstimatesInPicture(const std::string& name = "trial") const {
-    motion::MarkerRecording estimates =
-        motion::ReadMarkerCsv(folder / name / "trajectory.csv", motion::MarkerValues::kEstimated);
-    const gait::LegView view = gait::MakeLegView(motion::LengthUnit::kPx, scene.Profile());
-    for (motion::MarkerTrack& marker : estimates.markers)
-      for (motion::MarkerSample& sample : marker.samples) {
-        if (!sample.IsKnown()) continue;
-        sample.sigma /= gait::PlaneUnitsPerRecorded(view, sample.position, 0);
-        sample.position = gait::RecordedFromPlane<double>(view, sample.position, 0);
-      }
-    estimates.unit = motion::LengthUnit::kPx;
-    return estimates;
-  }
-
-  TemporaryFolder folder;
-  synth::Scene scene;
-};
 
 // Says the numbers in the test's report too.
 inline void Print(const char* what, std::uint64_t seed, const TrackErrors& e, const KneeErrors& k) {

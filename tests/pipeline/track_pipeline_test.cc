@@ -18,10 +18,10 @@ struct Limits {
 
 void ExpectWithin(RenderedTrial& trial, const Limits& limits, const char* what, std::uint64_t seed) {
   trial.Track("trial", [](commands::TrackRunOptions& options) { options.exports = {"c3d"}; });
-  const TrackErrors tracks = CompareTracks(trial.Tracks(), trial.scene);
-  const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial.scene);
+  const TrackErrors tracks = CompareTracks(trial.Tracks(), trial);
+  const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial);
   Print(what, seed, tracks, knee);
-  const TrackErrors estimates = CompareTracks(trial.EstimatesInPicture(), trial.scene);
+  const TrackErrors estimates = CompareTracks(trial.EstimatesInPicture(), trial);
   std::printf("estimates: rms %.4f px, z %.2f\n", estimates.rms_px, estimates.z_deviation);
   EXPECT_LE(estimates.rms_px, limits.rms_px);
   EXPECT_LE(estimates.rms_px, tracks.rms_px) << "the fit's estimate is worse than the measurement it started from";
@@ -94,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(Facing, Hard, testing::Values(motion::Facing::kLeft, mo
 
 // Markers before an even background, as the bound assumes, in the smallest picture that holds a leg.
 synth::SceneOptions Plain(std::uint64_t seed) {
-  synth::SceneOptions scene = synth::CleanScene(seed);
+  synth::SceneOptions scene = CleanLeg(seed);
   scene.room = scene.body = false;
   scene.duration_s = 3;
   return scene;
@@ -105,7 +105,7 @@ TEST(Lossless, ComesWithinFifteenPercentOfTheCramerRaoBound) {
   RenderedTrial trial(Plain(seed), {.lossless = true});
   // Without a filter the tables hold each frame's own measurement, which is what the bound is about.
   trial.Track("trial", [](commands::TrackRunOptions& options) { options.fit.filter = gait::LegFilter::kNone; });
-  const TrackErrors errors = CompareTracks(trial.Tracks(), trial.scene);
+  const TrackErrors errors = CompareTracks(trial.Tracks(), trial);
 
   double variance_sum = 0;
   int bounds = 0;
@@ -139,10 +139,10 @@ TEST(TimeStamps, OfTheFramesThemselvesAreUsed) {
   EXPECT_NEAR(tracks.time_s.front(), 7.25, 0.3 / 60 + 1e-4);
   EXPECT_TRUE(summary["video"]["irregular_time_stamps"].get<bool>());
   EXPECT_THAT(summary["warnings"].dump(), testing::HasSubstr("irregular"));
-  const TrackErrors errors = CompareTracks(tracks, trial.scene);
-  const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial.scene);
+  const TrackErrors errors = CompareTracks(tracks, trial);
+  const KneeErrors knee = CompareKnee(trial.folder / "trial" / "kinematics.csv", trial);
   Print("variable rate", seed, errors, knee);
-  EXPECT_LE(CompareTracks(trial.EstimatesInPicture(), trial.scene).rms_px, 0.040);
+  EXPECT_LE(CompareTracks(trial.EstimatesInPicture(), trial).rms_px, 0.040);
   // At 100 °/s a frame's stamp that is wrong by 0.3 of the frame time would be wrong by 0.5°.
   EXPECT_LE(knee.fitted_deg, 0.02);
 }
@@ -170,7 +170,13 @@ TEST(ImageSequence, GivesTheSameAsTheLosslessVideo) {
 
 class Corrections : public testing::Test {
  protected:
-  Corrections() : trial_(ShortClean(SeedOfThisTest(), motion::Facing::kRight), {.crf = 17}) {}
+  Corrections() : trial_(Short(SeedOfThisTest()), {.preset = kQuickEncoder}) {}
+
+  static synth::SceneOptions Short(std::uint64_t seed) {
+    synth::SceneOptions scene = CleanLeg(seed);
+    scene.duration_s = kShortS;
+    return scene;
+  }
 
   void Track(const std::string& rows) {
     WriteTextFile(trial_.folder / "corrections.csv", "frame,marker,x_px,y_px\n" + rows);
