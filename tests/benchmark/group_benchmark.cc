@@ -1,14 +1,21 @@
 // One design for many people: processor time and iterations over the number of people, and what the common design is.
 //
-//   lake_group_benchmark [PEOPLE …]      default: 1 10 30 100
+//   lake_group_benchmark [PEOPLE …]                    one solve; default: 1 10 30 100
+//   lake_group_benchmark --sizes K [PEOPLE …]          the whole search for K sizes; default: 10 25 50 100
+//   lake_group_benchmark --write FOLDER PEOPLE         their comparisons, for lake-optimize
 #include <fmt/format.h>
+#include <sys/resource.h>
 
+#include <chrono>
 #include <cmath>
-#include <ctime>
+#include <filesystem>
 #include <random>
 
 #include "compare/closed_form.h"
-#include "lake/redesign/group.h"
+#include "lake/compare/comparison_file.h"
+#include "lake/core/json.h"
+#include "lake/core/threads.h"
+#include "lake/redesign/sizes.h"
 
 namespace lake {
 namespace {
@@ -38,8 +45,16 @@ redesign::GroupProblem Problem() {
   return problem;
 }
 
+// Of this process and of those that it waited for.
 double Processor_s() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+  double sum = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage used{};
+    getrusage(who, &used);
+    for (const timeval& time : {used.ru_utime, used.ru_stime})
+      sum += static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  }
+  return sum;
 }
 
 void Measure(int count) {
@@ -57,13 +72,57 @@ void Measure(int count) {
              solve.Range_deg());
 }
 
+void MeasureSizes(int sizes, int count) {
+  const double before_s = Processor_s();
+  const auto begin = std::chrono::steady_clock::now();
+  const redesign::SizesOutcome outcome = redesign::RunSizes(Problem(), Draw(count, 1), sizes, {}, {});
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  const double took_s = Processor_s() - before_s;
+  std::string ranges;
+  for (const redesign::GroupOutcome& size : outcome.sizes)
+    ranges += fmt::format(" {}: {:.3f}", size.people.size(), size.evaluation.range_deg);
+  fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.2f} | {:.4f} | {} |{} | {} |\n", count, Threads(), elapsed.count(),
+             took_s, took_s / count, outcome.mean_value_deg, outcome.is_settled ? "yes" : "no", ranges,
+             outcome.Reason());
+  std::fflush(stdout);
+}
+
+void Write(const std::filesystem::path& folder, int count) {
+  for (const redesign::PersonMeasured& person : Draw(count, 1)) {
+    compare::MisalignmentOptions options;
+    options.resamples = 0;
+    const compare::Misalignment misalignment =
+        compare::CompareTrials({{person.motion.human}, {}}, {{person.motion.human}, {}}, options);
+    std::filesystem::create_directories(folder / person.name);
+    WriteJsonFile(folder / person.name / "comparison.json", compare::ComparisonJson(misalignment));
+  }
+}
+
+// The numbers after the first `from` arguments, or else `otherwise`.
+std::vector<int> Counts(const std::vector<std::string>& arguments, std::size_t from, std::vector<int> otherwise) {
+  if (arguments.size() <= from) return otherwise;
+  std::vector<int> counts;
+  for (std::size_t i = from; i < arguments.size(); ++i) counts.push_back(std::stoi(arguments[i]));
+  return counts;
+}
+
 }  // namespace
 }  // namespace lake
 
 int main(int argc, char** argv) {
-  fmt::print("| people | variables | one solve | iterations | processor, s | ms per person and iteration | range |\n");
-  fmt::print("| --- | --- | --- | --- | --- | --- | --- |\n");
-  if (argc < 2)
-    for (const int count : {1, 10, 30, 100}) lake::Measure(count);
-  for (int i = 1; i < argc; ++i) lake::Measure(std::stoi(argv[i]));
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  if (!arguments.empty() && arguments[0] == "--write") {
+    lake::Write(arguments.at(1), std::stoi(arguments.at(2)));
+  } else if (!arguments.empty() && arguments[0] == "--sizes") {
+    fmt::print(
+        "| people | threads | elapsed, s | processor, s | s per person | mean, ° | settled | people: range, ° | |\n");
+    fmt::print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    for (const int count : lake::Counts(arguments, 2, {10, 25, 50, 100}))
+      lake::MeasureSizes(std::stoi(arguments.at(1)), count);
+  } else {
+    fmt::print(
+        "| people | variables | one solve | iterations | processor, s | ms per person and iteration | range |\n");
+    fmt::print("| --- | --- | --- | --- | --- | --- | --- |\n");
+    for (const int count : lake::Counts(arguments, 0, {1, 10, 30, 100})) lake::Measure(count);
+  }
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <regex>
 #include <set>
@@ -47,6 +48,16 @@ inline void ExpectMotionHolds(const std::filesystem::path& motion_tsv) {
     EXPECT_EQ(channels[i][1] == "n/a", channels[i][2] != "POS") << "positions have an axis, others none";
   }
 
+  const std::size_t frame =
+      static_cast<std::size_t>(std::ranges::find(channels[0], "reference_frame") - channels[0].begin());
+  const Json levels = ReadJsonFile(stem + "_channels.json")["reference_frame"]["Levels"];
+  for (const auto& [name, level] : levels.items())
+    EXPECT_TRUE(std::regex_match(level["SpatialAxes"].get<std::string>(), std::regex("[APLRSI_]{3}"))) << name;
+  for (std::size_t i = 1; i < channels.size(); ++i) {
+    const std::string& of = channels[i].at(frame);
+    EXPECT_TRUE(of == "n/a" || levels.contains(of)) << of;
+  }
+
   const auto samples = TsvRows(motion_tsv);
   ASSERT_FALSE(samples.empty());
   for (const auto& row : samples) {
@@ -65,6 +76,13 @@ inline void ExpectMotionHolds(const std::filesystem::path& motion_tsv) {
   EXPECT_EQ(events[0][1], "duration");
 }
 
+// By the validator of BIDS, where it is installed (npm: bids-validator).
+inline void ExpectValidatorAgrees(const std::filesystem::path& folder) {
+  if (std::system("command -v bids-validator >/dev/null 2>&1") != 0) return;
+  EXPECT_EQ(std::system(fmt::format("bids-validator '{0}' > '{0}.validator' 2>&1", folder.string()).c_str()), 0)
+      << ReadTextFile(folder.string() + ".validator");
+}
+
 // The whole data set; returns how many recordings it has.
 inline int ExpectDerivativeHolds(const std::filesystem::path& folder) {
   const Json description = ReadJsonFile(folder / "dataset_description.json");
@@ -74,6 +92,7 @@ inline int ExpectDerivativeHolds(const std::filesystem::path& folder) {
   for (const Json& by : description["GeneratedBy"]) EXPECT_TRUE(by.contains("Name"));
   EXPECT_TRUE(std::filesystem::is_regular_file(folder / "README"));
   EXPECT_EQ(TsvRows(folder / "participants.tsv")[0][0], "participant_id");
+  ExpectValidatorAgrees(folder);
   int recordings = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
     if (entry.path().string().ends_with("_motion.tsv")) ExpectMotionHolds(entry.path()), ++recordings;

@@ -1,6 +1,7 @@
 // How a cohort lies in its folder, and what its file says of each person.
 #include "lake/cohort/cohort_file.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -113,6 +114,9 @@ TEST_F(CohortFile, RefusesWhatCannotBe) {
   fs::remove_all(folder_ / "sourcedata/sub-7");
   Write("sourcedata/sub-02/ses-a_b/human.mp4", "");
   ExpectRefused("only letters and digits may follow");
+  fs::remove_all(folder_ / "sourcedata/sub-02/ses-a_b");
+  Write("sourcedata/sub-02/run-one/human.mp4", "");
+  ExpectRefused("sub-02/run-one: a run has a number, as run-1");
 }
 
 TEST_F(CohortFile, RefusesTablesOfNobodyOrOfOneTwice) {
@@ -122,6 +126,27 @@ TEST_F(CohortFile, RefusesTablesOfNobodyOrOfOneTwice) {
   ExpectRefused("'sub_01' must be sub- and a label");
   Write("participants.tsv", "name\nsub-01\n");
   ExpectRefused("the first column must be participant_id");
+}
+
+// Heights in metres or centimetres, words, and what a spreadsheet leaves.
+TEST_F(CohortFile, RefusesNumbersThatNobodyHas) {
+  for (const char* height : {"1.75", "175", "-1750", "nan", "inf", "1,750", "1750 mm", "tall"}) {
+    Write("participants.tsv", fmt::format("participant_id\theight_mm\nsub-01\tn/a\nsub-02\t{}\n", height));
+    ExpectRefused(
+        fmt::format("participants.tsv:3: height_mm of sub-02: '{}' is not a number from 1000 to 2300", height));
+  }
+  Write("participants.tsv", "participant_id\tmass_kg\nsub-01\t70000\nsub-02\t\n");
+  ExpectRefused("participants.tsv:2: mass_kg of sub-01: '70000' is not a number from 20 to 300");
+  Write("participants.tsv", "participant_id\tseat_height_mm\nsub-01\t45\nsub-02\t450\n");
+  ExpectRefused("seat_height_mm of sub-01: '45'");
+}
+
+// As Excel and Windows write it.
+TEST_F(CohortFile, ReadsTablesOfOtherPrograms) {
+  Write("participants.tsv", "\xEF\xBB\xBFparticipant_id\tmass_kg\r\nsub-01\t70\r\nsub-02\t 81 \r\n\r\n");
+  const cohort::Cohort cohort = ReadCohort(folder_.Path());
+  ASSERT_EQ(cohort.recordings.size(), 4u);
+  EXPECT_EQ(cohort.recordings[3].study["simulate"]["mass_kg"], "81");
 }
 
 TEST_F(CohortFile, ReadsWhatTheDesignForAllIs) {

@@ -129,11 +129,17 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   const Outcome again = Shell(folder_, run);
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(ExpectDerivativeHolds(folder_ / "out"), 4) << "two people, two trials";
+  EXPECT_EQ(ReadJsonFile(folder_ / "out/dataset_description.json")["SourceDatasets"][0]["URL"], "file:../people");
   const std::string page = ReadTextFile(folder_ / "out/group/group.html");
   EXPECT_THAT(page, HasSubstr("../sub-02/comparison/report.html"));
   EXPECT_THAT(page, HasSubstr("onset to seat-off (s)")) << "names in words, with units";
   EXPECT_THAT(page, HasSubstr("<a href=\"./../sub-01/comparison/report.html\">sub-01</a>"));
   EXPECT_THAT(page, HasSubstr("data-filters=\"0 1 2 3\""));
+  for (const char* figure : {"knee_angle", "trunk_lean", "misalignment"}) {
+    EXPECT_THAT(page, HasSubstr(fmt::format("{}.svg", figure)));
+    EXPECT_GT(fs::file_size(folder_ / fmt::format("out/group/{}.png", figure)), 10000u);
+    EXPECT_GT(fs::file_size(folder_ / fmt::format("out/group/{}.svg", figure)), 5000u);
+  }
   const CsvTable failures = CsvTable::Read(folder_ / "out/group/failures.csv");
   ASSERT_EQ(failures.Rows(), 2u);
   EXPECT_EQ(failures.Text(0, failures.Column("participant_id")), "sub-04");
@@ -145,8 +151,18 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   ExpectTruth();
   ExpectOneDesignForBoth(page);
 
-  // Without a kill the same comes out, byte by byte.
+  // By hand, without asking lake-cohort: the tables are made again whenever they are asked for.
   const auto with_kill = Contents(folder_ / "out");
+  WriteTextFile(folder_ / "out/group/trials.csv", "not what the studies say\n");
+  const Outcome by_hand =
+      Shell(folder_,
+            "snakemake --snakefile \"$(dirname \"$(command -v lake-cohort)\")/../share/lake/cohort/Snakefile\" "
+            "--configfile out/logs/cohort.json --directory out/logs --keep-going --rerun-incomplete "
+            "--rerun-triggers mtime --cores 2 group");
+  EXPECT_EQ(by_hand.exit_code, 0) << by_hand.err;
+  EXPECT_EQ(Contents(folder_ / "out"), with_kill);
+
+  // Without a kill the same comes out, byte by byte.
   fs::rename(folder_ / "out", folder_ / "killed");
   ASSERT_EQ(Shell(folder_, run).exit_code, 0);
   EXPECT_EQ(Contents(folder_ / "out"), with_kill);

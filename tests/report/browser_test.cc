@@ -132,6 +132,19 @@ TEST(ReportInBrowser, ColoursAreOnTheScreenWideAndNarrow) {
   }
 }
 
+// Two conditions that agree are both seen, in their colours.
+TEST(ReportInBrowser, ADashedLineLeavesWhatItCoversBetweenItsDashes) {
+  LAKE_SKIP_WITHOUT_BROWSER();
+  LineChart chart{.title = "Agree", .x = {"percent"}, .y = {"mm"}};
+  chart.series = {{.name = "without", .x = {0, 1}, .y = {1, 1}, .colour = colour::kHuman},
+                  {.name = "with", .x = {0, 1}, .y = {1, 1}, .colour = colour::kExoskeleton, .mark = Mark::kDashed}};
+  Browser browser;
+  const cv::Mat picture =
+      video::ReadImage(browser.Screenshot(RenderReport({"T", "", {}, {{"S", {chart}}}}), 1000, 700), true);
+  EXPECT_GT(PixelsOf(picture, colour::kHuman), 200);
+  EXPECT_GT(PixelsOf(picture, colour::kExoskeleton), 200);
+}
+
 TEST(ReportInBrowser, NothingSticksOutOfANarrowPage) {
   LAKE_SKIP_WITHOUT_BROWSER();
   const Json answer =

@@ -4,6 +4,7 @@
 
 #include "compare/closed_form.h"
 #include "lake/compare/comparison_file.h"
+#include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "lake/linkage/design_file.h"
@@ -85,6 +86,19 @@ TEST_F(LakeOptimizeGroup, SaysWhatDoesNotGoTogether) {
   ExpectRefused(both + "--human-only --quantile 0.5", "--quantile is for --across quantile");
   ExpectRefused(Comparison("a_b/c") + Comparison("a/b_c") + "--human-only", "both would be called a_b_c");
   ExpectRefused(both + "--worn a.yaml --worn b.yaml --worn c.yaml", "names 3 designs for 2 comparisons");
+}
+
+TEST_F(LakeOptimizeGroup, RefusesHeightsThatNobodyHas) {
+  std::string all, table = "participant_id\theight_mm\n";
+  for (const char* name : {"sub-01", "sub-02", "sub-03", "sub-04"}) {
+    AddPerson(name, 400, 88);
+    all += Comparison(name), table += fmt::format("{}\t1.71\n", name);
+  }
+  WriteTextFile(folder_ / "people.tsv", table);
+  const Ended ended = RunProgram(fmt::format("{}--human-only --sizes 2 --participants {} --quiet -o {}", all,
+                                             (folder_ / "people.tsv").string(), (folder_ / "out").string()));
+  EXPECT_EQ(ended.exit_code, 1);
+  EXPECT_THAT(ended.text, HasSubstr("people.tsv:2: height_mm 1.71: a person is 1000 to 2300 mm tall"));
 }
 
 }  // namespace

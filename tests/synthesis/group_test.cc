@@ -188,6 +188,24 @@ TEST_F(GroupOfThree, HoldsTheLimitForEachAndCostsEachSomething) {
   EXPECT_GT(largest_cost, 0.1);
 }
 
+// Who has no pull may go, and the links stay where they are; who has one may not.
+TEST_F(GroupOfThree, WithoutWhoeverHasNoPullTheLinksAreTheSame) {
+  redesign::GroupProblem problem = WithPeople(Problem(), {kThree[1], Leg(420, 80)});
+  const std::vector<redesign::ReoptimizePoint> start =
+      redesign::FindGroupDesign(problem, {problem.shared.design.start}, Starts(1)).points;
+  const redesign::GroupSolve both = redesign::SolveFrom(problem, start, {}, true);
+  ASSERT_TRUE(both.IsUsable());
+  EXPECT_GT(both.pulls[0], 0.1);
+  EXPECT_LT(both.pulls[1], 1e-3);
+  problem.people.pop_back();
+  const redesign::GroupSolve alone = redesign::SolveFrom(problem, {both.points[0]}, {}, true);
+  ASSERT_TRUE(alone.IsUsable());
+  // Small costs are each person's too.
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_NEAR(alone.points[0].links.Values()[i], both.points[0].links.Values()[i], 0.05);
+  EXPECT_NEAR(alone.Range_deg(), both.Range_deg(), 2e-3);
+}
+
 // The mean is at its limit, and someone above it.
 TEST_F(GroupOfThree, TheMeanIsHeldWhereOneIsAsked) {
   const redesign::GroupOutcome outcome = Solve(Across::kMean, 1, 2);

@@ -224,5 +224,16 @@ TEST(HumanMotion, ALongestStrokeEndsTheUsedRange) {
   EXPECT_FALSE(redesign::Predict(driven, {0, 0}, strokes, human));
 }
 
+// A coarse search moves the same leg: the same percents, with what lies between them left out.
+TEST(HumanMotion, ThinnedKeepsBothEndsAndWhereEachSampleIs) {
+  const redesign::HumanMotion motion = redesign::MakeHumanMotion(MakeCurve({}));
+  const redesign::HumanMotion thinned = redesign::Thinned(motion, 5);
+  ASSERT_EQ(thinned.size(), 21u);
+  for (std::size_t i = 0; i < thinned.size(); ++i) {
+    EXPECT_EQ(redesign::PercentOf(i, thinned), redesign::PercentOf(5 * i, motion));
+    EXPECT_EQ(thinned[i].knee, motion[5 * i].knee);
+  }
+}
+
 }  // namespace
 }  // namespace lake

@@ -9,6 +9,7 @@
 
 #include "compare/closed_form.h"
 #include "lake/core/error.h"
+#include "lake/core/threads.h"
 #include "synthesis/paper.h"
 
 namespace lake {
@@ -83,6 +84,16 @@ void ExpectWearsTheBest(redesign::GroupProblem problem, const std::vector<redesi
   EXPECT_GE(values[outcome.size_of[person]], *std::ranges::max_element(values) - 0.02);
 }
 
+redesign::SizesOutcome WithThreads(int threads, const redesign::GroupProblem& problem,
+                                   const std::vector<redesign::PersonMeasured>& people,
+                                   const synthesis::OptimizeOptions& options) {
+  const int before = Threads();
+  SetThreads(threads);
+  redesign::SizesOutcome outcome = redesign::RunSizes(problem, people, 2, {}, options);
+  SetThreads(before);
+  return outcome;
+}
+
 // Short people who bend far, and tall ones who do not: the sizes are theirs, better than one for all, and whoever is
 // left out gets their own by the length of the leg.
 TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
@@ -100,7 +111,7 @@ TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
     leg.shank_mm = shank_mm, leg.thigh_mm = 0.95 * shank_mm, leg.seated_knee_deg = seated_deg;
     people.push_back({fmt::format("sub-{}", people.size() + 1), {MakeCurve(leg)}});
   }
-  const redesign::SizesOutcome outcome = redesign::RunSizes(problem, people, 2, {}, options);
+  const redesign::SizesOutcome outcome = WithThreads(2, problem, people, options);
   ASSERT_TRUE(outcome.IsSolved()) << outcome.Reason();
   EXPECT_THAT(outcome.size_of, ElementsAre(0, 1, 0, 1));
   EXPECT_TRUE(outcome.is_settled);
@@ -113,6 +124,12 @@ TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
   // Who is left out and bends the farthest may be a little beyond what the others' size allows; the others hold.
   EXPECT_TRUE(outcome.left_out[2].fit.holds);
   EXPECT_TRUE(outcome.left_out[3].fit.holds);
+
+  const redesign::SizesOutcome one_thread = WithThreads(1, problem, people, options);
+  EXPECT_EQ(one_thread.size_of, outcome.size_of);
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_EQ(one_thread.sizes[k].nearest.Links().Values(), outcome.sizes[k].nearest.Links().Values());
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(one_thread.left_out[i].fit.percent, outcome.left_out[i].fit.percent);
 }
 
 }  // namespace

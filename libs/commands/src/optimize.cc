@@ -13,6 +13,7 @@
 #include "lake/figure/assistance_figures.h"
 #include "lake/figure/reoptimize_figures.h"
 #include "lake/figure/synthesis_figures.h"
+#include "lake/loads/anthropometry.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/redesign/program_options.h"
@@ -224,7 +225,11 @@ std::vector<double> ReadHeights(const fs::path& participants, const std::vector<
     std::size_t row = 0;
     while (row < table.Rows() && table.Text(row, table.Column("participant_id")) != name) ++row;
     if (row == table.Rows()) throw Fail("{}: no participant_id is '{}'", participants.string(), name);
-    heights_mm.push_back(table.RequiredNumber(row, table.Column("height_mm")));
+    const double height_mm = table.RequiredNumber(row, table.Column("height_mm"));
+    if (!(height_mm >= loads::kLeastHeight_mm && height_mm <= loads::kLargestHeight_mm))
+      throw Fail("{}: height_mm {}: a person is {} to {} mm tall", table.Where(row), height_mm, loads::kLeastHeight_mm,
+                 loads::kLargestHeight_mm);
+    heights_mm.push_back(height_mm);
   }
   return heights_mm;
 }

@@ -21,7 +21,7 @@ using Goal = ReoptimizeProblem::Goal;
 // An end of a group's local solve, as it comes from another process.
 struct End {
   std::vector<ReoptimizePoint> points;
-  std::vector<double> prices;
+  std::vector<double> prices, pulls;
   double objective = 0;
   bool is_usable = false;
 
@@ -33,14 +33,17 @@ struct End {
 
 End EndOf(GroupSolve solve) {
   const bool is_usable = solve.IsUsable();
-  return {std::move(solve.points), std::move(solve.prices), solve.objective, is_usable};
+  return {std::move(solve.points), std::move(solve.prices), std::move(solve.pulls), solve.objective, is_usable};
 }
 
 std::string Packed(const End& end) {
   nlohmann::json points = nlohmann::json::array();
   for (const ReoptimizePoint& point : end.points) points.push_back(JsonOf(point));
-  const nlohmann::json packed = {
-      {"points", points}, {"prices", end.prices}, {"objective", end.objective}, {"is_usable", end.is_usable}};
+  const nlohmann::json packed = {{"points", points},
+                                 {"prices", end.prices},
+                                 {"pulls", end.pulls},
+                                 {"objective", end.objective},
+                                 {"is_usable", end.is_usable}};
   return packed.dump();
 }
 
@@ -49,6 +52,7 @@ End Unpacked(const std::string& text) {
   End end;
   for (const nlohmann::json& point : packed.at("points")) end.points.push_back(PointOf(point));
   packed.at("prices").get_to(end.prices);
+  packed.at("pulls").get_to(end.pulls);
   packed.at("objective").get_to(end.objective);
   packed.at("is_usable").get_to(end.is_usable);
   return end;
@@ -69,42 +73,79 @@ std::vector<ReoptimizePoint> StartPoints(const GroupProblem& problem, const link
 
 namespace {
 
+// A local solve that does not wait for another.
+struct Piece {
+  const GroupProblem* problem;
+  std::vector<ReoptimizePoint> start;
+  bool warm = false;
+};
+
+std::vector<End> SolveAll(const std::vector<Piece>& pieces, const synthesis::OptimizeOptions& options,
+                          Progress& progress) {
+  const std::vector<std::string> packed = InProcesses(
+      pieces.size(),
+      [&](std::size_t i, const std::function<void()>& step) {
+        const End end = EndOf(SolveFrom(*pieces[i].problem, pieces[i].start, options, pieces[i].warm));
+        step();
+        return Packed(end);
+      },
+      progress);
+  std::vector<End> ends;
+  for (const std::string& text : packed) ends.push_back(Unpacked(text));
+  return ends;
+}
+
 // The best of the ends from many starts.
 struct Search {
   End best;
   int starts = 0, usable_starts = 0;
+  Optima optima;
+
+  void Add(End end) {
+    optima.Add(end.is_usable, end.objective);
+    ++starts, usable_starts += end.is_usable;
+    if (starts == 1 || end.IsBetterThan(best)) best = std::move(end);
+  }
 };
 
-// Ends of starts that are solved at the same time: few enough that none is for nothing, and the same number whatever
-// the machine, as what follows depends on all of them.
+// Starts of one problem that are solved at the same time: few enough that none is for nothing, and the same number
+// whatever the machine, as what follows depends on all of them.
 constexpr std::size_t kBatch = 4;
 
-// Where no start of the first few is usable the limit cannot be held, or hardly: the least misalignment tells more than
-// further starts.
+// The next starts of a problem. Where no start of the first few is usable the limit cannot be held, or hardly: the
+// least misalignment tells more than further starts.
+std::vector<linkage::Links> NextStarts(const Search& search, const std::vector<linkage::Links>& starts) {
+  const bool is_hopeless = search.starts > 0 && search.usable_starts == 0;
+  if (is_hopeless || search.optima.AreAll()) return {};
+  const auto first = starts.begin() + search.starts;
+  return {first, first + std::min<std::ptrdiff_t>(kBatch, starts.end() - first)};
+}
+
+// Of each problem, from its own links. They do not wait for each other.
+std::vector<Search> FindBestOfEach(const std::vector<const GroupProblem*>& problems,
+                                   const std::vector<std::vector<linkage::Links>>& links,
+                                   const synthesis::OptimizeOptions& options, const std::string& what) {
+  std::vector<std::vector<linkage::Links>> starts;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < problems.size(); ++k)
+    count += starts.emplace_back(StartsOf(problems[k]->shared, links[k], options)).size();
+  Progress progress(what, "starts", static_cast<std::int64_t>(count), options.quiet);
+  std::vector<Search> searches(problems.size());
+  for (;;) {
+    std::vector<Piece> pieces;
+    std::vector<std::size_t> of;
+    for (std::size_t k = 0; k < problems.size(); ++k)
+      for (const linkage::Links& start : NextStarts(searches[k], starts[k]))
+        pieces.push_back({problems[k], StartPoints(*problems[k], start)}), of.push_back(k);
+    if (pieces.empty()) return searches;
+    std::vector<End> ends = SolveAll(pieces, options, progress);
+    for (std::size_t i = 0; i < ends.size(); ++i) searches[of[i]].Add(std::move(ends[i]));
+  }
+}
+
 Search FindBest(const GroupProblem& problem, const std::vector<linkage::Links>& links,
                 const synthesis::OptimizeOptions& options, const std::string& what) {
-  const std::vector<linkage::Links> starts = StartsOf(problem.shared, links, options);
-  Progress progress(what, "starts", static_cast<std::int64_t>(starts.size()), options.quiet);
-  Search search;
-  Optima optima;
-  for (std::size_t first = 0; first < starts.size() && !optima.AreAll(); first += kBatch) {
-    const std::vector<std::string> ends = InProcesses(
-        std::min(kBatch, starts.size() - first),
-        [&](std::size_t i, const std::function<void()>& step) {
-          const End end = EndOf(SolveFrom(problem, StartPoints(problem, starts[first + i]), options));
-          step();
-          return Packed(end);
-        },
-        progress);
-    for (const std::string& text : ends) {
-      End end = Unpacked(text);
-      optima.Add(end.is_usable, end.objective);
-      ++search.starts, search.usable_starts += end.is_usable;
-      if (search.starts == 1 || end.IsBetterThan(search.best)) search.best = std::move(end);
-    }
-    if (search.usable_starts == 0) break;
-  }
-  return search;
+  return FindBestOfEach({&problem}, {links}, options, what).front();
 }
 
 std::vector<double> Misalignments_percent(const GroupProblem& problem, const std::vector<ReoptimizePoint>& points) {
@@ -155,6 +196,7 @@ void ChooseCounting(const std::vector<linkage::Links>& links, const synthesis::O
 GroupDesign DesignOf(const GroupProblem& problem, Search search) {
   GroupDesign design;
   design.points = std::move(search.best.points), design.prices = std::move(search.best.prices);
+  design.pulls = std::move(search.best.pulls);
   design.objective = search.best.objective, design.is_usable = search.best.is_usable;
   design.starts = search.starts, design.usable_starts = search.usable_starts;
   for (const Wearer& person : problem.people) design.counts.push_back(person.counts);
@@ -184,29 +226,64 @@ std::string AcrossText(const GroupProblem& problem) {
   return fmt::format("the worst misalignment of {} of {} people", problem.Counting(), problem.people.size());
 }
 
-// The least misalignment, where no start held the limit; from there the design once more.
-void SolveFromNearest(const std::vector<linkage::Links>& links, const synthesis::OptimizeOptions& options,
-                      GroupOutcome& outcome) {
-  const GroupProblem least = WithGoal(outcome.problem, Goal::kMisalignment);
-  GroupDesign nearest = DesignOf(least, FindBest(least, links, options, "least misalignment"));
-  End end = EndOf(SolveFrom(outcome.problem, nearest.points, options, true));
-  if (end.is_usable) {
-    outcome.nearest = DesignOf(outcome.problem, {std::move(end), nearest.starts + 1, 1});
-    outcome.design = outcome.nearest;
-    return;
-  }
-  outcome.nearest = std::move(nearest);
-  if (!outcome.nearest.is_usable) {
-    outcome.reason = fmt::format("no design was found that {} people can wear", outcome.problem.people.size());
-    return;
-  }
-  outcome.reason = fmt::format(
+std::string WhyNone(const GroupOutcome& outcome) {
+  const GroupProblem& problem = outcome.problem;
+  if (!outcome.nearest.is_usable)
+    return fmt::format("no design was found that {} people can wear", problem.people.size());
+  return fmt::format(
       "no design for {} people keeps {} within {:.6g} %: the least found is {:.4g} %, and {} hold it there; allow "
-      "more, "
-      "more time or a free program, fit the placement, or make more sizes",
-      outcome.problem.people.size(), AcrossText(outcome.problem),
-      outcome.problem.shared.max_misalignment_percent.value_or(0), outcome.Misalignment_percent(),
-      NamesOfBlocking(outcome));
+      "more, more time or a free program, fit the placement, or make more sizes",
+      problem.people.size(), AcrossText(problem), problem.shared.max_misalignment_percent.value_or(0),
+      outcome.Misalignment_percent(), NamesOfBlocking(outcome));
+}
+
+// The least misalignments, where no start held the limit; from there the designs once more.
+void SolveFromNearest(const std::vector<GroupOutcome*>& outcomes, const std::vector<std::vector<linkage::Links>>& links,
+                      const synthesis::OptimizeOptions& options) {
+  std::vector<GroupProblem> least;
+  std::vector<const GroupProblem*> problems;
+  for (const GroupOutcome* outcome : outcomes) least.push_back(WithGoal(outcome->problem, Goal::kMisalignment));
+  for (const GroupProblem& problem : least) problems.push_back(&problem);
+  std::vector<Search> searches = FindBestOfEach(problems, links, options, "least misalignment");
+  std::vector<Piece> pieces;
+  for (std::size_t k = 0; k < outcomes.size(); ++k)
+    pieces.push_back({&outcomes[k]->problem, searches[k].best.points, true});
+  Progress progress("from the least misalignment", "solves", static_cast<std::int64_t>(pieces.size()), options.quiet);
+  std::vector<End> ends = SolveAll(pieces, options, progress);
+  for (std::size_t k = 0; k < outcomes.size(); ++k) {
+    GroupOutcome& outcome = *outcomes[k];
+    outcome.nearest = DesignOf(least[k], std::move(searches[k]));
+    if (!ends[k].is_usable) {
+      outcome.reason = WhyNone(outcome);
+      continue;
+    }
+    outcome.nearest = DesignOf(outcome.problem, {std::move(ends[k]), outcome.nearest.starts + 1, 1, {}});
+    outcome.design = outcome.nearest;
+  }
+}
+
+GroupOutcome Begun(const DesignTask& task, GroupDesign design) {
+  GroupOutcome outcome;
+  outcome.problem = task.problem, outcome.human = task.human;
+  outcome.nearest = std::move(design);
+  for (std::size_t i = 0; i < task.human.size(); ++i) outcome.problem.people[i].counts = outcome.nearest.counts[i];
+  if (outcome.nearest.is_usable) outcome.design = outcome.nearest;
+  return outcome;
+}
+
+// Of the tasks that have one, where the solution of a problem close by leads.
+std::vector<std::optional<GroupDesign>> DesignsFromCloseBy(const std::vector<DesignTask>& tasks,
+                                                           const synthesis::OptimizeOptions& options) {
+  std::vector<Piece> pieces;
+  std::vector<std::size_t> of;
+  for (std::size_t k = 0; k < tasks.size(); ++k)
+    if (!tasks[k].close_by.empty()) pieces.push_back({&tasks[k].problem, tasks[k].close_by, true}), of.push_back(k);
+  Progress progress("from the designs before", "solves", static_cast<std::int64_t>(pieces.size()), options.quiet);
+  std::vector<End> ends = SolveAll(pieces, options, progress);
+  std::vector<std::optional<GroupDesign>> designs(tasks.size());
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    if (ends[i].is_usable) designs[of[i]] = DesignOf(tasks[of[i]].problem, {std::move(ends[i]), 1, 1, {}});
+  return designs;
 }
 
 }  // namespace
@@ -288,18 +365,30 @@ GroupDesign FindGroupDesign(const GroupProblem& asked, const std::vector<linkage
   return DesignOf(problem, FindBest(problem, links, options, "design for all"));
 }
 
-GroupOutcome DesignGroup(const GroupProblem& problem, const std::vector<compare::StsCurve>& human,
-                         const std::vector<linkage::Links>& links, const synthesis::OptimizeOptions& options) {
-  GroupOutcome outcome;
-  outcome.problem = problem, outcome.human = human;
-  outcome.nearest = FindGroupDesign(outcome.problem, links, options);
-  for (std::size_t i = 0; i < human.size(); ++i) outcome.problem.people[i].counts = outcome.nearest.counts[i];
-  if (outcome.nearest.is_usable)
-    outcome.design = outcome.nearest;
-  else
-    SolveFromNearest(links, options, outcome);
-  outcome.evaluation = problem::Evaluate(outcome.nearest.Links(), outcome.problem.shared.design);
-  return outcome;
+std::vector<GroupOutcome> DesignGroups(std::vector<DesignTask> tasks, const synthesis::OptimizeOptions& options) {
+  options.Check();
+  for (DesignTask& task : tasks) {
+    task.problem.Check();
+    ChooseCounting(task.links, options, task.problem);
+  }
+  std::vector<std::optional<GroupDesign>> designs = DesignsFromCloseBy(tasks, options);
+  std::vector<const GroupProblem*> problems;
+  std::vector<std::vector<linkage::Links>> links;
+  std::vector<std::size_t> of;
+  for (std::size_t k = 0; k < tasks.size(); ++k)
+    if (!designs[k]) problems.push_back(&tasks[k].problem), links.push_back(tasks[k].links), of.push_back(k);
+  std::vector<Search> searches = FindBestOfEach(problems, links, options, "design for all");
+  for (std::size_t i = 0; i < of.size(); ++i) designs[of[i]] = DesignOf(*problems[i], std::move(searches[i]));
+  std::vector<GroupOutcome> outcomes;
+  for (std::size_t k = 0; k < tasks.size(); ++k) outcomes.push_back(Begun(tasks[k], std::move(*designs[k])));
+  std::vector<GroupOutcome*> unsolved;
+  links.clear();
+  for (std::size_t k = 0; k < tasks.size(); ++k)
+    if (!outcomes[k].IsSolved()) unsolved.push_back(&outcomes[k]), links.push_back(tasks[k].links);
+  if (!unsolved.empty()) SolveFromNearest(unsolved, links, options);
+  for (GroupOutcome& outcome : outcomes)
+    outcome.evaluation = problem::Evaluate(outcome.nearest.Links(), outcome.problem.shared.design);
+  return outcomes;
 }
 
 GroupOutcome RunGroup(const GroupProblem& shared, const std::vector<PersonMeasured>& people,
@@ -309,7 +398,7 @@ GroupOutcome RunGroup(const GroupProblem& shared, const std::vector<PersonMeasur
   std::vector<compare::StsCurve> human;
   for (const PersonMeasured& person : people) human.push_back(person.motion.human);
   std::vector<linkage::Links> links = StartLinks(problem, people, options);
-  GroupOutcome outcome = DesignGroup(problem, human, links, options);
+  GroupOutcome outcome = DesignGroups({{problem, human, links, {}}}, options).front();
   links.insert(links.begin(), outcome.nearest.Links());
   const std::vector<std::optional<ReoptimizePoint>> own = OwnPoints(problem, links, options);
   for (std::size_t i = 0; i < people.size(); ++i) outcome.people.push_back(OutcomeOf(outcome, i, own[i]));

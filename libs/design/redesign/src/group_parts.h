@@ -15,9 +15,16 @@ GroupProblem PutMotionsInto(GroupProblem problem, const std::vector<PersonMeasur
 std::vector<linkage::Links> StartLinks(const GroupProblem& problem, const std::vector<PersonMeasured>& people,
                                        const synthesis::OptimizeOptions& options);
 
-// The design for a problem whose motions are known; outcomes of people come after.
-GroupOutcome DesignGroup(const GroupProblem& problem, const std::vector<compare::StsCurve>& human,
-                         const std::vector<linkage::Links>& links, const synthesis::OptimizeOptions& options);
+// A problem whose motions are known.
+struct DesignTask {
+  GroupProblem problem;
+  std::vector<compare::StsCurve> human;   // of each person
+  std::vector<linkage::Links> links;      // starts
+  std::vector<ReoptimizePoint> close_by;  // the solution of a problem close by: no other start if it leads to one
+};
+
+// Designs for groups that have nothing to do with each other; outcomes of people come after.
+std::vector<GroupOutcome> DesignGroups(std::vector<DesignTask> tasks, const synthesis::OptimizeOptions& options);
 
 // The best for each person alone; absent where none was found.
 std::vector<std::optional<ReoptimizePoint>> OwnPoints(const GroupProblem& problem,

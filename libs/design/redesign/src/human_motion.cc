@@ -75,6 +75,12 @@ HumanMotion MakeHumanMotion(const compare::StsCurve& human) {
   return motion;
 }
 
+HumanMotion Thinned(const HumanMotion& motion, std::size_t step) {
+  HumanMotion thinned;
+  for (std::size_t i = 0; i < motion.size(); i += step) thinned.push_back(motion[i]);
+  return thinned;
+}
+
 SegmentLengths SegmentsOf(const HumanMotion& motion) {
   SegmentLengths mean;
   for (const HumanSample& sample : motion) mean.shank_mm += sample.shank_mm, mean.thigh_mm += sample.thigh_mm;

@@ -45,6 +45,33 @@ double ObjectiveOf(const GroupProblem& group, const GroupSolve& solve) {
   return solve.Range_deg() - problem.penalty_deg_per_mm * group.Combine(rms_mm);
 }
 
+// Of each person the length of what their rows, with their marginal costs, do to the links. Rows that have links have
+// variables of one person at most (reoptimize_program.h).
+std::vector<double> PullsOf(const std::vector<ReoptimizeVariables>& people, const synthesis::LocalSolve& solve) {
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+  std::vector<Vector6d> pulls(people.size(), Vector6d::Zero());
+  std::vector<double> gradient;
+  for (const nlp::NlpTerm& term : solve.program.program.Terms()) {
+    if (term.row == nlp::NlpTerm::kCost || solve.solution.row_marginal_costs.empty()) continue;
+    const std::span<const int> variables = term.term->Variables();
+    const int last = std::ranges::max(variables);
+    const auto after = std::ranges::upper_bound(people, last, {}, [](const auto& of) { return of.knots.front(); });
+    if (after == people.begin()) continue;  // the links' own
+    gradient.resize(variables.size());
+    term.term->Gradient(solve.solution.x.data(), gradient.data());
+    const double cost = solve.solution.row_marginal_costs[static_cast<std::size_t>(term.row)];
+    for (std::size_t k = 0; k < variables.size(); ++k) {
+      const auto link = std::ranges::find(people.front().links, variables[k]);
+      if (link == people.front().links.end()) continue;
+      pulls[static_cast<std::size_t>(after - people.begin() - 1)][link - people.front().links.begin()] +=
+          cost * gradient[k];
+    }
+  }
+  std::vector<double> lengths;
+  for (const Vector6d& pull : pulls) lengths.push_back(pull.norm());
+  return lengths;
+}
+
 GroupSolve SolveOneSide(const GroupProblem& problem, const std::vector<ReoptimizePoint>& start,
                         const std::vector<ConstantStart>& sides, const synthesis::OptimizeOptions& options) {
   GroupSolve solve;
@@ -57,6 +84,7 @@ GroupSolve SolveOneSide(const GroupProblem& problem, const std::vector<Reoptimiz
     const std::vector<double>& costs = solve.local.solution.row_marginal_costs;
     solve.prices.push_back(row >= 0 && !costs.empty() ? std::abs(costs[static_cast<std::size_t>(row)]) : 0);
   }
+  solve.pulls = PullsOf(builder.Variables(), solve.local);
   solve.holds_on_path = HoldsOnPath(problem, solve);
   const bool all = std::ranges::all_of(solve.predictions, [](const auto& of) { return of.has_value(); });
   if (all) solve.objective = ObjectiveOf(problem, solve);

@@ -76,7 +76,9 @@ void ReoptimizeProblem::CheckOptions() const {
 void ReoptimizeProblem::Check() const {
   CheckOptions();
   design.Check();
-  if (human.size() != compare::kPercentSamples) throw Fail("the human's motion has {} samples, not 101", human.size());
+  if (human.size() > compare::kPercentSamples || human.size() < static_cast<std::size_t>(program.knots))
+    throw Fail("the human's motion has {} samples: {} to {} are needed", human.size(), program.knots,
+               compare::kPercentSamples);
 }
 
 KnotSpan SpanOf(std::size_t knots, double percent) {
@@ -100,7 +102,8 @@ ReoptimizePoint StartPoint(const ReoptimizeProblem& problem, const linkage::Link
   const std::vector<double> strokes = tracking ? *tracking : PlausibleStrokes(problem);
   const int knots = problem.program.kind == Kind::kFree ? problem.program.knots : 2;
   for (int k = 0; k < knots; ++k)
-    point.knots_mm.push_back(strokes[static_cast<std::size_t>(std::lround(100.0 * k / (knots - 1)))]);
+    point.knots_mm.push_back(
+        strokes[static_cast<std::size_t>(std::lround(static_cast<double>(strokes.size() - 1) * k / (knots - 1)))]);
   point.duration_s = NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
   if (problem.program.duration_s) point.duration_s = std::min(point.duration_s, *problem.program.duration_s);
   return point;
@@ -125,7 +128,7 @@ linkage::Design DesignOf(const ReoptimizeProblem& problem, const ReoptimizePoint
 
 std::optional<Prediction> PredictPoint(const ReoptimizeProblem& problem, const ReoptimizePoint& point) {
   std::vector<double> strokes;
-  for (int percent = 0; percent < compare::kPercentSamples; ++percent) strokes.push_back(point.StrokeAt(percent));
+  for (std::size_t i = 0; i < problem.human.size(); ++i) strokes.push_back(point.StrokeAt(PercentOf(i, problem.human)));
   return Predict(problem.Driven(point.links), point.placement_mm, strokes, problem.human);
 }
 

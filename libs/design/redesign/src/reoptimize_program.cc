@@ -70,7 +70,8 @@ class PersonExtender {
     for (std::size_t i = 0; i < problem_.human.size(); ++i) {
       const HumanSample& human = problem_.human[i];
       nlp().AddTerm(row, std::array{variables_.theta[i], variables_.placement[0], variables_.placement[1]},
-                    SquaredErrorTerm{human, relative ? human.shank_mm : 1.0, factor / compare::kPercentSamples});
+                    SquaredErrorTerm{human, relative ? human.shank_mm : 1.0,
+                                     factor / static_cast<double>(problem_.human.size())});
     }
   }
 
@@ -136,12 +137,13 @@ class PersonExtender {
   }
 
   void AddPoses() {
-    for (int percent = 0; percent < compare::kPercentSamples; ++percent) {
-      const std::string place = fmt::format(" at {} %", percent);
+    for (std::size_t i = 0; i < problem_.human.size(); ++i) {
+      const double percent = PercentOf(i, problem_.human);
+      const std::string place = fmt::format(" at {:g} %", percent);
       const KnotSpan span = SpanOf(variables_.knots.size(), percent);
       const auto pose = linkage::SolvePose(start_.links, start_.StrokeAt(percent));
-      const double human = problem_.human[percent].knee_rad;
-      const auto [lower, upper] = AngleBounds(percent);
+      const double human = problem_.human[i].knee_rad;
+      const auto [lower, upper] = AngleBounds(i);
       const double theta_start = std::clamp(pose ? pose->theta_rad : human, lower, upper);
       constexpr double kPlausiblePhi_rad = 0.6;
       const double phi_start =
@@ -153,11 +155,11 @@ class PersonExtender {
     }
   }
 
-  problem::Bounds AngleBounds(int percent) const {
-    const double standing = Standing_rad(), human = std::max(standing, problem_.human[percent].knee_rad);
+  problem::Bounds AngleBounds(std::size_t sample) const {
+    const double standing = Standing_rad(), human = std::max(standing, problem_.human[sample].knee_rad);
     if (IsFree()) return {standing, std::numbers::pi};
-    if (percent == compare::kPercentSamples - 1) return {human, human};
-    if (percent == 0) return {constant_start_ == ConstantStart::kAtHumanAngle ? human : standing, human};
+    if (sample + 1 == problem_.human.size()) return {human, human};
+    if (sample == 0) return {constant_start_ == ConstantStart::kAtHumanAngle ? human : standing, human};
     return {standing, std::numbers::pi};
   }
 

@@ -45,9 +45,10 @@ Body FootBody(const LegPoints& points, const LegBody& body) {
 
 void BodyOptions::Check() const {
   if (mass_kg == 0) throw UsageError("--mass is missing: the person's mass in kg, with what is worn");
-  if (!(mass_kg >= 20 && mass_kg <= 300)) throw Fail("--mass {} kg: a person weighs 20 to 300 kg", mass_kg);
-  if (height_mm && !(*height_mm >= 1000 && *height_mm <= 2300))
-    throw Fail("--height {} mm: a person is 1000 to 2300 mm tall", *height_mm);
+  if (!(mass_kg >= kLeastMass_kg && mass_kg <= kLargestMass_kg))
+    throw Fail("--mass {} kg: a person weighs {} to {} kg", mass_kg, kLeastMass_kg, kLargestMass_kg);
+  if (height_mm && !(*height_mm >= kLeastHeight_mm && *height_mm <= kLargestHeight_mm))
+    throw Fail("--height {} mm: a person is {} to {} mm tall", *height_mm, kLeastHeight_mm, kLargestHeight_mm);
   if (!(share > 0 && share <= 1))
     throw UsageError(fmt::format("--share {}: of the trunk's weight, above 0 and at most 1", share));
   if (!foot_mm) return;

@@ -33,7 +33,8 @@ function bandOf(series) {
 function lineOf(series) {
   const points = series.mark === 'points';
   return {
-    label: series.name, data: series.x.map((x, i) => ({x, y: series.y[i]})), series, order: points ? 0 : 1,
+    label: series.name, data: series.x.map((x, i) => ({x, y: series.y[i]})), series,
+    order: points ? 0 : DASHES[series.mark].length ? 0.5 : 1,  // between its dashes what lies below is seen
     borderColor: shown(series.colour), backgroundColor: shown(series.colour), borderDash: DASHES[series.mark],
     showLine: !points, borderWidth: WIDTHS[series.mark], pointHoverRadius: 5,
     pointRadius: !points ? 0 : series.x.length > MANY ? 2 : 4,

@@ -7,6 +7,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/yaml.h"
+#include "lake/loads/anthropometry.h"
 
 namespace lake::cohort {
 namespace {
@@ -17,6 +18,10 @@ constexpr const char* kNotKnown = "n/a";
 
 bool IsLabel(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c); });
+}
+
+bool IsNumber(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
 }
 
 // "sub-01" of the entity "sub".
@@ -39,6 +44,9 @@ class Participants {
       names_.push_back(id);
     }
     if (names_.empty()) throw Fail("{}: nobody takes part", path.string());
+    CheckColumn("mass_kg", loads::kLeastMass_kg, loads::kLargestMass_kg);
+    CheckColumn("height_mm", loads::kLeastHeight_mm, loads::kLargestHeight_mm);
+    CheckColumn("seat_height_mm", kLowestSeat_mm, kHighestSeat_mm);
   }
 
   const std::vector<std::string>& Names() const { return names_; }
@@ -47,9 +55,8 @@ class Participants {
   // Of everybody.
   bool HasNumbers(const std::string& column) const {
     if (!table_.Has(column)) return false;
-    for (std::size_t row = 0; row < table_.Rows(); ++row)
-      if (table_.Text(row, table_.Column(column)) == kNotKnown || !table_.Number(row, table_.Column(column)))
-        return false;
+    for (const std::string& name : names_)
+      if (!Cell(name, column)) return false;
     return true;
   }
 
@@ -63,6 +70,20 @@ class Participants {
   }
 
  private:
+  // Units are in a column's name, yet heights come in metres and centimetres.
+  void CheckColumn(const std::string& column, double least, double largest) const {
+    if (!table_.Has(column)) return;
+    for (const std::string& name : names_) {
+      const std::optional<std::string> text = Cell(name, column);
+      const std::optional<double> value = text ? ParseNumber(*text) : std::nullopt;
+      if (text && !(value && *value >= least && *value <= largest))
+        throw Fail("{}: {} of {}: '{}' is not a number from {} to {}; what is not known is n/a",
+                   table_.Where(rows_.at(name)), column, name, *text, least, largest);
+    }
+  }
+
+  static constexpr double kLowestSeat_mm = 200, kHighestSeat_mm = 1000;
+
   fs::path path_;
   CsvTable table_;
   std::vector<std::string> names_;
@@ -76,6 +97,8 @@ std::vector<fs::path> FoldersOf(const fs::path& folder, std::string_view entity)
     if (entry.is_directory() && entry.path().filename().string().starts_with(std::string(entity) + "-")) {
       if (!IsEntity(entry.path().filename().string(), entity))
         throw Fail("{}: after {}- only letters and digits may follow", entry.path().string(), entity);
+      if (entity == "run" && !IsNumber(entry.path().filename().string().substr(entity.size() + 1)))
+        throw Fail("{}: a run has a number, as run-1", entry.path().string());
       found.push_back(entry.path());
     }
   std::sort(found.begin(), found.end());

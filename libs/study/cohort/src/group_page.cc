@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "group_figures.h"
 #include "lake/core/colours.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
@@ -96,17 +97,11 @@ Section FailuresSection(const std::vector<Failure>& failures) {
   return {"Failures", {std::move(table), Paragraph{"The steps after these were not begun; all others count."}}};
 }
 
-const CurveRow* FindCurve(const GroupFindings& findings, const std::string& trial, const std::string& quantity) {
-  for (const CurveRow& row : findings.curves)
-    if (row.trial == trial && row.quantity == quantity) return &row;
-  return nullptr;
-}
-
 // The mean with its band; with `all` each participant's own curve too.
-void AddCurve(const CurveRow* row, const std::string& name, const char* colour, bool all, LineChart& chart) {
+void AddCurve(const CurveRow* row, const std::string& name, const char* colour, Mark mark, bool all, LineChart& chart) {
   if (!row) return;
   Series mean;
-  mean.name = name, mean.colour = colour;
+  mean.name = name, mean.colour = colour, mean.mark = mark;
   for (int percent = 0; percent < kPercents; ++percent) {
     const reliability::Estimate& of = row->percent[static_cast<std::size_t>(percent)].mean;
     mean.x.push_back(percent), mean.y.push_back(of.value);
@@ -128,8 +123,10 @@ LineChart CurveChart(const GroupFindings& findings, const char* quantity, const 
   chart.title = title;
   chart.caption = "Mean over participants; band: 95 % interval of the mean at each percent.";
   chart.x = {"rise (%)", 0, 100}, chart.y.label = axis, chart.width = Width::kHalf;
-  AddCurve(FindCurve(findings, "human", quantity), "without exoskeleton", colour::kHuman, false, chart);
-  AddCurve(FindCurve(findings, "exo", quantity), "with exoskeleton", colour::kExoskeleton, false, chart);
+  AddCurve(FindCurve(findings.curves, "human", quantity), "without exoskeleton", colour::kHuman, Mark::kLine, false,
+           chart);
+  AddCurve(FindCurve(findings.curves, "exo", quantity), "with exoskeleton", colour::kExoskeleton, Mark::kDashed, false,
+           chart);
   return chart;
 }
 
@@ -138,7 +135,7 @@ LineChart EveryoneChart(const CurveRow* row, const char* title, const char* axis
   chart.title = title;
   chart.caption = "Thin: each participant; a click on a name hides it.";
   chart.x = {"rise (%)", 0, 100}, chart.y.label = axis, chart.width = Width::kHalf;
-  AddCurve(row, "mean", colour::kText, true, chart);
+  AddCurve(row, "mean", colour::kText, Mark::kLine, true, chart);
   return chart;
 }
 
@@ -149,11 +146,11 @@ Section CurvesSection(const GroupFindings& findings) {
   };
   add(CurveChart(findings, "knee_deg", "Knee angle", "knee flexion (°)"));
   add(CurveChart(findings, "trunk_deg", "Trunk lean", "trunk from the vertical (°)"));
-  add(EveryoneChart(FindCurve(findings, "human", "knee_deg"), "Knee angle without exoskeleton, everyone",
+  add(EveryoneChart(FindCurve(findings.curves, "human", "knee_deg"), "Knee angle without exoskeleton, everyone",
                     "knee flexion (°)"));
-  add(EveryoneChart(FindCurve(findings, "exo", "knee_deg"), "Knee angle with exoskeleton, everyone",
+  add(EveryoneChart(FindCurve(findings.curves, "exo", "knee_deg"), "Knee angle with exoskeleton, everyone",
                     "knee flexion (°)"));
-  add(EveryoneChart(FindCurve(findings, "comparison", "distance_mm"), "Misalignment of the knees, everyone",
+  add(EveryoneChart(FindCurve(findings.curves, "comparison", "distance_mm"), "Misalignment of the knees, everyone",
                     "distance (mm)"));
   return section;
 }
@@ -332,6 +329,16 @@ Section TablesSection() {
                   {"failures.csv", "what was not done, and why"}}}}};
 }
 
+// For a paper.
+Section FiguresSection(const std::vector<CurveRow>& curves) {
+  Files files;
+  for (const GroupFigure& figure : GroupFigures())
+    if (std::ranges::any_of(curves, [&](const CurveRow& row) { return row.quantity == figure.quantity; }))
+      for (const std::string& file : FileNames(figure))
+        files.files.push_back({file, fmt::format("{}, means with their 95 % bands", figure.what)});
+  return {"Figures", {std::move(files)}};
+}
+
 }  // namespace
 
 Report MakeGroupPage(const Json& workflow, const fs::path& out, const GroupData& group, const GroupFindings& findings,
@@ -348,6 +355,7 @@ Report MakeGroupPage(const Json& workflow, const fs::path& out, const GroupData&
   if (!findings.outliers.empty()) page.sections.push_back(OutliersSection(findings.outliers));
   if (!findings.failures.empty()) page.sections.push_back(FailuresSection(findings.failures));
   page.sections.push_back(StudiesSection(workflow, out, group));
+  if (!findings.curves.empty()) page.sections.push_back(FiguresSection(findings.curves));
   page.sections.push_back(TablesSection());
   page.sections.push_back(ProvenanceSection(head));
   return page;

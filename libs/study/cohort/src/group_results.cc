@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "group_figures.h"
 #include "group_page.h"
 #include "lake/cohort/group_statistics.h"
 #include "lake/core/csv.h"
@@ -107,14 +108,17 @@ Json WriteGroup(const Json& workflow, const std::filesystem::path& out, Run& run
   }
   const GroupFindings findings{CurvesOf(group), ReliabilityOf(group), DifferencesOf(group), OutliersOf(group),
                                FailuresOf(workflow, out)};
-  run.Begin(
-      {"trials.csv", "curves.csv", "reliability.csv", "differences.csv", "outliers.csv", "failures.csv", "group.html"});
+  std::vector<std::string> names = {"trials.csv",   "curves.csv",   "reliability.csv", "differences.csv",
+                                    "outliers.csv", "failures.csv", "group.html"};
+  for (const GroupFigure& figure : GroupFigures()) std::ranges::copy(FileNames(figure), std::back_inserter(names));
+  run.Begin(names);
   WriteTrials(group, run);
   WriteCurves(findings.curves, run);
   WriteReliability(findings.reliability, run);
   WriteDifferences(findings.differences, run);
   WriteOutliers(findings.outliers, run);
   WriteFailures(findings.failures, run);
+  DrawGroupFigures(findings.curves, run);
   report::WriteReport(run.Result("group.html"), MakeGroupPage(workflow, out, group, findings, run.Head()));
   return {{"participants", ParticipantsOf(group).size()},
           {"rows", group.rows.size()},

@@ -8,8 +8,8 @@
 
 namespace lake::cohort {
 
-// Writes trials.csv, curves.csv, reliability.csv, differences.csv, outliers.csv, failures.csv and group.html into the
-// run's folder, of what the workflow's studies in `out` have left. Throws Error if there is nothing at all.
+// Writes trials.csv, curves.csv, reliability.csv, differences.csv, outliers.csv, failures.csv, figures and group.html
+// into the run's folder, of what the workflow's studies in `out` have left. Throws Error if there is nothing at all.
 Json WriteGroup(const Json& workflow, const std::filesystem::path& out, Run& run);
 
 }  // namespace lake::cohort

@@ -80,14 +80,14 @@ std::string ChannelsTsv(const std::vector<Channel>& channels) {
 }
 
 Json ReferenceFrames() {
-  return {
-      {"reference_frame",
-       {{"Description", "Frame of the positions, which lie in the sagittal plane"},
-        {"Levels",
-         {{"plane", {{"SpatialAxes", "RS"}, {"Description", "x right in the picture, y up, mm; origin as calibrated"}}},
-          {"image",
-           {{"SpatialAxes", "RI"},
-            {"Description", "x right, y down, px; origin at the centre of the top left pixel"}}}}}}}};
+  return {{"reference_frame",
+           {{"Description", "Frame of the positions, which lie in the sagittal plane"},
+            {"Levels",
+             {{"plane",
+               {{"SpatialAxes", "RS_"}, {"Description", "x right in the picture, y up, mm; origin as calibrated"}}},
+              {"image",
+               {{"SpatialAxes", "RI_"},
+                {"Description", "x right, y down, px; origin at the centre of the top left pixel"}}}}}}}};
 }
 
 Json Sidecar(const std::vector<Channel>& channels, const std::string& task) {

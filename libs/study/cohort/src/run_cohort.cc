@@ -38,14 +38,40 @@ constexpr const char* kReadme =
     "group/                  trials.csv, curves.csv, reliability.csv, group.html\n"
     "logs/                   what each step said, and cohort.json, which Snakemake is run with\n";
 
+// What the columns of all …_events.tsv mean that BIDS does not know.
+Json EventColumns() {
+  return {{"trial_type",
+           {{"Description", "What the sit-to-stand has come to"},
+            {"Levels",
+             {{"onset", "the trunk begins to lean forward"},
+              {"seat_off", "the thigh leaves the seat"},
+              {"standing", "the leg is straight"},
+              {"descent", "the leg begins to bend again"},
+              {"seated", "the thigh is back on the seat"}}}}},
+          {"repetition", {{"Description", "Number of the sit-to-stand in the recording, from 1"}}}};
+}
+
+// Relative, so that results can be passed on and name nobody's home.
+std::string FileUri(const fs::path& relative) {
+  std::string uri = "file:";
+  for (const unsigned char c : relative.string()) {
+    const bool is_plain = std::isalnum(c) || std::string_view("-._~/").find(static_cast<char>(c)) != std::string::npos;
+    uri += is_plain ? std::string(1, static_cast<char>(c)) : fmt::format("%{:02X}", c);
+  }
+  return uri;
+}
+
 void WriteDatasetFiles(const Cohort& cohort, Run& run) {
-  run.Begin({"dataset_description.json", "participants.tsv", "participants.json", "README", ".bidsignore"});
+  const fs::path out = fs::absolute(run.Folder()).lexically_normal();
+  const std::string events = fmt::format("task-{}_events.json", cohort.task);
+  run.Begin({"dataset_description.json", "participants.tsv", "participants.json", events, "README", ".bidsignore"});
   WriteJsonFile(run.Result("dataset_description.json"),
                 {{"Name", cohort.name + ", results of lake"},
                  {"BIDSVersion", kBidsVersion},
                  {"DatasetType", "derivative"},
                  {"GeneratedBy", Json::array({{{"Name", "lake"}, {"Version", std::string(Version())}}})},
-                 {"SourceDatasets", Json::array({{{"URL", "file://" + cohort.folder.string()}}})}});
+                 {"SourceDatasets", Json::array({{{"URL", FileUri(cohort.folder.lexically_relative(out))}}})}});
+  WriteJsonFile(run.Result(events), EventColumns());
   WriteTextFile(run.Result("README"), kReadme);
   WriteTextFile(run.Result(".bidsignore"), kIgnored);
   for (const char* table : {"participants.tsv", "participants.json"})

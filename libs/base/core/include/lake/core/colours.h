@@ -6,13 +6,13 @@ namespace lake {
 // Colours that the colour-blind can tell apart (Okabe & Ito 2008), the same for the same thing in all figures.
 namespace colour {
 inline constexpr const char* kHuman = "#E69F00";        // yellow-orange, as in the paper
-inline constexpr const char* kExoskeleton = "#D55E00";  // orange-red
+inline constexpr const char* kExoskeleton = "#CC79A7";  // purple: far from the human's and from blue
 inline constexpr const char* kWorn = kExoskeleton;      // the exoskeleton of the trial
 inline constexpr const char* kNew = "#0072B2";          // the design that is proposed
 inline constexpr const char* kAnkle = "#0072B2";
 inline constexpr const char* kKnee = "#E69F00";
 inline constexpr const char* kHip = "#009E73";
-inline constexpr const char* kWaist = "#CC79A7";
+inline constexpr const char* kWaist = "#D55E00";
 inline constexpr const char* kOther = "#56B4E9";
 inline constexpr const char* kGap = "#DDDDDD";
 inline constexpr const char* kText = "#222222";

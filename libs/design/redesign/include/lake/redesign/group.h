@@ -15,6 +15,7 @@ namespace lake::redesign {
 struct GroupDesign {
   std::vector<ReoptimizePoint> points;
   std::vector<double> prices;  // how strongly each person's misalignment holds the design; 0: not at all
+  std::vector<double> pulls;   // GroupSolve::pulls
   std::vector<bool> counts;    // those whose misalignment counts: all, or as many as the quantile says
   double objective = 0;        // GroupSolve::objective
   bool is_usable = false;

@@ -27,7 +27,16 @@ struct HumanSample {
   double knee_rad = 0;                                // 0 straight, flexion positive
   Eigen::Vector2d slip_mm = Eigen::Vector2d::Zero();  // delta, shank frame
 };
-using HumanMotion = std::vector<HumanSample>;  // kPercentSamples of them
+// At equal steps from 0 to 100 %: kPercentSamples of them, or fewer for a search that need not be exact.
+using HumanMotion = std::vector<HumanSample>;
+
+// At what percent a sample of a motion lies.
+inline double PercentOf(std::size_t sample, const HumanMotion& motion) {
+  return 100.0 * static_cast<double>(sample) / static_cast<double>(motion.size() - 1);
+}
+
+// Every `step`th sample; `step` divides 100.
+HumanMotion Thinned(const HumanMotion& motion, std::size_t step);
 
 // From the curve's compared knee; delta is zero. Throws Error where a segment or the leg has no length.
 HumanMotion MakeHumanMotion(const compare::StsCurve& human);

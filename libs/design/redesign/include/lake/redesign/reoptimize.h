@@ -35,6 +35,9 @@ struct GroupSolve : SolveInMotion {
   std::vector<ReoptimizePoint> points;
   std::vector<std::optional<Prediction>> predictions;
   std::vector<double> prices;  // of what bounds each person's misalignment, 0 where nothing does
+  // How strongly all that is asked of a person holds the links, in units of the goal per mm. Where the worst counts,
+  // those without a pull could be left out: the links would stay an optimum.
+  std::vector<double> pulls;
 
   std::vector<double> Misalignments_percent() const;  // NaN without a prediction
 };
