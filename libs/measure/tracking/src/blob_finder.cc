@@ -10,7 +10,6 @@
 namespace lake::tracking {
 namespace {
 
-constexpr int kNoiseFrames = 6;                // from which the image noise is estimated
 constexpr double kMaxRelativeResidual = 0.12;  // of anything that is taken for a marker
 
 // A patch that a fit touches must not be much larger than the blob, or the next blob comes in.
@@ -77,14 +76,22 @@ void ShutterEstimator::Add(const cv::Mat& grey, const Blob& blob, const Eigen::V
   fraction_ += 0.5 * (kCandidates[1] - kCandidates[0]) * (left - right) / (left + right);
 }
 
+// How the noise grows with the level comes from the pictures; how strong it is, from the fits, if there are any:
+// coding takes noise away where nothing moves.
 void BlobFinder::LearnNoise(const cv::Mat& grey) {
-  if (noise_.Frames() >= kNoiseFrames) return;
-  noise_.Add(grey);
+  if (!noise_.Add(grey)) return;
   fit_options_.saturation_level = noise_.SaturationLevel();
-  if (noise_.Frames() > 1) {
-    fit_options_.noise = noise_.Estimate();
+  const double before = fit_options_.noise.Variance(level_);
+  fit_options_.noise = noise_.Estimate();
+  if (level_ > 0 && !noise_.IsBeginning())
+    ScaleNoise(before / fit_options_.noise.Variance(level_));
+  else
     chi_square_ = 1;
-  }
+}
+
+void BlobFinder::ScaleNoise(double factor) {
+  fit_options_.noise.read_variance *= factor;
+  fit_options_.noise.gain *= factor;
 }
 
 Blob BlobFinder::Start(const MarkerPrediction& prediction) const {
@@ -168,24 +175,39 @@ std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const Marke
 
 void BlobFinder::LearnFromFits(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
                                const std::vector<std::optional<BlobFit>>& fits) {
+  std::vector<double> chi_squares;
+  const auto follow = [](double& mean, double value) { mean = mean == 0 ? value : 0.98 * mean + 0.02 * value; };
   for (std::size_t i = 0; i < fits.size(); ++i) {
     if (!fits[i]) continue;
+    chi_squares.push_back(fits[i]->chi_square);
     // A running median, in steps of two per cent.
     chi_square_ *= fits[i]->chi_square > chi_square_ ? 1.02 : 1 / 1.02;
-    contrast_ = contrast_ == 0 ? fits[i]->blob.amplitude : 0.98 * contrast_ + 0.02 * fits[i]->blob.amplitude;
+    follow(contrast_, fits[i]->blob.amplitude);
+    follow(level_, fits[i]->background + 0.5 * fits[i]->blob.amplitude);
     if (shutter_.Wants(predictions[i].velocity_px)) {
       Blob blob = predictions[i].appearance;
       blob.center = fits[i]->blob.center;
       shutter_.Add(grey, blob, predictions[i].velocity_px, fit_options_);
     }
   }
-  // The noise as the fits see it, so that robust weights and sigmas mean what they say.
-  constexpr double kStep = 1.05;
-  if (chi_square_ > kStep || chi_square_ < 1 / kStep) {
-    fit_options_.noise.read_variance *= chi_square_;
-    fit_options_.noise.gain *= chi_square_;
-    chi_square_ = 1;
+  if (chi_squares.empty()) {
+    level_ = 0;
+    return;
   }
+  LearnNoiseFromFits(std::move(chi_squares));
+}
+
+// The noise as the fits see it, so that robust weights and sigmas mean what they say. Where the camera's gain leaps,
+// most of them say so two frames in a row.
+void BlobFinder::LearnNoiseFromFits(std::vector<double> chi_squares) {
+  constexpr double kStep = 1.05, kLeap = 2;
+  const bool can_tell = chi_squares.size() > 1;
+  const double now = Median(std::move(chi_squares));
+  misjudged_ = can_tell && (now > kLeap || now < 1 / kLeap) ? misjudged_ + 1 : 0;
+  if (misjudged_ > 1) chi_square_ = now;
+  if (chi_square_ < kStep && chi_square_ > 1 / kStep) return;
+  ScaleNoise(chi_square_);
+  chi_square_ = 1;
 }
 
 // The size of a candidate is a guess within a factor of two, and a fit can settle on a wrong size: several are tried,

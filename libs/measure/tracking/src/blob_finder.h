@@ -51,6 +51,8 @@ class BlobFinder {
   void LearnNoise(const cv::Mat& grey);
   void LearnFromFits(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
                      const std::vector<std::optional<BlobFit>>& fits);
+  void LearnNoiseFromFits(std::vector<double> chi_squares);
+  void ScaleNoise(double factor);
   Blob Start(const MarkerPrediction& prediction) const;
   bool LooksLike(const BlobFit& fit, const MarkerPrediction& prediction) const;
   void FitTogether(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
@@ -68,6 +70,8 @@ class BlobFinder {
   ShutterEstimator shutter_;
   double chi_square_ = 1;  // running typical value, by which the noise model is scaled
   double contrast_ = 0;    // running contrast of the blobs followed
+  double level_ = 0;       // their running mean level; 0 while none is followed
+  int misjudged_ = 0;      // frames in a row in which most fits tell of another noise
 
   // Candidates that turned out to be no markers. Furniture stays where it is: they are not tried again for a while.
   struct Refusal {

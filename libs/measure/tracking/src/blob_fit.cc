@@ -165,7 +165,7 @@ class JointFit {
 
   std::vector<BlobFit> Result() const {
     const AnyMatrix covariance = InverseNormal(normal_);
-    const double freedom = pixels_ - kParameters;
+    const double freedom = std::max(counting_ - kParameters, 1.0);
     const double chi_square = weighted_square_sum_ / freedom;
     const double residual = std::sqrt(square_sum_ / freedom);
     std::vector<BlobFit> fits;
@@ -219,6 +219,7 @@ class JointFit {
     block.x[at] = static_cast<float>(place.x()), block.y[at] = static_cast<float>(place.y());
     block.level[at] = level;
     block.counts[at] = 1;
+    clipped_ |= level >= options_.saturation_level;
   }
 
   // Within reach of the streak's light plus the margin.
@@ -238,28 +239,37 @@ class JointFit {
     return false;
   }
 
-  // Amplitudes and background are linear: solve for them with the starts' geometry. The slope starts level.
+  // Amplitudes and background are linear: solve for them with the starts' geometry. The slope starts level. What is
+  // clipped would make a blob too dark, from where the fit ends beside the best one with a wider edge.
   void StartBackground() {
+    AnyVector levels = LinearLevels(clipped_ ? static_cast<float>(options_.saturation_level) : INFINITY);
+    if (clipped_ && !(levels.allFinite() && levels.minCoeff() > 0 && levels.sum() >= options_.saturation_level))
+      levels = LinearLevels(INFINITY);
+    for (int i = 0; i < kBlobs; ++i) starts_[i].amplitude = blobs_[i].amplitude = std::max(levels[i], 1.0);
+    background_ = {levels[kBlobs], 0, 0};
+  }
+
+  // The blobs' amplitudes and the background, from the pixels below a level.
+  AnyVector LinearLevels(float below) const {
     AnyMatrix normal = AnyMatrix::Zero(kBlobs + 1, kBlobs + 1);
     AnyVector right = AnyVector::Zero(kBlobs + 1);
     for (const PixelBlock& block : blocks_) {
+      const Pixels counts = (block.level < below).select(block.counts, Pixels::Zero());
       std::array<Pixels, kBlobs + 1> columns;
-      for (int i = 0; i < kBlobs; ++i) columns[i] = LightOf(blobs_[i], origin_, block.x, block.y).value * block.counts;
-      columns[kBlobs] = block.counts;
+      for (int i = 0; i < kBlobs; ++i) columns[i] = LightOf(blobs_[i], origin_, block.x, block.y).value * counts;
+      columns[kBlobs] = counts;
       for (int i = 0; i <= kBlobs; ++i) {
         right[i] += (columns[i] * block.level).sum();
         for (int k = 0; k <= i; ++k) normal(i, k) += (columns[i] * columns[k]).sum();
       }
     }
-    const AnyVector solution = SolveNormal(normal, right);
-    for (int i = 0; i < kBlobs; ++i) starts_[i].amplitude = blobs_[i].amplitude = std::max(solution[i], 1.0);
-    background_ = {solution[kBlobs], 0, 0};
+    return SolveNormal(normal, right);
   }
 
   // Normal equations at the current parameters; returns the robust cost.
   double Accumulate() {
     normal_.setZero(kParameters, kParameters), gradient_.setZero(kParameters);
-    square_sum_ = weighted_square_sum_ = 0;
+    square_sum_ = weighted_square_sum_ = counting_ = 0;
     double cost = 0;
     for (const PixelBlock& block : blocks_) cost += Accumulate(block);
     return cost + AddPrior();
@@ -297,6 +307,7 @@ class JointFit {
     const Pixels z = residual.abs() * weight.sqrt();
     const double cost = (z <= huber).select(z * z, 2 * huber * z - huber * huber).sum();
     weight *= (z > huber).select(huber / z.max(1e-6F), Pixels::Ones());
+    counting_ += counts.sum();
     square_sum_ += (counts * residual * residual).sum();
     weighted_square_sum_ += (weight * residual * residual).sum();
     for (int p = 0; p < kParameters; ++p) {
@@ -370,10 +381,12 @@ class JointFit {
   Eigen::Vector2d origin_;
   Eigen::Vector3d background_ = Eigen::Vector3d::Zero();
   std::vector<PixelBlock> blocks_;
-  int pixels_ = 0;    // of all blocks
+  int pixels_ = 0;  // of all blocks
+  bool clipped_ = false;
   AnyMatrix normal_;  // its lower triangle
   AnyVector gradient_;
   double square_sum_ = 0, weighted_square_sum_ = 0;
+  double counting_ = 0;  // pixels in these sums
 };
 
 template <int kBlobs>

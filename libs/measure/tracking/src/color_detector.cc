@@ -97,8 +97,6 @@ class ColorDetector : public MarkerDetector {
   }
 
   void LearnNoise() {
-    constexpr int kFrames = 6;
-    if (luma_noise_.Frames() >= kFrames) return;
     luma_noise_.Add(luma_);
     chroma_noise_.Add(chroma_.both);
   }

@@ -7,21 +7,45 @@
 
 namespace lake::tracking {
 
-void NoiseEstimator::Add(const cv::Mat& grey) {
-  constexpr int kStep = 3;  // a ninth of the pixels is plenty
+namespace {
+
+constexpr int kStep = 3;      // a ninth of the pixels is plenty
+constexpr int kLowest = 200;  // grey level, of saturation
+
+}  // namespace
+
+bool NoiseEstimator::Add(const cv::Mat& grey) {
+  constexpr std::int64_t kInterval = 12;  // frames
+  const std::int64_t frame = frames_++;
+  const bool is_early = frame < kFirst, ends_pair = frame >= kFirst && frame % kInterval == 1;
+  if (!is_early && !ends_pair && frame % kInterval != 0) return false;
+  if (ends_pair)
+    for (auto& counts : differences_)
+      for (std::int64_t& count : counts) count /= 2;
+  if (is_early || ends_pair) CountLevels(grey);
+  const bool has_pair = ends_pair || (is_early && frame > 0);
+  if (has_pair) CountDifferences(grey, is_early ? kStep : 2 * kStep);
+  if (!ends_pair) grey.copyTo(previous_);
+  return has_pair;
+}
+
+void NoiseEstimator::CountLevels(const cv::Mat& grey) {
   for (int y = 0; y < grey.rows; y += kStep) {
     const uchar* now = grey.ptr(y);
-    const uchar* before = previous_.empty() ? nullptr : previous_.ptr(y);
-    for (int x = 0; x < grey.cols; x += kStep) {
-      ++levels_[now[x]];
-      if (!before) continue;
+    for (int x = 0; x < grey.cols; x += kStep)
+      if (now[x] >= kLowest - 1) ++levels_[now[x]];
+  }
+}
+
+void NoiseEstimator::CountDifferences(const cv::Mat& grey, int step) {
+  for (int y = 0; y < grey.rows; y += step) {
+    const uchar *now = grey.ptr(y), *before = previous_.ptr(y);
+    for (int x = 0; x < grey.cols; x += step) {
       const int difference = std::abs(now[x] - before[x]), level = (now[x] + before[x]) / 2;
       if (difference < kMaxDifference)
         ++differences_[static_cast<std::size_t>(level * kBins / 256)][static_cast<std::size_t>(difference)];
     }
   }
-  grey.copyTo(previous_);
-  ++frames_;
 }
 
 NoiseModel NoiseEstimator::Estimate() const {
@@ -60,12 +84,14 @@ NoiseModel NoiseEstimator::Estimate() const {
 }
 
 double NoiseEstimator::SaturationLevel() const {
-  int highest = 255;
-  while (highest > 0 && levels_[static_cast<std::size_t>(highest)] == 0) --highest;
-  // Saturation piles pixels up on one level; a bright tail thins out.
-  const std::int64_t top = levels_[static_cast<std::size_t>(highest)],
-                     below = highest > 0 ? levels_[static_cast<std::size_t>(highest - 1)] : 0;
-  return highest >= 200 && top > 4 * std::max<std::int64_t>(below, 2) ? highest : 255;
+  std::int64_t above = 0;  // what coding leaves beyond the level
+  for (int level = 255; level >= kLowest; --level) {
+    const auto at = static_cast<std::size_t>(level);
+    // Saturation piles pixels up on one level; a bright tail thins out.
+    if (levels_[at] > 4 * std::max<std::int64_t>({levels_[at - 1], above, 2})) return level;
+    above += levels_[at];
+  }
+  return 255;
 }
 
 }  // namespace lake::tracking
