@@ -89,16 +89,16 @@ def faults_of(ended, program, out, usual_code, whole):
 
 def try_program(name, words, folder, what, values):
     out = folder / "out"
-    words = words + ["--quiet", "-o", "out"]
     shutil.rmtree(out, ignore_errors=True)
-    usual_code = programs.run(words, folder).returncode  # 1 if lake-check says that the recording is not fit
+    usual_code = programs.run(programs.into(words, "out", folder), folder).returncode  # 1 if lake-check says that the recording is not fit
     whole, faults = results_in(out), 0
     for value in values:
         shutil.rmtree(out, ignore_errors=True)
+        limited_words = programs.into(words, "out", folder)
         if what == "folder":
             (folder / value).mkdir(exist_ok=True)
             (folder / value).chmod(0o555)
-        ended = programs.run(words, folder, preexec_fn=limited(what, value), timeout=300)
+        ended = programs.run(limited_words, folder, preexec_fn=limited(what, value), timeout=300)
         if what == "folder":
             (folder / value).chmod(0o755)
         last = (ended.stderr.strip().splitlines() or [""])[-1]

@@ -73,11 +73,11 @@ def main():
         for program, words in programs.commands(folder / "plain").items():
             if program not in (asked.only or [program]):
                 continue
-            plain = programs.run(with_names(words, "plain", inputs) + ["--quiet", "-o", "plain/out"], folder)
+            plain = programs.run(programs.into(with_names(words, "plain", inputs), "plain/out", folder), folder)
             tables = tables_of(files_in(folder / "plain/out"))
             for name in asked.names:
                 out = f"./{ODD[name]}/out"
-                ended = programs.run(with_names(words, ODD[name], inputs) + ["--quiet", "-o", out], folder)
+                ended = programs.run(programs.into(with_names(words, ODD[name], inputs), out, folder), folder)
                 files = files_in(folder / out)
                 wrong = [f"{file}: {fault}" for file, content in files.items() if (fault := malformed(file, content))]
                 if ended.returncode != plain.returncode:

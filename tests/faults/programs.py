@@ -137,12 +137,14 @@ def make_inputs(folder):
     must_run(track + seeds(folder) + ["--markers", MARKERS + ",exo_knee", "--no-overlay", "-o", "te",
                                       "--export", "trc,c3d,tracker,trk,kinovea,kva,mot"], folder)
     must_run(["lake-compare", "th", "te", "--quiet", "-o", "comparison"], folder)
+    shutil.copytree(folder / "comparison", folder / "comparison2")
     must_run(["lake-loads", "th", "--mass", 70, "--quiet", "-o", "loads"], folder)
 
 
 def commands(folder):
-    """Name, then the words of a run that ends well in `folder`, without -o; inputs are named relative to it."""
+    """Name, then the words of a run that ends well in `folder`, without where to (`into`); inputs are named relative to it."""
     track = ["lake-track", "video.mp4", "--camera", "camera.yaml"]
+    reoptimize = ["lake-optimize", "--problem", "problem.yaml", "--human-only", "--penalty", "1", "--starts", "1"]
     return {
         "calibrate": ["lake-calibrate"] + [f"board{i}.pgm" for i in range(6)] + ["--board", "chessboard:6x4:25"],
         "calibrate-plane": ["lake-calibrate", "plane", "video.mp4", "--camera", "camera.yaml", "--points", POINTS],
@@ -150,11 +152,14 @@ def commands(folder):
         "check": ["lake-check", "video.mp4", "--markers", "4"],
         "track": track + seeds(folder)[:2] + ["--corrections", "corrections.csv"],
         "track-exo": track + seeds(folder) + ["--markers", MARKERS + ",exo_knee", "--no-overlay", "--export", "trc,c3d,kva"],
+        "track-list": ["lake-track", "video.mp4", "--list"],
         "anonymise": ["lake-anonymise", "video.mp4", "--trial", "th"],
         "gait": ["lake-gait", "th"],
         "loads": ["lake-loads", "th", "--mass", "70"],
         "compare": ["lake-compare", "th", "te"],
         "optimize": ["lake-optimize", "--problem", "problem.yaml", "--starts", "2"],
+        "reoptimize": reoptimize + ["--comparison", "comparison"],
+        "reoptimize-group": reoptimize + ["--comparison", "comparison", "--comparison", "comparison2"],
         "simulate": ["lake-simulate", "worn.yaml", "--no-animation"],
         "export-mjcf": ["lake-export", "worn.yaml", "mjcf"],
         "export-sdf": ["lake-export", "worn.yaml", "sdf"],
@@ -165,7 +170,16 @@ def commands(folder):
         "stroke-calibrate": ["lake-stroke", "calibrate", "log.csv"],
         "synth": ["lake-synth", "--duration", "0.2", "--width", "320", "--height", "180"],
         "run": ["lake-run", "study.yaml"],
+        "convert": ["lake-convert", "th"],
     }
+
+
+def into(words, out, folder):
+    """The words of a run that writes into the folder `out` of `folder`."""
+    if words[0] != "lake-convert":
+        return words + ["--quiet", "-o", out]
+    (folder / out).mkdir(exist_ok=True)  # it makes none
+    return words + [f"{out}/converted.trc"]
 
 
 if __name__ == "__main__":

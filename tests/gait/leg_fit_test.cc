@@ -345,6 +345,23 @@ TEST(LegFit, BandsFindTheMinimumThatCeresFinds) {
   EXPECT_EQ(bands.outliers.size(), ceres.outliers.size());
 }
 
+// The normal matrix is solved in pieces of 128 knots, which the second and third of four equal cycles do not know of:
+// what the ends of the recording do to the sigmas has decayed there, but for the slow noise, which a sample more or
+// less in its window changes by some per cent of the sigma.
+TEST(LegFit, SigmasAreThoseOfTheMotionWhereverItIs) {
+  constexpr std::size_t kCycle = 336;
+  const SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 4});
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 5);
+  for (motion::MarkerTrack& marker : tracks.markers)
+    for (std::size_t i = kCycle; i < tracks.Frames(); ++i) marker.samples[i] = marker.samples[i % kCycle];
+  const gait::LegFitResult fit = gait::FitLeg(tracks, ScaledView());
+  for (std::size_t i = kCycle; i < 2 * kCycle; ++i) {
+    const motion::LegSample &second = fit.motion.samples[i], &third = fit.motion.samples[i + kCycle];
+    EXPECT_NEAR(second.knee_sigma_deg / third.knee_sigma_deg, 1, 0.05) << i;
+    EXPECT_NEAR(second.knee_deg, third.knee_deg, 0.01 * third.knee_sigma_deg) << i;
+  }
+}
+
 std::string MessageOf(const motion::MarkerRecording& tracks, const gait::LegView& view,
                       const gait::LegFitOptions& options = {}) {
   try {

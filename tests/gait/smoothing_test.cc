@@ -41,10 +41,39 @@ TEST(BandedMatrix, SolvesAndInvertsLikeADenseMatrix) {
   }
 }
 
+// A factor made in two pieces, its inverse from the last to the first, with rows of the identity before the first row.
+TEST(BandedMatrix, IsFactorisedAndInvertedInPieces) {
+  constexpr std::size_t kSize = 60, kBand = 7, kSecond = kBand + 33;
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  gait::BandedMatrix whole(kSize, kBand), pieces(kBand + kSize, kBand);
+  for (std::size_t i = 0; i < kBand; ++i) pieces.Lower(i, i) = 1;
+  for (std::size_t i = 0; i < kSize; ++i)
+    for (std::size_t j = i > kBand ? i - kBand : 0; j <= i; ++j)
+      whole.Lower(i, j) = pieces.Lower(kBand + i, kBand + j) =
+          i == j ? 2 * kBand + 2 + uniform(random) : uniform(random);
+  ASSERT_TRUE(gait::Factorize(whole));
+  ASSERT_TRUE(gait::FactorizeRows(pieces, kBand, kSecond));
+  ASSERT_TRUE(gait::FactorizeRows(pieces, kSecond, kBand + kSize));
+  const auto expect_the_same = [&] {
+    for (std::size_t i = 0; i < kSize; ++i)
+      for (std::size_t j = i > kBand ? i - kBand : 0; j <= i; ++j)
+        EXPECT_NEAR(pieces.Lower(kBand + i, kBand + j), whole.Lower(i, j), 1e-13) << i << ' ' << j;
+  };
+  expect_the_same();
+  whole = gait::SelectedInverse(whole);
+  gait::SelectedInverseOfRows(pieces, kSecond, kBand + kSize);
+  gait::SelectedInverseOfRows(pieces, kBand, kSecond);
+  expect_the_same();
+}
+
 TEST(BandedMatrix, RefusesWhatIsNotPositiveDefinite) {
   gait::BandedMatrix matrix(3, 1);
   for (std::size_t i = 0; i < 3; ++i) matrix.Lower(i, i) = i == 1 ? -1 : 1;
+  gait::BandedMatrix rows = matrix;
   EXPECT_FALSE(gait::Factorize(matrix));
+  EXPECT_TRUE(gait::FactorizeRows(rows, 1, 1));
+  EXPECT_FALSE(gait::FactorizeRows(rows, 1, 3));
 }
 
 TEST(SplineGrid, ReproducesCubicsAndTheirSlopes) {

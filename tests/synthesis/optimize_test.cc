@@ -45,6 +45,8 @@ TEST(Optimize, StartsAgree) {
       EXPECT_LE(stuck, 2) << "margin " << margin << ", seed " << seed;
       EXPECT_EQ(std::ranges::count(result.basin, 0), options.starts - stuck);
       EXPECT_EQ(result.best, 0);  // of equals the first
+      EXPECT_FALSE(result.Best().history.empty());
+      for (std::size_t i = 1; i < result.starts.size(); ++i) EXPECT_TRUE(result.starts[i].history.empty());
     }
 }
 

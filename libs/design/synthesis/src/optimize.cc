@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <utility>
 
 #include "exchange.h"
 #include "lake/core/angles.h"
@@ -236,6 +237,18 @@ std::vector<linkage::Links> RandomStarts(const problem::SynthesisProblem& proble
   return starts;
 }
 
+namespace {
+
+// Of ten thousand starts nobody asks how they came to their ends.
+void KeepOutcome(LocalSolve& solve) {
+  solve.program = {};
+  solve.poses = {};
+  solve.history = {};
+  solve.solution.iterations = {};
+}
+
+}  // namespace
+
 SynthesisResult Optimize(const problem::SynthesisProblem& problem, const OptimizeOptions& options) {
   problem.Check();
   options.Check();
@@ -248,9 +261,12 @@ SynthesisResult Optimize(const problem::SynthesisProblem& problem, const Optimiz
     result.starts.push_back(SolveFrom(problem, start, options));
     const LocalSolve& solve = result.starts.back();
     constexpr double kBetter = 1e-5;  // deg or s: of equals the first is kept
+    const int last = static_cast<int>(result.starts.size()) - 1;
+    int other = last;  // of it and the best so far
     if (solve.IsUsable() && (result.best < 0 || problem::GoalOf(problem, solve.evaluation) >
                                                     problem::GoalOf(problem, result.Best().evaluation) + kBetter))
-      result.best = static_cast<int>(result.starts.size()) - 1;
+      other = std::exchange(result.best, last);
+    if (other > 0) KeepOutcome(result.starts[static_cast<std::size_t>(other)]);
     progress.Advance();
   }
   result.basin = Basins(problem, result.starts);

@@ -2,6 +2,7 @@
 
 #include <lapacke.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -15,6 +16,27 @@ bool Factorize(BandedMatrix& matrix) {
   return true;
 }
 
+// Row by row, by products of rows: L_ij = (A_ij − Σ_k<j L_ik L_jk) / L_jj.
+bool FactorizeRows(BandedMatrix& matrix, std::size_t begin, std::size_t end) {
+  const std::size_t band = matrix.HalfBandwidth();
+  const auto product = [](const double* a, const double* b, std::size_t count) {
+    using Part = Eigen::Map<const Eigen::VectorXd>;
+    const auto n = static_cast<Eigen::Index>(count);
+    return Part(a, n).dot(Part(b, n));
+  };
+  for (std::size_t i = begin; i < end; ++i) {
+    double* row = &matrix.Lower(i, i - band);
+    for (std::size_t k = 0; k < band; ++k) {
+      const double* other = &matrix.Lower(i - band + k, i - band);
+      row[k] = (row[k] - product(row, other, k)) / other[k];
+    }
+    const double square = row[band] - product(row, row, band);
+    if (!(square > 0) || !std::isfinite(square)) return false;
+    row[band] = std::sqrt(square);
+  }
+  return true;
+}
+
 void Solve(const BandedMatrix& factor, std::span<double> x) {
   const auto n = static_cast<lapack_int>(factor.Size()), band = static_cast<lapack_int>(factor.HalfBandwidth());
   LAPACKE_dpbtrs(LAPACK_COL_MAJOR, 'U', n, band, 1, factor.Data(), band + 1, x.data(), n);
@@ -23,12 +45,12 @@ void Solve(const BandedMatrix& factor, std::span<double> x) {
 // Σ L = L⁻ᵀ, whose strict lower triangle is zero, read from the last column to the first:
 //   Σ_ji = −(1/L_ii) Σ_k>i Σ_jk L_ki   (j > i),   Σ_ii = 1/L_ii² − (1/L_ii) Σ_k>i L_ki Σ_ki
 // A column of L is read before Σ's takes its place, and none of those before it is needed again.
-BandedMatrix SelectedInverse(BandedMatrix factor) {
-  const std::size_t n = factor.Size(), band = factor.HalfBandwidth();
+void SelectedInverseOfRows(BandedMatrix& factor, std::size_t begin, std::size_t end) {
+  const std::size_t band = factor.HalfBandwidth();
   BandedMatrix& inverse = factor;
   std::vector<double> column(band + 1), product(band + 1);
-  for (std::size_t i = n; i-- > 0;) {
-    const std::size_t below = std::min(band, n - 1 - i);
+  for (std::size_t i = end; i-- > begin;) {
+    const std::size_t below = std::min(band, factor.Size() - 1 - i);
     const double diagonal = factor.Lower(i, i);
     for (std::size_t k = 0; k < below; ++k) column[k] = factor.Lower(i + 1 + k, i), product[k] = 0;
     for (std::size_t j = 0; j < below; ++j) {
@@ -47,6 +69,10 @@ BandedMatrix SelectedInverse(BandedMatrix factor) {
     }
     inverse.Lower(i, i) = 1 / (diagonal * diagonal) - sum / diagonal;
   }
+}
+
+BandedMatrix SelectedInverse(BandedMatrix factor) {
+  SelectedInverseOfRows(factor, 0, factor.Size());
   return factor;
 }
 

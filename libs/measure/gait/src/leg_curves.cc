@@ -41,7 +41,7 @@ double KneeVarianceOfMarkers(const StateVector& state, double ankle, double knee
 using SlowNoises = std::array<std::vector<double>, kLegMarkers>;  // variances, recorded unit, per frame
 
 SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegModel& model,
-                          const std::vector<double>& coefficients, const BandedMatrix& covariance) {
+                          const std::vector<double>& coefficients, const StateCovariances& covariances) {
   std::array<std::vector<NoiseSample>, kLegMarkers> samples;
   std::array<double, kLegMarkers> variance = {};
   StateMatrix of_state;
@@ -50,7 +50,7 @@ SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegMod
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
     const double sigma2 = o.sigma * o.sigma;
     if (!IsOrdinary(model, residual.value, o.sigma)) continue;
-    if (frame != o.frame) of_state = StateCovariance(model, covariance, o.weights, o.first);
+    if (frame != o.frame) of_state = covariances.At(o.frame);
     frame = o.frame;
     const double used = (residual.by_state * of_state * residual.by_state.transpose()).trace() / sigma2;
     samples[o.marker].push_back({o.frame, 1 - used / 2, residual.value.squaredNorm() / sigma2 / 2});
@@ -81,8 +81,9 @@ std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<doub
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
     if (jitters[o.marker].share == 0 || !IsOrdinary(model, residual.value, o.sigma)) continue;
-    const Eigen::Vector2d seen = PlaneFromRecorded(model.view, o.seen, o.depth_mm);
-    const double scatter_variance = std::pow(o.sigma * PlaneUnitsPerRecorded(model.view, seen, o.depth_mm), 2);
+    const Eigen::Vector2d seen = PlaneFromRecorded(model.view, o.seen, model.depth_mm[o.marker]);
+    const double scatter_variance =
+        std::pow(o.sigma * PlaneUnitsPerRecorded(model.view, seen, model.depth_mm[o.marker]), 2);
     const Eigen::Vector2d smooth = PointOf(o.marker, states[o.frame]).position;
     moves[o.frame].move[o.marker] = jitters[o.marker].share * (model.plane_from_leg.transpose() * seen - smooth);
     moves[o.frame].variance[o.marker] = jitters[o.marker].VarianceWhereSeen(scatter_variance);
@@ -145,25 +146,22 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
                         const std::vector<double>& coefficients, const std::array<Jitter, kLegMarkers>& jitters,
                         bool with_covariance) {
   const std::size_t n = recording.Frames();
-  const BandedMatrix covariance = LegCovariance(model, coefficients);
+  const StateCovariances covariances = CovariancesOf(model, coefficients);
   LegCurves curves;
   curves.markers = model.states == kLegStates ? kLegMarkers : kLegMarkers - 1;
   for (std::size_t i = 0; i < n; ++i) {
-    const SplineGrid::Place place = model.grid.At(recording.time_s[i]);
+    const SplineGrid::Place place = model.At(i);
     curves.state.push_back(StateAt(model, coefficients, place.value, place.first));
     curves.rate.push_back(StateAt(model, coefficients, place.slope, place.first));
     curves.hip_speed_in_leg.push_back(PointOf(kHip, curves.state[i]).by_state * curves.rate[i]);
   }
-  const SlowNoises slow = FindSlowNoises(recording, model, coefficients, covariance);
+  const SlowNoises slow = FindSlowNoises(recording, model, coefficients, covariances);
   const bool any_jitters =
       std::any_of(jitters.begin(), jitters.end(), [](const Jitter& jitter) { return jitter.share > 0; });
   const std::vector<MarkerMoves> moves =
       any_jitters ? FindMoves(model, coefficients, curves.state, jitters) : std::vector<MarkerMoves>();
-  std::array<double, kLegMarkers> depth = {};
-  for (const LegObservation& o : model.observations) depth[o.marker] = o.depth_mm;
   for (std::size_t i = 0; i < n; ++i) {
-    const SplineGrid::Place place = model.grid.At(recording.time_s[i]);
-    StateMatrix of_state = StateCovariance(model, covariance, place.value, place.first);
+    StateMatrix of_state = covariances.At(i);
     if (!moves.empty()) MoveMarkers(moves[i], model.states, curves.state[i], of_state);
     if (with_covariance) curves.covariance.push_back(of_state);
     std::array<double, kLegMarkers> slow_in_plane = {};
@@ -172,8 +170,8 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
       MarkerCurve& curve = curves.marker[index];
       const PointInLeg point = PointOf(static_cast<LegMarker>(m), curves.state[i]);
       curve.in_plane.push_back(model.plane_from_leg * point.position);
-      curve.recorded.push_back(RecordedFromPlane<double>(model.view, curve.in_plane[i], depth[index]));
-      const double scale = PlaneUnitsPerRecorded(model.view, curve.in_plane[i], depth[index]);
+      curve.recorded.push_back(RecordedFromPlane<double>(model.view, curve.in_plane[i], model.depth_mm[index]));
+      const double scale = PlaneUnitsPerRecorded(model.view, curve.in_plane[i], model.depth_mm[index]);
       slow_in_plane[index] = slow[index][i] * scale * scale;
       const double variance =
           (point.by_state * of_state * point.by_state.transpose()).trace() / 2 + slow_in_plane[index];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
@@ -73,17 +74,16 @@ Eigen::Matrix2d PlaneFromLegAxes(motion::Facing facing, const Eigen::Vector2d& u
   return axes;
 }
 
-std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMarkers>& leg,
-                                             const std::vector<double>& time_s, const SplineGrid& grid, int markers) {
+std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMarkers>& leg, std::size_t frames,
+                                             int markers) {
   std::vector<LegObservation> observations;
-  observations.reserve(time_s.size() * static_cast<std::size_t>(markers));
-  for (std::size_t i = 0; i < time_s.size(); ++i)
+  observations.reserve(frames * static_cast<std::size_t>(markers));
+  for (std::size_t i = 0; i < frames; ++i)
     for (int m = 0; m < markers; ++m) {
       const Detections& d = leg[static_cast<std::size_t>(m)];
       if (!d.seen[i]) continue;
-      const SplineGrid::Place place = grid.At(time_s[i]);
-      observations.push_back({static_cast<LegMarker>(m), i, place.first, place.value, d.track->samples[i].position,
-                              d.sigma[i], d.depth_mm, d.trusted[i] != 0});
+      observations.push_back({d.track->samples[i].position, d.sigma[i], static_cast<std::uint32_t>(i),
+                              static_cast<LegMarker>(m), d.trusted[i] != 0});
     }
   return observations;
 }
@@ -92,14 +92,14 @@ std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMa
 // fit used up. Never below 1: what a sigma states beyond the residuals may be slow noise, which is in the curves'
 // variance (SlowNoise).
 std::array<double, kLegMarkers> NoiseScales(const LegModel& model, const std::vector<double>& coefficients,
-                                            const BandedMatrix& covariance) {
+                                            const StateCovariances& covariances) {
   struct Residual {
     double square, free;  // (r/σ)² and the degrees of freedom left to it, of two
   };
   std::array<std::vector<Residual>, kLegMarkers> residuals;
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
-    const StateMatrix state = StateCovariance(model, covariance, o.weights, o.first);
+    const StateMatrix state = covariances.At(o.frame);
     const double variance = o.sigma * o.sigma;
     const double used = (residual.by_state * state * residual.by_state.transpose()).trace() / variance;
     residuals[o.marker].push_back({residual.value.squaredNorm() / variance, std::max(2 - used, 0.0)});
@@ -148,7 +148,7 @@ Solution SolveLeg(LegModel model, std::vector<double> coefficients) {
   solution.noise_scales.fill(1);
   Approach(model, coefficients);
   solution.solve = SolveLegProblem(model, coefficients);
-  const auto scales = NoiseScales(model, coefficients, LegCovariance(model, coefficients));
+  const auto scales = NoiseScales(model, coefficients, CovariancesOf(model, coefficients));
   if (std::any_of(scales.begin(), scales.end(), [](double scale) { return scale > kNoticeable; })) {
     for (LegObservation& o : model.observations) o.sigma *= scales[o.marker];
     solution.noise_scales = scales;
@@ -236,17 +236,20 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   model.states = HasTrunk(leg) ? kLegStates : kLegStatesWithoutTrunk;
   model.outlier_deviations = options.outlier_deviations;
   model.in_bands = recording.Frames() > options.most_frames_in_ceres;
-  const LegSignals signals = MakeLegSignals(leg, model.plane_from_leg.transpose(), model.states);
-  CheckLeg(across.empty() ? signals : WithLengthsInSpace(signals, leg), leg, options);
+  std::optional<LegSignals> signals = MakeLegSignals(leg, model.plane_from_leg.transpose(), model.states);
+  CheckLeg(across.empty() ? *signals : WithLengthsInSpace(*signals, leg), leg, options);
   progress.Advance();
-  LegStart start = SmoothSignals(signals, recording.time_s, model.states, options);
+  LegStart start = SmoothSignals(*signals, recording.time_s, model.states, options);
+  signals.reset();  // of a long recording it is much
   if (!start.unsettled.empty())
     result.warnings.push_back(UnsettledWarning(fmt::format("leg fit, {}", fmt::join(start.unsettled, ", "))));
   progress.Advance();
   model.grid = start.grid;
-  model.priors = start.priors;
-  model.observations = MakeObservations(leg, recording.time_s, model.grid, model.states == kLegStates ? 4 : 3);
-  const Solution solution = SolveLeg(std::move(model), start.coefficients);
+  model.priors = std::move(start.priors);
+  model.time_s = recording.time_s;
+  for (std::size_t m = 0; m < leg.size(); ++m) model.depth_mm[m] = leg[m].depth_mm;
+  model.observations = MakeObservations(leg, recording.Frames(), model.states == kLegStates ? 4 : 3);
+  const Solution solution = SolveLeg(std::move(model), std::move(start.coefficients));
   if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
   progress.Advance();
 

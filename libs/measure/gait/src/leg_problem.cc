@@ -9,6 +9,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "leg_normal.h"
 
 namespace lake::gait {
 namespace {
@@ -23,7 +24,7 @@ LegResidual EvaluateAt(const LegModel& model, const LegObservation& observation,
   for (int i = 0; i < 2; ++i)
     in_plane[i] = in_leg[0] * model.plane_from_leg(i, 0) + in_leg[1] * model.plane_from_leg(i, 1);
   const Eigen::Matrix<StateJet, 2, 1> predicted =
-      RecordedFromPlane<StateJet>(model.view, in_plane, observation.depth_mm);
+      RecordedFromPlane<StateJet>(model.view, in_plane, model.depth_mm[observation.marker]);
   LegResidual residual;
   for (int i = 0; i < 2; ++i) {
     residual.value[i] = predicted[i].a - observation.seen[i];
@@ -36,7 +37,8 @@ LegResidual EvaluateAt(const LegModel& model, const LegObservation& observation,
 // derivative by the state is automatic (Jets), that by the coefficients its product with the basis.
 class MarkerCost : public ceres::CostFunction {
  public:
-  MarkerCost(const LegModel& model, const LegObservation& observation) : model_(model), observation_(observation) {
+  MarkerCost(const LegModel& model, const LegObservation& observation, const std::array<double, 4>& weights)
+      : model_(model), observation_(observation), weights_(weights) {
     set_num_residuals(2);
     mutable_parameter_block_sizes()->assign(4, model.states);
   }
@@ -44,49 +46,22 @@ class MarkerCost : public ceres::CostFunction {
   bool Evaluate(const double* const* coefficients, double* residuals, double** jacobians) const override {
     StateVector state = StateVector::Zero();
     for (std::size_t k = 0; k < 4; ++k)
-      for (int s = 0; s < model_.states; ++s) state[s] += observation_.weights[k] * coefficients[k][s];
+      for (int s = 0; s < model_.states; ++s) state[s] += weights_[k] * coefficients[k][s];
     const LegResidual residual = EvaluateAt(model_, observation_, state);
     for (int i = 0; i < 2; ++i) residuals[i] = residual.value[i] / observation_.sigma;
     if (!jacobians) return true;
     for (std::size_t k = 0; k < 4; ++k)
       for (int i = 0; jacobians[k] && i < 2; ++i)
         for (int s = 0; s < model_.states; ++s)
-          jacobians[k][i * model_.states + s] = observation_.weights[k] / observation_.sigma * residual.by_state(i, s);
+          jacobians[k][i * model_.states + s] = weights_[k] / observation_.sigma * residual.by_state(i, s);
     return true;
   }
 
  private:
   const LegModel& model_;
   const LegObservation& observation_;
+  std::array<double, 4> weights_;
 };
-
-// One line of the prior: what a difference of coefficients of one component of the state adds to the sum.
-struct PriorTerm {
-  int state;
-  std::array<double, 4> row;  // of a least-squares residual
-};
-
-std::vector<PriorTerm> PriorTerms(const LegModel& model, std::size_t k) {
-  std::vector<PriorTerm> terms;
-  for (int s = 0; s < model.states; ++s) {
-    const LegPrior& prior = model.priors[static_cast<std::size_t>(s)];
-    const double rough = 1 / std::sqrt(prior.roughness[k]);
-    terms.push_back({s, {-rough, 3 * rough, -3 * rough, rough}});
-    if (prior.slope_variance <= 0) continue;
-    const double slope = 1 / std::sqrt(prior.slope_variance);
-    terms.push_back({s, {-slope, slope, 0, 0}});
-  }
-  return terms;
-}
-
-double PriorResidual(const LegModel& model, const PriorTerm& term, std::size_t k,
-                     const std::vector<double>& coefficients) {
-  const auto states = static_cast<std::size_t>(model.states);
-  double residual = 0;
-  for (std::size_t a = 0; a < 4; ++a)
-    residual += term.row[a] * coefficients[(k + a) * states + static_cast<std::size_t>(term.state)];
-  return residual;
-}
 
 // r_j = row_j · (c_k, …, c_k+3) for all terms of the prior.
 class PriorCost : public ceres::CostFunction {
@@ -149,52 +124,35 @@ ceres::Solver::Options SolverOptions(std::size_t observations) {
 
 }  // namespace
 
+std::vector<PriorTerm> PriorTerms(const LegModel& model, std::size_t k) {
+  std::vector<PriorTerm> terms;
+  for (int s = 0; s < model.states; ++s) {
+    const LegPrior& prior = model.priors[static_cast<std::size_t>(s)];
+    const double rough = 1 / std::sqrt(prior.roughness[k]);
+    terms.push_back({s, {-rough, 3 * rough, -3 * rough, rough}});
+    if (prior.slope_variance <= 0) continue;
+    const double slope = 1 / std::sqrt(prior.slope_variance);
+    terms.push_back({s, {-slope, slope, 0, 0}});
+  }
+  return terms;
+}
+
+double PriorResidual(const LegModel& model, const PriorTerm& term, std::size_t k,
+                     const std::vector<double>& coefficients) {
+  const auto states = static_cast<std::size_t>(model.states);
+  double residual = 0;
+  for (std::size_t a = 0; a < 4; ++a)
+    residual += term.row[a] * coefficients[(k + a) * states + static_cast<std::size_t>(term.state)];
+  return residual;
+}
+
 LegResidual EvaluateObservation(const LegModel& model, const LegObservation& observation,
                                 const std::vector<double>& coefficients) {
-  return EvaluateAt(model, observation, StateAt(model, coefficients, observation.weights, observation.first));
+  const SplineGrid::Place place = model.At(observation.frame);
+  return EvaluateAt(model, observation, StateAt(model, coefficients, place.value, place.first));
 }
 
 namespace {
-
-// Gauss and Newton's: the matrix within its band, and half the sum's gradient.
-struct NormalEquations {
-  BandedMatrix matrix;
-  std::vector<double> gradient;
-};
-
-NormalEquations MakeNormalEquations(const LegModel& model, const std::vector<double>& coefficients) {
-  const auto states = static_cast<std::size_t>(model.states);
-  NormalEquations normal{BandedMatrix(model.grid.count * states, 4 * states - 1),
-                         std::vector<double>(coefficients.size(), 0.0)};
-  for (const LegObservation& observation : model.observations) {
-    const LegResidual residual = EvaluateObservation(model, observation, coefficients);
-    const double weight =
-        RobustWeight(model, residual.value, observation.sigma) / (observation.sigma * observation.sigma);
-    const StateMatrix square = weight * residual.by_state.transpose() * residual.by_state;
-    const StateVector by_state = weight * residual.by_state.transpose() * residual.value;
-    for (std::size_t a = 0; a < 4; ++a) {
-      for (std::size_t b = 0; b <= a; ++b)
-        for (std::size_t i = 0; i < states; ++i)
-          for (std::size_t j = 0; j < (a == b ? i + 1 : states); ++j)
-            normal.matrix.Lower((observation.first + a) * states + i, (observation.first + b) * states + j) +=
-                observation.weights[a] * observation.weights[b] *
-                square(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-      for (std::size_t s = 0; s < states; ++s)
-        normal.gradient[(observation.first + a) * states + s] +=
-            observation.weights[a] * by_state[static_cast<Eigen::Index>(s)];
-    }
-  }
-  for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
-    for (const PriorTerm& term : PriorTerms(model, k)) {
-      const double residual = PriorResidual(model, term, k, coefficients);
-      const auto place = [&](std::size_t a) { return (k + a) * states + static_cast<std::size_t>(term.state); };
-      for (std::size_t a = 0; a < 4; ++a) {
-        for (std::size_t b = 0; b <= a; ++b) normal.matrix.Lower(place(a), place(b)) += term.row[a] * term.row[b];
-        normal.gradient[place(a)] += term.row[a] * residual;
-      }
-    }
-  return normal;
-}
 
 // Half the sum.
 double CostOf(const LegModel& model, const std::vector<double>& coefficients) {
@@ -219,16 +177,13 @@ LegSolveSummary SolveInBands(const LegModel& model, std::vector<double>& coeffic
   summary.message = "too many steps";
   for (double damping = kLeastDamping; damping < kMostDamping && summary.iterations < kMostIterations;) {
     ++summary.iterations;
-    auto [normal, step] = MakeNormalEquations(model, coefficients);
-    for (std::size_t i = 0; i < normal.Size(); ++i) normal.Lower(i, i) *= 1 + damping;
-    ThrowIfInterrupted();
-    if (!Factorize(normal)) {
+    const std::optional<std::vector<double>> step = LegNormal(model, coefficients, damping).Step();
+    if (!step) {
       summary.message = "the markers do not determine the leg";
       return summary;
     }
-    Solve(normal, step);
     std::vector<double> next = coefficients;
-    for (std::size_t i = 0; i < next.size(); ++i) next[i] -= step[i];
+    for (std::size_t i = 0; i < next.size(); ++i) next[i] -= (*step)[i];
     const double cost = CostOf(model, next), gain = summary.final_cost - cost;
     const bool has_converged = std::abs(gain) <= tolerance * summary.final_cost;
     if (gain > 0) coefficients = std::move(next), summary.final_cost = cost;
@@ -256,8 +211,9 @@ LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coef
   const auto block = [&](std::size_t k) { return coefficients.data() + k * static_cast<std::size_t>(model.states); };
   std::deque<MarkerCost> costs;
   for (const LegObservation& observation : model.observations) {
-    const std::size_t k = observation.first;
-    costs.emplace_back(model, observation);
+    const SplineGrid::Place place = model.At(observation.frame);
+    const std::size_t k = place.first;
+    costs.emplace_back(model, observation, place.value);
     problem.AddResidualBlock(&costs.back(), &loss, block(k), block(k + 1), block(k + 2), block(k + 3));
   }
   std::deque<PriorCost> priors;
@@ -289,14 +245,26 @@ bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double s
   return residual.norm() < OrdinaryLimit(model) * sigma;
 }
 
-BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coefficients) {
-  BandedMatrix normal = MakeNormalEquations(model, coefficients).matrix;
-  ThrowIfInterrupted();
-  if (!Factorize(normal))
+StateCovariances CovariancesOf(const LegModel& model, const std::vector<double>& coefficients) {
+  std::optional<StateCovariances> covariances = LegNormal(model, coefficients, 0).Covariances();
+  if (!covariances)
     throw SolverError(
         "leg fit: the markers do not determine the leg; is one of ankle, knee, hip missing in most frames?");
-  ThrowIfInterrupted();
-  return SelectedInverse(std::move(normal));
+  return *std::move(covariances);
+}
+
+void StateCovariances::Set(std::size_t frame, const StateMatrix& covariance) {
+  auto value = lower_[frame].begin();
+  for (int i = 0; i < kLegStates; ++i)
+    for (int j = 0; j <= i; ++j) *value++ = covariance(i, j);
+}
+
+StateMatrix StateCovariances::At(std::size_t frame) const {
+  StateMatrix covariance;
+  auto value = lower_[frame].begin();
+  for (int i = 0; i < kLegStates; ++i)
+    for (int j = 0; j <= i; ++j) covariance(i, j) = covariance(j, i) = *value++;
+  return covariance;
 }
 
 StateVector StateAt(const LegModel& model, const std::vector<double>& coefficients,
@@ -307,19 +275,6 @@ StateVector StateAt(const LegModel& model, const std::vector<double>& coefficien
     for (std::size_t s = 0; s < states; ++s)
       state[static_cast<Eigen::Index>(s)] += weights[k] * coefficients[(first + k) * states + s];
   return state;
-}
-
-StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covariance, const std::array<double, 4>& weights,
-                            std::size_t first) {
-  const auto states = static_cast<std::size_t>(model.states);
-  StateMatrix result = StateMatrix::Zero();
-  for (std::size_t a = 0; a < 4; ++a)
-    for (std::size_t b = 0; b < 4; ++b)
-      for (std::size_t i = 0; i < states; ++i)
-        for (std::size_t j = 0; j < states; ++j)
-          result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) +=
-              weights[a] * weights[b] * covariance.At((first + a) * states + i, (first + b) * states + j);
-  return result;
 }
 
 }  // namespace lake::gait

@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -24,17 +25,15 @@ namespace lake::gait {
 enum LegState { kAnkleX, kAnkleY, kShankAngle, kThighAngle, kShankLength, kThighLength, kTrunkAngle, kTrunkLength };
 inline constexpr int kLegStates = 8, kLegStatesWithoutTrunk = 6;
 
-enum LegMarker { kAnkle, kKnee, kHip, kWaist };
+enum LegMarker : std::uint8_t { kAnkle, kKnee, kHip, kWaist };
 inline constexpr int kLegMarkers = 4;
 
+// Small, as there are four of every frame.
 struct LegObservation {
+  Eigen::Vector2d seen;     // as recorded
+  double sigma = 1;         // per axis
+  std::uint32_t frame = 0;  // index into the recording
   LegMarker marker = kAnkle;
-  std::size_t frame = 0;          // index into the recording
-  std::size_t first = 0;          // of the four coefficients that reach its time, …
-  std::array<double, 4> weights;  // … and what each contributes
-  Eigen::Vector2d seen;           // as recorded
-  double sigma = 1;               // per axis
-  double depth_mm = 0;
   bool trusted = true;  // false: in an excursion, which the robust loss alone decides about
 };
 
@@ -49,9 +48,14 @@ struct LegModel {
   Eigen::Matrix2d plane_from_leg;  // rotation, or reflection for a subject who faces left
   int states = kLegStates;
   std::array<LegPrior, kLegStates> priors;
-  std::vector<LegObservation> observations;
-  double outlier_deviations = 7;  // where the biweight reaches zero
-  bool in_bands = false;          // see SolveLegProblem
+  std::vector<double> time_s;                     // of the frames
+  std::array<double, kLegMarkers> depth_mm = {};  // of the markers
+  std::vector<LegObservation> observations;       // frames increase
+  double outlier_deviations = 7;                  // where the biweight reaches zero
+  bool in_bands = false;                          // see SolveLegProblem
+
+  // The coefficients that reach a frame's time, and what each contributes.
+  SplineGrid::Place At(std::size_t frame) const { return grid.At(time_s[frame]); }
 };
 
 // A marker's position in the leg's axes from a state, for T = double or a Jet.
@@ -96,16 +100,37 @@ double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, doub
 double OrdinaryLimit(const LegModel& model);
 bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
 
-// The coefficients' covariance within the band of a spline's own coefficients: the inverse of the Gauss–Newton matrix.
-// Throws SolverError if the data and the prior do not determine the coefficients.
-BandedMatrix LegCovariance(const LegModel& model, const std::vector<double>& coefficients);
-
 // State, its derivative by time, and its covariance at a place.
 using StateVector = Eigen::Matrix<double, kLegStates, 1>;
 using StateMatrix = Eigen::Matrix<double, kLegStates, kLegStates>;
 StateVector StateAt(const LegModel& model, const std::vector<double>& coefficients,
                     const std::array<double, 4>& weights, std::size_t first);
-StateMatrix StateCovariance(const LegModel& model, const BandedMatrix& covariance, const std::array<double, 4>& weights,
-                            std::size_t first);
+
+// One of each frame; symmetric, so half of it is kept.
+class StateCovariances {
+ public:
+  explicit StateCovariances(std::size_t frames) : lower_(frames) {}
+
+  void Set(std::size_t frame, const StateMatrix& covariance);
+  StateMatrix At(std::size_t frame) const;
+
+ private:
+  std::vector<std::array<double, kLegStates*(kLegStates + 1) / 2>> lower_;
+};
+
+// By the inverse of the Gauss–Newton matrix. Throws SolverError if the data and the prior do not determine the
+// coefficients.
+StateCovariances CovariancesOf(const LegModel& model, const std::vector<double>& coefficients);
+
+// One line of the prior: what a difference of coefficients of one component of the state adds to the sum.
+struct PriorTerm {
+  int state;
+  std::array<double, 4> row;  // of a least-squares residual
+};
+
+// Those of the coefficients from the k-th to the one three further on.
+std::vector<PriorTerm> PriorTerms(const LegModel& model, std::size_t k);
+double PriorResidual(const LegModel& model, const PriorTerm& term, std::size_t k,
+                     const std::vector<double>& coefficients);
 
 }  // namespace lake::gait

@@ -4,10 +4,12 @@
 #include <spawn.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
@@ -99,6 +101,31 @@ std::string SetOutput(const std::filesystem::path& path) {
   return fmt::format("set output {}\n", QuotePath(path));
 }
 
+// Whether each row is drawn. Of more rows than a picture can show those are that hold a column's least or greatest
+// value in their run of rows, and those beside a gap: the line looks the same, as each run is narrower than a pixel.
+std::vector<bool> RowsToDraw(const std::vector<std::vector<double>>& columns) {
+  constexpr std::size_t kMostRows = 15000;  // of all runs together
+  const std::size_t rows = columns.empty() ? 0 : columns.front().size();
+  if (rows <= kMostRows) return std::vector<bool>(rows, true);
+  const std::size_t of_a_run = 2 * columns.size(), run = (rows * of_a_run + kMostRows - 1) / kMostRows;
+  std::vector<bool> drawn(rows, false);
+  drawn.back() = true;
+  for (const std::vector<double>& column : columns) {
+    for (std::size_t begin = 0; begin < rows; begin += run) {
+      std::optional<std::size_t> least, greatest;
+      for (std::size_t row = begin; row < std::min(rows, begin + run); ++row) {
+        if (!std::isfinite(column[row])) continue;
+        if (!least || column[row] < column[*least]) least = row;
+        if (!greatest || column[row] > column[*greatest]) greatest = row;
+      }
+      if (least) drawn[*least] = drawn[*greatest] = true;
+    }
+    for (std::size_t row = 1; row < rows; ++row)
+      if (std::isfinite(column[row]) != std::isfinite(column[row - 1])) drawn[row] = drawn[row - 1] = true;
+  }
+  return drawn;
+}
+
 }  // namespace
 
 GnuplotFigure::GnuplotFigure(int width_px, int height_px)
@@ -113,7 +140,9 @@ std::string GnuplotFigure::Data(const std::vector<std::vector<double>>& columns)
   const std::string name = fmt::format("$data{}", tables_++);
   std::string& script = pages_.back();
   script += name + " << EOD\n";
-  for (std::size_t row = 0; !columns.empty() && row < columns.front().size(); ++row) {
+  const std::vector<bool> drawn = RowsToDraw(columns);
+  for (std::size_t row = 0; row < drawn.size(); ++row) {
+    if (!drawn[row]) continue;
     for (const auto& column : columns) script += (std::isfinite(column[row]) ? FormatNumber(column[row]) : "NaN") + " ";
     script += "\n";
   }

@@ -81,7 +81,7 @@ struct ActiveSet {
 ActiveSet FindActiveSet(const LocalSolve& solve);
 
 struct SynthesisResult {
-  std::vector<LocalSolve> starts;  // in order of starting
+  std::vector<LocalSolve> starts;  // in order; of all but the first and the best without program, poses, iterations
   std::vector<int> basin;  // of each start: the same number for the same range within 0.01 deg, or duration within 0.1
                            // %; -1 unusable
   int best = -1;           // index of the best usable start; -1: none

@@ -37,11 +37,18 @@ class BandedMatrix {
 // Replaces A by L of A = L Lᵀ (LAPACK's dpbtrf). Returns false if A is not positive definite or not finite.
 [[nodiscard]] bool Factorize(BandedMatrix& matrix);
 
+// Of a matrix that is factorised piece by piece: replaces the rows of A from `begin` to `end` by those of L, where the
+// `band` rows before them are L's already. LAPACK's routine wants the whole matrix. begin ≥ half bandwidth.
+[[nodiscard]] bool FactorizeRows(BandedMatrix& matrix, std::size_t begin, std::size_t end);
+
 // Replaces b by x of L Lᵀ x = b.
 void Solve(const BandedMatrix& factor, std::span<double> right_hand_side);
 
 // The elements of (L Lᵀ)⁻¹ within the band, exactly, in size · bandwidth² operations (Takahashi, Fagan & Chin 1973).
 // In the factor's own memory.
 BandedMatrix SelectedInverse(BandedMatrix factor);
+
+// The same of the columns from `begin` to `end`, where those of the inverse after them stand in their places already.
+void SelectedInverseOfRows(BandedMatrix& factor, std::size_t begin, std::size_t end);
 
 }  // namespace lake::gait
