@@ -67,19 +67,30 @@ TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningIsLeftOut) {
     return static_cast<std::size_t>(events.at(static_cast<std::size_t>(kind)).frame);
   };
   EXPECT_FALSE(gait::FindStsEvents(all).begins_during_rise);
-  const std::size_t seat_off = index_of(motion::StsEventKind::kSeatOff);
-  for (const std::size_t begin : {seat_off, seat_off + 2, seat_off + 5}) {
+  const std::size_t onset = index_of(motion::StsEventKind::kOnset), seat_off = index_of(motion::StsEventKind::kSeatOff);
+  const auto cut_at = [&](std::size_t begin) {
     gait::StsSignals cut = all;
     const auto drop = [&](auto& values) {
       values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(begin));
     };
     drop(cut.frame), drop(cut.time_s), drop(cut.hip_height), drop(cut.hip_speed), drop(cut.hip_up_speed);
     drop(cut.knee_deg_s), drop(cut.trunk_deg_s);
-    EXPECT_TRUE(gait::FindStsEvents(cut).begins_during_rise) << begin;
-    EXPECT_EQ(TimesOf(gait::FindStsEvents(cut).events, motion::StsEventKind::kOnset).size(), 2u) << begin;
-    EXPECT_EQ(TimesOf(gait::FindStsEvents(cut).events, motion::StsEventKind::kStanding),
+    return gait::FindStsEvents(cut);
+  };
+  // The seat is left after the trunk has leaned for a while: also a rise whose lean alone was under way has no onset.
+  for (std::size_t begin = onset; begin < seat_off + 6; ++begin) {
+    const gait::FoundStsEvents cut = cut_at(begin);
+    EXPECT_TRUE(cut.begins_during_rise) << begin;
+    EXPECT_EQ(TimesOf(cut.events, motion::StsEventKind::kOnset).size(), 2u) << begin;
+    EXPECT_EQ(TimesOf(cut.events, motion::StsEventKind::kStanding),
               (std::vector{TimesOf(events, motion::StsEventKind::kStanding)[1],
                            TimesOf(events, motion::StsEventKind::kStanding)[2]}))
+        << begin;
+  }
+  // A tenth of a second of rest is enough.
+  for (std::size_t begin = 0; begin + 10 < onset; ++begin) {
+    EXPECT_FALSE(cut_at(begin).begins_during_rise) << begin;
+    EXPECT_NEAR(TimesOf(cut_at(begin).events, motion::StsEventKind::kOnset).front(), events.front().time_s, 1.01 / 60)
         << begin;
   }
 }

@@ -34,6 +34,20 @@ TEST(MarkerCsv, ReadsBackWhatWasWritten) {
   EXPECT_EQ(read.Find("ankle"), nullptr);
 }
 
+// Times and positions alone, as another program writes them.
+TEST(MarkerCsv, ReadsTablesWithoutFramesSigmasAndStatuses) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "t.csv", "time_s,knee_x_mm,knee_y_mm\n0.5,10,-20\n0.6,,\n");
+  const motion::MarkerRecording read = motion::ReadMarkerCsv(folder / "t.csv");
+  EXPECT_EQ(read.frame, (std::vector<std::int64_t>{0, 1}));
+  EXPECT_EQ(read.time_s, (std::vector<double>{0.5, 0.6}));
+  const std::vector<motion::MarkerSample>& knee = read.markers.at(0).samples;
+  EXPECT_EQ(knee[0].status, motion::SampleStatus::kDetected);
+  EXPECT_EQ(knee[0].position, Eigen::Vector2d(10, -20));
+  EXPECT_EQ(knee[0].sigma, 0) << "not known";
+  EXPECT_EQ(knee[1].status, motion::SampleStatus::kMissing);
+}
+
 TEST(MarkerCsv, RefusesBadTables) {
   const TemporaryFolder folder;
   const auto read = [&](const char* text) {
@@ -49,6 +63,8 @@ TEST(MarkerCsv, RefusesBadTables) {
   EXPECT_THAT([&] { read((head + "0,1,1,2,0.1,detected\n1,1,1,2,0.1,detected\n").c_str()); },
               ThrowsMessage<Error>(HasSubstr("t.csv:3: time_s does not increase")));
   EXPECT_THAT([&] { read((head + "0,0,1,2,-1,detected\n").c_str()); }, ThrowsMessage<Error>(HasSubstr("negative")));
+  EXPECT_THAT([&] { read("k_x_px,k_y_px\n1,2\n"); }, ThrowsMessage<Error>(HasSubstr("no column 'time_s'")));
+  EXPECT_THAT([&] { read("time_s,k_x_px\n0,2\n"); }, ThrowsMessage<Error>(HasSubstr("no column 'k_y_px'")));
 }
 
 TEST(KinematicsCsv, ReadsBackWhatWasWritten) {

@@ -309,6 +309,7 @@ gait::LegFitOptions FitOptions(const TrackRunOptions& options, const tracking::T
   gait::LegFitOptions fit = options.fit;
   fit.quiet = quiet, fit.known_sigmas = true;
   fit.vertical_option = "--vertical", fit.facing_option = "lake gait --facing";
+  fit.ways_out = "leave them out (--start, --end) or say where the markers are (--seed, --corrections)";
   if (const std::optional<Eigen::Vector2d> up = UpInPlane(options, tracked, view, warn)) fit.up = *up;
   return fit;
 }

@@ -1,6 +1,7 @@
 #include "lake/motion/marker_recording.h"
 
 #include <array>
+#include <optional>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -19,8 +20,8 @@ SampleStatus ParseStatus(const CsvTable& table, std::size_t row, std::size_t col
 
 // The columns of one marker.
 struct MarkerColumns {
-  std::size_t x, y, sigma, status;
-  bool raw;  // a measurement's: an empty cell is a marker that was not seen
+  std::size_t x, y;
+  std::optional<std::size_t> sigma, status;  // without a status, an empty cell is a marker that was not seen
 };
 
 std::string XSuffix(LengthUnit unit) {
@@ -65,14 +66,21 @@ void WriteTable(const std::filesystem::path& path, const MarkerRecording& record
   csv.Write(path);
 }
 
+std::optional<std::size_t> FindColumn(const CsvTable& table, const std::string& name) {
+  return table.Has(name) ? std::optional(table.Column(name)) : std::nullopt;
+}
+
 MarkerSample ReadSample(const CsvTable& table, std::size_t row, const MarkerColumns& columns) {
   MarkerSample sample;
-  sample.status = ParseStatus(table, row, columns.status);
-  if (columns.raw) sample.status = table.Number(row, columns.x) ? SampleStatus::kDetected : SampleStatus::kMissing;
+  if (columns.status)
+    sample.status = ParseStatus(table, row, *columns.status);
+  else
+    sample.status = table.Number(row, columns.x) ? SampleStatus::kDetected : SampleStatus::kMissing;
   if (!sample.IsKnown()) return sample;
   sample.position = {table.RequiredNumber(row, columns.x), table.RequiredNumber(row, columns.y)};
-  sample.sigma = table.RequiredNumber(row, columns.sigma);
-  if (sample.sigma < 0) throw Fail("{}: column '{}' is negative", table.Where(row), table.Header()[columns.sigma]);
+  if (!columns.sigma) return sample;
+  sample.sigma = table.RequiredNumber(row, *columns.sigma);
+  if (sample.sigma < 0) throw Fail("{}: column '{}' is negative", table.Where(row), table.Header()[*columns.sigma]);
   return sample;
 }
 
@@ -136,14 +144,17 @@ MarkerRecording ReadMarkerCsv(const std::filesystem::path& path, MarkerValues va
     if (name.ends_with(kRaw) && !table.Has(name + "_status")) continue;
     recording.markers.push_back({name, {}});
     const bool raw = values == MarkerValues::kMeasured && table.Has(fmt::format("{}{}{}", name, kRaw, suffix));
-    const auto find = [&](const char* quantity) {
-      return table.Column(fmt::format("{}{}_{}_{}", name, raw ? kRaw : "", quantity, unit));
+    const auto name_of = [&](const char* quantity) {
+      return fmt::format("{}{}_{}_{}", name, raw ? kRaw : "", quantity, unit);
     };
-    columns.push_back({find("x"), find("y"), find("sigma"), table.Column(name + "_status"), raw});
+    const auto column_of = [&](const char* quantity) { return table.Column(name_of(quantity)); };
+    columns.push_back({column_of("x"), column_of("y"), FindColumn(table, name_of("sigma")),
+                       raw ? std::nullopt : FindColumn(table, name + "_status")});
   }
-  const std::size_t frame = table.Column("frame"), time = table.Column("time_s");
+  const std::optional<std::size_t> frame = FindColumn(table, "frame");
+  const std::size_t time = table.Column("time_s");
   for (std::size_t row = 0; row < table.Rows(); ++row) {
-    recording.frame.push_back(static_cast<std::int64_t>(table.RequiredNumber(row, frame)));
+    recording.frame.push_back(static_cast<std::int64_t>(frame ? table.RequiredNumber(row, *frame) : row));
     recording.time_s.push_back(table.RequiredNumber(row, time));
     if (row > 0 && recording.time_s[row] <= recording.time_s[row - 1])
       throw Fail("{}: time_s does not increase", table.Where(row));

@@ -205,7 +205,7 @@ MarkerCurve SmoothMarker(const motion::MarkerRecording& recording, const Detecti
       if (d.trusted[i]) values[i] = d.in_plane[i][axis];
     const SmoothSignal signal = FitSmoothingSpline(grid, recording.time_s, values, d.plane_sigma, smoothing);
     curve.settled &= signal.converged;
-    const Jitter jitter = options.known_sigmas ? Jitter(signal.noise_scale) : Jitter();
+    const Jitter jitter = options.FollowsJitter() ? Jitter(signal.noise_scale) : Jitter();
     for (std::size_t i = 0; i < n; ++i) {
       const SplineGrid::Place place = grid.At(recording.time_s[i]);
       const double smooth = ValueAt(place, signal.coefficients), own = VarianceAt(place, signal.covariance);

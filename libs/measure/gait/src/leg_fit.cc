@@ -17,16 +17,48 @@
 namespace lake::gait {
 namespace {
 
+double MedianStep(const std::vector<double>& time_s) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
+  return Median(std::move(steps));
+}
+
 void CheckRecording(const motion::MarkerRecording& recording, const LegFitOptions& options) {
   if (recording.Frames() < 8) throw Fail("leg fit: a recording of {} frames is too short", recording.Frames());
   for (std::size_t i = 0; i < recording.Frames(); ++i)
     if (!std::isfinite(recording.time_s[i]) || (i > 0 && recording.time_s[i] <= recording.time_s[i - 1]))
       throw Fail("leg fit: frame {}: time stamp {} does not follow the one before", recording.frame[i],
                  recording.time_s[i]);
+  if (const double step_s = MedianStep(recording.time_s); step_s > options.longest_step_s)
+    throw Fail(
+        "leg fit: the frames are {:.3g} s apart (median), at most {:.3g} s show how a leg moves; times are in seconds: "
+        "are these in ms?",
+        step_s, options.longest_step_s);
   if (std::abs(options.up.norm() - 1) > 1e-6) throw Fail("leg fit: the vertical must be a unit vector");
+  if (options.cutoff_hz && options.filter == LegFilter::kNone)
+    throw UsageError("--cutoff: --filter none has no cutoff");
   if (options.cutoff_hz)
     CheckCutoff(*options.cutoff_hz,
                 static_cast<double>(recording.Frames() - 1) / (recording.time_s.back() - recording.time_s.front()));
+}
+
+// Of movements that nothing was recorded of.
+void WarnOfPauses(const motion::MarkerRecording& recording, const LegFitOptions& options,
+                  std::vector<std::string>& warnings) {
+  for (std::size_t i = 1; i < recording.Frames(); ++i)
+    if (const double pause_s = recording.time_s[i] - recording.time_s[i - 1]; pause_s > options.longest_pause_s)
+      warnings.push_back(
+          fmt::format("nothing is recorded for {:.3g} s after frame {} ({:.3f} s): what moved meanwhile is not known",
+                      pause_s, recording.frame[i - 1], recording.time_s[i - 1]));
+}
+
+void WarnOfLengths(const std::vector<SegmentReport>& segments, double most_usual, std::vector<std::string>& warnings) {
+  for (const SegmentReport& segment : segments)
+    if (segment.name != "hw" && segment.variation > most_usual * segment.length)
+      warnings.push_back(fmt::format(
+          "the {}'s length varies by {:.0f} % (SD), skin moves by {:.0f} % at most: are the picture's "
+          "width and height in the same scale, and camera and plane those of this recording?",
+          segment.name == "ak" ? "shank" : "thigh", 100 * segment.variation / segment.length, 100 * most_usual));
 }
 
 std::string Names(const motion::MarkerRecording& recording) {
@@ -166,10 +198,20 @@ Solution SolveLeg(LegModel model, std::vector<double> coefficients) {
 std::array<Jitter, kLegMarkers> JittersOf(const std::array<double, kLegMarkers>& noise_scales,
                                           const LegFitOptions& options) {
   std::array<Jitter, kLegMarkers> jitters;
-  if (options.known_sigmas)
+  if (options.FollowsJitter())
     std::transform(noise_scales.begin(), noise_scales.end(), jitters.begin(),
                    [](double scale) { return Jitter(scale); });
   return jitters;
+}
+
+// Of a cutoff below what the leg does: the recording is not to blame.
+void CheckCutoffKeepsMotion(const LegFitResult& result, double cutoff_hz) {
+  for (const MarkerReport& marker : result.markers)
+    if (marker.outliers > PlausibilityLimits().most_outliers * marker.detected)
+      throw Fail(
+          "leg fit: a cutoff of {} Hz takes the movement itself for noise: {} of the {} detections of marker '{}' are "
+          "outliers of so smooth a path; give a higher --cutoff, or none",
+          cutoff_hz, marker.outliers, marker.detected, marker.name);
 }
 
 LegFitSummary Summarize(const Solution& solution, const LegStart& start) {
@@ -230,6 +272,8 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
         fmt::format("the knee bends by {:.0f}° at most: which way the subject faces is a guess; give it with {}",
                     found.largest_flexion_deg, options.facing_option));
 
+  WarnOfPauses(recording, options, result.warnings);
+
   LegModel model;
   model.view = view;
   model.plane_from_leg = PlaneFromLegAxes(facing, options.up);
@@ -265,7 +309,11 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
       if (report.name == leg[m].name) report.noise_scale = solution.noise_scales[m];
   result.summary = Summarize(solution, start);
   result.summary.known_sigmas = options.known_sigmas;
-  CheckPlausible(result);
+  WarnOfLengths(result.segments, options.most_usual_variation, result.warnings);
+  if (options.HasSplineCutoff()) CheckCutoffKeepsMotion(result, *options.cutoff_hz);
+  PlausibilityLimits limits;
+  limits.ways_out = options.ways_out;
+  CheckPlausible(result, limits);
   progress.Advance();
   return result;
 }

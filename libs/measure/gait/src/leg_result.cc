@@ -319,7 +319,8 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
   FoundStsEvents found = FindStsEvents(MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up));
   result.events = std::move(found.events);
   if (found.begins_during_rise)
-    result.warnings.emplace_back("the recording begins after a seat was left: that rise has no onset and is left out");
+    result.warnings.emplace_back(
+        "the recording begins after a rise did, without the rest before it: that rise has no onset and is left out");
   SetRepetitions(result.events, result.motion);
 }
 

@@ -14,7 +14,7 @@ constexpr int kShown = 6;  // runs of frames in a message
 
 // The value farthest beyond the limits decides the message; NaN is never beyond.
 void CheckColumn(const std::vector<double>& values, double least, double most, const std::string& what,
-                 const std::string& unit, const std::vector<std::int64_t>& frame) {
+                 const std::string& unit, const std::vector<std::int64_t>& frame, const std::string& ways_out) {
   double worst = 0, beyond = 0;
   for (const double value : values) {
     const double over = std::max(value - most, least - value);
@@ -23,11 +23,11 @@ void CheckColumn(const std::vector<double>& values, double least, double most, c
   if (beyond > 0)
     throw Fail(
         "{} is {:.4g} {} at worst, a person's is between {:.4g} and {:.4g} (frames {}): the markers are not where they "
-        "were taken to be there, or the frames not when; look at these frames, leave them out (--start, --end) or say "
-        "where the markers are (--seed, --corrections)",
+        "were taken to be there, or the frames not when; look at these frames, {}",
         what, worst, unit, least, most,
         FramesWhere(
-            frame, [&](std::size_t i) { return values[i] > most || values[i] < least; }, kShown));
+            frame, [&](std::size_t i) { return values[i] > most || values[i] < least; }, kShown),
+        ways_out);
 }
 
 std::vector<double> Column(const motion::LegMotion& motion, double motion::LegSample::*value) {
@@ -53,7 +53,7 @@ void CheckSegment(const motion::LegMotion& motion, Eigen::Vector2d motion::LegSa
   const double usual = MedianOfKnown(lengths);
   for (double& length : lengths) length /= usual;
   CheckColumn(lengths, limits.shortest, limits.longest, fmt::format("the length of the {} over its median", what), "",
-              motion.frame);
+              motion.frame, limits.ways_out);
 }
 
 // Speed and acceleration of each sample from its own place and those a moment before and after; NaN where not known.
@@ -88,21 +88,22 @@ MarkerRates RatesOf(const motion::MarkerTrack& marker, const std::vector<double>
 void CheckPlausible(const motion::LegMotion& motion, const motion::MarkerRecording& trajectory,
                     const PlausibilityLimits& limits) {
   CheckColumn(Column(motion, &motion::LegSample::knee_deg), limits.least_knee_deg, limits.most_knee_deg,
-              "the knee angle", "deg", motion.frame);
+              "the knee angle", "deg", motion.frame, limits.ways_out);
   CheckSegment(motion, &motion::LegSample::ak, "shank", limits);
   CheckSegment(motion, &motion::LegSample::kh, "thigh", limits);
   CheckColumn(Column(motion, &motion::LegSample::knee_deg_s), -limits.most_knee_deg_s, limits.most_knee_deg_s,
-              "the knee's angular velocity", "deg/s", motion.frame);
+              "the knee's angular velocity", "deg/s", motion.frame, limits.ways_out);
   std::vector<double> sigmas = Column(motion, &motion::LegSample::knee_sigma_deg);
   const std::vector<double> all = sigmas;
   std::erase_if(sigmas, [](double v) { return !std::isfinite(v); });
   if (RootMeanSquare(sigmas) > limits.most_knee_sigma_deg)
     throw Fail(
         "the knee angle's standard deviation is {:.3g} deg (root mean square), where {} are the most that say anything "
-        "(frames {}): the markers' paths fit no moving leg; look at these frames, or leave them out (--start, --end)",
+        "(frames {}): the markers' paths fit no moving leg; look at these frames, {}",
         RootMeanSquare(sigmas), limits.most_knee_sigma_deg,
         FramesWhere(
-            motion.frame, [&](std::size_t i) { return all[i] > limits.most_knee_sigma_deg; }, kShown));
+            motion.frame, [&](std::size_t i) { return all[i] > limits.most_knee_sigma_deg; }, kShown),
+        limits.ways_out);
   const double leg =
       MedianOfKnown(Lengths(motion, &motion::LegSample::ak)) + MedianOfKnown(Lengths(motion, &motion::LegSample::kh));
   const double mm_per_unit = trajectory.unit == motion::LengthUnit::kMm ? 1 : limits.leg_mm / leg;
@@ -111,7 +112,7 @@ void CheckPlausible(const motion::LegMotion& motion, const motion::MarkerRecordi
     for (auto* column : {&rates.speed, &rates.acceleration})
       for (double& value : *column) value *= mm_per_unit;
     CheckColumn(rates.speed, 0, limits.most_speed_mm_s, fmt::format("the speed of marker '{}'", marker.name), "mm/s",
-                trajectory.frame);
+                trajectory.frame, limits.ways_out);
     CheckColumn(rates.acceleration, 0, limits.most_acceleration_mm_s2,
                 fmt::format("the acceleration of marker '{}'", marker.name), "mm/s²", trajectory.frame);
   }
@@ -123,7 +124,7 @@ void CheckPlausible(const LegFitResult& result, const PlausibilityLimits& limits
     if (marker.outliers <= limits.most_outliers * marker.detected) continue;
     throw Fail(
         "{} of the {} detections of marker '{}' are outliers of the fit, at most {:.0f} % may be (frames {}): what was "
-        "seen there is no leg's motion; look at these frames, or leave them out (--start, --end)",
+        "seen there is no leg's motion; look at these frames, {}",
         marker.outliers, marker.detected, marker.name, 100 * limits.most_outliers,
         FramesWhere(
             result.motion.frame,
@@ -132,7 +133,8 @@ void CheckPlausible(const LegFitResult& result, const PlausibilityLimits& limits
                 return outlier.marker == marker.name && outlier.frame == result.motion.frame[i];
               });
             },
-            kShown));
+            kShown),
+        limits.ways_out);
   }
 }
 

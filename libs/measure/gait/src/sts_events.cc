@@ -81,10 +81,21 @@ class EventFinder {
   bool AddIfRepetition(std::size_t rest_from, const Stretch& rise) {
     if (Extension(rise) < o_.least_extension_deg) return false;
     const std::size_t seat_off = SeatOff(rest_from, rise);
-    found_.begins_during_rise |= seat_off == 0;
-    if (seat_off == 0) return false;
+    if (rest_from == 0 && !RestsBefore(seat_off)) {
+      found_.begins_during_rise = true;
+      return false;
+    }
     AddRise(rest_from, seat_off, rise);
     return true;
+  }
+
+  // Whether hip and trunk are still for a while somewhere before a frame.
+  bool RestsBefore(std::size_t seat_off) const {
+    const double limit = o_.rest_speed_mm_s * s_.units_per_mm;
+    const auto is_still = [&](std::size_t i) {
+      return s_.hip_speed[i] < limit && std::abs(s_.trunk_deg_s[i]) < o_.rest_trunk_deg_s;
+    };
+    return LastRun(0, seat_off, is_still).has_value();
   }
 
   // The knee's extension over a stretch, from its speed.

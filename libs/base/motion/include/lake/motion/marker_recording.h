@@ -66,6 +66,8 @@ enum class MarkerValues {
 };
 
 // Reads either table; the unit is taken from the columns' names. Of a table that holds one kind of values only, those.
+// Another program's may have less: without `frame` they are counted from 0, without M_status an empty cell is a marker
+// that was not seen, without M_sigma_U the sigma is 0: not known.
 // Throws Error naming file, line and column, also for times that do not increase.
 MarkerRecording ReadMarkerCsv(const std::filesystem::path& path, MarkerValues values = MarkerValues::kMeasured);
 

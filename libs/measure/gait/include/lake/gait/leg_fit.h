@@ -38,18 +38,26 @@ struct LegFitOptions {
   double outlier_deviations = 7;                  // a residual of so many sigmas has no weight at all
   double most_length_range =
       0.30;  // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5 and more
+  double most_usual_variation =
+      0.06;                      // SD of |AK| and |KH| over their length, warned of beyond it; skin makes 0.05 at most
+  double longest_step_s = 0.25;  // between frames, their median: from fewer no rise can be told
+  double longest_pause_s = 0.5;  // between two frames without a warning
   double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
   int most_smoothing_iterations = SmoothingOptions{}.max_iterations;  // of the search for each component's smoothness
   // Longer recordings are solved with the normal matrix alone, in a sixth of the memory: to the same minimum, and to
   // other last digits.
   std::size_t most_frames_in_ceres = 15000;
   // The sigmas hold, as the tracker's: what markers scatter beyond them about smooth paths is the person's own jitter,
-  // and is followed. Else it is noise that the sigmas did not know of.
+  // and is followed (but where a cutoff says what motion is). Else it is noise that the sigmas did not know of.
   bool known_sigmas = false;
+  bool FollowsJitter() const { return known_sigmas && !HasSplineCutoff(); }
+  bool HasSplineCutoff() const { return filter == LegFilter::kSpline && cutoff_hz.has_value(); }
   bool quiet = true;  // no progress
 
-  // By what the program at work says which way is up and where the subject faces, for messages.
+  // By what the program at work says which way is up and where the subject faces, and what can be done about frames
+  // that no leg's motion explains; for messages.
   std::string vertical_option = "--up", facing_option = "--facing";
+  std::string ways_out = "leave them out (lake convert --crop), or put the markers right";
 };
 
 // All but where the subject faces, which not every program asks.

@@ -19,6 +19,7 @@ struct PlausibilityLimits {
   double most_knee_sigma_deg = 10;         // root mean square; of a knee that could be anywhere: 40°
   double most_outliers = 0.25;             // share of a marker's detections that the fit does not explain
   double leg_mm = 850;                     // ankle to hip; stands in for a scale where there is none
+  std::string ways_out = LegFitOptions().ways_out;  // for messages
 };
 
 // Throws Error naming what is beyond which limit and in which frames. Speeds and accelerations are those of the

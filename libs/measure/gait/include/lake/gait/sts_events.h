@@ -23,6 +23,7 @@ struct StsSignals {
 
 struct StsOptions {
   double rest_speed_mm_s = 20;      // rest: the hip is slower than this …
+  double rest_trunk_deg_s = 10;     // … and, before the first rise, the trunk turns slower than this …
   double rest_duration_s = 0.1;     // … for at least this long
   double onset_deviations = 3;      // rest is left by this many SD of the rest, and at least …
   double onset_height_mm = 2;       // … by this of the hip's height, or …
@@ -35,8 +36,7 @@ struct StsOptions {
 
 struct FoundStsEvents {
   std::vector<motion::StsEvent> events;
-  // Whether the seat was left before the recording began: that rise has no onset and is left out. One whose seat-off is
-  // recorded, but not the rest before it, has its onset in the first frame.
+  // Whether the recording began after the rest before its first rise: that rise has no onset and is left out.
   bool begins_during_rise = false;
 };
 
