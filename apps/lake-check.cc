@@ -3,8 +3,10 @@
 #include "program.h"
 
 int main(int argc, char** argv) {
-  lake::Program program("lake-check", "What a recording is worth: in seconds, with what to change; exit 0 fit, 1 not",
-                        "lake-check sit-to-stand.mp4");
+  lake::Program program(
+      "lake-check",
+      "What a recording of reflective markers is worth: in seconds, with what to change; exit 0 fit, 1 not",
+      "lake-check sit-to-stand.mp4");
   lake::commands::CheckRunOptions options;
   program.Add(lake::OptionsOf(options));
   bool fit = true;

@@ -38,6 +38,7 @@ TEST(Check, SaysThatAGoodRecordingIsFitWithTheFiguresOfTheRendering) {
     const Json& figures = summary["figures"];
     EXPECT_TRUE(summary["fit"].get<bool>()) << summary["checks"].dump(1);
     EXPECT_GT(figures["all_seen_share"].get<double>(), 0.98);
+    EXPECT_EQ(VerdictOf(summary, "travel_px"), "good") << figures["travel_px"];
     EXPECT_NEAR(figures["quality"]["radius_px"].get<double>(), options.marker_radius_px, 0.6);
     EXPECT_NEAR(figures["quality"]["contrast"].get<double>(), 200, 60);  // 235 over trousers and wall
     EXPECT_EQ(figures["repeated_frames"], 0);
@@ -65,6 +66,12 @@ TEST(Check, NamesWhatMakesARecordingUnfit) {
   small.marker_radius_px = 1.6;
   RenderedTrial far(small, {.preset = kQuickEncoder});
   EXPECT_EQ(VerdictOf(CheckVideo(far.folder / "video.mp4", far.folder / "check"), "radius_px"), "unfit");
+
+  synth::SceneOptions still = Short(5);
+  still.duration_s = 0.6;  // before the rise
+  RenderedTrial resting(still, {.preset = kQuickEncoder});
+  const Json seated = CheckVideo(resting.folder / "video.mp4", resting.folder / "check");
+  EXPECT_EQ(VerdictOf(seated, "travel_px"), "unfit") << seated["checks"].dump(1);
 }
 
 // A subject at rest repeats nothing, however well the picture is compressed.

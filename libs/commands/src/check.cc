@@ -53,6 +53,16 @@ void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<Ch
        fmt::format("a shutter of 1/{:.0f} s or shorter, with more light", 4 * std::max(c.video.frame_rate_hz, 25.0))});
 }
 
+// In a rise the hip travels by about the length of a thigh.
+void JudgeMovement(const tracking::RecordingCheck& c, std::vector<CheckItem>& items) {
+  if (c.segment_px <= 0) return;
+  const double travel = c.travel_px / c.segment_px;
+  items.push_back({"travel_px",
+                   fmt::format("markers travel by {:.0f} px, {:.1f} times a segment's length", c.travel_px, travel),
+                   Judge(-travel, -0.4, -0.2),
+                   "record the whole movement: a second of sitting still, the rise, a second of standing"});
+}
+
 void JudgePictures(const tracking::RecordingCheck& c, int markers, std::vector<CheckItem>& items) {
   items.push_back({"flicker", fmt::format("brightness flickers by {:.1f} %", 100 * c.flicker),
                    Judge(c.flicker, 0.02, 0.15),
@@ -118,6 +128,7 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
           {"bits_per_pixel", c.bits_per_pixel},
           {"position_sd_px", c.position_sd_px},
           {"segment_px", c.segment_px},
+          {"travel_px", c.travel_px},
           {"expected_knee_sd_deg", c.knee_sd_deg},
           {"flicker", c.flicker},
           {"repeated_frames", c.repeated_frames},
@@ -142,9 +153,10 @@ overlay::CheckPicture PictureOf(const tracking::RecordingCheck& check, const std
 std::vector<CheckItem> JudgeRecording(const tracking::RecordingCheck& check, int markers) {
   std::vector<CheckItem> items;
   JudgeMarkers(check, markers, items);
+  JudgeMovement(check, items);
   JudgePictures(check, markers, items);
   JudgeTime(check, items);
-  if (check.markers.samples > 0)
+  if (check.markers.samples > 0 && check.segment_px > 0)
     items.push_back(
         {"expected_knee_sd_deg", fmt::format("knee angle of a single frame: {:.3f} degrees (1 SD)", check.knee_sd_deg),
          Judge(check.knee_sd_deg, 0.2, 1), "larger markers, more light, a higher bit rate; the camera nearer"});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
@@ -174,6 +175,25 @@ double SegmentPx(const std::vector<const Tracklet*>& markers) {
   return markers.size() < 2 ? 0 : (high - low).norm() / kSegments;
 }
 
+std::vector<Eigen::Vector2d> PositionsOf(const std::vector<const Tracklet*>& markers) {
+  std::vector<Eigen::Vector2d> positions;
+  for (const Tracklet* marker : markers) positions.push_back(marker->samples[marker->samples.size() / 2].position);
+  return positions;
+}
+
+// The directed Hausdorff distance, the largest over all pairs of places.
+double TravelPx(const std::vector<std::vector<Eigen::Vector2d>>& places) {
+  double travel = 0;
+  for (const auto& place : places)
+    for (const auto& other : places)
+      for (const Eigen::Vector2d& marker : place) {
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const Eigen::Vector2d& there : other) nearest = std::min(nearest, (marker - there).norm());
+        if (!other.empty()) travel = std::max(travel, nearest);
+      }
+  return travel;
+}
+
 // Ankle, knee and hip with the same error: σ²/a² + σ²/b² + σ² (1/a² + 1/b² + 2 cos θ/(a b)), for a = b at its largest.
 double KneeSdDeg(double position_sd_px, double segment_px) {
   return segment_px > 0 ? DegreesFromRadians(position_sd_px / segment_px * std::sqrt(6.0)) : 0;
@@ -288,10 +308,12 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   CountSpots(places, options.markers, check);
   std::vector<const Tracklet*> markers;
   std::vector<double> segments, tilts, compression;
+  std::vector<std::vector<Eigen::Vector2d>> positions;  // of the markers, by place
   for (const Place& place : places) {
     const std::vector<const Tracklet*> own = MarkersOf(place, options.markers);
     markers.insert(markers.end(), own.begin(), own.end());
     if (own.size() >= std::min<std::size_t>(options.markers, 3)) segments.push_back(SegmentPx(own));
+    positions.push_back(PositionsOf(own));
     if (const double added = CompressionPx(own, place); added > 0) compression.push_back(added);
     if (const auto tilt = TiltDeg(place.middle)) tilts.push_back(*tilt);
   }
@@ -299,6 +321,7 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   check.compression_px = compression.empty() ? 0 : Median(compression);
   check.position_sd_px = std::hypot(check.markers.sigma_px, check.compression_px);
   check.segment_px = segments.empty() ? 0 : Median(segments);
+  check.travel_px = TravelPx(positions);
   check.knee_sd_deg = KneeSdDeg(check.position_sd_px, check.segment_px);
   if (2 * tilts.size() > places.size()) check.tilt_deg = Median(tilts);
   std::error_code error;

@@ -63,6 +63,7 @@ struct RecordingCheck {
   double compression_px = 0;  // that coding adds to a position's error
   double position_sd_px = 0;  // of one frame, per axis, with it
   double segment_px = 0;      // about the length of shank and thigh
+  double travel_px = 0;       // how far a marker of one place is from all of another at the most: that something moves
   double knee_sd_deg = 0;     // expected of one frame's knee angle
 
   double flicker = 0;               // brightness from frame to frame, relative standard deviation
