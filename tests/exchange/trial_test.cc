@@ -116,6 +116,35 @@ TEST(Trial, OwnTablesKeepSigmasAndFoldersAreUnderstood) {
   EXPECT_THROW(exchange::ReadTrial(folder.Path()), Error);
 }
 
+TEST(Trial, MarkersOfOwnTablesAreExchangedReplacedAndHalvedByTheirNames) {
+  const TemporaryFolder folder;
+  motion::MarkerRecording markers;
+  markers.unit = motion::LengthUnit::kMm;
+  markers.frame = {0, 1}, markers.time_s = {0, 0.02};
+  const auto seen = motion::SampleStatus::kDetected;
+  markers.markers = {{"knee", {{{1, 2}, 0.3, seen}, {{1, 2}, 0.3, seen}}},
+                     {"hip", {{{5, 8}, 0.4, seen}, {}}},
+                     {"exo_knee", {{{7, 7}, 0.1, seen}, {{7, 7}, 0.1, seen}}}};
+  motion::WriteMarkerCsv(folder / "t.csv", markers);
+  const auto read = [&](const char* map) {
+    return exchange::ReadTrial(folder / "t.csv", {NameMap(map), {}, ""}).recording;
+  };
+  const motion::MarkerRecording swapped = read("knee=hip,hip=knee");
+  EXPECT_EQ(swapped.Find("knee")->samples[0].position.x(), 5);
+  EXPECT_EQ(swapped.Find("hip")->samples[0].position.x(), 1);
+  EXPECT_EQ(swapped.Find("exo_knee")->samples[0].position.x(), 7);
+
+  const motion::MarkerRecording replaced = read("knee=exo_knee");
+  EXPECT_EQ(replaced.Find("knee")->samples[0].position.x(), 7);
+  EXPECT_EQ(replaced.markers.size(), 2u);
+
+  const motion::MarkerRecording halved = read("waist=knee+hip");
+  EXPECT_EQ(halved.Find("waist")->samples[0].position, Eigen::Vector2d(3, 5));
+  EXPECT_DOUBLE_EQ(halved.Find("waist")->samples[0].sigma, 0.25);
+  EXPECT_FALSE(halved.Find("waist")->samples[1].IsKnown()) << "the hip is not seen";
+  EXPECT_TRUE(halved.Find("knee") && halved.Find("hip"));
+}
+
 TEST(Trial, UnknownAndAbsentFilesAreErrors) {
   const TemporaryFolder folder;
   EXPECT_THROW(exchange::ReadTrial(folder / "none.trc"), Error);

@@ -48,20 +48,41 @@ PointTrack TakePoint(const PointRecording& points, const std::string& expression
   return result;
 }
 
-// Lake's own tables keep sigmas and statuses.
-motion::MarkerRecording Rename(motion::MarkerRecording markers, const std::map<std::string, std::string>& names,
+// The middle is seen where both are; their errors are their own.
+motion::MarkerSample MiddleOf(const motion::MarkerSample& a, const motion::MarkerSample& b) {
+  if (!a.IsKnown() || !b.IsKnown()) return {};
+  const bool both_seen = a.status == motion::SampleStatus::kDetected && b.status == motion::SampleStatus::kDetected;
+  return {(a.position + b.position) / 2, std::hypot(a.sigma, b.sigma) / 2,
+          both_seen ? motion::SampleStatus::kDetected : motion::SampleStatus::kFilled};
+}
+
+// "A" or the middle of "A+B" in one of Lake's own tables, which keep sigmas and statuses.
+motion::MarkerTrack TakeMarker(const motion::MarkerRecording& markers, const std::string& expression,
+                               const std::string& name, const fs::path& path) {
+  const auto find = [&](const std::string& wanted) -> const motion::MarkerTrack& {
+    if (const motion::MarkerTrack* track = markers.Find(wanted)) return *track;
+    std::vector<std::string> known;
+    for (const motion::MarkerTrack& marker : markers.markers) known.push_back(marker.name);
+    throw Fail("{}: no marker '{}' (for {}); it has: {}", path.string(), wanted, name, Names(known));
+  };
+  const std::vector<std::string> parts = SplitText(expression, '+');
+  if (markers.Find(expression) || parts.size() != 2) return {name, find(expression).samples};
+  const motion::MarkerTrack &a = find(parts[0]), &b = find(parts[1]);
+  motion::MarkerTrack middle{name, {}};
+  for (std::size_t i = 0; i < a.samples.size(); ++i) middle.samples.push_back(MiddleOf(a.samples[i], b.samples[i]));
+  return middle;
+}
+
+// Markers that nothing is said of keep their names, unless another gets theirs.
+motion::MarkerRecording Rename(const motion::MarkerRecording& markers, const std::map<std::string, std::string>& names,
                                const fs::path& path) {
-  for (const auto& [name, wanted] : names) {
-    const auto found = std::find_if(markers.markers.begin(), markers.markers.end(),
-                                    [&marker = wanted](const motion::MarkerTrack& m) { return m.name == marker; });
-    if (found == markers.markers.end()) {
-      std::vector<std::string> known;
-      for (const motion::MarkerTrack& marker : markers.markers) known.push_back(marker.name);
-      throw Fail("{}: no marker '{}' (for {}); it has: {}", path.string(), wanted, name, Names(known));
-    }
-    found->name = name;
-  }
-  return markers;
+  motion::MarkerRecording renamed = markers;
+  std::erase_if(renamed.markers, [&](const motion::MarkerTrack& marker) {
+    return names.contains(marker.name) ||
+           std::ranges::any_of(names, [&](const auto& name) { return name.second == marker.name; });
+  });
+  for (const auto& [name, wanted] : names) renamed.markers.push_back(TakeMarker(markers, wanted, name, path));
+  return renamed;
 }
 
 int AxisIndex(char axis) {
