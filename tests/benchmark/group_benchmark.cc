@@ -35,13 +35,13 @@ std::vector<redesign::PersonMeasured> Draw(int count, std::uint64_t seed) {
   return people;
 }
 
-redesign::GroupProblem Problem() {
+redesign::GroupProblem Problem(double limit_percent) {
   redesign::GroupProblem problem;
   problem.shared.design.grashof_margin_mm = problem.shared.design.singularity_margin_mm = 2;
   problem.shared.program.kind = linkage::StrokeProgram::Kind::kFree;
   problem.shared.program.duration_s = 22;
   problem.shared.fit_placement = true;
-  problem.shared.max_misalignment_percent = 3;
+  problem.shared.max_misalignment_percent = limit_percent;
   return problem;
 }
 
@@ -58,7 +58,7 @@ double Processor_s() {
 }
 
 void Measure(int count) {
-  redesign::GroupProblem problem = Problem();
+  redesign::GroupProblem problem = Problem(3);
   std::vector<redesign::ReoptimizePoint> start;
   for (const redesign::PersonMeasured& person : Draw(count, 1))
     problem.people.push_back({person.name, redesign::MakeHumanMotion(person.motion.human)});
@@ -73,9 +73,10 @@ void Measure(int count) {
 }
 
 void MeasureSizes(int sizes, int count) {
+  constexpr double kLimit_percent = 3.5;  // one of the hundred cannot hold 3 %, whatever the design
   const double before_s = Processor_s();
   const auto begin = std::chrono::steady_clock::now();
-  const redesign::SizesOutcome outcome = redesign::RunSizes(Problem(), Draw(count, 1), sizes, {}, {});
+  const redesign::SizesOutcome outcome = redesign::RunSizes(Problem(kLimit_percent), Draw(count, 1), sizes, {}, {});
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   const double took_s = Processor_s() - before_s;
   std::string ranges;

@@ -279,7 +279,11 @@ std::vector<std::optional<GroupDesign>> DesignsFromCloseBy(const std::vector<Des
   for (std::size_t k = 0; k < tasks.size(); ++k)
     if (!tasks[k].close_by.empty()) pieces.push_back({&tasks[k].problem, tasks[k].close_by, true}), of.push_back(k);
   Progress progress("from the designs before", "solves", static_cast<std::int64_t>(pieces.size()), options.quiet);
-  std::vector<End> ends = SolveAll(pieces, options, progress);
+  constexpr int kMostIterations =
+      60;  // those that lead to a solution take fewer; the rest begin anew, which is quicker
+  synthesis::OptimizeOptions warm = options;
+  warm.nlp.max_iterations = std::min(warm.nlp.max_iterations, kMostIterations);
+  std::vector<End> ends = SolveAll(pieces, warm, progress);
   std::vector<std::optional<GroupDesign>> designs(tasks.size());
   for (std::size_t i = 0; i < ends.size(); ++i)
     if (ends[i].is_usable) designs[of[i]] = DesignOf(tasks[of[i]].problem, {std::move(ends[i]), 1, 1, {}});
