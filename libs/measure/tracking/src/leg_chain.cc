@@ -30,9 +30,6 @@ class ChainSearch {
       : tracklets_(tracklets), options_(options) {
     for (std::size_t i = 0; i < tracklets.size(); ++i) {
       extent_.push_back(tracklets.Extent(i));
-      double height = 0;
-      for (const Eigen::Vector2d& position : tracklets.Metric(i)) height += options.up.dot(position);
-      height_.push_back(height / static_cast<double>(tracklets.Metric(i).size()));
       things_ += IsLongEnough(i) ? 1 : 0;
     }
   }
@@ -87,7 +84,8 @@ class ChainSearch {
     const PairDistance& segment = tracklets_.Distance(before, last);
     double cost =
         std::log(Squared(segment.deviation) + Squared(kDeviationFloor)) - 2 * std::log(CommonShare(before, last));
-    const double rise = height_[last] - height_[before];
+    // While both are seen: a seated person's waist is lower than a standing one's hip.
+    const double rise = options_.up.dot(tracklets_.MeanWay(before, last));
     if (chain.size() == 2) return rise > 0.3 * segment.mean ? std::optional(cost) : std::nullopt;
     if (chain.size() == 3) {
       const auto knee = CostOfKnee(chain);
@@ -107,7 +105,7 @@ class ChainSearch {
     const double stiffness =
         std::max(tracklets_.Distance(ankle, knee).deviation, tracklets_.Distance(knee, hip).deviation);
     if (leg.frames < kMinCommonFrames || leg.deviation < std::max(0.02, 1.5 * stiffness)) return std::nullopt;
-    if (extent_[hip] < 0.2 * thigh || height_[hip] < height_[ankle]) return std::nullopt;
+    if (extent_[hip] < 0.2 * thigh || options_.up.dot(tracklets_.MeanWay(ankle, hip)) < 0) return std::nullopt;
     if (!IsCarried(knee, thigh) && !IsClamped(ankle, knee, thigh)) return std::nullopt;
     constexpr double kRatioDeviation = 0.25;  // of log(shank / thigh); anatomically 0.1, markers add to it
     constexpr double kAnkleMotion = 0.15;     // ankle's extent over hip's
@@ -140,7 +138,7 @@ class ChainSearch {
 
   const MetricTracklets& tracklets_;
   const LegChainOptions& options_;
-  std::vector<double> extent_, height_;
+  std::vector<double> extent_;
   std::size_t things_ = 0;  // that were seen for long enough to be a marker
   mutable std::map<std::pair<std::size_t, std::size_t>, double> ankle_over_hip_;
   std::vector<LegChain> chains_;

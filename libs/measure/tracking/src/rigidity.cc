@@ -58,17 +58,24 @@ const PairDistance& MetricTracklets::Distance(std::size_t i, std::size_t j) cons
   return distances_.emplace(key, Measure(key.first, key.second)).first->second;
 }
 
+Eigen::Vector2d MetricTracklets::MeanWay(std::size_t from, std::size_t to) const {
+  return from < to ? Distance(from, to).mean_way : -Distance(from, to).mean_way;
+}
+
 PairDistance MetricTracklets::Measure(std::size_t i, std::size_t j) const {
   PairDistance pair;
   double sum = 0, square_sum = 0;
   ForCommonFrames(tracklets_[i], tracklets_[j], [&](std::size_t a, std::size_t b) {
-    const double distance = (metric_[i][a] - metric_[j][b]).norm();
+    const Eigen::Vector2d way = metric_[j][b] - metric_[i][a];
+    const double distance = way.norm();
     ++pair.frames;
+    pair.mean_way += way;
     sum += distance;
     square_sum += distance * distance;
   });
   if (pair.frames == 0) return pair;
   pair.mean = sum / pair.frames;
+  pair.mean_way /= pair.frames;
   pair.deviation =
       std::sqrt(std::max(0.0, square_sum / pair.frames - pair.mean * pair.mean)) / std::max(pair.mean, 1e-9);
   return pair;

@@ -11,9 +11,10 @@
 namespace lake::tracking {
 
 struct PairDistance {
-  int frames = 0;        // in which both were seen (of those looked at)
-  double mean = 0;       // metric units
-  double deviation = 0;  // standard deviation over mean
+  int frames = 0;                                      // in which both were seen (of those looked at)
+  double mean = 0;                                     // metric units
+  double deviation = 0;                                // standard deviation over mean
+  Eigen::Vector2d mean_way = Eigen::Vector2d::Zero();  // from the first to the second, metric units
 };
 
 // Tracklets with their positions in metric units, and the distances between them, computed once each.
@@ -28,7 +29,8 @@ class MetricTracklets {
   double Extent(std::size_t i) const;                                                     // metric units
   double ExtentIn(std::size_t i, double from_s, double to_s) const;                       // of those in this time
 
-  const PairDistance& Distance(std::size_t i, std::size_t j) const;
+  const PairDistance& Distance(std::size_t i, std::size_t j) const;  // its way is that from the lower index
+  Eigen::Vector2d MeanWay(std::size_t from, std::size_t to) const;   // while both were seen
 
  private:
   PairDistance Measure(std::size_t i, std::size_t j) const;
