@@ -126,8 +126,8 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
   plot += fmt::format(", {} with lines lw 2 dt (2,4) lc rgb '#555555' title 'noise floor {:.2f} %'",
                       100 * m.noise_floor_relative, 100 * m.noise_floor_relative);
   if (std::count(m.spike.begin(), m.spike.end(), true) > 0)
-    plot += fmt::format(", {} using 1:2 with points pt 6 ps 2 lw 2 lc rgb '#CC79A7' title 'spike'",
-                        figure.Data({percents, spikes}));
+    plot += fmt::format(", {} using 1:2 with points pt 6 ps 2 lw 2 lc rgb '{}' title 'spike'",
+                        figure.Data({percents, spikes}), colour::kWaist);
   figure.Line(plot);
 }
 
@@ -139,14 +139,15 @@ void DrawParts(GnuplotFigure& figure, const compare::Misalignment& m) {
       "(%)'");
   // Room below zero, so that a part that is nothing is seen beside the axis.
   figure.Line("set ylabel 'size of the part (mm)'; set yrange [*:*]; set offsets 0, 0, graph 0.35, graph 0.05");
-  const auto part = [&](const std::vector<Vector2d>& vectors, const char* name, double fraction, const char* style) {
+  const auto part = [&](const std::vector<Vector2d>& vectors, const char* name, double fraction,
+                        const std::string& style) {
     const std::string share = std::isfinite(fraction) ? fmt::format(" {:.1f} %", 100 * fraction) : "";
     return fmt::format("{} using 1:2 with lines lw 3 {} title '{}{}'", figure.Data({percents, Lengths(vectors)}), style,
                        name, share);
   };
   const std::string placement = part(d.placement_mm, "placement", d.placement, "lc rgb '#0072B2'");
   const std::string timing = part(d.timing_mm, "timing", d.timing, "dt (12,5) lc rgb '#009E73'");
-  const std::string shape = part(d.shape_mm, "shape", d.shape, "dt (3,4) lc rgb '#CC79A7'");
+  const std::string shape = part(d.shape_mm, "shape", d.shape, fmt::format("dt (3,4) lc rgb '{}'", colour::kWaist));
   figure.Line("plot " + placement + ", " + timing + ", " + shape);
 }
 

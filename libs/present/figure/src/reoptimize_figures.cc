@@ -164,7 +164,7 @@ void DrawKneePaths(const redesign::ReoptimizeOutcome& outcome, const std::filesy
 }
 
 void DrawPareto(const redesign::ReoptimizeOutcome& outcome, const std::filesystem::path& path) {
-  constexpr const char* kColours[] = {"#555555", "#009E73", "#CC79A7"};
+  constexpr const char* kColours[] = {"#555555", colour::kHip, colour::kWaist};
   constexpr const char* kDashes[] = {"1", "(12,5)", "(3,4)"};
   constexpr int kMarks[] = {13, 8, 4};
   GnuplotFigure figure(1000, 700);
