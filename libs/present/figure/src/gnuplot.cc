@@ -4,12 +4,12 @@
 #include <spawn.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <optional>
+#include <fstream>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
@@ -49,8 +49,13 @@ class Scratch {
       : script_(With(result, ".gnuplot")), log_(With(result, ".log")) {}
 
   // Throws Error with gnuplot's own words.
-  void Draw(const std::filesystem::path& result, const std::string& script) const {
-    WriteTextFile(script_.TemporaryPath(), "set encoding utf8\n" + script + "\nunset output\n");
+  void Draw(const std::filesystem::path& result, const std::vector<std::string_view>& script) const {
+    std::ofstream stream(script_.TemporaryPath(), std::ios::binary);  // part by part: that of half an hour has 100 MB
+    stream << "set encoding utf8\n";
+    for (const std::string_view part : script) stream << part;
+    stream << "\nunset output\n";
+    stream.close();
+    if (!stream) throw Fail("{}: cannot be written: {}", script_.TemporaryPath().string(), std::strerror(errno));
     if (RunGnuplot(script_.TemporaryPath(), log_.TemporaryPath()) != 0)
       throw Fail("{}: gnuplot could not draw it: {}", result.string(), ReadTextFile(log_.TemporaryPath()));
   }
@@ -101,31 +106,6 @@ std::string SetOutput(const std::filesystem::path& path) {
   return fmt::format("set output {}\n", QuotePath(path));
 }
 
-// Whether each row is drawn. Of more rows than a picture can show those are that hold a column's least or greatest
-// value in their run of rows, and those beside a gap: the line looks the same, as each run is narrower than a pixel.
-std::vector<bool> RowsToDraw(const std::vector<std::vector<double>>& columns) {
-  constexpr std::size_t kMostRows = 15000;  // of all runs together
-  const std::size_t rows = columns.empty() ? 0 : columns.front().size();
-  if (rows <= kMostRows) return std::vector<bool>(rows, true);
-  const std::size_t of_a_run = 2 * columns.size(), run = (rows * of_a_run + kMostRows - 1) / kMostRows;
-  std::vector<bool> drawn(rows, false);
-  drawn.back() = true;
-  for (const std::vector<double>& column : columns) {
-    for (std::size_t begin = 0; begin < rows; begin += run) {
-      std::optional<std::size_t> least, greatest;
-      for (std::size_t row = begin; row < std::min(rows, begin + run); ++row) {
-        if (!std::isfinite(column[row])) continue;
-        if (!least || column[row] < column[*least]) least = row;
-        if (!greatest || column[row] > column[*greatest]) greatest = row;
-      }
-      if (least) drawn[*least] = drawn[*greatest] = true;
-    }
-    for (std::size_t row = 1; row < rows; ++row)
-      if (std::isfinite(column[row]) != std::isfinite(column[row - 1])) drawn[row] = drawn[row - 1] = true;
-  }
-  return drawn;
-}
-
 }  // namespace
 
 GnuplotFigure::GnuplotFigure(int width_px, int height_px)
@@ -140,9 +120,7 @@ std::string GnuplotFigure::Data(const std::vector<std::vector<double>>& columns)
   const std::string name = fmt::format("$data{}", tables_++);
   std::string& script = pages_.back();
   script += name + " << EOD\n";
-  const std::vector<bool> drawn = RowsToDraw(columns);
-  for (std::size_t row = 0; row < drawn.size(); ++row) {
-    if (!drawn[row]) continue;
+  for (std::size_t row = 0; !columns.empty() && row < columns.front().size(); ++row) {
     for (const auto& column : columns) script += (std::isfinite(column[row]) ? FormatNumber(column[row]) : "NaN") + " ";
     script += "\n";
   }
@@ -162,8 +140,9 @@ void GnuplotFigure::Write(const std::filesystem::path& path) const {
       svg ? fmt::format("set terminal svg size {},{} font '{}' enhanced background '#ffffff'\n", width_px_, height_px_,
                         kFont)
           : PngTerminal(width_px_, height_px_);
-  std::string script = terminal + SetOutput(picture.TemporaryPath());
-  for (const std::string& page : pages_) script += page;
+  const std::string output = SetOutput(picture.TemporaryPath());
+  std::vector<std::string_view> script = {terminal, output};
+  script.insert(script.end(), pages_.begin(), pages_.end());
   Scratch(path).Draw(path, script);
   CheckWhole(picture.TemporaryPath(), path);
   if (svg) SmoothEdges(picture.TemporaryPath());
@@ -172,11 +151,12 @@ void GnuplotFigure::Write(const std::filesystem::path& path) const {
 
 void GnuplotFigure::WriteGif(const std::filesystem::path& path, double pages_per_s) const {
   AtomicFile picture(path);
-  std::string script = fmt::format(
+  const std::string terminal = fmt::format(
       "set terminal gif animate delay {} loop 0 optimize size {},{} font '{}' enhanced background '#ffffff'\n",
       std::lround(100 / pages_per_s), width_px_, height_px_, kFont);  // the format counts hundredths of a second
-  script += SetOutput(picture.TemporaryPath());
-  for (const std::string& page : pages_) script += page;
+  const std::string output = SetOutput(picture.TemporaryPath());
+  std::vector<std::string_view> script = {terminal, output};
+  script.insert(script.end(), pages_.begin(), pages_.end());
   Scratch(path).Draw(path, script);
   CheckWhole(picture.TemporaryPath(), path);
   picture.Commit();
@@ -186,7 +166,7 @@ void GnuplotFigure::WritePages(const std::filesystem::path& folder) const {
   std::string script = PngTerminal(width_px_, height_px_);
   const auto picture = [&](std::size_t page) { return folder / fmt::format("{:05}.png", page); };
   for (std::size_t page = 0; page < pages_.size(); ++page) script += SetOutput(picture(page)) + pages_[page];
-  Scratch(folder / "pages").Draw(folder, script);
+  Scratch(folder / "pages").Draw(folder, {script});
   for (std::size_t page = 0; page < pages_.size(); ++page) CheckWhole(picture(page), picture(page));
 }
 
