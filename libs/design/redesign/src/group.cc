@@ -121,6 +121,11 @@ std::vector<linkage::Links> NextStarts(const Search& search, const std::vector<l
   return {first, first + std::min<std::ptrdiff_t>(kBatch, starts.end() - first)};
 }
 
+synthesis::OptimizeOptions WithIterations(synthesis::OptimizeOptions options, int most) {
+  options.nlp.max_iterations = std::min(options.nlp.max_iterations, most);
+  return options;
+}
+
 // Of each problem, from its own links. They do not wait for each other.
 std::vector<Search> FindBestOfEach(const std::vector<const GroupProblem*>& problems,
                                    const std::vector<std::vector<linkage::Links>>& links,
@@ -130,6 +135,7 @@ std::vector<Search> FindBestOfEach(const std::vector<const GroupProblem*>& probl
   for (std::size_t k = 0; k < problems.size(); ++k)
     count += starts.emplace_back(StartsOf(problems[k]->shared, links[k], options)).size();
   Progress progress(what, "starts", static_cast<std::int64_t>(count), options.quiet);
+  constexpr int kMostIterations = 200;  // those that end take 40 to 110; the others wander where nothing is feasible
   std::vector<Search> searches(problems.size());
   for (;;) {
     std::vector<Piece> pieces;
@@ -138,7 +144,7 @@ std::vector<Search> FindBestOfEach(const std::vector<const GroupProblem*>& probl
       for (const linkage::Links& start : NextStarts(searches[k], starts[k]))
         pieces.push_back({problems[k], StartPoints(*problems[k], start)}), of.push_back(k);
     if (pieces.empty()) return searches;
-    std::vector<End> ends = SolveAll(pieces, options, progress);
+    std::vector<End> ends = SolveAll(pieces, WithIterations(options, kMostIterations), progress);
     for (std::size_t i = 0; i < ends.size(); ++i) searches[of[i]].Add(std::move(ends[i]));
   }
 }
@@ -279,11 +285,8 @@ std::vector<std::optional<GroupDesign>> DesignsFromCloseBy(const std::vector<Des
   for (std::size_t k = 0; k < tasks.size(); ++k)
     if (!tasks[k].close_by.empty()) pieces.push_back({&tasks[k].problem, tasks[k].close_by, true}), of.push_back(k);
   Progress progress("from the designs before", "solves", static_cast<std::int64_t>(pieces.size()), options.quiet);
-  constexpr int kMostIterations =
-      60;  // those that lead to a solution take fewer; the rest begin anew, which is quicker
-  synthesis::OptimizeOptions warm = options;
-  warm.nlp.max_iterations = std::min(warm.nlp.max_iterations, kMostIterations);
-  std::vector<End> ends = SolveAll(pieces, warm, progress);
+  constexpr int kMostIterations = 60;  // those that lead to a solution take fewer; the rest begin anew: quicker
+  std::vector<End> ends = SolveAll(pieces, WithIterations(options, kMostIterations), progress);
   std::vector<std::optional<GroupDesign>> designs(tasks.size());
   for (std::size_t i = 0; i < ends.size(); ++i)
     if (ends[i].is_usable) designs[of[i]] = DesignOf(tasks[of[i]].problem, {std::move(ends[i]), 1, 1, {}});

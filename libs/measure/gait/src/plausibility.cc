@@ -114,7 +114,8 @@ void CheckPlausible(const motion::LegMotion& motion, const motion::MarkerRecordi
     CheckColumn(rates.speed, 0, limits.most_speed_mm_s, fmt::format("the speed of marker '{}'", marker.name), "mm/s",
                 trajectory.frame, limits.ways_out);
     CheckColumn(rates.acceleration, 0, limits.most_acceleration_mm_s2,
-                fmt::format("the acceleration of marker '{}'", marker.name), "mm/s²", trajectory.frame);
+                fmt::format("the acceleration of marker '{}'", marker.name), "mm/s²", trajectory.frame,
+                limits.ways_out);
   }
 }
 
