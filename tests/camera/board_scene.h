@@ -68,7 +68,7 @@ Eigen::Isometry3d RandomPose(const camera::Camera& camera, const camera::Board& 
                              double most_tilt_deg = 45) {
   std::uniform_real_distribution<double> unit(0, 1);
   for (;;) {
-    const Eigen::Vector2d pixel{unit(random) * camera.image_width, unit(random) * camera.image_height};
+    const Eigen::Vector2d pixel(unit(random) * camera.image_width, unit(random) * camera.image_height);
     const double width = (0.3 + 0.45 * unit(random)) * camera.image_width;
     const double tilt = most_tilt_deg * unit(random), axis = 360 * unit(random), roll = 40 * unit(random) - 20;
     const Eigen::Isometry3d pose = PoseAt(camera, board, pixel, width, tilt, axis, roll);
@@ -84,7 +84,7 @@ camera::BoardView NoisyView(const camera::Camera& camera, const camera::Board& b
   view.pixel = CornerPixels(camera, board, pose);
   for (std::size_t i = 0; i < view.pixel.size(); ++i) {
     view.corner.push_back(static_cast<int>(i));
-    view.pixel[i] += sigma_px * Eigen::Vector2d{noise(random), noise(random)};
+    view.pixel[i] += sigma_px * Eigen::Vector2d(noise(random), noise(random));
   }
   return view;
 }

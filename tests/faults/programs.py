@@ -137,7 +137,7 @@ def make_inputs(folder):
     must_run(track + seeds(folder) + ["--markers", MARKERS + ",exo_knee", "--no-overlay", "-o", "te",
                                       "--export", "trc,c3d,tracker,trk,kinovea,kva,mot"], folder)
     must_run(["lake-compare", "th", "te", "--quiet", "-o", "comparison"], folder)
-    shutil.copytree(folder / "comparison", folder / "comparison2")
+    shutil.copytree(folder / "comparison", folder / "comparison2", dirs_exist_ok=True)
     must_run(["lake-loads", "th", "--mass", 70, "--quiet", "-o", "loads"], folder)
 
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "lake/core/error.h"
@@ -370,6 +371,38 @@ std::string MessageOf(const motion::MarkerRecording& tracks, const gait::LegView
     return error.what();
   }
   return "";
+}
+
+// A thigh that swings at 1 Hz before a shank at rest: the amplitude that is left of it is the penalised spline's gain,
+// 1 / (1 + (√2 − 1) (f/f_c)⁶), also where the cutoff takes the swing for noise, and the sigmas are known to hold.
+TEST(LegFit, AGivenCutoffHasItsGain) {
+  constexpr double kAmplitude_deg = 20, kRate_hz = 60;
+  std::vector<double> time_s;
+  std::vector<gait::LegPoints> points;
+  for (int i = 0; i < 16 * kRate_hz; ++i) {
+    time_s.push_back(i / kRate_hz);
+    const double thigh_rad = RadiansFromDegrees(-50 + kAmplitude_deg * std::sin(2 * std::numbers::pi * time_s.back()));
+    const Eigen::Vector2d ankle(0, 100), knee(0, 530);
+    const Eigen::Vector2d hip = knee + 410 * Eigen::Vector2d(std::sin(thigh_rad), std::cos(thigh_rad));
+    points.push_back({ankle, knee, hip, std::nullopt});
+  }
+  const motion::MarkerRecording tracks = MakeTracks(time_s, points, ScaledView(), {0.03}, 1);
+  gait::LegFitOptions options;
+  options.known_sigmas = true;
+  options.cutoff_hz = 0.5;  // which leaves 4 % of the swing
+  EXPECT_THAT(MessageOf(tracks, ScaledView(), options), testing::HasSubstr("cutoff of 0.5 Hz takes the movement"));
+  for (const double cutoff_hz : {1.2, 1.35, 1.5}) {
+    options.cutoff_hz = cutoff_hz;
+    const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView(), options);
+    double swing = 0;
+    int count = 0;
+    for (std::size_t i = 4 * 60; i < 12 * 60; ++i, ++count)
+      swing += 2 * std::sin(2 * std::numbers::pi * time_s[i]) * result.motion.samples[i].knee_deg;
+    const double gain = std::abs(swing / count) / kAmplitude_deg;
+    const double found_hz = std::pow((std::numbers::sqrt2 - 1) * gain / (1 - gain), 1.0 / 6);
+    // The robust loss gives what is farthest from the curve less weight, which lowers it a little.
+    EXPECT_NEAR(found_hz / cutoff_hz, 1, 0.08) << cutoff_hz;
+  }
 }
 
 class LegFitErrors : public testing::Test {

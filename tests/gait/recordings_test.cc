@@ -87,7 +87,8 @@ void ExpectFiveStandUps(const gait::LegFitResult& result) {
     EXPECT_EQ(event.kind < motion::StsEventKind::kStanding, event.time_s < fall_s)
         << ToString(event.kind) << " at " << event.time_s;
   }
-  EXPECT_THAT(kinds, testing::Each(5));
+  // The first frame shows the trunk lean forward at 40 °/s: when that rise began is not recorded.
+  EXPECT_THAT(kinds, testing::ElementsAre(4, 5, 5, 5, 5));
 }
 
 class OpticalSitToStand : public testing::TestWithParam<std::tuple<char, bool>> {

@@ -58,8 +58,8 @@ TEST(StsEvents, EachRepetitionHasItsFiveEventsInOrder) {
   }
 }
 
-// Wherever the first rise is cut, it is left out, the others keep their times, and none is taken for cut off at rest.
-TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningIsLeftOut) {
+// Wherever the first rise is cut, it has no onset, the others keep their times, and none is taken for cut off at rest.
+TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningHasNoOnset) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 3});
   const gait::StsSignals all = SignalsOf(leg);
   const std::vector<motion::StsEvent> events = gait::FindStsEvents(all).events;
@@ -77,19 +77,25 @@ TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningIsLeftOut) {
     drop(cut.knee_deg_s), drop(cut.trunk_deg_s);
     return gait::FindStsEvents(cut);
   };
-  // The seat is left after the trunk has leaned for a while: also a rise whose lean alone was under way has no onset.
-  for (std::size_t begin = onset; begin < seat_off + 6; ++begin) {
+  std::vector<double> standing = TimesOf(events, motion::StsEventKind::kStanding);
+  // The seat is left after the trunk has leaned for a while: a rise whose lean was under way has no onset.
+  for (std::size_t begin = onset; begin < seat_off; ++begin) {
     const gait::FoundStsEvents cut = cut_at(begin);
-    EXPECT_TRUE(cut.begins_during_rise) << begin;
+    EXPECT_TRUE(cut.begins_during_lean && !cut.begins_during_rise) << begin;
     EXPECT_EQ(TimesOf(cut.events, motion::StsEventKind::kOnset).size(), 2u) << begin;
-    EXPECT_EQ(TimesOf(cut.events, motion::StsEventKind::kStanding),
-              (std::vector{TimesOf(events, motion::StsEventKind::kStanding)[1],
-                           TimesOf(events, motion::StsEventKind::kStanding)[2]}))
-        << begin;
+    EXPECT_EQ(cut.events.front().kind, motion::StsEventKind::kSeatOff) << begin;
+    EXPECT_EQ(TimesOf(cut.events, motion::StsEventKind::kStanding), standing) << begin;
   }
-  // A tenth of a second of rest is enough.
-  for (std::size_t begin = 0; begin + 10 < onset; ++begin) {
-    EXPECT_FALSE(cut_at(begin).begins_during_rise) << begin;
+  standing.erase(standing.begin());
+  for (std::size_t begin = seat_off; begin < seat_off + 6; ++begin) {
+    const gait::FoundStsEvents cut = cut_at(begin);
+    EXPECT_TRUE(cut.begins_during_rise && !cut.begins_during_lean) << begin;
+    EXPECT_EQ(TimesOf(cut.events, motion::StsEventKind::kOnset).size(), 2u) << begin;
+    EXPECT_EQ(TimesOf(cut.events, motion::StsEventKind::kStanding), standing) << begin;
+  }
+  // A quarter of a second of rest is enough.
+  for (std::size_t begin = 0; begin + 17 < onset; ++begin) {
+    EXPECT_FALSE(cut_at(begin).begins_during_lean) << begin;
     EXPECT_NEAR(TimesOf(cut_at(begin).events, motion::StsEventKind::kOnset).front(), events.front().time_s, 1.01 / 60)
         << begin;
   }
@@ -130,9 +136,10 @@ TEST(StsEvents, WithoutRestBetweenThemRepetitionsAreStillFound) {
   const std::vector<motion::StsEvent> events = gait::FindStsEvents(SignalsOf(leg)).events;
   const std::vector<double> onsets = TimesOf(events, motion::StsEventKind::kOnset);
   EXPECT_EQ(TimesOf(events, motion::StsEventKind::kStanding).size(), 5u);
-  ASSERT_EQ(onsets.size(), 5u);
+  // The recording begins with the first rise, which therefore has none.
+  ASSERT_EQ(onsets.size(), 4u);
   // The trunk never rests here, so the SD that its speed must leave is large.
-  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(onsets[i], leg.onset_s[i], 0.12);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(onsets[i], leg.onset_s[i + 1], 0.12);
 }
 
 TEST(StsEvents, ARecordingThatBeginsStandingCountsItsRisesOnly) {

@@ -135,7 +135,7 @@ std::vector<Search> FindBestOfEach(const std::vector<const GroupProblem*>& probl
   for (std::size_t k = 0; k < problems.size(); ++k)
     count += starts.emplace_back(StartsOf(problems[k]->shared, links[k], options)).size();
   Progress progress(what, "starts", static_cast<std::int64_t>(count), options.quiet);
-  constexpr int kMostIterations = 200;  // those that end take 40 to 110; the others wander where nothing is feasible
+  constexpr int kMostIterations = 200;  // three times what a hundred people took; the others wander
   std::vector<Search> searches(problems.size());
   for (;;) {
     std::vector<Piece> pieces;

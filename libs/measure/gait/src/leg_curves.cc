@@ -205,6 +205,7 @@ MarkerCurve SmoothMarker(const motion::MarkerRecording& recording, const Detecti
       if (d.trusted[i]) values[i] = d.in_plane[i][axis];
     const SmoothSignal signal = FitSmoothingSpline(grid, recording.time_s, values, d.plane_sigma, smoothing);
     curve.settled &= signal.converged;
+    curve.noise_scale = std::max(curve.noise_scale, signal.noise_scale);
     const Jitter jitter = options.FollowsJitter() ? Jitter(signal.noise_scale) : Jitter();
     for (std::size_t i = 0; i < n; ++i) {
       const SplineGrid::Place place = grid.At(recording.time_s[i]);

@@ -14,6 +14,7 @@ struct MarkerCurve {
   std::vector<Eigen::Vector2d> in_plane, recorded;
   std::vector<double> plane_sigma, recorded_sigma;           // per axis
   bool settled = true;                                       // whether its smoothness was found
+  double noise_scale = 1;                                    // see MarkerReport
   std::vector<double> across, across_rate, across_variance;  // of trials in three dimensions: mm, mm/s, mm²
 };
 

@@ -206,12 +206,16 @@ std::array<Jitter, kLegMarkers> JittersOf(const std::array<double, kLegMarkers>&
 
 // Of a cutoff below what the leg does: the recording is not to blame.
 void CheckCutoffKeepsMotion(const LegFitResult& result, double cutoff_hz) {
-  for (const MarkerReport& marker : result.markers)
-    if (marker.outliers > PlausibilityLimits().most_outliers * marker.detected)
-      throw Fail(
-          "leg fit: a cutoff of {} Hz takes the movement itself for noise: {} of the {} detections of marker '{}' are "
-          "outliers of so smooth a path; give a higher --cutoff, or none",
-          cutoff_hz, marker.outliers, marker.detected, marker.name);
+  std::vector<double> sigmas;
+  for (const motion::LegSample& sample : result.motion.samples)
+    if (std::isfinite(sample.knee_sigma_deg)) sigmas.push_back(sample.knee_sigma_deg);
+  const PlausibilityLimits limits;
+  const bool explains = std::ranges::all_of(result.markers, [&](const MarkerReport& marker) {
+    return marker.outliers <= limits.most_outliers * marker.detected;
+  });
+  if (explains && RootMeanSquare(sigmas) <= limits.most_knee_sigma_deg) return;
+  throw Fail("leg fit: a cutoff of {} Hz takes the movement itself for noise; give a higher --cutoff, or none",
+             cutoff_hz);
 }
 
 LegFitSummary Summarize(const Solution& solution, const LegStart& start) {
@@ -293,20 +297,20 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   model.time_s = recording.time_s;
   for (std::size_t m = 0; m < leg.size(); ++m) model.depth_mm[m] = leg[m].depth_mm;
   model.observations = MakeObservations(leg, recording.Frames(), model.states == kLegStates ? 4 : 3);
+  for (LegObservation& observation : model.observations) observation.sigma *= start.sigma_scale;
   const Solution solution = SolveLeg(std::move(model), std::move(start.coefficients));
   if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
   progress.Advance();
 
   LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients,
                                    JittersOf(solution.noise_scales, options), !across.empty());
+  for (std::size_t m = 0; m < leg.size(); ++m)
+    curves.marker[m].noise_scale = start.sigma_scale * solution.noise_scales[m];
   if (!across.empty()) {
     AddAcross(recording, leg, solution.model, options, curves);
     result.across = ReportAcross(leg);
   }
   FillResult(recording, leg, curves, solution.model, facing, options, result);
-  for (MarkerReport& report : result.markers)
-    for (std::size_t m = 0; m < leg.size(); ++m)
-      if (report.name == leg[m].name) report.noise_scale = solution.noise_scales[m];
   result.summary = Summarize(solution, start);
   result.summary.known_sigmas = options.known_sigmas;
   WarnOfLengths(result.segments, options.most_usual_variation, result.warnings);

@@ -222,6 +222,7 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
   const Detections& d = *output.detections;
   MarkerReport report;
   report.name = d.name;
+  report.noise_scale = output.curve.noise_scale;
   std::vector<double> squares, parallax;
   for (std::size_t i = 0; i < d.seen.size(); ++i) {
     report.detected += output.status[i] == motion::SampleStatus::kDetected;
@@ -229,7 +230,7 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
     report.missing += output.status[i] == motion::SampleStatus::kMissing;
     if (!d.seen[i]) continue;
     const double distance = (d.track->samples[i].position - output.curve.recorded[i]).norm(),
-                 deviations = distance / d.sigma[i];
+                 deviations = distance / (output.curve.noise_scale * d.sigma[i]);
     if (distance > report.worst) report.worst = distance, report.worst_frame = recording.frame[i];
     if (deviations > outlier_deviations) {
       ++report.outliers;
@@ -248,7 +249,7 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
 
 // A marker seen too rarely for a curve: its detections as they are.
 MarkerOutput Unsmoothed(const Detections& d) {
-  MarkerOutput output{&d, {d.in_plane, {}, d.plane_sigma, d.sigma, true, {}, {}, {}}, {}, d.in_plane, d.plane_sigma,
+  MarkerOutput output{&d, {d.in_plane, {}, d.plane_sigma, d.sigma, true, 1, {}, {}, {}}, {}, d.in_plane, d.plane_sigma,
                       {}};
   for (std::size_t i = 0; i < d.seen.size(); ++i) {
     output.curve.recorded.push_back(d.track->samples[i].position);
@@ -319,8 +320,11 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
   FoundStsEvents found = FindStsEvents(MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up));
   result.events = std::move(found.events);
   if (found.begins_during_rise)
+    result.warnings.emplace_back("the recording begins after a seat was left: that rise has no onset and is left out");
+  if (found.begins_during_lean)
     result.warnings.emplace_back(
-        "the recording begins after a rise did, without the rest before it: that rise has no onset and is left out");
+        "the recording begins while the first rise is under way, without the rest before it: that rise has no onset "
+        "and no percent");
   SetRepetitions(result.events, result.motion);
 }
 

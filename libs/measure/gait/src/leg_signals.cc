@@ -245,6 +245,15 @@ std::string UnsettledWarning(const std::string& what) {
       what);
 }
 
+// A low cutoff takes motion for noise. The leg fit keeps the cutoff where its sigmas are those of that noise, alike for
+// all, and its priors go with them.
+void KeepCutoff(const std::vector<SmoothSignal>& signals, LegStart& start) {
+  for (const SmoothSignal& signal : signals) start.sigma_scale = std::max(start.sigma_scale, signal.noise_scale);
+  for (std::size_t s = 0; s < signals.size(); ++s)
+    for (double& roughness : start.priors[s].roughness)
+      roughness *= std::pow(start.sigma_scale / signals[s].noise_scale, 2);
+}
+
 LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
                        const LegFitOptions& options) {
   const double frame_step_s = MedianInterval(time_s);
@@ -273,6 +282,7 @@ LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& tim
     for (std::size_t k = 0; k < best.grid.count; ++k)
       start.coefficients[k * static_cast<std::size_t>(states) + s] = best.signals[s].coefficients[k];
   }
+  if (options.HasSplineCutoff()) KeepCutoff(best.signals, start);
   start.knee_cutoff_hz = std::sqrt(best.signals[kShankAngle].cutoff_hz * best.signals[kThighAngle].cutoff_hz);
   return start;
 }

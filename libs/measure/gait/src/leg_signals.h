@@ -42,8 +42,9 @@ void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarker
 struct LegStart {
   SplineGrid grid;
   std::array<LegPrior, kLegStates> priors;
-  std::vector<double> coefficients;    // grid.count × states
-  double knee_cutoff_hz = 0;           // the geometric mean of shank and thigh
+  std::vector<double> coefficients;  // grid.count × states
+  double knee_cutoff_hz = 0;         // the geometric mean of shank and thigh
+  double sigma_scale = 1;  // ≥ 1: of the detections' sigmas, where a given cutoff leaves motion to the noise
   std::vector<std::string> unsettled;  // the components whose smoothness was still changing when the search ended
 };
 // Says that what a smoothing found is not final, and what to do.

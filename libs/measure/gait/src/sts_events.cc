@@ -81,11 +81,13 @@ class EventFinder {
   bool AddIfRepetition(std::size_t rest_from, const Stretch& rise) {
     if (Extension(rise) < o_.least_extension_deg) return false;
     const std::size_t seat_off = SeatOff(rest_from, rise);
-    if (rest_from == 0 && !RestsBefore(seat_off)) {
-      found_.begins_during_rise = true;
-      return false;
-    }
-    AddRise(rest_from, seat_off, rise);
+    found_.begins_during_rise |= seat_off == 0;
+    if (seat_off == 0) return false;
+    const bool begins_during_lean = rest_from == 0 && !RestsBefore(seat_off);
+    found_.begins_during_lean |= begins_during_lean;
+    ++repetition_;
+    if (!begins_during_lean) Add(motion::StsEventKind::kOnset, std::min(FindOnset(rest_from, seat_off), seat_off));
+    AddRise(seat_off, rise);
     return true;
   }
 
@@ -95,7 +97,7 @@ class EventFinder {
     const auto is_still = [&](std::size_t i) {
       return s_.hip_speed[i] < limit && std::abs(s_.trunk_deg_s[i]) < o_.rest_trunk_deg_s;
     };
-    return LastRun(0, seat_off, is_still).has_value();
+    return LastRun(0, seat_off, o_.first_rest_duration_s, is_still).has_value();
   }
 
   // The knee's extension over a stretch, from its speed.
@@ -126,9 +128,7 @@ class EventFinder {
     return seat_off;
   }
 
-  void AddRise(std::size_t rest_from, std::size_t seat_off, const Stretch& rise) {
-    ++repetition_;
-    Add(motion::StsEventKind::kOnset, std::min(FindOnset(rest_from, seat_off), seat_off));
+  void AddRise(std::size_t seat_off, const Stretch& rise) {
     Add(motion::StsEventKind::kSeatOff, seat_off);
     const std::size_t fastest_extension = Extreme(s_.knee_deg_s, rise, false);
     for (std::size_t i = fastest_extension; i < s_.frame.size(); ++i)
@@ -148,14 +148,14 @@ class EventFinder {
         return Add(motion::StsEventKind::kSeated, i);
   }
 
-  // The last run of at least the least duration in [from, to] in which `holds`; its first and last frame.
+  // The last run of at least a duration in [from, to] in which `holds`; its first and last frame.
   template <typename Predicate>
-  std::optional<Stretch> LastRun(std::size_t from, std::size_t to, const Predicate& holds) const {
+  std::optional<Stretch> LastRun(std::size_t from, std::size_t to, double least_s, const Predicate& holds) const {
     for (std::size_t end = to + 1; end-- > from;) {
       if (!holds(end)) continue;
       std::size_t begin = end;
       while (begin > from && holds(begin - 1)) --begin;
-      if (s_.time_s[end] - s_.time_s[begin] >= o_.rest_duration_s) return Stretch{begin, end, false};
+      if (s_.time_s[end] - s_.time_s[begin] >= least_s) return Stretch{begin, end, false};
       end = begin;
       if (begin == from) break;
     }
@@ -165,7 +165,9 @@ class EventFinder {
   // The rest before a rise: the last run of slow frames, else the slowest frame.
   Stretch FindRest(std::size_t from, std::size_t seat_off) const {
     const double limit = o_.rest_speed_mm_s * s_.units_per_mm;
-    if (const auto run = LastRun(from, seat_off, [&](std::size_t i) { return s_.hip_speed[i] < limit; })) return *run;
+    if (const auto run =
+            LastRun(from, seat_off, o_.rest_duration_s, [&](std::size_t i) { return s_.hip_speed[i] < limit; }))
+      return *run;
     const std::size_t slowest = Extreme(s_.hip_speed, {from, seat_off, false}, false);
     return {slowest, slowest, false};
   }
@@ -186,7 +188,7 @@ class EventFinder {
       return std::abs(s_.hip_height[i] - height) <= height_limit && std::abs(s_.trunk_deg_s[i] - turn) <= turn_limit;
     };
     // Backward from the rise, so that fidgeting and the end of the last lowering do not count.
-    if (const auto quiet = LastRun(rest.begin, seat_off, at_rest)) return quiet->end + 1;
+    if (const auto quiet = LastRun(rest.begin, seat_off, o_.rest_duration_s, at_rest)) return quiet->end + 1;
     for (std::size_t i = seat_off; i > rest.begin; --i)
       if (at_rest(i - 1)) return i;
     return rest.begin;
@@ -211,7 +213,7 @@ void SetRepetitions(const std::vector<motion::StsEvent>& events, motion::LegMoti
   std::map<int, double> onset_s;
   for (const motion::StsEvent& event : events) {
     if (event.kind == motion::StsEventKind::kOnset) onset_s[event.repetition] = event.time_s;
-    if (event.kind != motion::StsEventKind::kStanding) continue;
+    if (event.kind != motion::StsEventKind::kStanding || !onset_s.contains(event.repetition)) continue;
     const double begin_s = onset_s.at(event.repetition), duration_s = event.time_s - begin_s;
     for (std::size_t i = 0; i < motion.samples.size(); ++i) {
       if (motion.time_s[i] < begin_s || motion.time_s[i] > event.time_s) continue;

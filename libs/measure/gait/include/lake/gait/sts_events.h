@@ -22,27 +22,30 @@ struct StsSignals {
 };
 
 struct StsOptions {
-  double rest_speed_mm_s = 20;      // rest: the hip is slower than this …
-  double rest_trunk_deg_s = 10;     // … and, before the first rise, the trunk turns slower than this …
-  double rest_duration_s = 0.1;     // … for at least this long
-  double onset_deviations = 3;      // rest is left by this many SD of the rest, and at least …
-  double onset_height_mm = 2;       // … by this of the hip's height, or …
-  double onset_trunk_deg_s = 2;     // … by this of the trunk's angular speed
-  double seat_off_fraction = 0.10;  // of the hip's peak upward speed
-  double standing_fraction = 0.05;  // of the knee's peak extension speed
+  double rest_speed_mm_s = 20;          // rest: the hip is slower than this …
+  double rest_duration_s = 0.1;         // … for at least this long
+  double rest_trunk_deg_s = 10;         // before the first rise the trunk turns slower than this, too, …
+  double first_rest_duration_s = 0.25;  // … for this long: from less, what leaves rest cannot be told from rest
+  double onset_deviations = 3;          // rest is left by this many SD of the rest, and at least …
+  double onset_height_mm = 2;           // … by this of the hip's height, or …
+  double onset_trunk_deg_s = 2;         // … by this of the trunk's angular speed
+  double seat_off_fraction = 0.10;      // of the hip's peak upward speed
+  double standing_fraction = 0.05;      // of the knee's peak extension speed
   double least_rise = 0.15;  // of the leg's length: a hip that rises less has not stood up (in gait it moves by 5 %)
   double least_extension_deg = 30;  // the knee's extension during the rise
 };
 
 struct FoundStsEvents {
   std::vector<motion::StsEvent> events;
-  // Whether the recording began after the rest before its first rise: that rise has no onset and is left out.
+  // Whether the seat was left before the recording began: that rise is left out.
   bool begins_during_rise = false;
+  // Whether the seat was left afterwards, but the rest before it is not recorded: that rise has no onset.
+  bool begins_during_lean = false;
 };
 
 // Events of every repetition in the order of time. A rise of the hip with an extension of the
 // knee is a repetition; its `descent` and `seated` are those of the following lowering. A repetition that the recording
-// cuts off at its end has only the events that are in it. Empty if there is no sit-to-stand.
+// cuts off has only the events that are in it. Empty if there is no sit-to-stand.
 FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options = {});
 
 // Sets `repetition` and `percent` (0 at onset, 100 at standing) of the samples between the two, and clears them
