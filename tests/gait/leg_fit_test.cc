@@ -384,7 +384,7 @@ TEST(LegFit, AGivenCutoffHasItsGain) {
     const double thigh_rad = RadiansFromDegrees(-50 + kAmplitude_deg * std::sin(2 * std::numbers::pi * time_s.back()));
     const Eigen::Vector2d ankle(0, 100), knee(0, 530);
     const Eigen::Vector2d hip = knee + 410 * Eigen::Vector2d(std::sin(thigh_rad), std::cos(thigh_rad));
-    points.push_back({ankle, knee, hip, std::nullopt});
+    points.push_back({ankle, knee, hip, Eigen::Vector2d(hip + Eigen::Vector2d(20, 250))});
   }
   const motion::MarkerRecording tracks = MakeTracks(time_s, points, ScaledView(), {0.03}, 1);
   gait::LegFitOptions options;

@@ -173,14 +173,16 @@ void Approach(const LegModel& model, std::vector<double>& coefficients) {
   }
 }
 
-// Solves; where the residuals show more noise than the sigmas said, solves again with sigmas that fit them.
-Solution SolveLeg(LegModel model, std::vector<double> coefficients) {
+// Solves; where the residuals show more noise than the sigmas said, solves again with sigmas that fit them, unless they
+// are to stay, as those of a given cutoff, which depends on them.
+Solution SolveLeg(LegModel model, std::vector<double> coefficients, bool keeps_sigmas) {
   constexpr double kNoticeable = 1.03;
   Solution solution;
   solution.noise_scales.fill(1);
   Approach(model, coefficients);
   solution.solve = SolveLegProblem(model, coefficients);
-  const auto scales = NoiseScales(model, coefficients, CovariancesOf(model, coefficients));
+  const auto scales =
+      keeps_sigmas ? solution.noise_scales : NoiseScales(model, coefficients, CovariancesOf(model, coefficients));
   if (std::any_of(scales.begin(), scales.end(), [](double scale) { return scale > kNoticeable; })) {
     for (LegObservation& o : model.observations) o.sigma *= scales[o.marker];
     solution.noise_scales = scales;
@@ -298,7 +300,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   for (std::size_t m = 0; m < leg.size(); ++m) model.depth_mm[m] = leg[m].depth_mm;
   model.observations = MakeObservations(leg, recording.Frames(), model.states == kLegStates ? 4 : 3);
   for (LegObservation& observation : model.observations) observation.sigma *= start.sigma_scale;
-  const Solution solution = SolveLeg(std::move(model), std::move(start.coefficients));
+  const Solution solution = SolveLeg(std::move(model), std::move(start.coefficients), options.HasSplineCutoff());
   if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
   progress.Advance();
 
