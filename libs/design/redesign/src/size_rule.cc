@@ -1,12 +1,10 @@
 #include <algorithm>
-#include <limits>
 
+#include "lake/core/numbers.h"
 #include "lake/redesign/sizes.h"
 
 namespace lake::redesign {
 namespace {
-
-constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 // The ranges of one quantity with the least loss: dynamic programming over people in its order and the sizes used.
 class RangesOfOneQuantity {
@@ -24,13 +22,13 @@ class RangesOfOneQuantity {
     for (std::size_t n = 0; n < order_.size(); ++n)
       for (std::size_t set = 1; set < sets; ++set)
         for (std::size_t size = 0; size < sizes; ++size)
-          if (At(n, set, size).loss < kUnlimited) Extend(n, set, size, sizes);
+          if (At(n, set, size).loss < kInfinity) Extend(n, set, size, sizes);
     return Trace(quantity, sizes, sets);
   }
 
  private:
   struct Step {
-    double loss = kUnlimited;
+    double loss = kInfinity;
     std::size_t set = 0, size = 0;  // before this person
   };
 
@@ -50,17 +48,17 @@ class RangesOfOneQuantity {
 
   SizeRule Trace(const std::string& quantity, std::size_t sizes, std::size_t sets) {
     std::size_t set = 0, size = 0;
-    double loss = kUnlimited;
+    double loss = kInfinity;
     for (std::size_t s = 1; s < sets; ++s)
       for (std::size_t k = 0; k < sizes; ++k)
         if (At(order_.size(), s, k).loss < loss) loss = At(order_.size(), s, k).loss, set = s, size = k;
-    SizeRule rule{quantity, {{-kUnlimited, kUnlimited, size}}, loss / static_cast<double>(order_.size())};
+    SizeRule rule{quantity, {{-kInfinity, kInfinity, size}}, loss / static_cast<double>(order_.size())};
     for (std::size_t n = order_.size(); n > 1; --n) {
       const Step step = At(n, set, size);
       if (step.size != size) {
         const double cut = (mm_[order_[n - 1]] + mm_[order_[n - 2]]) / 2;
         rule.ranges.front().from_mm = cut;
-        rule.ranges.insert(rule.ranges.begin(), {-kUnlimited, cut, step.size});
+        rule.ranges.insert(rule.ranges.begin(), {-kInfinity, cut, step.size});
       }
       set = step.set, size = step.size;
     }

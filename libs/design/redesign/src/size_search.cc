@@ -40,7 +40,7 @@ std::string Packed(const Fit& fit) {
 
 Fit UnpackedFit(const std::string& text) {
   const nlohmann::json json = nlohmann::json::parse(text);
-  const auto number = [&](const char* key) { return json[key].is_null() ? kInfinite : json[key].get<double>(); };
+  const auto number = [&](const char* key) { return json[key].is_null() ? kInfinity : json[key].get<double>(); };
   return {json["holds"].get<bool>(), json["value"].get<double>(), number("percent"), number("range_deg")};
 }
 

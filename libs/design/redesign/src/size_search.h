@@ -2,17 +2,15 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
 
 #include "group_parts.h"
+#include "lake/core/numbers.h"
 #include "lake/redesign/sizes.h"
 
 namespace lake::redesign {
-
-inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 using Assignment = std::vector<std::size_t>;  // the size of each person
 using Fits = std::vector<std::vector<Fit>>;   // per person and size

@@ -179,7 +179,7 @@ Fit FitOf(const ReoptimizeProblem& person, const linkage::Links& links, const sy
   constexpr double kNotHeld_deg = 1000;
   const ReoptimizeProblem fixed = WithLinks(person, links);
   const ReoptimizePoint start = StartPoint(fixed, links);
-  Fit fit{false, -2 * kNotHeld_deg, kInfinite, problem::Evaluate(links, person.design).range_deg};
+  Fit fit{false, -2 * kNotHeld_deg, kInfinity, problem::Evaluate(links, person.design).range_deg};
   const auto hold = [&](const ReoptimizeSolve& solve) {
     fit.holds = true, fit.percent = solve.Misalignment_percent();
     fit.value = fit.range_deg - person.penalty_deg_per_mm * solve.prediction->rms_mm;

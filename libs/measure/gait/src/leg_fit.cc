@@ -17,19 +17,13 @@
 namespace lake::gait {
 namespace {
 
-double MedianStep(const std::vector<double>& time_s) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < time_s.size(); ++i) steps.push_back(time_s[i] - time_s[i - 1]);
-  return Median(std::move(steps));
-}
-
 void CheckRecording(const motion::MarkerRecording& recording, const LegFitOptions& options) {
   if (recording.Frames() < 8) throw Fail("leg fit: a recording of {} frames is too short", recording.Frames());
   for (std::size_t i = 0; i < recording.Frames(); ++i)
     if (!std::isfinite(recording.time_s[i]) || (i > 0 && recording.time_s[i] <= recording.time_s[i - 1]))
       throw Fail("leg fit: frame {}: time stamp {} does not follow the one before", recording.frame[i],
                  recording.time_s[i]);
-  if (const double step_s = MedianStep(recording.time_s); step_s > options.longest_step_s)
+  if (const double step_s = MedianInterval(recording.time_s); step_s > options.longest_step_s)
     throw Fail(
         "leg fit: the frames are {:.3g} s apart (median), at most {:.3g} s show how a leg moves; times are in seconds: "
         "are these in ms?",
