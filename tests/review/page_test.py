@@ -116,6 +116,11 @@ class ReviewPage(unittest.TestCase):
         self.browser.get("about:blank")
         self.assertEqual(log, [])
 
+    def forget_unanswered(self):
+        """That nobody answers any more is on the console too, once more with each question that the page still asks."""
+        self.browser.get("about:blank")
+        self.browser.get_log("browser")
+
     def copy_trial(self):
         shutil.copytree(self.folder / "trial", self.trial)
         return self.trial
@@ -273,7 +278,7 @@ class ReviewPage(unittest.TestCase):
         self.assertEqual(len(self.corrections()), 1)
         self.assertEqual(review.end(), (130, "lake-review: interrupted\n"))
         self.until(lambda: "lake review has ended" in self.text("said"))
-        self.browser.get_log("browser")  # that nobody answers any more is on the console too
+        self.forget_unanswered()
 
     def test_hides_places_and_restores(self):
         self.open_trial()
@@ -753,7 +758,7 @@ class ReviewPage(unittest.TestCase):
         self.assertLessEqual(self.browser.execute_script("return document.documentElement.scrollWidth"), 400)
         self.assertEqual(review.end()[0], 130)
         self.until(lambda: "lake review has ended" in self.text("said"))
-        self.browser.get_log("browser")
+        self.forget_unanswered()
 
     def until_there(self, selector):
         end = time.monotonic() + WAIT_S
