@@ -1,6 +1,4 @@
 // lake-cohort: the studies of many people, and what they say as a group.
-#include <CLI/CLI.hpp>
-
 #include "lake/cohort/run_cohort.h"
 #include "program.h"
 
@@ -8,7 +6,10 @@ int main(int argc, char** argv) {
   lake::Program program("lake-cohort", "The studies of many people, and what they say as a group",
                         "lake-cohort my-cohort my-cohort/derivatives/lake group --cores 4");
   lake::cohort::CohortRunOptions options;
-  program.Cli().add_option("folder", options.source, "The cohort: participants.tsv, cohort.yaml, sourcedata/");
+  lake::OptionList source;
+  source.AddOperand("folder", options.source, "The cohort: participants.tsv, cohort.yaml, sourcedata/")
+      .IsPath(lake::Option::Path::kFolder);
+  program.Add(std::move(source));
   program.TakeOutByPlace();
   program.Add(lake::OptionsOf(options));
   return program.Main(

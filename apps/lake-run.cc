@@ -1,24 +1,30 @@
 // lake-run: a whole study, from the recordings to a better exoskeleton and a report.
-#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <filesystem>
 #include <optional>
 #include <string>
 
+#include "lake/core/error.h"
 #include "lake/study/study.h"
 #include "program.h"
 
 int main(int argc, char** argv) {
   lake::Program program("lake-run", "A whole study: both trials, misalignment, designs, simulation, one report",
                         "lake-run data/sts-study/study.yaml");
-  std::string file, only;
+  std::filesystem::path file;
+  std::string only;
   bool plan = false;
-  program.Cli().add_option("study", file, "study.yaml")->required();
-  CLI::Option* plan_option = program.Cli().add_flag(
-      "--plan", plan,
-      "Print the steps with their inputs, outputs and resources, and what is to be done, as JSON; do nothing");
-  program.Cli()
-      .add_option("--only", only, "Do this step alone, if it is to be done; those before it must have been done")
-      ->type_name("STEP")
-      ->excludes(plan_option);
+  lake::OptionList options;
+  options.AddOperand("study", file, "study.yaml").Required();
+  options.Add("plan", plan,
+              "Print the steps with their inputs, outputs and resources, and what is to be done, as JSON; do nothing");
+  options.Add("only", only, "Do this step alone, if it is to be done; those before it must have been done")
+      .Value("STEP");
+  options.Check([&](const lake::OptionList&) {
+    if (plan && !only.empty()) throw lake::UsageError("--plan: not with --only");
+  });
+  program.Add(std::move(options));
   std::optional<lake::study::StudyFile> study;
   return program.Main(
       argc, argv,
