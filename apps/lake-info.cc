@@ -1,7 +1,6 @@
 // lake-info: what is inside a trial file.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 
@@ -107,8 +106,6 @@ void Print(const lake::Json& info) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App cli("What is inside a trial file: frames, rate, unit, markers and their gaps", "lake-info");
-  cli.footer("Example:\n  lake-info walking.c3d");
   std::filesystem::path file;
   double mm_per_unit = 1, rate_hz = 0;
   bool json = false;
@@ -118,11 +115,10 @@ int main(int argc, char** argv) {
   lake::exchange::DescribeUnit("unit", mm_per_unit, options);
   lake::exchange::DescribeRate(rate_hz, options);
   options.Add("json", json, "As JSON");
-  const lake::SharedOptions given = lake::AddOptions(cli, std::move(options));
-  return lake::ParseAndRun(cli, argc, argv, [&] {
-    given->Apply();
-    const lake::Json info = Describe(file, mm_per_unit, rate_hz);
-    json ? fmt::print("{}\n", info.dump(2, ' ', false, lake::Json::error_handler_t::replace)) : Print(info);
-    return 0;
-  });
+  return lake::RunTool("lake-info", "What is inside a trial file: frames, rate, unit, markers and their gaps",
+                       "Example:\n  lake-info walking.c3d", std::move(options), argc, argv, [&] {
+                         const lake::Json info = Describe(file, mm_per_unit, rate_hz);
+                         json ? fmt::print("{}\n", info.dump(2, ' ', false, lake::Json::error_handler_t::replace))
+                              : Print(info);
+                       });
 }

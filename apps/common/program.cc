@@ -210,6 +210,18 @@ int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>
   }
 }
 
+int RunTool(const std::string& name, const std::string& what, const std::string& examples, OptionList options, int argc,
+            char** argv, const std::function<void()>& work) {
+  CLI::App cli(what, name);
+  cli.footer(examples);
+  const SharedOptions given = AddOptions(cli, std::move(options));
+  return ParseAndRun(cli, argc, argv, [&] {
+    given->Apply();
+    work();
+    return kDone;
+  });
+}
+
 Program::Program(std::string name, std::string what, std::string example)
     : name_(std::move(name)), cli_(std::make_unique<CLI::App>(std::move(what), name_)) {
   cli_->footer("Example:\n  " + example);

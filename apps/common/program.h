@@ -34,6 +34,11 @@ Json EffectiveOptions(const CLI::App& cli, const std::vector<SharedOptions>& lis
 // line on stderr.
 int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>& work);
 
+// A program that leaves no folder of results: parses, sets the options, runs `work`, and returns the exit code.
+// `examples` are command lines that --help shows.
+int RunTool(const std::string& name, const std::string& what, const std::string& examples, OptionList options, int argc,
+            char** argv, const std::function<void()>& work);
+
 class Program {
  public:
   // `example` is a command line that --help shows.
