@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -89,20 +90,88 @@ camera::BoardView NoisyView(const camera::Camera& camera, const camera::Board& b
   return view;
 }
 
-// The sheet at 10 px per mm, one square of white around the board's squares; its lower left is (-2, -2) squares.
-inline cv::Mat1b Sheet(const camera::Board& board, double& left_mm, double& top_mm) {
-  constexpr double kPxPerMm = 10;
-  const double s = board.square_mm;
-  left_mm = -2 * s, top_mm = (board.SquareRows()) * s;
-  cv::Mat1b sheet(static_cast<int>(std::lround((board.SquareRows() + 2) * s * kPxPerMm)),
-                  static_cast<int>(std::lround((board.SquareColumns() + 2) * s * kPxPerMm)), uchar{235});
-  for (const camera::BoardRectangle& r : camera::BoardInk(board)) {
-    const auto at = [&](double mm) { return static_cast<int>(std::lround(mm * kPxPerMm)); };
-    const int x0 = at(r.left - left_mm), x1 = at(r.left + r.width - left_mm);
-    const int y0 = at(top_mm - r.bottom - r.height), y1 = at(top_mm - r.bottom);
-    sheet(cv::Rect(x0, y0, x1 - x0, y1 - y0)) = uchar{20};
+// A board's sheet at 10 px per mm, one square of white around the board's squares. Its edges cut it into columns and
+// rows of fields that have one level each.
+struct Sheet {
+  static constexpr double kPxPerMm = 10;
+  static constexpr float kAround = 120;  // what is not the sheet
+
+  explicit Sheet(const camera::Board& board)
+      : left_mm(-2 * board.square_mm), top_mm(board.SquareRows() * board.square_mm) {
+    std::vector<cv::Rect> ink;
+    for (const camera::BoardRectangle& r : camera::BoardInk(board))
+      ink.emplace_back(cv::Point(Px(r.left - left_mm), Px(top_mm - r.bottom - r.height)),
+                       cv::Point(Px(r.left + r.width - left_mm), Px(top_mm - r.bottom)));
+    std::vector<int> across, down;
+    for (const cv::Rect& r : ink) {
+      across.insert(across.end(), {r.x, r.br().x});
+      down.insert(down.end(), {r.y, r.br().y});
+    }
+    column = FieldOfEach(across, Px((board.SquareColumns() + 2) * board.square_mm));
+    row = FieldOfEach(down, Px((board.SquareRows() + 2) * board.square_mm));
+    level = cv::Mat1b(row.back() + 1, column.back() + 1, uchar{235});
+    for (const cv::Rect& r : ink)
+      level(cv::Range(row[r.y], row[r.br().y - 1] + 1), cv::Range(column[r.x], column[r.br().x - 1] + 1)) = uchar{20};
   }
-  return sheet;
+
+  static int Px(double mm) { return static_cast<int>(std::lround(mm * kPxPerMm)); }
+
+  // The number of the field that each of `count` pixels lies in, of the fields between the cuts.
+  static std::vector<int> FieldOfEach(std::vector<int> cuts, int count) {
+    std::vector<int> field(static_cast<std::size_t>(count), 0);
+    std::sort(cuts.begin(), cuts.end());
+    cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+    for (const int cut : cuts)
+      for (int i = cut; i < count; ++i) ++field[i];
+    return field;
+  }
+
+  int Width() const { return static_cast<int>(column.size()); }
+  int Height() const { return static_cast<int>(row.size()); }
+
+  Eigen::Vector2d FromPlane(const Eigen::Vector2d& mm) const {
+    return {kPxPerMm * (mm.x() - left_mm), kPxPerMm * (top_mm - mm.y())};
+  }
+  Eigen::Vector2d ToPlane(double x, double y) const { return {left_mm + x / kPxPerMm, top_mm - y / kPxPerMm}; }
+
+  float At(const Eigen::Vector2d& px) const {
+    const bool on_sheet = px.x() >= 0 && px.y() >= 0 && px.x() < Width() && px.y() < Height();
+    return on_sheet ? level(row[static_cast<int>(px.y())], column[static_cast<int>(px.x())]) : kAround;
+  }
+
+  // The level within `reach` of a place, if that is outside the sheet or within one field.
+  std::optional<float> OnlyLevel(const Eigen::Vector2d& px, const Eigen::Vector2d& reach) const {
+    const Eigen::Vector2d from = px - reach, to = px + reach;
+    if (to.x() < 0 || to.y() < 0 || from.x() >= Width() || from.y() >= Height()) return kAround;
+    if (from.x() < 0 || from.y() < 0 || to.x() >= Width() || to.y() >= Height()) return std::nullopt;
+    const auto same = [](const std::vector<int>& field, double a, double b) {
+      return field[static_cast<int>(a)] == field[static_cast<int>(b)];
+    };
+    if (!same(column, from.x(), to.x()) || !same(row, from.y(), to.y())) return std::nullopt;
+    return At(px);
+  }
+
+  double left_mm, top_mm;        // of the sheet, in the board's plane
+  std::vector<int> column, row;  // of fields, for every pixel's x and y
+  cv::Mat1b level;               // of each field
+};
+
+// The part of the picture outside which nothing of the sheet is seen.
+inline cv::Rect Reach(const camera::Camera& camera, const Eigen::Isometry3d& pose, const Sheet& sheet) {
+  constexpr int kSteps = 40, kMargin_px = 4;  // the lens bends a side by less between two places on it
+  std::vector<cv::Point2f> outline;
+  const auto add = [&](double u, double v) {
+    const Eigen::Vector2d px =
+        camera::PixelFromPlane(camera, pose, sheet.ToPlane(u * sheet.Width(), v * sheet.Height()));
+    outline.emplace_back(px.x(), px.y());
+  };
+  for (int i = 0; i <= kSteps; ++i) {
+    const double u = static_cast<double>(i) / kSteps;
+    add(u, 0), add(u, 1), add(0, u), add(1, u);
+  }
+  const cv::Rect box = cv::boundingRect(outline);
+  return cv::Rect(box.tl() - cv::Point(kMargin_px, kMargin_px), box.br() + cv::Point(kMargin_px, kMargin_px)) &
+         cv::Rect(0, 0, camera.image_width, camera.image_height);
 }
 
 struct RenderOptions {
@@ -111,26 +180,32 @@ struct RenderOptions {
   int samples = 6;       // per pixel and axis
 };
 
+// A pixel's mean over its square, from samples x samples places.
+inline float MeanLevel(const Sheet& sheet, const Eigen::Vector2d& middle, const Eigen::Matrix2d& sheet_per_px,
+                       int samples) {
+  const Eigen::Vector2d reach = sheet_per_px.cwiseAbs() * Eigen::Vector2d(0.5, 0.5);
+  if (const std::optional<float> level = sheet.OnlyLevel(middle, reach)) return *level;
+  float sum = 0;
+  for (int i = 0; i < samples * samples; ++i) {
+    const Eigen::Vector2d offset((i % samples + 0.5) / samples - 0.5, (i / samples + 0.5) / samples - 0.5);
+    sum += sheet.At(middle + sheet_per_px * offset);
+  }
+  return sum / static_cast<float>(samples * samples);
+}
+
 // A picture by integrating the sheet over each pixel's square.
 template <typename Random>
 cv::Mat1b Render(const camera::Camera& camera, const camera::Board& board, const Eigen::Isometry3d& pose,
                  Random& random, const RenderOptions& options = {}) {
-  double left_mm = 0, top_mm = 0;
-  const cv::Mat1b sheet = Sheet(board, left_mm, top_mm);
-  cv::Mat1f picture(camera.image_height, camera.image_width);
-  for (int y = 0; y < picture.rows; ++y) {
-    for (int x = 0; x < picture.cols; ++x) {
+  const Sheet sheet(board);
+  const cv::Rect reach = Reach(camera, pose, sheet);
+  const Eigen::Matrix2d sheet_per_mm = Sheet::kPxPerMm * Eigen::Vector2d(1, -1).asDiagonal();
+  cv::Mat1f picture(camera.image_height, camera.image_width, Sheet::kAround);
+  for (int y = reach.y; y < reach.br().y; ++y) {
+    for (int x = reach.x; x < reach.br().x; ++x) {
       const camera::PlanePoint middle = camera::PlanePointFromPixel(camera, pose, Eigen::Vector2d(x, y));
-      float sum = 0;
-      for (int i = 0; i < options.samples * options.samples; ++i) {
-        const Eigen::Vector2d offset((i % options.samples + 0.5) / options.samples - 0.5,
-                                     (i / options.samples + 0.5) / options.samples - 0.5);
-        const Eigen::Vector2d mm = middle.position_mm + middle.mm_per_px * offset;
-        const double column = std::floor((mm.x() - left_mm) * 10), row = std::floor((top_mm - mm.y()) * 10);
-        const bool on_sheet = column >= 0 && row >= 0 && column < sheet.cols && row < sheet.rows;
-        sum += on_sheet ? sheet(static_cast<int>(row), static_cast<int>(column)) : 120;
-      }
-      picture(y, x) = sum / static_cast<float>(options.samples * options.samples);
+      picture(y, x) =
+          MeanLevel(sheet, sheet.FromPlane(middle.position_mm), sheet_per_mm * middle.mm_per_px, options.samples);
     }
   }
   if (options.blur_px > 0) cv::GaussianBlur(picture, picture, {}, options.blur_px);
