@@ -1,14 +1,17 @@
 // One design for many people: processor time and iterations over the number of people, and what the common design is.
 //
 //   lake_group_benchmark [PEOPLE …]                    one solve; default: 1 10 30 100
+//   lake_group_benchmark --common [PEOPLE …]           the whole search for one design; default: 5 10 25 50 100
 //   lake_group_benchmark --sizes K [PEOPLE …]          the whole search for K sizes; default: 10 25 50 100
 //   lake_group_benchmark --write FOLDER PEOPLE         their comparisons, for lake-optimize
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <random>
 
 #include "compare/closed_form.h"
@@ -72,20 +75,43 @@ void Measure(int count) {
              solve.Range_deg());
 }
 
-void MeasureSizes(int sizes, int count) {
-  constexpr double kLimit_percent = 3.5;  // one of the hundred cannot hold 3 %, whatever the design
+// The largest process, MB.
+double Memory_mb() {
+  long most_kb = 0;
+  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage used{};
+    getrusage(who, &used);
+    most_kb = std::max(most_kb, used.ru_maxrss);
+  }
+  return 1e-3 * static_cast<double>(most_kb);
+}
+
+constexpr double kLimit_percent = 3.5;  // one of the hundred cannot hold 3 %, whatever the design
+
+// The work's time and memory as the first columns of a row; what it returns are the others.
+void MeasureWhole(int count, const std::function<std::string()>& work) {
   const double before_s = Processor_s();
   const auto begin = std::chrono::steady_clock::now();
-  const redesign::SizesOutcome outcome = redesign::RunSizes(Problem(kLimit_percent), Draw(count, 1), sizes, {}, {});
+  const std::string result = work();
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   const double took_s = Processor_s() - before_s;
+  fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.2f} | {:.0f} | {} |\n", count, Threads(), elapsed.count(), took_s,
+             took_s / count, Memory_mb(), result);
+  std::fflush(stdout);
+}
+
+std::string CommonDesign(int count) {
+  const redesign::GroupOutcome outcome = redesign::RunGroup(Problem(kLimit_percent), Draw(count, 1), {});
+  return fmt::format("{:.4f} | {}", outcome.evaluation.range_deg, outcome.reason);
+}
+
+std::string Sizes(int sizes, int count) {
+  const redesign::SizesOutcome outcome = redesign::RunSizes(Problem(kLimit_percent), Draw(count, 1), sizes, {}, {});
   std::string ranges;
   for (const redesign::GroupOutcome& size : outcome.sizes)
     ranges += fmt::format(" {}: {:.3f}", size.people.size(), size.evaluation.range_deg);
-  fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.2f} | {:.4f} | {} |{} | {} |\n", count, Threads(), elapsed.count(),
-             took_s, took_s / count, outcome.mean_value_deg, outcome.is_settled ? "yes" : "no", ranges,
-             outcome.Reason());
-  std::fflush(stdout);
+  return fmt::format("{:.4f} | {} |{} | {}", outcome.mean_value_deg, outcome.is_settled ? "yes" : "no", ranges,
+                     outcome.Reason());
 }
 
 void Write(const std::filesystem::path& folder, int count) {
@@ -114,12 +140,18 @@ int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   if (!arguments.empty() && arguments[0] == "--write") {
     lake::Write(arguments.at(1), std::stoi(arguments.at(2)));
+  } else if (!arguments.empty() && arguments[0] == "--common") {
+    fmt::print("| people | threads | elapsed, s | processor, s | s per person | memory, MB | range, ° | |\n");
+    fmt::print("| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    for (const int count : lake::Counts(arguments, 1, {5, 10, 25, 50, 100}))
+      lake::MeasureWhole(count, [&] { return lake::CommonDesign(count); });
   } else if (!arguments.empty() && arguments[0] == "--sizes") {
     fmt::print(
-        "| people | threads | elapsed, s | processor, s | s per person | mean, ° | settled | people: range, ° | |\n");
-    fmt::print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+        "| people | threads | elapsed, s | processor, s | s per person | memory, MB | mean, ° | settled | people: "
+        "range, ° | |\n");
+    fmt::print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
     for (const int count : lake::Counts(arguments, 2, {10, 25, 50, 100}))
-      lake::MeasureSizes(std::stoi(arguments.at(1)), count);
+      lake::MeasureWhole(count, [&] { return lake::Sizes(std::stoi(arguments.at(1)), count); });
   } else {
     fmt::print(
         "| people | variables | one solve | iterations | processor, s | ms per person and iteration | range |\n");

@@ -155,6 +155,10 @@ TEST(Assembly, SaysWhichTriangleMissesByHowMuch) {
   ASSERT_TRUE(actuator);
   EXPECT_EQ(actuator->triangle, linkage::AssemblyGap::Triangle::kActuator);
   EXPECT_NEAR(actuator->gap_mm, 0.5, 1e-9);
+  // Ends of solves are flat to some 1e-9 mm, and are assembled; a hair is too much.
+  EXPECT_TRUE(linkage::SolvePose(kPublishedLinks, shortest - 2e-9));
+  EXPECT_FALSE(linkage::FindAssemblyGap(kPublishedLinks, shortest - 2e-9));
+  EXPECT_FALSE(linkage::SolvePose(kPublishedLinks, shortest - 1e-6));
   linkage::Links short_coupler = kPublishedLinks;
   short_coupler.l1 = 5;
   const auto shank = linkage::FindAssemblyGap(short_coupler, 300);

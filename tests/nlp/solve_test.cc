@@ -66,7 +66,8 @@ TEST(SolveNlp, FixedVariableHasThePriceOfMovingIt) {
   EXPECT_NEAR(solution.variable_marginal_costs[0], 6, 1e-7);
 }
 
-TEST(SolveNlp, InfeasibleProgramIsAStatusWithItsBestPoint) {
+// A point in a circle and beyond a line that does not meet it.
+nlp::NonlinearProgram BeyondACircle() {
   nlp::NonlinearProgram program;
   program.AddVariable("x", 0.5, 0, 10);
   program.AddVariable("y", 0.5, 0, 10);
@@ -74,7 +75,11 @@ TEST(SolveNlp, InfeasibleProgramIsAStatusWithItsBestPoint) {
                         [](const auto* v) { return v[0] * v[0] + v[1] * v[1]; });
   program.AddConstraint("line", 4, nlp::kUnbounded, std::array{0, 1}, [](const auto* v) { return v[0] + v[1]; });
   program.AddCost(std::array{0}, [](const auto* v) { return v[0]; });
-  const nlp::NlpSolution solution = nlp::SolveNlp(program);
+  return program;
+}
+
+TEST(SolveNlp, InfeasibleProgramIsAStatusWithItsBestPoint) {
+  const nlp::NlpSolution solution = nlp::SolveNlp(BeyondACircle());
   EXPECT_EQ(solution.status, nlp::NlpStatus::kLocallyInfeasible) << solution.message;
   EXPECT_FALSE(solution.IsUsable());
   EXPECT_EQ(solution.x.size(), 2u);
@@ -87,6 +92,17 @@ TEST(SolveNlp, IterationLimitIsNotASolution) {
   const nlp::NlpSolution solution = nlp::SolveNlp(HockSchittkowski71(), options);
   EXPECT_EQ(solution.status, nlp::NlpStatus::kIterationLimit);
   EXPECT_FALSE(solution.IsUsable());
+}
+
+TEST(SolveNlp, ALongRestorationIsGivenUp) {
+  nlp::NlpOptions options;
+  options.max_restoration_iterations = 1;
+  const nlp::NlpSolution solution = nlp::SolveNlp(BeyondACircle(), options);
+  EXPECT_EQ(solution.status, nlp::NlpStatus::kIterationLimit) << solution.message;
+  EXPECT_LT(solution.iterations.size(), nlp::SolveNlp(BeyondACircle()).iterations.size());
+  EXPECT_EQ(nlp::SolveNlp(HockSchittkowski71(), options).message, nlp::SolveNlp(HockSchittkowski71()).message);
+  options.max_restoration_iterations = -1;
+  EXPECT_THROW(nlp::SolveNlp(BeyondACircle(), options), Error);
 }
 
 TEST(SolveNlp, IgnoresAnOptionFileInTheWorkingDirectory) {

@@ -73,6 +73,28 @@ TEST(SizeRule, IsTheBestOfAllRules) {
   }
 }
 
+// The largest range is where a triangle is flat, which a solve finds to some 1e-9 mm: who can wear that linkage is told
+// so however far they bend.
+TEST(Fit, OfALinkageThatIsFlatAtItsEndIsFound) {
+  redesign::ReoptimizeProblem problem;
+  problem.program.kind = linkage::StrokeProgram::Kind::kFree;
+  problem.program.duration_s = 25;
+  problem.fit_placement = true;
+  problem.max_misalignment_percent = 2;
+  const linkage::Links widest = synthesis::SolveFrom(problem.design, problem.design.start).end;
+  double before_percent = 0;
+  for (const double seated_deg : {88.0, 92.0, 96.0, 100.0}) {
+    ClosedFormLeg leg;
+    leg.seated_knee_deg = seated_deg;
+    problem.human = redesign::Thinned(redesign::MakeHumanMotion(MakeCurve(leg)), 5);
+    const redesign::Fit fit = redesign::FitOf(problem, widest, {});
+    EXPECT_LT(fit.percent, 3) << seated_deg;  // 25 s are enough to follow nearly all of the motion
+    EXPECT_GT(fit.percent, before_percent) << seated_deg;
+    EXPECT_EQ(fit.holds, fit.percent <= 2) << seated_deg;
+    before_percent = fit.percent;
+  }
+}
+
 // No other size is better for a person than theirs, but for what a solve is within.
 void ExpectWearsTheBest(redesign::GroupProblem problem, const std::vector<redesign::PersonMeasured>& people,
                         const redesign::SizesOutcome& outcome, std::size_t person,

@@ -14,8 +14,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Rounding of lengths of some 100 mm; a triangle that misses closing by less is taken as closed and flat.
-constexpr double kRounding_mm = 1e-10;
+// A triangle that misses closing by less is taken as closed and flat: ends of solves hold their equations to 2e-9 mm,
+// and the largest ranges are at flat triangles.
+constexpr double kRounding_mm = 1e-8;
 
 // How much the longest of three sides exceeds the sum of the others; negative if the triangle closes.
 double TriangleGap(double a, double b, double c) {

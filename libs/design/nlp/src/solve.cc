@@ -69,6 +69,8 @@ void CheckDegreesOfFreedom(const NonlinearProgram& program) {
 void NlpOptions::Check() const {
   if (!(tolerance > 0 && tolerance < 1)) throw Fail("solver tolerance {} must be between 0 and 1", tolerance);
   if (max_iterations < 0) throw Fail("iteration limit {} is negative", max_iterations);
+  if (max_restoration_iterations && *max_restoration_iterations < 0)
+    throw Fail("limit {} of iterations of the restoration phase is negative", *max_restoration_iterations);
   if (!(max_cpu_s > 0)) throw Fail("time limit {} s must be positive", max_cpu_s);
   if (!(start_push > 0) || !(start_barrier > 0)) throw Fail("start_push and start_barrier must be positive");
 }
@@ -100,6 +102,7 @@ NlpSolution SolveNlp(const NonlinearProgram& program, const NlpOptions& options)
   Set(*ipopt, "constr_viol_tol", options.tolerance);
   Set(*ipopt, "acceptable_iter", 0);  // no early end at a looser tolerance
   Set(*ipopt, "max_iter", options.max_iterations);
+  if (options.max_restoration_iterations) Set(*ipopt, "max_resto_iter", *options.max_restoration_iterations);
   Set(*ipopt, "max_cpu_time", options.max_cpu_s);
   Set(*ipopt, "bound_push", options.start_push);
   Set(*ipopt, "bound_frac", options.start_push);

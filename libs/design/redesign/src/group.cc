@@ -135,7 +135,6 @@ std::vector<Search> FindBestOfEach(const std::vector<const GroupProblem*>& probl
   for (std::size_t k = 0; k < problems.size(); ++k)
     count += starts.emplace_back(StartsOf(problems[k]->shared, links[k], options)).size();
   Progress progress(what, "starts", static_cast<std::int64_t>(count), options.quiet);
-  constexpr int kMostIterations = 200;  // three times what a hundred people took; the others wander
   std::vector<Search> searches(problems.size());
   for (;;) {
     std::vector<Piece> pieces;
@@ -144,7 +143,7 @@ std::vector<Search> FindBestOfEach(const std::vector<const GroupProblem*>& probl
       for (const linkage::Links& start : NextStarts(searches[k], starts[k]))
         pieces.push_back({problems[k], StartPoints(*problems[k], start)}), of.push_back(k);
     if (pieces.empty()) return searches;
-    std::vector<End> ends = SolveAll(pieces, WithIterations(options, kMostIterations), progress);
+    std::vector<End> ends = SolveAll(pieces, options, progress);
     for (std::size_t i = 0; i < ends.size(); ++i) searches[of[i]].Add(std::move(ends[i]));
   }
 }
