@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/exchange/convert_options.h"
 #include "lake/exchange/mot.h"
@@ -53,8 +54,14 @@ lake::Json DescribePoints(const lake::exchange::PointRecording& points) {
 }
 
 lake::Json Describe(const std::filesystem::path& path, double mm_per_unit, double rate_hz) {
-  if (!lake::exchange::IsAngleTable(path))
+  if (!lake::exchange::IsAngleTable(path)) {
+    lake::exchange::TrialOptions reading;
+    reading.mm_per_unit = mm_per_unit, reading.rate_hz = rate_hz;
+    lake::exchange::CheckNoneIsUnused(path, lake::exchange::UnusedOptions(path, reading));
     return DescribePoints(lake::exchange::ReadPoints(path, mm_per_unit, rate_hz));
+  }
+  if (mm_per_unit != 1 || rate_hz > 0)
+    throw lake::UsageError(fmt::format("{}: holds angles: --unit and --rate are for points", path.string()));
   const lake::exchange::MotTable table = lake::exchange::ReadMot(path);
   lake::Json info = Timing(table.time_s);
   info["in_degrees"] = table.in_degrees;

@@ -198,7 +198,23 @@ TEST_F(Folders, WithTablesInMetresAreAskedAbout) {
     EXPECT_EQ(outcome.exit_code, 1) << program;
     EXPECT_THAT(outcome.err, HasSubstr("is the file in another unit? Give it with --unit")) << program;
   }
+  // Names that say mm over lengths in whole thousandths of a metre, which are as noise to a fit.
+  Done(
+      "awk -F, -v OFS=, 'NR==1{for(i=1;i<=NF;++i) mm[i]=$i~/_mm$/} "
+      "NR>1{for(i=1;i<=NF;++i) if(mm[i] && $i!=\"\") $i=sprintf(\"%.3f\",$i/1000)}1' D/trajectory.csv > m.csv");
+  Refused("lake-gait m.csv --quiet -o G", 1, "It says mm, and the lengths look like m: write them in mm");
   const Outcome right = Done(compare + "C2 --exo-unit m --json");
+  // Of a folder that says itself what its markers are, this would be passed over.
+  Refused("lake-gait D --unit m -o G", 2, "--unit has no effect on D");
+  Refused("lake-gait mm.txt --up z -o G", 2, "--up has no effect on mm.txt");
+  Refused("lake-loads D --mass 70 --leg left -o L", 2, "--leg has no effect without --forces");
+  Refused("lake-compare D D --unit m -o C", 2, "--unit has no effect on D");
+  Refused("lake-compare D mm.txt --map knee=hip --exo-map knee=knee -o C", 2, "--map has no effect on D");
+  Refused("lake-compare mm.txt D --exo-map knee=hip -o C", 2, "--exo-map has no effect on D");
+  Refused("lake-compare D D --smoothed -o C", 2, "--smoothed has no effect on D");
+  Refused("lake-optimize --human D --unit m --max-misalignment 20 -o O", 2, "--unit has no effect on D");
+  Refused("lake-info D --rate 60", 2, "--rate has no effect on D");
+  EXPECT_FALSE(Has("G") || Has("L") || Has("C"));
   EXPECT_LT(Json::parse(right.out)["metrics"]["rms_mm"].get<double>(), 0.01);  // the digits that awk keeps
 }
 

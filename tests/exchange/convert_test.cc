@@ -101,6 +101,28 @@ TEST(Convert, PixelsWithAScaleBecomeMillimetresWhereNeeded) {
               testing::HasSubstr("scale"));
 }
 
+TEST(Convert, OptionsWithoutAnEffectAreRefused) {
+  const TemporaryFolder folder;
+  exchange::WritePoints(folder / "a.txt", MakePoints(exchange::PointSpace::kPlane, 20, 2, 3));
+  const auto converted = [&](const auto& change, const char* out = "b.csv") {
+    exchange::ConvertOptions options;
+    change(options.reading);
+    exchange::ConvertFile(folder / "a.txt", folder / out, options);
+  };
+  EXPECT_THROW(converted([](auto& reading) { reading.rate_hz = 60; }), UsageError);
+  EXPECT_THROW(converted([](auto& reading) { reading.up = 'z'; }), UsageError);
+  EXPECT_THROW(converted([](auto& reading) { reading.forward = "+x"; }), UsageError) << "there is nothing to turn";
+  EXPECT_FALSE(fs::exists(folder / "b.csv"));
+  EXPECT_NO_THROW(converted([](auto& reading) { reading.mm_per_unit = 10; }));
+
+  exchange::MotTable angles;
+  angles.time_s = {0, 1}, angles.columns = {"knee"}, angles.rows = {{1}, {2}};
+  exchange::WriteMot(folder / "a.mot", angles);
+  exchange::ConvertOptions options;
+  options.reading.mm_per_unit = 10;
+  EXPECT_THROW(exchange::ConvertFile(folder / "a.mot", folder / "b.mot", options), UsageError);
+}
+
 TEST(Convert, CropKeepsTheTimesAskedFor) {
   const TemporaryFolder folder;
   exchange::WritePoints(folder / "a.trc", MakePoints(exchange::PointSpace::kPlane, 120, 2, 3));  // 120 Hz

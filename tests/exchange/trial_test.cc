@@ -145,6 +145,36 @@ TEST(Trial, MarkersOfOwnTablesAreExchangedReplacedAndHalvedByTheirNames) {
   EXPECT_TRUE(halved.Find("knee") && halved.Find("hip"));
 }
 
+// What is asked for and has no effect is told, not passed over.
+TEST(Trial, OptionsThatSayNothingOfAFileAreNamed) {
+  const TemporaryFolder folder;
+  const exchange::PointRecording plane = MakePoints(exchange::PointSpace::kPlane, 20, 2, 3);
+  fs::create_directory(folder / "own");
+  for (const char* name : {"own/trajectory.csv", "a.trc", "a.txt", "a_kinovea.csv"})
+    exchange::WritePoints(folder / name, plane);
+  std::ofstream(folder / "dltdv.csv") << "pt1_cam1_X,pt1_cam1_Y\n1,2\n3,4\n";
+  exchange::TrialOptions all;
+  all.up = 'z', all.mm_per_unit = 1000, all.rate_hz = 60, all.values = motion::MarkerValues::kEstimated;
+  const auto unused = [&](const char* name) {
+    std::vector<std::string> options;
+    for (const exchange::UnusedOption& one : exchange::UnusedOptions(folder / name, all)) options.push_back(one.option);
+    return options;
+  };
+  using testing::ElementsAre;
+  EXPECT_THAT(unused("own"), ElementsAre("--unit", "--up", "--rate"));
+  EXPECT_THAT(unused("own/trajectory.csv"), ElementsAre("--unit", "--up", "--rate"));
+  EXPECT_THAT(unused("a.trc"), ElementsAre("--unit", "--rate", "--smoothed"));
+  EXPECT_THAT(unused("a.txt"), ElementsAre("--up", "--rate", "--smoothed"));
+  EXPECT_THAT(unused("a_kinovea.csv"), ElementsAre("--up", "--rate", "--smoothed"));
+  EXPECT_THAT(unused("dltdv.csv"), ElementsAre("--unit", "--up", "--smoothed"));
+  EXPECT_THAT(unused("none.csv"), ElementsAre()) << "that it is absent is said by who reads it";
+  EXPECT_THAT(exchange::UnusedOptions(folder / "a.trc", {}), ElementsAre());
+  const auto refuse = [&] { exchange::CheckNoneIsUnused("own", exchange::UnusedOptions(folder / "own", all)); };
+  EXPECT_THAT(MessageOf(refuse), testing::HasSubstr("--unit has no effect on own: it is in mm or px"));
+  EXPECT_THROW(refuse(), UsageError);
+  EXPECT_NO_THROW(exchange::CheckNoneIsUnused("own", {}));
+}
+
 TEST(Trial, UnknownAndAbsentFilesAreErrors) {
   const TemporaryFolder folder;
   EXPECT_THROW(exchange::ReadTrial(folder / "none.trc"), Error);

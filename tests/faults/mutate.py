@@ -21,7 +21,7 @@ import programs
 SPICE = ["nan", "inf", "-1", "0", "1e308", "-1e308", "1e-320", "", "99999999999999999999", "0x10", "-", "1,5", "\x00", "\xff", "*a",
          "[", "]", "{", "}", "\"", "'", ":", "%", "%s", "\n", "\r\n", "\t", "&", "<", ">", "é", "A" * 5000]
 HEAVY = {"video track", "video check", "corrections", "picture", "trial gait", "trial loads", "trial compare", "list of results",
-         "comparison", "loads", "actuators", "problem"}
+         "comparison", "loads", "actuators", "problem", "forces", "segments"}
 NUMBER = re.compile(rb"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 
 
@@ -77,6 +77,8 @@ def kinds(folder):
     plane = ["lake-calibrate", "plane", "video.mp4", "--camera", "camera.yaml", "--points", programs.POINTS]
     stroke = ["lake-stroke", "worn.yaml", "--speed", "5", "--duty-table", "duty.csv", "--accept-drift"]
     simulate = ["lake-simulate", "worn.yaml", "--no-animation", "--rows", "21", "--angles", "70"]
+    loads = ["lake-loads", "th", "--mass", "70", "--draws", "20"]
+    cohort = ["lake-cohort", "cohort", "out", "participant"]  # it names no folder by an option
     tables = [(f"{path.name} {word}", f"te/{path.name}", words, 4)
               for path in sorted((folder / "te").glob("video*")) + [folder / "te/tracks.csv", folder / "te/trajectory.csv"]
               for word, words in (("info", ["lake-info", f"te/{path.name}"]),
@@ -89,8 +91,13 @@ def kinds(folder):
         ("camera", "camera.yaml", plane, 8),
         ("picture", "board1.pgm", ["lake-calibrate"] + [f"board{i}.pgm" for i in range(6)] + ["--board", "chessboard:6x4:25"], 3),
         ("trial gait", "th/trajectory.csv", ["lake-gait", "th"], 4),
-        ("trial loads", "th/trajectory.csv", ["lake-loads", "th", "--mass", "70", "--draws", "20"], 3),
+        ("trial loads", "th/trajectory.csv", loads, 3),
         ("trial compare", "te/trajectory.csv", ["lake-compare", "th", "te", "--resamples", "0"], 3),
+        ("events", "events.csv", ["lake-gait", "th", "--events", "events.csv"], 5),
+        ("forces", "forces.mot", loads[:1] + ["te/video.trc", "--forces", "forces.mot"] + loads[2:], 4),
+        ("segments", "segments.yaml", loads + ["--anthropometry", "segments.yaml"], 4),
+        ("cohort", "cohort/cohort.yaml", cohort, 8),
+        ("participants", "cohort/participants.tsv", cohort, 8),
         ("list of results", "th/.lake-track.lake-files.json", ["lake-gait", "th"], 3),
         ("comparison", "comparison/comparison.json",
          ["lake-optimize", "--problem", "problem.yaml", "--comparison", "comparison", "--human-only", "--starts", "1"], 3),
@@ -114,7 +121,7 @@ def run_counted(words, folder, most_cpu_s):
 
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     shutil.rmtree(folder / "out", ignore_errors=True)
-    out = [] if words[0] in ("lake-info", "lake-convert") else ["--quiet", "-o", "out"]
+    out = {"lake-info": [], "lake-convert": [], "lake-cohort": ["--quiet"]}.get(words[0], ["--quiet", "-o", "out"])
     ended = programs.run(words + out, folder, preexec_fn=limit)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return ended, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime

@@ -45,6 +45,29 @@ plane_tvec: !!opencv-matrix
 
 DUTY_TABLE = "duty,extend_mm_s,retract_mm_s,tolerance_percent\n0.2,0,0,\n0.3,8,8.2,3\n1,30,31,3\n"
 
+EVENTS = "repetition,event,frame\n1,onset,14\n1,standing,50\n"
+
+SEGMENTS = """source: made up
+foot: {mass: 0.0145, centre: 0.5, gyration: 0.475}
+shank: {mass: 0.0465, centre: 0.433, gyration: 0.302}
+thigh: {mass: 0.1, centre: 0.433, gyration: 0.323}
+trunk: {mass: 0.678, centre: 0.626, gyration: 0.496}
+"""
+
+COHORT = """name: Small
+task: sitstand
+steps: [comparison]
+study:
+  camera: $cohort/camera.yaml
+  human: {video: human.mp4, markers: [ankle, knee, hip, waist]}
+  exo: {video: exo.mp4, markers: [ankle, knee, hip, waist, exo_knee]}
+  loads: {mass_kg: $mass_kg}
+people:
+  sub-02: {exo: {seeds: ["exo_knee=740,415"]}}
+"""
+
+PARTICIPANTS = "participant_id\tage\tmass_kg\theight_mm\nsub-01\t31\t70.5\t1750\nsub-02\t28\tn/a\t1690\n"
+
 STUDY = """name: Small
 camera: camera.yaml
 human: {video: video.mp4, seeds: [KNEE]}
@@ -92,6 +115,24 @@ def actuator_log():
     return "\n".join(rows) + "\n"
 
 
+def ground_forces():
+    """A plate that bears half a person for 4 s, as OpenSim has it."""
+    axes = [f"ground_force_1_{what}{axis}" for what in "vpm" for axis in "xyz"]
+    rows = [f"{i / 100:.2f}\t" + "\t".join(map(str, (5, 340 + 40 * math.sin(i / 20), -3, 0.05, 0, 0.1, 0, 0.4, 0)))
+            for i in range(401)]
+    head = ["forces", "version=1", f"nRows={len(rows)}", f"nColumns={len(axes) + 1}", "inDegrees=yes", "endheader"]
+    return "\n".join(head + ["\t".join(["time"] + axes)] + rows) + "\n"
+
+
+def make_cohort(folder):
+    """Two people whose videos are not there, so that cohort and studies are read and none is done."""
+    for person in ("sub-01", "sub-02/ses-1"):
+        (folder / "sourcedata" / person).mkdir(parents=True, exist_ok=True)
+        (folder / "sourcedata" / person / "notes.txt").write_text("Videos to come.\n")
+    (folder / "cohort.yaml").write_text(COHORT)
+    (folder / "participants.tsv").write_text(PARTICIPANTS)
+
+
 def seeds(folder):
     """Where the markers are that are no part of the leg, or beside one that is not, in the first frame."""
     with open(folder / "rendering/truth.csv", encoding="utf-8") as table:
@@ -120,6 +161,10 @@ def make_inputs(folder):
     (folder / "camera.yaml").write_text(CAMERA)
     (folder / "duty.csv").write_text(DUTY_TABLE)
     (folder / "log.csv").write_text(actuator_log())
+    (folder / "events.csv").write_text(EVENTS)
+    (folder / "forces.mot").write_text(ground_forces())
+    (folder / "segments.yaml").write_text(SEGMENTS)
+    make_cohort(folder / "cohort")
     (folder / "corrections.csv").write_text("frame,marker,x_px,y_px\n5,knee,,\n")
     shutil.copy(ROOT / "data/sts-study/worn.yaml", folder / "worn.yaml")
     shutil.copy(ROOT / "calibration/problems/buildable.yaml", folder / "problem.yaml")

@@ -326,6 +326,33 @@ TEST(LegFit, FiveMinutesAreFittedWhole) {
 // Each stops where a step is worth a hundredth of the sum's unit, √0.02 of a standard deviation; steps shrink slowly
 // where an outlier's weight settles, so the sums end within some ten of these. One marker is hidden and one is wrong
 // for a while, so that the first steps are long.
+TEST(LegFit, TimesThatWereRoundedAreNamedNotTheMarkers) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 1}, 5);
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.05}, 5);
+  const auto said = [&](double unit_s) {
+    for (std::size_t i = 0; i < tracks.Frames(); ++i) tracks.time_s[i] = std::round(leg.time_s[i] / unit_s) * unit_s;
+    try {
+      const gait::LegFitResult fit = gait::FitLeg(tracks, ScaledView());
+      return fit.warnings.empty() ? std::string() : fit.warnings.front();
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_THAT(said(0.01), testing::HasSubstr("the times are rounded to 0.01 s, and frames are 0.0167 s apart"));
+  EXPECT_EQ(said(0.001), "") << "a 33rd of a frame";
+
+  // Frames at 100 Hz, some of which are missing, have such times without being rounded.
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < tracks.Frames(); ++i)
+    tracks.time_s[i] = 0.01 * static_cast<double>(kept += 1 + (i % 50 < 20));
+  try {
+    for (const std::string& warning : gait::FitLeg(tracks, ScaledView()).warnings)
+      EXPECT_THAT(warning, testing::Not(testing::HasSubstr("rounded")));
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::Not(testing::HasSubstr("rounded")));
+  }
+}
+
 TEST(LegFit, BandsFindTheMinimumThatCeresFinds) {
   const SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 1, .skin_mm = 12});
   motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, CalibratedView(), {0.03}, 21);

@@ -92,6 +92,10 @@ TEST(Anthropometry, BodiesThatNobodyHasAreRefused) {
   }
   body.mass_kg = 70;
   EXPECT_NO_THROW(body.Check());
+  body.sex = Sex::kFemale;
+  EXPECT_THROW(body.Check(), UsageError) << "Winter's table is of both";
+  body.anthropometry = "deleva";
+  EXPECT_NO_THROW(body.Check());
   body.height_mm = 1.75;
   EXPECT_THROW(body.Check(), Error);
   body.height_mm = 1750, body.share = 0;

@@ -130,7 +130,43 @@ void WriteComparisonReport(const std::string& title, const Json& comparison, Run
   report::WriteReport(run.Result("report.html"), report);
 }
 
+// What reading one of the trials passes over of what its options say.
+std::vector<exchange::UnusedOption> UnusedReading(const fs::path& path, const exchange::TrialOptions& reading) {
+  const bool is_fitted = !IsCompared(path) && !IsTracked(path);
+  if (is_fitted && !fs::is_directory(path)) return exchange::UnusedOptions(path, reading);
+  const char* why = "its markers have names, axes and units already";
+  std::vector<exchange::UnusedOption> unused;
+  if (!reading.names.empty()) unused.push_back({"--map", why});
+  if (reading.up) unused.push_back({"--up", why});
+  if (!reading.forward.empty()) unused.push_back({"--forward", why});
+  if (reading.mm_per_unit != 1) unused.push_back({"--unit", why});
+  if (!is_fitted && reading.values == motion::MarkerValues::kEstimated)
+    unused.push_back({"--smoothed", "its curves are those of a fit already"});
+  return unused;
+}
+
+bool Has(const std::vector<exchange::UnusedOption>& unused, const std::string& option) {
+  return std::ranges::any_of(unused, [&](const exchange::UnusedOption& one) { return one.option == option; });
+}
+
+// An option that holds for both trials is of use if it is for one of them.
+void CheckReading(const CompareRunOptions& o) {
+  const auto human = UnusedReading(o.human, o.human_reading), exo = UnusedReading(o.exo, o.exo_reading);
+  const auto is_of_one = [&](const std::string& option) {
+    return (option == "--map" && o.exo_reading.names != o.human_reading.names) ||
+           (option == "--unit" && o.exo_reading.mm_per_unit != o.human_reading.mm_per_unit);
+  };
+  for (const auto& [option, why] : human)
+    if (is_of_one(option) || Has(exo, option)) exchange::CheckNoneIsUnused(o.human, {{option, why}});
+  for (const auto& [option, why] : exo)
+    if (is_of_one(option)) exchange::CheckNoneIsUnused(o.exo, {{"--exo-" + option.substr(2), why}});
+}
+
 }  // namespace
+
+void CheckReading(const fs::path& path, const exchange::TrialOptions& reading) {
+  exchange::CheckNoneIsUnused(path, UnusedReading(path, reading));
+}
 
 compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run) {
@@ -138,6 +174,7 @@ compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::Trial
 }
 
 Json RunCompare(const CompareRunOptions& options, Run& run) {
+  CheckReading(options);
   const RegisteredPair pair = ReadPair(options, run);
   const std::string& exo_knee = pair.exo_knee;
   run.Begin({"summary.json", "misalignment.csv", "overlay.png", "overlay.svg", "misalignment.png", "misalignment.svg",

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
 #include "lake/figure/leg_figure.h"
 #include "lake/gait/corrected_events.h"
 #include "png_and_svg.h"
@@ -22,15 +25,38 @@ bool WasSmoothed(const exchange::Trial& trial, const gait::LegFitResult& result)
                      [&](const gait::MarkerReport& marker) { return marker.rms < least; });
 }
 
+// Throws Error for a shank that nobody has, which mostly is one in another unit.
+void CheckShank(const exchange::Trial& trial, double shank_mm) {
+  constexpr double kShortestMm = 100, kLongestMm = 1000;
+  if (!std::isfinite(shank_mm) || (shank_mm >= kShortestMm && shank_mm <= kLongestMm)) return;
+  const auto would_fit = [&](double mm) { return mm * shank_mm >= kShortestMm && mm * shank_mm <= kLongestMm; };
+  const std::string unit = would_fit(kMmPerM) ? "m" : would_fit(10) ? "cm" : "";
+  exchange::TrialOptions in_unit;
+  in_unit.mm_per_unit = kMmPerM;
+  const bool states_none = exchange::UnusedOptions(trial.file, in_unit).empty();
+  throw Fail("{}: the shank is {:.3g} mm long, not {:g} to {:g}: is the file in another unit? {}", trial.file.string(),
+             shank_mm, kShortestMm, kLongestMm,
+             states_none    ? "Give it with --unit" + (unit.empty() ? "" : " " + unit)
+             : unit.empty() ? "It says mm"
+                            : fmt::format("It says mm, and the lengths look like {}: write them in mm", unit));
+}
+
+// Before the fit, which takes a leg of half a millimetre for noise. NaN where there are no lengths yet.
+double MeasuredShank(const motion::MarkerRecording& recording, const gait::LegMarkers& names) {
+  const motion::MarkerTrack *ankle = recording.Find(names.ankle), *knee = recording.Find(names.knee);
+  std::vector<double> lengths;
+  if (recording.unit == motion::LengthUnit::kMm && ankle && knee)
+    for (std::size_t i = 0; i < recording.Frames(); ++i)
+      if (ankle->samples[i].IsKnown() && knee->samples[i].IsKnown())
+        lengths.push_back((knee->samples[i].position - ankle->samples[i].position).norm());
+  return lengths.empty() ? NAN : Median(std::move(lengths));
+}
+
 void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result, Run& run) {
   for (const std::string& warning : trial.warnings) run.Warn(warning);
   for (const std::string& warning : result.warnings) run.Warn(warning);
   if (result.motion.unit == motion::LengthUnit::kPx) run.Warn("the trial has no scale: lengths are in px");
-  const double shank = result.segments.front().length;
-  constexpr double kShortestMm = 100, kLongestMm = 1000;
-  if (result.motion.unit == motion::LengthUnit::kMm && (shank < kShortestMm || shank > kLongestMm))
-    throw Fail("{}: the shank is {:.3g} mm long, not {:g} to {:g}: is the file in another unit? Give it with --unit",
-               trial.file.string(), shank, kShortestMm, kLongestMm);
+  if (result.motion.unit == motion::LengthUnit::kMm) CheckShank(trial, result.segments.front().length);
   if (WasSmoothed(trial, result))
     run.Warn(
         "the positions were smoothed before, and the file does not say how certain they are: the standard deviations "
@@ -71,6 +97,7 @@ void Describe(GaitRunOptions& o, OptionList& options) {
 }
 
 exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run) {
+  exchange::CheckNoneIsUnused(path, exchange::UnusedOptions(path, reading));
   exchange::Trial trial = exchange::ReadTrial(path, reading);
   run.AddInput(trial.file);
   return trial;
@@ -82,6 +109,7 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   fit.known_sigmas = trial.known_sigmas;
   if (trial.faces_right && !fit.facing)
     fit.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
+  CheckShank(trial, MeasuredShank(trial.recording, fit.markers));
   const gait::LegView view = gait::MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px);
   gait::LegFitResult result = gait::FitLeg(trial.recording, view, fit, trial.across_mm);
   if (const auto events = CorrectedEventsOf(trial)) TakeEvents(*events, result, run);

@@ -234,6 +234,8 @@ void Describe(LoadsRunOptions& o, OptionList& options) {
   options.Check([&o](const OptionList&) {
     exchange::CheckPlates(o.plates);
     if (!o.plates.empty() && o.forces.empty()) throw UsageError("--plates: of which file? Give --forces");
+    if (!o.leg.empty() && o.forces.empty())
+      throw UsageError("--leg has no effect without --forces: it says which force plate is this leg's; leave it out");
   });
 }
 

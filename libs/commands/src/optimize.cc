@@ -108,6 +108,7 @@ Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
 }
 
 compare::StsCurve ReadHuman(const ReoptimizeRunOptions& options, Run& run) {
+  CheckReading(options.human, options.human_reading);
   const compare::TrialTables tables = ReadTrialTables(options.human, options.human_reading, options.human_knee, run);
   compare::RegistrationOptions registration;
   registration.knee = options.human_knee;

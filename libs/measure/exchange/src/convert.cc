@@ -44,9 +44,12 @@ void CropTable(const std::array<double, 2>& crop_s, const fs::path& path, MotTab
 }
 
 void CheckNoPointOptions(const fs::path& out, const ConvertOptions& options) {
-  if (!options.reading.names.empty() || options.reading.up || !options.reading.forward.empty() || options.unit != "mm")
-    throw UsageError(
-        fmt::format("{}: holds angles: --map, --up, --forward and --out-unit are for points", out.string()));
+  const TrialOptions& reading = options.reading;
+  if (!reading.names.empty() || reading.up || !reading.forward.empty() || options.unit != "mm" ||
+      reading.mm_per_unit != 1 || reading.rate_hz > 0 || reading.values == motion::MarkerValues::kEstimated)
+    throw UsageError(fmt::format(
+        "{}: holds angles: --map, --up, --forward, --unit, --rate, --smoothed and --out-unit are for points",
+        out.string()));
 }
 
 void ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
@@ -71,6 +74,8 @@ PointRecording FitToFormat(PointRecording points, const fs::path& in, const fs::
                            const ConvertOptions& options) {
   const PointFormat& format = FormatOf(out);
   if (points.space == PointSpace::kImage && !format.image) points = PointsInPlane(points);
+  if (points.space != PointSpace::kSpace && !options.reading.forward.empty())
+    CheckNoneIsUnused(in, {{"--forward", "its points lie in a plane"}});
   if (points.space != PointSpace::kSpace) return points;
   if (options.reading.up) points.up_axis = *options.reading.up;
   double out_of_plane_mm = 0;
@@ -110,6 +115,7 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   FormatOf(out);  // a wrong ending is told before a long file is read
   if (IsAngleTable(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
   if (options.flexion_negative) throw UsageError("--flexion-negative is for a .mot that is written");
+  CheckNoneIsUnused(in, UnusedOptions(in, options.reading));
   const fs::path table = fs::is_directory(in) ? TableFor(out, in) : in;
   PointRecording points =
       ReadPoints(table, options.reading.mm_per_unit, options.reading.rate_hz, options.reading.values);

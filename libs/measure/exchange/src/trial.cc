@@ -228,6 +228,22 @@ bool IsOwnTable(const fs::path& path) {
   return Lower(path.extension().string()) == ".csv" && !IsKinovea(path) && !IsDltdv(path);
 }
 
+// What a file of each kind says itself, or leaves to the options.
+struct KindOfTrial {
+  bool has_unit = true, is_in_space = false, has_times = true, has_estimates = false;
+};
+
+KindOfTrial KindOf(const fs::path& path) {
+  const std::string extension = Lower(path.extension().string());
+  const bool is_csv = extension == ".csv";
+  KindOfTrial kind;
+  kind.has_unit = extension != ".txt" && !(is_csv && IsKinovea(path));
+  kind.is_in_space = extension == ".trc" || extension == ".c3d";
+  kind.has_times = !(is_csv && IsDltdv(path));
+  kind.has_estimates = fs::is_directory(path) || (is_csv && IsOwnTable(path));
+  return kind;
+}
+
 }  // namespace
 
 Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options) {
@@ -265,6 +281,27 @@ Option& DescribeUp(TrialOptions& o, OptionList& options) {
       .AddChoice("up", o.up, OptionList::Choices<char>{{"x", 'x'}, {"y", 'y'}, {"z", 'z'}},
                  "Vertical axis of a 3-D file")
       .Otherwise("TRC y, C3D its own or z");
+}
+
+std::vector<UnusedOption> UnusedOptions(const fs::path& path, const TrialOptions& options) {
+  if (!fs::exists(path)) return {};
+  const KindOfTrial kind = KindOf(path);
+  std::vector<UnusedOption> unused;
+  const auto add = [&](bool is_unused, const char* option, const char* why) {
+    if (is_unused) unused.push_back({option, why});
+  };
+  add(options.mm_per_unit != 1 && kind.has_unit, "--unit", "it is in mm or px, or states its unit itself");
+  add(options.up && !kind.is_in_space, "--up", "its points lie in a plane, with y as the vertical");
+  add(options.rate_hz > 0 && kind.has_times, "--rate", "it has times of its own");
+  add(options.values == motion::MarkerValues::kEstimated && !kind.has_estimates, "--smoothed",
+      "it holds no fit's estimates");
+  return unused;
+}
+
+void CheckNoneIsUnused(const fs::path& path, const std::vector<UnusedOption>& unused) {
+  if (!unused.empty())
+    throw UsageError(fmt::format("{} has no effect on {}: {}; leave it out", unused.front().option, path.string(),
+                                 unused.front().why));
 }
 
 PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options) {

@@ -46,6 +46,24 @@ void WarnOfPauses(const motion::MarkerRecording& recording, const LegFitOptions&
                       pause_s, recording.frame[i - 1], recording.time_s[i - 1]));
 }
 
+// The decimal that the times of an even recording were rounded to, where that moves them by a tenth of a frame or more;
+// else nothing. Times that are uneven by themselves, as where frames are missing, do not lie so near a line.
+std::optional<double> RoundedTo(const motion::MarkerRecording& recording) {
+  const std::vector<double>& time_s = recording.time_s;
+  const auto frame = [&](std::size_t i) { return static_cast<double>(recording.frame[i] - recording.frame.front()); };
+  const double step_s = (time_s.back() - time_s.front()) / frame(recording.Frames() - 1);
+  for (const double unit_s : {1.0, 0.1, 0.01, 0.001}) {
+    if (unit_s < step_s / 5) break;
+    const double units = step_s / unit_s;
+    bool is_rounded = std::abs(units - std::round(units)) > 1e-3;
+    for (std::size_t i = 0; is_rounded && i < recording.Frames(); ++i)
+      is_rounded = std::abs(time_s[i] / unit_s - std::round(time_s[i] / unit_s)) < 1e-6 &&
+                   std::abs(time_s[i] - time_s.front() - step_s * frame(i)) < 1.01 * unit_s;
+    if (is_rounded) return unit_s;
+  }
+  return {};
+}
+
 void WarnOfLengths(const std::vector<SegmentReport>& segments, double most_usual, std::vector<std::string>& warnings) {
   for (const SegmentReport& segment : segments)
     if (segment.name != "hw" && segment.variation > most_usual * segment.length)
@@ -273,6 +291,15 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
                     found.largest_flexion_deg, options.facing_option));
 
   WarnOfPauses(recording, options, result.warnings);
+  PlausibilityLimits limits;
+  limits.ways_out = options.ways_out;
+  if (const auto unit_s = RoundedTo(recording)) {
+    const std::string rounded = fmt::format("the times are rounded to {:g} s, and frames are {:.3g} s apart", *unit_s,
+                                            (recording.time_s.back() - recording.time_s.front()) /
+                                                static_cast<double>(recording.frame.back() - recording.frame.front()));
+    result.warnings.push_back(rounded + ": what moves fast is misplaced by that; give them with more digits");
+    limits.ways_out = "or give the times with more digits: " + rounded;
+  }
 
   LegModel model;
   model.view = view;
@@ -311,8 +338,6 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   result.summary.known_sigmas = options.known_sigmas;
   WarnOfLengths(result.segments, options.most_usual_variation, result.warnings);
   if (options.HasSplineCutoff()) CheckCutoffKeepsMotion(result, *options.cutoff_hz);
-  PlausibilityLimits limits;
-  limits.ways_out = options.ways_out;
   CheckPlausible(result, limits);
   progress.Advance();
   return result;

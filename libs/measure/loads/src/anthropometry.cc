@@ -51,7 +51,7 @@ SegmentShare ReadShare(YamlNode& file, const char* name) {
 
 Anthropometry FindAnthropometry(const std::string& name_or_file, std::optional<Sex> sex) {
   if (name_or_file == "winter") return Winter();
-  if (name_or_file != "deleva") return ReadAnthropometry(name_or_file);
+  if (name_or_file != kDeLeva) return ReadAnthropometry(name_or_file);
   if (!sex) throw UsageError("--anthropometry deleva: has a table for men and one for women; give --sex");
   return DeLeva(*sex);
 }

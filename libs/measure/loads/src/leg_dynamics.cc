@@ -51,6 +51,10 @@ void BodyOptions::Check() const {
     throw Fail("--height {} mm: a person is {} to {} mm tall", *height_mm, kLeastHeight_mm, kLargestHeight_mm);
   if (!(share > 0 && share <= 1))
     throw UsageError(fmt::format("--share {}: of the trunk's weight, above 0 and at most 1", share));
+  if (sex && anthropometry != kDeLeva)
+    throw UsageError(fmt::format(
+        "--sex has no effect on the table '{}', which is the same for both: leave it out, or give --anthropometry {}",
+        anthropometry, kDeLeva));
   if (!foot_mm) return;
   const auto [heel_mm, toe_mm] = *foot_mm;
   if (!(heel_mm >= 0 && toe_mm > 0 && heel_mm + toe_mm >= 100 && heel_mm + toe_mm <= 500))

@@ -4,12 +4,14 @@
 #include <spawn.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
@@ -70,10 +72,18 @@ std::string PngTerminal(int width_px, int height_px) {
                      kFont);
 }
 
+// A figure of half an hour has 30 MB: its end says enough.
+std::string EndOf(const std::filesystem::path& file) {
+  constexpr std::streamoff kMost = 64;
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  stream.seekg(std::max<std::streamoff>(0, stream.tellg() - kMost));
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 // gnuplot ends with 0 even where it could not write. A picture that ends as its format does is whole.
 void CheckWhole(const std::filesystem::path& written, const std::filesystem::path& path) {
   using namespace std::string_view_literals;
-  const std::string picture = ReadTextFile(written);
+  const std::string picture = EndOf(written);
   const std::string extension = path.extension().string();
   const bool whole = extension == ".svg"   ? Trim(picture).ends_with("</svg>")
                      : extension == ".gif" ? picture.ends_with("\0;"sv)
@@ -84,10 +94,17 @@ void CheckWhole(const std::filesystem::path& written, const std::filesystem::pat
 // gnuplot switches smoothing off for filled shapes in SVG, which leaves slanted edges jagged on screens.
 void SmoothEdges(const std::filesystem::path& svg) {
   constexpr std::string_view kJagged = "crispEdges", kSmooth = "geometricPrecision";
-  std::string text = ReadTextFile(svg);
-  for (std::size_t at = 0; (at = text.find(kJagged, at)) != std::string::npos; at += kSmooth.size())
-    text.replace(at, kJagged.size(), kSmooth);
-  WriteTextFile(svg, text);
+  AtomicFile smooth(svg);
+  std::ifstream from(svg, std::ios::binary);
+  std::ofstream to(smooth.TemporaryPath(), std::ios::binary);
+  for (std::string line; std::getline(from, line);) {  // one by one: that of half an hour has 30 MB
+    for (std::size_t at = 0; (at = line.find(kJagged, at)) != std::string::npos; at += kSmooth.size())
+      line.replace(at, kJagged.size(), kSmooth);
+    to << line << '\n';
+  }
+  to.close();
+  if (!to) throw Fail("{}: cannot be written: {}", svg.string(), std::strerror(errno));
+  smooth.Commit();
 }
 
 // In double quotes, where \ooo is a byte: a path may hold any but 0, and in single quotes gnuplot has no newline.

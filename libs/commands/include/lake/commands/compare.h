@@ -30,6 +30,9 @@ void Describe(CompareRunOptions& o, OptionList& options);
 compare::TrialTables ReadTrialTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run);
 
+// Throws UsageError for what is said of a trial that ReadTrialTables would pass over.
+void CheckReading(const std::filesystem::path& path, const exchange::TrialOptions& reading);
+
 // Writes misalignment.csv, overlay.png, misalignment.png, comparison.json, report.html; returns the results for the
 // summary. Throws Error in one line for trials that cannot be compared.
 Json RunCompare(const CompareRunOptions& options, Run& run);

@@ -25,14 +25,26 @@ struct TrialOptions {
 
 // All but the rate, which only what converts asks.
 void Describe(TrialOptions& o, OptionList& options);
-// The unit of files that do not say theirs: its name, or its length in mm.
 // Which axis of a 3-D file is vertical.
 Option& DescribeUp(TrialOptions& o, OptionList& options);
 
 // Whether a trajectory.csv's measurements or its estimates are read.
 Option& DescribeValues(TrialOptions& o, OptionList& options);
 
+// The unit of files that do not say theirs: its name, or its length in mm.
 Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options);
+
+// An option that is given and that a file of this kind has no use for.
+struct UnusedOption {
+  std::string option, why;  // "--unit", "its lengths are in mm"
+};
+
+// Those of unit, vertical, rate and --smoothed that reading this file or folder would pass over; none for a file that
+// is not there.
+std::vector<UnusedOption> UnusedOptions(const std::filesystem::path& path, const TrialOptions& options);
+
+// Throws UsageError that names the first, if there is one, and why it has no effect on the file.
+void CheckNoneIsUnused(const std::filesystem::path& path, const std::vector<UnusedOption>& unused);
 
 struct Trial {
   std::filesystem::path file;         // that was read: of a folder, its trajectory.csv or tracks.csv

@@ -26,6 +26,8 @@ struct Anthropometry {
 
 enum class Sex { kMale, kFemale };
 
+inline constexpr const char* kDeLeva = "deleva";  // the table that is not the same for both
+
 // "winter", "deleva" (by sex), else a YAML file: `source` and, for foot, shank, thigh and trunk each, {mass, centre,
 // gyration}. Throws UsageError for deleva without a sex; Error naming file and line for shares out of range, or masses
 // of both legs and the trunk that do not add up to 1 within 0.02.
