@@ -1,27 +1,12 @@
 // lake-convert: a trial in another program's format. Writes one file, so it has no folder of results.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "lake/exchange/convert_options.h"
 #include "program.h"
 
 int main(int argc, char** argv) {
-  CLI::App cli(
-      "A trial in another program's format. The ending of OUT says which:\n"
-      "  .trc          OpenSim, Pose2Sim: 3-D, y up\n"
-      "  .c3d          Vicon, Qualisys, Visual3D\n"
-      "  .txt, .trk    Tracker: table in mm or px; project over the video (px)\n"
-      "  _kinovea.csv, .kva   Kinovea: table; annotations over the video (px)\n"
-      "  .csv          lake\n"
-      "  .mot, .sto    OpenSim: knee angle and tilts, from kinematics.csv or a folder that has one",
-      "lake-convert");
-  cli.footer(
-      "Examples:\n"
-      "  lake-convert walking.c3d walking.trc --forward +x\n"
-      "  lake-convert trial.trc side.csv --map ankle=RANK,knee=RKNE,hip=RHIP --crop 2.5,6\n"
-      "  lake-convert lake-out/human human.mot --flexion-negative");
   std::filesystem::path in, out;
   lake::exchange::ConvertOptions options;
   lake::OptionList list;
@@ -29,11 +14,20 @@ int main(int argc, char** argv) {
       .Required();
   list.AddOperand("out", out, "The file to write").Required();
   Describe(options, list);
-  const lake::SharedOptions given = lake::AddOptions(cli, std::move(list));
-  return lake::ParseAndRun(cli, argc, argv, [&] {
-    given->Apply();
-    for (const std::string& warning : lake::exchange::ConvertFile(in, out, options))
-      fmt::print(stderr, "lake-convert: warning: {}\n", warning);
-    return 0;
-  });
+  return lake::RunTool("lake-convert",
+                       "A trial in another program's format. The ending of OUT says which:\n"
+                       "  .trc          OpenSim, Pose2Sim: 3-D, y up\n"
+                       "  .c3d          Vicon, Qualisys, Visual3D\n"
+                       "  .txt, .trk    Tracker: table in mm or px; project over the video (px)\n"
+                       "  _kinovea.csv, .kva   Kinovea: table; annotations over the video (px)\n"
+                       "  .csv          lake\n"
+                       "  .mot, .sto    OpenSim: knee angle and tilts, from kinematics.csv or a folder that has one",
+                       "Examples:\n"
+                       "  lake-convert walking.c3d walking.trc --forward +x\n"
+                       "  lake-convert trial.trc side.csv --map ankle=RANK,knee=RKNE,hip=RHIP --crop 2.5,6\n"
+                       "  lake-convert lake-out/human human.mot --flexion-negative",
+                       std::move(list), argc, argv, [&] {
+                         for (const std::string& warning : lake::exchange::ConvertFile(in, out, options))
+                           fmt::print(stderr, "lake-convert: warning: {}\n", warning);
+                       });
 }
