@@ -59,7 +59,7 @@ TEST_P(PrototypeVideoTest, TellsStartSpeedDriftAndVerdict) {
   synth::SceneOptions scene;
   scene.motion_table = folder / "motion.csv";
   scene.width_px = 640, scene.height_px = 480, scene.frame_rate_hz = 20, scene.body = false;
-  RenderedTrial trial(scene, {});
+  RenderedTrial trial(scene, {.preset = kQuickEncoder});
   trial.Track("trial", [](commands::TrackRunOptions& o) { o.track.names = {"ankle", "knee", "hip"}; });
 
   options.validate = trial.folder / "trial";

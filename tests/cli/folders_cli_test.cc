@@ -21,9 +21,9 @@ class Folders : public testing::Test {
  protected:
   // Without options the recording that many tests share.
   void Render(const std::string& options = "") {
-    const Outcome made = options.empty()
-                             ? RenderShort(folder_)
-                             : Shell(folder_, "lake-synth -o good --duration 3 --rate 30 --quiet " + options);
+    const Outcome made =
+        options.empty() ? RenderShort(folder_)
+                        : Shell(folder_, "lake-synth -o good --duration 3 --rate 30 --width 720 --quiet " + options);
     ASSERT_EQ(made.exit_code, 0) << made.err;
     fs::copy_file(folder_ / "good/video.mp4", folder_ / "human.mp4");
   }

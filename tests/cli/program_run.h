@@ -34,7 +34,8 @@ inline Outcome Shell(const TemporaryFolder& folder, const std::string& command) 
 inline Outcome RenderShort(const TemporaryFolder& folder) {
   namespace fs = std::filesystem;
   const fs::path shared = fs::path(LAKE_BIN_DIR).parent_path() / "recordings/short_recording";
-  if (!fs::exists(shared / "summary.json")) return Shell(folder, "lake-synth -o good --duration 3 --rate 30 --quiet");
+  if (!fs::exists(shared / "summary.json"))
+    return Shell(folder, "lake-synth -o good --duration 3 --rate 30 --width 720 --quiet");
   fs::copy(shared, folder / "good", fs::copy_options::recursive);
   return {};
 }

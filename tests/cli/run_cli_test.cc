@@ -15,6 +15,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
+// The linkage moving, which these tests do not look at, is most of a simulation's time.
+constexpr const char* kNoAnimation = "simulate: {animation: false}\n";
+
 // The first rise of each of the sample study's videos.
 class RunProgram : public testing::Test {
  protected:
@@ -52,7 +55,7 @@ TEST_F(RunProgram, RefusesStudiesThatCannotBe) {
 }
 
 TEST_F(RunProgram, InterruptedGoesOnWhereItWas) {
-  WriteStudy();
+  WriteStudy(kNoAnimation);
   const std::string run = "lake-run study.yaml --quiet -o results";
   const Outcome stopped =
       Shell(folder_, run +
@@ -84,7 +87,7 @@ TEST_F(RunProgram, InterruptedGoesOnWhereItWas) {
 
 // The steps write what the programs write; the front door does the same.
 TEST_F(RunProgram, WritesWhatTheProgramsWrite) {
-  WriteStudy();
+  WriteStudy(kNoAnimation);
   ASSERT_EQ(Shell(folder_, "lake run study.yaml --quiet -o results").exit_code, 0);
   const std::string track = "lake-track --quiet --no-overlay --camera " + Sample("camera.yaml");
   ASSERT_EQ(Shell(folder_, track + " --end 4.17 -o human " + Sample("human.mp4")).exit_code, 0);

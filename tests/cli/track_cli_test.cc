@@ -144,8 +144,9 @@ TEST_F(TrackProgram, LeavesNothingHalfWrittenOnAFullDisk) {
 }
 
 TEST_F(TrackProgram, EndsCleanlyWhenInterrupted) {
-  // A long video, so that the signal comes in the middle of it.
-  Ffmpeg("-f lavfi -i testsrc2=size=1280x720:rate=60:duration=40 -c:v libx264 -preset ultrafast long.mp4");
+  // A long video, so that the signal comes in the middle of it: the same two seconds again and again.
+  Ffmpeg("-f lavfi -i testsrc2=size=1280x720:rate=60:duration=2 -c:v libx264 -preset ultrafast two_seconds.mp4");
+  Ffmpeg("-stream_loop 19 -i two_seconds.mp4 -c copy long.mp4");
   for (const auto& [signal, code] : {std::pair("INT", 130), std::pair("TERM", 143)}) {
     // The signal comes when the video is open, however slow the machine is to get there. Without job control (set -m) a
     // shell starts programs in the background with SIGINT ignored.

@@ -32,7 +32,7 @@ class BadStudy : public testing::Test {
 };
 
 TEST_F(BadStudy, WithoutACommonMarker) {
-  study_.WriteStudy("compare: {exo_knee: joint}\n");
+  study_.WriteStudy(std::string(kNoAnimation) + "compare: {exo_knee: joint}\n");
   ExpectFailure("comparison", "no marker 'joint'");
 }
 

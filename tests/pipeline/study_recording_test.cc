@@ -28,6 +28,7 @@ reoptimize:
   max_misalignment_percent: 3
   program: free
   duration_s: 35
+simulate: {{animation: false}}
 )";
 
 TEST(StudyOfTheOpticalRecording, RunsThroughWithPlausibleNumbers) {

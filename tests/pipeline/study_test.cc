@@ -31,6 +31,7 @@ void ExpectPlanHolds(const StudyFolder& study) {
 
 TEST(StudyOfMarkerFiles, FindsWhatWasMadeAndIsDoneOnce) {
   StudyFolder study;
+  study.WriteStudy("");
   const Json summary = study.Go();
   const Json& comparison = summary["comparison"];
   // 18 mm and 32 mm apart in a shank that holds marker noise of 0.1 mm and a body that sways by itself in each trial.
@@ -43,8 +44,9 @@ TEST(StudyOfMarkerFiles, FindsWhatWasMadeAndIsDoneOnce) {
   EXPECT_NEAR(summary["simulation"]["mannequin"]["thigh_mm"].get<double>(), human.thigh_mm, 0.1);
   EXPECT_NEAR(summary["simulation"]["mannequin"]["shank_mm"].get<double>(), human.shank_mm, 0.1);
   EXPECT_THAT(summary["warnings"].dump(), HasSubstr("simulation: seen from the side, the actuator overlaps"));
-  for (const char* file : {"report.html", "summary.json", "human/kinematics.csv", "exo/gait.png",
-                           "comparison/comparison.json", "comparison/report.html", "human/summary.json"})
+  for (const char* file :
+       {"report.html", "summary.json", "human/kinematics.csv", "exo/gait.png", "simulation/animation.mp4",
+        "comparison/comparison.json", "comparison/report.html", "human/summary.json"})
     EXPECT_TRUE(fs::is_regular_file(study.Out() / file)) << file;
 
   ExpectPlanHolds(study);
@@ -58,13 +60,14 @@ TEST(StudyOfMarkerFiles, RepeatsExactlyWhatDependsOnAChange) {
   StudyFolder study;
   EXPECT_THAT(study.Done(study.Go()), ElementsAre("human", "exo", "comparison", "optimum", "simulation", "report"));
 
+  const std::string still = kNoAnimation;
   study.WriteTrial("exo.csv", RecordingOf(synth::StsMotion(ExoMotionOptions()), 3));
   EXPECT_THAT(study.Done(study.Go()), ElementsAre("exo", "comparison", "report"));
 
-  study.WriteStudy("compare: {replacement_sd_mm: 1}\n# a comment\n");
+  study.WriteStudy(still + "compare: {replacement_sd_mm: 1}\n# a comment\n");
   EXPECT_THAT(study.Done(study.Go()), ElementsAre("comparison", "report"));
 
-  study.WriteStudy("compare: {replacement_sd_mm: 1.0}\ndesign: {problem: {d_min_mm: 245}}\n");
+  study.WriteStudy(still + "compare: {replacement_sd_mm: 1.0}\ndesign: {problem: {d_min_mm: 245}}\n");
   EXPECT_THAT(study.Done(study.Go()), ElementsAre("optimum", "simulation", "report"));
 
   fs::remove(study.Out() / "comparison/misalignment.csv");
@@ -75,11 +78,12 @@ TEST(StudyOfMarkerFiles, RepeatsExactlyWhatDependsOnAChange) {
 TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   StudyFolder study;
   WriteTextFile(study.Folder() / "study.yaml",
-                "human: {trial: human.csv}\n"
-                "reoptimize: {problem: {margins: {grashof_mm: 2, singularity_mm: 2}}, max_misalignment_percent: 5, "
-                "program: free, duration_s: 40, clearances: {seat_mm: 5}}\nstroke: {}\n"
-                "loads: {mass_kg: 70, draws: 40}\nassistance: {actuator: LA31-1000, assist: 0.4, duration_s: free, "
-                "starts: 3, problem: {margins: {grashof_mm: 2, singularity_mm: 2}, standing_deg: 8}}\n");
+                std::string(kNoAnimation) +
+                    "human: {trial: human.csv}\n"
+                    "reoptimize: {problem: {margins: {grashof_mm: 2, singularity_mm: 2}}, max_misalignment_percent: 5, "
+                    "program: free, duration_s: 40, clearances: {seat_mm: 5}}\nstroke: {}\n"
+                    "loads: {mass_kg: 70, draws: 40}\nassistance: {actuator: LA31-1000, assist: 0.4, duration_s: free, "
+                    "starts: 3, problem: {margins: {grashof_mm: 2, singularity_mm: 2}, standing_deg: 8}}\n");
   const Json summary = study.Go();
   EXPECT_THAT(study.Done(summary),
               ElementsAre("human", "loads", "optimum", "redesign", "assistance", "simulation", "stroke", "report"));
@@ -111,7 +115,7 @@ TEST(StudyOfMarkerFiles, FitsADesignToThePersonWithoutAnExoTrialToo) {
   // Taken out of the study, they go with their chapters; what the user put there stays.
   ASSERT_TRUE(fs::is_regular_file(study.Out() / "stroke/summary.json"));
   WriteTextFile(study.Out() / "stroke/notes.txt", "mine");
-  WriteTextFile(study.Folder() / "study.yaml", "human: {trial: human.csv}\n");
+  WriteTextFile(study.Folder() / "study.yaml", std::string(kNoAnimation) + "human: {trial: human.csv}\n");
   EXPECT_THAT(study.Done(study.Go()), ElementsAre("simulation", "report"));
   EXPECT_FALSE(fs::exists(study.Out() / "redesign"));
   EXPECT_EQ(std::distance(fs::recursive_directory_iterator(study.Out() / "stroke"), {}), 1) << "the user's notes";

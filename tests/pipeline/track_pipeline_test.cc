@@ -7,6 +7,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
 #include "lake/synth/cramer_rao.h"
+#include "lake/video/image.h"
 #include "pipeline/rendered_trial.h"
 
 namespace lake {
@@ -150,13 +151,16 @@ TEST(TimeStamps, OfTheFramesThemselvesAreUsed) {
 TEST(ImageSequence, GivesTheSameAsTheLosslessVideo) {
   synth::SceneOptions options = Plain(SeedOfThisTest());
   options.frame_rate_hz = 30;
-  RenderedTrial video(options, {.lossless = true}), pictures(options, {.pictures = true});
-  video.Track();
-  pictures.Track("trial", [&](commands::TrackRunOptions& run) {
-    run.video = pictures.folder / "frames" / "%05d.png";
+  RenderedTrial trial(options, {.lossless = true});
+  std::filesystem::create_directory(trial.folder / "frames");
+  for (int frame = 0; frame < trial.scene.Frames(); ++frame)
+    video::WriteImage(trial.folder / "frames" / fmt::format("{:05}.png", frame), trial.scene.Render(frame));
+  trial.Track("video");
+  trial.Track("pictures", [&](commands::TrackRunOptions& run) {
+    run.video = trial.folder / "frames" / "%05d.png";
     run.track.reader.sequence_rate_hz = 30;
   });
-  const motion::MarkerRecording a = video.Tracks(), b = pictures.Tracks();
+  const motion::MarkerRecording a = trial.Tracks("video"), b = trial.Tracks("pictures");
   ASSERT_EQ(a.Frames(), b.Frames());
   ASSERT_EQ(a.markers.size(), b.markers.size());
   for (std::size_t m = 0; m < a.markers.size(); ++m)

@@ -1,5 +1,6 @@
 #include "lake/synth/noise.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
@@ -21,15 +22,13 @@ cv::Mat NormalTile(std::uint64_t seed) {
   return tile;
 }
 
-// One run of pixels of one channel; plain so that the compiler makes vector code of it.
-void RecordRun(const float* light, const float* normal, std::uint8_t* out, int count, int stride, float read_variance,
-               float gain, float sign) {
-  for (int i = 0; i < count; ++i) {
-    const float level = light[i * stride];
-    const float sd = std::sqrt(read_variance + gain * std::max(level, 0.0f));
-    const float value = level + sign * sd * normal[i];
-    out[i * stride] = static_cast<std::uint8_t>(std::min(std::max(value, 0.0f), 255.0f) + 0.5f);
-  }
+// One run of pixels; in Eigen's arrays, as GCC makes no vector code of a loop with a square root that may set errno.
+void RecordRun(const float* light, const float* normal, std::uint8_t* out, int count, float read_variance, float gain,
+               float sign) {
+  const Eigen::Map<const Eigen::ArrayXf> level(light, count), lot(normal, count);
+  thread_local Eigen::ArrayXf value;
+  value = (level + sign * (read_variance + gain * level.max(0.0f)).sqrt() * lot).max(0.0f).min(255.0f) + 0.5f;
+  std::copy(value.begin(), value.end(), out);
 }
 
 }  // namespace
@@ -42,25 +41,29 @@ Sensor::Sensor(const SensorNoise& noise, std::uint64_t seed) : noise_(noise), se
 
 cv::Mat Sensor::Record(const cv::Mat& image, int frame) const {
   std::call_once(tile_made_, [this] { tile_ = NormalTile(seed_); });
-  const int channels = image.channels();
-  cv::Mat out(image.rows, image.cols, CV_8UC(channels));
+  std::vector<cv::Mat> light = {image}, recorded;
+  if (image.channels() > 1) cv::split(image, light);
   Random random(seed_, "noise place", static_cast<std::uint64_t>(frame));
   const float read_variance = static_cast<float>(noise_.read_sd * noise_.read_sd),
               gain = static_cast<float>(noise_.gain);
-  for (int channel = 0; channel < channels; ++channel) {
+  for (const cv::Mat& channel : light) {
+    cv::Mat& out = recorded.emplace_back(image.rows, image.cols, CV_8U);
     const int left = random.Integer(0, kNoiseTile - 1), top = random.Integer(0, kNoiseTile - 1);
     const float sign = random.Uniform() < 0.5 ? -1.0f : 1.0f;
     for (int row = 0; row < image.rows; ++row) {
       const float* const normal = tile_.ptr<float>((top + row) % kNoiseTile);
       for (int column = 0; column < image.cols;) {
         const int place = (left + column) % kNoiseTile, count = std::min(image.cols - column, kNoiseTile - place);
-        RecordRun(image.ptr<float>(row) + column * channels + channel, normal + place,
-                  out.ptr<std::uint8_t>(row) + column * channels + channel, count, channels, read_variance, gain, sign);
+        RecordRun(channel.ptr<float>(row) + column, normal + place, out.ptr<std::uint8_t>(row) + column, count,
+                  read_variance, gain, sign);
         column += count;
       }
     }
   }
-  return out;
+  if (recorded.size() == 1) return recorded.front();
+  cv::Mat merged;
+  cv::merge(recorded, merged);
+  return merged;
 }
 
 }  // namespace lake::synth

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lake/core/angles.h"
@@ -23,8 +24,9 @@ double WrapFrom(double angle, double lowest) {
   return angle - 2 * kPi * std::floor((angle - lowest) / (2 * kPi));
 }
 
-bool IsWithinHalfTurn(double angle) {
-  return angle >= -kAngleRounding_rad && angle <= kPi + kAngleRounding_rad;
+// Whether b is within half a turn clockwise of a, as the bar's and the shank's angles are counted.
+bool IsWithinHalfTurn(const Vector2d& a, const Vector2d& b) {
+  return b.x() * a.y() - b.y() * a.x() >= -kAngleRounding_rad * a.norm() * b.norm();
 }
 
 // Where the bar tip is at a point of the assembled branch: its stroke, and the knee angle continued along the branch.
@@ -33,29 +35,29 @@ struct TipState {
 };
 
 // nullopt if the tip, with the shank pin at S, is on another branch, or on the knee pivot, where the shank is free.
+// Searches come here millions of times: sides are told by cross products, angles worked out on the branch alone.
 std::optional<TipState> StateOfTip(const Links& l, const Vector2d& tip, const Vector2d& shank_pin) {
   if (tip.norm() <= kPointRounding * l.l2) return std::nullopt;
-  const double alpha1 = std::atan2(l.l5, l.l6);
-  const double phi = WrapFrom(std::atan2(tip.x(), tip.y() - l.l3), alpha1 - kAngleRounding_rad);
-  if (!IsWithinHalfTurn(phi - alpha1)) return std::nullopt;
+  const Vector2d thigh_pin(0, l.l3), mount(l.l5, l.l6), bar = tip - thigh_pin;
+  if (!IsWithinHalfTurn(mount, bar) || !IsWithinHalfTurn(tip, shank_pin)) return std::nullopt;
   double beta1 = std::atan2(tip.x(), tip.y());
-  if (phi > kPi && l.l2 > l.l3) beta1 = WrapFrom(beta1, 0);
+  // On the branch phi is within half a turn of the mount's angle, which is below a quarter: beyond pi where x < 0.
+  if (bar.x() < 0 && l.l2 > l.l3) beta1 = WrapFrom(beta1, 0);
   const double beta2 = WrapFrom(std::atan2(shank_pin.x(), shank_pin.y()) - beta1, -kAngleRounding_rad);
-  if (!IsWithinHalfTurn(beta2)) return std::nullopt;
-  return TipState{(tip - Vector2d(l.l5, l.l3 + l.l6)).norm(), kPi - beta1 - beta2};
+  return TipState{(bar - mount).norm(), kPi - beta1 - beta2};
 }
 
-// Where the circles of l2 about P and l1 about S meet; twice the same point where they touch.
-std::vector<Vector2d> TipsForShankPin(const Links& l, const Vector2d& shank_pin) {
+// Where the circles of l2 about P and l1 about S meet, if they do; twice the same point where they touch.
+std::optional<std::array<Vector2d, 2>> TipsForShankPin(const Links& l, const Vector2d& shank_pin) {
   const Vector2d thigh_pin(0, l.l3), across = shank_pin - thigh_pin;
   const double distance = across.norm();
   const double closed =
       (l.l1 + l.l2 + distance) * (l.l1 + l.l2 - distance) * (distance + (l.l2 - l.l1)) * (distance - (l.l2 - l.l1));
-  if (distance == 0 || closed < 0) return {};
+  if (distance == 0 || closed < 0) return std::nullopt;
   const double along = (l.l2 * l.l2 - l.l1 * l.l1 + distance * distance) / (2 * distance);
   const double aside = std::sqrt(closed) / (2 * distance);
   const Vector2d direction = across / distance, normal(-direction.y(), direction.x());
-  return {thigh_pin + along * direction + aside * normal, thigh_pin + along * direction - aside * normal};
+  return {{thigh_pin + along * direction + aside * normal, thigh_pin + along * direction - aside * normal}};
 }
 
 }  // namespace
@@ -107,7 +109,9 @@ std::vector<double> TurningStrokes(const Links& links) {
 std::vector<double> StrokesForAngle(const Links& links, double theta_rad) {
   std::vector<double> strokes;
   const Vector2d shank_pin = links.l4 * Vector2d(std::sin(theta_rad), -std::cos(theta_rad));
-  for (const Vector2d& tip : TipsForShankPin(links, shank_pin)) {
+  const auto tips = TipsForShankPin(links, shank_pin);
+  if (!tips) return strokes;
+  for (const Vector2d& tip : *tips) {
     const auto state = StateOfTip(links, tip, shank_pin);
     if (state && std::abs(state->theta_rad - theta_rad) < kPi) strokes.push_back(state->stroke_mm);
   }

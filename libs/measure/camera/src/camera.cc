@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "lake/core/error.h"
@@ -156,8 +157,20 @@ Eigen::Vector2d Project(const Camera& camera, const Eigen::Vector3d& point_in_ca
   return ProjectAny<double>(camera, point_in_camera);
 }
 
+// Many pixels of one camera are asked for one after the other, so each thread keeps the fold of the lens that it asked
+// for last: looking for it takes several times as long as undoing the distortion of a pixel.
 double FoldRadius(const Camera& camera) {
-  return camera.IsPlain() ? std::sqrt(FirstRoot(RadialSlope(camera.distortion))) : SearchFold(camera);
+  struct Known {
+    LensModel model;
+    std::array<double, 5> distortion;
+    std::array<double, 9> more;
+    double fold;
+  };
+  thread_local std::optional<Known> last;
+  if (!last || last->model != camera.model || last->distortion != camera.distortion || last->more != camera.more)
+    last = Known{camera.model, camera.distortion, camera.more,
+                 camera.IsPlain() ? std::sqrt(FirstRoot(RadialSlope(camera.distortion))) : SearchFold(camera)};
+  return last->fold;
 }
 
 Eigen::Vector3d RayFromPixel(const Camera& camera, const Eigen::Vector2d& pixel) {
