@@ -95,6 +95,32 @@ TEST(Fit, OfALinkageThatIsFlatAtItsEndIsFound) {
   }
 }
 
+// Without margins multipliers are not unique, and of noisy motions most solves stall at 1e-8 deg where all starts meet.
+TEST(Fit, DesignsWithoutMarginsAreFoundWhereAllStartsMeet) {
+  redesign::ReoptimizeProblem problem;
+  problem.program.kind = linkage::StrokeProgram::Kind::kFree;
+  problem.program.duration_s = 25;
+  problem.fit_placement = true;
+  problem.max_misalignment_percent = 2;
+  const linkage::Links widest = synthesis::SolveFrom(problem.design, problem.design.start).end;
+  ClosedFormLeg leg;
+  leg.seated_knee_deg = 100, leg.shank_mm = 400;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    compare::StsCurve curve = MakeCurve(leg);
+    std::mt19937 random(seed);
+    AddNoise(curve, 0.5 * seed, random);
+    problem.human = redesign::Thinned(redesign::MakeHumanMotion(curve), 2);
+    std::vector<double> ranges_deg;
+    for (const linkage::Links& start : {widest, problem.design.start}) {
+      const redesign::ReoptimizeSolve solve = SolveFrom(problem, StartPoint(problem, start));
+      ASSERT_TRUE(solve.IsUsable()) << solve.local.solution.message;
+      EXPECT_LE(solve.local.solution.kkt_error, 1e-6);
+      ranges_deg.push_back(solve.Range_deg());
+    }
+    EXPECT_NEAR(ranges_deg[0], ranges_deg[1], 1e-4);
+  }
+}
+
 // No other size is better for a person than theirs, but for what a solve is within.
 void ExpectWearsTheBest(redesign::GroupProblem problem, const std::vector<redesign::PersonMeasured>& people,
                         const redesign::SizesOutcome& outcome, std::size_t person,

@@ -150,6 +150,7 @@ LineChart ParetoChart(const Json& summary) {
     Series series;
     series.name = front.at("program").get<std::string>() + " program";
     series.mark = kFrontMarks[chart.series.size() % std::size(kFrontMarks)];
+    series.colour = colour::kFronts[chart.series.size() % std::size(colour::kFronts)];
     for (const Json& point : front.at("range_deg_and_misalignment_percent"))
       series.x.push_back(NumberOrNaN(point.at(0))), series.y.push_back(NumberOrNaN(point.at(1)));
     chart.series.push_back(std::move(series));
@@ -160,7 +161,7 @@ LineChart ParetoChart(const Json& summary) {
       least_deg = std::min(least_deg, range_deg), most_deg = std::max(most_deg, range_deg);
   chart.x.from = std::floor(least_deg / 5 - 0.2) * 5, chart.x.to = std::ceil(most_deg / 5 + 0.2) * 5;
   Series design;
-  design.name = "new design", design.mark = Mark::kPoints, design.colour = colour::kText;
+  design.name = "new design", design.mark = Mark::kPoints, design.colour = colour::kNew;
   design.x = {NumberOrNaN(summary.at("range_deg"))}, design.y = {NumberOrNaN(summary.at("misalignment_percent"))};
   chart.series.push_back(std::move(design));
   return chart;

@@ -235,6 +235,12 @@ std::string WhyNone(const GroupOutcome& outcome) {
   const GroupProblem& problem = outcome.problem;
   if (!outcome.nearest.is_usable)
     return fmt::format("no design was found that {} people can wear", problem.people.size());
+  if (problem.shared.max_misalignment_percent &&
+      outcome.Misalignment_percent() <= *problem.shared.max_misalignment_percent)
+    return fmt::format(
+        "the largest range of a design for {} people was not found, although {} can be as small as {:.4g} %; without "
+        "margins an optimum need not be unique: set --grashof-margin and --singularity-margin, or more --starts",
+        problem.people.size(), AcrossText(problem), outcome.Misalignment_percent());
   return fmt::format(
       "no design for {} people keeps {} within {:.6g} %: the least found is {:.4g} %, and {} hold it there; allow "
       "more, more time or a free program, fit the placement, or make more sizes",
@@ -276,6 +282,29 @@ GroupOutcome Begun(const DesignTask& task, GroupDesign design) {
   return outcome;
 }
 
+// The solution with few samples of the motions is close by: large groups are searched among those, in a fraction of the
+// time, and a start that wanders costs little.
+void FindCloseBy(const synthesis::OptimizeOptions& options, std::vector<DesignTask>& tasks) {
+  constexpr std::size_t kLarge = 20;
+  std::vector<GroupProblem> coarse;
+  std::vector<DesignTask*> of;
+  for (DesignTask& task : tasks) {
+    const std::vector<Wearer>& people = task.problem.people;
+    if (!task.close_by.empty() || people.size() < kLarge || people.front().human.size() < compare::kPercentSamples)
+      continue;
+    coarse.push_back(Coarse(task.problem)), of.push_back(&task);
+  }
+  std::vector<const GroupProblem*> problems;
+  std::vector<std::vector<linkage::Links>> links;
+  for (std::size_t k = 0; k < of.size(); ++k) problems.push_back(&coarse[k]), links.push_back(of[k]->links);
+  std::vector<Search> searches = FindBestOfEach(problems, links, options, "design for all");
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    if (!searches[k].best.is_usable) continue;
+    of[k]->close_by = std::move(searches[k].best.points);
+    of[k]->starts = searches[k].starts, of[k]->usable_starts = searches[k].usable_starts;
+  }
+}
+
 // Of the tasks that have one, where the solution of a problem close by leads.
 std::vector<std::optional<GroupDesign>> DesignsFromCloseBy(const std::vector<DesignTask>& tasks,
                                                            const synthesis::OptimizeOptions& options) {
@@ -288,7 +317,10 @@ std::vector<std::optional<GroupDesign>> DesignsFromCloseBy(const std::vector<Des
   std::vector<End> ends = SolveAll(pieces, WithIterations(options, kMostIterations), progress);
   std::vector<std::optional<GroupDesign>> designs(tasks.size());
   for (std::size_t i = 0; i < ends.size(); ++i)
-    if (ends[i].is_usable) designs[of[i]] = DesignOf(tasks[of[i]].problem, {std::move(ends[i]), 1, 1, {}});
+    if (ends[i].is_usable) {
+      const DesignTask& task = tasks[of[i]];
+      designs[of[i]] = DesignOf(task.problem, {std::move(ends[i]), task.starts, task.usable_starts, {}});
+    }
   return designs;
 }
 
@@ -306,6 +338,15 @@ std::vector<linkage::Links> StartLinks(const GroupProblem& problem, const std::v
   for (const PersonMeasured& person : people)
     if (person.motion.worn) add(person.motion.worn->links);
   return links;
+}
+
+GroupProblem Coarse(GroupProblem problem) {
+  constexpr std::size_t kSteps[] = {5, 4, 2};
+  const auto knots = static_cast<std::size_t>(problem.shared.program.knots);
+  const auto step = std::ranges::find_if(kSteps, [&](std::size_t of) { return 100 / of + 1 >= knots; });
+  if (step == std::end(kSteps)) return problem;
+  for (Wearer& person : problem.people) person.human = Thinned(person.human, *step);
+  return problem;
 }
 
 GroupProblem PutMotionsInto(GroupProblem problem, const std::vector<PersonMeasured>& people) {
@@ -377,6 +418,7 @@ std::vector<GroupOutcome> DesignGroups(std::vector<DesignTask> tasks, const synt
     task.problem.Check();
     ChooseCounting(task.links, options, task.problem);
   }
+  FindCloseBy(options, tasks);
   std::vector<std::optional<GroupDesign>> designs = DesignsFromCloseBy(tasks, options);
   std::vector<const GroupProblem*> problems;
   std::vector<std::vector<linkage::Links>> links;

@@ -15,12 +15,16 @@ GroupProblem PutMotionsInto(GroupProblem problem, const std::vector<PersonMeasur
 std::vector<linkage::Links> StartLinks(const GroupProblem& problem, const std::vector<PersonMeasured>& people,
                                        const synthesis::OptimizeOptions& options);
 
+// With fewer samples of each motion, all of a hundred and one, but no fewer than the program has knots.
+GroupProblem Coarse(GroupProblem problem);
+
 // A problem whose motions are known.
 struct DesignTask {
   GroupProblem problem;
   std::vector<compare::StsCurve> human;   // of each person
   std::vector<linkage::Links> links;      // starts
   std::vector<ReoptimizePoint> close_by;  // the solution of a problem close by: no other start if it leads to one
+  int starts = 1, usable_starts = 1;      // of the search that led close by
 };
 
 // Designs for groups that have nothing to do with each other; outcomes of people come after.

@@ -91,6 +91,20 @@ GroupSolve SolveOneSide(const GroupProblem& problem, const std::vector<Reoptimiz
   return solve;
 }
 
+// Without margins multipliers need not be unique, and a solve may stall just short of the tolerance, where all starts
+// meet: it goes on from there to 1e-7 deg, finer than anything that is told.
+GroupSolve SolveOrFinish(const GroupProblem& problem, const std::vector<ReoptimizePoint>& start,
+                         const std::vector<ConstantStart>& sides, synthesis::OptimizeOptions options) {
+  GroupSolve solve = SolveOneSide(problem, start, sides, options);
+  if (solve.local.solution.status != nlp::NlpStatus::kStalled || !solve.holds_on_path) return solve;
+  constexpr double kFine = 1e-7;
+  options.nlp.tolerance = std::max(options.nlp.tolerance, kFine);
+  options.nlp.start_push = 1e-6, options.nlp.start_barrier = 1e-4;
+  GroupSolve finished = SolveOneSide(problem, solve.points, sides, options);
+  finished.local.iterations += solve.local.iterations;
+  return finished.IsUsable() ? std::move(finished) : std::move(solve);
+}
+
 ParetoPoint ParetoPointOf(const ReoptimizeSolve& solve, double least_range_deg) {
   return {least_range_deg, solve.point, solve.Range_deg(), solve.Misalignment_percent(), solve.prediction->rms_mm};
 }
@@ -201,7 +215,7 @@ GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<ReoptimizePo
   if (problem.people.size() > 1) inner.nlp.max_restoration_iterations = kMostRestoration;
   if (warm) inner.nlp.start_push = 1e-6, inner.nlp.start_barrier = 1e-4;
   std::vector<ConstantStart> sides(problem.people.size(), ConstantStart::kAtHumanAngle);
-  GroupSolve solve = SolveOneSide(problem, start, sides, inner);
+  GroupSolve solve = SolveOrFinish(problem, start, sides, inner);
   if (problem.shared.program.kind == linkage::StrokeProgram::Kind::kFree) return solve;
   constexpr double kTouching_mm = 1e-3;
   bool touches = false;
@@ -211,7 +225,7 @@ GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<ReoptimizePo
   }
   if (!touches) return solve;
   const std::vector<ReoptimizePoint>& from = solve.IsUsable() ? solve.points : start;
-  GroupSolve other = SolveOneSide(problem, from, sides, inner);
+  GroupSolve other = SolveOrFinish(problem, from, sides, inner);
   return IsBetter(other, solve) ? std::move(other) : std::move(solve);
 }
 

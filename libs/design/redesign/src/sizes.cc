@@ -51,17 +51,6 @@ std::vector<Assignment> FirstAssignments(const GroupProblem& problem, const std:
   return {InEqualParts(leg_mm, sizes), InEqualParts(bend, sizes), InEqualParts(chance, sizes)};
 }
 
-// With fewer samples of each motion, but no fewer than the program has knots: what is better than what comes out the
-// same, in a fraction of the time.
-GroupProblem Coarse(GroupProblem problem) {
-  constexpr std::size_t kSteps[] = {5, 4, 2};
-  const auto knots = static_cast<std::size_t>(problem.shared.program.knots);
-  const auto step = std::ranges::find_if(kSteps, [&](std::size_t of) { return 100 / of + 1 >= knots; });
-  if (step == std::end(kSteps)) return problem;
-  for (Wearer& person : problem.people) person.human = Thinned(person.human, *step);
-  return problem;
-}
-
 std::vector<linkage::Links> LinksOf(const std::vector<GroupOutcome>& designs) {
   std::vector<linkage::Links> links;
   for (const GroupOutcome& design : designs) links.push_back(design.nearest.Links());

@@ -164,7 +164,6 @@ void DrawKneePaths(const redesign::ReoptimizeOutcome& outcome, const std::filesy
 }
 
 void DrawPareto(const redesign::ReoptimizeOutcome& outcome, const std::filesystem::path& path) {
-  constexpr const char* kColours[] = {"#555555", colour::kHip, colour::kWaist};
   constexpr const char* kDashes[] = {"1", "(12,5)", "(3,4)"};
   constexpr int kMarks[] = {13, 8, 4};
   GnuplotFigure figure(1000, 700);
@@ -179,7 +178,7 @@ void DrawPareto(const redesign::ReoptimizeOutcome& outcome, const std::filesyste
     if (range.empty()) continue;
     plot.AddData(range, misalignment,
                  fmt::format("linespoints lw 2.5 dt {} pt {} ps 1.3 lc rgb '{}' title '{} program'", kDashes[i % 3],
-                             kMarks[i % 3], kColours[i % 3], outcome.fronts[i].name));
+                             kMarks[i % 3], colour::kFronts[i % 3], outcome.fronts[i].name));
   }
   if (plot.IsEmpty()) plot.Add("1/0 notitle");
   AddDesignMark(outcome.before, "worn", kWornLook, plot);

@@ -96,7 +96,7 @@ export class ComparisonPage {
       chart("misalignment", TEXTS.misalignment, [{ name: "", colour: "--accent", values: curves.distance_mm }]),
       chart("knees", TEXTS.knees, [
         { name: TEXTS.human, colour: "--marker-1", values: curves.human_knee_deg },
-        { name: TEXTS.exo, colour: "--marker-0", values: curves.exo_knee_deg },
+        { name: TEXTS.exo, colour: "--marker-4", values: curves.exo_knee_deg },
       ]),
     ];
     if (!this.views.every((view) => view.hasRise())) sayWhy(TEXTS.noRise);

@@ -14,6 +14,7 @@ inline constexpr const char* kKnee = "#E69F00";
 inline constexpr const char* kHip = "#009E73";
 inline constexpr const char* kWaist = "#D55E00";
 inline constexpr const char* kOther = "#56B4E9";
+inline constexpr const char* kFronts[] = {"#555555", kHip, kWaist};  // Pareto fronts of the stroke programs
 inline constexpr const char* kGap = "#DDDDDD";
 inline constexpr const char* kText = "#222222";
 }  // namespace colour
