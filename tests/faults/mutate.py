@@ -22,6 +22,7 @@ SPICE = ["nan", "inf", "-1", "0", "1e308", "-1e308", "1e-320", "", "999999999999
          "[", "]", "{", "}", "\"", "'", ":", "%", "%s", "\n", "\r\n", "\t", "&", "<", ">", "é", "A" * 5000]
 HEAVY = {"video track", "video check", "corrections", "picture", "trial gait", "trial loads", "trial compare", "list of results",
          "comparison", "loads", "actuators", "problem", "forces", "segments"}
+ENDS_WITH_1 = {"lake-check", "lake-cohort"}  # of what is not fit; of studies whose videos are not there
 NUMBER = re.compile(rb"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 
 
@@ -46,12 +47,14 @@ def damage_bytes(data, rng):
 
 
 def damage_text(data, rng):
-    kind = rng.randrange(5)
+    kind = rng.randrange(7)
     lines = data.split(b"\n")
     line = rng.randrange(len(lines))
-    if kind <= 1 and (numbers := list(NUMBER.finditer(data))):
+    if kind in (0, 1, 5, 6) and (numbers := list(NUMBER.finditer(data))):
         number = rng.choice(numbers)
-        return data[:number.start()] + rng.choice(SPICE).encode("latin-1") + data[number.end():]
+        # Another of the file's numbers is mostly read without complaint: what it spoils comes later.
+        instead = rng.choice(numbers).group() if kind >= 5 else rng.choice(SPICE).encode("latin-1")
+        return data[:number.start()] + instead + data[number.end():]
     if kind == 2:
         del lines[line]
     elif kind == 3:
@@ -146,7 +149,10 @@ def try_kind(kind, count, seed, folder):
     name, path, words, _ = kind
     whole = (folder / path).read_bytes()
     is_text = b"\x00" not in whole and pathlib.Path(path).suffix not in (".mp4", ".c3d", ".pgm")
-    _, usual_cpu_s = run_counted(words, folder, 600)
+    usual, usual_cpu_s = run_counted(words, folder, 600)
+    if usual.returncode and words[0] not in ENDS_WITH_1:
+        print(f"FAULT {name}: not damaged, it ends with {usual.returncode}: {usual.stderr[-500:]}", flush=True)
+        return 1
     most_cpu_s = int(10 * usual_cpu_s) + 2  # the system counts whole seconds
     faults, codes, slowest = 0, {}, 0
     for number in range(count):

@@ -3,10 +3,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <numbers>
 #include <random>
 
@@ -19,6 +23,15 @@ namespace {
 using Eigen::Vector2d;
 using testing::AllOf;
 using testing::HasSubstr;
+
+// So many MB beyond what is mapped now.
+void LimitMemory(std::size_t mb) {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlim_t bytes = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) + (mb << 20);
+  const rlimit limit = {bytes, bytes};
+  setrlimit(RLIMIT_AS, &limit);
+}
 
 constexpr double kFrameRateHz = 60;
 constexpr int kFrames = 300;
@@ -174,6 +187,33 @@ TEST_P(NamingOfLegs, PiecesAreJoinedOverHalfASecond) {
 
 INSTANTIATE_TEST_SUITE_P(All, NamingOfLegs,
                          testing::Combine(testing::Values(-1, 1), testing::Bool(), testing::Values(11u, 12u, 13u)));
+
+#ifndef __SANITIZE_ADDRESS__  // which maps terabytes
+// Half an hour in pieces, as its light and its subject make them: all pairs of 6000 things would take 1.7 GB.
+TEST(NamingOfLongRecordings, TakesMemoryInProportion) {
+  constexpr int kTimes = 300, kGap = 3;
+  const auto name = [] {
+    const LegScene scene;
+    Seen seen(1, scene.noise_px);
+    motion::MarkerRecording recording;
+    for (int k = 0; k < kTimes; ++k) {
+      const int begin = k * kFrames, end = begin + kFrames - 1 - kGap;
+      for (const std::size_t m : {2u, 0u, 3u, 1u})
+        seen.Add([=](int frame) { return Leg(scene, Upright(scene, frame - begin))[m]; }, begin, end);
+      for (int glint = 0; glint < 16; ++glint)
+        seen.Add([=](int) { return Vector2d(100 + 20 * glint, 80); }, begin + 17 * glint, begin + 17 * glint + 15);
+    }
+    for (int frame = 0; frame < kTimes * kFrames; ++frame)
+      recording.frame.push_back(frame), recording.time_s.push_back(frame / kFrameRateHz);
+    LimitMemory(200);
+    tracking::NameTracklets(seen.tracklets, LegOptions(), recording);
+    const auto& knee = recording.Find("knee")->samples;
+    const auto named = std::ranges::count_if(knee, [](const motion::MarkerSample& sample) { return sample.IsKnown(); });
+    std::exit(named == kTimes * (kFrames - kGap) ? 0 : 1);
+  };
+  EXPECT_EXIT(name(), testing::ExitedWithCode(0), "");
+}
+#endif
 
 TEST(Naming, TheAnkleIsTheEndThatRestsEvenIfTheLegIsUpsideDownInTheList) {
   LegScene scene;

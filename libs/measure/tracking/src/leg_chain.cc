@@ -31,6 +31,7 @@ class ChainSearch {
     for (std::size_t i = 0; i < tracklets.size(); ++i) {
       extent_.push_back(tracklets.Extent(i));
       things_ += IsLongEnough(i) ? 1 : 0;
+      longest_ = std::max(longest_, tracklets[i].samples.size());
     }
   }
 
@@ -131,15 +132,14 @@ class ChainSearch {
 
   // Longer evidence is better evidence.
   double CommonShare(std::size_t a, std::size_t b) const {
-    std::size_t longest = 1;
-    for (std::size_t i = 0; i < tracklets_.size(); ++i) longest = std::max(longest, tracklets_[i].samples.size());
-    return std::min(1.0, tracklets_.Distance(a, b).frames / static_cast<double>(longest));
+    return std::min(1.0, tracklets_.Distance(a, b).frames / static_cast<double>(longest_));
   }
 
   const MetricTracklets& tracklets_;
   const LegChainOptions& options_;
   std::vector<double> extent_;
-  std::size_t things_ = 0;  // that were seen for long enough to be a marker
+  std::size_t longest_ = 1;  // samples
+  std::size_t things_ = 0;   // that were seen for long enough to be a marker
   mutable std::map<std::pair<std::size_t, std::size_t>, double> ankle_over_hip_;
   std::vector<LegChain> chains_;
 };

@@ -7,10 +7,24 @@
 namespace lake::tracking {
 namespace {
 
+// Whether the first and last frames leave room for one that both have.
+bool AreAtOneTime(const Tracklet& a, const Tracklet& b) {
+  return !a.samples.empty() && !b.samples.empty() && a.samples.front().frame <= b.samples.back().frame &&
+         b.samples.front().frame <= a.samples.back().frame;
+}
+
+std::size_t FirstFrom(const Tracklet& tracklet, std::int64_t frame) {
+  const auto before = [](const TrackletSample& sample, std::int64_t wanted) { return sample.frame < wanted; };
+  return static_cast<std::size_t>(std::lower_bound(tracklet.samples.begin(), tracklet.samples.end(), frame, before) -
+                                  tracklet.samples.begin());
+}
+
 // Calls f(sample of a, sample of b) for each frame in which both have one.
 template <typename F>
 void ForCommonFrames(const Tracklet& a, const Tracklet& b, F f) {
-  for (std::size_t i = 0, j = 0; i < a.samples.size() && j < b.samples.size();) {
+  if (!AreAtOneTime(a, b)) return;
+  std::size_t i = FirstFrom(a, b.samples.front().frame), j = FirstFrom(b, a.samples.front().frame);
+  while (i < a.samples.size() && j < b.samples.size()) {
     const auto fa = a.samples[i].frame, fb = b.samples[j].frame;
     if (fa == fb) f(i, j);
     i += fa <= fb;
@@ -31,6 +45,7 @@ MetricTracklets::MetricTracklets(const std::vector<Tracklet>& tracklets,
     : tracklets_(tracklets) {
   for (const Tracklet& tracklet : tracklets) {
     auto& positions = metric_.emplace_back();
+    positions.reserve(tracklet.samples.size());
     for (const TrackletSample& sample : tracklet.samples) positions.push_back(metric_from_px(sample.position));
   }
 }
@@ -52,6 +67,9 @@ double MetricTracklets::ExtentIn(std::size_t i, double from_s, double to_s) cons
 }
 
 const PairDistance& MetricTracklets::Distance(std::size_t i, std::size_t j) const {
+  // Most pairs of a long recording are never seen together, and they grow with the square of its length: not kept.
+  static const PairDistance kNeverTogether;
+  if (!AreAtOneTime(tracklets_[i], tracklets_[j])) return kNeverTogether;
   const auto key = std::minmax(i, j);
   const auto found = distances_.find(key);
   if (found != distances_.end()) return found->second;

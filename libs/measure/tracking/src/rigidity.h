@@ -17,7 +17,7 @@ struct PairDistance {
   Eigen::Vector2d mean_way = Eigen::Vector2d::Zero();  // from the first to the second, metric units
 };
 
-// Tracklets with their positions in metric units, and the distances between them, computed once each.
+// Tracklets with their positions in metric units, and the distances between those seen at one time, computed once each.
 class MetricTracklets {
  public:
   MetricTracklets(const std::vector<Tracklet>& tracklets,
