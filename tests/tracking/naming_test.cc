@@ -371,6 +371,20 @@ TEST(Naming, ALegThatDoesNotMoveIsNotNamed) {
   EXPECT_THAT(ErrorOf(seen, LegOptions()), AllOf(HasSubstr("no leg was found"), HasSubstr("--seed")));
 }
 
+TEST(Naming, ALegOnItsSideIsNotNamedButTheErrorSaysHowToTurnThePictures) {
+  // Of a picture turned clockwise by a quarter, three quarters of a turn make it upright, and so on.
+  const std::array<std::pair<const char*, Eigen::Matrix2d>, 3> turned = {
+      {{"--rotate 270", Eigen::Matrix2d{{0, -1}, {1, 0}}},
+       {"--rotate 180", Eigen::Matrix2d{{-1, 0}, {0, -1}}},
+       {"--rotate 90", Eigen::Matrix2d{{0, 1}, {-1, 0}}}}};
+  for (const auto& [option, turn] : turned) {
+    Seen seen = SeenLeg(LegScene{});
+    for (tracking::Tracklet& tracklet : seen.tracklets)
+      for (tracking::TrackletSample& sample : tracklet.samples) sample.position = turn * sample.position;
+    EXPECT_THAT(ErrorOf(seen, LegOptions()), AllOf(HasSubstr("no leg was found"), HasSubstr(option)));
+  }
+}
+
 TEST(Naming, AnotherNameNeedsASeedAndTheErrorListsWhatIsLeft) {
   const LegScene scene;
   Seen seen = SeenLeg(scene);

@@ -16,7 +16,8 @@
 namespace lake::tracking {
 namespace {
 
-constexpr double kLeastStepPx = 0.3;  // root mean square over the markers; smaller ones are no motion to speak of
+// Root mean square over the markers: smaller steps are no motion to speak of, paths less apart than that are one.
+constexpr double kLeastStepPx = 0.3, kLeastOffPx = 0.7;
 
 // How all markers moved from one frame to another: two numbers for each marker that is seen in both.
 struct JointStep {
@@ -72,14 +73,23 @@ class FrameTimeFinder {
       if (!repeated_[i]) MarkStandstillFrom(i);
     if (const auto rate = FindLowerRate()) times.captured_hz = TakeLowerRate(*rate);
     has_lower_rate_ = times.captured_hz > 0;
-    RemoveRepeated();
     FindJumps(times.jumps);
+    CheckTimes();
+    RemoveRepeated();
     for (std::size_t i = 0; i < repeated_.size(); ++i)
       if (repeated_[i]) times.repeated.push_back(recording_.frame[i]);
     return times;
   }
 
  private:
+  // Frames that show something new.
+  std::vector<std::size_t> Fresh() const {
+    std::vector<std::size_t> fresh;
+    for (std::size_t i = 0; i < repeated_.size(); ++i)
+      if (!repeated_[i]) fresh.push_back(i);
+    return fresh;
+  }
+
   std::optional<std::size_t> NewBefore(std::size_t i) const {
     while (i-- > 0)
       if (!repeated_[i]) return i;
@@ -167,9 +177,7 @@ class FrameTimeFinder {
   double Roughness(const std::vector<double>& time_s) const {
     constexpr int kDegree = 3;
     constexpr std::size_t kReach = 3;
-    std::vector<std::size_t> fresh;
-    for (std::size_t i = 0; i < repeated_.size(); ++i)
-      if (!repeated_[i]) fresh.push_back(i);
+    const std::vector<std::size_t> fresh = Fresh();
     std::vector<double> off;
     for (const motion::MarkerTrack& marker : recording_.markers)
       for (std::size_t k = kReach; k + kReach < fresh.size(); ++k) {
@@ -232,6 +240,10 @@ class FrameTimeFinder {
     std::vector<Eigen::Vector2d> apart;
   };
 
+  bool IsBarrier(std::size_t frame) const {
+    return std::find(barriers_.begin(), barriers_.end(), frame) != barriers_.end();
+  }
+
   std::optional<PathPoint> OneSide(const motion::MarkerTrack& marker, const std::vector<std::size_t>& fresh,
                                    std::size_t at, int direction) const {
     // A marker that has come far may be lost for some frames before it is followed again.
@@ -249,7 +261,7 @@ class FrameTimeFinder {
       else if (++lost > kMayBeLost)
         break;
       const std::size_t edge = direction > 0 ? static_cast<std::size_t>(k) + 1 : static_cast<std::size_t>(k);
-      if (std::find(barriers_.begin(), barriers_.end(), edge) != barriers_.end()) break;
+      if (edge < fresh.size() && IsBarrier(fresh[edge])) break;
     }
     return count >= kFewest ? std::optional(path.Fit()) : std::nullopt;
   }
@@ -274,9 +286,8 @@ class FrameTimeFinder {
     return speed > (1 - kTolerance) * slow && speed < (1 + kTolerance) * fast;
   }
 
-  // Whether more or less time than stamped lies between two new frames.
-  std::optional<FoundJump> JumpAt(const std::vector<std::size_t>& fresh, std::size_t at) const {
-    const double stamped_s = recording_.time_s[fresh[at]] - recording_.time_s[fresh[at - 1]];
+  // Of what is seen well enough on both sides.
+  Sides SidesOf(const std::vector<std::size_t>& fresh, std::size_t at) const {
     Sides sides;
     for (const motion::MarkerTrack& marker : recording_.markers) {
       const auto before = OneSide(marker, fresh, at - 1, -1), after = OneSide(marker, fresh, at, 1);
@@ -284,6 +295,13 @@ class FrameTimeFinder {
       sides.before.push_back(*before), sides.after.push_back(*after);
       sides.apart.push_back(after->position - before->position);
     }
+    return sides;
+  }
+
+  // Whether more or less time than stamped lies between two new frames.
+  std::optional<FoundJump> JumpAt(const std::vector<std::size_t>& fresh, std::size_t at) const {
+    const double stamped_s = recording_.time_s[fresh[at]] - recording_.time_s[fresh[at - 1]];
+    const Sides sides = SidesOf(fresh, at);
     if (sides.apart.size() < 2) return std::nullopt;
     const auto square_off = [&](double elapsed_s) {
       double sum = 0;
@@ -291,7 +309,7 @@ class FrameTimeFinder {
       return sum;
     };
     const double stamped_off = square_off(stamped_s), count = static_cast<double>(sides.apart.size());
-    constexpr double kLeastOffPx = 0.7, kExplained = 0.1, kDeviations = 6;
+    constexpr double kExplained = 0.1, kDeviations = 6;
     const double frames = has_lower_rate_ ? 2 : 0.75;
     if (stamped_off < kLeastOffPx * kLeastOffPx * count || IsWithinItsSpeeds(sides, stamped_s)) return std::nullopt;
     FoundJump jump{at, stamped_s, 0, std::sqrt(stamped_off / count)};
@@ -335,22 +353,62 @@ class FrameTimeFinder {
     return std::sqrt(sum);
   }
 
+  // New frames about a jump in which nothing moves, though something does on one of its sides. Too slow to be told for
+  // repeated by themselves, they bend the paths that the jump was found with.
+  std::vector<std::size_t> StillAbout(const std::vector<std::size_t>& fresh, std::size_t at) const {
+    constexpr std::size_t kReach = 5;  // frames: what the paths on either side rest on
+    constexpr double kStill = 0.2;     // of what a step would be
+    double squares = 0;
+    const Sides sides = SidesOf(fresh, at);
+    for (std::size_t m = 0; m < sides.apart.size(); ++m)
+      squares += std::max(sides.before[m].velocity.squaredNorm(), sides.after[m].velocity.squaredNorm());
+    const double usual_px = std::sqrt(squares / static_cast<double>(sides.apart.size())) * fresh_s_;
+    std::vector<std::size_t> still;
+    for (std::size_t k = at > kReach ? at - kReach : 1; k < std::min(at + kReach, fresh.size()); ++k)
+      if (StepBetween(recording_, fresh[k - 1], fresh[k]).rms_px < kStill * usual_px) still.push_back(fresh[k]);
+    return still;
+  }
+
+  // Whether the paths about a jump are smooth at their stamps once the frames that stand still are taken for repeated
+  // ones; then they are. Time that is missing leaves no picture twice.
+  bool IsMadeByRepeats(const FoundJump& jump, std::vector<std::size_t>& fresh) {
+    constexpr std::size_t kReach = 8;
+    const std::vector<std::size_t> still = StillAbout(fresh, jump.at);
+    if (still.empty()) return false;
+    std::vector<std::size_t> others;
+    std::set_difference(fresh.begin(), fresh.end(), still.begin(), still.end(), std::back_inserter(others));
+    const std::size_t first = fresh[jump.at > kReach ? jump.at - kReach : 0],
+                      last = fresh[std::min(jump.at + kReach, fresh.size() - 1)];
+    for (std::size_t k = 1; k < others.size() && others[k] <= last; ++k) {
+      if (others[k] < first) continue;
+      const Sides sides = SidesOf(others, k);
+      const auto count = static_cast<double>(sides.apart.size());
+      double square_off = 0;
+      for (std::size_t m = 0; m < sides.apart.size(); ++m)
+        square_off += Off(sides, m, recording_.time_s[others[k]] - recording_.time_s[others[k - 1]]).squaredNorm();
+      if (count < 2 || square_off > kLeastOffPx * kLeastOffPx * count) return false;
+    }
+    for (const std::size_t i : still) repeated_[i] = 1;
+    fresh = std::move(others);
+    return true;
+  }
+
   // The largest first, as it spoils the paths on which the neighbours are judged.
   void FindJumps(std::vector<TimeJump>& jumps) {
     constexpr std::size_t kMost = 20;
-    std::vector<std::size_t> fresh;
+    std::vector<std::size_t> fresh = Fresh();
     std::vector<double> fresh_time_s;
-    for (std::size_t i = 0; i < repeated_.size(); ++i)
-      if (!repeated_[i]) fresh.push_back(i), fresh_time_s.push_back(recording_.time_s[i]);
+    for (const std::size_t i : fresh) fresh_time_s.push_back(recording_.time_s[i]);
     fresh_s_ = MedianInterval(fresh_time_s);
     while (true) {
       std::optional<FoundJump> largest;
       for (std::size_t at = 1; at < fresh.size(); ++at) {
-        if (std::find(barriers_.begin(), barriers_.end(), at) != barriers_.end()) continue;
+        if (IsBarrier(fresh[at])) continue;
         const auto jump = JumpAt(fresh, at);
         if (jump && (!largest || jump->off_px > largest->off_px)) largest = jump;
       }
       if (!largest) break;
+      if (IsMadeByRepeats(*largest, fresh)) continue;
       if (jumps.size() == kMost)
         throw Fail(
             "the motion jumps in more than {} places (frames {} and {} are one of them): the frames' times are not "
@@ -361,17 +419,78 @@ class FrameTimeFinder {
       jumps.push_back(
           {recording_.frame[before], recording_.frame[after], stamped_s, largest->moved_s, largest->sigma_s});
       for (std::size_t i = after; i < repeated_.size(); ++i) recording_.time_s[i] += largest->moved_s - stamped_s;
-      barriers_.push_back(largest->at);
+      barriers_.push_back(after);
     }
     if (!jumps.empty()) SpreadRepeated();
     std::sort(jumps.begin(), jumps.end(), [](const TimeJump& a, const TimeJump& b) { return a.before < b.before; });
   }
 
+  // How late (negative: early) a new frame's time is, by the paths of all markers through its neighbours.
+  struct Lateness {
+    double late_s = 0, explained_px2 = 0, off_px2 = 0;  // of what the markers are off their paths, squares
+  };
+
+  // nullopt where less than two markers are seen or all are slow.
+  std::optional<Lateness> LatenessOf(const std::vector<std::size_t>& fresh, std::size_t at) const {
+    constexpr int kDegree = 3;
+    constexpr double kLeastPx = 3;  // root mean square way to the next frame
+    const std::size_t i = fresh[at];
+    double along = 0, speeds = 0;
+    Lateness found;
+    int seen = 0;
+    for (const motion::MarkerTrack& marker : recording_.markers) {
+      LocalPath path(kDegree, recording_.time_s[i]);
+      bool whole = marker.samples[i].IsKnown();
+      for (std::size_t k = at - kBeside; k <= at + kBeside && whole; ++k) {
+        whole = marker.samples[fresh[k]].IsKnown();
+        if (whole && k != at) path.Add(recording_.time_s[fresh[k]], marker.samples[fresh[k]].position);
+      }
+      if (!whole) continue;
+      const PathPoint smooth = path.Fit();
+      const Eigen::Vector2d off = marker.samples[i].position - smooth.position;
+      along += off.dot(smooth.velocity), speeds += smooth.velocity.squaredNorm(), found.off_px2 += off.squaredNorm();
+      ++seen;
+    }
+    if (seen < 2 || std::sqrt(speeds / seen) * fresh_s_ < kLeastPx) return std::nullopt;
+    found.late_s = -along / speeds, found.explained_px2 = along * along / speeds;
+    return found;
+  }
+
+  // Times that neither repetitions nor jumps explain: of frames taken at one rate, some left out and some repeated to
+  // make a second one, and a third. Then all markers are off their paths at once, by a common time.
+  void CheckTimes() const {
+    constexpr std::size_t kFewest = 20;  // frames in which the leg moves
+    constexpr double kCommon = 0.6;      // of the squares; noise of four markers has 1/8 in common
+    constexpr double kMost = 0.08;       // of the time between frames
+    const std::vector<std::size_t> fresh = Fresh();
+    std::vector<double> late_s;
+    double explained = 0, off = 0, most_s = 0;
+    std::size_t worst = 0;
+    for (std::size_t k = kBeside; k + kBeside < fresh.size(); ++k) {
+      const double span_s = recording_.time_s[fresh[k + kBeside]] - recording_.time_s[fresh[k - kBeside]];
+      if (span_s > 4 * kBeside * fresh_s_) continue;
+      const auto found = LatenessOf(fresh, k);
+      if (!found) continue;
+      late_s.push_back(std::abs(found->late_s));
+      explained += found->explained_px2, off += found->off_px2;
+      if (late_s.back() > most_s) most_s = late_s.back(), worst = fresh[k];
+    }
+    if (late_s.size() < kFewest || explained < kCommon * off) return;
+    const double typical_s = Median(std::move(late_s));
+    if (typical_s < kMost * fresh_s_) return;
+    throw Fail(
+        "the frames' times are not those at which they were taken: all markers are off their paths at once, as if by "
+        "{:.1f} ms (median; {:.1f} ms in frame {}); record at a fixed frame rate, and track the camera's own file",
+        1e3 * typical_s, 1e3 * most_s, recording_.frame[worst]);
+  }
+
+  static constexpr std::size_t kBeside = 3;  // new frames on either side that a path goes through
+
   motion::MarkerRecording& recording_;
   double frame_s_ = 0, fresh_s_ = 0;   // between frames, between new ones; usually
   std::vector<char> repeated_;         // 0 or 1 per frame
   bool has_lower_rate_ = false;        // and times of ours, from which frames may be off by a part of their interval
-  std::vector<std::size_t> barriers_;  // jumps that were found, by the fresh frame after them
+  std::vector<std::size_t> barriers_;  // jumps that were found, by the frame after them
 };
 
 }  // namespace

@@ -101,7 +101,7 @@ class Namer {
     const std::vector<std::size_t> names = LegNames();
     if (names.empty()) return;
     SeededLeg leg;
-    leg.up = MetricUp();
+    leg.up = MetricUp(options_.up_px);
     for (const std::size_t name : names) {
       leg.names.push_back(options_.names[name]);
       leg.tracklets.push_back(*anchor_[name]);
@@ -200,7 +200,7 @@ class Namer {
     if (std::all_of(names.begin(), names.end(), [&](std::size_t n) { return anchor_[n].has_value(); })) return;
     LegChainOptions chain_options;
     chain_options.markers = names.size();
-    chain_options.up = MetricUp();
+    chain_options.up = MetricUp(options_.up_px);
     for (const std::size_t name : names) chain_options.fixed.push_back(anchor_[name]);
     for (const auto& anchor : anchor_)
       if (anchor) chain_options.excluded.push_back(*anchor);
@@ -209,8 +209,9 @@ class Namer {
     if (chains.empty())
       throw Fail(
           "no leg was found among the {} things seen: no {} of them keep their distances while the knee flexes; say "
-          "where the markers are with --seed NAME=X,Y (seen longest: {})",
-          tracklets_.size(), names.size(), DescribeAll(tracklets_, MostSeen(tracklets_, 8)));
+          "where the markers are with --seed NAME=X,Y (seen longest: {}){}",
+          tracklets_.size(), names.size(), DescribeAll(tracklets_, MostSeen(tracklets_, 8)),
+          TurnThatHelps(chain_options));
     if (const LegChain* rival = FindRival(tracklets_, chains)) ReportAmbiguity(names, chains.front(), *rival);
     for (std::size_t m = 0; m < names.size(); ++m) anchor_[names[m]] = chains.front().tracklets[m];
   }
@@ -248,10 +249,21 @@ class Namer {
     throw Fail("the markers cannot be named with certainty: {}; say which, for example{}", text, seeds);
   }
 
-  Eigen::Vector2d MetricUp() const {
+  Eigen::Vector2d MetricUp(const Eigen::Vector2d& up_px) const {
     const Eigen::Vector2d middle = tracklets_[0].samples.front().position;
-    return (options_.metric_from_px(middle + options_.up_px) - options_.metric_from_px(middle - options_.up_px))
-        .normalized();
+    return (options_.metric_from_px(middle + up_px) - options_.metric_from_px(middle - up_px)).normalized();
+  }
+
+  // For a message: how to turn the pictures so that a leg stands upright in them; empty where no turn does that.
+  std::string TurnThatHelps(LegChainOptions options) const {
+    const std::array<std::pair<int, Eigen::Vector2d>, 3> turns = {{{90, {-1, 0}}, {180, {0, 1}}, {270, {1, 0}}}};
+    for (const auto& [clockwise_deg, up_px] : turns) {
+      options.up = MetricUp(up_px);
+      if (!FindLegChains(tracklets_, options).empty())
+        return fmt::format("; turned by {}° clockwise, a leg stands upright: --rotate {}", clockwise_deg,
+                           clockwise_deg);
+    }
+    return "";
   }
 
   void RequireAnchors() const {

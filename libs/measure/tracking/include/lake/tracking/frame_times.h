@@ -34,7 +34,7 @@ struct FrameTimes {
 // which the markers' paths are smoother are taken. Missing time is a jump of all markers along their paths; how long it
 // was follows from positions, velocities and accelerations on both sides (two-point Taylor expansion: Δx = T (v₀ + v₁)
 // / 2 + T² (a₀ − a₁) / 12, exact up to the fifth power of time). Throws Error where the motion jumps so often that no
-// times can be trusted.
+// times can be trusted, or where all markers together are early and late by more than 8 % of the time between frames.
 FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& known, motion::MarkerRecording& recording);
 
 // One line for each thing found, with frame numbers; `frame`: the recording's.
