@@ -98,6 +98,13 @@ TEST_F(CohortProgram, MakesATemplateAndSaysWhatIsMissing) {
   const Outcome slurm = Shell(folder_, "PATH=$PWD/bin:$PATH lake-cohort mine out group --slurm");
   EXPECT_EQ(slurm.exit_code, 1);
   EXPECT_EQ(slurm.err, "lake-cohort: --slurm: Slurm does not answer: sinfo: error: no controller\n");
+  // Of one that does, every job is asked after before Slurm forgets it.
+  WriteTextFile(folder_ / "bin/sinfo", "#!/bin/sh\necho short\n");
+  WriteTextFile(folder_ / "bin/snakemake", "#!/bin/sh\necho \"$@\" > \"${0%/*}/asked\"\n");
+  fs::permissions(folder_ / "bin/snakemake", fs::perms::owner_all);
+  Shell(folder_, "PATH=$PWD/bin:$PATH lake-cohort mine out participant --slurm --jobs 7");
+  EXPECT_THAT(ReadTextFile(folder_ / "bin/asked"), HasSubstr("--slurm --jobs 7"));
+  EXPECT_THAT(ReadTextFile(folder_ / "bin/asked"), HasSubstr("--max-status-checks-per-second 1"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "mine/sourcedata"), fs::directory_iterator()), 2);
 }
 

@@ -24,9 +24,10 @@ TEST_F(FirmwareTest, VideoToDesignToProgramToKneeAngle) {
   synth::SceneOptions scene;
   scene.motion.seed = 41, scene.motion.repetitions = 1;
   scene.frame_rate_hz = 30;
-  const RenderedTrial person(scene, {});
+  scene.width_px = 720;  // holds the leg
+  const RenderedTrial person(scene, {.preset = kQuickEncoder});
   WriteTextFile(person.folder / "study.yaml",
-                "name: Short\ncamera: camera.yaml\nhuman: {video: video.mp4}\n"
+                "name: Short\nsimulate: {animation: false}\ncamera: camera.yaml\nhuman: {video: video.mp4}\n"
                 "reoptimize: {problem: {margins: {grashof_mm: 2, singularity_mm: 2}}, max_misalignment_percent: 5, "
                 "program: free, duration_s: 25, max_speed_mm_s: 5}\n"
                 "stroke: {duty_table: " LAKE_SOURCE_DIR

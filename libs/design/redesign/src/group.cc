@@ -282,9 +282,9 @@ GroupOutcome Begun(const DesignTask& task, GroupDesign design) {
   return outcome;
 }
 
-// The solution with few samples of the motions is close by: large groups are searched among those, in a fraction of the
-// time, and a start that wanders costs little.
-void FindCloseBy(const synthesis::OptimizeOptions& options, std::vector<DesignTask>& tasks) {
+// The solution with few samples of the motions is close by. Of large groups from the given links alone: of all groups
+// measured the starts that succeed met one optimum, and a random start that wanders fills gigabytes.
+void FindCloseBy(synthesis::OptimizeOptions options, std::vector<DesignTask>& tasks) {
   constexpr std::size_t kLarge = 20;
   std::vector<GroupProblem> coarse;
   std::vector<DesignTask*> of;
@@ -297,6 +297,8 @@ void FindCloseBy(const synthesis::OptimizeOptions& options, std::vector<DesignTa
   std::vector<const GroupProblem*> problems;
   std::vector<std::vector<linkage::Links>> links;
   for (std::size_t k = 0; k < of.size(); ++k) problems.push_back(&coarse[k]), links.push_back(of[k]->links);
+  for (const std::vector<linkage::Links>& given : links)
+    options.starts = std::min(options.starts, static_cast<int>(given.size()));
   std::vector<Search> searches = FindBestOfEach(problems, links, options, "design for all");
   for (std::size_t k = 0; k < of.size(); ++k) {
     if (!searches[k].best.is_usable) continue;

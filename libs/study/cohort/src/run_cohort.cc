@@ -103,7 +103,11 @@ std::vector<std::string> SnakemakeArguments(const CohortRunOptions& options) {
     const bool is_folder = fs::is_directory(*options.profile);
     return {"--profile", is_folder ? fs::absolute(*options.profile).string() : options.profile->string()};
   }
-  if (options.slurm) return {"--slurm", "--jobs", std::to_string(options.jobs), "--latency-wait", "60"};
+  // Snakemake would ask after one job in half a minute; a Slurm without accounting forgets a job five minutes after it
+  // has ended, and who was not asked after by then is an error.
+  if (options.slurm)
+    return {"--slurm", "--jobs", std::to_string(options.jobs), "--latency-wait", "60", "--max-status-checks-per-second",
+            "1"};
   return {"--cores", std::to_string(options.cores.value_or(Threads()))};
 }
 
