@@ -101,8 +101,11 @@ TEST_F(CohortProgram, MakesATemplateAndSaysWhatIsMissing) {
   // Of one that does, every job is asked after before Slurm forgets it.
   WriteTextFile(folder_ / "bin/sinfo", "#!/bin/sh\necho short\n");
   WriteTextFile(folder_ / "bin/snakemake", "#!/bin/sh\necho \"$@\" > \"${0%/*}/asked\"\n");
-  fs::permissions(folder_ / "bin/snakemake", fs::perms::owner_all);
-  Shell(folder_, "PATH=$PWD/bin:$PATH lake-cohort mine out participant --slurm --jobs 7");
+  for (const char* program : {"sinfo", "snakemake"}) fs::permissions(folder_ / "bin" / program, fs::perms::owner_all);
+  for (const char* file : {"sourcedata/sub-01/ses-1/exo.mp4", "camera.yaml"})
+    WriteTextFile(folder_ / "mine" / file, "");
+  const Outcome asked = Shell(folder_, "PATH=$PWD/bin:$PATH lake-cohort mine out participant --slurm --jobs 7");
+  ASSERT_TRUE(fs::exists(folder_ / "bin/asked")) << asked.err;
   EXPECT_THAT(ReadTextFile(folder_ / "bin/asked"), HasSubstr("--slurm --jobs 7"));
   EXPECT_THAT(ReadTextFile(folder_ / "bin/asked"), HasSubstr("--max-status-checks-per-second 1"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "mine/sourcedata"), fs::directory_iterator()), 2);

@@ -18,7 +18,8 @@ struct NlpOptions {
   double max_cpu_s = 60;
   double start_push = 1e-2;    // a start on a bound is moved inside by this (Ipopt's bound_push); small for warm starts
   double start_barrier = 0.1;  // first barrier parameter; small for warm starts
-  // In a row, of the phase that looks for a feasible point only; what ends there is at its iteration limit. Absent: none.
+  // In a row, of the phase that only looks for a feasible point; what ends there is at its iteration limit. Absent:
+  // none.
   std::optional<int> max_restoration_iterations;
 
   // Throws Error for values that make no sense.
