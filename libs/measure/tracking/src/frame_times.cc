@@ -356,7 +356,7 @@ class FrameTimeFinder {
   // New frames about a jump in which nothing moves, though something does on one of its sides. Too slow to be told for
   // repeated by themselves, they bend the paths that the jump was found with.
   std::vector<std::size_t> StillAbout(const std::vector<std::size_t>& fresh, std::size_t at) const {
-    constexpr std::size_t kReach = 5;  // frames: what the paths on either side rest on
+    constexpr std::size_t kReach = 8;  // frames: what the paths on either side rest on
     constexpr double kStill = 0.2;     // of what a step would be
     double squares = 0;
     const Sides sides = SidesOf(fresh, at);
@@ -369,25 +369,21 @@ class FrameTimeFinder {
     return still;
   }
 
-  // Whether the paths about a jump are smooth at their stamps once the frames that stand still are taken for repeated
-  // ones; then they are. Time that is missing leaves no picture twice.
+  // Whether the paths on both sides of a jump meet at their stamps once the frames that stand still are taken for
+  // repeated ones; then they are. Time that is missing leaves no picture twice.
   bool IsMadeByRepeats(const FoundJump& jump, std::vector<std::size_t>& fresh) {
-    constexpr std::size_t kReach = 8;
     const std::vector<std::size_t> still = StillAbout(fresh, jump.at);
     if (still.empty()) return false;
     std::vector<std::size_t> others;
     std::set_difference(fresh.begin(), fresh.end(), still.begin(), still.end(), std::back_inserter(others));
-    const std::size_t first = fresh[jump.at > kReach ? jump.at - kReach : 0],
-                      last = fresh[std::min(jump.at + kReach, fresh.size() - 1)];
-    for (std::size_t k = 1; k < others.size() && others[k] <= last; ++k) {
-      if (others[k] < first) continue;
-      const Sides sides = SidesOf(others, k);
-      const auto count = static_cast<double>(sides.apart.size());
-      double square_off = 0;
-      for (std::size_t m = 0; m < sides.apart.size(); ++m)
-        square_off += Off(sides, m, recording_.time_s[others[k]] - recording_.time_s[others[k - 1]]).squaredNorm();
-      if (count < 2 || square_off > kLeastOffPx * kLeastOffPx * count) return false;
-    }
+    const auto after = std::lower_bound(others.begin(), others.end(), fresh[jump.at]);
+    if (after == others.begin() || after == others.end()) return false;
+    const double stamped_s = recording_.time_s[*after] - recording_.time_s[*(after - 1)];
+    const Sides sides = SidesOf(others, static_cast<std::size_t>(after - others.begin()));
+    const auto count = static_cast<double>(sides.apart.size());
+    double square_off = 0;
+    for (std::size_t m = 0; m < sides.apart.size(); ++m) square_off += Off(sides, m, stamped_s).squaredNorm();
+    if (count < 2 || square_off > kLeastOffPx * kLeastOffPx * count) return false;
     for (const std::size_t i : still) repeated_[i] = 1;
     fresh = std::move(others);
     return true;
@@ -440,12 +436,12 @@ class FrameTimeFinder {
     int seen = 0;
     for (const motion::MarkerTrack& marker : recording_.markers) {
       LocalPath path(kDegree, recording_.time_s[i]);
-      bool whole = marker.samples[i].IsKnown();
-      for (std::size_t k = at - kBeside; k <= at + kBeside && whole; ++k) {
-        whole = marker.samples[fresh[k]].IsKnown();
-        if (whole && k != at) path.Add(recording_.time_s[fresh[k]], marker.samples[fresh[k]].position);
+      std::size_t beside = 0;
+      for (std::size_t k = at - kBeside; k <= at + kBeside; ++k) {
+        if (k == at || !marker.samples[fresh[k]].IsKnown()) continue;
+        path.Add(recording_.time_s[fresh[k]], marker.samples[fresh[k]].position), ++beside;
       }
-      if (!whole) continue;
+      if (!marker.samples[i].IsKnown() || beside + 1 < 2 * kBeside) continue;
       const PathPoint smooth = path.Fit();
       const Eigen::Vector2d off = marker.samples[i].position - smooth.position;
       along += off.dot(smooth.velocity), speeds += smooth.velocity.squaredNorm(), found.off_px2 += off.squaredNorm();
