@@ -150,7 +150,7 @@ bool Has(const std::vector<exchange::UnusedOption>& unused, const std::string& o
 }
 
 // An option that holds for both trials is of use if it is for one of them.
-void CheckReading(const CompareRunOptions& o) {
+void CheckReadings(const CompareRunOptions& o) {
   const auto human = UnusedReading(o.human, o.human_reading), exo = UnusedReading(o.exo, o.exo_reading);
   const auto is_of_one = [&](const std::string& option) {
     return (option == "--map" && o.exo_reading.names != o.human_reading.names) ||
@@ -174,7 +174,7 @@ compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::Trial
 }
 
 Json RunCompare(const CompareRunOptions& options, Run& run) {
-  CheckReading(options);
+  CheckReadings(options);
   const RegisteredPair pair = ReadPair(options, run);
   const std::string& exo_knee = pair.exo_knee;
   run.Begin({"summary.json", "misalignment.csv", "overlay.png", "overlay.svg", "misalignment.png", "misalignment.svg",
