@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 // A program of two thirds of the time that following the knee exactly takes, so that the limit costs range, differently
 // for each.
-redesign::GroupProblem Problem(double limit_percent = 3) {
+redesign::GroupProblem SharedProblem(double limit_percent = 3) {
   redesign::GroupProblem problem;
   problem.shared.design = WithMargins(2);
   problem.shared.program.kind = Kind::kFree;
@@ -65,7 +65,7 @@ TEST(GroupProgram, PeopleShareNothingButTheLinks) {
   for (const Across across : {Across::kWorst, Across::kMean}) {
     std::vector<std::array<std::size_t, 3>> sizes;
     for (int count = 2; count <= 4; ++count) {
-      redesign::GroupProblem problem = WithPeople(Problem(), std::vector(count, kThree[0]));
+      redesign::GroupProblem problem = WithPeople(SharedProblem(), std::vector(count, kThree[0]));
       problem.across = across;
       problem.shared.penalty_deg_per_mm = 0.5;
       redesign::ReoptimizeBuilder builder = BuilderOf(problem);
@@ -92,7 +92,7 @@ TEST(GroupProgram, PeopleShareNothingButTheLinks) {
 
 // Whatever names a row or a variable, such as a message, means one.
 TEST(GroupProgram, NamesAreUnique) {
-  redesign::GroupProblem problem = WithPeople(Problem(), kThree);
+  redesign::GroupProblem problem = WithPeople(SharedProblem(), kThree);
   problem.shared.penalty_deg_per_mm = 0.5;
   for (const Across across : {Across::kWorst, Across::kMean}) {
     problem.across = across;
@@ -107,7 +107,7 @@ TEST(GroupProgram, NamesAreUnique) {
 
 // The rows of a group mean what the closed form says of each person.
 TEST(GroupProgram, RowsAgreeWithTheClosedForm) {
-  redesign::GroupProblem problem = WithPeople(Problem(), kThree);
+  redesign::GroupProblem problem = WithPeople(SharedProblem(), kThree);
   for (const Across across : {Across::kWorst, Across::kMean}) {
     problem.across = across;
     redesign::ReoptimizeBuilder builder = BuilderOf(problem);
@@ -134,12 +134,12 @@ TEST(GroupProgram, RowsAgreeWithTheClosedForm) {
 
 // Two who move alike need no compromise: the design is the one of either alone.
 TEST(Group, ThatIsAllAlikeGetsTheDesignOfOne) {
-  redesign::ReoptimizeProblem alone = Problem().shared;
+  redesign::ReoptimizeProblem alone = SharedProblem().shared;
   alone.human = redesign::MakeHumanMotion(MakeCurve(kThree[1]));
   const auto one = redesign::FindOptimum(alone, {alone.design.start}, Starts(2));
   ASSERT_TRUE(one);
   for (const Across across : {Across::kWorst, Across::kMean}) {
-    redesign::GroupProblem problem = WithPeople(Problem(), {kThree[1], kThree[1]});
+    redesign::GroupProblem problem = WithPeople(SharedProblem(), {kThree[1], kThree[1]});
     problem.across = across;
     const redesign::GroupDesign design = redesign::FindGroupDesign(problem, {alone.design.start}, Starts(2));
     ASSERT_TRUE(design.is_usable);
@@ -151,7 +151,7 @@ TEST(Group, ThatIsAllAlikeGetsTheDesignOfOne) {
 class GroupOfThree : public testing::Test {
  protected:
   static redesign::GroupOutcome Solve(Across across, double quantile = 1, double limit_percent = 3) {
-    redesign::GroupProblem problem = Problem(limit_percent);
+    redesign::GroupProblem problem = SharedProblem(limit_percent);
     problem.across = across, problem.quantile = quantile;
     return redesign::RunGroup(problem, People(kThree), Starts(2));
   }
@@ -190,7 +190,7 @@ TEST_F(GroupOfThree, HoldsTheLimitForEachAndCostsEachSomething) {
 
 // Who has no pull may go, and the links stay where they are; who has one may not.
 TEST_F(GroupOfThree, WithoutWhoeverHasNoPullTheLinksAreTheSame) {
-  redesign::GroupProblem problem = WithPeople(Problem(), {kThree[1], Leg(420, 80)});
+  redesign::GroupProblem problem = WithPeople(SharedProblem(), {kThree[1], Leg(420, 80)});
   const std::vector<redesign::ReoptimizePoint> start =
       redesign::FindGroupDesign(problem, {problem.shared.design.start}, Starts(1)).points;
   const redesign::GroupSolve both = redesign::SolveFrom(problem, start, {}, true);
@@ -227,7 +227,7 @@ TEST_F(GroupOfThree, TheQuantileLeavesOutWhoCostsMost) {
   double best = 0;
   std::size_t left_out = 0;
   for (std::size_t i = 0; i < kThree.size(); ++i) {
-    redesign::GroupProblem problem = WithPeople(Problem(), kThree);
+    redesign::GroupProblem problem = WithPeople(SharedProblem(), kThree);
     problem.people[i].counts = false;
     const redesign::GroupDesign design = redesign::FindGroupDesign(problem, {problem.shared.design.start}, Starts(2));
     if (design.is_usable && design.objective > best) best = design.objective, left_out = i;
@@ -257,14 +257,14 @@ TEST_F(GroupOfThree, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(GroupOptions, ClearancesAreOnePersons) {
-  redesign::GroupProblem problem = WithPeople(Problem(), {kThree[0], kThree[1]});
+  redesign::GroupProblem problem = WithPeople(SharedProblem(), {kThree[0], kThree[1]});
   problem.shared.design.clearances.seat_mm = 5;
   EXPECT_THAT([&] { problem.Check(); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("omit them in a design for 2")));
 }
 
 TEST(GroupOptions, AQuantileIsAPart) {
-  redesign::GroupProblem problem = WithPeople(Problem(), std::vector(10, kThree[0]));
+  redesign::GroupProblem problem = WithPeople(SharedProblem(), std::vector(10, kThree[0]));
   problem.across = Across::kQuantile, problem.quantile = 0.9;
   EXPECT_EQ(problem.Counting(), 9u);
   problem.quantile = 0;
