@@ -161,6 +161,8 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   ExpectTruth();
   ExpectOneDesignForBoth(page);
 
+  EXPECT_TRUE(fs::exists(folder_ / "out/participants.json"));
+
   // By hand, without asking lake-cohort: the tables are made again whenever they are asked for.
   const auto with_kill = Contents(folder_ / "out");
   WriteTextFile(folder_ / "out/group/trials.csv", "not what the studies say\n");
@@ -176,6 +178,13 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
   fs::rename(folder_ / "out", folder_ / "killed");
   ASSERT_EQ(Shell(folder_, run).exit_code, 0);
   EXPECT_EQ(Contents(folder_ / "out"), with_kill);
+
+  // A study that fails at two steps is one study.
+  fs::remove(folder_ / "people/sourcedata/sub-03/human/video.mp4");
+  WriteTextFile(folder_ / "people/sourcedata/sub-03/human/video.mp4", "no video");
+  const Outcome failed = Shell(folder_, "lake-cohort people third participant --participant-label 03 --quiet");
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_THAT(failed.err, HasSubstr("1 of 1 studies failed: "));
 }
 
 }  // namespace

@@ -88,12 +88,17 @@ void WriteTruth(const std::vector<Session>& sessions, const fs::path& path) {
   csv.Write(path);
 }
 
-void WriteParticipants(const std::vector<Session>& sessions, const fs::path& path) {
+// The table, and beside it what its columns are, as BIDS has it.
+void WriteParticipants(const std::vector<Session>& sessions, const fs::path& folder) {
   std::string text = "participant_id\tmass_kg\theight_mm\n", last;
   for (const Session& s : sessions)
     if (s.participant != last)
       last = s.participant, text += fmt::format("{}\t{:.1f}\t{:.0f}\n", s.participant, s.mass_kg, s.height_mm);
-  WriteTextFile(path, text);
+  WriteTextFile(folder / "participants.tsv", text);
+  WriteJsonFile(
+      folder / "participants.json",
+      {{"mass_kg", {{"Description", "Body mass that was drawn; nothing rendered depends on it"}, {"Units", "kg"}}},
+       {"height_mm", {{"Description", "Standing height"}, {"Units", "mm"}}}});
 }
 
 }  // namespace
@@ -153,7 +158,7 @@ void WritePopulation(const std::vector<Session>& sessions, const SceneOptions& s
         {"compare", {{"human_knee", "knee"}, {"exo_knee", "exo_knee"}}}}},
       {"people", people}};
   WriteTextFile(folder / "cohort.yaml", cohort.dump(2) + "\n");
-  WriteParticipants(sessions, folder / "participants.tsv");
+  WriteParticipants(sessions, folder);
   WriteTruth(sessions, folder / "truth.csv");
 }
 

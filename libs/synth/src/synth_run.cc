@@ -174,7 +174,7 @@ Json RenderPopulation(const SynthRunOptions& o, Run& run) {
   population.seed = o.seed, population.people = *o.people, population.sessions = o.sessions;
   const SceneOptions scene = SceneOf(o);
   const std::vector<Session> sessions = DrawPopulation(population, scene.motion);
-  std::vector<std::string> names = {"participants.tsv", "cohort.yaml", "truth.csv"};
+  std::vector<std::string> names = {"participants.tsv", "participants.json", "cohort.yaml", "truth.csv"};
   for (const Session& session : sessions)
     for (const char* trial : {"human", "exo"})
       for (const char* file : {"video.mp4", "truth.csv", "camera.yaml", "scene.json"})

@@ -3,7 +3,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <set>
+#include <string>
 
 #include "group_results.h"
 #include "lake/cohort/cohort_file.h"
@@ -138,6 +141,13 @@ std::string SnakemakeSays(const fs::path& out, const Run& run) {
   return "snakemake says why " + (run.Quiet() ? "in " + (out / "logs" / kSnakemakeLog).string() : "above");
 }
 
+// A study fails at several steps where one needs nothing of the other, as with both trials.
+std::size_t FailedStudies(const std::vector<Failure>& failures) {
+  std::set<std::array<std::string, 3>> studies;
+  for (const Failure& failure : failures) studies.insert({failure.participant, failure.session, failure.run});
+  return studies.size();
+}
+
 void CheckLevel(const CohortRunOptions& options) {
   if (options.make_template) return;
   if (options.source.empty()) throw UsageError("the cohort's folder is missing; --template FOLDER makes one");
@@ -207,7 +217,7 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
       throw Fail("the group's tables were not made: {}", GroupError(out).value_or(SnakemakeSays(out, run)));
     summary["group"] = ReadJsonFile(out / "group" / "summary.json");
   } else if (!failures.empty()) {
-    throw Fail("{} of {} studies failed: {}", failures.size(), cohort.recordings.size() + cohort.absent.size(),
+    throw Fail("{} of {} studies failed: {}", FailedStudies(failures), cohort.recordings.size() + cohort.absent.size(),
                failures.front().Text());
   }
   return summary;

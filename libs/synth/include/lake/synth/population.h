@@ -43,9 +43,9 @@ struct Session {
 std::vector<Session> DrawPopulation(const PopulationOptions& options, const StsMotionOptions& motion);
 
 // Renders each session's two trials into Folder()/human and Folder()/exo of `folder`, and writes what `lake cohort`
-// reads beside them: participants.tsv, cohort.yaml (which says where in each recording the two knee markers are, as the
-// exoskeleton's is no part of the leg), and truth.csv, a row a session. Each scene is `scene` but for its motion and
-// seed.
+// reads beside them: participants.tsv and .json, cohort.yaml (which says where in each recording the two knee markers
+// are, as the exoskeleton's is no part of the leg), and truth.csv, a row a session. Each scene is `scene` but for its
+// motion and seed.
 void WritePopulation(const std::vector<Session>& sessions, const SceneOptions& scene,
                      const std::filesystem::path& folder);
 
