@@ -127,7 +127,7 @@ TEST_F(RunProgram, PlansAndDoesStepsOneByOne) {
   EXPECT_EQ(plan["steps"][3]["name"], "optimum");
   ExpectRefused("study.yaml --only report", 1, "step human leaves, which has not been done");
   ExpectRefused("study.yaml --only stroke", 1, "no step 'stroke' in this study");
-  ExpectRefused("study.yaml --only human --plan", 2, "excludes");
+  ExpectRefused("study.yaml --only human --plan", 2, "not with --only");
   ASSERT_EQ(Shell(folder_, "lake-run study.yaml --quiet -o results --only optimum").exit_code, 0);
   EXPECT_TRUE(fs::is_regular_file(plan["steps"][3]["outputs"][0].get<std::string>()));
   EXPECT_FALSE(fs::exists(folder_ / "results/summary.json"));
