@@ -114,10 +114,12 @@ TEST(Fit, DesignsWithoutMarginsAreFoundWhereAllStartsMeet) {
     for (const linkage::Links& start : {widest, problem.design.start}) {
       const redesign::ReoptimizeSolve solve = SolveFrom(problem, StartPoint(problem, start));
       ASSERT_TRUE(solve.IsUsable()) << solve.local.solution.message;
-      EXPECT_LE(solve.local.solution.kkt_error, 1e-6);
+      EXPECT_LE(solve.local.solution.violation, 1e-7);
       ranges_deg.push_back(solve.Range_deg());
     }
-    EXPECT_NEAR(ranges_deg[0], ranges_deg[1], 1e-4);
+    // Two starts tell an optimum from where a solve stalled; the gradient does not, as Ipopt's tolerance on it grows with
+    // the multipliers. The ranges were within 2e-6 deg.
+    EXPECT_NEAR(ranges_deg[0], ranges_deg[1], 1e-5);
   }
 }
 
