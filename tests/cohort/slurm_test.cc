@@ -91,12 +91,13 @@ TEST_F(CohortSlurm, GivesTheSameResults) {
                   "--width 640 --height 360 --radius-px 2 --quiet -o people")
                 .exit_code,
             0);
-  // As --slurm, but that Snakemake asks Slurm every second what became of a job, not twice a minute.
+  // The studies by --slurm, the group's tables by a profile that says the same.
   fs::create_directories(folder_ / "profile");
   WriteTextFile(folder_ / "profile/config.yaml",
                 "slurm: true\njobs: 8\nlatency-wait: 30\nmax-status-checks-per-second: 1\n");
-  WriteTextFile(folder_ / "with_slurm.sh",
-                std::string(kWithSlurm) + "lake-cohort people cluster group --profile profile --quiet\n");
+  WriteTextFile(folder_ / "with_slurm.sh", std::string(kWithSlurm) +
+                                               "lake-cohort people cluster participant --slurm --quiet &&\n"
+                                               "lake-cohort people cluster group --profile profile --quiet\n");
   const Outcome cluster = Shell(folder_, "bash with_slurm.sh");
   ASSERT_EQ(cluster.exit_code, 0) << cluster.err;
   EXPECT_THAT(ReadTextFile(folder_ / "cluster/logs/snakemake.log"), Not(HasSubstr("rror")));
