@@ -24,15 +24,6 @@ using Eigen::Vector2d;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// So many MB beyond what is mapped now.
-void LimitMemory(std::size_t mb) {
-  std::size_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  const rlim_t bytes = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) + (mb << 20);
-  const rlimit limit = {bytes, bytes};
-  setrlimit(RLIMIT_AS, &limit);
-}
-
 constexpr double kFrameRateHz = 60;
 constexpr int kFrames = 300;
 constexpr double kRadiusPx = 4;
@@ -189,6 +180,15 @@ INSTANTIATE_TEST_SUITE_P(All, NamingOfLegs,
                          testing::Combine(testing::Values(-1, 1), testing::Bool(), testing::Values(11u, 12u, 13u)));
 
 #ifndef __SANITIZE_ADDRESS__  // which maps terabytes
+// So many MB beyond what is mapped now.
+void LimitMemory(std::size_t mb) {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlim_t bytes = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) + (mb << 20);
+  const rlimit limit = {bytes, bytes};
+  setrlimit(RLIMIT_AS, &limit);
+}
+
 // Half an hour in pieces, as its light and its subject make them: all pairs of 6000 things would take 1.7 GB.
 TEST(NamingOfLongRecordings, TakesMemoryInProportion) {
   constexpr int kTimes = 300, kGap = 3;

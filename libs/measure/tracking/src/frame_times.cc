@@ -394,6 +394,7 @@ class FrameTimeFinder {
     constexpr std::size_t kMost = 20;
     std::vector<std::size_t> fresh = Fresh();
     std::vector<double> fresh_time_s;
+    fresh_time_s.reserve(fresh.size());
     for (const std::size_t i : fresh) fresh_time_s.push_back(recording_.time_s[i]);
     fresh_s_ = MedianInterval(fresh_time_s);
     while (true) {
