@@ -117,8 +117,8 @@ TEST(Fit, DesignsWithoutMarginsAreFoundWhereAllStartsMeet) {
       EXPECT_LE(solve.local.solution.violation, 1e-7);
       ranges_deg.push_back(solve.Range_deg());
     }
-    // Two starts tell an optimum from where a solve stalled; the gradient does not, as Ipopt's tolerance on it grows with
-    // the multipliers. The ranges were within 2e-6 deg.
+    // Two starts tell an optimum from where a solve stalled; the gradient does not, as Ipopt's tolerance on it grows
+    // with the multipliers. The ranges were within 2e-6 deg.
     EXPECT_NEAR(ranges_deg[0], ranges_deg[1], 1e-5);
   }
 }
