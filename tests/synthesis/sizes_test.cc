@@ -73,14 +73,19 @@ TEST(SizeRule, IsTheBestOfAllRules) {
   }
 }
 
-// The largest range is where a triangle is flat, which a solve finds to some 1e-9 mm: who can wear that linkage is told
-// so however far they bend.
-TEST(Fit, OfALinkageThatIsFlatAtItsEndIsFound) {
+redesign::ReoptimizeProblem WithoutMargins() {
   redesign::ReoptimizeProblem problem;
   problem.program.kind = linkage::StrokeProgram::Kind::kFree;
   problem.program.duration_s = 25;
   problem.fit_placement = true;
   problem.max_misalignment_percent = 2;
+  return problem;
+}
+
+// The largest range is where a triangle is flat, which a solve finds to some 1e-9 mm: who can wear that linkage is told
+// so however far they bend.
+TEST(Fit, OfALinkageThatIsFlatAtItsEndIsFound) {
+  redesign::ReoptimizeProblem problem = WithoutMargins();
   const linkage::Links widest = synthesis::SolveFrom(problem.design, problem.design.start).end;
   double before_percent = 0;
   for (const double seated_deg : {88.0, 92.0, 96.0, 100.0}) {
@@ -97,11 +102,7 @@ TEST(Fit, OfALinkageThatIsFlatAtItsEndIsFound) {
 
 // Without margins multipliers are not unique, and of noisy motions most solves stall at 1e-8 deg where all starts meet.
 TEST(Fit, DesignsWithoutMarginsAreFoundWhereAllStartsMeet) {
-  redesign::ReoptimizeProblem problem;
-  problem.program.kind = linkage::StrokeProgram::Kind::kFree;
-  problem.program.duration_s = 25;
-  problem.fit_placement = true;
-  problem.max_misalignment_percent = 2;
+  redesign::ReoptimizeProblem problem = WithoutMargins();
   const linkage::Links widest = synthesis::SolveFrom(problem.design, problem.design.start).end;
   ClosedFormLeg leg;
   leg.seated_knee_deg = 100, leg.shank_mm = 400;

@@ -99,7 +99,7 @@ GroupSolve SolveOrFinish(const GroupProblem& problem, const std::vector<Reoptimi
   if (solve.local.solution.status != nlp::NlpStatus::kStalled || !solve.holds_on_path) return solve;
   constexpr double kFine = 1e-7;
   options.nlp.tolerance = std::max(options.nlp.tolerance, kFine);
-  options.nlp.start_push = 1e-6, options.nlp.start_barrier = 1e-4;
+  options.nlp.StartWarm();
   GroupSolve finished = SolveOneSide(problem, solve.points, sides, options);
   finished.local.iterations += solve.local.iterations;
   return finished.IsUsable() ? std::move(finished) : std::move(solve);
@@ -213,7 +213,7 @@ GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<ReoptimizePo
   // hundred in a row, with many pivots put off: one of fifty people took 106 s, where its neighbours took 2 s.
   constexpr int kMostRestoration = 10;
   if (problem.people.size() > 1) inner.nlp.max_restoration_iterations = kMostRestoration;
-  if (warm) inner.nlp.start_push = 1e-6, inner.nlp.start_barrier = 1e-4;
+  if (warm) inner.nlp.StartWarm();
   std::vector<ConstantStart> sides(problem.people.size(), ConstantStart::kAtHumanAngle);
   GroupSolve solve = SolveOrFinish(problem, start, sides, inner);
   if (problem.shared.program.kind == linkage::StrokeProgram::Kind::kFree) return solve;

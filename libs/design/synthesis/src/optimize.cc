@@ -120,7 +120,7 @@ LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuil
     if (!result.solution.IsUsable() || result.exchanges >= options.max_exchanges ||
         !AddViolatedPoses(AsSolved(problem, result), result.end, options.family_tolerance, result.poses))
       break;
-    nlp.start_push = 1e-6, nlp.start_barrier = 1e-4;  // warm
+    nlp.StartWarm();
   }
   result.evaluation = problem::Evaluate(result.end, Placed(problem, result.program, result.solution.x));
   return result;

@@ -303,12 +303,7 @@ class FrameTimeFinder {
     const double stamped_s = recording_.time_s[fresh[at]] - recording_.time_s[fresh[at - 1]];
     const Sides sides = SidesOf(fresh, at);
     if (sides.apart.size() < 2) return std::nullopt;
-    const auto square_off = [&](double elapsed_s) {
-      double sum = 0;
-      for (std::size_t m = 0; m < sides.apart.size(); ++m) sum += Off(sides, m, elapsed_s).squaredNorm();
-      return sum;
-    };
-    const double stamped_off = square_off(stamped_s), count = static_cast<double>(sides.apart.size());
+    const double stamped_off = SquareOff(sides, stamped_s), count = static_cast<double>(sides.apart.size());
     constexpr double kExplained = 0.1, kDeviations = 6;
     const double frames = has_lower_rate_ ? 2 : 0.75;
     if (stamped_off < kLeastOffPx * kLeastOffPx * count || IsWithinItsSpeeds(sides, stamped_s)) return std::nullopt;
@@ -327,7 +322,7 @@ class FrameTimeFinder {
     }
     constexpr double kLongest_s = 1;
     if (!(jump.moved_s > 0 && jump.moved_s < kLongest_s)) return std::nullopt;
-    const double off = square_off(jump.moved_s);
+    const double off = SquareOff(sides, jump.moved_s);
     // Two numbers for each marker, one of all fitted; half of what the accelerations contribute may be wrong, and some
     // hundredths of a frame are what a parabola does not follow.
     constexpr double kAccelerationsWrong = 0.5, kParabolaWrong = 0.03;
@@ -344,6 +339,12 @@ class FrameTimeFinder {
     const PathPoint &a = sides.before[m], &b = sides.after[m];
     return sides.apart[m] - 0.5 * elapsed_s * (a.velocity + b.velocity) -
            elapsed_s * elapsed_s / 12 * (a.acceleration - b.acceleration);
+  }
+
+  static double SquareOff(const Sides& sides, double elapsed_s) {
+    double sum = 0;
+    for (std::size_t m = 0; m < sides.apart.size(); ++m) sum += Off(sides, m, elapsed_s).squaredNorm();
+    return sum;
   }
 
   static double ByAccelerations(const Sides& sides, double elapsed_s) {
@@ -381,9 +382,7 @@ class FrameTimeFinder {
     const double stamped_s = recording_.time_s[*after] - recording_.time_s[*(after - 1)];
     const Sides sides = SidesOf(others, static_cast<std::size_t>(after - others.begin()));
     const auto count = static_cast<double>(sides.apart.size());
-    double square_off = 0;
-    for (std::size_t m = 0; m < sides.apart.size(); ++m) square_off += Off(sides, m, stamped_s).squaredNorm();
-    if (count < 2 || square_off > kLeastOffPx * kLeastOffPx * count) return false;
+    if (count < 2 || SquareOff(sides, stamped_s) > kLeastOffPx * kLeastOffPx * count) return false;
     for (const std::size_t i : still) repeated_[i] = 1;
     fresh = std::move(others);
     return true;

@@ -22,6 +22,9 @@ struct NlpOptions {
   // none.
   std::optional<int> max_restoration_iterations;
 
+  // From near a solution.
+  void StartWarm() { start_push = 1e-6, start_barrier = 1e-4; }
+
   // Throws Error for values that make no sense.
   void Check() const;
 };
