@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "random.h"
 
@@ -97,32 +98,33 @@ float Texture::At(float x, float y) const {
   return (1 - fy) * ((1 - fx) * upper[x0] + fx * upper[x1]) + fy * ((1 - fx) * lower[x0] + fx * lower[x1]);
 }
 
-cv::Mat LayerCoverage(const View& view, const Layer& layer, const cv::Rect& region, std::size_t first,
-                      std::size_t last) {
-  const int margin = static_cast<int>(std::ceil(4 * layer.soft_px));
+SeenLayer::SeenLayer(const View& view, Layer layer) : view_(&view), layer_(std::move(layer)) {
+  const int margin = 1 + static_cast<int>(std::ceil(4 * layer_.soft_px));
+  outlines_px_.reserve(layer_.instants.size());
+  for (const Shape& shape : layer_.instants) {
+    outlines_px_.push_back(view.Outline(shape.outline));
+    region_ |= PixelsOf(outlines_px_.back(), margin, view.Size());
+  }
+}
+
+cv::Mat SeenLayer::Coverage(const cv::Rect& region, std::size_t first, std::size_t last) const {
+  const int margin = static_cast<int>(std::ceil(4 * layer_.soft_px));
   const cv::Rect grown(region.x - margin, region.y - margin, region.width + 2 * margin, region.height + 2 * margin);
   PolygonRaster raster(grown.width, grown.height);
   for (std::size_t i = first; i <= last; ++i)
-    raster.Add(ToCells(view.Outline(layer.instants[i].outline), grown, 1), 1.0 / static_cast<double>(last - first + 1));
+    raster.Add(ToCells(outlines_px_[i], grown, 1), 1.0 / static_cast<double>(last - first + 1));
   cv::Mat coverage = raster.Coverage();
-  if (layer.soft_px > 0) cv::GaussianBlur(coverage, coverage, cv::Size(), layer.soft_px);
+  if (layer_.soft_px > 0) cv::GaussianBlur(coverage, coverage, cv::Size(), layer_.soft_px);
   return coverage(cv::Rect(margin, margin, region.width, region.height));
 }
 
-cv::Rect LayerRegion(const View& view, const Layer& layer) {
-  cv::Rect region;
-  const int margin = 1 + static_cast<int>(std::ceil(4 * layer.soft_px));
-  for (const Shape& shape : layer.instants) region |= PixelsOf(view.Outline(shape.outline), margin, view.Size());
-  return region;
-}
-
-void Paint(const View& view, const Layer& layer, Canvas& canvas) {
-  const cv::Rect region = LayerRegion(view, layer) & canvas.Region();
+void SeenLayer::PaintOn(Canvas& canvas) const {
+  const cv::Rect region = region_ & canvas.Region();
   if (region.empty()) return;
-  const cv::Mat coverage = LayerCoverage(view, layer, region, 0, layer.instants.size() - 1);
-  const Shading shading(view, layer);
+  const cv::Mat coverage = Coverage(region, 0, layer_.instants.size() - 1);
+  const Shading shading(*view_, layer_);
   const int channels = canvas.image.channels();
-  const cv::Vec3f colour = channels == 1 ? cv::Vec3f::all(Grey(layer.surface.bgr)) : layer.surface.bgr;
+  const cv::Vec3f colour = channels == 1 ? cv::Vec3f::all(Grey(layer_.surface.bgr)) : layer_.surface.bgr;
   for (int row = 0; row < region.height; ++row) {
     const float* const cover = coverage.ptr<float>(row);
     float* const out =

@@ -50,16 +50,26 @@ struct Canvas {
   cv::Rect Region() const { return {corner, image.size()}; }
 };
 
-// Exact coverage of the pixels of `region` by the layer, averaged over its instants; with first = last one instant
-// only.
-cv::Mat LayerCoverage(const View& view, const Layer& layer, const cv::Rect& region, std::size_t first,
-                      std::size_t last);
+// A layer as the camera sees it; its outlines are projected once.
+class SeenLayer {
+ public:
+  SeenLayer(const View& view, Layer layer);
 
-// The pixels a layer touches.
-cv::Rect LayerRegion(const View& view, const Layer& layer);
+  // The pixels it touches.
+  const cv::Rect& Region() const { return region_; }
 
-// Paints the layer over the canvas. Returns nothing outside: the canvas may hold only a part of it.
-void Paint(const View& view, const Layer& layer, Canvas& canvas);
+  // Exact coverage of the pixels of `region`, averaged over its instants; with first = last one instant only.
+  cv::Mat Coverage(const cv::Rect& region, std::size_t first, std::size_t last) const;
+
+  // Paints it over the canvas, which may hold only a part of it.
+  void PaintOn(Canvas& canvas) const;
+
+ private:
+  const View* view_;  // not owned
+  Layer layer_;
+  std::vector<Polygon> outlines_px_;  // per instant
+  cv::Rect region_;
+};
 
 // Levels of a surface for a canvas of 1 or 3 channels (grey: ITU-R BT.601 luma).
 float Grey(const cv::Vec3f& bgr);

@@ -72,8 +72,7 @@ class RoomPainter {
 
   void Fill(const cv::Vec3f& bgr, const Polygon& polygon, const Texture* texture = nullptr, float contrast = 0,
             float mm_per_texel = 2) {
-    const Layer layer{{bgr, texture, contrast, mm_per_texel, 0}, {{Placed(polygon)}}, 0};
-    lake::synth::Paint(view_, layer, *canvas_);
+    SeenLayer(view_, {{bgr, texture, contrast, mm_per_texel, 0}, {{Placed(polygon)}}, 0}).PaintOn(*canvas_);
   }
 
   // Plaster lit by a window on the side that the person looks to.

@@ -58,7 +58,7 @@ struct FrameState {
   double time_s = 0;                           // of the motion
   std::vector<double> fine_s;                  // instants of the shutter for markers
   std::vector<std::vector<Vector2d>> fine_mm;  // [instant][marker]
-  std::vector<std::vector<Layer>> hands;       // per occlusion that is near: its layers, at the fine instants
+  std::vector<SeenLayer> hands;                // of all that are near, at the fine instants
 };
 
 }  // namespace
@@ -153,10 +153,8 @@ struct Scene::Impl {
     const int count = OpenS() == 0 ? 1 : std::min(64, 4 + static_cast<int>(std::ceil(3 * blur)));
     state.fine_s = Instants(state.time_s, OpenS(), count);
     for (const double t : state.fine_s) state.fine_mm.push_back(AsRead(t));
-    for (const Hand& hand : hands) {
-      std::vector<Layer> layers = hand.At(state.fine_s);
-      if (!layers.empty()) state.hands.push_back(std::move(layers));
-    }
+    for (const Hand& hand : hands)
+      for (SeenLayer& layer : Seen(hand.At(state.fine_s))) state.hands.push_back(std::move(layer));
     return state;
   }
 
@@ -164,17 +162,27 @@ struct Scene::Impl {
     if (state.hands.empty()) return {};
     return [this, &state](const cv::Rect& region, std::size_t instant) {
       cv::Mat covered;
-      for (const auto& layers : state.hands)
-        for (const Layer& layer : layers) {
-          if ((LayerRegion(view, layer) & region).empty()) continue;
-          const cv::Mat one = LayerCoverage(view, layer, region, instant, instant);
-          covered = covered.empty() ? one.clone() : cv::Mat(covered + one - covered.mul(one));
-        }
+      for (const SeenLayer& layer : state.hands) {
+        if ((layer.Region() & region).empty()) continue;
+        const cv::Mat one = layer.Coverage(region, instant, instant);
+        covered = covered.empty() ? one.clone() : cv::Mat(covered + one - covered.mul(one));
+      }
       return covered;
     };
   }
 
-  std::vector<Layer> MovingLayers(const FrameState& state) const {
+  // In the room's light.
+  std::vector<SeenLayer> Seen(std::vector<Layer> layers) const {
+    std::vector<SeenLayer> seen;
+    seen.reserve(layers.size());
+    for (Layer& layer : layers) {
+      layer.surface.bgr *= options.brightness;
+      seen.emplace_back(view, std::move(layer));
+    }
+    return seen;
+  }
+
+  std::vector<SeenLayer> MovingLayers(const FrameState& state) const {
     if (!options.body && !options.exoskeleton) return {};
     const int count = std::clamp(static_cast<int>(std::ceil(LongestBlurPx(state.time_s))), 1, 12);
     std::vector<BodyPose> poses;
@@ -183,7 +191,7 @@ struct Scene::Impl {
     if (options.body) layers = BodyLayers(poses, *wardrobe, forward, options.bright_room);
     if (options.exoskeleton)
       for (Layer& layer : ExoskeletonLayers(poses, forward)) layers.push_back(std::move(layer));
-    return layers;
+    return Seen(std::move(layers));
   }
 
   BodyPose PoseAt(double time_s) const {
@@ -209,12 +217,10 @@ struct Scene::Impl {
 
   // All but the sprites.
   Composition Compose(const FrameState& state, const std::vector<Sprite>& sprites_of_frame) const {
-    std::vector<Layer> layers = MovingLayers(state);
-    for (Layer& layer : layers) layer.surface.bgr *= options.brightness;
+    const std::vector<SeenLayer> layers = MovingLayers(state);
     cv::Rect region;
-    for (const Layer& layer : layers) region |= LayerRegion(view, layer);
-    for (const auto& hand : state.hands)
-      for (const Layer& layer : hand) region |= LayerRegion(view, layer);
+    for (const SeenLayer& layer : layers) region |= layer.Region();
+    for (const SeenLayer& hand : state.hands) region |= hand.Region();
     for (const Sprite& sprite : sprites_of_frame) region |= SpriteRegion(sprite, view.Size(), options.psf_sigma_px);
     Composition out;
     out.picture = room_spread.clone();
@@ -223,13 +229,9 @@ struct Scene::Impl {
     const cv::Rect all({}, view.Size());
     const cv::Rect touched = Grown(region, reach) & all, needed = Grown(touched, reach) & all;
     out.under = {room.image(needed).clone(), needed.tl()};
-    for (const Layer& layer : layers) Paint(view, layer, out.under);
+    for (const SeenLayer& layer : layers) layer.PaintOn(out.under);
     Canvas with_hands{state.hands.empty() ? out.under.image : out.under.image.clone(), out.under.corner};
-    for (const auto& hand : state.hands)
-      for (Layer layer : hand) {
-        layer.surface.bgr *= options.brightness;
-        Paint(view, layer, with_hands);
-      }
+    for (const SeenLayer& hand : state.hands) hand.PaintOn(with_hands);
     Spread(with_hands.image, options.psf_sigma_px)(touched - needed.tl()).copyTo(out.picture(touched));
     return out;
   }
