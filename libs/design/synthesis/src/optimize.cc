@@ -1,6 +1,8 @@
 #include "lake/synthesis/optimize.h"
 
-#include <Eigen/SVD>
+#include <lapacke.h>
+
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -35,9 +37,13 @@ class ActiveGradients {
   double SmallestSingularValue() const {
     if (columns_.empty()) return 1;
     if (columns_.size() > x_.size()) return 0;
-    Eigen::MatrixXd matrix(x_.size(), columns_.size());
-    for (std::size_t i = 0; i < columns_.size(); ++i) matrix.col(i) = columns_[i].normalized();
-    return Eigen::JacobiSVD<Eigen::MatrixXd>(matrix).singularValues().tail(1)[0];
+    const auto rows = static_cast<lapack_int>(x_.size()), columns = static_cast<lapack_int>(columns_.size());
+    Eigen::MatrixXd matrix(rows, columns);
+    for (lapack_int i = 0; i < columns; ++i) matrix.col(i) = columns_[i].normalized();
+    Eigen::VectorXd singular(columns), unused(1);
+    const lapack_int failed = LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'N', rows, columns, matrix.data(), rows, singular.data(),
+                                             unused.data(), 1, unused.data(), 1);
+    return failed ? 0 : singular.tail<1>()[0];
   }
 
  private:

@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
+#include <opencv2/core/eigen.hpp>
 #include <vector>
 
 #include "lake/core/error.h"
@@ -44,14 +44,15 @@ Eigen::Matrix3d DirectLinearTransform(const std::vector<Eigen::Vector2d>& source
     a.block<1, 3>(row, 0) = p, a.block<1, 3>(row, 6) = -target[i].x() * p;
     a.block<1, 3>(row + 1, 3) = p, a.block<1, 3>(row + 1, 6) = -target[i].y() * p;
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeFullV);
+  cv::Mat matrix, singular, left, right_transposed;
+  cv::eigen2cv(a, matrix);
+  cv::SVD::compute(matrix, singular, left, right_transposed, cv::SVD::FULL_UV);
   // The eighth singular value vanishes where three of four points are in line; a good quadrilateral has more than 0.1.
   constexpr double kLeastRatio = 1e-3;
-  if (svd.singularValues()(7) < kLeastRatio * svd.singularValues()(0))
+  if (singular.at<double>(7) < kLeastRatio * singular.at<double>(0))
     throw Fail(
         "the known points do not span a plane: four of them must form a quadrilateral with no three in one line");
-  const Eigen::Matrix<double, 9, 1> h = svd.matrixV().col(8);
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(right_transposed.ptr<double>(8));
 }
 
 // residual = image_from_plane(point) - pixel, all normalised; the ninth element of h is held by scale freedom.

@@ -1,11 +1,10 @@
 #include "lake/compare/knee_axis.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <Eigen/QR>
 #include <array>
 #include <cmath>
-#include <vector>
+#include <span>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -39,26 +38,26 @@ constexpr std::array<Node, 7> kY = {{{-2.0944, -.4226},
                                      {2.0944, -.396}}};
 
 // A natural cubic spline through a table.
-template <std::size_t N>
 class NaturalSpline {
  public:
-  explicit NaturalSpline(const std::array<Node, N>& nodes) : nodes_(nodes) {
-    Eigen::Matrix<double, N, N> system = Eigen::Matrix<double, N, N>::Zero();
-    Eigen::Matrix<double, N, 1> right = Eigen::Matrix<double, N, 1>::Zero();
-    system(0, 0) = system(N - 1, N - 1) = 1;
-    for (std::size_t i = 1; i + 1 < N; ++i) {
+  explicit NaturalSpline(std::span<const Node> nodes) : nodes_(nodes) {
+    const auto count = static_cast<Eigen::Index>(nodes.size());
+    Eigen::MatrixXd system = Eigen::MatrixXd::Zero(count, count);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+    system(0, 0) = system(count - 1, count - 1) = 1;
+    for (std::size_t i = 1; i + 1 < nodes.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       const double before = Step(i - 1), after = Step(i);
       system(row, row - 1) = before, system(row, row) = 2 * (before + after), system(row, row + 1) = after;
       right[row] =
           6 * ((nodes[i + 1].value_m - nodes[i].value_m) / after - (nodes[i].value_m - nodes[i - 1].value_m) / before);
     }
-    bend_ = system.partialPivLu().solve(right);
+    bend_ = system.colPivHouseholderQr().solve(right);
   }
 
   double At(double knee_rad) const {
     std::size_t i = 0;
-    while (i + 2 < N && knee_rad > nodes_[i + 1].knee_rad) ++i;
+    while (i + 2 < nodes_.size() && knee_rad > nodes_[i + 1].knee_rad) ++i;
     const double h = Step(i), a = (nodes_[i + 1].knee_rad - knee_rad) / h, b = 1 - a;
     const auto k = static_cast<Eigen::Index>(i);
     return a * nodes_[i].value_m + b * nodes_[i + 1].value_m +
@@ -68,8 +67,8 @@ class NaturalSpline {
  private:
   double Step(std::size_t i) const { return nodes_[i + 1].knee_rad - nodes_[i].knee_rad; }
 
-  std::array<Node, N> nodes_;
-  Eigen::Matrix<double, N, 1> bend_;  // second derivatives
+  std::span<const Node> nodes_;  // not owned
+  Eigen::VectorXd bend_;         // second derivatives
 };
 
 // femur_from_tibia's rotation; flexion turns the tibia backward.
@@ -82,15 +81,14 @@ Eigen::Matrix2d TibiaInFemur(double knee_deg) {
 Eigen::Vector2d TibiaOriginInFemur(double knee_deg) {
   if (!(knee_deg >= -90 && knee_deg <= 120))
     throw UsageError(fmt::format("knee model: {:.3g}° is outside −90..120°", knee_deg));
-  static const NaturalSpline<kX.size()> x(kX);
-  static const NaturalSpline<kY.size()> y(kY);
+  static const NaturalSpline x(kX), y(kY);
   const double knee_rad = -RadiansFromDegrees(knee_deg);
   return kMmPerM * Eigen::Vector2d(x.At(knee_rad), y.At(knee_rad));
 }
 
 FixedPivot BestFixedPivot(double from_deg, double to_deg) {
   constexpr int kAngles = 181;
-  Eigen::Matrix<double, Eigen::Dynamic, 4> system(2 * kAngles, 4);
+  Eigen::MatrixXd system(2 * kAngles, 4);
   Eigen::VectorXd right(2 * kAngles);
   const auto angle = [&](int i) { return std::lerp(from_deg, to_deg, static_cast<double>(i) / (kAngles - 1)); };
   for (int i = 0; i < kAngles; ++i) {  // gap = t + R c_tibia − c_femur
