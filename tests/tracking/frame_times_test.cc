@@ -105,7 +105,10 @@ TEST(FrameTimes, ACutIsAnError) {
   for (const auto& [rate_hz, seed] : {std::pair(24.0, 751u), {60.0, 752u}, {60.0, 753u}, {240.0, 754u}}) {
     const synth::Scene scene = OneRise(seed, rate_hz);
     const int all = scene.Frames();
-    for (const auto& [cut, again] : {std::pair(all / 2, 2), {all / 3, 2 * all / 3}, {all - 1, all / 3}}) {
+    int standing = 0;
+    for (int i = 1; i < all; ++i)
+      if (scene.Truth(i).knee_deg < scene.Truth(standing).knee_deg) standing = i;
+    for (const auto& [cut, again] : {std::pair(standing, 2), {standing / 2, standing}, {all - 1, standing}}) {
       std::vector<int> source(static_cast<std::size_t>(cut + all - again));
       std::iota(source.begin(), source.begin() + cut, 0), std::iota(source.begin() + cut, source.end(), again);
       ShownFrames shown = Show(scene, seed, source, rate_hz);
