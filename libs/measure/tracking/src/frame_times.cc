@@ -294,15 +294,15 @@ class FrameTimeFinder {
     return beyond >= 2;
   }
 
-  // Time is all markers' own: of one that moves alone, as the trunk's where a descent begins, what an encoder leaves
-  // behind for some frames passes for it. A marker counts that is farther off than its paths scatter.
-  static bool IsOfSeveral(const Sides& sides, double elapsed_s) {
+  // Time is all markers' own: of one that moves alone, as the trunk's where a movement begins, what an encoder leaves
+  // behind for some frames passes for it. A marker counts that went farther in that time than its paths scatter.
+  static bool IsOfSeveral(const Sides& sides, double stamped_s, double moved_s) {
     constexpr double kTimesScatter = 4, kLeastPx = kLeastOffPx / 2;
-    int off = 0;
+    int farther = 0;
     for (std::size_t m = 0; m < sides.apart.size(); ++m)
-      off += Off(sides, m, elapsed_s).norm() >
-             std::max(kLeastPx, kTimesScatter * std::hypot(sides.before[m].off_px, sides.after[m].off_px));
-    return off >= 2;
+      farther += (Off(sides, m, stamped_s) - Off(sides, m, moved_s)).norm() >
+                 std::max(kLeastPx, kTimesScatter * std::hypot(sides.before[m].off_px, sides.after[m].off_px));
+    return farther >= 2;
   }
 
   // Whether the way between both sides can be made in this time at a speed between theirs: an actuator starts and stops
@@ -340,9 +340,7 @@ class FrameTimeFinder {
     const double stamped_off = SquareOff(sides, stamped_s), count = static_cast<double>(sides.apart.size());
     constexpr double kExplained = 0.1, kDeviations = 6;
     const double frames = has_lower_rate_ ? 2 : 0.75;
-    if (stamped_off < kLeastOffPx * kLeastOffPx * count || !IsOfSeveral(sides, stamped_s) ||
-        IsWithinItsSpeeds(sides, stamped_s))
-      return std::nullopt;
+    if (stamped_off < kLeastOffPx * kLeastOffPx * count || IsWithinItsSpeeds(sides, stamped_s)) return std::nullopt;
     FoundJump jump{at, stamped_s, 0, std::sqrt(stamped_off / count)};
     double slopes = 0;
     for (int round = 0; round < 12; ++round) {
@@ -363,6 +361,7 @@ class FrameTimeFinder {
       jump.is_cut = IsCut(sides, stamped_s);
       return jump.is_cut ? std::optional(jump) : std::nullopt;
     }
+    if (!IsOfSeveral(sides, stamped_s, jump.moved_s)) return std::nullopt;
     // Two numbers for each marker, one of all fitted; half of what the accelerations contribute may be wrong, and some
     // hundredths of a frame are what a parabola does not follow.
     constexpr double kAccelerationsWrong = 0.5, kParabolaWrong = 0.03;
