@@ -1,10 +1,12 @@
 // Frame times from a subject's true paths, shown as editors show them; no pictures.
 #include "lake/tracking/frame_times.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "lake/core/error.h"
@@ -94,6 +96,31 @@ TEST(FrameTimes, ThatNothingExplainsAreAnError) {
     EXPECT_THAT([&] { CorrectFrameTimes({}, wrong.recording); },
                 testing::ThrowsMessage<Error>(testing::HasSubstr("not those at which they were taken")));
     EXPECT_NO_THROW(CorrectFrameTimes({}, right.recording));
+  }
+}
+
+// A recording joined to itself: from the standing leg to the sitting one and from one movement into another. A fit
+// through that was off by degrees on both sides, without a word.
+TEST(FrameTimes, ACutIsAnError) {
+  for (const auto& [rate_hz, seed] : {std::pair(24.0, 751u), {60.0, 752u}, {60.0, 753u}, {240.0, 754u}}) {
+    const synth::Scene scene = OneRise(seed, rate_hz);
+    const int all = scene.Frames();
+    int standing = 0;
+    for (int i = 1; i < all; ++i)
+      if (scene.Truth(i).knee_deg < scene.Truth(standing).knee_deg) standing = i;
+    for (const auto& [cut, again] : {std::pair(standing, 2), {standing / 2, standing}, {all - 1, standing}}) {
+      std::vector<int> source(static_cast<std::size_t>(cut + all - again));
+      std::iota(source.begin(), source.begin() + cut, 0), std::iota(source.begin() + cut, source.end(), again);
+      ShownFrames shown = Show(scene, seed, source, rate_hz);
+      EXPECT_THAT([&] { CorrectFrameTimes({}, shown.recording); },
+                  testing::ThrowsMessage<Error>(
+                      testing::HasSubstr(fmt::format("between frames {} and {} the markers jump", cut - 1, cut))))
+          << rate_hz << " Hz, seed " << seed << ", from " << cut << " to " << again;
+    }
+    std::vector<int> source(static_cast<std::size_t>(all));
+    std::iota(source.begin(), source.end(), 0);
+    ShownFrames whole = Show(scene, seed, source, rate_hz);
+    EXPECT_NO_THROW(CorrectFrameTimes({}, whole.recording));
   }
 }
 

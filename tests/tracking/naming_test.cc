@@ -395,13 +395,13 @@ TEST(Naming, AnotherNameNeedsASeedAndTheErrorListsWhatIsLeft) {
                                             testing::ContainsRegex("100[01]\\.[0-9], 30[12]\\.")));
 }
 
-// A knee's marker, and one on an exoskeleton's joint that turns with the thigh beside it.
+// A knee's marker, and one on an exoskeleton's joint that turns with the thigh (or with the shank) beside it.
 constexpr std::size_t kExoTracklet = 4;
-Seen WithJoint(const LegScene& scene) {
+Seen WithJoint(const LegScene& scene, bool on_shank = false) {
   Seen seen = SeenLeg(scene);
   seen.Add([=](int frame) -> Vector2d {
     const std::array<Vector2d, 4> leg = Leg(scene, Upright(scene, frame));
-    const Vector2d along = (leg[2] - leg[1]).normalized();
+    const Vector2d along = on_shank ? (leg[1] - leg[0]).normalized() : (leg[2] - leg[1]).normalized();
     return leg[1] + 12 * along - 14 * Vector2d(-along.y(), along.x());
   });
   return seen;
@@ -417,7 +417,7 @@ tracking::NamingOptions ExoOptions() {
 TEST(Seeds, ThatExchangeKneeAndJointAreContradicted) {
   for (unsigned seed = 101; seed <= 110; ++seed) {
     const LegScene scene{1, seed % 2 == 0, 0.05, seed};
-    const Seen seen = WithJoint(scene);
+    const Seen seen = WithJoint(scene, seed % 3 == 0);
     const Vector2d knee = seen.tracklets[kKneeTracklet].samples[0].position,
                    joint = seen.tracklets[kExoTracklet].samples[0].position;
     tracking::NamingOptions right = ExoOptions(), exchanged = ExoOptions(), one = ExoOptions();

@@ -319,6 +319,67 @@ TEST(SigmaCalibration, JitterOfThePersonIsNoCompression) {
     for (const motion::MarkerSample& sample : marker.samples) ASSERT_LE(sample.sigma, std::hypot(6.0, 1.0) * 0.005);
 }
 
+// Four markers of a leg that go along a curve, rest for a second and go on, seen with errors of this deviation, of
+// which each frame keeps a share, as long as they move; at rest the last error stays. `jitter_px` is the person's.
+struct GoingAndResting {
+  motion::MarkerRecording recording;
+  std::vector<std::vector<Vector2d>> truth;  // by marker
+};
+
+GoingAndResting GoAndRest(double error_px, double kept, double sigma_px, double jitter_px, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, 1);
+  GoingAndResting made;
+  const char* names[] = {"ankle", "knee", "hip", "waist"};
+  for (std::size_t m = 0; m < 4; ++m) {
+    motion::MarkerTrack& marker = made.recording.markers.emplace_back();
+    marker.name = names[m];
+    made.truth.emplace_back();
+    const auto noise = [&] { return Vector2d(normal(random), normal(random)); };
+    Vector2d error = error_px * noise();
+    for (int f = 0; f < 600; ++f) {
+      const double phase = f / 60.0, rest = std::floor(phase / 2), within = phase - 2 * rest;  // goes for 1 s of 2
+      const double s = std::min(within, 1.0), a = rest + s * s * s * (10 - 15 * s + 6 * s * s);
+      const bool moves = within > 0.15 && within < 0.85;
+      if (moves) error = kept * error + std::sqrt(1 - kept * kept) * error_px * noise();
+      made.truth[m].push_back(Vector2d(400, 200.0 * static_cast<double>(m)) + 120 * Vector2d(std::cos(a), std::sin(a)) +
+                              jitter_px * noise());
+      marker.samples.push_back({made.truth[m].back() + error, sigma_px, motion::SampleStatus::kDetected});
+      if (m == 0) made.recording.frame.push_back(f), made.recording.time_s.push_back(phase);
+    }
+  }
+  return made;
+}
+
+double ErrorOverSigma(const GoingAndResting& made) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t m = 0; m < 4; ++m)
+    for (std::size_t i = 0; i < made.truth[m].size(); ++i, ++count) {
+      const motion::MarkerSample& sample = made.recording.markers[m].samples[i];
+      sum += (sample.position - made.truth[m][i]).squaredNorm() / 2 / (sample.sigma * sample.sigma);
+    }
+  return std::sqrt(sum / count);
+}
+
+// A smooth path goes along with errors that last; its scatter is 0.65 of an error of which each frame keeps half. And
+// an encoder that smooths the picture makes the fits' sigmas small, not its errors (x265). What stays at rest is one
+// draw for each marker and rest, 20 in all: it varies by a sixth.
+TEST(SigmaCalibration, ErrorsMayLastAndBeManyTimesTheFitsSigma) {
+  for (const double kept : {0.0, 0.25, 0.5})
+    for (const double sigma_px : {0.01, 0.03})
+      for (unsigned seed = 31; seed < 34; ++seed) {
+        GoingAndResting made = GoAndRest(0.12, kept, sigma_px, 0, seed);
+        tracking::CalibrateSigmas(made.recording);
+        EXPECT_NEAR(ErrorOverSigma(made), 1, 0.25) << kept << " kept, fits of " << sigma_px << ", seed " << seed;
+      }
+}
+
+TEST(SigmaCalibration, JitterThatIsThereAtRestTooIsNoCompression) {
+  GoingAndResting made = GoAndRest(0, 0, 0.005, 0.08, 35);
+  EXPECT_LE(tracking::CalibrateSigmas(made.recording).compression_px, 6 * 0.005);
+}
+
 // One of little contrast is displaced farther than the others.
 TEST(SigmaCalibration, IsOfEachMarker) {
   motion::MarkerRecording recording = Curves(0.02, 0.02, 6);

@@ -110,11 +110,15 @@ bool BlobFinder::LooksLike(const BlobFit& fit, const MarkerPrediction& predictio
   const double radius = before.RadiusPx();
   // What an error of the assumed streak does to the apparent size.
   const double streak_error = (shutter_.IsKnown() ? 0.1 : 0.4) * prediction.velocity_px.norm();
-  const double size_tolerance = 0.05 + 0.25 / radius * 0.5 + 0.35 * streak_error / radius;
+  // Coding spreads a small streak's light, more in one frame than in the next, and loses none; what hides a part of a
+  // marker takes its light, and what comes beside it adds some.
+  constexpr double kSameLight = 0.1, kSpread = 2;
+  const double brightness = now.amplitude / before.amplitude, light = brightness * std::pow(now.RadiusPx() / radius, 2);
+  const double size_tolerance =
+      (std::abs(light - 1) < kSameLight ? kSpread : 1) * (0.05 + 0.25 / radius * 0.5 + 0.35 * streak_error / radius);
   const double axis_change = (now.unit_circle_from_px - before.unit_circle_from_px).norm() * radius;
   if (axis_change > 1.5 * size_tolerance) return false;
   if (std::abs(now.RadiusPx() / radius - 1) > size_tolerance) return false;
-  const double brightness = now.amplitude / before.amplitude;
   if (brightness < 0.6 || brightness > 1.6) return false;
   return fit.relative_residual < std::min(kMaxRelativeResidual, 2.5 * prediction.quality + 0.01);
 }

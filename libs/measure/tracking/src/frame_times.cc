@@ -11,6 +11,7 @@
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
 #include "lake/core/statistics.h"
+#include "leg_scale.h"
 #include "local_path.h"
 
 namespace lake::tracking {
@@ -269,7 +270,40 @@ class FrameTimeFinder {
   struct FoundJump {
     std::size_t at = 0;  // of the fresh frames, the one after
     double moved_s = 0, sigma_s = 0, off_px = 0;
+    bool is_cut = false;  // no time explains it
   };
+
+  // Whether what lies between both sides is more than a leg can do in that time: two markers at least are elsewhere,
+  // though their speed may have changed at once. What impacts and an encoder's frozen blocks do, bends the paths before
+  // or after as well.
+  bool IsCut(const Sides& sides, double elapsed_s) const {
+    constexpr double kLeast_mm = 6, kLeastPx = 2;
+    constexpr double kMost_mm_s2 = 50e3;   // standing up 5e3
+    constexpr double kOfSpeedStep = 0.65;  // 0.5 if at either end of the interval, and what parabolas know of speeds
+    constexpr double kTimesScatter = 8;
+    if (!(mm_per_px_ > 0)) return false;
+    const double least_px =
+        std::max({kLeastPx, kLeast_mm / mm_per_px_, kMost_mm_s2 / mm_per_px_ * elapsed_s * elapsed_s / 4});
+    int beyond = 0;
+    for (std::size_t m = 0; m < sides.apart.size(); ++m) {
+      const PathPoint &a = sides.before[m], &b = sides.after[m];
+      const double may_be_px = least_px + kOfSpeedStep * elapsed_s * (b.velocity - a.velocity).norm() +
+                               kTimesScatter * std::hypot(a.off_px, b.off_px);
+      beyond += Off(sides, m, elapsed_s).norm() > may_be_px;
+    }
+    return beyond >= 2;
+  }
+
+  // Time is all markers' own: of one that moves alone, as the trunk's where a movement begins, what an encoder leaves
+  // behind for some frames passes for it. A marker counts that went farther in that time than its paths scatter.
+  static bool IsOfSeveral(const Sides& sides, double stamped_s, double moved_s) {
+    constexpr double kTimesScatter = 4, kLeastPx = kLeastOffPx / 2;
+    int farther = 0;
+    for (std::size_t m = 0; m < sides.apart.size(); ++m)
+      farther += (Off(sides, m, stamped_s) - Off(sides, m, moved_s)).norm() >
+                 std::max(kLeastPx, kTimesScatter * std::hypot(sides.before[m].off_px, sides.after[m].off_px));
+    return farther >= 2;
+  }
 
   // Whether the way between both sides can be made in this time at a speed between theirs: an actuator starts and stops
   // at once.
@@ -317,12 +351,17 @@ class FrameTimeFinder {
                                       jump.moved_s / 6 * (sides.before[m].acceleration - sides.after[m].acceleration);
         along += slope.dot(Off(sides, m, jump.moved_s)), slopes += slope.squaredNorm();
       }
-      if (!(slopes > 0)) return std::nullopt;
+      if (!(slopes > 0)) break;
       jump.moved_s += along / slopes;
     }
     constexpr double kLongest_s = 1;
-    if (!(jump.moved_s > 0 && jump.moved_s < kLongest_s)) return std::nullopt;
-    const double off = SquareOff(sides, jump.moved_s);
+    const bool is_a_time = slopes > 0 && jump.moved_s > 0 && jump.moved_s < kLongest_s;
+    const double off = is_a_time ? SquareOff(sides, jump.moved_s) : INFINITY;
+    if (off > kExplained * stamped_off) {
+      jump.is_cut = IsCut(sides, stamped_s);
+      return jump.is_cut ? std::optional(jump) : std::nullopt;
+    }
+    if (!IsOfSeveral(sides, stamped_s, jump.moved_s)) return std::nullopt;
     // Two numbers for each marker, one of all fitted; half of what the accelerations contribute may be wrong, and some
     // hundredths of a frame are what a parabola does not follow.
     constexpr double kAccelerationsWrong = 0.5, kParabolaWrong = 0.03;
@@ -330,8 +369,8 @@ class FrameTimeFinder {
                  by_scatter = std::sqrt(off / (2 * count - 1) / slopes);
     jump.sigma_s =
         std::hypot(by_scatter, std::hypot(kAccelerationsWrong * by_accelerations, kParabolaWrong * fresh_s_));
-    if (off > kExplained * stamped_off) return std::nullopt;
-    const double least_s = std::max(frames * fresh_s_, kDeviations * by_scatter);
+    constexpr double kDeviationsInAll = 3;
+    const double least_s = std::max({frames * fresh_s_, kDeviations * by_scatter, kDeviationsInAll * jump.sigma_s});
     return std::abs(jump.moved_s - stamped_s) > least_s ? std::optional(jump) : std::nullopt;
   }
 
@@ -388,6 +427,39 @@ class FrameTimeFinder {
     return true;
   }
 
+  // The frames on both sides of a cut in which the markers that jump are seen: a tracklet may be lost for some.
+  struct Cut {
+    std::size_t before = 0, after = 0;
+  };
+
+  Cut CutAt(const std::vector<std::size_t>& fresh, std::size_t at) const {
+    const auto jumping = static_cast<std::ptrdiff_t>(SidesOf(fresh, at).apart.size());
+    const auto sees_them = [&](std::size_t k) {
+      return std::count_if(recording_.markers.begin(), recording_.markers.end(),
+                           [&](const motion::MarkerTrack& marker) { return marker.samples[fresh[k]].IsKnown(); }) >=
+             jumping;
+    };
+    std::size_t before = at - 1, after = at;
+    while (before > 0 && !sees_them(before)) --before;
+    while (after + 1 < fresh.size() && !sees_them(after)) ++after;
+    return {fresh[before], fresh[after]};
+  }
+
+  // A fit through a cut would bend the leg's paths towards each other, so each part is to be tracked by itself.
+  [[noreturn]] void ThrowCuts(std::vector<Cut> cuts, const std::vector<double>& stamps_s) const {
+    constexpr std::size_t kShown = 6;
+    std::sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.after < b.after; });
+    std::string frames;
+    for (std::size_t k = 0; k < std::min(cuts.size(), kShown); ++k)
+      frames += fmt::format("{}{} and {}", k > 0 ? ", " : "", recording_.frame[cuts[k].before],
+                            recording_.frame[cuts[k].after]);
+    throw Fail(
+        "between frames {}{} the markers jump farther than a person can move, and no missing time explains it: the "
+        "recording is cut there, or put together from several, or the camera was pushed; track each part by itself "
+        "(here --end {:.3f}, then --start {:.3f})",
+        frames, cuts.size() > kShown ? ", …" : "", stamps_s[cuts.front().before], stamps_s[cuts.front().after]);
+  }
+
   // The largest first, as it spoils the paths on which the neighbours are judged.
   void FindJumps(std::vector<TimeJump>& jumps) {
     constexpr std::size_t kMost = 20;
@@ -396,6 +468,9 @@ class FrameTimeFinder {
     fresh_time_s.reserve(fresh.size());
     for (const std::size_t i : fresh) fresh_time_s.push_back(recording_.time_s[i]);
     fresh_s_ = MedianInterval(fresh_time_s);
+    mm_per_px_ = MillimetresPerPx(recording_);
+    std::vector<Cut> cuts;
+    const std::vector<double> stamps_s = recording_.time_s;
     while (true) {
       std::optional<FoundJump> largest;
       for (std::size_t at = 1; at < fresh.size(); ++at) {
@@ -405,18 +480,23 @@ class FrameTimeFinder {
       }
       if (!largest) break;
       if (IsMadeByRepeats(*largest, fresh)) continue;
-      if (jumps.size() == kMost)
+      if (jumps.size() + cuts.size() == kMost)
         throw Fail(
             "the motion jumps in more than {} places (frames {} and {} are one of them): the frames' times are not "
             "those at which they were taken; record at a fixed frame rate, and track the camera's own file",
             kMost, recording_.frame[fresh[largest->at - 1]], recording_.frame[fresh[largest->at]]);
       const std::size_t before = fresh[largest->at - 1], after = fresh[largest->at];
+      barriers_.push_back(after);
+      if (largest->is_cut) {
+        cuts.push_back(CutAt(fresh, largest->at));
+        continue;
+      }
       const double stamped_s = recording_.time_s[after] - recording_.time_s[before];
       jumps.push_back(
           {recording_.frame[before], recording_.frame[after], stamped_s, largest->moved_s, largest->sigma_s});
       for (std::size_t i = after; i < repeated_.size(); ++i) recording_.time_s[i] += largest->moved_s - stamped_s;
-      barriers_.push_back(after);
     }
+    if (!cuts.empty()) ThrowCuts(cuts, stamps_s);
     if (!jumps.empty()) SpreadRepeated();
     std::sort(jumps.begin(), jumps.end(), [](const TimeJump& a, const TimeJump& b) { return a.before < b.before; });
   }
@@ -484,6 +564,7 @@ class FrameTimeFinder {
 
   motion::MarkerRecording& recording_;
   double frame_s_ = 0, fresh_s_ = 0;   // between frames, between new ones; usually
+  double mm_per_px_ = 0;               // of a leg; 0: unknown
   std::vector<char> repeated_;         // 0 or 1 per frame
   bool has_lower_rate_ = false;        // and times of ours, from which frames may be off by a part of their interval
   std::vector<std::size_t> barriers_;  // jumps that were found, by the frame after them

@@ -29,6 +29,13 @@ PathPoint LocalPath::Fit() const {
   PathPoint point{c.row(0), Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero(), 0};
   if (degree_ >= 1) point.velocity = c.row(1) / span_s;
   if (degree_ >= 2) point.acceleration = 2 * c.row(2) / (span_s * span_s);
+  double squares = 0;
+  for (const Sample& sample : samples_) {
+    Eigen::RowVector2d on_path = c.row(degree_);
+    for (int k = degree_; k-- > 0;) on_path = on_path * (sample.since_s / span_s) + c.row(k);
+    squares += (sample.position.transpose() - on_path).squaredNorm();
+  }
+  point.off_px = std::sqrt(squares / static_cast<double>(samples_.size()));
   if (any_at) point.own_weight = solver.solve(Powers::Unit(n, 0))[0];
   return point;
 }

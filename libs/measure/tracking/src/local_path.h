@@ -9,6 +9,7 @@ namespace lake::tracking {
 struct PathPoint {
   Eigen::Vector2d position, velocity, acceleration;  // px, px/s, px/s²
   double own_weight = 0;                             // of the sample at that time in the position; 0 if there is none
+  double off_px = 0;                                 // of the samples from the path, root mean square, 2-D
 };
 
 // Least squares, about the time at which it is asked for; at equal intervals the filters of Savitzky & Golay (1964).

@@ -57,13 +57,22 @@ class SeedChecker {
         SeedText(*leg_.seeds[marker]), PlaceText(own), extent, leg_.names[mover], most);
   }
 
-  double LogVariation(std::size_t tracklet, std::size_t marker) const {
-    constexpr double kFloor = 0.004;  // below it, differences in how constant a length is say nothing
-    double sum = 0;
-    for (const std::size_t other : NeighboursOf(marker, leg_.tracklets.size()))
-      sum +=
-          0.5 * std::log(std::pow(tracklets_.Distance(leg_.tracklets[other], tracklet).deviation, 2) + kFloor * kFloor);
-    return sum;
+  // How far more constant the lengths of the leg are with `other` in the marker's place than with what is there: by the
+  // logarithms of their relative deviations, over both neighbours. Below a floor, differences say nothing; it is lower
+  // where with `other` no length changes at all, which skin's do, and no chance makes.
+  double Gain(std::size_t other, std::size_t marker) const {
+    constexpr double kRigid = 0.0015, kFloor = 0.004, kFloorOfRigid = 0.001;
+    const auto deviation = [&](std::size_t tracklet, std::size_t neighbour) {
+      return tracklets_.Distance(leg_.tracklets[neighbour], tracklet).deviation;
+    };
+    const std::vector<std::size_t> neighbours = NeighboursOf(marker, leg_.tracklets.size());
+    const bool is_rigid = std::ranges::all_of(neighbours, [&](std::size_t n) { return deviation(other, n) < kRigid; });
+    const double floor = is_rigid ? kFloorOfRigid : kFloor;
+    double gain = 0;
+    for (const std::size_t n : neighbours)
+      gain +=
+          std::log(std::hypot(deviation(leg_.tracklets[marker], n), floor) / std::hypot(deviation(other, n), floor));
+    return gain;
   }
 
   std::string Variations(std::size_t tracklet, std::size_t marker) const {
@@ -101,7 +110,7 @@ class SeedChecker {
 
   // For a marker that was found without a seed only what another's seed took away from it.
   std::optional<std::size_t> BetterInPlaceOf(std::size_t marker) const {
-    constexpr double kFarBetter = 1.2;  // of logarithms of relative deviations, over both neighbours
+    constexpr double kFarBetter = 1.2;
     if (!leg_.seeds[marker] && leg_.others.empty()) return std::nullopt;
     LegChainOptions options;
     options.markers = leg_.tracklets.size();
@@ -110,12 +119,12 @@ class SeedChecker {
     options.fixed[marker].reset();
     const std::size_t own = leg_.tracklets[marker];
     std::optional<std::size_t> best;
-    double least = LogVariation(own, marker) - kFarBetter;
+    double most = kFarBetter;
     for (const LegChain& chain : FindLegChains(tracklets_, options)) {
       const std::size_t other = chain.tracklets[marker];
       if (other == own || CommonFrames(tracklets_[other], tracklets_[own]) < kLeastFrames) continue;
       if (!leg_.seeds[marker] && !SeedOfOther(other)) continue;
-      if (const double variation = LogVariation(other, marker); variation < least) least = variation, best = other;
+      if (const double gain = Gain(other, marker); gain > most) most = gain, best = other;
     }
     return best;
   }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "lake/core/statistics.h"
+#include "leg_scale.h"
 #include "local_path.h"
 
 namespace lake::tracking {
@@ -12,28 +13,38 @@ namespace {
 
 constexpr double kFastPx = 0.5;  // per usual frame
 
-// Half the window that a path is smooth in: as long at any frame rate, but of enough samples.
+constexpr double kHalf_s = 0.067;  // half the window that a path is smooth in
+
+// As long at any frame rate, but of enough samples.
 std::size_t HalfWindow(double frame_s) {
-  constexpr double kHalf_s = 0.067;
   constexpr long kFewest = 4;
   return static_cast<std::size_t>(std::max(kFewest, std::lround(kHalf_s / frame_s)));
 }
 
-// What compression adds to a fast sample's error, from what it adds to the scatter. Blocks are shifted by quarters of a
-// pixel, which leaves up to 0.07 px; more than that is what the encoder did not put right for want of bits, and that
-// stays for some frames, so that a smooth path goes along with it. Of rendered recordings (x264 medium and veryfast,
-// x265, crf 17 to 40, 60 and 120 Hz) the error over the scatter was 1.0 at 0.04 and 0.055 px, 1.05 to 1.08 at 0.063,
-// 1.2 at 0.08 and 1.3 at 0.09 to 0.1.
-double WithSlowPart(double scatter_px) {
-  constexpr double kNone_px = 0.055, kRise_px = 0.12, kMost = 2;
-  return scatter_px * std::clamp(1 + (scatter_px - kNone_px) / kRise_px, 1.0, kMost);
+// Whether a window twice as wide is one in which a path is smooth, too: not at less than 50 Hz.
+bool HasWideWindow(double frame_s) {
+  constexpr double kWidest = 2.4;
+  return 2 * static_cast<double>(HalfWindow(frame_s)) * frame_s <= kWidest * kHalf_s;
 }
 
-// What is frozen at rest over what moves: 0.57 to 0.78 where compression is weak; where it is strong, nothing is
-// refined afterwards.
-double ShareAtRest(double scatter_px) {
-  constexpr double kLeast = 0.65, kWhole_px = 0.075;
-  return std::clamp(scatter_px / kWhole_px, kLeast, 1.0);
+// The error over the scatter, where it cannot be measured (SlowFactor), by how large the scatter is. Blocks are shifted
+// by quarters of a pixel, which leaves up to 0.07 px; more than that is what the encoder did not put right for want of
+// bits, and that stays for some frames. Of rendered recordings (x264 medium and veryfast, x265, crf 17 to 40, 60 and
+// 120 Hz) it was 1.0 at 0.04 and 0.055 px, 1.05 to 1.08 at 0.063, 1.2 at 0.08, 1.15 to 1.45 at 0.09 to 0.15.
+double UsualSlowFactor(double scatter_px) {
+  constexpr double kNone_px = 0.055, kRise_px = 0.12, kMost = 1.4;
+  return std::clamp(1 + (scatter_px - kNone_px) / kRise_px, 1.0, kMost);
+}
+
+// What is frozen at rest over what moves: 0.5 to 0.8 where compression is weak; where it is strong, or errors last
+// while the markers move, less is refined afterwards. Where the picture itself is left coarse, which makes the fits'
+// own sigma large, what begins and ends slowly is left behind: 0.9 to 1.6 where the scatter is 4.2 times that and less
+// (x264 veryfast at crf 33, medium at crf 40), 1.0 to 1.1 at 4.6, less above.
+double ShareAtRest(double scatter_px, double slow_factor, double scatter_over_fit) {
+  constexpr double kLeast = 0.65, kWhole_px = 0.075, kUsualOverFit = 4.6, kLeftBehind = 1.25;
+  if (scatter_px >= kWhole_px) return std::clamp(kUsualOverFit / scatter_over_fit, 1.0, kLeftBehind);
+  const double slow = 1 - 1 / (slow_factor * slow_factor);  // of the squares
+  return std::max(std::clamp(scatter_px / kWhole_px, kLeast, 1.0), std::min(kLeast + 2 * (1 - kLeast) * slow, 1.0));
 }
 
 struct Scatter {
@@ -58,10 +69,9 @@ struct Seen {
 };
 
 // The residual of the middle of a window of detected samples, scaled; nullopt if too many between them are missing.
-std::optional<Eigen::Vector2d> Residual(const Seen& seen, std::size_t middle) {
+std::optional<Eigen::Vector2d> Residual(const Seen& seen, std::size_t middle, std::size_t half) {
   constexpr int kDegree = 4;
   constexpr double kLongest = 2;  // of as many frames in a row
-  const std::size_t half = HalfWindow(seen.frame_s);
   if (middle < half || middle + half >= seen.frames.size()) return std::nullopt;
   const double span_s = seen.Time(middle + half) - seen.Time(middle - half);
   if (span_s > kLongest * 2 * static_cast<double>(half) * seen.frame_s) return std::nullopt;
@@ -89,12 +99,6 @@ double TrimmedDeviation(const std::vector<double>& residuals) {
 
 constexpr std::size_t kEnough = 60;  // samples
 
-// An encoder leaves a marker displaced only as long as what that leaves in its picture is less than it quantises, so
-// what it displaces stays within a multiple of the fits' own sigma, which that coarseness makes larger too: the error
-// was 3.2 to 6.0 times the fits' sigma, of all markers, on rendered recordings (x264 medium and veryfast, x265, crf 15
-// to 40, 24 to 240 Hz, radii of 3 and 4 px). A person's jitter knows no such bound.
-constexpr double kMostOfFits = 5.5;
-
 // What compression adds to the scatter; nullopt where too few samples show it.
 std::optional<SigmaCalibration> CompressionIn(const Scatter& scatter) {
   if (scatter.sigmas.size() < kEnough) return std::nullopt;
@@ -110,45 +114,134 @@ void Append(const Scatter& more, Scatter& all) {
   all.sigmas.insert(all.sigmas.end(), more.sigmas.begin(), more.sigmas.end());
 }
 
+// What is known of a recording's markers, each by its samples about smooth paths.
+struct Scatters {
+  std::vector<Seen> markers;
+  std::vector<Scatter> fast, slow;  // of each marker
+  Scatter all_fast, all;            // of all markers
+};
+
+Scatters ScattersOf(const motion::MarkerRecording& recording) {
+  const double frame_s = MedianInterval(recording.time_s);
+  Scatters found;
+  for (const motion::MarkerTrack& marker : recording.markers) {
+    found.markers.push_back({marker.samples, recording.time_s, frame_s, {}});
+    for (std::size_t i = 0; i < marker.samples.size(); ++i)
+      if (marker.samples[i].status == motion::SampleStatus::kDetected) found.markers.back().frames.push_back(i);
+  }
+  for (const Seen& seen : found.markers) {
+    Scatter fast, slow;
+    for (std::size_t k = 0; k < seen.frames.size(); ++k)
+      if (const auto residual = Residual(seen, k, HalfWindow(frame_s)))
+        (IsFast(seen, k) ? fast : slow).Add(*residual, seen.Sample(k).sigma);
+    Append(fast, found.all_fast), Append(fast, found.all), Append(slow, found.all);
+    found.fast.push_back(std::move(fast)), found.slow.push_back(std::move(slow));
+  }
+  return found;
+}
+
+// Whether markers that move at other times hold still at rest, so that what scatters while they move is the encoder's:
+// who jitters does so at rest too. Of rendered legs they scatter 0.01 to 0.3 times as much there, and where that is
+// most, less than the fits' own sigma; of a person's optical markers 0.5 to 1 times.
+bool HoldStillAtRest(const Scatters& scatters, const SigmaCalibration& pooled) {
+  constexpr double kStill = 0.3;
+  Scatter at_rest, moving;
+  for (std::size_t m = 0; m < scatters.markers.size(); ++m) {
+    if (scatters.fast[m].sigmas.size() < kEnough) continue;
+    Append(scatters.slow[m], at_rest), Append(scatters.fast[m], moving);
+  }
+  if (at_rest.sigmas.size() < kEnough) return false;
+  return TrimmedDeviation(at_rest.residuals) < std::max(kStill * TrimmedDeviation(moving.residuals), pooled.fit_px);
+}
+
+// The error over the scatter. Errors that last for some frames are followed by a smooth path, in a wide window less
+// than in a narrow one. Of errors of which each frame keeps a share (0.1 to 0.6), the error over the narrow window's
+// scatter is the scatters' ratio to the power of 1.8 to 2.8; of rendered recordings (x264 ultrafast to medium, x265) it
+// was the ratio's square within a fifth: 1.02 to 1.05 with little compression, 1.2 to 1.5 with much, 1.5 to 1.9 where
+// motion is coded in whole pixels (ultrafast). A person's jitter is no error, and has such a ratio too.
+// Frames of less than 50 Hz are so far apart that hardly any error lasts: 1.03 to 1.13 times the scatter at 24 and 30
+// Hz.
+std::optional<double> SlowFactor(const Scatters& scatters) {
+  constexpr double kMost = 2;
+  if (!HasWideWindow(scatters.markers.front().frame_s)) return 1;
+  std::vector<double> narrow, wide;
+  for (std::size_t m = 0; m < scatters.markers.size(); ++m) {
+    const Seen& seen = scatters.markers[m];
+    if (scatters.fast[m].sigmas.size() < kEnough) continue;
+    const std::size_t half = HalfWindow(seen.frame_s);
+    for (std::size_t k = 0; k < seen.frames.size(); ++k) {
+      if (!IsFast(seen, k)) continue;
+      const auto in_wide = Residual(seen, k, 2 * half), in_narrow = Residual(seen, k, half);
+      if (!in_wide || !in_narrow) continue;
+      wide.insert(wide.end(), {in_wide->x(), in_wide->y()});
+      narrow.insert(narrow.end(), {in_narrow->x(), in_narrow->y()});
+    }
+  }
+  if (narrow.size() < 2 * kEnough) return std::nullopt;
+  return std::clamp(std::pow(TrimmedDeviation(wide) / TrimmedDeviation(narrow), 2), 1.0, kMost);
+}
+
+// How much of what scatters may be a person's jitter: as much as one whose optical markers were recorded has about such
+// paths, 0.05 to 0.2 mm.
+constexpr double kMostJitter_mm = 0.2;
+
+// With x264, what is displaced by compression was 3.2 to 6.0 times the fits' own sigma, as both are larger the more
+// coarsely it quantises (medium and veryfast, crf 15 to 40, 24 to 240 Hz, radii of 3 and 4 px); with x265, which
+// smooths more than it displaces less, up to 14 times.
+constexpr double kMostOfFits = 5.5;
+
+// What is known of all markers of a recording.
+struct Displacement {
+  double fit_px = 0, jitter_px = 0;        // the fits' own sigma, how much of what scatters may be a person's jitter
+  double scatter_over_fit = INFINITY;      // where no person jitters
+  std::optional<double> slow_factor = {};  // where it could be measured
+
+  // What compression adds to a fast sample's error, from what it adds to the scatter.
+  double ErrorPx(double scatter_px) const {
+    const double without_jitter_px = std::sqrt(std::max(0.0, scatter_px * scatter_px - jitter_px * jitter_px));
+    return std::max(std::min(WithSlowPart(scatter_px), kMostOfFits * fit_px), WithSlowPart(without_jitter_px));
+  }
+
+  double AtRestPx(double scatter_px) const {
+    return ShareAtRest(scatter_px, slow_factor.value_or(1), scatter_over_fit) * ErrorPx(scatter_px);
+  }
+
+ private:
+  double WithSlowPart(double scatter_px) const {
+    return scatter_px * slow_factor.value_or(UsualSlowFactor(scatter_px));
+  }
+};
+
+Displacement DisplacementIn(const Scatters& scatters, const SigmaCalibration& pooled,
+                            const motion::MarkerRecording& recording) {
+  if (HoldStillAtRest(scatters, pooled))
+    return {pooled.fit_px, 0, pooled.scatter_px / pooled.fit_px, SlowFactor(scatters)};
+  const double mm_per_px = MillimetresPerPx(recording);
+  return {pooled.fit_px, mm_per_px > 0 ? kMostJitter_mm / mm_per_px : INFINITY};
+}
+
 }  // namespace
 
 SigmaCalibration CalibrateSigmas(motion::MarkerRecording& recording) {
-  const double frame_s = MedianInterval(recording.time_s);
-  std::vector<Seen> markers;
-  for (const motion::MarkerTrack& marker : recording.markers) {
-    markers.push_back({marker.samples, recording.time_s, frame_s, {}});
-    for (std::size_t i = 0; i < marker.samples.size(); ++i)
-      if (marker.samples[i].status == motion::SampleStatus::kDetected) markers.back().frames.push_back(i);
-  }
-  std::vector<Scatter> fast(markers.size());
-  Scatter all_fast, all;
-  for (std::size_t m = 0; m < markers.size(); ++m) {
-    for (std::size_t k = 0; k < markers[m].frames.size(); ++k) {
-      const auto residual = Residual(markers[m], k);
-      if (!residual) continue;
-      all.Add(*residual, markers[m].Sample(k).sigma);
-      if (IsFast(markers[m], k)) fast[m].Add(*residual, markers[m].Sample(k).sigma);
-    }
-    Append(fast[m], all_fast);
-  }
-  const auto pooled = CompressionIn(all_fast.sigmas.size() < kEnough ? all : all_fast);
+  const Scatters scatters = ScattersOf(recording);
+  const bool is_moving = scatters.all_fast.sigmas.size() >= kEnough;
+  const auto pooled = CompressionIn(is_moving ? scatters.all_fast : scatters.all);
   if (!pooled) return {};
-  const double most_px = kMostOfFits * pooled->fit_px;
-
-  for (std::size_t m = 0; m < markers.size(); ++m) {
+  const Displacement displacement = DisplacementIn(scatters, *pooled, recording);
+  for (std::size_t m = 0; m < scatters.markers.size(); ++m) {
     // A marker of little contrast is displaced farther before the encoder finds it worth a correction. One that is
     // slow stays displaced for some frames, and its smooth path goes along, so its own scatter may show too little.
-    const double fast_px = CompressionIn(fast[m]).value_or(*pooled).compression_px;
-    const double slow_px = std::max(fast_px, pooled->compression_px);
-    for (std::size_t k = 0; k < markers[m].frames.size(); ++k) {
-      const double added_px =
-          IsFast(markers[m], k) ? WithSlowPart(fast_px) : ShareAtRest(slow_px) * WithSlowPart(slow_px);
-      double& sigma = recording.markers[m].samples[markers[m].frames[k]].sigma;
-      sigma = std::hypot(sigma, std::min(added_px, most_px));
+    const double fast_px = CompressionIn(scatters.fast[m]).value_or(*pooled).compression_px,
+                 moving_px = displacement.ErrorPx(fast_px),
+                 at_rest_px = displacement.AtRestPx(std::max(fast_px, pooled->compression_px));
+    const Seen& seen = scatters.markers[m];
+    for (std::size_t k = 0; k < seen.frames.size(); ++k) {
+      double& sigma = recording.markers[m].samples[seen.frames[k]].sigma;
+      sigma = std::hypot(sigma, IsFast(seen, k) ? moving_px : at_rest_px);
     }
   }
   SigmaCalibration calibration = *pooled;
-  calibration.compression_px = std::min(WithSlowPart(pooled->compression_px), most_px);
+  calibration.compression_px = displacement.ErrorPx(pooled->compression_px);
   return calibration;
 }
 
