@@ -9,11 +9,13 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <new>
 #include <string_view>
 #include <system_error>
 
 #include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/provenance.h"
@@ -89,6 +91,20 @@ bool IsOption(const CLI::App* level, const std::string& text) {
   return false;
 }
 
+// What the values of a list look like, as --help shows them: anything, 2,70.5 or NAME=….
+enum class Form { kText, kNumbers, kNamed };
+
+Form FormOf(const Option& option) {
+  if (option.Value().starts_with("NAME=")) return Form::kNamed;
+  return option.Value().ends_with(",...") ? Form::kNumbers : Form::kText;
+}
+
+bool HasForm(const std::string& word, Form form) {
+  if (form == Form::kNamed) return !word.starts_with('-') && word.find('=') != std::string::npos;
+  return std::ranges::all_of(SplitText(word, ','),
+                             [](const std::string& part) { return ParseNumber(part).has_value(); });
+}
+
 void AddValue(CLI::App& cli, Option& option, const SharedOptions& list) {
   const auto give = [&cli, &option, list](const CLI::results_t& texts) {
     // CLI11 takes an option that follows for the value that is missing.
@@ -101,9 +117,31 @@ void AddValue(CLI::App& cli, Option& option, const SharedOptions& list) {
   CLI::Option* added = cli.add_option((option.IsOperand() ? "" : "--") + option.Name(), give, option.Help());
   added->type_name(option.Value())->type_size(1)->default_str(option.DefaultText())->required(option.IsRequired());
   if (option.IsRepeated())
-    added->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args();
+    added->expected(1, CLI::detail::expected_max_vector_size)
+        ->allow_extra_args(FormOf(option) == Form::kText);  // else see NameEachValue()
   else
     added->expected(option.ImpliedText().empty() ? 1 : 0, 1);
+}
+
+// --angles -20 70 design.yaml as --angles -20 --angles 70 design.yaml: CLI11 takes every word that follows for one more
+// value, and what does not look like one belongs to the program. Last word first, as CLI11 reads them.
+std::vector<std::string> NameEachValue(int argc, char** argv, const std::vector<SharedOptions>& lists) {
+  std::map<std::string, Form> forms;
+  for (const SharedOptions& list : lists)
+    for (const Option& option : list->All())
+      if (option.IsRepeated() && !option.IsOperand() && FormOf(option) != Form::kText)
+        forms["--" + option.Name()] = FormOf(option);
+  std::vector<std::string> words(argv + 1, argv + argc);
+  for (std::size_t i = 0; i < words.size() && words[i] != "--"; ++i) {
+    const std::string name = words[i].substr(0, words[i].find('='));
+    const auto found = forms.find(name);
+    if (found == forms.end()) continue;
+    if (name == words[i]) ++i;
+    for (; i + 1 < words.size() && HasForm(words[i + 1], found->second); i += 2)
+      words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 1, name);
+  }
+  std::ranges::reverse(words);
+  return words;
 }
 
 // The options of the command line itself, of its groups, and of the command that was given.
@@ -178,13 +216,14 @@ Json EffectiveOptions(const CLI::App& cli, const std::vector<SharedOptions>& lis
   return options;
 }
 
-int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>& work) {
+int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc, char** argv,
+                const std::function<int()>& work) {
   const std::string name = cli.get_name();
   cli.set_version_flag("--version", fmt::format("{} {}", name, VersionAndCommit()));
   AddPages(cli);
   PrepareLastWords(name);
   try {
-    cli.parse(argc, argv);
+    cli.parse(NameEachValue(argc, argv, lists));
     return work();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return cli.exit(error);  // --help, --version
@@ -215,7 +254,7 @@ int RunTool(const std::string& name, const std::string& what, const std::string&
   CLI::App cli(what, name);
   cli.footer(examples);
   const SharedOptions given = AddOptions(cli, std::move(options));
-  return ParseAndRun(cli, argc, argv, [&] {
+  return ParseAndRun(cli, {given}, argc, argv, [&] {
     given->Apply();
     work();
     return kDone;
@@ -279,7 +318,9 @@ std::vector<std::string> Program::Subject() const {
 
 int Program::Main(int argc, char** argv, const std::function<std::string()>& result_name,
                   const std::function<Json(Run&)>& work, const std::function<std::string(const Json&)>& report) {
-  return ParseAndRun(*cli_, argc, argv, [&] {
+  std::vector<SharedOptions> lists;
+  for (const auto& [app, list] : lists_) lists.push_back(list);
+  return ParseAndRun(*cli_, lists, argc, argv, [&] {
     CatchInterrupts();
     if (threads_) SetThreads(*threads_);
     for (const SharedOptions& list : GivenLists()) list->Apply();

@@ -31,8 +31,9 @@ SharedOptions AddOptions(CLI::App& cli, OptionList options, const std::string& g
 Json EffectiveOptions(const CLI::App& cli, const std::vector<SharedOptions>& lists);
 
 // Parses (adding --version), then runs `work`, and returns the exit code that `work` returns or its error has, with one
-// line on stderr.
-int ParseAndRun(CLI::App& cli, int argc, char** argv, const std::function<int()>& work);
+// line on stderr. `lists`: what was added by AddOptions().
+int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc, char** argv,
+                const std::function<int()>& work);
 
 // A program that leaves no folder of results: parses, sets the options, runs `work`, and returns the exit code.
 // `examples` are command lines that --help shows.
@@ -50,8 +51,6 @@ class Program {
   SharedOptions Add(OptionList options, const std::string& group = "");
   std::function<bool()> AddCommand(const std::string& name, const std::string& what, const std::string& example,
                                    OptionList options);
-
-  CLI::App& Cli() { return *cli_; }
 
   // The folder for the results is given by its place on the command line, after what was added before, not by --out.
   void TakeOutByPlace();

@@ -13,7 +13,7 @@ TEST(LastWords, AreSaidWhenALibraryAborts) {
   CLI::App cli("does something", "lake-x");
   std::string name = "lake-x";
   char* arguments[] = {name.data(), nullptr};
-  EXPECT_EXIT(ParseAndRun(cli, 1, arguments, []() -> int { std::abort(); }), testing::ExitedWithCode(1),
+  EXPECT_EXIT(ParseAndRun(cli, {}, 1, arguments, []() -> int { std::abort(); }), testing::ExitedWithCode(1),
               "^lake-x: a library gave up; too little memory is the usual reason .*--threads 1 less is needed\n$");
 }
 

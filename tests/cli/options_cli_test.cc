@@ -75,6 +75,57 @@ TEST(AFlag, IsSetByItsLastMentionAndRefusesOtherWords) {
   EXPECT_THROW(cli.parse("--drawn=perhaps"), CLI::ValidationError);
 }
 
+// What several values leave of a command line, as a program of two operands reads it.
+struct ListOptions {
+  std::vector<double> angles_deg;
+  std::map<std::string, double> depth_mm;
+  std::vector<std::string> names;
+  std::string file, second;
+};
+
+void Describe(ListOptions& o, OptionList& options) {
+  options.AddOperand("file", o.file, "A file").Required();
+  options.AddOperand("second", o.second, "Another");
+  options.Add("angles", o.angles_deg, "Angles").Unit("degrees").Value("DEG,...").Repeats();
+  options.Add("depth", o.depth_mm, "Depths").Unit("mm").Value("NAME=MM").Repeats();
+  options.Add("names", o.names, "Names").Repeats();
+}
+
+ListOptions ReadLists(std::vector<std::string> words) {
+  ListOptions options;
+  CLI::App cli("A program", "lake-new");
+  const SharedOptions list = AddOptions(cli, OptionsOf(options));
+  std::vector<char*> arguments = {cli.get_display_name().data()};
+  for (std::string& word : words) arguments.push_back(word.data());
+  const int code = ParseAndRun(cli, {list}, static_cast<int>(arguments.size()), arguments.data(), [&] {
+    list->Apply();
+    return 0;
+  });
+  EXPECT_EQ(code, 0) << fmt::format("{}", fmt::join(words, " "));
+  return options;
+}
+
+TEST(AListOfValues, EndsWhereAWordIsNone) {
+  using testing::ElementsAre;
+  using testing::Pair;
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"--angles", "-20", "70,90", "a.yaml", "b.yaml"},
+                                             {"--angles=-20", "70", "90", "a.yaml", "b.yaml"},
+                                             {"a.yaml", "--angles", "-20", "--angles", "70", "90", "b.yaml"},
+                                             {"--angles", "-20,70,90", "--", "a.yaml", "b.yaml"}}) {
+    const ListOptions read = ReadLists(words);
+    EXPECT_THAT(read.angles_deg, ElementsAre(-20, 70, 90)) << fmt::format("{}", fmt::join(words, " "));
+    EXPECT_EQ(read.file, "a.yaml");
+    EXPECT_EQ(read.second, "b.yaml");
+  }
+  const ListOptions named = ReadLists({"--depth", "hip=5", "knee=6", "a.yaml", "--names", "x", "y", "--angles", "1"});
+  EXPECT_THAT(named.depth_mm, ElementsAre(Pair("hip", 5), Pair("knee", 6)));
+  EXPECT_THAT(named.names, ElementsAre("x", "y"));
+  EXPECT_THAT(named.angles_deg, ElementsAre(1));
+  EXPECT_EQ(named.file, "a.yaml");
+  EXPECT_EQ(ReadLists({"--angles", "2", "--", "3"}).file, "3") << "after -- all are operands";
+}
+
 // `others`: options of the struct for which another of the program's stands.
 template <typename Options>
 void ExpectHelp(const std::string& program, const std::vector<std::string_view>& others = {}) {

@@ -154,6 +154,19 @@ TEST(Convert, CropKeepsTheTimesAskedFor) {
               testing::HasSubstr("lasts from 0"));
 }
 
+TEST(Convert, PixelsAreToldFromLengths) {
+  const TemporaryFolder folder;
+  exchange::WritePoints(folder / "tracks.csv", MakePoints(exchange::PointSpace::kImage, 5, 2, 3));
+  EXPECT_THAT(exchange::ConvertFile(folder / "tracks.csv", folder / "a.txt", {}),
+              testing::ElementsAre(testing::HasSubstr("a.txt: in px, y down")));
+  EXPECT_THAT(exchange::ConvertFile(folder / "tracks.csv", folder / "a.kva", {}), testing::IsEmpty());
+  // A project over a video needs the positions in its frames.
+  std::filesystem::create_directory(folder / "trial");
+  exchange::WritePoints(folder / "trial/trajectory.csv", MakePoints(exchange::PointSpace::kPlane, 5, 2, 3));
+  EXPECT_THAT(MessageOf([&] { exchange::ConvertFile(folder / "trial", folder / "b.trk", {}); }),
+              testing::HasSubstr("has no tracks.csv, and b.trk holds positions in px"));
+}
+
 TEST(Convert, AnglesGoToMotAndNowhereElse) {
   const TemporaryFolder folder;
   motion::LegMotion motion;

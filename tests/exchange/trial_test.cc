@@ -175,6 +175,64 @@ TEST(Trial, OptionsThatSayNothingOfAFileAreNamed) {
   EXPECT_NO_THROW(exchange::CheckNoneIsUnused("own", {}));
 }
 
+// Any direction would do as well as another.
+TEST(Trial, ALegThatStandsStillHasNoSagittalPlane) {
+  const TemporaryFolder folder;
+  exchange::PointRecording still = BendingLeg(30, 'z');
+  for (exchange::PointTrack& point : still.points)
+    std::fill(point.positions.begin(), point.positions.end(), Eigen::Vector3d(point.positions[20]));
+  exchange::WriteC3d(folder / "still.c3d", still);
+  exchange::TrialOptions options;
+  options.names = {{"ankle", "RANK"}, {"knee", "RKNE"}, {"hip", "RHIP"}};
+  EXPECT_THAT(MessageOf([&] { exchange::ReadTrial(folder / "still.c3d", options); }),
+              testing::HasSubstr("still.c3d: the leg does not move; give the sagittal plane with --forward"));
+  options.forward = "+x";
+  EXPECT_NO_THROW(exchange::ReadTrial(folder / "still.c3d", options));
+}
+
+TEST(Trial, MarkersAndDirectionsThatAreNotThereAreTold) {
+  const TemporaryFolder folder;
+  exchange::WritePoints(folder / "trajectory.csv", MakePoints(exchange::PointSpace::kPlane, 9, 2, 1));
+  const auto message = [&](const exchange::TrialOptions& options) {
+    return MessageOf([&] { exchange::ReadTrial(folder / "trajectory.csv", options); });
+  };
+  exchange::TrialOptions options;
+  options.names = {{"knee", "marker 9"}};
+  EXPECT_THAT(message(options), testing::HasSubstr("no marker 'marker 9' (for knee); it has: marker 1, marker 2"));
+  for (const auto& [forward, said] :
+       {std::pair{"+y", "in a plane it is +x or -x"}, {"+xy", "x, y or z with a sign"}, {"-w", "axis 'w'"}}) {
+    options = {};
+    options.forward = forward;
+    EXPECT_THAT(message(options), testing::HasSubstr(said));
+  }
+}
+
+TEST(Trial, FormatsRefuseWhatTheyCannotHold) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const char* file, exchange::PointRecording points, std::size_t frames = 9) {
+    points.frame.resize(frames), points.time_s.resize(frames);
+    return MessageOf([&] { exchange::WritePoints(folder / file, points); });
+  };
+  const exchange::PointRecording space = MakePoints(exchange::PointSpace::kSpace, 9, 2, 1),
+                                 plane = MakePoints(exchange::PointSpace::kPlane, 9, 2, 1),
+                                 image = MakePoints(exchange::PointSpace::kImage, 9, 2, 1);
+  EXPECT_THAT(refused("a.csv", space), testing::HasSubstr("holds points of a plane only"));
+  EXPECT_THAT(refused("a.c3d", image), testing::HasSubstr("px need a scale or a calibrated plane"));
+  EXPECT_THAT(refused("a.kva", plane), testing::HasSubstr("holds px of a video, not mm"));
+  EXPECT_THAT(refused("a.trk", plane), testing::HasSubstr("holds px of a video, not mm"));
+  EXPECT_THAT(refused("a.kva", image, 1), testing::HasSubstr("two frames"));
+  EXPECT_THAT(refused("a.trk", image, 1), testing::HasSubstr("two frames"));
+  exchange::PointRecording none = space;
+  none.points.clear();
+  EXPECT_THAT(refused("a.c3d", none), testing::HasSubstr("C3D holds 1 to 65535 points, not 0"));
+  EXPECT_THAT(MessageOf([] { exchange::CheckExportFormats({"trc"}, false, true); }),
+              testing::HasSubstr("--export trc: holds lengths, not px"));
+
+  exchange::WritePoints(folder / "tracks.csv", image);
+  EXPECT_THAT(MessageOf([&] { exchange::ReadTable(folder / "tracks.csv", motion::MarkerValues::kEstimated); }),
+              testing::HasSubstr("no fit's estimates (--smoothed)"));
+}
+
 TEST(Trial, UnknownAndAbsentFilesAreErrors) {
   const TemporaryFolder folder;
   EXPECT_THROW(exchange::ReadTrial(folder / "none.trc"), Error);

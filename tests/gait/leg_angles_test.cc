@@ -69,7 +69,7 @@ TEST(LegAngles, KneeAngleIsThePapersFormulaWithASign) {
     const double paper_deg = DegreesFromRadians(std::acos(ak.dot(kh) / (ak.norm() * kh.norm())));
     const double knee_deg = gait::KneeAngleDeg(ak, kh);
     EXPECT_NEAR(std::abs(knee_deg), paper_deg, 1e-5);  // arccos loses half the digits near 0 and 180
-    EXPECT_NEAR(knee_deg, gait::WrapDegrees(gait::SegmentAngleDeg(ak) - gait::SegmentAngleDeg(kh)), 1e-9);
+    EXPECT_NEAR(knee_deg, std::remainder(gait::SegmentAngleDeg(ak) - gait::SegmentAngleDeg(kh), 360), 1e-9);
   }
   EXPECT_NEAR(gait::KneeAngleDeg(Polar(400, 0), Polar(400, 5)), -5, 1e-12);  // hyperextension does not fold at 0
 }

@@ -264,6 +264,7 @@ TEST_F(Simulate, RefusesWrongUsage) {
 
 TEST_F(Simulate, RefusesABrokenDesignFile) {
   ExpectRefusal("/no/such/design.yaml", 1, "/no/such/design.yaml");
+  ExpectRefusal("--angles -20 70 /no/such/design.yaml --no-animation", 1, "/no/such/design.yaml");
   const auto design = folder_ / "design.yaml";
   WriteTextFile(design, "links: {l1: 60, l2: 70, l3: 55, l4: 72, l5: 70, l6: 240}\nd_min_mm: 205\ncolour: red\n");
   ExpectRefusal(fmt::format("'{}'", design.string()), 1, "design.yaml:3: unknown key 'colour'");

@@ -74,6 +74,30 @@ TEST(Check, NamesWhatMakesARecordingUnfit) {
   EXPECT_EQ(VerdictOf(seated, "travel_px"), "unfit") << seated["checks"].dump(1);
 }
 
+// What nothing was seen of, what leans, and fields instead of frames are judged without a video.
+TEST(Check, JudgesFiguresOneByOne) {
+  tracking::RecordingCheck check;
+  check.video.frame_rate_hz = 60, check.frames_seen = 240, check.all_seen_share = 1;
+  const auto verdict = [&](const std::string& name) {
+    for (const commands::CheckItem& item : commands::JudgeRecording(check, 4))
+      if (item.name == name) return fmt::format("{} {}", static_cast<int>(item.verdict), item.advice);
+    return std::string("absent");
+  };
+  EXPECT_THAT(verdict("radius_px"), testing::AllOf(testing::StartsWith("2 "), testing::HasSubstr("--detector")));
+  EXPECT_EQ(verdict("blur_px"), "absent");
+  EXPECT_EQ(verdict("travel_px"), "absent");
+  EXPECT_EQ(verdict("tilt_deg"), "absent");
+  check.tilt_deg = -3;
+  EXPECT_THAT(verdict("tilt_deg"), testing::AllOf(testing::StartsWith("1 "), testing::HasSubstr("--vertical")));
+  check.tilt_deg = 1.5;
+  EXPECT_THAT(verdict("tilt_deg"), testing::StartsWith("0 "));
+  EXPECT_EQ(verdict("interlaced"), "absent");
+  check.video.interlaced = true;
+  EXPECT_THAT(verdict("interlaced"), testing::StartsWith("2 "));
+  check.clutter = 4, check.strongest_clutter = 0.5;
+  EXPECT_THAT(verdict("clutter"), testing::AllOf(testing::StartsWith("1 "), testing::HasSubstr("--crop")));
+}
+
 // A subject at rest repeats nothing, however well the picture is compressed.
 TEST(Check, FindsTheSampleStudyFit) {
   const TemporaryFolder folder;

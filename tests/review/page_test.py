@@ -75,9 +75,9 @@ class Review:
         self.process.send_signal(sign)
         return self.wait()
 
-    def close(self):
-        self.process.kill()
-        self.process.wait()
+    def close(self, sign=signal.SIGTERM):
+        self.process.send_signal(sign)
+        self.process.wait(WAIT_S)
         self.process.stdout.close()
         self.process.stderr.close()
 
@@ -266,7 +266,7 @@ class ReviewPage(unittest.TestCase):
         self.press("y", holding=Keys.CONTROL)
         self.until(lambda: self.is_corrected("ankle"))
         self.assertEqual(len(self.corrections()), 1)
-        review.close()  # killed: nothing of what was saved is lost
+        review.close(signal.SIGKILL)  # nothing of what was saved is lost
         self.until(lambda: "lake review has ended" in self.text("said"))
         review = self.open(self.trial)
         self.until(lambda: self.text("state") == "1 correction, saved")

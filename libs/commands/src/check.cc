@@ -29,8 +29,10 @@ void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<Ch
                    "put a lamp beside the lens, turn the markers to the camera, keep hands and clothes off them"});
   const tracking::MarkerFigures& m = c.markers;
   if (m.samples == 0) {
-    items.push_back({"radius_px", "no marker to measure", Verdict::kUnfit,
-                     "use bright round markers of 12 mm or more, with a lamp beside the lens"});
+    items.push_back(
+        {"radius_px", "no marker to measure", Verdict::kUnfit,
+         "use bright round markers of 12 mm or more, with a lamp beside the lens; colours and ArUco squares are "
+         "not judged here, lake-track finds them with --detector"});
     return;
   }
   items.push_back({"radius_px", fmt::format("marker radius {:.1f} px", m.radius_px), Judge(-m.radius_px, -3, -2),

@@ -1,6 +1,7 @@
 #include "lake/exchange/c3d.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -266,7 +267,8 @@ C3dPlate ReadPlate(const C3dParameters& parameters, const C3dLayout& layout, con
   const Eigen::Vector3d x = (corner(0) + corner(3) - corner(1) - corner(2)).normalized(),
                         z = x.cross(corner(0) + corner(1) - corner(2) - corner(3)).normalized();
   plate.lab_from_plate << x, z.cross(x), z;
-  if (!plate.lab_from_plate.allFinite()) throw Fail("{}: force plate {} has no corners", path, index + 1);
+  if (!(plate.lab_from_plate.determinant() > 0.5))  // 1 of a plate; a vector of no length stays one
+    throw Fail("{}: force plate {} has no corners, or they lie in one line", path, index + 1);
   const std::vector<double> origin = numbers("ORIGIN", 3);
   // From the middle of the surface to the origin, which lies below it; some writers have the opposite sign.
   Eigen::Vector3d below(origin.data());

@@ -102,6 +102,7 @@ Eigen::Vector3d ParseDirection(const std::string& text) {
 // plane.
 Eigen::Vector3d FitForward(const PointRecording& points, const Eigen::Vector3d& up, const fs::path& path) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  double lengths_mm2 = 0;
   for (const auto& [lower, upper] : {std::pair{"ankle", "knee"}, {"knee", "hip"}}) {
     const PointTrack *a = points.Find(lower), *b = points.Find(upper);
     if (!a || !b)
@@ -113,17 +114,18 @@ Eigen::Vector3d FitForward(const PointRecording& points, const Eigen::Vector3d& 
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < a->positions.size(); ++i) {
       const Eigen::Vector3d v = b->positions[i] - a->positions[i], horizontal = v - up * up.dot(v);
-      if (horizontal.allFinite()) vectors.push_back(horizontal), mean += horizontal;
+      if (horizontal.allFinite()) vectors.push_back(horizontal), mean += horizontal, lengths_mm2 += v.squaredNorm();
     }
     if (vectors.empty()) throw Fail("{}: {} and {} are never seen together", path.string(), lower, upper);
     mean /= static_cast<double>(vectors.size());
     for (const Eigen::Vector3d& v : vectors) spread += (v - mean) * (v - mean).transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  constexpr double kRounding = 1e-12;  // of floats, squared
+  if (!(solver.eigenvalues()[2] > kRounding * lengths_mm2))
+    throw Fail("{}: the leg does not move; give the sagittal plane with --forward", path.string());
   Eigen::Vector3d forward = solver.eigenvectors().col(2);
   forward = (forward - up * up.dot(forward)).normalized();
-  if (!forward.allFinite())
-    throw Fail("{}: the leg does not move; give the sagittal plane with --forward", path.string());
   Eigen::Index axis = 0;
   forward.cwiseAbs().maxCoeff(&axis);
   return forward[axis] < 0 ? Eigen::Vector3d(-forward) : forward;

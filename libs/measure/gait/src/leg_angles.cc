@@ -33,10 +33,6 @@ double SegmentAngleDeg(const Eigen::Vector2d& in_leg) {
   return DegreesFromRadians(std::atan2(in_leg.x(), in_leg.y()));
 }
 
-double WrapDegrees(double angle_deg) {
-  return std::remainder(angle_deg, 360.0);
-}
-
 double KneeAngleDeg(const Eigen::Vector2d& ak_in_leg, const Eigen::Vector2d& kh_in_leg) {
   return DegreesFromRadians(std::atan2(Cross(ak_in_leg, kh_in_leg), ak_in_leg.dot(kh_in_leg)));
 }

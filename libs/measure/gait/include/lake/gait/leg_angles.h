@@ -30,9 +30,6 @@ Eigen::Vector2d PlaneFromLeg(const Eigen::Vector2d& in_leg, motion::Facing facin
 // From the vertical, positive when the upper end leans forward, −180..180; of a vector in the leg frame's axes.
 double SegmentAngleDeg(const Eigen::Vector2d& in_leg);
 
-// To −180..180.
-double WrapDegrees(double angle_deg);
-
 // cos(theta) = AK·KH / (|AK||KH|) (Gautam, Singla & Singla, Eq. (9)), signed by the side to which the shank folds: 0
 // straight, positive in flexion.
 double KneeAngleDeg(const Eigen::Vector2d& ak_in_leg, const Eigen::Vector2d& kh_in_leg);

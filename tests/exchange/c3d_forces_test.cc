@@ -1,0 +1,248 @@
+// Force plates of C3D files, which are built here byte by byte after the format's user guide (c3d.org): floats and
+// integers, both orders of bytes, calibration matrices, either sign; and files that contradict themselves.
+#include <gmock/gmock.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <bit>
+#include <cmath>
+
+#include "lake/core/atomic_file.h"
+#include "lake/exchange/c3d.h"
+#include "lake/exchange/ground_forces.h"
+#include "recordings.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using Six = Eigen::Matrix<double, 6, 1>;
+
+// What stands on the plate: a force on the foot in the laboratory (x right, y forward, z up) where it acts.
+const Eigen::Vector3d kForce_n(10, -20, 700), kActsAt_m(1.05, 0.45, 0), kOrigin_m(1, 0.5, -0.04);
+const Eigen::Vector3d kMoment_nm = (kActsAt_m - kOrigin_m).cross(kForce_n);
+
+struct PlateFile {
+  bool is_mips = false, is_integer = false, is_unsigned = false;
+  int type = 2;
+  double sign = 1;         // −1: the force on the plate
+  double origin_sign = 1;  // −1: from the origin to the surface
+  std::string units = "Nmm";
+  Eigen::Matrix<double, 6, 6> calibration = Eigen::Matrix<double, 6, 6>::Identity();
+  std::map<std::string, std::vector<double>> instead;  // of parameters, as "FORCE_PLATFORM:TYPE"
+  std::vector<std::string> without;
+
+  std::string Bytes() const;
+  int Stored(std::size_t channel) const { return static_cast<int>(std::lround(Raw()[channel] / Scale() + Offset())); }
+  double Scale() const { return is_integer ? 50 : 1; }
+  double Offset() const { return is_unsigned ? 40000 : is_integer ? 100 : 0; }
+
+ private:
+  Six Raw() const {
+    // The plate's x is the laboratory's, its y and z look back and down.
+    const Eigen::Vector3d turned(1, -1, -1);
+    Six six;
+    six << turned.cwiseProduct(kForce_n), turned.cwiseProduct(kMoment_nm) * (units == "Nmm" ? 1000 : 1);
+    return sign * (calibration.inverse() * six);
+  }
+  std::string Word(unsigned value) const {
+    const char low = static_cast<char>(value & 0xFF), high = static_cast<char>(value >> 8 & 0xFF);
+    return is_mips ? std::string{high, low} : std::string{low, high};
+  }
+  std::string Float(double value) const {
+    const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
+    return is_mips ? Word(bits >> 16) + Word(bits & 0xFFFF) : Word(bits & 0xFFFF) + Word(bits >> 16);
+  }
+  std::string Entry(int group, const std::string& name, int type, const std::vector<int>& dimensions,
+                    const std::string& data) const {
+    std::string text{static_cast<char>(name.size()), static_cast<char>(group)};
+    text += name + Word(static_cast<unsigned>(5 + dimensions.size() + data.size()));
+    text += {static_cast<char>(type), static_cast<char>(dimensions.size())};
+    for (const int dimension : dimensions) text += static_cast<char>(dimension);
+    return text + data + '\0';
+  }
+  std::string Parameters() const;
+};
+
+std::string PlateFile::Parameters() const {
+  std::string text;
+  int group = 0;
+  std::string group_name;
+  const auto begin = [&](const std::string& name) {
+    group_name = name;
+    text += {static_cast<char>(name.size()), static_cast<char>(-++group)};
+    text += name + Word(3) + '\0';
+  };
+  const auto add = [&](const std::string& name, std::vector<double> values) {
+    const std::string full = group_name + ":" + name;
+    if (std::find(without.begin(), without.end(), full) != without.end()) return;
+    if (const auto found = instead.find(full); found != instead.end()) values = found->second;
+    std::string data;
+    for (const double value : values) data += Float(value);
+    text += Entry(group, name, 4, {static_cast<int>(values.size())}, data);
+  };
+  const auto add_texts = [&](const std::string& name, int length, const std::vector<std::string>& texts) {
+    std::string data;
+    for (std::string each : texts) each.resize(static_cast<std::size_t>(length), ' '), data += each;
+    text += Entry(group, name, -1, {length, static_cast<int>(texts.size())}, data);
+  };
+  begin("POINT");
+  add("USED", {1}), add("SCALE", {is_integer ? 0.05 : -1}), add("RATE", {100}), add("DATA_START", {4});
+  add_texts("LABELS", 4, {"hip"}), add_texts("UNITS", 2, {"mm"}), add_texts("Y_SCREEN", 2, {"+Z"});
+  add("LONG_FRAMES", {3});
+  begin("ANALOG");
+  add("USED", {6}), add("GEN_SCALE", {0.5}), add("SCALE", std::vector<double>(6, 2 * Scale()));
+  add("OFFSET", std::vector<double>(6, Offset()));
+  add_texts("UNITS", 4, {"N", "N", "N", units, units, units});
+  if (is_unsigned) add_texts("FORMAT", 8, {"UNSIGNED"});
+  begin("FORCE_PLATFORM");
+  add("USED", {1}), add("TYPE", {static_cast<double>(type)}), add("CHANNEL", {1, 2, 3, 4, 5, 6});
+  add("CORNERS", {1200, 200, 0, 800, 200, 0, 800, 800, 0, 1200, 800, 0});
+  add("ORIGIN", {0, 0, origin_sign * 40});
+  if (type == 4) add("CAL_MATRIX", {calibration.data(), calibration.data() + 36});
+  return text;
+}
+
+std::string PlateFile::Bytes() const {
+  constexpr int kSamples = 2, kFrames = 3;
+  std::string file{2, 0x50};
+  file += Word(1) + Word(6 * kSamples) + Word(11) + Word(12) + Word(0);  // frames 11 to 12: LONG_FRAMES says three
+  file += Float(is_integer ? 0.05 : -1) + Word(4) + Word(kSamples) + Float(100);
+  file.resize(512, '\0');
+  file += {1, 0x50, 2, static_cast<char>(is_mips ? 86 : 84)};
+  file += Parameters();
+  EXPECT_LE(file.size(), 3u * 512);
+  file.resize(3 * 512, '\0');
+  for (int frame = 0; frame < kFrames; ++frame) {
+    for (const double x_mm : {1000.0, -500.0, 812.5}) file += is_integer ? Word(std::lround(x_mm / 0.05)) : Float(x_mm);
+    file += is_integer ? Word(0) : Float(0);
+    for (int sample = 0; sample < kSamples; ++sample)
+      for (std::size_t channel = 0; channel < 6; ++channel)
+        file += is_integer ? Word(static_cast<unsigned>(Stored(channel))) : Float(Raw()[channel]);
+  }
+  return file;
+}
+
+class C3dForces : public testing::Test {
+ protected:
+  std::filesystem::path Write(const PlateFile& file) const {
+    WriteTextFile(folder_ / "plate.c3d", file.Bytes());
+    return folder_ / "plate.c3d";
+  }
+  // `step`: of a stored channel, N or units of moment.
+  void ExpectTheForce(const PlateFile& file, double step) const {
+    const exchange::GroundForceRecording read = exchange::ReadGroundForces(Write(file));
+    ASSERT_EQ(read.plates.size(), 1u);
+    EXPECT_EQ(read.up_axis, 'z');
+    ASSERT_EQ(read.time_s.size(), 6u);
+    EXPECT_NEAR(read.time_s.front(), 0.10, 1e-12);  // frame 11 of 100 Hz
+    EXPECT_NEAR(read.time_s.back(), 0.125, 1e-12);
+    const exchange::PlateForces& plate = read.plates.front();
+    for (std::size_t i = 0; i < 6; ++i) {
+      EXPECT_LT((plate.force_n[i] - kForce_n).cwiseAbs().maxCoeff(), 1e-4 + step / 2);
+      EXPECT_LT((plate.moment_nm[i] - kMoment_nm).cwiseAbs().maxCoeff(), 1e-4 + step / 2 * 1e-3);
+      EXPECT_LT((plate.point_m[i] - kOrigin_m).norm(), 1e-6);
+    }
+  }
+  void ExpectRefused(const PlateFile& file, const std::string& message) const {
+    EXPECT_THAT(MessageOf([&] { exchange::ReadGroundForces(Write(file)); }),
+                testing::AllOf(HasSubstr("plate.c3d"), HasSubstr(message)));
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(C3dForces, AreTheForceOnTheFootWhateverTheSignsOfTheFile) {
+  for (const double sign : {1.0, -1.0})
+    for (const double origin_sign : {1.0, -1.0}) {
+      PlateFile file;
+      file.sign = sign, file.origin_sign = origin_sign;
+      ExpectTheForce(file, 0);
+    }
+  PlateFile newton_metres;
+  newton_metres.units = "Nm";
+  ExpectTheForce(newton_metres, 0);
+}
+
+TEST_F(C3dForces, OfIntegersAndOfTheOtherOrderOfBytes) {
+  for (const bool is_mips : {false, true}) {
+    PlateFile file;
+    file.is_mips = is_mips;
+    ExpectTheForce(file, 0);
+    file.is_integer = true;
+    ExpectTheForce(file, file.Scale());
+    const exchange::PointRecording points = exchange::ReadC3d(Write(file));
+    ASSERT_EQ(points.time_s.size(), 3u);  // by LONG_FRAMES
+    EXPECT_LT((points.points.at(0).positions.at(2) - Eigen::Vector3d(1000, -500, 812.5)).norm(), 1e-4);  // of floats
+    file.is_unsigned = true;
+    EXPECT_GT(file.Stored(2), 32767) << "beyond what a signed word holds";
+    ExpectTheForce(file, file.Scale());
+  }
+}
+
+TEST_F(C3dForces, OfTypeFourAreMultipliedWithTheCalibrationByColumns) {
+  PlateFile file;
+  file.type = 4;
+  file.calibration.diagonal().setConstant(2);
+  file.calibration(0, 2) = 0.25, file.calibration(4, 1) = -0.5;
+  ExpectTheForce(file, 0);
+}
+
+TEST_F(C3dForces, ThatContradictThemselvesAreRefused) {
+  const auto with = [](const std::string& name, const std::vector<double>& values) {
+    PlateFile file;
+    file.instead[name] = values;
+    return file;
+  };
+  ExpectRefused(with("FORCE_PLATFORM:USED", {0}), "no force plates");
+  ExpectRefused(with("FORCE_PLATFORM:TYPE", {3}), "plate 1 is of type 3; types 2 and 4 are read");
+  ExpectRefused(with("FORCE_PLATFORM:USED", {2}), "too few for plate 2");
+  ExpectRefused(with("FORCE_PLATFORM:CHANNEL", {1, 2, 3, 4, 5, 7}), "has channel 7, of 6");
+  ExpectRefused(with("FORCE_PLATFORM:CORNERS", std::vector<double>(12, 0)), "plate 1 has no corners");
+  ExpectRefused(with("FORCE_PLATFORM:CORNERS", {4, 0, 0, 3, 0, 0, 2, 0, 0, 1, 0, 0}), "they lie in one line");
+  ExpectRefused(with("ANALOG:USED", {0}), "no analogue channels");
+  ExpectRefused(with("ANALOG:USED", {2.5}), "ANALOG:USED is 2.5, not a count");
+  ExpectRefused(with("ANALOG:SCALE", {1, 1}), "fewer values than the 6 channels");
+  PlateFile unplaced;
+  unplaced.without = {"FORCE_PLATFORM:ORIGIN"};
+  ExpectRefused(unplaced, "no parameter FORCE_PLATFORM:ORIGIN");
+}
+
+// The plate of a leg: the one that was named, or the only one that bears a force.
+TEST(PlatesOfLegs, AreNamedOrTold) {
+  exchange::GroundForceRecording forces;
+  forces.time_s = {0, 1};
+  for (const double newton : {5.0, 600.0, 650.0})
+    forces.plates.push_back({fmt::format("plate_{:g}", newton), {Eigen::Vector3d::Zero(), {0, newton, 0}}, {}, {}});
+  const auto message = [&](const std::map<std::string, int>& plates) {
+    return MessageOf([&] { exchange::PlateOf(forces, plates, "left", "walk.mot"); });
+  };
+  EXPECT_EQ(exchange::PlateOf(forces, {{"left", 3}}, "left", "walk.mot").name, "plate_650");
+  EXPECT_THAT(message({{"left", 4}}), HasSubstr("no plate 4; it has: 1 is plate_5, 2 is plate_600, 3 is plate_650"));
+  EXPECT_THAT(message({{"left", 1}}), HasSubstr("plate 1, plate_5, bears no force"));
+  EXPECT_THAT(message({{"right", 2}}), HasSubstr("--plates left=1"));
+  forces.plates.pop_back();
+  EXPECT_EQ(exchange::PlateOf(forces, {}, "left", "walk.mot").name, "plate_600");
+  forces.plates.pop_back();
+  EXPECT_THAT(message({}), HasSubstr("no plate bears a force"));
+}
+
+TEST(GroundForceTables, WhoseTimesOrColumnsAreWrongAreRefused) {
+  const TemporaryFolder folder;
+  const auto message = [&](const std::string& columns, const std::string& rows) {
+    const std::string text = fmt::format("forces\nversion=1\nnRows=2\nnColumns={}\ninDegrees=no\nendheader\ntime{}\n{}",
+                                         1 + std::count(columns.begin(), columns.end(), '\t'), columns, rows);
+    WriteTextFile(folder / "f.mot", text);
+    return MessageOf([&] { exchange::ReadGroundForces(folder / "f.mot"); });
+  };
+  const std::string all = "\tg_vx\tg_vy\tg_vz\tg_px\tg_py\tg_pz", zeros = "\t0\t0\t0\t0\t0\t0\n";
+  EXPECT_THAT(message(all, "0.1" + zeros + "0.1" + zeros), HasSubstr("row 2: time 0.1 s does not follow"));
+  EXPECT_THAT(message("\tknee", "0\t1\n1\t1\n"), HasSubstr("no ground forces"));
+  EXPECT_THAT(message("\tg_vx\tg_vy\tg_px\tg_py\tg_pz", "0\t0\t0\t0\t0\t0\n1\t0\t0\t0\t0\t0\n"),
+              HasSubstr("of g_vx, y and z one is missing"));
+  EXPECT_THAT(message("\tg_vx\tg_vy\tg_vz", "0\t0\t0\t0\n1\t0\t0\t0\n"), HasSubstr("no point where it acts (g_px)"));
+  EXPECT_THAT(MessageOf([&] { exchange::ReadGroundForces("forces.txt"); }), HasSubstr("not from '.txt'"));
+}
+
+}  // namespace
+}  // namespace lake
