@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lake/commands/gait.h"
+#include "lake/core/cross.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
@@ -95,7 +96,7 @@ loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::T
   for (std::size_t i = 0; i < file.time_s.size(); ++i) {
     const Vector2d force_n = in_leg(plate.force_n[i]);
     const double free_nm = side * plane_from_space.row(2).dot(plate.moment_nm[i]);
-    forces.wrench.push_back({force_n, loads::Cross(in_leg(plate.point_m[i]), force_n) + free_nm});
+    forces.wrench.push_back({force_n, Cross(in_leg(plate.point_m[i]), force_n) + free_nm});
   }
   return forces;
 }

@@ -1,15 +1,10 @@
 #include "lake/linkage/statics.h"
 
+#include "lake/core/cross.h"
+
 namespace lake::linkage {
-namespace {
 
 using Eigen::Vector2d;
-
-double Cross(const Vector2d& a, const Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-}  // namespace
 
 MemberForces MemberForcesOf(const Pose& pose, double knee_torque_nm) {
   constexpr double kMillimetresPerMetre = 1000;

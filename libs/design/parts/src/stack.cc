@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "lake/core/angles.h"
+#include "lake/core/cross.h"
 #include "lake/core/numbers.h"
 
 namespace lake::parts {
@@ -46,10 +47,6 @@ struct Shape {
   std::vector<Vector2d> corners;
   double radius = 0;
 };
-
-double Cross(const Vector2d& a, const Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 double PointToSegment(const Vector2d& point, const Vector2d& from, const Vector2d& to) {
   const Vector2d along = to - from;

@@ -4,14 +4,11 @@
 #include <cmath>
 
 #include "lake/core/angles.h"
+#include "lake/core/cross.h"
 #include "lake/core/statistics.h"
 
 namespace lake::gait {
 namespace {
-
-double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 // The plane's direction that is anterior in the leg.
 Eigen::Vector2d Anterior(motion::Facing facing, const Eigen::Vector2d& up) {

@@ -46,9 +46,9 @@ void WarnOfPauses(const motion::MarkerRecording& recording, const LegFitOptions&
                       pause_s, recording.frame[i - 1], recording.time_s[i - 1]));
 }
 
-// The decimal that the times of an even recording were rounded to, where that moves them by a tenth of a frame or more;
-// else nothing. Times that are uneven by themselves, as where frames are missing, do not lie so near a line.
-std::optional<double> RoundedTo(const motion::MarkerRecording& recording) {
+// Says to which decimal the times of an even recording were rounded, where that moves them by a tenth of a frame or
+// more; else nothing. Times that are uneven by themselves, as where frames are missing, do not lie so near a line.
+std::optional<std::string> RoundedTimes(const motion::MarkerRecording& recording) {
   const std::vector<double>& time_s = recording.time_s;
   const auto frame = [&](std::size_t i) { return static_cast<double>(recording.frame[i] - recording.frame.front()); };
   const double step_s = (time_s.back() - time_s.front()) / frame(recording.Frames() - 1);
@@ -59,7 +59,8 @@ std::optional<double> RoundedTo(const motion::MarkerRecording& recording) {
     for (std::size_t i = 0; is_rounded && i < recording.Frames(); ++i)
       is_rounded = std::abs(time_s[i] / unit_s - std::round(time_s[i] / unit_s)) < 1e-6 &&
                    std::abs(time_s[i] - time_s.front() - step_s * frame(i)) < 1.01 * unit_s;
-    if (is_rounded) return unit_s;
+    if (is_rounded)
+      return fmt::format("the times are rounded to {:g} s, and frames are {:.3g} s apart", unit_s, step_s);
   }
   return {};
 }
@@ -293,12 +294,9 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   WarnOfPauses(recording, options, result.warnings);
   PlausibilityLimits limits;
   limits.ways_out = options.ways_out;
-  if (const auto unit_s = RoundedTo(recording)) {
-    const std::string rounded = fmt::format("the times are rounded to {:g} s, and frames are {:.3g} s apart", *unit_s,
-                                            (recording.time_s.back() - recording.time_s.front()) /
-                                                static_cast<double>(recording.frame.back() - recording.frame.front()));
-    result.warnings.push_back(rounded + ": what moves fast is misplaced by that; give them with more digits");
-    limits.ways_out = "or give the times with more digits: " + rounded;
+  if (const auto rounded = RoundedTimes(recording)) {
+    result.warnings.push_back(*rounded + ": what moves fast is misplaced by that; give them with more digits");
+    limits.ways_out = "or give the times with more digits: " + *rounded;
   }
 
   LegModel model;

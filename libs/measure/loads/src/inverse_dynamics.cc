@@ -1,5 +1,7 @@
 #include "lake/loads/inverse_dynamics.h"
 
+#include "lake/core/cross.h"
+
 namespace lake::loads {
 
 Wrench RequiredWrench(std::span<const Body> bodies, const Eigen::Vector2d& about_m) {

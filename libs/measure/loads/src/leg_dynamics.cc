@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "lake/core/cross.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"

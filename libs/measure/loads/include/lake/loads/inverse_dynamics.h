@@ -28,11 +28,6 @@ struct Wrench {
   double moment_nm = 0;  // about the point that was asked for
 };
 
-// a × b, of vectors in the plane.
-inline double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 // The bodies' mass times acceleration less their weight: F and M above.
 Wrench RequiredWrench(std::span<const Body> bodies, const Eigen::Vector2d& about_m);
 
