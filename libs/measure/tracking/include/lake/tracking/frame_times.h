@@ -33,8 +33,9 @@ struct FrameTimes {
 // lost, with the others' stamps right, or for frames that were captured more seldom, equally far apart: the times at
 // which the markers' paths are smoother are taken. Missing time is a jump of all markers along their paths; how long it
 // was follows from positions, velocities and accelerations on both sides (two-point Taylor expansion: Δx = T (v₀ + v₁)
-// / 2 + T² (a₀ − a₁) / 12, exact up to the fifth power of time). Throws Error where the motion jumps so often that no
-// times can be trusted, or where all markers together are early and late by more than 8 % of the time between frames.
+// / 2 + T² (a₀ − a₁) / 12, exact up to the fifth power of time). Throws Error where two markers or more jump farther
+// than a person can move and no time explains it (a cut), where the motion jumps so often that no times can be trusted,
+// or where all markers together are early and late by more than 8 % of the time between frames.
 FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& known, motion::MarkerRecording& recording);
 
 // One line for each thing found, with frame numbers; `frame`: the recording's.
