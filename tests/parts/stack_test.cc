@@ -149,12 +149,21 @@ TEST(PartList, HasEveryPartWithItsMass) {
 }
 
 TEST(PartOptions, RefuseWhatCannotBeMade) {
-  parts::PartOptions options;
-  options.bar_width_mm = 6;
-  EXPECT_THAT([&] { options.Check(); }, ThrowsMessage<Error>(::testing::HasSubstr("a pin of 8 mm does not fit")));
-  options = {};
-  options.thickness_mm = 0;
-  EXPECT_THAT([&] { options.Check(); }, ThrowsMessage<Error>(::testing::HasSubstr("a plate thickness of 0 mm")));
+  EXPECT_NO_THROW(parts::PartOptions().Check());
+  const auto refuses = [](double parts::PartOptions::*field, double value, const char* message) {
+    parts::PartOptions options;
+    options.*field = value;
+    EXPECT_THAT([&] { options.Check(); }, ThrowsMessage<Error>(::testing::HasSubstr(message)));
+  };
+  refuses(&parts::PartOptions::bar_width_mm, 6, "a pin of 8 mm does not fit");
+  refuses(&parts::PartOptions::bar_width_mm, 0, "a plate width of 0 mm cannot be cut");
+  refuses(&parts::PartOptions::thickness_mm, 0, "a plate thickness of 0 mm");
+  refuses(&parts::PartOptions::thickness_mm, NAN, "a plate thickness of nan mm");
+  refuses(&parts::PartOptions::bore_clearance_mm, 50, "a bore of 58 mm does not fit");
+  refuses(&parts::PartOptions::cuff_hole_diameter_mm, -1, "a cuff's hole of -1 mm");
+  refuses(&parts::PartOptions::actuator_eye_mm, 500, "an actuator's eye of 500 mm must be within its diameter");
+  refuses(&parts::PartOptions::rod_diameter_mm, 500, "a rod of 500 mm does not fit");
+  refuses(&parts::PartOptions::cuff_hole_spacing_mm, 1, "cannot be 1 mm apart");
   EXPECT_THAT([] { parts::MaterialOf("cheese"); },
               ThrowsMessage<Error>(::testing::HasSubstr("no material 'cheese': there are 6061-T6")));
 }

@@ -210,6 +210,20 @@ TEST(VideoDamage, SizeChangesInMidStream) {
               HasSubstr("both.h264: frame 15 is stored with 160×120 px, those before with 320×240 px"));
 }
 
+TEST(VideoDamage, PixelFormatChangesInMidStream) {
+  const TemporaryFolder folder;
+  std::string both;
+  for (const char* format : {"yuv420p", "yuv444p"}) {
+    const auto part = folder / fmt::format("{}.h264", format);
+    Ffmpeg(TestPicture("size=64x48:rate=30:duration=0.1") + "-c:v libx264 -preset ultrafast -pix_fmt " + format + " " +
+           Quote(part));
+    both += ReadTextFile(part);
+  }
+  WriteTextFile(folder / "both.h264", both);
+  EXPECT_THAT(ErrorOf(folder / "both.h264", {.capture_rate_hz = 30}),
+              HasSubstr("frame 3 has pixel format yuv444p, those before yuv420p; cut the recording there"));
+}
+
 TEST(VideoDamage, StampsThatStepBack) {
   const TemporaryFolder folder;
   Ffmpeg(TestPicture("size=160x120:rate=30:duration=0.5") + "-c:v mpeg2video -bf 0 " + Quote(folder / "a.mpg"));

@@ -342,6 +342,18 @@ TEST(VideoReader, ConvertsColourAtAnySize) {
   }
 }
 
+// Raw AVI stores the lowest line first.
+TEST(VideoReader, TurnsPicturesThatAreStoredBottomUp) {
+  const TemporaryFolder folder;
+  const auto video = folder / "raw.avi";
+  Ffmpeg(TestPicture("size=66x50:rate=30:duration=0.1") + "-c:v rawvideo -pix_fmt bgr24 " + Quote(video));
+  const Recording recording = ReadAll(video, {.colour = true});
+  const auto raw = RawFrames(video, "bgr24");
+  ASSERT_EQ(recording.frames.size(), 3u);
+  for (std::size_t i = 0; i < recording.frames.size(); ++i)
+    EXPECT_EQ(LargestDifference(recording.frames[i].bgr, RawFrame(raw, i, {66, 50}, CV_8UC3)), 0) << i;
+}
+
 TEST(VideoReader, ReadsRealRecordings) {
   const std::filesystem::path data = LAKE_SHARED_DATA;
   if (!std::filesystem::exists(data)) GTEST_SKIP() << data << " is not there";

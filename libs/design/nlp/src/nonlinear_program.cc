@@ -33,10 +33,6 @@ void NonlinearProgram::Add(int row, std::unique_ptr<Term> term) {
   terms_.push_back({row, std::move(term)});
 }
 
-void NonlinearProgram::SetStart(int variable, double start) {
-  variables_.at(variable).start = start;
-}
-
 double NonlinearProgram::Cost(const std::vector<double>& x) const {
   double cost = 0;
   for (const NlpTerm& term : terms_)

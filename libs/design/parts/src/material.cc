@@ -17,10 +17,6 @@ constexpr Material kMaterials[] = {
 
 }  // namespace
 
-std::span<const Material> Materials() {
-  return kMaterials;
-}
-
 const Material& MaterialOf(std::string_view name) {
   std::string known;
   for (const Material& material : kMaterials) {

@@ -59,7 +59,8 @@ void SortSpots(Place& place) {
             [&](std::size_t a, std::size_t b) { return contrast[a] > contrast[b]; });
 }
 
-// Until `deadline`, but at least eight frames.
+// Until `deadline`, but at least eight frames. Those from the key frame before `from_s` on are looked at while there is
+// time, as they are decoded anyway.
 Place LookAt(const std::filesystem::path& path, const RecordingCheckOptions& options, double from_s, double after_s,
              MarkerDetector& detector, const Clock::time_point& deadline, video::VideoInfo& info) {
   video::VideoReaderOptions reader_options = options.reader;
@@ -72,7 +73,8 @@ Place LookAt(const std::filesystem::path& path, const RecordingCheckOptions& opt
     ThrowIfInterrupted();
     if (Clock::now() > deadline && place.time_s.size() >= kLeastFrames) break;
     if (!reader->Read(frame)) break;
-    if (frame.time_s <= after_s) continue;  // the key frame before lies in the last place
+    if (frame.time_s <= after_s) continue;                           // the key frame before lies in the last place
+    if (frame.time_s < from_s && Clock::now() > deadline) continue;  // else a slow machine never comes to the end
     builder.Add(frame);
     const cv::Mat small = Small(frame.luma);
     place.time_s.push_back(frame.time_s), place.frame.push_back(frame.index);

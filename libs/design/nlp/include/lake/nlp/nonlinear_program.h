@@ -66,8 +66,6 @@ class NonlinearProgram {
   const std::vector<NlpRow>& Rows() const { return rows_; }
   const std::vector<NlpTerm>& Terms() const { return terms_; }
 
-  void SetStart(int variable, double start);
-
   double Cost(const std::vector<double>& x) const;
   std::vector<double> RowValues(const std::vector<double>& x) const;
 

@@ -1,7 +1,6 @@
 // What plates are made of.
 #pragma once
 
-#include <span>
 #include <string_view>
 
 namespace lake::parts {
@@ -12,8 +11,6 @@ struct Material {
   double yield_mpa;  // in tension, least direction
   std::string_view source;
 };
-
-std::span<const Material> Materials();
 
 // Throws UsageError that lists the known ones.
 const Material& MaterialOf(std::string_view name);
