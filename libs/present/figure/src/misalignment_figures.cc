@@ -83,7 +83,7 @@ void DrawLegs(GnuplotFigure& figure, const compare::Misalignment& m) {
 
 void DrawKneePaths(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(
-      "set lmargin at screen 0.53; set rmargin at screen 0.985; set xtics autofreq; set title 'Knees, enlarged'");
+      "set lmargin at screen 0.53; set rmargin at screen 0.97; set xtics autofreq; set title 'Knees, enlarged'");
   figure.Line(
       "set offsets graph 0.06, graph 0.06, graph 0.06, graph 0.06; set key at screen 0.985, screen 0.9 right top width "
       "-2");
