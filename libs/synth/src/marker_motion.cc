@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lake/core/angles.h"
+#include "lake/core/cross.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 
@@ -60,7 +61,7 @@ class TableMotion : public MarkerMotion {
     for (std::size_t i = 0; i < table_.time_s.size(); ++i) {
       const Vector2d ak = table_.positions[knee][i] - table_.positions[ankle][i];
       const Vector2d ah = table_.positions[hip][i] - table_.positions[ankle][i];
-      side += ah.x() * ak.y() - ah.y() * ak.x();
+      side += Cross(ah, ak);
     }
     return side <= 0 ? motion::Facing::kRight : motion::Facing::kLeft;
   }
@@ -80,7 +81,7 @@ int IndexOfMarker(const MarkerMotion& motion, std::string_view name) {
 
 double KneeAngleDeg(const Vector2d& ankle, const Vector2d& knee, const Vector2d& hip, motion::Facing facing) {
   const Vector2d ak = knee - ankle, kh = hip - knee;
-  const double cross = ak.x() * kh.y() - ak.y() * kh.x();  // positive: KH turns to the left of AK
+  const double cross = Cross(ak, kh);  // positive: KH turns to the left of AK
   return DegreesFromRadians(std::atan2(facing == motion::Facing::kRight ? cross : -cross, ak.dot(kh)));
 }
 

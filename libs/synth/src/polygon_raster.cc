@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/core/cross.h"
+
 namespace lake::synth {
 
 using Eigen::Vector2d;
 
 double SignedArea(std::span<const Vector2d> polygon) {
   double twice = 0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vector2d a = polygon[i] - polygon[0], b = polygon[(i + 1) % polygon.size()] - polygon[0];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
+  for (std::size_t i = 0; i < polygon.size(); ++i)
+    twice += Cross(polygon[i] - polygon[0], polygon[(i + 1) % polygon.size()] - polygon[0]);
   return 0.5 * twice;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lake/core/angles.h"
+#include "lake/core/cross.h"
 #include "lake/core/error.h"
 
 namespace lake::linkage {
@@ -231,7 +232,7 @@ std::array<Vector2d, 4> OutlineOf(Limb limb, const Body& body) {
 Vector2d InLimb(Limb limb, const Vector2d& point, double theta_rad) {
   if (limb == Limb::kThigh) return point;
   const Vector2d posterior = AtHeading(theta_rad);
-  return {point.dot(posterior), point.x() * posterior.y() - point.y() * posterior.x()};
+  return {point.dot(posterior), Cross(point, posterior)};
 }
 
 Separation LimbSeparation(Limb limb, const Pose& pose, const Body& body, const WearOptions& options) {

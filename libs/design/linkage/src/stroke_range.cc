@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "lake/core/angles.h"
+#include "lake/core/cross.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/linkage/linkage.h"
@@ -26,7 +27,7 @@ double WrapFrom(double angle, double lowest) {
 
 // Whether b is within half a turn clockwise of a, as the bar's and the shank's angles are counted.
 bool IsWithinHalfTurn(const Vector2d& a, const Vector2d& b) {
-  return b.x() * a.y() - b.y() * a.x() >= -kAngleRounding_rad * a.norm() * b.norm();
+  return Cross(b, a) >= -kAngleRounding_rad * a.norm() * b.norm();
 }
 
 // Where the bar tip is at a point of the assembled branch: its stroke, and the knee angle continued along the branch.

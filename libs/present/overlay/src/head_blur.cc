@@ -6,6 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "lake/core/cross.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 
@@ -35,7 +36,7 @@ std::optional<Eigen::Vector2d> Segment(const motion::MarkerRecording& tracks, st
 
 // By which the second must be turned to point as the first, (−π, π].
 double Turn(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
-  return std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to));
+  return std::atan2(Cross(from, to), from.dot(to));
 }
 
 // Cells of one grey each, then smooth between them.
