@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
 #include <limits>
 #include <queue>
 #include <vector>
@@ -100,15 +99,7 @@ class Search {
 
   std::vector<Halved> SplitAll(const std::vector<OpenBox>& batch) const {
     std::vector<Halved> halved(batch.size());
-    const auto work = [&](std::size_t first) {
-      for (std::size_t i = first; i < batch.size(); i += static_cast<std::size_t>(options_.threads))
-        halved[i] = Split(range_, batch[i]);
-    };
-    std::vector<std::future<void>> others;
-    for (int thread = 1; thread < options_.threads; ++thread)
-      others.push_back(std::async(std::launch::async, work, thread));
-    work(0);
-    for (std::future<void>& other : others) other.get();
+    ForEachInThreads(batch.size(), options_.threads, [&](std::size_t i) { halved[i] = Split(range_, batch[i]); });
     return halved;
   }
 

@@ -7,6 +7,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
+#include "lake/core/threads.h"
 
 namespace lake::gait {
 namespace {
@@ -129,12 +130,13 @@ SmoothedSignals SmoothOn(double step_s, const LegSignals& signals, const std::ve
   SmoothingOptions smoothing;
   if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
   smoothing.max_iterations = options.most_smoothing_iterations;
-  for (std::size_t s = 0; s < static_cast<std::size_t>(states); ++s) {
-    smoothed.signals.push_back(
-        FitSmoothingSpline(smoothed.grid, time_s, signals.value[s], signals.sigma[s], smoothing));
-    smoothed.risk += smoothed.signals.back().risk;
-    smoothed.signals.back().covariance = BandedMatrix(0, 3);  // nobody asks for it here
-  }
+  smoothed.signals.resize(static_cast<std::size_t>(states));
+  ForEachInThreads(smoothed.signals.size(), Threads(), [&](std::size_t s) {
+    SmoothSignal& signal = smoothed.signals[s];
+    signal = FitSmoothingSpline(smoothed.grid, time_s, signals.value[s], signals.sigma[s], smoothing);
+    signal.covariance = BandedMatrix(0, 3);  // nobody asks for it here
+  });
+  for (const SmoothSignal& signal : smoothed.signals) smoothed.risk += signal.risk;
   return smoothed;
 }
 
