@@ -102,16 +102,20 @@ class ContrastRows {
   Row center_, surround_, surround3_;  // sums over columns of 3 and 9 pixels; of the latter, over three columns
 };
 
-// Columns of a row that reach the threshold; whole stretches below it are passed over at once.
+// Columns of a row that reach the threshold; stretches below it are passed over at once, long ones first.
 void FindReaching(const ContrastRows::Row& contrast, int threshold, std::vector<int>& columns) {
-  constexpr std::size_t kStretch = 256;
+  constexpr std::size_t kLong = 256, kShort = 32;
   columns.clear();
   const std::size_t end = contrast.size() - kBorder;
-  for (std::size_t begin = kBorder; begin < end; begin += kStretch) {
-    const std::size_t stop = std::min(end, begin + kStretch);
+  for (std::size_t begin = kBorder; begin < end; begin += kLong) {
+    const std::size_t stop = std::min(end, begin + kLong);
     if (Greatest(&contrast[begin], stop - begin) < threshold) continue;
-    for (std::size_t x = begin; x < stop; ++x)
-      if (contrast[x] >= threshold) columns.push_back(static_cast<int>(x));
+    for (std::size_t x = begin; x < stop; x += kShort) {
+      const std::size_t short_stop = std::min(stop, x + kShort);
+      if (Greatest(&contrast[x], short_stop - x) < threshold) continue;
+      for (std::size_t at = x; at < short_stop; ++at)
+        if (contrast[at] >= threshold) columns.push_back(static_cast<int>(at));
+    }
   }
 }
 

@@ -25,8 +25,13 @@ bool NoiseEstimator::Add(const cv::Mat& grey) {
   if (is_early || ends_pair) CountLevels(grey);
   const bool has_pair = ends_pair || (is_early && frame > 0);
   if (has_pair) CountDifferences(grey, is_early ? kStep : 2 * kStep);
-  if (!ends_pair) grey.copyTo(previous_);
+  if (!ends_pair) KeepRows(grey);
   return has_pair;
+}
+
+void NoiseEstimator::KeepRows(const cv::Mat& grey) {
+  previous_.create((grey.rows + kStep - 1) / kStep, grey.cols, CV_8UC1);
+  for (int row = 0; row < previous_.rows; ++row) grey.row(kStep * row).copyTo(previous_.row(row));
 }
 
 void NoiseEstimator::CountLevels(const cv::Mat& grey) {
@@ -39,7 +44,7 @@ void NoiseEstimator::CountLevels(const cv::Mat& grey) {
 
 void NoiseEstimator::CountDifferences(const cv::Mat& grey, int step) {
   for (int y = 0; y < grey.rows; y += step) {
-    const uchar *now = grey.ptr(y), *before = previous_.ptr(y);
+    const uchar *now = grey.ptr(y), *before = previous_.ptr(y / kStep);
     for (int x = 0; x < grey.cols; x += step) {
       const int difference = std::abs(now[x] - before[x]), level = (now[x] + before[x]) / 2;
       if (difference < kMaxDifference)

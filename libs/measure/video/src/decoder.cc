@@ -30,7 +30,7 @@ void Decoder::Open(bool skip_deblocking) {
   codec_->pkt_timebase = stream.time_base;
   // More than there are cores, as each frame waits for parts of the one before; not for pictures that are only looked
   // at, where others have work meanwhile and more frames at once than the cache holds cost a tenth.
-  constexpr int kMoreThreads = 4, kMostThreads = 16;
+  constexpr int kMoreThreads = 2, kMostThreads = 16;
   const int more = Threads() == 1 || skip_deblocking ? 0 : kMoreThreads;
   codec_->thread_count = std::min(Threads() + more, kMostThreads);
   codec_->thread_type = FF_THREAD_FRAME | FF_THREAD_SLICE;

@@ -29,10 +29,11 @@ class NoiseEstimator {
  private:
   static constexpr std::int64_t kFirst = 6;  // frames, all of which are looked at
   static constexpr int kBins = 16, kMaxDifference = 64;
+  void KeepRows(const cv::Mat& grey);
   void CountLevels(const cv::Mat& grey);
   void CountDifferences(const cv::Mat& grey, int step);
 
-  cv::Mat previous_;
+  cv::Mat previous_;  // its rows that are looked at
   std::int64_t frames_ = 0;
   std::array<std::array<std::int64_t, kMaxDifference>, kBins> differences_ = {};  // counts of |difference| by level
   std::array<std::int64_t, 256> levels_ = {};                                     // counts of the brightest levels
