@@ -7,7 +7,6 @@
 
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
-#include "lake/core/statistics.h"
 #include "lake/figure/leg_figure.h"
 #include "lake/gait/corrected_events.h"
 #include "png_and_svg.h"
@@ -43,13 +42,7 @@ void CheckShank(const exchange::Trial& trial, double shank_mm) {
 
 // Before the fit, which takes a leg of half a millimetre for noise. NaN where there are no lengths yet.
 double MeasuredShank(const motion::MarkerRecording& recording, const gait::LegMarkers& names) {
-  const motion::MarkerTrack *ankle = recording.Find(names.ankle), *knee = recording.Find(names.knee);
-  std::vector<double> lengths;
-  if (recording.unit == motion::LengthUnit::kMm && ankle && knee)
-    for (std::size_t i = 0; i < recording.Frames(); ++i)
-      if (ankle->samples[i].IsKnown() && knee->samples[i].IsKnown())
-        lengths.push_back((knee->samples[i].position - ankle->samples[i].position).norm());
-  return lengths.empty() ? NAN : Median(std::move(lengths));
+  return recording.unit == motion::LengthUnit::kMm ? motion::MedianDistance(recording, names.ankle, names.knee) : kNaN;
 }
 
 void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result, Run& run) {

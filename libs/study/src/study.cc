@@ -5,7 +5,6 @@
 
 #include "lake/core/error.h"
 #include "lake/core/paths.h"
-#include "lake/core/statistics.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/video/video_files.h"
 #include "study_report.h"
@@ -126,18 +125,11 @@ void AddProblem(const StudyProblem& problem, commands::OptimizeRunOptions& optio
   AddProblemOf(options, step);
 }
 
-// The middle length of a vector of the leg over a trial; NaN if it is never known.
-double LengthOf(const motion::LegMotion& motion, Eigen::Vector2d motion::LegSample::*vector) {
-  std::vector<double> lengths;
-  for (const motion::LegSample& sample : motion.samples)
-    if (const double length = (sample.*vector).norm(); std::isfinite(length)) lengths.push_back(length);
-  return lengths.empty() ? std::nan("") : Median(lengths);
-}
-
 // The leg that was measured, if the trial knows millimetres.
 std::optional<linkage::LegLengths> LegOf(const fs::path& kinematics) {
   const motion::LegMotion motion = motion::ReadKinematicsCsv(kinematics);
-  const double thigh = LengthOf(motion, &motion::LegSample::kh), shank = LengthOf(motion, &motion::LegSample::ak);
+  const double thigh = motion::MedianLength(motion, &motion::LegSample::kh),
+               shank = motion::MedianLength(motion, &motion::LegSample::ak);
   if (motion.unit != motion::LengthUnit::kMm || std::isnan(thigh + shank)) return std::nullopt;
   return linkage::LegLengths{thigh, shank};
 }

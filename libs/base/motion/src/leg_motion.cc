@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
 #include "lake/motion/event_corrections.h"
 
 namespace lake::motion {
@@ -28,6 +31,13 @@ constexpr std::array kScalars = {
     ScalarColumn{"knee_deg_s", &LegSample::knee_deg_s}};
 
 }  // namespace
+
+double MedianLength(const LegMotion& motion, Eigen::Vector2d LegSample::*vector) {
+  std::vector<double> lengths;
+  for (const LegSample& sample : motion.samples)
+    if (const double length = (sample.*vector).norm(); std::isfinite(length)) lengths.push_back(length);
+  return lengths.empty() ? kNaN : Median(std::move(lengths));
+}
 
 std::string_view ToString(StsEventKind kind) {
   switch (kind) {

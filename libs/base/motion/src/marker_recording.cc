@@ -5,6 +5,8 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
 
 namespace lake::motion {
 namespace {
@@ -113,6 +115,15 @@ const MarkerTrack* MarkerRecording::Find(std::string_view name) const {
   for (const MarkerTrack& marker : markers)
     if (marker.name == name) return &marker;
   return nullptr;
+}
+
+double MedianDistance(const MarkerRecording& recording, std::string_view marker, std::string_view other) {
+  const MarkerTrack *a = recording.Find(marker), *b = recording.Find(other);
+  std::vector<double> distances;
+  for (std::size_t i = 0; a && b && i < recording.Frames(); ++i)
+    if (a->samples[i].IsKnown() && b->samples[i].IsKnown())
+      distances.push_back((b->samples[i].position - a->samples[i].position).norm());
+  return distances.empty() ? kNaN : Median(std::move(distances));
 }
 
 MarkerRecording Measurements(MarkerRecording recording) {

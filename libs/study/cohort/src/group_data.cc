@@ -83,13 +83,6 @@ class ResultTable {
   const Json& of_;
 };
 
-double LengthOf(const motion::LegMotion& leg, Eigen::Vector2d motion::LegSample::*vector) {
-  std::vector<double> lengths;
-  for (const motion::LegSample& sample : leg.samples)
-    if ((sample.*vector).allFinite()) lengths.push_back((sample.*vector).norm());
-  return Median(lengths);
-}
-
 void AddTrial(const fs::path& folder, const std::string& trial, ResultTable& table) {
   using motion::LegSample;
   using motion::StsEventKind;
@@ -111,8 +104,8 @@ void AddTrial(const fs::path& folder, const std::string& trial, ResultTable& tab
   }
   if (leg.unit != motion::LengthUnit::kMm) return;
   table.Begin(trial, {});
-  table.Add("shank_mm", LengthOf(leg, &LegSample::ak));
-  table.Add("thigh_mm", LengthOf(leg, &LegSample::kh));
+  table.Add("shank_mm", motion::MedianLength(leg, &LegSample::ak));
+  table.Add("thigh_mm", motion::MedianLength(leg, &LegSample::kh));
 }
 
 void AddComparison(const fs::path& folder, ResultTable& table) {

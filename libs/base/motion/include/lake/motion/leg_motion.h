@@ -45,6 +45,10 @@ struct LegMotion {
   std::vector<LegSample> samples;  // one per frame
 };
 
+// The median length of a vector of the leg over the frames in which it is known, in the motion's unit; NaN if there is
+// none.
+double MedianLength(const LegMotion& motion, Eigen::Vector2d LegSample::*vector);
+
 // One of onset, seat_off, standing, descent, seated.
 enum class StsEventKind { kOnset, kSeatOff, kStanding, kDescent, kSeated };
 

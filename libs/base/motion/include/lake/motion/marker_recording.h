@@ -48,6 +48,10 @@ struct MarkerRecording {
   const MarkerTrack* Find(std::string_view name) const;  // nullptr if there is none
 };
 
+// The median distance of two markers over the frames in which both are known, in the recording's unit; NaN if there is
+// none.
+double MedianDistance(const MarkerRecording& recording, std::string_view marker, std::string_view other);
+
 // The detected samples alone: what was measured, without what was inferred.
 MarkerRecording Measurements(MarkerRecording recording);
 
