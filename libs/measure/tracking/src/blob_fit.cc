@@ -224,7 +224,7 @@ class JointFit {
   };
   State Save() const { return {blobs_, background_}; }
   void Restore(const State& state) { blobs_ = state.blobs, background_ = state.background; }
-  bool HasEnoughPixels() const { return pixels_ > 2 * parameters_; }
+  bool HasEnoughPixels() const { return pixels_ > 2 * static_cast<std::size_t>(parameters_); }
   int Blobs() const { return static_cast<int>(blobs_.size()); }
 
   // Within reach of each blob's light plus the margin, each pixel once.
@@ -238,7 +238,7 @@ class JointFit {
           cv::Rect(cv::Point(static_cast<int>(std::floor(low.x())), static_cast<int>(std::floor(low.y()))),
                    cv::Point(static_cast<int>(std::ceil(high.x())) + 1, static_cast<int>(std::ceil(high.y())) + 1)) &
           picture;
-      blocks_.reserve(blocks_.size() + static_cast<std::size_t>(box.area() / kBlock + 1));
+      blocks_.reserve(blocks_.size() + static_cast<std::size_t>(box.area()) / kBlock + 1);
       const auto width = static_cast<std::size_t>(box.width);
       marks.resize(width), marks_of_others.resize(width);
       for (int y = box.y; y < box.y + box.height; ++y) {
@@ -259,7 +259,7 @@ class JointFit {
   }
 
   void AddPixel(const Eigen::Vector2d& place, uchar level) {
-    const auto at = static_cast<std::size_t>(pixels_++ % kBlock);
+    const auto at = pixels_++ % kBlock;
     if (at == 0) blocks_.push_back({});
     PixelBlock& block = blocks_.back();
     block.x.at[at] = static_cast<float>(place.x()), block.y.at[at] = static_cast<float>(place.y());
@@ -376,7 +376,7 @@ class JointFit {
 
   void Apply(const AnyVector& step) {
     for (std::size_t i = 0; i < blobs_.size(); ++i) {
-      const auto s = step.segment<kBlobParameters>(static_cast<int>(i) * kBlobParameters);
+      const auto s = step.segment<kBlobParameters>(static_cast<Eigen::Index>(i) * kBlobParameters);
       Blob& blob = blobs_[i];
       blob.center += s.segment<2>(kX);
       blob.unit_circle_from_px(0, 0) += s[kM11];
@@ -397,7 +397,8 @@ class JointFit {
 
   double CenterStep(const AnyVector& step) const {
     double largest = 0;
-    for (int i = 0; i < Blobs(); ++i) largest = std::max(largest, step.segment<2>(i * kBlobParameters).norm());
+    for (Eigen::Index at = 0; at + kBackgroundParameters < step.size(); at += kBlobParameters)
+      largest = std::max(largest, step.segment<2>(at).norm());
     return largest;
   }
 
@@ -409,7 +410,7 @@ class JointFit {
   Eigen::Vector2d origin_;
   Eigen::Vector3d background_ = Eigen::Vector3d::Zero();
   std::vector<PixelBlock> blocks_;
-  int pixels_ = 0;  // of all blocks
+  std::size_t pixels_ = 0;  // of all blocks
   bool clipped_ = false;
   AnyMatrix normal_;  // its lower triangle
   AnyVector gradient_;

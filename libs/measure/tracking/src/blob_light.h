@@ -15,7 +15,7 @@ namespace lake::tracking {
 // Order of a blob's parameters in its fit.
 enum BlobParameter { kX, kY, kM11, kM12, kM22, kEdge, kAmplitude, kBlobParameters };
 
-inline constexpr int kBlock = 32;
+inline constexpr std::size_t kBlock = 32;
 struct alignas(32) Pixels {  // one value per pixel of a block; not set at first
   std::array<float, kBlock> at;
 };
@@ -30,7 +30,7 @@ struct Light {
 void ComputeLight(const Blob& blob, const Eigen::Vector2d& origin, const Pixels& x, const Pixels& y, Light& light);
 
 // A sum over pixels, a part in each lane: single precision is enough for some hundred of them.
-inline constexpr int kLanes = 8;
+inline constexpr std::size_t kLanes = 8;
 struct alignas(32) LaneSum {
   std::array<float, kLanes> lane;
 
