@@ -131,7 +131,8 @@ SmoothedSignals SmoothOn(double step_s, const LegSignals& signals, const std::ve
   if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
   smoothing.max_iterations = options.most_smoothing_iterations;
   smoothed.signals.resize(static_cast<std::size_t>(states));
-  ForEachInThreads(smoothed.signals.size(), Threads(), [&](std::size_t s) {
+  constexpr int kMostThreads = 2;  // each takes some 0.4 kB a frame meanwhile, and half an hour at 60 Hz has 108000
+  ForEachInThreads(smoothed.signals.size(), std::min(Threads(), kMostThreads), [&](std::size_t s) {
     SmoothSignal& signal = smoothed.signals[s];
     signal = FitSmoothingSpline(smoothed.grid, time_s, signals.value[s], signals.sigma[s], smoothing);
     signal.covariance = BandedMatrix(0, 3);  // nobody asks for it here
