@@ -6,9 +6,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <opencv2/core/mat.hpp>
+#include <vector>
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/threads.h"
 #include "lake/video/video_reader.h"
 #include "lake/video/video_writer.h"
 #include "linkage_page.h"
@@ -51,39 +53,44 @@ figure::GnuplotFigure PagesOut(const LinkageLook& look, int poses) {
   return figure;
 }
 
-// Adds the way back; the ends appear once, so that an endless loop does not halt there.
-void AddWayBack(const fs::path& folder, int poses) {
-  for (int pose = poses - 2, frame = poses; pose > 0; --pose, ++frame)
-    fs::copy_file(folder / fmt::format("{:05}.png", pose), folder / fmt::format("{:05}.png", frame));
+std::vector<cv::Mat> ReadPages(const fs::path& folder) {
+  video::VideoReaderOptions options;
+  options.colour = true;
+  const auto reader = video::VideoReader::Open(folder / "%05d.png", options);
+  std::vector<cv::Mat> pages;
+  for (video::VideoFrame frame; reader->Read(frame);) pages.push_back(frame.bgr);
+  return pages;
 }
 
+// Out and back; the ends appear once, so that an endless loop does not halt there.
 void WriteMp4(const fs::path& path, const LinkageLook& look) {
   constexpr double kFrameRate_hz = 20;
   constexpr int kPoses = 40;
-  const ScratchFolder frames(path);
-  PagesOut(look, kPoses).WritePages(frames.Path());
-  AddWayBack(frames.Path(), kPoses);
-  video::VideoReaderOptions reading;
-  reading.colour = true;
-  reading.sequence_rate_hz = kFrameRate_hz;
-  const auto reader = video::VideoReader::Open(frames.Path() / "%05d.png", reading);
-  video::VideoWriterOptions writing;
-  writing.width = kPosePageWidth_px, writing.height = kPosePageHeight_px, writing.frame_rate_hz = kFrameRate_hz;
-  video::VideoWriter writer(path, writing);
-  for (video::VideoFrame frame; reader->Read(frame);) {
+  const ScratchFolder folder(path);
+  PagesOut(look, kPoses).WritePages(folder.Path());
+  std::vector<cv::Mat> pages = ReadPages(folder.Path());
+  for (std::size_t back = pages.size() - 2; back > 0; --back) pages.push_back(pages[back]);
+  video::VideoWriterOptions options;
+  options.width = kPosePageWidth_px, options.height = kPosePageHeight_px, options.frame_rate_hz = kFrameRate_hz;
+  video::VideoWriter writer(path, options);
+  for (std::size_t i = 0; i < pages.size(); ++i) {
     ThrowIfInterrupted();
-    writer.Write(frame.bgr, frame.time_s);
+    writer.Write(pages[i], static_cast<double>(i) / kFrameRate_hz);
   }
   writer.Finish();
+}
+
+void WriteGif(const fs::path& path, const LinkageLook& look) {
+  constexpr int kPoses = 25;
+  constexpr double kPosesPerSecond = 10;
+  PagesOut(look, kPoses).WriteGif(path, kPosesPerSecond);
 }
 
 }  // namespace
 
 void WriteLinkageAnimation(const fs::path& mp4, const fs::path& gif, const LinkageLook& look) {
-  WriteMp4(mp4, look);
-  constexpr int kGifPoses = 25;
-  constexpr double kPosesPerSecond = 10;
-  PagesOut(look, kGifPoses).WriteGif(gif, kPosesPerSecond);
+  // Each has a gnuplot of its own, which takes most of the time.
+  ForEachInThreads(2, Threads(), [&](std::size_t i) { i == 0 ? WriteMp4(mp4, look) : WriteGif(gif, look); });
 }
 
 }  // namespace lake::drawing
