@@ -49,7 +49,7 @@ Curve MakeCurve(double noise_deg, unsigned seed) {
   };
   const auto movement = [&](double earliest_s, double change_deg) {
     const double begin_s = earliest_s + between(0, 1), length_s = between(1.2, 2.2);
-    return Movement{begin_s,        length_s, change_deg, begin_s + length_s * between(0.2, 0.8), between(0.08, 0.2),
+    return Movement{begin_s,       length_s, change_deg, begin_s + length_s * between(0.2, 0.8), between(0.08, 0.2),
                     between(-5, 5)};
   };
   const Movement movements[] = {movement(1, -88), movement(5.5, 86)};

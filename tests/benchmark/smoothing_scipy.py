@@ -47,23 +47,23 @@ def measure(smooth, curves, sigma):
 
 def peers():
     import numpy
-    import scipy.interpolate
-    import scipy.signal
+    from scipy.interpolate import UnivariateSpline, make_smoothing_spline
+    from scipy.signal import butter, filtfilt
 
     def cross_validated(times, values, _):
-        spline = scipy.interpolate.make_smoothing_spline(times, values)
+        spline = make_smoothing_spline(times, values)
         return spline(times), spline.derivative()(times)
 
     def with_knots(degree):
         def smooth(times, values, sigma):
-            spline = scipy.interpolate.UnivariateSpline(times, values, w=numpy.full(len(times), 1 / sigma), k=degree)
+            spline = UnivariateSpline(times, values, w=numpy.full(len(times), 1 / sigma), k=degree)
             return spline(times), spline.derivative()(times)
         return smooth
 
     def butterworth(times, values, _):
         cutoff_hz = 6 / (math.sqrt(2) - 1) ** 0.25  # two passes lower a pass's -3 dB by this
         step_s = times[1] - times[0]
-        smooth = scipy.signal.filtfilt(*scipy.signal.butter(2, 2 * cutoff_hz * step_s), values)
+        smooth = filtfilt(*butter(2, 2 * cutoff_hz * step_s), values)
         return smooth, numpy.gradient(smooth, step_s)
 
     return {"make_smoothing_spline": cross_validated, "UnivariateSpline": with_knots(3), "UnivariateSpline k=5": with_knots(5),
@@ -74,7 +74,7 @@ def main():
     try:
         competitors = peers()
     except ImportError:
-        print(json.dumps({"benchmarks": [], "missing": "scipy is missing: scripts/install_packages.sh python3-scipy"}))
+        print(json.dumps({"benchmarks": [], "missing": "scipy (1.10 or later) is missing: scripts/install_packages.sh python3-scipy"}))
         return
     print(json.dumps({"benchmarks": [
         {"name": f"Smooth/{name}/{noise}"} | measure(smooth, list(curves.values()), float(noise))
