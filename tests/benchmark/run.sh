@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # One table of lake against its peers, all from this run: tracking against ffmpeg's bare decoding, detection against OpenCV's
 # detectors, camera calibration against cv::calibrateCamera, synthesis against NLopt, smoothing against scipy (Debian's
-# python3-scipy, if it is there). Processor time and accuracy, but wall time of the tracking. About twelve minutes; the machine
+# python3-scipy, if it is there). Processor time and accuracy, but wall time of the tracking. About eleven minutes; the machine
 # must be otherwise idle.
 #
 # Usage: tests/benchmark/run.sh [FOLDER OF THE PROGRAMS]   (default: build/test/bin, made by cmake --build --preset test)

@@ -3,8 +3,8 @@
 # 17 Mbit/s) and one compressed tightly (CRF 23, 1 Mbit/s, which is decoded three times as fast). Each is decoded with ffmpeg and
 # tracked without and with an overlay, in turn, five times each; prints the medians of the wall times and their ratios. Then
 # the same without overlay of 2160p (the second one made larger), and of coloured lights and ArUco markers in 720p60.
-# lake-track promises at least 0.85 of ffmpeg's frame rate without an overlay and 0.4 with one; it keeps that at a camera's bit
-# rate. The machine must be otherwise idle.
+# lake-track promises at least 0.85 of ffmpeg's frame rate without an overlay and 0.4 with one at a camera's bit rate; the fewer
+# bits there are to decode, the more its own work counts. About eight minutes; the machine must be otherwise idle.
 #
 # Usage: tests/benchmark/track_speed.sh [FOLDER OF THE PROGRAMS]   (default: build/release/bin)
 set -eu
