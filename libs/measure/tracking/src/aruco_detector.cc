@@ -141,7 +141,7 @@ class ArucoDetector : public MarkerDetector {
                                       bool everywhere) override {
     if (!everywhere && AreAllFollowed(predictions))
       if (auto found = FindWhereExpected(frame.luma, predictions)) return *std::move(found);
-    return FindIn(frame.luma, region_.Of(frame.luma));
+    return FindIn(frame.luma, region_.Of(frame.luma), kAllWindows);
   }
 
  private:
@@ -152,7 +152,8 @@ class ArucoDetector : public MarkerDetector {
     return markers_ > 0;
   }
 
-  // nullopt if one of them is not there.
+  // nullopt if one of them is not there. One window finds nearly all that three find; where it does not, all look at
+  // the whole picture.
   std::optional<std::vector<MarkerDetection>> FindWhereExpected(const cv::Mat& grey,
                                                                 std::span<const MarkerPrediction> predictions) {
     constexpr double kReachRadii = 3, kMarginPx = 12;  // a square's corner is 1.25 of its disc's radii from the middle
@@ -162,7 +163,7 @@ class ArucoDetector : public MarkerDetector {
       const cv::Rect box(static_cast<int>(prediction.position.x() - reach),
                          static_cast<int>(prediction.position.y() - reach), static_cast<int>(2 * reach),
                          static_cast<int>(2 * reach));
-      const std::vector<MarkerDetection> there = FindIn(grey, box & region_.Of(grey));
+      const std::vector<MarkerDetection> there = FindIn(grey, box & region_.Of(grey), kUsualWindow);
       const auto own = std::find_if(there.begin(), there.end(),
                                     [&](const MarkerDetection& d) { return d.identity == prediction.identity; });
       if (own == there.end()) return std::nullopt;
@@ -171,9 +172,16 @@ class ArucoDetector : public MarkerDetector {
     return all;
   }
 
+  // Sides of the windows, px, over whose mean a pixel is bright or dark: from, to, in steps of 10.
+  struct ThresholdWindows {
+    int least, most;
+  };
+  static constexpr ThresholdWindows kAllWindows{3, 23}, kUsualWindow{13, 13};
+
   // A square is as large as it must be in the whole picture.
-  std::vector<MarkerDetection> FindIn(const cv::Mat& grey, const cv::Rect& box) {
+  std::vector<MarkerDetection> FindIn(const cv::Mat& grey, const cv::Rect& box, const ThresholdWindows& windows) {
     if (box.empty()) return {};
+    parameters_->adaptiveThreshWinSizeMin = windows.least, parameters_->adaptiveThreshWinSizeMax = windows.most;
     const cv::Rect whole = region_.Of(grey);
     parameters_->minMarkerPerimeterRate =
         least_perimeter_ * std::max(whole.width, whole.height) / std::max(box.width, box.height);
