@@ -2,10 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <future>
 #include <string>
 
 #include "lake/core/run.h"
+#include "lake/core/threads.h"
 
 namespace lake::commands {
 
@@ -14,9 +14,7 @@ namespace lake::commands {
 template <typename Draw>
 void DrawPngAndSvg(const std::string& name, Run& run, const Draw& draw) {
   const std::filesystem::path png = run.Result(name + ".png"), svg = run.Result(name + ".svg");
-  std::future<void> vector = std::async(std::launch::async, [&] { draw(svg); });
-  draw(png);
-  vector.get();
+  ForEachInThreads(2, 2, [&](std::size_t i) { draw(i == 0 ? png : svg); });
 }
 
 }  // namespace lake::commands
