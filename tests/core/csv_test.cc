@@ -113,6 +113,14 @@ TEST(Csv, TextThatIsNotUtf8HasReplacementCharacters) {
   EXPECT_EQ(ReadTextFile(folder / "t.csv"), "name\n\"J\uFFFDrgen, b\"\n");
 }
 
+TEST(Csv, ARowOfAnotherWidthIsNotWritten) {
+  for (const int cells : {1, 3}) {
+    CsvWriter table({"a", "b"});
+    for (int i = 0; i < cells; ++i) table.Add(i);
+    EXPECT_THAT([&] { table.EndRow(); }, ThrowsMessage<std::logic_error>(HasSubstr("in a table of 2 columns")));
+  }
+}
+
 TEST(Csv, NamesTheLineOfABadTable) {
   const TemporaryFolder folder;
   const auto read = [&](const char* text) {

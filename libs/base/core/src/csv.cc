@@ -3,9 +3,9 @@
 #include <csv.h>
 
 #include <algorithm>
-#include <cassert>
 #include <charconv>
 #include <cmath>
+#include <stdexcept>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
@@ -167,7 +167,8 @@ CsvWriter& CsvWriter::AddEmpty() {
 }
 
 void CsvWriter::EndRow() {
-  assert(cells_in_row_ == columns_);
+  if (cells_in_row_ != columns_)
+    throw std::logic_error(fmt::format("a row of {} cells in a table of {} columns", cells_in_row_, columns_));
   cells_in_row_ = 0;
   text_ += '\n';
 }

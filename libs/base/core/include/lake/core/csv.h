@@ -59,7 +59,7 @@ class CsvWriter {
   CsvWriter& Add(const char* text) { return Add(std::string_view(text)); }
   CsvWriter& AddEmpty();
 
-  // Ends a row; it must be as wide as the header (asserted).
+  // Ends a row. Throws std::logic_error where it is not as wide as the header, a mistake of the caller's.
   void EndRow();
 
   // Throws Error if the file cannot be written.
