@@ -122,6 +122,38 @@ TEST_F(CameraProfileTest, SaysWhichKeyIsWrong) {
   EXPECT_THAT(Complaint(good + "rms_px: .Inf\n"), HasSubstr("'rms_px' is not finite"));
 }
 
+TEST_F(CameraProfileTest, SaysTheLineOfWhatCannotBeRead) {
+  using testing::HasSubstr;
+  const auto expect = [&](const std::string& text, const std::string& message) {
+    const std::string complaint = Complaint(text);
+    EXPECT_THAT(complaint, HasSubstr("camera.yaml" + message)) << text;
+    EXPECT_THAT(complaint, testing::Not(HasSubstr("parseValue"))) << text;
+  };
+  expect(kHead + kSize + "\tfps: 60\n", ":5: not an OpenCV FileStorage file: Tabs are prohibited in YAML!");
+  expect(kHead + "image_width: 12x\nimage_height: 720\n", ":3: not an OpenCV FileStorage file: Incorrect indentation");
+  expect("{\"image_width\": 1280,\n\"image_height\": }\n", ":2: not an OpenCV FileStorage file: Unrecognized value");
+  expect("hello", ": not an OpenCV FileStorage file: Unsupported file storage format");
+  expect("", ": is empty");
+}
+
+// OpenCV takes the first of two, other readers the last.
+TEST_F(CameraProfileTest, AKeyThatStandsTwiceIsRefused) {
+  using testing::HasSubstr;
+  EXPECT_THAT(Complaint(kHead + kSize + kMatrix + kDistortion + "image_width: 1920\n"),
+              HasSubstr("camera.yaml:15: key 'image_width' stands twice"));
+  EXPECT_THAT(Complaint(kHead + kSize + kMatrix + kMatrix + kDistortion), HasSubstr("'camera_matrix' stands twice"));
+  EXPECT_THAT(Complaint("{\n  \"image_width\": 1280,\n  \"image_width\": 1920\n}\n"),
+              HasSubstr("camera.yaml:3: key 'image_width' stands twice"));
+  EXPECT_THAT(Complaint("<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>1280</image_width>\n"
+                        "<image_width>1920</image_width>\n</opencv_storage>\n"),
+              HasSubstr("camera.yaml:4: key 'image_width' stands twice"));
+  EXPECT_THAT(Complaint(kHead + kSize +
+                        "camera_matrix: !!opencv-matrix\n   rows: 3\n   rows: 4\n   cols: 3\n   dt: d\n"
+                        "   data: [ 1., 0., 3., 0., 5., 6., 0., 0., 1. ]\n" +
+                        kDistortion),
+              HasSubstr("'rows' stands twice"));
+}
+
 TEST_F(CameraProfileTest, HostileFilesAreErrorsNotCrashes) {
   for (const std::string& text :
        {std::string(), std::string("\0\0\0", 3), std::string("%YAML:1.0\n---\n"), std::string("hello"),

@@ -190,6 +190,19 @@ TEST(Corrections, AreReadAsTheyWereWritten) {
   EXPECT_FALSE(read[1].sample.IsKnown());
 }
 
+TEST(Corrections, OfOneMarkerInOneFrameMustBeOne) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& rows) {
+    WriteTextFile(folder / "corrections.csv", "frame,marker,x_px,y_px\n" + rows);
+    return motion::ReadCorrections(folder / "corrections.csv", {"ankle", "knee"}, 640, 480);
+  };
+  EXPECT_EQ(read("12,knee,50,60\n12,ankle,50,60\n13,knee,50,60\n").size(), 3u);
+  EXPECT_THAT([&] { read("12,knee,50,60\n13,knee,1,2\n12,knee,,\n"); },
+              testing::ThrowsMessage<Error>(
+                  testing::AllOf(testing::HasSubstr("corrections.csv:4: 'knee' in frame 12 is corrected twice"),
+                                 testing::HasSubstr("corrections.csv:2"))));
+}
+
 TEST(Problems, AreGapsOutliersUncertainAndStretchedSegments) {
   motion::MarkerRecording recording = Recording();
   recording.markers[0].samples[8].sigma = 0.5;

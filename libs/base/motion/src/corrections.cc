@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -16,6 +18,7 @@ std::vector<Correction> ReadCorrections(const std::filesystem::path& path, const
                     y = table.Column("y_px");
   const bool has_sigma = table.Has("sigma_px");
   std::vector<Correction> corrections;
+  std::map<std::pair<std::int64_t, std::string>, std::string> seen;  // where
   for (std::size_t row = 0; row < table.Rows(); ++row) {
     const std::string& name = table.Text(row, marker);
     if (std::find(names.begin(), names.end(), name) == names.end())
@@ -33,6 +36,10 @@ std::vector<Correction> ReadCorrections(const std::filesystem::path& path, const
     if (!(sigma > 0)) throw Fail("{}: a sigma_px of {} is not positive", table.Where(row), sigma);
     const MarkerSample sample = px ? MarkerSample{{*px, *py}, sigma, SampleStatus::kDetected} : MarkerSample{};
     corrections.push_back({static_cast<std::int64_t>(number), name, sample, table.Where(row)});
+    const auto [first, is_new] = seen.try_emplace({corrections.back().frame, name}, table.Where(row));
+    if (!is_new)
+      throw Fail("{}: '{}' in frame {} is corrected twice, first in {}; keep one", table.Where(row), name, number,
+                 first->second);
   }
   return corrections;
 }

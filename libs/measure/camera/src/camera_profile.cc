@@ -2,7 +2,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstring>
 #include <opencv2/core.hpp>
+#include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "lake/camera/camera.h"
@@ -178,17 +181,55 @@ void CheckDepth(const std::string& text, const std::filesystem::path& path) {
   }
 }
 
+// The line that says it for the second time, as YAML, JSON and XML begin one; 0 where it stands elsewhere.
+int SecondLineOf(const std::string& text, const std::string& key) {
+  std::istringstream lines(text);
+  int number = 0, found = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    line.erase(0, line.find_first_not_of(" \t\"<{"));
+    const char next = line.size() > key.size() ? line[key.size()] : '\0';
+    const bool begins = line.starts_with(key) && std::strchr(":\"> ", next) && next != '\0';
+    if (begins && ++found == 2) return number;
+  }
+  return 0;
+}
+
+// OpenCV would take the first of two.
+void CheckKeys(const cv::FileNode& node, const std::string& text, const std::filesystem::path& path) {
+  std::set<std::string> seen;
+  for (const cv::FileNode& child : node) {
+    if (node.isMap() && !seen.insert(child.name()).second) {
+      const int line = SecondLineOf(text, child.name());
+      throw Fail("{}{}: key '{}' stands twice; keep one", path.string(), line > 0 ? fmt::format(":{}", line) : "",
+                 child.name());
+    }
+    if (child.isMap() || child.isSeq()) CheckKeys(child, text, path);
+  }
+}
+
+// OpenCV 4 tells line and reason, "(4): Incorrect indentation", as the function's name.
+Error NotAFile(const cv::Exception& error, const std::filesystem::path& path) {
+  constexpr const char* kWhat = "not an OpenCV FileStorage file";
+  for (const std::string& told : {error.func, error.err})
+    if (const std::size_t end = told.find("): "); told.starts_with('(') && end != std::string::npos)
+      return Fail("{}:{}: {}: {}", path.string(), told.substr(1, end - 1), kWhat, told.substr(end + 3));
+  return Fail("{}: {}: {}", path.string(), kWhat, error.err);
+}
+
 }  // namespace
 
 CameraProfile ReadCameraProfile(const std::filesystem::path& path) {
   const std::string text = ReadTextFile(path, 1 << 24);
+  if (text.empty()) throw Fail("{}: is empty", path.string());
   CheckDepth(text, path);
   try {
     const cv::FileStorage file(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
     if (!file.isOpened()) throw Fail("{}: not an OpenCV FileStorage file", path.string());
+    CheckKeys(file.root(), text, path);
     return ReadProfile({file, path.string()});
   } catch (const cv::Exception& error) {
-    throw Fail("{}: not an OpenCV FileStorage file: {}", path.string(), error.err);
+    throw NotAFile(error, path);
   } catch (const std::logic_error& error) {  // as std::length_error, of its reader
     throw Fail("{}: not an OpenCV FileStorage file: {}", path.string(), error.what());
   }

@@ -21,7 +21,7 @@ struct Correction {
 };
 
 // Throws Error naming file and line: a marker that is not among `names`, a frame that is none, half a position, one
-// outside the picture, a sigma that is not positive.
+// outside the picture, a sigma that is not positive, a marker that is corrected twice in a frame.
 std::vector<Correction> ReadCorrections(const std::filesystem::path& path, const std::vector<std::string>& names,
                                         int width, int height);
 
