@@ -16,6 +16,11 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSummary = "summary.json";
 
+template <typename Options>
+std::vector<steps::StudyKey> KeysOf(Options options) {
+  return steps::KeysOf(OptionsOf(options));
+}
+
 // What a comparison or an optimisation reads of a trial.
 std::vector<fs::path> TrialTables(const fs::path& folder) {
   return {folder / "kinematics.csv", folder / "events.csv", folder / "trajectory.csv", folder / "tracks.csv"};
@@ -24,7 +29,7 @@ std::vector<fs::path> TrialTables(const fs::path& folder) {
 steps::StudyStep CalibrationStep(const StudyCalibration& calibration, const fs::path& folder) {
   steps::StudyStep step{
       "calibration", "the camera", "lake-calibrate", folder, {}, {}, calibration.camera_options, 30, {}};
-  step.inputs = calibration.camera.pictures;
+  step.inputs = calibration.camera.pictures, step.keys = KeysOf(calibration.camera);
   step.work = [options = calibration.camera](Run& run) { run.WriteSummary(commands::RunCalibrate(options, run)); };
   return step;
 }
@@ -34,7 +39,7 @@ steps::StudyStep PlaneStep(const StudyCalibration& calibration, const fs::path& 
   options.camera = camera;
   steps::StudyStep step{"plane", "the sagittal plane", "lake-calibrate", folder, {}, {}, calibration.plane_options, 2,
                         {}};
-  step.inputs = {options.picture, options.camera};
+  step.inputs = {options.picture, options.camera}, step.keys = KeysOf(options);
   step.work = [options](Run& run) { run.WriteSummary(commands::RunPlane(options, run)); };
   return step;
 }
@@ -52,7 +57,7 @@ std::optional<fs::path> AddCamera(const StudyFile& study, const fs::path& out, s
 steps::StudyStep TrackStep(commands::TrackRunOptions options, const std::optional<fs::path>& camera) {
   if (!options.camera) options.camera = camera;
   steps::StudyStep step;
-  step.program = "lake-track", step.expected_s = 20;
+  step.program = "lake-track", step.expected_s = 20, step.keys = KeysOf(options);
   step.inputs = {video::FilesOfVideo(options.video)};
   if (options.camera) step.inputs.push_back(*options.camera);
   for (const auto& file : {options.corrections, options.events})
@@ -63,7 +68,7 @@ steps::StudyStep TrackStep(commands::TrackRunOptions options, const std::optiona
 
 steps::StudyStep GaitStep(const commands::GaitRunOptions& options) {
   steps::StudyStep step;
-  step.program = "lake-gait", step.expected_s = 3;
+  step.program = "lake-gait", step.expected_s = 3, step.keys = KeysOf(options);
   step.inputs = {options.trial};
   if (options.events) step.inputs.push_back(*options.events);
   step.work = [options](Run& run) { run.WriteSummary(commands::RunGait(options, run)); };
@@ -92,6 +97,7 @@ steps::StudyStep ComparisonStep(const StudyFile& study, const fs::path& out) {
                         study.compare_options,
                         4,
                         {}};
+  step.keys = KeysOf(options);
   for (const fs::path& folder : {options.human, options.exo})
     for (const fs::path& table : TrialTables(folder)) step.inputs.push_back(table);
   step.work = [options](Run& run) { run.WriteSummary(commands::RunCompare(options, run)); };
@@ -223,6 +229,7 @@ steps::StudyStep LoadsStep(const StudyFile& study, const fs::path& out) {
                         2,
                         {}};
   if (!options.forces.empty()) step.inputs.push_back(options.forces);
+  step.keys = KeysOf(options);
   step.work = [options](Run& run) { run.WriteSummary(commands::RunLoads(options, run)); };
   return step;
 }
@@ -287,6 +294,7 @@ steps::StudyStep SimulationStep(const StudyFile& study, const fs::path& design, 
     AddProblemOf(study.assistance->options, step);
   }
   commands::SimulationOptions options = study.simulation;
+  step.keys = KeysOf(options);
   if (study.loads) {
     TakeBodyOf(study.loads->loads.body, options);
     step.options["body"] = {{"mass_kg", options.body_mass_kg.value_or(0)},
@@ -314,6 +322,7 @@ steps::StudyStep StrokeStep(const StudyFile& study, const fs::path& design, cons
   if (!is_free || options.schedule.speed_mm_s) options.motion = out / "human";
   steps::StudyStep step{
       "stroke", "the actuator's program", "lake-stroke", out / "stroke", {design}, {}, study.stroke_options, 2, {}};
+  step.keys = KeysOf(options);
   if (options.duty_table) step.inputs.push_back(*options.duty_table);
   if (options.motion) step.inputs.push_back(*options.motion / "kinematics.csv");
   step.work = [options](Run& run) { run.WriteSummary(commands::RunStroke(options, run)); };
@@ -412,7 +421,7 @@ std::string StudyText(const Json& summary) {
   std::string text;
   for (const Json& step : summary["steps"])
     text += fmt::format("{:<12} {:6.1f} s  {}\n", step["name"].get<std::string>(), step["seconds"].get<double>(),
-                        step["done"].get<bool>() ? step["why"].get<std::string>() : "unchanged");
+                        step["done"].get<bool>() ? "done" : "unchanged");
   return text;
 }
 

@@ -69,21 +69,24 @@ std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp
   return ChangedOutput(stamp->outputs);
 }
 
-// Throws what is being handled again, the step named before its text.
+// Throws what is being handled again, the step named before its text, and behind it what the study file says for the
+// options in it.
 [[noreturn]] void RethrowAbout(const StudyStep& step) {
-  const std::string place = fmt::format("step {} ({}): ", step.name, step.what);
+  const auto told = [&](const std::string& text) {
+    return fmt::format("step {} ({}): {}{}", step.name, step.what, text, InStudyFile(text, step.keys));
+  };
   try {
     throw;
   } catch (const UsageError& error) {
-    throw UsageError(place + error.what());
+    throw UsageError(told(error.what()));
   } catch (const SolverError& error) {
-    throw SolverError(place + error.what());
+    throw SolverError(told(error.what()));
   } catch (const Interrupted&) {
     throw;
   } catch (const std::bad_alloc&) {
-    throw Error(place + "not enough memory for this input");
+    throw Error(told("not enough memory for this input"));
   } catch (const std::exception& error) {
-    throw Error(place + error.what());
+    throw Error(told(error.what()));
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "lake/core/json.h"
 #include "lake/core/run.h"
+#include "lake/steps/study_keys.h"
 
 namespace lake::steps {
 
@@ -23,8 +24,9 @@ struct StudyStep {
   std::vector<std::string> whole_steps;       // earlier steps all outputs of which it reads
   Json options = Json::object();              // what else its outputs depend on
   double expected_s = 1;                      // how long it takes, until its stamp says so; for the time left
-  std::function<void(Run&)> work;  // writes through the run: its outputs are what the run has given out as results
-  bool is_nobodys = false;         // of no one person: where LAKE_CACHE names a folder, done once for all studies
+  std::function<void(Run&)> work;   // writes through the run: its outputs are what the run has given out as results
+  bool is_nobodys = false;          // of no one person: where LAKE_CACHE names a folder, done once for all studies
+  std::vector<StudyKey> keys = {};  // of its section of the study file, for errors that name options
 };
 
 struct StepRunOptions {
