@@ -19,6 +19,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/provenance.h"
+#include "lake/core/shell_word.h"
 #include "lake/core/threads.h"
 #include "pages.h"
 
@@ -53,14 +54,10 @@ void PrepareLastWords(const std::string& program) {
 }
 
 // As it was given, but for the folder of the program.
-std::string CommandLine(int argc, char** argv) {
-  std::string line;
-  for (int i = 0; i < argc; ++i) {
-    const std::string word = i ? std::string(argv[i]) : std::filesystem::path(argv[i]).filename().string();
-    const bool plain = !word.empty() && word.find_first_of(" \t\n\"'\\$&;|<>()*?#") == std::string::npos;
-    line += (i ? " " : "") + (plain ? word : fmt::format("'{}'", word));
-  }
-  return line;
+std::string CommandLineOf(int argc, char** argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  words.front() = std::filesystem::path(words.front()).filename();
+  return CommandLine(words);
 }
 
 // The command line keeps the list as long as itself.
@@ -324,7 +321,7 @@ int Program::Main(int argc, char** argv, const std::function<std::string()>& res
     CatchInterrupts();
     if (threads_) SetThreads(*threads_);
     for (const SharedOptions& list : GivenLists()) list->Apply();
-    return Work(CommandLine(argc, argv), result_name(), work, report);
+    return Work(CommandLineOf(argc, argv), result_name(), work, report);
   });
 }
 

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <csignal>
 
+#include "lake/core/child_program.h"
 #include "lake/core/error.h"
 #include "lake/core/threads.h"
 
@@ -114,6 +115,69 @@ TEST(KilledProcess, IsAnErrorThatSaysSo) {
   };
   EXPECT_THAT([&] { InProcesses(2, killed, progress); }, ThrowsMessage<Error>(HasSubstr("Killed")));
   SetThreads(before);
+}
+
+// A signal handler for which the system ends a wait early, as long as it lives; the alarm comes after this time.
+class InterruptingAlarm {
+ public:
+  explicit InterruptingAlarm(useconds_t delay_us) {
+    struct sigaction action {};
+    action.sa_handler = [](int) {};  // without SA_RESTART
+    sigaction(SIGALRM, &action, &before_);
+    ualarm(delay_us, delay_us);
+  }
+  ~InterruptingAlarm() {
+    ualarm(0, 0);
+    sigaction(SIGALRM, &before_, nullptr);
+  }
+
+ private:
+  struct sigaction before_ {};
+};
+
+ChildEnd RunShell(const std::string& script, std::vector<std::string>& said) {
+  return RunChild(
+      "/bin/sh", {"-c", script}, [&](const std::string& line) { said.push_back(line); }, [] {});
+}
+
+TEST(Child, ThatIsWaitedForKeepsItsExitCodeThroughSignals) {
+  const InterruptingAlarm alarm(20000);
+  std::vector<std::string> said;
+  // It ends after its outputs do, so that its end is waited for.
+  EXPECT_EQ(RunShell("exec >&- 2>&-; sleep 0.2; exit 7", said).code, 7);
+  EXPECT_EQ(RunShell("exec >&- 2>&-; sleep 0.2; kill -KILL $$", said).code, 128 + SIGKILL);
+  EXPECT_EQ(WaitForEnd(1), std::nullopt) << "not this process's child";
+}
+
+TEST(Child, IsHeardOnBothOutputs) {
+  std::vector<std::string> said;
+  const ChildEnd end = RunShell("echo 'warning: a name with {' >&2; echo '{'; echo '}'; printf 'last words' >&2", said);
+  EXPECT_EQ(end.code, 0);
+  EXPECT_EQ(end.output, "{\n}\n");
+  EXPECT_THAT(said, testing::ElementsAre("warning: a name with {", "last words"));
+  EXPECT_EQ(end.last_line, "last words");
+}
+
+// Its handler does not end the write that it is in.
+TEST(Child, IsEndedWhereItWritesMoreThanIsRead) {
+  const auto stop = [] { throw Error("stopped"); };
+  EXPECT_THAT(
+      [&] {
+        RunChild(
+            "/bin/sh", {"-c", "trap 'exit 1' TERM; while :; do echo 0123456789; done"}, [](const std::string&) {},
+            stop);
+      },
+      ThrowsMessage<Error>("stopped"));
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
+}
+
+TEST(Child, ThatCannotBeStartedIsNamed) {
+  EXPECT_THAT(
+      [] {
+        RunChild(
+            "/nowhere/lake-run", {}, [](const std::string&) {}, [] {});
+      },
+      ThrowsMessage<Error>(HasSubstr("/nowhere/lake-run: cannot be started")));
 }
 
 }  // namespace

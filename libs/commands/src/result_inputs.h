@@ -25,7 +25,4 @@ std::string MakerOf(const std::filesystem::path& folder);
 // where it was not given.
 std::vector<std::string> WordsOf(const Option& option);
 
-// A word as a shell takes it for one.
-std::string ShellWord(const std::string& word);
-
 }  // namespace lake::commands

@@ -11,13 +11,14 @@
 #include <functional>
 #include <optional>
 
-#include "child_program.h"
 #include "lake/commands/optimize.h"
 #include "lake/commands/simulate.h"
+#include "lake/core/child_program.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/core/run.h"
+#include "lake/core/shell_word.h"
 #include "lake/core/yaml.h"
 #include "lake/problem/problem_file.h"
 #include "result_inputs.h"
@@ -257,7 +258,8 @@ fs::path OptimumOf(const DesignSubject& subject) {
 linkage::Design Optimise(const DesignSubject& subject, const fs::path& programs, const linkage::Links& links,
                          const review::BackgroundJob::Control& control) {
   const fs::path out = OptimumOf(subject);
-  const ChildEnd end = RunChild(programs / "lake-optimize", ArgumentsOf(subject, links, out), control);
+  const ChildEnd end =
+      RunChild(programs / "lake-optimize", ArgumentsOf(subject, links, out), control.say, control.throw_if_stopped);
   if (end.code != 0) throw Fail("lake-optimize ended with code {}: {}", end.code, end.last_line);
   return linkage::ReadDesign(out / "design.yaml");
 }

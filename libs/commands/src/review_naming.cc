@@ -5,9 +5,10 @@
 #include <mutex>
 #include <optional>
 
-#include "child_program.h"
 #include "lake/commands/review.h"
+#include "lake/core/child_program.h"
 #include "lake/core/error.h"
+#include "lake/core/shell_word.h"
 #include "lake/tracking/track_markers.h"
 #include "result_inputs.h"
 
@@ -82,7 +83,8 @@ review::ReviewedTrial Track(const fs::path& video, const fs::path& programs, con
     return fs::exists(tracks) ? std::optional(fs::last_write_time(tracks)) : std::nullopt;
   };
   const auto before = time_written();
-  const ChildEnd end = RunChild(programs / "lake-track", ArgumentsOf(video, choices), control);
+  const ChildEnd end =
+      RunChild(programs / "lake-track", ArgumentsOf(video, choices), control.say, control.throw_if_stopped);
   // Its tracks are there also where no leg could be fitted: that may be put right. Those of an earlier run do not
   // count.
   if (end.code != 0 && time_written() == before)

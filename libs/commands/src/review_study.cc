@@ -3,10 +3,11 @@
 #include <utility>
 #include <vector>
 
-#include "child_program.h"
+#include "lake/core/child_program.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/json.h"
+#include "lake/core/shell_word.h"
 #include "result_inputs.h"
 
 namespace lake::commands {
@@ -27,14 +28,12 @@ namespace {
 Json PlanOf(const fs::path& program, const std::vector<std::string>& words) {
   std::vector<std::string> asked = words;
   asked.push_back("--plan");
-  std::string text;
-  const ChildEnd end =
-      RunChild(program, asked, {[&](const std::string& line) { text += line + "\n"; }, [] { ThrowIfInterrupted(); }},
-               ChildSays::kAll);
+  const ChildEnd end = RunChild(
+      program, asked, [](const std::string&) {}, ThrowIfInterrupted);
   if (end.code != 0) throw Fail("lake-run ended with code {}: {}", end.code, end.last_line);
-  const std::size_t begin = text.find("{\n");  // behind its warnings
-  if (begin == std::string::npos) throw Fail("lake-run --plan said what is no plan: {}", end.last_line);
-  return Json::parse(text.substr(begin));
+  Json plan = Json::parse(end.output, nullptr, false);
+  if (plan.is_discarded()) throw Fail("lake-run --plan wrote what is no plan: {}", end.output);
+  return plan;
 }
 
 }  // namespace
@@ -57,7 +56,7 @@ review::StudyWork StudyWorkOf(const fs::path& folder, const fs::path& programs) 
   work.run = [program, words](const std::string& step, const review::BackgroundJob::Control& control) {
     std::vector<std::string> asked = words;
     if (!step.empty()) asked.insert(asked.end(), {"--only", step});
-    const ChildEnd end = RunChild(program, asked, control);
+    const ChildEnd end = RunChild(program, asked, control.say, control.throw_if_stopped);
     if (end.code != 0) throw Fail("lake-run ended with code {}: {}", end.code, end.last_line);
   };
   return work;

@@ -8,6 +8,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
+#include "lake/core/shell_word.h"
 #include "lake/core/yaml.h"
 #include "lake/video/video_files.h"
 #include "result_inputs.h"

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -118,10 +119,10 @@ bool WorkerProcess::Read(Progress& progress) {
 }
 
 std::string WorkerProcess::Take() {
-  const int status = Wait();
+  const std::optional<int> status = Wait();
   if (ending_.empty() || status != 0)
     throw Fail("a part of the work ended without a result ({}); with --threads 1 less memory is needed",
-               WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "its process exited");
+               status && WIFSIGNALED(*status) ? strsignal(WTERMSIG(*status)) : "its process exited");
   const std::string text = ending_.substr(1);
   switch (ending_.front()) {
     case kResult:
@@ -137,11 +138,14 @@ std::string WorkerProcess::Take() {
   }
 }
 
-int WorkerProcess::Wait() {
+std::optional<int> WorkerProcess::Wait() {
+  return WaitForEnd(std::exchange(process_, -1));
+}
+
+std::optional<int> WaitForEnd(pid_t process) {
   int status = 0;
-  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
-  }
-  process_ = -1;
+  while (waitpid(process, &status, 0) < 0)
+    if (errno != EINTR) return std::nullopt;
   return status;
 }
 
@@ -155,7 +159,7 @@ int WaitForChild(pid_t child, const std::string& program, std::chrono::milliseco
       ThrowIfInterrupted();
     } catch (const Interrupted&) {
       kill(-child, SIGTERM);
-      waitpid(child, &status, 0);
+      WaitForEnd(child);
       throw;
     }
     std::this_thread::sleep_for(nap);

@@ -145,7 +145,7 @@ std::string Sha256OfText(std::string_view text) {
   return hash.Hex();
 }
 
-std::string WithoutHome(const std::string& text) {
+std::string WithoutHome(const std::string& text, std::string_view written) {
   const std::string home = Home();
   if (home.empty()) return text;
   std::string short_text;
@@ -155,7 +155,7 @@ std::string WithoutHome(const std::string& text) {
     const bool begins_path = at == 0 || !(IsInName(text[at - 1]) || text[at - 1] == '/');
     const bool ends_name = end == text.size() || !IsInName(text[end]);
     if (!begins_path || !ends_name) continue;
-    short_text += text.substr(done, at - done) + "~";
+    short_text.append(text, done, at - done).append(written);
     done = end;
   }
   return short_text + text.substr(done);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,13 +39,17 @@ class WorkerProcess {
   std::string Take();
 
  private:
-  int Wait();
+  std::optional<int> Wait();
   bool HasEnded() const;  // within that time
 
   pid_t process_ = -1;
   int pipe_ = -1;
   std::string ending_;
 };
+
+// Waits for a process that this one has started and returns its status, as waitpid() has it; a signal that arrives
+// meanwhile changes nothing. nullopt where the system does not know the process (any more).
+std::optional<int> WaitForEnd(pid_t process);
 
 // The exit status of another program that was started in a process group of its own; looked at every `nap`.
 // Interrupted, it ends the program, and with it what that has started, before it throws. Throws Error naming the

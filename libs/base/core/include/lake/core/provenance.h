@@ -28,9 +28,9 @@ std::string Sha256OfProgram(const std::filesystem::path& program);
 
 std::string Sha256OfText(std::string_view text);
 
-// A path or a command line with the user's home folder written as "~", so that what is passed on with results does not
-// say whose folder it was.
-std::string WithoutHome(const std::string& text);
+// A path or a text with the user's home folder written as "~", so that what is passed on with results does not say
+// whose folder it was.
+std::string WithoutHome(const std::string& text, std::string_view written = "~");
 
 // The path with its leading "~" as the user's home folder again.
 std::filesystem::path FromHome(const std::filesystem::path& path);
