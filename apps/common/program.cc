@@ -152,7 +152,7 @@ std::vector<const CLI::App*> GivenLevels(const CLI::App& cli) {
 
 Json EffectiveValue(const Option& option) {
   const OptionTexts texts = option.Split(option.Given());
-  if (texts.empty()) return option.DefaultText();
+  if (texts.empty()) return option.Text();
   return option.IsRepeated() && texts.size() > 1 ? Json(texts) : Json(JoinTexts(texts));
 }
 
@@ -331,7 +331,11 @@ int Program::Work(const std::string& command, const std::string& result_name, co
   if (is_default) out_ = (std::filesystem::path("lake-out") / result_name).string();  // or an absolute path
   Json options = EffectiveOptions(*cli_, GivenLists());
   options["out"] = out_;
-  Run run({name_, command, options, out_, quiet_, Subject(), is_default});
+  Run::Info info{name_, command, options, out_, quiet_, Subject(), is_default};
+  for (const SharedOptions& list : GivenLists())
+    for (const Option& option : list->All())
+      if (!option.Given().empty()) info.given.push_back(option.Name());
+  Run run(std::move(info));
   const Json results = work(run);
   if (results.is_null()) return kDone;
   const Json summary = run.WriteSummary(results);

@@ -75,6 +75,40 @@ TEST(AFlag, IsSetByItsLastMentionAndRefusesOtherWords) {
   EXPECT_THROW(cli.parse("--drawn=perhaps"), CLI::ValidationError);
 }
 
+// Default, then what the problem's file says, then the command line: in what is used and in what is said.
+TEST(AProblemFile, StandsBetweenDefaultAndCommandLine) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "problem.yaml",
+                "margins: {grashof_mm: 3}\nclearances: {limb_mm: 5}\nbody: {thigh_mm: 410, shank_mm: 400}\n"
+                "load: {knee_torque_nm: 30, max_force_n: 900}\nparts: {pin_diameter_mm: 12, plate: \"5mm,S235\"}\n");
+  const auto read = [&](const std::string& rest) {
+    commands::OptimizeRunOptions options;
+    CLI::App cli("A program", "lake-new");
+    const SharedOptions list = AddOptions(cli, OptionsOf(options));
+    cli.parse("--problem " + (folder / "problem.yaml").string() + rest);
+    list->Apply();
+    return std::pair(options.problem, EffectiveOptions(cli, {list}));
+  };
+  const auto [file, file_said] = read("");
+  EXPECT_EQ(file.parts.pin_diameter_mm, 12);
+  for (const auto& [name, value] : {std::pair("pin-diameter", "12"),
+                                    {"plate", "5mm,S235"},
+                                    {"knee-torque", "30"},
+                                    {"max-force", "900"},
+                                    {"grashof-margin", "3"},
+                                    {"clear-limb", "5"},
+                                    {"thigh", "410"},
+                                    {"bar-width", "24"},
+                                    {"singularity-margin", "0"}})
+    EXPECT_EQ(file_said[name], value) << name;
+  const auto [given, given_said] = read(" --pin-diameter 8 --knee-torque 40");
+  EXPECT_EQ(given.parts.pin_diameter_mm, 8) << "the default, but said";
+  EXPECT_EQ(given_said["pin-diameter"], "8");
+  EXPECT_EQ(given.knee_torque_nm, 40);
+  EXPECT_EQ(given_said["knee-torque"], "40");
+  EXPECT_EQ(given_said["max-force"], "900");
+}
+
 // What several values leave of a command line, as a program of two operands reads it.
 struct ListOptions {
   std::vector<double> angles_deg;

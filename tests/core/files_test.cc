@@ -72,9 +72,20 @@ TEST(Run, SummaryHoldsWhatMadeTheResult) {
   EXPECT_EQ(summary["commit"], Commit());
   EXPECT_EQ(summary["tree"], SourceTree());
   EXPECT_EQ(summary["warnings"][0], "dim");
+  EXPECT_EQ(summary["given"], Json::array());
   EXPECT_EQ(summary["answer"], 42);
   // FIPS 180-2, appendix B.1.
   EXPECT_EQ(summary["inputs"][0]["sha256"], "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+// A study's two trials are of the same program.
+TEST(Run, AStepsWarningNamesTheStep) {
+  const TemporaryFolder folder;
+  lake::Run run({"lake-track", "lake-run study.yaml", Json::object(), folder / "out", true, {}, false, "human"});
+  testing::internal::CaptureStderr();
+  run.Warn("dim");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "lake-track: warning: human: dim\n");
+  EXPECT_EQ(run.Warnings().front(), "dim") << "the step's own summary";
 }
 
 TEST(Paths, LieInAFolder) {

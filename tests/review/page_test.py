@@ -662,6 +662,18 @@ class ReviewPage(unittest.TestCase):
             self.assertAlmostEqual(check["value"], requirement["value"], delta=1e-3, msg=requirement["name"])
         self.assertIn("seat clearance", [check["name"] for check in told])
 
+    def test_what_a_design_was_given_is_handed_on(self):
+        """An option that says the default's value stands above the problem file; what only the file says is not given."""
+        self.trial.mkdir()
+        run(BIN / "lake-optimize", "--problem", "thick.yaml", "--pin-diameter", 8, "--starts", 1, "--quiet", "-o", "optimum",
+            cwd=self.trial, files={self.trial / "thick.yaml": PROBLEM + "parts: {pin_diameter_mm: 12, bar_width_mm: 40}\n"})
+        summary = json.loads((self.trial / "optimum/summary.json").read_text())
+        self.assertEqual([summary["options"][name] for name in ("pin-diameter", "bar-width")], ["8", "40"])
+        self.assertEqual(summary["given"], ["problem", "pin-diameter", "starts"])
+        review = self.start(self.trial / "optimum")
+        command = review.ask("command", {"links": review.ask("design")["links"]})["command"]
+        self.assertRegex(command, r"^lake optimize --problem \S*thick.yaml --pin-diameter 8 --start ")
+
     def test_a_design_is_optimised_from_here(self):
         review = self.open_design()
         best = [self.length(link) for link in range(1, 7)]

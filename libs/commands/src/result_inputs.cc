@@ -28,6 +28,20 @@ Json ReadSummary(const fs::path& file) {
   return summary;
 }
 
+bool IsOfStudy(const Json& summary) {
+  return !summary.at("options").contains("out");
+}
+
+Json GivenOptions(const Json& summary, const fs::path& folder) {
+  const Json& options = summary.at("options");
+  if (IsOfStudy(summary)) return options;
+  if (!summary.contains("given"))
+    throw Fail("{}: was made by an older version of lake; make it again", (folder / "summary.json").string());
+  Json given = Json::object();
+  for (const Json& name : summary.at("given")) given[name.get<std::string>()] = options.at(name.get<std::string>());
+  return given;
+}
+
 fs::path FindInput(const Json& input, const fs::path& results) {
   const fs::path path = input.at("path").get<std::string>();
   std::vector<fs::path> places = {fs::current_path()};

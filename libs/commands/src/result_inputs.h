@@ -13,6 +13,14 @@ namespace lake::commands {
 // A summary.json; the paths of its options and inputs are as they were given, with the home folder. Throws Error.
 Json ReadSummary(const std::filesystem::path& file);
 
+// Whether a summary is that of a study's step, whose options are its section of the study file; those of a run of its
+// own are all that its command line has.
+bool IsOfStudy(const Json& summary);
+
+// The options of the summary in this folder that its run was given, the others being defaults or what a file said that
+// one of these names. Throws Error for a summary of an older version, which does not tell.
+Json GivenOptions(const Json& summary, const std::filesystem::path& folder);
+
 // The file that an entry of a summary's `inputs` names. Inputs are named as from the folder in which the run was
 // started: the present one, or one above the results. One that was moved is known by its content, if it lies in one of
 // these. Throws Error: not to be found, or changed.

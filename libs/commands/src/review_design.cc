@@ -53,8 +53,7 @@ struct Folder {
   fs::path path;
   Json summary;
 
-  // A run of its own keeps the options of its command line, a study's step those of its section of the study file.
-  bool IsOfStudy() const { return !summary.at("options").contains("out"); }
+  bool IsOfStudy() const { return commands::IsOfStudy(summary); }
 
   // Where a file or folder that an option names is now; as it was named, if it is among no inputs.
   std::string Find(const fs::path& named) const {
@@ -67,13 +66,13 @@ struct Folder {
     return named.string();
   }
 
-  // Gives the options their values there, unless these are the default.
+  // Gives the options the values that are said.
   void Give(const Json& said, OptionList& list) const {
     for (Option& option : list.All()) {
       const auto value = said.find(IsOfStudy() ? option.Key() : option.Name());
       if (value == said.end()) continue;
       OptionTexts texts = TextsOf(*value);
-      if (texts.empty() || texts == OptionTexts{""} || texts == OptionTexts{option.DefaultText()}) continue;
+      if (texts.empty() || texts == OptionTexts{""}) continue;
       if (option.PathKind() != Option::Path::kNone)
         for (std::string& text : texts) text = Find(text);
       option.Give(texts);
@@ -131,7 +130,7 @@ void TakeLimits(const Folder& folder, DesignSubject& subject) {
   OptimizeRunOptions options;
   ReoptimizeRunOptions motion;
   OptionList list = OptionsOf(options), motion_list = OptionsOf(motion).Without({"duration"});
-  Json said = folder.summary.at("options");
+  Json said = GivenOptions(folder.summary, folder.path);
   const bool has_motion = folder.summary.contains("misalignment_percent");
   if (folder.IsOfStudy()) {
     ReadInlineProblem(folder, options.problem);

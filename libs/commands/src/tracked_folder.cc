@@ -33,21 +33,18 @@ Json ReadSummaryOf(const fs::path& folder) {
   return summary;
 }
 
-// A run of its own keeps the options of its command line, a study's step those of its section of the study file.
-void ReadOptionsOf(const fs::path& folder, const Json& said, OptionList& list) {
-  if (!said.contains("out")) {
-    YamlNode summary = YamlNode::ReadFile(folder / "summary.json");
-    YamlNode options = *summary.Child("options");
+void ReadOptionsOf(const fs::path& folder, const Json& summary, OptionList& list) {
+  if (IsOfStudy(summary)) {
+    YamlNode file = YamlNode::ReadFile(folder / "summary.json");
+    YamlNode options = *file.Child("options");
     return ReadOptions(options, list, [](const YamlNode& node, const Option&) {
       return OptionTexts{FromHome(node.AsText()).string()};
     });
   }
-  for (Option& option : list.All()) {
-    const auto value = said.find(option.Name());
-    if (value == said.end()) continue;
-    const OptionTexts texts = value->is_array() ? value->get<OptionTexts>() : OptionTexts{value->get<std::string>()};
-    if (texts != OptionTexts{""} && texts != OptionTexts{option.DefaultText()}) option.Give(texts);
-  }
+  const Json given = GivenOptions(summary, folder);
+  for (Option& option : list.All())
+    if (const auto value = given.find(option.Name()); value != given.end())
+      option.Give(value->is_array() ? value->get<OptionTexts>() : OptionTexts{value->get<std::string>()});
   list.Apply();
 }
 
@@ -164,10 +161,9 @@ TrackedFolder ReadTrackedFolder(const fs::path& folder) {
   result.folder = folder;
   const Json summary = ReadSummaryOf(folder);
   try {
-    const Json& said = summary.at("options");
-    const bool is_study = !said.contains("out");
+    const bool is_study = IsOfStudy(summary);
     OptionList list = OptionsOf(result.options);
-    ReadOptionsOf(folder, said, list);
+    ReadOptionsOf(folder, summary, list);
     ResolveInputs(summary.at("inputs"), folder, is_study, result.options);
     ReadTracked(folder, summary, result);
     const auto command = [&](bool events) {

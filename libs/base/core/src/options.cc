@@ -129,8 +129,13 @@ std::vector<std::pair<std::string, std::string>> NamesAndValues(const OptionText
   return pairs;
 }
 
-Option::Option(std::string name, std::string help, SetOption set)
-    : name_(std::move(name)), help_(std::move(help)), type_("TEXT"), set_(std::move(set)) {}
+Option::Option(std::string name, std::string help, SetOption set, TellOption text)
+    : name_(std::move(name)),
+      help_(std::move(help)),
+      default_text_(text()),
+      type_("TEXT"),
+      set_(std::move(set)),
+      text_(std::move(text)) {}
 
 Option& Option::Unit(std::string unit) {
   if (!FindUnit(unit)) throw std::invalid_argument(fmt::format("unit '{}' has no ending for keys", unit));
@@ -225,6 +230,11 @@ std::string Option::Value() const {
   return type_;
 }
 
+std::string Option::Text() const {
+  const std::string now = text_();
+  return now == default_text_ ? DefaultText() : now;
+}
+
 OptionTexts Option::Split(const OptionTexts& texts) const {
   if (!splits_) return texts;
   OptionTexts parts;
@@ -257,10 +267,8 @@ void Option::Set(const OptionTexts& texts, const std::string& said) {
   }
 }
 
-Option& OptionList::AddCustom(std::string name, std::string help, SetOption set, std::string default_text) {
-  Option& option = options_.emplace_back(std::move(name), std::move(help), std::move(set));
-  option.default_text_ = std::move(default_text);
-  return option;
+Option& OptionList::AddCustom(std::string name, std::string help, SetOption set, TellOption text) {
+  return options_.emplace_back(std::move(name), std::move(help), std::move(set), std::move(text));
 }
 
 void OptionList::RunChecks() const {

@@ -152,7 +152,7 @@ std::vector<fs::path> Run::Results() const {
 
 void Run::Warn(const std::string& text) {
   warnings_.push_back(text);
-  fmt::print(stderr, "{}: warning: {}\n", info_.program, text);
+  fmt::print(stderr, "{}: warning: {}{}\n", info_.program, info_.step.empty() ? "" : info_.step + ": ", text);
 }
 
 void Run::AddInput(const fs::path& path) {
@@ -162,8 +162,9 @@ void Run::AddInput(const fs::path& path) {
 }
 
 Json Run::Head() const {
-  return {{"program", info_.program}, {"version", Version()},     {"commit", Commit()}, {"tree", SourceTree()},
-          {"command", info_.command}, {"options", info_.options}, {"inputs", inputs_},  {"warnings", warnings_}};
+  return {{"program", info_.program}, {"version", Version()},     {"commit", Commit()},
+          {"tree", SourceTree()},     {"command", info_.command}, {"options", info_.options},
+          {"given", info_.given},     {"inputs", inputs_},        {"warnings", warnings_}};
 }
 
 Json Run::WriteSummary(const Json& results) {

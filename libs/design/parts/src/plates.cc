@@ -102,7 +102,7 @@ void Describe(PartOptions& o, OptionList& options) {
             CheckTextCount(texts, 1, said);
             ReadPlate(texts.front(), said, o);
           },
-          fmt::format("{}mm,{}", o.thickness_mm, o.material))
+          [&o] { return fmt::format("{}mm,{}", o.thickness_mm, o.material); })
       .Value("MM,MATERIAL");
   options.Add("pin-diameter", o.pin_diameter_mm, "Diameter of the pins").Unit("mm");
   options.Add("bore-clearance", o.bore_clearance_mm, "How much wider than its pin a hole is").Unit("mm").NotNegative();

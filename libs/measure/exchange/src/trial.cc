@@ -259,7 +259,7 @@ Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& o
   return options
       .AddCustom(name,
                  "Length unit of files that state none (Tracker text, Kinovea's CSV): mm, cm, m, or its length in mm",
-                 set, "mm")
+                 set, [&mm_per_unit] { return mm_per_unit == 1 ? std::string("mm") : FormatNumber(mm_per_unit); })
       .Value("mm|cm|m|MM");
 }
 

@@ -31,13 +31,15 @@ using OptionTexts = std::vector<std::string>;
 
 // Sets a field from the texts given; `said` is the option's name for messages. Throws UsageError.
 using SetOption = std::function<void(const OptionTexts& texts, const std::string& said)>;
+// The field's value as the option would be given it; empty: none.
+using TellOption = std::function<std::string()>;
 
 // One option, bound to a field of a struct that outlives it. The setters return the option itself.
 class Option {
  public:
   enum class Path { kNone, kFile, kFolder, kVideo };  // what the text is the place of; a video may be frames/%05d.png
 
-  Option(std::string name, std::string help, SetOption set);
+  Option(std::string name, std::string help, SetOption set, TellOption text);
 
   // Of numbers: "mm", "mm/s", "degrees", …; stands behind the help, gives the key its ending.
   Option& Unit(std::string unit);
@@ -67,8 +69,10 @@ class Option {
   std::string Key() const;
   std::string Help() const;   // with unit, and what holds without the option or its value
   std::string Value() const;  // MM_S, constant|free, FILE, …; empty for a flag
-  // The field's value; empty where Otherwise() says what holds, or where the option must be given.
+  // The field's value as it was described; empty where Otherwise() says what holds, or where the option must be given.
   std::string DefaultText() const { return otherwise_.empty() && !is_required_ ? default_text_ : ""; }
+  // The field's value now: the default, unless a file that another option names, or the option itself, said another.
+  std::string Text() const;
   const std::string& ImpliedText() const { return implied_; }
   Path PathKind() const { return path_; }
   bool IsOperand() const { return is_operand_; }  // given by its place, not by --NAME
@@ -99,6 +103,7 @@ class Option {
 
   std::string name_, help_, key_, value_, unit_, otherwise_, default_text_, implied_, type_, said_;
   SetOption set_;
+  TellOption text_;
   OptionTexts given_;
   Path path_ = Path::kNone;
   bool is_operand_ = false, is_flag_ = false, has_negation_ = false, repeats_ = false, is_required_ = false,
@@ -234,7 +239,7 @@ class OptionList {
     Option& option = AddCustom(
         std::move(name), std::move(help),
         [&field](const OptionTexts& texts, const std::string& said) { Field::Set(texts, said, field); },
-        Field::Text(field));
+        [&field] { return Field::Text(field); });
     option.type_ = OptionValue<typename Field::Element>::kType;
     option.is_flag_ = std::is_same_v<typename Field::Element, bool>;
     const bool is_path = std::is_same_v<typename Field::Element, std::filesystem::path>;
@@ -256,11 +261,13 @@ class OptionList {
   using Choices = std::vector<std::pair<std::string, T>>;
   template <typename Field, typename T>
   Option& AddChoice(std::string name, Field& field, const Choices<T>& choices, std::string help) {
-    std::string names, now;
-    for (const auto& [text, value] : choices) {
-      names += (names.empty() ? "" : "|") + text;
-      if (field == value) now = text;
-    }
+    std::string names;
+    for (const auto& [text, value] : choices) names += (names.empty() ? "" : "|") + text;
+    const auto now = [&field, choices] {
+      for (const auto& [text, value] : choices)
+        if (field == value) return text;
+      return std::string();
+    };
     const auto set = [&field, choices](const OptionTexts& texts, const std::string& said) {
       CheckTextCount(texts, 1, said);
       OptionTexts known;
@@ -283,13 +290,15 @@ class OptionList {
       CheckTextCount(texts, 1, said);
       field = OptionValue<bool>::Parse(texts.front(), said) ? value : otherwise;
     };
-    Option& option = AddCustom(std::move(name), std::move(help), set, OptionValue<bool>::Format(field == value));
+    Option& option = AddCustom(std::move(name), std::move(help), set,
+                               [&field, value] { return OptionValue<bool>::Format(field == value); });
     option.is_flag_ = true;
     return option;
   }
 
   // A text of its own kind.
-  Option& AddCustom(std::string name, std::string help, SetOption set, std::string default_text = "");
+  Option& AddCustom(
+      std::string name, std::string help, SetOption set, TellOption text = [] { return std::string(); });
 
   // What holds between the options once they are set: what follows from others, and what must hold, else `check` throws
   // Error.

@@ -30,6 +30,7 @@ class Run {
     std::vector<std::string> subject = {};  // what the results are of: files as the user named them, absolute
     bool default_folder = false;            // nobody chose `out`: results of another subject there are not replaced
     std::string step = {};                  // the step of a study that this run is; empty: a run by itself
+    std::vector<std::string> given = {};    // those of `options` that a command line gave, by their names
   };
   explicit Run(Info info);
   Run(const Run&) = delete;
@@ -60,7 +61,8 @@ class Run {
   // Records a file that was read, with its content hash.
   void AddInput(const std::filesystem::path& path);
 
-  // What made the results, as a summary begins: program, version, command, options, inputs, warnings, as known so far.
+  // What made the results, as a summary begins: program, version, command, options and which of them were given,
+  // inputs, warnings, as known so far.
   Json Head() const;
 
   // The head, then the given results; written as summary.json and returned.
