@@ -5,6 +5,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "lake/core/provenance.h"
+#include "lake/core/standard_output.h"
 
 namespace fs = std::filesystem;
 
@@ -96,9 +98,7 @@ int Complain(const std::string& text) {
   return 2;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int PrintOrBecomeStep(int argc, char** argv) {
   const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
   if (argc < 2) return Complain("a step is missing");
   const std::string_view step = argv[1];
@@ -131,4 +131,17 @@ int main(int argc, char** argv) {
   execv(program.c_str(), arguments.data());
   fmt::print(stderr, "lake: {} cannot be started: {}\n", program, std::strerror(errno));
   return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const int code = PrintOrBecomeStep(argc, argv);
+    lake::FlushStdout();
+    return code;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "lake: {}\n", error.what());
+    return 1;
+  }
 }

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <map>
 #include <new>
+#include <set>
 #include <string_view>
 #include <system_error>
 
@@ -20,6 +21,7 @@
 #include "lake/core/interrupt.h"
 #include "lake/core/provenance.h"
 #include "lake/core/shell_word.h"
+#include "lake/core/standard_output.h"
 #include "lake/core/threads.h"
 #include "pages.h"
 
@@ -183,6 +185,32 @@ void AddPages(CLI::App& cli) {
       ->group("");
 }
 
+// A file of --config, in which a name that stands twice would be read once, whichever is meant.
+class ConfigFile : public CLI::ConfigTOML {
+ public:
+  std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+    std::vector<CLI::ConfigItem> items = CLI::ConfigTOML::from_config(input);
+    std::set<std::string> seen;
+    for (const CLI::ConfigItem& item : items)
+      if (!seen.insert(item.fullname()).second)
+        throw CLI::ConfigError(fmt::format("'{}' stands twice; keep one", item.fullname()));
+    return items;
+  }
+};
+
+// What CLI11 says of a file of --config: "INI was not able to parse calibrate.thresh"; of a section that is no command
+// "… calibrat.++".
+std::string TextOf(const CLI::ConfigError& error, const CLI::App& cli) {
+  constexpr std::string_view kUnknown = "INI was not able to parse ", kSection = ".++";
+  const std::string file = cli.get_config_ptr()->as<std::string>();
+  std::string_view text = error.what();
+  if (!text.starts_with(kUnknown)) return fmt::format("{}: {}", file, text);
+  text.remove_prefix(kUnknown.size());
+  if (!text.ends_with(kSection)) return fmt::format("{}: there is no option '{}'", file, text);
+  text.remove_suffix(kSection.size());
+  return fmt::format("{}: there is no command '{}'", file, text);
+}
+
 // What CLI11 says of an option that ends the line: "--starts: 1 required INT missing".
 std::string TextOf(const CLI::ParseError& error) {
   constexpr std::string_view kRequired = " required ", kMissing = " missing";
@@ -219,11 +247,21 @@ int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc
   cli.set_version_flag("--version", fmt::format("{} {}", name, VersionAndCommit()));
   AddPages(cli);
   PrepareLastWords(name);
+  const auto parse_and_work = [&] {
+    try {
+      cli.parse(NameEachValue(argc, argv, lists));
+      return work();
+    } catch (const CLI::Success& page) {
+      return cli.exit(page);  // --help, --version
+    }
+  };
   try {
-    cli.parse(NameEachValue(argc, argv, lists));
-    return work();
+    const int code = parse_and_work();
+    FlushStdout();
+    return code;
+  } catch (const CLI::ConfigError& error) {
+    return Complain(name, fmt::format("{}; see {} --help", TextOf(error, cli), name), kWrongUsage);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return cli.exit(error);  // --help, --version
     return Complain(name, fmt::format("{}; see {} --help", TextOf(error), name), kWrongUsage);
   } catch (const UsageError& error) {
     return Complain(name, error.what(), kWrongUsage);
@@ -239,7 +277,7 @@ int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc
     return Complain(name,
                     starved ? "the system gives this program no more threads or memory; close others, or raise its "
                               "limits (ulimit -u, ulimit -v)"
-                            : error.what(),
+                            : fmt::format("{}{}", std::ferror(stdout) ? "stdout: " : "", error.what()),
                     kFailed);
   } catch (const std::exception& error) {
     return Complain(name, error.what(), kFailed);
@@ -267,6 +305,8 @@ Program::Program(std::string name, std::string what, std::string example)
       ->type_name("INT");
   cli_->add_flag("--quiet", quiet_, "No progress");
   cli_->add_flag("--json", json_, "Print the summary to stdout as JSON");
+  cli_->config_formatter(std::make_shared<ConfigFile>());
+  cli_->allow_config_extras(CLI::config_extras_mode::error);
   cli_->set_config("--config", "", "Take options from this file; each run writes those it was given as options.toml");
 }
 

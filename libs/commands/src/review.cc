@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "lake/core/error.h"
+#include "lake/core/standard_output.h"
 #include "lake/review/review.h"
 #include "result_inputs.h"
 #include "review_comparison.h"
@@ -34,7 +35,7 @@ void OpenInBrowser(std::string address) {
 
 void Announce(const std::string& address, bool open) {
   fmt::print("{}\nOpen this address in a browser; closing the page or Ctrl-C ends it.\n", address);
-  std::fflush(stdout);
+  FlushStdout();
   if (open) OpenInBrowser(address);
 }
 
