@@ -671,7 +671,7 @@ class ReviewPage(unittest.TestCase):
         self.assertEqual([summary["options"][name] for name in ("pin-diameter", "bar-width")], ["8", "40"])
         self.assertEqual(summary["given"], ["problem", "pin-diameter", "starts"])
         review = self.start(self.trial / "optimum")
-        command = review.ask("command", {"links": review.ask("design")["links"]})["command"]
+        command = review.ask("optimise-command", {"links": review.ask("design")["links"]})["command"]
         self.assertRegex(command, r"^lake optimize --problem \S*thick.yaml --pin-diameter 8 --start ")
 
     def test_a_design_is_optimised_from_here(self):
