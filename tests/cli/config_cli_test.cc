@@ -12,9 +12,8 @@ using testing::HasSubstr;
 
 class ConfigFile : public testing::Test {
  protected:
-  // A program that draws nothing.
-  Outcome Simulate(const std::string& options) {
-    return Shell(folder_, "lake-simulate --links 85,85,85,80,80,235 --no-animation --quiet -o out " + options);
+  static std::string Export() {
+    return fmt::format("lake-export '{}/data/sts-study/worn.yaml' dxf --quiet -o out", LAKE_SOURCE_DIR);
   }
 
   void ExpectRefused(const std::string& program, const std::string& text, const std::string& message) {
@@ -31,7 +30,7 @@ class ConfigFile : public testing::Test {
 
 TEST_F(ConfigFile, StandsBelowTheCommandLine) {
   WriteTextFile(folder_ / "options.toml", "pin-diameter = 12\nbar-width = 40\n");
-  const Outcome outcome = Simulate("--config options.toml --bar-width 42 --json");
+  const Outcome outcome = Shell(folder_, Export() + " --config options.toml --bar-width 42 --json");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json options = Json::parse(outcome.out)["options"];
   EXPECT_EQ(options["pin-diameter"], "12");
@@ -39,12 +38,11 @@ TEST_F(ConfigFile, StandsBelowTheCommandLine) {
 }
 
 TEST_F(ConfigFile, WithWhatIsNoOptionIsRefused) {
-  const std::string simulate = "lake-simulate --links 85,85,85,80,80,235 -o out";
-  ExpectRefused(simulate, "pin-diamter = 12\n", "there is no option 'pin-diamter'");
-  ExpectRefused(simulate, "pin-diameter = 12\nbar-width = 40\npin-diameter = 8\n", "'pin-diameter' stands twice");
-  ExpectRefused(simulate, "[calibrate]\nmarkers = 3\n", "there is no command 'calibrate'");
+  ExpectRefused(Export(), "pin-diamter = 12\n", "there is no option 'pin-diamter'");
+  ExpectRefused(Export(), "pin-diameter = 12\nbar-width = 40\npin-diameter = 8\n", "'pin-diameter' stands twice");
+  ExpectRefused(Export(), "[calibrate]\nmarkers = 3\n", "there is no command 'calibrate'");
   ExpectRefused("lake-stroke -o out", "[calibrate]\nthresh = 3\n", "there is no option 'calibrate.thresh'");
-  EXPECT_EQ(Shell(folder_, simulate + " --config absent.toml").exit_code, 2);
+  EXPECT_EQ(Shell(folder_, Export() + " --config absent.toml").exit_code, 2);
 }
 
 }  // namespace
