@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/review/problems.h"
 #include "temporary_folder.h"
