@@ -41,13 +41,18 @@ class CorrectedTrial : public testing::Test {
     options.video = Recording("video.mp4"), options.camera = Recording("camera.yaml");
     options.overlay = false, options.track.quiet = true, options.corrections = corrections;
     options.events = events;
-    const Json said = {{"out", Folder(name).string()},
-                       {"video", options.video.string()},
-                       {"camera", options.camera->string()},
-                       {"corrections", corrections ? corrections->string() : ""},
-                       {"events", events ? events->string() : ""},
-                       {"overlay", "false"}};
-    lake::Run run({"lake-track", "test", said, Folder(name), true});
+    Json said = {{"out", Folder(name).string()},
+                 {"video", options.video.string()},
+                 {"camera", options.camera->string()},
+                 {"overlay", "false"},
+                 {"markers", "ankle,knee,hip,waist"}};
+    std::vector<std::string> given = {"video", "camera", "overlay"};
+    const auto give = [&](const char* option, const std::optional<fs::path>& file) {
+      said[option] = file ? file->string() : "";
+      if (file) given.emplace_back(option);
+    };
+    give("corrections", corrections), give("events", events);
+    lake::Run run({"lake-track", "test", said, Folder(name), true, {}, false, "", given});
     run.WriteSummary(commands::RunTrack(options, run));
   }
 
