@@ -153,7 +153,9 @@ TEST(Group, ThatIsAllAlikeGetsTheDesignOfOne) {
 TEST(Group, IsDesignedTheSameBesideAnother) {
   std::vector<ClosedFormLeg> legs;
   for (int i = 0; i < 20; ++i) legs.push_back(Leg(400 + 2 * i, 88 + i % 7));  // many enough to be thinned first
-  redesign::DesignTask task{WithPeople(SharedProblem(4), legs), {}, {}, {}};
+  redesign::DesignTask task{WithPeople(SharedProblem(), legs), {}, {}, {}};
+  task.problem.shared.program.kind = Kind::kConstant, task.problem.shared.fit_placement = false;
+  task.problem.shared.max_misalignment_percent.reset(), task.problem.shared.program.duration_s.reset();
   for (const ClosedFormLeg& leg : legs) task.human.push_back(MakeCurve(leg));
   const linkage::Links& start = task.problem.shared.design.start;
   redesign::DesignTask other = task;
