@@ -73,6 +73,28 @@ TEST(LakeOptimize, WithoutSolutionExitsWithThreeAndLeavesTheReason) {
   EXPECT_EQ(ReadJsonFile(folder / "summary.json")["status"], "infeasible");
 }
 
+// Once it was taken and made no difference: the leg stayed as long as the file has it.
+TEST(LakeOptimize, AHeightDoesNotGoWithTheLegOfAProblemFile) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const char* body) {
+    WriteTextFile(folder / "problem.yaml", std::string("d_min_mm: 242\nclearances: {seat_mm: 5}\nbody: ") + body);
+    return "--problem " + (folder / "problem.yaml").string() + " --height 1950 --starts 1 --quiet -o " +
+           (folder / "out").string();
+  };
+  const std::string with_leg = problem("{height_mm: 1750, mass_kg: 70, thigh_mm: 410, shank_mm: 400}");
+  const Ended refused = RunProgram(with_leg);
+  EXPECT_EQ(refused.exit_code, 2) << refused.text;
+  EXPECT_THAT(refused.text, testing::HasSubstr("--height 1950 mm: the problem file has the person's own thigh and "
+                                               "shank (410 and 400 mm)"));
+  const auto thigh_mm = [&](const std::string& arguments) {
+    const Ended ended = RunProgram(arguments);
+    EXPECT_TRUE(ended.exit_code == 0 || ended.exit_code == 3) << ended.text;
+    return ReadJsonFile(folder / "out/summary.json")["clearances"]["thigh_mm"].get<double>();
+  };
+  EXPECT_EQ(thigh_mm(with_leg + " --thigh 470 --shank 460"), 470);
+  EXPECT_NEAR(thigh_mm(problem("{height_mm: 1750, mass_kg: 70}")), 0.245 * 1950, 1e-9);
+}
+
 TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {
   const struct {
     const char* arguments;
