@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lake/core/error.h"
+#include "lake/core/threads.h"
 #include "lake/synthesis/infeasibility.h"
 #include "lake/synthesis/optimize.h"
 #include "paper.h"
@@ -120,6 +121,33 @@ TEST(Sensitivity, CallsNothingFeasibleThatBreaksALimitOverTheUsedRange) {
   }
   EXPECT_GT(feasible, 7);  // more than the optimum itself, once for each length
   EXPECT_GT(tempting, 2 * steps);
+}
+
+// The quick look gives the same answers as the whole evaluation, of every build, whatever the number of threads.
+TEST(Sensitivity, OfATolerancesBuildsIsThatOfTheWorst) {
+  problem::SynthesisProblem problem = WithMargins(0);
+  problem.max_force_n = 2000, problem.standing_deg = 5, problem.robust_mm = 0.2;
+  const linkage::Links links = synthesis::SolveFrom(problem, problem.start).end;
+  const int threads = Threads(), steps = 2;
+  int feasible = 0, called = 0;
+  for (const int count : {1, 3}) {
+    SetThreads(count);
+    const auto points = problem::Sensitivity(links, problem, 1, steps, [&] { ++called; });
+    ASSERT_EQ(points.size(), static_cast<std::size_t>(problem::PointsOfSensitivity(steps)));
+    for (const problem::SensitivityPoint& point : points) {
+      auto values = links.Values();
+      problem::SynthesisProblem changed = problem;
+      (point.link < 6 ? values[static_cast<std::size_t>(point.link)] : changed.d_min_mm) += point.delta_mm;
+      const linkage::Links at = linkage::Links::FromValues(values);
+      EXPECT_EQ(point.feasible, problem::Evaluate(at, changed).IsFeasible())
+          << problem::LengthName(point.link) << " " << point.delta_mm;
+      feasible += point.feasible;
+    }
+  }
+  SetThreads(threads);
+  EXPECT_EQ(called, 2 * problem::PointsOfSensitivity(steps));
+  EXPECT_GT(feasible, 2 * 7);
+  EXPECT_LT(feasible, 2 * problem::PointsOfSensitivity(steps) - 2 * 7);
 }
 
 TEST(RoundLinks, GivesTheBestFeasibleGridPoint) {
