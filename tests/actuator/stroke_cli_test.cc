@@ -86,8 +86,10 @@ TEST_F(StrokeProgramTest, ADriftThatLeavesTheRoomIsRefusedUnlessAccepted) {
 // Before the program is sampled and the prototype aligned, which here cannot be: its knee does not move.
 TEST_F(StrokeProgramTest, AFolderThatIsTakenIsFoundBeforeTheWork) {
   motion::LegMotion still;
-  for (int i = 0; i < 100; ++i)
-    still.frame.push_back(i), still.time_s.push_back(i / 30.0), still.samples.push_back({.knee_deg = 90});
+  for (int i = 0; i < 100; ++i) {
+    still.frame.push_back(i), still.time_s.push_back(i / 30.0);
+    still.samples.emplace_back().knee_deg = 90;
+  }
   std::filesystem::create_directories(folder_ / "still");
   motion::WriteKinematicsCsv(folder_ / "still/kinematics.csv", still);
   const std::string arguments = "design.yaml --validate still -o out";
