@@ -196,5 +196,33 @@ TEST(Drift, HomeKeepsTheLowerSoftLimit) {
       ThrowsMessage<Error>(HasSubstr("may run on by 0.358 mm, past the linkage's end at 241.998 mm")));
 }
 
+// 242.5 mm (home) to 330 mm in the program. The converter has 0 to 1023 counts and 10 at either end are not believed.
+TEST(Potentiometer, IsOneThatSeesTheProgramFinelyEnough) {
+  const actuator::StrokeSchedule schedule = FreeSchedule({{0, 250}, {16, 330}});
+  const auto header = [&](const char* scale, double error_mm = 0.5) {
+    actuator::FirmwareOptions options;
+    options.feedback = actuator::Feedback::kPotentiometer, options.feedback_error_mm = error_mm;
+    options.potentiometer = actuator::ParsePotentiometerScale(scale);
+    options.Check();
+    const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, ModelTable(), options);
+    return actuator::StrokeTableHeader(stroke, schedule, ModelTable(), options, "t");
+  };
+  const auto refused = [&](const char* scale, const char* text, double error_mm = 0.5) {
+    EXPECT_THAT([&] { header(scale, error_mm); }, ThrowsMessage<UsageError>(HasSubstr(text))) << scale;
+  };
+  for (const char* scale : {"102=242,921=372", "921=242,102=372", "11=242,1011=331"})
+    EXPECT_THAT(header(scale), HasSubstr("#define LAKE_FEEDBACK 1")) << scale;
+  refused("5000=242,9000=362", "--pot must be of 0..1023 counts, as the converter has, not 5000");
+  refused("100=242,-1=372", "not -1");
+  refused("100=24.2,900=36.1", "a stroke of 242.498 mm, where home and program go, would read 14775");
+  refused("9=242.4,921=372", "would read 9.7 counts, and only 10 to 1013 are believed");
+  refused("102=242,1012=329", "a stroke of 330.000 mm, where home and program go, would read 1022");
+  refused("100=242,101=362", "one count is 120 mm");
+  // Points a twentieth of the way apart, of a scale that is right: half a count of either is 2.5 mm at the far end.
+  refused("500=290,530=295", "one count is 0.167 mm, so a stroke of 242.498 mm may be off by 1.75 mm");
+  EXPECT_THAT(header("500=290,530=295", 1.9), HasSubstr("#define LAKE_POT_ERROR_UM 1900"));
+  refused("500=242,512=331", "would be -3466 to 4121 mm, and the firmware counts to 2000 mm", 10);
+}
+
 }  // namespace
 }  // namespace lake

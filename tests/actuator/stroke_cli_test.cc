@@ -83,6 +83,27 @@ TEST_F(StrokeProgramTest, ADriftThatLeavesTheRoomIsRefusedUnlessAccepted) {
   EXPECT_THAT(ReadTextFile(folder_ / "out/lake_stroke/lake_stroke.ino"), Not(HasSubstr("DRIFT ACCEPTED")));
 }
 
+// Before the program is sampled and the prototype aligned, which here cannot be: its knee does not move.
+TEST_F(StrokeProgramTest, AFolderThatIsTakenIsFoundBeforeTheWork) {
+  motion::LegMotion still;
+  for (int i = 0; i < 100; ++i) {
+    still.frame.push_back(i), still.time_s.push_back(i / 30.0);
+    still.samples.emplace_back().knee_deg = 90;
+  }
+  std::filesystem::create_directories(folder_ / "still");
+  motion::WriteKinematicsCsv(folder_ / "still/kinematics.csv", still);
+  const std::string arguments = "design.yaml --validate still -o out";
+  EXPECT_THAT(Run(arguments).err, HasSubstr("which cannot be aligned"));
+  EXPECT_EQ(FilesIn(folder_ / "out"), 0u);
+  std::filesystem::create_directories(folder_ / "out");
+  WriteTextFile(folder_ / "out/validation.csv", "a user's own");
+  const Outcome taken = Run(arguments);
+  EXPECT_EQ(taken.exit_code, 1);
+  EXPECT_THAT(taken.err, HasSubstr("out/validation.csv: is not a result of lake's"));
+  EXPECT_EQ(ReadTextFile(folder_ / "out/validation.csv"), "a user's own");
+  EXPECT_EQ(FilesIn(folder_ / "out"), 1u);
+}
+
 // With a potentiometer no drift needs room; the sketch's folder says what it is for.
 TEST_F(StrokeProgramTest, FeedbackCurrentAndSupplyGoIntoTheSketch) {
   const std::string base = std::string("design.yaml --margin 2 -o out --duty-table ") + kTable + " --feedback pot";

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <fstream>
+#include <functional>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -127,7 +129,7 @@ TEST_P(OnForcePlates, FromTheGroundItEqualsTheReferenceWithItsInertias) {
     EXPECT_NEAR(rise["peak"]["knee_nm"].get<double>(), peak_nm, 0.03 * peak_nm);
   }
   for (const std::string& warning : outcome->warnings)
-    EXPECT_THAT(warning, testing::Not(testing::ContainsRegex("swapped|acts outside|bears")));
+    EXPECT_THAT(warning, testing::Not(testing::ContainsRegex("swapped|acts outside|bears|clock")));
 }
 
 // Without the plates it is an estimate, and says how sure it is.
@@ -214,6 +216,83 @@ TEST(LoadsOfBadInput, SwappedPlatesAreWarnedOfWithNumbers) {
   EXPECT_THAT(Failure(options), testing::HasSubstr("bears no force"));
   options.plates.clear();
   EXPECT_THAT(Failure(options), testing::HasSubstr("--plates right=1"));
+}
+
+// The recording's forces with its numbers changed, column by column.
+fs::path ForcesWith(const fs::path& file,
+                    const std::function<double(const std::string& column, double value)>& change) {
+  std::ifstream in(kFolder / "STS1_grf.mot");
+  std::ofstream out(file);
+  std::string line;
+  while (std::getline(in, line) && !line.starts_with("time")) out << line << "\n";
+  out << line << "\n";
+  const std::vector<std::string> columns = SplitText(line, '\t');
+  while (std::getline(in, line)) {
+    const std::vector<std::string> cells = SplitText(line, '\t');
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      out << (i ? "\t" : "") << fmt::format("{}", change(columns[i], ParseNumber(cells[i]).value_or(0)));
+    out << "\n";
+  }
+  return file;
+}
+
+commands::LoadsRunOptions QuickOnPlates(const std::string& side) {
+  commands::LoadsRunOptions options = OptionsFor(side);
+  options.loads.draws = 20;
+  options.plates = {{"right", 1}, {"left", 2}};
+  return options;
+}
+
+TEST(LoadsOfBadInput, SwappedUnitsSignsAndPlatesAreErrors) {
+  REQUIRE_RECORDING();
+  const TemporaryFolder folder;
+  commands::LoadsRunOptions options = QuickOnPlates("right");
+  options.forces = ForcesWith(folder / "mm.mot", [](const std::string& column, double value) {
+    return column.find("_p") == std::string::npos ? value : 1000 * value;
+  });
+  EXPECT_THAT(Failure(options),
+              testing::AllOf(testing::HasSubstr("the force acts 239.2"), testing::HasSubstr(" m behind the ankle"),
+                             testing::HasSubstr("its points seem to be in mm")));
+  options.forces = ForcesWith(folder / "elsewhere.mot", [](const std::string& column, double value) {
+    return column.ends_with("px") ? value + 3 : value;
+  });
+  EXPECT_THAT(Failure(options), testing::HasSubstr("are the axes and the origin the markers' own"));
+  options.forces = ForcesWith(folder / "down.mot", [](const std::string& column, double value) {
+    return column.find("_v") == std::string::npos && column.find("_m") == std::string::npos ? value : -value;
+  });
+  EXPECT_THAT(Failure(options), testing::HasSubstr("the ground pulls the foot down, by 267 N"));
+  EXPECT_THAT(
+      [] {
+        exchange::CheckPlates({{"right", 1}, {"left", 1}});
+      },
+      testing::ThrowsMessage<UsageError>(testing::HasSubstr("a plate under both feet")));
+}
+
+// 0.15 s read 85 for 62 N m. The recording's own clock is off by less than 0.02 s, of either plate.
+TEST(LoadsOfBadInput, SwappedClocksAreWarnedOfWithTheOffset) {
+  REQUIRE_RECORDING();
+  const TemporaryFolder folder;
+  for (const char* side : {"right", "left"})
+    for (const double late_s : {-0.25, 0.0, 0.05, 0.15}) {
+      commands::LoadsRunOptions options = QuickOnPlates(side);
+      options.forces = ForcesWith(folder / "late.mot", [&](const std::string& column, double value) {
+        return column == "time" ? value + late_s : value;
+      });
+      const auto warnings = RunOn(options)->warnings;
+      const auto clock = std::ranges::find_if(
+          warnings, [](const std::string& warning) { return warning.find("clock") != std::string::npos; });
+      ASSERT_EQ(clock != warnings.end(), late_s != 0) << side << " " << late_s;
+      if (late_s == 0) continue;
+      double add_s = 0, sd_s = 0;
+      ASSERT_EQ(std::sscanf(clock->c_str() + clock->find("best with ") + 10, "%lf ± %lf", &add_s, &sd_s), 2) << *clock;
+      EXPECT_NEAR(add_s, -late_s, 0.02) << side;
+      EXPECT_NEAR(sd_s, 0.01, 0.005) << side;
+    }
+  // Nor does the waist for the shoulder make one of a clock that is right.
+  commands::LoadsRunOptions options = QuickOnPlates("right");
+  options.forces = kFolder / "STS1_grf.mot";
+  options.reading.names.erase("shoulder");
+  EXPECT_THAT(RunOn(options)->warnings, testing::Not(testing::Contains(testing::HasSubstr("clock"))));
 }
 
 TEST(LoadsOfBadInput, ForcesOfAnotherTimeAreRefused) {

@@ -45,10 +45,10 @@ TEST(Check, SaysThatAGoodRecordingIsFitWithTheFiguresOfTheRendering) {
     EXPECT_EQ(figures["dropped_frames"], 0);
     EXPECT_LT(figures["seconds"].get<double>(), 5);
     EXPECT_TRUE(std::filesystem::exists(trial.folder / "check" / "check.png"));
-    // A machine that is never in time sees less of it, but beginning, middle and end.
-    tracking::RecordingCheckOptions no_time;
-    no_time.budget_s = 0;
-    const tracking::RecordingCheck hurried = tracking::CheckRecording(trial.folder / "video.mp4", no_time);
+    // Of pictures that are too large for all of it less is seen, but beginning, middle and end.
+    tracking::RecordingCheckOptions no_budget;
+    no_budget.budget_mpx = 0;
+    const tracking::RecordingCheck hurried = tracking::CheckRecording(trial.folder / "video.mp4", no_budget);
     EXPECT_LT(hurried.frames_seen, figures["frames_seen"].get<int>());
     EXPECT_NEAR(hurried.travel_px, figures["travel_px"].get<double>(), 0.1 * hurried.travel_px);
     // The figures of lake-track's own markers are the same.

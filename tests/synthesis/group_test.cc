@@ -7,6 +7,7 @@
 #include <set>
 
 #include "compare/closed_form.h"
+#include "group_parts.h"
 #include "lake/core/error.h"
 #include "lake/core/threads.h"
 #include "lake/redesign/reoptimize_program.h"
@@ -146,6 +147,24 @@ TEST(Group, ThatIsAllAlikeGetsTheDesignOfOne) {
     // Small costs are counted once for each person; they move a range by less than this.
     EXPECT_NEAR(design.objective, one->objective, 2e-3);
   }
+}
+
+// Once the starts of each were as many as those of the group that has the fewest.
+TEST(Group, IsDesignedTheSameBesideAnother) {
+  std::vector<ClosedFormLeg> legs;
+  for (int i = 0; i < 20; ++i) legs.push_back(Leg(400 + 2 * i, 88 + i % 7));  // many enough to be thinned first
+  redesign::DesignTask task{WithPeople(SharedProblem(), legs), {}, {}, {}};
+  task.problem.shared.program.kind = Kind::kConstant, task.problem.shared.fit_placement = false;
+  task.problem.shared.max_misalignment_percent.reset(), task.problem.shared.program.duration_s.reset();
+  for (const ClosedFormLeg& leg : legs) task.human.push_back(MakeCurve(leg));
+  const linkage::Links& start = task.problem.shared.design.start;
+  redesign::DesignTask other = task;
+  task.links = {start, kPublishedLinks}, other.links = {start};
+  const redesign::GroupDesign alone = redesign::DesignGroups({task}, Starts(4)).front().nearest;
+  const redesign::GroupDesign beside = redesign::DesignGroups({task, other}, Starts(4)).front().nearest;
+  EXPECT_EQ(alone.starts, 2);
+  EXPECT_EQ(beside.starts, alone.starts);
+  EXPECT_EQ(beside.Links().Values(), alone.Links().Values());
 }
 
 class GroupOfThree : public testing::Test {

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/json.h"
+#include "lake/problem/problem_file.h"
+#include "lake/problem/problem_options.h"
 #include "synthesis/program_run.h"
 #include "temporary_folder.h"
 
@@ -71,6 +74,30 @@ TEST(LakeOptimize, WithoutSolutionExitsWithThreeAndLeavesTheReason) {
   EXPECT_THAT(ended.text, ::testing::HasSubstr("cannot hold together"));
   EXPECT_EQ(std::ranges::count(ended.text, '\n'), 1);
   EXPECT_EQ(ReadJsonFile(folder / "summary.json")["status"], "infeasible");
+}
+
+// Once it was taken and made no difference: the leg stayed as long as the file has it.
+TEST(LakeOptimize, AHeightDoesNotGoWithTheLegOfAProblemFile) {
+  const TemporaryFolder folder;
+  WriteTextFile(folder / "problem.yaml",
+                "clearances: {seat_mm: 5}\nbody: {height_mm: 1750, mass_kg: 70, thigh_mm: 410, shank_mm: 400}\n");
+  const Ended refused =
+      RunProgram("--problem " + (folder / "problem.yaml").string() + " --height 1950 -o " + (folder / "out").string());
+  EXPECT_EQ(refused.exit_code, 2) << refused.text;
+  EXPECT_THAT(refused.text, testing::HasSubstr("--height 1950 mm: the problem file has the person's own thigh and "
+                                               "shank (410 and 400 mm)"));
+  const auto height_mm = [](problem::SynthesisProblem problem, const std::map<std::string, std::string>& given) {
+    OptionList options = OptionsOf(problem);
+    for (Option& option : options.All())
+      if (const auto found = given.find(option.Name()); found != given.end()) option.Give({found->second});
+    options.Apply();
+    return *problem.clearances.body.height_mm;
+  };
+  problem::SynthesisProblem problem = problem::ReadProblem(folder / "problem.yaml");
+  EXPECT_EQ(height_mm(problem, {{"height", "1950"}, {"thigh", "470"}, {"shank", "460"}}), 1950);
+  EXPECT_EQ(height_mm(problem, {{"mass", "80"}}), 1750);
+  problem.clearances.body.leg.reset();
+  EXPECT_EQ(height_mm(problem, {{"height", "1950"}}), 1950);
 }
 
 TEST(LakeOptimize, WrongInputIsOneLineAndNothingIsWritten) {

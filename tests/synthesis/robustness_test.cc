@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lake/core/error.h"
+#include "lake/core/threads.h"
 #include "lake/synthesis/infeasibility.h"
 #include "lake/synthesis/optimize.h"
 #include "paper.h"
@@ -120,6 +121,39 @@ TEST(Sensitivity, CallsNothingFeasibleThatBreaksALimitOverTheUsedRange) {
   }
   EXPECT_GT(feasible, 7);  // more than the optimum itself, once for each length
   EXPECT_GT(tempting, 2 * steps);
+}
+
+// The quick look gives the same answers as the whole evaluation, of every build, whatever the number of threads.
+TEST(Sensitivity, OfATolerancesBuildsIsThatOfTheWorst) {
+  problem::SynthesisProblem problem = WithMargins(0);
+  problem.max_force_n = 2000, problem.standing_deg = 5, problem.robust_mm = 0.2;
+  const linkage::Links links = synthesis::SolveFrom(problem, problem.start).end;
+  const int threads = Threads(), steps = 1;
+  int called = 0;
+  const auto in_threads = [&](int count) {
+    SetThreads(count);
+    return problem::Sensitivity(links, problem, 1, steps, [&] { ++called; });
+  };
+  const auto one = in_threads(1), three = in_threads(3);
+  SetThreads(threads);
+  ASSERT_EQ(one.size(), static_cast<std::size_t>(problem::PointsOfSensitivity(steps)));
+  ASSERT_EQ(three.size(), one.size());
+  EXPECT_EQ(called, 2 * problem::PointsOfSensitivity(steps));
+  int feasible = 0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    const problem::SensitivityPoint& point = one[i];
+    auto values = links.Values();
+    problem::SynthesisProblem changed = problem;
+    (point.link < 6 ? values[static_cast<std::size_t>(point.link)] : changed.d_min_mm) += point.delta_mm;
+    EXPECT_EQ(point.feasible, problem::Evaluate(linkage::Links::FromValues(values), changed).IsFeasible())
+        << problem::LengthName(point.link) << " " << point.delta_mm;
+    EXPECT_EQ(point.feasible, three[i].feasible);
+    EXPECT_EQ(point.delta_mm, three[i].delta_mm);
+    EXPECT_EQ(point.link, three[i].link);
+    feasible += point.feasible;
+  }
+  EXPECT_GT(feasible, 7);  // more than the optimum itself, once for each length
+  EXPECT_LT(feasible, problem::PointsOfSensitivity(steps) - 7);
 }
 
 TEST(RoundLinks, GivesTheBestFeasibleGridPoint) {

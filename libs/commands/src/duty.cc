@@ -61,8 +61,9 @@ Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
   if (options.logs.empty())
     throw UsageError("no logs given: name CSV files, or use --write-firmware for the firmware that makes them");
   Json alignment;
-  const actuator::DutyCalibration calibration =
-      actuator::CalibrateDuty(ReadLogs(options, run, alignment), options.calibrate);
+  const std::vector<actuator::DutyLog> logs = ReadLogs(options, run, alignment);
+  run.Begin({"summary.json", "duty_table.csv", "plateaus.csv", "duty_table.png", "duty_table.svg"});
+  const actuator::DutyCalibration calibration = actuator::CalibrateDuty(logs, options.calibrate);
   for (const std::string& warning : calibration.warnings) run.Warn(warning);
   actuator::WriteDutyTable(run.Result("duty_table.csv"), calibration.rows);
   WritePlateaus(run.Result("plateaus.csv"), calibration.plateaus);

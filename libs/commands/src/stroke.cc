@@ -191,11 +191,9 @@ Json SeparatedJson(const actuator::SeparatedErrors& errors, const char* strokes)
 }
 
 // None unless something measured the stroke.
-Json Separate(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule, Run& run) {
+Json Separate(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule,
+              const std::vector<actuator::AngleSample>& angles, Run& run) {
   if (!options.stroke_log && options.rod.empty()) return Json();
-  if (options.stroke_log && !options.rod.empty())
-    throw UsageError("--stroke-log and --rod-markers both measure the stroke: give one");
-  const std::vector<actuator::AngleSample> angles = KneeAngles(*options.validate, run);
   if (options.stroke_log) {
     run.AddInput(*options.stroke_log);
     return SeparatedJson(
@@ -207,10 +205,10 @@ Json Separate(const StrokeRunOptions& options, const actuator::StrokeSchedule& s
       "video");
 }
 
-actuator::Validation Validate(const actuator::StrokeSchedule& schedule, const fs::path& folder, Run& run) {
-  const std::vector<actuator::AngleSample> samples = KneeAngles(folder, run);
+actuator::Validation Validate(const actuator::StrokeSchedule& schedule,
+                              const std::vector<actuator::AngleSample>& angles, const fs::path& folder) {
   try {
-    return actuator::ValidatePrototype(schedule, samples);
+    return actuator::ValidatePrototype(schedule, angles);
   } catch (const Error& error) {
     throw Fail("{}: {}", folder.string(), error.what());
   }
@@ -292,16 +290,30 @@ std::string DriftReport(const Json& firmware) {
   return text;
 }
 
+std::string InSketch(const std::string& name) {
+  return std::string(actuator::kSketchFolder) + "/" + name;
+}
+
+std::vector<std::string> ResultNames(bool has_sketch, bool has_validation) {
+  std::vector<std::string> names = {"summary.json", "program.csv", "program.png", "program.svg"};
+  if (has_sketch) {
+    names.insert(names.end(), {"stroke_table.h", InSketch("stroke_table.h")});
+    for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) names.push_back(InSketch(file.name));
+  }
+  if (has_validation) names.insert(names.end(), {"validation.csv", "validation.png", "validation.svg"});
+  return names;
+}
+
 }  // namespace
 
 Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run& run) {
-  const auto place = [&](const std::string& name) { return run.Result(actuator::kSketchFolder + ("/" + name)); };
+  const auto place = [&](const std::string& name) { return run.Result(InSketch(name)); };
   WriteTextFile(place("stroke_table.h"), stroke_table);
   WriteTextFile(run.Result("stroke_table.h"), stroke_table);  // where the interfaces have it
-  Json files = {"stroke_table.h", std::string(actuator::kSketchFolder) + "/stroke_table.h"};
+  Json files = {"stroke_table.h", InSketch("stroke_table.h")};
   for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
     WriteTextFile(place(file.name), file.name.ends_with(".ino") ? notes + file.text : file.text);
-    files.push_back(std::string(actuator::kSketchFolder) + "/" + file.name);
+    files.push_back(InSketch(file.name));
   }
   return files;
 }
@@ -311,16 +323,20 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
     throw UsageError(fmt::format("--tolerance must be above 0 and at most 90 degrees, not {}", options.tolerance_deg));
   if (!options.validate && (options.stroke_log || !options.rod.empty()))
     throw UsageError("--stroke-log and --rod-markers belong to --validate TRACKDIR");
+  if (options.stroke_log && !options.rod.empty())
+    throw UsageError("--stroke-log and --rod-markers both measure the stroke: give one");
   const linkage::Design design = linkage::ReadDesign(options.design);
   run.AddInput(options.design);
   const StrokePlan plan = MakePlan(options, design, run);
   const std::optional<Sketch> sketch = MakeSketch(options, plan);
+  std::vector<actuator::AngleSample> angles;
+  if (options.validate) angles = KneeAngles(*options.validate, run);
+  run.Begin(ResultNames(sketch.has_value(), options.validate.has_value()));
   const std::vector<actuator::ScheduleRow> rows =
       actuator::SampleSchedule(plan.schedule, options.rate_hz, plan.table ? &*plan.table : nullptr);
   std::optional<actuator::Validation> validation;
-  if (options.validate) validation = Validate(plan.schedule, *options.validate, run);
-
-  const Json separated = options.validate ? Separate(options, plan.schedule, run) : Json();
+  if (options.validate) validation = Validate(plan.schedule, angles, *options.validate);
+  const Json separated = options.validate ? Separate(options, plan.schedule, angles, run) : Json();
 
   if (!sketch && !validation)
     run.Warn(

@@ -40,7 +40,7 @@ std::string Comment(const std::string& text) {
 }
 
 // Readings are sums of four conversions of 10 bits, of 5 V.
-constexpr double kMostReading = 4092, kReference_v = 5;
+constexpr double kMostCount = 1023, kMostReading = 4 * kMostCount, kReference_v = 5;
 
 int ReadingOf(double volt) {
   return static_cast<int>(std::lround(std::clamp(volt / kReference_v, 0.0, 1.0) * kMostReading));
@@ -63,22 +63,70 @@ std::string CurrentDefines(const FirmwareOptions& options) {
       std::lround(1e3 * options.max_current_a), std::lround(1e3 * options.stall_current_a), kLeast_ma);
 }
 
+// Nearer to a rail a reading is one of a wiper that is lost or shorted.
+constexpr double kRail = 40;
+
+// The line through the two points of --pot.
+struct PotentiometerLine {
+  explicit PotentiometerLine(const PotentiometerScale& scale)
+      : mm_per_reading((scale.mm_b - scale.mm_a) / (scale.counts_b - scale.counts_a) / 4),
+        zero_mm(scale.mm_a - 4 * scale.counts_a * mm_per_reading) {}
+
+  double ReadingAt(double stroke_mm) const { return (stroke_mm - zero_mm) / mm_per_reading; }
+
+  double mm_per_reading, zero_mm;  // the stroke of a reading of 0
+};
+
+// By how much a stroke may be off as the converter has whole counts: half a count of the reading itself, and half a
+// count of either point of the scale, which grows beyond them.
+double CountingError(const PotentiometerScale& scale, double stroke_mm) {
+  const double mm_per_count = std::abs(4 * PotentiometerLine(scale).mm_per_reading);
+  const double distances = std::abs(stroke_mm - scale.mm_a) + std::abs(stroke_mm - scale.mm_b);
+  return mm_per_count / 2 * (1 + distances / std::abs(scale.mm_b - scale.mm_a));
+}
+
+// The converter sees every stroke of the program, from home on, and finely enough.
+void RequirePotentiometer(const FirmwareOptions& options, const StrokeSchedule& schedule, double home_mm) {
+  const PotentiometerScale& scale = *options.potentiometer;
+  const PotentiometerLine line(scale);
+  const std::string pot = fmt::format("--pot {}={},{}={}", scale.counts_a, scale.mm_a, scale.counts_b, scale.mm_b);
+  const auto [lowest, highest] = std::ranges::minmax(schedule.knots, {}, &linkage::StrokeProgram::Knot::stroke_mm);
+  for (const double stroke_mm : {std::min(lowest.stroke_mm, home_mm), highest.stroke_mm}) {
+    const double reading = line.ReadingAt(stroke_mm), error_mm = CountingError(scale, stroke_mm);
+    if (reading < kRail || reading > kMostReading - kRail)
+      throw UsageError(fmt::format(
+          "{}: a stroke of {:.3f} mm, where home and program go, would read {:.1f} counts, and only {} to {} are "
+          "believed: measure the two points again (counts of the firmware's adc column, strokes in mm from pin to "
+          "pin), "
+          "or take a potentiometer that covers the program",
+          pot, stroke_mm, reading / 4, kRail / 4, kMostCount - kRail / 4));
+    if (error_mm > options.feedback_error_mm)
+      throw UsageError(fmt::format(
+          "{}: one count is {:.3g} mm, so a stroke of {:.3f} mm may be off by {:.3g} mm, and --feedback-error is {} "
+          "mm: measure two points farther apart, take a potentiometer of shorter travel, or give a larger "
+          "--feedback-error",
+          pot, std::abs(4 * line.mm_per_reading), stroke_mm, error_mm, options.feedback_error_mm));
+  }
+  const double first_mm = line.zero_mm, last_mm = line.zero_mm + kMostReading * line.mm_per_reading;
+  if (std::max(std::abs(first_mm), std::abs(last_mm)) > kMostStroke_mm)
+    throw UsageError(fmt::format("{}: 0 to {} counts would be {:.0f} to {:.0f} mm, and the firmware counts to {} mm",
+                                 pot, kMostCount, first_mm, last_mm, kMostStroke_mm));
+}
+
 // The stroke of a reading, and the readings that no stroke between the ends has: 5 mm beyond them, or near a rail.
 std::string FeedbackDefines(const FirmwareOptions& options, const SoftLimits* limits) {
   if (options.feedback == Feedback::kNone || !limits) return "#define LAKE_FEEDBACK 0\n";
-  const PotentiometerScale& scale = *options.potentiometer;
-  constexpr double kBeyond_mm = 5, kRail = 40;
-  const double mm_per_reading = (scale.mm_b - scale.mm_a) / (scale.counts_b - scale.counts_a) / 4;
-  const double zero_mm = scale.mm_a - 4 * scale.counts_a * mm_per_reading;
-  const double a = (limits->lower_end_mm - kBeyond_mm - zero_mm) / mm_per_reading,
-               b = (limits->upper_end_mm + kBeyond_mm - zero_mm) / mm_per_reading;
+  constexpr double kBeyond_mm = 5;
+  const PotentiometerLine line(*options.potentiometer);
+  const double a = line.ReadingAt(limits->lower_end_mm - kBeyond_mm),
+               b = line.ReadingAt(limits->upper_end_mm + kBeyond_mm);
   const auto reading = [&](double value) { return std::lround(std::clamp(value, kRail, kMostReading - kRail)); };
   return fmt::format(
       "#define LAKE_FEEDBACK 1\n#define LAKE_POT_ZERO_NM {}L  // the stroke of a reading of 0, …\n#define "
       "LAKE_POT_NM_PER_COUNT {}L  // … of sums of four\n#define LAKE_POT_LEAST {}\n#define LAKE_POT_MOST {}\n#define "
       "LAKE_POT_ERROR_UM {}L\n",
-      std::llround(1e6 * zero_mm), std::llround(1e6 * mm_per_reading), reading(std::min(a, b)), reading(std::max(a, b)),
-      Um(options.feedback_error_mm));
+      std::llround(1e6 * line.zero_mm), std::llround(1e6 * line.mm_per_reading), reading(std::min(a, b)),
+      reading(std::max(a, b)), Um(options.feedback_error_mm));
 }
 
 // Without standard errors nobody has measured it: a model's, or a data sheet's.
@@ -140,6 +188,9 @@ void FirmwareOptions::Check() const {
   if (feedback == Feedback::kPotentiometer && !potentiometer)
     throw UsageError(
         "--feedback pot needs the potentiometer's scale, two readings with their strokes: --pot COUNTS=MM,COUNTS=MM");
+  if (potentiometer)
+    for (const double counts : {potentiometer->counts_a, potentiometer->counts_b})
+      require(counts >= 0 && counts <= kMostCount, "--pot", counts, "of 0..1023 counts, as the converter has");
   require(feedback_error_mm >= 0 && feedback_error_mm <= 10, "--feedback-error", feedback_error_mm, "within 0..10 mm");
   require(current_zero_v >= 0 && current_zero_v <= 4, "--current-zero", current_zero_v, "within 0..4 V");
   require(current_v_per_a >= 0.01 && current_v_per_a <= 5, "--current-scale", current_v_per_a, "within 0.01..5 V/A");
@@ -154,6 +205,7 @@ void FirmwareOptions::Check() const {
 std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
                               const FirmwareOptions& options, const std::string& made_by) {
   const Homing homing = HomingOf(stroke, schedule, table, options);
+  if (options.feedback == Feedback::kPotentiometer) RequirePotentiometer(options, schedule, homing.stroke_mm);
   if (!options.accept_drift) RequireRoomForDrift(homing, stroke, schedule, table, options);
   std::string text = options.accept_drift ? kDriftAccepted : "";
   text += fmt::format("// Stroke program for the UNO. {}\n", Comment(made_by));

@@ -44,8 +44,6 @@ NlpStatus StatusOf(Ipopt::ApplicationReturnStatus status) {
       return NlpStatus::kLocallyInfeasible;
     case Ipopt::Maximum_Iterations_Exceeded:
       return NlpStatus::kIterationLimit;
-    case Ipopt::Maximum_CpuTime_Exceeded:
-      return NlpStatus::kTimeLimit;
     case Ipopt::Solved_To_Acceptable_Level:
     case Ipopt::Search_Direction_Becomes_Too_Small:
     case Ipopt::Restoration_Failed:
@@ -71,7 +69,6 @@ void NlpOptions::Check() const {
   if (max_iterations < 0) throw Fail("iteration limit {} is negative", max_iterations);
   if (max_restoration_iterations && *max_restoration_iterations < 0)
     throw Fail("limit {} of iterations of the restoration phase is negative", *max_restoration_iterations);
-  if (!(max_cpu_s > 0)) throw Fail("time limit {} s must be positive", max_cpu_s);
   if (!(start_push > 0) || !(start_barrier > 0)) throw Fail("start_push and start_barrier must be positive");
 }
 
@@ -83,8 +80,6 @@ std::string_view NameOf(NlpStatus status) {
       return "locally infeasible";
     case NlpStatus::kIterationLimit:
       return "iteration limit";
-    case NlpStatus::kTimeLimit:
-      return "time limit";
     case NlpStatus::kStalled:
       return "stalled";
     case NlpStatus::kFailed:
@@ -103,7 +98,6 @@ NlpSolution SolveNlp(const NonlinearProgram& program, const NlpOptions& options)
   Set(*ipopt, "acceptable_iter", 0);  // no early end at a looser tolerance
   Set(*ipopt, "max_iter", options.max_iterations);
   if (options.max_restoration_iterations) Set(*ipopt, "max_resto_iter", *options.max_restoration_iterations);
-  Set(*ipopt, "max_cpu_time", options.max_cpu_s);
   Set(*ipopt, "bound_push", options.start_push);
   Set(*ipopt, "bound_frac", options.start_push);
   Set(*ipopt, "mu_init", options.start_barrier);

@@ -35,6 +35,14 @@ std::optional<linkage::Pose> PoseAt(const linkage::Links& links, std::optional<d
   return stroke_mm ? linkage::SolvePose(links, *stroke_mm) : std::nullopt;
 }
 
+// At a fraction of the used range.
+std::optional<linkage::Pose> PoseAt(const linkage::Links& links, const linkage::UsedRange& range, double fraction) {
+  const double theta = std::lerp(range.theta_at_upper_rad, range.theta_at_lower_rad, fraction);
+  return PoseAt(links, fraction <= 0   ? range.stroke.upper_mm
+                       : fraction >= 1 ? range.stroke.lower_mm
+                                       : linkage::StrokeForAngle(links, range, theta));
+}
+
 // mm, of a pose on the body.
 double ClearanceOf(const linkage::Pose& pose, const SynthesisProblem& problem, Kind kind) {
   const linkage::Body body = linkage::BodyOf(problem.clearances.body);
@@ -56,14 +64,9 @@ double LoadOf(const linkage::Links& links, const linkage::Pose& pose, const Synt
   return parts::LeastSafety(parts::CapacityOf(problem.parts), {pose, knee_torque_nm, forces});
 }
 
-// The family's value at a fraction of the used range; NaN where there is no pose.
-double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem, const linkage::UsedRange& range,
-                   Kind kind, double fraction) {
-  const double theta = std::lerp(range.theta_at_upper_rad, range.theta_at_lower_rad, fraction);
-  const std::optional<double> stroke = fraction <= 0   ? range.stroke.upper_mm
-                                       : fraction >= 1 ? range.stroke.lower_mm
-                                                       : linkage::StrokeForAngle(links, range, theta);
-  const std::optional<linkage::Pose> pose = PoseAt(links, stroke);
+// The family's value at a pose of the used range; NaN where there is none.
+double FamilyValue(const linkage::Links& links, const SynthesisProblem& problem,
+                   const std::optional<linkage::Pose>& pose, Kind kind) {
   if (!pose) return kNaN;
   const linkage::Transmission transmission = linkage::TransmissionOf(links, *pose);
   switch (kind) {
@@ -119,31 +122,28 @@ std::vector<WorstPoint> WorstSamples(const linkage::Links& links, const Synthesi
   return worst;
 }
 
+// Of a requirement that is closed form in the links and the range.
+double LinkValue(const linkage::Links& links, const SynthesisProblem& problem, const Requirement& requirement,
+                 double range_deg) {
+  if (requirement.id.kind == Kind::kSingularity) return links.l2 + problem.d_min_mm - links.L7();
+  if (!requirement.IsLinear()) return range_deg;
+  double sum = 0;
+  const auto l = links.Values();
+  for (std::size_t i = 0; i < l.size(); ++i) sum += requirement.coefficients[i] * l[i];
+  return sum;
+}
+
+// `poses` of these links.
 RequirementCheck CheckRequirement(const linkage::Links& links, const SynthesisProblem& problem,
-                                  const Requirement& requirement, const DesignEvaluation& evaluation) {
+                                  const Requirement& requirement, double range_deg, UsedPoses& poses) {
   RequirementCheck check{requirement, kNaN, 0, 1};
-  switch (requirement.id.kind) {
-    case Kind::kGrashof:
-    case Kind::kOrder: {
-      const auto l = links.Values();
-      check.value = 0;
-      for (std::size_t i = 0; i < l.size(); ++i) check.value += requirement.coefficients[i] * l[i];
-      break;
-    }
-    case Kind::kSingularity:
-      check.value = links.l2 + problem.d_min_mm - links.L7();
-      break;
-    case Kind::kMaxAngle:
-    case Kind::kReach:
-      check.value = evaluation.range_deg;
-      break;
-    case Kind::kMaxStroke:
-      check.value = evaluation.stands_mm.value_or(kNaN);
-      check.fraction = 0;
-      break;
-    default:
-      if (const auto worst = WorstPoints(links, problem, requirement); !worst.empty())
-        check.value = worst.front().value, check.fraction = worst.front().fraction;
+  if (!requirement.NeedsStanding()) {
+    check.value = LinkValue(links, problem, requirement, range_deg);
+  } else if (requirement.id.kind == Kind::kMaxStroke) {
+    if (poses.Range()) check.value = poses.Range()->stroke.upper_mm;
+    check.fraction = 0;
+  } else if (const auto worst = poses.WorstPoints(requirement); !worst.empty()) {
+    check.value = worst.front().value, check.fraction = worst.front().fraction;
   }
   check.slack = requirement.Slack(check.value);
   return check;
@@ -159,23 +159,32 @@ double BoundViolation(const linkage::Links& links, const SynthesisProblem& probl
 
 }  // namespace
 
-std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const SynthesisProblem& problem,
-                                    const Requirement& requirement) {
-  const std::optional<linkage::UsedRange> range = StandingRange(links, problem);
-  if (!range) return {};
-  if (requirement.along_profile) return WorstSamples(links, problem, *range, requirement);
+UsedPoses::UsedPoses(const linkage::Links& links, const SynthesisProblem& problem)
+    : links_(links), problem_(problem), range_(StandingRange(links, problem)) {}
+
+const std::vector<std::optional<linkage::Pose>>& UsedPoses::Grid() {
+  if (grid_.empty())
+    for (int i = 0; i < kGridPoints; ++i) grid_.push_back(PoseAt(links_, *range_, i / (kGridPoints - 1.0)));
+  return grid_;
+}
+
+std::vector<WorstPoint> UsedPoses::WorstPoints(const Requirement& requirement) {
+  if (!range_) return {};
+  if (requirement.along_profile) return WorstSamples(links_, problem_, *range_, requirement);
+  const Kind kind = requirement.id.kind;
   const auto value = [&](double fraction) {
-    return FamilyValue(links, problem, *range, requirement.id.kind, fraction);
+    return FamilyValue(links_, problem_, PoseAt(links_, *range_, fraction), kind);
   };
-  if (requirement.id.kind == Kind::kSeat) {
-    const double seated = (problem.SeatedAngle_rad() - range->theta_at_upper_rad) /
-                          (range->theta_at_lower_rad - range->theta_at_upper_rad);
+  if (kind == Kind::kSeat) {
+    const double seated = (problem_.SeatedAngle_rad() - range_->theta_at_upper_rad) /
+                          (range_->theta_at_lower_rad - range_->theta_at_upper_rad);
     const double fraction = std::min(1.0, seated);
     return {{fraction, value(fraction)}};
   }
   const auto slack = [&](double fraction) { return requirement.Slack(value(fraction)); };
-  std::vector<double> grid(kGridPoints);
-  for (int i = 0; i < kGridPoints; ++i) grid[i] = slack(i / (kGridPoints - 1.0));
+  std::vector<double> grid;
+  for (const std::optional<linkage::Pose>& pose : Grid())
+    grid.push_back(requirement.Slack(FamilyValue(links_, problem_, pose, kind)));
 
   std::vector<WorstPoint> worst;
   for (int i = 0; i < kGridPoints; ++i) {
@@ -204,21 +213,36 @@ const RequirementCheck& DesignEvaluation::CheckOf(const Requirement::Id& id) con
 
 namespace {
 
-DesignEvaluation EvaluateAsMade(const linkage::Links& links, const SynthesisProblem& problem) {
+// Before any requirement is checked.
+DesignEvaluation BeginEvaluation(const linkage::Links& links, const SynthesisProblem& problem, const UsedPoses& poses) {
   DesignEvaluation evaluation;
   evaluation.pose = linkage::SolvePose(links, problem.d_min_mm);
   evaluation.range_deg = evaluation.pose ? DegreesFromRadians(evaluation.pose->theta_rad) : kNaN;
+  evaluation.worst_range_deg = evaluation.range_deg;
+  if (poses.Range()) evaluation.stands_mm = poses.Range()->stroke.upper_mm;
+  evaluation.bound_violation_mm = BoundViolation(links, problem);
+  evaluation.violation = std::max(evaluation.pose ? 0 : kInfinity, evaluation.bound_violation_mm);
+  return evaluation;
+}
+
+DesignEvaluation EvaluateAsMade(const linkage::Links& links, const SynthesisProblem& problem) {
+  UsedPoses poses(links, problem);
+  DesignEvaluation evaluation = BeginEvaluation(links, problem, poses);
   if (const auto gap = linkage::FindAssemblyGap(links, problem.d_min_mm)) evaluation.gap = gap->text;
-  if (const auto range = StandingRange(links, problem)) evaluation.stands_mm = range->stroke.upper_mm;
-  evaluation.violation = evaluation.pose ? 0 : kInfinity;
   for (const Requirement& requirement : RequirementsOf(problem)) {
-    evaluation.checks.push_back(CheckRequirement(links, problem, requirement, evaluation));
+    evaluation.checks.push_back(CheckRequirement(links, problem, requirement, evaluation.range_deg, poses));
     evaluation.violation = std::max(evaluation.violation, evaluation.checks.back().Violation());
   }
-  evaluation.bound_violation_mm = BoundViolation(links, problem);
-  evaluation.violation = std::max(evaluation.violation, evaluation.bound_violation_mm);
-  evaluation.worst_range_deg = evaluation.range_deg;
   return evaluation;
+}
+
+bool IsFeasibleAsMade(const linkage::Links& links, const SynthesisProblem& problem, double tolerance) {
+  UsedPoses poses(links, problem);
+  const DesignEvaluation begun = BeginEvaluation(links, problem, poses);
+  return begun.IsFeasible(tolerance) &&
+         std::ranges::all_of(RequirementsOf(problem), [&](const Requirement& requirement) {
+           return CheckRequirement(links, problem, requirement, begun.range_deg, poses).Violation() <= tolerance;
+         });
 }
 
 // Takes what is worse of a build.
@@ -239,6 +263,13 @@ DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& p
   return evaluation;
 }
 
+bool IsFeasible(const linkage::Links& links, const SynthesisProblem& problem, double tolerance) {
+  if (!IsFeasibleAsMade(links, problem, tolerance)) return false;
+  return !problem.robust_mm || std::ranges::all_of(Corners(*problem.robust_mm), [&](const BuildError& build) {
+    return IsFeasibleAsMade(LinksOf(build, links), ProblemOf(build, problem), tolerance);
+  });
+}
+
 double GoalOf(const SynthesisProblem& problem, const DesignEvaluation& evaluation) {
   if (problem.goal == SynthesisProblem::Goal::kRange) return evaluation.worst_range_deg;
   return -evaluation.CheckOf({Kind::kDuration}).value;
@@ -248,11 +279,10 @@ bool MeetsLinkRequirements(const linkage::Links& links, const SynthesisProblem& 
                            const std::vector<Requirement>& requirements, double tolerance_mm) {
   const std::optional<linkage::Pose> pose = linkage::SolvePose(links, problem.d_min_mm);
   if (!pose || BoundViolation(links, problem) > tolerance_mm) return false;
-  DesignEvaluation evaluation;
-  evaluation.range_deg = DegreesFromRadians(pose->theta_rad);
+  const double range_deg = DegreesFromRadians(pose->theta_rad);
   return std::all_of(requirements.begin(), requirements.end(), [&](const Requirement& requirement) {
     return requirement.NeedsStanding() ||
-           CheckRequirement(links, problem, requirement, evaluation).slack >= -tolerance_mm;
+           requirement.Slack(LinkValue(links, problem, requirement, range_deg)) >= -tolerance_mm;
   });
 }
 

@@ -98,6 +98,13 @@ void DescribeClearances(SynthesisProblem& o, OptionList& options) {
       .Unit("mm")
       .NotNegative()
       .Otherwise("half the thigh");
+  options.Check([&asked](const OptionList& list) {
+    if (!list.IsGiven("height") || !asked.body.leg || list.IsGiven("thigh") || list.IsGiven("shank")) return;
+    throw UsageError(fmt::format(
+        "--height {} mm: the problem file has the person's own thigh and shank ({} and {} mm), which a height does not "
+        "change; give --thigh and --shank too, or take thigh_mm and shank_mm out of the file",
+        *asked.body.height_mm, asked.body.leg->thigh_mm, asked.body.leg->shank_mm));
+  });
 }
 
 void CheckBody(const SynthesisProblem& problem) {

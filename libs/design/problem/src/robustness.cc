@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <random>
 
@@ -10,6 +11,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
+#include "lake/core/threads.h"
 
 namespace lake::problem {
 namespace {
@@ -73,27 +75,39 @@ std::string LengthName(int link) {
 }
 
 std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const SynthesisProblem& problem, double span_mm,
-                                          int steps) {
-  std::vector<SensitivityPoint> points;
+                                          int steps, const std::function<void()>& step) {
   const std::vector<Requirement> requirements = RequirementsOf(problem);
   // The optimum itself sits on its limits to within what a solver leaves.
   constexpr double kTolerance_mm = 1e-6;
-  for (int link = 0; link <= kLinks; ++link)
-    for (int i = -steps; i <= steps; ++i) {
-      ThrowIfInterrupted();
-      auto values = links.Values();
-      SynthesisProblem changed = problem;
-      SensitivityPoint point{link, span_mm * i / steps, 0, false};
-      double& length = link < kLinks ? values[link] : changed.d_min_mm;
-      length += point.delta_mm;
-      if (length <= 0) continue;
+  std::vector<std::optional<SensitivityPoint>> points(static_cast<std::size_t>(PointsOfSensitivity(steps)));
+  // Points take the longer the nearer they are to the design: by such strides all parts of the work are alike, and
+  // what is done tells what is left.
+  auto stride = static_cast<std::size_t>(0.618 * static_cast<double>(points.size())) + 1;
+  while (std::gcd(stride, points.size()) != 1) ++stride;
+  std::mutex stepping;
+  ForEachInThreads(points.size(), Threads(), [&](std::size_t turn) {
+    ThrowIfInterrupted();
+    const std::size_t n = turn * stride % points.size();
+    const int of_each = 2 * steps + 1, link = static_cast<int>(n) / of_each, i = static_cast<int>(n) % of_each - steps;
+    auto values = links.Values();
+    SynthesisProblem changed = problem;
+    SensitivityPoint point{link, span_mm * i / steps, 0, false};
+    double& length = link < kLinks ? values[static_cast<std::size_t>(link)] : changed.d_min_mm;
+    length += point.delta_mm;
+    if (length > 0) {
       const linkage::Links build = linkage::Links::FromValues(values);
       point.range_deg = RangeOf(build, changed.d_min_mm);
       point.feasible = MeetsLinkRequirements(build, changed, requirements, kTolerance_mm) &&
-                       Evaluate(build, changed).IsFeasible(kTolerance_mm);
-      points.push_back(point);
+                       IsFeasible(build, changed, kTolerance_mm);
+      points[n] = point;
     }
-  return points;
+    const std::lock_guard lock(stepping);
+    step();
+  });
+  std::vector<SensitivityPoint> found;
+  for (const std::optional<SensitivityPoint>& point : points)
+    if (point) found.push_back(*point);
+  return found;
 }
 
 void YieldOptions::Check() const {
@@ -177,9 +191,9 @@ std::optional<RoundedDesign> RoundLinks(const linkage::Links& links, const Synth
     const std::vector<Candidate> candidates = Candidates(grid, problem, kRounding_mm);
     for (const Candidate& candidate : candidates) {
       ThrowIfInterrupted();
-      DesignEvaluation evaluation = Evaluate(candidate.links, problem);
-      if (evaluation.IsFeasible())
-        return RoundedDesign{step_mm, candidate.links, std::move(evaluation), static_cast<int>(candidates.size())};
+      if (IsFeasible(candidate.links, problem))
+        return RoundedDesign{step_mm, candidate.links, Evaluate(candidate.links, problem),
+                             static_cast<int>(candidates.size())};
     }
   }
   return std::nullopt;

@@ -126,14 +126,12 @@ synthesis::OptimizeOptions WithIterations(synthesis::OptimizeOptions options, in
   return options;
 }
 
-// Of each problem, from its own links. They do not wait for each other.
+// Of each problem, from its own starts. They do not wait for each other.
 std::vector<Search> FindBestOfEach(const std::vector<const GroupProblem*>& problems,
-                                   const std::vector<std::vector<linkage::Links>>& links,
+                                   const std::vector<std::vector<linkage::Links>>& starts,
                                    const synthesis::OptimizeOptions& options, const std::string& what) {
-  std::vector<std::vector<linkage::Links>> starts;
   std::size_t count = 0;
-  for (std::size_t k = 0; k < problems.size(); ++k)
-    count += starts.emplace_back(StartsOf(problems[k]->shared, links[k], options)).size();
+  for (const std::vector<linkage::Links>& of_one : starts) count += of_one.size();
   Progress progress(what, "starts", static_cast<std::int64_t>(count), options.quiet);
   std::vector<Search> searches(problems.size());
   for (;;) {
@@ -150,7 +148,7 @@ std::vector<Search> FindBestOfEach(const std::vector<const GroupProblem*>& probl
 
 Search FindBest(const GroupProblem& problem, const std::vector<linkage::Links>& links,
                 const synthesis::OptimizeOptions& options, const std::string& what) {
-  return FindBestOfEach({&problem}, {links}, options, what).front();
+  return FindBestOfEach({&problem}, {StartsOf(problem.shared, links, options)}, options, what).front();
 }
 
 std::vector<double> Misalignments_percent(const GroupProblem& problem, const std::vector<ReoptimizePoint>& points) {
@@ -253,9 +251,11 @@ void SolveFromNearest(const std::vector<GroupOutcome*>& outcomes, const std::vec
                       const synthesis::OptimizeOptions& options) {
   std::vector<GroupProblem> least;
   std::vector<const GroupProblem*> problems;
+  std::vector<std::vector<linkage::Links>> starts;
   for (const GroupOutcome* outcome : outcomes) least.push_back(WithGoal(outcome->problem, Goal::kMisalignment));
-  for (const GroupProblem& problem : least) problems.push_back(&problem);
-  std::vector<Search> searches = FindBestOfEach(problems, links, options, "least misalignment");
+  for (std::size_t k = 0; k < least.size(); ++k)
+    problems.push_back(&least[k]), starts.push_back(StartsOf(least[k].shared, links[k], options));
+  std::vector<Search> searches = FindBestOfEach(problems, starts, options, "least misalignment");
   std::vector<Piece> pieces;
   for (std::size_t k = 0; k < outcomes.size(); ++k)
     pieces.push_back({&outcomes[k]->problem, searches[k].best.points, true});
@@ -284,7 +284,7 @@ GroupOutcome Begun(const DesignTask& task, GroupDesign design) {
 
 // The solution with few samples of the motions is close by. Of large groups from the given links alone: of all groups
 // measured the starts that succeed met one optimum, and a random start that wanders fills gigabytes.
-void FindCloseBy(synthesis::OptimizeOptions options, std::vector<DesignTask>& tasks) {
+void FindCloseBy(const synthesis::OptimizeOptions& options, std::vector<DesignTask>& tasks) {
   constexpr std::size_t kLarge = 20;
   std::vector<GroupProblem> coarse;
   std::vector<DesignTask*> of;
@@ -295,11 +295,13 @@ void FindCloseBy(synthesis::OptimizeOptions options, std::vector<DesignTask>& ta
     coarse.push_back(Coarse(task.problem)), of.push_back(&task);
   }
   std::vector<const GroupProblem*> problems;
-  std::vector<std::vector<linkage::Links>> links;
-  for (std::size_t k = 0; k < of.size(); ++k) problems.push_back(&coarse[k]), links.push_back(of[k]->links);
-  for (const std::vector<linkage::Links>& given : links)
-    options.starts = std::min(options.starts, static_cast<int>(given.size()));
-  std::vector<Search> searches = FindBestOfEach(problems, links, options, "design for all");
+  std::vector<std::vector<linkage::Links>> starts;
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    synthesis::OptimizeOptions given = options;
+    given.starts = std::min(options.starts, static_cast<int>(of[k]->links.size()));
+    problems.push_back(&coarse[k]), starts.push_back(StartsOf(coarse[k].shared, of[k]->links, given));
+  }
+  std::vector<Search> searches = FindBestOfEach(problems, starts, options, "design for all");
   for (std::size_t k = 0; k < of.size(); ++k) {
     if (!searches[k].best.is_usable) continue;
     of[k]->close_by = std::move(searches[k].best.points);
@@ -423,16 +425,19 @@ std::vector<GroupOutcome> DesignGroups(std::vector<DesignTask> tasks, const synt
   FindCloseBy(options, tasks);
   std::vector<std::optional<GroupDesign>> designs = DesignsFromCloseBy(tasks, options);
   std::vector<const GroupProblem*> problems;
-  std::vector<std::vector<linkage::Links>> links;
+  std::vector<std::vector<linkage::Links>> starts;
   std::vector<std::size_t> of;
-  for (std::size_t k = 0; k < tasks.size(); ++k)
-    if (!designs[k]) problems.push_back(&tasks[k].problem), links.push_back(tasks[k].links), of.push_back(k);
-  std::vector<Search> searches = FindBestOfEach(problems, links, options, "design for all");
+  for (std::size_t k = 0; k < tasks.size(); ++k) {
+    if (designs[k]) continue;
+    problems.push_back(&tasks[k].problem), of.push_back(k);
+    starts.push_back(StartsOf(tasks[k].problem.shared, tasks[k].links, options));
+  }
+  std::vector<Search> searches = FindBestOfEach(problems, starts, options, "design for all");
   for (std::size_t i = 0; i < of.size(); ++i) designs[of[i]] = DesignOf(*problems[i], std::move(searches[i]));
   std::vector<GroupOutcome> outcomes;
   for (std::size_t k = 0; k < tasks.size(); ++k) outcomes.push_back(Begun(tasks[k], std::move(*designs[k])));
   std::vector<GroupOutcome*> unsolved;
-  links.clear();
+  std::vector<std::vector<linkage::Links>> links;
   for (std::size_t k = 0; k < tasks.size(); ++k)
     if (!outcomes[k].IsSolved()) unsolved.push_back(&outcomes[k]), links.push_back(tasks[k].links);
   if (!unsolved.empty()) SolveFromNearest(unsolved, links, options);

@@ -208,7 +208,6 @@ GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<ReoptimizePo
   synthesis::OptimizeOptions inner = options;
   constexpr int kMostIterations = 150;  // solves that succeed take 12 to 60; the others wander until stopped
   inner.nlp.max_iterations = std::min(inner.nlp.max_iterations, kMostIterations);
-  inner.nlp.max_cpu_s *= static_cast<double>(problem.people.size());
   // Of a group, starts that succeed restore feasibility for three iterations at most, if at all. The others take a
   // hundred in a row, with many pivots put off: one of fifty people took 106 s, where its neighbours took 2 s.
   constexpr int kMostRestoration = 10;

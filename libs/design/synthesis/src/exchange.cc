@@ -44,9 +44,10 @@ bool IsKnown(const problem::WorstPoint& point, const Collocation& poses) {
 // The poses at which one linkage violates the problem; false where it turns back or comes apart between two poses.
 bool AddPosesOf(const problem::SynthesisProblem& problem, const linkage::Links& links, double tolerance,
                 Collocation& poses) {
+  problem::UsedPoses used(links, problem);
   for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
     if (!requirement.NeedsStanding()) continue;
-    const std::vector<problem::WorstPoint> worst = problem::WorstPoints(links, problem, requirement);
+    const std::vector<problem::WorstPoint> worst = used.WorstPoints(requirement);
     if (worst.empty()) return false;
     // The seat is one pose, which the program has already.
     if (!requirement.IsFamily() || requirement.id.kind == problem::Requirement::Kind::kSeat) continue;

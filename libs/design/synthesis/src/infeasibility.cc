@@ -6,6 +6,7 @@
 
 #include "exchange.h"
 #include "lake/core/error.h"
+#include "lake/core/progress.h"
 
 namespace lake::synthesis {
 namespace {
@@ -47,9 +48,10 @@ problem::SynthesisProblem Relaxed(problem::SynthesisProblem problem, const Elast
 
 bool FamiliesHold(const problem::SynthesisProblem& problem, const linkage::Links& links) {
   constexpr double kTolerance = 1e-4;  // of the limit; the moved limits themselves are known no better
+  problem::UsedPoses poses(links, problem);
   for (const problem::Requirement& requirement : problem::RequirementsOf(problem)) {
     if (!requirement.IsFamily()) continue;
-    const auto worst = problem::WorstPoints(links, problem, requirement);
+    const auto worst = poses.WorstPoints(requirement);
     if (worst.empty() || requirement.Slack(worst.front().value) < -kTolerance * std::max(1.0, requirement.limit))
       return false;
   }
@@ -83,9 +85,11 @@ ElasticSolve BestElastic(const problem::SynthesisProblem& problem, Elasticity el
   best.solution.cost = std::numeric_limits<double>::infinity();
   std::vector<linkage::Links> starts = RandomStarts(problem, kStarts - 1, options.seed);
   starts.insert(starts.begin(), problem.start);
+  Progress progress("which limits give way", "starts", kStarts, options.quiet);
   for (const linkage::Links& start : starts) {
     ElasticSolve solve = SolveElastic(problem, start, elasticity, options);
     if (best.solution.x.empty() || solve.IsBetterThan(best)) best = std::move(solve);
+    progress.Advance();
   }
   return best;
 }

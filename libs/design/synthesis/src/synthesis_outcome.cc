@@ -156,7 +156,12 @@ SynthesisOutcome RunSynthesis(const problem::SynthesisProblem& problem, const Sy
   if (options.certify_gap_deg)
     outcome.certificate =
         Certify(problem, best.evaluation.range_deg, *options.certify_gap_deg, options.certify_boxes, options.quiet);
-  outcome.sensitivity = problem::Sensitivity(best.end, problem);
+  {
+    constexpr double kSpan_mm = 5;
+    constexpr int kSteps = 100;
+    Progress progress("sensitivity", "points", problem::PointsOfSensitivity(kSteps), options.quiet);
+    outcome.sensitivity = problem::Sensitivity(best.end, problem, kSpan_mm, kSteps, [&] { progress.Advance(); });
+  }
   // A tolerance takes the place of margins.
   if (problem.goal == problem::SynthesisProblem::Goal::kRange && !problem.robust_mm)
     outcome.margins = SweepMargins(outcome);

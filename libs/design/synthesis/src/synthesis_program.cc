@@ -230,7 +230,7 @@ class Builder {
     constexpr double kPlausible_s = 20, kLeast_s = 0.1, kMost_s = 600;
     for (const problem::Requirement& requirement : problem::RequirementsOf(problem_)) {
       if (requirement.id.kind != Kind::kDuration) continue;
-      const auto worst = problem::WorstPoints(start_, problem_, requirement);
+      const auto worst = problem::UsedPoses(start_, problem_).WorstPoints(requirement);
       if (!worst.empty() && std::isfinite(worst.front().value))
         return std::clamp(worst.front().value, kLeast_s, kMost_s);
     }

@@ -11,6 +11,7 @@
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
+#include "lake/loads/clock_offset.h"
 
 namespace lake::loads {
 namespace {
@@ -347,23 +348,79 @@ void CheckOverlap(const GroundForces& forces, const std::vector<Rise>& rises) {
       forces.time_s.front(), forces.time_s.back(), rises.front().onset_s, rises.back().standing_s);
 }
 
+// Calls look(points, loads) for each percent of the rises, from where the seat has let go.
+template <typename Look>
+void ForEachOnTheFeet(const Model& model, const std::vector<Rise>& rises, const LoadsOptions& options,
+                      const Look& look) {
+  for (const Rise& rise : rises)
+    for (int percent = 0; percent < kPercents; ++percent) {
+      const double at_s = TimeOf(rise, percent);
+      const auto loads = LoadsAtTime(model, at_s);
+      if (loads && SeatIsLeft(rise, at_s, options))
+        look(model.path.frames[Locate(model.path.time_s, at_s).before], *loads);
+    }
+}
+
+// Vertical, on this foot, by the motion alone.
+double NeededForce_n(const LegPoints& points, const LegBody& body) {
+  return LoadsFromTrunk(points, body, {}).ground_force_n.y();
+}
+
+// Forces that no ground gives to a foot. What is too small to bear a leg may be a plate's zero.
+void CheckForces(const Model& model, const std::vector<Rise>& rises, const LoadsOptions& options) {
+  constexpr double kBears = 0.2;  // of what the motion needs
+  std::vector<double> force_n, before_m;
+  ForEachOnTheFeet(model, rises, options, [&](const LegPoints& points, const LegLoads& loads) {
+    if (std::abs(loads.ground_force_n.y()) < kBears * NeededForce_n(points, model.body)) return;
+    force_n.push_back(loads.ground_force_n.y()), before_m.push_back(loads.zmp_m);
+  });
+  if (force_n.empty()) return;
+  if (Median(force_n) < 0)
+    throw Fail(
+        "loads: the ground pulls the foot down, by {:.0f} N in the median of the rises: the forces have the opposite "
+        "sign; give those on the foot, not those on the plate",
+        -Median(force_n));
+  constexpr double kFoot_m = 1, kLaboratory_m = 20;  // none is as long
+  const double from_m = Median(before_m);
+  if (std::abs(from_m) < kFoot_m) return;
+  throw Fail("loads: the force acts {:.4g} m {} the ankle in the median of the rises, where no foot is: {}",
+             std::abs(from_m), from_m > 0 ? "before" : "behind",
+             std::abs(from_m) > kLaboratory_m
+                 ? "its points seem to be in mm, and are read in m"
+                 : "are the axes and the origin the markers' own, and is it this foot's plate?");
+}
+
+// A clock that is not the markers'.
+void WarnOfClock(const Model& model, const std::vector<Window>& windows, const LoadsOptions& options,
+                 LoadsResult& result) {
+  std::vector<double> needed_n, measured_n;
+  for (std::size_t i = 0; i < model.path.frames.size(); ++i) {
+    const bool known = model.path.known[i] != 0;
+    needed_n.push_back(known ? NeededForce_n(model.path.frames[i], model.body) : LoadsRow::kUnknown);
+    measured_n.push_back(model.ground[i] ? model.ground[i]->force_n.y() : LoadsRow::kUnknown);
+  }
+  const auto offset = FindClockOffset(model.path.time_s, needed_n, measured_n, windows, options.cutoff_with_forces_hz);
+  constexpr double kSure = 3;  // standard deviations
+  if (!offset || std::abs(offset->add_s) < kSure * offset->sd_s) return;
+  result.warnings.push_back(
+      fmt::format("the forces' clock is not the markers': the forces follow the motion best with {:+.3f} ± {:.3f} s (1 "
+                  "SD) added to their times; correct the times in the file, as moments of forces and angles of other "
+                  "moments are wrong",
+                  offset->add_s, offset->sd_s));
+}
+
 // Forces that the motion contradicts: of another leg, another trial, other axes.
 void WarnOfForces(const Model& model, const std::vector<Rise>& rises, const LoadsOptions& options,
                   LoadsResult& result) {
   int outside = 0, count = 0;
   std::vector<double> force, expected, zmp_mm;
-  for (const Rise& rise : rises)
-    for (int percent = 0; percent < kPercents; ++percent) {
-      const double at_s = TimeOf(rise, percent);
-      const auto loads = LoadsAtTime(model, at_s);
-      if (!loads || !SeatIsLeft(rise, at_s, options)) continue;
-      const LegPoints& points = model.path.frames[Locate(model.path.time_s, at_s).before];
-      const double needed_n = LoadsFromTrunk(points, model.body, {}).ground_force_n.y();
-      force.push_back(loads->ground_force_n.y()), expected.push_back(needed_n);
-      zmp_mm.push_back(kMmPerM * loads->zmp_m);
-      outside += loads->zmp_m < -model.body.sole.heel_m || loads->zmp_m > model.body.sole.toe_m;
-      ++count;
-    }
+  ForEachOnTheFeet(model, rises, options, [&](const LegPoints& points, const LegLoads& loads) {
+    force.push_back(loads.ground_force_n.y());
+    expected.push_back(NeededForce_n(points, model.body));
+    zmp_mm.push_back(kMmPerM * loads.zmp_m);
+    outside += loads.zmp_m < -model.body.sole.heel_m || loads.zmp_m > model.body.sole.toe_m;
+    ++count;
+  });
   if (count == 0) return;
   const double ratio = Mean(force) / Mean(expected);
   if (ratio < 0.7 || ratio > 1.4)
@@ -434,10 +491,12 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   result.has_shoulder = paths.front().has_shoulder;
   result.body = MakeLegBody(options.body, paths.front());
   Model model{paths.front(), result.body, {}, {}};
-  if (forces)
+  if (forces) {
     model.ground = ForcesAtFrames(*forces, trajectory.time_s, cutoff_hz);
-  else
+    CheckForces(model, rises, options);
+  } else {
     model.trunk.emplace(model.path, model.body, windows, options.trunk);
+  }
 
   std::vector<std::vector<std::vector<double>>> curves(rises.size());
   std::vector<double> along_m, across_m;
@@ -466,6 +525,7 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   SetBands(MeanCurves(curves), result.mean);
   if (forces) {
     WarnOfForces(model, rises, options, result);
+    WarnOfClock(model, windows, options, result);
   } else {
     result.trunk_offset_mm = kMmPerM * Vector2d(model.trunk->AlongM(), model.trunk->AcrossM());
     result.trunk_offset_sd_mm = kMmPerM * Vector2d(StandardDeviation(along_m), StandardDeviation(across_m));

@@ -59,10 +59,10 @@ void SortSpots(Place& place) {
             [&](std::size_t a, std::size_t b) { return contrast[a] > contrast[b]; });
 }
 
-// Until `deadline`, but at least eight frames. Those from the key frame before `from_s` on are looked at while there is
-// time, as they are decoded anyway.
+// Until so much is decoded in all, but at least eight frames. Those from the key frame before `from_s` on are looked at
+// until then, as they are decoded anyway.
 Place LookAt(const std::filesystem::path& path, const RecordingCheckOptions& options, double from_s, double after_s,
-             MarkerDetector& detector, const Clock::time_point& deadline, video::VideoInfo& info) {
+             MarkerDetector& detector, double until_mpx, double& decoded_mpx, video::VideoInfo& info) {
   video::VideoReaderOptions reader_options = options.reader;
   if (from_s > 0) reader_options.seek_s = from_s;
   const auto reader = video::VideoReader::Open(path, reader_options);
@@ -71,10 +71,12 @@ Place LookAt(const std::filesystem::path& path, const RecordingCheckOptions& opt
   constexpr std::size_t kLeastFrames = 8;
   for (video::VideoFrame frame; place.time_s.size() < static_cast<std::size_t>(options.frames_per_run);) {
     ThrowIfInterrupted();
-    if (Clock::now() > deadline && place.time_s.size() >= kLeastFrames) break;
+    const bool is_spent = decoded_mpx > until_mpx;
+    if (is_spent && place.time_s.size() >= kLeastFrames) break;
     if (!reader->Read(frame)) break;
-    if (frame.time_s <= after_s) continue;                           // the key frame before lies in the last place
-    if (frame.time_s < from_s && Clock::now() > deadline) continue;  // else a slow machine never comes to the end
+    decoded_mpx += 1e-6 * static_cast<double>(frame.luma.total());
+    if (frame.time_s <= after_s) continue;            // the key frame before lies in the last place
+    if (frame.time_s < from_s && is_spent) continue;  // else what was asked for is not seen
     builder.Add(frame);
     const cv::Mat small = Small(frame.luma);
     place.time_s.push_back(frame.time_s), place.frame.push_back(frame.index);
@@ -289,14 +291,14 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   std::vector<Place> places;
   double after_s = -1;
   const std::vector<double> starts = Starts(stamps_s, options);
+  double decoded_mpx = 0;
   for (std::size_t i = 0; i < starts.size(); ++i) {
-    // A slow or busy machine still sees the beginning, the middle and the end.
+    // However large the pictures, the beginning, the middle and the end are seen.
     const bool is_needed = i == 0 || i == starts.size() / 2 || i + 1 == starts.size();
-    if (!places.empty() && (starts[i] <= after_s || (!is_needed && SecondsSince(begin) > options.budget_s))) continue;
-    // Each place has its share of the time, and what those before left of theirs.
-    const double share = options.budget_s * static_cast<double>(i + 1) / static_cast<double>(starts.size());
-    const auto deadline = begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(share));
-    Place place = LookAt(video, options, starts[i], after_s, *detector, deadline, check.video);
+    if (!places.empty() && (starts[i] <= after_s || (!is_needed && decoded_mpx > options.budget_mpx))) continue;
+    // Each place has its share of the budget, and what those before left of theirs.
+    const double share_mpx = options.budget_mpx * static_cast<double>(i + 1) / static_cast<double>(starts.size());
+    Place place = LookAt(video, options, starts[i], after_s, *detector, share_mpx, decoded_mpx, check.video);
     if (place.time_s.empty()) continue;
     after_s = place.time_s.back();
     check.frames_seen += static_cast<int>(place.time_s.size());

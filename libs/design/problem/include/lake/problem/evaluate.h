@@ -18,12 +18,27 @@ struct WorstPoint {
   int sample = -1;      // of the load profile
 };
 
-// The local worst points of a requirement of the family kind, the global one first: over the used range the grid's,
-// refined by Brent's minimisation, of the seat the seated pose alone; along the load profile those of its samples that
-// are not straighter than standing, NaN where they are bent more than the linkage can be. Empty if the linkage cannot
-// be assembled at d_min or does not reach standing.
-std::vector<WorstPoint> WorstPoints(const linkage::Links& links, const SynthesisProblem& problem,
-                                    const Requirement& requirement);
+// A linkage over its used range, whose poses are found once for all requirements on them.
+class UsedPoses {
+ public:
+  UsedPoses(const linkage::Links& links, const SynthesisProblem& problem);
+
+  // nullopt if the linkage cannot be assembled at d_min or does not reach standing.
+  const std::optional<linkage::UsedRange>& Range() const { return range_; }
+
+  // The local worst points of a requirement of the family kind, the global one first: over the used range the grid's,
+  // refined by Brent's minimisation, of the seat the seated pose alone; along the load profile those of its samples
+  // that are not straighter than standing, NaN where they are bent more than the linkage can be. Empty without a range.
+  std::vector<WorstPoint> WorstPoints(const Requirement& requirement);
+
+ private:
+  const std::vector<std::optional<linkage::Pose>>& Grid();
+
+  const linkage::Links links_;
+  const SynthesisProblem& problem_;
+  std::optional<linkage::UsedRange> range_;
+  std::vector<std::optional<linkage::Pose>> grid_;  // at even steps of the range; empty until they are asked for
+};
 
 constexpr double kHoldsTo = 1e-6;  // of a limit: within this violation a design counts as feasible
 
@@ -57,6 +72,9 @@ struct DesignEvaluation {
 };
 
 DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& problem);
+
+// Evaluate(links, problem).IsFeasible(tolerance), quicker: it ends at the first requirement that does not hold.
+bool IsFeasible(const linkage::Links& links, const SynthesisProblem& problem, double tolerance = kHoldsTo);
 
 // What the problem's goal makes as large as can be: the range in deg, with a tolerance that of the worst build, or the
 // duration in s, negative. NaN where it cannot be had.

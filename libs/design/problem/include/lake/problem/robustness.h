@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,9 +22,14 @@ struct SensitivityPoint {
 std::string LengthName(int link);
 
 // Each length changed from -span to +span in 2 steps + 1 points: the paper's figure of its "local minimum", on both
-// sides. Throws Interrupted on a signal.
-std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const SynthesisProblem& problem,
-                                          double span_mm = 5, int steps = 100);
+// sides, less those that have no length left. `step` is called after each, of one thread at a time. Throws Interrupted
+// on a signal.
+std::vector<SensitivityPoint> Sensitivity(
+    const linkage::Links& links, const SynthesisProblem& problem, double span_mm = 5, int steps = 100,
+    const std::function<void()>& step = [] {});
+inline int PointsOfSensitivity(int steps) {
+  return 7 * (2 * steps + 1);
+}
 
 // What a yield is of, for whoever reads it.
 inline constexpr const char* kYieldScope =

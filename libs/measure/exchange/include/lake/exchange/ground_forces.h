@@ -30,7 +30,8 @@ struct GroundForceRecording {
 // another type, another ending.
 GroundForceRecording ReadGroundForces(const std::filesystem::path& path);
 
-// Plates by leg, right and left, counted from 1. Throws UsageError for other legs and numbers.
+// Plates by leg, right and left, counted from 1. Throws UsageError for other legs and numbers, and for one plate of
+// both.
 void CheckPlates(const std::map<std::string, int>& plates);
 
 // The plate that --plates names for this leg, or the only one that bears a force. Throws Error listing what the

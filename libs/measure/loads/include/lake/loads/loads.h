@@ -91,7 +91,8 @@ struct LoadsResult {
 };
 
 // `trajectory`, `motion` and `events`: the leg fit's, in mm. Throws Error: no seat-off in the recording, no trunk,
-// forces of another time; UsageError: a body that nobody has.
+// forces of another time, forces that pull the foot down or act a metre away from it; UsageError: a body that nobody
+// has.
 LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::LegMotion& motion,
                       const std::vector<motion::StsEvent>& events, const LegPathOptions& path,
                       const LoadsOptions& options, const std::optional<GroundForces>& forces = {});

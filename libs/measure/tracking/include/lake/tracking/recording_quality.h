@@ -36,7 +36,9 @@ struct RecordingCheckOptions {
   Polarity polarity = Polarity::kBright;
   cv::Rect crop;  // px; empty: the whole picture
   video::VideoReaderOptions reader;
-  double budget_s = 3.5;    // for decoding and looking; then only middle and end are still seen
+  // Of pictures to decode, some 3.5 s of one core for 1080p; then only middle and end are still seen. No limit in
+  // seconds: what is said of a recording must not depend on the machine.
+  double budget_mpx = 2000;
   int runs = 8;             // places over the whole file, …
   int frames_per_run = 30;  // … each of so many neighbouring frames
 };
@@ -77,7 +79,7 @@ struct RecordingCheck {
   double seconds = 0;
 };
 
-// Looks into the recording at places over its whole length, for about `budget_s`. Markers are not named: of the bright
+// Looks into the recording at places over its whole length, as far as `budget_mpx` goes. Markers are not named: of the bright
 // spots in a place the strongest, as many as there should be, are taken for them. Throws Error as VideoReader does.
 RecordingCheck CheckRecording(const std::filesystem::path& video, const RecordingCheckOptions& options = {});
 
