@@ -103,6 +103,14 @@ TEST_F(Formats, TrcOfCortexHasMoreMarkersThanItsHeaderSays) {
       testing::HasSubstr("2 names, but NumMarkers is 1"));
 }
 
+TEST_F(Formats, TrcZerosAreAMissingMarker) {
+  const exchange::PointRecording points = exchange::ReadTrc(
+      Write("z.trc", std::string(kTrcHead) + "100\t100\t2\t1\tmm\t100\t1\t2\nFrame#\tTime\tA\n\t\tX1\tY1\tZ1\n\n"
+                                             "1\t0\t0\t2\t0\n2\t0.01\t0\t0.000\t0\n"));
+  EXPECT_EQ(points.points[0].positions[0], Eigen::Vector3d(0, 2, 0));
+  EXPECT_FALSE(points.points[0].positions[1].allFinite());
+}
+
 TEST_F(Formats, TrcWithAPaddedHeaderIsRead) {
   const std::string keys = "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\n",
                     rest = "Frame#\tTime\tA\t\t\n\t\tX1\tY1\tZ1\t\n\n1\t0\t1\t2\t3\n";

@@ -104,7 +104,9 @@ void ReadRow(const TextLines& lines, std::size_t line, const TrcHeader& header, 
       if (const auto value = NumberOrMissing(cells[cell], where))
         position[static_cast<int>(axis)] = *value * header.mm_per_unit;
     }
-    recording.points[m].positions.push_back(position.allFinite() ? position : PointTrack::Missing());
+    // Some writers mark a missing marker by zeros, as in C3D.
+    recording.points[m].positions.push_back(position.allFinite() && !position.isZero(0) ? position
+                                                                                        : PointTrack::Missing());
   }
 }
 
