@@ -123,6 +123,9 @@ TEST_F(CalibrateProgram, BadInputIsOneLineAndTheRightExitCode) {
                 "outside the picture");
   ExpectOneLine(Run("plane 00.png --camera camera.yaml --points '10,10=0,0;90,10=9,0;90,90=9,9;10,90=0,9'"), 1,
                 "mirrored");
+  ExpectOneLine(Run("plane 00.png --camera camera.yaml --points '10,10=0,0;90,10=1.2,0;90,90=1.2,0.9;10,90=0,0.9'"), 2,
+                "within 1.5 mm of each other");
+  ExpectOneLine(Run("00.png --board chessboard:9x6:0.025"), 2, "is it in m?");
   ExpectOneLine(Run("plane 00.png --camera none.yaml --board chessboard:9x6:25"), 1, "none.yaml");
   ExpectOneLine(Run("board --board chessboard:9x6:90 --paper a4"), 1, "does not fit on a4");
   ExpectOneLine(Run("board --board chessboard:9x6:25 --paper b5"), 2, "--paper 'b5'");

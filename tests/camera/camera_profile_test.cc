@@ -119,6 +119,9 @@ TEST_F(CameraProfileTest, SaysWhichKeyIsWrong) {
   EXPECT_THAT(Complaint(good + Matrix("plane_rvec", 3, 1, "0., 0., 0.")), HasSubstr("no key 'plane_tvec'"));
   EXPECT_THAT(Complaint(good + Matrix("plane_rvec", 1, 3, "0., 0., 0.") + Matrix("plane_tvec", 1, 3, "0., 0., 900.")),
               HasSubstr("behind the plane"));
+  EXPECT_THAT(Complaint(good + Matrix("plane_rvec", 1, 3, "3.141592653589793, 0., 0.") +
+                        Matrix("plane_tvec", 1, 3, "0.1, 0.5, 3.5")),
+              HasSubstr("'plane_tvec' puts the plane 3.54 mm from the camera"));
   EXPECT_THAT(Complaint(good + "rms_px: .Inf\n"), HasSubstr("'rms_px' is not finite"));
 }
 

@@ -192,7 +192,7 @@ TEST(ParsePlanePoints, ReadsPairsAndSaysWhatIsWrong) {
   EXPECT_EQ(points[1].pixel, Eigen::Vector2d(30.5, 20));
   EXPECT_EQ(points[2].point_in_plane, Eigen::Vector2d(100, 100));
   for (const char* bad : {"", "1,2=3,4", "1,2=3;1,2=3,4;1,2=3,4;1,2=3,4", "1,2,3,4;1,2=3,4;1,2=3,4;1,2=3,4",
-                          "a,2=3,4;1,2=3,4;1,2=3,4;1,2=3,4"})
+                          "a,2=3,4;1,2=3,4;1,2=3,4;1,2=3,4", "10,20=0,0;900,20=1.2,0;900,700=1.2,0.9;10,700=0,0.9"})
     EXPECT_THROW(camera::ParsePlanePoints(bad), UsageError) << bad;
 }
 

@@ -97,6 +97,7 @@ TEST_F(TrackProgram, RefusesOptionsThatDoNotFitTheVideo) {
   ExpectRefused("good.mp4 --seed knee=-1,10", 1, "outside the picture");
   ExpectRefused("good.mp4 --seed knee=640,360@99999", 1, "99999");
   ExpectRefused("good.mp4 --crop 1000,0,1000,100", 1, "--crop");
+  ExpectRefused("good.mp4 --scale 10,10,500,10,0.5", 2, "is 0.5 in m?");
   ExpectRefused("good.mp4 --camera absent.yaml", 1, "absent.yaml");
   const Outcome other = Shell(folder_, "lake-synth -o other --duration 0.2 --width 640 --height 480 --quiet");
   ASSERT_EQ(other.exit_code, 0) << other.err;

@@ -89,12 +89,67 @@ TEST_F(Formats, TrcOfCortexHasMoreMarkersThanItsHeaderSays) {
   EXPECT_EQ(points.Find("V_Hip")->positions[0], Eigen::Vector3d(4, 5, 6));
   ASSERT_EQ(points.warnings.size(), 1u);
   EXPECT_THAT(points.warnings[0], testing::HasSubstr("says 1 markers, but there are names and columns of 2"));
+  // Labels of the measured markers only; the virtual one is missing at the first row's end.
+  const exchange::PointRecording unlabelled = exchange::ReadTrc(Write(
+      "u.trc", std::string(kTrcHead) + "100\t100\t2\t1\tmm\t100\t1\t2\nFrame#\tTime\tA\t\t\tB\t\t\n\t\tX1\tY1\tZ1\n\n"
+                                       "1\t0\t1\t2\t3\t\t\t\n2\t0.01\t1\t2\t3\t4\t5\t6\n"));
+  EXPECT_FALSE(unlabelled.Find("B")->positions[0].allFinite());
+  EXPECT_EQ(unlabelled.Find("B")->positions[1], Eigen::Vector3d(4, 5, 6));
   // Names without columns are damage.
-  EXPECT_THAT(MessageOf([&] {
-                exchange::ReadTrc(
-                    Write("d.trc", head + "Frame#\tTime\tA\t\t\tB\t\t\n\t\tX1\tY1\tZ1\n\n1\t0\t1\t2\t3\t4\t5\t6\n"));
-              }),
-              testing::HasSubstr("2 names, but NumMarkers is 1"));
+  EXPECT_THAT(
+      MessageOf([&] {
+        exchange::ReadTrc(Write("d.trc", head + "Frame#\tTime\tA\t\t\tB\t\t\n\t\tX1\tY1\tZ1\n\n1\t0\t1\t2\t3\n"));
+      }),
+      testing::HasSubstr("2 names, but NumMarkers is 1"));
+}
+
+TEST_F(Formats, TrcZerosAreAMissingMarker) {
+  const exchange::PointRecording points = exchange::ReadTrc(
+      Write("z.trc", std::string(kTrcHead) + "100\t100\t2\t1\tmm\t100\t1\t2\nFrame#\tTime\tA\n\t\tX1\tY1\tZ1\n\n"
+                                             "1\t0\t0\t2\t0\n2\t0.01\t0\t0.000\t0\n"));
+  EXPECT_EQ(points.points[0].positions[0], Eigen::Vector3d(0, 2, 0));
+  EXPECT_FALSE(points.points[0].positions[1].allFinite());
+}
+
+TEST_F(Formats, TrcWithAPaddedHeaderIsRead) {
+  const std::string keys = "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\n",
+                    rest = "Frame#\tTime\tA\t\t\n\t\tX1\tY1\tZ1\t\n\n1\t0\t1\t2\t3\n";
+  const exchange::PointRecording points = exchange::ReadTrc(
+      Write("p.trc", "PathFileType  4\t(X/Y/Z) x\n" + keys + "  100.0\t\t  100.0\t\t    1\t\t   1\t\t cm\n" + rest));
+  EXPECT_EQ(points.points[0].positions[0], Eigen::Vector3d(10, 20, 30));
+  // A value that is not there leaves its place empty.
+  EXPECT_NO_THROW(exchange::ReadTrc(Write("e.trc", "PathFileType\t4\n" + keys + "100\t\t1\t1\tmm\n" + rest)));
+}
+
+TEST_F(Formats, ANameThatStandsTwiceIsNumberedWithAWarningInEveryFormat) {
+  const auto expect = [&](const exchange::PointRecording& points, const std::string& format) {
+    ASSERT_EQ(points.points.size(), 3u) << format;
+    EXPECT_EQ(points.points[0].name, "knee") << format;
+    EXPECT_EQ(points.points[1].name, "knee_3") << format;  // as there is a knee_2
+    EXPECT_EQ(points.points[2].name, "knee_2") << format;
+    EXPECT_EQ(points.points[1].positions[0].x(), 3) << format;
+    ASSERT_EQ(points.warnings.size(), 1u) << format;
+    EXPECT_THAT(points.warnings[0], testing::HasSubstr("stand twice; the later ones are called knee_3")) << format;
+  };
+  expect(exchange::ReadTrc(Write("n.trc", std::string(kTrcHead) +
+                                              "100\t100\t1\t3\tmm\t100\t1\t1\nFrame#\tTime\tknee\t\t\tknee\t\t\t"
+                                              "knee_2\n\t\tX1\n\n1\t0\t1\t2\t0\t3\t4\t0\t5\t6\t0\n")),
+         "TRC");
+  expect(exchange::ReadTrackerText(Write(
+             "n.txt", "\tknee\t\tknee\t\tknee_2\t\nt\tx\ty\tx\ty\tx\ty\n0\t1\t2\t3\t4\t5\t6\n1\t1\t2\t3\t4\t5\t6\n")),
+         "Tracker");
+  expect(exchange::ReadKinovea(Write("n.csv",
+                                     "Time,knee/0/X,knee/0/Y,knee/0/X,knee/0/Y,knee_2/0/X,knee_2/0/Y\n"
+                                     "0,1,2,3,4,5,6\n33,1,2,3,4,5,6\n")),
+         "Kinovea");
+  exchange::PointRecording points = MakePoints(exchange::PointSpace::kSpace, 3, 3, 1);
+  points.points[0].name = points.points[1].name = "knee", points.points[2].name = "knee_2";
+  points.points[1].positions[0].x() = 3;
+  exchange::WriteC3d(folder_ / "n.c3d", points);
+  expect(exchange::ReadC3d(folder_ / "n.c3d"), "C3D");
+  EXPECT_THAT(
+      MessageOf([&] { exchange::ReadKinovea(Write("x.csv", "Time,knee/0/X,hip/0/X,hip/0/Y\n0,1,2,3\n33,1,2,3\n")); }),
+      testing::HasSubstr("no column 'knee/0/Y' follows 'knee/0/X'"));
 }
 
 TEST_F(Formats, NamesInLatin1AreReadByEveryFormat) {

@@ -8,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/figure/misalignment_figures.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/persons_leg.h"
 #include "lake/gait/plausibility.h"
 #include "lake/report/misalignment_sections.h"
 #include "lake/report/report.h"
@@ -33,7 +34,15 @@ compare::TrialTables ReadTracked(const fs::path& folder, Run& run) {
   tables.trajectory = motion::ReadMarkerCsv(markers, motion::MarkerValues::kEstimated);
   tables.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   tables.events = motion::ReadEventsCsv(folder / "events.csv");
+  gait::LegFitOptions said;
+  said.said_facing = "the direction in which the subject was said to face";
+  said.unit_question = [](const std::string& unit) {
+    return fmt::format("was the scale of its recording given {}?", unit.empty() ? "in mm" : "in " + unit);
+  };
+  gait::LegPath path = gait::PathOf(tables.motion);
+  path.is_facing_given = true;
   try {
+    gait::CheckPersonsLeg(path, tables.events, said);
     gait::CheckPlausible(tables.motion, tables.trajectory);
   } catch (const Error& error) {
     throw Fail("{}: {}", folder.string(), error.what());

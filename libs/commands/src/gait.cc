@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
@@ -24,32 +23,21 @@ bool WasSmoothed(const exchange::Trial& trial, const gait::LegFitResult& result)
                      [&](const gait::MarkerReport& marker) { return marker.rms < least; });
 }
 
-// Throws Error for a shank that nobody has, which mostly is one in another unit.
-void CheckShank(const exchange::Trial& trial, double shank_mm) {
-  constexpr double kShortestMm = 100, kLongestMm = 1000;
-  if (!std::isfinite(shank_mm) || (shank_mm >= kShortestMm && shank_mm <= kLongestMm)) return;
-  const auto would_fit = [&](double mm) { return mm * shank_mm >= kShortestMm && mm * shank_mm <= kLongestMm; };
-  const std::string unit = would_fit(kMmPerM) ? "m" : would_fit(10) ? "cm" : "";
+// What to ask of a trial whose leg is far too short or long.
+std::string UnitQuestion(const exchange::Trial& trial, const std::string& unit) {
   exchange::TrialOptions in_unit;
   in_unit.mm_per_unit = kMmPerM;
   const bool states_none = exchange::UnusedOptions(trial.file, in_unit).empty();
-  throw Fail("{}: the shank is {:.3g} mm long, not {:g} to {:g}: is the file in another unit? {}", trial.file.string(),
-             shank_mm, kShortestMm, kLongestMm,
-             states_none    ? "Give it with --unit" + (unit.empty() ? "" : " " + unit)
-             : unit.empty() ? "It says mm"
-                            : fmt::format("It says mm, and the lengths look like {}: write them in mm", unit));
-}
-
-// Before the fit, which takes a leg of half a millimetre for noise. NaN where there are no lengths yet.
-double MeasuredShank(const motion::MarkerRecording& recording, const gait::LegMarkers& names) {
-  return recording.unit == motion::LengthUnit::kMm ? motion::MedianDistance(recording, names.ankle, names.knee) : kNaN;
+  return "is the file in another unit? " +
+         (states_none    ? "Give it with --unit" + (unit.empty() ? "" : " " + unit)
+          : unit.empty() ? "It says mm"
+                         : fmt::format("It says mm, and the lengths look like {}: write them in mm", unit));
 }
 
 void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result, Run& run) {
   for (const std::string& warning : trial.warnings) run.Warn(warning);
   for (const std::string& warning : result.warnings) run.Warn(warning);
   if (result.motion.unit == motion::LengthUnit::kPx) run.Warn("the trial has no scale: lengths are in px");
-  if (result.motion.unit == motion::LengthUnit::kMm) CheckShank(trial, result.segments.front().length);
   if (WasSmoothed(trial, result))
     run.Warn(
         "the positions were smoothed before, and the file does not say how certain they are: the standard deviations "
@@ -78,6 +66,19 @@ void TakeEvents(const std::filesystem::path& file, gait::LegFitResult& result, R
   gait::SetRepetitions(result.events, result.motion);
 }
 
+// The fit; what is wrong with it is said with the file's name, as there may be two.
+gait::LegFitResult FitOrName(const exchange::Trial& trial, const gait::LegView& view, const gait::LegFitOptions& fit) {
+  try {
+    return gait::FitLeg(trial.recording, view, fit, trial.across_mm);
+  } catch (const UsageError&) {
+    throw;
+  } catch (const SolverError&) {
+    throw;
+  } catch (const Error& error) {
+    throw Fail("{}: {}", trial.file.string(), error.what());
+  }
+}
+
 }  // namespace
 
 void Describe(GaitRunOptions& o, OptionList& options) {
@@ -100,11 +101,13 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   fit.quiet = run.Quiet();
   if (trial.up) fit.up = *trial.up;
   fit.known_sigmas = trial.known_sigmas;
-  if (trial.faces_right && !fit.facing)
+  if (trial.faces_right && !fit.facing) {
     fit.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
-  CheckShank(trial, MeasuredShank(trial.recording, fit.markers));
+    fit.said_facing = "--forward";
+  }
+  fit.unit_question = [&](const std::string& unit) { return UnitQuestion(trial, unit); };
   const gait::LegView view = gait::MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px);
-  gait::LegFitResult result = gait::FitLeg(trial.recording, view, fit, trial.across_mm);
+  gait::LegFitResult result = FitOrName(trial, view, fit);
   if (const auto events = CorrectedEventsOf(trial)) TakeEvents(*events, result, run);
   SayWarnings(trial, result, run);
   return result;

@@ -59,8 +59,10 @@ std::optional<double> MmPerPx(const TrackRunOptions& options, const std::optiona
   const gait::LegView unscaled = gait::MakeLegView(motion::LengthUnit::kPx, profile);
   const double length_px =
       (gait::PlaneFromRecorded(unscaled, {x1, y1}, 0) - gait::PlaneFromRecorded(unscaled, {x2, y2}, 0)).norm();
-  if (!(length_px >= 1) || !(length_mm > 0))
-    throw UsageError("--scale: the bar must be at least 1 px and more than 0 mm long");
+  constexpr double kShortest_mm = 5;  // longer ones in m are longer than a room
+  if (!(length_px >= 1) || !(length_mm >= kShortest_mm))
+    throw UsageError(
+        fmt::format("--scale: the bar must be at least 1 px and {:g} mm long; is {:g} in m?", kShortest_mm, length_mm));
   return length_mm / length_px;
 }
 
@@ -308,7 +310,11 @@ gait::LegFitOptions FitOptions(const TrackRunOptions& options, const tracking::T
                                const gait::LegView& view, bool quiet, const Warn& warn) {
   gait::LegFitOptions fit = options.fit;
   fit.quiet = quiet, fit.known_sigmas = true;
-  fit.vertical_option = "--vertical", fit.facing_option = "lake gait --facing";
+  fit.vertical_option = "--vertical", fit.facing_option = "lake gait --facing", fit.names_option = "--seed";
+  fit.unit_question = [](const std::string& unit) {
+    return fmt::format("are --scale, the board or the plane's --points in {}? They are in mm",
+                       unit.empty() ? "another unit" : unit);
+  };
   fit.ways_out = "leave them out (--start, --end) or say where the markers are (--seed, --corrections)";
   if (const std::optional<Eigen::Vector2d> up = UpInPlane(options, tracked, view, warn)) fit.up = *up;
   return fit;

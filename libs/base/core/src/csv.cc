@@ -66,11 +66,11 @@ void CheckSeparator(const std::vector<std::string>& header, char delimiter, cons
 
 }  // namespace
 
-CsvTable CsvTable::Read(const std::filesystem::path& path, char delimiter) {
-  return Parse(ReadTextFile(path), path, delimiter);
+CsvTable CsvTable::Read(const std::filesystem::path& path, char delimiter, Twice twice) {
+  return Parse(ReadTextFile(path), path, delimiter, twice);
 }
 
-CsvTable CsvTable::Parse(std::string text, const std::filesystem::path& path, char delimiter) {
+CsvTable CsvTable::Parse(std::string text, const std::filesystem::path& path, char delimiter, Twice twice) {
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   text = Utf8FromText(std::move(text), path.string());
   Records records = ParseRecords(text, delimiter, path);
@@ -83,8 +83,8 @@ CsvTable CsvTable::Parse(std::string text, const std::filesystem::path& path, ch
   for (const std::string& name : records.rows.front()) table.header_.emplace_back(Trim(name));
   std::vector<std::string_view> names(table.header_.begin(), table.header_.end());
   std::sort(names.begin(), names.end());
-  if (const auto twice = std::adjacent_find(names.begin(), names.end()); twice != names.end())
-    throw Fail("{}:1: column '{}' stands twice", path.string(), *twice);
+  if (const auto same = std::adjacent_find(names.begin(), names.end()); twice == Twice::kRefused && same != names.end())
+    throw Fail("{}:1: column '{}' stands twice: rename or remove one", path.string(), *same);
   for (std::size_t i = 1; i < records.rows.size(); ++i) {
     if (records.rows[i].size() != table.header_.size())
       throw Fail("{}:{}: {} cells, but the header has {}", path.string(), records.lines[i], records.rows[i].size(),

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kMaxCount = 100;        // rows or columns
 constexpr double kMaxSquareMm = 5e3;  // beyond any sheet
+constexpr double kMinSquareMm = 1;    // below any that a camera of people sees
 
 UsageError Wrong(std::string_view text, const std::string& why) {
   return UsageError(
@@ -32,6 +33,8 @@ double ParseLength(std::string_view text, std::string_view whole, const char* wh
   const auto value = ParseNumber(text);
   if (!value || !(*value > 0) || *value > kMaxSquareMm)
     throw Wrong(whole, fmt::format("'{}' is no size of a {} in mm", text, what));
+  if (*value < kMinSquareMm)
+    throw Wrong(whole, fmt::format("a {} of {} mm is smaller than any: is it in m?", what, *value));
   return *value;
 }
 

@@ -111,6 +111,10 @@ PlanePose ReadPlane(const Source& source) {
   if (!(pose.inverse().translation().z() > 0))
     throw Fail("{}: 'plane_rvec' and 'plane_tvec' put the camera behind the plane; its z must point towards the camera",
                source.name);
+  constexpr double kNearest_mm = 50;  // in m, farther than any camera of a person
+  if (const double distance_mm = pose.translation().norm(); distance_mm < kNearest_mm)
+    throw Fail("{}: 'plane_tvec' puts the plane {:.3g} mm from the camera, where no person fits: is it in m, not mm?",
+               source.name, distance_mm);
   return pose;
 }
 

@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -203,6 +204,13 @@ std::vector<PlaneCorrespondence> ParsePlanePoints(std::string_view text) {
     points.push_back({{pixel[0], pixel[1]}, {mm[0], mm[1]}});
   }
   if (points.size() < 4) throw UsageError(fmt::format("--points: at least 4 points are needed, not {}", points.size()));
+  Eigen::AlignedBox2d extent;
+  for (const PlaneCorrespondence& point : points) extent.extend(point.point_in_plane);
+  constexpr double kLeast_mm = 10;  // in m, no room is as large
+  if (const double size_mm = extent.diagonal().norm(); size_mm < kLeast_mm)
+    throw UsageError(fmt::format(
+        "--points: the places lie within {:.3g} mm of each other, which is no plane to move in: are they in m?",
+        size_mm));
   return points;
 }
 

@@ -194,7 +194,7 @@ PointRecording ReadC3d(const std::filesystem::path& path) {
   } catch (const Error& error) {
     recording.warnings.push_back(fmt::format("{}; the file's events are left out", error.what()));
   }
-  for (const std::string& name : UniqueNames(layout.labels)) recording.points.push_back({name, {}});
+  AddPoints(layout.labels, path.string(), recording);
   for (std::size_t i = 0; i < layout.frames; ++i) {
     recording.frame.push_back(static_cast<std::int64_t>(layout.first_frame - 1 + i));
     recording.time_s.push_back(static_cast<double>(layout.first_frame - 1 + i) / layout.rate_hz);

@@ -40,7 +40,7 @@ std::vector<std::string> NamePoints(const std::vector<DltdvPoint>& points) {
   std::vector<std::string> names;
   for (const DltdvPoint& point : points)
     names.push_back(cameras.size() == 1 ? point.point : point.point + "_" + point.camera);
-  return UniqueNames(std::move(names));
+  return names;
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ PointRecording ReadDltdv(const std::filesystem::path& path, double rate_hz) {
   const std::vector<DltdvPoint> points = FindPoints(header, lines.Where(0));
   PointRecording recording;
   recording.space = PointSpace::kImage;
-  for (const std::string& name : NamePoints(points)) recording.points.push_back({name, {}});
+  AddPoints(NamePoints(points), lines.Where(0), recording);
   for (std::size_t i = 1; i < lines.Count(); ++i) {
     if (lines[i].empty()) continue;
     const std::vector<std::string> cells = SplitCells(lines[i], ',');

@@ -29,11 +29,11 @@ PointRecording PointsByFrame(const std::vector<FramePoints>& points, std::size_t
   PointRecording recording;
   recording.space = PointSpace::kImage;
   for (std::int64_t frame = 0; frame <= last; ++frame) recording.frame.push_back(frame);
-  names = UniqueNames(std::move(names));
+  AddPoints(std::move(names), path.string(), recording);
   for (std::size_t p = 0; p < points.size(); ++p) {
-    recording.points.push_back({names[p], std::vector<Eigen::Vector3d>(frames, PointTrack::Missing())});
+    recording.points[p].positions.assign(frames, PointTrack::Missing());
     for (const auto& [frame, position] : points[p].positions)
-      recording.points.back().positions[static_cast<std::size_t>(frame)] = position;
+      recording.points[p].positions[static_cast<std::size_t>(frame)] = position;
   }
   return recording;
 }

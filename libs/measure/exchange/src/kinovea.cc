@@ -32,7 +32,9 @@ std::vector<Column> FindColumns(const CsvTable& table, const std::filesystem::pa
     const std::string& title = table.Header()[i];
     if (!title.ends_with("/0/X")) continue;
     const std::string name = title.substr(0, title.size() - 4);
-    columns.push_back({name, i, table.Column(name + "/0/Y")});
+    if (i + 1 == table.Header().size() || table.Header()[i + 1] != name + "/0/Y")
+      throw Fail("{}:1: no column '{}/0/Y' follows '{}'", path.string(), name, title);
+    columns.push_back({name, i, i + 1});
   }
   if (columns.empty()) throw Fail("{}:1: no column NAME/0/X of Kinovea", path.string());
   return columns;
@@ -54,11 +56,13 @@ bool IsKinovea(const std::filesystem::path& path) {
 PointRecording ReadKinovea(const std::filesystem::path& path, double mm_per_unit) {
   const TextLines lines(path);
   if (lines.Count() == 0) throw Fail("{}: empty", path.string());
-  const CsvTable table = CsvTable::Read(path, FindSeparator(lines[0]));
+  const CsvTable table = CsvTable::Read(path, FindSeparator(lines[0]), CsvTable::Twice::kAllowed);
   const std::vector<Column> columns = FindColumns(table, path);
   PointRecording recording;
   recording.space = PointSpace::kPlane;
-  for (const Column& column : columns) recording.points.push_back({column.name, {}});
+  std::vector<std::string> names;
+  for (const Column& column : columns) names.push_back(column.name);
+  AddPoints(std::move(names), lines.Where(0), recording);
   for (std::size_t row = 0; row < table.Rows(); ++row) {
     const std::string where = table.Where(row);
     AppendTime(NumberOrMissing(table.Text(row, 0), where), where, recording.time_s);

@@ -75,14 +75,19 @@ PointRecording PointsTurnedUp(PointRecording points, char up) {
   return points;
 }
 
-std::vector<std::string> UniqueNames(std::vector<std::string> names) {
-  std::set<std::string> taken;
-  std::map<std::string, int> copies;
+void AddPoints(std::vector<std::string> names, const std::string& where, PointRecording& recording) {
+  std::set<std::string> taken(names.begin(), names.end()), seen;
+  std::vector<std::string> renamed;
   for (std::string& name : names) {
     const std::string given = name;
-    while (!taken.insert(name).second) name = fmt::format("{}_{}", given, ++copies.try_emplace(given, 1).first->second);
+    const bool is_first = seen.insert(given).second;
+    for (int copy = 2; !is_first && !taken.insert(name = fmt::format("{}_{}", given, copy)).second;) ++copy;
+    if (!is_first) renamed.push_back(name);
+    recording.points.push_back({std::move(name), {}});
   }
-  return names;
+  if (!renamed.empty())
+    recording.warnings.push_back(
+        fmt::format("{}: some names stand twice; the later ones are called {}", where, fmt::join(renamed, ", ")));
 }
 
 std::optional<double> FindMmPerUnit(std::string_view unit) {

@@ -65,10 +65,9 @@ PointRecording ReadTrackerText(const std::filesystem::path& path, double mm_per_
 
   PointRecording recording;
   recording.space = PointSpace::kPlane;
-  for (const TrackColumns& column : columns) {
-    if (recording.Find(column.name)) throw Fail("{}: the name '{}' stands twice", lines.Where(label_line), column.name);
-    recording.points.push_back({column.name, {}});
-  }
+  std::vector<std::string> names;
+  for (const TrackColumns& column : columns) names.push_back(column.name);
+  AddPoints(std::move(names), lines.Where(label_line), recording);
   for (std::size_t i = label_line + 1; i < lines.Count(); ++i) {
     const std::vector<std::string> cells = SplitCells(lines[i], '\t');
     if (cells.size() == 1 && cells[0].empty()) continue;

@@ -1,5 +1,6 @@
 #include "lake/exchange/trc.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -16,6 +17,7 @@ namespace {
 constexpr std::array kKeys = {"DataRate", "CameraRate",   "NumFrames",          "NumMarkers",
                               "Units",    "OrigDataRate", "OrigDataStartFrame", "OrigNumFrames"};
 constexpr std::size_t kMostMarkers = 10000;
+constexpr std::size_t kFirstRow = 5;  // index of the line after the head
 
 struct TrcHeader {
   std::size_t frames = 0, markers = 0;
@@ -23,26 +25,40 @@ struct TrcHeader {
   std::optional<double> rate_hz;
   std::vector<std::string> names;
   std::vector<std::string> warnings;
-  std::size_t first_row = 0;  // index of the line
 };
 
-// The markers that the line X1, Y1, Z1, X2, … has columns for; 0 if it is another line.
-std::size_t LabelledMarkers(const std::string& line) {
-  std::size_t labels = 0;
-  for (const std::string& cell : SplitCells(line, '\t')) {
-    if (cell.empty()) continue;
-    if (cell != fmt::format("{}{}", "XYZ"[labels % 3], labels / 3 + 1)) return 0;
-    ++labels;
+bool IsBlank(const std::string& line) {
+  return line.find_first_not_of(" \t") == std::string::npos;
+}
+
+// Each key with the value below it; some writers put two tabs after a value where one follows a key.
+std::map<std::string, std::string> HeaderValues(const TextLines& lines) {
+  std::vector<std::string> keys = SplitCells(lines[1], '\t'), values = SplitCells(lines[2], '\t');
+  const auto filled = [](std::vector<std::string> cells) {
+    std::erase(cells, "");
+    return cells;
+  };
+  if (filled(keys).size() == filled(values).size()) keys = filled(keys), values = filled(values);
+  std::map<std::string, std::string> header;
+  for (std::size_t i = 0; i < keys.size() && i < values.size(); ++i) header[keys[i]] = values[i];
+  return header;
+}
+
+// The markers that the widest row of numbers has cells for; 0 where it ends within a marker.
+std::size_t MarkersInRows(const TextLines& lines) {
+  std::size_t width = 0;
+  for (std::size_t line = kFirstRow; line < lines.Count(); ++line) {
+    const std::vector<std::string> cells = SplitCells(lines[line], '\t');
+    const auto last = std::find_if(cells.rbegin(), cells.rend(), [](const std::string& cell) { return !cell.empty(); });
+    width = std::max(width, static_cast<std::size_t>(cells.rend() - last));
   }
-  return labels % 3 == 0 ? labels / 3 : 0;
+  return width > 2 && (width - 2) % 3 == 0 ? (width - 2) / 3 : 0;
 }
 
 TrcHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path) {
-  if (lines.Count() < 5 || !lines[0].starts_with("PathFileType"))
+  if (lines.Count() < kFirstRow || !lines[0].starts_with("PathFileType"))
     throw Fail("{}: not a TRC file: its first line must begin with PathFileType", path.string());
-  const std::vector<std::string> keys = SplitCells(lines[1], '\t'), values = SplitCells(lines[2], '\t');
-  std::map<std::string, std::string> header;
-  for (std::size_t i = 0; i < keys.size() && i < values.size(); ++i) header[keys[i]] = values[i];
+  std::map<std::string, std::string> header = HeaderValues(lines);
   for (const char* key : {"NumFrames", "NumMarkers", "Units"})
     if (!header.contains(key)) throw Fail("{}: the header has no {}", lines.Where(1), key);
 
@@ -57,20 +73,16 @@ TrcHeader ReadHeader(const TextLines& lines, const std::filesystem::path& path) 
   for (std::size_t i = 2; i < names.size(); ++i)
     if (!names[i].empty()) trc.names.push_back(names[i]);
   if (trc.names.size() != trc.markers) {
-    // Cortex counts the markers of its template only, and writes names and columns of all.
-    if (trc.names.size() < trc.markers || trc.names.size() != LabelledMarkers(lines[4]))
+    // Cortex counts (and labels, in some versions) the markers of its template only, and writes names and columns of
+    // all.
+    if (trc.names.size() < trc.markers || trc.names.size() != MarkersInRows(lines))
       throw Fail("{}: {} names, but NumMarkers is {}", lines.Where(3), trc.names.size(), trc.markers);
     trc.warnings.push_back(
         fmt::format("{}: the header says {} markers, but there are names and columns of {}: all are read",
                     path.string(), trc.markers, trc.names.size()));
     trc.markers = trc.names.size();
   }
-  trc.first_row = 5;
   return trc;
-}
-
-bool IsBlank(const std::string& line) {
-  return line.find_first_not_of(" \t") == std::string::npos;
 }
 
 void ReadRow(const TextLines& lines, std::size_t line, const TrcHeader& header, PointRecording& recording) {
@@ -92,7 +104,9 @@ void ReadRow(const TextLines& lines, std::size_t line, const TrcHeader& header, 
       if (const auto value = NumberOrMissing(cells[cell], where))
         position[static_cast<int>(axis)] = *value * header.mm_per_unit;
     }
-    recording.points[m].positions.push_back(position.allFinite() ? position : PointTrack::Missing());
+    // Some writers mark a missing marker by zeros, as in C3D.
+    recording.points[m].positions.push_back(position.allFinite() && !position.isZero(0) ? position
+                                                                                        : PointTrack::Missing());
   }
 }
 
@@ -115,11 +129,8 @@ PointRecording ReadTrc(const std::filesystem::path& path) {
   const TrcHeader header = ReadHeader(lines, path);
   PointRecording recording;
   recording.warnings = header.warnings;
-  for (const std::string& name : header.names) {
-    if (recording.Find(name)) throw Fail("{}: the name '{}' stands twice", lines.Where(3), name);
-    recording.points.push_back({name, {}});
-  }
-  for (std::size_t line = header.first_row; line < lines.Count(); ++line)
+  AddPoints(header.names, lines.Where(3), recording);
+  for (std::size_t line = kFirstRow; line < lines.Count(); ++line)
     if (!IsBlank(lines[line])) ReadRow(lines, line, header, recording);
   if (recording.time_s.size() != header.frames)
     throw Fail("{}: {} rows, but the header says {} frames: is the file cut off?", path.string(),

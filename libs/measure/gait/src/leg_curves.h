@@ -25,6 +25,7 @@ struct LegCurves {
   std::vector<StateMatrix> covariance;   // of the state, without slow noise; if asked for
   std::vector<double> knee_sigma_deg, knee_deg_s;
   std::vector<Eigen::Vector2d> hip_speed_in_leg;  // per s
+  std::vector<Eigen::Vector3d> flexion_axis;      // of trials in three dimensions: the leg's axes and across them
 };
 
 // Variance of θ_shank − θ_thigh, rad².

@@ -8,6 +8,7 @@
 #include "lake/core/progress.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
+#include "lake/gait/persons_leg.h"
 #include "lake/gait/plausibility.h"
 #include "leg_curves.h"
 #include "leg_problem.h"
@@ -65,13 +66,25 @@ std::optional<std::string> RoundedTimes(const motion::MarkerRecording& recording
   return {};
 }
 
-void WarnOfLengths(const std::vector<SegmentReport>& segments, double most_usual, std::vector<std::string>& warnings) {
-  for (const SegmentReport& segment : segments)
-    if (segment.name != "hw" && segment.variation > most_usual * segment.length)
-      warnings.push_back(fmt::format(
-          "the {}'s length varies by {:.0f} % (SD), skin moves by {:.0f} % at most: are the picture's "
-          "width and height in the same scale, and camera and plane those of this recording?",
-          segment.name == "ak" ? "shank" : "thigh", 100 * segment.variation / segment.length, 100 * most_usual));
+// An exchange of names makes the one length vary and leaves the other alone.
+void WarnOfLengths(const std::vector<SegmentReport>& segments, const LegFitOptions& options,
+                   std::vector<std::string>& warnings) {
+  const LegMarkers& names = options.markers;
+  const bool has_trunk = segments.size() > 2;
+  for (const SegmentReport& segment : segments) {
+    const bool is_shank = segment.name == "ak";
+    if (segment.name == "hw" || segment.variation <= options.most_usual_variation * segment.length) continue;
+    warnings.push_back(fmt::format(
+        "the {}'s length varies by {:.0f} % (SD), skin moves by {:.0f} % at most: are {} and {} exchanged? Are the "
+        "picture's width and height in the same scale, and camera and plane those of this recording?",
+        is_shank ? "shank" : "thigh", 100 * segment.variation / segment.length, 100 * options.most_usual_variation,
+        !is_shank && !has_trunk ? names.ankle
+        : is_shank              ? names.knee
+                                : names.hip,
+        !is_shank && !has_trunk ? names.knee
+        : is_shank              ? names.hip
+                                : names.waist));
+  }
 }
 
 std::string Names(const motion::MarkerRecording& recording) {
@@ -95,6 +108,22 @@ std::array<Detections, kLegMarkers> CollectLeg(const motion::MarkerRecording& re
       leg[m].name = *wanted[m];
   }
   return leg;
+}
+
+LegPath MeasuredPath(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
+                     const LegModel& model, motion::Facing facing, const LegFitOptions& options) {
+  LegPath path;
+  path.unit = PlaneUnit(model.view), path.facing = facing, path.is_facing_given = options.facing.has_value();
+  path.frame = recording.frame;
+  for (std::size_t m = 0; m < leg.size(); ++m) {
+    const Detections& d = leg[m];
+    path.name[m] = d.name;
+    path.marker[m].assign(recording.Frames(), Eigen::Vector3d::Constant(motion::LegSample::kUnknown));
+    for (std::size_t i = 0; i < d.trusted.size(); ++i)
+      if (d.trusted[i])
+        path.marker[m][i] << model.plane_from_leg.transpose() * d.in_plane[i], d.across.empty() ? 0 : d.across[i];
+  }
+  return path;
 }
 
 // The waist counts if it is seen together with the hip often enough for a trunk.
@@ -306,7 +335,11 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   model.outlier_deviations = options.outlier_deviations;
   model.in_bands = recording.Frames() > options.most_frames_in_ceres;
   std::optional<LegSignals> signals = MakeLegSignals(leg, model.plane_from_leg.transpose(), model.states);
-  CheckLeg(across.empty() ? *signals : WithLengthsInSpace(*signals, leg), leg, options);
+  CheckIsSeen(*signals, leg);
+  const auto warn = [&result](const std::vector<std::string>& warnings) {
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+  };
+  warn(CheckPersonsLeg(MeasuredPath(recording, leg, model, facing, options), {}, options));
   progress.Advance();
   LegStart start = SmoothSignals(*signals, recording.time_s, model.states, options);
   signals.reset();  // of a long recording it is much
@@ -334,8 +367,9 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   FillResult(recording, leg, curves, solution.model, facing, options, result);
   result.summary = Summarize(solution, start);
   result.summary.known_sigmas = options.known_sigmas;
-  WarnOfLengths(result.segments, options.most_usual_variation, result.warnings);
+  WarnOfLengths(result.segments, options, result.warnings);
   if (options.HasSplineCutoff()) CheckCutoffKeepsMotion(result, *options.cutoff_hz);
+  CheckPersonsLeg(PathOf(result.motion), result.events, options);
   CheckPlausible(result, limits);
   progress.Advance();
   return result;

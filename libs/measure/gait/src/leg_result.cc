@@ -133,11 +133,12 @@ double KneeSigmaDeg(const std::vector<MarkerOutput>& leg, const motion::LegSampl
 }
 
 // The knee angle in space of a sample whose vectors in the plane are known.
-double KneeInSpaceDeg(const std::vector<MarkerOutput>& leg, const motion::LegSample& sample,
-                      const std::function<double(const MarkerOutput&)>& across) {
+double KneeInSpaceOf(const std::vector<MarkerOutput>& leg, const motion::LegSample& sample,
+                     const Eigen::Vector3d& flexion_axis, const std::function<double(const MarkerOutput&)>& across) {
   if (!std::isfinite(sample.knee_deg)) return sample.knee_deg;
   const double ankle = across(leg[kAnkle]), knee = across(leg[kKnee]), hip = across(leg[kHip]);
-  return AngleInSpaceDeg({sample.ak.x(), sample.ak.y(), knee - ankle}, {sample.kh.x(), sample.kh.y(), hip - knee});
+  return KneeInSpaceDeg({sample.ak.x(), sample.ak.y(), knee - ankle}, {sample.kh.x(), sample.kh.y(), hip - knee},
+                        flexion_axis);
 }
 
 void SetSpeedByDifferences(motion::LegMotion& motion) {
@@ -160,8 +161,10 @@ motion::LegMotion MakeMotion(const motion::MarkerRecording& recording, const std
     const motion::LegSample raw = MakeLegSample(PointsAt(leg, i, true), facing, options.up);
     sample.knee_raw_deg = raw.knee_deg;
     if (!leg[kKnee].shown_across.empty()) {
-      sample.knee_deg = KneeInSpaceDeg(leg, sample, [&](const MarkerOutput& m) { return m.shown_across[i]; });
-      sample.knee_raw_deg = KneeInSpaceDeg(leg, raw, [&](const MarkerOutput& m) { return m.detections->across[i]; });
+      const Eigen::Vector3d& axis = curves.flexion_axis[i];
+      sample.knee_deg = KneeInSpaceOf(leg, sample, axis, [&](const MarkerOutput& m) { return m.shown_across[i]; });
+      sample.knee_raw_deg =
+          KneeInSpaceOf(leg, raw, axis, [&](const MarkerOutput& m) { return m.detections->across[i]; });
     }
     if (std::isfinite(sample.knee_deg)) {
       sample.knee_sigma_deg =

@@ -98,11 +98,6 @@ double MeanDirection(const std::vector<Eigen::Vector2d>& vectors) {
   return std::atan2(sum.x(), sum.y());
 }
 
-double Range(std::vector<double> values) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  return (Quantile(values, 0.95) - Quantile(values, 0.05)) / Median(values);
-}
-
 std::size_t Known(const std::vector<double>& values) {
   return static_cast<std::size_t>(
       std::count_if(values.begin(), values.end(), [](double v) { return std::isfinite(v); }));
@@ -217,28 +212,15 @@ LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const 
   return signals;
 }
 
-void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarkers>& leg, const LegFitOptions& options) {
+void CheckIsSeen(const LegSignals& signals, const std::array<Detections, kLegMarkers>& leg) {
   constexpr std::size_t kLeastFrames = 8;
   for (const int length : {kShankLength, kThighLength}) {
     const std::size_t below = length == kShankLength ? kAnkle : kKnee;
-    const std::vector<double>& values = signals.value[static_cast<std::size_t>(length)];
-    if (Known(values) < kLeastFrames)
+    const std::size_t frames = Known(signals.value[static_cast<std::size_t>(length)]);
+    if (frames < kLeastFrames)
       throw Fail("leg fit: '{}' and '{}' are seen together in {} frames only; at least {} are needed", leg[below].name,
-                 leg[below + 1].name, Known(values), kLeastFrames);
-    const double range = Range(values);
-    if (range > options.most_length_range)
-      throw Fail(
-          "leg fit: the distance from '{}' to '{}' changes by {:.0f} % of itself, which no limb does (at most {:.0f} "
-          "%): are the markers' names right, not swapped on the way, and is the vertical ({})?",
-          leg[below].name, leg[below + 1].name, 100 * range, 100 * options.most_length_range, options.vertical_option);
+                 leg[below + 1].name, frames, kLeastFrames);
   }
-  std::vector<double> rises;
-  for (std::size_t i = 0; i < leg[kAnkle].seen.size(); ++i)
-    if (leg[kAnkle].trusted[i] && leg[kHip].trusted[i])
-      rises.push_back((leg[kHip].in_plane[i] - leg[kAnkle].in_plane[i]).dot(options.up));
-  if (!rises.empty() && Median(rises) < 0)
-    throw Fail("leg fit: '{}' lies below '{}' in most frames: are the names swapped, or the vertical wrong?",
-               leg[kHip].name, leg[kAnkle].name);
 }
 
 std::string UnsettledWarning(const std::string& what) {

@@ -35,8 +35,8 @@ struct LegSignals {
 LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane,
                           int states);
 
-// Throws Error if a leg cannot look like this.
-void CheckLeg(const LegSignals& signals, const std::array<Detections, kLegMarkers>& leg, const LegFitOptions& options);
+// Throws Error if ankle, knee and hip are not seen together often enough.
+void CheckIsSeen(const LegSignals& signals, const std::array<Detections, kLegMarkers>& leg);
 
 // The grid, the priors and the first coefficients, from each component smoothed by itself.
 struct LegStart {

@@ -11,15 +11,13 @@ namespace lake::gait {
 // Gives the leg's detections their places across the plane. Throws Error for a marker that `across` does not know.
 void SetAcross(const AcrossPlane& across, std::array<Detections, kLegMarkers>& leg);
 
-// The lengths of shank and thigh in space, in place of those in the plane.
-LegSignals WithLengthsInSpace(LegSignals signals, const std::array<Detections, kLegMarkers>& leg);
-
-// Smooths the leg's places across the plane, and makes the knee angle's sigma and speed those of the angle in space.
+// Smooths the leg's places across the plane, finds the knee's flexion axis, and makes the knee angle's sigma and speed
+// those of the angle in space.
 void AddAcross(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
                const LegModel& model, const LegFitOptions& options, LegCurves& curves);
 
-// Between two vectors in space, 0..180.
-double AngleInSpaceDeg(const Eigen::Vector3d& ak, const Eigen::Vector3d& kh);
+// Between two vectors in space, positive in flexion about the axis (a unit vector).
+double KneeInSpaceDeg(const Eigen::Vector3d& ak, const Eigen::Vector3d& kh, const Eigen::Vector3d& flexion_axis);
 
 AcrossReport ReportAcross(const std::array<Detections, kLegMarkers>& leg);
 

@@ -14,12 +14,16 @@ namespace lake {
 // A table read from a file; cells stay text until asked for.
 class CsvTable {
  public:
+  // Two columns of one name: allowed where they are told apart by their places.
+  enum class Twice { kRefused, kAllowed };
+
   // Quoted cells are understood. Throws Error naming file and line: no header, another separator, a row of another
   // width, a duplicate column.
-  static CsvTable Read(const std::filesystem::path& path, char delimiter = ',');
+  static CsvTable Read(const std::filesystem::path& path, char delimiter = ',', Twice twice = Twice::kRefused);
 
   // The same of a text; `path` is where messages say it stands.
-  static CsvTable Parse(std::string text, const std::filesystem::path& path, char delimiter = ',');
+  static CsvTable Parse(std::string text, const std::filesystem::path& path, char delimiter = ',',
+                        Twice twice = Twice::kRefused);
 
   const std::vector<std::string>& Header() const { return header_; }
   std::size_t Rows() const { return rows_.size(); }

@@ -7,6 +7,9 @@
 // recording.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -56,8 +59,14 @@ struct LegFitOptions {
 
   // By what the program at work says which way is up and where the subject faces, and what can be done about frames
   // that no leg's motion explains; for messages.
-  std::string vertical_option = "--up", facing_option = "--facing";
+  std::string vertical_option = "--up", facing_option = "--facing", names_option = "--map";
   std::string ways_out = "leave them out (lake convert --crop), or put the markers right";
+  std::string said_facing;  // where `facing` is from, e.g. --forward; empty: --facing
+  // What to ask where a leg is far too short or long; with the unit (m, cm) in which it would be a leg, or "".
+  std::function<std::string(const std::string& unit)> unit_question = [](const std::string& unit) {
+    return unit.empty() ? std::string("are its lengths in mm?")
+                        : fmt::format("are its lengths in {}, not in mm?", unit);
+  };
 };
 
 // All but where the subject faces, which not every program asks.
@@ -129,12 +138,13 @@ using AcrossPlane = std::map<std::string, std::vector<double>>;
 
 // Markers other than the leg's are smoothed and bridged each by itself. A sigma of 0 means that it is not known: it is
 // then estimated from the marker's own fine structure. Throws Error: a marker of the leg is absent or hardly seen, a
-// position is not finite, the names contradict a leg (a segment's length varies too much, the hip lies below the
-// ankle), the result is none of a person's (plausibility.h); SolverError: no solution.
+// position is not finite, the markers are no person's leg (persons_leg.h), the result is none of a person's
+// (plausibility.h); SolverError: no solution.
 //
 // With `across`, the recording is the projection of three dimensions onto its plane: paths, vectors and segment angles
-// are the projection's; the segments' lengths, the knee angle (between the vectors AK and KH in space, 0..180), its
-// sigma and its speed are three-dimensional. Bending to the side counts there, so hyperextension has no sign.
+// are the projection's; the segments' lengths, the knee angle (between the vectors AK and KH in space), its sigma and
+// its speed are three-dimensional. The angle's sign is that about the flexion axis: positive in flexion, negative when
+// hyperextended. A bend to the side counts less where it is the larger part of a small angle.
 LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options = {},
                     const AcrossPlane& across = {});
 
