@@ -189,6 +189,9 @@ StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<Mar
     signals.hip_height.push_back(value(known, curves.marker[kHip].in_plane[i].dot(up)));
     signals.hip_speed.push_back(value(known, curves.hip_speed_in_leg[i].norm()));
     signals.hip_up_speed.push_back(value(known, curves.hip_speed_in_leg[i].y()));
+    const StateVector& state = curves.state[i];
+    signals.hip_behind.push_back(value(known, -state[kShankLength] * std::sin(state[kShankAngle]) -
+                                                  state[kThighLength] * std::sin(state[kThighAngle])));
     signals.knee_deg_s.push_back(value(known, curves.knee_deg_s[i]));
     signals.trunk_deg_s.push_back(value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle])));
   }
@@ -325,6 +328,12 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
     result.warnings.emplace_back(
         "the recording begins while the first rise is under way, without the rest before it: that rise has no onset "
         "and no percent");
+  if (found.without_seat > 0)
+    result.warnings.push_back(
+        fmt::format("rises without a seat, as from a squat, are left out ({}): before them the hip neither rests nor "
+                    "is so far behind "
+                    "the feet that a seat must carry it; if they are sit-to-stands, give their events with --events",
+                    found.without_seat));
   SetRepetitions(result.events, result.motion);
 }
 
