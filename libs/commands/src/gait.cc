@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/core/deviation_text.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/figure/leg_figure.h"
@@ -150,13 +151,15 @@ std::string GaitReport(const Json& summary) {
   if (!summary.contains("segments")) return text;
   for (const Json& segment : summary["segments"]) {
     const std::string unit = segment.contains("length_mm") ? "mm" : "px";
-    text += fmt::format("{}  {:.1f} {}, varies by {:.1f} (SD)\n", segment["name"].get<std::string>(),
-                        segment["length_" + unit].get<double>(), unit, segment["variation_" + unit].get<double>());
+    text += fmt::format("{}  {:.1f} {}, varies by {} (SD)\n", segment["name"].get<std::string>(),
+                        segment["length_" + unit].get<double>(), unit,
+                        DeviationText(segment["variation_" + unit].get<double>(), 1, ""));
   }
   const Json& knee = summary["knee"];
   if (!knee["largest"].is_null())
-    text += fmt::format("knee {:.2f}° to {:.2f}°, ± {:.3f}° (1 SD)\n", knee["smallest"]["deg"].get<double>(),
-                        knee["largest"]["deg"].get<double>(), knee["rms_sigma_deg"].get<double>());
+    text +=
+        fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD)\n", knee["smallest"]["deg"].get<double>(),
+                    knee["largest"]["deg"].get<double>(), DeviationText(NumberOrNaN(knee["rms_sigma_deg"]), 3, "°"));
   return text +
          fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size());
 }
