@@ -46,10 +46,41 @@ double MeasuredShank(const motion::MarkerRecording& recording, const gait::LegMa
   return recording.unit == motion::LengthUnit::kMm ? motion::MedianDistance(recording, names.ankle, names.knee) : kNaN;
 }
 
+gait::LegView ViewOf(const exchange::Trial& trial, const gait::PictureScale& picture, Run& run) {
+  if (trial.recording.unit == motion::LengthUnit::kMm) return gait::MakeLegView(trial.recording.unit, std::nullopt);
+  return gait::ViewOf(picture, trial.recording, trial.mm_per_px, [&run](const std::string& text) { run.Warn(text); });
+}
+
+// What is up in the view's plane; a trial in px says it of its picture, with y up.
+Eigen::Vector2d UpIn(const gait::LegView& view, const exchange::Trial& trial) {
+  if (!view.camera) return *trial.up;
+  constexpr double kLength_px = 100;
+  const Eigen::Vector2d up_px(trial.up->x(), -trial.up->y()), middle(view.camera->cx, view.camera->cy);
+  return gait::UpFromPlumbLine(view, middle + kLength_px * up_px, middle, up_px);
+}
+
+// Of a marker that somebody filled in, or that was lost and kept its place.
+void WarnOfFrozenMarkers(const motion::MarkerRecording& recording, Run& run) {
+  constexpr std::size_t kLeastFrames = 100;
+  for (const motion::MarkerTrack& marker : recording.markers) {
+    std::vector<Eigen::Vector2d> places;
+    for (const motion::MarkerSample& sample : marker.samples)
+      if (sample.IsKnown()) places.push_back(sample.position);
+    if (places.size() >= kLeastFrames &&
+        std::all_of(places.begin(), places.end(), [&](const Eigen::Vector2d& place) { return place == places[0]; }))
+      run.Warn(
+          fmt::format("marker '{}' has the same coordinates to the last digit in all its {} frames: that is no "
+                      "measurement, and no standard deviation here says how far it is off",
+                      marker.name, places.size()));
+  }
+}
+
 void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result, Run& run) {
   for (const std::string& warning : trial.warnings) run.Warn(warning);
   for (const std::string& warning : result.warnings) run.Warn(warning);
-  if (result.motion.unit == motion::LengthUnit::kPx) run.Warn("the trial has no scale: lengths are in px");
+  WarnOfFrozenMarkers(trial.recording, run);
+  if (result.motion.unit == motion::LengthUnit::kPx)
+    run.Warn("the trial has no scale: lengths are in px; give --scale, or a --camera with the sagittal plane");
   if (result.motion.unit == motion::LengthUnit::kMm) CheckShank(trial, result.segments.front().length);
   if (WasSmoothed(trial, result))
     run.Warn(
@@ -73,6 +104,12 @@ std::optional<std::filesystem::path> CorrectedEventsOf(const exchange::Trial& tr
   return said.contains(kEventsCorrected) && said[kEventsCorrected] == true ? std::optional(events) : std::nullopt;
 }
 
+// In a picture it is the leg nearer to the camera.
+std::optional<motion::Side> LegOf(const exchange::Trial& trial, const gait::LegFitResult& fit) {
+  if (trial.leg || trial.recording.unit == motion::LengthUnit::kMm) return trial.leg;
+  return motion::NearLeg(fit.motion.facing);
+}
+
 void TakeEvents(const std::filesystem::path& file, gait::LegFitResult& result, Run& run) {
   run.AddInput(file);
   result.events = motion::ReadEventsCsv(file);
@@ -85,26 +122,32 @@ void Describe(GaitRunOptions& o, OptionList& options) {
   options.AddOperand("trial", o.trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
       .Required();
   Describe(o.reading, options);
+  Describe(static_cast<gait::PictureScale&>(o), options);
   gait::DescribeFacing(o.fit, options);
   Describe(o.fit, options);
   gait::DescribeEvents(o.events, options);
 }
 
-exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run) {
+exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run,
+                             const gait::PictureScale& picture) {
   exchange::CheckNoneIsUnused(path, exchange::UnusedOptions(path, reading));
   exchange::Trial trial = exchange::ReadTrial(path, reading);
+  if (picture.IsGiven() && trial.recording.unit == motion::LengthUnit::kMm)
+    exchange::CheckNoneIsUnused(trial.file, {{picture.camera ? "--camera" : "--scale", "its lengths are in mm"}});
   run.AddInput(trial.file);
+  if (picture.camera) run.AddInput(*picture.camera);
   return trial;
 }
 
-gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run) {
+gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run,
+                            const gait::PictureScale& picture) {
   fit.quiet = run.Quiet();
-  if (trial.up) fit.up = *trial.up;
+  const gait::LegView view = ViewOf(trial, picture, run);
+  if (trial.up) fit.up = UpIn(view, trial);
   fit.known_sigmas = trial.known_sigmas;
   if (trial.faces_right && !fit.facing)
     fit.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
   CheckShank(trial, MeasuredShank(trial.recording, fit.markers));
-  const gait::LegView view = gait::MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px);
   gait::LegFitResult result = gait::FitLeg(trial.recording, view, fit, trial.across_mm);
   if (const auto events = CorrectedEventsOf(trial)) TakeEvents(*events, result, run);
   SayWarnings(trial, result, run);
@@ -117,14 +160,14 @@ Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit)
 }
 
 Json RunGait(const GaitRunOptions& options, Run& run) {
-  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run);
+  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run, options);
   if (options.events) {
     run.AddInput(*options.events);
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
   }
   run.Begin({"summary.json", "kinematics.csv", "events.csv", "trajectory.csv", "tracks.csv", "gait.png", "gait.svg"});
-  gait::LegFitResult result = FitTrial(trial, options.fit, run);
+  gait::LegFitResult result = FitTrial(trial, options.fit, run, options);
   Json results = Json::object();
   if (CorrectedEventsOf(trial)) results = {{kEventsCorrected, true}};
   if (options.events) results = CorrectEventsBy(*options.events, result);
@@ -135,6 +178,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
   DrawPngAndSvg("gait", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, result); });
   results.update(gait::LegFitJson(result));
+  if (const auto leg = LegOf(trial, result)) results[exchange::kLegKey] = ToString(*leg);
   return results;
 }
 

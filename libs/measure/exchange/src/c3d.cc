@@ -332,7 +332,8 @@ namespace {
 
 void CheckWritable(const std::filesystem::path& path, const PointRecording& points) {
   if (points.space == PointSpace::kImage)
-    throw Fail("{}: C3D is in mm; px need a scale or a calibrated plane first", path.string());
+    throw Fail("{}: C3D is in mm, and these positions in px: give --scale, or a --camera with the sagittal plane",
+               path.string());
   constexpr std::size_t kMostPoints = 65535;
   if (points.points.empty() || points.points.size() > kMostPoints)
     throw Fail("{}: C3D holds 1 to {} points, not {}", path.string(), kMostPoints, points.points.size());
