@@ -360,11 +360,11 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
         "the recording begins while the first rise is under way, without the rest before it: that rise has no onset "
         "and no percent");
   if (found.without_seat > 0)
-    result.warnings.push_back(
-        fmt::format("rises without a seat, as from a squat, are left out ({}): before them the hip neither rests nor "
-                    "is so far behind "
-                    "the feet that a seat must carry it; if they are sit-to-stands, give their events with --events",
-                    found.without_seat));
+    result.warnings.push_back(fmt::format(
+        "rises without a seat, as from a squat, are left out ({}): before them the hip neither rests nor is "
+        "so far behind the feet that a seat must carry it; if they are sit-to-stands, give their events "
+        "with --events",
+        found.without_seat));
   SetRepetitions(result.events, result.motion);
 }
 
