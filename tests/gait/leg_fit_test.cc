@@ -525,10 +525,14 @@ TEST_F(LegFitErrors, HolesInTimeAreNotBridgedForHours) {
   EXPECT_THAT(Message(), testing::HasSubstr("holes"));
 }
 
-TEST_F(LegFitErrors, TimesInMinutesAreNamedNotTheMarkers) {
-  for (double& time_s : tracks_.time_s) time_s /= 60;
-  EXPECT_THAT(Message(),
-              testing::HasSubstr("give the times in seconds: the times say that frames are 0.000278 s apart"));
+// Whether the curves fail or what they say of the leg: at 60 Hz minutes, a twentieth, microseconds.
+TEST_F(LegFitErrors, TimesInAnotherUnitAreNamedNotTheMarkers) {
+  const std::vector<double> seconds = tracks_.time_s;
+  for (const auto& [factor, step] : {std::pair(60.0, "0.000278"), {20.0, "0.000833"}, {1e6 / 60, "1e-06"}}) {
+    for (std::size_t i = 0; i < seconds.size(); ++i) tracks_.time_s[i] = seconds[i] / factor;
+    EXPECT_THAT(Message(),
+                testing::AllOf(testing::HasSubstr(fmt::format("{} s apart", step)), testing::HasSubstr("in seconds")));
+  }
 }
 
 TEST_F(LegFitErrors, TooShortAndBadOptions) {
