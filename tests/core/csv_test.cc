@@ -146,6 +146,9 @@ TEST(Csv, SaysThatATableHasAnotherSeparator) {
               ThrowsMessage<Error>(HasSubstr("t.csv:1: the columns are separated by semicolons")));
   WriteTextFile(folder / "t.csv", "frame\ttime_s\n1\t0.5\n");
   EXPECT_THAT([&] { CsvTable::Read(folder / "t.csv"); }, ThrowsMessage<Error>(HasSubstr("separated by tabs")));
+  WriteTextFile(folder / "t.tsv", "participant_id,group\nsub-01,a\n");
+  EXPECT_THAT([&] { CsvTable::Read(folder / "t.tsv", '\t'); },
+              ThrowsMessage<Error>(HasSubstr("separated by commas; save the table with tabs between columns")));
   EXPECT_EQ(CsvTable::Read(folder / "t.csv", '\t').Header().size(), 2u);
 }
 

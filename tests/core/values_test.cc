@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "lake/core/deviation_text.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
 #include "lake/core/name_value.h"
@@ -24,6 +25,14 @@ TEST(SplitNameValue, SplitsAtTheFirstEqualsSign) {
 TEST(SplitNameValue, SaysWhichOptionHasNoName) {
   for (const char* text : {"", "knee", "=3"})
     EXPECT_THAT([&] { SplitNameValue("--seed", text); }, ThrowsMessage<UsageError>(HasSubstr("--seed '"))) << text;
+}
+
+TEST(DeviationText, IsNeverZero) {
+  EXPECT_EQ(DeviationText(0.0123, 3, "°"), "0.012°");
+  EXPECT_EQ(DeviationText(0.0005, 3, "°"), "0.001°");
+  EXPECT_EQ(DeviationText(0.00049, 3, "°"), "< 0.001°");
+  EXPECT_EQ(DeviationText(0, 2, " mm"), "< 0.01 mm");
+  EXPECT_EQ(DeviationText(std::nan(""), 2, " mm"), "unknown");
 }
 
 TEST(NumberOrNaN, IsNaNForNullAndAnErrorForText) {

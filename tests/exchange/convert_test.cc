@@ -101,6 +101,41 @@ TEST(Convert, PixelsWithAScaleBecomeMillimetresWhereNeeded) {
               testing::HasSubstr("scale"));
 }
 
+// As lake track has them: a bar's scale, or a camera with its plane.
+TEST(Convert, PixelsAreScaledByABarOrACamera) {
+  const TemporaryFolder folder;
+  exchange::PointRecording image = MakePoints(exchange::PointSpace::kImage, 20, 2, 3);
+  for (exchange::PointTrack& point : image.points)
+    for (Eigen::Vector3d& p : point.positions) p = Eigen::Vector3d(640, 360, 0) + p / 5;
+  exchange::WritePoints(folder / "tracks.csv", image);
+  const Eigen::Vector2d px = image.points[0].positions[0].head<2>();
+  const auto first = [&](const exchange::ConvertOptions& options) {
+    exchange::ConvertFile(folder / "tracks.csv", folder / "a.trc", options);
+    return Eigen::Vector2d(exchange::ReadTrc(folder / "a.trc").points[0].positions[0].head<2>());
+  };
+  exchange::ConvertOptions bar;
+  bar.picture.scale = {10, 20, 110, 20, 250};
+  EXPECT_LT((first(bar) - 2.5 * Eigen::Vector2d(px.x(), -px.y())).norm(), 1e-4);  // TRC's digits
+  exchange::ConvertFile(folder / "tracks.csv", folder / "a.kva", bar);
+  EXPECT_NEAR(*exchange::ReadPoints(folder / "a.kva").mm_per_px, 2.5, 1e-6);
+  EXPECT_LT((exchange::ReadPoints(folder / "a.kva").points[0].positions[0].head<2>() - px).norm(), 1e-9);
+
+  camera::CameraProfile profile{{1280, 720, 1000, 1000, 640, 360, {}}, camera::PlanePose::Identity(), {}, {}};
+  profile.camera_from_plane->linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  profile.camera_from_plane->translation() = Eigen::Vector3d(0, 0, 3000);  // 3 mm for 1 px
+  camera::WriteCameraProfile(folder / "camera.yaml", profile);
+  exchange::ConvertOptions camera;
+  camera.picture.camera = folder / "camera.yaml";
+  EXPECT_LT((first(camera) - 3 * Eigen::Vector2d(px.x() - 640, 360 - px.y())).norm(), 1e-4);
+  EXPECT_THAT(MessageOf([&] { exchange::ConvertFile(folder / "tracks.csv", folder / "b.kva", camera); }),
+              testing::HasSubstr("--camera has no effect"));
+  EXPECT_THAT(MessageOf([&] { exchange::ConvertFile(folder / "a.trc", folder / "b.csv", bar); }),
+              testing::HasSubstr("--scale has no effect"));
+  image.points[1].positions[4].x() = 1300;
+  exchange::WritePoints(folder / "tracks.csv", image);
+  EXPECT_THAT(MessageOf([&] { first(camera); }), testing::HasSubstr("calibrated with pictures of 1280x720 px"));
+}
+
 TEST(Convert, OptionsWithoutAnEffectAreRefused) {
   const TemporaryFolder folder;
   exchange::WritePoints(folder / "a.txt", MakePoints(exchange::PointSpace::kPlane, 20, 2, 3));
@@ -167,6 +202,24 @@ TEST(Convert, PixelsAreToldFromLengths) {
               testing::HasSubstr("has no tracks.csv, and b.trk holds positions in px"));
 }
 
+// By the option, by what the program that wrote the folder found; nobody guesses.
+TEST(Convert, TheKneeAngleIsNamedAfterItsLeg) {
+  const TemporaryFolder folder;
+  motion::LegMotion motion;
+  motion.frame = {0}, motion.time_s = {0}, motion.samples.resize(1), motion.samples[0].knee_deg = 10;
+  motion::WriteKinematicsCsv(folder / "kinematics.csv", motion);
+  const auto column = [&](const exchange::ConvertOptions& options) {
+    exchange::ConvertFile(folder.Path(), folder / "a.mot", options);
+    return exchange::ReadMot(folder / "a.mot").columns.front();
+  };
+  EXPECT_THAT(MessageOf([&] { column({}); }), testing::HasSubstr("left or the right leg: give --leg"));
+  WriteTextFile(folder / "summary.json", R"({"leg": "left"})");
+  EXPECT_EQ(column({}), "knee_angle_l");
+  exchange::ConvertOptions right;
+  right.leg = motion::Side::kRight;
+  EXPECT_EQ(column(right), "knee_angle_r");
+}
+
 TEST(Convert, AnglesGoToMotAndNowhereElse) {
   const TemporaryFolder folder;
   motion::LegMotion motion;
@@ -176,7 +229,7 @@ TEST(Convert, AnglesGoToMotAndNowhereElse) {
   }
   motion::WriteKinematicsCsv(folder / "kinematics.csv", motion);
   exchange::ConvertOptions options;
-  options.flexion_negative = true;
+  options.flexion_negative = true, options.leg = motion::Side::kRight;
   exchange::ConvertFile(folder.Path(), folder / "a.mot", options);
   EXPECT_EQ(exchange::ReadMot(folder / "a.mot").rows[2][0], -12);
   exchange::ConvertOptions crop;
@@ -188,8 +241,13 @@ TEST(Convert, AnglesGoToMotAndNowhereElse) {
     return MessageOf([&] { exchange::ConvertFile(folder / in, folder / out, given); });
   };
   EXPECT_THAT(message("a.mot", "c.mot", options), testing::HasSubstr("--flexion-negative"));
+  exchange::ConvertOptions left;
+  left.leg = motion::Side::kLeft;
+  EXPECT_THAT(message("a.mot", "c.mot", left), testing::HasSubstr("--leg"));
+  EXPECT_THAT(message("p.trc", "c.csv", left), testing::HasSubstr("--leg is for a .mot"));
   EXPECT_THAT(message("a.mot", "c.trc", {}), testing::HasSubstr("angles"));
   EXPECT_THAT(message("p.trc", "c.mot", {}), testing::HasSubstr("lake gait"));
+  options.leg.reset();
   EXPECT_THAT(message("p.trc", "c.csv", options), testing::HasSubstr("--flexion-negative"));
   EXPECT_THAT(message("p.trc", "p.trc", {}), testing::HasSubstr("itself"));
   EXPECT_THAT(message("p.trc", "c.fbx", {}), testing::HasSubstr(".kva"));

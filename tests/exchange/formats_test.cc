@@ -298,9 +298,11 @@ TEST_F(Formats, MotOfAMotionHasTheSignThatWasAskedFor) {
     motion.frame.push_back(i), motion.time_s.push_back(0.1 * i), motion.samples.emplace_back();
     if (i != 1) motion.samples.back().knee_deg = 10 + i;
   }
-  EXPECT_EQ(exchange::MotFromLegMotion(motion).rows[1][0], 12);
-  EXPECT_EQ(exchange::MotFromLegMotion(motion, true).rows[0][0], -10);
-  EXPECT_EQ(exchange::MotFromLegMotion(motion).time_s.size(), 2u);  // without the frame that has no angle
+  const exchange::MotTable left = exchange::MotFromLegMotion(motion, motion::Side::kLeft);
+  EXPECT_EQ(left.rows[1][left.Column("knee_angle_l")], 12);
+  EXPECT_EQ(left.time_s.size(), 2u);  // without the frame that has no angle
+  const exchange::MotTable right = exchange::MotFromLegMotion(motion, motion::Side::kRight, true);
+  EXPECT_EQ(right.rows[0][right.Column("knee_angle_r")], -10);
 }
 
 TEST_F(Formats, MotErrorsSayWhere) {

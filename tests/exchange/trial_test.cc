@@ -89,6 +89,7 @@ TEST(Trial, NamesAreMappedAndMiddlesTaken) {
       exchange::ReadTrial(folder / "a.trc", {NameMap("ankle=RANK,knee=RKNE,hip=RHIP+RHIP2"), {}, "x"});
   ASSERT_EQ(trial.recording.markers.size(), 3u);
   EXPECT_NEAR(trial.recording.Find("hip")->samples[0].position.y(), 90 + 430 + 410 + 10, 1e-9);
+  EXPECT_EQ(trial.leg, motion::Side::kRight);
   try {
     exchange::ReadTrial(folder / "a.trc", {NameMap("ankle=LANK"), {}, "x"});
     ADD_FAILURE();
@@ -217,7 +218,8 @@ TEST(Trial, FormatsRefuseWhatTheyCannotHold) {
                                  plane = MakePoints(exchange::PointSpace::kPlane, 9, 2, 1),
                                  image = MakePoints(exchange::PointSpace::kImage, 9, 2, 1);
   EXPECT_THAT(refused("a.csv", space), testing::HasSubstr("holds points of a plane only"));
-  EXPECT_THAT(refused("a.c3d", image), testing::HasSubstr("px need a scale or a calibrated plane"));
+  EXPECT_THAT(refused("a.c3d", image),
+              testing::HasSubstr("in px: give --scale, or a --camera with the sagittal plane"));
   EXPECT_THAT(refused("a.kva", plane), testing::HasSubstr("holds px of a video, not mm"));
   EXPECT_THAT(refused("a.trk", plane), testing::HasSubstr("holds px of a video, not mm"));
   EXPECT_THAT(refused("a.kva", image, 1), testing::HasSubstr("two frames"));

@@ -1,6 +1,6 @@
 #include "lake/gait/butterworth.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
@@ -87,6 +87,10 @@ TEST(Butterworth, RefusesWhatItCannotDo) {
   EXPECT_THROW(gait::ZeroPhaseButterworth(bad, 60, 6), Error);
   const std::vector<double> hole = {0, 0.01, 0.02, 1e9}, four = {1, 2, 3, 4};
   EXPECT_THROW(gait::ZeroPhaseButterworthAtTimes(four, hole, 6), Error);
+  EXPECT_THAT([] { gait::CheckCutoff(6, 0.1); },  // 100 Hz in ms
+              testing::ThrowsMessage<Error>(testing::HasSubstr("10 s apart: times are in seconds, are these in ms?")));
+  EXPECT_THAT([] { gait::CheckCutoff(6, 10); },
+              testing::ThrowsMessage<Error>(testing::Not(testing::HasSubstr("in ms"))));
 }
 
 }  // namespace

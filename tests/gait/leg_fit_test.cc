@@ -8,7 +8,9 @@
 #include <set>
 
 #include "lake/core/error.h"
+#include "lake/gait/picture_scale.h"
 #include "synthetic_leg.h"
+#include "temporary_folder.h"
 
 namespace lake {
 namespace {
@@ -275,6 +277,30 @@ TEST(LegFit, AnglesDoNotDependOnTheScale) {
   for (std::size_t i = 0; i < mm.events.size(); ++i) EXPECT_NEAR(mm.events[i].time_s, px.events[i].time_s, 0.035);
 }
 
+// The view of tracks whose video is not at hand is the one that the tracker had.
+TEST(PictureScale, GivesTheViewOfACameraFileOrABar) {
+  const TemporaryFolder folder;
+  const SyntheticLeg leg = MakeSyntheticLeg({});
+  const gait::LegView calibrated = CalibratedView();
+  camera::WriteCameraProfile(folder / "camera.yaml", {*calibrated.camera, calibrated.camera_from_plane, {}, {}});
+  const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, calibrated, {0.03}, 8);
+  std::vector<std::string> warnings;
+  const auto warn = [&](const std::string& text) { warnings.push_back(text); };
+  gait::PictureScale picture;
+  picture.camera = folder / "camera.yaml";
+  const gait::LegView read = gait::ViewOf(picture, tracks, std::nullopt, warn);
+  const Eigen::Vector2d px(600, 300);
+  EXPECT_LT((gait::PlaneFromRecorded(read, px, 0) - gait::PlaneFromRecorded(calibrated, px, 0)).norm(), 1e-6);
+  EXPECT_TRUE(warnings.empty());
+  picture.scale = {0, 0, 100, 0, 200};
+  EXPECT_FALSE(gait::ViewOf(picture, tracks, std::nullopt, warn).mm_per_px);
+  EXPECT_THAT(warnings, testing::ElementsAre(testing::HasSubstr("--scale is not used")));
+  picture.camera.reset();
+  EXPECT_EQ(gait::ViewOf(picture, tracks, 5, warn).mm_per_px, 2);
+  picture.scale.reset();
+  EXPECT_EQ(gait::ViewOf(picture, tracks, 5, warn).mm_per_px, 5);  // the file's own
+}
+
 TEST(LegFit, TheFieldsFiltersAreOffered) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
   const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.3}, 8);
@@ -286,7 +312,29 @@ TEST(LegFit, TheFieldsFiltersAreOffered) {
   options.filter = gait::LegFilter::kButterworth;
   const KneeErrors butterworth = CompareKnee(gait::FitLeg(tracks, ScaledView(), options).motion, leg.truth);
   EXPECT_LT(butterworth.rms_deg, 0.7 * butterworth.raw_rms_deg);
-  EXPECT_NEAR(butterworth.normalized, 1, 0.35);  // its sigma is the noise's alone, without the filter's bias
+  EXPECT_NEAR(butterworth.normalized, 1, 0.35);
+}
+
+// What a filter takes of the movement is in its standard deviations; one that takes the movement itself is refused.
+TEST(LegFit, AFilterCannotTakeTheMovementAwayUnseen) {
+  const SyntheticLeg leg = MakeSyntheticLeg({});
+  const motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 8);
+  gait::LegFitOptions options;
+  options.filter = gait::LegFilter::kButterworth;
+  for (const double cutoff_hz : {0.8, 1.5, 6.0}) {
+    options.cutoff_hz = cutoff_hz;
+    const KneeErrors errors = CompareKnee(gait::FitLeg(tracks, ScaledView(), options).motion, leg.truth);
+    EXPECT_NEAR(errors.normalized, 1, 0.35) << cutoff_hz;  // of noise alone it was 200 at 0.8 Hz
+  }
+  for (const double cutoff_hz : {0.1, 0.3}) {
+    options.cutoff_hz = cutoff_hz;
+    try {
+      gait::FitLeg(tracks, ScaledView(), options);
+      ADD_FAILURE() << cutoff_hz;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("% of the knee angle's variance")) << cutoff_hz;
+    }
+  }
 }
 
 TEST(LegFit, ACutoffFixesTheSmoothing) {
@@ -475,6 +523,16 @@ TEST_F(LegFitErrors, TimeMustIncrease) {
 TEST_F(LegFitErrors, HolesInTimeAreNotBridgedForHours) {
   for (std::size_t i = 100; i < tracks_.Frames(); ++i) tracks_.time_s[i] += 1e6;
   EXPECT_THAT(Message(), testing::HasSubstr("holes"));
+}
+
+// Whether the curves fail or what they say of the leg: at 60 Hz minutes, a twentieth, microseconds.
+TEST_F(LegFitErrors, TimesInAnotherUnitAreNamedNotTheMarkers) {
+  const std::vector<double> seconds = tracks_.time_s;
+  for (const auto& [factor, step] : {std::pair(60.0, "0.000278"), {20.0, "0.000833"}, {1e6 / 60, "1e-06"}}) {
+    for (std::size_t i = 0; i < seconds.size(); ++i) tracks_.time_s[i] = seconds[i] / factor;
+    EXPECT_THAT(Message(),
+                testing::AllOf(testing::HasSubstr(fmt::format("{} s apart", step)), testing::HasSubstr("in seconds")));
+  }
 }
 
 TEST_F(LegFitErrors, TooShortAndBadOptions) {

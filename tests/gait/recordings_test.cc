@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
@@ -184,6 +185,33 @@ TEST(OpticalSitToStandFile, SkinMovementIsReportedAndNoError) {
       gait::FitLeg(ReadOpticalLeg(file, 'r', false).trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}));
   EXPECT_NEAR(result.segments[0].variation, 11, 1.5);  // 11.2 mm in 3-D
   EXPECT_NEAR(result.segments[1].variation, 20, 2.5);  // 19.2 mm in 3-D
+}
+
+// Standing up and squatting, of people and laboratories unlike; a seat is told from none.
+TEST(RealMotions, SitToStandsAreCountedAndSquatsAreNot) {
+  struct Motion {
+    const char *file, *names;
+    std::size_t rises;
+    int squats;
+  };
+  const char *right = "ankle=r_ankle,knee=r_knee,hip=R_HJC", *left = "ankle=L_ankle,knee=L_knee,hip=L_HJC";
+  const Motion motions[] = {{"real_motions/subject4_squats1.trc", right, 0, 5},
+                            {"real_motions/subject4_squats1.trc", left, 0, 5},
+                            {"real_motions/tabs_squat2.trc", "ankle=LANK,knee=LKNE,hip=LASI+LPSI", 0, 1},
+                            {"sts_force_plates/STS1.trc", right, 5, 0},
+                            {"sts_force_plates/STS1.trc", left, 5, 0}};
+  for (const auto& [name, names, rises, squats] : motions) {
+    const fs::path file = SharedData(name);
+    REQUIRE_RECORDING(file);
+    const exchange::Trial trial = exchange::ReadTrial(file, {NameMap(names), {}, ""});
+    const gait::LegFitResult result =
+        gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}), {}, trial.across_mm);
+    std::set<int> repetitions;
+    for (const motion::StsEvent& event : result.events) repetitions.insert(event.repetition);
+    EXPECT_EQ(repetitions.size(), rises) << name;
+    const std::string told = fmt::format("as from a squat, are left out ({})", squats);
+    EXPECT_EQ(testing::Matches(testing::Contains(testing::HasSubstr(told)))(result.warnings), squats > 0) << name;
+  }
 }
 
 struct Walk {

@@ -1,4 +1,4 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -153,6 +153,24 @@ TEST(SmoothingSpline, RefusesWhatItCannotDo) {
   EXPECT_THROW(gait::FitSmoothingSpline(grid, time_s, std::vector<double>{1, nan, nan, nan, 2}, sigmas), Error);
   EXPECT_THROW(gait::FitSmoothingSpline(grid, time_s, std::vector<double>(5, 1.0), std::vector<double>(5, 0.0)), Error);
   EXPECT_THROW(gait::MakeSplineGrid(std::vector<double>{0, 1e12}, 1e-3), Error);
+}
+
+TEST(SmoothingSpline, NamesTheGapThatItCannotBridge) {
+  const auto message = [](double gap_s) {
+    std::vector<double> time_s, values;
+    for (int i = 0; i < 400; ++i) {
+      time_s.push_back(i * 0.01 + (i < 100 ? 0 : gap_s));
+      values.push_back(i < 200 ? 0 : 1 - std::cos(0.05 * (i - 200)));  // a rest, and a movement
+    }
+    try {
+      gait::FitSmoothingSpline(gait::MakeSplineGrid(time_s, 0.01), time_s, values, std::vector<double>(400, 1e-3));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_THAT(message(150), testing::HasSubstr("0.01 s apart (median), with a gap of 150 s after 0.99 s"));
+  EXPECT_THAT(message(500), testing::HasSubstr("the longest of 500 s after 0.99 s"));
 }
 
 TEST(LegView, ProjectionAndItsInverseAgree) {

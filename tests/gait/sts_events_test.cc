@@ -34,6 +34,7 @@ gait::StsSignals SignalsOf(const SyntheticLeg& leg) {
   const std::vector<double> forward = Derivative(x, leg.time_s);
   for (std::size_t i = 0; i < x.size(); ++i)
     signals.hip_speed.push_back(std::hypot(forward[i], signals.hip_up_speed[i]));
+  for (const motion::LegSample& sample : leg.truth) signals.hip_behind.push_back(-sample.ak.x() - sample.kh.x());
   signals.knee_deg_s = Derivative(knee_deg, leg.time_s);
   signals.trunk_deg_s = Derivative(trunk_deg, leg.time_s);
   signals.leg_length = 840;
@@ -74,7 +75,7 @@ TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningHasNoOnset) {
       values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(begin));
     };
     drop(cut.frame), drop(cut.time_s), drop(cut.hip_height), drop(cut.hip_speed), drop(cut.hip_up_speed);
-    drop(cut.knee_deg_s), drop(cut.trunk_deg_s);
+    drop(cut.hip_behind), drop(cut.knee_deg_s), drop(cut.trunk_deg_s);
     return gait::FindStsEvents(cut);
   };
   std::vector<double> standing = TimesOf(events, motion::StsEventKind::kStanding);
@@ -140,6 +141,45 @@ TEST(StsEvents, WithoutRestBetweenThemRepetitionsAreStillFound) {
   ASSERT_EQ(onsets.size(), 4u);
   // The trunk never rests here, so the SD that its speed must leave is large.
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(onsets[i], leg.onset_s[i + 1], 0.12);
+}
+
+// A squat keeps the hip over the feet; here it is half as far behind them as on the seat.
+gait::StsSignals SquatsOf(const SyntheticLeg& leg) {
+  gait::StsSignals signals = SignalsOf(leg);
+  for (double& behind : signals.hip_behind) behind /= 2;
+  return signals;
+}
+
+TEST(StsEvents, SquatsAreLeftOutAndCounted) {
+  const SyntheticLegOptions quick{.rate_hz = 100, .repetitions = 4, .rest_s = 0.3, .starts_standing = true};
+  const gait::FoundStsEvents found = gait::FindStsEvents(SquatsOf(MakeSyntheticLeg(quick)));
+  EXPECT_TRUE(found.events.empty());
+  EXPECT_EQ(found.without_seat, 4);
+}
+
+// Whether it is known by where the hip is, by a long rest, or by a long rest at the same height.
+TEST(StsEvents, ASeatIsOneHoweverShortlyItIsTouched) {
+  const auto rises = [](const gait::StsSignals& signals) {
+    const gait::FoundStsEvents found = gait::FindStsEvents(signals);
+    EXPECT_EQ(found.without_seat, 0);
+    return TimesOf(found.events, motion::StsEventKind::kStanding).size();
+  };
+  const SyntheticLegOptions quick{.rate_hz = 100, .repetitions = 5, .rest_s = 0.02, .move_s = 0.8};
+  const SyntheticLeg touched = MakeSyntheticLeg(quick);
+  EXPECT_EQ(rises(SignalsOf(touched)), 5u);
+  EXPECT_EQ(rises(SquatsOf(MakeSyntheticLeg({.rate_hz = 100, .repetitions = 2, .rest_s = 1.5}))), 2u);
+  gait::StsSignals first_rests = SquatsOf(touched);
+  constexpr int kRest = 150;  // frames, before the first of the quick ones
+  for (auto* values : {&first_rests.hip_height, &first_rests.hip_behind})
+    values->insert(values->begin(), kRest, values->front());
+  for (auto* values :
+       {&first_rests.hip_speed, &first_rests.hip_up_speed, &first_rests.knee_deg_s, &first_rests.trunk_deg_s})
+    values->insert(values->begin(), kRest, 0.0);
+  for (int i = 0; i < kRest; ++i) {
+    first_rests.frame.push_back(first_rests.frame.back() + 1);
+    first_rests.time_s.push_back(first_rests.time_s.back() + 0.01);
+  }
+  EXPECT_EQ(rises(first_rests), 5u);
 }
 
 TEST(StsEvents, ARecordingThatBeginsStandingCountsItsRisesOnly) {

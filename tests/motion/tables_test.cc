@@ -122,5 +122,17 @@ TEST(EventsCsv, ReadsBackWhatWasWritten) {
   EXPECT_EQ(motion::ReadEventsCsv(folder / "events.csv")[0].kind, motion::StsEventKind::kSeatOff);
 }
 
+TEST(Leg, IsNamedByItsMarkersOrByWhereTheSubjectLooks) {
+  using motion::Side;
+  for (const char* name : {"L_knee", "LKNE", "L.ASIS+L.PSIS", "l_ankle", "Left ankle", "left"})
+    EXPECT_EQ(motion::SideOfName(name), Side::kLeft) << name;
+  for (const char* name : {"r_ankle", "RAJC", "R_HJC", "r.ASIS", "rightknee"})
+    EXPECT_EQ(motion::SideOfName(name), Side::kRight) << name;
+  for (const char* name : {"lateral malleolus", "rotula", "knee", "", "hip_l"})
+    EXPECT_EQ(motion::SideOfName(name), std::nullopt) << name;
+  EXPECT_EQ(motion::NearLeg(motion::Facing::kLeft), Side::kLeft);
+  EXPECT_EQ(motion::NearLeg(motion::Facing::kRight), Side::kRight);
+}
+
 }  // namespace
 }  // namespace lake

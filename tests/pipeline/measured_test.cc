@@ -1,5 +1,8 @@
 // What a trial's tables call measured is each frame's own measurement, and what is fitted again starts from it.
+#include <gmock/gmock.h>
+
 #include "lake/commands/gait.h"
+#include "lake/core/atomic_file.h"
 #include "lake/exchange/formats.h"
 #include "pipeline/rendered_trial.h"
 
@@ -64,6 +67,40 @@ TEST(Measured, IsWhatTheTablesHoldAndWhatFitsStartFrom) {
   EXPECT_NEAR(RootMeanSquare(again, "knee_sigma_deg") / RootMeanSquare(once, "knee_sigma_deg"), 1, 0.1);
   EXPECT_GE(RootMeanSquare(again, "knee_raw_deg", again, "knee_deg"), 0.003) << "its raw angle is not raw";
   EXPECT_LE(RootMeanSquare(twice, "knee_raw_deg", once, "knee_deg"), 1e-6) << "asked for the fit's estimates";
+}
+
+TEST(GaitReport, NamesTheMarkersNoiseAndNeverSaysThatItIsZero) {
+  const Json summary = {
+      {"segments", {{{"name", "ak"}, {"length_mm", 430.0}, {"variation_mm", 0.0}}}},
+      {"knee", {{"smallest", {{"deg", 9.5}}}, {"largest", {{"deg", 96.25}}}, {"rms_sigma_deg", 0.0001}}},
+      {"sit_to_stands", Json::array()},
+      {"outliers", Json::array()}};
+  EXPECT_THAT(commands::GaitReport(summary),
+              testing::AllOf(testing::HasSubstr("knee 9.50° to 96.25°, marker noise < 0.001° (1 SD)"),
+                             testing::HasSubstr("varies by < 0.1 (SD)")));
+}
+
+// As a marker that was lost, and filled with its last place, comes from other programs.
+TEST(FrozenMarkers, AreToldOf) {
+  const TemporaryFolder folder;
+  motion::MarkerRecording trial;
+  trial.unit = motion::LengthUnit::kMm;
+  trial.markers = {{"ankle", {}}, {"knee", {}}, {"hip", {}}};
+  for (int i = 0; i < 300; ++i) {
+    trial.frame.push_back(i), trial.time_s.push_back(i / 100.0);
+    const double u = 0.5 - 0.5 * std::cos(i / 25.0), noise = 0.1 * std::sin(7.3 * i * i);
+    trial.markers[0].samples.push_back({{0, 90}, 0, motion::SampleStatus::kDetected});
+    trial.markers[1].samples.push_back({{40 * u, 520 + noise}, 0, motion::SampleStatus::kDetected});
+    trial.markers[2].samples.push_back(
+        {{40 * u - 400 * std::sin(1.5 * u), 520 + 400 * std::cos(1.5 * u)}, 0, motion::SampleStatus::kDetected});
+  }
+  motion::WriteMarkerCsv(folder / "trial.csv", trial);
+  commands::GaitRunOptions options;
+  options.trial = folder / "trial.csv";
+  Run run({"lake-gait", "test", Json::object(), folder / "gait", true});
+  run.WriteSummary(commands::RunGait(options, run));
+  EXPECT_THAT(ReadTextFile(folder / "gait" / "summary.json"),
+              testing::HasSubstr("marker 'ankle' has the same coordinates to the last digit in all its 300 frames"));
 }
 
 }  // namespace

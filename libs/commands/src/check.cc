@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lake/core/deviation_text.h"
 #include "lake/overlay/check_picture.h"
 #include "lake/tracking/track_markers.h"
 #include "lake/video/image.h"
@@ -159,9 +160,11 @@ std::vector<CheckItem> JudgeRecording(const tracking::RecordingCheck& check, int
   JudgePictures(check, markers, items);
   JudgeTime(check, items);
   if (check.markers.samples > 0 && check.segment_px > 0)
-    items.push_back(
-        {"expected_knee_sd_deg", fmt::format("knee angle of a single frame: {:.3f} degrees (1 SD)", check.knee_sd_deg),
-         Judge(check.knee_sd_deg, 0.2, 1), "larger markers, more light, a higher bit rate; the camera nearer"});
+    items.push_back({"expected_knee_sd_deg",
+                     fmt::format("knee angle of a single frame: marker noise {} (1 SD)",
+                                 DeviationText(check.knee_sd_deg, 3, " degrees")),
+                     Judge(check.knee_sd_deg, 0.2, 1),
+                     "larger markers, more light, a higher bit rate; the camera nearer"});
   return items;
 }
 

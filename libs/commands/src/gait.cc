@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "lake/core/deviation_text.h"
 #include "lake/core/error.h"
 #include "lake/core/numbers.h"
 #include "lake/figure/leg_figure.h"
@@ -34,10 +35,41 @@ std::string UnitQuestion(const exchange::Trial& trial, const std::string& unit) 
                          : fmt::format("It says mm, and the lengths look like {}: write them in mm", unit));
 }
 
+gait::LegView ViewOf(const exchange::Trial& trial, const gait::PictureScale& picture, Run& run) {
+  if (trial.recording.unit == motion::LengthUnit::kMm) return gait::MakeLegView(trial.recording.unit, std::nullopt);
+  return gait::ViewOf(picture, trial.recording, trial.mm_per_px, [&run](const std::string& text) { run.Warn(text); });
+}
+
+// What is up in the view's plane; a trial in px says it of its picture, with y up.
+Eigen::Vector2d UpIn(const gait::LegView& view, const exchange::Trial& trial) {
+  if (!view.camera) return *trial.up;
+  constexpr double kLength_px = 100;
+  const Eigen::Vector2d up_px(trial.up->x(), -trial.up->y()), middle(view.camera->cx, view.camera->cy);
+  return gait::UpFromPlumbLine(view, middle + kLength_px * up_px, middle, up_px);
+}
+
+// Of a marker that somebody filled in, or that was lost and kept its place.
+void WarnOfFrozenMarkers(const motion::MarkerRecording& recording, Run& run) {
+  constexpr std::size_t kLeastFrames = 100;
+  for (const motion::MarkerTrack& marker : recording.markers) {
+    std::vector<Eigen::Vector2d> places;
+    for (const motion::MarkerSample& sample : marker.samples)
+      if (sample.IsKnown()) places.push_back(sample.position);
+    if (places.size() >= kLeastFrames &&
+        std::all_of(places.begin(), places.end(), [&](const Eigen::Vector2d& place) { return place == places[0]; }))
+      run.Warn(
+          fmt::format("marker '{}' has the same coordinates to the last digit in all its {} frames: that is no "
+                      "measurement, and no standard deviation here says how far it is off",
+                      marker.name, places.size()));
+  }
+}
+
 void SayWarnings(const exchange::Trial& trial, const gait::LegFitResult& result, Run& run) {
   for (const std::string& warning : trial.warnings) run.Warn(warning);
   for (const std::string& warning : result.warnings) run.Warn(warning);
-  if (result.motion.unit == motion::LengthUnit::kPx) run.Warn("the trial has no scale: lengths are in px");
+  WarnOfFrozenMarkers(trial.recording, run);
+  if (result.motion.unit == motion::LengthUnit::kPx)
+    run.Warn("the trial has no scale: lengths are in px; give --scale, or a --camera with the sagittal plane");
   if (WasSmoothed(trial, result))
     run.Warn(
         "the positions were smoothed before, and the file does not say how certain they are: the standard deviations "
@@ -58,6 +90,12 @@ std::optional<std::filesystem::path> CorrectedEventsOf(const exchange::Trial& tr
   if (!std::filesystem::is_regular_file(summary)) return {};
   const Json said = ReadJsonFile(summary);
   return said.contains(kEventsCorrected) && said[kEventsCorrected] == true ? std::optional(events) : std::nullopt;
+}
+
+// In a picture it is the leg nearer to the camera.
+std::optional<motion::Side> LegOf(const exchange::Trial& trial, const gait::LegFitResult& fit) {
+  if (trial.leg || trial.recording.unit == motion::LengthUnit::kMm) return trial.leg;
+  return motion::NearLeg(fit.motion.facing);
 }
 
 void TakeEvents(const std::filesystem::path& file, gait::LegFitResult& result, Run& run) {
@@ -85,28 +123,34 @@ void Describe(GaitRunOptions& o, OptionList& options) {
   options.AddOperand("trial", o.trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
       .Required();
   Describe(o.reading, options);
+  Describe(static_cast<gait::PictureScale&>(o), options);
   gait::DescribeFacing(o.fit, options);
   Describe(o.fit, options);
   gait::DescribeEvents(o.events, options);
 }
 
-exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run) {
+exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run,
+                             const gait::PictureScale& picture) {
   exchange::CheckNoneIsUnused(path, exchange::UnusedOptions(path, reading));
   exchange::Trial trial = exchange::ReadTrial(path, reading);
+  if (picture.IsGiven() && trial.recording.unit == motion::LengthUnit::kMm)
+    exchange::CheckNoneIsUnused(trial.file, {{picture.camera ? "--camera" : "--scale", "its lengths are in mm"}});
   run.AddInput(trial.file);
+  if (picture.camera) run.AddInput(*picture.camera);
   return trial;
 }
 
-gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run) {
+gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run,
+                            const gait::PictureScale& picture) {
   fit.quiet = run.Quiet();
-  if (trial.up) fit.up = *trial.up;
+  const gait::LegView view = ViewOf(trial, picture, run);
+  if (trial.up) fit.up = UpIn(view, trial);
   fit.known_sigmas = trial.known_sigmas;
   if (trial.faces_right && !fit.facing) {
     fit.facing = *trial.faces_right ? motion::Facing::kRight : motion::Facing::kLeft;
     fit.said_facing = "--forward";
   }
   fit.unit_question = [&](const std::string& unit) { return UnitQuestion(trial, unit); };
-  const gait::LegView view = gait::MakeLegView(trial.recording.unit, std::nullopt, trial.mm_per_px);
   gait::LegFitResult result = FitOrName(trial, view, fit);
   if (const auto events = CorrectedEventsOf(trial)) TakeEvents(*events, result, run);
   SayWarnings(trial, result, run);
@@ -119,14 +163,14 @@ Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit)
 }
 
 Json RunGait(const GaitRunOptions& options, Run& run) {
-  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run);
+  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run, options);
   if (options.events) {
     run.AddInput(*options.events);
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
   }
   run.Begin({"summary.json", "kinematics.csv", "events.csv", "trajectory.csv", "tracks.csv", "gait.png", "gait.svg"});
-  gait::LegFitResult result = FitTrial(trial, options.fit, run);
+  gait::LegFitResult result = FitTrial(trial, options.fit, run, options);
   Json results = Json::object();
   if (CorrectedEventsOf(trial)) results = {{kEventsCorrected, true}};
   if (options.events) results = CorrectEventsBy(*options.events, result);
@@ -137,6 +181,7 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);
   DrawPngAndSvg("gait", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, result); });
   results.update(gait::LegFitJson(result));
+  if (const auto leg = LegOf(trial, result)) results[exchange::kLegKey] = ToString(*leg);
   return results;
 }
 
@@ -153,13 +198,15 @@ std::string GaitReport(const Json& summary) {
   if (!summary.contains("segments")) return text;
   for (const Json& segment : summary["segments"]) {
     const std::string unit = segment.contains("length_mm") ? "mm" : "px";
-    text += fmt::format("{}  {:.1f} {}, varies by {:.1f} (SD)\n", segment["name"].get<std::string>(),
-                        segment["length_" + unit].get<double>(), unit, segment["variation_" + unit].get<double>());
+    text += fmt::format("{}  {:.1f} {}, varies by {} (SD)\n", segment["name"].get<std::string>(),
+                        segment["length_" + unit].get<double>(), unit,
+                        DeviationText(segment["variation_" + unit].get<double>(), 1, ""));
   }
   const Json& knee = summary["knee"];
   if (!knee["largest"].is_null())
-    text += fmt::format("knee {:.2f}° to {:.2f}°, ± {:.3f}° (1 SD)\n", knee["smallest"]["deg"].get<double>(),
-                        knee["largest"]["deg"].get<double>(), knee["rms_sigma_deg"].get<double>());
+    text +=
+        fmt::format("knee {:.2f}° to {:.2f}°, marker noise {} (1 SD)\n", knee["smallest"]["deg"].get<double>(),
+                    knee["largest"]["deg"].get<double>(), DeviationText(NumberOrNaN(knee["rms_sigma_deg"]), 3, "°"));
   return text +
          fmt::format("{} sit-to-stands, {} outliers\n", summary["sit_to_stands"].size(), summary["outliers"].size());
 }

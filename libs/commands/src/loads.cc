@@ -242,14 +242,14 @@ void Describe(LoadsRunOptions& o, OptionList& options) {
 
 Json RunLoads(const LoadsRunOptions& options, Run& run) {
   options.loads.body.Check();
-  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run);
+  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run, options);
   if (!options.forces.empty() && !trial.plane_from_space)
     throw Fail(
         "{}: a trial in a plane does not say where the force plates are; give the marker file of the same laboratory "
         "(.trc, .c3d)",
         trial.file.string());
   run.Begin({"summary.json", "loads.csv", "loads.json", "loads.png", "loads.svg"});
-  const gait::LegFitResult fit = FitTrial(trial, options.fit, run);
+  const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options);
   std::optional<loads::GroundForces> forces;
   if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
   loads::LegPathOptions path;

@@ -10,6 +10,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
 #include "lake/exchange/formats.h"
+#include "lake/exchange/trial.h"
 #include "lake/figure/leg_figure.h"
 #include "lake/figure/tracks_figure.h"
 #include "lake/gait/corrected_events.h"
@@ -41,34 +42,15 @@ std::optional<camera::CameraProfile> ReadCamera(const TrackRunOptions& options, 
   return profile;
 }
 
-using Warn = std::function<void(const std::string&)>;
+using gait::Warn;
 
 Warn WarnThrough(Run& run) {
   return [&run](const std::string& text) { run.Warn(text); };
 }
 
-// mm per px of the scale bar, its ends freed from the lens's distortion if that is known.
-std::optional<double> MmPerPx(const TrackRunOptions& options, const std::optional<camera::CameraProfile>& profile,
-                              const Warn& warn) {
-  if (!options.scale) return std::nullopt;
-  if (profile && profile->camera_from_plane) {
-    warn("--scale is not used: the camera file has a calibrated plane");
-    return std::nullopt;
-  }
-  const auto [x1, y1, x2, y2, length_mm] = *options.scale;
-  const gait::LegView unscaled = gait::MakeLegView(motion::LengthUnit::kPx, profile);
-  const double length_px =
-      (gait::PlaneFromRecorded(unscaled, {x1, y1}, 0) - gait::PlaneFromRecorded(unscaled, {x2, y2}, 0)).norm();
-  constexpr double kShortest_mm = 5;  // longer ones in m are longer than a room
-  if (!(length_px >= 1) || !(length_mm >= kShortest_mm))
-    throw UsageError(
-        fmt::format("--scale: the bar must be at least 1 px and {:g} mm long; is {:g} in m?", kShortest_mm, length_mm));
-  return length_mm / length_px;
-}
-
 gait::LegView MakeView(const TrackRunOptions& options, const std::optional<camera::CameraProfile>& profile,
                        const Warn& warn) {
-  return gait::MakeLegView(motion::LengthUnit::kPx, profile, MmPerPx(options, profile, warn), options.depth_mm);
+  return gait::MakeLegView(motion::LengthUnit::kPx, profile, gait::MmPerPx(options, profile, warn), options.depth_mm);
 }
 
 void WarnOfUnit(const gait::LegView& view, bool has_camera, Run& run) {
@@ -244,7 +226,10 @@ void Export(const TrackRunOptions& options, const video::VideoInfo& video, const
       exchange::PointsFromMarkers(markers.trajectory.unit == motion::LengthUnit::kMm ? markers.trajectory
                                                                                      : markers.tracks),
       exchange::PointsFromMarkers(markers.tracks)};
-  if (fit) trial.points.events = PointEvents(fit->events), trial.motion = &fit->motion;
+  if (fit) {
+    trial.points.events = PointEvents(fit->events);
+    trial.motion = &fit->motion, trial.leg = motion::NearLeg(fit->motion.facing);
+  }
   trial.image.video =
       exchange::SourceVideo{std::filesystem::absolute(options.video).string(), video.width, video.height};
   if (!view.camera && !view.camera_from_plane) trial.image.mm_per_px = view.mm_per_px;
@@ -352,6 +337,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
   const bool comparable = shutter.readout_s == 0;  // else what was seen is of another time than the estimate
   WriteOverlay(options, {tracks, &fit.motion, &fit.events, comparable ? &estimates : nullptr}, run);
   results.update(gait::LegFitJson(fit));
+  results[exchange::kLegKey] = ToString(motion::NearLeg(fit.motion.facing));
   Export(options, tracked.video, view, MarkersToExport(options, fit, tracks, view), &fit, results, run);
   return results;
 }
@@ -525,8 +511,7 @@ void Describe(TrackRunOptions& o, OptionList& options) {
       .Required()
       .IsPath(Option::Path::kVideo);
   Describe(o.track, options);
-  options.Add("camera", o.camera, "camera.yaml: intrinsics and, if it has one, the sagittal plane");
-  options.Add("scale", o.scale, "A scale bar, ends in px, where no plane is calibrated").Value("X1,Y1,X2,Y2,LENGTH_MM");
+  Describe(static_cast<gait::PictureScale&>(o), options);
   const auto set_vertical = [&o](const OptionTexts& texts, const std::string& said) {
     o.vertical_from_leg = texts == OptionTexts{"auto"};
     if (!o.vertical_from_leg) OptionField<decltype(o.vertical)>::Set(texts, said, o.vertical);

@@ -70,6 +70,7 @@ steps::StudyStep GaitStep(const commands::GaitRunOptions& options) {
   steps::StudyStep step;
   step.program = "lake-gait", step.expected_s = 3, step.keys = KeysOf(options);
   step.inputs = {options.trial};
+  if (options.camera) step.inputs.push_back(*options.camera);
   if (options.events) step.inputs.push_back(*options.events);
   step.work = [options](Run& run) { run.WriteSummary(commands::RunGait(options, run)); };
   return step;

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "lake/core/colours.h"
+#include "lake/core/deviation_text.h"
 #include "lake/core/statistics.h"
 #include "lake/motion/leg_motion.h"
 #include "lake/report/misalignment_sections.h"
@@ -28,19 +29,14 @@ std::vector<double> RiseTimes(const Json& summary) {
   return seconds;
 }
 
-// "SD 0.12 mm"; a spread that rounds to nothing says so.
-std::string SpreadText(double spread, const char* unit) {
-  constexpr double kLeast = 0.005;
-  return spread < kLeast ? fmt::format("SD < {} {}", kLeast, unit) : fmt::format("SD {:.2f} {}", spread, unit);
-}
-
 // "436.0 mm, SD 0.12 mm"
 Cell SegmentCell(const Json& summary, const std::string& name) {
   for (const Json& segment : summary.at("segments"))
     for (const char* unit : {"mm", "px"})
       if (segment.at("name") == name && segment.contains(fmt::format("length_{}", unit)))
-        return fmt::format("{:.1f} {}, {}", NumberOrNaN(segment[fmt::format("length_{}", unit)]), unit,
-                           SpreadText(NumberOrNaN(segment[fmt::format("variation_{}", unit)]), unit));
+        return fmt::format(
+            "{:.1f} {}, SD {}", NumberOrNaN(segment[fmt::format("length_{}", unit)]), unit,
+            DeviationText(NumberOrNaN(segment[fmt::format("variation_{}", unit)]), 2, fmt::format(" {}", unit)));
   return "–";
 }
 
@@ -56,8 +52,8 @@ Cell DetectedCell(const Json& summary) {
 Cell KneeCell(const Json& summary) {
   const Json& knee = summary.at("knee");
   if (knee.at("largest").is_null()) return "–";
-  return fmt::format("{:.1f}° to {:.1f}°, SD {:.3f}°", NumberOrNaN(knee["smallest"]["deg"]),
-                     NumberOrNaN(knee["largest"]["deg"]), NumberOrNaN(knee["rms_sigma_deg"]));
+  return fmt::format("{:.1f}° to {:.1f}°, marker noise {} (SD)", NumberOrNaN(knee["smallest"]["deg"]),
+                     NumberOrNaN(knee["largest"]["deg"]), DeviationText(NumberOrNaN(knee["rms_sigma_deg"]), 3, "°"));
 }
 
 Cell RecordingCell(const StudyTrial& trial, const Json& summary) {

@@ -60,8 +60,8 @@ void CheckSeparator(const std::vector<std::string>& header, char delimiter, cons
   if (header.size() != 1) return;
   for (const auto& [other, name] : {std::pair(';', "semicolons"), {'\t', "tabs"}, {',', "commas"}})
     if (other != delimiter && header.front().find(other) != std::string::npos)
-      throw Fail("{}:1: the columns are separated by {}; save the table with '{}' between columns and decimal points",
-                 path.string(), name, delimiter);
+      throw Fail("{}:1: the columns are separated by {}; save the table with {} between columns and decimal points",
+                 path.string(), name, delimiter == '\t' ? "tabs" : "commas");
 }
 
 }  // namespace

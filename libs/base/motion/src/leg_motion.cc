@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 
 #include "lake/core/csv.h"
@@ -37,6 +38,29 @@ double MedianLength(const LegMotion& motion, Eigen::Vector2d LegSample::*vector)
   for (const LegSample& sample : motion.samples)
     if (const double length = (sample.*vector).norm(); std::isfinite(length)) lengths.push_back(length);
   return lengths.empty() ? kNaN : Median(std::move(lengths));
+}
+
+std::string_view ToString(Side side) {
+  return side == Side::kLeft ? "left" : "right";
+}
+
+Side NearLeg(Facing facing) {
+  return facing == Facing::kLeft ? Side::kLeft : Side::kRight;
+}
+
+std::optional<Side> SideOfName(std::string_view marker) {
+  if (marker.empty()) return std::nullopt;
+  for (const Side side : {Side::kLeft, Side::kRight}) {
+    const std::string_view word = ToString(side);
+    const char letter = marker[0];
+    if (std::tolower(static_cast<unsigned char>(letter)) != word[0]) continue;
+    const bool is_word = marker.size() >= word.size() &&
+                         std::equal(word.begin(), word.end(), marker.begin(),
+                                    [](char a, char b) { return a == std::tolower(static_cast<unsigned char>(b)); });
+    // Behind the letter the name itself begins: "LKNE", "L_knee", not "lateral".
+    if (is_word || marker.size() < 2 || !std::islower(static_cast<unsigned char>(marker[1]))) return side;
+  }
+  return std::nullopt;
 }
 
 std::string_view ToString(StsEventKind kind) {

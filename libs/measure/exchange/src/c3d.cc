@@ -46,10 +46,6 @@ char UpAxis(const std::vector<std::string>& y_screen) {
 
 std::vector<std::string> ReadLabels(const C3dParameters& parameters, std::size_t points) {
   std::vector<std::string> labels = parameters.Texts("POINT:LABELS");
-  for (int i = 2; parameters.Has(fmt::format("POINT:LABELS{}", i)); ++i) {
-    const std::vector<std::string> more = parameters.Texts(fmt::format("POINT:LABELS{}", i));
-    labels.insert(labels.end(), more.begin(), more.end());
-  }
   labels.resize(points);
   for (std::size_t i = 0; i < points; ++i)
     if (labels[i].empty()) labels[i] = fmt::format("point{}", i + 1);
@@ -336,13 +332,11 @@ namespace {
 
 void CheckWritable(const std::filesystem::path& path, const PointRecording& points) {
   if (points.space == PointSpace::kImage)
-    throw Fail("{}: C3D is in mm; px need a scale or a calibrated plane first", path.string());
+    throw Fail("{}: C3D is in mm, and these positions in px: give --scale, or a --camera with the sagittal plane",
+               path.string());
   constexpr std::size_t kMostPoints = 65535;
   if (points.points.empty() || points.points.size() > kMostPoints)
     throw Fail("{}: C3D holds 1 to {} points, not {}", path.string(), kMostPoints, points.points.size());
-  constexpr std::size_t kMostEvents = 255;
-  if (points.events.size() > kMostEvents)
-    throw Fail("{}: C3D holds {} events, not {}", path.string(), kMostEvents, points.events.size());
   if (points.time_s.size() < 2) throw Fail("{}: C3D needs at least two frames for its rate", path.string());
   CheckC3dTimes(path, points.time_s);
 }
@@ -397,12 +391,9 @@ C3dParameterWriter MakeParameters(const PointRecording& points) {
   writer.Texts(1, "X_SCREEN", {"+X"});
   writer.Texts(1, "Y_SCREEN",
                {std::string("+") + static_cast<char>(std::toupper(static_cast<unsigned char>(points.up_axis)))});
-  constexpr std::size_t kMostLabels = 255;  // of one parameter
-  for (std::size_t begin = 0, part = 1; begin < count; begin += kMostLabels, ++part) {
-    std::vector<std::string> labels;
-    for (std::size_t i = begin; i < std::min(count, begin + kMostLabels); ++i) labels.push_back(points.points[i].name);
-    writer.Texts(1, part == 1 ? "LABELS" : fmt::format("LABELS{}", part), labels);
-  }
+  std::vector<std::string> labels;
+  for (const PointTrack& point : points.points) labels.push_back(point.name);
+  writer.Texts(1, "LABELS", labels);
   writer.Group(2, "ANALOG");
   writer.Word(2, "USED", 0);
   writer.Group(3, "TRIAL");

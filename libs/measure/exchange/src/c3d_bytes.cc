@@ -4,6 +4,7 @@
 #include <bit>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <numeric>
 
 #include "lake/core/csv.h"
@@ -17,6 +18,19 @@ std::string Upper(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   return text;
+}
+
+// Of a list that does not fit into one parameter: NAME, NAME2, NAME3, …
+std::string PartName(const std::string& name, std::size_t part) {
+  return part == 1 ? name : fmt::format("{}{}", name, part);
+}
+
+// Calls with each part's name, its first value and the one behind its last.
+void ForEachPart(const std::string& name, std::size_t count,
+                 const std::function<void(const std::string&, std::size_t, std::size_t)>& call) {
+  constexpr std::size_t kMost = 255;  // a dimension is a byte
+  for (std::size_t begin = 0, part = 1; begin < count; begin += kMost, ++part)
+    call(PartName(name, part), begin, std::min(count, begin + kMost));
 }
 
 }  // namespace
@@ -104,7 +118,7 @@ const C3dParameters::Value& C3dParameters::Find(const std::string& name) const {
   return found->second;
 }
 
-std::vector<double> C3dParameters::Numbers(const std::string& name) const {
+std::vector<double> C3dParameters::NumbersOf(const std::string& name) const {
   const Value& value = Find(name);
   if (value.type != 1 && value.type != 2 && value.type != 4)
     throw Fail("{}: parameter {} is not a number", bytes_.Path(), name);
@@ -117,6 +131,15 @@ std::vector<double> C3dParameters::Numbers(const std::string& name) const {
     numbers.push_back(value.type == 1   ? bytes_.Unsigned8(at)
                       : value.type == 2 ? bytes_.Signed16(at)
                                         : bytes_.Float(at));
+  }
+  return numbers;
+}
+
+std::vector<double> C3dParameters::Numbers(const std::string& name) const {
+  std::vector<double> numbers = NumbersOf(name);
+  for (std::size_t part = 2; Has(PartName(name, part)); ++part) {
+    const std::vector<double> more = NumbersOf(PartName(name, part));
+    numbers.insert(numbers.end(), more.begin(), more.end());
   }
   return numbers;
 }
@@ -136,7 +159,7 @@ std::size_t C3dParameters::Count(const std::string& name) const {
   return static_cast<std::size_t>(value);
 }
 
-std::vector<std::string> C3dParameters::Texts(const std::string& name) const {
+std::vector<std::string> C3dParameters::TextsOf(const std::string& name) const {
   const Value& value = Find(name);
   if (value.type != -1) throw Fail("{}: parameter {} is not a text", bytes_.Path(), name);
   const std::size_t length = value.dimensions.empty() ? 1 : value.dimensions[0];
@@ -148,6 +171,15 @@ std::vector<std::string> C3dParameters::Texts(const std::string& name) const {
   for (std::size_t i = 0; i < count; ++i)
     texts.push_back(Utf8FromText(bytes_.TrimmedText(value.offset + i * length, length),
                                  fmt::format("{}: {}", bytes_.Path(), name)));
+  return texts;
+}
+
+std::vector<std::string> C3dParameters::Texts(const std::string& name) const {
+  std::vector<std::string> texts = TextsOf(name);
+  for (std::size_t part = 2; Has(PartName(name, part)); ++part) {
+    const std::vector<std::string> more = TextsOf(PartName(name, part));
+    texts.insert(texts.end(), more.begin(), more.end());
+  }
   return texts;
 }
 
@@ -204,23 +236,24 @@ void C3dParameterWriter::Float(int group, const std::string& name, float value) 
 }
 
 void C3dParameterWriter::Pairs(int group, const std::string& name, const std::vector<std::array<float, 2>>& values) {
-  C3dBuffer content;
-  content.Byte(4).Byte(2).Byte(2).Byte(static_cast<int>(values.size()));
-  for (const std::array<float, 2>& pair : values) content.Float(pair[0]).Float(pair[1]);
-  Entry(group, name, content.Byte(0).Bytes());
+  ForEachPart(name, values.size(), [&](const std::string& part, std::size_t begin, std::size_t end) {
+    C3dBuffer content;
+    content.Byte(4).Byte(2).Byte(2).Byte(static_cast<int>(end - begin));
+    for (std::size_t i = begin; i < end; ++i) content.Float(values[i][0]).Float(values[i][1]);
+    Entry(group, part, content.Byte(0).Bytes());
+  });
 }
 
 void C3dParameterWriter::Texts(int group, const std::string& name, const std::vector<std::string>& texts) {
   std::size_t length = 1;
   for (const std::string& text : texts) length = std::max(length, text.size());
   if (length > 127) throw Fail("C3D: the name '{}…' is longer than 127 bytes", texts.front().substr(0, 20));
-  C3dBuffer content;
-  content.Byte(-1).Byte(2).Byte(static_cast<int>(length)).Byte(static_cast<int>(texts.size()));
-  for (std::string text : texts) {
-    text.resize(length, ' ');
-    content.Append(text);
-  }
-  Entry(group, name, content.Byte(0).Bytes());
+  ForEachPart(name, texts.size(), [&](const std::string& part, std::size_t begin, std::size_t end) {
+    C3dBuffer content;
+    content.Byte(-1).Byte(2).Byte(static_cast<int>(length)).Byte(static_cast<int>(end - begin));
+    for (std::size_t i = begin; i < end; ++i) content.Append(texts[i] + std::string(length - texts[i].size(), ' '));
+    Entry(group, part, content.Byte(0).Bytes());
+  });
 }
 
 std::string C3dParameterWriter::Finish(int group, const std::string& data_start_name) {

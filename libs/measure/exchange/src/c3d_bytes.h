@@ -37,7 +37,8 @@ class C3dBytes {
   Processor processor_ = kIntel;
 };
 
-// All parameters, by "GROUP:NAME" in capitals.
+// All parameters, by "GROUP:NAME" in capitals. An array holds 255 values in one dimension; a longer list goes on in
+// NAME2, NAME3, … (user guide, POINT:LABELS2), and is read and written as one here.
 class C3dParameters {
  public:
   explicit C3dParameters(const C3dBytes& bytes);
@@ -57,6 +58,8 @@ class C3dParameters {
     std::size_t offset = 0;
   };
   const Value& Find(const std::string& name) const;
+  std::vector<double> NumbersOf(const std::string& name) const;  // of one parameter, without its continuations
+  std::vector<std::string> TextsOf(const std::string& name) const;
 
   const C3dBytes& bytes_;
   std::map<std::string, Value> values_;

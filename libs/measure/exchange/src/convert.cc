@@ -46,10 +46,25 @@ void CropTable(const std::array<double, 2>& crop_s, const fs::path& path, MotTab
 void CheckNoPointOptions(const fs::path& out, const ConvertOptions& options) {
   const TrialOptions& reading = options.reading;
   if (!reading.names.empty() || reading.up || !reading.forward.empty() || options.unit != "mm" ||
-      reading.mm_per_unit != 1 || reading.rate_hz > 0 || reading.values == motion::MarkerValues::kEstimated)
-    throw UsageError(fmt::format(
-        "{}: holds angles: --map, --up, --forward, --unit, --rate, --smoothed and --out-unit are for points",
-        out.string()));
+      reading.mm_per_unit != 1 || reading.rate_hz > 0 || reading.values == motion::MarkerValues::kEstimated ||
+      options.picture.IsGiven())
+    throw UsageError(
+        fmt::format("{}: holds angles: --map, --up, --forward, --unit, --camera, --scale, --rate, --smoothed and "
+                    "--out-unit are for points",
+                    out.string()));
+}
+
+// Which leg the program that wrote a kinematics.csv took it for, as its summary says.
+std::optional<motion::Side> LegOfSummary(const fs::path& kinematics) {
+  const fs::path file = kinematics.parent_path() / "summary.json";
+  if (kinematics.filename() != "kinematics.csv" || !fs::is_regular_file(file)) return std::nullopt;
+  return LegInSummary(ReadJsonFile(file));
+}
+
+motion::Side LegOf(const fs::path& kinematics, const ConvertOptions& options) {
+  if (const std::optional<motion::Side> leg = options.leg ? options.leg : LegOfSummary(kinematics)) return *leg;
+  throw UsageError(
+      fmt::format("{}: does not say whether this is the left or the right leg: give --leg", kinematics.string()));
 }
 
 void ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions& options) {
@@ -58,16 +73,41 @@ void ConvertAngles(const fs::path& in, const fs::path& out, const ConvertOptions
   if (IsAngleTable(in)) {
     if (options.flexion_negative)
       throw UsageError("--flexion-negative is for kinematics.csv; the sign of a .mot stays as it is");
+    if (options.leg) throw UsageError("--leg is for kinematics.csv; the columns of a .mot keep their names");
     table = ReadMot(in);
   } else {
     const fs::path kinematics = fs::is_directory(in) ? in / "kinematics.csv" : in;
     if (Lower(kinematics.extension().string()) != ".csv")
       throw Fail("{}: holds points, and {} angles: run lake gait first and convert its folder", in.string(),
                  out.filename().string());
-    table = MotFromLegMotion(motion::ReadKinematicsCsv(kinematics), options.flexion_negative);
+    table =
+        MotFromLegMotion(motion::ReadKinematicsCsv(kinematics), LegOf(kinematics, options), options.flexion_negative);
   }
   if (options.crop_s) CropTable(*options.crop_s, in, table);
   WriteMot(out, table);
+}
+
+// Positions in px as `picture` scales them: in mm, or, in a project over the video, in px beside the scale.
+PointRecording ScaledBy(const gait::PictureScale& picture, PointRecording points, const fs::path& in,
+                        const fs::path& out) {
+  const auto refuse = [&](const fs::path& file, const char* why) {
+    CheckNoneIsUnused(file, {{picture.camera ? "--camera" : "--scale", why}});
+  };
+  if (points.space != PointSpace::kImage) refuse(in, "its lengths are in mm");
+  const PointFormat& format = FormatOf(out);
+  if (!format.plane && picture.camera) refuse(out, "it holds px, and at most the scale of a bar");
+  std::vector<std::string> warnings;
+  const gait::LegView view = gait::ViewOf(picture, MarkersFromPoints(points), points.mm_per_px,
+                                          [&](const std::string& text) { warnings.push_back(text); });
+  points.warnings.insert(points.warnings.end(), warnings.begin(), warnings.end());
+  points.mm_per_px = view.mm_per_px;
+  if (!format.plane || PlaneUnit(view) == motion::LengthUnit::kPx) return points;
+  points.space = PointSpace::kPlane;
+  points.mm_per_px.reset(), points.axes.reset(), points.video.reset();
+  for (PointTrack& point : points.points)
+    for (Eigen::Vector3d& p : point.positions)
+      if (p.allFinite()) p.head<2>() = gait::PlaneFromRecorded(view, p.head<2>(), 0);
+  return points;
 }
 
 PointRecording FitToFormat(PointRecording points, const fs::path& in, const fs::path& out,
@@ -114,12 +154,14 @@ std::vector<std::string> ConvertFile(const fs::path& in, const fs::path& out, co
   }
   FormatOf(out);  // a wrong ending is told before a long file is read
   if (IsAngleTable(in)) throw Fail("{}: holds angles, and {} points", in.string(), out.filename().string());
-  if (options.flexion_negative) throw UsageError("--flexion-negative is for a .mot that is written");
+  if (options.flexion_negative || options.leg)
+    throw UsageError(fmt::format("{} is for a .mot that is written", options.leg ? "--leg" : "--flexion-negative"));
   CheckNoneIsUnused(in, UnusedOptions(in, options.reading));
   const fs::path table = fs::is_directory(in) ? TableFor(out, in) : in;
   PointRecording points =
       ReadPoints(table, options.reading.mm_per_unit, options.reading.rate_hz, options.reading.values);
   if (options.crop_s) CropPoints(*options.crop_s, in, points);
+  if (options.picture.IsGiven()) points = ScaledBy(options.picture, std::move(points), in, out);
   points = FitToFormat(RenamePoints(points, options.reading.names, in), in, out, options);
   if (!points.events.empty() && Lower(out.extension().string()) != ".c3d")
     points.warnings.push_back(

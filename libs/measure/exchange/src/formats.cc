@@ -137,7 +137,7 @@ std::string ExportName(const std::string& format, const std::string& name) {
 
 void ExportTrial(const std::string& format, const fs::path& path, const ExportedTrial& trial) {
   CheckExportFormats({format}, trial.points.space != PointSpace::kImage, trial.motion != nullptr);
-  if (format == kAngles) return WriteMot(path, MotFromLegMotion(*trial.motion));
+  if (format == kAngles) return WriteMot(path, MotFromLegMotion(*trial.motion, trial.leg));
   const WritableFormat& writer = ExportFormat(format);
   writer.write(path, writer.plane ? trial.points : trial.image);
 }

@@ -100,10 +100,11 @@ void WriteMot(const std::filesystem::path& path, const MotTable& table) {
   WriteTextFile(path, text);
 }
 
-MotTable MotFromLegMotion(const motion::LegMotion& motion, bool flexion_negative) {
+MotTable MotFromLegMotion(const motion::LegMotion& motion, motion::Side leg, bool flexion_negative) {
   MotTable table;
   table.name = "knee angle";
-  table.columns = {"knee_angle_r", "shank_tilt", "thigh_tilt", "trunk_tilt"};
+  table.columns = {leg == motion::Side::kLeft ? "knee_angle_l" : "knee_angle_r", "shank_tilt", "thigh_tilt",
+                   "trunk_tilt"};
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const motion::LegSample& sample = motion.samples[i];
     if (!std::isfinite(sample.knee_deg)) continue;

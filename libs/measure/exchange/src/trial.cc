@@ -158,12 +158,25 @@ void TakeFromSummary(const fs::path& table, motion::MarkerValues values, Trial& 
   const Json::json_pointer known("/fit/known_sigmas");
   trial.known_sigmas =
       values == motion::MarkerValues::kMeasured && summary.contains(known) && summary[known] == Json(true);
+  trial.leg = LegInSummary(summary);
   if (!summary.contains(kUp)) return;
   const Json& said = summary[kUp];
   const bool is_pair = said.is_array() && said.size() == 2 && said[0].is_number() && said[1].is_number();
   const Eigen::Vector2d up = is_pair ? Eigen::Vector2d(said[0], said[1]) : Eigen::Vector2d::Zero();
   if (!(std::abs(up.norm() - 1) < 1e-6)) throw Fail("{}: '{}' is no unit vector", file.string(), kUp);
   trial.up = up;
+}
+
+// The side that the file's names of ankle, knee and hip begin with, where they agree.
+std::optional<motion::Side> SideOfLegMarkers(const std::map<std::string, std::string>& names) {
+  std::optional<motion::Side> side;
+  for (const char* name : {"ankle", "knee", "hip"}) {
+    const auto found = names.find(name);
+    const auto of_marker = found == names.end() ? std::nullopt : motion::SideOfName(found->second);
+    if (!of_marker || (side && side != of_marker)) return std::nullopt;
+    side = of_marker;
+  }
+  return side;
 }
 
 void ReadOwnTable(const fs::path& path, const TrialOptions& options, Trial& trial) {
@@ -306,6 +319,12 @@ void CheckNoneIsUnused(const fs::path& path, const std::vector<UnusedOption>& un
                                  unused.front().why));
 }
 
+std::optional<motion::Side> LegInSummary(const Json& summary) {
+  for (const motion::Side side : {motion::Side::kLeft, motion::Side::kRight})
+    if (summary.contains(kLegKey) && summary[kLegKey] == Json(ToString(side))) return side;
+  return std::nullopt;
+}
+
 PointRecording PointsFacing(const PointRecording& points, const TrialOptions& options) {
   Eigen::Matrix3d model_from_file;
   const Eigen::Vector3d up = UpDirection(points, options), forward = GivenForward(options, up);
@@ -351,6 +370,7 @@ Trial ReadTrial(const fs::path& path, const TrialOptions& options) {
     trial.warnings = points.warnings;
     trial.recording = MarkersFromPoints(points);
   }
+  if (const auto side = SideOfLegMarkers(options.names)) trial.leg = side;
   if (!options.forward.empty() && !trial.faces_right) {
     const Eigen::Vector3d forward = ParseDirection(options.forward);
     if (forward.x() == 0) throw UsageError(fmt::format("--forward '{}': in a plane it is +x or -x", options.forward));

@@ -70,9 +70,13 @@ std::vector<double> Interpolate(std::span<const double> values, std::span<const 
 }  // namespace
 
 void CheckCutoff(double cutoff_hz, double rate_hz) {
-  if (!(cutoff_hz > 0) || cutoff_hz >= 0.4 * rate_hz)
-    throw Fail("filter: a cutoff of {} Hz must lie between 0 and {:.3g} Hz (0.4 of the frame rate)", cutoff_hz,
-               0.4 * rate_hz);
+  if (cutoff_hz > 0 && cutoff_hz < 0.4 * rate_hz) return;
+  constexpr double kSlowest_hz = 5;  // that anybody records movement with
+  throw Fail("filter: a cutoff of {} Hz must lie between 0 and {:.3g} Hz (0.4 of the frame rate){}", cutoff_hz,
+             0.4 * rate_hz,
+             rate_hz < kSlowest_hz
+                 ? fmt::format("; the samples are {:.3g} s apart: times are in seconds, are these in ms?", 1 / rate_hz)
+                 : "");
 }
 
 std::vector<double> ZeroPhaseButterworth(std::span<const double> values, double rate_hz, double cutoff_hz) {

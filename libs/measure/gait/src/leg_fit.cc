@@ -66,6 +66,15 @@ std::optional<std::string> RoundedTimes(const motion::MarkerRecording& recording
   return {};
 }
 
+// Of times that are not in seconds, as nobody records legs so fast; else nothing.
+std::optional<std::string> HastyTimes(const motion::MarkerRecording& recording) {
+  constexpr double kShortest_s = 1e-3;
+  const double step_s = MedianInterval(recording.time_s);
+  if (step_s >= kShortest_s) return {};
+  return fmt::format("the times say that frames are {:.3g} s apart, {:.3g} s in all", step_s,
+                     recording.time_s.back() - recording.time_s.front());
+}
+
 // An exchange of names makes the one length vary and leaves the other alone.
 void WarnOfLengths(const std::vector<SegmentReport>& segments, const LegFitOptions& options,
                    std::vector<std::string>& warnings) {
@@ -327,6 +336,8 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
     result.warnings.push_back(*rounded + ": what moves fast is misplaced by that; give them with more digits");
     limits.ways_out = "or give the times with more digits: " + *rounded;
   }
+
+  if (const auto hasty = HastyTimes(recording)) limits.ways_out = "or give the times in seconds: " + *hasty;
 
   LegModel model;
   model.view = view;

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
+#include "filter_loss.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
@@ -23,6 +25,8 @@ struct MarkerOutput {
   std::vector<Eigen::Vector2d> shown;
   std::vector<double> shown_sigma;
   std::vector<double> shown_across;  // mm across the plane, of trials in three dimensions
+  // Where the filter moves the fit's own curve to: what it takes of the movement. Empty without one.
+  std::vector<Eigen::Vector2d> filtered_curve;
 };
 
 // Before a marker is first seen and after it is last seen nothing is known of it: it may not have been there.
@@ -43,6 +47,7 @@ std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurv
 // Over every run of frames in which the marker is known.
 void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, double cutoff_hz) {
   const std::size_t n = time_s.size();
+  output.filtered_curve = output.curve.in_plane;
   for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
     for (end = begin; end < n && output.status[end] != motion::SampleStatus::kMissing;) ++end;
     if (end - begin >= 3) {
@@ -54,7 +59,8 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, do
         const std::vector<double> filtered = ZeroPhaseButterworthAtTimes(values, times, cutoff_hz);
         for (std::size_t i = begin; i < end; ++i) value_at(i) = filtered[i - begin];
       };
-      for (int axis = 0; axis < 2; ++axis) filter([&](std::size_t i) -> double& { return output.shown[i][axis]; });
+      for (auto* positions : {&output.shown, &output.filtered_curve})
+        for (int axis = 0; axis < 2; ++axis) filter([&](std::size_t i) -> double& { return (*positions)[i][axis]; });
       if (!output.shown_across.empty()) filter([&](std::size_t i) -> double& { return output.shown_across[i]; });
     }
     if (end == begin) ++end;
@@ -67,7 +73,7 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, do
 
 MarkerOutput MakeOutput(const Detections& d, MarkerCurve curve, const std::vector<double>& time_s, double most_sigma,
                         const LegFitOptions& options) {
-  MarkerOutput output{&d, std::move(curve), {}, {}, {}, {}};
+  MarkerOutput output{&d, std::move(curve), {}, {}, {}, {}, {}};
   output.status = StatusOf(d, output.curve, most_sigma);
   output.shown = output.curve.in_plane, output.shown_sigma = output.curve.plane_sigma;
   output.shown_across = output.curve.across;
@@ -95,8 +101,12 @@ motion::MarkerTrack TrackOf(const MarkerOutput& output) {
 
 motion::MarkerTrack TrajectoryOf(const MarkerOutput& output) {
   motion::MarkerTrack track{output.detections->name, {}};
-  for (std::size_t i = 0; i < output.status.size(); ++i)
-    track.samples.push_back({output.shown[i], output.shown_sigma[i], output.status[i]});
+  for (std::size_t i = 0; i < output.status.size(); ++i) {
+    double sigma = output.shown_sigma[i];
+    if (!output.filtered_curve.empty())
+      sigma = std::hypot(sigma, (output.filtered_curve[i] - output.curve.in_plane[i]).norm() / std::numbers::sqrt2);
+    track.samples.push_back({output.shown[i], sigma, output.status[i]});
+  }
   return track;
 }
 
@@ -177,6 +187,24 @@ motion::LegMotion MakeMotion(const motion::MarkerRecording& recording, const std
   return motion;
 }
 
+// Of the fit's knee angle, by frame; NaN where the angle is not known.
+std::vector<double> KneeTakenByFilter(const std::vector<MarkerOutput>& leg, const motion::LegMotion& motion,
+                                      const Eigen::Vector2d& up) {
+  std::vector<double> taken_deg;
+  for (std::size_t i = 0; i < motion.samples.size(); ++i) {
+    const auto knee_deg = [&](const auto& position) {
+      return MakeLegSample({position(leg[kAnkle]), position(leg[kKnee]), position(leg[kHip]), std::nullopt},
+                           motion.facing, up)
+          .knee_deg;
+    };
+    taken_deg.push_back(std::isfinite(motion.samples[i].knee_deg)
+                            ? knee_deg([&](const MarkerOutput& m) { return m.filtered_curve[i]; }) -
+                                  knee_deg([&](const MarkerOutput& m) { return m.curve.in_plane[i]; })
+                            : motion::LegSample::kUnknown);
+  }
+  return taken_deg;
+}
+
 // Events are read from the fit's own curves, whatever filter the tables get.
 StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<MarkerOutput>& leg,
                           const LegCurves& curves, double leg_length, const Eigen::Vector2d& up) {
@@ -192,6 +220,9 @@ StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<Mar
     signals.hip_height.push_back(value(known, curves.marker[kHip].in_plane[i].dot(up)));
     signals.hip_speed.push_back(value(known, curves.hip_speed_in_leg[i].norm()));
     signals.hip_up_speed.push_back(value(known, curves.hip_speed_in_leg[i].y()));
+    const StateVector& state = curves.state[i];
+    signals.hip_behind.push_back(value(known, -state[kShankLength] * std::sin(state[kShankAngle]) -
+                                                  state[kThighLength] * std::sin(state[kThighAngle])));
     signals.knee_deg_s.push_back(value(known, curves.knee_deg_s[i]));
     signals.trunk_deg_s.push_back(value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle])));
   }
@@ -252,8 +283,8 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
 
 // A marker seen too rarely for a curve: its detections as they are.
 MarkerOutput Unsmoothed(const Detections& d) {
-  MarkerOutput output{&d, {d.in_plane, {}, d.plane_sigma, d.sigma, true, 1, {}, {}, {}}, {}, d.in_plane, d.plane_sigma,
-                      {}};
+  MarkerOutput output{
+      &d, {d.in_plane, {}, d.plane_sigma, d.sigma, true, 1, {}, {}, {}}, {}, d.in_plane, d.plane_sigma, {}, {}};
   for (std::size_t i = 0; i < d.seen.size(); ++i) {
     output.curve.recorded.push_back(d.track->samples[i].position);
     output.status.push_back(d.seen[i] ? motion::SampleStatus::kDetected : motion::SampleStatus::kMissing);
@@ -320,6 +351,9 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
   if (curves.markers == kLegMarkers)
     result.segments.push_back(ReportSegment("hw", detections[kHip], detections[kWaist], curves, kHip, kTrunkLength));
   result.motion = MakeMotion(recording, leg, curves, model, facing, options);
+  if (options.filter == LegFilter::kButterworth)
+    AccountForFilterLoss(KneeTakenByFilter(leg, result.motion, options.up),
+                         options.cutoff_hz.value_or(kCustomaryCutoffHz), result.motion);
   FoundStsEvents found = FindStsEvents(MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up));
   result.events = std::move(found.events);
   if (found.begins_during_rise)
@@ -328,6 +362,12 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
     result.warnings.emplace_back(
         "the recording begins while the first rise is under way, without the rest before it: that rise has no onset "
         "and no percent");
+  if (found.without_seat > 0)
+    result.warnings.push_back(fmt::format(
+        "rises without a seat, as from a squat, are left out ({}): before them the hip neither rests nor is "
+        "so far behind the feet that a seat must carry it; if they are sit-to-stands, give their events "
+        "with --events",
+        found.without_seat));
   SetRepetitions(result.events, result.motion);
 }
 

@@ -7,6 +7,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/statistics.h"
 
 namespace lake::gait {
 namespace {
@@ -56,8 +57,36 @@ double Variance(const BandedMatrix& covariance, std::size_t first, const std::ar
   return sum;
 }
 
-Round RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, double noise_scale,
-               const std::vector<double>& roughness) {
+// The longest step, and after which time.
+struct LongestStep {
+  double step_s = 0, after_s = 0;
+};
+
+LongestStep FindLongestStep(std::span<const double> time_s) {
+  LongestStep longest;
+  for (std::size_t i = 1; i < time_s.size(); ++i)
+    if (const double step_s = time_s[i] - time_s[i - 1]; step_s > longest.step_s) longest = {step_s, time_s[i - 1]};
+  return longest;
+}
+
+Error Undetermined(std::span<const double> time_s, std::span<const double> values) {
+  std::vector<double> times;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (std::isfinite(values[i])) times.push_back(time_s[i]);
+  const double usual_s = MedianInterval(times);
+  const LongestStep longest = FindLongestStep(times);
+  return Fail(
+      "smoothing: {} samples over {:.3g} s do not determine a curve; they are {:.3g} s apart{}: are the times in "
+      "seconds, and of one recording?",
+      times.size(), times.back() - times.front(), usual_s,
+      longest.step_s > 2 * usual_s
+          ? fmt::format(" (median), with a gap of {:.3g} s after {:.6g} s", longest.step_s, longest.after_s)
+          : "");
+}
+
+// nullopt where the samples do not determine the curve.
+std::optional<Round> RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, double noise_scale,
+                              const std::vector<double>& roughness) {
   BandedMatrix normal(grid.count, 3);
   Round round;
   round.coefficients.assign(grid.count, 0.0);
@@ -68,7 +97,7 @@ Round RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, doubl
       round.coefficients[sample.place.first + a] += weight * sample.value * sample.place.value[a];
   }
   for (std::size_t k = 0; k + 3 < grid.count; ++k) AddSquare(normal, k, kThirdDifference, 1 / roughness[k]);
-  if (!Factorize(normal)) throw Fail("smoothing: the samples do not determine a curve (too few, or all at one time)");
+  if (!Factorize(normal)) return std::nullopt;
   Solve(normal, round.coefficients);
 
   round.covariance = SelectedInverse(std::move(normal));
@@ -152,10 +181,14 @@ SplineGrid::Place SplineGrid::At(double time_s) const {
 
 SplineGrid MakeSplineGrid(std::span<const double> time_s, double step_s) {
   const double length = time_s.back() - time_s.front(), pieces = std::max(1.0, std::ceil(length / step_s * (1 - 1e-9)));
-  if (!(step_s > 0) || pieces > 50 * static_cast<double>(time_s.size()) + 50)
+  if (!(step_s > 0) || pieces > 50 * static_cast<double>(time_s.size()) + 50) {
+    const LongestStep longest = FindLongestStep(time_s);
     throw Fail(
-        "smoothing: the time stamps run over {:.4g} s, but a step is {:.4g} s: they have holes too large to bridge",
-        length, step_s);
+        "smoothing: the time stamps run over {:.4g} s, but a step is {:.4g} s: they have holes too large to bridge, "
+        "the "
+        "longest of {:.4g} s after {:.6g} s",
+        length, step_s, longest.step_s, longest.after_s);
+  }
   return {time_s.front(), step_s, static_cast<std::size_t>(pieces) + 3};
 }
 
@@ -191,7 +224,9 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
   Round round;
   for (; signal.iterations < options.max_iterations && !signal.converged; ++signal.iterations) {
     ThrowIfInterrupted();
-    round = RunRound(grid, samples, signal.noise_scale, signal.roughness);
+    std::optional<Round> next_round = RunRound(grid, samples, signal.noise_scale, signal.roughness);
+    if (!next_round) throw Undetermined(time_s, values);
+    round = *std::move(next_round);
     const double free = std::max(static_cast<double>(samples.size()) - round.effective_parameters, 1.0);
     const double scale = std::max(1.0, std::sqrt(round.residual_square / free));
     std::vector<double> next = NextRoughness(round, signal.roughness, reach, options.common);

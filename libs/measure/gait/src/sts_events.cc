@@ -50,6 +50,7 @@ StsSignals KnownOnly(const StsSignals& s) {
     known.frame.push_back(s.frame[i]), known.time_s.push_back(s.time_s[i]);
     known.hip_height.push_back(s.hip_height[i]), known.hip_speed.push_back(s.hip_speed[i]);
     known.hip_up_speed.push_back(s.hip_up_speed[i]), known.knee_deg_s.push_back(s.knee_deg_s[i]);
+    if (!s.hip_behind.empty()) known.hip_behind.push_back(s.hip_behind[i]);
     // Without a trunk, its speed says nothing: rest is left by the hip alone.
     const double trunk = i < s.trunk_deg_s.size() ? s.trunk_deg_s[i] : 0;
     known.trunk_deg_s.push_back(std::isfinite(trunk) ? trunk : 0);
@@ -62,13 +63,15 @@ class EventFinder {
   EventFinder(const StsSignals& signals, const StsOptions& options) : s_(signals), o_(options) {}
 
   FoundStsEvents Find() {
+    const std::vector<Stretch> stretches = FindStretches(s_.hip_height, o_.least_rise * s_.leg_length);
+    if (!s_.hip_behind.empty()) FindSeats(stretches);
     std::size_t rest_from = 0;  // the earliest frame at which the rest before the next rise can begin
     bool is_standing = false;   // since a rise that counts: the next lowering is that repetition's
-    for (const Stretch& stretch : FindStretches(s_.hip_height, o_.least_rise * s_.leg_length)) {
+    for (const Stretch& stretch : stretches) {
       if (stretch.rising) {
         is_standing = AddIfRepetition(rest_from, stretch);
       } else {
-        rest_from = Extreme(s_.hip_up_speed, stretch, false);
+        rest_from = RestFrom(stretch);
         if (is_standing) AddLowering(stretch);
         is_standing = false;
       }
@@ -77,12 +80,42 @@ class EventFinder {
   }
 
  private:
+  // The earliest frame at which the rest after a lowering can begin.
+  std::size_t RestFrom(const Stretch& fall) const { return Extreme(s_.hip_up_speed, fall, false); }
+
+  // The hip's heights on seats: where it is before a rise in which nobody could balance on the feet, or rests.
+  void FindSeats(const std::vector<Stretch>& stretches) {
+    std::size_t rest_from = 0;
+    for (const Stretch& stretch : stretches) {
+      if (!stretch.rising)
+        rest_from = RestFrom(stretch);
+      else if (IsOnSeat(rest_from, SeatOff(rest_from, stretch)))
+        seat_heights_.push_back(s_.hip_height[stretch.begin]);
+    }
+  }
+
+  bool IsOnSeat(std::size_t rest_from, std::size_t seat_off) const {
+    const auto behind = s_.hip_behind.begin();
+    return *std::max_element(behind + static_cast<std::ptrdiff_t>(rest_from),
+                             behind + static_cast<std::ptrdiff_t>(seat_off) + 1) >= o_.least_behind * s_.leg_length ||
+           HipRests(rest_from, seat_off, o_.seat_rest_s).has_value();
+  }
+
+  bool HasSeat(const Stretch& rise) const {
+    return std::any_of(seat_heights_.begin(), seat_heights_.end(), [&](double height) {
+      return std::abs(s_.hip_height[rise.begin] - height) <= o_.same_seat_height * s_.leg_length;
+    });
+  }
+
   // Adds the events of a rise if it is one that counts.
   bool AddIfRepetition(std::size_t rest_from, const Stretch& rise) {
     if (Extension(rise) < o_.least_extension_deg) return false;
     const std::size_t seat_off = SeatOff(rest_from, rise);
     found_.begins_during_rise |= seat_off == 0;
     if (seat_off == 0) return false;
+    const bool has_seat = s_.hip_behind.empty() || HasSeat(rise);
+    if (!has_seat) ++found_.without_seat;
+    if (!has_seat) return false;
     const bool begins_during_lean = rest_from == 0 && !RestsBefore(seat_off);
     found_.begins_during_lean |= begins_during_lean;
     ++repetition_;
@@ -162,12 +195,15 @@ class EventFinder {
     return std::nullopt;
   }
 
+  // The last run of frames in [from, to], of at least a duration, in which the hip is slow.
+  std::optional<Stretch> HipRests(std::size_t from, std::size_t to, double least_s) const {
+    const double limit = o_.rest_speed_mm_s * s_.units_per_mm;
+    return LastRun(from, to, least_s, [&](std::size_t i) { return s_.hip_speed[i] < limit; });
+  }
+
   // The rest before a rise: the last run of slow frames, else the slowest frame.
   Stretch FindRest(std::size_t from, std::size_t seat_off) const {
-    const double limit = o_.rest_speed_mm_s * s_.units_per_mm;
-    if (const auto run =
-            LastRun(from, seat_off, o_.rest_duration_s, [&](std::size_t i) { return s_.hip_speed[i] < limit; }))
-      return *run;
+    if (const auto run = HipRests(from, seat_off, o_.rest_duration_s)) return *run;
     const std::size_t slowest = Extreme(s_.hip_speed, {from, seat_off, false}, false);
     return {slowest, slowest, false};
   }
@@ -196,6 +232,7 @@ class EventFinder {
 
   const StsSignals& s_;
   const StsOptions& o_;
+  std::vector<double> seat_heights_;
   FoundStsEvents found_;
   int repetition_ = 0;
 };

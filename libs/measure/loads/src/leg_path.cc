@@ -51,7 +51,7 @@ void SmoothPoint(const motion::MarkerTrack& track, const LegPathOptions& options
 
 LegPath MakeLegPath(const motion::MarkerRecording& trajectory, const LegPathOptions& options) {
   if (trajectory.unit != motion::LengthUnit::kMm)
-    throw Fail("loads: the trial has no scale: lengths are in px; give a calibrated plane or a scale bar");
+    throw Fail("loads: the trial has no scale: lengths are in px; give --scale, or a --camera with the sagittal plane");
   LegPath path;
   path.time_s = trajectory.time_s;
   path.frames.resize(trajectory.Frames());

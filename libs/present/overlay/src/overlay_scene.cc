@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lake/core/colours.h"
+#include "lake/core/deviation_text.h"
 #include "lake/core/error.h"
 #include "overlay_inset.h"
 
@@ -449,7 +450,7 @@ double OverlayScene::TextWidth(const std::string& text) {
 
 std::string OverlayScene::AngleText(const motion::LegSample& leg) const {
   if (!std::isfinite(leg.knee_sigma_deg)) return fmt::format("{:.{}f}°", leg.knee_deg, decimals_);
-  return fmt::format("{:.{}f}° ± {:.{}f}°", leg.knee_deg, decimals_, leg.knee_sigma_deg, decimals_);
+  return fmt::format("{:.{}f}° ± {}", leg.knee_deg, decimals_, DeviationText(leg.knee_sigma_deg, decimals_, "°"));
 }
 
 }  // namespace lake::overlay

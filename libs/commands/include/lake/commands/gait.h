@@ -9,10 +9,12 @@
 #include "lake/core/run.h"
 #include "lake/exchange/trial.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/picture_scale.h"
 
 namespace lake::commands {
 
-struct GaitRunOptions {
+// Camera and scale bar are for trials in px.
+struct GaitRunOptions : gait::PictureScale {
   std::filesystem::path trial;  // a lake-track folder or a file that ReadTrial knows
   exchange::TrialOptions reading;
   gait::LegFitOptions fit;
@@ -23,9 +25,12 @@ void Describe(GaitRunOptions& o, OptionList& options);
 
 // The one way in which lake-gait, lake-compare and lake-optimize read a trial and fit a leg to it. Warnings (of the
 // file, of lengths that no leg has, of positions that were smoothed) are said through `run`, inputs recorded in it.
-// Events that a person moved in a folder are those of every fit of its trial.
-exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run);
-gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run);
+// Events that a person moved in a folder are those of every fit of its trial. Throws UsageError for a camera or scale
+// bar, given by `picture`, that a trial in mm has no use for.
+exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run,
+                             const gait::PictureScale& picture = {});
+gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run,
+                            const gait::PictureScale& picture = {});
 
 // Puts the rows of this file in the places of the fit's events, and returns what a summary says of that. Throws Error
 // naming file and line.

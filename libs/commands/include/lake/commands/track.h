@@ -11,16 +11,16 @@
 #include "lake/core/json.h"
 #include "lake/core/run.h"
 #include "lake/gait/leg_fit.h"
+#include "lake/gait/picture_scale.h"
 #include "lake/tracking/track_markers.h"
 
 namespace lake::commands {
 
-struct TrackRunOptions {
+// Its camera and scale bar are the picture's.
+struct TrackRunOptions : gait::PictureScale {
   std::filesystem::path video;
   tracking::TrackOptions track;
   gait::LegFitOptions fit;
-  std::optional<std::filesystem::path> camera;       // camera.yaml
-  std::optional<std::array<double, 5>> scale;        // x1 y1 x2 y2 in px, length in mm
   std::optional<std::array<double, 4>> vertical;     // x1 y1 x2 y2 in px: both ends of a plumb line
   bool vertical_from_leg = false;                    // --vertical auto: that of the leg as it stands
   std::optional<double> readout_s;                   // rolling shutter; default: the camera file's, else 0

@@ -16,6 +16,16 @@
 namespace lake::motion {
 
 enum class Facing { kLeft, kRight };  // where the subject looks in the image
+enum class Side { kLeft, kRight };    // of the body
+
+std::string_view ToString(Side side);  // left, right
+
+// The leg nearer to a camera that sees the subject look this way: it sees the left side of who looks left.
+Side NearLeg(Facing facing);
+
+// The side that a marker's name begins with, as laboratories name them: L_knee, LKNE, r.ASIS, left ankle. nullopt where
+// it says none.
+std::optional<Side> SideOfName(std::string_view marker);
 
 // The leg in one frame. Vectors are in the leg frame's axes (x anterior, y up); angles are from the vertical, positive
 // when the upper end leans forward, and knee_deg = shank_deg − thigh_deg: 0 straight, positive in flexion. NaN where

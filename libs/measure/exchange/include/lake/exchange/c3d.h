@@ -10,17 +10,17 @@
 namespace lake::exchange {
 
 // Integer and float files of Intel, DEC and MIPS processors; more than 65 535 frames through TRIAL:ACTUAL_*_FIELD or a
-// float POINT:FRAMES; more than 255 points through LABELS2. Analogue channels are skipped: ReadC3dForces has them.
-// Events are those of the group EVENT and of the header; where they are damaged, a warning says so instead. Up is
-// POINT:Y_SCREEN if it is there, else z. Throws Error naming file and what is wrong: not C3D, a parameter that is
-// absent or contradicts the file's size.
+// float POINT:FRAMES; more than 255 points, channels or events through LABELS2, TIMES2, … Analogue channels are
+// skipped: ReadC3dForces has them. Events are those of the group EVENT and of the header; where they are damaged, a
+// warning says so instead. Up is POINT:Y_SCREEN if it is there, else z. Throws Error naming file and what is wrong: not
+// C3D, a parameter that is absent or contradicts the file's size.
 PointRecording ReadC3d(const std::filesystem::path& path);
 
 // The force plates of such a file; ReadGroundForces (ground_forces.h) says which. Throws Error.
 GroundForceRecording ReadC3dForces(const std::filesystem::path& path);
 
 // Intel, float, mm. C3D has a frame rate instead of time stamps: throws Error where these are uneven by more than 5 %
-// of a step, for points in px, and for more than 255 events.
+// of a step, for points in px, and for more names and events than 127 kB hold (some 5000 events).
 void WriteC3d(const std::filesystem::path& path, const PointRecording& points);
 
 // What WriteC3d asks of the times, for those who want to know before there are points. Throws Error.

@@ -47,6 +47,7 @@ struct ExportedTrial {
   PointRecording points;                      // in mm, or px without a scale
   PointRecording image;                       // in px, for formats that lie over the video
   const motion::LegMotion* motion = nullptr;  // for mot; none if there is no leg
+  motion::Side leg = motion::Side::kRight;    // whose motion it is
 };
 
 // One format's file: NAME.trc, NAME.mot (the knee angle), NAME.c3d, NAME_tracker.txt, NAME.trk, NAME_kinovea.csv,

@@ -24,8 +24,8 @@ struct MotTable {
 MotTable ReadMot(const std::filesystem::path& path);
 void WriteMot(const std::filesystem::path& path, const MotTable& table);
 
-// time, knee_angle_r, and the tilt of shank, thigh and trunk. OpenSim's older models (gait2392) count flexion negative:
-// then the knee's sign is turned. Frames without a knee angle are left out.
-MotTable MotFromLegMotion(const motion::LegMotion& motion, bool flexion_negative = false);
+// time, knee_angle_l or knee_angle_r, and the tilt of shank, thigh and trunk. OpenSim's older models (gait2392) count
+// flexion negative: then the knee's sign is turned. Frames without a knee angle are left out.
+MotTable MotFromLegMotion(const motion::LegMotion& motion, motion::Side leg, bool flexion_negative = false);
 
 }  // namespace lake::exchange

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lake/core/json.h"
 #include "lake/core/options.h"
 #include "lake/exchange/formats.h"
 
@@ -52,6 +53,7 @@ struct Trial {
   std::optional<double> mm_per_px;
   std::optional<bool> faces_right;    // known if `forward` was given
   std::optional<Eigen::Vector2d> up;  // in the plane, where a folder's own summary says it; else the plane's y
+  std::optional<motion::Side> leg;    // as the markers' names in the file or a folder's own summary say
   bool known_sigmas = false;          // measurements whose sigmas hold, as a folder's own summary says
   double out_of_plane_mm = 0;         // 3-D files: RMS of the leg's movement across the plane
   // 3-D files: x and y of the plane from the file's axes, and its normal, towards the one who sees x to the right.
@@ -61,6 +63,10 @@ struct Trial {
   std::map<std::string, std::vector<double>> across_mm;
   std::vector<std::string> warnings;
 };
+
+// Which leg it is, in summaries: left or right.
+inline constexpr const char* kLegKey = "leg";
+std::optional<motion::Side> LegInSummary(const Json& summary);
 
 // Whatever ReadPoints (formats.h) reads. Three dimensions are projected onto the vertical plane that holds `forward`,
 // or that fits the movement of the segments between ankle, knee and hip best, and a warning says so; Tracker's projects

@@ -15,6 +15,7 @@ struct StsSignals {
   std::vector<double> hip_height;    // along the vertical
   std::vector<double> hip_speed;     // of the hip in the plane, per s
   std::vector<double> hip_up_speed;  // its vertical part, upward positive, per s
+  std::vector<double> hip_behind;    // of the ankle, horizontally; empty: not known
   std::vector<double> knee_deg_s;    // flexion positive
   std::vector<double> trunk_deg_s;   // empty or NaN without a waist marker
   double leg_length = 0;             // |AK| + |KH|
@@ -33,6 +34,11 @@ struct StsOptions {
   double standing_fraction = 0.05;      // of the knee's peak extension speed
   double least_rise = 0.15;  // of the leg's length: a hip that rises less has not stood up (in gait it moves by 5 %)
   double least_extension_deg = 30;  // the knee's extension during the rise
+  // What tells a seat from a squat, in which the body is balanced over the feet. Before the rise the hip is …
+  double least_behind = 0.28;  // … this far behind the ankle, of the leg's length: 0.40 to 0.46 in sit-to-stands with
+                               // markers (0.31 with the feet drawn back), 0.20 to 0.23 in squats; or …
+  double seat_rest_s = 1;      // … it rests for this long; or …
+  double same_seat_height = 0.02;  // … it is as low as before a rise for which one of these holds, to this of the leg
 };
 
 struct FoundStsEvents {
@@ -41,10 +47,12 @@ struct FoundStsEvents {
   bool begins_during_rise = false;
   // Whether the seat was left afterwards, but the rest before it is not recorded: that rise has no onset.
   bool begins_during_lean = false;
+  // Rises without a seat, as from a squat: they are left out.
+  int without_seat = 0;
 };
 
-// Events of every repetition in the order of time. A rise of the hip with an extension of the
-// knee is a repetition; its `descent` and `seated` are those of the following lowering. A repetition that the recording
+// Events of every repetition in the order of time. A rise of the hip with an extension of the knee, from a seat, is a
+// repetition; its `descent` and `seated` are those of the following lowering. A repetition that the recording
 // cuts off has only the events that are in it. Empty if there is no sit-to-stand.
 FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options = {});
 
