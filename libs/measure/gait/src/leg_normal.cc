@@ -1,6 +1,7 @@
 #include "leg_normal.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lake/core/interrupt.h"
 
@@ -40,7 +41,7 @@ void LegNormal::Assemble(const Piece& piece, std::vector<double>* gradient) {
     const SplineGrid::Place place = model_.At(o.frame);
     if (place.first >= piece.end) break;
     const LegResidual residual = EvaluateObservation(model_, o, coefficients_);
-    const double weight = RobustWeight(model_, residual.value, o.sigma) / (o.sigma * o.sigma);
+    const double weight = RobustWeight(model_, o, residual.value) / std::pow(model_.Scatter(o), 2);
     const StateMatrix square = weight * residual.by_state.transpose() * residual.by_state;
     const StateVector by_state = weight * residual.by_state.transpose() * residual.value;
     for (std::size_t a = 0; a < 4; ++a) {

@@ -48,12 +48,12 @@ class MarkerCost : public ceres::CostFunction {
     for (std::size_t k = 0; k < 4; ++k)
       for (int s = 0; s < model_.states; ++s) state[s] += weights_[k] * coefficients[k][s];
     const LegResidual residual = EvaluateAt(model_, observation_, state);
-    for (int i = 0; i < 2; ++i) residuals[i] = residual.value[i] / observation_.sigma;
+    for (int i = 0; i < 2; ++i) residuals[i] = residual.value[i] / model_.Scatter(observation_);
     if (!jacobians) return true;
     for (std::size_t k = 0; k < 4; ++k)
       for (int i = 0; jacobians[k] && i < 2; ++i)
         for (int s = 0; s < model_.states; ++s)
-          jacobians[k][i * model_.states + s] = weights_[k] / observation_.sigma * residual.by_state(i, s);
+          jacobians[k][i * model_.states + s] = weights_[k] / model_.Scatter(observation_) * residual.by_state(i, s);
     return true;
   }
 
@@ -156,11 +156,12 @@ namespace {
 
 // Half the sum.
 double CostOf(const LegModel& model, const std::vector<double>& coefficients) {
-  const double limit2 = model.outlier_deviations * model.outlier_deviations;
   double sum = 0;
   for (const LegObservation& observation : model.observations) {
-    const Eigen::Vector2d residual = EvaluateObservation(model, observation, coefficients).value;
-    const double left = 1 - std::min(1.0, residual.squaredNorm() / (observation.sigma * observation.sigma * limit2));
+    const double limit2 = std::pow(model.OutlierLimit(observation), 2);
+    const double deviations =
+        EvaluateObservation(model, observation, coefficients).value.norm() / model.Scatter(observation);
+    const double left = 1 - std::min(1.0, deviations * deviations / limit2);
     sum += limit2 / 3 * (1 - left * left * left);
   }
   for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
@@ -201,7 +202,6 @@ LegSolveSummary SolveInBands(const LegModel& model, std::vector<double>& coeffic
 
 LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients) {
   if (model.in_bands) return SolveInBands(model, coefficients);
-  ceres::TukeyLoss loss(model.outlier_deviations);
   ceres::Problem::Options ownership;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -210,11 +210,13 @@ LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coef
 
   const auto block = [&](std::size_t k) { return coefficients.data() + k * static_cast<std::size_t>(model.states); };
   std::deque<MarkerCost> costs;
+  std::deque<ceres::TukeyLoss> losses;
   for (const LegObservation& observation : model.observations) {
     const SplineGrid::Place place = model.At(observation.frame);
     const std::size_t k = place.first;
     costs.emplace_back(model, observation, place.value);
-    problem.AddResidualBlock(&costs.back(), &loss, block(k), block(k + 1), block(k + 2), block(k + 3));
+    losses.emplace_back(model.OutlierLimit(observation));
+    problem.AddResidualBlock(&costs.back(), &losses.back(), block(k), block(k + 1), block(k + 2), block(k + 3));
   }
   std::deque<PriorCost> priors;
   for (std::size_t k = 0; k + 3 < model.grid.count; ++k) {
@@ -232,17 +234,13 @@ LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coef
           summary.final_cost, summary.message};
 }
 
-double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, double sigma) {
-  const double u = residual.squaredNorm() / std::pow(sigma * model.outlier_deviations, 2);
-  return u < 1 ? (1 - u) * (1 - u) : 0;
+double RobustWeight(const LegModel& model, const LegObservation& observation, const Eigen::Vector2d& residual) {
+  const double u = residual.norm() / (model.Scatter(observation) * model.OutlierLimit(observation));
+  return u < 1 ? std::pow(1 - u * u, 2) : 0;
 }
 
-double OrdinaryLimit(const LegModel& model) {
-  return 0.7 * model.outlier_deviations;
-}
-
-bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma) {
-  return residual.norm() < OrdinaryLimit(model) * sigma;
+bool IsOrdinary(const LegModel& model, const LegObservation& observation, const Eigen::Vector2d& residual) {
+  return residual.norm() < model.OutlierLimit(observation) * model.Scatter(observation);
 }
 
 StateCovariances CovariancesOf(const LegModel& model, const std::vector<double>& coefficients) {

@@ -31,7 +31,8 @@ inline constexpr int kLegMarkers = 4;
 // Small, as there are four of every frame.
 struct LegObservation {
   Eigen::Vector2d seen;     // as recorded
-  double sigma = 1;         // per axis
+  double sigma = 1;         // per axis, of the measurement
+  double jolt = 0;          // recorded unit: see Detections
   std::uint32_t frame = 0;  // index into the recording
   LegMarker marker = kAnkle;
   bool trusted = true;  // false: in an excursion, which the robust loss alone decides about
@@ -51,9 +52,18 @@ struct LegModel {
   std::vector<double> time_s;                     // of the frames
   std::array<double, kLegMarkers> depth_mm = {};  // of the markers
   std::vector<LegObservation> observations;       // frames increase
-  double outlier_deviations = 7;                  // where the biweight reaches zero
+  double outlier_deviations = 7;                  // the biweight reaches zero at so many deviations and a jolt
   bool in_bands = false;                          // see SolveLegProblem
 
+  // Of the markers' variances about the smooth paths, frame by frame; the rest the markers did themselves. Empty: 1.
+  std::array<std::vector<double>, kLegMarkers> noise_share;
+
+  // An observation's deviation about the smooth path, and where its residual has no weight at all, in such deviations.
+  double Scatter(const LegObservation& o) const {
+    const std::vector<double>& share = noise_share[o.marker];
+    return share.empty() ? o.sigma : o.sigma / std::sqrt(share[o.frame]);
+  }
+  double OutlierLimit(const LegObservation& o) const { return outlier_deviations + o.jolt / Scatter(o); }
   // The coefficients that reach a frame's time, and what each contributes.
   SplineGrid::Place At(std::size_t frame) const { return grid.At(time_s[frame]); }
 };
@@ -93,12 +103,11 @@ struct LegSolveSummary {
 LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients);
 
 // ρ'(|r|²/σ²) of an observation: 1 for an ordinary one, 0 for an outlier.
-double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
+double RobustWeight(const LegModel& model, const LegObservation& observation, const Eigen::Vector2d& residual);
 
-// Observations whose residual is smaller than so many sigmas are no outliers: statistics of the noise count these, with
+// Whether a residual is so much smaller than the limit that it is no outlier: statistics of the noise count these, with
 // equal weights (with the weights ρ' the noise would look smaller than it is).
-double OrdinaryLimit(const LegModel& model);
-bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
+bool IsOrdinary(const LegModel& model, const LegObservation& observation, const Eigen::Vector2d& residual);
 
 // State, its derivative by time, and its covariance at a place.
 using StateVector = Eigen::Matrix<double, kLegStates, 1>;

@@ -222,19 +222,19 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
   const Detections& d = *output.detections;
   MarkerReport report;
   report.name = d.name;
-  report.noise_scale = output.curve.noise_scale;
-  std::vector<double> squares, parallax;
+  std::vector<double> squares, parallax, scatter;
   for (std::size_t i = 0; i < d.seen.size(); ++i) {
     report.detected += output.status[i] == motion::SampleStatus::kDetected;
     report.filled += output.status[i] == motion::SampleStatus::kFilled;
     report.missing += output.status[i] == motion::SampleStatus::kMissing;
     if (!d.seen[i]) continue;
     const double distance = (d.track->samples[i].position - output.curve.recorded[i]).norm(),
-                 deviations = distance / (output.curve.noise_scale * d.sigma[i]);
+                 deviation = output.curve.scatter[i] * d.sigma[i];
+    scatter.push_back(output.curve.scatter[i]);
     if (distance > report.worst) report.worst = distance, report.worst_frame = recording.frame[i];
-    if (deviations > outlier_deviations) {
+    if (distance > outlier_deviations * deviation + d.jolt[i]) {
       ++report.outliers;
-      outliers.push_back({recording.frame[i], d.name, distance, deviations});
+      outliers.push_back({recording.frame[i], d.name, distance, distance / deviation});
     } else {
       squares.push_back(distance * distance / 2);
     }
@@ -243,13 +243,18 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
           (PlaneFromRecorded(view, d.track->samples[i].position, d.depth_mm + 1) - d.in_plane[i]).norm());
   }
   report.rms = std::sqrt(Mean(squares));
+  report.noise_scale = RootMeanSquare(scatter);
   if (!parallax.empty()) report.parallax_per_depth = Median(parallax);
   return report;
 }
 
 // A marker seen too rarely for a curve: its detections as they are.
 MarkerOutput Unsmoothed(const Detections& d) {
-  MarkerOutput output{&d, {d.in_plane, {}, d.plane_sigma, d.sigma, true, 1, {}, {}, {}}, {}, d.in_plane, d.plane_sigma,
+  MarkerOutput output{&d,
+                      {d.in_plane, {}, d.plane_sigma, d.sigma, true, std::vector<double>(d.seen.size(), 1), {}, {}, {}},
+                      {},
+                      d.in_plane,
+                      d.plane_sigma,
                       {}};
   for (std::size_t i = 0; i < d.seen.size(); ++i) {
     output.curve.recorded.push_back(d.track->samples[i].position);
@@ -273,7 +278,7 @@ MarkerOutput MakeExtra(const motion::MarkerRecording& recording, const Detection
 }
 
 void AddMarkers(const motion::MarkerRecording& recording, const std::vector<MarkerOutput>& leg, const LegView& view,
-                double most_sigma, const LegFitOptions& options, LegFitResult& result) {
+                double most_sigma, double skin, const LegFitOptions& options, LegFitResult& result) {
   result.tracks = {recording.unit, recording.frame, recording.time_s, {}};
   result.trajectory = result.measured = {PlaneUnit(view), recording.frame, recording.time_s, {}};
   const auto add = [&](const MarkerOutput& output) {
@@ -287,7 +292,7 @@ void AddMarkers(const motion::MarkerRecording& recording, const std::vector<Mark
     if (own != leg.end()) {
       add(*own);
     } else {
-      const Detections detections = CollectDetections(recording, track, view);
+      const Detections detections = CollectDetections(recording, track, view, skin);
       add(MakeExtra(recording, detections, view, most_sigma, options, result.warnings));
     }
   }
@@ -304,14 +309,14 @@ double MedianLength(const LegCurves& curves, LegState length) {
 }  // namespace
 
 void FillResult(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& detections,
-                const LegCurves& curves, const LegModel& model, motion::Facing facing, const LegFitOptions& options,
-                LegFitResult& result) {
+                const LegCurves& curves, const LegModel& model, motion::Facing facing, double skin,
+                const LegFitOptions& options, LegFitResult& result) {
   const double shank = MedianLength(curves, kShankLength), thigh = MedianLength(curves, kThighLength);
   const double most_sigma = options.most_filled_sigma * shank;
   std::vector<MarkerOutput> leg;
   for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
     leg.push_back(MakeOutput(detections[m], curves.marker[m], recording.time_s, most_sigma, options));
-  AddMarkers(recording, leg, model.view, most_sigma, options, result);
+  AddMarkers(recording, leg, model.view, most_sigma, skin, options, result);
   result.segments.push_back(ReportSegment("ak", detections[kAnkle], detections[kKnee], curves, kAnkle, kShankLength));
   result.segments.push_back(ReportSegment("kh", detections[kKnee], detections[kHip], curves, kKnee, kThighLength));
   if (curves.markers == kLegMarkers)
