@@ -216,11 +216,10 @@ void CheckCutoffKeepsMotion(const LegFitResult& result, double cutoff_hz) {
   std::vector<double> sigmas;
   for (const motion::LegSample& sample : result.motion.samples)
     if (std::isfinite(sample.knee_sigma_deg)) sigmas.push_back(sample.knee_sigma_deg);
-  const PlausibilityLimits limits;
-  const bool explains = std::ranges::all_of(result.markers, [&](const MarkerReport& marker) {
-    return marker.outliers <= limits.most_outliers * marker.detected;
-  });
-  if (explains && RootMeanSquare(sigmas) <= limits.most_knee_sigma_deg) return;
+  constexpr double kMostOutliers = 0.25;
+  const bool explains = std::ranges::all_of(
+      result.markers, [&](const MarkerReport& marker) { return marker.outliers <= kMostOutliers * marker.detected; });
+  if (explains && RootMeanSquare(sigmas) <= PlausibilityLimits().most_knee_sigma_deg) return;
   throw Fail("leg fit: a cutoff of {} Hz takes the movement itself for noise; give a higher --cutoff, or none",
              cutoff_hz);
 }
@@ -268,9 +267,10 @@ void DescribeFacing(LegFitOptions& o, OptionList& options) {
       .Otherwise("found from the movement");
 }
 
-LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
-                    const AcrossPlane& across) {
-  CheckRecording(recording, options);
+namespace {
+
+LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
+                     const AcrossPlane& across) {
   Progress progress("leg fit", "steps", 4, options.quiet);
   LegFitResult result;
   result.up = options.up;
@@ -285,13 +285,6 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
                     found.largest_flexion_deg, options.facing_option));
 
   WarnOfPauses(recording, options, result.warnings);
-  PlausibilityLimits limits;
-  limits.ways_out = options.ways_out;
-  if (const auto rounded = RoundedTimes(recording)) {
-    result.warnings.push_back(*rounded + ": what moves fast is misplaced by that; give them with more digits");
-    limits.ways_out = "or give the times with more digits: " + *rounded;
-  }
-
   LegModel model;
   model.view = view;
   model.plane_from_leg = PlaneFromLegAxes(facing, options.up);
@@ -326,8 +319,106 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   result.summary.known_sigmas = options.known_sigmas;
   WarnOfLengths(result.segments, options.most_usual_variation, result.warnings);
   if (options.HasSplineCutoff()) CheckCutoffKeepsMotion(result, *options.cutoff_hz);
-  CheckPlausible(result, limits);
   progress.Advance();
+  return result;
+}
+
+bool IsOfLeg(const std::string& marker, const LegMarkers& names) {
+  return marker == names.ankle || marker == names.knee || marker == names.hip || marker == names.waist;
+}
+
+// Without the detections that the implausible values come from.
+motion::MarkerRecording Without(const std::vector<Implausible>& implausible, motion::MarkerRecording recording) {
+  for (motion::MarkerTrack& marker : recording.markers)
+    for (const Implausible& found : implausible)
+      for (std::size_t i = 0; std::ranges::count(found.markers, marker.name) > 0 && i < found.at.size(); ++i)
+        if (found.at[i]) marker.samples[i] = {};
+  return recording;
+}
+
+// What is implausible where nothing was left to leave out is not known.
+void Blank(const std::vector<Implausible>& implausible, LegFitResult& result) {
+  for (const Implausible& found : implausible) {
+    result.warnings.push_back(
+        fmt::format("frames {}: {}: no angle is given there", FramesOf(result.motion.frame, found.at), found.what));
+    for (std::size_t i = 0; i < found.at.size(); ++i)
+      if (found.at[i]) result.motion.samples[i] = {};
+    result.trajectory = Without({found}, std::move(result.trajectory));
+  }
+}
+
+std::ptrdiff_t DetectionsOf(const motion::MarkerRecording& recording, const std::string& marker) {
+  return std::ranges::count_if(recording.Find(marker)->samples, [](const motion::MarkerSample& sample) {
+    return sample.status == motion::SampleStatus::kDetected;
+  });
+}
+
+void WarnOfOutliers(const motion::MarkerRecording& recording, LegFitResult& result) {
+  for (const MarkerReport& marker : result.markers) {
+    if (marker.outliers == 0) continue;
+    std::vector<char> at(result.motion.frame.size(), 0);
+    for (const OutlierReport& outlier : result.outliers)
+      if (outlier.marker == marker.name)
+        at[static_cast<std::size_t>(std::ranges::lower_bound(result.motion.frame, outlier.frame) -
+                                    result.motion.frame.begin())] = 1;
+    result.warnings.push_back(fmt::format(
+        "{} of the {} detections of marker '{}' are left out, as no leg moves so (frames {})", marker.outliers,
+        DetectionsOf(recording, marker.name), marker.name, FramesOf(result.motion.frame, at)));
+  }
+}
+
+// Whether the rest is the greater part of the recording.
+void CheckRemains(const motion::MarkerRecording& recording, const LegFitResult& result, const std::string& ways_out,
+                  const LegFitOptions& options) {
+  constexpr double kLeast = 0.5;
+  const LegMarkers& names = options.markers;
+  std::ptrdiff_t seen = 0;
+  for (std::size_t i = 0; i < recording.Frames(); ++i)
+    seen += std::ranges::all_of(std::array{&names.ankle, &names.knee, &names.hip}, [&](const std::string* name) {
+      return recording.Find(*name)->samples[i].status == motion::SampleStatus::kDetected;
+    });
+  const auto known =
+      std::ranges::count_if(result.motion.samples, [](const auto& sample) { return std::isfinite(sample.knee_deg); });
+  const std::string said = result.warnings.empty() ? "" : ": " + result.warnings.back();
+  if (static_cast<double>(known) < kLeast * static_cast<double>(seen))
+    throw Fail(
+        "leg fit: in {} of the {} frames that show ankle, knee and hip the markers are where a person's leg can be{}; "
+        "look at the other frames, {}",
+        known, seen, said, ways_out);
+  for (const MarkerReport& marker : result.markers) {
+    const std::ptrdiff_t detections = DetectionsOf(recording, marker.name);
+    if (IsOfLeg(marker.name, names) && marker.outliers > kLeast * static_cast<double>(detections))
+      throw Fail(
+          "leg fit: {} of the {} detections of marker '{}' fit no leg's movement, so it is not known which are the "
+          "leg's; look at these frames, {}",
+          marker.outliers, detections, marker.name, ways_out);
+  }
+}
+
+}  // namespace
+
+LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
+                    const AcrossPlane& across) {
+  CheckRecording(recording, options);
+  const std::optional<std::string> rounded = RoundedTimes(recording);
+  PlausibilityLimits limits;
+  limits.ways_out = rounded ? "or give the times with more digits: " + *rounded : options.ways_out;
+  LegFitResult result = FitOnce(recording, view, options, across);
+  std::vector<Implausible> implausible = FindImplausible(result.motion, result.trajectory, options.markers, limits);
+  if (!implausible.empty()) {
+    result = FitOnce(Without(implausible, recording), view, options, across);
+    for (const Implausible& found : implausible)
+      if (!found.markers.empty())
+        result.warnings.push_back(fmt::format("frames {}: {}: '{}' left out there",
+                                              FramesOf(result.motion.frame, found.at), found.what,
+                                              fmt::join(found.markers, "', '")));
+    Blank(FindImplausible(result.motion, result.trajectory, options.markers, limits), result);
+  }
+  WarnOfOutliers(recording, result);
+  if (rounded)
+    result.warnings.insert(result.warnings.begin(),
+                           *rounded + ": what moves fast is misplaced by that; give them with more digits");
+  CheckRemains(recording, result, limits.ways_out, options);
   return result;
 }
 

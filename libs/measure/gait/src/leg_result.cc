@@ -25,17 +25,26 @@ struct MarkerOutput {
   std::vector<double> shown_across;  // mm across the plane, of trials in three dimensions
 };
 
-// Before a marker is first seen and after it is last seen nothing is known of it: it may not have been there.
-std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurve& curve, double most_sigma) {
-  const auto first = std::find(d.seen.begin(), d.seen.end(), 1) - d.seen.begin();
-  const auto last = d.seen.rend() - std::find(d.seen.rbegin(), d.seen.rend(), 1) - 1;
-  std::vector<motion::SampleStatus> status;
-  for (std::size_t i = 0; i < d.seen.size(); ++i) {
+bool IsOutlier(const Detections& d, const MarkerCurve& curve, std::size_t i, double deviations) {
+  return d.seen[i] && (d.track->samples[i].position - curve.recorded[i]).norm() >
+                          deviations * curve.scatter[i] * d.sigma[i] + d.jolt[i];
+}
+
+// Before a marker is first seen and after it is last seen nothing is known of it: it may not have been there. Where it
+// is hidden, or something else was taken for it, it is known as well as the curve knows it.
+std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurve& curve, double most_sigma,
+                                           double outlier_deviations) {
+  using motion::SampleStatus;
+  const std::size_t n = d.seen.size();
+  std::vector<char> fits(n);
+  for (std::size_t i = 0; i < n; ++i) fits[i] = d.seen[i] && !IsOutlier(d, curve, i, outlier_deviations);
+  const auto first = std::find(fits.begin(), fits.end(), 1) - fits.begin();
+  const auto last = fits.rend() - std::find(fits.rbegin(), fits.rend(), 1) - 1;
+  std::vector<SampleStatus> status(n, SampleStatus::kMissing);
+  for (std::size_t i = 0; i < n; ++i) {
     const auto frame = static_cast<std::ptrdiff_t>(i);
-    const bool is_between = frame >= first && frame <= last;
-    status.push_back(d.seen[i]                                          ? motion::SampleStatus::kDetected
-                     : is_between && curve.plane_sigma[i] <= most_sigma ? motion::SampleStatus::kFilled
-                                                                        : motion::SampleStatus::kMissing);
+    if (fits[i] || (frame >= first && frame <= last && curve.plane_sigma[i] <= most_sigma))
+      status[i] = d.seen[i] ? SampleStatus::kDetected : SampleStatus::kFilled;
   }
   return status;
 }
@@ -68,7 +77,7 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, do
 MarkerOutput MakeOutput(const Detections& d, MarkerCurve curve, const std::vector<double>& time_s, double most_sigma,
                         const LegFitOptions& options) {
   MarkerOutput output{&d, std::move(curve), {}, {}, {}, {}};
-  output.status = StatusOf(d, output.curve, most_sigma);
+  output.status = StatusOf(d, output.curve, most_sigma, options.outlier_deviations);
   output.shown = output.curve.in_plane, output.shown_sigma = output.curve.plane_sigma;
   output.shown_across = output.curve.across;
   if (options.filter == LegFilter::kSpline) return output;
@@ -229,12 +238,12 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
     report.missing += output.status[i] == motion::SampleStatus::kMissing;
     if (!d.seen[i]) continue;
     const double distance = (d.track->samples[i].position - output.curve.recorded[i]).norm(),
-                 deviation = output.curve.scatter[i] * d.sigma[i];
+                 deviations = distance / (output.curve.scatter[i] * d.sigma[i]);
     scatter.push_back(output.curve.scatter[i]);
     if (distance > report.worst) report.worst = distance, report.worst_frame = recording.frame[i];
-    if (distance > outlier_deviations * deviation + d.jolt[i]) {
+    if (IsOutlier(d, output.curve, i, outlier_deviations)) {
       ++report.outliers;
-      outliers.push_back({recording.frame[i], d.name, distance, distance / deviation});
+      outliers.push_back({recording.frame[i], d.name, distance, deviations});
     } else {
       squares.push_back(distance * distance / 2);
     }
