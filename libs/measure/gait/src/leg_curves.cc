@@ -54,7 +54,7 @@ SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegMod
     frame = o.frame;
     const double used = (residual.by_state * of_state * residual.by_state.transpose()).trace() / sigma2;
     samples[o.marker].push_back({o.frame, 1 - used / 2, residual.value.squaredNorm() / sigma2 / 2});
-    variance[o.marker] += o.sigma * o.sigma;
+    variance[o.marker] += std::pow(model.Sigma(o), 2);
   }
   SlowNoises slow;
   for (std::size_t m = 0; m < kLegMarkers; ++m) {
@@ -83,7 +83,7 @@ std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<doub
     if (model.noise_share[o.marker].empty() || !IsOrdinary(model, o, residual.value)) continue;
     const double depth_mm = model.depth_mm[o.marker], share = model.noise_share[o.marker][o.frame];
     const Eigen::Vector2d seen = PlaneFromRecorded(model.view, o.seen, depth_mm);
-    const double variance = std::pow(o.sigma * PlaneUnitsPerRecorded(model.view, seen, depth_mm), 2);
+    const double variance = std::pow(model.Sigma(o) * PlaneUnitsPerRecorded(model.view, seen, depth_mm), 2);
     const Eigen::Vector2d smooth = PointOf(o.marker, states[o.frame]).position;
     MarkerMoves& frame = moves[o.frame];
     frame.move[o.marker] = (1 - share) * (model.plane_from_leg.transpose() * seen - smooth);
@@ -180,8 +180,7 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
           (point.by_state * of_state * point.by_state.transpose()).trace() / 2 + slow_in_plane[index];
       curve.plane_sigma.push_back(std::sqrt(variance));
       curve.recorded_sigma.push_back(curve.plane_sigma[i] / scale);
-      const std::vector<double>& share = model.noise_share[index];
-      curve.scatter.push_back(share.empty() ? 1 : 1 / std::sqrt(share[i]));
+      curve.scatter.push_back(model.sigma_scale[index] / std::sqrt(model.NoiseShare(static_cast<LegMarker>(m), i)));
     }
     const double knee_variance =
         KneeVariance(of_state) +

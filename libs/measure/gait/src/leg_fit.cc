@@ -155,16 +155,16 @@ void FindNoiseShares(const std::vector<double>& coefficients, bool known_sigmas,
     if (!IsOrdinary(model, o, residual.value)) continue;
     const double leverage = (residual.by_state * covariances.At(o.frame) * residual.by_state.transpose()).trace() / 2 /
                             std::pow(model.Scatter(o), 2);
-    residuals[o.marker].push_back(
-        {model.time_s[o.frame], residual.value.squaredNorm() / (o.sigma * o.sigma) / 2, std::max(1 - leverage, 0.0)});
+    residuals[o.marker].push_back({model.time_s[o.frame],
+                                   residual.value.squaredNorm() / std::pow(model.Sigma(o), 2) / 2,
+                                   std::max(1 - leverage, 0.0)});
   }
-  std::array<double, kLegMarkers> usual;
   for (std::size_t m = 0; m < kLegMarkers; ++m) {
     model.noise_share[m] = NoiseShares(residuals[m], model.time_s);
-    usual[m] = known_sigmas ? 1 : Median(model.noise_share[m]);
-    for (double& share : model.noise_share[m]) share = std::min(1.0, share / usual[m]);
+    const double usual = known_sigmas ? 1 : Median(model.noise_share[m]);
+    for (double& share : model.noise_share[m]) share = std::min(1.0, share / usual);
+    model.sigma_scale[m] /= std::sqrt(usual);
   }
-  for (LegObservation& o : model.observations) o.sigma /= std::sqrt(usual[o.marker]);
 }
 
 struct Solution {
@@ -304,7 +304,7 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   model.time_s = recording.time_s;
   for (std::size_t m = 0; m < leg.size(); ++m) model.depth_mm[m] = leg[m].depth_mm;
   model.observations = MakeObservations(leg, recording.Frames(), model.states == kLegStates ? 4 : 3);
-  for (LegObservation& observation : model.observations) observation.sigma *= start.sigma_scale;
+  model.sigma_scale.fill(start.sigma_scale);
   const Solution solution = SolveLeg(std::move(model), std::move(start.coefficients), options);
   if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
   progress.Advance();

@@ -31,7 +31,7 @@ inline constexpr int kLegMarkers = 4;
 // Small, as there are four of every frame.
 struct LegObservation {
   Eigen::Vector2d seen;     // as recorded
-  double sigma = 1;         // per axis, of the measurement
+  double sigma = 1;         // per axis, as stated
   double jolt = 0;          // recorded unit: see Detections
   std::uint32_t frame = 0;  // index into the recording
   LegMarker marker = kAnkle;
@@ -55,14 +55,15 @@ struct LegModel {
   double outlier_deviations = 7;                  // the biweight reaches zero at so many deviations and a jolt
   bool in_bands = false;                          // see SolveLegProblem
 
-  // Of the markers' variances about the smooth paths, frame by frame; the rest the markers did themselves. Empty: 1.
+  // Of the noise's deviations over the stated sigmas, and of the noise in the variances about the smooth paths, frame
+  // by frame; the rest the markers did themselves. Empty: 1.
+  std::array<double, kLegMarkers> sigma_scale = {1, 1, 1, 1};
   std::array<std::vector<double>, kLegMarkers> noise_share;
 
+  double NoiseShare(LegMarker m, std::size_t frame) const { return noise_share[m].empty() ? 1 : noise_share[m][frame]; }
+  double Sigma(const LegObservation& o) const { return o.sigma * sigma_scale[o.marker]; }
   // An observation's deviation about the smooth path, and where its residual has no weight at all, in such deviations.
-  double Scatter(const LegObservation& o) const {
-    const std::vector<double>& share = noise_share[o.marker];
-    return share.empty() ? o.sigma : o.sigma / std::sqrt(share[o.frame]);
-  }
+  double Scatter(const LegObservation& o) const { return Sigma(o) / std::sqrt(NoiseShare(o.marker, o.frame)); }
   double OutlierLimit(const LegObservation& o) const { return outlier_deviations + o.jolt / Scatter(o); }
   // The coefficients that reach a frame's time, and what each contributes.
   SplineGrid::Place At(std::size_t frame) const { return grid.At(time_s[frame]); }
