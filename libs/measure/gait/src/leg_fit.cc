@@ -290,7 +290,7 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   model.plane_from_leg = PlaneFromLegAxes(facing, options.up);
   model.states = HasTrunk(leg) ? kLegStates : kLegStatesWithoutTrunk;
   model.outlier_deviations = options.outlier_deviations;
-  model.in_bands = recording.Frames() > options.most_frames_in_ceres;
+  model.knots_per_piece = options.knots_per_piece;
   std::optional<LegSignals> signals = MakeLegSignals(leg, model.plane_from_leg.transpose(), model.states);
   CheckLeg(across.empty() ? *signals : WithLengthsInSpace(*signals, leg), leg, options);
   progress.Advance();

@@ -53,7 +53,8 @@ struct LegModel {
   std::array<double, kLegMarkers> depth_mm = {};  // of the markers
   std::vector<LegObservation> observations;       // frames increase
   double outlier_deviations = 7;                  // the biweight reaches zero at so many deviations and a jolt
-  bool in_bands = false;                          // see SolveLegProblem
+  std::size_t knots_per_piece = 2048;             // that are solved at once
+  double piece_margin_s = 2;
 
   // Of the noise's deviations over the stated sigmas, and of the noise in the variances about the smooth paths, frame
   // by frame; the rest the markers did themselves. Empty: 1.
@@ -99,8 +100,8 @@ struct LegSolveSummary {
   std::string message;
 };
 
-// From the given coefficients (grid.count × states) to the solution: by Ceres, which keeps every derivative (9 kB per
-// frame), or by Levenberg and Marquardt's steps with nothing but the normal matrix within its band.
+// From the given coefficients (grid.count × states) to the solution, by Ceres, which keeps every derivative (9 kB per
+// frame): piece by piece, each with a margin on both sides that is given up.
 LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients);
 
 // ρ'(|r|²/σ²) of an observation: 1 for an ordinary one, 0 for an outlier.

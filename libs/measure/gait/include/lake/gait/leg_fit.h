@@ -46,9 +46,7 @@ struct LegFitOptions {
   double longest_pause_s = 0.5;  // between two frames without a warning
   double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
   int most_smoothing_iterations = SmoothingOptions{}.max_iterations;  // of the search for each component's smoothness
-  // Longer recordings are solved with the normal matrix alone, in a sixth of the memory: to the same minimum, and to
-  // other last digits.
-  std::size_t most_frames_in_ceres = 15000;
+  std::size_t knots_per_piece = 2048;                                 // of the movement that are solved at once
   // The sigmas hold, as the tracker's: what markers scatter beyond them about smooth paths is the person's own jitter,
   // and is followed (but where a cutoff says what motion is). Else it is noise that the sigmas did not know of.
   bool known_sigmas = false;
