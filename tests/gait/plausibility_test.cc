@@ -17,7 +17,7 @@ gait::LegFitResult Fitted(motion::LengthUnit unit = motion::LengthUnit::kMm) {
 
 void ExpectRefused(const gait::LegFitResult& result, const std::string& what) {
   try {
-    gait::CheckPlausible(result);
+    gait::CheckPlausible(result.motion, result.trajectory);
     ADD_FAILURE() << what << " was taken";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr(what), testing::HasSubstr("100 to 102")));
@@ -25,8 +25,10 @@ void ExpectRefused(const gait::LegFitResult& result, const std::string& what) {
 }
 
 TEST(Plausibility, APersonsMotionPasses) {
-  EXPECT_NO_THROW(gait::CheckPlausible(Fitted()));
-  EXPECT_NO_THROW(gait::CheckPlausible(Fitted(motion::LengthUnit::kPx)));
+  for (const motion::LengthUnit unit : {motion::LengthUnit::kMm, motion::LengthUnit::kPx}) {
+    const gait::LegFitResult fit = Fitted(unit);
+    EXPECT_NO_THROW(gait::CheckPlausible(fit.motion, fit.trajectory));
+  }
 }
 
 TEST(Plausibility, WhatNoPersonDoesIsAnErrorWithItsFrames) {
@@ -48,18 +50,48 @@ TEST(Plausibility, JumpsOfAnyMarkerAreRefused) {
   gait::LegFitResult bad = Fitted();
   for (std::size_t i = 100; i <= 102; ++i) bad.trajectory.markers[3].samples[i].position.x() += 2000;
   try {
-    gait::CheckPlausible(bad);
+    gait::CheckPlausible(bad.motion, bad.trajectory);
     ADD_FAILURE() << "a jump of two metres was taken";
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("the speed of marker 'waist'"));
   }
 }
 
-TEST(Plausibility, AFitThatExplainsLittleIsRefused) {
-  gait::LegFitResult bad = Fitted();
-  bad.markers[1].outliers = bad.markers[1].detected / 2;
-  bad.outliers = {{100, bad.markers[1].name, 9, 9}, {101, bad.markers[1].name, 9, 9}, {102, bad.markers[1].name, 9, 9}};
-  ExpectRefused(bad, "outliers of the fit");
+// Of a trial of which a little is wrong, the rest is given: what no person does is left out, and said.
+TEST(Plausibility, AFewBadFramesAreLeftOutAndSaid) {
+  const SyntheticLeg leg = MakeSyntheticLeg({}, 7);
+  for (const std::size_t marker : {0u, 1u, 2u}) {
+    motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 7);
+    for (std::size_t i = 200; i < 202; ++i) tracks.markers[marker].samples[i].position += Eigen::Vector2d(250, -120);
+    const gait::LegFitResult fit = gait::FitLeg(tracks, ScaledView());
+    EXPECT_THAT(fit.warnings, testing::ElementsAre(testing::AllOf(testing::HasSubstr(tracks.markers[marker].name),
+                                                                  testing::HasSubstr("frames 200 to 201"))));
+    EXPECT_LT(CompareKnee(fit.motion, leg.truth).rms_deg, 0.05);
+  }
+}
+
+// A lamp is the hip until the subject walks in.
+TEST(Plausibility, WhatWasTakenForAMarkerBeforeTheSubjectCameIsLeftOut) {
+  const SyntheticLeg leg = MakeSyntheticLeg({}, 7);
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 7);
+  constexpr std::size_t kComes = 30;
+  for (std::size_t i = 0; i < kComes; ++i)
+    tracks.markers[2].samples[i].position = tracks.markers[2].samples[kComes].position + Eigen::Vector2d(-400, 100);
+  const gait::LegFitResult fit = gait::FitLeg(tracks, ScaledView());
+  EXPECT_THAT(fit.warnings,
+              testing::Contains(testing::AllOf(testing::HasSubstr("'hip'"), testing::HasSubstr("0 to 29"))));
+  for (std::size_t i = 0; i < fit.motion.samples.size(); ++i)
+    EXPECT_EQ(std::isfinite(fit.motion.samples[i].knee_deg), i >= kComes) << i;
+}
+
+TEST(Plausibility, AMarkerOfWhichMostFitsNoLegIsRefused) {
+  const SyntheticLeg leg = MakeSyntheticLeg({}, 7);
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {0.03}, 7);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> anywhere(-40, 40);
+  for (motion::MarkerSample& sample : tracks.markers[1].samples)
+    sample.position += Eigen::Vector2d(anywhere(random), anywhere(random));
+  EXPECT_THROW(gait::FitLeg(tracks, ScaledView()), Error);
 }
 
 }  // namespace

@@ -48,13 +48,13 @@ SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegMod
   std::optional<std::size_t> frame;  // whose it is
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
-    const double sigma2 = o.sigma * o.sigma;
-    if (!IsOrdinary(model, residual.value, o.sigma)) continue;
+    const double sigma2 = std::pow(model.Scatter(o), 2);
+    if (!IsOrdinary(model, o, residual.value)) continue;
     if (frame != o.frame) of_state = covariances.At(o.frame);
     frame = o.frame;
     const double used = (residual.by_state * of_state * residual.by_state.transpose()).trace() / sigma2;
     samples[o.marker].push_back({o.frame, 1 - used / 2, residual.value.squaredNorm() / sigma2 / 2});
-    variance[o.marker] += sigma2;
+    variance[o.marker] += std::pow(model.Sigma(o), 2);
   }
   SlowNoises slow;
   for (std::size_t m = 0; m < kLegMarkers; ++m) {
@@ -65,35 +65,39 @@ SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegMod
   return slow;
 }
 
-// Moves of the markers off the smooth paths in one frame, in the leg's axes, and their variances per axis.
+// What the markers of one frame did beside their smooth paths, in the leg's axes: where they were seen, all of the
+// residual but its share of noise; elsewhere it is not known, but there.
 struct MarkerMoves {
   std::array<Eigen::Vector2d, kLegMarkers> move;
-  std::array<double, kLegMarkers> variance = {};
+  std::array<double, kLegMarkers> path_share = {};  // of the estimate's error that is the smooth path's
+  std::array<double, kLegMarkers> variance = {};    // of the rest, per axis
 };
 
-// Of hidden markers the jitter is not known, but there. Outliers are no measurement of it.
 std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<double>& coefficients,
-                                   const std::vector<StateVector>& states,
-                                   const std::array<Jitter, kLegMarkers>& jitters) {
+                                   const std::vector<StateVector>& states) {
   std::array<std::vector<double>, kLegMarkers> variances;
   std::vector<MarkerMoves> moves(states.size());
   std::vector<std::array<bool, kLegMarkers>> known(states.size());
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
-    if (jitters[o.marker].share == 0 || !IsOrdinary(model, residual.value, o.sigma)) continue;
-    const Eigen::Vector2d seen = PlaneFromRecorded(model.view, o.seen, model.depth_mm[o.marker]);
-    const double scatter_variance =
-        std::pow(o.sigma * PlaneUnitsPerRecorded(model.view, seen, model.depth_mm[o.marker]), 2);
+    if (model.noise_share[o.marker].empty() || !IsOrdinary(model, o, residual.value)) continue;
+    const double depth_mm = model.depth_mm[o.marker], share = model.noise_share[o.marker][o.frame];
+    const Eigen::Vector2d seen = PlaneFromRecorded(model.view, o.seen, depth_mm);
+    const double variance = std::pow(model.Sigma(o) * PlaneUnitsPerRecorded(model.view, seen, depth_mm), 2);
     const Eigen::Vector2d smooth = PointOf(o.marker, states[o.frame]).position;
-    moves[o.frame].move[o.marker] = jitters[o.marker].share * (model.plane_from_leg.transpose() * seen - smooth);
-    moves[o.frame].variance[o.marker] = jitters[o.marker].VarianceWhereSeen(scatter_variance);
+    MarkerMoves& frame = moves[o.frame];
+    frame.move[o.marker] = (1 - share) * (model.plane_from_leg.transpose() * seen - smooth);
+    frame.path_share[o.marker] = share, frame.variance[o.marker] = (1 - share) * variance;
     known[o.frame][o.marker] = true;
-    variances[o.marker].push_back(scatter_variance);
+    variances[o.marker].push_back(variance);
   }
   for (std::size_t m = 0; m < kLegMarkers; ++m) {
-    const double hidden = variances[m].empty() ? 0 : jitters[m].VarianceWhereHidden(Median(variances[m]));
+    const double usual = variances[m].empty() ? 0 : Median(variances[m]);
     for (std::size_t i = 0; i < moves.size(); ++i)
-      if (!known[i][m]) moves[i].move[m].setZero(), moves[i].variance[m] = hidden;
+      if (!known[i][m]) {
+        moves[i].move[m].setZero(), moves[i].path_share[m] = 1;
+        moves[i].variance[m] = usual > 0 ? (1 / model.noise_share[m][i] - 1) * usual : 0;
+      }
   }
   return moves;
 }
@@ -101,17 +105,20 @@ std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<doub
 // The state whose markers lie where the moves put them.
 void MoveMarkers(const MarkerMoves& moves, int states, StateVector& state, StateMatrix& covariance) {
   const int markers = states / 2;
-  Eigen::MatrixXd by_state(states, states), variance = Eigen::MatrixXd::Zero(states, states);
-  Eigen::VectorXd move(states);
+  Eigen::MatrixXd by_state(states, states);
+  Eigen::VectorXd move(states), variance(states), path_share(states);
   for (int m = 0; m < markers; ++m) {
     const auto index = static_cast<std::size_t>(m);
     by_state.middleRows<2>(2 * m) = PointOf(static_cast<LegMarker>(m), state).by_state.leftCols(states);
     move.segment<2>(2 * m) = moves.move[index];
-    variance.diagonal().segment<2>(2 * m).setConstant(moves.variance[index]);
+    variance.segment<2>(2 * m).setConstant(moves.variance[index]);
+    path_share.segment<2>(2 * m).setConstant(moves.path_share[index]);
   }
-  const Eigen::MatrixXd by_markers = by_state.inverse();
+  const Eigen::MatrixXd by_markers = by_state.inverse(),
+                        of_path = by_markers * path_share.asDiagonal() * by_state;  // its errors that are left
   state.head(states) += by_markers * move;
-  covariance.topLeftCorner(states, states) += by_markers * variance * by_markers.transpose();
+  covariance.topLeftCorner(states, states) = of_path * covariance.topLeftCorner(states, states) * of_path.transpose() +
+                                             by_markers * variance.asDiagonal() * by_markers.transpose();
 }
 
 }  // namespace
@@ -143,8 +150,7 @@ std::vector<double> SlowNoise(const std::vector<NoiseSample>& samples, const std
 }
 
 LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
-                        const std::vector<double>& coefficients, const std::array<Jitter, kLegMarkers>& jitters,
-                        bool with_covariance) {
+                        const std::vector<double>& coefficients, bool with_covariance) {
   const std::size_t n = recording.Frames();
   const StateCovariances covariances = CovariancesOf(model, coefficients);
   LegCurves curves;
@@ -156,13 +162,10 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
     curves.hip_speed_in_leg.push_back(PointOf(kHip, curves.state[i]).by_state * curves.rate[i]);
   }
   const SlowNoises slow = FindSlowNoises(recording, model, coefficients, covariances);
-  const bool any_jitters =
-      std::any_of(jitters.begin(), jitters.end(), [](const Jitter& jitter) { return jitter.share > 0; });
-  const std::vector<MarkerMoves> moves =
-      any_jitters ? FindMoves(model, coefficients, curves.state, jitters) : std::vector<MarkerMoves>();
+  const std::vector<MarkerMoves> moves = FindMoves(model, coefficients, curves.state);
   for (std::size_t i = 0; i < n; ++i) {
     StateMatrix of_state = covariances.At(i);
-    if (!moves.empty()) MoveMarkers(moves[i], model.states, curves.state[i], of_state);
+    MoveMarkers(moves[i], model.states, curves.state[i], of_state);
     if (with_covariance) curves.covariance.push_back(of_state);
     std::array<double, kLegMarkers> slow_in_plane = {};
     for (int m = 0; m < curves.markers; ++m) {
@@ -177,6 +180,7 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
           (point.by_state * of_state * point.by_state.transpose()).trace() / 2 + slow_in_plane[index];
       curve.plane_sigma.push_back(std::sqrt(variance));
       curve.recorded_sigma.push_back(curve.plane_sigma[i] / scale);
+      curve.scatter.push_back(model.sigma_scale[index] / std::sqrt(model.NoiseShare(static_cast<LegMarker>(m), i)));
     }
     const double knee_variance =
         KneeVariance(of_state) +
@@ -187,42 +191,67 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
   return curves;
 }
 
+SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double>& time_s,
+                                const std::vector<double>& values, const std::vector<double>& sigmas,
+                                const LegFitOptions& options) {
+  SmoothingOptions smoothing;
+  if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
+  smoothing.max_iterations = options.most_smoothing_iterations;
+  const SmoothSignal signal = FitSmoothingSpline(grid, time_s, values, sigmas, smoothing);
+  const double usual = options.known_sigmas && !smoothing.cutoff_hz ? 1 : Median(signal.noise_share);
+  SmoothCoordinate result;
+  result.settled = signal.converged;
+  std::vector<NoiseSample> samples;
+  std::vector<double> noise_variance;
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    const SplineGrid::Place place = grid.At(time_s[i]);
+    const double share = std::min(1.0, signal.noise_share[i] / usual), own = VarianceAt(place, signal.covariance),
+                 noise = sigmas[i] * sigmas[i] / usual;
+    result.value.push_back(ValueAt(place, signal.coefficients));
+    result.rate.push_back(SlopeAt(place, signal.coefficients));
+    result.scatter.push_back(1 / std::sqrt(signal.noise_share[i]));
+    if (std::isfinite(values[i])) {
+      const double residual = values[i] - result.value[i];
+      samples.push_back({i, 1 - own * share / noise, residual * residual * share / noise});
+      result.value[i] += (1 - share) * residual;
+      result.variance.push_back(share * share * own + (1 - share) * noise);
+      noise_variance.push_back(noise);
+    } else {
+      result.variance.push_back(own);
+    }
+  }
+  const std::vector<double> slow = SlowNoise(samples, time_s);
+  const double usual_noise = Median(noise_variance);
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    result.variance[i] += slow[i] * usual_noise;
+    if (!std::isfinite(values[i]))
+      result.variance[i] += (std::max(1.0, usual / signal.noise_share[i]) - 1) * usual_noise;
+  }
+  return result;
+}
+
 MarkerCurve SmoothMarker(const motion::MarkerRecording& recording, const Detections& d, const LegView& view,
                          const LegFitOptions& options) {
   const std::size_t n = recording.Frames();
   const SplineGrid grid = MakeSplineGrid(
       recording.time_s, (recording.time_s.back() - recording.time_s.front()) / static_cast<double>(n - 1));
-  SmoothingOptions smoothing;
-  if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
-  smoothing.max_iterations = options.most_smoothing_iterations;
   MarkerCurve curve;
-  curve.in_plane.assign(n, Eigen::Vector2d::Zero());
+  curve.in_plane.resize(n), curve.scatter.assign(n, 1);
   std::vector<double> variance(n, 0.0);
-  std::vector<NoiseSample> samples;
   for (int axis = 0; axis < 2; ++axis) {
     std::vector<double> values(n, motion::LegSample::kUnknown);
     for (std::size_t i = 0; i < n; ++i)
       if (d.trusted[i]) values[i] = d.in_plane[i][axis];
-    const SmoothSignal signal = FitSmoothingSpline(grid, recording.time_s, values, d.plane_sigma, smoothing);
-    curve.settled &= signal.converged;
-    curve.noise_scale = std::max(curve.noise_scale, signal.noise_scale);
-    const Jitter jitter = options.FollowsJitter() ? Jitter(signal.noise_scale) : Jitter();
+    const SmoothCoordinate smooth = SmoothByItself(grid, recording.time_s, values, d.plane_sigma, options);
+    curve.settled &= smooth.settled;
     for (std::size_t i = 0; i < n; ++i) {
-      const SplineGrid::Place place = grid.At(recording.time_s[i]);
-      const double smooth = ValueAt(place, signal.coefficients), own = VarianceAt(place, signal.covariance);
-      curve.in_plane[i][axis] = smooth;
-      variance[i] += own / 2;
-      if (!d.trusted[i]) continue;
-      const double sigma2 = std::pow(signal.noise_scale * d.plane_sigma[i], 2);
-      samples.push_back({i, 1 - own / sigma2, std::pow(values[i] - smooth, 2) / sigma2});
-      curve.in_plane[i][axis] += jitter.share * (values[i] - smooth);
-      variance[i] += jitter.VarianceWhereSeen(sigma2) / 2;
+      curve.in_plane[i][axis] = smooth.value[i];
+      variance[i] += smooth.variance[i] / 2;
+      curve.scatter[i] = std::max(curve.scatter[i], smooth.scatter[i]);
     }
   }
-  std::stable_sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
-  const std::vector<double> slow = SlowNoise(samples, recording.time_s);
   for (std::size_t i = 0; i < n; ++i) {
-    curve.plane_sigma.push_back(std::sqrt(variance[i] + slow[i] * d.plane_sigma[i] * d.plane_sigma[i]));
+    curve.plane_sigma.push_back(std::sqrt(variance[i]));
     curve.recorded.push_back(RecordedFromPlane<double>(view, curve.in_plane[i], d.depth_mm));
     curve.recorded_sigma.push_back(curve.plane_sigma[i] / PlaneUnitsPerRecorded(view, curve.in_plane[i], d.depth_mm));
   }

@@ -12,9 +12,9 @@ namespace lake::gait {
 // A marker's fitted position in every frame.
 struct MarkerCurve {
   std::vector<Eigen::Vector2d> in_plane, recorded;
-  std::vector<double> plane_sigma, recorded_sigma;           // per axis
-  bool settled = true;                                       // whether its smoothness was found
-  double noise_scale = 1;                                    // see MarkerReport
+  std::vector<double> plane_sigma, recorded_sigma;  // per axis
+  bool settled = true;                              // whether its smoothness was found
+  std::vector<double> scatter;                      // deviation about the smooth path, over the detections' sigmas
   std::vector<double> across, across_rate, across_variance;  // of trials in three dimensions: mm, mm/s, mm²
 };
 
@@ -31,31 +31,29 @@ struct LegCurves {
 // Variance of θ_shank − θ_thigh, rad².
 double KneeVariance(const StateMatrix& covariance);
 
-// What a marker itself scatters about its smooth path, from frame to frame, where the noise is known: of a scatter with
-// `scale` times the noise's deviation, 1/scale² of the variance is noise. The best estimate of a frame's jitter is that
-// share of its residual which is none (Wiener), with the variance that this leaves.
-struct Jitter {
-  Jitter() = default;
-  explicit Jitter(double scale) : share(1 - 1 / (scale * scale)) {}
+// Smooth paths, and on them what the markers did beside them (NoiseShares).
+LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
+                        const std::vector<double>& coefficients, bool with_covariance);
 
-  double share = 0;  // of the residual's variance
-  double VarianceWhereSeen(double scatter_variance) const { return share * (1 - share) * scatter_variance; }
-  double VarianceWhereHidden(double scatter_variance) const { return share * scatter_variance; }
+// One coordinate by itself: its smooth curve, and what it did beside it.
+struct SmoothCoordinate {
+  std::vector<double> value, rate, variance, scatter;
+  bool settled = true;
 };
 
-// Smooth paths, and on them the markers' jitters.
-LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
-                        const std::vector<double>& coefficients, const std::array<Jitter, kLegMarkers>& jitters,
-                        bool with_covariance);
+// Values that are NaN are gaps.
+SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double>& time_s,
+                                const std::vector<double>& values, const std::vector<double>& sigmas,
+                                const LegFitOptions& options);
 
 // A marker that is not the leg's, smoothed and bridged by itself.
 MarkerCurve SmoothMarker(const motion::MarkerRecording& recording, const Detections& detections, const LegView& view,
                          const LegFitOptions& options);
 
-// Tracks, trajectory, motion, events, reports.
+// Tracks, trajectory, motion, events, reports. `skin` as for CollectDetections.
 void FillResult(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& leg,
-                const LegCurves& curves, const LegModel& model, motion::Facing facing, const LegFitOptions& options,
-                LegFitResult& result);
+                const LegCurves& curves, const LegModel& model, motion::Facing facing, double skin,
+                const LegFitOptions& options, LegFitResult& result);
 
 // Noise that a sigma states but the residuals do not show is too slow to be told from motion: it is in the curve, and
 // must be in the curve's variance. In variances of the detections (1 = all of it), per frame.

@@ -14,6 +14,7 @@
 #include "leg_problem.h"
 #include "leg_signals.h"
 #include "leg_space.h"
+#include "scatter.h"
 
 namespace lake::gait {
 namespace {
@@ -102,14 +103,25 @@ std::string Names(const motion::MarkerRecording& recording) {
   return names.empty() ? "none" : names;
 }
 
+// As recorded, the median; 0 where ankle and knee are never seen together.
+double ShankOf(const motion::MarkerRecording& recording, const LegMarkers& names) {
+  const motion::MarkerTrack *ankle = recording.Find(names.ankle), *knee = recording.Find(names.knee);
+  std::vector<double> lengths;
+  for (std::size_t i = 0; ankle && knee && i < recording.Frames(); ++i)
+    if (ankle->samples[i].status == motion::SampleStatus::kDetected &&
+        knee->samples[i].status == motion::SampleStatus::kDetected)
+      lengths.push_back((knee->samples[i].position - ankle->samples[i].position).norm());
+  return lengths.empty() ? 0 : Median(std::move(lengths));
+}
+
 std::array<Detections, kLegMarkers> CollectLeg(const motion::MarkerRecording& recording, const LegView& view,
-                                               const LegMarkers& names) {
+                                               const LegMarkers& names, double skin) {
   std::array<Detections, kLegMarkers> leg;
   const std::array<const std::string*, kLegMarkers> wanted = {&names.ankle, &names.knee, &names.hip, &names.waist};
   for (std::size_t m = 0; m < kLegMarkers; ++m) {
     const motion::MarkerTrack* track = recording.Find(*wanted[m]);
     if (track)
-      leg[m] = CollectDetections(recording, *track, view);
+      leg[m] = CollectDetections(recording, *track, view, skin);
     else if (m != kWaist)
       throw Fail("leg fit: no marker '{}' in the recording (it has: {}); name the leg's markers with --map", *wanted[m],
                  Names(recording));
@@ -165,46 +177,38 @@ std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMa
     for (int m = 0; m < markers; ++m) {
       const Detections& d = leg[static_cast<std::size_t>(m)];
       if (!d.seen[i]) continue;
-      observations.push_back({d.track->samples[i].position, d.sigma[i], static_cast<std::uint32_t>(i),
+      observations.push_back({d.track->samples[i].position, d.sigma[i], d.jolt[i], static_cast<std::uint32_t>(i),
                               static_cast<LegMarker>(m), d.trusted[i] != 0});
     }
   return observations;
 }
 
-// How much larger than stated the noise of each marker is: rms of the residuals, for the degrees of freedom that the
-// fit used up. Never below 1: what a sigma states beyond the residuals may be slow noise, which is in the curves'
-// variance (SlowNoise).
-std::array<double, kLegMarkers> NoiseScales(const LegModel& model, const std::vector<double>& coefficients,
-                                            const StateCovariances& covariances) {
-  struct Residual {
-    double square, free;  // (r/σ)² and the degrees of freedom left to it, of two
-  };
+// What of the scatter about the smooth paths is noise, moment by moment. Where the sigmas need not hold, what a marker
+// scatters all the time is noise that its sigmas did not know of.
+void FindNoiseShares(const std::vector<double>& coefficients, bool known_sigmas, LegModel& model) {
+  const StateCovariances covariances = CovariancesOf(model, coefficients);
   std::array<std::vector<Residual>, kLegMarkers> residuals;
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);
-    const StateMatrix state = covariances.At(o.frame);
-    const double variance = o.sigma * o.sigma;
-    const double used = (residual.by_state * state * residual.by_state.transpose()).trace() / variance;
-    residuals[o.marker].push_back({residual.value.squaredNorm() / variance, std::max(2 - used, 0.0)});
+    if (!IsOrdinary(model, o, residual.value)) continue;
+    const double leverage = (residual.by_state * covariances.At(o.frame) * residual.by_state.transpose()).trace() / 2 /
+                            std::pow(model.Scatter(o), 2);
+    residuals[o.marker].push_back({model.time_s[o.frame],
+                                   residual.value.squaredNorm() / std::pow(model.Sigma(o), 2) / 2,
+                                   std::max(1 - leverage, 0.0)});
   }
-  std::array<double, kLegMarkers> scales;
-  scales.fill(1);
-  for (std::size_t m = 0; m < kLegMarkers; ++m)
-    for (int round = 0; round < 5; ++round) {  // a larger scale lets more residuals count
-      double square = 0, free = 0;
-      for (const Residual& residual : residuals[m])
-        if (residual.square < std::pow(scales[m] * OrdinaryLimit(model), 2))
-          square += residual.square, free += residual.free;
-      if (free > 20) scales[m] = std::max(1.0, std::sqrt(square / free));
-    }
-  return scales;
+  for (std::size_t m = 0; m < kLegMarkers; ++m) {
+    model.noise_share[m] = NoiseShares(residuals[m], model.time_s);
+    const double usual = known_sigmas ? 1 : Median(model.noise_share[m]);
+    for (double& share : model.noise_share[m]) share = std::min(1.0, share / usual);
+    model.sigma_scale[m] /= std::sqrt(usual);
+  }
 }
 
 struct Solution {
   LegModel model;
   std::vector<double> coefficients;
   LegSolveSummary solve;
-  std::array<double, kLegMarkers> noise_scales;
 };
 
 // Where a marker is hidden while others move, the start is off by pixels, and the biweight would take the others for
@@ -214,8 +218,9 @@ void Approach(const LegModel& model, std::vector<double>& coefficients) {
   constexpr double kFactor = 8;
   double largest = 0;  // in sigmas
   for (const LegObservation& o : model.observations)
-    if (o.trusted) largest = std::max(largest, EvaluateObservation(model, o, coefficients).value.norm() / o.sigma);
-  if (largest < OrdinaryLimit(model)) return;
+    if (o.trusted)
+      largest = std::max(largest, EvaluateObservation(model, o, coefficients).value.norm() / model.Scatter(o));
+  if (largest < model.outlier_deviations) return;
   LegModel wide = model;
   std::erase_if(wide.observations, [](const LegObservation& o) { return !o.trusted; });
   for (double limit = 2 * largest; limit > model.outlier_deviations; limit /= kFactor) {
@@ -224,37 +229,24 @@ void Approach(const LegModel& model, std::vector<double>& coefficients) {
   }
 }
 
-// Solves; where the residuals show more noise than the sigmas said, solves again with sigmas that fit them, unless they
-// are to stay, as those of a given cutoff, which depends on them.
-Solution SolveLeg(LegModel model, std::vector<double> coefficients, bool keeps_sigmas) {
-  constexpr double kNoticeable = 1.03;
+// Solves, with what scatters about the smooth paths beyond the noise taken into account, unless the sigmas are to stay,
+// as those of a given cutoff, which depends on them.
+Solution SolveLeg(LegModel model, std::vector<double> coefficients, const LegFitOptions& options) {
   Solution solution;
-  solution.noise_scales.fill(1);
   Approach(model, coefficients);
   solution.solve = SolveLegProblem(model, coefficients);
-  const auto scales =
-      keeps_sigmas ? solution.noise_scales : NoiseScales(model, coefficients, CovariancesOf(model, coefficients));
-  if (std::any_of(scales.begin(), scales.end(), [](double scale) { return scale > kNoticeable; })) {
-    for (LegObservation& o : model.observations) o.sigma *= scales[o.marker];
-    solution.noise_scales = scales;
+  if (!options.HasSplineCutoff()) {
+    FindNoiseShares(coefficients, options.known_sigmas, model);
     const LegSolveSummary again = SolveLegProblem(model, coefficients);
     solution.solve.usable = solution.solve.usable && again.usable;
     solution.solve.iterations += again.iterations;
     solution.solve.final_cost = again.final_cost;
     solution.solve.message = again.message;
+    FindNoiseShares(coefficients, true, model);
   }
   solution.model = std::move(model);
   solution.coefficients = std::move(coefficients);
   return solution;
-}
-
-std::array<Jitter, kLegMarkers> JittersOf(const std::array<double, kLegMarkers>& noise_scales,
-                                          const LegFitOptions& options) {
-  std::array<Jitter, kLegMarkers> jitters;
-  if (options.FollowsJitter())
-    std::transform(noise_scales.begin(), noise_scales.end(), jitters.begin(),
-                   [](double scale) { return Jitter(scale); });
-  return jitters;
 }
 
 // Of a cutoff below what the leg does: the recording is not to blame.
@@ -262,11 +254,10 @@ void CheckCutoffKeepsMotion(const LegFitResult& result, double cutoff_hz) {
   std::vector<double> sigmas;
   for (const motion::LegSample& sample : result.motion.samples)
     if (std::isfinite(sample.knee_sigma_deg)) sigmas.push_back(sample.knee_sigma_deg);
-  const PlausibilityLimits limits;
-  const bool explains = std::ranges::all_of(result.markers, [&](const MarkerReport& marker) {
-    return marker.outliers <= limits.most_outliers * marker.detected;
-  });
-  if (explains && RootMeanSquare(sigmas) <= limits.most_knee_sigma_deg) return;
+  constexpr double kMostOutliers = 0.25;
+  const bool explains = std::ranges::all_of(
+      result.markers, [&](const MarkerReport& marker) { return marker.outliers <= kMostOutliers * marker.detected; });
+  if (explains && RootMeanSquare(sigmas) <= PlausibilityLimits().most_knee_sigma_deg) return;
   throw Fail("leg fit: a cutoff of {} Hz takes the movement itself for noise; give a higher --cutoff, or none",
              cutoff_hz);
 }
@@ -284,8 +275,8 @@ LegFitSummary Summarize(const Solution& solution, const LegStart& start) {
   int count = 0;
   for (const LegObservation& o : solution.model.observations) {
     const LegResidual residual = EvaluateObservation(solution.model, o, solution.coefficients);
-    if (!IsOrdinary(solution.model, residual.value, o.sigma)) continue;
-    square += residual.value.squaredNorm() / (o.sigma * o.sigma);
+    if (!IsOrdinary(solution.model, o, residual.value)) continue;
+    square += residual.value.squaredNorm() / std::pow(solution.model.Scatter(o), 2);
     count += 2;
   }
   summary.residual_rms = std::sqrt(square / count);
@@ -314,13 +305,15 @@ void DescribeFacing(LegFitOptions& o, OptionList& options) {
       .Otherwise("found from the movement");
 }
 
-LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
-                    const AcrossPlane& across) {
-  CheckRecording(recording, options);
+namespace {
+
+LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
+                     const AcrossPlane& across) {
   Progress progress("leg fit", "steps", 4, options.quiet);
   LegFitResult result;
   result.up = options.up;
-  std::array<Detections, kLegMarkers> leg = CollectLeg(recording, view, options.markers);
+  const double skin = options.skin_jump * ShankOf(recording, options.markers);
+  std::array<Detections, kLegMarkers> leg = CollectLeg(recording, view, options.markers, skin);
   if (!across.empty()) SetAcross(across, leg);
   const FacingFound found = FindFacingOf(leg);
   const motion::Facing facing = options.facing.value_or(found.facing);
@@ -330,21 +323,12 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
                     found.largest_flexion_deg, options.facing_option));
 
   WarnOfPauses(recording, options, result.warnings);
-  PlausibilityLimits limits;
-  limits.ways_out = options.ways_out;
-  if (const auto rounded = RoundedTimes(recording)) {
-    result.warnings.push_back(*rounded + ": what moves fast is misplaced by that; give them with more digits");
-    limits.ways_out = "or give the times with more digits: " + *rounded;
-  }
-
-  if (const auto hasty = HastyTimes(recording)) limits.ways_out = "or give the times in seconds: " + *hasty;
-
   LegModel model;
   model.view = view;
   model.plane_from_leg = PlaneFromLegAxes(facing, options.up);
   model.states = HasTrunk(leg) ? kLegStates : kLegStatesWithoutTrunk;
   model.outlier_deviations = options.outlier_deviations;
-  model.in_bands = recording.Frames() > options.most_frames_in_ceres;
+  model.knots_per_piece = options.knots_per_piece;
   std::optional<LegSignals> signals = MakeLegSignals(leg, model.plane_from_leg.transpose(), model.states);
   CheckIsSeen(*signals, leg);
   const auto warn = [&result](const std::vector<std::string>& warnings) {
@@ -362,27 +346,125 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
   model.time_s = recording.time_s;
   for (std::size_t m = 0; m < leg.size(); ++m) model.depth_mm[m] = leg[m].depth_mm;
   model.observations = MakeObservations(leg, recording.Frames(), model.states == kLegStates ? 4 : 3);
-  for (LegObservation& observation : model.observations) observation.sigma *= start.sigma_scale;
-  const Solution solution = SolveLeg(std::move(model), std::move(start.coefficients), options.HasSplineCutoff());
+  model.sigma_scale.fill(start.sigma_scale);
+  const Solution solution = SolveLeg(std::move(model), std::move(start.coefficients), options);
   if (!solution.solve.usable) throw SolverError(fmt::format("leg fit: no solution: {}", solution.solve.message));
   progress.Advance();
 
-  LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients,
-                                   JittersOf(solution.noise_scales, options), !across.empty());
-  for (std::size_t m = 0; m < leg.size(); ++m)
-    curves.marker[m].noise_scale = start.sigma_scale * solution.noise_scales[m];
+  LegCurves curves = MakeLegCurves(recording, solution.model, solution.coefficients, !across.empty());
   if (!across.empty()) {
     AddAcross(recording, leg, solution.model, options, curves);
     result.across = ReportAcross(leg);
   }
-  FillResult(recording, leg, curves, solution.model, facing, options, result);
+  FillResult(recording, leg, curves, solution.model, facing, skin, options, result);
   result.summary = Summarize(solution, start);
   result.summary.known_sigmas = options.known_sigmas;
   WarnOfLengths(result.segments, options, result.warnings);
   if (options.HasSplineCutoff()) CheckCutoffKeepsMotion(result, *options.cutoff_hz);
-  CheckPersonsLeg(PathOf(result.motion), result.events, options);
-  CheckPlausible(result, limits);
   progress.Advance();
+  return result;
+}
+
+bool IsOfLeg(const std::string& marker, const LegMarkers& names) {
+  return marker == names.ankle || marker == names.knee || marker == names.hip || marker == names.waist;
+}
+
+// Without the detections that the implausible values come from.
+motion::MarkerRecording Without(const std::vector<Implausible>& implausible, motion::MarkerRecording recording) {
+  for (motion::MarkerTrack& marker : recording.markers)
+    for (const Implausible& found : implausible)
+      for (std::size_t i = 0; std::ranges::count(found.markers, marker.name) > 0 && i < found.at.size(); ++i)
+        if (found.at[i]) marker.samples[i] = {};
+  return recording;
+}
+
+// What is implausible where nothing was left to leave out is not known.
+void Blank(const std::vector<Implausible>& implausible, LegFitResult& result) {
+  for (const Implausible& found : implausible) {
+    result.warnings.push_back(
+        fmt::format("frames {}: {}: no angle is given there", FramesOf(result.motion.frame, found.at), found.what));
+    for (std::size_t i = 0; i < found.at.size(); ++i)
+      if (found.at[i]) result.motion.samples[i] = {};
+    result.trajectory = Without({found}, std::move(result.trajectory));
+  }
+}
+
+std::ptrdiff_t DetectionsOf(const motion::MarkerRecording& recording, const std::string& marker) {
+  return std::ranges::count_if(recording.Find(marker)->samples, [](const motion::MarkerSample& sample) {
+    return sample.status == motion::SampleStatus::kDetected;
+  });
+}
+
+void WarnOfOutliers(const motion::MarkerRecording& recording, LegFitResult& result) {
+  for (const MarkerReport& marker : result.markers) {
+    if (marker.outliers == 0) continue;
+    std::vector<char> at(result.motion.frame.size(), 0);
+    for (const OutlierReport& outlier : result.outliers)
+      if (outlier.marker == marker.name)
+        at[static_cast<std::size_t>(std::ranges::lower_bound(result.motion.frame, outlier.frame) -
+                                    result.motion.frame.begin())] = 1;
+    result.warnings.push_back(fmt::format(
+        "{} of the {} detections of marker '{}' are left out, as no leg moves so (frames {})", marker.outliers,
+        DetectionsOf(recording, marker.name), marker.name, FramesOf(result.motion.frame, at)));
+  }
+}
+
+// Whether the rest is the greater part of the recording.
+void CheckRemains(const motion::MarkerRecording& recording, const LegFitResult& result, const std::string& ways_out,
+                  const LegFitOptions& options) {
+  constexpr double kLeast = 0.5;
+  const LegMarkers& names = options.markers;
+  std::ptrdiff_t seen = 0;
+  for (std::size_t i = 0; i < recording.Frames(); ++i)
+    seen += std::ranges::all_of(std::array{&names.ankle, &names.knee, &names.hip}, [&](const std::string* name) {
+      return recording.Find(*name)->samples[i].status == motion::SampleStatus::kDetected;
+    });
+  const auto known =
+      std::ranges::count_if(result.motion.samples, [](const auto& sample) { return std::isfinite(sample.knee_deg); });
+  const std::string said = result.warnings.empty() ? "" : ": " + result.warnings.back();
+  if (static_cast<double>(known) < kLeast * static_cast<double>(seen))
+    throw Fail(
+        "leg fit: in {} of the {} frames that show ankle, knee and hip the markers are where a person's leg can be{}; "
+        "look at the other frames, {}",
+        known, seen, said, ways_out);
+  for (const MarkerReport& marker : result.markers) {
+    const std::ptrdiff_t detections = DetectionsOf(recording, marker.name);
+    if (IsOfLeg(marker.name, names) && marker.outliers > kLeast * static_cast<double>(detections))
+      throw Fail(
+          "leg fit: {} of the {} detections of marker '{}' fit no leg's movement, so it is not known which are the "
+          "leg's; look at these frames, {}",
+          marker.outliers, detections, marker.name, ways_out);
+  }
+}
+
+}  // namespace
+
+LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& view, const LegFitOptions& options,
+                    const AcrossPlane& across) {
+  CheckRecording(recording, options);
+  const std::optional<std::string> rounded = RoundedTimes(recording);
+  PlausibilityLimits limits;
+  const std::optional<std::string> hasty = HastyTimes(recording);
+  limits.ways_out = hasty     ? "or give the times in seconds: " + *hasty
+                    : rounded ? "or give the times with more digits: " + *rounded
+                              : options.ways_out;
+  LegFitResult result = FitOnce(recording, view, options, across);
+  std::vector<Implausible> implausible = FindImplausible(result.motion, result.trajectory, options.markers, limits);
+  if (!implausible.empty()) {
+    result = FitOnce(Without(implausible, recording), view, options, across);
+    for (const Implausible& found : implausible)
+      if (!found.markers.empty())
+        result.warnings.push_back(fmt::format("frames {}: {}: '{}' left out there",
+                                              FramesOf(result.motion.frame, found.at), found.what,
+                                              fmt::join(found.markers, "', '")));
+    Blank(FindImplausible(result.motion, result.trajectory, options.markers, limits), result);
+  }
+  WarnOfOutliers(recording, result);
+  if (rounded)
+    result.warnings.insert(result.warnings.begin(),
+                           *rounded + ": what moves fast is misplaced by that; give them with more digits");
+  CheckRemains(recording, result, limits.ways_out, options);
+  CheckPersonsLeg(PathOf(result.motion), result.events, options);
   return result;
 }
 

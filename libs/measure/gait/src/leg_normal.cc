@@ -1,6 +1,7 @@
 #include "leg_normal.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lake/core/interrupt.h"
 
@@ -11,10 +12,9 @@ constexpr std::size_t kKnotsPerPiece = 128;  // a piece's factor takes 270 kB, w
 
 }  // namespace
 
-LegNormal::LegNormal(const LegModel& model, const std::vector<double>& coefficients, double damping)
+LegNormal::LegNormal(const LegModel& model, const std::vector<double>& coefficients)
     : model_(model),
       coefficients_(coefficients),
-      damping_(damping),
       states_(static_cast<std::size_t>(model.states)),
       band_(4 * states_ - 1),
       rows_(0, band_) {
@@ -27,8 +27,8 @@ LegNormal::LegNormal(const LegModel& model, const std::vector<double>& coefficie
   for (std::size_t row = 0; row < band_; ++row) first[row * (band_ + 1) + band_] = 1;
 }
 
-// The rows of the piece's own knots, and their part of the gradient.
-void LegNormal::Assemble(const Piece& piece, std::vector<double>* gradient) {
+// The rows of the piece's own knots.
+void LegNormal::Assemble(const Piece& piece) {
   rows_ = BandedMatrix(RowsOf(piece) + 2 * band_, band_);
   std::copy(piece.before.begin(), piece.before.end(), rows_.Data());
   const auto is_own = [&](std::size_t knot) { return knot >= piece.begin && knot < piece.end; };
@@ -40,9 +40,8 @@ void LegNormal::Assemble(const Piece& piece, std::vector<double>* gradient) {
     const SplineGrid::Place place = model_.At(o.frame);
     if (place.first >= piece.end) break;
     const LegResidual residual = EvaluateObservation(model_, o, coefficients_);
-    const double weight = RobustWeight(model_, residual.value, o.sigma) / (o.sigma * o.sigma);
+    const double weight = RobustWeight(model_, o, residual.value) / std::pow(model_.Scatter(o), 2);
     const StateMatrix square = weight * residual.by_state.transpose() * residual.by_state;
-    const StateVector by_state = weight * residual.by_state.transpose() * residual.value;
     for (std::size_t a = 0; a < 4; ++a) {
       if (!is_own(place.first + a)) continue;
       const std::size_t row = (place.first + a) * states_;
@@ -51,41 +50,30 @@ void LegNormal::Assemble(const Piece& piece, std::vector<double>* gradient) {
           for (std::size_t j = 0; j < (a == b ? i + 1 : states_); ++j)
             rows_.Lower(Local(piece, row + i), Local(piece, (place.first + b) * states_ + j)) +=
                 place.value[a] * place.value[b] * square(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-      for (std::size_t s = 0; gradient && s < states_; ++s)
-        (*gradient)[row + s] += place.value[a] * by_state[static_cast<Eigen::Index>(s)];
     }
   }
   for (std::size_t k = std::max<std::size_t>(piece.begin, 3) - 3; k < piece.end && k + 3 < model_.grid.count; ++k)
     for (const PriorTerm& term : PriorTerms(model_, k)) {
-      const double residual = PriorResidual(model_, term, k, coefficients_);
       const auto row_of = [&](std::size_t a) { return (k + a) * states_ + static_cast<std::size_t>(term.state); };
       for (std::size_t a = 0; a < 4; ++a) {
         if (!is_own(k + a)) continue;
         for (std::size_t b = 0; b <= a; ++b)
           rows_.Lower(Local(piece, row_of(a)), Local(piece, row_of(b))) += term.row[a] * term.row[b];
-        if (gradient) (*gradient)[row_of(a)] += term.row[a] * residual;
       }
     }
-  for (std::size_t row = band_; row < band_ + RowsOf(piece); ++row) rows_.Lower(row, row) *= 1 + damping_;
 }
 
-bool LegNormal::Factorize(const Piece& piece, std::vector<double>* gradient) {
+bool LegNormal::Factorize(const Piece& piece) {
   ThrowIfInterrupted();
-  Assemble(piece, gradient);
+  Assemble(piece);
   return FactorizeRows(rows_, band_, band_ + RowsOf(piece));
 }
 
-// Leaves the last piece's factor, and what each piece starts from; the gradient becomes y of L y = gradient.
-bool LegNormal::GoForward(std::vector<double>* gradient) {
+// Leaves the last piece's factor, and what each piece starts from.
+bool LegNormal::GoForward() {
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     const Piece& piece = pieces_[p];
-    if (!Factorize(piece, gradient)) return false;
-    for (std::size_t row = piece.begin * states_; gradient && row < piece.end * states_; ++row) {
-      double& y = (*gradient)[row];
-      for (std::size_t k = row - std::min(row, band_); k < row; ++k)
-        y -= rows_.Lower(Local(piece, row), Local(piece, k)) * (*gradient)[k];
-      y /= rows_.Lower(Local(piece, row), Local(piece, row));
-    }
+    if (!Factorize(piece)) return false;
     if (p + 1 == pieces_.size()) break;
     const double* end = rows_.Data() + (band_ + RowsOf(piece)) * (band_ + 1);
     pieces_[p + 1].before.assign(end - band_ * (band_ + 1), end);
@@ -106,19 +94,6 @@ bool LegNormal::GoBack(const std::function<void(const Piece&)>& visit) {
     visit(piece);
   }
   return true;
-}
-
-std::optional<std::vector<double>> LegNormal::Step() {
-  std::vector<double> x(coefficients_.size(), 0.0);
-  const auto substitute_back = [&](const Piece& piece) {
-    for (std::size_t row = piece.end * states_; row-- > piece.begin * states_;) {
-      x[row] /= rows_.Lower(Local(piece, row), Local(piece, row));
-      for (std::size_t k = row - std::min(row, band_); k < row; ++k)
-        x[k] -= rows_.Lower(Local(piece, row), Local(piece, k)) * x[row];
-    }
-  };
-  if (!GoForward(&x) || !GoBack(substitute_back)) return std::nullopt;
-  return x;
 }
 
 StateMatrix LegNormal::CovarianceAt(const Piece& piece, const SplineGrid::Place& place) const {
@@ -144,7 +119,7 @@ std::optional<StateCovariances> LegNormal::Covariances() {
       covariances.Set(frame - 1, CovarianceAt(piece, place));
     }
   };
-  if (!GoForward(nullptr) || !GoBack(invert)) return std::nullopt;
+  if (!GoForward() || !GoBack(invert)) return std::nullopt;
   return covariances;
 }
 

@@ -1,4 +1,4 @@
-// The Gauss–Newton equations of the leg's fit, solved with one piece of the time in memory at a time. The whole matrix
+// The Gauss–Newton matrix of the leg's fit, inverted with one piece of the time in memory at a time. The whole matrix
 // takes 2 kB per knot within its band. Of each piece only the few rows of the factor are kept that the next one starts
 // from; on the way back the pieces are assembled and factorised a second time. Not part of the interface.
 #pragma once
@@ -14,11 +14,7 @@ namespace lake::gait {
 
 class LegNormal {
  public:
-  // Linearised at the coefficients; the diagonal is taken 1 + damping times.
-  LegNormal(const LegModel& model, const std::vector<double>& coefficients, double damping);
-
-  // The x of A x = half the sum's gradient; nullopt if A is not positive definite.
-  std::optional<std::vector<double>> Step();
+  LegNormal(const LegModel& model, const std::vector<double>& coefficients);  // linearised there
 
   // The state's covariance in each frame, by A⁻¹; nullopt if A is not positive definite.
   std::optional<StateCovariances> Covariances();
@@ -30,15 +26,14 @@ class LegNormal {
   };
   std::size_t RowsOf(const Piece& piece) const { return (piece.end - piece.begin) * states_; }
   std::size_t Local(const Piece& piece, std::size_t row) const { return row + band_ - piece.begin * states_; }
-  void Assemble(const Piece& piece, std::vector<double>* gradient);
-  bool Factorize(const Piece& piece, std::vector<double>* gradient = nullptr);
-  bool GoForward(std::vector<double>* gradient);
+  void Assemble(const Piece& piece);
+  bool Factorize(const Piece& piece);
+  bool GoForward();
   bool GoBack(const std::function<void(const Piece&)>& visit);
   StateMatrix CovarianceAt(const Piece& piece, const SplineGrid::Place& place) const;
 
   const LegModel& model_;
   const std::vector<double>& coefficients_;
-  double damping_;
   std::size_t states_, band_;
   std::vector<Piece> pieces_;
   BandedMatrix rows_;  // of the piece at work: `band_` rows before its own, its own, `band_` rows after them

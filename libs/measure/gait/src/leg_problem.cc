@@ -48,12 +48,12 @@ class MarkerCost : public ceres::CostFunction {
     for (std::size_t k = 0; k < 4; ++k)
       for (int s = 0; s < model_.states; ++s) state[s] += weights_[k] * coefficients[k][s];
     const LegResidual residual = EvaluateAt(model_, observation_, state);
-    for (int i = 0; i < 2; ++i) residuals[i] = residual.value[i] / observation_.sigma;
+    for (int i = 0; i < 2; ++i) residuals[i] = residual.value[i] / model_.Scatter(observation_);
     if (!jacobians) return true;
     for (std::size_t k = 0; k < 4; ++k)
       for (int i = 0; jacobians[k] && i < 2; ++i)
         for (int s = 0; s < model_.states; ++s)
-          jacobians[k][i * model_.states + s] = weights_[k] / observation_.sigma * residual.by_state(i, s);
+          jacobians[k][i * model_.states + s] = weights_[k] / model_.Scatter(observation_) * residual.by_state(i, s);
     return true;
   }
 
@@ -104,18 +104,12 @@ class InterruptCallback : public ceres::IterationCallback {
   }
 };
 
-constexpr int kMostIterations = 50;
-
-// Relative. The sum is about one per observation: stop at steps worth a hundredth of one.
-double CostTolerance(std::size_t observations) {
-  return 0.01 / static_cast<double>(std::max<std::size_t>(observations, 1));
-}
-
 ceres::Solver::Options SolverOptions(std::size_t observations) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = kMostIterations;
-  options.function_tolerance = CostTolerance(observations);
+  options.max_num_iterations = 50;
+  // Relative. The sum is about one per observation: stop at steps worth a thousandth of one.
+  options.function_tolerance = 1e-3 / static_cast<double>(std::max<std::size_t>(observations, 1));
   options.initial_trust_region_radius = 1e8;  // the start is good and the problem nearly linear: full steps
   options.num_threads = 1;  // more add up the cost in the order in which they end: other last digits from run to run
   options.logging_type = ceres::SILENT;
@@ -156,11 +150,12 @@ namespace {
 
 // Half the sum.
 double CostOf(const LegModel& model, const std::vector<double>& coefficients) {
-  const double limit2 = model.outlier_deviations * model.outlier_deviations;
   double sum = 0;
   for (const LegObservation& observation : model.observations) {
-    const Eigen::Vector2d residual = EvaluateObservation(model, observation, coefficients).value;
-    const double left = 1 - std::min(1.0, residual.squaredNorm() / (observation.sigma * observation.sigma * limit2));
+    const double limit2 = std::pow(model.OutlierLimit(observation), 2);
+    const double deviations =
+        EvaluateObservation(model, observation, coefficients).value.norm() / model.Scatter(observation);
+    const double left = 1 - std::min(1.0, deviations * deviations / limit2);
     sum += limit2 / 3 * (1 - left * left * left);
   }
   for (std::size_t k = 0; k + 3 < model.grid.count; ++k)
@@ -168,85 +163,92 @@ double CostOf(const LegModel& model, const std::vector<double>& coefficients) {
   return sum / 2;
 }
 
-// Levenberg and Marquardt's steps, almost Gauss and Newton's as long as they lead downhill.
-LegSolveSummary SolveInBands(const LegModel& model, std::vector<double>& coefficients) {
-  constexpr double kLeastDamping = 1e-8, kMostDamping = 1e8, kFactor = 10;
-  const double tolerance = CostTolerance(model.observations.size());
-  LegSolveSummary summary;
-  summary.initial_cost = summary.final_cost = CostOf(model, coefficients);
-  summary.message = "too many steps";
-  for (double damping = kLeastDamping; damping < kMostDamping && summary.iterations < kMostIterations;) {
-    ++summary.iterations;
-    const std::optional<std::vector<double>> step = LegNormal(model, coefficients, damping).Step();
-    if (!step) {
-      summary.message = "the markers do not determine the leg";
-      return summary;
-    }
-    std::vector<double> next = coefficients;
-    for (std::size_t i = 0; i < next.size(); ++i) next[i] -= (*step)[i];
-    const double cost = CostOf(model, next), gain = summary.final_cost - cost;
-    const bool has_converged = std::abs(gain) <= tolerance * summary.final_cost;
-    if (gain > 0) coefficients = std::move(next), summary.final_cost = cost;
-    if (has_converged) {
-      summary.message = "converged";
-      break;
-    }
-    damping = gain > 0 ? std::max(damping / kFactor, kLeastDamping) : damping * kFactor * kFactor;
+// Knots [begin, end), and the ones around them whose observations and priors reach them.
+struct Piece {
+  std::size_t begin, end, first, last;
+};
+
+// A movement forgets its ends within a second or so; the pieces' margins are given up.
+std::vector<Piece> Pieces(const LegModel& model) {
+  const std::size_t count = model.grid.count,
+                    margin = static_cast<std::size_t>(std::ceil(model.piece_margin_s / model.grid.step_s)) + 4,
+                    length = std::max<std::size_t>(model.knots_per_piece, 1);
+  std::vector<Piece> pieces;
+  for (std::size_t begin = 0; begin < count; begin += length) {
+    const std::size_t end = begin + 2 * length > count ? count : begin + length;
+    pieces.push_back({begin, end, begin - std::min(begin, margin), std::min(count, end + margin)});
+    if (end == count) break;
   }
-  summary.usable = std::isfinite(summary.final_cost);
-  return summary;
+  return pieces;
 }
 
-}  // namespace
-
-LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients) {
-  if (model.in_bands) return SolveInBands(model, coefficients);
-  ceres::TukeyLoss loss(model.outlier_deviations);
+// By Ceres, over the piece and its margins.
+LegSolveSummary SolvePiece(const LegModel& model, const Piece& piece, std::vector<double>& coefficients) {
   ceres::Problem::Options ownership;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ownership.disable_all_safety_checks = true;
   ceres::Problem problem(ownership);
-
   const auto block = [&](std::size_t k) { return coefficients.data() + k * static_cast<std::size_t>(model.states); };
   std::deque<MarkerCost> costs;
-  for (const LegObservation& observation : model.observations) {
-    const SplineGrid::Place place = model.At(observation.frame);
+  std::deque<ceres::TukeyLoss> losses;
+  auto observation =
+      std::partition_point(model.observations.begin(), model.observations.end(),
+                           [&](const LegObservation& o) { return model.At(o.frame).first < piece.first; });
+  for (; observation != model.observations.end(); ++observation) {
+    const SplineGrid::Place place = model.At(observation->frame);
     const std::size_t k = place.first;
-    costs.emplace_back(model, observation, place.value);
-    problem.AddResidualBlock(&costs.back(), &loss, block(k), block(k + 1), block(k + 2), block(k + 3));
+    if (k + 4 > piece.last) break;
+    costs.emplace_back(model, *observation, place.value);
+    losses.emplace_back(model.OutlierLimit(*observation));
+    problem.AddResidualBlock(&costs.back(), &losses.back(), block(k), block(k + 1), block(k + 2), block(k + 3));
   }
   std::deque<PriorCost> priors;
-  for (std::size_t k = 0; k + 3 < model.grid.count; ++k) {
+  for (std::size_t k = piece.first; k + 4 <= piece.last; ++k) {
     priors.emplace_back(model, k);
     problem.AddResidualBlock(&priors.back(), nullptr, block(k), block(k + 1), block(k + 2), block(k + 3));
   }
-
-  ceres::Solver::Options options = SolverOptions(model.observations.size());
+  ceres::Solver::Options options = SolverOptions(costs.size());
   InterruptCallback interrupt;
   options.callbacks.push_back(&interrupt);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   ThrowIfInterrupted();
-  return {summary.IsSolutionUsable(), static_cast<int>(summary.iterations.size()), summary.initial_cost,
-          summary.final_cost, summary.message};
+  return {summary.IsSolutionUsable(), static_cast<int>(summary.iterations.size()), 0, 0, summary.message};
 }
 
-double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, double sigma) {
-  const double u = residual.squaredNorm() / std::pow(sigma * model.outlier_deviations, 2);
-  return u < 1 ? (1 - u) * (1 - u) : 0;
+}  // namespace
+
+LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients) {
+  LegSolveSummary whole{true, 0, CostOf(model, coefficients), 0, ""};
+  const std::vector<double> start = coefficients;
+  for (const Piece& piece : Pieces(model)) {
+    std::vector<double> solved = start;
+    const LegSolveSummary summary = SolvePiece(model, piece, solved);
+    const auto at = [&](std::size_t knot) {
+      return static_cast<std::ptrdiff_t>(knot * static_cast<std::size_t>(model.states));
+    };
+    std::copy(solved.begin() + at(piece.begin), solved.begin() + at(piece.end), coefficients.begin() + at(piece.begin));
+    whole.usable &= summary.usable;
+    whole.iterations = std::max(whole.iterations, summary.iterations);
+    whole.message = summary.message;
+    if (!summary.usable) break;
+  }
+  whole.final_cost = CostOf(model, coefficients);
+  return whole;
 }
 
-double OrdinaryLimit(const LegModel& model) {
-  return 0.7 * model.outlier_deviations;
+double RobustWeight(const LegModel& model, const LegObservation& observation, const Eigen::Vector2d& residual) {
+  const double u = residual.norm() / (model.Scatter(observation) * model.OutlierLimit(observation));
+  return u < 1 ? std::pow(1 - u * u, 2) : 0;
 }
 
-bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma) {
-  return residual.norm() < OrdinaryLimit(model) * sigma;
+bool IsOrdinary(const LegModel& model, const LegObservation& observation, const Eigen::Vector2d& residual) {
+  return residual.norm() < model.OutlierLimit(observation) * model.Scatter(observation);
 }
 
 StateCovariances CovariancesOf(const LegModel& model, const std::vector<double>& coefficients) {
-  std::optional<StateCovariances> covariances = LegNormal(model, coefficients, 0).Covariances();
+  std::optional<StateCovariances> covariances = LegNormal(model, coefficients).Covariances();
   if (!covariances)
     throw SolverError(
         "leg fit: the markers do not determine the leg; is one of ankle, knee, hip missing in most frames?");

@@ -31,7 +31,8 @@ inline constexpr int kLegMarkers = 4;
 // Small, as there are four of every frame.
 struct LegObservation {
   Eigen::Vector2d seen;     // as recorded
-  double sigma = 1;         // per axis
+  double sigma = 1;         // per axis, as stated
+  double jolt = 0;          // recorded unit: see Detections
   std::uint32_t frame = 0;  // index into the recording
   LegMarker marker = kAnkle;
   bool trusted = true;  // false: in an excursion, which the robust loss alone decides about
@@ -51,9 +52,20 @@ struct LegModel {
   std::vector<double> time_s;                     // of the frames
   std::array<double, kLegMarkers> depth_mm = {};  // of the markers
   std::vector<LegObservation> observations;       // frames increase
-  double outlier_deviations = 7;                  // where the biweight reaches zero
-  bool in_bands = false;                          // see SolveLegProblem
+  double outlier_deviations = 7;                  // the biweight reaches zero at so many deviations and a jolt
+  std::size_t knots_per_piece = 2048;             // that are solved at once
+  double piece_margin_s = 2;
 
+  // Of the noise's deviations over the stated sigmas, and of the noise in the variances about the smooth paths, frame
+  // by frame; the rest the markers did themselves. Empty: 1.
+  std::array<double, kLegMarkers> sigma_scale = {1, 1, 1, 1};
+  std::array<std::vector<double>, kLegMarkers> noise_share;
+
+  double NoiseShare(LegMarker m, std::size_t frame) const { return noise_share[m].empty() ? 1 : noise_share[m][frame]; }
+  double Sigma(const LegObservation& o) const { return o.sigma * sigma_scale[o.marker]; }
+  // An observation's deviation about the smooth path, and where its residual has no weight at all, in such deviations.
+  double Scatter(const LegObservation& o) const { return Sigma(o) / std::sqrt(NoiseShare(o.marker, o.frame)); }
+  double OutlierLimit(const LegObservation& o) const { return outlier_deviations + o.jolt / Scatter(o); }
   // The coefficients that reach a frame's time, and what each contributes.
   SplineGrid::Place At(std::size_t frame) const { return grid.At(time_s[frame]); }
 };
@@ -88,17 +100,16 @@ struct LegSolveSummary {
   std::string message;
 };
 
-// From the given coefficients (grid.count × states) to the solution: by Ceres, which keeps every derivative (9 kB per
-// frame), or by Levenberg and Marquardt's steps with nothing but the normal matrix within its band.
+// From the given coefficients (grid.count × states) to the solution, by Ceres, which keeps every derivative (9 kB per
+// frame): piece by piece, each with a margin on both sides that is given up.
 LegSolveSummary SolveLegProblem(const LegModel& model, std::vector<double>& coefficients);
 
 // ρ'(|r|²/σ²) of an observation: 1 for an ordinary one, 0 for an outlier.
-double RobustWeight(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
+double RobustWeight(const LegModel& model, const LegObservation& observation, const Eigen::Vector2d& residual);
 
-// Observations whose residual is smaller than so many sigmas are no outliers: statistics of the noise count these, with
+// Whether a residual is so much smaller than the limit that it is no outlier: statistics of the noise count these, with
 // equal weights (with the weights ρ' the noise would look smaller than it is).
-double OrdinaryLimit(const LegModel& model);
-bool IsOrdinary(const LegModel& model, const Eigen::Vector2d& residual, double sigma);
+bool IsOrdinary(const LegModel& model, const LegObservation& observation, const Eigen::Vector2d& residual);
 
 // State, its derivative by time, and its covariance at a place.
 using StateVector = Eigen::Matrix<double, kLegStates, 1>;

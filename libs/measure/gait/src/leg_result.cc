@@ -29,17 +29,26 @@ struct MarkerOutput {
   std::vector<Eigen::Vector2d> filtered_curve;
 };
 
-// Before a marker is first seen and after it is last seen nothing is known of it: it may not have been there.
-std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurve& curve, double most_sigma) {
-  const auto first = std::find(d.seen.begin(), d.seen.end(), 1) - d.seen.begin();
-  const auto last = d.seen.rend() - std::find(d.seen.rbegin(), d.seen.rend(), 1) - 1;
-  std::vector<motion::SampleStatus> status;
-  for (std::size_t i = 0; i < d.seen.size(); ++i) {
+bool IsOutlier(const Detections& d, const MarkerCurve& curve, std::size_t i, double deviations) {
+  return d.seen[i] && (d.track->samples[i].position - curve.recorded[i]).norm() >
+                          deviations * curve.scatter[i] * d.sigma[i] + d.jolt[i];
+}
+
+// Before a marker is first seen and after it is last seen nothing is known of it: it may not have been there. Where it
+// is hidden, or something else was taken for it, it is known as well as the curve knows it.
+std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurve& curve, double most_sigma,
+                                           double outlier_deviations) {
+  using motion::SampleStatus;
+  const std::size_t n = d.seen.size();
+  std::vector<char> fits(n);
+  for (std::size_t i = 0; i < n; ++i) fits[i] = d.seen[i] && !IsOutlier(d, curve, i, outlier_deviations);
+  const auto first = std::find(fits.begin(), fits.end(), 1) - fits.begin();
+  const auto last = fits.rend() - std::find(fits.rbegin(), fits.rend(), 1) - 1;
+  std::vector<SampleStatus> status(n, SampleStatus::kMissing);
+  for (std::size_t i = 0; i < n; ++i) {
     const auto frame = static_cast<std::ptrdiff_t>(i);
-    const bool is_between = frame >= first && frame <= last;
-    status.push_back(d.seen[i]                                          ? motion::SampleStatus::kDetected
-                     : is_between && curve.plane_sigma[i] <= most_sigma ? motion::SampleStatus::kFilled
-                                                                        : motion::SampleStatus::kMissing);
+    if (fits[i] || (frame >= first && frame <= last && curve.plane_sigma[i] <= most_sigma))
+      status[i] = d.seen[i] ? SampleStatus::kDetected : SampleStatus::kFilled;
   }
   return status;
 }
@@ -74,7 +83,7 @@ void FilterPositions(MarkerOutput& output, const std::vector<double>& time_s, do
 MarkerOutput MakeOutput(const Detections& d, MarkerCurve curve, const std::vector<double>& time_s, double most_sigma,
                         const LegFitOptions& options) {
   MarkerOutput output{&d, std::move(curve), {}, {}, {}, {}, {}};
-  output.status = StatusOf(d, output.curve, most_sigma);
+  output.status = StatusOf(d, output.curve, most_sigma, options.outlier_deviations);
   output.shown = output.curve.in_plane, output.shown_sigma = output.curve.plane_sigma;
   output.shown_across = output.curve.across;
   if (options.filter == LegFilter::kSpline) return output;
@@ -256,17 +265,17 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
   const Detections& d = *output.detections;
   MarkerReport report;
   report.name = d.name;
-  report.noise_scale = output.curve.noise_scale;
-  std::vector<double> squares, parallax;
+  std::vector<double> squares, parallax, scatter;
   for (std::size_t i = 0; i < d.seen.size(); ++i) {
     report.detected += output.status[i] == motion::SampleStatus::kDetected;
     report.filled += output.status[i] == motion::SampleStatus::kFilled;
     report.missing += output.status[i] == motion::SampleStatus::kMissing;
     if (!d.seen[i]) continue;
     const double distance = (d.track->samples[i].position - output.curve.recorded[i]).norm(),
-                 deviations = distance / (output.curve.noise_scale * d.sigma[i]);
+                 deviations = distance / (output.curve.scatter[i] * d.sigma[i]);
+    scatter.push_back(output.curve.scatter[i]);
     if (distance > report.worst) report.worst = distance, report.worst_frame = recording.frame[i];
-    if (deviations > outlier_deviations) {
+    if (IsOutlier(d, output.curve, i, outlier_deviations)) {
       ++report.outliers;
       outliers.push_back({recording.frame[i], d.name, distance, deviations});
     } else {
@@ -277,14 +286,20 @@ MarkerReport ReportMarker(const MarkerOutput& output, const motion::MarkerRecord
           (PlaneFromRecorded(view, d.track->samples[i].position, d.depth_mm + 1) - d.in_plane[i]).norm());
   }
   report.rms = std::sqrt(Mean(squares));
+  report.noise_scale = RootMeanSquare(scatter);
   if (!parallax.empty()) report.parallax_per_depth = Median(parallax);
   return report;
 }
 
 // A marker seen too rarely for a curve: its detections as they are.
 MarkerOutput Unsmoothed(const Detections& d) {
-  MarkerOutput output{
-      &d, {d.in_plane, {}, d.plane_sigma, d.sigma, true, 1, {}, {}, {}}, {}, d.in_plane, d.plane_sigma, {}, {}};
+  MarkerOutput output{&d,
+                      {d.in_plane, {}, d.plane_sigma, d.sigma, true, std::vector<double>(d.seen.size(), 1), {}, {}, {}},
+                      {},
+                      d.in_plane,
+                      d.plane_sigma,
+                      {},
+                      {}};
   for (std::size_t i = 0; i < d.seen.size(); ++i) {
     output.curve.recorded.push_back(d.track->samples[i].position);
     output.status.push_back(d.seen[i] ? motion::SampleStatus::kDetected : motion::SampleStatus::kMissing);
@@ -307,7 +322,7 @@ MarkerOutput MakeExtra(const motion::MarkerRecording& recording, const Detection
 }
 
 void AddMarkers(const motion::MarkerRecording& recording, const std::vector<MarkerOutput>& leg, const LegView& view,
-                double most_sigma, const LegFitOptions& options, LegFitResult& result) {
+                double most_sigma, double skin, const LegFitOptions& options, LegFitResult& result) {
   result.tracks = {recording.unit, recording.frame, recording.time_s, {}};
   result.trajectory = result.measured = {PlaneUnit(view), recording.frame, recording.time_s, {}};
   const auto add = [&](const MarkerOutput& output) {
@@ -321,7 +336,7 @@ void AddMarkers(const motion::MarkerRecording& recording, const std::vector<Mark
     if (own != leg.end()) {
       add(*own);
     } else {
-      const Detections detections = CollectDetections(recording, track, view);
+      const Detections detections = CollectDetections(recording, track, view, skin);
       add(MakeExtra(recording, detections, view, most_sigma, options, result.warnings));
     }
   }
@@ -338,14 +353,14 @@ double MedianLength(const LegCurves& curves, LegState length) {
 }  // namespace
 
 void FillResult(const motion::MarkerRecording& recording, const std::array<Detections, kLegMarkers>& detections,
-                const LegCurves& curves, const LegModel& model, motion::Facing facing, const LegFitOptions& options,
-                LegFitResult& result) {
+                const LegCurves& curves, const LegModel& model, motion::Facing facing, double skin,
+                const LegFitOptions& options, LegFitResult& result) {
   const double shank = MedianLength(curves, kShankLength), thigh = MedianLength(curves, kThighLength);
   const double most_sigma = options.most_filled_sigma * shank;
   std::vector<MarkerOutput> leg;
   for (std::size_t m = 0; m < static_cast<std::size_t>(curves.markers); ++m)
     leg.push_back(MakeOutput(detections[m], curves.marker[m], recording.time_s, most_sigma, options));
-  AddMarkers(recording, leg, model.view, most_sigma, options, result);
+  AddMarkers(recording, leg, model.view, most_sigma, skin, options, result);
   result.segments.push_back(ReportSegment("ak", detections[kAnkle], detections[kKnee], curves, kAnkle, kShankLength));
   result.segments.push_back(ReportSegment("kh", detections[kKnee], detections[kHip], curves, kKnee, kThighLength));
   if (curves.markers == kLegMarkers)

@@ -29,6 +29,25 @@ double NoiseFromDifferences(const motion::MarkerTrack& track, const std::vector<
   return differences.empty() ? 0 : RobustDeviation(differences) / kGain;
 }
 
+// Skin jumps on the bone, and a foot that strikes stops between two frames: how far a marker may be off a smooth path,
+// with its speed as the movement over a moment, which a wrong position hardly changes.
+std::vector<double> Jolts(const Detections& d, const std::vector<double>& time_s, double skin) {
+  constexpr double kReach_s = 0.2;
+  const double interval_s = MedianInterval(time_s);
+  const std::size_t n = time_s.size();
+  std::vector<double> jolts(n, skin);
+  for (std::size_t i = 0, begin = 0, end = 0; i < n; ++i) {
+    while (begin < i && (!d.seen[begin] || time_s[begin] < time_s[i] - kReach_s)) ++begin;
+    while (end + 1 < n && time_s[end + 1] <= time_s[i] + kReach_s) ++end;
+    std::size_t last = end;
+    while (last > begin && !d.seen[last]) --last;
+    if (last == begin || !d.seen[begin]) continue;
+    const Eigen::Vector2d moved = d.track->samples[last].position - d.track->samples[begin].position;
+    jolts[i] += moved.norm() / std::max(time_s[last] - time_s[begin], kReach_s) * interval_s;
+  }
+  return jolts;
+}
+
 // The steps of a marker between the frames in which it is seen.
 struct Steps {
   std::vector<std::size_t> frames;
@@ -71,13 +90,17 @@ void MistrustExcursions(Detections& d, const std::vector<double>& time_s) {
   constexpr double kLongest_s = 0.5;
   const Steps steps = FindSteps(d, time_s);
   const std::vector<std::size_t>& frames = steps.frames;
+  const auto ordinary = [&](std::size_t k) {
+    const std::size_t i = frames[k];
+    return (12 + d.jolt[i] / d.sigma[i]) * d.plane_sigma[i];
+  };
   const auto is_jump = [&](std::size_t k, const UsualStep& usual) {
-    return (steps.step[k] - usual.median).norm() > 5 * usual.spread + 12 * d.plane_sigma[frames[k]];
+    return (steps.step[k] - usual.median).norm() > 5 * usual.spread + ordinary(k);
   };
   for (std::size_t k = 1; k < frames.size(); ++k) {
     const UsualStep usual = UsualStepAround(steps, k);
     if (!is_jump(k, usual)) continue;
-    const double jump = (steps.step[k] - usual.median).norm(), noise = 12 * d.plane_sigma[frames[k]];
+    const double jump = (steps.step[k] - usual.median).norm(), noise = ordinary(k);
     for (std::size_t back = k + 1; back < frames.size() && time_s[frames[back]] - time_s[frames[k]] <= kLongest_s;
          ++back) {
       const double gap = (time_s[frames[back]] - time_s[frames[k - 1]]) / steps.interval_s;
@@ -139,7 +162,7 @@ SmoothedSignals SmoothOn(double step_s, const LegSignals& signals, const std::ve
 }  // namespace
 
 Detections CollectDetections(const motion::MarkerRecording& recording, const motion::MarkerTrack& track,
-                             const LegView& view) {
+                             const LegView& view, double skin) {
   const std::size_t n = recording.Frames();
   Detections d{track.name,
                &track,
@@ -147,6 +170,7 @@ Detections CollectDetections(const motion::MarkerRecording& recording, const mot
                std::vector<char>(n),
                {},
                std::vector<double>(n),
+               {},
                std::vector<Eigen::Vector2d>(n),
                std::vector<double>(n),
                {}};
@@ -171,6 +195,7 @@ Detections CollectDetections(const motion::MarkerRecording& recording, const mot
     d.plane_sigma[i] = d.sigma[i] * PlaneUnitsPerRecorded(view, d.in_plane[i], d.depth_mm);
   }
   d.trusted = d.seen;
+  d.jolt = Jolts(d, recording.time_s, skin);
   MistrustExcursions(d, recording.time_s);
   return d;
 }

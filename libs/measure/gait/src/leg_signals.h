@@ -19,14 +19,16 @@ struct Detections {
   std::vector<char> seen;     // 0 or 1 per frame
   std::vector<char> trusted;  // seen, and not on an excursion of a few frames
   std::vector<double> sigma;  // recorded unit; where it was given as 0, the estimate
+  std::vector<double> jolt;   // recorded unit: how far off a smooth path a person's marker may be, noise apart
   std::vector<Eigen::Vector2d> in_plane;
   std::vector<double> plane_sigma;  // unit of the plane
   std::vector<double> across;       // mm across the plane, NaN where missing; empty for a trial of two dimensions
 };
 
-// Throws Error for a sample that is not finite or lies where the camera cannot see it, naming marker and frame.
+// `skin` (recorded unit) is what a marker on skin may jump from frame to frame. Throws Error for a sample that is not
+// finite or lies where the camera cannot see it, naming marker and frame.
 Detections CollectDetections(const motion::MarkerRecording& recording, const motion::MarkerTrack& track,
-                             const LegView& view);
+                             const LegView& view, double skin);
 
 // The components' values and sigmas of every frame, NaN where a marker is not trusted; angles continuous, in rad.
 struct LegSignals {

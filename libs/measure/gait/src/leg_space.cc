@@ -96,16 +96,9 @@ void SmoothAcross(const motion::MarkerRecording& recording, const Detections& d,
   std::vector<double> values = d.across;
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!d.trusted[i]) values[i] = motion::LegSample::kUnknown;
-  SmoothingOptions smoothing;
-  if (options.filter == LegFilter::kSpline) smoothing.cutoff_hz = options.cutoff_hz;
-  smoothing.max_iterations = options.most_smoothing_iterations;
-  const SmoothSignal signal = FitSmoothingSpline(grid, recording.time_s, values, d.plane_sigma, smoothing);
-  for (const double time_s : recording.time_s) {
-    const SplineGrid::Place place = grid.At(time_s);
-    curve.across.push_back(ValueAt(place, signal.coefficients));
-    curve.across_rate.push_back(SlopeAt(place, signal.coefficients));
-    curve.across_variance.push_back(VarianceAt(place, signal.covariance));
-  }
+  SmoothCoordinate smooth = SmoothByItself(grid, recording.time_s, values, d.plane_sigma, options);
+  curve.across = std::move(smooth.value), curve.across_rate = std::move(smooth.rate);
+  curve.across_variance = std::move(smooth.variance);
 }
 
 double LargestAngleDeg(const Detections& below, const Detections& above) {

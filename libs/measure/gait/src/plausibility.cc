@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
@@ -10,24 +11,20 @@
 namespace lake::gait {
 namespace {
 
-constexpr int kShown = 6;  // runs of frames in a message
-
-// The value farthest beyond the limits decides the message; NaN is never beyond.
-void CheckColumn(const std::vector<double>& values, double least, double most, const std::string& what,
-                 const std::string& unit, const std::vector<std::int64_t>& frame, const std::string& ways_out) {
+// Values beyond the limits, if there are any; NaN is never beyond.
+void FindBeyond(const std::vector<double>& values, double least, double most, const std::string& what,
+                const std::string& unit, const std::vector<std::string>& markers, std::vector<Implausible>& found) {
   double worst = 0, beyond = 0;
-  for (const double value : values) {
-    const double over = std::max(value - most, least - value);
-    if (over > beyond) beyond = over, worst = value;
+  Implausible implausible{"", std::vector<char>(values.size(), 0), markers};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double over = std::max(values[i] - most, least - values[i]);
+    implausible.at[i] = over > 0;
+    if (over > beyond) beyond = over, worst = values[i];
   }
-  if (beyond > 0)
-    throw Fail(
-        "{} is {:.4g} {} at worst, a person's is between {:.4g} and {:.4g} (frames {}): the markers are not where they "
-        "were taken to be there, or the frames not when; look at these frames, {}",
-        what, worst, unit, least, most,
-        FramesWhere(
-            frame, [&](std::size_t i) { return values[i] > most || values[i] < least; }, kShown),
-        ways_out);
+  if (beyond == 0) return;
+  implausible.what =
+      fmt::format("{} is {:.4g}{} at worst, a person's is between {:.4g} and {:.4g}", what, worst, unit, least, most);
+  found.push_back(std::move(implausible));
 }
 
 std::vector<double> Column(const motion::LegMotion& motion, double motion::LegSample::*value) {
@@ -47,13 +44,10 @@ double MedianOfKnown(std::vector<double> values) {
   return Median(std::move(values));
 }
 
-void CheckSegment(const motion::LegMotion& motion, Eigen::Vector2d motion::LegSample::*segment, const char* what,
-                  const PlausibilityLimits& limits) {
-  std::vector<double> lengths = Lengths(motion, segment);
+std::vector<double> OverMedian(std::vector<double> lengths) {
   const double usual = MedianOfKnown(lengths);
   for (double& length : lengths) length /= usual;
-  CheckColumn(lengths, limits.shortest, limits.longest, fmt::format("the length of the {} over its median", what), "",
-              motion.frame, limits.ways_out);
+  return lengths;
 }
 
 // Speed and acceleration of each sample from its own place and those a moment before and after; NaN where not known.
@@ -85,58 +79,50 @@ MarkerRates RatesOf(const motion::MarkerTrack& marker, const std::vector<double>
 
 }  // namespace
 
-void CheckPlausible(const motion::LegMotion& motion, const motion::MarkerRecording& trajectory,
-                    const PlausibilityLimits& limits) {
-  CheckColumn(Column(motion, &motion::LegSample::knee_deg), limits.least_knee_deg, limits.most_knee_deg,
-              "the knee angle", "deg", motion.frame, limits.ways_out);
-  CheckSegment(motion, &motion::LegSample::ak, "shank", limits);
-  CheckSegment(motion, &motion::LegSample::kh, "thigh", limits);
-  CheckColumn(Column(motion, &motion::LegSample::knee_deg_s), -limits.most_knee_deg_s, limits.most_knee_deg_s,
-              "the knee's angular velocity", "deg/s", motion.frame, limits.ways_out);
-  std::vector<double> sigmas = Column(motion, &motion::LegSample::knee_sigma_deg);
-  const std::vector<double> all = sigmas;
-  std::erase_if(sigmas, [](double v) { return !std::isfinite(v); });
-  if (RootMeanSquare(sigmas) > limits.most_knee_sigma_deg)
-    throw Fail(
-        "the knee angle's standard deviation is {:.3g} deg (root mean square), where {} are the most that say anything "
-        "(frames {}): the markers' paths fit no moving leg; look at these frames, {}",
-        RootMeanSquare(sigmas), limits.most_knee_sigma_deg,
-        FramesWhere(
-            motion.frame, [&](std::size_t i) { return all[i] > limits.most_knee_sigma_deg; }, kShown),
-        limits.ways_out);
-  const double leg =
+std::vector<Implausible> FindImplausible(const motion::LegMotion& motion, const motion::MarkerRecording& trajectory,
+                                         const LegMarkers& names, const PlausibilityLimits& limits) {
+  const std::vector<std::string> leg = {names.ankle, names.knee, names.hip};
+  std::vector<Implausible> found;
+  FindBeyond(Column(motion, &motion::LegSample::knee_deg), limits.least_knee_deg, limits.most_knee_deg,
+             "the knee angle", " deg", leg, found);
+  for (const auto& [segment, name, ends] :
+       {std::tuple{&motion::LegSample::ak, "shank", std::vector{names.ankle, names.knee}},
+        {&motion::LegSample::kh, "thigh", std::vector{names.knee, names.hip}}})
+    FindBeyond(OverMedian(Lengths(motion, segment)), limits.shortest, limits.longest,
+               fmt::format("the length of the {} over its median", name), "", ends, found);
+  FindBeyond(Column(motion, &motion::LegSample::knee_deg_s), -limits.most_knee_deg_s, limits.most_knee_deg_s,
+             "the knee's angular velocity", " deg/s", leg, found);
+  FindBeyond(Column(motion, &motion::LegSample::knee_sigma_deg), 0, limits.most_knee_sigma_deg,
+             "the knee angle's standard deviation", " deg", {}, found);
+  const double length =
       MedianOfKnown(Lengths(motion, &motion::LegSample::ak)) + MedianOfKnown(Lengths(motion, &motion::LegSample::kh));
-  const double mm_per_unit = trajectory.unit == motion::LengthUnit::kMm ? 1 : limits.leg_mm / leg;
+  const double mm_per_unit = trajectory.unit == motion::LengthUnit::kMm ? 1 : limits.leg_mm / length;
   for (const motion::MarkerTrack& marker : trajectory.markers) {
     MarkerRates rates = RatesOf(marker, trajectory.time_s);
     for (auto* column : {&rates.speed, &rates.acceleration})
       for (double& value : *column) value *= mm_per_unit;
-    CheckColumn(rates.speed, 0, limits.most_speed_mm_s, fmt::format("the speed of marker '{}'", marker.name), "mm/s",
-                trajectory.frame, limits.ways_out);
-    CheckColumn(rates.acceleration, 0, limits.most_acceleration_mm_s2,
-                fmt::format("the acceleration of marker '{}'", marker.name), "mm/s²", trajectory.frame,
-                limits.ways_out);
+    FindBeyond(rates.speed, 0, limits.most_speed_mm_s, fmt::format("the speed of marker '{}'", marker.name), " mm/s",
+               {marker.name}, found);
+    FindBeyond(rates.acceleration, 0, limits.most_acceleration_mm_s2,
+               fmt::format("the acceleration of marker '{}'", marker.name), " mm/s²", {marker.name}, found);
   }
+  return found;
 }
 
-void CheckPlausible(const LegFitResult& result, const PlausibilityLimits& limits) {
-  CheckPlausible(result.motion, result.trajectory, limits);
-  for (const MarkerReport& marker : result.markers) {
-    if (marker.outliers <= limits.most_outliers * marker.detected) continue;
+std::string FramesOf(const std::vector<std::int64_t>& frame, const std::vector<char>& at) {
+  constexpr int kShown = 6;  // runs of frames in a message
+  return FramesWhere(
+      frame, [&](std::size_t i) { return at[i] != 0; }, kShown);
+}
+
+void CheckPlausible(const motion::LegMotion& motion, const motion::MarkerRecording& trajectory,
+                    const PlausibilityLimits& limits) {
+  const std::vector<Implausible> found = FindImplausible(motion, trajectory, {}, limits);
+  if (!found.empty())
     throw Fail(
-        "{} of the {} detections of marker '{}' are outliers of the fit, at most {:.0f} % may be (frames {}): what was "
-        "seen there is no leg's motion; look at these frames, {}",
-        marker.outliers, marker.detected, marker.name, 100 * limits.most_outliers,
-        FramesWhere(
-            result.motion.frame,
-            [&](std::size_t i) {
-              return std::any_of(result.outliers.begin(), result.outliers.end(), [&](const OutlierReport& outlier) {
-                return outlier.marker == marker.name && outlier.frame == result.motion.frame[i];
-              });
-            },
-            kShown),
-        limits.ways_out);
-  }
+        "{} (frames {}): the markers are not where they were taken to be there, or the frames not when; look at these "
+        "frames, {}",
+        found.front().what, FramesOf(motion.frame, found.front().at), limits.ways_out);
 }
 
 }  // namespace lake::gait

@@ -8,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
+#include "scatter.h"
 
 namespace lake::gait {
 namespace {
@@ -16,8 +17,12 @@ constexpr std::array<double, 4> kThirdDifference = {-1, 3, -3, 1};
 constexpr double kHalfPower = std::numbers::sqrt2 - 1;  // g of 1 / (1 + g) = √½
 
 struct Sample {
+  std::size_t index;
   SplineGrid::Place place;
-  double value, precision;
+  double time_s, value, precision;
+  double noise_share = 1;  // of the scatter about the curve
+
+  double Weight() const { return precision * noise_share; }
 };
 
 // One round at a given roughness: coefficients, and what the next step needs.
@@ -27,7 +32,7 @@ struct Round {
   std::vector<double> jerk_square;    // (Δ³c)²
   std::vector<double> jerk_variance;  // their posterior variances
   double slope_square = 0;            // mean f′² + variance
-  double residual_square = 0;         // Σ (r/σ)²
+  std::vector<Residual> residuals;    // one per sample, σ without it
   double effective_parameters = 0;
 };
 
@@ -37,7 +42,7 @@ std::vector<Sample> CollectSamples(const SplineGrid& grid, std::span<const doubl
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i])) continue;
     if (!(sigmas[i] > 0)) throw Fail("smoothing: the sigma {} of sample {} is not positive", sigmas[i], i);
-    samples.push_back({grid.At(time_s[i]), values[i], 1 / (sigmas[i] * sigmas[i])});
+    samples.push_back({i, grid.At(time_s[i]), time_s[i], values[i], 1 / (sigmas[i] * sigmas[i])});
   }
   if (samples.size() < 4) throw Fail("smoothing: {} samples are too few for a curve", samples.size());
   return samples;
@@ -85,13 +90,13 @@ Error Undetermined(std::span<const double> time_s, std::span<const double> value
 }
 
 // nullopt where the samples do not determine the curve.
-std::optional<Round> RunRound(const SplineGrid& grid, const std::vector<Sample>& samples, double noise_scale,
+std::optional<Round> RunRound(const SplineGrid& grid, const std::vector<Sample>& samples,
                               const std::vector<double>& roughness) {
   BandedMatrix normal(grid.count, 3);
   Round round;
   round.coefficients.assign(grid.count, 0.0);
   for (const Sample& sample : samples) {
-    const double weight = sample.precision / (noise_scale * noise_scale);
+    const double weight = sample.Weight();
     AddSquare(normal, sample.place.first, sample.place.value, weight);
     for (std::size_t a = 0; a < 4; ++a)
       round.coefficients[sample.place.first + a] += weight * sample.value * sample.place.value[a];
@@ -109,11 +114,11 @@ std::optional<Round> RunRound(const SplineGrid& grid, const std::vector<Sample>&
   }
   for (const Sample& sample : samples) {
     const double residual = sample.value - ValueAt(sample.place, round.coefficients);
-    round.residual_square += sample.precision * residual * residual;
+    const double leverage = sample.Weight() * VarianceAt(sample.place, round.covariance);
+    round.residuals.push_back({sample.time_s, sample.precision * residual * residual, 1 - leverage});
+    round.effective_parameters += leverage;
     const double slope = SlopeAt(sample.place, round.coefficients);
     round.slope_square += slope * slope + Variance(round.covariance, sample.place.first, sample.place.slope);
-    round.effective_parameters +=
-        sample.precision / (noise_scale * noise_scale) * VarianceAt(sample.place, round.covariance);
   }
   round.slope_square /= static_cast<double>(samples.size());
   return round;
@@ -149,6 +154,21 @@ double LargestChange(const std::vector<double>& from, const std::vector<double>&
   double change = 0;
   for (std::size_t k = 0; k < from.size(); ++k) change = std::max(change, std::abs(std::log(to[k] / from[k])));
   return change;
+}
+
+// At the given times; one share for all where a cutoff says what motion is.
+std::vector<double> FindNoiseShares(const Round& round, std::span<const double> time_s, bool alike) {
+  if (!alike) return NoiseShares(round.residuals, time_s);
+  double square = 0, free = 0;
+  for (const Residual& residual : round.residuals) square += residual.square, free += residual.free;
+  return std::vector<double>(time_s.size(), std::min(1.0, std::max(free, 1.0) / square));
+}
+
+// Root mean square, of the noise's deviation.
+double ScatterOf(const std::vector<Sample>& samples) {
+  double sum = 0;
+  for (const Sample& sample : samples) sum += 1 / sample.noise_share;
+  return std::sqrt(sum / static_cast<double>(samples.size()));
 }
 
 double RootMeanSigma(const std::vector<Sample>& samples) {
@@ -210,38 +230,51 @@ double CurveAt(const SplineGrid::Place& place, std::span<const double> coefficie
 
 SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> time_s, std::span<const double> values,
                                 std::span<const double> sigmas, const SmoothingOptions& options) {
-  const std::vector<Sample> samples = CollectSamples(grid, time_s, values, sigmas);
+  std::vector<Sample> samples = CollectSamples(grid, time_s, values, sigmas);
   const double sigma = RootMeanSigma(samples);
   const double sample_step_s = (time_s.back() - time_s.front()) / static_cast<double>(time_s.size() - 1);
   const auto roughness_of = [&](double cutoff_hz, double scale) {
     return RoughnessOfCutoff(cutoff_hz, scale * sigma, sample_step_s, grid.step_s);
   };
   constexpr double kFirstCutoffHz = 8;  // where the search starts; a few Hz above human motion
-  constexpr double kConverged = 0.05;   // of logarithms; a window's own error is ten times larger
+  constexpr double kConverged = 0.05,
+                   kNearlyConverged = 0.5;  // of logarithms; a window's own error is ten times larger
   const auto reach = static_cast<std::size_t>(std::lround(options.window_s / grid.step_s));
   SmoothSignal signal;
   signal.roughness.assign(grid.count - 3, roughness_of(options.cutoff_hz.value_or(kFirstCutoffHz), 1));
+  signal.noise_share.assign(time_s.size(), 1);
   Round round;
+  // What the path can follow is the path's: scatter is looked for when the roughness is nearly known.
+  bool seeks_scatter = false;
   for (; signal.iterations < options.max_iterations && !signal.converged; ++signal.iterations) {
     ThrowIfInterrupted();
-    std::optional<Round> next_round = RunRound(grid, samples, signal.noise_scale, signal.roughness);
+    std::optional<Round> next_round = RunRound(grid, samples, signal.roughness);
     if (!next_round) throw Undetermined(time_s, values);
     round = *std::move(next_round);
-    const double free = std::max(static_cast<double>(samples.size()) - round.effective_parameters, 1.0);
-    const double scale = std::max(1.0, std::sqrt(round.residual_square / free));
+    std::vector<double> shares = signal.noise_share;
+    if (options.cutoff_hz || seeks_scatter) shares = FindNoiseShares(round, time_s, options.cutoff_hz.has_value());
+    const double shares_change = LargestChange(signal.noise_share, shares);
+    signal.noise_share = std::move(shares);
+    for (Sample& sample : samples) sample.noise_share = signal.noise_share[sample.index];
+    signal.noise_scale = ScatterOf(samples);
     std::vector<double> next = NextRoughness(round, signal.roughness, reach, options.common);
-    const double least = roughness_of(options.least_cutoff_hz, scale);
-    for (double& q : next) q = options.cutoff_hz ? roughness_of(*options.cutoff_hz, scale) : std::max(q, least);
-    signal.converged =
-        LargestChange(signal.roughness, next) < kConverged && scale / signal.noise_scale - 1 < kConverged;
-    signal.noise_scale = scale;
+    const double least = roughness_of(options.least_cutoff_hz, signal.noise_scale);
+    for (double& q : next)
+      q = options.cutoff_hz ? roughness_of(*options.cutoff_hz, signal.noise_scale) : std::max(q, least);
+    const double change = LargestChange(signal.roughness, next);
+    signal.converged = (options.cutoff_hz || seeks_scatter) && change < kConverged && shares_change < kConverged;
+    seeks_scatter |= change < kNearlyConverged;
     signal.roughness = std::move(next);
   }
   signal.coefficients = std::move(round.coefficients);
   signal.covariance = std::move(round.covariance);
   signal.slope_square = round.slope_square;
   signal.effective_parameters = round.effective_parameters;
-  signal.risk = round.residual_square + 2 * round.effective_parameters;
+  signal.risk = 2 * round.effective_parameters;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double share = samples[i].noise_share;
+    signal.risk += share * round.residuals[i].square - std::log(share);
+  }
   signal.cutoff_hz =
       CutoffOfRoughness(GeometricMean(signal.roughness), signal.noise_scale * sigma, sample_step_s, grid.step_s);
   return signal;

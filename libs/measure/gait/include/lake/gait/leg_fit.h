@@ -38,7 +38,9 @@ struct LegFitOptions {
   LegMarkers markers;
   std::optional<motion::Facing> facing;           // found from the data
   Eigen::Vector2d up = Eigen::Vector2d::UnitY();  // the vertical, in the plane frame
-  double outlier_deviations = 7;                  // a residual of so many sigmas has no weight at all
+  // A detection has no weight at all that is off its marker's smooth path by so many deviations, what skin may jump on
+  // the bone (in |AK|), and the way that a foot goes on before it strikes.
+  double outlier_deviations = 7, skin_jump = 0.01;
   double most_length_range =
       0.30;  // of |AK| and |KH|, 5 % to 95 % quantile over the median; skin makes 0.14, swapped names 0.5 and more
   double most_usual_variation =
@@ -47,13 +49,10 @@ struct LegFitOptions {
   double longest_pause_s = 0.5;  // between two frames without a warning
   double most_filled_sigma = 0.04;  // of |AK|: a hidden marker less certain than this is missing (17 mm of an adult's)
   int most_smoothing_iterations = SmoothingOptions{}.max_iterations;  // of the search for each component's smoothness
-  // Longer recordings are solved with the normal matrix alone, in a sixth of the memory: to the same minimum, and to
-  // other last digits.
-  std::size_t most_frames_in_ceres = 15000;
+  std::size_t knots_per_piece = 2048;                                 // of the movement that are solved at once
   // The sigmas hold, as the tracker's: what markers scatter beyond them about smooth paths is the person's own jitter,
   // and is followed (but where a cutoff says what motion is). Else it is noise that the sigmas did not know of.
   bool known_sigmas = false;
-  bool FollowsJitter() const { return known_sigmas && !HasSplineCutoff(); }
   bool HasSplineCutoff() const { return filter == LegFilter::kSpline && cutoff_hz.has_value(); }
   bool quiet = true;  // no progress
 

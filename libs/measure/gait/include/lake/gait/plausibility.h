@@ -1,4 +1,4 @@
-// What a person's leg can do: a result beyond that is an error, never a table.
+// What a person's leg can do: FitLeg leaves out what is beyond it, frame by frame, and says so.
 #pragma once
 
 #include "lake/gait/leg_fit.h"
@@ -16,18 +16,27 @@ struct PlausibilityLimits {
   double most_speed_mm_s = 12e3;           // of a marker; standing up 1e3, a foot in running 10e3
   double most_acceleration_mm_s2 = 150e3;  // about 15 g; standing up 5e3, a shank at heel strike in running 100e3
   double shortest = 0.5, longest = 1.5;    // of a segment in one frame over its median; skin moves by some per cent
-  double most_knee_sigma_deg = 10;         // root mean square; of a knee that could be anywhere: 40°
-  double most_outliers = 0.25;             // share of a marker's detections that the fit does not explain
+  double most_knee_sigma_deg = 10;         // of a knee that could be anywhere: 40°
   double leg_mm = 850;                     // ankle to hip; stands in for a scale where there is none
   std::string ways_out = LegFitOptions().ways_out;  // for messages
 };
 
-// Throws Error naming what is beyond which limit and in which frames. Speeds and accelerations are those of the
-// trajectory's known samples, all its markers, over a twentieth of a second.
+// Values beyond the limits.
+struct Implausible {
+  std::string what;                  // "the knee angle is -154 deg at worst, a person's is between …"
+  std::vector<char> at;              // by frame of the recording: 1 where it is
+  std::vector<std::string> markers;  // whose places it comes from, by their names in the leg; none: that of no one
+};
+
+// Speeds and accelerations are those of the trajectory's known samples, all its markers, over a twentieth of a second.
+std::vector<Implausible> FindImplausible(const motion::LegMotion& motion, const motion::MarkerRecording& trajectory,
+                                         const LegMarkers& names, const PlausibilityLimits& limits = {});
+
+// Throws Error naming what is beyond which limit and in which frames.
 void CheckPlausible(const motion::LegMotion& motion, const motion::MarkerRecording& trajectory,
                     const PlausibilityLimits& limits = {});
 
-// The same, and whether the fit explains what was seen.
-void CheckPlausible(const LegFitResult& result, const PlausibilityLimits& limits = {});
+// "3, 8, 13 to 15": some of the frames.
+std::string FramesOf(const std::vector<std::int64_t>& frame, const std::vector<char>& at);
 
 }  // namespace lake::gait

@@ -48,12 +48,13 @@ struct SmoothingOptions {
 // for the other.
 struct SmoothSignal {
   std::vector<double> coefficients;
-  BandedMatrix covariance{0, 3};  // of the coefficients, within three of the diagonal
-  std::vector<double> roughness;  // variance of Δ³ of the coefficients, count − 3
-  double slope_square = 0;        // mean square of f′ at the samples, its uncertainty included
-  double noise_scale = 1;         // ≥ 1: by how much the samples' sigmas were too small
+  BandedMatrix covariance{0, 3};    // of the coefficients, within three of the diagonal
+  std::vector<double> roughness;    // variance of Δ³ of the coefficients, count − 3
+  double slope_square = 0;          // mean square of f′ at the samples, its uncertainty included
+  std::vector<double> noise_share;  // of the scatter about the curve, at each sample
+  double noise_scale = 1;           // ≥ 1: scatter about the curve over the samples' sigmas, root mean square
   double effective_parameters = 0;
-  double risk = 0;       // Mallows' C_p: Σ (r/σ)² + 2 effective parameters; compares grids
+  double risk = 0;       // Akaike's: Σ (r/s)² + log (s/σ)² + 2 effective parameters, s the scatter; compares grids
   double cutoff_hz = 0;  // of the equivalent low-pass (−3 dB), for the geometric mean of the roughness
   int iterations = 0;
   bool converged = false;

@@ -1,0 +1,23 @@
+// What markers scatter about smooth paths: measurement noise, and the movement of skin on top of it. Not part of the
+// interface.
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace lake::gait {
+
+// One residual r of a smooth path, against the variance σ² of the measurement's noise.
+struct Residual {
+  double time_s = 0;
+  double square = 0;  // (r/σ)², per axis
+  double free = 0;    // 1 − leverage: what noise alone would leave of it, on average
+};
+
+// The share of the residuals around each moment that is noise, 0..1; the rest the marker did itself. Smooth path plus
+// the rest of the residual has the smallest expected error: Stein's unbiased estimate of it, σ² (1 − 2 c free) + c² r²,
+// is least at c = Σ free / Σ (r/σ)² (C. Stein, Annals of Statistics 9, 1981), and at most σ², the measurement's own.
+// Where there is no residual within reach, that of all. Residuals and times must not decrease.
+std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<const double> time_s);
+
+}  // namespace lake::gait
