@@ -64,7 +64,7 @@ TEST_F(MotionFileTest, IsSeenInSpaceAndItsTruthIsWhatThePlaneShows) {
   motion_.extra_markers = {"BACK"};
   motion_.begin_s = 0.4;
   synth::SceneOptions options = synth::CleanScene(1);
-  options.duration_s = 1.2;  // before FRONT is missing
+  options.duration_s = 1.2, options.room = options.body = false;  // before FRONT is missing
   options.frame_rate_hz = kRateHz;
   options.yaw_deg = 11, options.pitch_deg = -5;
   for (const bool right : {true, false}) {

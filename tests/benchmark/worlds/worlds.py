@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Random recordings with known truth, each tracked by `lake track` with the camera and nothing else, and judged.
 
 worlds.py --seeds 1-92 [--jobs 2] --bin build/test/bin --out DIR [--rejudge] [--csv FILE] [--keep]
@@ -211,6 +211,13 @@ def draw_film(seed, world):
         world["to_rate"] = to
     elif change < 0.26:
         world["dropped"] = round(it.uniform(0.02, 0.15), 3)  # a phone in the dark: frames that never came
+    elif change < 0.31:
+        world["gap_s"] = [round(it.uniform(1, 5), 2), round(it.uniform(0.12, 0.4), 2)]  # begins, lasts; the stamps say so
+    elif change < 0.35:
+        world["freeze_s"] = [round(it.uniform(1, 5), 2), round(it.choice((0.1, 0.25, 0.6, 1.5)), 2)]
+    light = lot(seed, "light")
+    if light.random() < 0.1:  # the camera's exposure hunts
+        world["light"] = f"eq=contrast='1+{light.uniform(0.05, 0.15):.3f}*sin({light.uniform(0.5, 3):.2f}*t)':eval=frame"
     if it.random() < 0.18:
         size = world["size"]
         by = it.choice((1, 1, 0.75, 0.667)) if min(size) > 500 else 1
@@ -244,8 +251,11 @@ def describe(world):
         words.append(f"converted to {world['to_rate']} Hz")
     if "dropped" in world:
         words.append(f"{100 * world['dropped']:.0f} % of the frames dropped")
-    if "processing" in world:
-        words.append("processed")
+    if "gap_s" in world:
+        words.append("a gap of {1:g} s at {0:g} s".format(*world["gap_s"]))
+    if "freeze_s" in world:
+        words.append("frozen for {1:g} s at {0:g} s".format(*world["freeze_s"]))
+    words += ["changing light"] * ("light" in world) + ["processed"] * ("processing" in world)
     return ", ".join(words + [world["codec"]["name"]])
 
 
@@ -283,29 +293,30 @@ def sources_of(world, frames):
     if "dropped" in world:
         it = lot(world["seed"], "dropped")
         return [i for i in range(frames) if i == 0 or it.random() >= world["dropped"]]
-    return list(range(frames))
+    begin, last = (round(part * world["rate"]) for part in world.get("gap_s", world.get("freeze_s", (0, 0))))
+    if "gap_s" in world:
+        return [i for i in range(frames) if not begin <= i < begin + last]
+    return [begin if begin <= i < begin + last else i for i in range(frames)]
 
 
 def encode(world, source, target, sources, frames):
-    filters = []
-    if sources != list(range(frames)):
-        # Frames are repeated by their own stamps' numbers: each shown picture as often as it is shown.
-        shown = sorted(set(sources))
-        if len(shown) < frames:
-            filters.append("select='" + "+".join(f"eq(n,{i})" for i in shown) + "'")
-    processing = world.get("processing")
-    tail = [processing["denoise"], processing["sharpen"], "scale={}:{}:flags=bicubic".format(*processing["size"])] if processing else []
-    if "to_rate" not in world:
-        call([*FFMPEG, "-i", source, "-vf", ",".join(filters + tail) or "null", "-an", "-fps_mode", "passthrough",
-              "-enc_time_base", "1:90000", *world["codec"]["words"], "-threads", "1", target])
+    filters = [world["light"]] if "light" in world else []
+    if "processing" in world:
+        processing = world["processing"]
+        filters += [processing["denoise"], processing["sharpen"], "scale={}:{}:flags=bicubic".format(*processing["size"])]
+    if "to_rate" not in world and "freeze_s" not in world:  # pictures keep their stamps
+        if len(sources) < frames:
+            filters.insert(0, "select='" + "+".join(f"eq(n,{i})" for i in sources) + "'")
+        call([*FFMPEG, "-i", source, "-vf", ",".join(filters) or "null", "-an", "-fps_mode", "passthrough",
+              "-enc_time_base", "1:60000" if world.get("variable") else f"1:{world['rate']}", *world["codec"]["words"], "-threads", "1", target])
         return
-    # A converter's output has its own even stamps: pictures go through a pipe, each as often as it is shown.
+    # Even stamps: pictures go through a pipe, each as often as it is shown.
     width, height = world["size"]
     size = width * height * 3 // 2
     with subprocess.Popen([*FFMPEG, "-i", str(source), "-f", "rawvideo", "-pix_fmt", "yuv420p", "-"], stdout=subprocess.PIPE) as read, \
          subprocess.Popen([word for word in FFMPEG if word != "-nostdin"] + ["-f", "rawvideo", "-pix_fmt", "yuv420p", "-s", f"{width}x{height}",
-                          "-r", str(world["to_rate"]), "-i", "-", "-vf", ",".join(tail) or "null", *world["codec"]["words"], "-threads", "1",
-                          str(target)], stdin=subprocess.PIPE, stderr=subprocess.PIPE) as write:
+                          "-r", str(world.get("to_rate", world["rate"])), "-i", "-", "-vf", ",".join(filters) or "null",
+                          *world["codec"]["words"], "-threads", "1", str(target)], stdin=subprocess.PIPE, stderr=subprocess.PIPE) as write:
         at, picture = -1, b""
         for wanted in sources:
             while at < wanted:
@@ -337,7 +348,7 @@ def write_truth(world, rendered, target, sources):
 
 
 def render(world, folder, programs):
-    """film.*, truth.csv and camera.yaml in the folder."""
+    """film.*, camera.yaml, truth.csv of the film's frames and motion.csv of all that were rendered."""
     rendering = folder / "rendering"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -359,6 +370,7 @@ def render(world, folder, programs):
     if count != len(sources):
         raise Failure(f"the film has {count} frames, {len(sources)} were written")
     write_truth(world, rendering / "truth.csv", folder / "truth.csv", sources)
+    (rendering / "truth.csv").rename(folder / "motion.csv")
     camera = (rendering / "camera.yaml").read_text(encoding="utf-8")
     (folder / "camera.yaml").write_text(scaled_camera(camera, world), encoding="utf-8")
     shutil.rmtree(rendering)
@@ -384,7 +396,7 @@ def scaled_camera(text, world):
 
 # --- tracking and judging ---------------------------------------------------------------------------------------------
 
-def track(folder, film, programs, limit_s=600):
+def track(folder, film, programs):
     """Exit code, what it said, wall and processor seconds."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -441,24 +453,37 @@ def judge_positions(truth, tracks, rows, fresh, radius_px, row, why):
     row["z"] = rms(np.concatenate(all_z))
 
 
-def judge_angles(truth, kinematics, row, why):
-    frames = numbers(kinematics["frame"]).astype(int)
+def cubic(x, known_x, known_y):
+    """Hermite's cubic through the known values, with their central differences."""
+    slopes = np.gradient(known_y, known_x)
+    i = np.clip(np.searchsorted(known_x, x) - 1, 0, len(known_x) - 2)
+    h = known_x[i + 1] - known_x[i]
+    t = np.clip((x - known_x[i]) / h, 0, 1)
+    return ((1 + 2 * t) * (1 - t) ** 2 * known_y[i] + t * (1 - t) ** 2 * h * slopes[i]
+            + t * t * (3 - 2 * t) * known_y[i + 1] + t * t * (t - 1) * h * slopes[i + 1])
+
+
+def judge_angles(truth, motion, kinematics, row, why):
+    """A new picture's angle against that picture's, an angle at a repeated one against the motion's at the time that is told."""
+    frames, told = numbers(kinematics["frame"]).astype(int), numbers(kinematics["time_s"])
+    pictures = numbers(truth["time_s"])[frames]
+    moving = cubic(told - told[0] + pictures[0], numbers(motion["time_s"]), numbers(motion["knee_deg"]))
     fresh = numbers(truth["repeated"])[frames] == 0
-    true = numbers(truth["knee_deg"])[frames]
-    error, raw = ((numbers(kinematics[name]) - true)[fresh] for name in ("knee_deg", "knee_raw_deg"))
-    sigma = numbers(kinematics["knee_sigma_deg"])[fresh]
+    true = np.where(fresh, numbers(truth["knee_deg"])[frames], moving)
+    error, raw = (numbers(kinematics[name]) - true for name in ("knee_deg", "knee_raw_deg"))
+    sigma = numbers(kinematics["knee_sigma_deg"])
     row["knee_deg"] = rms(error)
-    both = np.isfinite(raw) & np.isfinite(error)  # on the same frames
+    both = np.isfinite(raw) & np.isfinite(error) & fresh  # on the same frames
     row["knee_fit_deg"], row["knee_raw_deg"] = rms(error[both]), rms(raw[both])
     row["ratio"] = row["knee_fit_deg"] / row["knee_raw_deg"] if row["knee_raw_deg"] else math.nan
     z = error / sigma
     row["knee_z"] = rms(z)
     off = (np.abs(z) > 3) & (np.abs(error) > 0.3)
     row["knee_off"] = int(off.sum())
-    if off.any():
-        worst = int(np.argmax(np.where(off, np.abs(error), 0)))
-        row["knee_worst_deg"] = float(abs(error[worst]))
-        why.append(f"knee {abs(error[worst]):.1f} deg off, {abs(z[worst]):.1f} SD (frame {frames[fresh][worst]}; {off.sum()} frames)")
+    # Of many frames a few lie beyond 3 SD by chance; 2 % do where error/SD is 1.3. Beyond 5 SD none does.
+    if off.mean() > 0.02 or (off & (np.abs(z) > 5)).any():
+        worst = int(np.argmax(np.where(off, np.abs(z), 0)))
+        why.append(f"knee {abs(error[worst]):.1f} deg off, {abs(z[worst]):.1f} SD (frame {frames[worst]}; {off.sum()} frames)")
 
 
 def judge_times(truth, tracks, rows, fresh, row, why):
@@ -486,15 +511,15 @@ def judge(world, folder, result, code, told):
     judge_times(truth, tracks, rows, fresh, row, why)
     judge_positions(truth, tracks, rows, fresh, world["radius_px"] * scale, row, why)
     if (result / "kinematics.csv").exists():
-        judge_angles(truth, read_table(result / "kinematics.csv"), row, why)
+        judge_angles(truth, read_table(folder / "motion.csv"), read_table(result / "kinematics.csv"), row, why)
     if why:
         return row | {"verdict": "wrong", "why": "; ".join(why)}
-    poor = [f"recall {row['recall']:.2f}"] * (row["recall"] < 0.95) + [f"error/sigma {row['z']:.2f}"] * (not 0.6 <= row["z"] <= 1.6)
+    poor = [f"recall {row['recall']:.2f}"] * bool(row["recall"] < 0.95) + [f"error/sigma {row['z']:.2f}"] * (not 0.6 <= row["z"] <= 1.6)
     return row | {"verdict": "poor" if poor else "right", "why": "; ".join(poor)}
 
 
 COLUMNS = ("seed", "verdict", "why", "recall", "z", "z_ankle", "z_knee", "z_hip", "z_waist", "knee_deg", "knee_fit_deg", "knee_raw_deg",
-           "ratio", "knee_z", "knee_off", "knee_worst_deg", "time_ms", "seconds", "processor_s", "motion", "extra", "codec", "description")
+           "ratio", "knee_z", "knee_off", "time_ms", "seconds", "processor_s", "motion", "extra", "codec", "description")
 
 
 def run(seed, options):
@@ -551,9 +576,8 @@ def table(rows):
         for value in sorted({row[column] for row in alone}):
             line(value, [row for row in alone if row[column] == value])
     lines.append("")
-    for word in ("hidden", "clutter", "converted", "dropped", "variable", "processed", "far side", "Hz"):
-        if word != "Hz":
-            line(word, [row for row in alone if word in row["description"]])
+    for word in ("hidden", "clutter", "converted", "dropped", "gap of", "frozen", "variable", "light", "processed", "far side"):
+        line(word, [row for row in alone if word in row["description"]])
     for rate in sorted({re.search(r"(\d+) Hz", row["description"])[1] for row in alone}, key=int):
         line(f"{rate} Hz", [row for row in alone if re.search(r"(\d+) Hz", row["description"])[1] == rate])
     lines += ["", "Within the aims (leg markers alone; smallest, quartiles, largest):",
