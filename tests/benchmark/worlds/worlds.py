@@ -11,6 +11,7 @@ converter did to it. README.md says what is drawn and how it is judged. The reco
 import argparse
 import concurrent.futures
 import csv
+import functools
 import json
 import math
 import os
@@ -60,6 +61,7 @@ def lot(seed, what):
     return random.Random(f"{seed} {what}")
 
 
+@functools.cache
 def read_trc(path):
     """Times in s, and each marker's places in mm."""
     lines = path.read_text(encoding="utf-8", errors="replace").replace("\r", "").split("\n")
@@ -90,7 +92,7 @@ def draw_motion(seed, world):
     weights = [REAL_MOTIONS[name][2] for name in names]
     name = it.choices(names + ["drawn"], weights + [DRAWN_WEIGHT])[0]
     side = it.choice(("right", "left"))
-    length = it.uniform(6, 11)
+    length = it.uniform(6, 9)
     extra = lot(seed, "extra markers")
     world |= {"motion": name, "leg": side, "extra": extra.random() < 0.16}
     if name == "drawn":
@@ -187,7 +189,7 @@ def draw_codec(it):
         return {"name": f"x264 {preset} crf {crf}", "kind": kind, "ending": ".mp4",
                 "words": ["-c:v", "libx264", "-preset", preset, "-crf", str(crf), "-pix_fmt", "yuv420p"]}
     if kind == "x265":
-        preset, crf = it.choice(("ultrafast", "veryfast", "medium")), it.randint(20, 32)
+        preset, crf = it.choice(("ultrafast", "veryfast", "fast")), it.randint(20, 32)
         return {"name": f"x265 {preset} crf {crf}", "kind": kind, "ending": ".mp4",
                 "words": ["-c:v", "libx265", "-preset", preset, "-crf", str(crf), "-x265-params", "log-level=error",
                           "-tag:v", "hvc1", "-pix_fmt", "yuv420p"]}
