@@ -85,14 +85,16 @@ def slowed_trc(source, target, pace):
     target.write_text("\n".join(lines), encoding="utf-8")
 
 
-def draw_motion(seed, world):
+def draw_motion(seed, world, kinds, brief):
     """Fills in what moves; the box of all markers' paths in mm comes back."""
     it = lot(seed, "motion")
-    names = list(REAL_MOTIONS) if SHARED.is_dir() else []
+    names = list(REAL_MOTIONS) if "real" in kinds and SHARED.is_dir() else []
     weights = [REAL_MOTIONS[name][2] for name in names]
-    name = it.choices(names + ["drawn"], weights + [DRAWN_WEIGHT])[0]
+    if "drawn" in kinds:
+        names, weights = names + ["drawn"], weights + [DRAWN_WEIGHT]
+    name = it.choices(names, weights)[0]
     side = it.choice(("right", "left"))
-    length = it.uniform(6, 9)
+    length = it.uniform(4, 5) if brief else it.uniform(6, 9)
     extra = lot(seed, "extra markers")
     world |= {"motion": name, "leg": side, "extra": extra.random() < 0.16}
     if name == "drawn":
@@ -138,10 +140,12 @@ RATES = {25: 4, 30: 5, 50: 3, 60: 5, 24: 1, 120: 1}
 PICTURES = {(1280, 720): 6, (960, 540): 4, (854, 480): 2, (640, 480): 2, (720, 960): 2, (540, 960): 1, (1920, 1080): 1}
 
 
-def draw_camera(seed, world, box_mm):
+def draw_camera(seed, world, box_mm, brief):
     it = lot(seed, "camera")
-    rate = it.choices(list(RATES), RATES.values())[0]
-    width, height = it.choices(list(PICTURES), PICTURES.values())[0]
+    rates = {rate: weight for rate, weight in RATES.items() if rate <= 60 or not brief}
+    pictures = {size: weight for size, weight in PICTURES.items() if size[0] * size[1] <= 960 * 540 or not brief}
+    rate = it.choices(list(rates), rates.values())[0]
+    width, height = it.choices(list(pictures), pictures.values())[0]
     px_per_mm = min(width / (box_mm[0] + 420), height / (box_mm[1] + 330)) * it.uniform(0.75, 1)
     least_mm = 2 / px_per_mm  # nobody uses markers that are smaller than this in the picture
     radius_mm = min(13, max(it.uniform(6, 13), least_mm))
@@ -159,7 +163,7 @@ def draw_camera(seed, world, box_mm):
     world["synth"].append(f"--shutter={it.choice((0.1, 0.2, 0.3, 0.5, 0.7)) * min(1, rate / 25 if rate < 25 else 1):.2f}")
 
 
-def draw_room(seed, world):
+def draw_room(seed, world, brief):
     it = lot(seed, "room")
     level = it.choice((190, 220, 235, 260, 300))
     world["synth"] += [f"--level={level}", f"--brightness={it.uniform(0.5, 1.5):.2f}", f"--exposure={it.uniform(0.7, 1.05):.2f}",
@@ -179,7 +183,7 @@ def draw_room(seed, world):
     if hidden.random() < 0.4:
         world["hidden"] = hidden.randint(1, 3)
         for _ in range(world["hidden"]):
-            world["synth"].append(f"--hide={hidden.choice(LEG)}={hidden.uniform(0.5, 8):.2f},{hidden.uniform(0.12, 0.6):.2f}")
+            world["synth"].append(f"--hide={hidden.choice(LEG)}={hidden.uniform(0.5, 3.5 if brief else 8):.2f},{hidden.uniform(0.12, 0.6):.2f}")
 
 
 def draw_codec(it):
@@ -201,7 +205,7 @@ def draw_codec(it):
             "words": ["-c:v", "mjpeg", "-q:v", str(quality), "-pix_fmt", "yuvj420p"]}
 
 
-def draw_film(seed, world):
+def draw_film(seed, world, brief):
     """What is done to the recording: first by the camera, then, for some, by whoever converts or sends it."""
     it = lot(seed, "film")
     world["codec"] = draw_codec(it)
@@ -214,9 +218,9 @@ def draw_film(seed, world):
     elif change < 0.26:
         world["dropped"] = round(it.uniform(0.02, 0.15), 3)  # a phone in the dark: frames that never came
     elif change < 0.31:
-        world["gap_s"] = [round(it.uniform(1, 5), 2), round(it.uniform(0.12, 0.4), 2)]  # begins, lasts; the stamps say so
+        world["gap_s"] = [round(it.uniform(1, 3 if brief else 5), 2), round(it.uniform(0.12, 0.4), 2)]  # begins, lasts; the stamps say so
     elif change < 0.35:
-        world["freeze_s"] = [round(it.uniform(1, 5), 2), round(it.choice((0.1, 0.25, 0.6, 1.5)), 2)]
+        world["freeze_s"] = [round(it.uniform(1, 3 if brief else 5), 2), round(it.choice((0.1, 0.25, 0.6, 1.5)), 2)]
     light = lot(seed, "light")
     if light.random() < 0.1:  # the camera's exposure hunts
         world["light"] = f"eq=contrast='1+{light.uniform(0.05, 0.15):.3f}*sin({light.uniform(0.5, 3):.2f}*t)':eval=frame"
@@ -228,12 +232,13 @@ def draw_film(seed, world):
                                "size": [2 * round(by * side / 2) for side in size]}
 
 
-def draw(seed):
+def draw(seed, kinds=("real", "drawn"), brief=False):
+    """A recording's recipe; of these kinds of motion. A brief one lasts 4 to 5 s and has small pictures."""
     world = {"seed": seed, "synth": [f"--seed-number={seed}", "--lossless"]}
-    box = draw_motion(seed, world)
-    draw_camera(seed, world, box)
-    draw_room(seed, world)
-    draw_film(seed, world)
+    box = draw_motion(seed, world, kinds, brief)
+    draw_camera(seed, world, box, brief)
+    draw_room(seed, world, brief)
+    draw_film(seed, world, brief)
     return world
 
 
@@ -524,10 +529,13 @@ COLUMNS = ("seed", "verdict", "why", "recall", "z", "z_ankle", "z_knee", "z_hip"
            "ratio", "knee_z", "knee_off", "time_ms", "seconds", "processor_s", "motion", "extra", "codec", "description")
 
 
-def run(seed, options):
-    folder = options.out / f"{seed:04d}"
+def run(world, options):
+    """The row of one recording."""
+    folder = options.out / f"{world['seed']:04d}"
     stored = folder / "world.json"
-    world = json.loads(stored.read_text(encoding="utf-8")) if options.rejudge and stored.exists() else draw(seed)
+    if options.rejudge and stored.exists():
+        world = json.loads(stored.read_text(encoding="utf-8"))
+    seed = world["seed"]
     row = {"seed": seed, "motion": world["motion"], "extra": int(world["extra"]), "codec": world["codec"]["kind"], "description": describe(world)}
     try:
         if not (stored.exists() and json.loads(stored.read_text(encoding="utf-8")) == json.loads(json.dumps(world))):
@@ -624,10 +632,9 @@ def main():
     options = parser.parse_args()
     options.bin, options.out = options.bin.resolve(), options.out.resolve()
     options.csv = (options.csv or options.out / "worlds.csv").resolve()
-    options.out.mkdir(parents=True, exist_ok=True)
     rows = []
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for done in concurrent.futures.as_completed([pool.submit(run, seed, options) for seed in options.seeds]):
+        for done in concurrent.futures.as_completed([pool.submit(run, draw(seed), options) for seed in options.seeds]):
             rows.append(done.result())
             row = rows[-1]
             print(f"{len(rows):4d}/{len(options.seeds)} seed {row['seed']:4d} {row['verdict']:8} {row['description']}"
