@@ -306,14 +306,19 @@ def sources_of(world, frames):
     return [begin if begin <= i < begin + last else i for i in range(frames)]
 
 
+def without(frames, rate):
+    """Filters that leave these out; an expression of ffmpeg's has at most a hundred terms, and each filter counts frames anew."""
+    return ["select='not(" + "+".join(f"between(t,{(i - 0.5) / rate:.5f},{(i + 0.5) / rate:.5f})" for i in frames[at:at + 40]) + ")'"
+            for at in range(0, len(frames), 40)]
+
+
 def encode(world, source, target, sources, frames):
     filters = [world["light"]] if "light" in world else []
     if "processing" in world:
         processing = world["processing"]
         filters += [processing["denoise"], processing["sharpen"], "scale={}:{}:flags=bicubic".format(*processing["size"])]
     if "to_rate" not in world and "freeze_s" not in world:  # pictures keep their stamps
-        if len(sources) < frames:
-            filters.insert(0, "select='" + "+".join(f"eq(n,{i})" for i in sources) + "'")
+        filters = without(sorted(set(range(frames)) - set(sources)), world["rate"]) + filters
         call([*FFMPEG, "-i", source, "-vf", ",".join(filters) or "null", "-an", "-fps_mode", "passthrough",
               "-enc_time_base", "1:60000" if world.get("variable") else f"1:{world['rate']}", *world["codec"]["words"], "-threads", "1", target])
         return
