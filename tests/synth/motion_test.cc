@@ -245,7 +245,7 @@ TEST(TableMotion, KnowsWhereThePersonFaces) {
   for (const motion::Facing facing : {motion::Facing::kLeft, motion::Facing::kRight}) {
     options.facing = facing;
     const synth::StsMotion sts(options);
-    synth::MotionTable table{{}, sts.Names(), std::vector<std::vector<Vector2d>>(4)};
+    synth::MotionTable table{{}, sts.Names(), std::vector<std::vector<Vector2d>>(4), {}};
     for (double t = 0; t < sts.DurationS(); t += 0.02) {
       table.time_s.push_back(t);
       for (int m = 0; m < 4; ++m) table.positions[m].push_back(sts.At(t)[m]);

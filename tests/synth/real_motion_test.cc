@@ -23,8 +23,10 @@ TEST(RealMotion, RendersWithTheRecordingsOwnAnglesAndFiveStandUps) {
     double lowest = 1e9, highest = -1e9, last = 0;
     for (int frame = 0; frame < scene.Frames(); ++frame) {
       const synth::FrameTruth truth = scene.Truth(frame);
-      const auto& p = table.positions;
-      EXPECT_NEAR(truth.knee_deg, synth::KneeAngleDeg(p[0][frame], p[1][frame], p[2][frame], motion::Facing::kRight),
+      const auto at = [&](const char* name) {
+        return table.positions[std::ranges::find(table.names, name) - table.names.begin()][frame];
+      };
+      EXPECT_NEAR(truth.knee_deg, synth::KneeAngleDeg(at("ankle"), at("knee"), at("hip"), motion::Facing::kRight),
                   1e-6);
       for (const synth::MarkerTruth& marker : truth.markers) EXPECT_TRUE(marker.visible) << frame;
       lowest = std::min(lowest, truth.knee_deg), highest = std::max(highest, truth.knee_deg);

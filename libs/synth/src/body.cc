@@ -1,5 +1,6 @@
 #include "body.h"
 
+#include <algorithm>
 #include <functional>
 
 namespace lake::synth {
@@ -22,10 +23,12 @@ Shape Limb(const Vector2d& from, const Vector2d& to, double from_radius, double 
   return {Capsule(from, to, from_radius, to_radius), from, (to - from).normalized(), std::max(from_radius, to_radius)};
 }
 
-// A place on the trunk: `up` along hip–waist, `front` towards where the person looks.
+// A place on the trunk: `up` along hip–waist, `front` towards where the person looks. A waist marker that is as high as a
+// shoulder stretches the trunk, so that it is on it.
 Vector2d OnTrunk(const BodyPose& pose, double forward, double up, double front) {
-  const Vector2d axis = (*pose.waist - *pose.hip).normalized();
-  return *pose.hip + up * axis + forward * front * Across(axis);
+  constexpr double kShoulder = 430;
+  const Vector2d trunk = *pose.waist - *pose.hip, axis = trunk.normalized();
+  return *pose.hip + up * std::max(1.0, trunk.norm() / kShoulder) * axis + forward * front * Across(axis);
 }
 
 struct Clothes {

@@ -11,13 +11,13 @@
 namespace lake::synth {
 namespace {
 
-using Eigen::Vector2d;
+using Eigen::Vector2d, Eigen::Vector3d;
 
 // Second derivatives at the knots of the natural cubic spline (Press et al., Numerical Recipes, section 3.3): a
 // tridiagonal system.
-std::vector<Vector2d> SplineCurvature(const std::vector<double>& t, const std::vector<Vector2d>& p) {
+std::vector<Vector3d> SplineCurvature(const std::vector<double>& t, const std::vector<Vector3d>& p) {
   const std::size_t n = t.size();
-  std::vector<Vector2d> right(n, Vector2d::Zero()), curvature(n, Vector2d::Zero());
+  std::vector<Vector3d> right(n, Vector3d::Zero()), curvature(n, Vector3d::Zero());
   std::vector<double> above(n, 0.0);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const double h0 = t[i] - t[i - 1], h1 = t[i + 1] - t[i];
@@ -31,52 +31,84 @@ std::vector<Vector2d> SplineCurvature(const std::vector<double>& t, const std::v
 
 class TableMotion : public MarkerMotion {
  public:
-  explicit TableMotion(MotionTable table) : table_(std::move(table)) {
-    for (const auto& track : table_.positions) curvature_.push_back(SplineCurvature(table_.time_s, track));
-    facing_ = FindFacing();
+  explicit TableMotion(const MotionTable& table)
+      : time_s_(table.time_s), names_(table.names), facing_(FacingOf(table)) {
+    for (std::size_t m = 0; m < names_.size(); ++m) {
+      std::vector<Vector3d>& path = positions_.emplace_back();
+      for (std::size_t i = 0; i < time_s_.size(); ++i) {
+        const Vector2d& place = table.positions[m][i];
+        path.emplace_back(place.x(), place.y(), table.depth_mm.empty() ? 0 : table.depth_mm[m][i]);
+      }
+      curvature_.push_back(SplineCurvature(time_s_, path));
+    }
   }
 
-  const std::vector<std::string>& Names() const override { return table_.names; }
+  const std::vector<std::string>& Names() const override { return names_; }
   motion::Facing FacingInImage() const override { return facing_; }
-  double DurationS() const override { return table_.time_s.back(); }
+  double DurationS() const override { return time_s_.back(); }
 
   std::vector<Vector2d> At(double time_s) const override {
-    const auto& t = table_.time_s;
-    const double time = std::clamp(time_s, t.front(), t.back());
-    const std::size_t i = static_cast<std::size_t>(std::upper_bound(t.begin() + 1, t.end() - 1, time) - t.begin());
-    const double h = t[i] - t[i - 1], a = (t[i] - time) / h, b = 1 - a;
     std::vector<Vector2d> markers;
-    for (std::size_t m = 0; m < table_.names.size(); ++m)
-      markers.push_back(a * table_.positions[m][i - 1] + b * table_.positions[m][i] +
-                        h * h / 6 * ((a * a * a - a) * curvature_[m][i - 1] + (b * b * b - b) * curvature_[m][i]));
+    for (std::size_t m = 0; m < names_.size(); ++m) markers.emplace_back(Place(m, time_s).head<2>());
     return markers;
   }
 
- private:
-  motion::Facing FindFacing() const {
-    const int ankle = IndexOfMarker(*this, "ankle"), knee = IndexOfMarker(*this, "knee"),
-              hip = IndexOfMarker(*this, "hip");
-    if (ankle < 0 || knee < 0 || hip < 0) return motion::Facing::kRight;
-    double side = 0;  // z of AH × AK: negative when the knee is to the right of the line from ankle up to hip
-    for (std::size_t i = 0; i < table_.time_s.size(); ++i) {
-      const Vector2d ak = table_.positions[knee][i] - table_.positions[ankle][i];
-      const Vector2d ah = table_.positions[hip][i] - table_.positions[ankle][i];
-      side += Cross(ah, ak);
-    }
-    return side <= 0 ? motion::Facing::kRight : motion::Facing::kLeft;
+  std::vector<double> DepthsAt(double time_s) const override {
+    std::vector<double> depths;
+    for (std::size_t m = 0; m < names_.size(); ++m) depths.push_back(Place(m, time_s).z());
+    return depths;
   }
 
-  MotionTable table_;
-  std::vector<std::vector<Vector2d>> curvature_;  // mm/s² at the knots
-  motion::Facing facing_ = motion::Facing::kRight;
+ private:
+  Vector3d Place(std::size_t m, double time_s) const {
+    const auto& t = time_s_;
+    const double time = std::clamp(time_s, t.front(), t.back());
+    const std::size_t i = static_cast<std::size_t>(std::upper_bound(t.begin() + 1, t.end() - 1, time) - t.begin());
+    const double h = t[i] - t[i - 1], a = (t[i] - time) / h, b = 1 - a;
+    return a * positions_[m][i - 1] + b * positions_[m][i] +
+           h * h / 6 * ((a * a * a - a) * curvature_[m][i - 1] + (b * b * b - b) * curvature_[m][i]);
+  }
+
+  std::vector<double> time_s_;
+  std::vector<std::string> names_;
+  std::vector<std::vector<Vector3d>> positions_, curvature_;  // mm and, at the knots, mm/s²
+  motion::Facing facing_;
 };
+
+int IndexOf(const std::vector<std::string>& names, std::string_view name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+}
 
 }  // namespace
 
+std::vector<double> MarkerMotion::DepthsAt(double) const {
+  return std::vector<double>(Names().size(), 0.0);
+}
+
+std::vector<Vector3d> MarkerMotion::InSpace(double time_s) const {
+  const std::vector<Vector2d> places = At(time_s);
+  const std::vector<double> depths = DepthsAt(time_s);
+  std::vector<Vector3d> markers;
+  for (std::size_t m = 0; m < places.size(); ++m) markers.emplace_back(places[m].x(), places[m].y(), depths[m]);
+  return markers;
+}
+
 int IndexOfMarker(const MarkerMotion& motion, std::string_view name) {
-  const auto& names = motion.Names();
-  const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  return IndexOf(motion.Names(), name);
+}
+
+motion::Facing FacingOf(const MotionTable& table) {
+  const int ankle = IndexOf(table.names, "ankle"), knee = IndexOf(table.names, "knee"),
+            hip = IndexOf(table.names, "hip");
+  if (ankle < 0 || knee < 0 || hip < 0) return motion::Facing::kRight;
+  double side = 0;  // z of AH × AK: negative when the knee is to the right of the line from ankle up to hip
+  for (std::size_t i = 0; i < table.time_s.size(); ++i) {
+    const Vector2d ak = table.positions[knee][i] - table.positions[ankle][i];
+    const Vector2d ah = table.positions[hip][i] - table.positions[ankle][i];
+    side += Cross(ah, ak);
+  }
+  return side <= 0 ? motion::Facing::kRight : motion::Facing::kLeft;
 }
 
 double KneeAngleDeg(const Vector2d& ankle, const Vector2d& knee, const Vector2d& hip, motion::Facing facing) {
@@ -124,7 +156,7 @@ std::unique_ptr<MarkerMotion> MakeTableMotion(MotionTable table, bool mirror) {
     if (mirror)
       for (Vector2d& position : track) position.x() = -position.x();
   }
-  return std::make_unique<TableMotion>(std::move(table));
+  return std::make_unique<TableMotion>(table);
 }
 
 }  // namespace lake::synth

@@ -10,7 +10,7 @@
 namespace lake::synth {
 namespace {
 
-using Eigen::Vector2d;
+using Eigen::Vector2d, Eigen::Vector3d;
 
 constexpr double kWhiteBorder = 1.0 / 6;  // of an ArUco marker's side, all around: one cell
 
@@ -60,28 +60,40 @@ MarkerSprites::MarkerSprites(const SceneOptions& options, const View& view, cons
     aruco_reach_px_ = std::numbers::sqrt2 * (0.5 + kWhiteBorder) * options.aruco_mm * px_per_mm;
 }
 
-std::vector<Vector2d> MarkerSprites::Centres(const std::vector<Vector2d>& mm) const {
+std::vector<Vector2d> MarkerSprites::Centres(const std::vector<Vector3d>& mm) const {
   std::vector<Vector2d> px;
-  for (std::size_t m = 0; m < mm.size(); ++m) px.push_back(view_.Pixel(mm[m], depth_mm_[m]));
+  for (std::size_t m = 0; m < mm.size(); ++m) px.push_back(PixelOf(m, mm[m]));
   return px;
 }
 
-SpriteInstant MarkerSprites::DiscAt(std::size_t marker, const Vector2d& mm) const {
+Vector2d MarkerSprites::PixelOf(std::size_t marker, const Vector3d& mm) const {
+  return view_.Pixel(mm.head<2>(), mm.z() + depth_mm_[marker]);
+}
+
+Vector2d MarkerSprites::PlaceShown(std::size_t marker, const Vector3d& mm) const {
+  if (mm.z() == 0) return mm.head<2>();
+  return view_.Plane(PixelOf(marker, mm), depth_mm_[marker]);
+}
+
+SpriteInstant MarkerSprites::DiscAt(std::size_t marker, const Vector3d& mm) const {
   constexpr int kCorners = 96;
   SpriteInstant instant;
-  for (const Vector2d& corner : EllipseOutline(mm, options_.marker_radius_mm, options_.marker_radius_mm, 0, kCorners))
-    instant.outline.push_back(view_.Pixel(corner, depth_mm_[marker]));
+  const double radius = options_.marker_radius_mm;
+  for (const Vector2d& corner : EllipseOutline(mm.head<2>(), radius, radius, 0, kCorners))
+    instant.outline.push_back(PixelOf(marker, {corner.x(), corner.y(), mm.z()}));
   return instant;
 }
 
-SpriteInstant MarkerSprites::ArucoAt(std::size_t marker, const std::vector<Vector2d>& mm) const {
+SpriteInstant MarkerSprites::ArucoAt(std::size_t marker, const std::vector<Vector3d>& mm) const {
   Vector2d up = Vector2d::UnitY();
-  if (partner_[marker] >= 0) up = (partner_sign_[marker] * (mm[partner_[marker]] - mm[marker])).normalized();
+  if (partner_[marker] >= 0) up = (partner_sign_[marker] * (mm[partner_[marker]] - mm[marker]).head<2>()).normalized();
   const Vector2d right(up.y(), -up.x());
   const auto project = [&](const Polygon& polygon) {
     Polygon px;
-    for (const Vector2d& p : polygon)
-      px.push_back(view_.Pixel(mm[marker] + p.x() * right + p.y() * up, depth_mm_[marker]));
+    for (const Vector2d& p : polygon) {
+      const Vector2d corner = mm[marker].head<2>() + p.x() * right + p.y() * up;
+      px.push_back(PixelOf(marker, {corner.x(), corner.y(), mm[marker].z()}));
+    }
     return px;
   };
   const double half = options_.aruco_mm * (0.5 + kWhiteBorder);
@@ -90,7 +102,7 @@ SpriteInstant MarkerSprites::ArucoAt(std::size_t marker, const std::vector<Vecto
   return instant;
 }
 
-Sprite MarkerSprites::At(std::size_t marker, const std::vector<std::vector<Vector2d>>& positions) const {
+Sprite MarkerSprites::At(std::size_t marker, const std::vector<std::vector<Vector3d>>& positions) const {
   Sprite sprite{bgr_[marker], cv::Vec3f::all(12), {}};
   for (const auto& mm : positions)
     sprite.instants.push_back(options_.marker_kind == MarkerKind::kAruco ? ArucoAt(marker, mm)

@@ -11,10 +11,13 @@ class MarkerSprites {
   MarkerSprites(const SceneOptions& options, const View& view, const MarkerMotion& motion);
 
   // Projected centres of all markers.
-  std::vector<Eigen::Vector2d> Centres(const std::vector<Eigen::Vector2d>& mm) const;
+  std::vector<Eigen::Vector2d> Centres(const std::vector<Eigen::Vector3d>& mm) const;
+
+  // Where a marker is seen in the plane, mm: moved by its distance from it, but for what marker_depth_mm says of it.
+  Eigen::Vector2d PlaceShown(std::size_t marker, const Eigen::Vector3d& mm) const;
 
   // The sprite of one marker; positions[instant][marker] in mm.
-  Sprite At(std::size_t marker, const std::vector<std::vector<Eigen::Vector2d>>& positions) const;
+  Sprite At(std::size_t marker, const std::vector<std::vector<Eigen::Vector3d>>& positions) const;
 
   // Of a disc in the picture's middle.
   double RadiusPx() const { return radius_px_; }
@@ -23,8 +26,9 @@ class MarkerSprites {
   double ArucoReachPx() const { return aruco_reach_px_; }
 
  private:
-  SpriteInstant DiscAt(std::size_t marker, const Eigen::Vector2d& mm) const;
-  SpriteInstant ArucoAt(std::size_t marker, const std::vector<Eigen::Vector2d>& mm) const;
+  Eigen::Vector2d PixelOf(std::size_t marker, const Eigen::Vector3d& mm) const;
+  SpriteInstant DiscAt(std::size_t marker, const Eigen::Vector3d& mm) const;
+  SpriteInstant ArucoAt(std::size_t marker, const std::vector<Eigen::Vector3d>& mm) const;
 
   const SceneOptions& options_;
   const View& view_;

@@ -14,6 +14,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Without loss x264's search finds nothing in the noise: its fastest preset takes a quarter of the time and makes files
+// that are a fifth larger.
+const char* PresetOf(const RecordingOptions& options) {
+  return options.lossless ? "ultrafast" : options.preset;
+}
+
 // The frames go into a video or a folder of pictures.
 class FrameSink {
  public:
@@ -28,7 +34,7 @@ class FrameSink {
     video::VideoWriterOptions video;
     video.width = scene.Profile().camera.image_width, video.height = scene.Profile().camera.image_height;
     video.frame_rate_hz = scene.Options().frame_rate_hz;
-    video.crf = options.crf, video.lossless = options.lossless, video.preset = options.preset;
+    video.crf = options.crf, video.lossless = options.lossless, video.preset = PresetOf(options);
     video.grey = !scene.Options().colour;
     video_.emplace(folder / "video.mp4", video);
   }
@@ -68,7 +74,7 @@ Json SceneJson(const Scene& scene, const RecordingOptions& options) {
   json["frames"] = scene.Frames();
   json["video"] = {{"crf", options.lossless ? Json() : Json(options.crf)},
                    {"lossless", options.lossless || options.pictures},
-                   {"preset", options.preset}};
+                   {"preset", PresetOf(options)}};
   if (const auto* sts = dynamic_cast<const StsMotion*>(&scene.Motion())) {
     json["phases"] = Json::array();
     for (const StsPhase& phase : sts->Phases())

@@ -16,11 +16,12 @@
 namespace lake::synth {
 namespace {
 
-using Eigen::Vector2d;
+using Eigen::Vector2d, Eigen::Vector3d;
 
 constexpr double kTicksPerSecond = 90000;  // time stamps are whole ticks, so that a video keeps them exactly
 
 std::shared_ptr<const MarkerMotion> MakeMotion(const SceneOptions& options) {
+  if (options.motion_file) return MakeTableMotion(ReadMotionFile(*options.motion_file, options.duration_s));
   if (options.motion_table.empty()) return std::make_shared<StsMotion>(options.motion);
   return MakeTableMotion(ReadMotionTable(options.motion_table), options.mirror_table);
 }
@@ -57,7 +58,7 @@ cv::Mat Spread(const cv::Mat& image, double psf_sigma_px) {
 struct FrameState {
   double time_s = 0;                           // of the motion
   std::vector<double> fine_s;                  // instants of the shutter for markers
-  std::vector<std::vector<Vector2d>> fine_mm;  // [instant][marker]
+  std::vector<std::vector<Vector3d>> fine_mm;  // [instant][marker]
   std::vector<SeenLayer> hands;                // of all that are near, at the fine instants
 };
 
@@ -110,7 +111,7 @@ struct Scene::Impl {
   MarkerPaths Paths() const {
     MarkerPaths paths{{}, sprites.RadiusPx(), 6 * sprites.RadiusPx() + sprites.ArucoReachPx()};
     for (double t = 0; t <= frames / options.frame_rate_hz; t += 0.04)
-      paths.px.push_back(sprites.Centres(motion->At(t)));
+      paths.px.push_back(sprites.Centres(motion->InSpace(t)));
     return paths;
   }
 
@@ -125,8 +126,8 @@ struct Scene::Impl {
 
   // The longest way that a marker goes while the shutter is open.
   double LongestBlurPx(double time_s) const {
-    const auto from = sprites.Centres(motion->At(time_s - 0.5 * OpenS())),
-               to = sprites.Centres(motion->At(time_s + 0.5 * OpenS()));
+    const auto from = sprites.Centres(motion->InSpace(time_s - 0.5 * OpenS())),
+               to = sprites.Centres(motion->InSpace(time_s + 0.5 * OpenS()));
     double longest = 0;
     for (std::size_t i = 0; i < from.size(); ++i) longest = std::max(longest, (to[i] - from[i]).norm());
     return longest;
@@ -134,14 +135,14 @@ struct Scene::Impl {
 
   // Each marker where it is when its row is read. A row's time depends on where the marker is then; it moves by less
   // than a hundredth of the picture in the meantime, so this settles at once.
-  std::vector<Vector2d> AsRead(double time_s) const {
-    std::vector<Vector2d> mm = motion->At(time_s);
+  std::vector<Vector3d> AsRead(double time_s) const {
+    std::vector<Vector3d> mm = motion->InSpace(time_s);
     if (options.readout_s == 0) return mm;
     constexpr int kRounds = 4;
     for (std::size_t m = 0; m < mm.size(); ++m)
       for (int round = 0; round < kRounds; ++round) {
         const double row = sprites.Centres(mm)[m].y();
-        mm[m] = motion->At(time_s + (row / view.Size().height - 0.5) * options.readout_s)[m];
+        mm[m] = motion->InSpace(time_s + (row / view.Size().height - 0.5) * options.readout_s)[m];
       }
     return mm;
   }
@@ -262,7 +263,10 @@ struct Scene::Impl {
 
   FrameTruth Truth(int frame) const {
     const FrameState state = StateOf(frame);
-    const std::vector<Vector2d> mm = motion->At(state.time_s), px = sprites.Centres(mm);
+    const std::vector<Vector3d> places = motion->InSpace(state.time_s);
+    const std::vector<Vector2d> px = sprites.Centres(places);
+    std::vector<Vector2d> mm;
+    for (std::size_t m = 0; m < places.size(); ++m) mm.push_back(sprites.PlaceShown(m, places[m]));
     const Cover cover = CoverOf(state);
     FrameTruth truth;
     truth.time_s = TimeS(frame);

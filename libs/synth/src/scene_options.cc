@@ -112,6 +112,14 @@ Json MotionJson(const StsMotionOptions& m) {
   return json;
 }
 
+Json MotionFileJson(const MotionFile& m) {
+  return {{"file", m.file.string()},
+          {"map", m.reading.names},
+          {"extra_markers", m.extra_markers},
+          {"begin_s", m.begin_s},
+          {"facing", m.facing == motion::Facing::kRight ? "right" : "left"}};
+}
+
 Json OcclusionsJson(const std::vector<Occlusion>& occlusions) {
   Json json = Json::array();
   for (const Occlusion& o : occlusions)
@@ -123,10 +131,12 @@ Json OcclusionsJson(const std::vector<Occlusion>& occlusions) {
 
 Json ToJson(const SceneOptions& o) {
   Json json = {{"seed", o.seed}};
-  if (o.motion_table.empty())
-    json["motion"] = MotionJson(o.motion);
-  else
+  if (o.motion_file)
+    json["motion_file"] = MotionFileJson(*o.motion_file);
+  else if (!o.motion_table.empty())
     json["motion_table"] = {{"file", o.motion_table.string()}, {"mirrored", o.mirror_table}};
+  else
+    json["motion"] = MotionJson(o.motion);
   json.update(Json{{"frame_rate_hz", o.frame_rate_hz},
                    {"duration_s", o.duration_s},
                    {"start_s", o.start_s},

@@ -48,6 +48,10 @@ class WalkIn : public MarkerMotion {
     return positions;
   }
 
+  std::vector<double> DepthsAt(double time_s) const override {
+    return motion_->DepthsAt(std::max(0.0, time_s - walk_s_));
+  }
+
  private:
   std::shared_ptr<const MarkerMotion> motion_;
   double walk_s_, distance_mm_;
@@ -70,6 +74,12 @@ class TwoPeople : public MarkerMotion {
     std::vector<Vector2d> positions = subject_->At(time_s);
     for (const Vector2d& position : other_->At(time_s)) positions.emplace_back(position + Vector2d(offset_mm_, 0));
     return positions;
+  }
+
+  std::vector<double> DepthsAt(double time_s) const override {
+    std::vector<double> depths = subject_->DepthsAt(time_s);
+    for (const double depth : other_->DepthsAt(time_s)) depths.push_back(depth);
+    return depths;
   }
 
  private:

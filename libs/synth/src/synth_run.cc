@@ -36,6 +36,12 @@ void DescribeMotion(SynthRunOptions& o, OptionList& options) {
   options.Add("exoskeleton", o.exoskeleton, "Draw an exoskeleton whose joint is at exo_knee");
   options.Add("motion-table", o.motion_table,
               "Markers of this table (time_s, M_x_mm, M_y_mm) instead; --facing left mirrors it");
+  options.Add("motion", o.motion.file,
+              "A recorded person instead: a file of markers in space (TRC, C3D) or in a plane; seen from the side that "
+              "--facing says");
+  Describe(o.motion.reading, options);
+  options.Add("extra-markers", o.motion.extra_markers, "With --motion: further markers of the file").Value("NAME,...");
+  options.Add("begin", o.motion.begin_s, "With --motion: begin so long after its first frame").Unit("s").NotNegative();
 }
 
 void DescribeCamera(SynthRunOptions& o, OptionList& options) {
@@ -44,6 +50,7 @@ void DescribeCamera(SynthRunOptions& o, OptionList& options) {
   options.Add("width", o.width_px, "Of the picture").Unit("px").AtLeast(1);
   options.Add("height", o.height_px, "Of the picture").Unit("px").AtLeast(1);
   options.Add("camera", o.camera, "A camera.yaml with a plane, instead of the scene's camera");
+  options.Add("radius", o.radius_mm, "Marker radius").Unit("mm").Positive();
   options.Add("radius-px", o.radius_px, "Marker radius in the picture").Unit("px").Key("radius_px").Positive();
   options.Add("distance", o.distance_mm, "Camera to plane").Unit("mm").Positive();
   options.Add("yaw", o.yaw_deg, "How far the camera looks askance").Unit("degrees");
@@ -110,12 +117,17 @@ void TakeMotion(const SynthRunOptions& o, SceneOptions& scene) {
   if (o.exo_knee_mm) motion.exo_knee_mm = Eigen::Vector2d((*o.exo_knee_mm)[0], (*o.exo_knee_mm)[1]);
   scene.motion_table = o.motion_table;
   scene.mirror_table = !o.motion_table.empty() && o.facing == motion::Facing::kLeft;
-  if (o.repetitions || !o.motion_table.empty()) scene.duration_s = 0;
+  if (!o.motion.file.empty()) {
+    scene.motion_file = o.motion;
+    scene.motion_file->facing = o.facing;
+  }
+  if (o.repetitions || !o.motion_table.empty() || scene.motion_file) scene.duration_s = 0;
 }
 
 void TakeCamera(const SynthRunOptions& o, SceneOptions& scene) {
   Take(o.duration_s, scene.duration_s), Take(o.rate_hz, scene.frame_rate_hz);
   Take(o.width_px, scene.width_px), Take(o.height_px, scene.height_px), Take(o.radius_px, scene.marker_radius_px);
+  Take(o.radius_mm, scene.marker_radius_mm);
   Take(o.distance_mm, scene.distance_mm), Take(o.yaw_deg, scene.yaw_deg), Take(o.pitch_deg, scene.pitch_deg);
   Take(o.roll_deg, scene.roll_deg), Take(o.distortion, scene.distortion);
   Take(o.shutter, scene.shutter), Take(o.readout_s, scene.readout_s), Take(o.psf_px, scene.psf_sigma_px);
@@ -154,7 +166,8 @@ SceneOptions SceneOf(const SynthRunOptions& o) {
 Scene StagedScene(const SynthRunOptions& o) {
   SceneOptions options = SceneOf(o);
   if (!o.walk_in_s && !o.second_person_mm) return Scene(options);
-  if (!options.motion_table.empty()) throw UsageError("--walk-in, --second-person: not with --motion-table");
+  if (!options.motion_table.empty() || options.motion_file)
+    throw UsageError("--walk-in, --second-person: not with --motion-table or --motion");
   options.camera = Scene(options).Profile();
   std::shared_ptr<const MarkerMotion> motion = std::make_shared<StsMotion>(options.motion);
   if (o.walk_in_s) {
@@ -227,7 +240,7 @@ std::string NameOf(const SynthRunOptions& options) {
 }
 
 Json RunSynth(const SynthRunOptions& options, Run& run) {
-  for (const std::filesystem::path& file : {options.motion_table, options.camera})
+  for (const std::filesystem::path& file : {options.motion_table, options.motion.file, options.camera})
     if (!file.empty()) run.AddInput(file);
   return options.people ? RenderPopulation(options, run) : RenderRecording(options, run);
 }

@@ -22,7 +22,9 @@ class View {
   Eigen::Vector2d Pixel(const Eigen::Vector2d& mm, double depth_mm = 0) const {
     return camera::PixelFromPlane(camera_, pose_, mm, depth_mm);
   }
-  Eigen::Vector2d Plane(const Eigen::Vector2d& px) const { return camera::PlaneFromPixel(camera_, pose_, px); }
+  Eigen::Vector2d Plane(const Eigen::Vector2d& px, double depth_mm = 0) const {
+    return camera::PlaneFromPixel(camera_, pose_, px, depth_mm);
+  }
 
   // d pixel / d plane, px per mm.
   Eigen::Matrix2d Jacobian(const Eigen::Vector2d& mm, double depth_mm = 0) const;

@@ -1,4 +1,5 @@
-// Where markers are over time, in the plane frame (mm; x right in the image, y up): what a rendering shows.
+// Where markers are over time, in the plane frame (mm; x right in the image, y up, z towards the camera): what a
+// rendering shows.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,6 +25,12 @@ class MarkerMotion {
 
   // One position per name, in mm in the plane frame; smooth in time (its second derivative is continuous).
   virtual std::vector<Eigen::Vector2d> At(double time_s) const = 0;
+
+  // How far each marker is in front of the plane at that time, in mm; zeros unless the motion was recorded in space.
+  virtual std::vector<double> DepthsAt(double time_s) const;
+
+  // Both together.
+  std::vector<Eigen::Vector3d> InSpace(double time_s) const;
 };
 
 // The place of a name, or -1.
@@ -34,20 +41,23 @@ int IndexOfMarker(const MarkerMotion& motion, std::string_view name);
 double KneeAngleDeg(const Eigen::Vector2d& ankle, const Eigen::Vector2d& knee, const Eigen::Vector2d& hip,
                     motion::Facing facing);
 
-// Recorded positions: times in s (increasing, at least 3), positions[marker][time] in mm in the plane frame.
+// Recorded positions: times in s (increasing, at least 3), positions[marker][time] in mm in the plane frame, and
+// depth_mm[marker][time], how far they are in front of the plane (empty: all in it).
 struct MotionTable {
   std::vector<double> time_s;
   std::vector<std::string> names;
   std::vector<std::vector<Eigen::Vector2d>> positions;
+  std::vector<std::vector<double>> depth_mm;
 };
+
+// The side on which the knee stands of the line from ankle to hip, on average; right if one of them is absent.
+motion::Facing FacingOf(const MotionTable& table);
 
 // Reads columns time_s, M_x_mm, M_y_mm (other columns are passed over; a truth.csv is such a file). Throws Error naming
 // file and line: no marker, an empty cell, times that do not increase.
 MotionTable ReadMotionTable(const std::filesystem::path& path);
 
-// Natural cubic splines through the table, whose first time becomes 0. With `mirror` x changes its sign. The subject
-// faces to the side on which the knee stands of the line from ankle to hip, on average (right if one of them is
-// absent).
+// Natural cubic splines through the table, whose first time becomes 0. With `mirror` x changes its sign.
 std::unique_ptr<MarkerMotion> MakeTableMotion(MotionTable table, bool mirror = false);
 
 }  // namespace lake::synth

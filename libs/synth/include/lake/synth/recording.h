@@ -9,11 +9,12 @@
 namespace lake::synth {
 
 struct RecordingOptions {
-  int crf = 17;                     // H.264 quality
-  bool lossless = false;            // luma kept to the bit; with a colour scene the colours are still subsampled
-  bool pictures = false;            // frames/00000.png … instead of video.mp4
-  const char* preset = "veryfast";  // x264: as weak as the encoders in cameras; "medium" takes three times as long
-  bool quiet = true;                // no progress
+  int crf = 17;           // H.264 quality
+  bool lossless = false;  // luma kept to the bit; with a colour scene the colours are still subsampled
+  bool pictures = false;  // frames/00000.png … instead of video.mp4
+  // x264's, unless lossless: as weak as the encoders in cameras; "medium" takes three times as long
+  const char* preset = "veryfast";
+  bool quiet = true;  // no progress
 };
 
 struct RecordingSummary {

@@ -17,7 +17,7 @@ namespace lake::synth {
 
 struct MarkerTruth {
   Eigen::Vector2d px;   // the projected centre at mid-exposure, image frame
-  Eigen::Vector2d mm;   // plane frame
+  Eigen::Vector2d mm;   // plane frame: where the plane shows it
   double covered = 0;   // the part of the marker's light that a hand or the picture's border takes away, 0..1
   bool visible = true;  // covered < kVisibleLimit
 };

@@ -12,6 +12,7 @@
 
 #include "lake/camera/camera.h"
 #include "lake/core/json.h"
+#include "lake/synth/motion_file.h"
 #include "lake/synth/noise.h"
 #include "lake/synth/sts_motion.h"
 
@@ -34,6 +35,7 @@ struct SceneOptions {
   StsMotionOptions motion;
   std::filesystem::path motion_table;  // a recorded motion instead (see ReadMotionTable)
   bool mirror_table = false;
+  std::optional<MotionFile> motion_file;  // or a person's in space
 
   // --- time: a frame's time stamp is the middle of its exposure ---
   double frame_rate_hz = 60;

@@ -31,10 +31,11 @@ struct SynthRunOptions {
   double warp = 0, skin_mm = 0;
   std::optional<std::array<double, 2>> exo_knee_mm;
   std::filesystem::path motion_table;
+  MotionFile motion;
 
   // --- picture ---
-  std::optional<double> duration_s, rate_hz, radius_px, distance_mm, yaw_deg, pitch_deg, roll_deg, level, brightness,
-      exposure, shutter, readout_s, flicker, psf_px, read_noise, shot_gain;
+  std::optional<double> duration_s, rate_hz, radius_mm, radius_px, distance_mm, yaw_deg, pitch_deg, roll_deg, level,
+      brightness, exposure, shutter, readout_s, flicker, psf_px, read_noise, shot_gain;
   std::optional<int> width_px, height_px, reflections;
   std::filesystem::path camera;
   std::optional<std::array<double, 5>> distortion;
