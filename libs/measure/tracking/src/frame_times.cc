@@ -147,8 +147,11 @@ class FrameClock {
                         passage.Misfit(stamped_s)};
     Judgement jump = Likeliest(passage, usual_s, std::max(kLongest_s, stamped_s));
     jump.log_odds += std::log(kJumpOdds / each) - by_stamp;
+    // Strong coding holds slow markers back for some frames and then lets them jump, as if time stood still or were
+    // lost.
+    constexpr double kHeldBackPx = 1;                   // in a frame
     constexpr double kLeastFrames = 0.75, kOthers = 3;  // the logarithm of odds of 20
-    if (std::abs(jump.moved_s - stamped_s) < kLeastFrames * usual_s ||
+    if (passage.Faster(kHeldBackPx / usual_s) < 2 || std::abs(jump.moved_s - stamped_s) < kLeastFrames * usual_s ||
         passage.LogRatioWithoutBest(jump.moved_s, stamped_s) < kOthers)
       jump.log_odds = -INFINITY;
     return cut.log_odds > jump.log_odds ? cut : jump;

@@ -70,6 +70,13 @@ double Passage::LogDensity(const Marker& marker, double elapsed_s, double unrela
   return LogSum(logs);
 }
 
+int Passage::Faster(double least_px_s) const {
+  return static_cast<int>(std::ranges::count_if(markers_, [&](const Marker& marker) {
+    const Hypothesis& likeliest = *std::ranges::max_element(marker, {}, &Hypothesis::log_weight);
+    return likeliest.before.Velocity().norm() > least_px_s && likeliest.after.Velocity().norm() > least_px_s;
+  }));
+}
+
 double Passage::Misfit(double elapsed_s) const {
   constexpr double kNumbers = 6;  // of a state
   double squares = 0;

@@ -24,6 +24,8 @@ class Passage {
   // By how much more likely one time is than another, of all markers but that which says so most: what moves alone may
   // have been left behind by the encoder. A logarithm.
   double LogRatioWithoutBest(double elapsed_s, double other_s) const;
+  // How many markers are faster than this on both sides, px/s.
+  int Faster(double least_px_s) const;
   // The squared distance of the paths on both sides in standard deviations, for a quick movement, over its expectation.
   double Misfit(double elapsed_s) const;
 
