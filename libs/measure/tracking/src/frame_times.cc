@@ -138,20 +138,21 @@ class FrameClock {
   Judgement Judge(const TimedPaths& paths, const std::vector<std::size_t>& frames, std::size_t after, std::size_t from,
                   std::size_t to, double usual_s) const {
     constexpr double kPlain = 1.5, kLong = 2.5, kLongest_s = 0.5;
+    const double stamped_s = recording_.time_s[frames[after]] - recording_.time_s[frames[after - 1]],
+                 misfit = paths.Misfit(frames, after, from, to);
+    if (stamped_s < kLong * usual_s && misfit < kPlain) return {};
     const Passage passage = paths.Between(frames, after, from, to);
     if (passage.Markers() < 2) return {};
-    const double stamped_s = recording_.time_s[frames[after]] - recording_.time_s[frames[after - 1]];
-    if (stamped_s < kLong * usual_s && passage.Misfit(stamped_s) < kPlain) return {};
     const double by_stamp = passage.LogDensity(stamped_s), each = static_cast<double>(frames.size());
-    const Judgement cut{std::log(kCutOdds / each) + passage.LogDensityOfCut(stamped_s) - by_stamp, true, 0, 0,
-                        passage.Misfit(stamped_s)};
-    Judgement jump = Likeliest(passage, usual_s, std::max(kLongest_s, stamped_s));
-    jump.log_odds += std::log(kJumpOdds / each) - by_stamp;
+    const Judgement cut{std::log(kCutOdds / each) + passage.LogDensityOfCut(stamped_s) - by_stamp, true, 0, 0, misfit};
     // Strong coding holds slow markers back for some frames and then lets them jump, as if time stood still or were
     // lost.
-    constexpr double kHeldBackPx = 1;                   // in a frame
+    constexpr double kHeldBackPx = 1;  // in a frame
+    if (passage.Faster(kHeldBackPx / usual_s) < 2) return cut;
+    Judgement jump = Likeliest(passage, usual_s, std::max(kLongest_s, stamped_s));
+    jump.log_odds += std::log(kJumpOdds / each) - by_stamp;
     constexpr double kLeastFrames = 0.75, kOthers = 3;  // the logarithm of odds of 20
-    if (passage.Faster(kHeldBackPx / usual_s) < 2 || std::abs(jump.moved_s - stamped_s) < kLeastFrames * usual_s ||
+    if (std::abs(jump.moved_s - stamped_s) < kLeastFrames * usual_s ||
         passage.LogRatioWithoutBest(jump.moved_s, stamped_s) < kOthers)
       jump.log_odds = -INFINITY;
     return cut.log_odds > jump.log_odds ? cut : jump;

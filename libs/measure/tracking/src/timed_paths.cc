@@ -77,18 +77,6 @@ int Passage::Faster(double least_px_s) const {
   }));
 }
 
-double Passage::Misfit(double elapsed_s) const {
-  constexpr double kNumbers = 6;  // of a state
-  double squares = 0;
-  for (const Marker& marker : markers_) {
-    const Hypothesis& quick = marker[kDensities - 1 - kAboveQuick];
-    const dynamics::PathState told = dynamics::Moved(quick.before, elapsed_s, quick_density_);
-    const Eigen::LLT<Eigen::Matrix3d> covariance(told.covariance + quick.after.covariance);
-    squares += covariance.matrixL().solve(quick.after.mean - told.mean).squaredNorm();
-  }
-  return squares / (kNumbers * static_cast<double>(markers_.size()));
-}
-
 TimedPaths::TimedPaths(const motion::MarkerRecording& recording, const std::vector<std::size_t>& frames)
     : recording_(recording) {
   const double mm_per_px = MillimetresPerPx(recording);
@@ -131,24 +119,51 @@ std::vector<dynamics::PathSample> TimedPaths::Beside(const motion::MarkerTrack& 
   return samples;
 }
 
+// nullopt where too little is seen to tell a path.
+std::optional<TimedPaths::Sides> TimedPaths::SidesOf(const motion::MarkerTrack& marker,
+                                                     const std::vector<std::size_t>& frames, std::size_t after,
+                                                     std::size_t from, std::size_t to) const {
+  constexpr std::size_t kFewest = 4;
+  const auto at = static_cast<std::ptrdiff_t>(after);
+  Sides sides{Beside(marker, frames, at - 1, static_cast<std::ptrdiff_t>(from) - 1, -1),
+              Beside(marker, frames, at, static_cast<std::ptrdiff_t>(to), 1)};
+  return sides.before.size() < kFewest || sides.after.size() < kFewest ? std::nullopt : std::optional(std::move(sides));
+}
+
+double TimedPaths::Misfit(const std::vector<std::size_t>& frames, std::size_t after, std::size_t from,
+                          std::size_t to) const {
+  constexpr double kNumbers = 6;  // of a state
+  const double before_s = recording_.time_s[frames[after - 1]], after_s = recording_.time_s[frames[after]];
+  double squares = 0;
+  int markers = 0;
+  for (const motion::MarkerTrack& track : recording_.markers) {
+    const auto sides = SidesOf(track, frames, after, from, to);
+    if (!sides) continue;
+    const dynamics::PathState told = dynamics::Moved(
+                                  dynamics::EvidenceAt(sides->before, before_s, learnt_.density, prior_).state,
+                                  after_s - before_s, learnt_.density),
+                              seen = dynamics::EvidenceAt(sides->after, after_s, learnt_.density, prior_).state;
+    const Eigen::LLT<Eigen::Matrix3d> covariance(told.covariance + seen.covariance);
+    squares += covariance.matrixL().solve(seen.mean - told.mean).squaredNorm();
+    ++markers;
+  }
+  return markers > 0 ? squares / (kNumbers * markers) : 0;
+}
+
 Passage TimedPaths::Between(const std::vector<std::size_t>& frames, std::size_t after, std::size_t from,
                             std::size_t to) const {
-  constexpr std::size_t kFewest = 4;
   Passage passage;
-  passage.quick_density_ = learnt_.density;
   passage.log_unrelated_ =
       -2 * std::log(kReach_mm / unit_mm_ * prior_.speed * prior_.acceleration) - 2 * std::log(2 * std::numbers::pi);
   for (const motion::MarkerTrack& track : recording_.markers) {
-    const auto at = static_cast<std::ptrdiff_t>(after);
-    const auto before = Beside(track, frames, at - 1, static_cast<std::ptrdiff_t>(from) - 1, -1),
-               behind = Beside(track, frames, at, static_cast<std::ptrdiff_t>(to), 1);
-    if (before.size() < kFewest || behind.size() < kFewest) continue;
+    const auto sides = SidesOf(track, frames, after, from, to);
+    if (!sides) continue;
     Passage::Marker marker;
     std::vector<double> weights;
     for (std::size_t k = 0; k < kDensities; ++k) {
       const double density = DensityOf(k, learnt_.density);
-      const auto told = dynamics::EvidenceAt(before, recording_.time_s[frames[after - 1]], density, prior_),
-                 seen = dynamics::EvidenceAt(behind, recording_.time_s[frames[after]], density, prior_);
+      const auto told = dynamics::EvidenceAt(sides->before, recording_.time_s[frames[after - 1]], density, prior_),
+                 seen = dynamics::EvidenceAt(sides->after, recording_.time_s[frames[after]], density, prior_);
       weights.push_back(told.log_likelihood + seen.log_likelihood);
       marker.push_back({weights.back(), density, told.state, seen.state});
     }

@@ -26,8 +26,6 @@ class Passage {
   double LogRatioWithoutBest(double elapsed_s, double other_s) const;
   // How many markers are faster than this on both sides, px/s.
   int Faster(double least_px_s) const;
-  // The squared distance of the paths on both sides in standard deviations, for a quick movement, over its expectation.
-  double Misfit(double elapsed_s) const;
 
  private:
   friend class TimedPaths;
@@ -35,13 +33,13 @@ class Passage {
     double log_weight = 0, density = 0;
     dynamics::PathState before, after;
   };
-  using Marker = std::vector<Hypothesis>;  // one for each density, the quick movement's last but one
+  using Marker = std::vector<Hypothesis>;  // one for each density
 
   double LogDensity(const Marker& marker, double elapsed_s, double unrelated) const;
   double LogDensity(double elapsed_s, double unrelated) const;  // that share of markers is something else afterwards
 
   std::vector<Marker> markers_;
-  double quick_density_ = 0, log_unrelated_ = 0;
+  double log_unrelated_ = 0;
 };
 
 // How late (negative: early) a frame's time is, by all markers' paths through its neighbours.
@@ -59,6 +57,10 @@ class TimedPaths {
   // Between frames[after − 1] and frames[after], by what is seen from frames[from] to frames[to − 1].
   Passage Between(const std::vector<std::size_t>& frames, std::size_t after, std::size_t from, std::size_t to) const;
 
+  // The squared distance of the same paths in standard deviations, for a quick movement, over its expectation; 0 where
+  // nothing is seen on both sides.
+  double Misfit(const std::vector<std::size_t>& frames, std::size_t after, std::size_t from, std::size_t to) const;
+
   // nullopt where fewer than two markers are seen on both sides or nothing moves.
   std::optional<Lateness> LatenessOf(const std::vector<std::size_t>& frames, std::size_t at) const;
 
@@ -73,6 +75,11 @@ class TimedPaths {
  private:
   std::vector<std::vector<dynamics::PathSample>> PathsAt(const std::vector<std::size_t>& frames,
                                                          const std::vector<double>& time_s) const;
+  struct Sides {
+    std::vector<dynamics::PathSample> before, after;  // each the farthest first
+  };
+  std::optional<Sides> SidesOf(const motion::MarkerTrack& marker, const std::vector<std::size_t>& frames,
+                               std::size_t after, std::size_t from, std::size_t to) const;
   std::vector<dynamics::PathSample> Beside(const motion::MarkerTrack& marker, const std::vector<std::size_t>& frames,
                                            std::ptrdiff_t nearest, std::ptrdiff_t end, int direction) const;
   // Of a run of frames and what follows, the logarithms of the densities if the run repeats a picture while time goes
