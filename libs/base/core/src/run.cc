@@ -34,17 +34,17 @@ std::string OwnerOf(const fs::path& folder, const std::string& name) {
 }
 
 // In every text that it holds.
-Json WithoutHome(Json json) {
-  if (json.is_string()) return lake::WithoutHome(json.get<std::string>());
+Json TextsWithoutHome(Json json) {
+  if (json.is_string()) return WithoutHome(json.get<std::string>());
   if (json.is_structured())
-    for (Json& value : json) value = WithoutHome(std::move(value));
+    for (Json& value : json) value = TextsWithoutHome(std::move(value));
   return json;
 }
 
 // As a summary names it: FromHome() finds it again, also where "~" is the name of a folder.
 std::string NameOf(const fs::path& path) {
   const fs::path plain = path.string().starts_with('~') ? fs::path(".") / path : path;
-  std::string name = lake::WithoutHome(plain.string());
+  std::string name = WithoutHome(plain.string());
   return FromHome(name) == plain ? name : plain.string();
 }
 
@@ -59,9 +59,9 @@ void CheckIsAsItWas(const Json& input, const fs::path& out) {
 }  // namespace
 
 Run::Run(Info info) : info_(std::move(info)) {
-  info_.command = lake::WithoutHome(info_.command);
-  info_.options = WithoutHome(std::move(info_.options));
-  for (std::string& file : info_.subject) file = lake::WithoutHome(file);
+  info_.command = WithoutHome(info_.command);
+  info_.options = TextsWithoutHome(std::move(info_.options));
+  for (std::string& file : info_.subject) file = WithoutHome(file);
 }
 
 Run::~Run() {
