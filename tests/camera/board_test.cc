@@ -35,7 +35,7 @@ TEST(Board, WrongTextsAreUsageErrorsThatSayWhatIsWrong) {
   EXPECT_THAT(complaint("chessboard:9.5x6:25"), HasSubstr("'9.5' is no number of columns"));
   EXPECT_THAT(complaint("chessboard:1e300x6:25"), HasSubstr("no number of columns"));
   EXPECT_THAT(complaint("chessboard:9x6:0"), HasSubstr("'0' is no size"));
-  EXPECT_THAT(complaint("chessboard:9x6:0.025"), HasSubstr("a square of 0.025 mm is smaller than any: is it in m?"));
+  EXPECT_THAT(complaint("chessboard:9x6:0.025"), HasSubstr("a square of 0.025 mm is smaller than any (is it in m?)"));
   EXPECT_THAT(complaint("charuco:9x7:25:0.018:4X4_50"), HasSubstr("a marker of 0.018 mm"));
   EXPECT_THAT(complaint("chessboard:9x6:nan"), HasSubstr("'nan' is no size"));
   EXPECT_THAT(complaint("charuco:9x7:25:26:4X4_50"), HasSubstr("does not fit"));

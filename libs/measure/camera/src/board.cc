@@ -34,7 +34,7 @@ double ParseLength(std::string_view text, std::string_view whole, const char* wh
   if (!value || !(*value > 0) || *value > kMaxSquareMm)
     throw Wrong(whole, fmt::format("'{}' is no size of a {} in mm", text, what));
   if (*value < kMinSquareMm)
-    throw Wrong(whole, fmt::format("a {} of {} mm is smaller than any: is it in m?", what, *value));
+    throw Wrong(whole, fmt::format("a {} of {} mm is smaller than any (is it in m?)", what, *value));
   return *value;
 }
 

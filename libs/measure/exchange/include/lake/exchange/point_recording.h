@@ -71,8 +71,8 @@ PointRecording PointsInPlane(const PointRecording& points);
 // Points in space, turned so that `up` is the vertical: y and z change places about x, x comes by turning all three.
 PointRecording PointsTurnedUp(PointRecording points, char up);
 
-// Adds points of these names, without positions yet. A name that stands more than once gets _2, _3, …, and the recording
-// a warning; `where` is the place of the names in the file.
+// Adds points of these names, without positions yet. A name that stands more than once gets _2, _3, …, and the
+// recording a warning; `where` is the place of the names in the file.
 void AddPoints(std::vector<std::string> names, const std::string& where, PointRecording& recording);
 
 // mm per unit of "mm", "cm", "m"; nullopt for others.
