@@ -3,8 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include <chrono>
-
 #include "lake/video/video_writer.h"
 #include "pipeline/rendered_trial.h"
 
@@ -43,7 +41,6 @@ TEST(Check, SaysThatAGoodRecordingIsFitWithTheFiguresOfTheRendering) {
     EXPECT_NEAR(figures["quality"]["contrast"].get<double>(), 200, 60);  // 235 over trousers and wall
     EXPECT_EQ(figures["repeated_frames"], 0);
     EXPECT_EQ(figures["dropped_frames"], 0);
-    EXPECT_LT(figures["seconds"].get<double>(), 5);
     EXPECT_TRUE(std::filesystem::exists(trial.folder / "check" / "check.png"));
     // Of pictures that are too large for all of it less is seen, but beginning, middle and end.
     tracking::RecordingCheckOptions no_budget;

@@ -79,8 +79,9 @@ struct RecordingCheck {
   double seconds = 0;
 };
 
-// Looks into the recording at places over its whole length, as far as `budget_mpx` goes. Markers are not named: of the bright
-// spots in a place the strongest, as many as there should be, are taken for them. Throws Error as VideoReader does.
+// Looks into the recording at places over its whole length, as far as `budget_mpx` goes. Markers are not named: of the
+// bright spots in a place the strongest, as many as there should be, are taken for them. Throws Error as VideoReader
+// does.
 RecordingCheck CheckRecording(const std::filesystem::path& video, const RecordingCheckOptions& options = {});
 
 }  // namespace lake::tracking
