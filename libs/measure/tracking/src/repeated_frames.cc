@@ -132,7 +132,7 @@ std::optional<RepeatedFrames::LowerRate> RepeatedFrames::FindLowerRate() const {
       if (std::gcd(numerator, denominator) != 1) continue;
       LowerRate rate{static_cast<double>(numerator) / denominator};
       if (std::abs(rate.ratio - about) > kReach) continue;
-      std::size_t least = telling.size();
+      std::size_t least = most + 1;  // what disagrees more is not looked through
       double best_phase = 0;
       for (int step = 0; step < kPhases * denominator; ++step) {
         // Halfway between the phases at which the pattern changes, so that rounding decides nothing.

@@ -34,13 +34,11 @@ class TimeJumpFinder {
     std::vector<std::size_t> fresh = frames_.Fresh();
     std::vector<Cut> cuts;
     const std::vector<double> stamps_s = recording_.time_s;
+    FindJumps(fresh);
     while (true) {
       std::optional<FoundJump> largest;
-      for (std::size_t at = 1; at < fresh.size(); ++at) {
-        if (IsBarrier(fresh[at])) continue;
-        const auto jump = JumpAt(fresh, at);
+      for (const auto& jump : found_)
         if (jump && (!largest || jump->off_px > largest->off_px)) largest = jump;
-      }
       if (!largest) break;
       if (IsMadeByRepeats(*largest, fresh)) continue;
       if (jumps.size() + cuts.size() == kMost)
@@ -52,12 +50,14 @@ class TimeJumpFinder {
       barriers_.push_back(after);
       if (largest->is_cut) {
         cuts.push_back(CutAt(fresh, largest->at));
+        FindJumps(fresh);
         continue;
       }
       const double stamped_s = recording_.time_s[after] - recording_.time_s[before];
       jumps.push_back(
           {recording_.frame[before], recording_.frame[after], stamped_s, largest->moved_s, largest->sigma_s});
       for (std::size_t i = after; i < recording_.Frames(); ++i) recording_.time_s[i] += largest->moved_s - stamped_s;
+      FindJumps(fresh);
     }
     if (!cuts.empty()) ThrowCuts(cuts, stamps_s);
     if (!jumps.empty()) frames_.SpreadTimes();
@@ -76,11 +76,12 @@ class TimeJumpFinder {
     return std::find(barriers_.begin(), barriers_.end(), frame) != barriers_.end();
   }
 
+  // A marker that has come far may be lost for some frames before it is followed again.
+  static constexpr int kFewest = 4, kMayBeLost = 4;  // frames of a side
+  static constexpr double kReach_s = 0.11;           // a leg's path is a parabola for about as long
+
   std::optional<PathPoint> OneSide(const motion::MarkerTrack& marker, const std::vector<std::size_t>& fresh,
                                    std::size_t at, int direction) const {
-    // A marker that has come far may be lost for some frames before it is followed again.
-    constexpr int kFewest = 4, kMayBeLost = 4;
-    constexpr double kReach_s = 0.11;  // a leg's path is a parabola for about as long
     LocalPath path(2, recording_.time_s[fresh[at]]);
     int count = 0, lost = 0;
     for (auto k = static_cast<std::ptrdiff_t>(at); k >= 0 && k < static_cast<std::ptrdiff_t>(fresh.size());
@@ -205,6 +206,41 @@ class TimeJumpFinder {
     return std::abs(jump.moved_s - stamped_s) > least_s ? std::optional(jump) : std::nullopt;
   }
 
+  // The jumps before each of the new frames.
+  void FindJumps(const std::vector<std::size_t>& fresh) {
+    found_.assign(fresh.size(), std::nullopt);
+    for (std::size_t at = 1; at < fresh.size(); ++at) FindJump(fresh, at);
+  }
+
+  void FindJump(const std::vector<std::size_t>& fresh, std::size_t at) {
+    found_[at] = IsBarrier(fresh[at]) ? std::nullopt : JumpAt(fresh, at);
+  }
+
+  // The same where some of the new frames have turned out to be none: found anew are those whose sides reach them.
+  void FindJumpsWithout(const std::vector<std::size_t>& gone, std::vector<std::size_t>& fresh) {
+    constexpr std::size_t kBeyond = kFewest + kMayBeLost + 2;  // frames of a side that may lie beyond its reach
+    const auto place = [&fresh](std::size_t frame) {
+      return static_cast<std::size_t>(std::lower_bound(fresh.begin(), fresh.end(), frame) - fresh.begin());
+    };
+    const auto time = [&](std::size_t k) { return recording_.time_s[fresh[k]]; };
+    const std::size_t first_gone = place(gone.front()), last_gone = place(gone.back());
+    const double from_s = time(first_gone > kBeyond ? first_gone - kBeyond : 0) - kReach_s,
+                 to_s = time(std::min(last_gone + kBeyond, fresh.size() - 1)) + kReach_s;
+    std::vector<std::size_t> kept;
+    std::vector<std::optional<FoundJump>> found;
+    std::vector<std::size_t> anew;
+    for (std::size_t k = 0; k < fresh.size(); ++k) {
+      if (std::binary_search(gone.begin(), gone.end(), fresh[k])) continue;
+      if (time(k) >= from_s && time(k > 0 ? k - 1 : 0) <= to_s) anew.push_back(kept.size());
+      found.push_back(found_[k]);
+      if (found.back()) found.back()->at = kept.size();
+      kept.push_back(fresh[k]);
+    }
+    fresh = std::move(kept), found_ = std::move(found);
+    for (const std::size_t at : anew)
+      if (at > 0) FindJump(fresh, at);
+  }
+
   static Eigen::Vector2d Off(const Sides& sides, std::size_t m, double elapsed_s) {
     const PathPoint &a = sides.before[m], &b = sides.after[m];
     return sides.apart[m] - 0.5 * elapsed_s * (a.velocity + b.velocity) -
@@ -254,7 +290,7 @@ class TimeJumpFinder {
     const auto count = static_cast<double>(sides.apart.size());
     if (count < 2 || SquareOff(sides, stamped_s) > kLeastOffPx * kLeastOffPx * count) return false;
     for (const std::size_t i : still) frames_.Mark(i);
-    fresh = std::move(others);
+    FindJumpsWithout(still, fresh);
     return true;
   }
 
@@ -294,9 +330,10 @@ class TimeJumpFinder {
   motion::MarkerRecording& recording_;
   RepeatedFrames& frames_;
   const bool at_lower_rate_;
-  const double fresh_s_;               // between new frames, usually
-  const double mm_per_px_;             // of a leg; 0: unknown
-  std::vector<std::size_t> barriers_;  // jumps that were found, by the frame after them
+  const double fresh_s_;                         // between new frames, usually
+  const double mm_per_px_;                       // of a leg; 0: unknown
+  std::vector<std::size_t> barriers_;            // jumps that were found, by the frame after them
+  std::vector<std::optional<FoundJump>> found_;  // before each of the new frames
 };
 
 }  // namespace
