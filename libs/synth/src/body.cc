@@ -23,8 +23,8 @@ Shape Limb(const Vector2d& from, const Vector2d& to, double from_radius, double 
   return {Capsule(from, to, from_radius, to_radius), from, (to - from).normalized(), std::max(from_radius, to_radius)};
 }
 
-// A place on the trunk: `up` along hip–waist, `front` towards where the person looks. A waist marker that is as high as a
-// shoulder stretches the trunk, so that it is on it.
+// A place on the trunk: `up` along hip–waist, `front` towards where the person looks. A waist marker that is as high as
+// a shoulder stretches the trunk, so that it is on it.
 Vector2d OnTrunk(const BodyPose& pose, double forward, double up, double front) {
   constexpr double kShoulder = 430;
   const Vector2d trunk = *pose.waist - *pose.hip, axis = trunk.normalized();
