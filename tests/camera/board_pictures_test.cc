@@ -67,6 +67,12 @@ TEST_F(BoardPicturesTest, MixedSizesAndUnreadableFilesAreErrors) {
   EXPECT_THAT(Complaint({a, folder_ / "none.png"}), testing::HasSubstr("none.png"));
 }
 
+// A numbered sequence has no times, and needs none here: at 30 Hz only each third picture was looked at.
+TEST_F(BoardPicturesTest, OfASequenceEveryPictureIsLookedAt) {
+  for (int i = 0; i < 4; ++i) Save(fmt::format("{:02}.png", i), Board(250 + 20 * i, 10));
+  EXPECT_EQ(camera::FindBoards({folder_ / "%02d.png"}, kBoard, options_).seen, 4);
+}
+
 // A board that moves, is blurred for a while and is out of the picture for a while.
 TEST_F(BoardPicturesTest, OfAVideoSharpSpreadFramesAreChosen) {
   video::VideoWriterOptions writer_options;

@@ -175,9 +175,17 @@ TEST_F(Folders, AreConvertedAsTheirTables) {
 TEST_F(Folders, AreFoundFromWithinAndByAnyName) {
   Render();
   Done("mkdir frames && ffmpeg -v error -nostdin -i human.mp4 -start_number 0 frames/%05d.png");
-  const Json inside =
-      Json::parse(Done("cd frames && lake-track %05d.png --no-overlay --quiet --json -o ../inside").out);
+  const Json inside = Json::parse(
+      Done("cd frames && lake-track %05d.png --capture-rate 30 --no-overlay --quiet --json -o ../inside").out);
   EXPECT_EQ(inside["inputs"][0]["path"], ".");
+  // Pictures have no times of their own: whoever wants times has to give the rate.
+  const char* programs[] = {"track", "check", "review", "anonymise --trial inside"};
+  for (const std::string program : programs)
+    Refused(fmt::format("lake {} frames/%05d.png", program), 1, "--capture-rate HZ");
+  const Json check = Json::parse(Done("lake-check frames/%05d.png --capture-rate 60 --quiet --json").out);
+  EXPECT_EQ(check["video"]["frame_rate_hz"], 60);
+  EXPECT_EQ(check["figures"]["frames_in_file"], inside["video"]["frames"]);
+  Done("lake-anonymise frames/%05d.png --trial inside --capture-rate 30 --quiet");
   // A name in Latin-1, and one that looks like a pattern.
   Done("cp human.mp4 $(printf 'Stra\\337e.mp4') && mkdir '50%[a]' && cp human.mp4 '50%[a]/human.mp4'");
   const Outcome latin = Done("lake-track $(printf 'Stra\\337e.mp4') --no-overlay --quiet --json -o latin");

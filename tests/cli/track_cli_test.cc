@@ -63,6 +63,21 @@ TEST_F(TrackProgram, RefusesWhatIsNoVideo) {
   ExpectRefused("absent/%05d.png", 1, "absent");
 }
 
+// Nobody writes to it: a video is not waited for, a table is, until the first signal.
+TEST_F(TrackProgram, IsNotHungByAPipe) {
+  ASSERT_EQ(Shell(folder_, "mkfifo pipe.mp4 pipe.csv").exit_code, 0);
+  ExpectRefused("pipe.mp4", 1, "pipe.mp4: is a pipe or a device");
+  fs::create_directory(folder_ / "trial");
+  for (const char* name : {"tracks.csv", "summary.json"}) WriteTextFile(folder_ / "trial" / name, "{}");
+  for (const char* program : {"lake-check pipe.mp4", "lake-calibrate pipe.mp4 --board chessboard:9x6:25",
+                              "lake-anonymise pipe.mp4 --trial trial"})
+    EXPECT_THAT(Shell(folder_, fmt::format("timeout -k 1 20 {} -o results", program)).err,
+                HasSubstr("save it as a file"));
+  for (const char* program : {"lake-gait", "lake-info"})
+    EXPECT_EQ(Shell(folder_, fmt::format("timeout --preserve-status -k 5 0.5 {} pipe.csv", program)).exit_code, 143)
+        << program;
+}
+
 TEST_F(TrackProgram, RefusesATruncatedVideo) {
   Render();
   for (const int share : {10, 50, 90}) {

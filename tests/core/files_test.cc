@@ -5,6 +5,7 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <thread>
 
 #include "home_folder.h"
 #include "lake/core/atomic_file.h"
@@ -56,6 +57,28 @@ TEST(AtomicFile, SaysWhenItCannotBeWritten) {
   const TemporaryFolder folder;
   EXPECT_THAT([&] { WriteTextFile(folder / "none" / "a.txt", "x"); },
               ThrowsMessage<Error>(HasSubstr("cannot be written")));
+}
+
+// It is waited for, as cat does, and the first signal ends the waiting.
+TEST(TextFile, MayBeAPipe) {
+  const TemporaryFolder folder;
+  const std::filesystem::path pipe = folder / "pipe.csv";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&pipe] { std::ofstream(pipe) << "late"; });
+  EXPECT_EQ(ReadTextFile(pipe), "late");
+  writer.join();
+  const auto interrupted = [&pipe] {
+    CatchInterrupts();
+    std::raise(SIGTERM);
+    try {
+      ReadTextFile(pipe);
+    } catch (const Interrupted& end) {
+      std::_Exit(end.Signal() == SIGTERM ? 0 : 1);
+    }
+    std::_Exit(2);
+  };
+  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(0), "");
+  EXPECT_THAT([&] { WriteTextFile(pipe, "x"); }, ThrowsMessage<Error>(HasSubstr("is a pipe or a device")));
 }
 
 TEST(Run, SummaryHoldsWhatMadeTheResult) {

@@ -13,6 +13,7 @@
 #include "lake/core/json.h"
 #include "lake/linkage/linkage.h"
 #include "lake/video/video_reader.h"
+#include "places.h"
 #include "published_links.h"
 #include "temporary_folder.h"
 
@@ -34,8 +35,8 @@ class Simulate : public ::testing::Test {
  protected:
   Outcome RunIt(const std::string& arguments) {
     const auto out = folder_ / "stdout", err = folder_ / "stderr";
-    const std::string command = fmt::format("'{}/lake-simulate' {} -o '{}' >'{}' 2>'{}'", LAKE_BIN_DIR, arguments,
-                                            Out().string(), out.string(), err.string());
+    const std::string command = fmt::format("{} {} -o {} >{} 2>{}", Quoted(BinDir() / "lake-simulate"), arguments,
+                                            Quoted(Out()), Quoted(out), Quoted(err));
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadTextFile(out), ReadTextFile(err)};
   }
@@ -255,8 +256,9 @@ TEST_F(Simulate, RefusesWrongUsage) {
   ExpectRefusal("--links 59,68,55,71,118", 2, "--links");
   ExpectRefusal("--links 59,68,55,71,118,nan", 2, "--links");
   ExpectRefusal(fmt::format("{} --stroke nan", kLinksOption), 2, "--stroke: 'nan' is not a finite number");
-  ExpectRefusal(fmt::format("{} --rows 1", kLinksOption), 2, "--rows 1");
-  ExpectRefusal(fmt::format("{} --knee-torque 0", kLinksOption), 2, "--knee-torque 0");
+  ExpectRefusal(fmt::format("{} --rows 1", kLinksOption), 2, "--rows must be at least 2, not 1");
+  ExpectRefusal(fmt::format("{} --angles 400", kLinksOption), 2, "--angles must be at most 360, not 400");
+  ExpectRefusal(fmt::format("{} --knee-torque 0", kLinksOption), 2, "--knee-torque must not be 0");
   ExpectRefusal(fmt::format("{} --height 180", kLinksOption), 1, "a body of 180 mm");
   ExpectRefusal(fmt::format("{} --pin-diameter 30", kLinksOption), 1, "a pin of 30 mm does not fit");
   ExpectRefusal("--no-such-option", 2, "--no-such-option");

@@ -174,7 +174,7 @@ TEST(ImageSequence, GivesTheSameAsTheLosslessVideo) {
   trial.Track("video");
   trial.Track("pictures", [&](commands::TrackRunOptions& run) {
     run.video = trial.folder / "frames" / "%05d.png";
-    run.track.reader.sequence_rate_hz = 30;
+    run.track.reader.capture_rate_hz = 30;
   });
   const motion::MarkerRecording a = trial.Tracks("video"), b = trial.Tracks("pictures");
   ASSERT_EQ(a.Frames(), b.Frames());

@@ -382,7 +382,22 @@ TEST(Naming, ALegOnItsSideIsNotNamedButTheErrorSaysHowToTurnThePictures) {
     for (tracking::Tracklet& tracklet : seen.tracklets)
       for (tracking::TrackletSample& sample : tracklet.samples) sample.position = turn * sample.position;
     EXPECT_THAT(ErrorOf(seen, LegOptions()), AllOf(HasSubstr("no leg was found"), HasSubstr(option)));
+    // What is asked for already counts: three quarters of a turn too many are undone by another quarter, …
+    tracking::NamingOptions given = LegOptions();
+    given.rotate_deg = 360 - std::stoi(option + std::string_view("--rotate ").size());
+    EXPECT_THAT(ErrorOf(seen, given), HasSubstr("a leg stands upright: leave --rotate out"));
+    given.rotate_deg = 180;
+    EXPECT_THAT(ErrorOf(seen, given), HasSubstr(option == std::string_view("--rotate 270")  ? ": --rotate 90"
+                                                : option == std::string_view("--rotate 90") ? ": --rotate 270"
+                                                                                            : ": leave --rotate out"));
   }
+}
+
+TEST(Naming, ALegsNameInCapitalsIsAskedAbout) {
+  tracking::NamingOptions options = LegOptions();
+  options.names = {"ankle", "Knee", "hip", "waist"};
+  EXPECT_THAT(ErrorOf(SeenLeg(LegScene{}), options),
+              HasSubstr("marker 'Knee' cannot be found by itself: names are lower case: knee"));
 }
 
 TEST(Naming, AnotherNameNeedsASeedAndTheErrorListsWhatIsLeft) {

@@ -7,6 +7,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/video/video_files.h"
 #include "video_files.h"
 
 namespace lake::test {
@@ -171,10 +172,18 @@ TEST(VideoReader, PutsFramesWithoutAStampAfterTheOnesBefore) {
 
 TEST(VideoReader, RefusesAStreamWithoutTimeUnlessTheRateIsGiven) {
   const TemporaryFolder folder;
-  const auto video = folder / "raw.h264";
-  Ffmpeg(TestPicture() + kH264 + Quote(video));
-  EXPECT_THAT(ErrorOf(video), AllOf(HasSubstr("raw.h264: frame 0 has no time stamp"), HasSubstr("capture rate")));
-  EXPECT_THAT(ReadAll(video, {.capture_rate_hz = 60}).Stamps(), Pointwise(DoubleNear(1e-12), Regular(0, 60, 60)));
+  const std::pair<const char*, std::string> streams[] = {{"raw.h264", kH264},
+                                                         {"raw.obu", "-c:v libaom-av1 -cpu-used 8 -f obu "}};
+  for (const auto& [name, codec] : streams) {  // libav makes up 25 Hz for the second
+    SCOPED_TRACE(name);
+    const auto video = folder / name;
+    Ffmpeg(TestPicture("size=64x48:rate=30:duration=0.5") + codec + Quote(video));
+    EXPECT_THAT(ErrorOf(video),
+                AllOf(HasSubstr(name), HasSubstr("this kind of file has no times"), HasSubstr("--capture-rate")));
+    EXPECT_FALSE(video::HasTimes(video));
+    EXPECT_EQ(video::StampsInContainer(video), std::nullopt);
+    EXPECT_THAT(ReadAll(video, {.capture_rate_hz = 60}).Stamps(), Pointwise(DoubleNear(1e-12), Regular(0, 60, 15)));
+  }
 }
 
 TEST(VideoReader, CaptureRateCountsFromTheFirstStamp) {

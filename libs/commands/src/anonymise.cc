@@ -46,6 +46,7 @@ void Describe(AnonymiseRunOptions& o, OptionList& options) {
       .Value("TRACKDIR")
       .Required();
   options.Add("crf", o.copy.crf, "H.264 quality, 0 to 51, for a smaller file").Between(0, 51).Otherwise("without loss");
+  video::DescribeCaptureRate(o.copy.reader, options);
   video::DescribeRotation(o.copy.reader, options);
 }
 

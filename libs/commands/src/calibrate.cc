@@ -180,6 +180,10 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
   const camera::CalibrationResult result = CalibrateWithViewsThatFit(board, calibration, pictures, run);
   if (!result.summary.usable) throw SolverError("the bundle adjustment did not converge: " + result.summary.message);
   const camera::CalibrationQuality quality = camera::AssessCalibration(board, pictures.views, result, calibration);
+  if (quality.two_cameras && quality.two_cameras->is_certain)
+    throw Fail(
+        "the pictures are of two cameras, or of one whose zoom or focus was changed: {}; calibrate each by itself",
+        camera::Describe(*quality.two_cameras, pictures.views));
   for (const std::string& warning : quality.warnings) run.Warn(warning);
 
   camera::WriteCameraProfile(run.Result("camera.yaml"), {result.camera, {}, camera::UncertaintyOf(result), {}});

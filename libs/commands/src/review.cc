@@ -91,6 +91,10 @@ void Describe(ReviewRunOptions& o, OptionList& options) {
       .Required()
       .IsPath(Option::Path::kVideo);
   options.Add("port", o.port, "Port on 127.0.0.1").Between(0, 65535).Otherwise("any that is free");
+  options.Add("capture-rate", o.capture_rate_hz, "Of a video: the rate at which its pictures were taken")
+      .Unit("Hz")
+      .Positive()
+      .Otherwise("the file's own times");
   options.Add("problem", o.problem, "Of a design: the problem file with its limits")
       .Otherwise("those that it was optimised with, else the paper's");
   options.Add("open", o.open, "Open the page in the browser");
@@ -129,8 +133,8 @@ void ReviewDesign(const ReviewRunOptions& options, const review::PageOptions& pa
 
 void ReviewVideo(const ReviewRunOptions& options, const review::PageOptions& page, const fs::path& programs) {
   review::ReviewOptions video;
-  video.page = page, video.video = options.subject;
-  review::ServeReview(video, std::nullopt, NamingOf(options.subject, programs));
+  video.page = page, video.video = options.subject, video.reader.capture_rate_hz = options.capture_rate_hz;
+  review::ServeReview(video, std::nullopt, NamingOf(options.subject, options.capture_rate_hz, programs));
 }
 
 void ReviewTrial(const ReviewRunOptions& options, const review::PageOptions& page) {
@@ -156,6 +160,8 @@ void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
       is_folder ? maker == "lake-optimize" || maker == "lake-simulate" : IsDesignFile(options.subject);
   if (!is_design && !options.problem.empty())
     throw UsageError("--problem has the limits of a design, and this is none");
+  if ((is_design || is_folder) && options.capture_rate_hz > 0)
+    throw UsageError("--capture-rate is of a video; a folder of lake track knows the rate");
   if (is_design) return ReviewDesign(options, page, programs);
   if (maker == "lake-compare") return review::ServeComparison(page, ReadComparedPair(options.subject));
   if (maker == "lake-run") return review::ServeStudy(page, StudyWorkOf(options.subject, programs));

@@ -22,8 +22,16 @@ fs::path OutputOf(const fs::path& video) {
   return fs::path("lake-out") / video.stem();
 }
 
-// Those of lake-track's options that the page asks for, beside markers and seeds.
-constexpr std::array kAsked = {"camera", "scale", "vertical", "crop", "detector", "polarity", "color", "start", "end"};
+// Those of lake-track's options that the page asks for, beside markers and seeds; and the capture rate, which
+// lake-review was given.
+constexpr const char* kCaptureRate = "capture-rate";
+constexpr std::array kAsked = {"camera",   "scale", "vertical", "crop", "detector",
+                               "polarity", "color", "start",    "end",  kCaptureRate};
+
+Json AtRate(Json choices, double capture_rate_hz) {
+  if (capture_rate_hz > 0) choices["options"][kCaptureRate] = fmt::format("{}", capture_rate_hz);
+  return choices;
+}
 
 // lake-track's options as they were chosen; `words` are what its command line says. Throws UsageError for a choice that
 // cannot be.
@@ -94,24 +102,25 @@ review::ReviewedTrial Track(const fs::path& video, const fs::path& programs, con
 
 }  // namespace
 
-review::NamingWork NamingOf(const fs::path& video, const fs::path& programs) {
+review::NamingWork NamingOf(const fs::path& video, double capture_rate_hz, const fs::path& programs) {
   review::NamingWork work;
-  work.find = [video, busy = std::make_shared<std::mutex>()](const Json& options) {
+  work.find = [video, capture_rate_hz, busy = std::make_shared<std::mutex>()](const Json& options) {
     const std::lock_guard one_at_a_time(*busy);
     std::vector<std::string> words;
     const Json choices = {{"markers", tracking::kLegMarkers}, {"seeds", Json::object()}, {"options", options}};
-    tracking::TrackOptions track = Chosen(video, choices, words).track;
+    tracking::TrackOptions track = Chosen(video, AtRate(choices, capture_rate_hz), words).track;
     track.quiet = true;
     const video::VideoInfo info = video::VideoReader::Open(video, track.reader)->Info();
     return SpotsJson(video, tracking::FindCandidates(video, track), info);
   };
-  work.said = [video](const Json& choices) {
+  work.said = [video, capture_rate_hz](const Json& choices) {
     std::vector<std::string> words = {"lake", "track"};
-    for (const std::string& word : ArgumentsOf(video, choices)) words.push_back(ShellWord(word));
+    for (const std::string& word : ArgumentsOf(video, AtRate(choices, capture_rate_hz)))
+      words.push_back(ShellWord(word));
     return fmt::format("{}", fmt::join(words, " "));
   };
-  work.track = [video, programs](const Json& choices, const auto& control) {
-    return Track(video, programs, choices, control);
+  work.track = [video, capture_rate_hz, programs](const Json& choices, const auto& control) {
+    return Track(video, programs, AtRate(choices, capture_rate_hz), control);
   };
   return work;
 }

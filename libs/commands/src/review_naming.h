@@ -7,6 +7,8 @@
 
 namespace lake::commands {
 
-review::NamingWork NamingOf(const std::filesystem::path& video, const std::filesystem::path& programs);
+// The capture rate is lake-track's; 0: the file's own times.
+review::NamingWork NamingOf(const std::filesystem::path& video, double capture_rate_hz,
+                            const std::filesystem::path& programs);
 
 }  // namespace lake::commands

@@ -412,14 +412,7 @@ void DrawPictures(const drawing::LinkageLook& look, const Request& request, cons
 }  // namespace
 
 void SimulationOptions::Check() const {
-  const auto require = [](bool good, const char* option, double value) {
-    if (!good) throw UsageError(fmt::format("{} {} is out of range", option, value));
-  };
-  for (const double stroke : strokes_mm) require(std::isfinite(stroke) && stroke > 0, "--stroke", stroke);
-  for (const double angle : angles_deg) require(std::abs(angle) <= 360, "--angles", angle);
-  require(std::isfinite(knee_torque_nm) && knee_torque_nm != 0, "--knee-torque", knee_torque_nm);
-  require(rows >= 2 && rows <= 1'000'000, "--rows", rows);
-  require(seat_edge_mm >= 0 && seat_edge_mm < 5000, "--seat-edge", seat_edge_mm);
+  if (knee_torque_nm == 0) throw UsageError("--knee-torque must not be 0: the force is given for it");
   load.CheckLoad();
   problem::CheckRest(load);
   if (thigh_mm.has_value() != shank_mm.has_value())
@@ -512,10 +505,11 @@ std::string SimulationReport(const Json& summary) {
 }
 
 void Describe(SimulationOptions& o, OptionList& options) {
-  options.Add("stroke", o.strokes_mm, "Strokes to add to the table").Unit("mm").Value("MM,...").Repeats();
+  options.Add("stroke", o.strokes_mm, "Strokes to add to the table").Unit("mm").Value("MM,...").Positive().Repeats();
   options.Add("angles", o.angles_deg, "Knee angles to draw")
       .Unit("degrees")
       .Value("DEG,...")
+      .Between(-360, 360)
       .Otherwise("2, 70, 110 and the largest")
       .Repeats();
   options.Add("knee-torque", o.knee_torque_nm, "Extension torque at the knee for which the force is given").Unit("N m");
@@ -523,12 +517,14 @@ void Describe(SimulationOptions& o, OptionList& options) {
       .Add("torques", o.torques,
            "Table of extension torques for pin_forces, instead: stroke_mm or knee_deg, then knee_torque_nm")
       .Otherwise("--knee-torque");
-  options.Add("rows", o.rows, "Rows of the regular grid of angle_vs_stroke.csv");
+  options.Add("rows", o.rows, "Rows of the regular grid of angle_vs_stroke.csv").Between(2, 1'000'000);
   options.Add("thigh", o.thigh_mm, "The person's thigh, hip to knee").Unit("mm").Otherwise("by body height");
   options.Add("shank", o.shank_mm, "The person's shank, knee to ankle").Unit("mm").Otherwise("by body height");
   options.Add("height", o.body_height_mm, "Body height").Unit("mm").Otherwise("1800, or by thigh and shank");
   options.Add("mass", o.body_mass_kg, "Body mass").Unit("kg").Otherwise("80 at 1800 mm, else of the same BMI");
-  options.Add("seat-edge", o.seat_edge_mm, "Knee to the seat's front edge; 0: half the thigh").Unit("mm");
+  options.Add("seat-edge", o.seat_edge_mm, "Knee to the seat's front edge; 0: half the thigh")
+      .Unit("mm")
+      .Between(0, 5000);
   problem::DescribeLoad(o.load, options);
   Describe(o.parts, options);
   options.Add("animation", o.animation, "Write animation.mp4 and .gif").WithNegation();

@@ -1,9 +1,11 @@
 #include "lake/core/atomic_file.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -11,6 +13,7 @@
 #include <string>
 
 #include "lake/core/error.h"
+#include "lake/core/interrupt.h"
 
 namespace lake {
 namespace fs = std::filesystem;
@@ -27,9 +30,34 @@ mode_t NewFileMode() {
   return 0666 & ~kMask;
 }
 
+// Closed when it goes out of scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (number_ >= 0) close(number_);
+  }
+  operator int() const { return number_; }
+
+ private:
+  int number_;
+};
+
+// A pipe that nobody writes to yet, or a terminal, can still be interrupted.
+void WaitForMore(int file) {
+  constexpr int kLook_ms = 100;
+  pollfd waiting{file, POLLIN, 0};
+  while (poll(&waiting, 1, kLook_ms) <= 0) ThrowIfInterrupted();
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(fs::path final_path) : final_path_(std::move(final_path)) {
+  std::error_code error;
+  if (const auto status = fs::status(final_path_, error); fs::exists(status) && fs::is_other(status))
+    throw Fail("{}: is a pipe or a device, which a file cannot replace; give another name", final_path_.string());
   const std::string extension = final_path_.extension().string();
   temporary_path_ = final_path_;
   temporary_path_.replace_filename(fmt::format(".{}.lake-XXXXXX{}", final_path_.stem().string(), extension));
@@ -73,16 +101,20 @@ std::string ReadTextFile(const fs::path& path, std::size_t max_bytes) {
   const auto status = fs::status(path, error);
   if (!fs::exists(status)) throw Fail("{}: no such file", path.string());
   if (fs::is_directory(status)) throw Fail("{}: is a folder, not a file", path.string());
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw Fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+  const Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  if (file < 0) throw Fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+  const bool may_wait = !fs::is_regular_file(status);
   std::string text;
   char buffer[1 << 16];
-  while (stream.read(buffer, sizeof(buffer)) || stream.gcount() > 0) {
-    text.append(buffer, static_cast<std::size_t>(stream.gcount()));
+  while (true) {
+    if (may_wait) WaitForMore(file);
+    const ssize_t size = read(file, buffer, sizeof buffer);
+    if (size == 0) return text;
+    if (size < 0 && errno != EINTR && errno != EAGAIN)
+      throw Fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+    text.append(buffer, static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
     if (text.size() > max_bytes) throw Fail("{}: larger than {} bytes, not read", path.string(), max_bytes);
   }
-  if (stream.bad()) throw Fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
-  return text;
 }
 
 }  // namespace lake

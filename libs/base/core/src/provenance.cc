@@ -125,6 +125,8 @@ std::string VersionAndCommit() {
 
 std::string Sha256OfFile(const fs::path& path) {
   if (fs::is_directory(path)) return Sha256OfFolder(path);
+  if (fs::is_other(path))
+    throw Fail("{}: is read only once, so its content cannot be told in the summary; save it as a file", path.string());
   static KnownHashes known;
   return known.Of(path);
 }

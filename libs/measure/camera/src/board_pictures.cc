@@ -22,9 +22,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Where nothing says when the pictures were taken, all are looked at.
+video::VideoReaderOptions ReaderFor(const fs::path& file, const BoardPicturesOptions& options) {
+  video::VideoReaderOptions reader;
+  if (!video::HasTimes(file)) reader.capture_rate_hz = options.attempts_per_s;
+  return reader;
+}
+
 bool IsVideo(const fs::path& path) {
-  if (video::FilesOfVideo(path) != path) return true;
-  const auto reader = video::VideoReader::Open(path);
+  const auto reader = video::VideoReader::Open(path, {.capture_rate_hz = 1});  // it is only asked for a second frame
   video::VideoFrame first, second;
   return reader->Read(first) && reader->Read(second);
 }
@@ -75,14 +81,15 @@ bool SeenAtALook(const cv::Mat& grey, const Board& board, bool thorough) {
 
 // Looks at frames over the whole video, so that one without the board is told of within seconds. How the board has to
 // be looked for: nullopt if it is in none of them, else whether it takes the thorough search to see it.
-std::optional<bool> LookThrough(const fs::path& file, const Board& board, int& looked_at) {
+std::optional<bool> LookThrough(const fs::path& file, const Board& board, const video::VideoReaderOptions& reader,
+                                int& looked_at) {
   constexpr int kPlaces = 20, kWorthIt = 200;
-  const std::vector<double> stamps_s = video::StampsInContainer(file).value_or(std::vector<double>{});
+  const std::vector<double> stamps_s = video::StampsInContainer(file, reader).value_or(std::vector<double>{});
   if (stamps_s.size() < kWorthIt) return true;
   std::optional<bool> thorough;
   for (int place = 0; place < kPlaces; ++place) {
     ThrowIfInterrupted();
-    video::VideoReaderOptions at;
+    video::VideoReaderOptions at = reader;
     at.seek_s = stamps_s[stamps_s.size() * static_cast<std::size_t>(2 * place + 1) / (2 * kPlaces)];
     video::VideoFrame frame;
     if (!video::VideoReader::Open(file, at)->Read(frame)) continue;
@@ -95,10 +102,10 @@ std::optional<bool> LookThrough(const fs::path& file, const Board& board, int& l
 
 BoardPictures FindInVideo(const fs::path& file, const Board& board, const BoardPicturesOptions& options) {
   BoardPictures pictures;
-  const std::optional<bool> thorough = LookThrough(file, board, pictures.attempts);
+  const std::optional<bool> thorough = LookThrough(file, board, ReaderFor(file, options), pictures.attempts);
   if (!thorough) return pictures;
   pictures.attempts = 0;
-  const auto reader = video::VideoReader::Open(file);
+  const auto reader = video::VideoReader::Open(file, ReaderFor(file, options));
   Progress progress("looking for the board", "frames", reader->Info().frames, options.quiet);
   double next_attempt_s = -std::numeric_limits<double>::infinity();
   for (video::VideoFrame frame; reader->Read(frame); progress.Advance()) {

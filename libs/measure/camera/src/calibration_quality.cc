@@ -20,6 +20,7 @@ constexpr double kLeastTiltDeg = 15;
 constexpr std::size_t kFewViews = 8;
 constexpr double kLargestFocalSd = 0.01;  // relative
 constexpr double kHalvesDifferPx = 1;
+constexpr double kHalvesDisagree = 3;  // of the RMS: beyond it the views may be of two cameras
 
 // residual = project_b(rotation * ray_a) - pixel, px
 struct RotatedRayError {
@@ -201,6 +202,11 @@ CalibrationQuality AssessCalibration(const Board& board, const std::vector<Board
   quality.largest_tilt_deg = LargestTiltDeg(result);
   quality.worst_view = static_cast<std::size_t>(std::max_element(result.view_rms_px.begin(), result.view_rms_px.end()) -
                                                 result.view_rms_px.begin());
+  if (quality.cross_validation && quality.cross_validation->rms_px > kHalvesDisagree * result.rms_px)
+    quality.two_cameras = FindTwoCameras(board, views, result, options);
+  if (quality.two_cameras)
+    quality.warnings.push_back(fmt::format("{}: was the camera's zoom or focus changed, or its picture stabilised?",
+                                           Describe(*quality.two_cameras, views)));
   WarnOfFit(views, result, quality.worst_view, quality.warnings);
   WarnOfCoverage(quality.coverage, quality.warnings);
   WarnOfGeometry(views, result, quality.largest_tilt_deg, quality.warnings);

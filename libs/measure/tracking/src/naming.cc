@@ -1,6 +1,7 @@
 #include "lake/tracking/naming.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <compare>
 #include <map>
@@ -72,8 +73,7 @@ class Namer {
     CheckSeeds();
     for (std::size_t n = 0; n < anchor_.size(); ++n) Give(n, *anchor_[n]);
     FindLinks();
-    while (JoinBest()) {
-    }
+    JoinPieces();
     for (const MarkerSeed& seed : options_.seeds) CheckSeen(seed);
   }
 
@@ -259,16 +259,29 @@ class Namer {
     const std::array<std::pair<int, Eigen::Vector2d>, 3> turns = {{{90, {-1, 0}}, {180, {0, 1}}, {270, {1, 0}}}};
     for (const auto& [clockwise_deg, up_px] : turns) {
       options.up = MetricUp(up_px);
-      if (!FindLegChains(tracklets_, options).empty())
-        return fmt::format("; turned by {}° clockwise, a leg stands upright: --rotate {}", clockwise_deg,
-                           clockwise_deg);
+      if (FindLegChains(tracklets_, options).empty()) continue;
+      const int in_all_deg = (options_.rotate_deg + clockwise_deg) % 360;
+      return fmt::format("; turned by {}° clockwise{}, a leg stands upright: {}", clockwise_deg,
+                         options_.rotate_deg > 0 ? fmt::format(" beyond --rotate {}", options_.rotate_deg) : "",
+                         in_all_deg > 0 ? fmt::format("--rotate {}", in_all_deg) : "leave --rotate out");
     }
     return "";
+  }
+
+  // A leg's marker whose name has capitals is none of the leg's.
+  void CheckCase() const {
+    for (const std::string& name : options_.names) {
+      std::string lower = name;
+      std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+      if (lower != name && std::ranges::find(kLegMarkers, lower) != kLegMarkers.end())
+        throw Fail("marker '{}' cannot be found by itself: names are lower case: {}", name, lower);
+    }
   }
 
   void RequireAnchors() const {
     for (std::size_t n = 0; n < anchor_.size(); ++n) {
       if (anchor_[n]) continue;
+      CheckCase();
       std::vector<std::size_t> unnamed = MostSeen(tracklets_, tracklets_.size());
       std::erase_if(unnamed, [&](std::size_t i) { return IsAnchor(i); });
       unnamed.resize(std::min<std::size_t>(unnamed.size(), 8));
@@ -406,20 +419,62 @@ class Namer {
     return size > 0.6 && size < 1.7 ? worst : std::nullopt;
   }
 
-  // Joins the best-fitting piece that is left to its name; false when none fits.
-  bool JoinBest() {
-    std::optional<FitToName> least;
-    std::size_t best_tracklet = 0, best_name = 0;
+  // Frames by their place in the recording, both ends included.
+  struct Span {
+    std::size_t first = 0, last = 0;
+  };
+
+  Span SpanOf(std::size_t tracklet) const {
+    return {index_of_frame_.at(tracklets_[tracklet].FirstFrame()),
+            index_of_frame_.at(tracklets_[tracklet].LastFrame())};
+  }
+
+  // The span widened to the nearest known samples of a name beside it.
+  Span Widened(Span span, std::size_t name) const {
+    const auto& samples = recording_.markers[name].samples;
+    while (span.first > 0 && !samples[--span.first].IsKnown()) {
+    }
+    while (span.last + 1 < samples.size() && !samples[++span.last].IsKnown()) {
+    }
+    return span;
+  }
+
+  bool AreLinked(std::size_t one, std::size_t other) const {
+    return std::ranges::any_of(links_, [&](const Link& link) {
+      return (link.a == one && link.b == other) || (link.a == other && link.b == one);
+    });
+  }
+
+  // Joins the best-fitting piece that is left to its name until none fits. What a piece changes is how those fit that
+  // lie beside it, in its own name and in those linked to it: all others' fits are kept.
+  void JoinPieces() {
+    const std::size_t names = anchor_.size();
+    std::vector<std::optional<FitToName>> fits(tracklets_.size() * names);  // by tracklet and name
+    const auto fit = [&](std::size_t t, std::size_t n) { fits[t * names + n] = Misfit(t, n); };
+    std::vector<Span> spans;
     for (std::size_t t = 0; t < tracklets_.size(); ++t) {
-      if (owner_[t]) continue;
-      for (std::size_t n = 0; n < anchor_.size(); ++n) {
-        const auto misfit = Misfit(t, n);
-        if (misfit && (!least || *misfit < *least)) least = misfit, best_tracklet = t, best_name = n;
+      spans.push_back(SpanOf(t));
+      for (std::size_t n = 0; n < names && !owner_[t]; ++n) fit(t, n);
+    }
+    while (true) {
+      std::optional<FitToName> least;
+      std::size_t best = 0;
+      for (std::size_t i = 0; i < fits.size(); ++i)
+        if (fits[i] && (!least || *fits[i] < *least)) least = fits[i], best = i;
+      if (!least) return;
+      const std::size_t joined = best / names, name = best % names;
+      const Span own = spans[joined], beside = Widened(own, name);
+      Give(name, joined);
+      std::fill_n(fits.begin() + static_cast<std::ptrdiff_t>(joined * names), names, std::nullopt);
+      for (std::size_t t = 0; t < tracklets_.size(); ++t) {
+        if (owner_[t]) continue;
+        const auto meets = [&piece = spans[t]](const Span& span) {
+          return piece.last >= span.first && piece.first <= span.last;
+        };
+        for (std::size_t n = 0; n < names; ++n)
+          if (n == name ? meets(beside) : meets(own) && AreLinked(n, name)) fit(t, n);
       }
     }
-    if (!least) return false;
-    Give(best_name, best_tracklet);
-    return true;
   }
 
   const NamingOptions& options_;

@@ -133,10 +133,10 @@ void NameWithEachUp(const std::vector<Tracklet>& tracklets, const TrackOptions& 
   for (const Eigen::Vector2d& up : ups) {
     motion::MarkerRecording named = result.recording;
     try {
-      NameTracklets(
-          tracklets,
-          {options.names, options.seeds, Identities(options), options.metric_from_px, up, options.physics, breaks},
-          named);
+      NameTracklets(tracklets,
+                    {options.names, options.seeds, Identities(options), options.metric_from_px, up, options.physics,
+                     breaks, options.reader.rotate_deg},
+                    named);
     } catch (const UsageError&) {
       throw;
     } catch (const Error& error) {

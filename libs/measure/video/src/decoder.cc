@@ -7,9 +7,9 @@
 
 namespace lake::video {
 
-Decoder::Decoder(const std::filesystem::path& path, double sequence_rate_hz, bool skip_deblocking,
+Decoder::Decoder(const std::filesystem::path& path, double capture_rate_hz, bool skip_deblocking,
                  std::optional<double> seek_s)
-    : demuxer_(path, sequence_rate_hz, log_) {
+    : demuxer_(path, capture_rate_hz, log_) {
   const AVCodecParameters& stored = *demuxer_.Stream().codecpar;
   if (stored.width <= 0 || stored.height <= 0)
     throw Fail("{}: its picture size cannot be found; it is damaged, or larger than {} Mpx", path.string(),

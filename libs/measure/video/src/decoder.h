@@ -13,7 +13,7 @@ class Decoder {
  public:
   // Throws Error as Demuxer does, and when there is no decoder or the picture is too large.
   // Begins at the key frame before `seek_s`, if given.
-  Decoder(const std::filesystem::path& path, double sequence_rate_hz, bool skip_deblocking = false,
+  Decoder(const std::filesystem::path& path, double capture_rate_hz, bool skip_deblocking = false,
           std::optional<double> seek_s = {});
 
   const Demuxer& Source() const { return demuxer_; }

@@ -36,7 +36,9 @@ void CheckIsFile(const fs::path& path) {
   if (fs::is_directory(status))
     throw Fail("{}: is a folder, not a video; for an image sequence give a pattern such as {}", path.string(),
                (path / "%05d.png").string());
-  if (fs::is_regular_file(status) && fs::file_size(path, error) == 0) throw Fail("{}: is empty", path.string());
+  if (!fs::is_regular_file(status))
+    throw Fail("{}: is a pipe or a device, and a video is read more than once; save it as a file", path.string());
+  if (fs::file_size(path, error) == 0) throw Fail("{}: is empty", path.string());
 }
 
 // What the demuxer counts in its index: all entries, or only those that are shown.
@@ -51,15 +53,15 @@ std::int64_t CountIndex(const AVStream& stream, bool shown_only) {
 
 }  // namespace
 
-Demuxer::Demuxer(fs::path path, double sequence_rate_hz, DamageLog& log)
+Demuxer::Demuxer(fs::path path, double capture_rate_hz, DamageLog& log)
     : path_(std::move(path)), log_(log), sequence_(ImageSequence::Find(path_)) {
   if (!sequence_) CheckIsFile(path_);
-  Open(sequence_rate_hz);
+  Open(capture_rate_hz);
   ChooseStream();
   packets_promised_ = PacketsPromised();
 }
 
-void Demuxer::Open(double sequence_rate_hz) {
+void Demuxer::Open(double capture_rate_hz) {
   libav::Dictionary options;
   options.Set("protocol_whitelist", "file");
   options.Set("format_whitelist", kContainers);
@@ -70,7 +72,7 @@ void Demuxer::Open(double sequence_rate_hz) {
   }
   if (sequence_) {
     options.Set("start_number", sequence_->FirstNumber());
-    options.Set("framerate", fmt::format("{:.6f}", sequence_rate_hz));
+    if (capture_rate_hz > 0) options.Set("framerate", fmt::format("{:.6f}", capture_rate_hz));
   }
   const std::string url = sequence_ ? sequence_->Url() : libav::FileUrl(path_);
   AVFormatContext* opened = avformat_alloc_context();
@@ -99,6 +101,13 @@ void Demuxer::ChooseStream() {
     if (static_cast<int>(i) != best) input_->streams[i]->discard = AVDISCARD_ALL;
 }
 
+bool Demuxer::HasTimes() const {
+  constexpr std::array<std::string_view, 6> kWithoutContainer = {"h264", "hevc", "mpegvideo", "mjpeg", "obu", "av1"};
+  const auto format =
+      std::find(kWithoutContainer.begin(), kWithoutContainer.end(), std::string_view(input_->iformat->name));
+  return !sequence_ && format == kWithoutContainer.end();
+}
+
 std::optional<std::int64_t> Demuxer::PacketsPromised() const {
   const std::string_view container = input_->iformat->name;
   if (sequence_) return sequence_->Files();
@@ -114,7 +123,9 @@ std::optional<std::int64_t> Demuxer::FramesPromised() const {
 
 void Demuxer::SeekKeyFrame(double time_s) {
   const std::int64_t ticks = std::llround(time_s / av_q2d(stream_->time_base));
-  av_seek_frame(input_.get(), stream_->index, ticks, AVSEEK_FLAG_BACKWARD);  // where that fails: from the beginning
+  // Where that fails: from the beginning.
+  if (av_seek_frame(input_.get(), stream_->index, ticks, AVSEEK_FLAG_BACKWARD) >= 0 && sequence_)
+    first_picture_ = ticks;
   packets_promised_.reset();  // the end may come sooner than is promised of the whole
 }
 
@@ -148,7 +159,7 @@ void Demuxer::NoteEnd(int result) {
 }
 
 std::string Demuxer::Where(std::int64_t frame) const {
-  if (sequence_) return sequence_->File(frame).string();
+  if (sequence_) return sequence_->File(first_picture_ + frame).string();
   return fmt::format("{}: frame {}", path_.string(), frame);
 }
 

@@ -14,10 +14,13 @@ namespace lake::video {
 class Demuxer {
  public:
   // Throws Error naming the path: absent, a folder, empty, not a video, no video stream. The log must outlive this.
-  Demuxer(std::filesystem::path path, double sequence_rate_hz, DamageLog& log);
+  Demuxer(std::filesystem::path path, double capture_rate_hz, DamageLog& log);
 
   const AVStream& Stream() const { return *stream_; }
   bool IsSequence() const { return sequence_.has_value(); }
+
+  // False of image sequences and of streams without a container, for which libav makes up 25 Hz.
+  bool HasTimes() const;
 
   // Frames to be shown, as the container says (an edit list leaves some out).
   std::optional<std::int64_t> FramesPromised() const;
@@ -41,7 +44,7 @@ class Demuxer {
   std::string Where(std::int64_t frame) const;
 
  private:
-  void Open(double sequence_rate_hz);
+  void Open(double capture_rate_hz);
   void ChooseStream();
   std::optional<std::int64_t> PacketsPromised() const;
   void NoteEnd(int result);
@@ -53,6 +56,7 @@ class Demuxer {
   AVStream* stream_ = nullptr;  // of input_
   std::optional<std::int64_t> packets_promised_;
   std::int64_t packets_ = 0;
+  std::int64_t first_picture_ = 0;  // of a sequence: the index of the one that reading begins with
   std::int64_t last_dts_ = AV_NOPTS_VALUE;
   std::string damage_;
 };

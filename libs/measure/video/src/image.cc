@@ -47,7 +47,7 @@ libav::Packet EncodePng(const AVFrame& frame, const std::string& name) {
 }  // namespace
 
 cv::Mat ReadImage(const std::filesystem::path& path, bool colour) {
-  const auto reader = VideoReader::Open(path, {.colour = colour});
+  const auto reader = VideoReader::Open(path, {.colour = colour, .capture_rate_hz = 1});
   VideoFrame frame;
   reader->Read(frame);
   return colour ? frame.bgr : frame.luma.clone();  // the luma may belong to the decoder

@@ -10,17 +10,16 @@ namespace lake::video {
 
 namespace fs = std::filesystem;
 
-fs::path FilesOfVideo(const fs::path& path) {
-  std::error_code error;
-  if (path.filename().string().find('%') == std::string::npos || fs::exists(path, error)) return path;
-  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+namespace {
+
+std::vector<double> TimesOfSequence(std::int64_t files, double rate_hz) {
+  std::vector<double> times_s;
+  for (std::int64_t i = 0; i < files; ++i) times_s.push_back(static_cast<double>(i) / rate_hz);
+  return times_s;
 }
 
-std::optional<std::vector<double>> StampsInContainer(const fs::path& path, const VideoReaderOptions& options) {
-  constexpr double kRounding_s = 1e-6;  // of time stamps and of what is typed
-  DamageLog log;
-  Demuxer demuxer(path, options.sequence_rate_hz, log);
-  if (demuxer.IsSequence() || options.capture_rate_hz > 0) return std::nullopt;
+// Increasing; nullopt where a packet has no stamp.
+std::optional<std::vector<double>> TimesOfPackets(Demuxer& demuxer) {
   const libav::Packet packet = libav::NewPacket();
   std::vector<double> times_s;
   while (demuxer.Read(*packet)) {
@@ -31,7 +30,33 @@ std::optional<std::vector<double>> StampsInContainer(const fs::path& path, const
     if (is_shown && !has_stamp) return std::nullopt;
   }
   std::sort(times_s.begin(), times_s.end());
-  std::erase_if(times_s, [&](double t) {
+  return times_s;
+}
+
+}  // namespace
+
+fs::path FilesOfVideo(const fs::path& path) {
+  std::error_code error;
+  if (path.filename().string().find('%') == std::string::npos || fs::exists(path, error)) return path;
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+bool HasTimes(const fs::path& path) {
+  DamageLog log;
+  return Demuxer(path, 0, log).HasTimes();
+}
+
+std::optional<std::vector<double>> StampsInContainer(const fs::path& path, const VideoReaderOptions& options) {
+  constexpr double kRounding_s = 1e-6;  // of time stamps and of what is typed
+  DamageLog log;
+  Demuxer demuxer(path, options.capture_rate_hz, log);
+  const bool is_sequence = demuxer.IsSequence();
+  if (is_sequence ? options.capture_rate_hz <= 0 : options.capture_rate_hz > 0 || !demuxer.HasTimes())
+    return std::nullopt;
+  std::optional<std::vector<double>> times_s =
+      is_sequence ? TimesOfSequence(*demuxer.FramesPromised(), options.capture_rate_hz) : TimesOfPackets(demuxer);
+  if (!times_s) return std::nullopt;
+  std::erase_if(*times_s, [&](double t) {
     return (options.start_s && t < *options.start_s - kRounding_s) ||
            (options.end_s && t > *options.end_s + kRounding_s);
   });

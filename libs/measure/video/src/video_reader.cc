@@ -78,10 +78,15 @@ class LibavReader : public VideoReader {
 
 LibavReader::LibavReader(const std::filesystem::path& path, const VideoReaderOptions& options)
     : options_(options),
-      decoder_(path, options.sequence_rate_hz, options.skip_deblocking, options.seek_s),
+      decoder_(path, options.capture_rate_hz, options.skip_deblocking, options.seek_s),
       first_frame_(decoder_.Next()),
       stamps_(decoder_.Source().Stream().time_base, UsualTicks(decoder_.Source().Stream())) {
   if (!first_frame_) throw Fail("{}: holds no frame", path.string());
+  if (!decoder_.Source().HasTimes() && options.capture_rate_hz <= 0)
+    throw Fail(
+        "{}: {} no times: say at how many Hz the pictures were taken, --capture-rate HZ (capture_rate_hz in a "
+        "study file)",
+        path.string(), decoder_.Source().IsSequence() ? "an image sequence has" : "this kind of file has");
   if (options.rotate_deg % 90 != 0 || options.rotate_deg < 0 || options.rotate_deg >= 360)
     throw UsageError(fmt::format("--rotate {}: 0, 90, 180 or 270", options.rotate_deg));
   orientation_ =
@@ -102,8 +107,8 @@ void LibavReader::FillInfo() {
   info_.height = orientation_.transpose ? width_ : height_;
   info_.rotation_deg = orientation_.RotationDeg();
   info_.mirrored = orientation_.IsMirrored();
-  if (decoder_.Source().IsSequence())
-    info_.frame_rate_hz = options_.sequence_rate_hz;
+  if (options_.capture_rate_hz > 0)
+    info_.frame_rate_hz = options_.capture_rate_hz;
   else if (stream.avg_frame_rate.den > 0)
     info_.frame_rate_hz = av_q2d(stream.avg_frame_rate);
   info_.frames = decoder_.Source().FramesPromised();
@@ -164,13 +169,10 @@ void LibavReader::CheckIsLikeFirst(const AVFrame& frame) const {
 }
 
 double LibavReader::Time(const AVFrame& frame) {
-  const bool is_sequence = decoder_.Source().IsSequence();
   const bool good = stamps_.Add(frame.best_effort_timestamp, frame.pkt_duration);
   stamps_.Describe(info_);
-  const double rate_hz = options_.capture_rate_hz > 0 ? options_.capture_rate_hz
-                         : is_sequence                ? options_.sequence_rate_hz
-                                                      : 0;
-  if (rate_hz > 0) return stamps_.First().value_or(0) + static_cast<double>(next_index_) / rate_hz;
+  if (options_.capture_rate_hz > 0)
+    return stamps_.First().value_or(0) + static_cast<double>(next_index_) / options_.capture_rate_hz;
   if (!good)
     FailAtFrame(stamps_.Problem() +
                 "; encode the recording anew, or give its capture rate if frames are equally spaced");

@@ -55,7 +55,7 @@ figure::GnuplotFigure PagesOut(const LinkageLook& look, int poses) {
 
 std::vector<cv::Mat> ReadPages(const fs::path& folder) {
   video::VideoReaderOptions options;
-  options.colour = true;
+  options.colour = true, options.capture_rate_hz = 1;  // their times do not matter
   const auto reader = video::VideoReader::Open(folder / "%05d.png", options);
   std::vector<cv::Mat> pages;
   for (video::VideoFrame frame; reader->Read(frame);) pages.push_back(frame.bgr);

@@ -54,8 +54,7 @@ std::size_t BytesOf(const StoredFrame& frame) {
 class FrameSeeker {
  public:
   FrameSeeker(std::filesystem::path video, const video::VideoReaderOptions& reader) : video_(std::move(video)) {
-    options_.rotate_deg = reader.rotate_deg, options_.sequence_rate_hz = reader.sequence_rate_hz;
-    options_.capture_rate_hz = reader.capture_rate_hz;
+    options_.rotate_deg = reader.rotate_deg, options_.capture_rate_hz = reader.capture_rate_hz;
     options_.colour = true;
     OpenAtStart();
     info_ = reader_->Info();

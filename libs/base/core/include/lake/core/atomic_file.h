@@ -11,7 +11,7 @@ namespace lake {
 // to TemporaryPath() themselves.
 class AtomicFile {
  public:
-  // Throws Error if a file cannot be made there.
+  // Throws Error if a file cannot be made there, or a pipe or device has that name.
   explicit AtomicFile(std::filesystem::path final_path);
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -35,7 +35,8 @@ class AtomicFile {
 // Writes the whole text, atomically. Throws Error (a full disk, a folder that cannot be written).
 void WriteTextFile(const std::filesystem::path& path, std::string_view text);
 
-// Reads the whole file. Throws Error if it is absent, a folder, or larger than `max_bytes`.
+// Reads the whole file; of a pipe or terminal, until it ends. Throws Error if it is absent, a folder, or larger than
+// `max_bytes`; Interrupted while it waits for a pipe.
 std::string ReadTextFile(const std::filesystem::path& path, std::size_t max_bytes = std::size_t{1} << 30);
 
 }  // namespace lake

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lake/camera/calibration.h"
+#include "lake/camera/two_cameras.h"
 
 namespace lake::camera {
 
@@ -47,8 +48,9 @@ struct CalibrationQuality {
   Coverage coverage;
   std::optional<CameraDifference> cross_validation;
   double largest_tilt_deg = 0;
-  std::size_t worst_view = 0;         // the largest RMS
-  std::vector<std::string> warnings;  // each names its cause and the way out
+  std::size_t worst_view = 0;             // the largest RMS
+  std::optional<TwoCameras> two_cameras;  // looked for where odd and even views disagree by far more than their RMS
+  std::vector<std::string> warnings;      // each names its cause and the way out
 };
 
 CalibrationQuality AssessCalibration(const Board& board, const std::vector<BoardView>& views,

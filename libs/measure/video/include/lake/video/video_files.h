@@ -13,9 +13,13 @@ namespace lake::video {
 // (frames/%05d.png), which is the working folder where the pattern names none.
 std::filesystem::path FilesOfVideo(const std::filesystem::path& path);
 
+// Whether the file says when its frames were taken. An image sequence and a stream without a container do not: they
+// have times only by a capture rate. Throws Error as VideoReader::Open does.
+bool HasTimes(const std::filesystem::path& path);
+
 // The time stamps of the frames that a reader with these options would hand out, s, increasing, from the container's
-// packets. nullopt where the container leaves some out or counts them otherwise: then only decoding tells. Throws Error
-// as VideoReader::Open does.
+// packets or an image sequence's count and rate. nullopt where the container leaves some out or counts them otherwise:
+// then only decoding tells. Throws Error as VideoReader::Open does, but not where a rate is missing.
 std::optional<std::vector<double>> StampsInContainer(const std::filesystem::path& path,
                                                      const VideoReaderOptions& options = {});
 

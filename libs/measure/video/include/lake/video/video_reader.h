@@ -15,7 +15,7 @@ namespace lake::video {
 struct VideoInfo {
   int width = 0;                       // px, as a player shows it (after the stream's rotation)
   int height = 0;                      // px
-  double frame_rate_hz = 0;            // the stream's average rate; never used to make time stamps of a video
+  double frame_rate_hz = 0;            // the stream's average rate, or the capture rate that was given
   std::optional<std::int64_t> frames;  // about how many are handed out, if the container says; for progress only
   std::string codec;
   std::string pixel_format;  // as stored, in libav's name, e.g. "yuv420p"
@@ -54,9 +54,10 @@ struct VideoReaderOptions {
   bool skip_deblocking = false;    // leave out the decoder's loop filter: quicker, but block edges show and errors
                                    // grow until the next key frame. For looking at, never for measuring
   int rotate_deg = 0;              // turn the pictures clockwise by 90, 180 or 270, beyond what the file says of itself
-  double capture_rate_hz = 0;      // if set: time = (first time) + index / rate, for slow-motion files
-  double sequence_rate_hz = 30;    // time stamps of an image sequence
-  std::int64_t first = 0;          // first frame to hand out
+  // If set: time = (first time) + index / rate. For slow-motion files, and for what has no times of its own: image
+  // sequences and streams without a container, which are not opened without it.
+  double capture_rate_hz = 0;
+  std::int64_t first = 0;                          // first frame to hand out
   std::optional<std::int64_t> last = {};           // last frame to hand out
   std::optional<double> start_s = {}, end_s = {};  // only frames with time stamps from … to …, both included
   // Begin at the key frame at or before this time, without decoding what comes before it; frames count from there. For
@@ -65,6 +66,7 @@ struct VideoReaderOptions {
 };
 
 void Describe(VideoReaderOptions& o, OptionList& options);
+Option& DescribeCaptureRate(VideoReaderOptions& o, OptionList& options);
 Option& DescribeRotation(VideoReaderOptions& o, OptionList& options);
 
 class VideoReader {
@@ -74,7 +76,7 @@ class VideoReader {
   // A video, one picture, or an image sequence given as a printf pattern (frames/%05d.png), which begins at its lowest
   // number. Throws Error: absent, a folder, not a video, no video stream, no frame, larger than 16384 px a side or 200
   // Mpx, turned by an angle that is no multiple of 90°, a `rotate_deg` that is none of 0, 90, 180, 270 (UsageError), a
-  // gap in the numbers of a sequence.
+  // gap in the numbers of a sequence, no times of its own and no `capture_rate_hz`.
   static std::unique_ptr<VideoReader> Open(const std::filesystem::path& path, const VideoReaderOptions& options = {});
 
   virtual const VideoInfo& Info() const = 0;
