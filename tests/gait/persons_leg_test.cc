@@ -9,6 +9,7 @@
 #include "lake/core/error.h"
 #include "lake/exchange/trial.h"
 #include "name_map.h"
+#include "real_markers.h"
 #include "synthetic_leg.h"
 
 namespace lake {
@@ -49,28 +50,28 @@ TEST_P(TrueTrials, AreAPersonsLeg) {
   for (const std::string& warning : result.warnings) EXPECT_THAT(warning, Not(HasSubstr("of the other leg")));
 }
 
-constexpr const char *kRight = "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS",
-                     *kLeft = "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS";
-
 INSTANTIATE_TEST_SUITE_P(
     , TrueTrials,
-    testing::Values(
-        TrueTrial{"sts_force_plates/STS1.trc", kRight}, TrueTrial{"sts_force_plates/STS1.trc", kLeft},
-        TrueTrial{"opencap_sts/sts_default_markers.trc", kRight},
-        TrueTrial{"opencap_sts/sts_default_markers.trc", kLeft}, TrueTrial{"real_motions/subject4_squats1.trc", kRight},
-        TrueTrial{"real_motions/subject4_squats1.trc", kLeft}, TrueTrial{"real_motions/subject4_walking1.trc", kRight},
-        TrueTrial{"real_motions/subject4_walking1.trc", kLeft}, TrueTrial{"real_motions/subject4_DJ1.trc", kRight},
-        TrueTrial{"real_motions/subject4_DJ1.trc", kLeft},
-        TrueTrial{"real_motions/tabs_squat2.trc", "ankle=RANK,knee=RKNE,hip=RASI+RPSI"},
-        TrueTrial{"real_motions/tabs_squat2.trc", "ankle=LANK,knee=LKNE,hip=LASI+LPSI"},
-        TrueTrial{"real_motions/tabs_stairs3.trc", "ankle=RANK,knee=RKNE,hip=RASI+RPSI"},
-        TrueTrial{"real_motions/tabs_stairs3.trc", "ankle=LANK,knee=LKNE,hip=LASI+LPSI"},
-        TrueTrial{"real_motions/gait_200hz.trc", "ankle=RxLatMal,knee=RxLatCon,hip=RxThigh"},
-        TrueTrial{"real_motions/gait_200hz.trc", "ankle=LxLatMal,knee=LxLatCon,hip=LxThigh"},
-        TrueTrial{"real_motions/standing_static.trc", "ankle=r_ankle,knee=r_knee,hip=r_thigh1"},
-        TrueTrial{"real_motions/standing_static.trc", kLeft},
-        TrueTrial{"opensim_walk/std_walking2_markers.trc", "ankle=LAJC,knee=LKJC,hip=LHJC,waist=LASI+LPSI", 'z'},
-        TrueTrial{"opensim_walk/std_walking5_markers.trc", "ankle=RAJC,knee=RKJC,hip=RHJC", 'z'}));
+    testing::Values(TrueTrial{"sts_force_plates/STS1.trc", kRightLeg}, TrueTrial{"sts_force_plates/STS1.trc", kLeftLeg},
+                    TrueTrial{"opencap_sts/sts_default_markers.trc", kRightLeg},
+                    TrueTrial{"opencap_sts/sts_default_markers.trc", kLeftLeg},
+                    TrueTrial{"real_motions/subject4_squats1.trc", kRightLeg},
+                    TrueTrial{"real_motions/subject4_squats1.trc", kLeftLeg},
+                    TrueTrial{"real_motions/subject4_walking1.trc", kRightLeg},
+                    TrueTrial{"real_motions/subject4_walking1.trc", kLeftLeg},
+                    TrueTrial{"real_motions/subject4_DJ1.trc", kRightLeg},
+                    TrueTrial{"real_motions/subject4_DJ1.trc", kLeftLeg},
+                    TrueTrial{"real_motions/tabs_squat2.trc", "ankle=RANK,knee=RKNE,hip=RASI+RPSI"},
+                    TrueTrial{"real_motions/tabs_squat2.trc", "ankle=LANK,knee=LKNE,hip=LASI+LPSI"},
+                    TrueTrial{"real_motions/tabs_stairs3.trc", "ankle=RANK,knee=RKNE,hip=RASI+RPSI"},
+                    TrueTrial{"real_motions/tabs_stairs3.trc", "ankle=LANK,knee=LKNE,hip=LASI+LPSI"},
+                    TrueTrial{"real_motions/gait_200hz.trc", "ankle=RxLatMal,knee=RxLatCon,hip=RxThigh"},
+                    TrueTrial{"real_motions/gait_200hz.trc", "ankle=LxLatMal,knee=LxLatCon,hip=LxThigh"},
+                    TrueTrial{"real_motions/standing_static.trc", "ankle=r_ankle,knee=r_knee,hip=r_thigh1"},
+                    TrueTrial{"real_motions/standing_static.trc", kLeftLeg},
+                    TrueTrial{"opensim_walk/std_walking2_markers.trc", "ankle=LAJC,knee=LKJC,hip=LHJC,waist=LASI+LPSI",
+                              'z'},
+                    TrueTrial{"opensim_walk/std_walking5_markers.trc", "ankle=RAJC,knee=RKJC,hip=RHJC", 'z'}));
 
 struct WrongTrial {
   const char *names, *message, *forward = "";
@@ -103,7 +104,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongTrial{"ankle=r_ankle,knee=R_HJC,hip=r_knee,waist=r.ASIS+r.PSIS", "are knee and hip exchanged"},
         WrongTrial{"ankle=r_knee,knee=r_ankle,hip=R_HJC,waist=r.ASIS+r.PSIS", "are ankle and knee exchanged"},
         WrongTrial{"ankle=R_HJC,knee=r_knee,hip=r_ankle,waist=r.ASIS+r.PSIS", "are ankle and hip exchanged"},
-        WrongTrial{kRight, "the knee bends backward", "-x"}, WrongTrial{kLeft, "or --facing right is wrong", "-x"}));
+        WrongTrial{kRightLeg, "the knee bends backward", "-x"},
+        WrongTrial{kLeftLeg, "or --facing right is wrong", "-x"}));
 
 TEST(PersonsLeg, AFacingThatIsWrongIsNamedInThePlane) {
   const SyntheticLeg leg = MakeSyntheticLeg({.repetitions = 1});

@@ -9,15 +9,13 @@
 #include "lake/gait/leg_fit.h"
 #include "lake/gait/smoothing_spline.h"
 #include "name_map.h"
+#include "real_markers.h"
 #include "synthetic_leg.h"
 
 namespace lake {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kRight = "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS";
-constexpr const char* kLeft = "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS";
 
 struct RealMotion {
   const char *name, *file, *markers;
@@ -94,12 +92,13 @@ TEST_P(RealMotionFit, TheEstimateIsNoWorseThanTheMeasurement) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, RealMotionFit,
-                         testing::Values(RealMotion{"SquatsRight", "real_motions/subject4_squats1.trc", kRight},
-                                         RealMotion{"SquatsLeft", "real_motions/subject4_squats1.trc", kLeft},
-                                         RealMotion{"DropJump", "real_motions/subject4_DJ1.trc", kRight},
-                                         RealMotion{"SitToStandRight", "sts_force_plates/STS1.trc", kRight},
-                                         RealMotion{"SitToStandLeft", "sts_force_plates/STS1.trc", kLeft},
-                                         RealMotion{"AnotherSitToStand", "opencap_sts/sts_default_markers.trc", kLeft}),
+                         testing::Values(RealMotion{"SquatsRight", "real_motions/subject4_squats1.trc", kRightLeg},
+                                         RealMotion{"SquatsLeft", "real_motions/subject4_squats1.trc", kLeftLeg},
+                                         RealMotion{"DropJump", "real_motions/subject4_DJ1.trc", kRightLeg},
+                                         RealMotion{"SitToStandRight", "sts_force_plates/STS1.trc", kRightLeg},
+                                         RealMotion{"SitToStandLeft", "sts_force_plates/STS1.trc", kLeftLeg},
+                                         RealMotion{"AnotherSitToStand", "opencap_sts/sts_default_markers.trc",
+                                                    kLeftLeg}),
                          [](const auto& info) { return info.param.name; });
 
 class GoldStandard : public testing::TestWithParam<RealMotion> {};
@@ -139,8 +138,8 @@ TEST_P(GoldStandard, IsTakenAsItIsAndBadFramesAreLeftOut) {
 
 INSTANTIATE_TEST_SUITE_P(
     , GoldStandard,
-    testing::Values(RealMotion{"Walking", "real_motions/subject4_walking1.trc", kRight},
-                    RealMotion{"DropJump", "real_motions/subject4_DJ1.trc", kLeft},
+    testing::Values(RealMotion{"Walking", "real_motions/subject4_walking1.trc", kRightLeg},
+                    RealMotion{"DropJump", "real_motions/subject4_DJ1.trc", kLeftLeg},
                     RealMotion{"Squat", "real_motions/tabs_squat2.trc", "ankle=LANK,knee=LKNE,hip=LASI+LPSI"},
                     RealMotion{"Stairs", "real_motions/tabs_stairs3.trc", "ankle=LANK,knee=LKNE,hip=LASI+LPSI"},
                     RealMotion{"WalkingAt200Hz", "real_motions/gait_200hz.trc",

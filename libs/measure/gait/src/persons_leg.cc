@@ -5,26 +5,16 @@
 #include <functional>
 #include <optional>
 
+#include "known_values.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
 #include "lake/core/numbers.h"
-#include "lake/core/statistics.h"
 
 namespace lake::gait {
 namespace {
 
 enum Place : std::size_t { kAnkleAt, kKneeAt, kHipAt, kWaistAt };
-
-double MedianOfKnown(std::vector<double> values) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  return Median(std::move(values));
-}
-
-double QuantileOfKnown(std::vector<double> values, double fraction) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  return values.empty() ? kNaN : Quantile(std::move(values), fraction);
-}
 
 // A value of each frame; NaN where a marker of it is not known.
 std::vector<double> PerFrame(const LegPath& path, const std::function<double(std::size_t)>& value) {

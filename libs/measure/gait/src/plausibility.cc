@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "known_values.h"
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
 #include "lake/core/statistics.h"
@@ -37,11 +38,6 @@ std::vector<double> Lengths(const motion::LegMotion& motion, Eigen::Vector2d mot
   std::vector<double> lengths;
   for (const motion::LegSample& sample : motion.samples) lengths.push_back((sample.*segment).norm());
   return lengths;
-}
-
-double MedianOfKnown(std::vector<double> values) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  return Median(std::move(values));
 }
 
 std::vector<double> OverMedian(std::vector<double> lengths) {
