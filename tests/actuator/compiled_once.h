@@ -11,6 +11,7 @@
 #include "lake/actuator/firmware.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/provenance.h"
+#include "places.h"
 
 namespace lake {
 
@@ -20,14 +21,15 @@ inline std::filesystem::path CompiledOnce(const std::string& stroke_table, const
                                           const std::string& product, const std::string& others = "") {
   std::string all = stroke_table + command + others;
   for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) all += file.name + file.text;
-  const std::filesystem::path cache = LAKE_BIN_DIR "/../firmware", folder = cache / Sha256OfText(all).substr(0, 20);
+  const std::filesystem::path cache = BinDir().parent_path() / "firmware",
+                              folder = cache / Sha256OfText(all).substr(0, 20);
   if (std::filesystem::exists(folder / product)) return folder / product;
   // Made aside, then named at once: tests run side by side.
   const std::filesystem::path aside = folder.string() + "-" + std::to_string(getpid());
   std::filesystem::create_directories(aside);
   WriteTextFile(aside / "stroke_table.h", stroke_table);
   for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) WriteTextFile(aside / file.name, file.text);
-  if (std::system(("cd '" + aside.string() + "' && timeout 60 " + command).c_str()) != 0)
+  if (std::system(("cd " + Quoted(aside) + " && timeout 60 " + command).c_str()) != 0)
     throw std::runtime_error("it does not compile in " + aside.string() + ": " + command);
   std::error_code made_by_another;
   std::filesystem::rename(aside, folder, made_by_another);

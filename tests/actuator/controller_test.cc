@@ -16,6 +16,7 @@
 #include "lake/core/atomic_file.h"
 #include "model_program.h"
 #include "motor.h"
+#include "places.h"
 #include "protocol.h"
 #include "serial.h"
 
@@ -71,7 +72,7 @@ TEST(HostTable, IsWhatTheProgramWrites) {
   options.home_stroke_mm = 297, options.speed_tolerance_percent = 10;
   const std::string header = actuator::StrokeTableHeader(actuator::MakeStrokeTable(schedule, table, options), schedule,
                                                          table, options, "For the tests of the portable part.");
-  EXPECT_EQ(ReadTextFile(LAKE_SOURCE_DIR "/tests/actuator/host/stroke_table.h"), header)
+  EXPECT_EQ(ReadTextFile(SourceDir() / "tests/actuator/host/stroke_table.h"), header)
       << "lake-stroke --home-stroke 297 with this program writes it";
 }
 

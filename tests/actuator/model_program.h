@@ -6,12 +6,13 @@
 
 #include "lake/actuator/duty_table.h"
 #include "lake/actuator/stroke_schedule.h"
+#include "places.h"
 #include "published_links.h"
 
 namespace lake {
 
 inline actuator::DutyTable ModelTable() {
-  return actuator::ReadDutyTable(LAKE_SOURCE_DIR "/calibration/duty_table_model.csv");
+  return actuator::ReadDutyTable(SourceDir() / "calibration/duty_table_model.csv");
 }
 
 inline linkage::Design PublishedDesign() {

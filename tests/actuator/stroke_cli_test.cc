@@ -12,6 +12,7 @@
 #include "lake/motion/leg_motion.h"
 #include "lake/motion/marker_recording.h"
 #include "model_program.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -21,7 +22,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-constexpr const char* kTable = LAKE_SOURCE_DIR "/calibration/duty_table_model.csv";
+const std::string kTable = Quoted(SourceDir() / "calibration/duty_table_model.csv");
 
 class StrokeProgramTest : public testing::Test {
  protected:

@@ -13,6 +13,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/json.h"
 #include "lake/video/image.h"
+#include "places.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -28,8 +29,8 @@ struct Outcome {
 class CalibrateProgram : public testing::Test {
  protected:
   Outcome Run(const std::string& arguments) {
-    const std::string command =
-        fmt::format("cd '{}' && '{}/lake-calibrate' {} >out 2>err", folder_.Path().string(), LAKE_BIN_DIR, arguments);
+    const std::string command = fmt::format("cd {} && {} {} >out 2>err", Quoted(folder_.Path()),
+                                            Quoted(BinDir() / "lake-calibrate"), arguments);
     const int status = std::system(command.c_str());
     return {WEXITSTATUS(status), ReadTextFile(folder_ / "out"), ReadTextFile(folder_ / "err")};
   }

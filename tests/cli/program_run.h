@@ -10,6 +10,7 @@
 #include <string>
 
 #include "lake/core/atomic_file.h"
+#include "places.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -23,8 +24,8 @@ struct Outcome {
 
 // What the shell makes of a command line in this folder.
 inline Outcome Shell(const TemporaryFolder& folder, const std::string& command) {
-  const std::string line = fmt::format("cd '{}' && export PATH='{}':$PATH && ({}) >out.txt 2>err.txt",
-                                       folder.Path().string(), LAKE_BIN_DIR, command);
+  const std::string line = fmt::format("cd {} && export PATH={}:$PATH && ({}) >out.txt 2>err.txt",
+                                       Quoted(folder.Path()), Quoted(BinDir()), command);
   const int status = std::system(line.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), ReadTextFile(folder / "out.txt"),
           ReadTextFile(folder / "err.txt")};
@@ -33,7 +34,7 @@ inline Outcome Shell(const TemporaryFolder& folder, const std::string& command) 
 // A recording of 3 s in folder/good: that which ctest had rendered for all tests of this kind, else one of its own.
 inline Outcome RenderShort(const TemporaryFolder& folder) {
   namespace fs = std::filesystem;
-  const fs::path shared = fs::path(LAKE_BIN_DIR).parent_path() / "recordings/short_recording";
+  const fs::path shared = BinDir().parent_path() / "recordings/short_recording";
   if (!fs::exists(shared / "summary.json"))
     return Shell(folder, "lake-synth -o good --duration 3 --rate 30 --width 720 --quiet");
   fs::copy(shared, folder / "good", fs::copy_options::recursive);

@@ -6,6 +6,7 @@
 
 #include "cli/program_run.h"
 #include "lake/core/json.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -22,7 +23,7 @@ constexpr const char* kNoAnimation = "simulate: {animation: false}\n";
 class RunProgram : public testing::Test {
  protected:
   static std::string Sample(const std::string& name) {
-    return (fs::path(LAKE_SOURCE_DIR) / "data/sts-study" / name).string();
+    return "\"" + (SourceDir() / "data/sts-study" / name).string() + "\"";
   }
 
   void WriteStudy(const std::string& rest = "") {

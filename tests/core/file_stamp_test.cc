@@ -9,6 +9,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/provenance.h"
 #include "lake/core/run.h"
+#include "places.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -27,7 +28,7 @@ std::uintmax_t BytesRead() {
 }
 
 TEST(ContentHash, OfAnUntouchedInputIsReadOnceInAWholeRun) {
-  const fs::path recording = fs::path(LAKE_SOURCE_DIR) / "data/sts-study/human.mp4";
+  const fs::path recording = SourceDir() / "data/sts-study/human.mp4";
   const TemporaryFolder folder;
   const std::uintmax_t before = BytesRead();
   lake::Run run({"lake-x", "lake-x", {}, folder / "out", true});

@@ -182,7 +182,7 @@ def main():
     parser.add_argument("--light", action="store_true", help="without videos, figures and searches: tenths of a second each")
     asked = parser.parse_args()
     os.environ.setdefault("ASAN_OPTIONS", "allocator_may_return_null=1")
-    os.environ.setdefault("LSAN_OPTIONS", f"suppressions={programs.ROOT}/tests/leaks_of_others.txt:print_suppressions=0")
+    os.environ.setdefault("LSAN_OPTIONS", f'suppressions="{programs.ROOT}/tests/leaks_of_others.txt":print_suppressions=0')
     began, faults, done = time.monotonic(), 0, 0
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary) / "in"

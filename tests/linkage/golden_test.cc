@@ -7,6 +7,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/linkage/linkage.h"
+#include "places.h"
 #include "published_links.h"
 
 namespace lake {
@@ -37,7 +38,7 @@ double PaperAngleDeg(const linkage::Links& l, double d) {
 }
 
 TEST(PaperTables, HoldTheLinksUsedHere) {
-  const CsvTable table = CsvTable::Read(std::string(LAKE_SOURCE_DIR) + "/data/paper/table1.csv");
+  const CsvTable table = CsvTable::Read(SourceDir() / "data/paper/table1.csv");
   ASSERT_EQ(table.Rows(), 6u);
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_EQ(table.RequiredNumber(i, table.Column("initial_mm")), kInitial.Values()[i]);

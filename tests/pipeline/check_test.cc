@@ -3,8 +3,11 @@
 
 #include <gmock/gmock.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include "lake/video/video_writer.h"
 #include "pipeline/rendered_trial.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -101,10 +104,35 @@ TEST(Check, JudgesFiguresOneByOne) {
   EXPECT_THAT(verdict("clutter"), testing::AllOf(testing::StartsWith("1 "), testing::HasSubstr("--crop")));
 }
 
+// Lamps that stay where they are, and lights that go about each by itself, have neither a contrast nor a knee.
+TEST(Check, SaysOfNoLegThatThereIsNone) {
+  const TemporaryFolder folder;
+  for (const double speed_px : {0.0, 1.0}) {
+    video::VideoWriterOptions options;
+    options.width = 640, options.height = 360, options.frame_rate_hz = 60, options.grey = true, options.crf = 18;
+    video::VideoWriter writer(folder / "lamps.mp4", options);
+    for (int i = 0; i < 120; ++i) {
+      cv::Mat1b picture(360, 640, uchar{40});
+      for (int lamp = 0; lamp < 4; ++lamp) {
+        const double along = speed_px * i * (lamp - 1.5);
+        cv::circle(picture, cv::Point2d(320 + 60 * (lamp - 1.5) + along, 60 + 70 * lamp), 7, 250, cv::FILLED,
+                   cv::LINE_AA);
+      }
+      writer.Write(picture, i / 60.0);
+    }
+    writer.Finish();
+    const Json check = CheckVideo(folder / "lamps.mp4", folder / "out");
+    EXPECT_EQ(VerdictOf(check, "leg_seen"), "unfit") << check["checks"].dump(1);
+    for (const char* name : {"radius_px", "contrast_over_noise", "blur_px", "expected_knee_sd_deg"})
+      EXPECT_EQ(VerdictOf(check, name), "absent") << name;
+    EXPECT_TRUE(check["figures"]["expected_knee_sd_deg"].is_null());
+  }
+}
+
 // A subject at rest repeats nothing, however well the picture is compressed.
 TEST(Check, FindsTheSampleStudyFit) {
   const TemporaryFolder folder;
-  const std::filesystem::path study = std::filesystem::path(LAKE_SOURCE_DIR) / "data/sts-study";
+  const std::filesystem::path study = SourceDir() / "data/sts-study";
   for (const char* video : {"human.mp4", "exo.mp4"}) {
     const Json check = CheckVideo(study / video, folder / video);
     EXPECT_EQ(check["figures"]["repeated_frames"], 0) << video;

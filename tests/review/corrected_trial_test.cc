@@ -13,6 +13,7 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/gait/corrected_events.h"
+#include "places.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -30,7 +31,7 @@ class CorrectedTrial : public testing::Test {
 
   // The recording that ctest has rendered (lake_add_recording).
   static fs::path Recording(const std::string& name) {
-    return fs::path(LAKE_BIN_DIR).parent_path() / "recordings/short_recording" / name;
+    return BinDir().parent_path() / "recordings/short_recording" / name;
   }
   fs::path Folder(const std::string& name) const { return folder_ / name; }
 

@@ -10,6 +10,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "load_profile.h"
+#include "places.h"
 #include "program_run.h"
 
 namespace lake {
@@ -38,8 +39,8 @@ class LakeOptimizeWithLoads : public ::testing::Test {
   // `text`: options, in which @ stands for the folder.
   Ended Go(std::string text) {
     for (std::size_t at; (at = text.find('@')) != std::string::npos;) text.replace(at, 1, folder_.string() + "/");
-    return RunProgram("--problem " LAKE_SOURCE_DIR "/calibration/problems/buildable.yaml --starts 2 --quiet -o " +
-                      (folder_ / "out").string() + " " + text);
+    return RunProgram("--problem " + Quoted(SourceDir() / "calibration/problems/buildable.yaml") +
+                      " --starts 2 --quiet -o " + (folder_ / "out").string() + " " + text);
   }
 
   const fs::path folder_ = fs::temp_directory_path() /

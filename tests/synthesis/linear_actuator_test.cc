@@ -10,6 +10,7 @@
 
 #include "lake/core/error.h"
 #include "lake/problem/load_profile.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -39,7 +40,7 @@ class ActuatorFile : public ::testing::Test {
 
 TEST(Actuators, CatalogueIsTheFile) {
   const auto known = problem::KnownActuators(),
-             file = problem::ReadActuators(LAKE_SOURCE_DIR "/calibration/actuators.csv");
+             file = problem::ReadActuators(SourceDir() / "calibration/actuators.csv");
   ASSERT_EQ(known.size(), file.size());
   for (std::size_t i = 0; i < known.size(); ++i) {
     EXPECT_EQ(known[i].name, file[i].name);

@@ -9,6 +9,7 @@
 
 #include "lake/core/error.h"
 #include "lake/problem/load_profile.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -34,8 +35,7 @@ class ProblemFile : public ::testing::Test {
 };
 
 TEST_F(ProblemFile, PapersFileIsTheDefaultProblem) {
-  const problem::SynthesisProblem read =
-      problem::ReadProblem(std::filesystem::path(LAKE_SOURCE_DIR "/calibration/problems/paper.yaml"));
+  const problem::SynthesisProblem read = problem::ReadProblem(SourceDir() / "calibration/problems/paper.yaml");
   const problem::SynthesisProblem paper;
   EXPECT_EQ(read.d_min_mm, paper.d_min_mm);
   EXPECT_EQ(read.start.Values(), paper.start.Values());
@@ -118,8 +118,7 @@ TEST(LoadProfile, PercentsAscend) {
 }
 
 TEST_F(ProblemFile, WearableAsksForClearancesAndStrength) {
-  const problem::SynthesisProblem read =
-      problem::ReadProblem(std::filesystem::path(LAKE_SOURCE_DIR "/calibration/problems/wearable.yaml"));
+  const problem::SynthesisProblem read = problem::ReadProblem(SourceDir() / "calibration/problems/wearable.yaml");
   EXPECT_EQ(read.clearances.seat_mm, 5);
   EXPECT_FALSE(read.clearances.thigh_mm);
   EXPECT_EQ(read.clearances.body.leg->thigh_mm, 410);

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <string>
 
+#include "places.h"
+
 namespace lake {
 
 struct Ended {
@@ -15,7 +17,7 @@ struct Ended {
 };
 
 inline Ended RunProgram(const std::string& arguments) {
-  const std::string command = LAKE_BIN_DIR "/lake-optimize " + arguments + " 2>&1";
+  const std::string command = Quoted(BinDir() / "lake-optimize") + " " + arguments + " 2>&1";
   Ended ended{-1, ""};
   FILE* pipe = popen(command.c_str(), "r");
   std::array<char, 4096> buffer{};

@@ -11,6 +11,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/json.h"
 #include "lake/linkage/design_file.h"
+#include "places.h"
 #include "synthesis/paper.h"
 #include "synthesis/program_run.h"
 #include "temporary_folder.h"
@@ -72,9 +73,8 @@ TEST_F(LakeReoptimize, WritesADesignWhosePredictedPathHoldsTheLimit) {
   EXPECT_LE(MisalignmentOfFiles(out), 2.5 * (1 + 1e-4));
   EXPECT_NEAR(MisalignmentOfFiles(out), summary["misalignment_percent"].get<double>(), 1e-9);
   // lake-compare itself finds the same.
-  const std::string compare =
-      fmt::format("{0}/lake-compare {1} {1}/out/predicted --replacement-sd 0 --quiet -o {1}/again", LAKE_BIN_DIR,
-                  folder_.Path().string());
+  const std::string compare = fmt::format("{0} {1} {1}/out/predicted --replacement-sd 0 --quiet -o {1}/again",
+                                          Quoted(BinDir() / "lake-compare"), folder_.Path().string());
   ASSERT_EQ(std::system((compare + " >/dev/null 2>&1").c_str()), 0);
   EXPECT_NEAR(100 * ReadJsonFile(folder_ / "again/summary.json")["metrics"]["relative_rms"].get<double>(),
               summary["misalignment_percent"].get<double>(), 1e-9);

@@ -29,6 +29,15 @@ void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<Ch
                    Judge(-c.all_seen_share, -0.95, -0.8),
                    "put a lamp beside the lens, turn the markers to the camera, keep hands and clothes off them"});
   const tracking::MarkerFigures& m = c.markers;
+  if (!c.leg_seen && m.samples > 0) {
+    items.push_back(
+        {"leg_seen",
+         "no leg: no three of the brightest spots keep their distances while the angle between them changes",
+         Verdict::kUnfit,
+         "bright round markers on ankle, knee and hip, all in the picture, from sitting to standing; leave "
+         "lamps and reflections out with --crop"});
+    return;
+  }
   if (m.samples == 0) {
     items.push_back(
         {"radius_px", "no marker to measure", Verdict::kUnfit,
@@ -132,7 +141,8 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
           {"position_sd_px", c.position_sd_px},
           {"segment_px", c.segment_px},
           {"travel_px", c.travel_px},
-          {"expected_knee_sd_deg", c.knee_sd_deg},
+          {"leg_seen", c.leg_seen},
+          {"expected_knee_sd_deg", c.leg_seen ? Json(c.knee_sd_deg) : Json()},
           {"flicker", c.flicker},
           {"repeated_frames", c.repeated_frames},
           {"dropped_frames", c.dropped_frames},
@@ -159,7 +169,7 @@ std::vector<CheckItem> JudgeRecording(const tracking::RecordingCheck& check, int
   JudgeMovement(check, items);
   JudgePictures(check, markers, items);
   JudgeTime(check, items);
-  if (check.markers.samples > 0 && check.segment_px > 0)
+  if (check.leg_seen && check.segment_px > 0)
     items.push_back({"expected_knee_sd_deg",
                      fmt::format("knee angle of a single frame: marker noise {} (1 SD)",
                                  DeviationText(check.knee_sd_deg, 3, " degrees")),
@@ -188,6 +198,7 @@ void Describe(CheckRunOptions& o, OptionList& options) {
   options.Add("markers", o.check.markers, "Number of markers that should be seen").Between(1, 40);
   tracking::DescribePolarity(o.check.polarity, options);
   tracking::DescribeCrop(o.check.crop, options);
+  video::DescribeCaptureRate(o.check.reader, options);
   video::DescribeRotation(o.check.reader, options);
 }
 

@@ -12,6 +12,7 @@
 #include "board.h"
 #include "lake/actuator/firmware.h"
 #include "lake/core/atomic_file.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -28,11 +29,11 @@ constexpr const char* kSanitizers = "";
 #endif
 
 std::filesystem::path Library(const std::string& stroke_table) {
-  const std::filesystem::path host = LAKE_SOURCE_DIR "/tests/actuator/host";
+  const std::filesystem::path host = SourceDir() / "tests/actuator/host";
   const std::string command = fmt::format(
-      "{} -std=gnu99 -O1 -g1 -fPIC -shared -Wl,-Bsymbolic -Wall -Wextra -Werror {} -I. -I'{}' {} '{}/host_board.c' "
+      "{} -std=gnu99 -O1 -g1 -fPIC -shared -Wl,-Bsymbolic -Wall -Wextra -Werror {} -I. -I{} {} {} "
       "-o firmware.so",
-      LAKE_HOST_CC, kSanitizers, host.string(), kPortable, host.string());
+      LAKE_HOST_CC, kSanitizers, Quoted(host), kPortable, Quoted(host / "host_board.c"));
   return CompiledOnce(stroke_table, command, "firmware.so",
                       ReadTextFile(host / "host_board.c") + ReadTextFile(host / "host_board.h"));
 }

@@ -6,6 +6,7 @@
 #include "lake/core/csv.h"
 #include "lake/study/study.h"
 #include "pipeline/rendered_trial.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -30,8 +31,9 @@ TEST_F(FirmwareTest, VideoToDesignToProgramToKneeAngle) {
                 "name: Short\nsimulate: {animation: false}\ncamera: camera.yaml\nhuman: {video: video.mp4}\n"
                 "reoptimize: {problem: {margins: {grashof_mm: 2, singularity_mm: 2}}, max_misalignment_percent: 5, "
                 "program: free, duration_s: 25, max_speed_mm_s: 5}\n"
-                "stroke: {duty_table: " LAKE_SOURCE_DIR
-                "/calibration/duty_table_model.csv, accept_drift: true}\n");  // nobody wears the simulator
+                "stroke: {duty_table: \"" +
+                    (SourceDir() / "calibration/duty_table_model.csv").string() +
+                    "\", accept_drift: true}\n");  // nobody wears the simulator
   lake::Run run({"lake-run", "test", Json::object(), person.folder / "out", true});
   const Json stroke = study::RunStudyFile(study::ReadStudyFile(person.folder / "study.yaml"), run)["stroke"];
 

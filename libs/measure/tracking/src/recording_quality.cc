@@ -1,6 +1,7 @@
 #include "lake/tracking/recording_quality.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -198,6 +199,70 @@ double TravelPx(const std::vector<std::vector<Eigen::Vector2d>>& places) {
   return travel;
 }
 
+struct TwoSegments {
+  double lower_px = 0, upper_px = 0, angle_rad = 0;
+};
+
+// Of any three spots in any order, but for the two ends.
+std::vector<TwoSegments> SegmentsOf(const std::vector<Eigen::Vector2d>& spots) {
+  constexpr double kMostUnequal = 2;  // a person's thigh and shank are alike
+  std::vector<TwoSegments> segments;
+  for (std::size_t joint = 0; joint < spots.size(); ++joint)
+    for (std::size_t a = 0; a < spots.size(); ++a)
+      for (std::size_t b = 0; b < spots.size(); ++b) {
+        if (a == joint || b == joint || a == b) continue;
+        const Eigen::Vector2d lower = spots[a] - spots[joint], upper = spots[b] - spots[joint];
+        const auto [less, more] = std::minmax(lower.norm(), upper.norm());
+        if (more > kMostUnequal * less) continue;
+        segments.push_back(
+            {lower.norm(), upper.norm(), std::acos(std::clamp(lower.dot(upper) / (less * more), -1.0, 1.0))});
+      }
+  return segments;
+}
+
+// By how much the angle between two segments changes at the least from where they are seen to another place; infinite
+// where none there are as long.
+double LeastTurn(const TwoSegments& seen, const std::vector<TwoSegments>& there) {
+  constexpr double kLengthens = 0.08;  // by leaning out of the plane, and by skin
+  double least = std::numeric_limits<double>::infinity();
+  for (const TwoSegments& other : there)
+    if (std::abs(other.lower_px - seen.lower_px) < kLengthens * seen.lower_px &&
+        std::abs(other.upper_px - seen.upper_px) < kLengthens * seen.upper_px)
+      least = std::min(least, std::abs(other.angle_rad - seen.angle_rad));
+  return least;
+}
+
+// The strongest of the markers in the first, the middle and the last frame of a place.
+std::array<std::vector<Eigen::Vector2d>, 3> LooksAt(const Place& place, const std::vector<const Tracklet*>& markers) {
+  constexpr std::size_t kMost = 6;  // all triples are tried
+  const std::array<std::int64_t, 3> frames = {place.frame.front(), place.frame[place.frame.size() / 2],
+                                              place.frame.back()};
+  std::array<std::vector<Eigen::Vector2d>, 3> looks;
+  for (std::size_t look = 0; look < frames.size(); ++look)
+    for (std::size_t m = 0; m < std::min(kMost, markers.size()); ++m)
+      if (const TrackletSample* sample = markers[m]->SampleIn(frames[look])) looks[look].push_back(sample->position);
+  return looks;
+}
+
+// Whether there is a leg among the spots of all looks: lamps keep their angles, and glints do not keep their distances.
+bool ShowALeg(const std::vector<std::vector<Eigen::Vector2d>>& looks) {
+  constexpr double kLeastTurn_rad = 0.25, kMostLooks = 0.75;
+  std::vector<std::vector<TwoSegments>> segments;
+  for (const auto& spots : looks)
+    if (spots.size() >= 3) segments.push_back(SegmentsOf(spots));
+  for (const auto& from : segments)
+    for (const TwoSegments& seen : from) {
+      std::size_t kept = 0;
+      double most_rad = 0;
+      for (const auto& there : segments)
+        if (const double turn_rad = LeastTurn(seen, there); std::isfinite(turn_rad))
+          ++kept, most_rad = std::max(most_rad, turn_rad);
+      if (most_rad > kLeastTurn_rad && static_cast<double>(kept) >= kMostLooks * static_cast<double>(segments.size()))
+        return true;
+    }
+  return false;
+}
+
 // Ankle, knee and hip with the same error: σ²/a² + σ²/b² + σ² (1/a² + 1/b² + 2 cos θ/(a b)), for a = b at its largest.
 double KneeSdDeg(double position_sd_px, double segment_px) {
   return segment_px > 0 ? DegreesFromRadians(position_sd_px / segment_px * std::sqrt(6.0)) : 0;
@@ -248,6 +313,15 @@ std::vector<double> Starts(const std::vector<double>& stamps_s, const RecordingC
   return starts;
 }
 
+// Places are looked for by the times that the file has, and by the capture rate only where it has none.
+std::pair<RecordingCheckOptions, std::vector<double>> InOwnTimes(const std::filesystem::path& video,
+                                                                 const RecordingCheckOptions& options) {
+  RecordingCheckOptions own = options;
+  own.reader.capture_rate_hz = 0;
+  if (auto stamps_s = video::StampsInContainer(video, own.reader)) return {own, *std::move(stamps_s)};
+  return {options, video::StampsInContainer(video, options.reader).value_or(std::vector<double>{})};
+}
+
 }  // namespace
 
 MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFigures& image) {
@@ -259,8 +333,8 @@ MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFig
   for (const Tracklet* marker : markers)
     for (std::size_t i = 0; i < marker->samples.size(); ++i) {
       const TrackletSample& sample = marker->samples[i];
-      radius.push_back(sample.radius_px), contrast.push_back(sample.amplitude);
       const double level = std::min(sample.amplitude, image.saturation_level);
+      radius.push_back(sample.radius_px), contrast.push_back(level);
       over_noise.push_back(level / std::sqrt(image.noise.Variance(level)));
       saturated += sample.amplitude >= kSaturated * image.saturation_level;
       variance += sample.sigma_px * sample.sigma_px;
@@ -271,7 +345,7 @@ MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFig
   if (radius.empty()) return figures;
   const auto n = static_cast<double>(radius.size());
   figures.radius_px = Median(radius), figures.contrast = Median(contrast);
-  figures.noise = std::sqrt(image.noise.Variance(std::min(figures.contrast, image.saturation_level)));
+  figures.noise = std::sqrt(image.noise.Variance(figures.contrast));
   figures.contrast_over_noise = Quantile(over_noise, 0.1);
   figures.saturated_share = saturated / n;
   figures.sigma_px = std::sqrt(variance / n);
@@ -284,7 +358,7 @@ MarkerFigures FiguresOf(std::span<const Tracklet* const> markers, const ImageFig
 RecordingCheck CheckRecording(const std::filesystem::path& video, const RecordingCheckOptions& options) {
   const Clock::time_point begin = Clock::now();
   RecordingCheck check;
-  const std::vector<double> stamps_s = video::StampsInContainer(video, options.reader).value_or(std::vector<double>{});
+  const auto [looked, stamps_s] = InOwnTimes(video, options);
   check.frames_in_file = static_cast<std::int64_t>(stamps_s.size());
   check.dropped_frames = DroppedFrames(stamps_s);
   const auto detector = MakeReflectiveDetector(options.polarity, {options.crop});
@@ -298,7 +372,7 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
     if (!places.empty() && (starts[i] <= after_s || (!is_needed && decoded_mpx > options.budget_mpx))) continue;
     // Each place has its share of the budget, and what those before left of theirs.
     const double share_mpx = options.budget_mpx * static_cast<double>(i + 1) / static_cast<double>(starts.size());
-    Place place = LookAt(video, options, starts[i], after_s, *detector, share_mpx, decoded_mpx, check.video);
+    Place place = LookAt(video, looked, starts[i], after_s, *detector, share_mpx, decoded_mpx, check.video);
     if (place.time_s.empty()) continue;
     after_s = place.time_s.back();
     check.frames_seen += static_cast<int>(place.time_s.size());
@@ -308,16 +382,18 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   }
   if (places.empty()) throw Fail("{}: holds no frame that can be looked at", video.string());
   check.places_seen = static_cast<int>(places.size());
+  if (options.reader.capture_rate_hz > 0) check.video.frame_rate_hz = options.reader.capture_rate_hz;
 
   CountSpots(places, options.markers, check);
   std::vector<const Tracklet*> markers;
   std::vector<double> segments, tilts, compression;
-  std::vector<std::vector<Eigen::Vector2d>> positions;  // of the markers, by place
+  std::vector<std::vector<Eigen::Vector2d>> positions, looks;  // of the markers, by place
   for (const Place& place : places) {
     const std::vector<const Tracklet*> own = MarkersOf(place, options.markers);
     markers.insert(markers.end(), own.begin(), own.end());
     if (own.size() >= std::min<std::size_t>(options.markers, 3)) segments.push_back(SegmentPx(own));
     positions.push_back(PositionsOf(own));
+    for (auto& look : LooksAt(place, own)) looks.push_back(std::move(look));
     if (const double added = CompressionPx(own, place); added > 0) compression.push_back(added);
     if (const auto tilt = TiltDeg(place.middle)) tilts.push_back(*tilt);
   }
@@ -326,6 +402,7 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   check.position_sd_px = std::hypot(check.markers.sigma_px, check.compression_px);
   check.segment_px = segments.empty() ? 0 : Median(segments);
   check.travel_px = TravelPx(positions);
+  check.leg_seen = ShowALeg(looks);
   check.knee_sd_deg = KneeSdDeg(check.position_sd_px, check.segment_px);
   if (2 * tilts.size() > places.size()) check.tilt_deg = Median(tilts);
   std::error_code error;

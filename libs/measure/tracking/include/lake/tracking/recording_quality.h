@@ -67,6 +67,7 @@ struct RecordingCheck {
   double segment_px = 0;      // about the length of shank and thigh
   double travel_px = 0;       // how far a marker of one place is from all of another at the most: that something moves
   double knee_sd_deg = 0;     // expected of one frame's knee angle
+  bool leg_seen = false;      // three of the strongest spots keep their two distances while the angle between changes
 
   double flicker = 0;               // brightness from frame to frame, relative standard deviation
   int repeated_frames = 0;          // of those seen
