@@ -97,7 +97,7 @@ TEST(FrozenMarkers, AreToldOf) {
   motion::WriteMarkerCsv(folder / "trial.csv", trial);
   commands::GaitRunOptions options;
   options.trial = folder / "trial.csv";
-  Run run({"lake-gait", "test", Json::object(), folder / "gait", true});
+  lake::Run run({"lake-gait", "test", Json::object(), folder / "gait", true});
   run.WriteSummary(commands::RunGait(options, run));
   EXPECT_THAT(ReadTextFile(folder / "gait" / "summary.json"),
               testing::HasSubstr("marker 'ankle' has the same coordinates to the last digit in all its 300 frames"));
