@@ -524,14 +524,21 @@ TEST_F(LegFitErrors, HolesInTimeAreNotBridgedForHours) {
   EXPECT_THAT(Message(), testing::HasSubstr("holes"));
 }
 
-// Whether the curves fail or what they say of the leg: at 60 Hz minutes, a twentieth, microseconds.
+// At 60 Hz minutes and microseconds, with which the curves fail, and a twentieth, with which a leg is only too quick.
 TEST_F(LegFitErrors, TimesInAnotherUnitAreNamedNotTheMarkers) {
   const std::vector<double> seconds = tracks_.time_s;
-  for (const auto& [factor, step] : {std::pair(60.0, "0.000278"), {20.0, "0.000833"}, {1e6 / 60, "1e-06"}}) {
+  const auto divide = [&](double factor) {
     for (std::size_t i = 0; i < seconds.size(); ++i) tracks_.time_s[i] = seconds[i] / factor;
+  };
+  for (const auto& [factor, step] : {std::pair(60.0, "0.000278"), {1e6 / 60, "1e-06"}}) {
+    divide(factor);
     EXPECT_THAT(Message(),
                 testing::AllOf(testing::HasSubstr(fmt::format("{} s apart", step)), testing::HasSubstr("in seconds")));
   }
+  divide(20);
+  EXPECT_THAT(
+      gait::FitLeg(tracks_, ScaledView()).warnings,
+      testing::Contains(testing::AllOf(testing::HasSubstr("0.000833 s apart"), testing::HasSubstr("in seconds"))));
 }
 
 TEST_F(LegFitErrors, TooShortAndBadOptions) {

@@ -460,6 +460,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
     Blank(FindImplausible(result.motion, result.trajectory, options.markers, limits), result);
   }
   WarnOfOutliers(recording, result);
+  if (hasty) result.warnings.insert(result.warnings.begin(), *hasty + ": are they in seconds?");
   if (rounded)
     result.warnings.insert(result.warnings.begin(),
                            *rounded + ": what moves fast is misplaced by that; give them with more digits");
