@@ -211,7 +211,7 @@ TEST(StsEvents, ARiseThatDoesNotCountAddsNothingToTheRepetitionBefore) {
     const double last_s = signals.time_s.back(),
                  seated = before ? signals.hip_height.front() : signals.hip_height.back();
     for (auto* values : {&lifted.time_s, &lifted.hip_height, &lifted.hip_speed, &lifted.hip_up_speed,
-                         &lifted.knee_deg_s, &lifted.trunk_deg_s})
+                         &lifted.knee_deg_s, &lifted.trunk_deg_s, &lifted.hip_behind})
       values->clear();
     lifted.frame.clear();
     for (int i = 0; i < 400; ++i) {
@@ -220,6 +220,7 @@ TEST(StsEvents, ARiseThatDoesNotCountAddsNothingToTheRepetitionBefore) {
       lifted.hip_height.push_back(seated + 150 * (1 - std::cos(phase)));
       lifted.hip_up_speed.push_back(up_speed), lifted.hip_speed.push_back(std::abs(up_speed));
       lifted.knee_deg_s.push_back(0), lifted.trunk_deg_s.push_back(0);
+      if (!signals.hip_behind.empty()) lifted.hip_behind.push_back(signals.hip_behind.front());
     }
     EXPECT_TRUE(gait::FindStsEvents(lifted).events.empty());
     gait::StsSignals joined = before ? lifted : signals;
@@ -231,6 +232,7 @@ TEST(StsEvents, ARiseThatDoesNotCountAddsNothingToTheRepetitionBefore) {
       joined.hip_height.push_back(second.hip_height[i]), joined.hip_speed.push_back(second.hip_speed[i]);
       joined.hip_up_speed.push_back(second.hip_up_speed[i]), joined.knee_deg_s.push_back(second.knee_deg_s[i]);
       joined.trunk_deg_s.push_back(second.trunk_deg_s[i]);
+      if (!second.hip_behind.empty()) joined.hip_behind.push_back(second.hip_behind[i]);
     }
     const std::vector<motion::StsEvent> events = gait::FindStsEvents(joined).events;
     ASSERT_EQ(events.size(), 5u) << before;
