@@ -145,13 +145,12 @@ bool AreAlike(const Groups& a, const Groups& b) {
   return 10 * std::min(differ, a.size() - differ) <= a.size();
 }
 
-// The groups that names or order make, of those like the ones found.
-std::vector<Groups> ByNameOrOrder(const std::vector<BoardView>& views, const Groups& found) {
-  std::vector<Groups> expected = ByName(views);
+// All groups of the first so many views, and of the others.
+std::vector<Groups> ByOrder(const std::vector<BoardView>& views) {
+  std::vector<Groups> all;
   for (std::size_t cut = kLeastOfGroup; cut + kLeastOfGroup <= views.size(); ++cut)
-    expected.push_back(CutAt(views.size(), cut));
-  std::erase_if(expected, [&](const Groups& groups) { return !AreAlike(groups, found); });
-  return expected;
+    all.push_back(CutAt(views.size(), cut));
+  return all;
 }
 
 }  // namespace
@@ -172,11 +171,20 @@ std::optional<TwoCameras> FindTwoCameras(const Board& board, const std::vector<B
   if (!explains(best)) return std::nullopt;
   TwoCameras cameras;
   cameras.is_certain = result.rms_px > kTwice * best->rms_px;
-  std::optional<Fitted> named;  // a view or two that either camera fits do not hide whose groups these are
-  for (const Groups& groups : ByNameOrOrder(views, best->groups))
-    if (const auto fitted = splitter.Fit(groups); explains(fitted) && (!named || fitted->rms_px < named->rms_px))
-      named = fitted, cameras.is_certain = true;
-  if (named) best = named;
+  // A view or two that either camera fits do not hide whose groups these are. Names say more than the order does.
+  std::optional<Fitted> expected;
+  for (const std::vector<Groups>& candidates : {ByName(views), ByOrder(views)}) {
+    for (const Groups& groups : candidates) {
+      if (!AreAlike(groups, best->groups)) continue;
+      const std::optional<Fitted> fitted = splitter.Fit(groups);
+      if (explains(fitted) && (!expected || fitted->rms_px < expected->rms_px)) expected = fitted;
+    }
+    if (expected) break;
+  }
+  if (expected) {
+    best = expected;
+    cameras.is_certain = true;
+  }
   for (std::size_t i = 0; i < views.size(); ++i)
     (best->groups[i] == best->groups.front() ? cameras.first : cameras.second).push_back(i);
   cameras.rms_one_px = result.rms_px, cameras.rms_two_px = best->rms_px;

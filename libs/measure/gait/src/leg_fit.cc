@@ -465,7 +465,9 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
     result.warnings.insert(result.warnings.begin(),
                            *rounded + ": what moves fast is misplaced by that; give them with more digits");
   CheckRemains(recording, result, limits.ways_out, options);
-  CheckPersonsLeg(PathOf(result.motion), result.events, options);
+  std::vector<motion::StsEvent> rises = result.events;
+  rises.insert(rises.end(), result.without_seat.begin(), result.without_seat.end());
+  CheckPersonsLeg(PathOf(result.motion), rises, options);
   return result;
 }
 

@@ -371,18 +371,19 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
                          options.cutoff_hz.value_or(kCustomaryCutoffHz), result.motion);
   FoundStsEvents found = FindStsEvents(MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up));
   result.events = std::move(found.events);
+  result.without_seat = std::move(found.without_seat);
   if (found.begins_during_rise)
     result.warnings.emplace_back("the recording begins after a seat was left: that rise has no onset and is left out");
   if (found.begins_during_lean)
     result.warnings.emplace_back(
         "the recording begins while the first rise is under way, without the rest before it: that rise has no onset "
         "and no percent");
-  if (found.without_seat > 0)
+  if (!result.without_seat.empty())
     result.warnings.push_back(fmt::format(
         "rises without a seat, as from a squat, are left out ({}): before them the hip neither rests nor is "
         "so far behind the feet that a seat must carry it; if they are sit-to-stands, give their events "
         "with --events",
-        found.without_seat));
+        result.without_seat.size()));
   SetRepetitions(result.events, result.motion);
 }
 

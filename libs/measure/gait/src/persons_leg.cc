@@ -165,7 +165,7 @@ Fault RiseFault(const LegPath& path, const std::vector<motion::StsEvent>& events
       MedianAt(path, events, kSeatOff, [&](std::size_t i) { return LeanDeg(path, kAnkleAt, kKneeAt, i); });
   if (std::abs(shank_deg) > limits.most_shank_deg)
     return fmt::format(
-        "as the seat is left, '{}' to '{}' leans by {:.0f}°, a shank by {:g}° at most: are the markers' "
+        "as a rise begins, '{}' to '{}' leans by {:.0f}°, a shank by {:g}° at most: are the markers' "
         "names a segment too high or too low?",
         path.name[kAnkleAt], path.name[kKneeAt], shank_deg, limits.most_shank_deg);
   const double knee_deg = MedianAt(path, events, kStanding, [&](std::size_t i) { return KneeInPlaneDeg(path, i); });
@@ -177,7 +177,7 @@ Fault RiseFault(const LegPath& path, const std::vector<motion::StsEvent>& events
   const double lean_deg = MedianAt(path, events, kSeatOff, trunk) - MedianAt(path, events, kStanding, trunk);
   if (lean_deg < -limits.most_backward_deg)
     return fmt::format(
-        "the trunk leans backward by {:.0f}° as the seat is left, where a person leans forward: does the "
+        "the trunk leans backward by {:.0f}° as a rise begins, where a person leans forward: does the "
         "subject face the other way, or is '{}' wrong?",
         -lean_deg, path.name[kWaistAt]);
   return {};

@@ -114,7 +114,8 @@ class EventFinder {
     found_.begins_during_rise |= seat_off == 0;
     if (seat_off == 0) return false;
     const bool has_seat = s_.hip_behind.empty() || HasSeat(rise);
-    if (!has_seat) ++found_.without_seat;
+    if (!has_seat)
+      found_.without_seat.push_back({0, motion::StsEventKind::kSeatOff, s_.frame[seat_off], s_.time_s[seat_off]});
     if (!has_seat) return false;
     const bool begins_during_lean = rest_from == 0 && !RestsBefore(seat_off);
     found_.begins_during_lean |= begins_during_lean;

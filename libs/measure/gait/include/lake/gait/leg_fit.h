@@ -122,6 +122,7 @@ struct LegFitResult {
   motion::MarkerRecording measured;    // the detections alone, in the plane frame
   motion::LegMotion motion;
   std::vector<motion::StsEvent> events;
+  std::vector<motion::StsEvent> without_seat;  // FoundStsEvents'
   std::vector<MarkerReport> markers;
   std::vector<SegmentReport> segments;
   std::vector<OutlierReport> outliers;

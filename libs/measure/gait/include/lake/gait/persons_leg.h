@@ -20,7 +20,7 @@ struct PersonsLegLimits {
   double least_ratio = 0.25, most_ratio = 2.2;       // of thigh to shank: 0.45 to 1.25
   double least_knee_deg = -45;                       // where a facing is given; hyperextension ends at −20
   double most_standing_knee_deg = 75;                // 5 to 25; a contracture 40
-  double most_shank_deg = 60;                        // from the vertical, as the seat is left: −5 to 35
+  double most_shank_deg = 60;                        // from the vertical, as a rise begins: −5 to 35
   double most_backward_deg = 30;                     // lean of the trunk there against standing: 14 to 40 forward
   double most_sideways_deg = 35, usual_sideways_deg = 25;  // bend where the knee is straight: 4 to 18; valgus 25
   double most_lean_deg = 120;                              // of each segment from the vertical, in most frames: 95
@@ -43,7 +43,7 @@ LegPath PathOf(const motion::LegMotion& motion);
 
 // Throws Error naming what no person's leg does, and the exchange of two markers that would make it right, if there is
 // one: lengths, their ratio and how constant they are, hip and waist above what they stand on, a knee that bends
-// backward, a marker of the other leg; with events also how shank and trunk lean as a seat is left, and the knee's
+// backward, a marker of the other leg; with events also how shank and trunk lean as a rise begins, and the knee's
 // angle in standing. Returns warnings of what is unusual.
 std::vector<std::string> CheckPersonsLeg(const LegPath& path, const std::vector<motion::StsEvent>& events,
                                          const LegFitOptions& options, const PersonsLegLimits& limits = {});

@@ -47,8 +47,8 @@ struct FoundStsEvents {
   bool begins_during_rise = false;
   // Whether the seat was left afterwards, but the rest before it is not recorded: that rise has no onset.
   bool begins_during_lean = false;
-  // Rises without a seat, as from a squat: they are left out.
-  int without_seat = 0;
+  // Where rises without a seat begin, as from a squat: they are left out.
+  std::vector<motion::StsEvent> without_seat;
 };
 
 // Events of every repetition in the order of time. A rise of the hip with an extension of the knee, from a seat, is a
