@@ -110,7 +110,8 @@ Json VideoJson(const tracking::TrackResult& tracked) {
                      {"after_frame", jump.after},
                      {"stamped_s", jump.stamped_s},
                      {"moved_s", jump.moved_s},
-                     {"moved_sigma_s", jump.sigma_s}});
+                     {"moved_sigma_s", jump.sigma_s},
+                     {"applied", jump.is_applied}});
   return {{"width", video.width},
           {"height", video.height},
           {"frames", tracked.recording.Frames()},
@@ -118,6 +119,7 @@ Json VideoJson(const tracking::TrackResult& tracked) {
           {"repeated_frame_numbers", tracked.times.repeated},
           {"captured_rate_hz", tracked.times.captured_hz > 0 ? Json(tracked.times.captured_hz) : Json()},
           {"time_jumps", jumps},
+          {"uneven_times_s", tracked.times.uneven_s},
           {"frame_rate_hz", video.frame_rate_hz},
           {"codec", video.codec},
           {"rotation_deg", video.rotation_deg},

@@ -2,94 +2,348 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "lake/core/error.h"
 #include "lake/core/frames_where.h"
 #include "lake/core/statistics.h"
-#include "local_path.h"
-#include "repeated_frames.h"
-#include "time_jumps.h"
+#include "lower_rate.h"
+#include "timed_paths.h"
 
 namespace lake::tracking {
 namespace {
 
-constexpr std::size_t kBeside = 3;  // new frames on either side that a path goes through
+// Prior odds, of a recording.
+constexpr double kCutOdds = 1e-3, kJumpOdds = 1e-2, kConvertedOdds = 0.1;
+constexpr double kDoubt = 1e-3;      // what the evidence must leave less of before a time is changed, …
+constexpr double kWorthAWord = 2.3;  // … and the logarithm of odds of 10, from which it is said
 
-// How late (negative: early) a new frame's time is, by the paths of all markers through its neighbours.
-struct Lateness {
-  double late_s = 0, explained_px2 = 0, off_px2 = 0;  // of what the markers are off their paths, squares
-};
-
-// nullopt where less than two markers are seen or all are slow.
-std::optional<Lateness> LatenessOf(const motion::MarkerRecording& recording, const std::vector<std::size_t>& fresh,
-                                   std::size_t at, double fresh_s) {
-  constexpr int kDegree = 3;
-  constexpr double kLeastPx = 3;  // root mean square way to the next frame
-  const std::size_t i = fresh[at];
-  double along = 0, speeds = 0;
-  Lateness found;
+// How all markers that are seen in both moved from one frame to another, root mean square, px; nullopt of fewer than
+// two.
+std::optional<double> StepPx(const motion::MarkerRecording& recording, std::size_t from, std::size_t to) {
+  double squares = 0;
   int seen = 0;
   for (const motion::MarkerTrack& marker : recording.markers) {
-    LocalPath path(kDegree, recording.time_s[i]);
-    std::size_t beside = 0;
-    for (std::size_t k = at - kBeside; k <= at + kBeside; ++k) {
-      if (k == at || !marker.samples[fresh[k]].IsKnown()) continue;
-      path.Add(recording.time_s[fresh[k]], marker.samples[fresh[k]].position), ++beside;
-    }
-    if (!marker.samples[i].IsKnown() || beside + 1 < 2 * kBeside) continue;
-    const PathPoint smooth = path.Fit();
-    const Eigen::Vector2d off = marker.samples[i].position - smooth.position;
-    along += off.dot(smooth.velocity), speeds += smooth.velocity.squaredNorm(), found.off_px2 += off.squaredNorm();
+    if (!marker.samples[from].IsKnown() || !marker.samples[to].IsKnown()) continue;
+    squares += (marker.samples[to].position - marker.samples[from].position).squaredNorm();
     ++seen;
   }
-  if (seen < 2 || std::sqrt(speeds / seen) * fresh_s < kLeastPx) return std::nullopt;
-  found.late_s = -along / speeds, found.explained_px2 = along * along / speeds;
-  return found;
+  return seen < 2 ? std::nullopt : std::optional(std::sqrt(squares / seen));
 }
 
-// Times that neither repetitions nor jumps explain: of frames taken at one rate, some left out and some repeated to
-// make a second one, and a third. Then all markers are off their paths at once, by a common time.
-void CheckTimes(const motion::MarkerRecording& recording, const std::vector<std::size_t>& fresh) {
-  constexpr std::size_t kFewest = 20;  // frames in which the leg moves
-  constexpr double kCommon = 0.6;      // of the squares; noise of four markers has 1/8 in common
-  constexpr double kMost = 0.08;       // of the time between frames
-  const double fresh_s = UsualInterval(recording, fresh);
-  std::vector<double> late_s;
-  double explained = 0, off = 0, most_s = 0;
-  std::size_t worst = 0;
-  for (std::size_t k = kBeside; k + kBeside < fresh.size(); ++k) {
-    const double span_s = recording.time_s[fresh[k + kBeside]] - recording.time_s[fresh[k - kBeside]];
-    if (span_s > 4 * kBeside * fresh_s) continue;
-    const auto found = LatenessOf(recording, fresh, k, fresh_s);
-    if (!found) continue;
-    late_s.push_back(std::abs(found->late_s));
-    explained += found->explained_px2, off += found->off_px2;
-    if (late_s.back() > most_s) most_s = late_s.back(), worst = fresh[k];
+// Frames by their place in the recording.
+class FrameClock {
+ public:
+  explicit FrameClock(motion::MarkerRecording& recording)
+      : recording_(recording),
+        stamps_s_(recording.time_s),
+        frame_s_(MedianInterval(recording.time_s)),
+        is_repeated_(recording.Frames(), false) {}
+
+  FrameTimes Correct(const std::vector<std::int64_t>& same_picture) {
+    FrameTimes times;
+    MarkRepeats(same_picture);
+    times.captured_hz = TakeLowerRate();
+    times.uneven_s = Unevenness();
+    times.jumps = TakeJumps();
+    SpreadTimes();
+    times.repeated = RemoveRepeated();
+    return times;
   }
-  if (late_s.size() < kFewest || explained < kCommon * off) return;
-  const double typical_s = Median(std::move(late_s));
-  if (typical_s < kMost * fresh_s) return;
-  throw Fail(
-      "the frames' times are not those at which they were taken: all markers are off their paths at once, as if by "
-      "{:.1f} ms (median; {:.1f} ms in frame {}); record at a fixed frame rate, and track the camera's own file",
-      1e3 * typical_s, 1e3 * most_s, recording.frame[worst]);
-}
+
+ private:
+  std::vector<std::size_t> NewFrames() const {
+    std::vector<std::size_t> frames;
+    for (std::size_t i = 0; i < is_repeated_.size(); ++i)
+      if (!is_repeated_[i]) frames.push_back(i);
+    return frames;
+  }
+
+  double UsualInterval(const std::vector<std::size_t>& frames) const {
+    std::vector<double> time_s;
+    for (const std::size_t i : frames) time_s.push_back(recording_.time_s[i]);
+    return MedianInterval(time_s);
+  }
+
+  // Runs of frames that look like the one before are judged by the paths, as a whole: first copies, then what hardly
+  // differs, as a copy that was coded again does, or a slow movement.
+  void MarkRepeats(const std::vector<std::int64_t>& same_picture) {
+    constexpr double kCopyPx = 0.01, kAlikePx = 0.1;
+    const TimedPaths paths(recording_, NewFrames());
+    for (const double most_px : {kCopyPx, kAlikePx}) {
+      const std::vector<std::size_t> frames = NewFrames();
+      const auto looks_the_same = [&](std::size_t k) {
+        if (std::ranges::binary_search(same_picture, recording_.frame[frames[k]])) return true;
+        const auto step_px = StepPx(recording_, frames[k - 1], frames[k]);
+        return step_px && *step_px < most_px;
+      };
+      for (std::size_t k = 1; k < frames.size(); ++k) {
+        if (!looks_the_same(k)) continue;
+        const std::size_t first = k;
+        while (k < frames.size() && looks_the_same(k)) ++k;
+        if (k == frames.size() || paths.LogOddsOfRepeat(frames, first, k, frame_s_) <= 0) continue;
+        for (std::size_t run = first; run < k; ++run) is_repeated_[frames[run]] = true;
+      }
+    }
+  }
+
+  // Frames while something moves.
+  std::vector<ToldFrame> ToldFrames() const {
+    constexpr double kLeastStepPx = 0.3;
+    std::vector<ToldFrame> told;
+    const std::vector<std::size_t> frames = NewFrames();
+    for (std::size_t k = 1; k < frames.size(); ++k) {
+      if (StepPx(recording_, frames[k - 1], frames[k]).value_or(0) < kLeastStepPx) continue;
+      for (std::size_t i = frames[k - 1] + 1; i <= frames[k]; ++i) told.push_back({i, is_repeated_[i]});
+    }
+    return told;
+  }
+
+  // Every repetition of a lower rate is one, also where nothing moves that would tell. Whether the others were lost,
+  // with the stamps right, or were taken more seldom, equally far apart, the paths decide. Returns that rate, Hz, or 0.
+  double TakeLowerRate() {
+    const std::optional<LowerRate> rate = FindLowerRate(ToldFrames());
+    if (!rate) return 0;
+    for (std::size_t i = 0; i < is_repeated_.size(); ++i) is_repeated_[i] = is_repeated_[i] || rate->Repeats(i);
+    std::vector<double> captured = recording_.time_s;
+    double shift = 0;
+    const std::vector<std::size_t> frames = NewFrames();
+    for (std::size_t i = 0; i < captured.size(); ++i)
+      captured[i] = recording_.time_s.front() + (rate->Source(i) - rate->phase) / rate->ratio * frame_s_;
+    for (const std::size_t i : frames) shift += recording_.time_s[i] - captured[i];
+    for (double& time : captured) time += shift / static_cast<double>(frames.size());
+    const TimedPaths paths(recording_, frames);
+    const double log_odds = std::log(kConvertedOdds) + paths.LogLikelihood(frames, captured) -
+                            paths.LogLikelihood(frames, recording_.time_s);
+    if (log_odds < -std::log(kDoubt)) return 0;
+    recording_.time_s = std::move(captured);
+    SpreadTimes();
+    return rate->ratio / frame_s_;
+  }
+
+  struct Judgement {
+    double log_odds = -INFINITY;  // of the likelier of both against the stamp
+    bool is_cut = false;
+    double moved_s = 0, sigma_s = 0;
+    double misfit = 0;
+  };
+
+  static constexpr std::ptrdiff_t kReach = 32;  // frames: what a path beside a passage rests on at most
+
+  // What lies between frames[after − 1] and frames[after].
+  Judgement Judge(const TimedPaths& paths, const std::vector<std::size_t>& frames, std::size_t after, std::size_t from,
+                  std::size_t to, double usual_s) const {
+    constexpr double kPlain = 1.5, kLong = 2.5, kLongest_s = 0.5;
+    const double stamped_s = recording_.time_s[frames[after]] - recording_.time_s[frames[after - 1]],
+                 misfit = paths.Misfit(frames, after, from, to);
+    if (stamped_s < kLong * usual_s && misfit < kPlain) return {};
+    const Passage passage = paths.Between(frames, after, from, to);
+    if (passage.Markers() < 2) return {};
+    const double by_stamp = passage.LogDensity(stamped_s), each = static_cast<double>(frames.size());
+    const Judgement cut{std::log(kCutOdds / each) + passage.LogDensityOfCut(stamped_s) - by_stamp, true, 0, 0, misfit};
+    // Strong coding holds slow markers back for some frames and then lets them jump, as if time stood still or were
+    // lost.
+    constexpr double kHeldBackPx = 1;  // in a frame
+    if (passage.Faster(kHeldBackPx / usual_s) < 2) return cut;
+    Judgement jump = Likeliest(passage, usual_s, std::max(kLongest_s, stamped_s));
+    jump.log_odds += std::log(kJumpOdds / each) - by_stamp;
+    constexpr double kLeastFrames = 0.75, kOthers = 3;  // the logarithm of odds of 20
+    if (std::abs(jump.moved_s - stamped_s) < kLeastFrames * usual_s ||
+        passage.LogRatioWithoutBest(jump.moved_s, stamped_s) < kOthers)
+      jump.log_odds = -INFINITY;
+    return cut.log_odds > jump.log_odds ? cut : jump;
+  }
+
+  // The time that the motion took, and the logarithm of the density of the paths, averaged over all times up to the
+  // longest.
+  static Judgement Likeliest(const Passage& passage, double usual_s, double longest_s) {
+    constexpr double kShortest = 0.5, kStep = 1.03;
+    double best_s = 0, most = -INFINITY;
+    const auto look = [&](double elapsed_s) {
+      const double log_density = passage.LogDensity(elapsed_s);
+      if (log_density > most) most = log_density, best_s = elapsed_s;
+    };
+    for (double elapsed_s = kShortest * usual_s; elapsed_s < longest_s; elapsed_s *= kStep) look(elapsed_s);
+    for (double width = kStep - 1; width > 1e-4; width /= 2)
+      for (const double times : {1 / (1 + width), 1 + width}) look(best_s * times);
+    // By the curvature of the logarithm (Laplace's method).
+    const double step_s = 0.01 * usual_s;
+    const double curvature =
+        (2 * most - passage.LogDensity(best_s - step_s) - passage.LogDensity(best_s + step_s)) / (step_s * step_s);
+    const double sigma_s = curvature > 0 ? std::min(1 / std::sqrt(curvature), longest_s) : longest_s;
+    return {most + std::log(sigma_s * std::sqrt(2 * std::numbers::pi) / longest_s), false, best_s, sigma_s};
+  }
+
+  // New frames, and what lies before each.
+  struct Passages {
+    std::vector<std::size_t> frames;
+    std::vector<std::size_t> ends;  // of stretches that hang together
+    std::vector<Judgement> before;  // of the first: none
+  };
+
+  void JudgeAround(const TimedPaths& paths, std::ptrdiff_t at, double usual_s, Passages& passages) const {
+    const auto size = static_cast<std::ptrdiff_t>(passages.frames.size());
+    for (std::ptrdiff_t k = std::max<std::ptrdiff_t>(at - kReach, 1); k < std::min(at + kReach, size); ++k) {
+      const auto after = static_cast<std::size_t>(k);
+      const auto end = std::ranges::upper_bound(passages.ends, after);
+      passages.before[after] =
+          *(end - 1) == after ? Judgement{} : Judge(paths, passages.frames, after, *(end - 1), *end, usual_s);
+    }
+  }
+
+  // Whether a frame beside a jump stands where the one before it is, and the stamps hold without it: then it repeats
+  // the picture, too slow a movement to be told by itself.
+  bool TakeOutRepeat(const TimedPaths& paths, std::size_t after, double usual_s, Passages& passages) {
+    for (const std::size_t k : {after - 1, after}) {
+      if (k == 0 || k + 1 >= passages.frames.size()) continue;
+      const auto into = StepPx(recording_, passages.frames[k - 1], passages.frames[k]),
+                 out = StepPx(recording_, passages.frames[k], passages.frames[k + 1]);
+      if (!into || !out || *into > 0.5 * *out) continue;
+      std::vector<std::size_t> others = passages.frames;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+      if (Judge(paths, others, k, 0, others.size(), usual_s).log_odds > 0) continue;
+      is_repeated_[passages.frames[k]] = true;
+      passages.frames = std::move(others);
+      passages.before.erase(passages.before.begin() + static_cast<std::ptrdiff_t>(k));
+      for (std::size_t& end : passages.ends) end -= end > k;
+      return true;
+    }
+    return false;
+  }
+
+  TimeJump JumpBefore(const Passages& passages, std::size_t after) const {
+    const std::size_t a = passages.frames[after - 1], b = passages.frames[after];
+    return {recording_.frame[a], recording_.frame[b], recording_.time_s[b] - recording_.time_s[a],
+            passages.before[after].moved_s, passages.before[after].sigma_s};
+  }
+
+  // The clearest first, as it spoils the paths on which its neighbours are judged.
+  std::vector<TimeJump> TakeJumps() {
+    Passages passages;
+    passages.frames = NewFrames();
+    passages.ends = {0, passages.frames.size()};
+    passages.before.resize(passages.frames.size());
+    const TimedPaths paths(recording_, passages.frames);
+    const double usual_s = UsualInterval(passages.frames);
+    for (std::size_t at = 0; at < passages.frames.size(); at += 2 * kReach)
+      JudgeAround(paths, static_cast<std::ptrdiff_t>(at) + kReach, usual_s, passages);
+    std::vector<TimeJump> jumps;
+    std::vector<std::pair<std::size_t, std::size_t>> cuts;
+    while (true) {
+      auto clearest = std::ranges::max_element(passages.before, {}, &Judgement::log_odds);
+      if (clearest == passages.before.end() || clearest->log_odds < -std::log(kDoubt)) break;
+      // Paths that reach across a cut make its neighbours look like one.
+      if (clearest->is_cut)
+        clearest = std::max_element(std::max(clearest - kReach, passages.before.begin()),
+                                    std::min(clearest + kReach, passages.before.end()),
+                                    [](const Judgement& a, const Judgement& b) {
+                                      return a.is_cut < b.is_cut || (a.is_cut == b.is_cut && a.misfit < b.misfit);
+                                    });
+      const std::ptrdiff_t at = clearest - passages.before.begin();
+      const auto after = static_cast<std::size_t>(at);
+      if (clearest->is_cut) {
+        cuts.emplace_back(passages.frames[after - 1], passages.frames[after]);
+        passages.ends.insert(std::ranges::upper_bound(passages.ends, after), after);
+      } else if (!TakeOutRepeat(paths, after, usual_s, passages)) {
+        jumps.push_back(JumpBefore(passages, after));
+        jumps.back().is_applied = true;
+        for (std::size_t i = passages.frames[after]; i < recording_.Frames(); ++i)
+          recording_.time_s[i] += jumps.back().moved_s - jumps.back().stamped_s;
+        passages.ends.insert(std::ranges::upper_bound(passages.ends, after), after);
+      }
+      JudgeAround(paths, at, usual_s, passages);
+    }
+    if (!cuts.empty()) ThrowCuts(cuts);
+    for (std::size_t after = 1; after < passages.frames.size(); ++after)
+      if (passages.before[after].log_odds > kWorthAWord && !passages.before[after].is_cut)
+        jumps.push_back(JumpBefore(passages, after));
+    std::ranges::sort(jumps, {}, &TimeJump::before);
+    return jumps;
+  }
+
+  // A fit through a cut would bend the leg's paths towards each other, so each part is to be tracked by itself.
+  [[noreturn]] void ThrowCuts(std::vector<std::pair<std::size_t, std::size_t>> cuts) const {
+    constexpr std::size_t kShown = 6;
+    std::ranges::sort(cuts);
+    std::string frames;
+    for (std::size_t k = 0; k < std::min(cuts.size(), kShown); ++k)
+      frames += fmt::format("{}{} and {}", k > 0 ? ", " : "", recording_.frame[cuts[k].first],
+                            recording_.frame[cuts[k].second]);
+    throw Fail(
+        "between frames {}{} the markers jump farther than a person can move, and no missing time explains it: the "
+        "recording is cut there, or put together from several, or the camera was pushed; track each part by itself "
+        "(here --end {:.3f}, then --start {:.3f})",
+        frames, cuts.size() > kShown ? ", …" : "", stamps_s_[cuts.front().first], stamps_s_[cuts.front().second]);
+  }
+
+  // How far the frames' times are from those at which they were taken, root mean square, as after the conversion of a
+  // rate; 0 where they are theirs. By frames whose lateness is known to a tenth of a frame; a few jumps make no
+  // unevenness: the half that is off less tells.
+  double Unevenness() const {
+    constexpr std::size_t kFewest = 20;
+    constexpr double kKnown = 0.1, kMedianOfChiSquare = 0.455, kDeviations = 4;
+    const std::vector<std::size_t> frames = NewFrames();
+    const TimedPaths paths(recording_, frames);
+    const double usual_s = UsualInterval(frames);
+    std::vector<Lateness> late;
+    std::vector<double> across;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const auto one = paths.LatenessOf(frames, k);
+      if (!one || one->sigma_s > usual_s) continue;
+      late.push_back(*one);
+      across.push_back(one->across);
+    }
+    if (late.size() < kFewest) return 0;
+    // Of the markers over what their variances say, by what no time explains.
+    const double noise = std::sqrt(Median(std::move(across)) / kMedianOfChiSquare);
+    std::vector<double> squares, ratios;
+    for (const Lateness& one : late) {
+      if (noise * one.sigma_s > kKnown * usual_s) continue;
+      squares.push_back(one.late_s * one.late_s);
+      ratios.push_back(squares.back() / std::pow(noise * one.sigma_s, 2));
+    }
+    if (squares.size() < kFewest || Median(std::move(ratios)) < kMedianOfChiSquare * kDeviations) return 0;
+    return std::sqrt(Median(std::move(squares)) / kMedianOfChiSquare);
+  }
+
+  // Repeated frames have no time of their own: evenly between the new ones on either side.
+  void SpreadTimes() {
+    std::vector<double>& time_s = recording_.time_s;
+    for (std::size_t i = 1; i < time_s.size(); ++i) {
+      if (!is_repeated_[i]) continue;
+      std::size_t end = i;
+      while (end < time_s.size() && is_repeated_[end]) ++end;
+      const double from = time_s[i - 1],
+                   step = end < time_s.size() ? (time_s[end] - from) / static_cast<double>(end - i + 1) : frame_s_;
+      for (std::size_t k = i; k < end; ++k) time_s[k] = from + static_cast<double>(k - i + 1) * step;
+      i = end;
+    }
+  }
+
+  std::vector<std::int64_t> RemoveRepeated() {
+    std::vector<std::int64_t> removed;
+    for (std::size_t i = 0; i < is_repeated_.size(); ++i) {
+      if (!is_repeated_[i]) continue;
+      removed.push_back(recording_.frame[i]);
+      for (motion::MarkerTrack& marker : recording_.markers) marker.samples[i] = {};
+    }
+    return removed;
+  }
+
+  motion::MarkerRecording& recording_;
+  const std::vector<double> stamps_s_;
+  const double frame_s_;  // between frames, usually
+  std::vector<bool> is_repeated_;
+};
 
 }  // namespace
 
-FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& known, motion::MarkerRecording& recording) {
-  RepeatedFrames frames(known, recording);
-  frames.FindStandstills();
-  FrameTimes times;
-  times.captured_hz = frames.TakeLowerRate();
-  times.jumps = TakeTimeJumps(times.captured_hz > 0, frames, recording);
-  CheckTimes(recording, frames.Fresh());
-  times.repeated = frames.Remove();
-  return times;
+FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& same_picture, motion::MarkerRecording& recording) {
+  return FrameClock(recording).Correct(same_picture);
 }
 
 std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std::int64_t>& frame) {
@@ -106,13 +360,24 @@ std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std
                                                         "whose times the motion is smooth: these times are used",
                                                         times.captured_hz)
                                           : "; more light or a fixed frame rate avoids them"));
-  for (const TimeJump& jump : times.jumps)
+  for (const TimeJump& jump : times.jumps) {
+    const bool is_longer = jump.moved_s > jump.stamped_s;
+    const std::string consequence =
+        jump.is_applied ? fmt::format("{}; the times of all later frames are set {:.4f} s {}",
+                                      is_longer ? "frames are missing" : "time stands still",
+                                      std::abs(jump.moved_s - jump.stamped_s), is_longer ? "later" : "earlier")
+                        : fmt::format("{}, but the motion does not prove it: the time stamps stand",
+                                      is_longer ? "frames may be missing" : "time may stand still");
     warnings.push_back(
-        fmt::format("between frames {} and {} the motion took {:.4f} ± {:.4f} s where the time stamps say {:.4f} s: "
-                    "{}; the times of all later frames are set {:.4f} s {}",
-                    jump.before, jump.after, jump.moved_s, jump.sigma_s, jump.stamped_s,
-                    jump.moved_s > jump.stamped_s ? "frames are missing" : "time stands still",
-                    std::abs(jump.moved_s - jump.stamped_s), jump.moved_s > jump.stamped_s ? "later" : "earlier"));
+        fmt::format("between frames {} and {} the motion took {:.4f} ± {:.4f} s where the time stamps say {:.4f} s: {}",
+                    jump.before, jump.after, jump.moved_s, jump.sigma_s, jump.stamped_s, consequence));
+  }
+  if (times.uneven_s > 0)
+    warnings.push_back(
+        fmt::format("the frames were not taken at their time stamps but up to a frame beside them ({:.1f} ms root mean "
+                    "square), as after a conversion of the rate; times and speeds are uncertain by that; track the "
+                    "camera's own file where there is one",
+                    1e3 * times.uneven_s));
   return warnings;
 }
 

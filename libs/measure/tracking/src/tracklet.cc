@@ -225,7 +225,6 @@ void TrackletBuilder::RetireLost() {
 }
 
 void TrackletBuilder::Keep(Tracklet tracklet) {
-  std::erase_if(tracklet.samples, [](const TrackletSample& sample) { return sample.repeated; });
   // Of what is measured in the chroma, size is too uncertain to tell.
   if (!detector_.KnowsIdentities() && !detector_.NeedsColour()) RemoveUnlike(tracklet.samples);
   if (static_cast<int>(tracklet.samples.size()) >= options_.min_samples) finished_.push_back(std::move(tracklet));

@@ -1,5 +1,5 @@
-// What the markers' motion says of the frames' times: which frames show the picture before them once more, where time
-// is missing from a recording, where it stands still.
+// What the markers' motion says of the frames' times: which frames show the picture before them once more, how much
+// time lies between two frames, where a recording is cut.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,7 @@ struct TimeJump {
   std::int64_t before = 0, after = 0;  // frames that show something new; those between them are repeated
   double stamped_s = 0;                // between the two, by their stamps
   double moved_s = 0, sigma_s = 0;     // by the motion, one standard deviation
+  bool is_applied = false;             // beyond doubt (1 in 1000): all later times are set by it; else they stand
 };
 
 struct FrameTimes {
@@ -23,20 +24,19 @@ struct FrameTimes {
   // is smooth only at the times they were captured; 0 otherwise.
   double captured_hz = 0;
   std::vector<TimeJump> jumps;
+  // How far the times of a converted rate's frames are from those at which they were taken, root mean square; 0
+  // otherwise. They stand.
+  double uneven_s = 0;
 };
 
-// Finds repeated frames (`known`: those whose picture told already), takes their samples out of the recording and
-// corrects the times of the others where the motion tells what they are.
+// Finds repeated frames, takes their samples out of the recording and sets the times of others where the motion leaves
+// no doubt about them. `same_picture`: frames whose picture told that they show the one before once more.
 //
-// A frame is repeated when all markers stand still in it at once that move on before and after it, in the same
-// direction. Repeated frames that recur as those of a lower rate do (Beatty's sequence) may stand for frames that were
-// lost, with the others' stamps right, or for frames that were captured more seldom, equally far apart: the times at
-// which the markers' paths are smoother are taken. Missing time is a jump of all markers along their paths; how long it
-// was follows from positions, velocities and accelerations on both sides (two-point Taylor expansion: Δx = T (v₀ + v₁)
-// / 2 + T² (a₀ − a₁) / 12, exact up to the fifth power of time). Throws Error where two markers or more jump farther
-// than a person can move and no time explains it (a cut), where the motion jumps so often that no times can be trusted,
-// or where all markers together are early and late by more than 8 % of the time between frames.
-FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& known, motion::MarkerRecording& recording);
+// Every decision compares named hypotheses by the likelihood of the markers' paths under white jerk (lake::dynamics),
+// with these prior odds: a recording is cut 1e-3, its clock jumps 1e-2 (over all its frames), its rate was converted
+// 0.1. A frame whose picture is the one before is repeated if the markers would otherwise have had to stop and start
+// again; of who rests, it is a measurement. Throws Error where a recording is cut.
+FrameTimes CorrectFrameTimes(const std::vector<std::int64_t>& same_picture, motion::MarkerRecording& recording);
 
 // One line for each thing found, with frame numbers; `frame`: the recording's.
 std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std::int64_t>& frame);

@@ -60,8 +60,7 @@ class TrackletBuilder {
 
   void Add(const video::VideoFrame& frame);
 
-  // All tracklets, in order of their first frame, without the samples in repeated frames. Call once, after the last
-  // frame.
+  // All tracklets, in order of their first frame. Call once, after the last frame.
   std::vector<Tracklet> Finish();
 
   // Frames whose picture is the one before it once more while things should have moved, increasing.

@@ -1,0 +1,167 @@
+#include "lake/dynamics/marker_path.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "lake/core/statistics.h"
+
+namespace lake::dynamics {
+namespace {
+
+const double kLogTwoPi = std::log(2 * std::numbers::pi);
+
+Eigen::Matrix3d Transition(double t) {
+  return Eigen::Matrix3d{{1, t, t * t / 2}, {0, 1, t}, {0, 0, 1}};
+}
+
+// Of the state after a time t > 0, by white jerk of density 1.
+Eigen::Matrix3d JerkCovariance(double t) {
+  const double t2 = t * t, t3 = t2 * t, t4 = t3 * t, t5 = t4 * t;
+  return Eigen::Matrix3d{{t5 / 20, t4 / 8, t3 / 6}, {t4 / 8, t3 / 3, t2 / 2}, {t3 / 6, t2 / 2, t}};
+}
+
+}  // namespace
+
+PathState StartAt(const PathSample& sample, const MotionPrior& prior) {
+  PathState state;
+  state.mean.row(0) = sample.position;
+  state.covariance.diagonal() << sample.sigma * sample.sigma, prior.speed * prior.speed,
+      prior.acceleration * prior.acceleration;
+  return state;
+}
+
+PathState Moved(const PathState& state, double elapsed_s, double density) {
+  const Eigen::Matrix3d by = Transition(elapsed_s);
+  const Eigen::Matrix3d noise = density * JerkCovariance(std::abs(elapsed_s));
+  PathState moved;
+  moved.mean = by * state.mean;
+  moved.covariance = elapsed_s >= 0 ? Eigen::Matrix3d(by * state.covariance * by.transpose() + noise)
+                                    : Eigen::Matrix3d(by * (state.covariance + noise) * by.transpose());
+  return moved;
+}
+
+double Observe(const PathSample& sample, PathState& state) {
+  const double variance = state.covariance(0, 0) + sample.sigma * sample.sigma;
+  const Eigen::RowVector2d innovation = sample.position.transpose() - state.mean.row(0);
+  const Eigen::Vector3d gain = state.covariance.col(0) / variance;
+  state.mean += gain * innovation;
+  const Eigen::RowVector3d seen = state.covariance.row(0);
+  state.covariance -= gain * seen;
+  return -0.5 * innovation.squaredNorm() / variance - std::log(variance) - kLogTwoPi;
+}
+
+PathEvidence EvidenceAt(std::span<const PathSample> samples, double at_s, double density, const MotionPrior& prior) {
+  constexpr std::size_t kSettingOut = 3;
+  PathEvidence evidence{StartAt(samples.front(), prior)};
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    evidence.state = Moved(evidence.state, samples[i].time_s - samples[i - 1].time_s, density);
+    const double log_density = Observe(samples[i], evidence.state);
+    if (i >= kSettingOut) evidence.log_likelihood += log_density;
+  }
+  evidence.state = Moved(evidence.state, at_s - samples.back().time_s, density);
+  return evidence;
+}
+
+double LogJoin(const PathState& before, const PathState& after, double elapsed_s, double density) {
+  const PathState told = Moved(before, elapsed_s, density);
+  const Eigen::LLT<Eigen::Matrix3d> covariance(told.covariance + after.covariance);
+  const Eigen::Matrix<double, 3, 2> white = covariance.matrixL().solve(after.mean - told.mean);
+  const double log_root = covariance.matrixLLT().diagonal().array().log().sum();
+  return -0.5 * white.squaredNorm() - 2 * log_root - 3 * kLogTwoPi;
+}
+
+MotionPrior PersonPrior(double unit_mm) {
+  constexpr double kSpeed_mm_s = 1000, kAcceleration_mm_s2 = 10000;
+  return {kSpeed_mm_s / unit_mm, kAcceleration_mm_s2 / unit_mm};
+}
+
+namespace {
+
+// Densities from that of a person at rest, mm²/s⁵, to that of a heel that is set down; extra errors in units of the
+// paths' typical sigma.
+constexpr double kLeastLogDensity = 2, kLogStep = 1;
+constexpr std::size_t kDensities = 9, kErrors = 6;
+constexpr std::array<double, kErrors> kExtraSigmas = {0, 1, 2, 4, 8, 16};
+
+struct Window {
+  std::vector<PathSample> samples;
+  double sigma = 0;  // median
+};
+
+std::vector<Window> SpreadWindows(std::span<const std::vector<PathSample>> paths) {
+  constexpr double kLength_s = 0.6;
+  constexpr std::size_t kFewest = 10, kMost = 150;
+  std::vector<Window> windows;
+  for (const std::vector<PathSample>& path : paths)
+    for (std::size_t begin = 0, end = 0; begin < path.size(); begin = end) {
+      while (end < path.size() && path[end].time_s < path[begin].time_s + kLength_s) ++end;
+      if (end - begin < kFewest) continue;
+      windows.push_back(
+          {{path.begin() + static_cast<std::ptrdiff_t>(begin), path.begin() + static_cast<std::ptrdiff_t>(end)}, 0});
+      std::vector<double> sigmas;
+      for (const PathSample& sample : windows.back().samples) sigmas.push_back(sample.sigma);
+      windows.back().sigma = Median(std::move(sigmas));
+    }
+  std::vector<Window> spread;
+  const double step = std::max(1.0, static_cast<double>(windows.size()) / static_cast<double>(kMost));
+  for (double at = 0; at < static_cast<double>(windows.size()); at += step)
+    spread.push_back(std::move(windows[static_cast<std::size_t>(at)]));
+  return spread;
+}
+
+double DensityAt(std::size_t step, double unit_mm) {
+  return std::pow(10, kLeastLogDensity + kLogStep * static_cast<double>(step)) / (unit_mm * unit_mm);
+}
+
+// The most likely density of each window, and how likely all of them are, where measurements err by more than stated.
+struct Explanation {
+  double log_likelihood = 0;
+  std::vector<double> densities;
+};
+
+Explanation Explain(const std::vector<Window>& windows, double extra_sigma, double unit_mm) {
+  Explanation explained;
+  for (const Window& window : windows) {
+    std::vector<PathSample> samples = window.samples;
+    for (PathSample& sample : samples) sample.sigma = std::hypot(sample.sigma, extra_sigma);
+    double most = -INFINITY, best = 0;
+    for (std::size_t k = 0; k < kDensities; ++k) {
+      const double density = DensityAt(k, unit_mm);
+      const double log_likelihood =
+          EvidenceAt(samples, samples.back().time_s, density, PersonPrior(unit_mm)).log_likelihood;
+      if (log_likelihood > most) most = log_likelihood, best = density;
+    }
+    explained.log_likelihood += most;
+    explained.densities.push_back(best);
+  }
+  return explained;
+}
+
+}  // namespace
+
+LearntMotion LearnMotion(std::span<const std::vector<PathSample>> paths, double unit_mm) {
+  constexpr double kQuickShare = 0.9, kRest = 1e4;  // mm²/s⁵: slower ones are at rest
+  constexpr double kUnknown = 1e9;                  // mm²/s⁵, a quick rise's, where nothing is seen to move
+  const std::vector<Window> windows = SpreadWindows(paths);
+  std::vector<double> sigmas;
+  for (const Window& window : windows) sigmas.push_back(window.sigma);
+  const double sigma = windows.empty() ? 0 : Median(std::move(sigmas));
+  LearntMotion learnt{kUnknown / (unit_mm * unit_mm), 0};
+  double most = -INFINITY;
+  for (const double times : kExtraSigmas) {
+    Explanation explained = Explain(windows, times * sigma, unit_mm);
+    if (explained.log_likelihood <= most) continue;
+    learnt.log_likelihood = most = explained.log_likelihood;
+    learnt.extra_sigma = times * sigma;
+    std::erase_if(explained.densities, [&](double density) { return density * unit_mm * unit_mm < kRest; });
+    learnt.density = explained.densities.empty() ? kUnknown / (unit_mm * unit_mm)
+                                                 : Quantile(std::move(explained.densities), kQuickShare);
+  }
+  return learnt;
+}
+
+}  // namespace lake::dynamics

@@ -1,0 +1,307 @@
+#include "timed_paths.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "leg_scale.h"
+
+namespace lake::tracking {
+namespace {
+
+constexpr std::size_t kDensities = 8;               // decades, …
+constexpr int kAboveQuick = 1;                      // … so many of them above that of a quick movement
+constexpr double kSudden = 30, kSuddenShare = 0.1;  // a jerk out of all that was before: times the density, how often
+constexpr double kMismeasured = 1e-4,
+                 kUnrelated = 0.5;  // shares of markers that are something else afterwards: usually, after a cut
+constexpr double kReach_mm = 2000;  // where a person may be
+constexpr double kUnknown_mm = 2;   // to a pixel, where no leg is named
+
+double LogSum(const std::vector<double>& logs) {
+  const double most = *std::max_element(logs.begin(), logs.end());
+  if (!std::isfinite(most)) return most;
+  double sum = 0;
+  for (const double log : logs) sum += std::exp(log - most);
+  return most + std::log(sum);
+}
+
+double DensityOf(std::size_t step, double quick) {
+  return quick * std::pow(10, static_cast<double>(step) - static_cast<double>(kDensities - 1 - kAboveQuick));
+}
+
+}  // namespace
+
+double Passage::LogDensity(double elapsed_s) const {
+  return LogDensity(elapsed_s, kMismeasured);
+}
+
+double Passage::LogDensityOfCut(double elapsed_s) const {
+  return LogDensity(elapsed_s, kUnrelated);
+}
+
+double Passage::LogDensity(double elapsed_s, double unrelated) const {
+  double total = 0;
+  for (const Marker& marker : markers_) total += LogDensity(marker, elapsed_s, unrelated);
+  return total;
+}
+
+double Passage::LogRatioWithoutBest(double elapsed_s, double other_s) const {
+  double total = 0, best = -INFINITY;
+  for (const Marker& marker : markers_) {
+    const double ratio = LogDensity(marker, elapsed_s, kMismeasured) - LogDensity(marker, other_s, kMismeasured);
+    total += ratio, best = std::max(best, ratio);
+  }
+  return total - best;
+}
+
+double Passage::LogDensity(const Marker& marker, double elapsed_s, double unrelated) const {
+  std::vector<double> logs = {std::log(unrelated) + log_unrelated_};
+  for (const Hypothesis& hypothesis : marker) {
+    const auto join = [&](double density) {
+      return std::log(1 - unrelated) + hypothesis.log_weight +
+             dynamics::LogJoin(hypothesis.before, hypothesis.after, elapsed_s, density);
+    };
+    logs.push_back(std::log(1 - kSuddenShare) + join(hypothesis.density));
+    logs.push_back(std::log(kSuddenShare) + join(kSudden * hypothesis.density));
+  }
+  return LogSum(logs);
+}
+
+int Passage::Faster(double least_px_s) const {
+  return static_cast<int>(std::ranges::count_if(markers_, [&](const Marker& marker) {
+    const Hypothesis& likeliest = *std::ranges::max_element(marker, {}, &Hypothesis::log_weight);
+    return likeliest.before.Velocity().norm() > least_px_s && likeliest.after.Velocity().norm() > least_px_s;
+  }));
+}
+
+TimedPaths::TimedPaths(const motion::MarkerRecording& recording, const std::vector<std::size_t>& frames)
+    : recording_(recording) {
+  const double mm_per_px = MillimetresPerPx(recording);
+  unit_mm_ = mm_per_px > 0 ? mm_per_px : kUnknown_mm;
+  prior_ = dynamics::PersonPrior(unit_mm_);
+  learnt_ = dynamics::LearnMotion(PathsAt(frames, recording.time_s), unit_mm_);
+}
+
+std::vector<std::vector<dynamics::PathSample>> TimedPaths::PathsAt(const std::vector<std::size_t>& frames,
+                                                                   const std::vector<double>& time_s) const {
+  std::vector<std::vector<dynamics::PathSample>> paths;
+  for (const motion::MarkerTrack& marker : recording_.markers) {
+    paths.emplace_back();
+    for (const std::size_t i : frames)
+      if (const motion::MarkerSample& sample = marker.samples[i]; sample.IsKnown())
+        paths.back().push_back({time_s[i], sample.position, sample.sigma});
+  }
+  return paths;
+}
+
+// A marker's samples in `frames` from `nearest` in this direction, the farthest first.
+std::vector<dynamics::PathSample> TimedPaths::Beside(const motion::MarkerTrack& marker,
+                                                     const std::vector<std::size_t>& frames, std::ptrdiff_t nearest,
+                                                     std::ptrdiff_t end, int direction) const {
+  constexpr std::size_t kFewest = 8, kMost = 20;
+  constexpr double kReach_s = 0.25, kFastest = 5;  // deviations of a person's speed
+  std::vector<dynamics::PathSample> samples;
+  for (std::ptrdiff_t k = nearest; k != end; k += direction) {
+    const std::size_t i = frames[static_cast<std::size_t>(k)];
+    const motion::MarkerSample& sample = marker.samples[i];
+    if (!sample.IsKnown()) continue;
+    if (samples.size() == kMost) break;
+    if (!samples.empty() && (sample.position - samples.back().position).norm() >
+                                kFastest * prior_.speed * std::abs(recording_.time_s[i] - samples.back().time_s))
+      break;
+    if (samples.size() >= kFewest && std::abs(recording_.time_s[i] - samples.front().time_s) > kReach_s) break;
+    samples.push_back({recording_.time_s[i], sample.position, std::hypot(sample.sigma, learnt_.extra_sigma)});
+  }
+  std::reverse(samples.begin(), samples.end());
+  return samples;
+}
+
+// nullopt where too little is seen to tell a path.
+std::optional<TimedPaths::Sides> TimedPaths::SidesOf(const motion::MarkerTrack& marker,
+                                                     const std::vector<std::size_t>& frames, std::size_t after,
+                                                     std::size_t from, std::size_t to) const {
+  constexpr std::size_t kFewest = 4;
+  const auto at = static_cast<std::ptrdiff_t>(after);
+  Sides sides{Beside(marker, frames, at - 1, static_cast<std::ptrdiff_t>(from) - 1, -1),
+              Beside(marker, frames, at, static_cast<std::ptrdiff_t>(to), 1)};
+  return sides.before.size() < kFewest || sides.after.size() < kFewest ? std::nullopt : std::optional(std::move(sides));
+}
+
+double TimedPaths::Misfit(const std::vector<std::size_t>& frames, std::size_t after, std::size_t from,
+                          std::size_t to) const {
+  constexpr double kNumbers = 6;  // of a state
+  const double before_s = recording_.time_s[frames[after - 1]], after_s = recording_.time_s[frames[after]];
+  double squares = 0;
+  int markers = 0;
+  for (const motion::MarkerTrack& track : recording_.markers) {
+    const auto sides = SidesOf(track, frames, after, from, to);
+    if (!sides) continue;
+    const dynamics::PathState told = dynamics::Moved(
+                                  dynamics::EvidenceAt(sides->before, before_s, learnt_.density, prior_).state,
+                                  after_s - before_s, learnt_.density),
+                              seen = dynamics::EvidenceAt(sides->after, after_s, learnt_.density, prior_).state;
+    const Eigen::LLT<Eigen::Matrix3d> covariance(told.covariance + seen.covariance);
+    squares += covariance.matrixL().solve(seen.mean - told.mean).squaredNorm();
+    ++markers;
+  }
+  return markers > 0 ? squares / (kNumbers * markers) : 0;
+}
+
+Passage TimedPaths::Between(const std::vector<std::size_t>& frames, std::size_t after, std::size_t from,
+                            std::size_t to) const {
+  Passage passage;
+  passage.log_unrelated_ =
+      -2 * std::log(kReach_mm / unit_mm_ * prior_.speed * prior_.acceleration) - 2 * std::log(2 * std::numbers::pi);
+  for (const motion::MarkerTrack& track : recording_.markers) {
+    const auto sides = SidesOf(track, frames, after, from, to);
+    if (!sides) continue;
+    Passage::Marker marker;
+    std::vector<double> weights;
+    for (std::size_t k = 0; k < kDensities; ++k) {
+      const double density = DensityOf(k, learnt_.density);
+      const auto told = dynamics::EvidenceAt(sides->before, recording_.time_s[frames[after - 1]], density, prior_),
+                 seen = dynamics::EvidenceAt(sides->after, recording_.time_s[frames[after]], density, prior_);
+      weights.push_back(told.log_likelihood + seen.log_likelihood);
+      marker.push_back({weights.back(), density, told.state, seen.state});
+    }
+    const double all = LogSum(weights);
+    for (Passage::Hypothesis& hypothesis : marker) hypothesis.log_weight -= all;
+    passage.markers_.push_back(std::move(marker));
+  }
+  return passage;
+}
+
+std::optional<Lateness> TimedPaths::LatenessOf(const std::vector<std::size_t>& frames, std::size_t at) const {
+  constexpr std::size_t kFewest = 3;
+  const std::size_t i = frames[at];
+  double along = 0, information = 0, across = 0;
+  int seen = 0;
+  for (const motion::MarkerTrack& track : recording_.markers) {
+    const motion::MarkerSample& sample = track.samples[i];
+    if (!sample.IsKnown()) continue;
+    const auto here = static_cast<std::ptrdiff_t>(at);
+    const auto before = Beside(track, frames, here - 1, -1, -1),
+               behind = Beside(track, frames, here + 1, static_cast<std::ptrdiff_t>(frames.size()), 1);
+    if (before.size() < kFewest || behind.size() < kFewest) continue;
+    const dynamics::PathState a = dynamics::EvidenceAt(before, recording_.time_s[i], learnt_.density, prior_).state,
+                              b = dynamics::EvidenceAt(behind, recording_.time_s[i], learnt_.density, prior_).state;
+    const Eigen::Matrix3d weight_a = a.covariance.inverse(), weight_b = b.covariance.inverse(),
+                          covariance = (weight_a + weight_b).inverse();
+    const Eigen::Matrix<double, 3, 2> path = covariance * (weight_a * a.mean + weight_b * b.mean);
+    const double variance = covariance(0, 0) + sample.sigma * sample.sigma + learnt_.extra_sigma * learnt_.extra_sigma;
+    const Eigen::RowVector2d off = sample.position.transpose() - path.row(0);
+    const double speed = path.row(1).norm();
+    if (!(speed > 0)) continue;
+    along -= off.dot(path.row(1)) / variance, information += speed * speed / variance;
+    across += std::pow((off.x() * path(1, 1) - off.y() * path(1, 0)) / speed, 2) / variance;
+    ++seen;
+  }
+  if (seen < 2 || !(information > 0)) return std::nullopt;
+  // What a body's jerk does, all its markers do together.
+  return Lateness{along / information, std::sqrt(seen / information), across / seen};
+}
+
+// What of the density of a velocity is left at none.
+double TimedPaths::LogShareOfStop(const dynamics::PathState& moving, double elapsed_s, double density) const {
+  const auto at = [&](double with) {
+    const dynamics::PathState then = dynamics::Moved(moving, elapsed_s, with);
+    return -0.5 * then.Velocity().squaredNorm() / then.covariance(1, 1);
+  };
+  return LogSum({std::log(1 - kSuddenShare) + at(density), std::log(kSuddenShare) + at(kSudden * density)});
+}
+
+// About to begin to move: by a tenth of a person's usual acceleration.
+dynamics::PathState TimedPaths::AtRest(const dynamics::PathSample& last, double frame_s) const {
+  constexpr double kDriftPx = 0.05, kBeginning = 0.1;
+  return dynamics::StartAt(last, {kDriftPx / frame_s, kBeginning * prior_.acceleration});
+}
+
+// Of one marker; nullopt where it is not seen on both sides.
+std::optional<TimedPaths::RunLogs> TimedPaths::LogsOfRun(const motion::MarkerTrack& marker,
+                                                         const std::vector<std::size_t>& frames, std::size_t first,
+                                                         std::size_t end, double stood_s) const {
+  constexpr double kCopyPx = 0.05,
+                   kHiddenPx = 0.1;  // by which coding changes a copy, and displaces what begins to move
+  constexpr std::size_t kFewest = 4, kAfter = 6;
+  const auto before = Beside(marker, frames, static_cast<std::ptrdiff_t>(first) - 1, -1, -1);
+  auto behind = Beside(marker, frames, static_cast<std::ptrdiff_t>(end), static_cast<std::ptrdiff_t>(frames.size()), 1);
+  if (before.size() < kFewest || behind.empty()) return std::nullopt;
+  std::reverse(behind.begin(), behind.end());
+  behind.resize(std::min(behind.size(), kAfter));
+  for (dynamics::PathSample& sample : behind) sample.sigma = std::hypot(sample.sigma, kHiddenPx);
+  std::vector<dynamics::PathSample> run;
+  double copied = 0;
+  for (std::size_t f = first; f < end; ++f) {
+    const motion::MarkerSample& sample = marker.samples[frames[f]];
+    if (!sample.IsKnown()) continue;
+    run.push_back({recording_.time_s[frames[f]], sample.position,
+                   std::hypot(sample.sigma, std::hypot(learnt_.extra_sigma, kCopyPx))});
+    dynamics::PathState last = dynamics::StartAt(before.back(), prior_);
+    copied += dynamics::Observe(run.back(), last);
+  }
+  // The density of samples that follow a state, which becomes the last one's.
+  const auto follow = [](std::span<const dynamics::PathSample> samples, double earlier_s, double density,
+                         dynamics::PathState& state, double& at_s) {
+    double log_density = 0;
+    for (dynamics::PathSample sample : samples) {
+      sample.time_s -= earlier_s;
+      state = dynamics::Moved(state, sample.time_s - at_s, density);
+      log_density += dynamics::Observe(sample, state), at_s = sample.time_s;
+    }
+    return log_density;
+  };
+  const double end_s = recording_.time_s[frames[end - 1]],
+               run_s = recording_.time_s[frames[first]] - before.back().time_s;
+  std::vector<double> going_on, standing, rested, cut;
+  for (std::size_t k = 0; k < kDensities; ++k) {
+    const double density = DensityOf(k, learnt_.density);
+    const auto [told, weight] = dynamics::EvidenceAt(before, before.back().time_s, density, prior_);
+    dynamics::PathState state = dynamics::StartAt(behind.front(), prior_);
+    double at_s = behind.front().time_s;
+    const double unrelated =
+        follow(std::span(behind).subspan(1), 0, density, state, at_s) - 2 * std::log(kReach_mm / unit_mm_);
+    const auto or_unrelated = [&](double log_density, double share) {
+      return LogSum({std::log(1 - share) + log_density, std::log(share) + unrelated});
+    };
+    for (auto* logs : {&going_on, &standing}) {
+      state = told, at_s = before.back().time_s;
+      logs->push_back(
+          weight + copied +
+          or_unrelated(follow(behind, logs == &standing ? stood_s : 0, density, state, at_s), kMismeasured));
+    }
+    state = told, at_s = before.back().time_s;
+    const double moving = weight + follow(run, 0, density, state, at_s),
+                 moving_on = follow(behind, 0, density, state, at_s);
+    const double stopped = weight + copied + LogShareOfStop(told, run_s, density);
+    state = AtRest(before.back(), run_s), at_s = end_s;
+    const double starting = follow(behind, 0, density, state, at_s);
+    for (const auto& [logs, share] : {std::pair(&rested, kMismeasured), {&cut, kUnrelated}})
+      logs->push_back(LogSum({moving + or_unrelated(moving_on, share), stopped + or_unrelated(starting, share)}));
+  }
+  return RunLogs{LogSum(going_on), LogSum(standing), LogSum(rested), LogSum(cut)};
+}
+
+double TimedPaths::LogOddsOfRepeat(const std::vector<std::size_t>& frames, std::size_t first, std::size_t end,
+                                   double frame_s) const {
+  // Prior odds: a repetition is a third as likely with each frame more; no time passes meanwhile, or the recording is
+  // cut behind it, in one of some thousand.
+  constexpr double kEachFrame = 0.3, kLeast = 1e-8, kClockStands = 0.01, kCut = 1e-4;
+  const double stood_s = recording_.time_s[frames[end]] - recording_.time_s[frames[first - 1]] - frame_s;
+  RunLogs all;
+  for (const motion::MarkerTrack& marker : recording_.markers)
+    if (const auto logs = LogsOfRun(marker, frames, first, end, stood_s)) {
+      all.going_on += logs->going_on, all.standing += logs->standing;
+      all.rested += logs->rested, all.cut += logs->cut;
+    }
+  const double prior = std::max(std::pow(kEachFrame, static_cast<double>(end - first - 1)), kLeast);
+  return std::log(prior) + LogSum({all.going_on, std::log(kClockStands) + all.standing}) -
+         LogSum({all.rested, std::log(kCut) + all.cut});
+}
+
+double TimedPaths::LogLikelihood(const std::vector<std::size_t>& frames, const std::vector<double>& time_s) const {
+  return dynamics::LearnMotion(PathsAt(frames, time_s), unit_mm_).log_likelihood;
+}
+
+}  // namespace lake::tracking
