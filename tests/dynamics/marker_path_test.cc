@@ -142,7 +142,9 @@ TEST(LearnMotion, FindsTheDensityAndWhatTheSigmasLeaveOut) {
     const LearntMotion learnt = LearnMotion(paths, 1);
     // Nine in ten windows of 36 samples are below; one of them knows its density to half a decade.
     EXPECT_NEAR(std::log10(learnt.density), std::log10(density) + 0.5, 0.75) << seed;
-    EXPECT_NEAR(learnt.extra_sigma, std::sqrt(0.2 * 0.2 - 0.05 * 0.05), 0.05) << "the grid's step is a factor of two";
+    // 2900 residuals know a deviation to 1.3 %; a path of the largest density bends within two frames, and takes a
+    // part.
+    EXPECT_NEAR(learnt.extra_sigma, std::sqrt(0.2 * 0.2 - 0.05 * 0.05), seed < 13 ? 0.01 : 0.025) << seed;
   }
 }
 

@@ -82,10 +82,11 @@ MotionPrior PersonPrior(double unit_mm) {
 namespace {
 
 // Densities from that of a person at rest, mm²/s⁵, to that of a heel that is set down; extra errors in units of the
-// paths' typical sigma.
-constexpr double kLeastLogDensity = 2, kLogStep = 1;
-constexpr std::size_t kDensities = 9, kErrors = 6;
-constexpr std::array<double, kErrors> kExtraSigmas = {0, 1, 2, 4, 8, 16};
+// paths' typical sigma, first a factor of two apart, then between.
+constexpr double kLeastLogDensity = 2, kLogStep = 0.5;
+constexpr std::size_t kDensities = 17;
+constexpr std::array<double, 7> kExtraSigmas = {0, 0.5, 1, 2, 4, 8, 16};
+constexpr int kHalvings = 5;  // of the logarithm of that factor
 
 struct Window {
   std::vector<PathSample> samples;
@@ -117,49 +118,80 @@ double DensityAt(std::size_t step, double unit_mm) {
   return std::pow(10, kLeastLogDensity + kLogStep * static_cast<double>(step)) / (unit_mm * unit_mm);
 }
 
-// The most likely density of each window, and how likely all of them are, where measurements err by more than stated.
+using ByDensity = std::array<double, kDensities>;
+
+// How likely all windows are where measurements err by more than stated, and how often each density occurs in them:
+// each window has one, drawn from a distribution that all have in common (a mixture, by expectation maximisation).
 struct Explanation {
   double log_likelihood = 0;
-  std::vector<double> densities;
+  ByDensity share;
 };
 
 Explanation Explain(const std::vector<Window>& windows, double extra_sigma, double unit_mm) {
-  Explanation explained;
+  constexpr int kRounds = 20;
+  std::vector<ByDensity> logs;
   for (const Window& window : windows) {
     std::vector<PathSample> samples = window.samples;
     for (PathSample& sample : samples) sample.sigma = std::hypot(sample.sigma, extra_sigma);
-    double most = -INFINITY, best = 0;
-    for (std::size_t k = 0; k < kDensities; ++k) {
-      const double density = DensityAt(k, unit_mm);
-      const double log_likelihood =
-          EvidenceAt(samples, samples.back().time_s, density, PersonPrior(unit_mm)).log_likelihood;
-      if (log_likelihood > most) most = log_likelihood, best = density;
+    ByDensity& log = logs.emplace_back();
+    for (std::size_t k = 0; k < kDensities; ++k)
+      log[k] = EvidenceAt(samples, samples.back().time_s, DensityAt(k, unit_mm), PersonPrior(unit_mm)).log_likelihood;
+  }
+  Explanation explained;
+  explained.share.fill(1.0 / kDensities);
+  for (int round = 0; round < kRounds; ++round) {
+    ByDensity sums = {};
+    explained.log_likelihood = 0;
+    for (const ByDensity& log : logs) {
+      const double most = *std::ranges::max_element(log);
+      ByDensity own;
+      double sum = 0;
+      for (std::size_t k = 0; k < kDensities; ++k) sum += own[k] = explained.share[k] * std::exp(log[k] - most);
+      for (std::size_t k = 0; k < kDensities; ++k) sums[k] += own[k] / sum;
+      explained.log_likelihood += most + std::log(sum);
     }
-    explained.log_likelihood += most;
-    explained.densities.push_back(best);
+    for (std::size_t k = 0; k < kDensities; ++k) explained.share[k] = sums[k] / static_cast<double>(logs.size());
   }
   return explained;
+}
+
+// The density below which are nine in ten of those windows in which something moves.
+double QuickDensity(const ByDensity& share, double unit_mm) {
+  constexpr double kQuickShare = 0.9, kRest = 1e4;  // mm²/s⁵: slower ones are at rest
+  constexpr double kUnknown = 1e9;                  // mm²/s⁵, a quick rise's, where nothing is seen to move
+  double moving = 0, below = 0;
+  for (std::size_t k = 0; k < kDensities; ++k)
+    if (DensityAt(k, 1) >= kRest) moving += share[k];
+  if (moving < 1e-3) return kUnknown / (unit_mm * unit_mm);
+  for (std::size_t k = 0; k < kDensities; ++k) {
+    if (DensityAt(k, 1) < kRest) continue;
+    below += share[k];
+    if (below >= kQuickShare * moving) return DensityAt(k, unit_mm);
+  }
+  return DensityAt(kDensities - 1, unit_mm);
 }
 
 }  // namespace
 
 LearntMotion LearnMotion(std::span<const std::vector<PathSample>> paths, double unit_mm) {
-  constexpr double kQuickShare = 0.9, kRest = 1e4;  // mm²/s⁵: slower ones are at rest
-  constexpr double kUnknown = 1e9;                  // mm²/s⁵, a quick rise's, where nothing is seen to move
   const std::vector<Window> windows = SpreadWindows(paths);
+  LearntMotion learnt{QuickDensity({}, unit_mm)};
+  if (windows.empty()) return learnt;
   std::vector<double> sigmas;
   for (const Window& window : windows) sigmas.push_back(window.sigma);
-  const double sigma = windows.empty() ? 0 : Median(std::move(sigmas));
-  LearntMotion learnt{kUnknown / (unit_mm * unit_mm), 0};
-  double most = -INFINITY;
-  for (const double times : kExtraSigmas) {
-    Explanation explained = Explain(windows, times * sigma, unit_mm);
-    if (explained.log_likelihood <= most) continue;
-    learnt.log_likelihood = most = explained.log_likelihood;
-    learnt.extra_sigma = times * sigma;
-    std::erase_if(explained.densities, [&](double density) { return density * unit_mm * unit_mm < kRest; });
-    learnt.density = explained.densities.empty() ? kUnknown / (unit_mm * unit_mm)
-                                                 : Quantile(std::move(explained.densities), kQuickShare);
+  const double sigma = Median(std::move(sigmas));
+  learnt.log_likelihood = -INFINITY;
+  const auto try_extra = [&](double extra_sigma) {
+    const Explanation explained = Explain(windows, extra_sigma, unit_mm);
+    if (explained.log_likelihood > learnt.log_likelihood)
+      learnt = {QuickDensity(explained.share, unit_mm), extra_sigma, explained.log_likelihood};
+  };
+  for (const double times : kExtraSigmas) try_extra(times * sigma);
+  double factor = 2;
+  for (int halving = 0; halving < kHalvings && learnt.extra_sigma > 0; ++halving) {
+    factor = std::sqrt(factor);
+    const double middle = learnt.extra_sigma;
+    for (const double extra_sigma : {middle / factor, middle * factor}) try_extra(extra_sigma);
   }
   return learnt;
 }

@@ -69,26 +69,33 @@ class FrameClock {
     return MedianInterval(time_s);
   }
 
-  // Runs of frames that look like the one before are judged by the paths, as a whole: first copies, then what hardly
-  // differs, as a copy that was coded again does, or a slow movement.
+  // Runs of frames whose picture is the one before, or nothing of it has moved, are judged by the paths, as a whole.
+  // Those that are found bend the paths no longer by which the others are judged.
   void MarkRepeats(const std::vector<std::int64_t>& same_picture) {
-    constexpr double kCopyPx = 0.01, kAlikePx = 0.1;
-    const TimedPaths paths(recording_, NewFrames());
-    for (const double most_px : {kCopyPx, kAlikePx}) {
-      const std::vector<std::size_t> frames = NewFrames();
-      const auto looks_the_same = [&](std::size_t k) {
-        if (std::ranges::binary_search(same_picture, recording_.frame[frames[k]])) return true;
-        const auto step_px = StepPx(recording_, frames[k - 1], frames[k]);
-        return step_px && *step_px < most_px;
-      };
-      for (std::size_t k = 1; k < frames.size(); ++k) {
-        if (!looks_the_same(k)) continue;
-        const std::size_t first = k;
-        while (k < frames.size() && looks_the_same(k)) ++k;
-        if (k == frames.size() || paths.LogOddsOfRepeat(frames, first, k, frame_s_) <= 0) continue;
-        for (std::size_t run = first; run < k; ++run) is_repeated_[frames[run]] = true;
-      }
+    while (MarkMoreRepeats(same_picture)) {
     }
+  }
+
+  bool MarkMoreRepeats(const std::vector<std::int64_t>& same_picture) {
+    constexpr double kCopyPx = 0.01;
+    const std::vector<std::size_t> frames = NewFrames();
+    const auto looks_the_same = [&](std::size_t k) {
+      if (std::ranges::binary_search(same_picture, recording_.frame[frames[k]])) return true;
+      const auto step_px = StepPx(recording_, frames[k - 1], frames[k]);
+      return step_px && *step_px < kCopyPx;
+    };
+    std::optional<TimedPaths> paths;
+    bool found = false;
+    for (std::size_t k = 1; k < frames.size(); ++k) {
+      if (!looks_the_same(k)) continue;
+      const std::size_t first = k;
+      while (k < frames.size() && looks_the_same(k)) ++k;
+      if (!paths) paths.emplace(recording_, frames);
+      if (k == frames.size() || paths->LogOddsOfRepeat(frames, first, k, frame_s_) <= 0) continue;
+      for (std::size_t run = first; run < k; ++run) is_repeated_[frames[run]] = true;
+      found = true;
+    }
+    return found;
   }
 
   // Frames while something moves.

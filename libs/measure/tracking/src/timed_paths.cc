@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kDensities = 8;               // decades, …
 constexpr int kAboveQuick = 1;                      // … so many of them above that of a quick movement
 constexpr double kSudden = 30, kSuddenShare = 0.1;  // a jerk out of all that was before: times the density, how often
-constexpr double kMismeasured = 1e-4,
+constexpr double kMismeasured = 1e-6,
                  kUnrelated = 0.5;  // shares of markers that are something else afterwards: usually, after a cut
 constexpr double kReach_mm = 2000;  // where a person may be
 constexpr double kUnknown_mm = 2;   // to a pixel, where no leg is named

@@ -65,11 +65,11 @@ double LogJoin(const PathState& before, const PathState& after, double elapsed_s
 struct LearntMotion {
   double density = 0;         // q of a quick movement: nine in ten of the windows in which something moves have less
   double extra_sigma = 0;     // what the samples' own sigmas leave out, per axis
-  double log_likelihood = 0;  // of the windows, each as smooth as suits it best
+  double log_likelihood = 0;  // of the windows, each of a density that is as frequent as it is in all
 };
 
-// By the marginal likelihood of windows of 0.6 s, at most 150 of them spread over the paths, over densities a decade
-// apart and errors a factor of two. `unit_mm`: mm to a unit. All paths have increasing times.
+// By the marginal likelihood of windows of 0.6 s, at most 150 of them spread over the paths, over densities half a
+// decade apart; the errors to 4 %. `unit_mm`: mm to a unit. All paths have increasing times.
 LearntMotion LearnMotion(std::span<const std::vector<PathSample>> paths, double unit_mm);
 
 // The prior of a person's marker: 1 m/s and 10 m/s².

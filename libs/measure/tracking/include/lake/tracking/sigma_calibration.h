@@ -12,16 +12,14 @@ struct SigmaCalibration {
 };
 
 // A fit's sigma knows the noise of its own pixels. A compressed frame is made by shifting blocks of earlier ones by
-// quarter pixels, which displaces a marker without leaving a trace in its picture. Of a marker that moves, it shows in
-// the scatter of positions about a smooth path (the residual of a local fourth-degree polynomial in time, Savitzky &
-// Golay 1964, through 0.13 s and nine samples at least); while it rests the displacement is frozen and does not show,
-// though it is there. So what a marker's fast samples scatter beyond the fits' own sigma is added to all of it, less to
-// those at rest; of a marker with fewer than 60 fast samples, what all markers' do. Errors that last for some frames
-// are followed by a smooth path: how much larger than the scatter they are is found from the scatter in windows twice
-// as wide, at 50 Hz and more. Where markers do not hold still at rest, a person's jitter scatters too: of what may be
-// jitter, 0.2 mm, at most 5.5 times the fits' own sigma (root mean square) is added, and how much larger the errors are
-// is taken from how large the scatter is. Without compression nothing is added. Detected samples' sigmas become
-// sqrt(fit² + compression²).
-SigmaCalibration CalibrateSigmas(motion::MarkerRecording& recording);
+// quarter pixels, which displaces a marker without leaving a trace in its picture. What is added to the fits' sigmas in
+// quadrature, per marker, to those of detected samples:
+// - Of markers that hold still at rest (a mechanism's): what the moving ones scatter about a smooth path (the residual
+//   of a local fourth-degree polynomial in time, Savitzky & Golay 1964), times how much larger than that the errors are
+//   which last for some frames, by windows twice as wide; less at rest, where the displacement is frozen.
+// - Of a person's: what the likelihood of white jerk (lake::dynamics) leaves to the measurement, but at most 5 times
+//   the fits' sigma, as the rest is the skin's tremor; 3 times where the video codes each frame by itself.
+// Without compression nothing is added. `recording`: of at least 60 samples, or nothing is found.
+SigmaCalibration CalibrateSigmas(bool coded_frame_by_frame, motion::MarkerRecording& recording);
 
 }  // namespace lake::tracking

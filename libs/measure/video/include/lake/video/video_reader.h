@@ -18,6 +18,7 @@ struct VideoInfo {
   double frame_rate_hz = 0;            // the stream's average rate, or the capture rate that was given
   std::optional<std::int64_t> frames;  // about how many are handed out, if the container says; for progress only
   std::string codec;
+  bool coded_frame_by_frame = false;  // without prediction from other frames, as Motion JPEG, PNG or FFV1
   std::string pixel_format;  // as stored, in libav's name, e.g. "yuv420p"
   int rotation_deg = 0;      // clockwise, applied by the reader: the file's own and what was asked for
   bool mirrored = false;     // left and right exchanged after the rotation, applied by the reader
