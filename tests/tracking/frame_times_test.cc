@@ -109,6 +109,27 @@ TEST(FrameTimes, OfAConvertedRateAreSaidToBeUneven) {
   }
 }
 
+// Of 60 Hz every 2.4th frame, the nearest one, is up to 8 ms early or late: at 25 Hz a fifth of the time between two.
+// Frames that were taken at 25 Hz keep their stamps.
+TEST(FrameTimes, OfFramesChosenFromAFasterFilmAreTheirs) {
+  for (const std::uint64_t seed : {761u, 762u, 763u}) {
+    for (const auto& [shown_hz, phase] : {std::pair(25.0, 0.5), {50.0, 0.1}, {24.0, 0.3}}) {
+      const synth::Scene scene = OneRise(seed), slow = OneRise(seed, shown_hz);
+      std::vector<int> chosen, all(static_cast<std::size_t>(slow.Frames()));
+      for (int i = 0; kRateHz / shown_hz * i + 1 < scene.Frames(); ++i)
+        chosen.push_back(static_cast<int>(std::floor(kRateHz / shown_hz * i + phase)));
+      std::iota(all.begin(), all.end(), 0);
+      ShownFrames fast = Show(scene, seed, chosen, shown_hz), own = Show(slow, seed, all, shown_hz);
+      const std::vector<double> stamps_s = own.recording.time_s;
+      EXPECT_EQ(CorrectFrameTimes({}, fast.recording).chosen_from_hz, 60) << seed << ", " << shown_hz;
+      for (std::size_t i = 1; i < chosen.size(); ++i)
+        EXPECT_NEAR(fast.recording.time_s[i] - fast.recording.time_s[0], (chosen[i] - chosen[0]) / kRateHz, 1e-9);
+      EXPECT_EQ(CorrectFrameTimes({}, own.recording).chosen_from_hz, 0) << seed << ", " << shown_hz;
+      EXPECT_EQ(own.recording.time_s, stamps_s);
+    }
+  }
+}
+
 // A recording joined to itself: from the standing leg to the sitting one and from one movement into another. A fit
 // through that was off by degrees on both sides, without a word.
 TEST(FrameTimes, ACutIsAnError) {

@@ -118,6 +118,7 @@ Json VideoJson(const tracking::TrackResult& tracked) {
           {"repeated_frames", tracked.times.repeated.size()},
           {"repeated_frame_numbers", tracked.times.repeated},
           {"captured_rate_hz", tracked.times.captured_hz > 0 ? Json(tracked.times.captured_hz) : Json()},
+          {"chosen_from_rate_hz", tracked.times.chosen_from_hz > 0 ? Json(tracked.times.chosen_from_hz) : Json()},
           {"time_jumps", jumps},
           {"uneven_times_s", tracked.times.uneven_s},
           {"frame_rate_hz", video.frame_rate_hz},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -48,6 +49,7 @@ class FrameClock {
     FrameTimes times;
     MarkRepeats(same_picture);
     times.captured_hz = TakeLowerRate();
+    if (times.captured_hz == 0) times.chosen_from_hz = TakeHigherRate();
     times.uneven_s = Unevenness();
     times.jumps = TakeJumps();
     SpreadTimes();
@@ -77,7 +79,7 @@ class FrameClock {
   }
 
   bool MarkMoreRepeats(const std::vector<std::int64_t>& same_picture) {
-    constexpr double kCopyPx = 0.01;
+    constexpr double kCopyPx = 0.01, kLeastPx = 0.3;  // what moves less meanwhile is measured well enough
     const std::vector<std::size_t> frames = NewFrames();
     const auto looks_the_same = [&](std::size_t k) {
       if (std::ranges::binary_search(same_picture, recording_.frame[frames[k]])) return true;
@@ -90,8 +92,9 @@ class FrameClock {
       if (!looks_the_same(k)) continue;
       const std::size_t first = k;
       while (k < frames.size() && looks_the_same(k)) ++k;
+      if (k == frames.size() || StepPx(recording_, frames[first - 1], frames[k]).value_or(0) < kLeastPx) continue;
       if (!paths) paths.emplace(recording_, frames);
-      if (k == frames.size() || paths->LogOddsOfRepeat(frames, first, k, frame_s_) <= 0) continue;
+      if (paths->LogOddsOfRepeat(frames, first, k, frame_s_) <= 0) continue;
       for (std::size_t run = first; run < k; ++run) is_repeated_[frames[run]] = true;
       found = true;
     }
@@ -130,6 +133,62 @@ class FrameClock {
     recording_.time_s = std::move(captured);
     SpreadTimes();
     return rate->ratio / frame_s_;
+  }
+
+  // The times of frames that were chosen from a film of a higher rate, each the nearest one: early or late by up to
+  // half a frame of that film. Returns its rate, Hz, or 0.
+  double TakeHigherRate() {
+    constexpr std::array kRates_hz = {25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0};
+    constexpr int kPhases = 24;
+    constexpr double kRegular = 0.2, kWhole = 0.02;  // of a frame
+    constexpr double kMuchLess = 0.5;
+    const std::vector<std::size_t> frames = NewFrames();
+    const auto place = [&](std::size_t i) { return (stamps_s_[i] - stamps_s_.front()) / frame_s_; };
+    const bool is_regular = std::ranges::all_of(
+        frames, [&](std::size_t i) { return std::abs(place(i) - std::round(place(i))) < kRegular; });
+    if (!is_regular) return 0;
+    const TimedPaths paths(recording_, frames);
+    double most = paths.LogLikelihood(frames, stamps_s_) - std::log(kDoubt) -
+                  std::log(kConvertedOdds / static_cast<double>(kRates_hz.size() * kPhases)),
+           best_hz = 0;
+    std::vector<double> best_s;
+    for (const double source_hz : kRates_hz) {
+      const double ratio = source_hz * frame_s_;
+      if (ratio < 1 + kWhole || std::abs(ratio - std::round(ratio)) < kWhole) continue;
+      double most_of_rate = -INFINITY;
+      std::vector<double> best_of_rate_s;
+      for (int step = 0; step < kPhases; ++step) {
+        std::vector<double> time_s = ChosenTimes(source_hz, (step + 0.5) / kPhases);
+        const double log_likelihood = paths.LogLikelihoodQuickly(frames, time_s);
+        if (log_likelihood <= most_of_rate) continue;
+        most_of_rate = log_likelihood;
+        best_of_rate_s = std::move(time_s);
+      }
+      const double log_likelihood = paths.LogLikelihood(frames, best_of_rate_s);
+      if (log_likelihood <= most) continue;
+      most = log_likelihood;
+      best_hz = source_hz;
+      best_s = std::move(best_of_rate_s);
+    }
+    if (best_s.empty()) return 0;
+    const double uneven_s = Unevenness();
+    std::swap(recording_.time_s, best_s);
+    if (Unevenness() <= kMuchLess * uneven_s) return best_hz;
+    recording_.time_s = std::move(best_s);  // a film of another kind
+    return 0;
+  }
+
+  // Of frames that are each the nearest one in a film of another rate, about their stamps.
+  std::vector<double> ChosenTimes(double source_hz, double phase) const {
+    std::vector<double> time_s;
+    double shift_s = 0;
+    for (const double stamp_s : stamps_s_) {
+      const double place = std::round((stamp_s - stamps_s_.front()) / frame_s_);
+      time_s.push_back(std::floor(source_hz * frame_s_ * place + phase) / source_hz);
+      shift_s += (stamp_s - time_s.back()) / static_cast<double>(stamps_s_.size());
+    }
+    for (double& time : time_s) time += shift_s;
+    return time_s;
   }
 
   struct Judgement {
@@ -379,6 +438,12 @@ std::vector<std::string> Warnings(const FrameTimes& times, const std::vector<std
         fmt::format("between frames {} and {} the motion took {:.4f} ± {:.4f} s where the time stamps say {:.4f} s: {}",
                     jump.before, jump.after, jump.moved_s, jump.sigma_s, jump.stamped_s, consequence));
   }
+  if (times.chosen_from_hz > 0)
+    warnings.push_back(
+        fmt::format("the frames were chosen from a film of {:.4g} frames per second, as when a rate is converted: the "
+                    "motion is smooth only at the times that they had there, which are used; track the camera's own "
+                    "file where there is one",
+                    times.chosen_from_hz));
   if (times.uneven_s > 0)
     warnings.push_back(
         fmt::format("the frames were not taken at their time stamps but up to a frame beside them ({:.1f} ms root mean "

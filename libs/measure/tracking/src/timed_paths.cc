@@ -300,6 +300,19 @@ double TimedPaths::LogOddsOfRepeat(const std::vector<std::size_t>& frames, std::
          LogSum({all.rested, std::log(kCut) + all.cut});
 }
 
+double TimedPaths::LogLikelihoodQuickly(const std::vector<std::size_t>& frames,
+                                        const std::vector<double>& time_s) const {
+  constexpr double kUsualError_px = 0.05;  // of coding; what is learnt holds wrong times' as well
+  const double extra_sigma = std::min(learnt_.extra_sigma, kUsualError_px);
+  double log_likelihood = 0;
+  for (std::vector<dynamics::PathSample>& path : PathsAt(frames, time_s)) {
+    if (path.empty()) continue;
+    for (dynamics::PathSample& sample : path) sample.sigma = std::hypot(sample.sigma, extra_sigma);
+    log_likelihood += dynamics::EvidenceAt(path, path.back().time_s, learnt_.density, prior_).log_likelihood;
+  }
+  return log_likelihood;
+}
+
 double TimedPaths::LogLikelihood(const std::vector<std::size_t>& frames, const std::vector<double>& time_s) const {
   return dynamics::LearnMotion(PathsAt(frames, time_s), unit_mm_).log_likelihood;
 }

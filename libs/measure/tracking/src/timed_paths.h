@@ -69,7 +69,11 @@ class TimedPaths {
   double LogOddsOfRepeat(const std::vector<std::size_t>& frames, std::size_t first, std::size_t end,
                          double frame_s) const;
 
-  // The logarithm of the likelihood of the paths at these times, one per frame of the recording.
+  // The logarithm of the likelihood of the paths at these times, one per frame of the recording, all moving as quickly
+  // as they were learnt to at the frames' times: quick, for the choice among many hypotheses.
+  double LogLikelihoodQuickly(const std::vector<std::size_t>& frames, const std::vector<double>& time_s) const;
+
+  // The same, of how they move if these are the times.
   double LogLikelihood(const std::vector<std::size_t>& frames, const std::vector<double>& time_s) const;
 
  private:

@@ -23,6 +23,9 @@ struct FrameTimes {
   // Frames per second that were captured, if the recording shows them at a higher rate by repeating some and the motion
   // is smooth only at the times they were captured; 0 otherwise.
   double captured_hz = 0;
+  // Frames per second of the film that these were chosen from, if the motion is smooth only at the times that they had
+  // there, early or late by up to half a frame of it; 0 otherwise.
+  double chosen_from_hz = 0;
   std::vector<TimeJump> jumps;
   // How far the times of a converted rate's frames are from those at which they were taken, root mean square; 0
   // otherwise. They stand.
