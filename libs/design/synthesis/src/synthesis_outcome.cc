@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "lake/core/error.h"
-#include "lake/core/interrupt.h"
 
 namespace lake::synthesis {
 namespace {
@@ -41,18 +40,10 @@ problem::SynthesisProblem OnlyLinkRequirements(problem::SynthesisProblem problem
 // A few starts are enough along a curve of problems that differ little: the last optimum is one of them.
 LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Links& last,
                      const OptimizeOptions& options) {
-  constexpr int kRandomStarts = 2;
-  LocalSolve best;
-  std::vector<linkage::Links> starts{last, problem.start};
-  for (const linkage::Links& random : RandomStarts(problem, kRandomStarts, options.seed)) starts.push_back(random);
-  for (const linkage::Links& start : starts) {
-    ThrowIfInterrupted();
-    LocalSolve solve = SolveFrom(problem, start, options);
-    if (solve.IsUsable() &&
-        (!best.IsUsable() || problem::GoalOf(problem, solve.evaluation) > problem::GoalOf(problem, best.evaluation)))
-      best = std::move(solve);
-  }
-  return best;
+  constexpr int kFewStarts = 4;
+  return SolveFromEach(StartsOf(problem, {last, problem.start}, kFewStarts, options.seed),
+                       [&](const linkage::Links& start) { return SolveFrom(problem, start, options); })
+      .TakeBestOrFirst();
 }
 
 problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem, double tolerance_mm,
@@ -97,8 +88,7 @@ std::vector<MarginPoint> SweepMargins(const SynthesisOutcome& outcome) {
 void StartFromElastic(SynthesisOutcome& outcome) {
   LocalSolve solve = SolveFrom(outcome.problem, outcome.infeasible->links, outcome.options.optimize);
   if (!solve.IsUsable()) return;
-  outcome.result.best = static_cast<int>(outcome.result.starts.size());
-  outcome.result.starts.push_back(std::move(solve));
+  outcome.result.Add(std::move(solve));
   outcome.result.basin.push_back(0);
   outcome.infeasible.reset();
 }

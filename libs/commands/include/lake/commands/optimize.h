@@ -29,7 +29,7 @@ struct ReoptimizeRunOptions {
   std::optional<double> max_misalignment_percent;
   double penalty_deg_per_mm = 0;
   bool fit_placement = false;
-  double placement_reach_mm = redesign::ReoptimizeProblem{}.placement_reach_mm;
+  double placement_reach_mm = redesign::RedesignProblem{}.placement_reach_mm;
   std::optional<int> pareto_points;
   redesign::Across across = redesign::Across::kWorst;
   double quantile = redesign::GroupProblem{}.quantile;
