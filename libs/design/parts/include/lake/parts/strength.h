@@ -33,7 +33,7 @@ struct StrengthCheck {
   enum class Kind { kBearing, kNetSection, kBending, kBuckling };
 
   Kind kind = Kind::kBearing;
-  std::string part, check;           // in words
+  std::string part, check;  // in words
   LoadedPose at;
   double load = 0;                   // N, or N m for bending
   std::optional<double> stress_mpa;  // not for buckling
