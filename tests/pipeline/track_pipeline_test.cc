@@ -6,9 +6,9 @@
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/exchange/c3d.h"
-#include "lake/synth/cramer_rao.h"
 #include "lake/video/image.h"
 #include "pipeline/rendered_trial.h"
+#include "synth/cramer_rao.h"
 
 namespace lake {
 namespace {
@@ -128,7 +128,7 @@ TEST(Lossless, ComesWithinFifteenPercentOfTheCramerRaoBound) {
   int bounds = 0;
   for (int frame = 5; frame < trial.scene.Frames(); frame += 40)
     for (std::string_view marker : tracking::kLegMarkers) {
-      variance_sum += synth::CramerRaoBound(trial.scene, frame, std::string(marker)).squaredNorm() / 2;
+      variance_sum += CramerRaoBound(trial.scene, frame, std::string(marker)).squaredNorm() / 2;
       ++bounds;
     }
   const double bound_px = std::sqrt(variance_sum / bounds);
