@@ -75,27 +75,17 @@ void AddPerson(const PersonRow& row, CsvWriter& table) {
 }
 
 void WritePeople(const std::vector<PersonRow>& rows, Run& run) {
-  std::vector<std::string> header = {"person",
-                                     "size",
-                                     "counts",
-                                     "shank_mm",
-                                     "thigh_mm",
-                                     "range_deg",
-                                     "misalignment_percent",
-                                     "misalignment_rms_mm",
-                                     "price_share",
-                                     "placement_x_mm",
-                                     "placement_y_mm",
-                                     "program_duration_s",
-                                     "stroke_from_mm",
-                                     "stroke_to_mm",
-                                     "cost_deg",
-                                     "own_range_deg",
-                                     "own_misalignment_percent",
-                                     "own_misalignment_rms_mm"};
+  std::vector<std::string> header = SplitText(
+      "person,size,counts,shank_mm,thigh_mm,range_deg,misalignment_percent,misalignment_rms_mm,price_share,placement_x_"
+      "mm,placement_y_mm,program_duration_s,stroke_from_mm,stroke_to_mm,cost_deg,own_range_deg,own_misalignment_"
+      "percent,own_misalignment_rms_mm",
+      ',');
   std::ranges::copy(LinkColumns("own_"), std::back_inserter(header));
   CsvWriter table(header);
-  for (const PersonRow& row : rows) AddPerson(row, table), table.EndRow();
+  for (const PersonRow& row : rows) {
+    AddPerson(row, table);
+    table.EndRow();
+  }
   table.Write(run.Result("people.csv"));
 }
 
@@ -120,7 +110,8 @@ std::vector<PersonRow> RowsOf(const sizes::SizesOutcome& outcome) {
 void WriteDesigns(const group::GroupOutcome& outcome, const std::string& name, Run& run) {
   const std::string remark = outcome.IsSolved() ? "" : ": NOT A SOLUTION: " + outcome.reason;
   linkage::Design common;
-  common.links = outcome.nearest.Links(), common.d_min_mm = outcome.problem.shared.design.d_min_mm;
+  common.links = outcome.nearest.Links();
+  common.d_min_mm = outcome.problem.shared.design.d_min_mm;
   WriteOptimumDesign(common, outcome.evaluation, remark, run.Result(name));
   for (std::size_t i = 0; i < outcome.people.size(); ++i) {
     const PersonOutcome& person = outcome.people[i];
@@ -149,7 +140,7 @@ void WriteSizeTables(const sizes::SizesOutcome& outcome, Run& run) {
   sizes.Write(run.Result("sizes.csv"));
   CsvWriter rule({"quantity", "from_mm", "to_mm", "size"});
   for (const sizes::RuleRange& range : outcome.rule.ranges) {
-    rule.Add(outcome.rule.quantity).Add(Finite(range.from_mm)).Add(Finite(range.to_mm));
+    rule.Add(outcome.rule.quantity).Add(range.from_mm).Add(range.to_mm);
     rule.Add(static_cast<int>(range.size) + 1).EndRow();
   }
   rule.Write(run.Result("size_rule.csv"));
@@ -158,7 +149,7 @@ void WriteSizeTables(const sizes::SizesOutcome& outcome, Run& run) {
   for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
     const sizes::LeftOut& of = outcome.left_out[i];
     left_out.Add(rows[i].group.people[rows[i].index].name).Add(static_cast<int>(outcome.size_of[i]) + 1);
-    left_out.Add(static_cast<int>(of.size) + 1).Add(of.fit.holds ? 1 : 0).Add(Finite(of.fit.percent));
+    left_out.Add(static_cast<int>(of.size) + 1).Add(of.fit.holds ? 1 : 0).Add(of.fit.percent);
     left_out.Add(of.fit.range_deg).EndRow();
   }
   left_out.Write(run.Result("left_out.csv"));
@@ -231,8 +222,10 @@ Json RuleJson(const sizes::SizesOutcome& outcome) {
     ranges.push_back(
         {{"from_mm", NumberOrNull(range.from_mm)}, {"to_mm", NumberOrNull(range.to_mm)}, {"size", range.size + 1}});
   std::size_t same = 0, holds = 0;
-  for (std::size_t i = 0; i < outcome.left_out.size(); ++i)
-    same += outcome.left_out[i].size == outcome.size_of[i], holds += outcome.left_out[i].fit.holds;
+  for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
+    same += outcome.left_out[i].size == outcome.size_of[i];
+    holds += outcome.left_out[i].fit.holds;
+  }
   // Where somebody's limit is not held there is no mean in degrees.
   const Json loss_deg = outcome.rule_not_held ? Json() : Json(outcome.rule.loss_deg);
   return {{"quantity", outcome.rule.quantity},

@@ -123,8 +123,12 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
   const fs::path& comparison = options.comparisons[i];
   const compare::ComparedCurves curves = compare::ReadComparison(comparison);
   run.AddInput(fs::is_directory(comparison) ? comparison / "comparison.json" : comparison);
-  measured.human = curves.human, measured.noise_floor_percent = 100 * curves.noise_floor_relative;
-  if (!options.human_only) measured.exo = curves.exo, measured.spike = curves.spike;
+  measured.human = curves.human;
+  measured.noise_floor_percent = 100 * curves.noise_floor_relative;
+  if (!options.human_only) {
+    measured.exo = curves.exo;
+    measured.spike = curves.spike;
+  }
   return measured;
 }
 
@@ -136,7 +140,8 @@ redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::
     measured = ReadCompared(options, i, run);
   if (!options.worn.empty()) {
     const fs::path& worn = options.worn[options.worn.size() == 1 ? 0 : i];
-    measured.worn = linkage::ReadDesign(worn), measured.worn_file = worn.string();
+    measured.worn = linkage::ReadDesign(worn);
+    measured.worn_file = worn.string();
     if (i == 0 || options.worn.size() > 1) run.AddInput(worn);
   }
   return measured;
@@ -238,7 +243,8 @@ std::vector<double> ReadHeights(const fs::path& participants, const std::vector<
 Json RunForGroup(const OptimizeRunOptions& options, const redesign::RedesignProblem& shared, Run& run) {
   CheckForGroup(options);
   ReoptimizeRunOptions reoptimize = *options.reoptimize;
-  redesign::GroupProblem problem{shared, {}, reoptimize.across, reoptimize.quantile};
+  redesign::GroupProblem problem{
+      .shared = shared, .people = {}, .across = reoptimize.across, .quantile = reoptimize.quantile};
   problem.CheckOptions();
   if (reoptimize.sizes) sizes::CheckSizes(problem, *reoptimize.sizes, reoptimize.comparisons.size());
   const std::vector<std::string> names =

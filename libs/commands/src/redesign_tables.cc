@@ -77,14 +77,16 @@ std::vector<LimitedRow> ProgramRows(const redesign::RedesignOutcome& outcome, co
   const redesign::RedesignProblem& problem = outcome.problem;
   std::vector<LimitedRow> rows;
   for (const int axis : {0, 1})
-    rows.push_back({redesign::PlacementName(axis), outcome.before.design.placement_mm[axis],
-                    outcome.after.design.placement_mm[axis], problem.PlacementBounds(axis),
-                    optimum.PriceOf({On::kPlacement, axis})});
-  rows.push_back({"duration",
-                  outcome.before.duration_s,
-                  outcome.after.duration_s,
-                  {0, problem.program.duration_s.value_or(kNaN)},
-                  optimum.PriceOf({On::kDuration})});
+    rows.push_back({.name = redesign::PlacementName(axis),
+                    .before = outcome.before.design.placement_mm[axis],
+                    .after = outcome.after.design.placement_mm[axis],
+                    .limits = problem.PlacementBounds(axis),
+                    .price = optimum.PriceOf({On::kPlacement, axis})});
+  rows.push_back({.name = "duration",
+                  .before = outcome.before.duration_s,
+                  .after = outcome.after.duration_s,
+                  .limits = {0, problem.program.duration_s.value_or(kNaN)},
+                  .price = optimum.PriceOf({On::kDuration})});
   return rows;
 }
 
@@ -92,12 +94,12 @@ LimitedRow MisalignmentRow(const redesign::RedesignOutcome& outcome) {
   const auto percent = [](const redesign::DesignInMotion& d) {
     return d.misalignment ? 100 * d.misalignment->metrics.relative_rms : kNaN;
   };
-  LimitedRow row{"misalignment",
-                 percent(outcome.before),
-                 percent(outcome.after),
-                 {kNaN, outcome.problem.max_misalignment_percent.value_or(kNaN)},
-                 {},
-                 "%"};
+  LimitedRow row{.name = "misalignment",
+                 .before = percent(outcome.before),
+                 .after = percent(outcome.after),
+                 .limits = {kNaN, outcome.problem.max_misalignment_percent.value_or(kNaN)},
+                 .price = {},
+                 .unit = "%"};
   if (const auto* entry = outcome.active.Find({On::kMisalignment}); entry && outcome.active.multipliers_unique)
     row.price = entry->price;
   return row;
@@ -318,10 +320,14 @@ Json SolvedJson(const synthesis::LocalSolve& best, const synthesis::ActiveSet& a
 Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   const synthesis::LocalSolve* best = outcome.IsSolved() ? &outcome.result.Best().local : nullptr;
   const redesign::DesignInMotion &before = outcome.before, &after = outcome.after;
-  const OptimumView optimum{outcome.problem.design, before.design.links,
-                            after.design.links,     before.evaluation,
-                            after.evaluation,       best,
-                            outcome.active,         best ? "" : outcome.infeasible->sentence};
+  const OptimumView optimum{.problem = outcome.problem.design,
+                            .links_before = before.design.links,
+                            .links_after = after.design.links,
+                            .before = before.evaluation,
+                            .after = after.evaluation,
+                            .best = best,
+                            .active = outcome.active,
+                            .not_a_solution = best ? "" : outcome.infeasible->sentence};
   WriteTables(outcome, optimum, run);
   WarnOfRedesign(outcome, run);
   Json summary = HeadJson(optimum, after.evaluation.violation, outcome.certificate);

@@ -97,8 +97,8 @@ void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& l
     const Row row(look.links, stroke, look.knee_torque_nm);
     table.Add(stroke)
         .Add(DegreesFromRadians(row.pose.theta_rad))
-        .Add(Finite(DegreesFromRadians(row.transmission.radians_per_mm)));
-    table.Add(Finite(row.transmission.moment_arm_mm)).Add(Finite(row.force_n));
+        .Add(DegreesFromRadians(row.transmission.radians_per_mm));
+    table.Add(row.transmission.moment_arm_mm).Add(row.force_n);
     table.Add(DegreesFromRadians(row.transmission.transmission_rad))
         .Add(DegreesFromRadians(row.transmission.actuator_rad));
     table.Add(static_cast<int>(row.pose.branch)).EndRow();
@@ -137,7 +137,7 @@ void WritePinForces(const std::filesystem::path& path, const std::vector<figure:
     table.Add(stroke).Add(knee_deg);
     for (const double force : {forces.actuator_n, forces.coupler_n, forces.bar_n, forces.KneePin(), forces.ThighPin(),
                                forces.TipPin(), forces.ShankPin(), forces.Mount()})
-      table.Add(Finite(force));
+      table.Add(force);
     table.EndRow();
   }
   table.Write(path);
@@ -345,8 +345,10 @@ void WarnOfForce(const problem::LinearActuator& actuator, const linkage::StrokeR
                  const std::vector<figure::PinForcesRow>& rows, Run& run) {
   double most_n = 0, at_deg = 0;
   for (const figure::PinForcesRow& row : rows)
-    if (used.lower_mm <= row.stroke_mm && row.stroke_mm <= used.upper_mm && std::abs(row.forces.actuator_n) > most_n)
-      most_n = std::abs(row.forces.actuator_n), at_deg = row.knee_deg;
+    if (used.lower_mm <= row.stroke_mm && row.stroke_mm <= used.upper_mm && std::abs(row.forces.actuator_n) > most_n) {
+      most_n = std::abs(row.forces.actuator_n);
+      at_deg = row.knee_deg;
+    }
   if (IsAbove(most_n, actuator.LiftingForce()))
     run.Warn(fmt::format("{} lifts {:.0f} N, and the torque at the knee takes {:.0f} N at {:.1f}°", actuator.name,
                          *actuator.LiftingForce(), most_n, at_deg));
@@ -375,7 +377,8 @@ void WarnOfShare(const problem::LinearActuator& actuator, const problem::Assista
 Json Assist(const linkage::Design& design, const linkage::UsedRange& range, problem::SynthesisProblem load, Run& run) {
   if (!load.HasLoadProfile()) return nullptr;
   run.AddInput(load.profile->file);
-  load.d_min_mm = design.d_min_mm, load.d_max_mm = range.stroke.upper_mm;
+  load.d_min_mm = design.d_min_mm;
+  load.d_max_mm = range.stroke.upper_mm;
   load.standing_deg = DegreesFromRadians(range.theta_at_upper_rad);
   const problem::Assistance assistance = problem::FindAssistance(design.links, load);
   if (load.actuator) WarnOfShare(*load.actuator, assistance, load, run);
@@ -430,12 +433,12 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
                 "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4", "animation.gif", "pin_forces.csv",
                 "pin_forces.png", "pin_forces.svg", "parts.csv", "strength.csv"});
   run.Begin(names);
-  const drawing::LinkageLook look{
-      design.links,
-      request.range,
-      BodyOf(options),
-      {options.parts.bar_width_mm, options.parts.actuator_diameter_mm, options.seat_edge_mm, design.placement_mm},
-      options.knee_torque_nm};
+  const drawing::LinkageLook look{.links = design.links,
+                                  .range = request.range,
+                                  .body = BodyOf(options),
+                                  .wear = {options.parts.bar_width_mm, options.parts.actuator_diameter_mm,
+                                           options.seat_edge_mm, design.placement_mm},
+                                  .knee_torque_nm = options.knee_torque_nm};
   const linkage::WearCheck check = linkage::CheckWear(look.links, look.range, look.body, look.wear);
   WarnOfBody(check, run);
   WarnOf(design, request.range, run);

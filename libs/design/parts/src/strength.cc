@@ -102,8 +102,11 @@ double StrengthCheck::KneeAngle_deg() const {
 Capacity CapacityOf(const PartOptions& options) {
   const double yield_mpa = MaterialOf(options.material).yield_mpa;
   const double bearing_n = yield_mpa * BearingAreaOf(options), net_n = yield_mpa * NetAreaOf(options);
-  return {std::min(bearing_n, net_n), std::min(bearing_n, net_n), bearing_n, RodStrengthOf(options),
-          yield_mpa / BendingStressPerTorqueOf(options)};
+  return {.coupler_n = std::min(bearing_n, net_n),
+          .bar_n = std::min(bearing_n, net_n),
+          .actuator_n = bearing_n,
+          .rod_nmm2 = RodStrengthOf(options),
+          .knee_torque_nm = yield_mpa / BendingStressPerTorqueOf(options)};
 }
 
 double LeastSafety(const Capacity& capacity, const LoadedPose& at) {

@@ -107,7 +107,11 @@ GroupSolve SolveOrFinish(const GroupProblem& problem, const std::vector<Redesign
 }
 
 ParetoPoint ParetoPointOf(const RedesignSolve& solve, double least_range_deg) {
-  return {least_range_deg, solve.point, solve.Range_deg(), solve.Misalignment_percent(), solve.prediction->rms_mm};
+  return {.least_range_deg = least_range_deg,
+          .point = solve.point,
+          .range_deg = solve.Range_deg(),
+          .misalignment_percent = solve.Misalignment_percent(),
+          .rms_mm = solve.prediction->rms_mm};
 }
 
 using Front = std::vector<std::optional<ParetoPoint>>;
@@ -193,7 +197,8 @@ GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoin
   bool touches = false;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     if (solve.IsUsable() && solve.points[i].knots_mm.front() > problem.shared.design.d_min_mm + kTouching_mm) continue;
-    sides[i] = ConstantStart::kAtShortestStroke, touches = true;
+    sides[i] = ConstantStart::kAtShortestStroke;
+    touches = true;
   }
   if (!touches) return solve;
   const std::vector<RedesignPoint>& from = solve.IsUsable() ? solve.points : start;
@@ -288,7 +293,8 @@ std::vector<ParetoPoint> ParetoFront(const RedesignProblem& problem, int count,
     up.push_back(static_cast<std::size_t>(i));
   }
   Front found(count);
-  found.front() = ParetoPointOf(*least, ranges.front()), found.back() = ParetoPointOf(*widest, ranges.back());
+  found.front() = ParetoPointOf(*least, ranges.front());
+  found.back() = ParetoPointOf(*widest, ranges.back());
   Sweep(problem, up, ranges, options, step, found);
   Sweep(problem, {up.rbegin(), up.rend()}, ranges, options, step, found);
   std::vector<ParetoPoint> front;

@@ -22,7 +22,8 @@ using Kind = linkage::StrokeProgram::Kind;
 // The predicted path through the comparison's own code; both knees are known without noise.
 compare::Misalignment ComparePredicted(const compare::StsCurve& human, const compare::StsCurve& predicted) {
   compare::MisalignmentOptions options;
-  options.replacement_sd_mm = 0, options.resamples = 0;
+  options.replacement_sd_mm = 0;
+  options.resamples = 0;
   return compare::CompareTrials({{human}, {}}, {{predicted}, {}}, options);
 }
 
@@ -44,7 +45,8 @@ linkage::StrokeProgram ProgramOfTrial(const linkage::Design& worn, const compare
 
 linkage::Design Before(const RedesignProblem& problem, const MeasuredMotion& measured) {
   linkage::Design design;
-  design.links = problem.design.start, design.d_min_mm = problem.design.d_min_mm;
+  design.links = problem.design.start;
+  design.d_min_mm = problem.design.d_min_mm;
   if (measured.worn) design = *measured.worn;
   if (!design.program && measured.worn && measured.exo)
     design.program = ProgramOfTrial(*measured.worn, *measured.exo, problem.design.standing_deg);
@@ -146,7 +148,8 @@ void AssessPlacement(const RedesignPoint& chosen, RedesignOutcome& outcome) {
   const synthesis::OptimizeOptions& options = outcome.options.optimize;
   outcome.placement_range = FindPlacementRange(outcome.problem, chosen, options);
   RedesignProblem at_knee = outcome.problem;
-  at_knee.fit_placement = false, at_knee.placement_mm.setZero();
+  at_knee.fit_placement = false;
+  at_knee.placement_mm.setZero();
   if (const RedesignSolve solve = SolveFrom(at_knee, chosen, options); solve.IsUsable())
     outcome.range_at_knee_deg = solve.Range_deg();
 }
@@ -193,7 +196,12 @@ DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCur
                            const linkage::Design& design) {
   problem::SynthesisProblem placed = problem.design;
   placed.clearances.placement_mm = design.placement_mm;
-  DesignInMotion in_motion{design, problem::Evaluate(design.links, placed), {}, {}, {}, 0};
+  DesignInMotion in_motion{.design = design,
+                           .evaluation = problem::Evaluate(design.links, placed),
+                           .prediction = {},
+                           .misalignment = {},
+                           .tracking_time_s = {},
+                           .duration_s = 0};
   const double standing_deg = problem.design.standing_deg;
   const Vector2d placement = PlacementOf(design);
   if (const auto strokes = ProgramStrokes(design, standing_deg, problem.human))
@@ -213,7 +221,8 @@ RedesignOutcome PutMotionInto(RedesignProblem problem, const MeasuredMotion& mea
   problem.design = problem.DesignAt(problem.placement_mm);
   problem.Check();
   RedesignOutcome outcome;
-  outcome.problem = std::move(problem), outcome.measured = measured;
+  outcome.problem = std::move(problem);
+  outcome.measured = measured;
   TakeTrial(outcome);
   return outcome;
 }

@@ -111,7 +111,7 @@ double NeededDuration(const std::vector<double>& knots_mm, double max_speed_mm_s
 }
 
 RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& links) {
-  RedesignPoint point{links, {}, problem.placement_mm, 0};
+  RedesignPoint point{.links = links, .knots_mm = {}, .placement_mm = problem.placement_mm, .duration_s = 0};
   const auto tracking = TrackingStrokes(problem.Driven(links), problem.human);
   const std::vector<double> strokes = tracking ? *tracking : PlausibleStrokes(problem);
   const int knots = problem.program.kind == Kind::kFree ? problem.program.knots : 2;

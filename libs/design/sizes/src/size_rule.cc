@@ -51,7 +51,11 @@ class RangesOfOneQuantity {
     double loss = kInfinity;
     for (std::size_t s = 1; s < sets; ++s)
       for (std::size_t k = 0; k < sizes; ++k)
-        if (At(order_.size(), s, k).loss < loss) loss = At(order_.size(), s, k).loss, set = s, size = k;
+        if (At(order_.size(), s, k).loss < loss) {
+          loss = At(order_.size(), s, k).loss;
+          set = s;
+          size = k;
+        }
     SizeRule rule{quantity, {{-kInfinity, kInfinity, size}}, loss / static_cast<double>(order_.size())};
     for (std::size_t n = order_.size(); n > 1; --n) {
       const Step step = At(n, set, size);
@@ -60,7 +64,8 @@ class RangesOfOneQuantity {
         rule.ranges.front().from_mm = cut;
         rule.ranges.insert(rule.ranges.begin(), {-kInfinity, cut, step.size});
       }
-      set = step.set, size = step.size;
+      set = step.set;
+      size = step.size;
     }
     return rule;
   }

@@ -79,7 +79,8 @@ Alternation SizeSearch::DesignFor(const Assignment& assignment, const Alternatio
 }
 
 DesignTask SizeSearch::TaskFor(const Members& members, std::size_t size, const Alternation& before, From from) const {
-  DesignTask task{ProblemOf(problem_, members), Picked(human_, members), links_, {}};
+  DesignTask task{
+      .problem = ProblemOf(problem_, members), .human = Picked(human_, members), .links = links_, .close_by = {}};
   if (before.designs.empty()) return task;
   task.links.insert(task.links.begin(), before.designs[size].nearest.Links());
   if (from == From::kFound) task.close_by = PointsBefore(members, size, before);

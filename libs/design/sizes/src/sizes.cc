@@ -26,7 +26,8 @@ std::vector<BodyQuantity> QuantitiesOf(const GroupProblem& problem, const std::v
   for (const redesign::Subject& person : problem.people) {
     const redesign::SegmentLengths lengths = redesign::SegmentsOf(person.human);
     leg.mm.push_back(lengths.shank_mm + lengths.thigh_mm);
-    shank.mm.push_back(lengths.shank_mm), thigh.mm.push_back(lengths.thigh_mm);
+    shank.mm.push_back(lengths.shank_mm);
+    thigh.mm.push_back(lengths.thigh_mm);
   }
   std::vector<BodyQuantity> quantities;
   if (!heights_mm.empty()) quantities.push_back({"height_mm", heights_mm});
@@ -52,7 +53,8 @@ std::vector<Assignment> FirstAssignments(const GroupProblem& problem, const std:
   for (const redesign::Subject& person : problem.people) {
     double largest = 0;
     for (const redesign::HumanSample& sample : person.human) largest = std::max(largest, sample.knee_rad);
-    bend.push_back(largest), chance.push_back(static_cast<double>(random() >> 11));
+    bend.push_back(largest);
+    chance.push_back(static_cast<double>(random() >> 11));
   }
   return {InEqualParts(leg_mm, sizes), InEqualParts(bend, sizes), InEqualParts(chance, sizes)};
 }
@@ -101,7 +103,8 @@ linkage::Links LinksWithout(const SizesOutcome& outcome, const GroupProblem& pro
   std::vector<RedesignPoint> points;
   for (std::size_t k = 0; k < outcome.members[size].size(); ++k) {
     if (outcome.members[size][k] == person) continue;
-    others.push_back(outcome.members[size][k]), points.push_back(design.points[k]);
+    others.push_back(outcome.members[size][k]);
+    points.push_back(design.points[k]);
   }
   if (others.empty()) return design.Links();
   const GroupProblem without = ProblemOf(problem, others);
@@ -174,7 +177,8 @@ Fit FitOf(const RedesignProblem& person, const linkage::Links& links, const synt
   const RedesignPoint start = StartPoint(fixed, links);
   Fit fit{false, -2 * kNotHeld_deg, kInfinity, problem::Evaluate(links, person.design).range_deg};
   const auto hold = [&](const RedesignSolve& solve) {
-    fit.holds = true, fit.percent = solve.Misalignment_percent();
+    fit.holds = true;
+    fit.percent = solve.Misalignment_percent();
     fit.value = fit.range_deg - person.penalty_deg_per_mm * solve.prediction->rms_mm;
   };
   if (person.penalty_deg_per_mm > 0) {
@@ -236,7 +240,8 @@ SizesOutcome RunSizes(const GroupProblem& shared, const std::vector<group::Perso
   coarse.Settle(SizeSearch::From::kAllStarts, best);
   outcome.is_settled = SizeSearch(problem, human, links, count, options).Settle(SizeSearch::From::kFound, best);
   Sort(leg_mm, best);
-  outcome.sizes = std::move(best.designs), outcome.size_of = best.assignment;
+  outcome.sizes = std::move(best.designs);
+  outcome.size_of = best.assignment;
   outcome.mean_value_deg =
       NotHeld(best.fits, best.assignment) ? std::numeric_limits<double>::quiet_NaN() : best.Value();
   for (std::size_t k = 0; k < count; ++k) outcome.members.push_back(MembersOf(outcome.size_of, k));

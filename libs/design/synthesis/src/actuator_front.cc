@@ -40,13 +40,13 @@ void Explain(const SynthesisProblem& problem, const OptimizeOptions& options, Ac
 ActuatorCurve ContradictingCurve(SynthesisProblem problem, const problem::LinearActuator& actuator,
                                  const std::vector<double>& shares, const std::string& contradiction) {
   problem.actuator = actuator;
-  ActuatorCurve curve{std::move(problem), {}, contradiction, {contradiction}};
+  ActuatorCurve curve{.problem = std::move(problem), .points = {}, .failing = contradiction, .limits = {contradiction}};
   for (const double share : shares) curve.points.emplace_back().assist = share;
   return curve;
 }
 
 ActuatorCurve FindCurve(SynthesisProblem problem, const std::vector<double>& shares, const OptimizeOptions& options) {
-  ActuatorCurve curve{problem, {}, "", {}};
+  ActuatorCurve curve{.problem = problem, .points = {}, .failing = "", .limits = {}};
   std::optional<linkage::Links> last;
   for (const double share : shares) {
     ThrowIfInterrupted();

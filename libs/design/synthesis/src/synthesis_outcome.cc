@@ -49,7 +49,8 @@ LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Li
 problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem, double tolerance_mm,
                        std::uint64_t seed) {
   problem::YieldOptions options;
-  options.tolerance_mm = tolerance_mm, options.pin_clearance_mm = problem.parts.bore_clearance_mm;
+  options.tolerance_mm = tolerance_mm;
+  options.pin_clearance_mm = problem.parts.bore_clearance_mm;
   options.seed = seed;
   return problem::EstimateYield(links, problem, options);
 }
@@ -57,7 +58,12 @@ problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProb
 MarginPoint SolveMargin(problem::SynthesisProblem problem, double margin_mm, const linkage::Links& last,
                         const SynthesisOptions& options) {
   problem.grashof_margin_mm = problem.singularity_margin_mm = margin_mm;
-  MarginPoint point{margin_mm, false, last, std::numeric_limits<double>::quiet_NaN(), {}, {}};
+  MarginPoint point{.margin_mm = margin_mm,
+                    .solved = false,
+                    .links = last,
+                    .range_deg = std::numeric_limits<double>::quiet_NaN(),
+                    .upper_bound_deg = {},
+                    .yield = {}};
   const LocalSolve best = BestOfFew(problem, last, options.optimize);
   point.solved = best.IsUsable();
   if (!point.solved) return point;

@@ -44,7 +44,7 @@ class Splitter {
     if (first.size() < kLeastOfGroup || second.size() < kLeastOfGroup) return std::nullopt;
     try {
       const CalibrationResult a = Calibrate(first), b = Calibrate(second);
-      return Fitted{groups, a.camera, b.camera, Rms(a, b)};
+      return Fitted{.groups = groups, .first = a.camera, .second = b.camera, .rms_px = Rms(a, b)};
     } catch (const Error&) {
       return std::nullopt;
     }
@@ -86,7 +86,10 @@ class Splitter {
     std::size_t count = 0;
     for (const CalibrationResult* result : {&a, &b})
       for (const auto& view : result->residual_px)
-        for (const Eigen::Vector2d& residual : view) sum += residual.squaredNorm(), ++count;
+        for (const Eigen::Vector2d& residual : view) {
+          sum += residual.squaredNorm();
+          ++count;
+        }
     return std::sqrt(sum / static_cast<double>(count));
   }
 
@@ -174,12 +177,15 @@ std::optional<TwoCameras> FindTwoCameras(const Board& board, const std::vector<B
   cameras.is_certain = result.rms_px > kTwice * best->rms_px;
   std::optional<Fitted> named;  // a view or two that either camera fits do not hide whose groups these are
   for (const Groups& groups : ByNameOrOrder(views, best->groups))
-    if (const auto fitted = splitter.Fit(groups); explains(fitted) && (!named || fitted->rms_px < named->rms_px))
-      named = fitted, cameras.is_certain = true;
+    if (const auto fitted = splitter.Fit(groups); explains(fitted) && (!named || fitted->rms_px < named->rms_px)) {
+      named = fitted;
+      cameras.is_certain = true;
+    }
   if (named) best = named;
   for (std::size_t i = 0; i < views.size(); ++i)
     (best->groups[i] == best->groups.front() ? cameras.first : cameras.second).push_back(i);
-  cameras.rms_one_px = result.rms_px, cameras.rms_two_px = best->rms_px;
+  cameras.rms_one_px = result.rms_px;
+  cameras.rms_two_px = best->rms_px;
   return cameras;
 }
 

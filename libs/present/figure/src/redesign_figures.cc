@@ -29,7 +29,10 @@ class Plot {
   }
   void AddPath(const std::vector<Eigen::Vector2d>& path, const std::string& how) {
     std::vector<double> x, y;
-    for (const Eigen::Vector2d& p : path) x.push_back(p.x()), y.push_back(p.y());
+    for (const Eigen::Vector2d& p : path) {
+      x.push_back(p.x());
+      y.push_back(p.y());
+    }
     AddData(x, y, how);
   }
   // One value per percent; none, no curve.
@@ -68,9 +71,13 @@ void DrawPaths(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) 
   const auto path = [](const redesign::DesignInMotion& design) {
     return design.prediction ? &design.prediction->exo.knee : nullptr;
   };
-  const std::array knees{Knee{&outcome.measured.human.knee, kHumanStyle, "human knee", kHumanLook},
-                         Knee{path(outcome.before), kBeforeStyle, "worn, predicted", kWornLook},
-                         Knee{path(outcome.after), kAfterStyle, AfterName(outcome) + ", predicted", kNewLook}};
+  const std::array knees{
+      Knee{.path = &outcome.measured.human.knee, .style = kHumanStyle, .title = "human knee", .look = kHumanLook},
+      Knee{.path = path(outcome.before), .style = kBeforeStyle, .title = "worn, predicted", .look = kWornLook},
+      Knee{.path = path(outcome.after),
+           .style = kAfterStyle,
+           .title = AfterName(outcome) + ", predicted",
+           .look = kNewLook}};
   Plot plot(figure);
   for (const Knee& knee : knees)
     if (knee.path) plot.AddPath(*knee.path, fmt::format("lines {} title '{}'", knee.style, knee.title));
@@ -173,8 +180,10 @@ void DrawPareto(const redesign::RedesignOutcome& outcome, const std::filesystem:
   Plot plot(figure);
   for (std::size_t i = 0; i < outcome.fronts.size(); ++i) {
     std::vector<double> misalignment, range;
-    for (const redesign::ParetoPoint& point : outcome.fronts[i].points)
-      misalignment.push_back(point.misalignment_percent), range.push_back(point.range_deg);
+    for (const redesign::ParetoPoint& point : outcome.fronts[i].points) {
+      misalignment.push_back(point.misalignment_percent);
+      range.push_back(point.range_deg);
+    }
     if (range.empty()) continue;
     plot.AddData(range, misalignment,
                  fmt::format("linespoints lw 2.5 dt {} pt {} ps 1.3 lc rgb '{}' title '{} program'", kDashes[i % 3],
