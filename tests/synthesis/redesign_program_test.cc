@@ -1,4 +1,4 @@
-// The program that a re-optimisation builds: its derivatives, and that its rows mean what the closed form says.
+// The program that a redesign builds: its derivatives, and that its rows mean what the closed form says.
 #include "lake/redesign/redesign_program.h"
 
 #include <gmock/gmock.h>

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// All that a synthesis and a re-optimisation may write: what is in the way of it is said before the work.
+// All that a synthesis and a redesign may write: what is in the way of it is said before the work.
 std::vector<std::string> ResultNames(std::initializer_list<const char*> own) {
   std::vector<std::string> names = {"summary.json", "design.yaml",     "optimum.csv",     "constraints.csv",
                                     "starts.csv",   "convergence.csv", "convergence.png", "convergence.svg"};

@@ -1,9 +1,9 @@
 // One linkage for several people: the links are common, placement and stroke program are each person's own.
 //
 //   max  RoR - w M(|e_i - h_i|)                X = links; p_i, d_i(s) of each person i
-//   s.t. M(|e_i - h_i| / L_i) <= limit,  and for each person what a re-optimisation asks (redesign_problem.h)
+//   s.t. M(|e_i - h_i| / L_i) <= limit,  and for each person what a redesign asks (redesign_problem.h)
 //
-// M is the largest RMS of those who count, or the mean RMS of all. With one person it is the re-optimisation.
+// M is the largest RMS of those who count, or the mean RMS of all. With one person it is the redesign.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Solves a re-optimisation from one or many starts, and along its Pareto front of range against misalignment.
+// Solves a redesign from one or many starts, and along its Pareto front of range against misalignment.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// What comes of a re-optimisation: its optimum, what that costs, before and after, Pareto fronts, or why there is none.
+// What comes of a redesign: its optimum, what that costs, before and after, Pareto fronts, or why there is none.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace lake::redesign {
 
-// What the re-optimisation starts from.
+// What the redesign starts from.
 struct MeasuredMotion {
   compare::StsCurve human;
   std::optional<compare::StsCurve> exo{};  // of the trial with an exoskeleton

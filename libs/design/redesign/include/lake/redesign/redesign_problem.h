@@ -1,4 +1,4 @@
-// The re-optimisation as data: a synthesis problem, the human's motion, and how far the exoskeleton's knee may be off.
+// A redesign as data: a synthesis problem, the human's motion, and how far the exoskeleton's knee may be off.
 //
 //   max  RoR - w RMS(|e - h|)                  X = links, p = placement, d(s) = stroke program
 //   s.t. RMS(|e - h| / L) <= limit,  every requirement and bound of the synthesis problem,

@@ -1,4 +1,4 @@
-// What a re-optimisation adds to the nonlinear program of a synthesis problem (synthesis_program.h), for each person:
+// What a redesign adds to the nonlinear program of a synthesis problem (synthesis_program.h), for each person:
 //
 //   for s = 0..100 %, d(s) linear between the knots d_k:
 //        |R - M|^2 = d(s)^2, |R - S|^2 = l1^2, alpha2 >= 0, beta2 >= 0     its own phi(s), theta(s) >= standing
@@ -34,7 +34,7 @@ struct RedesignVariables {
   int misalignment_row = -1;  // what bounds this person's misalignment; -1: nothing does
 };
 
-// Builds the program of a re-optimisation for the poses of each exchange step, from the point where the last one ended.
+// Builds the program of a redesign for the poses of each exchange step, from the point where the last one ended.
 class RedesignBuilder : public synthesis::ProgramBuilder {
  public:
   // One point and side for each person; all points have the same links.

@@ -1,4 +1,4 @@
-// The figures of a re-optimisation.
+// The figures of a redesign.
 #pragma once
 
 #include <filesystem>
