@@ -56,7 +56,8 @@ lake::Json DescribePoints(const lake::exchange::PointRecording& points) {
 lake::Json Describe(const std::filesystem::path& path, double mm_per_unit, double rate_hz) {
   if (!lake::exchange::IsAngleTable(path)) {
     lake::exchange::TrialOptions reading;
-    reading.mm_per_unit = mm_per_unit, reading.rate_hz = rate_hz;
+    reading.mm_per_unit = mm_per_unit;
+    reading.rate_hz = rate_hz;
     lake::exchange::CheckNoneIsUnused(path, lake::exchange::UnusedOptions(path, reading));
     return DescribePoints(lake::exchange::ReadPoints(path, mm_per_unit, rate_hz));
   }
@@ -125,7 +126,9 @@ int main(int argc, char** argv) {
   return lake::RunTool("lake-info", "What is inside a trial file: frames, rate, unit, markers and their gaps",
                        "Example:\n  lake-info walking.c3d", std::move(options), argc, argv, [&] {
                          const lake::Json info = Describe(file, mm_per_unit, rate_hz);
-                         json ? fmt::print("{}\n", info.dump(2, ' ', false, lake::Json::error_handler_t::replace))
-                              : Print(info);
+                         if (json)
+                           fmt::print("{}\n", info.dump(2, ' ', false, lake::Json::error_handler_t::replace));
+                         else
+                           Print(info);
                        });
 }

@@ -2,7 +2,7 @@
 # Installs what is needed, builds everything (warnings are errors) in build/test, whatever is configured elsewhere, and passes
 # all tests; none found is a failure.
 # --asan: the same in build/asan with the address and undefined-behaviour sanitizers.
-# --tsan: in build/tsan with the thread sanitizer, the tests of what has threads of its own (the testPreset names them).
+# --tsan: in build/tsan with the thread sanitizer, the tests of what has threads of its own (labelled `threads`).
 # --fuzz: afterwards fuzzes every reader for a minute (about 25 minutes in all, without the build).
 # Other arguments go to ctest: -R NAME, -L fast, …
 set -euo pipefail

@@ -227,7 +227,11 @@ std::string TextOf(const CLI::ParseError& error) {
 SharedOptions AddOptions(CLI::App& cli, OptionList options, const std::string& group) {
   const auto list = std::make_shared<OptionList>(std::move(options));
   CLI::App& level = group.empty() ? cli : *cli.add_option_group(group);
-  for (Option& option : list->All()) option.IsFlag() ? AddFlag(level, option, list) : AddValue(level, option, list);
+  for (Option& option : list->All())
+    if (option.IsFlag())
+      AddFlag(level, option, list);
+    else
+      AddValue(level, option, list);
   return list;
 }
 

@@ -24,7 +24,9 @@ const std::vector<std::set<std::string>> kLayers = {{"portable"},
                                                     {"config"},
                                                     {"board", "bridge", "serial"},
                                                     {"analog", "end_stops", "follow", "motor"},
-                                                    {"controller"},
+                                                    {"state"},
+                                                    {"program"},
+                                                    {"calibration", "controller"},
                                                     {"protocol"},
                                                     {"firmware"},
                                                     {"main", "lake_stroke"}};
@@ -72,7 +74,7 @@ Files With(const std::string& file, const std::string& include) {
 
 TEST(FirmwareLayers, IncludesGoDown) {
   EXPECT_THAT(NotBelow(actuator::FirmwareSources()), IsEmpty());
-  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(16)) << "every module was read";
+  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(19)) << "every module was read";
   EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config"));
 }
 
@@ -87,7 +89,8 @@ TEST(FirmwareLayers, APlantedCircleIsFound) {
 TEST(FirmwareLayers, NoFileDeclaresAnothersFunctions) {
   static const std::regex declaration(
       "^[a-z_0-9]+\\*? "
-      "(board|bridge|serial|analog|end_stops|follow|motor|controller|protocol|firmware)_[a-z_]+\\(.*\\);");
+      "(board|bridge|serial|analog|end_stops|follow|motor|state|program|controller|protocol|firmware)_[a-z_]+\\(.*\\)"
+      ";");
   for (const actuator::FirmwareFile& file : actuator::FirmwareSources()) {
     std::istringstream lines(file.text);
     for (std::string line; std::getline(lines, line);)

@@ -56,6 +56,11 @@ class PtyBoard {
     Later(running_s, [this](HostRig&) { mute_ = true; });
   }
   bool HasReceived() const { return has_received_; }
+  // Until its own clock has gone on for that long.
+  void WaitFor(double board_s) const {
+    const double until_s = time_s_ + board_s;
+    while (time_s_ < until_s) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
 
  private:
   void Take(char c) {
@@ -75,6 +80,7 @@ class PtyBoard {
       const ssize_t count = read(master_, buffer.data(), buffer.size());
       for (ssize_t i = 0; i < count; ++i) Take(buffer[static_cast<std::size_t>(i)]);
       rig_.Run(1e-3 * kTimesFaster);
+      time_s_ = rig_.Time();
       if (since_s < 0 && rig_.Serial().find(",running,") != std::string::npos) since_s = rig_.Time();
       if (act_ && since_s >= 0 && rig_.Time() >= since_s + later_s_) act_(rig_), act_ = nullptr;
       if (!mute_ && rig_.Serial().size() > said)
@@ -88,6 +94,7 @@ class PtyBoard {
   int master_ = -1, slave_ = -1;
   std::string port_, line_;
   std::atomic<bool> ended_ = false, mute_ = false, has_received_ = false;
+  std::atomic<double> time_s_ = 0;
   double later_s_ = 0;
   std::function<void(HostRig&)> act_;
   std::thread thread_;
@@ -110,9 +117,9 @@ class StrokeSessionTest : public HostFirmwareTest {
     return actuator::RunSession(options_, actuator::ReadSketchIdentity(folder_.Path()), folder_ / "log.csv", poll);
   }
 
-  // Whatever happened, nothing moves within a tenth of a second of ours.
+  // Whatever happened, nothing moves a second of the board later.
   void ExpectStill() {
-    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    board_->WaitFor(1);
     board_->End();
     EXPECT_EQ(rig_->Duty(), 0);
     rig_->Run(1);
@@ -172,7 +179,7 @@ TEST_F(StrokeSessionTest, AnInterruptStopsWhateverMoves) {
                    if (state == (while_running ? "running" : "homing") && --left == 0) throw std::runtime_error("^C");
                  }),
                  std::runtime_error);
-    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    board_->WaitFor(1);
   }
   ExpectStill();
 }

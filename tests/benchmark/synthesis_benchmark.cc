@@ -12,6 +12,7 @@
 #include "lake/certificate/certificate.h"
 #include "lake/core/angles.h"
 #include "lake/synthesis/optimize.h"
+#include "linkage/independent_routes.h"
 
 namespace {
 
@@ -60,7 +61,7 @@ struct ClosedForm {
     double value =
         pose ? DegreesFromRadians(pose->theta_rad) : -linkage::FindAssemblyGap(links, self.problem.d_min_mm)->gap_mm;
     if (pose && !gradient.empty()) {
-      const linkage::AngleDerivatives slopes = linkage::AngleDerivativesOf(links, *pose);
+      const AngleDerivatives slopes = AngleDerivativesOf(links, *pose);
       for (int i = 0; i < 6; ++i) {
         const double slope = DegreesFromRadians(slopes.link[i]);
         gradient[i] = std::isfinite(slope) ? slope : 0;

@@ -8,6 +8,7 @@
 
 #include "lake/linkage/linkage.h"
 #include "lake/linkage/loop_equations.h"
+#include "linkage/independent_routes.h"
 #include "linkage/random_links.h"
 
 namespace lake {
@@ -61,7 +62,7 @@ TEST(Derivatives, AnalyticEqualsJet) {
     const auto sample = NextSample(random);
     if (!sample) continue;
     const auto jets = ImplicitDerivatives(JetsAt(sample->links, sample->pose));
-    const linkage::AngleDerivatives analytic = linkage::AngleDerivativesOf(sample->links, sample->pose);
+    const AngleDerivatives analytic = AngleDerivativesOf(sample->links, sample->pose);
     // Rounding only, relative to the largest entry.
     const double tolerance = 1e-10 * std::max(jets.row(1).cwiseAbs().maxCoeff(), 1e-3);
     for (int j = 0; j < 6; ++j) ASSERT_NEAR(analytic.link[j], jets(1, j), tolerance) << testing::TextOf(sample->links);
@@ -78,7 +79,7 @@ TEST(Derivatives, AnalyticEqualsCentralDifferences) {
   for (int i = 0; i < kSamples; ++i) {
     const auto sample = NextSample(random);
     if (!sample) continue;
-    const linkage::AngleDerivatives analytic = linkage::AngleDerivativesOf(sample->links, sample->pose);
+    const AngleDerivatives analytic = AngleDerivativesOf(sample->links, sample->pose);
     constexpr double kStep_mm = 1e-3;
     // Error of the difference: step^2 / 6 times the third derivative. With sines of at least 0.1 and lengths of at
     // least 10 mm that derivative stays below (slope + 1 / 10 mm) * 100 / mm^2, hence 2e-5 relative; rounding adds

@@ -11,6 +11,7 @@
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/linkage/loop_equations.h"
+#include "linkage/independent_routes.h"
 #include "linkage/random_links.h"
 #include "published_links.h"
 
@@ -71,7 +72,7 @@ TEST(ClosedForm, AgreesWithNewtonOnRandomLinkages) {
     const double aside = 0.05 * conditioning * std::min({1.0, links.l1 / links.l2, links.l4 / links.l2});
     const double phi = pose.phi_rad + random.Uniform(-aside, aside),
                  theta = pose.theta_rad + random.Uniform(-aside, aside);
-    const linkage::NewtonPose newton = linkage::SolvePoseNewton(links, stroke, phi, theta);
+    const NewtonPose newton = SolvePoseNewton(links, stroke, phi, theta);
     ASSERT_TRUE(newton.converged);
     EXPECT_NEAR(newton.phi_rad, pose.phi_rad, 1e-9);
     EXPECT_NEAR(newton.theta_rad, pose.theta_rad, 1e-9);
@@ -89,7 +90,7 @@ TEST(ClosedForm, AgreesWithNewtonContinuationAlongThePublishedDesign) {
   double phi = first.phi_rad, theta = first.theta_rad;
   for (int step = 0; step <= kSteps; ++step) {
     const double stroke = kLongest_mm + (kShortest_mm - kLongest_mm) * step / kSteps;
-    const linkage::NewtonPose newton = linkage::SolvePoseNewton(kPublishedLinks, stroke, phi, theta);
+    const NewtonPose newton = SolvePoseNewton(kPublishedLinks, stroke, phi, theta);
     const linkage::Pose pose = linkage::RequirePose(kPublishedLinks, stroke);
     ASSERT_TRUE(newton.converged) << stroke;
     ASSERT_NEAR(newton.phi_rad, pose.phi_rad, 1e-9) << stroke;

@@ -47,22 +47,20 @@ TEST(CameraStance, SidewaysRecordingsAreTurnedByOptionOrToldTheirVertical) {
     EXPECT_LT(KneeOf(trial, "turned").fitted_deg, 0.03);
     EXPECT_LT(SmallestThighDeg(trial, "turned"), 5);
 
-    // A horizontal plumb line: which of its ends is up shows in the leg.
-    for (const std::array<double, 4>& line : {std::array<double, 4>{100, 300, 700, 300}, {700, 300, 100, 300}}) {
-      const Json lined = trial.Track("lined", [&](commands::TrackRunOptions& options) {
-        uncalibrated(options);
-        options.vertical = line;
-      });
-      EXPECT_EQ(lined["sit_to_stands"].size(), 1u);
-      EXPECT_LT(KneeOf(trial, "lined").fitted_deg, 0.03);
-      EXPECT_LT(SmallestThighDeg(trial, "lined"), 5);
+    // A horizontal plumb line: which of its ends is up, another one in each recording, shows in the leg.
+    const Json lined = trial.Track("lined", [&](commands::TrackRunOptions& options) {
+      uncalibrated(options);
+      options.vertical = std::array<double, 4>{100, 300, 700, 300};
+    });
+    EXPECT_EQ(lined["sit_to_stands"].size(), 1u);
+    EXPECT_LT(KneeOf(trial, "lined").fitted_deg, 0.03);
+    EXPECT_LT(SmallestThighDeg(trial, "lined"), 5);
 
-      // What fits the folder again stands on the same ground.
-      commands::GaitRunOptions again;
-      again.trial = trial.folder / "lined";
-      lake::Run run({"lake-gait", "test", Json::object(), trial.folder / "again", true});
-      EXPECT_EQ(commands::RunGait(again, run)["sit_to_stands"].size(), 1u);
-    }
+    // What fits the folder again stands on the same ground.
+    commands::GaitRunOptions again;
+    again.trial = trial.folder / "lined";
+    lake::Run run({"lake-gait", "test", Json::object(), trial.folder / "again", true});
+    EXPECT_EQ(commands::RunGait(again, run)["sit_to_stands"].size(), 1u);
   }
 }
 
@@ -112,10 +110,6 @@ TEST(RollingShutter, IsUndone) {
     trial.Track("global");
     const Json rolling = trial.Track(
         "rolling", [readout = readout_s](commands::TrackRunOptions& options) { options.readout_s = readout; });
-    camera::CameraProfile profile = camera::ReadCameraProfile(trial.folder / "camera.yaml");
-    profile.readout_s = readout_s;
-    camera::WriteCameraProfile(trial.folder / "rolling.yaml", profile);
-    trial.Track("profile", [&](commands::TrackRunOptions& options) { options.camera = trial.folder / "rolling.yaml"; });
     const KneeErrors before = KneeOf(trial, "global"), after = KneeOf(trial, "rolling");
     std::printf("readout %.3f s at %.0f Hz, seed %u: knee %.4f deg, error/sd %.2f; with --readout %.4f deg, %.2f\n",
                 readout_s, rate_hz, seed, before.fitted_deg, before.z_deviation, after.fitted_deg, after.z_deviation);
@@ -124,7 +118,14 @@ TEST(RollingShutter, IsUndone) {
     EXPECT_GT(after.z_deviation, 0.5) << readout_s;
     EXPECT_LT(after.z_deviation, 1.4) << readout_s;
     EXPECT_EQ(rolling["video"]["readout_s"], readout_s);
-    EXPECT_EQ(KneeOf(trial, "profile").fitted_deg, after.fitted_deg);
+    if (seed == 12) {  // the slowest rate: the camera's profile may say it as well
+      camera::CameraProfile profile = camera::ReadCameraProfile(trial.folder / "camera.yaml");
+      profile.readout_s = readout_s;
+      camera::WriteCameraProfile(trial.folder / "rolling.yaml", profile);
+      trial.Track("profile",
+                  [&](commands::TrackRunOptions& options) { options.camera = trial.folder / "rolling.yaml"; });
+      EXPECT_EQ(KneeOf(trial, "profile").fitted_deg, after.fitted_deg);
+    }
     // What was seen stays where it was seen.
     const motion::MarkerRecording tracks = trial.Tracks("rolling");
     for (const motion::MarkerSample& sample : tracks.Find("knee")->samples)

@@ -38,7 +38,7 @@ void FitFolder(RenderedTrial& trial, const std::string& name, motion::MarkerValu
 }
 
 TEST(Measured, IsWhatTheTablesHoldAndWhatFitsStartFrom) {
-  synth::SceneOptions scene = CleanLeg(SeedOfThisTest());
+  synth::SceneOptions scene = CleanLeg(72277);
   scene.duration_s = 4;
   RenderedTrial trial(scene, {.crf = 23});
   trial.Track("trial", [](commands::TrackRunOptions& options) { options.exports = {"trc"}; });

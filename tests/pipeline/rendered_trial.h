@@ -19,15 +19,6 @@
 
 namespace lake {
 
-// Drawn from the test's own name, so that nothing was developed on it.
-inline std::uint64_t SeedOfThisTest() {
-  const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-  std::uint64_t hash = 1469598103934665603u;  // FNV-1a
-  for (const char c : std::string(info->test_suite_name()) + "." + info->name())
-    hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
-  return hash % 100000;
-}
-
 // CleanScene without the room on both sides of the person: the leg is as large, and a picture has half as many pixels.
 inline synth::SceneOptions CleanLeg(std::uint64_t seed) {
   synth::SceneOptions scene = synth::CleanScene(seed);

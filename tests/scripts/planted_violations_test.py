@@ -167,6 +167,15 @@ class Tidy(Project):
         self.assertIn("libs/b.cc", said)
         self.assertNotIn("libs/a.cc:", said)
 
+    def test_of_many_sources_those_that_changed_most(self):
+        self.write("libs/a.cc", "int* pointer = nullptr;\n")
+        self.write("libs/b.cc", "int* other = 0;\nint* another = 0;\n")
+        self.commit()
+        code, said = self.run_script("env", "LAKE_TIDY_MOST=1", "scripts/check_tidy.py")
+        self.assertNotEqual(code, 0, said)
+        self.assertIn("2 sources changed: the 1 with the most changed lines", said)
+        self.assertIn("libs/b.cc", said)
+
 
 if __name__ == "__main__":
     unittest.main()

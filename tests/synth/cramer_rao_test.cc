@@ -1,4 +1,4 @@
-#include "lake/synth/cramer_rao.h"
+#include "synth/cramer_rao.h"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ TEST(CramerRao, IsThatOfALargeSoftDisc) {
   const double amplitude = options.marker_level - options.background_level, sigma = std::sqrt(1.5 * 1.5 + 1.0 / 12);
   const double information =
       amplitude * amplitude / (9 + 1.0 / 12) / (2 * std::sqrt(std::numbers::pi) * sigma) * std::numbers::pi * 25;
-  const Vector2d bound = synth::CramerRaoBound(scene, 0, "ball");
+  const Vector2d bound = CramerRaoBound(scene, 0, "ball");
   EXPECT_NEAR(bound.x() * std::sqrt(information), 1, 0.01);  // curvature: (sigma / radius)² = 0.4 %
   EXPECT_NEAR(bound.y() * std::sqrt(information), 1, 0.01);
 }
@@ -35,7 +35,7 @@ TEST(CramerRao, IsReachedByALinearEstimatorOnRecordedFrames) {
   options.duration_s = 400 / 60.0;
   options.noise = {1.5, 0.02};
   const synth::Scene scene(options, test::OneMarker({0.9, -1.7}));
-  const Vector2d bound = synth::CramerRaoBound(scene, 0, "ball");
+  const Vector2d bound = CramerRaoBound(scene, 0, "ball");
   const cv::Mat ideal = scene.RenderIdeal(0);
   const synth::ImagePatch left = scene.RenderMarker(0, "ball", {-0.05, 0}),
                           right = scene.RenderMarker(0, "ball", {0.05, 0});
@@ -69,18 +69,18 @@ TEST(CramerRao, SaturationCosts) {
   const synth::Scene above(options, test::OneMarker({0, 0}));
   options.exposure = 0.25;  // the same light on a sensor that holds it
   options.background_level = 160, options.marker_level = 1000;
-  const Vector2d clipped = synth::CramerRaoBound(above, 0, "ball");
+  const Vector2d clipped = CramerRaoBound(above, 0, "ball");
   // Unclipped the bound would fall with the amplitude: 210 / 960.
-  EXPECT_GT(clipped.x(), 1.5 * synth::CramerRaoBound(below, 0, "ball").x() * 210 / 960);
+  EXPECT_GT(clipped.x(), 1.5 * CramerRaoBound(below, 0, "ball").x() * 210 / 960);
 }
 
 TEST(CramerRao, RefusesWhatCannotBeSeen) {
   synth::SceneOptions options = test::PlainOptions();
   const synth::Scene scene(options, test::OneMarker({0, 0}));
-  EXPECT_THROW(synth::CramerRaoBound(scene, 0, "elbow"), UsageError);
+  EXPECT_THROW(CramerRaoBound(scene, 0, "elbow"), UsageError);
   options.camera = scene.Profile();
   const synth::Scene outside(options, test::OneMarker({5000, 0}));
-  EXPECT_THROW(synth::CramerRaoBound(outside, 0, "ball"), Error);
+  EXPECT_THROW(CramerRaoBound(outside, 0, "ball"), Error);
 }
 
 }  // namespace

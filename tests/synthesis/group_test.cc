@@ -1,5 +1,5 @@
 // One design for many people against designs for each, other choices of whom to leave out, and its own limits.
-#include "lake/redesign/group.h"
+#include "lake/group/group.h"
 
 #include <gmock/gmock.h>
 
@@ -7,10 +7,10 @@
 #include <set>
 
 #include "compare/closed_form.h"
-#include "group_parts.h"
 #include "lake/core/error.h"
 #include "lake/core/threads.h"
-#include "lake/redesign/reoptimize_program.h"
+#include "lake/group/group_design.h"
+#include "lake/redesign/redesign_program.h"
 #include "synthesis/paper.h"
 
 namespace lake {
@@ -39,8 +39,8 @@ ClosedFormLeg Leg(double shank_mm, double seated_knee_deg) {
   return leg;
 }
 
-std::vector<redesign::PersonMeasured> People(const std::vector<ClosedFormLeg>& legs) {
-  std::vector<redesign::PersonMeasured> people;
+std::vector<group::PersonMeasured> People(const std::vector<ClosedFormLeg>& legs) {
+  std::vector<group::PersonMeasured> people;
   for (const ClosedFormLeg& leg : legs) people.push_back({fmt::format("sub-{}", people.size() + 1), {MakeCurve(leg)}});
   return people;
 }
@@ -48,13 +48,13 @@ std::vector<redesign::PersonMeasured> People(const std::vector<ClosedFormLeg>& l
 const std::vector<ClosedFormLeg> kThree = {Leg(400, 88), Leg(420, 98), Leg(440, 92)};
 
 redesign::GroupProblem WithPeople(redesign::GroupProblem problem, const std::vector<ClosedFormLeg>& legs) {
-  for (const redesign::PersonMeasured& person : People(legs))
+  for (const group::PersonMeasured& person : People(legs))
     problem.people.push_back({person.name, redesign::MakeHumanMotion(person.motion.human)});
   return problem;
 }
 
-redesign::ReoptimizeBuilder BuilderOf(const redesign::GroupProblem& problem) {
-  std::vector<redesign::ReoptimizePoint> points;
+redesign::RedesignBuilder BuilderOf(const redesign::GroupProblem& problem) {
+  std::vector<redesign::RedesignPoint> points;
   for (std::size_t i = 0; i < problem.people.size(); ++i)
     points.push_back(redesign::StartPoint(problem.Of(i), kPublishedLinks));
   return {problem, points, std::vector(problem.people.size(), redesign::ConstantStart::kAtHumanAngle)};
@@ -69,11 +69,11 @@ TEST(GroupProgram, PeopleShareNothingButTheLinks) {
       redesign::GroupProblem problem = WithPeople(SharedProblem(), std::vector(count, kThree[0]));
       problem.across = across;
       problem.shared.penalty_deg_per_mm = 0.5;
-      redesign::ReoptimizeBuilder builder = BuilderOf(problem);
+      redesign::RedesignBuilder builder = BuilderOf(problem);
       const nlp::NonlinearProgram program = builder.Build({}).program;
       std::map<int, std::size_t> owner;
       for (std::size_t i = 0; i < builder.Variables().size(); ++i) {
-        const redesign::ReoptimizeVariables& variables = builder.Variables()[i];
+        const redesign::RedesignVariables& variables = builder.Variables()[i];
         for (const int knot : variables.knots) owner[knot] = i;
         for (const int theta : variables.theta) owner[theta] = i;
         for (const int axis : variables.placement) owner[axis] = i;
@@ -97,7 +97,7 @@ TEST(GroupProgram, NamesAreUnique) {
   problem.shared.penalty_deg_per_mm = 0.5;
   for (const Across across : {Across::kWorst, Across::kMean}) {
     problem.across = across;
-    redesign::ReoptimizeBuilder builder = BuilderOf(problem);
+    redesign::RedesignBuilder builder = BuilderOf(problem);
     const nlp::NonlinearProgram program = builder.Build({}).program;
     std::set<std::string> rows, variables;
     for (const nlp::NlpRow& row : program.Rows()) EXPECT_TRUE(rows.insert(row.name).second) << row.name;
@@ -111,7 +111,7 @@ TEST(GroupProgram, RowsAgreeWithTheClosedForm) {
   redesign::GroupProblem problem = WithPeople(SharedProblem(), kThree);
   for (const Across across : {Across::kWorst, Across::kMean}) {
     problem.across = across;
-    redesign::ReoptimizeBuilder builder = BuilderOf(problem);
+    redesign::RedesignBuilder builder = BuilderOf(problem);
     const nlp::NonlinearProgram program = builder.Build({}).program;
     std::vector<double> x;
     for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start);
@@ -133,16 +133,20 @@ TEST(GroupProgram, RowsAgreeWithTheClosedForm) {
   }
 }
 
+group::GroupDesign DesignOf(const redesign::GroupProblem& problem, const synthesis::OptimizeOptions& options) {
+  return group::DesignGroups({{.problem = problem, .links = {problem.shared.design.start}}}, options).front().nearest;
+}
+
 // Two who move alike need no compromise: the design is the one of either alone.
 TEST(Group, ThatIsAllAlikeGetsTheDesignOfOne) {
-  redesign::ReoptimizeProblem alone = SharedProblem().shared;
+  redesign::RedesignProblem alone = SharedProblem().shared;
   alone.human = redesign::MakeHumanMotion(MakeCurve(kThree[1]));
   const auto one = redesign::FindOptimum(alone, {alone.design.start}, Starts(2));
   ASSERT_TRUE(one);
   for (const Across across : {Across::kWorst, Across::kMean}) {
     redesign::GroupProblem problem = WithPeople(SharedProblem(), {kThree[1], kThree[1]});
     problem.across = across;
-    const redesign::GroupDesign design = redesign::FindGroupDesign(problem, {alone.design.start}, Starts(2));
+    const group::GroupDesign design = DesignOf(problem, Starts(2));
     ASSERT_TRUE(design.is_usable);
     // Small costs are counted once for each person; they move a range by less than this.
     EXPECT_NEAR(design.objective, one->objective, 2e-3);
@@ -153,15 +157,15 @@ TEST(Group, ThatIsAllAlikeGetsTheDesignOfOne) {
 TEST(Group, IsDesignedTheSameBesideAnother) {
   std::vector<ClosedFormLeg> legs;
   for (int i = 0; i < 20; ++i) legs.push_back(Leg(400 + 2 * i, 88 + i % 7));  // many enough to be thinned first
-  redesign::DesignTask task{WithPeople(SharedProblem(), legs), {}, {}, {}};
+  group::DesignTask task{WithPeople(SharedProblem(), legs)};
   task.problem.shared.program.kind = Kind::kConstant, task.problem.shared.fit_placement = false;
   task.problem.shared.max_misalignment_percent.reset(), task.problem.shared.program.duration_s.reset();
   for (const ClosedFormLeg& leg : legs) task.human.push_back(MakeCurve(leg));
   const linkage::Links& start = task.problem.shared.design.start;
-  redesign::DesignTask other = task;
+  group::DesignTask other = task;
   task.links = {start, kPublishedLinks}, other.links = {start};
-  const redesign::GroupDesign alone = redesign::DesignGroups({task}, Starts(4)).front().nearest;
-  const redesign::GroupDesign beside = redesign::DesignGroups({task, other}, Starts(4)).front().nearest;
+  const group::GroupDesign alone = group::DesignGroups({task}, Starts(4)).front().nearest;
+  const group::GroupDesign beside = group::DesignGroups({task, other}, Starts(4)).front().nearest;
   EXPECT_EQ(alone.starts, 2);
   EXPECT_EQ(beside.starts, alone.starts);
   EXPECT_EQ(beside.Links().Values(), alone.Links().Values());
@@ -169,18 +173,18 @@ TEST(Group, IsDesignedTheSameBesideAnother) {
 
 class GroupOfThree : public testing::Test {
  protected:
-  static redesign::GroupOutcome Solve(Across across, double quantile = 1, double limit_percent = 3) {
+  static group::GroupOutcome Solve(Across across, double quantile = 1, double limit_percent = 3) {
     redesign::GroupProblem problem = SharedProblem(limit_percent);
     problem.across = across, problem.quantile = quantile;
-    return redesign::RunGroup(problem, People(kThree), Starts(2));
+    return group::RunGroup(problem, People(kThree), Starts(2));
   }
 
   // With three threads.
-  static const redesign::GroupOutcome& Worst() {
-    static const redesign::GroupOutcome outcome = [] {
+  static const group::GroupOutcome& Worst() {
+    static const group::GroupOutcome outcome = [] {
       const int threads = Threads();
       SetThreads(3);
-      redesign::GroupOutcome worst = Solve(Across::kWorst);
+      group::GroupOutcome worst = Solve(Across::kWorst);
       SetThreads(threads);
       return worst;
     }();
@@ -190,11 +194,11 @@ class GroupOfThree : public testing::Test {
 
 // The limit holds for each by the comparison's own code, and someone is at it; nobody's own design is worse for them.
 TEST_F(GroupOfThree, HoldsTheLimitForEachAndCostsEachSomething) {
-  const redesign::GroupOutcome& outcome = Worst();
+  const group::GroupOutcome& outcome = Worst();
   ASSERT_TRUE(outcome.IsSolved()) << outcome.reason;
   EXPECT_TRUE(outcome.evaluation.IsFeasible());
   double largest = 0, largest_cost = 0;
-  for (const redesign::PersonOutcome& person : outcome.people) {
+  for (const group::PersonOutcome& person : outcome.people) {
     ASSERT_TRUE(person.with_group.misalignment);
     EXPECT_EQ(person.with_group.design.links.Values(), outcome.people[0].with_group.design.links.Values());
     largest = std::max(largest, 100 * person.with_group.misalignment->metrics.relative_rms);
@@ -210,8 +214,7 @@ TEST_F(GroupOfThree, HoldsTheLimitForEachAndCostsEachSomething) {
 // Who has no pull may go, and the links stay where they are; who has one may not.
 TEST_F(GroupOfThree, WithoutWhoeverHasNoPullTheLinksAreTheSame) {
   redesign::GroupProblem problem = WithPeople(SharedProblem(), {kThree[1], Leg(420, 80)});
-  const std::vector<redesign::ReoptimizePoint> start =
-      redesign::FindGroupDesign(problem, {problem.shared.design.start}, Starts(1)).points;
+  const std::vector<redesign::RedesignPoint> start = DesignOf(problem, Starts(1)).points;
   const redesign::GroupSolve both = redesign::SolveFrom(problem, start, {}, true);
   ASSERT_TRUE(both.IsUsable());
   EXPECT_GT(both.pulls[0], 0.1);
@@ -227,10 +230,10 @@ TEST_F(GroupOfThree, WithoutWhoeverHasNoPullTheLinksAreTheSame) {
 
 // The mean is at its limit, and someone above it.
 TEST_F(GroupOfThree, TheMeanIsHeldWhereOneIsAsked) {
-  const redesign::GroupOutcome outcome = Solve(Across::kMean, 1, 2);
+  const group::GroupOutcome outcome = Solve(Across::kMean, 1, 2);
   ASSERT_TRUE(outcome.IsSolved()) << outcome.reason;
   double sum = 0, largest = 0;
-  for (const redesign::PersonOutcome& person : outcome.people) {
+  for (const group::PersonOutcome& person : outcome.people) {
     const double percent = 100 * person.with_group.misalignment->metrics.relative_rms;
     sum += percent / 3, largest = std::max(largest, percent);
   }
@@ -241,14 +244,14 @@ TEST_F(GroupOfThree, TheMeanIsHeldWhereOneIsAsked) {
 
 // Of three one may be left out: the best choice among all is found.
 TEST_F(GroupOfThree, TheQuantileLeavesOutWhoCostsMost) {
-  const redesign::GroupOutcome outcome = Solve(Across::kQuantile, 0.66);
+  const group::GroupOutcome outcome = Solve(Across::kQuantile, 0.66);
   ASSERT_TRUE(outcome.IsSolved());
   double best = 0;
   std::size_t left_out = 0;
   for (std::size_t i = 0; i < kThree.size(); ++i) {
     redesign::GroupProblem problem = WithPeople(SharedProblem(), kThree);
     problem.people[i].counts = false;
-    const redesign::GroupDesign design = redesign::FindGroupDesign(problem, {problem.shared.design.start}, Starts(2));
+    const group::GroupDesign design = DesignOf(problem, Starts(2));
     if (design.is_usable && design.objective > best) best = design.objective, left_out = i;
   }
   EXPECT_NEAR(outcome.design->objective, best, 2e-3);
@@ -256,7 +259,7 @@ TEST_F(GroupOfThree, TheQuantileLeavesOutWhoCostsMost) {
 }
 
 TEST_F(GroupOfThree, WhatCannotBeHeldIsSaidWithTheNames) {
-  const redesign::GroupOutcome outcome = Solve(Across::kWorst, 1, 0.02);
+  const group::GroupOutcome outcome = Solve(Across::kWorst, 1, 0.02);
   ASSERT_FALSE(outcome.IsSolved());
   EXPECT_THAT(outcome.reason, HasSubstr("no design for 3 people keeps the worst misalignment within 0.02 %"));
   EXPECT_THAT(outcome.reason, HasSubstr("sub-"));
@@ -266,7 +269,7 @@ TEST_F(GroupOfThree, WhatCannotBeHeldIsSaidWithTheNames) {
 TEST_F(GroupOfThree, IsTheSameForAnyNumberOfThreads) {
   const int threads = Threads();
   SetThreads(1);
-  const redesign::GroupOutcome one = Solve(Across::kWorst);
+  const group::GroupOutcome one = Solve(Across::kWorst);
   SetThreads(threads);
   EXPECT_EQ(one.nearest.Links().Values(), Worst().nearest.Links().Values());
   for (std::size_t i = 0; i < kThree.size(); ++i) {

@@ -1,5 +1,5 @@
 // Several sizes for many people: who wears which, and the rule for the next person.
-#include "lake/redesign/sizes.h"
+#include "lake/sizes/sizes.h"
 
 #include <gmock/gmock.h>
 
@@ -15,7 +15,7 @@
 namespace lake {
 namespace {
 
-using redesign::BodyQuantity;
+using sizes::BodyQuantity;
 using testing::ElementsAre;
 
 // Losses of people who each lose nothing in their own size and 1 degree in any other.
@@ -33,7 +33,7 @@ TEST(SizeRule, CutsWhereTheLossIsLeast) {
                                                 {"leg_mm", {800, 801, 802, 803, 804, 805}}};
   // By height: sizes 1 1 1 0 0 2, if it were not for one person in the middle.
   const auto losses = LossesFor({1, 2, 1, 0, 0, 1}, 3);
-  const redesign::SizeRule rule = redesign::FindRule(quantities, losses, {0, 1, 2, 3, 4, 5});
+  const sizes::SizeRule rule = sizes::FindRule(quantities, losses, {0, 1, 2, 3, 4, 5});
   EXPECT_EQ(rule.quantity, "height_mm");
   EXPECT_EQ(rule.loss_deg, 0);
   ASSERT_EQ(rule.ranges.size(), 3u);
@@ -65,7 +65,7 @@ TEST(SizeRule, IsTheBestOfAllRules) {
         for (const std::size_t i : people) loss += losses[i][quantity.mm[i] < cut ? low : 1 - low];
         best = std::min(best, loss / 7);
       }
-    const redesign::SizeRule rule = redesign::FindRule({quantity}, losses, people);
+    const sizes::SizeRule rule = sizes::FindRule({quantity}, losses, people);
     EXPECT_NEAR(rule.loss_deg, best, 1e-12);
     double said = 0;
     for (const std::size_t i : people) said += losses[i][rule.SizeFor(quantity.mm[i])];
@@ -73,8 +73,8 @@ TEST(SizeRule, IsTheBestOfAllRules) {
   }
 }
 
-redesign::ReoptimizeProblem WithoutMargins() {
-  redesign::ReoptimizeProblem problem;
+redesign::RedesignProblem WithoutMargins() {
+  redesign::RedesignProblem problem;
   problem.program.kind = linkage::StrokeProgram::Kind::kFree;
   problem.program.duration_s = 25;
   problem.fit_placement = true;
@@ -85,14 +85,14 @@ redesign::ReoptimizeProblem WithoutMargins() {
 // The largest range is where a triangle is flat, which a solve finds to some 1e-9 mm: who can wear that linkage is told
 // so however far they bend.
 TEST(Fit, OfALinkageThatIsFlatAtItsEndIsFound) {
-  redesign::ReoptimizeProblem problem = WithoutMargins();
+  redesign::RedesignProblem problem = WithoutMargins();
   const linkage::Links widest = synthesis::SolveFrom(problem.design, problem.design.start).end;
   double before_percent = 0;
   for (const double seated_deg : {88.0, 92.0, 96.0, 100.0}) {
     ClosedFormLeg leg;
     leg.seated_knee_deg = seated_deg;
     problem.human = redesign::Thinned(redesign::MakeHumanMotion(MakeCurve(leg)), 5);
-    const redesign::Fit fit = redesign::FitOf(problem, widest, {});
+    const sizes::Fit fit = sizes::FitOf(problem, widest, {});
     EXPECT_LT(fit.percent, 3) << seated_deg;  // 25 s are enough to follow nearly all of the motion
     EXPECT_GT(fit.percent, before_percent) << seated_deg;
     EXPECT_EQ(fit.holds, fit.percent <= 2) << seated_deg;
@@ -102,7 +102,7 @@ TEST(Fit, OfALinkageThatIsFlatAtItsEndIsFound) {
 
 // Without margins multipliers are not unique, and of noisy motions most solves stall at 1e-8 deg where all starts meet.
 TEST(Fit, DesignsWithoutMarginsAreFoundWhereAllStartsMeet) {
-  redesign::ReoptimizeProblem problem = WithoutMargins();
+  redesign::RedesignProblem problem = WithoutMargins();
   const linkage::Links widest = synthesis::SolveFrom(problem.design, problem.design.start).end;
   ClosedFormLeg leg;
   leg.seated_knee_deg = 100, leg.shank_mm = 400;
@@ -113,7 +113,7 @@ TEST(Fit, DesignsWithoutMarginsAreFoundWhereAllStartsMeet) {
     problem.human = redesign::Thinned(redesign::MakeHumanMotion(curve), 2);
     std::vector<double> ranges_deg;
     for (const linkage::Links& start : {widest, problem.design.start}) {
-      const redesign::ReoptimizeSolve solve = SolveFrom(problem, StartPoint(problem, start));
+      const redesign::RedesignSolve solve = SolveFrom(problem, StartPoint(problem, start));
       ASSERT_TRUE(solve.IsUsable()) << solve.local.solution.message;
       EXPECT_LE(solve.local.solution.violation, 1e-7);
       ranges_deg.push_back(solve.Range_deg());
@@ -125,22 +125,22 @@ TEST(Fit, DesignsWithoutMarginsAreFoundWhereAllStartsMeet) {
 }
 
 // No other size is better for a person than theirs, but for what a solve is within.
-void ExpectWearsTheBest(redesign::GroupProblem problem, const std::vector<redesign::PersonMeasured>& people,
-                        const redesign::SizesOutcome& outcome, std::size_t person,
+void ExpectWearsTheBest(redesign::GroupProblem problem, const std::vector<group::PersonMeasured>& people,
+                        const sizes::SizesOutcome& outcome, std::size_t person,
                         const synthesis::OptimizeOptions& options) {
-  const redesign::ReoptimizeProblem own = redesign::PutMotionInto(problem.shared, people[person].motion).problem;
+  const redesign::RedesignProblem own = redesign::PutMotionInto(problem.shared, people[person].motion).problem;
   std::vector<double> values;
-  for (const redesign::GroupOutcome& size : outcome.sizes)
-    values.push_back(redesign::FitOf(own, size.nearest.Links(), options).value);
+  for (const group::GroupOutcome& size : outcome.sizes)
+    values.push_back(sizes::FitOf(own, size.nearest.Links(), options).value);
   EXPECT_GE(values[outcome.size_of[person]], *std::ranges::max_element(values) - 0.02);
 }
 
-redesign::SizesOutcome WithThreads(int threads, const redesign::GroupProblem& problem,
-                                   const std::vector<redesign::PersonMeasured>& people,
-                                   const synthesis::OptimizeOptions& options) {
+sizes::SizesOutcome WithThreads(int threads, const redesign::GroupProblem& problem,
+                                const std::vector<group::PersonMeasured>& people,
+                                const synthesis::OptimizeOptions& options) {
   const int before = Threads();
   SetThreads(threads);
-  redesign::SizesOutcome outcome = redesign::RunSizes(problem, people, 2, {}, options);
+  sizes::SizesOutcome outcome = sizes::RunSizes(problem, people, 2, {}, options);
   SetThreads(before);
   return outcome;
 }
@@ -156,19 +156,19 @@ TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
   problem.shared.max_misalignment_percent = 2.5;
   synthesis::OptimizeOptions options;
   options.starts = 1;
-  std::vector<redesign::PersonMeasured> people;
+  std::vector<group::PersonMeasured> people;
   for (const auto& [shank_mm, seated_deg] : {std::pair{390.0, 98.0}, {450.0, 86.0}, {395.0, 97.0}, {455.0, 85.0}}) {
     ClosedFormLeg leg;
     leg.shank_mm = shank_mm, leg.thigh_mm = 0.95 * shank_mm, leg.seated_knee_deg = seated_deg;
     people.push_back({fmt::format("sub-{}", people.size() + 1), {MakeCurve(leg)}});
   }
-  const redesign::SizesOutcome outcome = WithThreads(2, problem, people, options);
+  const sizes::SizesOutcome outcome = WithThreads(2, problem, people, options);
   ASSERT_TRUE(outcome.IsSolved()) << outcome.Reason();
   EXPECT_THAT(outcome.size_of, ElementsAre(0, 1, 0, 1));
   EXPECT_TRUE(outcome.is_settled);
   for (std::size_t i = 0; i < 4; ++i) ExpectWearsTheBest(problem, people, outcome, i, options);
   EXPECT_GT(outcome.sizes[1].evaluation.range_deg, outcome.sizes[0].evaluation.range_deg + 0.5);
-  for (const redesign::GroupOutcome& size : outcome.sizes) EXPECT_LE(size.Misalignment_percent(), 2.5 * (1 + 1e-4));
+  for (const group::GroupOutcome& size : outcome.sizes) EXPECT_LE(size.Misalignment_percent(), 2.5 * (1 + 1e-4));
   EXPECT_EQ(outcome.rule.quantity, "leg_mm");
   ASSERT_EQ(outcome.left_out.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(outcome.left_out[i].size, outcome.size_of[i]);
@@ -176,7 +176,7 @@ TEST(Sizes, FindTwoKindsOfPeopleAndTheRuleBetweenThem) {
   EXPECT_TRUE(outcome.left_out[2].fit.holds);
   EXPECT_TRUE(outcome.left_out[3].fit.holds);
 
-  const redesign::SizesOutcome one_thread = WithThreads(1, problem, people, options);
+  const sizes::SizesOutcome one_thread = WithThreads(1, problem, people, options);
   EXPECT_EQ(one_thread.size_of, outcome.size_of);
   for (std::size_t k = 0; k < 2; ++k)
     EXPECT_EQ(one_thread.sizes[k].nearest.Links().Values(), outcome.sizes[k].nearest.Links().Values());

@@ -24,12 +24,11 @@ double Magnitude(const problem::Assistance& assistance, double AssistanceRow::*c
 
 void AddSolved(const synthesis::ActuatorCurve& curve, const synthesis::FrontPoint& point, CsvWriter& table) {
   const problem::Assistance& assistance = point.assistance;
-  table.Add(Finite(assistance.shortest_s)).Add(Finite(assistance.bound_s));
-  table.Add(Finite(assistance.limiting_percent)).Add(point.is_on_front ? 1 : 0).Add(point.range_deg);
-  table.Add(Finite(Magnitude(assistance, &AssistanceRow::force_n)));
+  table.Add(assistance.shortest_s).Add(assistance.bound_s);
+  table.Add(assistance.limiting_percent).Add(point.is_on_front ? 1 : 0).Add(point.range_deg);
+  table.Add(Magnitude(assistance, &AssistanceRow::force_n));
   if (curve.Actuator().HasSpeed())
-    table.Add(Finite(Magnitude(assistance, &AssistanceRow::speed_mm_s)))
-        .Add(Finite(Magnitude(assistance, &AssistanceRow::power_w)));
+    table.Add(Magnitude(assistance, &AssistanceRow::speed_mm_s)).Add(Magnitude(assistance, &AssistanceRow::power_w));
   else
     table.AddEmpty().AddEmpty();
   table.Add(curve.problem.d_min_mm);
@@ -53,7 +52,7 @@ void WriteActuatorFront(const std::vector<synthesis::ActuatorCurve>& curves, con
         AddSolved(curve, point, table);
       else
         for (int i = 0; i < kOfSolved; ++i) table.AddEmpty();
-      point.solved ? table.AddEmpty() : table.Add(curve.failing);
+      table.Add(point.solved ? "" : curve.failing);
       table.EndRow();
     }
   table.Write(path);

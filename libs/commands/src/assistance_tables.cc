@@ -22,7 +22,7 @@ void WriteTable(const problem::Assistance& assistance, const std::filesystem::pa
   for (const AssistanceRow& row : assistance.rows) {
     for (const double value : {row.percent, row.time_s, row.knee_deg, row.knee_nm, row.stroke_mm, row.moment_arm_mm,
                                row.force_n, row.speed_mm_s, row.power_w, row.least_duration_s})
-      table.Add(Finite(value));
+      table.Add(value);
     table.EndRow();
   }
   table.Write(path);

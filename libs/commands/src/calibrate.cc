@@ -204,7 +204,8 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
 Json RunPlane(const PlaneRunOptions& options, Run& run) {
   if (options.board.empty() == options.points.empty()) throw UsageError("give either --board or --points");
   camera::CameraProfile profile = camera::ReadCameraProfile(options.camera);
-  run.AddInput(options.picture), run.AddInput(options.camera);
+  run.AddInput(options.picture);
+  run.AddInput(options.camera);
   const camera::PlaneFit fit = FitPlaneOf(options, profile.camera);
   for (const std::string& warning : fit.warnings) run.Warn(warning);
   profile.camera_from_plane = fit.camera_from_plane;

@@ -24,10 +24,11 @@ std::string ToString(Verdict verdict) {
 }
 
 void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<CheckItem>& items) {
-  items.push_back({"all_seen_share",
-                   fmt::format("{} markers or more in {:.0f} % of the frames", markers, 100 * c.all_seen_share),
-                   Judge(-c.all_seen_share, -0.95, -0.8),
-                   "put a lamp beside the lens, turn the markers to the camera, keep hands and clothes off them"});
+  items.push_back(
+      {.name = "all_seen_share",
+       .shown = fmt::format("{} markers or more in {:.0f} % of the frames", markers, 100 * c.all_seen_share),
+       .verdict = Judge(-c.all_seen_share, -0.95, -0.8),
+       .advice = "put a lamp beside the lens, turn the markers to the camera, keep hands and clothes off them"});
   const tracking::MarkerFigures& m = c.markers;
   if (!c.leg_seen && m.samples > 0) {
     items.push_back(
@@ -45,16 +46,19 @@ void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<Ch
          "not judged here, lake-track finds them with --detector"});
     return;
   }
-  items.push_back({"radius_px", fmt::format("marker radius {:.1f} px", m.radius_px), Judge(-m.radius_px, -3, -2),
-                   "go nearer, zoom in, record at a higher resolution or use larger markers"});
-  items.push_back({"contrast_over_noise",
-                   fmt::format("contrast {:.0f} grey levels, {:.0f} times the noise where it is faintest", m.contrast,
-                               m.contrast_over_noise),
-                   Judge(-m.contrast_over_noise, -20, -8),
-                   "more light on the markers from beside the lens, a darker room behind them, a lower ISO"});
-  items.push_back({"saturated_share",
-                   fmt::format("{:.0f} % of the markers are white to the limit", 100 * m.saturated_share),
-                   Judge(m.saturated_share, 0.9, 2), "a shorter shutter or less light on the markers"});
+  items.push_back({.name = "radius_px",
+                   .shown = fmt::format("marker radius {:.1f} px", m.radius_px),
+                   .verdict = Judge(-m.radius_px, -3, -2),
+                   .advice = "go nearer, zoom in, record at a higher resolution or use larger markers"});
+  items.push_back({.name = "contrast_over_noise",
+                   .shown = fmt::format("contrast {:.0f} grey levels, {:.0f} times the noise where it is faintest",
+                                        m.contrast, m.contrast_over_noise),
+                   .verdict = Judge(-m.contrast_over_noise, -20, -8),
+                   .advice = "more light on the markers from beside the lens, a darker room behind them, a lower ISO"});
+  items.push_back({.name = "saturated_share",
+                   .shown = fmt::format("{:.0f} % of the markers are white to the limit", 100 * m.saturated_share),
+                   .verdict = Judge(m.saturated_share, 0.9, 2),
+                   .advice = "a shorter shutter or less light on the markers"});
   const std::string shutter = m.shutter_fraction
                                   ? fmt::format("shutter open for {:.0f} % of a frame", 100 * *m.shutter_fraction)
                                   : "shutter not known";
@@ -69,52 +73,64 @@ void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<Ch
 void JudgeMovement(const tracking::RecordingCheck& c, std::vector<CheckItem>& items) {
   if (c.segment_px <= 0) return;
   const double travel = c.travel_px / c.segment_px;
-  items.push_back({"travel_px",
-                   fmt::format("markers travel by {:.0f} px, {:.1f} times a segment's length", c.travel_px, travel),
-                   Judge(-travel, -0.4, -0.2),
-                   "record the whole movement: a second of sitting still, the rise, a second of standing"});
+  items.push_back(
+      {.name = "travel_px",
+       .shown = fmt::format("markers travel by {:.0f} px, {:.1f} times a segment's length", c.travel_px, travel),
+       .verdict = Judge(-travel, -0.4, -0.2),
+       .advice = "record the whole movement: a second of sitting still, the rise, a second of standing"});
 }
 
 void JudgePictures(const tracking::RecordingCheck& c, int markers, std::vector<CheckItem>& items) {
-  items.push_back({"flicker", fmt::format("brightness flickers by {:.1f} %", 100 * c.flicker),
-                   Judge(c.flicker, 0.02, 0.15),
-                   "lamps on direct current, or a shutter of a whole number of the mains' half periods (1/100, 1/50 s; "
-                   "1/120, 1/60 s)"});
-  items.push_back({"clutter",
-                   fmt::format("{:.0f} other bright spots{}", c.clutter,
-                               c.clutter > 0 ? fmt::format(", the strongest {:.0f} % of the faintest marker",
-                                                           100 * c.strongest_clutter)
-                                             : ""),
-                   Judge(c.clutter, 3, 25),
-                   fmt::format("cover lamps and reflections, or leave them out with --crop; {} "
-                               "spots were taken for markers",
-                               markers)});
-  items.push_back({"compression_px",
-                   fmt::format("compression moves markers by {:.2f} px ({:.3f} bits per pixel)", c.compression_px,
-                               c.bits_per_pixel),
-                   Judge(c.compression_px, 0.1, 0.5),
-                   "the camera's highest bit rate, and its own file rather than one sent on"});
+  items.push_back(
+      {.name = "flicker",
+       .shown = fmt::format("brightness flickers by {:.1f} %", 100 * c.flicker),
+       .verdict = Judge(c.flicker, 0.02, 0.15),
+       .advice = "lamps on direct current, or a shutter of a whole number of the mains' half periods (1/100, 1/50 s; "
+                 "1/120, 1/60 s)"});
+  items.push_back({.name = "clutter",
+                   .shown = fmt::format("{:.0f} other bright spots{}", c.clutter,
+                                        c.clutter > 0 ? fmt::format(", the strongest {:.0f} % of the faintest marker",
+                                                                    100 * c.strongest_clutter)
+                                                      : ""),
+                   .verdict = Judge(c.clutter, 3, 25),
+                   .advice = fmt::format("cover lamps and reflections, or leave them out with --crop; {} "
+                                         "spots were taken for markers",
+                                         markers)});
+  items.push_back({.name = "compression_px",
+                   .shown = fmt::format("compression moves markers by {:.2f} px ({:.3f} bits per pixel)",
+                                        c.compression_px, c.bits_per_pixel),
+                   .verdict = Judge(c.compression_px, 0.1, 0.5),
+                   .advice = "the camera's highest bit rate, and its own file rather than one sent on"});
   if (c.tilt_deg)
-    items.push_back({"tilt_deg", fmt::format("the camera is rolled by {:.1f} degrees", *c.tilt_deg),
-                     Judge(std::abs(*c.tilt_deg), 2, 45),
-                     "level the camera at knee height, or give lake-track a plumb line (--vertical)"});
+    items.push_back({.name = "tilt_deg",
+                     .shown = fmt::format("the camera is rolled by {:.1f} degrees", *c.tilt_deg),
+                     .verdict = Judge(std::abs(*c.tilt_deg), 2, 45),
+                     .advice = "level the camera at knee height, or give lake-track a plumb line (--vertical)"});
 }
 
 void JudgeTime(const tracking::RecordingCheck& c, std::vector<CheckItem>& items) {
-  items.push_back({"frame_rate_hz", fmt::format("{:.4g} frames/s", c.video.frame_rate_hz),
-                   Judge(-c.video.frame_rate_hz, -49, -23), "60 frames/s or more"});
+  items.push_back({.name = "frame_rate_hz",
+                   .shown = fmt::format("{:.4g} frames/s", c.video.frame_rate_hz),
+                   .verdict = Judge(-c.video.frame_rate_hz, -49, -23),
+                   .advice = "60 frames/s or more"});
   const double repeated = c.frames_seen > 0 ? static_cast<double>(c.repeated_frames) / c.frames_seen : 0;
-  items.push_back({"repeated_frames",
-                   fmt::format("{} of {} frames seen repeat the one before", c.repeated_frames, c.frames_seen),
-                   Judge(repeated, 0.002, 0.01),
-                   "more light (phones repeat frames in the dark), a fixed frame rate, the camera's own file"});
+  items.push_back(
+      {.name = "repeated_frames",
+       .shown = fmt::format("{} of {} frames seen repeat the one before", c.repeated_frames, c.frames_seen),
+       .verdict = Judge(repeated, 0.002, 0.01),
+       .advice = "more light (phones repeat frames in the dark), a fixed frame rate, the camera's own file"});
   const double dropped =
       c.frames_in_file > 0 ? static_cast<double>(c.dropped_frames) / static_cast<double>(c.frames_in_file) : 0;
-  items.push_back({"dropped_frames",
-                   fmt::format("{} of {} frames are missing by their time stamps", c.dropped_frames, c.frames_in_file),
-                   Judge(dropped, 0.002, 0.02), "a faster memory card, a fixed frame rate, the camera's own file"});
+  items.push_back(
+      {.name = "dropped_frames",
+       .shown = fmt::format("{} of {} frames are missing by their time stamps", c.dropped_frames, c.frames_in_file),
+       .verdict = Judge(dropped, 0.002, 0.02),
+       .advice = "a faster memory card, a fixed frame rate, the camera's own file"});
   if (c.video.interlaced)
-    items.push_back({"interlaced", "interlaced", Verdict::kUnfit, "record progressively (p, not i)"});
+    items.push_back({.name = "interlaced",
+                     .shown = "interlaced",
+                     .verdict = Verdict::kUnfit,
+                     .advice = "record progressively (p, not i)"});
 }
 
 Json ItemsJson(const std::vector<CheckItem>& items) {
@@ -152,7 +168,7 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
 
 overlay::CheckPicture PictureOf(const tracking::RecordingCheck& check, const std::vector<CheckItem>& items,
                                 const std::string& title) {
-  overlay::CheckPicture picture{check.frame, {}, {}, title};
+  overlay::CheckPicture picture{.frame = check.frame, .spots = {}, .lines = {}, .title = title};
   for (const tracking::CheckedSpot& spot : check.spots_shown)
     picture.spots.push_back({spot.position, spot.radius_px, spot.is_marker});
   for (const CheckItem& item : items)
@@ -170,11 +186,11 @@ std::vector<CheckItem> JudgeRecording(const tracking::RecordingCheck& check, int
   JudgePictures(check, markers, items);
   JudgeTime(check, items);
   if (check.leg_seen && check.segment_px > 0)
-    items.push_back({"expected_knee_sd_deg",
-                     fmt::format("knee angle of a single frame: marker noise {} (1 SD)",
-                                 DeviationText(check.knee_sd_deg, 3, " degrees")),
-                     Judge(check.knee_sd_deg, 0.2, 1),
-                     "larger markers, more light, a higher bit rate; the camera nearer"});
+    items.push_back({.name = "expected_knee_sd_deg",
+                     .shown = fmt::format("knee angle of a single frame: marker noise {} (1 SD)",
+                                          DeviationText(check.knee_sd_deg, 3, " degrees")),
+                     .verdict = Judge(check.knee_sd_deg, 0.2, 1),
+                     .advice = "larger markers, more light, a higher bit rate; the camera nearer"});
   return items;
 }
 

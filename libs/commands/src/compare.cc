@@ -65,7 +65,7 @@ compare::TrialTables FitTables(const fs::path& path, const exchange::TrialOption
   fit.facing_option = "--forward";
   if (!trial.recording.Find(kKnee)) fit.markers.knee = knee;
   const gait::LegFitResult result = FitTrial(trial, fit, run);
-  return {path.string(), result.trajectory, result.motion, result.events};
+  return {.name = path.string(), .trajectory = result.trajectory, .motion = result.motion, .events = result.events};
 }
 
 // The marker of the exoskeleton's knee, known only once the trial's markers are.
@@ -127,8 +127,10 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
 }
 
 void WriteComparisonReport(const std::string& title, const Json& comparison, Run& run) {
-  report::Report report{"Misalignment of human and exoskeleton knee", title, run.Warnings(),
-                        report::MisalignmentSections(comparison)};
+  report::Report report{.title = "Misalignment of human and exoskeleton knee",
+                        .subtitle = title,
+                        .warnings = run.Warnings(),
+                        .sections = report::MisalignmentSections(comparison)};
   report.sections.push_back(
       {"Output files",
        {report::Files{{{"misalignment.csv", "the curves, a row per percent"},
@@ -221,7 +223,8 @@ void Describe(CompareRunOptions& o, OptionList& options) {
   exchange::DescribeUnit("exo-unit", o.exo_reading.mm_per_unit, options).Otherwise("as --unit");
   // What is said of the human trial alone holds for both.
   options.Check([&o](const OptionList& list) {
-    o.exo_reading.up = o.human_reading.up, o.exo_reading.forward = o.human_reading.forward;
+    o.exo_reading.up = o.human_reading.up;
+    o.exo_reading.forward = o.human_reading.forward;
     o.exo_reading.values = o.human_reading.values;
     if (!list.IsGiven("exo-map")) o.exo_reading.names = o.human_reading.names;
     if (!list.IsGiven("exo-unit")) o.exo_reading.mm_per_unit = o.human_reading.mm_per_unit;

@@ -17,7 +17,7 @@ namespace lake::commands {
 namespace {
 
 namespace fs = std::filesystem;
-using redesign::PersonOutcome;
+using group::PersonOutcome;
 
 std::vector<std::string> PartsOf(const fs::path& path) {
   std::vector<std::string> parts;
@@ -45,8 +45,8 @@ void AddNothing(CsvWriter& table, int cells) {
 
 // A row of people.csv.
 struct PersonRow {
-  const redesign::GroupOutcome& group;  // of the size that is worn, or of all
-  std::size_t index;                    // in it
+  const group::GroupOutcome& group;  // of the size that is worn, or of all
+  std::size_t index;                 // in it
   std::size_t size = 0;
 };
 
@@ -75,38 +75,28 @@ void AddPerson(const PersonRow& row, CsvWriter& table) {
 }
 
 void WritePeople(const std::vector<PersonRow>& rows, Run& run) {
-  std::vector<std::string> header = {"person",
-                                     "size",
-                                     "counts",
-                                     "shank_mm",
-                                     "thigh_mm",
-                                     "range_deg",
-                                     "misalignment_percent",
-                                     "misalignment_rms_mm",
-                                     "price_share",
-                                     "placement_x_mm",
-                                     "placement_y_mm",
-                                     "program_duration_s",
-                                     "stroke_from_mm",
-                                     "stroke_to_mm",
-                                     "cost_deg",
-                                     "own_range_deg",
-                                     "own_misalignment_percent",
-                                     "own_misalignment_rms_mm"};
+  std::vector<std::string> header = SplitText(
+      "person,size,counts,shank_mm,thigh_mm,range_deg,misalignment_percent,misalignment_rms_mm,price_share,placement_x_"
+      "mm,placement_y_mm,program_duration_s,stroke_from_mm,stroke_to_mm,cost_deg,own_range_deg,own_misalignment_"
+      "percent,own_misalignment_rms_mm",
+      ',');
   std::ranges::copy(LinkColumns("own_"), std::back_inserter(header));
   CsvWriter table(header);
-  for (const PersonRow& row : rows) AddPerson(row, table), table.EndRow();
+  for (const PersonRow& row : rows) {
+    AddPerson(row, table);
+    table.EndRow();
+  }
   table.Write(run.Result("people.csv"));
 }
 
-std::vector<PersonRow> RowsOf(const redesign::GroupOutcome& outcome) {
+std::vector<PersonRow> RowsOf(const group::GroupOutcome& outcome) {
   std::vector<PersonRow> rows;
   for (std::size_t i = 0; i < outcome.people.size(); ++i) rows.push_back({outcome, i});
   return rows;
 }
 
 // In the order in which people were given.
-std::vector<PersonRow> RowsOf(const redesign::SizesOutcome& outcome) {
+std::vector<PersonRow> RowsOf(const sizes::SizesOutcome& outcome) {
   std::vector<PersonRow> rows;
   for (std::size_t i = 0; i < outcome.size_of.size(); ++i) {
     const std::size_t size = outcome.size_of[i];
@@ -117,10 +107,11 @@ std::vector<PersonRow> RowsOf(const redesign::SizesOutcome& outcome) {
 }
 
 // The links, and of each who wears them placement and program.
-void WriteDesigns(const redesign::GroupOutcome& outcome, const std::string& name, Run& run) {
+void WriteDesigns(const group::GroupOutcome& outcome, const std::string& name, Run& run) {
   const std::string remark = outcome.IsSolved() ? "" : ": NOT A SOLUTION: " + outcome.reason;
   linkage::Design common;
-  common.links = outcome.nearest.Links(), common.d_min_mm = outcome.problem.shared.design.d_min_mm;
+  common.links = outcome.nearest.Links();
+  common.d_min_mm = outcome.problem.shared.design.d_min_mm;
   WriteOptimumDesign(common, outcome.evaluation, remark, run.Result(name));
   for (std::size_t i = 0; i < outcome.people.size(); ++i) {
     const PersonOutcome& person = outcome.people[i];
@@ -135,12 +126,12 @@ std::string SizeFile(std::size_t size) {
   return fmt::format("sizes/{}/design.yaml", size + 1);
 }
 
-void WriteSizeTables(const redesign::SizesOutcome& outcome, Run& run) {
+void WriteSizeTables(const sizes::SizesOutcome& outcome, Run& run) {
   std::vector<std::string> header = {"size", "people", "range_deg", "misalignment_percent"};
   std::ranges::copy(LinkColumns(""), std::back_inserter(header));
   CsvWriter sizes(header);
   for (std::size_t k = 0; k < outcome.sizes.size(); ++k) {
-    const redesign::GroupOutcome& size = outcome.sizes[k];
+    const group::GroupOutcome& size = outcome.sizes[k];
     sizes.Add(static_cast<int>(k) + 1).Add(static_cast<int>(size.people.size())).Add(size.evaluation.range_deg);
     sizes.Add(size.Misalignment_percent());
     AddLinkCells(sizes, size.nearest.Links());
@@ -148,17 +139,17 @@ void WriteSizeTables(const redesign::SizesOutcome& outcome, Run& run) {
   }
   sizes.Write(run.Result("sizes.csv"));
   CsvWriter rule({"quantity", "from_mm", "to_mm", "size"});
-  for (const redesign::RuleRange& range : outcome.rule.ranges) {
-    rule.Add(outcome.rule.quantity).Add(Finite(range.from_mm)).Add(Finite(range.to_mm));
+  for (const sizes::RuleRange& range : outcome.rule.ranges) {
+    rule.Add(outcome.rule.quantity).Add(range.from_mm).Add(range.to_mm);
     rule.Add(static_cast<int>(range.size) + 1).EndRow();
   }
   rule.Write(run.Result("size_rule.csv"));
   CsvWriter left_out({"person", "size", "size_by_rule", "holds", "misalignment_percent", "range_deg"});
   const std::vector<PersonRow> rows = RowsOf(outcome);
   for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
-    const redesign::LeftOut& of = outcome.left_out[i];
+    const sizes::LeftOut& of = outcome.left_out[i];
     left_out.Add(rows[i].group.people[rows[i].index].name).Add(static_cast<int>(outcome.size_of[i]) + 1);
-    left_out.Add(static_cast<int>(of.size) + 1).Add(of.fit.holds ? 1 : 0).Add(Finite(of.fit.percent));
+    left_out.Add(static_cast<int>(of.size) + 1).Add(of.fit.holds ? 1 : 0).Add(of.fit.percent);
     left_out.Add(of.fit.range_deg).EndRow();
   }
   left_out.Write(run.Result("left_out.csv"));
@@ -206,7 +197,7 @@ Json PeopleJson(const std::vector<PersonRow>& rows) {
 }
 
 void WarnOfGroup(const std::vector<PersonRow>& rows, Run& run) {
-  const redesign::ReoptimizeProblem& shared = rows.front().group.problem.shared;
+  const redesign::RedesignProblem& shared = rows.front().group.problem.shared;
   if (!shared.max_misalignment_percent && shared.penalty_deg_per_mm == 0)
     run.Warn(
         "neither --max-misalignment nor --penalty is given, so only the range is optimised; give one of them to limit "
@@ -225,14 +216,16 @@ void WarnOfGroup(const std::vector<PersonRow>& rows, Run& run) {
 }
 
 // By which quantity, and what became of those who were left out.
-Json RuleJson(const redesign::SizesOutcome& outcome) {
+Json RuleJson(const sizes::SizesOutcome& outcome) {
   Json ranges = Json::array();
-  for (const redesign::RuleRange& range : outcome.rule.ranges)
+  for (const sizes::RuleRange& range : outcome.rule.ranges)
     ranges.push_back(
         {{"from_mm", NumberOrNull(range.from_mm)}, {"to_mm", NumberOrNull(range.to_mm)}, {"size", range.size + 1}});
   std::size_t same = 0, holds = 0;
-  for (std::size_t i = 0; i < outcome.left_out.size(); ++i)
-    same += outcome.left_out[i].size == outcome.size_of[i], holds += outcome.left_out[i].fit.holds;
+  for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
+    same += outcome.left_out[i].size == outcome.size_of[i];
+    holds += outcome.left_out[i].fit.holds;
+  }
   // Where somebody's limit is not held there is no mean in degrees.
   const Json loss_deg = outcome.rule_not_held ? Json() : Json(outcome.rule.loss_deg);
   return {{"quantity", outcome.rule.quantity},
@@ -288,7 +281,7 @@ std::vector<std::string> GroupResultNames(const std::vector<std::string>& people
   return names;
 }
 
-Json WriteGroup(const redesign::GroupOutcome& outcome, Run& run) {
+Json WriteGroup(const group::GroupOutcome& outcome, Run& run) {
   const std::vector<PersonRow> rows = RowsOf(outcome);
   WriteDesigns(outcome, "design.yaml", run);
   WritePeople(rows, run);
@@ -312,11 +305,11 @@ Json WriteGroup(const redesign::GroupOutcome& outcome, Run& run) {
   return summary;
 }
 
-Json WriteSizes(const redesign::SizesOutcome& outcome, Run& run) {
+Json WriteSizes(const sizes::SizesOutcome& outcome, Run& run) {
   const std::vector<PersonRow> rows = RowsOf(outcome);
   Json sizes = Json::array();
   for (std::size_t k = 0; k < outcome.sizes.size(); ++k) {
-    const redesign::GroupOutcome& size = outcome.sizes[k];
+    const group::GroupOutcome& size = outcome.sizes[k];
     WriteDesigns(size, SizeFile(k), run);
     sizes.push_back({{"size", k + 1},
                      {"people", size.people.size()},
@@ -331,7 +324,7 @@ Json WriteSizes(const redesign::SizesOutcome& outcome, Run& run) {
     run.Warn(
         "who wears which size had not settled after ten rounds of designs and assignments: some would be better off "
         "with another size; more --starts or fewer --sizes help");
-  const redesign::ReoptimizeProblem& shared = outcome.sizes.front().problem.shared;
+  const redesign::RedesignProblem& shared = outcome.sizes.front().problem.shared;
   Json summary = {{"status", outcome.IsSolved() ? "solved" : "infeasible"},
                   {"mean_value_deg", NumberOrNull(outcome.mean_value_deg)},
                   {"settled", outcome.is_settled},

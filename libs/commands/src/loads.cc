@@ -47,7 +47,10 @@ Vector3d MeanAnkle(const exchange::PointRecording& points) {
   Vector3d sum = Vector3d::Zero();
   int count = 0;
   for (const Vector3d& position : points.Find("ankle")->positions)
-    if (position.allFinite()) sum += position / kMmPerM, ++count;
+    if (position.allFinite()) {
+      sum += position / kMmPerM;
+      ++count;
+    }
   return sum / std::max(count, 1);
 }
 
@@ -196,8 +199,11 @@ Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& option
                 {"peak", PeakJson(rise, mass_kg)}, {"knee_energy_j", rise.knee_energy_j}};
     rises.push_back(std::move(one));
     if (!std::isfinite(rise.peak.knee_nm)) continue;
-    peaks.push_back(rise.peak.knee_nm), low.push_back(rise.peak.low_nm), high.push_back(rise.peak.high_nm);
-    angles.push_back(rise.peak.knee_deg), energies.push_back(rise.knee_energy_j);
+    peaks.push_back(rise.peak.knee_nm);
+    low.push_back(rise.peak.low_nm);
+    high.push_back(rise.peak.high_nm);
+    angles.push_back(rise.peak.knee_deg);
+    energies.push_back(rise.knee_energy_j);
   }
   Json json;
   json["method"] = Method(result);
@@ -253,7 +259,9 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
   std::optional<loads::GroundForces> forces;
   if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
   loads::LegPathOptions path;
-  path.facing = fit.motion.facing, path.up = fit.up, path.markers = options.fit.markers;
+  path.facing = fit.motion.facing;
+  path.up = fit.up;
+  path.markers = options.fit.markers;
   const loads::LoadsResult result =
       loads::FindLoads(fit.trajectory, fit.motion, fit.events, path, options.loads, forces);
   for (const std::string& warning : result.warnings) run.Warn(warning);

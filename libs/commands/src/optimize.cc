@@ -11,13 +11,13 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/figure/assistance_figures.h"
-#include "lake/figure/reoptimize_figures.h"
+#include "lake/figure/redesign_figures.h"
 #include "lake/figure/synthesis_figures.h"
 #include "lake/loads/anthropometry.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/redesign/program_options.h"
-#include "lake/redesign/reoptimize_outcome.h"
+#include "lake/redesign/redesign_outcome.h"
 #include "lake/synthesis/synthesis_options.h"
 #include "png_and_svg.h"
 
@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// All that a synthesis and a re-optimisation may write: what is in the way of it is said before the work.
+// All that a synthesis and a redesign may write: what is in the way of it is said before the work.
 std::vector<std::string> ResultNames(std::initializer_list<const char*> own) {
   std::vector<std::string> names = {"summary.json", "design.yaml",     "optimum.csv",     "constraints.csv",
                                     "starts.csv",   "convergence.csv", "convergence.png", "convergence.svg"};
@@ -123,8 +123,12 @@ redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::
   const fs::path& comparison = options.comparisons[i];
   const compare::ComparedCurves curves = compare::ReadComparison(comparison);
   run.AddInput(fs::is_directory(comparison) ? comparison / "comparison.json" : comparison);
-  measured.human = curves.human, measured.noise_floor_percent = 100 * curves.noise_floor_relative;
-  if (!options.human_only) measured.exo = curves.exo, measured.spike = curves.spike;
+  measured.human = curves.human;
+  measured.noise_floor_percent = 100 * curves.noise_floor_relative;
+  if (!options.human_only) {
+    measured.exo = curves.exo;
+    measured.spike = curves.spike;
+  }
   return measured;
 }
 
@@ -136,14 +140,15 @@ redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::
     measured = ReadCompared(options, i, run);
   if (!options.worn.empty()) {
     const fs::path& worn = options.worn[options.worn.size() == 1 ? 0 : i];
-    measured.worn = linkage::ReadDesign(worn), measured.worn_file = worn.string();
+    measured.worn = linkage::ReadDesign(worn);
+    measured.worn_file = worn.string();
     if (i == 0 || options.worn.size() > 1) run.AddInput(worn);
   }
   return measured;
 }
 
-redesign::ReoptimizeProblem ProblemOf(const OptimizeRunOptions& options) {
-  redesign::ReoptimizeProblem problem;
+redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
+  redesign::RedesignProblem problem;
   const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
   problem.design = problem::WithActuator(options.problem);
   problem.program = reoptimize.program;
@@ -157,7 +162,7 @@ redesign::ReoptimizeProblem ProblemOf(const OptimizeRunOptions& options) {
   return problem;
 }
 
-void CheckReoptimize(const OptimizeRunOptions& options) {
+void CheckRedesign(const OptimizeRunOptions& options) {
   const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
   if (options.problem.assist && !options.problem.profile)
     throw UsageError("--assist is a share of what the knee needs: give that with --profile loads.json");
@@ -189,8 +194,8 @@ void CheckReoptimize(const OptimizeRunOptions& options) {
         "--round cannot be combined with a human's motion: rounding the links would change the misalignment");
 }
 
-redesign::ReoptimizeOptions ReoptimizeOptionsOf(const OptimizeRunOptions& options) {
-  redesign::ReoptimizeOptions reoptimize;
+redesign::RedesignOptions RedesignOptionsOf(const OptimizeRunOptions& options) {
+  redesign::RedesignOptions reoptimize;
   reoptimize.optimize = options.study.optimize;
   reoptimize.pareto_points = options.reoptimize->pareto_points;
   reoptimize.certify_gap_deg = options.study.certify_gap_deg;
@@ -200,7 +205,7 @@ redesign::ReoptimizeOptions ReoptimizeOptionsOf(const OptimizeRunOptions& option
   return reoptimize;
 }
 
-void DrawFigures(const redesign::ReoptimizeOutcome& outcome, Run& run) {
+void DrawFigures(const redesign::RedesignOutcome& outcome, Run& run) {
   DrawPngAndSvg("convergence", run, [&](const fs::path& path) {
     figure::DrawConvergence(outcome.result.BestOrFirst().local, "range less penalties (°)", -1, path);
   });
@@ -235,15 +240,16 @@ std::vector<double> ReadHeights(const fs::path& participants, const std::vector<
   return heights_mm;
 }
 
-Json RunForGroup(const OptimizeRunOptions& options, const redesign::ReoptimizeProblem& shared, Run& run) {
+Json RunForGroup(const OptimizeRunOptions& options, const redesign::RedesignProblem& shared, Run& run) {
   CheckForGroup(options);
   ReoptimizeRunOptions reoptimize = *options.reoptimize;
-  redesign::GroupProblem problem{shared, {}, reoptimize.across, reoptimize.quantile};
+  redesign::GroupProblem problem{
+      .shared = shared, .people = {}, .across = reoptimize.across, .quantile = reoptimize.quantile};
   problem.CheckOptions();
-  if (reoptimize.sizes) redesign::CheckSizes(problem, *reoptimize.sizes, reoptimize.comparisons.size());
+  if (reoptimize.sizes) sizes::CheckSizes(problem, *reoptimize.sizes, reoptimize.comparisons.size());
   const std::vector<std::string> names =
       reoptimize.people.empty() ? NamesOfFolders(reoptimize.comparisons) : reoptimize.people;
-  std::vector<redesign::PersonMeasured> people;
+  std::vector<group::PersonMeasured> people;
   for (std::size_t i = 0; i < names.size(); ++i) people.push_back({names[i], ReadMeasured(reoptimize, i, run)});
   if (!reoptimize.participants.empty()) reoptimize.heights_mm = ReadHeights(reoptimize.participants, names, run);
   run.Begin(GroupResultNames(names, reoptimize.sizes));
@@ -253,19 +259,19 @@ Json RunForGroup(const OptimizeRunOptions& options, const redesign::ReoptimizePr
     throw SolverError(reason);
   };
   if (reoptimize.sizes) {
-    const redesign::SizesOutcome outcome =
-        redesign::RunSizes(problem, people, *reoptimize.sizes, reoptimize.heights_mm, options.study.optimize);
+    const sizes::SizesOutcome outcome =
+        sizes::RunSizes(problem, people, *reoptimize.sizes, reoptimize.heights_mm, options.study.optimize);
     return finish(outcome, WriteSizes(outcome, run), outcome.Reason());
   }
-  const redesign::GroupOutcome outcome = redesign::RunGroup(problem, people, options.study.optimize);
+  const group::GroupOutcome outcome = group::RunGroup(problem, people, options.study.optimize);
   return finish(outcome, WriteGroup(outcome, run), outcome.reason);
 }
 
-Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
-  CheckReoptimize(options);
-  const redesign::ReoptimizeOptions reoptimize_options = ReoptimizeOptionsOf(options);
-  reoptimize_options.Check();
-  const redesign::ReoptimizeProblem problem = ProblemOf(options);
+Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
+  CheckRedesign(options);
+  const redesign::RedesignOptions redesign_options = RedesignOptionsOf(options);
+  redesign_options.Check();
+  const redesign::RedesignProblem problem = ProblemOf(options);
   problem.CheckOptions();
   if (options.reoptimize->comparisons.size() > 1 || options.reoptimize->sizes)
     return RunForGroup(options, problem, run);
@@ -274,8 +280,8 @@ Json RunReoptimize(const OptimizeRunOptions& options, Run& run) {
                                                 "predicted/comparison.json", "predicted/misalignment.csv"});
   if (options.reoptimize->pareto_points) names.insert(names.end(), {"pareto.csv", "pareto.png", "pareto.svg"});
   run.Begin(names);
-  const redesign::ReoptimizeOutcome outcome = redesign::RunReoptimization(problem, measured, reoptimize_options);
-  Json summary = WriteReoptimization(outcome, run);
+  const redesign::RedesignOutcome outcome = redesign::RunRedesign(problem, measured, redesign_options);
+  Json summary = WriteRedesign(outcome, run);
   DrawFigures(outcome, run);
   if (!outcome.IsSolved()) {
     run.WriteSummary(summary);
@@ -293,7 +299,7 @@ Json RunOptimize(const OptimizeRunOptions& options, Run& run) {
   if (options.problem.profile) run.AddInput(options.problem.profile->file);
   if (options.problem.actuator && !options.problem.actuator->file.empty()) run.AddInput(options.problem.actuator->file);
   if (!options.actuators.empty()) return RunActuatorFront(options, run);
-  return options.reoptimize ? RunReoptimize(options, run) : RunSynthesis(options, run);
+  return options.reoptimize ? RunRedesign(options, run) : RunSynthesis(options, run);
 }
 
 void Describe(ReoptimizeRunOptions& o, OptionList& options) {

@@ -34,8 +34,11 @@ std::optional<double> OptimumView::PriceOf(const synthesis::LimitId& id) const {
 void WriteOptimum(const OptimumView& optimum, const std::vector<LimitedRow>& others, Run& run) {
   std::vector<LimitedRow> rows;
   for (int i = 0; i < 6; ++i)
-    rows.push_back({problem::LinkName(i), optimum.links_before.Values()[i], optimum.links_after.Values()[i],
-                    optimum.problem.bounds[i], optimum.PriceOf({synthesis::LimitId::On::kLink, i})});
+    rows.push_back({.name = problem::LinkName(i),
+                    .before = optimum.links_before.Values()[i],
+                    .after = optimum.links_after.Values()[i],
+                    .limits = optimum.problem.bounds[i],
+                    .price = optimum.PriceOf({synthesis::LimitId::On::kLink, i})});
   rows.insert(rows.end(), others.begin(), others.end());
   CsvWriter table({"variable", "initial", "optimum", "lower", "upper", "active", "multiplier"});
   for (const LimitedRow& row : rows) {
@@ -51,8 +54,12 @@ void WriteConstraints(const OptimumView& optimum, const std::vector<LimitedRow>&
     const problem::Requirement& requirement = check.requirement;
     problem::Bounds limits{std::nan(""), std::nan("")};
     (requirement.is_lower_limit ? limits.lower : limits.upper) = requirement.limit;
-    rows.push_back({requirement.name, optimum.before.CheckOf(requirement.id).value, check.value, limits,
-                    optimum.PriceOf(synthesis::LimitOn(requirement.id)), requirement.unit});
+    rows.push_back({.name = requirement.name,
+                    .before = optimum.before.CheckOf(requirement.id).value,
+                    .after = check.value,
+                    .limits = limits,
+                    .price = optimum.PriceOf(synthesis::LimitOn(requirement.id)),
+                    .unit = requirement.unit});
   }
   rows.insert(rows.end(), others.begin(), others.end());
   CsvWriter table({"constraint", "initial", "optimum", "lower", "upper", "active", "multiplier", "unit"});
@@ -82,7 +89,10 @@ void WriteStarts(const std::vector<StartRow>& starts, Run& run) {
     const synthesis::LocalSolve& solve = row.solve;
     table.Add(static_cast<int>(i));
     AddLinkCells(table, solve.start);
-    if (row.basin) *row.basin < 0 ? table.AddEmpty() : table.Add(*row.basin);
+    if (row.basin && *row.basin < 0)
+      table.AddEmpty();
+    else if (row.basin)
+      table.Add(*row.basin);
     table.Add(NameOf(solve.solution.status));
     if (row.motion) table.Add(row.motion->is_usable ? 1 : 0).Add(row.motion->objective_deg);
     table.Add(solve.evaluation.range_deg);

@@ -1,4 +1,4 @@
-// The tables and the parts of a summary that a synthesis and a re-optimisation both write.
+// The tables and the parts of a summary that a synthesis and a redesign both write.
 #pragma once
 
 #include <optional>

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "lake/redesign/reoptimize_outcome.h"
+#include "lake/redesign/redesign_outcome.h"
 
 namespace lake::commands {
 

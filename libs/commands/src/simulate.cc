@@ -97,8 +97,8 @@ void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& l
     const Row row(look.links, stroke, look.knee_torque_nm);
     table.Add(stroke)
         .Add(DegreesFromRadians(row.pose.theta_rad))
-        .Add(Finite(DegreesFromRadians(row.transmission.radians_per_mm)));
-    table.Add(Finite(row.transmission.moment_arm_mm)).Add(Finite(row.force_n));
+        .Add(DegreesFromRadians(row.transmission.radians_per_mm));
+    table.Add(row.transmission.moment_arm_mm).Add(row.force_n);
     table.Add(DegreesFromRadians(row.transmission.transmission_rad))
         .Add(DegreesFromRadians(row.transmission.actuator_rad));
     table.Add(static_cast<int>(row.pose.branch)).EndRow();
@@ -137,7 +137,7 @@ void WritePinForces(const std::filesystem::path& path, const std::vector<figure:
     table.Add(stroke).Add(knee_deg);
     for (const double force : {forces.actuator_n, forces.coupler_n, forces.bar_n, forces.KneePin(), forces.ThighPin(),
                                forces.TipPin(), forces.ShankPin(), forces.Mount()})
-      table.Add(Finite(force));
+      table.Add(force);
     table.EndRow();
   }
   table.Write(path);
@@ -146,19 +146,24 @@ void WritePinForces(const std::filesystem::path& path, const std::vector<figure:
 void WriteStrength(const std::filesystem::path& path, const std::vector<parts::StrengthCheck>& checks) {
   CsvWriter table({"part", "check", "knee_deg", "load", "unit", "stress_mpa", "allowed", "safety"});
   for (const parts::StrengthCheck& check : checks) {
-    table.Add(check.part).Add(check.check).Add(check.knee_deg).Add(check.load);
-    table.Add(parts::UnitOf(check)).Add(check.stress_mpa).Add(check.allowed).Add(check.Safety()).EndRow();
+    table.Add(check.part).Add(check.check).Add(check.KneeAngle_deg()).Add(check.load);
+    table.Add(check.Unit()).Add(check.stress_mpa).Add(check.allowed).Add(check.Safety()).EndRow();
   }
   table.Write(path);
 }
 
-// The check with the least safety factor; null without a load.
-Json WeakestJson(const std::vector<parts::StrengthCheck>& checks) {
-  const auto weakest = std::min_element(checks.begin(), checks.end(),
-                                        [](const auto& a, const auto& b) { return a.Safety() < b.Safety(); });
-  if (weakest == checks.end()) return nullptr;
-  return {
-      {"safety", weakest->Safety()}, {"part", weakest->part}, {"check", weakest->check}, {"at_deg", weakest->knee_deg}};
+// The check with the least safety factor; nullptr without a load.
+const parts::StrengthCheck* WeakestOf(const std::vector<parts::StrengthCheck>& checks) {
+  const auto weakest = std::ranges::min_element(checks, {}, &parts::StrengthCheck::Safety);
+  return weakest == checks.end() ? nullptr : &*weakest;
+}
+
+Json WeakestJson(const parts::StrengthCheck* weakest) {
+  if (!weakest) return nullptr;
+  return {{"safety", weakest->Safety()},
+          {"part", weakest->part},
+          {"check", weakest->check},
+          {"at_deg", weakest->KneeAngle_deg()}};
 }
 
 // How far from in line: coupler and shank link, actuator and slewing bar.
@@ -171,31 +176,24 @@ double DeadPointAngle_deg(const linkage::Links& links, const linkage::Pose& pose
 }
 
 // What would help. Near a dead point forces grow without bound, and no plate is thick enough.
-std::string AdviceOn(const Json& weakest, const linkage::Links& links, const std::vector<parts::LoadedPose>& loaded) {
-  const double at_deg = weakest["at_deg"].get<double>();
-  const bool is_rod = weakest["check"].get<std::string>().starts_with("buckling");
-  const bool is_bending = weakest["check"].get<std::string>().starts_with("bending");
+std::string AdviceOn(const parts::StrengthCheck& weakest, const linkage::Links& links) {
+  using Kind = parts::StrengthCheck::Kind;
   constexpr double kNear_deg = 10;
-  for (const parts::LoadedPose& at : loaded) {
-    if (is_bending || DegreesFromRadians(at.pose.theta_rad) != at_deg) continue;
-    if (const double off_deg = DeadPointAngle_deg(links, at.pose); off_deg < kNear_deg)
-      return fmt::format(
-          "the linkage is {:.2g}° from a dead point there, where forces grow without bound: end its range before that, "
-          "or optimise with a transmission angle or a safety factor (lake optimize --min-transmission, "
-          "--safety-factor)",
-          off_deg);
-  }
-  return is_rod ? "a thicker rod, a shorter actuator or a smaller torque would help"
-                : "thicker or wider plates, thicker pins or a smaller torque would help";
+  const double off_deg = DeadPointAngle_deg(links, weakest.at.pose);
+  if (weakest.kind != Kind::kBending && off_deg < kNear_deg)
+    return fmt::format(
+        "the linkage is {:.2g}° from a dead point there, where forces grow without bound: end its range before that, "
+        "or optimise with a transmission angle or a safety factor (lake optimize --min-transmission, "
+        "--safety-factor)",
+        off_deg);
+  return weakest.kind == Kind::kBuckling ? "a thicker rod, a shorter actuator or a smaller torque would help"
+                                         : "thicker or wider plates, thicker pins or a smaller torque would help";
 }
 
-void WarnOfStrength(const Json& weakest, const linkage::Links& links, const std::vector<parts::LoadedPose>& loaded,
-                    Run& run) {
-  if (weakest.is_null() || !(weakest["safety"].get<double>() < 1)) return;
-  run.Warn(fmt::format("{} of the {} exceeds what it bears at {:.1f}° (safety factor {:.2g}): {}",
-                       weakest["check"].get<std::string>(), weakest["part"].get<std::string>(),
-                       weakest["at_deg"].get<double>(), weakest["safety"].get<double>(),
-                       AdviceOn(weakest, links, loaded)));
+void WarnOfStrength(const parts::StrengthCheck& weakest, const linkage::Links& links, Run& run) {
+  if (!(weakest.Safety() < 1)) return;
+  run.Warn(fmt::format("{} of the {} exceeds what it bears at {:.1f}° (safety factor {:.2g}): {}", weakest.check,
+                       weakest.part, weakest.KneeAngle_deg(), weakest.Safety(), AdviceOn(weakest, links)));
 }
 
 // Each pin's largest force, and where.
@@ -347,8 +345,10 @@ void WarnOfForce(const problem::LinearActuator& actuator, const linkage::StrokeR
                  const std::vector<figure::PinForcesRow>& rows, Run& run) {
   double most_n = 0, at_deg = 0;
   for (const figure::PinForcesRow& row : rows)
-    if (used.lower_mm <= row.stroke_mm && row.stroke_mm <= used.upper_mm && std::abs(row.forces.actuator_n) > most_n)
-      most_n = std::abs(row.forces.actuator_n), at_deg = row.knee_deg;
+    if (used.lower_mm <= row.stroke_mm && row.stroke_mm <= used.upper_mm && std::abs(row.forces.actuator_n) > most_n) {
+      most_n = std::abs(row.forces.actuator_n);
+      at_deg = row.knee_deg;
+    }
   if (IsAbove(most_n, actuator.LiftingForce()))
     run.Warn(fmt::format("{} lifts {:.0f} N, and the torque at the knee takes {:.0f} N at {:.1f}°", actuator.name,
                          *actuator.LiftingForce(), most_n, at_deg));
@@ -377,7 +377,8 @@ void WarnOfShare(const problem::LinearActuator& actuator, const problem::Assista
 Json Assist(const linkage::Design& design, const linkage::UsedRange& range, problem::SynthesisProblem load, Run& run) {
   if (!load.HasLoadProfile()) return nullptr;
   run.AddInput(load.profile->file);
-  load.d_min_mm = design.d_min_mm, load.d_max_mm = range.stroke.upper_mm;
+  load.d_min_mm = design.d_min_mm;
+  load.d_max_mm = range.stroke.upper_mm;
   load.standing_deg = DegreesFromRadians(range.theta_at_upper_rad);
   const problem::Assistance assistance = problem::FindAssistance(design.links, load);
   if (load.actuator) WarnOfShare(*load.actuator, assistance, load, run);
@@ -432,12 +433,12 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
                 "mannequin.png", "mannequin.svg", "design.dxf", "animation.mp4", "animation.gif", "pin_forces.csv",
                 "pin_forces.png", "pin_forces.svg", "parts.csv", "strength.csv"});
   run.Begin(names);
-  const drawing::LinkageLook look{
-      design.links,
-      request.range,
-      BodyOf(options),
-      {options.parts.bar_width_mm, options.parts.actuator_diameter_mm, options.seat_edge_mm, design.placement_mm},
-      options.knee_torque_nm};
+  const drawing::LinkageLook look{.links = design.links,
+                                  .range = request.range,
+                                  .body = BodyOf(options),
+                                  .wear = {options.parts.bar_width_mm, options.parts.actuator_diameter_mm,
+                                           options.seat_edge_mm, design.placement_mm},
+                                  .knee_torque_nm = options.knee_torque_nm};
   const linkage::WearCheck check = linkage::CheckWear(look.links, look.range, look.body, look.wear);
   WarnOfBody(check, run);
   WarnOf(design, request.range, run);
@@ -468,8 +469,9 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
                               SingularityJson(design.links, request.range.stroke.upper_mm)};
   summary["knee_torque_nm"] = options.knee_torque_nm;
   summary["parts"] = PartsJson(mechanism);
-  summary["weakest"] = WeakestJson(strength);
-  WarnOfStrength(summary["weakest"], design.links, loaded, run);
+  const parts::StrengthCheck* weakest = WeakestOf(strength);
+  summary["weakest"] = WeakestJson(weakest);
+  if (weakest) WarnOfStrength(*weakest, design.links, run);
   summary["pin_forces"] = PinForcesJson(pin_forces);
   summary["poses"] = Json::array();
   for (const double stroke : request.shown_mm)

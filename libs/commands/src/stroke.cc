@@ -69,7 +69,8 @@ void TakeMotion(const StrokeRunOptions& options, const linkage::Design& design, 
       run.Warn(fmt::format("the knee angle at {} % is {:.2f}°; the design's soft limits end at {:.2f}°, which is taken",
                            percent, human, *angle));
   };
-  take(schedule.from_deg, 0), take(schedule.to_deg, 100);
+  take(schedule.from_deg, 0);
+  take(schedule.to_deg, 100);
 }
 
 double FastestKnee(const std::vector<actuator::ScheduleRow>& rows) {
@@ -258,12 +259,12 @@ std::optional<Sketch> MakeSketch(const StrokeRunOptions& options, const StrokePl
   const actuator::StrokeTable table = actuator::MakeStrokeTable(plan.schedule, *plan.table, firmware);
   const std::string from =
       fmt::format("{} and {}", options.design.filename().string(), options.duty_table->filename().string());
-  return Sketch{table,
-                actuator::HomeStroke(table, plan.schedule, firmware),
-                actuator::ExtendStop(plan.schedule, firmware),
-                actuator::ForecastDrift(table, plan.schedule, *plan.table, firmware),
-                actuator::StrokeTableHeader(table, plan.schedule, *plan.table, firmware, MadeBy(from)),
-                actuator::SketchNotes(table, plan.schedule, *plan.table, firmware, MadeBy(from))};
+  return Sketch{.table = table,
+                .home_stroke_mm = actuator::HomeStroke(table, plan.schedule, firmware),
+                .extend_stop_mm = actuator::ExtendStop(plan.schedule, firmware),
+                .drift = actuator::ForecastDrift(table, plan.schedule, *plan.table, firmware),
+                .header = actuator::StrokeTableHeader(table, plan.schedule, *plan.table, firmware, MadeBy(from)),
+                .notes = actuator::SketchNotes(table, plan.schedule, *plan.table, firmware, MadeBy(from))};
 }
 
 Json WriteValidation(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule,

@@ -18,7 +18,8 @@ std::vector<LimitedRow> PoseRows(const problem::DesignEvaluation& before, const 
     const auto angle_deg = [&](const problem::DesignEvaluation& design) {
       return design.pose ? DegreesFromRadians(*design.pose.*angle) : kNaN;
     };
-    return LimitedRow{name, angle_deg(before), angle_deg(after), {kNaN, kNaN}, {}};
+    return LimitedRow{
+        .name = name, .before = angle_deg(before), .after = angle_deg(after), .limits = {kNaN, kNaN}, .price = {}};
   };
   return {row("phi_deg", &linkage::Pose::phi_rad), row("theta_deg", &linkage::Pose::theta_rad)};
 }
@@ -39,7 +40,7 @@ void WriteMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
   for (const synthesis::MarginPoint& point : outcome.margins) {
     table.Add(point.margin_mm).Add(point.solved ? "solved" : "no solution").Add(point.range_deg);
     table.Add(point.upper_bound_deg).Add(point.yield);
-    for (const double value : point.links.Values()) point.solved ? table.Add(value) : table.AddEmpty();
+    for (const double value : point.links.Values()) table.Add(point.solved ? value : kNaN);
     table.EndRow();
   }
   table.Write(run.Result("margin.csv"));
@@ -47,7 +48,8 @@ void WriteMargins(const synthesis::SynthesisOutcome& outcome, Run& run) {
 
 void WriteRounded(const problem::RoundedDesign& rounded, const problem::SynthesisProblem& problem, Run& run) {
   linkage::Design design;
-  design.links = rounded.links, design.d_min_mm = problem.d_min_mm;
+  design.links = rounded.links;
+  design.d_min_mm = problem.d_min_mm;
   WriteOptimumDesign(design, rounded.evaluation, fmt::format(", rounded to multiples of {} mm", rounded.step_mm),
                      run.Result("rounded.yaml"));
 }
@@ -132,7 +134,8 @@ Json InfeasibleJson(const synthesis::InfeasibilityReport& report, const problem:
 
 void WriteTables(const synthesis::SynthesisOutcome& outcome, const OptimumView& optimum, Run& run) {
   linkage::Design design;
-  design.links = optimum.links_after, design.d_min_mm = outcome.problem.d_min_mm;
+  design.links = optimum.links_after;
+  design.d_min_mm = outcome.problem.d_min_mm;
   WriteOptimumDesign(design, optimum, run);
   WriteOptimum(optimum, PoseRows(optimum.before, optimum.after), run);
   WriteConstraints(optimum, {}, run);
@@ -152,14 +155,14 @@ void WriteTables(const synthesis::SynthesisOutcome& outcome, const OptimumView& 
 Json WriteSynthesis(const synthesis::SynthesisOutcome& outcome, Run& run) {
   const synthesis::LocalSolve* best = outcome.IsSolved() ? &outcome.result.Best() : nullptr;
   const problem::DesignEvaluation after = problem::Evaluate(outcome.BestLinks(), outcome.problem);
-  const OptimumView optimum{outcome.problem,
-                            outcome.problem.start,
-                            outcome.BestLinks(),
-                            outcome.start,
-                            after,
-                            best,
-                            outcome.active,
-                            best ? "" : outcome.infeasible->sentence};
+  const OptimumView optimum{.problem = outcome.problem,
+                            .links_before = outcome.problem.start,
+                            .links_after = outcome.BestLinks(),
+                            .before = outcome.start,
+                            .after = after,
+                            .best = best,
+                            .active = outcome.active,
+                            .not_a_solution = best ? "" : outcome.infeasible->sentence};
   WriteTables(outcome, optimum, run);
   const double violation = best ? std::max(best->solution.violation, after.violation) : after.violation;
   Json summary = HeadJson(optimum, violation, outcome.certificate);

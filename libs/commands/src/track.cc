@@ -140,26 +140,27 @@ Json TrackingJson(const tracking::TrackResult& tracked) {
 }
 
 // The part of the frames in which each marker was measured; repeated ones show nothing new.
-Json SeenJson(const motion::MarkerRecording& tracks, std::size_t repeated) {
-  Json seen = Json::object();
+using SeenShares = std::vector<std::pair<std::string, double>>;
+SeenShares SeenSharesOf(const motion::MarkerRecording& tracks, std::size_t repeated) {
+  SeenShares seen;
   const auto frames = static_cast<double>(tracks.Frames() - repeated);
   for (const motion::MarkerTrack& marker : tracks.markers) {
     const auto count = std::count_if(marker.samples.begin(), marker.samples.end(), [](const auto& sample) {
       return sample.status == motion::SampleStatus::kDetected;
     });
-    seen[marker.name] = static_cast<double>(count) / frames;
+    seen.emplace_back(marker.name, static_cast<double>(count) / frames);
   }
   return seen;
 }
 
-void WarnOfUnseen(const Json& seen, Run& run) {
+void WarnOfUnseen(const SeenShares& seen, Run& run) {
   constexpr double kEnough = 0.9;
-  for (const auto& [name, share] : seen.items())
-    if (share.get<double>() < kEnough)
+  for (const auto& [name, share] : seen)
+    if (share < kEnough)
       run.Warn(
           fmt::format("marker '{}' is seen in {:.0f} % of the frames only: look at the overlay; light, a hidden "
                       "marker or a wrong name make gaps",
-                      name, 100 * share.get<double>()));
+                      name, 100 * share));
 }
 
 constexpr const char* kCandidatesPicture = "candidates.png";
@@ -172,7 +173,12 @@ void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateLi
     csv.Add(c.id).Add(c.frame).Add(c.position.x()).Add(c.position.y()).Add(c.radius_px);
     csv.Add(c.first_frame).Add(c.last_frame).Add(c.moves ? 1 : 0);
     csv.EndRow();
-    spots.push_back({c.id, c.position, c.radius_px, c.frame == list.frame, c.moves, c.path});
+    spots.push_back({.id = c.id,
+                     .position = c.position,
+                     .radius_px = c.radius_px,
+                     .in_frame = c.frame == list.frame,
+                     .moves = c.moves,
+                     .path = c.path});
   }
   csv.Write(run.Result(kCandidatesTable));
   cv::Mat luma = video::ReadLuma(options.video, list.frame, options.track.reader);
@@ -231,7 +237,8 @@ void Export(const TrackRunOptions& options, const video::VideoInfo& video, const
       exchange::PointsFromMarkers(markers.tracks)};
   if (fit) {
     trial.points.events = PointEvents(fit->events);
-    trial.motion = &fit->motion, trial.leg = motion::NearLeg(fit->motion.facing);
+    trial.motion = &fit->motion;
+    trial.leg = motion::NearLeg(fit->motion.facing);
   }
   trial.image.video =
       exchange::SourceVideo{std::filesystem::absolute(options.video).string(), video.width, video.height};
@@ -297,8 +304,11 @@ std::optional<Eigen::Vector2d> UpInPlane(const TrackRunOptions& options, const t
 gait::LegFitOptions FitOptions(const TrackRunOptions& options, const tracking::TrackResult& tracked,
                                const gait::LegView& view, bool quiet, const Warn& warn) {
   gait::LegFitOptions fit = options.fit;
-  fit.quiet = quiet, fit.known_sigmas = true;
-  fit.vertical_option = "--vertical", fit.facing_option = "lake gait --facing", fit.names_option = "--seed";
+  fit.quiet = quiet;
+  fit.known_sigmas = true;
+  fit.vertical_option = "--vertical";
+  fit.facing_option = "lake gait --facing";
+  fit.names_option = "--seed";
   fit.unit_question = [](const std::string& unit) {
     return fmt::format("are --scale, the board or the plane's --points in {}? They are in mm",
                        unit.empty() ? "another unit" : unit);
@@ -432,7 +442,10 @@ void CheckEventTimes(const std::vector<motion::EventCorrection>& events, const v
   std::vector<std::int64_t> frame;
   std::vector<double> time_s;
   for (std::size_t i = 0; i < stamps.size(); ++i)
-    if (IsLookedAt(reader, stamps[i])) frame.push_back(static_cast<std::int64_t>(i)), time_s.push_back(stamps[i]);
+    if (IsLookedAt(reader, stamps[i])) {
+      frame.push_back(static_cast<std::int64_t>(i));
+      time_s.push_back(stamps[i]);
+    }
   if (!frame.empty()) motion::CheckAreInside(events, frame, time_s);
 }
 
@@ -584,9 +597,10 @@ Json RunTrack(const TrackRunOptions& options, Run& run) {
   const gait::RollingShutter shutter =
       gait::ShutterOf(readout_s, video.width, video.height, video.rotation_deg, video.mirrored);
 
-  const Json seen = SeenJson(tracked.recording, tracked.times.repeated.size());
+  const SeenShares seen = SeenSharesOf(tracked.recording, tracked.times.repeated.size());
   WarnOfUnseen(seen, run);
-  Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}, {"seen", seen}};
+  Json results = {{"video", VideoJson(tracked)}, {"tracking", TrackingJson(tracked)}, {"seen", Json::object()}};
+  for (const auto& [name, share] : seen) results["seen"][name] = share;
   results["video"]["readout_s"] = readout_s;
   return HasLeg(options.track.names) ? RunLeg(options, tracked, view, shutter, results, run)
                                      : RunPoints(options, tracked, view, shutter, results, run);

@@ -20,7 +20,10 @@ Layer MakeLayer(const std::vector<BodyPose>& instants, const Surface& surface,
 }
 
 Shape Limb(const Vector2d& from, const Vector2d& to, double from_radius, double to_radius) {
-  return {Capsule(from, to, from_radius, to_radius), from, (to - from).normalized(), std::max(from_radius, to_radius)};
+  return {.outline = Capsule(from, to, from_radius, to_radius),
+          .origin = from,
+          .axis = (to - from).normalized(),
+          .half_width = std::max(from_radius, to_radius)};
 }
 
 // A place on the trunk: `up` along hip–waist, `front` towards where the person looks. A waist marker that is as high as
@@ -37,18 +40,18 @@ struct Clothes {
 
 Clothes Dress(const Wardrobe& wardrobe, bool bright) {
   if (bright)
-    return {{{140, 165, 200}, nullptr, 0, 1, 0.2f},
-            {{105, 110, 115}, &wardrobe.knit, 0.08f, 1.5f, 0.1f},
-            {{195, 190, 182}, &wardrobe.knit, 0.03f, 1.6f, 0.12f},
-            {{172, 170, 168}, &wardrobe.denim, 0.04f, 1.4f, 0.15f},
-            {{150, 150, 150}, &wardrobe.knit, 0.03f, 1, 0.1f},
-            {{120, 120, 120}, nullptr, 0, 1, 0}};
-  return {{{95, 118, 165}, nullptr, 0, 1, 0.3f},
-          {{22, 26, 30}, &wardrobe.knit, 0.2f, 1.5f, 0.2f},
-          {{62, 52, 44}, &wardrobe.knit, 0.10f, 1.6f, 0.4f},
-          {{38, 28, 24}, &wardrobe.denim, 0.16f, 1.4f, 0.45f},
-          {{52, 50, 48}, &wardrobe.knit, 0.10f, 1, 0.2f},
-          {{104, 106, 108}, nullptr, 0, 1, 0}};
+    return {.skin = {{140, 165, 200}, nullptr, 0, 1, 0.2f},
+            .hair = {{105, 110, 115}, &wardrobe.knit, 0.08f, 1.5f, 0.1f},
+            .shirt = {{195, 190, 182}, &wardrobe.knit, 0.03f, 1.6f, 0.12f},
+            .trousers = {{172, 170, 168}, &wardrobe.denim, 0.04f, 1.4f, 0.15f},
+            .shoe = {{150, 150, 150}, &wardrobe.knit, 0.03f, 1, 0.1f},
+            .sole = {{120, 120, 120}, nullptr, 0, 1, 0}};
+  return {.skin = {{95, 118, 165}, nullptr, 0, 1, 0.3f},
+          .hair = {{22, 26, 30}, &wardrobe.knit, 0.2f, 1.5f, 0.2f},
+          .shirt = {{62, 52, 44}, &wardrobe.knit, 0.10f, 1.6f, 0.4f},
+          .trousers = {{38, 28, 24}, &wardrobe.denim, 0.16f, 1.4f, 0.45f},
+          .shoe = {{52, 50, 48}, &wardrobe.knit, 0.10f, 1, 0.2f},
+          .sole = {{104, 106, 108}, nullptr, 0, 1, 0}};
 }
 
 void AddTrunk(const std::vector<BodyPose>& instants, const Clothes& wear, double forward, std::vector<Layer>& layers) {
@@ -107,7 +110,10 @@ std::vector<Layer> BodyLayers(const std::vector<BodyPose>& instants, const Wardr
       return Shape{Shoe(*p.ankle, forward, -55, -kSoleBelowAnkle), *p.ankle};
     }));
     layers.push_back(MakeLayer(instants, wear.shoe, [&](const auto& p) {
-      return Shape{Shoe(*p.ankle, forward, 25, -68), *p.ankle, Vector2d::UnitX(), 400};
+      return Shape{.outline = Shoe(*p.ankle, forward, 25, -68),
+                   .origin = *p.ankle,
+                   .axis = Vector2d::UnitX(),
+                   .half_width = 400};
     }));
   }
   if (first.ankle && first.knee)
@@ -119,8 +125,9 @@ std::vector<Layer> ExoskeletonLayers(const std::vector<BodyPose>& instants, doub
   const BodyPose& first = instants.front();
   std::vector<Layer> layers;
   if (!first.exo_knee || !first.ankle || !first.hip) return layers;
-  const Surface aluminium{{118, 116, 112}, nullptr, 0, 1, 0.35f}, black{{24, 24, 24}, nullptr, 0, 1, 0.2f},
-      cylinder{{60, 58, 92}, nullptr, 0, 1, 0.5f};
+  const Surface aluminium{
+      .bgr = {118, 116, 112}, .texture = nullptr, .contrast = 0, .mm_per_texel = 1, .rounding = 0.35f},
+      black{{24, 24, 24}, nullptr, 0, 1, 0.2f}, cylinder{{60, 58, 92}, nullptr, 0, 1, 0.5f};
   struct Links {
     Vector2d knee, thigh, thigh_end, shank, shank_end;  // directions of the bars and where they end
   };
@@ -134,11 +141,11 @@ std::vector<Layer> ExoskeletonLayers(const std::vector<BodyPose>& instants, doub
   };
   const auto strap = [](const Vector2d& middle, const Vector2d& along, double half_width) {
     const Vector2d across = Across(along);
-    return Shape{{middle - half_width * across - 18 * along, middle + half_width * across - 18 * along,
-                  middle + half_width * across + 18 * along, middle - half_width * across + 18 * along},
-                 middle,
-                 along,
-                 half_width};
+    return Shape{.outline = {middle - half_width * across - 18 * along, middle + half_width * across - 18 * along,
+                             middle + half_width * across + 18 * along, middle - half_width * across + 18 * along},
+                 .origin = middle,
+                 .axis = along,
+                 .half_width = half_width};
   };
   add(black, [&](const Links& l) { return strap(l.knee + 0.62 * (l.thigh_end - l.knee), l.thigh, 74); });
   add(black, [&](const Links& l) { return strap(l.knee + 0.68 * (l.shank_end - l.knee), l.shank, 54); });
@@ -151,7 +158,8 @@ std::vector<Layer> ExoskeletonLayers(const std::vector<BodyPose>& instants, doub
   add(aluminium, [&](const Links& l) { return Limb(l.knee, l.thigh_end, 13, 13); });
   add(aluminium, [&](const Links& l) { return Limb(l.knee, l.shank_end, 12, 12); });
   add(aluminium, [&](const Links& l) {
-    return Shape{EllipseOutline(l.knee, 21, 21, 0), l.knee, Vector2d::UnitX(), 21};
+    return Shape{
+        .outline = EllipseOutline(l.knee, 21, 21, 0), .origin = l.knee, .axis = Vector2d::UnitX(), .half_width = 21};
   });
   return layers;
 }

@@ -60,7 +60,10 @@ Glint::Glint(const SceneOptions& options, const cv::Size& picture, const MarkerP
   Random random(options.seed, "glint");
   swing_ = radius_px_ * Vector2d(random.Uniform(8, 14), random.Uniform(4, 8));
   centre_ = FreePlace(random, picture, paths, swing_.norm(), 8 * radius_px_ + swing_.norm());
-  for (int i = 0; i < 3; ++i) hz_[i] = random.Uniform(0.2, 0.6), phase_rad_[i] = random.Uniform(0, kTurn);
+  for (int i = 0; i < 3; ++i) {
+    hz_[i] = random.Uniform(0.2, 0.6);
+    phase_rad_[i] = random.Uniform(0, kTurn);
+  }
 }
 
 Sprite Glint::At(const std::vector<double>& times_s) const {
@@ -100,7 +103,10 @@ Hand::Hand(const SceneOptions& options, std::size_t occlusion, const MarkerMotio
     const double turn = random.Uniform() < 0.5 ? -1 : 1;
     const Approach approach{point, turn * Vector2d(-point.y(), point.x())};
     const int hidden = OthersHidden(approach);
-    if (hidden < fewest) fewest = hidden, approach_ = approach;
+    if (hidden < fewest) {
+      fewest = hidden;
+      approach_ = approach;
+    }
   }
 }
 

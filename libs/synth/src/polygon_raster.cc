@@ -27,7 +27,10 @@ void PolygonRaster::Add(std::span<const Vector2d> polygon, double weight) {
 
 void PolygonRaster::AddEdge(Vector2d from, Vector2d to, double weight) {
   if (from.y() == to.y()) return;
-  if (from.y() > to.y()) std::swap(from, to), weight = -weight;
+  if (from.y() > to.y()) {
+    std::swap(from, to);
+    weight = -weight;
+  }
   const double slope = (to.x() - from.x()) / (to.y() - from.y());
   const int first = static_cast<int>(std::floor(std::clamp(from.y(), 0.0, double(height_))));
   const int last = static_cast<int>(std::ceil(std::clamp(to.y(), 0.0, double(height_))));

@@ -1,6 +1,7 @@
 #include "lake/synth/population.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "lake/core/atomic_file.h"
@@ -57,7 +58,9 @@ Session DrawSession(const PopulationOptions& of, const Session& person, const St
 
 fs::path WriteTrial(const Session& session, const StsMotionOptions& motion, const char* trial, SceneOptions options,
                     const fs::path& folder, const std::optional<camera::CameraProfile>& camera, Json* seeds) {
-  options.motion = motion, options.seed = motion.seed + (seeds ? 1 : 0), options.camera = camera;
+  options.motion = motion;
+  options.seed = motion.seed + (seeds ? 1 : 0);
+  options.camera = camera;
   const Scene scene(options);
   const fs::path out = folder / session.Folder() / trial;
   fs::create_directories(out);
@@ -92,8 +95,10 @@ void WriteTruth(const std::vector<Session>& sessions, const fs::path& path) {
 void WriteParticipants(const std::vector<Session>& sessions, const fs::path& folder) {
   std::string text = "participant_id\tmass_kg\theight_mm\n", last;
   for (const Session& s : sessions)
-    if (s.participant != last)
-      last = s.participant, text += fmt::format("{}\t{:.1f}\t{:.0f}\n", s.participant, s.mass_kg, s.height_mm);
+    if (s.participant != last) {
+      last = s.participant;
+      text += fmt::format("{}\t{:.1f}\t{:.0f}\n", s.participant, s.mass_kg, s.height_mm);
+    }
   WriteTextFile(folder / "participants.tsv", text);
   WriteJsonFile(
       folder / "participants.json",
@@ -123,7 +128,8 @@ std::vector<Session> DrawPopulation(const PopulationOptions& of, const StsMotion
     const double height_m = person.height_mm / kMmPerM;
     person.mass_kg = lot(of.mass_index_kg_m2, of.mass_index_sd) * height_m * height_m;
     StsMotionOptions human = motion;
-    human.shank_mm = kShank * person.height_mm, human.thigh_mm = kThigh * person.height_mm;
+    human.shank_mm = kShank * person.height_mm;
+    human.thigh_mm = kThigh * person.height_mm;
     human.trunk_mm = kTrunk * person.height_mm;
     human.seated_knee_deg = lot(of.seated_knee_deg, of.seated_knee_sd_deg);
     human.rise_s = lot(of.rise_s, of.rise_sd_s);

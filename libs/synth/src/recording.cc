@@ -32,9 +32,12 @@ class FrameSink {
       return;
     }
     video::VideoWriterOptions video;
-    video.width = scene.Profile().camera.image_width, video.height = scene.Profile().camera.image_height;
+    video.width = scene.Profile().camera.image_width;
+    video.height = scene.Profile().camera.image_height;
     video.frame_rate_hz = scene.Options().frame_rate_hz;
-    video.crf = options.crf, video.lossless = options.lossless, video.preset = PresetOf(options);
+    video.crf = options.crf;
+    video.lossless = options.lossless;
+    video.preset = PresetOf(options);
     video.grey = !scene.Options().colour;
     video_.emplace(folder / "video.mp4", video);
   }

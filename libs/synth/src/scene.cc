@@ -30,7 +30,10 @@ std::shared_ptr<const MarkerMotion> MakeMotion(const SceneOptions& options) {
 Vector2d MiddleOf(const MarkerMotion& motion) {
   Vector2d low = motion.At(0).front(), high = low;
   for (double t = 0; t <= motion.DurationS(); t += 0.05)
-    for (const Vector2d& marker : motion.At(t)) low = low.cwiseMin(marker), high = high.cwiseMax(marker);
+    for (const Vector2d& marker : motion.At(t)) {
+      low = low.cwiseMin(marker);
+      high = high.cwiseMax(marker);
+    }
   return 0.5 * (low + high) + Vector2d(0, 20);
 }
 

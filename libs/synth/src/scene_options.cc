@@ -52,7 +52,8 @@ SceneOptions CleanScene(std::uint64_t seed) {
 
 SceneOptions HardScene(std::uint64_t seed) {
   SceneOptions scene = CleanScene(seed);
-  scene.width_px = 1920, scene.height_px = 1080;
+  scene.width_px = 1920;
+  scene.height_px = 1080;
   scene.marker_radius_px = 6;
   scene.distance_mm = 2600;
   scene.shutter = 0.7;
@@ -63,7 +64,8 @@ SceneOptions HardScene(std::uint64_t seed) {
   scene.noise = {1.5, 0.02};
   Random random(seed, "hard scene");
   scene.yaw_deg = random.Uniform(12, 20) * (random.Uniform() < 0.5 ? -1 : 1);
-  scene.pitch_deg = random.Uniform(-6, 6), scene.roll_deg = random.Uniform(-2, 2);
+  scene.pitch_deg = random.Uniform(-6, 6);
+  scene.roll_deg = random.Uniform(-2, 2);
   scene.distortion = {random.Uniform(-0.20, -0.12), random.Uniform(0.02, 0.06), random.Uniform(-1e-3, 1e-3),
                       random.Uniform(-1e-3, 1e-3), 0};
   std::array<const char*, 4> markers = {"ankle", "knee", "hip", "waist"};

@@ -26,8 +26,10 @@ FineCoverage Draw(const Sprite& sprite, std::size_t first, std::size_t last, con
   bool any_dark = false;
   for (std::size_t i = first; i <= last; ++i) {
     area.Add(ToCells(sprite.instants[i].outline, region, kCells), weight);
-    for (const Polygon& polygon : sprite.instants[i].dark)
-      dark.Add(ToCells(polygon, region, kCells), weight), any_dark = true;
+    for (const Polygon& polygon : sprite.instants[i].dark) {
+      dark.Add(ToCells(polygon, region, kCells), weight);
+      any_dark = true;
+    }
   }
   return {area.Coverage(), any_dark ? dark.Coverage() : cv::Mat()};
 }
@@ -82,7 +84,8 @@ SpriteCoverage CoverageOf(const Sprite& sprite, const cv::Size& picture, double 
   const double weight = 1.0 / static_cast<double>(count);
   if (!cover) {
     const FineCoverage all = Draw(sprite, 0, count - 1, out.region, weight);
-    out.area = all.area, out.dark = all.dark;
+    out.area = all.area;
+    out.dark = all.dark;
   } else {
     for (std::size_t i = 0; i < count; ++i) {
       FineCoverage one = Draw(sprite, i, i, out.region, weight);
@@ -92,7 +95,8 @@ SpriteCoverage CoverageOf(const Sprite& sprite, const cv::Size& picture, double 
         one.area = one.area.mul(open);
         if (!one.dark.empty()) one.dark = one.dark.mul(open);
       }
-      Accumulate(out.area, one.area), Accumulate(out.dark, one.dark);
+      Accumulate(out.area, one.area);
+      Accumulate(out.dark, one.dark);
     }
   }
   double whole = 0;

@@ -61,8 +61,10 @@ StsMotion::StsMotion(const StsMotionOptions& options) : options_(options), names
   Random random(options_.seed, "sway");
   const auto draw = [&](Sway& sway, double amplitude) {
     sway.amplitude = amplitude;
-    for (int i = 0; i < 2; ++i)
-      sway.hz[i] = random.Uniform(0.15, 0.5), sway.phase_rad[i] = random.Uniform(0, 2 * std::numbers::pi);
+    for (int i = 0; i < 2; ++i) {
+      sway.hz[i] = random.Uniform(0.15, 0.5);
+      sway.phase_rad[i] = random.Uniform(0, 2 * std::numbers::pi);
+    }
   };
   for (Sway& sway : ankle_sway_) draw(sway, options_.ankle_sway_mm);
   for (Sway& sway : angle_sway_) draw(sway, options_.body_sway_deg);
@@ -91,22 +93,27 @@ void StsMotion::DrawPhases() {
   };
   const auto rise = [&] {
     movement.standing = posture(o.standing_knee_deg, o.standing_shank_deg, o.standing_trunk_deg, 0.7);
-    movement.peak_shank = vary(o.peak_shank_deg, 1.5), movement.peak_trunk = vary(o.peak_trunk_deg, 2);
+    movement.peak_shank = vary(o.peak_shank_deg, 1.5);
+    movement.peak_trunk = vary(o.peak_trunk_deg, 2);
     add(Kind::kRise, o.pace * vary(o.rise_s, 0.04 * o.rise_s));
     add(Kind::kStanding, rest.Uniform(o.min_rest_s, o.max_rest_s));
   };
   const auto descend = [&] {
     movement.seated = posture(o.seated_knee_deg, o.seated_shank_deg, o.seated_trunk_deg, 1.5);
-    movement.peak_shank = vary(o.peak_shank_deg, 1.5), movement.peak_trunk = vary(o.peak_trunk_deg, 2);
+    movement.peak_shank = vary(o.peak_shank_deg, 1.5);
+    movement.peak_trunk = vary(o.peak_trunk_deg, 2);
     add(Kind::kDescent, o.pace * vary(o.descent_s, 0.04 * o.descent_s));
     add(Kind::kSeated, rest.Uniform(o.min_rest_s, o.max_rest_s));
   };
   add(o.start_standing ? Kind::kStanding : Kind::kSeated, rest.Uniform(o.min_rest_s, o.max_rest_s));
   for (int i = 0; i < o.repetitions; ++i) {
-    if (o.start_standing)
-      descend(), rise();
-    else
-      rise(), descend();
+    if (o.start_standing) {
+      descend();
+      rise();
+    } else {
+      rise();
+      descend();
+    }
   }
 }
 

@@ -108,11 +108,15 @@ void Take(const std::optional<T>& given, T& value) {
 
 void TakeMotion(const SynthRunOptions& o, SceneOptions& scene) {
   StsMotionOptions& motion = scene.motion;
-  Take(o.motion_seed, motion.seed), Take(o.repetitions, motion.repetitions), Take(o.pace, motion.pace);
+  Take(o.motion_seed, motion.seed);
+  Take(o.repetitions, motion.repetitions);
+  Take(o.pace, motion.pace);
   Take(o.rest_s, motion.max_rest_s);
   motion.min_rest_s = std::min(motion.min_rest_s, motion.max_rest_s);
-  motion.facing = o.facing, motion.start_standing = o.standing;
-  motion.time_warp = o.warp, motion.skin_mm = o.skin_mm;
+  motion.facing = o.facing;
+  motion.start_standing = o.standing;
+  motion.time_warp = o.warp;
+  motion.skin_mm = o.skin_mm;
   if (o.still) motion.ankle_sway_mm = motion.body_sway_deg = 0;
   if (o.exo_knee_mm) motion.exo_knee_mm = Eigen::Vector2d((*o.exo_knee_mm)[0], (*o.exo_knee_mm)[1]);
   scene.motion_table = o.motion_table;
@@ -125,14 +129,24 @@ void TakeMotion(const SynthRunOptions& o, SceneOptions& scene) {
 }
 
 void TakeCamera(const SynthRunOptions& o, SceneOptions& scene) {
-  Take(o.duration_s, scene.duration_s), Take(o.rate_hz, scene.frame_rate_hz);
-  Take(o.width_px, scene.width_px), Take(o.height_px, scene.height_px), Take(o.radius_px, scene.marker_radius_px);
+  Take(o.duration_s, scene.duration_s);
+  Take(o.rate_hz, scene.frame_rate_hz);
+  Take(o.width_px, scene.width_px);
+  Take(o.height_px, scene.height_px);
+  Take(o.radius_px, scene.marker_radius_px);
   Take(o.radius_mm, scene.marker_radius_mm);
-  Take(o.distance_mm, scene.distance_mm), Take(o.yaw_deg, scene.yaw_deg), Take(o.pitch_deg, scene.pitch_deg);
-  Take(o.roll_deg, scene.roll_deg), Take(o.distortion, scene.distortion);
-  Take(o.shutter, scene.shutter), Take(o.readout_s, scene.readout_s), Take(o.psf_px, scene.psf_sigma_px);
-  Take(o.read_noise, scene.noise.read_sd), Take(o.shot_gain, scene.noise.gain);
-  scene.start_s = o.start_s, scene.time_jitter = o.jitter;
+  Take(o.distance_mm, scene.distance_mm);
+  Take(o.yaw_deg, scene.yaw_deg);
+  Take(o.pitch_deg, scene.pitch_deg);
+  Take(o.roll_deg, scene.roll_deg);
+  Take(o.distortion, scene.distortion);
+  Take(o.shutter, scene.shutter);
+  Take(o.readout_s, scene.readout_s);
+  Take(o.psf_px, scene.psf_sigma_px);
+  Take(o.read_noise, scene.noise.read_sd);
+  Take(o.shot_gain, scene.noise.gain);
+  scene.start_s = o.start_s;
+  scene.time_jitter = o.jitter;
   if (o.camera.empty()) return;
   scene.camera = camera::ReadCameraProfile(o.camera);
   if (!scene.camera->camera_from_plane)
@@ -141,11 +155,14 @@ void TakeCamera(const SynthRunOptions& o, SceneOptions& scene) {
 
 void TakeRoom(const SynthRunOptions& o, SceneOptions& scene) {
   constexpr double kDarkMarker = 18;
-  Take(o.brightness, scene.brightness), Take(o.exposure, scene.exposure), Take(o.flicker, scene.flicker);
+  Take(o.brightness, scene.brightness);
+  Take(o.exposure, scene.exposure);
+  Take(o.flicker, scene.flicker);
   Take(o.reflections, scene.reflections);
   scene.marker_level = o.level.value_or(o.bright_room ? kDarkMarker : scene.marker_level);
   scene.glint = scene.glint || o.glint;
-  scene.exoskeleton = o.exoskeleton, scene.bright_room = o.bright_room;
+  scene.exoskeleton = o.exoskeleton;
+  scene.bright_room = o.bright_room;
   if (o.markers == SynthRunOptions::Markers::kAruco) scene.marker_kind = MarkerKind::kAruco;
   const bool is_led = o.markers == SynthRunOptions::Markers::kLed;
   scene.colour = o.colour || is_led;
@@ -184,7 +201,9 @@ Scene StagedScene(const SynthRunOptions& o) {
 
 Json RenderPopulation(const SynthRunOptions& o, Run& run) {
   PopulationOptions population;
-  population.seed = o.seed, population.people = *o.people, population.sessions = o.sessions;
+  population.seed = o.seed;
+  population.people = *o.people;
+  population.sessions = o.sessions;
   const SceneOptions scene = SceneOf(o);
   const std::vector<Session> sessions = DrawPopulation(population, scene.motion);
   std::vector<std::string> names = {"participants.tsv", "participants.json", "cohort.yaml", "truth.csv"};
@@ -201,7 +220,9 @@ Json RenderRecording(const SynthRunOptions& o, Run& run) {
   const Scene scene = StagedScene(o);
   RecordingOptions recording;
   recording.crf = o.crf.value_or(o.scene == SynthRunOptions::Scene::kHard ? 23 : 17);
-  recording.lossless = o.lossless, recording.pictures = o.pictures, recording.quiet = run.Quiet();
+  recording.lossless = o.lossless;
+  recording.pictures = o.pictures;
+  recording.quiet = run.Quiet();
   std::vector<std::string> names = {"truth.csv", "camera.yaml", "scene.json"};
   if (!o.pictures) names.push_back("video.mp4");
   for (int frame = 0; o.pictures && frame < scene.Frames(); ++frame)

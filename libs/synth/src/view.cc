@@ -12,9 +12,11 @@ using Eigen::Vector2d;
 camera::CameraProfile MakeCameraProfile(const SceneOptions& options, const Vector2d& centre_mm) {
   camera::CameraProfile profile;
   camera::Camera& camera = profile.camera;
-  camera.image_width = options.width_px, camera.image_height = options.height_px;
+  camera.image_width = options.width_px;
+  camera.image_height = options.height_px;
   camera.fx = camera.fy = options.marker_radius_px / options.marker_radius_mm * options.distance_mm;
-  camera.cx = 0.5 * (options.width_px - 1), camera.cy = 0.5 * (options.height_px - 1);
+  camera.cx = 0.5 * (options.width_px - 1);
+  camera.cy = 0.5 * (options.height_px - 1);
   camera.distortion = options.distortion;
   using Eigen::AngleAxisd, Eigen::Vector3d;
   const Eigen::Matrix3d flip = Vector3d(1, -1, -1).asDiagonal();  // the plane's y is up and its z towards the camera
@@ -52,9 +54,13 @@ cv::Rect PixelsOf(const Polygon& px, int margin, const cv::Size& picture) {
   const cv::Rect all({}, picture);
   if (px.empty()) return {};
   Vector2d low = px.front(), high = px.front();
-  for (const Vector2d& p : px) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const Vector2d& p : px) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
   constexpr double kFar = 1e6;
-  low = low.cwiseMax(-kFar), high = high.cwiseMin(kFar);
+  low = low.cwiseMax(-kFar);
+  high = high.cwiseMin(kFar);
   const int left = static_cast<int>(std::floor(low.x() + 0.5)) - margin,
             top = static_cast<int>(std::floor(low.y() + 0.5)) - margin;
   const int right = static_cast<int>(std::floor(high.x() + 0.5)) + margin;

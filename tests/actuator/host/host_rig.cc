@@ -20,7 +20,8 @@ namespace {
 constexpr int kTalkEvery_ms = 500;
 
 // Every file of the firmware that knows nothing of the chip, the tests' board in place of those that do.
-constexpr const char* kPortable = "controller.c motor.c end_stops.c protocol.c analog.c follow.c";
+constexpr const char* kPortable =
+    "controller.c state.c program.c calibration.c motor.c end_stops.c protocol.c analog.c follow.c";
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr const char* kSanitizers = "-fsanitize=address,undefined -fno-sanitize-recover=undefined";

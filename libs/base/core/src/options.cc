@@ -334,7 +334,7 @@ void ReadOptions(YamlNode& node, OptionList& options, const ResolvePath& resolve
     const OptionTexts texts = option.PathKind() == Option::Path::kNone ? TextsOf(*child) : resolve(*child, option);
     try {
       const bool is_list = child->IsList() || child->IsMap() || option.PathKind() != Option::Path::kNone;
-      is_list ? option.SetFromFile(texts) : option.SetFromFile(option.Split(texts));
+      option.SetFromFile(is_list ? texts : option.Split(texts));
     } catch (const Error& error) {
       throw Fail("{}: {}", child->Where(), error.what());
     }

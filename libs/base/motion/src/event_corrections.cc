@@ -143,7 +143,10 @@ void WriteEventCorrections(const std::filesystem::path& path, const std::vector<
   CsvWriter csv({"repetition", "event", "frame", "time_s"});
   for (const EventCorrection& correction : corrections) {
     csv.Add(correction.repetition).Add(ToString(correction.kind));
-    correction.frame ? csv.Add(*correction.frame) : csv.AddEmpty();
+    if (correction.frame)
+      csv.Add(*correction.frame);
+    else
+      csv.AddEmpty();
     csv.Add(correction.time_s);
     csv.EndRow();
   }

@@ -89,7 +89,10 @@ void WriteKinematicsCsv(const std::filesystem::path& path, const LegMotion& moti
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const LegSample& sample = motion.samples[i];
     csv.Add(motion.frame[i]).Add(motion.time_s[i]);
-    sample.repetition ? csv.Add(*sample.repetition) : csv.AddEmpty();
+    if (sample.repetition)
+      csv.Add(*sample.repetition);
+    else
+      csv.AddEmpty();
     csv.Add(sample.percent);
     for (const auto& vector : kVectors) csv.Add((sample.*vector.value).x()).Add((sample.*vector.value).y());
     for (const auto& scalar : kScalars) csv.Add(sample.*scalar.value);

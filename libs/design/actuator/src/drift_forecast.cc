@@ -34,7 +34,9 @@ class DriftWatch {
   void Look(double time_s, double planned_mm) {
     tolerable_per_1024_ = std::min(tolerable_per_1024_, bound_.TolerablePer1024(forecast_.end_mm - planned_mm));
     if (planned_mm + bound_.Drift() <= forecast_.planned_mm + forecast_.drift_mm) return;
-    forecast_.time_s = time_s, forecast_.planned_mm = planned_mm, forecast_.drift_mm = bound_.Drift();
+    forecast_.time_s = time_s;
+    forecast_.planned_mm = planned_mm;
+    forecast_.drift_mm = bound_.Drift();
   }
 
   DriftBound bound_;

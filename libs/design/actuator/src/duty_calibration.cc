@@ -38,7 +38,8 @@ bool IsSteady(const DutyLog& log, std::size_t first, std::size_t last, const Cal
 // The plateau of samples first..last, its settling left out.
 Plateau MeasurePlateau(const DutyLog& log, std::size_t first, std::size_t last, const CalibrateOptions& options,
                        std::vector<std::string>& warnings) {
-  Plateau plateau{log.name, log.time_s[first], log.time_s[last - 1], log.duty[first]};
+  Plateau plateau{
+      .log = log.name, .begin_s = log.time_s[first], .end_s = log.time_s[last - 1], .duty = log.duty[first]};
   if (plateau.end_s - plateau.begin_s < options.min_plateau_s) return plateau;
   while (first < last && log.time_s[first] < plateau.begin_s + options.settle_s) ++first;
   if (last - first < kFewestOfPlateau) {
@@ -157,12 +158,24 @@ std::vector<DutyRow> RowsOf(const std::vector<DutySpeed>& extend, const DeadBand
                             const std::vector<DutySpeed>& retract, const DeadBand& retract_band) {
   std::map<long, DutyRow> rows;
   const auto row = [&](double duty) -> DutyRow& {
-    return rows.try_emplace(std::lround(duty / kSameDuty), DutyRow{duty, kNaN, kNaN, kNaN, kNaN}).first->second;
+    return rows
+        .try_emplace(std::lround(duty / kSameDuty), DutyRow{.duty = duty,
+                                                            .extend_mm_s = kNaN,
+                                                            .retract_mm_s = kNaN,
+                                                            .extend_se_mm_s = kNaN,
+                                                            .retract_se_mm_s = kNaN})
+        .first->second;
   };
   row(extend_band.duty).extend_mm_s = 0;
   row(retract_band.duty).retract_mm_s = 0;
-  for (const DutySpeed& s : extend) row(s.duty).extend_mm_s = s.speed, row(s.duty).extend_se_mm_s = s.error;
-  for (const DutySpeed& s : retract) row(s.duty).retract_mm_s = s.speed, row(s.duty).retract_se_mm_s = s.error;
+  for (const DutySpeed& s : extend) {
+    row(s.duty).extend_mm_s = s.speed;
+    row(s.duty).extend_se_mm_s = s.error;
+  }
+  for (const DutySpeed& s : retract) {
+    row(s.duty).retract_mm_s = s.speed;
+    row(s.duty).retract_se_mm_s = s.error;
+  }
   std::vector<DutyRow> list;
   for (const auto& [key, value] : rows) list.push_back(value);
   return list;

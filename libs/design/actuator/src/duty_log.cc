@@ -23,7 +23,8 @@ std::size_t Find(const std::vector<std::string>& header, std::string_view name) 
 }
 
 Columns FindColumns(const std::vector<std::string>& header, const char* stroke, const std::string& where) {
-  Columns columns{Find(header, "time_s"), Find(header, "duty"), header.size(), header.size()};
+  Columns columns{
+      .time = Find(header, "time_s"), .duty = Find(header, "duty"), .stroke = header.size(), .width = header.size()};
   if (columns.time == header.size() || columns.duty == header.size())
     throw Fail("{}: no header with the columns time_s and duty", where);
   if (!stroke) return columns;
@@ -53,7 +54,8 @@ void AddRow(DutyLog& log, const std::vector<std::string>& cells, const Columns& 
   if (!log.time_s.empty() && !(time > log.time_s.back()))
     throw Fail("{}: the times must ascend; {} s after {} s does not", where, time, log.time_s.back());
   if (!(std::abs(duty) <= 1)) throw Fail("{}: duty {} is not within -1..1", where, duty);
-  log.time_s.push_back(time), log.duty.push_back(duty);
+  log.time_s.push_back(time);
+  log.duty.push_back(duty);
   if (stroke) log.stroke_mm.push_back(Number(cells[columns.stroke], stroke, where));
 }
 
@@ -72,7 +74,7 @@ bool IsRemark(const std::string& line) {
 
 DutyLog ReadRows(const std::filesystem::path& path, const char* stroke) {
   const std::string text = ReadTextFile(path, std::size_t{1} << 28);
-  DutyLog log{path.string(), {}, {}, {}};
+  DutyLog log{.name = path.string(), .time_s = {}, .stroke_mm = {}, .duty = {}};
   std::optional<Columns> columns;
   std::size_t number = 0, begin = 0;
   while (begin < text.size()) {
@@ -102,7 +104,7 @@ PotentiometerScale ParsePotentiometerScale(const std::string& text) {
   if (points.size() != 2 || numbers.size() != 4 || numbers[0] == numbers[2] || numbers[1] == numbers[3])
     throw UsageError(
         fmt::format("--pot '{}': give two different points COUNTS=MM,COUNTS=MM, e.g. 102=242,921=372", text));
-  return {numbers[0], numbers[1], numbers[2], numbers[3]};
+  return {.counts_a = numbers[0], .mm_a = numbers[1], .counts_b = numbers[2], .mm_b = numbers[3]};
 }
 
 DutyLog ReadDutyLog(const std::filesystem::path& path, const std::optional<PotentiometerScale>& scale) {

@@ -64,7 +64,8 @@ DutyCurve MakeCurve(const std::vector<DutyRow>& rows, double DutyRow::*column, c
       if (speed == 0) duties.back() = row.duty;
       continue;
     }
-    speeds.push_back(speed), duties.push_back(row.duty);
+    speeds.push_back(speed);
+    duties.push_back(row.duty);
   }
   return DutyCurve(std::move(speeds), std::move(duties), where);
 }
@@ -112,7 +113,7 @@ DutyTable MakeDutyTable(std::vector<DutyRow> rows, const std::string& name) {
   for (std::size_t i = 0; i < rows.size(); ++i) CheckRow(rows[i], i > 0 ? &rows[i - 1] : nullptr, name);
   DutyCurve extend = MakeCurve(rows, &DutyRow::extend_mm_s, name + ": extend_mm_s");
   DutyCurve retract = MakeCurve(rows, &DutyRow::retract_mm_s, name + ": retract_mm_s");
-  return {name, std::move(rows), std::move(extend), std::move(retract)};
+  return {.name = name, .rows = std::move(rows), .extend = std::move(extend), .retract = std::move(retract)};
 }
 
 DutyTable ReadDutyTable(const std::filesystem::path& path) {
@@ -129,8 +130,12 @@ DutyTable ReadDutyTable(const std::filesystem::path& path) {
   };
   std::vector<DutyRow> rows;
   for (std::size_t i = 0; i < table.Rows(); ++i)
-    rows.push_back({table.RequiredNumber(i, duty), number(i, extend), number(i, retract), number(i, extend_se),
-                    number(i, retract_se), number(i, tolerance)});
+    rows.push_back({.duty = table.RequiredNumber(i, duty),
+                    .extend_mm_s = number(i, extend),
+                    .retract_mm_s = number(i, retract),
+                    .extend_se_mm_s = number(i, extend_se),
+                    .retract_se_mm_s = number(i, retract_se),
+                    .tolerance_percent = number(i, tolerance)});
   return MakeDutyTable(std::move(rows), path.string());
 }
 

@@ -51,7 +51,9 @@ Agreement AgreementAt(const DutyCommands& commands, const std::vector<SpeedSampl
   for (const SpeedSample& sample : speeds) {
     const double duty = DutyAt(commands, sample.time_s + shift_s);
     if (std::isnan(duty)) continue;
-    product += duty * sample.speed_mm_s, duties += duty * duty, squares += sample.speed_mm_s * sample.speed_mm_s;
+    product += duty * sample.speed_mm_s;
+    duties += duty * duty;
+    squares += sample.speed_mm_s * sample.speed_mm_s;
   }
   return {product, duties > 0 && squares > 0 ? product / std::sqrt(duties * squares) : 0};
 }
@@ -76,7 +78,8 @@ AlignedLog AlignWithFilm(const DutyCommands& commands, const ActuatorFilm& film)
     const Agreement agreement = AgreementAt(commands, speeds, shift);
     if (std::abs(agreement.product) <= most) continue;
     most = std::abs(agreement.product);
-    aligned.shift_s = shift, aligned.correlation = agreement.correlation;
+    aligned.shift_s = shift;
+    aligned.correlation = agreement.correlation;
   }
   if (std::abs(aligned.correlation) < kLeastCorrelation)
     throw Fail("{}: its duties and the speeds of the video agree nowhere (correlation {:.2f}); are they of one run?",
@@ -85,8 +88,9 @@ AlignedLog AlignWithFilm(const DutyCommands& commands, const ActuatorFilm& film)
   for (std::size_t i = 0; i < film.time_s.size(); ++i) {
     const double time = film.time_s[i] + aligned.shift_s, duty = DutyAt(commands, time);
     if (std::isnan(duty)) continue;
-    aligned.log.time_s.push_back(time), aligned.log.duty.push_back(duty),
-        aligned.log.stroke_mm.push_back(film.length_mm[i]);
+    aligned.log.time_s.push_back(time);
+    aligned.log.duty.push_back(duty);
+    aligned.log.stroke_mm.push_back(film.length_mm[i]);
   }
   return aligned;
 }

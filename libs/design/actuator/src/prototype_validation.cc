@@ -4,11 +4,11 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
 #include <span>
 
+#include "best_shift.h"
 #include "lake/actuator/robust_slope.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
@@ -30,7 +30,8 @@ void CheckSamples(const std::vector<AngleSample>& samples) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (i > 0 && !(samples[i].time_s > samples[i - 1].time_s))
       throw Fail("the times must ascend; {} s after {} s does not", samples[i].time_s, samples[i - 1].time_s);
-    low = std::min(low, samples[i].knee_deg), high = std::max(high, samples[i].knee_deg);
+    low = std::min(low, samples[i].knee_deg);
+    high = std::max(high, samples[i].knee_deg);
   }
   if (high - low < kLeastChange_deg)
     throw Fail("the tracked knee angle changes by {:.3g}° only, which cannot be aligned with a program", high - low);
@@ -55,20 +56,11 @@ std::vector<AngleSample> Few(const std::vector<AngleSample>& samples) {
 // The shift with the least of `size` of the errors.
 double BestShift(const StrokeSchedule& schedule, const std::vector<AngleSample>& samples,
                  double (*size)(std::span<const double>)) {
-  const double low = samples.front().time_s - schedule.Duration(), high = samples.back().time_s;
-  constexpr int kSteps = 1000;
-  const double step = (high - low) / kSteps;
   const std::vector<AngleSample> few = Few(samples);
-  double best = low, least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= kSteps; ++i) {
-    ThrowIfInterrupted();
-    const double shift = low + i * step;
-    if (const double error = size(ErrorsAt(schedule, few, shift)); error < least) least = error, best = shift;
-  }
-  // About `best`, as precision is relative: some nanoseconds.
-  const auto error_at = [&](double later_s) { return size(ErrorsAt(schedule, samples, best + later_s)); };
-  constexpr int kBits = std::numeric_limits<double>::digits / 2;
-  return best + boost::math::tools::brent_find_minima(error_at, -step, step, kBits).first;
+  return LeastErrorShift(
+      samples.front().time_s - schedule.Duration(), samples.back().time_s,
+      [&](double shift) { return size(ErrorsAt(schedule, few, shift)); },
+      [&](double shift) { return size(ErrorsAt(schedule, samples, shift)); });
 }
 
 // The best shift when the measured angle may have a constant offset.
@@ -139,7 +131,10 @@ void FitTravel(const StrokeSchedule& schedule, const std::vector<AngleSample>& s
   for (const double shift_s : {v.shift_s, BestShift(schedule, samples, StandardDeviation)}) {
     const OwnSpeed own = FitOwnSpeed(schedule, samples, {shift_s, 1});
     const double rms = RootMeanSquare(ErrorsOf(schedule, samples, own));
-    if (rms < least) least = rms, best = own;
+    if (rms < least) {
+      least = rms;
+      best = own;
+    }
   }
   std::vector<AngleSample> moving;
   for (const AngleSample& sample : samples)
@@ -155,7 +150,10 @@ void Summarise(Validation& v) {
   for (const ValidatedSample& sample : v.samples) {
     if (!sample.moving) continue;
     errors.push_back(sample.Error());
-    if (std::abs(sample.Error()) > v.max_deg) v.max_deg = std::abs(sample.Error()), v.max_time_s = sample.time_s;
+    if (std::abs(sample.Error()) > v.max_deg) {
+      v.max_deg = std::abs(sample.Error());
+      v.max_time_s = sample.time_s;
+    }
   }
   v.rms_deg = RootMeanSquare(errors);
 }
@@ -170,7 +168,10 @@ void MeasureSpeed(const StrokeSchedule& schedule, Validation& v) {
     if (part < 0.1 || part > 0.9) continue;
     const auto stroke =
         linkage::StrokeForAngle(schedule.links, schedule.limits.used, RadiansFromDegrees(sample.measured_deg));
-    if (stroke) times.push_back(sample.time_s), strokes.push_back(*stroke);
+    if (stroke) {
+      times.push_back(sample.time_s);
+      strokes.push_back(*stroke);
+    }
   }
   const RobustSlope fit = FitRobustSlope(times, strokes);
   v.speed_mm_s = fit.slope;

@@ -44,8 +44,10 @@ double StepOf(const std::vector<double>& y) {
 RobustSlope LeastSquares(const std::vector<double>& x, const std::vector<double>& y, double step) {
   const double mean_x = Mean(x), mean_y = Mean(y);
   double xx = 0, xy = 0, residual = 0;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    xx += (x[i] - mean_x) * (x[i] - mean_x), xy += (x[i] - mean_x) * (y[i] - mean_y);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += (x[i] - mean_x) * (x[i] - mean_x);
+    xy += (x[i] - mean_x) * (y[i] - mean_y);
+  }
   const double slope = xy / xx;
   for (std::size_t i = 0; i < x.size(); ++i) residual += std::pow(y[i] - mean_y - slope * (x[i] - mean_x), 2);
   const double variance = std::max(residual / static_cast<double>(x.size() - 2), step * step / 12);
@@ -64,7 +66,10 @@ RobustSlope FitRobustSlope(std::span<const double> all_x, std::span<const double
   for (std::size_t i = 0; i < x.size(); ++i) rest.push_back(y[i] - slope * x[i]);
   const double step = StepOf(y), middle = Median(rest), limit = std::max(kDeviations * RobustDeviation(rest), step);
   for (std::size_t i = 0; i < x.size(); ++i)
-    if (std::abs(rest[i] - middle) <= limit) good_x.push_back(x[i]), good_y.push_back(y[i]);
+    if (std::abs(rest[i] - middle) <= limit) {
+      good_x.push_back(x[i]);
+      good_y.push_back(y[i]);
+    }
   return good_x.size() < 3 ? RobustSlope{slope, kNaN} : LeastSquares(good_x, good_y, step);
 }
 

@@ -125,7 +125,10 @@ void LimitAcceleration(StrokeSchedule& schedule, double most_mm_s2, double dead_
           "the stretch of {:.4g} mm/s from {:.4g} s to {:.4g} s is too short for its ramps of {:.4g} s together; "
           "raise --max-acceleration ({} mm/s²) or slow the program down",
           speeds[i + 1], knots[i].time_s, knots[i + 1].time_s, ramps_s, most_mm_s2);
-    if (rest && missing_s > 0) later_s += missing_s, schedule.added_rest_s += missing_s;
+    if (rest && missing_s > 0) {
+      later_s += missing_s;
+      schedule.added_rest_s += missing_s;
+    }
     spread.push_back({knots[i + 1].time_s + later_s, knots[i + 1].stroke_mm});
   }
   Knots ramped;

@@ -1,10 +1,9 @@
 #include "lake/actuator/separated_errors.h"
 
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
-#include <limits>
 
+#include "best_shift.h"
 #include "lake/core/angles.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -48,15 +47,8 @@ double RmsAt(const StrokeSchedule& plan, const StrokeSeries& strokes, double sta
 }
 
 double BestStart(const StrokeSchedule& plan, const StrokeSeries& strokes) {
-  const double low = strokes.time_s.front() - plan.Duration(), high = strokes.time_s.back();
-  constexpr int kSteps = 1000;
-  const double step = (high - low) / kSteps;
-  double best = low, least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= kSteps; ++i)
-    if (const double rms = RmsAt(plan, strokes, low + i * step); rms < least) least = rms, best = low + i * step;
-  const auto rms_at = [&](double later_s) { return RmsAt(plan, strokes, best + later_s); };
-  constexpr int kBits = std::numeric_limits<double>::digits / 2;
-  return best + boost::math::tools::brent_find_minima(rms_at, -step, step, kBits).first;
+  const auto rms_at = [&](double start_s) { return RmsAt(plan, strokes, start_s); };
+  return LeastErrorShift(strokes.time_s.front() - plan.Duration(), strokes.time_s.back(), rms_at, rms_at);
 }
 
 void FillActuator(const StrokeSchedule& plan, const StrokeSeries& strokes, SeparatedErrors& separated) {
@@ -66,7 +58,8 @@ void FillActuator(const StrokeSchedule& plan, const StrokeSeries& strokes, Separ
     throw Fail("{}: {} measured strokes within the program; at least {} are needed", strokes.name, errors.size(),
                kLeastSamples);
   const Size size = SizeOf(errors);
-  separated.actuator_rms_mm = size.rms, separated.actuator_max_mm = size.most,
+  separated.actuator_rms_mm = size.rms;
+  separated.actuator_max_mm = size.most;
   separated.actuator_end_mm = errors.back();
 }
 
@@ -88,7 +81,8 @@ SeparatedErrors SeparateErrorsByLog(const StrokeSchedule& plan, const StrokeSeri
     measured.knots.push_back({strokes.time_s[i] - strokes.time_s.front(), strokes.stroke_mm[i]});
   const Validation linkage = ValidatePrototype(measured, angles);
   SeparatedErrors separated;
-  separated.linkage_rms_deg = linkage.rms_deg, separated.linkage_max_deg = linkage.max_deg;
+  separated.linkage_rms_deg = linkage.rms_deg;
+  separated.linkage_max_deg = linkage.max_deg;
   separated.linkage_shift_s = linkage.shift_s - strokes.time_s.front();
   FillActuator(plan, strokes, separated);
   return separated;
@@ -118,7 +112,8 @@ SeparatedErrors SeparateErrorsByVideo(const StrokeSchedule& plan, const StrokeSe
     errors.push_back(angle - KneeDegAt(plan.links, stroke));
   }
   const Size size = SizeOf(errors);
-  separated.linkage_rms_deg = size.rms, separated.linkage_max_deg = size.most;
+  separated.linkage_rms_deg = size.rms;
+  separated.linkage_max_deg = size.most;
   StrokeSeries strokes = lengths;
   for (double& stroke : strokes.stroke_mm) stroke -= separated.stroke_offset_mm;
   FillActuator(plan, strokes, separated);

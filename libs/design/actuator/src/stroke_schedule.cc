@@ -118,7 +118,10 @@ void RestInsteadOfSmallReversals(StrokeSchedule& schedule, double most_mm) {
       const double way = std::abs(knots[extremes[i + 1]].stroke_mm - knots[extremes[i]].stroke_mm);
       const double before = std::abs(knots[extremes[i]].stroke_mm - knots[extremes[i - 1]].stroke_mm),
                    after = std::abs(knots[extremes[i + 2]].stroke_mm - knots[extremes[i + 1]].stroke_mm);
-      if (way <= least && before > way / 2 && after > way / 2) least = way, smallest = i;
+      if (way <= least && before > way / 2 && after > way / 2) {
+        least = way;
+        smallest = i;
+      }
     }
     if (smallest == 0) return;
     const std::size_t from = extremes[smallest - 1], a = extremes[smallest], b = extremes[smallest + 1],

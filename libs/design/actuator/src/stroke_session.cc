@@ -84,11 +84,17 @@ class Session {
       if (Since(begin) > options_.greeting_s)
         throw Fail("{}: no greeting of lake-stroke's firmware within {} s: is it uploaded?", options_.port.string(),
                    options_.greeting_s);
-      if (!reset && Since(begin) > options_.greeting_s / 2) port_.Write(kReset), reset = true;
+      if (!reset && Since(begin) > options_.greeting_s / 2) {
+        port_.Write(kReset);
+        reset = true;
+      }
       const std::optional<std::string> line = Line();
       if (!line) continue;
       if (line->starts_with("[MSG:design ")) design = line->substr(12, line->find(',') - 12);
-      if (IsHeader(*line)) has_header = true, header_ = *line;
+      if (IsHeader(*line)) {
+        has_header = true;
+        header_ = *line;
+      }
     }
     if (design != sketch.design_hash)
       throw Fail("{}: the board has the program of design {}, the folder that of {}: upload the folder's sketch",
@@ -142,7 +148,10 @@ class Session {
  private:
   // The next whole line, if one has come; meanwhile it says that it is there. Throws on a fault or long silence.
   std::optional<std::string> Line() {
-    if (Since(last_said_) > options_.keep_alive_s) port_.Write("?"), last_said_ = Clock::now();
+    if (Since(last_said_) > options_.keep_alive_s) {
+      port_.Write("?");
+      last_said_ = Clock::now();
+    }
     if (buffer_.find('\n') == std::string::npos) buffer_ += port_.Read(kPoll_s);
     const std::size_t end = buffer_.find('\n');
     if (end == std::string::npos) {

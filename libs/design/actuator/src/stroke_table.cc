@@ -25,10 +25,16 @@ void Thin(const std::vector<Knot>& knots, std::size_t first, std::size_t last, d
       const double fraction = (knots[i].time_s - knots[a].time_s) / (knots[b].time_s - knots[a].time_s);
       const double distance =
           std::abs(std::lerp(knots[a].stroke_mm, knots[b].stroke_mm, fraction) - knots[i].stroke_mm);
-      if (distance > worst) worst = distance, at = i;
+      if (distance > worst) {
+        worst = distance;
+        at = i;
+      }
     }
     keep[at] = true;
-    if (at != a) open.emplace_back(a, at), open.emplace_back(at, b);
+    if (at != a) {
+      open.emplace_back(a, at);
+      open.emplace_back(at, b);
+    }
   }
 }
 

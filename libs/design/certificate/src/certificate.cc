@@ -52,7 +52,10 @@ std::optional<std::vector<OpenBox>> Split(const RangeBound& range, const OpenBox
     });
     const double width = length.Width() / root[link].Width();  // at most 1
     const double score = lowers ? 1 + width : width;
-    if (score > best_score) best_score = score, best = std::move(halves);
+    if (score > best_score) {
+      best_score = score;
+      best = std::move(halves);
+    }
   }
   return best;
 }
@@ -93,7 +96,10 @@ class Search {
     constexpr std::int64_t kBatch = 256;
     const auto size = static_cast<std::size_t>(std::min(kBatch, options_.max_boxes - boxes_));
     std::vector<OpenBox> batch;
-    while (batch.size() < size && CanLowerTheBound()) batch.push_back(open_.top()), open_.pop();
+    while (batch.size() < size && CanLowerTheBound()) {
+      batch.push_back(open_.top());
+      open_.pop();
+    }
     return batch;
   }
 

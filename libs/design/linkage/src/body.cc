@@ -78,7 +78,10 @@ struct Least {
   double distance_mm = std::numeric_limits<double>::infinity();
   double at_deg = 0;
   void Take(double distance, double theta_rad) {
-    if (distance < distance_mm) distance_mm = distance, at_deg = DegreesFromRadians(theta_rad);
+    if (distance < distance_mm) {
+      distance_mm = distance;
+      at_deg = DegreesFromRadians(theta_rad);
+    }
   }
 };
 
@@ -113,8 +116,10 @@ void CheckLimbs(const Links& links, const UsedRange& range, const Body& body, co
     thigh.Take(LimbSeparation(Limb::kThigh, pose, body, options).distance_mm, pose.theta_rad);
     shank.Take(LimbSeparation(Limb::kShank, pose, body, options).distance_mm, pose.theta_rad);
   }
-  check.thigh_clearance_mm = thigh.distance_mm, check.thigh_clearance_deg = thigh.at_deg;
-  check.shank_clearance_mm = shank.distance_mm, check.shank_clearance_deg = shank.at_deg;
+  check.thigh_clearance_mm = thigh.distance_mm;
+  check.thigh_clearance_deg = thigh.at_deg;
+  check.shank_clearance_mm = shank.distance_mm;
+  check.shank_clearance_deg = shank.at_deg;
 }
 
 }  // namespace
@@ -128,15 +133,18 @@ Body BodyOf(double height_mm, double mass_kg) {
   if (!(height_mm >= 500 && height_mm <= 2500)) throw Fail("a body of {} mm is outside 500..2500 mm", height_mm);
   if (!(mass_kg >= 10 && mass_kg <= 400)) throw Fail("a body of {} kg is outside 10..400 kg", mass_kg);
   Body body;
-  body.height_mm = height_mm, body.mass_kg = mass_kg;
+  body.height_mm = height_mm;
+  body.mass_kg = mass_kg;
   body.thigh = SegmentOf(kThigh, kThigh.length * height_mm, mass_kg);
   body.shank = SegmentOf(kShank, kShank.length * height_mm, mass_kg);
-  body.foot_length_mm = kFootLength * height_mm, body.ankle_height_mm = kAnkleHeight * height_mm;
+  body.foot_length_mm = kFootLength * height_mm;
+  body.ankle_height_mm = kAnkleHeight * height_mm;
   body.trunk_length_mm = kTrunk.length * height_mm;
   // An ellipse of area pi / 4 x breadth x depth over the trunk's length.
   body.trunk_depth_mm =
       VolumeOf(kTrunk, mass_kg) / (std::numbers::pi / 4 * kShoulderBreadth * height_mm * body.trunk_length_mm);
-  body.head_height_mm = kHeadHeight * height_mm, body.neck_length_mm = kNeckLength * height_mm;
+  body.head_height_mm = kHeadHeight * height_mm;
+  body.neck_length_mm = kNeckLength * height_mm;
   return body;
 }
 
@@ -255,8 +263,10 @@ WearCheck CheckWear(const Links& links, const UsedRange& range, const Body& body
   const Pose seated = at_right_angle ? pose_at(*at_right_angle) : flexed.theta_rad < kSeated_rad ? flexed : standing;
 
   WearCheck check;
-  check.seated_stroke_mm = seated.stroke_mm, check.seated_deg = DegreesFromRadians(seated.theta_rad);
-  check.standing_stroke_mm = standing.stroke_mm, check.standing_deg = DegreesFromRadians(standing.theta_rad);
+  check.seated_stroke_mm = seated.stroke_mm;
+  check.seated_deg = DegreesFromRadians(seated.theta_rad);
+  check.standing_stroke_mm = standing.stroke_mm;
+  check.standing_deg = DegreesFromRadians(standing.theta_rad);
   check.mount_below_hip_mm = body.thigh.length_mm - seated.mount.y() - options.bar_width_mm / 2;
   check.mount_behind_thigh_mm = seated.mount.x() - body.thigh.RadiusAt(seated.mount.y());
   check.seat_clearance_mm = SeatClearance(seated, body, options);

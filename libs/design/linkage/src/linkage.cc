@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "lake/core/error.h"
@@ -127,31 +126,6 @@ Pose RequirePose(const Links& links, double stroke_mm) {
              gap ? gap->text : "no triangle");
 }
 
-NewtonPose SolvePoseNewton(const Links& links, double stroke_mm, double start_phi_rad, double start_theta_rad) {
-  constexpr int kMostIterations = 60;
-  constexpr double kSmallStep_rad = 1e-14;
-  const auto l = links.Values();
-  NewtonPose pose{start_phi_rad, start_theta_rad, 0, false};
-  double last_step = std::numeric_limits<double>::infinity();
-  while (pose.iterations < kMostIterations) {
-    const auto residual = LoopResiduals(l.data(), stroke_mm, pose.phi_rad, pose.theta_rad);
-    const auto v = LoopVectorsOf(l.data(), pose.phi_rad, pose.theta_rad);
-    // The first loop holds phi alone, so the two equations are solved one after the other.
-    const double phi_slope = Dot(v.actuator, v.tip_motion) / kLoopScale_mm;
-    const double theta_slope = -Dot(v.coupler, v.shank_motion) / kLoopScale_mm;
-    const double phi_step = -residual[0] / phi_slope;
-    const double theta_step = (-residual[1] + Dot(v.coupler, v.tip_motion) / kLoopScale_mm * phi_step) / theta_slope;
-    if (!std::isfinite(phi_step) || !std::isfinite(theta_step)) return pose;
-    pose.phi_rad += phi_step, pose.theta_rad += theta_step, ++pose.iterations;
-    const double step = std::hypot(phi_step, theta_step);
-    pose.converged =
-        step <= kSmallStep_rad || (step < 1e-8 && step >= last_step);  // no further gain: rounding is reached
-    if (pose.converged) return pose;
-    last_step = step;
-  }
-  return pose;
-}
-
 Transmission TransmissionOf(const Links& links, const Pose& pose) {
   const auto l = links.Values();
   const double d = pose.stroke_mm, phi = pose.phi_rad, theta = pose.theta_rad;
@@ -171,21 +145,6 @@ Transmission TransmissionOf(const Links& links, const Pose& pose) {
 double ActuatorForce(const Transmission& transmission, double knee_torque_nm) {
   constexpr double kMillimetresPerMetre = 1000;
   return -knee_torque_nm * kMillimetresPerMetre * transmission.radians_per_mm;
-}
-
-AngleDerivatives AngleDerivativesOf(const Links& links, const Pose& pose) {
-  // Implicit differentiation of f1 = (|w|^2 - d^2) / 2 and f2 = (|u|^2 - l1^2) / 2 in (phi, kappa = pi - theta).
-  const Vector2d w = pose.tip - pose.mount, u = pose.shank_pin - pose.tip;
-  const Vector2d bar = (pose.tip - pose.thigh_pin) / links.l2, shank = pose.shank_pin / links.l4;
-  const Vector2d tip_motion = links.l2 * Vector2d(bar.y(), -bar.x()),
-                 shank_motion = links.l4 * Vector2d(shank.y(), -shank.x());
-  const auto theta_slope = [&](double f1_slope, double f2_slope) {
-    const double phi_slope = -f1_slope / w.dot(tip_motion);
-    return (f2_slope - u.dot(tip_motion) * phi_slope) / u.dot(shank_motion);
-  };
-  return {{theta_slope(0, -links.l1), theta_slope(w.dot(bar), -u.dot(bar)), theta_slope(0, -u.y()),
-           theta_slope(0, u.dot(shank)), theta_slope(-w.x(), 0), theta_slope(-w.y(), 0)},
-          theta_slope(-pose.stroke_mm, 0)};
 }
 
 Grashof GrashofOf(const Links& links) {
@@ -217,8 +176,10 @@ std::string_view NameOf(GrashofClass type) {
 
 SingularityDistances DistancesToSingularities(const Links& links, const Pose& pose) {
   const double l7 = links.L7();
-  return {links.l2 + pose.stroke_mm - l7, l7 + links.l2 - pose.stroke_mm, pose.l8_mm - std::abs(links.l4 - links.l1),
-          links.l4 + links.l1 - pose.l8_mm};
+  return {.actuator_folded_mm = links.l2 + pose.stroke_mm - l7,
+          .actuator_extended_mm = l7 + links.l2 - pose.stroke_mm,
+          .shank_folded_mm = pose.l8_mm - std::abs(links.l4 - links.l1),
+          .shank_extended_mm = links.l4 + links.l1 - pose.l8_mm};
 }
 
 }  // namespace lake::linkage

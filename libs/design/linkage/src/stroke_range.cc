@@ -74,7 +74,8 @@ std::vector<StrokeRange> AssemblyRanges(const Links& links) {
   const double alpha1 = std::atan2(links.l5, links.l6);
   std::vector<StrokeRange> ranges;
   const auto add = [&](double from, double to) {
-    from = std::max(from, alpha1), to = std::min(to, alpha1 + kPi);
+    from = std::max(from, alpha1);
+    to = std::min(to, alpha1 + kPi);
     if (from <= to) ranges.push_back({StrokeForBar(links, from), StrokeForBar(links, to)});
   };
   if (last == kPi && links.l2 == links.l3) {  // the tip would meet the knee pivot, where the shank is free
@@ -126,8 +127,10 @@ UsedRange FindUsedRange(const Links& links, double d_min_mm, std::optional<doubl
   const auto ranges = AssemblyRanges(links);
   const auto home =
       std::find_if(ranges.begin(), ranges.end(), [&](const auto& range) { return range.Contains(d_min_mm); });
-  UsedRange used{
-      {d_min_mm, home == ranges.end() ? d_min_mm : home->upper_mm}, at_lower.theta_rad, 0, UsedRange::End::kAssembly};
+  UsedRange used{.stroke = {d_min_mm, home == ranges.end() ? d_min_mm : home->upper_mm},
+                 .theta_at_lower_rad = at_lower.theta_rad,
+                 .theta_at_upper_rad = 0,
+                 .end = UsedRange::End::kAssembly};
   const auto end_at = [&](double stroke_mm, UsedRange::End end) {
     if (stroke_mm <= d_min_mm || stroke_mm >= used.stroke.upper_mm) return;
     used.stroke.upper_mm = stroke_mm;

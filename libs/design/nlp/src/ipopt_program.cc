@@ -142,8 +142,10 @@ bool IpoptProgram::eval_h(Index /*n*/, const double* x, bool /*new_x*/, double c
       } else {
         Index k = entry;
         for (std::size_t i = 0; i < variables.size(); ++i)
-          for (std::size_t j = 0; j <= i; ++j, ++k)
-            rows[k] = std::max(variables[i], variables[j]), columns[k] = std::min(variables[i], variables[j]);
+          for (std::size_t j = 0; j <= i; ++j, ++k) {
+            rows[k] = std::max(variables[i], variables[j]);
+            columns[k] = std::min(variables[i], variables[j]);
+          }
       }
       entry += size;
     }

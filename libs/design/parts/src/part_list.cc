@@ -42,14 +42,16 @@ std::vector<PartRow> PartList(const Mechanism& mechanism) {
     rows.push_back(PlateRow(mechanism.plates[i], mechanism.stack.span[i], options));
   for (const Pin& pin : mechanism.stack.pins) {
     PartRow row{fmt::format("pin {}", LetterOf(pin.joint)), "steel"};
-    row.length_mm = pin.span.Length(), row.diameter_mm = options.pin_diameter_mm;
+    row.length_mm = pin.span.Length();
+    row.diameter_mm = options.pin_diameter_mm;
     row.mass_g = TubeMass_g(*row.length_mm, options.pin_diameter_mm, 0);
     row.span = pin.span;
     rows.push_back(row);
   }
   for (const Spacer& spacer : mechanism.stack.spacers) {
     PartRow row{fmt::format("spacer {}", LetterOf(spacer.joint)), "steel"};
-    row.length_mm = spacer.span.Length(), row.diameter_mm = spacer.outer_diameter_mm;
+    row.length_mm = spacer.span.Length();
+    row.diameter_mm = spacer.outer_diameter_mm;
     row.bore_mm = spacer.inner_diameter_mm;
     row.mass_g = TubeMass_g(*row.length_mm, spacer.outer_diameter_mm, spacer.inner_diameter_mm);
     row.span = spacer.span;
@@ -65,7 +67,8 @@ std::vector<PartRow> PartList(const Mechanism& mechanism) {
   rows.push_back(screw);
   PartRow actuator{"linear actuator", ""};
   actuator.length_mm = mechanism.range.stroke.lower_mm;
-  actuator.diameter_mm = options.actuator_diameter_mm, actuator.thickness_mm = options.actuator_eye_mm;
+  actuator.diameter_mm = options.actuator_diameter_mm;
+  actuator.thickness_mm = options.actuator_eye_mm;
   actuator.bore_mm = options.pin_diameter_mm + options.bore_clearance_mm;
   actuator.span = mechanism.stack.span[static_cast<std::size_t>(Body::kActuator)];
   rows.push_back(actuator);

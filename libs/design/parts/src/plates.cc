@@ -59,7 +59,8 @@ struct PlateMaker {
 
   Plate Shank(double l4) const {
     Plate plate = Make(Body::kShank, "KS", {{0, 0}, {l4 + CuffReach(), 0}});
-    AddPinHole(plate, {0, 0}), AddPinHole(plate, {l4, 0});
+    AddPinHole(plate, {0, 0});
+    AddPinHole(plate, {l4, 0});
     AddCuffHoles(plate, {l4, 0}, {1, 0});
     return plate;
   }

@@ -116,7 +116,8 @@ struct Meeting {
   void Take(double deg) {
     constexpr double kTenth = 0.1;                  // as it is told
     deg = kTenth * std::round(deg / kTenth) + 0.0;  // no -0
-    least_deg = std::min(least_deg, deg), most_deg = std::max(most_deg, deg);
+    least_deg = std::min(least_deg, deg);
+    most_deg = std::max(most_deg, deg);
   }
 };
 
@@ -149,8 +150,10 @@ using Layers = std::array<int, kBodies>;
 // Lowest and highest layer that a pin reaches.
 std::pair<int, int> ReachOf(Joint joint, const Layers& layers) {
   int low = static_cast<int>(kBodies), high = -1;
-  for (const Body body : JoinedBy(joint))
-    low = std::min(low, layers[Index(body)]), high = std::max(high, layers[Index(body)]);
+  for (const Body body : JoinedBy(joint)) {
+    low = std::min(low, layers[Index(body)]);
+    high = std::max(high, layers[Index(body)]);
+  }
   return {low, high};
 }
 
@@ -290,7 +293,8 @@ Stack FindStack(const Mechanism& mechanism) {
 }
 
 Mechanism MakeMechanism(const linkage::Links& links, const linkage::UsedRange& range, const PartOptions& options) {
-  Mechanism mechanism{links, range, options, PlatesOf(links, options), {}};
+  Mechanism mechanism{
+      .links = links, .range = range, .options = options, .plates = PlatesOf(links, options), .stack = {}};
   mechanism.stack = FindStack(mechanism);
   return mechanism;
 }

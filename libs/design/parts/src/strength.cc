@@ -11,8 +11,11 @@
 namespace lake::parts {
 namespace {
 
+using Kind = StrengthCheck::Kind;
+
 // A check by the load that a pose brings, the stress per load, and the load that is allowed there.
 struct Rule {
+  Kind kind;
   Body part;
   std::string check;
   std::function<double(const LoadedPose&)> load;
@@ -50,36 +53,41 @@ class Rules {
     const auto coupler = [](const LoadedPose& at) { return std::abs(at.forces.coupler_n); };
     const auto bar = [](const LoadedPose& at) { return std::abs(at.forces.bar_n); };
     const auto actuator = [](const LoadedPose& at) { return std::abs(at.forces.actuator_n); };
-    AddStress(Body::kCoupler, "bearing at R and S", coupler, 1 / BearingArea());
-    AddStress(Body::kCoupler, "net section", coupler, 1 / NetArea());
-    AddStress(Body::kBar, "bearing at P and R", bar, 1 / BearingArea());
-    AddStress(Body::kBar, "net section", bar, 1 / NetArea());
-    AddStress(Body::kShank, "bearing at K and S", coupler, 1 / BearingArea());
-    AddStress(
-        Body::kShank, "bending at S", [](const LoadedPose& at) { return std::abs(at.knee_torque_nm); },
-        BendingStressPerTorque());
-    AddStress(Body::kThigh, "bearing at K", coupler, 1 / BearingArea());
-    AddStress(Body::kThigh, "bearing at P", bar, 1 / BearingArea());
-    AddStress(Body::kThigh, "bearing at M", actuator, 1 / BearingArea());
-    rules_.push_back({Body::kActuator, "buckling of the rod",
-                      [](const LoadedPose& at) { return std::max(0.0, at.forces.actuator_n); }, std::nullopt,
-                      [this](const LoadedPose& at) { return EulerLoad_n(at.pose.stroke_mm); }});
+    const auto torque = [](const LoadedPose& at) { return std::abs(at.knee_torque_nm); };
+    AddStress(Kind::kBearing, Body::kCoupler, "bearing at R and S", coupler);
+    AddStress(Kind::kNetSection, Body::kCoupler, "net section", coupler);
+    AddStress(Kind::kBearing, Body::kBar, "bearing at P and R", bar);
+    AddStress(Kind::kNetSection, Body::kBar, "net section", bar);
+    AddStress(Kind::kBearing, Body::kShank, "bearing at K and S", coupler);
+    AddStress(Kind::kBending, Body::kShank, "bending at S", torque);
+    AddStress(Kind::kBearing, Body::kThigh, "bearing at K", coupler);
+    AddStress(Kind::kBearing, Body::kThigh, "bearing at P", bar);
+    AddStress(Kind::kBearing, Body::kThigh, "bearing at M", actuator);
+    rules_.push_back(
+        {.kind = Kind::kBuckling,
+         .part = Body::kActuator,
+         .check = "buckling of the rod",
+         .load = [](const LoadedPose& at) { return std::max(0.0, at.forces.actuator_n); },
+         .stress_per_load = std::nullopt,
+         .allowed = [strength = RodStrengthOf(options_)](
+                        const LoadedPose& at) { return strength / (at.pose.stroke_mm * at.pose.stroke_mm); }});
   }
-  Rules(const Rules&) = delete;
 
   const std::vector<Rule>& All() const { return rules_; }
 
  private:
-  void AddStress(Body part, std::string check, std::function<double(const LoadedPose&)> load, double stress_per_load) {
+  void AddStress(Kind kind, Body part, std::string check, std::function<double(const LoadedPose&)> load) {
+    const double stress_per_load = kind == Kind::kBending      ? BendingStressPerTorqueOf(options_)
+                                   : kind == Kind::kNetSection ? 1 / NetAreaOf(options_)
+                                                               : 1 / BearingAreaOf(options_);
     const double allowed = MaterialOf(options_.material).yield_mpa / stress_per_load;
-    rules_.push_back(
-        {part, std::move(check), std::move(load), stress_per_load, [allowed](const LoadedPose&) { return allowed; }});
+    rules_.push_back({.kind = kind,
+                      .part = part,
+                      .check = std::move(check),
+                      .load = std::move(load),
+                      .stress_per_load = stress_per_load,
+                      .allowed = [allowed](const LoadedPose&) { return allowed; }});
   }
-
-  double BearingArea() const { return BearingAreaOf(options_); }
-  double NetArea() const { return NetAreaOf(options_); }
-  double BendingStressPerTorque() const { return BendingStressPerTorqueOf(options_); }
-  double EulerLoad_n(double length_mm) const { return RodStrengthOf(options_) / (length_mm * length_mm); }
 
   PartOptions options_;
   std::vector<Rule> rules_;
@@ -87,11 +95,18 @@ class Rules {
 
 }  // namespace
 
+double StrengthCheck::KneeAngle_deg() const {
+  return DegreesFromRadians(at.pose.theta_rad);
+}
+
 Capacity CapacityOf(const PartOptions& options) {
   const double yield_mpa = MaterialOf(options.material).yield_mpa;
   const double bearing_n = yield_mpa * BearingAreaOf(options), net_n = yield_mpa * NetAreaOf(options);
-  return {std::min(bearing_n, net_n), std::min(bearing_n, net_n), bearing_n, RodStrengthOf(options),
-          yield_mpa / BendingStressPerTorqueOf(options)};
+  return {.coupler_n = std::min(bearing_n, net_n),
+          .bar_n = std::min(bearing_n, net_n),
+          .actuator_n = bearing_n,
+          .rod_nmm2 = RodStrengthOf(options),
+          .knee_torque_nm = yield_mpa / BendingStressPerTorqueOf(options)};
 }
 
 double LeastSafety(const Capacity& capacity, const LoadedPose& at) {
@@ -113,12 +128,13 @@ std::vector<StrengthCheck> CheckStrength(const Mechanism& mechanism, std::span<c
     for (const LoadedPose& pose : poses) {
       const double load = rule.load(pose);
       if (!std::isfinite(load) || load == 0) continue;
-      StrengthCheck check{std::string(NameOf(rule.part)),
-                          rule.check,
-                          DegreesFromRadians(pose.pose.theta_rad),
-                          load,
-                          std::nullopt,
-                          rule.allowed(pose)};
+      StrengthCheck check{.kind = rule.kind,
+                          .part = std::string(NameOf(rule.part)),
+                          .check = rule.check,
+                          .at = pose,
+                          .load = load,
+                          .stress_mpa = std::nullopt,
+                          .allowed = rule.allowed(pose)};
       if (rule.stress_per_load) check.stress_mpa = load * *rule.stress_per_load;
       if (!worst || check.Safety() < worst->Safety()) worst = check;
     }

@@ -20,11 +20,14 @@ bool Lifts(const LinearActuator& actuator, double force_n) {
 AssistanceRow RowOf(const linkage::Links& links, const linkage::UsedRange& range, const SynthesisProblem& problem,
                     const LoadSample& sample) {
   AssistanceRow row;
-  row.percent = sample.percent, row.knee_deg = DegreesFromRadians(sample.knee_rad), row.knee_nm = sample.knee_nm;
+  row.percent = sample.percent;
+  row.knee_deg = DegreesFromRadians(sample.knee_rad);
+  row.knee_nm = sample.knee_nm;
   const std::optional<double> stroke = ProfileStroke(links, range, sample.knee_rad);
   if (!stroke) return row;
   const linkage::Transmission transmission = linkage::TransmissionOf(links, linkage::RequirePose(links, *stroke));
-  row.stroke_mm = *stroke, row.moment_arm_mm = transmission.moment_arm_mm;
+  row.stroke_mm = *stroke;
+  row.moment_arm_mm = transmission.moment_arm_mm;
   row.speed_mm_s = sample.rad_per_rise / transmission.radians_per_mm;  // per rise; divided by its duration later
   if (!std::isnan(sample.knee_nm)) row.force_n = linkage::ActuatorForce(transmission, problem.TorqueAt(sample));
   if (problem.actuator && problem.actuator->HasSpeed())
@@ -49,8 +52,10 @@ void FindBound(const SynthesisProblem& problem, Assistance& assistance) {
   for (const int i : SamplesInUse(problem)) {
     const LoadSample& sample = problem.profile->samples[i];
     const double needed_s = std::abs(problem.TorqueAt(sample) * sample.rad_per_rise) / most_w;
-    if (std::isnan(assistance.bound_s) || needed_s > assistance.bound_s)
-      assistance.bound_s = needed_s, assistance.bound_percent = sample.percent;
+    if (std::isnan(assistance.bound_s) || needed_s > assistance.bound_s) {
+      assistance.bound_s = needed_s;
+      assistance.bound_percent = sample.percent;
+    }
   }
 }
 
@@ -98,8 +103,10 @@ Assistance FindAssistance(const linkage::Links& links, const SynthesisProblem& p
   Assistance assistance;
   for (const LoadSample& sample : problem.profile->samples)
     assistance.rows.push_back(RowOf(links, range, problem, sample));
-  if (const AssistanceRow* longest = RowWithLongest(assistance.rows))
-    assistance.shortest_s = longest->least_duration_s, assistance.limiting_percent = longest->percent;
+  if (const AssistanceRow* longest = RowWithLongest(assistance.rows)) {
+    assistance.shortest_s = longest->least_duration_s;
+    assistance.limiting_percent = longest->percent;
+  }
   if (problem.actuator) {
     assistance.speed_under_load_is_known = problem.actuator->HasForceSpeedLaw();
     FindBound(problem, assistance);

@@ -136,14 +136,15 @@ double LinkValue(const linkage::Links& links, const SynthesisProblem& problem, c
 // `poses` of these links.
 RequirementCheck CheckRequirement(const linkage::Links& links, const SynthesisProblem& problem,
                                   const Requirement& requirement, double range_deg, UsedPoses& poses) {
-  RequirementCheck check{requirement, kNaN, 0, 1};
+  RequirementCheck check{.requirement = requirement, .value = kNaN, .slack = 0, .fraction = 1};
   if (!requirement.NeedsStanding()) {
     check.value = LinkValue(links, problem, requirement, range_deg);
   } else if (requirement.id.kind == Kind::kMaxStroke) {
     if (poses.Range()) check.value = poses.Range()->stroke.upper_mm;
     check.fraction = 0;
   } else if (const auto worst = poses.WorstPoints(requirement); !worst.empty()) {
-    check.value = worst.front().value, check.fraction = worst.front().fraction;
+    check.value = worst.front().value;
+    check.fraction = worst.front().fraction;
   }
   check.slack = requirement.Slack(check.value);
   return check;

@@ -33,7 +33,12 @@ Requirement Order(int smaller, int larger) {
   coefficients[smaller] = -1;
   coefficients[larger] = 1;
   const std::string name = fmt::format("{} <= {}", LinkName(smaller), LinkName(larger));
-  return {{Requirement::Kind::kOrder, smaller, larger}, name, coefficients, true, 0, "mm"};
+  return {.id = {Requirement::Kind::kOrder, smaller, larger},
+          .name = name,
+          .coefficients = coefficients,
+          .is_lower_limit = true,
+          .limit = 0,
+          .unit = "mm"};
 }
 
 }  // namespace
@@ -89,7 +94,10 @@ double SynthesisProblem::TorqueAt(const LoadSample& sample) const {
 }
 
 linkage::WearOptions SynthesisProblem::Wear() const {
-  return {parts.bar_width_mm, parts.actuator_diameter_mm, clearances.seat_edge_mm, clearances.placement_mm};
+  return {.bar_width_mm = parts.bar_width_mm,
+          .actuator_diameter_mm = parts.actuator_diameter_mm,
+          .seat_edge_mm = clearances.seat_edge_mm,
+          .placement_mm = clearances.placement_mm};
 }
 
 double SynthesisProblem::SeatedAngle_rad() const {
@@ -163,49 +171,50 @@ std::string Requirement::Text() const {
 std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem) {
   using Kind = Requirement::Kind;
   std::vector<Requirement> all;
-  all.push_back({{Kind::kGrashof}, "grashof", {1, 1, -1, -1, 0, 0}, true, problem.grashof_margin_mm, "mm"});
+  all.push_back({.id = {Kind::kGrashof},
+                 .name = "grashof",
+                 .coefficients = {1, 1, -1, -1, 0, 0},
+                 .is_lower_limit = true,
+                 .limit = problem.grashof_margin_mm,
+                 .unit = "mm"});
   for (const auto& [smaller, larger] : {std::pair{2, 0}, {2, 1}, {2, 3}, {1, 3}, {0, 3}, {4, 5}, {3, 5}})
     all.push_back(Order(smaller, larger));
-  all.push_back({{Kind::kSingularity}, "singularity", {}, true, problem.singularity_margin_mm, "mm"});
-  if (problem.min_moment_arm_mm)
-    all.push_back({{Kind::kMomentArm}, "moment arm", {}, true, *problem.min_moment_arm_mm, "mm/rad"});
-  if (problem.max_force_n)
-    all.push_back({{Kind::kForce}, "force", {}, false, *problem.max_force_n, "N", problem.HasLoadProfile()});
-  const bool along_profile = problem.HasLoadProfile();
-  if (problem.max_pin_force_n)
-    all.push_back({{Kind::kPinForce}, "pin force", {}, false, *problem.max_pin_force_n, "N", along_profile});
-  if (problem.max_mount_force_n)
-    all.push_back({{Kind::kMountForce}, "mount force", {}, false, *problem.max_mount_force_n, "N", along_profile});
-  if (problem.safety_factor)
-    all.push_back({{Kind::kSafety}, "safety factor", {}, true, *problem.safety_factor, "1", along_profile});
-  if (problem.min_transmission_deg)
-    all.push_back({{Kind::kTransmission}, "transmission angle", {}, true, *problem.min_transmission_deg, "deg"});
-  if (problem.d_max_mm) all.push_back({{Kind::kMaxStroke}, "stroke when standing", {}, false, *problem.d_max_mm, "mm"});
-  if (problem.actuator && problem.actuator->holding_force_n)
-    all.push_back({{Kind::kHolding},
-                   "holding force",
-                   {},
-                   false,
-                   *problem.actuator->holding_force_n,
-                   "N",
-                   problem.HasLoadProfile()});
-  if (problem.HasLoadProfile() && (problem.duration_s || problem.SeeksDuration()))
-    all.push_back({{Kind::kDuration},
-                   "duration",
-                   {},
-                   false,
-                   problem.duration_s.value_or(SynthesisProblem::kLongestDuration_s),
-                   "s",
-                   true});
+  const auto add = [&](Kind kind, const char* name, bool is_lower_limit, std::optional<double> limit, const char* unit,
+                       bool along_profile) {
+    if (limit)
+      all.push_back({.id = {kind},
+                     .name = name,
+                     .coefficients = {},
+                     .is_lower_limit = is_lower_limit,
+                     .limit = *limit,
+                     .unit = unit,
+                     .along_profile = along_profile});
+  };
+  const auto at_least = [&](Kind kind, const char* name, std::optional<double> limit, const char* unit,
+                            bool along_profile = false) { add(kind, name, true, limit, unit, along_profile); };
+  const auto at_most = [&](Kind kind, const char* name, std::optional<double> limit, const char* unit,
+                           bool along_profile = false) { add(kind, name, false, limit, unit, along_profile); };
+  const bool has_profile = problem.HasLoadProfile();
+  at_least(Kind::kSingularity, "singularity", problem.singularity_margin_mm, "mm");
+  at_least(Kind::kMomentArm, "moment arm", problem.min_moment_arm_mm, "mm/rad");
+  at_most(Kind::kForce, "force", problem.max_force_n, "N", has_profile);
+  at_most(Kind::kPinForce, "pin force", problem.max_pin_force_n, "N", has_profile);
+  at_most(Kind::kMountForce, "mount force", problem.max_mount_force_n, "N", has_profile);
+  at_least(Kind::kSafety, "safety factor", problem.safety_factor, "1", has_profile);
+  at_least(Kind::kTransmission, "transmission angle", problem.min_transmission_deg, "deg");
+  at_most(Kind::kMaxStroke, "stroke when standing", problem.d_max_mm, "mm");
+  if (problem.actuator) at_most(Kind::kHolding, "holding force", problem.actuator->holding_force_n, "N", has_profile);
+  if (has_profile && (problem.duration_s || problem.SeeksDuration()))
+    at_most(Kind::kDuration, "duration", problem.duration_s.value_or(SynthesisProblem::kLongestDuration_s), "s", true);
   const Clearances& clearances = problem.clearances;
-  const double profile_rad = problem.HasLoadProfile() ? problem.profile->LargestAngle() : 0;
+  const double profile_rad = has_profile ? problem.profile->LargestAngle() : 0;
   const double seated_rad = clearances.seat_mm ? problem.SeatedAngle_rad() : 0;
-  if (problem.HasLoadProfile() || clearances.seat_mm)
-    all.push_back({{Kind::kReach}, "range", {}, true, DegreesFromRadians(std::max(profile_rad, seated_rad)), "deg"});
-  if (clearances.seat_mm) all.push_back({{Kind::kSeat}, "seat clearance", {}, true, *clearances.seat_mm, "mm"});
-  if (clearances.thigh_mm) all.push_back({{Kind::kThigh}, "thigh clearance", {}, true, *clearances.thigh_mm, "mm"});
-  if (clearances.shank_mm) all.push_back({{Kind::kShank}, "shank clearance", {}, true, *clearances.shank_mm, "mm"});
-  if (problem.max_angle_deg) all.push_back({{Kind::kMaxAngle}, "angle", {}, false, *problem.max_angle_deg, "deg"});
+  if (has_profile || clearances.seat_mm)
+    at_least(Kind::kReach, "range", DegreesFromRadians(std::max(profile_rad, seated_rad)), "deg");
+  at_least(Kind::kSeat, "seat clearance", clearances.seat_mm, "mm");
+  at_least(Kind::kThigh, "thigh clearance", clearances.thigh_mm, "mm");
+  at_least(Kind::kShank, "shank clearance", clearances.shank_mm, "mm");
+  at_most(Kind::kMaxAngle, "angle", problem.max_angle_deg, "deg");
   return all;
 }
 

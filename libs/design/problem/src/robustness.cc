@@ -91,7 +91,7 @@ std::vector<SensitivityPoint> Sensitivity(const linkage::Links& links, const Syn
     const int of_each = 2 * steps + 1, link = static_cast<int>(n) / of_each, i = static_cast<int>(n) % of_each - steps;
     auto values = links.Values();
     SynthesisProblem changed = problem;
-    SensitivityPoint point{link, span_mm * i / steps, 0, false};
+    SensitivityPoint point{.link = link, .delta_mm = span_mm * i / steps, .range_deg = 0, .feasible = false};
     double& length = link < kLinks ? values[static_cast<std::size_t>(link)] : changed.d_min_mm;
     length += point.delta_mm;
     if (length > 0) {
@@ -142,7 +142,9 @@ Build RandomBuild(const linkage::Links& links, double d_min_mm, const YieldOptio
   auto values = links.Values();
   for (double& value : values) value += within(options.tolerance_mm);
   Build build{linkage::Links::FromValues(values), d_min_mm + within(options.tolerance_mm)};
-  build.links.l1 += play(kCouplerHoles), build.links.l2 += play(kBarHoles), build.d_min_mm += play(kActuatorHoles);
+  build.links.l1 += play(kCouplerHoles);
+  build.links.l2 += play(kBarHoles);
+  build.d_min_mm += play(kActuatorHoles);
   return build;
 }
 
@@ -192,8 +194,10 @@ std::optional<RoundedDesign> RoundLinks(const linkage::Links& links, const Synth
     for (const Candidate& candidate : candidates) {
       ThrowIfInterrupted();
       if (IsFeasible(candidate.links, problem))
-        return RoundedDesign{step_mm, candidate.links, Evaluate(candidate.links, problem),
-                             static_cast<int>(candidates.size())};
+        return RoundedDesign{.step_mm = step_mm,
+                             .links = candidate.links,
+                             .evaluation = Evaluate(candidate.links, problem),
+                             .candidates = static_cast<int>(candidates.size())};
     }
   }
   return std::nullopt;

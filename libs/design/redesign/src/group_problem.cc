@@ -8,12 +8,12 @@
 
 namespace lake::redesign {
 
-GroupProblem GroupProblem::OfOne(const ReoptimizeProblem& problem) {
+GroupProblem GroupProblem::OfOne(const RedesignProblem& problem) {
   return {problem, {{"", problem.human, problem.placement_mm}}};
 }
 
-ReoptimizeProblem GroupProblem::Of(std::size_t person) const {
-  ReoptimizeProblem problem = shared;
+RedesignProblem GroupProblem::Of(std::size_t person) const {
+  RedesignProblem problem = shared;
   problem.human = people.at(person).human;
   problem.placement_mm = people[person].placement_mm;
   return problem;

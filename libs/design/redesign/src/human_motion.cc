@@ -68,7 +68,12 @@ HumanMotion MakeHumanMotion(const compare::StsCurve& human) {
     const Vector2d ak = human.knee[i] - human.ankle[i], kh = human.hip[i] - human.knee[i], ah = ak + kh;
     if (!(ak.norm() > 0 && kh.norm() > 0 && ah.norm() > 0))
       throw Fail("the leg has no length at {} % of its motion", i);
-    HumanSample sample{human.ankle[i], human.knee[i], ak.norm(), kh.norm(), ah.x() / ah.norm(), ah.y() / ah.norm()};
+    HumanSample sample{.ankle = human.ankle[i],
+                       .knee = human.knee[i],
+                       .shank_mm = ak.norm(),
+                       .thigh_mm = kh.norm(),
+                       .sin_lean = ah.x() / ah.norm(),
+                       .cos_lean = ah.y() / ah.norm()};
     sample.knee_rad = WrapToHalfTurn(std::atan2(ak.x(), ak.y()) - std::atan2(kh.x(), kh.y()));
     motion.push_back(sample);
   }
@@ -83,13 +88,17 @@ HumanMotion Thinned(const HumanMotion& motion, std::size_t step) {
 
 SegmentLengths SegmentsOf(const HumanMotion& motion) {
   SegmentLengths mean;
-  for (const HumanSample& sample : motion) mean.shank_mm += sample.shank_mm, mean.thigh_mm += sample.thigh_mm;
+  for (const HumanSample& sample : motion) {
+    mean.shank_mm += sample.shank_mm;
+    mean.thigh_mm += sample.thigh_mm;
+  }
   const auto samples = static_cast<double>(motion.size());
   return {mean.shank_mm / samples, mean.thigh_mm / samples};
 }
 
 DrivenLinks DrivenLinksOf(const linkage::Design& design, double standing_deg) {
-  return {design.links, design.d_min_mm, standing_deg, design.d_max_mm};
+  return {
+      .links = design.links, .d_min_mm = design.d_min_mm, .standing_deg = standing_deg, .d_max_mm = design.d_max_mm};
 }
 
 std::optional<Prediction> Predict(const DrivenLinks& linkage, const Vector2d& placement_mm,
@@ -113,7 +122,8 @@ std::optional<Prediction> Predict(const DrivenLinks& linkage, const Vector2d& pl
     prediction.exo.hip.push_back(PredictHip(sample, pose->theta_rad));
     prediction.exo.knee_deg.push_back(DegreesFromRadians(pose->theta_rad));
     prediction.exo.knee_sigma_mm.push_back(0);
-    human_knee.push_back(sample.knee), shank_mm.push_back(sample.shank_mm);
+    human_knee.push_back(sample.knee);
+    shank_mm.push_back(sample.shank_mm);
   }
   prediction.relative_rms = std::sqrt(compare::MeanSquaredRelativeError(prediction.exo.knee, human_knee, shank_mm));
   prediction.rms_mm = std::sqrt(compare::MeanSquaredDistance(prediction.exo.knee, human_knee));
@@ -187,8 +197,11 @@ std::optional<MountSlip> SetSlip(const compare::StsCurve& exo, const std::vector
     human[i].slip_mm = slip.back();
   }
   const Vector2d sum = std::accumulate(mount.begin(), mount.end(), Vector2d(Vector2d::Zero()));
-  return MountSlip{RmsLength(slip), RmsLength(mount), sum / static_cast<double>(mount.size()), RmsLength(pace),
-                   RmsLength(lean)};
+  return MountSlip{.slip_mm = RmsLength(slip),
+                   .mount_mm = RmsLength(mount),
+                   .placement_mm = sum / static_cast<double>(mount.size()),
+                   .pace_mm = RmsLength(pace),
+                   .lean_mm = RmsLength(lean)};
 }
 
 }  // namespace lake::redesign

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "lake/core/error.h"
-#include "lake/core/interrupt.h"
 #include "lake/core/progress.h"
 
 namespace lake::synthesis {
@@ -19,22 +18,15 @@ SynthesisProblem ProblemOf(SynthesisProblem problem, const problem::LinearActuat
   return problem::WithActuator(std::move(problem));
 }
 
-// From the links of the last share too; all starts where it is not that these lead on.
-std::optional<LocalSolve> SolveShare(const SynthesisProblem& problem, const std::optional<linkage::Links>& last,
-                                     const OptimizeOptions& options) {
-  OptimizeOptions search = options;
+// From few starts and the links of the last share; from all starts where there are none.
+LocalSolve SolveShare(const SynthesisProblem& problem, const std::optional<linkage::Links>& last,
+                      const OptimizeOptions& options) {
   constexpr int kFewStarts = 4;
-  if (last) search.starts = std::min(options.starts, kFewStarts);
-  SynthesisResult result = Optimize(problem, search);
-  std::optional<LocalSolve> best;
-  if (result.best >= 0) best = std::move(result.starts[result.best]);
-  if (last) {
-    LocalSolve solve = SolveFrom(problem, *last, options);
-    if (solve.IsUsable() &&
-        (!best || problem::GoalOf(problem, solve.evaluation) > problem::GoalOf(problem, best->evaluation)))
-      best = std::move(solve);
-  }
-  return best;
+  std::vector<linkage::Links> starts =
+      StartsOf(problem, {problem.start}, last ? std::min(options.starts, kFewStarts) : options.starts, options.seed);
+  if (last) starts.push_back(*last);
+  return SolveFromEach(starts, [&](const linkage::Links& start) { return SolveFrom(problem, start, options); })
+      .TakeBestOrFirst();
 }
 
 // What a share fails for.
@@ -48,28 +40,31 @@ void Explain(const SynthesisProblem& problem, const OptimizeOptions& options, Ac
 ActuatorCurve ContradictingCurve(SynthesisProblem problem, const problem::LinearActuator& actuator,
                                  const std::vector<double>& shares, const std::string& contradiction) {
   problem.actuator = actuator;
-  ActuatorCurve curve{std::move(problem), {}, contradiction, {contradiction}};
+  ActuatorCurve curve{.problem = std::move(problem), .points = {}, .failing = contradiction, .limits = {contradiction}};
   for (const double share : shares) curve.points.emplace_back().assist = share;
   return curve;
 }
 
 ActuatorCurve FindCurve(SynthesisProblem problem, const std::vector<double>& shares, const OptimizeOptions& options) {
-  ActuatorCurve curve{problem, {}, "", {}};
+  ActuatorCurve curve{.problem = problem, .points = {}, .failing = "", .limits = {}};
   std::optional<linkage::Links> last;
   for (const double share : shares) {
     ThrowIfInterrupted();
     problem.assist = share;
-    FrontPoint point;
+    FrontPoint& point = curve.points.emplace_back();
     point.assist = share;
-    const std::optional<LocalSolve> best = curve.failing.empty() ? SolveShare(problem, last, options) : std::nullopt;
-    if (best) {
-      point.solved = true, point.links = best->end, point.range_deg = best->evaluation.range_deg;
-      point.assistance = problem::FindAssistance(best->end, problem);
-      last = best->end;
-    } else if (curve.failing.empty()) {
+    if (!curve.failing.empty()) continue;
+    problem.Check();
+    const LocalSolve best = SolveShare(problem, last, options);
+    point.solved = best.IsUsable();
+    if (!point.solved) {
       Explain(problem, options, curve);
+      continue;
     }
-    curve.points.push_back(std::move(point));
+    point.links = best.end;
+    point.range_deg = best.evaluation.range_deg;
+    point.assistance = problem::FindAssistance(best.end, problem);
+    last = best.end;
   }
   return curve;
 }
@@ -103,6 +98,7 @@ std::vector<ActuatorCurve> FindActuatorFront(const SynthesisProblem& problem,
                                              const std::vector<problem::LinearActuator>& actuators,
                                              const std::vector<double>& shares, const OptimizeOptions& options) {
   if (!problem.profile) throw Fail("actuators are compared over what the knee needs: a load profile is missing");
+  options.Check();
   for (const double share : shares)
     if (!(share > 0 && share <= 1)) throw Fail("a share of {} must lie above 0, and not beyond 1", share);
   OptimizeOptions quiet = options;

@@ -26,7 +26,8 @@ namespace {
 // A pose between each two neighbours, both ends of the used range included.
 void HalveGaps(std::vector<double>& fractions) {
   std::vector<double> all = fractions;
-  all.push_back(0), all.push_back(1);
+  all.push_back(0);
+  all.push_back(1);
   std::sort(all.begin(), all.end());
   for (std::size_t i = 1; i < all.size(); ++i) fractions.push_back((all[i - 1] + all[i]) / 2);
 }
@@ -80,8 +81,14 @@ bool AddWorstBuild(const problem::SynthesisProblem& problem, const linkage::Link
       known_deg = std::min(known_deg, range_deg);
       continue;
     }
-    if (build.violation > worst_violation) worst_violation = build.violation, worst = &corner;
-    if (range_deg < least_deg) least_deg = range_deg, least = &corner;
+    if (build.violation > worst_violation) {
+      worst_violation = build.violation;
+      worst = &corner;
+    }
+    if (range_deg < least_deg) {
+      least_deg = range_deg;
+      least = &corner;
+    }
   }
   if (!worst && least && least_deg < known_deg - kWorse_deg) worst = least;
   if (worst) poses.builds.push_back(*worst);

@@ -83,10 +83,8 @@ ElasticSolve BestElastic(const problem::SynthesisProblem& problem, Elasticity el
   constexpr int kStarts = 10;
   ElasticSolve best;
   best.solution.cost = std::numeric_limits<double>::infinity();
-  std::vector<linkage::Links> starts = RandomStarts(problem, kStarts - 1, options.seed);
-  starts.insert(starts.begin(), problem.start);
   Progress progress("which limits give way", "starts", kStarts, options.quiet);
-  for (const linkage::Links& start : starts) {
+  for (const linkage::Links& start : StartsOf(problem, {problem.start}, kStarts, options.seed)) {
     ElasticSolve solve = SolveElastic(problem, start, elasticity, options);
     if (best.solution.x.empty() || solve.IsBetterThan(best)) best = std::move(solve);
     progress.Advance();

@@ -12,7 +12,6 @@
 #include "exchange.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
-#include "lake/core/interrupt.h"
 #include "lake/core/progress.h"
 
 namespace lake::synthesis {
@@ -64,7 +63,7 @@ std::vector<int> Basins(const problem::SynthesisProblem& problem, const std::vec
   std::vector<double> goals;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     if (!starts[i].IsUsable()) continue;
-    const double goal = problem::GoalOf(problem, starts[i].evaluation);
+    const double goal = starts[i].objective;
     const double same =
         problem.goal == problem::SynthesisProblem::Goal::kRange ? kSameRange_deg : kSameDuration * std::abs(goal);
     const auto known =
@@ -88,6 +87,13 @@ double LocalSolve::PriceOf(const Limit& limit) const {
   const double marginal_cost =
       limit.row >= 0 ? solution.row_marginal_costs[limit.row] : solution.variable_marginal_costs[limit.variable];
   return -marginal_cost * limit.scale;
+}
+
+void LocalSolve::KeepOutcome() {
+  program = {};
+  poses = {};
+  history = {};
+  solution.iterations = {};
 }
 
 std::optional<double> LocalSolve::PriceOf(const LimitId& id) const {
@@ -129,6 +135,7 @@ LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuil
     nlp.StartWarm();
   }
   result.evaluation = problem::Evaluate(result.end, Placed(problem, result.program, result.solution.x));
+  result.objective = problem::GoalOf(problem, result.evaluation);
   return result;
 }
 
@@ -243,38 +250,23 @@ std::vector<linkage::Links> RandomStarts(const problem::SynthesisProblem& proble
   return starts;
 }
 
-namespace {
-
-// Of ten thousand starts nobody asks how they came to their ends.
-void KeepOutcome(LocalSolve& solve) {
-  solve.program = {};
-  solve.poses = {};
-  solve.history = {};
-  solve.solution.iterations = {};
+std::vector<linkage::Links> StartsOf(const problem::SynthesisProblem& problem, std::vector<linkage::Links> given,
+                                     int count, std::uint64_t seed) {
+  std::vector<linkage::Links> starts = std::move(given);
+  const int random = std::max(0, count - static_cast<int>(starts.size()));
+  for (const linkage::Links& start : RandomStarts(problem, random, seed)) starts.push_back(start);
+  starts.resize(static_cast<std::size_t>(count));
+  return starts;
 }
-
-}  // namespace
 
 SynthesisResult Optimize(const problem::SynthesisProblem& problem, const OptimizeOptions& options) {
   problem.Check();
   options.Check();
-  std::vector<linkage::Links> starts = RandomStarts(problem, options.starts - 1, options.seed);
-  starts.insert(starts.begin(), problem.start);
-  SynthesisResult result;
   Progress progress("optimise", "starts", options.starts, options.quiet);
-  for (const linkage::Links& start : starts) {
-    ThrowIfInterrupted();
-    result.starts.push_back(SolveFrom(problem, start, options));
-    const LocalSolve& solve = result.starts.back();
-    constexpr double kBetter = 1e-5;  // deg or s: of equals the first is kept
-    const int last = static_cast<int>(result.starts.size()) - 1;
-    int other = last;  // of it and the best so far
-    if (solve.IsUsable() && (result.best < 0 || problem::GoalOf(problem, solve.evaluation) >
-                                                    problem::GoalOf(problem, result.Best().evaluation) + kBetter))
-      other = std::exchange(result.best, last);
-    if (other > 0) KeepOutcome(result.starts[static_cast<std::size_t>(other)]);
-    progress.Advance();
-  }
+  MultiStart<LocalSolve> search = SolveFromEach(
+      StartsOf(problem, {problem.start}, options.starts, options.seed),
+      [&](const linkage::Links& start) { return SolveFrom(problem, start, options); }, Until::kLastStart, &progress);
+  SynthesisResult result{std::move(search), {}};
   result.basin = Basins(problem, result.starts);
   return result;
 }

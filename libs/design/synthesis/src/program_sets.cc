@@ -394,7 +394,14 @@ PoseVariables AddPose(nlp::NonlinearProgram& program, const std::string& name, c
                       int range, double fraction, double standing_rad, double phi_start_rad,
                       const std::array<double, 6>& shift) {
   const int phi = AddBarAngle(program, name, phi_start_rad);
-  const PoseVariables pose{links, stroke, phi, range, fraction, standing_rad, name, shift};
+  const PoseVariables pose{.links = links,
+                           .stroke = stroke,
+                           .phi = phi,
+                           .range = range,
+                           .fraction = fraction,
+                           .standing_rad = standing_rad,
+                           .place = name,
+                           .shift = shift};
   const Reading<9, OnUsedRange> all{pose.All(), PlaceOf(pose)};
   AddPoseRows(program, name, all, all, all, all);
   return pose;

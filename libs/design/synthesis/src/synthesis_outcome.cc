@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "lake/core/error.h"
-#include "lake/core/interrupt.h"
 
 namespace lake::synthesis {
 namespace {
@@ -41,24 +40,17 @@ problem::SynthesisProblem OnlyLinkRequirements(problem::SynthesisProblem problem
 // A few starts are enough along a curve of problems that differ little: the last optimum is one of them.
 LocalSolve BestOfFew(const problem::SynthesisProblem& problem, const linkage::Links& last,
                      const OptimizeOptions& options) {
-  constexpr int kRandomStarts = 2;
-  LocalSolve best;
-  std::vector<linkage::Links> starts{last, problem.start};
-  for (const linkage::Links& random : RandomStarts(problem, kRandomStarts, options.seed)) starts.push_back(random);
-  for (const linkage::Links& start : starts) {
-    ThrowIfInterrupted();
-    LocalSolve solve = SolveFrom(problem, start, options);
-    if (solve.IsUsable() &&
-        (!best.IsUsable() || problem::GoalOf(problem, solve.evaluation) > problem::GoalOf(problem, best.evaluation)))
-      best = std::move(solve);
-  }
-  return best;
+  constexpr int kFewStarts = 4;
+  return SolveFromEach(StartsOf(problem, {last, problem.start}, kFewStarts, options.seed),
+                       [&](const linkage::Links& start) { return SolveFrom(problem, start, options); })
+      .TakeBestOrFirst();
 }
 
 problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProblem& problem, double tolerance_mm,
                        std::uint64_t seed) {
   problem::YieldOptions options;
-  options.tolerance_mm = tolerance_mm, options.pin_clearance_mm = problem.parts.bore_clearance_mm;
+  options.tolerance_mm = tolerance_mm;
+  options.pin_clearance_mm = problem.parts.bore_clearance_mm;
   options.seed = seed;
   return problem::EstimateYield(links, problem, options);
 }
@@ -66,7 +58,12 @@ problem::Yield YieldOf(const linkage::Links& links, const problem::SynthesisProb
 MarginPoint SolveMargin(problem::SynthesisProblem problem, double margin_mm, const linkage::Links& last,
                         const SynthesisOptions& options) {
   problem.grashof_margin_mm = problem.singularity_margin_mm = margin_mm;
-  MarginPoint point{margin_mm, false, last, std::numeric_limits<double>::quiet_NaN(), {}, {}};
+  MarginPoint point{.margin_mm = margin_mm,
+                    .solved = false,
+                    .links = last,
+                    .range_deg = std::numeric_limits<double>::quiet_NaN(),
+                    .upper_bound_deg = {},
+                    .yield = {}};
   const LocalSolve best = BestOfFew(problem, last, options.optimize);
   point.solved = best.IsUsable();
   if (!point.solved) return point;
@@ -97,8 +94,7 @@ std::vector<MarginPoint> SweepMargins(const SynthesisOutcome& outcome) {
 void StartFromElastic(SynthesisOutcome& outcome) {
   LocalSolve solve = SolveFrom(outcome.problem, outcome.infeasible->links, outcome.options.optimize);
   if (!solve.IsUsable()) return;
-  outcome.result.best = static_cast<int>(outcome.result.starts.size());
-  outcome.result.starts.push_back(std::move(solve));
+  outcome.result.Add(std::move(solve));
   outcome.result.basin.push_back(0);
   outcome.infeasible.reset();
 }

@@ -358,7 +358,8 @@ class Builder {
     const double phi = start_of(pose.phi);
     linkage::Pose start;
     start.theta_rad = std::lerp(pose.standing_rad, start_of(pose.range), pose.fraction);
-    start.knee = {0, 0}, start.thigh_pin = {0, current_.links.l3};
+    start.knee = {0, 0};
+    start.thigh_pin = {0, current_.links.l3};
     start.tip = start.thigh_pin + current_.links.l2 * Eigen::Vector2d(std::sin(phi), std::cos(phi));
     start.shank_pin = current_.links.l4 * Eigen::Vector2d(std::sin(start.theta_rad), -std::cos(start.theta_rad));
     start.mount = start.thigh_pin + Eigen::Vector2d(current_.links.l5, current_.links.l6);

@@ -63,7 +63,7 @@ void AppendMarker(const Board& board, const cv::aruco::CharucoBoard& charuco, st
   for (int row = 0; row < cells; ++row)
     for (int column = 0; column < cells; ++column)
       if (picture.at<uchar>(row, column) == 0)
-        ink.push_back({left + column * cell, top - (row + 1) * cell, cell, cell});
+        ink.push_back({.left = left + column * cell, .bottom = top - (row + 1) * cell, .width = cell, .height = cell});
 }
 
 }  // namespace
@@ -115,7 +115,9 @@ std::vector<BoardRectangle> BoardInk(const Board& board) {
   const double s = board.square_mm;
   for (int from_top = 0; from_top < board.SquareRows(); ++from_top)
     for (int column = 0; column < board.SquareColumns(); ++column)
-      if (from_top % 2 == column % 2) ink.push_back({(column - 1) * s, (board.SquareRows() - 2 - from_top) * s, s, s});
+      if (from_top % 2 == column % 2)
+        ink.push_back(
+            {.left = (column - 1) * s, .bottom = (board.SquareRows() - 2 - from_top) * s, .width = s, .height = s});
   if (board.kind == BoardKind::kCharuco) {
     const auto charuco = CharucoOf(board);
     for (std::size_t i = 0; i < charuco->ids.size(); ++i) AppendMarker(board, *charuco, i, ink);

@@ -66,7 +66,8 @@ double Roughness(const Board& board, const std::vector<cv::Point2f>& grid) {
   const auto add = [&](int start, int step) {
     const auto at = [&](int k) { return grid[static_cast<std::size_t>(start + k * step)]; };
     const cv::Point2f third = at(3) - at(0) + 3 * (at(1) - at(2));
-    sum += third.dot(third), ++count;
+    sum += third.dot(third);
+    ++count;
   };
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {
@@ -91,7 +92,10 @@ FoundCorners FindCharuco(const cv::Mat& grey, const Board& board) {
   for (std::size_t i = 0; i < corner.size(); ++i)
     ordered[(rows - 1 - corner[i] / columns) * columns + corner[i] % columns] = pixel[i];
   FoundCorners found;
-  for (const auto& [index, at] : ordered) found.corner.push_back(index), found.pixel.push_back(at);
+  for (const auto& [index, at] : ordered) {
+    found.corner.push_back(index);
+    found.pixel.push_back(at);
+  }
   return found;
 }
 

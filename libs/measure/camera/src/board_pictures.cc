@@ -36,7 +36,10 @@ bool IsVideo(const fs::path& path) {
 }
 
 void CheckSize(BoardPictures& pictures, int width, int height, const std::string& name, const fs::path& first) {
-  if (pictures.width_px == 0) pictures.width_px = width, pictures.height_px = height;
+  if (pictures.width_px == 0) {
+    pictures.width_px = width;
+    pictures.height_px = height;
+  }
   if (pictures.width_px != width || pictures.height_px != height)
     throw Fail("{}: it has {}x{} px, but {} has {}x{}; all pictures must come from one camera in one mode", name, width,
                height, first.string(), pictures.width_px, pictures.height_px);

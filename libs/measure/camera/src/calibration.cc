@@ -91,14 +91,17 @@ ceres::CostFunction* CreateCornerError(LensFamily lens, const Eigen::Vector2d& s
 struct SquarePixels {
   template <typename T>
   bool Plus(const T* x, const T* delta, T* moved) const {
-    moved[0] = x[0] + delta[0], moved[1] = x[1] + delta[0];
-    moved[2] = x[2] + delta[1], moved[3] = x[3] + delta[2];
+    moved[0] = x[0] + delta[0];
+    moved[1] = x[1] + delta[0];
+    moved[2] = x[2] + delta[1];
+    moved[3] = x[3] + delta[2];
     return true;
   }
   template <typename T>
   bool Minus(const T* y, const T* x, T* delta) const {
     delta[0] = (y[0] - x[0] + y[1] - x[1]) / T(2);
-    delta[1] = y[2] - x[2], delta[2] = y[3] - x[3];
+    delta[1] = y[2] - x[2];
+    delta[2] = y[3] - x[3];
     return true;
   }
 };
@@ -142,7 +145,10 @@ Seed SeedOfOpenCv(const Board& board, const std::vector<BoardView>& views, cv::S
   const std::vector<std::size_t> chosen = ViewsForSeed(views.size());
   std::vector<std::vector<cv::Point3f>> chosen_points;
   std::vector<std::vector<cv::Point2f>> chosen_pixels;
-  for (const std::size_t view : chosen) chosen_points.push_back(points[view]), chosen_pixels.push_back(pixels[view]);
+  for (const std::size_t view : chosen) {
+    chosen_points.push_back(points[view]);
+    chosen_pixels.push_back(pixels[view]);
+  }
   // OpenCV's default goes on for all 30 iterations, most of them without a change that a double shows; to one in a
   // million the bundle adjustment takes over at the same minimum, after a third of the time.
   const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 1e-6);
@@ -162,9 +168,11 @@ Seed SeedOfOpenCv(const Board& board, const std::vector<BoardView>& views, cv::S
   if (options.lens != LensFamily::kFisheye) std::copy_n(d.ptr<double>(), 5, seed.unknowns.distortion.begin());
   for (std::size_t i = 0, next = 0; i < views.size(); ++i) {
     cv::Mat rotation, translation;
-    if (next < chosen.size() && chosen[next] == i)
-      rotation = r[next], translation = t[next], ++next;
-    else
+    if (next < chosen.size() && chosen[next] == i) {
+      rotation = r[next];
+      translation = t[next];
+      ++next;
+    } else
       cv::solvePnP(points[i], pixels[i], k, d, rotation, translation);
     Unknowns::Pose& pose = seed.unknowns.poses.emplace_back();
     std::copy_n(rotation.ptr<double>(), 3, pose.rotation.begin());
@@ -201,8 +209,11 @@ SolveSummary Solve(ceres::Problem& problem) {
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  return {summary.IsSolutionUsable(), static_cast<int>(summary.iterations.size()), summary.initial_cost,
-          summary.final_cost, summary.message};
+  return {.usable = summary.IsSolutionUsable(),
+          .iterations = static_cast<int>(summary.iterations.size()),
+          .cost_before = summary.initial_cost,
+          .cost_after = summary.final_cost,
+          .message = summary.message};
 }
 
 // Every corner's residual at the unknowns, view after view.
@@ -364,7 +375,10 @@ LensChoice ChooseLens(const Board& board, const std::vector<BoardView>& views, i
     try {
       const double error = CrossValidationError(board, views, width_px, height_px, tried);
       choice.error_px.emplace_back(lens, error);
-      if (error < kBetter * best) best = error, choice.lens = lens;
+      if (error < kBetter * best) {
+        best = error;
+        choice.lens = lens;
+      }
     } catch (const Error&) {
       continue;  // a family that these views do not fix is no choice
     }

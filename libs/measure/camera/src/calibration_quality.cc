@@ -79,8 +79,10 @@ void WarnOfCoverage(const Coverage& coverage, std::vector<std::string>& warnings
     if (strip > kWidestEmptyStrip)
       sides += fmt::format("{}{:.0f} % at the {}", sides.empty() ? "" : ", ", 100 * strip, side);
   };
-  add(coverage.empty_left, "left"), add(coverage.empty_right, "right");
-  add(coverage.empty_top, "top"), add(coverage.empty_bottom, "bottom");
+  add(coverage.empty_left, "left");
+  add(coverage.empty_right, "right");
+  add(coverage.empty_top, "top");
+  add(coverage.empty_bottom, "bottom");
   if (coverage.fraction >= kLeastCoverage && sides.empty()) return;
   warnings.push_back(
       fmt::format("the board covered {:.0f} % of the picture{}: the distortion there is a guess; move the board "
@@ -110,13 +112,15 @@ void WarnOfGeometry(const std::vector<BoardView>& views, const CalibrationResult
 Coverage CoverageOf(const std::vector<BoardView>& views, int width_px, int height_px) {
   const int longer = std::max(width_px, height_px);
   Coverage coverage;
-  coverage.columns = CellsAlong(width_px, longer), coverage.rows = CellsAlong(height_px, longer);
+  coverage.columns = CellsAlong(width_px, longer);
+  coverage.rows = CellsAlong(height_px, longer);
   coverage.corners.assign(static_cast<std::size_t>(coverage.columns * coverage.rows), 0);
   Eigen::Array2d low(1, 1), high(0, 0);
   for (const BoardView& view : views) {
     for (const Eigen::Vector2d& pixel : view.pixel) {
       const Eigen::Array2d at = (pixel.array() + 0.5) / Eigen::Array2d(width_px, height_px);
-      low = low.min(at), high = high.max(at);
+      low = low.min(at);
+      high = high.max(at);
       const int column = std::clamp(static_cast<int>(at.x() * coverage.columns), 0, coverage.columns - 1);
       const int row = std::clamp(static_cast<int>(at.y() * coverage.rows), 0, coverage.rows - 1);
       ++coverage.corners[static_cast<std::size_t>(row * coverage.columns + column)];
@@ -124,8 +128,10 @@ Coverage CoverageOf(const std::vector<BoardView>& views, int width_px, int heigh
   }
   const auto filled = std::count_if(coverage.corners.begin(), coverage.corners.end(), [](int n) { return n > 0; });
   coverage.fraction = static_cast<double>(filled) / static_cast<double>(coverage.corners.size());
-  coverage.empty_left = low.x(), coverage.empty_right = 1 - high.x();
-  coverage.empty_top = low.y(), coverage.empty_bottom = 1 - high.y();
+  coverage.empty_left = low.x();
+  coverage.empty_right = 1 - high.x();
+  coverage.empty_top = low.y();
+  coverage.empty_bottom = 1 - high.y();
   return coverage;
 }
 
@@ -162,7 +168,8 @@ CameraDifference CompareCameras(const Camera& a, const Camera& b) {
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Eigen::Vector2d error = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
     if (rays[i] && RotatedRayError{b, *rays[i], difference.pixel[i]}(rotation, error.data())) {
-      sum += error.squaredNorm(), ++count;
+      sum += error.squaredNorm();
+      ++count;
       difference.largest_px = std::max(difference.largest_px, error.norm());
     }
     difference.difference_px.push_back(error);

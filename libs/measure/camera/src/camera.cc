@@ -108,7 +108,8 @@ Distorted Distort(const Camera& camera, const Eigen::Vector2d& p) {
   if (camera.IsPlain()) return DistortPlain(camera.distortion, p);
   using Jet = ceres::Jet<double, 2>;
   Camera normalised = camera;
-  normalised.fx = normalised.fy = 1, normalised.cx = normalised.cy = 0;
+  normalised.fx = normalised.fy = 1;
+  normalised.cx = normalised.cy = 0;
   const Eigen::Matrix<Jet, 2, 1> at = ProjectAny<Jet>(normalised, {Jet(p.x(), 0), Jet(p.y(), 1), Jet(1)});
   Distorted d{{at.x().a, at.y().a}, {}};
   d.jacobian << at.x().v.transpose(), at.y().v.transpose();
@@ -144,7 +145,8 @@ std::optional<Eigen::Vector2d> UndistortNewton(const Camera& camera, const Eigen
       const double noise = 1e-13 * (1 + target.norm());
       return (now.point - target).norm() < noise ? std::optional(point) : std::nullopt;
     }
-    point += step, now = next;
+    point += step;
+    now = next;
   }
   return std::nullopt;
 }
@@ -168,8 +170,10 @@ double FoldRadius(const Camera& camera) {
   };
   thread_local std::optional<Known> last;
   if (!last || last->model != camera.model || last->distortion != camera.distortion || last->more != camera.more)
-    last = Known{camera.model, camera.distortion, camera.more,
-                 camera.IsPlain() ? std::sqrt(FirstRoot(RadialSlope(camera.distortion))) : SearchFold(camera)};
+    last = Known{.model = camera.model,
+                 .distortion = camera.distortion,
+                 .more = camera.more,
+                 .fold = camera.IsPlain() ? std::sqrt(FirstRoot(RadialSlope(camera.distortion))) : SearchFold(camera)};
   return last->fold;
 }
 
@@ -230,9 +234,12 @@ std::optional<Camera> CameraAtSize(const Camera& camera, int width_px, int heigh
   if (std::abs(camera.image_height * scale_x - height_px) > 1 && std::abs(camera.image_width * scale_y - width_px) > 1)
     return std::nullopt;
   Camera scaled = camera;
-  scaled.image_width = width_px, scaled.image_height = height_px;
-  scaled.fx *= scale_x, scaled.fy *= scale_y;
-  scaled.cx = (camera.cx + 0.5) * scale_x - 0.5, scaled.cy = (camera.cy + 0.5) * scale_y - 0.5;
+  scaled.image_width = width_px;
+  scaled.image_height = height_px;
+  scaled.fx *= scale_x;
+  scaled.fy *= scale_y;
+  scaled.cx = (camera.cx + 0.5) * scale_x - 0.5;
+  scaled.cy = (camera.cy + 0.5) * scale_y - 0.5;
   return scaled;
 }
 

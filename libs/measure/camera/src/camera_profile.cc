@@ -71,7 +71,10 @@ int ReadSize(const Source& source, const char* key) {
 void ReadIntrinsics(const Source& source, Camera& camera) {
   const cv::Mat1d k = ReadMatrix(source, "camera_matrix");
   if (k.rows != 3 || k.cols != 3) throw Fail("{}: 'camera_matrix' is {}x{}, not 3x3", source.name, k.rows, k.cols);
-  camera.fx = k(0, 0), camera.fy = k(1, 1), camera.cx = k(0, 2), camera.cy = k(1, 2);
+  camera.fx = k(0, 0);
+  camera.fy = k(1, 1);
+  camera.cx = k(0, 2);
+  camera.cy = k(1, 2);
   if (camera.fx <= 0 || camera.fy <= 0)
     throw Fail("{}: a focal length in 'camera_matrix' is not positive", source.name);
   if (k(0, 1) != 0 || k(1, 0) != 0 || k(2, 0) != 0 || k(2, 1) != 0 || k(2, 2) != 1)

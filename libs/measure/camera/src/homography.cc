@@ -101,7 +101,8 @@ HomographyFit PlaneHomography(std::span<const PlaneCorrespondence> points) {
   std::vector<Eigen::Vector2d> image, plane;
   for (const auto& p : points) {
     if (!p.pixel.allFinite() || !p.point_in_plane.allFinite()) throw Fail("a known point of the plane is not finite");
-    image.push_back(p.pixel), plane.push_back(p.point_in_plane);
+    image.push_back(p.pixel);
+    plane.push_back(p.point_in_plane);
   }
   const Eigen::Matrix3d n_image = Normalisation(image, "pixels"), n_plane = Normalisation(plane, "millimetres");
   for (auto& p : image) p = Map(n_image, p);

@@ -54,9 +54,10 @@ Refined RefineOnce(const Camera& camera, std::span<const PlaneCorrespondence> po
   Eigen::Vector3d turn = Eigen::Vector3d::Zero(), translation = start.translation();
   ceres::Problem problem;
   for (const auto& p : points)
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PlanePointError, 2, 3, 3>(
-                                 new PlanePointError{camera, start.linear(), p.pixel, p.point_in_plane}),
-                             nullptr, turn.data(), translation.data());
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<PlanePointError, 2, 3, 3>(
+            new PlanePointError{.camera = camera, .start = start.linear(), .seen = p.pixel, .point = p.point_in_plane}),
+        nullptr, turn.data(), translation.data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = 200;

@@ -44,7 +44,7 @@ class Splitter {
     if (first.size() < kLeastOfGroup || second.size() < kLeastOfGroup) return std::nullopt;
     try {
       const CalibrationResult a = Calibrate(first), b = Calibrate(second);
-      return Fitted{groups, a.camera, b.camera, Rms(a, b)};
+      return Fitted{.groups = groups, .first = a.camera, .second = b.camera, .rms_px = Rms(a, b)};
     } catch (const Error&) {
       return std::nullopt;
     }
@@ -86,7 +86,10 @@ class Splitter {
     std::size_t count = 0;
     for (const CalibrationResult* result : {&a, &b})
       for (const auto& view : result->residual_px)
-        for (const Eigen::Vector2d& residual : view) sum += residual.squaredNorm(), ++count;
+        for (const Eigen::Vector2d& residual : view) {
+          sum += residual.squaredNorm();
+          ++count;
+        }
     return std::sqrt(sum / static_cast<double>(count));
   }
 
@@ -187,7 +190,8 @@ std::optional<TwoCameras> FindTwoCameras(const Board& board, const std::vector<B
   }
   for (std::size_t i = 0; i < views.size(); ++i)
     (best->groups[i] == best->groups.front() ? cameras.first : cameras.second).push_back(i);
-  cameras.rms_one_px = result.rms_px, cameras.rms_two_px = best->rms_px;
+  cameras.rms_one_px = result.rms_px;
+  cameras.rms_two_px = best->rms_px;
   return cameras;
 }
 

@@ -60,36 +60,51 @@ Json DecompositionJson(const Misalignment& m) {
     json["offset_interval_mm"] = {IntervalJson(m.intervals->offset_x_mm), IntervalJson(m.intervals->offset_y_mm)};
   json["timing_knots_percent"] = d.knots_percent;
   json["timing_rms_percent"] = RootMeanSquare(d.timing_percent);
-  json["converged"] = d.converged, json["iterations"] = d.iterations, json["cost_mm2"] = d.cost,
+  json["converged"] = d.converged;
+  json["iterations"] = d.iterations;
+  json["cost_mm2"] = d.cost;
   json["start"] = d.start;
   return json;
 }
 
 void AddVectors(const std::string& name, const std::vector<Vector2d>& vectors, Json& curves) {
   std::vector<double> x, y;
-  for (const Vector2d& v : vectors) x.push_back(v.x()), y.push_back(v.y());
-  curves[name + "_x_mm"] = x, curves[name + "_y_mm"] = y;
+  for (const Vector2d& v : vectors) {
+    x.push_back(v.x());
+    y.push_back(v.y());
+  }
+  curves[name + "_x_mm"] = x;
+  curves[name + "_y_mm"] = y;
 }
 
 Json CurvesJson(const Misalignment& m) {
   std::vector<double> percent, thigh_mm;
-  for (std::size_t i = 0; i < kPercentSamples; ++i)
-    percent.push_back(static_cast<double>(i)), thigh_mm.push_back((m.human.hip[i] - m.human.knee[i]).norm());
+  for (std::size_t i = 0; i < kPercentSamples; ++i) {
+    percent.push_back(static_cast<double>(i));
+    thigh_mm.push_back((m.human.hip[i] - m.human.knee[i]).norm());
+  }
   Json curves = {{"percent", percent}};
-  AddVectors("human_ankle", m.human.ankle, curves), AddVectors("human_knee", m.human.knee, curves);
+  AddVectors("human_ankle", m.human.ankle, curves);
+  AddVectors("human_knee", m.human.knee, curves);
   AddVectors("human_hip", m.human.hip, curves);
-  AddVectors("exo_ankle", m.exo.ankle, curves), AddVectors("exo_knee", m.exo.knee, curves),
-      AddVectors("exo_hip", m.exo.hip, curves);
+  AddVectors("exo_ankle", m.exo.ankle, curves);
+  AddVectors("exo_knee", m.exo.knee, curves);
+  AddVectors("exo_hip", m.exo.hip, curves);
   AddVectors("exo_leg_knee", m.exo.leg_knee, curves);
-  curves["shank_mm"] = m.shank_mm, curves["thigh_mm"] = thigh_mm;
-  curves["human_knee_deg"] = m.human.knee_deg, curves["exo_knee_deg"] = m.exo.knee_deg;
-  curves["human_knee_sigma_mm"] = m.human.knee_sigma_mm, curves["exo_knee_sigma_mm"] = m.exo.knee_sigma_mm;
-  curves["distance_mm"] = m.distance_mm, curves["relative_error"] = m.relative_error;
+  curves["shank_mm"] = m.shank_mm;
+  curves["thigh_mm"] = thigh_mm;
+  curves["human_knee_deg"] = m.human.knee_deg;
+  curves["exo_knee_deg"] = m.exo.knee_deg;
+  curves["human_knee_sigma_mm"] = m.human.knee_sigma_mm;
+  curves["exo_knee_sigma_mm"] = m.exo.knee_sigma_mm;
+  curves["distance_mm"] = m.distance_mm;
+  curves["relative_error"] = m.relative_error;
   curves["relative_error_paper"] = m.relative_error_paper;
-  curves["relative_error_sd"] = m.relative_error_sd, curves["spike"] = m.spike;
+  curves["relative_error_sd"] = m.relative_error_sd;
+  curves["spike"] = m.spike;
   curves["timing_percent"] = m.decomposition.timing_percent;
-  AddVectors("placement", m.decomposition.placement_mm, curves),
-      AddVectors("timing", m.decomposition.timing_mm, curves);
+  AddVectors("placement", m.decomposition.placement_mm, curves);
+  AddVectors("timing", m.decomposition.timing_mm, curves);
   AddVectors("shape", m.decomposition.shape_mm, curves);
   return curves;
 }
@@ -197,8 +212,11 @@ class ComparisonReader {
 
   StsCurve Leg(const std::string& who) const {
     StsCurve curve;
-    curve.ankle = Path(who + "_ankle"), curve.knee = Path(who + "_knee"), curve.hip = Path(who + "_hip");
-    curve.knee_deg = Curve(who + "_knee_deg"), curve.knee_sigma_mm = Curve(who + "_knee_sigma_mm");
+    curve.ankle = Path(who + "_ankle");
+    curve.knee = Path(who + "_knee");
+    curve.hip = Path(who + "_hip");
+    curve.knee_deg = Curve(who + "_knee_deg");
+    curve.knee_sigma_mm = Curve(who + "_knee_sigma_mm");
     curve.duration_s = Duration(who);
     return curve;
   }
@@ -234,7 +252,8 @@ Json ComparisonJson(const Misalignment& m) {
                          {"max_mm", IntervalJson(m.intervals->max_mm)},
                          {"relative_rms", IntervalJson(m.intervals->relative_rms)},
                          {"relative_max", IntervalJson(m.intervals->relative_max)}};
-  json["noise_floor_mm"] = m.noise_floor_mm, json["noise_floor_relative"] = m.noise_floor_relative;
+  json["noise_floor_mm"] = m.noise_floor_mm;
+  json["noise_floor_relative"] = m.noise_floor_relative;
   json["spikes"] = kPercentSamples - m.metrics_without_spikes.samples;
   json["decomposition"] = DecompositionJson(m);
   json["mount_mm"] = m.mount_mm ? Json{m.mount_mm->x(), m.mount_mm->y()} : Json();

@@ -67,7 +67,10 @@ class HumanCurve {
  private:
   static std::vector<double> Knees(const StsCurve& human) {
     std::vector<double> values;
-    for (const Vector2d& knee : human.knee) values.push_back(knee.x()), values.push_back(knee.y());
+    for (const Vector2d& knee : human.knee) {
+      values.push_back(knee.x());
+      values.push_back(knee.y());
+    }
     return values;
   }
   static std::vector<double> Angles(const StsCurve& human) {
@@ -101,7 +104,8 @@ struct Residuals {
       const T w = ClampPercent(WarpAt(timing, i));
       const Eigen::Matrix<T, 2, 1> model = human.Knee(w) + human.FromShank(w, offset);
       const Vector2d& knee = exo.knee[static_cast<std::size_t>(i)];
-      residual[2 * i] = knee.x() - model.x(), residual[2 * i + 1] = knee.y() - model.y();
+      residual[2 * i] = knee.x() - model.x();
+      residual[2 * i + 1] = knee.y() - model.y();
     }
     for (int k = 1; k + 1 < kKnots; ++k)
       residual[2 * kPercentSamples + k - 1] = roughness_root * (timing[k + 1] - timing[k]);
@@ -166,7 +170,10 @@ class Decomposer {
   Decomposition MakeResult(const Fit& fit, const char* start) const {
     Decomposition result;
     result.offset_mm = fit.variables.offset;
-    result.converged = fit.converged, result.iterations = fit.iterations, result.cost = fit.cost, result.start = start;
+    result.converged = fit.converged;
+    result.iterations = fit.iterations;
+    result.cost = fit.cost;
+    result.start = start;
     for (int k = 0; k < kKnots; ++k)
       result.knots_percent[static_cast<std::size_t>(k)] =
           ClampPercent(WarpAt(fit.variables.timing.data(), k * kKnotStep));
@@ -180,13 +187,17 @@ class Decomposer {
                      timing = curve_.Knee(w) - human_.knee[sample];
       const Vector2d shape = difference - placement - timing;
       result.timing_percent.push_back(w - i);
-      result.placement_mm.push_back(placement), result.timing_mm.push_back(timing), result.shape_mm.push_back(shape);
+      result.placement_mm.push_back(placement);
+      result.timing_mm.push_back(timing);
+      result.shape_mm.push_back(shape);
       parts += Eigen::Vector3d(placement.dot(difference), timing.dot(difference), shape.dot(difference));
       total += difference.squaredNorm();
     }
     parts = total > 0 ? Eigen::Vector3d(parts / total)
                       : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-    result.placement = parts[0], result.timing = parts[1], result.shape = parts[2];
+    result.placement = parts[0];
+    result.timing = parts[1];
+    result.shape = parts[2];
     return result;
   }
 
@@ -208,7 +219,10 @@ Decomposition Decompose(const StsCurve& human, const StsCurve& exo, const Decomp
   const char* best_start = "";
   for (const auto& [name, start] : starts) {
     const Fit fit = decomposer.Solve(start);
-    if (fit.cost < best.cost) best = fit, best_start = name;
+    if (fit.cost < best.cost) {
+      best = fit;
+      best_start = name;
+    }
   }
   return decomposer.MakeResult(best, best_start);
 }

@@ -48,7 +48,9 @@ class NaturalSpline {
     for (std::size_t i = 1; i + 1 < nodes.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       const double before = Step(i - 1), after = Step(i);
-      system(row, row - 1) = before, system(row, row) = 2 * (before + after), system(row, row + 1) = after;
+      system(row, row - 1) = before;
+      system(row, row) = 2 * (before + after);
+      system(row, row + 1) = after;
       right[row] =
           6 * ((nodes[i + 1].value_m - nodes[i].value_m) / after - (nodes[i].value_m - nodes[i - 1].value_m) / before);
     }
@@ -102,7 +104,10 @@ FixedPivot BestFixedPivot(double from_deg, double to_deg) {
   for (int i = 0; i < kAngles; ++i) {
     const double gap = gaps.segment<2>(2 * i).norm();
     pivot.gap_rms_mm += gap * gap / kAngles;
-    if (gap > pivot.gap_max_mm) pivot.gap_max_mm = gap, pivot.most_gap_deg = angle(i);
+    if (gap > pivot.gap_max_mm) {
+      pivot.gap_max_mm = gap;
+      pivot.most_gap_deg = angle(i);
+    }
   }
   pivot.gap_rms_mm = std::sqrt(pivot.gap_rms_mm);
   return pivot;

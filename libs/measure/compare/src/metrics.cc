@@ -58,13 +58,18 @@ MisalignmentMetrics ComputeMetrics(const StsCurve& human, const StsCurve& exo, c
     paper.push_back(RelativeErrorPaper(e[i], h[i]));
     closest.push_back(DistanceToPath(e[i], h));
   }
-  metrics.rms_mm = RootMeanSquare(distance), metrics.mean_mm = Mean(distance), metrics.max_mm = Largest(distance);
+  metrics.rms_mm = RootMeanSquare(distance);
+  metrics.mean_mm = Mean(distance);
+  metrics.max_mm = Largest(distance);
   metrics.p95_mm = Quantile(distance, 0.95);
   metrics.relative_rms = h.empty() ? kNaN : std::sqrt(MeanSquaredRelativeError(e, h, shank_mm));
-  metrics.relative_max = Largest(relative), metrics.relative_p95 = Quantile(relative, 0.95);
-  metrics.relative_paper_rms = RootMeanSquare(paper), metrics.relative_paper_max = Largest(paper);
+  metrics.relative_max = Largest(relative);
+  metrics.relative_p95 = Quantile(relative, 0.95);
+  metrics.relative_paper_rms = RootMeanSquare(paper);
+  metrics.relative_paper_max = Largest(paper);
   metrics.closest_point_rms_mm = RootMeanSquare(closest);
-  metrics.hausdorff_mm = HausdorffDistance(h, e), metrics.frechet_mm = DiscreteFrechetDistance(h, e);
+  metrics.hausdorff_mm = HausdorffDistance(h, e);
+  metrics.frechet_mm = DiscreteFrechetDistance(h, e);
   ComputeAngleMetrics(Select(human.knee_deg, use), Select(exo.knee_deg, use), metrics);
   return metrics;
 }
@@ -112,8 +117,10 @@ double CoefficientOfMultipleCorrelation(const std::vector<std::vector<double>>& 
   for (std::size_t i = 0; i < curves.front().size(); ++i) {
     double mean = 0;
     for (const auto& curve : curves) mean += curve[i] / count;
-    for (const auto& curve : curves)
-      about_frame += std::pow(curve[i] - mean, 2), about_grand += std::pow(curve[i] - grand, 2);
+    for (const auto& curve : curves) {
+      about_frame += std::pow(curve[i] - mean, 2);
+      about_grand += std::pow(curve[i] - grand, 2);
+    }
   }
   const double square = 1 - (about_frame / (samples * (count - 1))) / (about_grand / (samples * count - 1));
   return square >= 0 ? std::sqrt(square) : kNaN;
@@ -122,8 +129,11 @@ double CoefficientOfMultipleCorrelation(const std::vector<std::vector<double>>& 
 LinearFit FitLine(const std::vector<double>& x, const std::vector<double>& y) {
   const double mean_x = Mean(x), mean_y = Mean(y);
   double xx = 0, xy = 0, yy = 0;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    xx += std::pow(x[i] - mean_x, 2), xy += (x[i] - mean_x) * (y[i] - mean_y), yy += std::pow(y[i] - mean_y, 2);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += std::pow(x[i] - mean_x, 2);
+    xy += (x[i] - mean_x) * (y[i] - mean_y);
+    yy += std::pow(y[i] - mean_y, 2);
+  }
   if (!(xx > 0 && yy > 0)) return {kNaN, kNaN, kNaN};
   return {xy / xx, mean_y - xy / xx * mean_x, xy * xy / (xx * yy)};
 }

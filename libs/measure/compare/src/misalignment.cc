@@ -94,7 +94,8 @@ class Bootstrap {
       square_mm += MeanSquaredDistance(draws.back(), zero) / options_.resamples;
       square_relative += MeanSquaredRelativeError(draws.back(), zero, m.shank_mm) / options_.resamples;
     }
-    m.noise_floor_mm = std::sqrt(square_mm), m.noise_floor_relative = std::sqrt(square_relative);
+    m.noise_floor_mm = std::sqrt(square_mm);
+    m.noise_floor_relative = std::sqrt(square_relative);
     const double shrink = WithoutNoise(m.metrics.relative_rms * m.metrics.relative_rms, square_relative);
     for (const std::vector<Vector2d>& noise : draws) AddDistances(m, shrink, noise);
     m.intervals.emplace();
@@ -109,14 +110,16 @@ class Bootstrap {
       distance.push_back((shrink * (m.exo.knee[i] - m.human.knee[i]) + noise[i]).norm());
       relative.push_back(distance.back() / m.shank_mm[i]);
     }
-    rms_.push_back(RootMeanSquare(distance)), max_.push_back(*std::max_element(distance.begin(), distance.end()));
-    relative_rms_.push_back(RootMeanSquare(relative)),
-        relative_max_.push_back(*std::max_element(relative.begin(), relative.end()));
+    rms_.push_back(RootMeanSquare(distance));
+    max_.push_back(*std::max_element(distance.begin(), distance.end()));
+    relative_rms_.push_back(RootMeanSquare(relative));
+    relative_max_.push_back(*std::max_element(relative.begin(), relative.end()));
   }
 
   void SetDistanceIntervals(MisalignmentIntervals& intervals) const {
-    intervals.rms_mm = PercentileInterval(rms_), intervals.max_mm = PercentileInterval(max_);
-    intervals.relative_rms = PercentileInterval(relative_rms_),
+    intervals.rms_mm = PercentileInterval(rms_);
+    intervals.max_mm = PercentileInterval(max_);
+    intervals.relative_rms = PercentileInterval(relative_rms_);
     intervals.relative_max = PercentileInterval(relative_max_);
   }
 
@@ -141,7 +144,8 @@ class Bootstrap {
     for (const Decomposition& d : parts) {
       const Eigen::Vector3d drawn = FractionsWithShape(d, shrink, shape_mm);
       for (int part = 0; part < 3; ++part) fractions[static_cast<std::size_t>(part)].push_back(drawn[part]);
-      offset_x.push_back(d.offset_mm.x()), offset_y.push_back(d.offset_mm.y());
+      offset_x.push_back(d.offset_mm.x());
+      offset_y.push_back(d.offset_mm.y());
     }
     const Decomposition& d = m.decomposition;
     m.intervals->placement = BasicInterval(d.placement, centre[0], fractions[0]);
@@ -172,7 +176,10 @@ std::optional<Vector2d> MeanMount(const StsCurve& exo, const std::vector<bool>& 
   Vector2d sum = Vector2d::Zero();
   int samples = 0;
   for (std::size_t i = 0; i < leg.knee.size(); ++i)
-    if (!spike[i]) sum += ShankAxes(leg, i).transpose() * (exo.knee[i] - leg.knee[i]), ++samples;
+    if (!spike[i]) {
+      sum += ShankAxes(leg, i).transpose() * (exo.knee[i] - leg.knee[i]);
+      ++samples;
+    }
   if (samples == 0) return std::nullopt;
   return sum / samples;
 }
@@ -208,8 +215,9 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
                            const MisalignmentOptions& options) {
   Check(options);
   Misalignment m;
-  m.human = MeanCurve(human.repetitions), m.exo = MeanCurve(exo.repetitions);
-  m.human_repetitions = static_cast<int>(human.repetitions.size()),
+  m.human = MeanCurve(human.repetitions);
+  m.exo = MeanCurve(exo.repetitions);
+  m.human_repetitions = static_cast<int>(human.repetitions.size());
   m.exo_repetitions = static_cast<int>(exo.repetitions.size());
   FillErrors(m);
   m.relative_error_sd = ErrorDeviations(human, exo);
@@ -217,7 +225,8 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
   std::vector<bool> all(kPercentSamples, true), quiet = m.spike;
   quiet.flip();
   m.mount_mm = MeanMount(m.exo, m.spike);
-  m.metrics = ComputeMetrics(m.human, m.exo, all), m.metrics_without_spikes = ComputeMetrics(m.human, m.exo, quiet);
+  m.metrics = ComputeMetrics(m.human, m.exo, all);
+  m.metrics_without_spikes = ComputeMetrics(m.human, m.exo, quiet);
   m.decomposition = Decompose(m.human, m.exo, options.decomposition);
   if (options.resamples > 0) Bootstrap(human, exo, options).Run(m);
   const auto [least, most] = std::minmax_element(m.human.knee_deg.begin(), m.human.knee_deg.end());

@@ -31,7 +31,8 @@ Path TakeMarker(const TrialTables& trial, const std::string& name) {
   Path path;
   for (const motion::MarkerSample& sample : track->samples) {
     const bool known = sample.IsKnown() && sample.position.allFinite();
-    path.x.push_back(known ? sample.position.x() : NAN), path.y.push_back(known ? sample.position.y() : NAN);
+    path.x.push_back(known ? sample.position.x() : NAN);
+    path.y.push_back(known ? sample.position.y() : NAN);
     path.sigma.push_back(known ? sample.sigma : NAN);
   }
   return path;
@@ -57,8 +58,10 @@ Eigen::Matrix2d FindLegFromPlane(const TrialTables& trial, const Path& ankle, co
     leg_from_plane << c.x(), -c.y(), c.y(), c.x();
   std::vector<double> misfit, length;
   for (std::size_t i = 0; i < frames; ++i)
-    if (known(i))
-      misfit.push_back((in_leg(i) - leg_from_plane * in_plane(i)).norm()), length.push_back(in_plane(i).norm());
+    if (known(i)) {
+      misfit.push_back((in_leg(i) - leg_from_plane * in_plane(i)).norm());
+      length.push_back(in_plane(i).norm());
+    }
   constexpr double kMostMisfit = 0.02;  // of the leg's length; filtering differently makes thousandths
   if (misfit.empty() || !(Median(misfit) < kMostMisfit * Median(length)))
     throw Fail(
@@ -87,7 +90,10 @@ std::vector<std::size_t> SeatedFrames(const TrialTables& trial, const std::vecto
 Vector2d MedianPosition(const Path& path, const std::vector<std::size_t>& frames, const std::string& trial) {
   std::vector<double> x, y;
   for (const std::size_t i : frames)
-    if (std::isfinite(path.x[i])) x.push_back(path.x[i]), y.push_back(path.y[i]);
+    if (std::isfinite(path.x[i])) {
+      x.push_back(path.x[i]);
+      y.push_back(path.y[i]);
+    }
   if (x.empty()) throw Fail("{}: the ankle is not seen before any sit-to-stand: the leg frame has no origin", trial);
   return {Median(x), Median(y)};
 }
@@ -152,7 +158,9 @@ class Registrar {
       const auto in_leg = [&](const Path& path) {
         return Vector2d(leg_from_plane_ * (Vector2d(ValueAt(time_s, path.x, t), ValueAt(time_s, path.y, t)) - origin_));
       };
-      curve.ankle.push_back(in_leg(ankle_)), curve.knee.push_back(in_leg(knee_)), curve.hip.push_back(in_leg(hip_));
+      curve.ankle.push_back(in_leg(ankle_));
+      curve.knee.push_back(in_leg(knee_));
+      curve.hip.push_back(in_leg(hip_));
       if (shows_leg_knee) curve.leg_knee.push_back(in_leg(*leg_knee_));
       curve.knee_deg.push_back(ValueAt(time_s, knee_deg, t));
       curve.knee_sigma_mm.push_back(LinearValueAt(time_s, knee_.sigma, t));
@@ -192,7 +200,8 @@ RegisteredTrial RegisterTrial(const TrialTables& trial, const RegistrationOption
 StsCurve MeanCurve(const std::vector<StsCurve>& curves) {
   if (curves.size() == 1) return curves.front();
   StsCurve mean;
-  mean.ankle = MeanOf(curves, &StsCurve::ankle), mean.knee = MeanOf(curves, &StsCurve::knee),
+  mean.ankle = MeanOf(curves, &StsCurve::ankle);
+  mean.knee = MeanOf(curves, &StsCurve::knee);
   mean.hip = MeanOf(curves, &StsCurve::hip);
   if (std::ranges::none_of(curves, [](const StsCurve& curve) { return curve.leg_knee.empty(); }))
     mean.leg_knee = MeanOf(curves, &StsCurve::leg_knee);

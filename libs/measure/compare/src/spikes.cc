@@ -27,7 +27,8 @@ double LocalQuadratic(const std::vector<double>& values, const std::vector<doubl
     const double nearness = std::pow(1 - std::pow(std::abs(u), 3), 3);
     const double weight = nearness * trust[static_cast<std::size_t>(i)];
     const Eigen::Vector3d basis(1, u, u * u);
-    normal += weight * basis * basis.transpose(), right += weight * values[static_cast<std::size_t>(i)] * basis;
+    normal += weight * basis * basis.transpose();
+    right += weight * values[static_cast<std::size_t>(i)] * basis;
   }
   normal += 1e-9 * Eigen::Matrix3d::Identity();  // a window that is trusted nowhere
   return normal.ldlt().solve(right)[0];

@@ -63,8 +63,10 @@ void ReadFrameCount(const C3dBytes& bytes, const C3dParameters& parameters, C3dL
   };
   if (parameters.Has("TRIAL:ACTUAL_START_FIELD") && parameters.Has("TRIAL:ACTUAL_END_FIELD")) {
     const double start = field("TRIAL:ACTUAL_START_FIELD"), end = field("TRIAL:ACTUAL_END_FIELD");
-    if (end >= start && start >= 1)
-      layout.first_frame = static_cast<std::size_t>(start), layout.frames = static_cast<std::size_t>(end - start) + 1;
+    if (end >= start && start >= 1) {
+      layout.first_frame = static_cast<std::size_t>(start);
+      layout.frames = static_cast<std::size_t>(end - start) + 1;
+    }
   } else if (parameters.Has("POINT:LONG_FRAMES")) {
     layout.frames = parameters.Count("POINT:LONG_FRAMES");
   } else if (parameters.Has("POINT:FRAMES") && last == 65535) {
@@ -216,7 +218,8 @@ AnalogLayout ReadAnalogLayout(const C3dParameters& parameters, const C3dLayout& 
   if (analog.channels == 0 || layout.analog_per_frame == 0 || layout.analog_per_frame % analog.channels != 0)
     throw Fail("{}: no analogue channels, and so no forces", path);
   analog.samples = layout.analog_per_frame / analog.channels;
-  analog.scale = parameters.Numbers("ANALOG:SCALE"), analog.offset = parameters.Numbers("ANALOG:OFFSET");
+  analog.scale = parameters.Numbers("ANALOG:SCALE");
+  analog.offset = parameters.Numbers("ANALOG:OFFSET");
   if (analog.scale.size() < analog.channels || analog.offset.size() < analog.channels)
     throw Fail("{}: ANALOG:SCALE or OFFSET has fewer values than the {} channels", path, analog.channels);
   const double general = parameters.Has("ANALOG:GEN_SCALE") ? parameters.Number("ANALOG:GEN_SCALE") : 1;
@@ -323,7 +326,10 @@ GroundForceRecording ReadC3dForces(const std::filesystem::path& path) {
         upward_n += read.force_n.back()[up];
       }
     if (upward_n < 0)
-      for (std::size_t i = 0; i < read.force_n.size(); ++i) read.force_n[i] *= -1, read.moment_nm[i] *= -1;
+      for (std::size_t i = 0; i < read.force_n.size(); ++i) {
+        read.force_n[i] *= -1;
+        read.moment_nm[i] *= -1;
+      }
   }
   return forces;
 }
@@ -364,7 +370,8 @@ void AddEvents(const PointRecording& points, C3dParameterWriter& writer) {
   std::vector<std::array<float, 2>> times;  // minutes, seconds
   for (const PointEvent& event : points.events) {
     const double time_s = event.time_s + shift_s, minutes = std::floor(time_s / 60);
-    contexts.push_back(ShortText(event.context)), labels.push_back(ShortText(event.label));
+    contexts.push_back(ShortText(event.context));
+    labels.push_back(ShortText(event.label));
     times.push_back({static_cast<float>(minutes), static_cast<float>(time_s - 60 * minutes)});
   }
   writer.Group(4, "EVENT");

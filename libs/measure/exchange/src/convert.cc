@@ -34,13 +34,15 @@ FrameRange FindRange(const std::array<double, 2>& crop_s, const fs::path& path, 
 void CropPoints(const std::array<double, 2>& crop_s, const fs::path& path, PointRecording& points) {
   const FrameRange range = FindRange(crop_s, path, points.time_s);
   for (PointTrack& point : points.points) range.Keep(point.positions);
-  range.Keep(points.frame), range.Keep(points.time_s);
+  range.Keep(points.frame);
+  range.Keep(points.time_s);
   std::erase_if(points.events, [&](const PointEvent& e) { return e.time_s < crop_s[0] || e.time_s > crop_s[1]; });
 }
 
 void CropTable(const std::array<double, 2>& crop_s, const fs::path& path, MotTable& table) {
   const FrameRange range = FindRange(crop_s, path, table.time_s);
-  range.Keep(table.rows), range.Keep(table.time_s);
+  range.Keep(table.rows);
+  range.Keep(table.time_s);
 }
 
 void CheckNoPointOptions(const fs::path& out, const ConvertOptions& options) {
@@ -103,7 +105,9 @@ PointRecording ScaledBy(const gait::PictureScale& picture, PointRecording points
   points.mm_per_px = view.mm_per_px;
   if (!format.plane || PlaneUnit(view) == motion::LengthUnit::kPx) return points;
   points.space = PointSpace::kPlane;
-  points.mm_per_px.reset(), points.axes.reset(), points.video.reset();
+  points.mm_per_px.reset();
+  points.axes.reset();
+  points.video.reset();
   for (PointTrack& point : points.points)
     for (Eigen::Vector3d& p : point.positions)
       if (p.allFinite()) p.head<2>() = gait::PlaneFromRecorded(view, p.head<2>(), 0);

@@ -18,7 +18,8 @@ const PointTrack* PointRecording::Find(std::string_view name) const {
 PointRecording PointsFromMarkers(const motion::MarkerRecording& markers) {
   PointRecording points;
   points.space = markers.unit == motion::LengthUnit::kPx ? PointSpace::kImage : PointSpace::kPlane;
-  points.frame = markers.frame, points.time_s = markers.time_s;
+  points.frame = markers.frame;
+  points.time_s = markers.time_s;
   for (const motion::MarkerTrack& marker : markers.markers) {
     points.points.push_back({marker.name, {}});
     for (const motion::MarkerSample& sample : marker.samples)
@@ -32,7 +33,8 @@ motion::MarkerRecording MarkersFromPoints(const PointRecording& points) {
   if (points.space == PointSpace::kSpace) throw Fail("points in three dimensions must be projected onto a plane first");
   motion::MarkerRecording markers;
   markers.unit = points.space == PointSpace::kImage ? motion::LengthUnit::kPx : motion::LengthUnit::kMm;
-  markers.frame = points.frame, markers.time_s = points.time_s;
+  markers.frame = points.frame;
+  markers.time_s = points.time_s;
   for (const PointTrack& point : points.points) {
     markers.markers.push_back({point.name, {}});
     for (const Eigen::Vector3d& position : point.positions) {
@@ -48,7 +50,9 @@ PointRecording PointsInPlane(const PointRecording& points) {
   if (points.space != PointSpace::kImage || !points.mm_per_px) return points;
   PointRecording plane = points;
   plane.space = PointSpace::kPlane;
-  plane.mm_per_px.reset(), plane.axes.reset(), plane.video.reset();
+  plane.mm_per_px.reset();
+  plane.axes.reset();
+  plane.video.reset();
   const ImageAxes axes = points.axes.value_or(ImageAxes{});
   const double angle_rad = RadiansFromDegrees(axes.angle_deg);
   const Eigen::Vector3d x(std::cos(angle_rad), -std::sin(angle_rad), 0),

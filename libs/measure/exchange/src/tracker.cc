@@ -91,7 +91,10 @@ void WriteTrackerText(const std::filesystem::path& path, const PointRecording& p
   CheckNames(points, path);
   const double offset = points.space == PointSpace::kImage ? kPixelCentre : 0;
   std::string text = points.points.size() > 1 ? "#multi:\n" : "", labels = "t";
-  for (const PointTrack& point : points.points) text.append("\t").append(point.name).append("\t"), labels += "\tx\ty";
+  for (const PointTrack& point : points.points) {
+    text.append("\t").append(point.name).append("\t");
+    labels += "\tx\ty";
+  }
   text.append("\n").append(labels).append("\n");
   for (std::size_t i = 0; i < points.time_s.size(); ++i) {
     text += FormatForTracker(points.time_s[i]);

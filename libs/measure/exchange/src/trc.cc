@@ -38,7 +38,10 @@ std::map<std::string, std::string> HeaderValues(const TextLines& lines) {
     std::erase(cells, "");
     return cells;
   };
-  if (filled(keys).size() == filled(values).size()) keys = filled(keys), values = filled(values);
+  if (filled(keys).size() == filled(values).size()) {
+    keys = filled(keys);
+    values = filled(values);
+  }
   std::map<std::string, std::string> header;
   for (std::size_t i = 0; i < keys.size() && i < values.size(); ++i) header[keys[i]] = values[i];
   return header;

@@ -114,7 +114,11 @@ Eigen::Vector3d FitForward(const PointRecording& points, const Eigen::Vector3d& 
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < a->positions.size(); ++i) {
       const Eigen::Vector3d v = b->positions[i] - a->positions[i], horizontal = v - up * up.dot(v);
-      if (horizontal.allFinite()) vectors.push_back(horizontal), mean += horizontal, lengths_mm2 += v.squaredNorm();
+      if (horizontal.allFinite()) {
+        vectors.push_back(horizontal);
+        mean += horizontal;
+        lengths_mm2 += v.squaredNorm();
+      }
     }
     if (vectors.empty()) throw Fail("{}: {} and {} are never seen together", path.string(), lower, upper);
     mean /= static_cast<double>(vectors.size());
@@ -141,8 +145,15 @@ double OutOfPlane(const PointRecording& points, const Eigen::Vector3d& normal) {
     double sum = 0, sum2 = 0;
     std::size_t n = 0;
     for (const Eigen::Vector3d& p : point->positions)
-      if (p.allFinite()) sum += p.dot(normal), sum2 += std::pow(p.dot(normal), 2), ++n;
-    if (n > 0) square += sum2 - sum * sum / static_cast<double>(n), count += n;
+      if (p.allFinite()) {
+        sum += p.dot(normal);
+        sum2 += std::pow(p.dot(normal), 2);
+        ++n;
+      }
+    if (n > 0) {
+      square += sum2 - sum * sum / static_cast<double>(n);
+      count += n;
+    }
   }
   return count > 0 ? std::sqrt(std::max(0.0, square / static_cast<double>(count))) : 0;
 }
@@ -233,7 +244,10 @@ std::map<std::string, std::vector<double>> AcrossPlane(const PointRecording& poi
     for (const Eigen::Vector3d& p : point.positions) {
       const double value = p.dot(axes.Across());
       across[point.name].push_back(value);
-      if (std::isfinite(value)) least = std::min(least, value), most = std::max(most, value);
+      if (std::isfinite(value)) {
+        least = std::min(least, value);
+        most = std::max(most, value);
+      }
     }
   if (most - least <= kSamePlane_mm) across.clear();
   return across;

@@ -21,8 +21,11 @@ struct Regression {
   void Add(double x, double y) {
     ++count;
     const double from_x = x - mean_x, from_y = y - mean_y;
-    mean_x += from_x / count, mean_y += from_y / count;
-    xx += from_x * (x - mean_x), yy += from_y * (y - mean_y), xy += from_x * (y - mean_y);
+    mean_x += from_x / count;
+    mean_y += from_y / count;
+    xx += from_x * (x - mean_x);
+    yy += from_y * (y - mean_y);
+    xy += from_x * (y - mean_y);
   }
   // The share of y's variance that a rising line through the pairs leaves.
   double Unexplained() const { return xy > 0 && yy > 0 ? 1 - xy * xy / (xx * yy) : 1; }
@@ -65,7 +68,8 @@ std::optional<ClockOffset> FindClockOffset(std::span<const double> time_s, std::
     Regression own;
     for (std::size_t i = window.begin; i < window.end; ++i) {
       if (!std::isfinite(needed_n[i])) continue;
-      of.time_s.push_back(time_s[i]), of.force_n.push_back(needed_n[i]);
+      of.time_s.push_back(time_s[i]);
+      of.force_n.push_back(needed_n[i]);
       own.Add(needed_n[i], needed_n[i]);
     }
     of.variation = own.yy;

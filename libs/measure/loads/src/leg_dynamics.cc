@@ -84,7 +84,8 @@ LegBody MakeLegBody(const BodyOptions& options, const LegPath& path) {
   const double shank_m = MeanLength(path, kAnkle, kKnee), thigh_m = MeanLength(path, kKnee, kHip),
                trunk_m = MeanLength(path, kHip, kTrunkTop);
   LegBody body;
-  body.table = table.name, body.source = table.source;
+  body.table = table.name;
+  body.source = table.source;
   body.height_m = options.height_mm ? *options.height_mm / kMmPerM : StatureOfLeg(shank_m + thigh_m);
   body.sole = FootOfStature(body.height_m);
   if (options.foot_mm) body.sole = {(*options.foot_mm)[0] / kMmPerM, (*options.foot_mm)[1] / kMmPerM};

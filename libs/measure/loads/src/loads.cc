@@ -34,7 +34,12 @@ std::vector<Rise> RisesOf(const std::vector<motion::StsEvent>& events) {
   for (const auto& [repetition, at] : times) {
     using enum motion::StsEventKind;
     if (!at.contains(kOnset) || !at.contains(kSeatOff) || !at.contains(kStanding)) continue;
-    Rise rise{repetition, at.at(kOnset), at.at(kSeatOff), at.at(kStanding), {}, {}};
+    Rise rise{.repetition = repetition,
+              .onset_s = at.at(kOnset),
+              .seat_off_s = at.at(kSeatOff),
+              .standing_s = at.at(kStanding),
+              .descent_s = {},
+              .seated_s = {}};
     if (at.contains(kDescent)) rise.descent_s = at.at(kDescent);
     if (at.contains(kSeated)) rise.seated_s = at.at(kSeated);
     rises.push_back(rise);
@@ -84,7 +89,8 @@ std::vector<std::optional<Wrench>> ForcesAtFrames(const GroundForces& forces, co
                                                   double cutoff_hz) {
   std::array<std::vector<double>, 3> parts;
   for (const Wrench& wrench : forces.wrench) {
-    parts[0].push_back(wrench.force_n.x()), parts[1].push_back(wrench.force_n.y());
+    parts[0].push_back(wrench.force_n.x());
+    parts[1].push_back(wrench.force_n.y());
     parts[2].push_back(wrench.moment_nm);
   }
   for (std::vector<double>& part : parts) part = gait::ZeroPhaseButterworthAtTimes(part, forces.time_s, cutoff_hz);
@@ -187,7 +193,8 @@ class Drawing {
   TrunkPrior Prior(TrunkPrior prior) {
     prior.spread *= Factor(0.2);
     prior.memory_s *= Factor(0.3);
-    prior.wobble_m *= Factor(0.5), prior.posture_m *= Factor(0.5);
+    prior.wobble_m *= Factor(0.5);
+    prior.posture_m *= Factor(0.5);
     return prior;
   }
 
@@ -242,11 +249,13 @@ void SetBounds(const Model& model, double at_s, LoadsRow& row) {
   if (!model.path.known[frame]) return;
   const double free_nm = LoadsAt(model, frame).moments.knee_nm,
                seated_nm = LoadsFromGround(model.path.frames[frame], model.body, Wrench{}).moments.knee_nm;
-  row.knee_low_nm = std::min(free_nm, seated_nm), row.knee_high_nm = std::max(free_nm, seated_nm);
+  row.knee_low_nm = std::min(free_nm, seated_nm);
+  row.knee_high_nm = std::max(free_nm, seated_nm);
 }
 
 void SetLoads(const LegLoads& loads, bool seat_is_left, LoadsRow& row) {
-  row.ankle_nm = loads.moments.ankle_nm, row.knee_nm = loads.moments.knee_nm;
+  row.ankle_nm = loads.moments.ankle_nm;
+  row.knee_nm = loads.moments.knee_nm;
   if (seat_is_left) row.hip_nm = loads.moments.hip_nm;
   row.ground_force_n = loads.ground_force_n.y();
   // A force near zero acts nowhere.
@@ -256,7 +265,13 @@ void SetLoads(const LegLoads& loads, bool seat_is_left, LoadsRow& row) {
 }
 
 RiseLoads RiseOf(const Model& model, const motion::LegMotion& motion, const Rise& rise, const LoadsOptions& options) {
-  RiseLoads loads{rise.repetition, rise.onset_s, rise.seat_off_s, rise.standing_s, {}, {}, 0};
+  RiseLoads loads{.repetition = rise.repetition,
+                  .onset_s = rise.onset_s,
+                  .seat_off_s = rise.seat_off_s,
+                  .standing_s = rise.standing_s,
+                  .rows = {},
+                  .peak = {},
+                  .knee_energy_j = 0};
   for (int percent = 0; percent < kPercents; ++percent) {
     LoadsRow& row = loads.rows.emplace_back();
     row.time_s = TimeOf(rise, percent);
@@ -292,12 +307,14 @@ void SetBands(const std::vector<std::vector<double>>& curves, RiseLoads& loads) 
     LoadsRow& row = loads.rows[percent];
     if (values.size() < 2 || std::isnan(row.knee_nm)) continue;
     row.knee_sd_nm = StandardDeviation(values);
-    row.knee_low_nm = Quantile(values, kLow), row.knee_high_nm = Quantile(values, kHigh);
+    row.knee_low_nm = Quantile(values, kLow);
+    row.knee_high_nm = Quantile(values, kHigh);
   }
   std::vector<double> peaks;
   for (const std::vector<double>& curve : curves)
     if (const double peak = Largest(curve); std::isfinite(peak)) peaks.push_back(peak);
-  loads.peak.low_nm = Quantile(peaks, kLow), loads.peak.high_nm = Quantile(peaks, kHigh);
+  loads.peak.low_nm = Quantile(peaks, kLow);
+  loads.peak.high_nm = Quantile(peaks, kHigh);
 }
 
 // The mean of all rises at each percent; empty where one of them is.
@@ -372,7 +389,8 @@ void CheckForces(const Model& model, const std::vector<Rise>& rises, const Loads
   std::vector<double> force_n, before_m;
   ForEachOnTheFeet(model, rises, options, [&](const LegPoints& points, const LegLoads& loads) {
     if (std::abs(loads.ground_force_n.y()) < kBears * NeededForce_n(points, model.body)) return;
-    force_n.push_back(loads.ground_force_n.y()), before_m.push_back(loads.zmp_m);
+    force_n.push_back(loads.ground_force_n.y());
+    before_m.push_back(loads.zmp_m);
   });
   if (force_n.empty()) return;
   if (Median(force_n) < 0)
@@ -510,7 +528,8 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
     } else {
       const TrunkFit fit(drawn.path, drawn.body, windows, drawing.Prior(options.trunk));
       drawn.trunk = fit.Draw(drawing.Random());
-      along_m.push_back(drawn.trunk->AlongM()), across_m.push_back(drawn.trunk->AcrossM());
+      along_m.push_back(drawn.trunk->AlongM());
+      across_m.push_back(drawn.trunk->AcrossM());
     }
     for (std::size_t r = 0; r < rises.size(); ++r) curves[r].push_back(KneeCurve(drawn, rises[r], options));
   }

@@ -137,7 +137,8 @@ void TrunkFit::Accumulate(const LegPath& path, const LegBody& body, const TrunkP
     } else {
       add(row, spread_m);
     }
-    last = std::move(row), last_s = path.time_s[i];
+    last = std::move(row);
+    last_s = path.time_s[i];
   }
   piece.factor.compute(own.selfadjointView<Eigen::Lower>());
 }

@@ -47,7 +47,8 @@ MeanSquares MeanSquaresOf(const Eigen::MatrixXd& values) {
   const Eigen::MatrixXd within = values.colwise() - of_target;
   const Eigen::MatrixXd residual = within.rowwise() - (of_judge.array() - mean).matrix();
   MeanSquares ms;
-  ms.targets = n, ms.judges = k;
+  ms.targets = n;
+  ms.judges = k;
   ms.between_targets = static_cast<double>(k) * (of_target.array() - mean).square().sum() / static_cast<double>(n - 1);
   ms.within_targets = within.squaredNorm() / static_cast<double>(n * (k - 1));
   ms.between_judges = static_cast<double>(n) * (of_judge.array() - mean).square().sum() / static_cast<double>(k - 1);

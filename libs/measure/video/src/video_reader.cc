@@ -35,8 +35,10 @@ Orientation FindOrientation(const AVStream& stream, const AVFrame& frame, const 
   constexpr std::size_t kBytes = 9 * sizeof(std::int32_t);
   std::size_t size = 0;
   const std::uint8_t* data = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
-  if (const AVFrameSideData* own = av_frame_get_side_data(&frame, AV_FRAME_DATA_DISPLAYMATRIX))
-    data = own->data, size = own->size;
+  if (const AVFrameSideData* own = av_frame_get_side_data(&frame, AV_FRAME_DATA_DISPLAYMATRIX)) {
+    data = own->data;
+    size = own->size;
+  }
   if (!data || size < kBytes) return {};
   std::int32_t matrix[9];
   std::copy_n(data, kBytes, reinterpret_cast<std::uint8_t*>(matrix));
@@ -102,7 +104,9 @@ LibavReader::LibavReader(const std::filesystem::path& path, const VideoReaderOpt
 void LibavReader::FillInfo() {
   const AVStream& stream = decoder_.Source().Stream();
   AVFrame& first = *first_frame_;
-  width_ = first.width, height_ = first.height, format_ = first.format;
+  width_ = first.width;
+  height_ = first.height;
+  format_ = first.format;
   info_.width = orientation_.transpose ? height_ : width_;
   info_.height = orientation_.transpose ? width_ : height_;
   info_.rotation_deg = orientation_.RotationDeg();
@@ -207,7 +211,8 @@ std::unique_ptr<VideoReader> VideoReader::Open(const std::filesystem::path& path
 }
 
 cv::Mat ReadLuma(const std::filesystem::path& path, std::int64_t frame, VideoReaderOptions options) {
-  options.first = frame, options.last = frame;
+  options.first = frame;
+  options.last = frame;
   VideoFrame read;
   if (!VideoReader::Open(path, options)->Read(read)) throw Fail("{}: has no frame {}", path.string(), frame);
   return read.luma.clone();

@@ -55,7 +55,8 @@ figure::GnuplotFigure PagesOut(const LinkageLook& look, int poses) {
 
 std::vector<cv::Mat> ReadPages(const fs::path& folder) {
   video::VideoReaderOptions options;
-  options.colour = true, options.capture_rate_hz = 1;  // their times do not matter
+  options.colour = true;
+  options.capture_rate_hz = 1;  // their times do not matter
   const auto reader = video::VideoReader::Open(folder / "%05d.png", options);
   std::vector<cv::Mat> pages;
   for (video::VideoFrame frame; reader->Read(frame);) pages.push_back(frame.bgr);
@@ -71,7 +72,9 @@ void WriteMp4(const fs::path& path, const LinkageLook& look) {
   std::vector<cv::Mat> pages = ReadPages(folder.Path());
   for (std::size_t back = pages.size() - 2; back > 0; --back) pages.push_back(pages[back]);
   video::VideoWriterOptions options;
-  options.width = kPosePageWidth_px, options.height = kPosePageHeight_px, options.frame_rate_hz = kFrameRate_hz;
+  options.width = kPosePageWidth_px;
+  options.height = kPosePageHeight_px;
+  options.frame_rate_hz = kFrameRate_hz;
   video::VideoWriter writer(path, options);
   for (std::size_t i = 0; i < pages.size(); ++i) {
     ThrowIfInterrupted();
@@ -90,7 +93,12 @@ void WriteGif(const fs::path& path, const LinkageLook& look) {
 
 void WriteLinkageAnimation(const fs::path& mp4, const fs::path& gif, const LinkageLook& look) {
   // Each has a gnuplot of its own, which takes most of the time.
-  ForEachInThreads(2, Threads(), [&](std::size_t i) { i == 0 ? WriteMp4(mp4, look) : WriteGif(gif, look); });
+  ForEachInThreads(2, Threads(), [&](std::size_t i) {
+    if (i == 0)
+      WriteMp4(mp4, look);
+    else
+      WriteGif(gif, look);
+  });
 }
 
 }  // namespace lake::drawing

@@ -30,7 +30,8 @@ class Sheet {
   explicit Sheet(const std::filesystem::path& path) : writer_(dxf_.out(path.c_str(), DL_VERSION_2000)) {
     if (!writer_) throw Fail("{}: cannot be written", path.string());
     dxf_.writeHeader(*writer_);
-    writer_->dxfString(9, "$INSUNITS"), writer_->dxfInt(70, 4);  // mm
+    writer_->dxfString(9, "$INSUNITS");
+    writer_->dxfInt(70, 4);  // mm
     writer_->sectionEnd();
     WriteTables();
     writer_->sectionEntities();
@@ -85,7 +86,11 @@ class Sheet {
     const auto layer = [&](const char* name, int colour) {
       dxf_.writeLayer(*writer_, DL_LayerData(name, 0), DL_Attributes("", colour, -1, "CONTINUOUS", 1.0));
     };
-    layer("0", 7), layer("OUTLINE", 7), layer("HOLES", 1), layer("ENGRAVING", 3), layer("LABELS", 5);
+    layer("0", 7);
+    layer("OUTLINE", 7);
+    layer("HOLES", 1);
+    layer("ENGRAVING", 3);
+    layer("LABELS", 5);
     writer_->tableEnd();
     writer_->tableStyle(1);
     dxf_.writeStyle(*writer_, DL_StyleData("Standard", 0, 0, 1, 0, 0, 2.5, "txt", ""));

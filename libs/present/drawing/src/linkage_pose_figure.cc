@@ -32,7 +32,10 @@ SceneView WholeView(const LinkageLook& look) {
   const double reach = std::max(body.thigh.length_mm + body.thigh.proximal_radius_mm,
                                 std::hypot(look.links.l5, look.links.l3 + look.links.l6) + 60);
   const double sole = body.shank.length_mm + body.ankle_height_mm;
-  return {-reach - 90, std::max(0.75 * body.foot_length_mm, 0.4 * reach) + 30, -std::max(sole, reach) - 20, reach + 20};
+  return {.left = -reach - 90,
+          .right = std::max(0.75 * body.foot_length_mm, 0.4 * reach) + 30,
+          .bottom = -std::max(sole, reach) - 20,
+          .top = reach + 20};
 }
 
 // A square that holds the four-bar and its labels in every pose of the range.
@@ -43,8 +46,10 @@ SceneView FourBarView(const LinkageLook& look) {
     const PosedLeg leg(
         linkage::RequirePose(look.links, look.range.stroke.lower_mm + look.range.stroke.Travel() * i / kPoses));
     const linkage::Pose& pose = leg.ThePose();
-    for (const Vector2d& joint : {pose.thigh_pin, pose.tip, pose.shank_pin})
-      low = low.min(leg.FromThigh(joint).array()), high = high.max(leg.FromThigh(joint).array());
+    for (const Vector2d& joint : {pose.thigh_pin, pose.tip, pose.shank_pin}) {
+      low = low.min(leg.FromThigh(joint).array());
+      high = high.max(leg.FromThigh(joint).array());
+    }
   }
   const Eigen::Array2d centre = 0.5 * (low + high);
   const double half = 0.62 * (high - low).maxCoeff();

@@ -90,7 +90,8 @@ void DrawLinkageSchematic(const std::filesystem::path& path, const linkage::Link
   const double bottom = std::min(-1.15 * links.l4, pose.shank_pin.y()), top = pose.mount.y();
   const double unit = (top - bottom) / 32;
   const double right = std::max({pose.mount.x(), pose.tip.x(), pose.shank_pin.x()});
-  const SceneView view{-6 * unit, right + 5 * unit, bottom - 3 * unit, top + 5 * unit};
+  const SceneView view{
+      .left = -6 * unit, .right = right + 5 * unit, .bottom = bottom - 3 * unit, .top = top + 5 * unit};
   constexpr int kHeight_px = 900;
   figure::GnuplotFigure figure(static_cast<int>(kHeight_px * (view.right - view.left) / (view.top - view.bottom)),
                                kHeight_px);

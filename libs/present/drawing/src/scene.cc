@@ -13,7 +13,10 @@ using Eigen::Vector2d;
 
 std::vector<std::vector<double>> Columns(const PlanePath& path) {
   std::vector<std::vector<double>> columns(2);
-  for (const Vector2d& point : path) columns[0].push_back(point.x()), columns[1].push_back(point.y());
+  for (const Vector2d& point : path) {
+    columns[0].push_back(point.x());
+    columns[1].push_back(point.y());
+  }
   return columns;
 }
 

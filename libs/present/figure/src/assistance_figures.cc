@@ -76,8 +76,10 @@ struct Line {
 Line LineOf(const synthesis::ActuatorCurve& curve) {
   Line line;
   for (const synthesis::FrontPoint& point : curve.points)
-    if (point.solved && std::isfinite(point.assistance.shortest_s))
-      line.assist.push_back(100 * point.assist), line.duration.push_back(point.assistance.shortest_s);
+    if (point.solved && std::isfinite(point.assistance.shortest_s)) {
+      line.assist.push_back(100 * point.assist);
+      line.duration.push_back(point.assistance.shortest_s);
+    }
   return line;
 }
 
@@ -96,8 +98,10 @@ std::string EndOf(const synthesis::ActuatorCurve& curve) {
 std::string YRange(const std::vector<synthesis::ActuatorCurve>& curves, double own_duration_s) {
   double least = own_duration_s, most = own_duration_s;
   for (const synthesis::ActuatorCurve& curve : curves)
-    for (const double duration : LineOf(curve).duration)
-      least = std::min(least, duration), most = std::max(most, duration);
+    for (const double duration : LineOf(curve).duration) {
+      least = std::min(least, duration);
+      most = std::max(most, duration);
+    }
   constexpr double kRoom = 1.6;
   return fmt::format("set yrange [{}:{}]", least / kRoom, most * kRoom * kRoom);
 }

@@ -37,7 +37,8 @@ void Split(const std::vector<camera::BoardView>& views, const camera::Calibratio
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (std::size_t i = 0; i < views[v].pixel.size(); ++i) {
       Arrows& arrows = out.count({v, views[v].corner[i]}) ? outliers : inliers;
-      arrows.x.push_back(views[v].pixel[i].x()), arrows.y.push_back(views[v].pixel[i].y());
+      arrows.x.push_back(views[v].pixel[i].x());
+      arrows.y.push_back(views[v].pixel[i].y());
       arrows.dx.push_back(magnification * result.residual_px[v][i].x());
       arrows.dy.push_back(magnification * result.residual_px[v][i].y());
     }
@@ -68,8 +69,10 @@ void ShadeEmptyCells(GnuplotFigure& figure, const camera::Coverage& coverage, in
 void DrawViews(GnuplotFigure& figure, const std::vector<camera::BoardView>& views,
                const camera::CalibrationResult& result) {
   std::vector<double> number, rms;
-  for (std::size_t v = 0; v < views.size(); ++v)
-    number.push_back(static_cast<double>(v)), rms.push_back(result.view_rms_px[v]);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    number.push_back(static_cast<double>(v));
+    rms.push_back(result.view_rms_px[v]);
+  }
   const double worst = *std::max_element(rms.begin(), rms.end());
   figure
       .Line(
@@ -128,7 +131,8 @@ void WriteCrossValidationFigure(const std::filesystem::path& path, const camera:
                                 int width_px, int height_px) {
   std::vector<double> x, y, size;
   for (std::size_t i = 0; i < difference.pixel.size(); ++i) {
-    x.push_back(difference.pixel[i].x()), y.push_back(difference.pixel[i].y());
+    x.push_back(difference.pixel[i].x());
+    y.push_back(difference.pixel[i].y());
     size.push_back(difference.difference_px[i].norm());
   }
   GnuplotFigure figure(1000, 100 + 800 * height_px / std::max(width_px, height_px));

@@ -40,8 +40,10 @@ class LegAxes {
     const motion::MarkerTrack* ankle = result.trajectory.Find("ankle");
     std::vector<double> x, y;
     for (std::size_t i = 0; ankle && i < ankle->samples.size(); ++i)
-      if (ankle->samples[i].IsKnown())
-        x.push_back(ankle->samples[i].position.x()), y.push_back(ankle->samples[i].position.y());
+      if (ankle->samples[i].IsKnown()) {
+        x.push_back(ankle->samples[i].position.x());
+        y.push_back(ankle->samples[i].position.y());
+      }
     if (!x.empty()) origin_ = {Median(x), Median(y)};
   }
   Eigen::Vector2d Of(const Eigen::Vector2d& in_plane) const {
@@ -59,8 +61,8 @@ void AddPaths(GnuplotFigure& figure, const gait::LegFitResult& result, const Leg
     std::vector<double> x, y;
     for (const motion::MarkerSample& sample : marker.samples) {
       const Eigen::Vector2d p = axes.Of(sample.position);
-      x.push_back(sample.IsKnown() ? p.x() : motion::LegSample::kUnknown),
-          y.push_back(sample.IsKnown() ? p.y() : motion::LegSample::kUnknown);
+      x.push_back(sample.IsKnown() ? p.x() : motion::LegSample::kUnknown);
+      y.push_back(sample.IsKnown() ? p.y() : motion::LegSample::kUnknown);
     }
     parts.push_back(fmt::format("{} using 1:2 with lines lw 2 lc rgb '{}' title {}", figure.Data({x, y}),
                                 ColourOf(marker.name), QuoteForGnuplot(marker.name)));
@@ -72,8 +74,10 @@ std::vector<std::size_t> PoseFrames(const motion::LegMotion& motion) {
   std::vector<std::size_t> frames;
   double next_percent = 0;
   for (std::size_t i = 0; i < motion.samples.size() && next_percent <= 100; ++i)
-    if (motion.samples[i].repetition == 1 && motion.samples[i].percent >= next_percent - 1e-9)
-      frames.push_back(i), next_percent += 25;
+    if (motion.samples[i].repetition == 1 && motion.samples[i].percent >= next_percent - 1e-9) {
+      frames.push_back(i);
+      next_percent += 25;
+    }
   return frames;
 }
 
@@ -85,9 +89,11 @@ void AddPoses(GnuplotFigure& figure, const gait::LegFitResult& result, const Leg
       const motion::MarkerTrack* marker = result.trajectory.Find(name);
       if (!marker || !marker->samples[i].IsKnown()) continue;
       const Eigen::Vector2d p = axes.Of(marker->samples[i].position);
-      x.push_back(p.x()), y.push_back(p.y());
+      x.push_back(p.x());
+      y.push_back(p.y());
     }
-    x.push_back(motion::LegSample::kUnknown), y.push_back(motion::LegSample::kUnknown);
+    x.push_back(motion::LegSample::kUnknown);
+    y.push_back(motion::LegSample::kUnknown);
   }
   if (!x.empty())
     parts.push_back(
@@ -133,7 +139,8 @@ KneeColumns ColumnsOf(const motion::LegMotion& motion) {
     columns.raw.push_back(sample.knee_raw_deg);
     columns.fit.push_back(sample.knee_deg);
     columns.difference.push_back(sample.knee_raw_deg - sample.knee_deg);
-    columns.lower.push_back(-2 * sample.knee_sigma_deg), columns.upper.push_back(2 * sample.knee_sigma_deg);
+    columns.lower.push_back(-2 * sample.knee_sigma_deg);
+    columns.upper.push_back(2 * sample.knee_sigma_deg);
   }
   return columns;
 }
@@ -153,7 +160,10 @@ double TicStep(const motion::MarkerRecording& trajectory) {
   double low = INFINITY, high = -INFINITY;
   for (const motion::MarkerTrack& marker : trajectory.markers)
     for (const motion::MarkerSample& sample : marker.samples)
-      if (sample.IsKnown()) low = std::min(low, sample.position.x()), high = std::max(high, sample.position.x());
+      if (sample.IsKnown()) {
+        low = std::min(low, sample.position.x());
+        high = std::max(high, sample.position.x());
+      }
   if (!(high > low)) return 1;
   const double step = (high - low) / 3, power = std::pow(10, std::floor(std::log10(step)));
   for (const double factor : {1.0, 2.0, 5.0})

@@ -63,8 +63,10 @@ void DrawKnee(GnuplotFigure& figure, const loads::LoadsResult& result) {
         band(false), colour::kGap);
   plot += RisesAndMean(figure, result, &LoadsRow::knee_nm, colour::kKnee);
   std::vector<double> percents, peaks;
-  for (const loads::RiseLoads& rise : result.rises)
-    percents.push_back(rise.peak.percent), peaks.push_back(rise.peak.knee_nm);
+  for (const loads::RiseLoads& rise : result.rises) {
+    percents.push_back(rise.peak.percent);
+    peaks.push_back(rise.peak.knee_nm);
+  }
   plot += fmt::format(", {} using 1:2 with points pt 7 ps 1.3 lc rgb '{}' title 'peak of each rise'",
                       figure.Data({percents, peaks}), colour::kText);
   figure.Line(plot + ", 0 with lines lw 1 lc rgb '#222222'");

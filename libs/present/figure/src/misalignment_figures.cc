@@ -21,8 +21,14 @@ using Eigen::Vector2d;
 struct Points {
   std::vector<double> x, y;
 
-  void Add(const Vector2d& p) { x.push_back(p.x()), y.push_back(p.y()); }
-  void Break() { x.push_back(kNaN), y.push_back(kNaN); }
+  void Add(const Vector2d& p) {
+    x.push_back(p.x());
+    y.push_back(p.y());
+  }
+  void Break() {
+    x.push_back(kNaN);
+    y.push_back(kNaN);
+  }
   std::string In(GnuplotFigure& figure) const { return figure.Data({x, y}); }
 };
 
@@ -35,15 +41,22 @@ Points PathOf(const std::vector<Vector2d>& path, std::size_t step = 1) {
 // Between both knees at every tenth percent.
 Points TiesOf(const compare::Misalignment& m) {
   Points points;
-  for (std::size_t i = 0; i < compare::kPercentSamples; i += 5)
-    points.Add(m.human.knee[i]), points.Add(m.exo.knee[i]), points.Break();
+  for (std::size_t i = 0; i < compare::kPercentSamples; i += 5) {
+    points.Add(m.human.knee[i]);
+    points.Add(m.exo.knee[i]);
+    points.Break();
+  }
   return points;
 }
 
 Points LegsOf(const compare::StsCurve& curve) {
   Points points;
-  for (const std::size_t i : {0, 50, 100})
-    points.Add(curve.ankle[i]), points.Add(curve.knee[i]), points.Add(curve.hip[i]), points.Break();
+  for (const std::size_t i : {0, 50, 100}) {
+    points.Add(curve.ankle[i]);
+    points.Add(curve.knee[i]);
+    points.Add(curve.hip[i]);
+    points.Break();
+  }
   return points;
 }
 
@@ -104,7 +117,8 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
   std::vector<double> lower, upper, spikes;
   for (std::size_t i = 0; i < compare::kPercentSamples; ++i) {
     const double sd = m.relative_error_sd.empty() ? 0 : 100 * m.relative_error_sd[i];
-    lower.push_back(std::max(0.0, error[i] - sd)), upper.push_back(error[i] + sd);
+    lower.push_back(std::max(0.0, error[i] - sd));
+    upper.push_back(error[i] + sd);
     spikes.push_back(m.spike[i] ? error[i] : kNaN);
   }
   const double top = 1.25 * *std::max_element(upper.begin(), upper.end());

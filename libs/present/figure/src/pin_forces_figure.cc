@@ -29,7 +29,8 @@ double ShownForce(const std::vector<PinForcesRow>& rows) {
   for (const PinForcesRow& row : rows) {
     const double force = row.forces.TipPin();
     if (!std::isfinite(force) || force == 0) continue;
-    least = std::min(least, force), most = std::max(most, force);
+    least = std::min(least, force);
+    most = std::max(most, force);
   }
   return most > 0 ? 1.1 * std::min(most, 5 * least) : 1;
 }

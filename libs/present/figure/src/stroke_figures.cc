@@ -36,8 +36,11 @@ struct ProgramColumns {
 
   explicit ProgramColumns(const std::vector<actuator::ScheduleRow>& rows) {
     for (const actuator::ScheduleRow& row : Drawable(rows)) {
-      time.push_back(row.time_s), stroke.push_back(row.stroke_mm), speed.push_back(row.speed_mm_s);
-      knee.push_back(row.knee_deg), duty.push_back(100 * row.duty * (row.direction < 0 ? -1 : 1));
+      time.push_back(row.time_s);
+      stroke.push_back(row.stroke_mm);
+      speed.push_back(row.speed_mm_s);
+      knee.push_back(row.knee_deg);
+      duty.push_back(100 * row.duty * (row.direction < 0 ? -1 : 1));
     }
   }
 };
@@ -85,7 +88,8 @@ std::string TableOf(GnuplotFigure& figure, const std::vector<actuator::DutyRow>&
   std::vector<double> duty, speeds, errors;
   for (const actuator::DutyRow& row : rows) {
     if (std::isnan(row.*speed)) continue;
-    duty.push_back(100 * row.duty), speeds.push_back(row.*speed);
+    duty.push_back(100 * row.duty);
+    speeds.push_back(row.*speed);
     errors.push_back(std::isnan(row.*error) ? 0 : row.*error);
   }
   return figure.Data({duty, speeds, errors});
@@ -104,8 +108,10 @@ std::string CurveOf(GnuplotFigure& figure, const actuator::DutyCurve& curve) {
 std::string PlateausOf(GnuplotFigure& figure, const std::vector<actuator::Plateau>& plateaus, bool used) {
   std::vector<double> duty = {kNaN}, speeds = {kNaN};
   for (const actuator::Plateau& plateau : plateaus)
-    if (plateau.used == used)
-      duty.push_back(100 * std::abs(plateau.duty)), speeds.push_back(std::abs(plateau.speed_mm_s));
+    if (plateau.used == used) {
+      duty.push_back(100 * std::abs(plateau.duty));
+      speeds.push_back(std::abs(plateau.speed_mm_s));
+    }
   return figure.Data({duty, speeds});
 }
 
@@ -114,7 +120,9 @@ struct ValidationColumns {
 
   explicit ValidationColumns(const actuator::Validation& validation) {
     for (const actuator::ValidatedSample& s : validation.samples) {
-      time.push_back(s.program_time_s), predicted.push_back(s.predicted_deg), measured.push_back(s.measured_deg);
+      time.push_back(s.program_time_s);
+      predicted.push_back(s.predicted_deg);
+      measured.push_back(s.measured_deg);
       stroke.push_back(s.moving ? s.stroke_mm : kNaN);
       error.push_back(s.moving ? s.Error() : kNaN);
     }

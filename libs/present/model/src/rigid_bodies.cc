@@ -57,7 +57,8 @@ RigidBody PlateBody(const parts::Mechanism& mechanism, Body body, const linkage:
   rigid.inertia_kg_m2 << mass.xx_kg_mm2, mass.xy_kg_mm2, 0, mass.xy_kg_mm2, mass.yy_kg_mm2, 0, 0, 0, mass.zz_kg_mm2;
   rigid.inertia_kg_m2 *= kMetresPerMillimetre * kMetresPerMillimetre;
   rigid.outline_m = PolygonOf(plate);
-  rigid.low_m = kMetresPerMillimetre * span.from_mm, rigid.high_m = kMetresPerMillimetre * span.to_mm;
+  rigid.low_m = kMetresPerMillimetre * span.from_mm;
+  rigid.high_m = kMetresPerMillimetre * span.to_mm;
   return rigid;
 }
 
@@ -68,7 +69,8 @@ RigidBody CylinderBody(const char* name, const parts::Placement& placement, doub
   rigid.thigh_from_body = Placed(placement);
   rigid.mass_kg = mass_kg;
   rigid.centre_m = kMetresPerMillimetre * Vector3d((from_mm + to_mm) / 2, 0, z_mm);
-  rigid.cylinder_from_m = kMetresPerMillimetre * from_mm, rigid.cylinder_to_m = kMetresPerMillimetre * to_mm;
+  rigid.cylinder_from_m = kMetresPerMillimetre * from_mm;
+  rigid.cylinder_to_m = kMetresPerMillimetre * to_mm;
   rigid.cylinder_radius_m = kMetresPerMillimetre * diameter_mm / 2;
   const double r2 = rigid.cylinder_radius_m * rigid.cylinder_radius_m;
   const double length = rigid.cylinder_to_m - rigid.cylinder_from_m;

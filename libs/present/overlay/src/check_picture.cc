@@ -56,7 +56,10 @@ class Page {
     cairo_new_path(cairo_.get());
     cairo_arc(cairo_.get(), x, y, radius, 0, 2 * std::numbers::pi);
     cairo_set_line_width(cairo_.get(), kRingWidth);
-    filled ? cairo_fill(cairo_.get()) : cairo_stroke(cairo_.get());
+    if (filled)
+      cairo_fill(cairo_.get());
+    else
+      cairo_stroke(cairo_.get());
   }
 
   // A grey picture in the upper left corner.

@@ -96,7 +96,10 @@ void HeadBlur::FindLeg() {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (flexions[i] > straight + kNearly) continue;
     const auto leg = Segment(tracks_, "ankle", "hip", rows[i]), waist = Segment(tracks_, "hip", "waist", rows[i]);
-    if (leg && waist) legs += leg->normalized(), waists += waist->normalized();
+    if (leg && waist) {
+      legs += leg->normalized();
+      waists += waist->normalized();
+    }
   }
   if (legs.norm() == 0 || waists.norm() == 0) return;
   upright_ = legs.normalized();

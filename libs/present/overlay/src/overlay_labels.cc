@@ -44,7 +44,10 @@ cv::Point2d OverlayLabels::Place(const std::string& name, cv::Point2d centre, do
   for (int side = 0; side < static_cast<int>(kSides.size()); ++side) {
     const bool changes = last != side_.end() && last->second != side;
     const double cost = Cost(LabelAt(side, centre, radius_px, size)) + kPreference * side + (changes ? kChange : 0);
-    if (cost < lowest) lowest = cost, best = side;
+    if (cost < lowest) {
+      lowest = cost;
+      best = side;
+    }
   }
   side_[name] = best;
   cv::Rect2d label = LabelAt(best, centre, radius_px, size);

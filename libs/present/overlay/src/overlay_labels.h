@@ -14,7 +14,10 @@ class OverlayLabels {
   explicit OverlayLabels(cv::Size picture) : picture_(picture) {}
 
   // Forgets the frame before, except on which side each label stood.
-  void Begin() { taken_.clear(), lines_.clear(); }
+  void Begin() {
+    taken_.clear();
+    lines_.clear();
+  }
 
   // What labels of this frame should not cover: areas, and lines (less important).
   void Avoid(const cv::Rect2d& area) { taken_.push_back(area); }

@@ -110,7 +110,8 @@ void OverlayLayer::Blend(const cv::Rect& area, cv::Mat& i420) {
     BlendChroma(above, below, area.width / 2, ub, ug, ur, cb + at);
     const auto& [vb, vg, vr] = matrix_.v;
     BlendChroma(above, below, area.width / 2, vb, vg, vr, cr + at);
-    std::fill_n(above, area.width, 0), std::fill_n(below, area.width, 0);
+    std::fill_n(above, area.width, 0);
+    std::fill_n(below, area.width, 0);
   }
 }
 

@@ -154,7 +154,8 @@ void OverlayScene::PlacePanelAndInsets() {
         const cv::Point2d corner(margin + right, margin + std::max(0.0, below));
         const std::size_t hits = MarkersWithin(block + corner);
         if (hits >= fewest) continue;
-        fewest = hits, panel_ = areas.front() + corner;
+        fewest = hits;
+        panel_ = areas.front() + corner;
         insets_.assign(areas.begin() + 1, areas.end());
         for (cv::Rect2d& inset : insets_) inset += corner;
       }
@@ -169,7 +170,10 @@ std::vector<cv::Rect2d> OverlayScene::LayOut(double width) const {
       {0, 0, kPanelWidth * unit_px_, (content_.motion ? 4 : 2) * line_height_px_ + 2 * kPanelPadding * unit_px_}};
   double left = areas.front().width + gap, top = 0, bottom = areas.front().height;
   for (std::size_t m = 0; m < content_.tracks.markers.size(); ++m) {
-    if (left + inset.width > width + 1) left = 0, top = bottom + gap;
+    if (left + inset.width > width + 1) {
+      left = 0;
+      top = bottom + gap;
+    }
     areas.emplace_back(cv::Point2d(left, top), inset);
     bottom = std::max(bottom, top + inset.height);
     left += inset.width + gap;
@@ -255,7 +259,10 @@ void OverlayScene::DrawMark(const motion::MarkerTrack& marker, const motion::Mar
 void OverlayScene::DrawCross(cv::Point2d centre, double inner, double outer, const Colour& colour) {
   cairo_set_line_cap(draw_, CAIRO_LINE_CAP_BUTT);
   for (const bool halo : {true, false}) {
-    halo ? SetColour({0, 0, 0}, 0.45) : SetColour(colour);
+    if (halo)
+      SetColour({0, 0, 0}, 0.45);
+    else
+      SetColour(colour);
     for (const cv::Point2d& arm : {cv::Point2d(1, 0), cv::Point2d(-1, 0), cv::Point2d(0, 1), cv::Point2d(0, -1)})
       Stroke(centre + arm * (inner * unit_px_), centre + arm * (outer * unit_px_), (halo ? 3.6 : 1.8) * unit_px_);
   }

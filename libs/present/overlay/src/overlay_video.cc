@@ -15,7 +15,8 @@ namespace {
 video::VideoReaderOptions PreviewOptions(const OverlayOptions& options) {
   video::VideoReaderOptions reader = options.reader;
   reader.colour = false;
-  reader.preview_max_width_px = options.max_width_px, reader.luma_too = true;
+  reader.preview_max_width_px = options.max_width_px;
+  reader.luma_too = true;
   reader.skip_deblocking = true;
   return reader;
 }

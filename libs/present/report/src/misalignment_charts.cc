@@ -36,8 +36,8 @@ Series Ties(const Series& human, const Series& exo) {
   constexpr std::size_t kStep = 10;
   Series ties{.name = fmt::format("same moment, every {} %", kStep), .colour = "#999999", .mark = Mark::kThin};
   for (std::size_t i = 0; i < human.x.size(); i += kStep) {
-    ties.x.insert(ties.x.end(), {human.x[i], exo.x[i], kNaN}),
-        ties.y.insert(ties.y.end(), {human.y[i], exo.y[i], kNaN});
+    ties.x.insert(ties.x.end(), {human.x[i], exo.x[i], kNaN});
+    ties.y.insert(ties.y.end(), {human.y[i], exo.y[i], kNaN});
     ties.labels.insert(ties.labels.end(), {human.labels[i], exo.labels[i], ""});
   }
   return ties;
@@ -45,15 +45,19 @@ Series Ties(const Series& human, const Series& exo) {
 
 Series Onset(const Series& human, const Series& exo) {
   Series onset{.name = "onset", .colour = colour::kText, .mark = Mark::kPoints};
-  onset.x = {human.x.front(), exo.x.front()}, onset.y = {human.y.front(), exo.y.front()};
+  onset.x = {human.x.front(), exo.x.front()};
+  onset.y = {human.y.front(), exo.y.front()};
   onset.labels = {human.labels.front(), exo.labels.front()};
   return onset;
 }
 
 Series Level(double value, std::string name, std::string colour, Mark mark) {
   Series level;
-  level.name = std::move(name), level.colour = std::move(colour), level.mark = mark;
-  level.x = {0, 100}, level.y = {value, value};
+  level.name = std::move(name);
+  level.colour = std::move(colour);
+  level.mark = mark;
+  level.x = {0, 100};
+  level.y = {value, value};
   return level;
 }
 
@@ -66,20 +70,27 @@ std::vector<double> Lengths(const std::vector<double>& x, const std::vector<doub
 // The relative error in percent of the shank, with ± 1 SD over the pairs of repetitions if there are several.
 Series ErrorSeries(const Json& curves) {
   Series error;
-  error.name = "relative error", error.colour = colour::kExoskeleton;
-  error.x = NumbersOrNaN(curves.at("percent")), error.y = Scaled(NumbersOrNaN(curves.at("relative_error")), 100);
+  error.name = "relative error";
+  error.colour = colour::kExoskeleton;
+  error.x = NumbersOrNaN(curves.at("percent"));
+  error.y = Scaled(NumbersOrNaN(curves.at("relative_error")), 100);
   const std::vector<double> sd = Scaled(NumbersOrNaN(curves.at("relative_error_sd")), 100);
-  for (std::size_t i = 0; i < sd.size(); ++i)
-    error.lower.push_back(std::max(0.0, error.y[i] - sd[i])), error.upper.push_back(error.y[i] + sd[i]);
+  for (std::size_t i = 0; i < sd.size(); ++i) {
+    error.lower.push_back(std::max(0.0, error.y[i] - sd[i]));
+    error.upper.push_back(error.y[i] + sd[i]);
+  }
   return error;
 }
 
 Series SpikesOf(const Series& error, const Json& spike) {
   Series spikes;
-  spikes.name = "spike", spikes.colour = colour::kWaist, spikes.mark = Mark::kPoints;
+  spikes.name = "spike";
+  spikes.colour = colour::kWaist;
+  spikes.mark = Mark::kPoints;
   for (std::size_t i = 0; i < error.x.size(); ++i) {
     if (!spike.at(i).get<bool>()) continue;
-    spikes.x.push_back(error.x[i]), spikes.y.push_back(error.y[i]);
+    spikes.x.push_back(error.x[i]);
+    spikes.y.push_back(error.y[i]);
   }
   return spikes;
 }
@@ -90,8 +101,10 @@ LineChart KneePathsChart(const Json& comparison) {
   const Json& curves = comparison.at("curves");
   const auto path = [&](const std::string& prefix, const char* name, const char* colour) {
     Series series;
-    series.name = name, series.colour = colour;
-    series.x = NumbersOrNaN(curves.at(prefix + "_x_mm")), series.y = NumbersOrNaN(curves.at(prefix + "_y_mm"));
+    series.name = name;
+    series.colour = colour;
+    series.x = NumbersOrNaN(curves.at(prefix + "_x_mm"));
+    series.y = NumbersOrNaN(curves.at(prefix + "_y_mm"));
     series.labels = PercentLabels(NumbersOrNaN(curves.at("percent")));
     return series;
   };
@@ -101,7 +114,8 @@ LineChart KneePathsChart(const Json& comparison) {
   chart.title = "Both knees on the sagittal plane";
   chart.alt = "Paths of the human knee and of the exoskeleton's knee during sit-to-stand, seen from the side";
   chart.caption = "Mean paths in the leg frame: origin at the seated ankle, x forward, y up.";
-  chart.x.label = "anterior (mm)", chart.y.label = "up (mm)";
+  chart.x.label = "anterior (mm)";
+  chart.y.label = "up (mm)";
   chart.equal_scales = true;
   chart.series = {human, exo, Ties(human, exo), Onset(human, exo)};
   return chart;
@@ -114,7 +128,8 @@ LineChart RelativeErrorChart(const Json& comparison) {
   LineChart chart;
   chart.title = "Relative error over the rise";
   chart.alt = fmt::format("Distance of the knees in percent of the shank over sit-to-stand; RMS {:.2f} %", rms);
-  chart.x = kPercentAxis, chart.y = {"relative error (% of the shank)", 0, std::nullopt};
+  chart.x = kPercentAxis;
+  chart.y = {"relative error (% of the shank)", 0, std::nullopt};
   const Series error = ErrorSeries(curves);
   if (!error.lower.empty()) chart.caption = "Band: ± 1 SD over all pairs of a human and an exoskeleton repetition.";
   chart.series = {error, Level(rms, fmt::format("RMS {:.2f} %", rms), colour::kText, Mark::kDashed),
@@ -129,7 +144,8 @@ BarChart DecompositionChart(const Json& comparison) {
   chart.title = "What the misalignment is made of";
   chart.value_axis.label = "share of the mean square distance (%)";
   BarSeries share;
-  share.name = "share", share.colours = {kPlacement, kTiming, kShape};
+  share.name = "share";
+  share.colours = {kPlacement, kTiming, kShape};
   for (const char* name : {"placement", "timing", "shape"}) {
     const Json& part = comparison.at("decomposition").at(name);
     chart.categories.push_back(name);
@@ -152,10 +168,13 @@ LineChart PartsChart(const Json& comparison) {
   LineChart chart;
   chart.title = "Size of each part over the rise";
   chart.caption = "Lengths of three vectors that add up to the distance vector; they need not add up as lengths.";
-  chart.x = kPercentAxis, chart.y = {"length (mm)", 0, std::nullopt};
+  chart.x = kPercentAxis;
+  chart.y = {"length (mm)", 0, std::nullopt};
   const auto part = [&](const std::string& name, const char* colour, Mark mark) {
     Series series;
-    series.name = name, series.colour = colour, series.mark = mark;
+    series.name = name;
+    series.colour = colour;
+    series.mark = mark;
     series.x = NumbersOrNaN(curves.at("percent"));
     series.y = Lengths(NumbersOrNaN(curves.at(name + "_x_mm")), NumbersOrNaN(curves.at(name + "_y_mm")));
     return series;
@@ -172,12 +191,17 @@ LineChart KneeAnglesChart(const Json& comparison) {
   chart.alt = "Knee angles of both trials over sit-to-stand";
   chart.caption =
       fmt::format("0° is straight. RMS difference {:.2f}°.", NumberOrNaN(comparison.at("metrics").at("knee_rmse_deg")));
-  chart.x = kPercentAxis, chart.y.label = "knee flexion (°)";
+  chart.x = kPercentAxis;
+  chart.y.label = "knee flexion (°)";
   Series human, exo;
-  human.name = "human", human.colour = colour::kHuman;
-  exo.name = "exoskeleton", exo.colour = colour::kExoskeleton, exo.mark = Mark::kDashed;
+  human.name = "human";
+  human.colour = colour::kHuman;
+  exo.name = "exoskeleton";
+  exo.colour = colour::kExoskeleton;
+  exo.mark = Mark::kDashed;
   human.x = exo.x = NumbersOrNaN(curves.at("percent"));
-  human.y = NumbersOrNaN(curves.at("human_knee_deg")), exo.y = NumbersOrNaN(curves.at("exo_knee_deg"));
+  human.y = NumbersOrNaN(curves.at("human_knee_deg"));
+  exo.y = NumbersOrNaN(curves.at("exo_knee_deg"));
   chart.series = {std::move(human), std::move(exo)};
   return chart;
 }

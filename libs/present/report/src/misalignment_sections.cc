@@ -171,13 +171,20 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   const Json& parts = comparison.at("decomposition");
   const Json intervals = comparison.value("intervals", Json::object());
   const auto share = [&](const char* name) {
-    return KeyFigure{name,         100 * NumberOrNaN(parts.at(name).at("fraction")),     1, "%",
-                     std::nullopt, IntervalNote(parts.at(name), "interval", 100, 1, "%")};
+    return KeyFigure{.label = name,
+                     .value = 100 * NumberOrNaN(parts.at(name).at("fraction")),
+                     .decimals = 1,
+                     .unit = "%",
+                     .plus_minus = std::nullopt,
+                     .note = IntervalNote(parts.at(name), "interval", 100, 1, "%")};
   };
   const auto figure = [&](const char* label, const char* name, double factor, int decimals, const char* unit) {
-    return KeyFigure{label,        factor * NumberOrNaN(metrics.at(name)),
-                     decimals,     unit,
-                     std::nullopt, IntervalNote(intervals, name, factor, decimals, unit)};
+    return KeyFigure{.label = label,
+                     .value = factor * NumberOrNaN(metrics.at(name)),
+                     .decimals = decimals,
+                     .unit = unit,
+                     .plus_minus = std::nullopt,
+                     .note = IntervalNote(intervals, name, factor, decimals, unit)};
   };
   const Eigen::Vector2d joint = JointOf(comparison);
   return {

@@ -1,5 +1,4 @@
-// The work of lake-optimize: the links with the largest range of rotation, or, with a human's motion, the
-// re-optimisation.
+// The work of lake-optimize: the links with the largest range of rotation, or, with a human's motion, the redesign.
 #pragma once
 
 #include <filesystem>
@@ -29,7 +28,7 @@ struct ReoptimizeRunOptions {
   std::optional<double> max_misalignment_percent;
   double penalty_deg_per_mm = 0;
   bool fit_placement = false;
-  double placement_reach_mm = redesign::ReoptimizeProblem{}.placement_reach_mm;
+  double placement_reach_mm = redesign::RedesignProblem{}.placement_reach_mm;
   std::optional<int> pareto_points;
   redesign::Across across = redesign::Across::kWorst;
   double quantile = redesign::GroupProblem{}.quantile;
@@ -49,7 +48,7 @@ struct OptimizeRunOptions {
   std::optional<ReoptimizeRunOptions> reoptimize;
 };
 
-// The problem, its file and how its optimum is sought; the re-optimisation's stand by themselves.
+// The problem, its file and how its optimum is sought; the redesign's stand by themselves.
 void Describe(OptimizeRunOptions& o, OptionList& options);
 
 // Writes design.yaml, the tables and figures of the study, with a load profile assistance.csv and .png; of a catalogue

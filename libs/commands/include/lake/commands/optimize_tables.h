@@ -3,7 +3,7 @@
 
 #include "lake/core/json.h"
 #include "lake/core/run.h"
-#include "lake/redesign/reoptimize_outcome.h"
+#include "lake/redesign/redesign_outcome.h"
 #include "lake/synthesis/synthesis_outcome.h"
 
 namespace lake::commands {
@@ -15,6 +15,6 @@ Json WriteSynthesis(const synthesis::SynthesisOutcome& outcome, Run& run);
 // Writes design.yaml, optimum.csv, constraints.csv, starts.csv, convergence.csv, before_after.csv, program.csv,
 // predicted/misalignment.csv and predicted/comparison.json (as lake-compare writes them) and, if asked for, pareto.csv;
 // returns the results for summary.json. Warns through the run of what a reader must know.
-Json WriteReoptimization(const redesign::ReoptimizeOutcome& outcome, Run& run);
+Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run);
 
 }  // namespace lake::commands

@@ -7,8 +7,10 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "lake/core/progress.h"
@@ -67,5 +69,29 @@ using PieceOfWork = std::function<std::string(std::size_t i, const std::function
 // process); the same for any number. Throws what a piece that failed threw and Interrupted on a signal; no process is
 // left behind.
 std::vector<std::string> InProcesses(std::size_t count, const PieceOfWork& work, Progress& progress);
+
+// The same for results that nlohmann::json can hold. `work` is called with i and steps itself, or with i alone: one
+// step for each piece.
+template <typename Work>
+auto ResultsInProcesses(std::size_t count, const Work& work, Progress& progress) {
+  const auto one = [&work](std::size_t i, const std::function<void()>& step) {
+    if constexpr (std::is_invocable_v<Work, std::size_t, const std::function<void()>&>) {
+      return work(i, step);
+    } else {
+      auto result = work(i);
+      step();
+      return result;
+    }
+  };
+  const auto packed = [&one](std::size_t i, const std::function<void()>& step) {
+    std::string bytes;
+    nlohmann::json::to_cbor(nlohmann::json(one(i, step)), bytes);  // keeps every double, NaN and infinities too
+    return bytes;
+  };
+  std::vector<std::invoke_result_t<decltype(one), std::size_t, std::function<void()>>> results;
+  for (const std::string& bytes : InProcesses(count, packed, progress))
+    nlohmann::json::from_cbor(bytes).get_to(results.emplace_back());
+  return results;
+}
 
 }  // namespace lake

@@ -45,7 +45,10 @@ inline double Below(double value) {
 }
 
 inline Interval Widened(double lower, double upper, int steps = 1) {
-  for (int i = 0; i < steps; ++i) lower = Below(lower), upper = Above(upper);
+  for (int i = 0; i < steps; ++i) {
+    lower = Below(lower);
+    upper = Above(upper);
+  }
   return {lower, upper};
 }
 

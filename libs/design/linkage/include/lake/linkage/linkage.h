@@ -68,15 +68,6 @@ std::optional<Pose> SolvePose(const Links& links, double stroke_mm, Branch branc
 // As SolvePose, but throws Error that names the stroke, the triangle and the gap.
 Pose RequirePose(const Links& links, double stroke_mm);
 
-// The same pose from Newton's method on the two loop equations, started at (phi, theta); an independent route for
-// checking.
-struct NewtonPose {
-  double phi_rad = 0, theta_rad = 0;
-  int iterations = 0;
-  bool converged = false;
-};
-NewtonPose SolvePoseNewton(const Links& links, double stroke_mm, double start_phi_rad, double start_theta_rad);
-
 // How motion and force pass through the linkage in one pose.
 struct Transmission {
   double radians_per_mm =
@@ -92,13 +83,6 @@ Transmission TransmissionOf(const Links& links, const Pose& pose);
 // Actuator force in N, positive when it pushes, that balances a knee torque in N m, positive in extension (virtual
 // work).
 double ActuatorForce(const Transmission& transmission, double knee_torque_nm);
-
-// Derivatives of theta at fixed branch, rad per mm.
-struct AngleDerivatives {
-  std::array<double, 6> link;  // d theta / d l1..l6
-  double stroke;               // d theta / d d
-};
-AngleDerivatives AngleDerivativesOf(const Links& links, const Pose& pose);
 
 struct StrokeRange {
   double lower_mm = 0, upper_mm = 0;

@@ -22,7 +22,10 @@ struct NlpOptions {
   std::optional<int> max_restoration_iterations;
 
   // From near a solution.
-  void StartWarm() { start_push = 1e-6, start_barrier = 1e-4; }
+  void StartWarm() {
+    start_push = 1e-6;
+    start_barrier = 1e-4;
+  }
 
   // Throws Error for values that make no sense.
   void Check() const;

@@ -30,17 +30,19 @@ struct LoadedPose {
 
 // One check at the pose where it is nearest to its limit.
 struct StrengthCheck {
-  std::string part, check;
-  double knee_deg = 0;
+  enum class Kind { kBearing, kNetSection, kBending, kBuckling };
+
+  Kind kind = Kind::kBearing;
+  std::string part, check;  // in words
+  LoadedPose at;
   double load = 0;                   // N, or N m for bending
   std::optional<double> stress_mpa;  // not for buckling
   double allowed = 0;                // the load at the limit
-  double Safety() const { return allowed / load; }
-};
 
-inline const char* UnitOf(const StrengthCheck& check) {
-  return check.check.starts_with("bending") ? "N m" : "N";
-}
+  double Safety() const { return allowed / load; }
+  double KneeAngle_deg() const;
+  const char* Unit() const { return kind == Kind::kBending ? "N m" : "N"; }
+};
 
 // The loads at which the checks reach their limits, whatever the linkage and its pose.
 struct Capacity {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lake/core/options.h"
-#include "lake/redesign/reoptimize_problem.h"
+#include "lake/redesign/redesign_problem.h"
 
 namespace lake::redesign {
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lake/problem/evaluate.h"
+#include "lake/synthesis/multi_start.h"
 #include "lake/synthesis/synthesis_program.h"
 
 namespace lake::synthesis {
@@ -36,13 +37,16 @@ struct LocalSolve {
   int iterations = 0;  // Ipopt's, over all exchanges
   std::vector<nlp::NlpIteration> history;
   problem::DesignEvaluation evaluation;  // of `end`, by the closed form
+  double objective = 0;                  // what is maximised: the range, or the duration as a negative number
 
-  // The price of a limit, whether active or not: what raising it by one unit does to what is maximised (the range, or
-  // the duration as a negative number), in units of the cost. nullopt where the program has no such limit.
+  // The price of a limit, whether active or not: what raising it by one unit does to what is maximised, in units of the
+  // cost. nullopt where the program has no such limit.
   std::optional<double> PriceOf(const LimitId& id) const;
   double PriceOf(const Limit& limit) const;
   // Solved, and feasible by the closed form within 1e-6.
   bool IsUsable() const { return solution.IsUsable() && evaluation.IsFeasible(); }
+  // Without program, poses and iterations: of ten thousand starts nobody asks how they came to their ends.
+  void KeepOutcome();
 };
 
 // Builds the program of each exchange step.
@@ -80,14 +84,9 @@ struct ActiveSet {
 };
 ActiveSet FindActiveSet(const LocalSolve& solve);
 
-struct SynthesisResult {
-  std::vector<LocalSolve> starts;  // in order; of all but the first and the best without program, poses, iterations
+struct SynthesisResult : MultiStart<LocalSolve> {
   std::vector<int> basin;  // of each start: the same number for the same range within 0.01 deg, or duration within 0.1
                            // %; -1 unusable
-  int best = -1;           // index of the best usable start; -1: none
-
-  const LocalSolve& Best() const { return starts.at(best); }
-  const LocalSolve& BestOrFirst() const { return starts.at(best >= 0 ? best : 0); }
 };
 
 // Throws Error for a problem that fails its Check().
@@ -95,5 +94,9 @@ SynthesisResult Optimize(const problem::SynthesisProblem& problem, const Optimiz
 
 // Uniform in the bounds; `count` of them, the same for the same seed.
 std::vector<linkage::Links> RandomStarts(const problem::SynthesisProblem& problem, int count, std::uint64_t seed);
+
+// Where a search starts: `given` links in turn, then random ones; `count` in all.
+std::vector<linkage::Links> StartsOf(const problem::SynthesisProblem& problem, std::vector<linkage::Links> given,
+                                     int count, std::uint64_t seed);
 
 }  // namespace lake::synthesis

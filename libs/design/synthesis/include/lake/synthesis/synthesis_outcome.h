@@ -50,7 +50,7 @@ struct SynthesisOutcome {
   std::optional<problem::Yield> yield, start_yield;
   std::optional<problem::RoundedDesign> rounded;
 
-  bool IsSolved() const { return result.best >= 0; }
+  bool IsSolved() const { return result.IsSolved(); }
   // The optimum, or the design nearest to feasible.
   linkage::Links BestLinks() const { return IsSolved() ? result.Best().end : infeasible->links; }
 };

@@ -1,0 +1,344 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "lake/commands/optimize_tables.h"
+#include "lake/core/error.h"
+#include "lake/core/numbers.h"
+#include "lake/core/statistics.h"
+#include "lake/redesign/redesign_outcome.h"
+#include "optimum_tables.h"
+#include "program_table.h"
+
+namespace lake::commands {
+namespace {
+
+using On = synthesis::LimitId::On;
+
+// What the table of before and after has of a design; NaN where it cannot make the motion.
+struct Quantity {
+  std::string name, unit;
+  std::function<double(const redesign::DesignInMotion&)> value;
+};
+
+std::vector<Quantity> Quantities() {
+  std::vector<Quantity> all;
+  for (std::size_t i = 0; i < 6; ++i)
+    all.push_back(
+        {problem::LinkName(i), "mm", [i](const redesign::DesignInMotion& d) { return d.design.links.Values()[i]; }});
+  const auto compared = [](auto figure) {
+    return [figure](const redesign::DesignInMotion& d) { return d.misalignment ? figure(*d.misalignment) : kNaN; };
+  };
+  all.push_back({"range", "deg", [](const redesign::DesignInMotion& d) { return d.evaluation.range_deg; }});
+  all.push_back(
+      {"misalignment", "%", compared([](const compare::Misalignment& m) { return 100 * m.metrics.relative_rms; })});
+  all.push_back({"misalignment_rms", "mm", compared([](const compare::Misalignment& m) { return m.metrics.rms_mm; })});
+  all.push_back({"misalignment_max", "mm", compared([](const compare::Misalignment& m) { return m.metrics.max_mm; })});
+  all.push_back(
+      {"part_placement", "1", compared([](const compare::Misalignment& m) { return m.decomposition.placement; })});
+  all.push_back({"part_timing", "1", compared([](const compare::Misalignment& m) { return m.decomposition.timing; })});
+  all.push_back({"part_shape", "1", compared([](const compare::Misalignment& m) { return m.decomposition.shape; })});
+  all.push_back({"knee_rmse", "deg", compared([](const compare::Misalignment& m) { return m.metrics.knee_rmse_deg; })});
+  for (const int axis : {0, 1})
+    all.push_back({redesign::PlacementName(axis), "mm",
+                   [axis](const redesign::DesignInMotion& d) { return d.design.placement_mm[axis]; }});
+  all.push_back(
+      {"program_duration", "s", [](const redesign::DesignInMotion& d) { return d.prediction ? d.duration_s : kNaN; }});
+  all.push_back(
+      {"exact_tracking_time", "s", [](const redesign::DesignInMotion& d) { return d.tracking_time_s.value_or(kNaN); }});
+  all.push_back({"stroke_when_standing", "mm",
+                 [](const redesign::DesignInMotion& d) { return d.evaluation.stands_mm.value_or(kNaN); }});
+  return all;
+}
+
+void WriteBeforeAfter(const redesign::RedesignOutcome& outcome, Run& run) {
+  CsvWriter table({"quantity", "unit", "before", "after"});
+  for (const Quantity& quantity : Quantities())
+    table.Add(quantity.name)
+        .Add(quantity.unit)
+        .Add(quantity.value(outcome.before))
+        .Add(quantity.value(outcome.after))
+        .EndRow();
+  table.Write(run.Result("before_after.csv"));
+}
+
+Json BeforeAfterJson(const redesign::DesignInMotion& design) {
+  Json json = Json::object();
+  for (const Quantity& quantity : Quantities()) {
+    const std::string unit = quantity.unit == "1" ? "" : quantity.unit == "%" ? "_percent" : "_" + quantity.unit;
+    json[quantity.name + unit] = NumberOrNull(quantity.value(design));
+  }
+  json["program"] = redesign::ProgramName(design.design.program->kind);
+  return json;
+}
+
+// What varies beside the links.
+std::vector<LimitedRow> ProgramRows(const redesign::RedesignOutcome& outcome, const OptimumView& optimum) {
+  const redesign::RedesignProblem& problem = outcome.problem;
+  std::vector<LimitedRow> rows;
+  for (const int axis : {0, 1})
+    rows.push_back({.name = redesign::PlacementName(axis),
+                    .before = outcome.before.design.placement_mm[axis],
+                    .after = outcome.after.design.placement_mm[axis],
+                    .limits = problem.PlacementBounds(axis),
+                    .price = optimum.PriceOf({On::kPlacement, axis})});
+  rows.push_back({.name = "duration",
+                  .before = outcome.before.duration_s,
+                  .after = outcome.after.duration_s,
+                  .limits = {0, problem.program.duration_s.value_or(kNaN)},
+                  .price = optimum.PriceOf({On::kDuration})});
+  return rows;
+}
+
+LimitedRow MisalignmentRow(const redesign::RedesignOutcome& outcome) {
+  const auto percent = [](const redesign::DesignInMotion& d) {
+    return d.misalignment ? 100 * d.misalignment->metrics.relative_rms : kNaN;
+  };
+  LimitedRow row{.name = "misalignment",
+                 .before = percent(outcome.before),
+                 .after = percent(outcome.after),
+                 .limits = {kNaN, outcome.problem.max_misalignment_percent.value_or(kNaN)},
+                 .price = {},
+                 .unit = "%"};
+  if (const auto* entry = outcome.active.Find({On::kMisalignment}); entry && outcome.active.multipliers_unique)
+    row.price = entry->price;
+  return row;
+}
+
+std::vector<StartRow> StartRows(const redesign::RedesignResult& result) {
+  std::vector<StartRow> rows;
+  for (const redesign::RedesignSolve& solve : result.starts)
+    rows.push_back(
+        {solve.local,
+         {},
+         StartRow::Motion{solve.IsUsable(), solve.prediction ? solve.objective : kNaN, solve.Misalignment_percent()}});
+  return rows;
+}
+
+void WritePredicted(const redesign::RedesignOutcome& outcome, Run& run) {
+  if (!outcome.after.misalignment) return;
+  compare::WriteMisalignmentCsv(run.Result("predicted/misalignment.csv"), *outcome.after.misalignment);
+  WriteJsonFile(run.Result("predicted/comparison.json"), compare::ComparisonJson(*outcome.after.misalignment));
+}
+
+void WritePareto(const redesign::RedesignOutcome& outcome, Run& run) {
+  std::vector<std::string> header{"program",
+                                  "duration_limit_s",
+                                  "least_range_deg",
+                                  "range_deg",
+                                  "misalignment_percent",
+                                  "misalignment_rms_mm",
+                                  "exact_tracking_time_s",
+                                  "placement_x_mm",
+                                  "placement_y_mm"};
+  std::ranges::copy(LinkColumns(""), std::back_inserter(header));
+  CsvWriter table(header);
+  for (const redesign::NamedFront& front : outcome.fronts)
+    for (const redesign::ParetoPoint& point : front.points) {
+      const auto tracking = redesign::TrackingStrokes(outcome.problem.Driven(point.point.links), outcome.problem.human);
+      table.Add(redesign::ProgramName(front.program.kind)).Add(front.program.duration_s).Add(point.least_range_deg);
+      table.Add(point.range_deg).Add(point.misalignment_percent).Add(point.rms_mm);
+      table.Add(tracking ? redesign::TrackingTime(*tracking, outcome.problem.program.max_speed_mm_s) : kNaN);
+      table.Add(point.point.placement_mm.x()).Add(point.point.placement_mm.y());
+      AddLinkCells(table, point.point.links);
+      table.EndRow();
+    }
+  table.Write(run.Result("pareto.csv"));
+}
+
+Json FrontsJson(const redesign::RedesignOutcome& outcome) {
+  Json fronts = Json::array();
+  for (const redesign::NamedFront& front : outcome.fronts) {
+    Json points = Json::array();
+    for (const redesign::ParetoPoint& point : front.points)
+      points.push_back({point.range_deg, point.misalignment_percent});
+    fronts.push_back({{"program", front.name}, {"range_deg_and_misalignment_percent", points}});
+  }
+  return fronts;
+}
+
+Json InfeasibleJson(const redesign::MisalignmentInfeasibility& report) {
+  Json blocking = Json::array(), ways = Json::array();
+  for (const synthesis::ActiveSet::Entry& entry : report.blocking)
+    blocking.push_back({{"limit", entry.name},
+                        {"multiplier", NumberOrNull(-entry.price)},
+                        {"unit", fmt::format("% misalignment per {}", entry.unit)}});
+  for (const redesign::WayOut& way : report.ways)
+    ways.push_back({{"change", way.text},
+                    {"enough", way.enough},
+                    {"misalignment_percent", NumberOrNull(way.misalignment_percent)},
+                    {"duration_s", NumberOrNull(way.duration_s)}});
+  return {{"reason", report.sentence},
+          {"smallest_misalignment_percent", NumberOrNull(report.least_percent)},
+          {"limit_that_holds_percent", NumberOrNull(report.working_percent)},
+          {"blocking", blocking},
+          {"ways_out", ways}};
+}
+
+Json ProgramJson(const redesign::RedesignOutcome& outcome) {
+  const redesign::ProgramLimits& limits = outcome.problem.program;
+  Json json = {{"kind", redesign::ProgramName(limits.kind)},
+               {"max_speed_mm_s", limits.max_speed_mm_s},
+               {"duration_limit_s", NumberOrNull(limits.duration_s)},
+               {"duration_s", outcome.after.prediction ? Json(outcome.after.duration_s) : Json()},
+               {"exact_tracking_time_s", NumberOrNull(outcome.after.tracking_time_s)}};
+  if (outcome.after.prediction)
+    json["stroke_from_to_mm"] = {outcome.after.prediction->stroke_mm.front(),
+                                 outcome.after.prediction->stroke_mm.back()};
+  return json;
+}
+
+void WarnOfRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
+  const redesign::RedesignProblem& problem = outcome.problem;
+  if (outcome.measured.exo && outcome.measured.worn && !outcome.slip)
+    run.Warn(
+        "the exoskeleton trial shows no leg of its own (a marker knee beside exo_knee), so the slip of its "
+        "mount is unknown and left out of the prediction");
+  constexpr double kOtherAngles_deg = 10;
+  if (outcome.worn_angle_off_deg && *outcome.worn_angle_off_deg > kOtherAngles_deg)
+    run.Warn(
+        fmt::format("{}: the knee angle of its program differs from that of its trial by {:.0f}° RMS; check links and "
+                    "program, or leave the program out of the file: then the trial's own knee angles are taken",
+                    outcome.measured.worn_file, *outcome.worn_angle_off_deg));
+  if (const auto& after = outcome.after.misalignment;
+      after && 100 * after->metrics.relative_rms < outcome.measured.noise_floor_percent)
+    run.Warn(fmt::format(
+        "the predicted misalignment, {:.2f} % of the shank, is below the noise floor of the comparison, {:.2f} %: a "
+        "recording of the new design cannot be expected to show less than that",
+        100 * after->metrics.relative_rms, outcome.measured.noise_floor_percent));
+  if (!problem.max_misalignment_percent && problem.penalty_deg_per_mm == 0)
+    run.Warn(
+        "neither --max-misalignment nor --penalty is given, so only the range is optimised; give one of them to limit "
+        "the misalignment");
+  if (!outcome.IsSolved()) return;
+  WarnOfMultipliers(outcome.active, run);
+  if (outcome.certificate)
+    run.Warn(
+        fmt::format("the certified bound is one on the range alone, without the limit on misalignment; the largest "
+                    "range found without that limit is {:.4f}°",
+                    *outcome.widest_deg));
+}
+
+Json TrialJson(const redesign::RedesignOutcome& outcome) {
+  if (!outcome.measured_percent) return nullptr;
+  Json trial = {{"misalignment_percent", *outcome.measured_percent},
+                {"worn_angle_off_deg", NumberOrNull(outcome.worn_angle_off_deg)}};
+  if (!outcome.slip) return trial;
+  const redesign::MountSlip& slip = *outcome.slip;
+  trial.update({{"slip_rms_mm", slip.slip_mm},
+                {"mount_rms_mm", slip.mount_mm},
+                {"mount_mm", {slip.placement_mm.x(), slip.placement_mm.y()}},
+                {"pace_rms_mm", slip.pace_mm},
+                {"lean_rms_mm", slip.lean_mm}});
+  return trial;
+}
+
+Json PlacementRangeJson(const redesign::RedesignOutcome& outcome) {
+  if (!outcome.placement_range) return nullptr;
+  const redesign::PlacementRange& range = *outcome.placement_range;
+  return {{"within_percent", range.within_percent},
+          {"x_mm", {range.x_mm.lower, range.x_mm.upper}},
+          {"y_mm", {range.y_mm.lower, range.y_mm.upper}},
+          {"range_at_knee_deg", NumberOrNull(outcome.range_at_knee_deg)}};
+}
+
+// One sentence that says what to build, and how free that is.
+std::string BuildText(const redesign::RedesignOutcome& outcome) {
+  const auto& placement = outcome.after.design.placement_mm;
+  std::string text = fmt::format("Build it with the joint {}", compare::DescribeJoint({placement[0], placement[1]}));
+  if (outcome.measured.worn) {
+    const auto& worn = outcome.measured.worn->placement_mm;
+    const double x = placement[0] - worn[0], y = placement[1] - worn[1];
+    text += fmt::format(", that is {:.1f} mm further {} and {:.1f} mm {} than it was worn", std::abs(x),
+                        x < 0 ? "back" : "forward", std::abs(y), y < 0 ? "lower" : "higher");
+  }
+  text += ".";
+  if (const auto& range = outcome.placement_range)
+    text += fmt::format(
+        " With the stroke program adapted, a joint {:.1f} to {:.1f} mm in front of the knee, or {:.1f} to {:.1f} mm "
+        "above it, keeps the misalignment within {:.2f} %.",
+        range->x_mm.lower, range->x_mm.upper, range->y_mm.lower, range->y_mm.upper, range->within_percent);
+  if (outcome.range_at_knee_deg)
+    text += fmt::format(" With the joint on the knee the range would be {:.1f}°.", *outcome.range_at_knee_deg);
+  return text;
+}
+
+// Where the trial with the worn design differs from the human's, and what of it the prediction keeps.
+std::string TrialText(const redesign::RedesignOutcome& outcome) {
+  if (!outcome.measured_percent)
+    return "No exoskeleton trial was used, so the slip of its mount is unknown and left out.";
+  std::string text = fmt::format("The exoskeleton trial has a misalignment of {:.2f} % of the shank length.",
+                                 *outcome.measured_percent);
+  if (!outcome.slip) return text + " It shows no leg of its own, so the slip of its mount is unknown and left out.";
+  return text + fmt::format(
+                    " Relative to the leg, the joint sat {}; its mount slipped by {:.2g} mm RMS, which the prediction "
+                    "assumes for the new design too. The rest of the difference between the trials is pace ({:.2g} mm "
+                    "RMS) and lean ({:.2g} mm RMS), which the prediction leaves out.",
+                    compare::DescribeJoint(outcome.slip->placement_mm), outcome.slip->slip_mm, outcome.slip->pace_mm,
+                    outcome.slip->lean_mm);
+}
+
+void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& optimum, Run& run) {
+  WriteOptimumDesign(outcome.after.design, optimum, run);
+  WriteOptimum(optimum, ProgramRows(outcome, optimum), run);
+  WriteConstraints(optimum, {MisalignmentRow(outcome)}, run);
+  WriteStarts(StartRows(outcome.result), run);
+  WriteConvergence(outcome.result.BestOrFirst().local, "objective_deg", run);
+  WriteBeforeAfter(outcome, run);
+  WriteProgramTable(outcome.after, outcome.problem.human, run.Result("program.csv"));
+  WritePredicted(outcome, run);
+  if (!outcome.fronts.empty()) WritePareto(outcome, run);
+}
+
+// What the summary has of the misalignment, the program and the trial, solved or not.
+Json MotionJson(const redesign::RedesignOutcome& outcome) {
+  const auto& compared = outcome.after.misalignment;
+  return {{"misalignment_percent", compared ? Json(100 * compared->metrics.relative_rms) : Json()},
+          {"misalignment_rms_mm", compared ? Json(compared->metrics.rms_mm) : Json()},
+          {"max_misalignment_percent", NumberOrNull(outcome.problem.max_misalignment_percent)},
+          {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
+          {"links", LinksJson(outcome.after.design.links)},
+          {"placement_mm", outcome.after.design.placement_mm},
+          {"stroke_program", ProgramJson(outcome)},
+          {"trial", TrialJson(outcome)},
+          {"trial_text", TrialText(outcome)},
+          {"placement_range", PlacementRangeJson(outcome)},
+          {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
+          {"noise_floor_percent", outcome.measured.noise_floor_percent},
+          {"before", BeforeAfterJson(outcome.before)},
+          {"after", BeforeAfterJson(outcome.after)}};
+}
+
+Json SolvedJson(const synthesis::LocalSolve& best, const synthesis::ActiveSet& active) {
+  return {{"multipliers_unique", active.multipliers_unique},
+          {"active", ActiveJson(active)},
+          {"iterations", best.iterations}};
+}
+
+}  // namespace
+
+Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
+  const synthesis::LocalSolve* best = outcome.IsSolved() ? &outcome.result.Best().local : nullptr;
+  const redesign::DesignInMotion &before = outcome.before, &after = outcome.after;
+  const OptimumView optimum{.problem = outcome.problem.design,
+                            .links_before = before.design.links,
+                            .links_after = after.design.links,
+                            .before = before.evaluation,
+                            .after = after.evaluation,
+                            .best = best,
+                            .active = outcome.active,
+                            .not_a_solution = best ? "" : outcome.infeasible->sentence};
+  WriteTables(outcome, optimum, run);
+  WarnOfRedesign(outcome, run);
+  Json summary = HeadJson(optimum, after.evaluation.violation, outcome.certificate);
+  summary.update(MotionJson(outcome));
+  summary.update(best ? SolvedJson(*best, outcome.active) : InfeasibleJson(*outcome.infeasible));
+  summary["clearances"] = ClearancesJson(outcome.problem.design);
+  summary["optimum"] = EvaluationJson(after.evaluation);
+  if (outcome.certificate) summary["certificate"] = CertificateJson(*outcome.certificate, true);
+  if (outcome.yield) summary["yield"] = YieldJson(*outcome.yield);
+  if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);
+  return summary;
+}
+
+}  // namespace lake::commands

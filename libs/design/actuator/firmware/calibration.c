@@ -1,0 +1,56 @@
+#include "program.h"
+#include "stroke_table.h"
+
+#if LAKE_SEGMENT_COUNT == 0
+
+// No duty table, so no speed, no stroke and no limit but the end stops.
+void program_reset(void) {}
+reply_t program_take_run(void) {
+  return REPLY_NO_PROGRAM;
+}
+reply_t program_take_home(void) {
+  return REPLY_NO_PROGRAM;
+}
+reply_t program_take_zero(void) {
+  return REPLY_NO_PROGRAM;
+}
+motion_t program_jog(int8_t direction, uint16_t counts) {
+  const motion_t motion = {direction, counts, 0, 0};
+  return motion;
+}
+uint8_t program_is_measured(int8_t direction, uint16_t counts) {
+  (void)direction;
+  (void)counts;
+  return 1;
+}
+motion_t program_run(void) {
+  return kRest;
+}
+motion_t program_home(void) {
+  return kRest;
+}
+motion_t program_position(void) {
+  return kRest;
+}
+uint8_t program_soft_limit_ahead(int8_t direction) {
+  (void)direction;
+  return 0;
+}
+uint8_t program_stop_contradicts_stroke(void) {
+  return 0;
+}
+uint8_t program_stop_is_stuck(void) {
+  return 0;
+}
+void program_keep_books(const motion_t* driven, const motion_t* wanted) {
+  (void)driven;
+  (void)wanted;
+}
+int32_t program_stroke_um(void) {
+  return 0;
+}
+uint32_t program_drift_um(void) {
+  return 0;
+}
+
+#endif

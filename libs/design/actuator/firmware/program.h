@@ -1,0 +1,34 @@
+// What a firmware with a stroke program does (program.c), and one that only jogs, for calibration, does not
+// (calibration.c): one of the two is compiled, by LAKE_SEGMENT_COUNT of stroke_table.h.
+#ifndef LAKE_PROGRAM_H
+#define LAKE_PROGRAM_H
+
+#include "state.h"
+
+void program_reset(void);
+
+// Answers to requests.
+reply_t program_take_run(void);
+reply_t program_take_home(void);
+reply_t program_take_zero(void);
+
+// What a jog's duty gives, and whether the duty table knows that duty.
+motion_t program_jog(int8_t direction, uint16_t counts);
+uint8_t program_is_measured(int8_t direction, uint16_t counts);
+
+// What is wanted in this ms.
+motion_t program_run(void);
+motion_t program_home(void);
+motion_t program_position(void);
+
+uint8_t program_soft_limit_ahead(int8_t direction);
+uint8_t program_stop_contradicts_stroke(void);  // pressed, though the stroke is known to be somewhere else
+uint8_t program_stop_is_stuck(void);            // pressed although the actuator moved away from it
+
+// Once per ms: what the bridge drives, and what is wanted of it.
+void program_keep_books(const motion_t* driven, const motion_t* wanted);
+
+int32_t program_stroke_um(void);  // as planned
+uint32_t program_drift_um(void);  // how far the actuator may be from it
+
+#endif

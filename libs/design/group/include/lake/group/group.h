@@ -1,0 +1,62 @@
+// One exoskeleton for many people: the design, what it is to each of them, and what it costs each against one of their
+// own.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/redesign/group_problem.h"
+#include "lake/redesign/redesign_outcome.h"
+
+namespace lake::group {
+
+// Links that are the same for a group, with each person's placement and program.
+struct GroupDesign {
+  std::vector<redesign::RedesignPoint> points;
+  std::vector<double> prices;  // how strongly each person's misalignment holds the design; 0: not at all
+  std::vector<double> pulls;   // redesign::GroupSolve::pulls
+  double objective = 0;        // redesign::GroupSolve::objective
+  bool is_usable = false;
+  int starts = 0, usable_starts = 0;
+
+  bool IsUsable() const { return is_usable; }
+  const linkage::Links& Links() const { return points.front().links; }
+};
+
+// A person of the group.
+struct PersonMeasured {
+  std::string name;
+  redesign::MeasuredMotion motion;
+};
+
+struct PersonOutcome {
+  std::string name;
+  redesign::DesignInMotion with_group;  // the common links, with the person's own placement and program
+  bool counts = true;
+  double price = 0;  // GroupDesign::prices
+  std::optional<redesign::DesignInMotion>
+      own;  // the best links for this person alone under the same limits; absent: none found
+  // What is given up, in degrees of what is maximised (the range less the person's own penalty); absent without `own`.
+  std::optional<double> cost_deg;
+};
+
+struct GroupOutcome {
+  redesign::GroupProblem problem;
+  std::vector<compare::StsCurve> human;  // of each person
+  std::optional<GroupDesign> design;     // absent where there is none within the limits …
+  std::string reason;                    // … and why
+  GroupDesign nearest;                   // the design; or that with the least misalignment, whose limit cannot be held
+  problem::DesignEvaluation evaluation;  // of its links
+  std::vector<PersonOutcome> people;
+
+  bool IsSolved() const { return design.has_value(); }
+  // The misalignments of people in percent as the limit counts them: the worst, the mean, the quantile.
+  double Misalignment_percent() const;
+};
+
+// `shared` without motion. Throws as redesign::RunRedesign().
+GroupOutcome RunGroup(const redesign::GroupProblem& shared, const std::vector<PersonMeasured>& people,
+                      const synthesis::OptimizeOptions& options);
+
+}  // namespace lake::group

@@ -1,0 +1,110 @@
+// Solves a redesign from one or many starts, and along its Pareto front of range against misalignment.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/redesign/group_problem.h"
+#include "lake/synthesis/optimize.h"
+
+namespace lake::redesign {
+
+// One local solve, exchange included.
+struct SolveInMotion {
+  synthesis::LocalSolve local;
+  // Of the goal, larger is better: RoR - w RMS in deg; -percent; -s; -|p| or farthest . p in mm.
+  double objective = 0;
+  bool holds_on_path = false;  // the limits on misalignment, range and time, within 1e-5
+
+  // Solved; feasible by the closed form; the limits hold on the predicted path.
+  bool IsUsable() const { return local.IsUsable() && holds_on_path; }
+  double Range_deg() const { return local.evaluation.range_deg; }
+};
+
+struct RedesignSolve : SolveInMotion {
+  RedesignPoint point;                   // the end
+  std::optional<Prediction> prediction;  // of the end, by the closed form and the comparison's error
+
+  double Misalignment_percent() const;  // NaN without a prediction
+};
+
+// The same for a group: ends and predictions of each person, all with the same links.
+struct GroupSolve : SolveInMotion {
+  std::vector<RedesignPoint> points;
+  std::vector<std::optional<Prediction>> predictions;
+  std::vector<double> prices;  // of what bounds each person's misalignment, 0 where nothing does
+  // How strongly all that is asked of a person holds the links, in units of the goal per mm. Where the worst counts,
+  // those without a pull could be left out: the links would stay an optimum.
+  std::vector<double> pulls;
+
+  std::vector<double> Misalignments_percent() const;  // NaN without a prediction
+};
+
+// The goal's value at a design and its path, as RedesignSolve::objective.
+double ObjectiveOf(const RedesignProblem& problem, const RedesignPoint& point, double range_deg,
+                   const Prediction& prediction);
+
+// Of a constant program both sides of max(d(theta_human(0)), d_min) are tried where the first ends on it. `warm`: the
+// start is a solution of a problem close by.
+RedesignSolve SolveFrom(const RedesignProblem& problem, const RedesignPoint& start,
+                        const synthesis::OptimizeOptions& options = {}, bool warm = false);
+// The same for a group, from a point for each person.
+GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
+                     const synthesis::OptimizeOptions& options = {}, bool warm = false);
+
+// The same problem with another goal, without penalty and limit on the misalignment.
+RedesignProblem WithGoal(RedesignProblem problem, RedesignProblem::Goal goal, std::optional<double> min_range_deg = {});
+
+using RedesignResult = synthesis::MultiStart<RedesignSolve>;
+
+// From `links` in turn, then from random links within the bounds until there are options.starts. Throws Error for a
+// problem or options that fail Check(), Interrupted on a signal.
+RedesignResult Redesign(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                        const synthesis::OptimizeOptions& options = {});
+
+// The best from the same starts, but no more of them than it takes for all optima to be likely to have been met;
+// nullopt if none is usable.
+std::optional<RedesignSolve> FindOptimum(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                                         const synthesis::OptimizeOptions& options);
+
+// Does one of these starts end in a usable solution?
+bool HasSolution(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                 const synthesis::OptimizeOptions& options);
+
+// Designs count as equal that differ by no more than this.
+inline constexpr double kEqualRange_deg = 0.01, kEqualMisalignment_percent = 0.1;
+
+// Of the designs that hold every limit and are equal to this optimum (or better), the one whose joint is nearest to the
+// knee: a free program determines the placement only weakly. The optimum itself where it is not fitted.
+RedesignPoint NearestToKnee(const RedesignProblem& problem, const RedesignSolve& optimum,
+                            const synthesis::OptimizeOptions& options = {});
+
+// Where the joint may sit with these links, their program adapted.
+struct PlacementRange {
+  double within_percent = 0;  // of misalignment: the limit, or that of the point + kEqualMisalignment_percent if larger
+  problem::Bounds x_mm, y_mm;  // farthest to either side, the other coordinate adapted
+};
+// nullopt where a side was not found.
+std::optional<PlacementRange> FindPlacementRange(const RedesignProblem& problem, const RedesignPoint& point,
+                                                 const synthesis::OptimizeOptions& options = {});
+
+struct ParetoPoint {
+  double least_range_deg = 0;  // asked for
+  RedesignPoint point;
+  double range_deg = 0, misalignment_percent = 0, rms_mm = 0;
+};
+
+// The least misalignment for each of `count` least ranges, evenly spaced from that of the least misalignment to the
+// largest range: ends first and last. Swept warm from both ends, and the better of both kept, so the misalignment never
+// falls with the range. Without penalty and limit. Empty if an end could not be solved; points in between
+// that could not be solved are left out. `step` is called after each of the SolvesOfSweeps(count) in between.
+std::vector<ParetoPoint> ParetoFront(
+    const RedesignProblem& problem, int count, const std::vector<linkage::Links>& links,
+    const synthesis::OptimizeOptions& options = {}, const std::function<void()>& step = [] {});
+inline int SolvesOfSweeps(int count) {
+  return 2 * (count - 2);
+}
+
+}  // namespace lake::redesign

@@ -1,0 +1,114 @@
+// What comes of a redesign: its optimum, what that costs, before and after, Pareto fronts, or why there is none.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/certificate/certificate.h"
+#include "lake/compare/misalignment.h"
+#include "lake/core/run.h"
+#include "lake/problem/robustness.h"
+#include "lake/redesign/redesign.h"
+
+namespace lake::redesign {
+
+// What the redesign starts from.
+struct MeasuredMotion {
+  compare::StsCurve human;
+  std::optional<compare::StsCurve> exo{};  // of the trial with an exoskeleton
+  std::vector<bool> spike{};               // per percent of both; empty: none
+  double noise_floor_percent = 0;          // of their comparison, RMS; 0: not known
+  std::optional<linkage::Design> worn{};   // in that trial; without a program it was moved by the leg
+  std::string worn_file{};                 // for messages
+};
+
+struct RedesignOptions {
+  synthesis::OptimizeOptions optimize;
+  std::optional<int> pareto_points;       // absent: no fronts
+  double short_program_s = 20;            // of the free program whose front stands beside the others: too
+                                          // short for exact tracking by nearly every linkage at 5 mm/s
+  std::optional<double> certify_gap_deg;  // absent: no certificate
+  std::int64_t certify_boxes = certificate::CertificateOptions{}.max_boxes;
+  std::optional<double> yield_tolerance_mm;  // absent: no yield
+  bool quiet = true;
+
+  void Check() const;  // throws UsageError
+};
+
+// A design in the human's motion.
+struct DesignInMotion {
+  linkage::Design design;
+  problem::DesignEvaluation evaluation;
+  std::optional<Prediction> prediction;               // absent: it cannot make the motion
+  std::optional<compare::Misalignment> misalignment;  // of the predicted path, by the code of lake-compare
+  std::optional<double> tracking_time_s;              // T*
+  double duration_s = 0;                              // of its program
+};
+
+DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
+                           const linkage::Design& design);
+
+// A change of the problem that was tried where the limit on misalignment cannot be held.
+struct WayOut {
+  std::string text;                            // "a free program of at least 24 s at 5 mm/s"
+  bool enough = false;                         // holds the limit
+  std::optional<double> misalignment_percent;  // the least it reaches, if that is what was sought
+  std::optional<double> duration_s;            // rounded up, with which the problem was solved, likewise
+};
+
+struct MisalignmentInfeasibility {
+  bool within_reach = false;              // the limits can be held after all; the solver did not get there
+  std::optional<double> least_percent;    // the smallest misalignment found under the given program
+  std::optional<double> working_percent;  // a rounded limit a little above, with which the problem was solved
+  // Limits that hold it there; price in % by which the least misalignment falls per unit that the limit is raised; NaN
+  // where multipliers are not unique.
+  std::vector<synthesis::ActiveSet::Entry> blocking;
+  std::vector<WayOut> ways;
+  RedesignPoint nearest;
+  std::string sentence;
+};
+
+struct NamedFront {
+  std::string name;  // "constant", "free 25 s"
+  ProgramLimits program;
+  std::vector<ParetoPoint> points;
+};
+
+struct RedesignOutcome {
+  RedesignProblem problem;
+  RedesignOptions options;
+  MeasuredMotion measured;
+  std::optional<MountSlip> slip;             // absent: delta is zero
+  std::optional<double> measured_percent;    // misalignment of the exo trial itself, RMS relative error
+  std::optional<double> worn_angle_off_deg;  // RMS, the worn design's program against its trial's own knee angles
+  RedesignResult result;
+  std::optional<PlacementRange> placement_range;  // of the design, if its placement is fitted
+  std::optional<double> range_at_knee_deg;        // likewise: the range with the joint at the knee; absent: none found
+  std::optional<MisalignmentInfeasibility> infeasible;  // if no start is usable
+  DesignInMotion before;  // the worn design, or the problem's start under a constant program
+  DesignInMotion after;   // the optimum, of equals that with the joint nearest to the knee, or the design of the
+                          // smallest misalignment found
+  synthesis::ActiveSet active;
+  std::optional<double> widest_deg;                     // the largest range found without the human
+  std::optional<certificate::Certificate> certificate;  // of that range
+  std::optional<problem::Yield> yield;
+  std::vector<NamedFront> fronts;
+
+  bool IsSolved() const { return result.IsSolved(); }
+};
+
+// The problem with the measured motion, delta if a worn design is known, and what the exoskeleton trial tells of it;
+// nothing is solved. Throws as RunRedesign.
+RedesignOutcome PutMotionInto(RedesignProblem problem, const MeasuredMotion& measured);
+
+// The human's motion of the problem is set here: from the measured curves, with delta if a worn design is known. Throws
+// Error for input that cannot be used, which a worn design is that leaves most of its trial's joint unexplained,
+// UsageError for options, Interrupted on a signal.
+RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measured, const RedesignOptions& options);
+
+// Why no start was usable. `links` to start from.
+MisalignmentInfeasibility ExplainInfeasible(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                                            const synthesis::OptimizeOptions& options);
+
+}  // namespace lake::redesign

@@ -1,0 +1,103 @@
+// A redesign as data: a synthesis problem, the human's motion, and how far the exoskeleton's knee may be off.
+//
+//   max  RoR - w RMS(|e - h|)                  X = links, p = placement, d(s) = stroke program
+//   s.t. RMS(|e - h| / L) <= limit,  every requirement and bound of the synthesis problem,
+//        |dd/dt| <= max_speed, total time <= duration, |p_x|, |p_y| <= reach about the knee
+//
+// e(s) is predicted by human_motion.h, the error is the comparison's own (compare/pointwise_error.h).
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "lake/problem/problem.h"
+#include "lake/redesign/human_motion.h"
+
+namespace lake::redesign {
+
+struct ProgramLimits {
+  // constant: linear from the human's first knee angle (at least d_min) to the last; free: knots at equal steps of
+  // time.
+  linkage::StrokeProgram::Kind kind = linkage::StrokeProgram::Kind::kConstant;
+  double max_speed_mm_s = 5;         // the paper's actuator
+  std::optional<double> duration_s;  // of one sit-to-stand, at most; absent: no limit
+  bool monotone = false;             // free: the stroke may not turn back where the human's knee does
+  int knots = 21;                    // free: every 5 % of the motion
+};
+
+struct RedesignProblem {
+  problem::SynthesisProblem design;
+  HumanMotion human;
+  ProgramLimits program;
+  std::optional<double> max_misalignment_percent;  // RMS relative error
+  double penalty_deg_per_mm = 0;                   // w
+  bool fit_placement = false;
+  Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();  // where the joint sits; if it is fitted, a start
+  double placement_reach_mm = 40;                          // from the knee to either side, x and y, if it is fitted
+
+  // What is sought. The other goals make Pareto fronts and explain what cannot be had.
+  enum class Goal {
+    kRange,         // RoR - w RMS
+    kMisalignment,  // least RMS relative error; no penalty
+    kDuration,      // shortest sit-to-stand
+    kNearest,       // least |p|: the joint nearest to the knee
+    kFarthest       // largest `farthest` . p
+  } goal = Goal::kRange;
+  std::optional<double> min_range_deg;
+  Eigen::Vector2d farthest = Eigen::Vector2d::Zero();
+
+  DrivenLinks Driven(const linkage::Links& links) const { return {links, design.d_min_mm, design.standing_deg}; }
+  problem::Bounds PlacementBounds(int axis) const;  // both the same where it is not fitted
+
+  // The synthesis problem with its clearances at a placement, free where it is fitted.
+  problem::SynthesisProblem DesignAt(const Eigen::Vector2d& placement) const;
+
+  // Throws UsageError naming the option; the motion is not looked at.
+  void CheckOptions() const;
+  // Throws also Error for the synthesis problem and the motion.
+  void Check() const;
+};
+
+// The same problem with these links, within what a machinist holds: wide enough for an interior point to move in.
+RedesignProblem WithLinks(RedesignProblem problem, const linkage::Links& links);
+
+// "placement_x", "placement_y"; "constant", "free".
+std::string PlacementName(int axis);
+std::string ProgramName(linkage::StrokeProgram::Kind kind);
+
+// What a solve varies.
+struct RedesignPoint {
+  linkage::Links links;
+  std::vector<double> knots_mm;  // at equal steps of percent; two for a constant program
+  Eigen::Vector2d placement_mm = Eigen::Vector2d::Zero();
+  double duration_s = 0;
+
+  // The stroke at a percent: linear between knots.
+  double StrokeAt(double percent) const;
+};
+
+// From one process to another.
+void to_json(nlohmann::json& json, const RedesignPoint& point);
+void from_json(const nlohmann::json& json, RedesignPoint& point);
+
+// Between which knots a percent lies, and where: 0 at the first, 1 at the second.
+struct KnotSpan {
+  std::size_t from = 0;
+  double weight = 0;
+};
+KnotSpan SpanOf(std::size_t knots, double percent);
+
+// The time that these knots need at the greatest speed.
+double NeededDuration(const std::vector<double>& knots_mm, double max_speed_mm_s);
+
+// Links with the program that follows the human as well as its kind can, and the problem's placement; a plausible
+// program for links that cannot be assembled.
+RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& links);
+
+// A point as other programs read it. The program's duration is what its knots need at the greatest speed.
+linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& point);
+
+// The point's path by the closed form; nullopt if it cannot make the motion.
+std::optional<Prediction> PredictPoint(const RedesignProblem& problem, const RedesignPoint& point);
+
+}  // namespace lake::redesign

@@ -1,0 +1,307 @@
+#include "lake/redesign/redesign.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lake/core/error.h"
+#include "lake/core/interrupt.h"
+#include "lake/core/progress.h"
+#include "lake/redesign/redesign_program.h"
+
+namespace lake::redesign {
+namespace {
+
+using Goal = RedesignProblem::Goal;
+using synthesis::Until;
+
+double Percent(const std::optional<Prediction>& prediction) {
+  return prediction ? 100 * prediction->relative_rms : std::numeric_limits<double>::quiet_NaN();
+}
+
+// Do the limits hold on the paths that the closed form predicts?
+bool HoldsOnPath(const GroupProblem& group, const GroupSolve& solve) {
+  constexpr double kTolerance = 1e-5;  // relative
+  const RedesignProblem& problem = group.shared;
+  if (!std::ranges::all_of(solve.predictions, [](const auto& prediction) { return prediction.has_value(); }))
+    return false;
+  if (problem.max_misalignment_percent &&
+      group.Combine(solve.Misalignments_percent()) > *problem.max_misalignment_percent * (1 + kTolerance))
+    return false;
+  if (problem.min_range_deg && solve.Range_deg() < *problem.min_range_deg * (1 - kTolerance)) return false;
+  return !problem.program.duration_s || std::ranges::all_of(solve.points, [&](const RedesignPoint& point) {
+    return NeededDuration(point.knots_mm, problem.program.max_speed_mm_s) <=
+           *problem.program.duration_s * (1 + kTolerance);
+  });
+}
+
+// The goal's value for a group; of one person it is the person's own.
+double ObjectiveOf(const GroupProblem& group, const GroupSolve& solve) {
+  const RedesignProblem& problem = group.shared;
+  if (group.people.size() == 1)
+    return ObjectiveOf(problem, solve.points.front(), solve.Range_deg(), *solve.predictions.front());
+  if (problem.goal == Goal::kMisalignment) return -group.Combine(solve.Misalignments_percent());
+  std::vector<double> rms_mm;
+  for (const auto& prediction : solve.predictions) rms_mm.push_back(prediction->rms_mm);
+  return solve.Range_deg() - problem.penalty_deg_per_mm * group.Combine(rms_mm);
+}
+
+// Of each person the length of what their rows, with their marginal costs, do to the links. Rows that have links have
+// variables of one person at most (redesign_program.h).
+std::vector<double> PullsOf(const std::vector<RedesignVariables>& people, const synthesis::LocalSolve& solve) {
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+  std::vector<Vector6d> pulls(people.size(), Vector6d::Zero());
+  std::vector<double> gradient;
+  for (const nlp::NlpTerm& term : solve.program.program.Terms()) {
+    if (term.row == nlp::NlpTerm::kCost || solve.solution.row_marginal_costs.empty()) continue;
+    const std::span<const int> variables = term.term->Variables();
+    const int last = std::ranges::max(variables);
+    const auto after = std::ranges::upper_bound(people, last, {}, [](const auto& of) { return of.knots.front(); });
+    if (after == people.begin()) continue;  // the links' own
+    gradient.resize(variables.size());
+    term.term->Gradient(solve.solution.x.data(), gradient.data());
+    const double cost = solve.solution.row_marginal_costs[static_cast<std::size_t>(term.row)];
+    for (std::size_t k = 0; k < variables.size(); ++k) {
+      const auto link = std::ranges::find(people.front().links, variables[k]);
+      if (link == people.front().links.end()) continue;
+      pulls[static_cast<std::size_t>(after - people.begin() - 1)][link - people.front().links.begin()] +=
+          cost * gradient[k];
+    }
+  }
+  std::vector<double> lengths;
+  for (const Vector6d& pull : pulls) lengths.push_back(pull.norm());
+  return lengths;
+}
+
+GroupSolve SolveOneSide(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
+                        const std::vector<ConstantStart>& sides, const synthesis::OptimizeOptions& options) {
+  GroupSolve solve;
+  RedesignBuilder builder(problem, start, sides);
+  solve.local = synthesis::SolveByExchange(problem.shared.design, builder, options);
+  solve.points = builder.Points();
+  for (std::size_t i = 0; i < problem.people.size(); ++i) {
+    solve.predictions.push_back(PredictPoint(problem.Of(i), solve.points[i]));
+    const int row = builder.Variables()[i].misalignment_row;
+    const std::vector<double>& costs = solve.local.solution.row_marginal_costs;
+    solve.prices.push_back(row >= 0 && !costs.empty() ? std::abs(costs[static_cast<std::size_t>(row)]) : 0);
+  }
+  solve.pulls = PullsOf(builder.Variables(), solve.local);
+  solve.holds_on_path = HoldsOnPath(problem, solve);
+  const bool all = std::ranges::all_of(solve.predictions, [](const auto& of) { return of.has_value(); });
+  if (all) solve.objective = ObjectiveOf(problem, solve);
+  return solve;
+}
+
+// Without margins multipliers need not be unique, and a solve may stall just short of the tolerance, where all starts
+// meet: it goes on from there to 1e-7 deg, finer than anything that is told.
+GroupSolve SolveOrFinish(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
+                         const std::vector<ConstantStart>& sides, synthesis::OptimizeOptions options) {
+  GroupSolve solve = SolveOneSide(problem, start, sides, options);
+  if (solve.local.solution.status != nlp::NlpStatus::kStalled || !solve.holds_on_path) return solve;
+  constexpr double kFine = 1e-7;
+  options.nlp.tolerance = std::max(options.nlp.tolerance, kFine);
+  options.nlp.StartWarm();
+  GroupSolve finished = SolveOneSide(problem, solve.points, sides, options);
+  finished.local.iterations += solve.local.iterations;
+  return finished.IsUsable() ? std::move(finished) : std::move(solve);
+}
+
+ParetoPoint ParetoPointOf(const RedesignSolve& solve, double least_range_deg) {
+  return {.least_range_deg = least_range_deg,
+          .point = solve.point,
+          .range_deg = solve.Range_deg(),
+          .misalignment_percent = solve.Misalignment_percent(),
+          .rms_mm = solve.prediction->rms_mm};
+}
+
+using Front = std::vector<std::optional<ParetoPoint>>;
+
+// Solves each problem between the ends from the solution before it, in this order, and keeps what is better than known.
+void Sweep(const RedesignProblem& problem, const std::vector<std::size_t>& order, const std::vector<double>& ranges,
+           const synthesis::OptimizeOptions& options, const std::function<void()>& step, Front& front) {
+  RedesignPoint start = front[order.front()]->point;
+  for (std::size_t k = 1; k + 1 < order.size(); ++k) {
+    ThrowIfInterrupted();
+    const std::size_t i = order[k];
+    const RedesignProblem at = WithGoal(problem, Goal::kMisalignment, ranges[i]);
+    RedesignSolve solve = SolveFrom(at, start, options, true);
+    if (!solve.IsUsable()) solve = SolveFrom(at, start, options);
+    step();
+    if (!solve.IsUsable()) continue;
+    if (!front[i] || solve.Misalignment_percent() < front[i]->misalignment_percent)
+      front[i] = ParetoPointOf(solve, ranges[i]);
+    start = front[i]->point;
+  }
+}
+
+// A design for a larger range serves the smaller one too.
+void MakeMonotone(std::vector<ParetoPoint>& front) {
+  for (std::size_t i = front.size() - 1; i-- > 0;) {
+    if (front[i + 1].misalignment_percent >= front[i].misalignment_percent) continue;
+    const double least_range_deg = front[i].least_range_deg;
+    front[i] = front[i + 1];
+    front[i].least_range_deg = least_range_deg;
+  }
+}
+
+}  // namespace
+
+double RedesignSolve::Misalignment_percent() const {
+  return Percent(prediction);
+}
+
+std::vector<double> GroupSolve::Misalignments_percent() const {
+  std::vector<double> of_people;
+  for (const auto& prediction : predictions) of_people.push_back(Percent(prediction));
+  return of_people;
+}
+
+RedesignProblem WithGoal(RedesignProblem problem, Goal goal, std::optional<double> min_range_deg) {
+  problem.goal = goal;
+  problem.min_range_deg = min_range_deg;
+  problem.max_misalignment_percent.reset();
+  problem.penalty_deg_per_mm = 0;
+  return problem;
+}
+
+double ObjectiveOf(const RedesignProblem& problem, const RedesignPoint& point, double range_deg,
+                   const Prediction& prediction) {
+  switch (problem.goal) {
+    case Goal::kMisalignment:
+      return -100 * prediction.relative_rms;
+    case Goal::kDuration:
+      return -NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
+    case Goal::kNearest:
+      return -point.placement_mm.norm();
+    case Goal::kFarthest:
+      return problem.farthest.dot(point.placement_mm);
+    default:
+      return range_deg - problem.penalty_deg_per_mm * prediction.rms_mm;
+  }
+}
+
+GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoint>& start,
+                     const synthesis::OptimizeOptions& options, bool warm) {
+  synthesis::OptimizeOptions inner = options;
+  constexpr int kMostIterations = 150;  // solves that succeed take 12 to 60; the others wander until stopped
+  inner.nlp.max_iterations = std::min(inner.nlp.max_iterations, kMostIterations);
+  // Of a group, starts that succeed restore feasibility for three iterations at most, if at all. The others take a
+  // hundred in a row, with many pivots put off: one of fifty people took 106 s, where its neighbours took 2 s.
+  constexpr int kMostRestoration = 10;
+  if (problem.people.size() > 1) inner.nlp.max_restoration_iterations = kMostRestoration;
+  if (warm) inner.nlp.StartWarm();
+  std::vector<ConstantStart> sides(problem.people.size(), ConstantStart::kAtHumanAngle);
+  GroupSolve solve = SolveOrFinish(problem, start, sides, inner);
+  if (problem.shared.program.kind == linkage::StrokeProgram::Kind::kFree) return solve;
+  constexpr double kTouching_mm = 1e-3;
+  bool touches = false;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (solve.IsUsable() && solve.points[i].knots_mm.front() > problem.shared.design.d_min_mm + kTouching_mm) continue;
+    sides[i] = ConstantStart::kAtShortestStroke;
+    touches = true;
+  }
+  if (!touches) return solve;
+  const std::vector<RedesignPoint>& from = solve.IsUsable() ? solve.points : start;
+  GroupSolve other = SolveOrFinish(problem, from, sides, inner);
+  synthesis::MultiStart<GroupSolve> both;
+  both.Add(std::move(solve));
+  both.Add(std::move(other));
+  return both.TakeBestOrFirst();
+}
+
+RedesignSolve SolveFrom(const RedesignProblem& problem, const RedesignPoint& start,
+                        const synthesis::OptimizeOptions& options, bool warm) {
+  GroupSolve solve = SolveFrom(GroupProblem::OfOne(problem), std::vector{start}, options, warm);
+  return {std::move(solve), std::move(solve.points.front()), std::move(solve.predictions.front())};
+}
+
+namespace {
+
+RedesignResult Search(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                      const synthesis::OptimizeOptions& options, Until until, Progress* progress = nullptr) {
+  return synthesis::SolveFromEach(
+      synthesis::StartsOf(problem.design, links, options.starts, options.seed),
+      [&](const linkage::Links& start) { return SolveFrom(problem, StartPoint(problem, start), options); }, until,
+      progress);
+}
+
+}  // namespace
+
+RedesignResult Redesign(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                        const synthesis::OptimizeOptions& options) {
+  problem.Check();
+  options.Check();
+  Progress progress("re-optimise", "starts", options.starts, options.quiet);
+  return Search(problem, links, options, Until::kLastStart, &progress);
+}
+
+std::optional<RedesignSolve> FindOptimum(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                                         const synthesis::OptimizeOptions& options) {
+  RedesignResult result = Search(problem, links, options, Until::kAllOptima);
+  return result.IsSolved() ? std::optional(result.TakeBestOrFirst()) : std::nullopt;
+}
+
+bool HasSolution(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                 const synthesis::OptimizeOptions& options) {
+  return Search(problem, links, options, Until::kUsable).IsSolved();
+}
+
+RedesignPoint NearestToKnee(const RedesignProblem& problem, const RedesignSolve& optimum,
+                            const synthesis::OptimizeOptions& options) {
+  if (!problem.fit_placement) return optimum.point;
+  RedesignProblem nearest = WithGoal(problem, Goal::kNearest, optimum.Range_deg() - kEqualRange_deg);
+  nearest.max_misalignment_percent = optimum.Misalignment_percent() + kEqualMisalignment_percent;
+  if (problem.max_misalignment_percent)
+    nearest.max_misalignment_percent = std::min(*nearest.max_misalignment_percent, *problem.max_misalignment_percent);
+  const RedesignSolve solve = SolveFrom(nearest, optimum.point, options, true);
+  const bool nearer = solve.IsUsable() && solve.point.placement_mm.norm() < optimum.point.placement_mm.norm();
+  return nearer ? solve.point : optimum.point;
+}
+
+std::optional<PlacementRange> FindPlacementRange(const RedesignProblem& problem, const RedesignPoint& point,
+                                                 const synthesis::OptimizeOptions& options) {
+  const auto prediction = PredictPoint(problem, point);
+  if (!prediction) return std::nullopt;
+  RedesignProblem farthest = WithLinks(WithGoal(problem, Goal::kFarthest), point.links);
+  farthest.fit_placement = true;
+  PlacementRange range;
+  range.within_percent = std::max(problem.max_misalignment_percent.value_or(0),
+                                  100 * prediction->relative_rms + kEqualMisalignment_percent);
+  farthest.max_misalignment_percent = range.within_percent;
+  for (const int axis : {0, 1})
+    for (const double side : {-1.0, 1.0}) {
+      farthest.farthest = side * Eigen::Vector2d::Unit(axis);
+      const RedesignSolve solve = SolveFrom(farthest, point, options, true);
+      if (!solve.IsUsable()) return std::nullopt;
+      problem::Bounds& bounds = axis == 0 ? range.x_mm : range.y_mm;
+      (side < 0 ? bounds.lower : bounds.upper) = solve.point.placement_mm[axis];
+    }
+  return range;
+}
+
+std::vector<ParetoPoint> ParetoFront(const RedesignProblem& problem, int count,
+                                     const std::vector<linkage::Links>& links,
+                                     const synthesis::OptimizeOptions& options, const std::function<void()>& step) {
+  if (count < 2 || count > 1000) throw UsageError(fmt::format("--pareto {}: 2 to 1000 points", count));
+  const auto least = FindOptimum(WithGoal(problem, Goal::kMisalignment), links, options);
+  const auto widest = FindOptimum(WithGoal(problem, Goal::kRange), links, options);
+  if (!least || !widest) return {};
+  std::vector<double> ranges;
+  std::vector<std::size_t> up;
+  for (int i = 0; i < count; ++i) {
+    ranges.push_back(std::lerp(least->Range_deg(), widest->Range_deg(), i / (count - 1.0)));
+    up.push_back(static_cast<std::size_t>(i));
+  }
+  Front found(count);
+  found.front() = ParetoPointOf(*least, ranges.front());
+  found.back() = ParetoPointOf(*widest, ranges.back());
+  Sweep(problem, up, ranges, options, step, found);
+  Sweep(problem, {up.rbegin(), up.rend()}, ranges, options, step, found);
+  std::vector<ParetoPoint> front;
+  for (const auto& point : found)
+    if (point) front.push_back(*point);
+  MakeMonotone(front);
+  return front;
+}
+
+}  // namespace lake::redesign

@@ -1,0 +1,200 @@
+#include <cmath>
+#include <limits>
+
+#include "lake/core/error.h"
+#include "lake/redesign/redesign_outcome.h"
+#include "lake/synthesis/infeasibility.h"
+
+namespace lake::redesign {
+namespace {
+
+using Goal = RedesignProblem::Goal;
+using Kind = linkage::StrokeProgram::Kind;
+
+// Three significant digits, upwards: what a message proposes, with room for the solver.
+double RoundedUp(double value) {
+  constexpr double kRoom = 1.001;
+  const double digit = std::pow(10, std::floor(std::log10(value)) - 2);
+  return std::ceil(kRoom * value / digit) * digit;
+}
+
+class Explainer {
+ public:
+  Explainer(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+            const synthesis::OptimizeOptions& options)
+      : problem_(problem), links_(links), options_(options) {}
+
+  MisalignmentInfeasibility Explain() {
+    const std::optional<RedesignSolve> least = Least(problem_);
+    if (!least) {
+      ExplainWithoutMisalignment();
+      return std::move(report_);
+    }
+    report_.nearest = least->point;
+    report_.least_percent = least->Misalignment_percent();
+    constexpr double kHolds = 1 + 1e-5;
+    if (!problem_.max_misalignment_percent || *report_.least_percent <= *problem_.max_misalignment_percent * kHolds) {
+      report_.within_reach = true;
+      report_.sentence = "the limits can be held, but the solver did not reach an optimum; ask for more --starts";
+      return std::move(report_);
+    }
+    CollectBlocking(*least);
+    report_.working_percent = Working(*report_.least_percent, problem_,
+                                      [](RedesignProblem& p, double value) { p.max_misalignment_percent = value; });
+    TryPlacement();
+    TryDuration();
+    TryReversing();
+    report_.sentence = Sentence();
+    return std::move(report_);
+  }
+
+ private:
+  std::optional<RedesignSolve> Least(RedesignProblem problem) const {
+    problem.goal = Goal::kMisalignment;
+    problem.max_misalignment_percent.reset();
+    return FindOptimum(problem, links_, options_);
+  }
+
+  // The shortest sit-to-stand that holds the limit on misalignment, if the problem has one.
+  std::optional<double> LeastDuration(RedesignProblem problem) const {
+    problem.goal = Goal::kDuration;
+    problem.program.duration_s.reset();
+    const auto shortest = FindOptimum(problem, links_, options_);
+    if (!shortest) return std::nullopt;
+    return NeededDuration(shortest->point.knots_mm, problem.program.max_speed_mm_s);
+  }
+
+  // Does a run of this problem find a design?
+  bool CanBeSolved(const RedesignProblem& problem) const {
+    if (HasSolution(problem, links_, options_)) return true;
+    const auto least = Least(problem);
+    return least && SolveFrom(problem, least->point, options_, true).IsUsable();
+  }
+
+  // A rounded value from the least one upwards at which `set` makes a problem that can be solved.
+  template <typename Set>
+  std::optional<double> Working(double least, RedesignProblem problem, Set set) const {
+    constexpr int kTries = 4;
+    double value = RoundedUp(least);
+    for (int i = 0; i < kTries; ++i, value = RoundedUp(1.005 * value)) {
+      set(problem, value);
+      if (CanBeSolved(problem)) return value;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<double> WorkingDuration(const RedesignProblem& problem) const {
+    const auto least_s = LeastDuration(problem);
+    if (!least_s) return std::nullopt;
+    return Working(*least_s, problem, [](RedesignProblem& p, double value) { p.program.duration_s = value; });
+  }
+
+  // The synthesis problem itself, or the time of the motion, has no solution.
+  void ExplainWithoutMisalignment() {
+    const synthesis::InfeasibilityReport design = synthesis::AnalyseInfeasibility(problem_.design, options_);
+    report_.nearest = StartPoint(problem_, design.links);
+    report_.sentence = design.sentence;
+    if (!design.solved || !design.relaxations.empty()) return;
+    std::optional<double> needed_s = WorkingDuration(problem_);
+    if (!needed_s) {  // the limit on misalignment needs more than time
+      RedesignProblem unlimited = problem_;
+      unlimited.max_misalignment_percent.reset();
+      needed_s = WorkingDuration(unlimited);
+    }
+    if (needed_s && problem_.program.duration_s) {
+      report_.ways.push_back({fmt::format("a duration of {:.4g} s", *needed_s), true, {}, needed_s});
+      report_.sentence = fmt::format("no design stands up within {:.4g} s at {:.4g} mm/s: {:.4g} s are enough",
+                                     *problem_.program.duration_s, problem_.program.max_speed_mm_s, *needed_s);
+    } else {
+      report_.sentence = "no design was found that can make the human's motion; ask for more --starts or wider bounds";
+    }
+  }
+
+  // d RMS = d (mean square) / (2 RMS).
+  void CollectBlocking(const RedesignSolve& least) {
+    constexpr double kNoPrice = 1e-4;  // % per mm, deg or s
+    const synthesis::ActiveSet active = synthesis::FindActiveSet(least.local);
+    for (synthesis::ActiveSet::Entry entry : active.entries) {
+      entry.price *= 1 / (2 * *report_.least_percent);
+      if (std::abs(entry.price) < kNoPrice) continue;
+      if (!active.multipliers_unique) entry.price = std::numeric_limits<double>::quiet_NaN();
+      report_.blocking.push_back(entry);
+    }
+  }
+
+  void AddLeast(const std::string& text, const RedesignProblem& problem) {
+    const auto least = Least(problem);
+    if (!least) return;
+    const double percent = least->Misalignment_percent();
+    RedesignProblem limited = problem;
+    limited.max_misalignment_percent = problem_.max_misalignment_percent;
+    const bool enough = SolveFrom(limited, least->point, options_, true).IsUsable();
+    report_.ways.push_back({text, enough, percent, {}});
+  }
+
+  void TryPlacement() {
+    if (problem_.fit_placement) return;
+    RedesignProblem other = problem_;
+    other.fit_placement = true;
+    AddLeast(fmt::format("fitting the placement within {:.4g} mm (--fit-placement)", other.placement_reach_mm), other);
+  }
+
+  void TryDuration() {
+    RedesignProblem other = problem_;
+    other.program.kind = Kind::kFree;
+    const auto needed_s = WorkingDuration(other);
+    if (!needed_s) return;
+    const double speed = problem_.program.max_speed_mm_s;
+    std::string text = fmt::format(
+        "{} of at least {:.4g} s at {:.4g} mm/s",
+        problem_.program.kind == Kind::kFree ? "a duration" : "a free program (--program free)", *needed_s, speed);
+    if (problem_.program.duration_s)
+      text += fmt::format(", or {:.4g} mm/s in {:.4g} s", RoundedUp(speed * *needed_s / *problem_.program.duration_s),
+                          *problem_.program.duration_s);
+    report_.ways.push_back({text, true, {}, needed_s});
+  }
+
+  void TryReversing() {
+    if (!problem_.program.monotone || problem_.program.kind != Kind::kFree) return;
+    RedesignProblem other = problem_;
+    other.program.monotone = false;
+    AddLeast("a program that may turn back (without --monotone)", other);
+  }
+
+  std::string Sentence() const {
+    const bool free = problem_.program.kind == Kind::kFree;
+    std::string program = fmt::format("{} program", ProgramName(problem_.program.kind));
+    if (problem_.program.duration_s) program += fmt::format(" of {:.4g} s", *problem_.program.duration_s);
+    std::string text = fmt::format(
+        "no design has a misalignment of at most {:.4g} %: the smallest found with the {} at {:.4g} mm/s is {:.4g} %",
+        *problem_.max_misalignment_percent, program, problem_.program.max_speed_mm_s, *report_.least_percent);
+    if (report_.working_percent) text += fmt::format(" (a limit of {:.4g} % can be held)", *report_.working_percent);
+    std::vector<std::string> names;
+    for (const synthesis::ActiveSet::Entry& entry : report_.blocking) names.push_back(entry.name);
+    if (!free) names.insert(names.begin(), "the constant program");
+    if (!names.empty()) text += fmt::format(", held there by {}", fmt::join(names, ", "));
+    std::vector<std::string> enough, too_little;
+    for (const WayOut& way : report_.ways)
+      if (way.enough)
+        enough.push_back(way.text);
+      else
+        too_little.push_back(fmt::format("{} reaches {:.4g} %", way.text, *way.misalignment_percent));
+    if (!enough.empty()) text += fmt::format("; what would free it: {}", fmt::join(enough, "; or "));
+    if (!too_little.empty()) text += fmt::format("; not enough: {}", fmt::join(too_little, ", "));
+    return text;
+  }
+
+  const RedesignProblem& problem_;
+  const std::vector<linkage::Links>& links_;
+  const synthesis::OptimizeOptions& options_;
+  MisalignmentInfeasibility report_;
+};
+
+}  // namespace
+
+MisalignmentInfeasibility ExplainInfeasible(const RedesignProblem& problem, const std::vector<linkage::Links>& links,
+                                            const synthesis::OptimizeOptions& options) {
+  return Explainer(problem, links, options).Explain();
+}
+
+}  // namespace lake::redesign

@@ -1,0 +1,257 @@
+#include "lake/redesign/redesign_outcome.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+#include "lake/core/processes.h"
+#include "lake/core/statistics.h"
+#include "lake/synthesis/synthesis_outcome.h"
+
+namespace lake::redesign {
+
+// From one process to another.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ParetoPoint, point, least_range_deg, range_deg, misalignment_percent, rms_mm)
+
+namespace {
+
+using Eigen::Vector2d;
+using Kind = linkage::StrokeProgram::Kind;
+
+// The predicted path through the comparison's own code; both knees are known without noise.
+compare::Misalignment ComparePredicted(const compare::StsCurve& human, const compare::StsCurve& predicted) {
+  compare::MisalignmentOptions options;
+  options.replacement_sd_mm = 0;
+  options.resamples = 0;
+  return compare::CompareTrials({{human}, {}}, {{predicted}, {}}, options);
+}
+
+Vector2d PlacementOf(const linkage::Design& design) {
+  return {design.placement_mm[0], design.placement_mm[1]};
+}
+
+// The strokes at which the worn linkage has the knee angles of its own trial: without a program the leg moved it.
+linkage::StrokeProgram ProgramOfTrial(const linkage::Design& worn, const compare::StsCurve& exo, double standing_deg) {
+  std::vector<double> knee_rad;
+  for (const double knee_deg : exo.knee_deg) knee_rad.push_back(RadiansFromDegrees(knee_deg));
+  const auto strokes = StrokesForAngles(DrivenLinksOf(worn, standing_deg), knee_rad);
+  if (!strokes) throw Fail("the worn design cannot be assembled at its d_min of {:.6g} mm", worn.d_min_mm);
+  linkage::StrokeProgram program{Kind::kFree, 0, {}};
+  for (std::size_t i = 0; i < strokes->size(); ++i)
+    program.knots.push_back({exo.duration_s * static_cast<double>(i) / (compare::kPercentSamples - 1), (*strokes)[i]});
+  return program;
+}
+
+linkage::Design Before(const RedesignProblem& problem, const MeasuredMotion& measured) {
+  linkage::Design design;
+  design.links = problem.design.start;
+  design.d_min_mm = problem.design.d_min_mm;
+  if (measured.worn) design = *measured.worn;
+  if (!design.program && measured.worn && measured.exo)
+    design.program = ProgramOfTrial(*measured.worn, *measured.exo, problem.design.standing_deg);
+  if (!design.program) design.program = linkage::StrokeProgram{Kind::kConstant, problem.program.max_speed_mm_s, {}};
+  return design;
+}
+
+bool LeavesTooMuch(const MountSlip& slip) {
+  constexpr double kMostShare = 0.5;  // of what was measured between joint and knee …
+  constexpr double kTold_mm = 10;     // … where it is more than markers that were put on anew and skin make
+  return slip.slip_mm > std::max(kMostShare * slip.mount_mm, kTold_mm);
+}
+
+// Throws where the trial's joint was elsewhere than the worn design says.
+void CheckWorn(const MeasuredMotion& measured, const MountSlip& slip, const HumanMotion& human) {
+  if (!LeavesTooMuch(slip)) return;
+  std::string text = fmt::format(
+      "{}: the joint of its trial was {:.3g} mm RMS off the leg's knee, and {:.3g} mm RMS of that are not explained by "
+      "placement_mm: [{:.4g}, {:.4g}]",
+      measured.worn_file, slip.mount_mm, slip.slip_mm, measured.worn->placement_mm[0], measured.worn->placement_mm[1]);
+  HumanMotion other = human;
+  if (const auto placed = SetSlip(*measured.exo, measured.spike, slip.placement_mm, other); !LeavesTooMuch(*placed))
+    text +=
+        fmt::format("; if this design was worn, write placement_mm: [{:.1f}, {:.1f}], where the joint was on average",
+                    slip.placement_mm.x(), slip.placement_mm.y());
+  throw Fail("{}; else name the design that was worn (--worn), or leave that trial out (--human-only)", text);
+}
+
+// RMS over the motion.
+double AngleOff_deg(const Prediction& worn, const compare::StsCurve& exo) {
+  std::vector<double> off;
+  for (std::size_t i = 0; i < exo.knee_deg.size(); ++i) off.push_back(worn.exo.knee_deg[i] - exo.knee_deg[i]);
+  return RootMeanSquare(off);
+}
+
+// What the exoskeleton trial tells: delta, and whether the worn design fits it.
+void TakeTrial(RedesignOutcome& outcome) {
+  const MeasuredMotion& measured = outcome.measured;
+  if (!measured.exo || !measured.worn) return;
+  outcome.slip = SetSlip(*measured.exo, measured.spike, PlacementOf(*measured.worn), outcome.problem.human);
+  if (outcome.slip) CheckWorn(measured, *outcome.slip, outcome.problem.human);
+  outcome.measured_percent = 100 * ComparePredicted(measured.human, *measured.exo).metrics.relative_rms;
+}
+
+double ProgramDuration(const linkage::Design& design, const Prediction& prediction) {
+  if (!design.program) return 0;
+  if (design.program->kind == Kind::kFree)
+    return design.program->knots.back().time_s - design.program->knots.front().time_s;
+  return std::abs(prediction.stroke_mm.back() - prediction.stroke_mm.front()) / design.program->speed_mm_s;
+}
+
+// The constant program, a short free one, and the problem's own if it is another.
+std::vector<RedesignProblem> FrontProblems(const RedesignOutcome& outcome) {
+  RedesignProblem constant = outcome.problem, brief = outcome.problem;
+  if (constant.program.kind == Kind::kFree) constant.program.duration_s.reset();
+  constant.program.kind = Kind::kConstant;
+  brief.program.kind = Kind::kFree;
+  brief.program.duration_s = outcome.options.short_program_s;
+  std::vector<RedesignProblem> problems{constant, brief};
+  const ProgramLimits& own = outcome.problem.program;
+  if (own.kind == Kind::kFree && own.duration_s != brief.program.duration_s) problems.push_back(outcome.problem);
+  return problems;
+}
+
+std::vector<NamedFront> Fronts(const RedesignOutcome& outcome, const std::vector<linkage::Links>& links) {
+  const std::vector<RedesignProblem> problems = FrontProblems(outcome);
+  Progress progress("Pareto fronts", "solves",
+                    static_cast<std::int64_t>(problems.size()) * SolvesOfSweeps(*outcome.options.pareto_points),
+                    outcome.options.optimize.quiet);
+  const auto points = ResultsInProcesses(
+      problems.size(),
+      [&](std::size_t i, const std::function<void()>& step) {
+        return ParetoFront(problems[i], *outcome.options.pareto_points, links, outcome.options.optimize, step);
+      },
+      progress);
+  std::vector<NamedFront> fronts;
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    const ProgramLimits& program = problems[i].program;
+    std::string name = ProgramName(program.kind);
+    if (program.duration_s) name += fmt::format(" {:.4g} s", *program.duration_s);
+    fronts.push_back({std::move(name), program, points[i]});
+  }
+  return fronts;
+}
+
+// Where to start: the problem's start, the worn design, and the optimum without the human.
+std::vector<linkage::Links> StartLinks(RedesignOutcome& outcome) {
+  const problem::SynthesisProblem& design = outcome.problem.design;
+  std::vector<linkage::Links> links{design.start};
+  if (outcome.measured.worn) links.push_back(outcome.measured.worn->links);
+  const synthesis::LocalSolve widest = SolveFrom(design, design.start, outcome.options.optimize);
+  if (!widest.IsUsable()) return links;
+  links.push_back(widest.end);
+  return links;
+}
+
+// What the placement is worth, and how far it is free.
+void AssessPlacement(const RedesignPoint& chosen, RedesignOutcome& outcome) {
+  const synthesis::OptimizeOptions& options = outcome.options.optimize;
+  outcome.placement_range = FindPlacementRange(outcome.problem, chosen, options);
+  RedesignProblem at_knee = outcome.problem;
+  at_knee.fit_placement = false;
+  at_knee.placement_mm.setZero();
+  if (const RedesignSolve solve = SolveFrom(at_knee, chosen, options); solve.IsUsable())
+    outcome.range_at_knee_deg = solve.Range_deg();
+}
+
+// Of the range alone: the misalignment's limit holds the design's own range down, and a bound never comes near that.
+void CertifyWidest(RedesignOutcome& outcome) {
+  const synthesis::SynthesisResult widest = synthesis::Optimize(outcome.problem.design, outcome.options.optimize);
+  outcome.widest_deg = outcome.result.Best().Range_deg();
+  if (widest.best >= 0) outcome.widest_deg = std::max(*outcome.widest_deg, widest.Best().evaluation.range_deg);
+  outcome.certificate =
+      synthesis::Certify(outcome.problem.design, *outcome.widest_deg, *outcome.options.certify_gap_deg,
+                         outcome.options.certify_boxes, outcome.options.quiet);
+}
+
+// No start found a way, but the least misalignment holds the limit: one more start from there.
+void StartFromNearest(RedesignOutcome& outcome) {
+  RedesignSolve solve = SolveFrom(outcome.problem, outcome.infeasible->nearest, outcome.options.optimize, true);
+  if (!solve.IsUsable()) return;
+  outcome.result.Add(std::move(solve));
+  outcome.infeasible.reset();
+}
+
+// The worn design must have been able to do what its trial shows.
+void CheckBefore(RedesignOutcome& outcome) {
+  const MeasuredMotion& measured = outcome.measured;
+  if (!measured.exo || !measured.worn) return;
+  if (!outcome.before.prediction)
+    throw Fail(
+        "{}: the worn design cannot be driven through the motion of its trial: its program leaves the strokes at which "
+        "the knee bends and stands",
+        measured.worn_file);
+  outcome.worn_angle_off_deg = AngleOff_deg(*outcome.before.prediction, *measured.exo);
+}
+
+}  // namespace
+
+void RedesignOptions::Check() const {
+  optimize.Check();
+  if (pareto_points && (*pareto_points < 2 || *pareto_points > 1000))
+    throw UsageError(fmt::format("--pareto {}: 2 to 1000 points", *pareto_points));
+}
+
+DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
+                           const linkage::Design& design) {
+  problem::SynthesisProblem placed = problem.design;
+  placed.clearances.placement_mm = design.placement_mm;
+  DesignInMotion in_motion{.design = design,
+                           .evaluation = problem::Evaluate(design.links, placed),
+                           .prediction = {},
+                           .misalignment = {},
+                           .tracking_time_s = {},
+                           .duration_s = 0};
+  const double standing_deg = problem.design.standing_deg;
+  const Vector2d placement = PlacementOf(design);
+  if (const auto strokes = ProgramStrokes(design, standing_deg, problem.human))
+    in_motion.prediction = Predict(DrivenLinksOf(design, standing_deg), placement, *strokes, problem.human);
+  if (const auto tracking = TrackingStrokes(DrivenLinksOf(design, standing_deg), problem.human))
+    in_motion.tracking_time_s = TrackingTime(*tracking, problem.program.max_speed_mm_s);
+  if (!in_motion.prediction) return in_motion;
+  in_motion.duration_s = ProgramDuration(design, *in_motion.prediction);
+  in_motion.prediction->exo.duration_s = in_motion.duration_s;
+  in_motion.misalignment = ComparePredicted(human, in_motion.prediction->exo);
+  return in_motion;
+}
+
+RedesignOutcome PutMotionInto(RedesignProblem problem, const MeasuredMotion& measured) {
+  problem.human = MakeHumanMotion(measured.human);
+  if (measured.worn) problem.placement_mm = PlacementOf(*measured.worn);
+  problem.design = problem.DesignAt(problem.placement_mm);
+  problem.Check();
+  RedesignOutcome outcome;
+  outcome.problem = std::move(problem);
+  outcome.measured = measured;
+  TakeTrial(outcome);
+  return outcome;
+}
+
+RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measured, const RedesignOptions& options) {
+  options.Check();
+  RedesignOutcome outcome = PutMotionInto(std::move(problem), measured);
+  outcome.options = options;
+  problem = outcome.problem;
+  const std::vector<linkage::Links> links = StartLinks(outcome);
+  outcome.before = PutInMotion(problem, measured.human, Before(problem, measured));
+  CheckBefore(outcome);
+  outcome.result = Redesign(problem, links, options.optimize);
+  if (!outcome.IsSolved()) outcome.infeasible = ExplainInfeasible(problem, links, options.optimize);
+  if (outcome.infeasible && outcome.infeasible->within_reach) StartFromNearest(outcome);
+  const RedesignPoint end = outcome.IsSolved() ? NearestToKnee(problem, outcome.result.Best(), options.optimize)
+                                               : outcome.infeasible->nearest;
+  outcome.after = PutInMotion(problem, measured.human, DesignOf(problem, end));
+  if (outcome.IsSolved()) outcome.active = synthesis::FindActiveSet(outcome.result.Best().local);
+  if (options.pareto_points) outcome.fronts = Fronts(outcome, links);
+  if (!outcome.IsSolved()) return outcome;
+  if (problem.fit_placement) AssessPlacement(end, outcome);
+  if (options.certify_gap_deg) CertifyWidest(outcome);
+  if (options.yield_tolerance_mm)
+    outcome.yield = problem::EstimateYield(end.links, problem.design,
+                                           {.tolerance_mm = *options.yield_tolerance_mm,
+                                            .pin_clearance_mm = problem.design.parts.bore_clearance_mm,
+                                            .seed = options.optimize.seed});
+  return outcome;
+}
+
+}  // namespace lake::redesign

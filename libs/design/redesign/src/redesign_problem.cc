@@ -1,0 +1,149 @@
+#include "lake/redesign/redesign_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+
+namespace lake::redesign {
+namespace {
+
+using Kind = linkage::StrokeProgram::Kind;
+
+void CheckPositive(double value, const char* option, const char* unit) {
+  if (!(std::isfinite(value) && value > 0))
+    throw UsageError(fmt::format("{} {}: a number of {} above 0", option, value, unit));
+}
+
+// The strokes of a linkage that nobody can assemble: those of the paper's designs.
+std::vector<double> PlausibleStrokes(const RedesignProblem& problem) {
+  constexpr double kPlausibleSlope_mm = 80;  // per rad
+  std::vector<double> strokes;
+  for (const HumanSample& sample : problem.human)
+    strokes.push_back(problem.design.d_min_mm +
+                      kPlausibleSlope_mm * std::max(0.0, problem.human.front().knee_rad - sample.knee_rad));
+  return strokes;
+}
+
+}  // namespace
+
+RedesignProblem WithLinks(RedesignProblem problem, const linkage::Links& links) {
+  constexpr double kSameLinks_mm = 0.01;
+  for (std::size_t i = 0; i < 6; ++i) {
+    problem::Bounds& bounds = problem.design.bounds[i];
+    const double length = links.Values()[i];
+    bounds = {std::max(bounds.lower, length - kSameLinks_mm), std::min(bounds.upper, length + kSameLinks_mm)};
+  }
+  return problem;
+}
+
+std::string PlacementName(int axis) {
+  return axis == 0 ? "placement_x" : "placement_y";
+}
+
+std::string ProgramName(Kind kind) {
+  return kind == Kind::kFree ? "free" : "constant";
+}
+
+problem::Bounds RedesignProblem::PlacementBounds(int axis) const {
+  if (!fit_placement) return {placement_mm[axis], placement_mm[axis]};
+  return {-placement_reach_mm, placement_reach_mm};
+}
+
+problem::SynthesisProblem RedesignProblem::DesignAt(const Eigen::Vector2d& placement) const {
+  problem::SynthesisProblem placed = design;
+  for (int axis = 0; axis < 2; ++axis) {
+    const auto [lower, upper] = PlacementBounds(axis);
+    placed.clearances.placement_mm[axis] = std::clamp(placement[axis], lower, upper);
+  }
+  placed.clearances.placement_reach_mm = fit_placement ? std::optional(placement_reach_mm) : std::nullopt;
+  return placed;
+}
+
+void RedesignProblem::CheckOptions() const {
+  CheckPositive(program.max_speed_mm_s, "--max-speed", "mm/s");
+  if (program.duration_s) CheckPositive(*program.duration_s, "--duration", "s");
+  constexpr int kFewestKnots = 21;
+  if (program.knots < kFewestKnots || program.knots > compare::kPercentSamples)
+    throw UsageError(fmt::format("--knots {}: {} to {}", program.knots, kFewestKnots, compare::kPercentSamples));
+  if (max_misalignment_percent) CheckPositive(*max_misalignment_percent, "--max-misalignment", "percent");
+  if (!(std::isfinite(penalty_deg_per_mm) && penalty_deg_per_mm >= 0))
+    throw UsageError(fmt::format("--penalty {}: a number of deg per mm, 0 or above", penalty_deg_per_mm));
+  CheckPositive(placement_reach_mm, "--placement-reach", "mm");
+}
+
+void RedesignProblem::Check() const {
+  CheckOptions();
+  design.Check();
+  if (human.size() > compare::kPercentSamples || human.size() < static_cast<std::size_t>(program.knots))
+    throw Fail("the human's motion has {} samples: {} to {} are needed", human.size(), program.knots,
+               compare::kPercentSamples);
+}
+
+void to_json(nlohmann::json& json, const RedesignPoint& point) {
+  json = {{"links", point.links.Values()},
+          {"knots_mm", point.knots_mm},
+          {"placement_mm", {point.placement_mm.x(), point.placement_mm.y()}},
+          {"duration_s", point.duration_s}};
+}
+
+void from_json(const nlohmann::json& json, RedesignPoint& point) {
+  point.links = linkage::Links::FromValues(json.at("links").get<std::array<double, 6>>());
+  json.at("knots_mm").get_to(point.knots_mm);
+  point.placement_mm = {json.at("placement_mm").at(0).get<double>(), json.at("placement_mm").at(1).get<double>()};
+  json.at("duration_s").get_to(point.duration_s);
+}
+
+KnotSpan SpanOf(std::size_t knots, double percent) {
+  const double place = percent / 100 * static_cast<double>(knots - 1);
+  const std::size_t from = std::min(static_cast<std::size_t>(place), knots - 2);
+  return {from, place - static_cast<double>(from)};
+}
+
+double RedesignPoint::StrokeAt(double percent) const {
+  const KnotSpan span = SpanOf(knots_mm.size(), percent);
+  return std::lerp(knots_mm[span.from], knots_mm[span.from + 1], span.weight);
+}
+
+double NeededDuration(const std::vector<double>& knots_mm, double max_speed_mm_s) {
+  return TrackingTime(knots_mm, max_speed_mm_s);
+}
+
+RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& links) {
+  RedesignPoint point{.links = links, .knots_mm = {}, .placement_mm = problem.placement_mm, .duration_s = 0};
+  const auto tracking = TrackingStrokes(problem.Driven(links), problem.human);
+  const std::vector<double> strokes = tracking ? *tracking : PlausibleStrokes(problem);
+  const int knots = problem.program.kind == Kind::kFree ? problem.program.knots : 2;
+  for (int k = 0; k < knots; ++k)
+    point.knots_mm.push_back(
+        strokes[static_cast<std::size_t>(std::lround(static_cast<double>(strokes.size() - 1) * k / (knots - 1)))]);
+  point.duration_s = NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
+  if (problem.program.duration_s) point.duration_s = std::min(point.duration_s, *problem.program.duration_s);
+  return point;
+}
+
+linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& point) {
+  linkage::Design design;
+  design.links = point.links;
+  design.d_min_mm = problem.design.d_min_mm;
+  design.placement_mm = {point.placement_mm.x(), point.placement_mm.y()};
+  linkage::StrokeProgram program;
+  program.kind = problem.program.kind;
+  program.speed_mm_s = problem.program.max_speed_mm_s;
+  const double duration_s = NeededDuration(point.knots_mm, problem.program.max_speed_mm_s);
+  if (program.kind == Kind::kFree)
+    for (std::size_t k = 0; k < point.knots_mm.size(); ++k)
+      program.knots.push_back(
+          {duration_s * static_cast<double>(k) / static_cast<double>(point.knots_mm.size() - 1), point.knots_mm[k]});
+  design.program = program;
+  return design;
+}
+
+std::optional<Prediction> PredictPoint(const RedesignProblem& problem, const RedesignPoint& point) {
+  std::vector<double> strokes;
+  for (std::size_t i = 0; i < problem.human.size(); ++i) strokes.push_back(point.StrokeAt(PercentOf(i, problem.human)));
+  return Predict(problem.Driven(point.links), point.placement_mm, strokes, problem.human);
+}
+
+}  // namespace lake::redesign

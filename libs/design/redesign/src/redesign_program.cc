@@ -1,0 +1,340 @@
+#include "lake/redesign/redesign_program.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "lake/compare/pointwise_error.h"
+#include "lake/core/angles.h"
+#include "lake/core/error.h"
+
+namespace lake::redesign {
+namespace {
+
+using Goal = RedesignProblem::Goal;
+using On = synthesis::LimitId::On;
+
+// Costs that decide only where the goal leaves a choice; each moves the optimum by less than its printed digits.
+constexpr double kMisalignmentTie = 1e-5;   // deg (or s) per percent^2
+constexpr double kRangeTie = 1e-5;          // percent^2 (or s) per deg
+constexpr double kPlacementRidge = 1e-5;    // percent^2 per mm^2, as misalignment counts
+constexpr double kDurationTie = 1e-6;       // per s
+constexpr double kNearestWeight = 1e-2;     // per mm^2
+constexpr double kLeastDistance_mm = 1e-3;  // RMS that a penalty tells from zero, where its root has no derivative
+constexpr double kLongest_mm = 1e4, kLongest_s = 1e5;
+
+// v = theta, p_x, p_y. `factor` x the comparison's squared relative error, or squared distance where `shank_mm` is 1.
+struct SquaredErrorTerm {
+  HumanSample human;
+  double shank_mm, factor;
+  template <typename T>
+  T operator()(const T* v) const {
+    return compare::SquaredRelativeError(PredictKnee(human, v[0], v[1], v[2]), human.knee, shank_mm) * factor;
+  }
+};
+
+struct SquareTerm {
+  double factor;
+  template <typename T>
+  T operator()(const T* v) const {
+    return v[0] * v[0] * factor;
+  }
+};
+
+// What one person adds.
+class PersonExtender {
+ public:
+  // `weight` of the misalignment in the cost.
+  PersonExtender(const RedesignProblem& problem, const RedesignPoint& start, ConstantStart constant_start,
+                 std::size_t person, const std::string& name, double weight, synthesis::SynthesisProgram& synthesis)
+      : problem_(problem),
+        start_(start),
+        constant_start_(constant_start),
+        person_(static_cast<int>(person)),
+        prefix_(name.empty() ? "" : name + ": "),
+        whose_(name.empty() ? "" : " of " + name),
+        weight_(weight),
+        synthesis_(synthesis) {}
+
+  void Extend() {
+    variables_.links = synthesis_.links;
+    AddKnots();
+    AddPlacement();
+    AddDuration();
+    AddPoses();
+  }
+
+  // `factor` x the mean squared relative error (of L) or squared distance (of 1), as terms of a row or the cost.
+  void AddMeanSquare(int row, bool relative, double factor) {
+    for (std::size_t i = 0; i < problem_.human.size(); ++i) {
+      const HumanSample& human = problem_.human[i];
+      nlp().AddTerm(row, std::array{variables_.theta[i], variables_.placement[0], variables_.placement[1]},
+                    SquaredErrorTerm{human, relative ? human.shank_mm : 1.0,
+                                     factor / static_cast<double>(problem_.human.size())});
+    }
+  }
+
+  // At the start; nullopt where the linkage cannot make the motion.
+  std::optional<Prediction> Predicted() const { return PredictPoint(problem_, start_); }
+  std::string Named(const std::string& name) const { return prefix_ + name; }
+  int Person() const { return person_; }
+  RedesignVariables& Variables() { return variables_; }
+
+ private:
+  nlp::NonlinearProgram& nlp() { return synthesis_.program; }
+  bool IsFree() const { return problem_.program.kind == linkage::StrokeProgram::Kind::kFree; }
+  double Standing_rad() const { return RadiansFromDegrees(problem_.design.standing_deg); }
+
+  void AddKnots() {
+    const double d_min = problem_.design.d_min_mm;
+    for (std::size_t k = 0; k < start_.knots_mm.size(); ++k) {
+      const bool fixed = !IsFree() && k == 0 && constant_start_ == ConstantStart::kAtShortestStroke;
+      variables_.knots.push_back(nlp().AddVariable(
+          Named(fmt::format("knot {}", k)), std::max(d_min, start_.knots_mm[k]), d_min, fixed ? d_min : kLongest_mm));
+    }
+  }
+
+  void AddPlacement() {
+    for (int axis = 0; axis < 2; ++axis) {
+      const auto [lower, upper] = problem_.PlacementBounds(axis);
+      const double start = std::clamp(start_.placement_mm[axis], lower, upper);
+      // Clearances have it among the variables already.
+      const bool is_there = synthesis_.placement[axis] >= 0;
+      variables_.placement[axis] =
+          is_there ? synthesis_.placement[axis] : nlp().AddVariable(Named(PlacementName(axis)), start, lower, upper);
+      if (!problem_.fit_placement) continue;
+      const double square = problem_.goal == Goal::kNearest ? kNearestWeight : kPlacementRidge * weight_;
+      nlp().AddCost(std::array{variables_.placement[axis]}, SquareTerm{square});
+      if (problem_.goal == Goal::kFarthest)
+        synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.placement[axis], -problem_.farthest[axis]);
+      synthesis_.limits.push_back({{On::kPlacement, 2 * person_ + axis}, "mm", -1, variables_.placement[axis]});
+    }
+  }
+
+  void AddDuration() {
+    const double speed = problem_.program.max_speed_mm_s;
+    const double longest = problem_.program.duration_s.value_or(kLongest_s);
+    variables_.duration = nlp().AddVariable(Named("duration"), start_.duration_s, 0, longest);
+    if (problem_.program.duration_s)
+      synthesis_.limits.push_back({{On::kDuration, person_}, "s", -1, variables_.duration});
+    const double share = speed / static_cast<double>(variables_.knots.size() - 1);
+    const bool may_turn_back = IsFree() && !problem_.program.monotone;
+    for (std::size_t k = 1; k < variables_.knots.size(); ++k) {
+      AddSpeedRow(k, 1, share);
+      AddSpeedRow(k, -1, may_turn_back ? share : 0);
+    }
+    synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, variables_.duration,
+                             problem_.goal == Goal::kDuration ? 1 : kDurationTie);
+  }
+
+  // direction (d_k - d_k-1) <= share T.
+  void AddSpeedRow(std::size_t knot, double direction, double share) {
+    const int row = nlp().AddRow(Named(fmt::format("speed {:+} at knot {}", direction, knot)), -nlp::kUnbounded, 0);
+    synthesis::AddScaledTerm(nlp(), row, variables_.knots[knot], direction);
+    synthesis::AddScaledTerm(nlp(), row, variables_.knots[knot - 1], -direction);
+    if (share > 0) synthesis::AddScaledTerm(nlp(), row, variables_.duration, -share);
+  }
+
+  void AddPoses() {
+    for (std::size_t i = 0; i < problem_.human.size(); ++i) {
+      const double percent = PercentOf(i, problem_.human);
+      const std::string place = fmt::format(" at {:g} %", percent);
+      const KnotSpan span = SpanOf(variables_.knots.size(), percent);
+      const auto pose = linkage::SolvePose(start_.links, start_.StrokeAt(percent));
+      const double human = problem_.human[i].knee_rad;
+      const auto [lower, upper] = AngleBounds(i);
+      const double theta_start = std::clamp(pose ? pose->theta_rad : human, lower, upper);
+      constexpr double kPlausiblePhi_rad = 0.6;
+      const double phi_start =
+          pose ? pose->phi_rad : std::lerp(std::numbers::pi, kPlausiblePhi_rad, theta_start / std::numbers::pi);
+      variables_.theta.push_back(nlp().AddVariable(Named("theta" + place), theta_start, lower, upper));
+      synthesis::AddProgramPose(nlp(), place + whose_, synthesis_.links,
+                                {variables_.knots[span.from], variables_.knots[span.from + 1], span.weight},
+                                variables_.theta.back(), phi_start);
+    }
+  }
+
+  problem::Bounds AngleBounds(std::size_t sample) const {
+    const double standing = Standing_rad(), human = std::max(standing, problem_.human[sample].knee_rad);
+    if (IsFree()) return {standing, std::numbers::pi};
+    if (sample + 1 == problem_.human.size()) return {human, human};
+    if (sample == 0) return {constant_start_ == ConstantStart::kAtHumanAngle ? human : standing, human};
+    return {standing, std::numbers::pi};
+  }
+
+  const RedesignProblem& problem_;
+  const RedesignPoint& start_;
+  const ConstantStart constant_start_;
+  const int person_;
+  const std::string prefix_, whose_;
+  const double weight_;
+  synthesis::SynthesisProgram& synthesis_;
+  RedesignVariables variables_;
+};
+
+// What holds of all: limit, penalty and goal.
+class GroupExtender {
+ public:
+  GroupExtender(const GroupProblem& problem, std::vector<PersonExtender>& people,
+                synthesis::SynthesisProgram& synthesis)
+      : problem_(problem), shared_(problem.shared), people_(people), synthesis_(synthesis) {}
+
+  void Extend() {
+    for (PersonExtender& person : people_) person.Extend();
+    AddMisalignmentLimit();
+    AddPenalty();
+    AddGoal();
+  }
+
+  static double MisalignmentWeight(const GroupProblem& problem) {
+    return problem.shared.goal == Goal::kMisalignment && problem.people.size() == 1 ? 1 : kMisalignmentTie;
+  }
+
+ private:
+  nlp::NonlinearProgram& nlp() { return synthesis_.program; }
+  bool IsMean() const { return problem_.across == Across::kMean && people_.size() > 1; }
+
+  void AddMisalignmentLimit() {
+    if (!shared_.max_misalignment_percent) return;
+    const double limit = *shared_.max_misalignment_percent;
+    const std::string text = fmt::format("misalignment <= {:.6g} %", limit);
+    if (IsMean()) {
+      const int row = nlp().AddRow("mean " + text, -nlp::kUnbounded, limit);
+      for (const int root : Roots())
+        synthesis::AddScaledTerm(nlp(), row, root, 1 / static_cast<double>(people_.size()));
+      synthesis_.limits.push_back({{On::kMisalignment}, "%", row});
+      return;
+    }
+    for (PersonExtender& person : people_) {
+      if (!Counts(person)) continue;
+      const int row = nlp().AddRow(person.Named(text), -nlp::kUnbounded, limit * limit);
+      person.AddMeanSquare(row, true, kPercentSquared);
+      person.Variables().misalignment_row = row;
+      // d(limit^2) = 2 limit d(limit): the price is published per percent.
+      synthesis_.limits.push_back({{On::kMisalignment, person.Person()}, "%", row, -1, 2 * limit});
+    }
+  }
+
+  void AddPenalty() {
+    if (shared_.penalty_deg_per_mm == 0 || shared_.goal != Goal::kRange) return;
+    constexpr double kPlausible_mm = 30, kScale_mm2 = 100;
+    const auto start = [](const PersonExtender& person) {
+      const auto prediction = person.Predicted();
+      return prediction ? prediction->rms_mm : kPlausible_mm;
+    };
+    AddRoots("rms distance", start, false, 1 / kScale_mm2, shared_.penalty_deg_per_mm);
+  }
+
+  void AddGoal() {
+    for (PersonExtender& person : people_)
+      person.AddMeanSquare(nlp::NlpTerm::kCost, true, kPercentSquared * MisalignmentWeight(problem_));
+    if (shared_.goal == Goal::kMisalignment && people_.size() > 1) AddLeastMisalignment();
+    if (!shared_.min_range_deg) return;
+    const int row = nlp().AddRow(fmt::format("range >= {:.6g} deg", *shared_.min_range_deg), *shared_.min_range_deg,
+                                 nlp::kUnbounded);
+    synthesis::AddScaledTerm(nlp(), row, synthesis_.range, kDegreesPerRadian);
+    synthesis_.limits.push_back({{On::kLeastRange}, "deg", row});
+  }
+
+  // The percentage itself is the cost.
+  void AddLeastMisalignment() {
+    if (IsMean())
+      for (const int root : Roots())
+        synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, root, 1 / static_cast<double>(people_.size()));
+    else
+      AddRoots("misalignment", StartPercent, true, kPercentSquared, 1);
+  }
+
+  static double StartPercent(const PersonExtender& person) {
+    constexpr double kPlausible_percent = 8;
+    const auto prediction = person.Predicted();
+    return prediction ? 100 * prediction->relative_rms : kPlausible_percent;
+  }
+
+  // Each person's RMS relative error in percent, of which the mean is taken.
+  const std::vector<int>& Roots() {
+    if (roots_.empty()) roots_ = AddRoots("misalignment", StartPercent, true, kPercentSquared, 0);
+    return roots_;
+  }
+
+  // Variables r with factor x mean square <= factor_r r^2: one for all who count, of the mean one for each; `weight` x
+  // the largest or the mean r is added to the cost.
+  std::vector<int> AddRoots(const std::string& name, double (*start)(const PersonExtender&), bool relative,
+                            double factor, double weight) {
+    const double own_factor = relative ? factor / kPercentSquared : factor;
+    std::vector<int> roots;
+    const auto add = [&](const std::string& of, double value) {
+      roots.push_back(nlp().AddVariable(of, value, kLeastDistance_mm, nlp::kUnbounded));
+    };
+    if (!IsMean()) {
+      double largest = 0;
+      for (const PersonExtender& person : people_)
+        if (Counts(person)) largest = std::max(largest, start(person));
+      add(name, largest);
+    }
+    for (PersonExtender& person : people_) {
+      if (!IsMean() && !Counts(person)) continue;
+      if (IsMean()) add(person.Named(name), start(person));
+      const int row = nlp().AddRow(person.Named(name), -nlp::kUnbounded, 0);
+      person.AddMeanSquare(row, relative, factor);
+      nlp().AddTerm(row, std::array{roots.back()}, SquareTerm{-own_factor});
+      if (person.Variables().misalignment_row < 0) person.Variables().misalignment_row = row;
+    }
+    if (weight > 0)
+      for (const int root : roots)
+        synthesis::AddScaledTerm(nlp(), nlp::NlpTerm::kCost, root, weight / static_cast<double>(roots.size()));
+    return roots;
+  }
+
+  bool Counts(const PersonExtender& person) const {
+    return problem_.people[static_cast<std::size_t>(person.Person())].counts;
+  }
+
+  static constexpr double kPercentSquared = 1e4;
+
+  const GroupProblem& problem_;
+  const RedesignProblem& shared_;
+  std::vector<PersonExtender>& people_;
+  synthesis::SynthesisProgram& synthesis_;
+  std::vector<int> roots_;
+};
+
+}  // namespace
+
+RedesignBuilder::RedesignBuilder(const GroupProblem& problem, std::vector<RedesignPoint> start,
+                                 std::vector<ConstantStart> constant_start)
+    : problem_(problem), constant_start_(std::move(constant_start)), points_(std::move(start)) {
+  for (std::size_t i = 0; i < problem.people.size(); ++i) people_.push_back(problem.Of(i));
+}
+
+synthesis::SynthesisProgram RedesignBuilder::Build(const synthesis::Collocation& poses) {
+  const double range_weight = problem_.shared.goal == Goal::kRange ? 1 : kRangeTie;
+  // Clearances are on one person's body, at its placement.
+  const problem::SynthesisProblem design =
+      people_.size() == 1 ? people_.front().DesignAt(points_.front().placement_mm) : problem_.shared.design;
+  synthesis::SynthesisProgram program =
+      synthesis::BuildProgram(design, Links(), poses, synthesis::Elasticity::kNone, range_weight);
+  std::vector<PersonExtender> people;
+  people.reserve(people_.size());
+  for (std::size_t i = 0; i < people_.size(); ++i)
+    people.emplace_back(people_[i], points_[i], constant_start_[i], i, problem_.people[i].name,
+                        GroupExtender::MisalignmentWeight(problem_), program);
+  GroupExtender(problem_, people, program).Extend();
+  variables_.clear();
+  for (PersonExtender& person : people) variables_.push_back(std::move(person.Variables()));
+  return program;
+}
+
+void RedesignBuilder::MoveTo(const std::vector<double>& x) {
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const RedesignVariables& variables = variables_[i];
+    points_[i].links = synthesis::LinksAt(variables.links, x);
+    points_[i].knots_mm.clear();
+    for (const int knot : variables.knots) points_[i].knots_mm.push_back(x[knot]);
+    points_[i].placement_mm = {x[variables.placement[0]], x[variables.placement[1]]};
+    points_[i].duration_s = x[variables.duration];
+  }
+}
+
+}  // namespace lake::redesign

@@ -1,0 +1,17 @@
+// The figures of a redesign.
+#pragma once
+
+#include <filesystem>
+
+#include "lake/redesign/redesign_outcome.h"
+
+namespace lake::figure {
+
+// The design before and after in the human's motion: knee paths in the leg frame, relative error, knee angle and stroke
+// over percent.
+void DrawKneePaths(const redesign::RedesignOutcome& outcome, const std::filesystem::path& path);
+
+// Range against the least misalignment, a line per stroke program; the designs before and after, the limit.
+void DrawPareto(const redesign::RedesignOutcome& outcome, const std::filesystem::path& path);
+
+}  // namespace lake::figure

@@ -1,0 +1,204 @@
+#include "lake/figure/redesign_figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "lake/core/angles.h"
+#include "lake/core/colours.h"
+#include "lake/figure/gnuplot.h"
+#include "lake/figure/theme.h"
+#include "percents.h"
+
+namespace lake::figure {
+namespace {
+
+// The curves of one panel, drawn together.
+class Plot {
+ public:
+  explicit Plot(GnuplotFigure& figure) : figure_(figure) {}
+
+  bool IsEmpty() const { return curves_.empty(); }
+  void Add(std::string curve) { curves_.push_back(std::move(curve)); }
+
+  // `how`: lines or points, their style and title.
+  void AddData(const std::vector<double>& x, const std::vector<double>& y, const std::string& how) {
+    Add(fmt::format("{} using 1:2 with {}", figure_.Data({x, y}), how));
+  }
+  void AddPath(const std::vector<Eigen::Vector2d>& path, const std::string& how) {
+    std::vector<double> x, y;
+    for (const Eigen::Vector2d& p : path) {
+      x.push_back(p.x());
+      y.push_back(p.y());
+    }
+    AddData(x, y, how);
+  }
+  // One value per percent; none, no curve.
+  void AddCurve(const std::vector<double>& values, const std::string& style, const std::string& title) {
+    if (!values.empty())
+      AddData(Percents(compare::kPercentSamples), values, fmt::format("lines {} title '{}'", style, title));
+  }
+
+  void Draw() {
+    if (!IsEmpty()) figure_.Line(fmt::format("plot {}", fmt::join(curves_, ", ")));
+  }
+
+ private:
+  GnuplotFigure& figure_;
+  std::vector<std::string> curves_;
+};
+
+const std::string kHumanStyle = LineOf(kHumanLook);
+const std::string kBeforeStyle = LineOf(kWornLook);
+const std::string kAfterStyle = LineOf(kNewLook);
+
+std::string AfterName(const redesign::RedesignOutcome& outcome) {
+  return outcome.IsSolved() ? "new" : "least found";
+}
+
+void DrawPaths(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) {
+  figure.Line("set title 'Knee paths, leg frame'; set xlabel 'anterior (mm)'; set ylabel 'up (mm)'");
+  figure.Line(
+      "set size ratio -1; set offsets graph 0.06, graph 0.06, graph 1.1, graph 0.06; set key top left Left reverse");
+  figure.Line("set ytics 20");
+  struct Knee {
+    const std::vector<Eigen::Vector2d>* path;  // nullptr: not drawn
+    std::string style, title;
+    const Look& look;
+  };
+  const auto path = [](const redesign::DesignInMotion& design) {
+    return design.prediction ? &design.prediction->exo.knee : nullptr;
+  };
+  const std::array knees{
+      Knee{.path = &outcome.measured.human.knee, .style = kHumanStyle, .title = "human knee", .look = kHumanLook},
+      Knee{.path = path(outcome.before), .style = kBeforeStyle, .title = "worn, predicted", .look = kWornLook},
+      Knee{.path = path(outcome.after),
+           .style = kAfterStyle,
+           .title = AfterName(outcome) + ", predicted",
+           .look = kNewLook}};
+  Plot plot(figure);
+  for (const Knee& knee : knees)
+    if (knee.path) plot.AddPath(*knee.path, fmt::format("lines {} title '{}'", knee.style, knee.title));
+  // The same instants on each path, so that being late can be told from being elsewhere.
+  const char* title = "title '0, 25, 50, 75, 100 %'";
+  for (const Knee& knee : knees) {
+    if (!knee.path) continue;
+    std::vector<Eigen::Vector2d> dots;
+    for (std::size_t i = 0; i < compare::kPercentSamples; i += 25) dots.push_back((*knee.path)[i]);
+    plot.AddPath(dots, fmt::format("points {} {}", MarkOf(knee.look), title));
+    title = "notitle";
+  }
+  plot.Draw();
+  figure.Line("set size noratio; set offsets 0, 0, 0, 0; set ytics autofreq");
+}
+
+void DrawRelativeError(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) {
+  const auto percent = [](const redesign::DesignInMotion& design) {
+    std::vector<double> values;
+    if (design.misalignment)
+      for (const double error : design.misalignment->relative_error) values.push_back(100 * error);
+    return values;
+  };
+  const auto name = [](const std::string& what, const redesign::DesignInMotion& design) {
+    return design.misalignment ? fmt::format("{}: RMS {:.2f} %", what, 100 * design.misalignment->metrics.relative_rms)
+                               : what;
+  };
+  figure.Line("set title 'Misalignment'; set ylabel 'relative error (% of the shank length)'; set yrange [0:*]");
+  figure.Line("set offsets 0, 0, graph 0.3, 0; set key top right");
+  Plot plot(figure);
+  plot.AddCurve(percent(outcome.before), kBeforeStyle, name("worn", outcome.before));
+  plot.AddCurve(percent(outcome.after), kAfterStyle, name(AfterName(outcome), outcome.after));
+  if (outcome.problem.max_misalignment_percent)
+    plot.Add(fmt::format("{0} with lines lw 1.5 dt 3 lc rgb '{1}' title 'limit of the RMS {0:.2f} %'",
+                         *outcome.problem.max_misalignment_percent, colour::kText));
+  plot.Draw();
+  figure.Line("set yrange [*:*]; set offsets 0, 0, graph 0.2, graph 0.05");
+}
+
+void DrawKneeAngles(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) {
+  const auto angles = [](const redesign::DesignInMotion& design) {
+    return design.prediction ? design.prediction->exo.knee_deg : std::vector<double>();
+  };
+  std::vector<double> human;
+  for (const redesign::HumanSample& sample : outcome.problem.human)
+    human.push_back(DegreesFromRadians(sample.knee_rad));
+  figure.Line("set title 'Knee angle'; set ylabel 'knee flexion (°)'; set key top right");
+  Plot plot(figure);
+  plot.AddCurve(human, kHumanStyle, "human");
+  plot.AddCurve(angles(outcome.before), kBeforeStyle, "worn");
+  plot.AddCurve(angles(outcome.after), kAfterStyle, AfterName(outcome));
+  plot.Draw();
+}
+
+void DrawStrokes(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) {
+  const auto strokes = [](const redesign::DesignInMotion& design) {
+    return design.prediction ? design.prediction->stroke_mm : std::vector<double>();
+  };
+  const auto name = [](const std::string& what, const redesign::DesignInMotion& design) {
+    const std::string exact =
+        design.tracking_time_s ? fmt::format(" (exact tracking {:.2f} s)", *design.tracking_time_s) : "";
+    return fmt::format("{}: {:.2f} s{}", what, design.duration_s, exact);
+  };
+  const auto tracking =
+      redesign::TrackingStrokes(outcome.problem.Driven(outcome.after.design.links), outcome.problem.human);
+  figure.Line("set title 'Stroke program'; set ylabel 'stroke (mm)'; set key top left Left reverse");
+  Plot plot(figure);
+  plot.AddCurve(tracking.value_or(std::vector<double>()), kHumanStyle, "exact tracking");
+  plot.AddCurve(strokes(outcome.before), kBeforeStyle, name("worn", outcome.before));
+  plot.AddCurve(strokes(outcome.after), kAfterStyle, name(AfterName(outcome), outcome.after));
+  plot.Draw();
+}
+
+void AddDesignMark(const redesign::DesignInMotion& design, const std::string& name, const Look& look, Plot& plot) {
+  if (!design.misalignment || !design.evaluation.pose) return;
+  plot.AddData({design.evaluation.range_deg}, {100 * design.misalignment->metrics.relative_rms},
+               fmt::format("points pt {} ps 2.6 lc rgb '{}' title '{}'", look.mark, look.colour, name));
+}
+
+}  // namespace
+
+void DrawKneePaths(const redesign::RedesignOutcome& outcome, const std::filesystem::path& path) {
+  GnuplotFigure figure(1400, 1000);
+  figure.Line("set multiplot layout 2,2 margins 0.075,0.98,0.085,0.95 spacing 0.1,0.14");
+  DrawPaths(figure, outcome);
+  figure.Line("set xlabel 'sit-to-stand (%)'; set xrange [0:100]");
+  DrawRelativeError(figure, outcome);
+  DrawKneeAngles(figure, outcome);
+  DrawStrokes(figure, outcome);
+  figure.Line("unset multiplot").Write(path);
+}
+
+void DrawPareto(const redesign::RedesignOutcome& outcome, const std::filesystem::path& path) {
+  constexpr const char* kDashes[] = {"1", "(12,5)", "(3,4)"};
+  constexpr int kMarks[] = {13, 8, 4};
+  GnuplotFigure figure(1000, 700);
+  figure.Line("set key at screen 0.5, screen 0.02 center bottom horizontal; set bmargin 7");
+  figure.Line("set xlabel 'range of rotation (°)'; set ylabel 'misalignment, RMS (% of the shank length)'");
+  figure.Line("set offsets graph 0.04, graph 0.04, graph 0.06, 0; set yrange [0:*]");
+  Plot plot(figure);
+  for (std::size_t i = 0; i < outcome.fronts.size(); ++i) {
+    std::vector<double> misalignment, range;
+    for (const redesign::ParetoPoint& point : outcome.fronts[i].points) {
+      misalignment.push_back(point.misalignment_percent);
+      range.push_back(point.range_deg);
+    }
+    if (range.empty()) continue;
+    plot.AddData(range, misalignment,
+                 fmt::format("linespoints lw 2.5 dt {} pt {} ps 1.3 lc rgb '{}' title '{} program'", kDashes[i % 3],
+                             kMarks[i % 3], colour::kFronts[i % 3], outcome.fronts[i].name));
+  }
+  if (plot.IsEmpty()) plot.Add("1/0 notitle");
+  AddDesignMark(outcome.before, "worn", kWornLook, plot);
+  AddDesignMark(outcome.after, AfterName(outcome), kNewLook, plot);
+  if (outcome.problem.max_misalignment_percent)
+    figure.Line(
+        fmt::format("set arrow from graph 0, first {0} to graph 1, first {0} nohead lw 1.5 dt 3 lc rgb '{1}'; "
+                    "set label 'limit {0:.2f} %' at graph 0.01, first {0} left offset 0,0.6",
+                    *outcome.problem.max_misalignment_percent, colour::kText));
+  plot.Draw();
+  figure.Write(path);
+}
+
+}  // namespace lake::figure

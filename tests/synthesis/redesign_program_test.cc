@@ -1,0 +1,124 @@
+// The program that a redesign builds: its derivatives, and that its rows mean what the closed form says.
+#include "lake/redesign/redesign_program.h"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "compare/closed_form.h"
+#include "synthesis/paper.h"
+
+namespace lake {
+namespace {
+
+using Goal = redesign::RedesignProblem::Goal;
+using Kind = linkage::StrokeProgram::Kind;
+
+redesign::RedesignProblem Problem(Kind kind, Goal goal) {
+  redesign::RedesignProblem problem;
+  problem.design = WithMargins(1);
+  problem.human = redesign::MakeHumanMotion(MakeCurve({}));
+  problem.program.kind = kind;
+  problem.goal = goal;
+  problem.max_misalignment_percent = 5;
+  problem.penalty_deg_per_mm = 0.3;
+  problem.fit_placement = true;
+  return problem;
+}
+
+nlp::NonlinearProgram Build(const redesign::RedesignProblem& problem, const redesign::RedesignPoint& point) {
+  return redesign::RedesignBuilder(problem, point, redesign::ConstantStart::kAtHumanAngle).Build({}).program;
+}
+
+// Gradients against differences of values, Hessians against differences of gradients, term by term.
+TEST(RedesignProgram, DerivativesAreThoseOfTheValues) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const Kind kind : {Kind::kConstant, Kind::kFree})
+    for (const Goal goal : {Goal::kRange, Goal::kMisalignment, Goal::kDuration}) {
+      const redesign::RedesignProblem problem = Problem(kind, goal);
+      const nlp::NonlinearProgram program = Build(problem, redesign::StartPoint(problem, kPublishedLinks));
+      std::vector<double> x;
+      for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start + 0.05 * unit(random));
+      for (const nlp::NlpTerm& term : program.Terms()) {
+        const auto variables = term.term->Variables();
+        const std::size_t n = variables.size();
+        std::vector<double> gradient(n), hessian(n * (n + 1) / 2), above(n), below(n);
+        term.term->Gradient(x.data(), gradient.data());
+        term.term->Hessian(x.data(), hessian.data());
+        for (std::size_t i = 0; i < n; ++i) {
+          const double step = 1e-5 * std::max(1.0, std::abs(x[variables[i]])), kept = x[variables[i]];
+          x[variables[i]] = kept + step;
+          const double value_above = term.term->Value(x.data());
+          term.term->Gradient(x.data(), above.data());
+          x[variables[i]] = kept - step;
+          const double value_below = term.term->Value(x.data());
+          term.term->Gradient(x.data(), below.data());
+          x[variables[i]] = kept;
+          // Of a central difference: its truncation and the rounding of values up to a few hundred.
+          const auto tolerance = [](double value) { return 1e-5 + 1e-6 * std::abs(value); };
+          EXPECT_NEAR(gradient[i], (value_above - value_below) / (2 * step), tolerance(gradient[i]));
+          for (std::size_t j = 0; j <= i; ++j) {
+            const double second = hessian[i * (i + 1) / 2 + j];
+            EXPECT_NEAR(second, (above[j] - below[j]) / (2 * step), tolerance(second));
+          }
+        }
+      }
+    }
+}
+
+// At a point where the linkage follows its program the loops close and the cost is the printed one.
+TEST(RedesignProgram, RowsAndCostAgreeWithTheClosedForm) {
+  for (const Kind kind : {Kind::kConstant, Kind::kFree}) {
+    redesign::RedesignProblem problem = Problem(kind, Goal::kRange);
+    problem.program.duration_s = 30;
+    redesign::RedesignPoint point = redesign::StartPoint(problem, kPublishedLinks);
+    point.placement_mm = {9, -4};
+    const nlp::NonlinearProgram nlp = Build(problem, point);
+    std::vector<double> x;
+    for (const nlp::NlpVariable& variable : nlp.Variables()) x.push_back(variable.start);
+    const std::vector<double> rows = nlp.RowValues(x);
+    const auto prediction = redesign::PredictPoint(problem, point);
+    ASSERT_TRUE(prediction);
+    int loops = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const std::string& name = nlp.Rows()[i].name;
+      if (name.find("loop") != std::string::npos) {
+        EXPECT_NEAR(rows[i], 0, 1e-9) << name;
+        ++loops;
+      } else if (name.starts_with("misalignment")) {
+        EXPECT_NEAR(std::sqrt(rows[i]), 100 * prediction->relative_rms, 1e-9);
+      }
+    }
+    EXPECT_EQ(loops, 2 * (compare::kPercentSamples + 1));
+    const double range_deg = DegreesFromRadians(linkage::SolvePose(kPublishedLinks, 242)->theta_rad);
+    // The small costs: 1e-5 of some tens of percent^2, 1e-6 of seconds.
+    EXPECT_NEAR(nlp.Cost(x), -range_deg + 0.3 * prediction->rms_mm, 2e-3);
+  }
+}
+
+TEST(RedesignProgram, PointsSurviveTheProgram) {
+  const redesign::RedesignProblem problem = Problem(Kind::kFree, Goal::kRange);
+  const redesign::RedesignPoint point = redesign::StartPoint(problem, kPublishedLinks);
+  redesign::RedesignBuilder builder(problem, point, redesign::ConstantStart::kAtHumanAngle);
+  const nlp::NonlinearProgram program = builder.Build({}).program;
+  std::vector<double> x;
+  for (const nlp::NlpVariable& variable : program.Variables()) x.push_back(variable.start);
+  builder.MoveTo(x);
+  const redesign::RedesignPoint again = builder.Point();
+  EXPECT_EQ(again.links.Values(), point.links.Values());
+  EXPECT_EQ(again.knots_mm, point.knots_mm);
+  EXPECT_EQ(again.duration_s, point.duration_s);
+}
+
+TEST(RedesignProgram, KnotsSpanTheMotion) {
+  EXPECT_EQ(redesign::SpanOf(21, 0).from, 0u);
+  EXPECT_EQ(redesign::SpanOf(21, 0).weight, 0);
+  EXPECT_EQ(redesign::SpanOf(21, 100).from, 19u);
+  EXPECT_NEAR(redesign::SpanOf(21, 100).weight, 1, 1e-12);
+  EXPECT_EQ(redesign::SpanOf(2, 30).from, 0u);
+  EXPECT_NEAR(redesign::SpanOf(2, 30).weight, 0.3, 1e-12);
+}
+
+}  // namespace
+}  // namespace lake
