@@ -270,7 +270,7 @@ LineChart PathsChart(const StudyResults& results) {
   return chart;
 }
 
-Section RedesignChapter(const StudyResults& results) {
+Section RedesignChapter(const StudyFile&, const StudyResults& results) {
   const Json summary = results.Summary("redesign");
   Section section{"New design", {}};
   if (summary.at("build_text").is_string())
@@ -299,7 +299,7 @@ Section RedesignChapter(const StudyResults& results) {
   return section;
 }
 
-Section StrokeChapter(const StudyResults& results) {
+Section StrokeChapter(const StudyFile&, const StudyResults& results) {
   const Json summary = results.Summary("stroke");
   const CsvTable table = CsvTable::Read(results.Folder() / "stroke/program.csv");
   LineChart stroke, knee;

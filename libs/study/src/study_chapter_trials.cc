@@ -133,7 +133,7 @@ Section TrialsChapter(const StudyFile& study, const StudyResults& results) {
   return section;
 }
 
-Section MisalignmentChapter(const StudyResults& results) {
+Section MisalignmentChapter(const StudyFile&, const StudyResults& results) {
   const Json comparison = ReadJsonFile(results.Folder() / "comparison" / "comparison.json");
   LineChart paths = KneePathsChart(comparison), error = RelativeErrorChart(comparison);
   BarChart parts = DecompositionChart(comparison);

@@ -349,8 +349,10 @@ Report MakeGroupPage(const Json& workflow, const fs::path& out, const GroupData&
   page.sections.push_back(CurvesSection(findings));
   if (!findings.differences.empty()) page.sections.push_back(DifferencesSection(findings.differences));
   if (!findings.reliability.empty()) page.sections.push_back(ReliabilitySection(findings.reliability));
-  if (const fs::path summary = out / "group" / "population" / "summary.json";
-      workflow.value("population", false) && fs::is_regular_file(out / "logs" / "population.done"))
+  const bool has_population =
+      workflow.value("population", false) &&
+      std::ranges::none_of(findings.failures, [](const Failure& failure) { return failure.step == kPopulationStep; });
+  if (const fs::path summary = out / "group" / "population" / "summary.json"; has_population)
     page.sections.push_back(PopulationSection(ReadJsonFile(summary)));
   if (!findings.outliers.empty()) page.sections.push_back(OutliersSection(findings.outliers));
   if (!findings.failures.empty()) page.sections.push_back(FailuresSection(findings.failures));
