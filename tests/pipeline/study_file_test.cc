@@ -329,10 +329,11 @@ TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
 
 // What a step depends on: the same whatever the order of keys and the blanks, another for another value.
 TEST_F(StudyYaml, KeepsWhatASectionSays) {
-  const Json one = Read("human: {video: human.mp4, start_s: 5, filter: none}\n").human.options;
-  const Json other = Read("human:\n  # a comment\n  start_s: 5.0\n  filter: none\n  video: human.mp4\n").human.options;
+  const Json one = Read("human: {video: human.mp4, start_s: 5, filter: none}\n").human.section.text;
+  const Json other =
+      Read("human:\n  # a comment\n  start_s: 5.0\n  filter: none\n  video: human.mp4\n").human.section.text;
   EXPECT_EQ(one, other);
-  EXPECT_NE(one, Read("human: {video: human.mp4, start_s: 6, filter: none}\n").human.options);
+  EXPECT_NE(one, Read("human: {video: human.mp4, start_s: 6, filter: none}\n").human.section.text);
 }
 
 // What the study asks for stands above its problem, for each design by itself.

@@ -99,7 +99,7 @@ LimitedRow MisalignmentRow(const redesign::ReoptimizeOutcome& outcome) {
                  {},
                  "%"};
   if (const auto* entry = outcome.active.Find({On::kMisalignment}); entry && outcome.active.multipliers_unique)
-    row.price = entry->price;
+    row.multiplier = entry->price;
   return row;
 }
 

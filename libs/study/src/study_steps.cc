@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "lake/core/options_json.h"
 #include "lake/motion/leg_motion.h"
 
 namespace lake::study {
@@ -11,12 +12,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// One command with these options; `said` is what the study says about it.
+// What the study says of these options.
+void Tell(const OptionList& list, const Json& given, steps::StudyStep& step) {
+  step.summary_options.update(OptionsJson(list));
+  step.summary_options.update(given);
+  for (const auto& [name, value] : given.items()) step.given.push_back(name);
+  for (steps::StudyKey& key : steps::KeysOf(list)) step.keys.push_back(std::move(key));
+}
+
+// One command with these options.
 template <typename Options>
-steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), Json said, double expected_s) {
-  steps::StudyStep step{.options = std::move(said), .expected_s = expected_s};
+steps::StudyStep StepOf(Options options, Json (*command)(const Options&, Run&), const StudySection& section,
+                        double expected_s) {
+  steps::StudyStep step{.options = section.text, .expected_s = expected_s};
   for (const InputFile& input : InputsOf(options)) step.inputs.push_back(input.path);
-  step.keys = steps::KeysOf(OptionsOf(options));
+  Tell(OptionsOf(options), section.given, step);
   step.work = [options = std::move(options), command](Run& run) { run.WriteSummary(command(options, run)); };
   return step;
 }
@@ -32,10 +42,10 @@ steps::StudyStep TrialStep(const StudyTrial& trial, const std::string& what, con
   if (trial.IsVideo()) {
     commands::TrackRunOptions options = std::get<commands::TrackRunOptions>(trial.work);
     if (!options.camera) options.camera = camera;
-    step = StepOf(options, commands::RunTrack, trial.options, 20);
+    step = StepOf(options, commands::RunTrack, trial.section, 20);
     step.program = "lake-track";
   } else {
-    step = StepOf(std::get<commands::GaitRunOptions>(trial.work), commands::RunGait, trial.options, 3);
+    step = StepOf(std::get<commands::GaitRunOptions>(trial.work), commands::RunGait, trial.section, 3);
     step.program = "lake-gait";
   }
   step.what = fmt::format("{}, {}", what, trial.Recording().filename().string());
@@ -76,22 +86,26 @@ linkage::BodySize BodyOf(const StudyFile& study, linkage::BodySize body) {
 // A step of lake-optimize. Clearances are on the body of the person, with the parts that are simulated. `profile` is
 // read once it has been found.
 steps::StudyStep DesignStep(const StudyFile& study, const fs::path& out, commands::OptimizeRunOptions options,
-                            Json said, double expected_s, const std::optional<fs::path>& profile = std::nullopt) {
+                            StudySection section, double expected_s,
+                            const std::optional<fs::path>& profile = std::nullopt) {
   problem::SynthesisProblem& problem = options.problem;
   problem::Clearances& clearances = problem.clearances;
-  if (problem.actuator) said["known of the actuator"] = ActuatorJson(*problem.actuator);
-  if (!study.simulation_options.empty()) problem.parts = study.simulation.parts;
+  if (problem.actuator) section.text["known of the actuator"] = ActuatorJson(*problem.actuator);
+  if (!study.simulation_section.text.empty()) problem.parts = study.simulation.parts;
   const fs::path leg = out / "human" / "kinematics.csv";
   const bool needs_leg = clearances.AreAsked() && !clearances.body.leg;
   if (clearances.AreAsked()) {
     clearances.body = BodyOf(study, clearances.body);
     if (clearances.seat_edge_mm == 0) clearances.seat_edge_mm = study.simulation.seat_edge_mm;
-    said["body"] = {{"mass_kg", clearances.body.mass_kg.value_or(0)},
-                    {"height_mm", clearances.body.height_mm.value_or(0)},
-                    {"seat_edge_mm", clearances.seat_edge_mm},
-                    {"parts", study.simulation_options}};
+    section.text["body"] = {{"mass_kg", clearances.body.mass_kg.value_or(0)},
+                            {"height_mm", clearances.body.height_mm.value_or(0)},
+                            {"seat_edge_mm", clearances.seat_edge_mm},
+                            {"parts", study.simulation_section.text}};
   }
-  steps::StudyStep step = StepOf(options, commands::RunOptimize, std::move(said), expected_s);
+  steps::StudyStep step = StepOf(options, commands::RunOptimize, section, expected_s);
+  for (const char* key : {"problem", "clearances"})
+    if (const auto map = section.text.find(key); map != section.text.end() && map->is_object())
+      step.summary_options[key] = *map;
   if (profile) step.inputs.push_back(*profile);
   if (needs_leg) step.inputs.push_back(leg);
   step.work = [options = std::move(options), profile, needs_leg, leg](Run& run) {
@@ -135,7 +149,7 @@ void TakeLoadOf(const fs::path& profile, const problem::SynthesisProblem& proble
 OptionalStep CalibrationStep(const StudyFile& study, const fs::path&) {
   if (!study.calibration) return std::nullopt;
   steps::StudyStep step =
-      StepOf(study.calibration->camera, commands::RunCalibrate, study.calibration->camera_options, 30);
+      StepOf(study.calibration->camera, commands::RunCalibrate, study.calibration->camera_section, 30);
   step.what = "the camera";
   return step;
 }
@@ -144,7 +158,7 @@ OptionalStep PlaneStep(const StudyFile& study, const fs::path& out) {
   if (!study.calibration || !study.calibration->plane) return std::nullopt;
   commands::PlaneRunOptions options = *study.calibration->plane;
   options.camera = out / "calibration" / "camera.yaml";
-  steps::StudyStep step = StepOf(options, commands::RunPlane, study.calibration->plane_options, 2);
+  steps::StudyStep step = StepOf(options, commands::RunPlane, study.calibration->plane_section, 2);
   step.what = "the sagittal plane";
   return step;
 }
@@ -163,7 +177,7 @@ OptionalStep ComparisonStep(const StudyFile& study, const fs::path& out) {
   commands::CompareRunOptions options = study.compare;
   options.human = out / "human";
   options.exo = out / "exo";
-  steps::StudyStep step = StepOf(options, commands::RunCompare, study.compare_options, 4);
+  steps::StudyStep step = StepOf(options, commands::RunCompare, study.compare_section, 4);
   step.what = "the misalignment of exo against human";
   return step;
 }
@@ -172,15 +186,16 @@ OptionalStep LoadsStep(const StudyFile& study, const fs::path& out) {
   if (!study.loads) return std::nullopt;
   commands::LoadsRunOptions options = *study.loads;
   options.trial = out / "human";
-  steps::StudyStep step = StepOf(options, commands::RunLoads, study.loads_options, 2);
+  steps::StudyStep step = StepOf(options, commands::RunLoads, study.loads_section, 2);
   step.what = "what the knee needs";
   return step;
 }
 
 OptionalStep OptimumStep(const StudyFile& study, const fs::path& out) {
-  Json said = study.design_options;
-  said.erase("worn");
-  steps::StudyStep step = DesignStep(study, out, OptionsFor(study.design, study.optimum), std::move(said), 15);
+  StudySection section = study.design_section;
+  section.text.erase("worn");
+  if (study.design.file) section.given["problem"] = study.design.file->string();
+  steps::StudyStep step = DesignStep(study, out, OptionsFor(study.design, study.optimum), std::move(section), 15);
   step.what = "the largest range of rotation";
   return step;
 }
@@ -196,24 +211,32 @@ OptionalStep RedesignStep(const StudyFile& study, const fs::path& out) {
     reoptimize.human_knee = study.compare.human_knee;
   }
   if (study.worn) reoptimize.worn = {*study.worn};
-  Json said = {{"reoptimize", study.redesign->said},
-               {"problem", study.design_options.value("problem", Json())},
-               {"human_knee", study.compare.human_knee}};
-  steps::StudyStep step = DesignStep(study, out, std::move(options), std::move(said), 20);
+  StudySection section = study.redesign->section;
+  section.text["human_knee"] = study.compare.human_knee;
+  for (const char* key : {"problem", "clearances"})  // where it says none, those of the study's own design hold
+    if (!section.text.contains(key) && study.design_section.text.contains(key))
+      section.text[key] = study.design_section.text[key];
+  section.given["human-knee"] = study.compare.human_knee;
+  if (study.redesign->design.file) section.given["problem"] = study.redesign->design.file->string();
+  steps::StudyStep step = DesignStep(study, out, std::move(options), std::move(section), 20);
   step.what = "the design for this person";
   return step;
 }
 
 OptionalStep AssistanceStep(const StudyFile& study, const fs::path& out) {
   if (!study.assistance) return std::nullopt;
-  steps::StudyStep step = DesignStep(study, out, study.assistance->options, study.assistance->said, 5, ProfileIn(out));
+  StudySection section = study.assistance->section;
+  if (const fs::path& file = study.assistance->options.problem_file; !file.empty())
+    section.given["problem"] = file.string();
+  steps::StudyStep step = DesignStep(study, out, study.assistance->options, std::move(section), 5, ProfileIn(out));
   step.what = "what an actuator gives of it";
   return step;
 }
 
 OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
   commands::SimulationOptions options = study.simulation;
-  steps::StudyStep step{.what = "the design's poses", .options = study.simulation_options, .expected_s = 8, .keys = {}};
+  steps::StudyStep step{
+      .what = "the design's poses", .options = study.simulation_section.text, .expected_s = 8, .keys = {}};
   step.keys = steps::KeysOf(OptionsOf(options));
   const fs::path design = DesignOf(study, out), leg = out / "human" / "kinematics.csv";
   step.inputs = {design, leg};
@@ -222,7 +245,7 @@ OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
   const bool is_assisted = study.assistance && study.assistance->options.actuators.empty();
   if (is_assisted) {
     const commands::OptimizeRunOptions& assistance = study.assistance->options;
-    step.options["assistance"] = study.assistance->said;
+    step.options["assistance"] = study.assistance->section.text;
     if (assistance.problem.actuator) step.options["known of the actuator"] = ActuatorJson(*assistance.problem.actuator);
     for (const InputFile& input : InputsOf(assistance)) step.inputs.push_back(input.path);
     step.inputs.push_back(ProfileIn(out));
@@ -235,6 +258,7 @@ OptionalStep SimulationStep(const StudyFile& study, const fs::path& out) {
     step.options["body"] = {{"mass_kg", options.body_mass_kg.value_or(0)},
                             {"height_mm", options.body_height_mm.value_or(0)}};
   }
+  Tell(OptionsOf(options), study.simulation_section.given, step);
   step.work = [options, is_assisted, assistance = study.assistance, profile = ProfileIn(out), design, leg](Run& run) {
     run.AddInput(design, "design");
     run.AddInput(leg, "leg");
@@ -258,7 +282,7 @@ OptionalStep StrokeStep(const StudyFile& study, const fs::path& out) {
   // A constant program takes its ends from the person; a free one has its own.
   const bool is_free = study.redesign && study.redesign->options.program.kind == linkage::StrokeProgram::Kind::kFree;
   if (!is_free || options.schedule.speed_mm_s) options.motion = out / "human";
-  steps::StudyStep step = StepOf(options, commands::RunStroke, study.stroke_options, 2);
+  steps::StudyStep step = StepOf(options, commands::RunStroke, study.stroke_section, 2);
   step.what = "the actuator's program";
   return step;
 }

@@ -48,7 +48,7 @@ steps::StudyStep PopulationStep(const Cohort& cohort, const Json& workflow, cons
                         .what = "the design for all participants",
                         .program = "lake-optimize",
                         .folder = out / "group" / kPopulationStep,
-                        .options = {{"population", cohort.population->said}, {"people", reoptimize.people}},
+                        .options = {{"population", cohort.population->section.text}, {"people", reoptimize.people}},
                         .expected_s = static_cast<double>(reoptimize.people.size())};
   for (const InputFile& input : InputsOf(options)) step.inputs.push_back(input.path);
   step.work = [options](Run& run) {

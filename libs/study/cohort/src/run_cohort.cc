@@ -55,7 +55,7 @@ Json EventColumns() {
           {"repetition", {{"Description", "Number of the sit-to-stand in the recording, from 1"}}}};
 }
 
-// Relative, so that results can be passed on and name nobody's home.
+// Relative, so that results that are passed on do not name a home folder.
 std::string FileUri(const fs::path& relative) {
   std::string uri = "file:";
   for (const unsigned char c : relative.string()) {

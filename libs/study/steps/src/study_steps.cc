@@ -92,11 +92,12 @@ StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const 
   const Clock::time_point start = Clock::now();
   Run run({.program = step.program,
            .command = options.command,
-           .options = step.options,
+           .options = step.summary_options,
            .out = step.folder,
            .quiet = options.quiet,
            .subject = options.subject,
-           .step = step.name});
+           .step = step.name,
+           .given = step.given});
   try {
     run.Begin();
     step.work(run);

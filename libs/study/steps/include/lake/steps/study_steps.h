@@ -26,7 +26,9 @@ struct StudyStep {
   Json options = Json::object();                   // what else its outputs depend on
   double expected_s = 1;                           // how long it takes, until its stamp says so; for the time left
   std::function<void(Run&)> work = {};  // writes through the run: its outputs are what the run has given out as results
-  std::vector<StudyKey> keys = {};      // of its section of the study file, for errors that name options
+  Json summary_options = Json::object();  // what its summary says of options, by the names of its program's
+  std::vector<std::string> given = {};    // those of them that the study gives
+  std::vector<StudyKey> keys = {};        // of its section of the study file, for errors that name options
 };
 
 struct StepRunOptions {
