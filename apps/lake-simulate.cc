@@ -30,7 +30,7 @@ lake::linkage::Design LoadDesign(const Input& input, lake::Run& run) {
   lake::linkage::Design design;
   if (!input.links) {
     design = lake::linkage::ReadDesign(input.design_file);
-    run.AddInput(input.design_file);
+    run.AddInput(input.design_file, "design");
   } else {
     design.links = lake::linkage::Links::FromValues(*input.links);
     lake::linkage::CheckLinks(design.links, "--links");

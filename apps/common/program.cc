@@ -19,6 +19,7 @@
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
+#include "lake/core/options_json.h"
 #include "lake/core/provenance.h"
 #include "lake/core/shell_word.h"
 #include "lake/core/standard_output.h"
@@ -152,12 +153,6 @@ std::vector<const CLI::App*> GivenLevels(const CLI::App& cli) {
   return levels;
 }
 
-Json EffectiveValue(const Option& option) {
-  const OptionTexts texts = option.Split(option.Given());
-  if (texts.empty()) return option.Text();
-  return option.IsRepeated() && texts.size() > 1 ? Json(texts) : Json(JoinTexts(texts));
-}
-
 void AddEffective(const CLI::Option& option, Json& options) {
   const std::string name = option.get_lnames().empty() ? option.get_name() : option.get_lnames().front();
   if (!option.get_configurable() || name == "help" || name == "version" || name == "config") return;
@@ -240,8 +235,7 @@ Json EffectiveOptions(const CLI::App& cli, const std::vector<SharedOptions>& lis
   for (const CLI::App* command : cli.get_subcommands()) options["command"] = command->get_name();
   for (const CLI::App* level : GivenLevels(cli))
     for (const CLI::Option* option : level->get_options()) AddEffective(*option, options);
-  for (const SharedOptions& list : lists)
-    for (const Option& option : list->All()) options[option.Name()] = EffectiveValue(option);
+  for (const SharedOptions& list : lists) options.update(OptionsJson(*list));
   return options;
 }
 

@@ -9,12 +9,12 @@
 #include "lake/commands/gait.h"
 #include "lake/commands/loads.h"
 #include "lake/commands/optimize.h"
-#include "lake/commands/review.h"
 #include "lake/commands/simulate.h"
 #include "lake/commands/stroke.h"
 #include "lake/commands/track.h"
 #include "lake/core/yaml.h"
 #include "lake/exchange/convert_options.h"
+#include "lake/reviewing/run_review.h"
 #include "pages.h"
 #include "program.h"
 
@@ -183,7 +183,7 @@ TEST(Help, HasEveryDescribedOptionWithItsUnit) {
   ExpectHelp<commands::TrackRunOptions>("lake-track");
   ExpectHelp<commands::GaitRunOptions>("lake-gait");
   ExpectHelp<commands::LoadsRunOptions>("lake-loads");
-  ExpectHelp<commands::ReviewRunOptions>("lake-review");
+  ExpectHelp<reviewing::ReviewRunOptions>("lake-review");
   ExpectHelp<commands::CompareRunOptions>("lake-compare");
   ExpectHelp<commands::OptimizeRunOptions>("lake-optimize");
   ExpectHelp<commands::ReoptimizeRunOptions>("lake-optimize", {"duration"});

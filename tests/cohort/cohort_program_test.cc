@@ -130,9 +130,9 @@ TEST_F(CohortProgram, GoesFromFolderToPageAndOnWhereItWasKilled) {
 
   // Killed when one trial of two people is done; what it had started outlives it, and is waited for.
   const std::string run = "lake-cohort people out group --cores 2 --quiet";
-  const Outcome killed = Shell(
-      folder_,
-      run + " & while kill -0 $! && [ ! -e out/logs/sub-01/human.done ]; do sleep 0.05; done; kill -KILL $!; wait $!");
+  const Outcome killed = Shell(folder_, run +
+                                            " & while kill -0 $! && [ ! -e out/sub-01/human/.human.lake-step.json ]; "
+                                            "do sleep 0.05; done; kill -KILL $!; wait $!");
   EXPECT_EQ(killed.exit_code, 137) << killed.err;
   EXPECT_FALSE(fs::exists(folder_ / "out/group/group.html"));
 

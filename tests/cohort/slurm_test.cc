@@ -101,7 +101,7 @@ TEST_F(CohortSlurm, GivesTheSameResults) {
   const Outcome cluster = Shell(folder_, "bash with_slurm.sh");
   ASSERT_EQ(cluster.exit_code, 0) << cluster.err;
   EXPECT_THAT(ReadTextFile(folder_ / "cluster/logs/snakemake.log"), Not(HasSubstr("rror")));
-  EXPECT_TRUE(fs::is_directory(folder_ / "cluster/logs/.snakemake/slurm_logs/rule_human")) << "jobs of Slurm";
+  EXPECT_TRUE(fs::is_directory(folder_ / "cluster/logs/.snakemake/slurm_logs/rule_study")) << "jobs of Slurm";
 
   ASSERT_EQ(Shell(folder_, "lake-cohort people here group --cores 2 --quiet").exit_code, 0);
   for (const char* table : {"trials.csv", "curves.csv", "reliability.csv", "differences.csv", "failures.csv"})

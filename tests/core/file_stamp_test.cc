@@ -32,8 +32,8 @@ TEST(ContentHash, OfAnUntouchedInputIsReadOnceInAWholeRun) {
   const TemporaryFolder folder;
   const std::uintmax_t before = BytesRead();
   lake::Run run({"lake-x", "lake-x", {}, folder / "out", true});
-  run.AddInput(recording);
-  run.AddInput(recording);
+  run.AddInput(recording, "text");
+  run.AddInput(recording, "text");
   run.WriteSummary(Json::object());
   EXPECT_LT(BytesRead() - before, 3 * fs::file_size(recording) / 2);
 }

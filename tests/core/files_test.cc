@@ -85,7 +85,7 @@ TEST(Run, SummaryHoldsWhatMadeTheResult) {
   const TemporaryFolder folder;
   WriteTextFile(folder / "in.txt", "abc");
   lake::Run run({"lake-x", "lake-x in.txt", {{"a", "1"}}, folder / "out", true});
-  run.AddInput(folder / "in.txt");
+  run.AddInput(folder / "in.txt", "text");
   run.Warn("dim");
   EXPECT_THROW(run.WriteSummary({{"answer", 42}, {"program", "of the stroke"}}), std::logic_error);
   run.WriteSummary({{"answer", 42}});
@@ -98,6 +98,7 @@ TEST(Run, SummaryHoldsWhatMadeTheResult) {
   EXPECT_EQ(summary["given"], Json::array());
   EXPECT_EQ(summary["answer"], 42);
   // FIPS 180-2, appendix B.1.
+  EXPECT_EQ(summary["inputs"][0]["role"], "text");
   EXPECT_EQ(summary["inputs"][0]["sha256"], "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
@@ -140,7 +141,7 @@ TEST(Provenance, DoesNotNameTheHomeFolder) {
   EXPECT_EQ(FromHome("~anna/in.txt"), "~anna/in.txt");
 
   lake::Run run({"lake-x", "lake-x " + input, {{"files", {input, input}}}, home / "out", true, {input}});
-  run.AddInput(input);
+  run.AddInput(input, "text");
   run.WriteSummary(Json::object());
   for (const auto& file : std::filesystem::directory_iterator(home / "out"))
     EXPECT_THAT(ReadTextFile(file.path()), testing::Not(HasSubstr("anna"))) << file.path();
@@ -159,7 +160,7 @@ TEST(Provenance, InputsWithOddNamesAreFoundAgain) {
   std::filesystem::current_path(folder.Path());
   for (const std::filesystem::path& file : {std::filesystem::path("~/in.txt"), within}) {
     lake::Run run({"lake-x", "lake-x", Json::object(), folder.Path() / "out", true});
-    run.AddInput(file);
+    run.AddInput(file, "text");
     const Json summary = run.WriteSummary(Json::object());
     EXPECT_TRUE(std::filesystem::equivalent(FromHome(summary["inputs"][0]["path"].get<std::string>()), file)) << file;
   }
@@ -171,7 +172,7 @@ TEST(Provenance, OfAPipeCannotBeTold) {
   const std::filesystem::path pipe = folder / "pipe.csv";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   lake::Run run({"lake-x", "lake-x", Json::object(), folder / "out", true});
-  EXPECT_THAT([&] { run.AddInput(pipe); }, ThrowsMessage<Error>(HasSubstr("save it as a file")));
+  EXPECT_THAT([&] { run.AddInput(pipe, "text"); }, ThrowsMessage<Error>(HasSubstr("save it as a file")));
 }
 
 TEST(Provenance, CommitIsKnownInACloneAndUnknownElsewhere) {

@@ -86,7 +86,7 @@ TEST_F(ResultFolder, OfARunWhoseInputChangedHasNoSummary) {
   WriteTextFile(folder_ / "gone.csv", "1");
   for (const char* name : {"in.csv", "gone.csv"}) {
     lake::Run run(Info("lake-x"));
-    run.AddInput(folder_ / name);
+    run.AddInput(folder_ / name, "text");
     Write(run, "a.csv");
     if (name == std::string("in.csv"))
       WriteTextFile(folder_ / name, "2");
@@ -128,10 +128,25 @@ TEST_F(ResultFolder, WithAListThatCannotBeReadKeepsWhatIsThere) {
   EXPECT_EQ(ReadTextFile(Out() / "tracks.csv"), "mine");
 }
 
+// Of several places the first that is there; what is absent is no input.
+TEST_F(ResultFolder, RecordsTheInputsThatAreThere) {
+  for (const char* name : {"b.csv", "c.csv", "d.csv"}) WriteTextFile(folder_ / name, name);
+  lake::Run run(Info("lake-test"));
+  run.AddInputs({{folder_ / "a.csv", "markers"},
+                 {folder_ / "b.csv", "markers", true},
+                 {folder_ / "c.csv", "markers", true},
+                 {folder_ / "d.csv", "motion"},
+                 {folder_ / "e.csv", "camera"}});
+  const Json inputs = run.Head()["inputs"];
+  ASSERT_EQ(inputs.size(), 2u);
+  EXPECT_EQ(inputs[0]["path"], (folder_ / "b.csv").string());
+  EXPECT_EQ(inputs[1]["role"], "motion");
+}
+
 TEST_F(ResultFolder, KeepsWhatTheRunReadsUntilItIsReplaced) {
   Do("lake-calibrate", {"camera.yaml", "residuals.csv"});
   lake::Run run(Info("lake-calibrate"));
-  run.AddInput(Out() / "camera.yaml");
+  run.AddInput(Out() / "camera.yaml", "camera");
   run.Begin();
   EXPECT_TRUE(Has("camera.yaml"));
   EXPECT_FALSE(Has("residuals.csv") || Has("summary.json"));

@@ -329,23 +329,11 @@ TEST_F(StudyYaml, RefusesDesignsThatCannotBe) {
 
 // What a step depends on: the same whatever the order of keys and the blanks, another for another value.
 TEST_F(StudyYaml, KeepsWhatASectionSays) {
-  const Json one = Read("human: {video: human.mp4, start_s: 5, filter: none}\n").human.options;
-  const Json other = Read("human:\n  # a comment\n  start_s: 5.0\n  filter: none\n  video: human.mp4\n").human.options;
+  const Json one = Read("human: {video: human.mp4, start_s: 5, filter: none}\n").human.section.text;
+  const Json other =
+      Read("human:\n  # a comment\n  start_s: 5.0\n  filter: none\n  video: human.mp4\n").human.section.text;
   EXPECT_EQ(one, other);
-  EXPECT_NE(one, Read("human: {video: human.mp4, start_s: 6, filter: none}\n").human.options);
-}
-
-// The optimum of a problem without a person in it, and nothing else.
-TEST_F(StudyYaml, StepsKnowWhetherTheyAreNobodys) {
-  const auto nobodys = [&](const std::string& yaml) {
-    std::vector<std::string> names;
-    for (const steps::StudyStep& step : study::StudySteps(Read(yaml), folder_ / "out", Json::object()))
-      if (step.is_nobodys) names.push_back(step.name);
-    return names;
-  };
-  const std::string trial = "human: {video: human.mp4}\n";
-  EXPECT_THAT(nobodys(trial + "reoptimize: {max_misalignment_percent: 3}\n"), ElementsAre("optimum"));
-  EXPECT_THAT(nobodys(trial + "design: {problem: {clearances: {seat_mm: 1}}}\n"), ElementsAre());
+  EXPECT_NE(one, Read("human: {video: human.mp4, start_s: 6, filter: none}\n").human.section.text);
 }
 
 // What the study asks for stands above its problem, for each design by itself.

@@ -261,15 +261,31 @@ TEST_P(Steps, InterruptedGoOnWhereTheyWere) {
 // One at a time, as a scheduler does them: the same files as all at once, and what is missing before it is said.
 TEST_P(Steps, AreDoneOneByOne) {
   const std::vector<steps::StudyStep> all = {Copy("a"), Copy("b"), Join(), Report()};
-  const steps::StepRunOptions options{"this build", "test", true};
+  const auto run_step = [&](const std::string& name) {
+    return steps::RunSteps(all, {.made_by = "this build", .command = "test", .quiet = true, .only = {name}}).front();
+  };
   EXPECT_THAT(steps::StepsBefore(all, all[2]), ElementsAre("a", "b"));
   EXPECT_THAT(steps::StepsBefore(all, all[3]), ElementsAre("a", "b", "join"));
-  EXPECT_THAT([&] { steps::RunStep(all, "report", options); },
+  EXPECT_THAT([&] { run_step("report"); },
               testing::ThrowsMessage<Error>(HasSubstr("step a leaves, which has not been done")));
-  EXPECT_THAT([&] { steps::RunStep(all, "walk", options); }, testing::ThrowsMessage<Error>(HasSubstr("it has a, b")));
-  for (const char* name : {"b", "a", "join", "report"}) EXPECT_TRUE(steps::RunStep(all, name, options).done) << name;
-  EXPECT_FALSE(steps::RunStep(all, "join", options).done);
+  EXPECT_THAT([&] { run_step("walk"); }, testing::ThrowsMessage<Error>(HasSubstr("it has a, b")));
+  for (const char* name : {"b", "a", "join", "report"}) EXPECT_TRUE(run_step(name).done) << name;
+  EXPECT_FALSE(run_step("join").done);
   EXPECT_THAT(Go(), IsEmpty()) << "done one by one is done";
+}
+
+TEST_P(Steps, ThatFailKeepNothingElseFromBeingDone) {
+  steps::StudyStep failing = Copy("a");
+  failing.work = [](lake::Run&) { throw UsageError("not so"); };
+  const std::vector<steps::StudyStep> all = {failing, Copy("b"), Join(), Report()};
+  const steps::StepRunOptions options{.made_by = "this build", .command = "test", .quiet = true, .keep_going = true};
+  EXPECT_EQ(MessageOf<UsageError>([&] { steps::RunSteps(all, options); }), "step a (a copy of a.txt): not so");
+  EXPECT_THAT(Done(), ElementsAre("b")) << "what reads the copy of a is not begun";
+  EXPECT_EQ(steps::StepFailure(failing), "step a (a copy of a.txt): not so");
+  EXPECT_EQ(steps::StepFailure(all[1]), std::nullopt);
+  EXPECT_THAT(steps::WhyDoSteps(all, "this build").front(), "not made yet");
+  EXPECT_THAT(Go(), ElementsAre("a", "join", "report"));
+  EXPECT_EQ(steps::StepFailure(failing), std::nullopt);
 }
 
 TEST_P(Steps, SayWhyTheyWouldBeDone) {

@@ -9,10 +9,10 @@
 #include "file_limit.h"
 #include "home_folder.h"
 #include "lake/commands/gait.h"
-#include "lake/commands/review.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/gait/corrected_events.h"
+#include "lake/reviewing/run_review.h"
 #include "places.h"
 #include "temporary_folder.h"
 
@@ -63,7 +63,7 @@ class CorrectedTrial : public testing::Test {
   }
 
   static ReviewedTrial Open(const fs::path& folder) {
-    return commands::ReviewedTrialOf(commands::ReadTrackedFolder(folder));
+    return reviewing::ReviewedTrialOf(reviewing::ReadTrackedFolder(folder));
   }
 
   // Moved, hidden, and names that were exchanged for three frames.
@@ -238,15 +238,16 @@ TEST_F(CorrectedTrial, TrackedAnewIsWhatIsDetectedNow) {
 TEST_F(CorrectedTrial, WithForeignCorrectionsIsRefused) {
   WriteTextFile(Folder("foreign.csv"), "frame,marker,x_px,y_px\n50,hip,,\n");
   Track("foreign", Folder("foreign.csv"));
-  EXPECT_THAT([&] { commands::ReadTrackedFolder(Folder("foreign")); },
+  EXPECT_THAT([&] { reviewing::ReadTrackedFolder(Folder("foreign")); },
               ThrowsMessage<Error>(HasSubstr("with corrections that lake review did not make")));
 }
 
 TEST_F(CorrectedTrial, OfAStudyIsReadToo) {
   const fs::path folder = Copy("study");
   Json summary = ReadJsonFile(folder / "summary.json");
-  // As a study's step keeps its section; the camera stands in another one.
-  summary["options"] = {{"markers", {"ankle", "knee", "hip", "waist"}}, {"video", "video.mp4"}};
+  // The study says where the results lie; its camera stands in another section.
+  summary["options"].erase("out");
+  std::erase(summary["given"].get_ref<Json::array_t&>(), Json("camera"));
   WriteJsonFile(folder / "summary.json", summary);
   const ReviewedTrial trial = Open(folder);
   ExpectSameTables(trial.work.fit(trial.book.Corrected()), folder);
@@ -258,7 +259,7 @@ TEST_F(CorrectedTrial, OfAVideoInTheHomeFolderIsReadToo) {
   const HomeFolder home(Recording("video.mp4").parent_path());
   Track("home");
   EXPECT_EQ(ReadJsonFile(Folder("home") / "summary.json")["inputs"][0]["path"], "~/video.mp4");
-  const commands::TrackedFolder folder = commands::ReadTrackedFolder(Folder("home"));
+  const reviewing::TrackedFolder folder = reviewing::ReadTrackedFolder(Folder("home"));
   EXPECT_EQ(folder.options.video, Recording("video.mp4"));
   EXPECT_EQ(folder.options.camera, Recording("camera.yaml"));
 }
@@ -268,17 +269,17 @@ TEST_F(CorrectedTrial, NeedsItsOwnVideo) {
   Json summary = ReadJsonFile(folder / "summary.json");
   const Json content = std::exchange(summary["inputs"][0]["sha256"], "00");
   WriteJsonFile(folder / "summary.json", summary);
-  EXPECT_THAT([&] { commands::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("has changed since")));
+  EXPECT_THAT([&] { reviewing::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("has changed since")));
   summary["inputs"][0]["path"] = "elsewhere/video.mp4";
   WriteJsonFile(folder / "summary.json", summary);
-  EXPECT_THAT([&] { commands::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("is not to be found")));
+  EXPECT_THAT([&] { reviewing::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("is not to be found")));
   // Moved beside its results: another of its name is not taken for it.
   fs::copy_file(Recording("video.mp4"), folder / "video.mp4");
-  EXPECT_THAT([&] { commands::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("is not to be found")));
+  EXPECT_THAT([&] { reviewing::ReadTrackedFolder(folder); }, ThrowsMessage<Error>(HasSubstr("is not to be found")));
   summary["inputs"][0]["sha256"] = content;
   WriteJsonFile(folder / "summary.json", summary);
-  EXPECT_EQ(commands::ReadTrackedFolder(folder).options.video, folder / "video.mp4");
-  EXPECT_THAT([&] { commands::ReadTrackedFolder(folder_.Path()); },
+  EXPECT_EQ(reviewing::ReadTrackedFolder(folder).options.video, folder / "video.mp4");
+  EXPECT_THAT([&] { reviewing::ReadTrackedFolder(folder_.Path()); },
               ThrowsMessage<Error>(HasSubstr("is not a folder of lake track's")));
 }
 

@@ -651,6 +651,7 @@ class ReviewPage(unittest.TestCase):
             files={self.trial / "full.yaml": inline + "body: {seat_edge_mm: 150}\nparts: {bar_width_mm: 40}\n"})
         summary = json.loads((step / "summary.json").read_text())
         summary["options"] = {"problem": {"standing_deg": 5, "actuator": "mine.csv", "clearances": {"seat_mm": 1}}}
+        summary["given"] = []
         (step / "summary.json").write_text(json.dumps(summary))
         (self.trial / "study.yaml").write_text("name: x\n")
         (self.trial / "out/summary.json").write_text(

@@ -60,8 +60,8 @@ Json RunAnonymise(const AnonymiseRunOptions& options, Run& run) {
   } catch (const Json::exception& error) {
     throw Fail("{}: not a summary of lake-track ({})", summary_file.string(), error.what());
   }
-  run.AddInput(video::FilesOfVideo(options.video));
-  run.AddInput(tracks);
+  run.AddInput(video::FilesOfVideo(options.video), "video");
+  run.AddInput(tracks, "tracks");
   const overlay::HeadBlur blur(motion::ReadMarkerCsv(tracks));
   run.Begin({"summary.json", "anonymised.mp4"});
   overlay::AnonymiseOptions copy = options.copy;

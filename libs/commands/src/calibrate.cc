@@ -159,6 +159,16 @@ camera::CalibrationResult CalibrateWithViewsThatFit(const camera::Board& board,
 
 }  // namespace
 
+std::vector<InputFile> InputsOf(const CalibrateRunOptions& options) {
+  std::vector<InputFile> inputs;
+  for (const fs::path& picture : options.pictures) inputs.push_back({video::FilesOfVideo(picture), "board"});
+  return inputs;
+}
+
+std::vector<InputFile> InputsOf(const PlaneRunOptions& options) {
+  return {{options.picture, "plane"}, {options.camera, "camera"}};
+}
+
 Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
   if (options.pictures.empty())
     throw UsageError("no pictures given: name images or a video of the board; see lake-calibrate --help");
@@ -166,7 +176,7 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
   camera::BoardPicturesOptions find = options.find;
   find.quiet = run.Quiet();
   const camera::Board board = camera::ParseBoard(options.board);
-  for (const fs::path& picture : options.pictures) run.AddInput(video::FilesOfVideo(picture));
+  run.AddInputs(InputsOf(options));
   run.Begin({"summary.json", "camera.yaml", "residuals.csv", "residuals.png", "residuals.svg", "cross_validation.png",
              "cross_validation.svg"});
   camera::BoardPictures pictures = camera::FindBoards(options.pictures, board, find);
@@ -204,8 +214,7 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
 Json RunPlane(const PlaneRunOptions& options, Run& run) {
   if (options.board.empty() == options.points.empty()) throw UsageError("give either --board or --points");
   camera::CameraProfile profile = camera::ReadCameraProfile(options.camera);
-  run.AddInput(options.picture);
-  run.AddInput(options.camera);
+  run.AddInputs(InputsOf(options));
   const camera::PlaneFit fit = FitPlaneOf(options, profile.camera);
   for (const std::string& warning : fit.warnings) run.Warn(warning);
   profile.camera_from_plane = fit.camera_from_plane;

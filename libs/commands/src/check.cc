@@ -220,7 +220,7 @@ void Describe(CheckRunOptions& o, OptionList& options) {
 
 Json RunCheck(const CheckRunOptions& options, Run& run) {
   const tracking::RecordingCheck check = tracking::CheckRecording(options.video, options.check);
-  run.AddInput(video::FilesOfVideo(options.video));
+  run.AddInput(video::FilesOfVideo(options.video), "video");
   run.Begin({"summary.json", "check.png"});
   const std::vector<CheckItem> items = JudgeRecording(check, options.check.markers);
   const bool fit =

@@ -26,12 +26,11 @@ bool IsTracked(const fs::path& path) {
   return FindResult(path, "kinematics.csv") && FindResult(path, "events.csv");
 }
 
-compare::TrialTables ReadTracked(const fs::path& folder, Run& run) {
+compare::TrialTables ReadTracked(const fs::path& folder) {
   compare::TrialTables tables;
   tables.name = folder.string();
-  const fs::path markers = exchange::TableOfFolder(folder);
   // The estimates of the fit that kinematics.csv is of, which started from the measurements.
-  tables.trajectory = motion::ReadMarkerCsv(markers, motion::MarkerValues::kEstimated);
+  tables.trajectory = motion::ReadMarkerCsv(exchange::TableOfFolder(folder), motion::MarkerValues::kEstimated);
   tables.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   tables.events = motion::ReadEventsCsv(folder / "events.csv");
   gait::LegFitOptions said;
@@ -47,7 +46,6 @@ compare::TrialTables ReadTracked(const fs::path& folder, Run& run) {
   } catch (const Error& error) {
     throw Fail("{}: {}", folder.string(), error.what());
   }
-  for (const fs::path& file : {markers, folder / "kinematics.csv", folder / "events.csv"}) run.AddInput(file);
   return tables;
 }
 
@@ -60,7 +58,7 @@ exchange::TrialOptions FolderReading(const exchange::TrialOptions& reading) {
 
 compare::TrialTables FitTables(const fs::path& path, const exchange::TrialOptions& reading, const std::string& knee,
                                Run& run) {
-  const exchange::Trial trial = ReadTrialFor(path, fs::is_directory(path) ? FolderReading(reading) : reading, run);
+  const exchange::Trial trial = ReadTrialFor(path, fs::is_directory(path) ? FolderReading(reading) : reading);
   gait::LegFitOptions fit;
   fit.facing_option = "--forward";
   if (!trial.recording.Find(kKnee)) fit.markers.knee = knee;
@@ -98,8 +96,7 @@ compare::RegisteredTrial Register(const compare::TrialTables& tables, const std:
   return compare::RegisterTrial(tables, options);
 }
 
-compare::RegisteredTrial ReadCurve(const fs::path& folder, compare::StsCurve compare::ComparedCurves::*side, Run& run) {
-  run.AddInput(folder / "comparison.json");
+compare::RegisteredTrial ReadCurve(const fs::path& folder, compare::StsCurve compare::ComparedCurves::*side) {
   return {{compare::ReadComparison(folder).*side}, {}};
 }
 
@@ -120,9 +117,8 @@ RegisteredPair ReadPair(const CompareRunOptions& options, Run& run) {
                          kExoKnee, exo->name));
   RegisteredPair pair;
   pair.exo_knee = exo ? FindExoKnee(exo->trajectory, options) : options.exo_knee.value_or(kExoKnee);
-  pair.human =
-      human ? Register(*human, options.human_knee) : ReadCurve(options.human, &compare::ComparedCurves::human, run);
-  pair.exo = exo ? Register(*exo, pair.exo_knee) : ReadCurve(options.exo, &compare::ComparedCurves::exo, run);
+  pair.human = human ? Register(*human, options.human_knee) : ReadCurve(options.human, &compare::ComparedCurves::human);
+  pair.exo = exo ? Register(*exo, pair.exo_knee) : ReadCurve(options.exo, &compare::ComparedCurves::exo);
   return pair;
 }
 
@@ -181,12 +177,26 @@ void CheckReading(const fs::path& path, const exchange::TrialOptions& reading) {
 
 compare::TrialTables ReadTrialTables(const fs::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run) {
-  return IsTracked(path) ? ReadTracked(path, run) : FitTables(path, reading, knee, run);
+  return IsTracked(path) ? ReadTracked(path) : FitTables(path, reading, knee, run);
+}
+
+std::vector<InputFile> TrialTableInputs(const fs::path& path, const std::string& role) {
+  if (IsCompared(path)) return {{path / "comparison.json", role}};
+  std::vector<InputFile> inputs = TrialInputs(path, role);
+  if (IsTrialFolder(path)) inputs.push_back({path / "kinematics.csv", role + " motion"});
+  return inputs;
+}
+
+std::vector<InputFile> InputsOf(const CompareRunOptions& options) {
+  std::vector<InputFile> inputs = TrialTableInputs(options.human, "human");
+  for (InputFile& input : TrialTableInputs(options.exo, "exo")) inputs.push_back(std::move(input));
+  return inputs;
 }
 
 Json RunCompare(const CompareRunOptions& options, Run& run) {
   CheckReadings(options);
   const RegisteredPair pair = ReadPair(options, run);
+  run.AddInputs(InputsOf(options));
   const std::string& exo_knee = pair.exo_knee;
   run.Begin({"summary.json", "misalignment.csv", "overlay.png", "overlay.svg", "misalignment.png", "misalignment.svg",
              "comparison.json", "report.html"});

@@ -39,12 +39,13 @@ Json WriteCalibrationFirmware(const DutyRunOptions& options, Run& run) {
 
 std::vector<actuator::DutyLog> ReadLogs(const DutyRunOptions& options, Run& run, Json& alignment) {
   std::vector<actuator::DutyLog> logs;
-  for (const auto& path : options.logs) run.AddInput(path);
+  for (const auto& path : options.logs) run.AddInput(path, "log");
   if (options.video) {
     if (options.logs.size() != 1 || options.potentiometer)
       throw UsageError("--video: give the one log that was written while it was filmed, and no --pot");
-    actuator::AlignedLog aligned = actuator::AlignWithFilm(actuator::ReadDutyCommands(options.logs[0]),
-                                                           ReadRodFilm(*options.video, options.rod, run));
+    actuator::AlignedLog aligned =
+        actuator::AlignWithFilm(actuator::ReadDutyCommands(options.logs[0]), ReadRodFilm(*options.video, options.rod));
+    run.AddInput(*options.video / "trajectory.csv", "film");
     alignment = {{"shift_s", aligned.shift_s}, {"correlation", aligned.correlation}};
     return {std::move(aligned.log)};
   }

@@ -51,7 +51,7 @@ const Format& FormatNamed(const std::string& name) {
 Json RunExport(const ExportOptions& options, Run& run) {
   const Format& format = FormatNamed(options.format);
   const linkage::Design design = linkage::ReadDesign(options.design);
-  run.AddInput(options.design);
+  run.AddInput(options.design, "design");
   const linkage::UsedRange range = linkage::FindUsedRange(design.links, design.d_min_mm, design.d_max_mm);
   const parts::Mechanism mechanism = parts::MakeMechanism(design.links, range, options.parts);
   run.Begin({"summary.json", format.file, "parts.csv"});

@@ -98,8 +98,7 @@ std::optional<motion::Side> LegOf(const exchange::Trial& trial, const gait::LegF
   return motion::NearLeg(fit.motion.facing);
 }
 
-void TakeEvents(const std::filesystem::path& file, gait::LegFitResult& result, Run& run) {
-  run.AddInput(file);
+void TakeEvents(const std::filesystem::path& file, gait::LegFitResult& result) {
   result.events = motion::ReadEventsCsv(file);
   gait::SetRepetitions(result.events, result.motion);
 }
@@ -129,14 +128,29 @@ void Describe(GaitRunOptions& o, OptionList& options) {
   gait::DescribeEvents(o.events, options);
 }
 
-exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run,
+bool IsTrialFolder(const std::filesystem::path& trial) {
+  return std::filesystem::is_directory(trial) || !trial.has_extension();
+}
+
+std::vector<InputFile> TrialInputs(const std::filesystem::path& trial, const std::string& role) {
+  if (!IsTrialFolder(trial)) return {{trial, role}};
+  return {
+      {trial / "trajectory.csv", role}, {trial / "tracks.csv", role, true}, {trial / "events.csv", role + " events"}};
+}
+
+std::vector<InputFile> InputsOf(const GaitRunOptions& options) {
+  std::vector<InputFile> inputs = TrialInputs(options.trial, "trial");
+  if (options.camera) inputs.push_back({*options.camera, "camera"});
+  if (options.events) inputs.push_back({*options.events, "events"});
+  return inputs;
+}
+
+exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading,
                              const gait::PictureScale& picture) {
   exchange::CheckNoneIsUnused(path, exchange::UnusedOptions(path, reading));
   exchange::Trial trial = exchange::ReadTrial(path, reading);
   if (picture.IsGiven() && trial.recording.unit == motion::LengthUnit::kMm)
     exchange::CheckNoneIsUnused(trial.file, {{picture.camera ? "--camera" : "--scale", "its lengths are in mm"}});
-  run.AddInput(trial.file);
-  if (picture.camera) run.AddInput(*picture.camera);
   return trial;
 }
 
@@ -152,7 +166,7 @@ gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fi
   }
   fit.unit_question = [&](const std::string& unit) { return UnitQuestion(trial, unit); };
   gait::LegFitResult result = FitOrName(trial, view, fit);
-  if (const auto events = CorrectedEventsOf(trial)) TakeEvents(*events, result, run);
+  if (const auto events = CorrectedEventsOf(trial)) TakeEvents(*events, result);
   SayWarnings(trial, result, run);
   return result;
 }
@@ -163,12 +177,11 @@ Json CorrectEventsBy(const std::filesystem::path& file, gait::LegFitResult& fit)
 }
 
 Json RunGait(const GaitRunOptions& options, Run& run) {
-  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run, options);
-  if (options.events) {
-    run.AddInput(*options.events);
+  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, options);
+  run.AddInputs(InputsOf(options));
+  if (options.events)
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
-  }
   run.Begin({"summary.json", "kinematics.csv", "events.csv", "trajectory.csv", "tracks.csv", "gait.png", "gait.svg"});
   gait::LegFitResult result = FitTrial(trial, options.fit, run, options);
   Json results = Json::object();

@@ -76,7 +76,6 @@ void WarnOfSwappedPlates(const exchange::GroundForceRecording& forces, const exc
 loads::GroundForces ReadForces(const LoadsRunOptions& options, const exchange::Trial& trial,
                                const gait::LegFitResult& fit, Run& run) {
   const exchange::GroundForceRecording file = exchange::ReadGroundForces(options.forces);
-  run.AddInput(options.forces);
   const Eigen::Matrix3d& plane_from_space = *trial.plane_from_space;
   const Vector3d up = plane_from_space.row(1);
   if (up != Vector3d::Unit(file.up_axis - 'x'))
@@ -246,9 +245,16 @@ void Describe(LoadsRunOptions& o, OptionList& options) {
   });
 }
 
+std::vector<InputFile> InputsOf(const LoadsRunOptions& options) {
+  std::vector<InputFile> inputs = InputsOf(static_cast<const GaitRunOptions&>(options));
+  if (!options.forces.empty()) inputs.push_back({options.forces, "forces"});
+  return inputs;
+}
+
 Json RunLoads(const LoadsRunOptions& options, Run& run) {
   options.loads.body.Check();
-  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, run, options);
+  const exchange::Trial trial = ReadTrialFor(options.trial, options.reading, options);
+  run.AddInputs(InputsOf(options));
   if (!options.forces.empty() && !trial.plane_from_space)
     throw Fail(
         "{}: a trial in a plane does not say where the force plates are; give the marker file of the same laboratory "

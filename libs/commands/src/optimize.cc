@@ -6,6 +6,7 @@
 #include "assistance_tables.h"
 #include "group_tables.h"
 #include "lake/commands/compare.h"
+#include "lake/commands/gait.h"
 #include "lake/commands/optimize_tables.h"
 #include "lake/compare/comparison_file.h"
 #include "lake/core/csv.h"
@@ -90,7 +91,6 @@ void CheckFront(const OptimizeRunOptions& options) {
 Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
   CheckFront(options);
   const std::vector<problem::LinearActuator> actuators = problem::ReadActuators(options.actuators);
-  run.AddInput(options.actuators);
   run.Begin({"summary.json", "actuators_front.csv", "actuators_front.png", "actuators_front.svg"});
   const std::vector<synthesis::ActuatorCurve> curves =
       synthesis::FindActuatorFront(options.problem, actuators, SharesOf(options.problem), options.study.optimize);
@@ -118,11 +118,10 @@ compare::StsCurve ReadHuman(const ReoptimizeRunOptions& options, Run& run) {
 }
 
 // Of one comparison, and the design worn in it.
-redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::size_t i, Run& run) {
+redesign::MeasuredMotion ReadCompared(const ReoptimizeRunOptions& options, std::size_t i) {
   redesign::MeasuredMotion measured;
   const fs::path& comparison = options.comparisons[i];
   const compare::ComparedCurves curves = compare::ReadComparison(comparison);
-  run.AddInput(fs::is_directory(comparison) ? comparison / "comparison.json" : comparison);
   measured.human = curves.human;
   measured.noise_floor_percent = 100 * curves.noise_floor_relative;
   if (!options.human_only) {
@@ -137,12 +136,11 @@ redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::
   if (options.comparisons.empty())
     measured.human = ReadHuman(options, run);
   else
-    measured = ReadCompared(options, i, run);
+    measured = ReadCompared(options, i);
   if (!options.worn.empty()) {
     const fs::path& worn = options.worn[options.worn.size() == 1 ? 0 : i];
     measured.worn = linkage::ReadDesign(worn);
     measured.worn_file = worn.string();
-    if (i == 0 || options.worn.size() > 1) run.AddInput(worn);
   }
   return measured;
 }
@@ -223,9 +221,8 @@ void CheckForGroup(const OptimizeRunOptions& options) {
 }
 
 // Throws Error for a person without a height.
-std::vector<double> ReadHeights(const fs::path& participants, const std::vector<std::string>& names, Run& run) {
+std::vector<double> ReadHeights(const fs::path& participants, const std::vector<std::string>& names) {
   const CsvTable table = CsvTable::Read(participants, '\t');
-  run.AddInput(participants);
   std::vector<double> heights_mm;
   for (const std::string& name : names) {
     std::size_t row = 0;
@@ -251,7 +248,7 @@ Json RunForGroup(const OptimizeRunOptions& options, const redesign::RedesignProb
       reoptimize.people.empty() ? NamesOfFolders(reoptimize.comparisons) : reoptimize.people;
   std::vector<group::PersonMeasured> people;
   for (std::size_t i = 0; i < names.size(); ++i) people.push_back({names[i], ReadMeasured(reoptimize, i, run)});
-  if (!reoptimize.participants.empty()) reoptimize.heights_mm = ReadHeights(reoptimize.participants, names, run);
+  if (!reoptimize.participants.empty()) reoptimize.heights_mm = ReadHeights(reoptimize.participants, names);
   run.Begin(GroupResultNames(names, reoptimize.sizes));
   const auto finish = [&](const auto& outcome, Json summary, const std::string& reason) {
     if (outcome.IsSolved()) return summary;
@@ -290,14 +287,32 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   return summary;
 }
 
+void AddInputs(const ReoptimizeRunOptions& options, std::vector<InputFile>& inputs) {
+  for (const fs::path& comparison : options.comparisons)
+    inputs.push_back({IsTrialFolder(comparison) ? comparison / "comparison.json" : comparison, "comparison"});
+  if (!options.human.empty())
+    for (InputFile& input : TrialTableInputs(options.human, "human")) inputs.push_back(std::move(input));
+  for (const fs::path& worn : options.worn) inputs.push_back({worn, "worn"});
+  if (!options.participants.empty()) inputs.push_back({options.participants, "participants"});
+}
+
 }  // namespace
+
+std::vector<InputFile> InputsOf(const OptimizeRunOptions& options) {
+  std::vector<InputFile> inputs;
+  if (!options.problem_file.empty()) inputs.push_back({options.problem_file, "problem"});
+  if (options.problem.profile) inputs.push_back({options.problem.profile->file, "profile"});
+  if (options.problem.actuator && !options.problem.actuator->file.empty())
+    inputs.push_back({options.problem.actuator->file, "actuator"});
+  if (!options.actuators.empty()) inputs.push_back({options.actuators, "actuators"});
+  if (options.reoptimize) AddInputs(*options.reoptimize, inputs);
+  return inputs;
+}
 
 Json RunOptimize(const OptimizeRunOptions& options, Run& run) {
   options.study.Check();
   problem::CheckBody(options.problem);
-  if (!options.problem_file.empty()) run.AddInput(options.problem_file);
-  if (options.problem.profile) run.AddInput(options.problem.profile->file);
-  if (options.problem.actuator && !options.problem.actuator->file.empty()) run.AddInput(options.problem.actuator->file);
+  run.AddInputs(InputsOf(options));
   if (!options.actuators.empty()) return RunActuatorFront(options, run);
   return options.reoptimize ? RunRedesign(options, run) : RunSynthesis(options, run);
 }

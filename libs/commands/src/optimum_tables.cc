@@ -22,7 +22,7 @@ std::string_view ActiveSide(double value, const problem::Bounds& limits) {
 
 void AddLimitedRow(const LimitedRow& row, CsvWriter& table) {
   table.Add(row.name).Add(row.before).Add(row.after).Add(row.limits.lower).Add(row.limits.upper);
-  table.Add(ActiveSide(row.after, row.limits)).Add(row.price);
+  table.Add(ActiveSide(row.after, row.limits)).Add(row.multiplier);
 }
 
 }  // namespace

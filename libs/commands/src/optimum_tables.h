@@ -34,7 +34,7 @@ struct LimitedRow {
   std::string name;
   double before, after;
   problem::Bounds limits;
-  std::optional<double> price;
+  std::optional<double> multiplier;
   std::string unit{};  // constraints.csv only
 };
 

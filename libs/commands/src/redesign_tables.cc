@@ -101,7 +101,7 @@ LimitedRow MisalignmentRow(const redesign::RedesignOutcome& outcome) {
                  .price = {},
                  .unit = "%"};
   if (const auto* entry = outcome.active.Find({On::kMisalignment}); entry && outcome.active.multipliers_unique)
-    row.price = entry->price;
+    row.multiplier = entry->price;
   return row;
 }
 

@@ -1,6 +1,7 @@
 #include "rod_film.h"
 
 #include "lake/core/error.h"
+#include "lake/core/run.h"
 #include "lake/motion/marker_recording.h"
 
 namespace lake::commands {
@@ -14,15 +15,13 @@ const motion::MarkerTrack& TrackOf(const motion::MarkerRecording& recording, con
 
 }  // namespace
 
-actuator::ActuatorFilm ReadRodFilm(const std::filesystem::path& folder, const std::vector<std::string>& names,
-                                   Run& run) {
+actuator::ActuatorFilm ReadRodFilm(const std::filesystem::path& folder, const std::vector<std::string>& names) {
   const std::optional<std::filesystem::path> found = FindResult(folder, "trajectory.csv");
   if (!found)
     throw Fail("{}: no trajectory.csv in it; track the video with --scale or a calibrated plane, lengths in mm",
                folder.string());
   if (names.size() != 2) throw UsageError("--rod-markers: give two names, BODY,ROD");
   const std::filesystem::path& file = *found;
-  run.AddInput(file);
   const motion::MarkerRecording recording = motion::ReadMarkerCsv(file);
   const motion::MarkerTrack &body = TrackOf(recording, names[0], file.string()),
                             &rod = TrackOf(recording, names[1], file.string());

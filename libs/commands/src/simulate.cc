@@ -106,9 +106,8 @@ void WriteTable(const std::filesystem::path& path, const drawing::LinkageLook& l
   table.Write(path);
 }
 
-TorqueTable ReadTorques(const SimulationOptions& options, Run& run) {
+TorqueTable ReadTorques(const SimulationOptions& options) {
   if (options.torques.empty()) return TorqueTable(options.knee_torque_nm);
-  run.AddInput(options.torques);
   return TorqueTable::Read(options.torques);
 }
 
@@ -376,7 +375,6 @@ void WarnOfShare(const problem::LinearActuator& actuator, const problem::Assista
 // What the design's actuator does along the load profile; null without one.
 Json Assist(const linkage::Design& design, const linkage::UsedRange& range, problem::SynthesisProblem load, Run& run) {
   if (!load.HasLoadProfile()) return nullptr;
-  run.AddInput(load.profile->file);
   load.d_min_mm = design.d_min_mm;
   load.d_max_mm = range.stroke.upper_mm;
   load.standing_deg = DegreesFromRadians(range.theta_at_upper_rad);
@@ -420,12 +418,21 @@ void SimulationOptions::Check() const {
     throw UsageError("--thigh and --shank are one leg: give both or neither");
 }
 
+std::vector<InputFile> InputsOf(const SimulationOptions& options) {
+  std::vector<InputFile> inputs;
+  if (!options.torques.empty()) inputs.push_back({options.torques, "torques"});
+  if (options.load.profile) inputs.push_back({options.load.profile->file, "profile"});
+  if (options.load.actuator && !options.load.actuator->file.empty())
+    inputs.push_back({options.load.actuator->file, "actuator"});
+  return inputs;
+}
+
 Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& options, Run& run) {
   options.Check();
   options.parts.Check();
-  if (options.load.actuator && !options.load.actuator->file.empty()) run.AddInput(options.load.actuator->file);
+  run.AddInputs(InputsOf(options));
   const Request request = Resolve(design, options);
-  const TorqueTable torque = ReadTorques(options, run);
+  const TorqueTable torque = ReadTorques(options);
   std::vector<std::string> names = {"assistance.csv", "assistance.png", "assistance.svg"};
   if (!options.load.HasLoadProfile()) names.clear();
   names.insert(names.end(),

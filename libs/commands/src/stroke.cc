@@ -21,11 +21,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-motion::LegMotion ReadMotion(const fs::path& folder, Run& run) {
+motion::LegMotion ReadMotion(const fs::path& folder) {
   const std::optional<fs::path> file = FindResult(folder, "kinematics.csv");
   if (!file)
     throw Fail("{}: no kinematics.csv in it; give a folder that lake-track or lake-gait wrote", folder.string());
-  run.AddInput(*file);
   return motion::ReadKinematicsCsv(*file);
 }
 
@@ -57,7 +56,7 @@ void TakeMotion(const StrokeRunOptions& options, const linkage::Design& design, 
     throw UsageError(
         "--motion says where a constant program begins and ends, and this design's program has knots of its own: leave "
         "--motion out, or give a constant speed with --speed");
-  const motion::LegMotion motion = ReadMotion(*options.motion, run);
+  const motion::LegMotion motion = ReadMotion(*options.motion);
   const actuator::SoftLimits limits = actuator::SoftLimitsOf(design, schedule.margin_mm);
   const double a = actuator::KneeDegAt(design.links, limits.lower_mm),
                b = actuator::KneeDegAt(design.links, limits.upper_mm);
@@ -172,8 +171,8 @@ Json ValidationJson(const actuator::Validation& v, double tolerance_deg) {
           {"program_seen", v.covered}};
 }
 
-std::vector<actuator::AngleSample> KneeAngles(const fs::path& folder, Run& run) {
-  const motion::LegMotion motion = ReadMotion(folder, run);
+std::vector<actuator::AngleSample> KneeAngles(const fs::path& folder) {
+  const motion::LegMotion motion = ReadMotion(folder);
   std::vector<actuator::AngleSample> samples;
   for (std::size_t i = 0; i < motion.samples.size(); ++i)
     if (!std::isnan(motion.samples[i].knee_deg)) samples.push_back({motion.time_s[i], motion.samples[i].knee_deg});
@@ -193,14 +192,12 @@ Json SeparatedJson(const actuator::SeparatedErrors& errors, const char* strokes)
 
 // None unless something measured the stroke.
 Json Separate(const StrokeRunOptions& options, const actuator::StrokeSchedule& schedule,
-              const std::vector<actuator::AngleSample>& angles, Run& run) {
+              const std::vector<actuator::AngleSample>& angles) {
   if (!options.stroke_log && options.rod.empty()) return Json();
-  if (options.stroke_log) {
-    run.AddInput(*options.stroke_log);
+  if (options.stroke_log)
     return SeparatedJson(
         actuator::SeparateErrorsByLog(schedule, actuator::ReadMeasuredStrokes(*options.stroke_log), angles), "log");
-  }
-  const actuator::ActuatorFilm film = ReadRodFilm(*options.validate, options.rod, run);
+  const actuator::ActuatorFilm film = ReadRodFilm(*options.validate, options.rod);
   return SeparatedJson(
       actuator::SeparateErrorsByVideo(schedule, {options.validate->string(), film.time_s, film.length_mm}, angles),
       "video");
@@ -241,7 +238,6 @@ StrokePlan MakePlan(const StrokeRunOptions& options, const linkage::Design& desi
   plan.schedule = actuator::MakeSchedule(design, how);
   if (options.duty_table) {
     plan.table = actuator::ReadDutyTable(*options.duty_table);
-    run.AddInput(*options.duty_table);
     actuator::CheckSpeeds(plan.schedule, *plan.table);
     plan.crawl = actuator::StepInsteadOfCrawling(plan.schedule, *plan.table, how.dead_time_s);
   }
@@ -319,6 +315,16 @@ Json WriteSketch(const std::string& stroke_table, const std::string& notes, Run&
   return files;
 }
 
+std::vector<InputFile> InputsOf(const StrokeRunOptions& options) {
+  std::vector<InputFile> inputs = {{options.design, "design"}};
+  if (options.duty_table) inputs.push_back({*options.duty_table, "duty table"});
+  if (options.motion) inputs.push_back({*options.motion / "kinematics.csv", "motion"});
+  if (options.validate) inputs.push_back({*options.validate / "kinematics.csv", "prototype"});
+  if (options.stroke_log) inputs.push_back({*options.stroke_log, "stroke log"});
+  if (options.validate && !options.rod.empty()) inputs.push_back({*options.validate / "trajectory.csv", "film"});
+  return inputs;
+}
+
 Json RunStroke(const StrokeRunOptions& options, Run& run) {
   if (!(options.tolerance_deg > 0 && options.tolerance_deg <= 90))
     throw UsageError(fmt::format("--tolerance must be above 0 and at most 90 degrees, not {}", options.tolerance_deg));
@@ -327,17 +333,17 @@ Json RunStroke(const StrokeRunOptions& options, Run& run) {
   if (options.stroke_log && !options.rod.empty())
     throw UsageError("--stroke-log and --rod-markers both measure the stroke: give one");
   const linkage::Design design = linkage::ReadDesign(options.design);
-  run.AddInput(options.design);
+  run.AddInputs(InputsOf(options));
   const StrokePlan plan = MakePlan(options, design, run);
   const std::optional<Sketch> sketch = MakeSketch(options, plan);
   std::vector<actuator::AngleSample> angles;
-  if (options.validate) angles = KneeAngles(*options.validate, run);
+  if (options.validate) angles = KneeAngles(*options.validate);
   run.Begin(ResultNames(sketch.has_value(), options.validate.has_value()));
   const std::vector<actuator::ScheduleRow> rows =
       actuator::SampleSchedule(plan.schedule, options.rate_hz, plan.table ? &*plan.table : nullptr);
   std::optional<actuator::Validation> validation;
   if (options.validate) validation = Validate(plan.schedule, angles, *options.validate);
-  const Json separated = options.validate ? Separate(options, plan.schedule, angles, run) : Json();
+  const Json separated = options.validate ? Separate(options, plan.schedule, angles) : Json();
 
   if (!sketch && !validation)
     run.Warn(

@@ -12,7 +12,7 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
   if (options.folder.empty()) throw UsageError("which program? give the folder that lake-stroke wrote");
   if (options.session.port.empty()) throw UsageError("which serial line? give --port /dev/ttyACM0");
   const actuator::SketchIdentity sketch = actuator::ReadSketchIdentity(options.folder);
-  run.AddInput(options.folder / "stroke_table.h");
+  run.AddInput(options.folder / "stroke_table.h", "stroke table");
   const auto total_ms = static_cast<std::int64_t>(std::llround(1e3 * sketch.duration_s));
   std::optional<Progress> progress;
   std::int64_t shown_ms = 0;

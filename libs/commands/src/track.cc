@@ -560,13 +560,18 @@ void Describe(TrackRunOptions& o, OptionList& options) {
   options.Add("smoothed", o.smoothed, "Export the fit's estimates, not the measurements");
 }
 
+std::vector<InputFile> InputsOf(const TrackRunOptions& options) {
+  std::vector<InputFile> inputs = {{video::FilesOfVideo(options.video), "video"}};
+  if (options.camera) inputs.push_back({*options.camera, "camera"});
+  if (options.corrections) inputs.push_back({*options.corrections, "corrections"});
+  if (options.events) inputs.push_back({*options.events, "events"});
+  return inputs;
+}
+
 Json RunTrack(const TrackRunOptions& options, Run& run) {
   CheckOptions(options);
   const video::VideoInfo video = video::VideoReader::Open(options.video, options.track.reader)->Info();
-  run.AddInput(video::FilesOfVideo(options.video));
-  if (options.camera) run.AddInput(*options.camera);
-  if (options.corrections) run.AddInput(*options.corrections);
-  if (options.events) run.AddInput(*options.events);
+  run.AddInputs(InputsOf(options));
   std::string scaled;
   const std::optional<camera::CameraProfile> profile = ReadCamera(options, video, scaled);
   const gait::LegView view = MakeView(options, profile, WarnThrough(run));

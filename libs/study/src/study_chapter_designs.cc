@@ -81,7 +81,7 @@ Section OptimumChapter(const StudyFile& study, const StudyResults& results) {
   return section;
 }
 
-Section SimulationChapter(const StudyResults& results) {
+Section SimulationChapter(const StudyFile&, const StudyResults& results) {
   const Json summary = results.Summary("simulation");
   Table table{fmt::format("Poses; the force balances {} at the knee",
                           Quantity(NumberOrNaN(summary.at("knee_torque_nm")), "N m")),

@@ -85,7 +85,7 @@ Table ActuatorsTable(const Json& assistance) {
 
 }  // namespace
 
-Section LoadsChapter(const StudyResults& results) {
+Section LoadsChapter(const StudyFile&, const StudyResults& results) {
   const std::string need = NeedText(results.Summary("loads"));
   Section section{"Loads", {}};
   const Json assistance = results.Has("assistance") ? results.Summary("assistance") : Json();

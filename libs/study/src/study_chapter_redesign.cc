@@ -44,8 +44,10 @@ Json MeasuredWorn(const StudyResults& results) {
                    {"program_duration_s", comparison.at("duration_s").at("exo")}};
   for (const char* part : {"placement", "timing", "shape"})
     measured[fmt::format("part_{}", part)] = parts.at(part).at("fraction");
-  if (const Json mount = comparison.value("mount_mm", Json()); mount.is_array())
-    measured["placement_x_mm"] = mount[0], measured["placement_y_mm"] = mount[1];
+  if (const Json mount = comparison.value("mount_mm", Json()); mount.is_array()) {
+    measured["placement_x_mm"] = mount[0];
+    measured["placement_y_mm"] = mount[1];
+  }
   return measured;
 }
 
@@ -106,7 +108,9 @@ List ActiveList(const Json& summary) {
 
 Series Path(const Json& curves, const std::string& prefix, const char* name, const char* colour, Mark mark) {
   Series path;
-  path.name = name, path.colour = colour, path.mark = mark;
+  path.name = name;
+  path.colour = colour;
+  path.mark = mark;
   for (const Json& x : curves.at(prefix + "_x_mm")) path.x.push_back(NumberOrNaN(x));
   for (const Json& y : curves.at(prefix + "_y_mm")) path.y.push_back(NumberOrNaN(y));
   for (std::size_t i = 0; i < path.x.size(); ++i) path.labels.push_back(fmt::format("{} %", i));
@@ -116,7 +120,9 @@ Series Path(const Json& curves, const std::string& prefix, const char* name, con
 Series ColumnSeries(const CsvTable& table, const char* x, const char* y, const char* name, const char* colour,
                     Mark mark) {
   Series series;
-  series.name = name, series.colour = colour, series.mark = mark;
+  series.name = name;
+  series.colour = colour;
+  series.mark = mark;
   for (std::size_t row = 0; row < table.Rows(); ++row) {
     series.x.push_back(table.Number(row, table.Column(x)).value_or(std::nan("")));
     series.y.push_back(table.Number(row, table.Column(y)).value_or(std::nan("")));
@@ -128,7 +134,8 @@ LineChart AnglesChart(const fs::path& program) {
   const CsvTable table = CsvTable::Read(program);
   LineChart chart;
   chart.title = "Knee angles";
-  chart.x = {"sit-to-stand (%)", 0, 100}, chart.y.label = "knee flexion (°)";
+  chart.x = {"sit-to-stand (%)", 0, 100};
+  chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
   chart.caption = "The human's, and the design's under its stroke program.";
   chart.series = {ColumnSeries(table, "percent", "knee_deg", "new design", colour::kNew, Mark::kDashed),
@@ -145,7 +152,8 @@ LineChart ParetoChart(const Json& summary) {
   chart.caption =
       "Each point is a design of its own. With the same stroke program none has more range and less misalignment; the "
       "programs differ in the time that a rise takes.";
-  chart.x.label = "range of rotation (°)", chart.y = {"misalignment, RMS (% of the shank length)", 0, std::nullopt};
+  chart.x.label = "range of rotation (°)";
+  chart.y = {"misalignment, RMS (% of the shank length)", 0, std::nullopt};
   for (const Json& front : summary.at("pareto")) {
     Series series;
     series.name = front.at("program").get<std::string>() + " program";
@@ -157,12 +165,18 @@ LineChart ParetoChart(const Json& summary) {
   }
   double least_deg = NumberOrNaN(summary.at("range_deg")), most_deg = least_deg;
   for (const Series& front : chart.series)
-    for (const double range_deg : front.x)
-      least_deg = std::min(least_deg, range_deg), most_deg = std::max(most_deg, range_deg);
-  chart.x.from = std::floor(least_deg / 5 - 0.2) * 5, chart.x.to = std::ceil(most_deg / 5 + 0.2) * 5;
+    for (const double range_deg : front.x) {
+      least_deg = std::min(least_deg, range_deg);
+      most_deg = std::max(most_deg, range_deg);
+    }
+  chart.x.from = std::floor(least_deg / 5 - 0.2) * 5;
+  chart.x.to = std::ceil(most_deg / 5 + 0.2) * 5;
   Series design;
-  design.name = "new design", design.mark = Mark::kPoints, design.colour = colour::kNew;
-  design.x = {NumberOrNaN(summary.at("range_deg"))}, design.y = {NumberOrNaN(summary.at("misalignment_percent"))};
+  design.name = "new design";
+  design.mark = Mark::kPoints;
+  design.colour = colour::kNew;
+  design.x = {NumberOrNaN(summary.at("range_deg"))};
+  design.y = {NumberOrNaN(summary.at("misalignment_percent"))};
   chart.series.push_back(std::move(design));
   return chart;
 }
@@ -259,8 +273,10 @@ LineChart PathsChart(const StudyResults& results) {
   chart.title = "Knee paths";
   chart.alt = "Paths of the human knee, of the exoskeleton's knee as measured and as predicted for the new design";
   chart.caption = "Seen from the side, one rise. Leg frame: origin at the seated ankle, x forward, y up.";
-  chart.x.label = "anterior (mm)", chart.y.label = "up (mm)";
-  chart.equal_scales = true, chart.width = Width::kHalf;
+  chart.x.label = "anterior (mm)";
+  chart.y.label = "up (mm)";
+  chart.equal_scales = true;
+  chart.width = Width::kHalf;
   // The first is drawn on top: a new path that covers the human's is still seen.
   chart.series = {Path(predicted, "exo_knee", "new design, predicted", colour::kNew, Mark::kDashed)};
   if (const fs::path measured = "comparison/comparison.json"; results.HasFile(measured))
@@ -270,7 +286,7 @@ LineChart PathsChart(const StudyResults& results) {
   return chart;
 }
 
-Section RedesignChapter(const StudyResults& results) {
+Section RedesignChapter(const StudyFile&, const StudyResults& results) {
   const Json summary = results.Summary("redesign");
   Section section{"New design", {}};
   if (summary.at("build_text").is_string())
@@ -299,13 +315,17 @@ Section RedesignChapter(const StudyResults& results) {
   return section;
 }
 
-Section StrokeChapter(const StudyResults& results) {
+Section StrokeChapter(const StudyFile&, const StudyResults& results) {
   const Json summary = results.Summary("stroke");
   const CsvTable table = CsvTable::Read(results.Folder() / "stroke/program.csv");
   LineChart stroke, knee;
-  stroke.title = "Stroke over time", stroke.x.label = "time (s)", stroke.y.label = "stroke (mm)";
+  stroke.title = "Stroke over time";
+  stroke.x.label = "time (s)";
+  stroke.y.label = "stroke (mm)";
   stroke.series = {ColumnSeries(table, "time_s", "stroke_mm", "stroke", colour::kNew, Mark::kLine)};
-  knee.title = "Resulting knee angle", knee.x.label = "time (s)", knee.y.label = "knee flexion (°)";
+  knee.title = "Resulting knee angle";
+  knee.x.label = "time (s)";
+  knee.y.label = "knee flexion (°)";
   knee.series = {ColumnSeries(table, "time_s", "knee_deg", "knee", colour::kNew, Mark::kLine)};
   stroke.width = knee.width = Width::kHalf;
   Section section{"Stroke program", {ProgramTable(summary)}};

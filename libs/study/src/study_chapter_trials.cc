@@ -109,10 +109,12 @@ LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
   LineChart chart;
   chart.title = fmt::format("Knee angle, {}", names.what);
   chart.caption = "Band: ± 2 standard deviations. Shaded: from onset to standing.";
-  chart.x.label = "time (s)", chart.y.label = "knee flexion (°)";
+  chart.x.label = "time (s)";
+  chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
   Series knee;
-  knee.name = "knee", knee.colour = names.colour;
+  knee.name = "knee";
+  knee.colour = names.colour;
   for (std::size_t i = 0; i < motion.samples.size(); i += 1 + motion.samples.size() / kMostPoints) {
     const motion::LegSample& sample = motion.samples[i];
     knee.x.push_back(motion.time_s[i]), knee.y.push_back(sample.knee_deg);
@@ -133,7 +135,7 @@ Section TrialsChapter(const StudyFile& study, const StudyResults& results) {
   return section;
 }
 
-Section MisalignmentChapter(const StudyResults& results) {
+Section MisalignmentChapter(const StudyFile&, const StudyResults& results) {
   const Json comparison = ReadJsonFile(results.Folder() / "comparison" / "comparison.json");
   LineChart paths = KneePathsChart(comparison), error = RelativeErrorChart(comparison);
   BarChart parts = DecompositionChart(comparison);

@@ -15,9 +15,6 @@
 
 namespace lake::study {
 
-// All steps that a study can have and that write into a folder of their own, in order.
-const std::vector<std::string>& StudyStepNames();
-
 // The folders of a study's steps: of those that it has, whatever else stands there.
 class StudyResults {
  public:
@@ -57,11 +54,11 @@ double LargestForce(const StudyResults& results);
 
 report::Section ResultChapter(const StudyResults& results);
 report::Section TrialsChapter(const StudyFile& study, const StudyResults& results);
-report::Section MisalignmentChapter(const StudyResults& results);
+report::Section MisalignmentChapter(const StudyFile& study, const StudyResults& results);
 report::Section OptimumChapter(const StudyFile& study, const StudyResults& results);
-report::Section RedesignChapter(const StudyResults& results);
-report::Section StrokeChapter(const StudyResults& results);
-report::Section LoadsChapter(const StudyResults& results);
-report::Section SimulationChapter(const StudyResults& results);
+report::Section RedesignChapter(const StudyFile& study, const StudyResults& results);
+report::Section StrokeChapter(const StudyFile& study, const StudyResults& results);
+report::Section LoadsChapter(const StudyFile& study, const StudyResults& results);
+report::Section SimulationChapter(const StudyFile& study, const StudyResults& results);
 
 }  // namespace lake::study

@@ -8,6 +8,7 @@
 
 #include "lake/core/error.h"
 #include "lake/core/options.h"
+#include "lake/core/options_json.h"
 #include "lake/core/yaml.h"
 #include "lake/problem/problem_file.h"
 #include "lake/synthesis/synthesis_options.h"
@@ -97,9 +98,15 @@ ResolvePath FilesOf(InputFiles& files) {
 
 // All options of `options` but those that the study itself gives.
 template <typename Options>
-void ReadSection(YamlNode& node, Options& options, InputFiles& files, const std::vector<std::string_view>& given = {}) {
-  OptionList list = OptionsOf(options).Without(given);
+void ReadSection(YamlNode& node, Options& options, InputFiles& files, StudySection& section,
+                 const std::vector<std::string_view>& without = {}) {
+  OptionList list = OptionsOf(options).Without(without);
   ReadOptions(node, list, FilesOf(files));
+  section.text = node.ToJson();
+  section.given.update(GivenOptionsJson(list));
+  for (const Option& option : list.All())  // "1.0" in the file is "1", as in the text of the section
+    if (section.given.contains(option.Name()) && !option.IsRepeated() && !option.Text().empty())
+      section.given[option.Name()] = option.Text();
 }
 
 StudyTrial ReadTrialSection(YamlNode node, InputFiles& files) {
@@ -108,18 +115,17 @@ StudyTrial ReadTrialSection(YamlNode node, InputFiles& files) {
     throw Fail("{}: give either 'video' or 'trial' (a file of markers that were tracked before)", node.Where());
   StudyTrial trial;
   if (video)
-    ReadSection(node, trial.work.emplace<commands::TrackRunOptions>(), files);
+    ReadSection(node, trial.work.emplace<commands::TrackRunOptions>(), files, trial.section);
   else
-    ReadSection(node, trial.work.emplace<commands::GaitRunOptions>(), files);
+    ReadSection(node, trial.work.emplace<commands::GaitRunOptions>(), files, trial.section);
   node.Finish();
-  trial.options = node.ToJson();
   return trial;
 }
 
-commands::PlaneRunOptions ReadPlane(YamlNode& node, InputFiles& files) {
+commands::PlaneRunOptions ReadPlane(YamlNode& node, InputFiles& files, StudySection& section) {
   commands::PlaneRunOptions plane;
   if (!node.Has("image")) throw Fail("{}: the plane needs an 'image'", node.Where());
-  ReadSection(node, plane, files, {"camera"});
+  ReadSection(node, plane, files, section, {"camera"});
   if (plane.board.empty() == plane.points.empty()) throw Fail("{}: give either 'board' or 'points'", node.Where());
   node.Finish();
   return plane;
@@ -138,14 +144,10 @@ StudyCalibration ReadCalibration(YamlNode node, InputFiles& files) {
   } else if (images) {
     calibration.camera.pictures = files.TakeAll(*images);
   }
-  ReadSection(node, calibration.camera, files, {"pictures"});
-  if (auto plane = node.Child("plane")) {
-    calibration.plane = ReadPlane(*plane, files);
-    calibration.plane_options = plane->ToJson();
-  }
+  ReadSection(node, calibration.camera, files, calibration.camera_section, {"pictures"});
+  if (auto plane = node.Child("plane")) calibration.plane = ReadPlane(*plane, files, calibration.plane_section);
   node.Finish();
-  calibration.camera_options = node.ToJson();
-  calibration.camera_options.erase("plane");
+  calibration.camera_section.text.erase("plane");
   return calibration;
 }
 
@@ -173,9 +175,9 @@ void CheckCompared(const std::optional<std::string>& marker, const StudyTrial& t
 }
 
 void ReadCompare(YamlNode node, InputFiles& files, StudyFile& study) {
-  ReadSection(node, study.compare, files, {"human", "exo", "map", "up", "forward", "unit", "exo-map", "exo-unit"});
+  ReadSection(node, study.compare, files, study.compare_section,
+              {"human", "exo", "map", "up", "forward", "unit", "exo-map", "exo-unit"});
   node.Finish();
-  study.compare_options = node.ToJson();
   if (!study.exo) throw Fail("{}: 'compare' needs an 'exo' trial", node.Where());
   CheckCompared(study.compare.human_knee, study.human, node);
   CheckCompared(study.compare.exo_knee, *study.exo, node);
@@ -185,9 +187,11 @@ void ReadCompare(YamlNode node, InputFiles& files, StudyFile& study) {
 void ReadProblemKey(YamlNode& node, InputFiles& files, StudyProblem& problem) {
   auto child = node.Child("problem");
   if (child && child->IsMap())
-    problem.file.reset(), problem.problem = problem::ReadProblem(std::move(*child), files.Folder());
+    problem = {.file = {},
+               .problem = problem::ReadProblem(std::move(*child), files.Folder()),
+               .clearances = problem.clearances};
   else if (child)
-    problem.file = files.Take(*child), problem.problem = {};
+    problem = {.file = files.Take(*child), .problem = {}, .clearances = problem.clearances};
   problem::SynthesisProblem asked;
   problem::ReadClearances(node, asked);
   if (asked.clearances.AreAsked()) problem.clearances = asked.clearances;
@@ -199,10 +203,9 @@ void TakeClearances(StudyProblem& problem) {
 }
 
 void ReadDesignSection(YamlNode node, InputFiles& files, StudyFile& study) {
-  study.design_options = node.ToJson();
   ReadProblemKey(node, files, study.design);
   if (const auto worn = node.Child("worn")) study.worn = files.Take(*worn);
-  ReadSection(node, study.optimum, files);
+  ReadSection(node, study.optimum, files, study.design_section);
   node.Finish();
   if (study.worn && !study.exo) throw Fail("{}: 'worn' needs an 'exo' trial", node.Where());
 }
@@ -221,19 +224,19 @@ constexpr std::string_view kGivenToRedesign[] = {"comparison", "human", "human-k
 
 StudyRedesign ReadRedesign(YamlNode node, InputFiles& files, const StudyProblem& design,
                            const std::vector<std::string_view>& without) {
-  StudyRedesign redesign{{}, {}, design, node.ToJson()};
+  StudyRedesign redesign{.options = {}, .search = {}, .design = design, .section = {}};
   ReadProblemKey(node, files, redesign.design);
-  ReadSection(node, redesign.search, files);
+  ReadSection(node, redesign.search, files, redesign.section);
   std::vector<std::string_view> given(std::begin(kGivenToRedesign), std::end(kGivenToRedesign));
   given.insert(given.end(), without.begin(), without.end());
-  ReadSection(node, redesign.options, files, given);
+  ReadSection(node, redesign.options, files, redesign.section, given);
   node.Finish();
   return redesign;
 }
 
-commands::LoadsRunOptions ReadLoads(YamlNode node, InputFiles& files) {
+commands::LoadsRunOptions ReadLoads(YamlNode node, InputFiles& files, StudySection& section) {
   commands::LoadsRunOptions options;
-  ReadSection(node, options, files, {"trial", "map", "up", "forward", "unit", "rate"});
+  ReadSection(node, options, files, section, {"trial", "map", "up", "forward", "unit", "rate"});
   node.Finish();
   try {
     options.loads.body.Check();
@@ -244,7 +247,7 @@ commands::LoadsRunOptions ReadLoads(YamlNode node, InputFiles& files) {
 }
 
 StudyAssistance ReadAssistance(YamlNode node, InputFiles& files) {
-  StudyAssistance assistance{{}, node.ToJson()};
+  StudyAssistance assistance;
   problem::SynthesisProblem& problem = assistance.options.problem;
   StudyProblem named;
   ReadProblemKey(node, files, named);
@@ -252,26 +255,28 @@ StudyAssistance ReadAssistance(YamlNode node, InputFiles& files) {
   TakeClearances(named);
   problem = named.problem;
   if (named.file) assistance.options.problem_file = *named.file;
-  if (const auto actuator = node.Child("actuator")) problem.actuator = ActuatorOf(*actuator, files);
-  ReadSection(node, assistance.options, files, {"problem", "profile", "actuator"});
+  if (const auto actuator = node.Child("actuator")) {
+    problem.actuator = ActuatorOf(*actuator, files);
+    assistance.section.given["actuator"] = actuator->AsText();
+  }
+  ReadSection(node, assistance.options, files, assistance.section, {"problem", "profile", "actuator"});
   node.Finish();
   if (assistance.options.actuators.empty() && !problem.actuator)
     throw Fail("{}: 'assistance' needs an 'actuator', or a catalogue of 'actuators'", node.Where());
   return assistance;
 }
 
-commands::StrokeRunOptions ReadStroke(YamlNode node, InputFiles& files) {
+commands::StrokeRunOptions ReadStroke(YamlNode node, InputFiles& files, StudySection& section) {
   commands::StrokeRunOptions options;
-  ReadSection(node, options, files, {"design", "motion", "validate", "tolerance"});
+  ReadSection(node, options, files, section, {"design", "motion", "validate", "tolerance"});
   node.Finish();
   return options;
 }
 
 void ReadSimulation(YamlNode node, InputFiles& files, StudyFile& study) {
-  ReadSection(node, study.simulation, files, {"thigh", "shank"});
+  ReadSection(node, study.simulation, files, study.simulation_section, {"thigh", "shank"});
   node.Finish();
   study.simulation.Check();
-  study.simulation_options = node.ToJson();
 }
 
 void ReadProblemFile(StudyProblem& problem) {
@@ -330,20 +335,14 @@ StudyFile ReadStudyFile(const fs::path& path) {
           "leave the trial out with human_only: true",
           where);
   }
-  if (auto loads = root.Child("loads")) {
-    study.loads_options = loads->ToJson();
-    study.loads = ReadLoads(std::move(*loads), files);
-  }
+  if (auto loads = root.Child("loads")) study.loads = ReadLoads(std::move(*loads), files, study.loads_section);
   if (auto assistance = root.Child("assistance")) {
     if (!study.loads)
       throw Fail("{}: 'assistance' is a share of what the knee needs: add loads: {{mass_kg: …}}", assistance->Where());
     study.assistance = ReadAssistance(std::move(*assistance), files);
   }
   if (auto simulate = root.Child("simulate")) ReadSimulation(std::move(*simulate), files, study);
-  if (auto stroke = root.Child("stroke")) {
-    study.stroke_options = stroke->ToJson();
-    study.stroke = ReadStroke(std::move(*stroke), files);
-  }
+  if (auto stroke = root.Child("stroke")) study.stroke = ReadStroke(std::move(*stroke), files, study.stroke_section);
   root.Finish();
   files.ThrowIfMissing(path);
   ReadProblemFile(study.design);

@@ -4,6 +4,7 @@
 
 #include "lake/core/error.h"
 #include "lake/report/misalignment_sections.h"
+#include "step_table.h"
 #include "study_chapters.h"
 
 namespace lake::study {
@@ -14,29 +15,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What each step's warnings are about, by weight: first what is to be built, last the benchmark.
-struct WarningsFrom {
-  const char *step, *what;
-};
-constexpr WarningsFrom kByWeight[] = {{"simulation", "Fit on the body"},
-                                      {"redesign", "New design"},
-                                      {"stroke", "Stroke program"},
-                                      {"assistance", "Assistance"},
-                                      {"loads", "Loads"},
-                                      {"comparison", "Misalignment"},
-                                      {"human", "Human trial"},
-                                      {"exo", "Exoskeleton trial"},
-                                      {"plane", "Sagittal plane"},
-                                      {"calibration", "Camera"},
-                                      {"optimum", "Benchmark optimum"}};
+// The rows of the table that the study has and that have a place by `place`, in its order.
+std::vector<const StepKind*> InOrder(const StudyResults& results, int StepKind::*place) {
+  std::vector<const StepKind*> kinds;
+  for (const StepKind& kind : StepKinds())
+    if (kind.*place != 0 && results.Has(kind.name)) kinds.push_back(&kind);
+  std::ranges::sort(kinds, {}, [&](const StepKind* kind) { return kind->*place; });
+  return kinds;
+}
 
 std::vector<std::string> WarningsOf(const StudyResults& results) {
   std::vector<std::string> warnings;
-  for (const auto& [step, what] : kByWeight) {
-    if (!results.Has(step)) continue;
-    const Json summary = results.Summary(step);
+  for (const StepKind* kind : InOrder(results, &StepKind::warnings_place)) {
+    const Json summary = results.Summary(kind->name);
     for (const Json& warning : summary.at("warnings"))
-      warnings.push_back(fmt::format("{}: {}", what, warning.get<std::string>()));
+      warnings.push_back(fmt::format("{}: {}", kind->warnings, warning.get<std::string>()));
   }
   return warnings;
 }
@@ -58,46 +51,18 @@ Section MethodsChapter() {
                  "own motion; its error is the comparison's."}}}};
 }
 
-// A step alone writes no summary of all.
+// Of steps alone there is no summary.
 Section FilesChapter(const StudyResults& results, const Json& head) {
-  const bool has_summary = head.at("options").value("only", "").empty();
-  const std::vector<Files::File> all = {
-      {"human/overlay.mp4", "the human trial with skeleton, trails and angle"},
-      {"exo/overlay.mp4", "the exoskeleton trial with skeleton, trails and angle"},
-      {"human/track.png", "figure of the human trial: paths, knee angle, residuals"},
-      {"exo/track.png", "figure of the exoskeleton trial"},
-      {"human/kinematics.csv", "angles and vectors frame by frame"},
-      {"exo/kinematics.csv", "the same for the exoskeleton trial"},
-      {"comparison/report.html", "the whole comparison, all figures"},
-      {"comparison/misalignment.csv", "its curves, a row per percent"},
-      {"loads/loads.csv", "moments at ankle, knee and hip of each rise"},
-      {"assistance/design.yaml", "the links for the actuator and what the knee needs"},
-      {"assistance/assistance.csv", "its force, speed and power over the rise"},
-      {"assistance/actuators_front.csv", "each actuator's shortest rise and links"},
-      {"optimum/design.yaml", "the optimum of the design problem"},
-      {"redesign/design.yaml", "the re-optimised design"},
-      {"simulation/angle_vs_stroke.csv", "angle, moment arm and force over stroke"},
-      {"simulation/animation.mp4", "the linkage moving"},
-      {"simulation/design.dxf", "link plates, 1:1 in mm"},
-      {"simulation/schematic.svg", "schematic with the symbols"},
-      {"simulation/mannequin.png", "the design on the body"},
-      {"stroke/lake_stroke/lake_stroke.ino", "firmware for the Arduino UNO"},
-      {"stroke/program.csv", "the stroke program"},
-      {"summary.json", "every number of every step"}};
   Files files;
-  for (const Files::File& file : all)
-    if (file.path == "summary.json" ? has_summary : results.HasFile(file.path)) files.files.push_back(file);
+  for (const StepKind& kind : StepKinds())
+    for (const Files::File& file : kind.files)
+      if (const fs::path path = kind.name / file.path; results.HasFile(path)) files.files.push_back({path, file.what});
+  if (const Json only = head.at("options").value("only", Json("")); only == "")
+    files.files.push_back({"summary.json", "every number of every step"});
   return {"Output files", {std::move(files)}};
 }
 
 }  // namespace
-
-const std::vector<std::string>& StudyStepNames() {
-  static const std::vector<std::string> kInOrder = {"calibration", "plane",      "human",   "exo",
-                                                    "comparison",  "loads",      "optimum", "redesign",
-                                                    "assistance",  "simulation", "stroke"};
-  return kInOrder;
-}
 
 bool StudyResults::Has(const std::string& step) const {
   return std::find(steps_.begin(), steps_.end(), step) != steps_.end();
@@ -116,13 +81,8 @@ Report MakeStudyReport(const StudyFile& study, const StudyResults& results, cons
   Report report{
       study.name, "From two recordings of a sit-to-stand to a better knee exoskeleton", WarningsOf(results), {}};
   report.sections.push_back(ResultChapter(results));
-  if (results.Has("redesign")) report.sections.push_back(RedesignChapter(results));
-  if (results.Has("loads")) report.sections.push_back(LoadsChapter(results));
-  report.sections.push_back(SimulationChapter(results));
-  if (results.Has("stroke")) report.sections.push_back(StrokeChapter(results));
-  if (results.Has("comparison")) report.sections.push_back(MisalignmentChapter(results));
-  report.sections.push_back(TrialsChapter(study, results));
-  report.sections.push_back(OptimumChapter(study, results));
+  for (const StepKind* kind : InOrder(results, &StepKind::chapter_place))
+    report.sections.push_back(kind->chapter(study, results));
   report.sections.push_back(MethodsChapter());
   report.sections.push_back(FilesChapter(results, head));
   report.sections.push_back(ProvenanceSection(head));

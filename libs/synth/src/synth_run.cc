@@ -261,8 +261,9 @@ std::string NameOf(const SynthRunOptions& options) {
 }
 
 Json RunSynth(const SynthRunOptions& options, Run& run) {
-  for (const std::filesystem::path& file : {options.motion_table, options.motion.file, options.camera})
-    if (!file.empty()) run.AddInput(file);
+  for (const auto& [file, role] :
+       {std::pair{options.motion_table, "motion table"}, {options.motion.file, "motion"}, {options.camera, "camera"}})
+    if (!file.empty()) run.AddInput(file, role);
   return options.people ? RenderPopulation(options, run) : RenderRecording(options, run);
 }
 

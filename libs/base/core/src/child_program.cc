@@ -9,11 +9,13 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <string_view>
 #include <utility>
 
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/processes.h"
 
@@ -85,22 +87,11 @@ class Child {
  public:
   Child(const fs::path& program, const std::vector<std::string>& arguments)
       : name_(program.string()), output_(program), said_(program) {
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_adddup2(&actions, output_.WriteEnd(), STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, said_.WriteEnd(), STDERR_FILENO);
-    std::vector<std::string> words = arguments;
-    std::vector<char*> texts = {name_.data()};
-    for (std::string& word : words) texts.push_back(word.data());
-    texts.push_back(nullptr);
-    const int error = posix_spawn(&pid_, name_.c_str(), &actions, nullptr, texts.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) {
-      pid_ = 0;
-      throw Fail("{}: cannot be started: {}", name_, std::strerror(error));
-    }
-    output_.CloseWrite(), said_.CloseWrite();
+    std::vector<std::string> words = {name_};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    pid_ = StartChild(words, {.out = output_.WriteEnd(), .err = said_.WriteEnd()});
+    output_.CloseWrite();
+    said_.CloseWrite();
   }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
@@ -133,6 +124,48 @@ class Child {
 };
 
 }  // namespace
+
+FileDescriptor::~FileDescriptor() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+bool IsInPath(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  for (const std::string& folder : SplitText(path ? path : "", ':'))
+    if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+int WriteTo(const fs::path& file) {
+  const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (descriptor < 0) throw Fail("{}: {}", file.string(), std::strerror(errno));
+  return descriptor;
+}
+
+pid_t StartChild(const std::vector<std::string>& words, const ChildStreams& streams) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  if (streams.in < 0)
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  else
+    posix_spawn_file_actions_adddup2(&actions, streams.in, STDIN_FILENO);
+  if (streams.out >= 0) posix_spawn_file_actions_adddup2(&actions, streams.out, STDOUT_FILENO);
+  if (streams.err >= 0) posix_spawn_file_actions_adddup2(&actions, streams.err, STDERR_FILENO);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  std::vector<std::string> texts = words;
+  std::vector<char*> arguments;
+  for (std::string& text : texts) arguments.push_back(text.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) throw Fail("{}: cannot be started: {}", words.front(), std::strerror(error));
+  return child;
+}
 
 ChildEnd RunChild(const fs::path& program, const std::vector<std::string>& arguments,
                   const std::function<void(const std::string&)>& say, const std::function<void()>& check) {

@@ -254,6 +254,7 @@ void Option::SetFromFile(const OptionTexts& elements) {
   const std::string said = fmt::format("'{}'", Key());
   Set(elements, said);
   said_ = said;
+  given_ = elements;  // as a command line would give them, for summaries
 }
 
 void Option::Set(const OptionTexts& texts, const std::string& said) {

@@ -15,7 +15,7 @@ namespace lake {
 namespace fs = std::filesystem;
 namespace {
 
-// Who a summary says it is of; empty if it does not.
+// Program named in the summary; empty if absent.
 ResultsList ReadSummaryHead(const fs::path& folder) {
   try {
     const Json json = ReadJsonFile(folder / kSummary);
@@ -155,8 +155,17 @@ void Run::Warn(const std::string& text) {
   fmt::print(stderr, "{}: warning: {}{}\n", info_.program, info_.step.empty() ? "" : info_.step + ": ", text);
 }
 
-void Run::AddInput(const fs::path& path) {
-  inputs_.push_back({{"path", NameOf(path)}, {"sha256", Sha256OfFile(path)}});
+void Run::AddInput(const fs::path& path, const std::string& role) {
+  inputs_.push_back({{"path", NameOf(path)}, {"sha256", Sha256OfFile(path)}, {"role", role}});
+}
+
+void Run::AddInputs(const std::vector<InputFile>& inputs) {
+  bool has_one = false;
+  for (const InputFile& input : inputs) {
+    if (input.is_alternative && has_one) continue;
+    has_one = fs::exists(input.path);
+    if (has_one) AddInput(input.path, input.role);
+  }
 }
 
 Json Run::Head() const {

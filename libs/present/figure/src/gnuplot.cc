@@ -1,9 +1,5 @@
 #include "lake/figure/gnuplot.h"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
@@ -14,6 +10,7 @@
 #include <iterator>
 
 #include "lake/core/atomic_file.h"
+#include "lake/core/child_program.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/processes.h"
@@ -24,23 +21,10 @@ namespace {
 
 // Runs `gnuplot SCRIPT`; what it says goes to `log`. Returns its exit status, or throws if it cannot be started.
 int RunGnuplot(const std::filesystem::path& script, const std::filesystem::path& log) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  // A process group of its own: Ctrl-C is for this program, which then ends gnuplot.
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  std::string name = "gnuplot", own_settings = "-d", file = script.string();  // -d: the user's .gnuplot is not read
-  char* const arguments[] = {name.data(), own_settings.data(), file.data(), nullptr};
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, "gnuplot", &actions, &attributes, arguments, environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw Fail("gnuplot cannot be started ({}); install the package gnuplot-nox", std::strerror(error));
+  if (!IsInPath("gnuplot")) throw Error("gnuplot is not installed; install the package gnuplot-nox");
+  const FileDescriptor output(WriteTo(log));
+  const pid_t child = StartChild({"gnuplot", "-d", script.string()},  // -d: the user's .gnuplot is not read
+                                 {.out = output.Get(), .err = output.Get()});
   return WaitForChild(child, "gnuplot", std::chrono::milliseconds(2));  // drawing takes a hundred
 }
 

@@ -1,5 +1,5 @@
 // What the page and the server tell each other. The server's side is src/review.cc, trial_session.cc, trial_json.cc and
-// design_explorer.cc; the naming of markers comes from lake::commands (review_naming.cc).
+// design_explorer.cc; the naming of markers comes from lake::reviewing (naming_review.cc).
 
 /** A column has one value per row of the recording; null where there is none. */
 export type Column = (number | null)[];

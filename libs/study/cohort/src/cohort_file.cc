@@ -180,7 +180,8 @@ class Names {
         continue;
       }
       if (text.substr(i, 2) == "$$") {
-        replaced += '$', i += 2;
+        replaced += '$';
+        i += 2;
         continue;
       }
       std::size_t end = i + 1;
@@ -189,7 +190,8 @@ class Names {
       const std::optional<std::string> value = name == "cohort" ? cohort_ : participants_.Cell(of_.participant, name);
       if (!value && end - i == text.size()) return std::nullopt;
       if (!value) throw Fail("participants.tsv: {} has no {}, which '{}' needs", of_.participant, name, text);
-      replaced += *value, i = end;
+      replaced += *value;
+      i = end;
     }
     return replaced;
   }

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "lake/core/csv.h"
+#include "lake/core/json.h"
 #include "lake/core/numbers.h"
 #include "lake/core/statistics.h"
 #include "lake/motion/leg_motion.h"
-#include "workflow.h"
 
 namespace lake::cohort {
 namespace {
@@ -138,21 +138,18 @@ void AddDesign(const fs::path& folder, ResultTable& table) {
 
 }  // namespace
 
-GroupData ReadGroup(const Json& workflow, const fs::path& out) {
+GroupData ReadGroup(const Json& workflow, const StepsDone& done) {
   GroupData group;
   for (const auto& [name, of] : workflow["recordings"].items()) {
     ResultTable table(group, of);
     const fs::path folder = of["folder"].get<std::string>();
-    const auto has = [&, &name = name, &of = of](const char* step) {
-      return of["steps"].contains(step) && IsDone(out, name, step);
-    };
+    const std::set<std::string>& steps = done.at(name);
+    const auto has = [&](const char* step) { return steps.contains(step); };
+    const bool has_redesign = std::find(of["steps"].begin(), of["steps"].end(), "redesign") != of["steps"].end();
     for (const char* trial : {"human", "exo"})
       if (has(trial)) AddTrial(folder / trial, trial, table);
     if (has("comparison")) AddComparison(folder / "comparison", table);
-    if (has("redesign"))
-      AddDesign(folder / "redesign", table);
-    else if (has("optimum") && !of["steps"].contains("redesign"))
-      AddDesign(folder / "optimum", table);
+    if (const char* design = has_redesign ? "redesign" : "optimum"; has(design)) AddDesign(folder / design, table);
   }
   return group;
 }

@@ -7,7 +7,8 @@ namespace {
 
 figure::ConditionCurve CurveOf(const CurveRow& row) {
   figure::ConditionCurve curve;
-  curve.with_exoskeleton = row.trial != "human", curve.people = row.participants.size();
+  curve.with_exoskeleton = row.trial != "human";
+  curve.people = row.participants.size();
   for (const reliability::MeanOfSubjects& of : row.percent) {
     curve.mean.push_back(of.mean.value);
     if (curve.people < 2) continue;

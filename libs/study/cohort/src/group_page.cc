@@ -101,7 +101,9 @@ Section FailuresSection(const std::vector<Failure>& failures) {
 void AddCurve(const CurveRow* row, const std::string& name, const char* colour, Mark mark, bool all, LineChart& chart) {
   if (!row) return;
   Series mean;
-  mean.name = name, mean.colour = colour, mean.mark = mark;
+  mean.name = name;
+  mean.colour = colour;
+  mean.mark = mark;
   for (int percent = 0; percent < kPercents; ++percent) {
     const reliability::Estimate& of = row->percent[static_cast<std::size_t>(percent)].mean;
     mean.x.push_back(percent), mean.y.push_back(of.value);
@@ -112,7 +114,8 @@ void AddCurve(const CurveRow* row, const std::string& name, const char* colour, 
   if (!all) return;
   for (const auto& [participant, curve] : row->participants) {
     Series own;
-    own.name = participant, own.mark = Mark::kThin;
+    own.name = participant;
+    own.mark = Mark::kThin;
     own.x = mean.x, own.y.assign(curve.begin(), curve.end());
     chart.series.push_back(std::move(own));
   }
@@ -122,7 +125,9 @@ LineChart CurveChart(const GroupFindings& findings, const char* quantity, const 
   LineChart chart;
   chart.title = title;
   chart.caption = "Mean over participants; band: 95 % interval of the mean at each percent.";
-  chart.x = {"rise (%)", 0, 100}, chart.y.label = axis, chart.width = Width::kHalf;
+  chart.x = {"rise (%)", 0, 100};
+  chart.y.label = axis;
+  chart.width = Width::kHalf;
   AddCurve(FindCurve(findings.curves, "human", quantity), "without exoskeleton", colour::kHuman, Mark::kLine, false,
            chart);
   AddCurve(FindCurve(findings.curves, "exo", quantity), "with exoskeleton", colour::kExoskeleton, Mark::kDashed, false,
@@ -134,7 +139,9 @@ LineChart EveryoneChart(const CurveRow* row, const char* title, const char* axis
   LineChart chart;
   chart.title = title;
   chart.caption = "Thin: each participant; a click on a name hides it.";
-  chart.x = {"rise (%)", 0, 100}, chart.y.label = axis, chart.width = Width::kHalf;
+  chart.x = {"rise (%)", 0, 100};
+  chart.y.label = axis;
+  chart.width = Width::kHalf;
   AddCurve(row, "mean", colour::kText, Mark::kLine, true, chart);
   return chart;
 }
@@ -349,8 +356,10 @@ Report MakeGroupPage(const Json& workflow, const fs::path& out, const GroupData&
   page.sections.push_back(CurvesSection(findings));
   if (!findings.differences.empty()) page.sections.push_back(DifferencesSection(findings.differences));
   if (!findings.reliability.empty()) page.sections.push_back(ReliabilitySection(findings.reliability));
-  if (const fs::path summary = out / "group" / "population" / "summary.json";
-      workflow.value("population", false) && fs::is_regular_file(out / "logs" / "population.done"))
+  const bool has_population =
+      workflow.value("population", false) &&
+      std::ranges::none_of(findings.failures, [](const Failure& failure) { return failure.step == kPopulationStep; });
+  if (const fs::path summary = out / "group" / "population" / "summary.json"; has_population)
     page.sections.push_back(PopulationSection(ReadJsonFile(summary)));
   if (!findings.outliers.empty()) page.sections.push_back(OutliersSection(findings.outliers));
   if (!findings.failures.empty()) page.sections.push_back(FailuresSection(findings.failures));

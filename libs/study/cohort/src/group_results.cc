@@ -8,7 +8,6 @@
 #include "lake/cohort/group_statistics.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "workflow.h"
 
 namespace lake::cohort {
 namespace {
@@ -99,15 +98,16 @@ void WriteFailures(const std::vector<Failure>& failures, Run& run) {
 
 }  // namespace
 
-Json WriteGroup(const Json& workflow, const std::filesystem::path& out, Run& run) {
-  const GroupData group = ReadGroup(workflow, out);
-  if (group.rows.empty()) {
-    const std::vector<Failure> failures = FailuresOf(workflow, out);
+Json WriteGroup(const Json& workflow, const WorkflowState& state, const std::filesystem::path& out, Run& run) {
+  const GroupData group = ReadGroup(workflow, state.done);
+  if (group.rows.empty())
     throw Fail("{}: no study has left anything{}", out.string(),
-               failures.empty() ? "" : "; " + failures.front().Text());
-  }
-  const GroupFindings findings{CurvesOf(group), ReliabilityOf(group), DifferencesOf(group), OutliersOf(group),
-                               FailuresOf(workflow, out)};
+               state.failures.empty() ? "" : "; " + state.failures.front().Text());
+  const GroupFindings findings{.curves = CurvesOf(group),
+                               .reliability = ReliabilityOf(group),
+                               .differences = DifferencesOf(group),
+                               .outliers = OutliersOf(group),
+                               .failures = state.failures};
   std::vector<std::string> names = {"trials.csv",   "curves.csv",   "reliability.csv", "differences.csv",
                                     "outliers.csv", "failures.csv", "group.html"};
   for (const GroupFigure& figure : GroupFigures()) std::ranges::copy(FileNames(figure), std::back_inserter(names));

@@ -88,7 +88,8 @@ void AddReliability(const JudgedTable& table, const std::string& trial, const st
   const Eigen::MatrixXd values = table.Matrix();
   if (values.rows() < 2 || values.cols() < 2) return;
   ReliabilityRow row{trial, quantity, across, values.mean(), reliability::MeanSquaresOf(values), {}, {}, {}, 0, {}};
-  row.icc2 = Icc2Single(row.squares), row.icc3 = Icc3Single(row.squares);
+  row.icc2 = Icc2Single(row.squares);
+  row.icc3 = Icc3Single(row.squares);
   row.sem = StandardErrorOfMeasurement(row.squares);
   row.mdc95 = reliability::MinimalDetectableChange(row.sem.value);
   std::vector<double> first, second;

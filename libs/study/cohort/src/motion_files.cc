@@ -151,4 +151,11 @@ void WriteMotionFiles(const fs::path& study, const MotionNames& names, const fs:
   }
 }
 
+bool HasMotionFiles(const fs::path& study, const MotionNames& names, const fs::path& motion) {
+  return std::ranges::all_of(kTrials, [&](const char* trial) {
+    return !fs::is_regular_file(study / trial / "kinematics.csv") ||
+           fs::is_regular_file(motion / (StemOf(names, trial) + "_motion.tsv"));  // which is written last
+  });
+}
+
 }  // namespace lake::cohort

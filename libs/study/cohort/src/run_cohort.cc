@@ -16,6 +16,7 @@
 #include "lake/core/paths.h"
 #include "lake/core/provenance.h"
 #include "lake/core/threads.h"
+#include "lake/study/study.h"
 #include "population.h"
 #include "program_files.h"
 #include "workflow.h"
@@ -28,18 +29,18 @@ namespace fs = std::filesystem;
 constexpr const char* kBidsVersion = "1.9.0";
 
 // What BIDS does not know of, for its validators.
-constexpr const char* kIgnored =
-    ".*\nlogs/\ngroup/\nsummary.json\noptions.toml\n**/study.yaml\n**/report.html\n**/run-*/\n**/calibration/\n**/"
-    "plane/\n"
-    "**/human/\n**/exo/\n**/comparison/\n**/loads/\n**/assistance/\n**/optimum/\n**/redesign/\n**/simulation/\n**/"
-    "stroke/\n";
+std::string Ignored() {
+  std::string lines = ".*\nlogs/\ngroup/\nsummary.json\noptions.toml\n**/study.yaml\n**/report.html\n**/run-*/\n";
+  for (const std::string& step : study::StudyStepNames()) lines += fmt::format("**/{}/\n", step);
+  return lines;
+}
 
 constexpr const char* kReadme =
     "Results of `lake cohort`: a derivative in the order of BIDS.\n\n"
     "sub-*/[ses-*/]motion/   the trials as motion data: positions, knee angle, events\n"
     "sub-*/[ses-*/[run-*/]]  the study of each recording, in lake's own folders (see .bidsignore)\n"
     "group/                  trials.csv, curves.csv, reliability.csv, group.html\n"
-    "logs/                   what each step said, and cohort.json, which Snakemake is run with\n";
+    "logs/                   what each study said, and cohort.json, which Snakemake is run with\n";
 
 // What the columns of all …_events.tsv mean that BIDS does not know.
 Json EventColumns() {
@@ -54,7 +55,7 @@ Json EventColumns() {
           {"repetition", {{"Description", "Number of the sit-to-stand in the recording, from 1"}}}};
 }
 
-// Relative, so that results can be passed on and name nobody's home.
+// Relative, so that results that are passed on do not name a home folder.
 std::string FileUri(const fs::path& relative) {
   std::string uri = "file:";
   for (const unsigned char c : relative.string()) {
@@ -76,7 +77,7 @@ void WriteDatasetFiles(const Cohort& cohort, Run& run) {
                  {"SourceDatasets", Json::array({{{"URL", FileUri(cohort.folder.lexically_relative(out))}}})}});
   WriteJsonFile(run.Result(events), EventColumns());
   WriteTextFile(run.Result("README"), kReadme);
-  WriteTextFile(run.Result(".bidsignore"), kIgnored);
+  WriteTextFile(run.Result(".bidsignore"), Ignored());
   for (const char* table : {"participants.tsv", "participants.json"})
     if (fs::is_regular_file(cohort.folder / table))
       WriteTextFile(run.Result(table), ReadTextFile(cohort.folder / table));
@@ -114,27 +115,33 @@ std::vector<std::string> SnakemakeArguments(const CohortRunOptions& options) {
   return {"--cores", std::to_string(options.cores.value_or(Threads()))};
 }
 
+// The design for all, if there is to be one, then tables and page; without that design the page says why.
+void RunGroup(const Json& workflow, const fs::path& out, const Run& run) {
+  WorkflowState state = StateOf(workflow, out);
+  Run tables({.program = "lake-cohort",
+              .command = run.Head()["command"],
+              .options = run.Head()["options"],
+              .out = out / "group",
+              .quiet = run.Quiet()});
+  try {
+    if (workflow.value("population", false))
+      RunPopulation(ReadCohort(workflow["source"].get<std::string>()), workflow, state.done, out, run);
+  } catch (const Error& error) {
+    state.failures.push_back({.step = kPopulationStep, .error = error.what()});
+    tables.Warn(state.failures.back().Text());
+  }
+  tables.WriteSummary(WriteGroup(workflow, state, out, tables));
+}
+
 // What a job of the workflow does with the results, by the workflow's own configuration.
 void RunJob(const CohortRunOptions& options, const Run& run) {
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
   const Json workflow = ReadWorkflow(out);
-  if (*options.only == kPopulationStep) {
-    RunPopulation(ReadCohort(workflow["source"].get<std::string>()), workflow, out, run);
-    return;
-  }
-  if (*options.only == "tables") {
-    Run tables({"lake-cohort", run.Head()["command"], run.Head()["options"], out / "group", run.Quiet()});
-    tables.WriteSummary(WriteGroup(workflow, out, tables));
-    return;
-  }
+  if (*options.only == "tables") return RunGroup(workflow, out, run);
   if (!workflow["recordings"].contains(options.recordings))
     throw UsageError(
         fmt::format("--recordings {}: not in {}", options.recordings, (out / "logs/cohort.json").string()));
-  const Json& of = workflow["recordings"][options.recordings];
-  const std::string participant = of["participant"], session = of["session"];
-  WriteMotionFiles(of["folder"].get<std::string>(),
-                   {Recordings{participant, session, "", {}, {}}.Name(), of["run"], workflow["task"]},
-                   out / participant / session / kMotionStep);
+  WriteMotion(workflow, options.recordings, out);
 }
 
 std::string SnakemakeSays(const fs::path& out, const Run& run) {
@@ -154,8 +161,8 @@ void CheckLevel(const CohortRunOptions& options) {
   if (options.level != "participant" && options.level != "group")
     throw UsageError(options.level.empty() ? "say participant or group behind the folders"
                                            : fmt::format("'{}': participant or group", options.level));
-  if (options.only && *options.only != "motion" && *options.only != kPopulationStep && *options.only != "tables")
-    throw UsageError(fmt::format("--only {}: motion, population or tables", *options.only));
+  if (options.only && *options.only != "motion" && *options.only != "tables")
+    throw UsageError(fmt::format("--only {}: motion or tables", *options.only));
   if (options.cores && (options.slurm || options.profile)) throw UsageError("--cores: not with --slurm or --profile");
   if (options.slurm && options.profile) throw UsageError("--slurm: not with --profile, which can say so itself");
 }
@@ -174,8 +181,7 @@ void Describe(CohortRunOptions& o, OptionList& options) {
       .Value("DIR|NAME");
   options.Add("template", o.make_template, "Make a folder to fill with recordings, and do nothing else")
       .IsPath(Option::Path::kFolder);
-  options.Add("only", o.only, "Do this alone, here and now, as a job of the workflow does")
-      .Value("motion|population|tables");
+  options.Add("only", o.only, "Do this alone, here and now, as a job of the workflow does").Value("motion|tables");
   options.Add("recordings", o.recordings, "With --only motion: of these, e.g. sub-01_ses-1").Value("NAME");
   options.Check([&o](const OptionList&) { CheckLevel(o); });
 }
@@ -190,7 +196,7 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
     return {};
   }
   const Cohort cohort = ReadCohort(options.source, options.participants);
-  for (const char* file : {"participants.tsv", "cohort.yaml"}) run.AddInput(cohort.folder / file);
+  run.AddInputs({{cohort.folder / "participants.tsv", "participants"}, {cohort.folder / "cohort.yaml", "cohort"}});
   CheckFolder(cohort, run.Folder());
   if (options.profile) CheckProfile(*options.profile);
   if (options.slurm) CheckSlurm();
@@ -199,26 +205,27 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   const FileLock lock = LockWorkflow(out, run.Quiet());
   const Json workflow = PrepareWorkflow(cohort, out);
   if (workflow["recordings"].empty())
-    throw Fail("{}: no study can be done: {}", cohort.folder.string(), FailuresOf(workflow, out).front().Text());
+    throw Fail("{}: no study can be done: {}", cohort.folder.string(), StateOf(workflow, out).failures.front().Text());
   const std::vector<std::string> arguments = SnakemakeArguments(options);
   ForgetGroup(out);
   const bool all_well = RunSnakemake(out, "participant", arguments, run.Quiet(), lock);
-  std::vector<Failure> failures = FailuresOf(workflow, out);
-  if (!all_well && (failures.empty() || !AllWereTried(failures)))
-    throw Fail("snakemake ended before every step was tried; {}", SnakemakeSays(out, run));
-  if (options.level == "group" && cohort.population &&
-      !RunSnakemake(out, kPopulationStep, arguments, run.Quiet(), lock))
-    failures = FailuresOf(workflow, out);
-  for (const Failure& failure : failures) run.Warn(failure.Text());
+  const WorkflowState state = StateOf(workflow, out);
+  if (!all_well && (state.failures.empty() || !state.AllWereTried()))
+    throw Fail("snakemake ended before every study was tried; {}", SnakemakeSays(out, run));
   Json summary = {{"recordings", workflow["recordings"].size()}, {"failures", Json::array()}};
-  for (const Failure& failure : failures) summary["failures"].push_back(failure.Text());
+  const auto tell = [&](const std::string& failure) {
+    run.Warn(failure);
+    summary["failures"].push_back(failure);
+  };
+  for (const Failure& failure : state.failures) tell(failure.Text());
   if (options.level == "group") {
     if (!RunSnakemake(out, "group", arguments, run.Quiet(), lock))
       throw Fail("the group's tables were not made: {}", GroupError(out).value_or(SnakemakeSays(out, run)));
     summary["group"] = ReadJsonFile(out / "group" / "summary.json");
-  } else if (!failures.empty()) {
-    throw Fail("{} of {} studies failed: {}", FailedStudies(failures), cohort.recordings.size() + cohort.absent.size(),
-               failures.front().Text());
+    for (const Json& warning : summary["group"]["warnings"]) tell(warning);
+  } else if (!state.failures.empty()) {
+    throw Fail("{} of {} studies failed: {}", FailedStudies(state.failures),
+               cohort.recordings.size() + cohort.absent.size(), state.failures.front().Text());
   }
   return summary;
 }

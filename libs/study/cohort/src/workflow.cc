@@ -1,27 +1,24 @@
 #include "workflow.h"
 
 #include <fcntl.h>
-#include <fmt/ranges.h>
 #include <pwd.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <cstdlib>
-#include <cstring>
-#include <optional>
 #include <set>
 
+#include "lake/cohort/motion_files.h"
 #include "lake/core/atomic_file.h"
+#include "lake/core/child_program.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/interrupt.h"
 #include "lake/core/paths.h"
 #include "lake/core/processes.h"
 #include "lake/study/study.h"
-#include "population.h"
 #include "program_files.h"
 
 namespace lake::cohort {
@@ -29,22 +26,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path LogFolder(const fs::path& out, const std::string& recordings) {
-  return out / "logs" / recordings;
+constexpr const char* kMotion = "motion";
+constexpr const char* kNotBegun = "not begun";
+
+// That a study was done, for Snakemake; what it said.
+fs::path MarkOf(const fs::path& out, const std::string& recordings) {
+  return out / "logs" / (recordings + ".done");
 }
 
-fs::path MarkOf(const fs::path& out, const std::string& recordings, const std::string& step) {
-  return LogFolder(out, recordings) / (step + ".done");
+fs::path LogOf(const fs::path& out, const std::string& recordings) {
+  return out / "logs" / (recordings + ".log");
 }
 
-fs::path LogOf(const fs::path& out, const std::string& recordings, const std::string& step) {
-  return LogFolder(out, recordings) / (step + ".log");
-}
-
-// That a step was done or failed.
-void Forget(const fs::path& out, const std::string& recordings, const std::string& step) {
-  fs::remove(MarkOf(out, recordings, step));
-  fs::remove(LogOf(out, recordings, step));
+fs::path GroupLog(const fs::path& out) {
+  return LogOf(out, "group");
 }
 
 // A file that says the same keeps its times: nothing that reads it is to be done again.
@@ -61,30 +56,27 @@ void WriteStudy(const Recordings& recordings, const fs::path& file) {
   WriteIfChanged(file, "# Written by lake cohort; change cohort.yaml instead.\n" + study.dump(2) + "\n");
 }
 
-const Json* Find(const Json& steps, const std::string& name) {
-  const auto found = std::find_if(steps.begin(), steps.end(), [&](const Json& step) { return step["name"] == name; });
-  return found == steps.end() ? nullptr : &*found;
+bool Has(const Json& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// The steps that were asked for and those that they come after.
-std::set<std::string> WantedSteps(const Json& steps, const std::vector<std::string>& asked) {
-  std::set<std::string> wanted;
-  std::vector<std::string> next = asked;
-  if (asked.empty())
-    for (const Json& step : steps) next.push_back(step["name"]);
-  while (!next.empty()) {
-    const std::string name = next.back();
-    next.pop_back();
-    const Json* step = Find(steps, name);
-    if (!step) {
-      std::vector<std::string> names;
-      for (const Json& known : steps) names.push_back(known["name"]);
-      throw Fail("cohort.yaml: 'steps' has '{}', which this study has not: {}", name, fmt::join(names, ", "));
+// The steps that were asked for and those that they come after, in order; all, if none were asked for.
+Json WantedSteps(const Json& steps, const std::vector<std::string>& asked) {
+  Json known = Json::array();
+  for (const Json& step : steps) known.push_back(step["name"]);
+  std::set<std::string> wanted(asked.begin(), asked.end());
+  for (const std::string& name : asked)
+    if (!Has(known, name)) {
+      std::string names;
+      for (const Json& step : known) names += (names.empty() ? "" : ", ") + step.get<std::string>();
+      throw Fail("cohort.yaml: 'steps' has '{}', which this study has not: {}", name, names);
     }
-    if (wanted.insert(name).second)
-      for (const Json& before : (*step)["after"]) next.push_back(before);
-  }
-  return wanted;
+  if (asked.empty()) return known;
+  for (auto step = steps.rbegin(); step != steps.rend(); ++step)
+    if (wanted.contains((*step)["name"]))
+      for (const Json& before : (*step)["after"]) wanted.insert(before.get<std::string>());
+  std::erase_if(known.get_ref<Json::array_t&>(), [&](const Json& name) { return !wanted.contains(name); });
+  return known;
 }
 
 // Braces are wildcards to Snakemake.
@@ -93,83 +85,82 @@ void CheckHasNoBraces(const std::string& path) {
     throw Fail("{}: Snakemake cannot work with braces in the name of a file or folder; rename it", path);
 }
 
-Json StepOf(const Json& plan, const fs::path& folder) {
-  Json step = plan["resources"];
-  step["after"] = plan["after"];
-  step["inputs"] = Json::array();
-  for (const Json& input : plan["inputs"])
-    if (!LiesIn(input.get<std::string>(), folder)) CheckHasNoBraces(input), step["inputs"].push_back(input);
-  return step;
+// What the steps of a study read from outside, and need together: two at the same time.
+void AddNeeds(const Json& plan, const fs::path& folder, Json& of) {
+  constexpr int kThreads = 2;
+  int memory_mb = 0, minutes = 0;
+  std::set<std::string> inputs;
+  for (const Json& step : plan["steps"]) {
+    if (!Has(of["steps"], step["name"])) continue;
+    for (const Json& input : step["inputs"])
+      if (!LiesIn(input.get<std::string>(), folder)) inputs.insert(input.get<std::string>());
+    const Json& needs = step["resources"];
+    memory_mb = std::max(memory_mb, kThreads * needs["memory_mb"].get<int>());
+    minutes += needs["minutes"].get<int>();
+  }
+  for (const std::string& input : inputs) CheckHasNoBraces(input);
+  of.update({{"inputs", inputs}, {"threads", kThreads}, {"memory_mb", memory_mb}, {"minutes", minutes}});
 }
 
-// Where steps that are no one person's leave what they found for all.
-fs::path CacheFolder(const fs::path& out) {
-  const char* said = std::getenv("LAKE_CACHE");
-  return said && *said ? fs::absolute(said).lexically_normal() : out / "logs" / "cache";
+std::string LakeRun() {
+  return steps::StepRunOptions::ThisProgram(ProgramFolder() / "lake-run");
 }
 
-// The plan of one study, and no mark for what is to be done.
+// As lake-run --plan says it.
+Json PlanOf(const Json& of, const std::string& made_by) {
+  return study::StudyPlan(study::ReadStudyFile(of["study"].get<std::string>()), of["folder"].get<std::string>(),
+                          made_by);
+}
+
+// The trials that are tracked, and whether all have been.
+bool AreTrialsDone(const Json& plan, const Json& of) {
+  bool has_one = false;
+  for (const Json& step : plan["steps"]) {
+    if ((step["name"] != "human" && step["name"] != "exo") || !Has(of["steps"], step["name"])) continue;
+    if (!step["due"].is_null()) return false;
+    has_one = true;
+  }
+  return has_one;
+}
+
+// The motion files of one recording's trials.
+struct Motion {
+  fs::path study, folder;
+  MotionNames names;
+};
+
+Motion MotionOf(const Json& workflow, const Json& of, const fs::path& out) {
+  const std::string participant = of["participant"], session = of["session"];
+  return {
+      .study = of["folder"].get<std::string>(),
+      .folder = out / participant / session / kMotion,
+      .names = {
+          .person = Recordings{participant, session, "", {}, {}}.Name(), .run = of["run"], .task = workflow["task"]}};
+}
+
+bool HasMotion(const Json& workflow, const Json& of, const fs::path& out) {
+  const Motion motion = MotionOf(workflow, of, out);
+  return HasMotionFiles(motion.study, motion.names, motion.folder);
+}
+
+// The plan of one study, and no mark if it has something to do.
 void PlanStudy(const Recordings& recordings, const std::vector<std::string>& asked, const fs::path& out,
-               const std::string& made_by, Json& of) {
+               const std::string& made_by, const Json& workflow, Json& of) {
   const fs::path file = out / recordings.Folder() / "study.yaml";
   WriteStudy(recordings, file);
-  of["study"] = file.string(), of["folder"] = file.parent_path().string();
-  const Json plan = study::StudyPlan(study::ReadStudyFile(file), file.parent_path(), made_by);
-  const std::set<std::string> wanted = WantedSteps(plan["steps"], asked);
-  Json trials = Json::array();
-  bool trials_due = false;
-  for (const Json& step : plan["steps"]) {
-    const std::string name = step["name"];
-    if (!wanted.contains(name)) continue;
-    of["steps"][name] = StepOf(step, file.parent_path());
-    const bool is_due = !step["due"].is_null();
-    if (is_due) Forget(out, recordings.Name(), name);
-    if (name == "human" || name == "exo") trials.push_back(name), trials_due |= is_due;
-  }
-  if (trials.empty()) return;
-  of["steps"][kMotionStep] = {{"after", trials}, {"inputs", Json::array()}};
-  if (trials_due || !fs::is_directory(out / recordings.participant / recordings.session / kMotionStep))
-    Forget(out, recordings.Name(), kMotionStep);
+  of["study"] = file.string();
+  of["folder"] = file.parent_path().string();
+  const Json plan = PlanOf(of, made_by);
+  of["steps"] = WantedSteps(plan["steps"], asked);
+  AddNeeds(plan, file.parent_path(), of);
+  const bool is_due = std::ranges::any_of(
+      plan["steps"], [&](const Json& step) { return Has(of["steps"], step["name"]) && !step["due"].is_null(); });
+  if (!is_due && (!AreTrialsDone(plan, of) || HasMotion(workflow, of, out))) return;
+  fs::remove(MarkOf(out, recordings.Name()));
+  fs::remove(LogOf(out, recordings.Name()));
 }
 
-// `lock` becomes the children's standard input, which every descendant inherits: so the lock is held until all have
-// ended. When this program is killed, snakemake is told to end too (setpriv).
-int Spawn(std::vector<std::string> words, int lock, const std::optional<fs::path>& log) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, lock, STDIN_FILENO);
-  if (log) posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, log->c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);  // stdout is for results
-  // A process group of its own: Ctrl-C is for this program, which then ends snakemake and its jobs.
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  if (const passwd* user = getpwuid(geteuid()))
-    setenv("USER", user->pw_name, false);  // for Slurm, where nobody logged in
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, arguments.front(), &actions, &attributes, arguments.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw Fail("{} cannot be started: {}", words.front(), std::strerror(error));
-  return WaitForChild(child, "snakemake", std::chrono::milliseconds(50));  // which waits for its jobs to end
-}
-
-// Whether a program is in PATH.
-bool IsInstalled(const std::string& program) {
-  const char* path = std::getenv("PATH");
-  for (const std::string& folder : SplitText(path ? path : "", ':'))
-    if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
-  return false;
-}
-
-constexpr const char* kGroupLog = "group.log";
-constexpr const char* kNotBegun = "not begun";
-
-// The error that a step's log ends with.
+// The error that a log ends with.
 std::string ErrorIn(const fs::path& log) {
   if (!fs::is_regular_file(log)) return kNotBegun;
   std::string last;
@@ -179,6 +170,25 @@ std::string ErrorIn(const fs::path& log) {
     return fmt::format("it ended without a word; was it out of memory or time? See {}", log.string());
   const std::size_t program = last.starts_with("lake-") ? last.find(": ") : std::string::npos;
   return program == std::string::npos ? last : last.substr(program + 2);
+}
+
+// Why a step of these recordings has not been done.
+std::string WhyNotDone(const Json& step, const fs::path& log) {
+  return step["failed"].is_null() || !fs::exists(log) ? ErrorIn(log) : step["failed"].get<std::string>();
+}
+
+// The steps of one study that have been done; the others to `fail`, with the reason, if they could have been.
+template <typename Fail>
+std::set<std::string> StepsDoneOf(const Json& plan, const Json& of, const fs::path& log, const Fail& fail) {
+  std::set<std::string> done;
+  for (const Json& step : plan["steps"]) {
+    if (!Has(of["steps"], step["name"])) continue;
+    if (step["due"].is_null())
+      done.insert(step["name"].get<std::string>());
+    else if (std::ranges::all_of(step["after"], [&](const Json& before) { return done.contains(before); }))
+      fail(step["name"], WhyNotDone(step, log));
+  }
+  return done;
 }
 
 }  // namespace
@@ -192,17 +202,16 @@ FileLock LockWorkflow(const fs::path& out, bool quiet) {
   const fs::path path = out / "logs" / "lock";
   fs::create_directories(path.parent_path());
   return FileLock(path, [&] {
-    if (!quiet) fmt::print(stderr, "waiting for steps that outlived an earlier run in {}\n", out.string());
+    if (!quiet) fmt::print(stderr, "waiting for jobs that outlived an earlier run in {}\n", out.string());
   });
 }
 
 Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
   CheckHasNoBraces(out.string());
-  const std::string made_by = steps::StepRunOptions::ThisProgram(ProgramFolder() / "lake-run");
+  const std::string made_by = LakeRun();
   Json workflow = {{"bin", ProgramFolder().string()},
                    {"source", cohort.folder.string()},
                    {"out", out.string()},
-                   {"cache", CacheFolder(out).string()},
                    {"name", cohort.name},
                    {"task", cohort.task},
                    {"population", cohort.population.has_value()},
@@ -216,12 +225,9 @@ Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
   for (const std::string& participant : cohort.absent)
     fail({participant, "", "", {}, {}}, "recordings", "there are no recordings");
   for (const Recordings& recordings : cohort.recordings) {
-    Json of = {{"participant", recordings.participant},
-               {"session", recordings.session},
-               {"run", recordings.run},
-               {"steps", Json::object()}};
+    Json of = {{"participant", recordings.participant}, {"session", recordings.session}, {"run", recordings.run}};
     try {
-      PlanStudy(recordings, cohort.steps, out, made_by, of);
+      PlanStudy(recordings, cohort.steps, out, made_by, workflow, of);
       workflow["recordings"][recordings.Name()] = std::move(of);
     } catch (const Error& error) {
       fail(recordings, "study", error.what());
@@ -235,22 +241,30 @@ Json ReadWorkflow(const fs::path& out) {
   return ReadJsonFile(out / "logs" / "cohort.json");
 }
 
+void WriteMotion(const Json& workflow, const std::string& recordings, const fs::path& out) {
+  const Json& of = workflow["recordings"][recordings];
+  if (!AreTrialsDone(PlanOf(of, LakeRun()), of)) return;
+  const Motion motion = MotionOf(workflow, of, out);
+  WriteMotionFiles(motion.study, motion.names, motion.folder);
+}
+
 void CheckSlurm() {
   for (const char* program : {"sbatch", "sinfo"})
-    if (!IsInstalled(program))
+    if (!IsInPath(program))
       throw Fail("--slurm: {} is not installed here; start where jobs are submitted, or work with --cores", program);
   std::string said;
-  FILE* pipe = popen("sinfo -h -o %P 2>&1", "r");
-  if (!pipe) throw Fail("--slurm: sinfo cannot be started: {}", std::strerror(errno));
-  char line[1024];
-  while (std::fgets(line, sizeof line, pipe)) said += line;
-  if (pclose(pipe) != 0) throw Fail("--slurm: Slurm does not answer: {}", said.substr(0, said.find('\n')));
+  const auto say = [&](const std::string& line) {
+    if (said.empty()) said = line;
+  };
+  if (RunChild("sinfo", {"-h", "-o", "%P"}, say, ThrowIfInterrupted).code != 0)
+    throw Fail("--slurm: Slurm does not answer: {}", said);
 }
 
 bool RunSnakemake(const fs::path& out, const std::string& target, const std::vector<std::string>& arguments, bool quiet,
                   const FileLock& lock) {
-  if (!IsInstalled("snakemake")) throw Error("snakemake is not installed; install the package snakemake");
+  if (!IsInPath("snakemake")) throw Error("snakemake is not installed; install the package snakemake");
   const fs::path logs = out / "logs";
+  // When this program is killed, snakemake is told to end too.
   std::vector<std::string> words = {"setpriv",      "--pdeathsig",
                                     "TERM",         "snakemake",
                                     "--snakefile",  SharedFile("Snakefile").string(),
@@ -265,44 +279,49 @@ bool RunSnakemake(const fs::path& out, const std::string& target, const std::vec
   if (target != "participant") words.insert(words.end(), {"--forcerun", target});
   words.insert(words.end(), arguments.begin(), arguments.end());
   words.push_back(target);
-  const int status = Spawn(words, lock.Descriptor(), quiet ? std::optional(logs / kSnakemakeLog) : std::nullopt);
+  if (const passwd* user = getpwuid(geteuid()))
+    setenv("USER", user->pw_name, false);         // for Slurm, where nobody logged in
+  ChildStreams streams{.in = lock.Descriptor()};  // every descendant inherits it: the lock is held until all have ended
+  const FileDescriptor log(quiet ? WriteTo(logs / kSnakemakeLog) : -1);
+  streams.err = quiet ? log.Get() : STDERR_FILENO;
+  streams.out = streams.err;  // stdout is for results
+  // Snakemake waits for its jobs to end.
+  const int status = WaitForChild(StartChild(words, streams), "snakemake", std::chrono::milliseconds(50));
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-std::vector<Failure> FailuresOf(const Json& workflow, const fs::path& out) {
-  std::vector<Failure> failures;
+WorkflowState StateOf(const Json& workflow, const fs::path& out) {
+  const std::string made_by = LakeRun();
+  WorkflowState state;
   for (const Json& of : workflow["failed"])
-    failures.push_back({of["participant"], of["session"], of["run"], of["step"], of["error"]});
-  for (const auto& [name, of] : workflow["recordings"].items())
-    for (const auto& [step, plan] : of["steps"].items()) {
-      const bool could_be_done =
-          std::all_of(plan["after"].begin(), plan["after"].end(),
-                      [&, &name = name](const Json& before) { return IsDone(out, name, before); });
-      if (could_be_done && !IsDone(out, name, step))
-        failures.push_back({of["participant"], of["session"], of["run"], step, ErrorIn(LogOf(out, name, step))});
+    state.failures.push_back({of["participant"], of["session"], of["run"], of["step"], of["error"]});
+  for (const auto& [name, of] : workflow["recordings"].items()) {
+    const fs::path log = LogOf(out, name);
+    const auto fail = [&, &of = of](const std::string& step, const std::string& error) {
+      state.failures.push_back({of["participant"], of["session"], of["run"], step, error});
+    };
+    state.done[name] = {};
+    try {
+      const Json plan = PlanOf(of, made_by);
+      state.done[name] = StepsDoneOf(plan, of, log, fail);
+      if (AreTrialsDone(plan, of) && !HasMotion(workflow, of, out)) fail(kMotion, ErrorIn(log));
+    } catch (const Error& error) {
+      fail("study", error.what());
     }
-  if (workflow.value("population", false) && !fs::exists(out / "logs" / "population.done"))
-    if (const fs::path log = out / "logs" / "population.log"; fs::exists(log))
-      failures.push_back({"", "", "", kPopulationStep, ErrorIn(log)});
-  return failures;
+  }
+  return state;
 }
 
 void ForgetGroup(const fs::path& out) {
-  for (const char* file : {"population.done", "population.log", kGroupLog}) fs::remove(out / "logs" / file);
+  fs::remove(GroupLog(out));
 }
 
 std::optional<std::string> GroupError(const fs::path& out) {
-  const fs::path log = out / "logs" / kGroupLog;
-  return fs::exists(log) ? std::optional(ErrorIn(log)) : std::nullopt;
+  return fs::exists(GroupLog(out)) ? std::optional(ErrorIn(GroupLog(out))) : std::nullopt;
 }
 
-bool AllWereTried(const std::vector<Failure>& failures) {
-  return std::none_of(failures.begin(), failures.end(),
-                      [](const Failure& failure) { return failure.error == kNotBegun; });
-}
-
-bool IsDone(const fs::path& out, const std::string& recordings, const std::string& step) {
-  return fs::exists(MarkOf(out, recordings, step));
+bool WorkflowState::AllWereTried() const {
+  return std::ranges::none_of(failures, [](const Failure& failure) { return failure.error == kNotBegun; });
 }
 
 }  // namespace lake::cohort

@@ -31,10 +31,14 @@ Json FileStateJson(const FileState& state) {
 
 FileState FileStateFrom(const Json& json) {
   FileState state;
-  state.path = json.at("path").get<std::string>(), state.sha256 = json.at("sha256").get<std::string>();
+  state.path = json.at("path").get<std::string>();
+  state.sha256 = json.at("sha256").get<std::string>();
   FileStamp& stamp = state.stamp;
-  stamp.size = json.at("size"), stamp.inode = json.at("inode"), stamp.seen_ns = json.at("seen_ns");
-  stamp.modified_ns = json.at("modified_ns"), stamp.changed_ns = json.at("changed_ns");
+  stamp.size = json.at("size");
+  stamp.inode = json.at("inode");
+  stamp.seen_ns = json.at("seen_ns");
+  stamp.modified_ns = json.at("modified_ns");
+  stamp.changed_ns = json.at("changed_ns");
   return state;
 }
 

@@ -43,15 +43,26 @@ std::vector<FileState> OutputsFrom(const Json& json, const fs::path& folder) {
   return outputs;
 }
 
+// Null where there is none, or none that can be read.
+Json ReadFile(const fs::path& path) {
+  try {
+    return fs::is_regular_file(path) ? ReadJsonFile(path) : Json();
+  } catch (const Error&) {
+    return {};
+  }
+}
+
 }  // namespace
 
 std::optional<StepStamp> ReadStamp(const fs::path& folder, const std::string& step) {
-  const fs::path path = StampPath(folder, step);
-  if (!fs::is_regular_file(path)) return std::nullopt;
+  const Json json = ReadFile(StampPath(folder, step));
+  if (!json.is_object() || !json.contains("outputs")) return std::nullopt;
   try {
-    const Json json = ReadJsonFile(path);
-    return StepStamp{json.at("maker").get<std::string>(), json.at("options"), StatesFrom(json.at("inputs")),
-                     OutputsFrom(json.at("outputs"), folder), json.at("seconds").get<double>()};
+    return StepStamp{.made_by = json.at("maker").get<std::string>(),
+                     .options = json.at("options"),
+                     .inputs = StatesFrom(json.at("inputs")),
+                     .outputs = OutputsFrom(json.at("outputs"), folder),
+                     .seconds = json.at("seconds").get<double>()};
   } catch (const Error&) {
     return std::nullopt;
   } catch (const Json::exception&) {
@@ -66,6 +77,21 @@ void WriteStamp(const fs::path& folder, const std::string& step, const StepStamp
                                           {"options", stamp.options},
                                           {"inputs", StatesJson(stamp.inputs)},
                                           {"outputs", OutputsJson(stamp.outputs, folder)}});
+}
+
+void WriteFailure(const fs::path& folder, const std::string& step, const std::string& error) {
+  std::error_code ignored;
+  fs::create_directories(folder, ignored);
+  try {
+    WriteJsonFile(StampPath(folder, step), {{"step", step}, {"failed", error}});
+  } catch (const Error&) {  // as on a full disk: the failure itself is told
+  }
+}
+
+std::optional<std::string> ReadFailure(const fs::path& folder, const std::string& step) {
+  const Json json = ReadFile(StampPath(folder, step));
+  if (!json.is_object() || !json.contains("failed") || !json["failed"].is_string()) return std::nullopt;
+  return json["failed"].get<std::string>();
 }
 
 void RemoveStamp(const fs::path& folder, const std::string& step) {

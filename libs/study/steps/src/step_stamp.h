@@ -12,15 +12,19 @@
 namespace lake::steps {
 
 struct StepStamp {
-  std::string made_by;
-  Json options;
-  std::vector<FileState> inputs, outputs;
+  std::string made_by = {};
+  Json options = {};
+  std::vector<FileState> inputs = {}, outputs = {};
   double seconds = 0;
 };
 
 // nullopt if there is none, or none that can be read: the step is then done again.
 std::optional<StepStamp> ReadStamp(const std::filesystem::path& folder, const std::string& step);
 void WriteStamp(const std::filesystem::path& folder, const std::string& step, const StepStamp& stamp);
+
+// Leaves the reason for which a step failed in the place of its stamp, where that can be written.
+void WriteFailure(const std::filesystem::path& folder, const std::string& step, const std::string& error);
+std::optional<std::string> ReadFailure(const std::filesystem::path& folder, const std::string& step);
 
 // The stamp alone: the outputs are the run's, whose list of results says which they are.
 void RemoveStamp(const std::filesystem::path& folder, const std::string& step);

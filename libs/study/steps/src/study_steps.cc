@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <map>
 #include <utility>
 
@@ -14,7 +13,6 @@
 #include "lake/core/processes.h"
 #include "lake/core/provenance.h"
 #include "lake/core/threads.h"
-#include "step_cache.h"
 #include "step_stamp.h"
 
 namespace lake::steps {
@@ -90,26 +88,24 @@ std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp
   }
 }
 
-// The step's work, or what it left elsewhere of the same: of LAKE_CACHE.
-void Work(const StudyStep& step, const std::vector<FileState>& inputs, const StepRunOptions& options, Run& run) {
-  const char* cache = std::getenv("LAKE_CACHE");
-  if (!step.is_nobodys || !cache || *cache == '\0') return step.work(run);
-  const CacheEntry entry(cache, step, inputs, options.made_by);
-  if (entry.Restore(run)) return;
-  step.work(run);
-  entry.Store(run);
-}
-
 StepStamp Do(const StudyStep& step, const std::vector<FileState>& inputs, const StepRunOptions& options) {
   const Clock::time_point start = Clock::now();
-  Run run({step.program, options.command, step.options, step.folder, options.quiet, options.subject, false, step.name});
+  Run run({.program = step.program,
+           .command = options.command,
+           .options = step.summary_options,
+           .out = step.folder,
+           .quiet = options.quiet,
+           .subject = options.subject,
+           .step = step.name,
+           .given = step.given});
   try {
     run.Begin();
-    Work(step, inputs, options, run);
+    step.work(run);
   } catch (...) {
     RethrowAbout(step);
   }
-  StepStamp stamp{options.made_by, step.options, inputs, {}, SecondsSince(start)};
+  StepStamp stamp{
+      .made_by = options.made_by, .options = step.options, .inputs = inputs, .seconds = SecondsSince(start)};
   for (const fs::path& path : run.Results()) stamp.outputs.push_back(StateOf(path));
   WriteStamp(step.folder, step.name, stamp);
   return stamp;
@@ -137,9 +133,12 @@ class StepProgress {
   }
 
   void Done(std::size_t step, double seconds, bool told) {
-    left_s_ -= expected_s_[step], done_s_ += expected_s_[step];
+    left_s_ -= expected_s_[step];
+    done_s_ += expected_s_[step];
     if (told) Say(step, fmt::format("done in {:.1f} s", seconds));
   }
+
+  void Failed(std::size_t step, const std::string& error) const { Say(step, "failed: " + error); }
 
  private:
   void Say(std::size_t step, const std::string& text) const {
@@ -157,27 +156,39 @@ bool ReadsAllOf(const StudyStep& step, const std::string& earlier) {
   return std::find(step.whole_steps.begin(), step.whole_steps.end(), earlier) != step.whole_steps.end();
 }
 
-// The stamps of the steps all outputs of which a step reads.
-std::map<std::string, StepStamp> StampsBefore(const std::vector<StudyStep>& steps, const StudyStep& step) {
+// Those of the steps that have these names, all without names.
+std::vector<StudyStep> Chosen(const std::vector<StudyStep>& steps, const std::vector<std::string>& names) {
+  if (names.empty()) return steps;
+  std::vector<std::string> known;
+  std::vector<StudyStep> chosen;
+  for (const StudyStep& step : steps) {
+    known.push_back(step.name);
+    if (std::ranges::find(names, step.name) != names.end()) chosen.push_back(step);
+  }
+  for (const std::string& name : names)
+    if (std::ranges::find(known, name) == known.end())
+      throw Fail("no step '{}' in this study; it has {}", name, fmt::join(known, ", "));
+  return chosen;
+}
+
+// The stamps of other steps all outputs of which one of these reads.
+std::map<std::string, StepStamp> StampsBefore(const std::vector<StudyStep>& steps,
+                                              const std::vector<StudyStep>& chosen) {
+  const auto is_chosen = [&](const StudyStep& step) {
+    return std::ranges::any_of(chosen, [&](const StudyStep& one) { return one.name == step.name; });
+  };
   std::map<std::string, StepStamp> stamps;
   for (const StudyStep& earlier : steps) {
-    if (!ReadsAllOf(step, earlier.name)) continue;
+    const auto reader =
+        std::ranges::find_if(chosen, [&](const StudyStep& step) { return ReadsAllOf(step, earlier.name); });
+    if (reader == chosen.end() || is_chosen(earlier)) continue;
     std::optional<StepStamp> stamp = ReadStamp(earlier.folder, earlier.name);
     if (!stamp)
-      throw Fail("step {} ({}): reads what step {} leaves, which has not been done; do that first", step.name,
-                 step.what, earlier.name);
+      throw Fail("step {} ({}): reads what step {} leaves, which has not been done; do that first", reader->name,
+                 reader->what, earlier.name);
     stamps[earlier.name] = std::move(*stamp);
   }
   return stamps;
-}
-
-const StudyStep& StepOfName(const std::vector<StudyStep>& steps, const std::string& name) {
-  std::vector<std::string> names;
-  for (const StudyStep& step : steps) {
-    if (step.name == name) return step;
-    names.push_back(step.name);
-  }
-  throw Fail("no step '{}' in this study; it has {}", name, fmt::join(names, ", "));
 }
 
 // Each step is begun when those that it reads from are done, as many at the same time as there are threads, every one
@@ -189,27 +200,35 @@ class StepRunner {
              std::map<std::string, StepStamp> stamps)
       : steps_(steps), options_(options), stamps_(std::move(stamps)), progress_(steps, options.quiet) {
     for (const StudyStep& step : steps) {
-      std::vector<std::string> before = StepsBefore(steps, step);
-      std::erase_if(before, [&](const std::string& name) { return stamps_.contains(name); });
-      before_.push_back(std::move(before));
-      outcomes_.push_back({step.name, false, "", 0});
+      before_.push_back(StepsBefore(steps, step));
+      outcomes_.push_back({.name = step.name});
     }
     state_.resize(steps.size(), State::kWaiting);
     workers_.resize(steps.size());
   }
 
   std::vector<StepOutcome> Run() {
-    while (!std::ranges::all_of(state_, [](State state) { return state == State::kDone; })) {
+    while (CanGoOn()) {
       ThrowIfInterrupted();
-      if (failures_.empty()) BeginWhatCanBe();
+      if (MayBegin()) BeginWhatCanBe();
       TakeWhatEnded();
-      if (!failures_.empty() && Working().empty()) std::rethrow_exception(failures_.begin()->second);
     }
+    if (!failures_.empty()) std::rethrow_exception(failures_.begin()->second);
     return std::move(outcomes_);
   }
 
  private:
   enum class State { kWaiting, kDue, kWorking, kDone, kFailed };
+
+  bool MayBegin() const { return failures_.empty() || options_.keep_going; }
+
+  bool CanGoOn() const {
+    if (!Working().empty()) return true;
+    if (!MayBegin()) return false;
+    for (std::size_t i = 0; i < steps_.size(); ++i)
+      if (state_[i] == State::kDue || CanBegin(i)) return true;
+    return false;
+  }
 
   bool CanBegin(std::size_t i) const {
     return state_[i] == State::kWaiting &&
@@ -256,12 +275,9 @@ class StepRunner {
     const StudyStep& step = steps_[due.step];
     progress_.Begin(due.step, due.why);
     RemoveStamp(step.folder, step.name);
-    outcomes_[due.step].done = true, outcomes_[due.step].why = due.why;
-    if (Threads() == 1) {
-      StepStamp stamp = Do(step, due.inputs, options_);
-      progress_.Done(due.step, stamp.seconds, false);
-      return Finish(due.step, std::move(stamp));
-    }
+    outcomes_[due.step].done = true;
+    outcomes_[due.step].why = due.why;
+    if (Threads() == 1) return TakeStep(due.step, false, [&] { return Do(step, due.inputs, options_); });
     StepRunOptions options = options_;
     if (!alone) options.quiet = true;  // two lines of progress would write over each other
     state_[due.step] = State::kWorking;
@@ -281,23 +297,30 @@ class StepRunner {
     for (std::size_t w = 0; w < working.size(); ++w) {
       const std::size_t i = working[w];
       if (!ready[w] || workers_[i]->Read(no_progress)) continue;
-      TakeStep(i, working.size() > 1);
+      TakeStep(i, working.size() > 1, [&] { return StampOfWorker(i); });
+      workers_[i].reset();
     }
   }
 
+  StepStamp StampOfWorker(std::size_t i) {
+    workers_[i]->Take();
+    std::optional<StepStamp> stamp = ReadStamp(steps_[i].folder, steps_[i].name);
+    if (!stamp) throw Fail("step {} ({}): its outputs were changed while it worked", steps_[i].name, steps_[i].what);
+    return std::move(*stamp);
+  }
+
   // A failure is kept until the others that are under way have ended: what they do is not lost.
-  void TakeStep(std::size_t i, bool told) {
+  void TakeStep(std::size_t i, bool told, const std::function<StepStamp()>& take) {
     try {
-      workers_[i]->Take();
-      std::optional<StepStamp> stamp = ReadStamp(steps_[i].folder, steps_[i].name);
-      if (!stamp) throw Fail("step {} ({}): its outputs were changed while it worked", steps_[i].name, steps_[i].what);
-      progress_.Done(i, stamp->seconds, told);
-      Finish(i, std::move(*stamp));
-    } catch (const Error&) {
+      StepStamp stamp = take();
+      progress_.Done(i, stamp.seconds, told);
+      Finish(i, std::move(stamp));
+    } catch (const Error& error) {
       failures_[i] = std::current_exception();
       state_[i] = State::kFailed;
+      WriteFailure(steps_[i].folder, steps_[i].name, error.what());
+      if (options_.keep_going) progress_.Failed(i, error.what());
     }
-    workers_[i].reset();
   }
 
   void Finish(std::size_t i, StepStamp stamp) {
@@ -332,13 +355,8 @@ std::string StepRunOptions::ThisProgram(const fs::path& program) {
 }
 
 std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options) {
-  return StepRunner(steps, options, {}).Run();
-}
-
-StepOutcome RunStep(const std::vector<StudyStep>& steps, const std::string& name, const StepRunOptions& options) {
-  const StudyStep& step = StepOfName(steps, name);
-  const std::vector<StudyStep> alone = {step};
-  return StepRunner(alone, options, StampsBefore(steps, step)).Run().front();
+  const std::vector<StudyStep> chosen = Chosen(steps, options.only);
+  return StepRunner(chosen, options, StampsBefore(steps, chosen)).Run();
 }
 
 std::vector<std::string> StepsBefore(const std::vector<StudyStep>& steps, const StudyStep& step) {
@@ -367,6 +385,10 @@ std::vector<std::string> WhyDoSteps(const std::vector<StudyStep>& steps, const s
     if (reasons.back().empty()) done[step.name] = std::move(*stamp);
   }
   return reasons;
+}
+
+std::optional<std::string> StepFailure(const StudyStep& step) {
+  return ReadFailure(step.folder, step.name);
 }
 
 }  // namespace lake::steps

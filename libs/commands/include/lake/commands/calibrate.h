@@ -36,6 +36,9 @@ void Describe(CalibrateRunOptions& o, OptionList& options);
 void Describe(PlaneRunOptions& o, OptionList& options);
 void Describe(SheetRunOptions& o, OptionList& options);
 
+std::vector<InputFile> InputsOf(const CalibrateRunOptions& options);
+std::vector<InputFile> InputsOf(const PlaneRunOptions& options);
+
 // Writes camera.yaml, residuals.csv, residuals.png and, from enough views, cross_validation.png; returns the results
 // for the summary. Throws UsageError without pictures or board, Error for pictures that cannot be used, SolverError.
 Json RunCalibrate(const CalibrateRunOptions& options, Run& run);

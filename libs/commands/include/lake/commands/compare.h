@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lake/compare/misalignment.h"
 #include "lake/core/json.h"
@@ -24,6 +25,10 @@ struct CompareRunOptions {
 };
 
 void Describe(CompareRunOptions& o, OptionList& options);
+std::vector<InputFile> InputsOf(const CompareRunOptions& options);
+
+// What ReadTrialTables reads, or ReadComparison of a folder with a comparison.json. A folder need not be there yet.
+std::vector<InputFile> TrialTableInputs(const std::filesystem::path& path, const std::string& role);
 
 // Of a lake-track folder its tables, of another trial those of a leg fit. `knee` is the compared marker; where the
 // trial has no marker `knee`, it is the leg's knee as well.

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lake/core/json.h"
 #include "lake/core/run.h"
@@ -23,11 +24,17 @@ struct GaitRunOptions : gait::PictureScale {
 
 void Describe(GaitRunOptions& o, OptionList& options);
 
+std::vector<InputFile> InputsOf(const GaitRunOptions& options);
+
+// What the fit of a trial reads: the file, or of a folder (which need not be there yet) the markers and events.
+std::vector<InputFile> TrialInputs(const std::filesystem::path& trial, const std::string& role);
+bool IsTrialFolder(const std::filesystem::path& trial);
+
 // The one way in which lake-gait, lake-compare and lake-optimize read a trial and fit a leg to it. Warnings (of the
-// file, of lengths that no leg has, of positions that were smoothed) are said through `run`, inputs recorded in it.
-// Events that a person moved in a folder are those of every fit of its trial. Throws UsageError for a camera or scale
-// bar, given by `picture`, that a trial in mm has no use for.
-exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading, Run& run,
+// file, of lengths that no leg has, of positions that were smoothed) are said through `run`. Events that a person moved
+// in a folder are those of every fit of its trial. Throws UsageError for a camera or scale bar, given by `picture`,
+// that a trial in mm has no use for.
+exchange::Trial ReadTrialFor(const std::filesystem::path& path, const exchange::TrialOptions& reading,
                              const gait::PictureScale& picture = {});
 gait::LegFitResult FitTrial(const exchange::Trial& trial, gait::LegFitOptions fit, Run& run,
                             const gait::PictureScale& picture = {});

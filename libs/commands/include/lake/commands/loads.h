@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "lake/commands/gait.h"
 #include "lake/core/json.h"
@@ -22,6 +23,7 @@ struct LoadsRunOptions : GaitRunOptions {
 };
 
 void Describe(LoadsRunOptions& o, OptionList& options);
+std::vector<InputFile> InputsOf(const LoadsRunOptions& options);
 
 // Writes loads.csv, loads.json, loads.png; returns the results for the summary.
 Json RunLoads(const LoadsRunOptions& options, Run& run);

@@ -50,6 +50,7 @@ struct OptimizeRunOptions {
 
 // The problem, its file and how its optimum is sought; the redesign's stand by themselves.
 void Describe(OptimizeRunOptions& o, OptionList& options);
+std::vector<InputFile> InputsOf(const OptimizeRunOptions& options);
 
 // Writes design.yaml, the tables and figures of the study, with a load profile assistance.csv and .png; of a catalogue
 // of actuators actuators_front.csv and .png alone. Returns the results for the summary. Where no design satisfies the

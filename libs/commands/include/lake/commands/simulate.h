@@ -33,6 +33,7 @@ struct SimulationOptions {
 };
 
 void Describe(SimulationOptions& o, OptionList& options);
+std::vector<InputFile> InputsOf(const SimulationOptions& options);
 
 // With a load profile also assistance.csv/.png. Writes angle_vs_stroke.csv/.png/.svg, pin_forces.csv/.png/.svg,
 // pose_ANGLE.png/.svg, schematic.svg, animation.mp4/.gif, design.dxf, parts.csv, strength.csv and mannequin.png through

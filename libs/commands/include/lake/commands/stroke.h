@@ -33,6 +33,7 @@ struct StrokeRunOptions {
 };
 
 void Describe(StrokeRunOptions& o, OptionList& options);
+std::vector<InputFile> InputsOf(const StrokeRunOptions& options);
 
 // Writes the firmware's sources with this stroke_table.h into the folder kSketchFolder of the results, `notes` on top
 // of the .ino; returns their names.

@@ -35,6 +35,7 @@ struct TrackRunOptions : gait::PictureScale {
 };
 
 void Describe(TrackRunOptions& o, OptionList& options);
+std::vector<InputFile> InputsOf(const TrackRunOptions& options);
 
 // Writes tracks, leg motion, events, figures, video and exports through `run` and returns the results for the summary.
 //

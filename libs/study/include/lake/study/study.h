@@ -11,23 +11,27 @@
 
 namespace lake::study {
 
+// All steps that a study can have and that write into a folder of their own, in order.
+std::vector<std::string> StudyStepNames();
+
 // In order; each writes into its own folder below `out`, the report into `out` itself. `head` (Run::Head()) is what the
 // report says of its making.
 std::vector<steps::StudyStep> StudySteps(const StudyFile& study, const std::filesystem::path& out, const Json& head);
 
 // Does what has changed since the last time and returns the summary: the steps, and of each what its own summary.json
-// says, under its name. Throws what a step throws, with the step's name.
-Json RunStudyFile(const StudyFile& study, Run& run);
+// says, under its name. Throws what a step throws, with the step's name; `keep_going`: after all that does not read
+// what failed has been done.
+Json RunStudyFile(const StudyFile& study, Run& run, bool keep_going = false);
 
-// One step of the study in its folder, if something that it is made of has changed: those before it must have been
-// done. Writes nothing beside the step's own results, so several may be under way at the same time. Throws as
+// These steps of the study alone, where something that they are made of has changed: those before them must have been
+// done. Writes nothing beside their own results, so other steps may be under way at the same time. Throws as
 // RunStudyFile.
-void RunStudyStep(const StudyFile& study, const std::string& step, const Run& run);
+void RunStudySteps(const StudyFile& study, const std::vector<std::string>& names, bool keep_going, const Run& run);
 
 // What would be done, for programs that order the steps themselves (Snakemake): {name, study, out, steps: [{name, what,
 // program, folder, after: names of steps, inputs, outputs: what every run of the step leaves and others go by,
-// due: why it would be done, or null, resources: {threads, memory_mb, minutes}}]}; all paths absolute. `made_by` is
-// lake-run as StepRunOptions has it. Nothing is written.
+// due: why it would be done, or null, failed: why it failed the last time, or null, resources: {threads, memory_mb,
+// minutes}}]}; all paths absolute. `made_by` is lake-run as StepRunOptions has it. Nothing is written.
 Json StudyPlan(const StudyFile& study, const std::filesystem::path& out,
                const std::string& made_by = steps::StepRunOptions::ThisProgram());
 

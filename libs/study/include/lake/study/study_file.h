@@ -45,11 +45,17 @@ struct StudyInput {
   std::string where;  // "study.yaml:7", for messages
 };
 
+// What a section says: as it stands in the study file, but for order, blanks and comments, on which steps depend; and
+// as the options of the program that does its work (core/options_json.h), for its summary.
+struct StudySection {
+  Json text = Json::object(), given = Json::object();
+};
+
 // One recording and what is done with it.
 struct StudyTrial {
   std::variant<commands::TrackRunOptions, commands::GaitRunOptions>
-      work;      // of a video; of a trial that was tracked before
-  Json options;  // what the study says about it
+      work;  // of a video; of a trial that was tracked before
+  StudySection section;
 
   bool IsVideo() const { return std::holds_alternative<commands::TrackRunOptions>(work); }
   const std::filesystem::path& Recording() const;
@@ -58,7 +64,7 @@ struct StudyTrial {
 struct StudyCalibration {
   commands::CalibrateRunOptions camera;
   std::optional<commands::PlaneRunOptions> plane;  // its camera file is the calibration's
-  Json camera_options, plane_options;
+  StudySection camera_section, plane_section;
 };
 
 struct StudyProblem {
@@ -72,13 +78,13 @@ struct StudyRedesign {
   commands::ReoptimizeRunOptions options;  // without the places of trials and worn design
   synthesis::SynthesisOptions search;
   StudyProblem design;  // default: the study's own
-  Json said;            // what the study says about it
+  StudySection section;
 };
 
 // What the knee needs, and the links with which an actuator gives it.
 struct StudyAssistance {
   commands::OptimizeRunOptions options;  // without the profile
-  Json said;
+  StudySection section;
 };
 
 struct StudyFile {
@@ -90,19 +96,19 @@ struct StudyFile {
   StudyTrial human;
   std::optional<StudyTrial> exo;
   commands::CompareRunOptions compare;  // without the trials' places
-  Json compare_options = Json::object();
+  StudySection compare_section;
   StudyProblem design;
   synthesis::SynthesisOptions optimum;        // how the design's optimum is sought, proved and judged
   std::optional<std::filesystem::path> worn;  // the design worn in the exo trial
-  Json design_options = Json::object();
+  StudySection design_section;
   std::optional<StudyRedesign> redesign;
   std::optional<commands::LoadsRunOptions> loads;  // without the trial's place
-  Json loads_options;
+  StudySection loads_section;
   std::optional<StudyAssistance> assistance;
   commands::SimulationOptions simulation;
-  Json simulation_options = Json::object();
+  StudySection simulation_section;
   std::optional<commands::StrokeRunOptions> stroke;  // without the design and the motion's place
-  Json stroke_options;
+  StudySection stroke_section;
   std::vector<StudyInput> inputs;  // all files named, each once
 
   // The folder for the results: `out`; else a name below lake-out, that of the file or, of a study.yaml, of its folder.

@@ -19,6 +19,13 @@ namespace lake {
 class FolderLock;
 struct ResultsList;
 
+// A file or folder that a program reads by its options, and what it is to the program: "camera".
+struct InputFile {
+  std::filesystem::path path;
+  std::string role;
+  bool is_alternative = false;  // read only where the one before it is absent
+};
+
 class Run {
  public:
   struct Info {
@@ -58,11 +65,13 @@ class Run {
   void Warn(const std::string& text);
   const std::vector<std::string>& Warnings() const { return warnings_; }
 
-  // Records a file that was read, with its content hash.
-  void AddInput(const std::filesystem::path& path);
+  // Records a file that is read, with its content hash; of several those that are there. What is missing is told of by
+  // its reader.
+  void AddInput(const std::filesystem::path& path, const std::string& role);
+  void AddInputs(const std::vector<InputFile>& inputs);
 
   // What made the results, as a summary begins: program, version, command, options and which of them were given,
-  // inputs, warnings, as known so far.
+  // inputs (path, sha256, role), warnings, as known so far.
   Json Head() const;
 
   // The head, then the given results; written as summary.json and returned.

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -35,8 +35,11 @@ struct GroupData {
   std::vector<std::string> quantities;  // of the rows, each once, in the order of the tables
 };
 
+// The steps of a study that have been done, by the name of its recordings.
+using StepsDone = std::map<std::string, std::set<std::string>>;
+
 // Of all steps that have been done. Throws Error for a table that cannot be read.
-GroupData ReadGroup(const Json& workflow, const std::filesystem::path& out);
+GroupData ReadGroup(const Json& workflow, const StepsDone& done);
 
 // The mean of what is known of one quantity: over repetitions, runs and, if none is named, sessions; nullopt if nothing
 // is known.

@@ -21,4 +21,7 @@ struct MotionNames {
 void WriteMotionFiles(const std::filesystem::path& study, const MotionNames& names,
                       const std::filesystem::path& motion);
 
+// Whether these files are there, of every trial of the study.
+bool HasMotionFiles(const std::filesystem::path& study, const MotionNames& names, const std::filesystem::path& motion);
+
 }  // namespace lake::cohort

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,24 +17,27 @@
 namespace lake::steps {
 
 struct StudyStep {
-  std::string name;                           // "exo"
-  std::string what;                           // one line for progress and errors: "the exoskeleton trial, exo.mp4"
-  std::string program;                        // whose work it is: "lake-track"
-  std::filesystem::path folder;               // of its outputs
-  std::vector<std::filesystem::path> inputs;  // files and folders it reads; one that is absent counts as such
-  std::vector<std::string> whole_steps;       // earlier steps all outputs of which it reads
-  Json options = Json::object();              // what else its outputs depend on
-  double expected_s = 1;                      // how long it takes, until its stamp says so; for the time left
-  std::function<void(Run&)> work;   // writes through the run: its outputs are what the run has given out as results
-  bool is_nobodys = false;          // of no one person: where LAKE_CACHE names a folder, done once for all studies
-  std::vector<StudyKey> keys = {};  // of its section of the study file, for errors that name options
+  std::string name = {};                           // "exo"
+  std::string what = {};                           // one line for progress and errors: "the exoskeleton trial, exo.mp4"
+  std::string program = {};                        // whose work it is: "lake-track"
+  std::filesystem::path folder = {};               // of its outputs
+  std::vector<std::filesystem::path> inputs = {};  // files and folders it reads; one that is absent counts as such
+  std::vector<std::string> whole_steps = {};       // earlier steps all outputs of which it reads
+  Json options = Json::object();                   // what else its outputs depend on
+  double expected_s = 1;                           // how long it takes, until its stamp says so; for the time left
+  std::function<void(Run&)> work = {};  // writes through the run: its outputs are what the run has given out as results
+  Json summary_options = Json::object();  // what its summary says of options, by the names of its program's
+  std::vector<std::string> given = {};    // those of them that the study gives
+  std::vector<StudyKey> keys = {};        // of its section of the study file, for errors that name options
 };
 
 struct StepRunOptions {
   std::string made_by = ThisProgram();    // that outputs are made by; those of another are made again
-  std::string command;                    // for the steps' summaries
+  std::string command = {};               // for the steps' summaries
   bool quiet = false;                     // no progress
   std::vector<std::string> subject = {};  // the study file, for the folders' lists of results
+  std::vector<std::string> only = {};     // these steps alone; empty: all
+  bool keep_going = false;                // where a step fails, all that does not read it is done nevertheless
 
   // Version and content hash of a program, by default the running one, but for the commit that it names: a commit that
   // changes nothing in the program makes no step be done again.
@@ -41,10 +45,10 @@ struct StepRunOptions {
 };
 
 struct StepOutcome {
-  std::string name;
-  bool done = false;   // false: its outputs were as they must be
-  std::string why;     // it was done: "exo.mp4 changed"
-  double seconds = 0;  // that it took when it was done last
+  std::string name = {};
+  bool done = false;     // false: its outputs were as they must be
+  std::string why = {};  // it was done: "exo.mp4 changed"
+  double seconds = 0;    // that it took when it was done last
 };
 
 // Removes what a step left that the study does not have any more, nothing else in its folder.
@@ -52,15 +56,14 @@ void RetireStudyStep(const std::filesystem::path& folder, const std::string& ste
 
 // Given in an order in which a step comes after those whose outputs it reads. Each begins when those are done: as many
 // at the same time as there are threads, in processes of their own, with the same outputs as one after the other. A
-// step that fails ends the run: the exception is of the cause's type, its text names the step and what it is about;
-// steps that are done stay, those under way come to their end first, no other is begun. While a step is under way it
-// has no stamp, and the outputs of its last time are gone.
+// step that fails ends the run: the exception is of the cause's type, its text names the step and what it is about; of
+// several that fail it is the first. Steps that are done stay, those under way come to their end first, no other is
+// begun. While a step is under way it has no stamp, and the outputs of its last time are gone.
+//
+// Of steps that are done alone, those before them must have been done and are not examined; other processes may do
+// other steps meanwhile. Throws Error if there is no such step or if one all outputs of which it reads has not been
+// done.
 std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options);
-
-// One of them, if something that it is made of has changed; those before it must have been done and are not looked at.
-// Several steps may be under way at the same time, each in a process of its own. Throws as RunSteps, Error if there is
-// no such step or if one all outputs of which it reads has not been done.
-StepOutcome RunStep(const std::vector<StudyStep>& steps, const std::string& name, const StepRunOptions& options);
 
 // The earlier steps that a step reads outputs of.
 std::vector<std::string> StepsBefore(const std::vector<StudyStep>& steps, const StudyStep& step);
@@ -69,5 +72,8 @@ std::vector<std::string> StepsBefore(const std::vector<StudyStep>& steps, const 
 // be done (whose outputs may come out the same). Nothing is done or written.
 std::vector<std::string> WhyDoSteps(const std::vector<StudyStep>& steps,
                                     const std::string& made_by = StepRunOptions::ThisProgram());
+
+// What the step failed with when it was done last; nullopt if it did not fail.
+std::optional<std::string> StepFailure(const StudyStep& step);
 
 }  // namespace lake::steps

@@ -8,13 +8,12 @@
 #include "lake/core/json.h"
 #include "lake/core/options.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 // A summary.json; the paths of its options and inputs are as they were given, with the home folder. Throws Error.
 Json ReadSummary(const std::filesystem::path& file);
 
-// Whether a summary is that of a study's step, whose options are its section of the study file; those of a run of its
-// own are all that its command line has.
+// Whether a summary is that of a study's step: the study says where it lies.
 bool IsOfStudy(const Json& summary);
 
 // The options of the summary in this folder that its run was given, the others being defaults or what a file said that
@@ -26,6 +25,12 @@ Json GivenOptions(const Json& summary, const std::filesystem::path& folder);
 // these. Throws Error: not to be found, or changed.
 std::filesystem::path FindInput(const Json& input, const std::filesystem::path& results);
 
+// The entry of a summary's `inputs` with this role, the first of several; nullptr if there is none.
+const Json* InputOf(const Json& summary, const std::string& role);
+
+// The file that it names, as FindInput() above. Throws Error also where there is no such input.
+std::filesystem::path FindInput(const Json& summary, const std::string& role, const std::filesystem::path& results);
+
 // The program whose results are in a folder; empty if none.
 std::string MakerOf(const std::filesystem::path& folder);
 
@@ -33,4 +38,4 @@ std::string MakerOf(const std::filesystem::path& folder);
 // where it was not given.
 std::vector<std::string> WordsOf(const Option& option);
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

@@ -6,7 +6,7 @@
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 namespace fs = std::filesystem;
 
@@ -34,7 +34,6 @@ bool IsOfStudy(const Json& summary) {
 
 Json GivenOptions(const Json& summary, const fs::path& folder) {
   const Json& options = summary.at("options");
-  if (IsOfStudy(summary)) return options;
   if (!summary.contains("given"))
     throw Fail("{}: was made by an older version of lake; make it again", (folder / "summary.json").string());
   Json given = Json::object();
@@ -65,6 +64,20 @@ fs::path FindInput(const Json& input, const fs::path& results) {
                        path.string(), results.string());
 }
 
+const Json* InputOf(const Json& summary, const std::string& role) {
+  for (const Json& input : summary.at("inputs"))
+    if (input.value("role", "") == role) return &input;
+  return nullptr;
+}
+
+fs::path FindInput(const Json& summary, const std::string& role, const fs::path& results) {
+  const Json* input = InputOf(summary, role);
+  if (!input)
+    throw Fail("{}: names no input that is the {}; it may be of an older version of lake: make it again",
+               (results / "summary.json").string(), role);
+  return FindInput(*input, results);
+}
+
 std::string MakerOf(const fs::path& folder) {
   const fs::path path = folder / "summary.json";
   if (!fs::exists(path)) return {};
@@ -85,4 +98,4 @@ std::vector<std::string> WordsOf(const Option& option) {
   return words;
 }
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

@@ -3,11 +3,11 @@
 
 #include <filesystem>
 
-#include "lake/commands/tracked_folder.h"
 #include "lake/core/options.h"
 #include "lake/review/review.h"
+#include "lake/reviewing/tracked_folder.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 struct ReviewRunOptions {
   std::filesystem::path subject;  // a folder of results, a design.yaml, or a video
@@ -27,4 +27,4 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder folder);
 // default folder. Throws Error, also where the port is taken; Interrupted once a signal has arrived.
 void RunReview(const ReviewRunOptions& options, const std::filesystem::path& programs);
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

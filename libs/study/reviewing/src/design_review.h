@@ -7,7 +7,7 @@
 
 #include "lake/review/design_page.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 struct DesignSubject {
   review::ExploredDesign explored;
@@ -24,4 +24,4 @@ DesignSubject ReadDesignSubject(const std::filesystem::path& subject, const std:
 // lake-out that is not there yet.
 review::DesignWork DesignWorkOf(const DesignSubject& subject, const std::filesystem::path& programs);
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

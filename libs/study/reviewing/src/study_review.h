@@ -1,4 +1,4 @@
-// A study to be looked at: its steps by lake-run --plan, one of them by lake-run --only.
+// A study to be looked at: its steps as they are planned, one of them done by lake-run --only.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include "lake/core/json.h"
 #include "lake/review/study_page.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 // The study file of a folder of lake-run's with this summary, as it is now: it may have been edited since. Throws Error
 // where it is not to be found.
@@ -15,4 +15,4 @@ std::filesystem::path StudyFileOf(const Json& summary, const std::filesystem::pa
 // Of a folder of lake-run's. Throws Error: its study file is not to be found or has changed.
 review::StudyWork StudyWorkOf(const std::filesystem::path& folder, const std::filesystem::path& programs);
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

@@ -5,9 +5,9 @@
 
 #include "lake/review/comparison_page.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 // Throws Error: not a folder of lake-compare's, a trial that has no video or is not to be found.
 review::ComparedPair ReadComparedPair(const std::filesystem::path& folder);
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

@@ -13,11 +13,11 @@
 #include "lake/review/correction_book.h"
 #include "lake/tracking/track_markers.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 struct TrackedFolder {
   std::filesystem::path folder;
-  TrackRunOptions options;                      // with the inputs where they are now
+  commands::TrackRunOptions options;            // with the inputs where they are now
   tracking::TrackResult tracked;                // what the detector measured, before any correction
   std::vector<motion::Correction> made;         // corrections.csv in the folder
   std::vector<motion::EventCorrection> events;  // events_corrected.csv in the folder
@@ -37,4 +37,4 @@ TrackedFolder ReadTrackedFolder(const std::filesystem::path& folder);
 // written, files that somebody else changed since they were read); each file is either the new one or the old one then.
 void SaveCorrections(TrackedFolder& folder, const review::CorrectionBook& book);
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

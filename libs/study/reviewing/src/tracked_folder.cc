@@ -1,4 +1,4 @@
-#include "lake/commands/tracked_folder.h"
+#include "lake/reviewing/tracked_folder.h"
 
 #include <algorithm>
 #include <functional>
@@ -9,11 +9,10 @@
 #include "lake/core/error.h"
 #include "lake/core/provenance.h"
 #include "lake/core/shell_word.h"
-#include "lake/core/yaml.h"
 #include "lake/video/video_files.h"
 #include "result_inputs.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 namespace fs = std::filesystem;
 
@@ -34,13 +33,6 @@ Json ReadSummaryOf(const fs::path& folder) {
 }
 
 void ReadOptionsOf(const fs::path& folder, const Json& summary, OptionList& list) {
-  if (IsOfStudy(summary)) {
-    YamlNode file = YamlNode::ReadFile(folder / "summary.json");
-    YamlNode options = *file.Child("options");
-    return ReadOptions(options, list, [](const YamlNode& node, const Option&) {
-      return OptionTexts{FromHome(node.AsText()).string()};
-    });
-  }
   const Json given = GivenOptions(summary, folder);
   for (Option& option : list.All())
     if (const auto value = given.find(option.Name()); value != given.end())
@@ -48,19 +40,19 @@ void ReadOptionsOf(const fs::path& folder, const Json& summary, OptionList& list
   list.Apply();
 }
 
-void ResolveInputs(const Json& inputs, const fs::path& folder, bool is_study, TrackRunOptions& options) {
+// A camera that a study made stands among the inputs alone.
+void ResolveInputs(const Json& summary, const fs::path& folder, commands::TrackRunOptions& options) {
   const std::string file = options.video.filename().string();
-  const fs::path found = FindInput(inputs.at(0), folder);
+  const fs::path found = FindInput(summary, "video", folder);
   options.video = fs::is_directory(found) ? found / file : found;
-  const std::size_t others = (options.corrections ? 1u : 0u) + (options.events ? 1u : 0u);
-  const bool has_camera = options.camera || (is_study && inputs.size() > 1 + others);
-  if (has_camera) options.camera = FindInput(inputs.at(1), folder);
-  // Events come last; what lake review keeps in the folder takes their place.
-  if (options.events && !fs::exists(folder / kEvents)) options.events = FindInput(inputs.back(), folder);
+  if (InputOf(summary, "camera")) options.camera = FindInput(summary, "camera", folder);
+  // What lake review keeps in the folder takes the place of events that it was tracked with.
+  if (options.events && !fs::exists(folder / kEvents)) options.events = FindInput(summary, "events", folder);
 }
 
 // `events`: with those that were moved.
-std::string CommandOf(const OptionList& list, const TrackRunOptions& options, const fs::path& folder, bool events) {
+std::string CommandOf(const OptionList& list, const commands::TrackRunOptions& options, const fs::path& folder,
+                      bool events) {
   std::string command = "lake track " + ShellWord(options.video.string());
   if (options.camera) command += " --camera " + ShellWord(options.camera->string());
   for (const Option& option : list.All()) {
@@ -164,12 +156,13 @@ TrackedFolder ReadTrackedFolder(const fs::path& folder) {
     const bool is_study = IsOfStudy(summary);
     OptionList list = OptionsOf(result.options);
     ReadOptionsOf(folder, summary, list);
-    ResolveInputs(summary.at("inputs"), folder, is_study, result.options);
+    ResolveInputs(summary, folder, result.options);
     ReadTracked(folder, summary, result);
     const auto command = [&](bool events) {
       return is_study ? SectionOf(folder, events) : CommandOf(list, result.options, folder, events);
     };
-    result.command = command(false), result.command_with_events = command(true);
+    result.command = command(false);
+    result.command_with_events = command(true);
   } catch (const nlohmann::json::exception& error) {
     throw Fail("{}: is not a summary as lake track writes it ({})", (folder / "summary.json").string(), error.what());
   }
@@ -178,7 +171,8 @@ TrackedFolder ReadTrackedFolder(const fs::path& folder) {
   const Json kept = ReadReview(folder);
   if (result.options.corrections) result.known = ReadReplaced(folder, kept);
   result.history = kept.value("history", Json());
-  result.made = ReadMade(result), result.events = ReadEvents(result);
+  result.made = ReadMade(result);
+  result.events = ReadEvents(result);
   CheckAreKnown(result);
   motion::ApplyCorrections(result.known, result.tracked.recording);
   return result;
@@ -216,4 +210,4 @@ void SaveCorrections(TrackedFolder& folder, const review::CorrectionBook& book) 
   folder.known = std::move(known);
 }
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

@@ -1,16 +1,16 @@
-#include "review_study.h"
+#include "study_review.h"
 
-#include <utility>
+#include <string>
 #include <vector>
 
 #include "lake/core/child_program.h"
 #include "lake/core/error.h"
-#include "lake/core/interrupt.h"
 #include "lake/core/json.h"
 #include "lake/core/shell_word.h"
+#include "lake/study/study.h"
 #include "result_inputs.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 namespace fs = std::filesystem;
 
@@ -23,38 +23,24 @@ fs::path StudyFileOf(const Json& summary, const fs::path& folder) {
              folder.string());
 }
 
-namespace {
-
-Json PlanOf(const fs::path& program, const std::vector<std::string>& words) {
-  std::vector<std::string> asked = words;
-  asked.push_back("--plan");
-  const ChildEnd end = RunChild(
-      program, asked, [](const std::string&) {}, ThrowIfInterrupted);
-  if (end.code != 0) throw Fail("lake-run ended with code {}: {}", end.code, end.last_line);
-  Json plan = Json::parse(end.output, nullptr, false);
-  if (plan.is_discarded()) throw Fail("lake-run --plan wrote what is no plan: {}", end.output);
-  return plan;
-}
-
-}  // namespace
-
 review::StudyWork StudyWorkOf(const fs::path& folder, const fs::path& programs) {
   const fs::path program = programs / "lake-run";
   review::StudyWork work;
-  std::vector<std::string> words;
+  fs::path file;
   try {
     const Json summary = ReadSummary(folder / "summary.json");
     work.name = summary.at("name");
-    words = {StudyFileOf(summary, folder).string(), "-o", folder.string()};
+    file = StudyFileOf(summary, folder);
   } catch (const nlohmann::json::exception& error) {
     throw Fail("{}: is not a summary as lake run writes it ({})", (folder / "summary.json").string(), error.what());
   }
   work.report = folder / "report.html";
-  work.command = "lake run";
-  for (const std::string& word : words) work.command += fmt::format(" {}", ShellWord(word));
-  work.plan = [program, words] { return PlanOf(program, words); };
-  work.run = [program, words](const std::string& step, const review::BackgroundJob::Control& control) {
-    std::vector<std::string> asked = words;
+  work.command = fmt::format("lake run {} -o {}", ShellWord(file.string()), ShellWord(folder.string()));
+  work.plan = [file, folder, program] {
+    return study::StudyPlan(study::ReadStudyFile(file), folder, steps::StepRunOptions::ThisProgram(program));
+  };
+  work.run = [file, folder, program](const std::string& step, const review::BackgroundJob::Control& control) {
+    std::vector<std::string> asked = {file.string(), "-o", folder.string()};
     if (!step.empty()) asked.insert(asked.end(), {"--only", step});
     const ChildEnd end = RunChild(program, asked, control.say, control.throw_if_stopped);
     if (end.code != 0) throw Fail("lake-run ended with code {}: {}", end.code, end.last_line);
@@ -62,4 +48,4 @@ review::StudyWork StudyWorkOf(const fs::path& folder, const fs::path& programs) 
   return work;
 }
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

@@ -1,18 +1,18 @@
-#include "review_naming.h"
+#include "naming_review.h"
 
 #include <array>
 #include <memory>
 #include <mutex>
 #include <optional>
 
-#include "lake/commands/review.h"
 #include "lake/core/child_program.h"
 #include "lake/core/error.h"
 #include "lake/core/shell_word.h"
+#include "lake/reviewing/run_review.h"
 #include "lake/tracking/track_markers.h"
 #include "result_inputs.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 namespace fs = std::filesystem;
 
@@ -35,8 +35,8 @@ Json AtRate(Json choices, double capture_rate_hz) {
 
 // lake-track's options as they were chosen; `words` are what its command line says. Throws UsageError for a choice that
 // cannot be.
-TrackRunOptions Chosen(const fs::path& video, const Json& choices, std::vector<std::string>& words) {
-  TrackRunOptions options;
+commands::TrackRunOptions Chosen(const fs::path& video, const Json& choices, std::vector<std::string>& words) {
+  commands::TrackRunOptions options;
   OptionList list = OptionsOf(options);
   words = {(video.string().starts_with('-') ? "./" : "") + video.string()};
   const auto give = [&](const std::string& name, const OptionTexts& texts) {
@@ -125,4 +125,4 @@ review::NamingWork NamingOf(const fs::path& video, double capture_rate_hz, const
   return work;
 }
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

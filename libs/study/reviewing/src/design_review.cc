@@ -1,4 +1,4 @@
-#include "review_design.h"
+#include "design_review.h"
 
 #include <fmt/ranges.h>
 
@@ -22,9 +22,9 @@
 #include "lake/core/yaml.h"
 #include "lake/problem/problem_file.h"
 #include "result_inputs.h"
-#include "review_study.h"
+#include "study_review.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 namespace fs = std::filesystem;
 
@@ -32,17 +32,6 @@ namespace {
 
 // Those of lake-optimize's options that judge an optimum, or that the page gives itself.
 constexpr std::array kLeftOut = {"start", "starts", "certify", "yield", "round", "pareto", "actuators"};
-
-// As a command line says them; none for a map, which a command line cannot say.
-OptionTexts TextsOf(const Json& value) {
-  if (value.is_string()) return {value.get<std::string>()};
-  if (value.is_number()) return {FormatNumber(value.get<double>())};
-  OptionTexts texts;
-  if (value.is_array())
-    for (const Json& element : value)
-      for (const std::string& text : TextsOf(element)) texts.push_back(text);
-  return texts;
-}
 
 bool IsSameFolder(const fs::path& one, const fs::path& other) {
   return (one / "").lexically_normal() == (other / "").lexically_normal();
@@ -53,15 +42,14 @@ struct Folder {
   fs::path path;
   Json summary;
 
-  bool IsOfStudy() const { return commands::IsOfStudy(summary); }
+  bool IsOfStudy() const { return reviewing::IsOfStudy(summary); }
 
   // Where a file or folder that an option names is now; as it was named, if it is among no inputs.
   std::string Find(const fs::path& named) const {
     for (const Json& input : summary.at("inputs")) {
       const fs::path path_then = input.at("path").get<std::string>();
       if (IsSameFolder(path_then.parent_path(), named)) return FindInput(input, path).parent_path().string();
-      if (path_then == named || (IsOfStudy() && path_then.filename() == named.filename()))
-        return FindInput(input, path).string();
+      if (path_then == named) return FindInput(input, path).string();
     }
     return named.string();
   }
@@ -69,10 +57,10 @@ struct Folder {
   // Gives the options the values that are said.
   void Give(const Json& said, OptionList& list) const {
     for (Option& option : list.All()) {
-      const auto value = said.find(IsOfStudy() ? option.Key() : option.Name());
+      const auto value = said.find(option.Name());
       if (value == said.end()) continue;
-      OptionTexts texts = TextsOf(*value);
-      if (texts.empty() || texts == OptionTexts{""}) continue;
+      OptionTexts texts = value->is_array() ? value->get<OptionTexts>() : OptionTexts{value->get<std::string>()};
+      if (texts == OptionTexts{""}) continue;
       if (option.PathKind() != Option::Path::kNone)
         for (std::string& text : texts) text = Find(text);
       option.Give(texts);
@@ -117,8 +105,11 @@ void TakeClearances(const Json& summary, problem::SynthesisProblem& problem) {
   const auto limit = [&](const char* key, std::optional<double>& mm) {
     if (used.at(key).is_number()) mm = used.at(key).get<double>();
   };
-  limit("seat_mm", clearances.seat_mm), limit("limb_mm", clearances.thigh_mm), limit("limb_mm", clearances.shank_mm);
-  clearances.body.height_mm = used.at("height_mm"), clearances.body.mass_kg = used.at("mass_kg");
+  limit("seat_mm", clearances.seat_mm);
+  limit("limb_mm", clearances.thigh_mm);
+  limit("limb_mm", clearances.shank_mm);
+  clearances.body.height_mm = used.at("height_mm");
+  clearances.body.mass_kg = used.at("mass_kg");
   clearances.body.leg = {used.at("thigh_mm").get<double>(), used.at("shank_mm").get<double>()};
   clearances.seat_edge_mm = used.value("seat_edge_mm", clearances.seat_edge_mm);
   problem.parts.bar_width_mm = used.value("bar_width_mm", problem.parts.bar_width_mm);
@@ -127,18 +118,17 @@ void TakeClearances(const Json& summary, problem::SynthesisProblem& problem) {
 
 // Limits as lake-optimize had them.
 void TakeLimits(const Folder& folder, DesignSubject& subject) {
-  OptimizeRunOptions options;
-  ReoptimizeRunOptions motion;
+  commands::OptimizeRunOptions options;
+  commands::ReoptimizeRunOptions motion;
   OptionList list = OptionsOf(options), motion_list = OptionsOf(motion).Without({"duration"});
   Json said = GivenOptions(folder.summary, folder.path);
   const bool has_motion = folder.summary.contains("misalignment_percent");
   if (folder.IsOfStudy()) {
+    const Json& all = folder.summary.at("options");
     ReadInlineProblem(folder, options.problem);
-    if (said.contains("reoptimize")) said.update(said.at("reoptimize"));
-    if (has_motion || said.at("problem").is_object() || said.contains("clearances"))
+    if (has_motion || all.value("problem", Json()).is_object() || all.contains("clearances"))
       subject.no_command = "this is a step of a study: change its section of the study file, and run lake run again";
-    for (const Json& input : folder.summary.at("inputs"))
-      if (fs::path(input.at("path").get<std::string>()).filename() == "loads.json") said["profile"] = input.at("path");
+    if (const Json* profile = InputOf(folder.summary, "profile")) said["profile"] = profile->at("path");
   }
   folder.Give(said, list);
   list.Apply();
@@ -147,7 +137,7 @@ void TakeLimits(const Folder& folder, DesignSubject& subject) {
   TakeClearances(folder.summary, subject.explored.problem);
   subject.explored.limits = fmt::format("the limits of {}", folder.path.string());
   if (!has_motion) return;
-  if (!folder.IsOfStudy()) folder.Give(said, motion_list);
+  folder.Give(said, motion_list);
   AddWords(motion_list, subject.limit_words);
   subject.explored.notes.push_back(
       "the misalignment with the person's motion is not evaluated here: lake optimize and lake compare do that");
@@ -165,10 +155,11 @@ linkage::Design DesignOfSimulation(const Folder& folder) {
       return values;
     }());
   } else {
-    design = linkage::ReadDesign(FindInput(folder.summary.at("inputs").at(0), folder.path));
+    design = linkage::ReadDesign(FindInput(folder.summary, "design", folder.path));
   }
   const Json& used = folder.summary.at("used_stroke_mm");
-  design.d_min_mm = used.at(0), design.d_max_mm = used.at(1);
+  design.d_min_mm = used.at(0);
+  design.d_max_mm = used.at(1);
   return design;
 }
 
@@ -294,4 +285,4 @@ review::DesignWork DesignWorkOf(const DesignSubject& subject, const fs::path& pr
   return work;
 }
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

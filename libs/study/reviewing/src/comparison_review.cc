@@ -1,15 +1,14 @@
-#include "review_comparison.h"
+#include "comparison_review.h"
 
 #include <utility>
-#include <vector>
 
-#include "lake/commands/tracked_folder.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
+#include "lake/reviewing/tracked_folder.h"
 #include "result_inputs.h"
 
-namespace lake::commands {
+namespace lake::reviewing {
 
 namespace fs = std::filesystem;
 
@@ -18,24 +17,21 @@ namespace {
 review::ComparedVideo ReadVideo(const fs::path& folder, const std::string& marker) {
   TrackedFolder tracked = ReadTrackedFolder(folder);
   review::ComparedVideo trial;
-  trial.name = fs::path(tracked.options.video).filename().string(), trial.marker = marker;
-  trial.video = tracked.options.video, trial.reader = tracked.options.track.reader;
+  trial.name = fs::path(tracked.options.video).filename().string();
+  trial.marker = marker;
+  trial.video = tracked.options.video;
+  trial.reader = tracked.options.track.reader;
   trial.tracks = motion::ReadMarkerCsv(folder / "tracks.csv");
   trial.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
   return trial;
 }
 
-// The human's, then the exoskeleton's; once where both markers are in one recording.
-std::vector<fs::path> TrialFolders(const Json& inputs, const fs::path& folder) {
-  std::vector<fs::path> folders;
-  for (const Json& input : inputs)
-    if (fs::path(input.at("path").get<std::string>()).filename() == "kinematics.csv")
-      folders.push_back(FindInput(input, folder).parent_path());
-  if (folders.size() == 1) folders.push_back(folders.front());
-  if (folders.size() != 2)
+// Of a trial that was compared.
+fs::path TrialFolder(const Json& summary, const std::string& role, const fs::path& folder) {
+  if (!InputOf(summary, role + " motion"))
     throw Fail("{}: compares files without a video; lake review shows comparisons of two lake-track folders",
                folder.string());
-  return folders;
+  return FindInput(summary, role + " motion", folder).parent_path();
 }
 
 Json CurvesOf(const fs::path& folder, const Json& summary) {
@@ -60,14 +56,14 @@ Json CurvesOf(const fs::path& folder, const Json& summary) {
 review::ComparedPair ReadComparedPair(const fs::path& folder) {
   const Json summary = ReadSummary(folder / "summary.json");
   try {
-    const std::vector<fs::path> trials = TrialFolders(summary.at("inputs"), folder);
+    const fs::path human = TrialFolder(summary, "human", folder), exo = TrialFolder(summary, "exo", folder);
     const Json& markers = summary.at("markers");
     const fs::path name = folder.has_filename() ? folder : folder.parent_path();
-    return {name.filename().string(), ReadVideo(trials.front(), markers.at("human")),
-            ReadVideo(trials.back(), markers.at("exo")), CurvesOf(folder, summary)};
+    return {name.filename().string(), ReadVideo(human, markers.at("human")), ReadVideo(exo, markers.at("exo")),
+            CurvesOf(folder, summary)};
   } catch (const nlohmann::json::exception& error) {
     throw Fail("{}: is not a summary as lake compare writes it ({})", (folder / "summary.json").string(), error.what());
   }
 }
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing

@@ -1,35 +1,31 @@
-#include "lake/commands/review.h"
-
-#include <spawn.h>
+#include "lake/reviewing/run_review.h"
 
 #include <csignal>
 #include <cstdio>
 #include <memory>
 
+#include "comparison_review.h"
+#include "design_review.h"
+#include "lake/core/child_program.h"
 #include "lake/core/error.h"
 #include "lake/core/standard_output.h"
 #include "lake/review/review.h"
+#include "naming_review.h"
 #include "result_inputs.h"
-#include "review_comparison.h"
-#include "review_design.h"
-#include "review_naming.h"
-#include "review_study.h"
+#include "study_review.h"
 
-extern char** environ;
-
-namespace lake::commands {
+namespace lake::reviewing {
 
 namespace fs = std::filesystem;
 
 namespace {
 
 // With the desktop's own program for addresses.
-void OpenInBrowser(std::string address) {
+void OpenInBrowser(const std::string& address) {
   std::signal(SIGCHLD, SIG_DFL);
-  std::string program = "xdg-open";
-  char* const words[] = {program.data(), address.data(), nullptr};
-  pid_t child = 0;
-  if (posix_spawnp(&child, program.c_str(), nullptr, nullptr, words, environ) != 0)
+  if (IsInPath("xdg-open"))
+    StartChild({"xdg-open", address}, {});
+  else
     fmt::print(stderr, "lake-review: xdg-open is not there; open the address yourself\n");
 }
 
@@ -105,7 +101,7 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
   const auto fit = [folder](const motion::MarkerRecording& corrected) {
     tracking::TrackResult tracked = folder->tracked;
     tracked.recording = corrected;
-    TrackFit fitted = FitTracked(folder->options, tracked);
+    commands::TrackFit fitted = commands::FitTracked(folder->options, tracked);
     return review::TrialFit{std::move(fitted.leg), std::move(fitted.tracks), std::move(fitted.estimates),
                             std::move(fitted.warnings)};
   };
@@ -133,14 +129,18 @@ void ReviewDesign(const ReviewRunOptions& options, const review::PageOptions& pa
 
 void ReviewVideo(const ReviewRunOptions& options, const review::PageOptions& page, const fs::path& programs) {
   review::ReviewOptions video;
-  video.page = page, video.video = options.subject, video.reader.capture_rate_hz = options.capture_rate_hz;
+  video.page = page;
+  video.video = options.subject;
+  video.reader.capture_rate_hz = options.capture_rate_hz;
   review::ServeReview(video, std::nullopt, NamingOf(options.subject, options.capture_rate_hz, programs));
 }
 
 void ReviewTrial(const ReviewRunOptions& options, const review::PageOptions& page) {
   TrackedFolder folder = ReadTrackedFolder(options.subject);
   review::ReviewOptions trial;
-  trial.page = page, trial.video = folder.options.video, trial.reader = folder.options.track.reader;
+  trial.page = page;
+  trial.video = folder.options.video;
+  trial.reader = folder.options.track.reader;
   review::ServeReview(trial, ReviewedTrialOf(std::move(folder)), std::nullopt);
 }
 
@@ -171,4 +171,4 @@ void RunReview(const ReviewRunOptions& options, const fs::path& programs) {
   ReviewVideo(options, page, programs);
 }
 
-}  // namespace lake::commands
+}  // namespace lake::reviewing
