@@ -19,13 +19,13 @@ struct VideoInfo {
   std::optional<std::int64_t> frames;  // about how many are handed out, if the container says; for progress only
   std::string codec;
   bool coded_frame_by_frame = false;  // without prediction from other frames, as Motion JPEG, PNG or FFV1
-  std::string pixel_format;  // as stored, in libav's name, e.g. "yuv420p"
-  int rotation_deg = 0;      // clockwise, applied by the reader: the file's own and what was asked for
-  bool mirrored = false;     // left and right exchanged after the rotation, applied by the reader
-  double pixel_aspect = 1;   // width / height of a pixel as shown; frames are handed out unstretched
-  bool bt709 = false;        // colours of previews: BT.709, else BT.601; the stream's own if it is one of them
-  bool full_range = false;   // levels of previews given as stored: 0..255, else 16..235
-  bool interlaced = false;   // the first frame consists of two fields taken at different times
+  std::string pixel_format;           // as stored, in libav's name, e.g. "yuv420p"
+  int rotation_deg = 0;               // clockwise, applied by the reader: the file's own and what was asked for
+  bool mirrored = false;              // left and right exchanged after the rotation, applied by the reader
+  double pixel_aspect = 1;            // width / height of a pixel as shown; frames are handed out unstretched
+  bool bt709 = false;                 // colours of previews: BT.709, else BT.601; the stream's own if it is one of them
+  bool full_range = false;            // levels of previews given as stored: 0..255, else 16..235
+  bool interlaced = false;            // the first frame consists of two fields taken at different times
 
   // Of the frames decoded so far; whole when Read() has returned false.
   double shortest_interval_s = 0;  // between neighbouring frames
