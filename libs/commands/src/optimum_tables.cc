@@ -38,7 +38,7 @@ void WriteOptimum(const OptimumView& optimum, const std::vector<LimitedRow>& oth
                     .before = optimum.links_before.Values()[i],
                     .after = optimum.links_after.Values()[i],
                     .limits = optimum.problem.bounds[i],
-                    .price = optimum.PriceOf({synthesis::LimitId::On::kLink, i})});
+                    .multiplier = optimum.PriceOf({synthesis::LimitId::On::kLink, i})});
   rows.insert(rows.end(), others.begin(), others.end());
   CsvWriter table({"variable", "initial", "optimum", "lower", "upper", "active", "multiplier"});
   for (const LimitedRow& row : rows) {
@@ -58,7 +58,7 @@ void WriteConstraints(const OptimumView& optimum, const std::vector<LimitedRow>&
                     .before = optimum.before.CheckOf(requirement.id).value,
                     .after = check.value,
                     .limits = limits,
-                    .price = optimum.PriceOf(synthesis::LimitOn(requirement.id)),
+                    .multiplier = optimum.PriceOf(synthesis::LimitOn(requirement.id)),
                     .unit = requirement.unit});
   }
   rows.insert(rows.end(), others.begin(), others.end());

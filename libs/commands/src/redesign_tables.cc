@@ -81,12 +81,12 @@ std::vector<LimitedRow> ProgramRows(const redesign::RedesignOutcome& outcome, co
                     .before = outcome.before.design.placement_mm[axis],
                     .after = outcome.after.design.placement_mm[axis],
                     .limits = problem.PlacementBounds(axis),
-                    .price = optimum.PriceOf({On::kPlacement, axis})});
+                    .multiplier = optimum.PriceOf({On::kPlacement, axis})});
   rows.push_back({.name = "duration",
                   .before = outcome.before.duration_s,
                   .after = outcome.after.duration_s,
                   .limits = {0, problem.program.duration_s.value_or(kNaN)},
-                  .price = optimum.PriceOf({On::kDuration})});
+                  .multiplier = optimum.PriceOf({On::kDuration})});
   return rows;
 }
 
@@ -98,7 +98,7 @@ LimitedRow MisalignmentRow(const redesign::RedesignOutcome& outcome) {
                  .before = percent(outcome.before),
                  .after = percent(outcome.after),
                  .limits = {kNaN, outcome.problem.max_misalignment_percent.value_or(kNaN)},
-                 .price = {},
+                 .multiplier = {},
                  .unit = "%"};
   if (const auto* entry = outcome.active.Find({On::kMisalignment}); entry && outcome.active.multipliers_unique)
     row.multiplier = entry->price;

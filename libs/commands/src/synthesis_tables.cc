@@ -19,7 +19,7 @@ std::vector<LimitedRow> PoseRows(const problem::DesignEvaluation& before, const 
       return design.pose ? DegreesFromRadians(*design.pose.*angle) : kNaN;
     };
     return LimitedRow{
-        .name = name, .before = angle_deg(before), .after = angle_deg(after), .limits = {kNaN, kNaN}, .price = {}};
+        .name = name, .before = angle_deg(before), .after = angle_deg(after), .limits = {kNaN, kNaN}, .multiplier = {}};
   };
   return {row("phi_deg", &linkage::Pose::phi_rad), row("theta_deg", &linkage::Pose::theta_rad)};
 }
