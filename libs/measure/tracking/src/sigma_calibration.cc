@@ -226,7 +226,7 @@ double FitsSigma(const Seen& seen) {
 // MPEG-4, 3.5 to 7.5 with x265, and 1.4 to 1.9 where each frame is coded by itself (Motion JPEG), which here may have
 // been converted.
 std::vector<Displacement> OfPeople(const Scatters& scatters, bool coded_frame_by_frame, double unit_mm) {
-  const double most_of_fits = coded_frame_by_frame ? 3 : 5.5;
+  const double most_of_fits = coded_frame_by_frame ? 3 : 6;
   std::vector<std::vector<dynamics::PathSample>> paths;
   for (const Seen& seen : scatters.markers) paths.push_back(MovingPath(seen));
   const double pooled_px = dynamics::LearnMotion(paths, unit_mm).extra_sigma;

@@ -17,7 +17,7 @@ struct SigmaCalibration {
 // - Of markers that hold still at rest (a mechanism's): what the moving ones scatter about a smooth path (the residual
 //   of a local fourth-degree polynomial in time, Savitzky & Golay 1964), times how much larger than that the errors are
 //   which last for some frames, by windows twice as wide; less at rest, where the displacement is frozen.
-// - Of a person's: what the likelihood of white jerk (lake::dynamics) leaves to the measurement, but at most 5.5 times
+// - Of a person's: what the likelihood of white jerk (lake::dynamics) leaves to the measurement, but at most 6 times
 //   the fits' sigma, as the rest is the skin's tremor; 3 times where the video codes each frame by itself.
 // Without compression nothing is added. `recording`: of at least 60 samples, or nothing is found.
 SigmaCalibration CalibrateSigmas(bool coded_frame_by_frame, motion::MarkerRecording& recording);
