@@ -316,7 +316,8 @@ TEST(SigmaCalibration, JitterOfThePersonIsNoCompression) {
   // On rendered recordings the error was 3.2 to 6.0 times the fits' sigma.
   EXPECT_LE(tracking::CalibrateSigmas(false, recording).compression_px, 6 * 0.005 + 1e-9);
   for (const motion::MarkerTrack& marker : recording.markers)
-    for (const motion::MarkerSample& sample : marker.samples) ASSERT_LE(sample.sigma, std::hypot(6.0, 1.0) * 0.005 + 1e-9);
+    for (const motion::MarkerSample& sample : marker.samples)
+      ASSERT_LE(sample.sigma, std::hypot(6.0, 1.0) * 0.005 + 1e-9);
 }
 
 // Four markers of a leg that go along a curve, rest for a second and go on, seen with errors of this deviation, of
