@@ -21,6 +21,7 @@
 #include "lake/redesign/redesign_outcome.h"
 #include "lake/synthesis/synthesis_options.h"
 #include "png_and_svg.h"
+#include "problem_inputs.h"
 
 namespace lake::commands {
 namespace {
@@ -301,9 +302,7 @@ void AddInputs(const ReoptimizeRunOptions& options, std::vector<InputFile>& inpu
 std::vector<InputFile> InputsOf(const OptimizeRunOptions& options) {
   std::vector<InputFile> inputs;
   if (!options.problem_file.empty()) inputs.push_back({options.problem_file, "problem"});
-  if (options.problem.profile) inputs.push_back({options.problem.profile->file, "profile"});
-  if (options.problem.actuator && !options.problem.actuator->file.empty())
-    inputs.push_back({options.problem.actuator->file, "actuator"});
+  AddLoadFiles(options.problem, inputs);
   if (!options.actuators.empty()) inputs.push_back({options.actuators, "actuators"});
   if (options.reoptimize) AddInputs(*options.reoptimize, inputs);
   return inputs;

@@ -19,6 +19,7 @@
 #include "lake/problem/problem_options.h"
 #include "part_tables.h"
 #include "png_and_svg.h"
+#include "problem_inputs.h"
 #include "torque_table.h"
 
 namespace lake::commands {
@@ -421,9 +422,7 @@ void SimulationOptions::Check() const {
 std::vector<InputFile> InputsOf(const SimulationOptions& options) {
   std::vector<InputFile> inputs;
   if (!options.torques.empty()) inputs.push_back({options.torques, "torques"});
-  if (options.load.profile) inputs.push_back({options.load.profile->file, "profile"});
-  if (options.load.actuator && !options.load.actuator->file.empty())
-    inputs.push_back({options.load.actuator->file, "actuator"});
+  AddLoadFiles(options.load, inputs);
   return inputs;
 }
 

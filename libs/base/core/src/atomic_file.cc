@@ -13,6 +13,7 @@
 #include <string>
 
 #include "lake/core/error.h"
+#include "lake/core/file_descriptor.h"
 #include "lake/core/interrupt.h"
 
 namespace lake {
@@ -29,21 +30,6 @@ mode_t NewFileMode() {
   }();
   return 0666 & ~kMask;
 }
-
-// Closed when it goes out of scope.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (number_ >= 0) close(number_);
-  }
-  operator int() const { return number_; }
-
- private:
-  int number_;
-};
 
 // A pipe that nobody writes to yet, or a terminal, can still be interrupted.
 void WaitForMore(int file) {
@@ -101,7 +87,7 @@ std::string ReadTextFile(const fs::path& path, std::size_t max_bytes) {
   const auto status = fs::status(path, error);
   if (!fs::exists(status)) throw Fail("{}: no such file", path.string());
   if (fs::is_directory(status)) throw Fail("{}: is a folder, not a file", path.string());
-  const Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  const FileDescriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   if (file < 0) throw Fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
   const bool may_wait = !fs::is_regular_file(status);
   std::string text;

@@ -125,10 +125,6 @@ class Child {
 
 }  // namespace
 
-FileDescriptor::~FileDescriptor() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
 bool IsInPath(const std::string& program) {
   const char* path = std::getenv("PATH");
   for (const std::string& folder : SplitText(path ? path : "", ':'))

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
@@ -33,16 +32,7 @@ void WaitFor(int descriptor, const fs::path& path, const std::function<void()>& 
 FileLock::FileLock(const fs::path& path, const std::function<void()>& begins_to_wait)
     : descriptor_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
   if (descriptor_ < 0) throw Fail("{}: {}", path.string(), std::strerror(errno));
-  try {
-    WaitFor(descriptor_, path, begins_to_wait);
-  } catch (...) {
-    close(descriptor_);
-    throw;
-  }
-}
-
-FileLock::~FileLock() {
-  close(descriptor_);
+  WaitFor(descriptor_, path, begins_to_wait);
 }
 
 }  // namespace lake

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -40,10 +39,6 @@ std::shared_ptr<FolderLock> FolderLock::Take(const fs::path& folder) {
   }
   known = lock;
   return lock;
-}
-
-FolderLock::~FolderLock() {
-  close(descriptor_);
 }
 
 }  // namespace lake

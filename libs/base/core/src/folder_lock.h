@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "lake/core/file_descriptor.h"
+
 namespace lake {
 
 // Held as long as the object lives; the system gives it up when the process ends, however it ends.
@@ -13,13 +15,9 @@ class FolderLock {
   // Error where folders cannot be locked.
   static std::shared_ptr<FolderLock> Take(const std::filesystem::path& folder);
 
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-  ~FolderLock();
-
  private:
   explicit FolderLock(int descriptor) : descriptor_(descriptor) {}
-  int descriptor_;
+  FileDescriptor descriptor_;
 };
 
 }  // namespace lake

@@ -25,27 +25,21 @@ bool WaitFor(int file, short events, int most_ms) {
 
 }  // namespace
 
-SerialPort::SerialPort(const std::filesystem::path& path) : path_(path) {
-  file_ = open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+SerialPort::SerialPort(const std::filesystem::path& path)
+    : path_(path), file_(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
   if (file_ < 0)
     throw Fail("{}: the serial line cannot be opened ({}); is the board plugged in, and are you in the group dialout?",
                path.string(), std::strerror(errno));
   termios settings{};
   const bool is_line = tcgetattr(file_, &settings) == 0;
-  if (!is_line || flock(file_, LOCK_EX | LOCK_NB) != 0) {
-    close(file_);
+  if (!is_line || flock(file_, LOCK_EX | LOCK_NB) != 0)
     throw Fail("{}: {}", path.string(),
                is_line ? "another program has this serial line; close its serial monitor" : "this is no serial line");
-  }
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
   cfsetspeed(&settings, B115200);
   tcsetattr(file_, TCSANOW, &settings);
   tcflush(file_, TCIOFLUSH);
-}
-
-SerialPort::~SerialPort() {
-  close(file_);
 }
 
 std::string SerialPort::Read(double most_s) {

@@ -32,13 +32,10 @@ double Since(Clock::time_point when) {
 // Every line is on its way to the disk when Write returns: what was moved is known even if the computer fails.
 class LogFile {
  public:
-  explicit LogFile(const std::filesystem::path& path) : path_(path) {
-    file_ = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  explicit LogFile(const std::filesystem::path& path)
+      : path_(path), file_(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
     if (file_ < 0) Refuse();
   }
-  LogFile(const LogFile&) = delete;
-  LogFile& operator=(const LogFile&) = delete;
-  ~LogFile() { close(file_); }
 
   void Write(const std::string& line) {
     const std::string text = line + "\n";
@@ -54,7 +51,7 @@ class LogFile {
   }
 
   std::filesystem::path path_;
-  int file_ = -1;
+  FileDescriptor file_;
 };
 
 bool IsRow(const std::string& line) {

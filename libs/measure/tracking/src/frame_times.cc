@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <optional>
 
 #include "lake/core/error.h"
@@ -22,6 +21,8 @@ namespace {
 constexpr double kCutOdds = 1e-3, kJumpOdds = 1e-2, kConvertedOdds = 0.1;
 constexpr double kDoubt = 1e-3;      // what the evidence must leave less of before a time is changed, …
 constexpr double kWorthAWord = 2.3;  // … and the logarithm of odds of 10, from which it is said
+
+constexpr double kLeastStepPx = 0.3;  // smaller steps are no motion to speak of: measured well enough, new or not
 
 // How all markers that are seen in both moved from one frame to another, root mean square, px; nullopt of fewer than
 // two.
@@ -49,8 +50,9 @@ class FrameClock {
     FrameTimes times;
     MarkRepeats(same_picture);
     times.captured_hz = TakeLowerRate();
-    if (times.captured_hz == 0) times.chosen_from_hz = TakeHigherRate();
-    times.uneven_s = Unevenness();
+    const TimedPaths paths(recording_, NewFrames());
+    times.uneven_s = Unevenness(paths);
+    if (times.captured_hz == 0) times.chosen_from_hz = TakeHigherRate(paths, times.uneven_s);
     times.jumps = TakeJumps();
     SpreadTimes();
     times.repeated = RemoveRepeated();
@@ -79,7 +81,7 @@ class FrameClock {
   }
 
   bool MarkMoreRepeats(const std::vector<std::int64_t>& same_picture) {
-    constexpr double kCopyPx = 0.01, kLeastPx = 0.3;  // what moves less meanwhile is measured well enough
+    constexpr double kCopyPx = 0.01;
     const std::vector<std::size_t> frames = NewFrames();
     const auto looks_the_same = [&](std::size_t k) {
       if (std::ranges::binary_search(same_picture, recording_.frame[frames[k]])) return true;
@@ -92,7 +94,7 @@ class FrameClock {
       if (!looks_the_same(k)) continue;
       const std::size_t first = k;
       while (k < frames.size() && looks_the_same(k)) ++k;
-      if (k == frames.size() || StepPx(recording_, frames[first - 1], frames[k]).value_or(0) < kLeastPx) continue;
+      if (k == frames.size() || StepPx(recording_, frames[first - 1], frames[k]).value_or(0) < kLeastStepPx) continue;
       if (!paths) paths.emplace(recording_, frames);
       if (paths->LogOddsOfRepeat(frames, first, k, frame_s_) <= 0) continue;
       for (std::size_t run = first; run < k; ++run) is_repeated_[frames[run]] = true;
@@ -103,7 +105,6 @@ class FrameClock {
 
   // Frames while something moves.
   std::vector<ToldFrame> ToldFrames() const {
-    constexpr double kLeastStepPx = 0.3;
     std::vector<ToldFrame> told;
     const std::vector<std::size_t> frames = NewFrames();
     for (std::size_t k = 1; k < frames.size(); ++k) {
@@ -127,8 +128,7 @@ class FrameClock {
     for (const std::size_t i : frames) shift += recording_.time_s[i] - captured[i];
     for (double& time : captured) time += shift / static_cast<double>(frames.size());
     const TimedPaths paths(recording_, frames);
-    const double log_odds = std::log(kConvertedOdds) + paths.LogLikelihood(frames, captured) -
-                            paths.LogLikelihood(frames, recording_.time_s);
+    const double log_odds = std::log(kConvertedOdds) + paths.LogLikelihood(frames, captured) - paths.LogLikelihood();
     if (log_odds < -std::log(kDoubt)) return 0;
     recording_.time_s = std::move(captured);
     SpreadTimes();
@@ -136,8 +136,8 @@ class FrameClock {
   }
 
   // The times of frames that were chosen from a film of a higher rate, each the nearest one: early or late by up to
-  // half a frame of that film. Returns its rate, Hz, or 0.
-  double TakeHigherRate() {
+  // half a frame of that film, and how uneven they are then. Returns its rate, Hz, or 0.
+  double TakeHigherRate(const TimedPaths& paths, double& uneven_s) {
     constexpr std::array kRates_hz = {25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0};
     constexpr int kPhases = 24;
     constexpr double kRegular = 0.2, kWhole = 0.02;  // of a frame
@@ -147,8 +147,7 @@ class FrameClock {
     const bool is_regular = std::ranges::all_of(
         frames, [&](std::size_t i) { return std::abs(place(i) - std::round(place(i))) < kRegular; });
     if (!is_regular) return 0;
-    const TimedPaths paths(recording_, frames);
-    double most = paths.LogLikelihood(frames, stamps_s_) - std::log(kDoubt) -
+    double most = paths.LogLikelihood() - std::log(kDoubt) -
                   std::log(kConvertedOdds / static_cast<double>(kRates_hz.size() * kPhases)),
            best_hz = 0;
     std::vector<double> best_s;
@@ -171,9 +170,12 @@ class FrameClock {
       best_s = std::move(best_of_rate_s);
     }
     if (best_s.empty()) return 0;
-    const double uneven_s = Unevenness();
     std::swap(recording_.time_s, best_s);
-    if (Unevenness() <= kMuchLess * uneven_s) return best_hz;
+    const double left_s = Unevenness(TimedPaths(recording_, frames));
+    if (left_s <= kMuchLess * uneven_s) {
+      uneven_s = left_s;
+      return best_hz;
+    }
     recording_.time_s = std::move(best_s);  // a film of another kind
     return 0;
   }
@@ -231,7 +233,9 @@ class FrameClock {
     double best_s = 0, most = -INFINITY;
     const auto look = [&](double elapsed_s) {
       const double log_density = passage.LogDensity(elapsed_s);
-      if (log_density > most) most = log_density, best_s = elapsed_s;
+      if (log_density <= most) return;
+      most = log_density;
+      best_s = elapsed_s;
     };
     for (double elapsed_s = kShortest * usual_s; elapsed_s < longest_s; elapsed_s *= kStep) look(elapsed_s);
     for (double width = kStep - 1; width > 1e-4; width /= 2)
@@ -349,11 +353,10 @@ class FrameClock {
   // How far the frames' times are from those at which they were taken, root mean square, as after the conversion of a
   // rate; 0 where they are theirs. By frames whose lateness is known to a tenth of a frame; a few jumps make no
   // unevenness: the half that is off less tells.
-  double Unevenness() const {
+  double Unevenness(const TimedPaths& paths) const {
     constexpr std::size_t kFewest = 20;
     constexpr double kKnown = 0.1, kMedianOfChiSquare = 0.455, kDeviations = 4;
     const std::vector<std::size_t> frames = NewFrames();
-    const TimedPaths paths(recording_, frames);
     const double usual_s = UsualInterval(frames);
     std::vector<Lateness> late;
     std::vector<double> across;

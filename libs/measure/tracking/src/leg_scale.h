@@ -5,8 +5,8 @@
 
 namespace lake::tracking {
 
-// mm to a pixel, by the length of the named leg from ankle over knee to hip, for which an adult's 850 mm stand; 0 where
-// these are not named or never seen together.
+// mm to a pixel, by the length of the named leg from ankle over knee to hip, for which an adult's 850 mm stand; a usual
+// 2 where these are not named or never seen together.
 double MillimetresPerPx(const motion::MarkerRecording& recording);
 
 }  // namespace lake::tracking

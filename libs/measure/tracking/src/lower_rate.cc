@@ -31,7 +31,9 @@ std::optional<LowerRate> FindLowerRate(const std::vector<ToldFrame>& told) {
         std::size_t disagree = 0;
         for (const ToldFrame& frame : told)
           if ((disagree += rate.Repeats(frame.frame) != frame.is_repeated) >= least) break;
-        if (disagree < least) least = disagree, best_phase = rate.phase;
+        if (disagree >= least) continue;
+        least = disagree;
+        best_phase = rate.phase;
       }
       rate.phase = best_phase;
       if (least <= most) return rate;

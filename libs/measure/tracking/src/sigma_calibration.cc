@@ -247,12 +247,9 @@ SigmaCalibration CalibrateSigmas(bool coded_frame_by_frame, motion::MarkerRecord
   const bool is_moving = scatters.all_fast.sigmas.size() >= kEnough;
   const auto pooled = CompressionIn(is_moving ? scatters.all_fast : scatters.all);
   if (!pooled) return {};
-  constexpr double kUnknown_mm = 2;  // to a pixel, where no leg is named
-  const double mm_per_px = MillimetresPerPx(recording);
-  const std::vector<Displacement> found =
-      HoldStillAtRest(scatters, *pooled)
-          ? OfWhatHoldsStill(scatters, *pooled)
-          : OfPeople(scatters, coded_frame_by_frame, mm_per_px > 0 ? mm_per_px : kUnknown_mm);
+  const std::vector<Displacement> found = HoldStillAtRest(scatters, *pooled)
+                                              ? OfWhatHoldsStill(scatters, *pooled)
+                                              : OfPeople(scatters, coded_frame_by_frame, MillimetresPerPx(recording));
   std::vector<double> added;
   for (std::size_t m = 0; m < scatters.markers.size(); ++m) {
     const Seen& seen = scatters.markers[m];

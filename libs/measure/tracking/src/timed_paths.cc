@@ -17,7 +17,6 @@ constexpr double kSudden = 30, kSuddenShare = 0.1;  // a jerk out of all that wa
 constexpr double kMismeasured = 1e-6,
                  kUnrelated = 0.5;  // shares of markers that are something else afterwards: usually, after a cut
 constexpr double kReach_mm = 2000;  // where a person may be
-constexpr double kUnknown_mm = 2;   // to a pixel, where no leg is named
 
 double LogSum(const std::vector<double>& logs) {
   const double most = *std::max_element(logs.begin(), logs.end());
@@ -51,7 +50,8 @@ double Passage::LogRatioWithoutBest(double elapsed_s, double other_s) const {
   double total = 0, best = -INFINITY;
   for (const Marker& marker : markers_) {
     const double ratio = LogDensity(marker, elapsed_s, kMismeasured) - LogDensity(marker, other_s, kMismeasured);
-    total += ratio, best = std::max(best, ratio);
+    total += ratio;
+    best = std::max(best, ratio);
   }
   return total - best;
 }
@@ -78,8 +78,7 @@ int Passage::Faster(double least_px_s) const {
 
 TimedPaths::TimedPaths(const motion::MarkerRecording& recording, const std::vector<std::size_t>& frames)
     : recording_(recording) {
-  const double mm_per_px = MillimetresPerPx(recording);
-  unit_mm_ = mm_per_px > 0 ? mm_per_px : kUnknown_mm;
+  unit_mm_ = MillimetresPerPx(recording);
   prior_ = dynamics::PersonPrior(unit_mm_);
   learnt_ = dynamics::LearnMotion(PathsAt(frames, recording.time_s), unit_mm_);
 }
@@ -194,7 +193,8 @@ std::optional<Lateness> TimedPaths::LatenessOf(const std::vector<std::size_t>& f
     const Eigen::RowVector2d off = sample.position.transpose() - path.row(0);
     const double speed = path.row(1).norm();
     if (!(speed > 0)) continue;
-    along -= off.dot(path.row(1)) / variance, information += speed * speed / variance;
+    along -= off.dot(path.row(1)) / variance;
+    information += speed * speed / variance;
     across += std::pow((off.x() * path(1, 1) - off.y() * path(1, 0)) / speed, 2) / variance;
     ++seen;
   }
@@ -248,7 +248,8 @@ std::optional<TimedPaths::RunLogs> TimedPaths::LogsOfRun(const motion::MarkerTra
     for (dynamics::PathSample sample : samples) {
       sample.time_s -= earlier_s;
       state = dynamics::Moved(state, sample.time_s - at_s, density);
-      log_density += dynamics::Observe(sample, state), at_s = sample.time_s;
+      log_density += dynamics::Observe(sample, state);
+      at_s = sample.time_s;
     }
     return log_density;
   };
@@ -266,16 +267,19 @@ std::optional<TimedPaths::RunLogs> TimedPaths::LogsOfRun(const motion::MarkerTra
       return LogSum({std::log(1 - share) + log_density, std::log(share) + unrelated});
     };
     for (auto* logs : {&going_on, &standing}) {
-      state = told, at_s = before.back().time_s;
+      state = told;
+      at_s = before.back().time_s;
       logs->push_back(
           weight + copied +
           or_unrelated(follow(behind, logs == &standing ? stood_s : 0, density, state, at_s), kMismeasured));
     }
-    state = told, at_s = before.back().time_s;
+    state = told;
+    at_s = before.back().time_s;
     const double moving = weight + follow(run, 0, density, state, at_s),
                  moving_on = follow(behind, 0, density, state, at_s);
     const double stopped = weight + copied + LogShareOfStop(told, run_s, density);
-    state = AtRest(before.back(), run_s), at_s = end_s;
+    state = AtRest(before.back(), run_s);
+    at_s = end_s;
     const double starting = follow(behind, 0, density, state, at_s);
     for (const auto& [logs, share] : {std::pair(&rested, kMismeasured), {&cut, kUnrelated}})
       logs->push_back(LogSum({moving + or_unrelated(moving_on, share), stopped + or_unrelated(starting, share)}));
@@ -292,8 +296,10 @@ double TimedPaths::LogOddsOfRepeat(const std::vector<std::size_t>& frames, std::
   RunLogs all;
   for (const motion::MarkerTrack& marker : recording_.markers)
     if (const auto logs = LogsOfRun(marker, frames, first, end, stood_s)) {
-      all.going_on += logs->going_on, all.standing += logs->standing;
-      all.rested += logs->rested, all.cut += logs->cut;
+      all.going_on += logs->going_on;
+      all.standing += logs->standing;
+      all.rested += logs->rested;
+      all.cut += logs->cut;
     }
   const double prior = std::max(std::pow(kEachFrame, static_cast<double>(end - first - 1)), kLeast);
   return std::log(prior) + LogSum({all.going_on, std::log(kClockStands) + all.standing}) -

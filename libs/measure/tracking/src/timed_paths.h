@@ -73,7 +73,8 @@ class TimedPaths {
   // as they were learnt to at the frames' times: quick, for the choice among many hypotheses.
   double LogLikelihoodQuickly(const std::vector<std::size_t>& frames, const std::vector<double>& time_s) const;
 
-  // The same, of how they move if these are the times.
+  // The same, of how they move if these are the times; without times: as they were learnt.
+  double LogLikelihood() const { return learnt_.log_likelihood; }
   double LogLikelihood(const std::vector<std::size_t>& frames, const std::vector<double>& time_s) const;
 
  private:

@@ -11,6 +11,7 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/child_program.h"
+#include "lake/core/file_descriptor.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/processes.h"
@@ -24,7 +25,7 @@ int RunGnuplot(const std::filesystem::path& script, const std::filesystem::path&
   if (!IsInPath("gnuplot")) throw Error("gnuplot is not installed; install the package gnuplot-nox");
   const FileDescriptor output(WriteTo(log));
   const pid_t child = StartChild({"gnuplot", "-d", script.string()},  // -d: the user's .gnuplot is not read
-                                 {.out = output.Get(), .err = output.Get()});
+                                 {.out = output, .err = output});
   return WaitForChild(child, "gnuplot", std::chrono::milliseconds(2));  // drawing takes a hundred
 }
 

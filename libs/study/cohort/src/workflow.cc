@@ -13,6 +13,7 @@
 #include "lake/cohort/motion_files.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/child_program.h"
+#include "lake/core/file_descriptor.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -283,7 +284,7 @@ bool RunSnakemake(const fs::path& out, const std::string& target, const std::vec
     setenv("USER", user->pw_name, false);         // for Slurm, where nobody logged in
   ChildStreams streams{.in = lock.Descriptor()};  // every descendant inherits it: the lock is held until all have ended
   const FileDescriptor log(quiet ? WriteTo(logs / kSnakemakeLog) : -1);
-  streams.err = quiet ? log.Get() : STDERR_FILENO;
+  streams.err = quiet ? log : STDERR_FILENO;
   streams.out = streams.err;  // stdout is for results
   // Snakemake waits for its jobs to end.
   const int status = WaitForChild(StartChild(words, streams), "snakemake", std::chrono::milliseconds(50));

@@ -10,20 +10,6 @@
 
 namespace lake {
 
-// An open file, closed with this object; -1: none.
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
-  FileDescriptor(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(const FileDescriptor&) = delete;
-  ~FileDescriptor();
-
-  int Get() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
-
 // A file to be written anew; children do not inherit it. Throws Error naming the file.
 int WriteTo(const std::filesystem::path& file);
 

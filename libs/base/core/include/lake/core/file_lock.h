@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <functional>
 
+#include "lake/core/file_descriptor.h"
+
 namespace lake {
 
 // An exclusive lock on a file, which is made where it is missing and stays. Held while the object lives, and while a
@@ -12,15 +14,12 @@ class FileLock {
  public:
   // Waits for other processes, `begins_to_wait` called once where it has to. Throws Error and Interrupted.
   explicit FileLock(const std::filesystem::path& path, const std::function<void()>& begins_to_wait = {});
-  FileLock(const FileLock&) = delete;
-  FileLock& operator=(const FileLock&) = delete;
-  ~FileLock();
 
   // Closed in programs that this process starts, unless they are given it.
   int Descriptor() const { return descriptor_; }
 
  private:
-  int descriptor_;
+  FileDescriptor descriptor_;
 };
 
 }  // namespace lake

@@ -5,15 +5,14 @@
 #include <string>
 #include <string_view>
 
+#include "lake/core/file_descriptor.h"
+
 namespace lake::actuator {
 
 class SerialPort {
  public:
   // 115200 baud. Throws Error naming the port: it cannot be opened, is no serial line, or another program has it.
   explicit SerialPort(const std::filesystem::path& path);
-  SerialPort(const SerialPort&) = delete;
-  SerialPort& operator=(const SerialPort&) = delete;
-  ~SerialPort();
 
   // What has arrived, after waiting for at most so long; empty if nothing has. Throws Error if the line is gone.
   std::string Read(double most_s);
@@ -23,7 +22,7 @@ class SerialPort {
 
  private:
   std::filesystem::path path_;
-  int file_ = -1;
+  FileDescriptor file_;
 };
 
 }  // namespace lake::actuator
