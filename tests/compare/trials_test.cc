@@ -71,7 +71,11 @@ compare::StsCurve TrueCurve(const synth::StsMotion& motion, const char* knee = "
   const auto trunk_deg = [&](double t) { return lean("hip", "waist", t); };
   double onset = rise.start_s, peak = 0, standing = rise.end_s;
   const double rest_y = point("hip", rise.start_s - 0.1).y();
-  while (std::abs(speed(trunk_deg, onset)) < 2 && std::abs(point("hip", onset).y() - rest_y) < 2) onset += kStep;
+  const double rise_mm = point("hip", rise.end_s).y() - rest_y;
+  double lean_deg_s = 0;
+  for (double t = rise.start_s; t < rise.end_s; t += kStep) lean_deg_s = std::max(lean_deg_s, speed(trunk_deg, t));
+  while (speed(trunk_deg, onset) < 0.03 * lean_deg_s && std::abs(point("hip", onset).y() - rest_y) < 0.005 * rise_mm)
+    onset += kStep;
   for (double t = rise.start_s; t < rise.end_s; t += kStep) peak = std::min(peak, speed(knee_deg, t));
   while (speed(knee_deg, standing) > 0.05 * peak) standing -= kStep;
   compare::StsCurve curve;

@@ -214,6 +214,28 @@ TEST(RealMotions, SitToStandsAreCountedAndSquatsAreNot) {
   }
 }
 
+// Two people who stand up five times without a pause: what either leg says of the same rise.
+TEST(RealMotions, BothLegsHaveTheSameEvents) {
+  const char *left = "ankle=L_ankle,knee=L_knee,hip=L_HJC,waist=L.ASIS+L.PSIS",
+             *right = "ankle=r_ankle,knee=r_knee,hip=R_HJC,waist=r.ASIS+r.PSIS";
+  for (const char* name : {"sts_force_plates/STS1.trc", "opencap_sts/sts_default_markers.trc"}) {
+    const fs::path file = SharedData(name);
+    REQUIRE_RECORDING(file);
+    std::vector<std::vector<motion::StsEvent>> events;
+    for (const char* names : {left, right}) {
+      const exchange::Trial trial = exchange::ReadTrial(file, {NameMap(names), {}, ""});
+      events.push_back(
+          gait::FitLeg(trial.recording, gait::MakeLegView(motion::LengthUnit::kMm, {}), {}, trial.across_mm).events);
+    }
+    ASSERT_EQ(events[0].size(), events[1].size()) << name;
+    for (std::size_t i = 0; i < events[0].size(); ++i) {
+      EXPECT_EQ(events[0][i].kind, events[1][i].kind);
+      EXPECT_NEAR(events[0][i].time_s, events[1][i].time_s, 0.1)
+          << name << ", repetition " << events[0][i].repetition << ", " << motion::ToString(events[0][i].kind);
+    }
+  }
+}
+
 struct Walk {
   const char *trc, *c3d;
   double least_deg, most_deg;

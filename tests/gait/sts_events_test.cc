@@ -22,24 +22,24 @@ std::vector<double> Derivative(const std::vector<double>& values, const std::vec
 gait::StsSignals SignalsOf(const SyntheticLeg& leg) {
   gait::StsSignals signals;
   signals.time_s = leg.time_s;
-  std::vector<double> x, knee_deg, trunk_deg;
   for (std::size_t i = 0; i < leg.time_s.size(); ++i) {
     signals.frame.push_back(static_cast<std::int64_t>(i));
     signals.hip_height.push_back(leg.points_mm[i].hip->y());
-    x.push_back(leg.points_mm[i].hip->x());
-    knee_deg.push_back(leg.truth[i].knee_deg);
-    trunk_deg.push_back(leg.truth[i].trunk_deg);
+    signals.knee_deg.push_back(leg.truth[i].knee_deg);
+    signals.trunk_deg.push_back(leg.truth[i].trunk_deg);
   }
   signals.hip_up_speed = Derivative(signals.hip_height, leg.time_s);
-  const std::vector<double> forward = Derivative(x, leg.time_s);
-  for (std::size_t i = 0; i < x.size(); ++i)
-    signals.hip_speed.push_back(std::hypot(forward[i], signals.hip_up_speed[i]));
   for (const motion::LegSample& sample : leg.truth) signals.hip_behind.push_back(-sample.ak.x() - sample.kh.x());
-  signals.knee_deg_s = Derivative(knee_deg, leg.time_s);
-  signals.trunk_deg_s = Derivative(trunk_deg, leg.time_s);
+  signals.knee_deg_s = Derivative(signals.knee_deg, leg.time_s);
+  signals.trunk_deg_s = Derivative(signals.trunk_deg, leg.time_s);
   signals.leg_length = 840;
   return signals;
 }
+
+constexpr std::vector<double> gait::StsSignals::*kColumns[] = {
+    &gait::StsSignals::time_s,     &gait::StsSignals::hip_height, &gait::StsSignals::hip_up_speed,
+    &gait::StsSignals::hip_behind, &gait::StsSignals::knee_deg,   &gait::StsSignals::knee_deg_s,
+    &gait::StsSignals::trunk_deg,  &gait::StsSignals::trunk_deg_s};
 
 std::vector<double> TimesOf(const std::vector<motion::StsEvent>& events, motion::StsEventKind kind) {
   std::vector<double> times;
@@ -55,7 +55,7 @@ TEST(StsEvents, EachRepetitionHasItsFiveEventsInOrder) {
   for (std::size_t i = 0; i < events.size(); ++i) {
     EXPECT_EQ(events[i].repetition, static_cast<int>(i / 5) + 1);
     EXPECT_EQ(static_cast<std::size_t>(events[i].kind), i % 5);
-    EXPECT_TRUE(i == 0 || events[i].time_s > events[i - 1].time_s);
+    EXPECT_TRUE(i == 0 || events[i].time_s > events[i - 1].time_s) << i << " " << events[i].time_s;
   }
 }
 
@@ -64,8 +64,10 @@ TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningHasNoOnset) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 3});
   const gait::StsSignals all = SignalsOf(leg);
   const std::vector<motion::StsEvent> events = gait::FindStsEvents(all).events;
-  const auto index_of = [&](motion::StsEventKind kind) {
-    return static_cast<std::size_t>(events.at(static_cast<std::size_t>(kind)).frame);
+  const auto index_of = [&](motion::StsEventKind kind) {  // of the first frame after it
+    const double time_s = events.at(static_cast<std::size_t>(kind)).time_s;
+    return static_cast<std::size_t>(std::lower_bound(all.time_s.begin(), all.time_s.end(), time_s) -
+                                    all.time_s.begin());
   };
   EXPECT_FALSE(gait::FindStsEvents(all).begins_during_rise);
   const std::size_t onset = index_of(motion::StsEventKind::kOnset), seat_off = index_of(motion::StsEventKind::kSeatOff);
@@ -74,8 +76,8 @@ TEST(StsEvents, ARiseThatWasUnderWayAtTheBeginningHasNoOnset) {
     const auto drop = [&](auto& values) {
       values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(begin));
     };
-    drop(cut.frame), drop(cut.time_s), drop(cut.hip_height), drop(cut.hip_speed), drop(cut.hip_up_speed);
-    drop(cut.hip_behind), drop(cut.knee_deg_s), drop(cut.trunk_deg_s);
+    drop(cut.frame);
+    for (const auto values : kColumns) drop(cut.*values);
     return gait::FindStsEvents(cut);
   };
   std::vector<double> standing = TimesOf(events, motion::StsEventKind::kStanding);
@@ -125,11 +127,14 @@ TEST(StsEvents, SeatOffAndStandingAreTheStatedFractionsOfTheirPeaks) {
     peak_up = std::max(peak_up, signals.hip_up_speed[i]);
     peak_extension = std::max(peak_extension, -signals.knee_deg_s[i]);
   }
-  const auto seat_off = static_cast<std::size_t>(events[1].frame), standing = static_cast<std::size_t>(events[2].frame);
-  EXPECT_GT(signals.hip_up_speed[seat_off], 0.1 * peak_up);
-  EXPECT_LE(signals.hip_up_speed[seat_off - 1], 0.1 * peak_up);
-  EXPECT_LT(-signals.knee_deg_s[standing], 0.05 * peak_extension);
-  EXPECT_GE(-signals.knee_deg_s[standing - 1], 0.05 * peak_extension);
+  // The signals are those of the leg at 500 Hz: linear from frame to frame.
+  const auto at = [&](const std::vector<double>& values, double time_s) {
+    const auto i = static_cast<std::size_t>(time_s * 500);
+    return values[i] + (time_s * 500 - static_cast<double>(i)) * (values[i + 1] - values[i]);
+  };
+  EXPECT_NEAR(at(signals.hip_up_speed, events[1].time_s), 0.1 * peak_up, 1e-6 * peak_up);
+  EXPECT_NEAR(at(signals.knee_deg_s, events[2].time_s), -0.05 * peak_extension, 1e-6 * peak_extension);
+  EXPECT_LT(signals.hip_up_speed[static_cast<std::size_t>(events[1].time_s * 500)], 0.1 * peak_up);
 }
 
 TEST(StsEvents, WithoutRestBetweenThemRepetitionsAreStillFound) {
@@ -170,10 +175,9 @@ TEST(StsEvents, ASeatIsOneHoweverShortlyItIsTouched) {
   EXPECT_EQ(rises(SquatsOf(MakeSyntheticLeg({.rate_hz = 100, .repetitions = 2, .rest_s = 1.5}))), 2u);
   gait::StsSignals first_rests = SquatsOf(touched);
   constexpr int kRest = 150;  // frames, before the first of the quick ones
-  for (auto* values : {&first_rests.hip_height, &first_rests.hip_behind})
+  for (auto* values : {&first_rests.hip_height, &first_rests.hip_behind, &first_rests.knee_deg, &first_rests.trunk_deg})
     values->insert(values->begin(), kRest, values->front());
-  for (auto* values :
-       {&first_rests.hip_speed, &first_rests.hip_up_speed, &first_rests.knee_deg_s, &first_rests.trunk_deg_s})
+  for (auto* values : {&first_rests.hip_up_speed, &first_rests.knee_deg_s, &first_rests.trunk_deg_s})
     values->insert(values->begin(), kRest, 0.0);
   for (int i = 0; i < kRest; ++i) {
     first_rests.frame.push_back(first_rests.frame.back() + 1);
@@ -193,7 +197,10 @@ TEST(StsEvents, ARecordingThatBeginsStandingCountsItsRisesOnly) {
 TEST(StsEvents, FidgetingOnTheSeatIsNotAnOnset) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 1, .rest_s = 3});
   gait::StsSignals signals = SignalsOf(leg);
-  for (std::size_t i = 60; i < 110; ++i) signals.trunk_deg_s[i] += 15;  // a nod 2 s before
+  for (std::size_t i = 40; i < signals.frame.size(); ++i) {  // the trunk leans forward a little 2 s before, and rests
+    if (i < 90) signals.trunk_deg_s[i] += 15;
+    signals.trunk_deg[i] += 0.15 * static_cast<double>(std::min<std::size_t>(i, 89) - 39);
+  }
   const std::vector<double> onsets = TimesOf(gait::FindStsEvents(signals).events, motion::StsEventKind::kOnset);
   ASSERT_EQ(onsets.size(), 1u);
   EXPECT_NEAR(onsets[0], 3.04, 0.02);
@@ -210,17 +217,16 @@ TEST(StsEvents, ARiseThatDoesNotCountAddsNothingToTheRepetitionBefore) {
     gait::StsSignals lifted = signals;
     const double last_s = signals.time_s.back(),
                  seated = before ? signals.hip_height.front() : signals.hip_height.back();
-    for (auto* values : {&lifted.time_s, &lifted.hip_height, &lifted.hip_speed, &lifted.hip_up_speed,
-                         &lifted.knee_deg_s, &lifted.trunk_deg_s, &lifted.hip_behind})
-      values->clear();
+    for (const auto values : kColumns) (lifted.*values).clear();
     lifted.frame.clear();
     for (int i = 0; i < 400; ++i) {
-      const double phase = 2 * std::numbers::pi * i / 400, up_speed = 150 * std::numbers::pi / 2 * std::sin(phase);
+      const double phase = 2 * std::numbers::pi * i / 400;
       lifted.frame.push_back(i), lifted.time_s.push_back(i / 100.0);
       lifted.hip_height.push_back(seated + 150 * (1 - std::cos(phase)));
-      lifted.hip_up_speed.push_back(up_speed), lifted.hip_speed.push_back(std::abs(up_speed));
-      lifted.knee_deg_s.push_back(0), lifted.trunk_deg_s.push_back(0);
-      if (!signals.hip_behind.empty()) lifted.hip_behind.push_back(signals.hip_behind.front());
+      lifted.hip_up_speed.push_back(150 * std::numbers::pi / 2 * std::sin(phase));
+      lifted.knee_deg.push_back(signals.knee_deg.front()), lifted.knee_deg_s.push_back(0);
+      lifted.trunk_deg.push_back(signals.trunk_deg.front()), lifted.trunk_deg_s.push_back(0);
+      lifted.hip_behind.push_back(signals.hip_behind.front());
     }
     EXPECT_TRUE(gait::FindStsEvents(lifted).events.empty());
     gait::StsSignals joined = before ? lifted : signals;
@@ -228,11 +234,8 @@ TEST(StsEvents, ARiseThatDoesNotCountAddsNothingToTheRepetitionBefore) {
     const double offset_s = before ? 4.01 : last_s + 0.01;
     for (std::size_t i = 0; i < second.frame.size(); ++i) {
       joined.frame.push_back(static_cast<std::int64_t>(joined.frame.size()));
-      joined.time_s.push_back(second.time_s[i] + offset_s);
-      joined.hip_height.push_back(second.hip_height[i]), joined.hip_speed.push_back(second.hip_speed[i]);
-      joined.hip_up_speed.push_back(second.hip_up_speed[i]), joined.knee_deg_s.push_back(second.knee_deg_s[i]);
-      joined.trunk_deg_s.push_back(second.trunk_deg_s[i]);
-      if (!second.hip_behind.empty()) joined.hip_behind.push_back(second.hip_behind[i]);
+      for (const auto values : kColumns)
+        (joined.*values).push_back((second.*values)[i] + (values == &gait::StsSignals::time_s ? offset_s : 0));
     }
     const std::vector<motion::StsEvent> events = gait::FindStsEvents(joined).events;
     ASSERT_EQ(events.size(), 5u) << before;
@@ -251,8 +254,9 @@ TEST(StsEvents, WalkingHasNone) {
     signals.frame.push_back(i), signals.time_s.push_back(t);
     signals.hip_height.push_back(900 + 25 * std::sin(2 * phase)),
         signals.hip_up_speed.push_back(314 * std::cos(2 * phase));
-    signals.hip_speed.push_back(1300), signals.knee_deg_s.push_back(200 * std::cos(phase));
-    signals.trunk_deg_s.push_back(10 * std::cos(2 * phase));
+    signals.hip_behind.push_back(0);
+    signals.knee_deg.push_back(32 + 32 * std::sin(phase)), signals.knee_deg_s.push_back(200 * std::cos(phase));
+    signals.trunk_deg.push_back(0.8 * std::sin(2 * phase)), signals.trunk_deg_s.push_back(10 * std::cos(2 * phase));
   }
   EXPECT_TRUE(gait::FindStsEvents(signals).events.empty());
 }
@@ -261,7 +265,7 @@ TEST(StsEvents, GapsAndAMissingTrunkDoNotHideARise) {
   const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 1});
   gait::StsSignals signals = SignalsOf(leg);
   for (std::size_t i = 20; i < 40; ++i) signals.hip_height[i] = std::nan("");
-  signals.trunk_deg_s.clear();
+  for (auto* values : {&signals.trunk_deg, &signals.trunk_deg_s}) values->assign(signals.frame.size(), std::nan(""));
   const std::vector<motion::StsEvent> events = gait::FindStsEvents(signals).events;
   ASSERT_EQ(events.size(), 5u);
   // Without a trunk the hip must rise by 2 mm, which it does before it has 10 % of its peak speed.

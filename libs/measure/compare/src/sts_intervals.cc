@@ -3,7 +3,6 @@
 
 #include "lake/compare/registration.h"
 #include "lake/core/error.h"
-#include "lake/gait/sts_crossings.h"
 #include "sampling.h"
 
 namespace lake::compare {
@@ -14,7 +13,6 @@ std::vector<StsInterval> FindStsIntervals(const TrialTables& trial) {
   for (const motion::StsEvent& event : trial.events) repetitions[event.repetition][event.kind] = event.time_s;
   if (time_s.empty() || repetitions.empty())
     throw Fail("{}: no sit-to-stand found in it (the hip must rise while the knee extends by 30° or more)", trial.name);
-  const gait::StsCrossings crossings(trial.motion);
   std::vector<StsInterval> intervals;
   for (const auto& [repetition, events] : repetitions) {
     if (!events.contains(motion::StsEventKind::kOnset) || !events.contains(motion::StsEventKind::kStanding)) continue;
@@ -27,10 +25,7 @@ std::vector<StsInterval> FindStsIntervals(const TrialTables& trial) {
           trial.name, repetition, onset_s, standing_s, time_s.front(), time_s.back());
     const std::size_t first = FrameAfter(time_s, onset_s), last = FrameAfter(time_s, standing_s);
     if (last < first + 3) throw Fail("{}: repetition {} has only {} frames", trial.name, repetition, last - first + 1);
-    // Found events are at a frame; one between two frames is somebody's own measurement.
-    const double begin_s = onset_s < time_s[first] ? onset_s : crossings.OnsetSeconds(first),
-                 end_s = standing_s < time_s[last] ? standing_s : crossings.StandingSeconds(first, last);
-    intervals.push_back({repetition, begin_s, end_s});
+    intervals.push_back({repetition, onset_s, standing_s});
   }
   if (intervals.empty())
     throw Fail(

@@ -217,22 +217,21 @@ std::vector<double> KneeTakenByFilter(const std::vector<MarkerOutput>& leg, cons
 // Events are read from the fit's own curves, whatever filter the tables get.
 StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<MarkerOutput>& leg,
                           const LegCurves& curves, double leg_length, const Eigen::Vector2d& up) {
-  constexpr double kAdultLegMm = 850;  // ankle to hip; stands in for a scale where there is none
   StsSignals signals;
   signals.frame = motion.frame, signals.time_s = motion.time_s;
   signals.leg_length = leg_length;
-  signals.units_per_mm = motion.unit == motion::LengthUnit::kMm ? 1 : leg_length / kAdultLegMm;
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const bool known = std::isfinite(motion.samples[i].knee_deg);
     const bool trunk = leg.size() == kLegMarkers && std::isfinite(motion.samples[i].trunk_deg);
     const auto value = [&](bool is_known, double v) { return is_known ? v : motion::LegSample::kUnknown; };
-    signals.hip_height.push_back(value(known, curves.marker[kHip].in_plane[i].dot(up)));
-    signals.hip_speed.push_back(value(known, curves.hip_speed_in_leg[i].norm()));
-    signals.hip_up_speed.push_back(value(known, curves.hip_speed_in_leg[i].y()));
     const StateVector& state = curves.state[i];
+    signals.hip_height.push_back(value(known, curves.marker[kHip].in_plane[i].dot(up)));
+    signals.hip_up_speed.push_back(value(known, curves.hip_speed_in_leg[i].y()));
     signals.hip_behind.push_back(value(known, -state[kShankLength] * std::sin(state[kShankAngle]) -
                                                   state[kThighLength] * std::sin(state[kThighAngle])));
+    signals.knee_deg.push_back(value(known, DegreesFromRadians(state[kShankAngle] - state[kThighAngle])));
     signals.knee_deg_s.push_back(value(known, curves.knee_deg_s[i]));
+    signals.trunk_deg.push_back(value(trunk, DegreesFromRadians(state[kTrunkAngle])));
     signals.trunk_deg_s.push_back(value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle])));
   }
   return signals;

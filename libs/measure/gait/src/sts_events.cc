@@ -4,21 +4,26 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <span>
 
 #include "lake/core/statistics.h"
 
 namespace lake::gait {
 namespace {
 
+using Values = std::vector<double>;
+
+// Frames from `begin` to `end`, both included.
+struct Span {
+  std::size_t begin, end;
+};
+
 // A monotone stretch of the hip's height between two turning points.
-struct Stretch {
-  std::size_t begin, end;  // indices of the turning points, both included
+struct Stretch : Span {
   bool rising;
 };
 
 // Turning points that differ by at least `threshold`, smaller wiggles skipped; the stretches between them.
-std::vector<Stretch> FindStretches(const std::vector<double>& height, double threshold) {
+std::vector<Stretch> FindStretches(const Values& height, double threshold) {
   std::vector<Stretch> stretches;
   if (height.empty()) return stretches;
   std::size_t low = 0, high = 0, start = 0;
@@ -27,16 +32,16 @@ std::vector<Stretch> FindStretches(const std::vector<double>& height, double thr
     if (height[i] < height[low]) low = i;
     if (height[i] >= height[high]) high = i;
     if (direction <= 0 && height[i] - height[low] >= threshold) {
-      stretches.push_back({start, low, false});
+      stretches.push_back({{start, low}, false});
       start = low, high = i, direction = 1;
     } else if (direction >= 0 && height[high] - height[i] >= threshold) {
-      stretches.push_back({start, high, true});
+      stretches.push_back({{start, high}, true});
       start = high, low = i, direction = -1;
     }
     if (direction > 0) low = high;
     if (direction < 0) high = low;
   }
-  if (direction != 0) stretches.push_back({start, direction > 0 ? high : low, direction > 0});
+  if (direction != 0) stretches.push_back({{start, direction > 0 ? high : low}, direction > 0});
   std::erase_if(stretches, [&](const Stretch& s) { return std::abs(height[s.end] - height[s.begin]) < threshold; });
   return stretches;
 }
@@ -44,35 +49,79 @@ std::vector<Stretch> FindStretches(const std::vector<double>& height, double thr
 // The signals without the frames in which one is not known.
 StsSignals KnownOnly(const StsSignals& s) {
   StsSignals known;
-  known.leg_length = s.leg_length, known.units_per_mm = s.units_per_mm;
+  known.leg_length = s.leg_length;
   for (std::size_t i = 0; i < s.frame.size(); ++i) {
-    if (!std::isfinite(s.hip_height[i] + s.hip_speed[i] + s.hip_up_speed[i] + s.knee_deg_s[i])) continue;
+    if (!std::isfinite(s.hip_height[i] + s.hip_up_speed[i] + s.hip_behind[i] + s.knee_deg[i] + s.knee_deg_s[i]))
+      continue;
     known.frame.push_back(s.frame[i]), known.time_s.push_back(s.time_s[i]);
-    known.hip_height.push_back(s.hip_height[i]), known.hip_speed.push_back(s.hip_speed[i]);
-    known.hip_up_speed.push_back(s.hip_up_speed[i]), known.knee_deg_s.push_back(s.knee_deg_s[i]);
-    if (!s.hip_behind.empty()) known.hip_behind.push_back(s.hip_behind[i]);
-    // Without a trunk, its speed says nothing: rest is left by the hip alone.
-    const double trunk = i < s.trunk_deg_s.size() ? s.trunk_deg_s[i] : 0;
-    known.trunk_deg_s.push_back(std::isfinite(trunk) ? trunk : 0);
+    known.hip_height.push_back(s.hip_height[i]), known.hip_up_speed.push_back(s.hip_up_speed[i]);
+    known.hip_behind.push_back(s.hip_behind[i]);
+    known.knee_deg.push_back(s.knee_deg[i]), known.knee_deg_s.push_back(s.knee_deg_s[i]);
+    // Without a trunk, it says nothing: rest is left by the hip alone.
+    const bool has_trunk = std::isfinite(s.trunk_deg[i] + s.trunk_deg_s[i]);
+    known.trunk_deg.push_back(has_trunk ? s.trunk_deg[i] : 0);
+    known.trunk_deg_s.push_back(has_trunk ? s.trunk_deg_s[i] : 0);
   }
   return known;
 }
 
+Values Negative(Values values) {
+  for (double& value : values) value = -value;
+  return values;
+}
+
+double Least(const Values& values, Span span) {
+  return *std::min_element(values.begin() + static_cast<std::ptrdiff_t>(span.begin),
+                           values.begin() + static_cast<std::ptrdiff_t>(span.end) + 1);
+}
+
+double Most(const Values& values, Span span) {
+  return *std::max_element(values.begin() + static_cast<std::ptrdiff_t>(span.begin),
+                           values.begin() + static_cast<std::ptrdiff_t>(span.end) + 1);
+}
+
+double Range(const Values& values, Span span) {
+  return Most(values, span) - Least(values, span);
+}
+
+Values Part(const Values& values, Span span) {
+  return {values.begin() + static_cast<std::ptrdiff_t>(span.begin),
+          values.begin() + static_cast<std::ptrdiff_t>(span.end) + 1};
+}
+
+std::size_t FastestIn(const Values& speed, Span span) {
+  const auto first = speed.begin() + static_cast<std::ptrdiff_t>(span.begin);
+  return static_cast<std::size_t>(std::max_element(first, speed.begin() + static_cast<std::ptrdiff_t>(span.end) + 1) -
+                                  speed.begin());
+}
+
+// One quantity of a rise or a lowering, in the direction in which it goes there.
+struct Course {
+  Values value, speed;
+};
+
 class EventFinder {
  public:
-  EventFinder(const StsSignals& signals, const StsOptions& options) : s_(signals), o_(options) {}
+  EventFinder(const StsSignals& signals, const StsOptions& options)
+      : s_(signals),
+        o_(options),
+        hip_up_{s_.hip_height, s_.hip_up_speed},
+        hip_down_{Negative(s_.hip_height), Negative(s_.hip_up_speed)},
+        flexion_{s_.knee_deg, s_.knee_deg_s},
+        extension_{Negative(s_.knee_deg), Negative(s_.knee_deg_s)} {}
 
   FoundStsEvents Find() {
     const std::vector<Stretch> stretches = FindStretches(s_.hip_height, o_.least_rise * s_.leg_length);
-    if (!s_.hip_behind.empty()) FindSeats(stretches);
+    FindSeats(stretches);
     std::size_t rest_from = 0;  // the earliest frame at which the rest before the next rise can begin
     bool is_standing = false;   // since a rise that counts: the next lowering is that repetition's
-    for (const Stretch& stretch : stretches) {
-      if (stretch.rising) {
-        is_standing = AddIfRepetition(rest_from, stretch);
+    for (std::size_t k = 0; k < stretches.size(); ++k) {
+      const std::size_t until = k + 1 < stretches.size() ? Fastest(stretches[k + 1]) : s_.frame.size() - 1;
+      if (stretches[k].rising) {
+        is_standing = AddIfRepetition(rest_from, stretches[k], until);
       } else {
-        rest_from = RestFrom(stretch);
-        if (is_standing) AddLowering(stretch);
+        rest_from = Fastest(stretches[k]);
+        if (is_standing) AddLowering(stretches[k], until);
         is_standing = false;
       }
     }
@@ -80,25 +129,28 @@ class EventFinder {
   }
 
  private:
-  // The earliest frame at which the rest after a lowering can begin.
-  std::size_t RestFrom(const Stretch& fall) const { return Extreme(s_.hip_up_speed, fall, false); }
+  // Where the hip rises or falls fastest.
+  std::size_t Fastest(const Stretch& stretch) const {
+    return FastestIn(stretch.rising ? hip_up_.speed : hip_down_.speed, stretch);
+  }
 
   // The hip's heights on seats: where it is before a rise in which nobody could balance on the feet, or rests.
   void FindSeats(const std::vector<Stretch>& stretches) {
     std::size_t rest_from = 0;
     for (const Stretch& stretch : stretches) {
       if (!stretch.rising)
-        rest_from = RestFrom(stretch);
-      else if (IsOnSeat(rest_from, SeatOff(rest_from, stretch)))
+        rest_from = Fastest(stretch);
+      else if (IsOnSeat({rest_from, SeatOff(stretch)}, stretch))
         seat_heights_.push_back(s_.hip_height[stretch.begin]);
     }
   }
 
-  bool IsOnSeat(std::size_t rest_from, std::size_t seat_off) const {
-    const auto behind = s_.hip_behind.begin();
-    return *std::max_element(behind + static_cast<std::ptrdiff_t>(rest_from),
-                             behind + static_cast<std::ptrdiff_t>(seat_off) + 1) >= o_.least_behind * s_.leg_length ||
-           HipRests(rest_from, seat_off, o_.seat_rest_s).has_value();
+  bool IsOnSeat(Span before, const Stretch& rise) const {
+    before.begin = std::min(before.begin, before.end);
+    if (Most(s_.hip_behind, before) >= o_.least_behind * s_.leg_length) return true;
+    const double hip = o_.seat_still * Range(s_.hip_height, rise);
+    return LastStill(before, LongestPause(o_.seat_rest_s, rise), 1, {{&s_.hip_height, hip}, {&s_.hip_behind, hip}})
+        .has_value();
   }
 
   bool HasSeat(const Stretch& rise) const {
@@ -107,132 +159,265 @@ class EventFinder {
     });
   }
 
-  // Adds the events of a rise if it is one that counts.
-  bool AddIfRepetition(std::size_t rest_from, const Stretch& rise) {
-    if (Extension(rise) < o_.least_extension_deg) return false;
-    const std::size_t seat_off = SeatOff(rest_from, rise);
+  // Adds the events of a rise if it is one that counts. `until`: the last frame that can be of it.
+  bool AddIfRepetition(std::size_t rest_from, const Stretch& rise, std::size_t until) {
+    if (s_.knee_deg[rise.begin] - s_.knee_deg[rise.end] < o_.least_extension_deg) return false;
+    const std::size_t seat_off = SeatOff(rise);
     found_.begins_during_rise |= seat_off == 0;
     if (seat_off == 0) return false;
-    const bool has_seat = s_.hip_behind.empty() || HasSeat(rise);
-    if (!has_seat)
-      found_.without_seat.push_back({0, motion::StsEventKind::kSeatOff, s_.frame[seat_off], s_.time_s[seat_off]});
-    if (!has_seat) return false;
-    const bool begins_during_lean = rest_from == 0 && !RestsBefore(seat_off);
-    found_.begins_during_lean |= begins_during_lean;
+    const motion::StsEvent left_seat = Crossing(motion::StsEventKind::kSeatOff, hip_up_.speed,
+                                                o_.seat_off_fraction * Most(hip_up_.speed, rise), seat_off);
+    if (!HasSeat(rise)) {
+      found_.without_seat.push_back(left_seat);
+      return false;
+    }
     ++repetition_;
-    if (!begins_during_lean) Add(motion::StsEventKind::kOnset, std::min(FindOnset(rest_from, seat_off), seat_off));
-    AddRise(seat_off, rise);
+    if (std::optional<motion::StsEvent> onset = FindOnset({std::min(rest_from, seat_off), seat_off}, rise)) {
+      if (onset->time_s > left_seat.time_s) onset->frame = left_seat.frame, onset->time_s = left_seat.time_s;
+      Add(*onset);
+    } else {
+      found_.begins_during_lean = true;
+    }
+    Add(left_seat);
+    AddEnd(motion::StsEventKind::kStanding, extension_, o_.standing_fraction, rise, until);
     return true;
   }
 
-  // Whether hip and trunk are still for a while somewhere before a frame.
-  bool RestsBefore(std::size_t seat_off) const {
-    const double limit = o_.rest_speed_mm_s * s_.units_per_mm;
-    const auto is_still = [&](std::size_t i) {
-      return s_.hip_speed[i] < limit && std::abs(s_.trunk_deg_s[i]) < o_.rest_trunk_deg_s;
+  void AddLowering(const Stretch& fall, std::size_t until) {
+    const double limit = o_.standing_fraction * Most(flexion_.speed, fall);
+    Add(Crossing(motion::StsEventKind::kDescent, flexion_.speed, limit, FirstMovement(flexion_, limit, fall)));
+    AddEnd(motion::StsEventKind::kSeated, hip_down_, o_.seat_off_fraction, fall, until);
+  }
+
+  // The end of a movement, if it is recorded.
+  void AddEnd(motion::StsEventKind kind, const Course& course, double fraction, const Stretch& stretch,
+              std::size_t until) {
+    const double limit = fraction * Most(course.speed, stretch);
+    const std::size_t after = LastMovement(course, limit, stretch, until) + 1;
+    if (after < s_.frame.size()) Add(Crossing(kind, course.speed, limit, after));
+  }
+
+  void Add(motion::StsEvent event) {
+    event.repetition = repetition_;
+    found_.events.push_back(event);
+  }
+
+  // Where the values cross a limit in the step that ends at frame i; its middle if they do not.
+  motion::StsEvent Crossing(motion::StsEventKind kind, const Values& values, double limit, std::size_t i) const {
+    const std::size_t before = i == 0 ? 0 : i - 1;
+    const double step = values[i] - values[before], to_limit = limit - values[before];
+    const double share = step != 0 && to_limit / step >= 0 && to_limit / step <= 1 ? to_limit / step : 0.5;
+    return {0, kind, s_.frame[share < 0.5 ? before : i],
+            s_.time_s[before] + share * (s_.time_s[i] - s_.time_s[before])};
+  }
+
+  std::size_t SeatOff(const Stretch& rise) const {
+    return FirstMovement(hip_up_, o_.seat_off_fraction * Most(hip_up_.speed, rise), rise);
+  }
+
+  // The first frame of the run faster than the limit that ends at `i`; not before `from`.
+  static std::size_t RunBegin(const Values& speed, double limit, std::size_t from, std::size_t i) {
+    while (i > from && speed[i - 1] > limit) --i;
+    return i;
+  }
+
+  static std::size_t RunEnd(const Values& speed, double limit, std::size_t to, std::size_t i) {
+    while (i < to && speed[i + 1] > limit) ++i;
+    return i;
+  }
+
+  double LeastMovement(const Course& course, const Stretch& stretch) const {
+    return (stretch.rising ? o_.least_of_rise : o_.least_of_lowering) * Range(course.value, stretch);
+  }
+
+  // The first frame of the first movement that belongs to the stretch: faster than the limit, and not undone later.
+  std::size_t FirstMovement(const Course& course, double limit, const Stretch& stretch) const {
+    const double least = LeastMovement(course, stretch);
+    std::size_t first = RunBegin(course.speed, limit, 0, FastestIn(course.speed, stretch));
+    double lowest_later = course.value[first];
+    for (std::size_t i = first; i-- > stretch.begin;) {
+      const std::size_t begin = course.speed[i] > limit ? RunBegin(course.speed, limit, stretch.begin, i) : i;
+      const double gain = course.value[i] - course.value[begin];
+      if (gain >= least && lowest_later >= course.value[begin] + o_.kept * gain) first = begin;
+      lowest_later = std::min(lowest_later, Least(course.value, {begin, i}));
+      i = begin;
+    }
+    return first;
+  }
+
+  // The last frame of the last movement that belongs to the stretch: faster than the limit, not undone, and after a
+  // pause at most, unless much is still to come.
+  std::size_t LastMovement(const Course& course, double limit, const Stretch& stretch, std::size_t until) const {
+    const double travel = Range(course.value, stretch), pause_s = LongestPause(o_.rest_s, stretch);
+    std::size_t last = RunEnd(course.speed, limit, until, FastestIn(course.speed, stretch));
+    for (std::size_t i = last + 1; i <= until; ++i) {
+      const double left = course.value[stretch.end] - course.value[last];
+      if (s_.time_s[i] - s_.time_s[last] > pause_s && left < o_.standing_left * travel) break;
+      if (course.speed[i] <= limit) continue;
+      const std::size_t end = RunEnd(course.speed, limit, until, i);
+      const double gain = course.value[end] - course.value[i];
+      const Span after = {end, FrameAt(s_.time_s[end] + pause_s, until)};
+      if (gain >= LeastMovement(course, stretch) && Least(course.value, after) >= course.value[i] + o_.kept * gain)
+        last = end;
+      i = end;
+    }
+    return last;
+  }
+
+  // The last frame up to `last` that is not after a time.
+  std::size_t FrameAt(double time_s, std::size_t last) const {
+    const auto begin = s_.time_s.begin();
+    const auto after = std::upper_bound(begin, begin + static_cast<std::ptrdiff_t>(last) + 1, time_s);
+    return after == begin ? 0 : static_cast<std::size_t>(after - begin) - 1;
+  }
+
+  // What stops for less than this may be a pause in the movement.
+  double LongestPause(double least_s, const Stretch& stretch) const {
+    const double low = Least(s_.hip_height, stretch), margin = 0.05 * Range(s_.hip_height, stretch);
+    const double high = Most(s_.hip_height, stretch);
+    const auto is_at_end = [&](std::size_t i) {
+      return s_.hip_height[i] < low + margin || s_.hip_height[i] > high - margin;
     };
-    return LastRun(0, seat_off, o_.first_rest_duration_s, is_still).has_value();
+    Span middle = stretch;
+    while (middle.begin < middle.end && is_at_end(middle.begin)) ++middle.begin;
+    while (middle.end > middle.begin && is_at_end(middle.end)) --middle.end;
+    return std::max(least_s, o_.rest_fraction * (s_.time_s[middle.end] - s_.time_s[middle.begin]));
   }
 
-  // The knee's extension over a stretch, from its speed.
-  double Extension(const Stretch& stretch) const {
-    double extension_deg = 0;
-    for (std::size_t i = stretch.begin + 1; i <= stretch.end; ++i)
-      extension_deg -= 0.5 * (s_.knee_deg_s[i] + s_.knee_deg_s[i - 1]) * (s_.time_s[i] - s_.time_s[i - 1]);
-    return extension_deg;
-  }
+  struct Band {
+    const Values* values;
+    double width;
+  };
 
-  std::size_t Extreme(const std::vector<double>& values, const Stretch& stretch, bool largest) const {
-    const auto first = values.begin() + static_cast<std::ptrdiff_t>(stretch.begin);
-    const auto last = values.begin() + static_cast<std::ptrdiff_t>(stretch.end) + 1;
-    return static_cast<std::size_t>((largest ? std::max_element(first, last) : std::min_element(first, last)) -
-                                    values.begin());
-  }
-
-  void Add(motion::StsEventKind kind, std::size_t i) {
-    found_.events.push_back({repetition_, kind, s_.frame[i], s_.time_s[i]});
-  }
-
-  // The first frame of the run above the threshold that leads to the fastest rise.
-  std::size_t SeatOff(std::size_t rest_from, const Stretch& rise) const {
-    const std::size_t fastest_rise = Extreme(s_.hip_up_speed, rise, true);
-    std::size_t seat_off = fastest_rise;
-    while (seat_off > rest_from && s_.hip_up_speed[seat_off - 1] > o_.seat_off_fraction * s_.hip_up_speed[fastest_rise])
-      --seat_off;
-    return seat_off;
-  }
-
-  void AddRise(std::size_t seat_off, const Stretch& rise) {
-    Add(motion::StsEventKind::kSeatOff, seat_off);
-    const std::size_t fastest_extension = Extreme(s_.knee_deg_s, rise, false);
-    for (std::size_t i = fastest_extension; i < s_.frame.size(); ++i)
-      if (s_.knee_deg_s[i] > o_.standing_fraction * s_.knee_deg_s[fastest_extension])
-        return Add(motion::StsEventKind::kStanding, i);
-  }
-
-  void AddLowering(const Stretch& fall) {
-    const std::size_t fastest_flexion = Extreme(s_.knee_deg_s, fall, true);
-    std::size_t descent = fastest_flexion;
-    while (descent > fall.begin && s_.knee_deg_s[descent - 1] > o_.standing_fraction * s_.knee_deg_s[fastest_flexion])
-      --descent;
-    Add(motion::StsEventKind::kDescent, descent);
-    const std::size_t fastest_fall = Extreme(s_.hip_up_speed, fall, false);
-    for (std::size_t i = fastest_fall; i < s_.frame.size(); ++i)
-      if (s_.hip_up_speed[i] > o_.seat_off_fraction * s_.hip_up_speed[fastest_fall])
-        return Add(motion::StsEventKind::kSeated, i);
-  }
-
-  // The last run of at least a duration in [from, to] in which `holds`; its first and last frame.
-  template <typename Predicate>
-  std::optional<Stretch> LastRun(std::size_t from, std::size_t to, double least_s, const Predicate& holds) const {
-    for (std::size_t end = to + 1; end-- > from;) {
-      if (!holds(end)) continue;
-      std::size_t begin = end;
-      while (begin > from && holds(begin - 1)) --begin;
-      if (s_.time_s[end] - s_.time_s[begin] >= least_s) return Stretch{begin, end, false};
-      end = begin;
-      if (begin == from) break;
+  // The last frames, for at least a duration, in which nothing leaves its band; nullopt if there are none.
+  std::optional<Span> LastStill(Span in, double least_s, double narrowing, const std::vector<Band>& bands) const {
+    for (std::size_t end = in.end + 1; end-- > in.begin;) {
+      const std::size_t begin = StillFrom(in.begin, end, narrowing, bands);
+      if (begin <= end && Seconds({begin, end}) >= least_s) return Span{begin, end};
+      if (begin == in.begin) break;
     }
     return std::nullopt;
   }
 
-  // The last run of frames in [from, to], of at least a duration, in which the hip is slow.
-  std::optional<Stretch> HipRests(std::size_t from, std::size_t to, double least_s) const {
-    const double limit = o_.rest_speed_mm_s * s_.units_per_mm;
-    return LastRun(from, to, least_s, [&](std::size_t i) { return s_.hip_speed[i] < limit; });
+  // The first frame from which nothing leaves its band until `end`.
+  static std::size_t StillFrom(std::size_t from, std::size_t end, double narrowing, const std::vector<Band>& bands) {
+    std::vector<Extent> extents(bands.size());
+    std::size_t begin = end + 1;
+    while (begin > from && Widen(extents, bands, narrowing, begin - 1)) --begin;
+    return begin;
   }
 
-  // The rest before a rise: the last run of slow frames, else the slowest frame.
-  Stretch FindRest(std::size_t from, std::size_t seat_off) const {
-    if (const auto run = HipRests(from, seat_off, o_.rest_duration_s)) return *run;
-    const std::size_t slowest = Extreme(s_.hip_speed, {from, seat_off, false}, false);
-    return {slowest, slowest, false};
+  struct Extent {
+    double low = INFINITY, high = -INFINITY;
+  };
+
+  // Whether the values of one more frame are still within their bands.
+  static bool Widen(std::vector<Extent>& extents, const std::vector<Band>& bands, double narrowing, std::size_t frame) {
+    for (std::size_t k = 0; k < bands.size(); ++k) {
+      const double value = (*bands[k].values)[frame];
+      extents[k] = {std::min(extents[k].low, value), std::max(extents[k].high, value)};
+      if (extents[k].high - extents[k].low > narrowing * bands[k].width) return false;
+    }
+    return true;
   }
 
-  static std::vector<double> Part(const std::vector<double>& values, const Stretch& stretch) {
-    return {values.begin() + static_cast<std::ptrdiff_t>(stretch.begin),
-            values.begin() + static_cast<std::ptrdiff_t>(stretch.end) + 1};
+  // The values at rest, and how much they vary there.
+  struct Rest {
+    double middle, deviation;
+  };
+
+  Rest RestOf(const Values& values, Span rest) const {
+    const Values quiet = Part(values, rest);
+    return {Median(quiet), RobustDeviation(quiet)};
   }
 
-  std::size_t FindOnset(std::size_t from, std::size_t seat_off) const {
-    const Stretch rest = FindRest(from, seat_off);
-    const std::vector<double> heights = Part(s_.hip_height, rest), turns = Part(s_.trunk_deg_s, rest);
-    const double height = Median(heights), turn = Median(turns);
-    const double height_limit =
-        std::max(o_.onset_deviations * RobustDeviation(heights), o_.onset_height_mm * s_.units_per_mm);
-    const double turn_limit = std::max(o_.onset_deviations * RobustDeviation(turns), o_.onset_trunk_deg_s);
-    const auto at_rest = [&](std::size_t i) {
-      return std::abs(s_.hip_height[i] - height) <= height_limit && std::abs(s_.trunk_deg_s[i] - turn) <= turn_limit;
-    };
-    // Backward from the rise, so that fidgeting and the end of the last lowering do not count.
-    if (const auto quiet = LastRun(rest.begin, seat_off, o_.rest_duration_s, at_rest)) return quiet->end + 1;
-    for (std::size_t i = seat_off; i > rest.begin; --i)
-      if (at_rest(i - 1)) return i;
-    return rest.begin;
+  // Where hip, knee and trunk are still before a rise: in the narrowest bands in which they are for long enough, else
+  // for the longest time, else in the frame in which they move least.
+  Span FindRest(Span before, const Stretch& rise) const {
+    const double travel = Range(s_.hip_height, rise), pause_s = LongestPause(o_.rest_s, rise);
+    const std::vector<Band> bands = {{&s_.hip_height, o_.rest_hip * travel},
+                                     {&s_.hip_behind, o_.rest_hip * travel},
+                                     {&s_.knee_deg, o_.rest_knee * Range(s_.knee_deg, rise)},
+                                     {&s_.trunk_deg, o_.rest_trunk * Range(s_.trunk_deg, rise)}};
+    Span rest = before;
+    bool is_long = false;
+    for (const double narrowing : {1.0, 1.0 / 4, 1.0 / 16}) {
+      const std::optional<Span> still = LastStill(rest, pause_s, narrowing, bands);
+      if (!still) break;
+      rest = *still, is_long = true;
+    }
+    if (is_long) return {std::max(rest.begin, FrameAt(s_.time_s[rest.end] - pause_s, rest.end)), rest.end};
+    for (std::size_t end = before.begin; end <= before.end; ++end) {
+      const Span still = {StillFrom(before.begin, end, 1, bands), end};
+      if (Seconds(still) > Seconds(rest) || end == before.begin) rest = still;
+    }
+    if (Seconds(rest) >= o_.first_rest_s) return rest;
+    const std::size_t turn = Slowest(before, bands);
+    return {turn, turn};
+  }
+
+  double Seconds(Span span) const { return s_.time_s[span.end] - s_.time_s[span.begin]; }
+
+  // The frame in which everything together moves least.
+  static std::size_t Slowest(Span span, const std::vector<Band>& bands) {
+    std::size_t slowest = span.begin;
+    double least = INFINITY;
+    for (std::size_t i = span.begin + 1; i < span.end; ++i) {
+      double moved = 0;
+      for (const Band& band : bands) moved += std::pow(((*band.values)[i + 1] - (*band.values)[i - 1]) / band.width, 2);
+      if (moved < least) slowest = i, least = moved;
+    }
+    return slowest;
+  }
+
+  // When the trunk leaves rest, or the hip if it does so before; nullopt if that was before the recording.
+  std::optional<motion::StsEvent> FindOnset(Span before, const Stretch& rise) const {
+    const Span rest = FindRest(before, rise);
+    if (before.begin == 0 && Seconds(rest) < o_.first_rest_s) return std::nullopt;
+    before.begin = rest.begin;
+    const std::optional<std::size_t> trunk = TrunkLeaves(before, rest, rise);
+    if (trunk == 0) return std::nullopt;
+    const Rest hip = RestOf(s_.hip_height, rest);
+    const double limit = std::max(o_.onset_height * Range(s_.hip_height, rise), 3 * hip.deviation);
+    Values away = s_.hip_height;
+    for (double& height : away) height = std::abs(height - hip.middle);
+    std::size_t lifted = before.end;
+    while (lifted > before.begin && away[lifted - 1] > limit) --lifted;
+    if (trunk && *trunk <= lifted)
+      return Crossing(motion::StsEventKind::kOnset, s_.trunk_deg_s, TrunkLimit(before, rise), *trunk);
+    return Crossing(motion::StsEventKind::kOnset, away, limit, lifted);
+  }
+
+  double TrunkLimit(Span before, const Stretch& rise) const {
+    return o_.onset_fraction * Most(s_.trunk_deg_s, {before.begin, FastestIn(hip_up_.speed, rise)});
+  }
+
+  // The first frame in which the trunk turns forward for good; 0 if it does so from the beginning of the recording,
+  // nullopt if its lean cannot be told from its movement at rest.
+  std::optional<std::size_t> TrunkLeaves(Span before, Span rest, const Stretch& rise) const {
+    const Values &angle = s_.trunk_deg, &speed = s_.trunk_deg_s;
+    const std::size_t fastest = FastestIn(hip_up_.speed, rise);
+    const std::size_t deepest = FastestIn(angle, {before.begin, fastest});
+    const Rest trunk = RestOf(angle, rest);
+    const double lean = angle[deepest] - trunk.middle, limit = TrunkLimit(before, rise);
+    const double departed = std::max(0.005 * lean, 5 * trunk.deviation);
+    if (!(departed < 0.25 * lean)) return std::nullopt;
+    std::size_t i = deepest;
+    while (i > before.begin && angle[i - 1] > trunk.middle + departed) --i;
+    // A movement that begins with a steady jerk has come so far in three times what it takes at its present speed.
+    std::vector<double> speeds;
+    for (std::size_t k = i; k <= deepest && angle[k] <= trunk.middle + 2 * departed; ++k)
+      if (speed[k] > limit) speeds.push_back(speed[k]);
+    const std::size_t begin = RunBegin(speed, limit, before.begin, i);
+    if (speeds.empty()) return begin;
+    std::size_t begun = std::min(begin, std::max(before.begin, FrameAt(s_.time_s[i] - 3 * departed / Mean(speeds), i)));
+    while (begun < begin && speed[begun] <= limit) ++begun;
+    return begun;
   }
 
   const StsSignals& s_;
   const StsOptions& o_;
+  const Course hip_up_, hip_down_, flexion_, extension_;
   std::vector<double> seat_heights_;
   FoundStsEvents found_;
   int repetition_ = 0;

@@ -45,8 +45,7 @@ struct RegisteredTrial {
   std::vector<std::string> warnings;  // repetitions left out, and why
 };
 
-// Onset and standing with the fraction of a frame: where the very quantities that define the events (gait's
-// sts_events.h) cross their limits between two frames.
+// Onset and standing of a repetition that has both.
 struct StsInterval {
   int repetition = 0;
   double onset_s = 0, standing_s = 0;

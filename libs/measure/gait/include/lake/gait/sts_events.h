@@ -1,4 +1,6 @@
-// Sit-to-stands in a recording: their events, and the percent of each.
+// Sit-to-stands in a recording: their events, and the percent of each. The events are those of the path that hip, knee
+// and trunk take: every limit is a fraction of what the rise itself does, so that neither its pace nor a pause in it
+// moves them.
 #pragma once
 
 #include <vector>
@@ -12,32 +14,37 @@ namespace lake::gait {
 struct StsSignals {
   std::vector<std::int64_t> frame;
   std::vector<double> time_s;
-  std::vector<double> hip_height;    // along the vertical
-  std::vector<double> hip_speed;     // of the hip in the plane, per s
-  std::vector<double> hip_up_speed;  // its vertical part, upward positive, per s
-  std::vector<double> hip_behind;    // of the ankle, horizontally; empty: not known
-  std::vector<double> knee_deg_s;    // flexion positive
-  std::vector<double> trunk_deg_s;   // empty or NaN without a waist marker
-  double leg_length = 0;             // |AK| + |KH|
-  double units_per_mm = 1;           // of the lengths above
+  std::vector<double> hip_height;              // along the vertical
+  std::vector<double> hip_up_speed;            // its derivative, per s
+  std::vector<double> hip_behind;              // of the ankle, horizontally
+  std::vector<double> knee_deg, knee_deg_s;    // flexion positive
+  std::vector<double> trunk_deg, trunk_deg_s;  // forward positive; NaN without a waist marker
+  double leg_length = 0;                       // |AK| + |KH|
 };
 
 struct StsOptions {
-  double rest_speed_mm_s = 20;          // rest: the hip is slower than this …
-  double rest_duration_s = 0.1;         // … for at least this long
-  double rest_trunk_deg_s = 10;         // before the first rise the trunk turns slower than this, too, …
-  double first_rest_duration_s = 0.25;  // … for this long: from less, what leaves rest cannot be told from rest
-  double onset_deviations = 3;          // rest is left by this many SD of the rest, and at least …
-  double onset_height_mm = 2;           // … by this of the hip's height, or …
-  double onset_trunk_deg_s = 2;         // … by this of the trunk's angular speed
-  double seat_off_fraction = 0.10;      // of the hip's peak upward speed
-  double standing_fraction = 0.05;      // of the knee's peak extension speed
-  double least_rise = 0.15;  // of the leg's length: a hip that rises less has not stood up (in gait it moves by 5 %)
+  // Speeds at which an event is, as fractions of the peak in this rise (or lowering).
+  double onset_fraction = 0.03;     // of the trunk's angular speed
+  double seat_off_fraction = 0.10;  // of the hip's upward speed
+  double standing_fraction = 0.05;  // of the knee's extension speed
+  double onset_height = 0.005;      // the onset is earlier where the hip has left rest by this fraction of its rise
+  // Rest: for this long, and for this fraction of the time that the hip takes for the middle 90 % of its rise, hip,
+  // knee and trunk keep within these fractions of what they travel in the rise. What stops for less is a pause.
+  double rest_s = 2, rest_fraction = 0.5;
+  double first_rest_s = 0.25;  // what the beginning of the recording leaves of a rest: from less, it is not known
+  double rest_hip = 0.04, rest_knee = 0.04, rest_trunk = 0.10;
+  // A movement between two stops belongs to the rise, or to the lowering, if it brings this fraction of it, and is not
+  // undone. Whoever has stood up gives way at the knee a little, and whoever has sat down sinks in.
+  double least_of_rise = 0.01, least_of_lowering = 0.03;
+  double kept = 0.75;           // of a movement that is not undone
+  double standing_left = 0.15;  // nobody stands, however long the stop, with this fraction of the extension to come
+  double least_rise = 0.15;     // of the leg's length: a hip that rises less has not stood up (in gait it moves by 5 %)
   double least_extension_deg = 30;  // the knee's extension during the rise
   // What tells a seat from a squat, in which the body is balanced over the feet. Before the rise the hip is …
   double least_behind = 0.28;  // … this far behind the ankle, of the leg's length: 0.40 to 0.46 in sit-to-stands with
                                // markers (0.31 with the feet drawn back), 0.20 to 0.23 in squats; or …
-  double seat_rest_s = 1;      // … it rests for this long; or …
+  double seat_rest_s = 1;      // … it rests for this long (and for rest_fraction), to seat_still of its rise; or …
+  double seat_still = 0.01;
   double same_seat_height = 0.02;  // … it is as low as before a rise for which one of these holds, to this of the leg
 };
 
@@ -51,9 +58,10 @@ struct FoundStsEvents {
   std::vector<motion::StsEvent> without_seat;
 };
 
-// Events of every repetition in the order of time. A rise of the hip with an extension of the knee, from a seat, is a
-// repetition; its `descent` and `seated` are those of the following lowering. A repetition that the recording
-// cuts off has only the events that are in it. Empty if there is no sit-to-stand.
+// Events of every repetition in the order of time, each when its limit is crossed, which is between two frames; its
+// frame is the nearer of them. A rise of the hip with an extension of the knee, from a seat, is a repetition; its
+// `descent` and `seated` are those of the following lowering. A repetition that the recording cuts off has only the
+// events that are in it. Empty if there is no sit-to-stand.
 FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options = {});
 
 // Sets `repetition` and `percent` (0 at onset, 100 at standing) of the samples between the two, and clears them

@@ -1,0 +1,173 @@
+// The events of one path, however fast it is gone along: slowly, with a pause anywhere, with sway.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "lake/core/statistics.h"
+#include "lake/gait/sts_events.h"
+#include "synthetic_leg.h"
+
+namespace lake {
+namespace {
+
+using Warp = std::function<double(double)>;  // the time of the original from the time of the played motion
+
+// Slow movements of a person who keeps still: deg of the trunk and of the knee, mm of the hip, 0.1 to 0.5 Hz.
+struct Sway {
+  double trunk_deg = 0, knee_deg = 0, hip_mm = 0;
+  unsigned seed = 1;
+};
+
+// A sum of sines of random phase with a standard deviation of 1.
+class SlowNoise {
+ public:
+  explicit SlowNoise(std::mt19937& random) {
+    std::uniform_real_distribution<double> phase(0, 2 * std::numbers::pi), rate_hz(0.1, 0.5);
+    for (Wave& wave : waves_) wave = {rate_hz(random), phase(random)};
+  }
+  double At(double time_s) const {
+    double sum = 0;
+    for (const Wave& wave : waves_) sum += std::sin(2 * std::numbers::pi * wave.rate_hz * time_s + wave.phase);
+    return sum * std::sqrt(2.0 / std::size(waves_));
+  }
+
+ private:
+  struct Wave {
+    double rate_hz, phase;
+  };
+  Wave waves_[6];
+};
+
+// One rise of 2.8 s after two seconds of rest, as the synthetic leg moves, seen at `rate_hz` from 0 to `length_s`.
+constexpr double kRest_s = 2, kRise_s = 2.8;
+
+gait::StsSignals Play(const Warp& original_s, double length_s, double rate_hz, const Sway& sway = {},
+                      double slide_mm = 0) {
+  std::mt19937 random(sway.seed);
+  const SlowNoise trunk(random), knee(random), hip_up(random), hip_behind(random);
+  const auto trunk_deg = [&](double t) {
+    return RiseAngles((original_s(t) - kRest_s) / kRise_s).trunk_deg + sway.trunk_deg * trunk.At(t);
+  };
+  const auto leg = [&](double t) { return RiseAngles((original_s(t) - kRest_s) / kRise_s); };
+  const auto knee_deg = [&](double t) { return leg(t).shank_deg - leg(t).thigh_deg + sway.knee_deg * knee.At(t); };
+  const auto height = [&](double t) {
+    return 430 * std::cos(RadiansFromDegrees(leg(t).shank_deg)) + 410 * std::cos(RadiansFromDegrees(leg(t).thigh_deg)) +
+           sway.hip_mm * hip_up.At(t);
+  };
+  const auto behind = [&](double t) {
+    const double slide = slide_mm * MinimumJerk((original_s(t) - kRest_s) / (0.3 * kRise_s));
+    return -430 * std::sin(RadiansFromDegrees(leg(t).shank_deg)) -
+           410 * std::sin(RadiansFromDegrees(leg(t).thigh_deg)) - slide + sway.hip_mm * hip_behind.At(t);
+  };
+  const auto slope = [&](const auto& value, double t) { return (value(t + 1e-3) - value(t - 1e-3)) / 2e-3; };
+  gait::StsSignals signals;
+  signals.leg_length = 840;
+  for (int i = 0; i / rate_hz < length_s; ++i) {
+    const double t = i / rate_hz;
+    signals.frame.push_back(i), signals.time_s.push_back(t);
+    signals.hip_height.push_back(height(t)), signals.hip_up_speed.push_back(slope(height, t));
+    signals.hip_behind.push_back(behind(t));
+    signals.knee_deg.push_back(knee_deg(t)), signals.knee_deg_s.push_back(slope(knee_deg, t));
+    signals.trunk_deg.push_back(trunk_deg(t)), signals.trunk_deg_s.push_back(slope(trunk_deg, t));
+  }
+  return signals;
+}
+
+struct Events {
+  double onset_s = NAN, seat_off_s = NAN, standing_s = NAN;
+};
+
+Events EventsOf(const gait::StsSignals& signals) {
+  Events found;
+  for (const motion::StsEvent& event : gait::FindStsEvents(signals).events) {
+    EXPECT_EQ(event.repetition, 1);
+    if (event.kind == motion::StsEventKind::kOnset) found.onset_s = event.time_s;
+    if (event.kind == motion::StsEventKind::kSeatOff) found.seat_off_s = event.time_s;
+    if (event.kind == motion::StsEventKind::kStanding) found.standing_s = event.time_s;
+  }
+  return found;
+}
+
+constexpr double kLength_s = kRest_s + kRise_s + 2;
+
+Events Natural() {
+  return EventsOf(Play([](double t) { return t; }, kLength_s, 60));
+}
+
+// The pace falls to nothing within 0.2 s and comes back within 0.2 s.
+Warp PausedAt(double at_s, double pause_s) {
+  return [=](double t) {
+    constexpr double kRamp_s = 0.2;
+    const auto ramp = [](double u) { return u - u * u / 2; };  // integral of 1 - u
+    const double halt = at_s + kRamp_s, go = halt + pause_s;
+    if (t <= at_s) return t;
+    if (t <= halt) return at_s + kRamp_s * ramp((t - at_s) / kRamp_s);
+    const double reached = at_s + kRamp_s / 2;
+    if (t <= go) return reached;
+    if (t <= go + kRamp_s) return reached + kRamp_s / 2 - kRamp_s * ramp(1 - (t - go) / kRamp_s);
+    return reached + kRamp_s / 2 + (t - go - kRamp_s);
+  };
+}
+
+// A stop takes the pause and two ramps, in which a ramp's length is gone along.
+TEST(StsPace, APauseMovesNothingButWhatComesAfterIt) {
+  const Events natural = Natural();
+  for (const double pause_s : {0.1, 0.3, 0.8, 1.5})
+    for (double at_s = natural.onset_s - 0.1; at_s < natural.standing_s; at_s += 0.03) {
+      const Events paused = EventsOf(Play(PausedAt(at_s, pause_s), kLength_s + pause_s + 0.2, 60));
+      const auto expected = [&](double event_s) { return event_s > at_s + 0.1 ? event_s + pause_s + 0.2 : event_s; };
+      SCOPED_TRACE(testing::Message() << "stopped for " << pause_s << " s at " << at_s << " s");
+      const auto expect = [&](const char* what, double found_s, double event_s) {
+        // A stop on the very moment of an event may be said to be before it or after it.
+        if (std::abs(event_s - at_s - 0.1) > 0.13) {
+          EXPECT_NEAR(found_s, expected(event_s), 0.1) << what;
+        }
+      };
+      expect("onset", paused.onset_s, natural.onset_s);
+      expect("seat-off", paused.seat_off_s, natural.seat_off_s);
+      expect("standing", paused.standing_s, natural.standing_s);
+    }
+}
+
+TEST(StsPace, EventsAreThoseOfThePath) {
+  const Events natural = Natural();
+  for (const double rise_s : {0.9, 2.0, 4.0, 8.0, 16.0, 35.0})
+    for (const double slide_mm : {0.0, 60.0}) {
+      const double factor = rise_s / kRise_s;
+      const auto at = [&](double event_s) { return kRest_s + (event_s - kRest_s) * factor; };
+      const Events slow = EventsOf(
+          Play([&](double t) { return kRest_s + (t - kRest_s) / factor; }, kRest_s + rise_s + 2, 60, {}, slide_mm));
+      SCOPED_TRACE(testing::Message() << rise_s << " s, sliding by " << slide_mm << " mm");
+      EXPECT_NEAR(slow.onset_s, at(natural.onset_s), 0.005 * rise_s + 0.01);
+      EXPECT_NEAR(slow.seat_off_s, at(natural.seat_off_s), 0.005 * rise_s + 0.01);
+      EXPECT_NEAR(slow.standing_s, at(natural.standing_s), 0.005 * rise_s + 0.01);
+    }
+}
+
+// A seated person's sway hides the first fifth of a slow lean: where it began is extrapolated.
+TEST(StsPace, SwayHardlyMovesTheEvents) {
+  const Events natural = Natural();
+  std::vector<double> onset_error, seat_off_error, standing_error;  // of the rise's duration
+  for (const double rise_s : {2.0, 4.0, 8.0, 16.0, 35.0})
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+      const double factor = rise_s / kRise_s;
+      const Events slow = EventsOf(Play([&](double t) { return kRest_s + (t - kRest_s) / factor; },
+                                        kRest_s + rise_s + 3, 60, {0.2, 0.2, 1, seed}));
+      const auto error = [&](double found_s, double event_s) {
+        return std::abs(found_s - kRest_s - (event_s - kRest_s) * factor) / rise_s;
+      };
+      onset_error.push_back(error(slow.onset_s, natural.onset_s));
+      seat_off_error.push_back(error(slow.seat_off_s, natural.seat_off_s));
+      standing_error.push_back(error(slow.standing_s, natural.standing_s));
+    }
+  EXPECT_LT(Quantile(onset_error, 0.85), 0.02);
+  EXPECT_LT(Quantile(onset_error, 1), 0.05);
+  EXPECT_LT(Quantile(seat_off_error, 0.95), 0.02);
+  EXPECT_LT(Quantile(standing_error, 0.9), 0.02);
+}
+
+}  // namespace
+}  // namespace lake
