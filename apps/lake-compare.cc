@@ -9,18 +9,34 @@
 
 namespace {
 
+// The joint on the leg that wears it; empty if that leg's knee is not shown.
+std::string JointReport(const lake::Json& joint) {
+  using lake::NumberOrNaN;
+  if (joint.is_null()) return "";
+  std::string text =
+      fmt::format("joint misalignment {:.2f} mm RMS, {:.2f} mm at most, {:.2f} % of the shank",
+                  NumberOrNaN(joint["rms_mm"]), NumberOrNaN(joint["max_mm"]), 100 * NumberOrNaN(joint["relative_rms"]));
+  if (joint.contains("intervals")) {
+    const lake::Json& interval = joint["intervals"]["rms_mm"];
+    text += fmt::format(" (95 % interval {:.2f} to {:.2f} mm RMS)", NumberOrNaN(interval[0]), NumberOrNaN(interval[1]));
+  }
+  return text + fmt::format("; moving the joint leaves {:.2f} mm RMS\n", NumberOrNaN(joint["remainder_mm"]));
+}
+
 std::string Report(const lake::Json& summary) {
   const lake::Json& metrics = summary["metrics"];
   const lake::Json& parts = summary["decomposition"];
   using lake::NumberOrNaN;
   const auto part = [&](const char* name) { return 100 * NumberOrNaN(parts[name]["fraction"]); };
-  std::string text =
-      fmt::format("misalignment {:.2f} mm RMS, {:.2f} mm at most; relative error {:.2f} % RMS, {:.2f} % at most\n",
-                  NumberOrNaN(metrics["rms_mm"]), NumberOrNaN(metrics["max_mm"]),
-                  100 * NumberOrNaN(metrics["relative_rms"]), 100 * NumberOrNaN(metrics["relative_max"]));
+  std::string text = JointReport(summary["joint"]);
+  text += fmt::format(
+      "path difference at equal percent {:.2f} mm RMS, {:.2f} mm at most; {:.2f} % of the shank RMS, {:.2f} % at "
+      "most\n",
+      NumberOrNaN(metrics["rms_mm"]), NumberOrNaN(metrics["max_mm"]), 100 * NumberOrNaN(metrics["relative_rms"]),
+      100 * NumberOrNaN(metrics["relative_max"]));
   if (summary.contains("intervals")) {
     const lake::Json& interval = summary["intervals"]["relative_rms"];
-    text += fmt::format("95 % interval of the relative error {:.2f} to {:.2f} % RMS; noise alone shows {:.2f} %\n",
+    text += fmt::format("95 % interval of the path difference {:.2f} to {:.2f} % RMS; noise alone shows {:.2f} %\n",
                         100 * NumberOrNaN(interval[0]), 100 * NumberOrNaN(interval[1]),
                         100 * NumberOrNaN(summary["noise_floor_relative"]));
   }

@@ -18,6 +18,7 @@ using testing::ThrowsMessage;
 struct Recorded {
   double rate_hz = 60, sigma_mm = 0.1, end_s = INFINITY;
   unsigned seed = 1;
+  double slower = 1;  // by this factor than the motion
 };
 
 // Positions in the plane at a frame rate, with noise.
@@ -27,9 +28,9 @@ motion::MarkerRecording Record(const synth::MarkerMotion& motion, const Recorded
   std::mt19937 random(r.seed);
   std::normal_distribution<double> normal(0, r.sigma_mm);
   for (const std::string& name : motion.Names()) recording.markers.push_back({name, {}});
-  for (int i = 0; i / r.rate_hz < std::min(motion.DurationS(), r.end_s); ++i) {
+  for (int i = 0; i / r.rate_hz < std::min(r.slower * motion.DurationS(), r.end_s); ++i) {
     recording.frame.push_back(i), recording.time_s.push_back(i / r.rate_hz);
-    const std::vector<Eigen::Vector2d> at = motion.At(i / r.rate_hz);
+    const std::vector<Eigen::Vector2d> at = motion.At(i / r.rate_hz / r.slower);
     for (std::size_t m = 0; m < at.size(); ++m) {
       const double x = normal(random), y = normal(random);
       recording.markers[m].samples.push_back(
@@ -165,6 +166,30 @@ TEST(Trials, TheSameMotionTwiceShowsTheNoiseFloor) {
     EXPECT_NEAR(m.noise_floor_mm, 3 * std::sqrt(2.0), 0.5);
   }
   EXPECT_GE(contained, kPairs - 1);  // 95 % of them
+}
+
+// The joint is 10 mm in front of the knee and everything else is equal; only the pace of the exoskeleton's trial is
+// not.
+TEST(Trials, PaceIsNoMisalignment) {
+  synth::StsMotionOptions options = Still();
+  options.repetitions = 1;
+  const compare::RegisteredTrial human = Register(Fit(synth::StsMotion(options), {}));
+  options.exo_knee_mm = Eigen::Vector2d(10, 0);
+  const synth::StsMotion worn(options);
+  for (const double slower : {0.7, 1.0, 2.0, 4.0, 8.0, 14.0}) {
+    compare::RegistrationOptions at;
+    at.knee = "exo_knee";
+    const compare::Misalignment m = compare::CompareTrials(
+        human, compare::RegisterTrial(Fit(worn, {.rate_hz = 30, .seed = 2, .slower = slower}), at));
+    SCOPED_TRACE(testing::Message() << slower << " times slower, a rise of " << m.exo.duration_s << " s");
+    ASSERT_TRUE(m.joint && m.joint->intervals);
+    EXPECT_NEAR(m.joint->rms_mm, 10, 0.1);  // noise of 0.1 mm on both
+    EXPECT_NEAR(m.joint->mean_mm.x(), 10, 0.1);
+    EXPECT_LT(m.joint->remainder_mm, 0.2);
+    EXPECT_NEAR(m.metrics.rms_mm, 10, 0.5);
+    EXPECT_LT(std::abs(m.decomposition.timing), 0.03);
+    EXPECT_LT(m.joint->intervals->rms_mm.high - m.joint->intervals->rms_mm.low, 0.5);
+  }
 }
 
 TEST(Trials, BadInputIsRefusedInOneLine) {

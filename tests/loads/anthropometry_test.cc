@@ -37,23 +37,36 @@ void ExpectTrunk(const SegmentShare& trunk, const std::vector<Part>& parts, doub
 }
 
 // Trunk from mid-hip to mid-shoulder, head from the seventh cervical vertebra to the vertex, arms hanging from the
-// shoulder; lengths and shares of de Leva's table 4.
+// shoulder; lengths, shares and the gyrations about the mediolateral axis (the trunk's is of the length from the
+// seventh cervical vertebra to mid-hip) of de Leva's table 4.
 TEST(Anthropometry, DeLevasTrunkIsTrunkHeadAndHangingArms) {
   const double male = 515.5, female = 497.9;
   ExpectTrunk(FindAnthropometry("deleva", Sex::kMale).trunk,
-              {{0.4346, male * (1 - 0.431), male * 0.384},
-               {0.0694, 603.3 + 242.9 * (1 - 0.5002), 242.9 * 0.303},
-               {2 * 0.0271, male - 281.7 * 0.5772, 281.7 * 0.285},
-               {2 * 0.0162, male - 281.7 - 268.9 * 0.4574, 268.9 * 0.276},
-               {2 * 0.0061, male - 281.7 - 268.9 - 86.2 * 0.79, 86.2 * 0.628}},
+              {{0.4346, male * (1 - 0.431), 603.3 * 0.306},
+               {0.0694, 603.3 + 242.9 * (1 - 0.5002), 242.9 * 0.315},
+               {2 * 0.0271, male - 281.7 * 0.5772, 281.7 * 0.269},
+               {2 * 0.0162, male - 281.7 - 268.9 * 0.4574, 268.9 * 0.265},
+               {2 * 0.0061, male - 281.7 - 268.9 - 86.2 * 0.79, 86.2 * 0.513}},
               male);
   ExpectTrunk(FindAnthropometry("deleva", Sex::kFemale).trunk,
-              {{0.4257, female * (1 - 0.3782), female * 0.379},
-               {0.0668, 614.8 + 243.7 * (1 - 0.4841), 243.7 * 0.271},
-               {2 * 0.0255, female - 275.1 * 0.5754, 275.1 * 0.278},
-               {2 * 0.0138, female - 275.1 - 264.3 * 0.4559, 264.3 * 0.261},
-               {2 * 0.0056, female - 275.1 - 264.3 - 78.0 * 0.7474, 78.0 * 0.531}},
+              {{0.4257, female * (1 - 0.3782), 614.8 * 0.292},
+               {0.0668, 614.8 + 243.7 * (1 - 0.4841), 243.7 * 0.295},
+               {2 * 0.0255, female - 275.1 * 0.5754, 275.1 * 0.260},
+               {2 * 0.0138, female - 275.1 - 264.3 * 0.4559, 264.3 * 0.257},
+               {2 * 0.0056, female - 275.1 - 264.3 - 78.0 * 0.7474, 78.0 * 0.454}},
               female);
+}
+
+// About the anteroposterior axis they are 0.251 and 0.267 of the shank, 0.329 and 0.369 of the thigh.
+TEST(Anthropometry, DeLevasGyrationsAreAboutTheAxisOfFlexion) {
+  const Anthropometry male = FindAnthropometry("deleva", Sex::kMale),
+                      female = FindAnthropometry("deleva", Sex::kFemale);
+  EXPECT_EQ(male.shank.gyration, 0.246);
+  EXPECT_EQ(female.shank.gyration, 0.263);
+  EXPECT_EQ(male.thigh.gyration, 0.329);
+  EXPECT_EQ(female.thigh.gyration, 0.364);
+  EXPECT_EQ(male.foot.gyration, 0.245);
+  EXPECT_EQ(female.foot.gyration, 0.279);
 }
 
 std::string ReadFailure(const std::string& text) {

@@ -21,12 +21,31 @@ std::string IntervalText(const Json& comparison) {
                      Quantity(100 * NumberOrNaN(interval.at(1)), "%"));
 }
 
+// Where the joint is on the leg that wears it.
+std::string JointText(const Json& comparison) {
+  const Json joint = comparison.value("joint", Json());
+  if (joint.is_null()) return "";
+  const Json interval = joint.value("intervals", Json::object()).value("rms_mm", Json());
+  return fmt::format(
+      "The exoskeleton's joint is {} RMS from the knee of the leg that wears it{}; moved onto that knee it would still "
+      "be "
+      "{} off, as the knee is no hinge and the exoskeleton slips. ",
+      Quantity(NumberOrNaN(joint.at("rms_mm")), "mm"),
+      interval.is_null() ? ""
+                         : fmt::format(" (95 % interval {} to {})", NumberText(NumberOrNaN(interval.at(0)), 2),
+                                       Quantity(NumberOrNaN(interval.at(1)), "mm")),
+      Quantity(NumberOrNaN(joint.at("remainder_mm")), "mm"));
+}
+
 std::string WrongText(const Json& comparison) {
   const Json& metrics = comparison.at("metrics");
-  return fmt::format("The exoskeleton's knee is {} RMS from the human knee: {} of the shank length{}. {}",
-                     Quantity(NumberOrNaN(metrics.at("rms_mm")), "mm"),
-                     Quantity(100 * NumberOrNaN(metrics.at("relative_rms")), "%"), IntervalText(comparison),
-                     DecompositionAdvice(comparison));
+  return JointText(comparison) + fmt::format(
+                                     "Its path differs from the knee's path in the trial without it, at equal percent "
+                                     "of the rise, by {} RMS: {} of the "
+                                     "shank length{}. {}",
+                                     Quantity(NumberOrNaN(metrics.at("rms_mm")), "mm"),
+                                     Quantity(100 * NumberOrNaN(metrics.at("relative_rms")), "%"),
+                                     IntervalText(comparison), DecompositionAdvice(comparison));
 }
 
 std::string BuildText(const StudyResults& results, const Json& redesign) {

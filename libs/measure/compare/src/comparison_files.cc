@@ -1,5 +1,6 @@
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "lake/compare/comparison_file.h"
 #include "lake/core/csv.h"
@@ -107,6 +108,22 @@ Json CurvesJson(const Misalignment& m) {
   AddVectors("timing", m.decomposition.timing_mm, curves);
   AddVectors("shape", m.decomposition.shape_mm, curves);
   return curves;
+}
+
+Json JointJson(const JointMisalignment& joint) {
+  Json json = {{"rms_mm", joint.rms_mm},
+               {"max_mm", joint.max_mm},
+               {"relative_rms", joint.relative_rms},
+               {"mean_mm", {joint.mean_mm.x(), joint.mean_mm.y()}},
+               {"remainder_mm", joint.remainder_mm},
+               {"repetitions", joint.repetitions}};
+  if (joint.intervals)
+    json["intervals"] = {
+        {"rms_mm", IntervalJson(joint.intervals->rms_mm)},
+        {"max_mm", IntervalJson(joint.intervals->max_mm)},
+        {"mean_mm", {IntervalJson(joint.intervals->mean_x_mm), IntervalJson(joint.intervals->mean_y_mm)}},
+        {"remainder_mm", IntervalJson(joint.intervals->remainder_mm)}};
+  return json;
 }
 
 Json KneeAxisJson(const Misalignment& m) {
@@ -256,7 +273,8 @@ Json ComparisonJson(const Misalignment& m) {
   json["noise_floor_relative"] = m.noise_floor_relative;
   json["spikes"] = kPercentSamples - m.metrics_without_spikes.samples;
   json["decomposition"] = DecompositionJson(m);
-  json["mount_mm"] = m.mount_mm ? Json{m.mount_mm->x(), m.mount_mm->y()} : Json();
+  json["joint"] = m.joint ? JointJson(*m.joint) : Json();
+  json["mount_mm"] = m.joint ? Json{m.joint->mean_mm.x(), m.joint->mean_mm.y()} : Json();
   json["knee_axis"] = KneeAxisJson(m);
   json["shank_mm"] = Mean(m.shank_mm);
   json["repetitions"] = {{"human", m.human_repetitions}, {"exo", m.exo_repetitions}};
@@ -267,13 +285,17 @@ Json ComparisonJson(const Misalignment& m) {
 
 void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment& m) {
   CsvWriter csv({"percent", "human_x_mm", "human_y_mm", "exo_x_mm", "exo_y_mm", "dx_mm", "dy_mm", "distance_mm",
-                 "relative_error", "relative_error_paper", "human_knee_deg", "exo_knee_deg", "spike"});
+                 "relative_error", "relative_error_paper", "human_knee_deg", "exo_knee_deg", "spike",
+                 "joint_shank_x_mm", "joint_shank_y_mm", "joint_thigh_x_mm", "joint_thigh_y_mm"});
   for (std::size_t i = 0; i < kPercentSamples; ++i) {
     const Vector2d& h = m.human.knee[i];
     const Vector2d& e = m.exo.knee[i];
     csv.Add(static_cast<int>(i)).Add(h.x()).Add(h.y()).Add(e.x()).Add(e.y()).Add(e.x() - h.x()).Add(e.y() - h.y());
     csv.Add(m.distance_mm[i]).Add(m.relative_error[i]).Add(m.relative_error_paper[i]);
     csv.Add(m.human.knee_deg[i]).Add(m.exo.knee_deg[i]).Add(m.spike[i] ? 1 : 0);
+    const Vector2d unknown = Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+    const Vector2d shank = m.joint ? m.joint->shank_mm[i] : unknown, thigh = m.joint ? m.joint->thigh_mm[i] : unknown;
+    csv.Add(shank.x()).Add(shank.y()).Add(thigh.x()).Add(thigh.y());
     csv.EndRow();
   }
   csv.Write(path);

@@ -45,10 +45,6 @@ std::vector<double> ErrorDeviations(const RegisteredTrial& human, const Register
   return deviations;
 }
 
-Interval PercentileInterval(const std::vector<double>& draws) {
-  return {Quantile(draws, 0.025), Quantile(draws, 0.975)};
-}
-
 // Draws around a known `centre` show how far an estimate strays from the truth: the estimate less that. The basic
 // bootstrap interval (Davison & Hinkley 1997, sec. 5.2); it takes out the bias that noise brings.
 Interval BasicInterval(double estimate, double centre, const std::vector<double>& draws) {
@@ -169,21 +165,6 @@ double LegLength(const StsCurve& curve) {
   return longest_mm;
 }
 
-std::optional<Vector2d> MeanMount(const StsCurve& exo, const std::vector<bool>& spike) {
-  if (exo.leg_knee.empty()) return std::nullopt;
-  StsCurve leg = exo;
-  leg.knee = exo.leg_knee;
-  Vector2d sum = Vector2d::Zero();
-  int samples = 0;
-  for (std::size_t i = 0; i < leg.knee.size(); ++i)
-    if (!spike[i]) {
-      sum += ShankAxes(leg, i).transpose() * (exo.knee[i] - leg.knee[i]);
-      ++samples;
-    }
-  if (samples == 0) return std::nullopt;
-  return sum / samples;
-}
-
 void AddWarnings(const RegisteredTrial& human, const RegisteredTrial& exo, Misalignment& m) {
   for (const RegisteredTrial* trial : {&human, &exo})
     m.warnings.insert(m.warnings.end(), trial->warnings.begin(), trial->warnings.end());
@@ -224,7 +205,7 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
   m.spike = FindSpikes(m.human, m.exo, options.spikes);
   std::vector<bool> all(kPercentSamples, true), quiet = m.spike;
   quiet.flip();
-  m.mount_mm = MeanMount(m.exo, m.spike);
+  m.joint = FindJointMisalignment(exo, m.spike, {options.resamples, options.seed, options.noise_width_percent});
   m.metrics = ComputeMetrics(m.human, m.exo, all);
   m.metrics_without_spikes = ComputeMetrics(m.human, m.exo, quiet);
   m.decomposition = Decompose(m.human, m.exo, options.decomposition);

@@ -19,17 +19,18 @@ Anthropometry Winter() {
           {0.678, 0.626, 0.496}};
 }
 
-// Table 4 there. Head, arms and trunk are put together from trunk, head, and arms that hang down, with the table's
-// mean lengths; the room's README has the sums and a test repeats them.
+// Table 4 there; the gyrations are those about the mediolateral axis ("transverse"), about which the leg flexes. Head,
+// arms and trunk are put together from trunk, head, and arms that hang down, with the table's mean lengths; the room's
+// README has the sums and a test repeats them.
 Anthropometry DeLeva(Sex sex) {
   const std::string source =
       "P. de Leva, Adjustments to Zatsiorsky-Seluyanov's segment inertia parameters, J. Biomech. 29(9), 1996, "
       "1223-1230, doi 10.1016/0021-9290(95)00178-6";
   if (sex == Sex::kMale)
-    return {"deleva, male",          source, {0.0137, 0.4415, 0.257}, {0.0433, 0.4395, 0.251}, {0.1416, 0.4095, 0.329},
-            {0.6028, 0.6411, 0.4555}};
-  return {"deleva, female",        source, {0.0129, 0.4014, 0.299}, {0.0481, 0.4352, 0.267}, {0.1478, 0.3612, 0.369},
-          {0.5824, 0.6907, 0.4613}};
+    return {"deleva, male",          source, {0.0137, 0.4415, 0.245}, {0.0433, 0.4395, 0.246}, {0.1416, 0.4095, 0.329},
+            {0.6028, 0.6411, 0.4398}};
+  return {"deleva, female",        source, {0.0129, 0.4014, 0.279}, {0.0481, 0.4352, 0.263}, {0.1478, 0.3612, 0.364},
+          {0.5824, 0.6907, 0.4505}};
 }
 
 SegmentShare ReadShare(YamlNode& file, const char* name) {

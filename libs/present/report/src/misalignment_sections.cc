@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "html.h"
 #include "lake/compare/knee_axis.h"
@@ -66,13 +67,13 @@ struct MetricRow {
   double factor;
 };
 constexpr MetricRow kMetricRows[] = {
-    {"relative_rms", "relative error, RMS (% of the shank length)", 100},
-    {"relative_max", "relative error, largest (%)", 100},
-    {"relative_p95", "relative error, 95th percentile (%)", 100},
-    {"rms_mm", "distance, RMS (mm)", 1},
-    {"mean_mm", "distance, mean (mm)", 1},
-    {"max_mm", "distance, largest (mm)", 1},
-    {"p95_mm", "distance, 95th percentile (mm)", 1},
+    {"relative_rms", "path difference, RMS (% of the shank length)", 100},
+    {"relative_max", "path difference, largest (% of the shank length)", 100},
+    {"relative_p95", "path difference, 95th percentile (% of the shank length)", 100},
+    {"rms_mm", "path difference, RMS (mm)", 1},
+    {"mean_mm", "path difference, mean (mm)", 1},
+    {"max_mm", "path difference, largest (mm)", 1},
+    {"p95_mm", "path difference, 95th percentile (mm)", 1},
     {"closest_point_rms_mm", "to the closest point of the human path, RMS (mm)", 1},
     {"hausdorff_mm", "Hausdorff distance of the paths (mm)", 1},
     {"frechet_mm", "discrete Fréchet distance of the paths (mm)", 1},
@@ -152,9 +153,13 @@ bool IsLargestForSure(const std::string& part, const Json& parts) {
 Section MethodSection() {
   return {"Method",
           {Paragraph{
+              "The joint misalignment is the distance between the exoskeleton's joint and the knee of the leg that "
+              "wears it, at the same instants; neither pace nor posture is in it. The path difference is that between "
+              "the two trials at equal percent, in which they are. "
               "Each repetition runs from 0 % (onset: hip or trunk leaves rest) to 100 % (standing: the knee's "
               "extension speed falls below 5 % of its peak) and is sampled at every percent in the leg frame. The "
-              "relative error is the distance between the knees divided by the human's distance from ankle to knee at "
+              "path difference is the distance between the knees, also divided by the human's distance from ankle to "
+              "knee at "
               "the same sample; its RMS is the root of the mean square. Placement, timing and shape are fitted "
               "together: an offset constant in the shank's frame, a monotone piecewise linear registration of time "
               "with 9 knots, and the rest; a share is the part's projection on the distance vector over its mean "
@@ -187,11 +192,24 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
                      .note = IntervalNote(intervals, name, factor, decimals, unit)};
   };
   const Eigen::Vector2d joint = JointOf(comparison);
+  const Json worn = comparison.value("joint", Json());
+  const auto of_joint = [&](const char* label, const char* name) {
+    return KeyFigure{.label = label,
+                     .value = worn.is_null() ? std::numeric_limits<double>::quiet_NaN() : NumberOrNaN(worn.at(name)),
+                     .decimals = 1,
+                     .unit = "mm",
+                     .plus_minus = std::nullopt,
+                     .note = worn.is_null() ? "the trial does not show the knee"
+                                            : IntervalNote(worn.value("intervals", Json::object()), name, 1, 1, "mm")};
+  };
   return {
-      {figure("relative error, RMS", "relative_rms", 100, 2, "%"),
-       figure("relative error, largest", "relative_max", 100, 2, "%"),
-       figure("distance, RMS", "rms_mm", 1, 1, "mm"),
-       figure("distance, largest", "max_mm", 1, 1, "mm"),
+      {of_joint("joint misalignment, RMS", "rms_mm"),
+       of_joint("joint misalignment, largest", "max_mm"),
+       of_joint("joint misalignment, joint moved", "remainder_mm"),
+       figure("path difference, RMS, of the shank", "relative_rms", 100, 2, "%"),
+       figure("path difference, largest, of the shank", "relative_max", 100, 2, "%"),
+       figure("path difference, RMS", "rms_mm", 1, 1, "mm"),
+       figure("path difference, largest", "max_mm", 1, 1, "mm"),
        share("placement"),
        share("timing"),
        share("shape"),

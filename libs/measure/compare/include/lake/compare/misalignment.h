@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "lake/compare/decomposition.h"
+#include "lake/compare/interval.h"
+#include "lake/compare/joint_misalignment.h"
 #include "lake/compare/knee_axis.h"
 #include "lake/compare/metrics.h"
 #include "lake/compare/registration.h"
@@ -24,11 +26,6 @@ struct MisalignmentOptions {
       2;  // correlation width of a filtered marker's noise, about 6 Hz in a natural sit-to-stand
   SpikeOptions spikes;
   DecompositionOptions decomposition;
-};
-
-// 95 %, two-sided.
-struct Interval {
-  double low = 0, high = 0;
 };
 
 struct MisalignmentIntervals {
@@ -48,9 +45,9 @@ struct Misalignment {
   std::optional<MisalignmentIntervals> intervals;
   // RMS that noise alone (marker sigmas or differences between repetitions, and the replacement of markers) would show.
   double noise_floor_mm = 0, noise_floor_relative = 0;
-  // Where the joint sat on the exo trial's own leg: the mean against its knee, in its shank's frame (x anterior, y up),
-  // spikes left out; absent where that leg is not shown. The decomposition's offset is the one that explains most.
-  std::optional<Eigen::Vector2d> mount_mm;
+  // Against the exo trial's own leg; absent where that leg is not shown. The decomposition's offset is the one that
+  // explains most of the difference of the paths.
+  std::optional<JointMisalignment> joint;
   FixedPivot best_pivot;  // of the knee model over the human's range of knee angles
   int human_repetitions = 0, exo_repetitions = 0;
   std::vector<std::string> warnings;

@@ -1,0 +1,16 @@
+// An interval of confidence.
+#pragma once
+
+#include <vector>
+
+namespace lake::compare {
+
+// 95 %, two-sided.
+struct Interval {
+  double low = 0, high = 0;
+};
+
+// From the 2.5 % to the 97.5 % quantile of draws.
+Interval PercentileInterval(const std::vector<double>& draws);
+
+}  // namespace lake::compare

@@ -1,0 +1,82 @@
+// Where a joint is against the knee of the leg that wears it, on curves whose answer is known.
+#include "lake/compare/joint_misalignment.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace lake {
+namespace {
+
+// A leg that leans from −10° to 25° at the shank while the knee extends by 90°, with a joint at a place of its shank.
+compare::StsCurve Worn(const Eigen::Vector2d& joint_mm, double sigma_mm = 0.05) {
+  compare::StsCurve curve;
+  for (int i = 0; i < compare::kPercentSamples; ++i) {
+    const double shank = (25 - 0.35 * i) * M_PI / 180, thigh = shank - (95 - 0.9 * i) * M_PI / 180;
+    const Eigen::Vector2d up(std::sin(shank), std::cos(shank)), forward(std::cos(shank), -std::sin(shank));
+    curve.ankle.emplace_back(0.02 * i, 0);
+    curve.leg_knee.push_back(curve.ankle.back() + 400 * up);
+    curve.hip.push_back(curve.leg_knee.back() + 410 * Eigen::Vector2d(std::sin(thigh), std::cos(thigh)));
+    curve.knee.push_back(curve.leg_knee.back() + joint_mm.x() * forward + joint_mm.y() * up);
+    curve.knee_deg.push_back(95 - 0.9 * i), curve.knee_sigma_mm.push_back(sigma_mm);
+  }
+  curve.duration_s = 2;
+  return curve;
+}
+
+const std::vector<bool> kNoSpike(compare::kPercentSamples, false);
+
+TEST(JointMisalignment, IsThePlaceInTheShanksFrame) {
+  const auto joint = compare::FindJointMisalignment({{Worn({18, -24})}, {}}, kNoSpike);
+  ASSERT_TRUE(joint);
+  EXPECT_NEAR(joint->rms_mm, 30, 1e-9);
+  EXPECT_NEAR(joint->max_mm, 30, 1e-9);
+  EXPECT_NEAR(joint->relative_rms, 30 / 400.0, 1e-12);
+  EXPECT_NEAR((joint->mean_mm - Eigen::Vector2d(18, -24)).norm(), 0, 1e-9);
+  EXPECT_NEAR(joint->remainder_mm, 0, 1e-5);  // the root of a difference of squares
+  // At 95° of flexion the thigh's axes are turned against the shank's by that angle.
+  const double turn = 95 * M_PI / 180;
+  const Eigen::Vector2d in_thigh(18 * std::cos(turn) - 24 * std::sin(turn), -24 * std::cos(turn) - 18 * std::sin(turn));
+  EXPECT_NEAR((joint->thigh_mm[0] - in_thigh).norm(), 0, 1e-9);
+}
+
+TEST(JointMisalignment, SpikesAndRepetitionsWithoutAKneeAreLeftOut) {
+  compare::StsCurve spiked = Worn({10, 0}), hidden = Worn({90, 0});
+  spiked.knee[50] += Eigen::Vector2d(200, 0), hidden.leg_knee.clear();
+  std::vector<bool> spike = kNoSpike;
+  spike[50] = true;
+  const auto joint = compare::FindJointMisalignment({{spiked, hidden}, {}}, spike);
+  ASSERT_TRUE(joint);
+  EXPECT_EQ(joint->repetitions, 1);
+  EXPECT_NEAR(joint->max_mm, 10, 1e-9);
+  EXPECT_FALSE(compare::FindJointMisalignment({{hidden}, {}}, kNoSpike));
+  EXPECT_FALSE(compare::FindJointMisalignment({{spiked}, {}}, std::vector<bool>(compare::kPercentSamples, true)));
+}
+
+// The joint slips by 3 mm (SD) per axis from rise to rise: the intervals hold where it is on average.
+TEST(JointMisalignment, IntervalsHoldTheTruth) {
+  for (const std::size_t repetitions : {3U, 5U, 10U}) {
+    constexpr int kDraws = 300;
+    std::mt19937 random(7);
+    std::normal_distribution<double> slip(0, 3);
+    int held_x = 0, held_y = 0;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      compare::RegisteredTrial trial;
+      for (std::size_t r = 0; r < repetitions; ++r) {
+        const double x = 12 + slip(random), y = -20 + slip(random);
+        trial.repetitions.push_back(Worn({x, y}));
+      }
+      const auto joint = compare::FindJointMisalignment(trial, kNoSpike, {.resamples = 200});
+      ASSERT_TRUE(joint && joint->intervals);
+      const auto holds = [](const compare::Interval& i, double truth) { return i.low <= truth && truth <= i.high; };
+      held_x += holds(joint->intervals->mean_x_mm, 12), held_y += holds(joint->intervals->mean_y_mm, -20);
+    }
+    // 95 % of 600, known to 0.9 %; drawing 3 again knows their spread to half of it.
+    EXPECT_GE(held_x + held_y, 0.90 * 2 * kDraws) << repetitions;
+    EXPECT_LE(held_x + held_y, 0.98 * 2 * kDraws) << repetitions;
+  }
+}
+
+}  // namespace
+}  // namespace lake
