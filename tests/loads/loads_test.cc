@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <map>
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -99,6 +100,49 @@ Agreement Compare(const fs::path& table_file, const Reference& reference) {
   agreement.rms_nm = std::sqrt(agreement.rms_nm / agreement.count);
   agreement.cover /= agreement.count;
   return agreement;
+}
+
+// A quick rise throws the body over the feet; slowly along the same path it would fall back onto the seat.
+TEST(Balance, ARiseByMomentumCannotBeSlow) {
+  REQUIRE_RECORDING();
+  for (const char* side : {"right", "left"}) {
+    commands::LoadsRunOptions options = OptionsFor(side);
+    options.loads.rise_s = 30;
+    options.loads.draws = 100;
+    const auto outcome = RunOn(options);
+    const Json& balance = outcome->summary["balance"];
+    // 8 to 70 mm behind the heel by an independent calculation of thirteen natural rises.
+    EXPECT_LT(balance["slow"]["margin_mm"].get<double>(), -8) << side;
+    EXPECT_GT(balance["slow"]["margin_mm"].get<double>(), -70) << side;
+    EXPECT_GT(balance["own"]["margin_mm"].get<double>(), balance["slow"]["margin_mm"].get<double>() + 30) << side;
+    // 30 s are slow: of accelerations a thousandth is left.
+    EXPECT_NEAR(balance["asked"]["margin_mm"].get<double>(), balance["slow"]["margin_mm"].get<double>(), 1) << side;
+    EXPECT_THAT(outcome->warnings, testing::Contains(testing::HasSubstr("in 30 s nobody keeps the balance"))) << side;
+  }
+}
+
+// In the person's own time the moments are those of the rise: the means of both, percent by percent.
+TEST(Balance, TheOwnPacesMomentsAreTheRises) {
+  REQUIRE_RECORDING();
+  commands::LoadsRunOptions options = OptionsFor("right");
+  options.loads.draws = 20;
+  const auto outcome = RunOn(options);
+  const CsvTable loads = CsvTable::Read(outcome->folder / "out/loads.csv"),
+                 paces = CsvTable::Read(outcome->folder / "out/pace.csv");
+  std::map<int, double> mean_nm;
+  for (std::size_t row = 0; row < loads.Rows(); ++row)
+    if (const auto knee_nm = loads.Number(row, loads.Column("knee_nm"));
+        knee_nm && loads.Text(row, loads.Column("repetition")) == "mean")
+      mean_nm[static_cast<int>(loads.RequiredNumber(row, loads.Column("percent")))] = *knee_nm;
+  int compared = 0;
+  for (std::size_t row = 0; row < paces.Rows(); ++row) {
+    const int percent = static_cast<int>(paces.RequiredNumber(row, paces.Column("percent")));
+    if (paces.Text(row, paces.Column("pace")) != "own" || !mean_nm.contains(percent)) continue;
+    // The moment falls by some 2 N m a frame, and the pace's rises differ by a tenth from their mean duration.
+    EXPECT_NEAR(paces.RequiredNumber(row, paces.Column("knee_nm")), mean_nm.at(percent), 3) << percent;
+    ++compared;
+  }
+  EXPECT_GT(compared, 40);
 }
 
 class OnForcePlates : public testing::TestWithParam<std::string> {};

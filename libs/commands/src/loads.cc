@@ -120,6 +120,41 @@ void WriteTable(const fs::path& path, const loads::LoadsResult& result) {
   csv.Write(path);
 }
 
+// The same path at the person's own pace, as slowly as may be, and in the time that was asked for.
+void WritePaces(const fs::path& path, const loads::Balance& balance) {
+  CsvWriter csv({"pace", "rise_s", "percent", "time_s", "knee_nm", "zmp_mm", "margin_mm"});
+  const auto add = [&](const char* name, const loads::PaceLoads& pace) {
+    for (const loads::PaceRow& row : pace.rows) {
+      csv.Add(name).Add(pace.rise_s).Add(row.percent).Add(row.time_s).Add(row.knee_nm).Add(row.zmp_mm);
+      csv.Add(row.margin_mm).EndRow();
+    }
+  };
+  add("own", balance.own);
+  add("slow", balance.slow);
+  if (balance.asked) add("asked", *balance.asked);
+  csv.Write(path);
+}
+
+Json PaceJson(const loads::PaceLoads& pace) {
+  double peak_nm = loads::LoadsRow::kUnknown;
+  for (const loads::PaceRow& row : pace.rows) peak_nm = std::fmax(peak_nm, row.knee_nm);
+  return {{"rise_s", pace.rise_s},
+          {"margin_mm", pace.margin_mm},
+          {"at_percent", pace.at_percent},
+          {"peak_knee_nm", peak_nm}};
+}
+
+Json BalanceJson(const loads::LoadsResult& result) {
+  const loads::Balance& balance = result.balance;
+  Json json = {{"own", PaceJson(balance.own)},
+               {"slow", PaceJson(balance.slow)},
+               {"slowest_s", balance.slowest_s ? Json(*balance.slowest_s) : Json()}};
+  if (!result.from_ground)
+    json["slow"]["margin_interval_mm"] = {balance.slow_margin_low_mm, balance.slow_margin_high_mm};
+  if (balance.asked) json["asked"] = PaceJson(*balance.asked);
+  return json;
+}
+
 Json ColumnsOf(const loads::RiseLoads& rise) {
   Json columns;
   const auto add = [&](const char* name, double loads::LoadsRow::*member) {
@@ -220,6 +255,7 @@ Json SummaryJson(const loads::LoadsResult& result, const LoadsRunOptions& option
                                {"across_sd", result.trunk_offset_sd_mm.y()}};
     json["trunk_from"] = result.has_shoulder ? "shoulder" : "waist";
   }
+  json["balance"] = BalanceJson(result);
   json["body"] = BodyJson(result.body);
   json["rises"] = std::move(rises);
   return json;
@@ -260,7 +296,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
         "{}: a trial in a plane does not say where the force plates are; give the marker file of the same laboratory "
         "(.trc, .c3d)",
         trial.file.string());
-  run.Begin({"summary.json", "loads.csv", "loads.json", "loads.png", "loads.svg"});
+  run.Begin({"summary.json", "loads.csv", "pace.csv", "loads.json", "loads.png", "loads.svg"});
   const gait::LegFitResult fit = FitTrial(trial, options.fit, run, options);
   std::optional<loads::GroundForces> forces;
   if (!options.forces.empty()) forces = ReadForces(options, trial, fit, run);
@@ -272,6 +308,7 @@ Json RunLoads(const LoadsRunOptions& options, Run& run) {
       loads::FindLoads(fit.trajectory, fit.motion, fit.events, path, options.loads, forces);
   for (const std::string& warning : result.warnings) run.Warn(warning);
   WriteTable(run.Result("loads.csv"), result);
+  WritePaces(run.Result("pace.csv"), result.balance);
   WriteJsonFile(run.Result("loads.json"), ProfileJson(result, options));
   DrawPngAndSvg("loads", run,
                 [&](const fs::path& path) { figure::DrawLoads(path, result, options.trial.filename().string()); });
@@ -287,6 +324,14 @@ std::string LoadsReport(const Json& summary) {
       NumberOrNaN(summary["peak_knee_nm_kg"]), NumberOrNaN(summary["peak_knee_deg"]), summary["rises"].size(),
       summary["rises"].size() == 1 ? "" : "s",
       summary["method"] == "bottom-up" ? "from the ground's forces" : "without force plates");
+  const Json &balance = summary["balance"], &slow = balance["slow"];
+  const double margin_mm = NumberOrNaN(slow["margin_mm"]);
+  text += fmt::format(
+      "balance: as slowly as may be, the ground's force acts {:.0f} mm {} the foot (at {:.0f} % of the rise)",
+      std::abs(margin_mm), margin_mm < 0 ? "outside" : "inside", NumberOrNaN(slow["at_percent"]));
+  text += balance["slowest_s"].is_null() ? "\n"
+                                         : fmt::format("; along this path balance takes a rise of at most {:.2g} s\n",
+                                                       NumberOrNaN(balance["slowest_s"]));
   if (summary["trunk_offset_mm"].is_object()) {
     const Json& offset = summary["trunk_offset_mm"];
     text += fmt::format(

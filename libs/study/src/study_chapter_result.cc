@@ -105,6 +105,31 @@ std::string CostText(const StudyResults& results, const Json& redesign) {
   return text + TradeText(redesign);
 }
 
+// Whether a person keeps the balance on the measured path, which the stroke program keeps, in the program's time.
+std::string BalanceText(const StudyResults& results, const Json& redesign) {
+  const Json balance = results.Summary("loads").at("balance"), &slow = balance.at("slow");
+  const double program_s = NumberOrNaN(redesign.at("after").at("program_duration_s")),
+               margin_mm = NumberOrNaN(slow.at("margin_mm")), slowest_s = NumberOrNaN(balance.at("slowest_s"));
+  if (margin_mm >= 0)
+    return fmt::format("Yes: however slowly, the ground's force acts at least {} inside the foot.",
+                       Quantity(margin_mm, "mm"));
+  if (program_s <= slowest_s)
+    return fmt::format("Yes, by momentum: along this path a rise takes {} at most.", Quantity(slowest_s, "s"));
+  const Json interval = slow.value("margin_interval_mm", Json());
+  const double most_mm = interval.is_array() ? NumberOrNaN(interval.at(1)) : margin_mm;
+  std::string text = fmt::format(
+      "{}: the program keeps the path of the person's own rise. In {} the ground's force would have to act {} outside "
+      "the foot at {:.0f} % of the rise{}.",
+      most_mm < 0 ? "Not without being held" : "Perhaps not without being held", Quantity(program_s, "s"),
+      Quantity(-margin_mm, "mm"), NumberOrNaN(slow.at("at_percent")),
+      interval.is_array() ? fmt::format(" (95 % interval {} to {}; outside is positive)", NumberText(-most_mm, 0),
+                                        Quantity(-NumberOrNaN(interval.at(0)), "mm"))
+                          : "");
+  if (std::isfinite(slowest_s))
+    text += fmt::format(" By momentum, a rise along it takes {} at most.", Quantity(slowest_s, "s"));
+  return text + " Lean farther forward, draw the feet back, or let arm rests or a helper hold the person.";
+}
+
 // What the design was asked to clear.
 Json AskedClearances(const StudyResults& results) {
   return results.Summary(results.Has("redesign") ? "redesign" : "optimum").value("clearances", Json());
@@ -224,6 +249,7 @@ Section ResultChapter(const StudyResults& results) {
   const Json redesign = results.Summary("redesign");
   Answers answers{{}, Width::kHalf};
   if (results.Has("comparison")) answers.answers.push_back({"What is wrong", WrongText(results.Summary("comparison"))});
+  if (results.Has("loads")) answers.answers.push_back({"Can a person follow it", BalanceText(results, redesign)});
   answers.answers.push_back({"What to build", BuildText(results, redesign)});
   answers.answers.push_back({"What it gives, what it costs", CostText(results, redesign)});
   answers.answers.push_back({"How sure it is", SureText(results, redesign)});

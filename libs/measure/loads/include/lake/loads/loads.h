@@ -43,6 +43,7 @@ struct LoadsOptions {
   double cutoff_with_forces_hz = 6, cutoff_hz = 4;
   double seat_release_s = 0.1;   // after seat-off the seat still bears a part for so long
   double seat_contact_s = 0.15;  // before `seated` it bears one again
+  std::optional<double> rise_s;  // another time for the rise: what the same path needs then
   int draws = 400;
   std::uint64_t seed = 1;
 };
@@ -79,6 +80,31 @@ struct RiseLoads {
   double knee_energy_j = 0;  // the knee's work from where its moment is known to standing
 };
 
+// The same path gone along evenly in another time. What lies outside the foot cannot be held: along this path the
+// person falls, unless something else holds.
+struct PaceRow {
+  double percent = 0, time_s = 0;
+  double knee_nm = 0;    // as in LoadsRow
+  double zmp_mm = 0;     // where the ground's force has to act, before the ankle
+  double margin_mm = 0;  // how far that is inside the foot; negative outside
+};
+
+struct PaceLoads {
+  double rise_s = 0;
+  std::vector<PaceRow> rows;  // the mean of the rises, from where the seat bears nothing
+  double margin_mm = 0;       // the least
+  double at_percent = 0;      // where it is
+};
+
+struct Balance {
+  PaceLoads own, slow;                                     // at the person's own pace, and as slowly as may be
+  double slow_margin_low_mm = 0, slow_margin_high_mm = 0;  // 95 % of the draws
+  // The longest time in which the path can be gone along in balance; absent: any time, or not even the person's own,
+  // where the model is too rough to say.
+  std::optional<double> slowest_s;
+  std::optional<PaceLoads> asked;  // in LoadsOptions::rise_s
+};
+
 struct LoadsResult {
   bool from_ground = false;
   LegBody body;
@@ -87,6 +113,7 @@ struct LoadsResult {
   Eigen::Vector2d trunk_offset_mm = Eigen::Vector2d::Zero();  // along and across, from where the table has the centre
   Eigen::Vector2d trunk_offset_sd_mm = Eigen::Vector2d::Zero();
   bool has_shoulder = false;
+  Balance balance;
   std::vector<std::string> warnings;
 };
 
