@@ -56,7 +56,9 @@ void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<Ch
                    .verdict = Judge(-m.contrast_over_noise, -20, -8),
                    .advice = "more light on the markers from beside the lens, a darker room behind them, a lower ISO"});
   items.push_back({.name = "saturated_share",
-                   .shown = fmt::format("{:.0f} % of the markers are white to the limit", 100 * m.saturated_share),
+                   .shown = m.saturated_share > 0
+                                ? fmt::format("{:.0f} % of the markers are overexposed", 100 * m.saturated_share)
+                                : "no marker is overexposed",
                    .verdict = Judge(m.saturated_share, 0.9, 2),
                    .advice = "a shorter shutter or less light on the markers"});
   const std::string shutter = m.shutter_fraction
@@ -73,11 +75,10 @@ void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<Ch
 void JudgeMovement(const tracking::RecordingCheck& c, std::vector<CheckItem>& items) {
   if (c.segment_px <= 0) return;
   const double travel = c.travel_px / c.segment_px;
-  items.push_back(
-      {.name = "travel_px",
-       .shown = fmt::format("markers travel by {:.0f} px, {:.1f} times a segment's length", c.travel_px, travel),
-       .verdict = Judge(-travel, -0.4, -0.2),
-       .advice = "record the whole movement: a second of sitting still, the rise, a second of standing"});
+  items.push_back({.name = "travel_px",
+                   .shown = fmt::format("the movement is {:.0f} px, {:.1f} segment lengths", c.travel_px, travel),
+                   .verdict = Judge(-travel, -0.4, -0.2),
+                   .advice = "record the whole movement: a second of sitting still, the rise, a second of standing"});
 }
 
 void JudgePictures(const tracking::RecordingCheck& c, int markers, std::vector<CheckItem>& items) {

@@ -120,8 +120,9 @@ void WriteOptimumDesign(const linkage::Design& design, const OptimumView& optimu
 void WarnOfMultipliers(const synthesis::ActiveSet& active, Run& run) {
   if (active.multipliers_unique) return;
   run.Warn(
-      "sensitivities are not reported: at this optimum the gradients of the active constraints are linearly dependent, "
-      "so multipliers are not unique. Add margins to obtain them");
+      "no sensitivities: several limits bind at once (the gradients of the active constraints are linearly dependent, "
+      "so "
+      "multipliers are not unique). Add margins to obtain them");
 }
 
 Json HeadJson(const OptimumView& optimum, double violation,

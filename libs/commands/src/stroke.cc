@@ -281,7 +281,7 @@ std::string DriftReport(const Json& firmware) {
       nearest["planned_mm"].get<double>(), nearest["drift_mm"].get<double>(), drift["end_mm"].get<double>(),
       firmware["home_stroke_mm"].get<double>());
   if (firmware["extend_stop_mm"].is_number())
-    text += fmt::format("extend end stop: put it at {:.3f} mm; it ends what the drift carries too far\n",
+    text += fmt::format("extend end stop: put it at {:.3f} mm; it catches the drift\n",
                         firmware["extend_stop_mm"].get<double>());
   if (drift["accepted"].get<bool>()) text += "DRIFT ACCEPTED: only for a bench without a person\n";
   return text;

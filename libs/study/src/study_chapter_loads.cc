@@ -38,7 +38,7 @@ std::string SpeedText(const Json& assistance) {
                any_s = NumberOrNaN(assistance.at("any_linkage_duration_s"));
   if (!std::isfinite(shortest_s)) return "Its speed is not known.";
   std::string text =
-      fmt::format("In {} or longer, where the person takes {}: its speed decides at {:.0f} % of the rise.",
+      fmt::format("In {} or longer, where the person takes {}: its speed is the limit, at {:.0f} % of the rise.",
                   Quantity(shortest_s, "s"), Quantity(NumberOrNaN(assistance.at("own_duration_s")), "s"),
                   NumberOrNaN(assistance.at("limiting_percent")));
   if (assistance.at("shortest_is_lower_bound").get<bool>())

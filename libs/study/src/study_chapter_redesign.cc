@@ -137,7 +137,7 @@ LineChart AnglesChart(const fs::path& program) {
   chart.x = {"sit-to-stand (%)", 0, 100};
   chart.y.label = "knee flexion (°)";
   chart.width = Width::kHalf;
-  chart.caption = "The human's, and the design's under its stroke program.";
+  chart.caption = "Knee angle of the person and of the new design.";
   chart.series = {ColumnSeries(table, "percent", "knee_deg", "new design", colour::kNew, Mark::kDashed),
                   ColumnSeries(table, "percent", "human_knee_deg", "human", colour::kHuman, Mark::kLine)};
   return chart;
@@ -202,7 +202,7 @@ std::string DriftText(const Json& firmware) {
       NumberOrNaN(nearest.at("drift_mm")), NumberOrNaN(drift.at("end_mm")));
   text += fmt::format(" The retract end stop belongs at {:.2f} mm", NumberOrNaN(firmware.at("home_stroke_mm")));
   if (firmware.at("extend_stop_mm").is_number())
-    text += fmt::format(", the extend end stop, which ends what the drift carries too far, at {:.2f} mm",
+    text += fmt::format(", the extend end stop, which catches the drift, at {:.2f} mm",
                         NumberOrNaN(firmware.at("extend_stop_mm")));
   text += '.';
   if (drift.at("accepted").get<bool>())

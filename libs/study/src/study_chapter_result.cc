@@ -27,9 +27,8 @@ std::string JointText(const Json& comparison) {
   if (joint.is_null()) return "";
   const Json interval = joint.value("intervals", Json::object()).value("rms_mm", Json());
   return fmt::format(
-      "The exoskeleton's joint is {} RMS from the knee of the leg that wears it{}; moved onto that knee it would still "
-      "be "
-      "{} off, as the knee is no hinge and the exoskeleton slips. ",
+      "The exoskeleton's joint is {} RMS from the knee of the leg that wears it{}; moving it onto that knee leaves "
+      "{}. ",
       Quantity(NumberOrNaN(joint.at("rms_mm")), "mm"),
       interval.is_null() ? ""
                          : fmt::format(" (95 % interval {} to {})", NumberText(NumberOrNaN(interval.at(0)), 2),
@@ -39,13 +38,13 @@ std::string JointText(const Json& comparison) {
 
 std::string WrongText(const Json& comparison) {
   const Json& metrics = comparison.at("metrics");
-  return JointText(comparison) + fmt::format(
-                                     "Its path differs from the knee's path in the trial without it, at equal percent "
-                                     "of the rise, by {} RMS: {} of the "
-                                     "shank length{}. {}",
-                                     Quantity(NumberOrNaN(metrics.at("rms_mm")), "mm"),
-                                     Quantity(100 * NumberOrNaN(metrics.at("relative_rms")), "%"),
-                                     IntervalText(comparison), DecompositionAdvice(comparison));
+  return JointText(comparison) +
+         fmt::format(
+             "Its path differs from the knee's in the trial without it by {} RMS at equal percent of the rise: {} "
+             "of the shank length{}. {}",
+             Quantity(NumberOrNaN(metrics.at("rms_mm")), "mm"),
+             Quantity(100 * NumberOrNaN(metrics.at("relative_rms")), "%"), IntervalText(comparison),
+             DecompositionAdvice(comparison));
 }
 
 std::string BuildText(const StudyResults& results, const Json& redesign) {
@@ -63,8 +62,8 @@ std::string BuildText(const StudyResults& results, const Json& redesign) {
                       NumberText(NumberOrNaN(stroke.at(1)), 2),
                       fmt::format("{} mm", NumberText(NumberOrNaN(simulation.at("travel_mm")), 2)));
   if (const double force_n = LargestForce(results); std::isfinite(force_n))
-    text += fmt::format(", {} for {} at the knee", Quantity(force_n, "N"),
-                        Quantity(NumberOrNaN(simulation.at("knee_torque_nm")), "N m"));
+    text += fmt::format(". To hold {} at the knee the actuator pushes with at most {}",
+                        Quantity(NumberOrNaN(simulation.at("knee_torque_nm")), "N m"), Quantity(force_n, "N"));
   return text + ".";
 }
 
@@ -84,8 +83,8 @@ std::string TradeText(const Json& redesign) {
       best = &point;
   }
   if (!best) return "";
-  return fmt::format(" Giving up {} more range would lower the misalignment to {}.",
-                     Quantity(range_deg - best->range_deg, "°"), Quantity(best->misalignment_percent, "%"));
+  return fmt::format(" With {}° of range it would be {} %.", NumberText(best->range_deg, 0),
+                     NumberText(best->misalignment_percent, 1));
 }
 
 std::string CostText(const StudyResults& results, const Json& redesign) {
@@ -174,7 +173,7 @@ std::string SureText(const StudyResults& results, const Json& redesign) {
     if (trial.is_object() && std::isfinite(worn))
       text += fmt::format(" For the worn design the same prediction gives {} where {} was measured.",
                           Quantity(worn, "%"), Quantity(NumberOrNaN(trial.at("misalignment_percent")), "%"));
-    text += fmt::format(" A recording resolves no less than {} (noise floor: recording noise and marker re-placement).",
+    text += fmt::format(" Below {} a recording shows only noise and how markers were put back.",
                         Quantity(NumberOrNaN(redesign.at("noise_floor_percent")), "%"));
   }
   return text + " " + BodyText(results);

@@ -90,9 +90,10 @@ std::optional<AssemblyGap> FindAssemblyGap(const Links& links, double stroke_mm)
   if (shank_gap > kRounding_mm)
     return AssemblyGap{
         AssemblyGap::Triangle::kShank, shank_gap,
-        fmt::format("knee to bar tip l8 = {:.6g}, shank link l4 = {:.6g} and coupler l1 = {:.6g} mm miss a "
-                    "triangle by {:.4g} mm",
-                    l8, links.l4, links.l1, shank_gap)};
+        fmt::format(
+            "l1 = {:.6g} and l4 = {:.6g} mm cannot meet between knee and bar tip, {:.6g} mm apart: {} by {:.4g} mm",
+            links.l1, links.l4, l8,
+            l8 > std::max(links.l1, links.l4) ? "l1 or l4 is too short" : "one of them is too long", shank_gap)};
   return std::nullopt;
 }
 

@@ -138,7 +138,7 @@ std::string PartAdvice(const std::string& part, const Json& comparison) {
   if (part == "shape")
     return "shape: neither moving the joint nor another pace removes it. Soft tissue, straps that slip, a movement out "
            "of the plane or a different movement of the leg remain";
-  return fmt::format("placement: the joint sits {}; a joint on the knee would have none of it",
+  return fmt::format("placement: the joint sits {}. Moving the joint onto the knee removes this part",
                      compare::DescribeJoint(JointOf(comparison)));
 }
 
