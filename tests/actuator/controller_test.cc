@@ -101,7 +101,8 @@ TEST_F(ControllerTest, EndStopAheadActsInTheSameTickAndOnlyInItsDirection) {
   fake_board.open = END_STOP_RETRACT | END_STOP_EXTEND;
   TickTalking(1);
   EXPECT_EQ(fake_board.bridge, kBrake);
-  EXPECT_EQ(controller_take_events(), EVENT_FAULT_BOTH_STOPS);
+  EXPECT_EQ(controller_take_events(), EVENT_FAULT);
+  EXPECT_EQ(controller_status().fault, FAULT_BOTH_STOPS);
   EXPECT_EQ(controller_status().knowledge, STROKE_UNKNOWN);
   fake_board.open = END_STOP_EXTEND;
   ASSERT_EQ(Ask(REQUEST_RESET), REPLY_OK);

@@ -50,3 +50,7 @@ void serial_char(char c) {
 void serial_text(const char* flash_text) {
   while (*flash_text) serial_char(*flash_text++);
 }
+
+uint8_t board_is_late(void) {
+  return 0;
+}

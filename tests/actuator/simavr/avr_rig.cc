@@ -1,6 +1,5 @@
 #include "avr_rig.h"
 
-#include <simavr/avr_adc.h>
 #include <simavr/avr_extint.h>
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
@@ -59,6 +58,8 @@ AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) 
   for (const std::uint8_t external_interrupt : {0, 1}) avr_extint_set_strict_lvl_trig(avr_, external_interrupt, 0);
   std::uint32_t flags = 0;
   avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);  // nothing to the test's own output
+  adc_ = std::make_unique<DatasheetAdc>(avr_);
+  receiver_ = std::make_unique<DatasheetReceiver>(avr_);
   SetEndStopPins();
 }
 
@@ -102,18 +103,17 @@ void AvrRig::OnSerial(avr_irq_t*, std::uint32_t value, void* self) {
 void AvrRig::OnTick(avr_irq_t*, std::uint32_t runs, void* self) {
   AvrRig& rig = *static_cast<AvrRig*>(self);
   if (runs)
-    rig.tick_began_ = rig.avr_->cycle;
+    rig.tick_began_ = rig.avr_->cycle, ++rig.ticks_;
   else if (rig.tick_began_ > 0)
     rig.longest_tick_ = std::max(rig.longest_tick_, rig.avr_->cycle - rig.tick_began_);
 }
 
 void AvrRig::Send(const std::string& line) {
-  to_send_.insert(to_send_.end(), line.begin(), line.end());
-  to_send_.push_back('\n');
+  for (const char c : line + '\n') receiver_->Send(static_cast<std::uint8_t>(c));
 }
 
 void AvrRig::SendNow(char c) {
-  to_send_.push_front(c);
+  receiver_->SendFirst(static_cast<std::uint8_t>(c));
 }
 
 void AvrRig::PullWire(bool retract, bool pulled) {
@@ -152,19 +152,30 @@ void AvrRig::EndMillisecond() {
   SetEndStopPins();
   const auto [at_0, at_5] = actuator_.potentiometer_mm;
   const double wiper = std::clamp((actuator_.stroke_mm - at_0) / (at_5 - at_0), 0.0, 1.0);
-  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0),
-                static_cast<std::uint32_t>(wiper * kSupply_mv));
-  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC1),
-                static_cast<std::uint32_t>(duty == 0 ? 2500 : 2500 + 185 * 0.5 * duty / std::abs(duty)));
-  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC2),
-                static_cast<std::uint32_t>(1e3 * actuator_.supply_v / actuator::kSupplyDivider));
+  adc_->SetMillivolt(0, wiper * kSupply_mv);
+  adc_->SetMillivolt(1, duty == 0 ? 2500 : 2500 + 185 * 0.5 * duty / std::abs(duty));
+  adc_->SetMillivolt(2, 1e3 * actuator_.supply_v / actuator::kSupplyDivider);
+}
+
+void AvrRig::WatchInterrupts(std::uint64_t before) {
+  const bool allowed = avr_->sreg[S_I];
+  has_allowed_interrupts_ = has_allowed_interrupts_ || allowed;
+  if (!has_allowed_interrupts_) return;
+  if (allowed) {
+    if (blocked_since_ > 0) longest_blocked_ = std::max(longest_blocked_, avr_->cycle - blocked_since_);
+    blocked_since_ = 0;
+  } else if (blocked_since_ == 0) {
+    blocked_since_ = before;
+  }
 }
 
 void AvrRig::Run(double seconds) {
   const std::uint64_t until = avr_->cycle + static_cast<std::uint64_t>(seconds * kHertz);
   std::uint64_t next_ms = (avr_->cycle / kCyclesPerMs + 1) * kCyclesPerMs;
   while (avr_->cycle < until && !HasEnded()) {
+    const std::uint64_t before = avr_->cycle;
     avr_run(avr_);
+    WatchInterrupts(before);
     if (const int pointer = avr_->data[kSpl] | avr_->data[kSph] << 8; pointer > 0)  // 0 until the start-up code sets it
       deepest_stack_ = std::max(deepest_stack_, kRamEnd - pointer);
     if (const BridgeInputs now = ReadInputs(); now != inputs_) {
@@ -176,11 +187,6 @@ void AvrRig::Run(double seconds) {
     next_ms += kCyclesPerMs;
     EndMillisecond();
     if (talking_ && samples_.size() % kTalkEverySamples == 0) SendNow('?');
-    if (!to_send_.empty()) {  // one character per ms: slower than 115200 baud, never too fast
-      avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT),
-                    static_cast<std::uint8_t>(to_send_.front()));
-      to_send_.pop_front();
-    }
   }
 }
 

@@ -1,14 +1,16 @@
-// The firmware in simavr, with a bridge, a motor with its screw, two end stops and a serial line around it.
+// The firmware in simavr, with the converter and the receiver of the data sheet, and a bridge, a motor with its screw,
+// two end stops and a serial line around it.
 #pragma once
 
 #include <simavr/sim_avr.h>
 
 #include <cstdint>
-#include <deque>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "datasheet_peripherals.h"
 #include "lake/actuator/duty_table.h"
 
 namespace lake {
@@ -72,9 +74,13 @@ class AvrRig {
   const std::string& Serial() const { return serial_; }
   const std::vector<RigSample>& Samples() const { return samples_; }
   const std::vector<DriveChange>& Changes() const { return changes_; }
-  double LongestTick_us() const {
-    return static_cast<double>(longest_tick_) / 16;
-  }                                                    // of the interrupt in which all is decided
+  DatasheetAdc& Adc() { return *adc_; }
+  const DatasheetReceiver& Receiver() const { return *receiver_; }
+  // Of the interrupt in which all is decided, with those that interrupt it.
+  double LongestTick_us() const { return static_cast<double>(longest_tick_) / 16; }
+  std::uint64_t Ticks() const { return ticks_; }
+  // For which interrupts were blocked, since the firmware first allowed them.
+  double LongestBlocked_us() const { return static_cast<double>(longest_blocked_) / 16; }
   int DeepestStack() const { return deepest_stack_; }  // bytes, interrupts included
 
  private:
@@ -92,10 +98,14 @@ class AvrRig {
   std::uint64_t counted_to_ = 0;
   double on_cycles_[4] = {};  // by Drive, in this ms
   std::string serial_;
-  std::deque<char> to_send_;
+  std::unique_ptr<DatasheetAdc> adc_;
+  std::unique_ptr<DatasheetReceiver> receiver_;
   bool talking_ = false;
   static void OnTick(avr_irq_t* irq, uint32_t runs, void* rig);
-  std::uint64_t tick_began_ = 0, longest_tick_ = 0;
+  void WatchInterrupts(std::uint64_t before);
+  std::uint64_t tick_began_ = 0, longest_tick_ = 0, ticks_ = 0;
+  std::uint64_t blocked_since_ = 0, longest_blocked_ = 0;
+  bool has_allowed_interrupts_ = false;
   int deepest_stack_ = 0;
   std::vector<RigSample> samples_;
   std::vector<DriveChange> changes_;

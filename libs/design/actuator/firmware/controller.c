@@ -1,13 +1,16 @@
 #include "controller.h"
 
 #include "analog.h"
+#include "board.h"
 #include "config.h"
 #include "end_stops.h"
 #include "motor.h"
 #include "portable.h"
 #include "program.h"
 
-// Shared by interrupts and main loop; the main loop touches them in ATOMICALLY blocks only, which are barriers.
+// Shared by the tick and the main loop, and by the tick and the interrupts that it lets in: whoever may be interrupted
+// by another touches them in ATOMICALLY blocks only, which are barriers.
+static status_t told;  // of the last tick
 static uint32_t time_ms;
 static state_t held;  // what a hold goes on with
 static reply_t reply;
@@ -34,6 +37,7 @@ static reply_t take_jog(void) {
 
 static void reset(void) {
   machine.state = STATE_IDLE;
+  machine.fault = FAULT_NONE;
   machine.knowledge = STROKE_UNKNOWN;
   program_reset();
 }
@@ -91,21 +95,28 @@ static void suspend_silent(void) {
     suspend();
 }
 
+static uint8_t take(uint8_t* flag) {
+  uint8_t was;
+  ATOMICALLY {
+    was = *flag;
+    *flag = 0;
+  }
+  return was;
+}
+
 static void take_realtime(void) {
-  if (resume_asked && machine.state == STATE_HOLD) machine.state = held;
-  if (hold_asked) suspend();
-  if (abort_asked) reset();
-  hold_asked = resume_asked = abort_asked = 0;
+  if (take(&resume_asked) && machine.state == STATE_HOLD) machine.state = held;
+  if (take(&hold_asked)) suspend();
+  if (take(&abort_asked)) reset();
 }
 
 static void watch_host(void) {
-  if (heard || !is_moving()) {
+  if (take(&heard) || !is_moving()) {
     silent_ms = 0;
   } else if (LAKE_COMMAND_TIMEOUT_MS > 0 && ++silent_ms >= LAKE_COMMAND_TIMEOUT_MS) {
     machine.events |= EVENT_TIMEOUT;
     suspend_silent();
   }
-  heard = 0;
 }
 
 // End stops that cannot be pressed as they are, told where nothing moves: is_allowed sees to it while something does.
@@ -116,17 +127,18 @@ static void watch_wires(void) {
     wrong_ms = 0;
   } else if (++wrong_ms >= WIRE_WRONG_MS) {
     wrong_ms = 0;
-    state_fault(both ? EVENT_FAULT_BOTH_STOPS : EVENT_FAULT_STUCK);
+    state_fault(both ? FAULT_BOTH_STOPS : FAULT_STUCK);
   }
 }
 
 static void watch_inputs(void) {
+  if (board_is_late()) state_fault(FAULT_LATE);
   const uint8_t wrong = analog_faults();
-  if (machine.state == STATE_FAULT || wrong == 0) return;
-  state_fault(wrong & ANALOG_NO_SUPPLY    ? EVENT_FAULT_SUPPLY
-              : wrong & ANALOG_NO_WIPER   ? EVENT_FAULT_WIPER
-              : wrong & ANALOG_NO_CURRENT ? EVENT_FAULT_NO_CURRENT
-                                          : EVENT_FAULT_OVERCURRENT);
+  if (wrong == 0) return;
+  state_fault(wrong & ANALOG_NO_SUPPLY    ? FAULT_SUPPLY
+              : wrong & ANALOG_NO_WIPER   ? FAULT_WIPER
+              : wrong & ANALOG_NO_CURRENT ? FAULT_NO_CURRENT
+                                          : FAULT_OVERCURRENT);
 }
 
 static motion_t jogging(void) {
@@ -161,13 +173,13 @@ static motion_t wanted(void) {
 static uint8_t is_allowed(const motion_t* motion) {
   if (motion->direction == 0) return 1;
   if (end_stops_pressed() == (END_STOP_RETRACT | END_STOP_EXTEND))
-    state_fault(EVENT_FAULT_BOTH_STOPS);
+    state_fault(FAULT_BOTH_STOPS);
   else if (state_end_stop_ahead(motion->direction))
-    state_fault(EVENT_FAULT_STOP);
+    state_fault(FAULT_STOP);
   else if (program_stop_is_stuck())
-    state_fault(EVENT_FAULT_STUCK);
+    state_fault(FAULT_STUCK);
   else if (machine.state != STATE_JOGGING && program_soft_limit_ahead(motion->direction))
-    state_fault(EVENT_FAULT_SOFT_LIMIT);
+    state_fault(FAULT_SOFT_LIMIT);
   return machine.state != STATE_FAULT;
 }
 
@@ -179,6 +191,21 @@ static void keep_books(const motion_t* motion) {
   program_keep_books(motor_direction() == 0 ? &kRest : motion, motion);
 }
 
+static void tell(void) {
+  const status_t now = {time_ms,
+                        program_stroke_um(),
+                        program_drift_um(),
+                        analog_stroke_um(),
+                        analog_current_ma(),
+                        motor_counts(),
+                        motor_direction(),
+                        machine.state,
+                        machine.fault,
+                        machine.knowledge,
+                        end_stops_pressed()};
+  told = now;
+}
+
 void controller_init(void) {
   time_ms = 0;
   reset();
@@ -186,6 +213,7 @@ void controller_init(void) {
   reply = REPLY_NONE;
   machine.events = 0;
   hold_asked = resume_asked = abort_asked = heard = 0;
+  tell();
 }
 
 void controller_tick(void) {
@@ -201,6 +229,7 @@ void controller_tick(void) {
   if (!is_allowed(&motion)) motion = kRest;
   motor_tick(motion.direction, motion.counts);
   keep_books(&motion);
+  tell();
 }
 
 void controller_request(request_t what, int16_t jog_counts, uint16_t jog_ms) {
@@ -227,16 +256,7 @@ void controller_heard(void) {
 status_t controller_status(void) {
   status_t now;
   ATOMICALLY {
-    now.time_ms = time_ms;
-    now.stroke_um = program_stroke_um();
-    now.measured_um = analog_stroke_um();
-    now.current_ma = analog_current_ma();
-    now.drift_um = program_drift_um();
-    now.counts = motor_counts();
-    now.direction = motor_direction();
-    now.state = machine.state;
-    now.knowledge = machine.knowledge;
-    now.end_stops = end_stops_pressed();
+    now = told;
   }
   return now;
 }
@@ -250,8 +270,8 @@ reply_t controller_take_reply(void) {
   return taken;
 }
 
-uint16_t controller_take_events(void) {
-  uint16_t taken;
+uint8_t controller_take_events(void) {
+  uint8_t taken;
   ATOMICALLY {
     taken = machine.events;
     machine.events = 0;

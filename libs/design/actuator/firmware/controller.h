@@ -27,6 +27,7 @@ typedef struct {
   uint16_t counts;
   int8_t direction;
   state_t state;
+  fault_t fault;
   knowledge_t knowledge;
   uint8_t end_stops;
 } status_t;
@@ -38,7 +39,7 @@ void controller_tick(void);
 // duration.
 void controller_request(request_t request, int16_t jog_counts, uint16_t jog_ms);
 reply_t controller_take_reply(void);  // REPLY_NONE until there is one
-uint16_t controller_take_events(void);
+uint8_t controller_take_events(void);
 status_t controller_status(void);
 
 // From interrupts as well; they act at the next tick. A hold keeps a running program's place and ends homing and jogs;

@@ -184,11 +184,10 @@ static void tell_reply(reply_t reply) {
   serial_char('\n');
 }
 
-static void tell_events(uint16_t events) {
-  for (uint8_t i = 0; i < FAULT_COUNT; ++i) {
-    if (!(events & (1u << i))) continue;
+static void tell_events(uint8_t events, fault_t fault) {
+  if (events & EVENT_FAULT) {
     serial_text(PSTR("ALARM:"));
-    tell_uint(i + 1);
+    tell_uint(fault);
     serial_char('\n');
   }
   if (events & EVENT_DONE) tell_message(PSTR("done"));
@@ -244,12 +243,13 @@ void protocol_turn(void) {
   const char* line = serial_line();
   if (line) obey(line);
   tell_reply(controller_take_reply());
-  tell_events(controller_take_events());
+  const uint8_t events = controller_take_events();
+  const status_t now = controller_status();
+  tell_events(events, now.fault);
   if (greeting_asked) {
     greeting_asked = 0;
     protocol_greet(RESET_BY_POWER_OR_BUTTON);
   }
-  const status_t now = controller_status();
   if (status_asked) {
     status_asked = 0;
     tell_status(&now);

@@ -226,7 +226,7 @@ SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sk
 }
 
 std::string AlarmText(int number) {
-  static const std::array<const char*, 13> texts = {
+  static const std::array<const char*, 14> texts = {
       "an end stop in the direction of motion",
       "both end stops at once: their wires",
       "a limit was reached, of the program or of the linkage",
@@ -239,7 +239,8 @@ std::string AlarmText(int number) {
       "it moves undriven, or much faster than driven",
       "too far from the plan",
       "over-current: a short or a stall",
-      "driven, it takes no current: motor, supply or sense wire"};
+      "driven, it takes no current: motor, supply or sense wire",
+      "a tick or a conversion came late: the board, or a bug"};
   return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
                                                                  : "a fault of a newer firmware";
 }
