@@ -1,5 +1,10 @@
 // What somebody with a serial monitor meets.
+#include <algorithm>
+#include <cctype>
+
 #include "host/host_fixture.h"
+#include "lake/core/atomic_file.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -64,14 +69,26 @@ TEST(SketchNotes, SayWhatIsOfThisSketchAlone) {
   options.design_hash = "0123456789ab", options.extend_stop_mm = 0.6;
   const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, options);
   const std::string notes = actuator::SketchNotes(stroke, schedule, table, options, "from design.yaml");
-  for (const char* part : {"0123456789ab (SHA-256)", "MODEL duty table", "UNWORN ONLY: home takes the knee to 14",
-                           "open loop", "Retract end stop at 242.498 mm", "extend end stop at 373.9", "README.txt"})
+  for (const char* part :
+       {"0123456789ab (SHA-256)", actuator::kUntried, "MODEL duty table", "UNWORN ONLY: home takes the knee to 14",
+        "open loop", "Retract end stop at 242.498 mm", "extend end stop at 373.9", "README.txt"})
     EXPECT_THAT(notes, HasSubstr(part));
   std::istringstream lines(notes);
   for (std::string line; std::getline(lines, line);) EXPECT_TRUE(line.empty() || line.starts_with("//")) << line;
   actuator::DutyTable measured = table;
   measured.rows.front().extend_se_mm_s = 0.1;
   EXPECT_THAT(actuator::SketchNotes(stroke, schedule, measured, options, ""), Not(HasSubstr("MODEL")));
+}
+
+// Wherever a person reads about safety; what `lake-stroke` prints is in stroke_cli_test.cc.
+TEST(Untried, IsSaidWhereverSomebodyReadsAboutSafety) {
+  for (const char* page : {"libs/design/actuator/SAFETY.md", "libs/design/actuator/README.md",
+                           "libs/design/actuator/firmware/README.txt", "libs/present/manual/pages/prototype.md"}) {
+    std::string text = ReadTextFile(SourceDir() / page);
+    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+    EXPECT_THAT(text, HasSubstr("been tried on a board")) << page;
+    EXPECT_THAT(text, HasSubstr("nobody may wear")) << page;
+  }
 }
 
 // The folder needs no other: pins, commands, what the numbers mean.

@@ -138,7 +138,7 @@ void AvrRig::EndMillisecond() {
   double total = 0;
   for (const double cycles : on_cycles_) total += cycles;
   const auto share = [&](Drive drive) { return on_cycles_[static_cast<int>(drive)] / total; };
-  const double duty = share(Drive::kExtend) - share(Drive::kRetract);
+  const double driven = share(Drive::kExtend) - share(Drive::kRetract), duty = breaks_.is_reversed ? -driven : driven;
   const bool brake = share(Drive::kBrake) > 0.5;
   const double target =
       duty == 0 ? 0
@@ -146,15 +146,23 @@ void AvrRig::EndMillisecond() {
                       std::copysign(actuator_.table->Curve(duty > 0 ? 1 : -1).SpeedFor(std::abs(duty)), duty);
   const double time_constant = brake ? 0.01 : duty == 0 ? 0.06 : actuator_.time_constant_s;
   speed_mm_s_ += (target - speed_mm_s_) * (1 - std::exp(-1e-3 / time_constant));
-  actuator_.stroke_mm += speed_mm_s_ * 1e-3;
-  samples_.push_back({Time(), actuator_.stroke_mm, speed_mm_s_, duty, brake});
+  if (breaks_.is_blocked) speed_mm_s_ = 0;
+  actuator_.stroke_mm += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
+  samples_.push_back({Time(), actuator_.stroke_mm, speed_mm_s_, driven, brake});
   for (double& cycles : on_cycles_) cycles = 0;
   SetEndStopPins();
+  Sense(driven);
+}
+
+void AvrRig::Sense(double duty) {
+  using Wiper = RigBreaks::Wiper;
   const auto [at_0, at_5] = actuator_.potentiometer_mm;
-  const double wiper = std::clamp((actuator_.stroke_mm - at_0) / (at_5 - at_0), 0.0, 1.0);
+  if (breaks_.wiper != Wiper::kFrozen) wiper_ = std::clamp((actuator_.stroke_mm - at_0) / (at_5 - at_0), 0.0, 1.0);
+  const double wiper = breaks_.wiper == Wiper::kLost ? 0 : breaks_.wiper == Wiper::kShorted ? 1 : wiper_;
+  const double current_a = duty == 0 ? 0 : std::copysign(breaks_.motor_a, duty);
   adc_->SetMillivolt(0, wiper * kSupply_mv);
-  adc_->SetMillivolt(1, duty == 0 ? 2500 : 2500 + 185 * 0.5 * duty / std::abs(duty));
-  adc_->SetMillivolt(2, 1e3 * actuator_.supply_v / actuator::kSupplyDivider);
+  adc_->SetMillivolt(1, breaks_.current_wire ? 0 : 2500 + 185 * current_a);
+  adc_->SetMillivolt(2, breaks_.supply_wire ? 0 : 1e3 * actuator_.supply_v / actuator::kSupplyDivider);
 }
 
 void AvrRig::WatchInterrupts(std::uint64_t before) {

@@ -266,6 +266,7 @@ std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedul
   std::string text = options.accept_drift ? kDriftAccepted : "";
   text += fmt::format("// {}\n// Design {} (SHA-256), duty table: {}.\n//\n", Comment(from), options.design_hash,
                       DutyTableName(table));
+  text += fmt::format("// WARNING: {}\n", kUntried);
   if (!IsMeasured(table))
     text += "// WARNING: MODEL duty table. This actuator's speeds were not measured: lake-stroke calibrate.\n";
   text += fmt::format("// WARNING: UNWORN ONLY: home takes the knee to {:.1f} degrees.\n",

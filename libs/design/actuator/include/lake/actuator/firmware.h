@@ -120,6 +120,10 @@ struct FirmwareFile {
 };
 const std::vector<FirmwareFile>& FirmwareSources();
 
+// Said wherever a person reads about safety.
+inline constexpr const char* kUntried =
+    "This firmware has not been tried on a board, only in a simulator: nobody may wear what it drives.";
+
 // What the sketch of a program whose drift was accepted says on its first line.
 inline constexpr const char* kDriftAccepted =
     "// DRIFT ACCEPTED: this program may run past the linkage's end. Only for a bench without a person.\n";
