@@ -136,12 +136,9 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
       if (wire == Wire::kSupply) rig_->Breaks().supply_wire = true;
       rig_->Run(0.3);
       // What a user would try.
-      for (const char* line : {"~", "run", "home", "jog 400 800", "jog -400 800", "home", "jog 400 2000"}) {
+      for (const char* line : {"resume", "go", "run", "home", "jog 400 800", "jog -400 800", "home", "jog 400 2000"}) {
         if (rig_->Serial().find("ALARM:") != std::string::npos) break;
-        if (*line == '~')
-          rig_->SendNow('~');
-        else
-          rig_->Send(line);
+        rig_->Send(line);
         rig_->RunUntil("ALARM:", 4);
       }
       ASSERT_THAT(rig_->Serial(), HasSubstr("ALARM:")) << what;
@@ -153,7 +150,7 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
                                                                                             << rig_->Serial();
       const std::size_t told = rig_->Samples().size();
       for (const char* line : {"run", "home", "jog 400 800", "jog -400 800"}) rig_->Send(line), rig_->Run(0.5);
-      rig_->SendNow('~'), rig_->Run(0.5);
+      EXPECT_FALSE(rig_->ResumeAsks());
       EXPECT_LE(Way(*rig_, told), 1e-3) << what;
       EXPECT_FALSE(rig_->IsShorted());
       ++cases;

@@ -14,7 +14,7 @@ using testing::Not;
 
 using ByHandTest = HostFirmwareTest;
 
-// Homing is longer than the time-out: each ~ is a sign of life, and takes it on from where it waits.
+// Homing is longer than the time-out: each resume takes it on from where it waits.
 TEST_F(ByHandTest, HomesInStepsWithoutAHostThatTalks) {
   Build(FreeDesign({{0, 300}, {2, 306}}));
   rig_->SetStroke(330);
@@ -25,7 +25,7 @@ TEST_F(ByHandTest, HomesInStepsWithoutAHostThatTalks) {
     ASSERT_LT(++steps, 20) << rig_->Serial();
     EXPECT_THAT(rig_->Status(), HasSubstr("<hold")) << "nobody looks: it waits";
     EXPECT_EQ(rig_->Duty(), 0);
-    rig_->SendNow('~');
+    EXPECT_TRUE(rig_->ResumeAsks());
   }
   EXPECT_GE(steps, 3);
   rig_->Run(0.3);
@@ -40,7 +40,7 @@ TEST_F(ByHandTest, StopGivesHomingUpAndHoldEndsIt) {
   ASSERT_TRUE(rig_->Asks("home", "ok"));
   rig_->Run(3);
   ASSERT_TRUE(rig_->Asks("stop", "ok"));
-  rig_->SendNow('~');
+  EXPECT_FALSE(rig_->ResumeAsks());
   rig_->Run(1);
   EXPECT_EQ(rig_->Duty(), 0);
   EXPECT_TRUE(rig_->Asks("run", "error:5"));
@@ -96,7 +96,8 @@ TEST(SketchNotes, TheFolderExplainsItself) {
   std::string readme;
   for (const actuator::FirmwareFile& file : actuator::FirmwareSources())
     if (file.name == "README.txt") readme = file.text;
-  for (const char* part : {"D9", "D2, D3", "NORMALLY CLOSED", "A0", "115200", "jog DUTY MS", "ALARM:N", "error:N", "~"})
+  for (const char* part :
+       {"D9", "D2, D3", "NORMALLY CLOSED", "A0", "115200", "jog DUTY MS", "ALARM:N", "error:N", "resume"})
     EXPECT_THAT(readme, HasSubstr(part));
 }
 

@@ -7,13 +7,17 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <csignal>
+#include <sstream>
 #include <thread>
 
 #include "cli/program_run.h"
 #include "host/host_fixture.h"
+#include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 
@@ -22,6 +26,7 @@ namespace {
 
 using actuator::SessionOptions;
 using testing::HasSubstr;
+using testing::Not;
 using testing::ThrowsMessage;
 
 constexpr int kTimesFaster = 8;  // the board's time runs so much faster than ours
@@ -55,6 +60,9 @@ class PtyBoard {
   void GoDeaf(double running_s) {
     Later(running_s, [this](HostRig&) { mute_ = true; });
   }
+  // Of the digits that it says, so that no answer is lost.
+  void DamageOneInSoMany(int digits) { one_in_ = digits; }
+  int Damaged() const { return damaged_; }
   bool HasReceived() const { return has_received_; }
   // Until its own clock has gone on for that long.
   void WaitFor(double board_s) const {
@@ -65,16 +73,11 @@ class PtyBoard {
  private:
   void Take(char c) {
     has_received_ = true;
-    if (c == '?' || c == '!' || c == '~' || c == '\x18')
-      rig_.SendNow(c);
-    else if (c == '\n')
-      rig_.Send(line_), line_.clear();
-    else
-      line_ += c;
+    rig_.SendPlain({c});
   }
   void Serve() {
     std::array<char, 256> buffer;
-    std::size_t said = rig_.Serial().size();
+    std::size_t said = rig_.Wire().size();
     double since_s = -1;
     while (!ended_) {
       const ssize_t count = read(master_, buffer.data(), buffer.size());
@@ -83,18 +86,22 @@ class PtyBoard {
       time_s_ = rig_.Time();
       if (since_s < 0 && rig_.Serial().find(",running,") != std::string::npos) since_s = rig_.Time();
       if (act_ && since_s >= 0 && rig_.Time() >= since_s + later_s_) act_(rig_), act_ = nullptr;
-      if (!mute_ && rig_.Serial().size() > said)
-        if (write(master_, rig_.Serial().data() + said, rig_.Serial().size() - said) < 0) said -= 0;
-      said = rig_.Serial().size();
+      std::string bytes = rig_.Wire().substr(said);
+      for (char& c : bytes)
+        if (one_in_ > 0 && std::isdigit(static_cast<unsigned char>(c)) && ++digits_ % one_in_ == 0) c ^= 1, ++damaged_;
+      if (!mute_ && !bytes.empty() && write(master_, bytes.data(), bytes.size()) < 0) break;
+      said = rig_.Wire().size();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }
 
   HostRig& rig_;
   int master_ = -1, slave_ = -1;
-  std::string port_, line_;
+  std::string port_;
   std::atomic<bool> ended_ = false, mute_ = false, has_received_ = false;
   std::atomic<double> time_s_ = 0;
+  std::atomic<int> one_in_ = 0, damaged_ = 0;
+  int digits_ = 0;
   double later_s_ = 0;
   std::function<void(HostRig&)> act_;
   std::thread thread_;
@@ -206,6 +213,48 @@ TEST_F(StrokeSessionTest, APortThatIsNoneIsAnError) {
   EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("this is no serial line")));
   options_.port = "/dev/no-such-tty";
   EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("cannot be opened")));
+}
+
+// By hand: lines get their check sum, what is said loses it, and at the end of the input nothing moves on.
+TEST_F(StrokeSessionTest, ATerminalJogsAndStopsAtTheEndOfItsInput) {
+  int pipe_ends[2];
+  ASSERT_EQ(pipe(pipe_ends), 0);
+  std::ostringstream said;
+  std::atomic<bool> ended = false;
+  std::thread talk([&] {
+    actuator::RunTalk({options_.port, 0.05}, pipe_ends[0], said, folder_ / "serial.csv", [] {});
+    ended = true;
+  });
+  const auto type = [&](const std::string& text) {
+    ASSERT_EQ(write(pipe_ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+    board_->WaitFor(1.5);
+  };
+  type("jog 500 800\n?\n");
+  type("zero\r\nnonsense\n");
+  type("jog 500 9000\n");
+  close(pipe_ends[1]);
+  talk.join();
+  close(pipe_ends[0]);
+  ExpectStill();
+  EXPECT_GT(rig_->Stroke(), 300.5) << "it jogged";
+  EXPECT_LT(rig_->Stroke(), 315) << "and not to the jog's end";
+  const std::string text = said.str();
+  for (const char* line : {"ok\n", "error:1\n", "[MSG:done]\n", ",jogging,"}) EXPECT_THAT(text, HasSubstr(line));
+  EXPECT_EQ(std::ranges::count(text, '<'), 1) << "the status that was asked for";
+  EXPECT_THAT(text, Not(HasSubstr("*")));
+  EXPECT_EQ(ReadTextFile(folder_ / "serial.csv"), text);
+  EXPECT_THAT(text, Not(HasSubstr("damaged")));
+}
+
+// A row may be damaged on its way: it is left out, and nothing else happens.
+TEST_F(StrokeSessionTest, ADamagedRowIsLeftOut) {
+  board_->DamageOneInSoMany(400);
+  const actuator::SessionResult result = Run();
+  const CsvTable log = CsvTable::Read(folder_ / "log.csv");
+  EXPECT_EQ(log.Rows(), result.rows);
+  EXPECT_GT(board_->Damaged(), 3);
+  EXPECT_GE(log.Rows(), 40u);
+  for (std::size_t i = 1; i < log.Rows(); ++i) EXPECT_GT(log.RequiredNumber(i, 0), log.RequiredNumber(i - 1, 0)) << i;
 }
 
 // As a user runs it; Ctrl-C in the middle of the program.

@@ -1,5 +1,8 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <optional>
 
 #include "lake/commands/stroke.h"
@@ -47,6 +50,19 @@ void Describe(StrokeSessionRunOptions& o, OptionList& options) {
       .Between(0.02, 10);
   options.Add("home", o.session.home, "Home first; --no-home: the actuator stands at the program's start")
       .WithNegation();
+}
+
+Json RunStrokeTalk(const StrokeTalkRunOptions& options, Run& run) {
+  if (options.talk.port.empty()) throw UsageError("which serial line? give --port /dev/ttyACM0");
+  actuator::RunTalk(options.talk, STDIN_FILENO, std::cout, run.Result("serial.csv"), ThrowIfInterrupted);
+  return Json::object();
+}
+
+void Describe(StrokeTalkRunOptions& o, OptionList& options) {
+  options.Add("port", o.talk.port, "Serial line of the board: /dev/ttyACM0").Value("TTY");
+  options.Add("keep-alive", o.talk.keep_alive_s, "Between two signs of life to the firmware")
+      .Unit("s")
+      .Between(0.02, 10);
 }
 
 }  // namespace lake::commands

@@ -13,8 +13,8 @@ struct FakeBoard {
   bool shorted = false;   // the inputs were turned while the bridge drove: this must never be
   std::uint8_t open = 0;  // end stops, bits as in end_stops.h
   std::uint16_t adc = 0;
-  std::string said;  // over the serial line
-  std::string line;  // to be read next
+  std::string said;      // over the serial line
+  std::string received;  // to be read next
 };
 
 extern FakeBoard fake_board;

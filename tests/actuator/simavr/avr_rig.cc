@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "lake/actuator/firmware.h"
+#include "lake/actuator/serial_frame.h"
 
 // simavr does not free what avr_make_mcu_by_name and elf_read_firmware allocate; the leak check of the asan preset asks
 // here.
@@ -97,7 +98,13 @@ void AvrRig::CountOnTime() {
 }
 
 void AvrRig::OnSerial(avr_irq_t*, std::uint32_t value, void* self) {
-  static_cast<AvrRig*>(self)->serial_.push_back(static_cast<char>(value));
+  AvrRig& rig = *static_cast<AvrRig*>(self);
+  rig.line_.push_back(static_cast<char>(value));
+  if (static_cast<char>(value) != '\n') return;
+  rig.line_.pop_back();
+  // A reset may have cut a line off: such a one is shown as it is.
+  rig.serial_ += actuator::Unframed(rig.line_).value_or(rig.line_) + "\n";
+  rig.line_.clear();
 }
 
 void AvrRig::OnTick(avr_irq_t*, std::uint32_t runs, void* self) {
@@ -109,7 +116,11 @@ void AvrRig::OnTick(avr_irq_t*, std::uint32_t runs, void* self) {
 }
 
 void AvrRig::Send(const std::string& line) {
-  for (const char c : line + '\n') receiver_->Send(static_cast<std::uint8_t>(c));
+  SendPlain(actuator::Framed(line) + "\n");
+}
+
+void AvrRig::SendPlain(const std::string& bytes) {
+  for (const char c : bytes) receiver_->Send(static_cast<std::uint8_t>(c));
 }
 
 void AvrRig::SendNow(char c) {
@@ -194,7 +205,7 @@ void AvrRig::Run(double seconds) {
     if (avr_->cycle < next_ms) continue;
     next_ms += kCyclesPerMs;
     EndMillisecond();
-    if (talking_ && samples_.size() % kTalkEverySamples == 0) SendNow('?');
+    if (talking_ && samples_.size() % kTalkEverySamples == 0) Send("alive");
   }
 }
 

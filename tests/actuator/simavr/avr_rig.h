@@ -74,17 +74,18 @@ class AvrRig {
   void Run(double seconds);
   bool RunUntil(const std::string& serial_text, double most_seconds);  // false if it was not said in time
 
-  void Send(const std::string& line);
+  void Send(const std::string& line);           // with its check sum
+  void SendPlain(const std::string& bytes);     // as they are
   void SendNow(char c);                         // ahead of what waits, as a real-time command
-  void KeepTalking(bool on) { talking_ = on; }  // a `?` every half second, as a host does
+  void KeepTalking(bool on) { talking_ = on; }  // a sign of life every half second, as a host does
   void PullWire(bool retract, bool pulled);     // an end stop's wire off: reads as pressed
 
   RigBreaks& Breaks() { return breaks_; }
   double Time() const;
   double Stroke() const { return actuator_.stroke_mm; }
   void SetStroke(double stroke_mm) { actuator_.stroke_mm = stroke_mm; }
-  bool HasEnded() const;  // `quit`
-  const std::string& Serial() const { return serial_; }
+  bool HasEnded() const;                                 // `quit`
+  const std::string& Serial() const { return serial_; }  // whole lines, without their check sums
   const std::vector<RigSample>& Samples() const { return samples_; }
   const std::vector<DriveChange>& Changes() const { return changes_; }
   DatasheetAdc& Adc() { return *adc_; }
@@ -112,7 +113,7 @@ class AvrRig {
   bool pulled_[2] = {false, false};
   std::uint64_t counted_to_ = 0;
   double on_cycles_[4] = {};  // by Drive, in this ms
-  std::string serial_;
+  std::string serial_, line_;
   std::unique_ptr<DatasheetAdc> adc_;
   std::unique_ptr<DatasheetReceiver> receiver_;
   bool talking_ = false;

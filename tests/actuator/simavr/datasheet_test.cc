@@ -25,7 +25,7 @@ static unsigned long convert(void) { unsigned long turns = 0; ADCSRA |= _BV(ADSC
 int main(void) {
   UBRR0 = 16; UCSR0A = _BV(U2X0); UCSR0B = _BV(RXEN0) | _BV(TXEN0);
   TCCR1B = _BV(CS10);
-)" + body + "\n  say('.'); for (;;) {} }\n");
+)" + body + "\n  say('.'); say('\\n'); for (;;) {} }\n");
     const std::string command = LAKE_AVR_GCC " -mmcu=atmega328p -DF_CPU=16000000UL -std=gnu99 -Os '" +
                                 (folder_ / "probe.c").string() + "' -o '" + (folder_ / "probe.elf").string() + "'";
     if (std::system(command.c_str()) != 0) throw std::runtime_error(command);
@@ -48,7 +48,7 @@ TEST_F(DatasheetTest, AConversionKeepsTheChannelThatItBeganWith) {
   ADCSRA |= _BV(ADSC); _delay_us(10); ADMUX = _BV(REFS0) | 1; while (ADCSRA & _BV(ADSC)) {} tell(ADC);
   convert(); tell(ADC);
 )");
-  EXPECT_EQ(rig.Serial(), "204 204 512 .");
+  EXPECT_EQ(rig.Serial(), "204 204 512 .\n");
   EXPECT_EQ(rig.Adc().ChannelChangesWhileBusy(), 1u);
   EXPECT_EQ(rig.Adc().Conversions(), 3u);
 }
@@ -85,10 +85,10 @@ TEST_F(DatasheetTest, TheReceiverHoldsTwoBytesAndTheShiftRegister) {
       Run("  while (!(PIND & 8)) {} _delay_ms(2); while (UCSR0A & _BV(RXC0)) { if (UCSR0A & _BV(DOR0)) say('!'); "
           "say(UDR0); }\n",
           0.001);
-  rig.Send("abcdefghi");
+  rig.SendPlain("abcdefghij");
   rig.PullWire(false, true);
   rig.Run(0.02);
-  EXPECT_EQ(rig.Serial(), "!ab\n.");
+  EXPECT_EQ(rig.Serial(), "!abj.\n");
   EXPECT_EQ(rig.Receiver().Lost(), 7u);
 }
 

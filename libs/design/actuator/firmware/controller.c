@@ -13,16 +13,21 @@
 static status_t told;  // of the last tick
 static uint32_t time_ms;
 static state_t held;  // what a hold goes on with
-static reply_t reply;
-static request_t request;
-static int16_t request_counts;
-static uint16_t request_ms;
-static uint8_t hold_asked, resume_asked, abort_asked, heard;
+typedef struct {
+  request_t request;
+  reply_t reply;  // REPLY_NONE until a tick has it
+  int16_t counts;
+  uint16_t ms;
+} asked_t;
+static asked_t asked[REQUESTS_MOST];  // in their order; those with a reply come first
+static uint8_t asked_count;
+static uint8_t hold_asked, abort_asked, heard;
 
 static uint16_t silent_ms;
+static uint16_t resume_left_ms;  // until the first step of a resume is forgotten
 static motion_t jog;
 
-static reply_t take_jog(void) {
+static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   const int8_t direction = request_counts < 0 ? -1 : 1;
   const uint16_t counts = direction * request_counts;
   if (machine.state != STATE_IDLE) return REPLY_STATE;
@@ -35,6 +40,18 @@ static reply_t take_jog(void) {
   return REPLY_OK;
 }
 
+static reply_t take_resume(void) {
+  if (machine.state != STATE_HOLD) return REPLY_STATE;
+  resume_left_ms = RESUME_MS;
+  return REPLY_OK;
+}
+
+static reply_t take_go(uint16_t left_ms) {
+  if (machine.state != STATE_HOLD || left_ms == 0) return REPLY_STATE;
+  machine.state = held;
+  return REPLY_OK;
+}
+
 static void reset(void) {
   machine.state = STATE_IDLE;
   machine.fault = FAULT_NONE;
@@ -42,8 +59,24 @@ static void reset(void) {
   program_reset();
 }
 
-static reply_t answer(request_t asked) {
-  switch (asked) {
+// What was asked before a hold or an abort is not done after it.
+static void drop_requests(void) {
+  resume_left_ms = 0;
+  for (uint8_t i = 0; i < asked_count; ++i)
+    if (asked[i].reply == REPLY_NONE) asked[i].reply = REPLY_STATE;
+}
+
+static void abort_all(void) {
+  drop_requests();
+  if (machine.state != STATE_FAULT) machine.state = STATE_IDLE;
+  machine.knowledge = STROKE_UNKNOWN;
+}
+
+// Whatever is asked between the two steps of a resume ends it.
+static reply_t answer(const asked_t* what) {
+  const uint16_t left_ms = resume_left_ms;
+  resume_left_ms = 0;
+  switch (what->request) {
     case REQUEST_RUN:
       return program_take_run();
     case REQUEST_HOME:
@@ -51,7 +84,11 @@ static reply_t answer(request_t asked) {
     case REQUEST_ZERO:
       return program_take_zero();
     case REQUEST_JOG:
-      return take_jog();
+      return take_jog(what->counts, what->ms);
+    case REQUEST_RESUME:
+      return take_resume();
+    case REQUEST_GO:
+      return take_go(left_ms);
     case REQUEST_STOP:
       if (machine.state != STATE_FAULT) machine.state = STATE_IDLE;
       return REPLY_OK;
@@ -63,11 +100,12 @@ static reply_t answer(request_t asked) {
   }
 }
 
-static void take_request(void) {
-  if (request == REQUEST_NONE) return;
-  reply = answer(request);
-  request = REQUEST_NONE;
-  heard = 1;
+static void take_requests(void) {
+  for (uint8_t i = 0; i < asked_count; ++i) {
+    if (asked[i].reply != REPLY_NONE) continue;
+    asked[i].reply = answer(&asked[i]);
+    heard = 1;
+  }
 }
 
 static uint8_t is_moving(void) {
@@ -105,9 +143,12 @@ static uint8_t take(uint8_t* flag) {
 }
 
 static void take_realtime(void) {
-  if (take(&resume_asked) && machine.state == STATE_HOLD) machine.state = held;
-  if (take(&hold_asked)) suspend();
-  if (take(&abort_asked)) reset();
+  if (resume_left_ms > 0) --resume_left_ms;
+  if (take(&hold_asked)) {
+    drop_requests();
+    suspend();
+  }
+  if (take(&abort_asked)) abort_all();
 }
 
 static void watch_host(void) {
@@ -209,10 +250,10 @@ static void tell(void) {
 void controller_init(void) {
   time_ms = 0;
   reset();
-  request = REQUEST_NONE;
-  reply = REPLY_NONE;
+  asked_count = 0;
   machine.events = 0;
-  hold_asked = resume_asked = abort_asked = heard = 0;
+  hold_asked = abort_asked = heard = 0;
+  resume_left_ms = 0;
   tell();
 }
 
@@ -221,7 +262,7 @@ void controller_tick(void) {
   end_stops_tick();
   analog_tick(motor_counts());
   take_realtime();
-  take_request();
+  take_requests();
   watch_host();
   watch_wires();
   watch_inputs();
@@ -232,19 +273,27 @@ void controller_tick(void) {
   tell();
 }
 
-void controller_request(request_t what, int16_t jog_counts, uint16_t jog_ms) {
+static void put(request_t request, reply_t reply, int16_t counts, uint16_t ms) {
   ATOMICALLY {
-    request = what;
-    request_counts = jog_counts;
-    request_ms = jog_ms;
+    if (asked_count < REQUESTS_MOST) {
+      const asked_t what = {request, reply, counts, ms};
+      asked[asked_count++] = what;
+    }
   }
+}
+
+uint8_t controller_has_room(void) {
+  return asked_count < REQUESTS_MOST;  // the tick takes none away
+}
+void controller_request(request_t request, int16_t jog_counts, uint16_t jog_ms) {
+  put(request, REPLY_NONE, jog_counts, jog_ms);
+}
+void controller_request_reply(reply_t reply) {
+  put(REQUEST_REPLY, reply, 0, 0);
 }
 
 void controller_hold(void) {
   hold_asked = 1;
-}
-void controller_resume(void) {
-  resume_asked = 1;
 }
 void controller_abort(void) {
   abort_asked = 1;
@@ -262,10 +311,13 @@ status_t controller_status(void) {
 }
 
 reply_t controller_take_reply(void) {
-  reply_t taken;
+  reply_t taken = REPLY_NONE;
   ATOMICALLY {
-    taken = reply;
-    reply = REPLY_NONE;
+    if (asked_count > 0) taken = asked[0].reply;
+    if (taken != REPLY_NONE) {
+      --asked_count;
+      memmove(asked, asked + 1, asked_count * sizeof *asked);
+    }
   }
   return taken;
 }

@@ -34,6 +34,7 @@ typedef enum {
   REPLY_NO_PROGRAM = 6,   // a calibration firmware has none
   REPLY_STOP_AHEAD = 7,   // an end stop is pressed in that direction
   REPLY_LIMIT_AHEAD = 8,  // a soft limit is reached in that direction
+  REPLY_CHECK_SUM = 9     // the line has no check sum, or a wrong one
 } reply_t;
 
 // What went wrong, the N of `ALARM:N`; the first one stays until it is acknowledged.

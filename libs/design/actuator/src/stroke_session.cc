@@ -1,6 +1,7 @@
 #include "lake/actuator/stroke_session.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,10 +12,14 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+#include <ostream>
 #include <regex>
+#include <utility>
 
+#include "lake/actuator/serial_frame.h"
 #include "lake/actuator/serial_port.h"
 #include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 
 namespace lake::actuator {
@@ -108,7 +113,7 @@ class Session {
   }
 
   void Ask(const std::string& command) {
-    port_.Write(command + "\n");
+    port_.Write(Framed(command) + "\n");
     for (const auto begin = Clock::now(); Since(begin) < kReply_s;) {
       const std::optional<std::string> line = Line();
       if (line == "ok") return;
@@ -149,7 +154,7 @@ class Session {
   // The next whole line, if one has come; meanwhile it says that it is there. Throws on a fault or long silence.
   std::optional<std::string> Line() {
     if (Since(last_said_) > options_.keep_alive_s) {
-      port_.Write("?");
+      port_.Write(Framed("alive") + "\n");
       last_said_ = Clock::now();
     }
     if (buffer_.find('\n') == std::string::npos) buffer_ += port_.Read(kPoll_s);
@@ -160,11 +165,13 @@ class Session {
       return std::nullopt;
     }
     last_heard_ = Clock::now();
-    std::string line = buffer_.substr(0, end);
+    const std::string line = buffer_.substr(0, end);
     buffer_.erase(0, end + 1);
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    Take(line);
-    return line;
+    // A line that was damaged on its way says nothing: rows come again, a reply that does not come is an error, and
+    // each row says whether there is a fault.
+    std::optional<std::string> text = Unframed(line);
+    if (text) Take(*text);
+    return text;
   }
 
   void Take(const std::string& line) {
@@ -174,9 +181,18 @@ class Session {
     if (!is_logging_) return;
     if (line.starts_with("[MSG:lake-stroke")) throw Fail("{}: the board was reset", options_.port.string());
     if (!IsRow(line)) return;
-    log_.Write(line);
+    log_.Write(WithWholeTime(line));
     ++rows_;
     state_ = Field(line, 5);
+    if (state_ == "fault") throw Fail("{}: the firmware stopped with a fault", options_.port.string());
+  }
+
+  // The firmware counts ms in 32 bits and begins anew after 49.7 days.
+  std::string WithWholeTime(const std::string& row) {
+    const double time_s = std::strtod(row.c_str(), nullptr);
+    if (time_s < last_time_s_) before_s_ += 4294967.296;
+    last_time_s_ = time_s;
+    return before_s_ == 0 ? row : fmt::format("{:.3f}{}", before_s_ + time_s, row.substr(row.find(',')));
   }
 
   const SessionOptions& options_;
@@ -186,10 +202,83 @@ class Session {
   std::string buffer_, header_, state_;
   Clock::time_point last_said_ = Clock::now(), last_heard_ = Clock::now();
   bool is_logging_ = false;
+  double last_time_s_ = 0, before_s_ = 0;
   std::size_t rows_ = 0;
 };
 
+// Lines of a person to the firmware, and back.
+class Talk {
+ public:
+  Talk(const TalkOptions& options, LogFile& log, std::ostream& out)
+      : options_(options), log_(log), out_(out), port_(options.port) {}
+
+  // What the person has said meanwhile; false at the end.
+  bool Hear(int in) {
+    pollfd waiting{in, POLLIN, 0};
+    if (::poll(&waiting, 1, 0) <= 0) return true;
+    std::array<char, 256> bytes;
+    const ssize_t count = read(in, bytes.data(), bytes.size());
+    if (count <= 0) return count < 0 && (errno == EINTR || errno == EAGAIN);
+    said_.append(bytes.data(), static_cast<std::size_t>(count));
+    for (std::size_t end; (end = said_.find('\n')) != std::string::npos; said_.erase(0, end + 1)) {
+      const std::string line(Trim(said_.substr(0, end)));
+      is_status_asked_ = is_status_asked_ || line == "?";
+      if (!line.empty()) port_.Write(line == "?" || line == "!" ? line : Framed(line) + "\n");
+    }
+    return true;
+  }
+
+  // What the firmware says; and that somebody is there.
+  void Pass() {
+    if (Since(last_alive_) > options_.keep_alive_s) {
+      port_.Write(Framed("alive") + "\n");
+      last_alive_ = Clock::now();
+    }
+    heard_ += port_.Read(kPoll_s);
+    for (std::size_t end; (end = heard_.find('\n')) != std::string::npos; heard_.erase(0, end + 1)) {
+      const std::optional<std::string> text = Unframed(std::string_view(heard_).substr(0, end));
+      if (text && text->starts_with("<") && !std::exchange(is_status_asked_, false)) continue;  // of a sign of life
+      const std::string line = text.value_or("# a line was damaged");
+      log_.Write(line);
+      out_ << line << std::endl;
+    }
+  }
+
+  void Stop() noexcept {
+    try {
+      port_.Write(kReset);
+    } catch (const std::exception&) {
+      // The line is gone: the firmware stops by its time-out.
+    }
+  }
+
+ private:
+  const TalkOptions& options_;
+  LogFile& log_;
+  std::ostream& out_;
+  SerialPort port_;
+  std::string said_, heard_;
+  bool is_status_asked_ = false;
+  Clock::time_point last_alive_ = Clock::now();
+};
+
 }  // namespace
+
+void RunTalk(const TalkOptions& options, int in, std::ostream& out, const std::filesystem::path& log,
+             const std::function<void()>& poll) {
+  LogFile file(log);
+  Talk talk(options, file, out);
+  try {
+    while (talk.Hear(in)) {
+      talk.Pass();
+      poll();
+    }
+  } catch (...) {
+    talk.Stop();
+    throw;
+  }
+  talk.Stop();
+}
 
 SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "stroke_table.h";
@@ -246,14 +335,15 @@ std::string AlarmText(int number) {
 }
 
 std::string ErrorText(int number) {
-  static const std::array<const char*, 8> texts = {"no such command",
+  static const std::array<const char*, 9> texts = {"no such command",
                                                    "a number out of range",
                                                    "the line is too long",
                                                    "not in this state",
                                                    "it is not at the program's start",
                                                    "the firmware has no program",
                                                    "an end stop is pressed in that direction",
-                                                   "a soft limit is reached in that direction"};
+                                                   "a soft limit is reached in that direction",
+                                                   "the line had no check sum, or a wrong one"};
   return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
                                                                  : "a reply of a newer firmware";
 }

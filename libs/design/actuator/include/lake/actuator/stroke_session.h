@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <iosfwd>
 #include <string>
 
 namespace lake::actuator {
@@ -38,6 +39,18 @@ struct SessionResult {
 // meaning.
 SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sketch, const std::filesystem::path& log,
                          const std::function<void(const std::string& state, double time_s)>& poll);
+
+struct TalkOptions {
+  std::filesystem::path port;
+  double keep_alive_s = 0.25;  // between two signs of life
+};
+
+// A terminal for the firmware, which obeys no line without a check sum. Each whole line that `in` has is sent with one
+// (`?` and `!` as they are); what the firmware says goes to `out` and into the log without. At the end of `in`, and
+// when `poll` throws, what moves is told to stop. `poll` is called at least every 0.1 s. Throws Error: the log, the
+// port.
+void RunTalk(const TalkOptions& options, int in, std::ostream& out, const std::filesystem::path& log,
+             const std::function<void()>& poll);
 
 // What ALARM:N and error:N mean.
 std::string AlarmText(int number);
