@@ -207,6 +207,35 @@ TEST_F(StrokeSessionTest, AnotherProgramInTheBoardIsRefused) {
   for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
 }
 
+// The same design, but for one option, one number of the duty table or one stroke of the program.
+TEST_F(StrokeSessionTest, AnotherProgramOfTheSameDesignIsRefusedBeforeAnythingMoves) {
+  const auto header = [&](const std::function<void(actuator::FirmwareOptions&)>& change, double last_mm, double speed) {
+    actuator::FirmwareOptions options = firmware_options_;
+    change(options);
+    const actuator::StrokeSchedule schedule =
+        actuator::MakeSchedule(FreeDesign({{0, 300}, {4, 316}, {6, last_mm}}), {});
+    std::vector<actuator::DutyRow> rows = table_.rows;
+    rows.back().extend_mm_s *= speed;
+    const actuator::DutyTable table = actuator::MakeDutyTable(rows, "other");
+    return actuator::StrokeTableHeader(actuator::MakeStrokeTable(schedule, table, options), schedule, table, options,
+                                       "test");
+  };
+  const auto same = [](actuator::FirmwareOptions&) {};
+  ASSERT_EQ(header(same, 310, 1), header_);
+  for (const std::string& other : {header([](actuator::FirmwareOptions& o) { o.stop_travel_mm = 1.5; }, 310, 1),
+                                   header([](actuator::FirmwareOptions& o) { o.command_timeout_s = 60; }, 310, 1),
+                                   header(same, 310.5, 1), header(same, 310, 1.001)}) {
+    WriteTextFile(folder_ / "stroke_table.h", other);
+    EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("the board has another program of this design")));
+  }
+  std::string by_hand = header_;
+  by_hand.replace(by_hand.find("LAKE_STOP_TRAVEL_UM 2000L"), 25, "LAKE_STOP_TRAVEL_UM 9000L");
+  WriteTextFile(folder_ / "stroke_table.h", by_hand);
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("it is not as lake-stroke wrote it")));
+  ExpectStill();
+  for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
+}
+
 TEST_F(StrokeSessionTest, APortThatIsNoneIsAnError) {
   board_->End();
   options_.port = folder_ / "stroke_table.h";

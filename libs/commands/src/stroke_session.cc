@@ -32,7 +32,8 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
   return {{"rows", result.rows},
           {"homing_s", result.homing_s},
           {"run_s", result.run_s},
-          {"design_hash", sketch.design_hash}};
+          {"design_hash", sketch.design_hash},
+          {"program_hash", sketch.program_hash}};
 }
 
 std::string StrokeSessionReport(const Json& summary) {

@@ -91,6 +91,7 @@ void protocol_greet(reset_cause_t cause) {
   tell_message(PSTR("drift accepted, no person"));
 #endif
 #if LAKE_SEGMENT_COUNT > 0
+  tell_message(PSTR("program " LAKE_PROGRAM));
   tell_message(PSTR("design " LAKE_DESIGN ", duty table " LAKE_DUTY_TABLE));
 #endif
 #if LAKE_SEGMENT_COUNT > 0 && !LAKE_FEEDBACK

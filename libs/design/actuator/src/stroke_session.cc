@@ -16,6 +16,7 @@
 #include <regex>
 #include <utility>
 
+#include "lake/actuator/firmware.h"
 #include "lake/actuator/serial_frame.h"
 #include "lake/actuator/serial_port.h"
 #include "lake/core/atomic_file.h"
@@ -83,9 +84,9 @@ class Session {
 
   // Opening the port resets an UNO; a board that does not reset by it is reset by Ctrl-X.
   void Greet(const SketchIdentity& sketch) {
-    std::string design;
+    std::string design, program;
     bool reset = false, has_header = false;
-    for (const auto begin = Clock::now(); design.empty() || !has_header;) {
+    for (const auto begin = Clock::now(); design.empty() || program.empty() || !has_header;) {
       if (Since(begin) > options_.greeting_s)
         throw Fail("{}: no greeting of lake-stroke's firmware within {} s: is it uploaded?", options_.port.string(),
                    options_.greeting_s);
@@ -96,6 +97,7 @@ class Session {
       const std::optional<std::string> line = Line();
       if (!line) continue;
       if (line->starts_with("[MSG:design ")) design = line->substr(12, line->find(',') - 12);
+      if (line->starts_with("[MSG:program ")) program = line->substr(13, line->find(']') - 13);
       if (IsHeader(*line)) {
         has_header = true;
         header_ = *line;
@@ -104,6 +106,11 @@ class Session {
     if (design != sketch.design_hash)
       throw Fail("{}: the board has the program of design {}, the folder that of {}: upload the folder's sketch",
                  options_.port.string(), design, sketch.design_hash);
+    if (program != sketch.program_hash)
+      throw Fail(
+          "{}: the board has another program of this design, {}, than the folder, {} (strokes, duty table or options "
+          "differ): upload the folder's sketch",
+          options_.port.string(), program, sketch.program_hash);
   }
 
   void WriteHeader() {
@@ -288,6 +295,10 @@ SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder) {
   if (!std::regex_search(text, match, std::regex("#define LAKE_DESIGN \"([^\"]*)\"")))
     throw Fail("{}: no program of lake-stroke with a design in it; write it again with lake-stroke", file.string());
   identity.design_hash = match[1];
+  identity.program_hash = ProgramHash(text);
+  if (!std::regex_search(text, match, std::regex("#define LAKE_PROGRAM \"([^\"]*)\"")) ||
+      match[1] != identity.program_hash)
+    throw Fail("{}: it is not as lake-stroke wrote it: write it again, and upload that sketch", file.string());
   static const std::regex segment("\\{([0-9]+), -?[0-9]+, [0-9]+\\},");
   for (std::sregex_iterator at(text.begin(), text.end(), segment), end; at != end; ++at)
     identity.duration_s = std::stod((*at)[1]) / 1e3;

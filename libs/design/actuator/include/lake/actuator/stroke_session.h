@@ -20,11 +20,11 @@ struct SessionOptions {
 
 // What the firmware was made for, of the stroke_table.h in the folder of the sketch's results.
 struct SketchIdentity {
-  std::string design_hash;
+  std::string design_hash, program_hash;  // the latter of the whole stroke_table.h
   double duration_s = 0;
 };
 
-// Throws Error if there is none, or one that is no program.
+// Throws Error if there is none, one that is no program, or one that was changed since lake-stroke wrote it.
 SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder);
 
 struct SessionResult {
