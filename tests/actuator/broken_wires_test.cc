@@ -158,6 +158,30 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
   EXPECT_EQ(cases, 13 * 4);
 }
 
+// A fault outlives an abort and a reset of the board; only a line with a check sum acknowledges it.
+TEST_F(BrokenWiresTest, AFaultIsLatchedUntilItIsAcknowledged) {
+  Build(FreeDesign({{0, 300}, {2, 306}}));
+  rig_->PullWire(true, true), rig_->PullWire(false, true);
+  ASSERT_TRUE(rig_->RunUntil("ALARM:2\n", 0.1));
+  rig_->PullWire(true, false), rig_->PullWire(false, false);
+  rig_->Run(0.1);
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t from = rig_->Serial().size();
+    if (i == 1) rig_->PowerUp();
+    rig_->SendNow('\x18');
+    rig_->SendPlain("reset\n");
+    rig_->Run(0.1);
+    EXPECT_NE(rig_->Serial().find("ALARM:2\n", from), std::string::npos) << "it is told again";
+    for (const char* line : {"home", "zero", "run", "jog 300 100", "resume", "go"})
+      EXPECT_TRUE(rig_->Asks(line, "error:4")) << line;
+  }
+  EXPECT_TRUE(rig_->Asks("reset", "ok"));
+  EXPECT_TRUE(rig_->Asks("zero", "ok"));
+  rig_->PowerUp();
+  rig_->Run(0.1);
+  EXPECT_TRUE(rig_->Asks("zero", "ok"));
+}
+
 // Off at the emergency stop or sagging, the supply is told, and what moves ends; within the tolerance it does not.
 TEST_F(BrokenWiresTest, TheSupplyIsTold) {
   firmware_options_.supply_v = 12;

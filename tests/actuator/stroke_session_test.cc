@@ -57,6 +57,12 @@ class PtyBoard {
   const std::string& Port() const { return port_; }
   // Done at that time of the board since the program runs.
   void Later(double running_s, std::function<void(HostRig&)> act) { later_s_ = running_s, act_ = std::move(act); }
+  // Done before this returns.
+  void Do(std::function<void(HostRig&)> act) {
+    now_ = std::move(act);
+    is_due_ = true;
+    while (is_due_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   void GoDeaf(double running_s) {
     Later(running_s, [this](HostRig&) { mute_ = true; });
   }
@@ -83,6 +89,7 @@ class PtyBoard {
       const ssize_t count = read(master_, buffer.data(), buffer.size());
       for (ssize_t i = 0; i < count; ++i) Take(buffer[static_cast<std::size_t>(i)]);
       rig_.Run(1e-3 * kTimesFaster);
+      if (is_due_) now_(rig_), is_due_ = false;
       time_s_ = rig_.Time();
       if (since_s < 0 && rig_.Serial().find(",running,") != std::string::npos) since_s = rig_.Time();
       if (act_ && since_s >= 0 && rig_.Time() >= since_s + later_s_) act_(rig_), act_ = nullptr;
@@ -100,6 +107,8 @@ class PtyBoard {
   std::string port_;
   std::atomic<bool> ended_ = false, mute_ = false, has_received_ = false;
   std::atomic<double> time_s_ = 0;
+  std::function<void(HostRig&)> now_;
+  std::atomic<bool> is_due_ = false;
   std::atomic<int> one_in_ = 0, damaged_ = 0;
   int digits_ = 0;
   double later_s_ = 0;
@@ -177,6 +186,19 @@ TEST_F(StrokeSessionTest, AFaultEndsItWithItsMeaning) {
   EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("ALARM:1: an end stop in the direction of motion")));
   ExpectStill();
   EXPECT_GT(CsvTable::Read(folder_ / "log.csv").Rows(), 20u) << "what was moved is in the log";
+}
+
+// Neither a new program nor a reset of the board forgets a fault: somebody must say that it was seen to.
+TEST_F(StrokeSessionTest, AFaultStaysUntilItIsAcknowledged) {
+  board_->Later(1, [](HostRig& rig) { rig.PullWire(false, true); });
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("ALARM:1")));
+  board_->Do([](HostRig& rig) { rig.PullWire(false, false); });
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("ALARM:1: an end stop in the direction of motion; see to "
+                                                             "it, then run with --acknowledge")));
+  board_->Do([](HostRig& rig) { rig.PowerUp(); });
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("--acknowledge")));
+  options_.acknowledge = true;
+  EXPECT_GT(Run().rows, 20u);
 }
 
 TEST_F(StrokeSessionTest, AnInterruptStopsWhateverMoves) {

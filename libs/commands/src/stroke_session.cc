@@ -49,6 +49,7 @@ void Describe(StrokeSessionRunOptions& o, OptionList& options) {
   options.Add("keep-alive", o.session.keep_alive_s, "Between two signs of life to the firmware")
       .Unit("s")
       .Between(0.02, 10);
+  options.Add("acknowledge", o.session.acknowledge, "The board's fault of before was seen to: clear it");
   options.Add("home", o.session.home, "Home first; --no-home: the actuator stands at the program's start")
       .WithNegation();
 }

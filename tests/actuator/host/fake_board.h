@@ -13,7 +13,8 @@ struct FakeBoard {
   bool shorted = false;   // the inputs were turned while the bridge drove: this must never be
   std::uint8_t open = 0;  // end stops, bits as in end_stops.h
   std::uint16_t adc = 0;
-  std::string said;      // over the serial line
+  std::string said;  // over the serial line
+  std::uint8_t remembered = 0;
   std::string received;  // to be read next
 };
 

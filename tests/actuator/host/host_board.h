@@ -15,6 +15,7 @@ typedef struct {
   uint16_t adc[3];        // sums of four readings: A0 potentiometer, A1 current, A2 supply
   uint8_t received[256];  // a ring
   uint8_t received_head, received_tail;
+  uint8_t remembered;  // outlives a reset
   char said[1 << 16];  // over the serial line since it was last taken
   uint32_t said_length;
 } host_board_t;

@@ -48,6 +48,17 @@ HostRig::HostRig(const std::string& stroke_table, const HostActuator& actuator)
     : actuator_(actuator), random_(actuator.seed) {
   // A copy: a library that is loaded twice would share its variables.
   std::filesystem::copy_file(Library(stroke_table), folder_ / "firmware.so");
+  SetStroke(actuator.stroke_mm);
+  PowerUp();
+}
+
+HostRig::~HostRig() {
+  dlclose(library_);
+}
+
+// As a reset does, with all variables as they were made.
+void HostRig::OpenLibrary() {
+  if (library_) dlclose(library_);
   library_ = dlopen((folder_ / "firmware.so").c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library_) throw std::runtime_error(dlerror());
   const auto find = [&](auto& function, const char* name) {
@@ -60,18 +71,15 @@ HostRig::HostRig(const std::string& stroke_table, const HostActuator& actuator)
   find(analog_init_, "analog_init");
   find(controller_init_, "controller_init");
   find(controller_tick_, "controller_tick");
+  find(controller_remember_, "controller_remember");
   find(protocol_turn_, "protocol_turn");
   find(protocol_realtime_, "protocol_realtime");
-  SetStroke(actuator.stroke_mm);
-  PowerUp();
-}
-
-HostRig::~HostRig() {
-  dlclose(library_);
 }
 
 void HostRig::PowerUp() {
-  std::memset(board_, 0, sizeof *board_);
+  const std::uint8_t remembered = board_ ? board_->remembered : 0;
+  OpenLibrary();
+  board_->remembered = remembered;
   to_send_.clear();
   Sense();
   motor_init_();
@@ -192,7 +200,7 @@ void HostRig::TickMs() {
     to_send_.pop_front();
   }
   controller_tick_();
-  if (!hangs_) protocol_turn_();
+  if (!hangs_) protocol_turn_(), controller_remember_();
   TakeSaid();
   samples_.push_back({Time(), stroke_mm_, Duty(), board_->bridge == HOST_BRAKE});
 }

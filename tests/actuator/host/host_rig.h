@@ -88,6 +88,7 @@ class HostRig {
   const std::vector<HostSample>& Samples() const { return samples_; }
 
  private:
+  void OpenLibrary();
   void TickMs();
   void Receive(char c);
   void TakeSaid();
@@ -105,6 +106,7 @@ class HostRig {
   void (*analog_init_)() = nullptr;
   void (*controller_init_)() = nullptr;
   void (*controller_tick_)() = nullptr;
+  void (*controller_remember_)() = nullptr;
   void (*protocol_turn_)() = nullptr;
   realtime_t (*protocol_realtime_)(char) = nullptr;
   HostActuator actuator_;

@@ -322,6 +322,25 @@ TEST_F(FirmwareTest, WatchdogStopsAHangingMainLoop) {
   EXPECT_TRUE(Asks("run", "error:5")) << rig_->Serial();
 }
 
+// In the chip's EEPROM, as in BrokenWiresTest.AFaultIsLatchedUntilItIsAcknowledged.
+TEST_F(FirmwareTest, AFaultOutlivesAResetOfTheChip) {
+  Build(FreeDesign({{0, 300}, {4, 312}}));
+  rig_->Run(0.05);
+  rig_->PullWire(true, true), rig_->PullWire(false, true);
+  ASSERT_TRUE(rig_->RunUntil("ALARM:2\n", 0.2)) << rig_->Serial();
+  rig_->PullWire(true, false), rig_->PullWire(false, false);
+  rig_->Run(0.05);
+  rig_->Send("hang");
+  ASSERT_TRUE(rig_->RunUntil("reset by the watchdog", 1)) << rig_->Serial();
+  EXPECT_TRUE(rig_->RunUntil("ALARM:2\n", 0.1)) << rig_->Serial();
+  EXPECT_TRUE(Asks("home", "error:4"));
+  EXPECT_TRUE(Asks("reset", "ok"));
+  rig_->Run(0.05);
+  rig_->Send("hang");
+  ASSERT_TRUE(rig_->RunUntil("reset by the watchdog", 1)) << rig_->Serial();
+  EXPECT_TRUE(Asks("zero", "ok")) << rig_->Serial();
+}
+
 TEST_F(FirmwareTest, EndStopsActWhileTheMainLoopHangs) {
   Build(FreeDesign({{0, 300}, {4, 312}}));
   Start();

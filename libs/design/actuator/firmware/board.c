@@ -1,5 +1,6 @@
 #include "board.h"
 
+#include <avr/eeprom.h>
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
@@ -143,6 +144,17 @@ uint16_t board_analog(uint8_t which) {
 
 uint8_t board_is_late(void) {
   return is_late;
+}
+
+// Erased it reads 255.
+#define REMEMBERED ((uint8_t*)0)
+
+uint8_t board_remembered(void) {
+  return (uint8_t)~eeprom_read_byte(REMEMBERED);
+}
+
+void board_remember(uint8_t number) {
+  eeprom_update_byte(REMEMBERED, (uint8_t)~number);
 }
 
 reset_cause_t board_reset_cause(void) {

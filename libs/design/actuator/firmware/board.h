@@ -33,6 +33,10 @@ uint8_t board_is_late(void);
 
 reset_cause_t board_reset_cause(void);
 
+// A number that outlives resets and lost power, 0 on a board that has never kept one. Writing takes up to 4 ms.
+uint8_t board_remembered(void);
+void board_remember(uint8_t number);
+
 #ifdef LAKE_SIMULATOR
 void board_hang(void);  // the main loop hangs
 void board_quit(void);  // ends the simulation

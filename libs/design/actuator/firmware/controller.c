@@ -252,6 +252,8 @@ void controller_init(void) {
   reset();
   asked_count = 0;
   machine.events = 0;
+  const uint8_t latched = board_remembered();
+  if (latched != FAULT_NONE) state_fault((fault_t)latched);
   hold_asked = abort_asked = heard = 0;
   resume_left_ms = 0;
   tell();
@@ -271,6 +273,10 @@ void controller_tick(void) {
   motor_tick(motion.direction, motion.counts);
   keep_books(&motion);
   tell();
+}
+
+void controller_remember(void) {
+  board_remember((uint8_t)controller_status().fault);
 }
 
 static void put(request_t request, reply_t reply, int16_t counts, uint16_t ms) {

@@ -34,8 +34,9 @@ typedef struct {
   uint8_t end_stops;
 } status_t;
 
-void controller_init(void);
+void controller_init(void);  // with the fault that nobody has acknowledged before a reset, if there is one
 void controller_tick(void);
+void controller_remember(void);  // from the main loop: the fault, for after a reset
 
 // From the main loop. Requests wait for the next tick, which takes all of them in their order; each has one reply, and
 // as many wait as there is room for with replies that nobody took. `jog`: signed duty in counts and a duration.

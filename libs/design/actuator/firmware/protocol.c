@@ -301,6 +301,7 @@ void protocol_turn(void) {
   if (greeting_asked) {
     greeting_asked = 0;
     protocol_greet(RESET_BY_POWER_OR_BUTTON);
+    if (now.fault != FAULT_NONE) tell_events(EVENT_FAULT, now.fault);
   }
   if (status_asked) {
     status_asked = 0;

@@ -30,6 +30,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kPoll_s = 0.05, kReply_s = 1;
 constexpr const char* kReset = "!\x18";
+constexpr std::string_view kAlarm = "ALARM:";
 
 double Since(Clock::time_point when) {
   return std::chrono::duration<double>(Clock::now() - when).count();
@@ -111,6 +112,7 @@ class Session {
           "{}: the board has another program of this design, {}, than the folder, {} (strokes, duty table or options "
           "differ): upload the folder's sketch",
           options_.port.string(), program, sketch.program_hash);
+    TakeUpFault();
   }
 
   void WriteHeader() {
@@ -158,6 +160,24 @@ class Session {
   std::size_t Rows() const { return rows_; }
 
  private:
+  // What the first row after the greeting tells of before; the fault itself is told between them. One that is still
+  // there is told again.
+  void TakeUpFault() {
+    state_.clear();
+    for (const auto begin = Clock::now(); state_.empty() && Since(begin) < kReply_s;) Line();
+    if (state_.empty()) throw Fail("{}: no row within {} s", options_.port.string(), kReply_s);
+    if (state_ != "fault") return;
+    if (!options_.acknowledge)
+      throw Fail(
+          "{}: the board has a fault that nobody has acknowledged, {}: {}; see to it, then run with --acknowledge",
+          options_.port.string(), alarm_, AlarmText(AlarmNumber(alarm_)));
+    Ask("reset");
+  }
+
+  static int AlarmNumber(const std::string& line) {
+    return line.starts_with(kAlarm) ? std::atoi(line.c_str() + kAlarm.size()) : 0;
+  }
+
   // The next whole line, if one has come; meanwhile it says that it is there. Throws on a fault or long silence.
   std::optional<std::string> Line() {
     if (Since(last_said_) > options_.keep_alive_s) {
@@ -182,15 +202,15 @@ class Session {
   }
 
   void Take(const std::string& line) {
-    if (line.starts_with("ALARM:"))
-      throw Fail("{}: the firmware stopped with {}: {}", options_.port.string(), line,
-                 AlarmText(std::atoi(line.c_str() + 6)));
+    if (line.starts_with(kAlarm)) alarm_ = line;
+    if (IsRow(line)) state_ = Field(line, 5);
     if (!is_logging_) return;
+    if (line.starts_with(kAlarm))
+      throw Fail("{}: the firmware stopped with {}: {}", options_.port.string(), line, AlarmText(AlarmNumber(line)));
     if (line.starts_with("[MSG:lake-stroke")) throw Fail("{}: the board was reset", options_.port.string());
     if (!IsRow(line)) return;
     log_.Write(WithWholeTime(line));
     ++rows_;
-    state_ = Field(line, 5);
     if (state_ == "fault") throw Fail("{}: the firmware stopped with a fault", options_.port.string());
   }
 
@@ -206,7 +226,7 @@ class Session {
   LogFile& log_;
   const std::function<void(const std::string&, double)>& poll_;
   SerialPort port_;
-  std::string buffer_, header_, state_;
+  std::string buffer_, header_, state_, alarm_;
   Clock::time_point last_said_ = Clock::now(), last_heard_ = Clock::now();
   bool is_logging_ = false;
   double last_time_s_ = 0, before_s_ = 0;

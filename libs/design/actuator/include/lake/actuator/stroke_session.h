@@ -15,6 +15,7 @@ struct SessionOptions {
   double silent_s = 1.5;       // without a row from the firmware: it is given up, and stops by its own time-out
   double homing_s = 300;       // at most
   double run_s = 3600;         // at most
+  bool acknowledge = false;    // a fault of before was seen to: else the board is refused
   bool home = true;            // else the actuator stands at the start already: zero
 };
 
