@@ -136,12 +136,9 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
       if (wire == Wire::kSupply) rig_->Breaks().supply_wire = true;
       rig_->Run(0.3);
       // What a user would try.
-      for (const char* line : {"~", "run", "home", "jog 400 800", "jog -400 800", "home", "jog 400 2000"}) {
+      for (const char* line : {"resume", "go", "run", "home", "jog 400 800", "jog -400 800", "home", "jog 400 2000"}) {
         if (rig_->Serial().find("ALARM:") != std::string::npos) break;
-        if (*line == '~')
-          rig_->SendNow('~');
-        else
-          rig_->Send(line);
+        rig_->Send(line);
         rig_->RunUntil("ALARM:", 4);
       }
       ASSERT_THAT(rig_->Serial(), HasSubstr("ALARM:")) << what;
@@ -153,12 +150,36 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
                                                                                             << rig_->Serial();
       const std::size_t told = rig_->Samples().size();
       for (const char* line : {"run", "home", "jog 400 800", "jog -400 800"}) rig_->Send(line), rig_->Run(0.5);
-      rig_->SendNow('~'), rig_->Run(0.5);
+      EXPECT_FALSE(rig_->ResumeAsks());
       EXPECT_LE(Way(*rig_, told), 1e-3) << what;
       EXPECT_FALSE(rig_->IsShorted());
       ++cases;
     }
   EXPECT_EQ(cases, 13 * 4);
+}
+
+// A fault outlives an abort and a reset of the board; only a line with a check sum acknowledges it.
+TEST_F(BrokenWiresTest, AFaultIsLatchedUntilItIsAcknowledged) {
+  Build(FreeDesign({{0, 300}, {2, 306}}));
+  rig_->PullWire(true, true), rig_->PullWire(false, true);
+  ASSERT_TRUE(rig_->RunUntil("ALARM:2\n", 0.1));
+  rig_->PullWire(true, false), rig_->PullWire(false, false);
+  rig_->Run(0.1);
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t from = rig_->Serial().size();
+    if (i == 1) rig_->PowerUp();
+    rig_->SendNow('\x18');
+    rig_->SendPlain("reset\n");
+    rig_->Run(0.1);
+    EXPECT_NE(rig_->Serial().find("ALARM:2\n", from), std::string::npos) << "it is told again";
+    for (const char* line : {"home", "zero", "run", "jog 300 100", "resume", "go"})
+      EXPECT_TRUE(rig_->Asks(line, "error:4")) << line;
+  }
+  EXPECT_TRUE(rig_->Asks("reset", "ok"));
+  EXPECT_TRUE(rig_->Asks("zero", "ok"));
+  rig_->PowerUp();
+  rig_->Run(0.1);
+  EXPECT_TRUE(rig_->Asks("zero", "ok"));
 }
 
 // Off at the emergency stop or sagging, the supply is told, and what moves ends; within the tolerance it does not.

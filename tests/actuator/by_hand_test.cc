@@ -1,5 +1,10 @@
 // What somebody with a serial monitor meets.
+#include <algorithm>
+#include <cctype>
+
 #include "host/host_fixture.h"
+#include "lake/core/atomic_file.h"
+#include "places.h"
 
 namespace lake {
 namespace {
@@ -9,7 +14,7 @@ using testing::Not;
 
 using ByHandTest = HostFirmwareTest;
 
-// Homing is longer than the time-out: each ~ is a sign of life, and takes it on from where it waits.
+// Homing is longer than the time-out: each resume takes it on from where it waits.
 TEST_F(ByHandTest, HomesInStepsWithoutAHostThatTalks) {
   Build(FreeDesign({{0, 300}, {2, 306}}));
   rig_->SetStroke(330);
@@ -20,7 +25,7 @@ TEST_F(ByHandTest, HomesInStepsWithoutAHostThatTalks) {
     ASSERT_LT(++steps, 20) << rig_->Serial();
     EXPECT_THAT(rig_->Status(), HasSubstr("<hold")) << "nobody looks: it waits";
     EXPECT_EQ(rig_->Duty(), 0);
-    rig_->SendNow('~');
+    EXPECT_TRUE(rig_->ResumeAsks());
   }
   EXPECT_GE(steps, 3);
   rig_->Run(0.3);
@@ -35,7 +40,7 @@ TEST_F(ByHandTest, StopGivesHomingUpAndHoldEndsIt) {
   ASSERT_TRUE(rig_->Asks("home", "ok"));
   rig_->Run(3);
   ASSERT_TRUE(rig_->Asks("stop", "ok"));
-  rig_->SendNow('~');
+  EXPECT_FALSE(rig_->ResumeAsks());
   rig_->Run(1);
   EXPECT_EQ(rig_->Duty(), 0);
   EXPECT_TRUE(rig_->Asks("run", "error:5"));
@@ -64,8 +69,9 @@ TEST(SketchNotes, SayWhatIsOfThisSketchAlone) {
   options.design_hash = "0123456789ab", options.extend_stop_mm = 0.6;
   const actuator::StrokeTable stroke = actuator::MakeStrokeTable(schedule, table, options);
   const std::string notes = actuator::SketchNotes(stroke, schedule, table, options, "from design.yaml");
-  for (const char* part : {"0123456789ab (SHA-256)", "MODEL duty table", "UNWORN ONLY: home takes the knee to 14",
-                           "open loop", "Retract end stop at 242.498 mm", "extend end stop at 373.9", "README.txt"})
+  for (const char* part :
+       {"0123456789ab (SHA-256)", actuator::kUntried, "MODEL duty table", "UNWORN ONLY: home takes the knee to 14",
+        "open loop", "Retract end stop at 242.498 mm", "extend end stop at 373.9", "README.txt"})
     EXPECT_THAT(notes, HasSubstr(part));
   std::istringstream lines(notes);
   for (std::string line; std::getline(lines, line);) EXPECT_TRUE(line.empty() || line.starts_with("//")) << line;
@@ -74,12 +80,24 @@ TEST(SketchNotes, SayWhatIsOfThisSketchAlone) {
   EXPECT_THAT(actuator::SketchNotes(stroke, schedule, measured, options, ""), Not(HasSubstr("MODEL")));
 }
 
+// Wherever a person reads about safety; what `lake-stroke` prints is in stroke_cli_test.cc.
+TEST(Untried, IsSaidWhereverSomebodyReadsAboutSafety) {
+  for (const char* page : {"libs/design/actuator/SAFETY.md", "libs/design/actuator/README.md",
+                           "libs/design/actuator/firmware/README.txt", "libs/present/manual/pages/prototype.md"}) {
+    std::string text = ReadTextFile(SourceDir() / page);
+    std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+    EXPECT_THAT(text, HasSubstr("been tried on a board")) << page;
+    EXPECT_THAT(text, HasSubstr("nobody may wear")) << page;
+  }
+}
+
 // The folder needs no other: pins, commands, what the numbers mean.
 TEST(SketchNotes, TheFolderExplainsItself) {
   std::string readme;
   for (const actuator::FirmwareFile& file : actuator::FirmwareSources())
     if (file.name == "README.txt") readme = file.text;
-  for (const char* part : {"D9", "D2, D3", "NORMALLY CLOSED", "A0", "115200", "jog DUTY MS", "ALARM:N", "error:N", "~"})
+  for (const char* part :
+       {"D9", "D2, D3", "NORMALLY CLOSED", "A0", "115200", "jog DUTY MS", "ALARM:N", "error:N", "resume"})
     EXPECT_THAT(readme, HasSubstr(part));
 }
 

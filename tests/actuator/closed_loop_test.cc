@@ -274,7 +274,8 @@ TEST_F(ClosedLoopTest, AMillionMillisecondsOfEverything) {
       const int rate = static_cast<int>(random() % 2001) - 1000;
       rig_->Send(fmt::format("jog {} {}", rate, 1 + random() % 3000));
     }
-    if (one_in(9000)) rig_->SendNow("!~\x18"[random() % 3]);
+    if (one_in(9000)) rig_->SendNow("!\x18"[random() % 2]);
+    if (one_in(9000)) rig_->Send("resume"), rig_->Send("go");
     if (one_in(40000)) rig_->PullWire(one_in(2), true);
     if (one_in(2000)) rig_->PullWire(true, false), rig_->PullWire(false, false);
     if (one_in(60000)) rig_->Breaks().wiper = static_cast<HostBreaks::Wiper>(random() % 4);

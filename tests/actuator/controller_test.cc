@@ -13,6 +13,7 @@
 #include "end_stops.h"
 #include "fake_board.h"
 #include "lake/actuator/firmware.h"
+#include "lake/actuator/serial_frame.h"
 #include "lake/core/atomic_file.h"
 #include "model_program.h"
 #include "motor.h"
@@ -101,7 +102,8 @@ TEST_F(ControllerTest, EndStopAheadActsInTheSameTickAndOnlyInItsDirection) {
   fake_board.open = END_STOP_RETRACT | END_STOP_EXTEND;
   TickTalking(1);
   EXPECT_EQ(fake_board.bridge, kBrake);
-  EXPECT_EQ(controller_take_events(), EVENT_FAULT_BOTH_STOPS);
+  EXPECT_EQ(controller_take_events(), EVENT_FAULT);
+  EXPECT_EQ(controller_status().fault, FAULT_BOTH_STOPS);
   EXPECT_EQ(controller_status().knowledge, STROKE_UNKNOWN);
   fake_board.open = END_STOP_EXTEND;
   ASSERT_EQ(Ask(REQUEST_RESET), REPLY_OK);
@@ -126,20 +128,27 @@ TEST_F(ControllerTest, SilenceStopsWhateverMoves) {
   EXPECT_EQ(controller_status().state, STATE_IDLE);
 }
 
-TEST_F(ControllerTest, AHoldOutdoesAResumeAndKeepsThePlace) {
+TEST_F(ControllerTest, AHoldKeepsThePlaceAndEndsInTwoSteps) {
   Start();
   TickTalking(200);
+  EXPECT_EQ(Ask(REQUEST_RESUME), REPLY_STATE);
   controller_hold();
-  controller_resume();
   TickTalking(300);
   EXPECT_EQ(controller_status().state, STATE_HOLD);
   const int32_t place = controller_status().stroke_um;
+  EXPECT_EQ(Ask(REQUEST_GO), REPLY_STATE) << "the first step is missing";
+  EXPECT_EQ(Ask(REQUEST_RESUME), REPLY_OK);
+  EXPECT_EQ(Ask(REQUEST_RUN), REPLY_STATE);
+  EXPECT_EQ(Ask(REQUEST_GO), REPLY_STATE) << "something else was asked between";
+  EXPECT_EQ(Ask(REQUEST_RESUME), REPLY_OK);
   controller_hold();
-  controller_resume();
-  TickTalking(1);
+  EXPECT_EQ(Ask(REQUEST_GO), REPLY_STATE) << "a hold came between";
+  EXPECT_EQ(Ask(REQUEST_RESUME), REPLY_OK);
+  Tick(RESUME_MS);
+  EXPECT_EQ(Ask(REQUEST_GO), REPLY_STATE) << "too late";
   EXPECT_EQ(controller_status().state, STATE_HOLD);
-  controller_resume();
-  TickTalking(1);
+  EXPECT_EQ(Ask(REQUEST_RESUME), REPLY_OK);
+  EXPECT_EQ(Ask(REQUEST_GO), REPLY_OK);
   EXPECT_EQ(controller_status().state, STATE_RUNNING);
   EXPECT_NEAR(controller_status().stroke_um, place, 5);
   controller_abort();
@@ -180,14 +189,15 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
     const bool calm = i / 20'000 % 2 == 1;
     const int rare = calm ? 20 : 1;
     if (one_in(300 * rare)) {
-      const auto request = static_cast<request_t>(1 + random() % 7);
+      const auto request = static_cast<request_t>(1 + random() % 9);
       const auto rate = static_cast<int16_t>(static_cast<int>(random() % 8001) - 4000);
       controller_request(request, rate, static_cast<uint16_t>(random() % 2000));
     }
     if (calm && controller_status().state == STATE_IDLE && one_in(100))
       controller_request(one_in(2) ? REQUEST_HOME : REQUEST_RUN, 0, 0);
     if (one_in(700 * rare)) controller_hold();
-    if (one_in(300)) controller_resume();
+    if (one_in(300)) controller_request(REQUEST_RESUME, 0, 0);
+    if (controller_status().state == STATE_HOLD && one_in(3)) controller_request(REQUEST_GO, 0, 0);
     if (one_in(3000 * rare)) controller_abort();
     if (!one_in(50)) controller_heard();
     if (one_in(400 * rare)) fake_board.open = random() % 4;
@@ -197,6 +207,8 @@ TEST_F(ControllerTest, NoOrderOfEventsBreaksTheRulesOfTheBridge) {
       if (fake_board.direction < 0 && one_in(150)) fake_board.open = END_STOP_RETRACT;
     }
     Tick();
+    while (controller_take_reply() != REPLY_NONE) {
+    }
     ASSERT_FALSE(fake_board.shorted);
     if (fake_board.bridge != kDrive) {
       ++undriven_ms;
@@ -222,7 +234,7 @@ class ProtocolTest : public ControllerTest {
  protected:
   std::string Say(const std::string& line) {
     fake_board.said.clear();
-    fake_board.line = line;
+    fake_board.received = line;
     protocol_turn();
     Tick();
     protocol_turn();
@@ -231,24 +243,27 @@ class ProtocolTest : public ControllerTest {
 };
 
 TEST_F(ProtocolTest, EveryLineHasOneReply) {
-  EXPECT_THAT(Say("zero"), HasSubstr("ok\n"));
-  for (const auto& [line, reply] : {std::pair{"run", "ok\n"},
-                                    {"run", "error:4\n"},
-                                    {"nonsense", "error:1\n"},
-                                    {"jog 1", "error:2\n"},
-                                    {"jog 99999999999 1", "error:2\n"},
-                                    {"cut off\n", "error:3\n"},
-                                    {"home", "error:4\n"},
-                                    {"stop", "ok\n"},
-                                    {"run", "error:5\n"}})
-    EXPECT_THAT(Say(line), HasSubstr(reply)) << line;
+  EXPECT_THAT(Say(actuator::Framed("zero") + "\n"), HasSubstr(actuator::Framed("ok")));
+  for (const auto& [line, reply] : {std::pair{"run", "ok"},
+                                    {"run", "error:4"},
+                                    {"nonsense", "error:1"},
+                                    {"jog 1", "error:2"},
+                                    {"jog 99999999999 1", "error:2"},
+                                    {"this line is longer than any that there is", "error:3"},
+                                    {"home", "error:4"},
+                                    {"stop", "ok"},
+                                    {"run", "error:5"}})
+    EXPECT_THAT(Say(actuator::Framed(line) + "\n"), HasSubstr(actuator::Framed(reply) + "\n")) << line;
 }
 
 TEST_F(ProtocolTest, RealTimeCharactersAreNoPartOfALine) {
-  for (const char c : {'?', '!', '~', '\x18'}) EXPECT_TRUE(protocol_realtime(c));
   for (int c = 0; c < 256; ++c)
-    EXPECT_EQ(protocol_realtime(static_cast<char>(c)) != 0, c == '?' || c == '!' || c == '~' || c == 0x18) << c;
-  EXPECT_THAT(Say(""), EndsWith("|duty:0.0000|stops:0>\n"));
+    EXPECT_EQ(protocol_realtime(static_cast<char>(c)), c == '?'                ? REALTIME_DONE
+                                                       : c == '!' || c == 0x18 ? REALTIME_FORGET
+                                                                               : REALTIME_NONE)
+        << c;
+  const std::string said = Say("");
+  EXPECT_THAT(said.substr(0, said.rfind('*')), EndsWith("|duty:0.0000|stops:0>"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "lake/actuator/robust_slope.h"
+#include "lake/actuator/serial_frame.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
@@ -205,6 +206,17 @@ TEST(DutyLog, ReadsCsvAndSerialOutput) {
   EXPECT_EQ(log.duty[1], -0.5);
   EXPECT_THAT([&] { ReadLogText(serial); }, ThrowsMessage<Error>(HasSubstr("measured strokes")))
       << "planned is not measured";
+}
+
+// As a terminal that knows nothing of check sums logs it.
+TEST(DutyLog, TakesOffTheFirmwaresCheckSums) {
+  std::string text;
+  for (const char* line : {"ok", "time_s,stroke_mm,duty", "0,300,0", "[MSG:done]", "1,301,0.5"})
+    text += actuator::Framed(line) + "\r\n";
+  text += "# a * of my own\n2,302,0.5\n";
+  EXPECT_EQ(ReadLogText(text).stroke_mm, (std::vector{300.0, 301.0, 302.0}));
+  text.replace(text.find("1,301"), 5, "1,801");
+  EXPECT_THAT([&] { ReadLogText(text); }, ThrowsMessage<Error>(HasSubstr("log.csv:5: the line's check sum is wrong")));
 }
 
 TEST(DutyLog, LinesOfBlanksAreNoRows) {

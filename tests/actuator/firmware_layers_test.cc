@@ -23,7 +23,7 @@ const std::vector<std::set<std::string>> kLayers = {{"portable"},
                                                     {"stroke_table"},
                                                     {"config"},
                                                     {"board", "bridge", "serial"},
-                                                    {"analog", "end_stops", "follow", "motor"},
+                                                    {"analog", "end_stops", "follow", "line", "motor"},
                                                     {"state"},
                                                     {"program"},
                                                     {"calibration", "controller"},
@@ -74,7 +74,7 @@ Files With(const std::string& file, const std::string& include) {
 
 TEST(FirmwareLayers, IncludesGoDown) {
   EXPECT_THAT(NotBelow(actuator::FirmwareSources()), IsEmpty());
-  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(19)) << "every module was read";
+  EXPECT_THAT(Includes(actuator::FirmwareSources()), SizeIs(20)) << "every module was read";
   EXPECT_THAT(Includes(actuator::FirmwareSources())["motor"], ElementsAre("bridge", "config"));
 }
 

@@ -197,6 +197,7 @@ TEST_F(StrokeProgramTest, CrawlingIsSteppedAndTold) {
                 "links: {l1: 59.081, l2: 68.840, l3: 55.964, l4: 71.849, l5: 118.630, l6: 287.310}\nd_min_mm: 242\n"
                 "program: {kind: free, knots: [[0, 300], [2, 310], [6, 310.4], [8, 320]]}\n");
   const Outcome run = Run(std::string("slow.yaml -o out --duty-table ") + kTable);
+  EXPECT_THAT(run.out, HasSubstr(actuator::kUntried));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.err, "");
   // 0.4 mm in 4 s: two steps of 0.2 mm, behind by 0.1 mm/s x (2 - 0.2 / 0.44) s.

@@ -7,13 +7,17 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <csignal>
+#include <sstream>
 #include <thread>
 
 #include "cli/program_run.h"
 #include "host/host_fixture.h"
+#include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 
@@ -22,6 +26,7 @@ namespace {
 
 using actuator::SessionOptions;
 using testing::HasSubstr;
+using testing::Not;
 using testing::ThrowsMessage;
 
 constexpr int kTimesFaster = 8;  // the board's time runs so much faster than ours
@@ -52,9 +57,18 @@ class PtyBoard {
   const std::string& Port() const { return port_; }
   // Done at that time of the board since the program runs.
   void Later(double running_s, std::function<void(HostRig&)> act) { later_s_ = running_s, act_ = std::move(act); }
+  // Done before this returns.
+  void Do(std::function<void(HostRig&)> act) {
+    now_ = std::move(act);
+    is_due_ = true;
+    while (is_due_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   void GoDeaf(double running_s) {
     Later(running_s, [this](HostRig&) { mute_ = true; });
   }
+  // Of the digits that it says, so that no answer is lost.
+  void DamageOneInSoMany(int digits) { one_in_ = digits; }
+  int Damaged() const { return damaged_; }
   bool HasReceived() const { return has_received_; }
   // Until its own clock has gone on for that long.
   void WaitFor(double board_s) const {
@@ -65,36 +79,38 @@ class PtyBoard {
  private:
   void Take(char c) {
     has_received_ = true;
-    if (c == '?' || c == '!' || c == '~' || c == '\x18')
-      rig_.SendNow(c);
-    else if (c == '\n')
-      rig_.Send(line_), line_.clear();
-    else
-      line_ += c;
+    rig_.SendPlain({c});
   }
   void Serve() {
     std::array<char, 256> buffer;
-    std::size_t said = rig_.Serial().size();
+    std::size_t said = rig_.Wire().size();
     double since_s = -1;
     while (!ended_) {
       const ssize_t count = read(master_, buffer.data(), buffer.size());
       for (ssize_t i = 0; i < count; ++i) Take(buffer[static_cast<std::size_t>(i)]);
       rig_.Run(1e-3 * kTimesFaster);
+      if (is_due_) now_(rig_), is_due_ = false;
       time_s_ = rig_.Time();
       if (since_s < 0 && rig_.Serial().find(",running,") != std::string::npos) since_s = rig_.Time();
       if (act_ && since_s >= 0 && rig_.Time() >= since_s + later_s_) act_(rig_), act_ = nullptr;
-      if (!mute_ && rig_.Serial().size() > said)
-        if (write(master_, rig_.Serial().data() + said, rig_.Serial().size() - said) < 0) said -= 0;
-      said = rig_.Serial().size();
+      std::string bytes = rig_.Wire().substr(said);
+      for (char& c : bytes)
+        if (one_in_ > 0 && std::isdigit(static_cast<unsigned char>(c)) && ++digits_ % one_in_ == 0) c ^= 1, ++damaged_;
+      if (!mute_ && !bytes.empty() && write(master_, bytes.data(), bytes.size()) < 0) break;
+      said = rig_.Wire().size();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }
 
   HostRig& rig_;
   int master_ = -1, slave_ = -1;
-  std::string port_, line_;
+  std::string port_;
   std::atomic<bool> ended_ = false, mute_ = false, has_received_ = false;
   std::atomic<double> time_s_ = 0;
+  std::function<void(HostRig&)> now_;
+  std::atomic<bool> is_due_ = false;
+  std::atomic<int> one_in_ = 0, damaged_ = 0;
+  int digits_ = 0;
   double later_s_ = 0;
   std::function<void(HostRig&)> act_;
   std::thread thread_;
@@ -172,6 +188,19 @@ TEST_F(StrokeSessionTest, AFaultEndsItWithItsMeaning) {
   EXPECT_GT(CsvTable::Read(folder_ / "log.csv").Rows(), 20u) << "what was moved is in the log";
 }
 
+// Neither a new program nor a reset of the board forgets a fault: somebody must say that it was seen to.
+TEST_F(StrokeSessionTest, AFaultStaysUntilItIsAcknowledged) {
+  board_->Later(1, [](HostRig& rig) { rig.PullWire(false, true); });
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("ALARM:1")));
+  board_->Do([](HostRig& rig) { rig.PullWire(false, false); });
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("ALARM:1: an end stop in the direction of motion; see to "
+                                                             "it, then run with --acknowledge")));
+  board_->Do([](HostRig& rig) { rig.PowerUp(); });
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("--acknowledge")));
+  options_.acknowledge = true;
+  EXPECT_GT(Run().rows, 20u);
+}
+
 TEST_F(StrokeSessionTest, AnInterruptStopsWhateverMoves) {
   for (const bool while_running : {false, true}) {
     int left = 3;
@@ -200,12 +229,83 @@ TEST_F(StrokeSessionTest, AnotherProgramInTheBoardIsRefused) {
   for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
 }
 
+// The same design, but for one option, one number of the duty table or one stroke of the program.
+TEST_F(StrokeSessionTest, AnotherProgramOfTheSameDesignIsRefusedBeforeAnythingMoves) {
+  const auto header = [&](const std::function<void(actuator::FirmwareOptions&)>& change, double last_mm, double speed) {
+    actuator::FirmwareOptions options = firmware_options_;
+    change(options);
+    const actuator::StrokeSchedule schedule =
+        actuator::MakeSchedule(FreeDesign({{0, 300}, {4, 316}, {6, last_mm}}), {});
+    std::vector<actuator::DutyRow> rows = table_.rows;
+    rows.back().extend_mm_s *= speed;
+    const actuator::DutyTable table = actuator::MakeDutyTable(rows, "other");
+    return actuator::StrokeTableHeader(actuator::MakeStrokeTable(schedule, table, options), schedule, table, options,
+                                       "test");
+  };
+  const auto same = [](actuator::FirmwareOptions&) {};
+  ASSERT_EQ(header(same, 310, 1), header_);
+  for (const std::string& other : {header([](actuator::FirmwareOptions& o) { o.stop_travel_mm = 1.5; }, 310, 1),
+                                   header([](actuator::FirmwareOptions& o) { o.command_timeout_s = 60; }, 310, 1),
+                                   header(same, 310.5, 1), header(same, 310, 1.001)}) {
+    WriteTextFile(folder_ / "stroke_table.h", other);
+    EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("the board has another program of this design")));
+  }
+  std::string by_hand = header_;
+  by_hand.replace(by_hand.find("LAKE_STOP_TRAVEL_UM 2000L"), 25, "LAKE_STOP_TRAVEL_UM 9000L");
+  WriteTextFile(folder_ / "stroke_table.h", by_hand);
+  EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("it is not as lake-stroke wrote it")));
+  ExpectStill();
+  for (const HostSample& sample : rig_->Samples()) ASSERT_EQ(sample.duty, 0);
+}
+
 TEST_F(StrokeSessionTest, APortThatIsNoneIsAnError) {
   board_->End();
   options_.port = folder_ / "stroke_table.h";
   EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("this is no serial line")));
   options_.port = "/dev/no-such-tty";
   EXPECT_THAT([&] { Run(); }, ThrowsMessage<Error>(HasSubstr("cannot be opened")));
+}
+
+// By hand: lines get their check sum, what is said loses it, and at the end of the input nothing moves on.
+TEST_F(StrokeSessionTest, ATerminalJogsAndStopsAtTheEndOfItsInput) {
+  int pipe_ends[2];
+  ASSERT_EQ(pipe(pipe_ends), 0);
+  std::ostringstream said;
+  std::atomic<bool> ended = false;
+  std::thread talk([&] {
+    actuator::RunTalk({options_.port, 0.05}, pipe_ends[0], said, folder_ / "serial.csv", [] {});
+    ended = true;
+  });
+  const auto type = [&](const std::string& text) {
+    ASSERT_EQ(write(pipe_ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+    board_->WaitFor(1.5);
+  };
+  type("jog 500 800\n?\n");
+  type("zero\r\nnonsense\n");
+  type("jog 500 9000\n");
+  close(pipe_ends[1]);
+  talk.join();
+  close(pipe_ends[0]);
+  ExpectStill();
+  EXPECT_GT(rig_->Stroke(), 300.5) << "it jogged";
+  EXPECT_LT(rig_->Stroke(), 315) << "and not to the jog's end";
+  const std::string text = said.str();
+  for (const char* line : {"ok\n", "error:1\n", "[MSG:done]\n", ",jogging,"}) EXPECT_THAT(text, HasSubstr(line));
+  EXPECT_EQ(std::ranges::count(text, '<'), 1) << "the status that was asked for";
+  EXPECT_THAT(text, Not(HasSubstr("*")));
+  EXPECT_EQ(ReadTextFile(folder_ / "serial.csv"), text);
+  EXPECT_THAT(text, Not(HasSubstr("damaged")));
+}
+
+// A row may be damaged on its way: it is left out, and nothing else happens.
+TEST_F(StrokeSessionTest, ADamagedRowIsLeftOut) {
+  board_->DamageOneInSoMany(400);
+  const actuator::SessionResult result = Run();
+  const CsvTable log = CsvTable::Read(folder_ / "log.csv");
+  EXPECT_EQ(log.Rows(), result.rows);
+  EXPECT_GT(board_->Damaged(), 3);
+  EXPECT_GE(log.Rows(), 40u);
+  for (std::size_t i = 1; i < log.Rows(); ++i) EXPECT_GT(log.RequiredNumber(i, 0), log.RequiredNumber(i - 1, 0)) << i;
 }
 
 // As a user runs it; Ctrl-C in the middle of the program.

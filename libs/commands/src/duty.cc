@@ -80,7 +80,8 @@ Json RunDutyCalibration(const DutyRunOptions& options, Run& run) {
 }
 
 std::string DutyReport(const Json& summary) {
-  if (summary.contains("firmware")) return "calibration firmware written; it obeys jog and stop\n";
+  if (summary.contains("firmware"))
+    return fmt::format("calibration firmware written; it obeys jog and stop\n{}\n", actuator::kUntried);
   std::string text = fmt::format("{} plateaus\n", summary["plateaus"].get<int>());
   for (const char* direction : {"extend", "retract"}) {
     const Json& band = summary["dead_band"][direction];

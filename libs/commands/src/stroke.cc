@@ -387,7 +387,7 @@ std::string StrokeReport(const Json& summary) {
     text += fmt::format("firmware: {} segments, plan within {:.4f} mm, {:.3f} mm with the rounding of the PWM\n",
                         firmware["segments"].get<int>(), NumberOrNaN(firmware["rounding_error_mm"]),
                         NumberOrNaN(firmware["pwm_error_mm"])) +
-            DriftReport(firmware);
+            DriftReport(firmware) + actuator::kUntried + "\n";
   if (summary.contains("validation")) {
     const Json& v = summary["validation"];
     text += fmt::format("prototype: RMS {:.3f}°, largest {:.3f}°, program begins at {:.3f} s",

@@ -1,5 +1,8 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <optional>
 
 #include "lake/commands/stroke.h"
@@ -29,7 +32,8 @@ Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run) {
   return {{"rows", result.rows},
           {"homing_s", result.homing_s},
           {"run_s", result.run_s},
-          {"design_hash", sketch.design_hash}};
+          {"design_hash", sketch.design_hash},
+          {"program_hash", sketch.program_hash}};
 }
 
 std::string StrokeSessionReport(const Json& summary) {
@@ -45,8 +49,22 @@ void Describe(StrokeSessionRunOptions& o, OptionList& options) {
   options.Add("keep-alive", o.session.keep_alive_s, "Between two signs of life to the firmware")
       .Unit("s")
       .Between(0.02, 10);
+  options.Add("acknowledge", o.session.acknowledge, "The board's fault of before was seen to: clear it");
   options.Add("home", o.session.home, "Home first; --no-home: the actuator stands at the program's start")
       .WithNegation();
+}
+
+Json RunStrokeTalk(const StrokeTalkRunOptions& options, Run& run) {
+  if (options.talk.port.empty()) throw UsageError("which serial line? give --port /dev/ttyACM0");
+  actuator::RunTalk(options.talk, STDIN_FILENO, std::cout, run.Result("serial.csv"), ThrowIfInterrupted);
+  return Json::object();
+}
+
+void Describe(StrokeTalkRunOptions& o, OptionList& options) {
+  options.Add("port", o.talk.port, "Serial line of the board: /dev/ttyACM0").Value("TTY");
+  options.Add("keep-alive", o.talk.keep_alive_s, "Between two signs of life to the firmware")
+      .Unit("s")
+      .Between(0.02, 10);
 }
 
 }  // namespace lake::commands

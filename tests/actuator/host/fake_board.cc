@@ -33,16 +33,23 @@ uint16_t board_analog(uint8_t) {
   return static_cast<uint16_t>(4 * fake_board.adc);
 }
 
-const char* serial_line(void) {
-  static std::string line;
-  if (fake_board.line.empty()) return nullptr;
-  line = fake_board.line;
-  fake_board.line.clear();
-  return line.c_str();
+int16_t serial_read(void) {
+  if (fake_board.received.empty()) return -1;
+  const auto c = static_cast<unsigned char>(fake_board.received.front());
+  fake_board.received.erase(0, 1);
+  return c;
 }
-void serial_text(const char* flash_text) {
-  fake_board.said += flash_text;
-}
-void serial_char(char c) {
+void serial_write(char c) {
   fake_board.said += c;
+}
+
+uint8_t board_is_late(void) {
+  return 0;
+}
+
+uint8_t board_remembered(void) {
+  return fake_board.remembered;
+}
+void board_remember(uint8_t number) {
+  fake_board.remembered = number;
 }

@@ -14,7 +14,8 @@ struct FakeBoard {
   std::uint8_t open = 0;  // end stops, bits as in end_stops.h
   std::uint16_t adc = 0;
   std::string said;  // over the serial line
-  std::string line;  // to be read next
+  std::uint8_t remembered = 0;
+  std::string received;  // to be read next
 };
 
 extern FakeBoard fake_board;

@@ -37,16 +37,21 @@ uint16_t board_analog(uint8_t channel) {
   return host_board.adc[channel];
 }
 
-const char* serial_line(void) {
-  static char line[sizeof host_board.line];
-  if (!host_board.line[0]) return 0;
-  memcpy(line, host_board.line, sizeof line);
-  host_board.line[0] = 0;
-  return line;
+int16_t serial_read(void) {
+  if (host_board.received_tail == host_board.received_head) return -1;
+  return host_board.received[host_board.received_tail++];
 }
-void serial_char(char c) {
+void serial_write(char c) {
   if (host_board.said_length < sizeof host_board.said) host_board.said[host_board.said_length++] = c;
 }
-void serial_text(const char* flash_text) {
-  while (*flash_text) serial_char(*flash_text++);
+
+uint8_t board_is_late(void) {
+  return 0;
+}
+
+uint8_t board_remembered(void) {
+  return host_board.remembered;
+}
+void board_remember(uint8_t number) {
+  host_board.remembered = number;
 }

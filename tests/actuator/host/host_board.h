@@ -8,12 +8,14 @@ enum { HOST_OFF, HOST_BRAKE, HOST_DRIVE };
 
 typedef struct {
   int bridge;
-  int direction;       // of IN1 and IN2
-  int counts;          // of ENA while it drives
-  int shorted;         // the inputs were turned while the bridge drove: this must never be
-  uint8_t open;        // end stops, bits as in board.h
-  uint16_t adc[3];     // sums of four readings: A0 potentiometer, A1 current, A2 supply
-  char line[40];       // to be read next
+  int direction;          // of IN1 and IN2
+  int counts;             // of ENA while it drives
+  int shorted;            // the inputs were turned while the bridge drove: this must never be
+  uint8_t open;           // end stops, bits as in board.h
+  uint16_t adc[3];        // sums of four readings: A0 potentiometer, A1 current, A2 supply
+  uint8_t received[256];  // a ring
+  uint8_t received_head, received_tail;
+  uint8_t remembered;  // outlives a reset
   char said[1 << 16];  // over the serial line since it was last taken
   uint32_t said_length;
 } host_board_t;

@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <sstream>
 #include <stdexcept>
 
 #include "actuator/compiled_once.h"
 #include "board.h"
 #include "lake/actuator/firmware.h"
+#include "lake/actuator/serial_frame.h"
 #include "lake/core/atomic_file.h"
 #include "places.h"
 
@@ -18,10 +20,11 @@ namespace lake {
 namespace {
 
 constexpr int kTalkEvery_ms = 500;
+constexpr int kBytesPerMs = 11;  // of 115200 baud
 
 // Every file of the firmware that knows nothing of the chip, the tests' board in place of those that do.
 constexpr const char* kPortable =
-    "controller.c state.c program.c calibration.c motor.c end_stops.c protocol.c analog.c follow.c";
+    "controller.c state.c program.c calibration.c motor.c end_stops.c protocol.c line.c analog.c follow.c";
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr const char* kSanitizers = "-fsanitize=address,undefined -fno-sanitize-recover=undefined";
@@ -45,6 +48,17 @@ HostRig::HostRig(const std::string& stroke_table, const HostActuator& actuator)
     : actuator_(actuator), random_(actuator.seed) {
   // A copy: a library that is loaded twice would share its variables.
   std::filesystem::copy_file(Library(stroke_table), folder_ / "firmware.so");
+  SetStroke(actuator.stroke_mm);
+  PowerUp();
+}
+
+HostRig::~HostRig() {
+  dlclose(library_);
+}
+
+// As a reset does, with all variables as they were made.
+void HostRig::OpenLibrary() {
+  if (library_) dlclose(library_);
   library_ = dlopen((folder_ / "firmware.so").c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library_) throw std::runtime_error(dlerror());
   const auto find = [&](auto& function, const char* name) {
@@ -57,18 +71,15 @@ HostRig::HostRig(const std::string& stroke_table, const HostActuator& actuator)
   find(analog_init_, "analog_init");
   find(controller_init_, "controller_init");
   find(controller_tick_, "controller_tick");
+  find(controller_remember_, "controller_remember");
   find(protocol_turn_, "protocol_turn");
   find(protocol_realtime_, "protocol_realtime");
-  SetStroke(actuator.stroke_mm);
-  PowerUp();
-}
-
-HostRig::~HostRig() {
-  dlclose(library_);
 }
 
 void HostRig::PowerUp() {
-  std::memset(board_, 0, sizeof *board_);
+  const std::uint8_t remembered = board_ ? board_->remembered : 0;
+  OpenLibrary();
+  board_->remembered = remembered;
   to_send_.clear();
   Sense();
   motor_init_();
@@ -86,8 +97,39 @@ double HostRig::Duty() const {
   return board_->bridge == HOST_DRIVE ? board_->direction * board_->counts / double{actuator::kPwmPeriod} : 0;
 }
 
+void HostRig::Send(const std::string& line) {
+  SendPlain(actuator::Framed(line) + "\n");
+}
+void HostRig::SendPlain(const std::string& bytes) {
+  to_send_.insert(to_send_.end(), bytes.begin(), bytes.end());
+}
 void HostRig::SendNow(char c) {
-  protocol_realtime_(c);
+  Receive(c);
+}
+
+// As the receiver's interrupt does.
+void HostRig::Receive(char c) {
+  const realtime_t realtime = protocol_realtime_(c);
+  if (realtime == REALTIME_DONE) return;
+  if (realtime == REALTIME_FORGET) board_->received_tail = board_->received_head;
+  board_->received[board_->received_head++] =
+      realtime == REALTIME_FORGET ? std::uint8_t{SERIAL_FORGET} : static_cast<std::uint8_t>(c);
+}
+
+void HostRig::TakeSaid() {
+  const std::string said(board_->said, board_->said_length);
+  board_->said_length = 0;
+  wire_ += said;
+  std::istringstream lines(said);
+  for (std::string line; std::getline(lines, line);) {
+    const auto text = actuator::Unframed(line);
+    if (!text) throw std::runtime_error("a wrong check sum: " + line);
+    serial_ += *text + "\n";
+  }
+}
+
+bool HostRig::ResumeAsks() {
+  return Asks("resume", "ok") && Asks("go", "ok");
 }
 
 double HostRig::Load() const {
@@ -152,15 +194,14 @@ void HostRig::TickMs() {
   ++now_ms_;
   Move();
   Sense();
-  if (talking_ && now_ms_ % kTalkEvery_ms == 0) SendNow('?');
-  if (!to_send_.empty() && !board_->line[0]) {
-    std::strncpy(board_->line, to_send_.front().c_str(), sizeof board_->line - 1);
+  if (talking_ && now_ms_ % kTalkEvery_ms == 0) Send("alive");
+  for (int i = 0; i < kBytesPerMs && !to_send_.empty(); ++i) {
+    Receive(to_send_.front());
     to_send_.pop_front();
   }
   controller_tick_();
-  if (!hangs_) protocol_turn_();
-  serial_.append(board_->said, board_->said_length);
-  board_->said_length = 0;
+  if (!hangs_) protocol_turn_(), controller_remember_();
+  TakeSaid();
   samples_.push_back({Time(), stroke_mm_, Duty(), board_->bridge == HOST_BRAKE});
 }
 

@@ -12,6 +12,7 @@
 
 #include "host_board.h"
 #include "lake/actuator/duty_table.h"
+#include "serial.h"
 #include "temporary_folder.h"
 
 namespace lake {
@@ -66,7 +67,8 @@ class HostRig {
   bool Asks(const std::string& line, const std::string& answer);       // whether it answers so within 0.2 s
   std::string Status();                                                // the answer to `?`
 
-  void Send(const std::string& line) { to_send_.push_back(line); }
+  void Send(const std::string& line);        // with its check sum
+  void SendPlain(const std::string& bytes);  // as they are
   void SendNow(char c);
   void KeepTalking(bool on) { talking_ = on; }
   void PullWire(bool retract, bool pulled) { pulled_[retract ? 0 : 1] = pulled; }
@@ -80,11 +82,16 @@ class HostRig {
   HostActuator& Actuator() { return actuator_; }
   HostBreaks& Breaks() { return breaks_; }
   host_board_t& Board() { return *board_; }
-  const std::string& Serial() const { return serial_; }
+  bool ResumeAsks();                                     // both steps
+  const std::string& Serial() const { return serial_; }  // without the check sums, which were right
+  const std::string& Wire() const { return wire_; }      // with them
   const std::vector<HostSample>& Samples() const { return samples_; }
 
  private:
+  void OpenLibrary();
   void TickMs();
+  void Receive(char c);
+  void TakeSaid();
   void Move();
   void Sense();
   std::uint16_t Read(double volt);
@@ -99,8 +106,9 @@ class HostRig {
   void (*analog_init_)() = nullptr;
   void (*controller_init_)() = nullptr;
   void (*controller_tick_)() = nullptr;
+  void (*controller_remember_)() = nullptr;
   void (*protocol_turn_)() = nullptr;
-  std::uint8_t (*protocol_realtime_)(char) = nullptr;
+  realtime_t (*protocol_realtime_)(char) = nullptr;
   HostActuator actuator_;
   HostBreaks breaks_;
   double target_mm_s_ = 0, free_mm_s_ = 0, frozen_v_ = 0;
@@ -109,8 +117,8 @@ class HostRig {
   bool pulled_[2] = {false, false};
   bool talking_ = false, hangs_ = false;
   std::int64_t now_ms_ = 0;
-  std::deque<std::string> to_send_;
-  std::string serial_;
+  std::deque<char> to_send_;
+  std::string serial_, wire_;
   std::vector<HostSample> samples_;
 };
 

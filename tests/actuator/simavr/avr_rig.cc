@@ -1,6 +1,5 @@
 #include "avr_rig.h"
 
-#include <simavr/avr_adc.h>
 #include <simavr/avr_extint.h>
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
@@ -13,6 +12,7 @@
 #include <stdexcept>
 
 #include "lake/actuator/firmware.h"
+#include "lake/actuator/serial_frame.h"
 
 // simavr does not free what avr_make_mcu_by_name and elf_read_firmware allocate; the leak check of the asan preset asks
 // here.
@@ -59,6 +59,8 @@ AvrRig::AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator) 
   for (const std::uint8_t external_interrupt : {0, 1}) avr_extint_set_strict_lvl_trig(avr_, external_interrupt, 0);
   std::uint32_t flags = 0;
   avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);  // nothing to the test's own output
+  adc_ = std::make_unique<DatasheetAdc>(avr_);
+  receiver_ = std::make_unique<DatasheetReceiver>(avr_);
   SetEndStopPins();
 }
 
@@ -96,24 +98,33 @@ void AvrRig::CountOnTime() {
 }
 
 void AvrRig::OnSerial(avr_irq_t*, std::uint32_t value, void* self) {
-  static_cast<AvrRig*>(self)->serial_.push_back(static_cast<char>(value));
+  AvrRig& rig = *static_cast<AvrRig*>(self);
+  rig.line_.push_back(static_cast<char>(value));
+  if (static_cast<char>(value) != '\n') return;
+  rig.line_.pop_back();
+  // A reset may have cut a line off: such a one is shown as it is.
+  rig.serial_ += actuator::Unframed(rig.line_).value_or(rig.line_) + "\n";
+  rig.line_.clear();
 }
 
 void AvrRig::OnTick(avr_irq_t*, std::uint32_t runs, void* self) {
   AvrRig& rig = *static_cast<AvrRig*>(self);
   if (runs)
-    rig.tick_began_ = rig.avr_->cycle;
+    rig.tick_began_ = rig.avr_->cycle, ++rig.ticks_;
   else if (rig.tick_began_ > 0)
     rig.longest_tick_ = std::max(rig.longest_tick_, rig.avr_->cycle - rig.tick_began_);
 }
 
 void AvrRig::Send(const std::string& line) {
-  to_send_.insert(to_send_.end(), line.begin(), line.end());
-  to_send_.push_back('\n');
+  SendPlain(actuator::Framed(line) + "\n");
+}
+
+void AvrRig::SendPlain(const std::string& bytes) {
+  for (const char c : bytes) receiver_->Send(static_cast<std::uint8_t>(c));
 }
 
 void AvrRig::SendNow(char c) {
-  to_send_.push_front(c);
+  receiver_->SendFirst(static_cast<std::uint8_t>(c));
 }
 
 void AvrRig::PullWire(bool retract, bool pulled) {
@@ -138,7 +149,7 @@ void AvrRig::EndMillisecond() {
   double total = 0;
   for (const double cycles : on_cycles_) total += cycles;
   const auto share = [&](Drive drive) { return on_cycles_[static_cast<int>(drive)] / total; };
-  const double duty = share(Drive::kExtend) - share(Drive::kRetract);
+  const double driven = share(Drive::kExtend) - share(Drive::kRetract), duty = breaks_.is_reversed ? -driven : driven;
   const bool brake = share(Drive::kBrake) > 0.5;
   const double target =
       duty == 0 ? 0
@@ -146,25 +157,44 @@ void AvrRig::EndMillisecond() {
                       std::copysign(actuator_.table->Curve(duty > 0 ? 1 : -1).SpeedFor(std::abs(duty)), duty);
   const double time_constant = brake ? 0.01 : duty == 0 ? 0.06 : actuator_.time_constant_s;
   speed_mm_s_ += (target - speed_mm_s_) * (1 - std::exp(-1e-3 / time_constant));
-  actuator_.stroke_mm += speed_mm_s_ * 1e-3;
-  samples_.push_back({Time(), actuator_.stroke_mm, speed_mm_s_, duty, brake});
+  if (breaks_.is_blocked) speed_mm_s_ = 0;
+  actuator_.stroke_mm += (speed_mm_s_ + breaks_.runs_away_mm_s) * 1e-3;
+  samples_.push_back({Time(), actuator_.stroke_mm, speed_mm_s_, driven, brake});
   for (double& cycles : on_cycles_) cycles = 0;
   SetEndStopPins();
+  Sense(driven);
+}
+
+void AvrRig::Sense(double duty) {
+  using Wiper = RigBreaks::Wiper;
   const auto [at_0, at_5] = actuator_.potentiometer_mm;
-  const double wiper = std::clamp((actuator_.stroke_mm - at_0) / (at_5 - at_0), 0.0, 1.0);
-  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0),
-                static_cast<std::uint32_t>(wiper * kSupply_mv));
-  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC1),
-                static_cast<std::uint32_t>(duty == 0 ? 2500 : 2500 + 185 * 0.5 * duty / std::abs(duty)));
-  avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC2),
-                static_cast<std::uint32_t>(1e3 * actuator_.supply_v / actuator::kSupplyDivider));
+  if (breaks_.wiper != Wiper::kFrozen) wiper_ = std::clamp((actuator_.stroke_mm - at_0) / (at_5 - at_0), 0.0, 1.0);
+  const double wiper = breaks_.wiper == Wiper::kLost ? 0 : breaks_.wiper == Wiper::kShorted ? 1 : wiper_;
+  const double current_a = duty == 0 ? 0 : std::copysign(breaks_.motor_a, duty);
+  adc_->SetMillivolt(0, wiper * kSupply_mv);
+  adc_->SetMillivolt(1, breaks_.current_wire ? 0 : 2500 + 185 * current_a);
+  adc_->SetMillivolt(2, breaks_.supply_wire ? 0 : 1e3 * actuator_.supply_v / actuator::kSupplyDivider);
+}
+
+void AvrRig::WatchInterrupts(std::uint64_t before) {
+  const bool allowed = avr_->sreg[S_I];
+  has_allowed_interrupts_ = has_allowed_interrupts_ || allowed;
+  if (!has_allowed_interrupts_) return;
+  if (allowed) {
+    if (blocked_since_ > 0) longest_blocked_ = std::max(longest_blocked_, avr_->cycle - blocked_since_);
+    blocked_since_ = 0;
+  } else if (blocked_since_ == 0) {
+    blocked_since_ = before;
+  }
 }
 
 void AvrRig::Run(double seconds) {
   const std::uint64_t until = avr_->cycle + static_cast<std::uint64_t>(seconds * kHertz);
   std::uint64_t next_ms = (avr_->cycle / kCyclesPerMs + 1) * kCyclesPerMs;
   while (avr_->cycle < until && !HasEnded()) {
+    const std::uint64_t before = avr_->cycle;
     avr_run(avr_);
+    WatchInterrupts(before);
     if (const int pointer = avr_->data[kSpl] | avr_->data[kSph] << 8; pointer > 0)  // 0 until the start-up code sets it
       deepest_stack_ = std::max(deepest_stack_, kRamEnd - pointer);
     if (const BridgeInputs now = ReadInputs(); now != inputs_) {
@@ -175,12 +205,7 @@ void AvrRig::Run(double seconds) {
     if (avr_->cycle < next_ms) continue;
     next_ms += kCyclesPerMs;
     EndMillisecond();
-    if (talking_ && samples_.size() % kTalkEverySamples == 0) SendNow('?');
-    if (!to_send_.empty()) {  // one character per ms: slower than 115200 baud, never too fast
-      avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT),
-                    static_cast<std::uint8_t>(to_send_.front()));
-      to_send_.pop_front();
-    }
+    if (talking_ && samples_.size() % kTalkEverySamples == 0) Send("alive");
   }
 }
 

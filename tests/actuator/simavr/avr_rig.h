@@ -1,14 +1,16 @@
-// The firmware in simavr, with a bridge, a motor with its screw, two end stops and a serial line around it.
+// The firmware in simavr, with the converter and the receiver of the data sheet, and a bridge, a motor with its screw,
+// two end stops and a serial line around it.
 #pragma once
 
 #include <simavr/sim_avr.h>
 
 #include <cstdint>
-#include <deque>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "datasheet_peripherals.h"
 #include "lake/actuator/duty_table.h"
 
 namespace lake {
@@ -50,6 +52,18 @@ struct ActuatorModel {
   double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
 };
 
+// What may break; the end stops' wires are pulled by PullWire.
+struct RigBreaks {
+  enum class Wiper { kFine, kLost, kShorted, kFrozen };
+
+  Wiper wiper = Wiper::kFine;  // lost: pulled down to 0 V; shorted: at 5 V
+  bool supply_wire = false, current_wire = false;
+  bool is_reversed = false;   // the motor
+  bool is_blocked = false;    // the rod
+  double runs_away_mm_s = 0;  // whatever the bridge does
+  double motor_a = 0.5;       // while it is driven
+};
+
 class AvrRig {
  public:
   AvrRig(const std::filesystem::path& elf, const ActuatorModel& actuator);
@@ -60,21 +74,27 @@ class AvrRig {
   void Run(double seconds);
   bool RunUntil(const std::string& serial_text, double most_seconds);  // false if it was not said in time
 
-  void Send(const std::string& line);
+  void Send(const std::string& line);           // with its check sum
+  void SendPlain(const std::string& bytes);     // as they are
   void SendNow(char c);                         // ahead of what waits, as a real-time command
-  void KeepTalking(bool on) { talking_ = on; }  // a `?` every half second, as a host does
+  void KeepTalking(bool on) { talking_ = on; }  // a sign of life every half second, as a host does
   void PullWire(bool retract, bool pulled);     // an end stop's wire off: reads as pressed
 
+  RigBreaks& Breaks() { return breaks_; }
   double Time() const;
   double Stroke() const { return actuator_.stroke_mm; }
   void SetStroke(double stroke_mm) { actuator_.stroke_mm = stroke_mm; }
-  bool HasEnded() const;  // `quit`
-  const std::string& Serial() const { return serial_; }
+  bool HasEnded() const;                                 // `quit`
+  const std::string& Serial() const { return serial_; }  // whole lines, without their check sums
   const std::vector<RigSample>& Samples() const { return samples_; }
   const std::vector<DriveChange>& Changes() const { return changes_; }
-  double LongestTick_us() const {
-    return static_cast<double>(longest_tick_) / 16;
-  }                                                    // of the interrupt in which all is decided
+  DatasheetAdc& Adc() { return *adc_; }
+  const DatasheetReceiver& Receiver() const { return *receiver_; }
+  // Of the interrupt in which all is decided, with those that interrupt it.
+  double LongestTick_us() const { return static_cast<double>(longest_tick_) / 16; }
+  std::uint64_t Ticks() const { return ticks_; }
+  // For which interrupts were blocked, since the firmware first allowed them.
+  double LongestBlocked_us() const { return static_cast<double>(longest_blocked_) / 16; }
   int DeepestStack() const { return deepest_stack_; }  // bytes, interrupts included
 
  private:
@@ -83,19 +103,25 @@ class AvrRig {
   void CountOnTime();
   void EndMillisecond();
   void SetEndStopPins();
+  void Sense(double duty);
 
   avr_t* avr_ = nullptr;
   ActuatorModel actuator_;
-  double speed_mm_s_ = 0;
+  RigBreaks breaks_;
+  double speed_mm_s_ = 0, wiper_ = 0;
   BridgeInputs inputs_;
   bool pulled_[2] = {false, false};
   std::uint64_t counted_to_ = 0;
   double on_cycles_[4] = {};  // by Drive, in this ms
-  std::string serial_;
-  std::deque<char> to_send_;
+  std::string serial_, line_;
+  std::unique_ptr<DatasheetAdc> adc_;
+  std::unique_ptr<DatasheetReceiver> receiver_;
   bool talking_ = false;
   static void OnTick(avr_irq_t* irq, uint32_t runs, void* rig);
-  std::uint64_t tick_began_ = 0, longest_tick_ = 0;
+  void WatchInterrupts(std::uint64_t before);
+  std::uint64_t tick_began_ = 0, longest_tick_ = 0, ticks_ = 0;
+  std::uint64_t blocked_since_ = 0, longest_blocked_ = 0;
+  bool has_allowed_interrupts_ = false;
   int deepest_stack_ = 0;
   std::vector<RigSample> samples_;
   std::vector<DriveChange> changes_;

@@ -16,10 +16,12 @@ TEST_F(FirmwareTest, HoldResumeAndStop) {
   rig_->SendNow('!');
   rig_->Run(0.4);
   EXPECT_EQ(rig_->Samples().back().duty, 0);
-  EXPECT_TRUE(Asks("run", "error:4")) << "a hold ends by ~";
+  EXPECT_TRUE(Asks("run", "error:4")) << "a hold ends by resume and go";
   rig_->SendNow('?');
   EXPECT_TRUE(rig_->RunUntil("<hold|stroke:302.", 0.1)) << rig_->Serial();
-  rig_->SendNow('~');
+  EXPECT_TRUE(Asks("go", "error:4")) << "one step does not resume";
+  EXPECT_TRUE(Asks("resume", "ok"));
+  EXPECT_TRUE(Asks("go", "ok"));
   EXPECT_TRUE(rig_->RunUntil("[MSG:done]", 3)) << rig_->Serial();
   rig_->Run(0.1);
   // The hold costs a run-up and a run-down: 5 mm/s x (30 + 30 - 10 - 10) ms, and rounding of the PWM.

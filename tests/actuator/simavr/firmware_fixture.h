@@ -38,7 +38,7 @@ class FirmwareTest : public testing::Test {
              const actuator::ScheduleOptions& how = {}) {
     schedule_ = actuator::MakeSchedule(design, how);
     actuator::FirmwareOptions& options = firmware_options_;
-    options.home_stroke_mm = schedule_.knots.front().stroke_mm - 2;
+    options.home_stroke_mm = schedule_.knots.front().stroke_mm - home_below_start_mm_;
     if (!options.speed_tolerance_percent) options.speed_tolerance_percent = 10;
     stroke_table_ = actuator::MakeStrokeTable(schedule_, table_, options);
     elf_ = BuildFirmware(actuator::StrokeTableHeader(stroke_table_, schedule_, table_, options, "test"), flags);
@@ -88,6 +88,7 @@ class FirmwareTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
+  double home_below_start_mm_ = 2;  // the retract end stop
   actuator::FirmwareOptions firmware_options_;
   actuator::DutyTable table_ = ModelTable();
   actuator::StrokeSchedule schedule_;

@@ -39,9 +39,9 @@ TEST_F(FirmwareImageTest, FlashRamAndStackFitWithRoom) {
               actuator::kSegmentBytes, actuator::kFlashBytes, ram, rig_->DeepestStack(), kRamBytes);
 }
 
-// All is decided in one interrupt per ms: it must leave the ms to the others. With everything that there is, closed
-// loop and serial traffic, and as in open loop.
-TEST_F(FirmwareImageTest, TheTickLeavesMostOfAMillisecond) {
+// All is decided in one interrupt per ms, which the others divide: it must end within the budget of board.c. With
+// everything that there is, closed loop and serial traffic, and as in open loop.
+TEST_F(FirmwareImageTest, TheTickEndsWithinItsBudget) {
   for (const bool closed_loop : {false, true}) {
     actuator::FirmwareOptions& options = firmware_options_;
     actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
@@ -58,7 +58,7 @@ TEST_F(FirmwareImageTest, TheTickLeavesMostOfAMillisecond) {
     // The lags of five changes of speed, as in ClosedLoopStrokeFollowsTheProgram; closed, they are taken back.
     EXPECT_NEAR(rig_->Stroke(), schedule_.knots.back().stroke_mm, closed_loop ? 0.4 : 0.2 + 5 * 0.13);
     EXPECT_GT(rig_->LongestTick_us(), 30);
-    EXPECT_LT(rig_->LongestTick_us(), 500) << "half of the ms";
+    EXPECT_LT(rig_->LongestTick_us(), 700);
     EXPECT_LT(rig_->DeepestStack(), kRamBytes / 4);
     std::printf("%s: the tick takes %.0f us at most, stack %d bytes\n", closed_loop ? "closed loop" : "open loop",
                 rig_->LongestTick_us(), rig_->DeepestStack());

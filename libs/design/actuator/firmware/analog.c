@@ -112,15 +112,17 @@ static int16_t ma_of(uint16_t reading) {
   return (int16_t)(((int32_t)reading - LAKE_CURRENT_ZERO) * LAKE_CURRENT_UA_PER_COUNT / 1000);
 }
 
+static int16_t current_ma;
+
 int16_t analog_current_ma(void) {
-  return ma_of(filters[ANALOG_CURRENT].smooth >> SMOOTHING);
+  return current_ma;
 }
 
 static void watch_current(uint16_t counts) {
   static uint16_t short_ms, stall_ms, none_ms;
   smooth(&filters[ANALOG_CURRENT]);
-  const int16_t signed_ma = analog_current_ma();
-  const int16_t ma = signed_ma < 0 ? -signed_ma : signed_ma;
+  current_ma = ma_of(filters[ANALOG_CURRENT].smooth >> SMOOTHING);
+  const int16_t ma = current_ma < 0 ? -current_ma : current_ma;
   judge(ANALOG_OVERCURRENT, ma > LAKE_CURRENT_MOST_MA, &short_ms, SHORT_MS);
   judge(ANALOG_STALL_CURRENT, ma > LAKE_CURRENT_STALL_MA, &stall_ms, STALL_MS);
   judge(ANALOG_NO_CURRENT, counts > 0 && ma < LAKE_CURRENT_LEAST_MA, &none_ms, NO_CURRENT_MS);

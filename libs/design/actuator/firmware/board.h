@@ -9,7 +9,7 @@ typedef enum { RESET_BY_POWER_OR_BUTTON, RESET_BY_WATCHDOG, RESET_BY_LOW_VOLTAGE
 // End stops and analogue inputs; nothing runs yet.
 void board_init(void);
 
-// Interrupts on, `tick` once per ms inside the timer's, watchdog of 120 ms.
+// Interrupts on, `tick` once per ms inside the timer's, which all others may interrupt; watchdog of 120 ms.
 void board_start(void (*tick)(void));
 
 // Sleeps until an interrupt. Nonzero once per tick; then the watchdog has been fed, so it is only while interrupt and
@@ -25,10 +25,17 @@ uint8_t board_end_stops(void);
 // A0, A1, A2.
 enum { ANALOG_POTENTIOMETER, ANALOG_CURRENT, ANALOG_SUPPLY, ANALOG_COUNT };
 
-// The last reading: the sum of four conversions, 0..4092. All channels are read once per ms.
+// The last reading: the sum of four conversions, 0..4092. All wired channels are read once per ms.
 uint16_t board_analog(uint8_t channel);
 
+// Nonzero once a tick or a round of conversions has not ended within its ms: nothing holds of what rests on time.
+uint8_t board_is_late(void);
+
 reset_cause_t board_reset_cause(void);
+
+// A number that outlives resets and lost power, 0 on a board that has never kept one. Writing takes up to 4 ms.
+uint8_t board_remembered(void);
+void board_remember(uint8_t number);
 
 #ifdef LAKE_SIMULATOR
 void board_hang(void);  // the main loop hangs

@@ -10,6 +10,7 @@
 #define LAKE_FOLLOWING_UM 3000L  // and from the plan
 #define STATUS_PERIOD_MS 100u
 #define JOG_MAX_MS 10000
+#define RESUME_MS 5000                   // between the two steps
 #define SOFT_LIMIT_SLACK_UM 50           // rounding of the table, not room to move
 #define LAKE_DRIFT_MOST_NM 1000000000UL  // the bound stops growing at 1 m
 

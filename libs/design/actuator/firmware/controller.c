@@ -1,25 +1,33 @@
 #include "controller.h"
 
 #include "analog.h"
+#include "board.h"
 #include "config.h"
 #include "end_stops.h"
 #include "motor.h"
 #include "portable.h"
 #include "program.h"
 
-// Shared by interrupts and main loop; the main loop touches them in ATOMICALLY blocks only, which are barriers.
+// Shared by the tick and the main loop, and by the tick and the interrupts that it lets in: whoever may be interrupted
+// by another touches them in ATOMICALLY blocks only, which are barriers.
+static status_t told;  // of the last tick
 static uint32_t time_ms;
 static state_t held;  // what a hold goes on with
-static reply_t reply;
-static request_t request;
-static int16_t request_counts;
-static uint16_t request_ms;
-static uint8_t hold_asked, resume_asked, abort_asked, heard;
+typedef struct {
+  request_t request;
+  reply_t reply;  // REPLY_NONE until a tick has it
+  int16_t counts;
+  uint16_t ms;
+} asked_t;
+static asked_t asked[REQUESTS_MOST];  // in their order; those with a reply come first
+static uint8_t asked_count;
+static uint8_t hold_asked, abort_asked, heard;
 
 static uint16_t silent_ms;
+static uint16_t resume_left_ms;  // until the first step of a resume is forgotten
 static motion_t jog;
 
-static reply_t take_jog(void) {
+static reply_t take_jog(int16_t request_counts, uint16_t request_ms) {
   const int8_t direction = request_counts < 0 ? -1 : 1;
   const uint16_t counts = direction * request_counts;
   if (machine.state != STATE_IDLE) return REPLY_STATE;
@@ -32,14 +40,43 @@ static reply_t take_jog(void) {
   return REPLY_OK;
 }
 
+static reply_t take_resume(void) {
+  if (machine.state != STATE_HOLD) return REPLY_STATE;
+  resume_left_ms = RESUME_MS;
+  return REPLY_OK;
+}
+
+static reply_t take_go(uint16_t left_ms) {
+  if (machine.state != STATE_HOLD || left_ms == 0) return REPLY_STATE;
+  machine.state = held;
+  return REPLY_OK;
+}
+
 static void reset(void) {
   machine.state = STATE_IDLE;
+  machine.fault = FAULT_NONE;
   machine.knowledge = STROKE_UNKNOWN;
   program_reset();
 }
 
-static reply_t answer(request_t asked) {
-  switch (asked) {
+// What was asked before a hold or an abort is not done after it.
+static void drop_requests(void) {
+  resume_left_ms = 0;
+  for (uint8_t i = 0; i < asked_count; ++i)
+    if (asked[i].reply == REPLY_NONE) asked[i].reply = REPLY_STATE;
+}
+
+static void abort_all(void) {
+  drop_requests();
+  if (machine.state != STATE_FAULT) machine.state = STATE_IDLE;
+  machine.knowledge = STROKE_UNKNOWN;
+}
+
+// Whatever is asked between the two steps of a resume ends it.
+static reply_t answer(const asked_t* what) {
+  const uint16_t left_ms = resume_left_ms;
+  resume_left_ms = 0;
+  switch (what->request) {
     case REQUEST_RUN:
       return program_take_run();
     case REQUEST_HOME:
@@ -47,7 +84,11 @@ static reply_t answer(request_t asked) {
     case REQUEST_ZERO:
       return program_take_zero();
     case REQUEST_JOG:
-      return take_jog();
+      return take_jog(what->counts, what->ms);
+    case REQUEST_RESUME:
+      return take_resume();
+    case REQUEST_GO:
+      return take_go(left_ms);
     case REQUEST_STOP:
       if (machine.state != STATE_FAULT) machine.state = STATE_IDLE;
       return REPLY_OK;
@@ -59,11 +100,12 @@ static reply_t answer(request_t asked) {
   }
 }
 
-static void take_request(void) {
-  if (request == REQUEST_NONE) return;
-  reply = answer(request);
-  request = REQUEST_NONE;
-  heard = 1;
+static void take_requests(void) {
+  for (uint8_t i = 0; i < asked_count; ++i) {
+    if (asked[i].reply != REPLY_NONE) continue;
+    asked[i].reply = answer(&asked[i]);
+    heard = 1;
+  }
 }
 
 static uint8_t is_moving(void) {
@@ -91,21 +133,31 @@ static void suspend_silent(void) {
     suspend();
 }
 
+static uint8_t take(uint8_t* flag) {
+  uint8_t was;
+  ATOMICALLY {
+    was = *flag;
+    *flag = 0;
+  }
+  return was;
+}
+
 static void take_realtime(void) {
-  if (resume_asked && machine.state == STATE_HOLD) machine.state = held;
-  if (hold_asked) suspend();
-  if (abort_asked) reset();
-  hold_asked = resume_asked = abort_asked = 0;
+  if (resume_left_ms > 0) --resume_left_ms;
+  if (take(&hold_asked)) {
+    drop_requests();
+    suspend();
+  }
+  if (take(&abort_asked)) abort_all();
 }
 
 static void watch_host(void) {
-  if (heard || !is_moving()) {
+  if (take(&heard) || !is_moving()) {
     silent_ms = 0;
   } else if (LAKE_COMMAND_TIMEOUT_MS > 0 && ++silent_ms >= LAKE_COMMAND_TIMEOUT_MS) {
     machine.events |= EVENT_TIMEOUT;
     suspend_silent();
   }
-  heard = 0;
 }
 
 // End stops that cannot be pressed as they are, told where nothing moves: is_allowed sees to it while something does.
@@ -116,17 +168,18 @@ static void watch_wires(void) {
     wrong_ms = 0;
   } else if (++wrong_ms >= WIRE_WRONG_MS) {
     wrong_ms = 0;
-    state_fault(both ? EVENT_FAULT_BOTH_STOPS : EVENT_FAULT_STUCK);
+    state_fault(both ? FAULT_BOTH_STOPS : FAULT_STUCK);
   }
 }
 
 static void watch_inputs(void) {
+  if (board_is_late()) state_fault(FAULT_LATE);
   const uint8_t wrong = analog_faults();
-  if (machine.state == STATE_FAULT || wrong == 0) return;
-  state_fault(wrong & ANALOG_NO_SUPPLY    ? EVENT_FAULT_SUPPLY
-              : wrong & ANALOG_NO_WIPER   ? EVENT_FAULT_WIPER
-              : wrong & ANALOG_NO_CURRENT ? EVENT_FAULT_NO_CURRENT
-                                          : EVENT_FAULT_OVERCURRENT);
+  if (wrong == 0) return;
+  state_fault(wrong & ANALOG_NO_SUPPLY    ? FAULT_SUPPLY
+              : wrong & ANALOG_NO_WIPER   ? FAULT_WIPER
+              : wrong & ANALOG_NO_CURRENT ? FAULT_NO_CURRENT
+                                          : FAULT_OVERCURRENT);
 }
 
 static motion_t jogging(void) {
@@ -161,13 +214,13 @@ static motion_t wanted(void) {
 static uint8_t is_allowed(const motion_t* motion) {
   if (motion->direction == 0) return 1;
   if (end_stops_pressed() == (END_STOP_RETRACT | END_STOP_EXTEND))
-    state_fault(EVENT_FAULT_BOTH_STOPS);
+    state_fault(FAULT_BOTH_STOPS);
   else if (state_end_stop_ahead(motion->direction))
-    state_fault(EVENT_FAULT_STOP);
+    state_fault(FAULT_STOP);
   else if (program_stop_is_stuck())
-    state_fault(EVENT_FAULT_STUCK);
+    state_fault(FAULT_STUCK);
   else if (machine.state != STATE_JOGGING && program_soft_limit_ahead(motion->direction))
-    state_fault(EVENT_FAULT_SOFT_LIMIT);
+    state_fault(FAULT_SOFT_LIMIT);
   return machine.state != STATE_FAULT;
 }
 
@@ -179,13 +232,31 @@ static void keep_books(const motion_t* motion) {
   program_keep_books(motor_direction() == 0 ? &kRest : motion, motion);
 }
 
+static void tell(void) {
+  const status_t now = {time_ms,
+                        program_stroke_um(),
+                        program_drift_um(),
+                        analog_stroke_um(),
+                        analog_current_ma(),
+                        motor_counts(),
+                        motor_direction(),
+                        machine.state,
+                        machine.fault,
+                        machine.knowledge,
+                        end_stops_pressed()};
+  told = now;
+}
+
 void controller_init(void) {
   time_ms = 0;
   reset();
-  request = REQUEST_NONE;
-  reply = REPLY_NONE;
+  asked_count = 0;
   machine.events = 0;
-  hold_asked = resume_asked = abort_asked = heard = 0;
+  const uint8_t latched = board_remembered();
+  if (latched != FAULT_NONE) state_fault((fault_t)latched);
+  hold_asked = abort_asked = heard = 0;
+  resume_left_ms = 0;
+  tell();
 }
 
 void controller_tick(void) {
@@ -193,7 +264,7 @@ void controller_tick(void) {
   end_stops_tick();
   analog_tick(motor_counts());
   take_realtime();
-  take_request();
+  take_requests();
   watch_host();
   watch_wires();
   watch_inputs();
@@ -201,21 +272,34 @@ void controller_tick(void) {
   if (!is_allowed(&motion)) motion = kRest;
   motor_tick(motion.direction, motion.counts);
   keep_books(&motion);
+  tell();
 }
 
-void controller_request(request_t what, int16_t jog_counts, uint16_t jog_ms) {
+void controller_remember(void) {
+  board_remember((uint8_t)controller_status().fault);
+}
+
+static void put(request_t request, reply_t reply, int16_t counts, uint16_t ms) {
   ATOMICALLY {
-    request = what;
-    request_counts = jog_counts;
-    request_ms = jog_ms;
+    if (asked_count < REQUESTS_MOST) {
+      const asked_t what = {request, reply, counts, ms};
+      asked[asked_count++] = what;
+    }
   }
+}
+
+uint8_t controller_has_room(void) {
+  return asked_count < REQUESTS_MOST;  // the tick takes none away
+}
+void controller_request(request_t request, int16_t jog_counts, uint16_t jog_ms) {
+  put(request, REPLY_NONE, jog_counts, jog_ms);
+}
+void controller_request_reply(reply_t reply) {
+  put(REQUEST_REPLY, reply, 0, 0);
 }
 
 void controller_hold(void) {
   hold_asked = 1;
-}
-void controller_resume(void) {
-  resume_asked = 1;
 }
 void controller_abort(void) {
   abort_asked = 1;
@@ -227,31 +311,25 @@ void controller_heard(void) {
 status_t controller_status(void) {
   status_t now;
   ATOMICALLY {
-    now.time_ms = time_ms;
-    now.stroke_um = program_stroke_um();
-    now.measured_um = analog_stroke_um();
-    now.current_ma = analog_current_ma();
-    now.drift_um = program_drift_um();
-    now.counts = motor_counts();
-    now.direction = motor_direction();
-    now.state = machine.state;
-    now.knowledge = machine.knowledge;
-    now.end_stops = end_stops_pressed();
+    now = told;
   }
   return now;
 }
 
 reply_t controller_take_reply(void) {
-  reply_t taken;
+  reply_t taken = REPLY_NONE;
   ATOMICALLY {
-    taken = reply;
-    reply = REPLY_NONE;
+    if (asked_count > 0) taken = asked[0].reply;
+    if (taken != REPLY_NONE) {
+      --asked_count;
+      memmove(asked, asked + 1, asked_count * sizeof *asked);
+    }
   }
   return taken;
 }
 
-uint16_t controller_take_events(void) {
-  uint16_t taken;
+uint8_t controller_take_events(void) {
+  uint8_t taken;
   ATOMICALLY {
     taken = machine.events;
     machine.events = 0;

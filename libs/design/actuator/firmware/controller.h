@@ -9,13 +9,15 @@
 #include "state.h"
 
 typedef enum {
-  REQUEST_NONE,
+  REQUEST_REPLY,
   REQUEST_RUN,
   REQUEST_STOP,
   REQUEST_HOME,
   REQUEST_ZERO,
   REQUEST_RESET,
-  REQUEST_JOG
+  REQUEST_JOG,
+  REQUEST_RESUME,  // the first of two steps that end a hold …
+  REQUEST_GO       // … and the second, which must follow upon it within RESUME_MS
 } request_t;
 
 typedef struct {
@@ -27,25 +29,29 @@ typedef struct {
   uint16_t counts;
   int8_t direction;
   state_t state;
+  fault_t fault;
   knowledge_t knowledge;
   uint8_t end_stops;
 } status_t;
 
-void controller_init(void);
+void controller_init(void);  // with the fault that nobody has acknowledged before a reset, if there is one
 void controller_tick(void);
+void controller_remember(void);  // from the main loop: the fault, for after a reset
 
-// From the main loop. A request is taken by the next tick, which has its reply. `jog`: signed duty in counts and a
-// duration.
+// From the main loop. Requests wait for the next tick, which takes all of them in their order; each has one reply, and
+// as many wait as there is room for with replies that nobody took. `jog`: signed duty in counts and a duration.
+#define REQUESTS_MOST 4
+uint8_t controller_has_room(void);
 void controller_request(request_t request, int16_t jog_counts, uint16_t jog_ms);
-reply_t controller_take_reply(void);  // REPLY_NONE until there is one
-uint16_t controller_take_events(void);
+void controller_request_reply(reply_t reply);  // in its turn, where nothing is asked of the controller
+reply_t controller_take_reply(void);           // REPLY_NONE until there is one
+uint8_t controller_take_events(void);
 status_t controller_status(void);
 
 // From interrupts as well; they act at the next tick. A hold keeps a running program's place and ends homing and jogs;
-// it outdoes a resume of the same ms.
+// neither leaves a request that waits.
 void controller_hold(void);
-void controller_resume(void);
-void controller_abort(void);  // as REQUEST_RESET, without a reply
+void controller_abort(void);  // ends what moves and forgets the stroke; a fault stays
 void controller_heard(void);  // the host is there: LAKE_COMMAND_TIMEOUT_MS begins anew
 
 #endif

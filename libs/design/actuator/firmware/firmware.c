@@ -20,5 +20,7 @@ void firmware_begin(void) {
 }
 
 void firmware_turn(void) {
-  if (board_wait()) protocol_turn();
+  if (!board_wait()) return;
+  protocol_turn();
+  controller_remember();
 }

@@ -21,6 +21,7 @@
 #define memcpy_P memcpy
 #define strcmp_P strcmp
 #define strncmp_P strncmp
+#define pgm_read_byte(address) (*(address))
 #define pgm_read_dword(address) (*(address))
 
 #endif

@@ -84,17 +84,17 @@ static void watch_motion(const motion_t* motion) {
   const int32_t error_um = planned_now_um - analog_stroke_um();
   switch (follow_watch(motor_direction() == 0 ? 0 : motion->velocity_um_s, analog_stroke_um())) {
     case FOLLOW_NO_MOTION:
-      state_fault(EVENT_FAULT_NO_MOTION);
+      state_fault(FAULT_NO_MOTION);
       break;
     case FOLLOW_WRONG_WAY:
-      state_fault(EVENT_FAULT_WRONG_WAY);
+      state_fault(FAULT_WRONG_WAY);
       break;
     case FOLLOW_RUNAWAY:
-      state_fault(EVENT_FAULT_RUNAWAY);
+      state_fault(FAULT_RUNAWAY);
       break;
     default:
       if (machine.state == STATE_RUNNING && (error_um > LAKE_FOLLOWING_UM || error_um < -LAKE_FOLLOWING_UM))
-        state_fault(EVENT_FAULT_FOLLOWING);
+        state_fault(FAULT_FOLLOWING);
       break;
   }
 }
@@ -224,7 +224,7 @@ reply_t program_take_home(void) {
   const uint8_t stuck = program_stop_contradicts_stroke();
   machine.knowledge = STROKE_UNKNOWN;
   if (stuck)
-    state_fault(EVENT_FAULT_STUCK);
+    state_fault(FAULT_STUCK);
   else
     begin_homing(HOME_SEEK, LAKE_HOME_TIMEOUT_MS);
   return REPLY_OK;
@@ -260,14 +260,14 @@ static motion_t seek(void) {
   if (state_end_stop_ahead(-1)) {
     if (home_phase == HOME_TOUCH) know_stroke(LAKE_HOME_UM, STROKE_ESTIMATED);
     if (home_phase == HOME_TOUCH && is_away_from(LAKE_HOME_UM)) {
-      state_fault(EVENT_FAULT_WIPER);
+      state_fault(FAULT_WIPER);
       return kRest;
     }
     begin_homing(home_phase == HOME_TOUCH ? HOME_RELEASE : HOME_BACK_OFF, LAKE_BACK_OFF_MS);
     return kRest;
   }
   if (machine.clock_ms >= machine.end_ms) {
-    state_fault(EVENT_FAULT_HOME);
+    state_fault(FAULT_HOME);
     return kRest;
   }
   const motion_t motion = {-1, LAKE_HOME_COUNTS, -LAKE_HOME_SPEED_UM_S, 0};
@@ -280,7 +280,7 @@ static const motion_t kExtend = {1, LAKE_POSITION_COUNTS, LAKE_POSITION_SPEED_UM
 static motion_t back_off(void) {
   if (machine.clock_ms < machine.end_ms) return kExtend;
   if (state_end_stop_ahead(-1)) {
-    state_fault(EVENT_FAULT_STUCK);
+    state_fault(FAULT_STUCK);
     return kRest;
   }
   if (home_phase == HOME_BACK_OFF) {
@@ -306,7 +306,7 @@ static motion_t come_back(void) {
     return motion;
   }
   if (stroke_um() - (int32_t)program_drift_um() > LAKE_START_UM)
-    state_fault(EVENT_FAULT_STUCK);
+    state_fault(FAULT_STUCK);
   else
     state_finish(STROKE_AT_START);
   return kRest;
@@ -318,7 +318,7 @@ motion_t program_position(void) {
     return kRest;
   }
   if (machine.clock_ms >= machine.end_ms) {
-    state_fault(EVENT_FAULT_NO_MOTION);
+    state_fault(FAULT_NO_MOTION);
     return kRest;
   }
   return start_lies > 0 ? kExtend : come_back();

@@ -4,34 +4,29 @@
 
 #include "config.h"
 #include "controller.h"
+#include "line.h"
 #include "portable.h"
-#include "serial.h"
 
-#define CTRL_X 0x18
-
-static volatile uint8_t status_asked, greeting_asked;
+static volatile uint8_t status_asked, greeting_asked, must_forget;
 static uint32_t next_row_ms = STATUS_PERIOD_MS;
 
-uint8_t protocol_realtime(char c) {
+realtime_t protocol_realtime(char c) {
   switch (c) {
     case '?':
       status_asked = 1;
-      break;
+      return REALTIME_DONE;
     case '!':
       controller_hold();
-      break;
-    case '~':
-      controller_resume();
-      break;
-    case CTRL_X:
+      must_forget = 1;
+      return REALTIME_FORGET;
+    case SERIAL_FORGET:  // Ctrl-X
       controller_abort();
       greeting_asked = 1;
-      break;
+      must_forget = 1;
+      return REALTIME_FORGET;
     default:
-      return 0;
+      return REALTIME_NONE;
   }
-  controller_heard();
-  return 1;
 }
 
 static void tell_uint(uint32_t value) {
@@ -41,39 +36,48 @@ static void tell_uint(uint32_t value) {
     digits[count++] = '0' + value % 10;
     value /= 10;
   } while (value > 0);
-  while (count > 0) serial_char(digits[--count]);
+  while (count > 0) line_char(digits[--count]);
 }
 
 // value / 10^digits with that many digits after the point: (-1234, 3) is -1.234.
 static void tell_decimal(int32_t value, uint8_t digits) {
   uint32_t scale = 1;
   for (uint8_t i = 0; i < digits; ++i) scale *= 10;
-  if (value < 0) serial_char('-');
+  if (value < 0) line_char('-');
   const uint32_t magnitude = value < 0 ? -(uint32_t)value : (uint32_t)value;
   tell_uint(magnitude / scale);
-  serial_char('.');
+  line_char('.');
   for (uint32_t rest = magnitude % scale; digits > 0; --digits) {
     scale /= 10;
-    serial_char('0' + rest / scale);
+    line_char('0' + rest / scale);
+    rest %= scale;
+  }
+}
+
+static void tell_time(uint32_t ms) {
+  tell_uint(ms / 1000);
+  line_char('.');
+  for (uint16_t scale = 100, rest = ms % 1000; scale > 0; scale /= 10) {
+    line_char('0' + rest / scale);
     rest %= scale;
   }
 }
 
 static void tell_message(const char* flash_text) {
-  serial_text(PSTR("[MSG:"));
-  serial_text(flash_text);
-  serial_text(PSTR("]\n"));
+  line_text(PSTR("[MSG:"));
+  line_text(flash_text);
+  line_text(PSTR("]\n"));
 }
 
 static void tell_header(void) {
-  serial_text(PSTR("time_s,planned_mm,drift_mm,duty,direction,state,adc,end_stops"));
+  line_text(PSTR("time_s,planned_mm,drift_mm,duty,direction,state,adc,end_stops"));
 #if LAKE_FEEDBACK
-  serial_text(PSTR(",measured_mm,error_mm"));
+  line_text(PSTR(",measured_mm,error_mm"));
 #endif
 #if LAKE_CURRENT_SENSE
-  serial_text(PSTR(",current_a"));
+  line_text(PSTR(",current_a"));
 #endif
-  serial_char('\n');
+  line_char('\n');
 }
 
 void protocol_greet(reset_cause_t cause) {
@@ -87,6 +91,7 @@ void protocol_greet(reset_cause_t cause) {
   tell_message(PSTR("drift accepted, no person"));
 #endif
 #if LAKE_SEGMENT_COUNT > 0
+  tell_message(PSTR("program " LAKE_PROGRAM));
   tell_message(PSTR("design " LAKE_DESIGN ", duty table " LAKE_DUTY_TABLE));
 #endif
 #if LAKE_SEGMENT_COUNT > 0 && !LAKE_FEEDBACK
@@ -98,25 +103,25 @@ void protocol_greet(reset_cause_t cause) {
 static void tell_state(state_t state) {
   switch (state) {
     case STATE_IDLE:
-      serial_text(PSTR("idle"));
+      line_text(PSTR("idle"));
       return;
     case STATE_HOMING:
-      serial_text(PSTR("homing"));
+      line_text(PSTR("homing"));
       return;
     case STATE_POSITIONING:
-      serial_text(PSTR("positioning"));
+      line_text(PSTR("positioning"));
       return;
     case STATE_RUNNING:
-      serial_text(PSTR("running"));
+      line_text(PSTR("running"));
       return;
     case STATE_HOLD:
-      serial_text(PSTR("hold"));
+      line_text(PSTR("hold"));
       return;
     case STATE_JOGGING:
-      serial_text(PSTR("jogging"));
+      line_text(PSTR("jogging"));
       return;
     case STATE_FAULT:
-      serial_text(PSTR("fault"));
+      line_text(PSTR("fault"));
       return;
   }
 }
@@ -124,7 +129,7 @@ static void tell_state(state_t state) {
 // Planned stroke and drift bound, both empty while the stroke is unknown.
 static void tell_stroke(const status_t* now, const char* between) {
   if (now->knowledge != STROKE_UNKNOWN) tell_decimal(now->stroke_um, 3);
-  serial_text(between);
+  line_text(between);
   if (now->knowledge != STROKE_UNKNOWN) tell_decimal(now->drift_um, 3);
 }
 
@@ -133,67 +138,75 @@ static void tell_duty(const status_t* now) {
 }
 
 static void tell_row(const status_t* now) {
-  tell_decimal(now->time_ms, 3);
-  serial_char(',');
+  tell_time(now->time_ms);
+  line_char(',');
   tell_stroke(now, PSTR(","));
-  serial_char(',');
+  line_char(',');
   tell_duty(now);
-  serial_char(',');
-  if (now->direction < 0) serial_char('-');
-  serial_char(now->direction ? '1' : '0');
-  serial_char(',');
+  line_char(',');
+  if (now->direction < 0) line_char('-');
+  line_char(now->direction ? '1' : '0');
+  line_char(',');
   tell_state(now->state);
-  serial_char(',');
+  line_char(',');
   tell_uint((board_analog(ANALOG_POTENTIOMETER) + 2) / 4);
-  serial_char(',');
+  line_char(',');
   tell_uint(now->end_stops);
 #if LAKE_FEEDBACK
-  serial_char(',');
+  line_char(',');
   tell_decimal(now->measured_um, 3);
-  serial_char(',');
+  line_char(',');
   if (now->knowledge != STROKE_UNKNOWN) tell_decimal(now->stroke_um - now->measured_um, 3);
 #endif
 #if LAKE_CURRENT_SENSE
-  serial_char(',');
+  line_char(',');
   tell_decimal(now->current_ma, 3);
 #endif
-  serial_char('\n');
+  line_char('\n');
 }
 
 // <state|stroke:MM|drift:MM|duty:D|stops:N>
 static void tell_status(const status_t* now) {
-  serial_char('<');
+  line_char('<');
   tell_state(now->state);
-  serial_text(PSTR("|stroke:"));
+  line_text(PSTR("|stroke:"));
   tell_stroke(now, PSTR("|drift:"));
-  serial_text(PSTR("|duty:"));
+  line_text(PSTR("|duty:"));
   tell_duty(now);
-  serial_text(PSTR("|stops:"));
+  line_text(PSTR("|stops:"));
   tell_uint(now->end_stops);
-  serial_text(PSTR(">\n"));
+  line_text(PSTR(">\n"));
 }
 
 static void tell_reply(reply_t reply) {
-  if (reply == REPLY_NONE) return;
   if (reply == REPLY_OK) {
-    serial_text(PSTR("ok\n"));
+    line_text(PSTR("ok\n"));
     return;
   }
-  serial_text(PSTR("error:"));
+  line_text(PSTR("error:"));
   tell_uint(reply);
-  serial_char('\n');
+  line_char('\n');
 }
 
-static void tell_events(uint16_t events) {
-  for (uint8_t i = 0; i < FAULT_COUNT; ++i) {
-    if (!(events & (1u << i))) continue;
-    serial_text(PSTR("ALARM:"));
-    tell_uint(i + 1);
-    serial_char('\n');
+static void tell_events(uint8_t events, fault_t fault) {
+  if (events & EVENT_FAULT) {
+    line_text(PSTR("ALARM:"));
+    tell_uint(fault);
+    line_char('\n');
   }
   if (events & EVENT_DONE) tell_message(PSTR("done"));
   if (events & EVENT_JOG_LIMIT) tell_message(PSTR("jog ended at a limit"));
   if (events & EVENT_TIMEOUT) tell_message(PSTR("host silent, stopped"));
+}
+
+// The next tick replies. A line that was being read when a hold or an abort came is not obeyed.
+static void ask(request_t request, int16_t jog_counts, uint16_t jog_ms) {
+  ATOMICALLY {
+    if (must_forget)
+      controller_request_reply(REPLY_STATE);
+    else
+      controller_request(request, jog_counts, jog_ms);
+  }
 }
 
 // "jog DUTY MS": duty in thousandths, signed.
@@ -204,29 +217,43 @@ static void obey_jog(const char* text) {
   const long duration = strtol(rest, &end, 10);
   if (rest == text || end == rest || *end != 0 || duty == 0 || duty < -1000 || duty > 1000 || duration < 1 ||
       duration > JOG_MAX_MS) {
-    tell_reply(REPLY_BAD_NUMBER);
+    controller_request_reply(REPLY_BAD_NUMBER);
     return;
   }
-  controller_request(REQUEST_JOG, (int16_t)(duty * LAKE_PWM_PERIOD / 1000), (uint16_t)duration);
+  ask(REQUEST_JOG, (int16_t)(duty * LAKE_PWM_PERIOD / 1000), (uint16_t)duration);
+}
+
+// Those that move nothing and forget nothing; nonzero if it was one.
+static uint8_t obey_harmless(const char* line) {
+  if (!strcmp_P(line, PSTR("stop"))) {
+    ask(REQUEST_STOP, 0, 0);
+  } else if (!strcmp_P(line, PSTR("header"))) {
+    tell_header();
+    controller_request_reply(REPLY_OK);
+  } else {
+    return 0;
+  }
+  return 1;
 }
 
 static void obey(const char* line) {
-  if (!strcmp_P(line, PSTR("run"))) {
-    controller_request(REQUEST_RUN, 0, 0);
-  } else if (!strcmp_P(line, PSTR("stop"))) {
-    controller_request(REQUEST_STOP, 0, 0);
+  if (!strcmp_P(line, PSTR("alive"))) {
+    status_asked = 1;
+  } else if (!strcmp_P(line, PSTR("run"))) {
+    ask(REQUEST_RUN, 0, 0);
   } else if (!strcmp_P(line, PSTR("home"))) {
 #if LAKE_SEGMENT_COUNT > 0
     tell_message(PSTR("unworn only: homing takes the knee to " LAKE_HOME_KNEE " degrees"));
 #endif
-    controller_request(REQUEST_HOME, 0, 0);
+    ask(REQUEST_HOME, 0, 0);
   } else if (!strcmp_P(line, PSTR("zero"))) {
-    controller_request(REQUEST_ZERO, 0, 0);
+    ask(REQUEST_ZERO, 0, 0);
+  } else if (!strcmp_P(line, PSTR("resume"))) {
+    ask(REQUEST_RESUME, 0, 0);
+  } else if (!strcmp_P(line, PSTR("go"))) {
+    ask(REQUEST_GO, 0, 0);
   } else if (!strcmp_P(line, PSTR("reset"))) {
-    controller_request(REQUEST_RESET, 0, 0);
-  } else if (!strcmp_P(line, PSTR("header"))) {
-    tell_header();
-    tell_reply(REPLY_OK);
+    ask(REQUEST_RESET, 0, 0);
   } else if (!strncmp_P(line, PSTR("jog "), 4)) {
     obey_jog(line + 4);
 #ifdef LAKE_SIMULATOR
@@ -236,20 +263,46 @@ static void obey(const char* line) {
     board_quit();
 #endif
   } else {
-    tell_reply(strchr(line, '\n') ? REPLY_TOO_LONG : REPLY_UNKNOWN);
+    controller_request_reply(REPLY_UNKNOWN);
+  }
+}
+
+static void take_line(line_kind_t kind, const char* line) {
+  switch (kind) {
+    case LINE_FRAMED:
+      controller_heard();
+      if (!obey_harmless(line)) obey(line);
+      return;
+    case LINE_PLAIN:
+      if (!obey_harmless(line)) controller_request_reply(REPLY_CHECK_SUM);
+      return;
+    case LINE_TOO_LONG:
+      controller_request_reply(REPLY_TOO_LONG);
+      return;
+    case LINE_DAMAGED:
+      controller_request_reply(REPLY_CHECK_SUM);
+      return;
+    case LINE_NONE:
+      return;
   }
 }
 
 void protocol_turn(void) {
-  const char* line = serial_line();
-  if (line) obey(line);
-  tell_reply(controller_take_reply());
-  tell_events(controller_take_events());
+  for (reply_t reply; (reply = controller_take_reply()) != REPLY_NONE;) tell_reply(reply);
+  must_forget = 0;
+  for (const char* line; controller_has_room();) {
+    const line_kind_t kind = line_read(&line);
+    if (kind == LINE_NONE) break;
+    take_line(kind, line);
+  }
+  const uint8_t events = controller_take_events();
+  const status_t now = controller_status();
+  tell_events(events, now.fault);
   if (greeting_asked) {
     greeting_asked = 0;
     protocol_greet(RESET_BY_POWER_OR_BUTTON);
+    if (now.fault != FAULT_NONE) tell_events(EVENT_FAULT, now.fault);
   }
-  const status_t now = controller_status();
   if (status_asked) {
     status_asked = 0;
     tell_status(&now);

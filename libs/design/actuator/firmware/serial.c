@@ -2,8 +2,8 @@
 
 #include <avr/interrupt.h>
 #include <avr/io.h>
-#include <avr/pgmspace.h>
 #include <avr/sleep.h>
+#include <util/atomic.h>
 
 #ifndef F_CPU
 #define F_CPU 16000000UL
@@ -12,38 +12,51 @@
 #define BAUD_TOL 3  // 16 MHz gives 117647, 2.1 % too fast: within what the receiver of a frame of 10 bits tolerates
 #include <util/setbaud.h>
 
-#define TX_SIZE 128  // a power of two
+#define TX_SIZE 128  // powers of two
+#define RX_SIZE 128  // 11 ms of characters back to back; saying a row takes 7 ms
 
 static volatile char tx[TX_SIZE];
 static volatile uint8_t tx_head, tx_tail;
+static volatile char rx[RX_SIZE];
+static volatile uint8_t rx_head, rx_tail;
+static realtime_t (*obey_realtime)(char);
 
-static volatile char rx[SERIAL_LINE_MAX];
-static volatile uint8_t rx_length, rx_whole, rx_overflow;
-static char line[SERIAL_LINE_MAX + 1];
-static uint8_t (*is_realtime)(char);
-
-void serial_init(uint8_t (*realtime)(char)) {
-  is_realtime = realtime;
-  UBRR0 = UBRR_VALUE;
+void serial_init(realtime_t (*realtime)(char)) {
+  obey_realtime = realtime;
 #if USE_2X
   UCSR0A = _BV(U2X0);
 #else
   UCSR0A = 0;
 #endif
+  UBRR0 = UBRR_VALUE;  // after U2X0: simavr works the speed out when this is written
   UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
   UCSR0B = _BV(RXCIE0) | _BV(RXEN0) | _BV(TXEN0);
 }
 
-// Characters that arrive while a whole line waits are dropped: commands are sent one at a time.
+// Where the buffer is full the last character is lost as well, so that no line looks whole that is not.
+static void keep(char c) {
+  const uint8_t next = (rx_head + 1) & (RX_SIZE - 1);
+  if (next == rx_tail) {
+    rx[(rx_head - 1) & (RX_SIZE - 1)] = SERIAL_LOST;
+    return;
+  }
+  rx[rx_head] = c;
+  rx_head = next;
+}
+
 ISR(USART_RX_vect) {
+  const uint8_t is_broken = UCSR0A & (_BV(FE0) | _BV(DOR0));
   const char c = UDR0;
-  if (is_realtime(c) || rx_whole) return;
-  if (c == '\n' || c == '\r') {
-    rx_whole = rx_length > 0 || rx_overflow;
-  } else if (rx_length < SERIAL_LINE_MAX - 1) {
-    rx[rx_length++] = c;
-  } else {
-    rx_overflow = 1;
+  if (is_broken) keep(SERIAL_LOST);
+  switch (obey_realtime(c)) {
+    case REALTIME_DONE:
+      return;
+    case REALTIME_FORGET:
+      rx_tail = rx_head;
+      keep(SERIAL_FORGET);
+      return;
+    case REALTIME_NONE:
+      keep(c);
   }
 }
 
@@ -56,26 +69,21 @@ ISR(USART_UDRE_vect) {
   }
 }
 
-const char* serial_line(void) {
-  if (!rx_whole) return 0;
-  uint8_t length = rx_length;
-  for (uint8_t i = 0; i < length; ++i) line[i] = rx[i];
-  if (rx_overflow) line[length++] = '\n';
-  line[length] = 0;
-  rx_length = 0;
-  rx_overflow = 0;
-  rx_whole = 0;
-  return line;
+int16_t serial_read(void) {
+  int16_t c = -1;
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+    if (rx_tail != rx_head) {
+      c = (uint8_t)rx[rx_tail];
+      rx_tail = (rx_tail + 1) & (RX_SIZE - 1);
+    }
+  }
+  return c;
 }
 
-void serial_char(char c) {
+void serial_write(char c) {
   const uint8_t next = (tx_head + 1) & (TX_SIZE - 1);
   while (next == tx_tail) sleep_mode();
   tx[tx_head] = c;
   tx_head = next;
   UCSR0B |= _BV(UDRIE0);
-}
-
-void serial_text(const char* flash_text) {
-  for (char c; (c = pgm_read_byte(flash_text)); ++flash_text) serial_char(c);
 }

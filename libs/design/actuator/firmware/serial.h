@@ -4,17 +4,18 @@
 
 #include <stdint.h>
 
-#define SERIAL_LINE_MAX 32
+// What a real-time character was. Beside those that only stop there is one that also forgets what came before it.
+typedef enum { REALTIME_NONE, REALTIME_DONE, REALTIME_FORGET } realtime_t;
 
-// `realtime` is called for every character inside the receiver's interrupt, before it becomes part of a line; nonzero:
-// it was a command of its own and does not.
-void serial_init(uint8_t (*realtime)(char));
+// `realtime` is called for every character inside the receiver's interrupt; what it obeys does not become part of a
+// line.
+void serial_init(realtime_t (*realtime)(char));
 
-// A line without its end, once it is whole; 0 if there is none. Valid until the next call. Of a line that is too long
-// the first SERIAL_LINE_MAX - 1 characters, followed by a '\n'.
-const char* serial_line(void);
+// The next character that was received, -1 if there is none. SERIAL_FORGET: what was read before belongs to nothing.
+// SERIAL_LOST stands where characters were lost.
+enum { SERIAL_LOST = 0, SERIAL_FORGET = 0x18 };
+int16_t serial_read(void);
 
-void serial_text(const char* flash_text);  // a string in flash, from PSTR()
-void serial_char(char c);                  // waits while the buffer is full
+void serial_write(char c);  // waits while the buffer is full
 
 #endif

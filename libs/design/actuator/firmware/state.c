@@ -16,10 +16,12 @@ void state_finish(knowledge_t known) {
   machine.events |= EVENT_DONE;
 }
 
-void state_fault(uint16_t what) {
+void state_fault(fault_t what) {
+  if (machine.fault != FAULT_NONE) return;
   machine.state = STATE_FAULT;
+  machine.fault = what;
   machine.knowledge = STROKE_UNKNOWN;
-  machine.events |= what;
+  machine.events |= EVENT_FAULT;
 }
 
 uint8_t state_end_stop_ahead(int8_t direction) {

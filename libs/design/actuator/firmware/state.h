@@ -34,28 +34,35 @@ typedef enum {
   REPLY_NO_PROGRAM = 6,   // a calibration firmware has none
   REPLY_STOP_AHEAD = 7,   // an end stop is pressed in that direction
   REPLY_LIMIT_AHEAD = 8,  // a soft limit is reached in that direction
+  REPLY_CHECK_SUM = 9     // the line has no check sum, or a wrong one
 } reply_t;
 
-// What happened unasked; bits. The faults' bit numbers are the N of `ALARM:N`, from 1.
+// What went wrong, the N of `ALARM:N`; the first one stays until it is acknowledged.
+typedef enum {
+  FAULT_NONE = 0,
+  FAULT_STOP = 1,          // an end stop in the direction of motion
+  FAULT_BOTH_STOPS = 2,    // both at once: wiring
+  FAULT_SOFT_LIMIT = 3,    // the plan left the soft limits
+  FAULT_HOME = 4,          // no end stop met while homing
+  FAULT_STUCK = 5,         // an end stop that is pressed away from its place: its wire
+  FAULT_SUPPLY = 6,        // the motor's supply is outside its limits: off, or its sense wire
+  FAULT_WIPER = 7,         // the potentiometer reads what it cannot
+  FAULT_NO_MOTION = 8,     // driven, it does not move: a stall, or a frozen wiper
+  FAULT_WRONG_WAY = 9,     // it moves against the drive: motor or potentiometer reversed
+  FAULT_RUNAWAY = 10,      // it moves undriven, or much faster than driven
+  FAULT_FOLLOWING = 11,    // too far from the plan
+  FAULT_OVERCURRENT = 12,  // a short or a stall
+  FAULT_NO_CURRENT = 13,   // driven, it takes none: motor, supply or sense wire
+  FAULT_LATE = 14          // a tick or a round of conversions did not end within its ms
+} fault_t;
+
+// What happened unasked; bits.
 enum {
-  EVENT_FAULT_STOP = 1 << 0,          // an end stop in the direction of motion
-  EVENT_FAULT_BOTH_STOPS = 1 << 1,    // both at once: wiring
-  EVENT_FAULT_SOFT_LIMIT = 1 << 2,    // the plan left the soft limits
-  EVENT_FAULT_HOME = 1 << 3,          // no end stop met while homing
-  EVENT_FAULT_STUCK = 1 << 4,         // an end stop that is pressed away from its place: its wire
-  EVENT_FAULT_SUPPLY = 1 << 5,        // the motor's supply is outside its limits: off, or its sense wire
-  EVENT_FAULT_WIPER = 1 << 6,         // the potentiometer reads what it cannot
-  EVENT_FAULT_NO_MOTION = 1 << 7,     // driven, it does not move: a stall, or a frozen wiper
-  EVENT_FAULT_WRONG_WAY = 1 << 8,     // it moves against the drive: motor or potentiometer reversed
-  EVENT_FAULT_RUNAWAY = 1 << 9,       // it moves undriven, or much faster than driven
-  EVENT_FAULT_FOLLOWING = 1 << 10,    // too far from the plan
-  EVENT_FAULT_OVERCURRENT = 1 << 11,  // a short or a stall
-  EVENT_FAULT_NO_CURRENT = 1 << 12,   // driven, it takes none: motor, supply or sense wire
-  EVENT_DONE = 1 << 13,               // the program, homing or a jog ended as planned
-  EVENT_JOG_LIMIT = 1 << 14,          // a jog ended at an end stop or a soft limit
-  EVENT_TIMEOUT = 1 << 15             // the host was silent for too long while something moved
+  EVENT_FAULT = 1 << 0,      // machine.fault has come
+  EVENT_DONE = 1 << 1,       // the program, homing or a jog ended as planned
+  EVENT_JOG_LIMIT = 1 << 2,  // a jog ended at an end stop or a soft limit
+  EVENT_TIMEOUT = 1 << 3     // the host was silent for too long while something moved
 };
-enum { FAULT_COUNT = 13 };
 
 // What is wanted of the motor in this ms.
 typedef struct {
@@ -72,13 +79,14 @@ typedef struct {
   knowledge_t knowledge;
   uint32_t clock_ms;  // of the program, of homing, or of a jog
   uint32_t end_ms;
-  uint16_t events;
+  fault_t fault;
+  uint8_t events;
 } machine_t;
 extern machine_t machine;
 
 void state_begin(state_t next, uint32_t duration_ms);
 void state_finish(knowledge_t known);  // as planned
-void state_fault(uint16_t what);
+void state_fault(fault_t what);        // unless there is one
 
 // Is the end stop pressed towards which that direction leads?
 uint8_t state_end_stop_ahead(int8_t direction);

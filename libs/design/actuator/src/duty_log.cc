@@ -1,9 +1,11 @@
 #include <cmath>
 #include <optional>
+#include <regex>
 #include <string>
 #include <vector>
 
 #include "lake/actuator/duty_video.h"
+#include "lake/actuator/serial_frame.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
@@ -72,6 +74,19 @@ bool IsRemark(const std::string& line) {
          line.starts_with("ALARM:");
 }
 
+// As a terminal logged it: `…*HHHH`.
+bool HasCheckSum(const std::string& line) {
+  static const std::regex at_the_end("\\*[0-9A-F]{4}\\r?$");
+  return line.find('*') != std::string::npos && std::regex_search(line, at_the_end);
+}
+
+std::string WithoutCheckSum(std::string line, const std::string& where) {
+  if (line.back() == '\r') line.pop_back();
+  const std::optional<std::string> text = Unframed(line);
+  if (!text) throw Fail("{}: the line's check sum is wrong: it was damaged on its way; take it out", where);
+  return *text;
+}
+
 DutyLog ReadRows(const std::filesystem::path& path, const char* stroke) {
   const std::string text = ReadTextFile(path, std::size_t{1} << 28);
   DutyLog log{.name = path.string(), .time_s = {}, .stroke_mm = {}, .duty = {}};
@@ -79,9 +94,10 @@ DutyLog ReadRows(const std::filesystem::path& path, const char* stroke) {
   std::size_t number = 0, begin = 0;
   while (begin < text.size()) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string line = text.substr(begin, end - begin);
+    std::string line = text.substr(begin, end - begin);
     begin = end + 1;
     const std::string where = fmt::format("{}:{}", path.string(), ++number);
+    if (HasCheckSum(line)) line = WithoutCheckSum(line, where);
     if (IsRemark(line)) continue;
     const std::vector<std::string> cells = Cells(line);
     if (!columns || cells.front() == "time_s")

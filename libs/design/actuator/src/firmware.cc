@@ -5,6 +5,7 @@
 
 #include "homing.h"
 #include "lake/core/error.h"
+#include "lake/core/provenance.h"
 
 namespace lake::actuator {
 namespace {
@@ -159,6 +160,8 @@ std::string DriftDefines(const DriftBound& bound, const FirmwareOptions& options
       options.accept_drift || options.extend_stop_mm > 0 ? 0 : 1);
 }
 
+constexpr std::string_view kHashLine = "#define LAKE_PROGRAM \"";
+
 constexpr const char* kTypes =
     "\ntypedef struct {\n  uint32_t end_ms;         // since the program's start\n"
     "  int32_t velocity_um_s;   // positive extends\n  uint16_t counts;         // PWM\n} lake_segment;\n\n";
@@ -254,7 +257,15 @@ std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& s
       "static const uint32_t lake_speed_um_s[2][LAKE_SPEED_INTERVALS + 1] PROGMEM = {{\n    {{{}}},\n    "
       "{{{}}}}};\n\n#endif\n",
       SpeedRow(table.extend), SpeedRow(table.retract));
-  return text;
+  const std::string hash_line = fmt::format("{}{}\"\n", kHashLine, ProgramHash(text));
+  return text.insert(text.find("#define LAKE_DESIGN "), hash_line);
+}
+
+std::string ProgramHash(const std::string& stroke_table_header) {
+  std::string text = stroke_table_header;
+  if (const std::size_t from = text.find(kHashLine); from != std::string::npos)
+    text.erase(from, text.find('\n', from) + 1 - from);
+  return Sha256OfText(text).substr(0, 12);
 }
 
 std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
@@ -266,6 +277,7 @@ std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedul
   std::string text = options.accept_drift ? kDriftAccepted : "";
   text += fmt::format("// {}\n// Design {} (SHA-256), duty table: {}.\n//\n", Comment(from), options.design_hash,
                       DutyTableName(table));
+  text += fmt::format("// WARNING: {}\n", kUntried);
   if (!IsMeasured(table))
     text += "// WARNING: MODEL duty table. This actuator's speeds were not measured: lake-stroke calibrate.\n";
   text += fmt::format("// WARNING: UNWORN ONLY: home takes the knee to {:.1f} degrees.\n",

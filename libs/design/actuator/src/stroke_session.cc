@@ -1,6 +1,7 @@
 #include "lake/actuator/stroke_session.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,10 +12,15 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+#include <ostream>
 #include <regex>
+#include <utility>
 
+#include "lake/actuator/firmware.h"
+#include "lake/actuator/serial_frame.h"
 #include "lake/actuator/serial_port.h"
 #include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
 #include "lake/core/error.h"
 
 namespace lake::actuator {
@@ -24,6 +30,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kPoll_s = 0.05, kReply_s = 1;
 constexpr const char* kReset = "!\x18";
+constexpr std::string_view kAlarm = "ALARM:";
 
 double Since(Clock::time_point when) {
   return std::chrono::duration<double>(Clock::now() - when).count();
@@ -75,9 +82,9 @@ class Session {
 
   // Opening the port resets an UNO; a board that does not reset by it is reset by Ctrl-X.
   void Greet(const SketchIdentity& sketch) {
-    std::string design;
+    std::string design, program;
     bool reset = false, has_header = false;
-    for (const auto begin = Clock::now(); design.empty() || !has_header;) {
+    for (const auto begin = Clock::now(); design.empty() || program.empty() || !has_header;) {
       if (Since(begin) > options_.greeting_s)
         throw Fail("{}: no greeting of lake-stroke's firmware within {} s: is it uploaded?", options_.port.string(),
                    options_.greeting_s);
@@ -88,6 +95,7 @@ class Session {
       const std::optional<std::string> line = Line();
       if (!line) continue;
       if (line->starts_with("[MSG:design ")) design = line->substr(12, line->find(',') - 12);
+      if (line->starts_with("[MSG:program ")) program = line->substr(13, line->find(']') - 13);
       if (IsHeader(*line)) {
         has_header = true;
         header_ = *line;
@@ -96,6 +104,12 @@ class Session {
     if (design != sketch.design_hash)
       throw Fail("{}: the board has the program of design {}, the folder that of {}: upload the folder's sketch",
                  options_.port.string(), design, sketch.design_hash);
+    if (program != sketch.program_hash)
+      throw Fail(
+          "{}: the board has another program of this design, {}, than the folder, {} (strokes, duty table or options "
+          "differ): upload the folder's sketch",
+          options_.port.string(), program, sketch.program_hash);
+    TakeUpFault();
   }
 
   void WriteHeader() {
@@ -105,7 +119,7 @@ class Session {
   }
 
   void Ask(const std::string& command) {
-    port_.Write(command + "\n");
+    port_.Write(Framed(command) + "\n");
     for (const auto begin = Clock::now(); Since(begin) < kReply_s;) {
       const std::optional<std::string> line = Line();
       if (line == "ok") return;
@@ -143,10 +157,28 @@ class Session {
   std::size_t Rows() const { return rows_; }
 
  private:
+  // What the first row after the greeting tells of before; the fault itself is told between them. One that is still
+  // there is told again.
+  void TakeUpFault() {
+    state_.clear();
+    for (const auto begin = Clock::now(); state_.empty() && Since(begin) < kReply_s;) Line();
+    if (state_.empty()) throw Fail("{}: no row within {} s", options_.port.string(), kReply_s);
+    if (state_ != "fault") return;
+    if (!options_.acknowledge)
+      throw Fail(
+          "{}: the board has a fault that nobody has acknowledged, {}: {}; see to it, then run with --acknowledge",
+          options_.port.string(), alarm_, AlarmText(AlarmNumber(alarm_)));
+    Ask("reset");
+  }
+
+  static int AlarmNumber(const std::string& line) {
+    return line.starts_with(kAlarm) ? std::atoi(line.c_str() + kAlarm.size()) : 0;
+  }
+
   // The next whole line, if one has come; meanwhile it says that it is there. Throws on a fault or long silence.
   std::optional<std::string> Line() {
     if (Since(last_said_) > options_.keep_alive_s) {
-      port_.Write("?");
+      port_.Write(Framed("alive") + "\n");
       last_said_ = Clock::now();
     }
     if (buffer_.find('\n') == std::string::npos) buffer_ += port_.Read(kPoll_s);
@@ -157,36 +189,120 @@ class Session {
       return std::nullopt;
     }
     last_heard_ = Clock::now();
-    std::string line = buffer_.substr(0, end);
+    const std::string line = buffer_.substr(0, end);
     buffer_.erase(0, end + 1);
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    Take(line);
-    return line;
+    // A line that was damaged on its way says nothing: rows come again, a reply that does not come is an error, and
+    // each row says whether there is a fault.
+    std::optional<std::string> text = Unframed(line);
+    if (text) Take(*text);
+    return text;
   }
 
   void Take(const std::string& line) {
-    if (line.starts_with("ALARM:"))
-      throw Fail("{}: the firmware stopped with {}: {}", options_.port.string(), line,
-                 AlarmText(std::atoi(line.c_str() + 6)));
+    if (line.starts_with(kAlarm)) alarm_ = line;
+    if (IsRow(line)) state_ = Field(line, 5);
     if (!is_logging_) return;
+    if (line.starts_with(kAlarm))
+      throw Fail("{}: the firmware stopped with {}: {}", options_.port.string(), line, AlarmText(AlarmNumber(line)));
     if (line.starts_with("[MSG:lake-stroke")) throw Fail("{}: the board was reset", options_.port.string());
     if (!IsRow(line)) return;
-    log_.Write(line);
+    log_.Write(WithWholeTime(line));
     ++rows_;
-    state_ = Field(line, 5);
+    if (state_ == "fault") throw Fail("{}: the firmware stopped with a fault", options_.port.string());
+  }
+
+  // The firmware counts ms in 32 bits and begins anew after 49.7 days.
+  std::string WithWholeTime(const std::string& row) {
+    const double time_s = std::strtod(row.c_str(), nullptr);
+    if (time_s < last_time_s_) before_s_ += 4294967.296;
+    last_time_s_ = time_s;
+    return before_s_ == 0 ? row : fmt::format("{:.3f}{}", before_s_ + time_s, row.substr(row.find(',')));
   }
 
   const SessionOptions& options_;
   LogFile& log_;
   const std::function<void(const std::string&, double)>& poll_;
   SerialPort port_;
-  std::string buffer_, header_, state_;
+  std::string buffer_, header_, state_, alarm_;
   Clock::time_point last_said_ = Clock::now(), last_heard_ = Clock::now();
   bool is_logging_ = false;
+  double last_time_s_ = 0, before_s_ = 0;
   std::size_t rows_ = 0;
 };
 
+// Lines of a person to the firmware, and back.
+class Talk {
+ public:
+  Talk(const TalkOptions& options, LogFile& log, std::ostream& out)
+      : options_(options), log_(log), out_(out), port_(options.port) {}
+
+  // What the person has said meanwhile; false at the end.
+  bool Hear(int in) {
+    pollfd waiting{in, POLLIN, 0};
+    if (::poll(&waiting, 1, 0) <= 0) return true;
+    std::array<char, 256> bytes;
+    const ssize_t count = read(in, bytes.data(), bytes.size());
+    if (count <= 0) return count < 0 && (errno == EINTR || errno == EAGAIN);
+    said_.append(bytes.data(), static_cast<std::size_t>(count));
+    for (std::size_t end; (end = said_.find('\n')) != std::string::npos; said_.erase(0, end + 1)) {
+      const std::string line(Trim(said_.substr(0, end)));
+      is_status_asked_ = is_status_asked_ || line == "?";
+      if (!line.empty()) port_.Write(line == "?" || line == "!" ? line : Framed(line) + "\n");
+    }
+    return true;
+  }
+
+  // What the firmware says; and that somebody is there.
+  void Pass() {
+    if (Since(last_alive_) > options_.keep_alive_s) {
+      port_.Write(Framed("alive") + "\n");
+      last_alive_ = Clock::now();
+    }
+    heard_ += port_.Read(kPoll_s);
+    for (std::size_t end; (end = heard_.find('\n')) != std::string::npos; heard_.erase(0, end + 1)) {
+      const std::optional<std::string> text = Unframed(std::string_view(heard_).substr(0, end));
+      if (text && text->starts_with("<") && !std::exchange(is_status_asked_, false)) continue;  // of a sign of life
+      const std::string line = text.value_or("# a line was damaged");
+      log_.Write(line);
+      out_ << line << std::endl;
+    }
+  }
+
+  void Stop() noexcept {
+    try {
+      port_.Write(kReset);
+    } catch (const std::exception&) {
+      // The line is gone: the firmware stops by its time-out.
+    }
+  }
+
+ private:
+  const TalkOptions& options_;
+  LogFile& log_;
+  std::ostream& out_;
+  SerialPort port_;
+  std::string said_, heard_;
+  bool is_status_asked_ = false;
+  Clock::time_point last_alive_ = Clock::now();
+};
+
 }  // namespace
+
+void RunTalk(const TalkOptions& options, int in, std::ostream& out, const std::filesystem::path& log,
+             const std::function<void()>& poll) {
+  LogFile file(log);
+  Talk talk(options, file, out);
+  try {
+    while (talk.Hear(in)) {
+      talk.Pass();
+      poll();
+    }
+  } catch (...) {
+    talk.Stop();
+    throw;
+  }
+  talk.Stop();
+}
 
 SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "stroke_table.h";
@@ -196,6 +312,10 @@ SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder) {
   if (!std::regex_search(text, match, std::regex("#define LAKE_DESIGN \"([^\"]*)\"")))
     throw Fail("{}: no program of lake-stroke with a design in it; write it again with lake-stroke", file.string());
   identity.design_hash = match[1];
+  identity.program_hash = ProgramHash(text);
+  if (!std::regex_search(text, match, std::regex("#define LAKE_PROGRAM \"([^\"]*)\"")) ||
+      match[1] != identity.program_hash)
+    throw Fail("{}: it is not as lake-stroke wrote it: write it again, and upload that sketch", file.string());
   static const std::regex segment("\\{([0-9]+), -?[0-9]+, [0-9]+\\},");
   for (std::sregex_iterator at(text.begin(), text.end(), segment), end; at != end; ++at)
     identity.duration_s = std::stod((*at)[1]) / 1e3;
@@ -223,7 +343,7 @@ SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sk
 }
 
 std::string AlarmText(int number) {
-  static const std::array<const char*, 13> texts = {
+  static const std::array<const char*, 14> texts = {
       "an end stop in the direction of motion",
       "both end stops at once: their wires",
       "a limit was reached, of the program or of the linkage",
@@ -236,20 +356,22 @@ std::string AlarmText(int number) {
       "it moves undriven, or much faster than driven",
       "too far from the plan",
       "over-current: a short or a stall",
-      "driven, it takes no current: motor, supply or sense wire"};
+      "driven, it takes no current: motor, supply or sense wire",
+      "a tick or a conversion came late: the board, or a bug"};
   return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
                                                                  : "a fault of a newer firmware";
 }
 
 std::string ErrorText(int number) {
-  static const std::array<const char*, 8> texts = {"no such command",
+  static const std::array<const char*, 9> texts = {"no such command",
                                                    "a number out of range",
                                                    "the line is too long",
                                                    "not in this state",
                                                    "it is not at the program's start",
                                                    "the firmware has no program",
                                                    "an end stop is pressed in that direction",
-                                                   "a soft limit is reached in that direction"};
+                                                   "a soft limit is reached in that direction",
+                                                   "the line had no check sum, or a wrong one"};
   return number >= 1 && number <= static_cast<int>(texts.size()) ? texts[static_cast<std::size_t>(number - 1)]
                                                                  : "a reply of a newer firmware";
 }

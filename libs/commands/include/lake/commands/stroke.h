@@ -51,6 +51,14 @@ struct StrokeSessionRunOptions {
 void Describe(StrokeSessionRunOptions& options, OptionList& list);
 
 // Runs the firmware in the board and writes log.csv, the firmware's rows as they came.
+struct StrokeTalkRunOptions {
+  actuator::TalkOptions talk;
+};
+void Describe(StrokeTalkRunOptions& options, OptionList& list);
+
+// A terminal for the firmware, on standard input and output; writes serial.csv, which the calibration reads.
+Json RunStrokeTalk(const StrokeTalkRunOptions& options, Run& run);
+
 Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run);
 std::string StrokeSessionReport(const Json& summary);
 

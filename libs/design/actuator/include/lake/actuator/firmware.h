@@ -104,6 +104,10 @@ DriftForecast ForecastDrift(const StrokeTable& stroke, const StrokeSchedule& sch
 std::string StrokeTableHeader(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
                               const FirmwareOptions& options, const std::string& made_by);
 
+// The first digits of the SHA-256 of a stroke_table.h but for the line that has them: of the whole table, of every
+// option that went into it and of what it was made from. The firmware greets with them.
+std::string ProgramHash(const std::string& stroke_table_header);
+
 // What belongs to this sketch and to no other, for the top of the .ino: where it comes from, warnings, end stops,
 // sizes, as comment lines. `from` names design and duty table.
 std::string SketchNotes(const StrokeTable& stroke, const StrokeSchedule& schedule, const DutyTable& table,
@@ -119,6 +123,10 @@ struct FirmwareFile {
   std::string name, text;
 };
 const std::vector<FirmwareFile>& FirmwareSources();
+
+// Said wherever a person reads about safety.
+inline constexpr const char* kUntried =
+    "This firmware has not been tried on a board, only in a simulator: nobody may wear what it drives.";
 
 // What the sketch of a program whose drift was accepted says on its first line.
 inline constexpr const char* kDriftAccepted =

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <iosfwd>
 #include <string>
 
 namespace lake::actuator {
@@ -14,16 +15,17 @@ struct SessionOptions {
   double silent_s = 1.5;       // without a row from the firmware: it is given up, and stops by its own time-out
   double homing_s = 300;       // at most
   double run_s = 3600;         // at most
+  bool acknowledge = false;    // a fault of before was seen to: else the board is refused
   bool home = true;            // else the actuator stands at the start already: zero
 };
 
 // What the firmware was made for, of the stroke_table.h in the folder of the sketch's results.
 struct SketchIdentity {
-  std::string design_hash;
+  std::string design_hash, program_hash;  // the latter of the whole stroke_table.h
   double duration_s = 0;
 };
 
-// Throws Error if there is none, or one that is no program.
+// Throws Error if there is none, one that is no program, or one that was changed since lake-stroke wrote it.
 SketchIdentity ReadSketchIdentity(const std::filesystem::path& folder);
 
 struct SessionResult {
@@ -38,6 +40,18 @@ struct SessionResult {
 // meaning.
 SessionResult RunSession(const SessionOptions& options, const SketchIdentity& sketch, const std::filesystem::path& log,
                          const std::function<void(const std::string& state, double time_s)>& poll);
+
+struct TalkOptions {
+  std::filesystem::path port;
+  double keep_alive_s = 0.25;  // between two signs of life
+};
+
+// A terminal for the firmware, which obeys no line without a check sum. Each whole line that `in` has is sent with one
+// (`?` and `!` as they are); what the firmware says goes to `out` and into the log without. At the end of `in`, and
+// when `poll` throws, what moves is told to stop. `poll` is called at least every 0.1 s. Throws Error: the log, the
+// port.
+void RunTalk(const TalkOptions& options, int in, std::ostream& out, const std::filesystem::path& log,
+             const std::function<void()>& poll);
 
 // What ALARM:N and error:N mean.
 std::string AlarmText(int number);

@@ -1,0 +1,140 @@
+// The times of SAFETY.md, measured with the compiled firmware and the converter of the data sheet.
+#include <fmt/format.h>
+
+#include <functional>
+
+#include "firmware_fixture.h"
+
+namespace lake {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class FirmwareFaultsTest : public FirmwareTest {
+ protected:
+  void WireEverything() {
+    actuator::FirmwareOptions& options = firmware_options_;
+    options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
+    options.supply_v = 12, options.current_sense = true;
+    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+  }
+
+  void BuildAndStand(const std::vector<linkage::StrokeProgram::Knot>& knots, double stroke_mm) {
+    Build(FreeDesign(knots), "");
+    rig_->SetStroke(stroke_mm);
+    rig_->Run(0.1);
+    rig_->KeepTalking(true);
+  }
+
+  // Until the bridge drives that way.
+  void RunUntilDuty(int sign) {
+    const double until = rig_->Time() + 10;
+    do {
+      rig_->Run(1e-3);
+      ASSERT_LT(rig_->Time(), until) << rig_->Serial();
+    } while (rig_->Samples().back().duty * sign <= 0);
+  }
+
+  // The time from `since` on until the fault is said; NaN if another is said, or none within 3 s.
+  double ToldAfter(double since_s, const std::string& alarm) {
+    const std::size_t from = rig_->Serial().size();
+    while (rig_->Time() < since_s + 3) {
+      rig_->Run(1e-3);
+      const std::size_t said = rig_->Serial().find("ALARM:", from);
+      if (said == std::string::npos || rig_->Serial().find('\n', said) == std::string::npos) continue;
+      return rig_->Serial().compare(said, alarm.size(), alarm) == 0 ? rig_->Time() - since_s : NAN;
+    }
+    return NAN;
+  }
+};
+
+const std::vector<linkage::StrokeProgram::Knot> kBothWays = {{0, 303}, {1, 306}, {1.5, 306}, {2.9, 303}};
+
+TEST_F(FirmwareFaultsTest, ALostSupplySenseIsOffWithin30MsInEveryState) {
+  struct Case {
+    const char* name;
+    std::function<void()> reach;
+  };
+  const auto ask = [&](const char* line) { ASSERT_TRUE(Asks(line, "ok")) << rig_->Serial(); };
+  const auto run = [&](double seconds) { ask("zero"), ask("run"), rig_->Run(seconds); };
+  const Case cases[] = {
+      {"idle", [] {}},
+      {"seeking", [&] { ask("home"), RunUntilDuty(-1), rig_->Run(0.1); }},
+      {"backing off", [&] { ask("home"), RunUntilDuty(1), rig_->Run(0.05); }},
+      {"coming again", [&] { ask("home"), RunUntilDuty(1), RunUntilDuty(-1), rig_->Run(0.05); }},
+      {"positioning", [&] { ask("home"), rig_->RunUntil(",positioning,", 10), RunUntilDuty(1); }},
+      {"running, up", [&] { run(0.5); }},
+      {"running, resting", [&] { run(1.25); }},
+      {"running, down", [&] { run(2); }},
+      {"hold", [&] { run(0.5), rig_->SendNow('!'), rig_->Run(0.2); }},
+      {"jogging, up", [&] { ask("jog 500 3000"), rig_->Run(0.4); }},
+      {"jogging, down", [&] { ask("jog -500 3000"), rig_->Run(0.4); }},
+  };
+  double longest_s = 0;
+  for (const bool everything : {false, true}) {
+    firmware_options_.supply_v = 12, home_below_start_mm_ = 5;
+    if (everything) WireEverything();
+    for (const Case& one : cases) {
+      BuildAndStand(kBothWays, 303);
+      one.reach();
+      ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << one.name;
+      const double since = rig_->Time();
+      rig_->Breaks().supply_wire = true;
+      const double told_s = ToldAfter(since, "ALARM:6\n");
+      EXPECT_LE(told_s, 0.03) << one.name << (everything ? ", everything wired\n" : "\n") << rig_->Serial();
+      EXPECT_LE(DriveTimeAfter(since), 0.03) << one.name;
+      rig_->Run(0.2);
+      EXPECT_EQ(rig_->Samples().back().duty, 0) << one.name;
+      longest_s = std::max(longest_s, told_s);
+    }
+  }
+  std::printf("lost supply sense, 22 cases: told after %.1f ms at most\n", 1e3 * longest_s);
+}
+
+// With everything wired, while it extends at 3 mm/s and retracts at 2.14.
+TEST_F(FirmwareFaultsTest, WhateverBreaksWhileItRunsIsOffInTheTimeOfSafetyMd) {
+  struct Break {
+    const char* name;
+    std::function<void(RigBreaks&)> act;
+    const char* alarm;
+    double most_s;
+  };
+  using Wiper = RigBreaks::Wiper;
+  const Break breaks[] = {
+      {"supply off", [](RigBreaks& b) { b.supply_wire = true; }, "ALARM:6\n", 0.03},
+      {"wiper lost", [](RigBreaks& b) { b.wiper = Wiper::kLost; }, "ALARM:7\n", 0.02},
+      {"wiper shorted", [](RigBreaks& b) { b.wiper = Wiper::kShorted; }, "ALARM:7\n", 0.02},
+      {"wiper frozen", [](RigBreaks& b) { b.wiper = Wiper::kFrozen; }, "ALARM:", 1.5},
+      {"rod blocked", [](RigBreaks& b) { b.is_blocked = true; }, "ALARM:", 1.5},
+      {"motor reversed", [](RigBreaks& b) { b.is_reversed = true; }, "ALARM:", 0.5},
+      {"runs away", [](RigBreaks& b) { b.runs_away_mm_s = 12; }, "ALARM:", 0.4},
+      {"short", [](RigBreaks& b) { b.motor_a = 6; }, "ALARM:12\n", 0.03},
+      {"stall current", [](RigBreaks& b) { b.motor_a = 2.5; }, "ALARM:12\n", 0.35},
+      {"no current", [](RigBreaks& b) { b.motor_a = 0; }, "ALARM:13\n", 0.35},
+      {"current wire lost", [](RigBreaks& b) { b.current_wire = true; }, "ALARM:12\n", 0.03},
+  };
+  WireEverything();
+  for (const Break& one : breaks) {
+    double longest_s = 0;
+    for (const double moment_s : {0.4, 2.0}) {
+      BuildAndStand({{0, 303}, {1.5, 307.5}, {1.7, 307.5}, {3.8, 303}}, 303);
+      ASSERT_TRUE(Asks("zero", "ok")) << rig_->Serial();
+      ASSERT_TRUE(Asks("run", "ok")) << rig_->Serial();
+      rig_->Run(moment_s);
+      ASSERT_THAT(rig_->Serial(), Not(HasSubstr("ALARM"))) << one.name;
+      const double since = rig_->Time();
+      one.act(rig_->Breaks());
+      ASSERT_LE(ToldAfter(since, one.alarm), one.most_s) << one.name << "\n" << rig_->Serial();
+      const double driven_s = DriveTimeAfter(since);
+      EXPECT_LE(driven_s, one.most_s) << one.name;
+      rig_->Run(0.2);
+      EXPECT_EQ(rig_->Samples().back().duty, 0) << one.name;
+      longest_s = std::max(longest_s, driven_s);
+    }
+    std::printf("%-18s off after %5.1f ms at most\n", one.name, 1e3 * longest_s);
+  }
+}
+
+}  // namespace
+}  // namespace lake
