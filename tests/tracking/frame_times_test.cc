@@ -23,9 +23,10 @@ struct ShownFrames {
 };
 
 // The scene's frames in this order at this rate. What is shown again is measured at the same place.
-ShownFrames Show(const synth::Scene& scene, std::uint64_t seed, std::vector<int> source, double rate_hz = kRateHz) {
+ShownFrames Show(const synth::Scene& scene, std::uint64_t seed, std::vector<int> source, double rate_hz = kRateHz,
+                 double noise_px = kNoisePx) {
   std::mt19937_64 random(seed);
-  std::normal_distribution<double> noise(0, kNoisePx);
+  std::normal_distribution<double> noise(0, noise_px);
   ShownFrames shown{{}, std::move(source)};
   for (const std::string& name : scene.Motion().Names()) shown.recording.markers.push_back({name, {}});
   for (std::size_t i = 0; i < shown.source.size(); ++i) {
@@ -38,7 +39,7 @@ ShownFrames Show(const synth::Scene& scene, std::uint64_t seed, std::vector<int>
       if (i > 0 && shown.source[i] == shown.source[i - 1])
         samples.push_back(samples.back());
       else
-        samples.push_back({truth.markers[m].px + off, kNoisePx, motion::SampleStatus::kDetected});
+        samples.push_back({truth.markers[m].px + off, noise_px, motion::SampleStatus::kDetected});
     }
   }
   return shown;
@@ -107,6 +108,24 @@ TEST(FrameTimes, OfAConvertedRateAreSaidToBeUneven) {
     EXPECT_EQ(of_right.uneven_s, 0) << seed;
     EXPECT_NEAR(of_right.captured_hz, 24, 0.01) << seed;
   }
+}
+
+// At rest the noise moves the markers like a slow movement, and a repetition cannot be told from a person who rests: of
+// the repetitions fewer are found than of the new frames. They were taken for those of a higher rate.
+TEST(FrameTimes, OfALowerRateAreFoundByItsPatternAlone) {
+  constexpr double kNoisy_px = 0.25;
+  for (const std::uint64_t seed : {745u, 746u})
+    for (const double shown_hz : {50.0, 30.0}) {
+      const synth::Scene scene = OneRise(seed, 25);
+      std::vector<int> source;
+      int repeated = 0;
+      for (int i = 0; i * 25 / shown_hz < scene.Frames(); ++i) {
+        source.push_back(static_cast<int>(i * 25 / shown_hz));
+        repeated += i > 0 && source.back() == source[source.size() - 2];
+      }
+      ShownFrames shown = Show(scene, seed, source, shown_hz, kNoisy_px);
+      EXPECT_EQ(CorrectFrameTimes({}, shown.recording).repeated.size(), repeated) << seed << ", " << shown_hz;
+    }
 }
 
 // Of 60 Hz every 2.4th frame, the nearest one, is up to 8 ms early or late: at 25 Hz a fifth of the time between two.

@@ -286,9 +286,9 @@ LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& tim
     if (!best.signals[s].converged) start.unsettled.emplace_back(kStateNames[s]);
     start.priors[s].roughness = best.signals[s].roughness;
     if (IsLength(static_cast<int>(s)))
-      // A walk whose steps per knot, alike over the memory, have this variance.
+      // What a walk whose speeds' correlation falls off within the memory adds to its variance with each knot.
       start.priors[s].slope_variance =
-          best.signals[s].slope_square * best.grid.step_s * std::max(kLengthMemory_s, best.grid.step_s);
+          2 * best.signals[s].slope_square * best.grid.step_s * std::max(kLengthMemory_s, best.grid.step_s);
     for (std::size_t k = 0; k < best.grid.count; ++k)
       start.coefficients[k * static_cast<std::size_t>(states) + s] = best.signals[s].coefficients[k];
   }

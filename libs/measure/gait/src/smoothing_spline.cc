@@ -124,10 +124,42 @@ std::optional<Round> RunRound(const SplineGrid& grid, const std::vector<Sample>&
   return round;
 }
 
+// How likely it is, at each difference, that the movement is no longer what it was where it was seen last or is seen
+// next; a movement goes on for about `memory_s`.
+std::vector<double> ChancesOfChange(const SplineGrid& grid, const std::vector<Sample>& samples, double memory_s) {
+  std::vector<double> time_s;
+  for (const Sample& sample : samples) time_s.push_back(sample.time_s);
+  const double usual_s = MedianInterval(time_s);
+  std::vector<double> chances;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k + 3 < grid.count; ++k) {
+    const double at_s = grid.start_s + (static_cast<double>(k) + 0.5) * grid.step_s;  // the middle of its jerk
+    while (next < time_s.size() && time_s[next] < at_s) ++next;
+    const double after_s = next < time_s.size() ? time_s[next] - at_s : INFINITY,
+                 before_s = next > 0 ? at_s - time_s[next - 1] : INFINITY;
+    chances.push_back(-std::expm1(-std::max(0.0, std::min(before_s, after_s) - usual_s / 2) / memory_s));
+  }
+  return chances;
+}
+
+// That of a quick movement: nine in ten of the differences that the data determine have less.
+double QuickRoughness(const std::vector<double>& roughness, const std::vector<double>& determined) {
+  constexpr double kQuick = 0.9;
+  std::vector<std::pair<double, double>> sorted;
+  for (std::size_t k = 0; k < roughness.size(); ++k)
+    sorted.emplace_back(roughness[k], determined[k + 1] - determined[k]);
+  std::ranges::sort(sorted);
+  double below = 0;
+  for (const auto& [value, weight] : sorted)
+    if ((below += weight) >= kQuick * determined.back()) return value;
+  return sorted.back().first;
+}
+
 // Of n differences, n − Σ V/q are determined by the data: their squares add up to that many times the variance q. In a
-// window around each, with a share of the whole.
+// window around each, with a share of the whole. What a person did in a gap nobody saw: it went on as beside it, or was
+// any movement of the recording; so that the error is known of quick ones too, a quick one.
 std::vector<double> NextRoughness(const Round& round, const std::vector<double>& roughness, std::size_t reach,
-                                  double common) {
+                                  double common, const std::vector<double>& chances_of_change) {
   const std::size_t n = roughness.size();
   std::vector<double> squares(n + 1, 0.0), determined(n + 1, 0.0);  // running sums
   for (std::size_t k = 0; k < n; ++k) {
@@ -140,6 +172,9 @@ std::vector<double> NextRoughness(const Round& round, const std::vector<double>&
     const std::size_t begin = k > reach ? k - reach : 0, end = std::min(n, k + reach + 1);
     next[k] = (squares[end] - squares[begin] + common * whole) / (determined[end] - determined[begin] + common);
   }
+  if (std::ranges::all_of(chances_of_change, [](double chance) { return chance == 0; })) return next;
+  const double quick = QuickRoughness(next, determined);
+  for (std::size_t k = 0; k < n; ++k) next[k] += chances_of_change[k] * (quick - next[k]);
   return next;
 }
 
@@ -243,6 +278,7 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
   SmoothSignal signal;
   signal.roughness.assign(grid.count - 3, roughness_of(options.cutoff_hz.value_or(kFirstCutoffHz), 1));
   signal.noise_share.assign(time_s.size(), 1);
+  const std::vector<double> chances_of_change = ChancesOfChange(grid, samples, options.memory_s);
   Round round;
   // What the path can follow is the path's: scatter is looked for when the roughness is nearly known.
   bool seeks_scatter = false;
@@ -257,7 +293,7 @@ SmoothSignal FitSmoothingSpline(const SplineGrid& grid, std::span<const double> 
     signal.noise_share = std::move(shares);
     for (Sample& sample : samples) sample.noise_share = signal.noise_share[sample.index];
     signal.noise_scale = ScatterOf(samples);
-    std::vector<double> next = NextRoughness(round, signal.roughness, reach, options.common);
+    std::vector<double> next = NextRoughness(round, signal.roughness, reach, options.common, chances_of_change);
     const double least = roughness_of(options.least_cutoff_hz, signal.noise_scale);
     for (double& q : next)
       q = options.cutoff_hz ? roughness_of(*options.cutoff_hz, signal.noise_scale) : std::max(q, least);

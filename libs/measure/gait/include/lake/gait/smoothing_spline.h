@@ -38,6 +38,7 @@ struct SmoothingOptions {
   std::optional<double> cutoff_hz;  // fixed instead of found
   double least_cutoff_hz = 0.5;     // a limb's motion is never slower; below it the normal equations lose their digits
   double window_s = 0.2;            // the roughness is alike over about this time to each side
+  double memory_s = 0.1;            // a movement that is not seen goes on as it was for about this time
   double common = 0.2;  // how many differences' worth of the whole recording's roughness each window takes in
   int max_iterations = 60;
 };
