@@ -48,7 +48,7 @@ TEST(MisalignmentReport, ShowsTheComparisonsNumbers) {
       page, HasSubstr(fmt::format("95 %: {:.2f} to ", 100 * comparison["intervals"]["relative_rms"][0].get<double>())));
   EXPECT_THAT(
       page,
-      HasSubstr("is placement: the joint sits 10.0 mm in front of the knee and 20.0 mm above it along the shank;"));
+      HasSubstr("is placement: the joint sits 10.0 mm in front of the knee and 20.0 mm above it along the shank."));
   // |D| = hypot(10, 20) everywhere, so RMS and largest distance agree but for the noise of 0.1 mm.
   EXPECT_NEAR(comparison["metrics"]["rms_mm"].get<double>(), std::hypot(10, 20), 0.1);
   EXPECT_THAT(page, HasSubstr("We compare the means of 3 repetitions"));

@@ -83,6 +83,22 @@ Table ActuatorsTable(const Json& assistance) {
   return table;
 }
 
+// Of the measured path, gone along at two paces.
+Table BalanceTable(const Json& balance) {
+  Table table{"Balance along the measured path: how far inside the foot the ground's force acts (negative: outside)",
+              {{"Pace"}, {"Rise (s)", 2}, {"Margin (mm)", 1}, {"At % of the rise", 0}, {"Knee moment, peak (N m)", 1}},
+              {}};
+  const auto add = [&](const char* name, const Json& pace, double rise_s) {
+    table.rows.push_back({name, rise_s, NumberOrNaN(pace.at("margin_mm")), NumberOrNaN(pace.at("at_percent")),
+                          NumberOrNaN(pace.at("peak_knee_nm"))});
+  };
+  add("the person's own", balance.at("own"), NumberOrNaN(balance.at("own").at("rise_s")));
+  add("as slowly as may be", balance.at("slow"), std::nan(""));
+  table.rows.push_back(
+      {"the slowest in balance", NumberOrNaN(balance.at("slowest_s")), std::nan(""), std::nan(""), std::nan("")});
+  return table;
+}
+
 }  // namespace
 
 Section LoadsChapter(const StudyFile&, const StudyResults& results) {
@@ -101,6 +117,7 @@ Section LoadsChapter(const StudyFile&, const StudyResults& results) {
   results.AddPicture("assistance/assistance.png", "Force, speed and power of the actuator over the rise",
                      "The actuator's force, speed and power in a rise as long as its title says, with its limits.",
                      Width::kFull, section);
+  section.blocks.push_back(BalanceTable(results.Summary("loads").at("balance")));
   if (assistance.contains("actuators")) section.blocks.push_back(ActuatorsTable(assistance));
   results.AddPicture("assistance/actuators_front.png", "Shortest rise against the share of the knee's moment",
                      "The shortest rise with each actuator, its links the best for it, against the share of the knee's "

@@ -14,37 +14,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string IntervalText(const Json& comparison) {
-  const Json interval = comparison.value("intervals", Json::object()).value("relative_rms", Json());
-  if (interval.is_null()) return "";
-  return fmt::format(" (95 % interval {} to {})", NumberText(100 * NumberOrNaN(interval.at(0)), 2),
-                     Quantity(100 * NumberOrNaN(interval.at(1)), "%"));
-}
-
 // Where the joint is on the leg that wears it.
 std::string JointText(const Json& comparison) {
   const Json joint = comparison.value("joint", Json());
   if (joint.is_null()) return "";
   const Json interval = joint.value("intervals", Json::object()).value("rms_mm", Json());
   return fmt::format(
-      "The exoskeleton's joint is {} RMS from the knee of the leg that wears it{}; moving it onto that knee leaves "
-      "{}. ",
+      "The exoskeleton's joint is {} RMS{} from the knee of the leg that wears it; moving it there leaves {}. ",
       Quantity(NumberOrNaN(joint.at("rms_mm")), "mm"),
       interval.is_null() ? ""
-                         : fmt::format(" (95 % interval {} to {})", NumberText(NumberOrNaN(interval.at(0)), 2),
-                                       Quantity(NumberOrNaN(interval.at(1)), "mm")),
+                         : fmt::format(" ({} to {})", NumberText(NumberOrNaN(interval.at(0)), 1),
+                                       NumberText(NumberOrNaN(interval.at(1)), 1)),
       Quantity(NumberOrNaN(joint.at("remainder_mm")), "mm"));
 }
 
 std::string WrongText(const Json& comparison) {
   const Json& metrics = comparison.at("metrics");
   return JointText(comparison) +
-         fmt::format(
-             "Its path differs from the knee's in the trial without it by {} RMS at equal percent of the rise: {} "
-             "of the shank length{}. {}",
-             Quantity(NumberOrNaN(metrics.at("rms_mm")), "mm"),
-             Quantity(100 * NumberOrNaN(metrics.at("relative_rms")), "%"), IntervalText(comparison),
-             DecompositionAdvice(comparison));
+         fmt::format("The knee paths of both trials differ by {} RMS, {} of the shank length. {}",
+                     Quantity(NumberOrNaN(metrics.at("rms_mm")), "mm"),
+                     Quantity(100 * NumberOrNaN(metrics.at("relative_rms")), "%"), DecompositionAdvice(comparison));
 }
 
 std::string BuildText(const StudyResults& results, const Json& redesign) {
@@ -62,7 +51,7 @@ std::string BuildText(const StudyResults& results, const Json& redesign) {
                       NumberText(NumberOrNaN(stroke.at(1)), 2),
                       fmt::format("{} mm", NumberText(NumberOrNaN(simulation.at("travel_mm")), 2)));
   if (const double force_n = LargestForce(results); std::isfinite(force_n))
-    text += fmt::format(". To hold {} at the knee the actuator pushes with at most {}",
+    text += fmt::format(". To hold {} it pushes with at most {}",
                         Quantity(NumberOrNaN(simulation.at("knee_torque_nm")), "N m"), Quantity(force_n, "N"));
   return text + ".";
 }
@@ -116,17 +105,14 @@ std::string BalanceText(const StudyResults& results, const Json& redesign) {
     return fmt::format("Yes, by momentum: along this path a rise takes {} at most.", Quantity(slowest_s, "s"));
   const Json interval = slow.value("margin_interval_mm", Json());
   const double most_mm = interval.is_array() ? NumberOrNaN(interval.at(1)) : margin_mm;
-  std::string text = fmt::format(
-      "{}: the program keeps the path of the person's own rise. In {} the ground's force would have to act {} outside "
-      "the foot at {:.0f} % of the rise{}.",
-      most_mm < 0 ? "Not without being held" : "Perhaps not without being held", Quantity(program_s, "s"),
-      Quantity(-margin_mm, "mm"), NumberOrNaN(slow.at("at_percent")),
-      interval.is_array() ? fmt::format(" (95 % interval {} to {}; outside is positive)", NumberText(-most_mm, 0),
-                                        Quantity(-NumberOrNaN(interval.at(0)), "mm"))
-                          : "");
-  if (std::isfinite(slowest_s))
-    text += fmt::format(" By momentum, a rise along it takes {} at most.", Quantity(slowest_s, "s"));
-  return text + " Lean farther forward, draw the feet back, or let arm rests or a helper hold the person.";
+  std::string text = most_mm < 0 ? "Not without being held" : "Perhaps not without being held";
+  text += ": the program keeps the path of the person's own rise";
+  if (std::isfinite(slowest_s)) text += fmt::format(", which is in balance for {} at most", Quantity(slowest_s, "s"));
+  text += fmt::format(". In {} the ground's force would act {} outside the foot", Quantity(program_s, "s"),
+                      Quantity(-margin_mm, "mm"));
+  if (interval.is_array())
+    text += fmt::format(" ({} to {})", NumberText(-most_mm, 1), NumberText(-NumberOrNaN(interval.at(0)), 1));
+  return text + ". Lean farther forward, draw the feet back, or let something hold the person.";
 }
 
 // What the design was asked to clear.
@@ -173,7 +159,7 @@ std::string SureText(const StudyResults& results, const Json& redesign) {
     if (trial.is_object() && std::isfinite(worn))
       text += fmt::format(" For the worn design the same prediction gives {} where {} was measured.",
                           Quantity(worn, "%"), Quantity(NumberOrNaN(trial.at("misalignment_percent")), "%"));
-    text += fmt::format(" Below {} a recording shows only noise and how markers were put back.",
+    text += fmt::format(" Below {}, the noise floor, a recording shows only noise.",
                         Quantity(NumberOrNaN(redesign.at("noise_floor_percent")), "%"));
   }
   return text + " " + BodyText(results);
@@ -187,8 +173,7 @@ std::string NextText(const StudyResults& results) {
       AskedClearances(results).is_null()
           ? "Require clearances of the design (study file, reoptimize: clearances) or find a mount clear "
           : "Find a mount clear ";
-  return (clear ? std::string("Cut the links")
-                : mount + std::string("of body and seat (see the warnings), cut the links")) +
+  return (clear ? std::string("Cut the links") : mount + std::string("of body and seat, cut the links")) +
          ", test the firmware on the bench without a person, then record the same movement with the new design and "
          "check the prediction (lake compare, lake stroke --validate).";
 }
