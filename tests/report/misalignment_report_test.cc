@@ -43,7 +43,8 @@ TEST(MisalignmentReport, ShowsTheComparisonsNumbers) {
   const Json comparison = Placed(3);
   const std::string page = PageOf(comparison);
   const double rms = comparison["metrics"]["relative_rms"].get<double>();
-  EXPECT_THAT(page, HasSubstr(fmt::format("<dt>path difference, RMS, of the shank</dt><dd><span class=\"value\">{:.2f}", 100 * rms)));
+  EXPECT_THAT(page, HasSubstr(fmt::format("<dt>path difference, RMS, of the shank</dt><dd><span class=\"value\">{:.2f}",
+                                          100 * rms)));
   EXPECT_THAT(
       page, HasSubstr(fmt::format("95 %: {:.2f} to ", 100 * comparison["intervals"]["relative_rms"][0].get<double>())));
   EXPECT_THAT(

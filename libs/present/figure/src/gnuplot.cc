@@ -11,9 +11,9 @@
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/child_program.h"
-#include "lake/core/file_descriptor.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
+#include "lake/core/file_descriptor.h"
 #include "lake/core/processes.h"
 #include "lake/figure/theme.h"
 
