@@ -128,6 +128,7 @@ std::optional<Round> RunRound(const SplineGrid& grid, const std::vector<Sample>&
 // next; a movement goes on for about `memory_s`.
 std::vector<double> ChancesOfChange(const SplineGrid& grid, const std::vector<Sample>& samples, double memory_s) {
   std::vector<double> time_s;
+  time_s.reserve(samples.size());
   for (const Sample& sample : samples) time_s.push_back(sample.time_s);
   const double usual_s = MedianInterval(time_s);
   std::vector<double> chances;
