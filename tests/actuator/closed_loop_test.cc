@@ -155,10 +155,10 @@ struct Break {
 };
 
 const Break kBreaks[] = {
-    {"lost wiper", [](HostRig& rig) { rig.Breaks().wiper = HostBreaks::Wiper::kLost; }, {"ALARM:7\n"}, 0.03, 0.3},
-    {"shorted wiper", [](HostRig& rig) { rig.Breaks().wiper = HostBreaks::Wiper::kShorted; }, {"ALARM:7\n"}, 0.03, 0.3},
+    {"lost wiper", [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kLost; }, {"ALARM:7\n"}, 0.03, 0.3},
+    {"shorted wiper", [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kShorted; }, {"ALARM:7\n"}, 0.03, 0.3},
     {"frozen wiper",
-     [](HostRig& rig) { rig.Breaks().wiper = HostBreaks::Wiper::kFrozen; },
+     [](HostRig& rig) { rig.Breaks().wiper = RigBreaks::Wiper::kFrozen; },
      {"ALARM:8\n", "ALARM:11\n"},
      1.5,
      5},
@@ -278,7 +278,7 @@ TEST_F(ClosedLoopTest, AMillionMillisecondsOfEverything) {
     if (one_in(9000)) rig_->Send("resume"), rig_->Send("go");
     if (one_in(40000)) rig_->PullWire(one_in(2), true);
     if (one_in(2000)) rig_->PullWire(true, false), rig_->PullWire(false, false);
-    if (one_in(60000)) rig_->Breaks().wiper = static_cast<HostBreaks::Wiper>(random() % 4);
+    if (one_in(60000)) rig_->Breaks().wiper = static_cast<RigBreaks::Wiper>(random() % 4);
     if (one_in(4000)) rig_->Breaks() = {};
     if (one_in(90000)) rig_->PowerUp();
     rig_->Run(1e-3);

@@ -181,7 +181,7 @@ void HostRig::Sense() {
       static_cast<std::uint8_t>((pulled_[0] || stroke_mm_ <= actuator_.retract_stop_mm ? END_STOP_RETRACT : 0) |
                                 (pulled_[1] || stroke_mm_ >= actuator_.extend_stop_mm ? END_STOP_EXTEND : 0));
   const auto [at_0, at_5] = actuator_.potentiometer_mm;
-  using Wiper = HostBreaks::Wiper;
+  using Wiper = RigBreaks::Wiper;
   if (breaks_.wiper != Wiper::kFrozen) frozen_v_ = 5 * (stroke_mm_ - at_0) / (at_5 - at_0);
   const double wiper_v = breaks_.wiper == Wiper::kLost ? 0 : breaks_.wiper == Wiper::kShorted ? 5 : frozen_v_;
   const double supply = actuator_.supply ? actuator_.supply(Time()) : 1;

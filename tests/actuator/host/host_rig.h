@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "actuator/rig_breaks.h"
 #include "host_board.h"
 #include "lake/actuator/duty_table.h"
 #include "serial.h"
@@ -34,17 +35,6 @@ struct HostActuator {
   double supply_v = 12, supply_divider = 4.9;                     // on A2
   double idle_a = 0.3, a_per_n = 0.004, stall_a = 4;              // of the motor; an ACS712-05B on A1
   unsigned seed = 1;
-};
-
-// What may break; the end stops' wires are pulled by PullWire.
-struct HostBreaks {
-  enum class Wiper { kFine, kLost, kShorted, kFrozen };
-
-  Wiper wiper = Wiper::kFine;  // lost: pulled down to 0 V; shorted: at 5 V
-  bool supply_wire = false, current_wire = false;
-  bool is_reversed = false;   // the motor
-  bool is_blocked = false;    // the rod
-  double runs_away_mm_s = 0;  // whatever the bridge does
 };
 
 struct HostSample {
@@ -80,7 +70,7 @@ class HostRig {
   double Duty() const;  // of the bridge now, signed
   bool IsShorted() const { return board_->shorted != 0; }
   HostActuator& Actuator() { return actuator_; }
-  HostBreaks& Breaks() { return breaks_; }
+  RigBreaks& Breaks() { return breaks_; }
   host_board_t& Board() { return *board_; }
   bool ResumeAsks();                                     // both steps
   const std::string& Serial() const { return serial_; }  // without the check sums, which were right
@@ -110,7 +100,7 @@ class HostRig {
   void (*protocol_turn_)() = nullptr;
   realtime_t (*protocol_realtime_)(char) = nullptr;
   HostActuator actuator_;
-  HostBreaks breaks_;
+  RigBreaks breaks_;
   double target_mm_s_ = 0, free_mm_s_ = 0, frozen_v_ = 0;
   std::mt19937 random_;
   double speed_mm_s_ = 0, motor_mm_ = 0, stroke_mm_ = 0;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "actuator/rig_breaks.h"
 #include "datasheet_peripherals.h"
 #include "lake/actuator/duty_table.h"
 
@@ -52,16 +53,8 @@ struct ActuatorModel {
   double potentiometer_mm[2] = {0, 500};  // strokes at 0 V and 5 V of A0
 };
 
-// What may break; the end stops' wires are pulled by PullWire.
-struct RigBreaks {
-  enum class Wiper { kFine, kLost, kShorted, kFrozen };
-
-  Wiper wiper = Wiper::kFine;  // lost: pulled down to 0 V; shorted: at 5 V
-  bool supply_wire = false, current_wire = false;
-  bool is_reversed = false;   // the motor
-  bool is_blocked = false;    // the rod
-  double runs_away_mm_s = 0;  // whatever the bridge does
-  double motor_a = 0.5;       // while it is driven
+struct AvrBreaks : RigBreaks {
+  double motor_a = 0.5;  // while it is driven
 };
 
 class AvrRig {
@@ -80,7 +73,7 @@ class AvrRig {
   void KeepTalking(bool on) { talking_ = on; }  // a sign of life every half second, as a host does
   void PullWire(bool retract, bool pulled);     // an end stop's wire off: reads as pressed
 
-  RigBreaks& Breaks() { return breaks_; }
+  AvrBreaks& Breaks() { return breaks_; }
   double Time() const;
   double Stroke() const { return actuator_.stroke_mm; }
   void SetStroke(double stroke_mm) { actuator_.stroke_mm = stroke_mm; }
@@ -107,7 +100,7 @@ class AvrRig {
 
   avr_t* avr_ = nullptr;
   ActuatorModel actuator_;
-  RigBreaks breaks_;
+  AvrBreaks breaks_;
   double speed_mm_s_ = 0, wiper_ = 0;
   BridgeInputs inputs_;
   bool pulled_[2] = {false, false};

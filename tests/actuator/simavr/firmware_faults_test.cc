@@ -13,13 +13,6 @@ using testing::Not;
 
 class FirmwareFaultsTest : public FirmwareTest {
  protected:
-  void WireEverything() {
-    actuator::FirmwareOptions& options = firmware_options_;
-    options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
-    options.supply_v = 12, options.current_sense = true;
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
-  }
-
   void BuildAndStand(const std::vector<linkage::StrokeProgram::Knot>& knots, double stroke_mm) {
     Build(FreeDesign(knots), "");
     rig_->SetStroke(stroke_mm);
@@ -96,23 +89,23 @@ TEST_F(FirmwareFaultsTest, ALostSupplySenseIsOffWithin30MsInEveryState) {
 TEST_F(FirmwareFaultsTest, WhateverBreaksWhileItRunsIsOffInTheTimeOfSafetyMd) {
   struct Break {
     const char* name;
-    std::function<void(RigBreaks&)> act;
+    std::function<void(AvrBreaks&)> act;
     const char* alarm;
     double most_s;
   };
-  using Wiper = RigBreaks::Wiper;
+  using Wiper = AvrBreaks::Wiper;
   const Break breaks[] = {
-      {"supply off", [](RigBreaks& b) { b.supply_wire = true; }, "ALARM:6\n", 0.03},
-      {"wiper lost", [](RigBreaks& b) { b.wiper = Wiper::kLost; }, "ALARM:7\n", 0.02},
-      {"wiper shorted", [](RigBreaks& b) { b.wiper = Wiper::kShorted; }, "ALARM:7\n", 0.02},
-      {"wiper frozen", [](RigBreaks& b) { b.wiper = Wiper::kFrozen; }, "ALARM:", 1.5},
-      {"rod blocked", [](RigBreaks& b) { b.is_blocked = true; }, "ALARM:", 1.5},
-      {"motor reversed", [](RigBreaks& b) { b.is_reversed = true; }, "ALARM:", 0.5},
-      {"runs away", [](RigBreaks& b) { b.runs_away_mm_s = 12; }, "ALARM:", 0.4},
-      {"short", [](RigBreaks& b) { b.motor_a = 6; }, "ALARM:12\n", 0.03},
-      {"stall current", [](RigBreaks& b) { b.motor_a = 2.5; }, "ALARM:12\n", 0.35},
-      {"no current", [](RigBreaks& b) { b.motor_a = 0; }, "ALARM:13\n", 0.35},
-      {"current wire lost", [](RigBreaks& b) { b.current_wire = true; }, "ALARM:12\n", 0.03},
+      {"supply off", [](AvrBreaks& b) { b.supply_wire = true; }, "ALARM:6\n", 0.03},
+      {"wiper lost", [](AvrBreaks& b) { b.wiper = Wiper::kLost; }, "ALARM:7\n", 0.02},
+      {"wiper shorted", [](AvrBreaks& b) { b.wiper = Wiper::kShorted; }, "ALARM:7\n", 0.02},
+      {"wiper frozen", [](AvrBreaks& b) { b.wiper = Wiper::kFrozen; }, "ALARM:", 1.5},
+      {"rod blocked", [](AvrBreaks& b) { b.is_blocked = true; }, "ALARM:", 1.5},
+      {"motor reversed", [](AvrBreaks& b) { b.is_reversed = true; }, "ALARM:", 0.5},
+      {"runs away", [](AvrBreaks& b) { b.runs_away_mm_s = 12; }, "ALARM:", 0.4},
+      {"short", [](AvrBreaks& b) { b.motor_a = 6; }, "ALARM:12\n", 0.03},
+      {"stall current", [](AvrBreaks& b) { b.motor_a = 2.5; }, "ALARM:12\n", 0.35},
+      {"no current", [](AvrBreaks& b) { b.motor_a = 0; }, "ALARM:13\n", 0.35},
+      {"current wire lost", [](AvrBreaks& b) { b.current_wire = true; }, "ALARM:12\n", 0.03},
   };
   WireEverything();
   for (const Break& one : breaks) {

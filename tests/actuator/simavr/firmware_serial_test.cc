@@ -16,10 +16,7 @@ using testing::Not;
 class FirmwareSerialTest : public FirmwareTest {
  protected:
   void SetUp() override {
-    actuator::FirmwareOptions& options = firmware_options_;
-    options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
-    options.supply_v = 12, options.current_sense = true;
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    WireEverything();
     Build(FreeDesign({{0, 300}, {30, 330}}), "");
     rig_->Run(0.1);
   }

@@ -14,10 +14,7 @@ using testing::Not;
 class FirmwareTimingTest : public FirmwareTest {
  protected:
   void BuildWithEverythingWired() {
-    actuator::FirmwareOptions& options = firmware_options_;
-    options.feedback = actuator::Feedback::kPotentiometer, options.potentiometer = {0, 240, 1023, 380};
-    options.supply_v = 12, options.current_sense = true;
-    actuator_.potentiometer_mm[0] = 240, actuator_.potentiometer_mm[1] = 380;
+    WireEverything();
     Build(FreeDesign({{0, 300}, {0.8, 304.8}, {1.6, 307.2}, {2.4, 302}, {2.7, 302}, {3.1, 300}}), "");
     rig_->Run(0.1);
     rig_->KeepTalking(true);

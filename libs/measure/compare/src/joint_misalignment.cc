@@ -13,14 +13,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Columns x anterior, y along an axis that points up the leg.
-Eigen::Matrix2d AxesAlong(const Vector2d& up_the_leg) {
-  const Vector2d y = up_the_leg.normalized();
-  Eigen::Matrix2d axes;
-  axes << y.y(), y.x(), -y.x(), y.y();
-  return axes;
-}
-
 // The repetitions with the joint's place against the worn knee, in the shank's frame, for their knee.
 RegisteredTrial AgainstKnee(const RegisteredTrial& exo) {
   RegisteredTrial against;
@@ -88,10 +80,6 @@ JointMisalignment::Intervals DrawIntervals(const RegisteredTrial& against, const
 }
 
 }  // namespace
-
-Interval PercentileInterval(const std::vector<double>& draws) {
-  return {Quantile(draws, 0.025), Quantile(draws, 0.975)};
-}
 
 std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& exo, const std::vector<bool>& spike,
                                                        const JointNoise& noise) {

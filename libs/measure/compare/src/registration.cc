@@ -218,11 +218,15 @@ std::vector<double> ShankLengths(const StsCurve& curve) {
   return lengths;
 }
 
-Eigen::Matrix2d ShankAxes(const StsCurve& curve, std::size_t sample) {
-  const Vector2d y = (curve.knee[sample] - curve.ankle[sample]).normalized();
+Eigen::Matrix2d AxesAlong(const Vector2d& up_the_leg) {
+  const Vector2d y = up_the_leg.normalized();
   Eigen::Matrix2d axes;
   axes << y.y(), y.x(), -y.x(), y.y();
   return axes;
+}
+
+Eigen::Matrix2d ShankAxes(const StsCurve& curve, std::size_t sample) {
+  return AxesAlong(curve.knee[sample] - curve.ankle[sample]);
 }
 
 }  // namespace lake::compare

@@ -339,21 +339,24 @@ class EventFinder {
                                      {&s_.hip_behind, o_.rest_hip * travel},
                                      {&s_.knee_deg, o_.rest_knee * Range(s_.knee_deg, rise)},
                                      {&s_.trunk_deg, o_.rest_trunk * Range(s_.trunk_deg, rise)}};
-    Span rest = before;
-    bool is_long = false;
-    for (const double narrowing : {1.0, 1.0 / 4, 1.0 / 16}) {
-      const std::optional<Span> still = LastStill(rest, pause_s, narrowing, bands);
-      if (!still) break;
-      rest = *still, is_long = true;
+    std::optional<Span> rest = LastStill(before, pause_s, 1, bands);
+    if (!rest) {
+      const Span longest = LongestStill(before, bands);
+      if (Seconds(longest) >= o_.first_rest_s) return longest;
+      const std::size_t turn = Slowest(before, bands);
+      return {turn, turn};
     }
-    if (is_long) return {std::max(rest.begin, FrameAt(s_.time_s[rest.end] - pause_s, rest.end)), rest.end};
-    for (std::size_t end = before.begin; end <= before.end; ++end) {
-      const Span still = {StillFrom(before.begin, end, 1, bands), end};
-      if (Seconds(still) > Seconds(rest) || end == before.begin) rest = still;
-    }
-    if (Seconds(rest) >= o_.first_rest_s) return rest;
-    const std::size_t turn = Slowest(before, bands);
-    return {turn, turn};
+    for (const double narrowing : {1.0 / 4, 1.0 / 16})
+      if (const auto narrower = LastStill(*rest, pause_s, narrowing, bands)) rest = narrower;
+    return {std::max(rest->begin, FrameAt(s_.time_s[rest->end] - pause_s, rest->end)), rest->end};
+  }
+
+  Span LongestStill(Span in, const std::vector<Band>& bands) const {
+    Span longest = {in.begin, in.begin};
+    for (std::size_t end = in.begin + 1; end <= in.end; ++end)
+      if (const Span still = {StillFrom(in.begin, end, 1, bands), end}; Seconds(still) > Seconds(longest))
+        longest = still;
+    return longest;
   }
 
   double Seconds(Span span) const { return s_.time_s[span.end] - s_.time_s[span.begin]; }

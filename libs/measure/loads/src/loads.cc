@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "balance.h"
 #include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/interrupt.h"
@@ -12,6 +13,7 @@
 #include "lake/core/statistics.h"
 #include "lake/gait/butterworth.h"
 #include "lake/loads/clock_offset.h"
+#include "loads_model.h"
 
 namespace lake::loads {
 namespace {
@@ -19,13 +21,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kLow = 0.025, kHigh = 0.975;
-
-// The events of one repetition; absent where the recording has none.
-struct Rise {
-  int repetition = 0;
-  double onset_s = 0, seat_off_s = 0, standing_s = 0;
-  std::optional<double> descent_s, seated_s;
-};
 
 std::vector<Rise> RisesOf(const std::vector<motion::StsEvent>& events) {
   std::map<int, std::map<motion::StsEventKind, double>> times;
@@ -51,10 +46,6 @@ std::vector<Rise> RisesOf(const std::vector<motion::StsEvent>& events) {
   return rises;
 }
 
-std::size_t FrameFrom(const std::vector<double>& time_s, double at_s) {
-  return static_cast<std::size_t>(std::lower_bound(time_s.begin(), time_s.end(), at_s) - time_s.begin());
-}
-
 // The rise from where the seat has let go until a second after standing, and the way down until the seat is touched.
 std::vector<Window> WindowsOf(const std::vector<Rise>& rises, const std::vector<double>& time_s,
                               const LoadsOptions& options) {
@@ -71,17 +62,6 @@ std::vector<Window> WindowsOf(const std::vector<Rise>& rises, const std::vector<
       windows.push_back({FrameFrom(time_s, *rise.descent_s), FrameFrom(time_s, down_s)});
   }
   return windows;
-}
-
-// Where a time is between two frames.
-struct Between {
-  std::size_t before = 0;
-  double part = 0;
-};
-
-Between Locate(const std::vector<double>& time_s, double at_s) {
-  const std::size_t after = std::clamp<std::size_t>(FrameFrom(time_s, at_s), 1, time_s.size() - 1);
-  return {after - 1, std::clamp((at_s - time_s[after - 1]) / (time_s[after] - time_s[after - 1]), 0.0, 1.0)};
 }
 
 // The forces at the frames' times, low-passed as the positions are; nullopt where there are none.
@@ -104,14 +84,6 @@ std::vector<std::optional<Wrench>> ForcesAtFrames(const GroundForces& forces, co
   }
   return at_frames;
 }
-
-// Everything that moments at a moment are worked out from; a draw has its own.
-struct Model {
-  LegPath path;
-  LegBody body;
-  std::optional<TrunkFit> trunk;              // without plates
-  std::vector<std::optional<Wrench>> ground;  // with plates, per frame
-};
 
 LegLoads LoadsAt(const Model& model, std::size_t frame) {
   const LegPoints& points = model.path.frames[frame];
@@ -137,14 +109,6 @@ std::optional<LegLoads> LoadsAtTime(const Model& model, double at_s) {
   const Between b = Locate(model.path.time_s, at_s);
   if (!IsKnown(model, b.before) || !IsKnown(model, b.before + 1)) return std::nullopt;
   return Mix(LoadsAt(model, b.before), LoadsAt(model, b.before + 1), b.part);
-}
-
-double TimeOf(const Rise& rise, int percent) {
-  return std::lerp(rise.onset_s, rise.standing_s, percent / 100.0);
-}
-
-bool SeatIsLeft(const Rise& rise, double at_s, const LoadsOptions& options) {
-  return at_s >= rise.seat_off_s + options.seat_release_s;
 }
 
 // The knee's moments of one rise, NaN where not known: what draws are compared by.
@@ -478,75 +442,6 @@ void WarnOfTrunk(const Model& model, const std::vector<Window>& windows, const L
                     kMmPerM * model.trunk->AlongM(), kMmPerM * model.trunk->AcrossM()));
 }
 
-constexpr double kSlow_s = 1000;  // no acceleration is left
-
-// The same points at a pace by a factor faster.
-LegPoints Faster(LegPoints points, double factor) {
-  for (PointMotion& point : points) point.velocity_m_s *= factor, point.acceleration_m_s2 *= factor * factor;
-  return points;
-}
-
-// Of the rises' mean, in a time; `trunk`: where its centre is at the person's own pace.
-PaceLoads AtPace(const Model& model, const TrunkFit& trunk, const std::vector<Rise>& rises, double rise_s,
-                 const LoadsOptions& options) {
-  const auto row_of = [&](const Rise& rise, int percent) -> std::optional<PaceRow> {
-    const double at_s = TimeOf(rise, percent), factor = (rise.standing_s - rise.onset_s) / rise_s;
-    const std::size_t frame = Locate(model.path.time_s, at_s).before;
-    if (!SeatIsLeft(rise, at_s, options) || !model.path.known[frame]) return std::nullopt;
-    Displacement beside = trunk.At(model.path, frame);
-    beside.acceleration_m_s2 *= factor * factor;
-    const LegLoads loads = LoadsFromTrunk(Faster(model.path.frames[frame], factor), model.body, beside);
-    return PaceRow{static_cast<double>(percent), rise_s * percent / 100, loads.moments.knee_nm, kMmPerM * loads.zmp_m,
-                   0};
-  };
-  PaceLoads pace{.rise_s = rise_s, .rows = {}, .margin_mm = LoadsRow::kUnknown, .at_percent = LoadsRow::kUnknown};
-  for (int percent = 0; percent < kPercents; ++percent) {
-    PaceRow mean{.percent = static_cast<double>(percent), .time_s = rise_s * percent / 100};
-    double count = 0;
-    for (const Rise& rise : rises)
-      if (const auto row = row_of(rise, percent)) ++count, mean.knee_nm += row->knee_nm, mean.zmp_mm += row->zmp_mm;
-    if (count < static_cast<double>(rises.size())) continue;
-    mean.knee_nm /= count, mean.zmp_mm /= count;
-    mean.margin_mm =
-        std::min(mean.zmp_mm + kMmPerM * model.body.sole.heel_m, kMmPerM * model.body.sole.toe_m - mean.zmp_mm);
-    pace.rows.push_back(mean);
-    if (!(mean.margin_mm >= pace.margin_mm)) pace.margin_mm = mean.margin_mm, pace.at_percent = mean.percent;
-  }
-  return pace;
-}
-
-double MeanDuration(const std::vector<Rise>& rises) {
-  double sum_s = 0;
-  for (const Rise& rise : rises) sum_s += rise.standing_s - rise.onset_s;
-  return sum_s / static_cast<double>(rises.size());
-}
-
-Balance FindBalance(const Model& model, const TrunkFit& trunk, const std::vector<Rise>& rises,
-                    const LoadsOptions& options) {
-  constexpr double kStep = 1.02;
-  const auto at = [&](double rise_s) { return AtPace(model, trunk, rises, rise_s, options); };
-  Balance balance{.own = at(MeanDuration(rises)), .slow = at(kSlow_s), .slowest_s = {}, .asked = {}};
-  if (balance.own.margin_mm >= 0 && balance.slow.margin_mm < 0) {
-    double rise_s = balance.own.rise_s;
-    while (at(kStep * rise_s).margin_mm >= 0) rise_s *= kStep;
-    balance.slowest_s = rise_s;
-  }
-  if (options.rise_s) balance.asked = at(*options.rise_s);
-  return balance;
-}
-
-void WarnOfBalance(const Balance& balance, LoadsResult& result) {
-  if (!balance.asked || balance.asked->margin_mm >= 0) return;
-  const PaceLoads& asked = *balance.asked;
-  result.warnings.push_back(fmt::format(
-      "along this path in {:.3g} s nobody keeps the balance: at {:.0f} % of the rise the ground's force has to act "
-      "{:.0f} "
-      "mm outside the foot{}; lean farther forward, draw the feet back, or let something hold the person",
-      asked.rise_s, asked.at_percent, -asked.margin_mm,
-      balance.slowest_s ? fmt::format(" (the path is one of momentum, and takes {:.2g} s at most)", *balance.slowest_s)
-                        : ""));
-}
-
 }  // namespace
 
 void Describe(LoadsOptions& o, OptionList& options) {
@@ -602,7 +497,7 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
     } else {
       const TrunkFit fit(drawn.path, drawn.body, windows, drawing.Prior(options.trunk));
       drawn.trunk = fit.Draw(drawing.Random());
-      slow_margin_mm.push_back(AtPace(drawn, *drawn.trunk, rises, kSlow_s, options).margin_mm);
+      slow_margin_mm.push_back(SlowMargin(drawn, *drawn.trunk, rises, options));
       along_m.push_back(drawn.trunk->AlongM());
       across_m.push_back(drawn.trunk->AcrossM());
     }
@@ -619,7 +514,7 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   SetBands(MeanCurves(curves), result.mean);
   result.balance = FindBalance(
       model, model.trunk ? *model.trunk : TrunkFit(model.path, model.body, windows, options.trunk), rises, options);
-  WarnOfBalance(result.balance, result);
+  if (const auto warning = BalanceWarning(result.balance)) result.warnings.push_back(*warning);
   if (forces) {
     WarnOfForces(model, rises, options, result);
     WarnOfClock(model, windows, options, result);

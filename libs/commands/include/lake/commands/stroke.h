@@ -50,7 +50,6 @@ struct StrokeSessionRunOptions {
 };
 void Describe(StrokeSessionRunOptions& options, OptionList& list);
 
-// Runs the firmware in the board and writes log.csv, the firmware's rows as they came.
 struct StrokeTalkRunOptions {
   actuator::TalkOptions talk;
 };
@@ -59,6 +58,7 @@ void Describe(StrokeTalkRunOptions& options, OptionList& list);
 // A terminal for the firmware, on standard input and output; writes serial.csv, which the calibration reads.
 Json RunStrokeTalk(const StrokeTalkRunOptions& options, Run& run);
 
+// Runs the firmware in the board and writes log.csv, the firmware's rows as they came.
 Json RunStrokeSession(const StrokeSessionRunOptions& options, Run& run);
 std::string StrokeSessionReport(const Json& summary);
 

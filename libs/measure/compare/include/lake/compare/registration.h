@@ -62,6 +62,9 @@ StsCurve MeanCurve(const std::vector<StsCurve>& curves);
 // |AK| in mm.
 std::vector<double> ShankLengths(const StsCurve& curve);
 
+// A frame along an axis that points up the leg: columns x anterior, y along it.
+Eigen::Matrix2d AxesAlong(const Eigen::Vector2d& up_the_leg);
+
 // The shank frame at a sample: columns x anterior, y from ankle to knee.
 Eigen::Matrix2d ShankAxes(const StsCurve& curve, std::size_t sample);
 
