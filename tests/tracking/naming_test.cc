@@ -312,6 +312,35 @@ TEST(Naming, LostPairsAreNeverSwapped) {
   }
 }
 
+// Belt and hip are near one another. The belt is hidden first and is back before the hip: what goes on where the hip
+// could have gone on, a sixth of a second after it was lost, is not the hip.
+TEST(Naming, ANeighbourThatComesBackFirstIsNotTakenForTheMarker) {
+  constexpr double kNear = 0.25;  // of the trunk's length
+  for (unsigned seed = 1; seed <= 10; ++seed)
+    for (const int shift : {-20, 0, 20}) {
+      const LegScene scene{.facing = seed % 2 ? 1 : -1, .seed = seed};
+      const auto belt = [=](int frame) -> Vector2d {
+        const auto leg = Leg(scene, Upright(scene, frame));
+        return leg[2] + kNear * (leg[3] - leg[2]);
+      };
+      Seen seen(seed, scene.noise_px);
+      seen.AddMarker(scene, 0).AddMarker(scene, 1);
+      seen.Add(belt, 0, 79 + shift).Add(belt, 107 + shift);
+      seen.AddMarker(scene, 2, 0, 97 + shift).AddMarker(scene, 2, 140 + shift);
+      const motion::MarkerRecording recording = Name(seen, LegOptions());
+      int known = 0;
+      for (int frame = 0; frame < kFrames; ++frame)
+        for (const auto& [name, place] :
+             {std::pair("hip", Leg(scene, Upright(scene, frame))[2]), std::pair("waist", belt(frame))}) {
+          const motion::MarkerSample& sample = recording.Find(name)->samples[static_cast<std::size_t>(frame)];
+          if (!sample.IsKnown()) continue;
+          ++known;
+          EXPECT_LE((sample.position - place).norm(), 0.5) << name << ", seed " << seed << ", frame " << frame;
+        }
+      EXPECT_EQ(known, 2 * kFrames - 27 - 42) << "seed " << seed << ", shift " << shift;  // all that was seen
+    }
+}
+
 // Hands hide knee, hip and waist one after the other while the subject rises. The waist of who sits is lower than the
 // hip of who stands: two pieces of the hip, one as the knee and one as the waist, passed for a leg.
 TEST(Naming, PiecesOfOneMarkerAreNotTwo) {

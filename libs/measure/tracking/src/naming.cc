@@ -10,6 +10,7 @@
 #include "lake/core/error.h"
 #include "lake/tracking/candidates.h"
 #include "leg_chain.h"
+#include "path_join.h"
 #include "rigidity.h"
 #include "seed_check.h"
 #include "stitch.h"
@@ -52,12 +53,15 @@ class Namer {
         recording_(recording),
         pieces_(std::move(tracklets)),
         tracklets_(pieces_, options.metric_from_px),
-        owner_(pieces_.size()) {
+        owner_(pieces_.size()),
+        time_s_(recording.time_s) {
     anchor_.resize(options.names.size());
     recording_.markers.clear();
     for (const std::string& name : options.names)
       recording_.markers.push_back({name, std::vector<motion::MarkerSample>(recording.Frames())});
     for (std::size_t i = 0; i < recording_.Frames(); ++i) index_of_frame_[recording_.frame[i]] = i;
+    for (const Tracklet& piece : pieces_)
+      for (const TrackletSample& sample : piece.samples) time_s_[index_of_frame_.at(sample.frame)] = sample.time_s;
     metric_.assign(options.names.size(), std::vector<std::optional<Eigen::Vector2d>>(recording_.Frames()));
   }
 
@@ -304,7 +308,8 @@ class Namer {
 
   // Neighbours in the leg; for other names whatever anchors keep their distance to theirs.
   void FindLinks() {
-    constexpr double kMaxDeviation = 0.06, kLeastTolerance = 0.02, kDeviations = 4;
+    // Skin and perspective change a length by more than the anchors may have shown.
+    constexpr double kMaxDeviation = 0.06, kLeastTolerance = 0.05, kDeviations = 4;
     const auto leg_rank = [&](std::size_t n) {
       return std::find(kLegMarkers.begin(), kLegMarkers.end(), options_.names[n]) - kLegMarkers.begin();
     };
@@ -321,7 +326,7 @@ class Namer {
   // How badly a tracklet fits a name, best first: pieces whose neighbours are known go before those without.
   struct FitToName {
     bool without_neighbours = false;
-    double misfit = 0;  // 0: perfectly
+    double misfit = 0;  // minus the logarithm of the odds
 
     auto operator<=>(const FitToName&) const = default;
   };
@@ -334,7 +339,7 @@ class Namer {
     // What says itself which marker it is may move as skin does: four times 19 mm (SD) of a shank of 420 mm.
     constexpr double kSkin = 0.18;
     const double least_tolerance = options_.identities.empty() ? 0 : kSkin;
-    double sum = 0;
+    double squares = 0;
     int count = 0, bad = 0;
     for (const Link& link : links_) {
       if (link.a != name && link.b != name) continue;
@@ -344,24 +349,16 @@ class Namer {
         if (!neighbour) continue;
         const double off = std::abs((tracklets_.Metric(tracklet)[s] - *neighbour).norm() - link.length) /
                            std::max(link.tolerance, least_tolerance * link.length);
-        sum += off;
+        squares += off * off;
         ++count;
         bad += off > 1;
       }
     }
     if (count > 0 && bad > 0.2 * count) return std::nullopt;
-    if (count > 0) return FitToName{false, sum / count + *continuity};
-    if (RestsElsewhere(tracklets_[tracklet], name)) return std::nullopt;
-    constexpr double kCloseEnough = 0.3;
-    return *continuity < kCloseEnough ? std::optional(FitToName{true, *continuity}) : std::nullopt;
-  }
-
-  double TimeOf(std::int64_t frame) const { return recording_.time_s[index_of_frame_.at(frame)]; }
-
-  bool IsBreakBetween(std::int64_t one, std::int64_t other) const {
-    return std::any_of(options_.breaks.begin(), options_.breaks.end(), [&](std::int64_t frame) {
-      return frame > std::min(one, other) && frame <= std::max(one, other);
-    });
+    constexpr double kDeviations = 3;  // in a tolerance
+    if (count > 0) return FitToName{false, *continuity + 0.5 * kDeviations * kDeviations * squares / count};
+    if (RestsElsewhere(tracklets_[tracklet], name) || *continuity > 0) return std::nullopt;
+    return FitToName{true, *continuity};
   }
 
   // Whether a thing rests where the marker was neither before nor after: a lamp that it passes by.
@@ -383,40 +380,53 @@ class Namer {
     return true;
   }
 
-  // From the nearest known samples before and after: displacement over what is possible in the time between.
+  // A name's known samples beside a frame: those before it (step −1) or after it (1).
+  PathEnd KnownBeside(std::size_t name, std::size_t frame, int step) const {
+    const auto& samples = recording_.markers[name].samples;
+    PathEnd end;
+    for (auto f = static_cast<std::ptrdiff_t>(frame) + step; f >= 0 && f < std::ssize(samples); f += step) {
+      const auto i = static_cast<std::size_t>(f);
+      if (samples[i].IsKnown()) end.push_back({time_s_[i], samples[i].position, samples[i].sigma});
+      if (end.size() == kPathEndSamples) break;
+    }
+    std::ranges::reverse(end);
+    return end;
+  }
+
+  // The time in which a marker can have moved on; after a break it can be anywhere.
+  double GapBetween(const PathEnd& before, const PathEnd& after) const {
+    const double from_s = before.back().time_s, to_s = after.back().time_s;
+    const bool has_break = std::ranges::any_of(options_.breaks, [&](std::int64_t frame) {
+      const double at_s = time_s_[index_of_frame_.at(frame)];
+      return at_s > from_s && at_s <= to_s;
+    });
+    return has_break ? options_.physics.turns_after_s : to_s - from_s;
+  }
+
+  // The logarithm of the odds against one path with what is known of the name before and after; nullopt where none is
+  // possible, or nothing is known.
   std::optional<double> ContinuityMisfit(std::size_t tracklet, std::size_t name) const {
     const Tracklet& piece = tracklets_[tracklet];
     const auto& samples = recording_.markers[name].samples;
-    const std::size_t first = index_of_frame_.at(piece.FirstFrame()), last = index_of_frame_.at(piece.LastFrame());
+    const auto [first, last] = SpanOf(tracklet);
     constexpr std::size_t kOverlap = 1;
     std::size_t overlap = 0;
     for (std::size_t f = first; f <= last; ++f) overlap += samples[f].IsKnown();
     if (overlap > kOverlap) return std::nullopt;
-    std::optional<double> worst;
-    const auto compare = [&](std::size_t known, const TrackletSample& end) {
-      const MarkerPhysics& physics = options_.physics;
-      const double lost_s =
-          IsBreakBetween(recording_.frame[known], end.frame)
-              ? physics.turns_after_s
-              : std::min(std::abs(TimeOf(end.frame) - recording_.time_s[known]), physics.turns_after_s);
-      const double possible = (2 + physics.SpeedRadii() * lost_s) * end.radius_px;
-      const double misfit = (samples[known].position - end.position).norm() / possible;
-      worst = std::max(worst.value_or(0), misfit);
-    };
-    for (std::size_t f = first; f-- > 0;)
-      if (samples[f].IsKnown()) {
-        compare(f, piece.samples.front());
-        break;
-      }
-    for (std::size_t f = last + 1; f < samples.size(); ++f)
-      if (samples[f].IsKnown()) {
-        compare(f, piece.samples.back());
-        break;
-      }
-    if (!worst || *worst > 1) return std::nullopt;
     const double size =
         piece.samples[piece.samples.size() / 2].radius_px / tracklets_[*anchor_[name]].samples.front().radius_px;
-    return size > 0.6 && size < 1.7 ? worst : std::nullopt;
+    if (size < 0.6 || size > 1.7) return std::nullopt;
+    std::optional<double> misfit;
+    for (const auto& [before, after] : {std::pair(KnownBeside(name, first, -1), FirstSamples(piece)),
+                                        std::pair(LastSamples(piece), KnownBeside(name, last, 1))}) {
+      if (before.empty() || after.empty()) continue;
+      const double radius_px = piece.samples.front().radius_px;
+      const PathJoin join = JoinPaths(before, after, GapBetween(before, after), radius_px, options_.physics);
+      constexpr double kFarthest = 30;
+      if (join.squares > kFarthest) return std::nullopt;
+      misfit = misfit.value_or(0) - join.log_odds;
+    }
+    return misfit;
   }
 
   // Frames by their place in the recording, both ends included.
@@ -484,6 +494,7 @@ class Namer {
   std::vector<std::optional<std::size_t>> owner_;   // name of each tracklet
   std::vector<std::optional<std::size_t>> anchor_;  // tracklet of each name
   std::map<std::int64_t, std::size_t> index_of_frame_;
+  std::vector<double> time_s_;                                       // of frames, as in TrackletSample
   std::vector<std::vector<std::optional<Eigen::Vector2d>>> metric_;  // by name and frame
   std::vector<Link> links_;
 };

@@ -104,7 +104,7 @@ constexpr std::size_t kEnough = 60;  // samples
 std::optional<SigmaCalibration> CompressionIn(const Scatter& scatter) {
   if (scatter.sigmas.size() < kEnough) return std::nullopt;
   SigmaCalibration found;
-  found.fit_px = RootMeanSquare(scatter.sigmas);
+  found.fit_px = Median(scatter.sigmas);  // a few take in that something was displaced
   found.scatter_px = TrimmedDeviation(scatter.residuals);
   found.compression_px = std::sqrt(std::max(0.0, std::pow(found.scatter_px, 2) - std::pow(found.fit_px, 2)));
   return found;

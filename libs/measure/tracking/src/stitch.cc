@@ -1,72 +1,76 @@
 #include "stitch.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
+
+#include "path_join.h"
 
 namespace lake::tracking {
 namespace {
 
 constexpr double kLongest_s = 0.25;
-constexpr std::size_t kSlopeSamples = 5;
+constexpr double kRival_s = 1;  // what has been lost for so long may still be what begins
 
-// How a thing moved beside an end of its tracklet: mean velocity over the last few samples, px/s, and their span.
-struct EndMotion {
-  Eigen::Vector2d velocity;
-  double span_s;
-};
-
-EndMotion MotionOver(const TrackletSample& from, const TrackletSample& to) {
-  const double span_s = to.time_s - from.time_s;
-  if (from.frame == to.frame) return {Eigen::Vector2d::Zero(), 0};
-  return {(to.position - from.position) / span_s, span_s};
-}
-
-EndMotion MotionAtEnd(const Tracklet& tracklet) {
-  const std::size_t n = tracklet.samples.size();
-  return MotionOver(tracklet.samples[n - std::min(n, kSlopeSamples)], tracklet.samples[n - 1]);
-}
-
-EndMotion MotionAtStart(const Tracklet& tracklet) {
-  return MotionOver(tracklet.samples.front(), tracklet.samples[std::min(tracklet.samples.size(), kSlopeSamples) - 1]);
-}
-
-// Whether what ended may be what begins: of the same size, each met half-way from its own side, and no faster or slower
-// than it can have become: a lamp does not go on as the marker that appears beside it.
+// Whether what ended may be what begins: of the same size, and where and as fast as a quick movement can bring it: a
+// lamp does not go on as the marker that appears beside it.
 bool MayGoOnAs(const Tracklet& ended, const Tracklet& begun, const MarkerPhysics& physics) {
   const TrackletSample &last = ended.samples.back(), &first = begun.samples.front();
   const double gap_s = first.time_s - last.time_s;
-  if (first.frame <= last.frame || gap_s > kLongest_s) return false;
+  if (first.frame <= last.frame || gap_s > kRival_s) return false;
   if (ended.identity != begun.identity) return false;
   const double ratio = first.radius_px / last.radius_px, radius = std::max(first.radius_px, last.radius_px);
   if (ratio < 0.7 || ratio > 1.4) return false;
-  const EndMotion before = MotionAtEnd(ended), after = MotionAtStart(begun);
-  const double between_s = gap_s + 0.5 * (before.span_s + after.span_s);
-  if ((after.velocity - before.velocity).norm() > physics.AccelerationRadii() * radius * between_s) return false;
-  const double half_s = 0.5 * gap_s;
-  const Eigen::Vector2d apart = (last.position + half_s * before.velocity) - (first.position - half_s * after.velocity);
-  const double reach = 2 + std::min(physics.AccelerationRadii() * half_s * half_s, 6.0);  // radii
-  return apart.norm() < reach * radius;
+  constexpr double kFarthest = 22.5;
+  return JoinPaths(LastSamples(ended), FirstSamples(begun), gap_s, radius, physics).squares < kFarthest;
 }
+
+// Which pieces go on as which.
+class Continuations {
+ public:
+  Continuations(const std::vector<Tracklet>& tracklets, const MarkerPhysics& physics)
+      : tracklets_(tracklets), after_(tracklets.size()), before_(tracklets.size()) {
+    for (std::size_t a = 0; a < tracklets.size(); ++a)
+      for (std::size_t b = 0; b < tracklets.size(); ++b)
+        if (a != b && MayGoOnAs(tracklets[a], tracklets[b], physics)) after_[a].push_back(b), before_[b].push_back(a);
+  }
+
+  // The piece that this one certainly goes on as.
+  std::optional<std::size_t> After(std::size_t a) const {
+    if (after_[a].empty()) return std::nullopt;
+    const std::size_t b =
+        *std::ranges::min_element(after_[a], {}, [&](std::size_t next) { return tracklets_[next].FirstFrame(); });
+    if (tracklets_[b].samples.front().time_s - tracklets_[a].samples.back().time_s > kLongest_s) return std::nullopt;
+    return HasRival(a, before_[b]) || HasRival(b, after_[a]) ? std::nullopt : std::optional(b);
+  }
+
+  // The piece that certainly goes on as this one.
+  std::optional<std::size_t> Before(std::size_t b) const {
+    const auto found = std::ranges::find_if(before_[b], [&](std::size_t a) { return After(a) == b; });
+    return found == before_[b].end() ? std::nullopt : std::optional(*found);
+  }
+
+ private:
+  // Whether another could be it as well: one that was seen at the same time, so that they are two things.
+  bool HasRival(std::size_t piece, const std::vector<std::size_t>& others) const {
+    return std::ranges::any_of(others, [&](std::size_t other) {
+      return other != piece && tracklets_[other].FirstFrame() <= tracklets_[piece].LastFrame() &&
+             tracklets_[piece].FirstFrame() <= tracklets_[other].LastFrame();
+    });
+  }
+
+  const std::vector<Tracklet>& tracklets_;
+  std::vector<std::vector<std::size_t>> after_, before_;
+};
 
 }  // namespace
 
 std::vector<Tracklet> StitchPieces(const std::vector<Tracklet>& tracklets, const MarkerPhysics& physics) {
-  const std::size_t n = tracklets.size();
-  std::vector<std::vector<std::size_t>> next(n), before(n);
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b < n; ++b)
-      if (a != b && MayGoOnAs(tracklets[a], tracklets[b], physics)) next[a].push_back(b), before[b].push_back(a);
-  const auto goes_on = [&](std::size_t a) -> std::optional<std::size_t> {
-    if (next[a].size() != 1 || before[next[a].front()].size() != 1) return std::nullopt;
-    return next[a].front();
-  };
+  const Continuations pieces(tracklets, physics);
   std::vector<Tracklet> whole;
-  for (std::size_t a = 0; a < n; ++a) {
-    const bool is_continued = before[a].size() == 1 && goes_on(before[a].front()) == a;
-    if (is_continued) continue;
+  for (std::size_t a = 0; a < tracklets.size(); ++a) {
+    if (pieces.Before(a)) continue;
     whole.push_back(tracklets[a]);
-    for (auto b = goes_on(a); b; b = goes_on(*b))
+    for (auto b = pieces.After(a); b; b = pieces.After(*b))
       whole.back().samples.insert(whole.back().samples.end(), tracklets[*b].samples.begin(),
                                   tracklets[*b].samples.end());
   }

@@ -1,0 +1,30 @@
+// Whether what is seen before a gap and what is seen after it may be one marker.
+#pragma once
+
+#include <vector>
+
+#include "lake/dynamics/marker_path.h"
+#include "lake/tracking/marker_physics.h"
+#include "lake/tracking/tracklet.h"
+
+namespace lake::tracking {
+
+// Samples in px of one thing, beside a gap: the farthest first. Eight tell as much as more do.
+using PathEnd = std::vector<dynamics::PathSample>;
+inline constexpr std::size_t kPathEndSamples = 8;
+
+PathEnd FirstSamples(const Tracklet& tracklet);
+PathEnd LastSamples(const Tracklet& tracklet);
+
+struct PathJoin {
+  // Squared distance of the two sides' positions, velocities and accelerations over what a quick movement makes
+  // possible in between: 6 on average, beyond 22.5 in one of a thousand (χ²).
+  double squares = 0;
+  double log_odds = 0;  // of one path against two unrelated ones within a person's reach
+};
+
+// Both ends need one sample. A gap counts for no longer than a marker goes on before it turns back.
+PathJoin JoinPaths(const PathEnd& before, const PathEnd& after, double gap_s, double radius_px,
+                   const MarkerPhysics& physics);
+
+}  // namespace lake::tracking
