@@ -154,12 +154,17 @@ std::optional<BlobFit> BlobFinder::FitStreak(const cv::Mat& grey, const Eigen::V
   return best;
 }
 
+// Where a prediction's blob and its surroundings may be.
+cv::Rect BlobFinder::BoxAround(const cv::Mat& grey, const MarkerPrediction& prediction) const {
+  const double reach = prediction.gate_px + 4 * prediction.appearance.RadiusPx() + 8;
+  return cv::Rect(static_cast<int>(prediction.position.x() - reach), static_cast<int>(prediction.position.y() - reach),
+                  static_cast<int>(2 * reach), static_cast<int>(2 * reach)) &
+         region_.Of(grey);
+}
+
 std::optional<BlobFit> BlobFinder::SearchAndFit(const cv::Mat& grey, const MarkerPrediction& prediction) const {
-  const double radius = prediction.appearance.RadiusPx(), reach = prediction.gate_px + 4 * radius + 8;
-  const cv::Rect box =
-      cv::Rect(static_cast<int>(prediction.position.x() - reach), static_cast<int>(prediction.position.y() - reach),
-               static_cast<int>(2 * reach), static_cast<int>(2 * reach)) &
-      region_.Of(grey);
+  const double radius = prediction.appearance.RadiusPx();
+  const cv::Rect box = BoxAround(grey, prediction);
   if (box.empty()) return std::nullopt;
   BlobSearchOptions search;
   search.min_radius_px = 0.6 * radius, search.max_radius_px = 1.6 * radius;
@@ -236,10 +241,10 @@ bool BlobFinder::WasRefused(const BlobCandidate& candidate) const {
   });
 }
 
-void BlobFinder::FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> predictions,
+void BlobFinder::FindNew(const cv::Mat& grey, const cv::Rect& box, std::span<const MarkerPrediction> predictions,
                          std::vector<MarkerDetection>& found) {
-  constexpr int kRefusedFor = 30;  // searches
-  std::erase_if(refusals_, [](Refusal& refusal) { return --refusal.searches_left < 0; });
+  constexpr int kRefusedFor = 30;  // searches of the whole picture
+  if (box.empty()) return;
   BlobSearchOptions search;
   if (!predictions.empty()) {
     // Once markers are followed, only what is about as large as most of them is of interest.
@@ -251,7 +256,7 @@ void BlobFinder::FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> 
   const double noise = std::sqrt(fit_options_.noise.Variance(128));
   search.min_contrast = std::max({search.min_contrast, 5 * noise, 0.15 * contrast_});
   const std::size_t known = found.size();
-  for (const BlobCandidate& candidate : FindBlobs(grey, region_.Of(grey), search)) {
+  for (const BlobCandidate& candidate : FindBlobs(grey, box, search)) {
     const auto touches = [&](const Eigen::Vector2d& place, double radius) {
       return (place - candidate.position).norm() < radius + candidate.radius_px;
     };
@@ -293,7 +298,12 @@ std::vector<MarkerDetection> BlobFinder::Detect(const cv::Mat& grey, std::span<c
     else if (detection.quality < twin->quality)
       *twin = detection;
   }
-  if (everywhere) FindNew(grey, predictions, found);
+  for (std::size_t i = 0; i < predictions.size() && !everywhere; ++i)
+    if (!fits[i] && predictions[i].was_missed) FindNew(grey, BoxAround(grey, predictions[i]), predictions, found);
+  if (everywhere) {
+    std::erase_if(refusals_, [](Refusal& refusal) { return --refusal.searches_left < 0; });
+    FindNew(grey, region_.Of(grey), predictions, found);
+  }
   return found;
 }
 

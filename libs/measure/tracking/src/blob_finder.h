@@ -60,7 +60,9 @@ class BlobFinder {
   std::optional<BlobFit> FitStreak(const cv::Mat& grey, const Eigen::Vector2d& place,
                                    const MarkerPrediction& prediction, const BlobFitOptions& options) const;
   std::optional<BlobFit> SearchAndFit(const cv::Mat& grey, const MarkerPrediction& prediction) const;
-  void FindNew(const cv::Mat& grey, std::span<const MarkerPrediction> predictions, std::vector<MarkerDetection>& found);
+  cv::Rect BoxAround(const cv::Mat& grey, const MarkerPrediction& prediction) const;
+  void FindNew(const cv::Mat& grey, const cv::Rect& box, std::span<const MarkerPrediction> predictions,
+               std::vector<MarkerDetection>& found);
   std::optional<BlobFit> FitNew(const cv::Mat& grey, const BlobCandidate& candidate) const;
   bool WasRefused(const BlobCandidate& candidate) const;
 

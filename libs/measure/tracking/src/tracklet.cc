@@ -164,17 +164,16 @@ MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, doubl
   prediction.appearance = live.appearance;
   prediction.quality = live.quality;
   prediction.identity = live.tracklet.identity;
+  prediction.was_missed = live.tracklet.LastFrame() < previous_.index &&
+                          static_cast<int>(live.tracklet.samples.size()) >= options_.followed;
   return prediction;
 }
 
 bool TrackletBuilder::SearchEverywhere(std::int64_t frame) const {
   const bool at_seed = std::any_of(options_.seeds.begin(), options_.seeds.end(),
                                    [&](const TrackletSeed& seed) { return seed.frame == frame; });
-  const auto is_sought = [&](const Live& live) {
-    const bool is_lost = frame - live.tracklet.LastFrame() > 1 && !detector_.KnowsIdentities();
-    return live.IsFastStart() || (is_lost && static_cast<int>(live.tracklet.samples.size()) >= options_.followed);
-  };
-  if (at_seed || std::any_of(live_.begin(), live_.end(), is_sought)) return true;
+  if (at_seed || std::any_of(live_.begin(), live_.end(), [](const Live& live) { return live.IsFastStart(); }))
+    return true;
   const bool urgent = last_loss_s_ && time_s_ - *last_loss_s_ < options_.urgent_s;
   return frames_seen_ % (urgent ? options_.urgent_interval : options_.search_interval) == 0;
 }

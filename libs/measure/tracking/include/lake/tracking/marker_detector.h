@@ -30,6 +30,7 @@ struct MarkerPrediction {
   Blob appearance;                                        // running mean of its looks
   double quality = 1;                                     // running mean of its detections' quality
   std::optional<int> identity;
+  bool was_missed = false;  // in the frame before: what looks otherwise may be it
 };
 
 // What a detector has learnt of the pictures.
