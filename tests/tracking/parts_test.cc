@@ -277,12 +277,20 @@ motion::MarkerRecording Curves(double noise_px, double sigma_px, unsigned seed, 
   return recording;
 }
 
+video::VideoInfo CodedBy(const std::string& codec, bool frame_by_frame = false) {
+  video::VideoInfo video;
+  video.codec = codec, video.coded_frame_by_frame = frame_by_frame;
+  return video;
+}
+
+const video::VideoInfo kH264 = CodedBy("h264");
+
 // 3200 residuals fix their deviation to 1.3 %; a variance that is too large by 3 % would show as 0.17 of the fits'
 // sigma.
 TEST(SigmaCalibration, AddsNothingToWhiteNoise) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     motion::MarkerRecording recording = Curves(0.03, 0.03, seed);
-    const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(false, recording);
+    const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(kH264, recording);
     EXPECT_NEAR(calibration.fit_px, 0.03, 1e-12);
     EXPECT_NEAR(calibration.scatter_px, 0.03, 0.04 * 0.03);
     EXPECT_LE(recording.markers[0].samples[100].sigma, 1.04 * 0.03);
@@ -293,7 +301,7 @@ TEST(SigmaCalibration, FindsAKnownExtraScatter) {
   for (const double extra_px : {0.02, 0.05}) {
     motion::MarkerRecording recording = Curves(std::hypot(0.02, extra_px), 0.02, 9);
     recording.markers[1].samples[50] = {};
-    const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(false, recording);
+    const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(kH264, recording);
     EXPECT_NEAR(calibration.compression_px, extra_px, 0.08 * extra_px);
     EXPECT_NEAR(recording.markers[2].samples[7].sigma, std::hypot(0.02, extra_px), 0.06 * std::hypot(0.02, extra_px));
     EXPECT_FALSE(recording.markers[1].samples[50].IsKnown());
@@ -304,7 +312,7 @@ TEST(SigmaCalibration, FindsAKnownExtraScatter) {
 // So strong is compression only where its errors last for some frames, which scatter does not show.
 TEST(SigmaCalibration, StrongCompressionIsMoreThanItsScatter) {
   motion::MarkerRecording recording = Curves(0.1, 0.025, 4);  // as at crf 40
-  const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(false, recording);
+  const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(kH264, recording);
   EXPECT_NEAR(calibration.scatter_px, 0.1, 0.004);
   EXPECT_GE(calibration.compression_px, 0.12);
   EXPECT_LE(calibration.compression_px, 0.15);
@@ -314,7 +322,7 @@ TEST(SigmaCalibration, StrongCompressionIsMoreThanItsScatter) {
 TEST(SigmaCalibration, JitterOfThePersonIsNoCompression) {
   motion::MarkerRecording recording = Curves(0.15, 0.005, 8);
   // On rendered recordings the error was 3.2 to 6.0 times the fits' sigma.
-  EXPECT_LE(tracking::CalibrateSigmas(false, recording).compression_px, 6 * 0.005 + 1e-9);
+  EXPECT_LE(tracking::CalibrateSigmas(kH264, recording).compression_px, 6 * 0.005 + 1e-9);
   for (const motion::MarkerTrack& marker : recording.markers)
     for (const motion::MarkerSample& sample : marker.samples)
       ASSERT_LE(sample.sigma, std::hypot(6.0, 1.0) * 0.005 + 1e-9);
@@ -371,14 +379,29 @@ TEST(SigmaCalibration, ErrorsMayLastAndBeManyTimesTheFitsSigma) {
     for (const double sigma_px : {0.01, 0.03})
       for (unsigned seed = 31; seed < 34; ++seed) {
         GoingAndResting made = GoAndRest(0.12, kept, sigma_px, 0, seed);
-        tracking::CalibrateSigmas(false, made.recording);
+        tracking::CalibrateSigmas(kH264, made.recording);
         EXPECT_NEAR(ErrorOverSigma(made), 1, 0.25) << kept << " kept, fits of " << sigma_px << ", seed " << seed;
       }
 }
 
 TEST(SigmaCalibration, JitterThatIsThereAtRestTooIsNoCompression) {
   GoingAndResting made = GoAndRest(0, 0, 0.005, 0.08, 35);
-  EXPECT_LE(tracking::CalibrateSigmas(false, made.recording).compression_px, 6 * 0.005 + 1e-9);
+  EXPECT_LE(tracking::CalibrateSigmas(kH264, made.recording).compression_px, 6 * 0.005 + 1e-9);
+}
+
+// A person's path hides what coding adds, so a codec's usual share counts: what is found lies between.
+TEST(SigmaCalibration, KnowsWhatACodecUsuallyAdds) {
+  const auto added_px = [](const video::VideoInfo& video) {
+    GoingAndResting made = GoAndRest(0, 0, 0.01, 0.05, 36);
+    return tracking::CalibrateSigmas(video, made.recording).compression_px;
+  };
+  const double motion_jpeg = added_px(CodedBy("mjpeg", true)), mpeg4 = added_px(CodedBy("mpeg4")),
+               h264 = added_px(kH264), h265 = added_px(CodedBy("hevc"));
+  EXPECT_NEAR(motion_jpeg, 1.4 * 1.15 * 0.01, 0.002);  // at most 1.4 times what is usual
+  EXPECT_GT(mpeg4, motion_jpeg);
+  EXPECT_GT(h264, mpeg4);
+  EXPECT_GT(h265, h264);
+  EXPECT_LT(h265, 1.2 * 0.05);
 }
 
 // One of little contrast is displaced farther than the others.
@@ -386,7 +409,7 @@ TEST(SigmaCalibration, IsOfEachMarker) {
   motion::MarkerRecording recording = Curves(0.02, 0.02, 6);
   const motion::MarkerRecording scattered = Curves(0.05, 0.02, 6);
   recording.markers[1] = scattered.markers[1];
-  tracking::CalibrateSigmas(false, recording);
+  tracking::CalibrateSigmas(kH264, recording);
   EXPECT_NEAR(recording.markers[1].samples[100].sigma, 0.05, 0.005);
   EXPECT_NEAR(recording.markers[2].samples[100].sigma, 0.02, 0.003);
 }
@@ -396,7 +419,7 @@ TEST(SigmaCalibration, GoesByTime) {
   motion::MarkerRecording recording = Curves(std::hypot(0.02, 0.05), 0.02, 12, 0.3);
   for (motion::MarkerTrack& marker : recording.markers)
     for (std::size_t i = 0; i < marker.samples.size(); i += 4) marker.samples[i] = {};
-  const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(false, recording);
+  const tracking::SigmaCalibration calibration = tracking::CalibrateSigmas(kH264, recording);
   EXPECT_NEAR(calibration.compression_px, 0.05, 0.08 * 0.05);
 }
 

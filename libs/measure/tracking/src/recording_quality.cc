@@ -152,7 +152,7 @@ std::vector<const Tracklet*> MarkersOf(const Place& place, std::size_t count) {
 }
 
 // What coding adds, from those that move in a place.
-double CompressionPx(const std::vector<const Tracklet*>& markers, const Place& place, bool coded_frame_by_frame) {
+double CompressionPx(const std::vector<const Tracklet*>& markers, const Place& place, const video::VideoInfo& video) {
   motion::MarkerRecording recording;
   for (const Tracklet* marker : markers) {
     motion::MarkerTrack track{fmt::format("m{}", recording.markers.size()), {}};
@@ -166,7 +166,7 @@ double CompressionPx(const std::vector<const Tracklet*>& markers, const Place& p
   }
   for (std::size_t i = 0; i < place.time_s.size(); ++i)
     recording.frame.push_back(static_cast<std::int64_t>(i)), recording.time_s.push_back(place.time_s[i]);
-  return recording.markers.empty() ? 0 : CalibrateSigmas(coded_frame_by_frame, recording).compression_px;
+  return recording.markers.empty() ? 0 : CalibrateSigmas(video, recording).compression_px;
 }
 
 // The box that holds a leg's markers is about two and a half segments long, whatever the leg does.
@@ -394,8 +394,7 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
     if (own.size() >= std::min<std::size_t>(options.markers, 3)) segments.push_back(SegmentPx(own));
     positions.push_back(PositionsOf(own));
     for (auto& look : LooksAt(place, own)) looks.push_back(std::move(look));
-    if (const double added = CompressionPx(own, place, check.video.coded_frame_by_frame); added > 0)
-      compression.push_back(added);
+    if (const double added = CompressionPx(own, place, check.video); added > 0) compression.push_back(added);
     if (const auto tilt = TiltDeg(place.middle)) tilts.push_back(*tilt);
   }
   check.markers = FiguresOf(markers, detector->Figures().value_or(ImageFigures{}));

@@ -281,7 +281,7 @@ TrackResult TrackMarkers(const std::filesystem::path& video, const TrackOptions&
     throw Fail("{}: {}", video.string(), error.what());
   }
   if (image) result.figures = FiguresOf(NamedTracklets(tracklets, result.recording), *image);
-  result.sigma = CalibrateSigmas(result.video.coded_frame_by_frame, result.recording);
+  result.sigma = CalibrateSigmas(result.video, result.recording);
   return result;
 }
 

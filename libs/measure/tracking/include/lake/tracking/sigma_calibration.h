@@ -2,11 +2,12 @@
 #pragma once
 
 #include "lake/motion/marker_recording.h"
+#include "lake/video/video_reader.h"
 
 namespace lake::tracking {
 
 struct SigmaCalibration {
-  double fit_px = 0;          // root mean square of the fits' own sigmas, of the samples that were compared
+  double fit_px = 0;          // median of the fits' own sigmas, of the samples that were compared
   double scatter_px = 0;      // root mean square scatter about smooth motion, per axis
   double compression_px = 0;  // what is added to the fits' sigmas, in quadrature; of all fast samples
 };
@@ -17,9 +18,9 @@ struct SigmaCalibration {
 // - Of markers that hold still at rest (a mechanism's): what the moving ones scatter about a smooth path (the residual
 //   of a local fourth-degree polynomial in time, Savitzky & Golay 1964), times how much larger than that the errors are
 //   which last for some frames, by windows twice as wide; less at rest, where the displacement is frozen.
-// - Of a person's: what the likelihood of white jerk (lake::dynamics) leaves to the measurement, but at most 6 times
-//   the fits' sigma, as the rest is the skin's tremor; 3 times where the video codes each frame by itself.
+// - Of a person's: what the likelihood of white jerk (lake::dynamics) leaves to the measurement, which includes the
+//   skin's tremor, weighed with what such a codec usually adds to the fits' sigma.
 // Without compression nothing is added. `recording`: of at least 60 samples, or nothing is found.
-SigmaCalibration CalibrateSigmas(bool coded_frame_by_frame, motion::MarkerRecording& recording);
+SigmaCalibration CalibrateSigmas(const video::VideoInfo& video, motion::MarkerRecording& recording);
 
 }  // namespace lake::tracking
