@@ -10,17 +10,32 @@
 namespace {
 
 // The joint on the leg that wears it; empty if that leg's knee is not shown.
-std::string JointReport(const lake::Json& joint) {
+std::string JointReport(const lake::Json& summary) {
   using lake::NumberOrNaN;
+  const lake::Json& joint = summary["joint"];
   if (joint.is_null()) return "";
   std::string text =
       fmt::format("joint misalignment {:.2f} mm RMS, {:.2f} mm at most, {:.2f} % of the shank",
                   NumberOrNaN(joint["rms_mm"]), NumberOrNaN(joint["max_mm"]), 100 * NumberOrNaN(joint["relative_rms"]));
-  if (joint.contains("intervals")) {
-    const lake::Json& interval = joint["intervals"]["rms_mm"];
+  if (joint.contains("rms_interval_mm")) {
+    const lake::Json& interval = joint["rms_interval_mm"];
     text += fmt::format(" (95 % interval {:.2f} to {:.2f} mm RMS)", NumberOrNaN(interval[0]), NumberOrNaN(interval[1]));
   }
-  return text + fmt::format("; moving the joint leaves {:.2f} mm RMS\n", NumberOrNaN(joint["remainder_mm"]));
+  return text +
+         fmt::format("; moving the joint leaves {:.2f} mm RMS\n", NumberOrNaN(summary["best_placement"]["rms_mm"]));
+}
+
+// What the exoskeleton does to pace and posture.
+std::string PaceAndPostureReport(const lake::Json& summary) {
+  using lake::NumberOrNaN;
+  const lake::Json &pace = summary["pace"], &posture = summary["posture"];
+  std::string text = fmt::format("the rise takes {:.2f} s, with the exoskeleton {:.2f} s", NumberOrNaN(pace["human_s"]),
+                                 NumberOrNaN(pace["exo_s"]));
+  for (const auto& [name, angle] : {std::pair("shank", &posture["shank"]), std::pair("trunk", &posture["lean"])})
+    if (!angle->is_null())
+      text += fmt::format("; its {} leans {:+.1f}° farther forward on average ({:.1f}° RMS)", name,
+                          NumberOrNaN((*angle)["difference_deg"]), NumberOrNaN((*angle)["rms_deg"]));
+  return text + "\n";
 }
 
 std::string Report(const lake::Json& summary) {
@@ -28,7 +43,7 @@ std::string Report(const lake::Json& summary) {
   const lake::Json& parts = summary["decomposition"];
   using lake::NumberOrNaN;
   const auto part = [&](const char* name) { return 100 * NumberOrNaN(parts[name]["fraction"]); };
-  std::string text = JointReport(summary["joint"]);
+  std::string text = JointReport(summary);
   text += fmt::format(
       "path difference at equal percent {:.2f} mm RMS, {:.2f} mm at most; {:.2f} % of the shank RMS, {:.2f} % at "
       "most\n",
@@ -40,10 +55,13 @@ std::string Report(const lake::Json& summary) {
                         100 * NumberOrNaN(interval[0]), 100 * NumberOrNaN(interval[1]),
                         100 * NumberOrNaN(summary["noise_floor_relative"]));
   }
+  text += PaceAndPostureReport(summary);
   if (!std::isfinite(part("placement"))) return text + "both paths are one: there are no parts\n";
-  text += fmt::format("placement {:.1f} %, timing {:.1f} %, shape {:.1f} %\n", part("placement"), part("timing"),
-                      part("shape"));
-  const lake::Json& joint = summary["mount_mm"].is_array() ? summary["mount_mm"] : parts["offset_mm"];
+  const auto part_mm = [&](const char* name) { return NumberOrNaN(summary["parts_mm"][name]["rms_mm"]); };
+  text += fmt::format("placement {:.1f} % ({:.1f} mm), timing {:.1f} % ({:.1f} mm), shape {:.1f} % ({:.1f} mm)\n",
+                      part("placement"), part_mm("placement"), part("timing"), part_mm("timing"), part("shape"),
+                      part_mm("shape"));
+  const lake::Json& joint = (summary["joint"].is_null() ? parts : summary["joint"])["offset_mm"];
   return text + fmt::format("the exoskeleton's joint sits {}\n",
                             lake::compare::DescribeJoint({NumberOrNaN(joint[0]), NumberOrNaN(joint[1])}));
 }

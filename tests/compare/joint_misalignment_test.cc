@@ -41,6 +41,19 @@ TEST(JointMisalignment, IsThePlaceInTheShanksFrame) {
   EXPECT_NEAR((joint->thigh_mm[0] - in_thigh).norm(), 0, 1e-9);
 }
 
+// A joint on the shank's line, 40 mm above the knee of a leg bent by θ: seen from there the leg is bent by θ more than
+// atan(40 sin θ / (410 − 40 cos θ)) says the thigh turns.
+TEST(JointMisalignment, AngleIsTheOneThatItsMarkersMake) {
+  const auto joint = compare::FindJointMisalignment({{Worn({0, 40})}, {}}, kNoSpike);
+  ASSERT_TRUE(joint);
+  double square = 0;
+  for (int i = 0; i < compare::kPercentSamples; ++i) {
+    const double theta = (95 - 0.9 * i) * M_PI / 180;
+    square += std::pow(std::atan2(40 * std::sin(theta), 410 - 40 * std::cos(theta)) * 180 / M_PI, 2);
+  }
+  EXPECT_NEAR(joint->angle_rms_deg, std::sqrt(square / compare::kPercentSamples), 1e-9);
+}
+
 TEST(JointMisalignment, SpikesAndRepetitionsWithoutAKneeAreLeftOut) {
   compare::StsCurve spiked = Worn({10, 0}), hidden = Worn({90, 0});
   spiked.knee[50] += Eigen::Vector2d(200, 0), hidden.leg_knee.clear();

@@ -44,9 +44,9 @@ Json MeasuredWorn(const StudyResults& results) {
                    {"program_duration_s", comparison.at("duration_s").at("exo")}};
   for (const char* part : {"placement", "timing", "shape"})
     measured[fmt::format("part_{}", part)] = parts.at(part).at("fraction");
-  if (const Json mount = comparison.value("mount_mm", Json()); mount.is_array()) {
-    measured["placement_x_mm"] = mount[0];
-    measured["placement_y_mm"] = mount[1];
+  if (const Json joint = comparison.value("joint", Json()); !joint.is_null()) {
+    measured["placement_x_mm"] = joint.at("offset_mm")[0];
+    measured["placement_y_mm"] = joint.at("offset_mm")[1];
   }
   return measured;
 }

@@ -18,14 +18,14 @@ namespace fs = std::filesystem;
 std::string JointText(const Json& comparison) {
   const Json joint = comparison.value("joint", Json());
   if (joint.is_null()) return "";
-  const Json interval = joint.value("intervals", Json::object()).value("rms_mm", Json());
+  const Json interval = joint.value("rms_interval_mm", Json());
   return fmt::format(
       "The exoskeleton's joint is {} RMS{} from the knee of the leg that wears it; moving it there leaves {}. ",
       Quantity(NumberOrNaN(joint.at("rms_mm")), "mm"),
       interval.is_null() ? ""
                          : fmt::format(" ({} to {})", NumberText(NumberOrNaN(interval.at(0)), 1),
                                        NumberText(NumberOrNaN(interval.at(1)), 1)),
-      Quantity(NumberOrNaN(joint.at("remainder_mm")), "mm"));
+      Quantity(NumberOrNaN(comparison.at("best_placement").at("rms_mm")), "mm"));
 }
 
 std::string WrongText(const Json& comparison) {

@@ -114,16 +114,64 @@ Json JointJson(const JointMisalignment& joint) {
   Json json = {{"rms_mm", joint.rms_mm},
                {"max_mm", joint.max_mm},
                {"relative_rms", joint.relative_rms},
-               {"mean_mm", {joint.mean_mm.x(), joint.mean_mm.y()}},
-               {"remainder_mm", joint.remainder_mm},
+               {"offset_mm", {joint.mean_mm.x(), joint.mean_mm.y()}},
+               {"angle_rms_deg", joint.angle_rms_deg},
                {"repetitions", joint.repetitions}};
-  if (joint.intervals)
-    json["intervals"] = {
-        {"rms_mm", IntervalJson(joint.intervals->rms_mm)},
-        {"max_mm", IntervalJson(joint.intervals->max_mm)},
-        {"mean_mm", {IntervalJson(joint.intervals->mean_x_mm), IntervalJson(joint.intervals->mean_y_mm)}},
-        {"remainder_mm", IntervalJson(joint.intervals->remainder_mm)}};
+  if (joint.intervals) {
+    json["rms_interval_mm"] = IntervalJson(joint.intervals->rms_mm);
+    json["max_interval_mm"] = IntervalJson(joint.intervals->max_mm);
+    json["offset_interval_mm"] = {IntervalJson(joint.intervals->mean_x_mm), IntervalJson(joint.intervals->mean_y_mm)};
+    json["angle_rms_interval_deg"] = IntervalJson(joint.intervals->angle_rms_deg);
+  }
   return json;
+}
+
+// The worn linkage moved to where its joint is nearest the knee.
+Json BestPlacementJson(const JointMisalignment& joint) {
+  Json json = {{"move_mm", {-joint.mean_mm.x(), -joint.mean_mm.y()}}, {"rms_mm", joint.remainder_mm}};
+  if (joint.intervals) json["rms_interval_mm"] = IntervalJson(joint.intervals->remainder_mm);
+  return json;
+}
+
+Json PartsJson(const Misalignment& m) {
+  const auto part = [&](const std::vector<Vector2d>& vectors_mm, Interval MisalignmentIntervals::*interval) {
+    double square = 0;
+    for (const Vector2d& vector_mm : vectors_mm) square += vector_mm.squaredNorm();
+    return Json{{"rms_mm", std::sqrt(square / static_cast<double>(vectors_mm.size()))},
+                {"interval_mm", m.intervals ? IntervalJson((*m.intervals).*interval) : Json()}};
+  };
+  return {{"placement", part(m.decomposition.placement_mm, &MisalignmentIntervals::placement_mm)},
+          {"timing", part(m.decomposition.timing_mm, &MisalignmentIntervals::timing_mm)},
+          {"shape", part(m.decomposition.shape_mm, &MisalignmentIntervals::shape_mm)}};
+}
+
+// Keys end in the unit: "s" or "deg".
+Json DifferenceJson(const Difference& difference, const std::string& unit) {
+  return {{"human_" + unit, difference.human},
+          {"exo_" + unit, difference.exo},
+          {"difference_" + unit, difference.Value()},
+          {"difference_interval_" + unit, difference.interval ? IntervalJson(*difference.interval) : Json()}};
+}
+
+Json PaceJson(const Pace& pace) {
+  Json json = DifferenceJson(pace.rise, "s");
+  for (const auto& [name, phase] : {std::pair("onset_to_seat_off", &pace.onset_to_seat_off),
+                                    std::pair("seat_off_to_standing", &pace.seat_off_to_standing)})
+    json["phases"][name] = *phase ? DifferenceJson(**phase, "s") : Json();
+  return json;
+}
+
+Json AngleJson(const AngleDifference& angle) {
+  Json json = DifferenceJson(angle.mean_deg, "deg");
+  json["rms_deg"] = angle.rms_deg, json["max_deg"] = angle.max_deg;
+  return json;
+}
+
+Json PostureJson(const Posture& posture) {
+  const auto angle = [](const std::optional<AngleDifference>& difference) {
+    return difference ? AngleJson(*difference) : Json();
+  };
+  return {{"shank", angle(posture.shank)}, {"lean", angle(posture.trunk)}};
 }
 
 Json KneeAxisJson(const Misalignment& m) {
@@ -274,7 +322,10 @@ Json ComparisonJson(const Misalignment& m) {
   json["spikes"] = kPercentSamples - m.metrics_without_spikes.samples;
   json["decomposition"] = DecompositionJson(m);
   json["joint"] = m.joint ? JointJson(*m.joint) : Json();
-  json["mount_mm"] = m.joint ? Json{m.joint->mean_mm.x(), m.joint->mean_mm.y()} : Json();
+  json["best_placement"] = m.joint ? BestPlacementJson(*m.joint) : Json();
+  json["parts_mm"] = PartsJson(m);
+  json["pace"] = PaceJson(m.pace);
+  json["posture"] = PostureJson(m.posture);
   json["knee_axis"] = KneeAxisJson(m);
   json["shank_mm"] = Mean(m.shank_mm);
   json["repetitions"] = {{"human", m.human_repetitions}, {"exo", m.exo_repetitions}};
@@ -285,8 +336,8 @@ Json ComparisonJson(const Misalignment& m) {
 
 void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment& m) {
   CsvWriter csv({"percent", "human_x_mm", "human_y_mm", "exo_x_mm", "exo_y_mm", "dx_mm", "dy_mm", "distance_mm",
-                 "relative_error", "relative_error_paper", "human_knee_deg", "exo_knee_deg", "spike",
-                 "joint_shank_x_mm", "joint_shank_y_mm", "joint_thigh_x_mm", "joint_thigh_y_mm"});
+                 "relative_error", "relative_error_paper", "human_knee_deg", "exo_knee_deg", "spike", "joint_x_mm",
+                 "joint_y_mm", "joint_mm", "joint_thigh_x_mm", "joint_thigh_y_mm"});
   for (std::size_t i = 0; i < kPercentSamples; ++i) {
     const Vector2d& h = m.human.knee[i];
     const Vector2d& e = m.exo.knee[i];
@@ -295,7 +346,7 @@ void WriteMisalignmentCsv(const std::filesystem::path& path, const Misalignment&
     csv.Add(m.human.knee_deg[i]).Add(m.exo.knee_deg[i]).Add(m.spike[i] ? 1 : 0);
     const Vector2d unknown = Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
     const Vector2d shank = m.joint ? m.joint->shank_mm[i] : unknown, thigh = m.joint ? m.joint->thigh_mm[i] : unknown;
-    csv.Add(shank.x()).Add(shank.y()).Add(thigh.x()).Add(thigh.y());
+    csv.Add(shank.x()).Add(shank.y()).Add(shank.norm()).Add(thigh.x()).Add(thigh.y());
     csv.EndRow();
   }
   csv.Write(path);

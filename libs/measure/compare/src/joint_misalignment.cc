@@ -4,6 +4,8 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "lake/core/angles.h"
+#include "lake/core/cross.h"
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
 #include "noise.h"
@@ -30,20 +32,31 @@ RegisteredTrial AgainstKnee(const RegisteredTrial& exo) {
 }
 
 struct Figures {
-  double rms_mm = 0, max_mm = 0, remainder_mm = 0;
+  double rms_mm = 0, max_mm = 0, remainder_mm = 0, angle_rms_deg = 0;
   Vector2d mean_mm = Vector2d::Zero();
 };
 
-Figures FiguresOf(const std::vector<Vector2d>& place_mm, const std::vector<bool>& spike) {
+// From the way up to a joint to the way on to the hip; positive in flexion.
+double FlexionAt(const Vector2d& joint, const Vector2d& ankle, const Vector2d& hip) {
+  const Vector2d shank = joint - ankle, thigh = hip - joint;
+  return DegreesFromRadians(std::atan2(Cross(shank, thigh), shank.dot(thigh)));
+}
+
+// `leg`: with the leg's own knee; `place_mm`: the joint's against it, shank's frame.
+Figures FiguresOf(const StsCurve& leg, const std::vector<Vector2d>& place_mm, const std::vector<bool>& spike) {
   Figures figures;
-  double square = 0, samples = 0;
+  double square = 0, samples = 0, angle_square = 0;
   for (std::size_t i = 0; i < place_mm.size(); ++i) {
     if (spike[i]) continue;
     ++samples, square += place_mm[i].squaredNorm(), figures.mean_mm += place_mm[i];
     figures.max_mm = std::max(figures.max_mm, place_mm[i].norm());
+    const Vector2d &ankle = leg.ankle[i], &knee = leg.leg_knee[i], &hip = leg.hip[i];
+    const Vector2d joint = knee + AxesAlong(knee - ankle) * place_mm[i];
+    angle_square += std::pow(FlexionAt(joint, ankle, hip) - FlexionAt(knee, ankle, hip), 2);
   }
   figures.mean_mm /= samples;
   figures.rms_mm = std::sqrt(square / samples);
+  figures.angle_rms_deg = std::sqrt(angle_square / samples);
   figures.remainder_mm = std::sqrt(std::max(0.0, square / samples - figures.mean_mm.squaredNorm()));
   return figures;
 }
@@ -66,17 +79,18 @@ JointMisalignment::Intervals DrawIntervals(const RegisteredTrial& against, const
                                            const std::vector<bool>& spike, const JointNoise& noise) {
   std::mt19937_64 random(noise.seed);
   const double factor = StudentFactor(against.repetitions.size());
-  std::vector<double> rms, max, mean_x, mean_y, remainder;
+  std::vector<double> rms, max, mean_x, mean_y, remainder, angle;
   for (int k = 0; k < noise.resamples; ++k) {
     ThrowIfInterrupted();
     std::vector<Vector2d> place = DrawErrorOfMean(against, mean, noise.width_percent, random);
     for (std::size_t i = 0; i < place.size(); ++i) place[i] = mean.knee[i] + factor * place[i];
-    const Figures figures = FiguresOf(place, spike);
+    const Figures figures = FiguresOf(mean, place, spike);
     rms.push_back(figures.rms_mm), max.push_back(figures.max_mm), remainder.push_back(figures.remainder_mm);
+    angle.push_back(figures.angle_rms_deg);
     mean_x.push_back(figures.mean_mm.x()), mean_y.push_back(figures.mean_mm.y());
   }
-  return {PercentileInterval(rms), PercentileInterval(max), PercentileInterval(mean_x), PercentileInterval(mean_y),
-          PercentileInterval(remainder)};
+  return {PercentileInterval(rms),    PercentileInterval(max),       PercentileInterval(mean_x),
+          PercentileInterval(mean_y), PercentileInterval(remainder), PercentileInterval(angle)};
 }
 
 }  // namespace
@@ -86,7 +100,7 @@ std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& ex
   const RegisteredTrial against = AgainstKnee(exo);
   if (against.repetitions.empty() || std::ranges::all_of(spike, [](bool is) { return is; })) return std::nullopt;
   const StsCurve mean = MeanCurve(against.repetitions);
-  const Figures figures = FiguresOf(mean.knee, spike);
+  const Figures figures = FiguresOf(mean, mean.knee, spike);
   JointMisalignment joint;
   joint.shank_mm = mean.knee;
   for (std::size_t i = 0; i < mean.knee.size(); ++i) {
@@ -95,6 +109,7 @@ std::optional<JointMisalignment> FindJointMisalignment(const RegisteredTrial& ex
   }
   joint.rms_mm = figures.rms_mm, joint.max_mm = figures.max_mm;
   joint.relative_rms = RelativeRms(mean, spike);
+  joint.angle_rms_deg = figures.angle_rms_deg;
   joint.mean_mm = figures.mean_mm, joint.remainder_mm = figures.remainder_mm;
   joint.repetitions = static_cast<int>(against.repetitions.size());
   if (noise.resamples > 0) joint.intervals = DrawIntervals(against, mean, spike, noise);

@@ -52,6 +52,18 @@ Interval BasicInterval(double estimate, double centre, const std::vector<double>
   return {estimate - (drawn.high - centre), estimate - (drawn.low - centre)};
 }
 
+// Of a length, which is no less than 0; the draws are around `shrink` times the estimate.
+Interval BasicLength(double estimate, double shrink, const std::vector<double>& draws) {
+  const Interval basic = BasicInterval(estimate, shrink * estimate, draws);
+  return {std::max(0.0, basic.low), std::max(0.0, basic.high)};
+}
+
+double MeanSquareOfSum(const std::vector<Vector2d>& vectors, double factor, const std::vector<Vector2d>& added) {
+  double sum = 0;
+  for (std::size_t i = 0; i < vectors.size(); ++i) sum += (vectors[i] + factor * added[i]).squaredNorm();
+  return sum / static_cast<double>(vectors.size());
+}
+
 double MeanSquare(const std::vector<Vector2d>& vectors) {
   double sum = 0;
   for (const Vector2d& v : vectors) sum += v.squaredNorm();
@@ -135,11 +147,14 @@ class Bootstrap {
     const std::vector<Vector2d>& shape_mm = m.decomposition.shape_mm;
     const double shrink = WithoutNoise(MeanSquare(shape_mm), noise_square);
     const Eigen::Vector3d centre = FractionsWithShape(m.decomposition, shrink - 1, shape_mm);
-    std::array<std::vector<double>, 3> fractions;
+    std::array<std::vector<double>, 3> fractions, rms_mm;
     std::vector<double> offset_x, offset_y;
     for (const Decomposition& d : parts) {
       const Eigen::Vector3d drawn = FractionsWithShape(d, shrink, shape_mm);
       for (int part = 0; part < 3; ++part) fractions[static_cast<std::size_t>(part)].push_back(drawn[part]);
+      rms_mm[0].push_back(std::sqrt(MeanSquare(d.placement_mm)));
+      rms_mm[1].push_back(std::sqrt(MeanSquare(d.timing_mm)));
+      rms_mm[2].push_back(std::sqrt(MeanSquareOfSum(d.shape_mm, shrink, shape_mm)));
       offset_x.push_back(d.offset_mm.x());
       offset_y.push_back(d.offset_mm.y());
     }
@@ -147,6 +162,9 @@ class Bootstrap {
     m.intervals->placement = BasicInterval(d.placement, centre[0], fractions[0]);
     m.intervals->timing = BasicInterval(d.timing, centre[1], fractions[1]);
     m.intervals->shape = BasicInterval(d.shape, centre[2], fractions[2]);
+    m.intervals->placement_mm = BasicLength(std::sqrt(MeanSquare(d.placement_mm)), 1, rms_mm[0]);
+    m.intervals->timing_mm = BasicLength(std::sqrt(MeanSquare(d.timing_mm)), 1, rms_mm[1]);
+    m.intervals->shape_mm = BasicLength(std::sqrt(MeanSquare(d.shape_mm)), shrink, rms_mm[2]);
     m.intervals->offset_x_mm = BasicInterval(d.offset_mm.x(), d.offset_mm.x(), offset_x);
     m.intervals->offset_y_mm = BasicInterval(d.offset_mm.y(), d.offset_mm.y(), offset_y);
   }
@@ -210,6 +228,8 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
   m.metrics_without_spikes = ComputeMetrics(m.human, m.exo, quiet);
   m.decomposition = Decompose(m.human, m.exo, options.decomposition);
   if (options.resamples > 0) Bootstrap(human, exo, options).Run(m);
+  m.pace = ComparePace(human, exo);
+  m.posture = ComparePosture(human, exo);
   const auto [least, most] = std::minmax_element(m.human.knee_deg.begin(), m.human.knee_deg.end());
   m.best_pivot = BestFixedPivot(std::clamp(*least, 0.0, 119.0), std::clamp(*most, 1.0, 120.0));
   AddWarnings(human, exo, m);

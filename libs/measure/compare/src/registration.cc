@@ -150,8 +150,14 @@ class Registrar {
     curve.repetition = interval.repetition;
     curve.duration_s = interval.standing_s - interval.onset_s;
     const std::vector<double>& time_s = trial_.trajectory.time_s;
-    std::vector<double> knee_deg;
-    for (const motion::LegSample& sample : trial_.motion.samples) knee_deg.push_back(sample.knee_deg);
+    if (interval.seat_off_s) curve.seat_off_s = *interval.seat_off_s - interval.onset_s;
+    std::vector<double> knee_deg, shank_deg, trunk_deg;
+    for (const motion::LegSample& sample : trial_.motion.samples) {
+      knee_deg.push_back(sample.knee_deg);
+      shank_deg.push_back(sample.shank_deg);
+      trunk_deg.push_back(sample.trunk_deg);
+    }
+    const bool shows_trunk = LongestGap(time_s, trunk_deg, interval.onset_s, interval.standing_s) <= options_.max_gap_s;
     const bool shows_leg_knee = ShowsLegKnee(interval);
     for (int percent = 0; percent < kPercentSamples; ++percent) {
       const double t = interval.onset_s + curve.duration_s * percent / (kPercentSamples - 1);
@@ -163,6 +169,8 @@ class Registrar {
       curve.hip.push_back(in_leg(hip_));
       if (shows_leg_knee) curve.leg_knee.push_back(in_leg(*leg_knee_));
       curve.knee_deg.push_back(ValueAt(time_s, knee_deg, t));
+      curve.shank_deg.push_back(ValueAt(time_s, shank_deg, t));
+      curve.trunk_deg.push_back(shows_trunk ? ValueAt(time_s, trunk_deg, t) : NAN);
       curve.knee_sigma_mm.push_back(LinearValueAt(time_s, knee_.sigma, t));
     }
     return curve;
@@ -206,6 +214,8 @@ StsCurve MeanCurve(const std::vector<StsCurve>& curves) {
   if (std::ranges::none_of(curves, [](const StsCurve& curve) { return curve.leg_knee.empty(); }))
     mean.leg_knee = MeanOf(curves, &StsCurve::leg_knee);
   mean.knee_deg = MeanOf(curves, &StsCurve::knee_deg);
+  mean.shank_deg = MeanOf(curves, &StsCurve::shank_deg);
+  mean.trunk_deg = MeanOf(curves, &StsCurve::trunk_deg);
   mean.knee_sigma_mm = MeanOf(curves, &StsCurve::knee_sigma_mm);
   for (double& sigma : mean.knee_sigma_mm) sigma /= std::sqrt(static_cast<double>(curves.size()));
   for (const StsCurve& curve : curves) mean.duration_s += curve.duration_s / static_cast<double>(curves.size());

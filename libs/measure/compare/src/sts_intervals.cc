@@ -26,6 +26,8 @@ std::vector<StsInterval> FindStsIntervals(const TrialTables& trial) {
     const std::size_t first = FrameAfter(time_s, onset_s), last = FrameAfter(time_s, standing_s);
     if (last < first + 3) throw Fail("{}: repetition {} has only {} frames", trial.name, repetition, last - first + 1);
     intervals.push_back({repetition, onset_s, standing_s});
+    if (const auto seat_off = events.find(motion::StsEventKind::kSeatOff); seat_off != events.end())
+      intervals.back().seat_off_s = seat_off->second;
   }
   if (intervals.empty())
     throw Fail(

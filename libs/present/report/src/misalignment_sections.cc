@@ -99,6 +99,27 @@ Section MetricsSection(const Json& comparison) {
   return {"Figures", {std::move(table)}};
 }
 
+// What the exoskeleton does to its person's movement, which the path difference holds as well.
+Section PaceAndPostureSection(const Json& comparison) {
+  Table table{"Means of both trials; the interval (95 %) needs two repetitions of each",
+              {{"Quantity"}, {"Unit"}, {"Human", 2}, {"Exoskeleton", 2}, {"Difference", 2}, {"Interval"}},
+              {}};
+  const auto add = [&](const char* what, const Json& difference, const std::string& unit) {
+    if (difference.is_null()) return;
+    const std::string interval = "difference_interval_" + unit;
+    table.rows.push_back({what, unit == "deg" ? "°" : unit, NumberOrNaN(difference.at("human_" + unit)),
+                          NumberOrNaN(difference.at("exo_" + unit)), NumberOrNaN(difference.at("difference_" + unit)),
+                          IntervalNote(difference, interval.c_str(), 1, 2, "")});
+  };
+  const Json &pace = comparison.at("pace"), &posture = comparison.at("posture");
+  add("rise, onset to standing", pace, "s");
+  add("onset to seat-off", pace.at("phases").at("onset_to_seat_off"), "s");
+  add("seat-off to standing", pace.at("phases").at("seat_off_to_standing"), "s");
+  add("shank's forward lean, mean", posture.at("shank"), "deg");
+  add("trunk's forward lean, mean", posture.at("lean"), "deg");
+  return {"Pace and posture", {std::move(table)}};
+}
+
 Section KneeAxisSection(const Json& comparison) {
   const Json& axis = comparison.at("knee_axis");
   const std::vector<double> angles = [&] {
@@ -122,8 +143,8 @@ constexpr std::array<const char*, 3> kParts = {"placement", "timing", "shape"};
 
 // Where the joint sits: on the exo trial's own leg if it is shown, else the fitted offset.
 Eigen::Vector2d JointOf(const Json& comparison) {
-  const Json mount = comparison.value("mount_mm", Json());
-  const Json& joint = mount.is_null() ? comparison.at("decomposition").at("offset_mm") : mount;
+  const Json worn = comparison.value("joint", Json());
+  const Json& joint = (worn.is_null() ? comparison.at("decomposition") : worn).at("offset_mm");
   return {NumberOrNaN(joint.at(0)), NumberOrNaN(joint.at(1))};
 }
 
@@ -193,19 +214,20 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   };
   const Eigen::Vector2d joint = JointOf(comparison);
   const Json worn = comparison.value("joint", Json());
-  const auto of_joint = [&](const char* label, const char* name) {
-    return KeyFigure{.label = label,
-                     .value = worn.is_null() ? std::numeric_limits<double>::quiet_NaN() : NumberOrNaN(worn.at(name)),
-                     .decimals = 1,
-                     .unit = "mm",
-                     .plus_minus = std::nullopt,
-                     .note = worn.is_null() ? "the trial does not show the knee"
-                                            : IntervalNote(worn.value("intervals", Json::object()), name, 1, 1, "mm")};
+  const auto of_joint = [&](const char* label, const Json& of, const char* name, const char* interval) {
+    return KeyFigure{
+        .label = label,
+        .value = of.is_null() ? std::numeric_limits<double>::quiet_NaN() : NumberOrNaN(of.at(name)),
+        .decimals = 1,
+        .unit = "mm",
+        .plus_minus = std::nullopt,
+        .note = of.is_null() ? "the trial does not show the knee" : IntervalNote(of, interval, 1, 1, "mm")};
   };
   return {
-      {of_joint("joint misalignment, RMS", "rms_mm"),
-       of_joint("joint misalignment, largest", "max_mm"),
-       of_joint("joint misalignment, joint moved", "remainder_mm"),
+      {of_joint("joint misalignment, RMS", worn, "rms_mm", "rms_interval_mm"),
+       of_joint("joint misalignment, largest", worn, "max_mm", "max_interval_mm"),
+       of_joint("joint misalignment, joint moved", comparison.value("best_placement", Json()), "rms_mm",
+                "rms_interval_mm"),
        figure("path difference, RMS, of the shank", "relative_rms", 100, 2, "%"),
        figure("path difference, largest, of the shank", "relative_max", 100, 2, "%"),
        figure("path difference, RMS", "rms_mm", 1, 1, "mm"),
@@ -231,8 +253,13 @@ std::string DecompositionAdvice(const Json& comparison) {
 }
 
 std::vector<Section> MisalignmentSections(const Json& comparison) {
-  return {KeySection(comparison),     PathsSection(comparison),    PartsSection(comparison),
-          MetricsSection(comparison), KneeAxisSection(comparison), MethodSection()};
+  return {KeySection(comparison),
+          PathsSection(comparison),
+          PartsSection(comparison),
+          PaceAndPostureSection(comparison),
+          MetricsSection(comparison),
+          KneeAxisSection(comparison),
+          MethodSection()};
 }
 
 }  // namespace lake::report

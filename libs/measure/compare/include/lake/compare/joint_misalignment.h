@@ -21,8 +21,10 @@ struct JointMisalignment {
   double relative_rms = 0;                            // of the worn leg's shank length
   Eigen::Vector2d mean_mm = Eigen::Vector2d::Zero();  // shank frame; moving the joint by −mean_mm removes it
   double remainder_mm = 0;                            // RMS of what is left then
+  // RMS difference of the angles that ankle, joint and hip make and ankle, knee and hip.
+  double angle_rms_deg = 0;
   struct Intervals {
-    Interval rms_mm, max_mm, mean_x_mm, mean_y_mm, remainder_mm;
+    Interval rms_mm, max_mm, mean_x_mm, mean_y_mm, remainder_mm, angle_rms_deg;
   };
   std::optional<Intervals> intervals;
   int repetitions = 0;

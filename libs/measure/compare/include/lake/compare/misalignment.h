@@ -12,6 +12,7 @@
 #include "lake/compare/joint_misalignment.h"
 #include "lake/compare/knee_axis.h"
 #include "lake/compare/metrics.h"
+#include "lake/compare/pace_and_posture.h"
 #include "lake/compare/registration.h"
 #include "lake/core/json.h"
 
@@ -30,7 +31,8 @@ struct MisalignmentOptions {
 
 struct MisalignmentIntervals {
   Interval rms_mm, max_mm, relative_rms, relative_max;
-  Interval placement, timing, shape;  // of the fractions without noise; NaN where both paths are one
+  Interval placement, timing, shape;           // of the fractions without noise; NaN where both paths are one
+  Interval placement_mm, timing_mm, shape_mm;  // RMS of the parts
   Interval offset_x_mm, offset_y_mm;
 };
 
@@ -48,6 +50,8 @@ struct Misalignment {
   // Against the exo trial's own leg; absent where that leg is not shown. The decomposition's offset is the one that
   // explains most of the difference of the paths.
   std::optional<JointMisalignment> joint;
+  Pace pace;
+  Posture posture;
   FixedPivot best_pivot;  // of the knee model over the human's range of knee angles
   int human_repetitions = 0, exo_repetitions = 0;
   std::vector<std::string> warnings;

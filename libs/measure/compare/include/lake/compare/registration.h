@@ -18,10 +18,13 @@ inline constexpr int kPercentSamples = 101;
 struct StsCurve {
   int repetition = 0;                             // from 1; 0: a mean
   double duration_s = 0;                          // onset to standing
+  std::optional<double> seat_off_s = {};          // after the onset; of a repetition that has one
   std::vector<Eigen::Vector2d> ankle, knee, hip;  // knee: the compared marker
   // The leg's own knee, where another marker is compared; empty: the trial does not show it.
   std::vector<Eigen::Vector2d> leg_knee;
   std::vector<double> knee_deg;
+  // Forward lean of shank and trunk (hip to waist); NaN where it is not shown.
+  std::vector<double> shank_deg, trunk_deg;
   std::vector<double> knee_sigma_mm;  // one standard deviation per axis of the knee relative to the origin's ankle
 };
 
@@ -49,6 +52,7 @@ struct RegisteredTrial {
 struct StsInterval {
   int repetition = 0;
   double onset_s = 0, standing_s = 0;
+  std::optional<double> seat_off_s = {};
 };
 std::vector<StsInterval> FindStsIntervals(const TrialTables& trial);
 
