@@ -18,8 +18,9 @@ std::optional<Interval> IntervalOfDifference(const std::vector<double>& human, c
   const double of_human = variance_of_mean(human), of_exo = variance_of_mean(exo), both = of_human + of_exo,
                difference = Mean(exo) - Mean(human);
   if (!(both > 0)) return Interval{difference, difference};
-  const double freedom = both * both / (of_human * of_human / static_cast<double>(human.size() - 1) +
-                                        of_exo * of_exo / static_cast<double>(exo.size() - 1));
+  const double freedom = both * both /
+                         (of_human * of_human / static_cast<double>(human.size() - 1) +
+                          of_exo * of_exo / static_cast<double>(exo.size() - 1));
   constexpr double kUpper = 0.975;
   const double reach = quantile(boost::math::students_t(freedom), kUpper) * std::sqrt(both);
   return Interval{difference - reach, difference + reach};
@@ -52,8 +53,7 @@ std::optional<AngleDifference> CompareAngle(const RegisteredTrial& human, const 
                                             std::vector<double> StsCurve::*angle_deg) {
   const auto mean_deg = CompareEach(human, exo, [&](const StsCurve& curve) {
     const std::vector<double>& angle = curve.*angle_deg;
-    const bool is_shown =
-        !angle.empty() && std::ranges::all_of(angle, [](double deg) { return std::isfinite(deg); });
+    const bool is_shown = !angle.empty() && std::ranges::all_of(angle, [](double deg) { return std::isfinite(deg); });
     return is_shown ? std::optional(Mean(angle)) : std::nullopt;
   });
   if (!mean_deg) return std::nullopt;
@@ -79,8 +79,7 @@ Pace ComparePace(const RegisteredTrial& human, const RegisteredTrial& exo) {
 }
 
 Posture ComparePosture(const RegisteredTrial& human, const RegisteredTrial& exo) {
-  return {CompareAngle(human, exo, &StsCurve::shank_deg),
-          CompareAngle(human, exo, &StsCurve::trunk_deg)};
+  return {CompareAngle(human, exo, &StsCurve::shank_deg), CompareAngle(human, exo, &StsCurve::trunk_deg)};
 }
 
 }  // namespace lake::compare
