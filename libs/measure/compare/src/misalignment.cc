@@ -52,10 +52,10 @@ Interval BasicInterval(double estimate, double centre, const std::vector<double>
   return {estimate - (drawn.high - centre), estimate - (drawn.low - centre)};
 }
 
-// Of a length, which is no less than 0; the draws are around `shrink` times the estimate.
-Interval BasicLength(double estimate, double shrink, const std::vector<double>& draws) {
-  const Interval basic = BasicInterval(estimate, shrink * estimate, draws);
-  return {std::max(0.0, basic.low), std::max(0.0, basic.high)};
+// Of an RMS, from its square, to which noise adds; the draws of squares are around that of `shrink` times the estimate.
+Interval BasicRms(double square, double shrink, const std::vector<double>& squares) {
+  const Interval basic = BasicInterval(square, shrink * shrink * square, squares);
+  return {std::sqrt(std::max(0.0, basic.low)), std::sqrt(std::max(0.0, basic.high))};
 }
 
 double MeanSquareOfSum(const std::vector<Vector2d>& vectors, double factor, const std::vector<Vector2d>& added) {
@@ -147,14 +147,14 @@ class Bootstrap {
     const std::vector<Vector2d>& shape_mm = m.decomposition.shape_mm;
     const double shrink = WithoutNoise(MeanSquare(shape_mm), noise_square);
     const Eigen::Vector3d centre = FractionsWithShape(m.decomposition, shrink - 1, shape_mm);
-    std::array<std::vector<double>, 3> fractions, rms_mm;
+    std::array<std::vector<double>, 3> fractions, squares;
     std::vector<double> offset_x, offset_y;
     for (const Decomposition& d : parts) {
       const Eigen::Vector3d drawn = FractionsWithShape(d, shrink, shape_mm);
       for (int part = 0; part < 3; ++part) fractions[static_cast<std::size_t>(part)].push_back(drawn[part]);
-      rms_mm[0].push_back(std::sqrt(MeanSquare(d.placement_mm)));
-      rms_mm[1].push_back(std::sqrt(MeanSquare(d.timing_mm)));
-      rms_mm[2].push_back(std::sqrt(MeanSquareOfSum(d.shape_mm, shrink, shape_mm)));
+      squares[0].push_back(MeanSquare(d.placement_mm));
+      squares[1].push_back(MeanSquare(d.timing_mm));
+      squares[2].push_back(MeanSquareOfSum(d.shape_mm, shrink, shape_mm));
       offset_x.push_back(d.offset_mm.x());
       offset_y.push_back(d.offset_mm.y());
     }
@@ -162,9 +162,9 @@ class Bootstrap {
     m.intervals->placement = BasicInterval(d.placement, centre[0], fractions[0]);
     m.intervals->timing = BasicInterval(d.timing, centre[1], fractions[1]);
     m.intervals->shape = BasicInterval(d.shape, centre[2], fractions[2]);
-    m.intervals->placement_mm = BasicLength(std::sqrt(MeanSquare(d.placement_mm)), 1, rms_mm[0]);
-    m.intervals->timing_mm = BasicLength(std::sqrt(MeanSquare(d.timing_mm)), 1, rms_mm[1]);
-    m.intervals->shape_mm = BasicLength(std::sqrt(MeanSquare(d.shape_mm)), shrink, rms_mm[2]);
+    m.intervals->placement_mm = BasicRms(MeanSquare(d.placement_mm), 1, squares[0]);
+    m.intervals->timing_mm = BasicRms(MeanSquare(d.timing_mm), 1, squares[1]);
+    m.intervals->shape_mm = BasicRms(MeanSquare(d.shape_mm), shrink, squares[2]);
     m.intervals->offset_x_mm = BasicInterval(d.offset_mm.x(), d.offset_mm.x(), offset_x);
     m.intervals->offset_y_mm = BasicInterval(d.offset_mm.y(), d.offset_mm.y(), offset_y);
   }
