@@ -33,8 +33,10 @@ std::string PaceAndPostureReport(const lake::Json& summary) {
                                  NumberOrNaN(pace["exo_s"]));
   for (const auto& [name, angle] : {std::pair("shank", &posture["shank"]), std::pair("trunk", &posture["lean"])})
     if (!angle->is_null())
-      text += fmt::format("; its {} leans {:+.1f}° farther forward on average ({:.1f}° RMS)", name,
-                          NumberOrNaN((*angle)["difference_deg"]), NumberOrNaN((*angle)["rms_deg"]));
+      text +=
+          fmt::format("; with it the {} leans {:.1f}° {} forward on average ({:.1f}° RMS apart)", name,
+                      std::abs(NumberOrNaN((*angle)["difference_deg"])),
+                      NumberOrNaN((*angle)["difference_deg"]) < 0 ? "less" : "more", NumberOrNaN((*angle)["rms_deg"]));
   return text + "\n";
 }
 
