@@ -4,6 +4,7 @@
 
 #include "closed_form.h"
 #include "lake/compare/misalignment.h"
+#include "lake/compare/pointwise_error.h"
 
 namespace lake {
 namespace {
@@ -70,9 +71,7 @@ compare::Misalignment Measure(const Truth& truth, unsigned seed) {
 }
 
 double Rms(const std::vector<Eigen::Vector2d>& vectors) {
-  double square = 0;
-  for (const Eigen::Vector2d& vector : vectors) square += vector.squaredNorm();
-  return std::sqrt(square / static_cast<double>(vectors.size()));
+  return std::sqrt(compare::MeanSquare(vectors));
 }
 
 struct Coverage {

@@ -50,7 +50,7 @@ void BridgeSpikes(const std::vector<bool>& spike, std::vector<Vector2d>& vectors
 }
 
 double RmsLength(const std::vector<Vector2d>& vectors) {
-  return std::sqrt(compare::MeanSquaredDistance(vectors, std::vector<Vector2d>(vectors.size(), Vector2d::Zero())));
+  return std::sqrt(compare::MeanSquare(vectors));
 }
 
 // The leg with this knee angle, ankle and lean as the human's.

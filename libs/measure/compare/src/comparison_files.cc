@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "lake/compare/comparison_file.h"
+#include "lake/compare/pointwise_error.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
@@ -135,9 +136,7 @@ Json BestPlacementJson(const JointMisalignment& joint) {
 
 Json PartsJson(const Misalignment& m) {
   const auto part = [&](const std::vector<Vector2d>& vectors_mm, Interval MisalignmentIntervals::*interval) {
-    double square = 0;
-    for (const Vector2d& vector_mm : vectors_mm) square += vector_mm.squaredNorm();
-    return Json{{"rms_mm", std::sqrt(square / static_cast<double>(vectors_mm.size()))},
+    return Json{{"rms_mm", std::sqrt(MeanSquare(vectors_mm))},
                 {"interval_mm", m.intervals ? IntervalJson((*m.intervals).*interval) : Json()}};
   };
   return {{"placement", part(m.decomposition.placement_mm, &MisalignmentIntervals::placement_mm)},

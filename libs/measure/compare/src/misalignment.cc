@@ -58,18 +58,6 @@ Interval BasicRms(double square, double shrink, const std::vector<double>& squar
   return {std::sqrt(std::max(0.0, basic.low)), std::sqrt(std::max(0.0, basic.high))};
 }
 
-double MeanSquareOfSum(const std::vector<Vector2d>& vectors, double factor, const std::vector<Vector2d>& added) {
-  double sum = 0;
-  for (std::size_t i = 0; i < vectors.size(); ++i) sum += (vectors[i] + factor * added[i]).squaredNorm();
-  return sum / static_cast<double>(vectors.size());
-}
-
-double MeanSquare(const std::vector<Vector2d>& vectors) {
-  double sum = 0;
-  for (const Vector2d& v : vectors) sum += v.squaredNorm();
-  return sum / static_cast<double>(vectors.size());
-}
-
 // Noise adds to a mean square, so what is measured holds it once already: the factor that takes it out.
 double WithoutNoise(double measured_square, double noise_square) {
   return measured_square > 0 ? std::sqrt(std::max(0.0, 1 - noise_square / measured_square)) : 0;
@@ -148,13 +136,15 @@ class Bootstrap {
     const double shrink = WithoutNoise(MeanSquare(shape_mm), noise_square);
     const Eigen::Vector3d centre = FractionsWithShape(m.decomposition, shrink - 1, shape_mm);
     std::array<std::vector<double>, 3> fractions, squares;
+    std::vector<Vector2d> taken_away_mm;
+    for (const Vector2d& v : shape_mm) taken_away_mm.push_back(-shrink * v);
     std::vector<double> offset_x, offset_y;
     for (const Decomposition& d : parts) {
       const Eigen::Vector3d drawn = FractionsWithShape(d, shrink, shape_mm);
       for (int part = 0; part < 3; ++part) fractions[static_cast<std::size_t>(part)].push_back(drawn[part]);
       squares[0].push_back(MeanSquare(d.placement_mm));
       squares[1].push_back(MeanSquare(d.timing_mm));
-      squares[2].push_back(MeanSquareOfSum(d.shape_mm, shrink, shape_mm));
+      squares[2].push_back(MeanSquaredDistance(d.shape_mm, taken_away_mm));
       offset_x.push_back(d.offset_mm.x());
       offset_y.push_back(d.offset_mm.y());
     }

@@ -386,7 +386,7 @@ class Namer {
     PathEnd end;
     for (auto f = static_cast<std::ptrdiff_t>(frame) + step; f >= 0 && f < std::ssize(samples); f += step) {
       const auto i = static_cast<std::size_t>(f);
-      if (samples[i].IsKnown()) end.push_back({time_s_[i], samples[i].position, samples[i].sigma});
+      if (samples[i].IsKnown()) end.push_back({.time_s = time_s_[i], .position = samples[i].position});
       if (end.size() == kPathEndSamples) break;
     }
     std::ranges::reverse(end);

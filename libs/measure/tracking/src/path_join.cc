@@ -18,7 +18,7 @@ PathEnd EndOf(const Tracklet& tracklet, bool is_last) {
   const std::size_t n = tracklet.samples.size();
   for (std::size_t k = std::min(n, kPathEndSamples); k-- > 0;) {
     const TrackletSample& sample = tracklet.samples[is_last ? n - 1 - k : k];
-    end.push_back({sample.time_s, sample.position, sample.sigma_px});
+    end.push_back({.time_s = sample.time_s, .position = sample.position});
   }
   return end;
 }

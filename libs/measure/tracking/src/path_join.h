@@ -9,7 +9,8 @@
 
 namespace lake::tracking {
 
-// Samples in px of one thing, beside a gap: the farthest first. Eight tell as much as more do.
+// Times and places, px, of one thing beside a gap: the farthest first. Eight tell as much as more do. Their sigmas are
+// not used: a place is as uncertain as coding and the clock make it.
 using PathEnd = std::vector<dynamics::PathSample>;
 inline constexpr std::size_t kPathEndSamples = 8;
 

@@ -65,7 +65,7 @@ void JudgeLooks(std::vector<TrackletSample>& samples) {
   // Of 45 000 whole markers in 70 coded recordings those whose size differed by 0.1 to 0.8 px were 0.2 to 0.25 px off
   // per axis, others 0.12. The centre of what a straight edge leaves of a disc is off by 1.06 of the difference of the
   // radii of equal area. What the noise makes differ is in the sigma already.
-  constexpr double kOfScatter = 4, kDisplacedByCoding = 0.4, kDisplacedByHiding = 1.06, kByNoise = 1;
+  constexpr double kOfScatter = 4, kDisplacedByCoding = 0.4, kDisplacedByHiding = 1.06;
   struct Tolerance {
     double size, size_slack_px, quality_factor, quality_slack;
   };
@@ -73,7 +73,6 @@ void JudgeLooks(std::vector<TrackletSample>& samples) {
   // A disc half hidden has 0.7 of its size.
   constexpr Tolerance kWithin{0.3, 0, 2.5, 0.01}, kNearGap{0.015, 0.1, 1.6, 0.005};
   std::vector<bool> unlike(samples.size());
-  std::vector<double> displaced_px(samples.size());
   const auto count = static_cast<std::ptrdiff_t>(samples.size());
   for (std::ptrdiff_t i = 0; i < count; ++i) {
     std::vector<double> radii, qualities;
@@ -82,7 +81,7 @@ void JudgeLooks(std::vector<TrackletSample>& samples) {
       radii.push_back(samples[static_cast<std::size_t>(j)].radius_px);
       qualities.push_back(samples[static_cast<std::size_t>(j)].quality);
     }
-    const TrackletSample& sample = samples[static_cast<std::size_t>(i)];
+    TrackletSample& sample = samples[static_cast<std::size_t>(i)];
     const double scatter = RobustDeviation(radii);
     const double radius = Median(std::move(radii)), quality = Median(std::move(qualities)),
                  off_px = std::abs(sample.radius_px - radius);
@@ -90,11 +89,9 @@ void JudgeLooks(std::vector<TrackletSample>& samples) {
     unlike[static_cast<std::size_t>(i)] = off_px > tolerance.size * radius + tolerance.size_slack_px ||
                                           sample.quality > tolerance.quality_factor * quality + tolerance.quality_slack;
     const double displaced = off_px > kOfScatter * scatter ? kDisplacedByHiding : kDisplacedByCoding;
-    displaced_px[static_cast<std::size_t>(i)] =
-        displaced * std::sqrt(std::max(0.0, off_px * off_px - std::pow(kByNoise * sample.sigma_px, 2)));
+    const double beyond_noise_px = std::sqrt(std::max(0.0, off_px * off_px - sample.sigma_px * sample.sigma_px));
+    sample.sigma_px = std::hypot(sample.sigma_px, displaced * beyond_noise_px);
   }
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    samples[i].sigma_px = std::hypot(samples[i].sigma_px, displaced_px[i]);
   std::erase_if(samples, [&, i = std::size_t{0}](const TrackletSample&) mutable { return unlike[i++]; });
 }
 

@@ -41,4 +41,11 @@ T MeanSquaredDistance(const std::vector<Eigen::Matrix<T, 2, 1>>& exo_knee,
   return MeanSquaredRelativeError(exo_knee, human_knee, std::vector<double>(human_knee.size(), 1.0));
 }
 
+// mean(|v|²).
+inline double MeanSquare(const std::vector<Eigen::Vector2d>& vectors) {
+  double sum = 0;
+  for (const Eigen::Vector2d& v : vectors) sum += v.squaredNorm();
+  return sum / static_cast<double>(vectors.size());
+}
+
 }  // namespace lake::compare

@@ -44,11 +44,11 @@ struct TrackletOptions {
   double max_coast_frames = 3;  // … but not before so many frames
   int min_samples = 4;          // shorter ones are chance
   std::size_t max_live = 96;    // things followed at once, besides seeded ones; the most contrasted come first
-  int followed = 8;         // samples; while something followed for so long is missed, the whole picture is searched
-  int search_interval = 6;  // frames between searches of the whole picture otherwise …
-  int urgent_interval = 2;  // … and after something well established was lost, …
-  double urgent_s = 0.6;    // … for this long
-  int established = 30;     // samples
+  int followed = 8;             // samples; what has so many may look otherwise where it was missed
+  int search_interval = 6;      // frames between searches of the whole picture …
+  int urgent_interval = 2;      // … and after something well established was lost, …
+  double urgent_s = 0.6;        // … for this long
+  int established = 30;         // samples
 };
 
 struct ExpectedStep;
