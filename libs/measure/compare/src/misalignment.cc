@@ -136,8 +136,8 @@ class Bootstrap {
     const double shrink = WithoutNoise(MeanSquare(shape_mm), noise_square);
     const Eigen::Vector3d centre = FractionsWithShape(m.decomposition, shrink - 1, shape_mm);
     std::array<std::vector<double>, 3> fractions, squares;
-    std::vector<Vector2d> taken_away_mm;
-    for (const Vector2d& v : shape_mm) taken_away_mm.push_back(-shrink * v);
+    std::vector<Vector2d> taken_away_mm = shape_mm;
+    for (Vector2d& v : taken_away_mm) v *= -shrink;
     std::vector<double> offset_x, offset_y;
     for (const Decomposition& d : parts) {
       const Eigen::Vector3d drawn = FractionsWithShape(d, shrink, shape_mm);
