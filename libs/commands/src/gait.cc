@@ -9,6 +9,7 @@
 #include "lake/core/numbers.h"
 #include "lake/figure/leg_figure.h"
 #include "lake/gait/corrected_events.h"
+#include "lake/gait/sit_to_stand.h"
 #include "png_and_svg.h"
 
 namespace lake::commands {
@@ -182,13 +183,15 @@ Json RunGait(const GaitRunOptions& options, Run& run) {
   if (options.events)
     motion::CheckAreInside(motion::ReadEventCorrections(*options.events), trial.recording.frame,
                            trial.recording.time_s);
-  run.Begin({"summary.json", "kinematics.csv", "events.csv", "trajectory.csv", "tracks.csv", "gait.png", "gait.svg"});
+  run.Begin({"summary.json", "kinematics.csv", "events.csv", "sit_to_stand.csv", "trajectory.csv", "tracks.csv",
+             "gait.png", "gait.svg"});
   gait::LegFitResult result = FitTrial(trial, options.fit, run, options);
   Json results = Json::object();
   if (CorrectedEventsOf(trial)) results = {{kEventsCorrected, true}};
   if (options.events) results = CorrectEventsBy(*options.events, result);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), result.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), result.events);
+  gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), result);
   if (result.trajectory.unit == motion::LengthUnit::kMm)
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), result.trajectory, result.measured);
   if (result.tracks.unit == motion::LengthUnit::kPx) motion::WriteMarkerCsv(run.Result("tracks.csv"), result.tracks);

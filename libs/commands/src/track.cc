@@ -15,6 +15,7 @@
 #include "lake/figure/tracks_figure.h"
 #include "lake/gait/corrected_events.h"
 #include "lake/gait/rolling_shutter.h"
+#include "lake/gait/sit_to_stand.h"
 #include "lake/gait/standing_leg.h"
 #include "lake/motion/corrections.h"
 #include "lake/overlay/numbered_spots.h"
@@ -345,6 +346,7 @@ Json RunLeg(const TrackRunOptions& options, const tracking::TrackResult& tracked
     motion::WriteTrajectoryCsv(run.Result("trajectory.csv"), fit.trajectory, fit.measured);
   motion::WriteKinematicsCsv(run.Result("kinematics.csv"), fit.motion);
   motion::WriteEventsCsv(run.Result("events.csv"), fit.events);
+  gait::WriteSitToStandCsv(run.Result("sit_to_stand.csv"), fit);
   DrawPngAndSvg("track", run, [&](const std::filesystem::path& path) { figure::DrawLegFigure(path, fit); });
   const motion::MarkerRecording estimates = EstimatesInPicture(fit, view);
   const bool comparable = shutter.readout_s == 0;  // else what was seen is of another time than the estimate
@@ -467,8 +469,9 @@ void CheckStamps(const TrackRunOptions& options, const std::vector<motion::Corre
 // Everything that this run may write; so that nothing of the user's is in the way after minutes of tracking.
 std::vector<std::string> ResultNames(const TrackRunOptions& options) {
   if (options.list) return {"summary.json", kCandidatesTable, kCandidatesPicture};
-  std::vector<std::string> names = {"summary.json", "tracks.csv", "trajectory.csv", "kinematics.csv",  "events.csv",
-                                    "track.png",    "track.svg",  kCandidatesTable, kCandidatesPicture};
+  std::vector<std::string> names = {"summary.json",   "tracks.csv",       "trajectory.csv", "kinematics.csv",
+                                    "events.csv",     "sit_to_stand.csv", "track.png",      "track.svg",
+                                    kCandidatesTable, kCandidatesPicture};
   if (options.overlay) names.push_back("overlay.mp4");
   for (const std::string& format : options.exports)
     names.push_back(exchange::ExportName(format, options.video.stem().string()));

@@ -30,12 +30,57 @@ PointInLeg PointOf(LegMarker marker, const StateVector& state) {
   return result;
 }
 
-// What variances of the marker positions across the segments add to the knee angle's.
-double KneeVarianceOfMarkers(const StateVector& state, double ankle, double knee, double hip) {
-  const double shank = state[kShankLength], thigh = state[kThighLength],
-               knee_rad = state[kShankAngle] - state[kThighAngle];
-  return ankle / (shank * shank) + hip / (thigh * thigh) +
-         knee * (1 / (shank * shank) + 1 / (thigh * thigh) + 2 * std::cos(knee_rad) / (shank * thigh));
+double DifferenceVariance(const StateMatrix& covariance, int a, int b) {
+  return covariance(a, a) + covariance(b, b) - 2 * covariance(a, b);
+}
+
+// A segment of the leg: its angle and its length in the state, and its lower marker.
+struct Segment {
+  int angle, length;
+  LegMarker marker;
+};
+constexpr Segment kShank = {kShankAngle, kShankLength, kAnkle}, kThigh = {kThighAngle, kThighLength, kKnee},
+                  kTrunk = {kTrunkAngle, kTrunkLength, kHip};
+
+using MarkerVariances = std::array<double, kLegMarkers>;  // of positions, per axis
+
+// What variances of the marker positions add to the segment's angle, and to the angle between it and the next one up.
+double SegmentVarianceOfMarkers(const StateVector& state, const Segment& segment, const MarkerVariances& variance) {
+  return (variance[segment.marker] + variance[segment.marker + 1u]) / std::pow(state[segment.length], 2);
+}
+
+double JointVarianceOfMarkers(const StateVector& state, const Segment& lower, const Segment& upper,
+                              const MarkerVariances& variance) {
+  const double below = state[lower.length], above = state[upper.length],
+               angle = state[lower.angle] - state[upper.angle];
+  return variance[lower.marker] / (below * below) + variance[upper.marker + 1u] / (above * above) +
+         variance[upper.marker] * (1 / (below * below) + 1 / (above * above) + 2 * std::cos(angle) / (below * above));
+}
+
+double DegreesOfVariance(double variance) {
+  return DegreesFromRadians(std::sqrt(variance));
+}
+
+// Adds a frame's; `slow`: what slow noise adds to the markers' variances.
+void AddDeviations(const StateVector& state, const StateMatrix& of_state, const StateMatrix& of_rate,
+                   const MarkerVariances& slow, bool has_trunk, StsDeviations& sd) {
+  const PointDerivative hip = PointOf(kHip, state).by_state;
+  const auto up_variance = [&](const StateMatrix& covariance) {
+    return hip.row(1) * covariance * hip.row(1).transpose();
+  };
+  sd.hip_height.push_back(std::sqrt(up_variance(of_state)(0) + slow[kHip]));
+  sd.hip_up_speed.push_back(std::sqrt(up_variance(of_rate)(0)));
+  sd.knee_deg.push_back(
+      DegreesOfVariance(KneeVariance(of_state) + JointVarianceOfMarkers(state, kShank, kThigh, slow)));
+  sd.knee_deg_s.push_back(DegreesOfVariance(KneeVariance(of_rate)));
+  sd.shank_deg.push_back(
+      DegreesOfVariance(of_state(kShankAngle, kShankAngle) + SegmentVarianceOfMarkers(state, kShank, slow)));
+  sd.shank_deg_s.push_back(DegreesOfVariance(of_rate(kShankAngle, kShankAngle)));
+  const auto trunk = [&](double variance) { return has_trunk ? DegreesOfVariance(variance) : NAN; };
+  sd.trunk_deg.push_back(trunk(of_state(kTrunkAngle, kTrunkAngle) + SegmentVarianceOfMarkers(state, kTrunk, slow)));
+  sd.trunk_deg_s.push_back(trunk(of_rate(kTrunkAngle, kTrunkAngle)));
+  sd.hip_deg.push_back(trunk(DifferenceVariance(of_state, kTrunkAngle, kThighAngle) +
+                             JointVarianceOfMarkers(state, kThigh, kTrunk, slow)));
 }
 
 using SlowNoises = std::array<std::vector<double>, kLegMarkers>;  // variances, recorded unit, per frame
@@ -124,8 +169,7 @@ void MoveMarkers(const MarkerMoves& moves, int states, StateVector& state, State
 }  // namespace
 
 double KneeVariance(const StateMatrix& covariance) {
-  return covariance(kShankAngle, kShankAngle) + covariance(kThighAngle, kThighAngle) -
-         2 * covariance(kShankAngle, kThighAngle);
+  return DifferenceVariance(covariance, kShankAngle, kThighAngle);
 }
 
 std::vector<double> SlowNoise(const std::vector<NoiseSample>& samples, const std::vector<double>& time_s) {
@@ -152,7 +196,7 @@ std::vector<double> SlowNoise(const std::vector<NoiseSample>& samples, const std
 LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
                         const std::vector<double>& coefficients, bool with_covariance) {
   const std::size_t n = recording.Frames();
-  const StateCovariances covariances = CovariancesOf(model, coefficients);
+  const LegCovariances covariances = CovariancesOf(model, coefficients);
   LegCurves curves;
   curves.markers = model.states == kLegStates ? kLegMarkers : kLegMarkers - 1;
   for (std::size_t i = 0; i < n; ++i) {
@@ -161,13 +205,13 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
     curves.rate.push_back(StateAt(model, coefficients, place.slope, place.first));
     curves.hip_speed_in_leg.push_back(PointOf(kHip, curves.state[i]).by_state * curves.rate[i]);
   }
-  const SlowNoises slow = FindSlowNoises(recording, model, coefficients, covariances);
+  const SlowNoises slow = FindSlowNoises(recording, model, coefficients, covariances.state);
   const std::vector<MarkerMoves> moves = FindMoves(model, coefficients, curves.state);
   for (std::size_t i = 0; i < n; ++i) {
-    StateMatrix of_state = covariances.At(i);
+    StateMatrix of_state = covariances.state.At(i);
     MoveMarkers(moves[i], model.states, curves.state[i], of_state);
     if (with_covariance) curves.covariance.push_back(of_state);
-    std::array<double, kLegMarkers> slow_in_plane = {};
+    MarkerVariances slow_in_plane = {};
     for (int m = 0; m < curves.markers; ++m) {
       const auto index = static_cast<std::size_t>(m);
       MarkerCurve& curve = curves.marker[index];
@@ -182,12 +226,11 @@ LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel
       curve.recorded_sigma.push_back(curve.plane_sigma[i] / scale);
       curve.scatter.push_back(model.sigma_scale[index] / std::sqrt(model.NoiseShare(static_cast<LegMarker>(m), i)));
     }
-    const double knee_variance =
-        KneeVariance(of_state) +
-        KneeVarianceOfMarkers(curves.state[i], slow_in_plane[kAnkle], slow_in_plane[kKnee], slow_in_plane[kHip]);
-    curves.knee_sigma_deg.push_back(DegreesFromRadians(std::sqrt(knee_variance)));
+    AddDeviations(curves.state[i], of_state, covariances.rate.At(i), slow_in_plane, curves.markers == kLegMarkers,
+                  curves.sd);
     curves.knee_deg_s.push_back(DegreesFromRadians(curves.rate[i][kShankAngle] - curves.rate[i][kThighAngle]));
   }
+  curves.knee_sigma_deg = curves.sd.knee_deg;
   return curves;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "lake/gait/sts_events.h"
 #include "leg_problem.h"
 #include "leg_signals.h"
 
@@ -25,6 +26,7 @@ struct LegCurves {
   std::vector<StateMatrix> covariance;   // of the state, without slow noise; if asked for
   std::vector<double> knee_sigma_deg, knee_deg_s;
   std::vector<Eigen::Vector2d> hip_speed_in_leg;  // per s
+  StsDeviations sd;                               // of what the events are read from
   std::vector<Eigen::Vector3d> flexion_axis;      // of trials in three dimensions: the leg's axes and across them
 };
 

@@ -186,7 +186,7 @@ std::vector<LegObservation> MakeObservations(const std::array<Detections, kLegMa
 // What of the scatter about the smooth paths is noise, moment by moment. Where the sigmas need not hold, what a marker
 // scatters all the time is noise that its sigmas did not know of.
 void FindNoiseShares(const std::vector<double>& coefficients, bool known_sigmas, LegModel& model) {
-  const StateCovariances covariances = CovariancesOf(model, coefficients);
+  const StateCovariances covariances = CovariancesOf(model, coefficients).state;
   std::array<std::vector<Residual>, kLegMarkers> residuals;
   for (const LegObservation& o : model.observations) {
     const LegResidual residual = EvaluateObservation(model, o, coefficients);

@@ -96,27 +96,28 @@ bool LegNormal::GoBack(const std::function<void(const Piece&)>& visit) {
   return true;
 }
 
-StateMatrix LegNormal::CovarianceAt(const Piece& piece, const SplineGrid::Place& place) const {
+StateMatrix LegNormal::CovarianceAt(const Piece& piece, std::size_t first, const std::array<double, 4>& weights) const {
   StateMatrix result = StateMatrix::Zero();
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t b = 0; b < 4; ++b)
       for (std::size_t i = 0; i < states_; ++i)
         for (std::size_t j = 0; j < states_; ++j)
           result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) +=
-              place.value[a] * place.value[b] *
-              rows_.At(Local(piece, (place.first + a) * states_ + i), Local(piece, (place.first + b) * states_ + j));
+              weights[a] * weights[b] *
+              rows_.At(Local(piece, (first + a) * states_ + i), Local(piece, (first + b) * states_ + j));
   return result;
 }
 
-std::optional<StateCovariances> LegNormal::Covariances() {
+std::optional<LegCovariances> LegNormal::Covariances() {
   std::size_t frame = model_.time_s.size();
-  StateCovariances covariances(frame);
+  LegCovariances covariances = {StateCovariances(frame), StateCovariances(frame)};
   const auto invert = [&](const Piece& piece) {
     SelectedInverseOfRows(rows_, band_, band_ + RowsOf(piece));
     for (; frame > 0; --frame) {
       const SplineGrid::Place place = model_.At(frame - 1);
       if (place.first < piece.begin) break;
-      covariances.Set(frame - 1, CovarianceAt(piece, place));
+      covariances.state.Set(frame - 1, CovarianceAt(piece, place.first, place.value));
+      covariances.rate.Set(frame - 1, CovarianceAt(piece, place.first, place.slope));
     }
   };
   if (!GoForward() || !GoBack(invert)) return std::nullopt;

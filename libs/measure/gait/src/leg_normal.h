@@ -16,8 +16,8 @@ class LegNormal {
  public:
   LegNormal(const LegModel& model, const std::vector<double>& coefficients);  // linearised there
 
-  // The state's covariance in each frame, by A⁻¹; nullopt if A is not positive definite.
-  std::optional<StateCovariances> Covariances();
+  // Those of the state and of its rate in each frame, by A⁻¹; nullopt if A is not positive definite.
+  std::optional<LegCovariances> Covariances();
 
  private:
   struct Piece {
@@ -30,7 +30,7 @@ class LegNormal {
   bool Factorize(const Piece& piece);
   bool GoForward();
   bool GoBack(const std::function<void(const Piece&)>& visit);
-  StateMatrix CovarianceAt(const Piece& piece, const SplineGrid::Place& place) const;
+  StateMatrix CovarianceAt(const Piece& piece, std::size_t first, const std::array<double, 4>& weights) const;
 
   const LegModel& model_;
   const std::vector<double>& coefficients_;

@@ -247,8 +247,8 @@ bool IsOrdinary(const LegModel& model, const LegObservation& observation, const 
   return residual.norm() < model.OutlierLimit(observation) * model.Scatter(observation);
 }
 
-StateCovariances CovariancesOf(const LegModel& model, const std::vector<double>& coefficients) {
-  std::optional<StateCovariances> covariances = LegNormal(model, coefficients).Covariances();
+LegCovariances CovariancesOf(const LegModel& model, const std::vector<double>& coefficients) {
+  std::optional<LegCovariances> covariances = LegNormal(model, coefficients).Covariances();
   if (!covariances)
     throw SolverError(
         "leg fit: the markers do not determine the leg; is one of ankle, knee, hip missing in most frames?");

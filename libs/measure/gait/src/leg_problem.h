@@ -129,9 +129,13 @@ class StateCovariances {
   std::vector<std::array<double, kLegStates*(kLegStates + 1) / 2>> lower_;
 };
 
+struct LegCovariances {
+  StateCovariances state, rate;  // of the state and of its derivative by time
+};
+
 // By the inverse of the Gauss–Newton matrix. Throws SolverError if the data and the prior do not determine the
 // coefficients.
-StateCovariances CovariancesOf(const LegModel& model, const std::vector<double>& coefficients);
+LegCovariances CovariancesOf(const LegModel& model, const std::vector<double>& coefficients);
 
 // One line of the prior: what a difference of coefficients of one component of the state adds to the sum.
 struct PriorTerm {

@@ -219,7 +219,7 @@ StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<Mar
                           const LegCurves& curves, double leg_length, const Eigen::Vector2d& up) {
   StsSignals signals;
   signals.frame = motion.frame, signals.time_s = motion.time_s;
-  signals.leg_length = leg_length;
+  signals.leg_length = leg_length, signals.sd = curves.sd;
   for (std::size_t i = 0; i < motion.samples.size(); ++i) {
     const bool known = std::isfinite(motion.samples[i].knee_deg);
     const bool trunk = leg.size() == kLegMarkers && std::isfinite(motion.samples[i].trunk_deg);
@@ -233,6 +233,8 @@ StsSignals MakeStsSignals(const motion::LegMotion& motion, const std::vector<Mar
     signals.knee_deg_s.push_back(value(known, curves.knee_deg_s[i]));
     signals.trunk_deg.push_back(value(trunk, DegreesFromRadians(state[kTrunkAngle])));
     signals.trunk_deg_s.push_back(value(trunk, DegreesFromRadians(curves.rate[i][kTrunkAngle])));
+    signals.shank_deg.push_back(value(known, DegreesFromRadians(state[kShankAngle])));
+    signals.shank_deg_s.push_back(value(known, DegreesFromRadians(curves.rate[i][kShankAngle])));
   }
   return signals;
 }
@@ -368,7 +370,8 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
   if (options.filter == LegFilter::kButterworth)
     AccountForFilterLoss(KneeTakenByFilter(leg, result.motion, options.up),
                          options.cutoff_hz.value_or(kCustomaryCutoffHz), result.motion);
-  FoundStsEvents found = FindStsEvents(MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up));
+  result.signals = MakeStsSignals(result.motion, leg, curves, shank + thigh, options.up);
+  FoundStsEvents found = FindStsEvents(result.signals);
   result.events = std::move(found.events);
   result.without_seat = std::move(found.without_seat);
   if (found.begins_during_rise)

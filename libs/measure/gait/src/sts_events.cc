@@ -61,6 +61,9 @@ StsSignals KnownOnly(const StsSignals& s) {
     const bool has_trunk = std::isfinite(s.trunk_deg[i] + s.trunk_deg_s[i]);
     known.trunk_deg.push_back(has_trunk ? s.trunk_deg[i] : 0);
     known.trunk_deg_s.push_back(has_trunk ? s.trunk_deg_s[i] : 0);
+    if (s.sd.hip_height.empty()) continue;
+    known.sd.hip_height.push_back(s.sd.hip_height[i]), known.sd.hip_up_speed.push_back(s.sd.hip_up_speed[i]);
+    known.sd.knee_deg_s.push_back(s.sd.knee_deg_s[i]), known.sd.trunk_deg_s.push_back(s.sd.trunk_deg_s[i]);
   }
   return known;
 }
@@ -95,9 +98,9 @@ std::size_t FastestIn(const Values& speed, Span span) {
                                   speed.begin());
 }
 
-// One quantity of a rise or a lowering, in the direction in which it goes there.
+// One quantity of a rise or a lowering, in the direction in which it goes there. `speed_sd`: empty if not known.
 struct Course {
-  Values value, speed;
+  Values value, speed, speed_sd;
 };
 
 class EventFinder {
@@ -105,10 +108,10 @@ class EventFinder {
   EventFinder(const StsSignals& signals, const StsOptions& options)
       : s_(signals),
         o_(options),
-        hip_up_{s_.hip_height, s_.hip_up_speed},
-        hip_down_{Negative(s_.hip_height), Negative(s_.hip_up_speed)},
-        flexion_{s_.knee_deg, s_.knee_deg_s},
-        extension_{Negative(s_.knee_deg), Negative(s_.knee_deg_s)} {}
+        hip_up_{s_.hip_height, s_.hip_up_speed, s_.sd.hip_up_speed},
+        hip_down_{Negative(s_.hip_height), Negative(s_.hip_up_speed), s_.sd.hip_up_speed},
+        flexion_{s_.knee_deg, s_.knee_deg_s, s_.sd.knee_deg_s},
+        extension_{Negative(s_.knee_deg), Negative(s_.knee_deg_s), s_.sd.knee_deg_s} {}
 
   FoundStsEvents Find() {
     const std::vector<Stretch> stretches = FindStretches(s_.hip_height, o_.least_rise * s_.leg_length);
@@ -165,7 +168,7 @@ class EventFinder {
     const std::size_t seat_off = SeatOff(rise);
     found_.begins_during_rise |= seat_off == 0;
     if (seat_off == 0) return false;
-    const motion::StsEvent left_seat = Crossing(motion::StsEventKind::kSeatOff, hip_up_.speed,
+    const motion::StsEvent left_seat = Crossing(motion::StsEventKind::kSeatOff, hip_up_.speed, hip_up_.speed_sd,
                                                 o_.seat_off_fraction * Most(hip_up_.speed, rise), seat_off);
     if (!HasSeat(rise)) {
       found_.without_seat.push_back(left_seat);
@@ -173,7 +176,7 @@ class EventFinder {
     }
     ++repetition_;
     if (std::optional<motion::StsEvent> onset = FindOnset({std::min(rest_from, seat_off), seat_off}, rise)) {
-      if (onset->time_s > left_seat.time_s) onset->frame = left_seat.frame, onset->time_s = left_seat.time_s;
+      if (onset->time_s > left_seat.time_s) *onset = left_seat, onset->kind = motion::StsEventKind::kOnset;
       Add(*onset);
     } else {
       found_.begins_during_lean = true;
@@ -185,7 +188,8 @@ class EventFinder {
 
   void AddLowering(const Stretch& fall, std::size_t until) {
     const double limit = o_.standing_fraction * Most(flexion_.speed, fall);
-    Add(Crossing(motion::StsEventKind::kDescent, flexion_.speed, limit, FirstMovement(flexion_, limit, fall)));
+    Add(Crossing(motion::StsEventKind::kDescent, flexion_.speed, flexion_.speed_sd, limit,
+                 FirstMovement(flexion_, limit, fall)));
     AddEnd(motion::StsEventKind::kSeated, hip_down_, o_.seat_off_fraction, fall, until);
   }
 
@@ -194,7 +198,7 @@ class EventFinder {
               std::size_t until) {
     const double limit = fraction * Most(course.speed, stretch);
     const std::size_t after = LastMovement(course, limit, stretch, until) + 1;
-    if (after < s_.frame.size()) Add(Crossing(kind, course.speed, limit, after));
+    if (after < s_.frame.size()) Add(Crossing(kind, course.speed, course.speed_sd, limit, after));
   }
 
   void Add(motion::StsEvent event) {
@@ -202,13 +206,17 @@ class EventFinder {
     found_.events.push_back(event);
   }
 
-  // Where the values cross a limit in the step that ends at frame i; its middle if they do not.
-  motion::StsEvent Crossing(motion::StsEventKind kind, const Values& values, double limit, std::size_t i) const {
+  // Where the values cross a limit in the step that ends at frame i; its middle, of unknown SD, if they do not.
+  motion::StsEvent Crossing(motion::StsEventKind kind, const Values& values, const Values& sd, double limit,
+                            std::size_t i) const {
     const std::size_t before = i == 0 ? 0 : i - 1;
     const double step = values[i] - values[before], to_limit = limit - values[before];
-    const double share = step != 0 && to_limit / step >= 0 && to_limit / step <= 1 ? to_limit / step : 0.5;
-    return {0, kind, s_.frame[share < 0.5 ? before : i],
-            s_.time_s[before] + share * (s_.time_s[i] - s_.time_s[before])};
+    const double duration_s = s_.time_s[i] - s_.time_s[before];
+    const bool crosses = step != 0 && to_limit / step >= 0 && to_limit / step <= 1;
+    const double share = crosses ? to_limit / step : 0.5;
+    motion::StsEvent event = {0, kind, s_.frame[share < 0.5 ? before : i], s_.time_s[before] + share * duration_s};
+    if (crosses && !sd.empty()) event.sd_s = sd[i] * duration_s / std::abs(step);
+    return event;
   }
 
   std::size_t SeatOff(const Stretch& rise) const {
@@ -387,8 +395,9 @@ class EventFinder {
     std::size_t lifted = before.end;
     while (lifted > before.begin && away[lifted - 1] > limit) --lifted;
     if (trunk && *trunk <= lifted)
-      return Crossing(motion::StsEventKind::kOnset, s_.trunk_deg_s, TrunkLimit(before, rise), *trunk);
-    return Crossing(motion::StsEventKind::kOnset, away, limit, lifted);
+      return Crossing(motion::StsEventKind::kOnset, s_.trunk_deg_s, s_.sd.trunk_deg_s, TrunkLimit(before, rise),
+                      *trunk);
+    return Crossing(motion::StsEventKind::kOnset, away, s_.sd.hip_height, limit, lifted);
   }
 
   double TrunkLimit(Span before, const Stretch& rise) const {

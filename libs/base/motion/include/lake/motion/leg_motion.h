@@ -69,6 +69,7 @@ struct StsEvent {
   StsEventKind kind = StsEventKind::kOnset;
   std::int64_t frame = 0;
   double time_s = 0;
+  double sd_s = LegSample::kUnknown;  // of the time, from the fit; not in events.csv
 };
 
 // kinematics.csv; the vectors' columns end in the motion's unit. Reading throws Error naming file, line and column,

@@ -121,6 +121,7 @@ struct LegFitResult {
   motion::MarkerRecording trajectory;  // in the plane frame, filtered as asked; unit px without a scale
   motion::MarkerRecording measured;    // the detections alone, in the plane frame
   motion::LegMotion motion;
+  StsSignals signals;  // what the events are read from
   std::vector<motion::StsEvent> events;
   std::vector<motion::StsEvent> without_seat;  // FoundStsEvents'
   std::vector<MarkerReport> markers;

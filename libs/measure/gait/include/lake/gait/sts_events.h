@@ -9,8 +9,14 @@
 
 namespace lake::gait {
 
-// What the events are read from, one value per frame; NaN where not known. Lengths are in the unit of the recording's
-// plane.
+// Standard deviations of the signals below, one value per frame; empty where not known.
+struct StsDeviations {
+  std::vector<double> hip_height, hip_up_speed, knee_deg, knee_deg_s, trunk_deg, trunk_deg_s;
+  std::vector<double> shank_deg, shank_deg_s, hip_deg;
+};
+
+// What the events, and the times and speeds of sit_to_stand.h, are read from, one value per frame; NaN where not known.
+// Lengths are in the unit of the recording's plane.
 struct StsSignals {
   std::vector<std::int64_t> frame;
   std::vector<double> time_s;
@@ -20,6 +26,8 @@ struct StsSignals {
   std::vector<double> knee_deg, knee_deg_s;    // flexion positive
   std::vector<double> trunk_deg, trunk_deg_s;  // forward positive; NaN without a waist marker
   double leg_length = 0;                       // |AK| + |KH|
+  std::vector<double> shank_deg, shank_deg_s;  // forward positive; no event is read from these
+  StsDeviations sd;
 };
 
 struct StsOptions {
@@ -59,9 +67,9 @@ struct FoundStsEvents {
 };
 
 // Events of every repetition in the order of time, each when its limit is crossed, which is between two frames; its
-// frame is the nearer of them. A rise of the hip with an extension of the knee, from a seat, is a repetition; its
-// `descent` and `seated` are those of the following lowering. A repetition that the recording cuts off has only the
-// events that are in it. Empty if there is no sit-to-stand.
+// frame is the nearer of them. Its sd_s is the SD of what crosses the limit, over its slope. A rise of the hip with an
+// extension of the knee, from a seat, is a repetition; its `descent` and `seated` are those of the following lowering.
+// A repetition that the recording cuts off has only the events that are in it. Empty if there is no sit-to-stand.
 FoundStsEvents FindStsEvents(const StsSignals& signals, const StsOptions& options = {});
 
 // Sets `repetition` and `percent` (0 at onset, 100 at standing) of the samples between the two, and clears them

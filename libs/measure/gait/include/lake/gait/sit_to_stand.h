@@ -1,0 +1,48 @@
+// What a clinic reports of a sit-to-stand: times of the rise and its phases, angles, speeds and power, of each rise and
+// of the five-times test.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include "lake/gait/leg_fit.h"
+
+namespace lake::gait {
+
+// A value with its standard deviation; NaN where not known.
+struct Measured {
+  double value = NAN, sd = NAN;
+};
+
+// One rise, or the means of five. Of a rise, the SDs are the fit's, of the events' times too; those of the events' own
+// definition and of the person's skin are not in them. Of the five-times test they are those between its rises.
+struct SitToStand {
+  int repetition = 0;  // from 1; 0: the five-times test
+  Measured onset_s, seat_off_s, standing_s;
+  Measured rise_s;  // onset to standing
+  // Phases I to III of Schenkman et al. (1990, doi:10.1093/ptj/70.10.638): onset to seat-off, from there to the largest
+  // ankle dorsiflexion (forward lean of the shank), from there to standing.
+  Measured flexion_s, transfer_s, extension_s;
+  Measured descent_s;                                                // from standing to the seat
+  Measured knee_seat_off_deg, hip_seat_off_deg, trunk_seat_off_deg;  // knee and hip: flexion; trunk: from the vertical
+  Measured knee_max_deg, hip_max_deg, trunk_max_deg;                 // between onset and standing
+  Measured knee_extension_max_deg_s, trunk_flexion_max_deg_s;        // peak angular speeds of the rise
+  Measured hip_rise;                                                 // from onset to standing; unit of the plane
+  Measured hip_speed, hip_speed_max;                                 // hip_rise over seat-off to standing; the peak
+  // Mean power of the rise over body mass: 0.9 g h / t, where 0.9 is the part of the mass that is lifted (all but
+  // shanks and feet), h is the hip's rise and t is rise_s; for the five-times test half of the mean repetition's time
+  // (Alcazar et al. 2018, doi:10.1016/j.exger.2018.08.006). Only with lengths in mm.
+  Measured power_w_kg;
+  Measured five_times_s;  // of the five-times test alone: first onset to fifth standing
+};
+
+// The rises in order, then the five-times test: the first five rises of which onset and standing are known; without
+// five, all of it is NaN.
+std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit);
+
+// sit_to_stand.csv: the values, then the SDs (…_sd); lengths end in the plane's unit.
+void WriteSitToStandCsv(const std::filesystem::path& path, const LegFitResult& fit);
+
+}  // namespace lake::gait

@@ -1,0 +1,213 @@
+#include "lake/gait/sit_to_stand.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "lake/core/csv.h"
+#include "lake/core/statistics.h"
+
+namespace lake::gait {
+namespace {
+
+constexpr std::size_t kFive = 5;
+constexpr double kLiftedMass = 0.9, kGravity_m_s2 = 9.81;
+
+struct Quantity {
+  const char* name;
+  Measured SitToStand::*value;
+  bool is_length = false;  // "_mm" or "_px", and what comes after it, ends the name
+  const char* per = "";
+};
+constexpr std::array kQuantities = {Quantity{"onset_s", &SitToStand::onset_s},
+                                    Quantity{"seat_off_s", &SitToStand::seat_off_s},
+                                    Quantity{"standing_s", &SitToStand::standing_s},
+                                    Quantity{"rise_s", &SitToStand::rise_s},
+                                    Quantity{"flexion_s", &SitToStand::flexion_s},
+                                    Quantity{"transfer_s", &SitToStand::transfer_s},
+                                    Quantity{"extension_s", &SitToStand::extension_s},
+                                    Quantity{"descent_s", &SitToStand::descent_s},
+                                    Quantity{"knee_seat_off_deg", &SitToStand::knee_seat_off_deg},
+                                    Quantity{"hip_seat_off_deg", &SitToStand::hip_seat_off_deg},
+                                    Quantity{"trunk_seat_off_deg", &SitToStand::trunk_seat_off_deg},
+                                    Quantity{"knee_max_deg", &SitToStand::knee_max_deg},
+                                    Quantity{"hip_max_deg", &SitToStand::hip_max_deg},
+                                    Quantity{"trunk_max_deg", &SitToStand::trunk_max_deg},
+                                    Quantity{"knee_extension_max_deg_s", &SitToStand::knee_extension_max_deg_s},
+                                    Quantity{"trunk_flexion_max_deg_s", &SitToStand::trunk_flexion_max_deg_s},
+                                    Quantity{"hip_rise", &SitToStand::hip_rise, true},
+                                    Quantity{"hip_speed", &SitToStand::hip_speed, true, "_s"},
+                                    Quantity{"hip_speed_max", &SitToStand::hip_speed_max, true, "_s"},
+                                    Quantity{"power_w_kg", &SitToStand::power_w_kg},
+                                    Quantity{"five_times_s", &SitToStand::five_times_s}};
+
+Measured Difference(const Measured& later, const Measured& earlier) {
+  return {later.value - earlier.value, std::hypot(later.sd, earlier.sd)};
+}
+
+Measured Ratio(const Measured& of, const Measured& by) {
+  const double ratio = of.value / by.value;
+  return {ratio, std::abs(ratio) * std::hypot(of.sd / of.value, by.sd / by.value)};
+}
+
+Measured Times(double factor, const Measured& of) {
+  return {factor * of.value, std::abs(factor) * of.sd};
+}
+
+// A quantity of every frame, with its SDs.
+struct Course {
+  std::vector<double> value, sd;
+};
+
+// What a rise is measured by.
+class Rises {
+ public:
+  explicit Rises(const LegFitResult& fit) : fit_(fit), time_s_(fit.motion.time_s) {
+    const StsDeviations& sd = fit.signals.sd;
+    for (const motion::LegSample& sample : fit.motion.samples) {
+      knee_.value.push_back(sample.knee_deg), knee_.sd.push_back(sample.knee_sigma_deg);
+      hip_.value.push_back(sample.trunk_deg - sample.thigh_deg), trunk_.value.push_back(sample.trunk_deg);
+    }
+    hip_.sd = sd.hip_deg, trunk_.sd = sd.trunk_deg;
+    height_ = {fit.signals.hip_height, sd.hip_height};
+    hip_speed_ = {fit.signals.hip_up_speed, sd.hip_up_speed};
+    trunk_speed_ = {fit.signals.trunk_deg_s, sd.trunk_deg_s};
+    shank_ = {fit.signals.shank_deg, sd.shank_deg};
+    extension_speed_ = {fit.signals.knee_deg_s, sd.knee_deg_s};
+    for (double& speed : extension_speed_.value) speed = -speed;
+  }
+
+  std::vector<SitToStand> Measure() const {
+    std::map<int, std::map<motion::StsEventKind, Measured>> times;
+    for (const motion::StsEvent& event : fit_.events) times[event.repetition][event.kind] = {event.time_s, event.sd_s};
+    std::vector<SitToStand> rises;
+    for (auto& [repetition, time] : times) {
+      rises.push_back(MeasureRise(time));
+      rises.back().repetition = repetition;
+    }
+    return rises;
+  }
+
+ private:
+  SitToStand MeasureRise(std::map<motion::StsEventKind, Measured>& time) const {
+    SitToStand rise;
+    rise.onset_s = time[motion::StsEventKind::kOnset];
+    rise.seat_off_s = time[motion::StsEventKind::kSeatOff];
+    rise.standing_s = time[motion::StsEventKind::kStanding];
+    rise.rise_s = Difference(rise.standing_s, rise.onset_s);
+    rise.descent_s = Difference(time[motion::StsEventKind::kSeated], time[motion::StsEventKind::kDescent]);
+    const Measured leaned_s = LargestLean(rise.seat_off_s, rise.standing_s);
+    rise.flexion_s = Difference(rise.seat_off_s, rise.onset_s);
+    rise.transfer_s = Difference(leaned_s, rise.seat_off_s);
+    rise.extension_s = Difference(rise.standing_s, leaned_s);
+    MeasureAngles(rise);
+    rise.hip_rise = Difference(At(height_, rise.standing_s), At(height_, rise.onset_s));
+    rise.hip_speed = Ratio(rise.hip_rise, Difference(rise.standing_s, rise.seat_off_s));
+    rise.hip_speed_max = Largest(hip_speed_, rise);
+    if (fit_.motion.unit == motion::LengthUnit::kMm)
+      rise.power_w_kg = Times(kLiftedMass * kGravity_m_s2 / 1000, Ratio(rise.hip_rise, rise.rise_s));
+    return rise;
+  }
+
+  void MeasureAngles(SitToStand& rise) const {
+    rise.knee_seat_off_deg = At(knee_, rise.seat_off_s), rise.knee_max_deg = Largest(knee_, rise);
+    rise.hip_seat_off_deg = At(hip_, rise.seat_off_s), rise.hip_max_deg = Largest(hip_, rise);
+    rise.trunk_seat_off_deg = At(trunk_, rise.seat_off_s), rise.trunk_max_deg = Largest(trunk_, rise);
+    rise.knee_extension_max_deg_s = Largest(extension_speed_, rise);
+    rise.trunk_flexion_max_deg_s = Largest(trunk_speed_, rise);
+  }
+
+  // The value at an event, between two frames; its SD, that of the event's time included.
+  Measured At(const Course& course, const Measured& time) const {
+    const auto after = std::lower_bound(time_s_.begin(), time_s_.end(), time.value);
+    if (std::isnan(time.value) || after == time_s_.end()) return {};
+    const auto i = static_cast<std::size_t>(after - time_s_.begin()), before = i == 0 ? 0 : i - 1;
+    const std::size_t next = i == 0 ? 1 : i;
+    const double step_s = time_s_[next] - time_s_[before], slope = (course.value[next] - course.value[before]) / step_s;
+    return {course.value[before] + slope * (time.value - time_s_[before]),
+            std::hypot(course.sd[next], slope * time.sd)};
+  }
+
+  // The frame of the largest value from one time to another; nullopt if one of them, or every value, is unknown.
+  std::optional<std::size_t> FrameOfLargest(const Course& course, double from_s, double to_s) const {
+    std::optional<std::size_t> largest;
+    for (std::size_t i = 0; i < time_s_.size(); ++i)
+      if (time_s_[i] >= from_s && time_s_[i] <= to_s && std::isfinite(course.value[i]) &&
+          (!largest || course.value[i] > course.value[*largest]))
+        largest = i;
+    return largest;
+  }
+
+  Measured Largest(const Course& course, const SitToStand& rise) const {
+    const auto i = FrameOfLargest(course, rise.onset_s.value, rise.standing_s.value);
+    return i ? Measured{course.value[*i], course.sd[*i]} : Measured{};
+  }
+
+  // When the shank leans forward most: there its speed crosses zero. At seat-off if it only goes back from there.
+  Measured LargestLean(const Measured& seat_off, const Measured& standing) const {
+    const auto i = FrameOfLargest(shank_, seat_off.value, standing.value);
+    if (!i) return {};
+    const std::vector<double>& speed = fit_.signals.shank_deg_s;
+    const std::size_t before = speed[*i] > 0 ? *i : *i - 1, after = before + 1;
+    if (*i == 0 || after == time_s_.size() || !(speed[before] > 0) || !(speed[after] <= 0) ||
+        time_s_[before] < seat_off.value)
+      return seat_off;
+    const double step_s = time_s_[after] - time_s_[before], slope = (speed[before] - speed[after]) / step_s;
+    return {time_s_[before] + speed[before] / slope, fit_.signals.sd.shank_deg_s[*i] / slope};
+  }
+
+  const LegFitResult& fit_;
+  const std::vector<double>& time_s_;
+  Course knee_, hip_, trunk_, shank_, height_, hip_speed_, trunk_speed_, extension_speed_;
+};
+
+SitToStand FiveTimes(const std::vector<SitToStand>& rises, bool in_mm) {
+  std::vector<SitToStand> five;
+  for (const SitToStand& rise : rises)
+    if (five.size() < kFive && std::isfinite(rise.rise_s.value)) five.push_back(rise);
+  SitToStand test;
+  if (five.size() < kFive) return test;
+  for (const Quantity& quantity : kQuantities) {
+    std::vector<double> values;
+    for (const SitToStand& rise : five)
+      if (const double value = (rise.*quantity.value).value; std::isfinite(value)) values.push_back(value);
+    if (values.size() == kFive) test.*quantity.value = {Mean(values), StandardDeviation(values)};
+  }
+  test.onset_s = five.front().onset_s, test.standing_s = five.back().standing_s, test.seat_off_s = {};
+  test.five_times_s = Difference(test.standing_s, test.onset_s);
+  if (in_mm)
+    test.power_w_kg =
+        Times(kLiftedMass * kGravity_m_s2 / 1000, Ratio(test.hip_rise, Times(0.5 / kFive, test.five_times_s)));
+  return test;
+}
+
+}  // namespace
+
+std::vector<SitToStand> MeasureSitToStands(const LegFitResult& fit) {
+  std::vector<SitToStand> rows = Rises(fit).Measure();
+  rows.push_back(FiveTimes(rows, fit.motion.unit == motion::LengthUnit::kMm));
+  return rows;
+}
+
+void WriteSitToStandCsv(const std::filesystem::path& path, const LegFitResult& fit) {
+  std::vector<std::string> header = {"repetition"};
+  for (const char* sd : {"", "_sd"})
+    for (const Quantity& quantity : kQuantities)
+      header.push_back(
+          fmt::format("{}{}{}", quantity.name,
+                      quantity.is_length ? fmt::format("_{}{}", ToString(fit.motion.unit), quantity.per) : "", sd));
+  CsvWriter csv(header);
+  for (const SitToStand& row : MeasureSitToStands(fit)) {
+    if (row.repetition > 0)
+      csv.Add(row.repetition);
+    else
+      csv.Add("five_times");
+    for (const Quantity& quantity : kQuantities) csv.Add((row.*quantity.value).value);
+    for (const Quantity& quantity : kQuantities) csv.Add((row.*quantity.value).sd);
+    csv.EndRow();
+  }
+  csv.Write(path);
+}
+
+}  // namespace lake::gait

@@ -1,0 +1,136 @@
+#include "lake/gait/sit_to_stand.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "lake/core/atomic_file.h"
+#include "lake/core/csv.h"
+#include "lake/core/statistics.h"
+#include "synthetic_leg.h"
+#include "temporary_folder.h"
+
+namespace lake {
+namespace {
+
+using gait::Measured;
+using gait::SitToStand;
+
+gait::LegFitResult Fit(const SyntheticLeg& leg, const TrackNoise& noise, unsigned seed) {
+  const gait::LegView view = ScaledView();
+  return gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, noise, seed), view);
+}
+
+constexpr Measured SitToStand::*kTimes[] = {&SitToStand::onset_s, &SitToStand::seat_off_s, &SitToStand::standing_s,
+                                            &SitToStand::descent_s};
+
+// The true times are those of the same leg without noise: what an event is stands in sts_events_test.cc.
+TEST(SitToStand, DeviationsOfTimesAreThoseOfTheirErrors) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 3});
+  const std::vector<SitToStand> truth = gait::MeasureSitToStands(Fit(leg, {.sigma_px = 1e-3}, 1));
+  std::map<std::size_t, std::vector<double>> normalized;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const std::vector<SitToStand> found = gait::MeasureSitToStands(Fit(leg, {.sigma_px = 0.3}, seed));
+    ASSERT_EQ(found.size(), 4u);
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t k = 0; k < std::size(kTimes); ++k) {
+        const Measured& measured = found[r].*kTimes[k];
+        ASSERT_TRUE(std::isfinite(measured.sd)) << k;
+        normalized[k].push_back((measured.value - (truth[r].*kTimes[k]).value) / measured.sd);
+      }
+  }
+  // 36 errors each: their root mean square, if the SDs hold, is 1 ± 0.12.
+  for (const auto& [k, errors] : normalized) {
+    EXPECT_GT(RootMeanSquare(errors), 0.65) << k;
+    EXPECT_LT(RootMeanSquare(errors), 1.4) << k;
+  }
+}
+
+TEST(SitToStand, PhasesMakeUpTheRise) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 60, .repetitions = 2});
+  for (const SitToStand& rise : gait::MeasureSitToStands(Fit(leg, {}, 3))) {
+    if (rise.repetition == 0) continue;
+    EXPECT_NEAR(rise.flexion_s.value + rise.transfer_s.value + rise.extension_s.value, rise.rise_s.value, 1e-9);
+    EXPECT_GE(rise.transfer_s.value, 0);
+    EXPECT_GT(rise.flexion_s.value, 0);
+    EXPECT_GT(rise.extension_s.value, 0);
+  }
+}
+
+TEST(SitToStand, AnglesAreThoseOfTheTruth) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 100, .repetitions = 1});
+  const SitToStand rise = gait::MeasureSitToStands(Fit(leg, {}, 3)).front();
+  const auto frame_at = [&](const Measured& time) {
+    std::size_t i = 0;
+    while (leg.time_s[i] < time.value) ++i;
+    return i;
+  };
+  const motion::LegSample& truth = leg.truth[frame_at(rise.seat_off_s)];
+  // The sample may be 10 ms late, at 60°/s of the joints there; 0.03 px are 0.01°.
+  EXPECT_NEAR(rise.knee_seat_off_deg.value, truth.knee_deg, 0.7);
+  EXPECT_NEAR(rise.trunk_seat_off_deg.value, truth.trunk_deg, 0.7);
+  EXPECT_NEAR(rise.hip_seat_off_deg.value, truth.trunk_deg - truth.thigh_deg, 0.7);
+  double most_trunk = -INFINITY;
+  for (const motion::LegSample& sample : leg.truth) most_trunk = std::max(most_trunk, sample.trunk_deg);
+  EXPECT_NEAR(rise.trunk_max_deg.value, most_trunk, 0.1);
+  const double hip_rise_mm =
+      leg.points_mm[frame_at(rise.standing_s)].hip->y() - leg.points_mm[frame_at(rise.onset_s)].hip->y();
+  EXPECT_NEAR(rise.hip_rise.value, hip_rise_mm, 1);  // 10 ms late at 60 mm/s when standing
+  EXPECT_NEAR(rise.hip_speed.value, rise.hip_rise.value / (rise.standing_s.value - rise.seat_off_s.value), 1e-9);
+  EXPECT_GT(rise.hip_speed_max.value, rise.hip_speed.value);
+  EXPECT_NEAR(rise.power_w_kg.value, 0.9 * 9.81 * rise.hip_rise.value / 1000 / rise.rise_s.value, 1e-9);
+}
+
+TEST(SitToStand, FiveTimesTestIsTheFirstFiveRises) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 50, .repetitions = 6});
+  const std::vector<SitToStand> rows = gait::MeasureSitToStands(Fit(leg, {}, 3));
+  ASSERT_EQ(rows.size(), 7u);
+  const SitToStand& test = rows.back();
+  EXPECT_EQ(test.repetition, 0);
+  EXPECT_DOUBLE_EQ(test.onset_s.value, rows[0].onset_s.value);
+  EXPECT_DOUBLE_EQ(test.standing_s.value, rows[4].standing_s.value);
+  EXPECT_DOUBLE_EQ(test.five_times_s.value, rows[4].standing_s.value - rows[0].onset_s.value);
+  std::vector<double> rises_s;
+  for (std::size_t r = 0; r < 5; ++r) rises_s.push_back(rows[r].rise_s.value);
+  EXPECT_DOUBLE_EQ(test.rise_s.value, Mean(rises_s));
+  EXPECT_DOUBLE_EQ(test.rise_s.sd, StandardDeviation(rises_s));
+  // Alcazar's equation, its height difference measured.
+  EXPECT_NEAR(test.power_w_kg.value, 0.9 * 9.81 * test.hip_rise.value / 1000 / (0.5 * test.five_times_s.value / 5),
+              1e-9);
+}
+
+TEST(SitToStand, TableHasARowARiseAndTheTest) {
+  const TemporaryFolder folder;
+  gait::LegFitResult fit = Fit(MakeSyntheticLeg({.rate_hz = 50, .repetitions = 2}), {}, 3);
+  std::erase_if(fit.events, [](const motion::StsEvent& e) {
+    return e.repetition == 2 && e.kind == motion::StsEventKind::kStanding;
+  });
+  gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", fit);
+  const CsvTable table = CsvTable::Read(folder / "sit_to_stand.csv");
+  ASSERT_EQ(table.Rows(), 3u);
+  EXPECT_THAT(ReadTextFile(folder / "sit_to_stand.csv"),
+              testing::StartsWith("repetition,onset_s,seat_off_s,standing_s,rise_s,flexion_s,transfer_s,extension_s,"
+                                  "descent_s,"));
+  EXPECT_TRUE(table.Has("hip_speed_max_mm_s_sd"));
+  EXPECT_TRUE(table.Number(0, table.Column("rise_s")));
+  EXPECT_FALSE(table.Number(1, table.Column("rise_s")));  // the recording ends before the person stands
+  EXPECT_TRUE(table.Number(1, table.Column("seat_off_s")));
+  EXPECT_EQ(table.Text(2, 0), "five_times");
+  EXPECT_FALSE(table.Number(2, table.Column("five_times_s")));
+}
+
+// A recording of px has no power, and its lengths are told in px.
+TEST(SitToStand, WithoutAScaleThereIsNoPower) {
+  const SyntheticLeg leg = MakeSyntheticLeg({.rate_hz = 50, .repetitions = 1});
+  motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {}, 3);
+  gait::LegView view;
+  gait::LegFitOptions options;
+  const gait::LegFitResult fit = gait::FitLeg(tracks, view, options);
+  const TemporaryFolder folder;
+  gait::WriteSitToStandCsv(folder / "sit_to_stand.csv", fit);
+  const CsvTable table = CsvTable::Read(folder / "sit_to_stand.csv");
+  EXPECT_TRUE(table.Number(0, table.Column("hip_rise_px")));
+  EXPECT_FALSE(table.Number(0, table.Column("power_w_kg")));
+}
+
+}  // namespace
+}  // namespace lake
