@@ -97,6 +97,27 @@ class OpticalSitToStand : public testing::TestWithParam<std::tuple<char, bool>> 
   const fs::path file_ = SharedData("opencap_sts/sts_default_markers.trc");
 };
 
+// Knee and waist leave two places for a hip that is hidden, ankle and hip two for a knee: the mirror image in the line
+// between them is none of a person's.
+TEST_P(OpticalSitToStand, AJointHiddenForSecondsIsOnItsOwnSide) {
+  REQUIRE_RECORDING(file_);
+  const auto [side, mirrored] = GetParam();
+  const OpticalLeg leg = ReadOpticalLeg(file_, side, mirrored);
+  const std::vector<double>& time_s = leg.trial.recording.time_s;
+  for (const std::size_t joint : {1u, 2u})
+    for (const double from_s : {0.7, 2.4}) {
+      motion::MarkerRecording tracks = MakeTracks(time_s, leg.points_mm, ScaledView(), {0.3}, 5);
+      for (std::size_t i = 0; i < time_s.size(); ++i)
+        if (time_s[i] >= from_s && time_s[i] < from_s + 4) tracks.markers[joint].samples[i] = {};
+      const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView());
+      for (std::size_t i = 0; i < time_s.size(); ++i)
+        if (const double knee_deg = result.motion.samples[i].knee_deg; std::isfinite(knee_deg)) {
+          ASSERT_LE(std::abs(knee_deg - leg.truth[i].knee_deg), 5 * result.motion.samples[i].knee_sigma_deg)
+              << tracks.markers[joint].name << " hidden from " << from_s << " s, at " << time_s[i] << " s";
+        }
+    }
+}
+
 TEST_P(OpticalSitToStand, SeenWithNoiseTheMarkersOwnAngleComesOut) {
   REQUIRE_RECORDING(file_);
   const auto [side, mirrored] = GetParam();

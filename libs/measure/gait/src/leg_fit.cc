@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "lake/core/error.h"
 #include "lake/core/progress.h"
@@ -337,6 +338,9 @@ LegFitResult FitOnce(const motion::MarkerRecording& recording, const LegView& vi
   warn(CheckPersonsLeg(MeasuredPath(recording, leg, model, facing, options), {}, options));
   progress.Advance();
   LegStart start = SmoothSignals(*signals, recording.time_s, model.states, options);
+  // From a smooth bridge over a long gap, the fit would find a hidden joint on either side.
+  const std::set<int> bent = BendHiddenJoints(leg, model.plane_from_leg.transpose(), model.states, *signals);
+  StartFrom(*signals, bent, recording.time_s, model.states, start);
   signals.reset();  // of a long recording it is much
   if (!start.unsettled.empty())
     result.warnings.push_back(UnsettledWarning(fmt::format("leg fit, {}", fmt::join(start.unsettled, ", "))));

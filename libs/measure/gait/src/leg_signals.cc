@@ -121,6 +121,14 @@ double MeanDirection(const std::vector<Eigen::Vector2d>& vectors) {
   return std::atan2(sum.x(), sum.y());
 }
 
+double MeanOfKnown(const std::vector<double>& values) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const double value : values)
+    if (std::isfinite(value)) sum += value, ++count;
+  return sum / static_cast<double>(count);
+}
+
 std::size_t Known(const std::vector<double>& values) {
   return static_cast<std::size_t>(
       std::count_if(values.begin(), values.end(), [](double v) { return std::isfinite(v); }));
@@ -157,6 +165,79 @@ SmoothedSignals SmoothOn(double step_s, const LegSignals& signals, const std::ve
   });
   for (const SmoothSignal& signal : smoothed.signals) smoothed.risk += signal.risk;
   return smoothed;
+}
+
+// Two segments that meet in a joint: by their places in the state, and the joint's marker.
+struct Joint {
+  LegMarker marker;
+  LegState lower_angle, lower_length, upper_angle, upper_length;
+};
+constexpr Joint kJoints[] = {{kKnee, kShankAngle, kShankLength, kThighAngle, kThighLength},
+                             {kHip, kThighAngle, kThighLength, kTrunkAngle, kTrunkLength}};
+
+struct Length {
+  double usual = 0, deviation = 0;
+};
+
+Length LengthOf(const std::vector<double>& values) {
+  std::vector<double> known;
+  for (const double value : values)
+    if (std::isfinite(value)) known.push_back(value);
+  if (known.empty()) return {};
+  return {Median(known), RobustDeviation(known)};
+}
+
+// The side to which a joint bends, all in all: positive if the lower segment leans farther forward.
+double SideOf(const Joint& joint, const LegSignals& signals) {
+  double bend = 0;
+  for (std::size_t i = 0; i < signals.value[joint.lower_angle].size(); ++i)
+    if (const double sine = std::sin(signals.value[joint.lower_angle][i] - signals.value[joint.upper_angle][i]);
+        std::isfinite(sine))
+      bend += sine;
+  return std::copysign(1.0, bend);
+}
+
+// An angle of the triangle whose sides are two segments and the line between their far ends.
+struct TriangleAngle {
+  double rad, sigma;
+};
+
+TriangleAngle AngleBeside(const Length& side, const Length& opposite, double line) {
+  const double cosine = std::clamp(
+      (side.usual * side.usual + line * line - opposite.usual * opposite.usual) / (2 * side.usual * line), -1.0, 1.0);
+  const double sigma = std::hypot((1 / line - cosine / side.usual) * side.deviation,
+                                  opposite.usual / (side.usual * line) * opposite.deviation);
+  // Where the joint is nearly straight its angle goes with the root of the cosine's error.
+  return {std::acos(cosine), sigma / std::max(std::sqrt(1 - cosine * cosine), std::sqrt(sigma))};
+}
+
+// Returns whether there is anything to bend.
+bool BendHiddenJoint(const Joint& joint, const std::array<Detections, kLegMarkers>& leg,
+                     const Eigen::Matrix2d& leg_from_plane, LegSignals& signals) {
+  const Detections &below = leg[joint.marker - 1u], &above = leg[joint.marker + 1u], &own = leg[joint.marker];
+  const Length lower = LengthOf(signals.value[joint.lower_length]), upper = LengthOf(signals.value[joint.upper_length]);
+  if (!(lower.usual > 0 && upper.usual > 0)) return false;
+  bool bent = false;
+  const double side = SideOf(joint, signals);
+  const auto set = [&](LegState angle, std::size_t i, double mean_rad, double rad, double sigma) {
+    signals.value[angle][i] = mean_rad + std::remainder(rad - mean_rad, 2 * std::numbers::pi);
+    signals.sigma[angle][i] = sigma;
+  };
+  const double lower_mean = MeanOfKnown(signals.value[joint.lower_angle]),
+               upper_mean = MeanOfKnown(signals.value[joint.upper_angle]);
+  for (std::size_t i = 0; i < own.trusted.size(); ++i) {
+    if (own.trusted[i] || !below.trusted[i] || !above.trusted[i]) continue;
+    const Eigen::Vector2d line = leg_from_plane * (above.in_plane[i] - below.in_plane[i]);
+    if (!(line.norm() > 0)) continue;
+    const double line_rad = std::atan2(line.x(), line.y()),
+                 noise = std::hypot(below.plane_sigma[i], above.plane_sigma[i]) / line.norm();
+    const TriangleAngle at_lower = AngleBeside(lower, upper, line.norm()),
+                        at_upper = AngleBeside(upper, lower, line.norm());
+    set(joint.lower_angle, i, lower_mean, line_rad + side * at_lower.rad, std::hypot(at_lower.sigma, noise));
+    set(joint.upper_angle, i, upper_mean, line_rad - side * at_upper.rad, std::hypot(at_upper.sigma, noise));
+    bent = true;
+  }
+  return bent;
 }
 
 }  // namespace
@@ -237,6 +318,15 @@ LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const 
   return signals;
 }
 
+std::set<int> BendHiddenJoints(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane,
+                               int states, LegSignals& signals) {
+  std::set<int> bent;
+  for (const Joint& joint : kJoints)
+    if ((joint.marker == kKnee || states == kLegStates) && BendHiddenJoint(joint, leg, leg_from_plane, signals))
+      bent.insert({joint.lower_angle, joint.upper_angle});
+  return bent;
+}
+
 void CheckIsSeen(const LegSignals& signals, const std::array<Detections, kLegMarkers>& leg) {
   constexpr std::size_t kLeastFrames = 8;
   for (const int length : {kShankLength, kThighLength}) {
@@ -295,6 +385,16 @@ LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& tim
   if (options.HasSplineCutoff()) KeepCutoff(best.signals, start);
   start.knee_cutoff_hz = std::sqrt(best.signals[kShankAngle].cutoff_hz * best.signals[kThighAngle].cutoff_hz);
   return start;
+}
+
+void StartFrom(const LegSignals& signals, const std::set<int>& components, const std::vector<double>& time_s,
+               int states, LegStart& start) {
+  for (const int component : components) {
+    const auto s = static_cast<std::size_t>(component);
+    const SmoothSignal smooth = FitSmoothingSpline(start.grid, time_s, signals.value[s], signals.sigma[s]);
+    for (std::size_t k = 0; k < start.grid.count; ++k)
+      start.coefficients[k * static_cast<std::size_t>(states) + s] = smooth.coefficients[k];
+  }
 }
 
 }  // namespace lake::gait

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,12 @@ struct LegSignals {
 LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane,
                           int states);
 
+// Where a knee or hip is hidden and the markers at the far ends of its segments are seen, the segments' usual lengths
+// leave two places for it, mirror images in the line between the ends. Puts the angles there of the one on the side to
+// which the joint bends; returns the angles of which there are such values.
+std::set<int> BendHiddenJoints(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane,
+                               int states, LegSignals& signals);
+
 // Throws Error if ankle, knee and hip are not seen together often enough.
 void CheckIsSeen(const LegSignals& signals, const std::array<Detections, kLegMarkers>& leg);
 
@@ -54,5 +61,9 @@ std::string UnsettledWarning(const std::string& what);
 
 LegStart SmoothSignals(const LegSignals& signals, const std::vector<double>& time_s, int states,
                        const LegFitOptions& options);
+
+// Makes the first coefficients of some components those of other signals; the priors stay.
+void StartFrom(const LegSignals& signals, const std::set<int>& components, const std::vector<double>& time_s,
+               int states, LegStart& start);
 
 }  // namespace lake::gait
