@@ -62,7 +62,7 @@ struct Scatter {
 struct Seen {
   const std::vector<motion::MarkerSample>& samples;
   const std::vector<double>& time_s;
-  double frame_s;  // between frames, usually
+  double frame_s;  // between them, usually: longer than the recording's own where a converter repeated frames
   std::vector<std::size_t> frames;
 
   double Time(std::size_t k) const { return time_s[frames[k]]; }
@@ -123,17 +123,20 @@ struct Scatters {
 };
 
 Scatters ScattersOf(const motion::MarkerRecording& recording) {
-  const double frame_s = MedianInterval(recording.time_s);
   Scatters found;
   for (const motion::MarkerTrack& marker : recording.markers) {
-    found.markers.push_back({marker.samples, recording.time_s, frame_s, {}});
+    Seen seen{marker.samples, recording.time_s, 0, {}};
+    std::vector<double> times_s;
     for (std::size_t i = 0; i < marker.samples.size(); ++i)
-      if (marker.samples[i].status == motion::SampleStatus::kDetected) found.markers.back().frames.push_back(i);
+      if (marker.samples[i].status == motion::SampleStatus::kDetected)
+        seen.frames.push_back(i), times_s.push_back(recording.time_s[i]);
+    seen.frame_s = MedianInterval(times_s.size() > 1 ? times_s : recording.time_s);
+    found.markers.push_back(std::move(seen));
   }
   for (const Seen& seen : found.markers) {
     Scatter fast, slow;
     for (std::size_t k = 0; k < seen.frames.size(); ++k)
-      if (const auto residual = Residual(seen, k, HalfWindow(frame_s)))
+      if (const auto residual = Residual(seen, k, HalfWindow(seen.frame_s)))
         (IsFast(seen, k) ? fast : slow).Add(*residual, seen.Sample(k).sigma);
     Append(fast, found.all_fast), Append(fast, found.all), Append(slow, found.all);
     found.fast.push_back(std::move(fast)), found.slow.push_back(std::move(slow));
