@@ -128,6 +128,42 @@ TEST(FrameTimes, OfALowerRateAreFoundByItsPatternAlone) {
     }
 }
 
+// Containers round stamps to milliseconds: of 30 Hz two in three intervals are 33 ms, which is not 25 Hz by a
+// hundredth.
+TEST(FrameTimes, OfALowerRateAreThoseOfRoundedStamps) {
+  const synth::Scene scene = OneRise(745, 25);
+  std::vector<int> source;
+  for (int i = 0; i * 25 / 30 < scene.Frames(); ++i) source.push_back(i * 25 / 30);
+  ShownFrames shown = Show(scene, 745, source, 30);
+  for (double& time_s : shown.recording.time_s) time_s = std::round(1e3 * time_s) / 1e3;
+  const FrameTimes times = CorrectFrameTimes({}, shown.recording);
+  EXPECT_NEAR(times.captured_hz, 25, 0.01);
+  const std::vector<double>& time_s = shown.recording.time_s;
+  for (std::size_t i = 1; i < source.size(); ++i)
+    if (source[i] != source[i - 1]) {
+      EXPECT_NEAR(time_s[i] - time_s[0], source[i] / 25.0, 2e-3);
+    }
+}
+
+// Strong coding changes a picture that is shown again, and none is the one before.
+TEST(FrameTimes, OfALowerRateAreFoundWhereCodingChangesTheCopies) {
+  for (const std::uint64_t seed : {745u, 746u, 747u}) {
+    const synth::Scene scene = OneRise(seed, 30);
+    std::vector<int> source;
+    for (int i = 0; i < 2 * scene.Frames(); ++i) source.push_back(i / 2);
+    ShownFrames shown = Show(scene, seed, source, 60);
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> coding(0, 0.04);
+    for (motion::MarkerTrack& marker : shown.recording.markers)
+      for (std::size_t i = 1; i < source.size(); i += 2)
+        marker.samples[i].position += Eigen::Vector2d(coding(random), coding(random));
+    const FrameTimes times = CorrectFrameTimes({}, shown.recording);
+    EXPECT_NEAR(times.captured_hz > 0 ? times.captured_hz : 30, 30, 0.01) << seed;
+    EXPECT_EQ(times.repeated.size(), source.size() / 2) << seed;
+    EXPECT_TRUE(times.jumps.empty()) << seed;
+  }
+}
+
 // Of 60 Hz every 2.4th frame, the nearest one, is up to 8 ms early or late: at 25 Hz a fifth of the time between two.
 // Frames that were taken at 25 Hz keep their stamps.
 TEST(FrameTimes, OfFramesChosenFromAFasterFilmAreTheirs) {

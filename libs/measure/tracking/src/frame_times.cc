@@ -37,13 +37,23 @@ std::optional<double> StepPx(const motion::MarkerRecording& recording, std::size
   return seen < 2 ? std::nullopt : std::optional(std::sqrt(squares / seen));
 }
 
+// Between frames: the mean of the intervals, each a whole number of the usual one. The usual one itself may be rounded,
+// as to milliseconds.
+double FrameInterval(const std::vector<double>& time_s) {
+  const double usual_s = MedianInterval(time_s);
+  double count = 0;
+  for (std::size_t i = 1; i < time_s.size(); ++i)
+    count += std::max(1.0, std::round((time_s[i] - time_s[i - 1]) / usual_s));
+  return (time_s.back() - time_s.front()) / count;
+}
+
 // Frames by their place in the recording.
 class FrameClock {
  public:
   explicit FrameClock(motion::MarkerRecording& recording)
       : recording_(recording),
         stamps_s_(recording.time_s),
-        frame_s_(MedianInterval(recording.time_s)),
+        frame_s_(FrameInterval(recording.time_s)),
         is_repeated_(recording.Frames(), false) {}
 
   FrameTimes Correct(const std::vector<std::int64_t>& same_picture) {
@@ -81,22 +91,29 @@ class FrameClock {
   }
 
   bool MarkMoreRepeats(const std::vector<std::int64_t>& same_picture) {
-    constexpr double kCopyPx = 0.01;
+    constexpr double kCopyPx = 0.01, kCopyOfNeighbours = 0.25;
     const std::vector<std::size_t> frames = NewFrames();
+    const auto step_px = [&](std::size_t k) { return StepPx(recording_, frames[k - 1], frames[k]); };
     const auto looks_the_same = [&](std::size_t k) {
-      if (std::ranges::binary_search(same_picture, recording_.frame[frames[k]])) return true;
-      const auto step_px = StepPx(recording_, frames[k - 1], frames[k]);
-      return step_px && *step_px < kCopyPx;
+      return std::ranges::binary_search(same_picture, recording_.frame[frames[k]]) ||
+             step_px(k).value_or(INFINITY) < kCopyPx;
+    };
+    // Strong coding changes a copy; a marker that turns round stands as still, so the paths must leave no doubt.
+    const auto may_be_copy = [&](std::size_t k) {
+      return k >= 2 && k + 1 < frames.size() &&
+             step_px(k).value_or(INFINITY) <
+                 kCopyOfNeighbours * std::min(step_px(k - 1).value_or(0), step_px(k + 1).value_or(0));
     };
     std::optional<TimedPaths> paths;
     bool found = false;
     for (std::size_t k = 1; k < frames.size(); ++k) {
-      if (!looks_the_same(k)) continue;
-      const std::size_t first = k;
-      while (k < frames.size() && looks_the_same(k)) ++k;
+      const bool is_same = looks_the_same(k);
+      if (!is_same && !may_be_copy(k)) continue;
+      const std::size_t first = k++;
+      while (is_same && k < frames.size() && looks_the_same(k)) ++k;
       if (k == frames.size() || StepPx(recording_, frames[first - 1], frames[k]).value_or(0) < kLeastStepPx) continue;
       if (!paths) paths.emplace(recording_, frames);
-      if (paths->LogOddsOfRepeat(frames, first, k, frame_s_) <= 0) continue;
+      if (paths->LogOddsOfRepeat(frames, first, k, frame_s_) <= (is_same ? 0 : -std::log(kDoubt))) continue;
       for (std::size_t run = first; run < k; ++run) is_repeated_[frames[run]] = true;
       found = true;
     }
