@@ -172,7 +172,11 @@ TEST(LegFit, OutliersAreListedAndDoNotPull) {
     }
     const gait::LegFitResult result = gait::FitLeg(tracks, ScaledView());
     std::set<std::pair<std::int64_t, std::string>> listed;
-    for (const gait::OutlierReport& outlier : result.outliers) listed.emplace(outlier.frame, outlier.marker);
+    for (const gait::OutlierReport& outlier : result.outliers) {
+      listed.emplace(outlier.frame, outlier.marker);
+      EXPECT_NE(result.tracks.Find(outlier.marker)->samples[static_cast<std::size_t>(outlier.frame)].status,
+                motion::SampleStatus::kDetected);
+    }
     EXPECT_EQ(listed, wrong) << "seed " << seed;
     const KneeErrors errors = CompareKnee(result.motion, leg.truth);
     EXPECT_LT(errors.rms_deg, 0.02) << "seed " << seed;

@@ -46,6 +46,17 @@ TEST(Plausibility, WhatNoPersonDoesIsAnErrorWithItsFrames) {
   ExpectRefused(change([](motion::LegSample& s) { s.knee_sigma_deg = 900; }), "standard deviation");
 }
 
+// A waist's marker near the hip's moves on the skin as well: the leg is a person's nonetheless.
+TEST(Plausibility, ATrunkOfAnotherLengthIsTheWaistsFault) {
+  gait::LegFitResult bad = Fitted();
+  for (std::size_t i = 100; i <= 102; ++i) bad.motion.samples[i].hw *= 0.01;
+  const std::vector<gait::Implausible> found = gait::FindImplausibleTrunk(bad.motion, {});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found[0].markers, testing::ElementsAre("waist"));
+  EXPECT_EQ(gait::FramesOf(bad.motion.frame, found[0].at), "100 to 102");
+  EXPECT_NO_THROW(gait::CheckPlausible(bad.motion, bad.trajectory));
+}
+
 TEST(Plausibility, JumpsOfAnyMarkerAreRefused) {
   gait::LegFitResult bad = Fitted();
   for (std::size_t i = 100; i <= 102; ++i) bad.trajectory.markers[3].samples[i].position.x() += 2000;

@@ -382,13 +382,27 @@ motion::MarkerRecording Without(const std::vector<Implausible>& implausible, mot
   return recording;
 }
 
-// What is implausible where nothing was left to leave out is not known.
-void Blank(const std::vector<Implausible>& implausible, LegFitResult& result) {
+// All that no person does.
+std::vector<Implausible> FindAllImplausible(const LegFitResult& result, const LegMarkers& names,
+                                            const PlausibilityLimits& limits) {
+  std::vector<Implausible> found = FindImplausible(result.motion, result.trajectory, names, limits);
+  std::ranges::move(FindImplausibleTrunk(result.motion, names, limits), std::back_inserter(found));
+  return found;
+}
+
+// What is implausible where nothing was left to leave out is not known. The leg does not depend on the waist.
+void Blank(const std::vector<Implausible>& implausible, const LegMarkers& names, LegFitResult& result) {
   for (const Implausible& found : implausible) {
     result.warnings.push_back(
         fmt::format("frames {}: {}: no angle is given there", FramesOf(result.motion.frame, found.at), found.what));
-    for (std::size_t i = 0; i < found.at.size(); ++i)
-      if (found.at[i]) result.motion.samples[i] = {};
+    for (std::size_t i = 0; i < found.at.size(); ++i) {
+      motion::LegSample& sample = result.motion.samples[i];
+      if (!found.at[i]) continue;
+      if (found.markers == std::vector{names.waist})
+        sample.hw = motion::LegSample().hw, sample.trunk_deg = motion::LegSample::kUnknown;
+      else
+        sample = {};
+    }
     result.trajectory = Without({found}, std::move(result.trajectory));
   }
 }
@@ -453,7 +467,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
                     : rounded ? "or give the times with more digits: " + *rounded
                               : options.ways_out;
   LegFitResult result = FitOnce(recording, view, options, across);
-  std::vector<Implausible> implausible = FindImplausible(result.motion, result.trajectory, options.markers, limits);
+  std::vector<Implausible> implausible = FindAllImplausible(result, options.markers, limits);
   if (!implausible.empty()) {
     result = FitOnce(Without(implausible, recording), view, options, across);
     for (const Implausible& found : implausible)
@@ -461,7 +475,7 @@ LegFitResult FitLeg(const motion::MarkerRecording& recording, const LegView& vie
         result.warnings.push_back(fmt::format("frames {}: {}: '{}' left out there",
                                               FramesOf(result.motion.frame, found.at), found.what,
                                               fmt::join(found.markers, "', '")));
-    Blank(FindImplausible(result.motion, result.trajectory, options.markers, limits), result);
+    Blank(FindAllImplausible(result, options.markers, limits), options.markers, result);
   }
   WarnOfOutliers(recording, result);
   if (hasty) result.warnings.insert(result.warnings.begin(), *hasty + ": are they in seconds?");

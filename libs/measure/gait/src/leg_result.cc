@@ -48,7 +48,7 @@ std::vector<motion::SampleStatus> StatusOf(const Detections& d, const MarkerCurv
   for (std::size_t i = 0; i < n; ++i) {
     const auto frame = static_cast<std::ptrdiff_t>(i);
     if (fits[i] || (frame >= first && frame <= last && curve.plane_sigma[i] <= most_sigma))
-      status[i] = d.seen[i] ? SampleStatus::kDetected : SampleStatus::kFilled;
+      status[i] = fits[i] ? SampleStatus::kDetected : SampleStatus::kFilled;
   }
   return status;
 }

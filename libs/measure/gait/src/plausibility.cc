@@ -105,6 +105,14 @@ std::vector<Implausible> FindImplausible(const motion::LegMotion& motion, const 
   return found;
 }
 
+std::vector<Implausible> FindImplausibleTrunk(const motion::LegMotion& motion, const LegMarkers& names,
+                                              const PlausibilityLimits& limits) {
+  std::vector<Implausible> found;
+  FindBeyond(OverMedian(Lengths(motion, &motion::LegSample::hw)), limits.shortest, limits.longest,
+             "the length of the trunk over its median", "", {names.waist}, found);
+  return found;
+}
+
 std::string FramesOf(const std::vector<std::int64_t>& frame, const std::vector<char>& at) {
   constexpr int kShown = 6;  // runs of frames in a message
   return FramesWhere(

@@ -32,6 +32,11 @@ struct Implausible {
 std::vector<Implausible> FindImplausible(const motion::LegMotion& motion, const motion::MarkerRecording& trajectory,
                                          const LegMarkers& names, const PlausibilityLimits& limits = {});
 
+// The same of the trunk's length: something else was taken for the waist's marker. One near the hip's may move as much
+// on the skin, so no recording is refused for it.
+std::vector<Implausible> FindImplausibleTrunk(const motion::LegMotion& motion, const LegMarkers& names,
+                                              const PlausibilityLimits& limits = {});
+
 // Throws Error naming what is beyond which limit and in which frames.
 void CheckPlausible(const motion::LegMotion& motion, const motion::MarkerRecording& trajectory,
                     const PlausibilityLimits& limits = {});
