@@ -1,5 +1,7 @@
 #include "lake/axis/functional_axis.h"
 
+#include <gmock/gmock.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <random>
@@ -12,6 +14,7 @@ namespace lake::axis {
 namespace {
 
 using Eigen::Vector3d;
+using testing::HasSubstr;
 
 // A hinge at (0, 0) of the shank, which stands, in a plane: the thigh turns to and fro about it, and its two markers
 // share an error of `sigma` that is correlated over `memory` frames.
@@ -41,7 +44,7 @@ const SegmentMarkers kMarkers{{"s1", "s2"}, {"t1", "t2"}};
 
 TEST(FunctionalAxis, FindsAnExactHinge) {
   const SegmentMotion motion = MotionOf(Hinge(1, 0, 1), kMarkers);
-  const MeanAxis axis = MeanAxes(motion, 0, 10).front();
+  const MeanAxis axis = MeanAxes(motion, 0, 10).whole;
   EXPECT_LT(axis.in_file.norm(), 1e-6);
   EXPECT_LT(axis.pin_residual_mm, 1e-6);
   EXPECT_NEAR(axis.flexion_deg, 1.6 * 180 / M_PI, 0.1);
@@ -52,7 +55,7 @@ TEST(FunctionalAxis, FindsAnExactHinge) {
 TEST(FunctionalAxis, ItsIntervalHoldsTheAxis) {
   int held = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
-    const MeanAxis axis = MeanAxes(MotionOf(Hinge(seed, 1, 15), kMarkers), 0, 10).front();
+    const MeanAxis axis = MeanAxes(MotionOf(Hinge(seed, 1, 15), kMarkers), 0, 10).whole;
     held += axis.in_file.norm() < 2.448 * axis.sd_mm;
   }
   EXPECT_GE(held, 180);
@@ -61,8 +64,23 @@ TEST(FunctionalAxis, ItsIntervalHoldsTheAxis) {
 
 TEST(FunctionalAxis, RefusesMarkersItCannotUse) {
   EXPECT_THROW(MotionOf(Hinge(1, 0, 1), {{"s1"}, {"t1", "t2"}}), UsageError);
-  EXPECT_THROW(MotionOf(Hinge(1, 0, 1), {{"s1", "none"}, {"t1", "t2"}}), UsageError);
+  EXPECT_THAT(
+      [] {
+        MotionOf(Hinge(1, 0, 1), {{"s1", "none"}, {"t1", "t2"}});
+      },
+      testing::ThrowsMessage<Error>(testing::AllOf(HasSubstr("'none'"), HasSubstr("s1, s2, t1, t2"))));
   EXPECT_THROW(MotionOf(Hinge(1, 0, 1), {{"s1", "t1"}, {"t1", "t2"}}), UsageError);
+}
+
+TEST(FunctionalAxis, TellsTheWindowsThatTurnTooLittle) {
+  exchange::PointRecording points = Hinge(1, 0.1, 1);
+  for (exchange::PointTrack& point : points.points)  // the second window stands still
+    for (std::size_t i = 300; i < 600; ++i) point.positions[i] = point.positions[299];
+  const MeanAxesResult result = MeanAxes(MotionOf(points, kMarkers), 300, 10);
+  ASSERT_EQ(result.windows.size(), 2);
+  EXPECT_EQ(result.windows[0].window, 1);
+  EXPECT_EQ(result.windows[1].window, 3);
+  EXPECT_THAT(result.warnings, testing::ElementsAre(HasSubstr("window 2 is left out")));
 }
 
 double FromHinge(const exchange::PointRecording& points, const SegmentMotion& motion, const Vector3d& in_shank,
@@ -81,7 +99,7 @@ TEST(FunctionalAxis, FindsTheCentresOfAMeasuredHinge) {
   const SegmentMotion motion = MotionOf(points, {{"dw1", "dw2", "dw3", "dw4", "dw5", "cld1", "cld2", "cld3"},
                                                  {"up1", "up2", "up3", "up4", "up5", "clu1", "clu2", "clu3"}});
   std::vector<double> off_mm;
-  for (const InstantaneousCentre& c : InstantaneousCentres(motion, MeanAxes(motion, 0, 10).front()))
+  for (const InstantaneousCentre& c : InstantaneousCentres(motion, MeanAxes(motion, 0, 10).whole))
     off_mm.push_back(FromHinge(points, motion, c.in_shank, c.frame));
   EXPECT_LT(Median(off_mm), 2);
 }

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -151,7 +153,7 @@ double LargestTurnDeg(const std::vector<Equation>& equations) {
 
 }  // namespace
 
-std::vector<MeanAxis> MeanAxes(const SegmentMotion& motion, std::size_t window_frames, double least_turn_deg) {
+MeanAxesResult MeanAxes(const SegmentMotion& motion, std::size_t window_frames, double least_turn_deg) {
   constexpr std::size_t kLeastFrames = 10;  // six unknowns, and something to judge the residuals by
   const std::size_t frames = motion.shank.size();
   const std::vector<Equation> all = frames ? EquationsOf(motion, 0, frames - 1) : std::vector<Equation>();
@@ -161,13 +163,22 @@ std::vector<MeanAxis> MeanAxes(const SegmentMotion& motion, std::size_t window_f
     throw Fail("the segments turn by {:.1f} degrees only; an axis needs at least {:.0f}", turn, least_turn_deg);
   const Solution whole = Solve(all);
   const std::vector<Matrix3d> lags = LagCovariances(all, whole, frames);
-  std::vector<MeanAxis> axes{AxisOf(motion, all, whole, lags)};
-  for (std::size_t first = 0; window_frames > 0 && first + window_frames <= frames; first += window_frames) {
-    const std::vector<Equation> some = EquationsOf(motion, first, first + window_frames - 1);
-    if (some.size() < kLeastFrames || LargestTurnDeg(some) < least_turn_deg) continue;
-    axes.push_back(AxisOf(motion, some, Solve(some), lags));
+  MeanAxesResult result{AxisOf(motion, all, whole, lags), {}, {}};
+  for (std::size_t window = 1; window_frames > 0 && window * window_frames <= frames; ++window) {
+    const std::size_t first = (window - 1) * window_frames, last = window * window_frames - 1;
+    const std::vector<Equation> some = EquationsOf(motion, first, last);
+    const double turn = some.empty() ? 0 : LargestTurnDeg(some);
+    if (some.size() < kLeastFrames || turn < least_turn_deg) {
+      result.warnings.push_back(
+          fmt::format("window {} is left out: {} of its frames show both segments, which turn by {:.1f} degrees; an "
+                      "axis needs at least {} and {:.0f}",
+                      window, some.size(), turn, kLeastFrames, least_turn_deg));
+      continue;
+    }
+    result.windows.push_back(AxisOf(motion, some, Solve(some), lags));
+    result.windows.back().window = window;
   }
-  return axes;
+  return result;
 }
 
 }  // namespace lake::axis

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -28,7 +29,11 @@ std::vector<const exchange::PointTrack*> TracksOf(const exchange::PointRecording
   std::vector<const exchange::PointTrack*> tracks;
   for (const std::string& name : names) {
     tracks.push_back(points.Find(name));
-    if (!tracks.back()) throw UsageError(fmt::format("--segment {}: the file has no marker '{}'", segment, name));
+    if (!tracks.back()) {
+      std::vector<std::string> there;
+      for (const exchange::PointTrack& point : points.points) there.push_back(point.name);
+      throw Fail("--segment {}: the file has no marker '{}'; it has {}", segment, name, fmt::join(there, ", "));
+    }
     if (std::count(names.begin(), names.end(), name) > 1)
       throw UsageError(fmt::format("--segment {}: '{}' is named twice", segment, name));
   }

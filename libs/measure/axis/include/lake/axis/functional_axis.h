@@ -30,14 +30,15 @@ struct SegmentMotion {
   Eigen::Vector3d shank_marker, thigh_marker;  // the first of each, in its segment's frame, mm
 };
 
-// Throws UsageError for too few or unknown markers or one on both segments, Error for image points or for too few
-// frames with both segments.
+// Throws UsageError for too few markers or one on both segments; Error, with the file's markers, for an unknown one,
+// for image points, or where no frame has all markers of a segment.
 SegmentMotion MotionOf(const exchange::PointRecording& points, const SegmentMarkers& markers);
 
 // An axis over frames first … last. Points are mm in the segments' frames, the points of the axis nearest the mean of
 // the shank's markers.
 struct MeanAxis {
-  std::size_t first = 0, last = 0;
+  std::size_t window = 0;           // 0: the whole recording; else the window, from 1
+  std::size_t first = 0, last = 0;  // indices into the motion
   Eigen::Vector3d in_shank, in_thigh, direction_shank, direction_thigh;
   Eigen::Vector3d in_file, direction_file;  // their mean place over the window
   double sd_mm = 0;                         // of the point, along each of the two directions across the axis
@@ -45,11 +46,17 @@ struct MeanAxis {
   double flexion_deg = 0;                   // how far the segments turn within the window
 };
 
-// The window 0 is the whole recording, the others follow each other with `window_frames` each (0: none). The
+struct MeanAxesResult {
+  MeanAxis whole;
+  std::vector<MeanAxis> windows;
+  std::vector<std::string> warnings;  // of the windows that are left out
+};
+
+// The windows follow each other with `window_frames` each (0: none); a shorter rest at the end is none. The
 // symmetrical axis of rotation (SARA: R. M. Ehrig et al., J. Biomech. 40, 2007), with Huber's weights. Its standard
 // deviation takes the residuals' correlation in time from the whole recording. Throws Error where the segments turn by
-// less than `least_turn_deg` over the whole recording; windows that do so are left out.
-std::vector<MeanAxis> MeanAxes(const SegmentMotion& motion, std::size_t window_frames, double least_turn_deg);
+// less than `least_turn_deg` over the whole recording; windows that do so are left out with a warning.
+MeanAxesResult MeanAxes(const SegmentMotion& motion, std::size_t window_frames, double least_turn_deg);
 
 // The knee angle at each frame, degrees: 0 where the shank's first marker, the axis and the thigh's first marker are in
 // line across the axis, continuous over full turns; positive on average. NaN where a segment is not seen.
