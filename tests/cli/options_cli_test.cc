@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cli/program_run.h"
+#include "lake/commands/axis.h"
 #include "lake/commands/calibrate.h"
 #include "lake/commands/compare.h"
 #include "lake/commands/export.h"
@@ -183,6 +184,7 @@ TEST(Help, HasEveryDescribedOptionWithItsUnit) {
   ExpectHelp<commands::TrackRunOptions>("lake-track");
   ExpectHelp<commands::GaitRunOptions>("lake-gait");
   ExpectHelp<commands::LoadsRunOptions>("lake-loads");
+  ExpectHelp<commands::AxisRunOptions>("lake-axis");
   ExpectHelp<reviewing::ReviewRunOptions>("lake-review");
   ExpectHelp<commands::CompareRunOptions>("lake-compare");
   ExpectHelp<commands::OptimizeRunOptions>("lake-optimize");

@@ -1,0 +1,34 @@
+// The work of lake-axis: the axis about which shank and thigh turn, and the instantaneous centre over the knee angle,
+// from two or more markers on each, without a leg model.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lake/axis/functional_axis.h"
+#include "lake/core/json.h"
+#include "lake/core/run.h"
+#include "lake/exchange/trial.h"
+
+namespace lake::commands {
+
+struct AxisRunOptions {
+  std::filesystem::path trial;  // a lake-track folder or a file that ReadPoints knows
+  double mm_per_unit = 1;       // of files that do not say their unit
+  double rate_hz = 0;           // of files without times
+  axis::SegmentMarkers segments;
+  double window_s = 0;         // 0: the whole recording only
+  double least_turn_deg = 10;  // between two poses of the recording, and of each window
+};
+
+void Describe(AxisRunOptions& o, OptionList& options);
+std::vector<InputFile> InputsOf(const AxisRunOptions& options);
+
+// Writes axis.csv and, where the movement repeats, centre.csv and axis.png; returns the results for the summary.
+Json RunAxis(const AxisRunOptions& options, Run& run);
+
+// What a person wants to read of the summary.
+std::string AxisReport(const Json& summary);
+
+}  // namespace lake::commands

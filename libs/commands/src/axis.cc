@@ -1,0 +1,209 @@
+#include "lake/commands/axis.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lake/commands/gait.h"
+#include "lake/core/csv.h"
+#include "lake/core/error.h"
+#include "lake/core/numbers.h"
+#include "lake/exchange/convert_options.h"
+#include "lake/exchange/formats.h"
+
+namespace lake::commands {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+
+constexpr const char* kCoordinates[] = {"x", "y", "z"};
+
+std::vector<std::string> SplitAtCommas(const std::string& text) {
+  std::vector<std::string> parts{""};
+  for (const char c : text)
+    if (c == ',')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
+void SetSegments(const OptionTexts& texts, const std::string& said, axis::SegmentMarkers& segments) {
+  segments = {};
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    const std::string name = text.substr(0, equals);
+    if (equals == std::string::npos || (name != "shank" && name != "thigh"))
+      throw UsageError(fmt::format("{} '{}': give shank=MARKER,MARKER or thigh=MARKER,MARKER", said, text));
+    std::vector<std::string>& markers = name == "shank" ? segments.shank : segments.thigh;
+    if (!markers.empty()) throw UsageError(fmt::format("{}: the {} is given twice", said, name));
+    markers = SplitAtCommas(text.substr(equals + 1));
+    if (std::count(markers.begin(), markers.end(), ""))
+      throw UsageError(fmt::format("{} '{}': a marker's name is empty", said, text));
+  }
+}
+
+exchange::PointRecording ReadMarkers(const AxisRunOptions& options) {
+  exchange::TrialOptions reading;
+  reading.mm_per_unit = options.mm_per_unit;
+  reading.rate_hz = options.rate_hz;
+  exchange::CheckNoneIsUnused(options.trial, exchange::UnusedOptions(options.trial, reading));
+  return exchange::PointsInPlane(exchange::ReadPoints(options.trial, options.mm_per_unit, options.rate_hz));
+}
+
+std::size_t WindowFrames(const AxisRunOptions& options, const exchange::PointRecording& points) {
+  if (options.window_s == 0) return 0;
+  const double frames = std::round(options.window_s * exchange::FrameRate(points.time_s));
+  if (frames < 1 || frames > static_cast<double>(points.time_s.size()))
+    throw Fail("--window {}: the recording has {} frames at {:.4g} Hz; give a shorter window", options.window_s,
+               points.time_s.size(), exchange::FrameRate(points.time_s));
+  return static_cast<std::size_t>(frames);
+}
+
+// `before`x`after` for each coordinate.
+void AddNames(const char* before, const char* after, int dimensions, std::vector<std::string>& header) {
+  for (int k = 0; k < dimensions; ++k) header.push_back(fmt::format("{}{}{}", before, kCoordinates[k], after));
+}
+
+void AddPoint(const Vector3d& point, int dimensions, CsvWriter& csv) {
+  for (int k = 0; k < dimensions; ++k) csv.Add(point[k]);
+}
+
+Json PointJson(const Vector3d& point, int dimensions) {
+  Json json = Json::array();
+  for (int k = 0; k < dimensions; ++k) json.push_back(point[k]);
+  return json;
+}
+
+void WriteAxes(const fs::path& path, const axis::MeanAxesResult& result, const exchange::PointRecording& points,
+               int dimensions) {
+  std::vector<std::string> header{"window", "first_frame", "last_frame", "flexion_deg"};
+  AddNames("", "_mm", dimensions, header);
+  if (dimensions == 3) AddNames("n", "", dimensions, header);
+  header.emplace_back("sd_mm");
+  AddNames("", "_mm_file", dimensions, header);
+  if (dimensions == 3) AddNames("n", "_file", dimensions, header);
+  CsvWriter csv(header);
+  const auto add = [&](const axis::MeanAxis& axis) {
+    csv.Add(static_cast<int>(axis.window)).Add(static_cast<int>(points.frame[axis.first]));
+    csv.Add(static_cast<int>(points.frame[axis.last])).Add(axis.flexion_deg);
+    AddPoint(axis.in_shank, dimensions, csv);
+    if (dimensions == 3) AddPoint(axis.direction_shank, dimensions, csv);
+    csv.Add(axis.sd_mm);
+    AddPoint(axis.in_file, dimensions, csv);
+    if (dimensions == 3) AddPoint(axis.direction_file, dimensions, csv);
+    csv.EndRow();
+  };
+  add(result.whole);
+  for (const axis::MeanAxis& axis : result.windows) add(axis);
+  csv.Write(path);
+}
+
+void WriteCentres(const fs::path& path, const std::vector<axis::InstantaneousCentre>& centres,
+                  const exchange::PointRecording& points, int dimensions) {
+  std::vector<std::string> header{"frame", "time_s", "knee_deg"};
+  AddNames("", "_mm", dimensions, header);
+  AddNames("sd_", "_mm", dimensions, header);
+  AddNames("", "_mm_file", dimensions, header);
+  CsvWriter csv(header);
+  for (const axis::InstantaneousCentre& centre : centres) {
+    csv.Add(static_cast<int>(points.frame[centre.frame])).Add(points.time_s[centre.frame]).Add(centre.knee_deg);
+    AddPoint(centre.in_shank, dimensions, csv);
+    AddPoint(centre.sd_mm, dimensions, csv);
+    AddPoint(centre.in_file, dimensions, csv);
+    csv.EndRow();
+  }
+  csv.Write(path);
+}
+
+// None where the movement does not repeat: the axis stands without them.
+std::vector<axis::InstantaneousCentre> CentresOf(const axis::SegmentMotion& motion, const axis::MeanAxis& whole,
+                                                 Run& run) {
+  try {
+    return axis::InstantaneousCentres(motion, whole);
+  } catch (const Error& error) {
+    run.Warn(fmt::format("no centre.csv: {}", error.what()));
+    return {};
+  }
+}
+
+}  // namespace
+
+void Describe(AxisRunOptions& o, OptionList& options) {
+  options.AddOperand("trial", o.trial, "A lake-track folder, or .csv (lake, Kinovea), .trc, .c3d, .trk, .txt (Tracker)")
+      .Required();
+  options
+      .AddCustom(
+          "segment", "Markers of the shank, and of the thigh: two or more of each, of a 3-D file three or more",
+          [&o](const OptionTexts& texts, const std::string& said) { SetSegments(texts, said, o.segments); },
+          [&o] {
+            return o.segments.shank.empty() ? std::string()
+                                            : fmt::format("shank={} thigh={}", fmt::join(o.segments.shank, ","),
+                                                          fmt::join(o.segments.thigh, ","));
+          })
+      .Value("shank=A,B or thigh=C,D")
+      .Repeats()
+      .Required();
+  exchange::DescribeUnit("unit", o.mm_per_unit, options);
+  exchange::DescribeRate(o.rate_hz, options);
+  options.Add("window", o.window_s, "Also the axes of windows of this length, one after the other")
+      .Unit("s")
+      .AtLeast(0)
+      .Otherwise("none");
+  options.Add("least-turn", o.least_turn_deg, "How far the segments must turn, also within a window")
+      .Unit("degrees")
+      .Positive();
+  options.Check([&o](const OptionList&) {
+    if (o.segments.shank.empty() || o.segments.thigh.empty())
+      throw UsageError(fmt::format("--segment: of the {} no marker is given: add --segment {}=MARKER,MARKER",
+                                   o.segments.shank.empty() ? "shank" : "thigh",
+                                   o.segments.shank.empty() ? "shank" : "thigh"));
+  });
+}
+
+std::vector<InputFile> InputsOf(const AxisRunOptions& options) {
+  return TrialInputs(options.trial, "trial");
+}
+
+Json RunAxis(const AxisRunOptions& options, Run& run) {
+  const exchange::PointRecording points = ReadMarkers(options);
+  run.AddInputs(InputsOf(options));
+  const int dimensions = points.space == exchange::PointSpace::kSpace ? 3 : 2;
+  const axis::SegmentMotion motion = axis::MotionOf(points, options.segments);
+  const axis::MeanAxesResult result = axis::MeanAxes(motion, WindowFrames(options, points), options.least_turn_deg);
+  run.Begin({"summary.json", "axis.csv", "centre.csv"});
+  for (const std::string& warning : points.warnings) run.Warn(warning);
+  for (const std::string& warning : result.warnings) run.Warn(warning);
+  WriteAxes(run.Result("axis.csv"), result, points, dimensions);
+  const std::vector<axis::InstantaneousCentre> centres = CentresOf(motion, result.whole, run);
+  if (!centres.empty()) {
+    run.Warn(
+        "centre.csv: its standard deviations are of the smoothing alone, and too small where errors repeat at each "
+        "passage: do not take them for intervals of the knee");
+    WriteCentres(run.Result("centre.csv"), centres, points, dimensions);
+  }
+  const axis::MeanAxis& whole = result.whole;
+  return {{"axis_point_mm", PointJson(whole.in_shank, dimensions)},
+          {"axis_direction", PointJson(whole.direction_shank, 3)},
+          {"axis_sd_mm", whole.sd_mm},
+          {"axis_point_mm_file", PointJson(whole.in_file, dimensions)},
+          {"axis_direction_file", PointJson(whole.direction_file, 3)},
+          {"pin_residual_mm", whole.pin_residual_mm},
+          {"flexion_deg", whole.flexion_deg},
+          {"windows", result.windows.size()}};
+}
+
+std::string AxisReport(const Json& summary) {
+  std::vector<std::string> numbers;
+  for (const Json& number : summary["axis_point_mm"]) numbers.push_back(fmt::format("{:.1f}", NumberOrNaN(number)));
+  return fmt::format(
+      "axis over {:.0f}° of flexion: at ({}) mm from the mean of the shank's markers, standard deviation {:.2f} mm; a "
+      "pin there leaves {:.2f} mm\n",
+      NumberOrNaN(summary["flexion_deg"]), fmt::join(numbers, ", "), NumberOrNaN(summary["axis_sd_mm"]),
+      NumberOrNaN(summary["pin_residual_mm"]));
+}
+
+}  // namespace lake::commands

@@ -1,0 +1,123 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "lake/axis/functional_axis.h"
+#include "lake/core/error.h"
+
+namespace lake::axis {
+namespace {
+
+using Eigen::Matrix3d, Eigen::Matrix3Xd, Eigen::Vector3d;
+
+struct Segment {
+  std::vector<Pose> poses;
+  Vector3d first_marker;
+};
+
+std::vector<const exchange::PointTrack*> TracksOf(const exchange::PointRecording& points,
+                                                  const std::vector<std::string>& names, const char* segment,
+                                                  std::size_t least) {
+  if (names.size() < least)
+    throw UsageError(fmt::format("--segment {}: {} marker{}, needs at least {}", segment, names.size(),
+                                 names.size() == 1 ? "" : "s", least));
+  std::vector<const exchange::PointTrack*> tracks;
+  for (const std::string& name : names) {
+    tracks.push_back(points.Find(name));
+    if (!tracks.back()) {
+      std::vector<std::string> there;
+      for (const exchange::PointTrack& point : points.points) there.push_back(point.name);
+      throw Fail("--segment {}: the file has no marker '{}'; it has {}", segment, name, fmt::join(there, ", "));
+    }
+    if (std::count(names.begin(), names.end(), name) > 1)
+      throw UsageError(fmt::format("--segment {}: '{}' is named twice", segment, name));
+  }
+  return tracks;
+}
+
+// The least-squares turn that takes `from` to `to`, both about their means (Kabsch); in a plane about z.
+Matrix3d TurnBetween(const Matrix3Xd& from, const Matrix3Xd& to, bool is_plane) {
+  const Matrix3d moment = to * from.transpose();
+  if (is_plane) {
+    const double angle = std::atan2(moment(1, 0) - moment(0, 1), moment(0, 0) + moment(1, 1));
+    return Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(moment, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Vector3d sign = Vector3d::Ones();
+  sign.z() = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+}
+
+std::optional<Pose> PoseOf(const Matrix3Xd& shape, const std::vector<const exchange::PointTrack*>& tracks,
+                           std::size_t frame, bool is_plane, std::size_t least) {
+  std::vector<Eigen::Index> seen;
+  for (std::size_t m = 0; m < tracks.size(); ++m)
+    if (tracks[m]->positions[frame].allFinite()) seen.push_back(static_cast<Eigen::Index>(m));
+  if (seen.size() < least) return std::nullopt;
+  Matrix3Xd from = shape(Eigen::all, seen), to(3, seen.size());
+  for (std::size_t k = 0; k < seen.size(); ++k)
+    to.col(static_cast<Eigen::Index>(k)) = tracks[static_cast<std::size_t>(seen[k])]->positions[frame];
+  const Vector3d from_mean = from.rowwise().mean(), to_mean = to.rowwise().mean();
+  from.colwise() -= from_mean;
+  to.colwise() -= to_mean;
+  Pose pose;
+  pose.turn = TurnBetween(from, to, is_plane);
+  pose.origin = to_mean - pose.turn * from_mean;
+  return pose;
+}
+
+// The shape is the mean of the frames laid onto each other, turned as the first complete frame (Procrustes).
+Segment SegmentOf(const std::vector<const exchange::PointTrack*>& tracks, const char* name, bool is_plane,
+                  std::size_t least) {
+  constexpr int kRounds = 5;  // the mean shape stands still after two or three
+  const std::size_t frames = tracks.front()->positions.size();
+  const auto complete = [&](std::size_t frame) {
+    return std::all_of(tracks.begin(), tracks.end(), [&](const auto* t) { return t->positions[frame].allFinite(); });
+  };
+  Matrix3Xd shape(3, tracks.size());
+  bool has_shape = false;
+  for (int round = 0; round < kRounds; ++round) {
+    Matrix3Xd sum = Matrix3Xd::Zero(3, shape.cols());
+    for (std::size_t frame = 0; frame < frames; ++frame) {
+      if (!complete(frame)) continue;
+      Matrix3Xd now(3, tracks.size());
+      for (std::size_t m = 0; m < tracks.size(); ++m)
+        now.col(static_cast<Eigen::Index>(m)) = tracks[m]->positions[frame];
+      now.colwise() -= Vector3d(now.rowwise().mean());
+      if (!has_shape) shape = now;
+      has_shape = true;
+      sum += TurnBetween(now, shape, is_plane) * now;
+    }
+    if (!has_shape) throw Fail("no frame has all markers of the {}: leave out those that are seldom seen", name);
+    Matrix3Xd mean = sum;
+    mean.colwise() -= Vector3d(mean.rowwise().mean());
+    shape = mean * (shape.norm() / mean.norm());
+  }
+  Segment segment{std::vector<Pose>(frames), shape.col(0)};
+  for (std::size_t frame = 0; frame < frames; ++frame)
+    segment.poses[frame] = PoseOf(shape, tracks, frame, is_plane, least).value_or(Pose());
+  return segment;
+}
+
+}  // namespace
+
+SegmentMotion MotionOf(const exchange::PointRecording& points, const SegmentMarkers& markers) {
+  if (points.space == exchange::PointSpace::kImage)
+    throw Fail("the markers are in pixels: give a trial in mm (calibrate the camera, or export it with a scale)");
+  const bool is_plane = points.space == exchange::PointSpace::kPlane;
+  const std::size_t least = is_plane ? 2 : 3;
+  const auto shank = TracksOf(points, markers.shank, "shank", least);
+  const auto thigh = TracksOf(points, markers.thigh, "thigh", least);
+  for (const std::string& name : markers.shank)
+    if (std::count(markers.thigh.begin(), markers.thigh.end(), name))
+      throw UsageError(fmt::format("--segment: '{}' is on the shank and on the thigh", name));
+  Segment s = SegmentOf(shank, "shank", is_plane, least), t = SegmentOf(thigh, "thigh", is_plane, least);
+  return {std::move(s.poses), std::move(t.poses), s.first_marker, t.first_marker};
+}
+
+}  // namespace lake::axis
