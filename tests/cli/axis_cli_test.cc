@@ -118,16 +118,17 @@ TEST_F(AxisProgram, FindsAHingeInAPlane) {
   EXPECT_LT(summary["axis_sd_mm"], kNear_mm);
   EXPECT_LT(summary["pin_residual_mm"], 0.2);
   const std::vector<std::string> axes = Lines("A/axis.csv"), centres = Lines("A/centre.csv");
-  ASSERT_EQ(axes.size(), 6) << "a head, the whole and four windows";
+  ASSERT_EQ(axes.size(), 6u) << "a head, the whole and four windows";
   EXPECT_EQ(axes[0], "window,first_frame,last_frame,flexion_deg,x_mm,y_mm,sd_mm,x_mm_file,y_mm_file");
   EXPECT_THAT(axes[1], testing::StartsWith("0,0,399,"));
   EXPECT_THAT(axes[5], testing::StartsWith("4,300,399,"));
-  ASSERT_EQ(centres.size(), kFrames + 1);
+  ASSERT_EQ(centres.size(), kFrames + 1u);
   EXPECT_EQ(centres[0], "frame,time_s,knee_deg,x_mm,y_mm,sd_x_mm,sd_y_mm,x_mm_file,y_mm_file");
-  const CsvTable table = ReadCsv(folder_ / "A/centre.csv");
-  for (int row : {0, 150, 399}) {
-    EXPECT_NEAR(table.Number(row, "x_mm"), 5, 0.5);  // a slope is less certain than a mean
-    EXPECT_NEAR(table.Number(row, "x_mm_file"), 10 + 0.2 * row, 0.5) << "the shank moves by 0.2 mm each frame";
+  const CsvTable table = CsvTable::Read(folder_ / "A/centre.csv");
+  for (const std::size_t row : {0u, 150u, 399u}) {
+    EXPECT_NEAR(table.RequiredNumber(row, table.Column("x_mm")), 5, 0.5);  // a slope is less certain than a mean
+    EXPECT_NEAR(table.RequiredNumber(row, table.Column("x_mm_file")), 10 + 0.2 * static_cast<double>(row), 0.5)
+        << "the shank moves by 0.2 mm each frame";
   }
 }
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "lake/axis/functional_axis.h"
+#include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/gait/smoothing_spline.h"
@@ -14,7 +14,6 @@ namespace {
 
 using Eigen::Matrix3d, Eigen::Vector3d;
 
-constexpr double kDegPerRad = 180 / std::numbers::pi;
 constexpr int kBins = 60;   // over the range of angles
 constexpr int kSteps = 30;  // of the spline
 
@@ -97,7 +96,7 @@ std::vector<double> KneeAngles(const SegmentMotion& motion, const MeanAxis& axis
     if (!motion.shank[i].IsSeen() || !motion.thigh[i].IsSeen()) continue;
     const Matrix3d turn = motion.shank[i].turn.transpose() * motion.thigh[i].turn;
     const Vector3d thigh = frame.transpose() * (turn * (axis.in_thigh - motion.thigh_marker));
-    double angle = kDegPerRad * (std::atan2(thigh.y(), thigh.x()) - std::atan2(shank.y(), shank.x()));
+    double angle = DegreesFromRadians(std::atan2(thigh.y(), thigh.x()) - std::atan2(shank.y(), shank.x()));
     angle = std::remainder(has_before ? angle - before : angle, 360) + (has_before ? before : 0);
     before = angle;
     has_before = true;
@@ -136,7 +135,7 @@ std::vector<InstantaneousCentre> InstantaneousCentres(const SegmentMotion& motio
     const Eigen::AngleAxisd step(b * a.transpose());
     same += step.angle() * step.axis().dot(axis.direction_shank) * (angles[frames[k]] - angles[frames[k - 1]]);
   }
-  const double range = (same < 0 ? -1 : 1) * (high - low) / kDegPerRad;  // rad about the axis, per unit of place
+  const double range = RadiansFromDegrees((same < 0 ? -1 : 1) * (high - low));  // rad about the axis, per unit of place
   for (std::size_t i : frames) place.push_back((angles[i] - low) / (high - low));
   const Curve stray_x = CurveOf(place, x), stray_y = CurveOf(place, y);
   std::vector<InstantaneousCentre> centres;

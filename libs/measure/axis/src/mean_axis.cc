@@ -4,10 +4,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <iterator>
 #include <optional>
 
 #include "lake/axis/functional_axis.h"
+#include "lake/core/angles.h"
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 
@@ -18,8 +19,6 @@ using Eigen::Matrix3d, Eigen::Vector3d;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Rows = Eigen::Matrix<double, 3, 6>;
-
-constexpr double kDegPerRad = 180 / std::numbers::pi;
 
 // Of one frame, in the shank's frame: turn · in_thigh − in_shank + offset is how far the two points stand apart.
 struct Equation {
@@ -66,7 +65,8 @@ Solution Solve(const std::vector<Equation>& equations) {
       s.inverse += eigen.eigenvectors().col(k) * eigen.eigenvectors().col(k).transpose() / eigen.eigenvalues()[k];
     s.points = s.inverse * right;
     std::vector<double> sizes;
-    for (const Equation& e : equations) sizes.push_back((e.rows * s.points + e.offset).norm());
+    std::ranges::transform(equations, std::back_inserter(sizes),
+                           [&](const Equation& e) { return (e.rows * s.points + e.offset).norm(); });
     const double scale = kHuber * Median(sizes);
     for (std::size_t i = 0; i < sizes.size(); ++i) s.weight[i] = sizes[i] > scale ? scale / sizes[i] : 1;
   }
@@ -74,7 +74,7 @@ Solution Solve(const std::vector<Equation>& equations) {
 }
 
 double TurnDeg(const Matrix3d& a, const Matrix3d& b) {
-  return kDegPerRad * Eigen::AngleAxisd(a.transpose() * b).angle();
+  return DegreesFromRadians(Eigen::AngleAxisd(a.transpose() * b).angle());
 }
 
 // The residuals' covariance at each lag of frames over the whole recording, tapered to zero at a quarter of it.
@@ -133,7 +133,7 @@ MeanAxis AxisOf(const SegmentMotion& motion, const std::vector<Equation>& equati
     square += (across * (e.rows * s.points + e.offset)).squaredNorm();
     const Matrix3d now = e.rows.leftCols<3>();
     const Eigen::AngleAxisd step(now * before.transpose());
-    angle += kDegPerRad * step.angle() * step.axis().dot(axis.direction_shank);
+    angle += DegreesFromRadians(step.angle()) * step.axis().dot(axis.direction_shank);
     low = std::min(low, angle);
     high = std::max(high, angle);
     before = now;
