@@ -9,5 +9,5 @@ int main(int argc, char** argv) {
   program.Add(lake::OptionsOf(options));
   return program.Main(
       argc, argv, [&] { return options.video.stem().string() + "-anonymised"; },
-      [&](lake::Run& run) { return lake::commands::RunAnonymise(options, run); }, lake::commands::AnonymiseReport);
+      [&](lake::Run& run) { return lake::commands::RunAnonymise(options, run); });
 }

@@ -13,10 +13,9 @@ int main(int argc, char** argv) {
   const int code = program.Main(
       argc, argv, [&] { return options.video.stem().string() + "-check"; },
       [&](lake::Run& run) {
-        lake::Json results = lake::commands::RunCheck(options, run);
-        fit = results["fit"].get<bool>();
-        return results;
-      },
-      lake::commands::CheckReport);
+        const lake::commands::JudgedRecording judged = lake::commands::RunCheck(options, run);
+        fit = judged.IsFit();
+        return lake::commands::JudgedJson(judged);
+      });
   return code == 0 && !fit ? 1 : code;
 }

@@ -14,5 +14,5 @@ int main(int argc, char** argv) {
   program.Add(lake::OptionsOf(options));
   return program.Main(
       argc, argv, [] { return std::string("cohort"); },
-      [&](lake::Run& run) { return lake::cohort::RunCohort(options, run); }, lake::cohort::CohortText);
+      [&](lake::Run& run) { return lake::cohort::RunCohort(options, run); });
 }

@@ -9,5 +9,5 @@ int main(int argc, char** argv) {
   program.Add(lake::OptionsOf(options));
   return program.Main(
       argc, argv, [&] { return fmt::format("{}-{}", options.design.stem().string(), options.format); },
-      [&](lake::Run& run) { return lake::commands::RunExport(options, run); }, lake::commands::ExportReport);
+      [&](lake::Run& run) { return lake::commands::RunExport(options, run); });
 }

@@ -36,9 +36,8 @@ int main(int argc, char** argv) {
         return study->ResultName();
       },
       [&](lake::Run& run) {
-        if (plan) fmt::print("{}\n", lake::study::StudyPlan(*study, run.Folder()).dump(2));
+        if (plan) fmt::print("{}\n", lake::study::PlanJson(lake::study::PlanStudy(*study, run.Folder())).dump(2));
         if (!only.empty()) lake::study::RunStudySteps(*study, only, keep_going, run);
         return plan || !only.empty() ? lake::Json() : lake::study::RunStudyFile(*study, run, keep_going);
-      },
-      lake::study::StudyText);
+      });
 }

@@ -53,6 +53,5 @@ int main(int argc, char** argv) {
   program.Add(lake::OptionsOf(options));
   return program.Main(
       argc, argv, [&] { return input.design_file.empty() ? "links" : input.design_file.stem().string(); },
-      [&](lake::Run& run) { return lake::commands::SimulateLinkage(LoadDesign(input, run), options, run); },
-      lake::commands::SimulationReport);
+      [&](lake::Run& run) { return lake::commands::SimulateLinkage(LoadDesign(input, run), options, run); });
 }

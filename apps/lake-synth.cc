@@ -9,5 +9,5 @@ int main(int argc, char** argv) {
   program.Add(lake::OptionsOf(options));
   return program.Main(
       argc, argv, [&] { return "synth-" + lake::synth::NameOf(options); },
-      [&](lake::Run& run) { return lake::synth::RunSynth(options, run); }, lake::synth::SynthReport);
+      [&](lake::Run& run) { return lake::synth::RunSynth(options, run); });
 }

@@ -380,8 +380,8 @@ int Program::Work(const std::string& command, const std::string& result_name, co
   WriteTextFile(run.Result("options.toml"), cli_->config_to_str(false));
   if (json_)
     fmt::print("{}\n", summary.dump(2, ' ', false, Json::error_handler_t::replace));
-  else if (report)
-    fmt::print("{}results in {}\n", report(summary), out_);
+  else
+    fmt::print("{}results in {}\n", report ? report(summary) : run.ReportText(), out_);
   return kDone;
 }
 

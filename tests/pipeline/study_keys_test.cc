@@ -28,10 +28,8 @@ TEST(StudyKeys, StandBesideTheOptionsOfAMessage) {
 }
 
 TEST(StudyText, SaysWhatWasDone) {
-  const auto step = [](const char* name, bool done) {
-    return Json{{"name", name}, {"done", done}, {"why", done ? "not made yet" : ""}, {"seconds", 12.4}};
-  };
-  EXPECT_EQ(study::StudyText({{"steps", {step("human", true), step("exo", false)}}}),
+  EXPECT_EQ(study::StudyText({{.name = "human", .done = true, .why = "not made yet", .seconds = 12.4},
+                              {.name = "exo", .done = false, .seconds = 12.4}}),
             "human          12.4 s  done\nexo            12.4 s  unchanged\n");
 }
 

@@ -20,13 +20,14 @@ using testing::ThrowsMessage;
 
 // The plan's outputs are what the steps leave, its order what they read, and it knows what is to be done.
 void ExpectPlanHolds(const StudyFolder& study) {
-  const Json plan = study::StudyPlan(study::ReadStudyFile(study.Folder() / "study.yaml"), study.Out());
-  for (const Json& step : plan["steps"]) {
-    EXPECT_TRUE(step["due"].is_null()) << step;
-    for (const Json& output : step["outputs"]) EXPECT_TRUE(fs::is_regular_file(output.get<std::string>())) << output;
+  const study::StudyPlan plan = study::PlanStudy(study::ReadStudyFile(study.Folder() / "study.yaml"), study.Out());
+  for (const study::PlannedStep& step : plan.steps) {
+    EXPECT_FALSE(step.due.has_value()) << step.name << ": " << *step.due;
+    for (const fs::path& output : step.outputs) EXPECT_TRUE(fs::is_regular_file(output)) << output;
   }
-  EXPECT_EQ(plan["steps"][2]["after"], (Json{"human", "exo"}));
-  EXPECT_EQ(plan["steps"].back()["after"].size(), plan["steps"].size() - 1) << "the report is of all steps";
+  EXPECT_THAT(plan.steps[2].after, ElementsAre("human", "exo"));
+  EXPECT_EQ(plan.steps.back().after.size(), plan.steps.size() - 1) << "the report is of all steps";
+  EXPECT_EQ(study::PlanJson(plan)["steps"].size(), plan.steps.size());
 }
 
 TEST(StudyOfMarkerFiles, FindsWhatWasMadeAndIsDoneOnce) {

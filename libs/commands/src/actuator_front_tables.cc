@@ -1,5 +1,7 @@
 #include "actuator_front_tables.h"
 
+#include <fmt/ranges.h>
+
 #include <cmath>
 
 #include "lake/core/csv.h"
@@ -56,6 +58,26 @@ void WriteActuatorFront(const std::vector<synthesis::ActuatorCurve>& curves, con
       table.EndRow();
     }
   table.Write(path);
+}
+
+std::string ActuatorFrontText(const std::vector<synthesis::ActuatorCurve>& curves, double own_s) {
+  std::string text;
+  for (const synthesis::ActuatorCurve& curve : curves) {
+    text += fmt::format("{:<16}", curve.Actuator().name);
+    for (const synthesis::FrontPoint& point : curve.points)
+      if (point.solved && std::isfinite(point.assistance.shortest_s))
+        text += fmt::format("  {:.0f} %: {:.2f} s{}", 100 * point.assist, point.assistance.shortest_s,
+                            point.is_on_front ? " *" : "");
+    if (!curve.Actuator().HasSpeed())
+      text += "  speed not known";
+    else if (!curve.Actuator().HasForceSpeedLaw())
+      text += "  (lower bounds: speed under load not known)";
+    if (!curve.Last()) text += fmt::format("  no design: {}", fmt::join(curve.limits, ", "));
+    text += "\n";
+  }
+  return text +
+         fmt::format("shortest rise at a share of what the knee needs; * none is faster; the person's own: {:.2f} s\n",
+                     own_s);
 }
 
 Json ActuatorFrontJson(const std::vector<synthesis::ActuatorCurve>& curves, const problem::SynthesisProblem& problem) {

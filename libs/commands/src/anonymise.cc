@@ -76,18 +76,14 @@ Json RunAnonymise(const AnonymiseRunOptions& options, Run& run) {
         fmt::format("in {} of {} frames leg or markers, which are left as they are, are where the face may be: look at "
                     "these frames",
                     done.beside_leg, done.frames));
+  run.Report(fmt::format("{} frames; {}\nNobody but the tracked subject is blurred: look for others in the picture.\n",
+                         done.frames,
+                         done.is_exact ? "what is not blurred is the recording's to the bit"
+                                       : "what is not blurred was encoded anew, so tracks differ a little"));
   return {{"frames", done.frames},
           {"frames_blurred_whole", done.whole},
           {"frames_beside_leg", done.beside_leg},
           {"exact_beside_the_head", done.is_exact}};
-}
-
-std::string AnonymiseReport(const Json& summary) {
-  return fmt::format("{} frames; {}\nNobody but the tracked subject is blurred: look for others in the picture.\n",
-                     summary["frames"].get<std::int64_t>(),
-                     summary["exact_beside_the_head"].get<bool>()
-                         ? "what is not blurred is the recording's to the bit"
-                         : "what is not blurred was encoded anew, so tracks differ a little");
 }
 
 }  // namespace lake::commands

@@ -64,8 +64,7 @@ Json ActuatorJson(const problem::LinearActuator& actuator, double duration_s) {
   return json;
 }
 
-}  // namespace
-
+// How fast, what decides, and how fast any linkage could be.
 std::string AssistanceText(const problem::Assistance& assistance, const problem::SynthesisProblem& problem) {
   const double share = 100 * problem.assist.value_or(1), own_s = problem.profile->duration_s;
   const AssistanceRow* force = assistance.Largest(&AssistanceRow::force_n);
@@ -94,11 +93,15 @@ std::string AssistanceText(const problem::Assistance& assistance, const problem:
   return text;
 }
 
+}  // namespace
+
 Json WriteAssistance(const problem::Assistance& assistance, const problem::SynthesisProblem& problem, Run& run) {
   WriteTable(assistance, run.Result("assistance.csv"));
   DrawPngAndSvg("assistance", run,
                 [&](const std::filesystem::path& path) { figure::DrawAssistance(path, assistance, problem); });
-  Json json = {{"text", AssistanceText(assistance, problem)},
+  const std::string text = AssistanceText(assistance, problem);
+  run.Report(text + "\n");
+  Json json = {{"text", text},
                {"profile", problem.profile->file.string()},
                {"assist", problem.assist.value_or(1)},
                {"actuator", problem.actuator ? ActuatorJson(*problem.actuator, assistance.duration_s) : Json()},

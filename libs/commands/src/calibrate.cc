@@ -95,6 +95,22 @@ Json ResultJson(const camera::BoardPictures& pictures, const camera::Calibration
   return json;
 }
 
+std::string ReportOf(const camera::BoardPictures& pictures, const camera::CalibrationResult& result,
+                     const camera::CalibrationQuality& quality, camera::LensFamily lens) {
+  const camera::Camera& camera = result.camera;
+  const auto& sd = camera::UncertaintyOf(result).intrinsics_sd;
+  const auto& crossed = quality.cross_validation;
+  return fmt::format(
+      "{} views, RMS {:.3f} px (inliers {:.3f} px, {} outliers), worst view {} {:.3f} px\n"
+      "fx {:.2f} ± {:.2f}  fy {:.2f} ± {:.2f}  cx {:.2f} ± {:.2f}  cy {:.2f} ± {:.2f} px\n"
+      "coverage {:.0f} %, largest tilt {:.0f}°{}; lens model {}\n",
+      pictures.views.size(), result.rms_px, result.inlier_rms_px, result.outliers.size(),
+      pictures.views[quality.worst_view].name, result.view_rms_px[quality.worst_view], camera.fx, sd[0], camera.fy,
+      sd[1], camera.cx, sd[2], camera.cy, sd[3], 100 * quality.coverage.fraction, quality.largest_tilt_deg,
+      crossed ? fmt::format(", odd and even views differ by {:.3f} px RMS", crossed->rms_px) : "",
+      camera::ToString(lens));
+}
+
 void WriteResiduals(const fs::path& path, const std::vector<camera::BoardView>& views,
                     const camera::CalibrationResult& result) {
   CsvWriter table({"view", "corner", "x_px", "y_px", "dx_px", "dy_px"});
@@ -208,6 +224,7 @@ Json RunCalibrate(const CalibrateRunOptions& options, Run& run) {
   json["lens"] = {{"model", camera::ToString(calibration.lens)}, {"chosen", !options.lens}};
   for (const auto& [lens, error_px] : choice.error_px)
     json["lens"]["left_out_error_px"][camera::ToString(lens)] = error_px;
+  run.Report(ReportOf(pictures, result, quality, calibration.lens));
   return json;
 }
 
@@ -222,12 +239,16 @@ Json RunPlane(const PlaneRunOptions& options, Run& run) {
   camera::WriteCameraProfile(run.Result("camera.yaml"), profile);
 
   const Eigen::Vector2d middle((profile.camera.image_width - 1) / 2.0, (profile.camera.image_height - 1) / 2.0);
+  const double distance_mm = fit.camera_from_plane.inverse().translation().z(),
+               mm_per_px =
+                   camera::SigmaInPlane(camera::PlanePointFromPixel(profile.camera, fit.camera_from_plane, middle), 1);
+  run.Report(fmt::format("plane at {:.0f} mm, {:.3f} mm/px in the middle, RMS {:.3f} px\n", distance_mm, mm_per_px,
+                         fit.uncertainty.rms_px));
   Json json = {{"plane_rms_px", fit.uncertainty.rms_px},
                {"sigma_px", fit.sigma_px},
                {"roll_deg", fit.roll_deg},
-               {"distance_mm", fit.camera_from_plane.inverse().translation().z()},
-               {"mm_per_px",
-                camera::SigmaInPlane(camera::PlanePointFromPixel(profile.camera, fit.camera_from_plane, middle), 1)},
+               {"distance_mm", distance_mm},
+               {"mm_per_px", mm_per_px},
                {"translation_mm", List(fit.camera_from_plane.translation())},
                {"translation_sd_mm", List(fit.uncertainty.translation_sd_mm)},
                {"rotation_sd_rad", List(fit.uncertainty.rotation_sd_rad)}};
@@ -240,8 +261,10 @@ Json RunPlane(const PlaneRunOptions& options, Run& run) {
 Json RunSheet(const SheetRunOptions& options, Run& run) {
   const camera::Board board = camera::ParseBoard(options.board);
   const camera::Paper paper = camera::ParsePaper(options.paper);
-  camera::WriteBoardSheet(run.Result("board.pdf"), board, paper);
-  return {{"board", camera::ToString(board)}, {"paper", paper.name}, {"file", (run.Folder() / "board.pdf").string()}};
+  const fs::path file = run.Result("board.pdf");
+  camera::WriteBoardSheet(file, board, paper);
+  run.Report(fmt::format("{} on {}: print it at 100 %\n", file.string(), paper.name));
+  return {{"board", camera::ToString(board)}, {"paper", paper.name}, {"file", file.string()}};
 }
 
 namespace {

@@ -60,20 +60,17 @@ Json RunExport(const ExportOptions& options, Run& run) {
     run.Warn("URDF cannot close loops: the simulator has to join coupler_end to shank_pin and rod_end to bar_tip");
   format.write(run.Result(format.file), mechanism);
   WritePartList(run.Result("parts.csv"), mechanism);
+  std::vector<std::string> layers;
+  for (const std::vector<std::string>& bodies : LayersOf(mechanism.stack))
+    layers.push_back(fmt::format("{}", fmt::join(bodies, " and ")));
+  run.Report(fmt::format("{}; {:.0f} g without actuator; layers: {}\n", format.file, MassOf_g(mechanism),
+                         fmt::join(layers, ", ")));
   const linkage::Pose pose = model::ReferencePose(mechanism);
   return {{"format", format.name},
           {"file", format.file},
           {"reference_stroke_mm", pose.stroke_mm},
           {"reference_knee_deg", DegreesFromRadians(pose.theta_rad)},
           {"parts", PartsJson(mechanism)}};
-}
-
-std::string ExportReport(const Json& summary) {
-  std::vector<std::string> layers;
-  for (const Json& layer : summary["parts"]["layers"])
-    layers.push_back(fmt::format("{}", fmt::join(layer.get<std::vector<std::string>>(), " and ")));
-  return fmt::format("{}; {:.0f} g without actuator; layers: {}\n", summary["file"].get<std::string>(),
-                     NumberOrNaN(summary["parts"]["mass_g"]), fmt::join(layers, ", "));
 }
 
 void Describe(ExportOptions& o, OptionList& options) {

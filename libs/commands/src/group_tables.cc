@@ -215,17 +215,27 @@ void WarnOfGroup(const std::vector<PersonRow>& rows, Run& run) {
     run.Warn(fmt::format("the misalignment of {} does not count in the quantile", fmt::join(left_out, ", ")));
 }
 
+// Of those who were left out: whom the rule gives the size that they wear, and whose limits it keeps.
+struct LeftOutCounts {
+  std::size_t same_size = 0, hold = 0;
+};
+
+LeftOutCounts CountLeftOut(const sizes::SizesOutcome& outcome) {
+  LeftOutCounts counts;
+  for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
+    counts.same_size += outcome.left_out[i].size == outcome.size_of[i];
+    counts.hold += outcome.left_out[i].fit.holds;
+  }
+  return counts;
+}
+
 // By which quantity, and what became of those who were left out.
 Json RuleJson(const sizes::SizesOutcome& outcome) {
   Json ranges = Json::array();
   for (const sizes::RuleRange& range : outcome.rule.ranges)
     ranges.push_back(
         {{"from_mm", NumberOrNull(range.from_mm)}, {"to_mm", NumberOrNull(range.to_mm)}, {"size", range.size + 1}});
-  std::size_t same = 0, holds = 0;
-  for (std::size_t i = 0; i < outcome.left_out.size(); ++i) {
-    same += outcome.left_out[i].size == outcome.size_of[i];
-    holds += outcome.left_out[i].fit.holds;
-  }
+  const LeftOutCounts counts = CountLeftOut(outcome);
   // Where somebody's limit is not held there is no mean in degrees.
   const Json loss_deg = outcome.rule_not_held ? Json() : Json(outcome.rule.loss_deg);
   return {{"quantity", outcome.rule.quantity},
@@ -233,8 +243,40 @@ Json RuleJson(const sizes::SizesOutcome& outcome) {
           {"loss_deg", loss_deg},
           {"not_held", outcome.rule_not_held},
           {"left_out", outcome.left_out.size()},
-          {"left_out_same_size", same},
-          {"left_out_hold", holds}};
+          {"left_out_same_size", counts.same_size},
+          {"left_out_hold", counts.hold}};
+}
+
+// Whom the design is for, and what it costs each.
+std::string PeopleText(const std::vector<PersonRow>& rows) {
+  const auto cell = [](double value, int digits) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("-");
+  };
+  std::string text = fmt::format("  {:<20}{:>16}{:>22}\n", "person", "misalignment", "costs, against their own");
+  for (const PersonRow& row : rows) {
+    const PersonOutcome& person = row.group.people[row.index];
+    text += fmt::format("  {:<20}{:>14} %{:>20} °\n", person.name, cell(MisalignmentPercent(person.with_group), 2),
+                        cell(person.cost_deg.value_or(std::nan("")), 1));
+  }
+  return text;
+}
+
+// Each size, who gets it by which rule, and how that went for those who were left out.
+std::string SizesText(const sizes::SizesOutcome& outcome) {
+  std::string text;
+  for (std::size_t k = 0; k < outcome.sizes.size(); ++k)
+    text += fmt::format("size {}: range {:.2f} deg, {} people\n", k + 1, outcome.sizes[k].evaluation.range_deg,
+                        outcome.sizes[k].people.size());
+  const std::vector<sizes::RuleRange>& ranges = outcome.rule.ranges;
+  for (const sizes::RuleRange& range : ranges)
+    if (std::isfinite(range.to_mm))
+      text += fmt::format("  {} up to {:.1f}: size {}\n", outcome.rule.quantity, range.to_mm, range.size + 1);
+    else
+      text += fmt::format("  {}: size {}\n", ranges.size() > 1 ? "else" : "everybody", range.size + 1);
+  const LeftOutCounts counts = CountLeftOut(outcome);
+  return text +
+         fmt::format("leaving one out: the rule gives {} of {} the size that they wear, and {} keep the limits\n",
+                     counts.same_size, outcome.left_out.size(), counts.hold);
 }
 
 }  // namespace
@@ -302,6 +344,10 @@ Json WriteGroup(const group::GroupOutcome& outcome, Run& run) {
                   {"people", PeopleJson(rows)},
                   {"optimum", EvaluationJson(outcome.evaluation)}};
   if (!outcome.IsSolved()) summary["reason"] = outcome.reason;
+  run.Report(RangeText(outcome.evaluation.range_deg, {}) + PeopleText(rows) +
+             fmt::format("{} misalignment {:.3f} % of the shank, RMS\n", NameOf(problem.across),
+                         outcome.Misalignment_percent()) +
+             LinksText(outcome.nearest.Links()));
   return summary;
 }
 
@@ -335,6 +381,7 @@ Json WriteSizes(const sizes::SizesOutcome& outcome, Run& run) {
                   {"cost", CostJson(rows)},
                   {"people", PeopleJson(rows)}};
   if (!outcome.IsSolved()) summary["reason"] = outcome.Reason();
+  run.Report(SizesText(outcome) + PeopleText(rows));
   return summary;
 }
 

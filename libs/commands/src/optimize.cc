@@ -105,6 +105,7 @@ Json RunActuatorFront(const OptimizeRunOptions& options, Run& run) {
     throw SolverError(
         "none of the actuators can be built in within the problem's limits; actuators_front.csv says why");
   }
+  run.Report(ActuatorFrontText(curves, options.problem.profile->duration_s));
   return summary;
 }
 

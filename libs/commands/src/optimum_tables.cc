@@ -125,6 +125,29 @@ void WarnOfMultipliers(const synthesis::ActiveSet& active, Run& run) {
       "multipliers are not unique). Add margins to obtain them");
 }
 
+std::string RangeText(double range_deg, const std::optional<certificate::Certificate>& certificate) {
+  std::string text = fmt::format("range {:.4f} deg", range_deg);
+  if (certificate && std::isfinite(certificate->upper_bound_deg))
+    text += fmt::format(", proved to be at most {:.4f} deg for any design", certificate->upper_bound_deg);
+  return text + "\n";
+}
+
+std::string LinksText(const linkage::Links& links) {
+  std::string text;
+  for (std::size_t i = 0; i < 6; ++i) text += fmt::format("  {} {:9.4f} mm\n", problem::LinkName(i), links.Values()[i]);
+  return text;
+}
+
+std::string ActiveText(const synthesis::ActiveSet& active, const std::string& gained) {
+  std::string text;
+  for (const synthesis::ActiveSet::Entry& entry : active.entries) {
+    text += fmt::format("  at its limit: {}", entry.name);
+    if (active.multipliers_unique) text += fmt::format(", {:.4g} {} per {}", entry.price, gained, entry.unit);
+    text += "\n";
+  }
+  return text;
+}
+
 Json HeadJson(const OptimumView& optimum, double violation,
               const std::optional<certificate::Certificate>& certificate) {
   const synthesis::LocalSolve* best = optimum.best;

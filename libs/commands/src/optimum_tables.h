@@ -65,6 +65,11 @@ void WriteOptimumDesign(const linkage::Design& design, const OptimumView& optimu
 
 void WarnOfMultipliers(const synthesis::ActiveSet& active, Run& run);
 
+// Lines of the report: the range and what is proved of it; the links; the limits that bind, with their multipliers.
+std::string RangeText(double range_deg, const std::optional<certificate::Certificate>& certificate);
+std::string LinksText(const linkage::Links& links);
+std::string ActiveText(const synthesis::ActiveSet& active, const std::string& gained = "deg");
+
 // The first entries of the summary. `violation` of a solution may count more than the evaluation's.
 Json HeadJson(const OptimumView& optimum, double violation, const std::optional<certificate::Certificate>& certificate);
 Json LinksJson(const linkage::Links& links);

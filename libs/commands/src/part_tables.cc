@@ -22,18 +22,22 @@ void WritePartList(const std::filesystem::path& path, const parts::Mechanism& me
   table.Write(path);
 }
 
-Json PartsJson(const parts::Mechanism& mechanism) {
-  const parts::Stack& stack = mechanism.stack;
-  Json layers = Json::array();
-  for (int layer = 0; layer <= *std::max_element(stack.layer.begin(), stack.layer.end()); ++layer) {
-    Json names = Json::array();
-    for (std::size_t i = 0; i < parts::kBodies; ++i)
-      if (stack.layer[i] == layer) names.push_back(parts::NameOf(static_cast<parts::Body>(i)));
-    layers.push_back(names);
-  }
+std::vector<std::vector<std::string>> LayersOf(const parts::Stack& stack) {
+  std::vector<std::vector<std::string>> layers(1 + static_cast<std::size_t>(std::ranges::max(stack.layer)));
+  for (std::size_t i = 0; i < parts::kBodies; ++i)
+    layers[static_cast<std::size_t>(stack.layer[i])].push_back(parts::NameOf(static_cast<parts::Body>(i)));
+  return layers;
+}
+
+double MassOf_g(const parts::Mechanism& mechanism) {
   double mass_g = 0;
   for (const parts::PartRow& row : parts::PartList(mechanism)) mass_g += row.quantity * row.mass_g.value_or(0);
-  return {{"layers", layers}, {"conflicts", stack.conflicts}, {"mass_g", mass_g}};
+  return mass_g;
+}
+
+Json PartsJson(const parts::Mechanism& mechanism) {
+  return {
+      {"layers", LayersOf(mechanism.stack)}, {"conflicts", mechanism.stack.conflicts}, {"mass_g", MassOf_g(mechanism)}};
 }
 
 void WarnOfStack(const parts::Mechanism& mechanism, Run& run) {

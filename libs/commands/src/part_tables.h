@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "lake/core/json.h"
 #include "lake/core/run.h"
@@ -12,7 +14,13 @@ namespace lake::commands {
 // parts.csv: a row per part, a bill of materials.
 void WritePartList(const std::filesystem::path& path, const parts::Mechanism& mechanism);
 
-// The stack, and the mass of plates, pins and spacers.
+// The bodies in each layer, from the leg outwards.
+std::vector<std::vector<std::string>> LayersOf(const parts::Stack& stack);
+
+// Mass of plates, pins and spacers, without the actuator.
+double MassOf_g(const parts::Mechanism& mechanism);
+
+// Both, for the summary.
 Json PartsJson(const parts::Mechanism& mechanism);
 
 // Of what the stacking order does not keep apart.

@@ -278,6 +278,33 @@ std::string TrialText(const redesign::RedesignOutcome& outcome) {
                     outcome.slip->lean_mm);
 }
 
+// For the report: the design that was worn and the new one.
+std::string MotionText(const redesign::RedesignOutcome& outcome) {
+  constexpr struct {
+    const char *label, *quantity, *unit;
+  } kLines[] = {{"range", "range", "deg"},
+                {"misalignment", "misalignment", "% of the shank, RMS"},
+                {"", "misalignment_rms", "mm RMS"},
+                {"  placement", "part_placement", "of it"},
+                {"  timing", "part_timing", "of it"},
+                {"  shape", "part_shape", "of it"},
+                {"joint sits", "placement_x", "mm in front of the knee"},
+                {"", "placement_y", "mm above it, along the shank"},
+                {"program", "program_duration", "s"},
+                {"exact tracking takes", "exact_tracking_time", "s"}};
+  const std::vector<Quantity> quantities = Quantities();
+  const auto cell = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:10.4g}", value) : fmt::format("{:>10}", "-");
+  };
+  std::string text;
+  for (const auto& line : kLines) {
+    const auto quantity = std::ranges::find(quantities, line.quantity, &Quantity::name);
+    text += fmt::format("  {:<22}{} ->{} {}\n", line.label, cell(quantity->value(outcome.before)),
+                        cell(quantity->value(outcome.after)), line.unit);
+  }
+  return text + TrialText(outcome) + "\n" + BuildText(outcome) + "\n";
+}
+
 void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& optimum, Run& run) {
   WriteOptimumDesign(outcome.after.design, optimum, run);
   WriteOptimum(optimum, ProgramRows(outcome, optimum), run);
@@ -338,6 +365,9 @@ Json WriteRedesign(const redesign::RedesignOutcome& outcome, Run& run) {
   if (outcome.certificate) summary["certificate"] = CertificateJson(*outcome.certificate, true);
   if (outcome.yield) summary["yield"] = YieldJson(*outcome.yield);
   if (!outcome.fronts.empty()) summary["pareto"] = FrontsJson(outcome);
+  if (best)
+    run.Report(RangeText(after.evaluation.range_deg, outcome.certificate) + MotionText(outcome) +
+               LinksText(after.design.links) + ActiveText(outcome.active));
   return summary;
 }
 

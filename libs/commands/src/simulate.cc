@@ -228,9 +228,14 @@ Json RowJson(const Row& row) {
           {"actuator_pressure_deg", DegreesFromRadians(row.transmission.actuator_pressure_rad)}};
 }
 
-Json RangeJson(const linkage::Design& design, const linkage::UsedRange& range) {
+// What ended the used range.
+const char* EndOf(const linkage::UsedRange& range) {
   const char* const kEnds[] = {"d_max", range.theta_at_upper_rad == 0 ? "standing" : "least angle asked for",
                                "knee angle turns back", "end of assembly"};
+  return kEnds[static_cast<int>(range.end)];
+}
+
+Json RangeJson(const linkage::Design& design, const linkage::UsedRange& range) {
   Json assembly = Json::array();
   for (const linkage::StrokeRange& part : linkage::AssemblyRanges(design.links))
     assembly.push_back({part.lower_mm, part.upper_mm});
@@ -238,7 +243,7 @@ Json RangeJson(const linkage::Design& design, const linkage::UsedRange& range) {
           {"least_deg", DegreesFromRadians(range.theta_at_upper_rad)},
           {"used_stroke_mm", {range.stroke.lower_mm, range.stroke.upper_mm}},
           {"travel_mm", range.stroke.Travel()},
-          {"used_range_ends_at", kEnds[static_cast<int>(range.end)]},
+          {"used_range_ends_at", EndOf(range)},
           {"assembly_ranges_mm", assembly},
           {"turning_strokes_mm", linkage::TurningStrokes(design.links)}};
 }
@@ -251,6 +256,34 @@ Json SingularityJson(const linkage::Links& links, double stroke_mm) {
           {"actuator_extended_mm", distances.actuator_extended_mm},
           {"shank_folded_mm", distances.shank_folded_mm},
           {"shank_extended_mm", distances.shank_extended_mm}};
+}
+
+// The main numbers, and a line for each pose asked for.
+std::string ReportOf(const linkage::Design& design, const Request& request, const parts::StrengthCheck* weakest,
+                     double knee_torque_nm) {
+  const linkage::UsedRange& range = request.range;
+  const linkage::Grashof grashof = linkage::GrashofOf(design.links);
+  std::string text = fmt::format(
+      "range {:.4f}° to {:.4f}° over strokes {:.4f} to {:.4f} mm (travel {:.2f} mm, ends at: {})\n"
+      "Grashof: {}, slack {:.4g} mm; actuator {:.4g} mm from its dead point at d_min\n",
+      DegreesFromRadians(range.theta_at_lower_rad), DegreesFromRadians(range.theta_at_upper_rad), range.stroke.lower_mm,
+      range.stroke.upper_mm, range.stroke.Travel(), EndOf(range), linkage::NameOf(grashof.type), grashof.slack_mm,
+      linkage::DistancesToSingularities(design.links, linkage::RequirePose(design.links, range.stroke.lower_mm))
+          .actuator_folded_mm);
+  if (weakest)
+    text += fmt::format("least safety factor {:.3g}: {} of the {} at {:.1f}°\n", weakest->Safety(), weakest->check,
+                        weakest->part, weakest->KneeAngle_deg());
+  text += fmt::format("{:>10} {:>9} {:>9} {:>10} {:>9} {:>13} {:>11}\n", "stroke mm", "knee °", "° per mm",
+                      "arm mm/rad", "force N", "transmission °", "actuator °");
+  for (const double stroke_mm : request.shown_mm) {
+    const Row row(design.links, stroke_mm, knee_torque_nm);
+    text +=
+        fmt::format("{:>10.4f} {:>9.4f} {:>9.4f} {:>10.3f} {:>9.1f} {:>14.3f} {:>10.3f}\n", stroke_mm,
+                    DegreesFromRadians(row.pose.theta_rad), DegreesFromRadians(row.transmission.radians_per_mm),
+                    row.transmission.moment_arm_mm, row.force_n, DegreesFromRadians(row.transmission.transmission_rad),
+                    DegreesFromRadians(row.transmission.actuator_rad));
+  }
+  return text;
 }
 
 Json WearJson(const linkage::Body& body, const linkage::WearCheck& check) {
@@ -466,6 +499,10 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   DrawPictures(look, request, check, run);
   if (options.animation) drawing::WriteLinkageAnimation(run.Result("animation.mp4"), run.Result("animation.gif"), look);
 
+  const parts::StrengthCheck* weakest = WeakestOf(strength);
+  if (weakest) WarnOfStrength(*weakest, design.links, run);
+  run.Report(ReportOf(design, request, weakest, options.knee_torque_nm));
+
   Json summary = RangeJson(design, request.range);
   const auto values = design.links.Values();
   for (std::size_t i = 0; i < values.size(); ++i) summary["links"][fmt::format("l{}", i + 1)] = values[i];
@@ -475,9 +512,7 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
                               SingularityJson(design.links, request.range.stroke.upper_mm)};
   summary["knee_torque_nm"] = options.knee_torque_nm;
   summary["parts"] = PartsJson(mechanism);
-  const parts::StrengthCheck* weakest = WeakestOf(strength);
   summary["weakest"] = WeakestJson(weakest);
-  if (weakest) WarnOfStrength(*weakest, design.links, run);
   summary["pin_forces"] = PinForcesJson(pin_forces);
   summary["poses"] = Json::array();
   for (const double stroke : request.shown_mm)
@@ -486,30 +521,6 @@ Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& opt
   if (Json assistance = Assist(design, request.range, options.load, run); !assistance.is_null())
     summary["assistance"] = std::move(assistance);
   return summary;
-}
-
-std::string SimulationReport(const Json& summary) {
-  const Json& used = summary["used_stroke_mm"];
-  std::string text = fmt::format(
-      "range {:.4f}° to {:.4f}° over strokes {:.4f} to {:.4f} mm (travel {:.2f} mm, ends at: {})\n",
-      NumberOrNaN(summary["range_deg"]), NumberOrNaN(summary["least_deg"]), NumberOrNaN(used[0]), NumberOrNaN(used[1]),
-      NumberOrNaN(summary["travel_mm"]), summary["used_range_ends_at"].get<std::string>());
-  text += fmt::format("Grashof: {}, slack {:.4g} mm; actuator {:.4g} mm from its dead point at d_min\n",
-                      summary["grashof"]["class"].get<std::string>(), NumberOrNaN(summary["grashof"]["slack_mm"]),
-                      NumberOrNaN(summary["singularities"][0]["actuator_folded_mm"]));
-  if (const Json& weakest = summary["weakest"]; !weakest.is_null())
-    text += fmt::format("least safety factor {:.3g}: {} of the {} at {:.1f}°\n", NumberOrNaN(weakest["safety"]),
-                        weakest["check"].get<std::string>(), weakest["part"].get<std::string>(),
-                        NumberOrNaN(weakest["at_deg"]));
-  text += fmt::format("{:>10} {:>9} {:>9} {:>10} {:>9} {:>13} {:>11}\n", "stroke mm", "knee °", "° per mm",
-                      "arm mm/rad", "force N", "transmission °", "actuator °");
-  for (const Json& pose : summary["poses"])
-    text += fmt::format("{:>10.4f} {:>9.4f} {:>9.4f} {:>10.3f} {:>9.1f} {:>14.3f} {:>10.3f}\n",
-                        NumberOrNaN(pose["stroke_mm"]), NumberOrNaN(pose["knee_deg"]), NumberOrNaN(pose["deg_per_mm"]),
-                        NumberOrNaN(pose["moment_arm_mm"]), NumberOrNaN(pose["force_n"]),
-                        NumberOrNaN(pose["transmission_deg"]), NumberOrNaN(pose["actuator_angle_deg"]));
-  if (summary.contains("assistance")) text += summary["assistance"]["text"].get<std::string>() + "\n";
-  return text;
 }
 
 void Describe(SimulationOptions& o, OptionList& options) {

@@ -97,6 +97,11 @@ Json RoundedJson(const problem::RoundedDesign& rounded) {
           {"evaluation", EvaluationJson(rounded.evaluation)}};
 }
 
+// What the multipliers are of.
+const char* Gained(const problem::SynthesisProblem& problem) {
+  return problem.SeeksDuration() ? "s gained" : "deg";
+}
+
 // What the summary has behind its head.
 Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
   const synthesis::LocalSolve& best = outcome.result.Best();
@@ -104,7 +109,7 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
                {"iterations", best.iterations},
                {"exchanges", best.exchanges},
                {"multipliers_unique", outcome.active.multipliers_unique},
-               {"active", ActiveJson(outcome.active, outcome.problem.SeeksDuration() ? "s gained" : "deg")},
+               {"active", ActiveJson(outcome.active, Gained(outcome.problem))},
                {"clearances", ClearancesJson(outcome.problem)},
                {"optimum", EvaluationJson(best.evaluation)}};
   if (outcome.problem.robust_mm)
@@ -116,6 +121,14 @@ Json SolvedJson(const synthesis::SynthesisOutcome& outcome) {
   if (outcome.yield) json["yield"] = YieldJson(*outcome.yield);
   if (outcome.rounded) json["rounded"] = RoundedJson(*outcome.rounded);
   return json;
+}
+
+std::string ReportOf(const synthesis::SynthesisOutcome& outcome, double range_deg) {
+  std::string text = RangeText(range_deg, outcome.certificate);
+  if (outcome.problem.robust_mm)
+    text += fmt::format("  at least {:.4f} deg for every build within {:.4g} mm\n",
+                        outcome.result.Best().evaluation.worst_range_deg, *outcome.problem.robust_mm);
+  return text + LinksText(outcome.BestLinks()) + ActiveText(outcome.active, Gained(outcome.problem));
 }
 
 Json InfeasibleJson(const synthesis::InfeasibilityReport& report, const problem::DesignEvaluation& nearest) {
@@ -167,7 +180,10 @@ Json WriteSynthesis(const synthesis::SynthesisOutcome& outcome, Run& run) {
   const double violation = best ? std::max(best->solution.violation, after.violation) : after.violation;
   Json summary = HeadJson(optimum, violation, outcome.certificate);
   summary.update(best ? SolvedJson(outcome) : InfeasibleJson(*outcome.infeasible, after));
-  if (best) WarnOfDesign(outcome, run);
+  if (best) {
+    WarnOfDesign(outcome, run);
+    run.Report(ReportOf(outcome, after.range_deg));
+  }
   summary["start"] = EvaluationJson(outcome.start);
   if (outcome.start_yield) summary["start"]["yield"] = YieldJson(*outcome.start_yield);
   summary["starts"] = StartsJson(outcome.result);

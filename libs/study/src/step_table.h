@@ -5,16 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "lake/study/study.h"
 #include "study_chapters.h"
 #include "study_steps.h"
 
 namespace lake::study {
-
-// Limits for a scheduler, several times what the sample study takes (350 MB, 25 s on one core at most): recordings are
-// longer and larger elsewhere.
-struct StepNeeds {
-  int threads = 1, memory_mb = 1000, minutes = 10;
-};
 
 struct StepKind {
   const char* name;     // of its folder, too

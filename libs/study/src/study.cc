@@ -52,8 +52,8 @@ steps::StepRunOptions StepOptions(const StudyFile& study, const Run& run) {
       .command = run.Head()["command"], .quiet = run.Quiet(), .subject = {fs::weakly_canonical(study.file).string()}};
 }
 
-std::string Absolute(const fs::path& path) {
-  return fs::absolute(path).lexically_normal().string();
+fs::path Absolute(const fs::path& path) {
+  return fs::absolute(path).lexically_normal();
 }
 
 // The report's row stands for itself.
@@ -64,23 +64,25 @@ const StepKind& KindOf(const std::string& step) {
   return kReport;
 }
 
-Json StepPlan(const steps::StudyStep& step, const std::vector<std::string>& before, const std::string& why) {
+PlannedStep PlanOf(const steps::StudyStep& step, const std::vector<std::string>& before, const std::string& why) {
   const StepKind& kind = KindOf(step.name);
-  const StepNeeds& needs = kind.needs;
-  const auto failure = steps::StepFailure(step);
-  Json plan = {{"name", step.name},
-               {"what", step.what},
-               {"program", step.program},
-               {"folder", Absolute(step.folder)},
-               {"after", before},
-               {"inputs", Json::array()},
-               {"outputs", Json::array()},
-               {"due", why.empty() ? Json() : Json(why)},
-               {"failed", failure ? Json(*failure) : Json()},
-               {"resources", {{"threads", needs.threads}, {"memory_mb", needs.memory_mb}, {"minutes", needs.minutes}}}};
-  for (const fs::path& input : step.inputs) plan["inputs"].push_back(Absolute(input));
-  for (const char* output : kind.outputs) plan["outputs"].push_back(Absolute(step.folder / output));
+  PlannedStep plan{.name = step.name,
+                   .what = step.what,
+                   .program = step.program,
+                   .folder = Absolute(step.folder),
+                   .after = before,
+                   .inputs = {},
+                   .outputs = {},
+                   .due = why.empty() ? std::nullopt : std::optional(why),
+                   .failed = steps::StepFailure(step),
+                   .needs = kind.needs};
+  for (const fs::path& input : step.inputs) plan.inputs.push_back(Absolute(input));
+  for (const char* output : kind.outputs) plan.outputs.push_back(Absolute(step.folder / output));
   return plan;
+}
+
+std::vector<std::string> Texts(const std::vector<fs::path>& paths) {
+  return {paths.begin(), paths.end()};
 }
 
 }  // namespace
@@ -123,6 +125,7 @@ Json RunStudyFile(const StudyFile& study, Run& run, bool keep_going) {
   steps::StepRunOptions options = StepOptions(study, run);
   options.keep_going = keep_going;
   const std::vector<steps::StepOutcome> outcomes = steps::RunSteps(steps, options);
+  run.Report(StudyText(outcomes));
 
   Json summary = {{"name", study.name}, {"warnings", Json::array()}, {"steps", Json::array()}};
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -141,20 +144,38 @@ Json RunStudyFile(const StudyFile& study, Run& run, bool keep_going) {
   return summary;
 }
 
-Json StudyPlan(const StudyFile& study, const fs::path& out, const std::string& made_by) {
+StudyPlan PlanStudy(const StudyFile& study, const fs::path& out, const std::string& made_by) {
   const std::vector<steps::StudyStep> steps = StudySteps(study, out, Json::object());
   const std::vector<std::string> reasons = steps::WhyDoSteps(steps, made_by);
-  Json plan = {{"name", study.name}, {"study", Absolute(study.file)}, {"out", Absolute(out)}, {"steps", Json::array()}};
+  StudyPlan plan{.name = study.name, .study = Absolute(study.file), .out = Absolute(out), .steps = {}};
   for (std::size_t i = 0; i < steps.size(); ++i)
-    plan["steps"].push_back(StepPlan(steps[i], steps::StepsBefore(steps, steps[i]), reasons[i]));
+    plan.steps.push_back(PlanOf(steps[i], steps::StepsBefore(steps, steps[i]), reasons[i]));
   return plan;
 }
 
-std::string StudyText(const Json& summary) {
+Json PlanJson(const StudyPlan& plan) {
+  Json json = {
+      {"name", plan.name}, {"study", plan.study.string()}, {"out", plan.out.string()}, {"steps", Json::array()}};
+  for (const PlannedStep& step : plan.steps)
+    json["steps"].push_back(
+        {{"name", step.name},
+         {"what", step.what},
+         {"program", step.program},
+         {"folder", step.folder.string()},
+         {"after", step.after},
+         {"inputs", Texts(step.inputs)},
+         {"outputs", Texts(step.outputs)},
+         {"due", step.due ? Json(*step.due) : Json()},
+         {"failed", step.failed ? Json(*step.failed) : Json()},
+         {"resources",
+          {{"threads", step.needs.threads}, {"memory_mb", step.needs.memory_mb}, {"minutes", step.needs.minutes}}}});
+  return json;
+}
+
+std::string StudyText(const std::vector<steps::StepOutcome>& outcomes) {
   std::string text;
-  for (const Json& step : summary["steps"])
-    text += fmt::format("{:<12} {:6.1f} s  {}\n", step["name"].get<std::string>(), step["seconds"].get<double>(),
-                        step["done"].get<bool>() ? "done" : "unchanged");
+  for (const steps::StepOutcome& step : outcomes)
+    text += fmt::format("{:<12} {:6.1f} s  {}\n", step.name, step.seconds, step.done ? "done" : "unchanged");
   return text;
 }
 

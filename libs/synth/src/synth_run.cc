@@ -213,6 +213,7 @@ Json RenderPopulation(const SynthRunOptions& o, Run& run) {
         names.push_back((session.Folder() / trial / file).string());
   run.Begin(names);
   WritePopulation(sessions, scene, run.Folder());
+  run.Report(fmt::format("{} people, {} sessions each\n", population.people, population.sessions));
   return {{"people", population.people}, {"sessions", population.sessions}};
 }
 
@@ -229,10 +230,15 @@ Json RenderRecording(const SynthRunOptions& o, Run& run) {
     names.push_back(fmt::format("frames/{:05d}.png", frame));
   run.Begin(names);
   const RecordingSummary written = WriteRecording(scene, run.Folder(), recording);
-  Json results = {{"video", (run.Folder() / (o.pictures ? "frames/%05d.png" : "video.mp4")).string()},
-                  {"frames", written.frames}};
-  for (std::size_t m = 0; m < written.markers.size(); ++m)
-    results["hidden_frames"][written.markers[m]] = written.hidden_frames[m];
+  const std::string video = run.Folder() / (o.pictures ? "frames/%05d.png" : "video.mp4");
+  Json results = {{"video", video}, {"frames", written.frames}};
+  std::string hidden;
+  for (std::size_t m = 0; m < written.markers.size(); ++m) {
+    const auto frames = written.hidden_frames[m];
+    results["hidden_frames"][written.markers[m]] = frames;
+    if (frames > 0) hidden += fmt::format(", {} hidden in {}", written.markers[m], frames);
+  }
+  run.Report(fmt::format("{} frames{}: {}\n", written.frames, hidden, video));
   return results;
 }
 
@@ -265,15 +271,6 @@ Json RunSynth(const SynthRunOptions& options, Run& run) {
        {std::pair{options.motion_table, "motion table"}, {options.motion.file, "motion"}, {options.camera, "camera"}})
     if (!file.empty()) run.AddInput(file, role);
   return options.people ? RenderPopulation(options, run) : RenderRecording(options, run);
-}
-
-std::string SynthReport(const Json& summary) {
-  if (summary.contains("people"))
-    return fmt::format("{} people, {} sessions each\n", summary["people"].get<int>(), summary["sessions"].get<int>());
-  std::string hidden;
-  for (const auto& [name, frames] : summary["hidden_frames"].items())
-    if (frames.get<int>() > 0) hidden += fmt::format(", {} hidden in {}", name, frames.get<int>());
-  return fmt::format("{} frames{}: {}\n", summary["frames"].get<int>(), hidden, summary["video"].get<std::string>());
 }
 
 }  // namespace lake::synth

@@ -63,10 +63,10 @@ double EventTime(const std::vector<motion::StsEvent>& events, int repetition, mo
 // The quantities of rows, in the order in which they first appear.
 class ResultTable {
  public:
-  ResultTable(GroupData& group, const Json& of) : group_(group), of_(of) {}
+  ResultTable(GroupData& group, const DoneStudy& of) : group_(group), of_(of) {}
 
   void Begin(const std::string& trial, std::optional<int> repetition) {
-    group_.rows.push_back({of_["participant"], of_["session"], of_["run"], trial, repetition, {}});
+    group_.rows.push_back({of_.participant, of_.session, of_.run, trial, repetition, {}});
   }
   void Add(const std::string& quantity, double value) {
     if (!std::isfinite(value)) return;
@@ -75,12 +75,12 @@ class ResultTable {
     if (std::find(known.begin(), known.end(), quantity) == known.end()) known.push_back(quantity);
   }
   void AddCurve(const std::string& trial, const std::string& quantity, const Curve& curve) {
-    group_.curves.push_back({of_["participant"], trial, quantity, curve});
+    group_.curves.push_back({of_.participant, trial, quantity, curve});
   }
 
  private:
   GroupData& group_;
-  const Json& of_;
+  const DoneStudy& of_;
 };
 
 void AddTrial(const fs::path& folder, const std::string& trial, ResultTable& table) {
@@ -138,18 +138,16 @@ void AddDesign(const fs::path& folder, ResultTable& table) {
 
 }  // namespace
 
-GroupData ReadGroup(const Json& workflow, const StepsDone& done) {
+GroupData ReadGroup(const std::vector<DoneStudy>& studies) {
   GroupData group;
-  for (const auto& [name, of] : workflow["recordings"].items()) {
-    ResultTable table(group, of);
-    const fs::path folder = of["folder"].get<std::string>();
-    const std::set<std::string>& steps = done.at(name);
-    const auto has = [&](const char* step) { return steps.contains(step); };
-    const bool has_redesign = std::find(of["steps"].begin(), of["steps"].end(), "redesign") != of["steps"].end();
+  for (const DoneStudy& study : studies) {
+    ResultTable table(group, study);
+    const auto has = [&](const char* step) { return study.steps.contains(step); };
     for (const char* trial : {"human", "exo"})
-      if (has(trial)) AddTrial(folder / trial, trial, table);
-    if (has("comparison")) AddComparison(folder / "comparison", table);
-    if (const char* design = has_redesign ? "redesign" : "optimum"; has(design)) AddDesign(folder / design, table);
+      if (has(trial)) AddTrial(study.folder / trial, trial, table);
+    if (has("comparison")) AddComparison(study.folder / "comparison", table);
+    if (const char* design = study.has_redesign ? "redesign" : "optimum"; has(design))
+      AddDesign(study.folder / design, table);
   }
   return group;
 }

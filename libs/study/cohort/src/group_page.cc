@@ -65,13 +65,13 @@ KeyFigure MeanFigure(const GroupData& group, const char* trial, const char* name
   return figure;
 }
 
-Section ResultSection(const Json& workflow, const GroupData& group, const GroupFindings& findings) {
+Section ResultSection(const Workflow& workflow, const GroupData& group, const GroupFindings& findings) {
   Section section{"Result", {}};
   KeyFigures figures;
   figures.figures.push_back({"participants", static_cast<double>(ParticipantsOf(group).size()), 0, "", {}, ""});
   figures.figures.push_back(
       {"recordings",
-       static_cast<double>(workflow["recordings"].size()),
+       static_cast<double>(workflow.studies.size()),
        0,
        "",
        {},
@@ -293,7 +293,7 @@ double MeanIn(const std::vector<const GroupRow*>& rows, const char* trial, const
 }
 
 // A row each recording and condition.
-Section StudiesSection(const Json& workflow, const fs::path& out, const GroupData& group) {
+Section StudiesSection(const Workflow& workflow, const GroupData& group) {
   std::map<std::array<std::string, 3>, std::vector<const GroupRow*>> of_recordings;
   for (const GroupRow& row : group.rows) of_recordings[{row.participant, row.session, row.run}].push_back(&row);
   Table table{"Means over the repetitions of each recording",
@@ -308,13 +308,12 @@ Section StudiesSection(const Json& workflow, const fs::path& out, const GroupDat
               {},
               Width::kFull,
               {0, 1, 2, 3}};
-  for (const auto& [name, of] : workflow["recordings"].items()) {
-    const std::string participant = of["participant"], session = of["session"], run = of["run"];
-    const std::vector<const GroupRow*>& rows = of_recordings[{participant, session, run}];
+  for (const WorkflowStudy& of : workflow.studies) {
+    const std::vector<const GroupRow*>& rows = of_recordings[{of.participant, of.session, of.run}];
     for (const auto& [trial, condition] : {std::pair{"human", "without"}, {"exo", "with"}}) {
       if (std::ranges::none_of(rows, [&, trial = trial](const GroupRow* row) { return row->trial == trial; })) continue;
       const bool is_exo = std::string_view(trial) == "exo";
-      table.rows.push_back({LinkTo(of["folder"].get<std::string>(), out, participant), session, run, condition,
+      table.rows.push_back({LinkTo(of.folder, workflow.out, of.participant), of.session, of.run, condition,
                             MeanIn(rows, trial, "rise_s"), MeanIn(rows, trial, "knee_range_deg"),
                             MeanIn(rows, trial, "trunk_largest_deg"),
                             is_exo ? MeanIn(rows, "comparison", "rms_mm") : std::nan("")});
@@ -348,22 +347,22 @@ Section FiguresSection(const std::vector<CurveRow>& curves) {
 
 }  // namespace
 
-Report MakeGroupPage(const Json& workflow, const fs::path& out, const GroupData& group, const GroupFindings& findings,
+Report MakeGroupPage(const Workflow& workflow, const GroupData& group, const GroupFindings& findings,
                      const Json& head) {
-  Report page{workflow["name"], "Sit-to-stand with and without exoskeleton, over a group", {}, {}};
+  Report page{workflow.name, "Sit-to-stand with and without exoskeleton, over a group", {}, {}};
   for (const Failure& failure : findings.failures) page.warnings.push_back(failure.Text());
   page.sections.push_back(ResultSection(workflow, group, findings));
   page.sections.push_back(CurvesSection(findings));
   if (!findings.differences.empty()) page.sections.push_back(DifferencesSection(findings.differences));
   if (!findings.reliability.empty()) page.sections.push_back(ReliabilitySection(findings.reliability));
   const bool has_population =
-      workflow.value("population", false) &&
+      workflow.has_population &&
       std::ranges::none_of(findings.failures, [](const Failure& failure) { return failure.step == kPopulationStep; });
-  if (const fs::path summary = out / "group" / "population" / "summary.json"; has_population)
+  if (const fs::path summary = workflow.out / "group" / "population" / "summary.json"; has_population)
     page.sections.push_back(PopulationSection(ReadJsonFile(summary)));
   if (!findings.outliers.empty()) page.sections.push_back(OutliersSection(findings.outliers));
   if (!findings.failures.empty()) page.sections.push_back(FailuresSection(findings.failures));
-  page.sections.push_back(StudiesSection(workflow, out, group));
+  page.sections.push_back(StudiesSection(workflow, group));
   if (!findings.curves.empty()) page.sections.push_back(FiguresSection(findings.curves));
   page.sections.push_back(TablesSection());
   page.sections.push_back(ProvenanceSection(head));

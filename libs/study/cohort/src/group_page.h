@@ -1,7 +1,6 @@
 // group.html: what a cohort found, and links to each study.
 #pragma once
 
-#include <filesystem>
 #include <vector>
 
 #include "lake/cohort/group_statistics.h"
@@ -18,7 +17,7 @@ struct GroupFindings {
   std::vector<Failure> failures;
 };
 
-report::Report MakeGroupPage(const Json& workflow, const std::filesystem::path& out, const GroupData& group,
-                             const GroupFindings& findings, const Json& head);
+report::Report MakeGroupPage(const Workflow& workflow, const GroupData& group, const GroupFindings& findings,
+                             const Json& head);
 
 }  // namespace lake::cohort

@@ -96,10 +96,22 @@ void WriteFailures(const std::vector<Failure>& failures, Run& run) {
   csv.Write(run.Result("failures.csv"));
 }
 
+std::vector<DoneStudy> StudiesOf(const Workflow& workflow, const WorkflowState& state) {
+  std::vector<DoneStudy> studies;
+  for (const WorkflowStudy& of : workflow.studies)
+    studies.push_back({.participant = of.participant,
+                       .session = of.session,
+                       .run = of.run,
+                       .folder = of.folder,
+                       .steps = state.done.at(of.name),
+                       .has_redesign = std::ranges::find(of.steps, "redesign") != of.steps.end()});
+  return studies;
+}
+
 }  // namespace
 
-Json WriteGroup(const Json& workflow, const WorkflowState& state, const std::filesystem::path& out, Run& run) {
-  const GroupData group = ReadGroup(workflow, state.done);
+Json WriteGroup(const Workflow& workflow, const WorkflowState& state, Run& run) {
+  const GroupData group = ReadGroup(StudiesOf(workflow, state));
   if (group.rows.empty())
     throw Fail("{}: no study has left anything{}", out.string(),
                state.failures.empty() ? "" : "; " + state.failures.front().Text());
@@ -119,7 +131,7 @@ Json WriteGroup(const Json& workflow, const WorkflowState& state, const std::fil
   WriteOutliers(findings.outliers, run);
   WriteFailures(findings.failures, run);
   DrawGroupFigures(findings.curves, run);
-  report::WriteReport(run.Result("group.html"), MakeGroupPage(workflow, out, group, findings, run.Head()));
+  report::WriteReport(run.Result("group.html"), MakeGroupPage(workflow, group, findings, run.Head()));
   return {{"participants", ParticipantsOf(group).size()},
           {"rows", group.rows.size()},
           {"failures", findings.failures.size()},

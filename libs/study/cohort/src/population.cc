@@ -5,7 +5,6 @@
 #include "lake/commands/optimize.h"
 #include "lake/core/error.h"
 #include "lake/steps/study_steps.h"
-#include "workflow.h"
 
 namespace lake::cohort {
 namespace {
@@ -13,13 +12,13 @@ namespace {
 namespace fs = std::filesystem;
 
 // Each participant's first recordings whose comparison has been done, with the design that was worn.
-void AddPeople(const Cohort& cohort, const Json& workflow, const StepsDone& done,
+void AddPeople(const Cohort& cohort, const Workflow& workflow, const StepsDone& done,
                commands::ReoptimizeRunOptions& options) {
   for (const Recordings& recordings : cohort.recordings) {
     const bool is_there = std::ranges::find(options.people, recordings.participant) != options.people.end();
     const auto steps = done.find(recordings.Name());
     if (is_there || steps == done.end() || !steps->second.contains("comparison")) continue;
-    const fs::path folder = workflow["recordings"][recordings.Name()]["folder"].get<std::string>();
+    const fs::path& folder = workflow.Find(recordings.Name())->folder;
     options.people.push_back(recordings.participant);
     options.comparisons.push_back(folder / "comparison");
     if (options.human_only) continue;
@@ -32,8 +31,7 @@ void AddPeople(const Cohort& cohort, const Json& workflow, const StepsDone& done
   }
 }
 
-steps::StudyStep PopulationStep(const Cohort& cohort, const Json& workflow, const StepsDone& done,
-                                const fs::path& out) {
+steps::StudyStep PopulationStep(const Cohort& cohort, const Workflow& workflow, const StepsDone& done) {
   commands::OptimizeRunOptions options;
   options.problem = cohort.population->design.problem;
   options.study = cohort.population->search;
@@ -47,7 +45,7 @@ steps::StudyStep PopulationStep(const Cohort& cohort, const Json& workflow, cons
   steps::StudyStep step{.name = kPopulationStep,
                         .what = "the design for all participants",
                         .program = "lake-optimize",
-                        .folder = out / "group" / kPopulationStep,
+                        .folder = workflow.out / "group" / kPopulationStep,
                         .options = {{"population", cohort.population->section.text}, {"people", reoptimize.people}},
                         .expected_s = static_cast<double>(reoptimize.people.size())};
   for (const InputFile& input : InputsOf(options)) step.inputs.push_back(input.path);
@@ -61,10 +59,9 @@ steps::StudyStep PopulationStep(const Cohort& cohort, const Json& workflow, cons
 
 }  // namespace
 
-void RunPopulation(const Cohort& cohort, const Json& workflow, const StepsDone& done, const fs::path& out,
-                   const Run& run) {
+void RunPopulation(const Cohort& cohort, const Workflow& workflow, const StepsDone& done, const Run& run) {
   steps::RunSteps(
-      {PopulationStep(cohort, workflow, done, out)},
+      {PopulationStep(cohort, workflow, done)},
       {.command = run.Head()["command"], .quiet = run.Quiet(), .subject = {(cohort.folder / "cohort.yaml").string()}});
 }
 

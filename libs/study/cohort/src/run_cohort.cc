@@ -116,32 +116,32 @@ std::vector<std::string> SnakemakeArguments(const CohortRunOptions& options) {
 }
 
 // The design for all, if there is to be one, then tables and page; without that design the page says why.
-void RunGroup(const Json& workflow, const fs::path& out, const Run& run) {
-  WorkflowState state = StateOf(workflow, out);
+void RunGroup(const Workflow& workflow, const Run& run) {
+  WorkflowState state = StateOf(workflow);
   Run tables({.program = "lake-cohort",
               .command = run.Head()["command"],
               .options = run.Head()["options"],
-              .out = out / "group",
+              .out = workflow.out / "group",
               .quiet = run.Quiet()});
   try {
-    if (workflow.value("population", false))
-      RunPopulation(ReadCohort(workflow["source"].get<std::string>()), workflow, state.done, out, run);
+    if (workflow.has_population) RunPopulation(ReadCohort(workflow.source), workflow, state.done, run);
   } catch (const Error& error) {
     state.failures.push_back({.step = kPopulationStep, .error = error.what()});
     tables.Warn(state.failures.back().Text());
   }
-  tables.WriteSummary(WriteGroup(workflow, state, out, tables));
+  tables.WriteSummary(WriteGroup(workflow, state, tables));
 }
 
 // What a job of the workflow does with the results, by the workflow's own configuration.
 void RunJob(const CohortRunOptions& options, const Run& run) {
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
-  const Json workflow = ReadWorkflow(out);
-  if (*options.only == "tables") return RunGroup(workflow, out, run);
-  if (!workflow["recordings"].contains(options.recordings))
+  const Workflow workflow = ReadWorkflow(out);
+  if (*options.only == "tables") return RunGroup(workflow, run);
+  const WorkflowStudy* of = workflow.Find(options.recordings);
+  if (!of)
     throw UsageError(
         fmt::format("--recordings {}: not in {}", options.recordings, (out / "logs/cohort.json").string()));
-  WriteMotion(workflow, options.recordings, out);
+  WriteMotion(workflow, *of);
 }
 
 std::string SnakemakeSays(const fs::path& out, const Run& run) {
@@ -153,6 +153,10 @@ std::size_t FailedStudies(const std::vector<Failure>& failures) {
   std::set<std::array<std::string, 3>> studies;
   for (const Failure& failure : failures) studies.insert({failure.participant, failure.session, failure.run});
   return studies.size();
+}
+
+std::string Counted(std::size_t number, const char* what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
 }
 
 void CheckLevel(const CohortRunOptions& options) {
@@ -203,16 +207,16 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
   WriteDatasetFiles(cohort, run);
   const fs::path out = fs::absolute(run.Folder()).lexically_normal();
   const FileLock lock = LockWorkflow(out, run.Quiet());
-  const Json workflow = PrepareWorkflow(cohort, out);
-  if (workflow["recordings"].empty())
-    throw Fail("{}: no study can be done: {}", cohort.folder.string(), StateOf(workflow, out).failures.front().Text());
+  const Workflow workflow = PrepareWorkflow(cohort, out);
+  if (workflow.studies.empty())
+    throw Fail("{}: no study can be done: {}", cohort.folder.string(), workflow.failed.front().Text());
   const std::vector<std::string> arguments = SnakemakeArguments(options);
   ForgetGroup(out);
   const bool all_well = RunSnakemake(out, "participant", arguments, run.Quiet(), lock);
-  const WorkflowState state = StateOf(workflow, out);
+  const WorkflowState state = StateOf(workflow);
   if (!all_well && (state.failures.empty() || !state.AllWereTried()))
     throw Fail("snakemake ended before every study was tried; {}", SnakemakeSays(out, run));
-  Json summary = {{"recordings", workflow["recordings"].size()}, {"failures", Json::array()}};
+  Json summary = {{"recordings", workflow.studies.size()}, {"failures", Json::array()}};
   const auto tell = [&](const std::string& failure) {
     run.Warn(failure);
     summary["failures"].push_back(failure);
@@ -227,20 +231,12 @@ Json RunCohort(const CohortRunOptions& options, Run& run) {
     throw Fail("{} of {} studies failed: {}", FailedStudies(state.failures),
                cohort.recordings.size() + cohort.absent.size(), state.failures.front().Text());
   }
+  run.Report(fmt::format("{}, {}\n", Counted(workflow.studies.size(), "recording"),
+                         Counted(summary["failures"].size(), "failure")));
+  if (const auto group = summary.find("group"); group != summary.end())
+    run.Report(fmt::format("{}, {}: group/group.html\n", Counted(group->at("participants"), "participant"),
+                           Counted(group->at("outliers"), "outlier")));
   return summary;
-}
-
-std::string CohortText(const Json& summary) {
-  const auto counted = [](std::size_t number, const char* what) {
-    return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-  };
-  std::string text = fmt::format("{}, {}\n", counted(summary["recordings"].get<std::size_t>(), "recording"),
-                                 counted(summary["failures"].size(), "failure"));
-  if (summary.contains("group"))
-    text += fmt::format("{}, {}: group/group.html\n",
-                        counted(summary["group"]["participants"].get<std::size_t>(), "participant"),
-                        counted(summary["group"]["outliers"].get<std::size_t>(), "outlier"));
-  return text;
 }
 
 void WriteTemplate(const fs::path& folder) {

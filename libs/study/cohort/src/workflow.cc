@@ -1,6 +1,7 @@
 #include "workflow.h"
 
 #include <fcntl.h>
+#include <fmt/ranges.h>
 #include <pwd.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -57,26 +58,22 @@ void WriteStudy(const Recordings& recordings, const fs::path& file) {
   WriteIfChanged(file, "# Written by lake cohort; change cohort.yaml instead.\n" + study.dump(2) + "\n");
 }
 
-bool Has(const Json& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+bool Has(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
 }
 
 // The steps that were asked for and those that they come after, in order; all, if none were asked for.
-Json WantedSteps(const Json& steps, const std::vector<std::string>& asked) {
-  Json known = Json::array();
-  for (const Json& step : steps) known.push_back(step["name"]);
-  std::set<std::string> wanted(asked.begin(), asked.end());
+std::vector<std::string> WantedSteps(const study::StudyPlan& plan, const std::vector<std::string>& asked) {
+  std::vector<std::string> known;
+  for (const study::PlannedStep& step : plan.steps) known.push_back(step.name);
   for (const std::string& name : asked)
-    if (!Has(known, name)) {
-      std::string names;
-      for (const Json& step : known) names += (names.empty() ? "" : ", ") + step.get<std::string>();
-      throw Fail("cohort.yaml: 'steps' has '{}', which this study has not: {}", name, names);
-    }
+    if (!Has(known, name))
+      throw Fail("cohort.yaml: 'steps' has '{}', which this study has not: {}", name, fmt::join(known, ", "));
   if (asked.empty()) return known;
-  for (auto step = steps.rbegin(); step != steps.rend(); ++step)
-    if (wanted.contains((*step)["name"]))
-      for (const Json& before : (*step)["after"]) wanted.insert(before.get<std::string>());
-  std::erase_if(known.get_ref<Json::array_t&>(), [&](const Json& name) { return !wanted.contains(name); });
+  std::set<std::string> wanted(asked.begin(), asked.end());
+  for (auto step = plan.steps.rbegin(); step != plan.steps.rend(); ++step)
+    if (wanted.contains(step->name)) wanted.insert(step->after.begin(), step->after.end());
+  std::erase_if(known, [&](const std::string& name) { return !wanted.contains(name); });
   return known;
 }
 
@@ -87,78 +84,96 @@ void CheckHasNoBraces(const std::string& path) {
 }
 
 // What the steps of a study read from outside, and need together: two at the same time.
-void AddNeeds(const Json& plan, const fs::path& folder, Json& of) {
-  constexpr int kThreads = 2;
-  int memory_mb = 0, minutes = 0;
+void AddNeeds(const study::StudyPlan& plan, WorkflowStudy& of) {
+  of.needs = {.threads = 2, .memory_mb = 0, .minutes = 0};
   std::set<std::string> inputs;
-  for (const Json& step : plan["steps"]) {
-    if (!Has(of["steps"], step["name"])) continue;
-    for (const Json& input : step["inputs"])
-      if (!LiesIn(input.get<std::string>(), folder)) inputs.insert(input.get<std::string>());
-    const Json& needs = step["resources"];
-    memory_mb = std::max(memory_mb, kThreads * needs["memory_mb"].get<int>());
-    minutes += needs["minutes"].get<int>();
+  for (const study::PlannedStep& step : plan.steps) {
+    if (!Has(of.steps, step.name)) continue;
+    for (const fs::path& input : step.inputs)
+      if (!LiesIn(input, of.folder)) inputs.insert(input);
+    of.needs.memory_mb = std::max(of.needs.memory_mb, of.needs.threads * step.needs.memory_mb);
+    of.needs.minutes += step.needs.minutes;
   }
   for (const std::string& input : inputs) CheckHasNoBraces(input);
-  of.update({{"inputs", inputs}, {"threads", kThreads}, {"memory_mb", memory_mb}, {"minutes", minutes}});
+  of.inputs.assign(inputs.begin(), inputs.end());
 }
 
 std::string LakeRun() {
   return steps::StepRunOptions::ThisProgram(ProgramFolder() / "lake-run");
 }
 
-// As lake-run --plan says it.
-Json PlanOf(const Json& of, const std::string& made_by) {
-  return study::StudyPlan(study::ReadStudyFile(of["study"].get<std::string>()), of["folder"].get<std::string>(),
-                          made_by);
+study::StudyPlan PlanOf(const WorkflowStudy& of, const std::string& made_by) {
+  return study::PlanStudy(study::ReadStudyFile(of.file), of.folder, made_by);
 }
 
 // The trials that are tracked, and whether all have been.
-bool AreTrialsDone(const Json& plan, const Json& of) {
+bool AreTrialsDone(const study::StudyPlan& plan, const WorkflowStudy& of) {
   bool has_one = false;
-  for (const Json& step : plan["steps"]) {
-    if ((step["name"] != "human" && step["name"] != "exo") || !Has(of["steps"], step["name"])) continue;
-    if (!step["due"].is_null()) return false;
+  for (const study::PlannedStep& step : plan.steps) {
+    if ((step.name != "human" && step.name != "exo") || !Has(of.steps, step.name)) continue;
+    if (step.due) return false;
     has_one = true;
   }
   return has_one;
 }
 
-// The motion files of one recording's trials.
-struct Motion {
-  fs::path study, folder;
-  MotionNames names;
-};
-
-Motion MotionOf(const Json& workflow, const Json& of, const fs::path& out) {
-  const std::string participant = of["participant"], session = of["session"];
-  return {
-      .study = of["folder"].get<std::string>(),
-      .folder = out / participant / session / kMotion,
-      .names = {
-          .person = Recordings{participant, session, "", {}, {}}.Name(), .run = of["run"], .task = workflow["task"]}};
+MotionNames MotionNamesOf(const Workflow& workflow, const WorkflowStudy& of) {
+  return {.person = Recordings{of.participant, of.session, "", {}, {}}.Name(), .run = of.run, .task = workflow.task};
 }
 
-bool HasMotion(const Json& workflow, const Json& of, const fs::path& out) {
-  const Motion motion = MotionOf(workflow, of, out);
-  return HasMotionFiles(motion.study, motion.names, motion.folder);
+fs::path MotionFolder(const Workflow& workflow, const WorkflowStudy& of) {
+  return workflow.out / of.participant / of.session / kMotion;
+}
+
+bool HasMotion(const Workflow& workflow, const WorkflowStudy& of) {
+  return HasMotionFiles(of.folder, MotionNamesOf(workflow, of), MotionFolder(workflow, of));
 }
 
 // The plan of one study, and no mark if it has something to do.
-void PlanStudy(const Recordings& recordings, const std::vector<std::string>& asked, const fs::path& out,
-               const std::string& made_by, const Json& workflow, Json& of) {
-  const fs::path file = out / recordings.Folder() / "study.yaml";
+WorkflowStudy PlanFor(const Recordings& recordings, const std::vector<std::string>& asked, const std::string& made_by,
+                      const Workflow& workflow) {
+  const fs::path file = workflow.out / recordings.Folder() / "study.yaml";
+  WorkflowStudy of{.name = recordings.Name(),
+                   .participant = recordings.participant,
+                   .session = recordings.session,
+                   .run = recordings.run,
+                   .file = file,
+                   .folder = file.parent_path(),
+                   .steps = {},
+                   .inputs = {},
+                   .needs = {}};
   WriteStudy(recordings, file);
-  of["study"] = file.string();
-  of["folder"] = file.parent_path().string();
-  const Json plan = PlanOf(of, made_by);
-  of["steps"] = WantedSteps(plan["steps"], asked);
-  AddNeeds(plan, file.parent_path(), of);
+  const study::StudyPlan plan = PlanOf(of, made_by);
+  of.steps = WantedSteps(plan, asked);
+  AddNeeds(plan, of);
   const bool is_due = std::ranges::any_of(
-      plan["steps"], [&](const Json& step) { return Has(of["steps"], step["name"]) && !step["due"].is_null(); });
-  if (!is_due && (!AreTrialsDone(plan, of) || HasMotion(workflow, of, out))) return;
-  fs::remove(MarkOf(out, recordings.Name()));
-  fs::remove(LogOf(out, recordings.Name()));
+      plan.steps, [&](const study::PlannedStep& step) { return Has(of.steps, step.name) && step.due; });
+  if (is_due || (AreTrialsDone(plan, of) && !HasMotion(workflow, of))) {
+    fs::remove(MarkOf(workflow.out, of.name));
+    fs::remove(LogOf(workflow.out, of.name));
+  }
+  return of;
+}
+
+// As Snakemake reads it.
+Json WorkflowJson(const Workflow& workflow) {
+  Json json = {{"bin", ProgramFolder().string()}, {"source", workflow.source.string()},
+               {"out", workflow.out.string()},    {"name", workflow.name},
+               {"task", workflow.task},           {"population", workflow.has_population},
+               {"recordings", Json::object()},    {"failed", Json::array()}};
+  for (const WorkflowStudy& of : workflow.studies)
+    json["recordings"][of.name] = {
+        {"participant", of.participant}, {"session", of.session},        {"run", of.run},
+        {"study", of.file.string()},     {"folder", of.folder.string()}, {"steps", of.steps},
+        {"inputs", of.inputs},           {"threads", of.needs.threads},  {"memory_mb", of.needs.memory_mb},
+        {"minutes", of.needs.minutes}};
+  for (const Failure& of : workflow.failed)
+    json["failed"].push_back({{"participant", of.participant},
+                              {"session", of.session},
+                              {"run", of.run},
+                              {"step", of.step},
+                              {"error", of.error}});
+  return json;
 }
 
 // The error that a log ends with.
@@ -173,21 +188,17 @@ std::string ErrorIn(const fs::path& log) {
   return program == std::string::npos ? last : last.substr(program + 2);
 }
 
-// Why a step of these recordings has not been done.
-std::string WhyNotDone(const Json& step, const fs::path& log) {
-  return step["failed"].is_null() || !fs::exists(log) ? ErrorIn(log) : step["failed"].get<std::string>();
-}
-
 // The steps of one study that have been done; the others to `fail`, with the reason, if they could have been.
 template <typename Fail>
-std::set<std::string> StepsDoneOf(const Json& plan, const Json& of, const fs::path& log, const Fail& fail) {
+std::set<std::string> StepsDoneOf(const study::StudyPlan& plan, const WorkflowStudy& of, const fs::path& log,
+                                  const Fail& fail) {
   std::set<std::string> done;
-  for (const Json& step : plan["steps"]) {
-    if (!Has(of["steps"], step["name"])) continue;
-    if (step["due"].is_null())
-      done.insert(step["name"].get<std::string>());
-    else if (std::ranges::all_of(step["after"], [&](const Json& before) { return done.contains(before); }))
-      fail(step["name"], WhyNotDone(step, log));
+  for (const study::PlannedStep& step : plan.steps) {
+    if (!Has(of.steps, step.name)) continue;
+    if (!step.due)
+      done.insert(step.name);
+    else if (std::ranges::all_of(step.after, [&](const std::string& before) { return done.contains(before); }))
+      fail(step.name, step.failed && fs::exists(log) ? *step.failed : ErrorIn(log));
   }
   return done;
 }
@@ -207,46 +218,62 @@ FileLock LockWorkflow(const fs::path& out, bool quiet) {
   });
 }
 
-Json PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
+const WorkflowStudy* Workflow::Find(const std::string& name) const {
+  const auto found = std::ranges::find(studies, name, &WorkflowStudy::name);
+  return found == studies.end() ? nullptr : &*found;
+}
+
+Workflow PrepareWorkflow(const Cohort& cohort, const fs::path& out) {
   CheckHasNoBraces(out.string());
   const std::string made_by = LakeRun();
-  Json workflow = {{"bin", ProgramFolder().string()},
-                   {"source", cohort.folder.string()},
-                   {"out", out.string()},
-                   {"name", cohort.name},
-                   {"task", cohort.task},
-                   {"population", cohort.population.has_value()},
-                   {"recordings", Json::object()},
-                   {"failed", Json::array()}};
-  // Before any of the study's steps: what was to be found, or read.
-  const auto fail = [&](const Recordings& of, const char* step, const std::string& error) {
-    workflow["failed"].push_back(
-        {{"participant", of.participant}, {"session", of.session}, {"run", of.run}, {"step", step}, {"error", error}});
-  };
+  Workflow workflow{.source = cohort.folder,
+                    .out = out,
+                    .name = cohort.name,
+                    .task = cohort.task,
+                    .has_population = cohort.population.has_value(),
+                    .studies = {},
+                    .failed = {}};
   for (const std::string& participant : cohort.absent)
-    fail({participant, "", "", {}, {}}, "recordings", "there are no recordings");
+    workflow.failed.push_back({.participant = participant, .step = "recordings", .error = "there are no recordings"});
   for (const Recordings& recordings : cohort.recordings) {
-    Json of = {{"participant", recordings.participant}, {"session", recordings.session}, {"run", recordings.run}};
     try {
-      PlanStudy(recordings, cohort.steps, out, made_by, workflow, of);
-      workflow["recordings"][recordings.Name()] = std::move(of);
+      workflow.studies.push_back(PlanFor(recordings, cohort.steps, made_by, workflow));
     } catch (const Error& error) {
-      fail(recordings, "study", error.what());
+      workflow.failed.push_back({recordings.participant, recordings.session, recordings.run, "study", error.what()});
     }
   }
-  WriteIfChanged(out / "logs" / "cohort.json", workflow.dump(1) + "\n");
+  WriteIfChanged(out / "logs" / "cohort.json", WorkflowJson(workflow).dump(1) + "\n");
   return workflow;
 }
 
-Json ReadWorkflow(const fs::path& out) {
-  return ReadJsonFile(out / "logs" / "cohort.json");
+Workflow ReadWorkflow(const fs::path& out) {
+  const Json json = ReadJsonFile(out / "logs" / "cohort.json");
+  Workflow workflow{.source = json.at("source").get<std::string>(),
+                    .out = out,
+                    .name = json.at("name"),
+                    .task = json.at("task"),
+                    .has_population = json.at("population"),
+                    .studies = {},
+                    .failed = {}};
+  for (const auto& [name, of] : json.at("recordings").items())
+    workflow.studies.push_back(
+        {.name = name,
+         .participant = of.at("participant"),
+         .session = of.at("session"),
+         .run = of.at("run"),
+         .file = of.at("study").get<std::string>(),
+         .folder = of.at("folder").get<std::string>(),
+         .steps = of.at("steps"),
+         .inputs = of.at("inputs"),
+         .needs = {.threads = of.at("threads"), .memory_mb = of.at("memory_mb"), .minutes = of.at("minutes")}});
+  for (const Json& of : json.at("failed"))
+    workflow.failed.push_back({of.at("participant"), of.at("session"), of.at("run"), of.at("step"), of.at("error")});
+  return workflow;
 }
 
-void WriteMotion(const Json& workflow, const std::string& recordings, const fs::path& out) {
-  const Json& of = workflow["recordings"][recordings];
-  if (!AreTrialsDone(PlanOf(of, LakeRun()), of)) return;
-  const Motion motion = MotionOf(workflow, of, out);
-  WriteMotionFiles(motion.study, motion.names, motion.folder);
+void WriteMotion(const Workflow& workflow, const WorkflowStudy& of) {
+  if (AreTrialsDone(PlanOf(of, LakeRun()), of))
+    WriteMotionFiles(of.folder, MotionNamesOf(workflow, of), MotionFolder(workflow, of));
 }
 
 void CheckSlurm() {
@@ -291,21 +318,19 @@ bool RunSnakemake(const fs::path& out, const std::string& target, const std::vec
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-WorkflowState StateOf(const Json& workflow, const fs::path& out) {
+WorkflowState StateOf(const Workflow& workflow) {
   const std::string made_by = LakeRun();
-  WorkflowState state;
-  for (const Json& of : workflow["failed"])
-    state.failures.push_back({of["participant"], of["session"], of["run"], of["step"], of["error"]});
-  for (const auto& [name, of] : workflow["recordings"].items()) {
-    const fs::path log = LogOf(out, name);
-    const auto fail = [&, &of = of](const std::string& step, const std::string& error) {
-      state.failures.push_back({of["participant"], of["session"], of["run"], step, error});
+  WorkflowState state{.done = {}, .failures = workflow.failed};
+  for (const WorkflowStudy& of : workflow.studies) {
+    const fs::path log = LogOf(workflow.out, of.name);
+    const auto fail = [&](const std::string& step, const std::string& error) {
+      state.failures.push_back({of.participant, of.session, of.run, step, error});
     };
-    state.done[name] = {};
+    std::set<std::string>& done = state.done[of.name];
     try {
-      const Json plan = PlanOf(of, made_by);
-      state.done[name] = StepsDoneOf(plan, of, log, fail);
-      if (AreTrialsDone(plan, of) && !HasMotion(workflow, of, out)) fail(kMotion, ErrorIn(log));
+      const study::StudyPlan plan = PlanOf(of, made_by);
+      done = StepsDoneOf(plan, of, log, fail);
+      if (AreTrialsDone(plan, of) && !HasMotion(workflow, of)) fail(kMotion, ErrorIn(log));
     } catch (const Error& error) {
       fail("study", error.what());
     }

@@ -3,14 +3,15 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "lake/cohort/cohort_file.h"
-#include "lake/cohort/group_data.h"
 #include "lake/core/file_lock.h"
-#include "lake/core/json.h"
+#include "lake/study/study.h"
 
 namespace lake::cohort {
 
@@ -21,14 +22,41 @@ inline constexpr const char* kSnakemakeLog = "snakemake.log";  // in logs/, of a
 // that began it: jobs that outlive a killed `lake cohort` are waited for, said on stderr unless quiet.
 FileLock LockWorkflow(const std::filesystem::path& out, bool quiet);
 
+// The study of one folder of recordings.
+struct WorkflowStudy {
+  std::string name;  // "sub-01_ses-1", as Recordings::Name() has it
+  std::string participant, session, run;
+  std::filesystem::path file, folder;  // study.yaml, and of the results
+  std::vector<std::string> steps;      // to be done, in order
+  std::vector<std::string> inputs;     // what they read from outside, ascending
+  study::StepNeeds needs;              // together
+};
+
+// A step that was not done although those before it were; of the design for all there is no participant.
+struct Failure {
+  std::string participant = {}, session = {}, run = {}, step = {}, error = {};
+
+  std::string Text() const;  // "sub-03_ses-1: step exo (…): …"
+};
+
+struct Workflow {
+  std::filesystem::path source, out;
+  std::string name, task;
+  bool has_population = false;
+  std::vector<WorkflowStudy> studies;
+  std::vector<Failure> failed;  // before any step: recordings that are missing, studies that cannot be read
+
+  const WorkflowStudy* Find(const std::string& name) const;  // nullptr if there is none of these recordings
+};
+
 // Writes each study.yaml and logs/cohort.json, and takes back the marks of studies that have something to do, so that
 // Snakemake does them: steps whose inputs, options, outputs or program are not as they were. A study that cannot be
 // read stands in the configuration with its error.
-Json PrepareWorkflow(const Cohort& cohort, const std::filesystem::path& out);
-Json ReadWorkflow(const std::filesystem::path& out);
+Workflow PrepareWorkflow(const Cohort& cohort, const std::filesystem::path& out);
+Workflow ReadWorkflow(const std::filesystem::path& out);
 
-// The trials of these recordings as motion files, once all of them have been tracked.
-void WriteMotion(const Json& workflow, const std::string& recordings, const std::filesystem::path& out);
+// The trials of a study as motion files, once all of them have been tracked.
+void WriteMotion(const Workflow& workflow, const WorkflowStudy& of);
 
 // Throws Error in one line where there is no Slurm that answers.
 void CheckSlurm();
@@ -38,12 +66,8 @@ void CheckSlurm();
 bool RunSnakemake(const std::filesystem::path& out, const std::string& target,
                   const std::vector<std::string>& arguments, bool quiet, const FileLock& lock);
 
-// A step that was not done although those before it were; of the design for all there is no participant.
-struct Failure {
-  std::string participant = {}, session = {}, run = {}, step = {}, error = {};
-
-  std::string Text() const;  // "sub-03_ses-1: step exo (…): …"
-};
+// The steps of a study that have been done, by its name.
+using StepsDone = std::map<std::string, std::set<std::string>>;
 
 // What has become of the studies: by the stamps of their steps.
 struct WorkflowState {
@@ -52,7 +76,7 @@ struct WorkflowState {
 
   bool AllWereTried() const;  // not if snakemake ended before it came to a study
 };
-WorkflowState StateOf(const Json& workflow, const std::filesystem::path& out);
+WorkflowState StateOf(const Workflow& workflow);
 
 // What the group's tables ended with; nullopt where they were not begun.
 std::optional<std::string> GroupError(const std::filesystem::path& out);

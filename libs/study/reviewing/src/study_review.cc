@@ -37,7 +37,8 @@ review::StudyWork StudyWorkOf(const fs::path& folder, const fs::path& programs) 
   work.report = folder / "report.html";
   work.command = fmt::format("lake run {} -o {}", ShellWord(file.string()), ShellWord(folder.string()));
   work.plan = [file, folder, program] {
-    return study::StudyPlan(study::ReadStudyFile(file), folder, steps::StepRunOptions::ThisProgram(program));
+    return study::PlanJson(
+        study::PlanStudy(study::ReadStudyFile(file), folder, steps::StepRunOptions::ThisProgram(program)));
   };
   work.run = [file, folder, program](const std::string& step, const review::BackgroundJob::Control& control) {
     std::vector<std::string> asked = {file.string(), "-o", folder.string()};

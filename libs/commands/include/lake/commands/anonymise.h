@@ -23,7 +23,4 @@ void Describe(AnonymiseRunOptions& o, OptionList& options);
 // video, and as overlay::WriteAnonymisedVideo does.
 Json RunAnonymise(const AnonymiseRunOptions& options, Run& run);
 
-// What a person wants to read of the summary.
-std::string AnonymiseReport(const Json& summary);
-
 }  // namespace lake::commands

@@ -35,10 +35,18 @@ std::vector<CheckItem> JudgeRecording(const tracking::RecordingCheck& check, int
 // The figures of markers, as both lake-check's and lake-track's summary have them.
 Json FiguresJson(const tracking::MarkerFigures& figures);
 
-// Writes check.png and returns the results for the summary; `fit` there is false if anything makes the recording unfit.
-Json RunCheck(const CheckRunOptions& options, Run& run);
+// A recording as it was measured and judged.
+struct JudgedRecording {
+  tracking::RecordingCheck check;
+  std::vector<CheckItem> items;
 
-// What a person wants to read of the summary.
-std::string CheckReport(const Json& summary);
+  bool IsFit() const;  // nothing makes it unfit
+};
+
+// For the summary.
+Json JudgedJson(const JudgedRecording& recording);
+
+// Writes check.png.
+JudgedRecording RunCheck(const CheckRunOptions& options, Run& run);
 
 }  // namespace lake::commands

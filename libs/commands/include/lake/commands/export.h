@@ -23,6 +23,4 @@ void Describe(ExportOptions& o, OptionList& options);
 // d_min.
 Json RunExport(const ExportOptions& options, Run& run);
 
-std::string ExportReport(const Json& summary);
-
 }  // namespace lake::commands

@@ -41,7 +41,4 @@ std::vector<InputFile> InputsOf(const SimulationOptions& options);
 // at d_min or a stroke asked for, or an angle is out of its range.
 Json SimulateLinkage(const linkage::Design& design, const SimulationOptions& options, Run& run);
 
-// The main numbers and the table of the poses asked for, as text.
-std::string SimulationReport(const Json& summary);
-
 }  // namespace lake::commands

@@ -1,6 +1,8 @@
 // The work of lake-run: all steps of a study, each by the function of the program whose work it is, and one report.
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,14 +30,36 @@ Json RunStudyFile(const StudyFile& study, Run& run, bool keep_going = false);
 // RunStudyFile.
 void RunStudySteps(const StudyFile& study, const std::vector<std::string>& names, bool keep_going, const Run& run);
 
-// What would be done, for programs that order the steps themselves (Snakemake): {name, study, out, steps: [{name, what,
-// program, folder, after: names of steps, inputs, outputs: what every run of the step leaves and others go by,
-// due: why it would be done, or null, failed: why it failed the last time, or null, resources: {threads, memory_mb,
-// minutes}}]}; all paths absolute. `made_by` is lake-run as StepRunOptions has it. Nothing is written.
-Json StudyPlan(const StudyFile& study, const std::filesystem::path& out,
-               const std::string& made_by = steps::StepRunOptions::ThisProgram());
+// What a scheduler gives a step: several times what the sample study takes (350 MB, 25 s on one core at most), as
+// recordings are longer and larger elsewhere.
+struct StepNeeds {
+  int threads = 1, memory_mb = 1000, minutes = 10;
+};
 
-// The main numbers and where the report is, as text.
-std::string StudyText(const Json& summary);
+struct PlannedStep {
+  std::string name, what, program;
+  std::filesystem::path folder;
+  std::vector<std::string> after;              // the steps whose outputs it reads
+  std::vector<std::filesystem::path> inputs;   // files and folders
+  std::vector<std::filesystem::path> outputs;  // that every run of the step leaves and others go by
+  std::optional<std::string> due;              // why it would be done; nullopt: it would not be
+  std::optional<std::string> failed;           // why it failed the last time
+  StepNeeds needs;
+};
+
+// What would be done, for programs that order the steps themselves (Snakemake); all paths absolute.
+struct StudyPlan {
+  std::string name;
+  std::filesystem::path study, out;
+  std::vector<PlannedStep> steps;
+};
+
+// `made_by` is lake-run as StepRunOptions has it. Nothing is written.
+StudyPlan PlanStudy(const StudyFile& study, const std::filesystem::path& out,
+                    const std::string& made_by = steps::StepRunOptions::ThisProgram());
+Json PlanJson(const StudyPlan& plan);
+
+// A line per step for the terminal: how long it took, and whether it was done this time.
+std::string StudyText(const std::vector<steps::StepOutcome>& outcomes);
 
 }  // namespace lake::study

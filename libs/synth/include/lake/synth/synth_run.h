@@ -59,6 +59,5 @@ std::string NameOf(const SynthRunOptions& options);
 // Writes into the run's folder what WriteRecording or WritePopulation does. Throws Error as they do; UsageError for
 // options that contradict each other.
 Json RunSynth(const SynthRunOptions& options, Run& run);
-std::string SynthReport(const Json& summary);
 
 }  // namespace lake::synth

@@ -65,6 +65,10 @@ class Run {
   void Warn(const std::string& text);
   const std::vector<std::string>& Warnings() const { return warnings_; }
 
+  // Lines for the person at the terminal: the main numbers. The program prints them once its results are written.
+  void Report(const std::string& lines) { report_ += lines; }
+  const std::string& ReportText() const { return report_; }
+
   // Records a file that is read, with its content hash; of several those that are there. What is missing is told of by
   // its reader.
   void AddInput(const std::filesystem::path& path, const std::string& role);
@@ -86,6 +90,7 @@ class Run {
 
   Info info_;
   std::vector<std::string> warnings_;
+  std::string report_;
   Json inputs_ = Json::array();
   std::shared_ptr<FolderLock> lock_;  // held from Begin() on
   bool begun_ = false;

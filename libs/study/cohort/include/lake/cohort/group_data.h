@@ -2,13 +2,12 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
-
-#include "lake/core/json.h"
 
 namespace lake::cohort {
 
@@ -35,11 +34,16 @@ struct GroupData {
   std::vector<std::string> quantities;  // of the rows, each once, in the order of the tables
 };
 
-// The steps of a study that have been done, by the name of its recordings.
-using StepsDone = std::map<std::string, std::set<std::string>>;
+// What one study has left.
+struct DoneStudy {
+  std::string participant, session, run;
+  std::filesystem::path folder;
+  std::set<std::string> steps;  // that have been done
+  bool has_redesign = false;    // a design for the person is among its steps, done or not
+};
 
-// Of all steps that have been done. Throws Error for a table that cannot be read.
-GroupData ReadGroup(const Json& workflow, const StepsDone& done);
+// Throws Error for a table that cannot be read.
+GroupData ReadGroup(const std::vector<DoneStudy>& studies);
 
 // The mean of what is known of one quantity: over repetitions, runs and, if none is named, sessions; nullopt if nothing
 // is known.

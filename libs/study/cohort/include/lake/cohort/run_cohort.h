@@ -32,8 +32,6 @@ void Describe(CohortRunOptions& options, OptionList& list);
 // the reasons. Returns the summary; null for what a job does.
 Json RunCohort(const CohortRunOptions& options, Run& run);
 
-std::string CohortText(const Json& summary);
-
 // A folder to fill with recordings. Throws Error if a file of the template is there already.
 void WriteTemplate(const std::filesystem::path& folder);
 
