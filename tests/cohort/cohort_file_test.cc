@@ -91,8 +91,12 @@ TEST_F(CohortFile, BlursHeadsUnlessToldOtherwise) {
   EXPECT_EQ(cohort.recordings[3].study["human"]["anonymise"], "false");
   WriteYaml("  exo: {trial: exo.trc}\n");
   EXPECT_FALSE(ReadCohort(folder_.Path()).recordings[0].study["exo"].contains("anonymise")) << "no pictures";
-  WriteYaml("  exo: {video: exo.mp4, markers: [ankle, knee, hip]}\n");
-  ExpectRefused("'exo' has neither waist nor shoulder");
+  for (const char* markers : {"[ankle, knee, hip]", "[ankle, knee, hip, exo_waist]", "'ankle,knee,hip'"}) {
+    WriteYaml(fmt::format("  exo: {{video: exo.mp4, markers: {}}}\n", markers));
+    ExpectRefused("'exo' has neither waist nor shoulder");
+  }
+  WriteYaml("  exo: {video: exo.mp4, markers: 'ankle,knee,hip,waist'}\n");
+  EXPECT_EQ(ReadCohort(folder_.Path()).recordings[0].study["exo"]["anonymise"], true);
 }
 
 TEST_F(CohortFile, RefusesWhatCannotBe) {

@@ -73,7 +73,7 @@ void OverlayScene::DrawOnto(video::VideoFrame& frame) {
     if (leg) DrawAngle(*row, *leg);
     for (const motion::MarkerTrack& marker : markers)
       if (marker.samples[*row].IsKnown())
-        DrawLabel(marker.name, Shown(marker.samples[*row].position), (kCross[1] + 2) * unit_px_, 0.45);
+        DrawLabel(marker.name, marker.name, Shown(marker.samples[*row].position), (kCross[1] + 2) * unit_px_, 0.45);
   }
   DrawPanel(frame.index, frame.time_s, leg);
   for (std::size_t m = 0; m < markers.size(); ++m) DrawInset(m, row, frame.luma);
@@ -304,14 +304,14 @@ void OverlayScene::DrawAngle(std::size_t row, const motion::LegSample& leg) {
   labels_.AvoidLine(*knee, *knee + beyond);
   const cv::Point2d bow(std::cos(from + turn / 2), std::sin(from + turn / 2));
   labels_.Avoid(Around(*knee + bow * radius, *knee + bow * radius, 6 * unit_px_));
-  DrawLabel(AngleText(leg), *knee + bow * radius, 12 * unit_px_, 0.6);
+  DrawLabel("knee angle", AngleText(leg), *knee + bow * radius, 12 * unit_px_, 0.6);
 }
 
-void OverlayScene::DrawLabel(const std::string& text, cv::Point2d centre, double radius_px, double alpha) {
+void OverlayScene::DrawLabel(const std::string& of, const std::string& text, cv::Point2d centre, double radius_px,
+                             double alpha) {
   const double padding = 4 * unit_px_;
   const cv::Size2d size(TextWidth(text) + 2 * padding, line_height_px_);
-  const bool is_angle = text.find("°") != std::string::npos;  // its text changes, its place is remembered as one
-  const cv::Rect2d box(labels_.Place(is_angle ? "°" : text, centre, radius_px, size), size);
+  const cv::Rect2d box(labels_.Place(of, centre, radius_px, size), size);
   Box(box, {0, 0, 0}, alpha);
   Text(text, {box.x + padding, box.y + box.height / 2}, {1, 1, 1});
 }

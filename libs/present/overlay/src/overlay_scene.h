@@ -45,7 +45,8 @@ class OverlayScene {
   void DrawSkeleton(std::size_t row);
   void DrawMark(const motion::MarkerTrack& marker, const motion::MarkerSample& sample);
   void DrawAngle(std::size_t row, const motion::LegSample& leg);
-  void DrawLabel(const std::string& text, cv::Point2d centre, double radius_px, double alpha);
+  // `of` is what the label is of, by which its place is remembered while its text changes.
+  void DrawLabel(const std::string& of, const std::string& text, cv::Point2d centre, double radius_px, double alpha);
   void DrawPanel(std::int64_t frame, double time_s, const motion::LegSample* leg);
   void DrawProgress(double y, const motion::LegSample* leg);
   void DrawInset(std::size_t marker, std::optional<std::size_t> row, const cv::Mat& luma);

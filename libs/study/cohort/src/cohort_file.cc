@@ -236,11 +236,12 @@ std::map<std::string, std::vector<Recordings>> FindRecordings(const fs::path& so
   return found;
 }
 
-// Whether markers as a study file has them (absent: the usual four) show where the trunk is.
+// Whether markers as a study file has them, a list or "ankle,knee" (absent: the usual four), show where the trunk is.
 bool ShowTrunk(const Json& trial) {
   if (!trial.contains("markers")) return true;
-  const std::string markers = trial["markers"].dump();
-  return markers.find("waist") != std::string::npos || markers.find("shoulder") != std::string::npos;
+  const Json& markers = trial["markers"];
+  const Json names = markers.is_string() ? Json(SplitText(markers.get<std::string>(), ',')) : markers;
+  return std::ranges::any_of(names, [](const Json& name) { return name == "waist" || name == "shoulder"; });
 }
 
 // Pictures of people have their heads blurred, unless the study says otherwise.
