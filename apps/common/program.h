@@ -1,5 +1,5 @@
-// What all programs share: options from their descriptions, the effective options beside the results, one-line errors,
-// exit codes.
+// Common to all programs: options from their descriptions, the effective options in the summary, one-line errors, exit
+// codes.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 #include "lake/core/options.h"
 #include "lake/core/run.h"
 
-// CLI11, which takes a compiler seconds: what programs see of it is this name, but for those that build on it.
+// CLI11 is declared only: its headers take the compiler seconds.
 namespace CLI {
 class App;
 }
@@ -30,8 +30,8 @@ SharedOptions AddOptions(CLI::App& cli, OptionList options, const std::string& g
 // of `lists` with the values that they have without one.
 Json EffectiveOptions(const CLI::App& cli, const std::vector<SharedOptions>& lists);
 
-// Parses (adding --version), then runs `work`, and returns the exit code that `work` returns or its error has, with one
-// line on stderr. `lists`: what was added by AddOptions().
+// Parses (adding --version), then runs `work`. Returns its exit code, or that of its error after one line on stderr.
+// `lists`: what was added by AddOptions().
 int ParseAndRun(CLI::App& cli, const std::vector<SharedOptions>& lists, int argc, char** argv,
                 const std::function<int()>& work);
 
@@ -69,7 +69,7 @@ class Program {
   // Those of the command line itself and of the command that was given.
   std::vector<SharedOptions> GivenLists() const;
 
-  // What the results will be of: the files and folders named without an option, else those that options name; absolute.
+  // The inputs of the results: the files and folders named without an option, else those that options name; absolute.
   std::vector<std::string> Subject() const;
 
   std::string name_;

@@ -15,7 +15,7 @@ namespace {
 
 using On = synthesis::LimitId::On;
 
-// What the table of before and after has of a design; NaN where it cannot make the motion.
+// A quantity of before_after.csv; NaN where the design cannot make the motion.
 struct Quantity {
   std::string name, unit;
   std::function<double(const redesign::DesignInMotion&)> value;

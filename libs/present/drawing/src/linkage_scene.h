@@ -1,6 +1,6 @@
 // The leg and the linkage on it, drawn into a scene.
 //
-// Picture frame: origin at the knee, x anterior (to the right, the way the wearer faces), y up, mm.
+// Picture frame: origin at the knee, x anterior (to the right, the way the subject faces), y up, mm.
 #pragma once
 
 #include "lake/linkage/body.h"

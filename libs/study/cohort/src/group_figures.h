@@ -19,7 +19,7 @@ struct GroupFigure {
 const std::vector<GroupFigure>& GroupFigures();
 std::vector<std::string> FileNames(const GroupFigure& figure);  // PNG and SVG
 
-// nullptr where nobody has such a curve.
+// nullptr where there is no such curve.
 const CurveRow* FindCurve(const std::vector<CurveRow>& curves, const std::string& trial, const std::string& quantity);
 
 // Draws those of which there is a curve.

@@ -1,4 +1,4 @@
-// The work of lake-check: what a recording is worth, before the subject goes home.
+// The work of lake-check: the quality of a recording, before the subject goes home.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ void Describe(CheckRunOptions& o, OptionList& options);
 
 enum class Verdict { kGood, kPoor, kUnfit };
 
-// One thing that was looked at, with what to change where it is not good.
+// One figure, its verdict, and advice where it is not good.
 struct CheckItem {
   std::string name;   // of the figure in the summary
   std::string shown;  // the figure in words

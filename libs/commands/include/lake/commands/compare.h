@@ -35,7 +35,7 @@ std::vector<InputFile> TrialTableInputs(const std::filesystem::path& path, const
 compare::TrialTables ReadTrialTables(const std::filesystem::path& path, const exchange::TrialOptions& reading,
                                      const std::string& knee, Run& run);
 
-// Throws UsageError for what is said of a trial that ReadTrialTables would pass over.
+// Throws UsageError for options of a trial that ReadTrialTables would ignore.
 void CheckReading(const std::filesystem::path& path, const exchange::TrialOptions& reading);
 
 // Writes misalignment.csv, overlay.png, misalignment.png, comparison.json, report.html; returns the results for the

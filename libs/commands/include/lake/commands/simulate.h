@@ -27,7 +27,7 @@ struct SimulationOptions {
   double seat_edge_mm = 0;                   // knee to the seat's front edge; 0: half the thigh
   parts::PartOptions parts;
   bool animation = true;
-  problem::SynthesisProblem load;  // of which the profile, the share of it, the actuator and the duration count
+  problem::SynthesisProblem load;  // only profile, share, actuator and duration count
 
   void Check() const;  // throws UsageError
 };

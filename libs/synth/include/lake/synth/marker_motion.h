@@ -1,5 +1,5 @@
-// Where markers are over time, in the plane frame (mm; x right in the image, y up, z towards the camera): what a
-// rendering shows.
+// Positions of markers over time, in the plane frame (mm; x right in the image, y up, z towards the camera), for
+// renderings.
 #pragma once
 
 #include <Eigen/Core>

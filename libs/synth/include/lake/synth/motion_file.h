@@ -1,4 +1,4 @@
-// A recorded motion from a file of markers, shown as a camera beside the person sees it.
+// A recorded motion from a file of markers, as seen by a camera beside the person.
 #pragma once
 
 #include <filesystem>
@@ -20,8 +20,8 @@ struct MotionFile {
 
 // From begin_s on for `duration_s` (0: to the end). The camera stands on the side from which the subject looks to
 // `facing`: nothing is mirrored, so a right leg that faces left is the far one. The plane is the sagittal plane through
-// the leg's middle: the mean of ankle, knee and hip across it. Throws Error as ReadTrial does, and for a marker that is
-// missing in that time; UsageError for options that the file has no use for.
+// the leg's middle: the mean lateral coordinate of ankle, knee and hip. Throws Error as ReadTrial does, and for a
+// marker that is missing in that time; UsageError for options that the file has no use for.
 MotionTable ReadMotionFile(const MotionFile& motion, double duration_s);
 
 }  // namespace lake::synth

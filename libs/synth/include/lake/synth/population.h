@@ -1,5 +1,5 @@
-// People drawn by lot, each with a body, a way to rise and an exoskeleton that is put on anew in each session: cohorts
-// of which all is known.
+// Random people, each with a body, a way to rise and an exoskeleton that is donned anew in each session: cohorts with
+// known truth.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// All that a rendering is made of.
+// The parameters of a rendering.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ struct Occlusion {
 
 // Levels are grey values of the exposed picture: 255 is where the sensor saturates; higher ones are allowed.
 struct SceneOptions {
-  std::uint64_t seed = 1;  // of all that is drawn by lot here; the motion has its own
+  std::uint64_t seed = 1;  // of all random parameters here; the motion has its own
 
   // --- what moves ---
   StsMotionOptions motion;

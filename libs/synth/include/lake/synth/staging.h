@@ -1,4 +1,4 @@
-// What laboratories' recordings have before and beside the sit-to-stand: a subject who walks in, a second person.
+// Disturbances of laboratory recordings: a subject who walks in, a second person.
 #pragma once
 
 #include <memory>

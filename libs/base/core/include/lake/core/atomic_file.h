@@ -7,8 +7,8 @@
 namespace lake {
 
 // A file that is written under a temporary name beside its final one. Commit() moves it there; without it the
-// destructor removes it. The temporary name is nobody else's (mkstemp). Other libraries (video writers, gnuplot) write
-// to TemporaryPath() themselves.
+// destructor removes it. The temporary name is unique (mkstemp). Other libraries (video writers, gnuplot) write to
+// TemporaryPath() themselves.
 class AtomicFile {
  public:
   // Throws Error if a file cannot be made there, or a pipe or device has that name.

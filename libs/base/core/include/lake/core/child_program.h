@@ -1,4 +1,4 @@
-// Another program, started by this one and listened to.
+// Starts other programs and reads what they print.
 #pragma once
 
 #include <sys/types.h>
@@ -21,20 +21,20 @@ struct ChildStreams {
 // Whether a program is found in PATH.
 bool IsInPath(const std::string& program);
 
-// Starts a program, by its path or found in PATH, with its arguments: the only place that does. It is in a process
-// group of its own: Ctrl-C is for this program, which then ends the other (WaitForChild in processes.h). Throws Error
-// naming the program where it cannot be started.
+// Starts a program, by its path or found in PATH, with its arguments. No other function does. The program gets a
+// process group of its own, so Ctrl-C reaches this program alone, which then ends the other (WaitForChild in
+// processes.h). Throws Error naming the program where it cannot be started.
 pid_t StartChild(const std::vector<std::string>& words, const ChildStreams& streams);
 
 struct ChildEnd {
   int code = 0;           // its exit status; 128 + the signal that ended it
-  std::string last_line;  // that it said on stderr
+  std::string last_line;  // of stderr
   std::string output;     // all that it wrote to stdout
 };
 
-// Runs it to its end. `say` gets what it says on stderr, line by line; what `check` throws, asked ten times a second,
-// is thrown once the program has been ended by SIGTERM and waited for. Throws Error naming the program where it cannot
-// be started.
+// Runs a program to its end. `say` gets each line of its stderr. `check` is called ten times a second; if it throws,
+// the program is ended by SIGTERM and waited for, and the exception passes on. Throws Error naming the program where it
+// cannot be started.
 ChildEnd RunChild(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                   const std::function<void(const std::string& line)>& say, const std::function<void()>& check);
 

@@ -1,4 +1,4 @@
-// A standard deviation as a person reads it.
+// A standard deviation as text.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,8 +8,8 @@
 
 namespace lake {
 
-// With so many decimals, and its unit behind it: "0.012°". One that would round to nothing is "< 0.001°", as none is
-// zero; one that is not known is "unknown".
+// With this number of decimals and the unit: "0.012°". A value that would round to zero becomes "< 0.001°"; NaN becomes
+// "unknown".
 inline std::string DeviationText(double deviation, int decimals, const std::string& unit) {
   if (!std::isfinite(deviation)) return "unknown";
   const double last = std::pow(10.0, -decimals);

@@ -1,6 +1,6 @@
-// How the project says that something went wrong. A caller's mistake or a bad input throws one of these with a message
-// of one line: what, where (file, line, frame), what to do. A solver that ends badly returns a status; only a program
-// turns that into SolverError. A bug of our own is an assert.
+// The exceptions of the project. A caller's mistake or a bad input throws one of these with a message of one line:
+// what, where (file, line, frame), what to do. A solver that fails returns a status; only a program turns that into
+// SolverError. A bug of our own is an assert.
 #pragma once
 
 #include <fmt/format.h>

@@ -12,7 +12,7 @@ namespace lake {
 // process that inherited its descriptor does.
 class FileLock {
  public:
-  // Waits for other processes, `begins_to_wait` called once where it has to. Throws Error and Interrupted.
+  // Waits for other processes and calls `begins_to_wait` once if it must. Throws Error and Interrupted.
   explicit FileLock(const std::filesystem::path& path, const std::function<void()>& begins_to_wait = {});
 
   // Closed in programs that this process starts, unless they are given it.

@@ -1,4 +1,4 @@
-// What the file system says of a file, by which its content is known without reading it again.
+// The file system's record of a file, which tells without reading whether the content has changed.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace lake {
 struct FileStamp {
   std::int64_t size = 0, modified_ns = 0, changed_ns = 0;  // bytes; times of the last write and of the last change
   std::uint64_t inode = 0;
-  bool is_file = false;      // a regular one: of a folder or a pipe nothing can be told
+  bool is_file = false;      // a regular file; folders and pipes have no usable record
   std::int64_t seen_ns = 0;  // when this was looked up, since 1970
 
   // nullopt if there is nothing of that name.

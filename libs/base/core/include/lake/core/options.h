@@ -1,4 +1,4 @@
-// What a program can be told, said once. Beside each options struct stands a function that describes its fields,
+// The options of programs, each described once. Beside each options struct stands a function that describes its fields,
 //
 //   void Describe(ProgramLimits& o, OptionList& options) {
 //     options.Add("max-speed", o.max_speed_mm_s, "Speed of the actuator").Unit("mm/s").Positive();
@@ -82,14 +82,14 @@ class Option {
   bool IsRequired() const { return is_required_; }
   bool IsGiven() const { return !said_.empty(); }
 
-  // Keeps what a command line says until OptionList::Apply(): a file that one option names may hold what another
-  // changes, so the order of the description decides, not that of the command line.
+  // Keeps the texts of the command line until OptionList::Apply(). One option may name a file whose values another
+  // option changes, so the order of the description decides, not that of the command line.
   void Give(OptionTexts texts) { given_ = std::move(texts); }
   const OptionTexts& Given() const { return given_; }
 
-  // Takes what a command line says: values may be lists with commas. Throws UsageError.
+  // Takes the texts of a command line; values may be lists with commas. Throws UsageError.
   void SetFromCommandLine(const OptionTexts& texts);
-  // Takes what a file says, lists as their elements, maps as NAME=VALUE. Throws UsageError.
+  // Takes the texts of a file: lists as their elements, maps as NAME=VALUE. Throws UsageError.
   void SetFromFile(const OptionTexts& elements);
   // The parts of lists with commas, where the option is a list; else the texts themselves.
   OptionTexts Split(const OptionTexts& texts) const;
@@ -300,8 +300,8 @@ class OptionList {
   Option& AddCustom(
       std::string name, std::string help, SetOption set, TellOption text = [] { return std::string(); });
 
-  // What holds between the options once they are set: what follows from others, and what must hold, else `check` throws
-  // Error.
+  // Called once the options are set: `check` derives values from others, and throws Error where options contradict each
+  // other.
   void Check(std::function<void(const OptionList&)> check) { checks_.push_back(std::move(check)); }
   void RunChecks() const;
 

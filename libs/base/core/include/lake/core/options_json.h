@@ -6,10 +6,10 @@
 
 namespace lake {
 
-// Of those that were given.
+// The options that were given.
 Json GivenOptionsJson(const OptionList& options);
 
-// Of all; of those that were not given the field's value.
+// All options; where one was not given, the field's value.
 Json OptionsJson(const OptionList& options);
 
 }  // namespace lake

@@ -53,16 +53,15 @@ class WorkerProcess {
 // meanwhile changes nothing. nullopt where the system does not know the process (any more).
 std::optional<int> WaitForEnd(pid_t process);
 
-// The exit status of another program that was started in a process group of its own; looked at every `nap`.
-// Interrupted, it ends the program, and with it what that has started, before it throws. Throws Error naming the
-// program.
+// The exit status of a program that was started in a process group of its own, polled every `nap`. On a signal it ends
+// the program and all that the program started, then throws Interrupted. Throws Error naming the program.
 int WaitForChild(pid_t child, const std::string& program, std::chrono::milliseconds nap);
 
 // Waits until one of these has something to be read, or for a tenth of a second; returns which. Throws Interrupted on a
 // signal.
 std::vector<bool> WaitForWorkers(const std::vector<const WorkerProcess*>& workers);
 
-// Computes piece i. It changes nothing that anybody else reads, files included: only the bytes come back.
+// Computes piece i and returns its result as bytes. It must have no other effect, on files included.
 using PieceOfWork = std::function<std::string(std::size_t i, const std::function<void()>& step)>;
 
 // The results of pieces 0 .. count - 1, as many computed at the same time as Threads() says (one: all of them in this

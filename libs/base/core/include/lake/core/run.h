@@ -1,7 +1,7 @@
-// One run of one program: where its results go, what it read, what it warned of, and the summary that says so.
+// One run of one program: its folder of results, its inputs, its warnings and its summary.
 //
 // A folder holds the results of one run of a program. A list beside them (.PROGRAM.lake-files.json) names the run and
-// its files, so that the program's next run there takes away exactly these, and nobody else's.
+// its files, so that the program's next run there removes exactly these.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ namespace lake {
 class FolderLock;
 struct ResultsList;
 
-// A file or folder that a program reads by its options, and what it is to the program: "camera".
+// A file or folder that a program's options name, and its role there: "camera".
 struct InputFile {
   std::filesystem::path path;
   std::string role;
@@ -35,23 +35,23 @@ class Run {
     std::filesystem::path out;      // folder for the results; created when the run begins
     bool quiet = false;
     std::vector<std::string> subject = {};  // what the results are of: files as the user named them, absolute
-    bool default_folder = false;            // nobody chose `out`: results of another subject there are not replaced
+    bool default_folder = false;            // `out` was not given: results of another subject there are not replaced
     std::string step = {};                  // the step of a study that this run is; empty: a run by itself
     std::vector<std::string> given = {};    // those of `options` that a command line gave, by their names
   };
   explicit Run(Info info);
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
-  // The list of a run that left nothing goes, and a folder made for it.
+  // Removes the list and the folder of a run that wrote no result.
   ~Run();
 
   bool Quiet() const { return info_.quiet; }
 
-  // To be called once the input is known to be good and before long work: locks the folder, removes what the last run
-  // of the same program left there, its summary first (not what this run reads: that is replaced when its result is
-  // whole), and takes these names for results. The first Result() does it otherwise. Throws Error, and nothing is
-  // changed: another run is at work in the folder; it holds another program's results, a file of such a name that this
-  // program did not write or, as a default folder, another subject's results; it is not writable.
+  // Call it once the input has been checked and before long work. Locks the folder, removes the results of the
+  // program's last run there, the summary first, and reserves these names for results. Files that this run reads stay
+  // until the new result replaces them. The first Result() calls Begin() if nothing did before. Throws Error, and
+  // nothing is changed: another run is at work in the folder; it holds another program's results, a file of such a name
+  // that this program did not write or, as a default folder, another subject's results; it is not writable.
   void Begin(const std::vector<std::string>& names = {});
 
   // The full path of a result ("tracks.csv", "predicted/comparison.json"); creates the folder. Throws as Begin().
@@ -61,7 +61,7 @@ class Run {
   // The results that were written so far.
   std::vector<std::filesystem::path> Results() const;
 
-  // Says it on stderr (also when quiet: it is part of the result) and keeps it for the summary.
+  // Writes a warning to stderr, also when quiet, and keeps it for the summary.
   void Warn(const std::string& text);
   const std::vector<std::string>& Warnings() const { return warnings_; }
 
@@ -69,13 +69,12 @@ class Run {
   void Report(const std::string& lines) { report_ += lines; }
   const std::string& ReportText() const { return report_; }
 
-  // Records a file that is read, with its content hash; of several those that are there. What is missing is told of by
-  // its reader.
+  // Records the files that are read, with their content hashes. Missing files are left to their readers to report.
   void AddInput(const std::filesystem::path& path, const std::string& role);
   void AddInputs(const std::vector<InputFile>& inputs);
 
-  // What made the results, as a summary begins: program, version, command, options and which of them were given,
-  // inputs (path, sha256, role), warnings, as known so far.
+  // The first entries of a summary, as known so far: program, version, command, options, the options given, inputs
+  // (path, sha256, role), warnings.
   Json Head() const;
 
   // The head, then the given results; written as summary.json and returned.

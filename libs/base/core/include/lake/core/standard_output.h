@@ -1,10 +1,9 @@
-// What is printed arrives, or is an error.
+// Errors of standard output.
 #pragma once
 
 namespace lake {
 
-// Hands on what was printed to stdout so far. Throws Error where any of it could not be written: a full disk, a closed
-// output.
+// Flushes stdout. Throws Error if any of it could not be written: a full disk, a closed output.
 void FlushStdout();
 
 }  // namespace lake

@@ -1,4 +1,4 @@
-// Text of other programs, which do not say how they write letters beyond ASCII.
+// Text of unknown encoding, as files of other programs hold it.
 #pragma once
 
 #include <string>

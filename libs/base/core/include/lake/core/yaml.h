@@ -1,4 +1,4 @@
-// Reading YAML strictly: every error names file and line, and a key that nobody asked for is an error.
+// Reading YAML strictly: every error names file and line, and an unknown key is an error.
 #pragma once
 
 #include <filesystem>

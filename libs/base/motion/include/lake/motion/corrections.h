@@ -10,7 +10,7 @@
 
 namespace lake::motion {
 
-// One standard deviation per axis of a place that somebody clicked, px: that of a row without a sigma_px.
+// Standard deviation per axis of a clicked position, px, for rows without a sigma_px.
 inline constexpr double kClickSigmaPx = 0.5;
 
 struct Correction {

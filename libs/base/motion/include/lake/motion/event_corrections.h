@@ -1,5 +1,5 @@
-// What a person says of the events: rows as events.csv has them, each with time_s, frame or both; they replace what was
-// found. A row with neither says that there is no such event.
+// Events that a person corrected: rows as in events.csv, each with time_s, frame or both. They replace the events
+// found. A row with neither removes the event.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +21,11 @@ struct EventCorrection {
   std::string where = {};             // "events.csv:3"
 };
 
-// nullopt for a name that is none of an event's.
+// nullopt for an unknown name.
 std::optional<StsEventKind> FindEventKind(std::string_view name);
 
-// Throws Error naming file and line: an event that is none, a repetition or frame that is no whole number, the same
-// event twice.
+// Throws Error naming file and line: an unknown event, a repetition or frame that is no whole number, the same event
+// twice.
 std::vector<EventCorrection> ReadEventCorrections(const std::filesystem::path& path);
 
 // Throws Error if the file cannot be written.

@@ -1,5 +1,5 @@
-// The leg's vectors and angles over time, and the events of its sit-to-stands: what the human and the exoskeleton trial
-// are compared by.
+// The leg's vectors and angles over time, and the events of its sit-to-stands: the basis of the comparison of human and
+// exoskeleton trial.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,16 +15,16 @@
 
 namespace lake::motion {
 
-enum class Facing { kLeft, kRight };  // where the subject looks in the image
+enum class Facing { kLeft, kRight };  // the side of the image that the subject faces
 enum class Side { kLeft, kRight };    // of the body
 
 std::string_view ToString(Side side);  // left, right
 
-// The leg nearer to a camera that sees the subject look this way: it sees the left side of who looks left.
+// The leg nearer to the camera: the left one of a subject who faces left in the image.
 Side NearLeg(Facing facing);
 
-// The side that a marker's name begins with, as laboratories name them: L_knee, LKNE, r.ASIS, left ankle. nullopt where
-// it says none.
+// The side by which a marker's name begins, as laboratories name them: L_knee, LKNE, r.ASIS, left ankle. nullopt for a
+// name without a side.
 std::optional<Side> SideOfName(std::string_view marker);
 
 // The leg in one frame. Vectors are in the leg frame's axes (x anterior, y up); angles are from the vertical, positive

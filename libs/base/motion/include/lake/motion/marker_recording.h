@@ -1,4 +1,4 @@
-// Where the markers were, frame by frame: what tracking hands to every later stage.
+// The positions of markers, frame by frame: the output of tracking and the input of every later stage.
 #pragma once
 
 #include <Eigen/Core>
@@ -52,7 +52,7 @@ struct MarkerRecording {
 // none.
 double MedianDistance(const MarkerRecording& recording, std::string_view marker, std::string_view other);
 
-// The detected samples alone: what was measured, without what was inferred.
+// The detected samples alone, without the inferred ones.
 MarkerRecording Measurements(MarkerRecording recording);
 
 // tracks.csv or trajectory.csv, by the recording's unit: frame,time_s, then per marker M_x_U,M_y_U,M_sigma_U,M_status.
@@ -63,16 +63,16 @@ void WriteMarkerCsv(const std::filesystem::path& path, const MarkerRecording& re
 void WriteTrajectoryCsv(const std::filesystem::path& path, const MarkerRecording& estimates,
                         const MarkerRecording& measurements);
 
-// Which of the two a reader wants of a table that holds both.
+// Which values to read from a table that holds both.
 enum class MarkerValues {
   kMeasured,   // what further fits and filters start from; status detected or missing
   kEstimated,  // a fit's
 };
 
-// Reads either table; the unit is taken from the columns' names. Of a table that holds one kind of values only, those.
-// Another program's may have less: without `frame` they are counted from 0, without M_status an empty cell is a marker
-// that was not seen, without M_sigma_U the sigma is 0: not known.
-// Throws Error naming file, line and column, also for times that do not increase.
+// Reads either table; the columns' names give the unit. A table that holds one kind of values gives those. Tables of
+// other programs may lack columns: without `frame`, frames count from 0; without M_status, an empty cell is a missing
+// sample; without M_sigma_U, the sigma is 0 (unknown). Throws Error naming file, line and column, also for times that
+// do not increase.
 MarkerRecording ReadMarkerCsv(const std::filesystem::path& path, MarkerValues values = MarkerValues::kMeasured);
 
 }  // namespace lake::motion

@@ -1,5 +1,5 @@
-// One exoskeleton for many people: the design, what it is to each of them, and what it costs each against one of their
-// own.
+// One exoskeleton for many people: the design, each person's result with it, and each person's loss against a design of
+// their own.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ namespace lake::group {
 // Links that are the same for a group, with each person's placement and program.
 struct GroupDesign {
   std::vector<redesign::RedesignPoint> points;
-  std::vector<double> prices;  // how strongly each person's misalignment holds the design; 0: not at all
+  std::vector<double> prices;  // multiplier of each person's misalignment; 0: it does not limit the design
   std::vector<double> pulls;   // redesign::GroupSolve::pulls
   double objective = 0;        // redesign::GroupSolve::objective
   bool is_usable = false;
@@ -37,7 +37,7 @@ struct PersonOutcome {
   double price = 0;  // GroupDesign::prices
   std::optional<redesign::DesignInMotion>
       own;  // the best links for this person alone under the same limits; absent: none found
-  // What is given up, in degrees of what is maximised (the range less the person's own penalty); absent without `own`.
+  // Loss of the objective (the range less the person's own penalty), degrees; absent without `own`.
   std::optional<double> cost_deg;
 };
 

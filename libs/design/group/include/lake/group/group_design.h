@@ -1,4 +1,4 @@
-// The links for a group, sought: of one group, or of several that have nothing to do with each other.
+// The search for the links of a group, or of several independent groups.
 #pragma once
 
 #include <optional>

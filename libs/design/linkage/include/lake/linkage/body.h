@@ -1,5 +1,5 @@
-// A body of given height and mass from published segment ratios, and whether a linkage can be worn on it: the paper's
-// feasibility check on a mannequin, in numbers.
+// A body of given height and mass from published segment ratios, and the clearances of a linkage worn on it: the
+// paper's feasibility check on a mannequin, in numbers.
 //
 // Lengths: Drillis & Contini 1966, as fractions of height in Winter, Biomechanics and Motor Control of Human Movement,
 // 4th ed. 2009, fig. 4.1. Masses, centres of mass and densities: ibid., table 4.1 (after Dempster). A limb segment is
@@ -39,7 +39,7 @@ struct LegLengths {
   double thigh_mm = 0, shank_mm = 0;
 };
 
-// The height of a body whose leg is as long as this one, and the mass that gives it the body mass index of another.
+// The height of a body with a leg of this length, and the mass that gives it another body's mass index.
 double HeightOf_mm(const LegLengths& leg);
 double MassAtHeight_kg(double height_mm, double other_height_mm, double other_mass_kg);
 
@@ -47,7 +47,7 @@ double MassAtHeight_kg(double height_mm, double other_height_mm, double other_ma
 // unless both are within 100..1000 mm.
 Body WithLeg(Body body, const LegLengths& leg);
 
-// What is known of a person.
+// Known sizes of a person.
 struct BodySize {
   std::optional<double> height_mm;  // else of a body with this leg, else the paper's average user's, 1800
   std::optional<double> mass_kg;    // else as heavy for its height as the paper's average user, 80 kg at 1800 mm
@@ -66,10 +66,10 @@ struct WearOptions {
 // A pose with its pins where a placement puts them: in the thigh frame of the leg, whose origin is the human's knee.
 Pose PutOnBody(Pose pose, const std::array<double, 2>& placement_mm);
 
-// Clearances are of poses put on the body, and those of convex outlines in the sagittal plane: the distance of two that
-// are apart, and, negative, the shortest way by which one would have to be moved out of the other. That is the most
-// that they are apart in any direction (u = cos heading, sin heading), so a solver that varies the heading finds the
-// same.
+// Clearances of a pose on the body are signed distances of convex outlines in the sagittal plane: the distance of two
+// outlines that are apart, or the negative of the shortest translation that separates two that overlap. It equals the
+// largest separation over all directions u = (cos heading, sin heading), so a solver that varies the heading finds the
+// same value.
 struct Separation {
   double distance_mm = 0;
   double heading_rad = 0;  // of the direction
@@ -85,7 +85,7 @@ struct WornPart {
 std::array<WornPart, 6> WornPartsOf(const WearOptions& options);
 Eigen::Vector2d PlaceOf(Pin pin, const Pose& pose);  // thigh frame
 
-// A seat, the thigh level on it: all that lies below its surface and behind its front edge. Thigh frame.
+// A seat under a level thigh: the region below its surface and behind its front edge. Thigh frame.
 struct Seat {
   double surface_mm = 0, edge_mm = 0;
 };
@@ -108,7 +108,7 @@ Separation LimbSeparation(Limb limb, const Pose& pose, const Body& body, const W
 // Distances in the sagittal plane, mm. A negative clearance is an overlap: parts
 // can share that place only side by side.
 struct WearCheck {
-  // The two poses looked at: 90 degrees or the nearest there is, thigh level; and the straightest.
+  // The two poses checked: seated, at 90 degrees or the nearest angle, thigh level; and the straightest.
   double seated_stroke_mm = 0, seated_deg = 0;
   double standing_stroke_mm = 0, standing_deg = 0;
   double mount_below_hip_mm = 0;     // free thigh between the mount's plate and the hip joint
@@ -119,7 +119,7 @@ struct WearCheck {
   double thigh_clearance_deg = 0;  // … and the knee angle where it is
   double shank_clearance_mm = 0;   // the same for actuator and shank
   double shank_clearance_deg = 0;
-  double reach_behind_standing_mm = 0;  // how far the linkage stands out behind the thigh's back surface, standing
+  double reach_behind_standing_mm = 0;  // how far the linkage protrudes behind the thigh's back surface, standing
 
   bool FitsAlongThigh() const { return mount_below_hip_mm >= 0; }
   bool ClearsSeat() const { return seat_clearance_mm >= 0; }

@@ -35,8 +35,8 @@ struct Links {
 // Throws Error naming `where`, the link and its value if a length is not within 1 mm (less: metres) and 10 m.
 void CheckLinks(const Links& links, std::string_view where);
 
-// Which of the four ways to close the two loops. The paper's mechanism is always kAssembled: alpha2 >= 0 and beta2 >=
-// 0.
+// The branch: one of the four ways to close the two loops. The paper's mechanism is always kAssembled: alpha2 >= 0 and
+// beta2 >= 0.
 enum class Branch { kAssembled = 0, kBarFlipped = 1, kShankFlipped = 2, kBothFlipped = 3 };
 
 // The linkage at one stroke.
@@ -68,7 +68,7 @@ std::optional<Pose> SolvePose(const Links& links, double stroke_mm, Branch branc
 // As SolvePose, but throws Error that names the stroke, the triangle and the gap.
 Pose RequirePose(const Links& links, double stroke_mm);
 
-// How motion and force pass through the linkage in one pose.
+// Transmission of motion and force in one pose.
 struct Transmission {
   double radians_per_mm =
       0;  // d theta / d d; infinite where the shank is at a dead point or the actuator in line with the bar
@@ -96,7 +96,7 @@ struct StrokeRange {
 // cross.
 std::vector<StrokeRange> AssemblyRanges(const Links& links);
 
-// The strokes at which theta turns back (P, R and S in line), on the assembled branch, ascending.
+// The strokes at which d theta / d d changes sign (P, R and S in line), on the assembled branch, ascending.
 std::vector<double> TurningStrokes(const Links& links);
 
 // All strokes (at most two) at which the assembled branch has this knee angle, ascending. Closed form: R is where the

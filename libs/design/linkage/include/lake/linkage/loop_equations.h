@@ -1,5 +1,4 @@
-// The loop equations and what is derived from them, as templates over the scalar: double, or ceres::Jet for exact
-// derivatives.
+// The loop equations and derived quantities, as templates over the scalar: double, or ceres::Jet for exact derivatives.
 //
 // With the stroke d, the bar angle phi and the knee angle theta as variables everything here is smooth (no arccos),
 // also on the singular surfaces. `l` points to l1..l6 in mm; angles rad. Frame and joints as in linkage.h.

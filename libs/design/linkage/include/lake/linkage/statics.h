@@ -1,5 +1,5 @@
-// The forces in every member and pin of the linkage at rest, by the balance of each body: the independent route to what
-// virtual work says of the actuator (ActuatorForce in linkage.h).
+// The forces in every member and pin of the linkage at rest, by the balance of each body: a check independent of the
+// virtual work that gives the actuator's force (ActuatorForce in linkage.h).
 //
 // The mechanism bears a couple between shank and thigh, the knee torque; its own weight is left out, as is what the
 // knee joint itself carries. Then actuator, coupler and slewing bar are loaded at their two pins alone, along the line
@@ -21,8 +21,8 @@ struct MemberForces {
   double coupler_n = 0;   // R to S
   double bar_n = 0;       // P to R
 
-  // What each pin bears, never negative. K and S bear the coupler's force, P the bar's, M (the mount on the thigh) the
-  // actuator's; at the tip R three members meet, and the pin bears the largest of their forces.
+  // The force on each pin, never negative: the coupler's at K and S, the bar's at P, the actuator's at M (the mount on
+  // the thigh); at the tip R, where three members meet, the largest of their forces.
   double KneePin() const { return std::abs(coupler_n); }
   double ThighPin() const { return std::abs(bar_n); }
   double TipPin() const { return std::max({std::abs(actuator_n), std::abs(coupler_n), std::abs(bar_n)}); }

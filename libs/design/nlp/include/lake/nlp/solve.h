@@ -17,8 +17,8 @@ struct NlpOptions {
   int max_iterations = 500;    // no limit in seconds: that would make the result depend on the machine
   double start_push = 1e-2;    // a start on a bound is moved inside by this (Ipopt's bound_push); small for warm starts
   double start_barrier = 0.1;  // first barrier parameter; small for warm starts
-  // In a row, of the phase that only looks for a feasible point; what ends there is at its iteration limit. Absent:
-  // none.
+  // Limit of consecutive iterations of the restoration phase; a solve that ends there has reached its iteration limit.
+  // Absent: none.
   std::optional<int> max_restoration_iterations;
 
   // From near a solution.

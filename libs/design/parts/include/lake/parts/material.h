@@ -1,4 +1,4 @@
-// What plates are made of.
+// Materials of plates.
 #pragma once
 
 #include <string_view>

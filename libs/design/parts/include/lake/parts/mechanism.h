@@ -4,11 +4,10 @@
 // turns anticlockwise about z. The thigh plate's side is the leg's. The actuator stands in a layer of its own
 // thickness.
 //
-// A stacking order is found among all that there are: none in which two parts of one layer, or a pin and a plate that
-// it crosses, come nearer than the clearance asked for in any pose of the used range; then the one with the shortest
-// pins. Between poses that are looked at no corner moves more than half a millimetre, and that is added to the
-// clearance. A pin ends in the gap beyond its outermost plates, where a retaining ring finds room; plates themselves
-// have no parts that stand out.
+// The stacking order is the one with the shortest pins among all orders in which, in every pose of the used range,
+// parts of one layer, and a pin and the plates beside it, keep the required clearance. Between the sampled poses no
+// corner moves more than half a millimetre, which is added to the clearance. A pin ends in the gap beyond its outermost
+// plates, where a retaining ring fits; plates have no protruding parts.
 #pragma once
 
 #include <array>
@@ -93,7 +92,7 @@ struct Stack {
   std::array<Span, kBodies> span{};  // the actuator's: of its eyes
   std::vector<Pin> pins;             // by joint
   std::vector<Spacer> spacers;
-  // Empty, or what no order keeps apart, a sentence each, for the order with the fewest such.
+  // Collisions of the order that has the fewest, a sentence each; empty if there is none.
   std::vector<std::string> conflicts;
 };
 
@@ -104,7 +103,7 @@ struct Mechanism {
   std::array<Plate, kPlates> plates;  // by Body
   Stack stack;
 
-  // Not where P and M are too near to each other for them.
+  // False where P and M are too close to each other.
   bool HasThighCuffHoles() const { return plates[0].holes.size() > 3; }
 };
 

@@ -1,4 +1,4 @@
-// Whether plates and the actuator's rod bear the forces of the range: nominal stresses against the yield strength.
+// Strength of plates and the actuator's rod under the forces of the range: nominal stresses against the yield strength.
 //
 // - Bearing of a hole, F / (pin diameter x thickness), and net section of coupler and slewing bar,
 //   F / ((width - hole) x thickness): Budynas & Nisbett, Shigley's Mechanical Engineering Design, 9th ed. 2011,
@@ -9,7 +9,7 @@
 // - Buckling of the actuator's rod: Euler's load of a steel rod that is pinned at M and R and as long as they are apart
 //   (ibid., sec. 4-12). That leaves out that the cylinder stiffens it.
 //
-// The thigh plate's bending, and what pins and plates suffer because they lie beside each other, are not looked at.
+// Bending of the thigh plate, and bending of pins and plates by forces in different layers, are not checked.
 #pragma once
 
 #include <optional>
@@ -28,7 +28,7 @@ struct LoadedPose {
   linkage::MemberForces forces;
 };
 
-// One check at the pose where it is nearest to its limit.
+// One check, at the pose with the least safety factor.
 struct StrengthCheck {
   enum class Kind { kBearing, kNetSection, kBending, kBuckling };
 

@@ -1,5 +1,4 @@
-// What an actuator does along a load profile: force, speed and power at each percent of the rise, and how fast it can
-// go.
+// An actuator along a load profile: force, speed and power at each percent of the rise, and the shortest duration.
 //
 //   F = assist M / r        r = |dd / dtheta|, the moment arm
 //   v = r |dtheta / ds| / T  s = 0..1, run through evenly in the duration T
@@ -23,9 +22,9 @@ std::vector<int> SamplesInUse(const SynthesisProblem& problem);
 // The stroke for a knee angle of the profile; nullopt beyond the used range.
 std::optional<double> ProfileStroke(const linkage::Links& links, const linkage::UsedRange& range, double knee_rad);
 
-// The shortest duration of the whole rise, s, that a sample allows in a pose, by the actuator's speed under its force,
-// whether it can lift that or not; 0 without an actuator whose speed is known. Where the moment is not known no force
-// counts.
+// The shortest duration of the whole rise, s, that one sample allows in a pose, by the actuator's speed under its
+// force, whether or not it can lift that force; 0 if the actuator's speed is unknown. An unknown moment counts as no
+// force.
 double DurationAt(const linkage::Transmission& transmission, const SynthesisProblem& problem, const LoadSample& sample);
 
 // One sample; NaN where not known or, of the linkage, beyond the used range.
@@ -48,7 +47,7 @@ struct Assistance {
   // cannot lift its share.
   double shortest_s = AssistanceRow::kUnknown, limiting_percent = AssistanceRow::kUnknown;
   bool speed_under_load_is_known = false;  // else `shortest_s` is a lower bound
-  // No linkage at all lets this actuator give this share faster: its power is too small. NaN as above.
+  // Lower bound over all linkages, by the actuator's power. NaN as above.
   double bound_s = AssistanceRow::kUnknown, bound_percent = AssistanceRow::kUnknown;
 
   // The row with the largest magnitude of a column; nullptr if none is known.

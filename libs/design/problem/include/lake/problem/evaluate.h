@@ -1,4 +1,4 @@
-// Holds a design against a problem, by the closed form and on a fine grid of the used range; independent of any solver.
+// Checks a design against a problem, in closed form and on a fine grid of the used range; independent of any solver.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +55,7 @@ struct RequirementCheck {
 
 struct DesignEvaluation {
   std::optional<linkage::Pose> pose;  // at d_min; nullopt if it cannot be assembled there
-  std::string gap;                    // then: what does not close, one sentence
+  std::string gap;                    // then: the triangle that does not close, one sentence
   double range_deg = 0;               // theta(d_min), NaN without a pose
   double worst_range_deg = 0;  // of the builds within problem.robust_mm, -infinity if one cannot be assembled; else
                                // range_deg
@@ -76,8 +76,8 @@ DesignEvaluation Evaluate(const linkage::Links& links, const SynthesisProblem& p
 // Evaluate(links, problem).IsFeasible(tolerance), quicker: it ends at the first requirement that does not hold.
 bool IsFeasible(const linkage::Links& links, const SynthesisProblem& problem, double tolerance = kHoldsTo);
 
-// What the problem's goal makes as large as can be: the range in deg, with a tolerance that of the worst build, or the
-// duration in s, negative. NaN where it cannot be had.
+// The objective, to be maximised: the range in deg (with a tolerance, of the worst build) or the negative of the
+// duration in s. NaN where it is undefined.
 double GoalOf(const SynthesisProblem& problem, const DesignEvaluation& evaluation);
 
 // Fast: bounds and the requirements that are closed form in X (linear, singularity, assembly at d_min, cap), no used

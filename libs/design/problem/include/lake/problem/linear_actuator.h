@@ -1,5 +1,5 @@
-// A linear actuator as its maker describes it, and the catalogue of them. What a maker does not say is unknown, not
-// guessed: an actuator is used for what is known of it.
+// A linear actuator as its maker describes it, and the catalogue of actuators. Missing data stays unknown and is not
+// guessed; limits follow only from known data.
 //
 // actuators.csv: name, maker, closed_mm, stroke_mm, max_force_n, no_load_speed_mm_s, force_speed_points
 // ("16 mm/s at 50 N; 8 mm/s at 90 N"), holding_force_n, mass_g, voltage_v, feedback, source, and, if there is one,
@@ -35,22 +35,23 @@ struct LinearActuator {
   std::optional<double> mass_g;
   std::optional<double> duty_cycle_percent;  // of the time that it may run
 
-  // The greatest force that may be asked of it: its largest, but while its speed is known under some loads, no more
-  // than the greatest of these. nullopt if neither is known.
+  // The largest permitted force: max_force_n, but no more than the largest load at which the speed is known, if it is
+  // known under load at all. nullopt if neither is known.
   std::optional<double> LiftingForce() const;
-  // Its speed is known at all, and also under load.
+  // Whether the speed is known at all, and whether under load.
   bool HasSpeed() const { return no_load_speed_mm_s || HasForceSpeedLaw(); }
   bool HasForceSpeedLaw() const { return !force_speed.empty(); }
-  // What its speed must keep below, all of them: lines through the points known, the speed without load among them. The
-  // lowest line counts: of a law that bends outwards that is interpolation, of another the safe side. Without a speed
-  // under load, the speed without; empty if none is known.
+  // Upper bounds of the speed, all of which hold: lines through the known points, the speed without load included. The
+  // lowest line counts: this interpolates a concave law and is on the safe side of any other. Without a speed under
+  // load, the speed without load; empty if none is known.
   std::vector<SpeedLine> SpeedLines() const;
-  // mm/s under a force in N by these lines, whatever it can lift; infinity if no speed is known.
+  // Speed in mm/s under a force in N by these lines, also beyond the force that it can lift; infinity if no speed is
+  // known.
   double SpeedAt(double force_n) const;
   // W, the greatest product of force and speed; infinity if no speed or no force is known.
   double LargestPower() const;
 
-  // Throws Error naming what cannot be: not positive, a speed that grows with the force.
+  // Throws Error naming the invalid value: not positive, a speed that grows with the force.
   void Check() const;
 };
 

@@ -1,4 +1,4 @@
-// What the knee of one leg needs over a rise: its angle and its moment at each percent, as lake-loads writes them.
+// Load on the knee of one leg over a rise: angle and moment at each percent, as lake-loads writes them.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@ struct LoadSample {
   double percent = 0;       // 0 the rise begins, 100 standing; equal steps of time
   double knee_rad = 0;      // flexion positive
   double rad_per_rise = 0;  // d knee / d (percent / 100), central differences: divided by a duration, the speed
-  // Extension positive, of one leg; NaN where it is not known, as the seat bears a part.
+  // Extension positive, of one leg; NaN where it is unknown because the seat bears a part.
   double knee_nm = std::numeric_limits<double>::quiet_NaN();
 };
 

@@ -1,4 +1,4 @@
-// The synthesis problem as data: what may vary, and what a design must satisfy.
+// The synthesis problem as data: variables, bounds and requirements.
 //
 //   max  theta(X, d_min)      Eq. (7)
 //    X = (l1, ..., l6)        Eq. (8)
@@ -24,7 +24,7 @@ struct Bounds {
   double lower = 0, upper = 0;
 };
 
-// How far the linkage is to stay clear of the person who wears it, in the sagittal plane (linkage/body.h).
+// Clearances between linkage and subject in the sagittal plane (linkage/body.h).
 struct Clearances {
   std::optional<double> seat_mm;             // mount, links and actuator from the seat, at kSeated_rad
   std::optional<double> thigh_mm, shank_mm;  // the actuator from the limb, over the whole used range
@@ -64,19 +64,20 @@ struct SynthesisProblem {
   std::optional<double> safety_factor;      // least of plates, pins and rod (parts/strength.h)
   parts::PartOptions parts;                 // of these, and of the linkage on the body
 
-  // What the knee needs over a rise, and the actuator's share of it: max_force_n then holds at each of its percents,
-  // for assist x moment / moment arm, and the range reaches its largest angle. A share of 0 is as no profile.
+  // The load on the knee over a rise and the actuator's share of it. max_force_n then limits assist x moment / moment
+  // arm at each percent, and the range must reach the profile's largest angle. A share of 0 is the same as no profile.
   std::optional<LoadProfile> profile;
   std::optional<double> assist;  // 0..1; absent: 1
 
-  // Its force and speed along the profile, and the force that it holds, are limits; its lengths and its largest force
-  // are d_min_mm, d_max_mm and max_force_n once WithActuator() has set them.
+  // Its force and speed along the profile and its holding force are limits; WithActuator() sets d_min_mm, d_max_mm and
+  // max_force_n to its lengths and its largest force.
   std::optional<LinearActuator> actuator;
   bool rests_anywhere = true;        // its holding force at every sample of the profile, else at standing alone
   std::optional<double> duration_s;  // of the profile's motion, run through evenly; needs profile and actuator
 
-  // Every link and the shortest stroke, with it the longest, may be off by up to this, the play of the pins included:
-  // requirements hold for all such builds, and the goal is that of the worst. Bounds are on what is asked to be made.
+  // Tolerance of every link and of the shortest stroke (with it the longest), the play of the pins included.
+  // Requirements hold for all builds within it, and the objective is that of the worst build. Bounds apply to the
+  // nominal lengths.
   std::optional<double> robust_mm;
 
   enum class Goal {
@@ -101,15 +102,15 @@ struct SynthesisProblem {
   void CheckLoad() const;
 };
 
-// By what a build is off: l1..l6 and the strokes, mm.
+// Errors of a build: l1..l6 and the strokes, mm.
 using BuildError = std::array<double, 7>;
 // All 128 builds with every length off by the whole tolerance, either way.
 std::vector<BuildError> Corners(double tolerance_mm);
-// What a build is held against: the problem with its strokes, no tolerance and no bounds on the links.
+// The problem that a build must satisfy: with its strokes, without tolerance and bounds on the links.
 SynthesisProblem ProblemOf(const BuildError& build, SynthesisProblem problem);
 linkage::Links LinksOf(const BuildError& build, const linkage::Links& links);
 
-// One thing a design must satisfy: value >= limit, or value <= limit.
+// A requirement on designs: value >= limit, or value <= limit.
 struct Requirement {
   enum class Kind {
     kGrashof,       // l1 + l2 - l3 - l4, mm
@@ -130,7 +131,7 @@ struct Requirement {
     kSafety,      // least safety factor
     kDuration     // longest duration that a sample of the profile asks for at the actuator's speed under its force, s
   };
-  // Tells it from the others of a problem.
+  // Unique within a problem.
   struct Id {
     Kind kind = Kind::kGrashof;
     int smaller = -1, larger = -1;  // kOrder only: links, 0..5
@@ -163,8 +164,8 @@ struct Requirement {
   std::string Text() const;
 };
 
-// Those that the problem switches on, the paper's fixed ones first. Grashof and singularity are always among them.
-// Evaluate() holds designs against this list; the nonlinear program takes its rows from it (synthesis_program.h).
+// The active requirements of a problem, the paper's fixed ones first. Grashof and singularity are always among them.
+// Evaluate() checks designs against this list; the nonlinear program takes its rows from it (synthesis_program.h).
 std::vector<Requirement> RequirementsOf(const SynthesisProblem& problem);
 
 // The problem with its actuator's lengths and largest force, as far as these are known; tighter limits stay. Throws

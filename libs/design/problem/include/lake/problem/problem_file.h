@@ -1,4 +1,4 @@
-// problem.yaml: a synthesis problem; what a key does not say is as in the paper.
+// problem.yaml: a synthesis problem; absent keys have the paper's values.
 //
 //   d_min_mm, d_max_mm, standing_deg, min_moment_arm_mm, min_transmission_deg, max_angle_deg, robust_mm: numbers
 //   bounds: {l1: [50, 100], ...}     start: {l1: 85, ...}

@@ -6,13 +6,13 @@
 
 namespace lake::problem {
 
-// What a command line changes of a problem that was read from a file or is the paper's.
+// The options that change a problem that was read from a file, or the paper's.
 void Describe(SynthesisProblem& o, OptionList& options);
 
-// Of these the clearances, and the body that they are on.
+// The options of clearances and of the body.
 void DescribeClearances(SynthesisProblem& o, OptionList& options);
 
-// Of these what the knee needs, and the actuator that gives it.
+// The options of the load profile and of the actuator.
 void DescribeLoad(SynthesisProblem& o, OptionList& options);
 
 // Throws UsageError where a body is given, but no clearance is asked for.

@@ -1,4 +1,4 @@
-// What becomes of a design when its links are not exactly what they should be: one at a time, at random, or rounded.
+// Sensitivity of a design to errors of its lengths: one at a time, at random, or by rounding.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ inline int PointsOfSensitivity(int steps) {
   return 7 * (2 * steps + 1);
 }
 
-// What a yield is of, for whoever reads it.
+// The scope of a yield, for readers of tables and reports.
 inline constexpr const char* kYieldScope =
     "links and the actuator's shortest length, each within the tolerance, and the play of the pins: coupler, slewing "
     "bar and actuator bear forces along their own lines, so play makes them longer or shorter";

@@ -10,11 +10,11 @@
 
 namespace lake::sizes {
 
-// What one size is to one person, placement and program adapted.
+// The fit of one size to one person, placement and program adapted.
 struct Fit {
   bool holds = false;  // every limit
-  double value = 0;    // of the goal, deg; far below that of any that holds where a limit is not held
-  double percent = 0;  // misalignment; infinite where the person cannot wear it at all
+  double value = 0;    // of the objective, deg; where a limit is not held, far below that of any size that holds
+  double percent = 0;  // misalignment; infinite where the linkage cannot follow the person
   double range_deg = 0;
 };
 Fit FitOf(const redesign::RedesignProblem& person, const linkage::Links& links,
@@ -28,7 +28,7 @@ struct RuleRange {
 struct SizeRule {
   std::string quantity;  // height_mm, leg_mm, shank_mm, thigh_mm
   std::vector<RuleRange> ranges;
-  double loss_deg = 0;  // what it costs those it was made of on average, against the size that is best for each
+  double loss_deg = 0;  // mean loss of the people it was made of, against the best size of each
 
   std::size_t SizeFor(double quantity_mm) const;
 };
@@ -44,8 +44,7 @@ struct BodyQuantity {
 SizeRule FindRule(const std::vector<BodyQuantity>& quantities, const std::vector<std::vector<double>>& losses,
                   const std::vector<std::size_t>& people);
 
-// What comes of a person who was left out: the size that they wear is designed without them, the rule is made of the
-// others, and they get what it says.
+// Leave-one-out result of a person: size and rule are made of the others, and the rule gives the person a size.
 struct LeftOut {
   std::size_t size = 0;
   Fit fit;
@@ -70,9 +69,9 @@ struct SizesOutcome {
 // Throws UsageError: 2 to 8 sizes, at least two people for each, and a limit or penalty on the worst misalignment.
 void CheckSizes(const redesign::GroupProblem& shared, int sizes, std::size_t people);
 
-// `heights_mm`: of all people, or empty. Designs and people are assigned to each other in turn, which never makes the
-// mean over people worse, from several first assignments, until nobody changes or for ten rounds at most. Throws as
-// CheckSizes() and RunGroup().
+// `heights_mm`: of all people, or empty. Alternates designing and assigning, which never lowers the mean over people,
+// from several first assignments, until no assignment changes or for ten rounds at most. Throws as CheckSizes() and
+// RunGroup().
 SizesOutcome RunSizes(const redesign::GroupProblem& shared, const std::vector<group::PersonMeasured>& people, int sizes,
                       const std::vector<double>& heights_mm, const synthesis::OptimizeOptions& options);
 

@@ -1,4 +1,4 @@
-// Each actuator of a catalogue with the links that let it give a share of what the knee needs in the shortest time.
+// Each actuator of a catalogue with the links with which it gives a share of the knee's moment in the shortest time.
 #pragma once
 
 #include <optional>
@@ -33,9 +33,8 @@ struct ActuatorCurve {
 };
 
 // Each actuator's curve over the shares, ascending, which lie above 0 and not beyond 1. `problem` needs a load profile;
-// its own actuator, share, duration and goal do not count. What cannot be had at one share cannot be had at a larger
-// one, as every force and every duration grows with it. Throws Error for a problem that fails its Check(), Interrupted
-// on a signal.
+// its own actuator, share, duration and goal do not count. A share without a solution ends the curve, as every force
+// and every duration grows with the share. Throws Error for a problem that fails its Check(), Interrupted on a signal.
 std::vector<ActuatorCurve> FindActuatorFront(const problem::SynthesisProblem& problem,
                                              const std::vector<problem::LinearActuator>& actuators,
                                              const std::vector<double>& shares, const OptimizeOptions& options = {});

@@ -2,8 +2,8 @@
 //
 // Every limit gets a slack and the sum of slacks is minimised (elastic program, l1 penalty; Chinneck, "Feasibility and
 // Infeasibility in Optimization", 2008). First the requirements give way; if that is not enough, bounds and d_min too.
-// The limits with a price at that optimum are those that fight: its multipliers are a local proof that they cannot hold
-// together.
+// The limits with a nonzero multiplier at that optimum are in conflict: the multipliers are a local proof that they
+// cannot hold together.
 #pragma once
 
 #include <string>

@@ -12,7 +12,7 @@
 
 namespace lake::synthesis {
 
-// Does an end with this objective, which is to be large, count as better? Of equals the first is kept.
+// Whether an end with this objective (to be maximised) counts as better. Of equals the first is kept.
 inline bool IsBetter(double objective, double other) {
   constexpr double kBetter = 1e-5;  // deg, s, mm or percent
   return objective > other + kBetter;
@@ -46,8 +46,8 @@ struct MultiStart {
       if (dropped > 0) starts[dropped].KeepOutcome();
   }
 
-  // Is no further optimum to be expected? Of n usable ends at w different optima, w (n - 1) / (n - w - 2) are to be
-  // expected in all: the search is over when that is not half a one more than was found (Boender & Rinnooy Kan, Math.
+  // Whether no further optimum is to be expected. With n usable ends at w different optima, the expected total is w (n
+  // - 1) / (n - w - 2); the search is over when that exceeds w by less than one half (Boender & Rinnooy Kan, Math.
   // Program. 37, 1987).
   bool HasAllOptima() const {
     constexpr double kSame = 1e-3;  // deg or percent: ends of one optimum agree to 1e-6

@@ -1,8 +1,8 @@
 // Solves a synthesis problem from one or many starts.
 //
 // Requirements over the whole used range make it semi-infinite; they are met by collocation and exchange (Hettich &
-// Kortanek, SIAM Review 35, 1993; Blankenship & Falk, JOTA 19, 1976): solve with a few poses, look for the worst poses
-// on a fine grid, add them, solve again until none is violated.
+// Kortanek, SIAM Review 35, 1993; Blankenship & Falk, JOTA 19, 1976): solve with a few poses, find the worst poses on a
+// fine grid, add them, solve again until none is violated.
 #pragma once
 
 #include <cstdint>
@@ -39,13 +39,13 @@ struct LocalSolve {
   problem::DesignEvaluation evaluation;  // of `end`, by the closed form
   double objective = 0;                  // what is maximised: the range, or the duration as a negative number
 
-  // The price of a limit, whether active or not: what raising it by one unit does to what is maximised, in units of the
-  // cost. nullopt where the program has no such limit.
+  // The shadow price of a limit, active or not: the change of the objective per unit by which the limit is raised, in
+  // units of the cost. nullopt where the program has no such limit.
   std::optional<double> PriceOf(const LimitId& id) const;
   double PriceOf(const Limit& limit) const;
   // Solved, and feasible by the closed form within 1e-6.
   bool IsUsable() const { return solution.IsUsable() && evaluation.IsFeasible(); }
-  // Without program, poses and iterations: of ten thousand starts nobody asks how they came to their ends.
+  // Drops program, poses and iterations, which are not needed of thousands of starts.
   void KeepOutcome();
 };
 
@@ -67,7 +67,7 @@ LocalSolve SolveByExchange(const problem::SynthesisProblem& problem, ProgramBuil
 LocalSolve SolveFrom(const problem::SynthesisProblem& problem, const linkage::Links& start,
                      const OptimizeOptions& options = {});
 
-// Are the multipliers of the solution unique? They are iff the gradients of the active rows and bounds are linearly
+// Whether the multipliers of the solution are unique: iff the gradients of the active rows and bounds are linearly
 // independent (LICQ).
 struct ActiveSet {
   struct Entry {

@@ -1,5 +1,5 @@
-// What comes of a synthesis problem: its optimum and what that is worth (proof, sensitivity, margins, yield, rounding),
-// or why it has none.
+// The outcome of a synthesis problem: its optimum with proof, sensitivity, margins, yield and rounding, or the reason
+// why there is none.
 #pragma once
 
 #include <optional>

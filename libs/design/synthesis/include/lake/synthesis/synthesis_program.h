@@ -82,7 +82,7 @@ struct LimitId {
 };
 LimitId LimitOn(const problem::Requirement::Id& requirement);
 
-// A limit that is reported with its price: a row, named as the limit reads, or the bounds of a variable.
+// A limit that is reported with its multiplier: a row, named after the limit, or the bounds of a variable.
 struct Limit {
   LimitId id;
   std::string unit;

@@ -12,7 +12,7 @@ struct ArucoDictionary {
   int id = 0;             // a cv::aruco::PREDEFINED_DICTIONARY_NAME
 };
 
-// With or without DICT_, in letters of either size. nullopt if there is none.
+// With or without DICT_, in upper or lower case. nullopt if unknown.
 std::optional<ArucoDictionary> FindArucoDictionary(std::string_view name);
 
 // All names, for messages.

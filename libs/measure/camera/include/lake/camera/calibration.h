@@ -29,7 +29,7 @@ struct CalibrationOptions {
   bool square_pixels = false;  // fx = fy
 };
 
-// How a solve went.
+// Summary of a solve.
 struct SolveSummary {
   bool usable = false;
   int iterations = 0;
@@ -68,7 +68,7 @@ struct CalibrationResult {
 CalibrationResult CalibrateCamera(const Board& board, const std::vector<BoardView>& views, int width_px, int height_px,
                                   const CalibrationOptions& options = {});
 
-// How well each family of lenses predicts views that it was not fitted to.
+// Cross-validated error of each family of lenses.
 struct LensChoice {
   LensFamily lens = LensFamily::kPolynomial;
   std::vector<std::pair<LensFamily, double>> error_px;  // median corner error of the views left out; of those that fit

@@ -1,5 +1,5 @@
-// What a calibration is worth: coverage of the picture, tilt of the views, agreement of its halves, and warnings that
-// say why.
+// Quality of a calibration: coverage of the picture, tilt of the views, agreement of two halves, and warnings with
+// their causes.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ struct Coverage {
 
 Coverage CoverageOf(const std::vector<BoardView>& views, int width_px, int height_px);
 
-// How two calibrations of one camera differ over the picture.
+// The difference of two calibrations of one camera over the picture.
 struct CameraDifference {
   int columns = 0, rows = 0;
   std::vector<Eigen::Vector2d> pixel;  // a grid over the picture, row by row from the top left

@@ -28,7 +28,7 @@ struct Camera {
 // The sagittal plane: z = 0 of the plane frame (mm; x right in the image, y up, z towards the camera).
 using PlanePose = Eigen::Isometry3d;  // camera_from_plane
 
-// How well the calibration knows a camera.
+// Uncertainty of a calibrated camera.
 struct CameraUncertainty {
   double rms_px = 0;  // reprojection error per corner, 2-D, as OpenCV counts it
   Eigen::Vector4d intrinsics_sd =
@@ -36,7 +36,7 @@ struct CameraUncertainty {
   std::array<double, 5> distortion_sd = {};  // k1 k2 p1 p2 k3
 };
 
-// How well the plane's pose is known, given the camera.
+// Uncertainty of the plane's pose, given the camera.
 struct PlaneUncertainty {
   double rms_px = 0;                                            // of the points it was fitted to, 2-D
   Eigen::Vector3d rotation_sd_rad = Eigen::Vector3d::Zero();    // about the plane's own x, y, z
@@ -91,7 +91,7 @@ double FoldRadius(const Camera& camera);
 // distorting lens).
 Eigen::Vector3d RayFromPixel(const Camera& camera, const Eigen::Vector2d& pixel);
 
-// Where a pixel's ray meets a plane z = depth of the plane frame, and how errors are carried there.
+// The point where a pixel's ray meets the plane z = depth of the plane frame, with its derivatives.
 struct PlanePoint {
   Eigen::Vector2d position_mm;
   Eigen::Matrix2d mm_per_px;        // d position / d pixel
@@ -102,8 +102,8 @@ struct PlanePoint {
 PlanePoint PlanePointFromPixel(const Camera& camera, const PlanePose& camera_from_plane, const Eigen::Vector2d& pixel,
                                double depth_mm = 0);
 
-// One standard deviation per axis in the plane (mm, root mean square of the two axes) of a point with this one in the
-// picture.
+// Standard deviation per axis in the plane, mm (root mean square of both axes), of a point with this standard deviation
+// in the picture, px.
 double SigmaInPlane(const PlanePoint& point, double sigma_px);
 
 // Where the ray of a pixel meets the plane z = `depth_mm` of the plane frame (a marker that stands proud of the

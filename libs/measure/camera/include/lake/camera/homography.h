@@ -1,4 +1,4 @@
-// From pixels to a plane without knowing the camera: what four known points in the plane give.
+// From pixels to a plane without a calibrated camera, by four or more known points in the plane.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,7 +6,7 @@
 
 namespace lake::camera {
 
-// A point seen at a pixel whose place in a plane is known.
+// A pixel and the known point of the plane that it shows.
 struct PlaneCorrespondence {
   Eigen::Vector2d pixel;           // image frame
   Eigen::Vector2d point_in_plane;  // mm

@@ -1,4 +1,4 @@
-// OpenCV's models of what a lens does to a ray, as templates over the scalar.
+// OpenCV's models of lens distortion, as templates over the scalar.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,7 +26,7 @@ Eigen::Matrix<T, 2, 1> DistortFisheye(const T* c, const T& x, const T& y) {
   return {x * scale, y * scale};
 }
 
-// What a sensor that is tilted by τx about x and then by τy about y makes of a distorted point.
+// The image of a distorted point on a sensor tilted by τx about x, then by τy about y.
 template <typename T>
 Eigen::Matrix<T, 2, 1> OnTiltedSensor(const T& tau_x, const T& tau_y, const T& x, const T& y) {
   using std::cos, std::sin;

@@ -15,12 +15,12 @@
 namespace lake::camera {
 
 struct PlaneFitOptions {
-  // No point is known better than this: four points leave two degrees of freedom, from which no noise can be estimated.
-  // 0.05 px is a good corner of a board; a mouse click is 0.5 px.
+  // Least standard deviation of a point: four points leave two degrees of freedom, too few to estimate the noise. 0.05
+  // px is a good corner of a board; a mouse click is 0.5 px.
   double least_sigma_px = 0.05;
 };
 
-// A plane seen from far looks almost the same when it is tilted the other way.
+// The second solution: from far away, a plane tilted the other way has almost the same image.
 struct OtherPose {
   PlanePose camera_from_plane;
   double rms_px = 0;

@@ -1,4 +1,4 @@
-// Whether the views are of one camera.
+// A test whether all views are of one camera.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ struct TwoCameras {
 std::optional<TwoCameras> FindTwoCameras(const Board& board, const std::vector<BoardView>& views,
                                          const CalibrationResult& result, const CalibrationOptions& options);
 
-// For messages: who is in which group, and what each leaves.
+// For messages: the views of each group and its RMS.
 std::string Describe(const TwoCameras& cameras, const std::vector<BoardView>& views);
 
 }  // namespace lake::camera

@@ -23,7 +23,7 @@ GroundForceRecording ReadC3dForces(const std::filesystem::path& path);
 // of a step, for points in px, and for more names and events than 127 kB hold (some 5000 events).
 void WriteC3d(const std::filesystem::path& path, const PointRecording& points);
 
-// What WriteC3d asks of the times, for those who want to know before there are points. Throws Error.
+// Checks times as WriteC3d does, before the points exist. Throws Error.
 void CheckC3dTimes(const std::filesystem::path& path, const std::vector<double>& time_s);
 
 }  // namespace lake::exchange

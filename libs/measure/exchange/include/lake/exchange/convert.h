@@ -21,12 +21,11 @@ struct ConvertOptions {
   bool flexion_negative = false;                // knee angle of a MOT file as OpenSim's older models have it
 };
 
-// Reads `in`, writes `out` in the format of its ending; returns what the user should know. Points in space are kept in
-// space where the format allows it: turned so that y is up for TRC, with x forward, y up and z to the right if
-// `forward` is given; formats of a plane get them projected. Px with a scale become mm where the format holds no px,
-// and with `picture` wherever it holds mm. A .mot is made from kinematics.csv or a folder that has one, or from another
-// .mot or .sto. Throws Error or UsageError, also for a .mot of a leg of which nobody says whether it is the left or the
-// right one.
+// Reads `in`, writes `out` in the format of its ending; returns warnings. Points in space are kept in space where the
+// format allows it: turned so that y is up for TRC, with x forward, y up and z to the right if `forward` is given;
+// formats of a plane get them projected. Px with a scale become mm where the format holds no px, and with `picture`
+// wherever it holds mm. A .mot is made from kinematics.csv or a folder that has one, or from another .mot or .sto.
+// Throws Error or UsageError, also for a .mot of a leg whose side is unknown.
 std::vector<std::string> ConvertFile(const std::filesystem::path& in, const std::filesystem::path& out,
                                      const ConvertOptions& options);
 

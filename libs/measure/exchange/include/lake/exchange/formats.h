@@ -1,4 +1,4 @@
-// Files of points by their ending: which formats there are, reading, writing, and what lake-track exports.
+// The formats of point files by their ending: reading, writing, and the exports of lake-track.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace lake::exchange {
 
-// A format that can be written, and which points it holds.
+// A format that can be written, with the kinds of points it holds.
 struct PointFormat {
   std::string name;    // as `lake-track --export` has it; empty for lake's own table
   std::string ending;  // of the file's name
@@ -35,14 +35,14 @@ std::filesystem::path TableOfFolder(const std::filesystem::path& folder);
 // By the ending. `unit` is that of TRC: mm, cm or m. Throws Error for points that the format does not hold.
 void WritePoints(const std::filesystem::path& path, const PointRecording& points, const std::string& unit = "mm");
 
-// What `lake-track --export` knows: trc, mot, …
+// The formats of `lake-track --export`: trc, mot, …
 std::vector<std::string> ExportFormats();
 
 // Throws UsageError for a format that is not among them, without a scale for one that holds lengths only, and without a
 // leg for one that holds its angles.
 void CheckExportFormats(const std::vector<std::string>& formats, bool has_scale, bool has_leg);
 
-// What is exported of a trial.
+// The data of a trial to export.
 struct ExportedTrial {
   PointRecording points;                      // in mm, or px without a scale
   PointRecording image;                       // in px, for formats that lie over the video

@@ -1,4 +1,4 @@
-// What force plates measured, as OpenSim's tables and C3D files have it.
+// Measurements of force plates from OpenSim's tables and C3D files.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,8 +34,7 @@ GroundForceRecording ReadGroundForces(const std::filesystem::path& path);
 // both.
 void CheckPlates(const std::map<std::string, int>& plates);
 
-// The plate that --plates names for this leg, or the only one that bears a force. Throws Error listing what the
-// file has.
+// The plate that --plates names for this leg, or the only loaded one. Throws Error listing the plates of the file.
 const PlateForces& PlateOf(const GroundForceRecording& forces, const std::map<std::string, int>& plates,
                            const std::string& leg, const std::filesystem::path& path);
 

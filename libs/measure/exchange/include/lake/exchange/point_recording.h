@@ -26,19 +26,19 @@ struct PointTrack {
   std::vector<Eigen::Vector3d> positions;  // one per frame; NaN where missing
 };
 
-// The axes that a project of Tracker lays into the image.
+// The axes of a Tracker project in the image.
 struct ImageAxes {
   Eigen::Vector2d origin_px = Eigen::Vector2d::Zero();  // image frame
   double angle_deg = 0;                                 // from the image's right to x, counter-clockwise as seen
 };
 
-// The video that points of the image were seen in, for programs that open both.
+// The video that the image points belong to, for programs that open both.
 struct SourceVideo {
   std::string file;
   int width_px = 0, height_px = 0;
 };
 
-// What the file notes at a moment, e.g. "Foot Strike" in the context "Left".
+// An event of the file, e.g. "Foot Strike" in the context "Left".
 struct PointEvent {
   double time_s = 0;
   std::string context, label;
@@ -54,7 +54,7 @@ struct PointRecording {
   std::optional<double> mm_per_px;  // of kImage, if the file has a scale
   std::optional<ImageAxes> axes;    // of kImage, if the file has its own; else x right, y up from the top-left pixel
   std::optional<SourceVideo> video;
-  std::vector<std::string> warnings;  // what is odd in the file, one line each
+  std::vector<std::string> warnings;  // oddities of the file, one line each
 
   const PointTrack* Find(std::string_view name) const;
 };

@@ -24,24 +24,24 @@ struct TrialOptions {
   motion::MarkerValues values = motion::MarkerValues::kMeasured;
 };
 
-// All but the rate, which only what converts asks.
+// All but the rate, which only `lake convert` takes.
 void Describe(TrialOptions& o, OptionList& options);
-// Which axis of a 3-D file is vertical.
+// The vertical axis of a 3-D file.
 Option& DescribeUp(TrialOptions& o, OptionList& options);
 
-// Whether a trajectory.csv's measurements or its estimates are read.
+// Which values of a trajectory.csv are read: measurements or estimates.
 Option& DescribeValues(TrialOptions& o, OptionList& options);
 
 // The unit of files that do not say theirs: its name, or its length in mm.
 Option& DescribeUnit(const std::string& name, double& mm_per_unit, OptionList& options);
 
-// An option that is given and that a file of this kind has no use for.
+// An option that has no effect on a file of this kind.
 struct UnusedOption {
   std::string option, why;  // "--unit", "its lengths are in mm"
 };
 
-// Those of unit, vertical, rate and --smoothed that reading this file or folder would pass over; none for a file that
-// is not there.
+// The given options among unit, vertical, rate and --smoothed that have no effect on this file or folder; none for a
+// missing file.
 std::vector<UnusedOption> UnusedOptions(const std::filesystem::path& path, const TrialOptions& options);
 
 // Throws UsageError that names the first, if there is one, and why it has no effect on the file.
@@ -55,16 +55,16 @@ struct Trial {
   std::optional<Eigen::Vector2d> up;  // in the plane, where a folder's own summary says it; else the plane's y
   std::optional<motion::Side> leg;    // as the markers' names in the file or a folder's own summary say
   bool known_sigmas = false;          // measurements whose sigmas hold, as a folder's own summary says
-  double out_of_plane_mm = 0;         // 3-D files: RMS of the leg's movement across the plane
+  double out_of_plane_mm = 0;         // 3-D files: RMS of the leg's lateral movement
   // 3-D files: x and y of the plane from the file's axes, and its normal, towards the one who sees x to the right.
   std::optional<Eigen::Matrix3d> plane_from_space;
-  // 3-D files whose points do not lie in one plane: by marker, where it is across the plane in each frame (to the
-  // right of who faces along it), NaN where missing.
+  // 3-D files whose points do not lie in one plane: each marker's lateral coordinate in each frame (to the right of a
+  // person who faces along the plane), NaN where missing.
   std::map<std::string, std::vector<double>> across_mm;
   std::vector<std::string> warnings;
 };
 
-// Which leg it is, in summaries: left or right.
+// The key of the leg in summaries: left or right.
 inline constexpr const char* kLegKey = "leg";
 std::optional<motion::Side> LegInSummary(const Json& summary);
 
@@ -75,7 +75,7 @@ std::optional<motion::Side> LegInSummary(const Json& summary);
 Trial ReadTrial(const std::filesystem::path& path, const TrialOptions& options = {});
 
 // 3-D points as they are seen from the side: kPlane, x along `options.forward` or the fitted direction; the fit needs
-// the names ankle, knee and hip. The RMS movement across the plane goes to `out_of_plane_mm`.
+// the names ankle, knee and hip. The RMS lateral movement goes to `out_of_plane_mm`.
 PointRecording ProjectOntoSagittalPlane(const PointRecording& points, const TrialOptions& options,
                                         const std::filesystem::path& path, double* out_of_plane_mm);
 

@@ -1,4 +1,4 @@
-// How well a measurement is repeated, and how two conditions differ, over subjects. All intervals are of 95 %.
+// Repeatability of a measurement and difference of two conditions, over subjects. All intervals are of 95 %.
 //
 // Values stand in a table of n targets (subjects, rows) by k judges (sessions, repetitions or raters, columns) without
 // a gap. What is not defined (no variation, too few values) is NaN.
@@ -61,7 +61,7 @@ MeanOfSubjects MeanOf(const std::vector<double>& values);
 
 // How far each value lies from the others, in robust standard deviations: (v − median) / (1.4826 median |v − median|).
 // Beyond 3.5 it counts as an outlier (Iglewicz & Hoaglin, How to Detect and Handle Outliers, 1993). NaN where more than
-// half of the values are the same, or where there are fewer than five: nothing tells then what is usual.
+// half of the values are the same, or where there are fewer than five.
 std::vector<double> RobustScores(const std::vector<double>& values);
 inline constexpr double kOutlierScore = 3.5;
 

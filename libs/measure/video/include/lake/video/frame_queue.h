@@ -1,5 +1,5 @@
-// Frames decoded ahead by a thread of their own, so that decoding overlaps with what is done to them. As many as bridge
-// the time of those that take longest (the first ones, when all is new to a tracker), within a limit on memory.
+// Frames decoded ahead by a thread, so that decoding and processing overlap. The queue is long enough to bridge the
+// slowest frames (the first ones of a tracker), within a limit on memory.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What can be said of a recording before its frames are decoded.
+// Properties of a recording that need no decoding.
 #pragma once
 
 #include <filesystem>
@@ -13,13 +13,13 @@ namespace lake::video {
 // (frames/%05d.png), which is the working folder where the pattern names none.
 std::filesystem::path FilesOfVideo(const std::filesystem::path& path);
 
-// Whether the file says when its frames were taken. An image sequence and a stream without a container do not: they
-// have times only by a capture rate. Throws Error as VideoReader::Open does.
+// Whether the file has time stamps. An image sequence and a stream without a container have none and need a capture
+// rate. Throws Error as VideoReader::Open does.
 bool HasTimes(const std::filesystem::path& path);
 
-// The time stamps of the frames that a reader with these options would hand out, s, increasing, from the container's
-// packets or an image sequence's count and rate. nullopt where the container leaves some out or counts them otherwise:
-// then only decoding tells. Throws Error as VideoReader::Open does, but not where a rate is missing.
+// The time stamps of the frames that a reader with these options would return, s, increasing, from the container's
+// packets or an image sequence's count and rate. nullopt where the container's stamps are incomplete or differ from the
+// decoder's; then the video must be decoded. Throws Error as VideoReader::Open does, but not where a rate is missing.
 std::optional<std::vector<double>> StampsInContainer(const std::filesystem::path& path,
                                                      const VideoReaderOptions& options = {});
 

@@ -16,7 +16,7 @@ struct VideoInfo {
   int width = 0;                       // px, as a player shows it (after the stream's rotation)
   int height = 0;                      // px
   double frame_rate_hz = 0;            // the stream's average rate, or the capture rate that was given
-  std::optional<std::int64_t> frames;  // about how many are handed out, if the container says; for progress only
+  std::optional<std::int64_t> frames;  // approximate number, if the container states it; for progress only
   std::string codec;
   bool coded_frame_by_frame = false;  // without prediction from other frames, as Motion JPEG, PNG or FFV1
   std::string pixel_format;           // as stored, in libav's name, e.g. "yuv420p"
@@ -27,12 +27,12 @@ struct VideoInfo {
   bool full_range = false;            // levels of previews given as stored: 0..255, else 16..235
   bool interlaced = false;            // the first frame consists of two fields taken at different times
 
-  // Of the frames decoded so far; whole when Read() has returned false.
+  // Of the frames decoded so far; final once Read() has returned false.
   double shortest_interval_s = 0;  // between neighbouring frames
   double longest_interval_s = 0;
   bool irregular_stamps =
       false;  // the two differ by more than a tenth of the mean interval (and the stamps' own rounding)
-  std::int64_t repaired_stamps = 0;  // frames without a stamp: put one frame's duration after the frame before
+  std::int64_t repaired_stamps = 0;  // frames without a stamp, which got the previous stamp plus one frame's duration
 };
 
 struct VideoFrame {
@@ -53,7 +53,7 @@ struct VideoReaderOptions {
   bool luma_too = false;           // … but luma if this is set
   bool preview_as_stored = false;  // 8-bit 4:2:0 video that is not made smaller keeps its samples: for a copy
   bool skip_deblocking = false;    // leave out the decoder's loop filter: quicker, but block edges show and errors
-                                   // grow until the next key frame. For looking at, never for measuring
+                                   // grow until the next key frame. For display, never for measurement
   int rotate_deg = 0;              // turn the pictures clockwise by 90, 180 or 270, beyond what the file says of itself
   // If set: time = (first time) + index / rate. For slow-motion files, and for what has no times of its own: image
   // sequences and streams without a container, which are not opened without it.
@@ -61,8 +61,8 @@ struct VideoReaderOptions {
   std::int64_t first = 0;                          // first frame to hand out
   std::optional<std::int64_t> last = {};           // last frame to hand out
   std::optional<double> start_s = {}, end_s = {};  // only frames with time stamps from … to …, both included
-  // Begin at the key frame at or before this time, without decoding what comes before it; frames count from there. For
-  // looking into long files; where a file cannot be searched, at its beginning.
+  // Begins at the key frame at or before this time without decoding earlier frames; frames count from there. For
+  // samples of long files. A file without an index begins at its start.
   std::optional<double> seek_s = {};
 };
 

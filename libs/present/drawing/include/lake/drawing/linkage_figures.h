@@ -1,5 +1,5 @@
-// Pictures of the linkage: poses in the paper's manner, what it does over the stroke, the labelled drawing, the
-// mannequin. Files are PNG or SVG by their extension.
+// Pictures of the linkage: poses in the paper's manner, curves over the stroke, the labelled drawing, the mannequin.
+// Files are PNG or SVG by their extension.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace lake::drawing {
 
-// What all pictures of one design share.
+// Common to all pictures of one design.
 struct LinkageLook {
   linkage::Links links;
   linkage::UsedRange range;

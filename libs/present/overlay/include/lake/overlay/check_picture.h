@@ -1,4 +1,4 @@
-// A frame with what was taken for markers, and beside it what was found of the recording.
+// A frame with the spots taken for markers, and beside it the findings on the recording.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// The subject's head made unrecognisable, at the place where the leg and the trunk say that it is.
+// The subject's head made unrecognisable, at the position predicted from leg and trunk.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,19 +18,19 @@ struct HeadDisc {
   double radius_px = 0;
 };
 
-// Whose head it is: a body of the proportions of Drillis & Contini (1966), whose legs are the measured ones. The head's
-// centre is 0.825 of the leg's length (knee to ankle and to hip) from the hip, along the trunk.
+// The body has the proportions of Drillis & Contini (1966) and the measured legs. The head's centre is 0.825 of the
+// leg's length (knee to ankle and to hip) from the hip, along the trunk.
 //
 // The trunk's direction is that from hip to shoulder where a marker `shoulder` is seen. Else it is taken from the
 // waist: the trunk of a subject who stands goes on along the leg, and leans 1.25 times as far from there as the line
 // from hip to waist turns, as the lumbar spine bends with the pelvis. So the waist marker may sit anywhere on the
-// pelvis, but somebody must stand.
+// pelvis, but the subject must stand at some time.
 class HeadBlur {
  public:
   // Tracks in px. Throws Error naming what is not among them: ankle, knee, hip, and waist or shoulder.
   explicit HeadBlur(const motion::MarkerRecording& tracks);
 
-  // Whether the head's place is known in any frame; not where neither a shoulder is seen nor somebody stands.
+  // Whether the head's position is known in any frame: where a shoulder is seen or the subject stands.
   bool IsKnown() const { return radius_px_ > 0; }
 
   // In a frame of the file. Gaps of up to a second are bridged; nullopt in longer ones and where nothing was tracked.
@@ -39,8 +39,8 @@ class HeadBlur {
   enum class Done { kHead, kHeadBesideLeg, kWhole };
 
   // Blurs a frame of the file, a picture as VideoFrame::preview of a recording of this width: the head's disc, the
-  // whole picture where nobody knows where the head is. The shank, the thigh and what surrounds the markers are left as
-  // they are: kHeadBesideLeg says that the head may reach them, if the spine bends as most do.
+  // whole picture where the head's position is unknown. The shank, the thigh and the surroundings of the markers stay
+  // as they are; kHeadBesideLeg says that the head may reach them.
   Done Blur(cv::Mat& i420, std::int64_t frame, int recorded_width) const;
 
  private:
@@ -58,7 +58,7 @@ class HeadBlur {
   std::vector<std::optional<Eigen::Vector2d>> heads_;  // per row of the tracks
 };
 
-// The whole picture so coarse that nobody is recognised, CV_8UC1.
+// Blurs the whole picture beyond recognition, CV_8UC1.
 void BlurWhole(cv::Mat& luma);
 
 struct AnonymisedCopy {

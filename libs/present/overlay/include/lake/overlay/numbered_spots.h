@@ -1,4 +1,4 @@
-// A frame of the recording with what was found in it numbered, for the person who is to say which is which.
+// A frame of the recording with numbered spots, for the person who names the markers.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,4 @@
-// The recording with what was found in it drawn on top: skeleton, markers, trails, knee angle, and each marker
-// magnified.
+// The recording with skeleton, markers, trails and knee angle drawn on top, and each marker magnified.
 #pragma once
 
 #include <filesystem>

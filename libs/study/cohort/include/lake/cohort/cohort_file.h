@@ -46,8 +46,8 @@ struct Cohort {
 };
 
 // Those of the given participants ("01" or "sub-01"), or of all. Throws Error in one line with file and line: labels
-// that are not letters and digits, a participant that stands twice, recordings of nobody in the table, an unknown key,
-// column or name; UsageError for a participant who is not there.
+// that are not letters and digits, a participant that stands twice, recordings of a participant who is not in the
+// table, an unknown key, column or name; UsageError for a participant who is not there.
 Cohort ReadCohort(const std::filesystem::path& folder, const std::vector<std::string>& participants = {});
 
 }  // namespace lake::cohort

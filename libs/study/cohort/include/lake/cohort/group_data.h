@@ -1,4 +1,4 @@
-// What the studies of a cohort found: a row a repetition and a row a whole result, and curves over the rise.
+// The results of a cohort's studies: a row per repetition, a row per whole result, and curves over the rise.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ struct GroupData {
   std::vector<std::string> quantities;  // of the rows, each once, in the order of the tables
 };
 
-// What one study has left.
+// The results of one study.
 struct DoneStudy {
   std::string participant, session, run;
   std::filesystem::path folder;

@@ -1,4 +1,4 @@
-// What a group's rows and curves say: means, reliability, differences between the trials, who stands out.
+// Statistics of a group: means, reliability, differences between the trials, outliers.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace lake::cohort {
 
-// What the page shows and outliers are sought in: one quantity for each thing that is measured.
+// The quantities of the page and of the search for outliers: one for each thing that is measured.
 struct MainQuantity {
   const char *trial, *name, *label, *unit;
   int decimals;

@@ -6,7 +6,7 @@
 
 namespace lake::cohort {
 
-// What BIDS needs to know of recordings.
+// The entities of BIDS file names.
 struct MotionNames {
   std::string person;  // sub-01, or sub-01_ses-1
   std::string run;     // run-1, or empty

@@ -1,4 +1,4 @@
-// Messages that name options, for those who wrote a study file.
+// Messages that name options, translated to keys of the study file.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace lake::steps {
 
-// How a section of a study file says an option.
+// An option's key in a section of a study file.
 struct StudyKey {
   std::string option;    // "seed"
   std::string key;       // "seeds"

@@ -26,7 +26,7 @@ struct StudyStep {
   Json options = Json::object();                   // what else its outputs depend on
   double expected_s = 1;                           // how long it takes, until its stamp says so; for the time left
   std::function<void(Run&)> work = {};  // writes through the run: its outputs are what the run has given out as results
-  Json summary_options = Json::object();  // what its summary says of options, by the names of its program's
+  Json summary_options = Json::object();  // options for its summary, named as its program's
   std::vector<std::string> given = {};    // those of them that the study gives
   std::vector<StudyKey> keys = {};        // of its section of the study file, for errors that name options
 };
@@ -54,15 +54,13 @@ struct StepOutcome {
 // Removes what a step left that the study does not have any more, nothing else in its folder.
 void RetireStudyStep(const std::filesystem::path& folder, const std::string& step);
 
-// Given in an order in which a step comes after those whose outputs it reads. Each begins when those are done: as many
-// at the same time as there are threads, in processes of their own, with the same outputs as one after the other. A
-// step that fails ends the run: the exception is of the cause's type, its text names the step and what it is about; of
-// several that fail it is the first. Steps that are done stay, those under way come to their end first, no other is
-// begun. While a step is under way it has no stamp, and the outputs of its last time are gone.
+// Steps come after those whose outputs they read, and begin when these are done: as many at the same time as there are
+// threads, each in a process of its own, with the same outputs as in sequence. A failing step ends the run; of several
+// the first counts. The exception has the cause's type, and its text names the step. Finished steps keep their outputs,
+// running ones are finished, no further one begins. A running step has no stamp, and its earlier outputs are gone.
 //
-// Of steps that are done alone, those before them must have been done and are not examined; other processes may do
-// other steps meanwhile. Throws Error if there is no such step or if one all outputs of which it reads has not been
-// done.
+// With `only`, the steps before must have been done and are not examined; other processes may run other steps
+// meanwhile. Throws Error if there is no such step or if one all outputs of which it reads has not been done.
 std::vector<StepOutcome> RunSteps(const std::vector<StudyStep>& steps, const StepRunOptions& options);
 
 // The earlier steps that a step reads outputs of.
@@ -73,7 +71,7 @@ std::vector<std::string> StepsBefore(const std::vector<StudyStep>& steps, const 
 std::vector<std::string> WhyDoSteps(const std::vector<StudyStep>& steps,
                                     const std::string& made_by = StepRunOptions::ThisProgram());
 
-// What the step failed with when it was done last; nullopt if it did not fail.
+// The error of the step's last run; nullopt if it did not fail.
 std::optional<std::string> StepFailure(const StudyStep& step);
 
 }  // namespace lake::steps
