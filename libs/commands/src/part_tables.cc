@@ -25,7 +25,7 @@ void WritePartList(const std::filesystem::path& path, const parts::Mechanism& me
 std::vector<std::vector<std::string>> LayersOf(const parts::Stack& stack) {
   std::vector<std::vector<std::string>> layers(1 + static_cast<std::size_t>(std::ranges::max(stack.layer)));
   for (std::size_t i = 0; i < parts::kBodies; ++i)
-    layers[static_cast<std::size_t>(stack.layer[i])].push_back(parts::NameOf(static_cast<parts::Body>(i)));
+    layers[static_cast<std::size_t>(stack.layer[i])].emplace_back(parts::NameOf(static_cast<parts::Body>(i)));
   return layers;
 }
 

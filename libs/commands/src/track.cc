@@ -183,7 +183,7 @@ void WriteCandidates(const TrackRunOptions& options, const tracking::CandidateLi
   }
   csv.Write(run.Result(kCandidatesTable));
   cv::Mat luma = video::ReadLuma(options.video, list.frame, options.track.reader);
-  if (options.anonymise) overlay::BlurWhole(luma);  // nobody knows yet which spot is whose
+  if (options.anonymise) overlay::BlurWhole(luma);  // the spots have no names yet
   overlay::DrawNumberedSpots(luma, spots, run.Result(kCandidatesPicture));
 }
 
@@ -263,7 +263,9 @@ void WriteOverlay(const TrackRunOptions& options, overlay::OverlayContent conten
   if (options.anonymise) {
     content.anonymise = &blur.emplace(content.tracks);
     if (!blur->IsKnown())
-      run.Warn("nobody stands in this recording, so nobody knows where the head is: overlay.mp4 is blurred as a whole");
+      run.Warn(
+          "the subject never stands in this recording, so the head's position is unknown: overlay.mp4 is blurred as a "
+          "whole");
   }
   overlay::OverlayOptions overlay;
   overlay.quiet = run.Quiet();

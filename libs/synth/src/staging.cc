@@ -21,7 +21,7 @@ class WalkIn : public MarkerMotion {
         distance_mm_(distance_mm),
         hip_(IndexOfMarker(*motion_, "hip")),
         swinging_{IndexOfMarker(*motion_, "ankle"), IndexOfMarker(*motion_, "knee")} {
-    if (hip_ < 0) throw Fail("who walks in needs a marker 'hip'");
+    if (hip_ < 0) throw Fail("a subject who walks in needs a marker 'hip'");
     if (!(walk_s > 0)) throw UsageError("walking in takes a positive time");
   }
 

@@ -113,7 +113,7 @@ class Child {
       if (waiting[1].revents != 0) said_.Read(take_said);
     }
     const std::optional<int> status = WaitForEnd(std::exchange(pid_, 0));
-    if (!status) throw Fail("{}: how it ended is not known", name_);
+    if (!status) throw Fail("{}: its exit status is unknown", name_);
     return WIFEXITED(*status) ? WEXITSTATUS(*status) : 128 + WTERMSIG(*status);
   }
 

@@ -230,7 +230,7 @@ PointRecording Project(const PointRecording& points, const SagittalAxes& axes, c
     for (Eigen::Vector3d& p : point.positions)
       if (p.allFinite()) p = {p.dot(axes.forward), p.dot(axes.up), 0};
   plane.warnings.push_back(fmt::format(
-      "{}: paths are projected onto the vertical plane {}; the leg moves {:.1f} mm RMS across it", path.string(),
+      "{}: paths are projected onto the vertical plane {}; the leg moves {:.1f} mm RMS out of it", path.string(),
       options.forward.empty() ? "in which the leg moves most" : "along " + options.forward, *out_of_plane_mm));
   return plane;
 }

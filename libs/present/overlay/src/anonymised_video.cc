@@ -39,7 +39,8 @@ AnonymisedCopy WriteAnonymisedVideo(const std::filesystem::path& video, const He
                                     const AnonymiseOptions& options, const std::filesystem::path& out) {
   if (!blur.IsKnown())
     throw Fail(
-        "{}: where the head is, is not known in any frame: nobody stands with ankle, knee, hip and waist in sight",
+        "{}: the head's position is unknown in every frame: the subject never stands with ankle, knee, hip and waist "
+        "in sight",
         video.string());
   const auto reader = video::VideoReader::Open(video, CopyOptions(options));
   const video::VideoInfo& info = reader->Info();

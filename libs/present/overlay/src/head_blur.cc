@@ -66,11 +66,11 @@ cv::Point PixelOf(const Eigen::Vector2d& place, double scale) {
 }  // namespace
 
 HeadBlur::HeadBlur(const motion::MarkerRecording& tracks) : tracks_(tracks) {
-  if (tracks_.unit != motion::LengthUnit::kPx) throw Fail("to blur a head takes tracks in px");
+  if (tracks_.unit != motion::LengthUnit::kPx) throw Fail("blurring a head needs tracks in px");
   for (const char* name : {"ankle", "knee", "hip"})
-    if (!tracks_.Find(name)) throw Fail("to know where the head is takes a marker '{}'", name);
+    if (!tracks_.Find(name)) throw Fail("the head's position needs a marker '{}'", name);
   if (!tracks_.Find("waist") && !tracks_.Find("shoulder"))
-    throw Fail("to know where the head is takes a marker 'waist' or 'shoulder'");
+    throw Fail("the head's position needs a marker 'waist' or 'shoulder'");
   FindLeg();
   FindHeads();
   BridgeGaps();

@@ -43,7 +43,7 @@ class Participants {
       if (!rows_.try_emplace(id, row).second) throw Fail("{}: {} stands twice", table_.Where(row), id);
       names_.push_back(id);
     }
-    if (names_.empty()) throw Fail("{}: nobody takes part", path.string());
+    if (names_.empty()) throw Fail("{}: there are no participants", path.string());
     CheckColumn("mass_kg", loads::kLeastMass_kg, loads::kLargestMass_kg);
     CheckColumn("height_mm", loads::kLeastHeight_mm, loads::kLargestHeight_mm);
     CheckColumn("seat_height_mm", kLowestSeat_mm, kHighestSeat_mm);
@@ -251,7 +251,7 @@ void Anonymise(Json& study, const std::string& of) {
     if (study[trial].contains("anonymise")) continue;
     if (!ShowTrunk(study[trial]))
       throw Fail(
-          "{}: '{}' has neither waist nor shoulder among its markers, so nobody knows where the head is: add one, or "
+          "{}: '{}' has neither waist nor shoulder among its markers, so the head's position is unknown: add one, or "
           "say 'anonymise: false'",
           of, trial);
     study[trial]["anonymise"] = true;
@@ -305,7 +305,7 @@ Cohort ReadCohort(const fs::path& folder, const std::vector<std::string>& asked)
   cohort.steps = ReadSteps(root);
   const auto study = root.Child("study");
   if (!study || !study->IsMap())
-    throw Fail("{}: 'study' is missing: what study.yaml says for each person", root.Where());
+    throw Fail("{}: 'study' is missing: the keys of each person's study.yaml", root.Where());
   const Json of_all = study->ToJson();
   const std::vector<Difference> differences = ReadPeople(root, found);
   if (auto population = root.Child("population"))
