@@ -13,9 +13,10 @@ int main(int argc, char** argv) {
   const int code = program.Main(
       argc, argv, [&] { return options.video.stem().string() + "-check"; },
       [&](lake::Run& run) {
-        const lake::commands::JudgedRecording judged = lake::commands::RunCheck(options, run);
-        fit = judged.IsFit();
-        return lake::commands::JudgedJson(judged);
-      });
+        lake::Json results = lake::commands::RunCheck(options, run);
+        fit = results["fit"].get<bool>();
+        return results;
+      },
+      lake::commands::CheckReport);
   return code == 0 && !fit ? 1 : code;
 }

@@ -22,7 +22,7 @@ Json CheckVideo(const std::filesystem::path& video, const std::filesystem::path&
   commands::CheckRunOptions options;
   options.video = video;
   Run run({"lake-check", "test", Json::object(), out, true});
-  return run.WriteSummary(commands::JudgedJson(commands::RunCheck(options, run)));
+  return run.WriteSummary(commands::RunCheck(options, run));
 }
 
 std::string VerdictOf(const Json& summary, const std::string& name) {

@@ -219,30 +219,17 @@ void Describe(CheckRunOptions& o, OptionList& options) {
   video::DescribeRotation(o.check.reader, options);
 }
 
-bool JudgedRecording::IsFit() const {
-  return std::ranges::none_of(items, [](const CheckItem& item) { return item.verdict == Verdict::kUnfit; });
-}
-
-JudgedRecording RunCheck(const CheckRunOptions& options, Run& run) {
-  JudgedRecording judged{.check = tracking::CheckRecording(options.video, options.check), .items = {}};
-  judged.items = JudgeRecording(judged.check, options.check.markers);
+Json RunCheck(const CheckRunOptions& options, Run& run) {
+  const tracking::RecordingCheck check = tracking::CheckRecording(options.video, options.check);
   run.AddInput(video::FilesOfVideo(options.video), "video");
   run.Begin({"summary.json", "check.png"});
-  const std::string title =
-      fmt::format("{}: {} (frame at {:.2f} s)", options.video.filename().string(), judged.IsFit() ? "fit" : "not fit",
-                  static_cast<double>(judged.check.shown_frame_ms) / 1000);
-  video::WriteImage(run.Result("check.png"), overlay::DrawCheckPicture(PictureOf(judged.check, judged.items, title)));
-  for (const CheckItem& item : judged.items) {
-    run.Report(fmt::format("{:<6} {}\n", ToString(item.verdict), item.shown));
-    if (item.verdict != Verdict::kGood) run.Report(fmt::format("       -> {}\n", item.advice));
-  }
-  run.Report(judged.IsFit() ? "fit\n" : "not fit: change what is marked before the subject goes home\n");
-  return judged;
-}
-
-Json JudgedJson(const JudgedRecording& recording) {
-  const tracking::RecordingCheck& check = recording.check;
-  return {{"fit", recording.IsFit()},
+  const std::vector<CheckItem> items = JudgeRecording(check, options.check.markers);
+  const bool fit =
+      std::none_of(items.begin(), items.end(), [](const CheckItem& i) { return i.verdict == Verdict::kUnfit; });
+  const std::string title = fmt::format("{}: {} (frame at {:.2f} s)", options.video.filename().string(),
+                                        fit ? "fit" : "not fit", static_cast<double>(check.shown_frame_ms) / 1000);
+  video::WriteImage(run.Result("check.png"), overlay::DrawCheckPicture(PictureOf(check, items, title)));
+  return {{"fit", fit},
           {"video",
            {{"width", check.video.width},
             {"height", check.video.height},
@@ -250,7 +237,17 @@ Json JudgedJson(const JudgedRecording& recording) {
             {"codec", check.video.codec},
             {"rotation_deg", check.video.rotation_deg}}},
           {"figures", ChecksJson(check)},
-          {"checks", ItemsJson(recording.items)}};
+          {"checks", ItemsJson(items)}};
+}
+
+std::string CheckReport(const Json& summary) {
+  std::string text;
+  for (const Json& item : summary["checks"]) {
+    text += fmt::format("{:<6} {}\n", item["verdict"].get<std::string>(), item["shown"].get<std::string>());
+    if (item.contains("advice")) text += fmt::format("       -> {}\n", item["advice"].get<std::string>());
+  }
+  return text +
+         (summary["fit"].get<bool>() ? "fit\n" : "not fit: change what is marked before the subject goes home\n");
 }
 
 }  // namespace lake::commands

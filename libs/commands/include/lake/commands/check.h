@@ -1,4 +1,4 @@
-// The work of lake-check: the quality of a recording, before the subject goes home.
+// The work of lake-check: what a recording is worth, before the subject goes home.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ void Describe(CheckRunOptions& o, OptionList& options);
 
 enum class Verdict { kGood, kPoor, kUnfit };
 
-// One figure, its verdict, and advice where it is not good.
+// One thing that was looked at, with what to change where it is not good.
 struct CheckItem {
   std::string name;   // of the figure in the summary
   std::string shown;  // the figure in words
@@ -35,18 +35,10 @@ std::vector<CheckItem> JudgeRecording(const tracking::RecordingCheck& check, int
 // The figures of markers, as both lake-check's and lake-track's summary have them.
 Json FiguresJson(const tracking::MarkerFigures& figures);
 
-// A recording as it was measured and judged.
-struct JudgedRecording {
-  tracking::RecordingCheck check;
-  std::vector<CheckItem> items;
+// Writes check.png and returns the results for the summary; `fit` there is false if anything makes the recording unfit.
+Json RunCheck(const CheckRunOptions& options, Run& run);
 
-  bool IsFit() const;  // nothing makes it unfit
-};
-
-// For the summary.
-Json JudgedJson(const JudgedRecording& recording);
-
-// Writes check.png.
-JudgedRecording RunCheck(const CheckRunOptions& options, Run& run);
+// What a person wants to read of the summary.
+std::string CheckReport(const Json& summary);
 
 }  // namespace lake::commands
