@@ -44,21 +44,14 @@ MeanSquares MeanSquaresOf(const Eigen::MatrixXd& values) {
   const Eigen::VectorXd of_target = values.rowwise().mean();
   const Eigen::RowVectorXd of_judge = values.colwise().mean();
   const double mean = values.mean();
-  const Eigen::MatrixXd within = values.colwise() - of_target;
-  const Eigen::MatrixXd residual = within.rowwise() - (of_judge.array() - mean).matrix();
+  const Eigen::MatrixXd residual = (values.colwise() - of_target).rowwise() - (of_judge.array() - mean).matrix();
   MeanSquares ms;
   ms.targets = n;
   ms.judges = k;
   ms.between_targets = static_cast<double>(k) * (of_target.array() - mean).square().sum() / static_cast<double>(n - 1);
-  ms.within_targets = within.squaredNorm() / static_cast<double>(n * (k - 1));
   ms.between_judges = static_cast<double>(n) * (of_judge.array() - mean).square().sum() / static_cast<double>(k - 1);
   ms.residual = residual.squaredNorm() / static_cast<double>((n - 1) * (k - 1));
   return ms;
-}
-
-double Icc1Single(const MeanSquares& ms) {
-  const auto k = static_cast<double>(ms.judges);
-  return Ratio(ms.between_targets - ms.within_targets, ms.between_targets + (k - 1) * ms.within_targets);
 }
 
 Estimate Icc2Single(const MeanSquares& ms) {
@@ -84,15 +77,6 @@ Estimate Icc3Single(const MeanSquares& ms) {
   const double f = ms.between_targets / ms.residual, df = (n - 1) * (k - 1);
   const double low = f / FQuantile(n - 1, df), high = f * FQuantile(df, n - 1);
   return {icc, {(low - 1) / (low + k - 1), (high - 1) / (high + k - 1)}};
-}
-
-double Icc2Mean(const MeanSquares& ms) {
-  const auto n = static_cast<double>(ms.targets);
-  return Ratio(ms.between_targets - ms.residual, ms.between_targets + (ms.between_judges - ms.residual) / n);
-}
-
-double Icc3Mean(const MeanSquares& ms) {
-  return Ratio(ms.between_targets - ms.residual, ms.between_targets);
 }
 
 Estimate StandardErrorOfMeasurement(const MeanSquares& ms) {

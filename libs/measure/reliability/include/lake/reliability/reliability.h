@@ -21,23 +21,19 @@ struct Estimate {
   Interval interval;
 };
 
-// Of the two-way layout: between targets, within targets, between judges, and the residual of both.
+// Of the two-way layout: between targets, between judges, and the residual of both.
 struct MeanSquares {
   Eigen::Index targets = 0, judges = 0;
-  double between_targets = 0, within_targets = 0, between_judges = 0, residual = 0;
+  double between_targets = 0, between_judges = 0, residual = 0;
 };
 
 // Throws Error unless there are two targets and two judges at least, all values finite.
 MeanSquares MeanSquaresOf(const Eigen::MatrixXd& values);
 
-// Intraclass correlations. 1: judges differ from target to target; 2: judges are a random sample, and their systematic
-// differences count (agreement); 3: these judges and no others, differences between them do not count (consistency).
-// `Single` of one measurement, `Mean` of the mean over all k.
-double Icc1Single(const MeanSquares& ms);
+// Intraclass correlations of a single measurement: ICC(2,1), judges are a random sample, and their systematic
+// differences count (agreement); ICC(3,1), these judges and no others, whose differences do not count (consistency).
 Estimate Icc2Single(const MeanSquares& ms);
 Estimate Icc3Single(const MeanSquares& ms);
-double Icc2Mean(const MeanSquares& ms);
-double Icc3Mean(const MeanSquares& ms);
 
 // The standard error of measurement, in the values' unit: sqrt(residual mean square) (Weir's eq. 9), its interval by
 // χ². The minimal detectable change of one subject between two measurements is 1.96 √2 SEM.
