@@ -98,7 +98,7 @@ Json ResultJson(const camera::BoardPictures& pictures, const camera::Calibration
 std::string ReportOf(const camera::BoardPictures& pictures, const camera::CalibrationResult& result,
                      const camera::CalibrationQuality& quality, camera::LensFamily lens) {
   const camera::Camera& camera = result.camera;
-  const auto& sd = camera::UncertaintyOf(result).intrinsics_sd;
+  const Eigen::Vector4d sd = camera::UncertaintyOf(result).intrinsics_sd;
   const auto& crossed = quality.cross_validation;
   return fmt::format(
       "{} views, RMS {:.3f} px (inliers {:.3f} px, {} outliers), worst view {} {:.3f} px\n"
