@@ -113,7 +113,7 @@ std::vector<DoneStudy> StudiesOf(const Workflow& workflow, const WorkflowState& 
 Json WriteGroup(const Workflow& workflow, const WorkflowState& state, Run& run) {
   const GroupData group = ReadGroup(StudiesOf(workflow, state));
   if (group.rows.empty())
-    throw Fail("{}: no study has results{}", out.string(),
+    throw Fail("{}: no study has results{}", workflow.out.string(),
                state.failures.empty() ? "" : "; " + state.failures.front().Text());
   const GroupFindings findings{.curves = CurvesOf(group),
                                .reliability = ReliabilityOf(group),
