@@ -54,17 +54,6 @@ void PrintHelp(const fs::path& folder) {
   fmt::print("\n`lake STEP --help` tells of a step; each is also a program of its own, lake-STEP.\n");
 }
 
-// The manual page, for man(1); each step has its own.
-void PrintManPage(const fs::path& folder) {
-  fmt::print(
-      ".TH LAKE 1 \"\" \"lake {}\" \"lake\"\n.SH NAME\nlake \\- from two videos of a sit\\-to\\-stand to a better knee "
-      "exoskeleton\n.SH SYNOPSIS\n\\fBlake\\fR \\fISTEP\\fR [OPTIONS]\n.SH STEPS\n",
-      lake::VersionAndCommit());
-  for (const Step& step : kSteps)
-    if (IsInstalled(folder, step.name))
-      fmt::print(".TP\n\\fB{}\\fR\n{}; see lake\\-{}(1)\n", step.name, step.what, step.name);
-}
-
 // Completes the steps; what follows is completed as lake-STEP completes it.
 std::optional<std::string> Completion(const fs::path& folder, std::string_view shell) {
   std::string names, zsh, fish;
@@ -103,12 +92,8 @@ int PrintOrBecomeStep(int argc, char** argv) {
   const fs::path folder = fs::read_symlink("/proc/self/exe").parent_path();
   if (argc < 2) return Complain("a step is missing");
   const std::string_view step = argv[1];
-  if (step == "--help" || step == "-h" || step == "help") {
+  if (step == "--help" || step == "--help-all" || step == "-h" || step == "help") {
     PrintHelp(folder);
-    return 0;
-  }
-  if (step == "--help-man") {
-    PrintManPage(folder);
     return 0;
   }
   if (step == "--completion") {

@@ -10,26 +10,9 @@
 
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
-#include "lake/core/provenance.h"
 
 namespace lake {
 namespace {
-
-// As troff takes it: a '-' that can be copied, no request at a line's beginning.
-std::string Troff(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    const bool begins_line = out.empty() || out.back() == '\n';
-    if (begins_line && (c == '.' || c == '\'')) out += "\\&";
-    if (c == '\\')
-      out += "\\e";
-    else if (c == '-')
-      out += "\\-";
-    else
-      out += c;
-  }
-  return out;
-}
 
 bool IsShown(const CLI::Option& option) {
   return option.get_group() != "";
@@ -40,28 +23,6 @@ std::vector<const CLI::App*> Levels(const CLI::App& cli) {
   std::vector<const CLI::App*> levels = {&cli};
   for (const CLI::App* level : cli.get_subcommands([](const CLI::App*) { return true; })) levels.push_back(level);
   return levels;
-}
-
-std::string ManItem(const CLI::Option& option) {
-  std::string item = fmt::format(".TP\n\\fB{}\\fR", Troff(option.get_name(option.get_positional(), true)));
-  if (option.get_items_expected_max() > 0) item += fmt::format(" \\fI{}\\fR", Troff(option.get_type_name()));
-  std::string help = option.get_description();
-  if (!option.get_default_str().empty() && help.find("(default") == std::string::npos)
-    help += fmt::format(" (default: {})", option.get_default_str());
-  return fmt::format("{}\n{}\n", item, Troff(help));
-}
-
-std::string ManSection(const CLI::App& level, const std::string& title) {
-  std::string section = fmt::format(".SH {}\n", title);
-  if (!level.get_description().empty()) section += Troff(level.get_description()) + "\n";
-  for (const CLI::Option* option : level.get_options())
-    if (IsShown(*option)) section += ManItem(*option);
-  return section;
-}
-
-std::string Upper(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
-  return text;
 }
 
 // "constant|free" as its parts; of MM, FILE and their like nothing.
@@ -140,27 +101,6 @@ std::string FishLine(const std::string& program, const ShellOption& option) {
     line += " -r";
   return fmt::format("{} -d {}\n", line, FishText(option.help));
 }
-
-}  // namespace
-
-std::string ManPage(const CLI::App& cli) {
-  std::string page =
-      fmt::format(".TH {} 1 \"\" \"lake {}\" \"lake\"\n.SH NAME\n{} \\- {}\n", Upper(Troff(cli.get_name())),
-                  Troff(VersionAndCommit()), Troff(cli.get_name()), Troff(cli.get_description()));
-  page += fmt::format(".SH SYNOPSIS\n\\fB{}\\fR [OPTIONS]", Troff(cli.get_name()));
-  for (const CLI::Option* option : cli.get_options())
-    if (option->get_positional()) page += fmt::format(" \\fI{}\\fR", Troff(option->get_name(true)));
-  page += "\n";
-  for (const CLI::App* level : Levels(cli)) {
-    const bool is_group = level->get_name().empty();
-    const std::string title =
-        level == &cli ? "OPTIONS" : Troff(is_group ? level->get_group() : Upper(level->get_name()));
-    page += ManSection(*level, title);
-  }
-  return page + fmt::format(".SH EXAMPLES\n.nf\n{}\n.fi\n", Troff(cli.get_footer()));
-}
-
-namespace {
 
 std::string BashCompletion(const CLI::App& cli) {
   std::vector<std::string> names, commands;

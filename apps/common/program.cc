@@ -170,10 +170,7 @@ void AddPages(CLI::App& cli) {
     fmt::print("{}", page);
     throw CLI::Success();
   };
-  cli.add_flag_callback(
-         "--help-man", [&cli, print] { print(ManPage(cli)); }, "This manual page")
-      ->configurable(false)
-      ->group("");
+  cli.set_help_all_flag("--help-all", "Help with all commands; the manual page is made of it")->group("");
   const auto complete = [&cli, print](const std::string& shell) { print(Completion(cli, shell)); };
   cli.add_option_function<std::string>("--completion", complete, "For this shell: bash, zsh, fish")
       ->configurable(false)

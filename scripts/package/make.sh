@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-scripts/install_packages.sh
+scripts/install_packages.sh help2man
 cmake --preset release
 cmake --build --preset release --target programs
 (cd build/release && cpack -G DEB)

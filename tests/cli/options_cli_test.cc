@@ -39,7 +39,6 @@ TEST(AnOption, IsOneLine) {
   EXPECT_EQ(EffectiveOptions(cli, lists)["knee-width"], "90") << "the summary's options";
   EXPECT_THAT(cli.help(), HasSubstr("--knee-width MM=90"));
   EXPECT_THAT(cli.help(), HasSubstr("Width of the knee between its condyles [mm]"));
-  EXPECT_THAT(ManPage(cli), HasSubstr("\\fB\\-\\-knee\\-width\\fR \\fIMM\\fR\nWidth of the knee"));
   EXPECT_THAT(Completion(cli, "bash"), HasSubstr("--knee-width"));
   cli.parse("--knee-width 85");
   lists.front()->Apply();
@@ -166,7 +165,7 @@ template <typename Options>
 void ExpectHelp(const std::string& program, const std::vector<std::string_view>& others = {}) {
   const TemporaryFolder folder;
   Options options;
-  const std::string help = Shell(folder, program + " --help").out, man = Shell(folder, program + " --help-man").out,
+  const std::string help = Shell(folder, program + " --help").out,
                     completion = Shell(folder, program + " --completion bash").out;
   const OptionList list = OptionsOf(options).Without(others);
   for (const Option& option : list.All()) {
@@ -177,7 +176,6 @@ void ExpectHelp(const std::string& program, const std::vector<std::string_view>&
     if (option.IsOperand()) continue;
     EXPECT_THAT(completion, HasSubstr(name)) << program;
   }
-  EXPECT_THAT(man, testing::StartsWith(".TH LAKE"));
 }
 
 TEST(Help, HasEveryDescribedOptionWithItsUnit) {
