@@ -11,14 +11,20 @@
 namespace lake::tracking {
 namespace {
 
-// Position by the parabola, velocity by the slope, of the last samples; of what rests, where it was on average, as a
-// parabola makes four times the noise of it.
-struct Motion {
-  Eigen::Vector2d position, velocity;                      // px, px/s
-  Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  // px/s²
+// How far times and motions are to be trusted.
+struct Extrapolation {
+  double clock_s = 0;       // deviation of the pictures' times from their stamps
+  double acceleration = 0;  // px/s², that a marker may have
 };
 
-Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s) {
+// Position by the parabola, velocity by the slope, of the last samples; of what rests, where it was on average, as a
+// parabola makes four times the noise of it. The more uneven the clock, the less of the acceleration is the marker's.
+struct Motion {
+  Eigen::Vector2d position, velocity;                      // px, px/s
+  Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  // px/s², with what an uneven clock makes of it
+};
+
+Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s, const Extrapolation& trust) {
   // The last three that were measured, the last one first.
   std::array<const TrackletSample*, 3> samples = {};
   std::size_t count = 0;
@@ -27,18 +33,23 @@ Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s) {
   const TrackletSample& last = *samples[0];
   if (count < 2) return {last.position, Eigen::Vector2d::Zero()};
   const TrackletSample& before = *samples[1];
-  const Eigen::Vector2d slope = (last.position - before.position) / (last.time_s - before.time_s);
+  Eigen::Vector2d slope = (last.position - before.position) / (last.time_s - before.time_s);
   const double ahead = time_s - last.time_s;
   if (count < 3 || ahead > 2 * (last.time_s - before.time_s)) return {last.position + ahead * slope, slope};
   const TrackletSample& first = *samples[2];
   constexpr double kStillPx = 0.25;  // from the last of three to each of the others; at a turn the first may be near
   if ((last.position - first.position).norm() < kStillPx && (last.position - before.position).norm() < kStillPx)
     return {(first.position + before.position + last.position) / 3, Eigen::Vector2d::Zero()};
-  const Eigen::Vector2d first_slope = (before.position - first.position) / (before.time_s - first.time_s);
-  const Eigen::Vector2d acceleration = (slope - first_slope) / (0.5 * (last.time_s - first.time_s));
+  const double span_s = last.time_s - first.time_s;
+  const Eigen::Vector2d mean_slope = (last.position - first.position) / span_s,
+                        first_slope = (before.position - first.position) / (before.time_s - first.time_s);
+  // A second difference has six times the variance of a place.
+  const double clock_noise = std::sqrt(6) * trust.clock_s * mean_slope.norm() / std::pow(0.5 * span_s, 2);
+  const double share = 1 / (1 + std::pow(clock_noise / trust.acceleration, 2));
+  const Eigen::Vector2d seen = (slope - first_slope) / (0.5 * span_s), acceleration = share * seen;
+  slope = mean_slope + share * (slope - mean_slope);
   const Eigen::Vector2d velocity = slope + acceleration * 0.5 * (last.time_s - before.time_s);
-  return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration,
-          acceleration};
+  return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration, seen};
 }
 
 double LastMeasured(const std::vector<TrackletSample>& samples) {
@@ -149,8 +160,10 @@ const TrackletSample* Tracklet::SampleIn(std::int64_t frame) const {
 }
 
 MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, double frame_s) const {
-  const Motion motion = Extrapolate(live.tracklet.samples, time_s);
-  const double radius = live.appearance.RadiusPx(), ahead = time_s - LastMeasured(live.tracklet.samples);
+  const double radius = live.appearance.RadiusPx();
+  const Motion motion =
+      Extrapolate(live.tracklet.samples, time_s, {clock_ * frame_s, options_.physics.AccelerationRadii() * radius});
+  const double ahead = time_s - LastMeasured(live.tracklet.samples);
   MarkerPrediction prediction;
   prediction.position = motion.position;
   prediction.velocity_px = motion.velocity * frame_s;
@@ -298,7 +311,34 @@ void TrackletBuilder::NoteRepeated(std::int64_t frame) {
   repeated_.push_back(frame);
   if (time_s_ + stood_still_s_ - repeated_since_s_ <= kLongest_s) return;
   is_repeated_ = false;
-  TakeBackRepeated();
+  stands_since_ = TakeBackRepeated();
+}
+
+// What came to rest at once has been frozen if it leaves its place at once as well, two things at least; what begins to
+// move, creeps at first.
+void TrackletBuilder::JudgeStanding(std::int64_t frame) {
+  constexpr double kMovedPx = 0.5;
+  int jumped = 0, crept = 0;
+  for (const Live& live : live_) {
+    const TrackletSample *first = live.tracklet.SampleIn(*stands_since_),
+                         *before = live.tracklet.SampleIn(previous_.index), *now = live.tracklet.SampleIn(frame);
+    if (!first) continue;
+    const auto is_away = [&](const TrackletSample* sample) {
+      return !sample || (sample->position - first->position).norm() >= kMovedPx;
+    };
+    if (is_away(now)) ++(is_away(before) ? crept : jumped);
+  }
+  if (jumped + crept < 2) return;
+  if (jumped >= 2 && jumped > crept) {
+    while (!repeated_.empty() && repeated_.back() >= *stands_since_) repeated_.pop_back();
+    for (std::int64_t frozen = *stands_since_; frozen < frame; ++frozen) repeated_.push_back(frozen);
+    for (Live& live : live_)
+      for (TrackletSample& sample : live.tracklet.samples)
+        if (sample.frame >= *stands_since_ && sample.frame < frame) sample.repeated = true;
+    breaks_.push_back(frame);
+    last_loss_s_ = time_s_;
+  }
+  stands_since_.reset();
 }
 
 // Only what has moved on when the picture changes again was hidden from sight; where coding leaves things that come to
@@ -315,14 +355,15 @@ void TrackletBuilder::ConfirmRepeated(std::int64_t frame) {
   if (moved + lost < 2) TakeBackRepeated();
 }
 
-// The last run of repeated frames was none.
-void TrackletBuilder::TakeBackRepeated() {
+// The last run of repeated frames was none; returns its first.
+std::int64_t TrackletBuilder::TakeBackRepeated() {
   std::int64_t last = repeated_.back();
   for (; !repeated_.empty() && repeated_.back() == last; --last) repeated_.pop_back();
   for (Live& live : live_)
     for (auto sample = live.tracklet.samples.rbegin(); sample != live.tracklet.samples.rend() && sample->frame > last;
          ++sample)
       sample->repeated = false;
+  return last + 1;
 }
 
 void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions) {
@@ -339,6 +380,23 @@ void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPredic
   if (lost < 2 || 2 * lost < moving) return;
   breaks_.push_back(frame);
   last_loss_s_ = time_s_;
+}
+
+// All that moves is early or late together where a picture is not of its stamp.
+void TrackletBuilder::NoteClock(std::int64_t frame, std::span<const MarkerPrediction> predictions) {
+  constexpr double kMovingPx = 1, kOfNew = 0.1, kMost = 1;
+  double along = 0, squares = 0;
+  int moving = 0;
+  for (std::size_t i = 0; i < predictions.size(); ++i) {
+    const std::vector<TrackletSample>& samples = live_[i].tracklet.samples;
+    const Eigen::Vector2d& step = predictions[i].velocity_px;
+    if (samples.size() < 4 || samples.back().frame != frame || step.norm() < kMovingPx) continue;
+    along += (samples.back().position - predictions[i].position).dot(step), squares += step.squaredNorm();
+    ++moving;
+  }
+  if (moving < 2) return;
+  const double late = std::clamp(along / squares, -kMost, kMost);
+  clock_ = std::sqrt(clock_ * clock_ + kOfNew * (late * late - clock_ * clock_));
 }
 
 std::vector<MarkerPrediction> TrackletBuilder::PredictAll(double time_s) const {
@@ -377,7 +435,9 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
     predictions = PredictAll(time_s_);
   }
   Associate(frame.index, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame.index)));
+  if (!is_repeated_) NoteClock(frame.index, predictions);
   if (ends_repetition) ConfirmRepeated(frame.index);
+  if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);
   RetireLost();
   previous_ = frame;

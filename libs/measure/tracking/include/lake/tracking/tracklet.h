@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "lake/tracking/marker_detector.h"
@@ -84,10 +85,12 @@ class TrackletBuilder {
   std::vector<MarkerPrediction> PredictAll(double time_s) const;
   std::vector<ExpectedStep> ExpectedSteps(std::span<const MarkerPrediction> predictions) const;
   void NoteInterval(double interval_s);
+  void NoteClock(std::int64_t frame, std::span<const MarkerPrediction> predictions);
   bool StoodStill(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions) const;
   void NoteRepeated(std::int64_t frame);
   void ConfirmRepeated(std::int64_t frame);
-  void TakeBackRepeated();
+  std::int64_t TakeBackRepeated();
+  void JudgeStanding(std::int64_t frame);
   void NoteBreak(std::int64_t frame, std::span<const MarkerPrediction> predictions);
   bool SearchEverywhere(std::int64_t frame) const;
   bool IsSeed(std::int64_t frame, const MarkerDetection& detection) const;
@@ -105,12 +108,14 @@ class TrackletBuilder {
   std::vector<Eigen::Vector2d> evicted_;  // where things rested that were given up for others
   std::int64_t frames_seen_ = 0;
   double frame_s_ = 0;  // between frames, usually; 0: not known yet
+  double clock_ = 0;    // of frames: deviation of the pictures' times from their stamps, as what moves shows it
   // The frame at work: its time, as in TrackletSample.
   double time_s_ = 0;
   bool is_repeated_ = false;
   double stood_still_s_ = 0;    // in all
   video::VideoFrame previous_;  // its luma is compared with the next one's
   double repeated_since_s_ = 0;
+  std::optional<std::int64_t> stands_since_;  // frame: all came to rest at once in it, or the picture froze
   std::vector<std::int64_t> repeated_, breaks_;
   std::optional<double> last_loss_s_;
 };
