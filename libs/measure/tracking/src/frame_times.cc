@@ -105,14 +105,21 @@ class FrameClock {
       if (!is_same && !MayBeCopy(frames, k, kOfNeighbours)) continue;
       const auto [first, end] = is_same ? Standing(frames, k, free) : Run{k, k + 1};
       k = end - 1;
-      if (end == frames.size() || StepPx(recording_, frames[first - 1], frames[end]).value_or(0) < kLeastStepPx)
-        continue;
+      if (StepBehind(frames, first - 1, end) < kLeastStepPx) continue;
       if (!paths) paths.emplace(recording_, frames);
       if (paths->LogOddsOfRepeat(frames, first, end, frame_s_) <= (is_same ? 0 : -std::log(kDoubt))) continue;
       for (std::size_t run = first; run < end; ++run) is_repeated_[frames[run]] = true;
       found = true;
     }
     return found;
+  }
+
+  // How far the markers come from one frame to another, or to the first behind it in which two are seen again, px.
+  double StepBehind(const std::vector<std::size_t>& frames, std::size_t from, std::size_t to) const {
+    constexpr std::size_t kFarthest = 8;
+    for (const std::size_t end = std::min(frames.size(), to + kFarthest); to < end; ++to)
+      if (const auto step_px = StepPx(recording_, frames[from], frames[to])) return *step_px;
+    return 0;
   }
 
   // Strong coding changes a copy; a marker that turns round stands as still, so other evidence must leave no doubt.
@@ -142,9 +149,9 @@ class FrameClock {
   }
 
   // Frames while something moves, but for those of which nothing is certain: strong coding moves the markers of a copy
-  // by up to half a pixel, and half as far as those of the new pictures beside it.
+  // by up to a pixel, and half as far as those of the new pictures beside it.
   std::vector<ToldFrame> ToldFrames() const {
-    constexpr double kSurelyNewPx = 0.7, kOfNeighbours = 0.5;
+    constexpr double kSurelyNewPx = 1, kOfNeighbours = 0.5;
     std::vector<ToldFrame> told;
     const std::vector<std::size_t> frames = NewFrames();
     for (std::size_t k = 1; k < frames.size(); ++k) {

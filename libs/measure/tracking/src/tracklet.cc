@@ -11,20 +11,14 @@
 namespace lake::tracking {
 namespace {
 
-// How far times and motions are to be trusted.
-struct Extrapolation {
-  double clock_s = 0;       // deviation of the pictures' times from their stamps
-  double acceleration = 0;  // px/s², that a marker may have
-};
-
 // Position by the parabola, velocity by the slope, of the last samples; of what rests, where it was on average, as a
-// parabola makes four times the noise of it. The more uneven the clock, the less of the acceleration is the marker's.
+// parabola makes four times the noise of it.
 struct Motion {
   Eigen::Vector2d position, velocity;                      // px, px/s
-  Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  // px/s², with what an uneven clock makes of it
+  Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  // px/s²
 };
 
-Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s, const Extrapolation& trust) {
+Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s) {
   // The last three that were measured, the last one first.
   std::array<const TrackletSample*, 3> samples = {};
   std::size_t count = 0;
@@ -33,23 +27,18 @@ Motion Extrapolate(const std::vector<TrackletSample>& all, double time_s, const 
   const TrackletSample& last = *samples[0];
   if (count < 2) return {last.position, Eigen::Vector2d::Zero()};
   const TrackletSample& before = *samples[1];
-  Eigen::Vector2d slope = (last.position - before.position) / (last.time_s - before.time_s);
+  const Eigen::Vector2d slope = (last.position - before.position) / (last.time_s - before.time_s);
   const double ahead = time_s - last.time_s;
   if (count < 3 || ahead > 2 * (last.time_s - before.time_s)) return {last.position + ahead * slope, slope};
   const TrackletSample& first = *samples[2];
   constexpr double kStillPx = 0.25;  // from the last of three to each of the others; at a turn the first may be near
   if ((last.position - first.position).norm() < kStillPx && (last.position - before.position).norm() < kStillPx)
     return {(first.position + before.position + last.position) / 3, Eigen::Vector2d::Zero()};
-  const double span_s = last.time_s - first.time_s;
-  const Eigen::Vector2d mean_slope = (last.position - first.position) / span_s,
-                        first_slope = (before.position - first.position) / (before.time_s - first.time_s);
-  // A second difference has six times the variance of a place.
-  const double clock_noise = std::sqrt(6) * trust.clock_s * mean_slope.norm() / std::pow(0.5 * span_s, 2);
-  const double share = 1 / (1 + std::pow(clock_noise / trust.acceleration, 2));
-  const Eigen::Vector2d seen = (slope - first_slope) / (0.5 * span_s), acceleration = share * seen;
-  slope = mean_slope + share * (slope - mean_slope);
+  const Eigen::Vector2d first_slope = (before.position - first.position) / (before.time_s - first.time_s);
+  const Eigen::Vector2d acceleration = (slope - first_slope) / (0.5 * (last.time_s - first.time_s));
   const Eigen::Vector2d velocity = slope + acceleration * 0.5 * (last.time_s - before.time_s);
-  return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration, seen};
+  return {last.position + ahead * velocity + 0.5 * ahead * ahead * acceleration, velocity + ahead * acceleration,
+          acceleration};
 }
 
 double LastMeasured(const std::vector<TrackletSample>& samples) {
@@ -160,10 +149,8 @@ const TrackletSample* Tracklet::SampleIn(std::int64_t frame) const {
 }
 
 MarkerPrediction TrackletBuilder::Predict(const Live& live, double time_s, double frame_s) const {
-  const double radius = live.appearance.RadiusPx();
-  const Motion motion =
-      Extrapolate(live.tracklet.samples, time_s, {clock_ * frame_s, options_.physics.AccelerationRadii() * radius});
-  const double ahead = time_s - LastMeasured(live.tracklet.samples);
+  const Motion motion = Extrapolate(live.tracklet.samples, time_s);
+  const double radius = live.appearance.RadiusPx(), ahead = time_s - LastMeasured(live.tracklet.samples);
   MarkerPrediction prediction;
   prediction.position = motion.position;
   prediction.velocity_px = motion.velocity * frame_s;
@@ -382,23 +369,6 @@ void TrackletBuilder::NoteBreak(std::int64_t frame, std::span<const MarkerPredic
   last_loss_s_ = time_s_;
 }
 
-// All that moves is early or late together where a picture is not of its stamp.
-void TrackletBuilder::NoteClock(std::int64_t frame, std::span<const MarkerPrediction> predictions) {
-  constexpr double kMovingPx = 1, kOfNew = 0.1, kMost = 1;
-  double along = 0, squares = 0;
-  int moving = 0;
-  for (std::size_t i = 0; i < predictions.size(); ++i) {
-    const std::vector<TrackletSample>& samples = live_[i].tracklet.samples;
-    const Eigen::Vector2d& step = predictions[i].velocity_px;
-    if (samples.size() < 4 || samples.back().frame != frame || step.norm() < kMovingPx) continue;
-    along += (samples.back().position - predictions[i].position).dot(step), squares += step.squaredNorm();
-    ++moving;
-  }
-  if (moving < 2) return;
-  const double late = std::clamp(along / squares, -kMost, kMost);
-  clock_ = std::sqrt(clock_ * clock_ + kOfNew * (late * late - clock_ * clock_));
-}
-
 std::vector<MarkerPrediction> TrackletBuilder::PredictAll(double time_s) const {
   std::vector<MarkerPrediction> predictions;
   for (const Live& live : live_) predictions.push_back(Predict(live, time_s, frame_s_));
@@ -435,7 +405,6 @@ void TrackletBuilder::Add(const video::VideoFrame& frame) {
     predictions = PredictAll(time_s_);
   }
   Associate(frame.index, predictions, detector_.Detect(frame, predictions, SearchEverywhere(frame.index)));
-  if (!is_repeated_) NoteClock(frame.index, predictions);
   if (ends_repetition) ConfirmRepeated(frame.index);
   if (stands_since_ && *stands_since_ < frame.index) JudgeStanding(frame.index);
   NoteBreak(frame.index, predictions);

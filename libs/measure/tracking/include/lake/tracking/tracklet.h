@@ -85,7 +85,6 @@ class TrackletBuilder {
   std::vector<MarkerPrediction> PredictAll(double time_s) const;
   std::vector<ExpectedStep> ExpectedSteps(std::span<const MarkerPrediction> predictions) const;
   void NoteInterval(double interval_s);
-  void NoteClock(std::int64_t frame, std::span<const MarkerPrediction> predictions);
   bool StoodStill(const video::VideoFrame& frame, std::span<const MarkerPrediction> predictions) const;
   void NoteRepeated(std::int64_t frame);
   void ConfirmRepeated(std::int64_t frame);
@@ -108,7 +107,6 @@ class TrackletBuilder {
   std::vector<Eigen::Vector2d> evicted_;  // where things rested that were given up for others
   std::int64_t frames_seen_ = 0;
   double frame_s_ = 0;  // between frames, usually; 0: not known yet
-  double clock_ = 0;    // of frames: deviation of the pictures' times from their stamps, as what moves shows it
   // The frame at work: its time, as in TrackletSample.
   double time_s_ = 0;
   bool is_repeated_ = false;
