@@ -219,7 +219,6 @@ TEST(FrameTimes, AFrozenPictureIsNeitherARestNorACut) {
           marker.samples[static_cast<std::size_t>(i)].position += crept;
         }
       }
-      const std::vector<double> stamps_s = shown.recording.time_s;
       ++films;
       FrameTimes times;
       EXPECT_NO_THROW(times = CorrectFrameTimes({}, shown.recording)) << seed << ", " << rate_hz << ", " << length_s;
