@@ -184,6 +184,68 @@ TEST(LegFit, OutliersAreListedAndDoNotPull) {
   }
 }
 
+// A marker that is hidden but for a moment, when something `size_px` away is taken for it.
+struct HiddenButForAMoment {
+  motion::MarkerRecording tracks;
+  SyntheticLeg leg;
+  int seen = 0;  // meanwhile
+};
+
+HiddenButForAMoment HideButForAMoment(unsigned seed, double size_px) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  HiddenButForAMoment hidden;
+  hidden.leg =
+      MakeSyntheticLeg({.rate_hz = seed % 2 ? 60.0 : 25.0, .repetitions = 1, .skin_mm = seed % 3 ? 0.0 : 12.0}, seed);
+  const std::vector<double>& time_s = hidden.leg.time_s;
+  hidden.tracks = MakeTracks(time_s, hidden.leg.points_mm, ScaledView(), {0.05}, seed);
+  std::vector<motion::MarkerSample>& samples = hidden.tracks.markers[random() % 3].samples;
+  const double begin_s = 0.5 + 3 * uniform(random), hidden_s = 0.4 + 0.8 * uniform(random);
+  const double seen_s = begin_s + hidden_s * uniform(random), angle = 2 * std::numbers::pi * uniform(random);
+  const int most_seen = 1 + static_cast<int>(random() % 4);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (time_s[i] < begin_s || time_s[i] >= begin_s + hidden_s) continue;
+    if (time_s[i] < seen_s || hidden.seen == most_seen)
+      samples[i] = {};
+    else
+      samples[i].position += size_px * Eigen::Vector2d(std::cos(angle), std::sin(angle)), ++hidden.seen;
+  }
+  return hidden;
+}
+
+double WorstDeviation(const gait::LegFitResult& result, const std::vector<motion::LegSample>& truth) {
+  double worst = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    if (const motion::LegSample& sample = result.motion.samples[i]; std::isfinite(sample.knee_deg))
+      worst = std::max(worst, std::abs(sample.knee_deg - truth[i].knee_deg) / sample.knee_sigma_deg);
+  return worst;
+}
+
+// Half of these were followed, by up to 23 deg at an SD of 0.02.
+TEST(LegFit, ALoneWrongDetectionWithinAGapDoesNotPull) {
+  int wrong = 0, left_out = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const double size_px = 15 * std::pow(20, (seed * 7 % 40) / 40.0);
+    const HiddenButForAMoment hidden = HideButForAMoment(seed, size_px);
+    gait::LegFitOptions options;
+    options.known_sigmas = seed % 4 < 2;
+    const gait::LegFitResult result = gait::FitLeg(hidden.tracks, ScaledView(), options);
+    wrong += hidden.seen, left_out += static_cast<int>(result.outliers.size());
+    // A frame in a thousand beyond 3 SD, and a gap's frames err alike.
+    EXPECT_LE(WorstDeviation(result, hidden.leg.truth), 5) << "seed " << seed << ", " << size_px << " px";
+  }
+  EXPECT_GE(left_out, 0.95 * wrong);
+}
+
+TEST(LegFit, WhatIsSeenForAMomentWithinAGapIsUsed) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const HiddenButForAMoment hidden = HideButForAMoment(seed, 0);
+    const gait::LegFitResult result = gait::FitLeg(hidden.tracks, ScaledView());
+    EXPECT_TRUE(result.outliers.empty()) << "seed " << seed;
+    EXPECT_LE(WorstDeviation(result, hidden.leg.truth), 5) << "seed " << seed;
+  }
+}
+
 TEST(LegFit, SigmasThatAreTooSmallAreNoticed) {
   const SyntheticLeg leg = MakeSyntheticLeg({});
   const gait::LegFitResult result = gait::FitLeg(

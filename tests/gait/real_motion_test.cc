@@ -43,9 +43,11 @@ exchange::Trial Read(const RealMotion& motion) {
 struct ResampledLeg {
   std::vector<double> time_s;
   std::vector<gait::LegPoints> points_mm;
+  gait::AcrossPlane across_mm;
 };
 
-ResampledLeg Resample(const motion::MarkerRecording& recording, double rate_hz) {
+ResampledLeg Resample(const exchange::Trial& trial, double rate_hz) {
+  const motion::MarkerRecording& recording = trial.recording;
   const std::vector<double>& time_s = recording.time_s;
   ResampledLeg leg;
   const double length_s = time_s.back() - time_s.front();
@@ -60,16 +62,23 @@ ResampledLeg Resample(const motion::MarkerRecording& recording, double rate_hz) 
       {"knee", &gait::LegPoints::knee},
       {"hip", &gait::LegPoints::hip},
       {"waist", &gait::LegPoints::waist}};
+  const auto at_times = [&](const std::vector<double>& values) {
+    const gait::SmoothSignal signal = gait::FitSmoothingSpline(grid, time_s, values, sigmas, through);
+    std::vector<double> resampled;
+    for (const double at_s : leg.time_s) resampled.push_back(gait::ValueAt(grid.At(at_s), signal.coefficients));
+    return resampled;
+  };
   for (const auto& [name, point] : markers) {
+    if (!recording.Find(name)) continue;
     for (gait::LegPoints& points : leg.points_mm) points.*point = Eigen::Vector2d::Zero();
     for (int axis = 0; axis < 2; ++axis) {
       std::vector<double> values;
       for (const motion::MarkerSample& sample : recording.Find(name)->samples)
         values.push_back(sample.IsKnown() ? sample.position[axis] : motion::LegSample::kUnknown);
-      const gait::SmoothSignal signal = gait::FitSmoothingSpline(grid, time_s, values, sigmas, through);
-      for (std::size_t i = 0; i < leg.time_s.size(); ++i)
-        (*(leg.points_mm[i].*point))[axis] = gait::ValueAt(grid.At(leg.time_s[i]), signal.coefficients);
+      const std::vector<double> resampled = at_times(values);
+      for (std::size_t i = 0; i < leg.time_s.size(); ++i) (*(leg.points_mm[i].*point))[axis] = resampled[i];
     }
+    leg.across_mm[name] = at_times(trial.across_mm.at(name));
   }
   return leg;
 }
@@ -86,7 +95,7 @@ TEST_P(RealMotionFit, TheEstimateIsNoWorseThanTheMeasurement) {
   unsigned seed = 0;
   for (const double rate_hz : {25.0, 60.0})
     for (const double sigma_px : {0.03, 0.1, 0.3}) {
-      const ResampledLeg leg = Resample(trial.recording, rate_hz);
+      const ResampledLeg leg = Resample(trial, rate_hz);
       const gait::LegFitResult result =
           gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {sigma_px}, ++seed), ScaledView(), options);
       std::vector<motion::LegSample> truth;
@@ -99,6 +108,64 @@ TEST_P(RealMotionFit, TheEstimateIsNoWorseThanTheMeasurement) {
       EXPECT_LE(errors.normalized, 1.4);
       EXPECT_TRUE(result.outliers.empty());
     }
+}
+
+// The frames by themselves, without noise: what the angle in space is.
+gait::LegFitResult ExactInSpace(const ResampledLeg& leg, const gait::LegView& view) {
+  gait::LegFitOptions options;
+  options.filter = gait::LegFilter::kNone;
+  return gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, {1e-9, NoiseKind::kWhite, 0.1}, 1), view, options,
+                      leg.across_mm);
+}
+
+gait::LegFitResult FitInSpace(const ResampledLeg& leg, const gait::LegView& view, double sigma_mm,
+                              motion::Facing facing, unsigned seed) {
+  gait::AcrossPlane across_mm = leg.across_mm;
+  std::mt19937 random(seed + 1000);
+  std::normal_distribution<double> noise(0, sigma_mm);
+  for (auto& [name, values] : across_mm)
+    for (double& value : values) value += noise(random);
+  gait::LegFitOptions options;
+  options.known_sigmas = true;
+  options.facing = facing;
+  return gait::FitLeg(MakeTracks(leg.time_s, leg.points_mm, view, {sigma_mm}, seed), view, options, across_mm);
+}
+
+// Error over SD of all markers' positions, root mean square per axis.
+double PositionDeviations(const motion::MarkerRecording& estimate, const motion::MarkerRecording& truth) {
+  double square = 0;
+  int count = 0;
+  for (std::size_t m = 0; m < estimate.markers.size(); ++m)
+    for (std::size_t i = 0; i < estimate.Frames(); ++i)
+      if (const motion::MarkerSample& sample = estimate.markers[m].samples[i]; sample.IsKnown()) {
+        square += (sample.position - truth.markers[m].samples[i].position).squaredNorm() / std::pow(sample.sigma, 2);
+        count += 2;
+      }
+  return std::sqrt(square / count);
+}
+
+// In space, with the noise of laboratories and of cameras.
+TEST_P(RealMotionFit, InSpaceTheEstimateIsNoWorseThanTheMeasurement) {
+  if (!fs::exists(FileOf(GetParam()))) GTEST_SKIP() << FileOf(GetParam()) << " is not here";
+  const exchange::Trial trial = Read(GetParam());
+  unsigned seed = 0;
+  const gait::LegView view = gait::MakeLegView(motion::LengthUnit::kMm, {});
+  for (const double rate_hz : {25.0, 60.0}) {
+    const ResampledLeg leg = Resample(trial, rate_hz);
+    const gait::LegFitResult exact = ExactInSpace(leg, view);
+    for (const double sigma_mm : {0.02, 0.15, 1.0}) {
+      const gait::LegFitResult result = FitInSpace(leg, view, sigma_mm, exact.motion.facing, ++seed);
+      const KneeErrors knee = CompareKnee(result.motion, exact.motion.samples);
+      const double positions = PositionDeviations(result.trajectory, exact.measured);
+      SCOPED_TRACE(testing::Message() << rate_hz << " Hz, " << sigma_mm << " mm, " << result.outliers.size()
+                                      << " outliers");
+      EXPECT_LE(knee.rms_deg, 1.02 * knee.raw_rms_deg);
+      EXPECT_GE(knee.normalized, 0.7);
+      EXPECT_LE(knee.normalized, 1.4);
+      EXPECT_GE(positions, 0.8);
+      EXPECT_LE(positions, 1.25);
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(, RealMotionFit, testing::ValuesIn(kRealMotions),
@@ -141,7 +208,7 @@ TEST(RealMotionGaps, TheSdHoldsWhereAMarkerIsHidden) {
     if (!fs::exists(FileOf(motion))) GTEST_SKIP() << FileOf(motion) << " is not here";
     const exchange::Trial trial = Read(motion);
     for (const double rate_hz : {25.0, 60.0}) {
-      const ResampledLeg leg = Resample(trial.recording, rate_hz);
+      const ResampledLeg leg = Resample(trial, rate_hz);
       for (const double sigma_px : {0.05, 0.2}) {
         motion::MarkerRecording tracks = MakeTracks(leg.time_s, leg.points_mm, ScaledView(), {sigma_px}, random());
         const std::vector<std::size_t> gaps = Hide(tracks, random);

@@ -5,10 +5,12 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "lake/core/angles.h"
 #include "lake/core/statistics.h"
+#include "scatter.h"
 
 namespace lake::gait {
 namespace {
@@ -87,7 +89,7 @@ using SlowNoises = std::array<std::vector<double>, kLegMarkers>;  // variances, 
 
 SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegModel& model,
                           const std::vector<double>& coefficients, const StateCovariances& covariances) {
-  std::array<std::vector<NoiseSample>, kLegMarkers> samples;
+  std::array<std::vector<Residual>, kLegMarkers> samples;
   std::array<double, kLegMarkers> variance = {};
   StateMatrix of_state;
   std::optional<std::size_t> frame;  // whose it is
@@ -98,7 +100,7 @@ SlowNoises FindSlowNoises(const motion::MarkerRecording& recording, const LegMod
     if (frame != o.frame) of_state = covariances.At(o.frame);
     frame = o.frame;
     const double used = (residual.by_state * of_state * residual.by_state.transpose()).trace() / sigma2;
-    samples[o.marker].push_back({o.frame, 1 - used / 2, residual.value.squaredNorm() / sigma2 / 2});
+    samples[o.marker].push_back({recording.time_s[o.frame], residual.value.squaredNorm() / sigma2 / 2, 1 - used / 2});
     variance[o.marker] += std::pow(model.Sigma(o), 2);
   }
   SlowNoises slow;
@@ -147,21 +149,35 @@ std::vector<MarkerMoves> FindMoves(const LegModel& model, const std::vector<doub
   return moves;
 }
 
+// The state whose markers lie at these places, its angles next to those of another state.
+void PlaceMarkers(const Eigen::VectorXd& places, StateVector& state) {
+  state.head<2>() = places.head<2>();
+  for (const Segment& segment : {kShank, kThigh, kTrunk}) {
+    const Eigen::Index below = 2 * segment.marker;
+    if (below + 4 > places.size()) break;
+    const Eigen::Vector2d vector = places.segment<2>(below + 2) - places.segment<2>(below);
+    double& angle = state[segment.angle];
+    angle += std::remainder(std::atan2(vector.x(), vector.y()) - angle, 2 * std::numbers::pi);
+    state[segment.length] = vector.norm();
+  }
+}
+
 // The state whose markers lie where the moves put them.
 void MoveMarkers(const MarkerMoves& moves, int states, StateVector& state, StateMatrix& covariance) {
   const int markers = states / 2;
   Eigen::MatrixXd by_state(states, states);
-  Eigen::VectorXd move(states), variance(states), path_share(states);
+  Eigen::VectorXd places(states), variance(states), path_share(states);
   for (int m = 0; m < markers; ++m) {
     const auto index = static_cast<std::size_t>(m);
-    by_state.middleRows<2>(2 * m) = PointOf(static_cast<LegMarker>(m), state).by_state.leftCols(states);
-    move.segment<2>(2 * m) = moves.move[index];
+    const PointInLeg point = PointOf(static_cast<LegMarker>(m), state);
+    by_state.middleRows<2>(2 * m) = point.by_state.leftCols(states);
+    places.segment<2>(2 * m) = point.position + moves.move[index];
     variance.segment<2>(2 * m).setConstant(moves.variance[index]);
     path_share.segment<2>(2 * m).setConstant(moves.path_share[index]);
   }
   const Eigen::MatrixXd by_markers = by_state.inverse(),
                         of_path = by_markers * path_share.asDiagonal() * by_state;  // its errors that are left
-  state.head(states) += by_markers * move;
+  PlaceMarkers(places, state);
   covariance.topLeftCorner(states, states) = of_path * covariance.topLeftCorner(states, states) * of_path.transpose() +
                                              by_markers * variance.asDiagonal() * by_markers.transpose();
 }
@@ -170,27 +186,6 @@ void MoveMarkers(const MarkerMoves& moves, int states, StateVector& state, State
 
 double KneeVariance(const StateMatrix& covariance) {
   return DifferenceVariance(covariance, kShankAngle, kThighAngle);
-}
-
-std::vector<double> SlowNoise(const std::vector<NoiseSample>& samples, const std::vector<double>& time_s) {
-  constexpr double kReach_s = 0.25;
-  constexpr std::size_t kLeastSamples = 4;
-  // The mean of 2n squares (two axes) scatters by 1/√n of itself; half of that is forgiven.
-  constexpr double kForgiven = 0.5;
-  std::vector<double> slow(time_s.size(), 0.0);
-  double expected = 0, observed = 0;
-  std::size_t begin = 0, end = 0;
-  for (std::size_t i = 0; i < time_s.size(); ++i) {
-    for (; end < samples.size() && time_s[samples[end].frame] <= time_s[i] + kReach_s; ++end)
-      expected += samples[end].expected, observed += samples[end].observed;
-    for (; begin < end && time_s[samples[begin].frame] < time_s[i] - kReach_s; ++begin)
-      expected -= samples[begin].expected, observed -= samples[begin].observed;
-    const std::size_t count = end - begin;
-    if (count < kLeastSamples) continue;
-    const auto n = static_cast<double>(count);
-    slow[i] = std::max(0.0, expected / n * (1 - kForgiven / std::sqrt(n)) - observed / n);
-  }
-  return slow;
 }
 
 LegCurves MakeLegCurves(const motion::MarkerRecording& recording, const LegModel& model,
@@ -244,7 +239,7 @@ SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double
   const double usual = options.known_sigmas && !smoothing.cutoff_hz ? 1 : Median(signal.noise_share);
   SmoothCoordinate result;
   result.settled = signal.converged;
-  std::vector<NoiseSample> samples;
+  std::vector<Residual> samples;
   std::vector<double> noise_variance;
   for (std::size_t i = 0; i < time_s.size(); ++i) {
     const SplineGrid::Place place = grid.At(time_s[i]);
@@ -255,7 +250,7 @@ SmoothCoordinate SmoothByItself(const SplineGrid& grid, const std::vector<double
     result.scatter.push_back(1 / std::sqrt(signal.noise_share[i]));
     if (std::isfinite(values[i])) {
       const double residual = values[i] - result.value[i];
-      samples.push_back({i, 1 - own * share / noise, residual * residual * share / noise});
+      samples.push_back({time_s[i], residual * residual * share / noise, 1 - own * share / noise});
       result.value[i] += (1 - share) * residual;
       result.variance.push_back(share * share * own + (1 - share) * noise);
       noise_variance.push_back(noise);

@@ -57,13 +57,4 @@ void FillResult(const motion::MarkerRecording& recording, const std::array<Detec
                 const LegCurves& curves, const LegModel& model, motion::Facing facing, double skin,
                 const LegFitOptions& options, LegFitResult& result);
 
-// Noise that a sigma states but the residuals do not show is too slow to be told from motion: it is in the curve, and
-// must be in the curve's variance. In variances of the detections (1 = all of it), per frame.
-struct NoiseSample {
-  std::size_t frame = 0;
-  double expected = 0;  // of (r/σ)² per axis: 1 − leverage
-  double observed = 0;
-};
-std::vector<double> SlowNoise(const std::vector<NoiseSample>& samples, const std::vector<double>& time_s);
-
 }  // namespace lake::gait

@@ -1,7 +1,9 @@
 #include "lake/gait/leg_fit.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <set>
 
@@ -16,12 +18,14 @@
 #include "leg_signals.h"
 #include "leg_space.h"
 #include "scatter.h"
+#include "sizes.h"
 
 namespace lake::gait {
 namespace {
 
 void CheckRecording(const motion::MarkerRecording& recording, const LegFitOptions& options) {
-  if (recording.Frames() < 8) throw Fail("leg fit: a recording of {} frames is too short", recording.Frames());
+  if (recording.Frames() < kLeastFrames)
+    throw Fail("leg fit: a recording of {} frames is too short", recording.Frames());
   for (std::size_t i = 0; i < recording.Frames(); ++i)
     if (!std::isfinite(recording.time_s[i]) || (i > 0 && recording.time_s[i] <= recording.time_s[i - 1]))
       throw Fail("leg fit: frame {}: time stamp {} does not follow the one before", recording.frame[i],
@@ -122,7 +126,7 @@ std::array<Detections, kLegMarkers> CollectLeg(const motion::MarkerRecording& re
   for (std::size_t m = 0; m < kLegMarkers; ++m) {
     const motion::MarkerTrack* track = recording.Find(*wanted[m]);
     if (track)
-      leg[m] = CollectDetections(recording, *track, view, skin);
+      leg[m] = CollectDetections(recording, *track, view, skin), MistrustTheLone(leg[m], recording.time_s);
     else if (m != kWaist)
       throw Fail("leg fit: no marker '{}' in the recording (it has: {}); name the leg's markers with --map", *wanted[m],
                  Names(recording));
@@ -150,9 +154,9 @@ LegPath MeasuredPath(const motion::MarkerRecording& recording, const std::array<
 
 // The waist counts if it is seen together with the hip often enough for a trunk.
 bool HasTrunk(const std::array<Detections, kLegMarkers>& leg) {
-  constexpr int kLeastFrames = 8;
-  int frames = 0;
-  for (std::size_t i = 0; i < leg[kWaist].trusted.size(); ++i) frames += leg[kHip].trusted[i] && leg[kWaist].trusted[i];
+  std::size_t frames = 0;
+  for (std::size_t i = 0; i < leg[kWaist].trusted.size(); ++i)
+    if (leg[kHip].trusted[i] && leg[kWaist].trusted[i]) ++frames;
   return frames >= kLeastFrames;
 }
 
@@ -214,37 +218,82 @@ struct Solution {
 
 // Where a marker is hidden while others move, the start is off by pixels, and the biweight would take the others for
 // outliers for good. So its limit comes down to its own value in steps (graduated non-convexity: Blake & Zisserman,
-// Visual Reconstruction, 1987), with the observations that nothing speaks against.
-void Approach(const LegModel& model, std::vector<double>& coefficients) {
+// Visual Reconstruction, 1987).
+LegSolveSummary Approach(const LegModel& model, std::vector<double>& coefficients) {
   constexpr double kFactor = 8;
   double largest = 0;  // in sigmas
   for (const LegObservation& o : model.observations)
-    if (o.trusted)
-      largest = std::max(largest, EvaluateObservation(model, o, coefficients).value.norm() / model.Scatter(o));
-  if (largest < model.outlier_deviations) return;
-  LegModel wide = model;
-  std::erase_if(wide.observations, [](const LegObservation& o) { return !o.trusted; });
-  for (double limit = 2 * largest; limit > model.outlier_deviations; limit /= kFactor) {
-    wide.outlier_deviations = limit;
-    SolveLegProblem(wide, coefficients);
+    largest = std::max(largest, EvaluateObservation(model, o, coefficients).value.norm() / model.Scatter(o));
+  if (largest >= model.outlier_deviations) {
+    LegModel wide = model;
+    for (double limit = 2 * largest; limit > model.outlier_deviations; limit /= kFactor) {
+      wide.outlier_deviations = limit;
+      SolveLegProblem(wide, coefficients);
+    }
   }
+  return SolveLegProblem(model, coefficients);
 }
 
-// Solves, with what scatters about the smooth paths beyond the noise taken into account, unless the sigmas are to stay,
-// as those of a given cutoff, which depends on them.
+// Of the picture in which the leg was seen, recorded unit².
+double AreaOf(const std::vector<LegObservation>& observations) {
+  Eigen::AlignedBox2d box;
+  for (const LegObservation& o : observations) box.extend(o.seen);
+  return box.volume();
+}
+
+// How likely an observation that something speaks against is of its marker nonetheless: by how those that the
+// covariance is of predict it, but for what skin and a strike may do at once, against something else anywhere in
+// `area`.
+double ChanceOfMarker(const LegModel& model, const LegObservation& o, const LegResidual& residual,
+                      const StateMatrix& covariance, double area) {
+  const Eigen::Vector2d surprise = std::max(0.0, 1 - o.jolt / residual.value.norm()) * residual.value;
+  const Eigen::Matrix2d variance = residual.by_state * covariance * residual.by_state.transpose() +
+                                   std::pow(model.Scatter(o), 2) * Eigen::Matrix2d::Identity();
+  const double density = std::exp(-surprise.dot(variance.inverse() * surprise) / 2) /
+                         (2 * std::numbers::pi * std::sqrt(variance.determinant()));
+  return (1 - kOfSomethingElse) * density / ((1 - kOfSomethingElse) * density + kOfSomethingElse / area);
+}
+
+void KeepTrusted(std::vector<LegObservation>& observations) {
+  std::erase_if(observations, [](const LegObservation& o) { return !o.trusted; });
+}
+
+// Lets in those of all observations that something speaks against and the solution without them makes likely; that they
+// may be something else is in their sigmas. Returns whether there were any.
+bool LetIn(std::vector<LegObservation> all, const std::vector<double>& coefficients, LegModel& model) {
+  if (all.size() == model.observations.size()) return false;
+  const StateCovariances covariances = CovariancesOf(model, coefficients).state;
+  const double area = AreaOf(model.observations);
+  for (LegObservation& o : all) {
+    if (o.trusted) continue;
+    const LegResidual residual = EvaluateObservation(model, o, coefficients);
+    const double chance = ChanceOfMarker(model, o, residual, covariances.At(o.frame), area);
+    o.trusted = chance > 0.5;
+    o.sigma = std::hypot(o.sigma, std::sqrt(1 - chance) * residual.value.norm());
+  }
+  KeepTrusted(all);
+  if (all.size() == model.observations.size()) return false;
+  model.observations = std::move(all);
+  return true;
+}
+
+// First without the observations that something speaks against. What scatters about the smooth paths beyond the noise
+// is taken into account, unless the sigmas are to stay, as those of a given cutoff, which depends on them.
 Solution SolveLeg(LegModel model, std::vector<double> coefficients, const LegFitOptions& options) {
   Solution solution;
-  Approach(model, coefficients);
-  solution.solve = SolveLegProblem(model, coefficients);
-  if (!options.HasSplineCutoff()) {
-    FindNoiseShares(coefficients, options.known_sigmas, model);
-    const LegSolveSummary again = SolveLegProblem(model, coefficients);
+  const std::vector<LegObservation> all = model.observations;
+  KeepTrusted(model.observations);
+  solution.solve = Approach(model, coefficients);
+  if (!options.HasSplineCutoff()) FindNoiseShares(coefficients, options.known_sigmas, model);
+  const bool has_more = LetIn(all, coefficients, model);
+  if (has_more || !options.HasSplineCutoff()) {
+    const LegSolveSummary again = has_more ? Approach(model, coefficients) : SolveLegProblem(model, coefficients);
     solution.solve.usable = solution.solve.usable && again.usable;
     solution.solve.iterations += again.iterations;
     solution.solve.final_cost = again.final_cost;
     solution.solve.message = again.message;
-    FindNoiseShares(coefficients, true, model);
   }
+  if (!options.HasSplineCutoff()) FindNoiseShares(coefficients, true, model);
   solution.model = std::move(model);
   solution.coefficients = std::move(coefficients);
   return solution;

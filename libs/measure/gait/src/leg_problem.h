@@ -35,7 +35,7 @@ struct LegObservation {
   double jolt = 0;          // recorded unit: see Detections
   std::uint32_t frame = 0;  // index into the recording
   LegMarker marker = kAnkle;
-  bool trusted = true;  // false: in an excursion, which the robust loss alone decides about
+  bool trusted = true;  // false: judged by what the others predict
 };
 
 struct LegPrior {

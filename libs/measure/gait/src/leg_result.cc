@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 
 #include "filter_loss.h"
 #include "lake/core/angles.h"
@@ -11,6 +12,7 @@
 #include "lake/gait/butterworth.h"
 #include "leg_curves.h"
 #include "leg_space.h"
+#include "sizes.h"
 
 namespace lake::gait {
 namespace {
@@ -311,14 +313,13 @@ MarkerOutput Unsmoothed(const Detections& d) {
 // A marker that is not the leg's.
 MarkerOutput MakeExtra(const motion::MarkerRecording& recording, const Detections& d, const LegView& view,
                        double most_sigma, const LegFitOptions& options, std::vector<std::string>& warnings) {
-  constexpr std::ptrdiff_t kLeastDetections = 8;
-  if (std::count(d.trusted.begin(), d.trusted.end(), 1) >= kLeastDetections) {
+  if (std::cmp_greater_equal(std::ranges::count(d.trusted, 1), kLeastFrames)) {
     MarkerCurve curve = SmoothMarker(recording, d, view, options);
     if (!curve.settled) warnings.push_back(UnsettledWarning(fmt::format("marker '{}'", d.name)));
     return MakeOutput(d, std::move(curve), recording.time_s, most_sigma, options);
   }
   warnings.push_back(
-      fmt::format("marker '{}' is seen in fewer than {} frames and left as it is", d.name, kLeastDetections));
+      fmt::format("marker '{}' is seen in fewer than {} frames and left as it is", d.name, kLeastFrames));
   return Unsmoothed(d);
 }
 

@@ -8,6 +8,7 @@
 #include "lake/core/error.h"
 #include "lake/core/statistics.h"
 #include "lake/core/threads.h"
+#include "sizes.h"
 
 namespace lake::gait {
 namespace {
@@ -32,18 +33,17 @@ double NoiseFromDifferences(const motion::MarkerTrack& track, const std::vector<
 // Skin jumps on the bone, and a foot that strikes stops between two frames: how far a marker may be off a smooth path,
 // with its speed as the movement over a moment, which a wrong position hardly changes.
 std::vector<double> Jolts(const Detections& d, const std::vector<double>& time_s, double skin) {
-  constexpr double kReach_s = 0.2;
   const double interval_s = MedianInterval(time_s);
   const std::size_t n = time_s.size();
   std::vector<double> jolts(n, skin);
   for (std::size_t i = 0, begin = 0, end = 0; i < n; ++i) {
-    while (begin < i && (!d.seen[begin] || time_s[begin] < time_s[i] - kReach_s)) ++begin;
-    while (end + 1 < n && time_s[end + 1] <= time_s[i] + kReach_s) ++end;
+    while (begin < i && (!d.seen[begin] || time_s[begin] < time_s[i] - kMovement_s)) ++begin;
+    while (end + 1 < n && time_s[end + 1] <= time_s[i] + kMovement_s) ++end;
     std::size_t last = end;
     while (last > begin && !d.seen[last]) --last;
     if (last == begin || !d.seen[begin]) continue;
     const Eigen::Vector2d moved = d.track->samples[last].position - d.track->samples[begin].position;
-    jolts[i] += moved.norm() / std::max(time_s[last] - time_s[begin], kReach_s) * interval_s;
+    jolts[i] += moved.norm() / std::max(time_s[last] - time_s[begin], kMovement_s) * interval_s;
   }
   return jolts;
 }
@@ -84,29 +84,32 @@ UsualStep UsualStepAround(const Steps& steps, std::size_t k) {
   return usual;
 }
 
-// Samples are mistrusted from a jump away to the jump back: steps far from those around them, with the marker then
-// where it would have been without them. More than half a second away is not an outlier but a question of naming.
+// How far a step may lie from the others beside it, spread apart.
+double OrdinaryStep(const Detections& d, std::size_t frame) {
+  return (12 + d.jolt[frame] / d.sigma[frame]) * d.plane_sigma[frame];
+}
+
+// Whether a step is far from those around it.
+bool IsJump(const Detections& d, const Steps& steps, std::size_t k) {
+  const UsualStep usual = UsualStepAround(steps, k);
+  return (steps.step[k] - usual.median).norm() > 5 * usual.spread + OrdinaryStep(d, steps.frames[k]);
+}
+
+// Samples are mistrusted from a jump away to the jump back: with the marker then where it would have been without them.
+// More than half a second away is not an outlier but a question of naming.
 void MistrustExcursions(Detections& d, const std::vector<double>& time_s) {
   constexpr double kLongest_s = 0.5;
   const Steps steps = FindSteps(d, time_s);
   const std::vector<std::size_t>& frames = steps.frames;
-  const auto ordinary = [&](std::size_t k) {
-    const std::size_t i = frames[k];
-    return (12 + d.jolt[i] / d.sigma[i]) * d.plane_sigma[i];
-  };
-  const auto is_jump = [&](std::size_t k, const UsualStep& usual) {
-    return (steps.step[k] - usual.median).norm() > 5 * usual.spread + ordinary(k);
-  };
   for (std::size_t k = 1; k < frames.size(); ++k) {
+    if (!IsJump(d, steps, k)) continue;
     const UsualStep usual = UsualStepAround(steps, k);
-    if (!is_jump(k, usual)) continue;
-    const double jump = (steps.step[k] - usual.median).norm(), noise = ordinary(k);
+    const double jump = (steps.step[k] - usual.median).norm(), noise = OrdinaryStep(d, frames[k]);
     for (std::size_t back = k + 1; back < frames.size() && time_s[frames[back]] - time_s[frames[k]] <= kLongest_s;
          ++back) {
       const double gap = (time_s[frames[back]] - time_s[frames[k - 1]]) / steps.interval_s;
       const double away = (d.in_plane[frames[back]] - d.in_plane[frames[k - 1]] - gap * usual.median).norm();
-      if (away > std::min(3 * usual.spread * gap + noise, jump / 2) || !is_jump(back, UsualStepAround(steps, back)))
-        continue;
+      if (away > std::min(3 * usual.spread * gap + noise, jump / 2) || !IsJump(d, steps, back)) continue;
       for (std::size_t j = k; j < back; ++j) d.trusted[frames[j]] = 0;
       k = back;
       break;
@@ -281,6 +284,24 @@ Detections CollectDetections(const motion::MarkerRecording& recording, const mot
   return d;
 }
 
+void MistrustTheLone(Detections& d, const std::vector<double>& time_s) {
+  const Steps steps = FindSteps(d, time_s);
+  const std::vector<std::size_t>& frames = steps.frames;
+  std::vector<std::size_t> begins;  // of the pieces: after a gap, or a jump
+  for (std::size_t k = 1; k < frames.size(); ++k)
+    if (frames[k] > frames[k - 1] + 1 || IsJump(d, steps, k)) begins.push_back(k);
+  std::vector<std::size_t> lone;
+  for (std::size_t p = 0; p + 1 < begins.size(); ++p) {
+    const std::size_t begin = begins[p], end = begins[p + 1];
+    const double seen_s = time_s[frames[end - 1]] - time_s[frames[begin]] + steps.interval_s;
+    const double hidden_s = time_s[frames[end]] - time_s[frames[begin - 1]] - steps.interval_s - seen_s;
+    if (end - begin < kLeastFrames && hidden_s > std::max(seen_s, SmoothingOptions{}.memory_s))
+      for (std::size_t k = begin; k < end; ++k) lone.push_back(frames[k]);
+  }
+  if (2 * lone.size() > frames.size()) return;
+  for (const std::size_t i : lone) d.trusted[i] = 0;
+}
+
 LegSignals MakeLegSignals(const std::array<Detections, kLegMarkers>& leg, const Eigen::Matrix2d& leg_from_plane,
                           int states) {
   constexpr int kAngles[] = {kShankAngle, kThighAngle, kTrunkAngle},
@@ -328,7 +349,6 @@ std::set<int> BendHiddenJoints(const std::array<Detections, kLegMarkers>& leg, c
 }
 
 void CheckIsSeen(const LegSignals& signals, const std::array<Detections, kLegMarkers>& leg) {
-  constexpr std::size_t kLeastFrames = 8;
   for (const int length : {kShankLength, kThighLength}) {
     const std::size_t below = length == kShankLength ? kAnkle : kKnee;
     const std::size_t frames = Known(signals.value[static_cast<std::size_t>(length)]);

@@ -18,7 +18,7 @@ struct Detections {
   const motion::MarkerTrack* track = nullptr;  // nullptr: the recording has no such marker
   double depth_mm = 0;
   std::vector<char> seen;     // 0 or 1 per frame
-  std::vector<char> trusted;  // seen, and not on an excursion of a few frames
+  std::vector<char> trusted;  // seen, and neither on an excursion of a few frames nor alone within a gap
   std::vector<double> sigma;  // recorded unit; where it was given as 0, the estimate
   std::vector<double> jolt;   // recorded unit: how far off a smooth path a person's marker may be, noise apart
   std::vector<Eigen::Vector2d> in_plane;
@@ -30,6 +30,10 @@ struct Detections {
 // finite or lies where the camera cannot see it, naming marker and frame.
 Detections CollectDetections(const motion::MarkerRecording& recording, const motion::MarkerTrack& track,
                              const LegView& view, double skin);
+
+// Mistrusts what is seen for too few frames for a curve, and for less time than the marker is hidden before and after
+// it: nothing beside it tells what it is of. Where most of a marker's samples are such, nothing is known better.
+void MistrustTheLone(Detections& detections, const std::vector<double>& time_s);
 
 // The components' values and sigmas of every frame, NaN where a marker is not trusted; angles continuous, in rad.
 struct LegSignals {

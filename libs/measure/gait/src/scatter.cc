@@ -3,30 +3,58 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sizes.h"
+
 namespace lake::gait {
+namespace {
+
+// Weighted means around a moment, and by which part of itself the mean of the squares is off by chance; all 0 where no
+// residual is within reach.
+struct Around {
+  double square = 0, free = 0, chance = 0;
+};
+
+std::vector<Around> MeansAround(std::span<const Residual> residuals, std::span<const double> time_s) {
+  std::vector<Around> all;
+  all.reserve(time_s.size());
+  std::size_t begin = 0;
+  for (const double now_s : time_s) {
+    while (begin < residuals.size() && residuals[begin].time_s < now_s - kMovement_s) ++begin;
+    Around around;
+    double weights = 0, weights2 = 0;
+    for (std::size_t k = begin; k < residuals.size() && residuals[k].time_s < now_s + kMovement_s; ++k) {
+      const double weight = 1 - std::abs(residuals[k].time_s - now_s) / kMovement_s;
+      around.square += weight * residuals[k].square, around.free += weight * residuals[k].free;
+      weights += weight, weights2 += weight * weight;
+    }
+    // The mean of n squares scatters by 1/√n of itself (two axes).
+    if (weights > 0)
+      around = {around.square / weights, around.free / weights, kForgiven * std::sqrt(weights2) / weights};
+    all.push_back(around);
+  }
+  return all;
+}
+
+}  // namespace
 
 std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<const double> time_s) {
-  constexpr double kReach_s = 0.2;  // skin swings and heels strike within about this time
-  // The mean of n squares scatters by 1/√n of itself (two axes); half of that is taken for chance.
-  constexpr double kForgiven = 0.5;
   const auto share_of = [](double square, double free) { return square > free ? free / square : 1; };
   double all_square = 0, all_free = 0;
   for (const Residual& residual : residuals) all_square += residual.square, all_free += residual.free;
   std::vector<double> shares;
   shares.reserve(time_s.size());
-  std::size_t begin = 0;
-  for (const double now_s : time_s) {
-    while (begin < residuals.size() && residuals[begin].time_s < now_s - kReach_s) ++begin;
-    double square = 0, free = 0, weights = 0, weights2 = 0;
-    for (std::size_t k = begin; k < residuals.size() && residuals[k].time_s < now_s + kReach_s; ++k) {
-      const double weight = 1 - std::abs(residuals[k].time_s - now_s) / kReach_s;
-      square += weight * residuals[k].square, free += weight * residuals[k].free;
-      weights += weight, weights2 += weight * weight;
-    }
-    const double chance = weights2 > 0 ? kForgiven * std::sqrt(weights2) / weights : 0;
-    shares.push_back(free > 0 ? share_of(square, free * (1 + chance)) : share_of(all_square, all_free));
-  }
+  for (const Around& around : MeansAround(residuals, time_s))
+    shares.push_back(around.free > 0 ? share_of(around.square, around.free * (1 + around.chance))
+                                     : share_of(all_square, all_free));
   return shares;
+}
+
+std::vector<double> SlowNoise(std::span<const Residual> residuals, std::span<const double> time_s) {
+  std::vector<double> slow;
+  slow.reserve(time_s.size());
+  for (const Around& around : MeansAround(residuals, time_s))
+    slow.push_back(std::max(0.0, around.free * (1 - around.chance) - around.square));
+  return slow;
 }
 
 }  // namespace lake::gait

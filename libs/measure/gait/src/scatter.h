@@ -20,4 +20,8 @@ struct Residual {
 // Where there is no residual within reach, that of all. Residuals and times must not decrease.
 std::vector<double> NoiseShares(std::span<const Residual> residuals, std::span<const double> time_s);
 
+// What is stated of noise around each moment and not to be seen in the residuals, in variances of a measurement (1: all
+// of it). It is too slow to be told from motion: it is in the path, and must be in the path's variance.
+std::vector<double> SlowNoise(std::span<const Residual> residuals, std::span<const double> time_s);
+
 }  // namespace lake::gait
