@@ -395,9 +395,8 @@ TEST(Redesign, OfEqualDesignsTheJointNearestToTheKneeIsTaken) {
   EXPECT_NEAR(range->y_mm.upper, 17, 2);
 }
 
-// A slipped mount on an unlike leg; the other program stays within its time, and no place on a grid is better than the
-// joint's.
-TEST(Redesign, RepairsOfTheWornDesignAreTheBestOfTheirKind) {
+// A slipped mount on an unlike leg: no place on a grid about it is better.
+TEST(Redesign, TheBestPlacementOfADesignHasTheLeastMisalignment) {
   for (const ClosedFormLeg& leg : Legs()) {
     redesign::RedesignProblem problem = Free(15, leg);
     problem.fit_placement = true;

@@ -194,14 +194,31 @@ std::optional<DesignInMotion> WithOtherProgram(const RedesignOutcome& outcome) {
   return PutInMotion(outcome.problem, outcome.measured.human, design);
 }
 
+// The worn design with its joint on the knee, in its own trial: pace and lean are those measured, as neither links nor
+// program change. Of a trial that shows no leg of its own, where the prediction is best.
+std::optional<DesignInMotion> WithJointMoved(const RedesignOutcome& outcome) {
+  linkage::Design moved = outcome.before.design;
+  const auto place = [&](const Vector2d& placement) { moved.placement_mm = {placement.x(), placement.y()}; };
+  if (!outcome.slip) {
+    const auto best = BestPlacement(outcome.problem, outcome.before);
+    if (!best) return std::nullopt;
+    place(*best);
+    return PutInMotion(outcome.problem, outcome.measured.human, moved);
+  }
+  const Vector2d& way_mm = outcome.slip->placement_mm;
+  place(PlacementOf(moved) - way_mm);
+  DesignInMotion in_motion = PutInMotion(outcome.problem, outcome.measured.human, moved);
+  compare::StsCurve trial = *outcome.measured.exo;
+  for (std::size_t i = 0; i < trial.knee.size(); ++i)
+    trial.knee[i] -= compare::AxesAlong(trial.leg_knee[i] - trial.ankle[i]) * way_mm;
+  in_motion.misalignment = ComparePredicted(outcome.measured.human, trial);
+  return in_motion;
+}
+
 void FindRepairs(RedesignOutcome& outcome) {
   if (!outcome.measured.worn) return;
+  outcome.joint_moved = WithJointMoved(outcome);
   outcome.other_program = WithOtherProgram(outcome);
-  const auto placement = BestPlacement(outcome.problem, outcome.before);
-  if (!placement) return;
-  linkage::Design moved = outcome.before.design;
-  moved.placement_mm = {placement->x(), placement->y()};
-  outcome.joint_moved = PutInMotion(outcome.problem, outcome.measured.human, moved);
 }
 
 // The worn design must have been able to do what its trial shows.

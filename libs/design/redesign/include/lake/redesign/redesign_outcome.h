@@ -95,7 +95,7 @@ struct RedesignOutcome {
   DesignInMotion after;   // the optimum, of equals that with the joint nearest to the knee, or the design of the
                           // smallest misalignment found
   // Cheaper repairs of the worn design; absent without one.
-  std::optional<DesignInMotion> joint_moved;    // same links and program: the joint where the misalignment is least
+  std::optional<DesignInMotion> joint_moved;    // same links and program: the joint on the knee, as its trial shows it
   std::optional<DesignInMotion> other_program;  // same links and joint: the program with the least misalignment, its
                                                 // kind, speed and time as for the new design
   synthesis::ActiveSet active;
