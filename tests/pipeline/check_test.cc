@@ -84,12 +84,14 @@ TEST(Check, NamesWhatMakesARecordingUnfit) {
 TEST(Check, JudgesFiguresOneByOne) {
   tracking::RecordingCheck check;
   check.video.frame_rate_hz = 60, check.frames_seen = 240, check.all_seen_share = 1;
+  check.why_not_named = "fewer than four markers";
   const auto verdict = [&](const std::string& name) {
     for (const commands::CheckItem& item : commands::JudgeRecording(check, 4))
       if (item.name == name) return fmt::format("{} {}", static_cast<int>(item.verdict), item.advice);
     return std::string("absent");
   };
-  EXPECT_THAT(verdict("radius_px"), testing::AllOf(testing::StartsWith("2 "), testing::HasSubstr("--detector")));
+  EXPECT_THAT(verdict("markers"), testing::AllOf(testing::StartsWith("3 "), testing::HasSubstr("--detector")));
+  EXPECT_EQ(verdict("radius_px"), "absent");
   EXPECT_EQ(verdict("blur_px"), "absent");
   EXPECT_EQ(verdict("travel_px"), "absent");
   EXPECT_EQ(verdict("tilt_deg"), "absent");
@@ -100,12 +102,14 @@ TEST(Check, JudgesFiguresOneByOne) {
   EXPECT_EQ(verdict("interlaced"), "absent");
   check.video.interlaced = true;
   EXPECT_THAT(verdict("interlaced"), testing::StartsWith("2 "));
-  check.clutter = 4, check.strongest_clutter = 0.5;
-  EXPECT_THAT(verdict("clutter"), testing::AllOf(testing::StartsWith("1 "), testing::HasSubstr("--crop")));
+  check.clutter = 60, check.strongest_clutter = 0.5;
+  EXPECT_THAT(verdict("clutter"), testing::AllOf(testing::StartsWith("2 "), testing::HasSubstr("--crop")));
+  check.why_not_named.clear();  // lamps do not make a recording unfit in which the markers are named all the same
+  EXPECT_THAT(verdict("clutter"), testing::StartsWith("1 "));
 }
 
-// Lamps that stay where they are, and lights that go about each by itself, have neither a contrast nor a knee.
-TEST(Check, SaysOfNoLegThatThereIsNone) {
+// Lamps that stay where they are, and lights that go about each by itself: what lake track cannot name is not judged.
+TEST(Check, WhatCannotBeNamedIsNotJudged) {
   const TemporaryFolder folder;
   for (const double speed_px : {0.0, 1.0}) {
     video::VideoWriterOptions options;
@@ -122,7 +126,9 @@ TEST(Check, SaysOfNoLegThatThereIsNone) {
     }
     writer.Finish();
     const Json check = CheckVideo(folder / "lamps.mp4", folder / "out");
-    EXPECT_EQ(VerdictOf(check, "leg_seen"), "unfit") << check["checks"].dump(1);
+    EXPECT_EQ(VerdictOf(check, "markers"), "not judged") << check["checks"].dump(1);
+    EXPECT_FALSE(check["fit"].get<bool>());
+    EXPECT_THAT(check["checks"].dump(), testing::Not(testing::HasSubstr("seen_share\",\"verdict\":\"good")));
     for (const char* name : {"radius_px", "contrast_over_noise", "blur_px", "expected_knee_sd_deg"})
       EXPECT_EQ(VerdictOf(check, name), "absent") << name;
     EXPECT_TRUE(check["figures"]["expected_knee_sd_deg"].is_null());
@@ -138,6 +144,28 @@ TEST(Check, FindsTheSampleStudyFit) {
     EXPECT_EQ(check["figures"]["repeated_frames"], 0) << video;
     EXPECT_TRUE(check["fit"].get<bool>()) << video << ": " << check["checks"].dump();
   }
+}
+
+// Among sixty lamps the rings are round the markers that lake track names, not round the brightest.
+TEST(Check, AmongSixtyLampsItJudgesTheMarkersThatAreTracked) {
+  synth::SceneOptions scene = Short(6);
+  scene.reflections = 60;
+  RenderedTrial trial(scene, {.preset = kQuickEncoder});
+  tracking::RecordingCheckOptions options;
+  const tracking::RecordingCheck check = tracking::CheckRecording(trial.folder / "video.mp4", options);
+  ASSERT_TRUE(check.IsNamed()) << check.why_not_named;
+  EXPECT_GT(check.clutter, 25);
+  const auto frame = static_cast<int>(std::lround(check.shown_frame_ms * scene.frame_rate_hz / 1000));
+  std::size_t named = 0;
+  for (const tracking::CheckedSpot& spot : check.spots_shown) {
+    if (spot.name.empty()) continue;
+    ++named;
+    const auto marker = static_cast<std::size_t>(synth::IndexOfMarker(trial.scene.Motion(), spot.name));
+    EXPECT_LT((spot.position - trial.Truth(frame).markers[marker].px).norm(), 1) << spot.name;
+  }
+  EXPECT_EQ(named, 4u);
+  for (const commands::CheckItem& item : commands::JudgeRecording(check, 4))
+    EXPECT_LT(item.verdict, commands::Verdict::kUnfit) << item.shown;
 }
 
 TEST(Check, CountsRepeatedAndDroppedFrames) {

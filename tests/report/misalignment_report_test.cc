@@ -8,6 +8,7 @@
 #include "lake/commands/compare.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/provenance.h"
+#include "lake/core/uncertain_text.h"
 #include "lake/report/misalignment_sections.h"
 #include "name_map.h"
 
@@ -43,13 +44,15 @@ TEST(MisalignmentReport, ShowsTheComparisonsNumbers) {
   const Json comparison = Placed(3);
   const std::string page = PageOf(comparison);
   const double rms = comparison["metrics"]["relative_rms"].get<double>();
-  EXPECT_THAT(page, HasSubstr(fmt::format("<dt>path difference, RMS, of the shank</dt><dd><span class=\"value\">{:.2f}",
-                                          100 * rms)));
-  EXPECT_THAT(
-      page, HasSubstr(fmt::format("95 %: {:.2f} to ", 100 * comparison["intervals"]["relative_rms"][0].get<double>())));
-  EXPECT_THAT(
-      page,
-      HasSubstr("is placement: the joint sits 10.0 mm in front of the knee and 20.0 mm above it along the shank."));
+  // Rounded to its interval, whatever that is.
+  const Json& interval = comparison["intervals"]["relative_rms"];
+  const double low = 100 * interval[0].get<double>(), high = 100 * interval[1].get<double>();
+  const int decimals = KnownDecimals((high - low) / 2);
+  EXPECT_THAT(page, HasSubstr(fmt::format("<dt>path difference, RMS, of the shank</dt><dd><span class=\"value\">{}",
+                                          RoundedText(100 * rms, decimals))));
+  EXPECT_THAT(page, HasSubstr(fmt::format("95 %: {} to ", RoundedText(low, decimals))));
+  EXPECT_THAT(page,
+              HasSubstr("is placement: the joint sits 10 mm in front of the knee and 20 mm above it along the shank."));
   // |D| = hypot(10, 20) everywhere, so RMS and largest distance agree but for the noise of 0.1 mm.
   EXPECT_NEAR(comparison["metrics"]["rms_mm"].get<double>(), std::hypot(10, 20), 0.1);
   EXPECT_THAT(page, HasSubstr("We compare the means of 3 repetitions"));

@@ -75,6 +75,24 @@ TEST(DesignExplorer, ShowsEveryPoseAsTheClosedFormHasIt) {
   EXPECT_NEAR(knee.back(), 0, 0.01) << "standing straight";
 }
 
+// What a person needs and nobody asked for is told, and is not counted among what is met.
+TEST(DesignExplorer, TellsWhatWasNotAsked) {
+  ExploredDesign design = Published();
+  linkage::Links links = design.design.links;
+  links.l6 = 200;
+  const Json message = DesignExplorer(design).Explore(Question(links));
+  const Json& seated = CheckNamed(message, "seated angle");
+  EXPECT_EQ(seated.at("asked"), false);
+  EXPECT_EQ(seated.at("holds"), false) << "nobody can sit down in it";
+  EXPECT_EQ(seated.at("value"), message.at("range_deg"));
+  EXPECT_EQ(CheckNamed(message, "force").at("asked"), true);
+  EXPECT_EQ(CheckNamed(message, "clearance to the seat").at("asked"), false);
+  // What is asked stands there once.
+  design.problem.clearances.seat_mm = 5;
+  EXPECT_THROW(CheckNamed(DesignExplorer(design).Explore(Question(links)), "clearance to the seat"), Error);
+  EXPECT_EQ(CheckNamed(DesignExplorer(design).Explore(Question(links)), "seat clearance").at("asked"), true);
+}
+
 TEST(DesignExplorer, SaysWhichRequirementFailsAndByHowMuch) {
   const ExploredDesign design = Published();
   linkage::Links links = design.design.links;

@@ -359,7 +359,7 @@ class ReviewPage(unittest.TestCase):
         rows, width, height = len(read_table(self.trial / "tracks.csv")), canvas.rect["width"], canvas.rect["height"]
         x = lambda row: round(46 + row / (rows - 1) * (width - 52) - width / 2)
         ActionChains(self.browser, duration=20).move_to_element_with_offset(
-            canvas, x(frame), round(height / 2) - 9).click_and_hold().move_by_offset(
+            canvas, x(frame), round(height / 2) - 24).click_and_hold().move_by_offset(
             x(to) - x(frame), 0).release().perform()
 
     def test_an_event_is_moved(self):
@@ -397,6 +397,63 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: "--events" in self.text("command"))
         run(BIN / "lake", *shlex.split(self.text("command"))[1:], "--quiet", cwd=self.folder)
         self.assertEqual(self.events("events.csv"), {**found, (1, "standing"): dragged})
+
+    def test_timeline_and_curves_share_one_time_axis(self):
+        self.open_trial()
+        self.until(lambda: "knee" in self.text("frame"))
+        self.assertRegex(self.text("frame"), r"^Frame 0 of 119, 0\.000 s, knee \d+\.\d° ± \d+\.\d\d°$")
+        sides = {(box["x"], box["width"]) for box in
+                 (self.part(name).rect for name in ("timeline", "knee-chart", "lengths-chart", "residuals-chart"))}
+        self.assertEqual(len(sides), 1, "an event does not stand over its curve")
+
+    def test_controls_handle_their_own_keys(self):
+        self.open_trial()
+        keys = self.browser.find_element(By.CSS_SELECTOR, ".foot summary")
+        is_open = lambda: keys.find_element(By.XPATH, "..").get_attribute("open") is not None
+        for key, opened in ((Keys.ENTER, True), (Keys.SPACE, False)):
+            keys.send_keys(key)
+            self.assertEqual(is_open(), opened)
+        self.part("zoom-in").send_keys(Keys.SPACE)
+        time.sleep(0.3)
+        self.assertEqual((self.frame(), self.part("play").text), (0, "Play"))
+        self.assertEqual(self.corrections(), [])
+
+    def test_a_guess_is_called_one_and_undo_is_told(self):
+        self.open_trial()
+        self.seek(20)
+        self.press("1")
+        ankle = lambda: self.browser.find_element(By.CSS_SELECTOR, "[data-marker=ankle]").text
+        self.press(Keys.ARROW_UP, holding=Keys.ALT)
+        self.until(lambda: "placed by eye" in ankle())
+        self.assertNotIn("detected", ankle())
+        self.press("z", holding=Keys.CONTROL)
+        self.until(lambda: self.text("said") == "Undone")
+
+    def test_the_runs_own_warnings_stay_in_sight(self):
+        self.copy_trial()
+        summary = json.loads((self.trial / "summary.json").read_text())
+        summary["warnings"] = ["the lamp flickers"]
+        (self.trial / "summary.json").write_text(json.dumps(summary))
+        self.open(self.trial)
+        self.until(lambda: self.text("state") == "No corrections")
+        self.assertIn("the lamp flickers", self.text("warnings"))
+
+    NAMELESS = """
+      const shown = [...document.querySelectorAll('button, input, select, textarea, progress, iframe, canvas, summary, a')]
+        .filter(control => control.getClientRects().length > 0);
+      return shown;"""
+
+    def test_every_control_has_a_name_for_those_who_listen(self):
+        for subject in ("trial", "optimum", self.compared(), "recording/video.mp4"):
+            self.browser.get("about:blank")
+            self.browser.get(self.start(subject).address)
+            self.until(lambda: self.text("state") not in ("", "Loading", "Looking for markers", "Fitting the leg"))
+            self.browser.execute_script("document.querySelectorAll('details').forEach(d => d.open = true)")
+            controls = self.browser.execute_script(self.NAMELESS)
+            self.assertGreater(len(controls), 5)
+            for control in controls:
+                name = control.accessible_name
+                self.assertRegex(name, "[A-Za-z]{2}|l[1-6]", f"{subject}: {control.get_attribute('outerHTML')[:120]}")
 
     def test_two_windows_show_the_same_trial(self):
         review = self.open_trial()
@@ -436,7 +493,7 @@ class ReviewPage(unittest.TestCase):
         self.until(lambda: self.frame() == 48)
         Select(self.part("swap-with")).select_by_value("knee")
         self.part("swap").click()
-        self.until(lambda: self.text("warnings") == "" and "saved" in self.text("state"))
+        self.until(lambda: "No leg" not in self.text("warnings") and "saved" in self.text("state"))
         repaired = review.ask("trial")["leg"]["knee"]
         tracked = [float(row["knee_deg"]) for row in read_table(self.trial / "kinematics.csv")]
         self.assertEqual(len(repaired), len(tracked))
@@ -453,7 +510,7 @@ class ReviewPage(unittest.TestCase):
         for spot in spots.values():
             x, y, _ = self.on_screen("naming-picture", *spot)
             ActionChains(self.browser).move_to_element_with_offset(self.part("naming-picture"), x, y).click().perform()
-        chosen = [button.text for button in self.browser.find_elements(By.CSS_SELECTOR, "#choices button")]
+        chosen = [button.text for button in self.browser.find_elements(By.CSS_SELECTOR, "#choices [data-name]")]
         self.assertEqual(chosen, [f"{name}: #{spot}" for name, spot in SEEDS.items()])
         self.until(lambda: "--seed=waist=#1" in self.text("naming-command"))
         self.part("options").find_element(By.TAG_NAME, "summary").click()
@@ -486,6 +543,38 @@ class ReviewPage(unittest.TestCase):
         self.browser.find_element(By.CSS_SELECTOR, f"[data-point={option}]").click()
         for place in places:
             self.click_picture(*place)
+
+    def test_named_markers_are_locked(self):
+        self.trial.mkdir()
+        shutil.copy(self.folder / "recording/video.mp4", self.trial)
+        shutil.copy(self.folder / "recording/camera.yaml", self.trial)
+        self.open(self.trial / "video.mp4")
+        self.until(lambda: self.browser.find_elements(By.CSS_SELECTOR, "#spots button"))
+        self.assertGreater(int(self.part("naming-scrub").get_attribute("max")), 100)
+        names = lambda: [button.text for button in self.browser.find_elements(By.CSS_SELECTOR, "#choices [data-name]")]
+        spot = lambda number: self.browser.execute_script(f"document.querySelector('#spots [data-spot=\"{number}\"]').click()")
+        for number in SEEDS.values():
+            spot(number)
+        named = [f"{name}: #{number}" for name, number in SEEDS.items()]
+        self.assertEqual(names(), named)
+        spot(2)  # any further one
+        self.assertEqual(names(), named)
+        self.assertIn("choose a name", self.text("said"))
+        self.part("camera-beside").click()
+        self.until(lambda: "--camera=" in self.text("naming-command"))
+        self.browser.find_element(By.XPATH, "//*[@id='choices']//button[.='Add exo_knee']").click()
+        spot(SEEDS["waist"])
+        self.assertIn("#1 is waist", self.text("said"))
+        spot(2)
+        self.assertEqual(names(), named + ["exo_knee: #2"])
+        self.press("z", holding=Keys.CONTROL)
+        self.until(lambda: names() == named + ["exo_knee"])
+        self.until(lambda: self.text("said") == "Undone")
+        self.part("options").find_element(By.TAG_NAME, "summary").click()
+        self.point("scale", (200, 100), (600, 100))
+        self.browser.switch_to.alert.dismiss()
+        self.until(lambda: self.text("said") == "")
+        self.assertNotIn("error", self.part("said").get_attribute("class"))
 
     def test_scale_part_and_colour_are_pointed_at(self):
         self.open("recording/video.mp4")
@@ -559,7 +648,8 @@ class ReviewPage(unittest.TestCase):
         field.send_keys(str(length), Keys.TAB)
 
     def failing(self):
-        return [line.text for line in self.browser.find_elements(By.CSS_SELECTOR, "#checks [data-holds=false]")]
+        return [line.text for line in self.browser.find_elements(By.CSS_SELECTOR,
+                                                                 "#checks [data-holds=false][data-asked=true]")]
 
     def drag_pin(self, pin, by):
         canvas = self.part("linkage")
@@ -606,6 +696,33 @@ class ReviewPage(unittest.TestCase):
         self.part("design-reset").send_keys(Keys.ENTER)
         self.until(lambda: self.length(2) == before)
 
+    def test_a_slide_by_keys_is_undone_in_one_step(self):
+        self.open_design()
+        before = self.length(2)
+        slider = self.browser.find_element(By.CSS_SELECTOR, "[data-link='2'] [type=range]")
+        for _ in range(3):
+            slider.send_keys(Keys.ARROW_RIGHT)
+        self.until(lambda: self.length(2) != before)
+        slider.send_keys(Keys.CONTROL, "z")
+        self.until(lambda: self.length(2) == before)
+        self.assertEqual(self.text("said"), "Undone")
+        # In a number's field it is the design that goes back, not the text alone.
+        self.set_length(2, 70)
+        self.until(lambda: abs(self.length(2) - 70) < 0.01)
+        field = self.browser.find_element(By.CSS_SELECTOR, "[data-link='2'] [type=number]")
+        field.send_keys(Keys.CONTROL, "z")
+        self.until(lambda: self.length(2) == before and f",{before:.1f}"[:4] in self.browser.current_url)
+
+    def test_nobody_can_sit_down_in_it(self):
+        self.open_design()
+        self.set_length(6, 200)
+        self.until(lambda: "not asked, and not met: seated angle" in self.text("state"))
+        unasked = [line.text for line in self.browser.find_elements(By.CSS_SELECTOR, "#checks [data-asked=false]")]
+        for need in ("Seated angle: ", "Clearance to the seat: ", "Actuator's clearance to the thigh: ",
+                     "Actuator's clearance to the shank: "):
+            line, = [line for line in unasked if line.startswith(need)]
+            self.assertIn("not asked", line)
+
     def test_builds_within_a_tolerance_follow(self):
         self.trial.mkdir()
         (self.trial / "robust.yaml").write_text(PROBLEM + "robust_mm: 0.2\n")
@@ -613,7 +730,7 @@ class ReviewPage(unittest.TestCase):
         links = review.ask("design")["links"]
         as_drawn, builds = (review.ask("explore", {"links": links, "builds": of}) for of in (False, True))
         self.assertEqual((as_drawn["of_builds"], builds["of_builds"]), (False, True))
-        fails = lambda said: [check["name"] for check in said["checks"] if not check["holds"]]
+        fails = lambda said: [check["name"] for check in said["checks"] if check["asked"] and not check["holds"]]
         self.assertEqual(fails(as_drawn), [])
         # At its limits as it is drawn, so a build that is off breaks them.
         self.assertIn("force", fails(builds))
@@ -712,7 +829,7 @@ class ReviewPage(unittest.TestCase):
         self.assertRegex(line, "Force ≤ 1500 N: 2000 N\\s*fails by 500 N at 5.0°")
         self.assertEqual(self.text("name"), "<i>.yaml")
         self.set_length(2, 20)
-        self.until(lambda: "violate the triangle inequality" in self.text("state"))
+        self.until(lambda: "These links cannot be assembled: " in self.text("state"))
         self.part("design-save").click()
         self.until(lambda: "cannot be saved" in self.text("said"))
         self.browser.get_log("browser")  # that it was refused is on the console too
@@ -743,6 +860,23 @@ class ReviewPage(unittest.TestCase):
         self.press(Keys.ARROW_LEFT)
         self.until(lambda: "99 % of the rise" in self.text("percent"))
 
+    def test_another_rise_changes_the_numbers(self):
+        run(BIN / "lake-synth", "--duration", 9, "--rate", 25, "--seed-number", 31, "--quiet", "-o", self.trial, cwd=self.folder)
+        run(BIN / "lake-track", self.trial / "video.mp4", "--camera", self.trial / "camera.yaml", "--no-overlay", "--quiet",
+            "-o", self.trial / "track", cwd=self.folder)
+        run(BIN / "lake-compare", self.trial / "track", self.folder / "trial", "--exo-knee", "hip", "--quiet", "-o",
+            self.trial / "comparison", cwd=self.folder)
+        self.open(self.trial / "comparison")
+        self.until(lambda: self.part("comparison").is_displayed() and "0 % of the rise" in self.text("percent"))
+        rises = [option.text for option in Select(self.part("human-rise")).options]
+        self.assertEqual(rises[:3], ["mean of all rises", "rise 1", "rise 2"])
+        said = set()
+        for rise in rises[:3]:
+            Select(self.part("human-rise")).select_by_visible_text(rise)
+            self.until(lambda: rise == "mean of all rises" or rise in self.text("state"))
+            said.add((self.text("state"), self.text("percent")))
+        self.assertEqual(len(said), 3)
+
     def test_a_study_is_shown_and_a_step_done_again(self):
         self.trial.mkdir()
         trial = self.folder / "trial"
@@ -753,6 +887,13 @@ class ReviewPage(unittest.TestCase):
         review = self.open(self.trial / "out")
         self.until(lambda: "steps are up to date" in self.text("state"))
         self.assertEqual(self.text("name"), "Two <b>trials</b>")
+        self.assertFalse(self.part("run-all").is_enabled(), "nothing is to be done")
+        listed = self.browser.find_element(By.LINK_TEXT, "comparison").get_attribute("href")
+        with urllib.request.urlopen(listed, timeout=WAIT_S) as answer:
+            self.assertIn("misalignment.csv", answer.read().decode())
+        with self.assertRaises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(f"{review.address}results/..%2fstudy.yaml", timeout=WAIT_S)
+        refused.exception.close()
         self.browser.switch_to.frame(self.part("report"))
         self.until_there("h1")
         self.assertEqual(self.browser.execute_script("return window.origin"), "null", "the report may ask the server")
@@ -772,6 +913,15 @@ class ReviewPage(unittest.TestCase):
         self.assertEqual(review.end()[0], 130)
         self.until(lambda: "lake review has ended" in self.text("said"))
         self.forget_unanswered()
+
+    def test_a_study_opens_from_any_folder(self):
+        self.trial.mkdir()
+        (self.trial / "study.yaml").write_text(f"name: Here\nhuman: {{trial: {self.folder / 'trial'}}}\n")
+        results = self.folder / "elsewhere/out"
+        run(BIN / "lake-run", "study.yaml", "--quiet", "-o", results, cwd=self.trial)
+        review = Review("/", results)
+        self.addCleanup(review.close)
+        self.assertEqual(review.ask("study")["name"], "Here")
 
     def until_there(self, selector):
         end = time.monotonic() + WAIT_S

@@ -89,6 +89,51 @@ TEST_F(LakeRedesign, WritesADesignWhosePredictedPathHoldsTheLimit) {
   EXPECT_NEAR(*design.range_deg, summary["range_deg"].get<double>(), 1e-9);
 }
 
+// The joint 8 mm too far forward, moved onto the knee with the same links and program, and the same links and joint
+// with another program: designs of their own in tables and summary. The first one's misalignment is that of the trial
+// with its joint on the knee, and lake-compare finds it in the path.
+TEST_F(LakeRedesign, RepairsOfTheWornDesignStandBesideTheNewOne) {
+  const Ended ended = RunProgram(Common("out") +
+                                 "--max-misalignment 2.5 --program free --duration 20 --fit-placement --pareto 2 "
+                                 "--starts 1");
+  ASSERT_EQ(ended.exit_code, 0) << ended.text;
+  const Json summary = ReadJsonFile(folder_ / "out/summary.json");
+  const Json &before = summary["before"], &moved = summary["joint_moved"], &other = summary["other_program"];
+  for (const char* same : {"l1_mm", "l2_mm", "l3_mm", "l4_mm", "l5_mm", "l6_mm", "range_deg"})
+    for (const Json* repaired : {&moved, &other})
+      EXPECT_NEAR((*repaired)[same].get<double>(), before[same].get<double>(), 1e-9) << same;
+  EXPECT_EQ(moved["program_duration_s"], before["program_duration_s"]);
+  EXPECT_NEAR(moved["placement_x_mm"].get<double>(), before["placement_x_mm"].get<double>() - 8, 1e-6);
+  compare::MisalignmentOptions options;
+  options.resamples = 0;
+  const auto late = [](double u) { return u - 0.06 * std::sin(std::numbers::pi * u); };
+  ClosedFormLeg leaning;
+  leaning.peak_shank_deg = 22;
+  const compare::Misalignment on_knee =
+      compare::CompareTrials({{MakeCurve({})}, {}}, {{MakeCurve(leaning, late)}, {}}, options);
+  EXPECT_NEAR(moved["misalignment_percent"].get<double>(), 100 * on_knee.metrics.relative_rms, 1e-6);
+  EXPECT_EQ(other["placement_x_mm"], before["placement_x_mm"]);
+  EXPECT_LE(other["program_duration_s"].get<double>(), 20 * (1 + 1e-5));
+  EXPECT_LT(other["misalignment_percent"].get<double>(), before["misalignment_percent"].get<double>());
+  const std::string compare = fmt::format("{0} {1} {1}/out/joint_moved --replacement-sd 0 --quiet -o {1}/again",
+                                          Quoted(BinDir() / "lake-compare"), folder_.Path().string());
+  ASSERT_EQ(std::system((compare + " >/dev/null 2>&1").c_str()), 0);
+  EXPECT_NEAR(100 * ReadJsonFile(folder_ / "again/summary.json")["metrics"]["relative_rms"].get<double>(),
+              moved["misalignment_percent"].get<double>(), 1e-9);
+  const CsvTable table = CsvTable::Read(folder_ / "out/before_after.csv"),
+                 front = CsvTable::Read(folder_ / "out/pareto.csv");
+  for (std::size_t row = 0; row < table.Rows(); ++row)
+    if (table.Text(row, table.Column("quantity")) == "misalignment") {
+      EXPECT_EQ(table.RequiredNumber(row, table.Column("joint_moved")), moved["misalignment_percent"]);
+      EXPECT_EQ(table.RequiredNumber(row, table.Column("other_program")), other["misalignment_percent"]);
+    }
+  std::vector<std::string> designs;
+  for (std::size_t row = 0; row < front.Rows(); ++row)
+    if (const std::string design = front.Text(row, front.Column("design")); design != "front")
+      designs.push_back(design);
+  EXPECT_THAT(designs, testing::ElementsAre("before", "joint_moved", "other_program", "after"));
+}
+
 // The known offset of 8 mm is recovered, though the trial is late and leans otherwise; a program worn with it changes
 // nothing of that.
 TEST_F(LakeRedesign, TheSlipIsTheKnownOffset) {

@@ -395,6 +395,35 @@ TEST(Redesign, OfEqualDesignsTheJointNearestToTheKneeIsTaken) {
   EXPECT_NEAR(range->y_mm.upper, 17, 2);
 }
 
+// A slipped mount on an unlike leg: no place on a grid about it is better.
+TEST(Redesign, TheBestPlacementOfADesignHasTheLeastMisalignment) {
+  for (const ClosedFormLeg& leg : Legs()) {
+    redesign::RedesignProblem problem = Free(15, leg);
+    problem.fit_placement = true;
+    problem.max_misalignment_percent = 5;
+    for (redesign::HumanSample& sample : problem.human) sample.slip_mm = {6, -3};
+    const compare::StsCurve human = MakeCurve(leg);
+    linkage::Design worn;
+    worn.links = kPublishedLinks;
+    worn.program = linkage::StrokeProgram{Kind::kConstant, 5, {}};
+    worn.placement_mm = {15, 20};
+    const auto misalignment = [&](const Eigen::Vector2d& placement) {
+      linkage::Design design = worn;
+      design.placement_mm = {placement.x(), placement.y()};
+      return redesign::PutInMotion(problem, human, design).misalignment->metrics.relative_rms;
+    };
+    const auto best = redesign::BestPlacement(problem, redesign::PutInMotion(problem, human, worn));
+    ASSERT_TRUE(best);
+    const double least = misalignment(*best);
+    EXPECT_LT(least, misalignment({15, 20}));
+    for (const double x : {-2.0, -0.1, 0.0, 0.1, 2.0})
+      for (const double y : {-2.0, -0.1, 0.0, 0.1, 2.0}) EXPECT_GE(misalignment(*best + Eigen::Vector2d(x, y)), least);
+    problem.placement_reach_mm = 5;  // the optimum lies beyond
+    const auto within = redesign::BestPlacement(problem, redesign::PutInMotion(problem, human, worn));
+    EXPECT_LE(within->cwiseAbs().maxCoeff(), 5);
+  }
+}
+
 TEST(Redesign, RefusesSenselessOptions) {
   const auto refuses = [](const std::function<void(redesign::RedesignProblem&)>& change) {
     redesign::RedesignProblem problem = Problem();

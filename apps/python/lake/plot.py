@@ -84,9 +84,11 @@ def angle_against_stroke(folder: Folder, axes: Optional["Axes"] = None) -> "Axes
 
 def pareto(folder: Folder, axes: Optional["Axes"] = None) -> "Axes":
     """Range of rotation against misalignment: what more of the one costs of the other."""
-    axes = _axes(axes)
-    for program, front in folder["pareto"].groupby("program"):
+    axes, table = _axes(axes), folder["pareto"]
+    for program, front in table[table["design"] == "front"].groupby("program"):
         axes.plot(front["misalignment_percent"], front["range_deg"], "o-", label=f"{program} program")
+    for design, point in table[table["design"] != "front"].groupby("design"):
+        axes.scatter(point["misalignment_percent"], point["range_deg"], marker="x", label=design.replace("_", " "))
     return _labelled(axes, "misalignment, % of the shank", "range of rotation, deg", "What more range costs")
 
 

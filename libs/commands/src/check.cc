@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lake/core/deviation_text.h"
@@ -20,32 +21,30 @@ Verdict Judge(double value, double good, double poor) {
 }
 
 std::string ToString(Verdict verdict) {
-  return verdict == Verdict::kGood ? "good" : verdict == Verdict::kPoor ? "poor" : "unfit";
+  constexpr std::array kNames = {"good", "poor", "unfit", "not judged"};
+  return kNames.at(static_cast<std::size_t>(verdict));
 }
 
 void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<CheckItem>& items) {
   items.push_back(
       {.name = "all_seen_share",
-       .shown = fmt::format("{} markers or more in {:.0f} % of the frames", markers, 100 * c.all_seen_share),
-       .verdict = Judge(-c.all_seen_share, -0.95, -0.8),
+       .shown = c.IsNamed()
+                    ? fmt::format("all markers in {:.0f} % of the frames", 100 * c.all_seen_share)
+                    : fmt::format("{} spots or more in {:.0f} % of the frames", markers, 100 * c.all_seen_share),
+       .verdict = c.IsNamed() ? Judge(-c.all_seen_share, -0.95, -0.8) : Verdict::kNotJudged,
        .advice = "put a lamp beside the lens, turn the markers to the camera, keep hands and clothes off them"});
+  if (!c.IsNamed()) {
+    items.push_back(
+        {.name = "markers",
+         .shown = "lake track cannot name the markers of itself, so neither they nor the knee are judged: " +
+                  c.why_not_named,
+         .verdict = Verdict::kNotJudged,
+         .advice = "bright round markers on ankle, knee and hip, all in the picture, from sitting to "
+                   "standing; or point at them: lake review VIDEO. Colours and ArUco squares are not judged "
+                   "here, lake-track finds them with --detector"});
+    return;
+  }
   const tracking::MarkerFigures& m = c.markers;
-  if (!c.leg_seen && m.samples > 0) {
-    items.push_back(
-        {"leg_seen",
-         "no leg: no three of the brightest spots keep their distances while the angle between them changes",
-         Verdict::kUnfit,
-         "bright round markers on ankle, knee and hip, all in the picture, from sitting to standing; leave "
-         "lamps and reflections out with --crop"});
-    return;
-  }
-  if (m.samples == 0) {
-    items.push_back(
-        {"radius_px", "no marker to measure", Verdict::kUnfit,
-         "use bright round markers of 12 mm or more, with a lamp beside the lens; colours and ArUco squares are "
-         "not judged here, lake-track finds them with --detector"});
-    return;
-  }
   items.push_back({.name = "radius_px",
                    .shown = fmt::format("marker radius {:.1f} px", m.radius_px),
                    .verdict = Judge(-m.radius_px, -3, -2),
@@ -73,15 +72,17 @@ void JudgeMarkers(const tracking::RecordingCheck& c, int markers, std::vector<Ch
 
 // In a rise the hip travels by about the length of a thigh.
 void JudgeMovement(const tracking::RecordingCheck& c, std::vector<CheckItem>& items) {
-  if (c.segment_px <= 0) return;
+  if (!c.IsNamed()) return;
+  constexpr double kEnough = 0.4;  // of a segment's length
   const double travel = c.travel_px / c.segment_px;
   items.push_back({.name = "travel_px",
-                   .shown = fmt::format("the movement is {:.0f} px, {:.1f} segment lengths", c.travel_px, travel),
-                   .verdict = Judge(-travel, -0.4, -0.2),
+                   .shown = travel >= kEnough ? fmt::format("the movement is large enough ({:.0f} px)", c.travel_px)
+                                              : fmt::format("the movement is small ({:.0f} px)", c.travel_px),
+                   .verdict = Judge(-travel, -kEnough, -0.2),
                    .advice = "record the whole movement: a second of sitting still, the rise, a second of standing"});
 }
 
-void JudgePictures(const tracking::RecordingCheck& c, int markers, std::vector<CheckItem>& items) {
+void JudgePictures(const tracking::RecordingCheck& c, std::vector<CheckItem>& items) {
   items.push_back(
       {.name = "flicker",
        .shown = fmt::format("brightness flickers by {:.1f} %", 100 * c.flicker),
@@ -93,15 +94,15 @@ void JudgePictures(const tracking::RecordingCheck& c, int markers, std::vector<C
                                         c.clutter > 0 ? fmt::format(", the strongest {:.0f} % of the faintest marker",
                                                                     100 * c.strongest_clutter)
                                                       : ""),
-                   .verdict = Judge(c.clutter, 3, 25),
-                   .advice = fmt::format("cover lamps and reflections, or leave them out with --crop; {} "
-                                         "spots were taken for markers",
-                                         markers)});
-  items.push_back({.name = "compression_px",
-                   .shown = fmt::format("compression moves markers by {:.2f} px ({:.3f} bits per pixel)",
-                                        c.compression_px, c.bits_per_pixel),
-                   .verdict = Judge(c.compression_px, 0.1, 0.5),
-                   .advice = "the camera's highest bit rate, and its own file rather than one sent on"});
+                   // Where the markers were named all the same, none of them is unfit for that.
+                   .verdict = c.IsNamed() ? std::min(Judge(c.clutter, 3, 25), Verdict::kPoor) : Judge(c.clutter, 3, 25),
+                   .advice = "cover lamps and reflections, or leave them out with --crop"});
+  if (c.IsNamed())
+    items.push_back({.name = "compression_px",
+                     .shown = fmt::format("compression moves markers by {:.2f} px ({:.3f} bits per pixel)",
+                                          c.compression_px, c.bits_per_pixel),
+                     .verdict = Judge(c.compression_px, 0.1, 0.5),
+                     .advice = "the camera's highest bit rate, and its own file rather than one sent on"});
   if (c.tilt_deg)
     items.push_back({.name = "tilt_deg",
                      .shown = fmt::format("the camera is rolled by {:.1f} degrees", *c.tilt_deg),
@@ -145,6 +146,7 @@ Json ItemsJson(const std::vector<CheckItem>& items) {
 }
 
 Json ChecksJson(const tracking::RecordingCheck& c) {
+  const auto named = [&](double value) { return c.IsNamed() ? Json(value) : Json(); };
   return {{"frames_in_file", c.frames_in_file},
           {"frames_seen", c.frames_seen},
           {"places_seen", c.places_seen},
@@ -152,14 +154,14 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
           {"spots", c.spots},
           {"clutter", c.clutter},
           {"strongest_clutter", c.strongest_clutter},
-          {"quality", FiguresJson(c.markers)},
-          {"compression_px", c.compression_px},
+          {"quality", c.IsNamed() ? FiguresJson(c.markers) : Json()},
+          {"compression_px", named(c.compression_px)},
           {"bits_per_pixel", c.bits_per_pixel},
-          {"position_sd_px", c.position_sd_px},
-          {"segment_px", c.segment_px},
-          {"travel_px", c.travel_px},
-          {"leg_seen", c.leg_seen},
-          {"expected_knee_sd_deg", c.leg_seen ? Json(c.knee_sd_deg) : Json()},
+          {"position_sd_px", named(c.position_sd_px)},
+          {"segment_px", named(c.segment_px)},
+          {"travel_px", named(c.travel_px)},
+          {"named", c.IsNamed()},
+          {"expected_knee_sd_deg", named(c.knee_sd_deg)},
           {"flicker", c.flicker},
           {"repeated_frames", c.repeated_frames},
           {"dropped_frames", c.dropped_frames},
@@ -169,9 +171,15 @@ Json ChecksJson(const tracking::RecordingCheck& c) {
 
 overlay::CheckPicture PictureOf(const tracking::RecordingCheck& check, const std::vector<CheckItem>& items,
                                 const std::string& title) {
-  overlay::CheckPicture picture{.frame = check.frame, .spots = {}, .lines = {}, .title = title};
+  overlay::CheckPicture picture{.frame = check.frame,
+                                .spots = {},
+                                .lines = {},
+                                .title = title,
+                                .legend = check.IsNamed()
+                                              ? "named: the markers that lake track uses; dashed: other spots"
+                                              : "dashed: bright spots; none could be named"};
   for (const tracking::CheckedSpot& spot : check.spots_shown)
-    picture.spots.push_back({spot.position, spot.radius_px, spot.is_marker});
+    picture.spots.push_back({spot.position, spot.radius_px, spot.name});
   for (const CheckItem& item : items)
     picture.lines.push_back(
         {item.shown, item.verdict == Verdict::kGood ? "" : item.advice, static_cast<int>(item.verdict)});
@@ -184,9 +192,9 @@ std::vector<CheckItem> JudgeRecording(const tracking::RecordingCheck& check, int
   std::vector<CheckItem> items;
   JudgeMarkers(check, markers, items);
   JudgeMovement(check, items);
-  JudgePictures(check, markers, items);
+  JudgePictures(check, items);
   JudgeTime(check, items);
-  if (check.leg_seen && check.segment_px > 0)
+  if (check.IsNamed())
     items.push_back({.name = "expected_knee_sd_deg",
                      .shown = fmt::format("knee angle of a single frame: marker noise {} (1 SD)",
                                           DeviationText(check.knee_sd_deg, 3, " degrees")),
@@ -224,12 +232,15 @@ Json RunCheck(const CheckRunOptions& options, Run& run) {
   run.AddInput(video::FilesOfVideo(options.video), "video");
   run.Begin({"summary.json", "check.png"});
   const std::vector<CheckItem> items = JudgeRecording(check, options.check.markers);
-  const bool fit =
-      std::none_of(items.begin(), items.end(), [](const CheckItem& i) { return i.verdict == Verdict::kUnfit; });
-  const std::string title = fmt::format("{}: {} (frame at {:.2f} s)", options.video.filename().string(),
-                                        fit ? "fit" : "not fit", static_cast<double>(check.shown_frame_ms) / 1000);
+  const auto has = [&](Verdict verdict) { return std::ranges::count(items, verdict, &CheckItem::verdict) > 0; };
+  const std::string verdict = has(Verdict::kUnfit)       ? "not fit"
+                              : has(Verdict::kNotJudged) ? ToString(Verdict::kNotJudged)
+                                                         : "fit";
+  const std::string title = fmt::format("{}: {} (frame at {:.2f} s)", options.video.filename().string(), verdict,
+                                        static_cast<double>(check.shown_frame_ms) / 1000);
   video::WriteImage(run.Result("check.png"), overlay::DrawCheckPicture(PictureOf(check, items, title)));
-  return {{"fit", fit},
+  return {{"fit", verdict == "fit"},
+          {"verdict", verdict},
           {"video",
            {{"width", check.video.width},
             {"height", check.video.height},
@@ -243,11 +254,12 @@ Json RunCheck(const CheckRunOptions& options, Run& run) {
 std::string CheckReport(const Json& summary) {
   std::string text;
   for (const Json& item : summary["checks"]) {
-    text += fmt::format("{:<6} {}\n", item["verdict"].get<std::string>(), item["shown"].get<std::string>());
-    if (item.contains("advice")) text += fmt::format("       -> {}\n", item["advice"].get<std::string>());
+    text += fmt::format("{:<10} {}\n", item["verdict"].get<std::string>(), item["shown"].get<std::string>());
+    if (item.contains("advice")) text += fmt::format("           -> {}\n", item["advice"].get<std::string>());
   }
-  return text +
-         (summary["fit"].get<bool>() ? "fit\n" : "not fit: change what is marked before the subject goes home\n");
+  const bool fit = summary["fit"].get<bool>();
+  return text + summary["verdict"].get<std::string>() +
+         (fit ? "\n" : ": change what is marked before the subject goes home\n");
 }
 
 }  // namespace lake::commands

@@ -277,6 +277,7 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   const redesign::MeasuredMotion measured = ReadMeasured(*options.reoptimize, 0, run);
   std::vector<std::string> names = ResultNames({"before_after.csv", "program.csv", "knee_paths.png", "knee_paths.svg",
                                                 "predicted/comparison.json", "predicted/misalignment.csv"});
+  if (measured.worn) names.insert(names.end(), {"joint_moved/comparison.json", "joint_moved/misalignment.csv"});
   if (options.reoptimize->pareto_points) names.insert(names.end(), {"pareto.csv", "pareto.png", "pareto.svg"});
   run.Begin(names);
   const redesign::RedesignOutcome outcome = redesign::RunRedesign(problem, measured, redesign_options);

@@ -1,10 +1,21 @@
 #include "part_tables.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "lake/core/csv.h"
 
 namespace lake::commands {
+namespace {
+
+// A thousandth of a millimetre or gram: finer than anybody makes or weighs.
+double ForWorkshop(double value) {
+  constexpr double kSteps = 1000;
+  return std::round(kSteps * value) / kSteps;
+}
+
+}  // namespace
 
 void WritePartList(const std::filesystem::path& path, const parts::Mechanism& mechanism) {
   CsvWriter table({"part", "quantity", "material", "length_mm", "width_mm", "thickness_mm", "diameter_mm", "bore_mm",
@@ -12,9 +23,9 @@ void WritePartList(const std::filesystem::path& path, const parts::Mechanism& me
   for (const parts::PartRow& row : parts::PartList(mechanism)) {
     table.Add(row.part).Add(row.quantity).Add(row.material);
     for (const auto& number : {row.length_mm, row.width_mm, row.thickness_mm, row.diameter_mm, row.bore_mm, row.mass_g})
-      table.Add(number);
+      table.Add(number ? std::optional(ForWorkshop(*number)) : std::nullopt);
     if (row.span)
-      table.Add(row.span->from_mm).Add(row.span->to_mm);
+      table.Add(ForWorkshop(row.span->from_mm)).Add(ForWorkshop(row.span->to_mm));
     else
       table.AddEmpty().AddEmpty();
     table.EndRow();

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -51,14 +52,29 @@ std::vector<Quantity> Quantities() {
   return all;
 }
 
+// The designs that are compared, by the names of their columns and keys.
+struct NamedDesign {
+  const char* name;
+  const redesign::DesignInMotion* design;  // nullptr: there is none
+};
+
+std::array<NamedDesign, 4> DesignsOf(const redesign::RedesignOutcome& outcome) {
+  const auto of = [](const std::optional<redesign::DesignInMotion>& design) { return design ? &*design : nullptr; };
+  return {{{"before", &outcome.before},
+           {"joint_moved", of(outcome.joint_moved)},
+           {"other_program", of(outcome.other_program)},
+           {"after", &outcome.after}}};
+}
+
 void WriteBeforeAfter(const redesign::RedesignOutcome& outcome, Run& run) {
-  CsvWriter table({"quantity", "unit", "before", "after"});
-  for (const Quantity& quantity : Quantities())
-    table.Add(quantity.name)
-        .Add(quantity.unit)
-        .Add(quantity.value(outcome.before))
-        .Add(quantity.value(outcome.after))
-        .EndRow();
+  std::vector<std::string> header = {"quantity", "unit"};
+  for (const NamedDesign& named : DesignsOf(outcome)) header.emplace_back(named.name);
+  CsvWriter table(header);
+  for (const Quantity& quantity : Quantities()) {
+    table.Add(quantity.name).Add(quantity.unit);
+    for (const NamedDesign& named : DesignsOf(outcome)) table.Add(named.design ? quantity.value(*named.design) : kNaN);
+    table.EndRow();
+  }
   table.Write(run.Result("before_after.csv"));
 }
 
@@ -115,14 +131,28 @@ std::vector<StartRow> StartRows(const redesign::RedesignResult& result) {
   return rows;
 }
 
-void WritePredicted(const redesign::RedesignOutcome& outcome, Run& run) {
-  if (!outcome.after.misalignment) return;
-  compare::WriteMisalignmentCsv(run.Result("predicted/misalignment.csv"), *outcome.after.misalignment);
-  WriteJsonFile(run.Result("predicted/comparison.json"), compare::ComparisonJson(*outcome.after.misalignment));
+// A path as lake-compare writes it, so that lake-compare can evaluate it again.
+void WritePath(const redesign::DesignInMotion& design, const std::string& folder, Run& run) {
+  if (!design.misalignment) return;
+  compare::WriteMisalignmentCsv(run.Result(folder + "/misalignment.csv"), *design.misalignment);
+  WriteJsonFile(run.Result(folder + "/comparison.json"), compare::ComparisonJson(*design.misalignment));
+}
+
+// Worn, repaired and new design beside the fronts.
+void AddDesignRow(const NamedDesign& named, CsvWriter& table) {
+  if (!named.design || !named.design->misalignment) return;
+  const redesign::DesignInMotion& of = *named.design;
+  table.Add(named.name).Add(redesign::ProgramName(of.design.program->kind)).Add(of.duration_s).AddEmpty();
+  table.Add(of.evaluation.range_deg).Add(100 * of.misalignment->metrics.relative_rms);
+  table.Add(of.misalignment->metrics.rms_mm).Add(of.tracking_time_s.value_or(kNaN));
+  table.Add(of.design.placement_mm[0]).Add(of.design.placement_mm[1]);
+  AddLinkCells(table, of.design.links);
+  table.EndRow();
 }
 
 void WritePareto(const redesign::RedesignOutcome& outcome, Run& run) {
-  std::vector<std::string> header{"program",
+  std::vector<std::string> header{"design",
+                                  "program",
                                   "duration_limit_s",
                                   "least_range_deg",
                                   "range_deg",
@@ -136,13 +166,17 @@ void WritePareto(const redesign::RedesignOutcome& outcome, Run& run) {
   for (const redesign::NamedFront& front : outcome.fronts)
     for (const redesign::ParetoPoint& point : front.points) {
       const auto tracking = redesign::TrackingStrokes(outcome.problem.Driven(point.point.links), outcome.problem.human);
-      table.Add(redesign::ProgramName(front.program.kind)).Add(front.program.duration_s).Add(point.least_range_deg);
+      table.Add("front")
+          .Add(redesign::ProgramName(front.program.kind))
+          .Add(front.program.duration_s)
+          .Add(point.least_range_deg);
       table.Add(point.range_deg).Add(point.misalignment_percent).Add(point.rms_mm);
       table.Add(tracking ? redesign::TrackingTime(*tracking, outcome.problem.program.max_speed_mm_s) : kNaN);
       table.Add(point.point.placement_mm.x()).Add(point.point.placement_mm.y());
       AddLinkCells(table, point.point.links);
       table.EndRow();
     }
+  for (const NamedDesign& named : DesignsOf(outcome)) AddDesignRow(named, table);
   table.Write(run.Result("pareto.csv"));
 }
 
@@ -249,14 +283,14 @@ std::string BuildText(const redesign::RedesignOutcome& outcome) {
   if (outcome.measured.worn) {
     const auto& worn = outcome.measured.worn->placement_mm;
     const double x = placement[0] - worn[0], y = placement[1] - worn[1];
-    text += fmt::format(", that is {:.1f} mm further {} and {:.1f} mm {} than it was worn", std::abs(x),
+    text += fmt::format(", that is {:.0f} mm further {} and {:.0f} mm {} than it was worn", std::abs(x),
                         x < 0 ? "back" : "forward", std::abs(y), y < 0 ? "lower" : "higher");
   }
   text += ".";
   if (const auto& range = outcome.placement_range)
     text += fmt::format(
-        " With the stroke program adapted, a joint {:.1f} to {:.1f} mm in front of the knee, or {:.1f} to {:.1f} mm "
-        "above it, keeps the misalignment within {:.2f} %.",
+        " With the stroke program adapted, a joint {:.0f} to {:.0f} mm in front of the knee, or {:.0f} to {:.0f} mm "
+        "above it, keeps the misalignment within {:.1f} %.",
         range->x_mm.lower, range->x_mm.upper, range->y_mm.lower, range->y_mm.upper, range->within_percent);
   if (outcome.range_at_knee_deg)
     text += fmt::format(" With the joint on the knee the range would be {:.1f}°.", *outcome.range_at_knee_deg);
@@ -313,27 +347,29 @@ void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& op
   WriteConvergence(outcome.result.BestOrFirst().local, "objective_deg", run);
   WriteBeforeAfter(outcome, run);
   WriteProgramTable(outcome.after, outcome.problem.human, run.Result("program.csv"));
-  WritePredicted(outcome, run);
+  WritePath(outcome.after, "predicted", run);
+  if (outcome.joint_moved) WritePath(*outcome.joint_moved, "joint_moved", run);
   if (!outcome.fronts.empty()) WritePareto(outcome, run);
 }
 
 // What the summary has of the misalignment, the program and the trial, solved or not.
 Json MotionJson(const redesign::RedesignOutcome& outcome) {
   const auto& compared = outcome.after.misalignment;
-  return {{"misalignment_percent", compared ? Json(100 * compared->metrics.relative_rms) : Json()},
-          {"misalignment_rms_mm", compared ? Json(compared->metrics.rms_mm) : Json()},
-          {"max_misalignment_percent", NumberOrNull(outcome.problem.max_misalignment_percent)},
-          {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
-          {"links", LinksJson(outcome.after.design.links)},
-          {"placement_mm", outcome.after.design.placement_mm},
-          {"stroke_program", ProgramJson(outcome)},
-          {"trial", TrialJson(outcome)},
-          {"trial_text", TrialText(outcome)},
-          {"placement_range", PlacementRangeJson(outcome)},
-          {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
-          {"noise_floor_percent", outcome.measured.noise_floor_percent},
-          {"before", BeforeAfterJson(outcome.before)},
-          {"after", BeforeAfterJson(outcome.after)}};
+  Json json = {{"misalignment_percent", compared ? Json(100 * compared->metrics.relative_rms) : Json()},
+               {"misalignment_rms_mm", compared ? Json(compared->metrics.rms_mm) : Json()},
+               {"max_misalignment_percent", NumberOrNull(outcome.problem.max_misalignment_percent)},
+               {"penalty_deg_per_mm", outcome.problem.penalty_deg_per_mm},
+               {"links", LinksJson(outcome.after.design.links)},
+               {"placement_mm", outcome.after.design.placement_mm},
+               {"stroke_program", ProgramJson(outcome)},
+               {"trial", TrialJson(outcome)},
+               {"trial_text", TrialText(outcome)},
+               {"placement_range", PlacementRangeJson(outcome)},
+               {"build_text", outcome.IsSolved() ? Json(BuildText(outcome)) : Json()},
+               {"noise_floor_percent", outcome.measured.noise_floor_percent}};
+  for (const NamedDesign& named : DesignsOf(outcome))
+    json[named.name] = named.design ? BeforeAfterJson(*named.design) : Json();
+  return json;
 }
 
 Json SolvedJson(const synthesis::LocalSolve& best, const synthesis::ActiveSet& active) {

@@ -62,7 +62,7 @@ Table FitTable(const Json& body) {
 }
 
 bool IsPose(const std::string& name) {
-  return name.starts_with("pose_") && name.ends_with(".png");
+  return name.starts_with("pose_") && name.ends_with(".svg");
 }
 
 }  // namespace
@@ -71,11 +71,11 @@ Section OptimumChapter(const StudyFile& study, const StudyResults& results) {
   const Json summary = results.Summary("optimum");
   Section section{"Benchmark optimum", {Paragraph{OptimumText(summary)}, OptimumTable(study.design.problem, summary)}};
   results.AddPicture(
-      "optimum/sensitivity.png", "Range of rotation against a change of each link",
+      "optimum/sensitivity.svg", "Range of rotation against a change of each link",
       "Range of rotation when one link is changed and the others are kept; shaded where the linkage cannot be "
       "assembled.",
       Width::kFull, section);
-  results.AddPicture("optimum/margin.png", "Range of rotation against the margin from the singularities",
+  results.AddPicture("optimum/margin.svg", "Range of rotation against the margin from the singularities",
                      "Largest range of rotation for each margin that is kept from both singularities.", Width::kFull,
                      section);
   return section;
@@ -96,7 +96,7 @@ Section SimulationChapter(const StudyFile&, const StudyResults& results) {
                           NumberOrNaN(pose.at("moment_arm_mm")), NumberOrNaN(pose.at("force_n")),
                           NumberOrNaN(pose.at("transmission_deg"))});
   Section section{"Fit on the body, and motion", {FitTable(summary.at("mannequin"))}};
-  results.AddPicture("simulation/mannequin.png", "The design on a body, standing and seated",
+  results.AddPicture("simulation/mannequin.svg", "The design on a body, standing and seated",
                      "The design on a body with this person's leg, standing and seated.", Width::kFull, section);
   section.blocks.push_back(std::move(table));
   std::vector<fs::path> poses;
@@ -108,7 +108,7 @@ Section SimulationChapter(const StudyFile&, const StudyResults& results) {
   for (const fs::path& pose : poses)
     results.AddPicture(pose, "The linkage on the leg", fmt::format("Knee at {}°.", pose.stem().string().substr(5)),
                        Width::kFull, section);
-  results.AddPicture("simulation/angle_vs_stroke.png", "Knee angle, moment arm, force and transmission over the stroke",
+  results.AddPicture("simulation/angle_vs_stroke.svg", "Knee angle, moment arm, force and transmission over the stroke",
                      "Knee angle, moment arm, actuator force and transmission angles over the stroke.", Width::kFull,
                      section);
   return section;

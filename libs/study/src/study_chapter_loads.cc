@@ -110,16 +110,16 @@ Section LoadsChapter(const StudyFile&, const StudyResults& results) {
   else
     section.blocks.push_back(Paragraph{need});
   results.AddPicture(
-      "loads/loads.png", "Moments over the rise",
+      "loads/loads.svg", "Moments over the rise",
       "The knee's moment over the rises with its 95 % band; grey, until the seat is left: between all "
       "weight on it and none. Right: the joints' means, where the ground's force acts, the knee's power.",
       Width::kFull, section);
-  results.AddPicture("assistance/assistance.png", "Force, speed and power of the actuator over the rise",
+  results.AddPicture("assistance/assistance.svg", "Force, speed and power of the actuator over the rise",
                      "The actuator's force, speed and power in a rise as long as its title says, with its limits.",
                      Width::kFull, section);
   section.blocks.push_back(BalanceTable(results.Summary("loads").at("balance")));
   if (assistance.contains("actuators")) section.blocks.push_back(ActuatorsTable(assistance));
-  results.AddPicture("assistance/actuators_front.png", "Shortest rise against the share of the knee's moment",
+  results.AddPicture("assistance/actuators_front.svg", "Shortest rise against the share of the knee's moment",
                      "The shortest rise with each actuator, its links the best for it, against the share of the knee's "
                      "moment that it gives.",
                      Width::kFull, section);

@@ -1,3 +1,5 @@
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -26,8 +28,8 @@ constexpr BeforeAfterRow kRows[] = {
     {"part_shape", "shape share (%)", "share", 100},
     {"knee_rmse_deg", "knee angle, RMS from the human's (°)", "°"},
     {"range_deg", "range of rotation (°)", "°"},
-    {"placement_x_mm", "joint in front of the knee (mm)", "mm"},
-    {"placement_y_mm", "joint above the knee, along the shank (mm)", "mm"},
+    {"placement_x_mm", "joint in front of the knee (mm)", "joint"},
+    {"placement_y_mm", "joint above the knee, along the shank (mm)", "joint"},
     {"program_duration_s", "time for a rise (s)", "s"},
     {"exact_tracking_time_s", "minimum time for exact tracking (s)", "s"},
 };
@@ -55,20 +57,30 @@ Json MeasuredWorn(const StudyResults& results) {
 Table BeforeAfterTable(const StudyResults& results, const Json& summary) {
   const Json &before = summary.at("before"), &after = summary.at("after"), measured = MeasuredWorn(results);
   Table table{
-      "Worn and new design. The predictions are for the human trial's movement, without the pace and lean of the "
-      "exoskeleton trial; change: new against worn, both predicted",
-      {{"Quantity"}, {"Worn, measured"}, {"Worn, predicted"}, {"New, predicted"}, {"Change"}},
+      "Worn, repaired and new design. The predictions are for the human trial's movement, without the pace and lean of "
+      "the exoskeleton trial",
+      {{"Quantity"},
+       {"Worn, measured"},
+       {"Worn, predicted"},
+       {"Joint moved, predicted"},
+       {"Other program, predicted"},
+       {"New, predicted"}},
       {}};
   for (const BeforeAfterRow& row : kRows) {
     const double from = row.factor * NumberOrNaN(before.at(row.key)), to = row.factor * NumberOrNaN(after.at(row.key)),
                  recorded = row.factor * NumberOrNaN(measured.value(row.key, Json()));
     const int decimals = DecimalsOf(row.unit);
-    table.rows.push_back({row.what, Number{recorded, decimals}, Number{from, decimals}, Number{to, decimals},
-                          Number{to - from, decimals}});
+    const auto repaired = [&](const char* design) {
+      const Json& of = summary.at(design);
+      return Number{of.is_object() ? row.factor * NumberOrNaN(of.at(row.key)) : std::nan(""), decimals};
+    };
+    table.rows.push_back({row.what, Number{recorded, decimals}, Number{from, decimals}, repaired("joint_moved"),
+                          repaired("other_program"), Number{to, decimals}});
   }
   if (const double floor = NumberOrNaN(summary.at("noise_floor_percent")); results.Has("comparison")) {
     const Number none{std::nan(""), 2};
-    table.rows.push_back({"noise floor of a recording (% of the shank length)", Number{floor, 2}, none, none, none});
+    table.rows.push_back(
+        {"noise floor of a recording (% of the shank length)", Number{floor, 2}, none, none, none, none});
   }
   return table;
 }
@@ -163,21 +175,29 @@ LineChart ParetoChart(const Json& summary) {
       series.x.push_back(NumberOrNaN(point.at(0))), series.y.push_back(NumberOrNaN(point.at(1)));
     chart.series.push_back(std::move(series));
   }
+  const auto add = [&](const char* design, const char* name, const char* colour) {
+    const Json& of = summary.at(design);
+    if (!of.is_object() || !of.at("range_deg").is_number() || !of.at("misalignment_percent").is_number()) return;
+    Series point;
+    point.name = name;
+    point.mark = Mark::kPoints;
+    point.colour = colour;
+    point.x = {NumberOrNaN(of.at("range_deg"))};
+    point.y = {NumberOrNaN(of.at("misalignment_percent"))};
+    chart.series.push_back(std::move(point));
+  };
+  add("before", "worn", colour::kWorn);
+  add("joint_moved", "worn, joint moved", colour::kHip);
+  add("other_program", "worn, other program", colour::kKnee);
+  add("after", "new design", colour::kNew);
   double least_deg = NumberOrNaN(summary.at("range_deg")), most_deg = least_deg;
-  for (const Series& front : chart.series)
-    for (const double range_deg : front.x) {
+  for (const Series& series : chart.series)
+    for (const double range_deg : series.x) {
       least_deg = std::min(least_deg, range_deg);
       most_deg = std::max(most_deg, range_deg);
     }
   chart.x.from = std::floor(least_deg / 5 - 0.2) * 5;
   chart.x.to = std::ceil(most_deg / 5 + 0.2) * 5;
-  Series design;
-  design.name = "new design";
-  design.mark = Mark::kPoints;
-  design.colour = colour::kNew;
-  design.x = {NumberOrNaN(summary.at("range_deg"))};
-  design.y = {NumberOrNaN(summary.at("misalignment_percent"))};
-  chart.series.push_back(std::move(design));
   return chart;
 }
 
@@ -190,6 +210,19 @@ Table TradeTable(const Json& summary) {
     table.rows.push_back({NumberText(point.range_deg, 1), NumberOrNaN(summary.at("range_deg")) - point.range_deg,
                           point.misalignment_percent});
   return table;
+}
+
+// What other limits would give: the ends of the other programs' fronts.
+std::string OtherLimitsText(const Json& summary) {
+  std::vector<std::string> others;
+  for (const Json& front : summary.value("pareto", Json::array())) {
+    const Json& points = front.at("range_deg_and_misalignment_percent");
+    if (points.empty()) continue;
+    others.push_back(fmt::format("with a {} program {} at best", front.at("program").get<std::string>(),
+                                 Quantity(NumberOrNaN(points.front().at(1)), "%")));
+  }
+  if (others.empty()) return "";
+  return fmt::format("What other limits would give: {}.", fmt::join(others, ", "));
 }
 
 // How far the actuator may be from its plan, and whether that leaves the linkage's room.
@@ -228,20 +261,11 @@ Table ProgramTable(const Json& summary) {
 }  // namespace
 
 int DecimalsOf(const std::string& unit) {
-  return unit == "%" || unit == "s" ? 2 : unit == "N" ? 0 : 1;
+  return unit == "%" || unit == "s" ? 2 : unit == "N" || unit == "joint" ? 0 : 1;
 }
 
 std::string Quantity(double value, const std::string& unit) {
   return NumberText(value, DecimalsOf(unit)) + (unit == "°" ? "" : " ") + unit;
-}
-
-std::string MoveText(const Json& redesign) {
-  const auto change = [&](const char* key) {
-    return NumberOrNaN(redesign.at("after").at(key)) - NumberOrNaN(redesign.at("before").at(key));
-  };
-  const double x = change("placement_x_mm"), y = change("placement_y_mm");
-  return fmt::format("{} further {} and {} {} than worn", Quantity(std::abs(x), "mm"), x < 0 ? "back" : "forward",
-                     Quantity(std::abs(y), "mm"), y < 0 ? "lower" : "higher");
 }
 
 std::vector<TradePoint> OwnFront(const Json& redesign) {
@@ -293,7 +317,14 @@ Section RedesignChapter(const StudyFile&, const StudyResults& results) {
     section.blocks.push_back(Paragraph{summary.at("build_text").get<std::string>()});
   section.blocks.push_back(Paragraph{summary.at("trial_text").get<std::string>()});
   section.blocks.push_back(BeforeAfterTable(results, summary));
+  if (std::string others = OtherLimitsText(summary); !others.empty())
+    section.blocks.push_back(Paragraph{std::move(others)});
   section.blocks.push_back(BuildTable(results, summary));
+  results.AddPicture(
+      "redesign/knee_paths.svg",
+      "Knee paths, misalignment, knee angle and stroke over the rise, of the person, the worn and the new "
+      "design",
+      "Where both knees are, how far apart, and what the actuator does for it.", Width::kFull, section);
   LineChart angles = AnglesChart(results.Folder() / "redesign/program.csv");
   if (summary.contains("pareto")) {
     LineChart pareto = ParetoChart(summary);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "first_screen.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/csv.h"
 #include "lake/report/misalignment_sections.h"
@@ -18,22 +19,22 @@ namespace fs = std::filesystem;
 std::string JointText(const Json& comparison) {
   const Json joint = comparison.value("joint", Json());
   if (joint.is_null()) return "";
-  const Json interval = joint.value("rms_interval_mm", Json());
+  const Json& best = comparison.at("best_placement");
   return fmt::format(
-      "The exoskeleton's joint is {} RMS{} from the knee of the leg that wears it; moving it there leaves {}. ",
-      Quantity(NumberOrNaN(joint.at("rms_mm")), "mm"),
-      interval.is_null() ? ""
-                         : fmt::format(" ({} to {})", NumberText(NumberOrNaN(interval.at(0)), 1),
-                                       NumberText(NumberOrNaN(interval.at(1)), 1)),
-      Quantity(NumberOrNaN(comparison.at("best_placement").at("rms_mm")), "mm"));
+      "The exoskeleton's joint is {} mm RMS from the knee of the leg that wears it; in that trial, moving it there "
+      "leaves {} mm. ",
+      UncertainOf(joint.at("rms_mm"), joint.value("rms_interval_mm", Json())).Text(1),
+      UncertainOf(best.at("rms_mm"), best.value("rms_interval_mm", Json())).Text(1));
 }
 
 std::string WrongText(const Json& comparison) {
-  const Json& metrics = comparison.at("metrics");
+  const Json &metrics = comparison.at("metrics"), intervals = comparison.value("intervals", Json::object());
+  const auto text = [&](const char* name, double factor, int otherwise) {
+    return UncertainOf(metrics.at(name), intervals.value(name, Json()), factor).Text(otherwise);
+  };
   return JointText(comparison) +
-         fmt::format("The knee paths of both trials differ by {} RMS, {} of the shank length. {}",
-                     Quantity(NumberOrNaN(metrics.at("rms_mm")), "mm"),
-                     Quantity(100 * NumberOrNaN(metrics.at("relative_rms")), "%"), DecompositionAdvice(comparison));
+         fmt::format("The knee paths of both trials differ by {} mm RMS, {} % of the shank length. {}",
+                     text("rms_mm", 1, 1), text("relative_rms", 100, 2), DecompositionAdvice(comparison));
 }
 
 std::string BuildText(const StudyResults& results, const Json& redesign) {
@@ -46,7 +47,6 @@ std::string BuildText(const StudyResults& results, const Json& redesign) {
   std::string text = fmt::format(
       "Links {} mm; joint {}", fmt::join(links, ", "),
       compare::DescribeJoint({NumberOrNaN(after.at("placement_x_mm")), NumberOrNaN(after.at("placement_y_mm"))}));
-  if (results.Has("exo")) text += fmt::format(" ({})", MoveText(redesign));
   text += fmt::format("; actuator from {} to {} mm pin to pin ({} of travel)", NumberText(NumberOrNaN(stroke.at(0)), 2),
                       NumberText(NumberOrNaN(stroke.at(1)), 2),
                       fmt::format("{} mm", NumberText(NumberOrNaN(simulation.at("travel_mm")), 2)));
@@ -76,7 +76,22 @@ std::string TradeText(const Json& redesign) {
                      NumberText(best->misalignment_percent, 1));
 }
 
-std::string CostText(const StudyResults& results, const Json& redesign) {
+// Which of the new design's numbers are the study file's own limits.
+std::string LimitsText(const Way& way, const Json& redesign) {
+  std::vector<std::string> limits;
+  if (way.misalignment_is_limit)
+    limits.push_back(Quantity(NumberOrNaN(redesign.at("max_misalignment_percent")), "%") + " of misalignment");
+  if (way.time_is_limit)
+    limits.push_back(Quantity(NumberOrNaN(redesign.at("stroke_program").at("duration_limit_s")), "s") + " for a rise");
+  if (limits.empty()) return "";
+  return fmt::format(
+      " {} {} that you set: the search goes as far as {}, and what other limits give is in the chapter "
+      "New design.",
+      fmt::join(limits, " and "), limits.size() == 1 ? "is a limit" : "are limits",
+      limits.size() == 1 ? "it allows" : "they allow");
+}
+
+std::string CostText(const StudyResults& results, const Json& redesign, const Way& way) {
   const Json &before = redesign.at("before"), &after = redesign.at("after");
   const auto from_to = [&](const char* key, const char* unit) {
     const double from = NumberOrNaN(before.at(key));
@@ -90,7 +105,16 @@ std::string CostText(const StudyResults& results, const Json& redesign) {
       text += fmt::format(", and {} of rests at reversals", Quantity(rest_s, "s"));
   text += fmt::format(". Range of rotation {}; knee angle {} RMS from the human's.", from_to("range_deg", "°"),
                       from_to("knee_rmse_deg", "°"));
-  return text + TradeText(redesign);
+  return text + LimitsText(way, redesign) + TradeText(redesign);
+}
+
+// What the worn links could do without being moved or made anew.
+std::string OtherProgramText(const Json& redesign) {
+  const Json& other = redesign.at("other_program");
+  if (!other.is_object()) return "";
+  return fmt::format("The worn links, their joint where it was, leave {} with the best stroke program of {}.",
+                     Quantity(NumberOrNaN(other.at("misalignment_percent")), "%"),
+                     Quantity(NumberOrNaN(other.at("program_duration_s")), "s"));
 }
 
 // Whether a person keeps the balance on the measured path, which the stroke program keeps, in the program's time.
@@ -159,8 +183,10 @@ std::string SureText(const StudyResults& results, const Json& redesign) {
     if (trial.is_object() && std::isfinite(worn))
       text += fmt::format(" For the worn design the same prediction gives {} where {} was measured.",
                           Quantity(worn, "%"), Quantity(NumberOrNaN(trial.at("misalignment_percent")), "%"));
-    text += fmt::format(" Below {}, the noise floor, a recording shows only noise.",
-                        Quantity(NumberOrNaN(redesign.at("noise_floor_percent")), "%"));
+    text += fmt::format(
+        " Below {}, the noise floor, a recording shows only noise. Intervals on the first screen are "
+        "95 %; those of predictions say how well the joint can be put in its place.",
+        Quantity(NumberOrNaN(redesign.at("noise_floor_percent")), "%"));
   }
   return text + " " + BodyText(results);
 }
@@ -205,6 +231,22 @@ Files BuildFiles(const StudyResults& results) {
   return files;
 }
 
+}  // namespace
+
+std::string KneesPictureAlt(const StudyResults& results) {
+  const Json joint = results.Summary("comparison").value("joint", Json());
+  if (joint.is_null()) return "A frame of the exoskeleton trial with both knees";
+  return fmt::format("A frame of the exoskeleton trial: knee and joint, {} apart",
+                     Quantity(NumberOrNaN(joint.at("rms_mm")), "mm"));
+}
+
+bool NeedsHolding(const StudyResults& results, const Json& redesign) {
+  if (!results.Has("loads")) return false;
+  const Json balance = results.Summary("loads").at("balance");
+  return NumberOrNaN(balance.at("slow").at("margin_mm")) < 0 &&
+         !(NumberOrNaN(redesign.at("after").at("program_duration_s")) <= NumberOrNaN(balance.at("slowest_s")));
+}
+
 // Without a design for the person: what was measured, and the benchmark.
 Section MeasuredResult(const StudyResults& results) {
   Section section{"Result", {}};
@@ -226,19 +268,20 @@ Section MeasuredResult(const StudyResults& results) {
   return section;
 }
 
-}  // namespace
-
-Section ResultChapter(const StudyResults& results) {
-  if (!results.Has("redesign")) return MeasuredResult(results);
+Section DetailsChapter(const StudyFile& study, const StudyResults& results) {
   const Json redesign = results.Summary("redesign");
-  Answers answers{{}, Width::kHalf};
-  if (results.Has("comparison")) answers.answers.push_back({"What is wrong", WrongText(results.Summary("comparison"))});
-  if (results.Has("loads")) answers.answers.push_back({"Can a person follow it", BalanceText(results, redesign)});
-  answers.answers.push_back({"What to build", BuildText(results, redesign)});
-  answers.answers.push_back({"What it gives, what it costs", CostText(results, redesign)});
-  answers.answers.push_back({"How sure it is", SureText(results, redesign)});
-  answers.answers.push_back({"What next", NextText(results)});
-  return {"Result", {RedesignFigures(redesign), std::move(answers), PathsChart(results), BuildFiles(results)}};
+  Answers answers;
+  const auto add = [&](const char* question, std::string text) {
+    if (!text.empty()) answers.answers.push_back({question, std::move(text)});
+  };
+  if (results.Has("comparison")) add("What is wrong", WrongText(results.Summary("comparison")));
+  add("What another program would give", OtherProgramText(redesign));
+  if (results.Has("loads")) add("Can a person follow it", BalanceText(results, redesign));
+  add("What to build for new links", BuildText(results, redesign));
+  add("What they give, what they cost", CostText(results, redesign, WaysOf(study, results).back()));
+  add("How sure it is", SureText(results, redesign));
+  add("What next", NextText(results));
+  return {"Why, and how sure", {RedesignFigures(redesign), std::move(answers), BuildFiles(results)}};
 }
 
 }  // namespace lake::study

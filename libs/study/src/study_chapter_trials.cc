@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "lake/core/colours.h"
 #include "lake/core/deviation_text.h"
@@ -126,12 +128,28 @@ LineChart KneeChart(const fs::path& folder, const TrialNames& names) {
   return chart;
 }
 
+// The same angles at the same height, so that the trials can be compared.
+void ShareAxis(std::vector<LineChart>& charts) {
+  double least_deg = std::numeric_limits<double>::infinity(), most_deg = -least_deg;
+  for (const LineChart& chart : charts)
+    for (const double knee_deg : chart.series.front().y)
+      if (std::isfinite(knee_deg)) least_deg = std::min(least_deg, knee_deg), most_deg = std::max(most_deg, knee_deg);
+  if (least_deg > most_deg) return;
+  constexpr double kStep_deg = 10;
+  for (LineChart& chart : charts) {
+    chart.y.from = std::floor(least_deg / kStep_deg) * kStep_deg;
+    chart.y.to = std::ceil(most_deg / kStep_deg) * kStep_deg;
+  }
+}
+
 }  // namespace
 
 Section TrialsChapter(const StudyFile& study, const StudyResults& results) {
   Section section{"Recordings", {TrialsTable(study, results)}};
-  section.blocks.push_back(KneeChart(results.Folder() / kHuman.step, kHuman));
-  if (study.exo) section.blocks.push_back(KneeChart(results.Folder() / kExo.step, kExo));
+  std::vector<LineChart> charts = {KneeChart(results.Folder() / kHuman.step, kHuman)};
+  if (study.exo) charts.push_back(KneeChart(results.Folder() / kExo.step, kExo));
+  ShareAxis(charts);
+  for (LineChart& chart : charts) section.blocks.push_back(std::move(chart));
   return section;
 }
 

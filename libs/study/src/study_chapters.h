@@ -35,12 +35,12 @@ class StudyResults {
   std::vector<std::string> steps_;
 };
 
-// One rounding for each unit, in sentences and tables alike: % and s have two decimals, mm, ° and N m one, N none. What
-// is made to measure (links, strokes) has two.
+// One rounding for each unit where no interval is known, in sentences and tables alike: % and s have two decimals, mm,
+// ° and N m one, N and the place of a joint none. What is made to measure (links, strokes) has two. With an interval:
+// core/uncertain_text.h.
 int DecimalsOf(const std::string& unit);
 std::string Quantity(double value, const std::string& unit);  // "13.3 mm", "142.2°"
 
-std::string MoveText(const Json& redesign);  // of the joint: "4.7 mm further back and 32.3 mm lower than worn"
 report::LineChart PathsChart(const StudyResults& results);
 
 // The Pareto front of the design's own program; empty if none was asked for.
@@ -52,7 +52,18 @@ std::vector<TradePoint> OwnFront(const Json& redesign);
 // Over the used range, N; NaN where it has no bound.
 double LargestForce(const StudyResults& results);
 
-report::Section ResultChapter(const StudyResults& results);
+// In the folder of results: a frame of the exoskeleton trial with both knees and the distance between them.
+inline constexpr const char* kKneesPicture = "comparison/knees.png";
+std::string KneesPictureAlt(const StudyResults& results);
+
+// Along the measured path in the program's time the ground's force leaves the foot.
+bool NeedsHolding(const StudyResults& results, const Json& redesign);
+
+// What stands before the first chapter (first_screen.h); of a study without a design for the person MeasuredResult().
+report::Section ResultChapter(const StudyFile& study, const StudyResults& results);
+report::Section MeasuredResult(const StudyResults& results);
+// The same in words, with every number; needs a design for the person.
+report::Section DetailsChapter(const StudyFile& study, const StudyResults& results);
 report::Section TrialsChapter(const StudyFile& study, const StudyResults& results);
 report::Section MisalignmentChapter(const StudyFile& study, const StudyResults& results);
 report::Section OptimumChapter(const StudyFile& study, const StudyResults& results);

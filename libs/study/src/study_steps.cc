@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "knees_picture.h"
 #include "lake/core/options_json.h"
 #include "lake/motion/leg_motion.h"
 
@@ -179,6 +180,12 @@ OptionalStep ComparisonStep(const StudyFile& study, const fs::path& out) {
   options.exo = out / "exo";
   steps::StudyStep step = StepOf(options, commands::RunCompare, study.compare_section, 4);
   step.what = "the misalignment of exo against human";
+  if (study.exo->IsVideo()) step.inputs.push_back(study.exo->Recording());
+  step.work = [options, trial = *study.exo](Run& run) {
+    const Json comparison = commands::RunCompare(options, run);
+    DrawKneesOf(trial, options.exo, comparison.at("markers").at("exo"), run);
+    run.WriteSummary(comparison);
+  };
   return step;
 }
 

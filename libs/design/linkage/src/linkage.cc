@@ -79,21 +79,21 @@ std::optional<AssemblyGap> FindAssemblyGap(const Links& links, double stroke_mm)
   const double l7 = links.L7();
   const double actuator_gap = TriangleGap(l7, links.l2, stroke_mm);
   if (!(stroke_mm > 0) || !(actuator_gap <= kRounding_mm))
-    return AssemblyGap{
-        AssemblyGap::Triangle::kActuator, actuator_gap,
-        fmt::format(
-            "mount l7 = {:.6g}, slewing bar l2 = {:.6g} and actuator d = {:.6g} mm violate the triangle inequality by "
-            "{:.4g} mm",
-            l7, links.l2, stroke_mm, actuator_gap)};
+    return AssemblyGap{AssemblyGap::Triangle::kActuator, actuator_gap,
+                       fmt::format("{} by {:.3g} mm",
+                                   stroke_mm > std::max(l7, links.l2) ? "the actuator is too long for l2, l5 and l6"
+                                   : links.l2 > l7                    ? "l2 is too long for l5, l6 and the actuator"
+                                                                      : "l5 or l6 is too long for l2 and the actuator",
+                                   actuator_gap)};
   const double l8 = TipDistance(links, std::atan2(links.l5, links.l6) + TriangleAngle(l7, links.l2, stroke_mm));
   const double shank_gap = TriangleGap(l8, links.l4, links.l1);
   if (shank_gap > kRounding_mm)
-    return AssemblyGap{
-        AssemblyGap::Triangle::kShank, shank_gap,
-        fmt::format(
-            "l1 = {:.6g} and l4 = {:.6g} mm cannot meet between knee and bar tip, {:.6g} mm apart: {} by {:.4g} mm",
-            links.l1, links.l4, l8,
-            l8 > std::max(links.l1, links.l4) ? "l1 or l4 is too short" : "one of them is too long", shank_gap)};
+    return AssemblyGap{AssemblyGap::Triangle::kShank, shank_gap,
+                       fmt::format("{} by {:.3g} mm",
+                                   l8 > std::max(links.l1, links.l4) ? "l1 or l4 is too short"
+                                   : links.l1 > links.l4             ? "l1 is too long or l4 too short"
+                                                                     : "l4 is too long or l1 too short",
+                                   shank_gap)};
   return std::nullopt;
 }
 

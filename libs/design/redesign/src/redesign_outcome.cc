@@ -172,6 +172,55 @@ void StartFromNearest(RedesignOutcome& outcome) {
   outcome.infeasible.reset();
 }
 
+// The worn links and joint with the best program that the problem's limits allow it. What else a design must satisfy is
+// not asked: this one is there.
+std::optional<DesignInMotion> WithOtherProgram(const RedesignOutcome& outcome) {
+  const linkage::Design& worn = *outcome.measured.worn;
+  RedesignProblem same = WithGoal(outcome.problem, RedesignProblem::Goal::kMisalignment);
+  same.design = problem::SynthesisProblem{};
+  same.design.standing_deg = outcome.problem.design.standing_deg;
+  same.design.d_min_mm = worn.d_min_mm;
+  same.design.start = worn.links;
+  constexpr double kAround_mm = 1;
+  for (std::size_t i = 0; i < same.design.bounds.size(); ++i)
+    same.design.bounds[i] = {worn.links.Values()[i] - kAround_mm, worn.links.Values()[i] + kAround_mm};
+  same = WithLinks(same, worn.links);
+  same.fit_placement = false;
+  same.placement_mm = PlacementOf(worn);
+  const RedesignSolve solve = SolveFrom(same, StartPoint(same, worn.links), outcome.options.optimize);
+  if (!solve.IsUsable()) return std::nullopt;
+  linkage::Design design = DesignOf(same, solve.point);
+  design.links = worn.links;
+  return PutInMotion(outcome.problem, outcome.measured.human, design);
+}
+
+// The worn design with its joint on the knee, in its own trial: pace and lean are those measured, as neither links nor
+// program change. Of a trial that shows no leg of its own, where the prediction is best.
+std::optional<DesignInMotion> WithJointMoved(const RedesignOutcome& outcome) {
+  linkage::Design moved = outcome.before.design;
+  const auto place = [&](const Vector2d& placement) { moved.placement_mm = {placement.x(), placement.y()}; };
+  if (!outcome.slip) {
+    const auto best = BestPlacement(outcome.problem, outcome.before);
+    if (!best) return std::nullopt;
+    place(*best);
+    return PutInMotion(outcome.problem, outcome.measured.human, moved);
+  }
+  const Vector2d& way_mm = outcome.slip->placement_mm;
+  place(PlacementOf(moved) - way_mm);
+  DesignInMotion in_motion = PutInMotion(outcome.problem, outcome.measured.human, moved);
+  compare::StsCurve trial = *outcome.measured.exo;
+  for (std::size_t i = 0; i < trial.knee.size(); ++i)
+    trial.knee[i] -= compare::AxesAlong(trial.leg_knee[i] - trial.ankle[i]) * way_mm;
+  in_motion.misalignment = ComparePredicted(outcome.measured.human, trial);
+  return in_motion;
+}
+
+void FindRepairs(RedesignOutcome& outcome) {
+  if (!outcome.measured.worn) return;
+  outcome.joint_moved = WithJointMoved(outcome);
+  outcome.other_program = WithOtherProgram(outcome);
+}
+
 // The worn design must have been able to do what its trial shows.
 void CheckBefore(RedesignOutcome& outcome) {
   const MeasuredMotion& measured = outcome.measured;
@@ -215,6 +264,26 @@ DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCur
   return in_motion;
 }
 
+std::optional<Vector2d> BestPlacement(const RedesignProblem& problem, const DesignInMotion& design) {
+  if (!design.prediction) return std::nullopt;
+  const Vector2d placement = PlacementOf(design.design);
+  Vector2d sum = Vector2d::Zero();
+  double weights = 0;
+  for (std::size_t i = 0; i < problem.human.size(); ++i) {
+    const HumanSample& human = problem.human[i];
+    const auto knee_at = [&](const Vector2d& p) {
+      return PredictKnee(human, design.prediction->theta_rad[i], p.x(), p.y());
+    };
+    const Vector2d knee = knee_at(placement);
+    Eigen::Matrix2d axes;  // what a move along x and y adds
+    axes << knee_at(placement + Vector2d::UnitX()) - knee, knee_at(placement + Vector2d::UnitY()) - knee;
+    const double weight = 1 / (human.shank_mm * human.shank_mm);
+    sum += weight * (axes.transpose() * (human.knee - knee)), weights += weight;
+  }
+  const double reach = problem.placement_reach_mm;
+  return (placement + sum / weights).cwiseMax(-reach).cwiseMin(reach);
+}
+
 RedesignOutcome PutMotionInto(RedesignProblem problem, const MeasuredMotion& measured) {
   problem.human = MakeHumanMotion(measured.human);
   if (measured.worn) problem.placement_mm = PlacementOf(*measured.worn);
@@ -235,6 +304,7 @@ RedesignOutcome RunRedesign(RedesignProblem problem, const MeasuredMotion& measu
   const std::vector<linkage::Links> links = StartLinks(outcome);
   outcome.before = PutInMotion(problem, measured.human, Before(problem, measured));
   CheckBefore(outcome);
+  FindRepairs(outcome);
   outcome.result = Redesign(problem, links, options.optimize);
   if (!outcome.IsSolved()) outcome.infeasible = ExplainInfeasible(problem, links, options.optimize);
   if (outcome.infeasible && outcome.infeasible->within_reach) StartFromNearest(outcome);

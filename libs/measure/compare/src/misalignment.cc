@@ -227,7 +227,7 @@ Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& 
 }
 
 std::string DescribeJoint(const Vector2d& offset_mm) {
-  return fmt::format("{:.1f} mm {} the knee and {:.1f} mm {} it along the shank", std::abs(offset_mm.x()),
+  return fmt::format("{:.0f} mm {} the knee and {:.0f} mm {} it along the shank", std::abs(offset_mm.x()),
                      offset_mm.x() < 0 ? "behind" : "in front of", std::abs(offset_mm.y()),
                      offset_mm.y() < 0 ? "below" : "above");
 }

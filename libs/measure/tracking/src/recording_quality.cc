@@ -13,7 +13,7 @@
 #include "lake/core/interrupt.h"
 #include "lake/core/statistics.h"
 #include "lake/motion/marker_recording.h"
-#include "lake/tracking/sigma_calibration.h"
+#include "lake/tracking/track_markers.h"
 #include "lake/video/video_files.h"
 
 namespace lake::tracking {
@@ -143,126 +143,6 @@ std::optional<double> TiltDeg(const cv::Mat& grey) {
   return at / sum;
 }
 
-// The spots of a place that are taken for the markers.
-std::vector<const Tracklet*> MarkersOf(const Place& place, std::size_t count) {
-  std::vector<const Tracklet*> markers;
-  for (std::size_t i = 0; i < std::min(count, place.by_contrast.size()); ++i)
-    markers.push_back(&place.tracklets[place.by_contrast[i]]);
-  return markers;
-}
-
-// What coding adds, from those that move in a place.
-double CompressionPx(const std::vector<const Tracklet*>& markers, const Place& place, const video::VideoInfo& video) {
-  motion::MarkerRecording recording;
-  for (const Tracklet* marker : markers) {
-    motion::MarkerTrack track{fmt::format("m{}", recording.markers.size()), {}};
-    for (std::size_t i = 0; i < place.time_s.size(); ++i) {
-      const TrackletSample* sample = marker->SampleIn(place.frame[i]);
-      track.samples.push_back(
-          sample ? motion::MarkerSample{sample->position, sample->sigma_px, motion::SampleStatus::kDetected}
-                 : motion::MarkerSample{});
-    }
-    recording.markers.push_back(std::move(track));
-  }
-  for (std::size_t i = 0; i < place.time_s.size(); ++i)
-    recording.frame.push_back(static_cast<std::int64_t>(i)), recording.time_s.push_back(place.time_s[i]);
-  return recording.markers.empty() ? 0 : CalibrateSigmas(video, recording).compression_px;
-}
-
-// The box that holds a leg's markers is about two and a half segments long, whatever the leg does.
-double SegmentPx(const std::vector<const Tracklet*>& markers) {
-  constexpr double kSegments = 2.2;
-  Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9), high = -low;
-  for (const Tracklet* marker : markers) {
-    const Eigen::Vector2d& at = marker->samples[marker->samples.size() / 2].position;
-    low = low.cwiseMin(at), high = high.cwiseMax(at);
-  }
-  return markers.size() < 2 ? 0 : (high - low).norm() / kSegments;
-}
-
-std::vector<Eigen::Vector2d> PositionsOf(const std::vector<const Tracklet*>& markers) {
-  std::vector<Eigen::Vector2d> positions;
-  for (const Tracklet* marker : markers) positions.push_back(marker->samples[marker->samples.size() / 2].position);
-  return positions;
-}
-
-// The directed Hausdorff distance, the largest over all pairs of places.
-double TravelPx(const std::vector<std::vector<Eigen::Vector2d>>& places) {
-  double travel = 0;
-  for (const auto& place : places)
-    for (const auto& other : places)
-      for (const Eigen::Vector2d& marker : place) {
-        double nearest = std::numeric_limits<double>::infinity();
-        for (const Eigen::Vector2d& there : other) nearest = std::min(nearest, (marker - there).norm());
-        if (!other.empty()) travel = std::max(travel, nearest);
-      }
-  return travel;
-}
-
-struct TwoSegments {
-  double lower_px = 0, upper_px = 0, angle_rad = 0;
-};
-
-// Of any three spots in any order, but for the two ends.
-std::vector<TwoSegments> SegmentsOf(const std::vector<Eigen::Vector2d>& spots) {
-  constexpr double kMostUnequal = 2;  // a person's thigh and shank are alike
-  std::vector<TwoSegments> segments;
-  for (std::size_t joint = 0; joint < spots.size(); ++joint)
-    for (std::size_t a = 0; a < spots.size(); ++a)
-      for (std::size_t b = 0; b < spots.size(); ++b) {
-        if (a == joint || b == joint || a == b) continue;
-        const Eigen::Vector2d lower = spots[a] - spots[joint], upper = spots[b] - spots[joint];
-        const auto [less, more] = std::minmax(lower.norm(), upper.norm());
-        if (more > kMostUnequal * less) continue;
-        segments.push_back(
-            {lower.norm(), upper.norm(), std::acos(std::clamp(lower.dot(upper) / (less * more), -1.0, 1.0))});
-      }
-  return segments;
-}
-
-// By how much the angle between two segments changes at the least from where they are seen to another place; infinite
-// where none there are as long.
-double LeastTurn(const TwoSegments& seen, const std::vector<TwoSegments>& there) {
-  constexpr double kLengthens = 0.08;  // by leaning out of the plane, and by skin
-  double least = std::numeric_limits<double>::infinity();
-  for (const TwoSegments& other : there)
-    if (std::abs(other.lower_px - seen.lower_px) < kLengthens * seen.lower_px &&
-        std::abs(other.upper_px - seen.upper_px) < kLengthens * seen.upper_px)
-      least = std::min(least, std::abs(other.angle_rad - seen.angle_rad));
-  return least;
-}
-
-// The strongest of the markers in the first, the middle and the last frame of a place.
-std::array<std::vector<Eigen::Vector2d>, 3> LooksAt(const Place& place, const std::vector<const Tracklet*>& markers) {
-  constexpr std::size_t kMost = 6;  // all triples are tried
-  const std::array<std::int64_t, 3> frames = {place.frame.front(), place.frame[place.frame.size() / 2],
-                                              place.frame.back()};
-  std::array<std::vector<Eigen::Vector2d>, 3> looks;
-  for (std::size_t look = 0; look < frames.size(); ++look)
-    for (std::size_t m = 0; m < std::min(kMost, markers.size()); ++m)
-      if (const TrackletSample* sample = markers[m]->SampleIn(frames[look])) looks[look].push_back(sample->position);
-  return looks;
-}
-
-// Whether there is a leg among the spots of all looks: lamps keep their angles, and glints do not keep their distances.
-bool ShowALeg(const std::vector<std::vector<Eigen::Vector2d>>& looks) {
-  constexpr double kLeastTurn_rad = 0.25, kMostLooks = 0.75;
-  std::vector<std::vector<TwoSegments>> segments;
-  for (const auto& spots : looks)
-    if (spots.size() >= 3) segments.push_back(SegmentsOf(spots));
-  for (const auto& from : segments)
-    for (const TwoSegments& seen : from) {
-      std::size_t kept = 0;
-      double most_rad = 0;
-      for (const auto& there : segments)
-        if (const double turn_rad = LeastTurn(seen, there); std::isfinite(turn_rad))
-          ++kept, most_rad = std::max(most_rad, turn_rad);
-      if (most_rad > kLeastTurn_rad && static_cast<double>(kept) >= kMostLooks * static_cast<double>(segments.size()))
-        return true;
-    }
-  return false;
-}
-
 // Ankle, knee and hip with the same error: σ²/a² + σ²/b² + σ² (1/a² + 1/b² + 2 cos θ/(a b)), for a = b at its largest.
 double KneeSdDeg(double position_sd_px, double segment_px) {
   return segment_px > 0 ? DegreesFromRadians(position_sd_px / segment_px * std::sqrt(6.0)) : 0;
@@ -290,15 +170,92 @@ void CountSpots(const std::vector<Place>& places, std::size_t markers, Recording
   check.all_seen_share = spots.empty() ? 0 : static_cast<double>(all) / static_cast<double>(spots.size());
 }
 
-void ShowFrame(const Place& place, std::size_t markers, RecordingCheck& check) {
-  check.frame = place.middle, check.shown_frame_ms = std::llround(1000 * place.middle_s);
-  for (std::size_t i = 0; i < place.tracklets.size(); ++i) {
-    const TrackletSample* sample = place.tracklets[i].SampleIn(place.middle_frame);
-    if (!sample) continue;
-    const auto rank = std::find(place.by_contrast.begin(), place.by_contrast.end(), i) - place.by_contrast.begin();
-    check.spots_shown.push_back(
-        {sample->position, sample->radius_px, sample->amplitude, rank < static_cast<std::ptrdiff_t>(markers)});
+// The markers of the leg, as TrackMarkers names them without help; the reason where it cannot.
+struct Named {
+  std::optional<TrackResult> tracked;
+  std::string why_not;
+};
+
+Named NameMarkers(const std::filesystem::path& video, const RecordingCheckOptions& options, double frame_mpx) {
+  constexpr int kFewest = 3;  // are a leg
+  TrackOptions track;
+  const auto count = static_cast<std::size_t>(std::max(options.markers, kFewest));
+  while (track.names.size() > count) track.names.pop_back();
+  track.polarity = options.polarity;
+  track.crop = options.crop;
+  track.reader = options.reader;
+  track.reader.last = std::max<std::int64_t>(options.frames_named, std::llround(options.budget_mpx / frame_mpx)) - 1;
+  track.quiet = true;
+  try {
+    return {TrackMarkers(video, track), ""};
+  } catch (const Error& error) {
+    return {std::nullopt, error.what()};
   }
+}
+
+const motion::MarkerTrack& TrackOf(const TrackResult& tracked, std::string_view name) {
+  return *tracked.recording.Find(name);
+}
+
+double MedianDistance(const motion::MarkerTrack& one, const motion::MarkerTrack& other) {
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < one.samples.size(); ++i)
+    if (one.samples[i].IsKnown() && other.samples[i].IsKnown())
+      distances.push_back((one.samples[i].position - other.samples[i].position).norm());
+  return distances.empty() ? 0 : Median(std::move(distances));
+}
+
+// The diagonal of the box that holds the path, but for what is farthest out.
+double ReachOf(const motion::MarkerTrack& track) {
+  constexpr double kEnd = 0.02;
+  std::vector<double> x, y;
+  for (const motion::MarkerSample& sample : track.samples)
+    if (sample.IsKnown()) x.push_back(sample.position.x()), y.push_back(sample.position.y());
+  if (x.empty()) return 0;
+  return std::hypot(Quantile(x, 1 - kEnd) - Quantile(x, kEnd), Quantile(y, 1 - kEnd) - Quantile(y, kEnd));
+}
+
+void TakeNamed(const TrackResult& tracked, RecordingCheck& check) {
+  check.markers = *tracked.figures;
+  check.compression_px = tracked.sigma.compression_px;
+  check.position_sd_px = std::hypot(check.markers.sigma_px, check.compression_px);
+  const motion::MarkerTrack& knee = TrackOf(tracked, "knee");
+  check.segment_px =
+      (MedianDistance(TrackOf(tracked, "ankle"), knee) + MedianDistance(knee, TrackOf(tracked, "hip"))) / 2;
+  check.knee_sd_deg = KneeSdDeg(check.position_sd_px, check.segment_px);
+  const std::size_t frames = tracked.recording.time_s.size();
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < frames; ++i)
+    all += std::ranges::all_of(tracked.recording.markers,
+                               [&](const motion::MarkerTrack& track) { return track.samples[i].IsKnown(); });
+  check.all_seen_share = static_cast<double>(all) / static_cast<double>(frames);
+  for (const motion::MarkerTrack& track : tracked.recording.markers)
+    check.travel_px = std::max(check.travel_px, ReachOf(track));
+}
+
+// The spots of a place's middle frame; those at a named marker's place in that frame are it.
+void ShowFrame(const Place& place, const std::optional<TrackResult>& tracked, RecordingCheck& check) {
+  check.frame = place.middle, check.shown_frame_ms = std::llround(1000 * place.middle_s);
+  for (const Tracklet& tracklet : place.tracklets)
+    if (const TrackletSample* sample = tracklet.SampleIn(place.middle_frame))
+      check.spots_shown.push_back({sample->position, sample->radius_px, sample->amplitude, ""});
+  if (!tracked) return;
+  const std::vector<double>& time_s = tracked->recording.time_s;
+  const auto row = static_cast<std::size_t>(
+      std::ranges::min_element(time_s, {}, [&](double t) { return std::abs(t - place.middle_s); }) - time_s.begin());
+  if (std::abs(time_s[row] - place.middle_s) > MedianInterval(time_s) / 2) return;  // after what was named
+  for (const motion::MarkerTrack& track : tracked->recording.markers)
+    for (CheckedSpot& spot : check.spots_shown)
+      if (track.samples[row].IsKnown() && (spot.position - track.samples[row].position).norm() < spot.radius_px)
+        spot.name = track.name;
+}
+
+// The one in the middle of the recording; of those in which the markers were named, if they were.
+const Place& PlaceToShow(const std::vector<Place>& places, const std::optional<TrackResult>& tracked) {
+  const double last_s = tracked ? tracked->recording.time_s.back() : places.back().middle_s;
+  std::size_t seen = 0;
+  while (seen < places.size() && places[seen].middle_s <= last_s) ++seen;
+  return places[seen / 2];
 }
 
 // When to look: at the beginnings of equal parts of the file.
@@ -385,25 +342,12 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   if (options.reader.capture_rate_hz > 0) check.video.frame_rate_hz = options.reader.capture_rate_hz;
 
   CountSpots(places, options.markers, check);
-  std::vector<const Tracklet*> markers;
-  std::vector<double> segments, tilts, compression;
-  std::vector<std::vector<Eigen::Vector2d>> positions, looks;  // of the markers, by place
-  for (const Place& place : places) {
-    const std::vector<const Tracklet*> own = MarkersOf(place, options.markers);
-    markers.insert(markers.end(), own.begin(), own.end());
-    if (own.size() >= std::min<std::size_t>(options.markers, 3)) segments.push_back(SegmentPx(own));
-    positions.push_back(PositionsOf(own));
-    for (auto& look : LooksAt(place, own)) looks.push_back(std::move(look));
-    if (const double added = CompressionPx(own, place, check.video); added > 0) compression.push_back(added);
+  const Named named = NameMarkers(video, options, 1e-6 * check.video.width * check.video.height);
+  check.why_not_named = named.why_not;
+  if (named.tracked) TakeNamed(*named.tracked, check);
+  std::vector<double> tilts;
+  for (const Place& place : places)
     if (const auto tilt = TiltDeg(place.middle)) tilts.push_back(*tilt);
-  }
-  check.markers = FiguresOf(markers, detector->Figures().value_or(ImageFigures{}));
-  check.compression_px = compression.empty() ? 0 : Median(compression);
-  check.position_sd_px = std::hypot(check.markers.sigma_px, check.compression_px);
-  check.segment_px = segments.empty() ? 0 : Median(segments);
-  check.travel_px = TravelPx(positions);
-  check.leg_seen = ShowALeg(looks);
-  check.knee_sd_deg = KneeSdDeg(check.position_sd_px, check.segment_px);
   if (2 * tilts.size() > places.size()) check.tilt_deg = Median(tilts);
   std::error_code error;
   const auto bytes = static_cast<double>(
@@ -411,7 +355,7 @@ RecordingCheck CheckRecording(const std::filesystem::path& video, const Recordin
   if (check.frames_in_file > 0)
     check.bits_per_pixel =
         8 * bytes / static_cast<double>(check.frames_in_file) / check.video.width / check.video.height;
-  ShowFrame(places[places.size() / 2], options.markers, check);
+  ShowFrame(PlaceToShow(places, named.tracked), named.tracked, check);
   check.seconds = SecondsSince(begin);
   return check;
 }

@@ -63,9 +63,9 @@ void LabelWhole(Scene& scene, const LinkageLook& look, const PosedLeg& leg) {
   const Vector2d bend = leg.FromThigh({0, pose.mount.y()});
   const std::string l5 = fmt::format("{} = {:.2f} mm", Symbol(5), look.links.l5),
                     l6 = fmt::format("{} = {:.2f} mm", Symbol(6), look.links.l6);
-  LabelLine(scene, thigh_pin, bend, 36, l6, link_colour::kThigh);
-  LabelLine(scene, mount, bend, -26, l5, link_colour::kThigh);
-  LabelLine(scene, mount, tip, 46, fmt::format("{{/:Italic d}} = {:.2f} mm", pose.stroke_mm), link_colour::kCylinder);
+  LabelLine(scene, thigh_pin, bend, 36, l6, link_text::kThigh);
+  LabelLine(scene, mount, bend, -26, l5, link_text::kThigh);
+  LabelLine(scene, mount, tip, 46, fmt::format("{{/:Italic d}} = {:.2f} mm", pose.stroke_mm), link_text::kCylinder);
   scene.Label(mount + (mount - bend).normalized() * 28, "M");
   if (std::abs(pose.theta_rad) < RadiansFromDegrees(8)) return;  // no room for an arc
   const double radius = 0.28 * look.body.thigh.length_mm, up = std::numbers::pi / 2;
@@ -87,10 +87,10 @@ void LabelFourBar(Scene& scene, const LinkageLook& look, const PosedLeg& leg, do
                              double aside) {
     LabelLine(scene, from, to, aside, fmt::format("{} = {:.2f} mm", Symbol(link), length), colour);
   };
-  dimension(thigh_pin, knee, 3, look.links.l3, link_colour::kThigh, outside);
-  dimension(knee, shank_pin, 4, look.links.l4, link_colour::kShank, outside);
-  dimension(tip, thigh_pin, 2, look.links.l2, link_colour::kBar, along_thigh ? 3 * outside : outside);
-  dimension(shank_pin, tip, 1, look.links.l1, link_colour::kCoupler, outside);
+  dimension(thigh_pin, knee, 3, look.links.l3, link_text::kThigh, outside);
+  dimension(knee, shank_pin, 4, look.links.l4, link_text::kShank, outside);
+  dimension(tip, thigh_pin, 2, look.links.l2, link_text::kBar, along_thigh ? 3 * outside : outside);
+  dimension(shank_pin, tip, 1, look.links.l1, link_text::kCoupler, outside);
   const double away = 0.1 * view_half_mm;
   scene.Label(knee + away * Vector2d(1, 0.2), "K");
   scene.Label(shank_pin + away * Vector2d(0.8, -0.6), "S");

@@ -28,11 +28,20 @@ class PosedLeg {
 namespace link_colour {
 inline constexpr const char* kThigh = "#0072B2";    // l3, l5, l6: one plate
 inline constexpr const char* kBar = "#009E73";      // l2
-inline constexpr const char* kCoupler = "#E69F00";  // l1
+inline constexpr const char* kCoupler = "#C17F00";  // l1
 inline constexpr const char* kShank = "#CC79A7";    // l4
 inline constexpr const char* kCylinder = "#CC0000";
 inline constexpr const char* kPiston = "#000000";
 }  // namespace link_colour
+
+// The same for text on white, with a contrast of at least 4.5.
+namespace link_text {
+inline constexpr const char* kThigh = link_colour::kThigh;
+inline constexpr const char* kBar = "#007052";
+inline constexpr const char* kCoupler = "#8A5A00";
+inline constexpr const char* kShank = "#9C3F70";
+inline constexpr const char* kCylinder = link_colour::kCylinder;
+}  // namespace link_text
 
 void DrawLeg(Scene& scene, const PosedLeg& leg, const linkage::Body& body);
 

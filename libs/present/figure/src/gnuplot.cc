@@ -8,6 +8,9 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include "lake/core/atomic_file.h"
 #include "lake/core/child_program.h"
@@ -76,20 +79,29 @@ void CheckWhole(const std::filesystem::path& written, const std::filesystem::pat
   if (!whole) throw Fail("{}: gnuplot could not write it whole; is the disk full?", path.string());
 }
 
-// gnuplot switches smoothing off for filled shapes in SVG, which leaves slanted edges jagged on screens.
-void SmoothEdges(const std::filesystem::path& svg) {
-  constexpr std::string_view kJagged = "crispEdges", kSmooth = "geometricPrecision";
-  AtomicFile smooth(svg);
+// In a dark page or viewer the picture is dark: lightness is reversed, and hues stay.
+constexpr std::string_view kThemeOfSvg =
+    "<style>@media (prefers-color-scheme: dark) { svg { filter: invert(0.9) hue-rotate(180deg) } }</style>";
+
+// What gnuplot cannot be told of an SVG: its title; that it follows the reader's theme; that filled shapes, for which
+// gnuplot switches smoothing off, have no jagged edges.
+void FinishSvg(const std::filesystem::path& svg, std::string title) {
+  std::ranges::replace(title, '_', ' ');
+  const std::pair<std::string_view, std::string> kChanges[] = {
+      {"crispEdges", "geometricPrecision"},
+      {"<title>Gnuplot</title>", fmt::format("<title>{}</title>\n{}", title, kThemeOfSvg)}};
+  AtomicFile finished(svg);
   std::ifstream from(svg, std::ios::binary);
-  std::ofstream to(smooth.TemporaryPath(), std::ios::binary);
+  std::ofstream to(finished.TemporaryPath(), std::ios::binary);
   for (std::string line; std::getline(from, line);) {  // one by one: that of half an hour has 30 MB
-    for (std::size_t at = 0; (at = line.find(kJagged, at)) != std::string::npos; at += kSmooth.size())
-      line.replace(at, kJagged.size(), kSmooth);
+    for (const auto& [old, now] : kChanges)
+      for (std::size_t at = 0; (at = line.find(old, at)) != std::string::npos; at += now.size())
+        line.replace(at, old.size(), now);
     to << line << '\n';
   }
   to.close();
   if (!to) throw Fail("{}: cannot be written: {}", svg.string(), std::strerror(errno));
-  smooth.Commit();
+  finished.Commit();
 }
 
 // In double quotes, where \ooo is a byte: a path may hold any but 0, and in single quotes gnuplot has no newline.
@@ -147,7 +159,7 @@ void GnuplotFigure::Write(const std::filesystem::path& path) const {
   script.insert(script.end(), pages_.begin(), pages_.end());
   Scratch(path).Draw(path, script);
   CheckWhole(picture.TemporaryPath(), path);
-  if (svg) SmoothEdges(picture.TemporaryPath());
+  if (svg) FinishSvg(picture.TemporaryPath(), path.stem().string());
   picture.Commit();
 }
 

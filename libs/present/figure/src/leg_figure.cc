@@ -194,7 +194,7 @@ void DrawPaths(GnuplotFigure& figure, const gait::LegFitResult& result) {
 void DrawAngle(GnuplotFigure& figure, const gait::LegFitResult& result, const KneeColumns& columns) {
   const std::vector<double>& time_s = result.motion.time_s;
   std::vector<std::string> parts = {
-      fmt::format("{} using 1:2 with points pt 6 ps 0.7 lc rgb '#56B4E9' title 'single frames'",
+      fmt::format("{} using 1:2 with points pt 6 ps 0.7 lc rgb '#2E8BC0' title 'single frames'",
                   figure.Data({time_s, columns.raw})),
       fmt::format("{} using 1:2 with lines lw 2 lc rgb '{}' title 'fit'", figure.Data({time_s, columns.fit}),
                   colour::kText)};

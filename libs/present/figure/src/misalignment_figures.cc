@@ -125,7 +125,7 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
   figure.Line(
       "set tmargin at screen 0.95; set bmargin at screen 0.60; set lmargin at screen 0.075; set rmargin at screen "
       "0.98");
-  figure.Line(fmt::format("set ylabel \"relative error\\n(% of the shank length)\"; set yrange [0:{}]; set xlabel ''",
+  figure.Line(fmt::format("set ylabel \"path difference\\n(% of the shank length)\"; set yrange [0:{}]; set xlabel ''",
                           std::max(top, 1e-3)));
   std::string plot = "plot ";
   if (!m.relative_error_sd.empty())
@@ -133,8 +133,8 @@ void DrawError(GnuplotFigure& figure, const compare::Misalignment& m) {
         "{} using 1:2:3 with filledcurves fc rgb '{}' fs transparent solid 0.25 noborder title '± SD over pairs of "
         "repetitions', ",
         figure.Data({percents, lower, upper}), colour::kExoskeleton);
-  plot += fmt::format("{} using 1:2 with lines lw 3 lc rgb '{}' title 'relative error'", figure.Data({percents, error}),
-                      colour::kExoskeleton);
+  plot += fmt::format("{} using 1:2 with lines lw 3 lc rgb '{}' title 'path difference'",
+                      figure.Data({percents, error}), colour::kExoskeleton);
   plot += fmt::format(", {} with lines lw 2 dt 2 lc rgb '{}' title 'RMS {:.2f} %'", 100 * m.metrics.relative_rms,
                       colour::kText, 100 * m.metrics.relative_rms);
   plot += fmt::format(", {} with lines lw 2 dt (2,4) lc rgb '#555555' title 'noise floor {:.2f} %'",

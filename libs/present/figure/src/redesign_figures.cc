@@ -65,22 +65,23 @@ void DrawPaths(GnuplotFigure& figure, const redesign::RedesignOutcome& outcome) 
   figure.Line("set ytics 20");
   struct Knee {
     const std::vector<Eigen::Vector2d>* path;  // nullptr: not drawn
-    std::string style, title;
+    double width;
+    std::string title;
     const Look& look;
   };
   const auto path = [](const redesign::DesignInMotion& design) {
     return design.prediction ? &design.prediction->exo.knee : nullptr;
   };
   const std::array knees{
-      Knee{.path = &outcome.measured.human.knee, .style = kHumanStyle, .title = "human knee", .look = kHumanLook},
-      Knee{.path = path(outcome.before), .style = kBeforeStyle, .title = "worn, predicted", .look = kWornLook},
-      Knee{.path = path(outcome.after),
-           .style = kAfterStyle,
-           .title = AfterName(outcome) + ", predicted",
-           .look = kNewLook}};
+      Knee{.path = &outcome.measured.human.knee, .width = 5, .title = "human knee", .look = kHumanLook},
+      Knee{.path = path(outcome.before), .width = 3, .title = "worn, predicted", .look = kWornLook},
+      Knee{.path = path(outcome.after), .width = 2, .title = AfterName(outcome) + ", predicted", .look = kNewLook}};
   Plot plot(figure);
+  // A path that runs back over itself would look solid though it is dashed: lines are told apart by width here.
   for (const Knee& knee : knees)
-    if (knee.path) plot.AddPath(*knee.path, fmt::format("lines {} title '{}'", knee.style, knee.title));
+    if (knee.path)
+      plot.AddPath(*knee.path,
+                   fmt::format("lines lw {} lc rgb '{}' title '{}'", knee.width, knee.look.colour, knee.title));
   // The same instants on each path, so that being late can be told from being elsewhere.
   const char* title = "title '0, 25, 50, 75, 100 %'";
   for (const Knee& knee : knees) {
@@ -105,7 +106,7 @@ void DrawRelativeError(GnuplotFigure& figure, const redesign::RedesignOutcome& o
     return design.misalignment ? fmt::format("{}: RMS {:.2f} %", what, 100 * design.misalignment->metrics.relative_rms)
                                : what;
   };
-  figure.Line("set title 'Misalignment'; set ylabel 'relative error (% of the shank length)'; set yrange [0:*]");
+  figure.Line("set ylabel 'misalignment (% of the shank length)'; set yrange [0:*]");
   figure.Line("set offsets 0, 0, graph 0.3, 0; set key top right");
   Plot plot(figure);
   plot.AddCurve(percent(outcome.before), kBeforeStyle, name("worn", outcome.before));
@@ -191,6 +192,8 @@ void DrawPareto(const redesign::RedesignOutcome& outcome, const std::filesystem:
   }
   if (plot.IsEmpty()) plot.Add("1/0 notitle");
   AddDesignMark(outcome.before, "worn", kWornLook, plot);
+  if (outcome.joint_moved) AddDesignMark(*outcome.joint_moved, "worn, joint moved", kMovedLook, plot);
+  if (outcome.other_program) AddDesignMark(*outcome.other_program, "worn, other program", kOtherProgramLook, plot);
   AddDesignMark(outcome.after, AfterName(outcome), kNewLook, plot);
   if (outcome.problem.max_misalignment_percent)
     figure.Line(

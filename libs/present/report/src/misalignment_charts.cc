@@ -70,7 +70,7 @@ std::vector<double> Lengths(const std::vector<double>& x, const std::vector<doub
 // The relative error in percent of the shank, with ± 1 SD over the pairs of repetitions if there are several.
 Series ErrorSeries(const Json& curves) {
   Series error;
-  error.name = "relative error";
+  error.name = "path difference";
   error.colour = colour::kExoskeleton;
   error.x = NumbersOrNaN(curves.at("percent"));
   error.y = Scaled(NumbersOrNaN(curves.at("relative_error")), 100);
@@ -126,10 +126,10 @@ LineChart RelativeErrorChart(const Json& comparison) {
   const double rms = 100 * NumberOrNaN(comparison.at("metrics").at("relative_rms"));
   const double floor = 100 * NumberOrNaN(comparison.at("noise_floor_relative"));
   LineChart chart;
-  chart.title = "Relative error over the rise";
+  chart.title = "Path difference over the rise";
   chart.alt = fmt::format("Distance of the knees in percent of the shank over sit-to-stand; RMS {:.2f} %", rms);
   chart.x = kPercentAxis;
-  chart.y = {"relative error (% of the shank)", 0, std::nullopt};
+  chart.y = {"path difference (% of the shank)", 0, std::nullopt};
   const Series error = ErrorSeries(curves);
   if (!error.lower.empty()) chart.caption = "Band: ± 1 SD over all pairs of a human and an exoskeleton repetition.";
   chart.series = {error, Level(rms, fmt::format("RMS {:.2f} %", rms), colour::kText, Mark::kDashed),

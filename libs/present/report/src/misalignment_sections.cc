@@ -11,6 +11,7 @@
 #include "lake/compare/knee_axis.h"
 #include "lake/compare/misalignment.h"
 #include "lake/core/json.h"
+#include "lake/report/uncertain.h"
 #include "misalignment_charts.h"
 
 namespace lake::report {
@@ -25,9 +26,22 @@ std::string IntervalNote(const Json& parent, const char* name, double factor, in
                      NumberText(factor * NumberOrNaN(interval.at(1)), decimals), unit);
 }
 
-std::string OffsetNote(const Json& decomposition, std::size_t axis) {
-  if (!decomposition.contains("offset_interval_mm")) return "";
-  return IntervalNote({{"axis", decomposition.at("offset_interval_mm").at(axis)}}, "axis", 1, 1, "mm");
+// A key figure rounded to its interval, which stands below it.
+KeyFigure FigureOf(const char* label, const Uncertain& of, int otherwise, const char* unit) {
+  const int decimals = of.Decimals(otherwise);
+  return {.label = label,
+          .value = of.value,
+          .decimals = decimals,
+          .unit = unit,
+          .plus_minus = std::nullopt,
+          .note = of.IsKnown() ? fmt::format("95 %: {} to {} {}", NumberText(of.low, decimals),
+                                             NumberText(of.high, decimals), unit)
+                               : ""};
+}
+
+Uncertain OffsetOf(const Json& decomposition, const Eigen::Vector2d& joint_mm, int axis) {
+  const Json intervals = decomposition.value("offset_interval_mm", Json());
+  return UncertainOf(joint_mm[axis], intervals.is_array() ? intervals.at(static_cast<std::size_t>(axis)) : Json());
 }
 
 Section KeySection(const Json& comparison) {
@@ -197,31 +211,22 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
   const Json& parts = comparison.at("decomposition");
   const Json intervals = comparison.value("intervals", Json::object());
   const auto share = [&](const char* name) {
-    return KeyFigure{.label = name,
-                     .value = 100 * NumberOrNaN(parts.at(name).at("fraction")),
-                     .decimals = 1,
-                     .unit = "%",
-                     .plus_minus = std::nullopt,
-                     .note = IntervalNote(parts.at(name), "interval", 100, 1, "%")};
+    return FigureOf(name, UncertainOf(parts.at(name).at("fraction"), parts.at(name).value("interval", Json()), 100), 1,
+                    "%");
   };
-  const auto figure = [&](const char* label, const char* name, double factor, int decimals, const char* unit) {
-    return KeyFigure{.label = label,
-                     .value = factor * NumberOrNaN(metrics.at(name)),
-                     .decimals = decimals,
-                     .unit = unit,
-                     .plus_minus = std::nullopt,
-                     .note = IntervalNote(intervals, name, factor, decimals, unit)};
+  const auto figure = [&](const char* label, const char* name, double factor, int otherwise, const char* unit) {
+    return FigureOf(label, UncertainOf(metrics.at(name), intervals.value(name, Json()), factor), otherwise, unit);
   };
   const Eigen::Vector2d joint = JointOf(comparison);
   const Json worn = comparison.value("joint", Json());
   const auto of_joint = [&](const char* label, const Json& of, const char* name, const char* interval) {
-    return KeyFigure{
-        .label = label,
-        .value = of.is_null() ? std::numeric_limits<double>::quiet_NaN() : NumberOrNaN(of.at(name)),
-        .decimals = 1,
-        .unit = "mm",
-        .plus_minus = std::nullopt,
-        .note = of.is_null() ? "the trial does not show the knee" : IntervalNote(of, interval, 1, 1, "mm")};
+    if (of.is_object()) return FigureOf(label, UncertainOf(of.at(name), of.value(interval, Json())), 1, "mm");
+    return KeyFigure{.label = label,
+                     .value = std::numeric_limits<double>::quiet_NaN(),
+                     .decimals = 1,
+                     .unit = "mm",
+                     .plus_minus = std::nullopt,
+                     .note = "the trial does not show the knee"};
   };
   return {
       {of_joint("joint misalignment, RMS", worn, "rms_mm", "rms_interval_mm"),
@@ -235,8 +240,8 @@ KeyFigures MisalignmentKeyFigures(const Json& comparison) {
        share("placement"),
        share("timing"),
        share("shape"),
-       {"joint in front of the knee", joint.x(), 1, "mm", std::nullopt, OffsetNote(parts, 0)},
-       {"joint above the knee, along the shank", joint.y(), 1, "mm", std::nullopt, OffsetNote(parts, 1)},
+       FigureOf("joint in front of the knee", OffsetOf(parts, joint, 0), 0, "mm"),
+       FigureOf("joint above the knee, along the shank", OffsetOf(parts, joint, 1), 0, "mm"),
        {"difference in pace, RMS", NumberOrNaN(parts.at("timing_rms_percent")), 2, "% of the rise", std::nullopt, ""}}};
 }
 
@@ -246,7 +251,10 @@ std::string DecompositionAdvice(const Json& comparison) {
   if (std::isnan(fraction("placement"))) return "Both paths are one; there is nothing to divide.";
   const std::string largest = *std::max_element(
       kParts.begin(), kParts.end(), [&](const char* a, const char* b) { return fraction(a) < fraction(b); });
-  return fmt::format("Most of it, {:.1f} %, is {}.{}", 100 * fraction(largest), PartAdvice(largest, comparison),
+  const Json& share = parts.at(largest);
+  return fmt::format("Most of it, {} %, is {}.{}",
+                     UncertainOf(share.at("fraction"), share.value("interval", Json()), 100).Text(1),
+                     PartAdvice(largest, comparison),
                      IsLargestForSure(largest, parts) ? ""
                                                       : " But the intervals of the parts overlap: another part may be "
                                                         "the largest, which more repetitions would show.");

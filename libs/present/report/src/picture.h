@@ -10,6 +10,7 @@ struct EmbeddedFile {
   std::string media_type;  // "image/png", …
   std::string data_uri;
   bool IsVideo() const { return media_type == "video/mp4"; }
+  bool IsDrawing() const { return media_type == "image/svg+xml"; }  // follows the page's theme
 };
 
 // The type is told by the content. Throws Error: unreadable, unknown, larger than 64 MB.

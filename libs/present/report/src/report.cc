@@ -8,6 +8,7 @@
 #include "html.h"
 #include "lake/core/atomic_file.h"
 #include "lake/core/error.h"
+#include "lake/core/uncertain_text.h"
 #include "page_files.h"
 #include "picture.h"
 
@@ -106,8 +107,8 @@ std::string Html(const Picture& picture) {
       file.IsVideo()
           ? fmt::format("<video controls muted playsinline aria-label=\"{}\" src=\"{}\"></video>", alt, file.data_uri)
           : fmt::format("<img alt=\"{}\" src=\"{}\">", alt, file.data_uri);
-  return fmt::format("<figure class=\"{}\">{}\n{}</figure>\n", ClassOf(picture.width), element,
-                     Element("figcaption", picture.caption));
+  return fmt::format("<figure class=\"{}{}\">{}\n{}</figure>\n", ClassOf(picture.width),
+                     file.IsDrawing() ? " drawing" : "", element, Element("figcaption", picture.caption));
 }
 
 // The figure of both kinds of charts; page/charts.js draws the data in its script element on its canvas.
@@ -178,10 +179,7 @@ bool HasFilters(const Block& block) {
 }  // namespace
 
 std::string NumberText(double value, int decimals) {
-  if (!std::isfinite(value)) return "–";
-  const std::string digits = fmt::format("{:.{}f}", std::abs(value), decimals);
-  const bool zero = digits.find_first_not_of("0.") == digits.npos;
-  return std::signbit(value) && !zero ? "−" + digits : digits;
+  return RoundedText(value, decimals);
 }
 
 std::string RenderReport(const Report& report) {

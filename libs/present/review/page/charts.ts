@@ -97,7 +97,7 @@ function line(context: CanvasRenderingContext2D, x1: number, y1: number, x2: num
   context.stroke();
 }
 
-const LANE = 13, HANDLES = 18; // px, of a marker's lane and of the strip with the events below the lanes
+const LANE = 13, HANDLES = 18, AXIS = 15; // px, of a marker's lane, of the strip with the events below, of the times
 const HOLD = 9; // px beside an event in which it is taken hold of
 
 /** Where the problems are, a lane for each marker, and the events, which can be dragged by what is below the lanes. */
@@ -109,11 +109,11 @@ export class Timeline extends Strip {
   private held: { tick: number; row: number } | null = null;
 
   constructor(
-    canvas: HTMLCanvasElement, rows: number, seek: (row: number) => void,
+    canvas: HTMLCanvasElement, private times: number[], seek: (row: number) => void,
     private take: (tick: number) => void,
     private move: (tick: number, row: number) => void,
   ) {
-    super(canvas, rows, seek);
+    super(canvas, times.length, seek);
     canvas.addEventListener("pointermove", (event) => {
       canvas.style.cursor = this.held || this.tickAt(event) >= 0 ? "ew-resize" : "";
     });
@@ -124,7 +124,7 @@ export class Timeline extends Strip {
     this.lanes = lanes;
     this.marks = marks;
     this.ticks = ticks;
-    this.canvas.style.height = `${lanes.length * LANE + HANDLES}px`;
+    this.canvas.style.height = `${lanes.length * LANE + HANDLES + AXIS}px`;
     this.redraw();
   }
 
@@ -182,6 +182,25 @@ export class Timeline extends Strip {
       context.fillRect(from, mark.lane * LANE + 2, Math.max(this.x(mark.last + 0.5) - from, 3), 10);
     }
     this.drawTicks(context);
+    this.drawTimes(context);
+  }
+
+  // The one time axis, which timeline and curves share.
+  private drawTimes(context: CanvasRenderingContext2D): void {
+    const first = this.times[0], last = this.times[this.times.length - 1], y = this.canvas.clientHeight - AXIS / 2;
+    const rough = (last - first) / Math.max(this.width() / 80, 1), power = 10 ** Math.floor(Math.log10(rough));
+    const step = [1, 2, 5, 10].map((part) => part * power).find((candidate) => candidate >= rough) ?? rough;
+    const digits = Math.max(0, -Math.floor(Math.log10(step)));
+    context.fillStyle = colourOf("--quiet");
+    context.strokeStyle = colourOf("--rule");
+    context.lineWidth = 1;
+    let row = 0;
+    for (let time = Math.ceil(first / step) * step; time <= last; time += step) {
+      while (row + 1 < this.times.length && this.times[row] < time) ++row;
+      const label = `${time.toFixed(digits)} s`, x = this.x(row), width = context.measureText(label).width;
+      line(context, x, y - AXIS / 2, x, y - AXIS / 2 + 3);
+      context.fillText(label, Math.min(Math.max(x - width / 2, LEFT), this.canvas.clientWidth - width), y + 2);
+    }
   }
 
   private drawTicks(context: CanvasRenderingContext2D): void {

@@ -1,8 +1,8 @@
 // Two trials side by side, each at the same percent of its rise, with their misalignment in step.
 import { Chart, colourOf } from "./charts";
-import { isTyping, part, sayWhy } from "./dom";
+import { isOfControl, part, sayWhy } from "./dom";
 import { Frames } from "./frames";
-import { Column, ComparedVideoMessage, ComparisonMessage } from "./messages";
+import { Column, ComparedVideoMessage, ComparisonMessage, RiseMessage } from "./messages";
 import { Player } from "./player";
 import { server } from "./server";
 import { TEXTS } from "./texts";
@@ -23,7 +23,9 @@ class ComparedView {
     part(`${role}-name`).textContent = TEXTS.compared(TEXTS.role[role], trial.name, trial.marker);
     this.rises = [...new Set(trial.repetition.filter((one): one is number => one !== null))];
     const rise = part<HTMLSelectElement>(`${role}-rise`);
-    rise.replaceChildren(...this.rises.map((one) => new Option(TEXTS.rise(one), String(one))));
+    const mean = trial.rises.length > 1 ? [new Option(TEXTS.meanRise, "")] : [];
+    rise.replaceChildren(...mean, ...this.rises.map((one) => new Option(TEXTS.rise(one), String(one))));
+    this.chosen = () => (rise.value === "" ? null : Number(rise.value));
     rise.addEventListener("change", changed);
     this.view = new PictureView(part(`${role}-picture`), { x: trial.width, y: trial.height }, {
       draw: (context) => this.draw(context),
@@ -38,12 +40,23 @@ class ComparedView {
       this.view.show(picture);
     }, sayWhy);
     this.choose = (percent) => {
-      const row = nearest(trial, Number(rise.value), percent);
+      const row = nearest(trial, this.chosen() ?? this.rises[0], percent); // of the mean the first is shown
       if (row !== null) this.frames.want(trial.frame[row]);
     };
   }
 
   choose: (percent: number) => void;
+  /** The number of the rise that was chosen; null: the mean of all. */
+  chosen: () => number | null;
+
+  /** Its curves, or the mean of all; null where this rise does not count in the comparison. */
+  curve(): RiseMessage | null {
+    const chosen = this.chosen(), { rises } = this.trial;
+    if (chosen !== null) return rises.find(({ repetition }) => repetition === chosen) ?? null;
+    const mean = (pick: (rise: RiseMessage) => number[]) =>
+      pick(rises[0]).map((_, percent) => rises.reduce((sum, rise) => sum + pick(rise)[percent], 0) / rises.length);
+    return { repetition: 0, x: mean(({ x }) => x), y: mean(({ y }) => y), knee_deg: mean(({ knee_deg }) => knee_deg) };
+  }
 
   hasRise(): boolean {
     return this.rises.length > 0;
@@ -75,36 +88,56 @@ export class ComparisonPage {
   private percent = 0;
   private player: Player;
   private views: ComparedView[];
-  private charts: Chart[];
+  private charts: { misalignment: Chart; knees: Chart };
+  private shown: { distance_mm: Column; human_knee_deg: Column; exo_knee_deg: Column };
 
   constructor(private message: ComparisonMessage) {
     const { curves } = message;
     part("comparison").hidden = false;
     part("name").textContent = message.name;
     document.title = `${message.name} – lake review`;
-    const { placement, timing, shape } = curves.parts;
-    part("state").textContent = TEXTS.comparisonState(curves.rms_mm, placement, timing, shape);
     const seek = (percent: number) => this.seek(percent);
-    this.views = ROLES.map((role) => new ComparedView(role, message[role], () => this.seek(this.percent)));
-    const chart = (id: string, title: string, shown: { name: string; colour: string; values: Column }[]) => {
+    this.shown = curves;
+    this.views = ROLES.map((role) => new ComparedView(role, message[role], () => this.showRises()));
+    const chart = (id: string, title: string) => {
       part(`${id}-title`).textContent = title;
-      const made = new Chart(part(`${id}-chart`), curves.percent.length, seek);
-      made.show(shown);
-      return made;
+      return new Chart(part(`${id}-chart`), curves.percent.length, seek);
     };
-    this.charts = [
-      chart("misalignment", TEXTS.misalignment, [{ name: "", colour: "--accent", values: curves.distance_mm }]),
-      chart("knees", TEXTS.knees, [
-        { name: TEXTS.human, colour: "--marker-1", values: curves.human_knee_deg },
-        { name: TEXTS.exo, colour: "--marker-4", values: curves.exo_knee_deg },
-      ]),
-    ];
+    this.charts = { misalignment: chart("misalignment", TEXTS.misalignment), knees: chart("knees", TEXTS.knees) };
     if (!this.views.every((view) => view.hasRise())) sayWhy(TEXTS.noRise);
     const scrub = part<HTMLInputElement>("percent-scrub");
     scrub.addEventListener("input", () => this.seek(Number(scrub.value)));
     this.player = new Player("comparison-play", PLAY_MS, () => () => this.seek(this.percent === 100 ? 0 : this.percent + 1));
     document.addEventListener("keydown", (event) => this.key(event));
-    this.seek(0);
+    this.showRises();
+  }
+
+  // The numbers are of the rises that are chosen; of both means they are the comparison's own.
+  private showRises(): void {
+    const [human, exo] = this.views.map((view) => view.curve()), { curves } = this.message;
+    const [humanRise, exoRise] = this.views.map((view) => view.chosen());
+    const areMeans = humanRise === null && exoRise === null;
+    const isOnly = this.message.human.rises.length === 1 && this.message.exo.rises.length === 1;
+    if (areMeans || isOnly) {
+      const { placement, timing, shape } = curves.parts;
+      this.shown = curves;
+      part("state").textContent = TEXTS.comparisonState(curves.rms_mm, placement, timing, shape);
+    } else if (human && exo) {
+      const distance_mm = human.x.map((x, percent) => Math.hypot(exo.x[percent] - x, exo.y[percent] - human.y[percent]));
+      this.shown = { distance_mm, human_knee_deg: human.knee_deg, exo_knee_deg: exo.knee_deg };
+      const rms = Math.sqrt(distance_mm.reduce((sum, mm) => sum + mm * mm, 0) / distance_mm.length);
+      part("state").textContent = TEXTS.ofRises(rms, human.repetition, exo.repetition);
+    } else {
+      const none = curves.percent.map(() => null);
+      this.shown = { distance_mm: none, human_knee_deg: none, exo_knee_deg: none };
+      part("state").textContent = TEXTS.riseLeftOut;
+    }
+    this.charts.misalignment.show([{ name: "", colour: "--accent", values: this.shown.distance_mm }]);
+    this.charts.knees.show([
+      { name: TEXTS.human, colour: "--marker-1", values: this.shown.human_knee_deg },
+      { name: TEXTS.exo, colour: "--marker-4", values: this.shown.exo_knee_deg },
+    ]);
+    this.seek(this.percent);
   }
 
   private seek(percent: number): void {
@@ -112,17 +145,16 @@ export class ComparisonPage {
     this.percent = Math.min(Math.max(percent, 0), curves.percent.length - 1);
     part<HTMLInputElement>("percent-scrub").value = String(this.percent);
     for (const view of this.views) view.choose(this.percent);
-    for (const chart of this.charts) chart.showRow(this.percent);
-    part("percent").textContent = TEXTS.ofRise(
-      this.percent, curves.distance_mm[this.percent], curves.human_knee_deg[this.percent], curves.exo_knee_deg[this.percent]);
+    for (const chart of Object.values(this.charts)) chart.showRow(this.percent);
+    const { distance_mm, human_knee_deg, exo_knee_deg } = this.shown, at = this.percent;
+    part("percent").textContent = TEXTS.ofRise(at, distance_mm[at], human_knee_deg[at], exo_knee_deg[at]);
   }
 
   private key(event: KeyboardEvent): void {
-    const isSlider = event.target instanceof HTMLInputElement;
-    if (isTyping(event) || event.ctrlKey || event.metaKey) return;
+    if (isOfControl(event) || event.ctrlKey || event.metaKey) return;
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (event.key === " " && !(event.target instanceof HTMLButtonElement)) this.player.toggle();
-    else if (by && !isSlider) this.seek(this.percent + by * (event.shiftKey ? 10 : 1));
+    if (event.key === " ") this.player.toggle();
+    else if (by) this.seek(this.percent + by * (event.shiftKey ? 10 : 1));
     else return;
     event.preventDefault();
   }

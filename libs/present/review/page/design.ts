@@ -1,6 +1,6 @@
 // A design: links changed by sliders, numbers and dragged pins; the server says at once what becomes of it.
 import { Chart, Curve } from "./charts";
-import { button, copyText, isTyping, onClick, part, say, sayWhy, showProgress } from "./dom";
+import { button, copyText, isOfControl, onClick, part, say, sayWhy, showProgress, undoOf } from "./dom";
 import { LinkageView } from "./linkage";
 import {
   CheckMessage, DesignColumns, DesignMessage, ExploreQuestion, ExploredMessage, PinName, Place, PoseMessage, StateMessage,
@@ -13,6 +13,7 @@ const LINK_COLOURS = ["--l1", "--l2", "--l3", "--l4", "--l3", "--l3"];
 const ROWS = 181; // of the server's curves
 const PLAY_MS = 25;
 const REST_MS = 150; // after the last change
+const ONE_STEP_MS = 1000; // changes of one slider that follow each other sooner are one step
 
 export class DesignPage {
   private links: number[];
@@ -25,6 +26,7 @@ export class DesignPage {
   private isAsking = false;
   private isDragging = false;
   private isAskingBuilds = false;
+  private slid = { link: -1, at: 0 }; // the slider that was moved last, and when
   private startedOptimum: number | null = null; // the number of the last one when this window asked for another
   private player = new Player("design-play", PLAY_MS, () => this.standingUpAndSittingDown());
   private view: LinkageView;
@@ -98,11 +100,13 @@ export class DesignPage {
       label.style.setProperty("--link", `var(${LINK_COLOURS[link]})`);
       label.dataset.link = String(link + 1);
       label.append(name, range, number);
-      // A slide is one step, however far it goes.
-      range.addEventListener("pointerdown", () => this.remember());
-      range.addEventListener("keydown", () => this.remember());
-      range.addEventListener("input", () => this.setLink(link, Number(range.value)));
+      range.addEventListener("pointerdown", () => (this.slid.link = -1));
+      range.addEventListener("input", () => {
+        this.rememberSlide(link);
+        this.setLink(link, Number(range.value));
+      });
       range.addEventListener("change", () => this.showCommand());
+      number.setAttribute("aria-label", `l${link + 1} (mm)`);
       number.addEventListener("blur", () => this.showLinks());
       number.addEventListener("change", () => {
         if (!(Number(number.value) > 0)) return; // nothing, or not yet a length
@@ -139,6 +143,13 @@ export class DesignPage {
     this.future = [];
   }
 
+  // A slide is one step, however far it goes, by pointer or by keys.
+  private rememberSlide(link: number): void {
+    const now = performance.now(), isSame = this.slid.link === link && now - this.slid.at < ONE_STEP_MS;
+    this.slid = { link, at: now };
+    if (!isSame) this.remember();
+  }
+
   private setLink(link: number, length: number): void {
     this.links = this.links.map((old, other) => (other === link ? length : old));
     this.ask({ links: this.links });
@@ -155,11 +166,14 @@ export class DesignPage {
     this.showCommand();
   }
 
-  private step(from: number[][], to: number[][]): void {
+  private step(from: number[][], to: number[][], said: string): void {
     const links = from.pop();
     if (!links) return;
     to.push([...this.links]);
+    this.slid.link = -1;
     this.go(links);
+    this.sliders.forEach(({ number }, link) => (number.value = links[link].toFixed(2)));
+    say(said);
   }
 
   private drag(pin: PinName, to: Place): void {
@@ -246,11 +260,14 @@ export class DesignPage {
 
   private showChecks(): void {
     const { checks, range_deg, gap, of_builds } = this.explored!, tolerance = this.about.tolerance_mm;
-    const failed = checks.filter((check) => !check.holds).length;
+    const asked = checks.filter((check) => check.asked), failed = asked.filter((check) => !check.holds).length;
+    const unmet = checks.filter((check) => !check.asked && !check.holds).map((check) => check.name);
     const of = tolerance === null ? "" : of_builds ? TEXTS.ofBuilds(tolerance) : TEXTS.asDrawn(tolerance);
-    part("state").textContent = gap || `${TEXTS.range(range_deg)}, ${TEXTS.failing(failed, checks.length)}${of}`;
-    part("state").classList.toggle("error", failed > 0);
-    part("check-count").textContent = TEXTS.failing(failed, checks.length);
+    part("state").textContent = gap
+      ? TEXTS.gap(gap)
+      : `${TEXTS.range(range_deg)}, ${TEXTS.failing(failed, asked.length)}${of}${TEXTS.notAsked(unmet)}`;
+    part("state").classList.toggle("error", failed > 0 || unmet.length > 0);
+    part("check-count").textContent = TEXTS.failing(failed, asked.length);
     part("checks").replaceChildren(...checks.map((check) => this.checkLine(check)));
   }
 
@@ -262,6 +279,8 @@ export class DesignPage {
     detail.textContent = [TEXTS.slack(check), TEXTS.worst(check)].filter((text) => text !== "").join(" ");
     shown.append(detail);
     shown.classList.toggle("fails", !check.holds);
+    shown.classList.toggle("unasked", !check.asked);
+    line.dataset.asked = String(check.asked);
     line.dataset.check = check.name;
     line.dataset.holds = String(check.holds);
     if (shown !== line) line.append(shown);
@@ -338,8 +357,8 @@ export class DesignPage {
     onClick("design-zoom-in", () => this.view.zoomBy(1.5));
     onClick("design-zoom-out", () => this.view.zoomBy(1 / 1.5));
     onClick("design-zoom-fit", () => this.fit());
-    onClick("design-undo", () => this.step(this.past, this.future));
-    onClick("design-redo", () => this.step(this.future, this.past));
+    onClick("design-undo", () => this.step(this.past, this.future, TEXTS.done.undo));
+    onClick("design-redo", () => this.step(this.future, this.past, TEXTS.done.redo));
     onClick("design-reset", () => this.change(this.about.links));
     onClick("design-save", () => void this.save());
     onClick("optimise", () => void this.optimise());
@@ -350,23 +369,18 @@ export class DesignPage {
   }
 
   private key(event: KeyboardEvent): void {
-    const isSlider = event.target instanceof HTMLInputElement && event.target.type === "range";
-    if (isTyping(event)) return;
-    const action = this.actionOf(event, isSlider);
+    const action = this.actionOf(event);
     if (!action) return;
     event.preventDefault();
     action();
   }
 
-  private actionOf(event: KeyboardEvent, isSlider: boolean): (() => void) | null {
-    if (event.ctrlKey || event.metaKey) {
-      const key = event.key.toLowerCase();
-      if (key === "z" && !event.shiftKey) return () => this.step(this.past, this.future);
-      if (key === "y" || (key === "z" && event.shiftKey)) return () => this.step(this.future, this.past);
-      return null;
-    }
-    if (event.key === " ") return event.target instanceof HTMLButtonElement ? null : () => this.player.toggle();
-    if (isSlider) return null; // moves by itself
+  private actionOf(event: KeyboardEvent): (() => void) | null {
+    const undo = undoOf(event); // also in a number's field, where it is the design that goes back
+    if (undo > 0) return () => this.step(this.past, this.future, TEXTS.done.undo);
+    if (undo < 0) return () => this.step(this.future, this.past, TEXTS.done.redo);
+    if (event.ctrlKey || event.metaKey || isOfControl(event)) return null;
+    if (event.key === " ") return () => this.player.toggle();
     const keys: { [key: string]: () => void } = {
       ArrowLeft: () => this.seek(this.row - (event.shiftKey ? 10 : 1)),
       ArrowRight: () => this.seek(this.row + (event.shiftKey ? 10 : 1)),

@@ -29,9 +29,25 @@ export function sayWhy(why: unknown): void {
   say(why instanceof Error ? why.message : String(why), true);
 }
 
-/** Keys that are typed into a field are no commands. */
-export const isTyping = (event: KeyboardEvent) =>
-  event.target instanceof HTMLInputElement && event.target.type !== "range" || event.target instanceof HTMLSelectElement;
+/** Whether the control that has the focus does something of its own with this key: then it is no command of the page. */
+export function isOfControl(event: KeyboardEvent): boolean {
+  const { target, key } = event;
+  if (target instanceof HTMLSelectElement) return true;
+  if (target instanceof HTMLInputElement && target.type !== "range") return true;
+  const isPress = key === "Enter" || key === " ";
+  if (target instanceof HTMLButtonElement || target instanceof HTMLAnchorElement) return isPress;
+  if (target instanceof HTMLElement && target.tagName === "SUMMARY") return isPress;
+  const moves = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End", "PageUp", "PageDown"];
+  return target instanceof HTMLInputElement && moves.includes(key) && !event.altKey;
+}
+
+/** 1 to undo, -1 to redo, 0 for another key. */
+export function undoOf(event: KeyboardEvent): 1 | -1 | 0 {
+  if (!event.ctrlKey && !event.metaKey) return 0;
+  const key = event.key.toLowerCase();
+  if (key === "z" && !event.shiftKey) return 1;
+  return key === "y" || key === "z" ? -1 : 0;
+}
 
 /** A program's own line, "tracking: 120/1010 frames, …", as a bar. */
 export function showProgress(bar: HTMLProgressElement, line: string): void {

@@ -61,6 +61,7 @@ export interface AboutMessage {
   folder: string;
   command: string; // tracks with the corrections …
   command_with_events: string; // … and with events that were moved
+  warnings: string[]; // of the run that tracked it
   width: number; // px
   height: number;
 }
@@ -101,6 +102,7 @@ export interface SpotMessage {
   y: number;
   radius: number; // px
   moves: boolean;
+  path: [number, number][]; // px
 }
 
 export interface NamingMessage {
@@ -108,6 +110,8 @@ export interface NamingMessage {
   frame: number;
   width: number;
   height: number;
+  frames: number | null; // of the video, if it says
+  camera_beside: string; // a camera file beside the video; empty: none
   spots: SpotMessage[];
   choices: Choices; // to begin with
 }
@@ -184,6 +188,7 @@ export interface CheckMessage {
   value: number | null; // null: it cannot be evaluated
   slack: number | null; // to the limit, negative where it fails
   holds: boolean;
+  asked: boolean; // else nobody asked for it, and it is only told
   worst: { knee_deg?: number; percent?: number } | null; // the pose in which it is nearest to its limit
 }
 
@@ -214,6 +219,15 @@ export interface ComparedVideoMessage {
   repetition: Column;
   percent: Column;
   markers: { name: string; x: Column; y: Column }[];
+  rises: RiseMessage[]; // that count in the comparison
+}
+
+/** The compared joint in the leg frame, mm, and the knee angle, a value per percent. */
+export interface RiseMessage {
+  repetition: number;
+  x: number[];
+  y: number[];
+  knee_deg: number[];
 }
 
 /** A row per percent of the rise. */

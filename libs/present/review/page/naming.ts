@@ -1,5 +1,5 @@
 // A video alone: click the names onto the spots that the tracker sees, and let it track.
-import { button, copyText, onClick, part, say, sayWhy, showProgress } from "./dom";
+import { button, copyText, isOfControl, onClick, part, say, sayWhy, showProgress, undoOf } from "./dom";
 import { Frames } from "./frames";
 import { Choices, NamingMessage, SpotMessage, StateMessage, TrackOptions } from "./messages";
 import { server } from "./server";
@@ -7,6 +7,7 @@ import { TEXTS } from "./texts";
 import { PictureView, Point, distance } from "./view";
 
 const REACH = 25; // screen px
+const FIFTH = "exo_knee"; // what a fifth marker is, of an exoskeleton trial
 
 type Pointed = keyof typeof TEXTS.pointAt;
 
@@ -19,7 +20,9 @@ export class NamingPage {
   private choices: Choices = { markers: [], seeds: {}, options: {} };
   private pointing: { option: Pointed; first: Point | null } | null = null;
   private frames: Frames | null = null;
-  private selected = 0;
+  private selected = 0; // of the names; -1: none, all have their spots
+  private past: Choices[] = [];
+  private frame = 0; // that is shown
   private isTracking = false;
 
   constructor() {
@@ -36,7 +39,40 @@ export class NamingPage {
       pointer.addEventListener("click", () => this.point(pointer.dataset.point as Pointed));
     document.addEventListener("keydown", (event) => {
       if (event.key === "Escape") this.pointing = null;
+      if (undoOf(event) <= 0 || isOfControl(event)) return;
+      event.preventDefault();
+      this.undo();
     });
+    onClick("naming-undo", () => this.undo());
+    onClick("camera-beside", () => {
+      this.fill("camera", this.message!.camera_beside);
+      this.setOption("camera", this.message!.camera_beside);
+    });
+    const scrub = part<HTMLInputElement>("naming-scrub");
+    scrub.addEventListener("input", () => this.seek(Number(scrub.value)));
+  }
+
+  private seek(frame: number): void {
+    part<HTMLInputElement>("naming-scrub").value = String(frame);
+    this.frames?.want(frame);
+  }
+
+  private remember(): void {
+    this.past.push({ ...this.choices, markers: [...this.choices.markers], seeds: { ...this.choices.seeds } });
+  }
+
+  private undo(): void {
+    const before = this.past.pop();
+    if (!before) return;
+    this.choices = { ...before, options: this.choices.options };
+    part<HTMLInputElement>("names").value = this.choices.markers.join(", ");
+    this.chooseNext();
+    this.showChoices(TEXTS.done.undo);
+  }
+
+  // The next name without a spot; none where all have one: then no click changes anything.
+  private chooseNext(): void {
+    this.selected = this.choices.markers.findIndex((marker) => !(marker in this.choices.seeds));
   }
 
   close(): void {
@@ -70,6 +106,7 @@ export class NamingPage {
     this.choices.options[option] = text.trim();
     if (!OF_SPOTS.includes(option)) return this.showChoices();
     this.choices.seeds = {}; // their numbers are of other spots
+    this.past = [];
     this.selected = 0;
     void this.find();
   }
@@ -93,7 +130,9 @@ export class NamingPage {
       const [x, y] = [Math.min(first.x, at.x), Math.min(first.y, at.y)].map((value) => Math.max(Math.floor(value), 0));
       text = [x, y, Math.ceil(Math.max(first.x, at.x)) - x, Math.ceil(Math.max(first.y, at.y)) - y].join();
     } else if (option === "scale") {
-      text += `,${window.prompt(TEXTS.barLength) ?? ""}`;
+      const length = window.prompt(TEXTS.barLength);
+      if (length === null) return say(""); // cancelled: as if nothing had been pointed at
+      text += `,${length}`;
     }
     this.fill(option, text);
     this.setOption(option, text);
@@ -127,17 +166,24 @@ export class NamingPage {
       drop: () => undefined,
       click: (at) => this.click(at),
     });
-    this.frames ??= new Frames(server.frame, -1, (_, picture) => this.view!.show(picture), sayWhy);
-    this.frames.want(message.frame);
+    const scrub = part<HTMLInputElement>("naming-scrub"), last = (message.frames ?? message.frame + 1) - 1;
+    scrub.max = String(last);
+    this.frames ??= new Frames(server.frame, last, (frame, picture) => {
+      this.frame = frame;
+      this.view!.show(picture);
+    }, sayWhy);
+    this.seek(message.frame);
+    part("camera-beside").textContent = TEXTS.useCamera(message.camera_beside);
     this.showChoices();
   }
 
   private rename(text: string): void {
+    this.remember();
     const names = text.split(",").map((name) => name.trim()).filter((name) => name !== "");
     const seeds: Choices["seeds"] = {};
     for (const name of names) if (name in this.choices.seeds) seeds[name] = this.choices.seeds[name];
     this.choices = { ...this.choices, markers: names, seeds };
-    this.selected = 0;
+    this.chooseNext();
     this.showChoices();
   }
 
@@ -154,16 +200,25 @@ export class NamingPage {
 
   private assign(spot: SpotMessage): void {
     const name = this.choices.markers[this.selected];
-    if (name === undefined) return;
-    for (const other of this.choices.markers) if (this.choices.seeds[other] === spot.id) delete this.choices.seeds[other];
+    if (name === undefined) return say(TEXTS.chooseDone);
+    const owner = this.choices.markers.find((other) => this.choices.seeds[other] === spot.id);
+    if (owner !== undefined && owner !== name) return say(TEXTS.taken(spot.id, owner));
+    this.remember();
     this.choices.seeds[name] = spot.id;
-    const next = this.choices.markers.findIndex((marker) => !(marker in this.choices.seeds));
-    if (next >= 0) this.selected = next;
+    this.chooseNext();
     this.showChoices();
   }
 
-  private showChoices(): void {
-    const { markers, seeds } = this.choices;
+  private addFifth(): void {
+    this.remember();
+    this.choices.markers = [...this.choices.markers, FIFTH];
+    part<HTMLInputElement>("names").value = this.choices.markers.join(", ");
+    this.chooseNext();
+    this.showChoices();
+  }
+
+  private showChoices(said = ""): void {
+    const { markers, seeds, options } = this.choices;
     const spotOf = (name: string) => this.message?.spots.find((spot) => spot.id === seeds[name]);
     const { spot: focusedSpot, name: focusedName } = (document.activeElement as HTMLElement | null)?.dataset ?? {};
     part("choices").replaceChildren(
@@ -178,6 +233,11 @@ export class NamingPage {
         return made;
       }),
     );
+    const isDone = markers.every((name) => name in seeds), spots = this.message?.spots.length ?? 0;
+    if (isDone && !markers.includes(FIFTH) && spots > markers.length)
+      part("choices").append(button(TEXTS.addMarker(FIFTH), () => this.addFifth()));
+    part<HTMLButtonElement>("naming-undo").disabled = this.past.length === 0;
+    part("camera-beside").hidden = !this.message?.camera_beside || Boolean(options.camera);
     part("spots").replaceChildren(
       ...(this.message?.spots ?? []).map((spot) => {
         const made = button(TEXTS.spot(spot.id, spot.x, spot.y, spot.frame, spot.moves), () => this.assign(spot));
@@ -189,13 +249,12 @@ export class NamingPage {
     [...document.querySelectorAll<HTMLElement>("#choices button, #spots button")]
       .find(({ dataset }) => dataset.spot === focusedSpot && dataset.name === focusedName)
       ?.focus();
-    const isDone = markers.every((name) => name in seeds);
     part("ask").textContent = isDone ? TEXTS.chooseDone : TEXTS.choose(markers[this.selected]);
     part<HTMLButtonElement>("start-tracking").disabled = this.isTracking;
     this.view?.redraw();
     server.command(this.choices).then(({ command }) => {
       part("naming-command").textContent = command;
-      say("");
+      say(said);
     }, sayWhy);
   }
 
@@ -214,9 +273,11 @@ export class NamingPage {
     for (const spot of this.message?.spots ?? []) {
       const { x, y } = this.view!.toScreen(spot), name = names.get(spot.id);
       const radius = Math.max(spot.radius * this.view!.scale() + 4, 8);
-      context.lineWidth = name ? 3 : 1.5;
       context.strokeStyle = context.fillStyle = name ? "#56B4E9" : spot.moves ? "#F0E442" : "#BBBBBB";
-      context.setLineDash(spot.frame === this.message!.frame ? [] : [3, 4]); // seen there in another frame
+      context.lineWidth = 1;
+      if (spot.moves) this.view!.strokeLine(context, spot.path.map(([px, py]) => ({ x: px, y: py })));
+      context.lineWidth = name ? 3 : 1.5;
+      context.setLineDash(spot.frame === this.frame ? [] : [3, 4]); // seen there in another frame
       context.beginPath();
       context.arc(x, y, radius, 0, 2 * Math.PI);
       context.stroke();

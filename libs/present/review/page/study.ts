@@ -60,13 +60,17 @@ export class StudyPage {
     const { steps } = this.study, due = steps.filter((step) => step.due !== null);
     part("state").textContent = TEXTS.studyState(due.length, steps.length);
     part("steps").replaceChildren(...steps.map((step) => this.stepLine(step)));
-    part<HTMLButtonElement>("run-all").disabled = this.running !== null;
+    part<HTMLButtonElement>("run-all").disabled = this.running !== null || due.length === 0;
   }
 
   private stepLine(step: StepMessage): HTMLElement {
     const line = document.createElement("li"), name = document.createElement("b"), detail = document.createElement("small");
+    const link = document.createElement("a");
     const waits = step.after.filter((other) => this.study.steps.some(({ name, due }) => name === other && due !== null));
-    name.textContent = step.name;
+    link.textContent = step.name;
+    link.href = step.name === "report" ? "results/report.html" : `results/${step.name}/`;
+    link.target = "_blank";
+    name.append(step.due === "not made yet" ? step.name : link);
     detail.textContent = `${step.what}; ${step.due === null ? TEXTS.upToDate : TEXTS.due(step.due)}`;
     line.classList.toggle("due", step.due !== null);
     line.classList.toggle("running", this.running === step.name);

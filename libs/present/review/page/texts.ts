@@ -26,7 +26,10 @@ export const TEXTS = {
   noFit: (why: string) => `No leg can be fitted: ${why}`,
 
   // Frames
-  frame: (frame: number, last: number, time_s: number) => `Frame ${frame} of ${last}, ${time_s.toFixed(3)} s`,
+  frame: (frame: number, last: number, time_s: number, knee: number | null, sigma: number | null) =>
+    `Frame ${frame} of ${last}, ${time_s.toFixed(3)} s` +
+    (knee === null ? "" : `, knee ${knee.toFixed(1)}°${sigma === null ? "" : ` ± ${(2 * sigma).toFixed(2)}°`}`),
+  done: { undo: "Undone", redo: "Done again" },
   play: "Play",
   pause: "Pause",
   event: (event: string, repetition: number) => `${EVENTS[event] ?? event} ${repetition}`,
@@ -40,7 +43,8 @@ export const TEXTS = {
 
   // Markers
   status: { d: "detected", f: "filled", m: "missing" } as { [status: string]: string },
-  corrected: "corrected",
+  // A place that a person pointed at is no measurement.
+  corrected: (isSeen: boolean, sigma: number) => (!isSeen ? "hidden by you" : sigma >= 0.5 ? "placed by eye" : "corrected, measured"),
   position: (x: number, y: number, sigma: number) => `(${x.toFixed(2)}, ${y.toFixed(2)}) ± ${sigma.toFixed(2)} px`,
   placing: (marker: string) => `Click where ${marker} is; Esc ends it`,
   placedFree: (marker: string) => `${marker} placed where you pointed, ± 0.5 px: no marker was measured there`,
@@ -86,7 +90,10 @@ export const TEXTS = {
     color: ["Click a marker of the colour"],
   },
   barLength: "Length of the scale bar (mm)",
-  chooseDone: "All markers have their spots",
+  chooseDone: "All markers have their spots; choose a name to change one",
+  taken: (spot: number, name: string) => `#${spot} is ${name}: choose ${name} to change it`,
+  addMarker: (name: string) => `Add ${name}`,
+  useCamera: (file: string) => `Use ${file}`,
   tracking: "Tracking",
   trackingFailed: (why: string) => `Tracking ended without a result: ${why}`,
   copied: "Copied",
@@ -98,7 +105,11 @@ export const TEXTS = {
   noRise: "There is no rise in this trial",
   ofRise: (percent: number, distance: number | null, human: number | null, exo: number | null) =>
     `${percent} % of the rise: ${fixed(distance, 1)} mm apart, knee ${fixed(human, 1)}° and ${fixed(exo, 1)}°`,
-  misalignment: "Misalignment of the knees (mm) over the rise, 0 to 100 %",
+  misalignment: "Path difference of the knees (mm) over the rise, 0 to 100 %",
+  ofRises: (rms: number, human: number, exo: number) =>
+    `${rms.toFixed(1)} mm RMS between ${human ? `rise ${human}` : "the mean"} without and ${exo ? `rise ${exo}` : "the mean"} with exoskeleton`,
+  meanRise: "mean of all rises",
+  riseLeftOut: "This rise does not count in the comparison: the warnings of lake compare say why",
   knees: "Knee angles (°)",
   human: "without",
   exo: "with",
@@ -125,17 +136,21 @@ export const TEXTS = {
   knee_pin: "K",
   range: (degrees: number | null) => (degrees === null ? "Cannot be assembled" : `Range ${degrees.toFixed(2)}°`),
   failing: (failed: number, all: number) =>
-    failed === 0 ? `meets all ${all} requirements` : failed === 1 ? "fails 1 requirement" : `fails ${failed} requirements`,
+    failed === 0 ? `meets all ${all} requirements asked` : failed === 1 ? "fails 1 requirement" : `fails ${failed} requirements`,
+  notAsked: (names: string[]) => (names.length === 0 ? "" : `; not asked, and not met: ${names.join(", ")}`),
+  gap: (why: string) => `These links cannot be assembled: ${why}.`,
   asDrawn: (tolerance: number) => ` as drawn; builds within ± ${tolerance} mm follow`,
   ofBuilds: (tolerance: number) => `, also with every length off by up to ${tolerance} mm`,
-  check: ({ name, is_lower_limit, limit, unit, value }: CheckMessage) => {
+  check: ({ name, is_lower_limit, limit, unit, value, asked }: CheckMessage) => {
     const shown = value === null ? "cannot be evaluated" : withUnit(value, unit);
+    if (!asked) return `${capitalised(name)}: ${shown}`;
     // The order of two links says its limit by its name.
     if (name.includes("<=")) return `${name.replace("<=", "≤")}${value === null ? `: ${shown}` : ""}`;
     return `${capitalised(name)} ${is_lower_limit ? "≥" : "≤"} ${withUnit(limit, unit)}: ${shown}`;
   },
-  slack: ({ slack, holds, unit }: CheckMessage) =>
+  slack: ({ slack, holds, unit, asked, limit }: CheckMessage) =>
     slack === null ? ""
+    : !asked ? `not asked${holds ? "" : `; it takes ${withUnit(limit, unit)}`}`
     : !holds ? `fails by ${withUnit(-slack, unit)}`
     : slack < 0.005 ? "at its limit" : `${withUnit(slack, unit)} to spare`,
   worst: ({ worst }: CheckMessage) =>

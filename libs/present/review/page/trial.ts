@@ -1,6 +1,6 @@
 // A tracked trial: look at it, go from problem to problem, put right what is wrong.
 import { Chart, Mark, Tick, Timeline, colourOf } from "./charts";
-import { button, isTyping, onClick, part, say, sayWhy } from "./dom";
+import { button, isOfControl, onClick, part, say, sayWhy, undoOf } from "./dom";
 import { Frames } from "./frames";
 import { Column, EditMessage, EventMessage, MarkerMessage, ProblemMessage, StateMessage, TrialMessage } from "./messages";
 import { server } from "./server";
@@ -42,7 +42,7 @@ export class TrialPage {
       click: (at, free) => this.click(at, free),
     });
     const rows = trial.frame.length, seek = (row: number) => this.seek(row);
-    this.timeline = new Timeline(part("timeline"), rows, seek, (event) => this.chooseEvent(event),
+    this.timeline = new Timeline(part("timeline"), trial.time_s, seek, (event) => this.chooseEvent(event),
       (event, row) => void this.moveEvent(event, row));
     this.charts = {
       knee: new Chart(part("knee-chart"), rows, seek),
@@ -84,6 +84,7 @@ export class TrialPage {
     this.showEvents();
     this.showCharts();
     this.showMarkers();
+    this.showFrameText();
     this.view.redraw();
   }
 
@@ -93,7 +94,7 @@ export class TrialPage {
     part("state").dataset.fitted = String(state.fitted);
     const why = !isFitting && state.fit_error ? [TEXTS.noFit(state.fit_error)] : [];
     part("warnings").replaceChildren(
-      ...[...why, ...this.trial.warnings].map((text) => {
+      ...[...new Set([...why, ...this.trial.about.warnings, ...this.trial.warnings])].map((text) => {
         const line = document.createElement("li");
         line.textContent = text;
         return line;
@@ -116,13 +117,18 @@ export class TrialPage {
     this.row = this.rowOf.get(frame) ?? this.row;
     this.dragged = null;
     this.view.show(picture);
-    const last = this.trial.frame[this.trial.frame.length - 1];
-    part("frame").textContent = TEXTS.frame(frame, last, this.trial.time_s[this.row]);
     part("frame").dataset.frame = String(frame);
-    part<HTMLInputElement>("scrub").setAttribute("aria-valuetext", part("frame").textContent!);
+    this.showFrameText();
     this.timeline.showRow(this.row);
     for (const chart of Object.values(this.charts)) chart.showRow(this.row);
     this.showMarkers();
+  }
+
+  private showFrameText(): void {
+    const { frame, time_s, leg } = this.trial, row = this.row;
+    const text = TEXTS.frame(frame[row], frame[frame.length - 1], time_s[row], leg?.knee[row] ?? null, leg?.knee_sigma[row] ?? null);
+    part("frame").textContent = text;
+    part<HTMLInputElement>("scrub").setAttribute("aria-valuetext", text);
   }
 
   private play(): void {
@@ -294,9 +300,9 @@ export class TrialPage {
     shown.setAttribute("aria-pressed", String(index === this.selected));
     shown.dataset.status = status;
     shown.dataset.corrected = String(isCorrected);
+    const sigma = marker.sigma[this.row] ?? 0;
     shown.querySelector("span")!.textContent =
-      `${status}${isCorrected ? ", " + TEXTS.corrected : ""}` +
-      (at ? ` ${TEXTS.position(at.x, at.y, marker.sigma[this.row] ?? 0)}` : "");
+      (isCorrected ? TEXTS.corrected(at !== null, sigma) : status) + (at ? ` ${TEXTS.position(at.x, at.y, sigma)}` : "");
   }
 
   private select(index: number): void {
@@ -365,6 +371,10 @@ export class TrialPage {
       sayWhy(why);
       return false;
     }
+  }
+
+  private async undo(op: "undo" | "redo"): Promise<void> {
+    if (await this.edit({ op })) say(TEXTS.done[op]);
   }
 
   private async place(at: Point, free: boolean): Promise<void> {
@@ -502,8 +512,8 @@ export class TrialPage {
     onClick("swap", () => void this.swap());
     onClick("event-here", () => void this.moveEvent(this.event, this.row));
     onClick("event-restore", () => void this.restoreEvent());
-    onClick("undo", () => void this.edit({ op: "undo" }));
-    onClick("redo", () => void this.edit({ op: "redo" }));
+    onClick("undo", () => void this.undo("undo"));
+    onClick("redo", () => void this.undo("redo"));
     document.addEventListener("keydown", (event) => this.key(event));
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.take(this.trial));
   }
@@ -515,7 +525,6 @@ export class TrialPage {
   }
 
   private key(event: KeyboardEvent): void {
-    if (isTyping(event)) return;
     const action = this.actionOf(event);
     if (!action) return;
     event.preventDefault();
@@ -523,20 +532,16 @@ export class TrialPage {
   }
 
   private actionOf(event: KeyboardEvent): (() => void) | null {
-    if (event.ctrlKey || event.metaKey) {
-      const key = event.key.toLowerCase();
-      if (key === "z" && !event.shiftKey) return () => void this.edit({ op: "undo" });
-      if (key === "y" || (key === "z" && event.shiftKey)) return () => void this.edit({ op: "redo" });
-      return null;
-    }
+    const undo = undoOf(event);
+    if (undo !== 0) return () => void this.undo(undo > 0 ? "undo" : "redo");
+    if (event.ctrlKey || event.metaKey || isOfControl(event)) return null;
     const arrows: { [key: string]: [number, number] } = {
       ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1],
     };
     const arrow = arrows[event.key];
     if (arrow && event.altKey) return () => this.nudge(...arrow);
     if (arrow && arrow[0] !== 0) return () => this.seek(this.wantedRow + arrow[0] * (event.shiftKey ? 10 : 1));
-    // A button that has the focus is pressed by the space bar.
-    if (event.key === " ") return event.target instanceof HTMLButtonElement ? null : () => this.play();
+    if (event.key === " ") return () => this.play();
     const number = Number(event.key);
     if (number >= 1 && number <= this.trial.markers.length) return () => this.select(number - 1);
     const keys: { [key: string]: () => void } = {
@@ -555,7 +560,6 @@ export class TrialPage {
       Escape: () => this.endPlacing(),
       Enter: () => void this.place(this.placeOf(this.marker()) ?? this.view.middle(), false),
     };
-    if (event.key === "Enter" && event.target instanceof HTMLButtonElement) return null;
     return keys[event.key] ?? null;
   }
 }

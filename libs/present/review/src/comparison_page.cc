@@ -38,7 +38,8 @@ Json TrialJson(const ComparedVideo& trial, const video::VideoInfo& info) {
           {"frame", motion.frame},
           {"repetition", repetition},
           {"percent", Column(motion.samples.size(), [&](std::size_t row) { return motion.samples[row].percent; })},
-          {"markers", markers}};
+          {"markers", markers},
+          {"rises", trial.rises}};
 }
 
 FrameStoreOptions HalfTheMemory() {

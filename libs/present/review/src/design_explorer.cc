@@ -20,7 +20,8 @@ using Eigen::Vector2d;
 using linkage::Links;
 using linkage::Pose;
 
-constexpr std::size_t kRows = 181;  // of the curves, evenly over the strokes
+constexpr double kSeatedAngle_deg = 90;  // thigh level, shank upright
+constexpr std::size_t kRows = 181;       // of the curves, evenly over the strokes
 
 // The thigh's axes in the picture: it is turned back by the knee angle.
 struct ThighAxes {
@@ -128,7 +129,45 @@ Json CheckJson(const problem::RequirementCheck& check, const problem::SynthesisP
           {"value", Rounded(check.value)},
           {"slack", Rounded(check.slack)},
           {"holds", check.Holds()},
+          {"asked", true},
           {"worst", WorstJson(check, problem, range_deg)}};
+}
+
+// What a person needs of a design and the problem does not ask. `limit`: what it would be held to.
+Json NotAskedJson(const char* name, const char* unit, double value, double limit, Json worst = nullptr) {
+  return {{"name", name},
+          {"unit", unit},
+          {"is_lower_limit", true},
+          {"limit", limit},
+          {"value", Rounded(value)},
+          {"slack", Rounded(value - limit)},
+          {"holds", value >= limit},
+          {"asked", false},
+          {"worst", std::move(worst)}};
+}
+
+// On the problem's body, with its parts: whether one can sit down in it, and what is where leg and seat are.
+Json WearJson(const Links& links, const problem::SynthesisProblem& problem) {
+  Json checks = Json::array();
+  const auto range = RangeOf(links, problem.d_min_mm);
+  if (!range) return checks;
+  const double range_deg = DegreesFromRadians(range->theta_at_lower_rad);
+  checks.push_back(NotAskedJson("seated angle", "deg", std::min(range_deg, kSeatedAngle_deg), kSeatedAngle_deg));
+  linkage::WearOptions wear = problem.Wear();
+  wear.placement_mm = problem.clearances.placement_mm;
+  const linkage::WearCheck check = linkage::CheckWear(links, *range, linkage::BodyOf(problem.clearances.body), wear);
+  const auto at = [](double knee_deg) { return Json{{"knee_deg", Rounded(knee_deg)}}; };
+  const problem::Clearances& asked = problem.clearances;
+  if (!asked.seat_mm)
+    checks.push_back(NotAskedJson("clearance to the seat", "mm", check.seat_clearance_mm, 0, at(check.seated_deg)));
+  if (!asked.thigh_mm)
+    checks.push_back(NotAskedJson("actuator's clearance to the thigh", "mm", check.thigh_clearance_mm, 0,
+                                  at(check.thigh_clearance_deg)));
+  if (!asked.shank_mm)
+    checks.push_back(NotAskedJson("actuator's clearance to the shank", "mm", check.shank_clearance_mm, 0,
+                                  at(check.shank_clearance_deg)));
+  checks.push_back(NotAskedJson("mount to hip", "mm", check.mount_below_hip_mm, 0));
+  return checks;
 }
 
 Json BoundJson(std::size_t link, double value, double limit, bool is_lower_limit) {
@@ -139,6 +178,7 @@ Json BoundJson(std::size_t link, double value, double limit, bool is_lower_limit
           {"value", Rounded(value)},
           {"slack", Rounded(is_lower_limit ? value - limit : limit - value)},
           {"holds", false},
+          {"asked", true},
           {"worst", Json()}};
 }
 
@@ -220,6 +260,7 @@ Json DesignExplorer::ChecksJson(const Links& links, bool of_builds) const {
     if (values[i] < bound.lower - problem::kHoldsTo) checks.push_back(BoundJson(i, values[i], bound.lower, true));
     if (values[i] > bound.upper + problem::kHoldsTo) checks.push_back(BoundJson(i, values[i], bound.upper, false));
   }
+  for (const Json& check : WearJson(links, explored_.problem)) checks.push_back(check);
   return {{"range_deg", Rounded(evaluation.range_deg)},
           {"stands", evaluation.stands_mm ? Rounded(*evaluation.stands_mm) : Json()},
           {"gap", evaluation.gap},

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "lake/commands/compare.h"
+#include "lake/compare/registration.h"
 #include "lake/core/csv.h"
 #include "lake/core/error.h"
 #include "lake/core/json.h"
@@ -14,6 +16,22 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Each rise at 0 to 100 %, as it was compared: the compared joint in the leg frame, mm, and the knee angle.
+Json RisesOf(const fs::path& folder, const std::string& marker) {
+  Run reading({"lake-review", "", Json::object(), folder, true});
+  compare::RegistrationOptions registration;
+  registration.knee = marker;
+  const compare::RegisteredTrial trial =
+      compare::RegisterTrial(commands::ReadTrialTables(folder, {}, marker, reading), registration);
+  Json rises = Json::array();
+  for (const compare::StsCurve& curve : trial.repetitions) {
+    Json rise = {{"repetition", curve.repetition}, {"knee_deg", curve.knee_deg}};
+    for (const Eigen::Vector2d& knee : curve.knee) rise["x"].push_back(knee.x()), rise["y"].push_back(knee.y());
+    rises.push_back(std::move(rise));
+  }
+  return rises;
+}
+
 review::ComparedVideo ReadVideo(const fs::path& folder, const std::string& marker) {
   TrackedFolder tracked = ReadTrackedFolder(folder);
   review::ComparedVideo trial;
@@ -23,6 +41,7 @@ review::ComparedVideo ReadVideo(const fs::path& folder, const std::string& marke
   trial.reader = tracked.options.track.reader;
   trial.tracks = motion::ReadMarkerCsv(folder / "tracks.csv");
   trial.motion = motion::ReadKinematicsCsv(folder / "kinematics.csv");
+  trial.rises = RisesOf(folder, marker);
   return trial;
 }
 

@@ -1,6 +1,7 @@
 #include "naming_review.h"
 
 #include <array>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -67,10 +68,26 @@ std::vector<std::string> ArgumentsOf(const fs::path& video, const Json& choices)
   return words;
 }
 
+// At most so many places of a path, evenly chosen.
+Json PathJson(const std::vector<Eigen::Vector2d>& path) {
+  constexpr std::size_t kMost = 100;
+  Json places = Json::array();
+  for (std::size_t i = 0; i < path.size(); i += 1 + path.size() / kMost)
+    places.push_back({std::round(10 * path[i].x()) / 10, std::round(10 * path[i].y()) / 10});
+  return places;
+}
+
+// A camera file that lies beside the video, for the person to take; empty if none does.
+std::string CameraBeside(const fs::path& video) {
+  const fs::path camera = video.parent_path() / "camera.yaml";
+  return fs::is_regular_file(camera) ? camera.string() : "";
+}
+
 Json SpotsJson(const fs::path& video, const tracking::CandidateList& list, const video::VideoInfo& info) {
   Json spots = Json::array();
   for (const tracking::Candidate& c : list.candidates)
     spots.push_back({{"id", c.id},
+                     {"path", PathJson(c.path)},
                      {"frame", c.frame},
                      {"x", c.position.x()},
                      {"y", c.position.y()},
@@ -80,6 +97,8 @@ Json SpotsJson(const fs::path& video, const tracking::CandidateList& list, const
           {"frame", list.frame},
           {"width", info.width},
           {"height", info.height},
+          {"frames", info.frames ? Json(*info.frames) : Json()},
+          {"camera_beside", CameraBeside(video)},
           {"spots", spots},
           {"choices", {{"markers", tracking::kLegMarkers}, {"seeds", Json::object()}, {"options", Json::object()}}}};
 }

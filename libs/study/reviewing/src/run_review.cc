@@ -116,6 +116,7 @@ review::ReviewedTrial ReviewedTrialOf(TrackedFolder tracked_folder) {
            {"folder", folder->folder.string()},
            {"command", folder->command},
            {"command_with_events", folder->command_with_events},
+           {"warnings", folder->warnings},
            {"width", video.width},
            {"height", video.height}}};
 }

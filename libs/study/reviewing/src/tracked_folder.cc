@@ -162,6 +162,7 @@ TrackedFolder ReadTrackedFolder(const fs::path& folder) {
       return is_study ? SectionOf(folder, events) : CommandOf(list, result.options, folder, events);
     };
     result.command = command(false);
+    result.warnings = summary.at("warnings").get<std::vector<std::string>>();
     result.command_with_events = command(true);
   } catch (const nlohmann::json::exception& error) {
     throw Fail("{}: is not a summary as lake track writes it ({})", (folder / "summary.json").string(), error.what());

@@ -18,6 +18,8 @@
 namespace lake::steps {
 namespace {
 
+constexpr const char* kNotMade = "not made yet";
+
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
@@ -60,7 +62,7 @@ std::string ChangedOutput(const std::vector<FileState>& outputs) {
 // Empty if the step need not be done.
 std::string WhyDoIt(const StudyStep& step, const std::optional<StepStamp>& stamp, const std::vector<FileState>& inputs,
                     const std::string& made_by) {
-  if (!stamp) return "not made yet";
+  if (!stamp) return kNotMade;
   if (stamp->made_by != made_by) return "made by another build of lake";
   if (stamp->options != step.options) return "its options changed";
   if (const std::string changed = ChangedInput(stamp->inputs, inputs); !changed.empty()) return changed;
@@ -129,7 +131,8 @@ class StepProgress {
 
   void Begin(std::size_t step, const std::string& why) const {
     const double pace = done_s_ > 0 ? std::clamp(SecondsSince(begin_) / done_s_, 0.1, 10.0) : 1;
-    Say(step, fmt::format("{} ({}), {:.0f} s left", steps_[step].what, why, std::max(1.0, pace * left_s_)));
+    const std::string reason = why == kNotMade ? "" : fmt::format(" ({})", why);  // nobody asks why what is new is made
+    Say(step, fmt::format("{}{}, {:.0f} s left", steps_[step].what, reason, std::max(1.0, pace * left_s_)));
   }
 
   void Done(std::size_t step, double seconds, bool told) {
@@ -379,7 +382,7 @@ std::vector<std::string> WhyDoSteps(const std::vector<StudyStep>& steps, const s
         std::find_if(before.begin(), before.end(), [&](const std::string& name) { return !done.contains(name); });
     std::optional<StepStamp> stamp = ReadStamp(step.folder, step.name);
     if (due != before.end())
-      reasons.push_back(stamp ? fmt::format("step {} is to be done before", *due) : "not made yet");
+      reasons.push_back(stamp ? fmt::format("step {} is to be done before", *due) : kNotMade);
     else
       reasons.push_back(WhyDoIt(step, stamp, InputsNow(step, stamp, done), made_by));
     if (reasons.back().empty()) done[step.name] = std::move(*stamp);

@@ -19,7 +19,7 @@ struct CheckRunOptions {
 
 void Describe(CheckRunOptions& o, OptionList& options);
 
-enum class Verdict { kGood, kPoor, kUnfit };
+enum class Verdict { kGood, kPoor, kUnfit, kNotJudged };
 
 // One thing that was looked at, with what to change where it is not good.
 struct CheckItem {
@@ -35,7 +35,8 @@ std::vector<CheckItem> JudgeRecording(const tracking::RecordingCheck& check, int
 // The figures of markers, as both lake-check's and lake-track's summary have them.
 Json FiguresJson(const tracking::MarkerFigures& figures);
 
-// Writes check.png and returns the results for the summary; `fit` there is false if anything makes the recording unfit.
+// Writes check.png and returns the results for the summary; `fit` there is false if anything makes the recording unfit,
+// or if its markers cannot be named and so are not judged.
 Json RunCheck(const CheckRunOptions& options, Run& run);
 
 // What a person wants to read of the summary.

@@ -5,15 +5,15 @@ namespace lake {
 
 // Colours that the colour-blind can tell apart (Okabe & Ito 2008), the same for the same thing in all figures.
 namespace colour {
-inline constexpr const char* kHuman = "#E69F00";        // yellow-orange, as in the paper
+inline constexpr const char* kHuman = "#C17F00";  // yellow-orange, as in the paper, but dark enough for lines on white
 inline constexpr const char* kExoskeleton = "#CC79A7";  // purple: far from the human's and from blue
 inline constexpr const char* kWorn = kExoskeleton;      // the exoskeleton of the trial
 inline constexpr const char* kNew = "#0072B2";          // the design that is proposed
 inline constexpr const char* kAnkle = "#0072B2";
-inline constexpr const char* kKnee = "#E69F00";
+inline constexpr const char* kKnee = "#C17F00";
 inline constexpr const char* kHip = "#009E73";
 inline constexpr const char* kWaist = "#D55E00";
-inline constexpr const char* kOther = "#56B4E9";
+inline constexpr const char* kOther = "#2E8BC0";
 inline constexpr const char* kFronts[] = {"#555555", kHip, kWaist};  // Pareto fronts of the stroke programs
 inline constexpr const char* kGap = "#DDDDDD";
 inline constexpr const char* kText = "#222222";

@@ -49,6 +49,11 @@ struct DesignInMotion {
 DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
                            const linkage::Design& design);
 
+// Where the joint of a design has the least misalignment, its links and program kept: within the reach of the knee.
+// Absent if it cannot make the motion. In each sample a move adds the same vector, turned, to the difference of both
+// knees, so that their mean square is that at the optimum and the square of the way there, weighted alike.
+std::optional<Eigen::Vector2d> BestPlacement(const RedesignProblem& problem, const DesignInMotion& design);
+
 // A change of the problem that was tried where the limit on misalignment cannot be held.
 struct WayOut {
   std::string text;                            // "a free program of at least 24 s at 5 mm/s"
@@ -89,6 +94,10 @@ struct RedesignOutcome {
   DesignInMotion before;  // the worn design, or the problem's start under a constant program
   DesignInMotion after;   // the optimum, of equals that with the joint nearest to the knee, or the design of the
                           // smallest misalignment found
+  // Cheaper repairs of the worn design; absent without one.
+  std::optional<DesignInMotion> joint_moved;    // same links and program: the joint on the knee, as its trial shows it
+  std::optional<DesignInMotion> other_program;  // same links and joint: the program with the least misalignment, its
+                                                // kind, speed and time as for the new design
   synthesis::ActiveSet active;
   std::optional<double> widest_deg;                     // the largest range found without the human
   std::optional<certificate::Certificate> certificate;  // of that range

@@ -61,7 +61,7 @@ struct Misalignment {
 Misalignment CompareTrials(const RegisteredTrial& human, const RegisteredTrial& exo,
                            const MisalignmentOptions& options = {});
 
-// "18.0 mm in front of the knee and 31.8 mm above it along the shank": how every text says where a joint sits; shank
+// "18 mm in front of the knee and 32 mm above it along the shank": how every text says where a joint sits; shank
 // frame, x anterior, y up.
 std::string DescribeJoint(const Eigen::Vector2d& offset_mm);
 

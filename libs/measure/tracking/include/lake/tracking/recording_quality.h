@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "lake/tracking/marker_detector.h"
@@ -14,7 +15,7 @@
 
 namespace lake::tracking {
 
-// Of the markers that were followed; medians over all their samples unless said otherwise. Lengths in px, levels in
+// Of the markers that were named; medians over all their samples unless said otherwise. Lengths in px, levels in
 // grey levels.
 struct MarkerFigures {
   std::size_t samples = 0;
@@ -41,6 +42,7 @@ struct RecordingCheckOptions {
   double budget_mpx = 2000;
   int runs = 8;             // places over the whole file, …
   int frames_per_run = 30;  // … each of so many neighbouring frames
+  int frames_named = 600;   // at least, from the beginning, as far as the recording goes: in which markers are named
 };
 
 // A bright spot in the frame that is shown.
@@ -48,7 +50,7 @@ struct CheckedSpot {
   Eigen::Vector2d position;  // px
   double radius_px = 0;
   double contrast = 0;
-  bool is_marker = false;  // among the strongest, of as many as there should be
+  std::string name;  // of the marker that it is; empty: another
 };
 
 struct RecordingCheck {
@@ -57,22 +59,26 @@ struct RecordingCheck {
   int frames_seen = 0, places_seen = 0;
   double bits_per_pixel = 0;  // of the file, per pixel and frame
 
-  double all_seen_share = 0;     // of the frames: at least as many spots as there are markers
+  // Why the markers cannot be named as TrackMarkers does it, of itself; empty if they were, and only then what depends
+  // on them is known: `markers`, `compression_px` to `knee_sd_deg`.
+  std::string why_not_named = "not looked for";
+  double all_seen_share = 0;     // of the frames: every named marker; without names, as many spots as there are markers
   double spots = 0;              // marker-like things in a frame, median
   double clutter = 0;            // of these, more than there are markers
   double strongest_clutter = 0;  // its contrast over the faintest marker's
   MarkerFigures markers;
   double compression_px = 0;  // that coding adds to a position's error
   double position_sd_px = 0;  // of one frame, per axis, with it
-  double segment_px = 0;      // about the length of shank and thigh
-  double travel_px = 0;       // how far a marker of one place is from all of another at the most: that something moves
+  double segment_px = 0;      // mean of shank and thigh
+  double travel_px = 0;       // how far the paths reach, the farthest marker's
   double knee_sd_deg = 0;     // expected of one frame's knee angle
-  bool leg_seen = false;      // three of the strongest spots keep their two distances while the angle between changes
 
   double flicker = 0;               // brightness from frame to frame, relative standard deviation
   int repeated_frames = 0;          // of those seen
   std::int64_t dropped_frames = 0;  // of the whole file, by its stamps
   std::optional<double> tilt_deg;   // clockwise; of what should stand upright in the room, where enough of it is seen
+
+  bool IsNamed() const { return why_not_named.empty(); }
 
   std::int64_t shown_frame_ms = 0;  // when the frame that is shown was
   cv::Mat frame;                    // CV_8UC1
@@ -80,9 +86,8 @@ struct RecordingCheck {
   double seconds = 0;
 };
 
-// Looks into the recording at places over its whole length, as far as `budget_mpx` goes. Markers are not named: of the
-// bright spots in a place the strongest, as many as there should be, are taken for them. Throws Error as VideoReader
-// does.
+// Looks into the recording at places over its whole length, as far as `budget_mpx` goes, and names the leg's markers as
+// TrackMarkers does in as much of its beginning. Throws Error as VideoReader does.
 RecordingCheck CheckRecording(const std::filesystem::path& video, const RecordingCheckOptions& options = {});
 
 }  // namespace lake::tracking

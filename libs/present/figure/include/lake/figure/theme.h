@@ -23,9 +23,12 @@ struct Look {
 };
 inline constexpr Look kHumanLook{colour::kHuman, "1", 7, 4};
 inline constexpr Look kWornLook{colour::kWorn, "(3,4)", 9, 3.5};
+// The worn links, repaired: their colour, another mark.
+inline constexpr Look kMovedLook{colour::kWorn, "(3,4)", 11, 3.5};
+inline constexpr Look kOtherProgramLook{colour::kWorn, "(3,4)", 13, 3.5};
 inline constexpr Look kNewLook{colour::kNew, "(12,5)", 5, 3.5};
 
-// "lw 4 dt 1 lc rgb '#E69F00'", for `with lines`.
+// "lw 4 dt 1 lc rgb '#C17F00'", for `with lines`.
 inline std::string LineOf(const Look& look) {
   return fmt::format("lw {} dt {} lc rgb '{}'", look.width, look.dash, look.colour);
 }

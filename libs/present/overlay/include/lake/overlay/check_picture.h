@@ -12,16 +12,16 @@ struct CheckPicture {
   struct Spot {
     Eigen::Vector2d position;  // px
     double radius_px = 0;
-    bool is_marker = false;  // else another bright spot
+    std::string name{};  // of the marker; empty: another bright spot
   };
   struct Line {
     std::string text, advice;  // no advice: nothing to change
-    int grade = 0;             // 0 good, 1 poor, 2 unfit
+    int grade = 0;             // 0 good, 1 poor, 2 unfit, 3 not judged
   };
   cv::Mat frame;  // CV_8UC1
   std::vector<Spot> spots;
   std::vector<Line> lines;
-  std::string title;
+  std::string title, legend;  // above the lines; below the frame
 };
 
 // CV_8UC3, 1600 px wide: the frame on the left, the lines on the right.

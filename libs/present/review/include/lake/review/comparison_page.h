@@ -19,6 +19,7 @@ struct ComparedVideo {
   video::VideoReaderOptions reader;
   motion::MarkerRecording tracks;  // px
   motion::LegMotion motion;        // of which repetition and percent count
+  Json rises;                      // RiseMessage of each rise that counts in the comparison, in page/messages.ts
 };
 
 struct ComparedPair {

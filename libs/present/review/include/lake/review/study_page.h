@@ -14,6 +14,7 @@ namespace lake::review {
 struct StudyWork {
   std::string name, command;     // for the page; `command` does all that is due
   std::filesystem::path report;  // need not be there
+  std::filesystem::path folder;  // of the results; what lies in it is shown
   // As lake-run --plan says it. Throws Error.
   std::function<Json()> plan;
   // Does one step, or all that is due if the name is empty. Throws Error.

@@ -26,6 +26,7 @@ struct TrackedFolder {
   std::map<std::string, std::string> kept;      // what lake-review's files in the folder last held
   std::string command;                          // tracks again with corrections.csv …
   std::string command_with_events;              // … and with events_corrected.csv
+  std::vector<std::string> warnings;            // of the run that tracked it
 };
 
 // Throws Error: not such a folder, a file of it or its video is not to be found or has changed, or it was tracked with

@@ -1,0 +1,33 @@
+// A number as far as it is known: rounded to its uncertainty, everywhere alike.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace lake {
+
+// The decimals of a number that is known to ± `half_width` (of a 95 % interval): those of the uncertainty's first
+// digit, or of its second where the first is 1. Negative: tens, hundreds. Finite and above 0.
+inline int KnownDecimals(double half_width) {
+  const double first = std::floor(std::log10(half_width));
+  constexpr double kRoundsTo2 = 1.95;
+  const bool is_one = half_width / std::pow(10, first) < kRoundsTo2;
+  return static_cast<int>(is_one ? 1 - first : -first);
+}
+
+// "−20", "2.6"; a true minus sign, and "–" for NaN.
+inline std::string RoundedText(double value, int decimals) {
+  if (!std::isfinite(value)) return "–";
+  const double unit = std::pow(10, -decimals), rounded = std::round(value / unit) * unit;
+  return fmt::format("{}{:.{}f}", rounded < 0 ? "−" : "", std::abs(rounded), std::max(0, decimals));
+}
+
+// Where the uncertainty is not known (NaN or 0), with so many decimals.
+inline std::string KnownText(double value, double half_width, int otherwise) {
+  return RoundedText(value, half_width > 0 && std::isfinite(half_width) ? KnownDecimals(half_width) : otherwise);
+}
+
+}  // namespace lake

@@ -1,0 +1,298 @@
+#include "first_screen.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "lake/core/colours.h"
+#include "lake/core/uncertain_text.h"
+#include "lake/linkage/design_file.h"
+#include "lake/report/misalignment_sections.h"
+
+namespace lake::study {
+
+using namespace report;
+
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector2d;
+
+// A joint that is put where it was found to be misplaced sits within `half_width` (95 %, each axis) of where it should
+// be, so that the mean square of what is left grows by the square of that distance: 7.378 SD² at 97.5 %, the quantile
+// of chi squared with two degrees of freedom.
+Uncertain PutInPlace(double percent, const Vector2d& half_width_mm, double shank_mm) {
+  constexpr double kNormal = 1.959964, kChiSquared = 7.377759;
+  const double sd_mm = half_width_mm.norm() / std::sqrt(2.0) / kNormal;
+  return {percent, percent, std::hypot(percent, 100 * std::sqrt(kChiSquared) * sd_mm / shank_mm)};
+}
+
+Uncertain PredictedPercent(const StudyResults& results, const Json& design) {
+  const double percent = NumberOrNaN(design.at("misalignment_percent"));
+  if (!results.Has("comparison")) return {.value = percent};
+  return PutInPlace(percent, PlacementHalfWidth(results), NumberOrNaN(results.Summary("comparison").at("shank_mm")));
+}
+
+// "20 mm back, 30 mm lower"; nothing along an axis on which the way is less than what is known of it.
+std::string MoveOf(const Json& from, const Json& to, const Vector2d& half_width_mm) {
+  std::vector<std::string> moves;
+  const auto add = [&](const char* key, double half_width, const char* less, const char* more) {
+    const double way = NumberOrNaN(to.at(key)) - NumberOrNaN(from.at(key));
+    if (std::isfinite(half_width) ? std::abs(way) > half_width : std::abs(way) >= 1)
+      moves.push_back(fmt::format("{} mm {}", KnownText(std::abs(way), half_width, 0), way < 0 ? less : more));
+  };
+  add("placement_x_mm", half_width_mm.x(), "back", "forward");
+  add("placement_y_mm", half_width_mm.y(), "lower", "higher");
+  return fmt::format("{}", fmt::join(moves, ", "));
+}
+
+bool IsReached(double value, double limit) {
+  constexpr double kNear = 1e-3;
+  return std::isfinite(limit) && std::abs(value / limit - 1) < kNear;
+}
+
+// On the body that the new design was simulated on, with the same parts.
+std::optional<linkage::WearCheck> WornOnBody(const StudyFile& study, const StudyResults& results,
+                                             std::array<double, 2> placement_mm) {
+  if (!study.worn || !results.Has("simulation")) return std::nullopt;
+  const Json body = results.Summary("simulation").at("mannequin");
+  const linkage::Body person =
+      linkage::BodyOf({.height_mm = NumberOrNaN(body.at("height_mm")),
+                       .mass_kg = NumberOrNaN(body.at("mass_kg")),
+                       .leg = linkage::LegLengths{NumberOrNaN(body.at("thigh_mm")), NumberOrNaN(body.at("shank_mm"))}});
+  const linkage::Design worn = linkage::ReadDesign(*study.worn);
+  const parts::PartOptions& parts = study.simulation.parts;
+  return linkage::CheckWear(
+      worn.links, linkage::FindUsedRange(worn.links, worn.d_min_mm, worn.d_max_mm), person,
+      {parts.bar_width_mm, parts.actuator_diameter_mm, study.simulation.seat_edge_mm, placement_mm});
+}
+
+std::array<double, 2> PlacementOf(const Json& design) {
+  return {NumberOrNaN(design.at("placement_x_mm")), NumberOrNaN(design.at("placement_y_mm"))};
+}
+
+// What the simulation found of the new design.
+linkage::WearCheck SimulatedOnBody(const Json& body) {
+  linkage::WearCheck check;
+  check.mount_below_hip_mm = NumberOrNaN(body.at("mount_below_hip_mm"));
+  check.seat_clearance_mm = NumberOrNaN(body.at("seat_clearance_mm"));
+  check.thigh_clearance_mm = NumberOrNaN(body.at("actuator_to_thigh_mm"));
+  check.shank_clearance_mm = NumberOrNaN(body.at("actuator_to_shank_mm"));
+  return check;
+}
+
+Way AsWorn(const StudyFile& study, const StudyResults& results, const Json& redesign) {
+  const Json comparison = results.Summary("comparison");
+  const Json intervals = comparison.value("intervals", Json::object());
+  Way way{.name = "as worn",
+          .misalignment_percent =
+              UncertainOf(comparison.at("metrics").at("relative_rms"), intervals.value("relative_rms", Json()), 100),
+          .rise_s = NumberOrNaN(comparison.at("duration_s").at("exo")),
+          .build = "–"};
+  if (study.worn) way.rise_s = NumberOrNaN(redesign.at("before").at("program_duration_s"));  // its program's, as moved
+  if (study.worn) way.on_body = WornOnBody(study, results, PlacementOf(redesign.at("before")));
+  return way;
+}
+
+Way JointMoved(const StudyFile& study, const StudyResults& results, const Json& redesign) {
+  const Json& moved = redesign.at("joint_moved");
+  const std::string move = MoveOf(redesign.at("before"), moved, PlacementHalfWidth(results));
+  return {.name = "same links, joint moved",
+          .misalignment_percent = PredictedPercent(results, moved),
+          .rise_s = NumberOrNaN(moved.at("program_duration_s")),
+          .build = move.empty() ? "–" : "mount " + move,
+          .on_body = WornOnBody(study, results, PlacementOf(moved))};
+}
+
+Way NewLinks(const StudyResults& results, const Json& redesign) {
+  const Json& after = redesign.at("after");
+  return {.name = "new links",
+          .misalignment_percent = PredictedPercent(results, after),
+          .rise_s = NumberOrNaN(after.at("program_duration_s")),
+          .build = "six links, mount, stroke program",
+          .misalignment_is_limit = IsReached(NumberOrNaN(after.at("misalignment_percent")),
+                                             NumberOrNaN(redesign.at("max_misalignment_percent"))),
+          .time_is_limit = IsReached(NumberOrNaN(after.at("program_duration_s")),
+                                     NumberOrNaN(redesign.at("stroke_program").at("duration_limit_s"))),
+          .on_body = SimulatedOnBody(results.Summary("simulation").at("mannequin"))};
+}
+
+// What a free program of another time would leave at best: "20 s: 7.3 %"; empty where no front tells.
+std::string OtherTime(const Json& redesign) {
+  const double own_s = NumberOrNaN(redesign.at("stroke_program").at("duration_limit_s"));
+  for (const Json& front : redesign.value("pareto", Json::array())) {
+    double limit_s = 0;
+    const std::string program = front.at("program");
+    const Json& points = front.at("range_deg_and_misalignment_percent");
+    const bool is_other = std::sscanf(program.c_str(), "free %lf s", &limit_s) == 1 && !IsReached(limit_s, own_s);
+    if (is_other && !points.empty())  // by misalignment
+      return fmt::format("{:.4g} s: {} %", limit_s, NumberText(NumberOrNaN(points.front().at(1)), 1));
+  }
+  return "";
+}
+
+Table WaysTable(const std::vector<Way>& ways, const Json& redesign) {
+  Table table{"", {{"Way"}, {"Misalignment"}, {"Rise"}, {"To build"}}, {}};
+  for (const Way& way : ways) {
+    std::string misalignment = UncertainPercent(way.misalignment_percent),
+                time = NumberText(way.rise_s, way.rise_s < 10 ? 1 : 0) + " s";
+    if (way.misalignment_is_limit) misalignment += ", limit you set";
+    if (way.time_is_limit) {
+      const std::string other = OtherTime(redesign);
+      time += ", limit you set" + (other.empty() ? "" : fmt::format(" ({})", other));
+    }
+    table.rows.push_back({way.name, std::move(misalignment), std::move(time), way.build});
+  }
+  return table;
+}
+
+// Where the joint sits, as far as that is known: "in front of and above"; empty where it may be on the knee.
+std::string SideOf(const StudyResults& results) {
+  const Json comparison = results.Summary("comparison");
+  const Json joint = comparison.value("joint", Json());
+  const Json& offset = (joint.is_null() ? comparison.at("decomposition") : joint).at("offset_mm");
+  const Vector2d half_width = PlacementHalfWidth(results);
+  std::vector<std::string> sides;
+  const auto add = [&](double mm, double known, const char* less, const char* more) {
+    if (std::abs(mm) > (std::isfinite(known) ? known : 0)) sides.emplace_back(mm < 0 ? less : more);
+  };
+  add(NumberOrNaN(offset.at(0)), half_width.x(), "behind", "in front of");
+  add(NumberOrNaN(offset.at(1)), half_width.y(), "below", "above");
+  return fmt::format("{}", fmt::join(sides, " and "));
+}
+
+// The cheapest way whose misalignment lies below the worn one's interval.
+const Way* FirstToTry(const std::vector<Way>& ways) {
+  for (const Way& way : ways)
+    if (&way != &ways.front() && way.misalignment_percent.value < ways.front().misalignment_percent.low) return &way;
+  return nullptr;
+}
+
+std::string LeadText(const StudyResults& results, const std::vector<Way>& ways) {
+  if (!results.Has("comparison")) return "No exoskeleton was recorded: new links for this person's movement.";
+  const std::string side = SideOf(results);
+  std::string text = side.empty() ? "The exoskeleton's joint sits on the knee, as far as is known. "
+                                  : fmt::format("The exoskeleton's joint sits {} the knee. ", side);
+  const Way* first = FirstToTry(ways);
+  if (!first) return text + "No way below is certain to help: record more rises first.";
+  return text + (first == &ways.back() ? "New links help." : "Move it onto the knee first.");
+}
+
+// The parts that would be where the person or the seat is, each with how far.
+std::vector<std::pair<std::string, double>> Overlaps(const linkage::WearCheck& check) {
+  std::vector<std::pair<std::string, double>> overlaps;
+  const auto add = [&](const char* what, double clearance_mm) {
+    if (clearance_mm < 0) overlaps.emplace_back(what, -clearance_mm);
+  };
+  add("The actuator overlaps the thigh", check.thigh_clearance_mm);
+  add("The actuator overlaps the shank", check.shank_clearance_mm);
+  add("The linkage reaches into the seat", check.seat_clearance_mm);
+  add("The mount reaches past the hip", check.mount_below_hip_mm);
+  return overlaps;
+}
+
+// The largest overlap of each repaired or new design; one sentence for those in which the same parts meet.
+std::string CollisionText(const std::vector<Way>& ways) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> sentences;
+  for (std::size_t i = ways.size() > 1 ? 1 : 0; i < ways.size(); ++i) {
+    if (!ways[i].on_body) continue;
+    const auto overlaps = Overlaps(*ways[i].on_body);
+    const auto worst = std::ranges::max_element(overlaps, {}, [](const auto& overlap) { return overlap.second; });
+    if (worst == overlaps.end()) continue;
+    const std::string by =
+        fmt::format("by {} mm ({})", NumberText(worst->second, 0), i + 1 == ways.size() ? "new" : "moved");
+    const auto same = std::ranges::find(sentences, worst->first, [](const auto& sentence) { return sentence.first; });
+    if (same == sentences.end())
+      sentences.push_back({worst->first, {by}});
+    else
+      same->second.push_back(by);
+  }
+  std::string text;
+  for (const auto& [what, by] : sentences)
+    text += fmt::format("{}{} {}.", text.empty() ? "" : " ", what, fmt::join(by, ", "));
+  return text;
+}
+
+// The three ways over the rise, and what a recording could not tell from none.
+LineChart ErrorChart(const StudyResults& results) {
+  LineChart chart;
+  chart.alt = "Distance of the knees over the rise: as worn, with the joint moved, with new links, and the noise floor";
+  chart.x = {"rise (%)", 0, 100};
+  chart.y = {"misalignment (% of the shank)", 0, std::nullopt};
+  chart.width = Width::kHalf;
+  const auto add = [&](const char* file, const char* name, const char* colour, Mark mark) {
+    if (!results.HasFile(file)) return;
+    const Json curves = ReadJsonFile(results.Folder() / file).at("curves");
+    Series series{.name = name, .colour = colour, .mark = mark};
+    series.x = NumbersOrNaN(curves.at("percent"));
+    for (const double error : NumbersOrNaN(curves.at("relative_error"))) series.y.push_back(100 * error);
+    chart.series.push_back(std::move(series));
+  };
+  add("comparison/comparison.json", "as worn", colour::kWorn, Mark::kLine);
+  add("redesign/joint_moved/comparison.json", "joint moved", colour::kHip, Mark::kDotted);
+  add("redesign/predicted/comparison.json", "new links", colour::kNew, Mark::kDashed);
+  if (results.Has("comparison")) {
+    const double floor = 100 * NumberOrNaN(results.Summary("comparison").at("noise_floor_relative"));
+    chart.series.push_back(
+        {.name = "noise floor", .x = {0, 100}, .y = {floor, floor}, .colour = "#767676", .mark = Mark::kThin});
+  }
+  return chart;
+}
+
+std::string NextSteps(const std::vector<Way>& ways) {
+  if (const Way* first = FirstToTry(ways); first && first != &ways.back())
+    return "Move the mount (an hour), record again (an hour); cut links only if that is not enough.";
+  return "Cut links (a day), test without a person (a day), record again (an hour).";
+}
+
+}  // namespace
+
+std::string UncertainPercent(const Uncertain& percent) {
+  const int decimals = std::max(0, percent.Decimals(1));
+  const std::string text = RoundedText(percent.value, decimals) + " %";
+  if (!percent.IsKnown()) return text;
+  return fmt::format("{} ({}–{})", text, RoundedText(percent.low, decimals), RoundedText(percent.high, decimals));
+}
+
+Vector2d PlacementHalfWidth(const StudyResults& results) {
+  Vector2d half_width = Vector2d::Constant(std::nan(""));
+  if (!results.Has("comparison")) return half_width;
+  const Json decomposition = results.Summary("comparison").at("decomposition");
+  const Json intervals = decomposition.value("offset_interval_mm", Json());
+  if (!intervals.is_array()) return half_width;
+  for (const int axis : {0, 1})
+    half_width[axis] = (NumberOrNaN(intervals.at(axis).at(1)) - NumberOrNaN(intervals.at(axis).at(0))) / 2;
+  return half_width;
+}
+
+std::vector<Way> WaysOf(const StudyFile& study, const StudyResults& results) {
+  const Json redesign = results.Summary("redesign");
+  std::vector<Way> ways;
+  if (results.Has("comparison")) ways.push_back(AsWorn(study, results, redesign));
+  if (results.Has("comparison") && redesign.at("joint_moved").is_object())
+    ways.push_back(JointMoved(study, results, redesign));
+  ways.push_back(NewLinks(results, redesign));
+  return ways;
+}
+
+Section ResultChapter(const StudyFile& study, const StudyResults& results) {
+  if (!results.Has("redesign")) return MeasuredResult(results);
+  const Json redesign = results.Summary("redesign");
+  const std::vector<Way> ways = WaysOf(study, results);
+  Section section{"Result", {Paragraph{LeadText(results, ways)}, WaysTable(ways, redesign)}};
+  std::string forbids = CollisionText(ways);
+  if (NeedsHolding(results, redesign))
+    forbids += fmt::format("{}At the new pace a person must be held.", forbids.empty() ? "" : " ");
+  if (!forbids.empty()) section.blocks.push_back(Answers{{{"What forbids it", std::move(forbids)}}});
+  if (results.HasFile(kKneesPicture))
+    section.blocks.push_back(Picture{results.Folder() / kKneesPicture, KneesPictureAlt(results), "", Width::kHalf});
+  else
+    section.blocks.push_back(PathsChart(results));
+  section.blocks.push_back(ErrorChart(results));
+  section.blocks.push_back(Answers{{{"Next", NextSteps(ways)}}});
+  return section;
+}
+
+}  // namespace lake::study

@@ -1,0 +1,37 @@
+// What a study's report says before its first chapter: what is wrong and the first thing to do, the ways from the
+// cheapest on, what forbids them, and the next steps.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lake/linkage/body.h"
+#include "lake/report/uncertain.h"
+#include "study_chapters.h"
+
+namespace lake::study {
+
+// "2.6 % (2.6–4.0)", rounded to the interval.
+std::string UncertainPercent(const report::Uncertain& percent);
+
+// How well it is known where the joint is against the knee, half of the 95 % interval along x and y of the shank, mm;
+// markers are put back within some millimetres. NaN without a comparison.
+Eigen::Vector2d PlacementHalfWidth(const StudyResults& results);
+
+// One way to wear an exoskeleton: as it was worn, repaired, or built anew.
+struct Way {
+  std::string name;
+  report::Uncertain misalignment_percent;  // RMS of the path difference
+  double rise_s = 0;
+  std::string build;                            // what has to be built for it
+  bool misalignment_is_limit = false;           // asked for in the study file, and reached
+  bool time_is_limit = false;                   // likewise
+  std::optional<linkage::WearCheck> on_body{};  // absent: not known
+};
+// As worn, with the joint moved, new; those that there are.
+std::vector<Way> WaysOf(const StudyFile& study, const StudyResults& results);
+
+}  // namespace lake::study

@@ -1,0 +1,34 @@
+// Numbers rounded to what is known of them.
+#include "lake/core/uncertain_text.h"
+
+#include <gtest/gtest.h>
+
+namespace lake {
+namespace {
+
+TEST(UncertainText, TheUncertaintysFirstDigitIsTheLastOne) {
+  EXPECT_EQ(KnownText(17.9, 9, 1), "18");
+  EXPECT_EQ(KnownText(4.7, 9, 1), "5");
+  EXPECT_EQ(KnownText(36.72, 0.43, 1), "36.7");
+  EXPECT_EQ(KnownText(-32.04, 9.2, 1), "−32");
+  EXPECT_EQ(KnownText(142.2, 30, 1), "140");
+  EXPECT_EQ(KnownText(0.02714, 0.0032, 1), "0.027");
+}
+
+// ± 1.4 rounded to one digit would be 40 % off.
+TEST(UncertainText, AOneHasASecondDigit) {
+  EXPECT_EQ(KnownText(2.6194, 0.14, 1), "2.62");
+  EXPECT_EQ(KnownText(2.6194, 0.2, 1), "2.6");
+  EXPECT_EQ(KnownText(2.6194, 0.199, 1), "2.6");
+  EXPECT_EQ(KnownText(123.4, 12, 1), "123");
+}
+
+TEST(UncertainText, WithoutAnUncertaintyDecimalsAreGiven) {
+  EXPECT_EQ(KnownText(2.6194, std::nan(""), 1), "2.6");
+  EXPECT_EQ(KnownText(2.6194, 0, 2), "2.62");
+  EXPECT_EQ(RoundedText(std::nan(""), 2), "–");
+  EXPECT_EQ(RoundedText(-0.001, 2), "0.00");
+}
+
+}  // namespace
+}  // namespace lake
