@@ -58,7 +58,7 @@ TEST_F(BrokenWiresTest, ARetractWireThatBreaksBeforeTheSecondTouchIsNotHome) {
       rig_->PullWire(true, true);
       ASSERT_TRUE(rig_->RunUntil("ALARM:5\n", 3)) << home_mm << "\n" << rig_->Serial();
       rig_->Run(0.3);
-      EXPECT_LE(std::abs(rig_->Stroke() - from), firmware_options_.stop_travel_mm + 0.1);
+      EXPECT_LE(std::abs(rig_->Stroke() - from), firmware_options_.StopTravel() + 0.1);
       EXPECT_THAT(rig_->Serial(), Not(HasSubstr("[MSG:done]")));
       EXPECT_TRUE(rig_->Asks("reset", "ok"));
       EXPECT_TRUE(rig_->Asks("run", "error:5"));
@@ -146,8 +146,8 @@ TEST_F(BrokenWiresTest, EachWireInEachStateEndsInAFault) {
       // Both contradict each other, the supply the firmware's limits: told within 30 ms. A stop that stays pressed
       // costs its travel; 0.35 mm of run-on, twice where it turns round.
       const bool at_once = wire == Wire::kBoth || wire == Wire::kSupply;
-      EXPECT_LE(Way(*rig_, pulled), at_once ? 0.5 : firmware_options_.stop_travel_mm + 0.7) << what << "\n"
-                                                                                            << rig_->Serial();
+      EXPECT_LE(Way(*rig_, pulled), at_once ? 0.5 : firmware_options_.StopTravel() + 0.7) << what << "\n"
+                                                                                          << rig_->Serial();
       const std::size_t told = rig_->Samples().size();
       for (const char* line : {"run", "home", "jog 400 800", "jog -400 800"}) rig_->Send(line), rig_->Run(0.5);
       EXPECT_FALSE(rig_->ResumeAsks());
@@ -182,10 +182,11 @@ TEST_F(BrokenWiresTest, AFaultIsLatchedUntilItIsAcknowledged) {
   EXPECT_TRUE(rig_->Asks("zero", "ok"));
 }
 
-// Off at the emergency stop or sagging, the supply is told, and what moves ends; within the tolerance it does not.
+// Off at the emergency stop or sagging, the supply is told, and what moves ends; within the tolerance it does not. Open
+// loop it is the voltage that sets the speed: more than 10 % off is refused as well, a tenth of a second later.
 TEST_F(BrokenWiresTest, TheSupplyIsTold) {
   firmware_options_.supply_v = 12;
-  for (const double part : {0.0, 0.55, 0.65, 1.0, 1.35, 1.45}) {
+  for (const double part : {0.0, 0.55, 0.65, 0.88, 0.92, 1.0, 1.08, 1.12, 1.35, 1.45}) {
     Build(FreeDesign({{0, 300}, {2, 306}}));
     ASSERT_TRUE(rig_->Asks("zero", "ok"));
     ASSERT_TRUE(rig_->Asks("run", "ok"));
@@ -193,9 +194,9 @@ TEST_F(BrokenWiresTest, TheSupplyIsTold) {
     const double since = rig_->Time();
     rig_->Actuator().supply = [part](double) { return part; };
     const bool told = rig_->RunUntil("ALARM:6\n", 1);
-    EXPECT_EQ(told, std::abs(part - 1) > 0.4) << part;
+    EXPECT_EQ(told, std::abs(part - 1) > 0.1) << part;
     if (told) {
-      EXPECT_LE(rig_->Time() - since, 0.03);
+      EXPECT_LE(rig_->Time() - since, std::abs(part - 1) > 0.4 ? 0.03 : 0.12);
     }
   }
 }
