@@ -73,7 +73,7 @@ TEST(Redesign, TheLimitHoldsWhenTheComparisonReEvaluatesThePredictedPath) {
 std::optional<double> Objective(const redesign::RedesignProblem& problem, const redesign::RedesignPoint& point) {
   const auto prediction = redesign::PredictPoint(problem, point);
   if (!prediction) return std::nullopt;
-  if (problem.max_misalignment_percent && 100 * prediction->relative_rms > *problem.max_misalignment_percent)
+  if (problem.max_misalignment_percent && 100 * prediction->path.relative > *problem.max_misalignment_percent)
     return std::nullopt;
   if (problem.program.duration_s &&
       redesign::NeededDuration(point.knots_mm, problem.program.max_speed_mm_s) > *problem.program.duration_s)
@@ -145,7 +145,7 @@ TEST(Redesign, NoDifferentialEvolutionFindsABetterObjective) {
     const problem::DesignEvaluation evaluation = problem::Evaluate(links, problem.design);
     const auto prediction = redesign::PredictPoint(problem, point);
     if (!evaluation.IsFeasible() || !prediction) return -1e3 * (1 + std::min(evaluation.violation, 100.0));
-    const double excess = 100 * prediction->relative_rms - *problem.max_misalignment_percent;
+    const double excess = 100 * prediction->path.relative - *problem.max_misalignment_percent;
     return excess > 0 ? -100 * excess : evaluation.range_deg;
   };
   for (const unsigned seed : {1u, 2u}) {
@@ -215,7 +215,7 @@ TEST(Redesign, PenaltyAndLimitAgree) {
   ASSERT_TRUE(other.IsSolved());
   // Along the front range and misalignment trade at this price, so each may be off by what the other makes good.
   EXPECT_NEAR(other.Best().objective,
-              result.Best().Range_deg() - penalised.penalty_deg_per_mm * result.Best().prediction->rms_mm, 1e-3);
+              result.Best().Range_deg() - penalised.penalty_deg_per_mm * result.Best().prediction->path.mm, 1e-3);
   EXPECT_NEAR(other.Best().Misalignment_percent(), result.Best().Misalignment_percent(), 0.02);
 }
 

@@ -15,6 +15,7 @@
 #include "lake/figure/redesign_figures.h"
 #include "lake/figure/synthesis_figures.h"
 #include "lake/loads/anthropometry.h"
+#include "lake/loads/body_path.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/redesign/program_options.h"
@@ -146,6 +147,9 @@ redesign::MeasuredMotion ReadMeasured(const ReoptimizeRunOptions& options, std::
   return measured;
 }
 
+// Of a design whose joint alone is limited: what soft tissue takes up.
+constexpr double kAngleMismatch_deg = 5;
+
 redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
   redesign::RedesignProblem problem;
   const ReoptimizeRunOptions& reoptimize = *options.reoptimize;
@@ -155,7 +159,14 @@ redesign::RedesignProblem ProblemOf(const OptimizeRunOptions& options) {
   if (problem.design.duration_s) problem.program.duration_s = problem.design.duration_s;
   problem.design.duration_s.reset();
   problem.max_misalignment_percent = reoptimize.max_misalignment_percent;
+  problem.misalignment_of = reoptimize.misalignment_of;
   problem.penalty_deg_per_mm = reoptimize.penalty_deg_per_mm;
+  problem.max_angle_mismatch_deg = reoptimize.max_angle_mismatch_deg;
+  if (problem.misalignment_of == redesign::MisalignmentOf::kJoint && !problem.max_angle_mismatch_deg)
+    problem.max_angle_mismatch_deg = kAngleMismatch_deg;
+  if (!reoptimize.body.empty())
+    problem.body = std::make_shared<const loads::BodyPath>(loads::ReadBodyPath(reoptimize.body));
+  if (reoptimize.balance_mm) problem.balance = redesign::BalanceLimits{.margin_mm = *reoptimize.balance_mm};
   problem.fit_placement = reoptimize.fit_placement;
   problem.placement_reach_mm = reoptimize.placement_reach_mm;
   return problem;
@@ -209,6 +220,8 @@ void DrawFigures(const redesign::RedesignOutcome& outcome, Run& run) {
     figure::DrawConvergence(outcome.result.BestOrFirst().local, "range less penalties (°)", -1, path);
   });
   DrawPngAndSvg("knee_paths", run, [&](const fs::path& path) { figure::DrawKneePaths(outcome, path); });
+  if (outcome.after.prediction && outcome.after.prediction->balance)
+    DrawPngAndSvg("balance", run, [&](const fs::path& path) { figure::DrawBalance(outcome, path); });
   if (!outcome.fronts.empty())
     DrawPngAndSvg("pareto", run, [&](const fs::path& path) { figure::DrawPareto(outcome, path); });
 }
@@ -217,7 +230,9 @@ void DrawFigures(const redesign::RedesignOutcome& outcome, Run& run) {
 void CheckForGroup(const OptimizeRunOptions& options) {
   for (const auto& [is_given, name] : {std::pair{options.reoptimize->pareto_points.has_value(), "--pareto"},
                                        std::pair{options.study.certify_gap_deg.has_value(), "--certify"},
-                                       std::pair{options.study.yield_tolerance_mm.has_value(), "--yield"}})
+                                       std::pair{options.study.yield_tolerance_mm.has_value(), "--yield"},
+                                       std::pair{options.reoptimize->balance_mm.has_value(), "--balance"},
+                                       std::pair{!options.reoptimize->body.empty(), "--body"}})
     if (is_given) throw UsageError(fmt::format("{} is for one person: omit it, or give one --comparison", name));
 }
 
@@ -277,6 +292,7 @@ Json RunRedesign(const OptimizeRunOptions& options, Run& run) {
   std::vector<std::string> names = ResultNames({"before_after.csv", "program.csv", "knee_paths.png", "knee_paths.svg",
                                                 "predicted/comparison.json", "predicted/misalignment.csv"});
   if (options.reoptimize->pareto_points) names.insert(names.end(), {"pareto.csv", "pareto.png", "pareto.svg"});
+  if (problem.body) names.insert(names.end(), {"balance.csv", "balance.png", "balance.svg"});
   run.Begin(names);
   const redesign::RedesignOutcome outcome = redesign::RunRedesign(problem, measured, redesign_options);
   Json summary = WriteRedesign(outcome, run);
@@ -295,6 +311,8 @@ void AddInputs(const ReoptimizeRunOptions& options, std::vector<InputFile>& inpu
     for (InputFile& input : TrialTableInputs(options.human, "human")) inputs.push_back(std::move(input));
   for (const fs::path& worn : options.worn) inputs.push_back({worn, "worn"});
   if (!options.participants.empty()) inputs.push_back({options.participants, "participants"});
+  if (!options.body.empty())
+    inputs.push_back({fs::is_directory(options.body) ? options.body / "loads.json" : options.body, "body"});
 }
 
 }  // namespace
@@ -339,6 +357,27 @@ void Describe(ReoptimizeRunOptions& o, OptionList& options) {
       .Unit("degrees per mm RMS")
       .Key("penalty")
       .NotNegative();
+  options.AddChoice("misalignment", o.misalignment_of,
+                    OptionList::Choices<redesign::MisalignmentOf>{{"joint", redesign::MisalignmentOf::kJoint},
+                                                                  {"path", redesign::MisalignmentOf::kPath}},
+                    "What limit and penalty are on: the joint against the knee that it is worn on, or its path against "
+                    "that of the human trial");
+  options
+      .Add("max-angle-mismatch", o.max_angle_mismatch_deg,
+           "Largest difference of the exoskeleton's knee angle from the human's at any instant")
+      .Unit("degrees")
+      .Positive()
+      .Otherwise("5 with --misalignment joint, else no limit");
+  options
+      .Add("balance", o.balance_mm,
+           "Centre of pressure at least so far inside the foot once the seat is left; the person may lean otherwise; "
+           "needs --body")
+      .Unit("mm")
+      .NotNegative()
+      .Otherwise("balance is not asked for");
+  options.Add("body", o.body, "loads.json of the human trial, or the folder of lake-loads: whose balance it is")
+      .IsPath(Option::Path::kFile)
+      .Otherwise("balance is not computed");
   Describe(o.program, options);
   options.Add("fit-placement", o.fit_placement, "Optimise the placement of the joint on the shank too");
   options.Add("placement-reach", o.placement_reach_mm, "Largest distance of the joint from the knee along each axis")

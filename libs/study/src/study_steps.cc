@@ -211,6 +211,7 @@ OptionalStep RedesignStep(const StudyFile& study, const fs::path& out) {
     reoptimize.human_knee = study.compare.human_knee;
   }
   if (study.worn) reoptimize.worn = {*study.worn};
+  if (study.loads) reoptimize.body = ProfileIn(out);
   StudySection section = study.redesign->section;
   section.text["human_knee"] = study.compare.human_knee;
   for (const char* key : {"problem", "clearances"})  // where it says none, those of the study's own design hold

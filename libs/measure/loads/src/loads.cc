@@ -512,8 +512,9 @@ LoadsResult FindLoads(const motion::MarkerRecording& trajectory, const motion::L
   result.mean = MeanOf(result.rises);
   SetPeak(result.mean);
   SetBands(MeanCurves(curves), result.mean);
-  result.balance = FindBalance(
-      model, model.trunk ? *model.trunk : TrunkFit(model.path, model.body, windows, options.trunk), rises, options);
+  const TrunkFit trunk = model.trunk ? *model.trunk : TrunkFit(model.path, model.body, windows, options.trunk);
+  result.balance = FindBalance(model, trunk, rises, options);
+  result.body_path = MeanBodyPath(model, trunk, rises, options);
   if (const auto warning = BalanceWarning(result.balance)) result.warnings.push_back(*warning);
   if (forces) {
     WarnOfForces(model, rises, options, result);

@@ -46,8 +46,9 @@ struct DesignInMotion {
   double duration_s = 0;                              // of its program
 };
 
+// The person leaning otherwise than in their trial by `lean`.
 DesignInMotion PutInMotion(const RedesignProblem& problem, const compare::StsCurve& human,
-                           const linkage::Design& design);
+                           const linkage::Design& design, const Lean& lean = {});
 
 // A change of the problem that was tried where the limit on misalignment cannot be held.
 struct WayOut {
@@ -58,9 +59,11 @@ struct WayOut {
 };
 
 struct MisalignmentInfeasibility {
-  bool within_reach = false;              // the limits can be held after all; the solver did not get there
-  std::optional<double> least_percent;    // the smallest misalignment found under the given program
-  std::optional<double> working_percent;  // a rounded limit a little above, with which the problem was solved
+  bool within_reach = false;                       // the limits can be held after all; the solver did not get there
+  std::optional<double> largest_margin_mm;         // of balance, where that cannot be had: the most that was found
+  std::optional<double> least_angle_mismatch_deg;  // likewise: the least that was found
+  std::optional<double> least_percent;             // the smallest misalignment found under the given program
+  std::optional<double> working_percent;           // a rounded limit a little above, with which the problem was solved
   // Limits that hold it there; price in % by which the least misalignment falls per unit that the limit is raised; NaN
   // where multipliers are not unique.
   std::vector<synthesis::ActiveSet::Entry> blocking;
@@ -89,6 +92,8 @@ struct RedesignOutcome {
   DesignInMotion before;  // the worn design, or the problem's start under a constant program
   DesignInMotion after;   // the optimum, of equals that with the joint nearest to the knee, or the design of the
                           // smallest misalignment found
+  Lean lean;              // of the person in `after`
+  std::optional<DesignInMotion> without_balance;  // the optimum without that requirement: what balance costs
   synthesis::ActiveSet active;
   std::optional<double> widest_deg;                     // the largest range found without the human
   std::optional<certificate::Certificate> certificate;  // of that range

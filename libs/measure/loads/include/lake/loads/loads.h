@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "lake/core/options.h"
+#include "lake/loads/body_path.h"
 #include "lake/loads/leg_dynamics.h"
 #include "lake/loads/trunk_fit.h"
 #include "lake/motion/leg_motion.h"
@@ -114,6 +115,7 @@ struct LoadsResult {
   Eigen::Vector2d trunk_offset_sd_mm = Eigen::Vector2d::Zero();
   bool has_shoulder = false;
   Balance balance;
+  BodyPath body_path;  // with the trunk that balance is told by
   std::vector<std::string> warnings;
 };
 
