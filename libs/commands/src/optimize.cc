@@ -16,6 +16,7 @@
 #include "lake/figure/synthesis_figures.h"
 #include "lake/loads/anthropometry.h"
 #include "lake/loads/body_path.h"
+#include "lake/problem/moment_at_pace.h"
 #include "lake/problem/problem_file.h"
 #include "lake/problem/problem_options.h"
 #include "lake/redesign/program_options.h"
@@ -44,9 +45,35 @@ void CheckSynthesis(const OptimizeRunOptions& options) {
     throw UsageError("--certify bounds the range, and --duration free seeks the shortest duration: omit one");
 }
 
+// The problem with the moments of a rise in the time that it asks for, or in the shortest that it finds: that depends
+// on them in turn, so it is sought until it stays. `moments_s`: the duration that they are of.
+problem::SynthesisProblem AtItsPace(problem::SynthesisProblem problem, const synthesis::OptimizeOptions& options,
+                                    double& moments_s) {
+  moments_s = problem.profile->duration_s;
+  const problem::LoadProfile measured = *problem.profile;
+  const auto take = [&](double duration_s) {
+    const auto at_pace = problem::AtPace(measured, duration_s);
+    if (at_pace) problem.profile = at_pace, moments_s = duration_s;
+    return at_pace.has_value();
+  };
+  if (problem.duration_s) take(*problem.duration_s);
+  if (!problem.SeeksDuration()) return problem;
+  constexpr int kTries = 6;
+  constexpr double kSame = 0.005;
+  for (int i = 0; i < kTries; ++i) {
+    const synthesis::LocalSolve solve = synthesis::SolveFrom(problem, problem.start, options);
+    if (!solve.IsUsable()) break;
+    const double shortest_s = -solve.objective;
+    if (std::abs(shortest_s / moments_s - 1) < kSame || !take(shortest_s)) break;
+  }
+  return problem;
+}
+
 Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   CheckSynthesis(options);
-  const problem::SynthesisProblem problem = problem::WithActuator(options.problem);
+  problem::SynthesisProblem problem = problem::WithActuator(options.problem);
+  double moments_s = 0;
+  if (problem.HasLoadProfile()) problem = AtItsPace(problem, options.study.optimize, moments_s);
   std::vector<std::string> names =
       ResultNames({"sensitivity.csv", "sensitivity.png", "sensitivity.svg", "margin.csv", "margin.png", "margin.svg"});
   if (options.study.round_mm) names.push_back("rounded.yaml");
@@ -66,8 +93,10 @@ Json RunSynthesis(const OptimizeRunOptions& options, Run& run) {
   DrawPngAndSvg("sensitivity", run, [&](const fs::path& path) { figure::DrawSensitivity(outcome, path); });
   if (!outcome.margins.empty())
     DrawPngAndSvg("margin", run, [&](const fs::path& path) { figure::DrawMargins(outcome, path); });
-  if (problem.HasLoadProfile())
+  if (problem.HasLoadProfile()) {
     summary["assistance"] = WriteAssistance(problem::FindAssistance(outcome.BestLinks(), problem), problem, run);
+    summary["assistance"]["moments_of_s"] = moments_s;
+  }
   return summary;
 }
 

@@ -314,19 +314,6 @@ std::string TrialText(const redesign::RedesignOutcome& outcome) {
                     outcome.slip->lean_mm);
 }
 
-void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& optimum, Run& run) {
-  WriteOptimumDesign(outcome.after.design, optimum, run);
-  WriteOptimum(optimum, ProgramRows(outcome, optimum), run);
-  WriteConstraints(optimum, PersonRows(outcome, optimum), run);
-  WriteStarts(StartRows(outcome.result), run);
-  WriteConvergence(outcome.result.BestOrFirst().local, "objective_deg", run);
-  WriteBeforeAfter(outcome, run);
-  WriteProgramTable(outcome.after, outcome.problem.human, run.Result("program.csv"));
-  WritePredicted(outcome, run);
-  WriteProgramBalance(outcome, run);
-  if (!outcome.fronts.empty()) WritePareto(outcome, run);
-}
-
 double Largest_deg(const std::vector<double>& lean_rad) {
   double largest = 0;
   for (const double lean : lean_rad)
@@ -374,6 +361,19 @@ void WriteProgramBalance(const redesign::RedesignOutcome& outcome, Run& run) {
     table.Add(trunk_deg + lean_deg(outcome.lean.trunk_rad)).Add(trunk_deg).EndRow();
   }
   table.Write(run.Result("balance.csv"));
+}
+
+void WriteTables(const redesign::RedesignOutcome& outcome, const OptimumView& optimum, Run& run) {
+  WriteOptimumDesign(outcome.after.design, optimum, run);
+  WriteOptimum(optimum, ProgramRows(outcome, optimum), run);
+  WriteConstraints(optimum, PersonRows(outcome, optimum), run);
+  WriteStarts(StartRows(outcome.result), run);
+  WriteConvergence(outcome.result.BestOrFirst().local, "objective_deg", run);
+  WriteBeforeAfter(outcome, run);
+  WriteProgramTable(outcome.after, outcome.problem.human, run.Result("program.csv"));
+  WritePredicted(outcome, run);
+  WriteProgramBalance(outcome, run);
+  if (!outcome.fronts.empty()) WritePareto(outcome, run);
 }
 
 // What the summary has of the misalignment, the program and the trial, solved or not.

@@ -208,7 +208,8 @@ GroupSolve SolveFrom(const GroupProblem& problem, const std::vector<RedesignPoin
   if (warm) inner.nlp.StartWarm();
   std::vector<ConstantStart> sides(problem.people.size(), ConstantStart::kAtHumanAngle);
   GroupSolve solve = SolveOrFinish(problem, start, sides, inner);
-  if (problem.shared.program.kind == linkage::StrokeProgram::Kind::kFree) return solve;
+  if (problem.shared.program.kind == linkage::StrokeProgram::Kind::kFree || problem.shared.program.free_ends)
+    return solve;
   constexpr double kTouching_mm = 1e-3;
   bool touches = false;
   for (std::size_t i = 0; i < sides.size(); ++i) {

@@ -67,6 +67,8 @@ void RedesignProblem::CheckOptions() const {
   constexpr int kFewestKnots = 21;
   if (program.knots < kFewestKnots || program.knots > compare::kPercentSamples)
     throw UsageError(fmt::format("--knots {}: {} to {}", program.knots, kFewestKnots, compare::kPercentSamples));
+  if (program.free_ends && program.kind == Kind::kFree)
+    throw UsageError("--free-ends is for a constant program: a free one has ends of its own; omit it");
   if (max_misalignment_percent) CheckPositive(*max_misalignment_percent, "--max-misalignment", "percent");
   if (!(std::isfinite(penalty_deg_per_mm) && penalty_deg_per_mm >= 0))
     throw UsageError(fmt::format("--penalty {}: a number of deg per mm, 0 or above", penalty_deg_per_mm));
@@ -146,7 +148,7 @@ linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& po
   design.d_min_mm = problem.design.d_min_mm;
   design.placement_mm = {point.placement_mm.x(), point.placement_mm.y()};
   linkage::StrokeProgram program;
-  program.kind = problem.program.kind;
+  program.kind = problem.program.free_ends ? Kind::kFree : problem.program.kind;
   program.speed_mm_s = problem.program.max_speed_mm_s;
   const double duration_s = DurationOf(problem, point);
   if (program.kind == Kind::kFree)

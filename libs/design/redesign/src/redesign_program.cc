@@ -325,7 +325,7 @@ class PersonExtender {
 
   problem::Bounds AngleBounds(std::size_t sample) const {
     const double standing = Standing_rad(), human = std::max(standing, problem_.human[sample].knee_rad);
-    if (IsFree()) return {standing, std::numbers::pi};
+    if (IsFree() || problem_.program.free_ends) return {standing, std::numbers::pi};
     if (sample + 1 == problem_.human.size()) return {human, human};
     if (sample == 0) return {constant_start_ == ConstantStart::kAtHumanAngle ? human : standing, human};
     return {standing, std::numbers::pi};

@@ -1,10 +1,10 @@
 // The body in a human's motion that an exoskeleton drives: where it is, and where the ground's force then acts.
 //
-// The exoskeleton decides the knee angle theta; the person decides how far the leg, from ankle to hip, and the trunk lean
-// (Lean, against the human trial). The hip is on a circle about the ankle that theta sets (human_motion.h), the trunk's
-// centre of mass turns with the trunk. Accelerations are differences over a twentieth of the rise to either side, as long
-// as the knots of a free program are apart: what a step of the actuator's speed does within that, soft tissue takes up.
-// After the rise the body stays where it is.
+// The exoskeleton decides the knee angle theta; the person decides how far the leg, from ankle to hip, and the trunk
+// lean (Lean, against the human trial). The hip is on a circle about the ankle that theta sets (human_motion.h), the
+// trunk's centre of mass turns with the trunk. Accelerations are differences over a twentieth of the rise to either
+// side, as long as the knots of a free program are apart: what a step of the actuator's speed does within that, soft
+// tissue takes up. After the rise the body stays where it is.
 #pragma once
 
 #include <algorithm>

@@ -21,9 +21,9 @@ struct BalanceSample {
 
 struct BalanceCourse {
   std::vector<BalanceSample> samples;
-  double duration_s = 0;   // of the rise
-  double margin_mm = 0;    // the least …
-  double at_percent = 0;   // … and where it is
+  double duration_s = 0;  // of the rise
+  double margin_mm = 0;   // the least …
+  double at_percent = 0;  // … and where it is
   double peak_knee_nm = 0;
 };
 

@@ -24,6 +24,7 @@ struct ProgramLimits {
   linkage::StrokeProgram::Kind kind = linkage::StrokeProgram::Kind::kConstant;
   double max_speed_mm_s = 5;         // the paper's actuator
   std::optional<double> duration_s;  // of one sit-to-stand, at most; absent: no limit
+  bool free_ends = false;            // constant: its ends are sought too; not: at the human's first and last knee angle
   bool monotone = false;             // free: the stroke may not turn back where the human's knee does
   int knots = 21;                    // free: every 5 % of the motion
 };
@@ -107,7 +108,8 @@ RedesignPoint StartPoint(const RedesignProblem& problem, const linkage::Links& l
 // What a rise takes: what the knots need at the greatest speed, or longer where balance asks for that.
 double DurationOf(const RedesignProblem& problem, const RedesignPoint& point);
 
-// A point as other programs read it; the lean is the person's, and not in it.
+// A point as other programs read it; a constant program with ends of its own as two knots. The lean is the person's,
+// and not in it.
 linkage::Design DesignOf(const RedesignProblem& problem, const RedesignPoint& point);
 
 // The point's path by the closed form; nullopt if it cannot make the motion.

@@ -10,7 +10,7 @@
 //     M(s) = c(s) F(s) of the ground,  -heel + b <= c(s) <= toe - b,  b >= margin       on the feet (balance.h)
 //     |hip's height - the human's| <= 20 mm                                             on the seat
 //   constant: K = 2, theta(0) = the human's and d_0 >= d_min, or d_0 = d_min and theta(0) <= the human's;
-//             theta(100) = the human's, at least standing
+//             theta(100) = the human's, at least standing; with free ends neither is asked for
 //
 // People have nothing but the links in common: in blocks of their own the Jacobian and the Hessian are bordered block
 // diagonal, and grow with the number of people. Of the worst there is one r; of the mean each has an r, and the limit

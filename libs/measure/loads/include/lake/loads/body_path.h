@@ -67,9 +67,9 @@ Support<T> FindSupport(const std::array<BodyPose<T>, 3>& poses, const T& step_s,
     const double mass_kg = inertias[i]->mass_kg, inertia = mass_kg * inertias[i]->gyration_m * inertias[i]->gyration_m;
     const T up = acceleration(i, &SegmentPose<T>::y_m) + kGravity_m_s2;
     support.force_n += up * mass_kg;
-    support.moment_nm += (up * (pose.x_m - about_x_m) - acceleration(i, &SegmentPose<T>::x_m) * (pose.y_m - about_y_m)) *
-                             mass_kg -
-                         acceleration(i, &SegmentPose<T>::tilt_rad) * inertia;
+    support.moment_nm +=
+        (up * (pose.x_m - about_x_m) - acceleration(i, &SegmentPose<T>::x_m) * (pose.y_m - about_y_m)) * mass_kg -
+        acceleration(i, &SegmentPose<T>::tilt_rad) * inertia;
   }
   return support;
 }

@@ -29,7 +29,7 @@ struct Uncertainty {
   double segment_centre = 0.03;    // of the segment's length
   double segment_gyration = 0.08;  // share
   double trunk_gyration = 0.15;    // share: arms and head move
-  double trunk_share = 0.025;      // of --share: nobody stands quite evenly
+  double trunk_share = 0.1;        // of --share where it is not given: few people rise evenly on both legs
   double joint_m = 0.01;           // per axis: how far a marker is from the joint's axis (of the hip 1.5 times)
   double ground_force = 0.01;      // share, of a plate
   double pressure_m = 0.005;       // of a plate's centre of pressure
